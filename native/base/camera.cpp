@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/camera.h"
+
+#include <cmath>
+
+namespace fourdvt {
+
+glm::dvec3 PinholeCamera::centreInWorld() const {
+  const glm::dmat3 rotation(cam_from_world);
+  return -glm::transpose(rotation) * glm::dvec3(cam_from_world[3]);
+}
+
+glm::dvec3 PinholeCamera::forwardInWorld() const {
+  const glm::dmat3 rotation(cam_from_world);
+  return glm::transpose(rotation) * glm::dvec3(0, 0, 1);
+}
+
+glm::dvec3 PinholeCamera::project(const glm::dvec3& point_in_world) const {
+  const glm::dvec3 p(cam_from_world * glm::dvec4(point_in_world, 1));
+  return {fx * p.x / p.z + cx, fy * p.y / p.z + cy, p.z};
+}
+
+glm::dmat4 clipFromCam(const PinholeCamera& c, double near_m, double far_m) {
+  const double w = c.width, h = c.height;
+  glm::dmat4 m(0.0);  // column-major: m[column][row]
+  m[0][0] = 2 * c.fx / w;
+  m[1][1] = -2 * c.fy / h;
+  m[2][0] = 2 * c.cx / w - 1;
+  m[2][1] = 1 - 2 * c.cy / h;
+  m[2][2] = (far_m + near_m) / (far_m - near_m);
+  m[2][3] = 1;
+  m[3][2] = -2 * far_m * near_m / (far_m - near_m);
+  return m;
+}
+
+glm::dmat4 clipFromWorld(const PinholeCamera& camera, double near_m, double far_m) {
+  return clipFromCam(camera, near_m, far_m) * camera.cam_from_world;
+}
+
+PinholeCamera cameraFromOrbit(const OrbitView& view, int width, int height) {
+  constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180.0;
+  const double azimuth = view.azimuth_deg * kRadiansPerDegree;
+  const double elevation = view.elevation_deg * kRadiansPerDegree;
+  const glm::dvec3 outward(std::cos(elevation) * std::sin(azimuth), std::sin(elevation),
+                           std::cos(elevation) * std::cos(azimuth));
+  // From the angles, not from a cross product with world up: stays defined at the poles.
+  const glm::dvec3 right(std::cos(azimuth), 0, -std::sin(azimuth));
+  const glm::dvec3 forward = -outward;
+  const glm::dvec3 down = glm::cross(forward, right);
+  const glm::dvec3 eye = view.target_in_world + view.distance_m * outward;
+  PinholeCamera camera;
+  camera.name = "orbit";
+  camera.width = width;
+  camera.height = height;
+  camera.fy = 0.5 * height / std::tan(0.5 * view.vertical_fov_deg * kRadiansPerDegree);
+  camera.fx = camera.fy;
+  camera.cx = 0.5 * width;
+  camera.cy = 0.5 * height;
+  const glm::dmat3 world_from_cam(right, down, forward);
+  const glm::dmat3 rotation = glm::transpose(world_from_cam);
+  camera.cam_from_world = glm::dmat4(rotation);
+  camera.cam_from_world[3] = glm::dvec4(-(rotation * eye), 1);
+  return camera;
+}
+
+}  // namespace fourdvt

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pinhole cameras and orbit views. Camera frame: COLMAP's, x right, y down, z forward. World: as the capture says
+// (the sample: metres, Y up, performer facing +Z). Pixel centres are at (i + 0.5, j + 0.5), origin top left.
+// Does NOT model lens distortion: the capture reader undistorts pictures first.
+#pragma once
+
+#include <string>
+
+#include <glm/glm.hpp>
+
+namespace fourdvt {
+
+struct PinholeCamera {
+  std::string name;
+  int width = 0, height = 0;              // pixels
+  double fx = 0, fy = 0, cx = 0, cy = 0;  // pixels
+  glm::dmat4 cam_from_world{1.0};
+
+  glm::dvec3 centreInWorld() const;
+  glm::dvec3 forwardInWorld() const;  // unit optical axis
+  // Pixel position of a world point; z of the result is the depth along the optical axis (<= 0: behind).
+  glm::dvec3 project(const glm::dvec3& point_in_world) const;
+};
+
+// OpenGL clip space (z in [-w, w], y up) from the camera frame (y down, z forward), for a picture whose row 0 is the
+// top row once read back with the first GL row as the bottom one.
+glm::dmat4 clipFromCam(const PinholeCamera& camera, double near_m, double far_m);
+glm::dmat4 clipFromWorld(const PinholeCamera& camera, double near_m, double far_m);
+
+// A view on a sphere round `target_in_world`, Y up. Azimuth 0 looks at the performer's front (camera on +Z), positive
+// azimuth moves the camera towards +X; positive elevation moves it up.
+struct OrbitView {
+  double azimuth_deg = 0, elevation_deg = 0, distance_m = 3;
+  glm::dvec3 target_in_world{0, 0.9, 0};
+  double vertical_fov_deg = 35;
+};
+
+// The camera of an orbit view for a picture of this size (square pixels, centred principal point).
+PinholeCamera cameraFromOrbit(const OrbitView& view, int width, int height);
+
+}  // namespace fourdvt

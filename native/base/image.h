@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Plain pictures in memory. Row 0 is the top row everywhere in fourdvt. Does NOT read or write files.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace fourdvt {
+
+// Interleaved 8-bit picture; channels in RGB(A) order; sRGB-encoded values; alpha is straight.
+struct Image {
+  int width = 0, height = 0, channels = 0;
+  std::vector<uint8_t> pixels;  // height × width × channels
+
+  Image() = default;
+  Image(int w, int h, int c, uint8_t fill = 0)
+      : width(w), height(h), channels(c), pixels(static_cast<size_t>(w) * h * c, fill) {}
+  bool empty() const { return pixels.empty(); }
+  uint8_t* at(int x, int y) { return pixels.data() + (static_cast<size_t>(y) * width + x) * channels; }
+  const uint8_t* at(int x, int y) const { return pixels.data() + (static_cast<size_t>(y) * width + x) * channels; }
+};
+
+// Borrowed 4:2:0 picture, BT.709 limited range (the only colour description a character uses).
+// width and height are even; chroma planes are (width/2) × (height/2).
+struct I420View {
+  int width = 0, height = 0;
+  const uint8_t* y = nullptr;
+  const uint8_t* u = nullptr;
+  const uint8_t* v = nullptr;
+  int stride_y = 0, stride_u = 0, stride_v = 0;  // bytes
+};
+
+}  // namespace fourdvt

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Triangle topology with wedge UVs, constant over a character. Positions per frame live beside it.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+namespace fourdvt {
+
+struct MeshTopology {
+  uint32_t vertex_count = 0;
+  std::vector<glm::vec2> uvs;            // texture coordinates, origin TOP left (glTF); texel = uv * size
+  std::vector<glm::uvec3> face_vertices; // indices < vertex_count, counter-clockwise seen from outside
+  std::vector<glm::uvec3> face_uvs;      // indices < uvs.size(), one per face
+
+  uint32_t faceCount() const { return static_cast<uint32_t>(face_vertices.size()); }
+};
+
+using Positions = std::vector<glm::vec3>;  // vertex_count points in world, metres
+
+struct BoundingBox {
+  glm::vec3 min{0}, max{0};
+};
+
+// Area-weighted unit vertex normals, vertex_count of them; a vertex without area gets (0,1,0).
+void computeVertexNormals(const std::vector<glm::uvec3>& face_vertices, const glm::vec3* positions,
+                          size_t vertex_count, std::vector<glm::vec3>& normals);
+
+}  // namespace fourdvt

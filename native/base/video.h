@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// What portable code sees of a video file: pictures one after the other. platform/ implements it with FFmpeg.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "base/image.h"
+#include "base/result.h"
+
+namespace fourdvt {
+
+// Sequential reader of one video. Holds a bounded number of pictures whatever the video's length.
+class VideoSource {
+ public:
+  virtual ~VideoSource() = default;
+  // Next picture in presentation order, or nullopt at the end. 3 channels (sRGB via the stream's matrix and range,
+  // BT.709 limited where unspecified) or 1 channel (as opened).
+  virtual Result<std::optional<Image>> next() = 0;
+};
+
+// Opens `path`; channels is 3 or 1.
+using OpenVideo = std::function<Result<std::unique_ptr<VideoSource>>(const std::string& path, int channels)>;
+
+}  // namespace fourdvt

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads a capture folder: capture.json, COLMAP text cameras, videos or image sequences, mattes, mesh sequences.
+//
+// openCapture checks everything that can be checked without decoding whole videos, before any long work starts.
+// FrameReader then decodes in step over all cameras, one frame at a time: memory does not grow with the length.
+// Pictures are undistorted to the returned pinhole cameras (SIMPLE_RADIAL, OPENCV). Does NOT cache, does NOT touch the
+// GPU. Errors name the file and the remedy.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/camera.h"
+#include "base/image.h"
+#include "base/mesh.h"
+#include "base/result.h"
+#include "base/video.h"
+
+namespace fourdvt::capture {
+
+struct Distortion {            // OpenCV order; all zero: pinhole already
+  double k1 = 0, k2 = 0, p1 = 0, p2 = 0;
+  bool any() const { return k1 != 0 || k2 != 0 || p1 != 0 || p2 != 0; }
+};
+
+struct CaptureCamera {
+  PinholeCamera pinhole;       // after undistortion; name as in images.txt without extension
+  Distortion distortion;       // what the reader removes
+};
+
+struct CaptureSequence {
+  std::string name;
+  uint32_t frame_count = 0;
+  bool loop = false;
+  glm::dvec3 root_velocity_mps{0};
+  std::string folder;          // absolute
+  // Mesh source: either "mesh/%06d.obj" files or a packed int16 file with a declared scale (see site/sample README).
+  std::string mesh_pattern;
+  std::string packed_positions;      // absolute path or empty
+  double packed_units_per_metre = 0;
+  std::vector<uint32_t> test_frames; // held-out frames, may be empty
+};
+
+struct Capture {
+  std::string folder, name, credit;
+  double fps = 0;
+  double metres_per_unit = 1;
+  double ground_y_m = 0;
+  std::vector<CaptureCamera> cameras;       // ring, in images.txt order
+  std::vector<CaptureSequence> sequences;
+  std::string background_folder;            // plates for chroma key, may be empty
+  MeshTopology topology;                    // constant over all sequences
+  const CaptureSequence* find(const std::string& name) const;
+};
+
+// Reads a COLMAP text model (cameras.txt + images.txt) in `folder`. Errors: FileMissing, CameraModel, CameraPose.
+Result<std::vector<CaptureCamera>> readColmapCameras(const std::string& folder);
+
+// `only` limits the sequences that are checked and returned (empty: all).
+Result<Capture> openCapture(const std::string& folder, const OpenVideo& open_video,
+                            const std::vector<std::string>& only = {});
+
+struct CaptureFrame {
+  uint32_t index = 0;
+  std::vector<Image> pictures;   // RGBA per camera: sRGB colour, alpha = matte
+  Positions positions;           // metres
+};
+
+class FrameReader {
+ public:
+  // Starts at `first_frame`. Errors of opening as in openCapture.
+  static Result<std::unique_ptr<FrameReader>> open(const Capture& capture, const CaptureSequence& sequence,
+                                                   const OpenVideo& open_video, uint32_t first_frame = 0);
+  virtual ~FrameReader() = default;
+  // The next frame. Errors: VideoTooShort, FrameSize, FileUnreadable, MeshTopology, MeshNotFinite …
+  virtual Result<CaptureFrame> next() = 0;
+};
+
+// Positions of one frame. Errors: FileMissing, MeshTopology (file named), MeshNotFinite, MeshIndex.
+Result<Positions> readMeshFrame(const Capture& capture, const CaptureSequence& sequence, uint32_t frame);
+
+// Parses OBJ text: faces (triangulated fans), wedge UVs flipped to a top-left origin. `path` is for messages only.
+// Errors: MeshNoUvs, MeshNotFinite, MeshIndex, MeshUvRange.
+struct ObjMesh {
+  MeshTopology topology;
+  Positions positions;
+};
+Result<ObjMesh> parseObj(std::string_view text, const std::string& path);
+
+}  // namespace fourdvt::capture

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+// The GPU as fourdvt sees it: textures, programs, targets and draws, on GLES 3.0 = WebGL2.
+//
+// Does: own resources (move-only handles), cache uniform locations and state, count calls and bytes, label everything.
+// Does NOT: own the context (platform/egl_context or the page does), use vertex buffers (vertices are pulled with
+// texelFetch and gl_VertexID), know about characters.
+// Order of calls: create resources → beginPass → draw… → endPass. updateTexture is legal outside passes only.
+// Row order: memory row 0 of an updated texture is the picture's top row and is stored as GL row 0, so shaders sample
+// with v down (glTF). Targets are drawn y-up as GL does; readPixels returns the TOP row first.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "base/image.h"
+#include "base/result.h"
+
+namespace fourdvt::gpu {
+
+enum class PixelFormat { R8, RG8, RGBA8, R32UI, RG32F, RGBA32F, R32F, Depth24 };
+int bytesPerPixel(PixelFormat format);
+
+enum class Filter { Nearest, Linear, LinearMipmap };
+
+struct TextureDesc {
+  PixelFormat format = PixelFormat::RGBA8;
+  int width = 1, height = 1;
+  int layers = 0;  // 0: TEXTURE_2D, otherwise TEXTURE_2D_ARRAY of this many layers
+  Filter filter = Filter::Nearest;  // integer and 32F formats: Nearest only. LinearMipmap: call generateMipmaps
+  const char* label = "";
+};
+
+// Handles are borrowed names; the RAII owners below free them. 0 is "none".
+using TextureId = uint32_t;
+using ProgramId = uint32_t;
+using TargetId = uint32_t;
+constexpr TargetId kDefaultTarget = 0;  // the context's own framebuffer (the canvas); absent natively
+
+struct TargetDesc {
+  // Either: draw into existing textures (no multisampling) …
+  std::vector<TextureId> colors;
+  TextureId depth = 0;  // a Depth24 texture to keep the depth readable by later passes
+  int color_layer = 0;  // for array textures
+  // … or: own renderbuffers, RGBA8 + depth, with `samples` > 1 (resolved by blitToTarget).
+  int width = 0, height = 0, samples = 0;
+  bool own_depth = false;  // a depth renderbuffer owned by the target
+  const char* label = "";
+};
+
+enum class Blend { None, PremultipliedOver };
+enum class Cull { None, Back };
+
+struct TextureBinding {
+  const char* sampler;
+  TextureId texture;
+};
+
+struct Uniform {
+  enum class Kind { Int, UInt, Float, Vec2, Vec3, Vec4, Mat4 };
+  const char* name;
+  Kind kind;
+  int count;          // array length; 1 for a plain uniform
+  const void* data;   // borrowed until draw() returns
+};
+inline Uniform uniform(const char* name, const int& v) { return {name, Uniform::Kind::Int, 1, &v}; }
+inline Uniform uniform(const char* name, const uint32_t& v) { return {name, Uniform::Kind::UInt, 1, &v}; }
+inline Uniform uniform(const char* name, const float& v) { return {name, Uniform::Kind::Float, 1, &v}; }
+inline Uniform uniform(const char* name, const glm::vec2& v) { return {name, Uniform::Kind::Vec2, 1, &v}; }
+inline Uniform uniform(const char* name, const glm::vec3& v) { return {name, Uniform::Kind::Vec3, 1, &v}; }
+inline Uniform uniform(const char* name, const glm::vec4& v) { return {name, Uniform::Kind::Vec4, 1, &v}; }
+inline Uniform uniform(const char* name, const glm::mat4& v) { return {name, Uniform::Kind::Mat4, 1, &v}; }
+inline Uniform uniform(const char* name, std::span<const glm::vec4> v) {
+  return {name, Uniform::Kind::Vec4, static_cast<int>(v.size()), v.data()};
+}
+inline Uniform uniform(const char* name, std::span<const glm::mat4> v) {
+  return {name, Uniform::Kind::Mat4, static_cast<int>(v.size()), v.data()};
+}
+
+struct Draw {
+  ProgramId program = 0;
+  std::vector<TextureBinding> textures;
+  std::vector<Uniform> uniforms;  // names the program does not use are ignored
+  int vertex_count = 0;           // triangles: 3 per triangle, gl_VertexID counts from 0
+  bool depth_test = false, depth_write = false;
+  Blend blend = Blend::None;
+  Cull cull = Cull::None;
+};
+
+struct Pass {
+  TargetId target = kDefaultTarget;
+  int x = 0, y = 0, width = 0, height = 0;  // viewport, GL convention (y up from the bottom)
+  bool clear_color = false, clear_depth = false;
+  glm::vec4 color{0};
+  const char* label = "";
+};
+
+struct Caps {
+  int max_texture_size = 0, max_samples = 0;
+  bool float_targets = false;  // RGBA32F renderable
+  std::string renderer;
+};
+
+struct Counters {  // since creation, or since resetCounters
+  uint64_t draws = 0, vertices = 0, passes = 0, texture_updates = 0, uploaded_bytes = 0;
+  uint64_t live_textures = 0, live_texture_bytes = 0, live_programs = 0, live_targets = 0;
+};
+
+class Device {
+ public:
+  virtual ~Device() = default;
+  virtual const Caps& caps() const = 0;
+  virtual Result<TextureId> createTexture(const TextureDesc& desc) = 0;
+  // Replaces a rectangle; `stride_bytes` 0 means tightly packed. layer is ignored for 2-D textures.
+  virtual void updateTexture(TextureId texture, int layer, int x, int y, int width, int height,
+                             const void* pixels, int stride_bytes = 0) = 0;
+  virtual void generateMipmaps(TextureId texture) = 0;
+  virtual void destroyTexture(TextureId texture) = 0;
+  // GLSL ES 3.00 sources without the #version line; `defines` ("LAYERS 3\n…", one per line, no "#define") go first.
+  virtual Result<ProgramId> createProgram(std::string_view label, std::string_view vertex_source,
+                                          std::string_view fragment_source, std::string_view defines = {}) = 0;
+  virtual void destroyProgram(ProgramId program) = 0;
+  virtual Result<TargetId> createTarget(const TargetDesc& desc) = 0;
+  virtual void destroyTarget(TargetId target) = 0;
+  virtual void beginPass(const Pass& pass) = 0;
+  virtual void draw(const Draw& draw) = 0;
+  virtual void endPass() = 0;
+  // Resolves/copies colour of `from` (0,0,w,h) to `to` at (to_x, to_y).
+  virtual void blit(TargetId from, TargetId to, int width, int height, int to_x = 0, int to_y = 0) = 0;
+  // Reads colour attachment 0 as stored (RGBA8: 4 bytes; RGBA32F: 16; R32UI: 4 with `format`), top row first.
+  virtual Status readPixels(TargetId target, PixelFormat format, int x, int y, int width, int height, void* out) = 0;
+  // The context's own name of a texture (GLuint), for edges that upload video frames themselves.
+  virtual uint32_t nativeTexture(TextureId texture) const = 0;
+  // Drops cached GL state after foreign code touched the context.
+  virtual void invalidateState() = 0;
+  virtual const Counters& counters() const = 0;
+  virtual void resetCounters() = 0;
+};
+
+// Needs a current GLES 3.0 / WebGL2 context. gles_device.cpp is the only file that calls gl*.
+Result<std::unique_ptr<Device>> createGlesDevice();
+// Draws nothing; validates handles, sizes, pass order and counts.
+std::unique_ptr<Device> createNullDevice();
+
+// Move-only owners.
+template <void (Device::*Destroy)(uint32_t)>
+class Owned {
+ public:
+  Owned() = default;
+  Owned(Device& device, uint32_t id) : device_(&device), id_(id) {}
+  Owned(Owned&& o) noexcept : device_(o.device_), id_(o.id_) { o.id_ = 0; }
+  Owned& operator=(Owned&& o) noexcept {
+    if (this != &o) { reset(); device_ = o.device_; id_ = o.id_; o.id_ = 0; }
+    return *this;
+  }
+  Owned(const Owned&) = delete;
+  Owned& operator=(const Owned&) = delete;
+  ~Owned() { reset(); }
+  void reset() { if (id_) (device_->*Destroy)(id_); id_ = 0; }
+  uint32_t id() const { return id_; }
+  explicit operator bool() const { return id_ != 0; }
+
+ private:
+  Device* device_ = nullptr;
+  uint32_t id_ = 0;
+};
+using Texture = Owned<&Device::destroyTexture>;
+using Program = Owned<&Device::destroyProgram>;
+using Target = Owned<&Device::destroyTarget>;
+
+Result<Texture> makeTexture(Device& device, const TextureDesc& desc);
+Result<Program> makeProgram(Device& device, std::string_view label, std::string_view vertex_source,
+                            std::string_view fragment_source, std::string_view defines = {});
+Result<Target> makeTarget(Device& device, const TargetDesc& desc);
+
+// Embedded shader files (shaders/gles/NAME, e.g. "layered.vert"); empty if there is none. `#include "x.glsl"` lines
+// are expanded at build time by the embedding script.
+std::string_view shaderSource(std::string_view name);
+
+}  // namespace fourdvt::gpu

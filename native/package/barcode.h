@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// Frame index in the picture: 16 cells = 12-bit Gray code of (frame mod 4096) + 4-bit CRC (x^4+x+1 over the 12 Gray
+// bits), most significant first, white (luma 235) = 1; written twice side by side. Proves which frame a decoded
+// picture is, whatever the decoder reordered.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "base/image.h"
+#include "package/character.h"
+
+namespace fourdvt::package {
+
+constexpr int kBarcodeCells = 16;
+uint16_t barcodeBits(uint32_t frame);
+// Frame index mod 4096 from 16 bits; nullopt if the CRC disagrees.
+std::optional<uint32_t> frameFromBarcode(uint16_t bits);
+// Writes limited-range luma cells into a luma plane.
+void drawBarcode(const BarcodeStrip& strip, uint32_t frame, uint8_t* luma, int stride);
+// Reads cell centres; tries the first copy, then the second.
+std::optional<uint32_t> readBarcode(const BarcodeStrip& strip, const I420View& picture);
+
+}  // namespace fourdvt::package

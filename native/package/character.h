@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// A character folder as the player sees it: the manifest (glTF extension FOURDVT_layered_video_texture), validated.
+// Does NOT read files and does NOT parse JSON (see base/flat_json.h). Layouts: FORMAT.md.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/camera.h"
+#include "base/flat_json.h"
+#include "base/mesh.h"
+#include "base/result.h"
+
+namespace fourdvt::package {
+
+constexpr const char* kExtensionName = "FOURDVT_layered_video_texture";
+constexpr int kFormatVersion = 1;
+constexpr int kMaxLayers = 6;
+constexpr int kMaxCameras = 31;      // a face's camera set is a 32-bit mask
+constexpr int kMaxPictureSide = 4096;
+constexpr uint8_t kNoCamera = 255;   // label: slot empty
+
+struct Rect {
+  int x = 0, y = 0, width = 0, height = 0;  // texels of the tiled picture, origin top left
+};
+
+// 16 cells of luma (black/white), most significant first: 12-bit Gray code of the frame index, 4-bit CRC; the row of
+// cells appears twice, side by side. See package/barcode.h.
+struct BarcodeStrip {
+  Rect rect;          // 2*16 cells wide
+  int cell_size = 16; // texels
+};
+
+struct Rendition {
+  std::string video_uri;       // relative to the manifest
+  uint64_t video_bytes = 0;    // length of the file
+  std::string codec;           // RFC 6381, e.g. "avc1.640028"
+  int width = 0, height = 0;   // tiled picture, even
+  std::vector<Rect> layers;    // layer l of the character; square
+  BarcodeStrip barcode;
+};
+
+struct Sequence {
+  std::string name;
+  uint32_t frame_count = 0;
+  double fps = 0;
+  bool loop = false;
+  glm::dvec3 root_velocity_mps{0};
+  std::string stream_uri;      // .bin
+  uint64_t stream_bytes = 0;
+  uint32_t stream_header_bytes = 0;  // header + index: fetch this much first
+  std::vector<Rendition> renditions; // lowest bitrate first
+  double duration_s() const { return frame_count / fps; }
+};
+
+struct Character {
+  std::string name;
+  int version = kFormatVersion;
+  int layer_count = 0;
+  uint32_t vertex_count = 0, face_count = 0;  // of the decoded base mesh
+  std::vector<PinholeCamera> cameras;         // label k is cameras[k]
+  BoundingBox bounds;                         // over all frames of all sequences
+  double ground_y_m = 0;
+  std::string mesh_uri;                       // file that holds the Draco base mesh
+  uint64_t mesh_offset = 0, mesh_bytes = 0;
+  std::string poster_uri;
+  std::vector<Sequence> sequences;
+
+  const Sequence* find(const std::string& sequence_name) const;
+};
+
+// Validates everything that later stages index or allocate by. Errors: ManifestInvalid, Unsupported (newer version).
+Result<Character> readManifest(const FlatJson& gltf);
+
+}  // namespace fourdvt::package

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// The per-motion stream (.bin): header, index of chunks, sample tables of every rendition; then one chunk a GOP with
+// vertex positions and labels. Byte layout: FORMAT.md. The reader takes only what the header span holds; the chunks
+// are fetched by range.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "base/result.h"
+
+namespace fourdvt::package {
+
+struct ChunkEntry {            // one GOP
+  uint32_t first_frame = 0, frame_count = 0;
+  uint64_t offset = 0;         // in the .bin
+  uint32_t bytes = 0;
+};
+
+struct VideoSample {           // in decoding order
+  uint64_t offset = 0;         // in the .mp4
+  uint32_t bytes = 0;
+  uint32_t frame = 0;          // presentation index: pairs with the mesh frame
+  bool key = false;
+};
+
+struct SampleTable {           // one rendition
+  std::vector<uint8_t> decoder_description;  // avcC / empty for codecs that need none
+  std::vector<VideoSample> samples;          // grouped by chunk: a chunk's samples are contiguous in file and list
+  std::vector<uint32_t> chunk_first_sample;  // size chunks+1
+};
+
+struct StreamIndex {
+  uint32_t frame_count = 0, vertex_count = 0, face_count = 0, layer_count = 0;
+  glm::vec3 position_origin{0};   // position = origin + step * q
+  float position_step_m = 0;
+  std::vector<ChunkEntry> chunks; // contiguous frames 0..frame_count
+  std::vector<SampleTable> renditions;
+  // Chunk that holds a frame.
+  uint32_t chunkOfFrame(uint32_t frame) const;
+};
+
+// Header bytes with offsets already final. `stream_header_bytes` in the manifest is the size of the result.
+std::vector<uint8_t> writeStreamHeader(const StreamIndex& index);
+// Checks magic, version, counts against each other and against the span; frames covered exactly once; every chunk
+// starts on a key sample, samples of a chunk are contiguous and cover its frames once. Errors: StreamInvalid.
+Result<StreamIndex> readStreamHeader(std::span<const uint8_t> bytes);
+
+// One chunk's contents: positions quantised to int32 (position = origin + step * q), labels planar.
+struct ChunkFrames {
+  uint32_t frame_count = 0, vertex_count = 0, face_count = 0, layer_count = 0;
+  std::vector<glm::ivec3> positions;  // [frame][vertex]
+  std::vector<uint8_t> labels;        // [frame][layer][face], kNoCamera for empty
+};
+
+// Draco point-cloud attributes: positions with temporal deltas, labels as change symbols. Errors: Internal.
+Result<std::vector<uint8_t>> encodeChunk(const ChunkFrames& frames);
+// Errors: StreamInvalid if corrupt or of other counts than the index says.
+Result<ChunkFrames> decodeChunk(std::span<const uint8_t> bytes, const StreamIndex& index, uint32_t chunk);
+
+}  // namespace fourdvt::package

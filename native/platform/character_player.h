@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// The native edge of the player: answers its requests from a character folder with files and FFmpeg, and draws stills.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "base/image.h"
+#include "player/player.h"
+
+namespace fourdvt::platform {
+
+class CharacterPlayer {
+ public:
+  // `manifest_path`: character.gltf or its folder. Needs a current GL context for a GLES device.
+  static Result<std::unique_ptr<CharacterPlayer>> open(gpu::Device& device, const std::string& manifest_path);
+  virtual ~CharacterPlayer() = default;
+  virtual Player& player() = 0;
+  // Shows exactly this frame: seeks and pumps until it is on screen. Errors: those of the player's error events.
+  virtual Status showFrame(const std::string& sequence, uint32_t frame) = 0;
+  // Answers everything pending once.
+  virtual Status pump() = 0;
+  // RGBA straight alpha, top row first, of what is shown.
+  virtual Result<Image> renderStill(const render::View& view, const render::RecipeOptions& options) = 0;
+};
+
+}  // namespace fourdvt::platform

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// FFmpeg's libraries behind base/video.h, and a decoder fed sample by sample like the browser's VideoDecoder.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "base/video.h"
+
+namespace fourdvt::platform {
+
+// Errors: FileMissing, FileUnreadable (no video stream, unknown codec).
+Result<std::unique_ptr<VideoSource>> openVideoFile(const std::string& path, int channels);
+
+// WebCodecs' shape: configure, decode(bytes, timestamp, key), flush; pictures come back through the callback in
+// presentation order with their timestamps. Pictures that are not 8-bit 4:2:0 are an error.
+class SampleDecoder {
+ public:
+  using OnPicture = std::function<void(const I420View& picture, int64_t timestamp_us)>;
+  // codec: RFC 6381 string ("avc1…", "av01…", "vp09…"). Errors: DecoderUnsupported.
+  static Result<std::unique_ptr<SampleDecoder>> create(const std::string& codec,
+                                                       std::span<const uint8_t> description, OnPicture on_picture);
+  virtual ~SampleDecoder() = default;
+  virtual Status decode(std::span<const uint8_t> bytes, int64_t timestamp_us, bool key) = 0;  // VideoInvalid
+  virtual Status flush() = 0;   // outputs everything; a key sample must follow
+  virtual void reset() = 0;
+};
+
+}  // namespace fourdvt::platform

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// The state machine of one character: what to fetch, what to decode, which frame to show, how to draw it.
+//
+// Does: load, play, pause, seek, loop, rate, sequence choice; pair decoded pictures with mesh chunks by timestamp and
+// check the barcode; bound its memory by a window of GOPs. Does NOT fetch, decode video, own a clock, touch the DOM or
+// files: the edge (page or native tool) polls requests and feeds answers.
+// Order of calls: create → loadManifest → { tick(now) → drain nextRequest/nextEvent → answers → draw } …
+// Single-threaded. No call blocks.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <variant>
+
+#include "base/flat_json.h"
+#include "base/result.h"
+#include "gpu/device.h"
+#include "package/character.h"
+#include "render/recipe.h"
+
+namespace fourdvt {
+
+// What the edge must do. Spans stay valid until the next call of any non-const method of the player.
+struct FetchRange {      // answer: onRangeReceived / onRangeFailed
+  uint32_t id;
+  std::string uri;       // relative to the manifest
+  uint64_t offset, bytes;
+};
+struct CancelFetch { uint32_t id; };
+struct ConfigureDecoder {  // drop everything queued, then configure
+  std::string codec;
+  std::span<const uint8_t> description;  // avcC or empty
+  int width, height;
+};
+struct DecodeSample {
+  std::span<const uint8_t> bytes;
+  int64_t timestamp_us;  // strictly identifies the wanted presentation (unwrapped over loops); goes back in the answer
+  bool key;
+};
+struct FlushDecoder {};  // no more samples follow for now: output everything (end of a sequence that does not loop)
+struct ResetDecoder {};  // forget queued samples and pictures (seek, other sequence); answers still in flight are dropped
+using Request = std::variant<FetchRange, CancelFetch, ConfigureDecoder, DecodeSample, FlushDecoder, ResetDecoder>;
+
+enum class EventKind {
+  LoadedMetadata, CanPlay, Playing, Paused, Waiting, Seeked, Ended, TimeUpdate, Progress, SequenceChanged, Error
+};
+const char* eventName(EventKind kind);  // "loadedmetadata", "canplay", … as the media element names them
+struct Event {
+  EventKind kind;
+  Error error;                                    // Error only
+  uint64_t loaded_bytes = 0, total_bytes = 0;     // Progress only: towards the first picture
+};
+
+struct PlayerOptions {
+  int picture_slots = 4;                 // decoded pictures kept on the GPU
+  uint64_t encoded_budget_bytes = 16u << 20;  // fetched GOPs kept for loops
+  render::PictureTextures::Kind picture_kind = render::PictureTextures::Kind::I420;
+};
+
+struct PlayerStats {
+  uint64_t frames_shown = 0;        // distinct presentations
+  uint64_t frames_late = 0;         // presentations skipped because nothing was ready
+  uint64_t barcode_checked = 0, barcode_mismatches = 0;
+  uint64_t bytes_fetched = 0;
+  uint64_t encoded_bytes_held = 0;
+};
+
+class Player {
+ public:
+  static Result<std::unique_ptr<Player>> create(gpu::Device& device, const PlayerOptions& options);
+  virtual ~Player() = default;
+
+  // Starts loading; the first sequence (or `selectSequence` called before) is prepared at frame 0.
+  virtual Status loadManifest(const FlatJson& gltf) = 0;
+  virtual void play() = 0;
+  virtual void pause() = 0;
+  virtual void seekFrame(uint32_t frame) = 0;           // of the current sequence, clamped; stays playing/paused
+  virtual void seek(double time_s) = 0;
+  virtual Status selectSequence(const std::string& name) = 0;  // keeps the old picture until the new one is ready
+  virtual void setRate(double rate) = 0;                // 0 < rate <= 4
+  virtual void setLoop(int loop) = 0;                   // -1 as the sequence says, 0 never, 1 always
+
+  // Advances the clock to the edge's monotonic time and chooses the frame to show.
+  virtual void tick(double now_s) = 0;
+  virtual bool nextRequest(Request& out) = 0;
+  virtual bool nextEvent(Event& out) = 0;
+
+  virtual void onRangeReceived(uint32_t id, std::span<const uint8_t> bytes) = 0;
+  virtual void onRangeFailed(uint32_t id, const std::string& reason) = 0;
+  // A decoded picture wants a slot: -1 if none is free now (hold the picture and ask again after the next tick), -2 if
+  // nobody waits for that timestamp any more (drop it).
+  virtual int acquireSlot(int64_t timestamp_us) = 0;
+  virtual void uploadI420(int slot, const I420View& picture) = 0;  // also checks the barcode
+  virtual gpu::TextureId slotTexture(int slot) const = 0;          // Rgba kind: the edge fills it itself
+  virtual void commitSlot(int slot) = 0;
+  virtual void onDecoderFailed(const std::string& reason) = 0;
+
+  // True once a complete frame (picture + geometry) has been shown by tick.
+  virtual bool hasFrame() const = 0;
+  virtual Status draw(const render::View& view, const render::RecipeOptions& options, gpu::TargetId target) = 0;
+
+  virtual const package::Character* character() const = 0;  // null before the manifest is read
+  virtual const package::Sequence* sequence() const = 0;
+  virtual uint32_t frame() const = 0;       // shown frame index
+  virtual double currentTime() const = 0;   // seconds in the sequence
+  virtual bool paused() const = 0;
+  virtual PlayerStats stats() const = 0;
+};
+
+}  // namespace fourdvt

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// A camera as shaders want it.
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include "base/camera.h"
+
+namespace fourdvt::render {
+
+struct View {
+  glm::mat4 clip_from_world{1};
+  glm::vec3 eye_in_world{0};
+  int width = 0, height = 0;  // pixels
+};
+
+inline View viewFromCamera(const PinholeCamera& camera, double near_m = 0.05, double far_m = 100.0) {
+  return {glm::mat4(clipFromWorld(camera, near_m, far_m)), glm::vec3(camera.centreInWorld()), camera.width,
+          camera.height};
+}
+
+}  // namespace fourdvt::render
