@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/camera.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace fourdvt {
@@ -61,6 +62,35 @@ PinholeCamera cameraFromOrbit(const OrbitView& view, int width, int height) {
   camera.cam_from_world = glm::dmat4(rotation);
   camera.cam_from_world[3] = glm::dvec4(-(rotation * eye), 1);
   return camera;
+}
+
+OrbitView defaultOrbit(const BoundingBox& bounds, double aspect) {
+  constexpr double kMargin = 1.08;
+  OrbitView view;
+  view.azimuth_deg = 25;
+  view.elevation_deg = 8;
+  view.vertical_fov_deg = 30;
+  view.target_in_world = 0.5 * (glm::dvec3(bounds.min) + glm::dvec3(bounds.max));
+  const glm::dvec3 half = 0.5 * (glm::dvec3(bounds.max) - glm::dvec3(bounds.min));
+  const double radius = std::hypot(half.x, half.z);
+  const double tan_vertical = std::tan(0.5 * view.vertical_fov_deg * 3.14159265358979323846 / 180.0);
+  const double half_angle_horizontal = std::atan(tan_vertical * std::max(aspect, 1e-3));
+  const double for_height = half.y / tan_vertical + radius;
+  const double for_width = radius / std::sin(half_angle_horizontal);
+  view.distance_m = std::max(kMargin * std::max(for_height, for_width), 1e-3);
+  return view;
+}
+
+PinholeCamera scaledCamera(const PinholeCamera& camera, int width, int height) {
+  PinholeCamera scaled = camera;
+  const double scale = std::min(double(width) / camera.width, double(height) / camera.height);
+  scaled.fx = camera.fx * scale;
+  scaled.fy = camera.fy * scale;
+  scaled.cx = 0.5 * width + (camera.cx - 0.5 * camera.width) * scale;
+  scaled.cy = 0.5 * height + (camera.cy - 0.5 * camera.height) * scale;
+  scaled.width = width;
+  scaled.height = height;
+  return scaled;
 }
 
 }  // namespace fourdvt

@@ -8,6 +8,8 @@
 
 #include <glm/glm.hpp>
 
+#include "base/mesh.h"
+
 namespace fourdvt {
 
 struct PinholeCamera {
@@ -37,5 +39,13 @@ struct OrbitView {
 
 // The camera of an orbit view for a picture of this size (square pixels, centred principal point).
 PinholeCamera cameraFromOrbit(const OrbitView& view, int width, int height);
+
+// The view that stills, turntables and the page start from: vertical field of view 30°, azimuth 25°, elevation 8°,
+// target at the centre of the bounds, as close as the upright cylinder round the bounds stays inside a picture of
+// aspect width/height at every azimuth, with 8 % to spare.
+OrbitView defaultOrbit(const BoundingBox& bounds, double aspect);
+
+// The same camera for a picture of another size: the field of view that limits is kept, the rest is cropped or added.
+PinholeCamera scaledCamera(const PinholeCamera& camera, int width, int height);
 
 }  // namespace fourdvt

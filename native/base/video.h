@@ -2,6 +2,7 @@
 // What portable code sees of a video file: pictures one after the other. platform/ implements it with FFmpeg.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -19,6 +20,8 @@ class VideoSource {
   // Next picture in presentation order, or nullopt at the end. 3 channels (sRGB via the stream's matrix and range,
   // BT.709 limited where unspecified) or 1 channel (as opened).
   virtual Result<std::optional<Image>> next() = 0;
+  // Upper bound on the number of pictures in the whole file where the container tells it without decoding.
+  virtual std::optional<uint64_t> frameCountHint() const { return std::nullopt; }
 };
 
 // Opens `path`; channels is 3 or 1.

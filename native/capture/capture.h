@@ -9,6 +9,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/camera.h"
@@ -35,8 +36,8 @@ struct CaptureSequence {
   bool loop = false;
   glm::dvec3 root_velocity_mps{0};
   std::string folder;          // absolute
-  // Mesh source: either "mesh/%06d.obj" files or a packed int16 file with a declared scale (see site/sample README).
-  std::string mesh_pattern;
+  // Mesh source: either OBJ files or a packed int16 file with a declared scale (see the sample's README).
+  std::string mesh_pattern;  // absolute, with one %d or %0Nd for the frame; empty if packed
   std::string packed_positions;      // absolute path or empty
   double packed_units_per_metre = 0;
   std::vector<uint32_t> test_frames; // held-out frames, may be empty
@@ -54,8 +55,14 @@ struct Capture {
   const CaptureSequence* find(const std::string& name) const;
 };
 
-// Reads a COLMAP text model (cameras.txt + images.txt) in `folder`. Errors: FileMissing, CameraModel, CameraPose.
+// Reads a COLMAP text model (cameras.txt + images.txt) in `folder`. Models: SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL,
+// RADIAL, OPENCV. Translations stay in the capture's units: scale them with scaleToMetres.
+// Errors: FileMissing, CameraModel, CameraPose.
 Result<std::vector<CaptureCamera>> readColmapCameras(const std::string& folder);
+// The same from memory; `path` is the folder named in messages.
+Result<std::vector<CaptureCamera>> parseColmapText(std::string_view cameras_text, std::string_view images_text,
+                                                   const std::string& path);
+void scaleToMetres(std::vector<CaptureCamera>& cameras, double metres_per_unit);
 
 // `only` limits the sequences that are checked and returned (empty: all).
 Result<Capture> openCapture(const std::string& folder, const OpenVideo& open_video,

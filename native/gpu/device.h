@@ -94,7 +94,8 @@ struct Draw {
 
 struct Pass {
   TargetId target = kDefaultTarget;
-  int x = 0, y = 0, width = 0, height = 0;  // viewport, GL convention (y up from the bottom)
+  // Viewport, GL convention (y up from the bottom); clears touch only it. 0 × 0: the whole target (not the default one).
+  int x = 0, y = 0, width = 0, height = 0;
   bool clear_color = false, clear_depth = false;
   glm::vec4 color{0};
   const char* label = "";
@@ -121,7 +122,8 @@ class Device {
                              const void* pixels, int stride_bytes = 0) = 0;
   virtual void generateMipmaps(TextureId texture) = 0;
   virtual void destroyTexture(TextureId texture) = 0;
-  // GLSL ES 3.00 sources without the #version line; `defines` ("LAYERS 3\n…", one per line, no "#define") go first.
+  // GLSL ES 3.00 sources without the #version line; `defines` ("LAYERS 3\n…", one per line, no "#define") go first,
+  // then highp as the default precision. Error: GpuFailure with the label and the compiler's log.
   virtual Result<ProgramId> createProgram(std::string_view label, std::string_view vertex_source,
                                           std::string_view fragment_source, std::string_view defines = {}) = 0;
   virtual void destroyProgram(ProgramId program) = 0;
@@ -130,7 +132,8 @@ class Device {
   virtual void beginPass(const Pass& pass) = 0;
   virtual void draw(const Draw& draw) = 0;
   virtual void endPass() = 0;
-  // Resolves/copies colour of `from` (0,0,w,h) to `to` at (to_x, to_y).
+  // Resolves/copies colour of `from` (0,0,w,h) to `to` at (to_x, to_y); same formats, and (0,0) if `from` is
+  // multisampled (a canvas: alpha, no antialias).
   virtual void blit(TargetId from, TargetId to, int width, int height, int to_x = 0, int to_y = 0) = 0;
   // Reads colour attachment 0 as stored (RGBA8: 4 bytes; RGBA32F: 16; R32UI: 4 with `format`), top row first.
   virtual Status readPixels(TargetId target, PixelFormat format, int x, int y, int width, int height, void* out) = 0;
@@ -139,7 +142,9 @@ class Device {
   // Drops cached GL state after foreign code touched the context.
   virtual void invalidateState() = 0;
   virtual const Counters& counters() const = 0;
-  virtual void resetCounters() = 0;
+  virtual void resetCounters() = 0;  // live_… keep their values
+  // Misuse seen since the last call, a line each; empty: none. A misused call is dropped. Slow on GLES (glGetError).
+  virtual std::string takeErrors() = 0;
 };
 
 // Needs a current GLES 3.0 / WebGL2 context. gles_device.cpp is the only file that calls gl*.

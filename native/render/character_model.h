@@ -47,14 +47,21 @@ class CharacterModel {
   gpu::Texture vertex_masks;       // R32UI, vertex_count
   gpu::Texture labels;             // R32UI, face_count: 5 bits a slot, 31 = empty, slot 0 lowest
   std::vector<glm::vec4> camera_centres;   // xyz, w unused
+  std::vector<glm::vec4> camera_forwards;  // unit optical axes, w unused
   std::vector<glm::vec4> layer_rects_uv;   // x, y, width, height in picture texture coordinates
   glm::vec2 picture_size{1};
   int layer_count = 0, camera_count = 0;
   uint32_t vertex_count = 0, face_count = 0;
   BoundingBox bounds;
   double ground_y_m = 0;
+  BoundingBox frame_bounds;      // of the positions shown
+  uint64_t geometry_serial = 0;  // 0: none yet; unique over all models and calls of setGeometry
+  bool closed_surface = false;   // every edge has two faces of opposite direction: back faces are never seen
 
  private:
+  friend struct CharacterModelProbe;  // tests
+  void packLabels(std::span<const uint8_t> labels_of_slots);
+
   std::vector<glm::uvec3> face_vertices_;
   std::vector<glm::vec3> normals_;          // scratch
   std::vector<glm::vec4> table_;            // scratch

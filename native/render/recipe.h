@@ -21,6 +21,7 @@ struct RecipeOptions {
   int debug_layer = 0;
   // LVDT's own protocol: optical axes instead of per-fragment rays, no feathering. For reproduction only.
   bool paper_weights = false;
+  float view_exponent = 1;  // sharpens the blend towards the cameras nearest to the view; 1: LVDT Eq. 3
 };
 
 class Recipe {

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/tile.h"
+
+#include <algorithm>
+
+#include "package/barcode.h"
+
+namespace fourdvt::bake {
+namespace {
+
+// BT.709, 8-bit limited range, times 2^20. Rows sum to 219, 0 and 0 (times 2^20 / 255).
+constexpr int kShift = 20;
+constexpr double kOne = double(1 << kShift);
+constexpr double kRed = 0.2126, kGreen = 0.7152, kBlue = 0.0722;
+constexpr int round(double v) { return static_cast<int>(v < 0 ? v - 0.5 : v + 0.5); }
+constexpr int kYr = round(kOne * 219 / 255 * kRed), kYg = round(kOne * 219 / 255 * kGreen),
+              kYb = round(kOne * 219 / 255 * kBlue);
+constexpr double kU = 224.0 / 255 / (2 * (1 - kBlue)), kV = 224.0 / 255 / (2 * (1 - kRed));
+// Applied to sums of four texels, hence / 4.
+constexpr int kUr = round(-kOne / 4 * kU * kRed), kUg = round(-kOne / 4 * kU * kGreen),
+              kUb = round(kOne / 4 * kU * (1 - kBlue));
+constexpr int kVr = round(kOne / 4 * kV * (1 - kRed)), kVg = round(-kOne / 4 * kV * kGreen),
+              kVb = round(-kOne / 4 * kV * kBlue);
+
+uint8_t luma(const uint8_t* p) {
+  return static_cast<uint8_t>((kYr * p[0] + kYg * p[1] + kYb * p[2] + (16 << kShift) + (1 << (kShift - 1))) >> kShift);
+}
+
+uint8_t chroma(int r, int g, int b, int cr, int cg, int cb) {
+  return static_cast<uint8_t>((cr * r + cg * g + cb * b + (128 << kShift) + (1 << (kShift - 1))) >> kShift);
+}
+
+uint8_t clampByte(double v) { return static_cast<uint8_t>(std::clamp(v + 0.5, 0.0, 255.0)); }
+
+}  // namespace
+
+TileLayout makeTileLayout(int layer_count, int texture) {
+  TileLayout layout;
+  const int half = texture / 2, columns = layer_count / 2;
+  layout.layers.push_back({0, 0, texture, texture});
+  for (int k = 0; k + 1 < layer_count; ++k)
+    layout.layers.push_back({texture + (k / 2) * half, (k % 2) * half, half, half});
+  layout.barcode.cell_size = 16;
+  layout.barcode.rect = {0, texture, 2 * 16 * layout.barcode.cell_size, layout.barcode.cell_size};
+  layout.width = std::max(texture + columns * half, layout.barcode.rect.width);
+  layout.height = texture + layout.barcode.cell_size;
+  return layout;
+}
+
+I420Picture::I420Picture(int w, int h)
+    : width(w),
+      height(h),
+      y(static_cast<size_t>(w) * h, 126),
+      u(static_cast<size_t>(w / 2) * (h / 2), 128),
+      v(static_cast<size_t>(w / 2) * (h / 2), 128) {}
+
+I420View I420Picture::view() const {
+  return {width, height, y.data(), u.data(), v.data(), width, width / 2, width / 2};
+}
+
+void drawLayer(const Image& layer, const package::Rect& rect, I420Picture& picture) {
+  for (int y = 0; y < rect.height; ++y) {
+    uint8_t* out = &picture.y[static_cast<size_t>(rect.y + y) * picture.width + rect.x];
+    for (int x = 0; x < rect.width; ++x) out[x] = luma(layer.at(x, y));
+  }
+  for (int y = 0; y < rect.height / 2; ++y) {
+    const size_t row = static_cast<size_t>(rect.y / 2 + y) * (picture.width / 2) + rect.x / 2;
+    for (int x = 0; x < rect.width / 2; ++x) {
+      const uint8_t *a = layer.at(2 * x, 2 * y), *b = layer.at(2 * x + 1, 2 * y), *c = layer.at(2 * x, 2 * y + 1),
+                    *d = layer.at(2 * x + 1, 2 * y + 1);
+      const int red = a[0] + b[0] + c[0] + d[0], green = a[1] + b[1] + c[1] + d[1], blue = a[2] + b[2] + c[2] + d[2];
+      picture.u[row + x] = chroma(red, green, blue, kUr, kUg, kUb);
+      picture.v[row + x] = chroma(red, green, blue, kVr, kVg, kVb);
+    }
+  }
+}
+
+void tileFrame(const TileLayout& layout, const std::vector<Image>& layers, uint32_t frame, I420Picture& picture) {
+  for (size_t l = 0; l < layers.size(); ++l) drawLayer(layers[l], layout.layers[l], picture);
+  package::drawBarcode(layout.barcode, frame, picture.y.data(), picture.width);
+}
+
+Image rgbFromTile(const I420View& p, const package::Rect& rect) {
+  Image out(rect.width, rect.height, 3);
+  for (int y = 0; y < rect.height; ++y) {
+    for (int x = 0; x < rect.width; ++x) {
+      const int px = rect.x + x, py = rect.y + y;
+      const double luma = (p.y[py * p.stride_y + px] - 16) * 255.0 / 219;
+      const double u = (p.u[py / 2 * p.stride_u + px / 2] - 128) * 255.0 / 224 * 2 * (1 - kBlue);
+      const double v = (p.v[py / 2 * p.stride_v + px / 2] - 128) * 255.0 / 224 * 2 * (1 - kRed);
+      uint8_t* o = out.at(x, y);
+      o[0] = clampByte(luma + v);
+      o[1] = clampByte(luma - (kRed * v + kBlue * u) / kGreen);
+      o[2] = clampByte(luma + u);
+    }
+  }
+  return out;
+}
+
+}  // namespace fourdvt::bake

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/validate.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <thread>
+
+#include "bake/output.h"
+
+namespace fourdvt::bake {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kBakeVersion = "bake 1";  // change it whenever finished GOPs of older builds must not be reused
+
+Error bad(const std::string& message) { return {ErrorId::InvalidArgument, message}; }
+
+Status checkOutput(const BakeOptions& options) {
+  std::error_code error;
+  const fs::path target(options.character_folder);
+  if (!fs::exists(target, error)) return {};
+  if (!fs::is_directory(target, error))
+    return bad(options.character_folder + ": exists and is not a folder; choose another output folder");
+  if (fs::is_empty(target, error) || fs::exists(target / "character.gltf", error)) return {};
+  return bad(options.character_folder +
+             ": exists and is not a character folder (no character.gltf inside); choose another output folder");
+}
+
+// The work folder is deleted at the end: it must be ours.
+Status checkWorkFolder(const std::string& path) {
+  std::error_code error;
+  if (!fs::exists(path, error) || fs::exists(fs::path(path) / "settings.txt", error)) return {};
+  if (fs::is_directory(path, error) && fs::is_empty(path, error)) return {};
+  return bad(path + ": exists and is not a bake's work folder; move it away or choose another output folder");
+}
+
+Status checkSpace(const Job& job) {
+  constexpr double kVideoBytesPerTexel = 0.05, kCopies = 2;  // generous: work folder and result, at crf 23 a fifth of it
+  const double frame = job.layout.width * job.layout.height * kVideoBytesPerTexel + 8.0 * job.mesh.source_vertex.size();
+  const double needed = kCopies * frame * job.total_frames + (8 << 20);
+  std::error_code error;
+  const fs::space_info space = fs::space(job.workFolder(), error);
+  if (error || double(space.available) >= needed) return {};
+  char text[160];
+  std::snprintf(text, sizeof text, ": %.0f MB free, about %.0f MB needed; free disk space or choose another output folder",
+                space.available / 1e6, needed / 1e6);
+  return Error{ErrorId::WriteFailed, job.options.character_folder + text};
+}
+
+Status checkNames(const capture::Capture& capture) {
+  for (const capture::CaptureSequence& s : capture.sequences) {
+    const bool plain = !s.name.empty() && s.name[0] != '.' && std::all_of(s.name.begin(), s.name.end(), [](char c) {
+      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.';
+    });
+    if (!plain)
+      return Error{ErrorId::CaptureJson, capture.folder + "/capture.json: sequence name '" + s.name +
+                                             "' cannot be a file name; use letters, digits, '_' and '-'"};
+  }
+  return {};
+}
+
+Status checkCameras(const capture::Capture& capture) {
+  if (capture.cameras.empty() || capture.cameras.size() > size_t(package::kMaxCameras))
+    return Error{ErrorId::Unsupported, capture.folder + "/cameras: " + std::to_string(capture.cameras.size()) +
+                                           " cameras; a character holds 1 to " + std::to_string(package::kMaxCameras)};
+  return {};
+}
+
+Status findBounds(Job& job, const BakeEnvironment& environment) {
+  bool first = true;
+  for (const SequencePlan& plan : job.sequences) {
+    for (uint32_t f = 0; f < plan.source->frame_count; ++f) {
+      if (environment.stop && *environment.stop) return Error{ErrorId::Interrupted, "stopped; nothing was written"};
+      auto positions = capture::readMeshFrame(job.capture, *plan.source, f);
+      if (!positions) return positions.error();
+      if (first) job.bounds = {positions.value()[0], positions.value()[0]};
+      first = false;
+      for (const glm::vec3& p : positions.value()) {
+        job.bounds.min = glm::min(job.bounds.min, p);
+        job.bounds.max = glm::max(job.bounds.max, p);
+      }
+    }
+  }
+  const glm::vec3 cells = (job.bounds.max - job.bounds.min) / float(job.options.position_step_m);
+  if (std::max({cells.x, cells.y, cells.z}) > float(1 << 24))
+    return Error{ErrorId::InvalidArgument, job.capture.folder + ": the mesh spans more than 2^24 position steps; wrong units "
+                                                                "in capture.json, or the position step is too small"};
+  return {};
+}
+
+Status planMesh(Job& job) {
+  auto positions = capture::readMeshFrame(job.capture, *job.sequences[0].source, 0);
+  if (!positions) return positions.error();
+  auto mesh = package::encodeBaseMesh(job.capture.topology, positions.value());
+  if (!mesh) return mesh.error();
+  job.mesh = mesh.take();
+  return {};
+}
+
+uint64_t hashBytes(uint64_t hash, const void* data, size_t size) {  // FNV-1a
+  for (size_t i = 0; i < size; ++i) hash = (hash ^ static_cast<const uint8_t*>(data)[i]) * 1099511628211ull;
+  return hash;
+}
+
+std::vector<std::string> fingerprints(const fs::path& folder) {
+  std::vector<std::string> lines;
+  std::error_code error;
+  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    std::error_code ignored;
+    if (!it->is_regular_file(ignored)) continue;
+    lines.push_back(it->path().string() + " " + std::to_string(it->file_size(ignored)) + " " +
+                    std::to_string(it->last_write_time(ignored).time_since_epoch().count()));
+  }
+  std::sort(lines.begin(), lines.end());
+  return lines;
+}
+
+}  // namespace
+
+std::string BakeOptions::check() const {
+  if (capture_folder.empty()) return "no capture folder given";
+  if (character_folder.empty()) return "no character folder given; use -o FOLDER";
+  if (layers < 1 || layers > package::kMaxLayers)
+    return "layers must be 1.." + std::to_string(package::kMaxLayers) + ", not " + std::to_string(layers);
+  if (texture < 128 || texture % 32 != 0) return "texture must be a multiple of 32 from 128, not " + std::to_string(texture);
+  const TileLayout layout = makeTileLayout(layers, texture);
+  if (std::max(layout.width, layout.height) > package::kMaxPictureSide)
+    return "layers " + std::to_string(layers) + " with texture " + std::to_string(texture) + " need a picture of " +
+           std::to_string(layout.width) + " x " + std::to_string(layout.height) + ", more than " +
+           std::to_string(package::kMaxPictureSide) + "; use fewer layers or a smaller texture";
+  if (crf < 0 || crf > 51) return "crf must be 0..51, not " + std::to_string(crf);
+  if (gop < 1 || gop > 250) return "gop must be 1..250 frames, not " + std::to_string(gop);
+  if (jobs < 0) return "jobs must not be negative";
+  if (!(position_step_m >= 1e-6 && position_step_m <= 0.1)) return "position step must be 0.000001..0.1 m";
+  if (gutter_texels < 0 || gutter_texels > 64) return "gutter must be 0..64 texels";
+  return {};
+}
+
+std::vector<uint32_t> planGops(uint32_t frame_count, int gop) {
+  const uint32_t count = (frame_count + gop - 1) / gop;
+  std::vector<uint32_t> first;
+  for (uint32_t g = 0; g < count; ++g) first.push_back(static_cast<uint32_t>(uint64_t(g) * frame_count / count));
+  return first;
+}
+
+Positions reordered(const package::EncodedBaseMesh& mesh, const Positions& source) {
+  Positions out;
+  out.reserve(mesh.source_vertex.size());
+  for (uint32_t v : mesh.source_vertex) out.push_back(source[v]);
+  return out;
+}
+
+Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environment) {
+  if (const std::string wrong = options.check(); !wrong.empty()) return bad(wrong);
+  Job job;
+  job.options = options;
+  while (job.options.character_folder.size() > 1 && job.options.character_folder.back() == '/')
+    job.options.character_folder.pop_back();
+  if (job.options.jobs == 0) job.options.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  FOURDVT_TRY(checkOutput(job.options));
+  auto capture = capture::openCapture(options.capture_folder, environment.open_video, options.sequences);
+  if (!capture) return capture.error();
+  job.capture = capture.take();
+  FOURDVT_TRY(checkCameras(job.capture));
+  FOURDVT_TRY(checkNames(job.capture));
+  job.options.sequences.clear();
+  for (const capture::CaptureCamera& camera : job.capture.cameras) job.cameras.push_back(camera.pinhole);
+  for (const capture::CaptureSequence& sequence : job.capture.sequences) {
+    job.options.sequences.push_back(sequence.name);
+    job.sequences.push_back({&sequence, planGops(sequence.frame_count, options.gop)});
+    job.total_frames += sequence.frame_count;
+  }
+  job.layout = makeTileLayout(options.layers, options.texture);
+  job.encode = {job.layout.width, job.layout.height, job.capture.fps, options.crf};
+  FOURDVT_TRY(checkWorkFolder(job.workFolder()));
+  FOURDVT_TRY(makeFolder(job.workFolder()));
+  if (access(job.workFolder().c_str(), W_OK) != 0)
+    return Error{ErrorId::WriteFailed, job.workFolder() + ": not writable; choose another output folder"};
+  FOURDVT_TRY(planMesh(job));
+  FOURDVT_TRY(checkSpace(job));
+  FOURDVT_TRY(findBounds(job, environment));
+  return job;
+}
+
+std::string settingsKey(const Job& job) {
+  const BakeOptions& o = job.options;
+  char line[256];
+  std::snprintf(line, sizeof line, "%s layers %d texture %d crf %d gop %d step %.9g gutter %d fps %.9g", kBakeVersion,
+                o.layers, o.texture, o.crf, o.gop, o.position_step_m, o.gutter_texels, job.capture.fps);
+  std::vector<std::string> lines{line};
+  const fs::path folder(job.capture.folder);
+  for (const std::string& l : fingerprints(folder / "cameras")) lines.push_back(l);
+  for (const std::string& l : fingerprints(folder / "background")) lines.push_back(l);
+  for (const SequencePlan& plan : job.sequences)
+    for (const std::string& l : fingerprints(plan.source->folder)) lines.push_back(l);
+  if (auto json = readFile((folder / "capture.json").string()); json.ok())
+    lines.emplace_back(json.value().begin(), json.value().end());
+  uint64_t hash = 14695981039346656037ull;
+  for (const std::string& l : lines) hash = hashBytes(hash, l.data(), l.size() + 1);
+  char text[320];
+  std::snprintf(text, sizeof text, "%016llx %s\n", static_cast<unsigned long long>(hash), line);
+  return text;
+}
+
+}  // namespace fourdvt::bake

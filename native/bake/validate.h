@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// Everything that can fail early fails here: options, capture, output folder, disk space.
+#pragma once
+
+#include "bake/job.h"
+
+namespace fourdvt::bake {
+
+// Opens the capture, encodes the base mesh, plans GOPs and finds the bounds of all frames. Reads every mesh once, one
+// at a time. Errors: InvalidArgument, WriteFailed, those of capture, Interrupted.
+Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environment);
+
+// Hash of everything that finished GOPs depend on: options, capture files (path, size, time), the bake's version.
+std::string settingsKey(const Job& job);
+
+}  // namespace fourdvt::bake

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Finished GOPs on disk, so that memory does not grow with the length and an interrupted bake resumes. Files are atomic
+// and checksummed; a damaged one counts as absent.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bake/encode.h"
+#include "bake/tile.h"
+
+namespace fourdvt::bake {
+
+struct GopArtefact {
+  EncodedGop video;
+  std::vector<uint8_t> chunk;  // package::encodeChunk's
+};
+
+// Frame 0 of the first sequence: what poster and still are made of.
+struct StillArtefact {
+  I420Picture picture;          // tiled
+  std::vector<uint8_t> labels;  // [layer][face]
+  std::vector<uint8_t> texture_jpeg, tile_jpeg;
+};
+
+class WorkFolder {
+ public:
+  // `key`: settingsKey. What an earlier run left is kept only if `resume` and the keys agree. Errors: WriteFailed.
+  static Result<WorkFolder> open(const std::string& path, const std::string& key, bool resume);
+  bool hasGop(const std::string& sequence, uint32_t gop) const;
+  Status saveGop(const std::string& sequence, uint32_t gop, const GopArtefact& artefact) const;
+  Result<GopArtefact> loadGop(const std::string& sequence, uint32_t gop) const;  // Internal if damaged
+  bool hasStill() const;
+  Status saveStill(const StillArtefact& still) const;
+  Result<StillArtefact> loadStill() const;
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string gopPath(const std::string& sequence, uint32_t gop) const;
+  std::string stillPath() const { return path_ + "/still.bin"; }
+  std::string path_;
+};
+
+}  // namespace fourdvt::bake

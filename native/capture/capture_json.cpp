@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/capture_json.h"
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "capture/mesh_sequence.h"
+
+namespace fourdvt::capture {
+namespace {
+
+using Json = nlohmann::json;
+constexpr double kMaxFrames = 10'000'000;
+
+// Member of an object, or null for anything else.
+const Json& member(const Json& node, const char* key) {
+  static const Json null;
+  if (!node.is_object()) return null;
+  const auto it = node.find(key);
+  return it == node.end() ? null : *it;
+}
+
+std::string text(const Json& node, const std::string& otherwise = {}) {
+  return node.is_string() ? node.get<std::string>() : otherwise;
+}
+
+class Parser {
+ public:
+  explicit Parser(const std::string& folder) : folder_(folder), file_(folder + "/capture.json") {}
+
+  Result<DeclaredCapture> parse(const Json& root) {
+    if (!root.is_object()) return error("is not a JSON object");
+    Capture& capture = out_.capture;
+    capture.folder = folder_;
+    capture.name = text(member(root, "name"), std::filesystem::path(folder_).filename().string());
+    capture.credit = text(member(member(root, "licence"), "credit"));
+    out_.cameras_folder = folder_ + "/" + text(member(member(root, "calibration"), "ring"), "cameras");
+    const std::string plates = text(member(root, "background"), "background/camNN.png");
+    capture.background_folder = (std::filesystem::path(folder_) / plates).parent_path().string();
+    FOURDVT_TRY(scale(root));
+    const Json& sequences = member(root, "sequences");
+    if (!sequences.is_array() || sequences.empty()) return error("needs \"sequences\", a list with at least one entry");
+    for (const Json& entry : sequences) FOURDVT_TRY(sequence(entry));
+    return std::move(out_);
+  }
+
+ private:
+  Error error(const std::string& what) const {
+    return {ErrorId::CaptureJson, file_ + ": " + what + "; see the sample capture's capture.json"};
+  }
+
+  Status scale(const Json& root) {
+    const Json& fps = member(root, "fps");
+    if (!fps.is_number() || !(fps.get<double>() > 0) || fps.get<double>() > 1000) {
+      return error("needs \"fps\", a number above 0");
+    }
+    out_.capture.fps = fps.get<double>();
+    const std::string units = text(member(root, "units"), "metre");
+    if (units == "metre")
+      out_.capture.metres_per_unit = 1;
+    else if (units == "centimetre")
+      out_.capture.metres_per_unit = 0.01;
+    else if (units == "millimetre")
+      out_.capture.metres_per_unit = 0.001;
+    else
+      return error("\"units\" must be metre, centimetre or millimetre, not \"" + units + "\"");
+    if (text(member(root, "up_axis"), "Y") != "Y") return error("\"up_axis\" must be Y: turn the cameras and meshes");
+    const Json& ground = member(root, "ground_y");
+    if (ground.is_number()) out_.capture.ground_y_m = ground.get<double>() * out_.capture.metres_per_unit;
+    return {};
+  }
+
+  Status sequence(const Json& node) {
+    DeclaredSequence declared;
+    CaptureSequence& sequence = declared.sequence;
+    sequence.name = text(member(node, "name"));
+    if (sequence.name.empty() || sequence.name.find_first_of("/\\") != std::string::npos || sequence.name[0] == '.') {
+      return error("every sequence needs a \"name\" that is a plain folder name");
+    }
+    if (!names_.insert(sequence.name).second) return error("sequence \"" + sequence.name + "\" is listed twice");
+    const Json& frames = member(node, "frames");
+    const double count = frames.is_number() ? frames.get<double>() : 0;
+    if (!(count >= 1) || count > kMaxFrames || count != std::floor(count)) {
+      return error("sequence \"" + sequence.name + "\" needs \"frames\", a whole number above 0");
+    }
+    sequence.frame_count = static_cast<uint32_t>(count);
+    const Json& loop = member(node, "loop");
+    sequence.loop = loop.is_boolean() && loop.get<bool>();
+    sequence.folder = folder_ + "/" + sequence.name;
+    FOURDVT_TRY(rootVelocity(node, sequence));
+    FOURDVT_TRY(testFrames(node, sequence));
+    FOURDVT_TRY(mesh(member(node, "mesh"), declared));
+    out_.sequences.push_back(std::move(declared));
+    return {};
+  }
+
+  Status rootVelocity(const Json& node, CaptureSequence& sequence) const {
+    const Json& velocity = member(node, "root_velocity");
+    if (velocity.is_null()) return {};
+    bool valid = velocity.is_array() && velocity.size() == 3;
+    for (size_t i = 0; valid && i < 3; ++i) {
+      valid = velocity[i].is_number() && std::isfinite(velocity[i].get<double>());
+      if (valid) sequence.root_velocity_mps[static_cast<int>(i)] = velocity[i].get<double>();
+    }
+    if (!valid) return error("\"root_velocity\" of \"" + sequence.name + "\" must be three numbers");
+    sequence.root_velocity_mps *= out_.capture.metres_per_unit;
+    return {};
+  }
+
+  Status testFrames(const Json& node, CaptureSequence& sequence) const {
+    const Json& frames = member(node, "test_frames");
+    if (frames.is_null()) return {};
+    bool valid = frames.is_array();
+    for (size_t i = 0; valid && i < frames.size(); ++i) {
+      valid = frames[i].is_number_unsigned() && frames[i].get<uint64_t>() < sequence.frame_count;
+      if (valid) sequence.test_frames.push_back(frames[i].get<uint32_t>());
+    }
+    if (!valid) return error("\"test_frames\" of \"" + sequence.name + "\" must be frame numbers of the sequence");
+    return {};
+  }
+
+  Status mesh(const Json& node, DeclaredSequence& declared) const {
+    CaptureSequence& sequence = declared.sequence;
+    const std::string where = "\"mesh\" of \"" + sequence.name + "\" ";
+    if (!node.is_object()) {
+      sequence.mesh_pattern = folder_ + "/" + text(node, sequence.name + "/mesh/%06d.obj");
+      if (!framePath(sequence.mesh_pattern, 0).empty()) return {};
+      return error(where + "must be a path with one %06d for the frame number");
+    }
+    const std::string topology = text(member(node, "topology")), positions = text(member(node, "positions"));
+    const Json& units = member(node, "units_per_metre");
+    if (topology.empty() || positions.empty() || !units.is_number() || !(units.get<double>() > 0)) {
+      return error(where + "needs \"topology\", \"positions\" and \"units_per_metre\" above 0");
+    }
+    declared.packed_topology = folder_ + "/" + topology;
+    sequence.packed_positions = folder_ + "/" + positions;
+    sequence.packed_units_per_metre = units.get<double>();
+    return {};
+  }
+
+  std::string folder_, file_;
+  DeclaredCapture out_;
+  std::set<std::string> names_;
+};
+
+}  // namespace
+
+Result<DeclaredCapture> parseCaptureJson(std::string_view text, const std::string& folder) {
+  const Json root = Json::parse(text.begin(), text.end(), nullptr, false);
+  if (root.is_discarded()) {
+    return Error{ErrorId::CaptureJson, folder + "/capture.json: not valid JSON; check commas, quotes and brackets"};
+  }
+  return Parser(folder).parse(root);
+}
+
+}  // namespace fourdvt::capture

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+// FrameReader: all cameras in step, one frame in memory. Cameras decode side by side on OpenCV's threads.
+#include <opencv2/core/utility.hpp>
+
+#include "capture/matte.h"
+#include "capture/mesh_sequence.h"
+#include "capture/pictures.h"
+#include "capture/undistort.h"
+
+namespace fourdvt::capture {
+namespace {
+
+// One camera: colour, and either a matte stream or a plate to key against.
+class CameraReader {
+ public:
+  static Result<CameraReader> open(const Capture& capture, const CaptureSequence& sequence, const CaptureCamera& camera,
+                                   const OpenVideo& open_video) {
+    const auto place = findPictures(sequence.folder, camera.pinhole.name);
+    if (!place) {
+      return Error{ErrorId::CameraMissingVideo, sequence.folder + "/" + camera.pinhole.name +
+                                                    ".mp4: no video (.mp4, .mkv, .webm, .mov) and no folder with " +
+                                                    "000000.png; add it, or remove the camera from images.txt"};
+    }
+    CameraReader reader(camera);
+    FOURDVT_TRY(openStream(*place, sequence, 3, open_video, reader.colour_));
+    const auto matte_place = findPictures(sequence.folder, matteStem(camera.pinhole.name));
+    if (matte_place) {
+      FOURDVT_TRY(openStream(*matte_place, sequence, 1, open_video, reader.matte_));
+    } else {
+      FOURDVT_TRY(reader.loadPlate(capture.background_folder + "/" + camera.pinhole.name + ".png"));
+    }
+    return reader;
+  }
+
+  // RGBA, undistorted.
+  Status read(uint32_t frame, Image& out) {
+    auto colour = colour_->read(frame);
+    if (!colour.ok()) return colour.error();
+    FOURDVT_TRY(checkSize(colour.value(), camera_, colour_->path()));
+    Image alpha;
+    if (matte_) {
+      auto matte = matte_->read(frame);
+      if (!matte.ok()) return matte.error();
+      FOURDVT_TRY(checkSize(matte.value(), camera_, matte_->path()));
+      alpha = matte.take();
+    } else {
+      alpha = chromaKey(colour.value(), plate_);
+    }
+    out = joined(undistorter_.apply(colour.take()), undistorter_.apply(std::move(alpha)));
+    return {};
+  }
+
+ private:
+  explicit CameraReader(const CaptureCamera& camera) : camera_(camera), undistorter_(camera) {}
+
+  static Status openStream(const PicturePlace& place, const CaptureSequence& sequence, int channels,
+                           const OpenVideo& open_video, std::optional<PictureStream>& out) {
+    auto stream = PictureStream::open(place, sequence, channels, open_video);
+    if (!stream.ok()) return stream.error();
+    out = stream.take();
+    return {};
+  }
+
+  Status loadPlate(const std::string& path) {
+    auto plate = readPicture(path, 3);
+    if (!plate.ok()) {
+      return Error{plate.error().id, path + ": no readable plate of the empty studio, and camera \"" +
+                                         camera_.pinhole.name + "\" has no mattes; add " +
+                                         matteStem(camera_.pinhole.name) + ".mkv or the plate"};
+    }
+    FOURDVT_TRY(checkSize(plate.value(), camera_, path));
+    plate_ = plate.take();
+    return {};
+  }
+
+  static Image joined(const Image& colour, const Image& alpha) {
+    Image out(colour.width, colour.height, 4);
+    for (size_t i = 0; i < alpha.pixels.size(); ++i) {
+      const uint8_t* rgb = &colour.pixels[i * 3];
+      uint8_t* rgba = &out.pixels[i * 4];
+      rgba[0] = rgb[0];
+      rgba[1] = rgb[1];
+      rgba[2] = rgb[2];
+      rgba[3] = alpha.pixels[i];
+    }
+    return out;
+  }
+
+  CaptureCamera camera_;
+  Undistorter undistorter_;
+  std::optional<PictureStream> colour_, matte_;
+  Image plate_;  // only without mattes
+};
+
+class Reader final : public FrameReader {
+ public:
+  Reader(const Capture& capture, const CaptureSequence& sequence, uint32_t first_frame)
+      : capture_(capture), sequence_(sequence), next_frame_(first_frame) {}
+
+  Status openCameras(const OpenVideo& open_video) {
+    for (const CaptureCamera& camera : capture_.cameras) {
+      auto reader = CameraReader::open(capture_, sequence_, camera, open_video);
+      if (!reader.ok()) return reader.error();
+      cameras_.push_back(reader.take());
+    }
+    return {};
+  }
+
+  Result<CaptureFrame> next() override {
+    CaptureFrame frame;
+    frame.index = next_frame_;
+    auto positions = readMeshFrame(capture_, sequence_, frame.index);
+    if (!positions.ok()) return positions.error();
+    frame.positions = positions.take();
+    frame.pictures.resize(cameras_.size());
+    std::vector<Status> done(cameras_.size());
+    cv::parallel_for_(cv::Range(0, static_cast<int>(cameras_.size())), [&](const cv::Range& range) {
+      for (int i = range.start; i < range.end; ++i) {
+        done[i] = cameras_[i].read(frame.index, frame.pictures[i]);
+      }
+    });
+    for (const Status& status : done) {
+      if (!status.ok()) return status.error();
+    }
+    ++next_frame_;
+    return frame;
+  }
+
+ private:
+  const Capture capture_;
+  const CaptureSequence sequence_;
+  uint32_t next_frame_;
+  std::vector<CameraReader> cameras_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<FrameReader>> FrameReader::open(const Capture& capture, const CaptureSequence& sequence,
+                                                       const OpenVideo& open_video, uint32_t first_frame) {
+  auto reader = std::make_unique<Reader>(capture, sequence, first_frame);
+  FOURDVT_TRY(reader->openCameras(open_video));
+  return std::unique_ptr<FrameReader>(std::move(reader));
+}
+
+}  // namespace fourdvt::capture

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/mesh_sequence.h"
+
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "capture/text.h"
+
+namespace fourdvt::capture {
+namespace {
+
+// What two OBJ texts of one topology have in common.
+struct ObjOutline {
+  size_t vertices = 0, faces = 0;
+  uint64_t connectivity = 14695981039346656037ull;  // FNV-1a over the vt and f lines
+  bool plain_numbers = true;                        // v lines hold nothing but decimal numbers
+  bool operator==(const ObjOutline&) const = default;
+};
+
+void addHash(uint64_t& hash, std::string_view line) {
+  for (char c : line) hash = (hash ^ static_cast<uint8_t>(c)) * 1099511628211ull;
+  hash = (hash ^ '\n') * 1099511628211ull;
+}
+
+ObjOutline outlineOf(std::string_view text) {
+  ObjOutline outline;
+  std::string_view line;
+  while (takeLine(text, line)) {
+    if (line.starts_with("v ")) {
+      ++outline.vertices;
+      outline.plain_numbers &= line.find_first_not_of("0123456789+-.eE \t", 1) == std::string_view::npos;
+    } else if (line.starts_with("f ") || line.starts_with("vt ")) {
+      outline.faces += line.front() == 'f';
+      addHash(outline.connectivity, line);
+    }
+  }
+  return outline;
+}
+
+Error missing(const std::string& path) {
+  return {ErrorId::FileMissing, path + ": mesh file cannot be read; check \"mesh\" and \"frames\" in capture.json"};
+}
+
+Error otherTopology(const std::string& path, const std::string& what) {
+  return {ErrorId::MeshTopology, path + ": " + what + "; every frame needs the same faces and UVs (one aligned mesh)"};
+}
+
+Status checkPacked(const Capture& capture, const CaptureSequence& sequence) {
+  std::error_code failed;
+  const uint64_t size = std::filesystem::file_size(sequence.packed_positions, failed);
+  if (failed) return missing(sequence.packed_positions);
+  const uint64_t expected = uint64_t{sequence.frame_count} * capture.topology.vertex_count * 6;
+  if (size == expected) return {};
+  return otherTopology(sequence.packed_positions, "holds " + std::to_string(size) + " bytes instead of " +
+                                                      std::to_string(expected) + " (frames x vertices x 6)");
+}
+
+Result<Positions> readPacked(const Capture& capture, const CaptureSequence& sequence, uint32_t frame) {
+  const size_t count = size_t{capture.topology.vertex_count} * 3;
+  std::ifstream file(sequence.packed_positions, std::ios::binary);
+  if (!file) return missing(sequence.packed_positions);
+  std::vector<int16_t> values(count);  // all supported targets are little-endian
+  file.seekg(static_cast<std::streamoff>(count * 2 * frame));
+  if (!file.read(reinterpret_cast<char*>(values.data()), static_cast<std::streamsize>(count * 2))) {
+    return otherTopology(sequence.packed_positions, "ends before frame " + std::to_string(frame));
+  }
+  Positions positions(count / 3);
+  for (size_t i = 0; i < count; ++i) {
+    positions[i / 3][static_cast<int>(i % 3)] = static_cast<float>(values[i] / sequence.packed_units_per_metre);
+  }
+  return positions;
+}
+
+}  // namespace
+
+std::optional<std::string> readText(const std::string& path) {
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  if (!file) return std::nullopt;
+  const std::streamoff size = file.tellg();
+  std::error_code ignored;
+  if (size < 0 || !std::filesystem::is_regular_file(path, ignored)) return std::nullopt;
+  std::string text(static_cast<size_t>(size), '\0');
+  file.seekg(0);
+  if (!file.read(text.data(), size)) return std::nullopt;
+  return text;
+}
+
+std::string framePath(const std::string& pattern, uint32_t frame) {
+  const size_t begin = pattern.find('%');
+  if (begin == std::string::npos || pattern.find('%', begin + 1) != std::string::npos) return {};
+  size_t end = begin + 1, width = 0;
+  while (end < pattern.size() && pattern[end] >= '0' && pattern[end] <= '9' && width < 20) {
+    width = width * 10 + static_cast<size_t>(pattern[end++] - '0');
+  }
+  if (end >= pattern.size() || pattern[end] != 'd' || width > 19) return {};
+  std::string digits = std::to_string(frame);
+  if (digits.size() < width) digits.insert(0, width - digits.size(), '0');
+  return pattern.substr(0, begin) + digits + pattern.substr(end + 1);
+}
+
+Result<ObjMesh> readObj(const std::string& path) {
+  const auto text = readText(path);
+  if (!text) return missing(path);
+  return parseObj(*text, path);
+}
+
+bool sameTopology(const MeshTopology& a, const MeshTopology& b) {
+  return a.vertex_count == b.vertex_count && a.face_vertices == b.face_vertices && a.face_uvs == b.face_uvs &&
+         a.uvs == b.uvs;
+}
+
+Status checkMeshSequence(const Capture& capture, const CaptureSequence& sequence) {
+  if (!sequence.packed_positions.empty()) return checkPacked(capture, sequence);
+  ObjOutline first;
+  for (uint32_t frame = 0; frame < sequence.frame_count; ++frame) {
+    const std::string path = framePath(sequence.mesh_pattern, frame);
+    const auto text = readText(path);
+    if (!text) return missing(path);
+    const ObjOutline outline = outlineOf(*text);
+    if (frame > 0 && outline == first && outline.plain_numbers) continue;
+    if (frame == 0) first = outline;
+    auto positions = readMeshFrame(capture, sequence, frame);
+    if (!positions.ok()) return positions.error();
+  }
+  return {};
+}
+
+Result<Positions> readMeshFrame(const Capture& capture, const CaptureSequence& sequence, uint32_t frame) {
+  if (frame >= sequence.frame_count) {
+    return Error{ErrorId::InvalidArgument, sequence.name + " has no frame " + std::to_string(frame) + "; it has " +
+                                               std::to_string(sequence.frame_count)};
+  }
+  if (!sequence.packed_positions.empty()) return readPacked(capture, sequence, frame);
+  const std::string path = framePath(sequence.mesh_pattern, frame);
+  auto mesh = readObj(path);
+  if (!mesh.ok()) return mesh.error();
+  const MeshTopology& topology = mesh.value().topology;
+  if (!sameTopology(topology, capture.topology)) {
+    return otherTopology(path, std::to_string(topology.vertex_count) + " vertices and " +
+                                   std::to_string(topology.faceCount()) + " triangles differ from the first frame's " +
+                                   std::to_string(capture.topology.vertex_count) + " and " +
+                                   std::to_string(capture.topology.faceCount()) + " in number, order or UVs");
+  }
+  Positions positions = std::move(mesh.value().positions);
+  for (glm::vec3& p : positions) p *= static_cast<float>(capture.metres_per_unit);
+  return positions;
+}
+
+}  // namespace fourdvt::capture

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// Wavefront OBJ: positions, wedge UVs, polygons. Everything else in the file is skipped.
+#include <cmath>
+
+#include "capture/capture.h"
+#include "capture/text.h"
+
+namespace fourdvt::capture {
+namespace {
+
+constexpr float kUvSlack = 1e-4f;  // rounding of exporters; clamped away
+
+struct Corner {
+  uint32_t vertex = 0, uv = 0;
+};
+
+class ObjParser {
+ public:
+  ObjParser(std::string_view text, const std::string& path) : text_(text), path_(path) {}
+
+  Result<ObjMesh> parse() {
+    FOURDVT_TRY(forEachLine(&ObjParser::pointLine));
+    if (mesh_.positions.empty()) return error(ErrorId::MeshIndex, "no vertices in it; export the mesh as OBJ again");
+    if (mesh_.topology.uvs.empty()) return error(ErrorId::MeshNoUvs, kNoUvs);
+    vertices_so_far_ = uvs_so_far_ = 0;
+    FOURDVT_TRY(forEachLine(&ObjParser::faceLine));
+    line_ = 0;
+    if (mesh_.topology.face_vertices.empty()) {
+      return error(ErrorId::MeshIndex, "no faces in it; export the mesh with its faces");
+    }
+    mesh_.topology.vertex_count = static_cast<uint32_t>(mesh_.positions.size());
+    return std::move(mesh_);
+  }
+
+ private:
+  static constexpr const char* kNoUvs = "the mesh has no texture coordinates; unwrap it and export with UVs";
+
+  Error error(ErrorId id, const std::string& what) const {
+    std::string message = path_;
+    if (line_ > 0) message.append(":").append(std::to_string(line_));
+    return {id, message.append(": ").append(what)};
+  }
+
+  Status forEachLine(Status (ObjParser::*handle)(std::string_view keyword, std::string_view rest)) {
+    std::string_view rest = text_, line;
+    for (line_ = 1; takeLine(rest, line); ++line_) {
+      const std::string_view keyword = takeWord(line);
+      FOURDVT_TRY((this->*handle)(keyword, line));
+    }
+    line_ = 0;
+    return {};
+  }
+
+  Status pointLine(std::string_view keyword, std::string_view rest) {
+    if (keyword == "v") {
+      const auto x = toNumber<float>(takeWord(rest)), y = toNumber<float>(takeWord(rest)),
+                 z = toNumber<float>(takeWord(rest));
+      if (!x || !y || !z || !std::isfinite(*x) || !std::isfinite(*y) || !std::isfinite(*z)) {
+        return error(ErrorId::MeshNotFinite, "a vertex needs three finite numbers; repair this frame of the mesh");
+      }
+      mesh_.positions.emplace_back(*x, *y, *z);
+    } else if (keyword == "vt") {
+      return uvLine(rest);
+    }
+    return {};
+  }
+
+  Status uvLine(std::string_view rest) {
+    const auto u = toNumber<float>(takeWord(rest)), v = toNumber<float>(takeWord(rest));
+    if (!u || !v || !std::isfinite(*u) || !std::isfinite(*v)) {
+      return error(ErrorId::MeshNotFinite, "a texture coordinate needs two finite numbers; export the UVs again");
+    }
+    const glm::vec2 uv(*u, *v);
+    const glm::vec2 clamped = glm::clamp(uv, 0.0f, 1.0f);
+    if (glm::any(glm::greaterThan(glm::abs(uv - clamped), glm::vec2(kUvSlack)))) {
+      return error(ErrorId::MeshUvRange, "texture coordinates must lie in [0,1]; pack the UVs into one tile");
+    }
+    mesh_.topology.uvs.emplace_back(clamped.x, 1.0f - clamped.y);
+    return {};
+  }
+
+  Status faceLine(std::string_view keyword, std::string_view rest) {
+    if (keyword == "v") ++vertices_so_far_;
+    if (keyword == "vt") ++uvs_so_far_;
+    if (keyword != "f") return {};
+    Corner first, previous, corner;
+    size_t count = 0;
+    for (std::string_view word = takeWord(rest); !word.empty(); word = takeWord(rest), ++count) {
+      FOURDVT_TRY(parseCorner(word, corner));
+      if (count == 0) first = corner;
+      if (count >= 2) {
+        mesh_.topology.face_vertices.emplace_back(first.vertex, previous.vertex, corner.vertex);
+        mesh_.topology.face_uvs.emplace_back(first.uv, previous.uv, corner.uv);
+      }
+      previous = corner;
+    }
+    if (count < 3) return error(ErrorId::MeshIndex, "a face needs at least three corners; repair the mesh");
+    return {};
+  }
+
+  // "vertex/uv" or "vertex/uv/normal".
+  Status parseCorner(std::string_view word, Corner& out) const {
+    const size_t slash = word.find('/');
+    const std::string_view tail = slash == std::string_view::npos ? std::string_view() : word.substr(slash + 1);
+    const std::string_view uv = tail.substr(0, tail.find('/'));
+    if (uv.empty()) return error(ErrorId::MeshNoUvs, kNoUvs);
+    if (!resolve(word.substr(0, slash), vertices_so_far_, mesh_.positions.size(), out.vertex) ||
+        !resolve(uv, uvs_so_far_, mesh_.topology.uvs.size(), out.uv)) {
+      return error(ErrorId::MeshIndex, "a face index is out of range; export the mesh again");
+    }
+    return {};
+  }
+
+  // OBJ counts from 1; negative indices count back from the last element read.
+  static bool resolve(std::string_view word, size_t so_far, size_t size, uint32_t& out) {
+    const auto index = toNumber<int64_t>(word);
+    if (!index || *index == 0) return false;
+    if (*index < -static_cast<int64_t>(so_far) || *index > static_cast<int64_t>(size)) return false;
+    out = static_cast<uint32_t>(*index > 0 ? *index - 1 : static_cast<int64_t>(so_far) + *index);
+    return true;
+  }
+
+  std::string_view text_;
+  const std::string& path_;
+  int line_ = 0;  // for messages; 0: the whole file
+  size_t vertices_so_far_ = 0, uvs_so_far_ = 0;
+  ObjMesh mesh_;
+};
+
+}  // namespace
+
+Result<ObjMesh> parseObj(std::string_view text, const std::string& path) { return ObjParser(text, path).parse(); }
+
+}  // namespace fourdvt::capture

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// openCapture: reads the descriptions and checks every file cheaply before long work starts.
+#include <algorithm>
+#include <filesystem>
+
+#include "capture/capture_json.h"
+#include "capture/mesh_sequence.h"
+#include "capture/text.h"
+
+namespace fourdvt::capture {
+namespace {
+
+Result<DeclaredCapture> readDeclaration(const std::string& folder) {
+  const std::string path = folder + "/capture.json";
+  const auto text = readText(path);
+  if (!text) {
+    return Error{ErrorId::FileMissing, path + ": cannot be read; a capture folder needs capture.json, check the path"};
+  }
+  return parseCaptureJson(*text, folder);
+}
+
+Status keepOnly(const std::vector<std::string>& only, DeclaredCapture& declared) {
+  if (only.empty()) return {};
+  std::string known;
+  for (const auto& s : declared.sequences) known += (known.empty() ? "" : ", ") + s.sequence.name;
+  std::vector<DeclaredSequence> kept;
+  for (const std::string& name : only) {
+    const auto it = std::find_if(declared.sequences.begin(), declared.sequences.end(),
+                                 [&](const DeclaredSequence& s) { return s.sequence.name == name; });
+    if (it == declared.sequences.end()) {
+      return Error{ErrorId::InvalidArgument,
+                   declared.capture.folder + "/capture.json: no sequence \"" + name + "\"; choose among: " + known};
+    }
+    kept.push_back(*it);
+  }
+  declared.sequences = std::move(kept);
+  return {};
+}
+
+Result<MeshTopology> topologyOf(const DeclaredSequence& declared) {
+  const bool packed = !declared.packed_topology.empty();
+  auto mesh = readObj(packed ? declared.packed_topology : framePath(declared.sequence.mesh_pattern, 0));
+  if (!mesh.ok()) return mesh.error();
+  return std::move(mesh.value().topology);
+}
+
+// Sets capture.topology from the first sequence and holds the others to it.
+Status checkMeshes(const std::vector<DeclaredSequence>& declared, Capture& capture) {
+  for (const DeclaredSequence& d : declared) {
+    auto topology = topologyOf(d);
+    if (!topology.ok()) return topology.error();
+    const bool first = &d == &declared.front();
+    if (first) capture.topology = topology.take();
+    if (!first && !sameTopology(topology.value(), capture.topology)) {
+      const std::string path = d.packed_topology.empty() ? framePath(d.sequence.mesh_pattern, 0) : d.packed_topology;
+      return Error{ErrorId::MeshTopology, path + ": faces or UVs differ from sequence \"" +
+                                              declared.front().sequence.name +
+                                              "\"; all sequences need one aligned mesh"};
+    }
+    FOURDVT_TRY(checkMeshSequence(capture, d.sequence));
+  }
+  return {};
+}
+
+// Opening the reader checks places and lengths, the first frame checks decoding and sizes.
+Status checkPictures(const Capture& capture, const CaptureSequence& sequence, const OpenVideo& open_video) {
+  auto reader = FrameReader::open(capture, sequence, open_video);
+  if (!reader.ok()) return reader.error();
+  auto frame = reader.value()->next();
+  return frame.ok() ? Status() : Status(frame.error());
+}
+
+}  // namespace
+
+const CaptureSequence* Capture::find(const std::string& wanted) const {
+  for (const CaptureSequence& sequence : sequences) {
+    if (sequence.name == wanted) return &sequence;
+  }
+  return nullptr;
+}
+
+Result<Capture> openCapture(const std::string& folder, const OpenVideo& open_video,
+                            const std::vector<std::string>& only) {
+  std::error_code failed;
+  const std::string absolute = std::filesystem::absolute(folder, failed).lexically_normal().string();
+  auto declared = readDeclaration(failed ? folder : absolute);
+  if (!declared.ok()) return declared.error();
+  FOURDVT_TRY(keepOnly(only, declared.value()));
+  Capture capture = std::move(declared.value().capture);
+  auto cameras = readColmapCameras(declared.value().cameras_folder);
+  if (!cameras.ok()) return cameras.error();
+  capture.cameras = cameras.take();
+  scaleToMetres(capture.cameras, capture.metres_per_unit);
+  for (const DeclaredSequence& d : declared.value().sequences) capture.sequences.push_back(d.sequence);
+  FOURDVT_TRY(checkMeshes(declared.value().sequences, capture));
+  for (const CaptureSequence& sequence : capture.sequences) FOURDVT_TRY(checkPictures(capture, sequence, open_video));
+  return capture;
+}
+
+}  // namespace fourdvt::capture

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/pictures.h"
+
+#include <cstring>
+#include <filesystem>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "capture/mesh_sequence.h"
+#include "capture/text.h"
+
+namespace fourdvt::capture {
+namespace {
+
+bool isFile(const std::string& path) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path, ignored);
+}
+
+}  // namespace
+
+std::optional<PicturePlace> findPictures(const std::string& folder, const std::string& stem) {
+  const std::string base = folder + "/" + stem;
+  for (const char* extension : {".mp4", ".mkv", ".webm", ".mov"}) {
+    if (isFile(base + extension)) return PicturePlace{base + extension, false};
+  }
+  for (const char* extension : {".png", ".jpg"}) {
+    if (isFile(base + "/000000" + extension)) return PicturePlace{base + "/%06d" + extension, true};
+  }
+  return std::nullopt;
+}
+
+std::string matteStem(const std::string& camera_name) {
+  return "mask" + (camera_name.starts_with("cam") ? camera_name.substr(3) : camera_name);
+}
+
+Result<Image> readPicture(const std::string& path, int channels) {
+  const auto bytes = readText(path);
+  if (!bytes) return Error{ErrorId::FileMissing, path + ": picture cannot be read; check that it is there"};
+  const Error bad{ErrorId::FileUnreadable, path + ": not a readable picture; export it as 8-bit PNG again"};
+  if (bytes->empty()) return bad;
+  try {
+    const cv::Mat encoded(1, static_cast<int>(bytes->size()), CV_8U, const_cast<char*>(bytes->data()));
+    const int mode = channels == 1 ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR;
+    cv::Mat decoded = cv::imdecode(encoded, mode | cv::IMREAD_IGNORE_ORIENTATION);
+    if (decoded.empty()) return bad;
+    Image image(decoded.cols, decoded.rows, channels);
+    cv::Mat out(decoded.rows, decoded.cols, CV_8UC(channels), image.pixels.data());
+    if (channels == 1)
+      decoded.copyTo(out);
+    else
+      cv::cvtColor(decoded, out, cv::COLOR_BGR2RGB);
+    return image;
+  } catch (const cv::Exception&) {
+    return bad;
+  }
+}
+
+Result<PictureStream> PictureStream::open(const PicturePlace& place, const CaptureSequence& sequence, int channels,
+                                          const OpenVideo& open_video) {
+  PictureStream stream;
+  stream.place_ = place;
+  stream.frame_count_ = sequence.frame_count;
+  stream.channels_ = channels;
+  if (place.numbered) {
+    FOURDVT_TRY(stream.checkFiles());
+    return stream;
+  }
+  auto video = open_video(place.path, channels);
+  if (!video.ok()) return video.error();
+  stream.video_ = video.take();
+  const auto hint = stream.video_->frameCountHint();
+  if (hint && *hint < sequence.frame_count) return stream.tooShort(std::to_string(*hint) + " frames");
+  return stream;
+}
+
+Error PictureStream::tooShort(const std::string& has) const {
+  return {ErrorId::VideoTooShort, place_.path + ": has " + has + " but capture.json says " +
+                                      std::to_string(frame_count_) + "; correct \"frames\" or export the video again"};
+}
+
+Status PictureStream::checkFiles() const {
+  for (uint32_t frame = 0; frame < frame_count_; ++frame) {
+    const std::string file = framePath(place_.path, frame);
+    if (isFile(file)) continue;
+    return Error{ErrorId::VideoTooShort, file + ": missing; the sequence has " + std::to_string(frame_count_) +
+                                             " frames by capture.json: correct \"frames\" or export the picture"};
+  }
+  return {};
+}
+
+Result<Image> PictureStream::read(uint32_t frame) {
+  if (place_.numbered) return readPicture(framePath(place_.path, frame), channels_);
+  while (true) {
+    auto picture = video_->next();
+    if (!picture.ok()) return picture.error();
+    if (!picture.value()) return tooShort(std::to_string(next_) + " frames");
+    if (next_++ == frame) return std::move(*picture.value());
+  }
+}
+
+Status checkSize(const Image& image, const CaptureCamera& camera, const std::string& path) {
+  const PinholeCamera& p = camera.pinhole;
+  if (image.width == p.width && image.height == p.height) return {};
+  auto size = [](int w, int h) { return std::to_string(w) + "x" + std::to_string(h); };
+  return Error{ErrorId::FrameSize, path + ": picture of " + size(image.width, image.height) + " pixels, but camera \"" +
+                                       p.name + "\" is calibrated for " + size(p.width, p.height) +
+                                       "; scale the pictures or the calibration"};
+}
+
+}  // namespace fourdvt::capture

@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gpu/checked_device.h"
+
+#include <algorithm>
+
+namespace fourdvt::gpu {
+namespace {
+
+bool isFloat(PixelFormat format) {
+  return format == PixelFormat::R32F || format == PixelFormat::RG32F || format == PixelFormat::RGBA32F;
+}
+
+bool isFilterable(PixelFormat format) {
+  return format == PixelFormat::R8 || format == PixelFormat::RG8 || format == PixelFormat::RGBA8;
+}
+
+int levelCount(const TextureDesc& desc) {
+  int levels = 1;
+  if (desc.filter == Filter::LinearMipmap)
+    for (int side = std::max(desc.width, desc.height); side > 1; side /= 2) ++levels;
+  return levels;
+}
+
+uint64_t byteCount(const TextureDesc& desc, int levels) {
+  uint64_t bytes = 0;
+  for (int level = 0; level < levels; ++level) {
+    const uint64_t width = std::max(1, desc.width >> level), height = std::max(1, desc.height >> level);
+    bytes += width * height * std::max(1, desc.layers) * bytesPerPixel(desc.format);
+  }
+  return bytes;
+}
+
+// "#version", "#define" lines, default precisions; #line keeps the compiler's line numbers those of the source.
+std::string wholeShader(std::string_view defines, std::string_view source) {
+  std::string text = "#version 300 es\n";
+  for (size_t at = 0; at < defines.size();) {
+    const size_t end = std::min(defines.find('\n', at), defines.size());
+    if (end > at) text.append("#define ").append(defines.substr(at, end - at)).append("\n");
+    at = end + 1;
+  }
+  text +=
+      "precision highp float;\nprecision highp int;\nprecision highp sampler2D;\nprecision highp usampler2D;\n"
+      "precision highp sampler2DArray;\n#line 1\n";
+  return text.append(source);
+}
+
+std::string sized(const std::string& label, int width, int height) {
+  return "'" + label + "' (" + std::to_string(width) + " x " + std::to_string(height) + ")";
+}
+
+}  // namespace
+
+const TextureRecord* CheckedDevice::texture(TextureId id) const {
+  auto it = textures_.find(id);
+  return it == textures_.end() ? nullptr : &it->second;
+}
+
+const TargetRecord* CheckedDevice::target(TargetId id) const {
+  auto it = targets_.find(id);
+  return it == targets_.end() ? nullptr : &it->second;
+}
+
+void CheckedDevice::misuse(const std::string& line) {
+  constexpr size_t kKeptBytes = 4096;
+  if (errors_.size() < kKeptBytes) errors_ += line + "\n";
+}
+
+std::string CheckedDevice::takeErrors() {
+  std::string all = std::move(errors_) + onTakeErrors();
+  errors_.clear();
+  return all;
+}
+
+void CheckedDevice::resetCounters() {
+  counters_.draws = counters_.vertices = counters_.passes = 0;
+  counters_.texture_updates = counters_.uploaded_bytes = 0;
+}
+
+std::string CheckedDevice::whyNotTexture(const TextureDesc& desc) const {
+  const int limit = caps_.max_texture_size;
+  if (desc.width < 1 || desc.height < 1 || desc.layers < 0) return "its size must be positive";
+  if (desc.width > limit || desc.height > limit)
+    return "this GPU's textures end at " + std::to_string(limit) + " texels; use a smaller size";
+  if (desc.filter != Filter::Nearest && !isFilterable(desc.format)) return "its format allows Filter::Nearest only";
+  return {};
+}
+
+Result<TextureId> CheckedDevice::createTexture(const TextureDesc& desc) {
+  TextureRecord record{desc, desc.label ? desc.label : "", levelCount(desc), 0, 0};
+  if (const std::string why = whyNotTexture(desc); !why.empty())
+    return Error{ErrorId::GpuFailure, "texture " + sized(record.label, desc.width, desc.height) + ": " + why};
+  record.bytes = byteCount(desc, record.levels);
+  FOURDVT_TRY(onCreateTexture(record));
+  record.desc.label = nullptr;
+  const TextureId id = next_id_++;
+  counters_.live_textures += 1;
+  counters_.live_texture_bytes += record.bytes;
+  textures_[id] = std::move(record);
+  return id;
+}
+
+void CheckedDevice::updateTexture(TextureId id, int layer, int x, int y, int width, int height, const void* pixels,
+                                  int stride_bytes) {
+  const TextureRecord* record = texture(id);
+  if (!record) return misuse("updateTexture: no such texture");
+  const TextureDesc& desc = record->desc;
+  const int row_bytes = width * bytesPerPixel(desc.format);
+  if (in_pass_) return misuse("updateTexture inside a pass: " + record->label);
+  if (!pixels || desc.format == PixelFormat::Depth24) return misuse("updateTexture: no pixels for " + record->label);
+  if (x < 0 || y < 0 || width < 1 || height < 1 || x > desc.width - width || y > desc.height - height)
+    return misuse("updateTexture: rectangle outside " + sized(record->label, desc.width, desc.height));
+  if (desc.layers > 0 && (layer < 0 || layer >= desc.layers)) return misuse("updateTexture: no such layer");
+  if (stride_bytes != 0 && stride_bytes < row_bytes) return misuse("updateTexture: stride shorter than a row");
+  counters_.texture_updates += 1;
+  counters_.uploaded_bytes += static_cast<uint64_t>(row_bytes) * height;
+  onUpdateTexture(*record, layer, x, y, width, height, pixels, stride_bytes ? stride_bytes : row_bytes);
+}
+
+void CheckedDevice::generateMipmaps(TextureId id) {
+  const TextureRecord* record = texture(id);
+  if (!record || record->desc.filter != Filter::LinearMipmap)
+    return misuse("generateMipmaps: needs a texture with Filter::LinearMipmap");
+  if (in_pass_) return misuse("generateMipmaps inside a pass: " + record->label);
+  onGenerateMipmaps(*record);
+}
+
+void CheckedDevice::destroyTexture(TextureId id) {
+  const TextureRecord* record = texture(id);
+  if (!record) return misuse("destroyTexture: no such texture");
+  onDestroyTexture(*record);
+  counters_.live_textures -= 1;
+  counters_.live_texture_bytes -= record->bytes;
+  textures_.erase(id);
+}
+
+Result<ProgramId> CheckedDevice::createProgram(std::string_view label, std::string_view vertex_source,
+                                               std::string_view fragment_source, std::string_view defines) {
+  const std::string name(label);
+  if (vertex_source.empty() || fragment_source.empty())
+    return Error{ErrorId::GpuFailure, "program '" + name + "': empty source; is the shader file embedded?"};
+  const ProgramId id = next_id_++;
+  FOURDVT_TRY(onCreateProgram(id, name, wholeShader(defines, vertex_source), wholeShader(defines, fragment_source)));
+  counters_.live_programs += 1;
+  programs_[id] = name;
+  return id;
+}
+
+void CheckedDevice::destroyProgram(ProgramId id) {
+  if (!programs_.erase(id)) return misuse("destroyProgram: no such program");
+  onDestroyProgram(id);
+  counters_.live_programs -= 1;
+}
+
+// Fills size and formats; returns what is wrong, or nothing.
+std::string CheckedDevice::describeTarget(TargetRecord& record) const {
+  const TargetDesc& desc = record.desc;
+  record.own_color = desc.colors.empty() && desc.depth == 0;
+  record.own_depth = record.own_color || (desc.own_depth && desc.depth == 0);
+  if (record.own_color) {
+    record.width = desc.width;
+    record.height = desc.height;
+    record.samples = std::clamp(desc.samples, 0, caps_.max_samples);
+    record.formats = {PixelFormat::RGBA8};
+    const int limit = caps_.max_texture_size;
+    if (desc.width < 1 || desc.height < 1) return "needs textures or a size";
+    if (desc.width > limit || desc.height > limit) return "larger than this GPU's " + std::to_string(limit);
+    return {};
+  }
+  if (desc.samples > 1) return "textures cannot be multisampled";
+  std::vector<TextureId> attachments = desc.colors;
+  if (desc.depth) attachments.push_back(desc.depth);
+  for (TextureId id : attachments) {
+    const TextureRecord* attached = texture(id);
+    if (!attached) return "an attachment does not exist";
+    const bool is_depth_slot = id == desc.depth;
+    if (is_depth_slot != (attached->desc.format == PixelFormat::Depth24)) return "depth and colour are mixed up";
+    if (isFloat(attached->desc.format) && !caps_.float_targets)
+      return "this GPU cannot draw into float textures (EXT_color_buffer_float)";
+    if (record.width && (attached->desc.width != record.width || attached->desc.height != record.height))
+      return "its attachments differ in size";
+    if (!is_depth_slot && attached->desc.layers > 0 && desc.color_layer >= attached->desc.layers)
+      return "no such layer";
+    record.width = attached->desc.width;
+    record.height = attached->desc.height;
+    if (!is_depth_slot) record.formats.push_back(attached->desc.format);
+  }
+  return {};
+}
+
+Result<TargetId> CheckedDevice::createTarget(const TargetDesc& desc) {
+  TargetRecord record;
+  record.desc = desc;
+  record.label = desc.label ? desc.label : "";
+  if (const std::string why = describeTarget(record); !why.empty())
+    return Error{ErrorId::GpuFailure, "target '" + record.label + "': " + why};
+  FOURDVT_TRY(onCreateTarget(record));
+  record.desc.label = nullptr;
+  const TargetId id = next_id_++;
+  counters_.live_targets += 1;
+  targets_[id] = std::move(record);
+  return id;
+}
+
+void CheckedDevice::destroyTarget(TargetId id) {
+  const TargetRecord* record = target(id);
+  if (!record) return misuse("destroyTarget: no such target");
+  if (in_pass_ && pass_target_ == id) misuse("destroyTarget: its pass is open: " + record->label);
+  onDestroyTarget(*record);
+  counters_.live_targets -= 1;
+  targets_.erase(id);
+}
+
+void CheckedDevice::beginPass(const Pass& pass) {
+  if (in_pass_) return misuse(std::string("beginPass inside a pass: ") + pass.label);
+  const TargetRecord* record = target(pass.target);
+  if (pass.target != kDefaultTarget && !record) return misuse(std::string("beginPass: no such target: ") + pass.label);
+  Pass full = pass;
+  if (record && full.width == 0 && full.height == 0) full.width = record->width, full.height = record->height;
+  if (full.width < 1 || full.height < 1) return misuse(std::string("beginPass: empty viewport: ") + pass.label);
+  if (record) {
+    for (TextureId id : record->desc.colors)
+      if (!texture(id)) return misuse("beginPass: a destroyed texture is attached to " + record->label);
+  }
+  in_pass_ = true;
+  pass_target_ = pass.target;
+  counters_.passes += 1;
+  onBeginPass(full, record);
+}
+
+std::string CheckedDevice::whyNotDraw(const Draw& draw) const {
+  if (!in_pass_) return "outside a pass";
+  if (!programs_.count(draw.program)) return "no such program";
+  if (draw.vertex_count < 3 || draw.vertex_count % 3 != 0) return "vertex_count is no positive multiple of 3";
+  if (draw.depth_write && !draw.depth_test) return "depth_write needs depth_test";
+  const TargetRecord* record = target(pass_target_);
+  for (const TextureBinding& binding : draw.textures) {
+    if (!texture(binding.texture)) return std::string("no such texture for ") + binding.sampler;
+    if (!record) continue;
+    const auto& colors = record->desc.colors;
+    if (binding.texture == record->desc.depth ||
+        std::find(colors.begin(), colors.end(), binding.texture) != colors.end())
+      return std::string("reads the texture it draws into: ") + binding.sampler;
+  }
+  for (const Uniform& value : draw.uniforms)
+    if (!value.name || !value.data || value.count < 1) return "empty uniform";
+  return {};
+}
+
+void CheckedDevice::draw(const Draw& draw) {
+  if (const std::string why = whyNotDraw(draw); !why.empty()) return misuse("draw: " + why);
+  counters_.draws += 1;
+  counters_.vertices += static_cast<uint64_t>(draw.vertex_count);
+  onDraw(draw);
+}
+
+void CheckedDevice::endPass() {
+  if (!in_pass_) return misuse("endPass without beginPass");
+  in_pass_ = false;
+}
+
+std::string CheckedDevice::whyNotBlit(TargetId from, TargetId to, int width, int height, int to_x, int to_y) const {
+  const TargetRecord* source = target(from);
+  const TargetRecord* destination = target(to);
+  if (in_pass_) return "inside a pass";
+  if ((from != kDefaultTarget && !source) || (to != kDefaultTarget && !destination) || from == to)
+    return "no such target";
+  if (width < 1 || height < 1 || to_x < 0 || to_y < 0) return "empty or negative rectangle";
+  if (source && (width > source->width || height > source->height)) return "larger than its source";
+  if (destination && (to_x > destination->width - width || to_y > destination->height - height))
+    return "outside its destination";
+  if (destination && destination->samples > 1) return "its destination is multisampled";
+  if (source && source->samples > 1 && (to_x != 0 || to_y != 0)) return "a multisampled source cannot be moved";
+  if (source && destination && (source->formats.empty() || destination->formats.empty() ||
+                                source->formats[0] != destination->formats[0]))
+    return "formats differ";
+  return {};
+}
+
+void CheckedDevice::blit(TargetId from, TargetId to, int width, int height, int to_x, int to_y) {
+  if (const std::string why = whyNotBlit(from, to, width, height, to_x, to_y); !why.empty())
+    return misuse("blit: " + why);
+  onBlit(target(from), target(to), width, height, to_x, to_y);
+}
+
+Status CheckedDevice::readPixels(TargetId id, PixelFormat format, int x, int y, int width, int height, void* out) {
+  const TargetRecord* record = target(id);
+  std::string why;
+  if (in_pass_) why = "inside a pass";
+  if (id != kDefaultTarget && !record) why = "no such target";
+  if (!out || width < 1 || height < 1 || x < 0 || y < 0) why = "empty rectangle";
+  if (record && (x > record->width - width || y > record->height - height)) why = "rectangle outside the target";
+  if (record && record->samples > 1) why = "multisampled; blit it first";
+  if (record && (record->formats.empty() || record->formats[0] != format)) why = "the target has another format";
+  if (!why.empty()) return Error{ErrorId::GpuFailure, "readPixels of '" + (record ? record->label : "") + "': " + why};
+  return onReadPixels(record, format, x, y, width, height, out);
+}
+
+uint32_t CheckedDevice::nativeTexture(TextureId id) const {
+  const TextureRecord* record = texture(id);
+  return record ? record->native : 0;
+}
+
+}  // namespace fourdvt::gpu

@@ -1,0 +1,453 @@
+// SPDX-License-Identifier: Apache-2.0
+// GLES 3.0 = WebGL2. State that the device sets is cached; invalidateState() forgets it.
+#include <GLES3/gl3.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include "gpu/checked_device.h"
+
+namespace fourdvt::gpu {
+namespace {
+
+constexpr int kMaxUnits = 16;  // GLES 3.0 guarantees this many in the fragment stage
+
+struct GlFormat {
+  GLenum internal, format, type;
+};
+
+GlFormat glFormat(PixelFormat format) {
+  switch (format) {
+    case PixelFormat::R8: return {GL_R8, GL_RED, GL_UNSIGNED_BYTE};
+    case PixelFormat::RG8: return {GL_RG8, GL_RG, GL_UNSIGNED_BYTE};
+    case PixelFormat::RGBA8: return {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE};
+    case PixelFormat::R32UI: return {GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT};
+    case PixelFormat::RG32F: return {GL_RG32F, GL_RG, GL_FLOAT};
+    case PixelFormat::RGBA32F: return {GL_RGBA32F, GL_RGBA, GL_FLOAT};
+    case PixelFormat::R32F: return {GL_R32F, GL_RED, GL_FLOAT};
+    case PixelFormat::Depth24: return {GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT};
+  }
+  return {};
+}
+
+GLenum glTarget(const TextureRecord& texture) { return texture.desc.layers > 0 ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D; }
+
+struct GlProgram {
+  struct Slot {
+    std::string name;
+    GLint location = -1;
+    int unit = -1;                  // samplers only
+    GLenum target = GL_TEXTURE_2D;  // samplers only
+  };
+  GLuint name = 0;
+  std::vector<Slot> uniforms, samplers;
+};
+
+// "u_rects[0]" → "u_rects"
+std::string plainName(const char* name) {
+  std::string text(name);
+  return text.substr(0, text.find('['));
+}
+
+bool isSampler(GLenum type) {
+  return type == GL_SAMPLER_2D || type == GL_UNSIGNED_INT_SAMPLER_2D || type == GL_INT_SAMPLER_2D ||
+         type == GL_SAMPLER_2D_ARRAY || type == GL_UNSIGNED_INT_SAMPLER_2D_ARRAY;
+}
+
+GLenum samplerTarget(GLenum type) {
+  return type == GL_SAMPLER_2D_ARRAY || type == GL_UNSIGNED_INT_SAMPLER_2D_ARRAY ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D;
+}
+
+void setUniform(GLint location, const Uniform& value) {
+  const auto* floats = static_cast<const GLfloat*>(value.data);
+  switch (value.kind) {
+    case Uniform::Kind::Int: glUniform1iv(location, value.count, static_cast<const GLint*>(value.data)); break;
+    case Uniform::Kind::UInt: glUniform1uiv(location, value.count, static_cast<const GLuint*>(value.data)); break;
+    case Uniform::Kind::Float: glUniform1fv(location, value.count, floats); break;
+    case Uniform::Kind::Vec2: glUniform2fv(location, value.count, floats); break;
+    case Uniform::Kind::Vec3: glUniform3fv(location, value.count, floats); break;
+    case Uniform::Kind::Vec4: glUniform4fv(location, value.count, floats); break;
+    case Uniform::Kind::Mat4: glUniformMatrix4fv(location, value.count, GL_FALSE, floats); break;
+  }
+}
+
+Error gpuError(const std::string& message) { return Error{ErrorId::GpuFailure, message}; }
+
+void setCapability(GLenum capability, bool on) { on ? glEnable(capability) : glDisable(capability); }
+
+class GlesDevice final : public CheckedDevice {
+ public:
+  GlesDevice() {
+    readCaps();
+    invalidateState();
+  }
+
+  void invalidateState() override {
+    program_ = 0;
+    units_.fill({});
+    has_state_ = false;
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+    glPixelStorei(GL_UNPACK_SKIP_ROWS, 0);
+    glPixelStorei(GL_UNPACK_SKIP_PIXELS, 0);
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+    glBindVertexArray(0);
+    for (GLenum capability : {GL_DITHER, GL_STENCIL_TEST, GL_SCISSOR_TEST, GL_POLYGON_OFFSET_FILL, GL_RASTERIZER_DISCARD,
+                              GL_SAMPLE_ALPHA_TO_COVERAGE, GL_SAMPLE_COVERAGE})
+      glDisable(capability);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glDepthFunc(GL_LEQUAL);
+    glDepthRangef(0, 1);
+    glBlendEquation(GL_FUNC_ADD);
+    glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    glFrontFace(GL_CCW);
+    glCullFace(GL_BACK);
+  }
+
+ protected:
+  Status onCreateTexture(TextureRecord& texture) override {
+    drainErrors();
+    GLuint name = 0;
+    glGenTextures(1, &name);
+    if (name == 0) return gpuError("texture '" + texture.label + "': the GL context is lost or absent");
+    texture.native = name;
+    const GLenum target = glTarget(texture);
+    const TextureDesc& desc = texture.desc;
+    const GLenum internal = glFormat(desc.format).internal;
+    bindUnit(0, target, name);
+    if (desc.layers > 0)
+      glTexStorage3D(target, texture.levels, internal, desc.width, desc.height, desc.layers);
+    else
+      glTexStorage2D(target, texture.levels, internal, desc.width, desc.height);
+    const bool nearest = desc.filter == Filter::Nearest;
+    const GLint shrink = nearest ? GL_NEAREST : texture.levels > 1 ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR;
+    glTexParameteri(target, GL_TEXTURE_MIN_FILTER, shrink);
+    glTexParameteri(target, GL_TEXTURE_MAG_FILTER, nearest ? GL_NEAREST : GL_LINEAR);
+    glTexParameteri(target, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTexParameteri(target, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    if (const GLenum error = glGetError(); error != GL_NO_ERROR) {
+      onDestroyTexture(texture);
+      return gpuError("texture '" + texture.label + "': " + std::to_string(texture.bytes) +
+                      " bytes refused (GL error " + std::to_string(error) + "); use smaller textures");
+    }
+    return {};
+  }
+
+  void onUpdateTexture(const TextureRecord& texture, int layer, int x, int y, int width, int height,
+                       const void* pixels, int stride_bytes) override {
+    const int pixel_bytes = bytesPerPixel(texture.desc.format);
+    bindUnit(0, glTarget(texture), texture.native);
+    if (stride_bytes % pixel_bytes == 0) {
+      glPixelStorei(GL_UNPACK_ROW_LENGTH, stride_bytes / pixel_bytes);
+      upload(texture, layer, x, y, width, height, pixels);
+      glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+      return;
+    }
+    const auto* row = static_cast<const uint8_t*>(pixels);
+    for (int i = 0; i < height; ++i, row += stride_bytes) upload(texture, layer, x, y + i, width, 1, row);
+  }
+
+  void onGenerateMipmaps(const TextureRecord& texture) override {
+    bindUnit(0, glTarget(texture), texture.native);
+    glGenerateMipmap(glTarget(texture));
+  }
+
+  void onDestroyTexture(const TextureRecord& texture) override {
+    for (Unit& unit : units_)
+      if (unit.texture == texture.native) unit = {};
+    const GLuint name = texture.native;
+    glDeleteTextures(1, &name);
+  }
+
+  Status onCreateProgram(ProgramId id, const std::string& label, const std::string& vertex_source,
+                         const std::string& fragment_source) override {
+    std::string log;
+    const GLuint vertex = compile(GL_VERTEX_SHADER, vertex_source, log);
+    const GLuint fragment = log.empty() ? compile(GL_FRAGMENT_SHADER, fragment_source, log) : 0;
+    GlProgram program;
+    if (log.empty()) program.name = link(vertex, fragment, log);
+    if (vertex) glDeleteShader(vertex);
+    if (fragment) glDeleteShader(fragment);
+    if (!log.empty()) return gpuError("program '" + label + "': " + log);
+    if (const std::string why = findUniforms(program); !why.empty()) {
+      glDeleteProgram(program.name);
+      return gpuError("program '" + label + "': " + why);
+    }
+    programs_[id] = std::move(program);
+    return {};
+  }
+
+  void onDestroyProgram(ProgramId id) override {
+    const GLuint name = programs_[id].name;
+    if (program_ == name) glUseProgram(0), program_ = 0;
+    glDeleteProgram(name);
+    programs_.erase(id);
+  }
+
+  Status onCreateTarget(TargetRecord& target) override {
+    glGenFramebuffers(1, &target.framebuffer);
+    glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
+    std::vector<GLenum> buffers;
+    for (size_t i = 0; i < target.desc.colors.size(); ++i) {
+      const GLenum slot = GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(i);
+      attachTexture(slot, *texture(target.desc.colors[i]), target.desc.color_layer);
+      buffers.push_back(slot);
+    }
+    if (target.own_color) {
+      target.color_buffer = attachBuffer(GL_COLOR_ATTACHMENT0, GL_RGBA8, target);
+      buffers.push_back(GL_COLOR_ATTACHMENT0);
+    }
+    if (target.own_depth) target.depth_buffer = attachBuffer(GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT24, target);
+    if (target.desc.depth) attachTexture(GL_DEPTH_ATTACHMENT, *texture(target.desc.depth), 0);
+    if (buffers.empty()) buffers.push_back(GL_NONE);
+    glDrawBuffers(static_cast<GLsizei>(buffers.size()), buffers.data());
+    glReadBuffer(buffers[0]);
+    const GLenum state = glCheckFramebufferStatus(GL_FRAMEBUFFER);
+    if (state == GL_FRAMEBUFFER_COMPLETE) return {};
+    onDestroyTarget(target);
+    return gpuError("target '" + target.label + "': framebuffer incomplete (" + std::to_string(state) +
+                    "); this GPU cannot draw into these formats");
+  }
+
+  void onDestroyTarget(const TargetRecord& target) override {
+    glDeleteFramebuffers(1, &target.framebuffer);
+    if (target.color_buffer) glDeleteRenderbuffers(1, &target.color_buffer);
+    if (target.depth_buffer) glDeleteRenderbuffers(1, &target.depth_buffer);
+  }
+
+  void onBeginPass(const Pass& pass, const TargetRecord* target) override {
+    glBindFramebuffer(GL_FRAMEBUFFER, target ? target->framebuffer : 0);
+    glViewport(pass.x, pass.y, pass.width, pass.height);
+    if (!pass.clear_color && !pass.clear_depth) return;
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(pass.x, pass.y, pass.width, pass.height);
+    const size_t count = target ? target->formats.size() : 1;
+    for (size_t i = 0; pass.clear_color && i < count; ++i)
+      clearColor(static_cast<GLint>(i), target ? target->formats[i] : PixelFormat::RGBA8, pass.color);
+    if (pass.clear_depth && (!target || target->own_depth || target->desc.depth)) {
+      setDepthWrite(true);
+      const GLfloat far_end = 1;
+      glClearBufferfv(GL_DEPTH, 0, &far_end);
+    }
+    glDisable(GL_SCISSOR_TEST);
+  }
+
+  void onDraw(const Draw& draw) override {
+    const GlProgram& program = programs_[draw.program];
+    if (program_ != program.name) glUseProgram(program_ = program.name);
+    for (const GlProgram::Slot& sampler : program.samplers) bindUnit(sampler.unit, sampler.target, boundTo(draw, sampler));
+    for (const Uniform& value : draw.uniforms)
+      for (const GlProgram::Slot& slot : program.uniforms)
+        if (slot.name == value.name) setUniform(slot.location, value);
+    setState(draw);
+    glDrawArrays(GL_TRIANGLES, 0, draw.vertex_count);
+  }
+
+  void onBlit(const TargetRecord* from, const TargetRecord* to, int width, int height, int to_x, int to_y) override {
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, from ? from->framebuffer : 0);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, to ? to->framebuffer : 0);
+    glBlitFramebuffer(0, 0, width, height, to_x, to_y, to_x + width, to_y + height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  }
+
+  Status onReadPixels(const TargetRecord* target, PixelFormat format, int x, int y, int width, int height,
+                      void* out) override {
+    // Only the four-channel forms are guaranteed to be readable: read those, keep the format's channels.
+    drainErrors();
+    const bool is_byte = glFormat(format).type == GL_UNSIGNED_BYTE;
+    const size_t channel_bytes = is_byte ? 1 : 4;
+    const size_t pixel_bytes = bytesPerPixel(format), row_bytes = pixel_bytes * width;
+    std::vector<uint8_t> whole(4 * channel_bytes * width * height);
+    glBindFramebuffer(GL_FRAMEBUFFER, target ? target->framebuffer : 0);
+    glReadPixels(x, y, width, height, format == PixelFormat::R32UI ? GL_RGBA_INTEGER : GL_RGBA, glFormat(format).type,
+                 whole.data());
+    if (const GLenum error = glGetError(); error != GL_NO_ERROR)
+      return gpuError("readPixels of '" + (target ? target->label : "") + "': GL error " + std::to_string(error));
+    for (int row = 0; row < height; ++row) {
+      const uint8_t* source = whole.data() + 4 * channel_bytes * width * (height - 1 - row);
+      uint8_t* destination = static_cast<uint8_t*>(out) + row_bytes * row;
+      for (int i = 0; i < width; ++i)
+        std::memcpy(destination + pixel_bytes * i, source + 4 * channel_bytes * i, pixel_bytes);
+    }
+    return {};
+  }
+
+  std::string onTakeErrors() override {
+    std::string lines = std::move(pending_);
+    pending_.clear();
+    for (int i = 0; i < 16; ++i) {
+      const GLenum error = glGetError();
+      if (error == GL_NO_ERROR) break;
+      lines += "GL error " + std::to_string(error) + "\n";
+    }
+    return lines;
+  }
+
+ private:
+  struct Unit {
+    GLenum target = 0;
+    GLuint texture = 0;
+  };
+
+  void readCaps() {
+    glGetIntegerv(GL_MAX_TEXTURE_SIZE, &caps_.max_texture_size);
+    glGetIntegerv(GL_MAX_SAMPLES, &caps_.max_samples);
+    if (const GLubyte* name = glGetString(GL_RENDERER)) caps_.renderer = reinterpret_cast<const char*>(name);
+    GLint count = 0;
+    glGetIntegerv(GL_NUM_EXTENSIONS, &count);
+    for (GLint i = 0; i < count; ++i) {
+      const auto* name = reinterpret_cast<const char*>(glGetStringi(GL_EXTENSIONS, static_cast<GLuint>(i)));
+      if (name && std::strcmp(name, "GL_EXT_color_buffer_float") == 0) caps_.float_targets = true;
+    }
+  }
+
+  // Keeps earlier errors for takeErrors, so that the next glGetError belongs to the next call.
+  void drainErrors() { pending_ = onTakeErrors(); }
+
+  void bindUnit(int unit, GLenum target, GLuint name) {
+    Unit& cached = units_[unit];
+    if (cached.target == target && cached.texture == name) return;
+    glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
+    glBindTexture(target, name);
+    cached = {target, name};
+    if (unit != 0) glActiveTexture(GL_TEXTURE0);
+  }
+
+  // updateTexture relies on unit 0 being active whenever it has bound there.
+  static void upload(const TextureRecord& texture, int layer, int x, int y, int width, int height, const void* pixels) {
+    const GlFormat format = glFormat(texture.desc.format);
+    if (texture.desc.layers > 0)
+      glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, x, y, layer, width, height, 1, format.format, format.type, pixels);
+    else
+      glTexSubImage2D(GL_TEXTURE_2D, 0, x, y, width, height, format.format, format.type, pixels);
+  }
+
+  GLuint boundTo(const Draw& draw, const GlProgram::Slot& sampler) const {
+    for (const TextureBinding& binding : draw.textures)
+      if (sampler.name == binding.sampler) return texture(binding.texture)->native;
+    return 0;
+  }
+
+  static GLuint compile(GLenum stage, const std::string& source, std::string& log) {
+    const GLuint shader = glCreateShader(stage);
+    const char* text = source.c_str();
+    glShaderSource(shader, 1, &text, nullptr);
+    glCompileShader(shader);
+    GLint ok = 0;
+    glGetShaderiv(shader, GL_COMPILE_STATUS, &ok);
+    if (ok) return shader;
+    std::array<char, 2048> buffer{};
+    glGetShaderInfoLog(shader, static_cast<GLsizei>(buffer.size()) - 1, nullptr, buffer.data());
+    log = std::string(stage == GL_VERTEX_SHADER ? "vertex" : "fragment") + " shader: " + buffer.data();
+    return shader;
+  }
+
+  static GLuint link(GLuint vertex, GLuint fragment, std::string& log) {
+    const GLuint program = glCreateProgram();
+    glAttachShader(program, vertex);
+    glAttachShader(program, fragment);
+    glLinkProgram(program);
+    GLint ok = 0;
+    glGetProgramiv(program, GL_LINK_STATUS, &ok);
+    if (ok) return program;
+    std::array<char, 2048> buffer{};
+    glGetProgramInfoLog(program, static_cast<GLsizei>(buffer.size()) - 1, nullptr, buffer.data());
+    glDeleteProgram(program);
+    log = std::string("link: ") + buffer.data();
+    return 0;
+  }
+
+  // Gives every sampler its own texture unit. Returns what is wrong, or nothing.
+  std::string findUniforms(GlProgram& program) {
+    glUseProgram(program_ = program.name);
+    GLint count = 0;
+    glGetProgramiv(program.name, GL_ACTIVE_UNIFORMS, &count);
+    for (GLint i = 0; i < count; ++i) {
+      std::array<char, 128> name{};
+      GLint size = 0;
+      GLenum type = 0;
+      glGetActiveUniform(program.name, static_cast<GLuint>(i), static_cast<GLsizei>(name.size()), nullptr, &size, &type,
+                         name.data());
+      GlProgram::Slot slot{plainName(name.data()), glGetUniformLocation(program.name, name.data())};
+      if (slot.location < 0) continue;
+      if (!isSampler(type)) {
+        program.uniforms.push_back(std::move(slot));
+        continue;
+      }
+      if (size != 1) return "arrays of samplers are not supported: " + slot.name;
+      slot.unit = static_cast<int>(program.samplers.size());
+      slot.target = samplerTarget(type);
+      if (slot.unit >= kMaxUnits) return "more than 16 samplers";
+      glUniform1i(slot.location, slot.unit);
+      program.samplers.push_back(std::move(slot));
+    }
+    return {};
+  }
+
+  static void attachTexture(GLenum slot, const TextureRecord& texture, int layer) {
+    if (texture.desc.layers > 0)
+      glFramebufferTextureLayer(GL_FRAMEBUFFER, slot, texture.native, 0, layer);
+    else
+      glFramebufferTexture2D(GL_FRAMEBUFFER, slot, GL_TEXTURE_2D, texture.native, 0);
+  }
+
+  static GLuint attachBuffer(GLenum slot, GLenum internal, const TargetRecord& target) {
+    GLuint buffer = 0;
+    glGenRenderbuffers(1, &buffer);
+    glBindRenderbuffer(GL_RENDERBUFFER, buffer);
+    if (target.samples > 1)
+      glRenderbufferStorageMultisample(GL_RENDERBUFFER, target.samples, internal, target.width, target.height);
+    else
+      glRenderbufferStorage(GL_RENDERBUFFER, internal, target.width, target.height);
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, slot, GL_RENDERBUFFER, buffer);
+    return buffer;
+  }
+
+  static void clearColor(GLint index, PixelFormat format, const glm::vec4& color) {
+    if (format != PixelFormat::R32UI) return glClearBufferfv(GL_COLOR, index, &color[0]);
+    std::array<GLuint, 4> value{};
+    for (int i = 0; i < 4; ++i)
+      value[i] = color[i] >= 4294967295.0f ? 0xffffffffu : static_cast<GLuint>(std::max(color[i], 0.0f));
+    glClearBufferuiv(GL_COLOR, index, value.data());
+  }
+
+  void setDepthWrite(bool on) {
+    if (!has_state_ || depth_write_ != on) glDepthMask(on ? GL_TRUE : GL_FALSE);
+    depth_write_ = on;
+  }
+
+  void setState(const Draw& draw) {
+    setDepthWrite(draw.depth_write);
+    if (!has_state_ || depth_test_ != draw.depth_test) setCapability(GL_DEPTH_TEST, draw.depth_test);
+    if (!has_state_ || blend_ != draw.blend) setCapability(GL_BLEND, draw.blend != Blend::None);
+    if (!has_state_ || cull_ != draw.cull) setCapability(GL_CULL_FACE, draw.cull == Cull::Back);
+    depth_test_ = draw.depth_test;
+    blend_ = draw.blend;
+    cull_ = draw.cull;
+    has_state_ = true;
+  }
+
+  std::unordered_map<ProgramId, GlProgram> programs_;
+  std::array<Unit, kMaxUnits> units_{};
+  GLuint program_ = 0;
+  bool has_state_ = false;
+  bool depth_test_ = false, depth_write_ = false;
+  Blend blend_ = Blend::None;
+  Cull cull_ = Cull::None;
+  std::string pending_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Device>> createGlesDevice() {
+  const auto* version = reinterpret_cast<const char*>(glGetString(GL_VERSION));
+  if (!version) return gpuError("no current GL context; create an EGL or WebGL2 context first");
+  GLint major = 0;
+  glGetIntegerv(GL_MAJOR_VERSION, &major);
+  if (major < 3) return gpuError(std::string("OpenGL ES 3.0 (WebGL2) is needed, but the context is ") + version);
+  return std::unique_ptr<Device>(std::make_unique<GlesDevice>());
+}
+
+}  // namespace fourdvt::gpu

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstring>
+
+#include "gpu/checked_device.h"
+
+namespace fourdvt::gpu {
+namespace {
+
+class NullDevice final : public CheckedDevice {
+ public:
+  NullDevice() {
+    caps_.max_texture_size = 4096;
+    caps_.max_samples = 4;
+    caps_.float_targets = true;
+    caps_.renderer = "null";
+  }
+  void invalidateState() override {}
+
+ protected:
+  Status onCreateTexture(TextureRecord& texture) override {
+    texture.native = ++natives_;
+    return {};
+  }
+  void onUpdateTexture(const TextureRecord&, int, int, int, int, int, const void*, int) override {}
+  void onGenerateMipmaps(const TextureRecord&) override {}
+  void onDestroyTexture(const TextureRecord&) override {}
+  Status onCreateProgram(ProgramId, const std::string&, const std::string&, const std::string&) override { return {}; }
+  void onDestroyProgram(ProgramId) override {}
+  Status onCreateTarget(TargetRecord&) override { return {}; }
+  void onDestroyTarget(const TargetRecord&) override {}
+  void onBeginPass(const Pass&, const TargetRecord*) override {}
+  void onDraw(const Draw&) override {}
+  void onBlit(const TargetRecord*, const TargetRecord*, int, int, int, int) override {}
+  Status onReadPixels(const TargetRecord*, PixelFormat format, int, int, int width, int height, void* out) override {
+    std::memset(out, 0, static_cast<size_t>(width) * height * bytesPerPixel(format));
+    return {};
+  }
+
+ private:
+  uint32_t natives_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Device> createNullDevice() { return std::make_unique<NullDevice>(); }
+
+}  // namespace fourdvt::gpu

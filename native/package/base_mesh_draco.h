@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// Between Draco's mesh and ours. Internal to package/.
+#pragma once
+
+#include <memory>
+
+#include "draco/mesh/mesh.h"
+#include "package/base_mesh.h"
+
+namespace fourdvt::package {
+
+// Null if the bytes are not an edgebreaker mesh that decodes.
+std::unique_ptr<draco::Mesh> decodeDracoMesh(std::span<const uint8_t> bytes);
+// Checks attributes, mappings and finiteness. Errors: MeshDataInvalid.
+Result<BaseMesh> baseMeshFromDraco(const draco::Mesh& mesh);
+
+}  // namespace fourdvt::package

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "package/draco_guard.h"
+
+#include "base/bytes.h"
+#include "draco/attributes/geometry_attribute.h"
+#include "draco/compression/config/compression_shared.h"
+
+namespace fourdvt::package {
+namespace {
+
+uint32_t varint(ByteReader& in) {
+  uint32_t value = 0;
+  for (int shift = 0; shift < 35; shift += 7) {
+    const uint8_t byte = in.u8();
+    value |= static_cast<uint32_t>(byte & 0x7f) << (shift < 32 ? shift : 31);
+    if (!(byte & 0x80)) return value;
+  }
+  return UINT32_MAX;
+}
+
+// "DRACO", version, type, method, flags without metadata.
+bool headerIs(ByteReader& in, uint8_t minor, uint8_t type, uint8_t method) {
+  const auto magic = in.bytes(5);
+  if (!in.ok() || std::memcmp(magic.data(), "DRACO", 5) != 0) return false;
+  const bool version_ok = in.u8() == 2 && in.u8() == minor;
+  const bool kind_ok = in.u8() == type && in.u8() == method;
+  return version_ok && kind_ok && in.u16() == 0 && in.ok();
+}
+
+}  // namespace
+
+bool looksLikePointCloud(std::span<const uint8_t> bytes, uint32_t point_count, uint32_t attribute_count,
+                         int components) {
+  ByteReader in(bytes);
+  if (!headerIs(in, draco::kDracoPointCloudBitstreamVersionMinor, draco::POINT_CLOUD,
+                draco::POINT_CLOUD_SEQUENTIAL_ENCODING)) {
+    return false;
+  }
+  if (in.u32() != point_count || in.u8() != 1 || varint(in) != attribute_count) return false;
+  for (uint32_t a = 0; a < attribute_count && in.ok(); ++a) {
+    const bool generic = in.u8() == draco::GeometryAttribute::GENERIC;
+    const bool int32 = in.u8() == draco::DT_INT32;
+    const bool shape = in.u8() == components && in.u8() == 0;
+    if (!generic || !int32 || !shape || varint(in) != a) return false;
+  }
+  return in.ok();
+}
+
+bool looksLikeMesh(std::span<const uint8_t> bytes) {
+  constexpr uint32_t kMaxCount = 1u << 22;
+  constexpr uint64_t kMaxFacesPerByte = 64;
+  ByteReader in(bytes);
+  if (!headerIs(in, draco::kDracoMeshBitstreamVersionMinor, draco::TRIANGULAR_MESH, draco::MESH_EDGEBREAKER_ENCODING)) {
+    return false;
+  }
+  in.u8();  // traversal
+  const uint32_t vertices = varint(in), faces = varint(in);
+  const uint8_t attribute_tables = in.u8();
+  const uint32_t symbols = varint(in), splits = varint(in);
+  if (!in.ok() || vertices < 3 || vertices > kMaxCount || faces < 1 || faces > kMaxCount) return false;
+  return faces <= kMaxFacesPerByte * bytes.size() && vertices <= 3ull * faces && attribute_tables <= 8 &&
+         symbols <= faces && splits <= symbols;
+}
+
+}  // namespace fourdvt::package

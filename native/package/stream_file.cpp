@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "package/stream_file.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/bytes.h"
+#include "package/character.h"
+
+namespace fourdvt::package {
+namespace {
+
+constexpr uint32_t kMagic = 0x53564434;  // "4DVS"
+constexpr uint16_t kVersion = 1;
+constexpr uint32_t kKeyBit = 0x80000000u;
+constexpr uint32_t kMaxFrames = 1u << 20, kMaxCount = 1u << 22, kMaxChunkFrames = 65535, kMaxRenditions = 16;
+constexpr uint64_t kMaxOffset = 1ull << 53;
+
+Error invalid(const char* what) {
+  return {ErrorId::StreamInvalid, std::string("stream header: ") + what + "; the .bin file is damaged or incomplete"};
+}
+
+void writeRendition(ByteWriter& out, const SampleTable& table, const std::vector<ChunkEntry>& chunks) {
+  out.u32(static_cast<uint32_t>(table.decoder_description.size()));
+  out.bytes(table.decoder_description);
+  for (size_t c = 0; c < chunks.size(); ++c) {
+    const uint32_t first = table.chunk_first_sample[c];
+    out.u64(table.samples[first].offset);
+    for (uint32_t s = first; s < table.chunk_first_sample[c + 1]; ++s) {
+      const VideoSample& sample = table.samples[s];
+      out.u32(sample.bytes | (sample.key ? kKeyBit : 0));
+      out.u16(static_cast<uint16_t>(sample.frame - chunks[c].first_frame));
+    }
+  }
+}
+
+// Samples of one chunk: its frames exactly once, the first one a key.
+bool readChunkSamples(ByteReader& in, const ChunkEntry& chunk, SampleTable& table) {
+  std::vector<bool> seen(chunk.frame_count, false);
+  uint64_t offset = in.u64();
+  for (uint32_t i = 0; i < chunk.frame_count; ++i) {
+    const uint32_t bytes_and_key = in.u32();
+    const uint32_t frame = in.u16();
+    VideoSample sample{offset, bytes_and_key & ~kKeyBit, chunk.first_frame + frame, (bytes_and_key & kKeyBit) != 0};
+    if (!in.ok() || frame >= chunk.frame_count || seen[frame] || sample.bytes == 0) return false;
+    if (i == 0 && !sample.key) return false;
+    seen[frame] = true;
+    offset += sample.bytes;
+    if (offset > kMaxOffset) return false;
+    table.samples.push_back(sample);
+  }
+  return true;
+}
+
+Status readRendition(ByteReader& in, StreamIndex& index) {
+  SampleTable table;
+  const auto description = in.bytes(in.u32());
+  table.decoder_description.assign(description.begin(), description.end());
+  for (const ChunkEntry& chunk : index.chunks) {
+    table.chunk_first_sample.push_back(static_cast<uint32_t>(table.samples.size()));
+    // 6 bytes a sample: refuses counts that the span cannot hold before growing.
+    if (!in.ok() || in.remaining() / 6 < chunk.frame_count) return invalid("truncated sample table");
+    if (!readChunkSamples(in, chunk, table)) return invalid("sample table does not match the frames");
+  }
+  table.chunk_first_sample.push_back(static_cast<uint32_t>(table.samples.size()));
+  index.renditions.push_back(std::move(table));
+  return {};
+}
+
+Status readChunks(ByteReader& in, StreamIndex& index, size_t header_bytes) {
+  const uint32_t count = in.u32();
+  if (!in.ok() || count == 0 || count > index.frame_count || in.remaining() / 16 < count) return invalid("bad GOP count");
+  uint64_t next_frame = 0;
+  for (uint32_t c = 0; c < count; ++c) {
+    ChunkEntry chunk;
+    chunk.first_frame = static_cast<uint32_t>(next_frame);
+    chunk.frame_count = in.u32();
+    chunk.bytes = in.u32();
+    chunk.offset = in.u64();
+    next_frame += chunk.frame_count;
+    if (chunk.frame_count == 0 || chunk.frame_count > kMaxChunkFrames || next_frame > index.frame_count) {
+      return invalid("GOPs do not match the frame count");
+    }
+    if (chunk.bytes == 0 || chunk.offset < header_bytes || chunk.offset > kMaxOffset) return invalid("bad GOP range");
+    index.chunks.push_back(chunk);
+  }
+  if (next_frame != index.frame_count) return invalid("GOPs do not cover all frames");
+  return {};
+}
+
+Status readCounts(ByteReader& in, StreamIndex& index, size_t span_bytes) {
+  if (in.u32() != kMagic) return invalid("not a fourdvt stream");
+  const uint16_t version = in.u16();
+  in.u16();
+  if (version != kVersion) return Error{ErrorId::Unsupported, "stream header: unknown version; update the player"};
+  if (in.u32() != span_bytes) return invalid("length differs from the manifest's");
+  index.frame_count = in.u32();
+  index.vertex_count = in.u32();
+  index.face_count = in.u32();
+  index.layer_count = in.u32();
+  for (int i = 0; i < 3; ++i) index.position_origin[i] = in.f32();
+  index.position_step_m = in.f32();
+  if (!in.ok()) return invalid("truncated");
+  const bool counts_ok = index.frame_count >= 1 && index.frame_count <= kMaxFrames && index.vertex_count >= 3 &&
+                         index.vertex_count <= kMaxCount && index.face_count >= 1 && index.face_count <= kMaxCount &&
+                         index.layer_count >= 1 && index.layer_count <= uint32_t(kMaxLayers);
+  if (!counts_ok) return invalid("counts out of range");
+  const glm::vec3& o = index.position_origin;
+  if (!std::isfinite(o.x) || !std::isfinite(o.y) || !std::isfinite(o.z) || !(index.position_step_m > 0) ||
+      !std::isfinite(index.position_step_m)) {
+    return invalid("bad quantisation");
+  }
+  return {};
+}
+
+}  // namespace
+
+uint32_t StreamIndex::chunkOfFrame(uint32_t frame) const {
+  auto it = std::upper_bound(chunks.begin(), chunks.end(), frame,
+                             [](uint32_t f, const ChunkEntry& c) { return f < c.first_frame; });
+  return it == chunks.begin() ? 0 : static_cast<uint32_t>(it - chunks.begin() - 1);
+}
+
+std::vector<uint8_t> writeStreamHeader(const StreamIndex& index) {
+  ByteWriter body;
+  body.u32(index.frame_count);
+  body.u32(index.vertex_count);
+  body.u32(index.face_count);
+  body.u32(index.layer_count);
+  for (int i = 0; i < 3; ++i) body.f32(index.position_origin[i]);
+  body.f32(index.position_step_m);
+  body.u32(static_cast<uint32_t>(index.chunks.size()));
+  for (const ChunkEntry& chunk : index.chunks) {
+    body.u32(chunk.frame_count);
+    body.u32(chunk.bytes);
+    body.u64(chunk.offset);
+  }
+  body.u32(static_cast<uint32_t>(index.renditions.size()));
+  for (const SampleTable& table : index.renditions) writeRendition(body, table, index.chunks);
+  ByteWriter out;
+  out.u32(kMagic);
+  out.u16(kVersion);
+  out.u16(0);
+  out.u32(static_cast<uint32_t>(12 + body.size()));
+  out.bytes(body.data());
+  return out.take();
+}
+
+Result<StreamIndex> readStreamHeader(std::span<const uint8_t> bytes) {
+  ByteReader in(bytes);
+  StreamIndex index;
+  FOURDVT_TRY(readCounts(in, index, bytes.size()));
+  FOURDVT_TRY(readChunks(in, index, bytes.size()));
+  const uint32_t renditions = in.u32();
+  if (!in.ok() || renditions == 0 || renditions > kMaxRenditions) return invalid("bad rendition count");
+  for (uint32_t r = 0; r < renditions; ++r) FOURDVT_TRY(readRendition(in, index));
+  if (!in.ok() || in.remaining() != 0) return invalid("trailing bytes");
+  return index;
+}
+
+}  // namespace fourdvt::package

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Owning handles for FFmpeg's objects. Private to the files that link FFmpeg.
+#pragma once
+
+#include <memory>
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+#include <libavutil/pixdesc.h>
+#include <libswscale/swscale.h>
+}
+
+namespace fourdvt::platform {
+
+struct AvDeleter {
+  void operator()(AVFormatContext* p) const { avformat_close_input(&p); }
+  void operator()(AVCodecContext* p) const { avcodec_free_context(&p); }
+  void operator()(AVFrame* p) const { av_frame_free(&p); }
+  void operator()(AVPacket* p) const { av_packet_free(&p); }
+  void operator()(SwsContext* p) const { sws_freeContext(p); }
+};
+
+using AvFormat = std::unique_ptr<AVFormatContext, AvDeleter>;
+using AvCodec = std::unique_ptr<AVCodecContext, AvDeleter>;
+using AvFrame = std::unique_ptr<AVFrame, AvDeleter>;
+using AvPacket = std::unique_ptr<AVPacket, AvDeleter>;
+using SwsScaler = std::unique_ptr<SwsContext, AvDeleter>;
+
+// FFmpeg prints nothing short of a crash: our own errors name the file.
+inline void quietFfmpeg() { av_log_set_level(AV_LOG_PANIC); }
+
+}  // namespace fourdvt::platform

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+// openVideoFile: demux, decode, convert with the stream's own matrix and range.
+#include "platform/ffmpeg_video.h"
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+
+#include "platform/ffmpeg_handles.h"
+
+namespace fourdvt::platform {
+namespace {
+
+Error unreadable(const std::string& path, const std::string& what) {
+  return {ErrorId::FileUnreadable, path + ": " + what + "; re-encode the video (H.264 in MP4 works everywhere)"};
+}
+
+// yuvj formats are the plain ones with full range.
+AVPixelFormat plainFormat(AVPixelFormat format) {
+  switch (format) {
+    case AV_PIX_FMT_YUVJ420P:
+      return AV_PIX_FMT_YUV420P;
+    case AV_PIX_FMT_YUVJ422P:
+      return AV_PIX_FMT_YUV422P;
+    case AV_PIX_FMT_YUVJ444P:
+      return AV_PIX_FMT_YUV444P;
+    case AV_PIX_FMT_YUVJ440P:
+      return AV_PIX_FMT_YUV440P;
+    default:
+      return format;
+  }
+}
+
+bool isGray(const AVPixFmtDescriptor& format) {
+  return format.nb_components <= 2 && !(format.flags & AV_PIX_FMT_FLAG_RGB);
+}
+
+// Unspecified range: full for gray (mattes are coverage, not luma) and RGB, limited for YUV.
+bool isFullRange(const AVFrame& frame, const AVPixFmtDescriptor& format) {
+  if (plainFormat(static_cast<AVPixelFormat>(frame.format)) != frame.format) return true;
+  if (frame.color_range != AVCOL_RANGE_UNSPECIFIED) return frame.color_range == AVCOL_RANGE_JPEG;
+  return isGray(format) || (format.flags & AV_PIX_FMT_FLAG_RGB);
+}
+
+int swsMatrix(const AVFrame& frame) {
+  switch (frame.colorspace) {
+    case AVCOL_SPC_SMPTE170M:
+    case AVCOL_SPC_BT470BG:
+      return SWS_CS_ITU601;
+    case AVCOL_SPC_FCC:
+      return SWS_CS_FCC;
+    case AVCOL_SPC_SMPTE240M:
+      return SWS_CS_SMPTE240M;
+    case AVCOL_SPC_BT2020_NCL:
+    case AVCOL_SPC_BT2020_CL:
+      return SWS_CS_BT2020;
+    default:
+      return SWS_CS_ITU709;
+  }
+}
+
+std::array<uint8_t, 256> lumaTable(bool full_range) {
+  std::array<uint8_t, 256> table;
+  for (int y = 0; y < 256; ++y) {
+    const double value = full_range ? y : (y - 16) * 255.0 / 219.0;
+    table[y] = static_cast<uint8_t>(std::lround(std::fmin(255.0, std::fmax(0.0, value))));
+  }
+  return table;
+}
+
+Image lumaPlane(const AVFrame& frame, bool full_range) {
+  Image image(frame.width, frame.height, 1);
+  const auto table = lumaTable(full_range);
+  for (int y = 0; y < frame.height; ++y) {
+    const uint8_t* row = frame.data[0] + static_cast<ptrdiff_t>(y) * frame.linesize[0];
+    for (int x = 0; x < frame.width; ++x) *image.at(x, y) = table[row[x]];
+  }
+  return image;
+}
+
+Image grayFromRgb(const Image& rgb) {  // BT.709 luma
+  Image gray(rgb.width, rgb.height, 1);
+  for (size_t i = 0; i < gray.pixels.size(); ++i) {
+    const uint8_t* p = &rgb.pixels[i * 3];
+    gray.pixels[i] = static_cast<uint8_t>(std::lround(0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2]));
+  }
+  return gray;
+}
+
+class FileSource final : public VideoSource {
+ public:
+  Status open(const std::string& path, int channels) {
+    path_ = path;
+    channels_ = channels;
+    AVFormatContext* raw = nullptr;
+    if (avformat_open_input(&raw, path.c_str(), nullptr, nullptr) < 0) return unreadable(path, "not a video file");
+    format_.reset(raw);
+    if (avformat_find_stream_info(raw, nullptr) < 0) return unreadable(path, "no readable stream");
+    const AVCodec* codec = nullptr;
+    stream_ = av_find_best_stream(raw, AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
+    if (stream_ < 0 || !codec) return unreadable(path, "no video stream that this build decodes");
+    for (unsigned i = 0; i < raw->nb_streams; ++i) {
+      if (static_cast<int>(i) != stream_) raw->streams[i]->discard = AVDISCARD_ALL;
+    }
+    codec_.reset(avcodec_alloc_context3(codec));
+    avcodec_parameters_to_context(codec_.get(), raw->streams[stream_]->codecpar);
+    codec_->thread_count = 1;  // the caller decodes several files side by side
+    if (avcodec_open2(codec_.get(), codec, nullptr) < 0) return unreadable(path, "the decoder does not start");
+    return {};
+  }
+
+  std::optional<uint64_t> frameCountHint() const override {
+    const AVStream& stream = *format_->streams[stream_];
+    if (stream.nb_frames > 0) return stream.nb_frames;
+    const AVRational rate = stream.avg_frame_rate;
+    if (format_->duration <= 0 || rate.num <= 0 || rate.den <= 0) return std::nullopt;
+    const double frames = static_cast<double>(format_->duration) / AV_TIME_BASE * av_q2d(rate);
+    return static_cast<uint64_t>(std::ceil(frames)) + 1;  // time stamps are rounded
+  }
+
+  Result<std::optional<Image>> next() override {
+    while (true) {
+      const int received = avcodec_receive_frame(codec_.get(), frame_.get());
+      if (received == 0) return picture();
+      if (received == AVERROR_EOF) return std::optional<Image>();
+      if (received != AVERROR(EAGAIN)) return unreadable(path_, "a picture does not decode");
+      FOURDVT_TRY(feed());
+    }
+  }
+
+ private:
+  Status feed() {
+    while (true) {
+      const int read = av_read_frame(format_.get(), packet_.get());
+      if (read == AVERROR_EOF) {
+        avcodec_send_packet(codec_.get(), nullptr);
+        return {};
+      }
+      if (read < 0) return unreadable(path_, "reading stops inside the file");
+      const bool ours = packet_->stream_index == stream_;
+      const int sent = ours ? avcodec_send_packet(codec_.get(), packet_.get()) : 0;
+      av_packet_unref(packet_.get());
+      if (sent < 0) return unreadable(path_, "a picture does not decode");
+      if (ours) return {};
+    }
+  }
+
+  Result<std::optional<Image>> picture() {
+    const auto* format = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame_->format));
+    if (!format) return unreadable(path_, "unknown pixel format");
+    const bool full = isFullRange(*frame_, *format);
+    const bool luma_first = !(format->flags & (AV_PIX_FMT_FLAG_RGB | AV_PIX_FMT_FLAG_PAL)) &&
+                            format->comp[0].depth == 8 && format->comp[0].step == 1 && format->comp[0].plane == 0;
+    if (channels_ == 1 && luma_first) return std::optional<Image>(lumaPlane(*frame_, full));
+    auto rgb = toRgb(full);
+    if (!rgb.ok()) return rgb.error();
+    return std::optional<Image>(channels_ == 1 ? grayFromRgb(rgb.value()) : rgb.take());
+  }
+
+  Result<Image> toRgb(bool full_range) {
+    const auto format = plainFormat(static_cast<AVPixelFormat>(frame_->format));
+    scaler_.reset(sws_getCachedContext(
+        scaler_.release(), frame_->width, frame_->height, format, frame_->width, frame_->height, AV_PIX_FMT_RGB24,
+        SWS_BICUBIC | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP, nullptr, nullptr, nullptr));
+    if (!scaler_) return unreadable(path_, "unsupported pixel format");
+    sws_setColorspaceDetails(scaler_.get(), sws_getCoefficients(swsMatrix(*frame_)), full_range,
+                             sws_getCoefficients(SWS_CS_ITU709), 1, 0, 1 << 16, 1 << 16);
+    Image image(frame_->width, frame_->height, 3);
+    uint8_t* planes[4] = {image.pixels.data(), nullptr, nullptr, nullptr};
+    const int strides[4] = {image.width * 3, 0, 0, 0};
+    if (sws_scale(scaler_.get(), frame_->data, frame_->linesize, 0, frame_->height, planes, strides) <= 0) {
+      return unreadable(path_, "the picture does not convert to RGB");
+    }
+    return image;
+  }
+
+  std::string path_;
+  int channels_ = 3, stream_ = -1;
+  AvFormat format_;
+  AvCodec codec_;
+  AvFrame frame_{av_frame_alloc()};
+  AvPacket packet_{av_packet_alloc()};
+  SwsScaler scaler_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<VideoSource>> openVideoFile(const std::string& path, int channels) {
+  quietFfmpeg();
+  if (channels != 1 && channels != 3) {
+    return Error{ErrorId::InvalidArgument, path + ": a video opens with 1 or 3 channels"};
+  }
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) {
+    return Error{ErrorId::FileMissing, path + ": no such video file; check the name and the folder"};
+  }
+  auto source = std::make_unique<FileSource>();
+  FOURDVT_TRY(source->open(path, channels));
+  return std::unique_ptr<VideoSource>(std::move(source));
+}
+
+}  // namespace fourdvt::platform

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+// Two triangles on the ground plane, counter-clockwise seen from above. Draw 6 vertices.
+uniform mat4 u_clip_from_world;
+uniform vec4 u_ground;  // centre x, centre z, half extent (m), ground y (m)
+out vec2 v_local;       // -1..1
+
+void main() {
+  const vec2 corners[6] = vec2[6](vec2(-1, -1), vec2(-1, 1), vec2(1, 1), vec2(-1, -1), vec2(1, 1), vec2(1, -1));
+  v_local = corners[gl_VertexID];
+  vec2 xz = u_ground.xy + u_ground.z * v_local;
+  gl_Position = u_clip_from_world * vec4(xz.x, u_ground.w, xz.y, 1.0);
+}

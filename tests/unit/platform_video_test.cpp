@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "platform/ffmpeg_handles.h"
+#include "platform/ffmpeg_video.h"
+
+namespace fourdvt::platform {
+namespace {
+
+const std::string kSample = std::string(FOURDVT_SOURCE_DIR) + "/site/sample/actor_a";
+
+// An uncompressed 4:2:0 video of one colour; `tags` as YUV4MPEG2 has them.
+class RawVideo {
+ public:
+  RawVideo(const std::string& tags, uint8_t y, uint8_t u, uint8_t v, int frames = 1) {
+    path_ =
+        (std::filesystem::path(testing::TempDir()) / ("fourdvt_raw_" + std::to_string(::getpid()) + ".y4m")).string();
+    std::ofstream out(path_, std::ios::binary);
+    out << "YUV4MPEG2 W32 H16 F25:1 Ip A1:1 C420mpeg2" << tags << "\n";
+    for (int i = 0; i < frames; ++i) {
+      out << "FRAME\n" << std::string(32 * 16, char(y)) << std::string(16 * 8, char(u)) << std::string(16 * 8, char(v));
+    }
+  }
+  ~RawVideo() { std::filesystem::remove(path_); }
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+Image first(const std::string& path, int channels) {
+  auto video = openVideoFile(path, channels);
+  EXPECT_TRUE(video.ok()) << (video.ok() ? "" : video.error().message);
+  auto picture = video.value()->next();
+  EXPECT_TRUE(picture.ok() && picture.value());
+  return *picture.value();
+}
+
+double clamp255(double v) { return std::fmin(255, std::fmax(0, v)); }
+
+void expectBt709(const Image& image, int y, int u, int v, bool full) {
+  const double luma = full ? y : (y - 16) * 255.0 / 219, scale = full ? 1 : 255.0 / 224;
+  const double cb = (u - 128) * scale, cr = (v - 128) * scale;
+  const uint8_t* p = image.at(10, 5);
+  EXPECT_NEAR(p[0], clamp255(luma + 1.5748 * cr), 1.5);
+  EXPECT_NEAR(p[1], clamp255(luma - 0.187324 * cb - 0.468124 * cr), 1.5);
+  EXPECT_NEAR(p[2], clamp255(luma + 1.8556 * cb), 1.5);
+}
+
+TEST(PlatformVideo, UnspecifiedColourIsBt709Limited) {
+  for (auto [y, u, v] : {std::array{16, 128, 128}, {235, 128, 128}, {120, 90, 170}, {63, 102, 240}, {173, 42, 26}}) {
+    expectBt709(first(RawVideo("", y, u, v).path(), 3), y, u, v, false);
+  }
+}
+
+TEST(PlatformVideo, FullRangeIsRead) {
+  expectBt709(first(RawVideo(" XCOLORRANGE=FULL", 120, 90, 170).path(), 3), 120, 90, 170, true);
+  EXPECT_EQ(*first(RawVideo(" XCOLORRANGE=FULL", 120, 90, 170).path(), 1).at(3, 3), 120);
+}
+
+TEST(PlatformVideo, GrayOfLimitedLumaIsStretched) {
+  EXPECT_EQ(*first(RawVideo("", 16, 128, 128).path(), 1).at(3, 3), 0);
+  EXPECT_EQ(*first(RawVideo("", 235, 128, 128).path(), 1).at(3, 3), 255);
+  EXPECT_EQ(*first(RawVideo("", 120, 128, 128).path(), 1).at(3, 3), 121);
+}
+
+TEST(PlatformVideo, SampleVideoHasAllItsPictures) {
+  auto video = openVideoFile(kSample + "/walk/cam00.mp4", 3);
+  ASSERT_TRUE(video.ok());
+  EXPECT_EQ(video.value()->frameCountHint(), 28u);
+  int count = 0;
+  for (auto picture = video.value()->next(); picture.ok() && picture.value(); picture = video.value()->next()) {
+    EXPECT_EQ(picture.value()->width, 720);
+    EXPECT_EQ(picture.value()->height, 960);
+    ++count;
+  }
+  EXPECT_EQ(count, 28);
+}
+
+TEST(PlatformVideo, SampleMatteIsCoverage) {
+  auto video = openVideoFile(kSample + "/walk/mask00.mkv", 1);
+  ASSERT_TRUE(video.ok());
+  EXPECT_GE(video.value()->frameCountHint().value_or(28), 28u);
+  const Image matte = *video.value()->next().value();
+  EXPECT_EQ(matte.channels, 1);
+  EXPECT_EQ(*matte.at(2, 2), 0);
+  EXPECT_EQ(*matte.at(360, 420), 255);  // the chest
+}
+
+TEST(PlatformVideo, BadFilesAreErrors) {
+  EXPECT_EQ(openVideoFile("/nonexistent/a.mp4", 3).error().id, ErrorId::FileMissing);
+  EXPECT_EQ(openVideoFile(kSample + "/README.md", 3).error().id, ErrorId::FileUnreadable);
+  EXPECT_EQ(openVideoFile(kSample + "/walk/cam00.mp4", 4).error().id, ErrorId::InvalidArgument);
+}
+
+struct Samples {
+  std::vector<uint8_t> description;
+  struct Sample {
+    std::vector<uint8_t> bytes;
+    int64_t timestamp_us;
+    bool key;
+  };
+  std::vector<Sample> samples;
+};
+
+// The encoded samples of a file, as the character's sample index will give them.
+Samples demux(const std::string& path) {
+  Samples out;
+  AVFormatContext* raw = nullptr;
+  EXPECT_EQ(avformat_open_input(&raw, path.c_str(), nullptr, nullptr), 0);
+  AvFormat format(raw);
+  const AVStream& stream = *raw->streams[0];
+  out.description.assign(stream.codecpar->extradata, stream.codecpar->extradata + stream.codecpar->extradata_size);
+  AvPacket packet(av_packet_alloc());
+  while (av_read_frame(raw, packet.get()) == 0) {
+    out.samples.push_back({{packet->data, packet->data + packet->size},
+                           av_rescale_q(packet->pts, stream.time_base, {1, 1000000}),
+                           (packet->flags & AV_PKT_FLAG_KEY) != 0});
+    av_packet_unref(packet.get());
+  }
+  return out;
+}
+
+TEST(PlatformSampleDecoder, PicturesComeInOrderWithTheirTimes) {
+  const Samples s = demux(kSample + "/run/cam00.mp4");
+  ASSERT_EQ(s.samples.size(), 19u);
+  std::vector<int64_t> times;
+  std::vector<uint8_t> lumas;
+  auto decoder = SampleDecoder::create("avc1.64001f", s.description, [&](const I420View& view, int64_t timestamp_us) {
+    EXPECT_EQ(view.width, 720);
+    EXPECT_EQ(view.height, 960);
+    times.push_back(timestamp_us);
+    lumas.push_back(view.y[400 * view.stride_y + 360]);
+  });
+  ASSERT_TRUE(decoder.ok()) << decoder.error().message;
+  for (int round = 0; round < 2; ++round) {  // again after flush, from the key sample
+    times.clear();
+    lumas.clear();
+    for (const auto& sample : s.samples) {
+      ASSERT_TRUE(decoder.value()->decode(sample.bytes, sample.timestamp_us, sample.key).ok());
+    }
+    ASSERT_TRUE(decoder.value()->flush().ok());
+    ASSERT_EQ(times.size(), 19u);
+    for (size_t i = 0; i < times.size(); ++i) EXPECT_NEAR(times[i] - times[0], 40000.0 * i, 1) << i;
+  }
+  auto video = openVideoFile(kSample + "/run/cam00.mp4", 1);
+  for (size_t i = 0; i < lumas.size(); ++i) {
+    const Image picture = *video.value()->next().value();
+    EXPECT_EQ(*picture.at(360, 400), std::lround(clamp255((lumas[i] - 16) * 255.0 / 219))) << i;
+  }
+}
+
+TEST(PlatformSampleDecoder, StartsOnlyAtAKeySample) {
+  const Samples s = demux(kSample + "/run/cam00.mp4");
+  int pictures = 0;
+  auto decoder = SampleDecoder::create("avc1.64001f", s.description, [&](const I420View&, int64_t) { ++pictures; });
+  ASSERT_TRUE(decoder.ok());
+  auto feed = [&](size_t i) {
+    return decoder.value()->decode(s.samples[i].bytes, s.samples[i].timestamp_us, s.samples[i].key);
+  };
+  EXPECT_EQ(feed(1).error().id, ErrorId::VideoInvalid);
+  EXPECT_TRUE(feed(0).ok());
+  decoder.value()->reset();
+  EXPECT_EQ(feed(1).error().id, ErrorId::VideoInvalid);
+  EXPECT_TRUE(decoder.value()->flush().ok());  // nothing pending
+  EXPECT_EQ(pictures, 0);
+}
+
+TEST(PlatformSampleDecoder, DamagedSamplesAreErrors) {
+  const Samples s = demux(kSample + "/run/cam00.mp4");
+  auto decoder = SampleDecoder::create("avc1.64001f", s.description, [](const I420View&, int64_t) {});
+  ASSERT_TRUE(decoder.ok());
+  auto decode = [&](std::vector<uint8_t> bytes) {
+    decoder.value()->reset();
+    Status status = decoder.value()->decode(bytes, 0, true);
+    return status.ok() ? decoder.value()->flush() : status;
+  };
+  EXPECT_TRUE(decode(s.samples[0].bytes).ok());
+  EXPECT_EQ(decode({}).error().id, ErrorId::VideoInvalid);
+  EXPECT_EQ(decode(std::vector<uint8_t>(500, 0xff)).error().id, ErrorId::VideoInvalid);
+  auto half = s.samples[0].bytes;
+  half.resize(half.size() / 2);
+  EXPECT_EQ(decode(half).error().id, ErrorId::VideoInvalid);
+  auto scrambled = s.samples[0].bytes;
+  for (size_t i = scrambled.size() / 2; i < scrambled.size(); i += 97) scrambled[i] ^= 0x5a;
+  EXPECT_EQ(decode(scrambled).error().id, ErrorId::VideoInvalid);
+}
+
+TEST(PlatformSampleDecoder, UnknownCodecAndBadDescription) {
+  EXPECT_EQ(SampleDecoder::create("hvc1.1.6.L93", {}, nullptr).error().id, ErrorId::DecoderUnsupported);
+  EXPECT_EQ(SampleDecoder::create("", {}, nullptr).error().id, ErrorId::DecoderUnsupported);
+  EXPECT_TRUE(SampleDecoder::create("vp09.00.10.08", {}, nullptr).ok());
+  EXPECT_TRUE(SampleDecoder::create("av01.0.04M.08", {}, nullptr).ok());
+}
+
+}  // namespace
+}  // namespace fourdvt::platform

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// node tests/web/check.mjs SITE OUT FOURDVT CHARACTER: the last step of `bash site/demo.sh --check`.
+// Opens the served site, orbits walk and run, compares the silhouette's size with native stills, watches frames advance.
+import { mkdirSync, readdirSync, readFileSync } from 'node:fs';
+import { join, resolve } from 'node:path';
+import { gzipSync } from 'node:zlib';
+
+import { kPatienceMs, launch, openPage, readCanvas, renderNative, showPose, waitForEvent, writePicture } from './harness.mjs';
+import { serve } from './server.mjs';
+import { coverage } from './ssim.mjs';
+
+const kAzimuths = [0, 90, 180, 270];
+const kFrame = 7;
+const kElevation = 10;
+const kDistance = 4.6;       // the whole performer is in the picture
+const kCoverageTolerance = 0.1;
+const kDistinctFrames = 5;
+
+const paths = process.argv.slice(2).map((path) => resolve(path));
+if (paths.length !== 4) {
+  console.error('usage: node tests/web/check.mjs SITE OUT FOURDVT CHARACTER');
+  process.exit(2);
+}
+const [site, out, binary, character] = paths;
+const failures = [];
+
+function report(ok, text) {
+  console.log(`${ok ? 'ok  ' : 'FAIL'} ${text}`);
+  if (!ok) failures.push(text);
+}
+
+function playerBytes() {
+  const folder = join(site, 'fourdvt-viewer');
+  const files = readdirSync(folder).filter((name) => /\.(js|wasm)$/.test(name));
+  return files.reduce((sum, name) => sum + gzipSync(readFileSync(join(folder, name)), { level: 9 }).length, 0);
+}
+
+async function comparePose(page, pose) {
+  await showPose(page, pose);
+  const shown = await readCanvas(page);
+  const name = `${pose.sequence}-${String(pose.azimuth).padStart(3, '0')}`;
+  writePicture(join(out, `${name}.png`), shown);
+  const native = await renderNative(binary, character, pose, shown.width, shown.height, join(out, `${name}-native.png`));
+  const [here, there] = [coverage(shown), coverage(native)];
+  const percent = (fraction) => `${(100 * fraction).toFixed(2)} %`;
+  report(there > 0.005 && Math.abs(here - there) <= kCoverageTolerance * there,
+    `${pose.sequence} from ${pose.azimuth}°: covers ${percent(here)} of ${shown.width}×${shown.height}, native ${percent(there)}`);
+}
+
+// Distinct frames shown while playing, until there are enough or patience ends.
+async function watchFrames(page, sequence) {
+  const seen = await page.evaluate(async ({ sequence, wanted, patience }) => {
+    const viewer = document.querySelector('fourdvt-viewer');
+    viewer.sequence = sequence;
+    viewer.play();
+    const frames = new Set();
+    const end = performance.now() + patience;
+    while (frames.size < wanted && performance.now() < end) {
+      if (viewer.sequence === sequence) frames.add(viewer.frame);
+      await new Promise((next) => setTimeout(next, 10));
+    }
+    viewer.pause();
+    return [...frames];
+  }, { sequence, wanted: kDistinctFrames, patience: kPatienceMs });
+  report(seen.length >= kDistinctFrames, `${sequence} plays: frames ${seen.join(', ')} seen`);
+}
+
+async function check(page, address) {
+  await page.goto(address);
+  const first = await waitForEvent(page, 'canplay');
+  console.log(`time to first picture: ${(first / 1000).toFixed(2)} s (headless, software GL)`);
+  for (const sequence of ['walk', 'run']) {
+    for (const azimuth of kAzimuths) {
+      await comparePose(page, { sequence, frame: kFrame, azimuth, elevation: kElevation, distance: kDistance });
+    }
+  }
+  for (const sequence of ['walk', 'run']) await watchFrames(page, sequence);
+  const stats = await page.evaluate(() => document.querySelector('fourdvt-viewer').stats);
+  report(stats.barcodeChecked > 0 && stats.barcodeMismatches === 0,
+    `frame pairing: ${stats.barcodeMismatches} mismatches in ${stats.barcodeChecked} pictures`);
+  report(page.troubles.length === 0, `browser console: ${page.troubles.join(' | ') || 'no errors'}`);
+}
+
+mkdirSync(out, { recursive: true });
+const server = await serve(site);
+const browser = await launch();
+try {
+  await check(await openPage(browser), server.url);
+} catch (error) {
+  report(false, error.message);
+} finally {
+  await browser.close();
+  await server.close();
+}
+console.log(`player: ${(playerBytes() / 1024).toFixed(1)} KiB gzip (JavaScript + wasm)`);
+console.log(`screenshots: ${out}`);
+if (failures.length) console.error(`${failures.length} of the checks failed`);
+process.exit(failures.length ? 1 : 0);

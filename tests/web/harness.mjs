@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the browser tests share: environment, headless Chromium, posing the viewer, reading its canvas, native stills.
+import assert from 'node:assert/strict';
+import { execFile } from 'node:child_process';
+import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { join } from 'node:path';
+import { promisify } from 'node:util';
+
+import { decodePng, encodePng } from './png.mjs';
+
+/** npm packages live beside the player: web/node_modules. */
+export const requireFromWeb = createRequire(new URL('../../web/package.json', import.meta.url));
+const { chromium } = requireFromWeb('playwright-core');
+const run = promisify(execFile);
+
+export const kPatienceMs = 120_000;  // software GL on a busy machine
+export const kFovDeg = 30;           // vertical, native and page
+
+const kFlags = ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking',
+  '--disable-component-update', '--disable-sync', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
+  '--autoplay-policy=no-user-gesture-required'];
+
+/** The value of FOURDVT_<name>; a test without its environment fails rather than skips. */
+export function environment(name) {
+  const value = process.env[`FOURDVT_${name}`];
+  assert.ok(value, `FOURDVT_${name} is not set; run the browser tests through ctest (bash tests/run.sh)`);
+  return value;
+}
+
+export function outputFolder(name) {
+  const folder = join(environment('OUT'), name);
+  mkdirSync(folder, { recursive: true });
+  return folder;
+}
+
+export function launch() {
+  return chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: kFlags });
+}
+
+/**
+ * A page that keeps everything that went wrong in `page.troubles`. Canvases keep their last picture for reading back.
+ * options: playwright's newPage options.
+ */
+export async function openPage(browser, options = {}) {
+  const page = await browser.newPage({ deviceScaleFactor: 1, viewport: { width: 720, height: 1100 }, ...options });
+  page.setDefaultTimeout(kPatienceMs);
+  page.troubles = [];
+  page.on('pageerror', (error) => page.troubles.push(`uncaught: ${error.message}`));
+  page.on('console', (line) => {
+    if (line.type() === 'error') page.troubles.push(`console: ${line.text()}`);
+  });
+  await page.addInitScript(() => {
+    const original = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (kind, options) {
+      return original.call(this, kind, kind.startsWith('webgl') ? { ...options, preserveDrawingBuffer: true } : options);
+    };
+    addEventListener('unhandledrejection', (event) => console.error(`unhandled rejection: ${event.reason}`));
+    // Events of the first viewer, with the time since navigation in ms.
+    const seen = (globalThis.viewerEvents = []);
+    for (const type of ['loadstart', 'loadedmetadata', 'canplay', 'playing', 'waiting', 'ended', 'error']) {
+      addEventListener(type, (event) => {
+        if (event.target.localName !== 'fourdvt-viewer') return;
+        seen.push({ type, ms: performance.now(), detail: event.detail ?? null });
+      }, true);
+    }
+  });
+  return page;
+}
+
+/** Milliseconds from navigation to the event of the first viewer; fails at once if an error event came before. */
+export async function waitForEvent(page, type) {
+  const handle = await page.waitForFunction((wanted) => {
+    const seen = globalThis.viewerEvents ?? [];
+    return seen.find((e) => e.type === wanted) ?? seen.find((e) => e.type === 'error');
+  }, type, { timeout: kPatienceMs, polling: 50 });
+  const event = await handle.jsonValue();
+  assert.equal(event.type, type, `the viewer reports an error instead of ${type}: ${JSON.stringify(event.detail)}`);
+  return event.ms;
+}
+
+/** Shows one frame from one side, at once, without shadow, paused. pose: { sequence, frame, azimuth, elevation, distance }. */
+export async function showPose(page, pose) {
+  await page.evaluate(async ({ sequence, frame, azimuth, elevation, distance, fov }) => {
+    const viewer = document.querySelector('fourdvt-viewer');
+    viewer.pause();
+    viewer.shadow = false;
+    viewer.fieldOfView = fov;
+    viewer.cameraOrbit = `${azimuth}deg ${elevation}deg ${distance}m`;
+    viewer.jumpCameraToGoal();
+    viewer.sequence = sequence;
+    viewer.frame = frame;
+  }, { fov: kFovDeg, ...pose });
+  await page.waitForFunction(({ sequence, frame }) => {
+    const viewer = document.querySelector('fourdvt-viewer');
+    return viewer.sequence === sequence && viewer.frame === frame && !viewer.seeking;
+  }, pose, { timeout: kPatienceMs, polling: 50 });
+  // Two drawn pictures later the canvas shows it.
+  await page.evaluate(() => new Promise((done) => {
+    requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done, 50))));
+  }));
+}
+
+/** The viewer's canvas as a straight-alpha picture. */
+export async function readCanvas(page) {
+  const { width, height, base64 } = await page.evaluate(() => {
+    const canvas = document.querySelector('fourdvt-viewer').shadowRoot.querySelector('canvas');
+    const copy = document.createElement('canvas');
+    copy.width = canvas.width;
+    copy.height = canvas.height;
+    const context = copy.getContext('2d', { willReadFrequently: true });
+    context.drawImage(canvas, 0, 0);
+    const { data } = context.getImageData(0, 0, copy.width, copy.height);
+    let text = '';
+    for (let at = 0; at < data.length; at += 0x8000) text += String.fromCharCode(...data.subarray(at, at + 0x8000));
+    return { width: copy.width, height: copy.height, base64: btoa(text) };
+  });
+  return { width, height, data: new Uint8Array(Buffer.from(base64, 'base64')) };
+}
+
+export function writePicture(file, picture) {
+  writeFileSync(file, encodePng(picture));
+}
+
+/** The same pose by `fourdvt render`, without shadow. */
+export async function renderNative(binary, character, pose, width, height, file) {
+  const { sequence, frame, azimuth, elevation, distance } = pose;
+  await run(binary, ['render', character, '--sequence', sequence, '--frame', String(frame), '--azimuth', String(azimuth),
+    '--elevation', String(elevation), '--distance', String(distance), '--size', `${width}x${height}`, '--no-shadow',
+    '-o', file], { timeout: kPatienceMs });
+  return decodePng(readFileSync(file));
+}

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+// WebCodecs behind the player's decode requests. Holds a bounded number of pictures, in presentation order, until the
+// player has a slot for them, and closes VideoFrames as soon as their pixels are copied.
+// Path 'i420': pixels are copied out (I420 or NV12 planes). Path 'rgba': the VideoFrame itself waits for the GPU.
+import { ViewerError } from './errors.js';
+import type { PictureKind, Planes } from './wasm-player.js';
+
+const MAX_HELD = 3;   // pictures waiting for a slot, beyond them the decoder is not fed
+const MAX_QUEUED = 6; // samples inside the decoder
+
+export type Picture =
+  | { kind: 'i420'; timestampUs: number; pixels: Uint8Array; planes: Planes }
+  | { kind: 'rgba'; timestampUs: number; frame: VideoFrame };
+
+export interface DecoderCallbacks {
+  onPicture(): void;
+  /** The picture's planes cannot be read (opaque GPU frame): only the 'rgba' path can show it. */
+  onNoPlanes(): void;
+  onError(error: ViewerError): void;
+  /** Once: the first picture, for measuring; the callee closes it. */
+  onFirstFrame?(frame: VideoFrame): void;
+}
+
+type Command = { chunk: EncodedVideoChunk } | 'flush';
+
+export class FrameDecoder {
+  readonly #path: PictureKind;
+  readonly #callbacks: DecoderCallbacks;
+  #decoder: VideoDecoder | null = null;
+  #config: VideoDecoderConfig | null = null;
+  #commands: Command[] = [];
+  #frames: VideoFrame[] = [];
+  #pictures: Picture[] = [];
+  #pool: Uint8Array[] = [];
+  #generation = 0;
+  #copying = false;
+  #first = true;
+
+  constructor(path: PictureKind, callbacks: DecoderCallbacks) {
+    if (typeof VideoDecoder === 'undefined') {
+      throw new ViewerError('decoder-unsupported', 'this browser has no WebCodecs VideoDecoder: open the page in a newer one');
+    }
+    this.#path = path;
+    this.#callbacks = callbacks;
+  }
+
+  configure(codec: string, description: Uint8Array, width: number, height: number): void {
+    this.#forget();
+    this.#config = { codec, codedWidth: width, codedHeight: height, optimizeForLatency: true };
+    if (description.length) this.#config.description = description.slice();
+    if (this.#decoder?.state !== 'closed') this.#decoder?.close();
+    this.#decoder = new VideoDecoder({
+      output: (frame) => this.#onFrame(frame),
+      error: (reason) => this.#fail(reason),
+    });
+    this.#apply(() => this.#decoder!.configure(this.#config!));
+  }
+
+  decode(bytes: Uint8Array, timestampUs: number, key: boolean): void {
+    const chunk = new EncodedVideoChunk({ type: key ? 'key' : 'delta', timestamp: timestampUs, data: bytes });
+    this.#commands.push({ chunk });
+    this.feed();
+  }
+  flush(): void {
+    this.#commands.push('flush');
+    this.feed();
+  }
+  reset(): void {
+    this.#forget();
+    if (!this.#decoder || this.#decoder.state === 'closed' || !this.#config) return;
+    this.#apply(() => {
+      this.#decoder!.reset();
+      this.#decoder!.configure(this.#config!);
+    });
+  }
+  dispose(): void {
+    this.#forget();
+    if (this.#decoder && this.#decoder.state !== 'closed') this.#decoder.close();
+    this.#decoder = null;
+    this.#pool = [];
+  }
+
+  /** Hands samples to the decoder while there is room behind it. */
+  feed(): void {
+    const decoder = this.#decoder;
+    while (decoder && decoder.state === 'configured' && this.#commands.length) {
+      if (this.#frames.length + this.#pictures.length >= MAX_HELD || decoder.decodeQueueSize >= MAX_QUEUED) return;
+      const command = this.#commands.shift()!;
+      if (command === 'flush') decoder.flush().catch(() => undefined);
+      else this.#apply(() => decoder.decode(command.chunk));
+    }
+  }
+
+  /** The earliest picture that waits. */
+  peek(): Picture | undefined {
+    return this.#pictures[0];
+  }
+  /** Drops it (shown or unwanted). */
+  shift(): void {
+    const picture = this.#pictures.shift();
+    if (picture) this.#release(picture);
+    this.#copyNext();
+    this.feed();
+  }
+  get busy(): boolean {
+    return this.#commands.length + this.#frames.length > 0 || (this.#decoder?.decodeQueueSize ?? 0) > 0;
+  }
+
+  #release(picture: Picture): void {
+    if (picture.kind === 'rgba') picture.frame.close();
+    else if (this.#pool.length < MAX_HELD) this.#pool.push(picture.pixels);
+  }
+
+  #onFrame(frame: VideoFrame): void {
+    if (this.#first) {
+      this.#first = false;
+      this.#callbacks.onFirstFrame?.(frame.clone());
+    }
+    if (this.#path === 'rgba') {
+      this.#pictures.push({ kind: 'rgba', timestampUs: frame.timestamp, frame });
+      this.#callbacks.onPicture();
+    } else {
+      this.#frames.push(frame);
+      this.#copyNext();
+    }
+    this.feed();
+  }
+
+  #copyNext(): void {
+    const frame = this.#frames[0];
+    if (this.#copying || !frame || this.#pictures.length >= MAX_HELD) return;
+    if (frame.format !== 'I420' && frame.format !== 'NV12') {
+      this.#forget();
+      this.#callbacks.onNoPlanes();
+      return;
+    }
+    this.#copying = true;
+    const generation = this.#generation;
+    const bytes = frame.allocationSize();
+    const pooled = this.#pool.pop();
+    const pixels = pooled?.length === bytes ? pooled : new Uint8Array(bytes);
+    frame.copyTo(pixels).then(
+      (layout) => this.#copied(generation, frame, pixels, layout),
+      (reason: unknown) => {
+        this.#copying = false;
+        if (generation === this.#generation) this.#fail(reason);
+        else this.#copyNext();
+      },
+    );
+  }
+
+  #copied(generation: number, frame: VideoFrame, pixels: Uint8Array, layout: PlaneLayout[]): void {
+    this.#copying = false;
+    if (generation === this.#generation) {
+      const rect = frame.visibleRect!;
+      const planes = { width: rect.width, height: rect.height, layout };
+      this.#pictures.push({ kind: 'i420', timestampUs: frame.timestamp, pixels, planes });
+      this.#frames.shift()!.close();
+      this.#callbacks.onPicture();
+      this.feed();
+    }
+    this.#copyNext();
+  }
+
+  #apply(action: () => void): void {
+    try {
+      action();
+    } catch (reason) {
+      this.#fail(reason);
+    }
+  }
+  #fail(reason: unknown): void {
+    this.#forget();
+    const name = reason instanceof Error ? reason.name : '';
+    const codec = this.#config?.codec ?? 'video';
+    const unsupported = name === 'NotSupportedError';
+    const message = reason instanceof Error ? reason.message : String(reason);
+    this.#callbacks.onError(unsupported
+      ? new ViewerError('decoder-unsupported', `this browser cannot decode ${codec}: bake a rendition with another codec`)
+      : new ViewerError('video-invalid', `${codec}: ${message}`));
+  }
+  #forget(): void {
+    ++this.#generation;
+    this.#commands = [];
+    for (const frame of this.#frames) frame.close();
+    this.#frames = [];
+    for (const picture of this.#pictures) this.#release(picture);
+    this.#pictures = [];
+  }
+}

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pointer, wheel and keys → orbit. Vertical panning stays with the page (touch-action: pan-y); the wheel zooms only
+// with Ctrl (pinch on a trackpad), or when the element has the focus or the `zoom` attribute.
+import type { OrbitCamera } from './orbit-camera.js';
+
+const KEY_STEP_DEG = 10;
+const KEY_ZOOM = 1.15;
+const DRAG_DEG_PER_HEIGHT = 240;
+
+export interface ControlsHost {
+  /** False: only the keys for playing work. */
+  orbits(): boolean;
+  wheelZooms(): boolean;
+  onInteract(): void;
+  togglePlay(): void;
+}
+
+export class OrbitControls {
+  readonly #stage: HTMLElement;
+  readonly #camera: OrbitCamera;
+  readonly #host: ControlsHost;
+  readonly #abort = new AbortController();
+  readonly #pointers = new Map<number, { x: number; y: number }>();
+  #pinch = 0;
+
+  constructor(stage: HTMLElement, camera: OrbitCamera, host: ControlsHost) {
+    this.#stage = stage;
+    this.#camera = camera;
+    this.#host = host;
+    const { signal } = this.#abort;
+    stage.addEventListener('pointerdown', (e) => this.#down(e), { signal });
+    stage.addEventListener('pointermove', (e) => this.#move(e), { signal });
+    for (const type of ['pointerup', 'pointercancel', 'lostpointercapture'] as const) {
+      stage.addEventListener(type, (e) => this.#up(e), { signal });
+    }
+    stage.addEventListener('wheel', (e) => this.#wheel(e), { signal, passive: false });
+    stage.addEventListener('keydown', (e) => this.#key(e), { signal });
+  }
+
+  dispose(): void {
+    this.#abort.abort();
+    this.#pointers.clear();
+  }
+  get dragging(): boolean {
+    return this.#pointers.size > 0;
+  }
+
+  #down(e: PointerEvent): void {
+    if (!this.#host.orbits() || (e.pointerType === 'mouse' && e.button !== 0) || this.#pointers.size >= 2) return;
+    this.#pointers.set(e.pointerId, { x: e.clientX, y: e.clientY });
+    try {
+      this.#stage.setPointerCapture(e.pointerId);
+    } catch {
+      // the pointer is gone already: its moves inside the stage still count
+    }
+    this.#pinch = this.#spread();
+    this.#host.onInteract();
+  }
+
+  #move(e: PointerEvent): void {
+    const last = this.#pointers.get(e.pointerId);
+    if (!last) return;
+    const dx = e.clientX - last.x;
+    const dy = e.clientY - last.y;
+    last.x = e.clientX;
+    last.y = e.clientY;
+    if (this.#pointers.size === 1) {
+      const degrees = DRAG_DEG_PER_HEIGHT / Math.max(this.#stage.clientHeight, 1);
+      this.#camera.rotate(-dx * degrees, dy * degrees);
+    } else {
+      const spread = this.#spread();
+      if (this.#pinch > 0 && spread > 0) this.#camera.zoom(this.#pinch / spread);
+      this.#pinch = spread;
+    }
+    this.#host.onInteract();
+  }
+
+  #up(e: PointerEvent): void {
+    this.#pointers.delete(e.pointerId);
+    this.#pinch = this.#spread();
+  }
+
+  #spread(): number {
+    const [a, b] = [...this.#pointers.values()];
+    return a && b ? Math.hypot(a.x - b.x, a.y - b.y) : 0;
+  }
+
+  #wheel(e: WheelEvent): void {
+    if (!this.#host.orbits() || !(e.ctrlKey || this.#host.wheelZooms())) return;
+    e.preventDefault();
+    const pixels = e.deltaY * (e.deltaMode === WheelEvent.DOM_DELTA_LINE ? 16 : 1);
+    this.#camera.zoom(Math.exp(Math.max(-200, Math.min(200, pixels)) * (e.ctrlKey ? 0.008 : 0.0015)));
+    this.#host.onInteract();
+  }
+
+  #key(e: KeyboardEvent): void {
+    if (e.altKey || e.ctrlKey || e.metaKey) return;
+    if (e.key === ' ') {
+      this.#host.togglePlay();
+      e.preventDefault();
+      return;
+    }
+    const action = this.#actions()[e.key];
+    if (!action || !this.#host.orbits()) return;
+    action();
+    e.preventDefault();
+    this.#host.onInteract();
+  }
+
+  #actions(): Record<string, () => void> {
+    const camera = this.#camera;
+    return {
+      ArrowLeft: () => camera.rotate(-KEY_STEP_DEG, 0),
+      ArrowRight: () => camera.rotate(KEY_STEP_DEG, 0),
+      ArrowUp: () => camera.rotate(0, KEY_STEP_DEG),
+      ArrowDown: () => camera.rotate(0, -KEY_STEP_DEG),
+      '+': () => camera.zoom(1 / KEY_ZOOM),
+      '=': () => camera.zoom(1 / KEY_ZOOM),
+      '-': () => camera.zoom(KEY_ZOOM),
+      Home: () => camera.reset(),
+    };
+  }
+}

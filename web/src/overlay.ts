@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// The element's shadow tree: canvas stage, poster, progress bar, play button, error line. Constructable style sheet
+// only, so that a strict style-src policy holds.
+const CSS = `
+:host { display: block; position: relative; overflow: hidden; contain: strict; width: 300px; height: 400px; }
+:host([hidden]) { display: none; }
+.stage { position: absolute; inset: 0; outline: none; touch-action: pan-y; user-select: none; -webkit-user-select: none; }
+.stage.orbits { cursor: grab; }
+.stage.orbits:active { cursor: grabbing; }
+.stage:focus-visible { box-shadow: inset 0 0 0 3px var(--fourdvt-focus, #5b8def); }
+canvas { position: absolute; inset: 0; width: 100%; height: 100%; display: block; }
+.poster { position: absolute; inset: 0; width: 100%; height: 100%; object-fit: contain; pointer-events: none;
+  transition: opacity .3s; }
+.bar { position: absolute; left: 0; right: 0; bottom: 0; height: var(--fourdvt-progress-height, 3px);
+  background: var(--fourdvt-progress-track, rgba(127,127,127,.25)); pointer-events: none; transition: opacity .3s; }
+.bar > div { height: 100%; width: 100%; transform-origin: left; transform: scaleX(0);
+  background: var(--fourdvt-progress-color, currentColor); transition: transform .15s; }
+.play { position: absolute; left: 50%; top: 50%; width: 64px; height: 64px; margin: -32px; border: 0; border-radius: 50%;
+  background: rgba(20,20,24,.6); color: #fff; font: 26px/64px system-ui, sans-serif; padding: 0 0 0 5px; cursor: pointer; }
+.error { position: absolute; left: 0; right: 0; bottom: 12px; text-align: center; margin: 0 auto; padding: 6px 12px;
+  width: fit-content; max-width: 90%; border-radius: 6px; font: 14px/1.4 system-ui, sans-serif; color: #fff;
+  background: rgba(20,20,24,.75); }
+.gone { opacity: 0; }
+[hidden] { display: none !important; }
+@media (prefers-reduced-motion: reduce) { .poster, .bar, .bar > div { transition: none; } }
+`;
+let sheet: CSSStyleSheet | undefined;
+
+function add<K extends keyof HTMLElementTagNameMap>(parent: Node, tag: K, name: string): HTMLElementTagNameMap[K] {
+  const element = document.createElement(tag);
+  element.className = name;
+  element.setAttribute('part', name);
+  parent.appendChild(element);
+  return element;
+}
+
+export class Overlay {
+  readonly stage: HTMLDivElement;
+  readonly #poster: HTMLImageElement;
+  readonly #bar: HTMLDivElement;
+  readonly #fill: HTMLDivElement;
+  readonly #play: HTMLButtonElement;
+  readonly #error: HTMLParagraphElement;
+  #canvas: HTMLCanvasElement | null = null;
+
+  constructor(root: ShadowRoot, onPlay: () => void) {
+    if (!sheet) {
+      sheet = new CSSStyleSheet();
+      sheet.replaceSync(CSS);
+    }
+    root.adoptedStyleSheets = [sheet];
+    this.stage = add(root, 'div', 'stage');
+    this.stage.tabIndex = 0;
+    this.stage.setAttribute('role', 'img');
+    this.#poster = add(root, 'img', 'poster');
+    this.#poster.alt = '';
+    this.#poster.hidden = true;
+    this.#bar = add(root, 'div', 'bar');
+    this.#bar.setAttribute('role', 'progressbar');
+    this.#bar.setAttribute('aria-label', 'Loading');
+    this.#bar.setAttribute('aria-valuemin', '0');
+    this.#bar.setAttribute('aria-valuemax', '100');
+    this.#fill = add(this.#bar, 'div', 'fill');
+    this.#play = add(root, 'button', 'play');
+    this.#play.type = 'button';
+    this.#play.textContent = '▶';
+    this.#play.setAttribute('aria-label', 'Play');
+    this.#play.addEventListener('click', onPlay);
+    this.#error = add(root, 'p', 'error');
+    this.#error.setAttribute('role', 'alert');
+    this.idle();
+  }
+
+  /** A canvas without a context yet; the previous one is removed. */
+  newCanvas(): HTMLCanvasElement {
+    this.dropCanvas();
+    this.#canvas = document.createElement('canvas');
+    this.#canvas.setAttribute('part', 'canvas');
+    this.stage.appendChild(this.#canvas);
+    return this.#canvas;
+  }
+  dropCanvas(): void {
+    this.#canvas?.remove();
+    this.#canvas = null;
+  }
+
+  setLabel(alt: string, orbits: boolean): void {
+    this.stage.setAttribute('aria-label', alt || '4D character');
+    if (orbits) this.stage.setAttribute('aria-keyshortcuts', 'ArrowLeft ArrowRight ArrowUp ArrowDown + - Home Space');
+    else this.stage.removeAttribute('aria-keyshortcuts');
+    this.stage.classList.toggle('orbits', orbits);
+  }
+  setTouchAction(value: string): void {
+    this.stage.style.touchAction = value;
+  }
+  setPoster(url: string | null): void {
+    if (url) this.#poster.src = url;
+    else this.#poster.removeAttribute('src');
+    this.#poster.hidden = !url;
+  }
+  get hasPoster(): boolean {
+    return !this.#poster.hidden;
+  }
+
+  idle(): void {
+    this.#bar.hidden = this.#play.hidden = this.#error.hidden = true;
+    this.#poster.classList.remove('gone');
+  }
+  loading(): void {
+    this.idle();
+    this.#bar.hidden = false;
+    this.#bar.classList.remove('gone');
+    this.progress(0);
+  }
+  progress(fraction: number): void {
+    this.#fill.style.transform = `scaleX(${fraction})`;
+    this.#bar.setAttribute('aria-valuenow', String(Math.round(100 * fraction)));
+  }
+  /** The first picture is on the canvas. */
+  ready(): void {
+    this.progress(1);
+    this.#bar.classList.add('gone');
+    this.#bar.hidden = true;
+    this.#poster.classList.add('gone');
+  }
+  offerPlay(offer: boolean): void {
+    this.#play.hidden = !offer;
+  }
+  fail(message: string): void {
+    this.#bar.hidden = this.#play.hidden = true;
+    this.#error.textContent = message;
+    this.#error.hidden = false;
+  }
+}

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// How a decoded picture gets into a texture: plane copies with our own colour matrix ('i420', deterministic), or the
+// browser's VideoFrame upload ('rgba', no copy on most GPUs). Measured once a tab with a real decoded frame.
+import type { PictureKind } from './wasm-player.js';
+
+export type UploadPath = PictureKind | 'auto';
+const KEY = 'fourdvt-upload-path';
+// The plane path also proves the frame's index by its barcode, so the other one must be clearly faster.
+const RGBA_ADVANTAGE = 0.8;
+
+export function rememberedPath(): PictureKind | null {
+  try {
+    const value = sessionStorage.getItem(KEY);
+    return value === 'i420' || value === 'rgba' ? value : null;
+  } catch {
+    return null;
+  }
+}
+export function rememberPath(path: PictureKind): void {
+  try {
+    sessionStorage.setItem(KEY, path);
+  } catch {
+    return; // storage is blocked: measure again next time
+  }
+}
+
+/** Puts a VideoFrame into an existing RGBA8 texture. Leaves default unpack state behind. */
+export function uploadVideoFrame(gl: WebGL2RenderingContext, texture: WebGLTexture, frame: VideoFrame): void {
+  gl.activeTexture(gl.TEXTURE0);
+  gl.bindTexture(gl.TEXTURE_2D, texture);
+  defaultUnpack(gl);
+  gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, gl.RGBA, gl.UNSIGNED_BYTE, frame);
+}
+
+function defaultUnpack(gl: WebGL2RenderingContext): void {
+  gl.bindBuffer(gl.PIXEL_UNPACK_BUFFER, null);
+  for (const name of [gl.UNPACK_ROW_LENGTH, gl.UNPACK_SKIP_ROWS, gl.UNPACK_SKIP_PIXELS]) gl.pixelStorei(name, 0);
+  gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+  gl.pixelStorei(gl.UNPACK_FLIP_Y_WEBGL, false);
+  gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, false);
+}
+
+function makeTexture(gl: WebGL2RenderingContext, format: number, width: number, height: number): WebGLTexture {
+  const texture = gl.createTexture();
+  gl.bindTexture(gl.TEXTURE_2D, texture);
+  gl.texStorage2D(gl.TEXTURE_2D, 1, format, width, height);
+  return texture;
+}
+
+// Waits until the texture has its pixels: reads one of them.
+function force(gl: WebGL2RenderingContext, texture: WebGLTexture): void {
+  const framebuffer = gl.createFramebuffer();
+  gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
+  gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
+  gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  gl.deleteFramebuffer(framebuffer);
+}
+
+async function timePlanes(gl: WebGL2RenderingContext, frame: VideoFrame): Promise<number> {
+  const { width, height } = frame.visibleRect!;
+  const pixels = new Uint8Array(frame.allocationSize());
+  const start = performance.now();
+  await frame.copyTo(pixels);
+  const elapsed = performance.now() - start;
+  const textures = [0, 1, 1].map((s) => makeTexture(gl, gl.R8, width >> s, height >> s));
+  const upload = performance.now();
+  gl.activeTexture(gl.TEXTURE0);
+  defaultUnpack(gl);
+  textures.forEach((texture, plane) => {
+    const s = plane ? 1 : 0;
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, width >> s, height >> s, gl.RED, gl.UNSIGNED_BYTE, pixels);
+  });
+  textures.forEach((texture) => force(gl, texture));
+  const total = elapsed + performance.now() - upload;
+  textures.forEach((texture) => gl.deleteTexture(texture));
+  return total;
+}
+
+function timeVideoFrame(gl: WebGL2RenderingContext, frame: VideoFrame): number {
+  const { width, height } = frame.visibleRect!;
+  const texture = makeTexture(gl, gl.RGBA8, width, height);
+  const start = performance.now();
+  uploadVideoFrame(gl, texture, frame);
+  force(gl, texture);
+  const total = performance.now() - start;
+  gl.deleteTexture(texture);
+  return total;
+}
+
+/** The faster path for frames like this one; the second of two runs counts. `touched`: GL state has changed. */
+export async function measurePath(gl: WebGL2RenderingContext, frame: VideoFrame, touched: () => void):
+    Promise<PictureKind> {
+  if (frame.format !== 'I420' && frame.format !== 'NV12') return 'rgba';
+  let planes = 0;
+  let whole = 0;
+  const alignment = gl.getParameter(gl.UNPACK_ALIGNMENT) as number;
+  for (let run = 0; run < 2; ++run) {
+    planes = await timePlanes(gl, frame);
+    whole = timeVideoFrame(gl, frame);
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, alignment);
+    touched();
+  }
+  return whole < RGBA_ADVANTAGE * planes ? 'rgba' : 'i420';
+}
