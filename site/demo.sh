@@ -33,7 +33,7 @@ step() { printf '\n== %s\n' "$*"; }
 # Runs quietly; on failure shows the end of the log.
 quiet() { local log=$root/build/$1.log; shift; "$@" >"$log" 2>&1 || { tail -n 60 "$log"; echo "failed: $* (whole log: $log)" >&2; exit 1; }; }
 
-packages=(build-essential cmake ninja-build ca-certificates dpkg-dev
+packages=(build-essential pkg-config cmake ninja-build ca-certificates dpkg-dev
   libglm-dev libtinygltf-dev nlohmann-json3-dev libdraco-dev libopencv-dev libgtest-dev
   libavcodec-dev libavformat-dev libavutil-dev libswscale-dev
   libegl-dev libgles-dev libegl1 libgles2 libgl1-mesa-dri

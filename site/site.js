@@ -33,7 +33,7 @@ function showTime() {
   const sequence = currentSequence();
   if (!sequence) return;
   const seconds = (scrubbing ? Number(scrub.value) / sequence.fps : viewer.currentTime).toFixed(2);
-  const total = (sequence.frameCount / sequence.fps).toFixed(2);
+  const total = (sequence.frames / sequence.fps).toFixed(2);
   if (!scrubbing) scrub.value = String(viewer.frame);
   scrub.setAttribute('aria-valuetext', `${seconds} of ${total} seconds`);
   time.value = `${seconds} / ${total} s`;
@@ -42,7 +42,7 @@ function showTime() {
 function showSequence() {
   const sequence = currentSequence();
   if (!sequence) return;
-  scrub.max = String(Math.max(1, sequence.frameCount - 1));
+  scrub.max = String(Math.max(1, sequence.frames - 1));
   const radio = [...motions.querySelectorAll('input')].find((input) => input.value === sequence.name);
   if (radio) radio.checked = true;
   showTime();
@@ -66,7 +66,7 @@ function buildMotions() {
 
 // A new motion starts moving at once, unless the visitor paused or asked for little motion.
 function chooseMotion(name) {
-  const wasAtEnd = !currentSequence()?.loop && viewer.frame + 1 >= (currentSequence()?.frameCount ?? 0);
+  const wasAtEnd = !currentSequence()?.loop && viewer.frame + 1 >= (currentSequence()?.frames ?? 0);
   viewer.sequence = name;
   if (wasAtEnd && !calm.matches) viewer.play();
 }
@@ -74,7 +74,7 @@ function chooseMotion(name) {
 function togglePlay() {
   if (!viewer.paused) return viewer.pause();
   const sequence = currentSequence();
-  if (sequence && viewer.frame + 1 >= sequence.frameCount) viewer.currentTime = 0;
+  if (sequence && viewer.frame + 1 >= sequence.frames) viewer.seekFrame(0);
   viewer.play();
 }
 
@@ -98,28 +98,23 @@ for (const type of ['pointerup', 'pointercancel', 'blur']) scrub.addEventListene
 scrub.addEventListener('input', () => {
   const sequence = currentSequence();
   if (!sequence) return;
-  viewer.currentTime = Number(scrub.value) / sequence.fps;
+  viewer.seekFrame(Number(scrub.value));
   showTime();
 });
 playButton.addEventListener('click', togglePlay);
-viewer.addEventListener('keydown', (event) => {
-  if (event.key !== ' ' || event.defaultPrevented) return;
-  event.preventDefault();
-  togglePlay();
-});
 
 viewer.addEventListener('loadedmetadata', buildMotions);
 viewer.addEventListener('sequencechange', showSequence);
 for (const type of ['timeupdate', 'seeked', 'ended']) viewer.addEventListener(type, showTime);
 for (const type of ['play', 'playing', 'pause', 'ended']) viewer.addEventListener(type, showPlaying);
-viewer.addEventListener('canplay', () => { if (!calm.matches) viewer.play(); }, { once: true });
 viewer.addEventListener('error', (event) => {
   const { id, message } = event.detail ?? {};
   const notice = byId('notice');
   notice.textContent = `The character cannot be shown: ${message ?? 'unknown reason'}${id ? ` (${id})` : ''}`;
   notice.hidden = false;
 });
-if (viewer.sequences?.length) buildMotions();
+if (viewer.sequences.length) buildMotions();
+showPlaying();
 
 const copy = byId('copy');
 copy.hidden = !navigator.clipboard;
@@ -134,20 +129,43 @@ copy.addEventListener('click', async () => {
   setTimeout(() => { copy.textContent = 'Copy'; }, 2000);
 });
 
-// Figures: [value, meaning] pairs from report.json.
 function showFigures(report) {
-  const numbers = { cameras: report.cameras, layers: report.layers };
-  if (Object.values(numbers).every((n) => Number.isInteger(n) && n > 0)) {
-    for (const [name, value] of Object.entries(numbers)) {
-      document.querySelector(`[data-figure="${name}"]`).textContent = String(value);
-    }
-    byId('figures-text').hidden = false;
+  const megabits = report.sequences.map((s) => s.total_mbit_per_s);
+  const figures = [
+    [report.cameras, 'cameras'],
+    [report.options.layers, 'texture layers'],
+    [report.faces.toLocaleString('en'), 'triangles'],
+    [`${(report.bytes / 1e6).toFixed(1)} MB`, `for ${report.sequences.map((s) => labelOf(s.name).toLowerCase()).join(', ')}`],
+    [`${Math.max(...megabits).toFixed(1)} Mbit/s`, 'at most while it plays'],
+  ];
+  byId('figures').replaceChildren(...figures.map(([value, meaning]) => {
+    const group = document.createElement('div');
+    group.append(document.createElement('dt'), document.createElement('dd'));
+    group.children[0].textContent = meaning;
+    group.children[1].textContent = value;
+    return group;
+  }));
+  for (const [name, value] of Object.entries({ cameras: report.cameras, layers: report.options.layers })) {
+    document.querySelector(`[data-figure="${name}"]`).textContent = String(value);
   }
+  byId('figures').hidden = byId('figures-text').hidden = false;
+}
+
+// The words about the sample capture belong to it alone.
+function showCapture({ name, credit }) {
+  if (name === 'actor_a') return;
+  for (const words of document.querySelectorAll('.sample')) words.hidden = true;
+  byId('credit').textContent = credit;
+  viewer.setAttribute('alt', name);
 }
 
 try {
   const answer = await fetch('character/report.json');
-  if (answer.ok) showFigures(await answer.json());
+  if (answer.ok) {
+    const report = await answer.json();
+    showCapture(report.capture);
+    showFigures(report);
+  }
 } catch {
-  // Without a report the page simply says less.
+  // Without a readable report the page says less.
 }

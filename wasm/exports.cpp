@@ -55,6 +55,7 @@ struct EventBlock {
 struct StateBlock {
   int32_t has_frame = 0, paused = 1;
   int32_t frame = 0, sequence = -1;
+  int32_t seeking = 0, pad = 0;
   double current_time_s = 0;
   double frames_shown = 0, frames_late = 0, barcode_checked = 0, barcode_mismatches = 0;
   double bytes_fetched = 0, encoded_bytes_held = 0;
@@ -75,7 +76,7 @@ struct SequenceBlock {
 };
 
 static_assert(sizeof(ErrorBlock) == 20 && sizeof(RequestBlock) == 64 && offsetof(RequestBlock, offset) == 40);
-static_assert(offsetof(EventBlock, loaded_bytes) == 32 && sizeof(StateBlock) == 96 && sizeof(SequenceBlock) == 32);
+static_assert(offsetof(EventBlock, loaded_bytes) == 32 && sizeof(StateBlock) == 104 && sizeof(SequenceBlock) == 32);
 static_assert(offsetof(CharacterBlock, layers) == 56 && offsetof(CharacterBlock, name) == 72);
 
 struct Instance {
@@ -276,7 +277,10 @@ FDVT void fdvt_commit_slot(Instance* h, int32_t slot) {
   h->player->commitSlot(slot);
 }
 // After page code used the context for itself.
-FDVT void fdvt_invalidate_state(Instance* h) { h->device->invalidateState(); }
+FDVT void fdvt_invalidate_state(Instance* h) {
+  makeCurrent(h);
+  h->device->invalidateState();
+}
 
 // background: premultiplied sRGB-encoded; debug: render::DebugView.
 FDVT void fdvt_set_options(Instance* h, float r, float g, float b, float a, int32_t ground_shadow, float strength,
@@ -306,6 +310,7 @@ FDVT const StateBlock* fdvt_state(Instance* h) {
   StateBlock& out = h->state = {};
   out.has_frame = p.hasFrame();
   out.paused = p.paused();
+  out.seeking = p.seeking();
   out.frame = static_cast<int32_t>(p.frame());
   if (p.character() && p.sequence())
     out.sequence = static_cast<int32_t>(p.sequence() - p.character()->sequences.data());

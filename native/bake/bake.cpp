@@ -301,8 +301,10 @@ Result<BakeReport> runJob(const Job& job, const BakeEnvironment& environment, St
 
 }  // namespace
 
-Result<BakeReport> bake(const BakeOptions& options, const BakeEnvironment& environment) {
+Result<BakeReport> bake(const BakeOptions& given, const BakeEnvironment& environment) {
   const auto started = std::chrono::steady_clock::now();
+  BakeOptions options = given;
+  while (options.character_folder.size() > 1 && options.character_folder.back() == '/') options.character_folder.pop_back();
   StageClock clock;
   auto job = [&] {
     StageClock::Span span(clock, "validate");

@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bake/gpu_capture.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 namespace fourdvt::bake {
 namespace {
-
-constexpr int kCropMargin = 8;  // pixels
 
 Result<gpu::Texture> makeTable(gpu::Device& device, size_t count, const char* label) {
   gpu::TextureDesc desc;
@@ -25,40 +19,6 @@ void updateTable(gpu::Device& device, gpu::TextureId table, std::vector<glm::vec
   const int rows = tableRows(values.size());
   values.resize(static_cast<size_t>(rows) * kTableWidth);
   device.updateTexture(table, 0, 0, 0, kTableWidth, rows, values.data());
-}
-
-PictureCrop cropPicture(const PinholeCamera& camera, const Positions& positions, const Image& picture) {
-  constexpr double kInf = std::numeric_limits<double>::max();
-  glm::dvec3 low(kInf), high(-kInf);
-  for (const glm::vec3& p : positions) {
-    const glm::dvec3 pixel = camera.project(glm::dvec3(p));
-    if (pixel.z <= 1e-3) continue;
-    low = glm::min(low, pixel);
-    high = glm::max(high, pixel);
-  }
-  PictureCrop crop;
-  if (low.z > high.z) return crop;
-  crop.near_m = static_cast<float>(std::max(0.9 * low.z, 1e-3));
-  crop.far_m = static_cast<float>(1.1 * high.z);
-  const int x0 = int(std::clamp(std::floor(low.x) - kCropMargin, 0.0, double(camera.width)));
-  const int y0 = int(std::clamp(std::floor(low.y) - kCropMargin, 0.0, double(camera.height)));
-  const int x1 = int(std::clamp(std::ceil(high.x) + kCropMargin, 0.0, double(camera.width)));
-  const int y1 = int(std::clamp(std::ceil(high.y) + kCropMargin, 0.0, double(camera.height)));
-  if (x1 <= x0 || y1 <= y0) return crop;
-  crop.x = x0;
-  crop.y = y0;
-  crop.width = x1 - x0;
-  crop.height = y1 - y0;
-  crop.premultiplied.resize(static_cast<size_t>(crop.width) * crop.height * 4);
-  uint8_t* out = crop.premultiplied.data();
-  for (int y = y0; y < y1; ++y) {
-    const uint8_t* in = picture.at(x0, y);
-    for (int x = 0; x < crop.width; ++x, in += 4, out += 4) {
-      for (int c = 0; c < 3; ++c) out[c] = static_cast<uint8_t>((in[c] * in[3] + 127) / 255);
-      out[3] = in[3];
-    }
-  }
-  return crop;
 }
 
 Result<GpuCapture> GpuCapture::create(gpu::Device& device, const std::vector<PinholeCamera>& cameras,

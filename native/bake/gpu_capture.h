@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "bake/picture_crop.h"
 #include "base/camera.h"
 #include "base/mesh.h"
 #include "gpu/device.h"
@@ -14,16 +15,6 @@ namespace fourdvt::bake {
 constexpr int kTableWidth = 256;          // texels a row of table textures
 constexpr const char* kTableDefine = "TABLE_WIDTH 256\n";
 constexpr float kDepthBias_m = 0.004f;    // on top of one pixel's slope
-
-// What of a picture the frame needs: premultiplied RGBA of the mesh's projection plus a margin.
-struct PictureCrop {
-  int x = 0, y = 0, width = 0, height = 0;  // pixels; empty if the mesh is out of sight
-  float near_m = 0, far_m = 0;              // depth range of the mesh
-  std::vector<uint8_t> premultiplied;       // height × width × 4
-};
-
-// `picture` is RGBA with the camera's size. No GL: may run on any thread.
-PictureCrop cropPicture(const PinholeCamera& camera, const Positions& positions, const Image& picture);
 
 class GpuCapture {
  public:

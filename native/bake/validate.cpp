@@ -158,8 +158,6 @@ Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environm
   if (const std::string wrong = options.check(); !wrong.empty()) return bad(wrong);
   Job job;
   job.options = options;
-  while (job.options.character_folder.size() > 1 && job.options.character_folder.back() == '/')
-    job.options.character_folder.pop_back();
   if (job.options.jobs == 0) job.options.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   FOURDVT_TRY(checkOutput(job.options));
   auto capture = capture::openCapture(options.capture_folder, environment.open_video, options.sequences);

@@ -270,8 +270,8 @@ std::string CheckedDevice::whyNotBlit(TargetId from, TargetId to, int width, int
     return "outside its destination";
   if (destination && destination->samples > 1) return "its destination is multisampled";
   if (source && source->samples > 1 && (to_x != 0 || to_y != 0)) return "a multisampled source cannot be moved";
-  if (source && destination && (source->formats.empty() || destination->formats.empty() ||
-                                source->formats[0] != destination->formats[0]))
+  if (source && destination &&
+      (source->formats.empty() || destination->formats.empty() || source->formats[0] != destination->formats[0]))
     return "formats differ";
   return {};
 }

@@ -23,7 +23,7 @@ struct TargetRecord {
   std::string label;
   int width = 0, height = 0, samples = 0;
   bool own_color = false, own_depth = false;
-  std::vector<PixelFormat> formats;  // of the colour attachments
+  std::vector<PixelFormat> formats;                              // of the colour attachments
   uint32_t framebuffer = 0, color_buffer = 0, depth_buffer = 0;  // set by the back end
 };
 
@@ -63,8 +63,7 @@ class CheckedDevice : public Device {
   virtual void onDestroyTarget(const TargetRecord& target) = 0;
   virtual void onBeginPass(const Pass& pass, const TargetRecord* target) = 0;  // target null: the default one
   virtual void onDraw(const Draw& draw) = 0;
-  virtual void onBlit(const TargetRecord* from, const TargetRecord* to, int width, int height, int to_x,
-                      int to_y) = 0;
+  virtual void onBlit(const TargetRecord* from, const TargetRecord* to, int width, int height, int to_x, int to_y) = 0;
   virtual Status onReadPixels(const TargetRecord* target, PixelFormat format, int x, int y, int width, int height,
                               void* out) = 0;
   virtual std::string onTakeErrors() { return {}; }

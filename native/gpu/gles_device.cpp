@@ -19,14 +19,22 @@ struct GlFormat {
 
 GlFormat glFormat(PixelFormat format) {
   switch (format) {
-    case PixelFormat::R8: return {GL_R8, GL_RED, GL_UNSIGNED_BYTE};
-    case PixelFormat::RG8: return {GL_RG8, GL_RG, GL_UNSIGNED_BYTE};
-    case PixelFormat::RGBA8: return {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE};
-    case PixelFormat::R32UI: return {GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT};
-    case PixelFormat::RG32F: return {GL_RG32F, GL_RG, GL_FLOAT};
-    case PixelFormat::RGBA32F: return {GL_RGBA32F, GL_RGBA, GL_FLOAT};
-    case PixelFormat::R32F: return {GL_R32F, GL_RED, GL_FLOAT};
-    case PixelFormat::Depth24: return {GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT};
+    case PixelFormat::R8:
+      return {GL_R8, GL_RED, GL_UNSIGNED_BYTE};
+    case PixelFormat::RG8:
+      return {GL_RG8, GL_RG, GL_UNSIGNED_BYTE};
+    case PixelFormat::RGBA8:
+      return {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE};
+    case PixelFormat::R32UI:
+      return {GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT};
+    case PixelFormat::RG32F:
+      return {GL_RG32F, GL_RG, GL_FLOAT};
+    case PixelFormat::RGBA32F:
+      return {GL_RGBA32F, GL_RGBA, GL_FLOAT};
+    case PixelFormat::R32F:
+      return {GL_R32F, GL_RED, GL_FLOAT};
+    case PixelFormat::Depth24:
+      return {GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT};
   }
   return {};
 }
@@ -62,13 +70,27 @@ GLenum samplerTarget(GLenum type) {
 void setUniform(GLint location, const Uniform& value) {
   const auto* floats = static_cast<const GLfloat*>(value.data);
   switch (value.kind) {
-    case Uniform::Kind::Int: glUniform1iv(location, value.count, static_cast<const GLint*>(value.data)); break;
-    case Uniform::Kind::UInt: glUniform1uiv(location, value.count, static_cast<const GLuint*>(value.data)); break;
-    case Uniform::Kind::Float: glUniform1fv(location, value.count, floats); break;
-    case Uniform::Kind::Vec2: glUniform2fv(location, value.count, floats); break;
-    case Uniform::Kind::Vec3: glUniform3fv(location, value.count, floats); break;
-    case Uniform::Kind::Vec4: glUniform4fv(location, value.count, floats); break;
-    case Uniform::Kind::Mat4: glUniformMatrix4fv(location, value.count, GL_FALSE, floats); break;
+    case Uniform::Kind::Int:
+      glUniform1iv(location, value.count, static_cast<const GLint*>(value.data));
+      break;
+    case Uniform::Kind::UInt:
+      glUniform1uiv(location, value.count, static_cast<const GLuint*>(value.data));
+      break;
+    case Uniform::Kind::Float:
+      glUniform1fv(location, value.count, floats);
+      break;
+    case Uniform::Kind::Vec2:
+      glUniform2fv(location, value.count, floats);
+      break;
+    case Uniform::Kind::Vec3:
+      glUniform3fv(location, value.count, floats);
+      break;
+    case Uniform::Kind::Vec4:
+      glUniform4fv(location, value.count, floats);
+      break;
+    case Uniform::Kind::Mat4:
+      glUniformMatrix4fv(location, value.count, GL_FALSE, floats);
+      break;
   }
 }
 
@@ -95,8 +117,8 @@ class GlesDevice final : public CheckedDevice {
     glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
     glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
     glBindVertexArray(0);
-    for (GLenum capability : {GL_DITHER, GL_STENCIL_TEST, GL_SCISSOR_TEST, GL_POLYGON_OFFSET_FILL, GL_RASTERIZER_DISCARD,
-                              GL_SAMPLE_ALPHA_TO_COVERAGE, GL_SAMPLE_COVERAGE})
+    for (GLenum capability : {GL_DITHER, GL_STENCIL_TEST, GL_SCISSOR_TEST, GL_POLYGON_OFFSET_FILL,
+                              GL_RASTERIZER_DISCARD, GL_SAMPLE_ALPHA_TO_COVERAGE, GL_SAMPLE_COVERAGE})
       glDisable(capability);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glDepthFunc(GL_LEQUAL);
@@ -136,8 +158,8 @@ class GlesDevice final : public CheckedDevice {
     return {};
   }
 
-  void onUpdateTexture(const TextureRecord& texture, int layer, int x, int y, int width, int height,
-                       const void* pixels, int stride_bytes) override {
+  void onUpdateTexture(const TextureRecord& texture, int layer, int x, int y, int width, int height, const void* pixels,
+                       int stride_bytes) override {
     const int pixel_bytes = bytesPerPixel(texture.desc.format);
     bindUnit(0, glTarget(texture), texture.native);
     if (stride_bytes % pixel_bytes == 0) {
@@ -238,7 +260,8 @@ class GlesDevice final : public CheckedDevice {
   void onDraw(const Draw& draw) override {
     const GlProgram& program = programs_[draw.program];
     if (program_ != program.name) glUseProgram(program_ = program.name);
-    for (const GlProgram::Slot& sampler : program.samplers) bindUnit(sampler.unit, sampler.target, boundTo(draw, sampler));
+    for (const GlProgram::Slot& sampler : program.samplers)
+      bindUnit(sampler.unit, sampler.target, boundTo(draw, sampler));
     for (const Uniform& value : draw.uniforms)
       for (const GlProgram::Slot& slot : program.uniforms)
         if (slot.name == value.name) setUniform(slot.location, value);

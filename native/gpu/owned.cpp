@@ -5,14 +5,22 @@ namespace fourdvt::gpu {
 
 int bytesPerPixel(PixelFormat format) {
   switch (format) {
-    case PixelFormat::R8: return 1;
-    case PixelFormat::RG8: return 2;
-    case PixelFormat::RGBA8: return 4;
-    case PixelFormat::R32UI: return 4;
-    case PixelFormat::RG32F: return 8;
-    case PixelFormat::RGBA32F: return 16;
-    case PixelFormat::R32F: return 4;
-    case PixelFormat::Depth24: return 4;
+    case PixelFormat::R8:
+      return 1;
+    case PixelFormat::RG8:
+      return 2;
+    case PixelFormat::RGBA8:
+      return 4;
+    case PixelFormat::R32UI:
+      return 4;
+    case PixelFormat::RG32F:
+      return 8;
+    case PixelFormat::RGBA32F:
+      return 16;
+    case PixelFormat::R32F:
+      return 4;
+    case PixelFormat::Depth24:
+      return 4;
   }
   return 0;
 }

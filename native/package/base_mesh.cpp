@@ -60,7 +60,8 @@ Result<BaseMesh> baseMeshFromDraco(const draco::Mesh& mesh) {
   if (!attributeValues(*position, out.positions) || !attributeValues(*uv, uv_values)) return invalid("bad values");
   MeshTopology& topology = out.topology;
   topology.vertex_count = static_cast<uint32_t>(out.positions.size());
-  for (uint32_t p = 0; p < points; ++p) topology.uvs.push_back(uv_values[uv->mapped_index(draco::PointIndex(p)).value()]);
+  for (uint32_t p = 0; p < points; ++p)
+    topology.uvs.push_back(uv_values[uv->mapped_index(draco::PointIndex(p)).value()]);
   for (uint32_t f = 0; f < mesh.num_faces(); ++f) {
     glm::uvec3 face_points, face_vertices;
     for (int c = 0; c < 3; ++c) {

@@ -16,18 +16,18 @@ struct BaseMesh {
 };
 
 struct EncodedBaseMesh {
-  std::vector<uint8_t> bytes;               // Draco, as KHR_draco_mesh_compression wants it
-  std::vector<uint32_t> source_vertex;      // decoded vertex → source vertex (non-manifold vertices may repeat)
-  std::vector<uint32_t> source_face;        // decoded face → source face; corner order may be rotated
-  BaseMesh decoded;                         // what decodeBaseMesh(bytes) gives
+  std::vector<uint8_t> bytes;                    // Draco, as KHR_draco_mesh_compression wants it
+  std::vector<uint32_t> source_vertex;           // decoded vertex → source vertex (non-manifold vertices may repeat)
+  std::vector<uint32_t> source_face;             // decoded face → source face; corner order may be rotated
+  BaseMesh decoded;                              // what decodeBaseMesh(bytes) gives
   int position_attribute = 0, uv_attribute = 0;  // Draco unique ids for the glTF extension
-  uint32_t point_count = 0;                 // glTF accessor count (unique position/uv pairs)
-  BoundingBox point_bounds;                 // of the decoded positions, exact: glTF accessor min/max
+  uint32_t point_count = 0;                      // glTF accessor count (unique position/uv pairs)
+  BoundingBox point_bounds;                      // of the decoded positions, exact: glTF accessor min/max
 };
 
 // position_bits/uv_bits: Draco quantisation. Errors: Internal.
-Result<EncodedBaseMesh> encodeBaseMesh(const MeshTopology& topology, const Positions& positions,
-                                       int position_bits = 14, int uv_bits = 13);
+Result<EncodedBaseMesh> encodeBaseMesh(const MeshTopology& topology, const Positions& positions, int position_bits = 14,
+                                       int uv_bits = 13);
 // Errors: MeshDataInvalid. Never allocates more than the counts that Draco has already checked against the bytes.
 Result<BaseMesh> decodeBaseMesh(std::span<const uint8_t> bytes);
 

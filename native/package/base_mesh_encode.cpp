@@ -26,7 +26,8 @@ int addFloats(draco::Mesh& mesh, GeometryAttribute::Type type, const std::vector
   constexpr int kComponents = sizeof(Vec) / sizeof(float);
   attribute.Init(type, nullptr, kComponents, draco::DT_FLOAT32, false, sizeof(Vec), 0);
   const int id = mesh.AddAttribute(attribute, false, static_cast<uint32_t>(values.size()));
-  for (uint32_t i = 0; i < values.size(); ++i) mesh.attribute(id)->SetAttributeValue(AttributeValueIndex(i), &values[i][0]);
+  for (uint32_t i = 0; i < values.size(); ++i)
+    mesh.attribute(id)->SetAttributeValue(AttributeValueIndex(i), &values[i][0]);
   return id;
 }
 
@@ -149,8 +150,8 @@ double verify(const EncodedBaseMesh& mesh, const MeshTopology& source, const Pos
 }
 
 // Pass 2: final bytes, decoded back and compared with pass 1's order.
-Status encodeFinal(const MeshTopology& topology, const Positions& positions, const BaseMesh& ordered,
-                   int position_bits, int uv_bits, EncodedBaseMesh& out) {
+Status encodeFinal(const MeshTopology& topology, const Positions& positions, const BaseMesh& ordered, int position_bits,
+                   int uv_bits, EncodedBaseMesh& out) {
   draco::Mesh plain;
   auto bytes = encode(*buildMesh(plain, topology, positions, false), position_bits, uv_bits);
   if (!bytes) return bytes.error();

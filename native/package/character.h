@@ -17,9 +17,9 @@ namespace fourdvt::package {
 constexpr const char* kExtensionName = "FOURDVT_layered_video_texture";
 constexpr int kFormatVersion = 1;
 constexpr int kMaxLayers = 6;
-constexpr int kMaxCameras = 31;      // a face's camera set is a 32-bit mask
+constexpr int kMaxCameras = 31;  // a face's camera set is a 32-bit mask
 constexpr int kMaxPictureSide = 4096;
-constexpr uint8_t kNoCamera = 255;   // label: slot empty
+constexpr uint8_t kNoCamera = 255;  // label: slot empty
 
 struct Rect {
   int x = 0, y = 0, width = 0, height = 0;  // texels of the tiled picture, origin top left
@@ -28,16 +28,16 @@ struct Rect {
 // 16 cells of luma (black/white), most significant first: 12-bit Gray code of the frame index, 4-bit CRC; the row of
 // cells appears twice, side by side. See package/barcode.h.
 struct BarcodeStrip {
-  Rect rect;          // 2*16 cells wide
-  int cell_size = 16; // texels
+  Rect rect;           // 2*16 cells wide
+  int cell_size = 16;  // texels
 };
 
 struct Rendition {
-  std::string video_uri;       // relative to the manifest
-  uint64_t video_bytes = 0;    // length of the file
-  std::string codec;           // RFC 6381, e.g. "avc1.640028"
-  int width = 0, height = 0;   // tiled picture, even
-  std::vector<Rect> layers;    // layer l of the character; square
+  std::string video_uri;      // relative to the manifest
+  uint64_t video_bytes = 0;   // length of the file
+  std::string codec;          // RFC 6381, e.g. "avc1.640028"
+  int width = 0, height = 0;  // tiled picture, even
+  std::vector<Rect> layers;   // layer l of the character; square
   BarcodeStrip barcode;
 };
 
@@ -47,10 +47,10 @@ struct Sequence {
   double fps = 0;
   bool loop = false;
   glm::dvec3 root_velocity_mps{0};
-  std::string stream_uri;      // .bin
+  std::string stream_uri;  // .bin
   uint64_t stream_bytes = 0;
-  uint32_t stream_header_bytes = 0;  // header + index: fetch this much first
-  std::vector<Rendition> renditions; // lowest bitrate first
+  uint32_t stream_header_bytes = 0;   // header + index: fetch this much first
+  std::vector<Rendition> renditions;  // lowest bitrate first
   double duration_s() const { return frame_count / fps; }
 };
 
@@ -62,7 +62,7 @@ struct Character {
   std::vector<PinholeCamera> cameras;         // label k is cameras[k]
   BoundingBox bounds;                         // over all frames of all sequences
   double ground_y_m = 0;
-  std::string mesh_uri;                       // file that holds the Draco base mesh
+  std::string mesh_uri;  // file that holds the Draco base mesh
   uint64_t mesh_offset = 0, mesh_bytes = 0;
   std::string poster_uri;
   std::vector<Sequence> sequences;

@@ -7,7 +7,7 @@
 namespace fourdvt::package {
 namespace {
 
-constexpr double kMaxCount = 1 << 22;         // vertices, faces
+constexpr double kMaxCount = 1 << 22;  // vertices, faces
 constexpr double kMaxFrames = 1 << 20;
 constexpr double kMaxBytes = 9007199254740992.0;  // 2^53, exact in JSON
 constexpr double kMaxHeaderBytes = 64 << 20;
@@ -79,7 +79,8 @@ class FieldReader {
   int arraySize(const std::string& pointer, int low, int high) {
     int count = 0;
     while (count <= high && json_.has(pointer + "/" + std::to_string(count))) ++count;
-    if (count < low || count > high) fail(pointer, "must have " + std::to_string(low) + " to " + std::to_string(high) + " entries");
+    if (count < low || count > high)
+      fail(pointer, "must have " + std::to_string(low) + " to " + std::to_string(high) + " entries");
     return ok() ? count : 0;
   }
 
@@ -109,8 +110,7 @@ PinholeCamera readCamera(FieldReader& in, const std::string& at) {
   camera.cx = in.number(at + "/cx", -1e6, 1e6);
   camera.cy = in.number(at + "/cy", -1e6, 1e6);
   for (int i = 0; i < 16; ++i) {
-    camera.cam_from_world[i / 4][i % 4] =
-        in.number(at + "/camFromWorld/" + std::to_string(i), -kMaxMetres, kMaxMetres);
+    camera.cam_from_world[i / 4][i % 4] = in.number(at + "/camFromWorld/" + std::to_string(i), -kMaxMetres, kMaxMetres);
   }
   if (in.ok() && !isRigid(camera.cam_from_world)) in.fail(at + "/camFromWorld", "is not a rotation and translation");
   return camera;
@@ -188,7 +188,8 @@ void readCharacter(FieldReader& in, const std::string& at, Character& c) {
 }
 
 Error invalid(const std::string& problem) {
-  return {ErrorId::ManifestInvalid, "character.gltf: " + problem + "; bake the character again or upload all its files"};
+  return {ErrorId::ManifestInvalid,
+          "character.gltf: " + problem + "; bake the character again or upload all its files"};
 }
 
 }  // namespace

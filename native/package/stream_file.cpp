@@ -69,7 +69,8 @@ Status readRendition(ByteReader& in, StreamIndex& index) {
 
 Status readChunks(ByteReader& in, StreamIndex& index, size_t header_bytes) {
   const uint32_t count = in.u32();
-  if (!in.ok() || count == 0 || count > index.frame_count || in.remaining() / 16 < count) return invalid("bad GOP count");
+  if (!in.ok() || count == 0 || count > index.frame_count || in.remaining() / 16 < count)
+    return invalid("bad GOP count");
   uint64_t next_frame = 0;
   for (uint32_t c = 0; c < count; ++c) {
     ChunkEntry chunk;

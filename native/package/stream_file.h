@@ -5,30 +5,29 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <span>
 #include <string>
 #include <vector>
-
-#include <glm/glm.hpp>
 
 #include "base/result.h"
 
 namespace fourdvt::package {
 
-struct ChunkEntry {            // one GOP
+struct ChunkEntry {  // one GOP
   uint32_t first_frame = 0, frame_count = 0;
-  uint64_t offset = 0;         // in the .bin
+  uint64_t offset = 0;  // in the .bin
   uint32_t bytes = 0;
 };
 
-struct VideoSample {           // in decoding order
-  uint64_t offset = 0;         // in the .mp4
+struct VideoSample {    // in decoding order
+  uint64_t offset = 0;  // in the .mp4
   uint32_t bytes = 0;
-  uint32_t frame = 0;          // presentation index: pairs with the mesh frame
+  uint32_t frame = 0;  // presentation index: pairs with the mesh frame
   bool key = false;
 };
 
-struct SampleTable {           // one rendition
+struct SampleTable {                         // one rendition
   std::vector<uint8_t> decoder_description;  // avcC / empty for codecs that need none
   std::vector<VideoSample> samples;          // grouped by chunk: a chunk's samples are contiguous in file and list
   std::vector<uint32_t> chunk_first_sample;  // size chunks+1
@@ -36,9 +35,9 @@ struct SampleTable {           // one rendition
 
 struct StreamIndex {
   uint32_t frame_count = 0, vertex_count = 0, face_count = 0, layer_count = 0;
-  glm::vec3 position_origin{0};   // position = origin + step * q
+  glm::vec3 position_origin{0};  // position = origin + step * q
   float position_step_m = 0;
-  std::vector<ChunkEntry> chunks; // contiguous frames 0..frame_count
+  std::vector<ChunkEntry> chunks;  // contiguous frames 0..frame_count
   std::vector<SampleTable> renditions;
   // Chunk that holds a frame.
   uint32_t chunkOfFrame(uint32_t frame) const;

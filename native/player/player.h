@@ -106,6 +106,7 @@ class Player {
   virtual uint32_t frame() const = 0;       // shown frame index
   virtual double currentTime() const = 0;   // seconds in the sequence
   virtual bool paused() const = 0;
+  virtual bool seeking() const = 0;         // the wanted sequence and frame are not on screen yet
   virtual PlayerStats stats() const = 0;
 };
 

@@ -11,7 +11,8 @@ constexpr uint32_t kEmptySlot = 31;
 constexpr int kLabelBits = 5;
 
 uint32_t tableRows(uint64_t texels) {
-  return static_cast<uint32_t>(std::max<uint64_t>(1, (texels + CharacterModel::kTableWidth - 1) / CharacterModel::kTableWidth));
+  return static_cast<uint32_t>(
+      std::max<uint64_t>(1, (texels + CharacterModel::kTableWidth - 1) / CharacterModel::kTableWidth));
 }
 
 Result<gpu::Texture> makeTable(gpu::Device& device, gpu::PixelFormat format, uint64_t texels, const char* label) {
@@ -105,6 +106,21 @@ void uploadPicture(gpu::Device& device, PictureTextures& picture, const I420View
   device.updateTexture(picture.v.id(), 0, 0, 0, half_width, half_height, frame.v, frame.stride_v);
 }
 
+void packLabels(const std::vector<glm::uvec3>& face_vertices, std::span<const uint8_t> labels, int layer_count,
+                int camera_count, std::vector<uint32_t>& packed, std::vector<uint32_t>& masks) {
+  const size_t face_count = face_vertices.size();
+  for (size_t face = 0; face < face_count; ++face) {
+    uint32_t cameras = 0;
+    for (int slot = 0; slot < layer_count; ++slot) {
+      const uint32_t label = labels[slot * face_count + face];
+      if (label >= static_cast<uint32_t>(camera_count)) continue;
+      packed[face] ^= (kEmptySlot ^ label) << (kLabelBits * slot);
+      cameras |= 1u << label;
+    }
+    for (int corner = 0; corner < 3; ++corner) masks[face_vertices[face][corner]] &= cameras;
+  }
+}
+
 Result<CharacterModel> CharacterModel::create(gpu::Device& device, const package::Character& character,
                                               const package::BaseMesh& mesh) {
   FOURDVT_TRY(checkMesh(device, character, mesh));
@@ -154,28 +170,13 @@ void CharacterModel::setGeometry(gpu::Device& device, const FrameGeometry& frame
     frame_bounds.min = glm::min(frame_bounds.min, position);
     frame_bounds.max = glm::max(frame_bounds.max, position);
   }
-  packLabels(frame.labels);
+  resizeToRows(masks_, vertex_count, 0xffffffffu);
+  resizeToRows(packed_, face_count, 0xffffffffu);
+  packLabels(face_vertices_, frame.labels, layer_count, camera_count, packed_, masks_);
   uploadTable(device, positions_normals, table_);
   uploadTable(device, vertex_masks, masks_);
   uploadTable(device, labels, packed_);
   geometry_serial = nextSerial();
-}
-
-// A label that is no camera of the character counts as empty.
-void CharacterModel::packLabels(std::span<const uint8_t> labels_of_slots) {
-  resizeToRows(masks_, vertex_count, 0xffffffffu);
-  resizeToRows(packed_, face_count, 0xffffffffu);
-  for (uint32_t face = 0; face < face_count; ++face) {
-    uint32_t packed = 0xffffffffu, cameras = 0;
-    for (int slot = 0; slot < layer_count; ++slot) {
-      const uint32_t label = labels_of_slots[static_cast<size_t>(slot) * face_count + face];
-      if (label >= static_cast<uint32_t>(camera_count)) continue;
-      packed ^= (kEmptySlot ^ label) << (kLabelBits * slot);
-      cameras |= 1u << label;
-    }
-    packed_[face] = packed;
-    for (int corner = 0; corner < 3; ++corner) masks_[face_vertices_[face][corner]] &= cameras;
-  }
 }
 
 void CharacterModel::setLayout(const package::Rendition& rendition) {

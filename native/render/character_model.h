@@ -29,6 +29,12 @@ struct PictureTextures {
 Result<PictureTextures> createPicture(gpu::Device& device, int width, int height, PictureTextures::Kind kind);
 void uploadPicture(gpu::Device& device, PictureTextures& picture, const I420View& frame);
 
+// Seam feathering's tables (ALGORITHMS 2). `labels`: layer_count × face_vertices.size(), planar; a label that is no
+// camera counts as empty. packed[face]: 5 bits a slot, 31 = empty, slot 0 lowest. masks[vertex]: bit c is cleared
+// unless camera c is in the set of every incident face. Both are at least as long as faces and vertices and hold ones.
+void packLabels(const std::vector<glm::uvec3>& face_vertices, std::span<const uint8_t> labels, int layer_count,
+                int camera_count, std::vector<uint32_t>& packed, std::vector<uint32_t>& masks);
+
 class CharacterModel {
  public:
   // Cameras, UVs and faces do not change after this. Errors: GpuFailure.
@@ -59,9 +65,6 @@ class CharacterModel {
   bool closed_surface = false;   // every edge has two faces of opposite direction: back faces are never seen
 
  private:
-  friend struct CharacterModelProbe;  // tests
-  void packLabels(std::span<const uint8_t> labels_of_slots);
-
   std::vector<glm::uvec3> face_vertices_;
   std::vector<glm::vec3> normals_;          // scratch
   std::vector<glm::vec4> table_;            // scratch

@@ -8,10 +8,10 @@
 namespace fourdvt::render {
 namespace {
 
-constexpr float kMargin_m = 0.5f;        // of the map round the frame's bounds
-constexpr float kExtentStep_m = 0.25f;   // the map's extent changes in steps, so that its texels rarely do
-constexpr float kContactSigma_m = 0.025f, kBodySigma_m = 0.13f;
-constexpr float kTapsOfBodySigma = 5.0f; // the kernel's 12 taps a side reach 2.4 sigma
+constexpr float kMargin_m = 0.5f;       // of the map round the frame's bounds
+constexpr float kExtentStep_m = 0.25f;  // the map's extent changes in steps, so that its texels rarely do
+constexpr float kContactSigma_m = 0.035f, kBodySigma_m = 0.13f;
+constexpr float kTapsOfBodySigma = 5.0f;  // the kernel's 12 taps a side reach 2.4 sigma
 
 glm::vec4 shadowArea(const CharacterModel& model) {
   const glm::vec3 low = model.frame_bounds.min, high = model.frame_bounds.max;

@@ -83,22 +83,24 @@ export async function waitForEvent(page, type) {
 export async function showPose(page, pose) {
   await page.evaluate(async ({ sequence, frame, azimuth, elevation, distance, fov }) => {
     const viewer = document.querySelector('fourdvt-viewer');
+    const event = (type) => new Promise((done) => viewer.addEventListener(type, done, { once: true }));
     viewer.pause();
-    viewer.shadow = false;
-    viewer.fieldOfView = fov;
-    viewer.cameraOrbit = `${azimuth}deg ${elevation}deg ${distance}m`;
+    viewer.renderOptions = { groundShadow: false };
+    viewer.setAttribute('field-of-view', `${fov}deg`);
+    viewer.setAttribute('camera-orbit', `${azimuth}deg ${elevation}deg ${distance}m`);
     viewer.jumpCameraToGoal();
-    viewer.sequence = sequence;
-    viewer.frame = frame;
+    if (viewer.sequence !== sequence) {
+      const changed = event('sequencechange');
+      viewer.sequence = sequence;
+      await changed;
+    }
+    const seeked = event('seeked');
+    viewer.seekFrame(frame);
+    await seeked;
+    // Three turns of the frame loop later the canvas shows it.
+    for (let i = 0; i < 3; ++i) await new Promise((next) => requestAnimationFrame(next));
+    if (viewer.frame !== frame) throw new Error(`frame ${viewer.frame} is shown, ${frame} wanted`);
   }, { fov: kFovDeg, ...pose });
-  await page.waitForFunction(({ sequence, frame }) => {
-    const viewer = document.querySelector('fourdvt-viewer');
-    return viewer.sequence === sequence && viewer.frame === frame && !viewer.seeking;
-  }, pose, { timeout: kPatienceMs, polling: 50 });
-  // Two drawn pictures later the canvas shows it.
-  await page.evaluate(() => new Promise((done) => {
-    requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done, 50))));
-  }));
 }
 
 /** The viewer's canvas as a straight-alpha picture. */

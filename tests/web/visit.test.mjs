@@ -46,7 +46,7 @@ test('plays on its own, and the figures are the report\'s', async () => {
   const report = await (await fetch(`${server.url}character/report.json`)).json();
   await until(() => !document.getElementById('figures-text').hidden);
   const text = (await page.textContent('#figures-text')).replace(/\s+/g, ' ');
-  assert.match(text, new RegExp(`the ${report.layers} best of ${report.cameras} camera views`));
+  assert.match(text, new RegExp(`the ${report.options.layers} best of ${report.cameras} camera views`));
 });
 
 test('dragging turns the character', async () => {

@@ -110,8 +110,8 @@ export class FourdvtViewer extends HTMLElement {
   pause(): void {
     if (this.#paused) return;
     this.#paused = true;
-    if (this.#session?.character) this.#session.pause();
-    else this.#emit('pause');
+    this.#session?.pause();
+    if (!this.#session?.character) this.#emit('pause');
   }
 
   // --- what a character has beyond a video ---
@@ -133,7 +133,7 @@ export class FourdvtViewer extends HTMLElement {
     this.#camera.jump();
     this.#session?.wake();
   }
-  /** Seconds of standstill of auto-rotate, shadows, debug views … */
+  /** Background, ground shadow, multisampling, debug views. Assigning a part keeps the rest. */
   get renderOptions(): RenderOptions { return { ...this.#render }; }
   set renderOptions(options: Partial<RenderOptions>) {
     this.#render = { ...this.#render, ...options };
@@ -168,7 +168,6 @@ export class FourdvtViewer extends HTMLElement {
     });
     this.#applyCamera();
     this.#applyLabels();
-    this.#overlay.setPoster(this.poster || null);
     this.#load();
   }
 
@@ -199,6 +198,7 @@ export class FourdvtViewer extends HTMLElement {
     this.#error = null;
     if (!this.src) return;
     this.#loading = true;
+    this.#overlay.setPoster(this.poster || null);
     this.#overlay.loading();
     if (this.autoplay && !this.#resume) {
       this.#paused = this.#reducedMotion.matches;
@@ -236,7 +236,7 @@ export class FourdvtViewer extends HTMLElement {
     const session = this.#session;
     this.#session = null;
     session?.dispose();
-    this.#canvas?.getContext('webgl2')?.getExtension('WEBGL_lose_context')?.loseContext();
+    session?.loseContext();
     this.#overlay.dropCanvas();
     this.#canvas = null;
   }

@@ -53,7 +53,11 @@ export class FrameDecoder {
       output: (frame) => this.#onFrame(frame),
       error: (reason) => this.#fail(reason),
     });
-    this.#apply(() => this.#decoder!.configure(this.#config!));
+    try {
+      this.#decoder.configure(this.#config);
+    } catch (reason) {
+      this.#fail(new DOMException(String(reason), 'NotSupportedError'));
+    }
   }
 
   decode(bytes: Uint8Array, timestampUs: number, key: boolean): void {

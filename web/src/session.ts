@@ -64,6 +64,7 @@ export class Session {
   #idle = 0;
   #active = true;
   #shown = false;
+  #stuck = false; // after an error: do not wait for what will not come
   #redraw = true;
   #drawn = -1;
   #size = { width: 1, height: 1 };
@@ -105,13 +106,13 @@ export class Session {
     this.#transport.dispose();
     this.#close();
     this.#module = null;
-    this.#gl = null;
     this.#manifest = null;
   }
 
-  /** Frees the context at once instead of at the next garbage collection; the canvas is of no use afterwards. */
+  /** After dispose: frees the context now, not at the next garbage collection. The canvas is of no use afterwards. */
   loseContext(): void {
     this.#gl?.getExtension('WEBGL_lose_context')?.loseContext();
+    this.#gl = null;
   }
 
   get character(): CharacterInfo | null { return this.#character; }
@@ -119,15 +120,37 @@ export class Session {
   get bytesReceived(): number { return this.#transport.bytesReceived; }
   state(): PlayerState | null { return this.#player ? this.#guard((p) => p.state()) ?? null : null; }
 
-  play(): void { this.#command((p) => p.play()); }
-  pause(): void { this.#command((p) => p.pause()); }
-  seek(timeS: number): void { this.#command((p) => p.seek(timeS)); }
-  seekFrame(frame: number): void { this.#command((p) => p.seekFrame(frame)); }
-  setRate(rate: number): void { this.#command((p) => p.setRate(rate)); }
-  setLoop(loop: number): void { this.#command((p) => p.setLoop(loop)); }
-  setRenderOptions(options: RenderOptions): void { this.#command((p) => p.setOptions(options)); }
+  // A command before the player is there becomes a wish.
+  play(): void {
+    this.#wishes.playing = true;
+    this.#command((p) => p.play());
+  }
+  pause(): void {
+    this.#wishes.playing = false;
+    this.#command((p) => p.pause());
+  }
+  seek(timeS: number): void {
+    this.#command((p) => p.seek(timeS));
+  }
+  seekFrame(frame: number): void {
+    this.#wishes.frame = frame;
+    this.#command((p) => p.seekFrame(frame));
+  }
+  setRate(rate: number): void {
+    this.#wishes.rate = rate;
+    this.#command((p) => p.setRate(rate));
+  }
+  setLoop(loop: number): void {
+    this.#wishes.loop = loop;
+    this.#command((p) => p.setLoop(loop));
+  }
+  setRenderOptions(options: RenderOptions): void {
+    this.#wishes.render = options;
+    this.#command((p) => p.setOptions(options));
+  }
   /** A name that the character does not have is an error event, and nothing else changes. */
   select(name: string): void {
+    this.#wishes.sequence = name;
     this.#command((p) => {
       try {
         p.selectSequence(name);
@@ -254,9 +277,14 @@ export class Session {
       for (let request = player.nextRequest(); request; request = player.nextRequest()) this.#serve(request);
       this.#decoder?.feed();
       for (let event = player.nextEvent(); event; event = player.nextEvent()) {
-        if (event.name === 'error') this.#host.emit('error', event.error);
-        else if (event.name === 'progress') this.#host.emit('progress', { loaded: event.loadedBytes, total: event.totalBytes });
-        else this.#host.emit(event.name);
+        if (event.name === 'error') {
+          this.#stuck = true;
+          this.#host.emit('error', event.error);
+        } else if (event.name === 'progress') {
+          this.#host.emit('progress', { loaded: event.loadedBytes, total: event.totalBytes });
+        } else {
+          this.#host.emit(event.name);
+        }
         if (this.#player !== player) return; // a listener removed us
       }
     });
@@ -314,11 +342,9 @@ export class Session {
   }
 
   #onDecoderError(error: ViewerError): void {
-    if (error.id === 'decoder-unsupported') this.#fatal(error);
-    else {
-      this.#guard((p) => p.decoderFailed(error.message));
-      this.#pump();
-    }
+    const reason = error.id === 'decoder-unsupported' ? `unsupported: ${error.message}` : error.message;
+    this.#guard((p) => p.decoderFailed(reason));
+    this.#pump();
   }
 
   // --- frame loop ---
@@ -337,7 +363,7 @@ export class Session {
     const changed = moved || this.#redraw || serial !== this.#drawn;
     if (changed && state.hasFrame) this.#show(serial);
     this.#redraw = false;
-    this.#idle = moved || !state.paused || this.#decoder?.busy ? 0 : this.#idle + 1;
+    this.#idle = moved || ((!state.paused || state.seeking) && !this.#stuck) || this.#decoder?.busy ? 0 : this.#idle + 1;
     if (this.#idle < IDLE_FRAMES && this.#player) this.#raf = requestAnimationFrame((t) => this.#frame(t));
     else this.#last = 0;
   }
@@ -361,6 +387,7 @@ export class Session {
   }
 
   #command(action: (player: WasmPlayer) => void): void {
+    this.#stuck = false;
     this.#guard(action);
     this.#pump();
     this.wake();

@@ -27,6 +27,8 @@ export interface PlayerState {
   paused: boolean;
   frame: number;
   sequence: number;
+  /** What is wanted is not on screen yet. */
+  seeking: boolean;
   currentTime: number;
   framesShown: number;
   framesLate: number;
@@ -217,12 +219,13 @@ export class WasmPlayer {
   state(): PlayerState {
     const p = this.#m._fdvt_state(this.#h);
     const v = this.#view();
-    const real = (index: number): number => v.getFloat64(p + 16 + 8 * index, true);
+    const real = (index: number): number => v.getFloat64(p + 24 + 8 * index, true);
     return {
       hasFrame: v.getInt32(p, true) !== 0,
       paused: v.getInt32(p + 4, true) !== 0,
       frame: v.getInt32(p + 8, true),
       sequence: v.getInt32(p + 12, true),
+      seeking: v.getInt32(p + 16, true) !== 0,
       currentTime: real(0),
       framesShown: real(1),
       framesLate: real(2),

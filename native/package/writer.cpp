@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "package/writer.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#define TINYGLTF_NO_INCLUDE_JSON
+#include <tiny_gltf.h>
+
+namespace fourdvt::package {
+namespace {
+
+using tinygltf::Value;
+
+constexpr double kNear_m = 0.05, kFar_m = 100;
+
+Value number(double v) {
+  // Whole numbers print without a fraction where they fit.
+  if (v == std::floor(v) && std::abs(v) < 2147483647.0) return Value(static_cast<int>(v));
+  return Value(v);
+}
+
+template <class Range>
+Value numbers(const Range& values) {
+  Value::Array out;
+  for (double v : values) out.push_back(number(v));
+  return Value(out);
+}
+
+Value vec3(const glm::dvec3& v) { return numbers(std::initializer_list<double>{v.x, v.y, v.z}); }
+Value rect(const Rect& r) {
+  return numbers(std::initializer_list<double>{double(r.x), double(r.y), double(r.width), double(r.height)});
+}
+
+Value cameraValue(const PinholeCamera& camera) {
+  std::vector<double> matrix;
+  for (int i = 0; i < 16; ++i) matrix.push_back(camera.cam_from_world[i / 4][i % 4]);
+  return Value(Value::Object{{"name", Value(camera.name)},
+                             {"width", number(camera.width)},
+                             {"height", number(camera.height)},
+                             {"fx", number(camera.fx)},
+                             {"fy", number(camera.fy)},
+                             {"cx", number(camera.cx)},
+                             {"cy", number(camera.cy)},
+                             {"camFromWorld", numbers(matrix)}});
+}
+
+Value renditionValue(const Rendition& rendition) {
+  Value::Array layers;
+  for (const Rect& r : rendition.layers) layers.push_back(rect(r));
+  const Value barcode(
+      Value::Object{{"rect", rect(rendition.barcode.rect)}, {"cellSize", number(rendition.barcode.cell_size)}});
+  return Value(Value::Object{{"uri", Value(rendition.video_uri)},
+                             {"byteLength", number(double(rendition.video_bytes))},
+                             {"codec", Value(rendition.codec)},
+                             {"width", number(rendition.width)},
+                             {"height", number(rendition.height)},
+                             {"layers", Value(layers)},
+                             {"barcode", barcode}});
+}
+
+Value sequenceValue(const Sequence& s) {
+  Value::Array renditions;
+  for (const Rendition& r : s.renditions) renditions.push_back(renditionValue(r));
+  const Value stream(Value::Object{{"uri", Value(s.stream_uri)},
+                                   {"byteLength", number(double(s.stream_bytes))},
+                                   {"headerLength", number(s.stream_header_bytes)}});
+  return Value(Value::Object{{"name", Value(s.name)},
+                             {"frameCount", number(s.frame_count)},
+                             {"fps", number(s.fps)},
+                             {"loop", Value(s.loop)},
+                             {"rootVelocity", vec3(s.root_velocity_mps)},
+                             {"stream", stream},
+                             {"renditions", Value(renditions)}});
+}
+
+Value extensionValue(const Character& c) {
+  Value::Array cameras, sequences;
+  for (const PinholeCamera& camera : c.cameras) cameras.push_back(cameraValue(camera));
+  for (const Sequence& s : c.sequences) sequences.push_back(sequenceValue(s));
+  const Value mesh(Value::Object{{"uri", Value(c.mesh_uri)},
+                                 {"byteOffset", number(double(c.mesh_offset))},
+                                 {"byteLength", number(double(c.mesh_bytes))}});
+  const Value bounds(Value::Object{{"min", vec3(c.bounds.min)}, {"max", vec3(c.bounds.max)}});
+  return Value(Value::Object{{"version", number(c.version)},
+                             {"name", Value(c.name)},
+                             {"layerCount", number(c.layer_count)},
+                             {"vertexCount", number(c.vertex_count)},
+                             {"faceCount", number(c.face_count)},
+                             {"mesh", mesh},
+                             {"poster", Value(Value::Object{{"uri", Value(c.poster_uri)}})},
+                             {"bounds", bounds},
+                             {"groundY", number(c.ground_y_m)},
+                             {"cameras", Value(cameras)},
+                             {"sequences", Value(sequences)}});
+}
+
+int addAccessor(tinygltf::Model& model, int component_type, int type, size_t count) {
+  tinygltf::Accessor accessor;
+  accessor.componentType = component_type;
+  accessor.type = type;
+  accessor.count = count;
+  model.accessors.push_back(accessor);
+  return static_cast<int>(model.accessors.size()) - 1;
+}
+
+void addMesh(tinygltf::Model& model, const ManifestInput& in) {
+  const EncodedBaseMesh& mesh = *in.mesh;
+  tinygltf::BufferView view;
+  view.buffer = 0;
+  view.byteOffset = in.character.mesh_offset;
+  view.byteLength = mesh.bytes.size();
+  model.bufferViews.push_back(view);
+  tinygltf::Primitive primitive;
+  primitive.mode = TINYGLTF_MODE_TRIANGLES;
+  primitive.material = 0;
+  primitive.indices = addAccessor(model, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR,
+                                  size_t(3) * mesh.decoded.topology.faceCount());
+  const int position = addAccessor(model, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, mesh.point_count);
+  for (int i = 0; i < 3; ++i) {
+    model.accessors[position].minValues.push_back(mesh.point_bounds.min[i]);
+    model.accessors[position].maxValues.push_back(mesh.point_bounds.max[i]);
+  }
+  primitive.attributes["POSITION"] = position;
+  primitive.attributes["TEXCOORD_0"] =
+      addAccessor(model, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2, mesh.point_count);
+  const Value attributes(
+      Value::Object{{"POSITION", Value(mesh.position_attribute)}, {"TEXCOORD_0", Value(mesh.uv_attribute)}});
+  primitive.extensions["KHR_draco_mesh_compression"] =
+      Value(Value::Object{{"bufferView", Value(0)}, {"attributes", attributes}});
+  tinygltf::Mesh gltf_mesh;
+  gltf_mesh.name = in.character.name;
+  gltf_mesh.primitives.push_back(primitive);
+  model.meshes.push_back(gltf_mesh);
+}
+
+void addMaterial(tinygltf::Model& model, const std::string& texture_uri) {
+  tinygltf::Image image;
+  image.uri = texture_uri;
+  model.images.push_back(image);
+  tinygltf::Sampler sampler;
+  sampler.minFilter = TINYGLTF_TEXTURE_FILTER_LINEAR;
+  sampler.magFilter = TINYGLTF_TEXTURE_FILTER_LINEAR;
+  sampler.wrapS = sampler.wrapT = TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE;
+  model.samplers.push_back(sampler);
+  tinygltf::Texture texture;
+  texture.source = 0;
+  texture.sampler = 0;
+  model.textures.push_back(texture);
+  tinygltf::Material material;
+  material.name = "still";
+  material.pbrMetallicRoughness.baseColorTexture.index = 0;
+  material.pbrMetallicRoughness.metallicFactor = 0;
+  material.pbrMetallicRoughness.roughnessFactor = 1;
+  material.extensions["KHR_materials_unlit"] = Value(Value::Object{});
+  model.materials.push_back(material);
+}
+
+// A glTF camera looks along -Z with +Y up: its axes are COLMAP's with y and z turned round.
+int addCameraNode(tinygltf::Model& model, const PinholeCamera& camera) {
+  tinygltf::Camera gltf_camera;
+  gltf_camera.name = camera.name;
+  gltf_camera.type = "perspective";
+  gltf_camera.perspective.aspectRatio = double(camera.width) / camera.height;
+  gltf_camera.perspective.yfov = 2 * std::atan(0.5 * camera.height / camera.fy);
+  gltf_camera.perspective.znear = kNear_m;
+  gltf_camera.perspective.zfar = kFar_m;
+  model.cameras.push_back(gltf_camera);
+  const glm::dmat3 world_from_cam = glm::transpose(glm::dmat3(camera.cam_from_world));
+  const glm::dvec3 centre = camera.centreInWorld();
+  tinygltf::Node node;
+  node.name = camera.name;
+  node.camera = static_cast<int>(model.cameras.size()) - 1;
+  for (int column = 0; column < 3; ++column) {
+    const double sign = column == 0 ? 1 : -1;
+    for (int row = 0; row < 3; ++row) node.matrix.push_back(sign * world_from_cam[column][row] + 0.0);
+    node.matrix.push_back(0);
+  }
+  node.matrix.insert(node.matrix.end(), {centre.x, centre.y, centre.z, 1});
+  model.nodes.push_back(node);
+  return static_cast<int>(model.nodes.size()) - 1;
+}
+
+void addScene(tinygltf::Model& model, const Character& character) {
+  tinygltf::Node root, body;
+  root.name = character.name;
+  body.name = "body";
+  body.mesh = 0;
+  model.nodes = {root, body};
+  model.nodes[0].children.push_back(1);
+  for (const PinholeCamera& camera : character.cameras) {
+    const int node = addCameraNode(model, camera);
+    model.nodes[0].children.push_back(node);
+  }
+  tinygltf::Scene scene;
+  scene.nodes.push_back(0);
+  model.scenes.push_back(scene);
+  model.defaultScene = 0;
+}
+
+}  // namespace
+
+Result<std::string> writeManifest(const ManifestInput& input) {
+  const Character& c = input.character;
+  if (!input.mesh || input.mesh->bytes.size() != c.mesh_bytes) {
+    return Error{ErrorId::Internal, "character.gltf: mesh length differs from the encoded mesh"};
+  }
+  tinygltf::Model model;
+  model.asset.version = "2.0";
+  model.asset.generator = input.generator;
+  model.asset.copyright = input.copyright;
+  addMesh(model, input);
+  addMaterial(model, input.texture_uri);
+  addScene(model, c);
+  model.extensionsUsed = {"KHR_draco_mesh_compression", "KHR_materials_unlit", kExtensionName};
+  model.extensionsRequired = {"KHR_draco_mesh_compression"};
+  model.extensions[kExtensionName] = extensionValue(c);
+  std::ostringstream text;
+  tinygltf::TinyGLTF writer;
+  if (!writer.WriteGltfSceneToStream(&model, text, false, false)) {
+    return Error{ErrorId::Internal, "character.gltf: tinygltf could not write it"};
+  }
+  // tinygltf's stream writer embeds buffers; ours is the external mesh file.
+  nlohmann::json json = nlohmann::json::parse(text.str(), nullptr, false);
+  if (json.is_discarded()) return Error{ErrorId::Internal, "character.gltf: tinygltf wrote broken JSON"};
+  json["buffers"] = nlohmann::json::array({{{"uri", c.mesh_uri}, {"byteLength", c.mesh_offset + c.mesh_bytes}}});
+  return json.dump(1) + "\n";
+}
+
+}  // namespace fourdvt::package

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "player/player.h"
+
+namespace fourdvt {
+
+const char* eventName(EventKind kind) {
+  switch (kind) {
+    case EventKind::LoadedMetadata: return "loadedmetadata";
+    case EventKind::CanPlay: return "canplay";
+    case EventKind::Playing: return "playing";
+    case EventKind::Paused: return "pause";
+    case EventKind::Waiting: return "waiting";
+    case EventKind::Seeked: return "seeked";
+    case EventKind::Ended: return "ended";
+    case EventKind::TimeUpdate: return "timeupdate";
+    case EventKind::Progress: return "progress";
+    case EventKind::SequenceChanged: return "sequencechange";
+    case EventKind::Error: return "error";
+  }
+  return "error";
+}
+
+}  // namespace fourdvt

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "player/player_impl.h"
+
+namespace fourdvt {
+
+using stream::GopKey;
+using stream::PartState;
+
+namespace {
+constexpr int kTries = 3;
+constexpr uint32_t kGopsAhead = 1;
+}  // namespace
+
+Status PlayerImpl::loadManifest(const FlatJson& gltf) {
+  auto read = package::readManifest(gltf);
+  if (!read.ok()) {
+    fail(read.error(), -1);
+    return read.error();
+  }
+  character_ = read.take();
+  sequences_.clear();
+  sequences_.resize(character_->sequences.size());
+  active_ = 0;
+  if (!wanted_name_.empty()) FOURDVT_TRY(selectSequence(wanted_name_));
+  emit(EventKind::LoadedMetadata);
+  progress_total_ = character_->mesh_bytes;
+  startAt(frameOf(wanted_k_));
+  return {};
+}
+
+bool PlayerImpl::ready() const {
+  if (active_ < 0 || !model_) return false;
+  const SequenceState& state = sequences_[static_cast<size_t>(active_)];
+  return state.header == PartState::Present && !state.broken;
+}
+
+void PlayerImpl::requestFetch(PartKind kind, int sequence, uint32_t gop, const std::string& uri, uint64_t offset,
+                              uint64_t bytes) {
+  const uint32_t id = next_fetch_id_++;
+  FetchRange range{id, uri, offset, bytes};
+  fetches_[id] = {kind, sequence, gop, 1, range};
+  requests_.push_back(range);
+}
+
+// Asks for whatever the wanted position lacks: mesh and header first, then its GOP, then the next one.
+void PlayerImpl::requestMissing() {
+  if (active_ < 0) return;
+  const package::Sequence& sequence = active();
+  SequenceState& state = sequences_[static_cast<size_t>(active_)];
+  if (mesh_state_ == PartState::Absent) {
+    mesh_state_ = PartState::Fetching;
+    requestFetch(PartKind::Mesh, -1, 0, character_->mesh_uri, character_->mesh_offset, character_->mesh_bytes);
+  }
+  if (state.header == PartState::Absent) {
+    state.header = PartState::Fetching;
+    if (!can_play_) progress_total_ += sequence.stream_header_bytes;
+    requestFetch(PartKind::Header, active_, 0, sequence.stream_uri, 0, sequence.stream_header_bytes);
+  }
+  if (state.header != PartState::Present || state.broken) return;
+  const int64_t k = playing_ && !seeking_ ? shown_.k : wanted_k_;
+  for (uint32_t gop : stream::neededGops(state.index, frameOf(k), looping(), kGopsAhead)) requestGop(active_, gop);
+  if (feeding_ && !feed_done_) requestGop(active_, feed_gop_);
+  cache_.trim(keptGops());
+}
+
+std::vector<GopKey> PlayerImpl::keptGops() const {
+  std::vector<GopKey> keep;
+  const SequenceState& state = sequences_[static_cast<size_t>(active_)];
+  if (state.header != PartState::Present) return keep;
+  const int64_t k = playing_ && !seeking_ ? shown_.k : wanted_k_;
+  for (uint32_t gop : stream::neededGops(state.index, frameOf(k), looping(), kGopsAhead)) keep.push_back({active_, gop});
+  if (feeding_) keep.push_back({active_, feed_gop_});
+  return keep;
+}
+
+void PlayerImpl::requestGop(int sequence_index, uint32_t gop_index) {
+  const package::Sequence& sequence = character_->sequences[static_cast<size_t>(sequence_index)];
+  const package::StreamIndex& index = sequences_[static_cast<size_t>(sequence_index)].index;
+  stream::Gop& gop = cache_.touch({sequence_index, gop_index});
+  if (gop.chunk_state == PartState::Absent) {
+    gop.chunk_state = PartState::Fetching;
+    const package::ChunkEntry& entry = index.chunks[gop_index];
+    if (!can_play_) progress_total_ += entry.bytes;
+    requestFetch(PartKind::Chunk, sequence_index, gop_index, sequence.stream_uri, entry.offset, entry.bytes);
+  }
+  if (gop.video_state == PartState::Absent) {
+    gop.video_state = PartState::Fetching;
+    const package::SampleTable& table = index.renditions[0];
+    const package::VideoSample& first = table.samples[table.chunk_first_sample[gop_index]];
+    const package::VideoSample& last = table.samples[table.chunk_first_sample[gop_index + 1] - 1];
+    const uint64_t bytes = last.offset + last.bytes - first.offset;
+    if (!can_play_) progress_total_ += bytes;
+    requestFetch(PartKind::Video, sequence_index, gop_index, sequence.renditions[0].video_uri, first.offset, bytes);
+  }
+}
+
+void PlayerImpl::reportProgress(uint64_t more_bytes) {
+  stats_.bytes_fetched += more_bytes;
+  if (can_play_) return;
+  progress_loaded_ += more_bytes;
+  Event event{EventKind::Progress, {}, progress_loaded_, std::max(progress_total_, progress_loaded_)};
+  events_.push_back(event);
+}
+
+Status PlayerImpl::receiveMesh(std::span<const uint8_t> bytes) {
+  auto mesh = package::decodeBaseMesh(bytes);
+  if (!mesh.ok()) return Error{mesh.error().id, character_->mesh_uri + ": " + mesh.error().message};
+  if (mesh.value().topology.vertex_count != character_->vertex_count ||
+      mesh.value().topology.faceCount() != character_->face_count)
+    return Error{ErrorId::MeshDataInvalid,
+                 character_->mesh_uri + ": mesh and manifest disagree on vertices or faces; bake the character again"};
+  auto model = render::CharacterModel::create(device_, *character_, mesh.value());
+  if (!model.ok()) return model.error();
+  mesh_ = mesh.take();
+  model_ = model.take();
+  mesh_state_ = PartState::Present;
+  return {};
+}
+
+Status PlayerImpl::receiveHeader(int sequence_index, std::span<const uint8_t> bytes) {
+  const package::Sequence& sequence = character_->sequences[static_cast<size_t>(sequence_index)];
+  auto index = package::readStreamHeader(bytes);
+  if (!index.ok()) return Error{index.error().id, sequence.stream_uri + ": " + index.error().message};
+  const package::StreamIndex& i = index.value();
+  if (i.frame_count != sequence.frame_count || i.vertex_count != character_->vertex_count ||
+      i.face_count != character_->face_count || i.layer_count != static_cast<uint32_t>(character_->layer_count) ||
+      i.renditions.size() != sequence.renditions.size())
+    return Error{ErrorId::StreamInvalid,
+                 sequence.stream_uri + ": stream and manifest disagree on counts; bake the character again"};
+  for (const package::ChunkEntry& chunk : i.chunks)
+    if (chunk.offset > sequence.stream_bytes || chunk.bytes > sequence.stream_bytes - chunk.offset)
+      return Error{ErrorId::StreamInvalid, sequence.stream_uri + ": a chunk lies beyond the end of the file"};
+  for (const package::VideoSample& sample : i.renditions[0].samples)
+    if (sample.offset > sequence.renditions[0].video_bytes ||
+        sample.bytes > sequence.renditions[0].video_bytes - sample.offset)
+      return Error{ErrorId::StreamInvalid,
+                   sequence.renditions[0].video_uri + ": a video sample lies beyond the end of the file"};
+  SequenceState& state = sequences_[static_cast<size_t>(sequence_index)];
+  state.index = index.take();
+  state.header = PartState::Present;
+  return {};
+}
+
+void PlayerImpl::onRangeReceived(uint32_t id, std::span<const uint8_t> bytes) {
+  auto it = fetches_.find(id);
+  if (it == fetches_.end()) return;
+  const Fetch fetch = it->second;
+  if (bytes.size() != fetch.range.bytes) {
+    onRangeFailed(id, "got " + std::to_string(bytes.size()) + " bytes of " + std::to_string(fetch.range.bytes));
+    return;
+  }
+  fetches_.erase(it);
+  reportProgress(bytes.size());
+  Status status;
+  if (fetch.kind == PartKind::Mesh) {
+    status = receiveMesh(bytes);
+  } else if (fetch.kind == PartKind::Header) {
+    status = receiveHeader(fetch.sequence, bytes);
+    if (status.ok() && fetch.sequence == active_) restartFeed();
+  } else {
+    stream::Gop& gop = cache_.touch({fetch.sequence, fetch.gop});
+    const bool video = fetch.kind == PartKind::Video;
+    (video ? gop.video : gop.chunk).assign(bytes.begin(), bytes.end());
+    (video ? gop.video_state : gop.chunk_state) = PartState::Present;
+  }
+  if (!status.ok()) fail(status.error(), fetch.sequence);
+  requestMissing();
+}
+
+void PlayerImpl::onRangeFailed(uint32_t id, const std::string& reason) {
+  auto it = fetches_.find(id);
+  if (it == fetches_.end()) return;
+  if (it->second.tries < kTries) {
+    ++it->second.tries;
+    requests_.push_back(it->second.range);
+    return;
+  }
+  const Fetch fetch = it->second;
+  fetches_.erase(it);
+  if (stream::Gop* gop = fetch.kind == PartKind::Video || fetch.kind == PartKind::Chunk
+                             ? cache_.find({fetch.sequence, fetch.gop})
+                             : nullptr)
+    (fetch.kind == PartKind::Video ? gop->video_state : gop->chunk_state) = PartState::Failed;
+  fail({ErrorId::FetchFailed, fetch.range.uri + ": bytes " + std::to_string(fetch.range.offset) + "+" +
+                                  std::to_string(fetch.range.bytes) + " could not be fetched (" + reason +
+                                  "); check that the file is complete on the server"},
+       fetch.sequence);
+}
+
+// Reports and stops asking for what is broken: one sequence, or everything (-1). The player itself stays usable.
+void PlayerImpl::fail(Error error, int broken_sequence) {
+  for (size_t i = 0; i < sequences_.size(); ++i)
+    if (broken_sequence < 0 || static_cast<int>(i) == broken_sequence) {
+      if (sequences_[i].broken) return;
+      sequences_[i].broken = true;
+      cache_.dropSequence(static_cast<int>(i));
+    }
+  if (broken_sequence < 0 || broken_sequence == active_) stopFeed();
+  Event event{EventKind::Error, std::move(error), 0, 0};
+  events_.push_back(std::move(event));
+}
+
+// Decoded geometry of the GOP that holds the frame, or null while it is not there (or broken).
+const package::ChunkFrames* PlayerImpl::geometryOf(int sequence_index, uint32_t frame) {
+  SequenceState& state = sequences_[static_cast<size_t>(sequence_index)];
+  if (state.header != PartState::Present || state.broken) return nullptr;
+  const uint32_t gop_index = state.index.chunkOfFrame(frame);
+  stream::Gop* gop = cache_.find({sequence_index, gop_index});
+  if (!gop || gop->chunk_state != PartState::Present) return nullptr;
+  if (!gop->geometry) {
+    auto decoded = package::decodeChunk(gop->chunk, state.index, gop_index);
+    if (!decoded.ok()) {
+      const std::string& uri = character_->sequences[static_cast<size_t>(sequence_index)].stream_uri;
+      fail({decoded.error().id, uri + ": " + decoded.error().message}, sequence_index);
+      return nullptr;
+    }
+    gop->geometry = std::make_unique<package::ChunkFrames>(decoded.take());
+  }
+  return gop->geometry.get();
+}
+
+}  // namespace fourdvt

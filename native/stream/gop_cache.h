@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which GOPs to hold: what playback needs next, and the least recently used ones to drop when the budget is exceeded.
+// Pure logic over encoded bytes and decoded geometry. Does NOT fetch.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "package/stream_file.h"
+
+namespace fourdvt::stream {
+
+struct GopKey {
+  int sequence = -1;
+  uint32_t gop = 0;
+  auto operator<=>(const GopKey&) const = default;
+};
+
+enum class PartState { Absent, Fetching, Present, Failed };
+
+struct Gop {
+  PartState video_state = PartState::Absent, chunk_state = PartState::Absent;
+  std::vector<uint8_t> video;   // the GOP's samples, contiguous as in the file
+  std::vector<uint8_t> chunk;   // encoded geometry
+  std::unique_ptr<package::ChunkFrames> geometry;  // decoded on demand
+  uint64_t last_use = 0;
+  uint64_t encodedBytes() const { return video.size() + chunk.size(); }
+};
+
+class GopCache {
+ public:
+  explicit GopCache(uint64_t budget_bytes) : budget_bytes_(budget_bytes) {}
+  Gop& touch(GopKey key);            // creates it; marks it used
+  Gop* find(GopKey key);             // null if not held
+  // Drops least recently used GOPs that are neither kept nor being fetched until the budget holds, and the decoded
+  // geometry of all but the kept ones.
+  void trim(const std::vector<GopKey>& keep);
+  void dropSequence(int sequence);
+  uint64_t encodedBytes() const;
+  size_t decodedCount() const;
+
+ private:
+  uint64_t budget_bytes_, uses_ = 0;
+  std::map<GopKey, Gop> gops_;
+};
+
+// The GOPs to hold for playing on from `frame`, nearest first: its own and the `ahead` next ones, wrapping if looping.
+std::vector<uint32_t> neededGops(const package::StreamIndex& index, uint32_t frame, bool loop, uint32_t ahead);
+
+}  // namespace fourdvt::stream

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/args.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+namespace fourdvt::tools {
+namespace {
+
+const Option* find(const CommandHelp& help, const std::string& name) {
+  for (const Option& option : help.options)
+    if (name == option.name) return &option;
+  return nullptr;
+}
+
+std::string shortNumber(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
+}
+
+}  // namespace
+
+Args::Args(const CommandHelp& help, int argc, char** argv) {
+  for (int i = 0; i < argc; ++i) {
+    std::string name = argv[i], value;
+    if (name == "--help" || name == "-h") {
+      help_asked_ = true;
+      continue;
+    }
+    if (name.size() < 2 || name[0] != '-') {
+      if (!positional_.empty()) complain("unexpected argument \"" + name + "\"");
+      else if (name.empty()) complain("an argument is empty");
+      positional_ = name;
+      continue;
+    }
+    const size_t equals = name.find('=');
+    const bool joined = name.compare(0, 2, "--") == 0 && equals != std::string::npos;
+    if (joined) {
+      value = name.substr(equals + 1);
+      name.resize(equals);
+    }
+    const Option* option = find(help, name);
+    if (!option) {
+      complain("unknown option " + name);
+      continue;
+    }
+    if (!option->value && joined) complain(name + " takes no value");
+    if (option->value && !joined) {
+      const char* next = i + 1 < argc ? argv[i + 1] : nullptr;
+      // A following option is a forgotten value, unless it is a negative number.
+      if (!next || (next[0] == '-' && next[1] != '\0' && !std::strchr("0123456789.", next[1]))) {
+        complain(name + " needs a value: " + option->value);
+        continue;
+      }
+      value = argv[++i];
+    }
+    if (option->value && value.empty()) complain(name + " needs a value: " + option->value);
+    if (!values_.emplace(name, value).second) complain(name + " is given twice");
+  }
+  if (positional_.empty() && !help_asked_) complain("missing argument; usage: fourdvt " + std::string(help.usage));
+}
+
+void Args::complain(const std::string& problem) {
+  if (problem_.empty()) problem_ = problem;
+}
+
+std::string Args::text(const char* name, const std::string& otherwise) const {
+  const auto it = values_.find(name);
+  return it == values_.end() ? otherwise : it->second;
+}
+
+std::string Args::required(const char* name) {
+  if (!has(name)) complain(std::string(name) + " is required");
+  return text(name);
+}
+
+int Args::integer(const char* name, int otherwise, int low, int high) {
+  const double value = number(name, otherwise, low, high);
+  if (value != std::floor(value)) complain(std::string(name) + " must be a whole number, not \"" + text(name) + "\"");
+  return static_cast<int>(value);
+}
+
+double Args::number(const char* name, double otherwise, double low, double high) {
+  if (!has(name)) return otherwise;
+  const std::string value = text(name);
+  char* end = nullptr;
+  const double parsed = std::strtod(value.c_str(), &end);
+  const bool whole = end && *end == '\0' && !value.empty() && !std::isspace(static_cast<unsigned char>(value[0]));
+  if (whole && parsed >= low && parsed <= high) return parsed;
+  complain(std::string(name) + " must be a number from " + shortNumber(low) + " to " + shortNumber(high) + ", not \"" + value + "\"");
+  return otherwise;
+}
+
+std::vector<std::string> Args::list(const char* name) {
+  std::vector<std::string> out;
+  if (!has(name)) return out;
+  const std::string value = text(name) + ",";
+  for (size_t start = 0, comma; (comma = value.find(',', start)) != std::string::npos; start = comma + 1) {
+    out.push_back(value.substr(start, comma - start));
+    if (out.back().empty()) complain(std::string(name) + " must be names separated by commas, not \"" + text(name) + "\"");
+  }
+  return out;
+}
+
+std::optional<std::pair<int, int>> Args::size(const char* name, int high) {
+  if (!has(name)) return std::nullopt;
+  int width = 0, height = 0, used = 0;
+  const std::string value = text(name);
+  const bool read = std::sscanf(value.c_str(), "%5dx%5d%n", &width, &height, &used) == 2 && used == static_cast<int>(value.size());
+  if (read && width >= 1 && height >= 1 && width <= high && height <= high) return std::pair{width, height};
+  complain(std::string(name) + " must be WIDTHxHEIGHT with sides from 1 to " + std::to_string(high) + ", not \"" + value + "\"");
+  return std::nullopt;
+}
+
+std::string helpText(const CommandHelp& help) {
+  std::string out = "usage: fourdvt " + std::string(help.usage) + "\n\n" + help.summary + "\n\n";
+  for (const Option& option : help.options) {
+    std::string left = std::string("  ") + option.name + (option.value ? std::string(" ") + option.value : "");
+    left.resize(std::max<size_t>(left.size() + 2, 26), ' ');
+    out += left + option.meaning + "\n";
+  }
+  return out;
+}
+
+std::optional<int> helpOrProblem(const CommandHelp& help, const Args& args) {
+  if (args.wantsHelp()) {
+    std::fputs(helpText(help).c_str(), stdout);
+    return kOk;
+  }
+  if (args.problem().empty()) return std::nullopt;
+  std::fprintf(stderr, "fourdvt: %s (--help shows the options)\n", args.problem().c_str());
+  return kUsage;
+}
+
+int fail(const Error& error) {
+  std::fprintf(stderr, "fourdvt: %s\n", error.message.c_str());
+  return error.id == ErrorId::Interrupted ? kInterrupted : kFailed;
+}
+
+}  // namespace fourdvt::tools

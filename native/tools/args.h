@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// A strict command line: declared options only, every value checked, the first problem kept as one line.
+// Order of calls: construct → read every option → problem(). Does NOT exit or print.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+
+namespace fourdvt::tools {
+
+constexpr int kOk = 0, kFailed = 1, kUsage = 2, kInterrupted = 130;
+
+struct Option {
+  const char* name;     // "--layers", or a short one such as "-o"
+  const char* value;    // what the help calls the value; nullptr: a flag
+  const char* meaning;  // one line, with default and unit
+};
+
+struct CommandHelp {
+  const char* usage;    // "bake CAPTURE -o CHARACTER [options]"
+  const char* summary;  // one or two sentences
+  std::vector<Option> options;
+};
+
+class Args {
+ public:
+  // `argv` after the command's name. Exactly one positional argument is expected unless --help is given.
+  Args(const CommandHelp& help, int argc, char** argv);
+
+  bool wantsHelp() const { return help_asked_; }
+  const std::string& positional() const { return positional_; }
+  bool has(const char* name) const { return values_.count(name) > 0; }
+  std::string text(const char* name, const std::string& otherwise = {}) const;
+  std::string required(const char* name);
+  int integer(const char* name, int otherwise, int low, int high);
+  double number(const char* name, double otherwise, double low, double high);
+  std::vector<std::string> list(const char* name);  // comma-separated, no empty entries
+  // "720x960", each side 1..high.
+  std::optional<std::pair<int, int>> size(const char* name, int high);
+  void complain(const std::string& problem);        // keeps the first
+  const std::string& problem() const { return problem_; }  // empty: all good
+
+ private:
+  std::map<std::string, std::string> values_;
+  std::string positional_, problem_;
+  bool help_asked_ = false;
+};
+
+std::string helpText(const CommandHelp& help);
+// Prints help or the problem; kOk or kUsage if the command must not run, nullopt if it may.
+std::optional<int> helpOrProblem(const CommandHelp& help, const Args& args);
+// Prints "fourdvt: MESSAGE" and returns the exit code of the error.
+int fail(const Error& error);
+
+}  // namespace fourdvt::tools

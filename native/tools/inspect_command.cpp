@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+// Prints what a character folder holds and decodes all of it: base mesh, every chunk, every video sample, barcodes.
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "base/bytes.h"
+#include "package/barcode.h"
+#include "package/base_mesh.h"
+#include "package/character.h"
+#include "package/stream_file.h"
+#include "platform/ffmpeg_video.h"
+#include "platform/files.h"
+#include "tools/args.h"
+#include "tools/commands.h"
+#include "tools/session.h"
+
+namespace fourdvt::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+const CommandHelp& help() {
+  static const CommandHelp text{"inspect CHARACTER",
+                                "Lists sequences, renditions and sizes of a character folder (or of its character.gltf) and checks that every\n"
+                                "chunk and every video frame decodes. Exit code 1 if anything is broken.",
+                                {}};
+  return text;
+}
+
+Error inFile(const std::string& path, const Error& error) {
+  if (error.message.find(path) != std::string::npos) return error;
+  return {error.id, path + ": " + error.message};
+}
+
+struct SequenceSizes {
+  uint64_t video = 0, geometry = 0, labels = 0, index = 0;
+  size_t chunks = 0;
+  std::string pictures;  // "1536x1024 avc1.640028"
+};
+
+class Inspection {
+ public:
+  explicit Inspection(const std::string& manifest) : manifest_(manifest), folder_(fs::path(manifest).parent_path()) {}
+
+  Status run() {
+    auto json = platform::readJsonFlat(manifest_);
+    if (!json.ok()) return json.error();
+    auto character = package::readManifest(json.value());
+    if (!character.ok()) return inFile(manifest_, character.error());
+    character_ = character.take();
+    FOURDVT_TRY(baseMesh());
+    for (const package::Sequence& sequence : character_.sequences) FOURDVT_TRY(inspectSequence(sequence));
+    if (!character_.poster_uri.empty()) {
+      auto poster = platform::readImage(path(character_.poster_uri));
+      if (!poster.ok()) return inFile(path(character_.poster_uri), poster.error());
+      poster_bytes_ = fs::file_size(path(character_.poster_uri));
+    }
+    return {};
+  }
+
+  void print() const {
+    const package::Character& c = character_;
+    std::printf("%s: %s, format %d\n", manifest_.c_str(), c.name.c_str(), c.version);
+    std::printf("mesh       %u vertices, %u faces\nlayers     %d from %zu cameras\n", c.vertex_count, c.face_count, c.layer_count,
+                c.cameras.size());
+    std::printf("bounds     x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f m, ground at %.2f m\n\n", c.bounds.min.x, c.bounds.max.x,
+                c.bounds.min.y, c.bounds.max.y, c.bounds.min.z, c.bounds.max.z, c.ground_y_m);
+    std::printf("%-12s %6s %6s %8s %5s %5s  %s\n", "sequence", "frames", "fps", "seconds", "loop", "GOPs", "renditions");
+    for (size_t i = 0; i < sizes_.size(); ++i) {
+      const package::Sequence& s = c.sequences[i];
+      std::printf("%-12s %6u %6.2f %8.2f %5s %5zu  %s\n", s.name.c_str(), s.frame_count, s.fps, s.duration_s(),
+                  s.loop ? "yes" : "no", sizes_[i].chunks, sizes_[i].pictures.c_str());
+    }
+    printSizes();
+  }
+
+ private:
+  std::string path(const std::string& uri) const { return (folder_ / uri).string(); }
+
+  Status baseMesh() {
+    const std::string file = path(character_.mesh_uri);
+    auto bytes = platform::readFileRange(file, character_.mesh_offset, character_.mesh_bytes);
+    if (!bytes.ok()) return bytes.error();
+    auto mesh = package::decodeBaseMesh(bytes.value());
+    if (!mesh.ok()) return inFile(file, mesh.error());
+    const MeshTopology& t = mesh.value().topology;
+    if (t.vertex_count == character_.vertex_count && t.faceCount() == character_.face_count) return {};
+    return Error{ErrorId::MeshDataInvalid, file + ": base mesh has other counts than the manifest; bake the character again"};
+  }
+
+  Status checkSize(const std::string& file, uint64_t expected, ErrorId id) const {
+    std::error_code failed;
+    const uint64_t actual = fs::file_size(file, failed);
+    if (failed) return Error{ErrorId::FileMissing, file + ": missing; copy the whole character folder"};
+    if (actual == expected) return {};
+    return Error{id, file + ": " + std::to_string(actual) + " bytes, the manifest says " + std::to_string(expected) +
+                         "; the file is truncated or not this character's, copy or bake it again"};
+  }
+
+  Status inspectSequence(const package::Sequence& sequence) {
+    const std::string file = path(sequence.stream_uri);
+    FOURDVT_TRY(checkSize(file, sequence.stream_bytes, ErrorId::StreamInvalid));
+    auto header = platform::readFileRange(file, 0, sequence.stream_header_bytes);
+    if (!header.ok()) return header.error();
+    auto index = package::readStreamHeader(header.value());
+    if (!index.ok()) return inFile(file, index.error());
+    SequenceSizes sizes;
+    sizes.index = sequence.stream_header_bytes;
+    sizes.chunks = index.value().chunks.size();
+    FOURDVT_TRY(matchesManifest(sequence, index.value(), file));
+    FOURDVT_TRY(chunks(index.value(), file, sizes));
+    for (size_t r = 0; r < sequence.renditions.size(); ++r) {
+      FOURDVT_TRY(video(sequence, sequence.renditions[r], index.value().renditions[r]));
+      const package::Rendition& rendition = sequence.renditions[r];
+      sizes.video += rendition.video_bytes;
+      sizes.pictures += (r ? ", " : "") + std::to_string(rendition.width) + "x" + std::to_string(rendition.height) + " " + rendition.codec;
+    }
+    sizes_.push_back(sizes);
+    return {};
+  }
+
+  Status matchesManifest(const package::Sequence& sequence, const package::StreamIndex& index, const std::string& file) const {
+    const bool same = index.frame_count == sequence.frame_count && index.vertex_count == character_.vertex_count &&
+                      index.face_count == character_.face_count && static_cast<int>(index.layer_count) == character_.layer_count &&
+                      index.renditions.size() == sequence.renditions.size();
+    if (same) return {};
+    return Error{ErrorId::StreamInvalid, file + ": counts differ from the manifest's; bake the character again"};
+  }
+
+  Status chunks(const package::StreamIndex& index, const std::string& file, SequenceSizes& sizes) const {
+    for (uint32_t c = 0; c < index.chunks.size(); ++c) {
+      auto bytes = platform::readFileRange(file, index.chunks[c].offset, index.chunks[c].bytes);
+      if (!bytes.ok()) return bytes.error();
+      auto frames = package::decodeChunk(bytes.value(), index, c);
+      if (!frames.ok()) return inFile(file, frames.error());
+      const uint32_t geometry = ByteReader(bytes.value()).u32();  // a chunk starts with the size of its positions
+      sizes.geometry += geometry;
+      sizes.labels += index.chunks[c].bytes - geometry;
+    }
+    return {};
+  }
+
+  // Decodes all samples from their table entries, as the player does, and compares barcodes with frame numbers.
+  Status video(const package::Sequence& sequence, const package::Rendition& rendition, const package::SampleTable& table) const {
+    const std::string file = path(rendition.video_uri);
+    FOURDVT_TRY(checkSize(file, rendition.video_bytes, ErrorId::VideoInvalid));
+    uint32_t shown = 0;
+    std::string wrong;
+    auto decoder = platform::SampleDecoder::create(rendition.codec, table.decoder_description, [&](const I420View& picture, int64_t frame) {
+      ++shown;
+      if (picture.width != rendition.width || picture.height != rendition.height) wrong = "has another picture size than the manifest says";
+      else if (package::readBarcode(rendition.barcode, picture) != std::optional<uint32_t>(static_cast<uint32_t>(frame) % 4096))
+        wrong = "barcode of frame " + std::to_string(frame) + " does not say so";
+    });
+    if (!decoder.ok()) return inFile(file, decoder.error());
+    for (const package::VideoSample& sample : table.samples) {
+      auto bytes = platform::readFileRange(file, sample.offset, sample.bytes);
+      if (!bytes.ok()) return bytes.error();
+      Status decoded = decoder.value()->decode(bytes.value(), sample.frame, sample.key);
+      if (!decoded.ok()) return inFile(file, decoded.error());
+    }
+    Status flushed = decoder.value()->flush();
+    if (!flushed.ok()) return inFile(file, flushed.error());
+    if (wrong.empty() && shown != sequence.frame_count)
+      wrong = std::to_string(shown) + " of " + std::to_string(sequence.frame_count) + " frames decode";
+    if (wrong.empty()) return {};
+    return Error{ErrorId::VideoInvalid, file + ": " + wrong + "; copy or bake it again"};
+  }
+
+  void printSizes() const {
+    std::printf("\n%-12s %10s %10s %10s %10s %10s  %s\n", "bytes", "video", "geometry", "labels", "index", "total", "Mbit/s (video + rest)");
+    uint64_t all = 0;
+    for (size_t i = 0; i < sizes_.size(); ++i) {
+      const SequenceSizes& s = sizes_[i];
+      const uint64_t rest = s.geometry + s.labels + s.index;
+      const double rate = 8e-6 / character_.sequences[i].duration_s();
+      std::printf("%-12s %10lu %10lu %10lu %10lu %10lu  %.2f (%.2f + %.2f)\n", character_.sequences[i].name.c_str(), s.video, s.geometry,
+                  s.labels, s.index, s.video + rest, (s.video + rest) * rate, s.video * rate, rest * rate);
+      all += s.video + rest;
+    }
+    const uint64_t manifest = fs::file_size(manifest_);
+    std::printf("\nmesh %lu, poster %lu, manifest %lu; all that a player may load: %lu bytes (%.2f MB)\n", character_.mesh_bytes,
+                poster_bytes_, manifest, all + character_.mesh_bytes + poster_bytes_ + manifest,
+                (all + character_.mesh_bytes + poster_bytes_ + manifest) / 1e6);
+  }
+
+  std::string manifest_;
+  fs::path folder_;
+  package::Character character_;
+  std::vector<SequenceSizes> sizes_;
+  uint64_t poster_bytes_ = 0;
+};
+
+}  // namespace
+
+int inspectCommand(int argc, char** argv) {
+  Args args(help(), argc, argv);
+  if (const auto code = helpOrProblem(help(), args)) return *code;
+  Inspection inspection(manifestPath(args.positional()));
+  const Status status = inspection.run();
+  if (!status.ok()) return fail(status.error());
+  inspection.print();
+  std::printf("everything decodes\n");
+  return kOk;
+}
+
+}  // namespace fourdvt::tools

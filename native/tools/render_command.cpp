@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+
+#include "platform/files.h"
+#include "tools/commands.h"
+#include "tools/movie_writer.h"
+#include "tools/render_arguments.h"
+#include "tools/session.h"
+
+namespace fourdvt::tools {
+namespace {
+
+Image besideEachOther(const std::vector<Image>& pictures) {
+  const Image& first = pictures.front();
+  Image out(first.width * static_cast<int>(pictures.size()), first.height, first.channels);
+  for (size_t i = 0; i < pictures.size(); ++i)
+    for (int y = 0; y < first.height; ++y)
+      std::memcpy(out.at(static_cast<int>(i) * first.width, y), pictures[i].at(0, y), static_cast<size_t>(first.width) * first.channels);
+  return out;
+}
+
+Status renderStill(CharacterSession& session, const RenderArguments& arguments, const std::string& sequence) {
+  auto camera = chooseCamera(arguments, session.character());
+  if (!camera.ok()) return camera.error();
+  FOURDVT_TRY(session.player->showFrame(sequence, static_cast<uint32_t>(arguments.frame)));
+  render::RecipeOptions recipe = arguments.recipe;
+  std::vector<Image> pictures;
+  const int count = arguments.debug == "layers" ? session.character().layer_count : 1;
+  for (int layer = 0; layer < count; ++layer) {
+    recipe.debug_layer = layer;
+    auto picture = session.player->renderStill(render::viewFromCamera(camera.value()), recipe);
+    if (!picture.ok()) return picture.error();
+    pictures.push_back(picture.take());
+  }
+  return platform::writeImage(arguments.output, besideEachOther(pictures), 95);
+}
+
+// The sequence repeats while the azimuth goes once round, starting and ending at the still's azimuth.
+Status renderTurntable(CharacterSession& session, const RenderArguments& arguments, const package::Sequence& sequence) {
+  const auto [width, height] = arguments.size.value_or(std::pair{720, 960});
+  const double loops = std::ceil(8.0 / sequence.duration_s());
+  const double seconds = arguments.seconds > 0 ? arguments.seconds : loops * sequence.duration_s();
+  const int frames = std::max(1, static_cast<int>(std::lround(seconds * sequence.fps)));
+  auto writer = MovieWriter::create(arguments.turntable, width, height, sequence.fps);
+  if (!writer.ok()) return writer.error();
+  OrbitView view = chooseOrbit(arguments, session.character(), width, height);
+  const double start_deg = view.azimuth_deg;
+  for (int i = 0; i < frames; ++i) {
+    FOURDVT_TRY(session.player->showFrame(sequence.name, static_cast<uint32_t>(i) % sequence.frame_count));
+    view.azimuth_deg = start_deg + 360.0 * i / frames;
+    auto picture = session.player->renderStill(render::viewFromCamera(cameraFromOrbit(view, width, height)), arguments.recipe);
+    if (!picture.ok()) return picture.error();
+    FOURDVT_TRY(writer.value()->write(picture.value()));
+    if (isatty(STDERR_FILENO)) std::fprintf(stderr, "\r\033[K%d of %d frames", i + 1, frames);
+  }
+  if (isatty(STDERR_FILENO)) std::fputs("\r\033[K", stderr);
+  return writer.value()->finish();
+}
+
+}  // namespace
+
+int renderCommand(int argc, char** argv) {
+  Args args(renderHelp(), argc, argv);
+  const RenderArguments arguments = readRenderArguments(args);
+  if (const auto code = helpOrProblem(renderHelp(), args)) return *code;
+  auto session = openCharacter(arguments.character);
+  if (!session.ok()) return fail(session.error());
+  const package::Character& character = session.value().character();
+  const std::string name = arguments.sequence.empty() ? character.sequences.front().name : arguments.sequence;
+  const package::Sequence* sequence = character.find(name);
+  if (!sequence) {
+    std::string known;
+    for (const auto& s : character.sequences) known += (known.empty() ? "" : ", ") + s.name;
+    return fail({ErrorId::InvalidArgument, arguments.character + ": has no sequence \"" + name + "\"; it has " + known});
+  }
+  if (static_cast<uint32_t>(arguments.frame) >= sequence->frame_count)
+    return fail({ErrorId::InvalidArgument, arguments.character + ": " + name + " has frames 0 to " + std::to_string(sequence->frame_count - 1)});
+  const Status status = arguments.turntable.empty() ? renderStill(session.value(), arguments, name)
+                                                    : renderTurntable(session.value(), arguments, *sequence);
+  return status.ok() ? kOk : fail(status.error());
+}
+
+}  // namespace fourdvt::tools

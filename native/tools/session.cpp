@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/session.h"
+
+#include <filesystem>
+
+#include "platform/ffmpeg_video.h"
+
+namespace fourdvt::tools {
+
+Result<GpuSession> openGpu() {
+  GpuSession session;
+  auto context = platform::EglContext::create();
+  if (!context.ok()) return context.error();
+  session.context = context.take();
+  auto device = gpu::createGlesDevice();
+  if (!device.ok()) return device.error();
+  session.device = device.take();
+  return session;
+}
+
+Result<CharacterSession> openCharacter(const std::string& character) {
+  auto gpu = openGpu();
+  if (!gpu.ok()) return gpu.error();
+  CharacterSession session{gpu.take(), nullptr};
+  auto player = platform::CharacterPlayer::open(*session.gpu.device, manifestPath(character));
+  if (!player.ok()) return player.error();
+  session.player = player.take();
+  const std::string path = manifestPath(character);
+  if (!session.player->player().character()) return Error{ErrorId::ManifestInvalid, path + ": manifest did not load"};
+  if (session.character().sequences.empty()) return Error{ErrorId::ManifestInvalid, path + ": has no sequences; bake it again"};
+  return session;
+}
+
+std::string manifestPath(const std::string& character) {
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(character, ignored)) return character;
+  return (std::filesystem::path(character) / "character.gltf").string();
+}
+
+OpenVideo videoOpener() {
+  return [](const std::string& path, int channels) { return platform::openVideoFile(path, channels); };
+}
+
+}  // namespace fourdvt::tools

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a command that draws needs, in the order of its lifetime: context, device, and a character in it.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "base/video.h"
+#include "gpu/device.h"
+#include "platform/character_player.h"
+#include "platform/egl_context.h"
+
+namespace fourdvt::tools {
+
+struct GpuSession {
+  std::unique_ptr<platform::EglContext> context;
+  std::unique_ptr<gpu::Device> device;
+};
+
+struct CharacterSession {
+  GpuSession gpu;
+  std::unique_ptr<platform::CharacterPlayer> player;
+  const package::Character& character() const { return *player->player().character(); }
+};
+
+Result<GpuSession> openGpu();
+// `character`: a folder or its character.gltf. Opened far enough that the manifest is read.
+Result<CharacterSession> openCharacter(const std::string& character);
+// <folder>/character.gltf for a folder, else the path itself.
+std::string manifestPath(const std::string& character);
+// The platform's FFmpeg reader.
+OpenVideo videoOpener();
+
+}  // namespace fourdvt::tools

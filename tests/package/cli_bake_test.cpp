@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+// Baking: a good capture, an interrupted bake, places that cannot be written, captures that are wrong.
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "command.h"
+#include "platform/files.h"
+
+namespace fourdvt::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kSmall = " --texture 128 --layers 2 --gop 4 --jobs 2";
+
+// Nothing but perhaps the kept work folder may exist after a failed bake.
+void expectFailure(const Outcome& outcome, const std::string& named, const std::string& character) {
+  EXPECT_EQ(outcome.code, 1) << outcome.output;
+  const size_t at = outcome.output.find("fourdvt: ");
+  ASSERT_NE(at, std::string::npos) << outcome.output;
+  EXPECT_NE(outcome.output.find(named, at), std::string::npos) << outcome.output;
+  EXPECT_EQ(outcome.output.find('\n', at), outcome.output.size() - 1) << outcome.output;
+  EXPECT_FALSE(exists(character));
+}
+
+TEST(Bake, MakesACharacterThatInspectsAndRenders) {
+  const std::string capture = smallCapture("good-capture"), out = scratch("good");
+  const Outcome bake = fourdvt("bake " + capture + " -o " + out + "/box" + kSmall);
+  ASSERT_EQ(bake.code, 0) << bake.output;
+  EXPECT_FALSE(exists(out + "/box.work"));
+  for (const char* file : {"/character.gltf", "/report.json", "/report.html"}) EXPECT_TRUE(exists(out + "/box" + file)) << file;
+
+  const Outcome inspect = fourdvt("inspect " + out + "/box");
+  EXPECT_EQ(inspect.code, 0) << inspect.output;
+  EXPECT_NE(inspect.output.find("turn"), std::string::npos);
+  EXPECT_NE(inspect.output.find("everything decodes"), std::string::npos);
+
+  const std::string still = out + "/still.png";
+  const Outcome render = fourdvt("render " + out + "/box --frame 5 --camera cam02 --no-shadow -o " + still);
+  ASSERT_EQ(render.code, 0) << render.output;
+  auto ours = platform::readImage(still), matte = platform::readImage(capture + "/turn/mask02/000005.png");
+  ASSERT_TRUE(ours.ok() && matte.ok());
+  ASSERT_EQ(ours.value().width, 160);
+  ASSERT_EQ(ours.value().channels, 4);
+  int differing = 0, covered = 0;
+  for (int i = 0; i < 160 * 160; ++i) {
+    const bool truth = matte.value().pixels[3 * i] >= 128;
+    covered += truth;
+    differing += truth != (ours.value().pixels[4 * i + 3] >= 128);
+  }
+  EXPECT_GT(covered, 1000);
+  EXPECT_LT(differing, covered / 50);
+
+  const Outcome movie = fourdvt("render " + out + "/box --turntable " + out + "/turn.mp4 --seconds 0.4 --size 96x96");
+  EXPECT_EQ(movie.code, 0) << movie.output;
+  EXPECT_GT(fs::file_size(out + "/turn.mp4"), 1000u);
+
+  const Outcome evaluate = fourdvt("evaluate " + capture + " --character " + out + "/box --yardstick -o " + out + "/figures");
+  EXPECT_EQ(evaluate.code, 0) << evaluate.output;
+  EXPECT_NE(evaluate.output.find("test00"), std::string::npos) << evaluate.output;
+  EXPECT_TRUE(exists(out + "/figures/worst.png"));
+}
+
+TEST(Bake, InterruptedResumesToTheSameBytes) {
+  const std::string capture = smallCapture("long-capture", 32), out = scratch("resume");
+  const std::string options = kSmall + " --sequences turn";
+  ASSERT_EQ(fourdvt("bake " + capture + " -o " + out + "/straight" + options).code, 0);
+
+  const std::string stopped = out + "/stopped";
+  const pid_t child = fork();
+  if (child == 0) {
+    const std::string command = "exec " + std::string(FOURDVT_BIN) + " bake " + capture + " -o " + stopped + options + " 2>" + out + "/log";
+    execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+    _exit(127);
+  }
+  for (int i = 0; i < 6000 && !exists(stopped + ".work/turn.0.gop"); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  kill(child, SIGINT);
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  ASSERT_EQ(WEXITSTATUS(status), 130) << readText(out + "/log");
+  EXPECT_FALSE(exists(stopped));
+  EXPECT_NE(readText(out + "/log").find("--resume"), std::string::npos);
+
+  const Outcome resumed = fourdvt("bake " + capture + " -o " + stopped + options + " --resume");
+  ASSERT_EQ(resumed.code, 0) << resumed.output;
+  EXPECT_NE(readText(stopped + "/report.json").find("\"resumed\": true"), std::string::npos);
+  EXPECT_EQ(differences(out + "/straight", stopped), std::vector<std::string>{});
+}
+
+TEST(Bake, OutputThatCannotBeWritten) {
+  const std::string capture = smallCapture("unwritable-capture", 2), out = scratch("unwritable");
+  writeText(out + "/file", "not a folder");
+  for (const std::string& target : {out + "/file/box", std::string("/proc/fourdvt/box")})
+    expectFailure(fourdvt("bake " + capture + " -o " + target + kSmall), target, target);
+  writeText(out + "/notes.txt", "somebody's work");
+  EXPECT_EQ(fourdvt("bake " + capture + " -o " + out + kSmall).code, 1);  // a folder that is not a character
+  EXPECT_EQ(readText(out + "/notes.txt"), "somebody's work");
+}
+
+TEST(Bake, FullDiskIsNamedBeforeTheWork) {
+  const std::string capture = smallCapture("full-capture", 2), mount = scratch("full");
+  if (shell("mount -t tmpfs -o size=1m none " + mount).code != 0) GTEST_SKIP() << "needs the right to mount a tmpfs";
+  const Outcome outcome = fourdvt("bake " + capture + " -o " + mount + "/box" + kSmall);
+  const bool left = exists(mount + "/box");
+  EXPECT_EQ(shell("umount " + mount).code, 0);
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_TRUE(isOneLineWith(outcome, "free")) << outcome.output;
+  EXPECT_FALSE(left);
+}
+
+TEST(Bake, WriteThatFailsHalfWayLeavesNoCharacter) {
+  const std::string capture = smallCapture("limited-capture", 8), out = scratch("limited");
+  // Files may not grow beyond 4 blocks of 512 bytes (dash) or 1 KiB (bash); the ignored signal turns it into an error.
+  const Outcome outcome = shell("trap '' XFSZ; ulimit -f 4; " + std::string(FOURDVT_BIN) + " bake " + capture + " -o " + out + "/box" + kSmall);
+  expectFailure(outcome, out + "/box", out + "/box");
+}
+
+class WrongCapture : public testing::Test {
+ protected:
+  void SetUp() override {
+    capture = smallCapture("wrong-capture", 3);
+    character = scratch("wrong") + "/box";
+  }
+  void expectNamed(const std::string& file) { expectFailure(fourdvt("bake " + capture + " -o " + character + kSmall), file, character); }
+  std::string capture, character;
+};
+
+TEST_F(WrongCapture, NoCaptureJson) {
+  fs::remove(capture + "/capture.json");
+  expectNamed(capture + "/capture.json");
+}
+
+TEST_F(WrongCapture, UnparsableCaptureJson) {
+  truncateTo(capture + "/capture.json", 0.5);
+  expectNamed(capture + "/capture.json");
+}
+
+TEST_F(WrongCapture, CameraWithoutPictures) {
+  fs::remove_all(capture + "/turn/cam02");
+  expectNamed("turn/cam02");
+}
+
+TEST_F(WrongCapture, TooFewPictures) {
+  fs::remove(capture + "/turn/cam01/000002.png");
+  expectNamed("turn/cam01");
+}
+
+TEST_F(WrongCapture, PictureOfAnotherSize) {
+  ASSERT_TRUE(platform::writeImage(capture + "/turn/cam03/000001.png", Image(100, 160, 3)).ok());
+  expectNamed("turn/cam03/");
+}
+
+TEST_F(WrongCapture, BrokenPicture) {
+  truncateTo(capture + "/turn/cam03/000000.png", 0.3);
+  expectNamed("turn/cam03/");
+}
+
+TEST_F(WrongCapture, UnknownCameraModel) {
+  ASSERT_EQ(shell("sed -i 's/PINHOLE/FOV/' " + capture + "/cameras/cameras.txt").code, 0);
+  expectNamed("cameras/cameras.txt");
+}
+
+TEST_F(WrongCapture, OtherTopologyInALaterFrame) {
+  ASSERT_EQ(shell("sed -i '$d' " + capture + "/turn/mesh/000002.obj").code, 0);
+  expectNamed("turn/mesh/000002.obj");
+}
+
+TEST_F(WrongCapture, NothingVisibleNamesAxesAndUnits) {
+  // Millimetres taken for metres: every camera is inside the box.
+  ASSERT_EQ(shell("sed -i -E 's/^v ([^ ]+) ([^ ]+) ([^ ]+)$/v \\1e3 \\2e3 \\3e3/' " + capture + "/turn/mesh/*.obj").code, 0);
+  expectNamed("units");
+}
+
+}  // namespace
+}  // namespace fourdvt::test

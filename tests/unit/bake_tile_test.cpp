@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// Layout and colour conversion of the tiled picture.
+#include "bake/tile.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "bake/bake.h"
+#include "package/barcode.h"
+
+namespace fourdvt::bake {
+namespace {
+
+bool overlap(const package::Rect& a, const package::Rect& b) {
+  return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
+}
+
+TEST(TileLayout, RectanglesLieInsideAndApart) {
+  for (int texture : {128, 256, 512, 1024, 1504}) {
+    for (int layers = 1; layers <= 6; ++layers) {
+      const TileLayout layout = makeTileLayout(layers, texture);
+      EXPECT_EQ(layout.width % 16, 0);
+      EXPECT_EQ(layout.height % 16, 0);
+      std::vector<package::Rect> rects = layout.layers;
+      ASSERT_EQ(int(rects.size()), layers);
+      rects.push_back(layout.barcode.rect);
+      for (size_t i = 0; i < rects.size(); ++i) {
+        EXPECT_TRUE(rects[i].x >= 0 && rects[i].y >= 0 && rects[i].x + rects[i].width <= layout.width &&
+                    rects[i].y + rects[i].height <= layout.height)
+            << texture << " " << layers << " " << i;
+        EXPECT_TRUE(rects[i].x % 2 == 0 && rects[i].y % 2 == 0);
+        for (size_t j = 0; j < i; ++j) EXPECT_FALSE(overlap(rects[i], rects[j])) << i << " " << j;
+      }
+    }
+  }
+}
+
+TEST(TileLayout, DefaultIs1536By1040) {
+  const TileLayout layout = makeTileLayout(3, 1024);
+  EXPECT_EQ(layout.width, 1536);
+  EXPECT_EQ(layout.height, 1040);
+}
+
+struct Yuv {
+  double y, u, v;
+};
+
+Yuv bt709(double r, double g, double b) {
+  const double y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+  return {16 + 219 * y / 255, 128 + 224 * (b - y) / 1.8556 / 255, 128 + 224 * (r - y) / 1.5748 / 255};
+}
+
+TEST(DrawLayer, MatchesBt709InDoublePrecision) {
+  std::mt19937 random(7);
+  Image layer(64, 64, 4, 255);
+  for (uint8_t& value : layer.pixels) value = static_cast<uint8_t>(random());
+  for (int c = 0; c < 3; ++c) layer.at(0, 0)[c] = 255, layer.at(1, 0)[c] = 0;
+  I420Picture picture(128, 96);
+  drawLayer(layer, {32, 16, 64, 64}, picture);
+  for (int y = 0; y < 64; y += 2) {
+    for (int x = 0; x < 64; x += 2) {
+      double sum[3] = {0, 0, 0};
+      for (int k = 0; k < 4; ++k) {
+        const uint8_t* p = layer.at(x + k % 2, y + k / 2);
+        const double luma = picture.y[(16 + y + k / 2) * 128 + 32 + x + k % 2];
+        ASSERT_NEAR(luma, bt709(p[0], p[1], p[2]).y, 0.501);
+        for (int c = 0; c < 3; ++c) sum[c] += p[c] / 4.0;
+      }
+      const Yuv expected = bt709(sum[0], sum[1], sum[2]);
+      const size_t at = (8 + y / 2) * 64 + 16 + x / 2;
+      ASSERT_NEAR(picture.u[at], expected.u, 0.501);
+      ASSERT_NEAR(picture.v[at], expected.v, 0.501);
+    }
+  }
+  EXPECT_EQ(picture.y[0], 126) << "outside the rectangle nothing changes";
+}
+
+TEST(DrawLayer, RoundTripsGrey) {
+  Image layer(32, 32, 4, 255);
+  for (int y = 0; y < 32; ++y)
+    for (int x = 0; x < 32; ++x)
+      for (int c = 0; c < 3; ++c) layer.at(x, y)[c] = static_cast<uint8_t>(8 * y);
+  I420Picture picture(64, 64);
+  drawLayer(layer, {16, 16, 32, 32}, picture);
+  const Image back = rgbFromTile(picture.view(), {16, 16, 32, 32});
+  for (int y = 0; y < 32; ++y)
+    for (int x = 0; x < 32; ++x)
+      for (int c = 0; c < 3; ++c) ASSERT_NEAR(back.at(x, y)[c], 8 * y, 1);
+}
+
+TEST(TileFrame, CarriesTheFrameIndex) {
+  const TileLayout layout = makeTileLayout(2, 512);
+  I420Picture picture(layout.width, layout.height);
+  for (uint32_t frame : {0u, 1u, 27u, 4095u, 5000u}) {
+    tileFrame(layout, {Image(512, 512, 4, 255), Image(256, 256, 4, 0)}, frame, picture);
+    EXPECT_EQ(package::readBarcode(layout.barcode, picture.view()), frame % 4096);
+  }
+}
+
+TEST(BakeOptions, CheckNamesWhatIsWrong) {
+  BakeOptions good;
+  good.capture_folder = "capture";
+  good.character_folder = "character";
+  EXPECT_EQ(good.check(), "");
+  const auto wrong = [&](auto change) {
+    BakeOptions options = good;
+    change(options);
+    return options.check();
+  };
+  EXPECT_NE(wrong([](BakeOptions& o) { o.layers = 7; }).find("layers"), std::string::npos);
+  EXPECT_NE(wrong([](BakeOptions& o) { o.texture = 1000; }).find("texture"), std::string::npos);
+  EXPECT_NE(wrong([](BakeOptions& o) { o.texture = 4096; }).find("smaller texture"), std::string::npos);
+  EXPECT_NE(wrong([](BakeOptions& o) { o.crf = 52; }).find("crf"), std::string::npos);
+  EXPECT_NE(wrong([](BakeOptions& o) { o.gop = 0; }).find("gop"), std::string::npos);
+  EXPECT_NE(wrong([](BakeOptions& o) { o.jobs = -1; }).find("jobs"), std::string::npos);
+  EXPECT_NE(wrong([](BakeOptions& o) { o.position_step_m = std::nan(""); }).find("step"), std::string::npos);
+  EXPECT_NE(wrong([](BakeOptions& o) { o.character_folder = ""; }).find("-o"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace fourdvt::bake

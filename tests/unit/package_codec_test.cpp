@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Apache-2.0
+// Round trips, truncation and damage of the stream header, GOP chunks, the base mesh and the barcode.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <random>
+
+#include "package/barcode.h"
+#include "package/base_mesh.h"
+#include "package/stream_file.h"
+
+using namespace fourdvt;
+using namespace fourdvt::package;
+
+namespace {
+
+StreamIndex smallIndex() {
+  StreamIndex index{5, 12, 7, 2, {0.5f, -1, 2}, 0.00025f, {{0, 3, 500, 40}, {3, 2, 540, 30}}, {}};
+  SampleTable table;
+  table.decoder_description = {1, 2, 3};
+  table.samples = {{100, 50, 0, true}, {150, 9, 2, false}, {159, 4, 1, false}, {400, 60, 3, true}, {460, 7, 4, false}};
+  table.chunk_first_sample = {0, 3, 5};
+  index.renditions = {table, table};
+  return index;
+}
+
+ChunkFrames randomFrames(uint32_t frames, uint32_t vertices, uint32_t faces, uint32_t layers, uint32_t seed) {
+  std::mt19937 random(seed);
+  ChunkFrames out{frames, vertices, faces, layers, {}, {}};
+  for (uint32_t i = 0; i < frames * vertices; ++i) {
+    out.positions.emplace_back(int(random() % 20001) - 10000, int(random() % 7), -int(random() % 100000));
+  }
+  for (uint32_t i = 0; i < frames * layers * faces; ++i) {
+    const uint32_t r = random() % 9;
+    out.labels.push_back(r == 8 ? kNoCamera : static_cast<uint8_t>(r));
+  }
+  return out;
+}
+
+StreamIndex indexFor(const ChunkFrames& f) {
+  return {f.frame_count, f.vertex_count, f.face_count, f.layer_count, {}, 1, {{0, f.frame_count, 100, 100}}, {}};
+}
+
+// A closed UV-mapped grid folded over the x axis: vertices with two wedge UVs along the seam.
+void makeGrid(int n, MeshTopology& t, Positions& positions) {
+  for (int j = 0; j <= n; ++j) {
+    for (int i = 0; i <= n; ++i) {
+      positions.emplace_back(i * 0.1f, std::sin(i * 0.3f) * 0.2f, j * 0.1f);
+      t.uvs.emplace_back(float(i) / n * 0.45f, float(j) / n);
+    }
+  }
+  const uint32_t shift = static_cast<uint32_t>(t.uvs.size());
+  for (uint32_t k = 0; k < shift; ++k) t.uvs.push_back(t.uvs[k] + glm::vec2(0.5f, 0));
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < n; ++i) {
+      const uint32_t a = j * (n + 1) + i, b = a + 1, c = a + n + 1, d = c + 1;
+      const uint32_t chart = i < n / 2 ? 0 : shift;
+      for (const glm::uvec3& f : {glm::uvec3(a, c, b), glm::uvec3(b, c, d)}) {
+        t.face_vertices.push_back(f);
+        t.face_uvs.push_back(f + chart);
+      }
+    }
+  }
+  t.vertex_count = static_cast<uint32_t>(positions.size());
+}
+
+}  // namespace
+
+TEST(StreamHeader, RoundTrips) {
+  const StreamIndex index = smallIndex();
+  auto read = readStreamHeader(writeStreamHeader(index));
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  const StreamIndex& r = read.value();
+  EXPECT_EQ(r.frame_count, 5u);
+  EXPECT_EQ(r.layer_count, 2u);
+  EXPECT_EQ(r.position_origin, index.position_origin);
+  ASSERT_EQ(r.renditions.size(), 2u);
+  EXPECT_EQ(r.renditions[1].decoder_description, index.renditions[1].decoder_description);
+  EXPECT_EQ(r.renditions[1].chunk_first_sample, index.renditions[1].chunk_first_sample);
+  for (size_t s = 0; s < 5; ++s) {
+    EXPECT_EQ(r.renditions[0].samples[s].offset, index.renditions[0].samples[s].offset);
+    EXPECT_EQ(r.renditions[0].samples[s].frame, index.renditions[0].samples[s].frame);
+    EXPECT_EQ(r.renditions[0].samples[s].key, index.renditions[0].samples[s].key);
+  }
+  EXPECT_EQ(r.chunkOfFrame(2), 0u);
+  EXPECT_EQ(r.chunkOfFrame(3), 1u);
+}
+
+TEST(StreamHeader, RefusesEveryTruncationAndTrailingBytes) {
+  std::vector<uint8_t> bytes = writeStreamHeader(smallIndex());
+  for (size_t n = 0; n < bytes.size(); ++n) {
+    EXPECT_FALSE(readStreamHeader(std::span(bytes).first(n)).ok()) << n;
+  }
+  bytes.push_back(0);
+  EXPECT_FALSE(readStreamHeader(bytes).ok());
+}
+
+TEST(StreamHeader, RefusesBadCounts) {
+  const auto refuse = [](const StreamIndex& index) {
+    auto read = readStreamHeader(writeStreamHeader(index));
+    EXPECT_FALSE(read.ok());
+    if (!read.ok()) {
+      EXPECT_EQ(read.error().id, ErrorId::StreamInvalid);
+    }
+  };
+  StreamIndex index = smallIndex();
+  index.frame_count = 6;
+  refuse(index);
+  index = smallIndex();
+  index.renditions[0].samples[3].key = false;
+  refuse(index);
+  index = smallIndex();
+  index.renditions[0].samples[1].frame = 1;  // frame 1 twice, frame 2 never
+  refuse(index);
+  index = smallIndex();
+  index.position_step_m = NAN;
+  refuse(index);
+  index = smallIndex();
+  index.chunks[0].offset = 3;  // inside the header
+  refuse(index);
+}
+
+TEST(StreamHeader, SurvivesEveryByteFlip) {
+  const std::vector<uint8_t> bytes = writeStreamHeader(smallIndex());
+  for (size_t n = 0; n < bytes.size(); ++n) {
+    for (uint8_t mask : {0x01, 0x80, 0xff}) {
+      std::vector<uint8_t> damaged = bytes;
+      damaged[n] ^= mask;
+      (void)readStreamHeader(damaged);
+    }
+  }
+}
+
+TEST(Chunk, RoundTripsExactly) {
+  for (uint32_t frames : {1u, 2u, 3u, 9u}) {
+    const ChunkFrames in = randomFrames(frames, 40, 60, 3, frames);
+    auto bytes = encodeChunk(in);
+    ASSERT_TRUE(bytes.ok());
+    auto out = decodeChunk(bytes.value(), indexFor(in), 0);
+    ASSERT_TRUE(out.ok()) << out.error().message;
+    EXPECT_EQ(out.value().positions, in.positions);
+    EXPECT_EQ(out.value().labels, in.labels);
+  }
+}
+
+TEST(Chunk, RefusesTruncationTrailingBytesAndOtherCounts) {
+  const ChunkFrames in = randomFrames(3, 20, 30, 3, 1);
+  const std::vector<uint8_t> bytes = encodeChunk(in).take();
+  const StreamIndex index = indexFor(in);
+  for (size_t n = 0; n < bytes.size(); ++n) {
+    EXPECT_FALSE(decodeChunk(std::span(bytes).first(n), index, 0).ok()) << n;
+  }
+  std::vector<uint8_t> longer = bytes;
+  longer.push_back(7);
+  EXPECT_FALSE(decodeChunk(longer, index, 0).ok());
+  StreamIndex other = index;
+  other.vertex_count = 21;
+  EXPECT_FALSE(decodeChunk(bytes, other, 0).ok());
+  other = index;
+  other.chunks[0].frame_count = 4;
+  EXPECT_FALSE(decodeChunk(bytes, other, 0).ok());
+  EXPECT_FALSE(decodeChunk(bytes, index, 1).ok());
+}
+
+TEST(Chunk, SurvivesDamage) {
+  const ChunkFrames in = randomFrames(3, 20, 30, 3, 2);
+  const std::vector<uint8_t> bytes = encodeChunk(in).take();
+  for (size_t n = 0; n < bytes.size(); ++n) {
+    std::vector<uint8_t> damaged = bytes;
+    damaged[n] ^= 0x55;
+    auto out = decodeChunk(damaged, indexFor(in), 0);
+    if (out.ok()) {
+      EXPECT_EQ(out.value().labels.size(), in.labels.size());
+    }
+  }
+}
+
+TEST(Chunk, RefusesToEncodeBadLabels) {
+  ChunkFrames in = randomFrames(1, 20, 30, 3, 3);
+  in.labels[4] = 31;
+  EXPECT_FALSE(encodeChunk(in).ok());
+}
+
+TEST(BaseMesh, KeepsGeometryAndReportsTheOrder) {
+  MeshTopology topology;
+  Positions positions;
+  makeGrid(12, topology, positions);
+  auto encoded = encodeBaseMesh(topology, positions);
+  ASSERT_TRUE(encoded.ok()) << encoded.error().message;
+  const EncodedBaseMesh& mesh = encoded.value();
+  auto decoded = decodeBaseMesh(mesh.bytes);
+  ASSERT_TRUE(decoded.ok());
+  EXPECT_EQ(decoded.value().topology.face_vertices, mesh.decoded.topology.face_vertices);
+  EXPECT_EQ(decoded.value().positions, mesh.decoded.positions);
+  ASSERT_EQ(mesh.source_face.size(), topology.face_vertices.size());
+  ASSERT_EQ(mesh.source_vertex.size(), topology.vertex_count);
+  std::vector<int> hits(topology.faceCount());
+  for (uint32_t f = 0; f < mesh.source_face.size(); ++f) {
+    ++hits[mesh.source_face[f]];
+    uint32_t got = 0, want = 0;  // same three vertices
+    for (int c = 0; c < 3; ++c) {
+      got += 1u << (mesh.source_vertex[mesh.decoded.topology.face_vertices[f][c]] % 31);
+      want += 1u << (topology.face_vertices[mesh.source_face[f]][c] % 31);
+    }
+    EXPECT_EQ(got, want);
+  }
+  for (int h : hits) EXPECT_EQ(h, 1);
+  for (uint32_t v = 0; v < mesh.source_vertex.size(); ++v) {
+    EXPECT_LT(glm::length(mesh.decoded.positions[v] - positions[mesh.source_vertex[v]]), 1.2f / 16383);
+  }
+}
+
+TEST(BaseMesh, RefusesTruncationAndSurvivesDamage) {
+  MeshTopology topology;
+  Positions positions;
+  makeGrid(6, topology, positions);
+  const std::vector<uint8_t> bytes = encodeBaseMesh(topology, positions).take().bytes;
+  for (size_t n = 0; n < bytes.size(); ++n) {
+    EXPECT_FALSE(decodeBaseMesh(std::span(bytes).first(n)).ok()) << n;
+    std::vector<uint8_t> damaged = bytes;
+    damaged[n] ^= 0x5a;
+    (void)decodeBaseMesh(damaged);
+  }
+}
+
+TEST(Barcode, AllIndicesRoundTripAndSingleBitErrorsAreSeen) {
+  for (uint32_t frame = 0; frame < 4096; ++frame) {
+    const uint16_t bits = barcodeBits(frame);
+    ASSERT_EQ(frameFromBarcode(bits), frame);
+    for (int bit = 0; bit < 16; ++bit) ASSERT_FALSE(frameFromBarcode(bits ^ (1u << bit)).has_value());
+  }
+  EXPECT_EQ(barcodeBits(4096 + 7), barcodeBits(7));
+}
+
+TEST(Barcode, DrawnStripReadsBackFromEitherCopy) {
+  BarcodeStrip strip{{4, 8, 32 * 16, 16}, 16};
+  std::vector<uint8_t> luma(540 * 40, 90);
+  I420View view{540, 40, luma.data(), nullptr, nullptr, 540, 0, 0};
+  for (uint32_t frame : {0u, 1u, 1365u, 2730u, 4095u}) {
+    drawBarcode(strip, frame, luma.data(), 540);
+    EXPECT_EQ(readBarcode(strip, view), frame);
+    for (int y = 8; y < 24; ++y) luma[y * 540 + 4 + 35] = luma[y * 540 + 4 + 36] = 128;  // scratches
+    EXPECT_EQ(readBarcode(strip, view), frame);
+    const uint8_t wrong = barcodeBits(frame) & 0x8000 ? 16 : 235;  // first copy's first cell destroyed
+    for (int y = 8; y < 24; ++y) std::fill_n(luma.begin() + y * 540 + 4, 16, wrong);
+    EXPECT_EQ(readBarcode(strip, view), frame);
+  }
+  strip.rect.x = 100;
+  EXPECT_FALSE(readBarcode(strip, view).has_value());
+}

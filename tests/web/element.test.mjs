@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: Apache-2.0
+// The element by itself, in headless Chromium under a strict content-security policy: what it reports for a broken
+// manifest, that the page lives on, that removal frees everything, and its controls and accessibility. No baked
+// character is needed; the manifests are made here.
+import assert from 'node:assert/strict';
+import { cpSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { after, before, beforeEach, test } from 'node:test';
+import { fileURLToPath } from 'node:url';
+
+import { launch } from './harness.mjs';
+import { serve } from './server.mjs';
+
+const EXTENSION = 'FOURDVT_layered_video_texture';
+const POLICY = "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' data:; object-src 'none'; base-uri 'none'";
+const PATIENCE_MS = 60_000;
+const dist = process.env.FOURDVT_SITE
+  ? join(process.env.FOURDVT_SITE, 'fourdvt-viewer')
+  : fileURLToPath(new URL('../../web/dist', import.meta.url));
+
+function goodManifest() {
+  const camera = {
+    name: 'cam00', width: 720, height: 960, fx: 900, fy: 900, cx: 360, cy: 480,
+    camFromWorld: [1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0.9, 3, 1],
+  };
+  const rendition = {
+    uri: 'walk.mp4', byteLength: 1000, codec: 'avc1.640028', width: 1536, height: 1056,
+    layers: [[0, 0, 1024, 1024]], barcode: { rect: [0, 1024, 512, 32], cellSize: 16 },
+  };
+  const sequence = {
+    name: 'walk', frameCount: 28, fps: 25, loop: true, rootVelocity: [0, 0, 1],
+    stream: { uri: 'walk.bin', byteLength: 4096, headerLength: 512 }, renditions: [rendition],
+  };
+  const extension = {
+    version: 1, name: 'nobody', layerCount: 1, vertexCount: 100, faceCount: 180, mesh: { uri: 'mesh.bin', byteOffset: 0, byteLength: 2000 },
+    poster: { uri: 'poster.webp' }, bounds: { min: [-0.5, 0, -0.3], max: [0.5, 1.8, 0.3] }, groundY: 0,
+    cameras: [camera], sequences: [sequence],
+  };
+  return { asset: { version: '2.0' }, extensionsUsed: [EXTENSION], extensions: { [EXTENSION]: extension } };
+}
+
+const changed = (change) => {
+  const gltf = goodManifest();
+  change(gltf.extensions[EXTENSION], gltf);
+  return JSON.stringify(gltf);
+};
+const MANIFESTS = {
+  'cut.gltf': JSON.stringify(goodManifest()).slice(0, 300),
+  'html.gltf': '<!doctype html><p>not found</p>',
+  'null.gltf': 'null',
+  'bare.gltf': '{"asset":{"version":"2.0"}}',
+  'fields.gltf': changed((e) => { delete e.sequences[0].stream.headerLength; }),
+  'range.gltf': changed((e) => { e.layerCount = 1e9; }),
+  'newer.gltf': changed((e) => { e.version = 99; }),
+  'nofiles.gltf': changed(() => undefined),
+};
+
+let folder, server, browser, page;
+const troubles = [];
+before(async () => {
+  folder = mkdtempSync(join(tmpdir(), 'fourdvt-element-'));
+  cpSync(dist, join(folder, 'fourdvt-viewer'), { recursive: true });
+  for (const [name, text] of Object.entries(MANIFESTS)) writeFileSync(join(folder, name), text);
+  writeFileSync(join(folder, 'page.css'), 'fourdvt-viewer { width: 320px; height: 400px; }');
+  writeFileSync(join(folder, 'index.html'), `<!doctype html><html lang="en"><meta charset="utf-8"><title>element</title>
+    <link rel="icon" href="data:,"><link rel="stylesheet" href="page.css">
+    <script type="module" src="fourdvt-viewer/fourdvt-viewer.js"></script><body></body></html>`);
+  server = await serve(folder, 0, { headers: { 'Content-Security-Policy': POLICY } });
+  browser = await launch();
+  page = await browser.newPage({ viewport: { width: 400, height: 500 } });
+  page.setDefaultTimeout(PATIENCE_MS);
+  page.on('pageerror', (error) => troubles.push(error.message));
+  page.on('console', (line) => {
+    if (line.type() === 'error' && !line.text().startsWith('Failed to load resource')) troubles.push(line.text());
+  });
+  await page.addInitScript(countLiveObjects);
+  await page.goto(server.url);
+  await page.evaluate(() => customElements.whenDefined('fourdvt-viewer').then(() => undefined));
+});
+after(async () => {
+  await browser?.close();
+  await server?.close();
+  if (folder) rmSync(folder, { recursive: true, force: true });
+});
+beforeEach(() => page.evaluate(() => document.body.replaceChildren()));
+
+// Runs in the page before its scripts: counts what the element must give back.
+function countLiveObjects() {
+  const live = (globalThis.live = { decoders: 0, observers: 0, frames: 0 });
+  const NativeDecoder = globalThis.VideoDecoder;
+  globalThis.VideoDecoder = class extends NativeDecoder {
+    constructor(init) { super(init); ++live.decoders; }
+    close() { super.close(); --live.decoders; }
+  };
+  for (const name of ['ResizeObserver', 'IntersectionObserver']) {
+    const Native = globalThis[name];
+    globalThis[name] = class extends Native {
+      constructor(...rest) { super(...rest); ++live.observers; }
+      disconnect() { super.disconnect(); --live.observers; }
+    };
+  }
+  const request = globalThis.requestAnimationFrame;
+  globalThis.requestAnimationFrame = (callback) => {
+    ++live.frames;
+    return request.call(globalThis, callback);
+  };
+}
+
+// Adds an element and gives its first error event.
+const errorOf = (attributes) => page.evaluate(async (attributes) => {
+  const viewer = document.createElement('fourdvt-viewer');
+  for (const [name, value] of Object.entries(attributes)) viewer.setAttribute(name, value);
+  const names = [];
+  for (const name of ['loadstart', 'loadedmetadata', 'canplay']) viewer.addEventListener(name, () => names.push(name));
+  const error = new Promise((done) => viewer.addEventListener('error', (e) => done(e.detail), { once: true }));
+  document.body.append(viewer);
+  const detail = await error;
+  const root = viewer.shadowRoot;
+  return {
+    ...detail, events: names, property: viewer.error?.id, alert: root.querySelector('[role=alert]:not([hidden])')?.textContent,
+    bar: !root.querySelector('[role=progressbar]').hidden,
+  };
+}, attributes);
+
+const CASES = [
+  ['no manifest (404)', 'missing.gltf', 'fetch-failed'],
+  ['manifest cut off', 'cut.gltf', 'manifest-invalid'],
+  ['an HTML page instead of a manifest', 'html.gltf', 'manifest-invalid'],
+  ['JSON null', 'null.gltf', 'manifest-invalid'],
+  ['glTF without our extension', 'bare.gltf', 'manifest-invalid'],
+  ['a field is missing', 'fields.gltf', 'manifest-invalid'],
+  ['a field is out of range', 'range.gltf', 'manifest-invalid'],
+  ['a newer format version', 'newer.gltf', 'unsupported'],
+  ['a good manifest whose files are missing', 'nofiles.gltf', 'fetch-failed'],
+];
+for (const [name, src, id] of CASES) {
+  test(`error event: ${name}`, async () => {
+    const seen = await errorOf({ src });
+    assert.equal(seen.id, id, seen.message);
+    assert.equal(seen.property, id);
+    assert.ok(seen.message.length > 10 && !seen.message.includes('\n'), seen.message);
+    assert.equal(seen.events[0], 'loadstart');
+    assert.ok(!seen.events.includes('canplay'));
+    assert.ok(seen.alert, 'the element says that it cannot show the character');
+    assert.equal(seen.bar, false, 'no progress bar stays behind');
+  });
+}
+
+test('error event: no VideoDecoder', async () => {
+  const id = await page.evaluate(async () => {
+    const native = globalThis.VideoDecoder;
+    delete globalThis.VideoDecoder;
+    const viewer = document.createElement('fourdvt-viewer');
+    viewer.src = 'nofiles.gltf';
+    const error = new Promise((done) => viewer.addEventListener('error', (e) => done(e.detail.id)));
+    document.body.append(viewer);
+    const id = await error;
+    globalThis.VideoDecoder = native;
+    return id;
+  });
+  assert.equal(id, 'decoder-unsupported');
+});
+
+test('error event: no WebGL2', async () => {
+  const id = await page.evaluate(async () => {
+    const native = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = () => null;
+    const viewer = document.createElement('fourdvt-viewer');
+    viewer.src = 'nofiles.gltf';
+    const error = new Promise((done) => viewer.addEventListener('error', (e) => done(e.detail.id)));
+    document.body.append(viewer);
+    const id = await error;
+    HTMLCanvasElement.prototype.getContext = native;
+    return id;
+  });
+  assert.equal(id, 'gpu-failure');
+});
+
+test('removal gives everything back, however far loading came', async () => {
+  const before = await page.evaluate(() => ({ ...globalThis.live }));
+  for (const wait of [0, 30, 300]) {
+    const lost = await page.evaluate(async (ms) => {
+      const viewer = document.createElement('fourdvt-viewer');
+      viewer.src = 'nofiles.gltf';
+      viewer.autoplay = true;
+      viewer.toggleAttribute('auto-rotate', true);
+      document.body.append(viewer);
+      await new Promise((next) => setTimeout(next, ms));
+      const canvas = viewer.shadowRoot.querySelector('canvas');
+      viewer.remove();
+      const left = viewer.shadowRoot.querySelectorAll('canvas').length;
+      return { left, lost: ms < 300 || canvas.getContext('webgl2').isContextLost() };
+    }, wait);
+    assert.deepEqual(lost, { left: 0, lost: true });
+  }
+  await page.waitForTimeout(200);
+  const idle = await page.evaluate(() => ({ ...globalThis.live }));
+  const requests = server.requests.length;
+  await page.waitForTimeout(600);
+  const later = await page.evaluate(() => ({ ...globalThis.live }));
+  assert.equal(later.observers, before.observers);
+  assert.equal(later.decoders, before.decoders);
+  assert.equal(later.frames, idle.frames, 'no frame loop is left');
+  assert.equal(server.requests.length, requests, 'nothing more is fetched');
+});
+
+test('twenty elements one after the other do not exhaust contexts', async () => {
+  const ids = await page.evaluate(async () => {
+    const ids = [];
+    for (let i = 0; i < 20; ++i) {
+      const viewer = document.createElement('fourdvt-viewer');
+      viewer.src = 'nofiles.gltf';
+      const error = new Promise((done) => viewer.addEventListener('error', (e) => done(e.detail.id)));
+      document.body.append(viewer);
+      ids.push(await error);
+      viewer.remove();
+    }
+    return ids;
+  });
+  assert.deepEqual([...new Set(ids)], ['fetch-failed']);
+});
+
+test('keys, drag and attributes turn the camera; vertical touch stays with the page', async () => {
+  await page.evaluate(() => {
+    const viewer = document.createElement('fourdvt-viewer');
+    viewer.setAttribute('camera-controls', '');
+    viewer.setAttribute('camera-orbit', '30deg 10deg 4m');
+    document.body.append(viewer);
+    globalThis.viewer = viewer;
+  });
+  const orbit = () => page.evaluate(() => {
+    globalThis.viewer.jumpCameraToGoal();
+    return globalThis.viewer.getCameraOrbit();
+  });
+  assert.deepEqual(await orbit(), { azimuth: 30, elevation: 10, distance: 4 });
+  await page.locator('fourdvt-viewer').evaluate((viewer) => viewer.shadowRoot.querySelector('[role=img]').focus());
+  await page.keyboard.press('ArrowRight');
+  await page.keyboard.press('ArrowUp');
+  assert.deepEqual(await orbit(), { azimuth: 40, elevation: 20, distance: 4 });
+  await page.keyboard.press('+');
+  assert.ok((await orbit()).distance < 4);
+  await page.keyboard.press('Home');
+  assert.deepEqual(await orbit(), { azimuth: 30, elevation: 10, distance: 4 });
+  await page.mouse.move(200, 200);
+  await page.mouse.down();
+  await page.mouse.move(140, 200);
+  await page.mouse.up();
+  const dragged = await orbit();
+  assert.ok(dragged.azimuth > 40 && dragged.elevation === 10, JSON.stringify(dragged));
+  const action = await page.evaluate(() => getComputedStyle(globalThis.viewer.shadowRoot.querySelector('[role=img]')).touchAction);
+  assert.equal(action, 'pan-y');
+});
+
+test('a wheel without focus scrolls the page, with Ctrl it zooms', async () => {
+  await page.evaluate(() => {
+    const viewer = document.createElement('fourdvt-viewer');
+    viewer.setAttribute('camera-controls', '');
+    viewer.setAttribute('camera-orbit', '0deg 0deg 4m');
+    document.body.append(viewer);
+    globalThis.viewer = viewer;
+    globalThis.prevented = [];
+    viewer.addEventListener('wheel', (e) => globalThis.prevented.push(e.defaultPrevented));
+  });
+  const wheel = (ctrlKey) => page.evaluate((ctrlKey) => {
+    const stage = globalThis.viewer.shadowRoot.querySelector('[role=img]');
+    stage.dispatchEvent(new WheelEvent('wheel', { deltaY: -100, ctrlKey, bubbles: true, composed: true, cancelable: true }));
+    globalThis.viewer.jumpCameraToGoal();
+    return globalThis.viewer.getCameraOrbit().distance;
+  }, ctrlKey);
+  assert.equal(await wheel(false), 4);
+  assert.ok((await wheel(true)) < 4);
+  assert.deepEqual(await page.evaluate(() => globalThis.prevented), [false, true]);
+});
+
+test('labels and progress are there for assistive technology', async () => {
+  const seen = await page.evaluate(() => {
+    const viewer = document.createElement('fourdvt-viewer');
+    viewer.setAttribute('alt', 'A dancer turns');
+    viewer.src = 'nofiles.gltf';
+    document.body.append(viewer);
+    const root = viewer.shadowRoot;
+    const stage = root.querySelector('[role=img]');
+    const bar = root.querySelector('[role=progressbar]');
+    return [stage.getAttribute('aria-label'), stage.tabIndex, bar.getAttribute('aria-valuenow'), bar.getAttribute('aria-label')];
+  });
+  assert.deepEqual(seen, ['A dancer turns', 0, '0', 'Loading']);
+});
+
+test('the page is alive: no uncaught error, no policy violation', () => {
+  assert.deepEqual(troubles, []);
+});

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// Static files with byte ranges, for tests and the demo. Not a public web server: one folder, GET and HEAD only.
+//   import { serve } from './server.mjs';  const { url, close, requests } = await serve(folder);
+//   node server.mjs FOLDER [PORT]          takes the next free port, prints the address
+import { createReadStream } from 'node:fs';
+import { stat } from 'node:fs/promises';
+import { createServer } from 'node:http';
+import { extname, join, resolve, sep } from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+const TYPES = {
+  '.html': 'text/html; charset=utf-8', '.css': 'text/css; charset=utf-8', '.js': 'text/javascript; charset=utf-8',
+  '.mjs': 'text/javascript; charset=utf-8', '.json': 'application/json', '.gltf': 'model/gltf+json',
+  '.wasm': 'application/wasm', '.mp4': 'video/mp4', '.bin': 'application/octet-stream', '.webp': 'image/webp',
+  '.png': 'image/png', '.jpg': 'image/jpeg', '.svg': 'image/svg+xml', '.ico': 'image/x-icon',
+  '.woff2': 'font/woff2', '.txt': 'text/plain; charset=utf-8', '.md': 'text/plain; charset=utf-8',
+};
+
+// The file a request path names, or null outside the root.
+function locate(root, requestUrl) {
+  let path;
+  try {
+    path = decodeURIComponent(new URL(requestUrl, 'http://x').pathname);
+  } catch {
+    return null;
+  }
+  const file = resolve(join(root, path));
+  return (file === root || file.startsWith(root + sep)) && !path.includes('\0') ? file : null;
+}
+
+// [first, last] of a single satisfiable range, 'none' without one, 'bad' if it cannot be satisfied.
+function parseRange(header, size) {
+  const match = /^bytes=(\d*)-(\d*)$/.exec(header ?? '');
+  if (!match || (match[1] === '' && match[2] === '')) return 'none';
+  const first = match[1] === '' ? Math.max(0, size - Number(match[2])) : Number(match[1]);
+  const last = match[1] === '' || match[2] === '' ? size - 1 : Math.min(Number(match[2]), size - 1);
+  return first > last || first >= size ? 'bad' : [first, last];
+}
+
+async function answer(root, options, request, response, entry) {
+  const finish = (status, headers = {}, body = '') => {
+    entry.status = status;
+    response.writeHead(status, { 'Content-Length': Buffer.byteLength(body), ...headers });
+    response.end(request.method === 'HEAD' ? undefined : body);
+  };
+  if (request.method !== 'GET' && request.method !== 'HEAD') return finish(405, { Allow: 'GET, HEAD' });
+  let file = locate(root, request.url);
+  let info = file ? await stat(file).catch(() => null) : null;
+  if (info?.isDirectory()) {
+    const url = new URL(request.url, 'http://x');
+    if (!url.pathname.endsWith('/')) return finish(301, { Location: `${url.pathname}/${url.search}` });
+    file = join(file, 'index.html');
+    info = await stat(file).catch(() => null);
+  }
+  if (!info?.isFile()) return finish(404, { 'Content-Type': 'text/plain' }, 'not found\n');
+  const headers = {
+    'Content-Type': TYPES[extname(file).toLowerCase()] ?? 'application/octet-stream',
+    'Cache-Control': 'no-cache', 'Last-Modified': info.mtime.toUTCString(), ...options.headers,
+  };
+  if (options.ranges !== false) headers['Accept-Ranges'] = 'bytes';
+  const range = options.ranges === false ? 'none' : parseRange(request.headers.range, info.size);
+  if (range === 'bad') return finish(416, { 'Content-Range': `bytes */${info.size}` });
+  const [first, last] = range === 'none' ? [0, info.size - 1] : range;
+  if (range !== 'none') headers['Content-Range'] = `bytes ${first}-${last}/${info.size}`;
+  headers['Content-Length'] = last - first + 1;
+  entry.status = range === 'none' ? 200 : 206;
+  entry.bytes = last - first + 1;
+  response.writeHead(entry.status, headers);
+  if (request.method === 'HEAD' || info.size === 0) return response.end();
+  const stream = createReadStream(file, { start: first, end: last });
+  stream.on('error', () => response.destroy());
+  response.on('close', () => stream.destroy());
+  stream.pipe(response);
+}
+
+/**
+ * Serves `root` on 127.0.0.1. options: ranges (false: answer 200 to range requests), headers (added to every file),
+ * host. `requests` grows by { method, path, range, status, bytes } for every request.
+ */
+export function serve(root, port = 0, options = {}) {
+  const folder = resolve(root);
+  const requests = [];
+  const server = createServer((request, response) => {
+    const entry = { method: request.method, path: request.url, range: request.headers.range ?? null, status: 0, bytes: 0 };
+    requests.push(entry);
+    answer(folder, options, request, response, entry).catch(() => response.destroy());
+  });
+  return new Promise((done, fail) => {
+    server.once('error', fail);
+    server.listen(port, options.host ?? '127.0.0.1', () => {
+      const close = () => new Promise((closed) => {
+        server.close(closed);
+        server.closeAllConnections?.();
+      });
+      done({ url: `http://127.0.0.1:${server.address().port}/`, close, requests });
+    });
+  });
+}
+
+async function serveOnNextFreePort(root, wanted) {
+  for (let port = wanted; port < wanted + 100; ++port) {
+    try {
+      return await serve(root, port);
+    } catch (reason) {
+      if (reason.code !== 'EADDRINUSE' && reason.code !== 'EACCES') throw reason;
+    }
+  }
+  throw new Error(`no free port from ${wanted} to ${wanted + 99}: name another one`);
+}
+
+if (process.argv[1] && resolve(process.argv[1]) === fileURLToPath(import.meta.url)) {
+  const [root, port = '8080'] = process.argv.slice(2);
+  if (!root || !(Number(port) >= 0)) {
+    console.error('usage: node server.mjs FOLDER [PORT]');
+    process.exit(2);
+  }
+  if (!(await stat(root).catch(() => null))?.isDirectory()) {
+    console.error(`server.mjs: ${root} is not a folder`);
+    process.exit(2);
+  }
+  const { url } = await serveOnNextFreePort(root, Number(port));
+  console.log(url);
+}

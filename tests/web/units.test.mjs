@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// Parts of the element that need no browser: byte ranges, manifest flattening, orbit camera. Executed from source.
+import assert from 'node:assert/strict';
+import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { createServer } from 'node:http';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import { fileURLToPath, pathToFileURL } from 'node:url';
+
+import { requireFromWeb } from './harness.mjs';
+import { serve } from './server.mjs';
+
+const { buildSync } = requireFromWeb('esbuild');
+let folder, bytes;
+
+async function load(name) {
+  const outfile = join(folder, `${name}.mjs`);
+  const entry = fileURLToPath(new URL(`../../web/src/${name}.ts`, import.meta.url));
+  buildSync({ entryPoints: [entry], outfile, bundle: true, format: 'esm', logLevel: 'silent' });
+  return import(pathToFileURL(outfile).href);
+}
+
+before(() => {
+  folder = mkdtempSync(join(tmpdir(), 'fourdvt-units-'));
+  bytes = Uint8Array.from({ length: 5000 }, (_, i) => (i * 7) & 255);
+  writeFileSync(join(folder, 'data.bin'), bytes);
+});
+after(() => rmSync(folder, { recursive: true, force: true }));
+
+for (const ranges of [true, false]) {
+  test(`ranges come out the same from a server ${ranges ? 'with' : 'without'} range support`, async () => {
+    const { Transport } = await load('transport');
+    const server = await serve(folder, 0, { ranges });
+    const transport = new Transport(`${server.url}character.gltf`);
+    transport.stopReplay();
+    for (const [offset, size] of [[0, 10], [100, 900], [4990, 10]]) {
+      assert.deepEqual(await transport.range(offset, 'data.bin', offset, size), bytes.slice(offset, offset + size));
+    }
+    assert.equal(server.requests.length, ranges ? 3 : 1, 'a whole file is fetched once');
+    assert.equal(transport.bytesReceived, ranges ? 920 : 5000);
+    await assert.rejects(transport.range(9, 'data.bin', 4995, 10), { id: 'fetch-failed' });
+    await assert.rejects(transport.range(9, 'none.bin', 0, 10), { id: 'fetch-failed' });
+    transport.dispose();
+    await server.close();
+  });
+}
+
+test('a transient failure is tried again, a cancelled range answers nothing', async () => {
+  const { Transport } = await load('transport');
+  let calls = 0;
+  const server = createServer((request, response) => {
+    if (request.url === '/never.bin') return;
+    response.writeHead(++calls === 1 ? 503 : 206);
+    response.end(calls === 1 ? '' : 'abcd');
+  });
+  await new Promise((done) => server.listen(0, '127.0.0.1', done));
+  const transport = new Transport(`http://127.0.0.1:${server.address().port}/character.gltf`);
+  assert.equal(new TextDecoder().decode(await transport.range(1, 'x.bin', 0, 4)), 'abcd');
+  assert.equal(calls, 2);
+  const never = transport.range(2, 'never.bin', 0, 4);
+  transport.cancel(2);
+  assert.equal(await never, null);
+  transport.dispose();
+  server.closeAllConnections?.();
+  await new Promise((done) => server.close(done));
+});
+
+test('JSON is flattened to pointers with escapes', async () => {
+  const { flattenJson } = await load('flat-json');
+  const seen = {};
+  flattenJson({ a: [1, { 'b/c~': 'x' }], t: true, n: null, e: [], o: {} }, (pointer, value) => { seen[pointer] = value; });
+  assert.deepEqual(seen, { '/a/0': 1, '/a/1/b~1c~0': 'x', '/t': true });
+});
+
+test('orbit: text, limits from the box, damping at any rate, the whole box is in the picture', async () => {
+  const { OrbitCamera, parseOrbit } = await load('orbit-camera');
+  assert.deepEqual(parseOrbit('30deg -5deg 3.5m'), { azimuth: 30, elevation: -5, distance: 3.5 });
+  assert.deepEqual(parseOrbit('auto 8deg auto'), { azimuth: 0, elevation: 8, distance: null });
+  const camera = new OrbitCamera();
+  camera.setAspect(0.75);
+  camera.setCharacter({ min: [-0.5, 0, -0.3], max: [0.5, 1.8, 0.3], groundY: 0, sequences: [] });
+  camera.jump();
+  const fit = camera.pose.distance;
+  const half = Math.tan((35 / 2) * (Math.PI / 180)) * (fit - Math.hypot(0.5, 0.3));
+  assert.ok(half > 0.9 && half * 0.75 > Math.hypot(0.5, 0.3) * 0.9, `half height ${half}`);
+  camera.zoom(1e-6);
+  camera.rotate(0, -500);
+  camera.jump();
+  const low = camera.pose;
+  assert.ok(Math.abs(low.distance - 0.35 * fit) < 1e-9);
+  assert.ok(low.target[1] + low.distance * Math.sin((low.elevation * Math.PI) / 180) > 0.04, 'never below the ground');
+  camera.rotate(0, 500);
+  camera.jump();
+  assert.equal(camera.pose.elevation, 85);
+  const angles = [1 / 30, 1 / 120].map((dt) => {
+    camera.reset();
+    camera.jump();
+    camera.rotate(90, 0);
+    for (let t = 0; t < 0.1 - 1e-9; t += dt) camera.update(dt);
+    return camera.pose.azimuth;
+  });
+  assert.ok(Math.abs(angles[0] - angles[1]) < 0.5 && angles[0] > 45, `${angles}`);
+});
