@@ -13,6 +13,7 @@ extern "C" {
 #include "bake/mp4.h"
 #include "bake/output.h"
 #include "bake/poster.h"
+#include "base/bytes.h"
 #include "package/writer.h"
 
 namespace fourdvt::bake {
@@ -24,6 +25,15 @@ constexpr const char* kTexture = "texture.jpg";
 constexpr const char* kPoster = "poster.webp";
 constexpr const char* kTiles = "report_tiles.jpg";
 
+struct ChunkBytes {
+  uint32_t total = 0, positions = 0;
+};
+
+// A chunk opens with the length of its coded positions (FORMAT.md).
+ChunkBytes measure(const std::vector<uint8_t>& chunk) {
+  return {static_cast<uint32_t>(chunk.size()), ByteReader(chunk).u32()};
+}
+
 struct PackedSequence {
   package::Sequence manifest;
   ReportSequence report;
@@ -33,7 +43,7 @@ std::string ffmpegVersion(unsigned v) {
   return std::to_string(v >> 16) + "." + std::to_string((v >> 8) & 255) + "." + std::to_string(v & 255);
 }
 
-package::StreamIndex makeIndex(const Job& job, const SequencePlan& plan, const std::vector<uint32_t>& chunk_bytes,
+package::StreamIndex makeIndex(const Job& job, const SequencePlan& plan, const std::vector<ChunkBytes>& chunk_bytes,
                                package::SampleTable table) {
   package::StreamIndex index;
   index.frame_count = plan.source->frame_count;
@@ -45,7 +55,7 @@ package::StreamIndex makeIndex(const Job& job, const SequencePlan& plan, const s
   index.renditions.push_back(std::move(table));
   for (size_t g = 0; g < chunk_bytes.size(); ++g) {
     const uint32_t first = plan.gop_first_frames[g];
-    index.chunks.push_back({first, plan.gopEnd(g) - first, 0, chunk_bytes[g]});
+    index.chunks.push_back({first, plan.gopEnd(g) - first, 0, chunk_bytes[g].total});
   }
   return index;
 }
@@ -89,13 +99,13 @@ Status writeStream(const std::string& path, const std::vector<uint8_t>& header, 
 }
 
 Result<Mp4Samples> packVideo(const Job& job, const SequencePlan& plan, const WorkFolder& work, const std::string& path,
-                             std::vector<uint32_t>& chunk_bytes) {
+                             std::vector<ChunkBytes>& chunk_bytes) {
   const std::string& name = plan.source->name;
   FOURDVT_TRY(writeMp4(path, job.encode, static_cast<uint32_t>(plan.gop_first_frames.size()),
                        [&](uint32_t g) -> Result<EncodedGop> {
                          auto artefact = work.loadGop(name, g);
                          if (!artefact) return artefact.error();
-                         chunk_bytes.push_back(static_cast<uint32_t>(artefact.value().chunk.size()));
+                         chunk_bytes.push_back(measure(artefact.value().chunk));
                          return std::move(artefact.value().video);
                        }));
   return readMp4Samples(path, job.encode.fps, plan.gop_first_frames, plan.source->frame_count);
@@ -109,7 +119,7 @@ Result<PackedSequence> packSequence(const Job& job, const SequencePlan& plan, co
   package::Rendition rendition;
   rendition.video_uri = source.name + ".mp4";
   s.stream_uri = source.name + ".bin";
-  std::vector<uint32_t> chunk_bytes;
+  std::vector<ChunkBytes> chunk_bytes;
   auto packed = packVideo(job, plan, work, folder + rendition.video_uri, chunk_bytes);
   if (!packed) return packed.error();
   package::StreamIndex index = makeIndex(job, plan, chunk_bytes, std::move(packed.value().table));
@@ -132,7 +142,10 @@ Result<PackedSequence> packSequence(const Job& job, const SequencePlan& plan, co
   ReportSequence& r = out.report;
   r = {s.name, s.frame_count, static_cast<uint32_t>(chunk_bytes.size()), s.fps, s.loop, rendition.video_bytes};
   r.index_bytes = header.value().size();
-  for (uint32_t bytes : chunk_bytes) r.geometry_bytes += bytes;
+  for (const ChunkBytes& bytes : chunk_bytes) {
+    r.geometry_bytes += bytes.positions;
+    r.label_bytes += bytes.total - bytes.positions;
+  }
   s.renditions.push_back(std::move(rendition));
   return out;
 }

@@ -67,7 +67,7 @@ void X264Encoder::configure(const EncodeSettings& s) {
   c->chroma_sample_location = AVCHROMA_LOC_CENTER;
   av_opt_set(c->priv_data, "preset", "medium", 0);
   av_opt_set_double(c->priv_data, "crf", s.crf, 0);
-  av_opt_set(c->priv_data, "x264-params", "scenecut=0:b-pyramid=none:threads=1:lookahead-threads=1", 0);
+  av_opt_set(c->priv_data, "x264-params", "scenecut=0:b-pyramid=none:rc-lookahead=8:threads=1:lookahead-threads=1", 0);
 }
 
 Status X264Encoder::open(const EncodeSettings& s) {

@@ -24,20 +24,20 @@ namespace fourdvt {
 
 // What the edge must do. Spans stay valid until the next call of any non-const method of the player.
 struct FetchRange {      // answer: onRangeReceived / onRangeFailed
-  uint32_t id;
+  uint32_t id = 0;
   std::string uri;       // relative to the manifest
-  uint64_t offset, bytes;
+  uint64_t offset = 0, bytes = 0;
 };
-struct CancelFetch { uint32_t id; };
+struct CancelFetch { uint32_t id = 0; };
 struct ConfigureDecoder {  // drop everything queued, then configure
   std::string codec;
   std::span<const uint8_t> description;  // avcC or empty
-  int width, height;
+  int width = 0, height = 0;
 };
 struct DecodeSample {
   std::span<const uint8_t> bytes;
-  int64_t timestamp_us;  // strictly identifies the wanted presentation (unwrapped over loops); goes back in the answer
-  bool key;
+  int64_t timestamp_us = 0;  // strictly identifies the wanted presentation (unwrapped over loops); goes back in the answer
+  bool key = false;
 };
 struct FlushDecoder {};  // no more samples follow for now: output everything (end of a sequence that does not loop)
 struct ResetDecoder {};  // forget queued samples and pictures (seek, other sequence); answers still in flight are dropped

@@ -76,6 +76,9 @@ before(async () => {
   folder = mkdtempSync(join(tmpdir(), 'fourdvt-errors-'));
   cpSync(environment('SITE'), folder, { recursive: true });
   kCases.forEach((entry, index) => makeCase(entry, `case${index}`));
+  makeCase({ damage: (target, _, e) => {
+    patch(target, e.sequences[1].stream.uri, (b) => noise(b, e.sequences[1].stream.headerLength));
+  } }, 'one-motion');
   writeFileSync(join(folder, 'errors.html'), kPage);
   writeFileSync(join(folder, 'page.css'), 'fourdvt-viewer { width: 300px; height: 400px; }');
   server = await serve(folder);
@@ -117,11 +120,36 @@ const load = (src) => page.evaluate(async ({ src, patience }) => {
 
 kCases.forEach(({ name, ids }, index) => {
   test(name, async () => {
-    const { type, detail } = await load(`case${index}/character.gltf`);
+    const { type, detail, errors } = await load(`case${index}/character.gltf`);
     assert.equal(type, 'error');
+    console.log(`${name}: ${detail.id}: ${detail.message} (${errors})`);
     assert.ok(ids.includes(detail.id), `expected ${ids.join(' or ')}, got ${detail.id}: ${detail.message}`);
     assert.ok(detail.message.length > 20 && !detail.message.includes('\n'), `one clear line: ${detail.message}`);
   });
+});
+
+test('one damaged motion does not take the others along', async () => {
+  assert.equal((await load('one-motion/character.gltf')).type, 'canplay');
+  const outcome = await page.evaluate(async (patience) => {
+    const viewer = document.querySelector('fourdvt-viewer');
+    const [good, bad] = viewer.sequences.map((s) => s.name);
+    const detail = await new Promise((done) => {
+      const timer = setTimeout(() => done({ id: 'no error event' }), patience);
+      viewer.addEventListener('error', (event) => { clearTimeout(timer); done(event.detail); }, { once: true });
+      viewer.sequence = bad;
+    });
+    viewer.sequence = good;
+    viewer.play();
+    const frames = new Set();
+    const end = performance.now() + patience;
+    while (frames.size < 4 && performance.now() < end) {
+      if (viewer.sequence === good) frames.add(viewer.frame);
+      await new Promise((next) => setTimeout(next, 20));
+    }
+    return { detail, frames: frames.size };
+  }, kPatienceMs);
+  assert.ok(['stream-invalid', 'fetch-failed'].includes(outcome.detail.id), JSON.stringify(outcome.detail));
+  assert.ok(outcome.frames >= 4, 'the undamaged motion plays on');
 });
 
 test('the same element still shows a good character', async () => {

@@ -29,6 +29,8 @@ export interface Orbit {
 }
 
 const MAX_PIXEL_RATIO = 2;
+// The total is known only when the stream's index is here: the bar must not be full before that.
+const LEAST_TOTAL_BYTES = 300_000;
 const AUTO_ROTATE_DEG_S = 14;
 const AUTO_ROTATE_RESUME_S = 4;
 const DEFAULT_RENDER: RenderOptions = {
@@ -181,7 +183,7 @@ export class FourdvtViewer extends HTMLElement {
   }
 
   attributeChangedCallback(name: string, before: string | null, value: string | null): void {
-    if (!this.isConnected || before === value) return;
+    if (!this.#observers || before === value) return; // before connectedCallback, which reads them all
     switch (name) {
       case 'src': this.#load(); break;
       case 'poster': this.#overlay.setPoster(value); break;
@@ -317,7 +319,7 @@ export class FourdvtViewer extends HTMLElement {
   #onSessionEvent(name: string, detail?: unknown): void {
     if (name === 'progress') {
       const { loaded, total } = detail as { loaded: number; total: number };
-      if (this.#loading && total > 0) this.#overlay.progress(Math.min(1, loaded / total));
+      if (this.#loading) this.#overlay.progress(Math.min(1, loaded / Math.max(total, LEAST_TOTAL_BYTES)));
     } else if (name === 'loadedmetadata') {
       this.#onMetadata();
     } else if (name === 'canplay') {

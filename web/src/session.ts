@@ -64,6 +64,7 @@ export class Session {
   #idle = 0;
   #active = true;
   #shown = false;
+  #deciding = false; // the upload path is being measured
   #stuck = false; // after an error: do not wait for what will not come
   #redraw = true;
   #drawn = -1;
@@ -201,8 +202,7 @@ export class Session {
   #open(path: PictureKind): void {
     const wishes = this.#wishes;
     this.#path = path;
-    const decide = wishes.uploadPath === 'auto' && !rememberedPath();
-    if (!decide) this.#transport.stopReplay();
+    const decide = (this.#deciding = wishes.uploadPath === 'auto' && !rememberedPath());
     this.#decoder = new FrameDecoder(path, {
       onPicture: () => this.#onPicture(),
       onNoPlanes: () => this.#reopen('rgba'),
@@ -264,8 +264,9 @@ export class Session {
     }
     if (this.#abort.signal.aborted || gl.isContextLost()) return;
     rememberPath(path);
+    this.#deciding = false;
     if (path !== this.#path) this.#reopen(path);
-    this.#transport.stopReplay();
+    else if (this.state()?.hasFrame) this.#transport.stopReplay();
     this.wake();
   }
 
@@ -277,6 +278,7 @@ export class Session {
       for (let request = player.nextRequest(); request; request = player.nextRequest()) this.#serve(request);
       this.#decoder?.feed();
       for (let event = player.nextEvent(); event; event = player.nextEvent()) {
+        if (event.name === 'canplay' && !this.#deciding) this.#transport.stopReplay();
         if (event.name === 'error') {
           this.#stuck = true;
           this.#host.emit('error', event.error);

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+// The whole bake on a small capture: what comes out, stopping and resuming, and bad output folders.
+#include <sys/resource.h>
+
+#include <csignal>
+
+#include "../unit/capture_fixture.h"
+#include "bake/bake.h"
+#include "gl_fixture.h"
+#include "package/stream_file.h"
+#include "platform/ffmpeg_video.h"
+
+namespace fourdvt::bake {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct WholeBake : testing::GlFixture {
+  capture::SmallCapture input;
+  std::atomic<bool> stop{false};
+  BakeOptions options;
+
+  void SetUp() override {
+    GlFixture::SetUp();
+    // Two cameras 3 m in front of the quad, side by side.
+    input.write("cameras/images.txt", std::string("1 0 1 0 0 -0.5 0.5 3 1 cam00.png\n\n2 0 1 0 0 -0.7 0.5 3 1 cam01.png\n\n"));
+    options.capture_folder = input.path();
+    options.character_folder = input / "out/character";
+    options.layers = 2;
+    options.texture = 128;
+    options.gop = 2;
+  }
+
+  Result<BakeReport> run(uint32_t stop_after = 1000) {
+    BakeEnvironment environment;
+    environment.device = device.get();
+    environment.open_video = platform::openVideoFile;
+    environment.stop = &stop;
+    environment.progress = [&](const Progress& p) { stop = p.done >= stop_after; };
+    stop = false;
+    return bake(options, environment);
+  }
+  std::string bytesOf(const std::string& name) {
+    auto bytes = platform::readFile(options.character_folder + "/" + name);
+    return bytes ? std::string(bytes.value().begin(), bytes.value().end()) : "absent: " + name;
+  }
+  // Nothing beside or in place of the character.
+  void expectNothingWritten() {
+    EXPECT_FALSE(fs::exists(options.character_folder));
+    EXPECT_FALSE(fs::exists(options.character_folder + ".work"));
+  }
+};
+
+TEST_F(WholeBake, WritesACharacterThatReadsBack) {
+  auto report = run();
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report.value().frames, 3u);
+  auto json = platform::readJsonFlat(options.character_folder + "/character.gltf");
+  ASSERT_TRUE(json) << json.error().message;
+  auto character = package::readManifest(json.value());
+  ASSERT_TRUE(character) << character.error().message;
+  ASSERT_EQ(character.value().sequences.size(), 1u);
+  const package::Sequence& walk = character.value().sequences[0];
+  auto stream = platform::readFile(options.character_folder + "/" + walk.stream_uri);
+  ASSERT_TRUE(stream);
+  const std::span<const uint8_t> bytes(stream.value());
+  auto index = package::readStreamHeader(bytes.first(walk.stream_header_bytes));
+  ASSERT_TRUE(index) << index.error().message;
+  ASSERT_EQ(index.value().chunks.size(), 2u);
+  for (uint32_t g = 0; g < 2; ++g) {
+    const package::ChunkEntry& entry = index.value().chunks[g];
+    auto chunk = package::decodeChunk(bytes.subspan(entry.offset, entry.bytes), index.value(), g);
+    ASSERT_TRUE(chunk) << chunk.error().message;
+    for (uint8_t label : chunk.value().labels) EXPECT_LT(label, 2) << "both cameras see both faces";
+    // The quad moves away by 0.1 m a frame.
+    const glm::ivec3 q = chunk.value().positions[0];
+    EXPECT_NEAR(index.value().position_origin.z + index.value().position_step_m * q.z, 0.1 * entry.first_frame, 1.3e-4);
+  }
+  for (const char* name : {"poster.webp", "texture.jpg", "report.json", "report.html", "mesh.bin"})
+    EXPECT_TRUE(fs::exists(options.character_folder + "/" + name)) << name;
+  EXPECT_FALSE(fs::exists(options.character_folder + ".work"));
+}
+
+TEST_F(WholeBake, ResumedBakeGivesTheSameBytes) {
+  ASSERT_TRUE(run());
+  const std::vector<std::string> names{"walk.mp4", "walk.bin", "mesh.bin", "character.gltf", "texture.jpg", "poster.webp"};
+  std::vector<std::string> whole;
+  for (const std::string& name : names) whole.push_back(bytesOf(name));
+  fs::remove_all(options.character_folder);
+
+  auto stopped = run(2);
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().id, ErrorId::Interrupted);
+  EXPECT_NE(stopped.error().message.find("--resume"), std::string::npos);
+  EXPECT_FALSE(fs::exists(options.character_folder));
+  EXPECT_TRUE(fs::exists(options.character_folder + ".work/walk.0.gop"));
+  options.resume = true;
+  options.jobs = 1;  // other threads, same bytes
+  auto resumed = run();
+  ASSERT_TRUE(resumed) << resumed.error().message;
+  for (size_t i = 0; i < names.size(); ++i) EXPECT_TRUE(bytesOf(names[i]) == whole[i]) << names[i];
+}
+
+TEST_F(WholeBake, OtherSettingsDoNotResume) {
+  ASSERT_FALSE(run(2));
+  options.resume = true;
+  options.crf = 40;
+  uint32_t first_done = 0;
+  BakeEnvironment environment;
+  environment.device = device.get();
+  environment.open_video = platform::openVideoFile;
+  environment.progress = [&](const Progress& p) { first_done = first_done ? first_done : p.done; };
+  ASSERT_TRUE(bake(options, environment));
+  EXPECT_EQ(first_done, 1u) << "a GOP of other settings was reused";
+}
+
+TEST_F(WholeBake, CamerasBehindTheMeshSayAxesOrUnits) {
+  input.write("cameras/images.txt", std::string("1 1 0 0 0 -0.5 0 3 1 cam00.png\n\n2 1 0 0 0 0 0 3 1 cam01.png\n\n"));
+  auto report = run();
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().id, ErrorId::NothingVisible);
+  EXPECT_NE(report.error().message.find("axes and units"), std::string::npos) << report.error().message;
+  expectNothingWritten();
+}
+
+TEST_F(WholeBake, ForeignFolderIsRefusedAndKept) {
+  input.write("out/character/thesis.txt", std::string("years of work"));
+  auto report = run();
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().id, ErrorId::InvalidArgument);
+  EXPECT_EQ(bytesOf("thesis.txt"), "years of work");
+}
+
+TEST_F(WholeBake, FolderThatCannotBeCreatedIsWriteFailed) {
+  input.write("out", std::string("a file, not a folder"));
+  auto report = run();
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().id, ErrorId::WriteFailed) << report.error().message;
+  EXPECT_NE(report.error().message.find("out/character"), std::string::npos) << report.error().message;
+}
+
+TEST_F(WholeBake, FullDiskLeavesThePreviousCharacter) {
+  ASSERT_TRUE(run());
+  const std::string before = bytesOf("walk.bin");
+  options.crf = 18;
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit old{};
+  getrlimit(RLIMIT_FSIZE, &old);
+  rlimit small = old;
+  small.rlim_cur = 4096;  // every file ends there, as on a full disk
+  setrlimit(RLIMIT_FSIZE, &small);
+  auto report = run();
+  setrlimit(RLIMIT_FSIZE, &old);
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().id, ErrorId::WriteFailed) << report.error().message;
+  EXPECT_TRUE(bytesOf("walk.bin") == before);
+}
+
+}  // namespace
+}  // namespace fourdvt::bake

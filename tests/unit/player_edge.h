@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+// A simulated edge: seeded latencies, out-of-order and failing fetches, a decoder that reorders with a two-picture
+// delay and still delivers some pictures after a reset, copies that take a while.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <optional>
+#include <random>
+
+#include "player/player.h"
+#include "player_fixture.h"
+
+namespace fourdvt::testing {
+
+struct EdgeOptions {
+  uint32_t seed = 1;
+  double fetch_latency_s = 0.05, decode_latency_s = 0.004, copy_latency_s = 0.003;  // largest, uniform from 0
+  double fetch_failure = 0;                                                         // probability
+  double stale_delivery = 0.5;  // probability that a picture survives a reset
+  int reorder_delay = 2;
+  int wrong_picture_every = 0;  // every n-th picture is another frame's (0: never)
+  PlayerOptions player;
+};
+
+class SimulatedEdge {
+ public:
+  SimulatedEdge(const FakeCharacter& character, const EdgeOptions& options)
+      : options(options), character_(character), random_(options.seed) {
+    auto made = Player::create(device, options.player);
+    EXPECT_TRUE(made.ok());
+    player = made.take();
+  }
+
+  EdgeOptions options;
+  TaggingDevice device;
+  std::unique_ptr<Player> player;
+  std::map<EventKind, int> events;
+  std::vector<Error> errors;
+  std::vector<Event> progress;
+  double now_s = 0;
+  int most_slots_busy = 0, requests_after_error = 0, flushes = 0, stale_answers = 0;
+  uint64_t most_bytes_held = 0;
+
+  void step(double dt_s) {
+    now_s += dt_s;
+    answerFetches();
+    finishCopies();
+    offerPictures();
+    player->tick(now_s);
+    for (Request request; player->nextRequest(request);) take(request);
+    for (Event event; player->nextEvent(event);) note(event);
+    most_bytes_held = std::max(most_bytes_held, player->stats().encoded_bytes_held);
+  }
+  // Runs until the condition holds; false after `limit_s`.
+  template <class Condition>
+  bool runUntil(Condition condition, double limit_s = 20) {
+    for (const double end_s = now_s + limit_s; now_s < end_s;) {
+      step(0.008);
+      if (condition()) return true;
+    }
+    return condition();
+  }
+  bool runUntilShown() {
+    return runUntil([&] { return player->hasFrame() && !player->seeking(); });
+  }
+  // What the shown picture and geometry say about themselves; both through one draw.
+  TaggingDevice::Drawn draw() {
+    device.drawn = {};
+    render::View view = render::viewFromCamera(cameraFromOrbit({}, 32, 32));
+    auto target = gpu::makeTarget(device, {.width = 32, .height = 32, .own_depth = true});
+    EXPECT_TRUE(player->draw(view, {}, target.value().id()).ok());
+    EXPECT_EQ(device.takeErrors(), "");
+    return device.drawn;
+  }
+  void expectPaired() {
+    const TaggingDevice::Drawn drawn = draw();
+    EXPECT_EQ(drawn.picture_frame, drawn.geometry_frame);
+    EXPECT_EQ(drawn.picture_frame, int(player->frame()));
+    const FakeSequence& sequence = character_.sequences[size_t(std::max(0, drawn.geometry_sequence))];
+    EXPECT_EQ(drawn.picture_width, sequence.width);
+    if (!player->seeking()) {
+      EXPECT_EQ(sequence.name, player->sequence()->name);
+    }
+  }
+  double uniform(double high) { return std::uniform_real_distribution<double>(0, high)(random_); }
+  uint32_t below(uint32_t n) { return random_() % n; }
+
+ private:
+  struct PendingFetch {
+    FetchRange range;
+    double due_s;
+  };
+  struct Decoded {
+    int64_t timestamp_us;
+    uint32_t sequence, frame;
+    double due_s;
+  };
+  struct Copy {
+    int slot;
+    Decoded picture;
+    double due_s;
+  };
+
+  void take(const Request& request) {
+    if (!errors.empty()) ++requests_after_error;
+    if (auto* fetch = std::get_if<FetchRange>(&request)) {
+      fetches_.push_back({*fetch, now_s + uniform(options.fetch_latency_s)});
+    } else if (auto* cancel = std::get_if<CancelFetch>(&request)) {
+      std::erase_if(fetches_, [&](const PendingFetch& f) { return f.range.id == cancel->id; });
+    } else if (auto* configure = std::get_if<ConfigureDecoder>(&request)) {
+      reset();
+      EXPECT_EQ(configure->description.size(), 2u);
+      configured_sequence_ = configure->description[1];
+      needs_key_ = true;
+    } else if (auto* sample = std::get_if<DecodeSample>(&request)) {
+      decode(*sample);
+    } else if (std::holds_alternative<FlushDecoder>(request)) {
+      ++flushes;
+      while (!reorder_.empty()) output();
+      needs_key_ = true;
+    } else {
+      reset();
+    }
+  }
+  void reset() {
+    reorder_.clear();
+    std::erase_if(decoded_, [&](const Decoded&) { return uniform(1) > options.stale_delivery; });
+    stale_from_ = decoded_.size();
+    needs_key_ = true;
+  }
+  void decode(const DecodeSample& sample) {
+    uint32_t sequence = 0, frame = 0;
+    ASSERT_GE(sample.bytes.size(), 9u);
+    std::memcpy(&sequence, sample.bytes.data(), 4);
+    std::memcpy(&frame, sample.bytes.data() + 4, 4);
+    EXPECT_EQ(sequence, configured_sequence_);
+    EXPECT_EQ(sample.bytes[8] == 1, sample.key);
+    if (needs_key_) {
+      EXPECT_TRUE(sample.key) << "decoding must start at a key";
+    }
+    needs_key_ = false;
+    EXPECT_FALSE(reorder_.count(sample.timestamp_us));
+    reorder_[sample.timestamp_us] = {sequence, frame};
+    if (int(reorder_.size()) > options.reorder_delay) output();
+  }
+  void output() {
+    const auto first = reorder_.begin();
+    auto [sequence, frame] = first->second;
+    if (options.wrong_picture_every && ++pictures_ % options.wrong_picture_every == 0) frame ^= 1;
+    const double after_s = decoded_.empty() ? now_s : decoded_.back().due_s;
+    decoded_.push_back({first->first, sequence, frame, std::max(now_s, after_s) + uniform(options.decode_latency_s)});
+    reorder_.erase(first);
+  }
+  void answerFetches() {
+    std::shuffle(fetches_.begin(), fetches_.end(), random_);
+    for (size_t i = 0; i < fetches_.size();) {
+      if (fetches_[i].due_s > now_s) {
+        ++i;
+        continue;
+      }
+      const FetchRange range = fetches_[i].range;
+      fetches_.erase(fetches_.begin() + long(i));
+      const auto file = character_.files.find(range.uri);
+      const bool there = file != character_.files.end() && range.offset + range.bytes <= file->second.size();
+      if (!there || uniform(1) < options.fetch_failure) {
+        player->onRangeFailed(range.id, "simulated");
+      } else {
+        player->onRangeReceived(range.id, std::span(file->second).subspan(range.offset, range.bytes));
+      }
+    }
+  }
+  void offerPictures() {
+    while (!decoded_.empty() && decoded_.front().due_s <= now_s) {
+      const Decoded picture = decoded_.front();
+      const int slot = player->acquireSlot(picture.timestamp_us);
+      if (slot == -1) return;
+      const bool stale = stale_from_ > 0;
+      if (stale) --stale_from_, ++stale_answers;
+      decoded_.pop_front();
+      if (slot < 0) continue;
+      EXPECT_FALSE(stale) << "a picture from before a reset got a slot";
+      for (const Copy& copy : copies_) EXPECT_NE(copy.slot, slot) << "a slot was given twice";
+      copies_.push_back({slot, picture, now_s + uniform(options.copy_latency_s)});
+      most_slots_busy = std::max(most_slots_busy, int(copies_.size()));
+    }
+  }
+  void finishCopies() {
+    while (!copies_.empty() && copies_.front().due_s <= now_s) {
+      const Copy copy = copies_.front();
+      copies_.pop_front();
+      const FakeSequence& sequence = character_.sequences[copy.picture.sequence];
+      std::vector<uint8_t> y(size_t(sequence.width) * sequence.height, 80);
+      package::drawBarcode(fakeStrip(), copy.picture.frame, y.data(), sequence.width);
+      const int w = sequence.width, h = sequence.height;
+      player->uploadI420(copy.slot, {w, h, y.data(), y.data(), y.data(), w, w / 2, w / 2});
+      player->commitSlot(copy.slot);
+    }
+  }
+  void note(const Event& event) {
+    ++events[event.kind];
+    if (event.kind == EventKind::Error) errors.push_back(event.error);
+    if (event.kind == EventKind::Progress) progress.push_back(event);
+  }
+
+  FakeCharacter character_;
+  std::mt19937 random_;
+  std::vector<PendingFetch> fetches_;
+  std::map<int64_t, std::pair<uint32_t, uint32_t>> reorder_;
+  std::deque<Decoded> decoded_;
+  std::deque<Copy> copies_;
+  size_t stale_from_ = 0;
+  uint32_t configured_sequence_ = 99;
+  int pictures_ = 0;
+  bool needs_key_ = true;
+};
+
+}  // namespace fourdvt::testing

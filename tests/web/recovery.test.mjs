@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+// The element with a real character when its surroundings misbehave: a lost GL context, a slow upload path, a server
+// without byte ranges, a box that leaves the screen.
+import assert from 'node:assert/strict';
+import { after, afterEach, before, test } from 'node:test';
+
+import { environment, kPatienceMs, launch, openPage, readCanvas, waitForEvent } from './harness.mjs';
+import { serve } from './server.mjs';
+import { coverage } from './ssim.mjs';
+
+let server, browser, page;
+before(async () => { browser = await launch(); });
+after(() => browser?.close());
+afterEach(async () => {
+  await page?.close();
+  await server?.close();
+});
+
+// A blank page of the site with one viewer in it.
+async function open({ serving = {}, before = () => undefined, attributes = {} } = {}) {
+  server = await serve(environment('SITE'), 0, serving);
+  page = await openPage(browser, { viewport: { width: 320, height: 420 } });
+  await page.addInitScript(before);
+  await page.route('**/blank.html', (route) => route.fulfill({
+    contentType: 'text/html', body: '<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,">' }));
+  await page.goto(`${server.url}blank.html`);
+  await page.evaluate(async (attributes) => {
+    await import('/fourdvt-viewer/fourdvt-viewer.js');
+    const viewer = document.createElement('fourdvt-viewer');
+    for (const [name, value] of Object.entries(attributes)) viewer.setAttribute(name, value);
+    viewer.src = 'character/character.gltf';
+    document.body.append(viewer);
+  }, attributes);
+  await waitForEvent(page, 'canplay');
+}
+const viewer = (what) => page.evaluate((what) => document.querySelector('fourdvt-viewer')[what], what);
+const until = (condition) => page.waitForFunction(condition, null, { timeout: kPatienceMs, polling: 50 });
+const visible = async () => coverage(await readCanvas(page)) > 0.02;
+
+test('a lost GL context comes back with the same sequence and frame', async () => {
+  await open({ attributes: { sequence: 'run' } });
+  await page.evaluate(async () => {
+    const viewer = document.querySelector('fourdvt-viewer');
+    const seeked = new Promise((done) => viewer.addEventListener('seeked', done, { once: true }));
+    viewer.seekFrame(5);
+    await seeked;
+    globalThis.viewerEvents.length = 0;
+    const gl = viewer.shadowRoot.querySelector('canvas').getContext('webgl2');
+    const extension = gl.getExtension('WEBGL_lose_context');
+    extension.loseContext();
+    setTimeout(() => extension.restoreContext(), 100);
+  });
+  await waitForEvent(page, 'canplay');
+  await until(() => document.querySelector('fourdvt-viewer').frame === 5);
+  await page.waitForTimeout(300);
+  assert.equal(await viewer('sequence'), 'run');
+  assert.ok(await visible());
+  assert.deepEqual(page.troubles.filter((line) => !line.includes('CONTEXT_LOST')), []);
+});
+
+test('where copying planes is slow, the browser uploads frames itself, and nothing is downloaded twice', async () => {
+  await open({
+    attributes: { autoplay: '' },
+    before: () => {
+      const native = VideoFrame.prototype.copyTo;
+      VideoFrame.prototype.copyTo = async function (...rest) {
+        const layout = await native.apply(this, rest);
+        await new Promise((next) => setTimeout(next, 400));
+        return layout;
+      };
+    },
+  });
+  await until(() => document.querySelector('fourdvt-viewer').stats?.uploadPath === 'rgba');
+  await until(() => document.querySelector('fourdvt-viewer').stats.framesShown > 5);
+  assert.ok(await visible());
+  const ranges = server.requests.filter((r) => r.range).map((r) => `${r.path} ${r.range}`);
+  assert.equal(new Set(ranges).size, ranges.length, ranges.join('\n'));
+  assert.deepEqual(page.troubles, []);
+});
+
+test('a server without byte ranges works, each file once', async () => {
+  await open({ serving: { ranges: false }, attributes: { autoplay: '' } });
+  await until(() => document.querySelector('fourdvt-viewer').stats.framesShown > 5);
+  assert.ok(await visible());
+  const videos = server.requests.filter((r) => r.path.endsWith('.mp4')).map((r) => r.path);
+  assert.ok(videos.length <= 2, videos.join(' '));
+  assert.deepEqual(page.troubles, []);
+});
+
+test('off-screen the clock stands still, back on screen it goes on', async () => {
+  await open({ attributes: { autoplay: '' } });
+  await until(() => document.querySelector('fourdvt-viewer').stats.framesShown > 2);
+  await page.evaluate(async () => {
+    document.querySelector('fourdvt-viewer').style.marginTop = '3000px';
+    await new Promise((next) => setTimeout(next, 500));
+    globalThis.shown = document.querySelector('fourdvt-viewer').stats.framesShown;
+  });
+  await page.waitForTimeout(800);
+  assert.equal(await page.evaluate(() => document.querySelector('fourdvt-viewer').stats.framesShown - globalThis.shown), 0);
+  await page.evaluate(() => { document.querySelector('fourdvt-viewer').style.marginTop = '0'; });
+  await until(() => document.querySelector('fourdvt-viewer').stats.framesShown > globalThis.shown + 2);
+});
+
+test('removal while playing closes every decoder and picture and gives the GL context back', async () => {
+  await open({
+    attributes: { autoplay: '' },
+    before: () => {
+      const live = (globalThis.live = { decoders: 0 });
+      const Native = globalThis.VideoDecoder;
+      globalThis.VideoDecoder = class extends Native {
+        constructor(init) { super(init); ++live.decoders; }
+        close() { super.close(); --live.decoders; }
+      };
+    },
+  });
+  await until(() => document.querySelector('fourdvt-viewer').stats.framesShown > 5);
+  const seen = await page.evaluate(async () => {
+    const viewer = document.querySelector('fourdvt-viewer');
+    const gl = viewer.shadowRoot.querySelector('canvas').getContext('webgl2');
+    const before = globalThis.live.decoders;
+    viewer.remove();
+    await new Promise((next) => setTimeout(next, 200));
+    return { before, after: globalThis.live.decoders, lost: gl.isContextLost(), stats: viewer.stats };
+  });
+  assert.deepEqual(seen, { before: 1, after: 0, lost: true, stats: null });
+  assert.deepEqual(page.troubles, []);
+});
