@@ -136,7 +136,7 @@ function showFigures(report) {
     [report.options.layers, 'texture layers'],
     [report.faces.toLocaleString('en'), 'triangles'],
     [`${(report.bytes / 1e6).toFixed(1)} MB`, `for ${report.sequences.map((s) => labelOf(s.name).toLowerCase()).join(', ')}`],
-    [`${Math.max(...megabits).toFixed(1)} Mbit/s`, 'at most while it plays'],
+    [`${Math.max(...megabits).toFixed(1)} Mbit/s`, 'highest stream rate'],
   ];
   byId('figures').replaceChildren(...figures.map(([value, meaning]) => {
     const group = document.createElement('div');

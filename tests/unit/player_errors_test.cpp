@@ -128,7 +128,11 @@ TEST(PlayerErrors, BaseMeshDamagedOrOfAnotherCharacter) {
     SimulatedEdge edge(character, {});
     ASSERT_TRUE(edge.player->loadManifest(character.manifest).ok());
     ASSERT_TRUE(edge.runUntil([&] { return !edge.errors.empty(); }));
-    EXPECT_EQ(edge.errors[0].id, kind == 2 ? ErrorId::FetchFailed : ErrorId::MeshDataInvalid) << edge.errors[0].message;
+    const ErrorId id = edge.errors[0].id;
+    // With wrong counts in the manifest either the mesh or the stream is compared with it first.
+    EXPECT_TRUE(id == (kind == 2 ? ErrorId::FetchFailed : ErrorId::MeshDataInvalid) ||
+                (kind == 1 && id == ErrorId::StreamInvalid))
+        << edge.errors[0].message;
     edge.player->play();
     edge.player->seekFrame(5);
     edge.runUntil([] { return false; }, 2);

@@ -170,7 +170,7 @@ TEST(PlayerSimulation, TenThousandFramesWithoutAMismatch) {
       edge.step(edge.uniform(0.03));
       if (edge.player->frame() != last) edge.expectPaired();
       last = edge.player->frame();
-      switch (edge.below(160)) {
+      switch (edge.below(80)) {
         case 0:
           edge.player->seekFrame(edge.below(30));
           break;

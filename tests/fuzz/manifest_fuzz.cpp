@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// Manifests as lines "POINTER=nNUMBER", "POINTER=sTEXT" or "POINTER=bT" below the extension: whatever is accepted is
+// safe to allocate and index by.
+#include <cmath>
+#include <cstdlib>
+
+#include "package/character.h"
+
+using namespace fourdvt;
+using namespace fourdvt::package;
+
+namespace {
+
+FlatJson parse(std::string_view text) {
+  FlatJson json;
+  json.set("/asset/version", std::string("2.0"));
+  while (!text.empty()) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(text.size(), line.size() + 1));
+    const size_t equals = line.find('=');
+    if (equals == std::string_view::npos || equals + 1 >= line.size()) continue;
+    const std::string pointer = std::string("/extensions/") + kExtensionName + std::string(line.substr(0, equals));
+    const std::string value(line.substr(equals + 2));
+    if (line[equals + 1] == 'n') json.set(pointer, std::strtod(value.c_str(), nullptr));
+    if (line[equals + 1] == 's') json.set(pointer, value);
+    if (line[equals + 1] == 'b') json.set(pointer, value == "T");
+  }
+  return json;
+}
+
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+void checkUri(const std::string& uri) {
+  require(!uri.empty() && uri[0] != '/' && uri.find(':') == std::string::npos && uri.find("../") == std::string::npos);
+}
+
+void checkSequence(const Sequence& s, int layers) {
+  require(s.frame_count >= 1 && s.fps > 0 && std::isfinite(s.duration_s()) && !s.renditions.empty());
+  require(s.stream_header_bytes <= s.stream_bytes);
+  checkUri(s.stream_uri);
+  for (const Rendition& r : s.renditions) {
+    checkUri(r.video_uri);
+    require(int(r.layers.size()) == layers && r.width <= kMaxPictureSide && r.height <= kMaxPictureSide);
+    for (const Rect& rect : r.layers) {
+      require(rect.x >= 0 && rect.y >= 0 && rect.width > 0 && rect.x + rect.width <= r.width &&
+              rect.y + rect.height <= r.height);
+    }
+    require(r.barcode.rect.x + 32 * r.barcode.cell_size <= r.width);
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  const auto read = readManifest(parse({reinterpret_cast<const char*>(data), size}));
+  if (!read.ok()) return 0;
+  const Character& c = read.value();
+  require(c.layer_count >= 1 && c.layer_count <= kMaxLayers && c.cameras.size() <= size_t(kMaxCameras));
+  checkUri(c.mesh_uri);
+  for (const PinholeCamera& camera : c.cameras) require(std::isfinite(camera.centreInWorld().x) && camera.fx > 0);
+  for (const Sequence& s : c.sequences) checkSequence(s, c.layer_count);
+  return 0;
+}

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stream headers ("H" + bytes) and GOP chunks ("C" + frames, vertices, faces, layers as bytes + chunk): whatever is
+// accepted is consistent, and a header that is accepted writes back to the same bytes.
+#include <cstdlib>
+
+#include "package/stream_file.h"
+
+using namespace fourdvt::package;
+
+namespace {
+
+void fuzzHeader(std::span<const uint8_t> bytes) {
+  const auto read = readStreamHeader(bytes);
+  if (!read.ok()) return;
+  const StreamIndex& index = read.value();
+  for (const SampleTable& table : index.renditions) {
+    if (table.samples.size() != index.frame_count) std::abort();
+    for (const VideoSample& sample : table.samples) {
+      if (sample.frame >= index.frame_count) std::abort();
+    }
+  }
+  for (uint32_t frame : {0u, index.frame_count / 2, index.frame_count - 1}) {
+    const ChunkEntry& chunk = index.chunks.at(index.chunkOfFrame(frame));
+    if (frame < chunk.first_frame || frame >= chunk.first_frame + chunk.frame_count) std::abort();
+  }
+  std::vector<uint8_t> again = writeStreamHeader(index);
+  again[6] = bytes[6], again[7] = bytes[7];  // reserved
+  if (again != std::vector<uint8_t>(bytes.begin(), bytes.end())) std::abort();
+}
+
+void fuzzChunk(std::span<const uint8_t> bytes) {
+  if (bytes.size() < 4) return;
+  StreamIndex index;
+  index.frame_count = 1u + bytes[0] % 32;
+  index.vertex_count = 3u + bytes[1];
+  index.face_count = 1u + bytes[2];
+  index.layer_count = 1u + bytes[3] % 6;
+  index.chunks = {{0, index.frame_count, 0, uint32_t(bytes.size())}};
+  const auto decoded = decodeChunk(bytes.subspan(4), index, 0);
+  if (!decoded.ok()) return;
+  const ChunkFrames& frames = decoded.value();
+  if (frames.positions.size() != size_t(index.frame_count) * index.vertex_count) std::abort();
+  if (frames.labels.size() != size_t(index.frame_count) * index.layer_count * index.face_count) std::abort();
+  for (uint8_t label : frames.labels) {
+    if (label >= 31 && label != 255) std::abort();
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  if (size == 0) return 0;
+  const std::span<const uint8_t> rest(data + 1, size - 1);
+  if (data[0] == 'H') fuzzHeader(rest);
+  if (data[0] == 'C') fuzzChunk(rest);
+  return 0;
+}
