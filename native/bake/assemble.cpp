@@ -94,8 +94,8 @@ Status writeStream(const std::string& path, const std::vector<uint8_t>& header, 
   int code = ok ? 0 : errno;
   if (file && std::fclose(file) != 0 && ok) code = errno, ok = false;
   if (ok) return {};
-  return Error{ErrorId::WriteFailed, path + ": cannot write: " + std::strerror(code) +
-                                         "; free disk space or choose another output folder"};
+  return Error{ErrorId::WriteFailed,
+               path + ": cannot write: " + std::strerror(code) + "; free disk space or choose another output folder"};
 }
 
 Result<Mp4Samples> packVideo(const Job& job, const SequencePlan& plan, const WorkFolder& work, const std::string& path,
@@ -173,7 +173,8 @@ Status writeStills(const Job& job, const WorkFolder& work, gpu::Device& device, 
   FOURDVT_TRY(writeFile(folder + kTiles, still.value().tile_jpeg));
   auto positions = capture::readMeshFrame(job.capture, *job.sequences[0].source, 0);
   if (!positions) return positions.error();
-  auto poster = renderPoster(device, character, job.mesh.decoded, still.value(), reordered(job.mesh, positions.value()));
+  auto poster =
+      renderPoster(device, character, job.mesh.decoded, still.value(), reordered(job.mesh, positions.value()));
   if (!poster) return poster.error();
   auto webp = encodePicture(poster.value(), ".webp", 85);
   if (!webp) return webp.error();
@@ -192,7 +193,8 @@ void describe(const Job& job, const package::Character& character, ReportInput& 
   report.faces = character.face_count;
   report.picture_width = job.layout.width;
   report.picture_height = job.layout.height;
-  report.versions = {{"libavcodec", ffmpegVersion(avcodec_version())}, {"libavformat", ffmpegVersion(avformat_version())}};
+  report.versions = {{"libavcodec", ffmpegVersion(avcodec_version())},
+                     {"libavformat", ffmpegVersion(avformat_version())}};
   const std::string first = job.sequences[0].source->name + ", frame 0";
   report.pictures = {{kPoster, "The character, " + first + ", as the page shows it first."},
                      {kTiles, "The video picture of " + first + ": all layers and the barcode."}};

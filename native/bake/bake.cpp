@@ -51,7 +51,7 @@ bool needsMipmaps(const Job& job, const Positions& positions) {
 }
 
 struct OpenGop {
-  std::unique_ptr<GopEncoder> encoder;
+  std::unique_ptr<GopEncoder> encoder;  // made with the first frame
   ChunkBuilder chunk;
 };
 
@@ -85,7 +85,7 @@ class Baker {
   GutterMap large_map_, small_map_;
   std::vector<const GutterMap*> maps_;  // a layer each
   I420Picture picture_;
-  std::future<Status> saving_;  // of the GOP before: x264 looks ahead and does most of its work at the end of a GOP
+  std::future<Status> saving_;     // of the GOP before; ends before the next encoder is made: only one is in memory
   uint32_t done_ = 0, baked_ = 0;  // frames; done counts those of earlier runs
   std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
 };
@@ -136,9 +136,7 @@ Status Baker::bakeMissing(const WorkFolder& work) {
 }
 
 Status Baker::bakeGop(const WorkFolder& work, const SequencePlan& plan, uint32_t gop, capture::FrameReader& reader) {
-  auto encoder = GopEncoder::create(job_.encode);
-  if (!encoder) return encoder.error();
-  auto open = std::make_unique<OpenGop>(OpenGop{encoder.take(), ChunkBuilder(job_)});
+  auto open = std::make_unique<OpenGop>(OpenGop{nullptr, ChunkBuilder(job_)});
   const uint32_t first = plan.gop_first_frames[gop], end = plan.gopEnd(gop);
   const auto read = [&] { return prepare(reader); };
   std::future<Result<PreparedFrame>> next = std::async(lane(), read);  // futures join on every way out
@@ -150,19 +148,21 @@ Status Baker::bakeGop(const WorkFolder& work, const SequencePlan& plan, uint32_t
     auto drawn = drawFrame(prepared.take());
     if (!drawn) return drawn.error();
     if (f == 0) FOURDVT_TRY(checkVisible(drawn.value(), plan));
-    if (finished.valid()) FOURDVT_TRY(finished.get());
+    FOURDVT_TRY(f == first ? waitForSave() : finished.get());
     const bool is_still = f == 0 && &plan == job_.sequences.data();
     finished = std::async(lane(), [this, &work, &open, f, is_still, frame = drawn.take()]() mutable {
       return finishFrame(work, *open, std::move(frame), f, is_still);
     });
     reportProgress(plan, f + 1);
-    if (environment_.stop && *environment_.stop)
+    if (environment_.stop && *environment_.stop) {
+      FOURDVT_TRY(finished.get());
       return Error{ErrorId::Interrupted, "stopped; finished GOPs are kept in " + work.path() +
                                              "; run the same command with --resume to go on"};
+    }
   }
   FOURDVT_TRY(finished.get());
-  FOURDVT_TRY(waitForSave());
-  saving_ = std::async(lane(), [this, &work, &plan, gop, open = std::move(open)] { return saveGop(work, *open, plan, gop); });
+  saving_ =
+      std::async(lane(), [this, &work, &plan, gop, open = std::move(open)] { return saveGop(work, *open, plan, gop); });
   return {};
 }
 
@@ -213,10 +213,11 @@ Status Baker::checkVisible(const DrawnFrame& frame, const SequencePlan& plan) co
   double distance = 0;
   for (const PinholeCamera& camera : job_.cameras) distance += glm::length(camera.centreInWorld() - centre);
   char text[400];
-  std::snprintf(text, sizeof text,
-                ": no camera sees any face of frame 0. The mesh spans (%.3g, %.3g, %.3g) to (%.3g, %.3g, %.3g) m and the "
-                "cameras are %.3g m away on average: check the axes and units of meshes and cameras, and the mattes",
-                low.x, low.y, low.z, high.x, high.y, high.z, distance / job_.cameras.size());
+  std::snprintf(
+      text, sizeof text,
+      ": no camera sees any face of frame 0. The mesh spans (%.3g, %.3g, %.3g) to (%.3g, %.3g, %.3g) m and the "
+      "cameras are %.3g m away on average: check the axes and units of meshes and cameras, and the mattes",
+      low.x, low.y, low.z, high.x, high.y, high.z, distance / job_.cameras.size());
   return Error{ErrorId::NothingVisible, plan.source->folder + text};
 }
 
@@ -232,6 +233,11 @@ Status Baker::finishFrame(const WorkFolder& work, OpenGop& open, DrawnFrame fram
   open.chunk.add(frame.positions, frame.labels);
   if (is_still) FOURDVT_TRY(saveStill(work, frame));
   StageClock::Span span(clock_, "encode");
+  if (!open.encoder) {
+    auto encoder = GopEncoder::create(job_.encode);
+    if (!encoder) return encoder.error();
+    open.encoder = encoder.take();
+  }
   return open.encoder->push(picture_.view());
 }
 
@@ -252,6 +258,7 @@ Status Baker::saveGop(const WorkFolder& work, OpenGop& open, const SequencePlan&
     auto video = open.encoder->finish();
     if (!video) return video.error();
     artefact.video = video.take();
+    open.encoder.reset();
   }
   StageClock::Span span(clock_, "geometry");
   auto chunk = open.chunk.finish();
@@ -304,7 +311,8 @@ Result<BakeReport> runJob(const Job& job, const BakeEnvironment& environment, St
 Result<BakeReport> bake(const BakeOptions& given, const BakeEnvironment& environment) {
   const auto started = std::chrono::steady_clock::now();
   BakeOptions options = given;
-  while (options.character_folder.size() > 1 && options.character_folder.back() == '/') options.character_folder.pop_back();
+  while (options.character_folder.size() > 1 && options.character_folder.back() == '/')
+    options.character_folder.pop_back();
   StageClock clock;
   auto job = [&] {
     StageClock::Span span(clock, "validate");

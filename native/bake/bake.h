@@ -41,7 +41,7 @@ struct BakeOptions {
 };
 
 struct Progress {
-  std::string stage;    // "walk 12/28"
+  std::string stage;             // "walk 12/28"
   uint32_t done = 0, total = 0;  // frames over the whole bake
   double frames_per_s = 0, left_s = 0;
 };
@@ -54,7 +54,7 @@ struct BakeReport {
 };
 
 struct BakeEnvironment {
-  gpu::Device* device = nullptr;         // GLES; current on this thread
+  gpu::Device* device = nullptr;  // GLES; current on this thread
   OpenVideo open_video;
   std::function<void(const Progress&)> progress;
   const std::atomic<bool>* stop = nullptr;  // set by Ctrl-C: finish the frame, keep finished GOPs, return Interrupted

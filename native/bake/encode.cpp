@@ -73,7 +73,8 @@ void X264Encoder::configure(const EncodeSettings& s) {
 Status X264Encoder::open(const EncodeSettings& s) {
   av_log_set_level(AV_LOG_ERROR);  // x264 reports every GOP otherwise
   const AVCodec* codec = avcodec_find_encoder_by_name("libx264");
-  if (!codec) return Error{ErrorId::Unsupported, "FFmpeg has no libx264 encoder: install a build of libavcodec with it"};
+  if (!codec)
+    return Error{ErrorId::Unsupported, "FFmpeg has no libx264 encoder: install a build of libavcodec with it"};
   context_.reset(avcodec_alloc_context3(codec));
   frame_.reset(av_frame_alloc());
   packet_.reset(av_packet_alloc());

@@ -58,7 +58,8 @@ Image shrink(const Image& layer, int size) {
       for (int dy = 0; dy < factor; ++dy)
         for (int dx = 0; dx < factor; ++dx)
           for (int c = 0; c < 4; ++c) sum[c] += layer.at(x * factor + dx, y * factor + dy)[c];
-      for (int c = 0; c < 4; ++c) out.at(x, y)[c] = static_cast<uint8_t>((sum[c] + factor * factor / 2) / (factor * factor));
+      for (int c = 0; c < 4; ++c)
+        out.at(x, y)[c] = static_cast<uint8_t>((sum[c] + factor * factor / 2) / (factor * factor));
     }
   }
   return out;
@@ -85,7 +86,8 @@ void fillFromFirst(const GutterMap& map, const Image& first, Image& layer) {
 }  // namespace
 
 void fillLayers(const std::vector<const GutterMap*>& maps, std::vector<Image>& layers) {
-  // Layer 1: gutters first, so that holes at a seam are filled from both sides; then gutters again, now of filled charts.
+  // Layer 1: gutters first, so that holes at a seam are filled from both sides; then gutters again, now of filled
+  // charts.
   fillGutters(*maps[0], layers[0]);
   fillRest(layers[0]);
   fillGutters(*maps[0], layers[0]);

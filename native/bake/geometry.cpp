@@ -5,7 +5,8 @@
 
 namespace fourdvt::bake {
 
-ChunkBuilder::ChunkBuilder(const Job& job) : origin_(job.bounds.min), step_m_(double(float(job.options.position_step_m))) {
+ChunkBuilder::ChunkBuilder(const Job& job)
+    : origin_(job.bounds.min), step_m_(double(float(job.options.position_step_m))) {
   frames_.vertex_count = job.mesh.decoded.topology.vertex_count;
   frames_.face_count = job.mesh.decoded.topology.faceCount();
   frames_.layer_count = static_cast<uint32_t>(job.options.layers);

@@ -12,9 +12,9 @@
 
 namespace fourdvt::bake {
 
-constexpr int kTableWidth = 256;          // texels a row of table textures
+constexpr int kTableWidth = 256;  // texels a row of table textures
 constexpr const char* kTableDefine = "TABLE_WIDTH 256\n";
-constexpr float kDepthBias_m = 0.004f;    // on top of one pixel's slope
+constexpr float kDepthBias_m = 0.004f;  // on top of one pixel's slope
 
 class GpuCapture {
  public:

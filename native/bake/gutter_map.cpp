@@ -12,8 +12,8 @@ namespace fourdvt::bake {
 namespace {
 
 struct UvEdge {
-  uint32_t vertex_a, vertex_b;    // vertex_a < vertex_b
-  glm::vec2 a, b, opposite;       // texels; opposite: the face's third corner
+  uint32_t vertex_a, vertex_b;  // vertex_a < vertex_b
+  glm::vec2 a, b, opposite;     // texels; opposite: the face's third corner
 };
 
 float cross2(glm::vec2 u, glm::vec2 v) { return u.x * v.y - u.y * v.x; }
@@ -51,8 +51,10 @@ std::vector<std::pair<UvEdge, UvEdge>> seamEdges(const MeshTopology& topology, i
       bool inner = false;
       for (size_t j = 0; j < edges.size(); ++j) {
         if (j == i) continue;
-        if (sameUvs(edges[i], edges[j])) inner = true;
-        else if (!partner) partner = &edges[j];
+        if (sameUvs(edges[i], edges[j]))
+          inner = true;
+        else if (!partner)
+          partner = &edges[j];
       }
       if (!inner && partner) seams.push_back({edges[i], *partner});
     }

@@ -20,8 +20,8 @@ std::string reason(int code) {
 }
 
 Error writeError(const std::string& path, int code) {
-  return {ErrorId::WriteFailed, path + ": cannot write the video: " + reason(code) +
-                                    "; free disk space or choose another output folder"};
+  return {ErrorId::WriteFailed,
+          path + ": cannot write the video: " + reason(code) + "; free disk space or choose another output folder"};
 }
 
 struct MuxerDeleter {
@@ -166,7 +166,8 @@ Status writeMp4(const std::string& path, const EncodeSettings& settings, uint32_
       parameter_sets = gop.parameter_sets;
     }
     if (gop.parameter_sets != parameter_sets)
-      return Error{ErrorId::Internal, path + ": GOPs were encoded with different parameter sets; bake without --resume"};
+      return Error{ErrorId::Internal,
+                   path + ": GOPs were encoded with different parameter sets; bake without --resume"};
     FOURDVT_TRY(writeGop(*muxer, path, settings, gop, first_frame));
     first_frame += static_cast<uint32_t>(gop.packets.size());
   }

@@ -55,8 +55,7 @@ std::vector<uint8_t> labelFaces(const LabelOptions& options, std::span<const Pin
     if (length < 1e-14) continue;
     const glm::dvec3 normal = area_normal / length, centre = (a + b + c) / 3.0;
     collect(axes, normal, centre, f, faces, fractions, options.visible_fraction, candidates);
-    if (candidates.empty())
-      collect(axes, normal, centre, f, faces, fractions, options.fallback_fraction, candidates);
+    if (candidates.empty()) collect(axes, normal, centre, f, faces, fractions, options.fallback_fraction, candidates);
     for (size_t l = 0; l < std::min<size_t>(options.layers, candidates.size()); ++l)
       labels[l * faces + f] = candidates[l].camera;
   }

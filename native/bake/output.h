@@ -13,8 +13,8 @@ namespace fourdvt::bake {
 
 Status writeFile(const std::string& path, std::span<const uint8_t> bytes);  // WriteFailed
 Status writeFile(const std::string& path, const std::string& text);
-Result<std::vector<uint8_t>> readFile(const std::string& path);             // FileMissing, FileUnreadable
-uint64_t fileBytes(const std::string& path);                                // 0 if there is none
+Result<std::vector<uint8_t>> readFile(const std::string& path);  // FileMissing, FileUnreadable
+uint64_t fileBytes(const std::string& path);                     // 0 if there is none
 
 // Creates the folder and its parents. Errors: WriteFailed.
 Status makeFolder(const std::string& path);

@@ -8,10 +8,10 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr int kCropMargin = 8;      // pixels
-constexpr int kEdgePixels = 2;      // how far the backdrop's colour reaches inwards
-constexpr uint8_t kOpaque = 250;    // alpha
-constexpr int kReach[] = {3, 7};    // pixels in which inside colour is looked for; the second for corners
+constexpr int kCropMargin = 8;    // pixels
+constexpr int kEdgePixels = 2;    // how far the backdrop's colour reaches inwards
+constexpr uint8_t kOpaque = 250;  // alpha
+constexpr int kReach[] = {3, 7};  // pixels in which inside colour is looked for; the second for corners
 
 struct Bounds {
   int x0, y0, x1, y1;  // pixels, end exclusive
@@ -24,8 +24,10 @@ std::vector<uint8_t> insideMask(const Image& image) {
   for (int y = 0; y < h; ++y) {
     int opaque_run = w;  // opaque pixels up to and including the current one
     for (int x = 0; x < w + kEdgePixels; ++x) {
-      if (x < w) opaque_run = image.at(x, y)[3] >= kOpaque ? opaque_run + 1 : 0;
-      else ++opaque_run;
+      if (x < w)
+        opaque_run = image.at(x, y)[3] >= kOpaque ? opaque_run + 1 : 0;
+      else
+        ++opaque_run;
       const int centre = x - kEdgePixels;
       if (centre >= 0) rows[size_t(y) * w + centre] = opaque_run > 2 * kEdgePixels;
     }
@@ -86,8 +88,10 @@ PictureCrop cropPicture(const PinholeCamera& camera, const Positions& positions,
   crop.near_m = static_cast<float>(std::max(0.9 * low.z, 1e-3));
   crop.far_m = static_cast<float>(1.1 * high.z);
   const double w = camera.width, h = camera.height;
-  const Bounds b{int(std::clamp(std::floor(low.x) - kCropMargin, 0.0, w)), int(std::clamp(std::floor(low.y) - kCropMargin, 0.0, h)),
-                 int(std::clamp(std::ceil(high.x) + kCropMargin, 0.0, w)), int(std::clamp(std::ceil(high.y) + kCropMargin, 0.0, h))};
+  const Bounds b{int(std::clamp(std::floor(low.x) - kCropMargin, 0.0, w)),
+                 int(std::clamp(std::floor(low.y) - kCropMargin, 0.0, h)),
+                 int(std::clamp(std::ceil(high.x) + kCropMargin, 0.0, w)),
+                 int(std::clamp(std::ceil(high.y) + kCropMargin, 0.0, h))};
   if (b.x1 <= b.x0 || b.y1 <= b.y0) return crop;
   Image part(b.x1 - b.x0, b.y1 - b.y0, 4);
   for (int y = b.y0; y < b.y1; ++y) std::copy_n(picture.at(b.x0, y), size_t(part.width) * 4, part.at(0, y - b.y0));

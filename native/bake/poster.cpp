@@ -2,7 +2,6 @@
 #include "bake/poster.h"
 
 #include <algorithm>
-
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -43,7 +42,8 @@ Result<Image> renderPoster(gpu::Device& device, const package::Character& charac
   model.value().setGeometry(device, {positions, still.labels});
   const OrbitView orbit = defaultOrbit(character.bounds, double(kPosterWidth) / kPosterHeight);
   const PinholeCamera camera = cameraFromOrbit(orbit, kPosterWidth, kPosterHeight);
-  FOURDVT_TRY(recipe.value()->draw(model.value(), picture.value(), render::viewFromCamera(camera), {}, target.value().id()));
+  FOURDVT_TRY(
+      recipe.value()->draw(model.value(), picture.value(), render::viewFromCamera(camera), {}, target.value().id()));
   Image image(kPosterWidth, kPosterHeight, 4);
   FOURDVT_TRY(device.readPixels(target.value().id(), gpu::PixelFormat::RGBA8, 0, 0, kPosterWidth, kPosterHeight,
                                 image.pixels.data()));

@@ -2,9 +2,8 @@
 // Push-pull interpolation: a smooth field through scattered valid texels (Gortler et al., The Lumigraph, 1996).
 #pragma once
 
-#include <vector>
-
 #include <glm/glm.hpp>
+#include <vector>
 
 namespace fourdvt::bake {
 

@@ -25,17 +25,29 @@ std::string sizeText(uint64_t bytes) {
   return printed("%.2f MB", bytes / 1e6);
 }
 
-std::string secondsText(double s) { return s < 1 ? printed("%.0f ms", s * 1e3) : printed("%.2f s", s); }
+std::string secondsText(double s) {
+  if (s < 0.01) return printed("%.2f ms", s * 1e3);
+  return s < 1 ? printed("%.0f ms", s * 1e3) : printed("%.2f s", s);
+}
 
 std::string escaped(const std::string& text) {
   std::string out;
   for (char c : text) {
     switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      default: out += c;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
     }
   }
   return out;
@@ -53,7 +65,9 @@ StageSeconds orderedStages(const ReportInput& in) {
   return out;
 }
 
-uint64_t streamedBytes(const ReportSequence& s) { return s.video_bytes + s.geometry_bytes + s.label_bytes + s.index_bytes; }
+uint64_t streamedBytes(const ReportSequence& s) {
+  return s.video_bytes + s.geometry_bytes + s.label_bytes + s.index_bytes;
+}
 
 double megabitsPerSecond(const ReportSequence& s, uint64_t bytes) {
   return s.frames ? bytes * 8e-6 * s.fps / s.frames : 0;
@@ -66,14 +80,27 @@ uint64_t totalBytes(const ReportInput& in) {
 }
 
 Json optionsJson(const BakeOptions& o) {
-  return {{"sequences", o.sequences}, {"layers", o.layers}, {"texture", o.texture}, {"crf", o.crf}, {"gop", o.gop},
-          {"jobs", o.jobs}, {"position_step_m", o.position_step_m}, {"gutter_texels", o.gutter_texels}};
+  return {{"sequences", o.sequences},
+          {"layers", o.layers},
+          {"texture", o.texture},
+          {"crf", o.crf},
+          {"gop", o.gop},
+          {"jobs", o.jobs},
+          {"position_step_m", o.position_step_m},
+          {"gutter_texels", o.gutter_texels}};
 }
 
 Json sequenceJson(const ReportSequence& s) {
-  return {{"name", s.name}, {"frames", s.frames}, {"gops", s.gops}, {"fps", s.fps}, {"loop", s.loop},
-          {"video_bytes", s.video_bytes}, {"geometry_bytes", s.geometry_bytes}, {"label_bytes", s.label_bytes},
-          {"index_bytes", s.index_bytes}, {"video_mbit_per_s", megabitsPerSecond(s, s.video_bytes)},
+  return {{"name", s.name},
+          {"frames", s.frames},
+          {"gops", s.gops},
+          {"fps", s.fps},
+          {"loop", s.loop},
+          {"video_bytes", s.video_bytes},
+          {"geometry_bytes", s.geometry_bytes},
+          {"label_bytes", s.label_bytes},
+          {"index_bytes", s.index_bytes},
+          {"video_mbit_per_s", megabitsPerSecond(s, s.video_bytes)},
           {"total_mbit_per_s", megabitsPerSecond(s, streamedBytes(s))}};
 }
 
@@ -113,7 +140,7 @@ std::string sizeChart(const ReportInput& in) {
   std::vector<Bar> bars;
   const double total = std::max<double>(1, static_cast<double>(totalBytes(in)));
   for (const auto& [part, bytes] : in.figures.bytes_by_part)
-    bars.push_back({part, sizeText(bytes) + printed(" · %.0f %%", 100 * bytes / total), static_cast<double>(bytes)});
+    bars.push_back({part, sizeText(bytes) + printed(" · %.1f %%", 100 * bytes / total), static_cast<double>(bytes)});
   std::sort(bars.begin(), bars.end(), [](const Bar& a, const Bar& b) { return a.value > b.value; });
   return barChart(bars, "Bytes by part");
 }
@@ -129,8 +156,9 @@ std::string tiles(const ReportInput& in) {
   std::string out = "<section class=\"tiles\">\n";
   out += tile(sizeText(totalBytes(in)), "whole character");
   out += tile(printed("%.2f Mbit/s", peak_rate), "busiest sequence, all streams");
-  out += tile(std::to_string(in.figures.frames), in.sequences.size() == 1 ? "frames in 1 sequence"
-                  : "frames in " + std::to_string(in.sequences.size()) + " sequences");
+  out += tile(std::to_string(in.figures.frames),
+              in.sequences.size() == 1 ? "frames in 1 sequence"
+                                       : "frames in " + std::to_string(in.sequences.size()) + " sequences");
   out += tile(secondsText(in.wall_s / frames), in.resumed ? "a frame, of a resumed run" : "a frame, whole bake");
   if (in.figures.peak_rss_bytes) out += tile(printed("%.0f MB", in.figures.peak_rss_bytes / 1e6), "peak memory");
   return out + "</section>\n";
@@ -140,13 +168,14 @@ std::string cell(const std::string& text) { return "<td>" + escaped(text) + "</t
 
 std::string sequenceTable(const ReportInput& in) {
   std::string out =
-      "<div class=\"scroll\"><table><thead><tr><th>sequence</th><th>frames</th><th>seconds</th><th>GOPs</th><th>video</th>"
+      "<div "
+      "class=\"scroll\"><table><thead><tr><th>sequence</th><th>frames</th><th>seconds</th><th>GOPs</th><th>video</th>"
       "<th>geometry</th><th>labels</th><th>index</th><th>Mbit/s</th></tr></thead><tbody>\n";
   for (const ReportSequence& s : in.sequences) {
     out += "<tr>" + cell(s.name + (s.loop ? " ↻" : "")) + cell(std::to_string(s.frames)) +
-           cell(printed("%.2f", s.fps > 0 ? s.frames / s.fps : 0)) + cell(std::to_string(s.gops)) + cell(sizeText(s.video_bytes)) +
-           cell(sizeText(s.geometry_bytes)) + cell(sizeText(s.label_bytes)) + cell(sizeText(s.index_bytes)) +
-           cell(printed("%.2f", megabitsPerSecond(s, streamedBytes(s)))) + "</tr>\n";
+           cell(printed("%.2f", s.fps > 0 ? s.frames / s.fps : 0)) + cell(std::to_string(s.gops)) +
+           cell(sizeText(s.video_bytes)) + cell(sizeText(s.geometry_bytes)) + cell(sizeText(s.label_bytes)) +
+           cell(sizeText(s.index_bytes)) + cell(printed("%.2f", megabitsPerSecond(s, streamedBytes(s)))) + "</tr>\n";
   }
   return out + "</tbody></table></div>\n";
 }
@@ -170,8 +199,8 @@ std::string factsTable(const ReportInput& in) {
 }
 
 std::string figure(const ReportPicture& p) {
-  return "<figure><img loading=\"lazy\" src=\"" + escaped(p.file) + "\" alt=\"" + escaped(p.caption) + "\"><figcaption>" +
-         escaped(p.caption) + "</figcaption></figure>\n";
+  return "<figure><img loading=\"lazy\" src=\"" + escaped(p.file) + "\" alt=\"" + escaped(p.caption) +
+         "\"><figcaption>" + escaped(p.caption) + "</figcaption></figure>\n";
 }
 
 constexpr const char* kStyle = R"(
@@ -238,17 +267,19 @@ std::string reportJson(const ReportInput& in) {
 }
 
 std::string reportHtml(const ReportInput& in) {
-  std::string out = "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
-                    "content=\"width=device-width,initial-scale=1\"><title>" + escaped(in.capture_name) +
-                    " – bake report</title><style>" + kStyle + "</style></head><body><main>\n<header><div><h1>" +
-                    escaped(in.capture_name) + "</h1><p>Baked by " + escaped(in.generator) + " from " +
-                    std::to_string(in.cameras) + " cameras into " + std::to_string(in.options.layers) +
-                    " view-dependent texture layers.</p></div>\n";
+  std::string out =
+      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+      "content=\"width=device-width,initial-scale=1\"><title>" +
+      escaped(in.capture_name) + " – bake report</title><style>" + kStyle +
+      "</style></head><body><main>\n<header><div><h1>" + escaped(in.capture_name) + "</h1><p>Baked by " +
+      escaped(in.generator) + " from " + std::to_string(in.cameras) + " cameras into " +
+      std::to_string(in.options.layers) + " view-dependent texture layers.</p></div>\n";
   if (!in.pictures.empty()) out += figure(in.pictures.front());
   out += "</header>\n" + tiles(in);
   out += "<h2>Seconds per frame, by stage</h2>\n";
   if (in.resumed) out += "<p>This run resumed an interrupted one: it measured only the GOPs it baked itself.</p>\n";
-  out += "<p>Stages overlap on " + std::to_string(in.options.jobs) + " jobs: their sum may exceed the whole bake’s time.</p>\n";
+  out += "<p>Stages overlap on " + std::to_string(in.options.jobs) +
+         " jobs: their sum may exceed the whole bake’s time.</p>\n";
   out += stageChart(in) + "<h2>What the bytes are</h2>\n" + sizeChart(in) + "<h2>Sequences</h2>\n" + sequenceTable(in);
   if (in.pictures.size() > 1) {
     out += "<h2>Pictures</h2>\n<section class=\"sheet\">\n";

@@ -27,17 +27,17 @@ struct ReportPicture {
 };
 
 struct ReportInput {
-  BakeOptions options;                           // resolved: jobs > 0, sequences listed
-  BakeReport figures;                            // seconds by stage in order of pipelineStages(), bytes by part
-  std::string capture_name, credit, generator;   // generator: "fourdvt X.Y.Z"
-  std::string codec;                             // RFC 6381
+  BakeOptions options;                          // resolved: jobs > 0, sequences listed
+  BakeReport figures;                           // seconds by stage in order of pipelineStages(), bytes by part
+  std::string capture_name, credit, generator;  // generator: "fourdvt X.Y.Z"
+  std::string codec;                            // RFC 6381
   uint32_t cameras = 0, vertices = 0, faces = 0;
-  int picture_width = 0, picture_height = 0;     // tiled picture, texels
-  double wall_s = 0;                             // whole bake
-  bool resumed = false;                          // seconds cover this run only
+  int picture_width = 0, picture_height = 0;  // tiled picture, texels
+  double wall_s = 0;                          // whole bake
+  bool resumed = false;                       // seconds cover this run only
   std::vector<ReportSequence> sequences;
   std::vector<std::pair<std::string, std::string>> versions;  // library → version, e.g. libavcodec → 59.37.100
-  std::vector<ReportPicture> pictures;           // the first is shown large (the poster)
+  std::vector<ReportPicture> pictures;                        // the first is shown large (the poster)
 };
 
 // Stage names of bake.h in order; stages of the figures that are not among them follow at the end.

@@ -10,7 +10,7 @@
 namespace fourdvt::bake {
 
 struct TileLayout {
-  int width = 0, height = 0;         // multiples of 16
+  int width = 0, height = 0;  // multiples of 16
   std::vector<package::Rect> layers;
   package::BarcodeStrip barcode;
 };

@@ -39,14 +39,16 @@ Status checkWorkFolder(const std::string& path) {
 }
 
 Status checkSpace(const Job& job) {
-  constexpr double kVideoBytesPerTexel = 0.05, kCopies = 2;  // generous: work folder and result, at crf 23 a fifth of it
+  constexpr double kVideoBytesPerTexel = 0.05,
+                   kCopies = 2;  // generous: work folder and result, at crf 23 a fifth of it
   const double frame = job.layout.width * job.layout.height * kVideoBytesPerTexel + 8.0 * job.mesh.source_vertex.size();
   const double needed = kCopies * frame * job.total_frames + (8 << 20);
   std::error_code error;
   const fs::space_info space = fs::space(job.workFolder(), error);
   if (error || double(space.available) >= needed) return {};
   char text[160];
-  std::snprintf(text, sizeof text, ": %.0f MB free, about %.0f MB needed; free disk space or choose another output folder",
+  std::snprintf(text, sizeof text,
+                ": %.0f MB free, about %.0f MB needed; free disk space or choose another output folder",
                 space.available / 1e6, needed / 1e6);
   return Error{ErrorId::WriteFailed, job.options.character_folder + text};
 }
@@ -54,7 +56,8 @@ Status checkSpace(const Job& job) {
 Status checkNames(const capture::Capture& capture) {
   for (const capture::CaptureSequence& s : capture.sequences) {
     const bool plain = !s.name.empty() && s.name[0] != '.' && std::all_of(s.name.begin(), s.name.end(), [](char c) {
-      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.';
+      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
+             c == '.';
     });
     if (!plain)
       return Error{ErrorId::CaptureJson, capture.folder + "/capture.json: sequence name '" + s.name +
@@ -87,8 +90,9 @@ Status findBounds(Job& job, const BakeEnvironment& environment) {
   }
   const glm::vec3 cells = (job.bounds.max - job.bounds.min) / float(job.options.position_step_m);
   if (std::max({cells.x, cells.y, cells.z}) > float(1 << 24))
-    return Error{ErrorId::InvalidArgument, job.capture.folder + ": the mesh spans more than 2^24 position steps; wrong units "
-                                                                "in capture.json, or the position step is too small"};
+    return Error{ErrorId::InvalidArgument, job.capture.folder +
+                                               ": the mesh spans more than 2^24 position steps; wrong units "
+                                               "in capture.json, or the position step is too small"};
   return {};
 }
 
@@ -126,7 +130,8 @@ std::string BakeOptions::check() const {
   if (character_folder.empty()) return "no character folder given; use -o FOLDER";
   if (layers < 1 || layers > package::kMaxLayers)
     return "layers must be 1.." + std::to_string(package::kMaxLayers) + ", not " + std::to_string(layers);
-  if (texture < 128 || texture % 32 != 0) return "texture must be a multiple of 32 from 128, not " + std::to_string(texture);
+  if (texture < 128 || texture % 32 != 0)
+    return "texture must be a multiple of 32 from 128, not " + std::to_string(texture);
   const TileLayout layout = makeTileLayout(layers, texture);
   if (std::max(layout.width, layout.height) > package::kMaxPictureSide)
     return "layers " + std::to_string(layers) + " with texture " + std::to_string(texture) + " need a picture of " +

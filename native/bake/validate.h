@@ -7,7 +7,8 @@
 namespace fourdvt::bake {
 
 // Opens the capture, encodes the base mesh, plans GOPs and finds the bounds of all frames. Reads every mesh once, one
-// at a time. `options.character_folder` has no trailing slash. Errors: InvalidArgument, WriteFailed, those of capture, Interrupted.
+// at a time. `options.character_folder` has no trailing slash. Errors: InvalidArgument, WriteFailed, those of capture,
+// Interrupted.
 Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environment);
 
 // Hash of everything that finished GOPs depend on: options, capture files (path, size, time), the bake's version.

@@ -19,9 +19,7 @@ Status save(const std::string& path, ByteWriter& out) {
   return writeFile(path, out.data());
 }
 
-Error damaged(const std::string& path) {
-  return {ErrorId::Internal, path + ": damaged; bake again without --resume"};
-}
+Error damaged(const std::string& path) { return {ErrorId::Internal, path + ": damaged; bake again without --resume"}; }
 
 Result<std::vector<uint8_t>> load(const std::string& path) {
   auto read = readFile(path);

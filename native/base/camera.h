@@ -4,9 +4,8 @@
 // Does NOT model lens distortion: the capture reader undistorts pictures first.
 #pragma once
 
-#include <string>
-
 #include <glm/glm.hpp>
+#include <string>
 
 #include "base/mesh.h"
 

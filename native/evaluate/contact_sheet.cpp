@@ -14,16 +14,18 @@ namespace {
 
 std::string row(const std::string& name, const MeanScore& m, bool yardstick) {
   char text[200];
-  std::snprintf(text, sizeof text, "  %-10s %6zu %9.2f %8.4f", name.c_str(), m.views, m.psnr_db, m.ssim);
+  std::snprintf(text, sizeof text, "  %-10s %6zu %9.2f %8.4f %10.2f", name.c_str(), m.views, m.psnr_db, m.ssim,
+                m.common_psnr_db);
   std::string out = text;
   if (yardstick) {
-    std::snprintf(text, sizeof text, " %11.2f %8.4f", m.yardstick_psnr_db, m.yardstick_ssim);
+    std::snprintf(text, sizeof text, " %11.2f %8.4f %10.2f", m.yardstick_psnr_db, m.yardstick_ssim,
+                  m.yardstick_common_psnr_db);
     out += text;
   }
   return out + "\n";
 }
 
-std::vector<std::string> distinct(const std::vector<ViewScore>& scores, bool held_out, std::string ViewScore::* field) {
+std::vector<std::string> distinct(const std::vector<ViewScore>& scores, bool held_out, std::string ViewScore::*field) {
   std::vector<std::string> out;
   for (const ViewScore& s : scores)
     if (s.held_out == held_out && std::find(out.begin(), out.end(), s.*field) == out.end()) out.push_back(s.*field);
@@ -36,12 +38,14 @@ std::string section(const HeldOutReport& report, bool held_out) {
   const bool yardstick = held_out && !std::isnan(meanScore(report.scores, true, "", "").yardstick_psnr_db);
   std::string out = held_out ? "Held-out cameras\n" : "Input cameras\n";
   for (const std::string& sequence : sequences) {
-    out += sequence + "\n  camera      views   PSNR dB     SSIM" + (yardstick ? "  yardst. dB     SSIM\n" : "\n");
+    out += sequence + "\n  camera      views   PSNR dB     SSIM  common dB" +
+           (yardstick ? "  yardst. dB     SSIM  common dB\n" : "\n");
     for (const std::string& camera : distinct(report.scores, held_out, &ViewScore::camera))
       out += row(camera, meanScore(report.scores, held_out, sequence, camera), yardstick);
     out += row("mean", meanScore(report.scores, held_out, sequence, ""), yardstick);
   }
-  if (sequences.size() > 1) out += "all sequences\n" + row("mean", meanScore(report.scores, held_out, "", ""), yardstick);
+  if (sequences.size() > 1)
+    out += "all sequences\n" + row("mean", meanScore(report.scores, held_out, "", ""), yardstick);
   return out;
 }
 
@@ -53,7 +57,8 @@ cv::Rect shownPart(const WorstView& view) {
       for (int x = 0; x < image->width; ++x) {
         const uint8_t* p = image->at(x, y);
         if (p[0] + p[1] + p[2] < 24) continue;
-        left = std::min(left, x), right = std::max(right, x + 1), top = std::min(top, y), bottom = std::max(bottom, y + 1);
+        left = std::min(left, x), right = std::max(right, x + 1), top = std::min(top, y),
+        bottom = std::max(bottom, y + 1);
       }
   }
   if (right <= left) return {0, 0, view.truth.width, view.truth.height};
@@ -80,11 +85,12 @@ cv::Mat sheetRow(const WorstView& view) {
   cv::Mat difference;
   cv::absdiff(wrapped(view.truth), wrapped(view.character), difference);
   difference *= 4;
-  std::vector<cv::Mat> columns{
-      titled(wrapped(view.truth)(part), view.score.sequence + " " + view.score.camera + " frame " + std::to_string(view.score.frame)),
-      titled(wrapped(view.character)(part), scores)};
+  std::vector<cv::Mat> columns{titled(wrapped(view.truth)(part), view.score.sequence + " " + view.score.camera +
+                                                                     " frame " + std::to_string(view.score.frame)),
+                               titled(wrapped(view.character)(part), scores)};
   if (!view.yardstick.empty()) {
-    std::snprintf(scores, sizeof scores, "yardstick %.2f dB / %.3f", view.score.yardstick_psnr_db, view.score.yardstick_ssim);
+    std::snprintf(scores, sizeof scores, "yardstick %.2f dB / %.3f", view.score.yardstick_psnr_db,
+                  view.score.yardstick_ssim);
     columns.push_back(titled(wrapped(view.yardstick)(part), scores));
   }
   columns.push_back(titled(difference(part), "|truth - ours| x 4"));
@@ -95,18 +101,29 @@ cv::Mat sheetRow(const WorstView& view) {
 
 }  // namespace
 
-MeanScore meanScore(const std::vector<ViewScore>& scores, bool held_out, const std::string& sequence, const std::string& camera) {
+MeanScore meanScore(const std::vector<ViewScore>& scores, bool held_out, const std::string& sequence,
+                    const std::string& camera) {
   MeanScore mean;
   for (const ViewScore& s : scores) {
-    if (s.held_out != held_out || (!sequence.empty() && s.sequence != sequence) || (!camera.empty() && s.camera != camera)) continue;
+    if (s.held_out != held_out || (!sequence.empty() && s.sequence != sequence) ||
+        (!camera.empty() && s.camera != camera))
+      continue;
     ++mean.views;
     mean.psnr_db += s.psnr_db;
     mean.ssim += s.ssim;
+    mean.common_psnr_db += s.common_psnr_db;
+    mean.yardstick_common_psnr_db += s.yardstick_common_psnr_db;
     mean.yardstick_psnr_db += s.yardstick_psnr_db;
     mean.yardstick_ssim += s.yardstick_ssim;
   }
   const double n = static_cast<double>(mean.views);
-  return {mean.views, mean.psnr_db / n, mean.ssim / n, mean.yardstick_psnr_db / n, mean.yardstick_ssim / n};
+  return {mean.views,
+          mean.psnr_db / n,
+          mean.ssim / n,
+          mean.common_psnr_db / n,
+          mean.yardstick_psnr_db / n,
+          mean.yardstick_ssim / n,
+          mean.yardstick_common_psnr_db / n};
 }
 
 std::string scoreTable(const HeldOutReport& report) {
@@ -121,17 +138,20 @@ std::string scoreTable(const HeldOutReport& report) {
 }
 
 std::string scoreCsv(const HeldOutReport& report) {
-  std::string out = "kind,sequence,camera,frame,psnr_db,ssim,yardstick_psnr_db,yardstick_ssim\n";
+  std::string out =
+      "kind,sequence,camera,frame,psnr_db,ssim,common_psnr_db,yardstick_psnr_db,yardstick_ssim,yardstick_common_psnr_"
+      "db\n";
   for (const ViewScore& s : report.scores) {
     char text[240];
-    std::snprintf(text, sizeof text, "%s,%s,%s,%u,%.4f,%.6f,", s.held_out ? "held-out" : "input", s.sequence.c_str(),
-                  s.camera.c_str(), s.frame, s.psnr_db, s.ssim);
+    std::snprintf(text, sizeof text, "%s,%s,%s,%u,%.4f,%.6f,%.4f,", s.held_out ? "held-out" : "input",
+                  s.sequence.c_str(), s.camera.c_str(), s.frame, s.psnr_db, s.ssim, s.common_psnr_db);
     out += text;
     if (!std::isnan(s.yardstick_psnr_db)) {
-      std::snprintf(text, sizeof text, "%.4f,%.6f", s.yardstick_psnr_db, s.yardstick_ssim);
+      std::snprintf(text, sizeof text, "%.4f,%.6f,%.4f", s.yardstick_psnr_db, s.yardstick_ssim,
+                    s.yardstick_common_psnr_db);
       out += text;
     } else {
-      out += ",";
+      out += ",,";
     }
     out += "\n";
   }

@@ -77,7 +77,8 @@ class Evaluation {
                                              std::to_string(camera.height) + " pixels as in cameras_test/cameras.txt"};
       Image yardstick;
       if (options_.yardstick)
-        yardstick = renderProjective(camera, cameras_, input.pictures, capture_.topology.face_vertices, input.positions);
+        yardstick =
+            renderProjective(camera, cameras_, input.pictures, capture_.topology.face_vertices, input.positions);
       FOURDVT_TRY(score(sequence.name, input.index, camera, true, t, yardstick));
     }
     return {};
@@ -85,27 +86,32 @@ class Evaluation {
 
   Status inputViews(const capture::CaptureSequence& sequence, const capture::CaptureFrame& input) {
     for (size_t c = 0; c < cameras_.size(); ++c)
-      FOURDVT_TRY(score(sequence.name, input.index, cameras_[c], false, withoutBackdrop(input.pictures[c], plates_[c]), {}));
+      FOURDVT_TRY(
+          score(sequence.name, input.index, cameras_[c], false, withoutBackdrop(input.pictures[c], plates_[c]), {}));
     return {};
   }
 
-  Status score(const std::string& sequence, uint32_t frame, const PinholeCamera& camera, bool held_out, const Image& truth,
-               const Image& yardstick) {
+  Status score(const std::string& sequence, uint32_t frame, const PinholeCamera& camera, bool held_out,
+               const Image& truth, const Image& yardstick) {
     FOURDVT_TRY(character_.showFrame(sequence, frame));
     render::RecipeOptions recipe;
     recipe.ground_shadow = false;
     auto drawn = character_.renderStill(render::viewFromCamera(camera), recipe);
     if (!drawn.ok()) return drawn.error();
-    WorstView view{{sequence, camera.name, frame, held_out, 0, 0, kNaN, kNaN}, compositedOnBlack(truth),
-                   compositedOnBlack(drawn.value()), {}};
+    WorstView view{{sequence, camera.name, frame, held_out, 0, 0, 0, kNaN, kNaN, kNaN},
+                   compositedOnBlack(truth),
+                   compositedOnBlack(drawn.value()),
+                   {}};
     const Mask inside = unionOfSilhouettes(truth, drawn.value());
     view.score.psnr_db = psnr(view.truth, view.character, inside);
     view.score.ssim = ssim(view.truth, view.character, inside);
+    view.score.common_psnr_db = psnr(view.truth, view.character, commonSilhouette(truth, drawn.value()));
     if (!yardstick.empty()) {
       view.yardstick = compositedOnBlack(yardstick);
       const Mask its_inside = unionOfSilhouettes(truth, yardstick);
       view.score.yardstick_psnr_db = psnr(view.truth, view.yardstick, its_inside);
       view.score.yardstick_ssim = ssim(view.truth, view.yardstick, its_inside);
+      view.score.yardstick_common_psnr_db = psnr(view.truth, view.yardstick, commonSilhouette(truth, yardstick));
     }
     report_.scores.push_back(view.score);
     if (held_out) keepIfWorst(std::move(view));
@@ -151,9 +157,11 @@ Result<HeldOutReport> evaluateHeldOut(const capture::Capture& capture, const Ope
   for (const std::string& name : names) {
     const capture::CaptureSequence* sequence = capture.find(name);
     if (!sequence) return Error{ErrorId::InvalidArgument, capture.folder + ": has no sequence \"" + name + "\""};
-    if (!baked->find(name)) return Error{ErrorId::InvalidArgument, "the character has no sequence \"" + name + "\"; bake it"};
+    if (!baked->find(name))
+      return Error{ErrorId::InvalidArgument, "the character has no sequence \"" + name + "\"; bake it"};
     if (baked->find(name)->frame_count != sequence->frame_count)
-      return Error{ErrorId::InvalidArgument, "sequence \"" + name + "\" has another length in the capture than in the character; bake it again"};
+      return Error{ErrorId::InvalidArgument,
+                   "sequence \"" + name + "\" has another length in the capture than in the character; bake it again"};
     any_held_out |= !sequence->test_frames.empty();
   }
   Evaluation evaluation(capture, character, options);

@@ -70,8 +70,16 @@ Mask unionOfSilhouettes(const Image& a, const Image& b) {
   return mask;
 }
 
+Mask commonSilhouette(const Image& a, const Image& b) {
+  assert(a.channels == 4 && b.channels == 4 && a.pixels.size() == b.pixels.size());
+  Mask mask(static_cast<size_t>(a.width) * a.height);
+  for (size_t i = 0; i < mask.size(); ++i) mask[i] = a.pixels[4 * i + 3] >= 128 && b.pixels[4 * i + 3] >= 128;
+  return mask;
+}
+
 double psnr(const Image& a, const Image& b, const Mask& inside) {
-  assert(a.channels == 3 && b.channels == 3 && a.pixels.size() == b.pixels.size() && inside.size() * 3 == a.pixels.size());
+  assert(a.channels == 3 && b.channels == 3 && a.pixels.size() == b.pixels.size() &&
+         inside.size() * 3 == a.pixels.size());
   uint64_t squares = 0, count = 0;
   for (size_t i = 0; i < inside.size(); ++i) {
     if (!inside[i]) continue;

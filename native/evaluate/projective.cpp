@@ -15,12 +15,13 @@ double edge(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& p) {
 }
 
 struct Projected {
-  glm::dvec2 at[3];      // samples
+  glm::dvec2 at[3];  // samples
   double inverse_depth[3];
 };
 
 // False if a corner lies behind the camera (such faces are dropped; cameras stand outside the performer).
-bool projectFace(const PinholeCamera& camera, const glm::uvec3& f, const Positions& positions, int scale, Projected& out) {
+bool projectFace(const PinholeCamera& camera, const glm::uvec3& f, const Positions& positions, int scale,
+                 Projected& out) {
   for (int k = 0; k < 3; ++k) {
     const glm::dvec3 p = camera.project(glm::dvec3(positions[f[k]]));
     if (p.z <= 1e-6) return false;
@@ -45,8 +46,8 @@ struct Surface {
 };
 
 // Perspective-correct point and shading normal of a face under a sample.
-Surface surfaceAt(const Projected& t, const glm::uvec3& f, const Positions& positions, const std::vector<glm::vec3>& normals,
-                  const glm::dvec2& sample) {
+Surface surfaceAt(const Projected& t, const glm::uvec3& f, const Positions& positions,
+                  const std::vector<glm::vec3>& normals, const glm::dvec2& sample) {
   double w[3];
   barycentric(t, sample, w);
   double sum = 0;
@@ -82,7 +83,8 @@ struct Source {
 };
 
 // LVDT Eq. 3 (corrected): max(-c_D·n, 0) · max(c_D·c_v, 0); Eq. 4: normalised sum.
-glm::dvec3 blendedColour(const std::vector<Source>& sources, const Surface& s, const glm::dvec3& view_ray, double tolerance_m) {
+glm::dvec3 blendedColour(const std::vector<Source>& sources, const Surface& s, const glm::dvec3& view_ray,
+                         double tolerance_m) {
   glm::dvec3 sum(0), fallback(0);
   double total = 0, best = -2;
   for (const Source& source : sources) {
@@ -95,7 +97,10 @@ glm::dvec3 blendedColour(const std::vector<Source>& sources, const Surface& s, c
     const double weight = seen ? std::max(facing, 0.0) * std::max(glm::dot(ray, view_ray), 0.0) : 0;
     if (weight <= 0 && facing <= best) continue;
     const glm::dvec3 colour = bilinear(*source.picture, p.x, p.y);
-    if (facing > best) { best = facing; fallback = colour; }
+    if (facing > best) {
+      best = facing;
+      fallback = colour;
+    }
     sum += weight * colour;
     total += weight;
   }
@@ -104,15 +109,16 @@ glm::dvec3 blendedColour(const std::vector<Source>& sources, const Surface& s, c
 
 }  // namespace
 
-FaceBuffer rasterise(const PinholeCamera& camera, const std::vector<glm::uvec3>& face_vertices, const Positions& positions,
-                     int scale) {
+FaceBuffer rasterise(const PinholeCamera& camera, const std::vector<glm::uvec3>& face_vertices,
+                     const Positions& positions, int scale) {
   FaceBuffer out{camera.width * scale, camera.height * scale, {}, {}};
   out.depth_m.assign(static_cast<size_t>(out.width) * out.height, std::numeric_limits<float>::infinity());
   out.face.assign(out.depth_m.size(), kNoFace);
   Projected t;
   for (uint32_t f = 0; f < face_vertices.size(); ++f) {
     if (!projectFace(camera, face_vertices[f], positions, scale, t)) continue;
-    const glm::dvec2 low = glm::min(t.at[0], glm::min(t.at[1], t.at[2])), high = glm::max(t.at[0], glm::max(t.at[1], t.at[2]));
+    const glm::dvec2 low = glm::min(t.at[0], glm::min(t.at[1], t.at[2])),
+                     high = glm::max(t.at[0], glm::max(t.at[1], t.at[2]));
     const int x1 = static_cast<int>(std::min(std::ceil(high.x), double(out.width)));
     const int y1 = static_cast<int>(std::min(std::ceil(high.y), double(out.height)));
     for (int y = static_cast<int>(std::max(std::floor(low.y), 0.0)); y < y1; ++y) {
@@ -122,21 +128,25 @@ FaceBuffer rasterise(const PinholeCamera& camera, const std::vector<glm::uvec3>&
         const double inverse = w[0] * t.inverse_depth[0] + w[1] * t.inverse_depth[1] + w[2] * t.inverse_depth[2];
         const float depth = static_cast<float>(1 / inverse);
         const size_t at = static_cast<size_t>(y) * out.width + x;
-        if (depth < out.depth_m[at]) { out.depth_m[at] = depth; out.face[at] = f; }
+        if (depth < out.depth_m[at]) {
+          out.depth_m[at] = depth;
+          out.face[at] = f;
+        }
       }
     }
   }
   return out;
 }
 
-Image renderProjective(const PinholeCamera& view, std::span<const PinholeCamera> cameras, std::span<const Image> pictures,
-                       const std::vector<glm::uvec3>& face_vertices, const Positions& positions,
-                       const ProjectiveOptions& options) {
+Image renderProjective(const PinholeCamera& view, std::span<const PinholeCamera> cameras,
+                       std::span<const Image> pictures, const std::vector<glm::uvec3>& face_vertices,
+                       const Positions& positions, const ProjectiveOptions& options) {
   std::vector<glm::vec3> normals;
   computeVertexNormals(face_vertices, positions.data(), positions.size(), normals);
   std::vector<Source> sources;
   for (size_t c = 0; c < cameras.size(); ++c)
-    sources.push_back({&cameras[c], &pictures[c], rasterise(cameras[c], face_vertices, positions, 1), cameras[c].centreInWorld()});
+    sources.push_back(
+        {&cameras[c], &pictures[c], rasterise(cameras[c], face_vertices, positions, 1), cameras[c].centreInWorld()});
   const int n = options.samples;
   const FaceBuffer seen = rasterise(view, face_vertices, positions, n);
   const glm::dvec3 eye = view.centreInWorld();

@@ -14,9 +14,9 @@ namespace fourdvt::evaluate {
 
 // Which face covers each sample of a camera's picture, and how deep.
 struct FaceBuffer {
-  int width = 0, height = 0;          // samples
-  std::vector<float> depth_m;         // along the optical axis; infinity where nothing is
-  std::vector<uint32_t> face;         // 0xffffffff where nothing is
+  int width = 0, height = 0;   // samples
+  std::vector<float> depth_m;  // along the optical axis; infinity where nothing is
+  std::vector<uint32_t> face;  // 0xffffffff where nothing is
 };
 
 // Nearest face at each sample centre, `scale` samples a pixel and axis; faces seen from behind are drawn too.
@@ -24,7 +24,7 @@ FaceBuffer rasterise(const PinholeCamera& camera, const std::vector<glm::uvec3>&
                      const Positions& positions, int scale);
 
 struct ProjectiveOptions {
-  int samples = 2;               // samples a pixel and axis
+  int samples = 2;  // samples a pixel and axis
   double depth_tolerance_m = 0.01;
 };
 

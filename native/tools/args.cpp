@@ -33,8 +33,10 @@ Args::Args(const CommandHelp& help, int argc, char** argv) {
       continue;
     }
     if (name.size() < 2 || name[0] != '-') {
-      if (!positional_.empty()) complain("unexpected argument \"" + name + "\"");
-      else if (name.empty()) complain("an argument is empty");
+      if (!positional_.empty())
+        complain("unexpected argument \"" + name + "\"");
+      else if (name.empty())
+        complain("an argument is empty");
       positional_ = name;
       continue;
     }
@@ -92,7 +94,8 @@ double Args::number(const char* name, double otherwise, double low, double high)
   const double parsed = std::strtod(value.c_str(), &end);
   const bool whole = end && *end == '\0' && !value.empty() && !std::isspace(static_cast<unsigned char>(value[0]));
   if (whole && parsed >= low && parsed <= high) return parsed;
-  complain(std::string(name) + " must be a number from " + shortNumber(low) + " to " + shortNumber(high) + ", not \"" + value + "\"");
+  complain(std::string(name) + " must be a number from " + shortNumber(low) + " to " + shortNumber(high) + ", not \"" +
+           value + "\"");
   return otherwise;
 }
 
@@ -102,7 +105,8 @@ std::vector<std::string> Args::list(const char* name) {
   const std::string value = text(name) + ",";
   for (size_t start = 0, comma; (comma = value.find(',', start)) != std::string::npos; start = comma + 1) {
     out.push_back(value.substr(start, comma - start));
-    if (out.back().empty()) complain(std::string(name) + " must be names separated by commas, not \"" + text(name) + "\"");
+    if (out.back().empty())
+      complain(std::string(name) + " must be names separated by commas, not \"" + text(name) + "\"");
   }
   return out;
 }
@@ -111,9 +115,11 @@ std::optional<std::pair<int, int>> Args::size(const char* name, int high) {
   if (!has(name)) return std::nullopt;
   int width = 0, height = 0, used = 0;
   const std::string value = text(name);
-  const bool read = std::sscanf(value.c_str(), "%5dx%5d%n", &width, &height, &used) == 2 && used == static_cast<int>(value.size());
+  const bool read =
+      std::sscanf(value.c_str(), "%5dx%5d%n", &width, &height, &used) == 2 && used == static_cast<int>(value.size());
   if (read && width >= 1 && height >= 1 && width <= high && height <= high) return std::pair{width, height};
-  complain(std::string(name) + " must be WIDTHxHEIGHT with sides from 1 to " + std::to_string(high) + ", not \"" + value + "\"");
+  complain(std::string(name) + " must be WIDTHxHEIGHT with sides from 1 to " + std::to_string(high) + ", not \"" +
+           value + "\"");
   return std::nullopt;
 }
 

@@ -41,7 +41,7 @@ class Args {
   std::vector<std::string> list(const char* name);  // comma-separated, no empty entries
   // "720x960", each side 1..high.
   std::optional<std::pair<int, int>> size(const char* name, int high);
-  void complain(const std::string& problem);        // keeps the first
+  void complain(const std::string& problem);               // keeps the first
   const std::string& problem() const { return problem_; }  // empty: all good
 
  private:

@@ -49,8 +49,10 @@ const CommandHelp& help() {
 std::string timeLeft(double seconds) {
   char text[32];
   const int s = static_cast<int>(seconds + 0.5);
-  if (s < 60) std::snprintf(text, sizeof text, "%d s", s);
-  else std::snprintf(text, sizeof text, "%d min %02d s", s / 60, s % 60);
+  if (s < 60)
+    std::snprintf(text, sizeof text, "%d s", s);
+  else
+    std::snprintf(text, sizeof text, "%d min %02d s", s / 60, s % 60);
   return text;
 }
 
@@ -105,7 +107,8 @@ void printSummary(const bake::BakeOptions& options, const bake::BakeReport& repo
   for (const auto& [part, size] : report.bytes_by_part) bytes += size;
   std::printf("%s: %u frames, %.2f MB, %.1f s (%.2f s a frame), peak memory %.0f MB\nfigures: %s/report.html\n",
               options.character_folder.c_str(), report.frames, bytes / 1e6, seconds,
-              report.frames ? seconds / report.frames : 0.0, report.peak_rss_bytes / 1e6, options.character_folder.c_str());
+              report.frames ? seconds / report.frames : 0.0, report.peak_rss_bytes / 1e6,
+              options.character_folder.c_str());
 }
 
 }  // namespace

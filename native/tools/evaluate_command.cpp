@@ -17,7 +17,9 @@ const CommandHelp& help() {
   static const CommandHelp text{
       "evaluate CAPTURE --character CHARACTER [options]",
       "PSNR (RGB) and SSIM (luma, 11x11 Gaussian) of a character over the union of both silhouettes, on black, at the\n"
-      "capture's held-out cameras and at its input cameras: per sequence, camera and mean.",
+      "capture's held-out cameras and at its input cameras: per sequence, camera and mean. \"common dB\" is the PSNR "
+      "where both\n"
+      "silhouettes are, without the outline's error.",
       {{"--character", "CHARACTER", "character folder baked from CAPTURE (required)"},
        {"--sequences", "A,B", "only these sequences (default: all of the character)"},
        {"--input-every", "N", "input cameras: every Nth frame, 0: none (default 4)"},
@@ -50,7 +52,8 @@ int evaluateCommand(int argc, char** argv) {
 
   std::error_code failed;
   if (!output.empty()) std::filesystem::create_directories(output, failed);
-  if (failed) return fail({ErrorId::WriteFailed, output + ": " + failed.message() + "; choose a folder that is writable"});
+  if (failed)
+    return fail({ErrorId::WriteFailed, output + ": " + failed.message() + "; choose a folder that is writable"});
   auto session = openCharacter(character);
   if (!session.ok()) return fail(session.error());
   auto capture = capture::openCapture(folder, videoOpener(), options.sequences);
@@ -58,7 +61,8 @@ int evaluateCommand(int argc, char** argv) {
   const bool tty = isatty(STDERR_FILENO) != 0;
   auto report = evaluate::evaluateHeldOut(capture.value(), videoOpener(), *session.value().player, options,
                                           [&](const std::string& sequence, uint32_t frame) {
-                                            if (tty) std::fprintf(stderr, "\r\033[K%s frame %u", sequence.c_str(), frame);
+                                            if (tty)
+                                              std::fprintf(stderr, "\r\033[K%s frame %u", sequence.c_str(), frame);
                                           });
   if (tty) std::fputs("\r\033[K", stderr);
   if (!report.ok()) return fail(report.error());

@@ -21,10 +21,11 @@ namespace {
 namespace fs = std::filesystem;
 
 const CommandHelp& help() {
-  static const CommandHelp text{"inspect CHARACTER",
-                                "Lists sequences, renditions and sizes of a character folder (or of its character.gltf) and checks that every\n"
-                                "chunk and every video frame decodes. Exit code 1 if anything is broken.",
-                                {}};
+  static const CommandHelp text{
+      "inspect CHARACTER",
+      "Lists sequences, renditions and sizes of a character folder (or of its character.gltf) and checks that every\n"
+      "chunk and every video frame decodes. Exit code 1 if anything is broken.",
+      {}};
   return text;
 }
 
@@ -62,11 +63,12 @@ class Inspection {
   void print() const {
     const package::Character& c = character_;
     std::printf("%s: %s, format %d\n", manifest_.c_str(), c.name.c_str(), c.version);
-    std::printf("mesh       %u vertices, %u faces\nlayers     %d from %zu cameras\n", c.vertex_count, c.face_count, c.layer_count,
-                c.cameras.size());
-    std::printf("bounds     x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f m, ground at %.2f m\n\n", c.bounds.min.x, c.bounds.max.x,
-                c.bounds.min.y, c.bounds.max.y, c.bounds.min.z, c.bounds.max.z, c.ground_y_m);
-    std::printf("%-12s %6s %6s %8s %5s %5s  %s\n", "sequence", "frames", "fps", "seconds", "loop", "GOPs", "renditions");
+    std::printf("mesh       %u vertices, %u faces\nlayers     %d from %zu cameras\n", c.vertex_count, c.face_count,
+                c.layer_count, c.cameras.size());
+    std::printf("bounds     x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f m, ground at %.2f m\n\n", c.bounds.min.x,
+                c.bounds.max.x, c.bounds.min.y, c.bounds.max.y, c.bounds.min.z, c.bounds.max.z, c.ground_y_m);
+    std::printf("%-12s %6s %6s %8s %5s %5s  %s\n", "sequence", "frames", "fps", "seconds", "loop", "GOPs",
+                "renditions");
     for (size_t i = 0; i < sizes_.size(); ++i) {
       const package::Sequence& s = c.sequences[i];
       std::printf("%-12s %6u %6.2f %8.2f %5s %5zu  %s\n", s.name.c_str(), s.frame_count, s.fps, s.duration_s(),
@@ -86,7 +88,8 @@ class Inspection {
     if (!mesh.ok()) return inFile(file, mesh.error());
     const MeshTopology& t = mesh.value().topology;
     if (t.vertex_count == character_.vertex_count && t.faceCount() == character_.face_count) return {};
-    return Error{ErrorId::MeshDataInvalid, file + ": base mesh has other counts than the manifest; bake the character again"};
+    return Error{ErrorId::MeshDataInvalid,
+                 file + ": base mesh has other counts than the manifest; bake the character again"};
   }
 
   Status checkSize(const std::string& file, uint64_t expected, ErrorId id) const {
@@ -114,15 +117,18 @@ class Inspection {
       FOURDVT_TRY(video(sequence, sequence.renditions[r], index.value().renditions[r]));
       const package::Rendition& rendition = sequence.renditions[r];
       sizes.video += rendition.video_bytes;
-      sizes.pictures += (r ? ", " : "") + std::to_string(rendition.width) + "x" + std::to_string(rendition.height) + " " + rendition.codec;
+      sizes.pictures += (r ? ", " : "") + std::to_string(rendition.width) + "x" + std::to_string(rendition.height) +
+                        " " + rendition.codec;
     }
     sizes_.push_back(sizes);
     return {};
   }
 
-  Status matchesManifest(const package::Sequence& sequence, const package::StreamIndex& index, const std::string& file) const {
+  Status matchesManifest(const package::Sequence& sequence, const package::StreamIndex& index,
+                         const std::string& file) const {
     const bool same = index.frame_count == sequence.frame_count && index.vertex_count == character_.vertex_count &&
-                      index.face_count == character_.face_count && static_cast<int>(index.layer_count) == character_.layer_count &&
+                      index.face_count == character_.face_count &&
+                      static_cast<int>(index.layer_count) == character_.layer_count &&
                       index.renditions.size() == sequence.renditions.size();
     if (same) return {};
     return Error{ErrorId::StreamInvalid, file + ": counts differ from the manifest's; bake the character again"};
@@ -142,17 +148,21 @@ class Inspection {
   }
 
   // Decodes all samples from their table entries, as the player does, and compares barcodes with frame numbers.
-  Status video(const package::Sequence& sequence, const package::Rendition& rendition, const package::SampleTable& table) const {
+  Status video(const package::Sequence& sequence, const package::Rendition& rendition,
+               const package::SampleTable& table) const {
     const std::string file = path(rendition.video_uri);
     FOURDVT_TRY(checkSize(file, rendition.video_bytes, ErrorId::VideoInvalid));
     uint32_t shown = 0;
     std::string wrong;
-    auto decoder = platform::SampleDecoder::create(rendition.codec, table.decoder_description, [&](const I420View& picture, int64_t frame) {
-      ++shown;
-      if (picture.width != rendition.width || picture.height != rendition.height) wrong = "has another picture size than the manifest says";
-      else if (package::readBarcode(rendition.barcode, picture) != std::optional<uint32_t>(static_cast<uint32_t>(frame) % 4096))
-        wrong = "barcode of frame " + std::to_string(frame) + " does not say so";
-    });
+    auto decoder = platform::SampleDecoder::create(
+        rendition.codec, table.decoder_description, [&](const I420View& picture, int64_t frame) {
+          ++shown;
+          if (picture.width != rendition.width || picture.height != rendition.height)
+            wrong = "has another picture size than the manifest says";
+          else if (package::readBarcode(rendition.barcode, picture) !=
+                   std::optional<uint32_t>(static_cast<uint32_t>(frame) % 4096))
+            wrong = "barcode of frame " + std::to_string(frame) + " does not say so";
+        });
     if (!decoder.ok()) return inFile(file, decoder.error());
     for (const package::VideoSample& sample : table.samples) {
       auto bytes = platform::readFileRange(file, sample.offset, sample.bytes);
@@ -169,19 +179,21 @@ class Inspection {
   }
 
   void printSizes() const {
-    std::printf("\n%-12s %10s %10s %10s %10s %10s  %s\n", "bytes", "video", "geometry", "labels", "index", "total", "Mbit/s (video + rest)");
+    std::printf("\n%-12s %10s %10s %10s %10s %10s  %s\n", "bytes", "video", "geometry", "labels", "index", "total",
+                "Mbit/s (video + rest)");
     uint64_t all = 0;
     for (size_t i = 0; i < sizes_.size(); ++i) {
       const SequenceSizes& s = sizes_[i];
       const uint64_t rest = s.geometry + s.labels + s.index;
       const double rate = 8e-6 / character_.sequences[i].duration_s();
-      std::printf("%-12s %10lu %10lu %10lu %10lu %10lu  %.2f (%.2f + %.2f)\n", character_.sequences[i].name.c_str(), s.video, s.geometry,
-                  s.labels, s.index, s.video + rest, (s.video + rest) * rate, s.video * rate, rest * rate);
+      std::printf("%-12s %10lu %10lu %10lu %10lu %10lu  %.2f (%.2f + %.2f)\n", character_.sequences[i].name.c_str(),
+                  s.video, s.geometry, s.labels, s.index, s.video + rest, (s.video + rest) * rate, s.video * rate,
+                  rest * rate);
       all += s.video + rest;
     }
     const uint64_t manifest = fs::file_size(manifest_);
-    std::printf("\nmesh %lu, poster %lu, manifest %lu; all that a player may load: %lu bytes (%.2f MB)\n", character_.mesh_bytes,
-                poster_bytes_, manifest, all + character_.mesh_bytes + poster_bytes_ + manifest,
+    std::printf("\nmesh %lu, poster %lu, manifest %lu; all that a player may load: %lu bytes (%.2f MB)\n",
+                character_.mesh_bytes, poster_bytes_, manifest, all + character_.mesh_bytes + poster_bytes_ + manifest,
                 (all + character_.mesh_bytes + poster_bytes_ + manifest) / 1e6);
   }
 

@@ -23,7 +23,8 @@ std::string avText(int code) {
 
 class H264Writer final : public MovieWriter {
  public:
-  H264Writer(const std::string& path, int width, int height) : path_(path), partial_(path + ".part"), width_(width), height_(height) {}
+  H264Writer(const std::string& path, int width, int height)
+      : path_(path), partial_(path + ".part"), width_(width), height_(height) {}
 
   ~H264Writer() override {
     sws_freeContext(scaler_);
@@ -52,7 +53,8 @@ class H264Writer final : public MovieWriter {
     av_opt_set(encoder_->priv_data, "crf", "18", 0);
     av_opt_set(encoder_->priv_data, "preset", "medium", 0);
     if (const int code = avcodec_open2(encoder_, codec, nullptr); code < 0) return failed(code);
-    if (const int code = avformat_alloc_output_context2(&format_, nullptr, "mp4", partial_.c_str()); code < 0) return failed(code);
+    if (const int code = avformat_alloc_output_context2(&format_, nullptr, "mp4", partial_.c_str()); code < 0)
+      return failed(code);
     stream_ = avformat_new_stream(format_, nullptr);
     stream_->time_base = encoder_->time_base;
     avcodec_parameters_from_context(stream_->codecpar, encoder_);
@@ -67,7 +69,8 @@ class H264Writer final : public MovieWriter {
   }
 
   Status write(const Image& picture) override {
-    if (picture.width != width_ || picture.height != height_) return Error{ErrorId::Internal, path_ + ": picture of another size"};
+    if (picture.width != width_ || picture.height != height_)
+      return Error{ErrorId::Internal, path_ + ": picture of another size"};
     const Image rgb = flattened(picture);
     const uint8_t* planes[] = {rgb.pixels.data()};
     const int strides[] = {3 * width_};
@@ -89,7 +92,8 @@ class H264Writer final : public MovieWriter {
 
  private:
   Error failed(int code) const {
-    return {ErrorId::WriteFailed, path_ + ": " + avText(code) + "; choose a folder that exists, is writable and has space"};
+    return {ErrorId::WriteFailed,
+            path_ + ": " + avText(code) + "; choose a folder that exists, is writable and has space"};
   }
 
   Status makeFrame() {
@@ -125,7 +129,9 @@ class H264Writer final : public MovieWriter {
     if (picture.channels == 3) return picture;
     Image out(picture.width, picture.height, 3);
     for (size_t i = 0; i < out.pixels.size() / 3; ++i)
-      for (int c = 0; c < 3; ++c) out.pixels[3 * i + c] = static_cast<uint8_t>((picture.pixels[4 * i + c] * picture.pixels[4 * i + 3] + 127) / 255);
+      for (int c = 0; c < 3; ++c)
+        out.pixels[3 * i + c] =
+            static_cast<uint8_t>((picture.pixels[4 * i + c] * picture.pixels[4 * i + 3] + 127) / 255);
     return out;
   }
 

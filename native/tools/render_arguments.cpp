@@ -18,18 +18,25 @@ glm::vec4 background(Args& args) {
   unsigned value = 0;
   bool hexadecimal = text.size() == 6;
   for (char c : text) hexadecimal = hexadecimal && std::isxdigit(static_cast<unsigned char>(c));
-  if (hexadecimal) value = static_cast<unsigned>(std::stoul(text, nullptr, 16));
-  else args.complain("--background must be RRGGBB or none, not \"" + text + "\"");
+  if (hexadecimal)
+    value = static_cast<unsigned>(std::stoul(text, nullptr, 16));
+  else
+    args.complain("--background must be RRGGBB or none, not \"" + text + "\"");
   return glm::vec4(value >> 16 & 255, value >> 8 & 255, value & 255, 255) / 255.0f;
 }
 
 std::string debugView(Args& args, render::RecipeOptions& recipe) {
   const std::string name = args.text("--debug");
-  if (name == "labels") recipe.debug = render::DebugView::Labels;
-  else if (name == "layers") recipe.debug = render::DebugView::Layer;
-  else if (name == "weights") recipe.debug = render::DebugView::Weights;
-  else if (name == "normals") recipe.debug = render::DebugView::Normals;
-  else if (!name.empty()) args.complain("--debug must be labels, layers, weights or normals, not \"" + name + "\"");
+  if (name == "labels")
+    recipe.debug = render::DebugView::Labels;
+  else if (name == "layers")
+    recipe.debug = render::DebugView::Layer;
+  else if (name == "weights")
+    recipe.debug = render::DebugView::Weights;
+  else if (name == "normals")
+    recipe.debug = render::DebugView::Normals;
+  else if (!name.empty())
+    args.complain("--debug must be labels, layers, weights or normals, not \"" + name + "\"");
   return name;
 }
 
@@ -42,15 +49,19 @@ void checkCombination(Args& args, const RenderArguments& a) {
   if (a.output.empty() && a.turntable.empty()) args.complain("-o PICTURE or --turntable MOVIE is required");
   if (!a.output.empty() && !a.turntable.empty()) args.complain("-o and --turntable exclude each other");
   const bool orbit = a.azimuth_deg || a.elevation_deg || a.distance_m || a.vertical_fov_deg;
-  if (orbit && !a.camera.empty()) args.complain("--camera and --azimuth, --elevation, --distance, --fov exclude each other");
+  if (orbit && !a.camera.empty())
+    args.complain("--camera and --azimuth, --elevation, --distance, --fov exclude each other");
   if (!a.cameras_folder.empty() && a.camera.empty()) args.complain("--cameras needs --camera NAME as well");
-  if (!a.turntable.empty() && (!a.camera.empty() || args.has("--frame"))) args.complain("--turntable takes neither --camera nor --frame");
+  if (!a.turntable.empty() && (!a.camera.empty() || args.has("--frame")))
+    args.complain("--turntable takes neither --camera nor --frame");
   if (a.turntable.empty() && args.has("--seconds")) args.complain("--seconds belongs to --turntable");
   if (!a.turntable.empty() && a.debug == "layers") args.complain("--debug layers is for stills");
-  if (!a.turntable.empty() && a.size && (a.size->first % 2 || a.size->second % 2)) args.complain("--size of a movie must be even");
+  if (!a.turntable.empty() && a.size && (a.size->first % 2 || a.size->second % 2))
+    args.complain("--size of a movie must be even");
   if (a.output.empty()) return;
   const std::string extension = std::filesystem::path(a.output).extension().string();
-  if (extension != ".png" && extension != ".jpg" && extension != ".webp") args.complain("-o must end in .png, .jpg or .webp");
+  if (extension != ".png" && extension != ".jpg" && extension != ".webp")
+    args.complain("-o must end in .png, .jpg or .webp");
 }
 
 }  // namespace
@@ -126,8 +137,8 @@ Result<PinholeCamera> chooseCamera(const RenderArguments& a, const package::Char
     if (camera.name == a.camera) return a.size ? scaledCamera(camera, a.size->first, a.size->second) : camera;
     known += (known.empty() ? "" : ", ") + camera.name;
   }
-  return Error{ErrorId::InvalidArgument, (a.cameras_folder.empty() ? a.character : a.cameras_folder) + ": has no camera \"" + a.camera +
-                                             "\"; it has " + known};
+  return Error{ErrorId::InvalidArgument, (a.cameras_folder.empty() ? a.character : a.cameras_folder) +
+                                             ": has no camera \"" + a.camera + "\"; it has " + known};
 }
 
 }  // namespace fourdvt::tools

@@ -13,13 +13,13 @@ namespace fourdvt::tools {
 
 struct RenderArguments {
   std::string character, output, turntable;
-  std::string sequence;                 // empty: the first
+  std::string sequence;  // empty: the first
   int frame = 0;
   std::optional<std::pair<int, int>> size;
-  std::string camera, cameras_folder;   // camera name; folder of a COLMAP model, empty: the character's own
+  std::string camera, cameras_folder;  // camera name; folder of a COLMAP model, empty: the character's own
   std::optional<double> azimuth_deg, elevation_deg, distance_m, vertical_fov_deg;
-  double seconds = 0;                   // turntable; 0: whole loops, at least 8 s
-  std::string debug;                    // "", labels, layers, weights, normals
+  double seconds = 0;  // turntable; 0: whole loops, at least 8 s
+  std::string debug;   // "", labels, layers, weights, normals
   render::RecipeOptions recipe;
 };
 

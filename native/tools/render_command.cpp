@@ -19,7 +19,8 @@ Image besideEachOther(const std::vector<Image>& pictures) {
   Image out(first.width * static_cast<int>(pictures.size()), first.height, first.channels);
   for (size_t i = 0; i < pictures.size(); ++i)
     for (int y = 0; y < first.height; ++y)
-      std::memcpy(out.at(static_cast<int>(i) * first.width, y), pictures[i].at(0, y), static_cast<size_t>(first.width) * first.channels);
+      std::memcpy(out.at(static_cast<int>(i) * first.width, y), pictures[i].at(0, y),
+                  static_cast<size_t>(first.width) * first.channels);
   return out;
 }
 
@@ -52,7 +53,8 @@ Status renderTurntable(CharacterSession& session, const RenderArguments& argumen
   for (int i = 0; i < frames; ++i) {
     FOURDVT_TRY(session.player->showFrame(sequence.name, static_cast<uint32_t>(i) % sequence.frame_count));
     view.azimuth_deg = start_deg + 360.0 * i / frames;
-    auto picture = session.player->renderStill(render::viewFromCamera(cameraFromOrbit(view, width, height)), arguments.recipe);
+    auto picture =
+        session.player->renderStill(render::viewFromCamera(cameraFromOrbit(view, width, height)), arguments.recipe);
     if (!picture.ok()) return picture.error();
     FOURDVT_TRY(writer.value()->write(picture.value()));
     if (isatty(STDERR_FILENO)) std::fprintf(stderr, "\r\033[K%d of %d frames", i + 1, frames);
@@ -75,10 +77,12 @@ int renderCommand(int argc, char** argv) {
   if (!sequence) {
     std::string known;
     for (const auto& s : character.sequences) known += (known.empty() ? "" : ", ") + s.name;
-    return fail({ErrorId::InvalidArgument, arguments.character + ": has no sequence \"" + name + "\"; it has " + known});
+    return fail(
+        {ErrorId::InvalidArgument, arguments.character + ": has no sequence \"" + name + "\"; it has " + known});
   }
   if (static_cast<uint32_t>(arguments.frame) >= sequence->frame_count)
-    return fail({ErrorId::InvalidArgument, arguments.character + ": " + name + " has frames 0 to " + std::to_string(sequence->frame_count - 1)});
+    return fail({ErrorId::InvalidArgument,
+                 arguments.character + ": " + name + " has frames 0 to " + std::to_string(sequence->frame_count - 1)});
   const Status status = arguments.turntable.empty() ? renderStill(session.value(), arguments, name)
                                                     : renderTurntable(session.value(), arguments, *sequence);
   return status.ok() ? kOk : fail(status.error());

@@ -27,7 +27,8 @@ Result<CharacterSession> openCharacter(const std::string& character) {
   session.player = player.take();
   const std::string path = manifestPath(character);
   if (!session.player->player().character()) return Error{ErrorId::ManifestInvalid, path + ": manifest did not load"};
-  if (session.character().sequences.empty()) return Error{ErrorId::ManifestInvalid, path + ": has no sequences; bake it again"};
+  if (session.character().sequences.empty())
+    return Error{ErrorId::ManifestInvalid, path + ": has no sequences; bake it again"};
   return session;
 }
 

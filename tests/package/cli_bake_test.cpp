@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Baking: a good capture, an interrupted bake, places that cannot be written, captures that are wrong.
+#include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -7,8 +8,6 @@
 #include <chrono>
 #include <filesystem>
 #include <thread>
-
-#include <gtest/gtest.h>
 
 #include "command.h"
 #include "platform/files.h"
@@ -35,7 +34,8 @@ TEST(Bake, MakesACharacterThatInspectsAndRenders) {
   const Outcome bake = fourdvt("bake " + capture + " -o " + out + "/box" + kSmall);
   ASSERT_EQ(bake.code, 0) << bake.output;
   EXPECT_FALSE(exists(out + "/box.work"));
-  for (const char* file : {"/character.gltf", "/report.json", "/report.html"}) EXPECT_TRUE(exists(out + "/box" + file)) << file;
+  for (const char* file : {"/character.gltf", "/report.json", "/report.html"})
+    EXPECT_TRUE(exists(out + "/box" + file)) << file;
 
   const Outcome inspect = fourdvt("inspect " + out + "/box");
   EXPECT_EQ(inspect.code, 0) << inspect.output;
@@ -62,7 +62,8 @@ TEST(Bake, MakesACharacterThatInspectsAndRenders) {
   EXPECT_EQ(movie.code, 0) << movie.output;
   EXPECT_GT(fs::file_size(out + "/turn.mp4"), 1000u);
 
-  const Outcome evaluate = fourdvt("evaluate " + capture + " --character " + out + "/box --yardstick -o " + out + "/figures");
+  const Outcome evaluate =
+      fourdvt("evaluate " + capture + " --character " + out + "/box --yardstick -o " + out + "/figures");
   EXPECT_EQ(evaluate.code, 0) << evaluate.output;
   EXPECT_NE(evaluate.output.find("test00"), std::string::npos) << evaluate.output;
   EXPECT_TRUE(exists(out + "/figures/worst.png"));
@@ -76,11 +77,13 @@ TEST(Bake, InterruptedResumesToTheSameBytes) {
   const std::string stopped = out + "/stopped";
   const pid_t child = fork();
   if (child == 0) {
-    const std::string command = "exec " + std::string(FOURDVT_BIN) + " bake " + capture + " -o " + stopped + options + " 2>" + out + "/log";
+    const std::string command =
+        "exec " + std::string(FOURDVT_BIN) + " bake " + capture + " -o " + stopped + options + " 2>" + out + "/log";
     execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
     _exit(127);
   }
-  for (int i = 0; i < 6000 && !exists(stopped + ".work/turn.0.gop"); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  for (int i = 0; i < 6000 && !exists(stopped + ".work/turn.0.gop"); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
   kill(child, SIGINT);
   int status = 0;
   waitpid(child, &status, 0);
@@ -119,7 +122,8 @@ TEST(Bake, FullDiskIsNamedBeforeTheWork) {
 TEST(Bake, WriteThatFailsHalfWayLeavesNoCharacter) {
   const std::string capture = smallCapture("limited-capture", 8), out = scratch("limited");
   // Files may not grow beyond 4 blocks of 512 bytes (dash) or 1 KiB (bash); the ignored signal turns it into an error.
-  const Outcome outcome = shell("trap '' XFSZ; ulimit -f 4; " + std::string(FOURDVT_BIN) + " bake " + capture + " -o " + out + "/box" + kSmall);
+  const Outcome outcome = shell("trap '' XFSZ; ulimit -f 4; " + std::string(FOURDVT_BIN) + " bake " + capture + " -o " +
+                                out + "/box" + kSmall);
   expectFailure(outcome, out + "/box", out + "/box");
 }
 
@@ -129,7 +133,9 @@ class WrongCapture : public testing::Test {
     capture = smallCapture("wrong-capture", 3);
     character = scratch("wrong") + "/box";
   }
-  void expectNamed(const std::string& file) { expectFailure(fourdvt("bake " + capture + " -o " + character + kSmall), file, character); }
+  void expectNamed(const std::string& file) {
+    expectFailure(fourdvt("bake " + capture + " -o " + character + kSmall), file, character);
+  }
   std::string capture, character;
 };
 
@@ -175,7 +181,8 @@ TEST_F(WrongCapture, OtherTopologyInALaterFrame) {
 
 TEST_F(WrongCapture, NothingVisibleNamesAxesAndUnits) {
   // Millimetres taken for metres: every camera is inside the box.
-  ASSERT_EQ(shell("sed -i -E 's/^v ([^ ]+) ([^ ]+) ([^ ]+)$/v \\1e3 \\2e3 \\3e3/' " + capture + "/turn/mesh/*.obj").code, 0);
+  ASSERT_EQ(
+      shell("sed -i -E 's/^v ([^ ]+) ([^ ]+) ([^ ]+)$/v \\1e3 \\2e3 \\3e3/' " + capture + "/turn/mesh/*.obj").code, 0);
   expectNamed("units");
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Damaged character folders: inspect and render end with exit code 1 and one line that names the damaged file.
-#include <filesystem>
-
 #include <gtest/gtest.h>
+
+#include <filesystem>
 
 #include "command.h"
 
@@ -15,7 +15,8 @@ class DamagedPackage : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     good_ = scratch("package") + "/box";
-    baked_ = fourdvt("bake " + smallCapture("package-capture", 8) + " -o " + good_ + " --texture 128 --layers 2 --gop 4");
+    baked_ =
+        fourdvt("bake " + smallCapture("package-capture", 8) + " -o " + good_ + " --texture 128 --layers 2 --gop 4");
   }
   void SetUp() override {
     ASSERT_EQ(baked_.code, 0) << baked_.output;
@@ -119,7 +120,8 @@ TEST_F(DamagedPackage, MissingPosterIsFoundByInspect) {
 }
 
 TEST_F(DamagedPackage, UnknownSequenceFrameAndCamera) {
-  for (const std::string& wrong : {std::string("--sequence fly"), std::string("--frame 8"), std::string("--camera cam99")}) {
+  for (const std::string& wrong :
+       {std::string("--sequence fly"), std::string("--frame 8"), std::string("--camera cam99")}) {
     const Outcome render = fourdvt("render " + folder + " " + wrong + " -o " + folder + "/out.png");
     EXPECT_EQ(render.code, 1);
     EXPECT_TRUE(isOneLineWith(render, folder)) << render.output;

@@ -20,27 +20,25 @@ TEST_P(Usage, IsOneLineAndExitCode2) {
   EXPECT_TRUE(isOneLineWith(outcome, GetParam().named)) << outcome.output;
 }
 
-INSTANTIATE_TEST_SUITE_P(Mistakes, Usage,
-                         testing::Values(Mistake{"bake", "missing argument"}, Mistake{"bake capture", "-o"},
-                                         Mistake{"bake capture -o", "-o needs a value"}, Mistake{"bake a b -o c", "\"b\""},
-                                         Mistake{"bake a -o b --bogus", "--bogus"}, Mistake{"bake a -o b --layers x", "--layers"},
-                                         Mistake{"bake a -o b --layers 7", "--layers"}, Mistake{"bake a -o b --layers 1.5", "--layers"},
-                                         Mistake{"bake a -o b --crf --resume", "--crf needs a value"},
-                                         Mistake{"bake a -o b --crf nan", "--crf"}, Mistake{"bake a -o b --texture 1000", "texture"},
-                                         Mistake{"bake a -o b --sequences walk,,run", "--sequences"},
-                                         Mistake{"bake a -o b --resume=1", "--resume"}, Mistake{"bake a -o b -o c", "twice"},
-                                         Mistake{"inspect", "missing argument"}, Mistake{"inspect a --verbose", "--verbose"},
-                                         Mistake{"render a", "--turntable"}, Mistake{"render a -o b.gif", ".png"},
-                                         Mistake{"render a -o b.png --size 720", "--size"},
-                                         Mistake{"render a -o b.png --size 0x9", "--size"},
-                                         Mistake{"render a -o b.png --camera c --azimuth 3", "exclude"},
-                                         Mistake{"render a -o b.png --cameras c", "--camera"},
-                                         Mistake{"render a -o b.png --background red", "--background"},
-                                         Mistake{"render a -o b.png --debug x", "--debug"},
-                                         Mistake{"render a -o b.png --azimuth 1e9", "--azimuth"},
-                                         Mistake{"render a --turntable b.mp4 --size 101x100", "even"},
-                                         Mistake{"evaluate a", "--character"},
-                                         Mistake{"evaluate a --character b --input-every -1", "--input-every"}));
+INSTANTIATE_TEST_SUITE_P(
+    Mistakes, Usage,
+    testing::Values(
+        Mistake{"bake", "missing argument"}, Mistake{"bake capture", "-o"},
+        Mistake{"bake capture -o", "-o needs a value"}, Mistake{"bake a b -o c", "\"b\""},
+        Mistake{"bake a -o b --bogus", "--bogus"}, Mistake{"bake a -o b --layers x", "--layers"},
+        Mistake{"bake a -o b --layers 7", "--layers"}, Mistake{"bake a -o b --layers 1.5", "--layers"},
+        Mistake{"bake a -o b --crf --resume", "--crf needs a value"}, Mistake{"bake a -o b --crf nan", "--crf"},
+        Mistake{"bake a -o b --texture 1000", "texture"}, Mistake{"bake a -o b --sequences walk,,run", "--sequences"},
+        Mistake{"bake a -o b --resume=1", "--resume"}, Mistake{"bake a -o b -o c", "twice"},
+        Mistake{"inspect", "missing argument"}, Mistake{"inspect a --verbose", "--verbose"},
+        Mistake{"render a", "--turntable"}, Mistake{"render a -o b.gif", ".png"},
+        Mistake{"render a -o b.png --size 720", "--size"}, Mistake{"render a -o b.png --size 0x9", "--size"},
+        Mistake{"render a -o b.png --camera c --azimuth 3", "exclude"},
+        Mistake{"render a -o b.png --cameras c", "--camera"},
+        Mistake{"render a -o b.png --background red", "--background"},
+        Mistake{"render a -o b.png --debug x", "--debug"}, Mistake{"render a -o b.png --azimuth 1e9", "--azimuth"},
+        Mistake{"render a --turntable b.mp4 --size 101x100", "even"}, Mistake{"evaluate a", "--character"},
+        Mistake{"evaluate a --character b --input-every -1", "--input-every"}));
 
 TEST(Usage, UnknownCommandListsThoseThatExist) {
   for (const char* arguments : {"", "fly"}) {

@@ -85,7 +85,8 @@ std::vector<std::string> differences(const std::string& a, const std::string& b)
   std::set<std::string> names;
   for (const std::string& folder : {a, b})
     for (const auto& entry : fs::recursive_directory_iterator(folder))
-      if (entry.is_regular_file() && entry.path().stem() != "report") names.insert(fs::relative(entry.path(), folder).string());
+      if (entry.is_regular_file() && entry.path().stem() != "report")
+        names.insert(fs::relative(entry.path(), folder).string());
   std::vector<std::string> out;
   for (const std::string& name : names) {
     const std::string in_a = a + "/" + name, in_b = b + "/" + name;

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// make_small_capture FOLDER [FRAMES]: a capture that bakes in seconds. A turning textured box, four cameras of 160 × 160
-// pixels, PNG frames and mattes ray-traced analytically (3 × 3 samples), OBJ meshes, one held-out camera.
+// make_small_capture FOLDER [FRAMES]: a capture that bakes in seconds. A turning textured box, four cameras of 160 ×
+// 160 pixels, PNG frames and mattes ray-traced analytically (3 × 3 samples), OBJ meshes, one held-out camera.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <limits>
-
 #include <glm/gtc/quaternion.hpp>
+#include <limits>
 
 #include "base/camera.h"
 #include "platform/files.h"
@@ -32,7 +31,8 @@ glm::dmat3 worldFromBox(int frame) {
 // Side 0..5 = -x +x -y +y -z +z; u, v in 0..1 over the side.
 glm::dvec3 colourAt(int side, double u, double v) {
   const bool check = (static_cast<int>(u * 4) + static_cast<int>(v * 8)) % 2;
-  const glm::dvec3 base[] = {{200, 70, 60}, {70, 110, 200}, {120, 120, 120}, {230, 200, 80}, {150, 80, 170}, {235, 235, 230}};
+  const glm::dvec3 base[] = {{200, 70, 60},  {70, 110, 200}, {120, 120, 120},
+                             {230, 200, 80}, {150, 80, 170}, {235, 235, 230}};
   return base[side] * (check ? 1.0 : 0.55) * (0.7 + 0.3 * v);
 }
 
@@ -99,7 +99,9 @@ void writePictures(const std::string& folder, const PinholeCamera& camera, int f
   Image colour(kSide, kSide, 3), matte(kSide, kSide, 1);
   for (int i = 0; i < kSide * kSide; ++i) {
     const int a = rgba.pixels[4 * i + 3];
-    for (int c = 0; c < 3; ++c) colour.pixels[3 * i + c] = static_cast<uint8_t>((rgba.pixels[4 * i + c] * a + kBackdrop[c] * (255 - a) + 127) / 255);
+    for (int c = 0; c < 3; ++c)
+      colour.pixels[3 * i + c] =
+          static_cast<uint8_t>((rgba.pixels[4 * i + c] * a + kBackdrop[c] * (255 - a) + 127) / 255);
     matte.pixels[i] = static_cast<uint8_t>(a);
   }
   check(platform::writeImage(numbered(folder + "/" + camera.name, frame, "%06d.png"), colour));
@@ -154,7 +156,8 @@ void writeCameras(const std::string& folder, const std::vector<PinholeCamera>& c
   for (size_t i = 0; i < cameras.size(); ++i) {
     const PinholeCamera& c = cameras[i];
     const glm::dquat q = glm::quat_cast(glm::dmat3(c.cam_from_world));
-    models << i + 1 << " PINHOLE " << kSide << " " << kSide << " " << c.fx << " " << c.fy << " " << c.cx << " " << c.cy << "\n";
+    models << i + 1 << " PINHOLE " << kSide << " " << kSide << " " << c.fx << " " << c.fy << " " << c.cx << " " << c.cy
+           << "\n";
     images << i + 1 << " " << q.w << " " << q.x << " " << q.y << " " << q.z << " " << c.cam_from_world[3].x << " "
            << c.cam_from_world[3].y << " " << c.cam_from_world[3].z << " " << i + 1 << " " << c.name << "\n\n";
   }
@@ -181,7 +184,8 @@ int main(int argc, char** argv) {
     writeMesh(numbered(sequence + "/mesh", f, "%06d.obj"), f);
   }
   check(platform::writeImage(sequence + "/test00/0000.png", photograph(test[0], 0)));
-  std::ofstream(root + "/capture.json") << "{\"name\": \"box\", \"fps\": 25, \"units\": \"metre\", \"up_axis\": \"Y\", \"sequences\": "
-                                        << "[{\"name\": \"turn\", \"frames\": " << frames << ", \"loop\": false, \"test_frames\": [0]}]}\n";
+  std::ofstream(root + "/capture.json")
+      << "{\"name\": \"box\", \"fps\": 25, \"units\": \"metre\", \"up_axis\": \"Y\", \"sequences\": "
+      << "[{\"name\": \"turn\", \"frames\": " << frames << ", \"loop\": false, \"test_frames\": [0]}]}\n";
   return 0;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // repeat_capture CAPTURE SEQUENCE TIMES FOLDER: a capture with one sequence of CAPTURE, repeated. Videos and mattes are
-// stream-copied TIMES times in a row, meshes concatenated (packed positions) or linked (OBJ files); cameras and plates are
-// copied. For measurements of memory against length.
+// stream-copied TIMES times in a row, meshes concatenated (packed positions) or linked (OBJ files); cameras and plates
+// are copied. For measurements of memory against length.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -92,7 +92,8 @@ void linkMeshes(const fs::path& from, const fs::path& to, int frames, int times)
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 5 || std::atoi(argv[3]) < 1) return std::fprintf(stderr, "usage: repeat_capture CAPTURE SEQUENCE TIMES FOLDER\n"), 2;
+  if (argc != 5 || std::atoi(argv[3]) < 1)
+    return std::fprintf(stderr, "usage: repeat_capture CAPTURE SEQUENCE TIMES FOLDER\n"), 2;
   const fs::path from(argv[1]), to(argv[4]);
   const std::string name = argv[2];
   const int times = std::atoi(argv[3]);
@@ -109,7 +110,8 @@ int main(int argc, char** argv) {
   const int frames = sequence["frames"];
   for (const auto& entry : fs::directory_iterator(from / name))
     if (entry.path().extension() == ".mp4" || entry.path().extension() == ".mkv")
-      repeatVideo(entry.path().string(), (to / name / entry.path().filename()).string(), times, frames / json["fps"].get<double>());
+      repeatVideo(entry.path().string(), (to / name / entry.path().filename()).string(), times,
+                  frames / json["fps"].get<double>());
   if (sequence["mesh"].is_object()) {
     const std::string positions = sequence["mesh"]["positions"], topology = sequence["mesh"]["topology"];
     repeatFile(from / positions, to / positions, times);

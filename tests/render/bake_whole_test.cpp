@@ -23,7 +23,8 @@ struct WholeBake : testing::GlFixture {
   void SetUp() override {
     GlFixture::SetUp();
     // Two cameras 3 m in front of the quad, side by side.
-    input.write("cameras/images.txt", std::string("1 0 1 0 0 -0.5 0.5 3 1 cam00.png\n\n2 0 1 0 0 -0.7 0.5 3 1 cam01.png\n\n"));
+    input.write("cameras/images.txt",
+                std::string("1 0 1 0 0 -0.5 0.5 3 1 cam00.png\n\n2 0 1 0 0 -0.7 0.5 3 1 cam01.png\n\n"));
     options.capture_folder = input.path();
     options.character_folder = input / "out/character";
     options.layers = 2;
@@ -83,7 +84,8 @@ TEST_F(WholeBake, WritesACharacterThatReadsBack) {
 
 TEST_F(WholeBake, ResumedBakeGivesTheSameBytes) {
   ASSERT_TRUE(run());
-  const std::vector<std::string> names{"walk.mp4", "walk.bin", "mesh.bin", "character.gltf", "texture.jpg", "poster.webp"};
+  const std::vector<std::string> names{"walk.mp4",       "walk.bin",    "mesh.bin",
+                                       "character.gltf", "texture.jpg", "poster.webp"};
   std::vector<std::string> whole;
   for (const std::string& name : names) whole.push_back(bytesOf(name));
   fs::remove_all(options.character_folder);

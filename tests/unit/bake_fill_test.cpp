@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Gutters across a seam, push-pull and hole filling on small textures.
-#include "bake/fill.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "bake/fill.h"
 #include "bake/push_pull.h"
 
 namespace fourdvt::bake {
@@ -21,8 +20,8 @@ MeshTopology twoCharts(bool flipped) {
   t.vertex_count = 6;  // 0 1 2 above, 3 4 5 below
   const float top = 0.25f, bottom = 0.75f;
   t.uvs = {{0.125f, top}, {0.375f, top}, {0.375f, bottom}, {0.125f, bottom}};
-  for (glm::vec2 uv : {glm::vec2(0.625f, top), glm::vec2(0.875f, top), glm::vec2(0.875f, bottom),
-                       glm::vec2(0.625f, bottom)})
+  for (glm::vec2 uv :
+       {glm::vec2(0.625f, top), glm::vec2(0.875f, top), glm::vec2(0.875f, bottom), glm::vec2(0.625f, bottom)})
     t.uvs.push_back(flipped ? glm::vec2(uv.x, 1 - uv.y) : uv);
   t.face_vertices = {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}};
   t.face_uvs = {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}};

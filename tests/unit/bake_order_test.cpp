@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Labels by penalty on a box between two cameras.
-#include "bake/order.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "bake/order.h"
 #include "package/character.h"
 
 namespace fourdvt::bake {

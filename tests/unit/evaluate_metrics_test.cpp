@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "evaluate/metrics.h"
+#include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include <gtest/gtest.h>
+#include "evaluate/metrics.h"
 
 namespace fourdvt::evaluate {
 namespace {
@@ -23,8 +23,7 @@ Mask everywhere(const Image& image) { return Mask(static_cast<size_t>(image.widt
 double referenceSsimAt(const Image& a, const Image& b, int cx, int cy) {
   double weights[11][11], total = 0;
   for (int j = 0; j < 11; ++j)
-    for (int i = 0; i < 11; ++i)
-      total += weights[j][i] = std::exp(-((i - 5) * (i - 5) + (j - 5) * (j - 5)) / 4.5);
+    for (int i = 0; i < 11; ++i) total += weights[j][i] = std::exp(-((i - 5) * (i - 5) + (j - 5) * (j - 5)) / 4.5);
   auto y = [](const Image& m, int px, int py) {
     const uint8_t* p = m.at(px, py);
     return 0.299 * p[0] + 0.587 * p[1] + 0.114 * p[2];
@@ -80,7 +79,8 @@ TEST(Ssim, OfConstantPicturesIsTheLuminanceTerm) {
 TEST(Ssim, AgreesWithTheDefinitionAtEveryPixel) {
   const Image a = noise(37, 29, 3), other = noise(37, 29, 4);
   Image b = a;
-  for (size_t i = 0; i < b.pixels.size(); ++i) b.pixels[i] = static_cast<uint8_t>((3 * a.pixels[i] + other.pixels[i]) / 4);
+  for (size_t i = 0; i < b.pixels.size(); ++i)
+    b.pixels[i] = static_cast<uint8_t>((3 * a.pixels[i] + other.pixels[i]) / 4);
   const std::vector<double> map = ssimMap(a, b);
   double sum = 0;
   int count = 0;
@@ -115,6 +115,7 @@ TEST(Composite, MultipliesByAlphaAndUnitesSilhouettes) {
   b.at(1, 0)[3] = 127;
   EXPECT_EQ(compositedOnBlack(a).at(0, 0)[0], 100);
   EXPECT_EQ(unionOfSilhouettes(a, b), (Mask{1, 0}));
+  EXPECT_EQ(commonSilhouette(a, b), (Mask{0, 0}));
 }
 
 }  // namespace

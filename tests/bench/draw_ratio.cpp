@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+// bench_draw_ratio CHARACTER [FRAMES]: milliseconds of the layered draw against a plain draw of layer 1 alone (one
+// texture, no view dependence) of the same frame, size and multisampling; alternating in one run, medians and ratio.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+
+#include "base/camera.h"
+#include "package/base_mesh.h"
+#include "package/stream_file.h"
+#include "platform/egl_context.h"
+#include "platform/ffmpeg_video.h"
+#include "platform/files.h"
+#include "render/passes.h"
+
+namespace {
+
+using namespace fourdvt;
+
+constexpr int kWidth = 720, kHeight = 960, kSamples = 4;
+
+// The least that draws the character with one texture: no labels, no normals, no weights.
+constexpr const char* kPlainVertex = R"(
+precision highp float;
+precision highp sampler2D;
+uniform sampler2D u_corners, u_positions_normals;
+uniform mat4 u_clip_from_world;
+out vec2 v_uv;
+ivec2 at(int i) { return ivec2(i % 256, i / 256); }
+void main() {
+  vec4 corner = texelFetch(u_corners, at(gl_VertexID), 0);
+  v_uv = corner.xy;
+  gl_Position = u_clip_from_world * vec4(texelFetch(u_positions_normals, at(2 * int(corner.z)), 0).xyz, 1.0);
+})";
+constexpr const char* kPlainFragment = R"(
+precision highp float;
+uniform sampler2D u_picture_y, u_picture_u, u_picture_v;
+uniform vec4 u_rect;
+in vec2 v_uv;
+out vec4 o_color;
+void main() {
+  vec2 uv = u_rect.xy + v_uv * u_rect.zw;
+  float y = 1.16438 * (texture(u_picture_y, uv).r - 16.0 / 255.0);
+  float u = texture(u_picture_u, uv).r - 128.0 / 255.0, v = texture(u_picture_v, uv).r - 128.0 / 255.0;
+  o_color = vec4(y + 1.79274 * v, y - 0.21325 * u - 0.53291 * v, y + 2.11240 * u, 1.0);
+})";
+
+template <class T>
+T orStop(Result<T> result) {
+  if (!result.ok()) {
+    std::fprintf(stderr, "bench_draw_ratio: %s\n", result.error().message.c_str());
+    std::exit(1);
+  }
+  return result.take();
+}
+
+void orStop(const Status& status) {
+  if (status.ok()) return;
+  std::fprintf(stderr, "bench_draw_ratio: %s\n", status.error().message.c_str());
+  std::exit(1);
+}
+
+struct Scene {
+  package::Character character;
+  render::CharacterModel model;
+  render::PictureTextures picture;
+};
+
+// Frame 0 of the first sequence.
+Scene load(gpu::Device& device, const std::filesystem::path& folder) {
+  Scene scene;
+  scene.character = orStop(package::readManifest(orStop(platform::readJsonFlat((folder / "character.gltf").string()))));
+  const package::Character& c = scene.character;
+  const package::Sequence& sequence = c.sequences.at(0);
+  const package::Rendition& rendition = sequence.renditions.at(0);
+  const auto mesh = orStop(package::decodeBaseMesh(
+      orStop(platform::readFileRange((folder / c.mesh_uri).string(), c.mesh_offset, c.mesh_bytes))));
+  const std::string stream = (folder / sequence.stream_uri).string(), video = (folder / rendition.video_uri).string();
+  const auto index =
+      orStop(package::readStreamHeader(orStop(platform::readFileRange(stream, 0, sequence.stream_header_bytes))));
+  const auto chunk = orStop(package::decodeChunk(
+      orStop(platform::readFileRange(stream, index.chunks[0].offset, index.chunks[0].bytes)), index, 0));
+  Positions positions;
+  for (uint32_t v = 0; v < c.vertex_count; ++v)
+    positions.push_back(index.position_origin + index.position_step_m * glm::vec3(chunk.positions[v]));
+  scene.model = orStop(render::CharacterModel::create(device, c, mesh));
+  scene.model.setLayout(rendition);
+  scene.model.setGeometry(
+      device, {positions, std::span<const uint8_t>(chunk.labels).first(size_t(c.layer_count) * c.face_count)});
+  scene.picture =
+      orStop(render::createPicture(device, rendition.width, rendition.height, render::PictureTextures::Kind::I420));
+  auto decoder = orStop(platform::SampleDecoder::create(rendition.codec, index.renditions[0].decoder_description,
+                                                        [&](const I420View& frame, int64_t number) {
+                                                          if (number == 0)
+                                                            render::uploadPicture(device, scene.picture, frame);
+                                                        }));
+  for (const package::VideoSample& sample : index.renditions[0].samples)
+    orStop(
+        decoder->decode(orStop(platform::readFileRange(video, sample.offset, sample.bytes)), sample.frame, sample.key));
+  orStop(decoder->flush());
+  return scene;
+}
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+  return values[values.size() / 2];
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2) return std::fprintf(stderr, "usage: bench_draw_ratio CHARACTER [FRAMES]\n"), 2;
+  const int frames = argc > 2 ? std::max(1, std::atoi(argv[2])) : 60;
+  const auto context = orStop(platform::EglContext::create());
+  const auto device = orStop(gpu::createGlesDevice());
+  const Scene scene = load(*device, argv[1]);
+  const render::View view = render::viewFromCamera(
+      cameraFromOrbit(defaultOrbit(scene.character.bounds, double(kWidth) / kHeight), kWidth, kHeight));
+
+  const auto many = orStop(gpu::makeTarget(*device, {.width = kWidth,
+                                                     .height = kHeight,
+                                                     .samples = std::min(kSamples, device->caps().max_samples),
+                                                     .own_depth = true,
+                                                     .label = "multisampled"}));
+  const auto color = orStop(gpu::makeTexture(
+      *device, {.format = gpu::PixelFormat::RGBA8, .width = kWidth, .height = kHeight, .label = "resolved"}));
+  const auto one = orStop(gpu::makeTarget(*device, {.colors = {color.id()}, .label = "resolved"}));
+  const auto plain = orStop(gpu::makeProgram(*device, "plain", kPlainVertex, kPlainFragment));
+  render::LayeredPass layered;
+  const render::RecipeOptions options;
+  orStop(layered.prepare(*device, scene.model, scene.picture.kind, options));
+
+  const auto timed = [&](const auto& draw) {
+    const auto start = std::chrono::steady_clock::now();
+    device->beginPass(
+        {.target = many.id(), .width = kWidth, .height = kHeight, .clear_color = true, .clear_depth = true});
+    draw();
+    device->endPass();
+    device->blit(many.id(), one.id(), kWidth, kHeight);
+    uint8_t pixel[4];  // waits until everything is drawn
+    orStop(device->readPixels(one.id(), gpu::PixelFormat::RGBA8, kWidth / 2, kHeight / 2, 1, 1, pixel));
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  };
+  const auto drawLayered = [&] { layered.draw(*device, scene.model, scene.picture, view, options); };
+  const auto drawPlain = [&] {
+    device->draw({.program = plain.id(),
+                  .textures = {{"u_corners", scene.model.corners.id()},
+                               {"u_positions_normals", scene.model.positions_normals.id()},
+                               {"u_picture_y", scene.picture.y.id()},
+                               {"u_picture_u", scene.picture.u.id()},
+                               {"u_picture_v", scene.picture.v.id()}},
+                  .uniforms = {gpu::uniform("u_clip_from_world", view.clip_from_world),
+                               gpu::uniform("u_rect", scene.model.layer_rects_uv[0])},
+                  .vertex_count = static_cast<int>(3 * scene.model.face_count),
+                  .depth_test = true,
+                  .depth_write = true,
+                  .cull = scene.model.closed_surface ? gpu::Cull::Back : gpu::Cull::None});
+  };
+  std::vector<double> layered_ms, plain_ms;
+  for (int i = -5; i < frames; ++i) {  // the first ones warm up
+    const double a = timed(drawLayered), b = timed(drawPlain);
+    if (i < 0) continue;
+    layered_ms.push_back(a);
+    plain_ms.push_back(b);
+  }
+  std::printf("%s, %dx%d, %d samples, %u faces, %d layers, %d frames\n", device->caps().renderer.c_str(), kWidth,
+              kHeight, kSamples, scene.model.face_count, scene.model.layer_count, frames);
+  std::printf("layered %.2f ms, plain %.2f ms, ratio %.2f\n", median(layered_ms), median(plain_ms),
+              median(layered_ms) / median(plain_ms));
+  return 0;
+}
