@@ -71,6 +71,8 @@ class Baker {
   Status finishFrame(const WorkFolder& work, OpenGop& open, DrawnFrame frame, uint32_t index, bool is_still);
   Status saveStill(const WorkFolder& work, const DrawnFrame& frame);
   Status waitForSave();
+  bool stopped() const { return environment_.stop && *environment_.stop; }
+  Status checkStop(const WorkFolder& work) const;  // Interrupted
   Status checkVisible(const DrawnFrame& frame, const SequencePlan& plan) const;
   Status saveGop(const WorkFolder& work, OpenGop& open, const SequencePlan& plan, uint32_t gop);
   void reportProgress(const SequencePlan& plan, uint32_t frame);
@@ -130,6 +132,8 @@ Status Baker::bakeMissing(const WorkFolder& work) {
         reader = opened.take();
       }
       FOURDVT_TRY(bakeGop(work, plan, g, *reader));
+      if (stopped()) FOURDVT_TRY(waitForSave());  // on every lane: a finished GOP is kept
+      FOURDVT_TRY(checkStop(work));
     }
   }
   return waitForSave();
@@ -154,16 +158,18 @@ Status Baker::bakeGop(const WorkFolder& work, const SequencePlan& plan, uint32_t
       return finishFrame(work, *open, std::move(frame), f, is_still);
     });
     reportProgress(plan, f + 1);
-    if (environment_.stop && *environment_.stop) {
-      FOURDVT_TRY(finished.get());
-      return Error{ErrorId::Interrupted, "stopped; finished GOPs are kept in " + work.path() +
-                                             "; run the same command with --resume to go on"};
-    }
+    if (f + 1 < end) FOURDVT_TRY(checkStop(work));
   }
   FOURDVT_TRY(finished.get());
   saving_ =
       std::async(lane(), [this, &work, &plan, gop, open = std::move(open)] { return saveGop(work, *open, plan, gop); });
   return {};
+}
+
+Status Baker::checkStop(const WorkFolder& work) const {
+  if (!stopped()) return {};
+  return Error{ErrorId::Interrupted,
+               "stopped; finished GOPs are kept in " + work.path() + "; run the same command with --resume to go on"};
 }
 
 Status Baker::waitForSave() { return saving_.valid() ? saving_.get() : Status(); }

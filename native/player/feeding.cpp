@@ -2,7 +2,6 @@
 // Decoding: samples go out when the edge polls, in decoding order, from a GOP's key sample on; decoded pictures come
 // back by timestamp into slots.
 #include <algorithm>
-#include <cmath>
 
 #include "package/barcode.h"
 #include "player/player_impl.h"
@@ -11,6 +10,7 @@ namespace fourdvt {
 
 namespace {
 constexpr size_t kMaxReorderAllowance = 32;
+constexpr int64_t kTimestampStep_us = 40000;  // names a presentation, whatever the sequence's frame rate
 }
 
 void PlayerImpl::stopFeed() {
@@ -34,7 +34,7 @@ void PlayerImpl::restartFeed() {
   feed_done_ = flushed_ = false;
   feeding_ = true;
   if (configured_ && configured_sequence_ == active_)
-    requests_.push_back(ResetDecoder{});
+    requests_.emplace_back(std::in_place_type<ResetDecoder>);
   else
     configured_ = false;
 }
@@ -52,13 +52,14 @@ bool PlayerImpl::feedNext(Request& out) {
   if (!configured_) {
     configured_ = true;
     configured_sequence_ = active_;
-    out = ConfigureDecoder{rendition.codec, table.decoder_description, rendition.width, rendition.height};
+    out.emplace<ConfigureDecoder>(ConfigureDecoder{rendition.codec, table.decoder_description, rendition.width,
+                                                   rendition.height});
     return true;
   }
   if (feed_done_) {
     if (flushed_) return false;
     flushed_ = true;
-    out = FlushDecoder{};
+    out.emplace<FlushDecoder>();
     return true;
   }
   if (in_flight_.size() + usedSlots() >= static_cast<size_t>(options_.picture_slots) + reorder_allowance_) return false;
@@ -70,9 +71,10 @@ bool PlayerImpl::feedNext(Request& out) {
   const int64_t k = feed_gop_k_ + (sample.frame - index.chunks[feed_gop_].first_frame);
   const int64_t serial = serial_base_ + k;
   next_serial_ = std::max(next_serial_, serial + 1);
-  const int64_t timestamp_us = std::llround(static_cast<double>(serial) * 1e6 / fps());
+  const int64_t timestamp_us = serial * kTimestampStep_us;
   in_flight_[timestamp_us] = k;
-  out = DecodeSample{std::span<const uint8_t>(gop->video).subspan(offset, sample.bytes), timestamp_us, sample.key};
+  out.emplace<DecodeSample>(
+      DecodeSample{std::span<const uint8_t>(gop->video).subspan(offset, sample.bytes), timestamp_us, sample.key});
   if (first + ++feed_sample_ == table.chunk_first_sample[feed_gop_ + 1]) finishGop();
   return true;
 }
@@ -173,7 +175,7 @@ void PlayerImpl::onDecoderFailed(const std::string& reason) {
 
 bool PlayerImpl::nextRequest(Request& out) {
   if (!requests_.empty()) {
-    out = requests_.front();
+    out = std::move(requests_.front());
     requests_.pop_front();
     return true;
   }

@@ -41,7 +41,7 @@ void PlayerImpl::requestFetch(PartKind kind, int sequence, uint32_t gop, const s
   const uint32_t id = next_fetch_id_++;
   FetchRange range{id, uri, offset, bytes};
   fetches_[id] = {kind, sequence, gop, 1, range};
-  requests_.push_back(range);
+  requests_.emplace_back(std::in_place_type<FetchRange>, range);
 }
 
 // Asks for whatever the wanted position lacks: mesh and header first, then its GOP, then the next one.
@@ -174,7 +174,7 @@ void PlayerImpl::onRangeFailed(uint32_t id, const std::string& reason) {
   if (it == fetches_.end()) return;
   if (it->second.tries < kTries) {
     ++it->second.tries;
-    requests_.push_back(it->second.range);
+    requests_.emplace_back(std::in_place_type<FetchRange>, it->second.range);
     return;
   }
   const Fetch fetch = it->second;

@@ -103,6 +103,12 @@ TEST_F(WholeBake, ResumedBakeGivesTheSameBytes) {
   for (size_t i = 0; i < names.size(); ++i) EXPECT_TRUE(bytesOf(names[i]) == whole[i]) << names[i];
 }
 
+TEST_F(WholeBake, StopOnTheLastFrameOfAGopKeepsIt) {
+  options.jobs = 1;
+  ASSERT_FALSE(run(1));  // GOP 0 is frame 0
+  EXPECT_TRUE(fs::exists(options.character_folder + ".work/walk.0.gop"));
+}
+
 TEST_F(WholeBake, OtherSettingsDoNotResume) {
   ASSERT_FALSE(run(2));
   options.resume = true;
