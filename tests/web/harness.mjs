@@ -40,9 +40,10 @@ export function launch() {
 
 /**
  * A page that keeps everything that went wrong in `page.troubles`. Canvases keep their last picture for reading back.
- * options: playwright's newPage options.
+ * options: playwright's newPage options. uploadPath: 'i420' (native's own path: same colours, barcode checked), 'rgba',
+ * or 'auto' for what a visitor gets: measured, so it may differ from run to run.
  */
-export async function openPage(browser, options = {}) {
+export async function openPage(browser, options = {}, uploadPath = 'i420') {
   const page = await browser.newPage({ deviceScaleFactor: 1, viewport: { width: 720, height: 1100 }, ...options });
   page.setDefaultTimeout(kPatienceMs);
   page.troubles = [];
@@ -50,6 +51,11 @@ export async function openPage(browser, options = {}) {
   page.on('console', (line) => {
     if (line.type() === 'error') page.troubles.push(`console: ${line.text()}`);
   });
+  if (uploadPath !== 'auto') {
+    await page.addInitScript((path) => {
+      try { sessionStorage.setItem('fourdvt-upload-path', path); } catch { /* a page without an origin */ }
+    }, uploadPath);
+  }
   await page.addInitScript(() => {
     const original = HTMLCanvasElement.prototype.getContext;
     HTMLCanvasElement.prototype.getContext = function (kind, options) {

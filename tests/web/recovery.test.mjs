@@ -19,7 +19,7 @@ afterEach(async () => {
 // A blank page of the site with one viewer in it.
 async function open({ serving = {}, before = () => undefined, attributes = {} } = {}) {
   server = await serve(environment('SITE'), 0, serving);
-  page = await openPage(browser, { viewport: { width: 320, height: 420 } });
+  page = await openPage(browser, { viewport: { width: 320, height: 420 } }, 'auto');
   await page.addInitScript(before);
   await page.route('**/blank.html', (route) => route.fulfill({
     contentType: 'text/html', body: '<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,">' }));
