@@ -6,7 +6,9 @@
 namespace fourdvt::bake {
 
 ChunkBuilder::ChunkBuilder(const Job& job)
-    : origin_(job.bounds.min), step_m_(double(float(job.options.position_step_m))) {
+    : origin_(job.bounds.min),
+      step_m_(double(float(job.options.position_step_m))),
+      mesh_(package::makeChunkMesh(job.mesh.decoded)) {
   frames_.vertex_count = job.mesh.decoded.topology.vertex_count;
   frames_.face_count = job.mesh.decoded.topology.faceCount();
   frames_.layer_count = static_cast<uint32_t>(job.options.layers);
@@ -22,7 +24,7 @@ void ChunkBuilder::add(const Positions& positions, const std::vector<uint8_t>& l
 }
 
 Result<std::vector<uint8_t>> ChunkBuilder::finish() {
-  auto chunk = package::encodeChunk(frames_);
+  auto chunk = package::encodeChunk(frames_, mesh_);
   frames_.positions.clear();
   frames_.labels.clear();
   frames_.frame_count = 0;

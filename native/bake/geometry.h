@@ -3,6 +3,7 @@
 #pragma once
 
 #include "bake/job.h"
+#include "package/chunk_mesh.h"
 #include "package/stream_file.h"
 
 namespace fourdvt::bake {
@@ -18,6 +19,7 @@ class ChunkBuilder {
  private:
   glm::dvec3 origin_;
   double step_m_;
+  package::ChunkMesh mesh_;
   package::ChunkFrames frames_;
 };
 

@@ -2,7 +2,6 @@
 #include "package/draco_guard.h"
 
 #include "base/bytes.h"
-#include "draco/attributes/geometry_attribute.h"
 #include "draco/compression/config/compression_shared.h"
 
 namespace fourdvt::package {
@@ -28,23 +27,6 @@ bool headerIs(ByteReader& in, uint8_t minor, uint8_t type, uint8_t method) {
 }
 
 }  // namespace
-
-bool looksLikePointCloud(std::span<const uint8_t> bytes, uint32_t point_count, uint32_t attribute_count,
-                         int components) {
-  ByteReader in(bytes);
-  if (!headerIs(in, draco::kDracoPointCloudBitstreamVersionMinor, draco::POINT_CLOUD,
-                draco::POINT_CLOUD_SEQUENTIAL_ENCODING)) {
-    return false;
-  }
-  if (in.u32() != point_count || in.u8() != 1 || varint(in) != attribute_count) return false;
-  for (uint32_t a = 0; a < attribute_count && in.ok(); ++a) {
-    const bool generic = in.u8() == draco::GeometryAttribute::GENERIC;
-    const bool int32 = in.u8() == draco::DT_INT32;
-    const bool shape = in.u8() == components && in.u8() == 0;
-    if (!generic || !int32 || !shape || varint(in) != a) return false;
-  }
-  return in.ok();
-}
 
 bool looksLikeMesh(std::span<const uint8_t> bytes) {
   constexpr uint32_t kMaxCount = 1u << 22;

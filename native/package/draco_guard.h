@@ -8,10 +8,6 @@
 
 namespace fourdvt::package {
 
-// True for a sequential point cloud of exactly `point_count` points with `attribute_count` generic 32-bit integer
-// attributes of `components` each.
-bool looksLikePointCloud(std::span<const uint8_t> bytes, uint32_t point_count, uint32_t attribute_count,
-                         int components);
 // True for an edgebreaker mesh whose counts are within limits that the bytes can plausibly hold.
 bool looksLikeMesh(std::span<const uint8_t> bytes);
 

@@ -11,7 +11,7 @@ namespace fourdvt::package {
 namespace {
 
 constexpr uint32_t kMagic = 0x53564434;  // "4DVS"
-constexpr uint16_t kVersion = 1;
+constexpr uint16_t kVersion = 2;
 constexpr uint32_t kKeyBit = 0x80000000u;
 constexpr uint32_t kMaxFrames = 1u << 20, kMaxCount = 1u << 22, kMaxChunkFrames = 65535, kMaxRenditions = 16;
 constexpr uint64_t kMaxOffset = 1ull << 53;
@@ -93,7 +93,11 @@ Status readCounts(ByteReader& in, StreamIndex& index, size_t span_bytes) {
   if (in.u32() != kMagic) return invalid("not a fourdvt stream");
   const uint16_t version = in.u16();
   in.u16();
-  if (version != kVersion) return Error{ErrorId::Unsupported, "stream header: unknown version; update the player"};
+  if (version < kVersion) {
+    return Error{ErrorId::Unsupported, "stream header: version " + std::to_string(version) +
+                                           " of an earlier fourdvt; bake the character again"};
+  }
+  if (version > kVersion) return Error{ErrorId::Unsupported, "stream header: unknown version; update the player"};
   if (in.u32() != span_bytes) return invalid("length differs from the manifest's");
   index.frame_count = in.u32();
   index.vertex_count = in.u32();

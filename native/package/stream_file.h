@@ -56,9 +56,13 @@ struct ChunkFrames {
   std::vector<uint8_t> labels;        // [frame][layer][face], kNoCamera for empty
 };
 
-// Draco point-cloud attributes: positions with temporal deltas, labels as change symbols. Errors: Internal.
-Result<std::vector<uint8_t>> encodeChunk(const ChunkFrames& frames);
-// Errors: StreamInvalid if corrupt or of other counts than the index says.
-Result<ChunkFrames> decodeChunk(std::span<const uint8_t> bytes, const StreamIndex& index, uint32_t chunk);
+struct ChunkMesh;  // chunk_mesh.h
+
+// Arithmetic coding with predictions along the mesh; every chunk decodes alone. Errors: Internal.
+Result<std::vector<uint8_t>> encodeChunk(const ChunkFrames& frames, const ChunkMesh& mesh);
+// mesh: makeChunkMesh of the character's decoded base mesh. Errors: StreamInvalid if corrupt, or if the counts of index
+// and mesh differ.
+Result<ChunkFrames> decodeChunk(std::span<const uint8_t> bytes, const StreamIndex& index, uint32_t chunk,
+                                const ChunkMesh& mesh);
 
 }  // namespace fourdvt::package

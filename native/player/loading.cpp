@@ -70,7 +70,8 @@ std::vector<GopKey> PlayerImpl::keptGops() const {
   const SequenceState& state = sequences_[static_cast<size_t>(active_)];
   if (state.header != PartState::Present) return keep;
   const int64_t k = playing_ && !seeking_ ? shown_.k : wanted_k_;
-  for (uint32_t gop : stream::neededGops(state.index, frameOf(k), looping(), kGopsAhead)) keep.push_back({active_, gop});
+  for (uint32_t gop : stream::neededGops(state.index, frameOf(k), looping(), kGopsAhead))
+    keep.push_back({active_, gop});
   if (feeding_) keep.push_back({active_, feed_gop_});
   return keep;
 }
@@ -114,6 +115,7 @@ Status PlayerImpl::receiveMesh(std::span<const uint8_t> bytes) {
   auto model = render::CharacterModel::create(device_, *character_, mesh.value());
   if (!model.ok()) return model.error();
   mesh_ = mesh.take();
+  chunk_mesh_ = package::makeChunkMesh(*mesh_);
   model_ = model.take();
   mesh_state_ = PartState::Present;
   return {};
@@ -205,12 +207,12 @@ void PlayerImpl::fail(Error error, int broken_sequence) {
 // Decoded geometry of the GOP that holds the frame, or null while it is not there (or broken).
 const package::ChunkFrames* PlayerImpl::geometryOf(int sequence_index, uint32_t frame) {
   SequenceState& state = sequences_[static_cast<size_t>(sequence_index)];
-  if (state.header != PartState::Present || state.broken) return nullptr;
+  if (mesh_state_ != PartState::Present || state.header != PartState::Present || state.broken) return nullptr;
   const uint32_t gop_index = state.index.chunkOfFrame(frame);
   stream::Gop* gop = cache_.find({sequence_index, gop_index});
   if (!gop || gop->chunk_state != PartState::Present) return nullptr;
   if (!gop->geometry) {
-    auto decoded = package::decodeChunk(gop->chunk, state.index, gop_index);
+    auto decoded = package::decodeChunk(gop->chunk, state.index, gop_index, chunk_mesh_);
     if (!decoded.ok()) {
       const std::string& uri = character_->sequences[static_cast<size_t>(sequence_index)].stream_uri;
       fail({decoded.error().id, uri + ": " + decoded.error().message}, sequence_index);

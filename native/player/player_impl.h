@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "package/chunk_mesh.h"
 #include "player/player.h"
 #include "render/character_model.h"
 #include "stream/clock.h"
@@ -64,8 +65,8 @@ class PlayerImpl final : public Player {
   struct Slot {
     enum class State { Free, Filling, Ready } state = State::Free;
     int sequence = -1;
-    int64_t k = 0;        // presentation: frames since the sequence's start, unwrapped over loops
-    uint32_t epoch = 0;   // feed restart it belongs to
+    int64_t k = 0;       // presentation: frames since the sequence's start, unwrapped over loops
+    uint32_t epoch = 0;  // feed restart it belongs to
     bool wrong_frame = false;
     int width = 0, height = 0;
     render::PictureTextures picture;
@@ -115,29 +116,30 @@ class PlayerImpl final : public Player {
   std::unique_ptr<render::Recipe> recipe_;
   std::optional<package::Character> character_;
   std::optional<package::BaseMesh> mesh_;
+  package::ChunkMesh chunk_mesh_;
   std::optional<render::CharacterModel> model_;
   stream::PartState mesh_state_ = stream::PartState::Absent;
   std::vector<SequenceState> sequences_;
   stream::GopCache cache_;
-  int active_ = -1;                  // sequence wanted
-  std::string wanted_name_;          // selected before the manifest arrived
+  int active_ = -1;          // sequence wanted
+  std::string wanted_name_;  // selected before the manifest arrived
 
   std::map<uint32_t, Fetch> fetches_;
   uint32_t next_fetch_id_ = 1;
-  std::deque<Request> requests_;     // without DecodeSample and ConfigureDecoder: those are made when polled
+  std::deque<Request> requests_;  // without DecodeSample and ConfigureDecoder: those are made when polled
   std::deque<Event> events_;
 
   // Feeding: samples go out in decoding order from a GOP's start; pictures before `drop_before_k_` are not shown.
   bool feeding_ = false, configured_ = false, flushed_ = false;
   int configured_sequence_ = -1;
   uint32_t epoch_ = 0;
-  int64_t feed_gop_k_ = 0;           // presentation of the first frame of the GOP being fed
+  int64_t feed_gop_k_ = 0;  // presentation of the first frame of the GOP being fed
   uint32_t feed_gop_ = 0, feed_sample_ = 0;
-  bool feed_done_ = false;           // a sequence that does not loop is fed to its end
+  bool feed_done_ = false;  // a sequence that does not loop is fed to its end
   int64_t drop_before_k_ = 0;
   int64_t serial_base_ = 0, next_serial_ = 0;
   std::map<int64_t, int64_t> in_flight_;  // timestamp → k
-  size_t reorder_allowance_ = 4;     // samples the decoder may hold beyond the slots; grows if it holds more
+  size_t reorder_allowance_ = 4;          // samples the decoder may hold beyond the slots; grows if it holds more
   int ticks_without_output_ = 0;
   std::vector<Slot> slots_;
 
@@ -145,10 +147,10 @@ class PlayerImpl final : public Player {
   bool playing_ = false, seeking_ = true, waiting_ = false, can_play_ = false;
   bool ended_ = false, seek_requested_ = false;
   int loop_override_ = -1;
-  int64_t wanted_k_ = 0;             // while seeking or paused
+  int64_t wanted_k_ = 0;  // while seeking or paused
   Shown shown_;
   double now_s_ = 0, last_timeupdate_s_ = -1, starved_since_s_ = -1;
-  Positions positions_;              // scratch
+  Positions positions_;  // scratch
   PlayerStats stats_;
   uint64_t progress_loaded_ = 0, progress_total_ = 0;
 };

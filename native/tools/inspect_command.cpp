@@ -8,6 +8,7 @@
 #include "package/barcode.h"
 #include "package/base_mesh.h"
 #include "package/character.h"
+#include "package/chunk_mesh.h"
 #include "package/stream_file.h"
 #include "platform/ffmpeg_video.h"
 #include "platform/files.h"
@@ -87,6 +88,7 @@ class Inspection {
     auto mesh = package::decodeBaseMesh(bytes.value());
     if (!mesh.ok()) return inFile(file, mesh.error());
     const MeshTopology& t = mesh.value().topology;
+    chunk_mesh_ = package::makeChunkMesh(mesh.value());
     if (t.vertex_count == character_.vertex_count && t.faceCount() == character_.face_count) return {};
     return Error{ErrorId::MeshDataInvalid,
                  file + ": base mesh has other counts than the manifest; bake the character again"};
@@ -138,7 +140,7 @@ class Inspection {
     for (uint32_t c = 0; c < index.chunks.size(); ++c) {
       auto bytes = platform::readFileRange(file, index.chunks[c].offset, index.chunks[c].bytes);
       if (!bytes.ok()) return bytes.error();
-      auto frames = package::decodeChunk(bytes.value(), index, c);
+      auto frames = package::decodeChunk(bytes.value(), index, c, chunk_mesh_);
       if (!frames.ok()) return inFile(file, frames.error());
       const uint32_t geometry = ByteReader(bytes.value()).u32();  // a chunk starts with the size of its positions
       sizes.geometry += geometry;
@@ -200,6 +202,7 @@ class Inspection {
   std::string manifest_;
   fs::path folder_;
   package::Character character_;
+  package::ChunkMesh chunk_mesh_;
   std::vector<SequenceSizes> sizes_;
   uint64_t poster_bytes_ = 0;
 };

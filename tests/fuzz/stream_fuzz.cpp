@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stream headers ("H" + bytes) and GOP chunks ("C" + frames, vertices, faces, layers as bytes + chunk): whatever is
-// accepted is consistent, and a header that is accepted writes back to the same bytes.
+// Stream headers ("H" + bytes) and GOP chunks ("C" + frames, vertices, faces, layers as bytes + chunk; the mesh is the
+// one that testing::strandMesh makes of the counts): whatever is accepted is consistent, and a header that is accepted
+// writes back to the same bytes.
 #include <cstdlib>
 
+#include "../unit/chunk_fixture.h"
 #include "package/stream_file.h"
 
+using namespace fourdvt;
 using namespace fourdvt::package;
 
 namespace {
@@ -36,13 +39,17 @@ void fuzzChunk(std::span<const uint8_t> bytes) {
   index.face_count = 1u + bytes[2];
   index.layer_count = 1u + bytes[3] % 6;
   index.chunks = {{0, index.frame_count, 0, uint32_t(bytes.size())}};
-  const auto decoded = decodeChunk(bytes.subspan(4), index, 0);
+  const auto decoded =
+      decodeChunk(bytes.subspan(4), index, 0, testing::strandMesh(index.vertex_count, index.face_count));
   if (!decoded.ok()) return;
   const ChunkFrames& frames = decoded.value();
   if (frames.positions.size() != size_t(index.frame_count) * index.vertex_count) std::abort();
   if (frames.labels.size() != size_t(index.frame_count) * index.layer_count * index.face_count) std::abort();
   for (uint8_t label : frames.labels) {
     if (label >= 31 && label != 255) std::abort();
+  }
+  for (const glm::ivec3& q : frames.positions) {
+    if (glm::any(glm::greaterThan(glm::abs(q), glm::ivec3(1 << 24)))) std::abort();
   }
 }
 

@@ -2,17 +2,22 @@
 // Round trips, truncation and damage of the stream header, GOP chunks, the base mesh and the barcode.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <cstdlib>
+#include <cstring>
 #include <fstream>
+#include <iterator>
 #include <random>
 
+#include "chunk_fixture.h"
 #include "package/barcode.h"
 #include "package/base_mesh.h"
 #include "package/stream_file.h"
 
 using namespace fourdvt;
 using namespace fourdvt::package;
+using fourdvt::testing::indexFor;
+using fourdvt::testing::strandMesh;
 
 namespace {
 
@@ -37,10 +42,6 @@ ChunkFrames randomFrames(uint32_t frames, uint32_t vertices, uint32_t faces, uin
     out.labels.push_back(r == 8 ? kNoCamera : static_cast<uint8_t>(r));
   }
   return out;
-}
-
-StreamIndex indexFor(const ChunkFrames& f) {
-  return {f.frame_count, f.vertex_count, f.face_count, f.layer_count, {}, 1, {{0, f.frame_count, 100, 100}}, {}};
 }
 
 // A closed UV-mapped grid folded over the x axis: vertices with two wedge UVs along the seam.
@@ -133,54 +134,133 @@ TEST(StreamHeader, SurvivesEveryByteFlip) {
   }
 }
 
+TEST(StreamHeader, AsksForANewBakeOfVersion1AndANewPlayerForLater) {
+  std::vector<uint8_t> bytes = writeStreamHeader(smallIndex());
+  ASSERT_EQ(bytes[4], 2);
+  bytes[4] = 1;
+  auto old = readStreamHeader(bytes);
+  ASSERT_FALSE(old.ok());
+  EXPECT_EQ(old.error().id, ErrorId::Unsupported);
+  EXPECT_NE(old.error().message.find("bake the character again"), std::string::npos);
+  bytes[4] = 3;
+  auto later = readStreamHeader(bytes);
+  ASSERT_FALSE(later.ok());
+  EXPECT_EQ(later.error().id, ErrorId::Unsupported);
+  EXPECT_NE(later.error().message.find("update the player"), std::string::npos);
+}
+
 TEST(Chunk, RoundTripsExactly) {
   for (uint32_t frames : {1u, 2u, 3u, 9u}) {
     const ChunkFrames in = randomFrames(frames, 40, 60, 3, frames);
-    auto bytes = encodeChunk(in);
+    const ChunkMesh mesh = strandMesh(40, 60);
+    auto bytes = encodeChunk(in, mesh);
     ASSERT_TRUE(bytes.ok());
-    auto out = decodeChunk(bytes.value(), indexFor(in), 0);
+    auto out = decodeChunk(bytes.value(), indexFor(in), 0, mesh);
     ASSERT_TRUE(out.ok()) << out.error().message;
     EXPECT_EQ(out.value().positions, in.positions);
     EXPECT_EQ(out.value().labels, in.labels);
   }
 }
 
+TEST(Chunk, OpensWithTheLengthOfThePositions) {
+  const ChunkFrames in = randomFrames(3, 20, 30, 3, 1);
+  const ChunkMesh mesh = strandMesh(20, 30);
+  const std::vector<uint8_t> bytes = encodeChunk(in, mesh).take();
+  ChunkFrames other = in;
+  std::fill(other.labels.begin(), other.labels.end(), kNoCamera);
+  const std::vector<uint8_t> few = encodeChunk(other, mesh).take();
+  EXPECT_TRUE(std::equal(bytes.begin(), bytes.begin() + 4, few.begin()));
+  uint32_t positions = 0, labels = 0;
+  std::memcpy(&positions, bytes.data(), 4), std::memcpy(&labels, bytes.data() + 4, 4);
+  EXPECT_EQ(8 + positions + labels, bytes.size());
+  EXPECT_TRUE(std::equal(bytes.begin() + 8, bytes.begin() + 8 + positions, few.begin() + 8));
+}
+
 TEST(Chunk, RefusesTruncationTrailingBytesAndOtherCounts) {
   const ChunkFrames in = randomFrames(3, 20, 30, 3, 1);
-  const std::vector<uint8_t> bytes = encodeChunk(in).take();
+  const ChunkMesh mesh = strandMesh(20, 30);
+  const std::vector<uint8_t> bytes = encodeChunk(in, mesh).take();
   const StreamIndex index = indexFor(in);
-  for (size_t n = 0; n < bytes.size(); ++n) {
-    EXPECT_FALSE(decodeChunk(std::span(bytes).first(n), index, 0).ok()) << n;
-  }
+  const auto refuse = [&](std::span<const uint8_t> part, const StreamIndex& i, uint32_t chunk, const ChunkMesh& m) {
+    auto out = decodeChunk(part, i, chunk, m);
+    ASSERT_FALSE(out.ok()) << part.size();
+    EXPECT_EQ(out.error().id, ErrorId::StreamInvalid);
+  };
+  for (size_t n = 0; n < bytes.size(); ++n) refuse(std::span(bytes).first(n), index, 0, mesh);
   std::vector<uint8_t> longer = bytes;
   longer.push_back(7);
-  EXPECT_FALSE(decodeChunk(longer, index, 0).ok());
+  refuse(longer, index, 0, mesh);
+  ++longer[4];  // the labels' length: the byte now belongs to them
+  refuse(longer, index, 0, mesh);
   StreamIndex other = index;
   other.vertex_count = 21;
-  EXPECT_FALSE(decodeChunk(bytes, other, 0).ok());
+  refuse(bytes, other, 0, mesh);
+  refuse(bytes, other, 0, strandMesh(21, 30));
+  other = index;
+  other.face_count = 31;
+  refuse(bytes, other, 0, mesh);
+  refuse(bytes, other, 0, strandMesh(20, 31));
   other = index;
   other.chunks[0].frame_count = 4;
-  EXPECT_FALSE(decodeChunk(bytes, other, 0).ok());
-  EXPECT_FALSE(decodeChunk(bytes, index, 1).ok());
+  refuse(bytes, other, 0, mesh);
+  other.chunks[0].frame_count = 2;
+  refuse(bytes, other, 0, mesh);
+  other = index;
+  other.layer_count = 2;
+  refuse(bytes, other, 0, mesh);
+  other.layer_count = 7;
+  refuse(bytes, other, 0, mesh);
+  refuse(bytes, index, 1, mesh);
 }
 
 TEST(Chunk, SurvivesDamage) {
   const ChunkFrames in = randomFrames(3, 20, 30, 3, 2);
-  const std::vector<uint8_t> bytes = encodeChunk(in).take();
+  const ChunkMesh mesh = strandMesh(20, 30);
+  const std::vector<uint8_t> bytes = encodeChunk(in, mesh).take();
   for (size_t n = 0; n < bytes.size(); ++n) {
-    std::vector<uint8_t> damaged = bytes;
-    damaged[n] ^= 0x55;
-    auto out = decodeChunk(damaged, indexFor(in), 0);
-    if (out.ok()) {
-      EXPECT_EQ(out.value().labels.size(), in.labels.size());
+    for (uint8_t mask : {0x55, 0x01, 0x80}) {
+      std::vector<uint8_t> damaged = bytes;
+      damaged[n] ^= mask;
+      auto out = decodeChunk(damaged, indexFor(in), 0, mesh);
+      if (!out.ok()) continue;
+      ASSERT_EQ(out.value().labels.size(), in.labels.size());
+      for (uint8_t label : out.value().labels) EXPECT_TRUE(label < 31 || label == 255);
+      for (const glm::ivec3& q : out.value().positions) EXPECT_LE(glm::length(glm::dvec3(q)), 1.75 * (1 << 24));
     }
   }
 }
 
-TEST(Chunk, RefusesToEncodeBadLabels) {
-  ChunkFrames in = randomFrames(1, 20, 30, 3, 3);
+TEST(Chunk, RefusesToEncodeWhatDoesNotFit) {
+  const ChunkFrames good = randomFrames(1, 20, 30, 3, 3);
+  const ChunkMesh mesh = strandMesh(20, 30);
+  ASSERT_TRUE(encodeChunk(good, mesh).ok());
+  ChunkFrames in = good;
   in.labels[4] = 31;
-  EXPECT_FALSE(encodeChunk(in).ok());
+  EXPECT_FALSE(encodeChunk(in, mesh).ok());
+  in = good;
+  in.positions[3].y = -(1 << 24) - 1;
+  EXPECT_FALSE(encodeChunk(in, mesh).ok());
+  EXPECT_FALSE(encodeChunk(good, strandMesh(21, 30)).ok());
+  EXPECT_FALSE(encodeChunk(good, strandMesh(20, 29)).ok());
+}
+
+// A corpus of an old layout would be refused at the first byte, and the fuzzing would test nothing.
+TEST(FuzzCorpus, StreamsAreAccepted) {
+  const auto read = [](const char* name) {
+    std::ifstream file(std::string(FOURDVT_SOURCE_DIR "/tests/fuzz/corpus/stream_fuzz/") + name, std::ios::binary);
+    return std::vector<uint8_t>((std::istreambuf_iterator<char>(file)), {});
+  };
+  const std::vector<uint8_t> header = read("header.bin");
+  ASSERT_GT(header.size(), 1u);
+  EXPECT_TRUE(readStreamHeader(std::span(header).subspan(1)).ok());
+  for (const char* name : {"chunk_random.bin", "chunk_still.bin"}) {
+    const std::vector<uint8_t> chunk = read(name);
+    ASSERT_GT(chunk.size(), 5u) << name;
+    const ChunkFrames counts{1u + chunk[1], 3u + chunk[2], 1u + chunk[3], 1u + chunk[4], {}, {}};
+    const ChunkMesh mesh = strandMesh(counts.vertex_count, counts.face_count);
+    auto decoded = decodeChunk(std::span(chunk).subspan(5), indexFor(counts), 0, mesh);
+    EXPECT_TRUE(decoded.ok()) << name << ": " << (decoded.ok() ? "" : decoded.error().message);
+  }
 }
 
 TEST(BaseMesh, KeepsGeometryAndReportsTheOrder) {

@@ -13,6 +13,7 @@
 #include "gpu/device.h"
 #include "package/barcode.h"
 #include "package/base_mesh.h"
+#include "package/chunk_mesh.h"
 #include "package/stream_file.h"
 
 namespace fourdvt::testing {
@@ -77,6 +78,7 @@ class FakeBuilder {
     const package::EncodedBaseMesh mesh = fakeMesh();
     vertices_ = mesh.decoded.topology.vertex_count;
     faces_ = mesh.decoded.topology.faceCount();
+    chunk_mesh_ = package::makeChunkMesh(mesh.decoded);
     out_.files["mesh.bin"] = mesh.bytes;
     out_.manifest.set("/asset/version", std::string("2.0"));
     set("/version", 1.0), set("/name", std::string("fake")), set("/layerCount", 1.0);
@@ -137,7 +139,7 @@ class FakeBuilder {
       }
       frames.labels.insert(frames.labels.end(), faces_, 0);
     }
-    return package::encodeChunk(frames).take();
+    return package::encodeChunk(frames, chunk_mesh_).take();
   }
   void describe(uint32_t s, const FakeSequence& q, double stream_bytes, double header_bytes, double video_bytes) {
     const std::string at = "/sequences/" + std::to_string(s), r = at + "/renditions/0";
@@ -159,6 +161,7 @@ class FakeBuilder {
 
   FakeCharacter out_;
   uint32_t vertices_ = 0, faces_ = 0;
+  package::ChunkMesh chunk_mesh_;
 };
 
 inline package::BarcodeStrip fakeStrip() { return {{0, 4, 128, 4}, 4}; }

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the coders of GOP chunks take from the base mesh: which faces and vertices lie beside each other, and a pose to
+// start from. Built once a character.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "package/base_mesh.h"
+
+namespace fourdvt::package {
+
+constexpr uint32_t kNoFace = UINT32_MAX;
+
+struct ChunkMesh {
+  std::vector<std::array<uint32_t, 3>> face_neighbours;  // [face][edge k, k+1]; kNoFace at a border
+  std::vector<glm::ivec3> base;         // [vertex] base pose on the lattice 0…16383 of its longest side
+  std::vector<uint32_t> earlier;        // see earlierOf
+  std::vector<uint32_t> earlier_first;  // [vertex], and the end
+  std::vector<uint8_t> ring_count;      // [vertex]
+
+  uint32_t faceCount() const { return static_cast<uint32_t>(face_neighbours.size()); }
+  uint32_t vertexCount() const { return static_cast<uint32_t>(base.size()); }
+  // At most 24 vertices of smaller index: ring_count[v] that share an edge with v, then some that share one with those.
+  std::span<const uint32_t> earlierOf(uint32_t vertex) const {
+    return std::span(earlier).subspan(earlier_first[vertex], earlier_first[vertex + 1] - earlier_first[vertex]);
+  }
+};
+
+// Time and memory are linear in the counts whatever the topology.
+ChunkMesh makeChunkMesh(const BaseMesh& mesh);
+
+}  // namespace fourdvt::package

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// What labels and positions of a baked character cost: bytes a frame, kbit/s, and processor time to decode them as the
+// player does. Usage: bench_label_stream CHARACTER_FOLDER [RUNS]
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <string>
+#include <vector>
+
+#include "base/bytes.h"
+#include "package/character.h"
+#include "package/chunk_mesh.h"
+#include "package/stream_file.h"
+#include "platform/files.h"
+
+using namespace fourdvt;
+
+namespace {
+
+template <class T>
+T orStop(Result<T> result) {
+  if (result.ok()) return result.take();
+  std::fprintf(stderr, "bench_label_stream: %s\n", result.error().message.c_str());
+  std::exit(1);
+}
+
+// Processor time: a busy machine does not change it.
+double now_ms() { return 1e3 * double(std::clock()) / CLOCKS_PER_SEC; }
+
+struct Cost {
+  uint64_t positions = 0, labels = 0;  // bytes
+  uint64_t changed = 0, slots = 0;     // labels unlike the frame before, of those that have one in their chunk
+  double decode_ms = 0, slowest_chunk_ms = 0;
+};
+
+void countChanges(const package::ChunkFrames& frames, Cost& cost) {
+  const size_t per_frame = size_t(frames.layer_count) * frames.face_count;
+  for (size_t i = per_frame; i < frames.labels.size(); ++i)
+    cost.changed += frames.labels[i] != frames.labels[i - per_frame];
+  cost.slots += frames.labels.size() - per_frame;
+}
+
+Cost measure(const std::string& path, const package::Sequence& sequence, const package::ChunkMesh& mesh, int runs) {
+  Cost cost;
+  const std::vector<uint8_t> header = orStop(platform::readFileRange(path, 0, sequence.stream_header_bytes));
+  const package::StreamIndex index = orStop(package::readStreamHeader(header));
+  for (uint32_t c = 0; c < index.chunks.size(); ++c) {
+    const auto bytes = orStop(platform::readFileRange(path, index.chunks[c].offset, index.chunks[c].bytes));
+    const uint32_t positions = ByteReader(bytes).u32();
+    cost.positions += positions;
+    cost.labels += bytes.size() - positions;
+    double best_ms = 1e9;
+    for (int run = 0; run < runs; ++run) {
+      const double start_ms = now_ms();
+      const package::ChunkFrames frames = orStop(package::decodeChunk(bytes, index, c, mesh));
+      best_ms = std::min(best_ms, now_ms() - start_ms);
+      if (run == 0) countChanges(frames, cost);
+    }
+    cost.decode_ms += best_ms;
+    cost.slowest_chunk_ms = std::max(cost.slowest_chunk_ms, best_ms);
+  }
+  return cost;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2) return std::fprintf(stderr, "usage: bench_label_stream CHARACTER_FOLDER [RUNS]\n"), 2;
+  const std::string folder = std::string(argv[1]) + "/";
+  const int runs = argc > 2 ? std::max(1, std::atoi(argv[2])) : 5;
+  const package::Character c = orStop(package::readManifest(orStop(platform::readJsonFlat(folder + "character.gltf"))));
+  const package::BaseMesh base = orStop(
+      package::decodeBaseMesh(orStop(platform::readFileRange(folder + c.mesh_uri, c.mesh_offset, c.mesh_bytes))));
+  const double start_ms = now_ms();
+  const package::ChunkMesh mesh = package::makeChunkMesh(base);
+  std::printf("%u vertices, %u faces, %d layers; adjacency %.1f ms\n", c.vertex_count, c.face_count, c.layer_count,
+              now_ms() - start_ms);
+  std::printf("%-12s %6s %9s %8s %9s %8s %10s %12s %12s\n", "sequence", "frames", "labels B", "kbit/s", "posit. B",
+              "kbit/s", "changed %", "cpu ms/frame", "cpu ms/chunk");
+  for (const package::Sequence& s : c.sequences) {
+    const Cost cost = measure(folder + s.stream_uri, s, mesh, runs);
+    const double labels = double(cost.labels) / s.frame_count, positions = double(cost.positions) / s.frame_count;
+    std::printf("%-12s %6u %9.0f %8.1f %9.0f %8.1f %10.2f %12.2f %12.1f\n", s.name.c_str(), s.frame_count, labels,
+                labels * s.fps * 8e-3, positions, positions * s.fps * 8e-3,
+                cost.slots ? 100.0 * cost.changed / cost.slots : 0.0, cost.decode_ms / s.frame_count,
+                cost.slowest_chunk_ms);
+  }
+}

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+// The coders of labels and positions, each alone: what they give back, how small, and what they refuse.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "chunk_fixture.h"
+#include "package/character.h"
+#include "package/label_coder.h"
+#include "package/position_coder.h"
+
+using namespace fourdvt;
+using namespace fourdvt::package;
+using fourdvt::testing::cylinder;
+using fourdvt::testing::strandMesh;
+
+namespace {
+
+ChunkFrames emptyFrames(const ChunkMesh& mesh, uint32_t frames, uint32_t layers) {
+  return {frames, mesh.vertexCount(), mesh.faceCount(), layers, {}, {}};
+}
+
+void expectRoundTrip(const ChunkFrames& in, const ChunkMesh& mesh) {
+  const std::vector<uint8_t> bytes = encodeLabels(in, mesh);
+  ChunkFrames out = emptyFrames(mesh, in.frame_count, in.layer_count);
+  ASSERT_TRUE(decodeLabels(bytes, mesh, out));
+  EXPECT_EQ(out.labels, in.labels);
+}
+
+// Labels as cameras round a cylinder see it while it turns: the L nearest of 8, nearest first.
+ChunkFrames movingSeams(const ChunkMesh& mesh, uint32_t around, uint32_t frames, uint32_t layers) {
+  ChunkFrames out = emptyFrames(mesh, frames, layers);
+  for (uint32_t f = 0; f < frames; ++f) {
+    for (uint32_t l = 0; l < layers; ++l) {
+      for (uint32_t i = 0; i < mesh.faceCount(); ++i) {
+        const uint32_t row = i / 2 / around;
+        const double wobble = 0.15 * std::sin(row * 0.37) + 0.1 * std::sin(row * 0.11 + f * 0.05);
+        const double camera = 8.0 * (i / 2 % around + 0.5 * (i % 2)) / around + 0.035 * f + wobble + 8;
+        const int nearest = int(std::floor(camera + 0.5)), side = camera > nearest ? 1 : -1;
+        const int offsets[6] = {0, side, -side, 2 * side, -2 * side, 3 * side};
+        out.labels.push_back(static_cast<uint8_t>((nearest + offsets[l] + 8) % 8));
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+TEST(LabelCoder, GivesBackRandomLabelsOfAnyShape) {
+  std::mt19937 random(5);
+  struct Shape {
+    uint32_t vertices, faces, layers, frames;
+  };
+  for (const Shape& s : {Shape{40, 60, 3, 5}, {3, 1, 1, 1}, {3, 1, 6, 7}, {30, 20, 6, 1}, {9, 100, 2, 20}}) {
+    const ChunkMesh mesh = strandMesh(s.vertices, s.faces);
+    ChunkFrames in = emptyFrames(mesh, s.frames, s.layers);
+    for (uint32_t i = 0; i < s.faces * s.layers * s.frames; ++i) {
+      const uint32_t r = random() % 32;  // all 31 cameras
+      in.labels.push_back(r == 31 ? kNoCamera : static_cast<uint8_t>(r));
+    }
+    expectRoundTrip(in, mesh);
+  }
+}
+
+TEST(LabelCoder, RandomLabelsCostNoMoreThanTheirInformation) {
+  std::mt19937 random(6);
+  const ChunkMesh mesh = makeChunkMesh(cylinder(20, 50));
+  ChunkFrames in = emptyFrames(mesh, 4, 3);
+  for (uint32_t i = 0; i < 4 * 3 * mesh.faceCount(); ++i) in.labels.push_back(random() % 8);
+  EXPECT_LT(encodeLabels(in, mesh).size(), in.labels.size() * 3 / 8 * 1.25);  // 3 bits a label
+}
+
+TEST(LabelCoder, StillAndEmptyLabelsCostNearlyNothing) {
+  const ChunkMesh mesh = makeChunkMesh(cylinder(40, 100));  // 8,000 faces
+  ChunkFrames in = emptyFrames(mesh, 20, 3);
+  in.labels.assign(size_t(20) * 3 * mesh.faceCount(), kNoCamera);
+  expectRoundTrip(in, mesh);
+  EXPECT_LT(encodeLabels(in, mesh).size(), 40u);
+  const ChunkFrames moving = movingSeams(mesh, 40, 1, 3);
+  for (uint32_t f = 0; f < 20; ++f)
+    std::copy(moving.labels.begin(), moving.labels.end(), in.labels.begin() + f * moving.labels.size());
+  expectRoundTrip(in, mesh);
+  EXPECT_LT(encodeLabels(in, mesh).size(), encodeLabels(moving, mesh).size() + 100);
+}
+
+TEST(LabelCoder, MovingSeamsAreFollowed) {
+  const ChunkMesh mesh = makeChunkMesh(cylinder(40, 100));
+  const ChunkFrames in = movingSeams(mesh, 40, 20, 3);
+  size_t changed = 0;
+  for (size_t i = 3 * mesh.faceCount(); i < in.labels.size(); ++i)
+    changed += in.labels[i] != in.labels[i - 3 * mesh.faceCount()];
+  ASSERT_GT(changed, 19u * 3 * mesh.faceCount() / 20) << "the field must move: 5 % of all labels a frame";
+  expectRoundTrip(in, mesh);
+  EXPECT_LT(encodeLabels(in, mesh).size() / 20, 85u) << "bytes a frame";
+}
+
+TEST(LabelCoder, RefusesOtherLengthsAndOnlyEverGivesLabels) {
+  const ChunkMesh mesh = strandMesh(30, 50);
+  ChunkFrames in = emptyFrames(mesh, 4, 3);
+  std::mt19937 random(8);
+  for (uint32_t i = 0; i < 4 * 3 * 50; ++i) in.labels.push_back(random() % 5 ? 1 : kNoCamera);
+  std::vector<uint8_t> bytes = encodeLabels(in, mesh);
+  for (size_t n = 0; n < bytes.size(); ++n) {
+    ChunkFrames out = emptyFrames(mesh, 4, 3);
+    EXPECT_FALSE(decodeLabels(std::span(bytes).first(n), mesh, out)) << n;
+  }
+  for (int round = 0; round < 2000; ++round) {
+    std::vector<uint8_t> damaged = bytes;
+    for (int edits = 1 + round % 4; edits > 0; --edits) damaged[random() % damaged.size()] ^= 1u << random() % 8;
+    ChunkFrames out = emptyFrames(mesh, 4, 3);
+    if (!decodeLabels(damaged, mesh, out)) continue;
+    ASSERT_EQ(out.labels.size(), in.labels.size());
+    for (uint8_t label : out.labels) ASSERT_TRUE(label < kMaxCameras || label == kNoCamera);
+  }
+  bytes.push_back(0);
+  ChunkFrames out = emptyFrames(mesh, 4, 3);
+  EXPECT_FALSE(decodeLabels(bytes, mesh, out));
+}
+
+TEST(LabelCoder, AHugeFrameCountDoesNotAllocateWhatTheBytesDoNotHold) {
+  const ChunkMesh mesh = strandMesh(30, 50);
+  ChunkFrames out = emptyFrames(mesh, 65535, 6);
+  EXPECT_FALSE(decodeLabels(std::vector<uint8_t>(40, 0x5a), mesh, out));
+  EXPECT_LT(out.labels.size(), 3000u * 6 * 50);
+}
+
+TEST(PositionCoder, ARigidMotionCostsOnlyItsRounding) {
+  const BaseMesh base = cylinder(40, 100);
+  const ChunkMesh mesh = makeChunkMesh(base);
+  ChunkFrames in = emptyFrames(mesh, 12, 1);
+  for (uint32_t f = 0; f < in.frame_count; ++f) {
+    const double angle = 0.15 * f, c = std::cos(angle), s = std::sin(angle);
+    for (const glm::dvec3 p : base.positions)
+      in.positions.emplace_back(glm::round(glm::dvec3(c * p.x + s * p.z + 0.04 * f, p.y, c * p.z - s * p.x) / 0.00025));
+  }
+  const std::vector<uint8_t> bytes = encodePositions(in, mesh);
+  ChunkFrames out = emptyFrames(mesh, 12, 1);
+  ASSERT_TRUE(decodePositions(bytes, mesh, out));
+  EXPECT_EQ(out.positions, in.positions);
+  // Half a step of rounding on either side leaves about 1.5 bits a coordinate.
+  EXPECT_LT(bytes.size() * 8.0 / (12.0 * 3 * mesh.vertexCount()), 1.9);
+}
+
+TEST(PositionCoder, GivesBackExtremesAndRefusesOtherLengths) {
+  const ChunkMesh mesh = strandMesh(20, 30);
+  ChunkFrames in = emptyFrames(mesh, 3, 1);
+  std::mt19937 random(9);
+  for (uint32_t i = 0; i < 3 * 20; ++i) {
+    const auto end = [&] { return random() % 2 ? 1 << 24 : -(1 << 24); };
+    in.positions.emplace_back(end(), end(), int(random() % (1 << 25)) - (1 << 24));
+  }
+  const std::vector<uint8_t> bytes = encodePositions(in, mesh);
+  ChunkFrames out = emptyFrames(mesh, 3, 1);
+  ASSERT_TRUE(decodePositions(bytes, mesh, out));
+  EXPECT_EQ(out.positions, in.positions);
+  for (size_t n = 0; n < bytes.size(); ++n) {
+    ChunkFrames partial = emptyFrames(mesh, 3, 1);
+    EXPECT_FALSE(decodePositions(std::span(bytes).first(n), mesh, partial)) << n;
+  }
+}
+
+TEST(ChunkMesh, LinksFacesAcrossEdgesAndVerticesToEarlierOnes) {
+  BaseMesh square;  // 2 - 3
+  square.positions = {{0, 0, 0}, {2, 0, 0}, {0, 1, 0}, {2, 1, 0}};
+  square.topology.vertex_count = 4;
+  square.topology.face_vertices = {{0, 1, 2}, {1, 3, 2}, {1, 0, 3}, {2, 1, 0}};  // the last two: more on used edges
+  const ChunkMesh mesh = makeChunkMesh(square);
+  using Three = std::array<uint32_t, 3>;
+  EXPECT_EQ(mesh.face_neighbours[0], (Three{2, 1, 3}));  // edges 01, 12, 20
+  EXPECT_EQ(mesh.face_neighbours[1], (Three{2, kNoFace, 0}));
+  EXPECT_EQ(mesh.face_neighbours[2], (Three{0, kNoFace, 1}));
+  EXPECT_EQ(mesh.face_neighbours[3], (Three{kNoFace, kNoFace, 0}));
+  EXPECT_EQ(mesh.base[3], glm::ivec3(16383, 8192, 0));
+  ASSERT_EQ(mesh.ring_count, (std::vector<uint8_t>{0, 1, 2, 3}));
+  const auto earlier = mesh.earlierOf(3);
+  EXPECT_EQ(std::vector<uint32_t>(earlier.begin(), earlier.end()), (std::vector<uint32_t>{0, 1, 2}));
+}
+
+TEST(ChunkMesh, AFanOfManyFacesIsBuiltInLinearTime) {
+  BaseMesh fan;
+  const uint32_t count = 200000;
+  for (uint32_t v = 0; v <= count; ++v) fan.positions.emplace_back(std::cos(v * 0.1f), std::sin(v * 0.1f), v * 1e-5f);
+  for (uint32_t v = 1; v < count; ++v) fan.topology.face_vertices.emplace_back(0, v, v + 1);
+  const ChunkMesh mesh = makeChunkMesh(fan);
+  EXPECT_EQ(mesh.earlierOf(count).size(), 24u);
+  EXPECT_EQ(mesh.ring_count[count], 2);
+}
