@@ -21,8 +21,12 @@ class ByteReader {
   uint32_t u32() { return read<uint32_t>(); }
   uint64_t u64() { return read<uint64_t>(); }
   float f32() { return read<float>(); }
+  double f64() { return read<double>(); }
   std::span<const uint8_t> bytes(size_t count) {
-    if (!ok_ || count > remaining()) { ok_ = false; return {}; }
+    if (!ok_ || count > remaining()) {
+      ok_ = false;
+      return {};
+    }
     auto part = bytes_.subspan(position_, count);
     position_ += count;
     return part;
@@ -48,6 +52,7 @@ class ByteWriter {
   void u32(uint32_t v) { write(v); }
   void u64(uint64_t v) { write(v); }
   void f32(float v) { write(v); }
+  void f64(double v) { write(v); }
   void bytes(std::span<const uint8_t> part) { out_.insert(out_.end(), part.begin(), part.end()); }
   const std::vector<uint8_t>& data() const { return out_; }
   std::vector<uint8_t> take() { return std::move(out_); }

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Records of equal size, appended one after the other: "PATH.part" until it is complete, then PATH. An interrupted
+// writer goes on after the last whole record. Does NOT check what is in the records.
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+
+namespace fourdvt::bake {
+
+class RecordFile {
+ public:
+  static bool isComplete(const std::string& path, size_t record_bytes, uint32_t records);
+  // Opens what is there, complete or not, for append and read. Errors: WriteFailed.
+  static Result<RecordFile> resume(const std::string& path, size_t record_bytes, uint32_t records);
+  static Result<std::vector<uint8_t>> readOne(const std::string& path, size_t record_bytes, uint32_t index);
+
+  uint32_t count() const { return count_; }
+  Status append(std::span<const uint8_t> record);
+  Result<std::vector<uint8_t>> read(uint32_t index);
+  // Renames into place if all records are there.
+  Status finish();
+
+ private:
+  struct Closer {
+    void operator()(std::FILE* f) const { std::fclose(f); }
+  };
+  std::string path_, open_path_;
+  size_t record_bytes_ = 0;
+  uint32_t records_ = 0, count_ = 0;
+  std::unique_ptr<std::FILE, Closer> file_;
+};
+
+}  // namespace fourdvt::bake
