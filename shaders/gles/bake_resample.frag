@@ -1,26 +1,83 @@
 // SPDX-License-Identifier: Apache-2.0
-// One texel of a layer from one camera's picture: straight colour with alpha 1, or 0 where the camera does not see the
-// point, another part of the body passes in front within a pixel and a half, or the matte says background.
+// One texel of a layer from one camera's picture: straight colour with alpha `mark`, or 0 where the camera does not see
+// the point, another part of the body passes in front within contour_pixels, or the matte says background.
 #include "bake_camera.glsl"
 in vec3 v_point_in_world;
 flat in vec3 v_normal_in_world;
+uniform mat4 colour_map;        // affine, on straight colour
+uniform float mark;
+uniform float contour_pixels;
+uniform float contour_step;     // metres of depth that make a contour
+uniform float matte_threshold;
+uniform float matte_pixels;     // distance to background
 out vec4 texel;
 
-const float kContourPixels = 1.5;
-const float kContourStep = 0.02;  // metres of depth that make a contour
+const float kDiagonal = 0.70710678;
+const vec2 kRing[8] = vec2[8](vec2(1, 0), vec2(kDiagonal, kDiagonal), vec2(0, 1), vec2(-kDiagonal, kDiagonal),
+                              vec2(-1, 0), vec2(-kDiagonal, -kDiagonal), vec2(0, -1), vec2(kDiagonal, -kDiagonal));
 
-bool isNearContour(vec2 pixel, float depth_in_front) {
-  float nearest = min(min(mappedDepth(pixel + vec2(kContourPixels, 0)), mappedDepth(pixel - vec2(kContourPixels, 0))),
-                      min(mappedDepth(pixel + vec2(0, kContourPixels)), mappedDepth(pixel - vec2(0, kContourPixels))));
-  return nearest < depth_in_front - kContourStep;
+// Dilated depth: the nearest surface on a ring, and on half of it where the ring is wide.
+bool isNearContour(vec2 pixel, float depth, float slope_per_pixel) {
+  float nearest = mappedDepth(pixel);
+  for (int k = 0; k < 8; ++k) {
+    nearest = min(nearest, mappedDepth(pixel + contour_pixels * kRing[k]));
+    if (contour_pixels > 2.0) nearest = min(nearest, mappedDepth(pixel + 0.5 * contour_pixels * kRing[k]));
+  }
+  return nearest < depth - contour_step - max(contour_pixels, 1.0) * slope_per_pixel;
 }
+
+bool isNearBackground(vec2 pixel) {
+  if (matte_pixels <= 0.0) return false;
+  float least = 1.0;
+  for (int k = 0; k < 8; ++k)
+    least = min(least, textureLod(picture, (pixel + matte_pixels * kRing[k]) / size_near_far.xy, 0.0).a);
+  return least < matte_threshold;
+}
+
+#ifdef FILTER_BICUBIC
+vec4 catmullRom(float t) {
+  return vec4(((-0.5 * t + 1.0) * t - 0.5) * t, (1.5 * t - 2.5) * t * t + 1.0, ((-1.5 * t + 2.0) * t + 0.5) * t,
+              (0.5 * t - 0.5) * t * t);
+}
+
+// Premultiplied; 4 × 4 pixels, those below the matte threshold left out. Where the negative lobes would then carry the
+// result, bilinear of the pixels that remain.
+vec4 sampleSharp(vec2 pixel, vec4 otherwise) {
+  vec2 base = floor(pixel - 0.5), t = pixel - 0.5 - base;
+  vec4 wx = catmullRom(t.x), wy = catmullRom(t.y);
+  ivec2 last = ivec2(size_near_far.xy) - 1;
+  vec4 sharp = vec4(0.0), plain = vec4(0.0);
+  for (int j = 0; j < 4; ++j) {
+    for (int i = 0; i < 4; ++i) {
+      vec4 tap = texelFetch(picture, clamp(ivec2(base) + ivec2(i - 1, j - 1), ivec2(0), last), 0);
+      if (tap.a < matte_threshold) continue;
+      sharp += wx[i] * wy[j] * tap;
+      vec2 tent = max(1.0 - abs(vec2(i - 1, j - 1) - t), 0.0);
+      plain += tent.x * tent.y * tap;
+    }
+  }
+  if (sharp.a > 0.75) return clamp(sharp, vec4(0.0), sharp.aaaa);
+  return plain.a > 0.01 ? plain : otherwise;
+}
+
+// Pixels that a texel spans.
+float texelPixels(vec2 pixel) {
+  vec2 dx = dFdx(pixel), dy = dFdy(pixel);
+  return sqrt(max(dot(dx, dx), dot(dy, dy)));
+}
+#endif
 
 void main() {
   vec3 point_in_cam = (cam_from_world * vec4(v_point_in_world, 1.0)).xyz;
   vec2 pixel = pixelOf(point_in_cam);
   vec4 premultiplied = texture(picture, pixel / size_near_far.xy);
+  float coverage = premultiplied.a;
+#ifdef FILTER_BICUBIC
+  if (texelPixels(pixel) < 2.0) premultiplied = sampleSharp(pixel, premultiplied);
+#endif
   float bias;
   bool seen = isSeen(point_in_cam, mat3(cam_from_world) * v_normal_in_world, pixel, bias) &&
-              !isNearContour(pixel, point_in_cam.z - bias) && premultiplied.a > 0.5;
-  texel = seen ? vec4(premultiplied.rgb / premultiplied.a, 1.0) : vec4(0.0);
+              !isNearContour(pixel, point_in_cam.z, bias - depth_bias) && coverage > matte_threshold && !isNearBackground(pixel);
+  vec3 colour = premultiplied.rgb / max(premultiplied.a, 1.0 / 255.0);
+  texel = seen ? vec4(clamp((colour_map * vec4(colour, 1.0)).rgb, 0.0, 1.0), mark) : vec4(0.0);
 }

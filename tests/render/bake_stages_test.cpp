@@ -90,7 +90,7 @@ TEST_F(BakeStages, MatteHides) {
 TEST_F(BakeStages, TexelShowsThePixelItsPointProjectsTo) {
   const Wall wall(false);
   const GpuCapture on_gpu = capture(wall, {gradient(), gradient()});
-  auto resampler = Resampler::create(*device, on_gpu, {64, 32});
+  auto resampler = Resampler::create(*device, on_gpu, {64, 32}, {}, {});
   ASSERT_TRUE(resampler) << resampler.error().message;
   auto layers = resampler.value().resample(*device, on_gpu, {0, 0, 1, package::kNoCamera});
   ASSERT_TRUE(layers) << layers.error().message;
@@ -114,6 +114,132 @@ TEST_F(BakeStages, TexelShowsThePixelItsPointProjectsTo) {
     // Layer 2 has no camera for the lower left half.
     EXPECT_NEAR(empty, layer == 0 ? 0 : size * size / 2, size);
   }
+}
+
+TEST_F(BakeStages, EveryFilterReproducesALinearPicture) {
+  const Wall wall(false);
+  const GpuCapture on_gpu = capture(wall, {gradient(), gradient()});
+  for (ResampleFilter filter : {ResampleFilter::Bilinear, ResampleFilter::Mipmap, ResampleFilter::Bicubic}) {
+    ResampleOptions options;
+    options.filter = filter;
+    auto resampler = Resampler::create(*device, on_gpu, {96}, options, {});
+    ASSERT_TRUE(resampler) << resampler.error().message;
+    const Image image = resampler.value().resample(*device, on_gpu, {0, 0}).take()[0];
+    for (int y = 0; y < 96; ++y)
+      for (int x = 0; x < 96; ++x) {
+        const glm::dvec3 pixel = cameras[0].project({2 * (x + 0.5) / 96 - 1, 1 - 2 * (y + 0.5) / 96, 0});
+        ASSERT_NEAR(image.at(x, y)[0], 2 * (pixel.x - 0.5), 1.5) << int(filter) << " " << x << " " << y;
+      }
+  }
+}
+
+// Left half opaque red, right half a veil of green that the matte calls background (alpha 0.4).
+Image redBesideVeil() {
+  Image image(kPictureSide, kPictureSide, 4);
+  for (int y = 0; y < kPictureSide; ++y)
+    for (int x = 0; x < kPictureSide; ++x) {
+      uint8_t* p = image.at(x, y);
+      const bool left = x < kPictureSide / 2;
+      p[0] = left ? 200 : 0, p[1] = left ? 0 : 80, p[2] = 0, p[3] = left ? 255 : 102;  // premultiplied
+    }
+  return image;
+}
+
+struct MatteEdge : BakeStages {
+  Image draw(const ResampleOptions& options) {
+    const Wall wall(false);
+    GpuCapture on_gpu = capture(wall, {gradient(), gradient()});
+    PictureCrop crop{0, 0, kPictureSide, kPictureSide, 1, 6, redBesideVeil().pixels};
+    on_gpu.setFrame(*device, wall.positions, {crop, crop});
+    Resampler resampler = Resampler::create(*device, on_gpu, {256}, options, {}).take();
+    return resampler.resample(*device, on_gpu, {0, 0}).take()[0];
+  }
+  // Texels of the middle row that were resampled, and how green the greenest of them is.
+  static std::pair<int, int> middleRow(const Image& image) {
+    int count = 0, green = 0;
+    for (int x = 0; x < image.width; ++x) {
+      const uint8_t* p = image.at(x, image.height / 2);
+      if (p[3]) ++count, green = std::max(green, int(p[1]));
+    }
+    return {count, green};
+  }
+};
+
+TEST_F(MatteEdge, BicubicGivesBackgroundNoWeight) {
+  ResampleOptions options;
+  options.matte_threshold = 0.5f;
+  options.matte_pixels = 0;
+  EXPECT_GT(middleRow(draw(options)).second, 5) << "bilinear mixes the veil in: the test can fail";
+  options.filter = ResampleFilter::Bicubic;
+  options.matte_threshold = 0.75f;
+  EXPECT_EQ(middleRow(draw(options)).second, 0);
+}
+
+TEST_F(MatteEdge, TexelsKeepTheirDistanceFromBackground) {
+  // 256 texels over 100 pixels: the edge (half a pixel's ramp left of the threshold) moves by matte_pixels * 2.56.
+  ResampleOptions options;
+  options.matte_threshold = 0.5f;
+  options.matte_pixels = 0;
+  const int plain = middleRow(draw(options)).first;
+  options.matte_pixels = 3;
+  const auto [kept, green] = middleRow(draw(options));
+  EXPECT_NEAR(plain - kept, 3 * 2.56, 1.5);
+  EXPECT_EQ(green, 0);
+}
+
+TEST_F(BakeStages, ColourMapsApplyToTheirCameras) {
+  const Wall wall(false);
+  const GpuCapture on_gpu = capture(wall, {gradient(), gradient()});
+  std::vector<ColourMap> maps(2);
+  maps[1].matrix[0] = {0.5f, 0, 0.25f};  // red: half of it, and a quarter to blue
+  maps[1].offset = {0.1f, 0, 0};
+  auto resampler = Resampler::create(*device, on_gpu, {64, 64}, {}, maps);
+  ASSERT_TRUE(resampler) << resampler.error().message;
+  const std::vector<Image> layers = resampler.value().resample(*device, on_gpu, {0, 0, 1, 1}).take();
+  for (int layer = 0; layer < 2; ++layer)
+    for (int x = 4; x < 64; x += 8) {
+      const double red = 2 * (cameras[layer].project({2 * (x + 0.5) / 64 - 1, 1 - 2 * 32.5 / 64, 0}).x - 0.5);
+      const uint8_t* p = layers[layer].at(x, 32);
+      EXPECT_NEAR(p[0], layer ? 0.5 * red + 25.5 : red, 1.5) << layer << " " << x;
+      EXPECT_NEAR(p[2], layer ? 0.25 * red : 0, 1.5) << layer << " " << x;
+    }
+  EXPECT_FALSE(Resampler::create(*device, on_gpu, {64}, {}, {ColourMap()})) << "one map for two cameras";
+}
+
+// Camera 0 comes first, but the shield covers its view of the wall right of x = -0.133; camera 1 sees the whole wall.
+TEST_F(BakeStages, PerTexelTakesTheNextCameraThatSeesTheTexel) {
+  const Wall wall(true);
+  const GpuCapture on_gpu = capture(wall, {gradient(), gradient()});
+  auto resampler = Resampler::create(*device, on_gpu, {64, 64}, {}, {});
+  ASSERT_TRUE(resampler) << resampler.error().message;
+  constexpr uint8_t kNone = package::kNoCamera;
+  auto layers = resampler.value().resamplePerTexel(*device, on_gpu, {0, 0, kNone, 1, 1, kNone});
+  ASSERT_TRUE(layers) << layers.error().message;
+  for (int x = 1; x < 63; ++x) {
+    const double wall_x = 2 * (x + 0.5) / 64 - 1;
+    if (std::abs(wall_x + 0.133) < 0.1) continue;  // the contour's distance
+    const bool covered = wall_x > -0.133;
+    const uint8_t *first = layers.value()[0].at(x, 32), *second = layers.value()[1].at(x, 32);
+    const glm::dvec3 point(wall_x, 1 - 2 * 32.5 / 64, 0);
+    ASSERT_EQ(first[3], 255) << x;
+    EXPECT_NEAR(first[0], 2 * (cameras[covered].project(point).x - 0.5), 1.5) << x;
+    ASSERT_EQ(second[3], covered ? 0 : 255) << x;
+    if (covered) continue;
+    EXPECT_NEAR(second[0], 2 * (cameras[1].project(point).x - 0.5), 1.5) << x;
+  }
+}
+
+TEST_F(BakeStages, PerTexelFollowsTheRanksNotTheCamerasNumbers) {
+  const Wall wall(true);
+  const GpuCapture on_gpu = capture(wall, {gradient(), gradient()});
+  Resampler resampler = Resampler::create(*device, on_gpu, {64, 64}, {}, {}).take();
+  constexpr uint8_t kNone = package::kNoCamera;
+  const auto layers = resampler.resamplePerTexel(*device, on_gpu, {1, 1, kNone, 0, 0, kNone}).take();
+  for (int l = 0; l < 2; ++l)
+    for (int x = 2; x < 24; x += 3) {
+      const glm::dvec3 point(2 * (x + 0.5) / 64 - 1, 1 - 2 * 32.5 / 64, 0);
+      EXPECT_NEAR(layers[l].at(x, 32)[0], 2 * (cameras[1 - l].project(point).x - 0.5), 1.5) << l << " " << x;
+    }
 }
 
 TEST(PictureCrop, BackdropColourDoesNotReachTheEdge) {

@@ -58,6 +58,41 @@ TEST(GutterMap, FollowsAMirroredPartner) {
   EXPECT_NEAR(g->source_y, kSize - 20.5f, 1e-3);
 }
 
+// A strip of three rectangles in charts of their own: A 16, B 3 (between texels 36 and 39), C 12 texels wide.
+TEST(GutterMap, WalksOnOverANarrowChartIntoTheNext) {
+  MeshTopology t;
+  t.vertex_count = 8;  // 0 1 2 3 above, 4 5 6 7 below
+  const float left[3] = {8, 36, 48}, width[3] = {16, 3, 12};
+  for (uint32_t k = 0; k < 3; ++k) {
+    const float u0 = left[k] / kSize, u1 = (left[k] + width[k]) / kSize;
+    for (glm::vec2 uv : {glm::vec2(u0, 0.25f), glm::vec2(u1, 0.25f), glm::vec2(u1, 0.75f), glm::vec2(u0, 0.75f)})
+      t.uvs.push_back(uv);
+    t.face_vertices.push_back({k, k + 1, k + 5});
+    t.face_vertices.push_back({k, k + 5, k + 4});
+    t.face_uvs.push_back({4 * k, 4 * k + 1, 4 * k + 2});
+    t.face_uvs.push_back({4 * k, 4 * k + 2, 4 * k + 3});
+  }
+  const GutterMap map = makeGutterMap(t, kSize, 5);
+  for (int k = 0; k < 5; ++k) {
+    const GutterTexel* g = at(map, 24 + k, 30);
+    ASSERT_NE(g, nullptr) << k;
+    EXPECT_NEAR(g->source_x, k < 3 ? 36.5f + k : 48.5f + (k - 3), 1e-3) << k;
+    EXPECT_NEAR(g->source_y, 30.5f, 1e-3);
+  }
+}
+
+TEST(GutterMap, WalkThatLeavesTheMeshHasNoContent) {
+  // Chart B of the strip is 16 texels wide, so that a gutter of 20 would reach beyond the mesh's end.
+  const GutterMap map = makeGutterMap(twoCharts(false), 2 * kSize, 40);
+  for (const GutterTexel& g : map.texels) {
+    EXPECT_GE(g.source_x, 16);
+    EXPECT_LE(g.source_x, 112);
+  }
+  bool beyond = false;
+  for (const GutterTexel& g : map.texels) beyond |= g.texel == uint32_t(60 * 2 * kSize + 48 + 33);
+  EXPECT_FALSE(beyond) << "33 texels beyond chart A, and B is 32 wide";
+}
+
 // Content of chart A and chart B as one continuous ramp over the strip.
 uint8_t ramp(float strip_x) { return static_cast<uint8_t>(40 + 4 * strip_x); }
 
@@ -95,6 +130,63 @@ TEST(Fill, HolesOfFurtherLayersTakeTheFirstShiftedByTheirDifference) {
   fillLayers({&map, &map}, layers);
   for (int y = 24; y < 36; ++y)
     for (int x = 12; x < 20; ++x) ASSERT_NEAR(layers[1].at(x, y)[0], ramp(float(x - 8)) + 20, 1);
+}
+
+TEST(Fill, HolesOfTheFirstLayerTakeAFurtherOneShiftedByTheirDifference) {
+  const GutterMap map = makeGutterMap(twoCharts(false), kSize, 6),
+                  small = makeGutterMap(twoCharts(false), kSize / 2, 3);
+  std::vector<Image> layers{rampLayer(map), Image(kSize / 2, kSize / 2, 4)};
+  // Layer 2 shows a mark that layer 1's neighbourhood cannot tell, and is 25 levels darker.
+  for (int y = 0; y < kSize / 2; ++y)
+    for (int x = 0; x < kSize / 2; ++x) {
+      if (!small.inside[y * kSize / 2 + x]) continue;
+      const bool mark = x >= 7 && x < 9 && y >= 14 && y < 16;
+      std::fill_n(layers[1].at(x, y), 3, mark ? uint8_t(200) : uint8_t(layers[0].at(2 * x, 2 * y)[0] + 2 - 25));
+      layers[1].at(x, y)[3] = 255;
+    }
+  for (int y = 24; y < 36; ++y)
+    for (int x = 12; x < 20; ++x) std::fill_n(layers[0].at(x, y), 4, uint8_t(0));
+  fillLayers({&map, &small}, layers);
+  EXPECT_NEAR(layers[0].at(15, 29)[0], 225, 2);
+  EXPECT_NEAR(layers[0].at(16, 30)[0], 225, 2);
+  for (int y = 24; y < 36; ++y)
+    for (int x : {12, 19}) ASSERT_NEAR(layers[0].at(x, y)[0], ramp(float(x - 8)), 3) << x << " " << y;
+}
+
+// Layers that differ by a smooth gain: no step at the hole's border beyond the content's own.
+TEST(Fill, HoleMeetsItsBorderWithoutAStep) {
+  const GutterMap map = makeGutterMap(twoCharts(false), kSize, 6);
+  std::vector<Image> layers{rampLayer(map), rampLayer(map)};
+  for (size_t i = 0; i < layers[1].pixels.size(); i += 4)
+    for (int c = 0; c < 3; ++c) layers[1].pixels[i + c] = static_cast<uint8_t>(layers[1].pixels[i + c] * 0.7);
+  for (int y = 24; y < 36; ++y)
+    for (int x = 12; x < 20; ++x) std::fill_n(layers[1].at(x, y), 4, uint8_t(0));
+  fillLayers({&map, &map}, layers);
+  for (int y = 24; y < 36; ++y) {
+    ASSERT_NEAR(layers[1].at(12, y)[0] - layers[1].at(11, y)[0], 0.7 * 4, 2.5) << y;
+    ASSERT_NEAR(layers[1].at(20, y)[0] - layers[1].at(19, y)[0], 0.7 * 4, 2.5) << y;
+  }
+}
+
+// A third chart that touches chart B in UV only must not colour it.
+TEST(Fill, WhatNoCameraShowsComesFromTheSurfaceNotFromTheChartBeside) {
+  MeshTopology t = twoCharts(false);
+  t.vertex_count = 9;  // a triangle on its own, between the charts
+  for (glm::vec2 uv : {glm::vec2(0.55f, 0.3f), glm::vec2(0.62f, 0.3f), glm::vec2(0.62f, 0.7f)}) t.uvs.push_back(uv);
+  t.face_vertices.push_back({6, 7, 8});
+  t.face_uvs.push_back({8, 9, 10});
+  const GutterMap map = makeGutterMap(t, kSize, 2);
+  Image layer(kSize, kSize, 4);
+  for (int y = 0; y < kSize; ++y)
+    for (int x = 0; x < 40; ++x) {
+      if (!map.inside[y * kSize + x]) continue;
+      std::fill_n(layer.at(x, y), 3, x < 32 ? uint8_t(60) : uint8_t(240));  // chart A, the triangle; B is a hole
+      layer.at(x, y)[3] = 255;
+    }
+  std::vector<Image> layers{layer};
+  fillLayers({&map}, layers);
+  for (int y = 17; y < 47; ++y)
+    for (int x = 40; x < 56; ++x) ASSERT_NEAR(layers[0].at(x, y)[0], 60, 2) << x << " " << y;
 }
 
 TEST(PushPull, KeepsWhatIsKnownAndStaysWithinItsRange) {
