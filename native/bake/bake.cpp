@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The recipe: validate → every missing GOP, frame by frame → assemble. Three lanes overlap: reading the next frame, the
-// GPU's stages of this one (on the calling thread, which owns the context), filling and encoding the one before.
+// The recipe: validate → survey → every missing GOP, frame by frame → assemble. Three lanes overlap: reading the next
+// frame, the GPU's stages of this one (on the calling thread, which owns the context), filling and encoding the one
+// before.
 #include "bake/bake.h"
 
 #include <cmath>
@@ -8,14 +9,12 @@
 #include <future>
 
 #include "bake/assemble.h"
-#include "bake/fill.h"
+#include "bake/frame_baker.h"
 #include "bake/geometry.h"
-#include "bake/order.h"
 #include "bake/output.h"
 #include "bake/poster.h"
-#include "bake/resample.h"
+#include "bake/survey.h"
 #include "bake/validate.h"
-#include "bake/visibility.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -31,23 +30,19 @@ struct DrawnFrame {
   std::vector<Image> layers;
 };
 
-// The smaller layers minify the pictures if their texels are wider than this many pixels.
-constexpr double kMipmapTexelPixels = 2;
+// The survey's share of the whole bake's time, for the progress line.
+constexpr double kSurveyShare = 0.3;
 
-bool needsMipmaps(const Job& job, const Positions& positions) {
-  double world_area = 0, uv_area = 0;
-  const MeshTopology& t = job.mesh.decoded.topology;
-  for (uint32_t f = 0; f < t.faceCount(); ++f) {
-    const glm::uvec3 v = t.face_vertices[f], w = t.face_uvs[f];
-    const glm::dvec3 a(positions[v.x]);
-    world_area += 0.5 * glm::length(glm::cross(glm::dvec3(positions[v.y]) - a, glm::dvec3(positions[v.z]) - a));
-    const glm::dvec2 p(t.uvs[w.y] - t.uvs[w.x]), q(t.uvs[w.z] - t.uvs[w.x]);
-    uv_area += 0.5 * std::abs(p.x * q.y - p.y * q.x);
-  }
-  const double texel_m = std::sqrt(world_area / std::max(uv_area, 1e-9)) / job.layout.layers.back().width;
-  const PinholeCamera& camera = job.cameras[0];
-  const double pixel_m = camera.project(glm::dvec3(positions[0])).z / camera.fx;
-  return texel_m > kMipmapTexelPixels * std::abs(pixel_m);
+using Now = std::chrono::steady_clock;
+
+double secondsSince(Now::time_point start) { return std::chrono::duration<double>(Now::now() - start).count(); }
+
+Progress progressAt(const Job& job, const std::string& stage, double share, Now::time_point started) {
+  Progress p;
+  p.stage = stage;
+  p.total = job.total_frames;
+  p.left_s = share > 0 ? secondsSince(started) * (1 - share) / share : 0;
+  return p;
 }
 
 struct OpenGop {
@@ -57,8 +52,8 @@ struct OpenGop {
 
 class Baker {
  public:
-  Baker(const Job& job, const BakeEnvironment& environment, StageClock& clock)
-      : job_(job), environment_(environment), clock_(clock) {}
+  Baker(const Job& job, const Survey& survey, const BakeEnvironment& environment, StageClock& clock)
+      : job_(job), survey_(survey), environment_(environment), clock_(clock) {}
 
   Status start();
   Status bakeMissing(const WorkFolder& work);
@@ -67,50 +62,38 @@ class Baker {
  private:
   Status bakeGop(const WorkFolder& work, const SequencePlan& plan, uint32_t gop, capture::FrameReader& reader);
   Result<PreparedFrame> prepare(capture::FrameReader& reader);
-  Result<DrawnFrame> drawFrame(PreparedFrame frame);
+  Result<DrawnFrame> drawFrame(const SequencePlan& plan, uint32_t index, PreparedFrame frame);
   Status finishFrame(const WorkFolder& work, OpenGop& open, DrawnFrame frame, uint32_t index, bool is_still);
   Status saveStill(const WorkFolder& work, const DrawnFrame& frame);
   Status waitForSave();
   bool stopped() const { return environment_.stop && *environment_.stop; }
   Status checkStop(const WorkFolder& work) const;  // Interrupted
-  Status checkVisible(const DrawnFrame& frame, const SequencePlan& plan) const;
   Status saveGop(const WorkFolder& work, OpenGop& open, const SequencePlan& plan, uint32_t gop);
   void reportProgress(const SequencePlan& plan, uint32_t frame);
   std::launch lane() const { return job_.options.jobs > 1 ? std::launch::async : std::launch::deferred; }
 
   const Job& job_;
+  const Survey& survey_;
   const BakeEnvironment& environment_;
   StageClock& clock_;
-  GpuCapture capture_;
-  Visibility visibility_;
-  Resampler resampler_;
-  GutterMap large_map_, small_map_;
-  std::vector<const GutterMap*> maps_;  // a layer each
+  std::unique_ptr<FrameBaker> frames_;
   I420Picture picture_;
   std::future<Status> saving_;     // of the GOP before; ends before the next encoder is made: only one is in memory
   uint32_t done_ = 0, baked_ = 0;  // frames; done counts those of earlier runs
-  std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
+  Now::time_point started_ = Now::now();
 };
 
 Status Baker::start() {
-  const MeshTopology& topology = job_.mesh.decoded.topology;
-  const Positions pose = job_.mesh.decoded.positions;
-  auto capture = GpuCapture::create(*environment_.device, job_.cameras, topology, needsMipmaps(job_, pose));
-  if (!capture) return capture.error();
-  capture_ = capture.take();
-  auto visibility = Visibility::create(*environment_.device, capture_);
-  if (!visibility) return visibility.error();
-  visibility_ = visibility.take();
-  std::vector<int> sizes;
-  for (const package::Rect& rect : job_.layout.layers) sizes.push_back(rect.width);
-  auto resampler = Resampler::create(*environment_.device, capture_, sizes);
-  if (!resampler) return resampler.error();
-  resampler_ = resampler.take();
-  StageClock::Span span(clock_, "fill");
-  const float gutter = static_cast<float>(job_.options.gutter_texels);
-  large_map_ = makeGutterMap(topology, sizes[0], gutter);
-  if (sizes.size() > 1) small_map_ = makeGutterMap(topology, sizes[1], gutter * sizes[1] / sizes[0]);
-  for (size_t l = 0; l < sizes.size(); ++l) maps_.push_back(l == 0 ? &large_map_ : &small_map_);
+  StageClock::Span span(clock_, "fill");  // the gutter maps are most of it
+  FrameBakerOptions options;
+  for (const package::Rect& rect : job_.layout.layers) options.layer_sizes.push_back(rect.width);
+  options.gutter_texels = static_cast<float>(job_.options.gutter_texels);
+  options.resample = job_.options.resample;
+  if (job_.options.colour_calibration) options.colour_maps = survey_.colourMaps();
+  const package::BaseMesh& mesh = job_.mesh.decoded;
+  auto frames = FrameBaker::create(*environment_.device, job_.cameras, mesh.topology, mesh.positions, options);
+  if (!frames) return frames.error();
+  frames_ = frames.take();
   picture_ = I420Picture(job_.layout.width, job_.layout.height);
   return {};
 }
@@ -149,9 +132,8 @@ Status Baker::bakeGop(const WorkFolder& work, const SequencePlan& plan, uint32_t
     auto prepared = next.get();
     if (!prepared) return prepared.error();
     if (f + 1 < end) next = std::async(lane(), read);
-    auto drawn = drawFrame(prepared.take());
+    auto drawn = drawFrame(plan, f, prepared.take());
     if (!drawn) return drawn.error();
-    if (f == 0) FOURDVT_TRY(checkVisible(drawn.value(), plan));
     FOURDVT_TRY(f == first ? waitForSave() : finished.get());
     const bool is_still = f == 0 && &plan == job_.sequences.data();
     finished = std::async(lane(), [this, &work, &open, f, is_still, frame = drawn.take()]() mutable {
@@ -185,52 +167,32 @@ Result<PreparedFrame> Baker::prepare(capture::FrameReader& reader) {
   return out;
 }
 
-Result<DrawnFrame> Baker::drawFrame(PreparedFrame frame) {
-  gpu::Device& device = *environment_.device;
+Result<DrawnFrame> Baker::drawFrame(const SequencePlan& plan, uint32_t index, PreparedFrame frame) {
   DrawnFrame out;
-  std::vector<float> shares;
-  {
-    StageClock::Span span(clock_, "visibility");
-    capture_.setFrame(device, frame.positions, frame.crops);
-    auto measured = visibility_.measure(device, capture_);
-    if (!measured) return measured.error();
-    shares = measured.take();
-  }
-  {
-    StageClock::Span span(clock_, "order");
-    LabelOptions options;
-    options.layers = job_.options.layers;
-    out.labels = labelFaces(options, job_.cameras, job_.mesh.decoded.topology, frame.positions, shares);
-  }
+  auto labels = survey_.labels(plan, index);
+  if (!labels) return labels.error();
+  out.labels = labels.take();
   StageClock::Span span(clock_, "resample");
-  auto layers = resampler_.resample(device, capture_, out.labels);
-  if (!layers) return layers.error();
-  out.layers = layers.take();
+  frames_->setFrame(frame.positions, frame.crops);
+  if (job_.options.labels == LabelMode::PerTexel) {
+    auto order = survey_.penaltyOrder(plan, index);
+    if (!order) return order.error();
+    auto layers = frames_->resamplePerTexel(order.value());
+    if (!layers) return layers.error();
+    out.layers = layers.take();
+  } else {
+    auto layers = frames_->resample(out.labels);
+    if (!layers) return layers.error();
+    out.layers = layers.take();
+  }
   out.positions = std::move(frame.positions);
   return out;
-}
-
-Status Baker::checkVisible(const DrawnFrame& frame, const SequencePlan& plan) const {
-  for (uint8_t label : frame.labels)
-    if (label != package::kNoCamera) return {};
-  glm::vec3 low = frame.positions[0], high = low;
-  for (const glm::vec3& p : frame.positions) low = glm::min(low, p), high = glm::max(high, p);
-  const glm::dvec3 centre(0.5f * (low + high));
-  double distance = 0;
-  for (const PinholeCamera& camera : job_.cameras) distance += glm::length(camera.centreInWorld() - centre);
-  char text[400];
-  std::snprintf(
-      text, sizeof text,
-      ": no camera sees any face of frame 0. The mesh spans (%.3g, %.3g, %.3g) to (%.3g, %.3g, %.3g) m and the "
-      "cameras are %.3g m away on average: check the axes and units of meshes and cameras, and the mattes",
-      low.x, low.y, low.z, high.x, high.y, high.z, distance / job_.cameras.size());
-  return Error{ErrorId::NothingVisible, plan.source->folder + text};
 }
 
 Status Baker::finishFrame(const WorkFolder& work, OpenGop& open, DrawnFrame frame, uint32_t index, bool is_still) {
   {
     StageClock::Span span(clock_, "fill");
-    fillLayers(maps_, frame.layers);
+    frames_->fill(frame.layers);
   }
   {
     StageClock::Span span(clock_, "tile");
@@ -277,7 +239,7 @@ void Baker::reportProgress(const SequencePlan& plan, uint32_t frame) {
   ++done_;
   ++baked_;
   if (!environment_.progress) return;
-  const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
+  const double elapsed = secondsSince(started_);
   Progress p;
   p.stage = plan.source->name + " " + std::to_string(frame) + "/" + std::to_string(plan.source->frame_count);
   p.done = done_;
@@ -288,12 +250,17 @@ void Baker::reportProgress(const SequencePlan& plan, uint32_t frame) {
 }
 
 Result<BakeReport> runJob(const Job& job, const BakeEnvironment& environment, StageClock& clock,
-                          std::chrono::steady_clock::time_point started) {
+                          Now::time_point started) {
   auto work = WorkFolder::open(job.workFolder(), settingsKey(job), job.options.resume);
   if (!work) return work.error();
   ReportInput report;
+  const auto tell = [&](const std::string& stage, double share) {
+    if (environment.progress) environment.progress(progressAt(job, stage, share * kSurveyShare, started));
+  };
+  auto survey = Survey::run(job, environment, clock, tell);
+  if (!survey) return survey.error();
   {
-    Baker baker(job, environment, clock);
+    Baker baker(job, survey.value(), environment, clock);
     FOURDVT_TRY(baker.start());
     FOURDVT_TRY(baker.bakeMissing(work.value()));
     report.resumed = baker.framesBaked() < job.total_frames;
@@ -303,9 +270,10 @@ Result<BakeReport> runJob(const Job& job, const BakeEnvironment& environment, St
     FOURDVT_TRY(assemble(job, work.value(), *environment.device, report));
   }
   report.figures.seconds_by_stage = clock.seconds();
+  report.figures.labels_by_sequence = survey.value().statistics();
   report.figures.frames = job.total_frames;
   report.figures.peak_rss_bytes = peakResidentBytes();
-  report.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  report.wall_s = secondsSince(started);
   FOURDVT_TRY(writeReportFiles(job, report));
   FOURDVT_TRY(replaceFolder(job.resultFolder(), job.options.character_folder, job.workFolder() + "/previous"));
   removeFolder(job.workFolder());
@@ -315,7 +283,7 @@ Result<BakeReport> runJob(const Job& job, const BakeEnvironment& environment, St
 }  // namespace
 
 Result<BakeReport> bake(const BakeOptions& given, const BakeEnvironment& environment) {
-  const auto started = std::chrono::steady_clock::now();
+  const auto started = Now::now();
   BakeOptions options = given;
   while (options.character_folder.size() > 1 && options.character_folder.back() == '/')
     options.character_folder.pop_back();

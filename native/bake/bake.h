@@ -2,8 +2,9 @@
 // Capture folder → character folder. The stages in order of execution; each is one file of this folder:
 //
 //   validate      whole capture readable, output writable; the settings' hash for --resume
-//   visibility    which camera sees which face: depth maps and sample tests on the GPU
-//   order         labels: cameras per face by the papers' penalty (4DVT Eq. 1)
+//   survey        first pass over the frames: which camera sees which face (visibility: depth maps and sample tests on
+//                 the GPU), and the cameras' colours against each other (colour_calibration)
+//   labelling     cameras per face for whole sequences (4DVT Eq. 1-5, ALGORITHMS 1)
 //   resample      camera pictures → L texture layers in UV space on the GPU
 //   fill          empty texels and gutters (ALGORITHMS 2)
 //   tile          layers + barcode → one 4:2:0 picture
@@ -20,6 +21,9 @@
 #include <string>
 #include <vector>
 
+#include "bake/encode.h"
+#include "bake/labelling.h"
+#include "bake/resample.h"
 #include "base/result.h"
 #include "base/video.h"
 #include "gpu/device.h"
@@ -31,18 +35,27 @@ struct BakeOptions {
   std::vector<std::string> sequences;  // empty: all
   int layers = 3;                      // texture layers, 1..6
   int texture = 1024;                  // texels, side of layer 1; further layers have half of it
-  int crf = 23;                        // x264 constant rate factor, 0..51, lower is better
+  int crf = 31;                        // constant rate factor on the codec's own scale, lower is better
   int gop = 20;                        // frames a GOP at most; GOPs of a sequence are of equal length ±1
   int jobs = 0;                        // worker threads; 0: as many as cores
   bool resume = false;                 // reuse GOPs that an interrupted run with the same settings finished
   double position_step_m = 0.00025;    // quantisation of streamed vertices
   int gutter_texels = 10;              // true-content gutter round every chart, texels of layer 1
-  std::string check() const;           // empty, or what is wrong
+  LabelMode labels = LabelMode::Joint;
+  Penalty penalty = Penalty::Axis;
+  bool equal_layers = false;  // all layers of the size of layer 1, as in the papers
+  bool colour_calibration = true;
+  ResampleOptions resample;
+  Codec codec = Codec::H264;
+  std::string preset;  // the encoder's own; empty: the default
+  // Where visibility, colour maps and labels are kept between bakes of the same capture; empty: with the work folder.
+  std::string survey_folder;
+  std::string check() const;  // empty, or what is wrong
 };
 
 struct Progress {
-  std::string stage;             // "walk 12/28"
-  uint32_t done = 0, total = 0;  // frames over the whole bake
+  std::string stage;             // "survey walk 12/28", "walk 12/28"
+  uint32_t done = 0, total = 0;  // frames baked over the whole bake; the survey has none done
   double frames_per_s = 0, left_s = 0;
 };
 
@@ -51,6 +64,7 @@ struct BakeReport {
   uint32_t frames = 0;
   uint64_t peak_rss_bytes = 0;
   std::map<std::string, uint64_t> bytes_by_part;
+  std::map<std::string, LabelStatistics> labels_by_sequence;
 };
 
 struct BakeEnvironment {

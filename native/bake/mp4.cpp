@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
+#include <iterator>
 #include <memory>
 
 extern "C" {
@@ -32,10 +33,15 @@ struct MuxerDeleter {
 };
 using Muxer = std::unique_ptr<AVFormatContext, MuxerDeleter>;
 
+AVCodecID codecId(Codec codec) {
+  if (codec == Codec::H264) return AV_CODEC_ID_H264;
+  return codec == Codec::Vp9 ? AV_CODEC_ID_VP9 : AV_CODEC_ID_AV1;
+}
+
 void describe(AVStream& stream, const EncodeSettings& s, const std::vector<uint8_t>& parameter_sets) {
   AVCodecParameters* p = stream.codecpar;
   p->codec_type = AVMEDIA_TYPE_VIDEO;
-  p->codec_id = AV_CODEC_ID_H264;
+  p->codec_id = codecId(s.codec);
   p->format = 0;  // AV_PIX_FMT_YUV420P
   p->width = s.width;
   p->height = s.height;
@@ -43,10 +49,12 @@ void describe(AVStream& stream, const EncodeSettings& s, const std::vector<uint8
   p->color_primaries = AVCOL_PRI_BT709;
   p->color_trc = AVCOL_TRC_BT709;
   p->color_space = AVCOL_SPC_BT709;
-  p->video_delay = kReorderFrames;
-  p->extradata = static_cast<uint8_t*>(av_mallocz(parameter_sets.size() + AV_INPUT_BUFFER_PADDING_SIZE));
-  std::memcpy(p->extradata, parameter_sets.data(), parameter_sets.size());
-  p->extradata_size = static_cast<int>(parameter_sets.size());
+  p->video_delay = reorderFrames(s.codec);
+  if (!parameter_sets.empty()) {
+    p->extradata = static_cast<uint8_t*>(av_mallocz(parameter_sets.size() + AV_INPUT_BUFFER_PADDING_SIZE));
+    std::memcpy(p->extradata, parameter_sets.data(), parameter_sets.size());
+    p->extradata_size = static_cast<int>(parameter_sets.size());
+  }
   const AVRational fps = av_d2q(s.fps, 100000);
   stream.time_base = av_inv_q(fps);
   stream.avg_frame_rate = fps;
@@ -78,7 +86,7 @@ Status writeGop(AVFormatContext& muxer, const std::string& path, const EncodeSet
     packet->data = in.bytes.data();  // borrowed: av_write_frame copies what it keeps
     packet->size = static_cast<int>(in.bytes.size());
     packet->pts = int64_t(first_frame) + in.frame;
-    packet->dts = int64_t(first_frame) + int64_t(i) - kReorderFrames;
+    packet->dts = int64_t(first_frame) + int64_t(i) - reorderFrames(settings.codec);
     packet->duration = 1;
     packet->flags = in.key ? AV_PKT_FLAG_KEY : 0;
     av_packet_rescale_ts(packet, frame_base, muxer.streams[0]->time_base);
@@ -102,9 +110,68 @@ Result<Demuxer> openDemuxer(const std::string& path) {
   AVFormatContext* raw = nullptr;
   if (const int rc = avformat_open_input(&raw, path.c_str(), nullptr, nullptr); rc < 0) return broken(path, reason(rc));
   Demuxer demuxer(raw);
-  const AVCodecParameters* p = raw->nb_streams == 1 ? raw->streams[0]->codecpar : nullptr;
-  if (!p || p->extradata_size < 8 || p->extradata[0] != 1) return broken(path, "no avcC");
+  if (raw->nb_streams != 1) return broken(path, "not one stream");
   return demuxer;
+}
+
+struct Vp9Level {
+  int level;  // times 10
+  double luma_rate, luma_picture, bits_per_s;
+  int side;
+};
+
+// Annex A of the VP9 bitstream specification.
+constexpr Vp9Level kVp9Levels[] = {{10, 829440, 36864, 0.2e6, 512},          {11, 2764800, 73728, 0.8e6, 768},
+                                   {20, 4608000, 122880, 1.8e6, 960},        {21, 9216000, 245760, 3.6e6, 1344},
+                                   {30, 20736000, 552960, 7.2e6, 2048},      {31, 36864000, 983040, 12e6, 2752},
+                                   {40, 83558400, 2228224, 18e6, 4160},      {41, 160432128, 2228224, 30e6, 4160},
+                                   {50, 311951360, 8912896, 60e6, 8384},     {51, 588251136, 8912896, 120e6, 8384},
+                                   {52, 1176502272, 8912896, 180e6, 8384},   {60, 1176502272, 35651584, 180e6, 16832},
+                                   {61, 2353004544, 35651584, 240e6, 16832}, {62, 4706009088, 35651584, 480e6, 16832}};
+
+// Profile 0, 8 bits, 4:2:0, BT.709, limited range: the only VP9 that the encoder makes.
+std::string vp9Codec(const AVCodecParameters& p, double fps, double bits_per_s) {
+  const double picture = double(p.width) * p.height;
+  int level = kVp9Levels[std::size(kVp9Levels) - 1].level;
+  for (const Vp9Level& l : kVp9Levels) {
+    if (picture * fps > l.luma_rate || picture > l.luma_picture || bits_per_s > l.bits_per_s) continue;
+    if (std::max(p.width, p.height) > l.side) continue;
+    level = l.level;
+    break;
+  }
+  char codec[40];
+  std::snprintf(codec, sizeof codec, "vp09.00.%02d.08.01.01.01.01.00", level);
+  return codec;
+}
+
+// From the av1C box: profile and level, tier and chroma; BT.709, limited range.
+std::string av1Codec(const AVCodecParameters& p) {
+  const uint8_t *box = p.extradata, chroma = box[2];
+  char codec[48];
+  std::snprintf(codec, sizeof codec, "av01.%d.%02d%c.08.0.%d%d%d.01.01.01.0", box[1] >> 5, box[1] & 31,
+                chroma & 0x80 ? 'H' : 'M', (chroma >> 3) & 1, (chroma >> 2) & 1, chroma & 3);
+  return codec;
+}
+
+// Codec string, and the description where WebCodecs wants one.
+Status describeCodec(const AVCodecParameters& p, const std::string& path, double fps, double bits_per_s,
+                     Mp4Samples& out) {
+  if (p.codec_id == AV_CODEC_ID_VP9) {
+    out.codec = vp9Codec(p, fps, bits_per_s);
+    return {};
+  }
+  if (p.codec_id == AV_CODEC_ID_AV1) {
+    if (p.extradata_size < 4 || p.extradata[0] != 0x81) return broken(path, "no av1C");
+    if (p.extradata[2] & 0x70) return broken(path, "not 8 bits in colour");
+    out.codec = av1Codec(p);
+    return {};
+  }
+  if (p.codec_id != AV_CODEC_ID_H264 || p.extradata_size < 8 || p.extradata[0] != 1) return broken(path, "no avcC");
+  out.table.decoder_description.assign(p.extradata, p.extradata + p.extradata_size);
+  char codec[16];
+  std::snprintf(codec, sizeof codec, "avc1.%02x%02x%02x", p.extradata[1], p.extradata[2], p.extradata[3]);
+  out.codec = codec;
+  return {};
 }
 
 Status readSamples(AVFormatContext& demuxer, const std::string& path, double fps,
@@ -181,15 +248,12 @@ Result<Mp4Samples> readMp4Samples(const std::string& path, double fps, const std
   auto opened = openDemuxer(path);
   if (!opened) return opened.error();
   AVFormatContext& demuxer = *opened.value();
-  const AVCodecParameters* p = demuxer.streams[0]->codecpar;
   Mp4Samples out;
-  out.table.decoder_description.assign(p->extradata, p->extradata + p->extradata_size);
-  char codec[16];
-  std::snprintf(codec, sizeof codec, "avc1.%02x%02x%02x", p->extradata[1], p->extradata[2], p->extradata[3]);
-  out.codec = codec;
   out.file_bytes = static_cast<uint64_t>(std::max<int64_t>(0, avio_size(demuxer.pb)));
   FOURDVT_TRY(readSamples(demuxer, path, fps, out.table.samples));
   FOURDVT_TRY(groupByChunk(path, gop_first_frames, frame_count, out.table));
+  const double bits_per_s = frame_count ? 8.0 * double(out.file_bytes) * fps / frame_count : 0;
+  FOURDVT_TRY(describeCodec(*demuxer.streams[0]->codecpar, path, fps, bits_per_s, out));
   return out;
 }
 

@@ -87,7 +87,11 @@ Json optionsJson(const BakeOptions& o) {
           {"gop", o.gop},
           {"jobs", o.jobs},
           {"position_step_m", o.position_step_m},
-          {"gutter_texels", o.gutter_texels}};
+          {"gutter_texels", o.gutter_texels},
+          {"labels", labelModeName(o.labels)},
+          {"equal_layers", o.equal_layers},
+          {"colour_calibration", o.colour_calibration},
+          {"preset", o.preset}};
 }
 
 Json sequenceJson(const ReportSequence& s) {
@@ -180,6 +184,18 @@ std::string sequenceTable(const ReportInput& in) {
   return out + "</tbody></table></div>\n";
 }
 
+std::string labelTable(const ReportInput& in) {
+  std::string out =
+      "<div class=\"scroll\"><table><thead><tr><th>sequence</th><th>layer</th><th>seam edges</th><th>flips a frame</th>"
+      "<th>mean penalty</th></tr></thead><tbody>\n";
+  for (const auto& [name, s] : in.figures.labels_by_sequence)
+    for (size_t l = 0; l < s.seam_percent.size(); ++l)
+      out += "<tr>" + cell(l == 0 ? name : "") + cell(std::to_string(l + 1)) +
+             cell(printed("%.2f %%", s.seam_percent[l])) + cell(printed("%.2f %%", s.flip_percent[l])) +
+             cell(printed("%.3f", s.mean_penalty[l])) + "</tr>\n";
+  return out + "</tbody></table></div>\n";
+}
+
 std::string factsTable(const ReportInput& in) {
   const BakeOptions& o = in.options;
   std::vector<std::pair<std::string, std::string>> rows = {
@@ -187,7 +203,10 @@ std::string factsTable(const ReportInput& in) {
       {"mesh", std::to_string(in.faces) + " faces, " + std::to_string(in.vertices) + " vertices"},
       {"tiled picture", std::to_string(in.picture_width) + " × " + std::to_string(in.picture_height) + " texels"},
       {"layers", std::to_string(o.layers)},
-      {"texture", std::to_string(o.texture) + " texels, further layers half of it"},
+      {"texture",
+       std::to_string(o.texture) + (o.equal_layers ? " texels, all layers" : " texels, further layers half of it")},
+      {"labels", labelModeName(o.labels)},
+      {"colour calibration", o.colour_calibration ? "on" : "off"},
       {"codec", in.codec + ", CRF " + std::to_string(o.crf) + ", GOP ≤ " + std::to_string(o.gop) + " frames"},
       {"vertex step", printed("%.3f mm", o.position_step_m * 1e3)},
       {"gutter", std::to_string(o.gutter_texels) + " texels"},
@@ -228,7 +247,7 @@ footer{margin-top:48px;border-top:1px solid var(--line);padding-top:16px}
 }  // namespace
 
 const std::vector<std::string>& pipelineStages() {
-  static const std::vector<std::string> stages{"validate", "decode", "visibility", "order",    "resample",
+  static const std::vector<std::string> stages{"validate", "decode", "visibility", "colours",  "labels",  "resample",
                                                "fill",     "tile",   "encode",     "geometry", "assemble"};
   return stages;
 }
@@ -257,6 +276,13 @@ std::string reportJson(const ReportInput& in) {
   root["seconds_per_frame_by_stage"] = std::move(stages_frame);
   root["bytes_by_part"] = in.figures.bytes_by_part;
   root["bytes"] = totalBytes(in);
+  root["labels"] = Json::object();
+  for (const auto& [name, l] : in.figures.labels_by_sequence)
+    root["labels"][name] = {{"seam_percent", l.seam_percent},
+                            {"flip_percent", l.flip_percent},
+                            {"mean_penalty", l.mean_penalty},
+                            {"energy", l.energy},
+                            {"seconds", l.seconds}};
   root["sequences"] = Json::array();
   for (const ReportSequence& s : in.sequences) root["sequences"].push_back(sequenceJson(s));
   root["versions"] = Json::object();
@@ -281,6 +307,7 @@ std::string reportHtml(const ReportInput& in) {
   out += "<p>Stages overlap on " + std::to_string(in.options.jobs) +
          " jobs: their sum may exceed the whole bake’s time.</p>\n";
   out += stageChart(in) + "<h2>What the bytes are</h2>\n" + sizeChart(in) + "<h2>Sequences</h2>\n" + sequenceTable(in);
+  if (!in.figures.labels_by_sequence.empty()) out += "<h2>Labels</h2>\n" + labelTable(in);
   if (in.pictures.size() > 1) {
     out += "<h2>Pictures</h2>\n<section class=\"sheet\">\n";
     for (size_t i = 1; i < in.pictures.size(); ++i) out += figure(in.pictures[i]);

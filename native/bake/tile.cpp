@@ -30,21 +30,66 @@ uint8_t chroma(int r, int g, int b, int cr, int cg, int cb) {
   return static_cast<uint8_t>((cr * r + cg * g + cb * b + (128 << kShift) + (1 << (kShift - 1))) >> kShift);
 }
 
+constexpr int kBarcodeWidth = 2 * 16 * package::BarcodeStrip().cell_size;
+
+bool fits(const TileLayout& layout) {
+  return layout.width <= package::kMaxPictureSide && layout.height <= package::kMaxPictureSide;
+}
+
+TileLayout gridLayout(int layer_count, int texture, int columns) {
+  TileLayout layout;
+  const int rows = (layer_count + columns - 1) / columns;
+  for (int l = 0; l < layer_count; ++l)
+    layout.layers.push_back({(l % columns) * texture, (l / columns) * texture, texture, texture});
+  const int last_x = (layer_count - (rows - 1) * columns) * texture;  // end of the last row
+  const bool free_cell = columns * texture - last_x >= kBarcodeWidth;
+  const int barcode_y = free_cell ? (rows - 1) * texture : rows * texture;
+  layout.barcode.rect = {free_cell ? last_x : 0, barcode_y, kBarcodeWidth, layout.barcode.cell_size};
+  layout.width = std::max(columns * texture, kBarcodeWidth);
+  layout.height = std::max(rows * texture, barcode_y + layout.barcode.cell_size);
+  return layout;
+}
+
+// Fitting layouts first, the one of the fewest texels; where none fits, the one that comes closest.
+bool better(const TileLayout& a, const TileLayout& b) {
+  if (fits(a) != fits(b)) return fits(a);
+  if (!fits(a)) return std::max(a.width, a.height) < std::max(b.width, b.height);
+  return a.width * a.height < b.width * b.height;
+}
+
+TileLayout equalLayout(int layer_count, int texture) {
+  TileLayout best = gridLayout(layer_count, texture, 1);
+  for (int columns = 2; columns <= layer_count; ++columns) {
+    const TileLayout other = gridLayout(layer_count, texture, columns);
+    if (better(other, best)) best = other;
+  }
+  return best;
+}
+
 uint8_t clampByte(double v) { return static_cast<uint8_t>(std::clamp(v + 0.5, 0.0, 255.0)); }
 
 }  // namespace
 
-TileLayout makeTileLayout(int layer_count, int texture) {
+TileLayout makeTileLayout(int layer_count, int texture, bool equal_layers) {
+  if (equal_layers) return equalLayout(layer_count, texture);
   TileLayout layout;
   const int half = texture / 2, columns = layer_count / 2;
   layout.layers.push_back({0, 0, texture, texture});
   for (int k = 0; k + 1 < layer_count; ++k)
     layout.layers.push_back({texture + (k / 2) * half, (k % 2) * half, half, half});
-  layout.barcode.cell_size = 16;
-  layout.barcode.rect = {0, texture, 2 * 16 * layout.barcode.cell_size, layout.barcode.cell_size};
-  layout.width = std::max(texture + columns * half, layout.barcode.rect.width);
+  layout.barcode.rect = {0, texture, kBarcodeWidth, layout.barcode.cell_size};
+  layout.width = std::max(texture + columns * half, kBarcodeWidth);
   layout.height = texture + layout.barcode.cell_size;
   return layout;
+}
+
+std::string checkTileLayout(int layer_count, int texture, bool equal_layers) {
+  const TileLayout layout = makeTileLayout(layer_count, texture, equal_layers);
+  if (fits(layout)) return {};
+  return "layers " + std::to_string(layer_count) + " with texture " + std::to_string(texture) +
+         (equal_layers ? " and equal layers" : "") + " need a picture of " + std::to_string(layout.width) + " x " +
+         std::to_string(layout.height) + ", more than " + std::to_string(package::kMaxPictureSide) +
+         "; use fewer layers" + (equal_layers ? ", smaller further layers" : "") + " or a smaller texture";
 }
 
 I420Picture::I420Picture(int w, int h)

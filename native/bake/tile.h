@@ -2,6 +2,7 @@
 // All layers and the barcode in one 4:2:0 picture, so that one decoder serves them.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "base/image.h"
@@ -15,8 +16,13 @@ struct TileLayout {
   package::BarcodeStrip barcode;
 };
 
-// Layer 1 (texture²) at the left, further layers (half the side) in columns of two to its right, the barcode below.
-TileLayout makeTileLayout(int layer_count, int texture);
+// Default: layer 1 (texture²) at the left, further layers (half the side) in columns of two to its right, the barcode
+// below. equal_layers: all of texture², in the grid with the fewest texels that keeps both sides within
+// kMaxPictureSide if there is one; the barcode in a free cell, else below.
+TileLayout makeTileLayout(int layer_count, int texture, bool equal_layers = false);
+
+// Empty, or why the layout is no picture that readers accept, with the remedy.
+std::string checkTileLayout(int layer_count, int texture, bool equal_layers);
 
 struct I420Picture {
   int width = 0, height = 0;

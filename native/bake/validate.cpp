@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kBakeVersion = "bake 1";  // change it whenever finished GOPs of older builds must not be reused
+constexpr const char* kBakeVersion = "bake 2";  // change it whenever finished GOPs of older builds must not be reused
 
 Error bad(const std::string& message) { return {ErrorId::InvalidArgument, message}; }
 
@@ -132,12 +132,9 @@ std::string BakeOptions::check() const {
     return "layers must be 1.." + std::to_string(package::kMaxLayers) + ", not " + std::to_string(layers);
   if (texture < 128 || texture % 32 != 0)
     return "texture must be a multiple of 32 from 128, not " + std::to_string(texture);
-  const TileLayout layout = makeTileLayout(layers, texture);
-  if (std::max(layout.width, layout.height) > package::kMaxPictureSide)
-    return "layers " + std::to_string(layers) + " with texture " + std::to_string(texture) + " need a picture of " +
-           std::to_string(layout.width) + " x " + std::to_string(layout.height) + ", more than " +
-           std::to_string(package::kMaxPictureSide) + "; use fewer layers or a smaller texture";
-  if (crf < 0 || crf > 51) return "crf must be 0..51, not " + std::to_string(crf);
+  if (const std::string wrong = checkTileLayout(layers, texture, equal_layers); !wrong.empty()) return wrong;
+  if (crf < 0 || crf > highestCrf(codec))
+    return "crf must be 0.." + std::to_string(highestCrf(codec)) + " for this codec, not " + std::to_string(crf);
   if (gop < 1 || gop > 250) return "gop must be 1..250 frames, not " + std::to_string(gop);
   if (jobs < 0) return "jobs must not be negative";
   if (!(position_step_m >= 1e-6 && position_step_m <= 0.1)) return "position step must be 0.000001..0.1 m";
@@ -165,6 +162,7 @@ Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environm
   job.options = options;
   if (job.options.jobs == 0) job.options.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   FOURDVT_TRY(checkOutput(job.options));
+  FOURDVT_TRY(checkEncoder(job.options.codec, job.options.preset));
   auto capture = capture::openCapture(options.capture_folder, environment.open_video, options.sequences);
   if (!capture) return capture.error();
   job.capture = capture.take();
@@ -177,8 +175,8 @@ Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environm
     job.sequences.push_back({&sequence, planGops(sequence.frame_count, options.gop)});
     job.total_frames += sequence.frame_count;
   }
-  job.layout = makeTileLayout(options.layers, options.texture);
-  job.encode = {job.layout.width, job.layout.height, job.capture.fps, options.crf};
+  job.layout = makeTileLayout(options.layers, options.texture, options.equal_layers);
+  job.encode = {job.layout.width, job.layout.height, job.capture.fps, options.crf, options.codec, options.preset};
   FOURDVT_TRY(checkWorkFolder(job.workFolder()));
   FOURDVT_TRY(makeFolder(job.workFolder()));
   if (access(job.workFolder().c_str(), W_OK) != 0)
@@ -189,23 +187,39 @@ Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environm
   return job;
 }
 
+std::string captureKey(const Job& job, const SequencePlan& plan) {
+  const fs::path folder(job.capture.folder);
+  std::string key = kBakeVersion;
+  for (const fs::path& part : {folder / "cameras", folder / "background", fs::path(plan.source->folder)})
+    for (const std::string& line : fingerprints(part)) key += line + "\n";
+  if (auto json = readFile((folder / "capture.json").string()); json.ok())
+    key.append(json.value().begin(), json.value().end());
+  key.append(job.mesh.bytes.begin(), job.mesh.bytes.end());
+  return key;
+}
+
+std::string labelKey(const BakeOptions& o) {
+  return std::string(" labels ") + labelModeName(o.labels) + " penalty " + std::to_string(static_cast<int>(o.penalty)) +
+         " layers " + std::to_string(o.layers);
+}
+
 std::string settingsKey(const Job& job) {
   const BakeOptions& o = job.options;
-  char line[256];
-  std::snprintf(line, sizeof line, "%s layers %d texture %d crf %d gop %d step %.9g gutter %d fps %.9g", kBakeVersion,
-                o.layers, o.texture, o.crf, o.gop, o.position_step_m, o.gutter_texels, job.capture.fps);
-  std::vector<std::string> lines{line};
-  const fs::path folder(job.capture.folder);
-  for (const std::string& l : fingerprints(folder / "cameras")) lines.push_back(l);
-  for (const std::string& l : fingerprints(folder / "background")) lines.push_back(l);
-  for (const SequencePlan& plan : job.sequences)
-    for (const std::string& l : fingerprints(plan.source->folder)) lines.push_back(l);
-  if (auto json = readFile((folder / "capture.json").string()); json.ok())
-    lines.emplace_back(json.value().begin(), json.value().end());
+  char line[320];
+  std::snprintf(line, sizeof line,
+                "%s texture %d equal %d crf %d codec %d preset %.60s gop %d step %.9g gutter %d fps %.9g colours %d "
+                "filter %d contour %.9g/%.9g matte %.9g/%.9g",
+                labelKey(o).c_str(), o.texture, int(o.equal_layers), o.crf, static_cast<int>(o.codec), o.preset.c_str(),
+                o.gop, o.position_step_m, o.gutter_texels, job.capture.fps, int(o.colour_calibration),
+                static_cast<int>(o.resample.filter), o.resample.contour_pixels, o.resample.contour_step_m,
+                o.resample.matte_threshold, o.resample.matte_pixels);
   uint64_t hash = 14695981039346656037ull;
-  for (const std::string& l : lines) hash = hashBytes(hash, l.data(), l.size() + 1);
-  char text[320];
-  std::snprintf(text, sizeof text, "%016llx %s\n", static_cast<unsigned long long>(hash), line);
+  for (const SequencePlan& plan : job.sequences) {
+    const std::string key = captureKey(job, plan);
+    hash = hashBytes(hash, key.data(), key.size() + 1);
+  }
+  char text[400];
+  std::snprintf(text, sizeof text, "%016llx%s\n", static_cast<unsigned long long>(hash), line);
   return text;
 }
 

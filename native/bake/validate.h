@@ -11,6 +11,11 @@ namespace fourdvt::bake {
 // Interrupted.
 Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environment);
 
+// What visibility depends on: this sequence's files, the cameras, the plates, capture.json, the mesh's order.
+std::string captureKey(const Job& job, const SequencePlan& plan);
+// What labels depend on besides.
+std::string labelKey(const BakeOptions& options);
+
 // Hash of everything that finished GOPs depend on: options, capture files (path, size, time), the bake's version.
 std::string settingsKey(const Job& job);
 

@@ -16,6 +16,20 @@ AVCodecID codecId(const std::string& codec) {
   return AV_CODEC_ID_NONE;
 }
 
+// libavcodec's own AV1 decoder only drives hardware: a software one is asked for by name.
+const AVCodec* findDecoder(const std::string& codec) {
+  const AVCodecID id = codecId(codec);
+  if (id != AV_CODEC_ID_AV1) return avcodec_find_decoder(id);
+  const AVCodec* dav1d = avcodec_find_decoder_by_name("libdav1d");
+  return dav1d ? dav1d : avcodec_find_decoder_by_name("libaom-av1");
+}
+
+std::string unsupported(const std::string& codec) {
+  const std::string message = "this FFmpeg has no software decoder for \"" + codec + "\"; ";
+  if (codecId(codec) == AV_CODEC_ID_AV1) return message + "install one with libdav1d, or bake with --codec h264";
+  return message + "bake with --codec h264";
+}
+
 Error invalid(const std::string& what) { return {ErrorId::VideoInvalid, "video samples: " + what + "; bake again"}; }
 
 class Decoder final : public SampleDecoder {
@@ -25,6 +39,7 @@ class Decoder final : public SampleDecoder {
     codec_.reset(avcodec_alloc_context3(&codec));
     codec_->thread_count = 2;
     codec_->thread_type = FF_THREAD_SLICE;  // frame threads would hold pictures back
+    if (codec.id == AV_CODEC_ID_AV1) codec_->flags |= AV_CODEC_FLAG_LOW_DELAY;  // dav1d's frame threads
     codec_->pkt_timebase = {1, 1000000};
     codec_->err_recognition = AV_EF_EXPLODE | AV_EF_BITSTREAM | AV_EF_BUFFER;
     if (!description.empty()) {
@@ -107,10 +122,8 @@ Result<std::unique_ptr<SampleDecoder>> SampleDecoder::create(const std::string& 
                                                              std::span<const uint8_t> description,
                                                              OnPicture on_picture) {
   quietFfmpeg();
-  const AVCodec* found = avcodec_find_decoder(codecId(codec));
-  if (!found) {
-    return Error{ErrorId::DecoderUnsupported, "no decoder for \"" + codec + "\"; use an H.264 (avc1) rendition"};
-  }
+  const AVCodec* found = findDecoder(codec);
+  if (!found) return Error{ErrorId::DecoderUnsupported, unsupported(codec)};
   auto decoder = std::make_unique<Decoder>();
   FOURDVT_TRY(decoder->open(*found, description, std::move(on_picture)));
   return std::unique_ptr<SampleDecoder>(std::move(decoder));

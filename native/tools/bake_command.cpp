@@ -5,8 +5,11 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <initializer_list>
+#include <utility>
 
 #include "bake/bake.h"
+#include "bake/quality.h"
 #include "tools/args.h"
 #include "tools/commands.h"
 #include "tools/session.h"
@@ -30,6 +33,27 @@ void listenForStop() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
+// Help texts live as long as the process.
+const char* qualityHelp() {
+  static const std::string text = [] {
+    std::string t = "sets texture, layers, crf and preset; options that are given win (default web):";
+    for (const bake::Quality& q : bake::qualities())
+      t += std::string("\n                          ") + q.name + ": " + q.meaning;
+    return t;
+  }();
+  return text.c_str();
+}
+
+const char* presetHelp() {
+  static const std::string text = [] {
+    std::string t = "the encoder's own speed (default: of the quality):";
+    for (const bake::Codec codec : {bake::Codec::H264, bake::Codec::Vp9, bake::Codec::Av1})
+      t += std::string("\n                          ") + bake::codecName(codec) + ": " + bake::presetExplanation(codec);
+    return t;
+  }();
+  return text.c_str();
+}
+
 const CommandHelp& help() {
   static const CommandHelp text{
       "bake CAPTURE -o CHARACTER [options]",
@@ -37,9 +61,22 @@ const CommandHelp& help() {
       "before everything is finished; after Ctrl-C, the same command with --resume goes on.",
       {{"-o", "CHARACTER", "folder to write (required)"},
        {"--sequences", "A,B", "only these sequences (default: all)"},
-       {"--layers", "N", "texture layers, 1 to 6 (default 3)"},
-       {"--texture", "N", "texels, side of layer 1 (default 1024)"},
-       {"--crf", "N", "H.264 rate factor, 0 to 51, lower is better (default 23)"},
+       {"--quality", "NAME", qualityHelp()},
+       {"--codec", "NAME", "h264 (plays everywhere, the default), vp9 or av1 (smaller, slower to bake)"},
+       {"--layers", "N", "texture layers, 1 to 6 (default: of the quality)"},
+       {"--texture", "N", "texels, side of layer 1 (default: of the quality)"},
+       {"--equal-layers", nullptr, "all layers of the size of layer 1; else further layers have half of it"},
+       {"--crf", "N",
+        "rate factor, lower is better: 0 to 51 for h264, 0 to 63 for vp9 and av1 (default: of the quality)"},
+       {"--preset", "NAME", presetHelp()},
+       {"--labels", "MODE",
+        "which cameras a face takes: joint (default), or as in the papers naive, spatial,\n"
+        "                          temporal-paper or per-texel"},
+       {"--penalty", "NAME",
+        "what makes a camera worse for a face: axis (optical axis, as in the papers; default),\n"
+        "                          ray (to the face's centre) or resolution (fewer pixels)"},
+       {"--no-colour-calibration", nullptr, "leave the cameras' colours as they are"},
+       {"--filter", "NAME", "how camera pictures are sampled: bilinear (default), mipmap or bicubic"},
        {"--gop", "N", "frames a group of pictures at most (default 20)"},
        {"--jobs", "N", "worker threads, 0: as many as cores (default 0)"},
        {"--resume", nullptr, "reuse what an interrupted run with the same settings finished"}}};
@@ -88,17 +125,61 @@ class ProgressLine {
   std::chrono::steady_clock::time_point last_;
 };
 
+// The value of `name`, one of `known`; `otherwise` where it is not given or none of them.
+template <class T>
+T choice(Args& args, const char* name, T otherwise, std::initializer_list<std::pair<const char*, T>> known) {
+  if (!args.has(name)) return otherwise;
+  std::string list;
+  for (const auto& [text, value] : known) {
+    if (args.text(name) == text) return value;
+    list += (list.empty() ? "" : ", ") + std::string(text);
+  }
+  args.complain(std::string(name) + " must be one of " + list + ", not \"" + args.text(name) + "\"");
+  return otherwise;
+}
+
+// Quality and codec first, then what is given explicitly.
+void readEncoding(Args& args, bake::BakeOptions& o) {
+  const bake::Codec codec = choice(args, "--codec", o.codec,
+                                   {{"h264", bake::Codec::H264}, {"vp9", bake::Codec::Vp9}, {"av1", bake::Codec::Av1}});
+  const std::string name = args.text("--quality", bake::kDefaultQuality);
+  if (const bake::Quality* quality = bake::findQuality(name))
+    bake::applyQuality(*quality, codec, o);
+  else
+    args.complain("--quality must be one of draft, web, high, not \"" + name + "\"");
+  o.layers = args.integer("--layers", o.layers, 1, 6);
+  o.texture = args.integer("--texture", o.texture, 64, 4096);
+  o.crf = args.integer("--crf", o.crf, 0, bake::highestCrf(codec));
+  o.preset = args.text("--preset", o.preset);
+  o.equal_layers = args.has("--equal-layers");
+  if (!bake::knowsPreset(codec, o.preset))
+    args.complain(std::string("--preset for ") + bake::codecName(codec) + " must be " + bake::presetExplanation(codec) +
+                  ", not \"" + o.preset + "\"");
+}
+
 bake::BakeOptions readOptions(Args& args) {
   bake::BakeOptions o;
   o.capture_folder = args.positional();
   o.character_folder = args.required("-o");
   o.sequences = args.list("--sequences");
-  o.layers = args.integer("--layers", o.layers, 1, 6);
-  o.texture = args.integer("--texture", o.texture, 64, 4096);
-  o.crf = args.integer("--crf", o.crf, 0, 51);
+  readEncoding(args, o);
   o.gop = args.integer("--gop", o.gop, 1, 1000);
   o.jobs = args.integer("--jobs", o.jobs, 0, 1024);
   o.resume = args.has("--resume");
+  o.labels = choice(args, "--labels", o.labels,
+                    {{"naive", bake::LabelMode::Naive},
+                     {"spatial", bake::LabelMode::Spatial},
+                     {"temporal-paper", bake::LabelMode::TemporalPaper},
+                     {"joint", bake::LabelMode::Joint},
+                     {"per-texel", bake::LabelMode::PerTexel}});
+  o.penalty =
+      choice(args, "--penalty", o.penalty,
+             {{"axis", bake::Penalty::Axis}, {"ray", bake::Penalty::Ray}, {"resolution", bake::Penalty::Resolution}});
+  o.resample.filter = choice(args, "--filter", o.resample.filter,
+                             {{"bilinear", bake::ResampleFilter::Bilinear},
+                              {"mipmap", bake::ResampleFilter::Mipmap},
+                              {"bicubic", bake::ResampleFilter::Bicubic}});
+  o.colour_calibration = !args.has("--no-colour-calibration");
   return o;
 }
 
@@ -122,6 +203,7 @@ int bakeCommand(int argc, char** argv) {
   }
   if (const auto code = helpOrProblem(help(), args)) return *code;
 
+  if (const Status found = bake::checkEncoder(options.codec, options.preset); !found.ok()) return fail(found.error());
   listenForStop();
   auto gpu = openGpu();
   if (!gpu.ok()) return fail(gpu.error());

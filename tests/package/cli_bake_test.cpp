@@ -69,6 +69,31 @@ TEST(Bake, MakesACharacterThatInspectsAndRenders) {
   EXPECT_TRUE(exists(out + "/figures/worst.png"));
 }
 
+TEST(Bake, EveryCodecInspectsAndRenders) {
+  const std::string capture = smallCapture("codec-capture", 10), out = scratch("codecs");
+  for (const auto& [codec, starts] : {std::pair{"vp9", "vp09.00."}, std::pair{"av1", "av01.0."}}) {
+    const std::string box = out + "/" + codec;
+    const Outcome bake = fourdvt("bake " + capture + " -o " + box + kSmall + " --codec " + codec);
+    ASSERT_EQ(bake.code, 0) << bake.output;
+    EXPECT_NE(readText(box + "/character.gltf").find(starts), std::string::npos);
+    const Outcome inspect = fourdvt("inspect " + box);
+    EXPECT_EQ(inspect.code, 0) << inspect.output;
+    EXPECT_NE(inspect.output.find("everything decodes"), std::string::npos) << inspect.output;
+    const Outcome render = fourdvt("render " + box + " --frame 7 --camera cam02 -o " + box + ".png");
+    EXPECT_EQ(render.code, 0) << render.output;
+  }
+}
+
+// Explicit options win over the quality's.
+TEST(Bake, QualityIsOverriddenByOptions) {
+  const std::string capture = smallCapture("quality-capture", 2), out = scratch("quality");
+  const Outcome bake = fourdvt("bake " + capture + " -o " + out + "/box --quality draft --texture 128 --equal-layers");
+  ASSERT_EQ(bake.code, 0) << bake.output;
+  const Outcome inspect = fourdvt("inspect " + out + "/box");
+  // draft has three layers: squares of 128 side by side, and the barcode below is 512 wide.
+  EXPECT_NE(inspect.output.find("512x144"), std::string::npos) << inspect.output;
+}
+
 TEST(Bake, InterruptedResumesToTheSameBytes) {
   const std::string capture = smallCapture("long-capture", 32), out = scratch("resume");
   const std::string options = kSmall + " --sequences turn";

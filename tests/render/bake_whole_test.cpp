@@ -2,11 +2,13 @@
 // The whole bake on a small capture: what comes out, stopping and resuming, and bad output folders.
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <csignal>
 
 #include "../unit/capture_fixture.h"
 #include "bake/bake.h"
 #include "gl_fixture.h"
+#include "package/chunk_mesh.h"
 #include "package/stream_file.h"
 #include "platform/ffmpeg_video.h"
 
@@ -18,6 +20,8 @@ namespace fs = std::filesystem;
 struct WholeBake : testing::GlFixture {
   capture::SmallCapture input;
   std::atomic<bool> stop{false};
+  std::vector<std::string> stages;  // of the last run
+  std::string stop_at;              // stage; empty: none
   BakeOptions options;
 
   void SetUp() override {
@@ -37,8 +41,12 @@ struct WholeBake : testing::GlFixture {
     environment.device = device.get();
     environment.open_video = platform::openVideoFile;
     environment.stop = &stop;
-    environment.progress = [&](const Progress& p) { stop = p.done >= stop_after; };
+    environment.progress = [&](const Progress& p) {
+      stages.push_back(p.stage);
+      stop = p.done >= stop_after || p.stage == stop_at;
+    };
     stop = false;
+    stages.clear();
     return bake(options, environment);
   }
   std::string bytesOf(const std::string& name) {
@@ -61,6 +69,9 @@ TEST_F(WholeBake, WritesACharacterThatReadsBack) {
   auto character = package::readManifest(json.value());
   ASSERT_TRUE(character) << character.error().message;
   ASSERT_EQ(character.value().sequences.size(), 1u);
+  auto mesh = package::decodeBaseMesh(platform::readFile(options.character_folder + "/mesh.bin").take());
+  ASSERT_TRUE(mesh);
+  const package::ChunkMesh chunk_mesh = package::makeChunkMesh(mesh.value());
   const package::Sequence& walk = character.value().sequences[0];
   auto stream = platform::readFile(options.character_folder + "/" + walk.stream_uri);
   ASSERT_TRUE(stream);
@@ -70,7 +81,7 @@ TEST_F(WholeBake, WritesACharacterThatReadsBack) {
   ASSERT_EQ(index.value().chunks.size(), 2u);
   for (uint32_t g = 0; g < 2; ++g) {
     const package::ChunkEntry& entry = index.value().chunks[g];
-    auto chunk = package::decodeChunk(bytes.subspan(entry.offset, entry.bytes), index.value(), g);
+    auto chunk = package::decodeChunk(bytes.subspan(entry.offset, entry.bytes), index.value(), g, chunk_mesh);
     ASSERT_TRUE(chunk) << chunk.error().message;
     for (uint8_t label : chunk.value().labels) EXPECT_LT(label, 2) << "both cameras see both faces";
     // The quad moves away by 0.1 m a frame.
@@ -107,6 +118,44 @@ TEST_F(WholeBake, StopOnTheLastFrameOfAGopKeepsIt) {
   options.jobs = 1;
   ASSERT_FALSE(run(1));  // GOP 0 is frame 0
   EXPECT_TRUE(fs::exists(options.character_folder + ".work/walk.0.gop"));
+}
+
+TEST_F(WholeBake, StopInTheSurveyKeepsWhatWasMeasured) {
+  options.jobs = 1;
+  stop_at = "survey walk 2/3";
+  auto stopped = run();
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().id, ErrorId::Interrupted);
+  EXPECT_NE(stopped.error().message.find("--resume"), std::string::npos);
+  stop_at.clear();
+  options.resume = true;
+  options.colour_calibration = false;  // else its frames are read again
+  ASSERT_FALSE(run(1)) << "other settings: measured again";
+  EXPECT_EQ(stages.front(), "survey walk 1/3");
+  ASSERT_TRUE(run());
+  EXPECT_TRUE(std::none_of(stages.begin(), stages.end(), [](const std::string& s) { return s.find("survey") == 0; }));
+}
+
+TEST_F(WholeBake, SurveyFolderIsSharedBetweenBakes) {
+  options.survey_folder = input / "out/survey";
+  ASSERT_TRUE(run());
+  const std::string before = bytesOf("walk.mp4");
+  options.crf = 40;
+  ASSERT_TRUE(run());
+  EXPECT_EQ(stages.front(), "walk 1/3") << "measured again";
+  EXPECT_NE(bytesOf("walk.mp4"), before);
+  EXPECT_TRUE(fs::exists(options.survey_folder));
+}
+
+TEST_F(WholeBake, EveryLabelModeBakes) {
+  for (LabelMode mode :
+       {LabelMode::Naive, LabelMode::Spatial, LabelMode::TemporalPaper, LabelMode::Joint, LabelMode::PerTexel}) {
+    options.labels = mode;
+    auto report = run();
+    ASSERT_TRUE(report) << labelModeName(mode) << ": " << report.error().message;
+    ASSERT_EQ(report.value().labels_by_sequence.count("walk"), 1u);
+    EXPECT_EQ(report.value().labels_by_sequence["walk"].frames, 3u) << labelModeName(mode);
+  }
 }
 
 TEST_F(WholeBake, OtherSettingsDoNotResume) {

@@ -16,10 +16,10 @@ bool overlap(const package::Rect& a, const package::Rect& b) {
   return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
 }
 
-TEST(TileLayout, RectanglesLieInsideAndApart) {
+void expectInsideAndApart(bool equal_layers) {
   for (int texture : {128, 256, 512, 1024, 1504}) {
     for (int layers = 1; layers <= 6; ++layers) {
-      const TileLayout layout = makeTileLayout(layers, texture);
+      const TileLayout layout = makeTileLayout(layers, texture, equal_layers);
       EXPECT_EQ(layout.width % 16, 0);
       EXPECT_EQ(layout.height % 16, 0);
       std::vector<package::Rect> rects = layout.layers;
@@ -34,6 +34,31 @@ TEST(TileLayout, RectanglesLieInsideAndApart) {
       }
     }
   }
+}
+
+TEST(TileLayout, RectanglesLieInsideAndApart) { expectInsideAndApart(false); }
+TEST(TileLayout, EqualRectanglesLieInsideAndApart) { expectInsideAndApart(true); }
+
+TEST(TileLayout, EqualLayersAreEqualAndOfTheFewestTexels) {
+  for (int layers = 1; layers <= 6; ++layers)
+    for (const package::Rect& rect : makeTileLayout(layers, 512, true).layers) {
+      EXPECT_EQ(rect.width, 512);
+      EXPECT_EQ(rect.height, 512);
+    }
+  const TileLayout three = makeTileLayout(3, 1024, true), five = makeTileLayout(5, 1024, true);
+  EXPECT_EQ(three.width * three.height, 1024 * (3 * 1024 + 16)) << "one column, the barcode below";
+  EXPECT_EQ(five.width * five.height, 6 * 1024 * 1024) << "the barcode has the sixth cell";
+}
+
+// The largest picture that readers accept holds three equal layers of 2048² with the barcode in the fourth cell.
+TEST(TileLayout, EqualLayersOf2048FitExactly) {
+  const TileLayout layout = makeTileLayout(3, 2048, true);
+  EXPECT_EQ(layout.width, 4096);
+  EXPECT_EQ(layout.height, 4096);
+  EXPECT_EQ(checkTileLayout(3, 2048, true), "");
+  EXPECT_EQ(checkTileLayout(3, 2048, false), "");
+  EXPECT_NE(checkTileLayout(4, 2048, true).find("4096 x 4112, more than 4096"), std::string::npos);
+  EXPECT_NE(checkTileLayout(4, 2048, true).find("smaller texture"), std::string::npos);
 }
 
 TEST(TileLayout, DefaultIs1536By1040) {

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// Named settings: what `fourdvt bake --quality` sets together. The figures that each entry rests on stand in
+// quality.cpp; `fourdvt evaluate` measures them again.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bake/bake.h"
+
+namespace fourdvt::bake {
+
+struct Quality {
+  const char* name;     // "draft", "web", "high"
+  const char* meaning;  // one line for the help
+  int texture, layers;
+  // By codec, in the order of the enum: CRF on the codec's own scale, and the encoder's preset.
+  int crf[3];
+  const char* preset[3];
+};
+
+constexpr const char* kDefaultQuality = "web";
+
+const std::vector<Quality>& qualities();  // lowest bitrate first
+// nullptr: no such name.
+const Quality* findQuality(const std::string& name);
+// Texture, layers, codec, crf and preset; the rest of `options` stays.
+void applyQuality(const Quality& quality, Codec codec, BakeOptions& options);
+
+}  // namespace fourdvt::bake
