@@ -178,7 +178,7 @@ std::string CheckedDevice::describeTarget(TargetRecord& record) const {
       return "this GPU cannot draw into float textures (EXT_color_buffer_float)";
     if (record.width && (attached->desc.width != record.width || attached->desc.height != record.height))
       return "its attachments differ in size";
-    if (!is_depth_slot && attached->desc.layers > 0 && desc.color_layer >= attached->desc.layers)
+    if (attached->desc.layers > 0 && (is_depth_slot ? desc.depth_layer : desc.color_layer) >= attached->desc.layers)
       return "no such layer";
     record.width = attached->desc.width;
     record.height = attached->desc.height;

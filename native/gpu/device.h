@@ -10,13 +10,12 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <memory>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include <glm/glm.hpp>
 
 #include "base/image.h"
 #include "base/result.h"
@@ -31,7 +30,7 @@ enum class Filter { Nearest, Linear, LinearMipmap };
 struct TextureDesc {
   PixelFormat format = PixelFormat::RGBA8;
   int width = 1, height = 1;
-  int layers = 0;  // 0: TEXTURE_2D, otherwise TEXTURE_2D_ARRAY of this many layers
+  int layers = 0;                   // 0: TEXTURE_2D, otherwise TEXTURE_2D_ARRAY of this many layers
   Filter filter = Filter::Nearest;  // integer and 32F formats: Nearest only. LinearMipmap: call generateMipmaps
   const char* label = "";
 };
@@ -47,6 +46,7 @@ struct TargetDesc {
   std::vector<TextureId> colors;
   TextureId depth = 0;  // a Depth24 texture to keep the depth readable by later passes
   int color_layer = 0;  // for array textures
+  int depth_layer = 0;  // likewise, of `depth`
   // … or: own renderbuffers, RGBA8 + depth, with `samples` > 1 (resolved by blitToTarget).
   int width = 0, height = 0, samples = 0;
   bool own_depth = false;  // a depth renderbuffer owned by the target
@@ -65,8 +65,8 @@ struct Uniform {
   enum class Kind { Int, UInt, Float, Vec2, Vec3, Vec4, Mat4 };
   const char* name;
   Kind kind;
-  int count;          // array length; 1 for a plain uniform
-  const void* data;   // borrowed until draw() returns
+  int count;         // array length; 1 for a plain uniform
+  const void* data;  // borrowed until draw() returns
 };
 inline Uniform uniform(const char* name, const int& v) { return {name, Uniform::Kind::Int, 1, &v}; }
 inline Uniform uniform(const char* name, const uint32_t& v) { return {name, Uniform::Kind::UInt, 1, &v}; }
@@ -94,7 +94,8 @@ struct Draw {
 
 struct Pass {
   TargetId target = kDefaultTarget;
-  // Viewport, GL convention (y up from the bottom); clears touch only it. 0 × 0: the whole target (not the default one).
+  // Viewport, GL convention (y up from the bottom); clears touch only it. 0 × 0: the whole target (not the default
+  // one).
   int x = 0, y = 0, width = 0, height = 0;
   bool clear_color = false, clear_depth = false;
   glm::vec4 color{0};
@@ -118,8 +119,8 @@ class Device {
   virtual const Caps& caps() const = 0;
   virtual Result<TextureId> createTexture(const TextureDesc& desc) = 0;
   // Replaces a rectangle; `stride_bytes` 0 means tightly packed. layer is ignored for 2-D textures.
-  virtual void updateTexture(TextureId texture, int layer, int x, int y, int width, int height,
-                             const void* pixels, int stride_bytes = 0) = 0;
+  virtual void updateTexture(TextureId texture, int layer, int x, int y, int width, int height, const void* pixels,
+                             int stride_bytes = 0) = 0;
   virtual void generateMipmaps(TextureId texture) = 0;
   virtual void destroyTexture(TextureId texture) = 0;
   // GLSL ES 3.00 sources without the #version line; `defines` ("LAYERS 3\n…", one per line, no "#define") go first,
@@ -160,13 +161,21 @@ class Owned {
   Owned(Device& device, uint32_t id) : device_(&device), id_(id) {}
   Owned(Owned&& o) noexcept : device_(o.device_), id_(o.id_) { o.id_ = 0; }
   Owned& operator=(Owned&& o) noexcept {
-    if (this != &o) { reset(); device_ = o.device_; id_ = o.id_; o.id_ = 0; }
+    if (this != &o) {
+      reset();
+      device_ = o.device_;
+      id_ = o.id_;
+      o.id_ = 0;
+    }
     return *this;
   }
   Owned(const Owned&) = delete;
   Owned& operator=(const Owned&) = delete;
   ~Owned() { reset(); }
-  void reset() { if (id_) (device_->*Destroy)(id_); id_ = 0; }
+  void reset() {
+    if (id_) (device_->*Destroy)(id_);
+    id_ = 0;
+  }
   uint32_t id() const { return id_; }
   explicit operator bool() const { return id_ != 0; }
 

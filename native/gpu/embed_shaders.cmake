@@ -1,7 +1,10 @@
-# cmake -DSHADER_DIR=… -DOUTPUT=… -P embed_shaders.cmake
+# cmake -DSHADER_DIR=… -DOUTPUT=… [-DLEAVE_OUT=REGEX] -P embed_shaders.cmake
 # Writes a C++ file that defines gpu::shaderSource for every file of SHADER_DIR. Lines `#include "x.glsl"` are replaced
 # by that file's text, once a shader; a further include of the same file becomes empty.
 file(GLOB paths ${SHADER_DIR}/*.vert ${SHADER_DIR}/*.frag)
+if(LEAVE_OUT)
+  list(FILTER paths EXCLUDE REGEX "/(${LEAVE_OUT})[^/]*$")
+endif()
 set(entries "")
 foreach(path ${paths})
   get_filename_component(name ${path} NAME)

@@ -223,7 +223,7 @@ class GlesDevice final : public CheckedDevice {
       buffers.push_back(GL_COLOR_ATTACHMENT0);
     }
     if (target.own_depth) target.depth_buffer = attachBuffer(GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT24, target);
-    if (target.desc.depth) attachTexture(GL_DEPTH_ATTACHMENT, *texture(target.desc.depth), 0);
+    if (target.desc.depth) attachTexture(GL_DEPTH_ATTACHMENT, *texture(target.desc.depth), target.desc.depth_layer);
     if (buffers.empty()) buffers.push_back(GL_NONE);
     glDrawBuffers(static_cast<GLsizei>(buffers.size()), buffers.data());
     glReadBuffer(buffers[0]);

@@ -45,19 +45,6 @@ std::vector<glm::vec4> cornerTable(const MeshTopology& topology) {
   return table;
 }
 
-bool isClosed(const std::vector<glm::uvec3>& faces) {
-  std::vector<std::pair<uint32_t, uint32_t>> edges, opposite;
-  for (const glm::uvec3& face : faces)
-    for (int corner = 0; corner < 3; ++corner) {
-      const uint32_t a = face[corner], b = face[(corner + 1) % 3];
-      edges.emplace_back(a, b);
-      opposite.emplace_back(b, a);
-    }
-  std::sort(edges.begin(), edges.end());
-  std::sort(opposite.begin(), opposite.end());
-  return edges == opposite && std::adjacent_find(edges.begin(), edges.end()) == edges.end();
-}
-
 Status checkMesh(const gpu::Device& device, const package::Character& character, const package::BaseMesh& mesh) {
   const uint64_t corners = 3ull * mesh.topology.faceCount(), halves = 2ull * mesh.topology.vertex_count;
   if (corners == 0) return Error{ErrorId::GpuFailure, "the character has no faces; bake it again"};
@@ -77,6 +64,19 @@ uint64_t nextSerial() {
 }
 
 }  // namespace
+
+bool isClosedSurface(const std::vector<glm::uvec3>& faces) {
+  std::vector<std::pair<uint32_t, uint32_t>> edges, opposite;
+  for (const glm::uvec3& face : faces)
+    for (int corner = 0; corner < 3; ++corner) {
+      const uint32_t a = face[corner], b = face[(corner + 1) % 3];
+      edges.emplace_back(a, b);
+      opposite.emplace_back(b, a);
+    }
+  std::sort(edges.begin(), edges.end());
+  std::sort(opposite.begin(), opposite.end());
+  return edges == opposite && std::adjacent_find(edges.begin(), edges.end()) == edges.end();
+}
 
 Result<PictureTextures> createPicture(gpu::Device& device, int width, int height, PictureTextures::Kind kind) {
   PictureTextures picture;
@@ -132,7 +132,7 @@ Result<CharacterModel> CharacterModel::create(gpu::Device& device, const package
   model.bounds = model.frame_bounds = character.bounds;
   model.ground_y_m = character.ground_y_m;
   model.face_vertices_ = mesh.topology.face_vertices;
-  model.closed_surface = isClosed(model.face_vertices_);
+  model.closed_surface = isClosedSurface(model.face_vertices_);
   for (const PinholeCamera& camera : character.cameras) {
     model.camera_centres.emplace_back(glm::vec3(camera.centreInWorld()), 0);
     model.camera_forwards.emplace_back(glm::vec3(camera.forwardInWorld()), 0);

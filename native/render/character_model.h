@@ -35,6 +35,9 @@ void uploadPicture(gpu::Device& device, PictureTextures& picture, const I420View
 void packLabels(const std::vector<glm::uvec3>& face_vertices, std::span<const uint8_t> labels, int layer_count,
                 int camera_count, std::vector<uint32_t>& packed, std::vector<uint32_t>& masks);
 
+// Every edge has two faces of opposite direction.
+bool isClosedSurface(const std::vector<glm::uvec3>& face_vertices);
+
 class CharacterModel {
  public:
   // Cameras, UVs and faces do not change after this. Errors: GpuFailure.
@@ -48,10 +51,10 @@ class CharacterModel {
 
   // What layered_pass binds. Textures are 2-D tables addressed as index → (index % width, index / width).
   static constexpr int kTableWidth = 256;
-  gpu::Texture corners;     // RGBA32F, 3*face_count: uv.x, uv.y, vertex index (exact below 2^24), unused
-  gpu::Texture positions_normals;  // RGBA32F, 2 texels a vertex: position, normal
-  gpu::Texture vertex_masks;       // R32UI, vertex_count
-  gpu::Texture labels;             // R32UI, face_count: 5 bits a slot, 31 = empty, slot 0 lowest
+  gpu::Texture corners;                    // RGBA32F, 3*face_count: uv.x, uv.y, vertex index (exact below 2^24), unused
+  gpu::Texture positions_normals;          // RGBA32F, 2 texels a vertex: position, normal
+  gpu::Texture vertex_masks;               // R32UI, vertex_count
+  gpu::Texture labels;                     // R32UI, face_count: 5 bits a slot, 31 = empty, slot 0 lowest
   std::vector<glm::vec4> camera_centres;   // xyz, w unused
   std::vector<glm::vec4> camera_forwards;  // unit optical axes, w unused
   std::vector<glm::vec4> layer_rects_uv;   // x, y, width, height in picture texture coordinates
@@ -66,9 +69,9 @@ class CharacterModel {
 
  private:
   std::vector<glm::uvec3> face_vertices_;
-  std::vector<glm::vec3> normals_;          // scratch
-  std::vector<glm::vec4> table_;            // scratch
-  std::vector<uint32_t> masks_, packed_;    // scratch
+  std::vector<glm::vec3> normals_;        // scratch
+  std::vector<glm::vec4> table_;          // scratch
+  std::vector<uint32_t> masks_, packed_;  // scratch
 };
 
 }  // namespace fourdvt::render

@@ -4,12 +4,6 @@
 namespace fourdvt::render {
 namespace {
 
-// The optical axis is the gradient of clip w.
-glm::vec3 viewAxis(const View& view) {
-  const glm::mat4& m = view.clip_from_world;
-  return glm::normalize(glm::vec3(m[0][3], m[1][3], m[2][3]));
-}
-
 std::vector<gpu::TextureBinding> bindings(const CharacterModel& model, const PictureTextures& picture) {
   std::vector<gpu::TextureBinding> list = {{"u_corners", model.corners.id()},
                                            {"u_positions_normals", model.positions_normals.id()},
@@ -25,10 +19,13 @@ std::vector<gpu::TextureBinding> bindings(const CharacterModel& model, const Pic
   return list;
 }
 
+bool isSharpened(const RecipeOptions& options) { return options.view_exponent != 1.0f; }
+
 }  // namespace
 
 int LayeredPass::key(const CharacterModel& model, PictureTextures::Kind kind, const RecipeOptions& options) {
-  return model.layer_count + 8 * static_cast<int>(kind) + 16 * static_cast<int>(options.debug);
+  return model.layer_count + 8 * static_cast<int>(kind) + 16 * static_cast<int>(options.debug) +
+         (options.paper_weights ? 128 : 0) + (isSharpened(options) ? 256 : 0);
 }
 
 Status LayeredPass::prepare(gpu::Device& device, const CharacterModel& model, PictureTextures::Kind kind,
@@ -38,6 +35,8 @@ Status LayeredPass::prepare(gpu::Device& device, const CharacterModel& model, Pi
   std::string defines = "LAYERS " + std::to_string(model.layer_count) + "\n";
   defines += "MAX_CAMERAS " + std::to_string(package::kMaxCameras) + "\n";
   if (kind == PictureTextures::Kind::I420) defines += "PICTURE_I420\n";
+  if (options.paper_weights) defines += "PAPER_WEIGHTS\n";
+  if (isSharpened(options)) defines += "SHARPENED\n";
   if (options.debug != DebugView::None)
     defines += "DEBUG_VIEW " + std::to_string(static_cast<int>(options.debug)) + "\n";
   auto made = makeEmbeddedProgram(device, "layered.vert", "layered.frag", defines);
@@ -49,14 +48,12 @@ Status LayeredPass::prepare(gpu::Device& device, const CharacterModel& model, Pi
 void LayeredPass::draw(gpu::Device& device, const CharacterModel& model, const PictureTextures& picture,
                        const View& view, const RecipeOptions& options) const {
   const glm::vec3 view_axis = viewAxis(view);
-  const int paper_weights = options.paper_weights ? 1 : 0;
   device.draw({.program = programs_.at(key(model, picture.kind, options)).id(),
                .textures = bindings(model, picture),
                .uniforms = {gpu::uniform("u_clip_from_world", view.clip_from_world),
                             gpu::uniform("u_eye_in_world", view.eye_in_world), gpu::uniform("u_view_axis", view_axis),
                             gpu::uniform("u_camera_centres", std::span<const glm::vec4>(model.camera_centres)),
                             gpu::uniform("u_camera_forwards", std::span<const glm::vec4>(model.camera_forwards)),
-                            gpu::uniform("u_paper_weights", paper_weights),
                             gpu::uniform("u_view_exponent", options.view_exponent),
                             gpu::uniform("u_layer_rects", std::span<const glm::vec4>(model.layer_rects_uv)),
                             gpu::uniform("u_picture_size", model.picture_size),

@@ -32,7 +32,7 @@ class ShadowPass {
 };
 
 // The character with layered view-dependent texture (LVDT Eq. 3-4). Programs are made on first use, one for each layer
-// count, picture kind and debug view.
+// count, picture kind, debug view and kind of weights.
 class LayeredPass {
  public:
   // Makes the program. Errors: GpuFailure.

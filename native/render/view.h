@@ -14,6 +14,12 @@ struct View {
   int width = 0, height = 0;  // pixels
 };
 
+// Unit optical axis: the gradient of clip w.
+inline glm::vec3 viewAxis(const View& view) {
+  const glm::mat4& m = view.clip_from_world;
+  return glm::normalize(glm::vec3(m[0][3], m[1][3], m[2][3]));
+}
+
 inline View viewFromCamera(const PinholeCamera& camera, double near_m = 0.05, double far_m = 100.0) {
   return {glm::mat4(clipFromWorld(camera, near_m, far_m)), glm::vec3(camera.centreInWorld()), camera.width,
           camera.height};

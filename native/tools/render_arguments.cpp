@@ -45,6 +45,20 @@ std::optional<double> optionalNumber(Args& args, const char* name, double low, d
   return args.number(name, 0, low, high);
 }
 
+void readMethod(Args& args, RenderArguments& a) {
+  const std::string method = args.text("--method", "layered");
+  a.fvvr = method == "fvvr";
+  if (!a.fvvr && method != "layered") args.complain("--method must be layered or fvvr, not \"" + method + "\"");
+  a.capture_folder = args.text("--capture");
+  a.fvvr_options.closest = args.integer("--closest", 0, 1, package::kMaxCameras);
+  a.fvvr_options.background = a.recipe.background;
+  if (a.fvvr && a.capture_folder.empty()) args.complain("--method fvvr needs --capture CAPTURE with the videos");
+  if (!a.fvvr && (args.has("--capture") || args.has("--closest")))
+    args.complain("--capture and --closest belong to --method fvvr");
+  if (a.fvvr && (!a.turntable.empty() || !a.debug.empty()))
+    args.complain("--method fvvr is for stills and takes no --debug");
+}
+
 void checkCombination(Args& args, const RenderArguments& a) {
   if (a.output.empty() && a.turntable.empty()) args.complain("-o PICTURE or --turntable MOVIE is required");
   if (!a.output.empty() && !a.turntable.empty()) args.complain("-o and --turntable exclude each other");
@@ -55,7 +69,8 @@ void checkCombination(Args& args, const RenderArguments& a) {
   if (!a.turntable.empty() && (!a.camera.empty() || args.has("--frame")))
     args.complain("--turntable takes neither --camera nor --frame");
   if (a.turntable.empty() && args.has("--seconds")) args.complain("--seconds belongs to --turntable");
-  if (!a.turntable.empty() && a.debug == "layers") args.complain("--debug layers is for stills");
+  if (!a.turntable.empty() && (a.debug == "layers" || a.debug == "labels"))
+    args.complain("--debug " + a.debug + " is for stills");
   if (!a.turntable.empty() && a.size && (a.size->first % 2 || a.size->second % 2))
     args.complain("--size of a movie must be even");
   if (a.output.empty()) return;
@@ -85,7 +100,10 @@ const CommandHelp& renderHelp() {
        {"--size", "WxH", "pixels (default 720x960, or the camera's)"},
        {"--background", "RRGGBB", "or none (default; black in movies)"},
        {"--debug", "WHAT", "labels, layers (side by side), weights or normals"},
-       {"--no-shadow", nullptr, "without the ground shadow"}}};
+       {"--no-shadow", nullptr, "without the ground shadow"},
+       {"--method", "WHAT", "layered (default), or fvvr: projective texturing from all camera videos, no shadow"},
+       {"--capture", "CAPTURE", "fvvr: the capture folder that CHARACTER was baked from"},
+       {"--closest", "M", "fvvr: only the M cameras closest to the view (default: all)"}}};
   return text;
 }
 
@@ -107,6 +125,7 @@ RenderArguments readRenderArguments(Args& args) {
   a.recipe.background = background(args);
   a.recipe.ground_shadow = !args.has("--no-shadow");
   a.debug = debugView(args, a.recipe);
+  readMethod(args, a);
   checkCombination(args, a);
   return a;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "package/character.h"
+#include "render/fvvr.h"
 #include "render/recipe.h"
 #include "tools/args.h"
 
@@ -21,6 +22,9 @@ struct RenderArguments {
   double seconds = 0;  // turntable; 0: whole loops, at least 8 s
   std::string debug;   // "", labels, layers, weights, normals
   render::RecipeOptions recipe;
+  bool fvvr = false;           // the free-viewpoint baseline instead of the layers
+  std::string capture_folder;  // fvvr only
+  render::FvvrOptions fvvr_options;
 };
 
 const CommandHelp& renderHelp();

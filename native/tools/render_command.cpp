@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <cstring>
 
+#include "bake/picture_crop.h"
+#include "capture/capture.h"
 #include "platform/files.h"
 #include "tools/commands.h"
 #include "tools/movie_writer.h"
@@ -24,13 +26,38 @@ Image besideEachOther(const std::vector<Image>& pictures) {
   return out;
 }
 
+// Free-viewpoint rendering of the capture's own frame.
+Status renderFvvr(CharacterSession& session, const RenderArguments& arguments, const std::string& sequence) {
+  auto view = chooseCamera(arguments, session.character());
+  if (!view.ok()) return view.error();
+  auto capture = capture::openCapture(arguments.capture_folder, videoOpener(), {sequence});
+  if (!capture.ok()) return capture.error();
+  const capture::CaptureSequence& filmed = *capture.value().find(sequence);
+  if (static_cast<uint32_t>(arguments.frame) >= filmed.frame_count)
+    return Error{ErrorId::InvalidArgument, arguments.capture_folder + ": " + sequence + " has frames 0 to " +
+                                               std::to_string(filmed.frame_count - 1)};
+  auto reader = capture::FrameReader::open(capture.value(), filmed, videoOpener(), arguments.frame);
+  if (!reader.ok()) return reader.error();
+  auto frame = reader.value()->next();
+  if (!frame.ok()) return frame.error();
+  for (Image& picture : frame.value().pictures) bake::replaceEdgeColours(picture);
+  std::vector<PinholeCamera> cameras;
+  for (const auto& camera : capture.value().cameras) cameras.push_back(camera.pinhole);
+  auto fvvr = render::Fvvr::create(*session.gpu.device, cameras, capture.value().topology);
+  if (!fvvr.ok()) return fvvr.error();
+  FOURDVT_TRY(fvvr.value()->setFrame(frame.value().positions, frame.value().pictures));
+  auto picture = fvvr.value()->renderStill(render::viewFromCamera(view.value()), arguments.fvvr_options);
+  if (!picture.ok()) return picture.error();
+  return platform::writeImage(arguments.output, picture.value(), 95);
+}
+
 Status renderStill(CharacterSession& session, const RenderArguments& arguments, const std::string& sequence) {
   auto camera = chooseCamera(arguments, session.character());
   if (!camera.ok()) return camera.error();
   FOURDVT_TRY(session.player->showFrame(sequence, static_cast<uint32_t>(arguments.frame)));
   render::RecipeOptions recipe = arguments.recipe;
   std::vector<Image> pictures;
-  const int count = arguments.debug == "layers" ? session.character().layer_count : 1;
+  const int count = arguments.debug == "layers" || arguments.debug == "labels" ? session.character().layer_count : 1;
   for (int layer = 0; layer < count; ++layer) {
     recipe.debug_layer = layer;
     auto picture = session.player->renderStill(render::viewFromCamera(camera.value()), recipe);
@@ -83,8 +110,9 @@ int renderCommand(int argc, char** argv) {
   if (static_cast<uint32_t>(arguments.frame) >= sequence->frame_count)
     return fail({ErrorId::InvalidArgument,
                  arguments.character + ": " + name + " has frames 0 to " + std::to_string(sequence->frame_count - 1)});
-  const Status status = arguments.turntable.empty() ? renderStill(session.value(), arguments, name)
-                                                    : renderTurntable(session.value(), arguments, *sequence);
+  const Status status = arguments.fvvr                ? renderFvvr(session.value(), arguments, name)
+                        : arguments.turntable.empty() ? renderStill(session.value(), arguments, name)
+                                                      : renderTurntable(session.value(), arguments, *sequence);
   return status.ok() ? kOk : fail(status.error());
 }
 

@@ -8,7 +8,9 @@ in vec4 v_to_camera[LAYERS];
 flat in uint v_labels;
 out vec4 o_color;
 
-uniform float u_view_exponent;  // sharpens the view term; 1: the paper
+#ifdef SHARPENED
+uniform float u_view_exponent;  // sharpens the view term; without: 1, the paper
+#endif
 
 // Below this sum of weights the first slot takes over.
 const float kLeastSum = 1e-4;
@@ -28,7 +30,10 @@ float slotWeight(vec4 to_camera, vec3 normal, vec3 to_eye) {
   vec3 direction = normalize(to_camera.xyz);
   float facing = max(dot(normal, direction), 0.0);
   float viewing = max(dot(direction, to_eye), 0.0);
-  return to_camera.w * facing * (u_view_exponent == 1.0 ? viewing : pow(viewing, u_view_exponent));
+#ifdef SHARPENED
+  viewing = pow(viewing, u_view_exponent);
+#endif
+  return to_camera.w * facing * viewing;
 }
 
 void main() {

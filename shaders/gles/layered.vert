@@ -5,10 +5,12 @@ uniform usampler2D u_vertex_masks;  // bit c: camera c is in the set of every in
 uniform usampler2D u_labels;        // 5 bits a slot, 31 empty
 uniform mat4 u_clip_from_world;
 uniform vec3 u_eye_in_world;
-uniform vec3 u_view_axis;           // unit, of the viewing camera; paper weights only
-uniform vec4 u_camera_centres[MAX_CAMERAS];
+#ifdef PAPER_WEIGHTS
+uniform vec3 u_view_axis;  // unit, of the viewing camera
 uniform vec4 u_camera_forwards[MAX_CAMERAS];
-uniform int u_paper_weights;
+#else
+uniform vec4 u_camera_centres[MAX_CAMERAS];
+#endif
 
 out vec2 v_uv;
 out vec3 v_normal;
@@ -20,8 +22,11 @@ const uint kEmpty = 31u;
 
 vec4 toCamera(uint camera, vec3 point, uint mask) {
   if (camera == kEmpty) return vec4(0.0);
-  if (u_paper_weights != 0) return vec4(-u_camera_forwards[camera].xyz, 1.0);
+#ifdef PAPER_WEIGHTS
+  return vec4(-u_camera_forwards[camera].xyz, 1.0);
+#else
   return vec4(u_camera_centres[camera].xyz - point, float((mask >> camera) & 1u));
+#endif
 }
 
 void main() {
@@ -31,7 +36,11 @@ void main() {
   v_labels = texelFetch(u_labels, tableTexel(gl_VertexID / 3), 0).r;
   v_uv = corner.uv;
   v_normal = fetchNormal(corner.vertex);
-  v_to_eye = u_paper_weights != 0 ? -u_view_axis : u_eye_in_world - point;
+#ifdef PAPER_WEIGHTS
+  v_to_eye = -u_view_axis;
+#else
+  v_to_eye = u_eye_in_world - point;
+#endif
   for (int slot = 0; slot < LAYERS; ++slot)
     v_to_camera[slot] = toCamera((v_labels >> uint(5 * slot)) & kEmpty, point, mask);
   gl_Position = u_clip_from_world * vec4(point, 1.0);

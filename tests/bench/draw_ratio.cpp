@@ -10,6 +10,7 @@
 
 #include "base/camera.h"
 #include "package/base_mesh.h"
+#include "package/chunk_mesh.h"
 #include "package/stream_file.h"
 #include "platform/egl_context.h"
 #include "platform/ffmpeg_video.h"
@@ -81,8 +82,9 @@ Scene load(gpu::Device& device, const std::filesystem::path& folder) {
   const std::string stream = (folder / sequence.stream_uri).string(), video = (folder / rendition.video_uri).string();
   const auto index =
       orStop(package::readStreamHeader(orStop(platform::readFileRange(stream, 0, sequence.stream_header_bytes))));
-  const auto chunk = orStop(package::decodeChunk(
-      orStop(platform::readFileRange(stream, index.chunks[0].offset, index.chunks[0].bytes)), index, 0));
+  const auto chunk = orStop(
+      package::decodeChunk(orStop(platform::readFileRange(stream, index.chunks[0].offset, index.chunks[0].bytes)),
+                           index, 0, package::makeChunkMesh(mesh)));
   Positions positions;
   for (uint32_t v = 0; v < c.vertex_count; ++v)
     positions.push_back(index.position_origin + index.position_step_m * glm::vec3(chunk.positions[v]));

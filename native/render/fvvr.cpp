@@ -1,0 +1,379 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/fvvr.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+
+#include "render/passes.h"
+
+namespace fourdvt::render {
+namespace {
+
+constexpr int kDepthCopies = 5;  // of the offset multi-draw, as in fvvr_depth.vert
+constexpr int kCropMargin = 8;   // pixels round the mesh
+
+Error invalid(const std::string& message) { return Error{ErrorId::InvalidArgument, message}; }
+
+// What of a picture the frame's mesh can be textured from.
+struct Crop {
+  int x = 0, y = 0, width = 0, height = 0;  // pixels; empty: the mesh is out of sight
+  float near_m = 0, far_m = 0;
+};
+
+Crop cropRoundMesh(const PinholeCamera& camera, const Positions& positions) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  glm::dvec3 low(kInfinity), high(-kInfinity);
+  for (const glm::vec3& position : positions) {
+    const glm::dvec3 pixel = camera.project(glm::dvec3(position));
+    if (pixel.z <= 1e-3) continue;
+    low = glm::min(low, pixel);
+    high = glm::max(high, pixel);
+  }
+  if (low.z > high.z) return {};
+  const auto bound = [](double value, int end) { return static_cast<int>(std::clamp(value, 0.0, double(end))); };
+  const int x0 = bound(std::floor(low.x) - kCropMargin, camera.width),
+            x1 = bound(std::ceil(high.x) + kCropMargin, camera.width),
+            y0 = bound(std::floor(low.y) - kCropMargin, camera.height),
+            y1 = bound(std::ceil(high.y) + kCropMargin, camera.height);
+  if (x1 <= x0 || y1 <= y0) return {};
+  return {x0, y0, x1 - x0, y1 - y0, static_cast<float>(0.9 * low.z), static_cast<float>(1.1 * high.z)};
+}
+
+// The camera whose picture is the crop.
+PinholeCamera croppedCamera(PinholeCamera camera, const Crop& crop) {
+  camera.cx -= crop.x;
+  camera.cy -= crop.y;
+  camera.width = crop.width;
+  camera.height = crop.height;
+  return camera;
+}
+
+// Pixels from straight RGBA, rows tightly packed.
+void premultiply(const Image& rgba, const Crop& crop, std::vector<uint8_t>& out) {
+  out.resize(size_t(crop.width) * crop.height * 4);
+  uint8_t* to = out.data();
+  for (int y = 0; y < crop.height; ++y) {
+    const uint8_t* from = rgba.at(crop.x, crop.y + y);
+    for (int x = 0; x < crop.width; ++x, from += 4, to += 4) {
+      const unsigned alpha = from[3];
+      for (int c = 0; c < 3; ++c) {
+        const unsigned product = from[c] * alpha + 128;
+        to[c] = static_cast<uint8_t>((product + (product >> 8)) >> 8);
+      }
+      to[3] = static_cast<uint8_t>(alpha);
+    }
+  }
+}
+
+glm::mat4 pixelFromWorld(const PinholeCamera& camera) {
+  glm::dmat4 pixel_from_cam(1.0);
+  pixel_from_cam[0][0] = camera.fx;
+  pixel_from_cam[1][1] = camera.fy;
+  pixel_from_cam[2][0] = camera.cx;
+  pixel_from_cam[2][1] = camera.cy;
+  return glm::mat4(pixel_from_cam * camera.cam_from_world);
+}
+
+// Table textures: index → (index % width, index / width), whole rows.
+size_t wholeRows(size_t texels) {
+  return (texels + CharacterModel::kTableWidth - 1) / CharacterModel::kTableWidth * CharacterModel::kTableWidth;
+}
+
+template <class T>
+void uploadTable(gpu::Device& device, const gpu::Texture& texture, const std::vector<T>& table) {
+  device.updateTexture(texture.id(), 0, 0, 0, CharacterModel::kTableWidth,
+                       static_cast<int>(table.size() / CharacterModel::kTableWidth), table.data());
+}
+
+template <class T>
+Status keep(Result<T> made, T& out) {
+  if (!made.ok()) return made.error();
+  out = made.take();
+  return {};
+}
+
+class FvvrOnDevice final : public Fvvr {
+ public:
+  FvvrOnDevice(gpu::Device& device, std::span<const PinholeCamera> cameras, const MeshTopology& topology)
+      : device_(device),
+        face_vertices_(topology.face_vertices),
+        vertex_count_(topology.vertex_count),
+        closed_surface_(isClosedSurface(topology.face_vertices)) {
+    for (const PinholeCamera& camera : cameras) {
+      cameras_.push_back({camera, {}, {}});
+      map_width_ = std::max(map_width_, camera.width);
+      map_height_ = std::max(map_height_, camera.height);
+    }
+  }
+
+  Status prepare();
+  Status setFrame(const Positions& positions, std::span<const Image> pictures) override {
+    FOURDVT_TRY(setGeometry(positions));
+    FOURDVT_TRY(uploadPictures(pictures));
+    drawDepthMaps();
+    return {};
+  }
+  Status setGeometry(const Positions& positions) override;
+  Status uploadPictures(std::span<const Image> pictures) override;
+  void drawDepthMaps() override;
+  Status draw(const View& view, const FvvrOptions& options, gpu::TargetId target) override;
+  Result<Image> renderStill(const View& view, const FvvrOptions& options) override;
+
+ private:
+  struct Camera {
+    PinholeCamera pinhole;
+    Crop crop;  // of the frame shown
+    gpu::Target depth_map;
+  };
+  struct Size {
+    int width = 0, height = 0, samples = 0;
+    bool operator==(const Size&) const = default;
+  };
+
+  int cornerCount() const { return static_cast<int>(3 * face_vertices_.size()); }
+  gpu::Draw meshDraw(gpu::ProgramId program, int copies) const;
+  std::vector<size_t> closestCameras(const View& view, int count) const;
+  void drawMesh(const View& view, const FvvrOptions& options, const std::vector<size_t>& chosen) const;
+  Status prepareProgram(size_t camera_count);
+  Status resizeScene(const Size& size);
+  Status resizeStill(int width, int height);
+
+  gpu::Device& device_;
+  std::vector<Camera> cameras_;
+  std::vector<glm::uvec3> face_vertices_;
+  uint32_t vertex_count_ = 0;
+  bool closed_surface_ = false, has_geometry_ = false, has_pictures_ = false;
+  int map_width_ = 0, map_height_ = 0;  // the largest camera's; smaller ones leave the rest of their layer unused
+  gpu::Texture corner_vertices_, positions_normals_, pictures_, depth_maps_;
+  gpu::Program depth_program_;
+  std::map<size_t, gpu::Program> programs_;  // by number of cameras blended
+  gpu::Target scene_;
+  Size scene_size_;
+  gpu::Texture still_color_;
+  gpu::Target still_;
+  Size still_size_;
+  std::vector<glm::vec3> normals_;  // scratch
+  std::vector<glm::vec4> table_;    // scratch
+  std::vector<uint8_t> pixels_;     // scratch
+};
+
+Status FvvrOnDevice::prepare() {
+  const int layers = static_cast<int>(cameras_.size());
+  const auto table = [&](gpu::PixelFormat format, size_t texels, const char* label, gpu::Texture& out) {
+    const int rows = static_cast<int>(wholeRows(texels) / CharacterModel::kTableWidth);
+    return keep(gpu::makeTexture(
+                    device_, {.format = format, .width = CharacterModel::kTableWidth, .height = rows, .label = label}),
+                out);
+  };
+  FOURDVT_TRY(table(gpu::PixelFormat::R32UI, cornerCount(), "fvvr corners", corner_vertices_));
+  FOURDVT_TRY(table(gpu::PixelFormat::RGBA32F, 2ull * vertex_count_, "fvvr positions", positions_normals_));
+  gpu::TextureDesc map{.format = gpu::PixelFormat::RGBA8,
+                       .width = map_width_,
+                       .height = map_height_,
+                       .layers = layers,
+                       .filter = gpu::Filter::Linear,
+                       .label = "fvvr pictures"};
+  FOURDVT_TRY(keep(gpu::makeTexture(device_, map), pictures_));
+  map.format = gpu::PixelFormat::Depth24;
+  map.filter = gpu::Filter::Nearest;
+  map.label = "fvvr depth maps";
+  FOURDVT_TRY(keep(gpu::makeTexture(device_, map), depth_maps_));
+  for (int c = 0; c < layers; ++c)
+    FOURDVT_TRY(keep(gpu::makeTarget(device_, {.depth = depth_maps_.id(), .depth_layer = c, .label = "fvvr depth map"}),
+                     cameras_[c].depth_map));
+  FOURDVT_TRY(keep(makeEmbeddedProgram(device_, "fvvr_depth.vert", "fvvr_depth.frag"), depth_program_));
+  std::vector<uint32_t> corners;
+  for (const glm::uvec3& face : face_vertices_) corners.insert(corners.end(), {face.x, face.y, face.z});
+  corners.resize(wholeRows(corners.size()));
+  uploadTable(device_, corner_vertices_, corners);
+  return {};
+}
+
+Status FvvrOnDevice::setGeometry(const Positions& positions) {
+  if (positions.size() != vertex_count_)
+    return invalid("the frame has " + std::to_string(positions.size()) + " vertices, the mesh " +
+                   std::to_string(vertex_count_));
+  computeVertexNormals(face_vertices_, positions.data(), vertex_count_, normals_);
+  table_.assign(wholeRows(2ull * vertex_count_), glm::vec4(0));
+  for (uint32_t vertex = 0; vertex < vertex_count_; ++vertex) {
+    table_[2 * vertex] = glm::vec4(positions[vertex], 1);
+    table_[2 * vertex + 1] = glm::vec4(normals_[vertex], 0);
+  }
+  uploadTable(device_, positions_normals_, table_);
+  for (Camera& camera : cameras_) camera.crop = cropRoundMesh(camera.pinhole, positions);
+  has_geometry_ = true;
+  return {};
+}
+
+Status FvvrOnDevice::uploadPictures(std::span<const Image> pictures) {
+  if (!has_geometry_) return invalid("setGeometry goes before uploadPictures");
+  if (pictures.size() != cameras_.size())
+    return invalid(std::to_string(pictures.size()) + " pictures for " + std::to_string(cameras_.size()) + " cameras");
+  for (size_t c = 0; c < pictures.size(); ++c) {
+    const PinholeCamera& camera = cameras_[c].pinhole;
+    if (pictures[c].width != camera.width || pictures[c].height != camera.height || pictures[c].channels != 4)
+      return invalid("the picture of camera " + camera.name + " must be RGBA of " + std::to_string(camera.width) + "x" +
+                     std::to_string(camera.height) + " pixels");
+  }
+  for (size_t c = 0; c < pictures.size(); ++c) {
+    const Crop& crop = cameras_[c].crop;
+    if (crop.width == 0) continue;
+    premultiply(pictures[c], crop, pixels_);
+    device_.updateTexture(pictures_.id(), static_cast<int>(c), crop.x, crop.y, crop.width, crop.height, pixels_.data());
+  }
+  has_pictures_ = true;
+  return {};
+}
+
+gpu::Draw FvvrOnDevice::meshDraw(gpu::ProgramId program, int copies) const {
+  return {.program = program,
+          .textures = {{"u_corner_vertices", corner_vertices_.id()}, {"u_positions_normals", positions_normals_.id()}},
+          .vertex_count = copies * cornerCount(),
+          .depth_test = true,
+          .depth_write = true,
+          .cull = closed_surface_ ? gpu::Cull::Back : gpu::Cull::None};
+}
+
+void FvvrOnDevice::drawDepthMaps() {
+  const int corner_count = cornerCount();
+  for (const Camera& camera : cameras_) {
+    const Crop& crop = camera.crop;
+    if (crop.width == 0) continue;
+    const PinholeCamera cropped = croppedCamera(camera.pinhole, crop);
+    const glm::mat4 clip_from_world(clipFromWorld(cropped, crop.near_m, crop.far_m));
+    const glm::vec2 clip_per_pixel(2.0f / crop.width, 2.0f / crop.height);
+    device_.beginPass({.target = camera.depth_map.id(),
+                       .x = crop.x,
+                       .y = map_height_ - crop.y - crop.height,
+                       .width = crop.width,
+                       .height = crop.height,
+                       .clear_depth = true,
+                       .label = "fvvr depth map"});
+    gpu::Draw draw = meshDraw(depth_program_.id(), kDepthCopies);
+    draw.uniforms = {gpu::uniform("u_clip_from_world", clip_from_world), gpu::uniform("u_corner_count", corner_count),
+                     gpu::uniform("u_clip_per_pixel", clip_per_pixel)};
+    device_.draw(draw);
+    device_.endPass();
+  }
+}
+
+std::vector<size_t> FvvrOnDevice::closestCameras(const View& view, int count) const {
+  std::vector<size_t> order(cameras_.size());
+  std::iota(order.begin(), order.end(), size_t(0));
+  const glm::dvec3 axis(viewAxis(view));
+  const auto cosine = [&](size_t c) { return glm::dot(cameras_[c].pinhole.forwardInWorld(), axis); };
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return cosine(a) > cosine(b); });
+  if (count > 0) order.resize(std::min(order.size(), static_cast<size_t>(count)));
+  return order;
+}
+
+Status FvvrOnDevice::prepareProgram(size_t camera_count) {
+  gpu::Program& program = programs_[camera_count];
+  if (program) return {};
+  return keep(makeEmbeddedProgram(device_, "fvvr.vert", "fvvr.frag", "CAMERAS " + std::to_string(camera_count) + "\n"),
+              program);
+}
+
+void FvvrOnDevice::drawMesh(const View& view, const FvvrOptions& options, const std::vector<size_t>& chosen) const {
+  std::vector<glm::mat4> pixel_from_world;
+  std::vector<glm::vec4> centres, forwards, sizes;
+  for (size_t c : chosen) {
+    const auto& [camera, crop, target] = cameras_[c];
+    pixel_from_world.push_back(pixelFromWorld(camera));
+    centres.emplace_back(glm::vec3(camera.centreInWorld()), c);
+    forwards.emplace_back(glm::vec3(camera.forwardInWorld()), 1 / camera.fx);
+    sizes.emplace_back(camera.width, camera.height, crop.near_m, crop.far_m);
+  }
+  const glm::vec2 map_size(map_width_, map_height_);
+  const glm::vec3 view_axis = viewAxis(view);
+  const int paper_weights = options.paper_weights ? 1 : 0;
+  gpu::Draw draw = meshDraw(programs_.at(chosen.size()).id(), 1);
+  draw.textures.push_back({"u_pictures", pictures_.id()});
+  draw.textures.push_back({"u_depth_maps", depth_maps_.id()});
+  draw.uniforms = {gpu::uniform("u_clip_from_world", view.clip_from_world),
+                   gpu::uniform("u_eye_in_world", view.eye_in_world),
+                   gpu::uniform("u_view_axis", view_axis),
+                   gpu::uniform("u_paper_weights", paper_weights),
+                   gpu::uniform("u_map_size", map_size),
+                   gpu::uniform("u_pixel_from_world", std::span<const glm::mat4>(pixel_from_world)),
+                   gpu::uniform("u_centres", std::span<const glm::vec4>(centres)),
+                   gpu::uniform("u_forwards", std::span<const glm::vec4>(forwards)),
+                   gpu::uniform("u_sizes_near_far", std::span<const glm::vec4>(sizes))};
+  device_.draw(draw);
+}
+
+Status FvvrOnDevice::draw(const View& view, const FvvrOptions& options, gpu::TargetId target) {
+  if (!has_pictures_) return invalid("draw before the first setFrame");
+  if (view.width < 1 || view.height < 1) return invalid("the view is empty; give it a width and a height");
+  if (options.closest < 0) return invalid("closest must be 0 (all cameras) or more");
+  const std::vector<size_t> chosen = closestCameras(view, options.closest);
+  FOURDVT_TRY(prepareProgram(chosen.size()));
+  FOURDVT_TRY(resizeScene({view.width, view.height, std::clamp(options.samples, 0, device_.caps().max_samples)}));
+  device_.beginPass({.target = scene_.id(),
+                     .width = view.width,
+                     .height = view.height,
+                     .clear_color = true,
+                     .clear_depth = true,
+                     .color = options.background,
+                     .label = "fvvr"});
+  drawMesh(view, options, chosen);
+  device_.endPass();
+  device_.blit(scene_.id(), target, view.width, view.height);
+  return {};
+}
+
+Status FvvrOnDevice::resizeScene(const Size& size) {
+  if (scene_ && size == scene_size_) return {};
+  scene_.reset();
+  scene_size_ = size;
+  return keep(gpu::makeTarget(device_, {.width = size.width,
+                                        .height = size.height,
+                                        .samples = size.samples,
+                                        .own_depth = true,
+                                        .label = "fvvr scene"}),
+              scene_);
+}
+
+Status FvvrOnDevice::resizeStill(int width, int height) {
+  const Size size{width, height, 0};
+  if (still_ && size == still_size_) return {};
+  still_.reset();
+  FOURDVT_TRY(keep(gpu::makeTexture(device_, {.width = width, .height = height, .label = "fvvr still"}), still_color_));
+  still_size_ = size;
+  return keep(gpu::makeTarget(device_, {.colors = {still_color_.id()}, .label = "fvvr still"}), still_);
+}
+
+Result<Image> FvvrOnDevice::renderStill(const View& view, const FvvrOptions& options) {
+  const int largest = device_.caps().max_texture_size;
+  if (view.width < 1 || view.height < 1 || view.width > largest || view.height > largest)
+    return invalid("picture size must be between 1 and " + std::to_string(largest) + " pixels");
+  FOURDVT_TRY(resizeStill(view.width, view.height));
+  FOURDVT_TRY(draw(view, options, still_.id()));
+  Image image(view.width, view.height, 4);
+  FOURDVT_TRY(
+      device_.readPixels(still_.id(), gpu::PixelFormat::RGBA8, 0, 0, view.width, view.height, image.pixels.data()));
+  for (size_t i = 0; i < image.pixels.size(); i += 4) {
+    uint8_t* p = &image.pixels[i];
+    if (p[3] == 0 || p[3] == 255) continue;
+    for (int c = 0; c < 3; ++c) p[c] = static_cast<uint8_t>(std::min(255, (p[c] * 255 + p[3] / 2) / p[3]));
+  }
+  return image;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Fvvr>> Fvvr::create(gpu::Device& device, std::span<const PinholeCamera> cameras,
+                                           const MeshTopology& topology) {
+  if (cameras.empty() || cameras.size() > static_cast<size_t>(package::kMaxCameras))
+    return invalid("free-viewpoint rendering takes 1 to " + std::to_string(package::kMaxCameras) + " cameras, not " +
+                   std::to_string(cameras.size()));
+  if (topology.faceCount() == 0) return invalid("the mesh has no faces");
+  auto fvvr = std::make_unique<FvvrOnDevice>(device, cameras, topology);
+  FOURDVT_TRY(fvvr->prepare());
+  return std::unique_ptr<Fvvr>(std::move(fvvr));
+}
+
+}  // namespace fourdvt::render

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// Projective texturing from CAMERAS pictures with run-time depth tests, blended by LVDT Eq. 3-4 (corrected sign).
+// Blends encoded values, as the paper does.
+centroid in vec3 v_point;
+centroid in vec3 v_normal;
+out vec4 o_color;
+
+uniform highp sampler2DArray u_pictures;    // premultiplied, alpha = matte; row 0 is the top row
+uniform highp sampler2DArray u_depth_maps;  // drawn y up: row 0 is the bottom row
+uniform vec2 u_map_size;                    // texels of both
+uniform mat4 u_pixel_from_world[CAMERAS];   // → (pixel · depth, depth along the optical axis, unused)
+uniform vec4 u_centres[CAMERAS];            // xyz world; w layer
+uniform vec4 u_forwards[CAMERAS];           // xyz unit optical axis; w metres a pixel spans at a depth of 1 m
+uniform vec4 u_sizes_near_far[CAMERAS];     // pixels, pixels, metres, metres
+uniform vec3 u_eye_in_world;
+uniform vec3 u_view_axis;
+uniform int u_paper_weights;
+
+const float kDepthBias = 0.01;    // metres
+const float kReachPixels = 2.1;   // of the offset multi-draw along its diagonals, and the rounding to a texel
+const float kLeastSum = 1e-6;
+
+float mappedDepth(vec2 pixel, int i) {
+  ivec2 at = ivec2(pixel);
+  float z = texelFetch(u_depth_maps, ivec3(at.x, int(u_map_size.y) - 1 - at.y, int(u_centres[i].w)), 0).r * 2.0 - 1.0;
+  float near = u_sizes_near_far[i].z, far = u_sizes_near_far[i].w;
+  return 2.0 * near * far / (far + near - z * (far - near));
+}
+
+// xy pixel, z depth; z <= 0: outside the picture (its margin of half a pixel counts as outside).
+vec3 projected(int i) {
+  vec3 p = (u_pixel_from_world[i] * vec4(v_point, 1.0)).xyz;
+  vec2 pixel = p.xy / p.z;
+  bool inside = all(greaterThanEqual(pixel, vec2(0.5))) && all(lessThanEqual(pixel, u_sizes_near_far[i].xy - 0.5));
+  return vec3(pixel, inside ? p.z : 0.0);
+}
+
+bool isHidden(vec3 at, float cosine, int i) {
+  float slope = sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, 0.05);
+  return at.z > mappedDepth(at.xy, i) + kDepthBias + kReachPixels * slope * at.z * u_forwards[i].w;
+}
+
+// Straight colour; alpha 0 where the matte says background.
+vec4 pictureColor(vec2 pixel, int i) {
+  vec4 texel = textureLod(u_pictures, vec3(pixel / u_map_size, u_centres[i].w), 0.0);
+  return texel.a > 0.5 ? vec4(texel.rgb / texel.a, 1.0) : vec4(0.0);
+}
+
+// The camera that faces the point best in spite of occlusion; black where no matte has it.
+vec3 bestFacingColor(vec3 normal) {
+  vec3 color = vec3(0.0);
+  float best = -2.0;
+  for (int i = 0; i < CAMERAS; ++i) {
+    float facing = dot(normalize(u_centres[i].xyz - v_point), normal);
+    vec3 at = projected(i);
+    if (facing <= best || at.z <= 0.0) continue;
+    vec4 texel = pictureColor(at.xy, i);
+    if (texel.a == 0.0) continue;
+    best = facing;
+    color = texel.rgb;
+  }
+  return color;
+}
+
+void main() {
+  vec3 normal = normalize(v_normal);
+  vec3 to_eye = u_paper_weights != 0 ? -u_view_axis : normalize(u_eye_in_world - v_point);
+  vec3 color = vec3(0.0);
+  float sum = 0.0;
+  for (int i = 0; i < CAMERAS; ++i) {
+    vec3 ray = normalize(u_centres[i].xyz - v_point);
+    vec3 direction = u_paper_weights != 0 ? -u_forwards[i].xyz : ray;
+    float weight = max(dot(normal, direction), 0.0) * max(dot(direction, to_eye), 0.0);
+    float cosine = dot(normal, ray);
+    if (weight <= 0.0 || cosine <= 0.0) continue;
+    vec3 at = projected(i);
+    if (at.z <= 0.0 || isHidden(at, cosine, i)) continue;
+    vec4 texel = pictureColor(at.xy, i);
+    color += weight * texel.a * texel.rgb;
+    sum += weight * texel.a;
+  }
+  o_color = vec4(sum > kLeastSum ? color / sum : bestFacingColor(normal), 1.0);
+}

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// bench_fvvr_ratio CHARACTER CAPTURE [FRAMES [CLOSEST]]: LVDT 4.4, frame rate of the layered character against
+// free-viewpoint rendering from the CLOSEST cameras (0: all), with the parts of a frame.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+
+#include "evaluate/frame_rate.h"
+#include "platform/egl_context.h"
+#include "platform/ffmpeg_video.h"
+
+namespace {
+
+using namespace fourdvt;
+
+template <class T>
+T orStop(Result<T> result) {
+  if (!result.ok()) {
+    std::fprintf(stderr, "bench_fvvr_ratio: %s\n", result.error().message.c_str());
+    std::exit(1);
+  }
+  return result.take();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 3) return std::fprintf(stderr, "usage: bench_fvvr_ratio CHARACTER CAPTURE [FRAMES [CLOSEST]]\n"), 2;
+  const OpenVideo open_video = [](const std::string& path, int channels) {
+    return platform::openVideoFile(path, channels);
+  };
+  const auto context = orStop(platform::EglContext::create());
+  const auto device = orStop(gpu::createGlesDevice());
+  const auto capture = orStop(capture::openCapture(argv[2], open_video));
+  evaluate::FrameRateOptions options;
+  if (argc > 3) options.frames = std::max(1, std::atoi(argv[3]));
+  if (argc > 4) options.closest = std::max(0, std::atoi(argv[4]));
+  std::fputs(
+      evaluate::frameRateTable(orStop(evaluate::measureFrameRates(*device, capture, open_video, argv[1], options)))
+          .c_str(),
+      stdout);
+  return 0;
+}

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+// The free-viewpoint baseline: exact blends of two cameras, occlusion, choice of cameras, matte, and the CPU yardstick.
+#include "render/fvvr.h"
+
+#include <cmath>
+
+#include "bake/picture_crop.h"
+#include "capture/capture.h"
+#include "evaluate/metrics.h"
+#include "evaluate/projective.h"
+#include "gl_fixture.h"
+#include "platform/ffmpeg_video.h"
+
+namespace fourdvt::testing {
+namespace {
+
+using glm::dvec3;
+
+constexpr int kSide = 64;
+
+Image filled(const PinholeCamera& camera, const glm::u8vec4& color) {
+  Image image(camera.width, camera.height, 4);
+  for (size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = color[i % 4];
+  return image;
+}
+
+const glm::u8vec4 kRed(200, 40, 10, 255), kBlue(20, 60, 220, 255), kGreen(0, 255, 0, 255);
+
+// A quad of ±half metres in the plane z facing +Z, appended.
+void appendQuad(MeshTopology& topology, Positions& positions, dvec3 centre, double half) {
+  const uint32_t first = static_cast<uint32_t>(positions.size());
+  for (const glm::dvec2 corner : {glm::dvec2(-1, 1), glm::dvec2(-1, -1), glm::dvec2(1, -1), glm::dvec2(1, 1)})
+    positions.emplace_back(centre + dvec3(half * corner, 0));
+  topology.face_vertices.push_back({first, first + 1, first + 2});
+  topology.face_vertices.push_back({first, first + 2, first + 3});
+  topology.vertex_count = static_cast<uint32_t>(positions.size());
+}
+
+// LVDT Eq. 3-4 with the corrected sign for the plane z = const, by hand: `directions` are unit vectors towards the
+// cameras, `to_eye` towards the eye.
+dvec3 blend(const std::vector<dvec3>& directions, const std::vector<glm::u8vec4>& colors, const dvec3& to_eye) {
+  dvec3 sum(0);
+  double total = 0;
+  for (size_t i = 0; i < directions.size(); ++i) {
+    const double weight = std::max(directions[i].z, 0.0) * std::max(glm::dot(directions[i], to_eye), 0.0);
+    sum += weight * dvec3(colors[i]);
+    total += weight;
+  }
+  return sum / total;
+}
+
+class FvvrTest : public GlFixture {
+ protected:
+  void addQuad(dvec3 centre, double half) { appendQuad(topology, positions, centre, half); }
+
+  Image still(const PinholeCamera& view, const std::vector<Image>& pictures, render::FvvrOptions options = {}) {
+    auto fvvr = render::Fvvr::create(*device, cameras, topology);
+    EXPECT_TRUE(fvvr) << fvvr.error().message;
+    const Status set = fvvr.value()->setFrame(positions, pictures);
+    EXPECT_TRUE(set) << set.error().message;
+    auto image = fvvr.value()->renderStill(render::viewFromCamera(view), options);
+    EXPECT_TRUE(image) << image.error().message;
+    remember(image.value());
+    return image.take();
+  }
+
+  // Colour where `point` is seen.
+  static void expectColor(const Image& image, const PinholeCamera& view, const dvec3& point, const dvec3& expected,
+                          double tolerance = 1.0) {
+    const dvec3 pixel = view.project(point);
+    const uint8_t* p = image.at(static_cast<int>(pixel.x), static_cast<int>(pixel.y));
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(p[c], expected[c], tolerance) << "channel " << c;
+    EXPECT_EQ(p[3], 255);
+  }
+
+  MeshTopology topology;
+  Positions positions;
+  std::vector<PinholeCamera> cameras;
+};
+
+// The point whose ray goes through the centre of the pixel that shows `near_point`, in the plane z = 0.
+dvec3 pointUnderPixel(const PinholeCamera& view, const dvec3& near_point) {
+  const dvec3 pixel = view.project(near_point);
+  const dvec3 in_cam((std::floor(pixel.x) + 0.5 - view.cx) / view.fx, (std::floor(pixel.y) + 0.5 - view.cy) / view.fy,
+                     1);
+  const dvec3 ray = glm::transpose(glm::dmat3(view.cam_from_world)) * in_cam, eye = view.centreInWorld();
+  return eye - ray * (eye.z / ray.z);
+}
+
+TEST_F(FvvrTest, TwoCamerasBlendByEquations3And4) {
+  addQuad({0, 1, 0}, 0.5);
+  // Cameras of different sizes: the smaller one is padded.
+  cameras = {lookAt({-1.5, 1.4, 3}, {0, 1, 0}, kSide, kSide, 60), lookAt({2, 0.6, 2.5}, {0, 1, 0}, 48, 80, 40)};
+  const std::vector<Image> pictures = {filled(cameras[0], kRed), filled(cameras[1], kBlue)};
+  for (const dvec3 eye : {dvec3(0, 1, 3), dvec3(-2, 1.5, 2), dvec3(2.5, 0.2, 1.5)}) {
+    const PinholeCamera view = lookAt(eye, {0, 1, 0}, kSide, kSide, 60);
+    const Image rays = still(view, pictures), axes = still(view, pictures, {.paper_weights = true});
+    for (const dvec3 near_point : {dvec3(-0.1, 0.9, 0), dvec3(-0.3, 1.1, 0), dvec3(0.3, 1.2, 0)}) {
+      const dvec3 point = pointUnderPixel(view, near_point);
+      std::vector<dvec3> directions, backwards;
+      for (const PinholeCamera& camera : cameras) {
+        directions.push_back(glm::normalize(camera.centreInWorld() - point));
+        backwards.push_back(-camera.forwardInWorld());
+      }
+      expectColor(rays, view, point, blend(directions, {kRed, kBlue}, glm::normalize(eye - point)));
+      expectColor(axes, view, point, blend(backwards, {kRed, kBlue}, -view.forwardInWorld()));
+    }
+  }
+}
+
+TEST_F(FvvrTest, EachCameraTexturesWithItsOwnPixels) {
+  addQuad({0, 1, 0}, 0.5);
+  cameras = {lookAt({0.8, 1.2, 3}, {0, 1, 0}, 96, 72, 80)};
+  Image picture(96, 72, 4, 255);  // red rises with x, green with y: the colour tells the pixel
+  for (int y = 0; y < 72; ++y)
+    for (int x = 0; x < 96; ++x)
+      picture.at(x, y)[0] = static_cast<uint8_t>(2 * x), picture.at(x, y)[1] = static_cast<uint8_t>(3 * y);
+  const PinholeCamera view = lookAt({-0.5, 0.8, 2.5}, {0, 1, 0}, kSide, kSide, 60);
+  const Image image = still(view, {picture});
+  for (const dvec3 near_point : {dvec3(0, 1, 0), dvec3(-0.4, 1.4, 0), dvec3(0.4, 1.3, 0), dvec3(0.35, 0.6, 0)}) {
+    const dvec3 point = pointUnderPixel(view, near_point), pixel = cameras[0].project(point);
+    expectColor(image, view, point, {2 * (pixel.x - 0.5), 3 * (pixel.y - 0.5), 255}, 1.5);
+  }
+}
+
+TEST_F(FvvrTest, OccludedCameraContributesNothing) {
+  constexpr double kHalf = 0.2;
+  const dvec3 occluder(-0.5, 1.1, 1);  // between the left camera and the quad, above its middle
+  addQuad({0, 1, 0}, 0.5);
+  addQuad(occluder, kHalf);
+  cameras = {lookAt({-1.5, 1, 3}, {0, 1, 0}, 128, 128, 130), lookAt({1.5, 1, 3}, {0, 1, 0}, 128, 128, 130)};
+  const std::vector<Image> pictures = {filled(cameras[0], kRed), filled(cameras[1], kBlue)};
+  const PinholeCamera view = lookAt({0.6, 1, 3}, {0, 1, 0}, 512, 512, 520);
+  const Image image = still(view, pictures);
+  const dvec3 left_eye = cameras[0].centreInWorld();
+  int shaded = 0, lit = 0;
+  for (double x = -0.4; x < 0.45; x += 0.012) {
+    for (double y = 0.6; y < 1.48; y += 0.012) {
+      const dvec3 point = pointUnderPixel(view, {x, y, 0});
+      const dvec3 crossing = left_eye + (point - left_eye) * ((left_eye.z - occluder.z) / left_eye.z);
+      const double inside_m = kHalf - std::max(std::abs(crossing.x - occluder.x), std::abs(crossing.y - occluder.y));
+      const double inside = inside_m * cameras[0].fx / cameras[0].project(crossing).z;  // the left camera's pixels
+      if (inside > -0.4) expectColor(image, view, point, dvec3(kBlue)), ++shaded;  // grown by the offset multi-draw
+      if (inside > -3) continue;
+      const dvec3 both = blend({glm::normalize(left_eye - point), glm::normalize(cameras[1].centreInWorld() - point)},
+                               {kRed, kBlue}, glm::normalize(view.centreInWorld() - point));
+      expectColor(image, view, point, both, 1.5);
+      ++lit;
+    }
+  }
+  EXPECT_GT(shaded, 1000);
+  EXPECT_GT(lit, 1000);
+}
+
+TEST_F(FvvrTest, ClosestTakesTheNearestCamerasOnly) {
+  addQuad({0, 1, 0}, 0.5);
+  cameras = {lookAt({-1.5, 1, 3}, {0, 1, 0}, kSide, kSide, 60), lookAt({1.5, 1, 3}, {0, 1, 0}, kSide, kSide, 60),
+             lookAt({0, 3, 2}, {0, 1, 0}, kSide, kSide, 60)};
+  const std::vector<Image> pictures = {filled(cameras[0], kRed), filled(cameras[1], kBlue), filled(cameras[2], kGreen)};
+  const dvec3 middle(0, 1, 0);
+  const PinholeCamera left = lookAt({-1, 1, 3}, middle, kSide, kSide, 60),
+                      right = lookAt({0.4, 1, 3}, middle, kSide, kSide, 60);
+  expectColor(still(left, pictures, {.closest = 1}), left, middle, dvec3(kRed));
+  const Image one = still(right, pictures, {.closest = 1});
+  expectColor(one, right, middle, dvec3(kBlue));
+  const dvec3 point = pointUnderPixel(right, middle);
+  expectColor(
+      still(right, pictures, {.closest = 2}), right, middle,
+      blend({glm::normalize(cameras[0].centreInWorld() - point), glm::normalize(cameras[1].centreInWorld() - point)},
+            {kRed, kBlue}, glm::normalize(right.centreInWorld() - point)));
+  EXPECT_EQ(still(right, pictures, {.closest = 9}).pixels, still(right, pictures).pixels);
+}
+
+TEST_F(FvvrTest, BackdropIsNeverSampled) {
+  addQuad({0, 1, 0}, 0.5);
+  cameras = {lookAt({-0.8, 1, 3}, {0, 1, 0}, 128, 128, 120), lookAt({0.8, 1, 3}, {0, 1, 0}, 128, 128, 120)};
+  const PinholeCamera view = lookAt({0, 1, 3}, {0, 1, 0}, 128, 128, 120);
+  std::vector<Image> pictures = {filled(cameras[0], kRed), filled(cameras[1], kBlue)};
+  const Image whole = still(view, pictures);
+  // The left camera's matte ends in the middle; beyond it the picture is the green of the backdrop.
+  for (int y = 0; y < 128; ++y)
+    for (int x = 64; x < 128; ++x)
+      for (int c = 0; c < 4; ++c) pictures[0].at(x, y)[c] = c == 3 ? 0 : kGreen[c];
+  const Image image = still(view, pictures);
+  expectColor(image, view, {0.3, 1, 0}, dvec3(kBlue));
+  int blended = 0, blue = 0;
+  for (size_t i = 0; i < image.pixels.size(); i += 4) {
+    if (image.pixels[i + 3] != 255) continue;
+    const uint8_t *p = &image.pixels[i], *q = &whole.pixels[i];  // either as without a matte, or the right camera's
+    const int from_whole = std::abs(p[0] - q[0]) + std::abs(p[1] - q[1]) + std::abs(p[2] - q[2]);
+    const int from_blue = std::abs(p[0] - kBlue[0]) + std::abs(p[1] - kBlue[1]) + std::abs(p[2] - kBlue[2]);
+    EXPECT_LE(std::min(from_whole, from_blue), 6);
+    ++(from_whole < from_blue ? blended : blue);
+  }
+  EXPECT_GT(blended, 500);
+  EXPECT_GT(blue, 500);
+}
+
+TEST_F(FvvrTest, MatteDecidesAtOneHalf) {
+  addQuad({0, 1, 0}, 0.5);
+  cameras = {lookAt({-0.8, 1, 3}, {0, 1, 0}, kSide, kSide, 60), lookAt({0.8, 1, 3}, {0, 1, 0}, kSide, kSide, 60)};
+  const PinholeCamera view = lookAt({0, 1, 3}, {0, 1, 0}, kSide, kSide, 60);
+  const auto withAlpha = [&](uint8_t alpha) {
+    const std::vector<Image> pictures = {filled(cameras[0], {kRed.x, kRed.y, kRed.z, alpha}),
+                                         filled(cameras[1], kBlue)};
+    return still(view, pictures);
+  };
+  const dvec3 point = pointUnderPixel(view, {0, 1, 0});
+  expectColor(withAlpha(127), view, point, dvec3(kBlue));
+  const dvec3 both =
+      blend({glm::normalize(cameras[0].centreInWorld() - point), glm::normalize(cameras[1].centreInWorld() - point)},
+            {kRed, kBlue}, glm::normalize(view.centreInWorld() - point));
+  expectColor(withAlpha(129), view, point, both, 1.5);  // premultiplied in 8 bits
+}
+
+TEST_F(FvvrTest, FragmentThatNoCameraSeesTakesTheBestFacingOne) {
+  addQuad({0, 1, 0}, 0.5);
+  addQuad({0, 1, 1.5}, 0.4);  // hides the quad's middle from both cameras
+  cameras = {lookAt({-0.3, 1, 4}, {0, 1, 0}, kSide, kSide, 60), lookAt({0.9, 1, 4}, {0.5, 1, 0}, kSide, kSide, 60)};
+  const std::vector<Image> pictures = {filled(cameras[0], kRed), filled(cameras[1], kBlue)};
+  const PinholeCamera view = lookAt({0, 3.5, 1.2}, {0, 1, 0}, kSide, kSide, 60);  // over the occluder
+  expectColor(still(view, pictures), view, {0, 1, 0}, dvec3(kRed));
+  // The best-facing camera's matte leaves the point out: the other one.
+  const std::vector<Image> matted = {filled(cameras[0], {0, 255, 0, 0}), pictures[1]};
+  expectColor(still(view, matted), view, {0, 1, 0}, dvec3(kBlue));
+  // Seen from behind, no camera faces it at all.
+  const PinholeCamera behind = lookAt({0, 1, -3}, {0, 1, 0}, kSide, kSide, 60);
+  EXPECT_EQ(still(behind, pictures).at(32, 32)[3], 255);
+}
+
+TEST_F(FvvrTest, MisuseIsOneError) {
+  addQuad({0, 1, 0}, 0.5);
+  EXPECT_EQ(render::Fvvr::create(*device, cameras, topology).error().id, ErrorId::InvalidArgument);
+  cameras = {lookAt({-1.5, 1, 3}, {0, 1, 0}, kSide, kSide, 60)};
+  auto fvvr = render::Fvvr::create(*device, cameras, topology).take();
+  const render::View view = render::viewFromCamera(cameras[0]);
+  EXPECT_EQ(fvvr->renderStill(view, {}).error().id, ErrorId::InvalidArgument);
+  EXPECT_EQ(fvvr->setFrame(Positions(3), {}).error().id, ErrorId::InvalidArgument);
+  EXPECT_EQ(fvvr->setFrame(positions, {}).error().id, ErrorId::InvalidArgument);
+  const std::vector<Image> small = {Image(8, 8, 4)};
+  EXPECT_EQ(fvvr->setFrame(positions, small).error().id, ErrorId::InvalidArgument);
+}
+
+// Same equations on the CPU, without matte tests and offset multi-draw.
+TEST_F(FvvrTest, AgreesWithTheYardstickOnTheSample) {
+  const OpenVideo open_video = [](const std::string& path, int channels) {
+    return platform::openVideoFile(path, channels);
+  };
+  auto capture = capture::openCapture(FOURDVT_SOURCE_DIR "/site/sample/actor_a", open_video, {"walk"});
+  ASSERT_TRUE(capture) << capture.error().message;
+  auto reader = capture::FrameReader::open(capture.value(), capture.value().sequences[0], open_video);
+  ASSERT_TRUE(reader) << reader.error().message;
+  auto frame = reader.value()->next();
+  ASSERT_TRUE(frame) << frame.error().message;
+  for (Image& picture : frame.value().pictures) bake::replaceEdgeColours(picture);
+  for (const auto& camera : capture.value().cameras) cameras.push_back(camera.pinhole);
+  topology = capture.value().topology;
+  positions = frame.value().positions;
+  BoundingBox bounds{positions[0], positions[0]};
+  for (const glm::vec3& p : positions) bounds = {glm::min(bounds.min, p), glm::max(bounds.max, p)};
+  for (const double azimuth_deg : {25.0, 205.0}) {
+    OrbitView orbit = defaultOrbit(bounds, 0.75);
+    orbit.azimuth_deg = azimuth_deg;
+    const PinholeCamera view = cameraFromOrbit(orbit, 480, 640);
+    const Image drawn = still(view, frame.value().pictures);
+    const Image truth =
+        evaluate::renderProjective(view, cameras, frame.value().pictures, topology.face_vertices, positions);
+    const double ssim = evaluate::ssim(evaluate::compositedOnBlack(truth), evaluate::compositedOnBlack(drawn),
+                                       evaluate::unionOfSilhouettes(truth, drawn));
+    RecordProperty("ssim_" + std::to_string(static_cast<int>(azimuth_deg)), std::to_string(ssim));
+    printf("azimuth %.0f: SSIM %.4f\n", azimuth_deg, ssim);
+    EXPECT_GE(ssim, 0.97);
+  }
+}
+
+}  // namespace
+}  // namespace fourdvt::testing
