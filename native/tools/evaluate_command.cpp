@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <unistd.h>
 
+#include <atomic>
+#include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 
 #include "evaluate/held_out.h"
+#include "evaluate/study.h"
 #include "platform/files.h"
 #include "tools/args.h"
 #include "tools/commands.h"
@@ -15,17 +20,128 @@ namespace {
 
 const CommandHelp& help() {
   static const CommandHelp text{
-      "evaluate CAPTURE --character CHARACTER [options]",
-      "PSNR (RGB) and SSIM (luma, 11x11 Gaussian) of a character over the union of both silhouettes, on black, at the\n"
-      "capture's held-out cameras and at its input cameras: per sequence, camera and mean. \"common dB\" is the PSNR "
-      "where both\n"
-      "silhouettes are, without the outline's error.",
-      {{"--character", "CHARACTER", "character folder baked from CAPTURE (required)"},
-       {"--sequences", "A,B", "only these sequences (default: all of the character)"},
-       {"--input-every", "N", "input cameras: every Nth frame, 0: none (default 4)"},
-       {"--yardstick", nullptr, "also plain projective texturing from the input pictures: no layers, no codec"},
-       {"-o", "FOLDER", "also write evaluate.csv, evaluate.txt and worst.png there"}}};
+      "evaluate CAPTURE -o REPORT [--quick]  or  evaluate CAPTURE --character CHARACTER [options]",
+      "The first form bakes the capture in every way that is compared and writes the papers' tables and curves as\n"
+      "REPORT/evaluate.csv and REPORT/report.html. Stop it with Ctrl-C; the same command goes on where it was.\n"
+      "The second form scores one baked character: PSNR (RGB) and SSIM (luma, 11x11 Gaussian) over the union of both\n"
+      "silhouettes, on black, at the capture's held-out cameras and at its input cameras: per sequence, camera and "
+      "mean.\n"
+      "\"common dB\" is the PSNR where both silhouettes are, without the outline's error.",
+      {{"-o", "FOLDER", "report folder (required without --character; with it: evaluate.csv, .txt and worst.png)"},
+       {"--sequences", "A,B", "only these sequences (default: all)"},
+       {"--quick", nullptr, "the shortest sequence, few views and settings: for a first look"},
+       {"--jobs", "N", "worker threads of the bakes, 0: as many as cores (default 0)"},
+       {"--character", "CHARACTER", "score this character folder, baked from CAPTURE"},
+       {"--input-every", "N", "with --character: input cameras, every Nth frame, 0: none (default 4)"},
+       {"--yardstick", nullptr, "with --character: also plain projective texturing, no layers, no codec"}}};
   return text;
+}
+
+struct Arguments {
+  std::string capture, character, output;
+  std::vector<std::string> sequences;
+  bool quick = false;
+  int jobs = 0;
+  evaluate::HeldOutOptions held_out;
+};
+
+Arguments readArguments(Args& args) {
+  Arguments a;
+  a.capture = args.positional();
+  a.character = args.text("--character");
+  a.output = args.text("-o");
+  a.sequences = a.held_out.sequences = args.list("--sequences");
+  a.quick = args.has("--quick");
+  a.jobs = args.integer("--jobs", 0, 0, 1024);
+  a.held_out.input_every = static_cast<uint32_t>(args.integer("--input-every", 4, 0, 1'000'000));
+  a.held_out.yardstick = args.has("--yardstick");
+  if (a.character.empty() && a.output.empty())
+    args.complain("-o FOLDER is missing: where the report goes; or score one character with --character");
+  if (a.character.empty() && (args.has("--input-every") || args.has("--yardstick")))
+    args.complain("--input-every and --yardstick belong to --character");
+  if (!a.character.empty() && (args.has("--quick") || args.has("--jobs")))
+    args.complain("--quick and --jobs do not go with --character");
+  return a;
+}
+
+std::atomic<bool> g_stop{false};
+
+// The first signal asks the study to stop soon; a second one ends the process at once.
+void onSignal(int) {
+  if (g_stop.exchange(true)) _exit(kInterrupted);
+}
+
+void listenForStop() {
+  struct sigaction action {};
+  action.sa_handler = onSignal;
+  sigemptyset(&action.sa_mask);
+  action.sa_flags = SA_RESTART;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+// One line, rewritten in place on a terminal; elsewhere a line every 5 s.
+class ProgressLine {
+ public:
+  void show(const evaluate::StudyProgress& p) {
+    const auto now = Clock::now();
+    if (!started_) started_ = now, first_share_ = p.share;
+    if (shown_ && now - last_ < (tty_ ? std::chrono::milliseconds(100) : std::chrono::milliseconds(5000))) return;
+    last_ = now;
+    shown_ = true;
+    char numbers[64];
+    std::snprintf(numbers, sizeof numbers, "%3.0f %%  ", 100 * p.share);
+    const std::string line = numbers + p.step + (p.detail.empty() ? "" : ": " + p.detail) + timeLeft(now, p.share);
+    std::fprintf(stderr, tty_ ? "\r\033[K%s" : "%s\n", line.c_str());
+    std::fflush(stderr);
+  }
+  void end() const {
+    if (tty_ && shown_) std::fputs("\r\033[K", stderr);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  // What earlier runs finished does not count.
+  std::string timeLeft(Clock::time_point now, double share) const {
+    const double elapsed_s = std::chrono::duration<double>(now - *started_).count(), done = share - first_share_;
+    if (elapsed_s < 3 || done < 0.01) return "";
+    const int left_s = static_cast<int>(elapsed_s * (1 - share) / done + 0.5);
+    char text[48];
+    if (left_s < 60)
+      std::snprintf(text, sizeof text, "  %d s left", left_s);
+    else
+      std::snprintf(text, sizeof text, "  %d min %02d s left", left_s / 60, left_s % 60);
+    return text;
+  }
+  const bool tty_ = isatty(STDERR_FILENO) != 0;
+  bool shown_ = false;
+  std::optional<Clock::time_point> started_;
+  double first_share_ = 0;
+  Clock::time_point last_;
+};
+
+int runWholeStudy(const Arguments& arguments) {
+  listenForStop();
+  auto capture = capture::openCapture(arguments.capture, videoOpener(), arguments.sequences);
+  if (!capture.ok()) return fail(capture.error());
+  auto gpu = openGpu();
+  if (!gpu.ok()) return fail(gpu.error());
+  ProgressLine line;
+  evaluate::StudyContext context;
+  context.options = {arguments.capture, arguments.output, arguments.sequences, arguments.quick, arguments.jobs};
+  context.capture = &capture.value();
+  context.open_video = videoOpener();
+  context.device = gpu.value().device.get();
+  context.progress = [&](const evaluate::StudyProgress& p) { line.show(p); };
+  context.stop = &g_stop;
+  const auto start = std::chrono::steady_clock::now();
+  auto rows = evaluate::runStudy(context);
+  line.end();
+  if (!rows.ok()) return fail(rows.error());
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  std::printf("%zu figures in %.0f s\nfigures: %s/evaluate.csv\nreport: %s/report.html\n", rows.value().size(),
+              seconds.count(), arguments.output.c_str(), arguments.output.c_str());
+  return kOk;
 }
 
 Status writeText(const std::string& path, const std::string& text) {
@@ -39,27 +155,18 @@ Status writeReport(const std::string& folder, const evaluate::HeldOutReport& rep
   return platform::writeImage(folder + "/worst.png", evaluate::contactSheet(report.worst));
 }
 
-}  // namespace
-
-int evaluateCommand(int argc, char** argv) {
-  Args args(help(), argc, argv);
-  const std::string folder = args.positional(), character = args.required("--character"), output = args.text("-o");
-  evaluate::HeldOutOptions options;
-  options.sequences = args.list("--sequences");
-  options.input_every = static_cast<uint32_t>(args.integer("--input-every", 4, 0, 1'000'000));
-  options.yardstick = args.has("--yardstick");
-  if (const auto code = helpOrProblem(help(), args)) return *code;
-
+int scoreCharacter(const Arguments& arguments) {
+  const std::string& output = arguments.output;
   std::error_code failed;
   if (!output.empty()) std::filesystem::create_directories(output, failed);
   if (failed)
     return fail({ErrorId::WriteFailed, output + ": " + failed.message() + "; choose a folder that is writable"});
-  auto session = openCharacter(character);
+  auto session = openCharacter(arguments.character);
   if (!session.ok()) return fail(session.error());
-  auto capture = capture::openCapture(folder, videoOpener(), options.sequences);
+  auto capture = capture::openCapture(arguments.capture, videoOpener(), arguments.sequences);
   if (!capture.ok()) return fail(capture.error());
   const bool tty = isatty(STDERR_FILENO) != 0;
-  auto report = evaluate::evaluateHeldOut(capture.value(), videoOpener(), *session.value().player, options,
+  auto report = evaluate::evaluateHeldOut(capture.value(), videoOpener(), *session.value().player, arguments.held_out,
                                           [&](const std::string& sequence, uint32_t frame) {
                                             if (tty)
                                               std::fprintf(stderr, "\r\033[K%s frame %u", sequence.c_str(), frame);
@@ -70,6 +177,15 @@ int evaluateCommand(int argc, char** argv) {
   if (output.empty()) return kOk;
   const Status written = writeReport(output, report.value());
   return written.ok() ? kOk : fail(written.error());
+}
+
+}  // namespace
+
+int evaluateCommand(int argc, char** argv) {
+  Args args(help(), argc, argv);
+  const Arguments arguments = readArguments(args);
+  if (const auto code = helpOrProblem(help(), args)) return *code;
+  return arguments.character.empty() ? runWholeStudy(arguments) : scoreCharacter(arguments);
 }
 
 }  // namespace fourdvt::tools

@@ -29,6 +29,14 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"bake a -o b --layers 7", "--layers"}, Mistake{"bake a -o b --layers 1.5", "--layers"},
         Mistake{"bake a -o b --crf --resume", "--crf needs a value"}, Mistake{"bake a -o b --crf nan", "--crf"},
         Mistake{"bake a -o b --texture 1000", "texture"}, Mistake{"bake a -o b --sequences walk,,run", "--sequences"},
+        Mistake{"bake a -o b --codec hevc", "h264, vp9, av1"}, Mistake{"bake a -o b --crf 52", "--crf"},
+        Mistake{"bake a -o b --codec vp9 --crf 64", "0 to 63"}, Mistake{"bake a -o b --preset 6", "veryslow"},
+        Mistake{"bake a -o b --codec av1 --preset medium", "SVT-AV1"},
+        Mistake{"bake a -o b --quality best", "draft, web, high"}, Mistake{"bake a -o b --labels best", "per-texel"},
+        Mistake{"bake a -o b --penalty angle", "axis, ray, resolution"},
+        Mistake{"bake a -o b --filter nearest", "bilinear, mipmap, bicubic"},
+        Mistake{"bake a -o b --texture 2048 --layers 4 --equal-layers", "4096"},
+        Mistake{"bake a -o b --no-colour-calibration=1", "takes no value"},
         Mistake{"bake a -o b --resume=1", "--resume"}, Mistake{"bake a -o b -o c", "twice"},
         Mistake{"inspect", "missing argument"}, Mistake{"inspect a --verbose", "--verbose"},
         Mistake{"render a", "--turntable"}, Mistake{"render a -o b.gif", ".png"},
@@ -37,8 +45,13 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"render a -o b.png --cameras c", "--camera"},
         Mistake{"render a -o b.png --background red", "--background"},
         Mistake{"render a -o b.png --debug x", "--debug"}, Mistake{"render a -o b.png --azimuth 1e9", "--azimuth"},
-        Mistake{"render a --turntable b.mp4 --size 101x100", "even"}, Mistake{"evaluate a", "--character"},
-        Mistake{"evaluate a --character b --input-every -1", "--input-every"}));
+        Mistake{"render a --turntable b.mp4 --size 101x100", "even"},
+        Mistake{"render a -o b.png --method fvvr", "--capture"}, Mistake{"render a -o b.png --method x", "--method"},
+        Mistake{"render a -o b.png --capture c", "fvvr"}, Mistake{"render a -o b.png --closest 3", "fvvr"},
+        Mistake{"render a -o b.png --method fvvr --capture c --closest 0", "--closest"},
+        Mistake{"render a --turntable b.mp4 --method fvvr --capture c", "stills"},
+        Mistake{"render a -o b.png --method fvvr --capture c --debug labels", "--debug"},
+        Mistake{"evaluate a", "--character"}, Mistake{"evaluate a --character b --input-every -1", "--input-every"}));
 
 TEST(Usage, UnknownCommandListsThoseThatExist) {
   for (const char* arguments : {"", "fly"}) {

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "evaluate/study.h"
+
+#include "evaluate/document.h"
+#include "evaluate/study_common.h"
+#include "evaluate/study_report.h"
+#include "evaluate/study_scene.h"
+#include "evaluate/study_steps.h"
+
+namespace fourdvt::evaluate {
+namespace {
+
+constexpr const char* kStudyVersion = "study 1";  // change it whenever kept rows of older builds must not be reused
+
+StudyContext resolved(const StudyContext& given) {
+  StudyContext context = given;
+  for (std::string* folder : {&context.options.capture_folder, &context.options.report_folder})
+    while (folder->size() > 1 && folder->back() == '/') folder->pop_back();
+  if (context.options.sequences.empty()) {
+    if (context.options.quick)
+      context.options.sequences = {shortestSequence(context).name};
+    else
+      for (const auto& sequence : context.capture->sequences) context.options.sequences.push_back(sequence.name);
+  }
+  return context;
+}
+
+}  // namespace
+
+std::vector<StudyStep> studySteps() {
+  return {{"reference", 20, runReference}, {"methods", 45, runMethods}, {"layers", 25, runLayers},
+          {"rate", 20, runRate},           {"speed", 5, runSpeed},      {"pictures", 5, runPictures}};
+}
+
+Result<Figures> runStudy(const StudyContext& given) {
+  const StudyContext context = resolved(given);
+  const std::string& folder = context.options.report_folder;
+  FOURDVT_TRY(openReportFolder(folder, studyKey(context.options, kStudyVersion)));
+  Figures published;
+  const auto publish = [&](const Figures& rows) -> Status {
+    published = rows;
+    const Figures trends = trendFigures(rows);
+    published.insert(published.end(), trends.begin(), trends.end());
+    FOURDVT_TRY(writeText(folder + "/evaluate.csv", figuresCsv(published)));
+    return writeText(folder + "/report.html",
+                     documentHtml(makeStudyDocument(rows, context.options, context.capture->name)));
+  };
+  auto rows = runSteps(context, studySteps(), publish);
+  if (!rows) return rows;
+  return published;
+}
+
+}  // namespace fourdvt::evaluate

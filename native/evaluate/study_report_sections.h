@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sections of the study's report, each from its rows. Internal to study_report*.cpp. A section without tables,
+// plots, pictures and tiles was not measured.
+#pragma once
+
+#include "evaluate/document.h"
+#include "evaluate/study_report.h"
+
+namespace fourdvt::evaluate {
+
+Section layersSection(const StudyValues& values);   // LVDT Fig. 5-6, 4DVT Fig. 9
+Section storageSection(const StudyValues& values);  // LVDT Table 1, Fig. 7
+Section rateSection(const StudyValues& values);     // rate-distortion
+Section speedSection(const StudyValues& values);    // LVDT 4.4, bake stages
+
+// Pictures of these caption keys, in the rows' order.
+std::vector<Picture> picturesOf(const StudyValues& values, const std::vector<std::string>& keys);
+
+}  // namespace fourdvt::evaluate

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// The study on a small capture: every table is there, an interrupted one goes on, wrong input gives one clear line.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "command.h"
+
+namespace fourdvt::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Csv {
+  std::set<std::string> tables, methods;  // methods: "table method"
+  std::map<std::string, double> values;   // "table,sequence,method,setting,quantity"
+};
+
+// Fields of these rows hold no quoted commas, except the "about" texts, which are skipped.
+Csv readCsv(const std::string& path) {
+  Csv out;
+  std::istringstream lines(readText(path));
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line, "table,sequence,method,setting,quantity,value,unit");
+  while (std::getline(lines, line)) {
+    std::vector<std::string> cells(1);
+    for (char c : line)
+      if (c == ',')
+        cells.emplace_back();
+      else
+        cells.back() += c;
+    out.tables.insert(cells[0]);
+    if (cells[0] == "about" || cells.size() != 7) continue;
+    out.methods.insert(cells[0] + " " + cells[2]);
+    out.values[cells[0] + "," + cells[1] + "," + cells[2] + "," + cells[3] + "," + cells[4]] = std::stod(cells[5]);
+  }
+  return out;
+}
+
+double first(const Csv& csv, const std::string& table, const std::string& method, const std::string& quantity) {
+  for (const auto& [key, value] : csv.values)
+    if (key.rfind(table + ",turn," + method + ",", 0) == 0 && key.size() > quantity.size() &&
+        key.substr(key.size() - quantity.size() - 1) == "," + quantity)
+      return value;
+  ADD_FAILURE() << "no " << table << " " << method << " " << quantity;
+  return -1;
+}
+
+const std::string& capture() {
+  static const std::string path = smallCapture("study_capture");
+  return path;
+}
+
+TEST(CliEvaluate, QuickStudyHasEveryTable) {
+  const std::string report = scratch("study") + "/report";
+  const Outcome run = fourdvt("evaluate " + capture() + " -o " + report + " --quick");
+  ASSERT_EQ(run.code, 0) << run.output;
+  EXPECT_TRUE(exists(report + "/report.html"));
+  const Csv csv = readCsv(report + "/evaluate.csv");
+  for (const std::string table : {"table1", "multiview", "layers", "labels", "held-out", "bake", "rate", "speed",
+                                  "pictures", "trend", "about", "codec-loss"})
+    EXPECT_TRUE(csv.tables.count(table)) << table;
+  for (const std::string method : {"fvvr", "naive", "spatial", "temporal-paper", "joint", "joint-default"}) {
+    EXPECT_TRUE(csv.methods.count("table1 " + method)) << method;
+    EXPECT_TRUE(csv.methods.count("held-out " + method)) << method;
+    EXPECT_GT(first(csv, "held-out", method, "psnr_fg_db"), 18) << method;  // a checkered box, ray-traced
+    EXPECT_GT(first(csv, "table1", method, "total_bytes"), 1000) << method;
+    if (method == "fvvr") continue;
+    EXPECT_GT(first(csv, "table1", method, "ssim_fg"), 0.7) << method;
+    EXPECT_LE(first(csv, "table1", method, "ssim_fg"), 1) << method;
+    EXPECT_GT(first(csv, "table1", method, "percent_of_masked"), 0) << method;
+    EXPECT_GT(first(csv, "table1", method, "percent_of_same_codec"), 0) << method;
+  }
+  const double layered = first(csv, "table1", "joint", "video_bytes");
+  EXPECT_EQ(first(csv, "table1", "joint", "total_bytes"), layered + first(csv, "table1", "joint", "geometry_bytes") +
+                                                              first(csv, "table1", "joint", "label_bytes") +
+                                                              first(csv, "table1", "joint", "other_bytes"));
+  EXPECT_EQ(first(csv, "multiview", "multiview", "raw_bytes"), 4 * 6 * 160 * 160 * 3);
+  EXPECT_LT(first(csv, "multiview", "multiview", "masked_bytes"), first(csv, "multiview", "multiview", "raw_bytes"));
+  EXPECT_TRUE(exists(report + "/pictures/error-map-512.jpg"));
+  EXPECT_TRUE(exists(report + "/pictures/worst-held-out-turn.jpg"));
+  EXPECT_TRUE(exists(report + "/work/methods/joint-default/character.gltf"));
+  EXPECT_FALSE(exists(report + "/work/methods/naive-512"));
+
+  // A second run measures nothing, and gives the same figures.
+  const std::string before = readText(report + "/evaluate.csv");
+  fs::remove(report + "/report.html");
+  const Outcome again = fourdvt("evaluate " + capture() + " -o " + report + " --quick");
+  ASSERT_EQ(again.code, 0) << again.output;
+  EXPECT_EQ(readText(report + "/evaluate.csv"), before);
+  EXPECT_TRUE(exists(report + "/report.html"));
+}
+
+TEST(CliEvaluate, StoppedStudyGoesOn) {
+  const std::string report = scratch("stopped") + "/report";
+  const std::string command = std::string(FOURDVT_BIN) + " evaluate " + capture() + " -o " + report + " --quick";
+  // Ctrl-C as soon as the first step's rows are there.
+  const Outcome stopped =
+      shell(command + " & pid=$!; until [ -e " + report +
+            "/steps/reference.csv ] || ! kill -0 $pid; do sleep 0.05; done; kill -INT $pid; wait $pid");
+  EXPECT_EQ(stopped.code, 130) << stopped.output;
+  EXPECT_NE(stopped.output.find("again to go on"), std::string::npos) << stopped.output;
+  EXPECT_TRUE(exists(report + "/evaluate.csv"));  // of what was measured
+  EXPECT_TRUE(exists(report + "/report.html"));
+  EXPECT_FALSE(exists(report + "/steps/pictures.csv"));
+  const std::string reference = readText(report + "/steps/reference.csv");
+  ASSERT_FALSE(reference.empty());
+  const Outcome rest = shell(command);
+  EXPECT_EQ(rest.code, 0) << rest.output;
+  EXPECT_EQ(readText(report + "/steps/reference.csv"), reference);
+  EXPECT_TRUE(exists(report + "/steps/pictures.csv"));
+}
+
+TEST(CliEvaluate, WrongInputIsOneClearLine) {
+  const std::string folder = scratch("wrong");
+  const Outcome nothing = fourdvt("evaluate " + folder + "/none -o " + folder + "/r");
+  EXPECT_EQ(nothing.code, 1);
+  EXPECT_TRUE(isOneLineWith(nothing, folder + "/none")) << nothing.output;
+  EXPECT_FALSE(exists(folder + "/r"));
+
+  fs::create_directories(folder + "/thesis");
+  writeText(folder + "/thesis/chapter.txt", "mine");
+  const Outcome foreign = fourdvt("evaluate " + capture() + " -o " + folder + "/thesis --quick");
+  EXPECT_EQ(foreign.code, 1);
+  EXPECT_TRUE(isOneLineWith(foreign, "not a study's report")) << foreign.output;
+  EXPECT_EQ(readText(folder + "/thesis/chapter.txt"), "mine");
+
+  const std::string broken = copyOf(capture(), "study_broken");
+  fs::remove_all(broken + "/turn/cam02");
+  const Outcome missing = fourdvt("evaluate " + broken + " -o " + folder + "/r --quick");
+  EXPECT_EQ(missing.code, 1);
+  EXPECT_TRUE(isOneLineWith(missing, "cam02")) << missing.output;
+  EXPECT_FALSE(exists(folder + "/r"));
+
+  const Outcome sequence = fourdvt("evaluate " + capture() + " -o " + folder + "/r --sequences fly");
+  EXPECT_EQ(sequence.code, 1);
+  EXPECT_TRUE(isOneLineWith(sequence, "fly")) << sequence.output;
+
+  const Outcome unwritable = fourdvt("evaluate " + capture() + " -o /proc/report --quick");
+  EXPECT_EQ(unwritable.code, 1);
+  EXPECT_TRUE(isOneLineWith(unwritable, "/proc/report")) << unwritable.output;
+}
+
+}  // namespace
+}  // namespace fourdvt::test

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Small meshes for the chunk coders. None of them goes through Draco, so that any count of vertices and faces may be
+// asked for.
+#pragma once
+
+#include <cmath>
+
+#include "package/chunk_mesh.h"
+#include "package/stream_file.h"
+
+namespace fourdvt::testing {
+
+// Any counts: faces wind along the vertices as a strip, more than once round if there are many of them (then edges have
+// more than two faces), with some vertices left over if there are few.
+inline package::ChunkMesh strandMesh(uint32_t vertices, uint32_t faces) {
+  package::BaseMesh mesh;
+  mesh.topology.vertex_count = vertices;
+  for (uint32_t v = 0; v < vertices; ++v) mesh.positions.emplace_back(0.1f * (v / 2), 0.2f * (v % 2), 0.01f * (v % 5));
+  for (uint32_t f = 0; f < faces; ++f)
+    mesh.topology.face_vertices.emplace_back(f % vertices, (f + 1) % vertices, (f + 2) % vertices);
+  return package::makeChunkMesh(mesh);
+}
+
+// A cylinder of `around` by `along` quads, two faces each, in depth-first order along bands.
+inline package::BaseMesh cylinder(uint32_t around, uint32_t along) {
+  package::BaseMesh mesh;
+  for (uint32_t j = 0; j <= along; ++j) {
+    for (uint32_t i = 0; i < around; ++i) {
+      const float angle = 6.2831853f * i / around;
+      mesh.positions.emplace_back(0.3f * std::cos(angle), 1.7f * j / along, 0.3f * std::sin(angle));
+    }
+  }
+  mesh.topology.vertex_count = static_cast<uint32_t>(mesh.positions.size());
+  for (uint32_t j = 0; j < along; ++j) {
+    for (uint32_t i = 0; i < around; ++i) {
+      const uint32_t a = j * around + i, b = j * around + (i + 1) % around;
+      mesh.topology.face_vertices.emplace_back(a, b, a + around);
+      mesh.topology.face_vertices.emplace_back(b, b + around, a + around);
+    }
+  }
+  return mesh;
+}
+
+inline package::StreamIndex indexFor(const package::ChunkFrames& f) {
+  return {f.frame_count, f.vertex_count, f.face_count, f.layer_count, {}, 1, {{0, f.frame_count, 100, 100}}, {}};
+}
+
+}  // namespace fourdvt::testing

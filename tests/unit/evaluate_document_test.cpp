@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "evaluate/document.h"
+#include "evaluate/study_report.h"
+#include "evaluate/study_rows.h"
+
+namespace fourdvt::evaluate {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+std::string pointText(double x, double y) {
+  char text[80];
+  std::snprintf(text, sizeof text, "%.2f %.2f", x, y);
+  return text;
+}
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+size_t count(const std::string& text, const std::string& part) {
+  size_t n = 0;
+  for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
+  return n;
+}
+
+TEST(Axis, LinearTicksAreMultiplesOfOneTwoFive) {
+  const Axis a = makeAxis({0.853, 0.947}, false, false);
+  const std::vector<double> wanted{0.84, 0.86, 0.88, 0.90, 0.92, 0.94, 0.96};
+  ASSERT_EQ(a.ticks.size(), wanted.size());
+  for (size_t i = 0; i < wanted.size(); ++i) EXPECT_NEAR(a.ticks[i], wanted[i], 1e-9);
+  EXPECT_NEAR(a.low, 0.84, 1e-9);
+  EXPECT_NEAR(a.high, 0.96, 1e-9);
+
+  const Axis layers = makeAxis({1, 2, 3, 4, 5, 6}, false, true);
+  EXPECT_EQ(layers.ticks, (std::vector<double>{1, 2, 3, 4, 5, 6}));
+
+  const Axis negative = makeAxis({-130, 95}, false, false);
+  EXPECT_DOUBLE_EQ(negative.low, -150);
+  EXPECT_DOUBLE_EQ(negative.high, 100);
+}
+
+TEST(Axis, OneValueGetsRoom) {
+  const Axis a = makeAxis({5}, false, false);
+  EXPECT_LT(a.low, 5);
+  EXPECT_GT(a.high, 5);
+  EXPECT_TRUE(std::isfinite(a.share(5)));
+  const Axis zero = makeAxis({0, 0}, false, false);
+  EXPECT_LT(zero.low, zero.high);
+  const Axis log = makeAxis({100}, true, true);
+  EXPECT_LT(log.low, log.high);
+  EXPECT_TRUE(std::isfinite(log.share(100)));
+}
+
+TEST(Axis, LogTicks) {
+  EXPECT_EQ(makeAxis({256, 512, 1024, 2048}, true, true).ticks, (std::vector<double>{256, 512, 1024, 2048}));
+  const Axis rates = makeAxis({0.7, 12}, true, false);
+  const std::vector<double> wanted{0.5, 1, 2, 5, 10, 20};
+  ASSERT_EQ(rates.ticks.size(), wanted.size());
+  for (size_t i = 0; i < wanted.size(); ++i) EXPECT_NEAR(rates.ticks[i], wanted[i], 1e-9);
+  EXPECT_NEAR(rates.share(std::sqrt(0.5 * 20)), 0.5, 1e-12);
+}
+
+TEST(PlotSvg, PointsLieWhereTheAxesSay) {
+  const Plot plot{"t", "x", "y", false, false, {{"a", {{0, 0}, {5, 30}, {10, 100}}}}};
+  const std::string svg = plotSvg(plot);  // axes 0..10 and 0..100
+  const double x[] = {kPlotLeft, kPlotLeft + kPlotWidth / 2, kPlotLeft + kPlotWidth};
+  const double y[] = {kPlotTop + kPlotHeight, kPlotTop + 0.7 * kPlotHeight, kPlotTop};
+  EXPECT_TRUE(
+      contains(svg, "d=\"M" + pointText(x[0], y[0]) + "L" + pointText(x[1], y[1]) + "L" + pointText(x[2], y[2])))
+      << svg;
+}
+
+TEST(PlotSvg, LogarithmicPointsLieWhereTheAxesSay) {
+  const Plot plot{"t", "x", "y", true, true, {{"a", {{256, 1}, {512, 10}, {2048, 100}}}}};
+  const std::string svg = plotSvg(plot);  // 256..2048: three doublings
+  EXPECT_TRUE(contains(svg, "d=\"M" + pointText(kPlotLeft, kPlotTop + kPlotHeight) + "L" +
+                                pointText(kPlotLeft + kPlotWidth / 3, kPlotTop + kPlotHeight / 2) + "L" +
+                                pointText(kPlotLeft + kPlotWidth, kPlotTop)))
+      << svg;
+}
+
+TEST(PlotSvg, PointsThatAreNoneBreakTheCurve) {
+  const Plot plot{"t", "x", "y", false, false, {{"a", {{0, 0}, {1, 1}, {2, kNaN}, {3, 1}, {4, 2}}}, {"b", {}}}};
+  const std::string svg = plotSvg(plot);
+  EXPECT_FALSE(contains(svg, "nan"));
+  EXPECT_EQ(count(svg, "<path"), 1u);
+  const size_t path = svg.find("d=\"");
+  EXPECT_EQ(count(svg.substr(path, svg.find('"', path + 3) - path), "M"), 2u);
+  const std::string negative = plotSvg({"t", "x", "y", true, false, {{"a", {{-1, 1}, {0, 2}, {10, 3}, {20, 4}}}}});
+  EXPECT_FALSE(contains(negative, "nan"));
+  EXPECT_FALSE(contains(negative, "inf"));
+}
+
+TEST(PlotSvg, EmptyPlotSaysSo) {
+  for (const Plot& plot :
+       {Plot{"t", "x", "y", false, false, {}}, Plot{"t", "x", "y", true, true, {{"a", {{1, kNaN}}}}}}) {
+    const std::string svg = plotSvg(plot);
+    EXPECT_TRUE(contains(svg, "not measured"));
+    EXPECT_FALSE(contains(svg, "nan"));
+    EXPECT_TRUE(contains(svg, "</svg>"));
+  }
+}
+
+TEST(PlotSvg, CurvesDifferInColourAndDash) {
+  Plot plot{"t", "x", "y", false, false, {}};
+  for (int i = 0; i < 3; ++i) plot.curves.push_back({"curve" + std::to_string(i), {{0, i}, {1, i + 1}}});
+  const std::string svg = plotSvg(plot);
+  for (const char* style : {"var(--c0,", "var(--c1,", "var(--c2,"}) EXPECT_TRUE(contains(svg, style));
+  EXPECT_EQ(count(svg, "stroke-dasharray:7 4"), 2u);  // curve 1 and its legend
+  EXPECT_EQ(count(svg, "stroke-dasharray:2 3"), 2u);
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(contains(svg, ">curve" + std::to_string(i) + "</text>"));
+}
+
+TEST(Escaping, NothingOfTheTextBecomesMarkup) {
+  const std::string evil = "<b>\"a\" & 'b'</b>";
+  EXPECT_EQ(htmlEscaped(evil), "&lt;b&gt;&quot;a&quot; &amp; &#39;b&#39;&lt;/b&gt;");
+  Document document{evil, evil, {}};
+  Section section{evil, evil, evil + " `" + evil + "`", {}, {}, {}, {}};
+  section.tables.push_back({evil, evil, {evil, evil}, {{evil, evil}}});
+  section.plots.push_back({evil, evil, evil, false, false, {{evil, {{0, 1}, {1, 2}}}}});
+  section.pictures.push_back({evil, evil, 10, 10});
+  section.tiles.push_back({evil, evil});
+  document.sections = {section, section};
+  const std::string html = documentHtml(document);
+  EXPECT_FALSE(contains(html, "<b>\""));
+  EXPECT_FALSE(contains(html, "\"a\""));
+  EXPECT_FALSE(contains(html, "& 'b'"));
+  EXPECT_FALSE(contains(html, "<script"));
+}
+
+TEST(DocumentHtml, HoldsEverySectionAndPicture) {
+  Document document{"Title", "Sub", {}};
+  for (const char* id : {"one", "two", "three"}) {
+    Section section{id, std::string("Section ") + id, "First.\n\nSecond.", {}, {}, {}, {}};
+    section.pictures.push_back({std::string("pictures/") + id + ".jpg", std::string("caption ") + id, 640, 480});
+    document.sections.push_back(section);
+  }
+  document.sections[1].tables.push_back({"A table", "A note", {"", "x", "words"}, {{"row", "1.5", "many"}, {"short"}}});
+  const std::string html = documentHtml(document);
+  for (const std::string id : {"one", "two", "three"}) {
+    EXPECT_TRUE(contains(html, "<section id=\"" + id + "\">"));
+    EXPECT_TRUE(contains(html, "<li><a href=\"#" + id + "\">Section " + id + "</a>"));
+    EXPECT_TRUE(contains(html, "<img loading=\"lazy\" decoding=\"async\" src=\"pictures/" + id +
+                                   ".jpg\" width=\"640\" height=\"480\" alt=\"caption " + id + "\">"));
+  }
+  EXPECT_EQ(count(html, "<p>First.</p>"), 3u);
+  EXPECT_EQ(count(html, "<p>Second.</p>"), 3u);
+  EXPECT_TRUE(contains(html, "<td>1.5</td><td class=\"words\">many</td>"));
+  EXPECT_TRUE(contains(html, "A note"));
+  EXPECT_EQ(count(html, "<tr>"), count(html, "</tr>"));
+}
+
+void add(Figures& rows, const char* table, const std::string& sequence, const char* method, const std::string& setting,
+         const char* quantity, double value) {
+  rows.push_back({table, sequence, method, setting, quantity, value, ""});
+}
+
+const Section* find(const Document& document, const std::string& id) {
+  for (const Section& section : document.sections)
+    if (section.id == id) return &section;
+  return nullptr;
+}
+
+const std::vector<std::string>* rowOf(const Table& table, const std::string& name) {
+  for (const auto& row : table.rows)
+    if (row[0] == name) return &row;
+  return nullptr;
+}
+
+const std::string kSetting = "layers=3 size=512 codec=h264 crf=23";
+
+TEST(StudyValues, FiltersAndMeans) {
+  Figures rows;
+  add(rows, rows::kLayers, "walk", rows::kJoint, "layers=3 size=512", rows::kSsimFg, 0.9);
+  add(rows, rows::kLayers, "run", rows::kJoint, "size=512.0 layers=3", rows::kSsimFg, 0.8);
+  add(rows, rows::kLayers, "walk", rows::kJoint, "layers=3 size=1024", rows::kSsimFg, 0.95);
+  const StudyValues v(rows);
+  EXPECT_DOUBLE_EQ(v.of(rows::kLayers, "walk", rows::kJoint, "size=512", rows::kSsimFg), 0.9);
+  EXPECT_NEAR(v.mean(rows::kLayers, rows::kJoint, "layers=3 size=512", rows::kSsimFg), 0.85, 1e-12);
+  EXPECT_NEAR(v.sum(rows::kLayers, rows::kJoint, "layers=3 size=512", rows::kSsimFg), 1.7, 1e-12);
+  EXPECT_TRUE(std::isnan(v.mean(rows::kLayers, rows::kJoint, "layers=4", rows::kSsimFg)));
+  EXPECT_EQ(v.numbers(rows::kLayers, "", "size"), (std::vector<double>{512, 1024}));
+  EXPECT_TRUE(matchesFilter("preset=medium crf=23", "crf=23 !pass"));
+  EXPECT_FALSE(matchesFilter("pass=shadow cast", "!pass"));
+  EXPECT_EQ(rows::settingText("a=1 pass=shadow cast", "pass"), "shadow cast");
+}
+
+TEST(StudyDocument, Table1HoldsTheRowsFigures) {
+  Figures rows;
+  add(rows, rows::kTable1, "walk", rows::kFvvr, "", rows::kLoadingS, 12);
+  add(rows, rows::kTable1, "walk", rows::kFvvr, "", rows::kTotalBytes, 40e6);
+  add(rows, rows::kTable1, "walk", rows::kJoint, kSetting, rows::kTotalBytes, 1e6);
+  add(rows, rows::kTable1, "walk", rows::kJoint, kSetting, rows::kSsimFg, 0.93456);
+  add(rows, rows::kTable1, "walk", rows::kNaive, kSetting, rows::kTotalBytes, 1.5e6);
+  add(rows, rows::kTable1, "run", rows::kNaive, kSetting, rows::kPsnrFgDb, 33.333);
+  const Document document = makeStudyDocument(rows, {}, "actor");
+  const Section* section = find(document, "table1");
+  ASSERT_NE(section, nullptr);
+  ASSERT_EQ(section->tables.size(), 2u);
+  const Table& walk = section->tables[0];
+  EXPECT_EQ(walk.title, "walk");
+  EXPECT_EQ(walk.columns, (std::vector<std::string>{"", "FVVR", "NO (naive)", "ours (joint)"}));
+  const auto* storage = rowOf(walk, "Storage");
+  ASSERT_NE(storage, nullptr);
+  EXPECT_EQ(*storage, (std::vector<std::string>{"Storage", bytesText(40e6), bytesText(1.5e6), bytesText(1e6)}));
+  EXPECT_EQ((*rowOf(walk, "Loading"))[1], secondsText(12));
+  EXPECT_EQ((*rowOf(walk, "SSIM, foreground"))[3], "0.9346");
+  EXPECT_EQ((*rowOf(walk, "SSIM, foreground"))[1], "–");
+  EXPECT_EQ(rowOf(walk, "PSNR, foreground, dB"), nullptr);
+  EXPECT_EQ((*rowOf(section->tables[1], "PSNR, foreground, dB"))[2], "33.33");
+}
+
+Judgement judgement(const std::vector<Judgement>& all, const std::string& start) {
+  for (const Judgement& j : all)
+    if (j.claim.rfind(start, 0) == 0) return j;
+  ADD_FAILURE() << "no claim starts with " << start;
+  return {};
+}
+
+TEST(StudyDocument, GoalsAndTrendsAreJudgedByTheRows) {
+  Figures rows;
+  const char* methods[] = {rows::kNaive, rows::kSpatial, rows::kTemporalPaper, rows::kJoint};
+  const double bytes[] = {1.5e6, 1.3e6, 1.31e6, 1.0e6}, flips[] = {10, 8, 7.9, 3.5};
+  for (size_t i = 0; i < 4; ++i) {
+    add(rows, rows::kTable1, "walk", methods[i], kSetting, rows::kTotalBytes, bytes[i]);
+    add(rows, rows::kTable1, "walk", methods[i], kSetting, rows::kVideoBytes, bytes[i] * 0.7);
+    add(rows, rows::kTable1, "walk", methods[i], kSetting, rows::kLabelBytes, bytes[i] * 0.1);
+    add(rows, rows::kLabels, "walk", methods[i], "layer=1", rows::kFlipPercent, flips[i]);
+  }
+  add(rows, rows::kTable1, "walk", rows::kFvvr, "", rows::kTotalBytes, 40e6);
+  add(rows, rows::kHeldOut, "walk", rows::kFvvr, "views=12", rows::kPsnrFgDb, 31.0);
+  add(rows, rows::kHeldOut, "walk", rows::kJoint, "views=12", rows::kPsnrFgDb, 30.8);
+  for (int layers = 1; layers <= 6; ++layers)
+    add(rows, rows::kLayers, "walk", rows::kJoint, "layers=" + std::to_string(layers) + " size=512", rows::kSsimFg,
+        layers < 3 ? 0.85 + 0.03 * layers : 0.94 + 0.0002 * layers);
+  const StudyValues v(rows);
+  const auto goals = judgeGoals(v), trends = judgeTrends(v);
+  EXPECT_EQ(judgement(goals, "Storage at L = 3").verdict, Judgement::Verdict::Holds);  // 97.5 %
+  EXPECT_EQ(judgement(goals, "Labels: joint has at least 50 %").verdict, Judgement::Verdict::Holds);
+  const Judgement held_out = judgement(goals, "Held-out truth, ours (joint)");
+  EXPECT_EQ(held_out.verdict, Judgement::Verdict::Fails);
+  EXPECT_EQ(held_out.measured, "−0.20 dB against FVVR");
+  EXPECT_FALSE(held_out.reason.empty());
+  EXPECT_EQ(judgement(goals, "Layered rendering").verdict, Judgement::Verdict::NotMeasured);
+  EXPECT_EQ(judgement(trends, "SSIM rises to L = 3").verdict, Judgement::Verdict::Holds);
+  EXPECT_EQ(judgement(trends, "Storage NO (naive) > SO").verdict, Judgement::Verdict::Holds);
+  const Judgement to = judgement(trends, "Storage SO (spatial) > TO");
+  EXPECT_EQ(to.verdict, Judgement::Verdict::Fails);
+  EXPECT_TRUE(contains(to.reason, "Eq. 5 as printed")) << to.reason;
+  EXPECT_EQ(judgement(trends, "GPU memory").verdict, Judgement::Verdict::NotMeasured);
+}
+
+TEST(StudyDocument, RateCurvesAreInterpolatedAtTheDefaultsQuality) {
+  Figures rows;
+  for (const auto& [crf, bps, ssim] : {std::tuple{18, 8e6, 0.96}, {28, 2e6, 0.92}}) {
+    const std::string setting = "preset=medium crf=" + std::to_string(crf) + " size=1024";
+    add(rows, rows::kRate, "walk", "h264", setting, rows::kVideoBps, bps);
+    add(rows, rows::kRate, "walk", "h264", setting, rows::kSsimFg, ssim);
+  }
+  add(rows, rows::kRate, "walk", "h264", "chosen=1 preset=medium crf=23 size=1024", rows::kSsimFg, 0.94);
+  add(rows, rows::kRate, "walk", "h264", "chosen=1 preset=medium crf=23 size=1024", rows::kVideoBps, 4e6);
+  const Document document = makeStudyDocument(rows, {}, "actor");
+  const Section* section = find(document, "rate");
+  ASSERT_NE(section, nullptr);
+  ASSERT_EQ(section->plots.size(), 1u);
+  ASSERT_EQ(section->plots[0].curves.size(), 1u);
+  EXPECT_EQ(section->plots[0].curves[0].points, (std::vector<std::pair<double, double>>{{2, 0.92}, {8, 0.96}}));
+  EXPECT_EQ(section->tables[0].rows[0][1], bitrateText(4e6));  // geometric mean of 2 and 8
+}
+
+TEST(StudyDocument, NothingMeasuredIsADocumentThatSaysSo) {
+  StudyOptions options;
+  options.quick = true;
+  const Document document = makeStudyDocument({}, options, "actor");
+  EXPECT_EQ(find(document, "table1"), nullptr);
+  ASSERT_NE(find(document, "settings"), nullptr);
+  EXPECT_TRUE(contains(find(document, "settings")->text, "4DVT Table 1"));
+  const std::string html = documentHtml(document);
+  EXPECT_FALSE(contains(html, "nan"));
+  EXPECT_TRUE(contains(html, "not measured"));
+}
+
+TEST(StudyDocument, PicturesCarryFileAndCaption) {
+  Figures rows;
+  add(rows, rows::kPictures, "walk", rows::kJoint, "file=layers.jpg layers=4 frame=9 width=1600 height=900",
+      rows::kPictureLayers, 0);
+  const Document document = makeStudyDocument(rows, {}, "actor");
+  ASSERT_NE(find(document, "camera-maps"), nullptr);
+  const Picture& picture = find(document, "camera-maps")->pictures.at(0);
+  EXPECT_EQ(picture.file, "pictures/layers.jpg");
+  EXPECT_EQ(picture.width, 1600);
+  EXPECT_EQ(picture.caption, "Layers and their camera maps, walk, ours (joint), L = 4, frame 9");
+}
+
+}  // namespace
+}  // namespace fourdvt::evaluate
