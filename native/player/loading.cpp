@@ -204,23 +204,28 @@ void PlayerImpl::fail(Error error, int broken_sequence) {
   events_.push_back(std::move(event));
 }
 
-// Decoded geometry of the GOP that holds the frame, or null while it is not there (or broken).
+// Geometry of the GOP that holds the frame, decoded as far as this frame, or null while it is not there (or broken).
 const package::ChunkFrames* PlayerImpl::geometryOf(int sequence_index, uint32_t frame) {
   SequenceState& state = sequences_[static_cast<size_t>(sequence_index)];
   if (mesh_state_ != PartState::Present || state.header != PartState::Present || state.broken) return nullptr;
   const uint32_t gop_index = state.index.chunkOfFrame(frame);
   stream::Gop* gop = cache_.find({sequence_index, gop_index});
   if (!gop || gop->chunk_state != PartState::Present) return nullptr;
+  Status status;
   if (!gop->geometry) {
-    auto decoded = package::decodeChunk(gop->chunk, state.index, gop_index, chunk_mesh_);
-    if (!decoded.ok()) {
-      const std::string& uri = character_->sequences[static_cast<size_t>(sequence_index)].stream_uri;
-      fail({decoded.error().id, uri + ": " + decoded.error().message}, sequence_index);
-      return nullptr;
-    }
-    gop->geometry = std::make_unique<package::ChunkFrames>(decoded.take());
+    auto opened = package::ChunkDecoder::open(gop->chunk, state.index, gop_index, chunk_mesh_);
+    if (opened.ok())
+      gop->geometry = opened.take();
+    else
+      status = opened.error();
   }
-  return gop->geometry.get();
+  if (status.ok()) status = gop->geometry->decodeTo(frame - state.index.chunks[gop_index].first_frame);
+  if (!status.ok()) {
+    const std::string& uri = character_->sequences[static_cast<size_t>(sequence_index)].stream_uri;
+    fail({status.error().id, uri + ": " + status.error().message}, sequence_index);
+    return nullptr;
+  }
+  return &gop->geometry->frames();
 }
 
 }  // namespace fourdvt

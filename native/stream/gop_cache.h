@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "package/stream_file.h"
+#include "package/chunk_decoder.h"
 
 namespace fourdvt::stream {
 
@@ -25,7 +25,7 @@ struct Gop {
   PartState video_state = PartState::Absent, chunk_state = PartState::Absent;
   std::vector<uint8_t> video;   // the GOP's samples, contiguous as in the file
   std::vector<uint8_t> chunk;   // encoded geometry
-  std::unique_ptr<package::ChunkFrames> geometry;  // decoded on demand
+  std::unique_ptr<package::ChunkDecoder> geometry;  // of `chunk`, decoded as far as was asked for
   uint64_t last_use = 0;
   uint64_t encodedBytes() const { return video.size() + chunk.size(); }
 };

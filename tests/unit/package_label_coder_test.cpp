@@ -3,12 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <random>
 
 #include "chunk_fixture.h"
 #include "package/character.h"
+#include "package/chunk_decoder.h"
 #include "package/label_coder.h"
+#include "package/label_model.h"
 #include "package/position_coder.h"
+#include "package/position_model.h"
 
 using namespace fourdvt;
 using namespace fourdvt::package;
@@ -19,6 +23,31 @@ namespace {
 
 ChunkFrames emptyFrames(const ChunkMesh& mesh, uint32_t frames, uint32_t layers) {
   return {frames, mesh.vertexCount(), mesh.faceCount(), layers, {}, {}};
+}
+
+// False if the bytes are not a whole part of the counts of `out`.
+bool decodeLabels(std::span<const uint8_t> bytes, const ChunkMesh& mesh, ChunkFrames& out) {
+  BinaryDecoder decoder(bytes);
+  LabelModel model(decoder, mesh, out.layer_count);
+  const size_t slots = size_t(out.layer_count) * out.face_count;
+  for (uint32_t f = 0; f < out.frame_count && !decoder.overrun(); ++f) {
+    out.labels.resize((f + 1) * slots);
+    model.frame(&out.labels[f * slots]);
+  }
+  return decoder.finished();
+}
+
+bool decodePositions(std::span<const uint8_t> bytes, const ChunkMesh& mesh, ChunkFrames& out) {
+  uint32_t base_scale = 0;
+  if (bytes.size() < 4) return false;
+  std::memcpy(&base_scale, bytes.data(), 4);
+  BinaryDecoder decoder(bytes.subspan(4));
+  PositionModel model(decoder, mesh, base_scale);
+  for (uint32_t f = 0; f < out.frame_count && !decoder.overrun(); ++f) {
+    out.positions.resize(size_t(f + 1) * out.vertex_count);
+    if (!model.frame(&out.positions[size_t(f) * out.vertex_count])) return false;
+  }
+  return decoder.finished();
 }
 
 void expectRoundTrip(const ChunkFrames& in, const ChunkMesh& mesh) {
@@ -186,4 +215,57 @@ TEST(ChunkMesh, AFanOfManyFacesIsBuiltInLinearTime) {
   const ChunkMesh mesh = makeChunkMesh(fan);
   EXPECT_EQ(mesh.earlierOf(count).size(), 24u);
   EXPECT_EQ(mesh.ring_count[count], 2);
+}
+
+TEST(ChunkDecoder, DecodesNoFurtherThanAsked) {
+  const BaseMesh base = cylinder(20, 20);
+  const ChunkMesh mesh = makeChunkMesh(base);
+  ChunkFrames in = movingSeams(mesh, 20, 6, 3);
+  for (uint32_t f = 0; f < 6; ++f)
+    for (uint32_t v = 0; v < mesh.vertexCount(); ++v) in.positions.emplace_back(int(f * v), int(v), -int(f));
+  const auto bytes = encodeChunk(in, mesh);
+  ASSERT_TRUE(bytes);
+  StreamIndex index;
+  index.frame_count = 6;
+  index.vertex_count = mesh.vertexCount();
+  index.face_count = mesh.faceCount();
+  index.layer_count = 3;
+  index.chunks.push_back({0, 6, 0, static_cast<uint32_t>(bytes.value().size())});
+  auto decoder = ChunkDecoder::open(bytes.value(), index, 0, mesh);
+  ASSERT_TRUE(decoder);
+  EXPECT_EQ(decoder.value()->decodedCount(), 0u);
+  ASSERT_TRUE(decoder.value()->decodeTo(2).ok());
+  EXPECT_EQ(decoder.value()->decodedCount(), 3u);
+  ASSERT_TRUE(decoder.value()->decodeTo(1).ok());
+  EXPECT_EQ(decoder.value()->decodedCount(), 3u) << "back costs nothing";
+  ASSERT_TRUE(decoder.value()->decodeTo(99).ok());
+  EXPECT_EQ(decoder.value()->frames().positions, in.positions);
+  EXPECT_EQ(decoder.value()->frames().labels, in.labels);
+}
+
+TEST(ChunkDecoder, StaysBrokenWhereTheBytesEnd) {
+  const BaseMesh base = cylinder(20, 20);
+  const ChunkMesh mesh = makeChunkMesh(base);
+  ChunkFrames in = movingSeams(mesh, 20, 6, 1);
+  std::mt19937 random(3);
+  for (uint32_t i = 0; i < 6 * mesh.vertexCount(); ++i) in.positions.emplace_back(random() % 1000, random() % 1000, 0);
+  std::vector<uint8_t> bytes = encodeChunk(in, mesh).take();
+  StreamIndex index;
+  index.frame_count = 6;
+  index.vertex_count = mesh.vertexCount();
+  index.face_count = mesh.faceCount();
+  index.layer_count = 1;
+  index.chunks.push_back({0, 6, 0, 0});
+  // Half of the positions, all of the labels.
+  uint32_t position_bytes = 0;
+  std::memcpy(&position_bytes, bytes.data(), 4);
+  bytes.erase(bytes.begin() + 8 + position_bytes / 2, bytes.begin() + 8 + position_bytes);
+  position_bytes /= 2;
+  std::memcpy(bytes.data(), &position_bytes, 4);
+  auto decoder = ChunkDecoder::open(bytes, index, 0, mesh);
+  ASSERT_TRUE(decoder);
+  EXPECT_TRUE(decoder.value()->decodeTo(1).ok()) << "the frames before are good";
+  EXPECT_FALSE(decoder.value()->decodeTo(5).ok());
+  EXPECT_FALSE(decoder.value()->decodeTo(1).ok());
+  EXPECT_LT(decoder.value()->decodedCount(), 6u);
 }

@@ -26,6 +26,17 @@ void fill(GopCache& cache, GopKey key, size_t bytes) {
 
 }  // namespace
 
+class NoFrames final : public package::ChunkDecoder {
+ public:
+  Status decodeTo(uint32_t) override { return {}; }
+  uint32_t decodedCount() const override { return 0; }
+  const package::ChunkFrames& frames() const override { return frames_; }
+  package::ChunkFrames take() override { return {}; }
+
+ private:
+  package::ChunkFrames frames_;
+};
+
 TEST(PlaybackClock, RunsAtItsRateAndOnlyWhenRunning) {
   PlaybackClock clock;
   clock.advance(100);
@@ -109,7 +120,7 @@ TEST(GopCache, DecodedGeometryIsHeldForKeptGopsOnly) {
   GopCache cache(1000);
   for (uint32_t g = 0; g < 5; ++g) {
     fill(cache, {0, g}, 10);
-    cache.find({0, g})->geometry = std::make_unique<package::ChunkFrames>();
+    cache.find({0, g})->geometry = std::make_unique<NoFrames>();
   }
   cache.trim({{0, 1}, {0, 2}, {0, 3}});
   EXPECT_EQ(cache.decodedCount(), 3u);

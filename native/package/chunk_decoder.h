@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Decodes a GOP's chunk frame by frame, so that a page never waits for a whole GOP at once. Frames are predicted from
+// the ones before: frame n costs the decoding of 0..n, once.
+#pragma once
+
+#include <memory>
+
+#include "package/chunk_mesh.h"
+#include "package/stream_file.h"
+
+namespace fourdvt::package {
+
+class ChunkDecoder {
+ public:
+  // `bytes` and `mesh` are borrowed for the decoder's life. Errors: StreamInvalid, as of decodeChunk.
+  static Result<std::unique_ptr<ChunkDecoder>> open(std::span<const uint8_t> bytes, const StreamIndex& index,
+                                                    uint32_t chunk, const ChunkMesh& mesh);
+  virtual ~ChunkDecoder() = default;
+  // Until frames 0..frame of the chunk are there; beyond the last frame: all. Errors: StreamInvalid; it stays broken.
+  virtual Status decodeTo(uint32_t frame) = 0;
+  virtual uint32_t decodedCount() const = 0;
+  // Counts are the whole chunk's; positions and labels hold the decoded frames.
+  virtual const ChunkFrames& frames() const = 0;
+  virtual ChunkFrames take() = 0;
+};
+
+}  // namespace fourdvt::package
