@@ -35,7 +35,7 @@ struct BakeOptions {
   std::vector<std::string> sequences;  // empty: all
   int layers = 3;                      // texture layers, 1..6
   int texture = 1024;                  // texels, side of layer 1; further layers have half of it
-  int crf = 31;                        // constant rate factor on the codec's own scale, lower is better
+  int crf = 28;                        // constant rate factor on the codec's own scale, lower is better
   int gop = 20;                        // frames a GOP at most; GOPs of a sequence are of equal length ±1
   int jobs = 0;                        // worker threads; 0: as many as cores
   bool resume = false;                 // reuse GOPs that an interrupted run with the same settings finished

@@ -88,6 +88,7 @@ FaceCosts measureFaceCosts(const FaceCostOptions& options, std::span<const Pinho
     out.feasible[f] = full ? full : some;
     out.partial[f] = some & ~out.feasible[f];
     out.unseen[f] = some == 0;
+    if (!some) std::fill_n(&out.penalty[f * count], count, kUnseenPenalty);
     double best_density = 0;
     if (options.penalty == Penalty::Resolution)
       for (const CameraAxis& axis : axes) best_density = std::max(best_density, frontalDensity(axis, face));

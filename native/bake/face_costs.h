@@ -24,16 +24,20 @@ struct FaceCostOptions {
   float fallback_fraction = 0.30f;  // asked for where no camera qualifies
 };
 
+// Hardly better than an empty slot: what is smoothest decides.
+constexpr float kUnseenPenalty = 1.9f;
+
 struct FaceCosts {
   int camera_count = 0;
   std::vector<uint32_t> feasible;  // per face: bit c = camera c sees it and it faces camera c
   // Per face: cameras that face it and see at least `fallback_fraction` of it, but are not feasible. Empty: none. Only
   // the joint labelling uses them, where that saves a seam or a flip.
   std::vector<uint32_t> partial;
-  // Per face, 1: no camera is feasible or partial. Joint then takes any camera at penalty 1, so that its neighbours'
-  // label goes on across it (its texels are filled in); the paper modes leave it empty. Empty: as if all were 0.
+  // Per face, 1: no camera is feasible or partial. Joint then takes any camera at kUnseenPenalty, so that its
+  // neighbours' label goes on across it (its texels are filled in); the paper modes leave it empty. Empty: all 0.
   std::vector<uint8_t> unseen;
-  // [face * camera_count + camera]; partial: p + (1 - p) · (hidden share)²; 1 where neither feasible nor partial.
+  // [face * camera_count + camera]; partial: p + (1 - p) · (hidden share)²; 1 where neither, kUnseenPenalty
+  // where unseen.
   std::vector<float> penalty;
 };
 

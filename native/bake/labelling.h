@@ -32,7 +32,7 @@ struct LabelOptions {
   // Joint: weights of ALGORITHMS 1. θ: penalty by slot, ω: slot term by slot (the last entry repeats), η: set term,
   // τ: time, empty: penalty of an empty slot. Tuned with bench_labels for few flips and seams at a layer-1 penalty
   // within 10 % of Naive's.
-  std::vector<float> theta{1.35f, 0.2f, 0.1f}, omega{1.2f, 0.2f, 0.15f};
+  std::vector<float> theta{1.4f, 0.2f, 0.1f}, omega{1.2f, 0.3f, 0.25f};
   float eta = 0.1f, tau = 0.75f, empty_penalty = 2.0f;
   int window_frames = 12, hop_frames = 8, sweeps = 4;
   int jobs = 1;

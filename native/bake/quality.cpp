@@ -4,21 +4,18 @@
 namespace fourdvt::bake {
 
 const std::vector<Quality>& qualities() {
-  // Measured on the sample's walk (28 frames, GOPs of 14, 4DVT's naive labels, 12 held-out views; SSIM-FG and
-  // PSNR-FG of the rendered view against the truth, video only):
-  //   512², uncompressed   0.713 21.97 dB   1024², uncompressed   0.775 22.43 dB
-  //   draft  H.264 1.86 Mbit/s 0.673 21.63 dB · VP9 1.60 0.678 21.65 dB · AV1 1.38 0.674 21.65 dB
-  //   web    H.264 3.70 Mbit/s 0.739 22.13 dB · VP9 3.35 0.742 22.12 dB · AV1 3.54 0.747 22.19 dB
-  //   high   H.264 7.46 Mbit/s 0.756 22.27 dB · VP9 5.20 0.753 22.22 dB · AV1 4.38 0.751 22.22 dB
+  // Measured on the sample's walk (28 frames, joint labels, 12 held-out views; video only; SSIM-FG and PSNR-FG of the
+  // rendered view against the truth; `fourdvt evaluate`, section "Rate and distortion"). Uncompressed 0.773, 22.50 dB.
+  //   draft  H.264 1.79 Mbit/s 0.702 21.87 dB · VP9 2.09 0.734 22.14 dB · AV1 1.65 0.728 22.13 dB
+  //   web    H.264 4.82 Mbit/s 0.747 22.30 dB · VP9 3.19 0.746 22.26 dB · AV1 3.73 0.748 22.28 dB
+  //   high   H.264 9.71 Mbit/s 0.761 22.40 dB · VP9 7.58 0.762 22.40 dB · AV1 5.92 0.756 22.35 dB
+  // (VP9 and AV1 of draft with the presets of web.) H.264 at CRF 32: 2.73 Mbit/s 0.730 22.17 dB. At every bitrate 1024
+  // texels beat 512 (2.69 Mbit/s 0.687), and 1536 or 2048 gain nothing below 10 Mbit/s with H.264; with AV1 2048 at CRF
+  // 50 gives 0.762 at 4.75 Mbit/s.
   static const std::vector<Quality> table{
-      {"draft", "fast to bake and small: texture 512", 512, 3, {28, 42, 42}, {"veryfast", "5", "7"}},
-      {"web", "for pages, about 4 Mbit/s: texture 1024", 1024, 3, {31, 46, 43}, {"slow", "3", "6"}},
-      {"high",
-       "close to the uncompressed layers: texture 1024 at twice the bitrate",
-       1024,
-       3,
-       {26, 40, 40},
-       {"slow", "2", "6"}},
+      {"draft", "small and fast to bake, about 2 Mbit/s", 1024, 3, {36, 52, 52}, {"veryfast", "5", "7"}},
+      {"web", "for pages, about 5 Mbit/s of video", 1024, 3, {28, 46, 40}, {"slow", "3", "6"}},
+      {"high", "close to the uncompressed layers, about 10 Mbit/s", 1024, 3, {23, 34, 34}, {"slow", "3", "6"}},
   };
   return table;
 }

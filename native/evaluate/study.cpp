@@ -28,8 +28,8 @@ StudyContext resolved(const StudyContext& given) {
 }  // namespace
 
 std::vector<StudyStep> studySteps() {
-  return {{"reference", 20, runReference}, {"methods", 45, runMethods}, {"layers", 25, runLayers},
-          {"rate", 20, runRate},           {"speed", 5, runSpeed},      {"pictures", 5, runPictures}};
+  return {{"reference", 18, runReference}, {"methods", 55, runMethods}, {"layers", 40, runLayers},
+          {"rate", 30, runRate},           {"speed", 6, runSpeed},      {"pictures", 5, runPictures}};
 }
 
 Result<Figures> runStudy(const StudyContext& given) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <future>
 
 #include "bake/validate.h"
 #include "evaluate/study_steps.h"
@@ -89,10 +90,15 @@ Result<Image> heldOutTruth(const capture::CaptureSequence& sequence, const Pinho
   return truth;
 }
 
+void cleanEdges(std::vector<Image>& pictures) {
+  std::vector<std::future<void>> running;
+  for (Image& picture : pictures)
+    running.push_back(std::async(std::launch::async, [&picture] { bake::replaceEdgeColours(picture); }));
+}
+
 Result<capture::CaptureFrame> nextCleanFrame(capture::FrameReader& reader) {
   auto frame = reader.next();
-  if (!frame) return frame;
-  for (Image& picture : frame.value().pictures) bake::replaceEdgeColours(picture);
+  if (frame) cleanEdges(frame.value().pictures);
   return frame;
 }
 

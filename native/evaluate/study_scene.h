@@ -36,7 +36,9 @@ Result<std::vector<PinholeCamera>> heldOutCameras(const StudyContext& context);
 // Errors: FileMissing, FrameSize.
 Result<Image> heldOutTruth(const capture::CaptureSequence& sequence, const PinholeCamera& camera, uint32_t frame);
 
-// A captured frame with clean matte edges (bake::replaceEdgeColours).
+// bake::replaceEdgeColours on all pictures, side by side.
+void cleanEdges(std::vector<Image>& pictures);
+// A captured frame with clean edges.
 Result<capture::CaptureFrame> nextCleanFrame(capture::FrameReader& reader);
 
 Result<std::unique_ptr<render::Fvvr>> makeFvvr(const StudyContext& context);

@@ -158,11 +158,12 @@ void compareWeights(const Measured& input, const char* lists) {
   const bake::LabelStatistics naive = solve(input, options).statistics;
   options.mode = LabelMode::Spatial;
   const bake::LabelStatistics spatial = solve(input, options).statistics;
-  for (const char* list = lists; list; list = std::strchr(list, ':')) {
-    if (*list == ':') ++list;
-    const bake::LabelStatistics s = solve(input, jointOptions(list)).statistics;
-    std::printf("%.*s\n  flips %.2f %% (%.1f %% fewer) seams %.2f %% (%.1f %% fewer) penalty %+.1f %% %.1f ms\n",
-                static_cast<int>(std::strcspn(list, ":")), list, s.flip_percent[0],
+  for (const char* at = lists; at; at = std::strchr(at, ':')) {
+    if (*at == ':') ++at;
+    const bake::LabelStatistics s = solve(input, jointOptions(at)).statistics;
+    std::printf("%.*s\n  flips %s seams %s\n  flips %.2f %% (%.1f %% fewer) seams %.2f %% (%.1f %% fewer) penalty %+.1f %% %.1f ms\n",
+                static_cast<int>(std::strcspn(at, ":")), at, list(s.flip_percent, "%.2f").c_str(),
+                list(s.seam_percent, "%.2f").c_str(), s.flip_percent[0],
                 100 * (1 - s.flip_percent[0] / spatial.flip_percent[0]), s.seam_percent[0],
                 100 * (1 - s.seam_percent[0] / spatial.seam_percent[0]),
                 100 * (s.mean_penalty[0] / naive.mean_penalty[0] - 1), msPerFrame(s));

@@ -59,6 +59,7 @@ TEST_F(BoxCosts, PartlyHiddenCamerasServeOnlyWhereNoneQualifies) {
   fractions[8] = fractions[12 + 8] = 0.2f;
   EXPECT_EQ(measure(fractions).feasible[8], 0u);
   EXPECT_EQ(measure(fractions).unseen[8], 1);
+  EXPECT_EQ(measure(fractions).penalty[8 * 2], kUnseenPenalty);
   EXPECT_EQ(measure(all).unseen[8], 0);
 }
 
