@@ -3,14 +3,13 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <future>
 
 #include "bake/output.h"
 #include "bake/record_file.h"
+#include "bake/survey_files.h"
 #include "bake/validate.h"
-#include "base/bytes.h"
 #include "package/character.h"
 
 namespace fourdvt::bake {
@@ -28,44 +27,6 @@ struct SurveyFrame {
   std::vector<PictureCrop> crops;
   std::vector<Image> pictures;  // only where colours are compared
 };
-
-std::string keyed(const std::string& folder, const std::string& what, const std::string& key) {
-  char name[160];
-  uint64_t hash = 14695981039346656037ull;
-  for (char c : key) hash = (hash ^ static_cast<uint8_t>(c)) * 1099511628211ull;
-  std::snprintf(name, sizeof name, "%s_%016llx.bin", what.c_str(), static_cast<unsigned long long>(hash));
-  return folder + "/" + name;
-}
-
-void putList(ByteWriter& out, const std::vector<double>& list) {
-  out.u32(static_cast<uint32_t>(list.size()));
-  for (double v : list) out.f64(v);
-}
-
-std::vector<double> takeList(ByteReader& in) {
-  std::vector<double> list;
-  for (uint32_t left = in.u32(); left > 0 && in.ok(); --left) list.push_back(in.f64());
-  return list;
-}
-
-std::vector<uint8_t> statisticsBytes(const LabelStatistics& s) {
-  ByteWriter out;
-  out.u32(s.frames);
-  for (const auto* list :
-       {&s.seam_percent, &s.flip_percent, &s.camera_seam_percent, &s.camera_flip_percent, &s.mean_penalty})
-    putList(out, *list);
-  for (double v : {s.energy, s.empty_percent, s.seconds}) out.f64(v);
-  return out.take();
-}
-
-bool statisticsFrom(std::span<const uint8_t> bytes, LabelStatistics& s) {
-  ByteReader in(bytes);
-  s.frames = in.u32();
-  for (auto* list : {&s.seam_percent, &s.flip_percent, &s.camera_seam_percent, &s.camera_flip_percent, &s.mean_penalty})
-    *list = takeList(in);
-  for (double* v : {&s.energy, &s.empty_percent, &s.seconds}) *v = in.f64();
-  return in.ok() && in.remaining() == 0;
-}
 
 Status checkStop(const BakeEnvironment& environment, const std::string& folder) {
   if (!environment.stop || !*environment.stop) return {};
@@ -98,17 +59,17 @@ Survey::Survey(const Job& job)
       folder_(job.options.survey_folder.empty() ? job.workFolder() + "/survey" : job.options.survey_folder) {}
 
 std::string Survey::fractionsPath(const SequencePlan& plan) const {
-  return keyed(folder_, "visible_" + plan.source->name, captureKey(*job_, plan));
+  return keyedPath(folder_, "visible_" + plan.source->name, captureKey(*job_, plan));
 }
 
 std::string Survey::labelsPath(const SequencePlan& plan) const {
-  return keyed(folder_, "labels_" + plan.source->name, captureKey(*job_, plan) + labelKey(job_->options));
+  return keyedPath(folder_, "labels_" + plan.source->name, captureKey(*job_, plan) + labelKey(job_->options));
 }
 
 std::string Survey::coloursPath() const {
   std::string key;
   for (const SequencePlan& plan : job_->sequences) key += captureKey(*job_, plan);
-  return keyed(folder_, "colours", key);
+  return keyedPath(folder_, "colours", key);
 }
 
 Result<Survey> Survey::run(const Job& job, const BakeEnvironment& environment, StageClock& clock,
@@ -301,27 +262,12 @@ Result<std::vector<uint8_t>> Survey::penaltyOrder(const SequencePlan& plan, uint
 
 bool Survey::loadColours() {
   auto bytes = readFile(coloursPath());
-  if (!bytes) return false;
-  ByteReader in(bytes.value());
   std::vector<ColourMap> maps(job_->cameras.size());
-  for (ColourMap& map : maps) {
-    for (int column = 0; column < 3; ++column)
-      for (int row = 0; row < 3; ++row) map.matrix[column][row] = in.f32();
-    for (int row = 0; row < 3; ++row) map.offset[row] = in.f32();
-  }
-  if (!in.ok() || in.remaining() != 0) return false;
+  if (!bytes || !coloursFrom(bytes.value(), maps)) return false;
   colour_maps_ = std::move(maps);
   return true;
 }
 
-Status Survey::saveColours() const {
-  ByteWriter out;
-  for (const ColourMap& map : colour_maps_) {
-    for (int column = 0; column < 3; ++column)
-      for (int row = 0; row < 3; ++row) out.f32(map.matrix[column][row]);
-    for (int row = 0; row < 3; ++row) out.f32(map.offset[row]);
-  }
-  return writeFile(coloursPath(), out.data());
-}
+Status Survey::saveColours() const { return writeFile(coloursPath(), coloursBytes(colour_maps_)); }
 
 }  // namespace fourdvt::bake

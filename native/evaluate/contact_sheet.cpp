@@ -78,7 +78,7 @@ cv::Mat titled(const cv::Mat& picture, const std::string& title) {
   return out;
 }
 
-cv::Mat sheetRow(const WorstView& view) {
+cv::Mat sheetRow(const WorstView& view, const std::string& baseline) {
   const cv::Rect part = shownPart(view);
   char scores[80];
   std::snprintf(scores, sizeof scores, "ours %.2f dB / %.3f", view.score.psnr_db, view.score.ssim);
@@ -89,9 +89,8 @@ cv::Mat sheetRow(const WorstView& view) {
                                                                      " frame " + std::to_string(view.score.frame)),
                                titled(wrapped(view.character)(part), scores)};
   if (!view.yardstick.empty()) {
-    std::snprintf(scores, sizeof scores, "yardstick %.2f dB / %.3f", view.score.yardstick_psnr_db,
-                  view.score.yardstick_ssim);
-    columns.push_back(titled(wrapped(view.yardstick)(part), scores));
+    std::snprintf(scores, sizeof scores, " %.2f dB / %.3f", view.score.yardstick_psnr_db, view.score.yardstick_ssim);
+    columns.push_back(titled(wrapped(view.yardstick)(part), baseline + scores));
   }
   columns.push_back(titled(difference(part), "|truth - ours| x 4"));
   cv::Mat out;
@@ -158,11 +157,11 @@ std::string scoreCsv(const HeldOutReport& report) {
   return out;
 }
 
-Image contactSheet(const std::vector<WorstView>& worst) {
+Image contactSheet(const std::vector<WorstView>& worst, const std::string& baseline) {
   std::vector<cv::Mat> rows;
   int width = 1, height = 0;
   for (const WorstView& view : worst) {
-    rows.push_back(sheetRow(view));
+    rows.push_back(sheetRow(view, baseline));
     width = std::max(width, rows.back().cols);
     height += rows.back().rows;
   }

@@ -61,6 +61,7 @@ MeanScore meanScore(const std::vector<ViewScore>& scores, bool held_out, const s
 std::string scoreTable(const HeldOutReport& report);
 std::string scoreCsv(const HeldOutReport& report);
 // Rows: worst views; columns: truth, character, (yardstick,) absolute difference × 4. Cropped to the performer.
-Image contactSheet(const std::vector<WorstView>& worst);
+// `baseline` names what WorstView::yardstick shows.
+Image contactSheet(const std::vector<WorstView>& worst, const std::string& baseline = "yardstick");
 
 }  // namespace fourdvt::evaluate

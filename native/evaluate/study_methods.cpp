@@ -217,7 +217,7 @@ Status MethodStudy::worstPicture(const capture::CaptureSequence& sequence, const
   view.character = compositedOnBlack(drawn.value());
   view.yardstick = compositedOnBlack(fvvr.value());
   const std::string file = "worst-held-out-" + sequence.name + ".jpg";
-  FOURDVT_TRY(platform::writeImage(context_.pictures() + "/" + file, contactSheet({view}), 90));
+  FOURDVT_TRY(platform::writeImage(context_.pictures() + "/" + file, contactSheet({view}, "FVVR"), 90));
   RowWriter(
       out_, rows::kPictures, sequence.name, rows::kJointDefault,
       "file=" + file + " frame=" + std::to_string(frame) + " view=" + camera.name + " score=" + std::to_string(ssim))

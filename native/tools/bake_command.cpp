@@ -108,9 +108,10 @@ class ProgressLine {
     if (p.total > 0) std::snprintf(numbers, sizeof numbers, "  %u of %u frames", p.done, p.total);
     std::string line = p.stage + numbers;
     if (p.frames_per_s > 0) {
-      std::snprintf(numbers, sizeof numbers, "  %.2f frames/s  %s left", p.frames_per_s, timeLeft(p.left_s).c_str());
+      std::snprintf(numbers, sizeof numbers, "  %.2f frames/s", p.frames_per_s);
       line += numbers;
     }
+    if (p.left_s > 0) line += "  " + timeLeft(p.left_s) + " left";
     std::fprintf(stderr, tty_ ? "\r\033[K%s" : "%s\n", line.c_str());
     std::fflush(stderr);
   }

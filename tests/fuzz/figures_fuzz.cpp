@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rows of a study as an interrupted run left them: what is accepted comes back the same after writing it again.
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+
+#include "evaluate/study.h"
+
+using namespace fourdvt::evaluate;
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  const std::string text(reinterpret_cast<const char*>(data), size);
+  auto rows = parseFiguresCsv(text, "rows.csv");
+  if (!rows) return 0;
+  auto again = parseFiguresCsv(figuresCsv(rows.value()), "rows.csv");
+  if (!again || again.value().size() != rows.value().size()) std::abort();
+  for (size_t i = 0; i < rows.value().size(); ++i) {
+    const Figure &a = rows.value()[i], &b = again.value()[i];
+    if (a.table != b.table || a.sequence != b.sequence || a.method != b.method || a.setting != b.setting ||
+        a.quantity != b.quantity || a.unit != b.unit)
+      std::abort();
+    const bool same = std::isnan(a.value)
+                          ? std::isnan(b.value)
+                          : std::isinf(a.value) || std::abs(a.value - b.value) <= 1e-6 * std::abs(a.value);
+    if (!same) std::abort();
+  }
+  return 0;
+}
