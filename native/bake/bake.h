@@ -9,7 +9,7 @@
 //   fill          empty texels and gutters (ALGORITHMS 2)
 //   tile          layers + barcode → one 4:2:0 picture
 //   encode        H.264, one closed GOP at a time
-//   geometry      quantised positions and labels → Draco chunks
+//   geometry      quantised positions and labels → chunks
 //   assemble      mp4 + bin + character.gltf + texture still + poster + report, renamed into place at the end
 //
 // Does NOT decide how frames are shown. Memory: one frame of pictures and one GOP of packets, whatever the length.
@@ -34,7 +34,7 @@ struct BakeOptions {
   std::string capture_folder, character_folder;
   std::vector<std::string> sequences;  // empty: all
   int layers = 3;                      // texture layers, 1..6
-  int texture = 1024;                  // texels, side of layer 1; further layers have half of it
+  int texture = 1024;                  // texels, side of layer 1; further layers: see equal_layers
   int crf = 28;                        // constant rate factor on the codec's own scale, lower is better
   int gop = 20;                        // frames a GOP at most; GOPs of a sequence are of equal length ±1
   int jobs = 0;                        // worker threads; 0: as many as cores

@@ -14,12 +14,6 @@ struct LabelTuple {
   std::array<uint8_t, package::kMaxLayers> slots;  // camera or package::kNoCamera
   LabelTuple() { slots.fill(package::kNoCamera); }
   bool operator==(const LabelTuple& o) const { return slots == o.slots; }
-  uint32_t cameras() const {  // as a set
-    uint32_t mask = 0;
-    for (uint8_t c : slots)
-      if (c != package::kNoCamera) mask |= 1u << c;
-    return mask;
-  }
 };
 
 // The `count` cheapest cameras of `allowed`, cheapest first; equal penalties by camera index.

@@ -53,6 +53,16 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
+const char* penaltyName(Penalty penalty) {
+  constexpr const char* kNames[] = {"axis", "ray", "resolution"};
+  return kNames[static_cast<int>(penalty)];
+}
+
+const char* filterName(ResampleFilter filter) {
+  constexpr const char* kNames[] = {"bilinear", "mipmap", "bicubic"};
+  return kNames[static_cast<int>(filter)];
+}
+
 StageSeconds orderedStages(const ReportInput& in) {
   StageSeconds out;
   const auto& known = pipelineStages();
@@ -89,6 +99,8 @@ Json optionsJson(const BakeOptions& o) {
           {"position_step_m", o.position_step_m},
           {"gutter_texels", o.gutter_texels},
           {"labels", labelModeName(o.labels)},
+          {"penalty", penaltyName(o.penalty)},
+          {"filter", filterName(o.resample.filter)},
           {"equal_layers", o.equal_layers},
           {"colour_calibration", o.colour_calibration},
           {"preset", o.preset}};
@@ -206,6 +218,8 @@ std::string factsTable(const ReportInput& in) {
       {"texture",
        std::to_string(o.texture) + (o.equal_layers ? " texels, all layers" : " texels, further layers half of it")},
       {"labels", labelModeName(o.labels)},
+      {"penalty", penaltyName(o.penalty)},
+      {"resampling filter", filterName(o.resample.filter)},
       {"colour calibration", o.colour_calibration ? "on" : "off"},
       {"codec", in.codec + ", CRF " + std::to_string(o.crf) + ", GOP ≤ " + std::to_string(o.gop) + " frames"},
       {"vertex step", printed("%.3f mm", o.position_step_m * 1e3)},

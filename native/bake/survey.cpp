@@ -56,20 +56,16 @@ Status checkVisible(const Job& job, const SequencePlan& plan, const Positions& p
 
 Survey::Survey(const Job& job)
     : job_(&job),
-      folder_(job.options.survey_folder.empty() ? job.workFolder() + "/survey" : job.options.survey_folder) {}
-
-std::string Survey::fractionsPath(const SequencePlan& plan) const {
-  return keyedPath(folder_, "visible_" + plan.source->name, captureKey(*job_, plan));
-}
-
-std::string Survey::labelsPath(const SequencePlan& plan) const {
-  return keyedPath(folder_, "labels_" + plan.source->name, captureKey(*job_, plan) + labelKey(job_->options));
-}
-
-std::string Survey::coloursPath() const {
-  std::string key;
-  for (const SequencePlan& plan : job_->sequences) key += captureKey(*job_, plan);
-  return keyedPath(folder_, "colours", key);
+      folder_(job.options.survey_folder.empty() ? job.workFolder() + "/survey" : job.options.survey_folder) {
+  std::string all;
+  for (const SequencePlan& plan : job.sequences) {
+    const std::string& name = plan.source->name;
+    const std::string key = captureKey(job, plan);
+    all += key;
+    paths_[name] = {keyedPath(folder_, "visible_" + name, key),
+                    keyedPath(folder_, "labels_" + name, key + labelKey(job.options))};
+  }
+  colours_path_ = keyedPath(folder_, "colours", all);
 }
 
 Result<Survey> Survey::run(const Job& job, const BakeEnvironment& environment, StageClock& clock,
@@ -167,7 +163,6 @@ Status Survey::measureSequence(const SequencePlan& plan, FrameBaker& baker, cons
       calibrator->add(job_->cameras, job_->mesh.decoded.topology, frame.value().positions, fractions,
                       frame.value().pictures);
     }
-    ++looked_at_;
     on_frame(f + 1);
   }
   return file.value().finish();
@@ -261,13 +256,13 @@ Result<std::vector<uint8_t>> Survey::penaltyOrder(const SequencePlan& plan, uint
 }
 
 bool Survey::loadColours() {
-  auto bytes = readFile(coloursPath());
+  auto bytes = readFile(colours_path_);
   std::vector<ColourMap> maps(job_->cameras.size());
   if (!bytes || !coloursFrom(bytes.value(), maps)) return false;
   colour_maps_ = std::move(maps);
   return true;
 }
 
-Status Survey::saveColours() const { return writeFile(coloursPath(), coloursBytes(colour_maps_)); }
+Status Survey::saveColours() const { return writeFile(colours_path_, coloursBytes(colour_maps_)); }
 
 }  // namespace fourdvt::bake

@@ -27,7 +27,6 @@ class Survey {
   // [rank][face]: all cameras that qualify, by penalty. For LabelMode::PerTexel.
   Result<std::vector<uint8_t>> penaltyOrder(const SequencePlan& plan, uint32_t frame) const;
   const std::map<std::string, LabelStatistics>& statistics() const { return statistics_; }  // by sequence
-  uint32_t framesLookedAt() const { return looked_at_; }                                    // by this run
 
  private:
   explicit Survey(const Job& job);
@@ -44,15 +43,17 @@ class Survey {
   Result<std::vector<float>> fractions(const SequencePlan& plan, uint32_t frame) const;
   size_t fractionBytes() const { return job_->cameras.size() * job_->mesh.decoded.topology.faceCount(); }  // a frame
   size_t labelBytes() const { return job_->options.layers * job_->mesh.decoded.topology.faceCount(); }     // a frame
-  std::string fractionsPath(const SequencePlan& plan) const;
-  std::string labelsPath(const SequencePlan& plan) const;
-  std::string coloursPath() const;
+  const std::string& fractionsPath(const SequencePlan& plan) const { return paths_.at(plan.source->name).fractions; }
+  const std::string& labelsPath(const SequencePlan& plan) const { return paths_.at(plan.source->name).labels; }
 
+  struct Paths {
+    std::string fractions, labels;
+  };
   const Job* job_;
-  std::string folder_;
+  std::string folder_, colours_path_;
+  std::map<std::string, Paths> paths_;  // by sequence; the capture's files are looked at once
   std::vector<ColourMap> colour_maps_;
   std::map<std::string, LabelStatistics> statistics_;
-  uint32_t looked_at_ = 0;
 };
 
 }  // namespace fourdvt::bake

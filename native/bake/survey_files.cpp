@@ -22,11 +22,11 @@ std::vector<double> takeList(ByteReader& in) {
 }  // namespace
 
 std::string keyedPath(const std::string& folder, const std::string& what, const std::string& key) {
-  char name[160];
-  uint64_t hash = 14695981039346656037ull;
+  uint64_t hash = 14695981039346656037ull;  // FNV-1a
   for (char c : key) hash = (hash ^ static_cast<uint8_t>(c)) * 1099511628211ull;
-  std::snprintf(name, sizeof name, "%s_%016llx.bin", what.c_str(), static_cast<unsigned long long>(hash));
-  return folder + "/" + name;
+  char digits[17];
+  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(hash));
+  return folder + "/" + what + "_" + digits + ".bin";
 }
 
 std::vector<uint8_t> statisticsBytes(const LabelStatistics& s) {

@@ -39,8 +39,6 @@ Result<Figures> runStudy(const StudyContext& given) {
   Figures published;
   const auto publish = [&](const Figures& rows) -> Status {
     published = rows;
-    const Figures trends = trendFigures(rows);
-    published.insert(published.end(), trends.begin(), trends.end());
     FOURDVT_TRY(writeText(folder + "/evaluate.csv", figuresCsv(published)));
     return writeText(folder + "/report.html",
                      documentHtml(makeStudyDocument(rows, context.options, context.capture->name)));

@@ -67,66 +67,6 @@ bool parseNumber(const std::string& text, double& value) {
   return !text.empty() && *end == 0;
 }
 
-std::set<std::string> sequencesOf(const Figures& rows, const char* table) {
-  std::set<std::string> names;
-  for (const Figure& row : rows)
-    if (row.table == table) names.insert(row.sequence);
-  return names;
-}
-
-void addTrend(Figures& out, const std::string& sequence, const std::string& method, const std::string& check,
-              bool holds, double left, double right, const char* unit) {
-  const RowWriter row(out, "trend", sequence, method, check);
-  row.add("holds", holds ? 1 : 0, "");
-  row.add("left", left, unit);
-  row.add("right", right, unit);
-}
-
-void storageTrends(const Figures& rows, Figures& out) {
-  const char* order[] = {rows::kNaive, rows::kSpatial, rows::kTemporalPaper, rows::kJoint};
-  for (const std::string& sequence : sequencesOf(rows, rows::kTable1))
-    for (const auto& [name, quantity] : {std::pair{"storage", rows::kTotalBytes}, {"video", rows::kVideoBytes}})
-      for (int i = 0; i + 1 < 4; ++i) {
-        const auto left = findValue(rows, rows::kTable1, sequence, order[i], "", quantity);
-        const auto right = findValue(rows, rows::kTable1, sequence, order[i + 1], "", quantity);
-        if (!left || !right) continue;
-        addTrend(out, sequence, "", std::string("check=") + name + "-" + order[i] + ">" + order[i + 1], *left > *right,
-                 *left, *right, "bytes");
-      }
-}
-
-// SSIM-FG against L for one curve; 0 where it was not measured.
-std::vector<double> qualityCurve(const Figures& rows, const std::string& sequence, const std::string& method,
-                                 const std::string& size) {
-  std::vector<double> curve;
-  for (int layers = 1; layers <= 6; ++layers) {
-    const auto value = findValue(rows, rows::kLayers, sequence, method,
-                                 "layers=" + std::to_string(layers) + " size=" + size, rows::kSsimFg);
-    if (!value) break;
-    curve.push_back(*value);
-  }
-  return curve;
-}
-
-void qualityTrends(const Figures& rows, Figures& out) {
-  std::set<std::vector<std::string>> curves;  // sequence, method, size
-  for (const Figure& row : rows)
-    if (row.table == rows::kLayers && row.quantity == rows::kSsimFg)
-      curves.insert({row.sequence, row.method, rows::settingText(row.setting, "size")});
-  for (const auto& curve : curves) {
-    const std::vector<double> ssim = qualityCurve(rows, curve[0], curve[1], curve[2]);
-    if (ssim.size() < 3) continue;
-    const double smallest_rise = std::min(ssim[1] - ssim[0], ssim[2] - ssim[1]);
-    addTrend(out, curve[0], curve[1], "check=quality-rises-to-3 size=" + curve[2], smallest_rise > kFlatSsim, ssim[0],
-             ssim[2], "");
-    if (ssim.size() < 4) continue;
-    double largest_rise = -1;
-    for (size_t l = 3; l < ssim.size(); ++l) largest_rise = std::max(largest_rise, ssim[l] - ssim[l - 1]);
-    addTrend(out, curve[0], curve[1], "check=quality-flat-after-3 size=" + curve[2], largest_rise < kFlatSsim, ssim[2],
-             ssim.back(), "");
-  }
-}
-
 }  // namespace
 
 std::string figuresCsv(const Figures& figures) {
@@ -181,13 +121,6 @@ std::optional<double> bytesAtQuality(std::vector<RatePoint> points, double quali
   const RatePoint &a = points[i - 1], &b = points[i];
   const double t = (quality_db - a.quality_db) / (b.quality_db - a.quality_db);
   return std::exp(std::log(a.bytes) + t * (std::log(b.bytes) - std::log(a.bytes)));
-}
-
-Figures trendFigures(const Figures& rows) {
-  Figures out;
-  storageTrends(rows, out);
-  qualityTrends(rows, out);
-  return out;
 }
 
 std::string hashText(const std::string& text) {

@@ -43,16 +43,6 @@ struct RatePoint {
 // beyond them. Any order; nullopt for fewer than two points of different quality.
 std::optional<double> bytesAtQuality(std::vector<RatePoint> points, double quality_db);
 
-// Table "trend", one group of rows a check: quantity "holds" (1 or 0), and the two sides as "left" and "right". The
-// setting names the check:
-//   check=storage-naive>spatial …   table1, total bytes: naive > spatial > temporal-paper > joint, pair by pair
-//   check=video-naive>spatial …     the same for video bytes alone
-//   check=quality-rises-to-3        layers, SSIM-FG: every layer up to the third adds more than kFlatSsim; per size
-//   check=quality-flat-after-3      no layer after the third adds kFlatSsim or more; per size
-// A check whose rows are missing is left out.
-constexpr double kFlatSsim = 0.002;
-Figures trendFigures(const Figures& rows);
-
 // FNV-1a 64 as 16 hexadecimal digits.
 std::string hashText(const std::string& text);
 

@@ -34,11 +34,16 @@ package::Character characterOf(const bake::Job& job, int layers) {
   return character;
 }
 
-package::Rendition sideBySide(int size, int columns, int layers) {
+constexpr int kColumns = 3;
+
+package::Rect rectOf(int layer, int size) { return {layer % kColumns * size, layer / kColumns * size, size, size}; }
+
+// A grid of three columns.
+package::Rendition gridOf(int size, int most_layers, int layers) {
   package::Rendition rendition;
-  rendition.width = columns * size;
-  rendition.height = size;
-  for (int l = 0; l < layers; ++l) rendition.layers.push_back({l * size, 0, size, size});
+  rendition.width = std::min(kColumns, most_layers) * size;
+  rendition.height = (most_layers + kColumns - 1) / kColumns * size;
+  for (int l = 0; l < layers; ++l) rendition.layers.push_back(rectOf(l, size));
   return rendition;
 }
 
@@ -47,16 +52,17 @@ package::Rendition sideBySide(int size, int columns, int layers) {
 Result<std::unique_ptr<LayerDrawing>> LayerDrawing::create(gpu::Device& device, const bake::Job& job, int size,
                                                            int most_layers) {
   const int largest = device.caps().max_texture_size;
-  if (size * most_layers > largest)
+  const package::Rendition grid = gridOf(size, most_layers, most_layers);
+  if (std::max(grid.width, grid.height) > largest)
     return Error{ErrorId::GpuFailure, std::to_string(most_layers) + " layers of " + std::to_string(size) +
-                                          " texels are wider than this GPU's largest texture of " +
+                                          " texels are larger than this GPU's largest texture of " +
                                           std::to_string(largest) + "; use a GPU with larger textures"};
   std::unique_ptr<LayerDrawing> out(new LayerDrawing(device, job, size));
   out->most_layers_ = most_layers;
   auto recipe = render::Recipe::create(device);
   if (!recipe) return recipe.error();
   out->recipe_ = recipe.take();
-  auto picture = render::createPicture(device, size * most_layers, size, render::PictureTextures::Kind::Rgba);
+  auto picture = render::createPicture(device, grid.width, grid.height, render::PictureTextures::Kind::Rgba);
   if (!picture) return picture.error();
   out->picture_ = picture.take();
   return out;
@@ -67,7 +73,7 @@ Result<render::CharacterModel*> LayerDrawing::modelOf(int layers) {
   if (it == models_.end()) {
     auto model = render::CharacterModel::create(device_, characterOf(job_, layers), job_.mesh.decoded);
     if (!model) return model.error();
-    model.value().setLayout(sideBySide(size_, most_layers_, layers));
+    model.value().setLayout(gridOf(size_, most_layers_, layers));
     it = models_.emplace(layers, model.take()).first;
   }
   return &it->second;
@@ -84,7 +90,8 @@ Status LayerDrawing::show(const std::vector<Image>& layers) {
   for (size_t l = 0; l < layers.size(); ++l) {
     if (layers[l].channels != 4 || layers[l].width != size_ || layers[l].height != size_)
       return Error{ErrorId::Internal, "a layer to draw is not RGBA of the drawing's size"};
-    device_.updateTexture(picture_.rgba.id(), 0, static_cast<int>(l) * size_, 0, size_, size_, layers[l].pixels.data());
+    const package::Rect rect = rectOf(static_cast<int>(l), size_);
+    device_.updateTexture(picture_.rgba.id(), 0, rect.x, rect.y, size_, size_, layers[l].pixels.data());
   }
   return {};
 }

@@ -10,6 +10,7 @@
 #include "evaluate/study_common.h"
 #include "evaluate/study_rows.h"
 #include "evaluate/study_scene.h"
+#include "evaluate/study_steps.h"
 
 namespace fourdvt::evaluate {
 namespace {
@@ -234,8 +235,19 @@ Result<Figures> RateStudy::run() {
   const std::vector<Group> groups = plannedGroups(context_.options.quick);
   for (const Group& group : groups)
     for (const CodecSetting& codec : group.codecs) points_ += codec.crfs.size();
-  for (const Group& group : groups) FOURDVT_TRY(measureGroup(group));
-  return std::move(figures_);
+  Figures all;
+  for (const Group& group : groups) {
+    const std::string name = "rate-" + std::to_string(group.layers.texture) + "-" +
+                             std::to_string(group.layers.layers) + (group.layers.equal ? "-equal" : "");
+    auto part = keptPart(context_, name, [&]() -> Result<Figures> {
+      figures_.clear();
+      FOURDVT_TRY(measureGroup(group));
+      return std::move(figures_);
+    });
+    if (!part) return part;
+    all.insert(all.end(), part.value().begin(), part.value().end());
+  }
+  return all;
 }
 
 }  // namespace

@@ -214,7 +214,7 @@ Section grazingSection(const StudyValues& v) {
                             percentText(at(m, rows::kFringePercent))});
   }
   if (!table.rows.empty()) section.tables.push_back(std::move(table));
-  section.pictures = picturesOf(v, {rows::kPictureGrazing, rows::kPictureCompare});
+  section.pictures = picturesOf(v, {rows::kPictureGrazing});
   return section;
 }
 

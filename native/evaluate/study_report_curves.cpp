@@ -143,8 +143,7 @@ std::vector<Picture> picturesOf(const StudyValues& values, const std::vector<std
         {rows::kPictureChanges, "Layer 1's camera maps in three frames; faces that change are white"},
         {rows::kPictureErrorMap, "Reference, ours, difference × 4"},
         {rows::kPictureGrazing, "View with crops, FVVR above"},
-        {rows::kPictureWorst, "Worst held-out view: truth, ours, FVVR where kept, differences × 4"},
-        {rows::kPictureCompare, "Methods at one view"}};
+        {rows::kPictureWorst, "Worst held-out view: truth, ours, FVVR where kept, differences × 4"}};
     for (const auto& [key, caption] : kKinds)
       if (row.quantity == key) picture.caption = caption;
     for (const std::string& part : {row.sequence, row.method.empty() ? "" : methodTitle(row.method)})

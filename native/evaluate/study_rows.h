@@ -22,7 +22,6 @@
 // layers        joint             layers=L size=S                  LVDT Fig. 5: kSsimFg, kSsimFull, kPsnrFgDb;
 //                                                                  Fig. 7: kImageBytes (layers as PNG, a frame),
 //                                                                  kVideoBytes (sequence), kVideoBps, kGpuBytes;
-//                                                                  kFramesPerS
 //               naive             layers=L size=S                  the same, where measured (the papers' own labels)
 //               fvvr              any                              kMaskedBytes (PNG, a frame, all cameras),
 //                                                                  kMultiviewCodecBytes (sequence), kGpuBytes
@@ -133,7 +132,6 @@ inline constexpr const char* kPictureChanges = "label_changes";  // camera maps 
 inline constexpr const char* kPictureErrorMap = "error_map";     // reference, ours, difference; layers= size=
 inline constexpr const char* kPictureGrazing = "grazing";        // grazing view with crops; view=
 inline constexpr const char* kPictureWorst = "worst_held_out";   // truth, ours, FVVR, differences; frame= view=
-inline constexpr const char* kPictureCompare = "compare";        // methods beside each other at one view
 
 // Facts (table "about"): any quantity name is printed as it is; these come first.
 inline constexpr const char* kAboutCommand = "command";

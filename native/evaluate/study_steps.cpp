@@ -36,7 +36,9 @@ void listFiles(const fs::path& folder, const fs::path& except, std::vector<std::
 }
 
 std::string commandLine(const StudyOptions& options) {
-  return "fourdvt evaluate " + options.capture_folder + " -o " + options.report_folder +
+  std::string sequences;
+  for (const std::string& name : options.sequences) sequences += (sequences.empty() ? " --sequences " : ",") + name;
+  return "fourdvt evaluate '" + options.capture_folder + "' -o '" + options.report_folder + "'" + sequences +
          (options.quick ? " --quick" : "");
 }
 
@@ -97,6 +99,10 @@ Status openReportFolder(const std::string& folder, const std::string& key) {
     return Error{ErrorId::InvalidArgument, folder +
                                                ": exists and is not a study's report (no steps/key.txt inside); "
                                                "choose another report folder"};
+  if (!old.empty() && old != key + "\n" && fs::exists(folder + "/evaluate.csv", ignored))
+    return Error{ErrorId::InvalidArgument, folder +
+                                               ": holds a study of other settings, or of a capture that has changed "
+                                               "since; delete it or choose another report folder"};
   if (old != key + "\n") {
     for (const char* part : {"/steps", "/work", "/pictures"}) removeFolder(folder + part);
     for (const char* part : {"/evaluate.csv", "/report.html"}) fs::remove(folder + part, ignored);

@@ -141,8 +141,9 @@ T choice(Args& args, const char* name, T otherwise, std::initializer_list<std::p
 
 // Quality and codec first, then what is given explicitly.
 void readEncoding(Args& args, bake::BakeOptions& o) {
-  const bake::Codec codec = choice(args, "--codec", o.codec,
-                                   {{"h264", bake::Codec::H264}, {"vp9", bake::Codec::Vp9}, {"av1", bake::Codec::Av1}});
+  bake::Codec codec = o.codec;
+  if (args.has("--codec") && !bake::parseCodec(args.text("--codec"), codec))
+    args.complain("--codec must be one of h264, vp9, av1, not \"" + args.text("--codec") + "\"");
   const std::string name = args.text("--quality", bake::kDefaultQuality);
   if (const bake::Quality* quality = bake::findQuality(name))
     bake::applyQuality(*quality, codec, o);
@@ -167,12 +168,9 @@ bake::BakeOptions readOptions(Args& args) {
   o.gop = args.integer("--gop", o.gop, 1, 1000);
   o.jobs = args.integer("--jobs", o.jobs, 0, 1024);
   o.resume = args.has("--resume");
-  o.labels = choice(args, "--labels", o.labels,
-                    {{"naive", bake::LabelMode::Naive},
-                     {"spatial", bake::LabelMode::Spatial},
-                     {"temporal-paper", bake::LabelMode::TemporalPaper},
-                     {"joint", bake::LabelMode::Joint},
-                     {"per-texel", bake::LabelMode::PerTexel}});
+  if (args.has("--labels") && !bake::parseLabelMode(args.text("--labels"), o.labels))
+    args.complain("--labels must be one of naive, spatial, temporal-paper, joint, per-texel, not \"" +
+                  args.text("--labels") + "\"");
   o.penalty =
       choice(args, "--penalty", o.penalty,
              {{"axis", bake::Penalty::Axis}, {"ray", bake::Penalty::Ray}, {"resolution", bake::Penalty::Resolution}});

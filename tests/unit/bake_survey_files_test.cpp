@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/survey_files.h"
-
 #include <gtest/gtest.h>
+
+#include "bake/survey_files.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -49,6 +49,8 @@ TEST(SurveyFiles, ColourMapsRoundTrip) {
 TEST(SurveyFiles, PathsDifferByKey) {
   EXPECT_NE(keyedPath("f", "a", "1"), keyedPath("f", "a", "2"));
   EXPECT_EQ(keyedPath("f", "a", "1").rfind("f/a_", 0), 0u);
+  const std::string long_name(300, 'x');
+  EXPECT_NE(keyedPath("f", long_name, "1"), keyedPath("f", long_name, "2"));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The study's machinery on made-up rows, steps and rigs: CSV, matched quality, trends, resume, ring of views, scores.
+// The study's machinery on made-up rows, steps and rigs: CSV, matched quality, resume, ring of views, scores.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -68,38 +68,6 @@ TEST(StudyQuality, BytesAreLogLinearBetweenAndBeyondKnownPoints) {
   EXPECT_FALSE(bytesAtQuality(points, NAN));
 }
 
-TEST(StudyTrends, StorageIsJudgedPairByPair) {
-  const Figures rows{
-      row("table1", "naive", "size=512", "total_bytes", 40), row("table1", "spatial", "", "total_bytes", 30),
-      row("table1", "temporal-paper", "", "total_bytes", 31), row("table1", "joint", "", "total_bytes", 20)};
-  const Figures trends = trendFigures(rows);
-  EXPECT_EQ(findValue(trends, "trend", "run", "", "check=storage-naive>spatial", "holds"), 1);
-  EXPECT_EQ(findValue(trends, "trend", "run", "", "check=storage-spatial>temporal-paper", "holds"), 0);
-  EXPECT_EQ(findValue(trends, "trend", "run", "", "check=storage-spatial>temporal-paper", "left"), 30);
-  EXPECT_EQ(findValue(trends, "trend", "run", "", "check=storage-spatial>temporal-paper", "right"), 31);
-  EXPECT_EQ(findValue(trends, "trend", "run", "", "check=storage-temporal-paper>joint", "holds"), 1);
-  EXPECT_FALSE(findValue(trends, "trend", "run", "", "check=video-naive>spatial", "holds"));  // no such rows
-}
-
-Figures qualityRows(const std::vector<double>& ssim) {
-  Figures rows;
-  for (size_t l = 0; l < ssim.size(); ++l)
-    rows.push_back(row("layers", "joint", "layers=" + std::to_string(l + 1) + " size=512", "ssim_fg", ssim[l]));
-  return rows;
-}
-
-TEST(StudyTrends, QualityRisesToThreeAndIsFlatAfterwards) {
-  const auto holds = [](const std::vector<double>& ssim, const std::string& check) {
-    return findValue(trendFigures(qualityRows(ssim)), "trend", "run", "joint", "check=" + check + " size=512", "holds");
-  };
-  EXPECT_EQ(holds({.90, .93, .94, .9405, .9404, .9406}, "quality-rises-to-3"), 1);
-  EXPECT_EQ(holds({.90, .93, .94, .9405, .9404, .9406}, "quality-flat-after-3"), 1);
-  EXPECT_EQ(holds({.90, .93, .929, .95}, "quality-rises-to-3"), 0);
-  EXPECT_EQ(holds({.90, .93, .94, .95}, "quality-flat-after-3"), 0);
-  EXPECT_FALSE(holds({.90, .93}, "quality-rises-to-3"));
-  EXPECT_FALSE(holds({.90, .93, .94}, "quality-flat-after-3"));
-}
-
 // --- steps ---
 
 std::map<std::string, int> g_runs;
@@ -160,8 +128,20 @@ TEST_F(StudySteps, FinishedStepsAreKept) {
 
 TEST_F(StudySteps, AnotherKeyRunsEverythingAgain) {
   ASSERT_TRUE(run("key"));
-  ASSERT_TRUE(run("other"));
-  EXPECT_EQ(g_runs, (std::map<std::string, int>{{"first", 2}, {"second", 2}, {"part", 2}}));
+  ASSERT_TRUE(run("other key"));
+  EXPECT_EQ(g_runs["first"], 2);
+  EXPECT_EQ(g_runs["part"], 2);
+}
+
+TEST_F(StudySteps, AReportOfAnotherKeyIsNotOverwritten) {
+  ASSERT_TRUE(run("key"));
+  ASSERT_TRUE(writeText(folder_ + "/evaluate.csv", "rows").ok());
+  const Status opened = openReportFolder(folder_, "other key");
+  ASSERT_FALSE(opened.ok());
+  EXPECT_EQ(opened.error().id, ErrorId::InvalidArgument);
+  EXPECT_NE(opened.error().message.find(folder_), std::string::npos);
+  EXPECT_TRUE(fs::exists(folder_ + "/evaluate.csv"));
+  EXPECT_TRUE(openReportFolder(folder_, "key").ok());
 }
 
 TEST_F(StudySteps, AFailedStepIsRunAgainButNotTheOnesBefore) {
@@ -185,10 +165,12 @@ TEST_F(StudySteps, DamagedRowsAreMeasuredAgain) {
 TEST_F(StudySteps, StoppingSaysHowToGoOn) {
   std::atomic<bool> stop{true};
   context_.stop = &stop;
+  context_.options.sequences = {"walk", "run"};
   auto stopped = run("key");
   ASSERT_FALSE(stopped);
   EXPECT_EQ(stopped.error().id, ErrorId::Interrupted);
-  EXPECT_NE(stopped.error().message.find("fourdvt evaluate capture -o " + folder_), std::string::npos);
+  EXPECT_NE(stopped.error().message.find("fourdvt evaluate 'capture' -o '" + folder_ + "' --sequences walk,run"),
+            std::string::npos);
   EXPECT_TRUE(g_runs.empty());
   stop = false;
   EXPECT_TRUE(run("key"));
