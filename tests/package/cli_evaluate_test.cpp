@@ -62,7 +62,7 @@ TEST(CliEvaluate, QuickStudyHasEveryTable) {
   EXPECT_TRUE(exists(report + "/report.html"));
   const Csv csv = readCsv(report + "/evaluate.csv");
   for (const std::string table : {"table1", "multiview", "layers", "labels", "held-out", "bake", "rate", "speed",
-                                  "pictures", "trend", "about", "codec-loss"})
+                                  "pictures", "about", "codec-loss"})
     EXPECT_TRUE(csv.tables.count(table)) << table;
   for (const std::string method : {"fvvr", "naive", "spatial", "temporal-paper", "joint", "joint-default"}) {
     EXPECT_TRUE(csv.methods.count("table1 " + method)) << method;
