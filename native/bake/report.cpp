@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "base/html_text.h"
+
 namespace fourdvt::bake {
 namespace {
 
@@ -28,29 +30,6 @@ std::string sizeText(uint64_t bytes) {
 std::string secondsText(double s) {
   if (s < 0.01) return printed("%.2f ms", s * 1e3);
   return s < 1 ? printed("%.0f ms", s * 1e3) : printed("%.2f s", s);
-}
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
 }
 
 const char* penaltyName(Penalty penalty) {
@@ -132,15 +111,15 @@ std::string barChart(const std::vector<Bar>& bars, const char* title) {
   for (const Bar& bar : bars) largest = std::max(largest, bar.value);
   const int height = kRow * static_cast<int>(bars.size());
   std::string out = "<svg viewBox=\"0 0 " + std::to_string(kWidth) + " " + std::to_string(height) +
-                    "\" role=\"img\" aria-label=\"" + escaped(title) + "\">\n";
+                    "\" role=\"img\" aria-label=\"" + htmlEscaped(title) + "\">\n";
   for (size_t i = 0; i < bars.size(); ++i) {
     const int y = kRow * static_cast<int>(i);
     const double length = std::max(1.0, (kWidth - kLabel - kValue) * bars[i].value / largest);
     out += "<text class=\"label\" x=\"" + std::to_string(kLabel - 12) + "\" y=\"" + std::to_string(y + 19) + "\">" +
-           escaped(bars[i].label) + "</text><rect x=\"" + std::to_string(kLabel) + "\" y=\"" + std::to_string(y + 5) +
-           "\" width=\"" + printed("%.1f", length) + "\" height=\"18\" rx=\"3\"/><text class=\"value\" x=\"" +
-           printed("%.1f", kLabel + length + 8) + "\" y=\"" + std::to_string(y + 19) + "\">" + escaped(bars[i].text) +
-           "</text>\n";
+           htmlEscaped(bars[i].label) + "</text><rect x=\"" + std::to_string(kLabel) + "\" y=\"" +
+           std::to_string(y + 5) + "\" width=\"" + printed("%.1f", length) +
+           "\" height=\"18\" rx=\"3\"/><text class=\"value\" x=\"" + printed("%.1f", kLabel + length + 8) + "\" y=\"" +
+           std::to_string(y + 19) + "\">" + htmlEscaped(bars[i].text) + "</text>\n";
   }
   return out + "</svg>\n";
 }
@@ -162,7 +141,7 @@ std::string sizeChart(const ReportInput& in) {
 }
 
 std::string tile(const std::string& value, const std::string& meaning) {
-  return "<div class=\"tile\"><b>" + escaped(value) + "</b><span>" + escaped(meaning) + "</span></div>\n";
+  return "<div class=\"tile\"><b>" + htmlEscaped(value) + "</b><span>" + htmlEscaped(meaning) + "</span></div>\n";
 }
 
 std::string tiles(const ReportInput& in) {
@@ -180,7 +159,7 @@ std::string tiles(const ReportInput& in) {
   return out + "</section>\n";
 }
 
-std::string cell(const std::string& text) { return "<td>" + escaped(text) + "</td>"; }
+std::string cell(const std::string& text) { return "<td>" + htmlEscaped(text) + "</td>"; }
 
 std::string sequenceTable(const ReportInput& in) {
   std::string out =
@@ -227,13 +206,13 @@ std::string factsTable(const ReportInput& in) {
       {"jobs", std::to_string(o.jobs)}};
   for (const auto& version : in.versions) rows.push_back(version);
   std::string out = "<div class=\"scroll\"><table class=\"facts\"><tbody>\n";
-  for (const auto& [name, value] : rows) out += "<tr><th>" + escaped(name) + "</th>" + cell(value) + "</tr>\n";
+  for (const auto& [name, value] : rows) out += "<tr><th>" + htmlEscaped(name) + "</th>" + cell(value) + "</tr>\n";
   return out + "</tbody></table></div>\n";
 }
 
 std::string figure(const ReportPicture& p) {
-  return "<figure><img loading=\"lazy\" src=\"" + escaped(p.file) + "\" alt=\"" + escaped(p.caption) +
-         "\"><figcaption>" + escaped(p.caption) + "</figcaption></figure>\n";
+  return "<figure><img loading=\"lazy\" src=\"" + htmlEscaped(p.file) + "\" alt=\"" + htmlEscaped(p.caption) +
+         "\"><figcaption>" + htmlEscaped(p.caption) + "</figcaption></figure>\n";
 }
 
 constexpr const char* kStyle = R"(
@@ -310,9 +289,9 @@ std::string reportHtml(const ReportInput& in) {
   std::string out =
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
       "content=\"width=device-width,initial-scale=1\"><title>" +
-      escaped(in.capture_name) + " – bake report</title><style>" + kStyle +
-      "</style></head><body><main>\n<header><div><h1>" + escaped(in.capture_name) + "</h1><p>Baked by " +
-      escaped(in.generator) + " from " + std::to_string(in.cameras) + " cameras into " +
+      htmlEscaped(in.capture_name) + " – bake report</title><style>" + kStyle +
+      "</style></head><body><main>\n<header><div><h1>" + htmlEscaped(in.capture_name) + "</h1><p>Baked by " +
+      htmlEscaped(in.generator) + " from " + std::to_string(in.cameras) + " cameras into " +
       std::to_string(in.options.layers) + " view-dependent texture layers.</p></div>\n";
   if (!in.pictures.empty()) out += figure(in.pictures.front());
   out += "</header>\n" + tiles(in);
@@ -328,7 +307,7 @@ std::string reportHtml(const ReportInput& in) {
     out += "</section>\n";
   }
   out += "<h2>Settings</h2>\n" + factsTable(in);
-  if (!in.credit.empty()) out += "<footer><p>" + escaped(in.credit) + "</p></footer>\n";
+  if (!in.credit.empty()) out += "<footer><p>" + htmlEscaped(in.credit) + "</p></footer>\n";
   return out + "</main></body></html>\n";
 }
 

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/html_text.h"
+
 namespace fourdvt::evaluate {
 
 struct Table {
@@ -47,9 +49,6 @@ struct Document {
   std::string title, subtitle;
   std::vector<Section> sections;
 };
-
-// &, <, > and quotes as entities.
-std::string htmlEscaped(const std::string& text);
 
 // A plot's inner area in its viewBox; the area's corners are the ends of the axes.
 constexpr double kPlotLeft = 66, kPlotTop = 14, kPlotWidth = 540, kPlotHeight = 290;

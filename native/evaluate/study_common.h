@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the steps of a study share and what needs neither GPU nor files: looking up rows, bytes at matched quality, the
-// papers' trends as rows.
+// What the steps of a study share and what needs neither GPU nor files: looking up rows, bytes at matched quality.
 #pragma once
 
 #include <optional>

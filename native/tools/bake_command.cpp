@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <unistd.h>
 
-#include <atomic>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <initializer_list>
 #include <utility>
@@ -13,25 +11,10 @@
 #include "tools/args.h"
 #include "tools/commands.h"
 #include "tools/session.h"
+#include "tools/stop_signal.h"
 
 namespace fourdvt::tools {
 namespace {
-
-std::atomic<bool> g_stop{false};
-
-// The first signal asks the bake to stop after the frame at hand; a second one ends the process at once.
-void onSignal(int) {
-  if (g_stop.exchange(true)) _exit(kInterrupted);
-}
-
-void listenForStop() {
-  struct sigaction action {};
-  action.sa_handler = onSignal;
-  sigemptyset(&action.sa_mask);
-  action.sa_flags = SA_RESTART;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-}
 
 // Help texts live as long as the process.
 const char* qualityHelp() {
@@ -203,7 +186,7 @@ int bakeCommand(int argc, char** argv) {
   if (const auto code = helpOrProblem(help(), args)) return *code;
 
   if (const Status found = bake::checkEncoder(options.codec, options.preset); !found.ok()) return fail(found.error());
-  listenForStop();
+  const std::atomic<bool>* stop = listenForStop();
   auto gpu = openGpu();
   if (!gpu.ok()) return fail(gpu.error());
   ProgressLine line;
@@ -211,7 +194,7 @@ int bakeCommand(int argc, char** argv) {
   environment.device = gpu.value().device.get();
   environment.open_video = videoOpener();
   environment.progress = [&](const bake::Progress& p) { line.show(p); };
-  environment.stop = &g_stop;
+  environment.stop = stop;
   const auto start = std::chrono::steady_clock::now();
   auto report = bake::bake(options, environment);
   line.end();

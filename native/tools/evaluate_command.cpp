@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <unistd.h>
 
-#include <atomic>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
@@ -14,6 +12,7 @@
 #include "tools/args.h"
 #include "tools/commands.h"
 #include "tools/session.h"
+#include "tools/stop_signal.h"
 
 namespace fourdvt::tools {
 namespace {
@@ -64,22 +63,6 @@ Arguments readArguments(Args& args) {
   return a;
 }
 
-std::atomic<bool> g_stop{false};
-
-// The first signal asks the study to stop soon; a second one ends the process at once.
-void onSignal(int) {
-  if (g_stop.exchange(true)) _exit(kInterrupted);
-}
-
-void listenForStop() {
-  struct sigaction action {};
-  action.sa_handler = onSignal;
-  sigemptyset(&action.sa_mask);
-  action.sa_flags = SA_RESTART;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-}
-
 // One line, rewritten in place on a terminal; elsewhere a line every 5 s.
 class ProgressLine {
  public:
@@ -121,9 +104,9 @@ class ProgressLine {
 };
 
 int runWholeStudy(const Arguments& arguments) {
-  listenForStop();
   auto capture = capture::openCapture(arguments.capture, videoOpener(), arguments.sequences);
   if (!capture.ok()) return fail(capture.error());
+  const std::atomic<bool>* stop = listenForStop();
   auto gpu = openGpu();
   if (!gpu.ok()) return fail(gpu.error());
   ProgressLine line;
@@ -133,7 +116,7 @@ int runWholeStudy(const Arguments& arguments) {
   context.open_video = videoOpener();
   context.device = gpu.value().device.get();
   context.progress = [&](const evaluate::StudyProgress& p) { line.show(p); };
-  context.stop = &g_stop;
+  context.stop = stop;
   const auto start = std::chrono::steady_clock::now();
   auto rows = evaluate::runStudy(context);
   line.end();

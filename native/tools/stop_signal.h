@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+// Ctrl-C and SIGTERM for commands that keep what they have finished.
+#pragma once
+
+#include <atomic>
+
+namespace fourdvt::tools {
+
+// From now on the first signal sets the flag; a second one ends the process at once with kInterrupted.
+const std::atomic<bool>* listenForStop();
+
+}  // namespace fourdvt::tools
