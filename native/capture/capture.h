@@ -20,14 +20,14 @@
 
 namespace fourdvt::capture {
 
-struct Distortion {            // OpenCV order; all zero: pinhole already
+struct Distortion {  // OpenCV order; all zero: pinhole already
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0;
   bool any() const { return k1 != 0 || k2 != 0 || p1 != 0 || p2 != 0; }
 };
 
 struct CaptureCamera {
-  PinholeCamera pinhole;       // after undistortion; name as in images.txt without extension
-  Distortion distortion;       // what the reader removes
+  PinholeCamera pinhole;  // after undistortion; name as in images.txt without extension
+  Distortion distortion;  // what the reader removes
 };
 
 struct CaptureSequence {
@@ -35,12 +35,23 @@ struct CaptureSequence {
   uint32_t frame_count = 0;
   bool loop = false;
   glm::dvec3 root_velocity_mps{0};
-  std::string folder;          // absolute
+  std::string folder;  // absolute
   // Mesh source: either OBJ files or a packed int16 file with a declared scale (see the sample's README).
-  std::string mesh_pattern;  // absolute, with one %d or %0Nd for the frame; empty if packed
-  std::string packed_positions;      // absolute path or empty
+  std::string mesh_pattern;      // absolute, with one %d or %0Nd for the frame; empty if packed
+  std::string packed_positions;  // absolute path or empty
   double packed_units_per_metre = 0;
-  std::vector<uint32_t> test_frames; // held-out frames, may be empty
+  std::vector<uint32_t> test_frames;  // held-out frames, may be empty
+};
+
+// Motions that are one motion with a parameter, e.g. walk and run by speed (capture.json "classes").
+struct CaptureClass {
+  struct MemberOf {
+    std::string sequence;
+    std::vector<double> parameter;  // one value a parameter, or empty: measured (speed_mps) from root velocity and feet
+  };
+  std::string name;
+  std::vector<std::string> parameters;  // 1 or 2 names, e.g. "speed_mps"
+  std::vector<MemberOf> members;        // 2…4; all loops, or none
 };
 
 struct Capture {
@@ -48,10 +59,11 @@ struct Capture {
   double fps = 0;
   double metres_per_unit = 1;
   double ground_y_m = 0;
-  std::vector<CaptureCamera> cameras;       // ring, in images.txt order
+  std::vector<CaptureCamera> cameras;  // ring, in images.txt order
   std::vector<CaptureSequence> sequences;
-  std::string background_folder;            // plates for chroma key, may be empty
-  MeshTopology topology;                    // constant over all sequences
+  std::vector<CaptureClass> classes;  // only those whose members are all among `sequences`
+  std::string background_folder;      // plates for chroma key, may be empty
+  MeshTopology topology;              // constant over all sequences
   const CaptureSequence* find(const std::string& name) const;
 };
 
@@ -70,8 +82,8 @@ Result<Capture> openCapture(const std::string& folder, const OpenVideo& open_vid
 
 struct CaptureFrame {
   uint32_t index = 0;
-  std::vector<Image> pictures;   // RGBA per camera: sRGB colour, alpha = matte
-  Positions positions;           // metres
+  std::vector<Image> pictures;  // RGBA per camera: sRGB colour, alpha = matte
+  Positions positions;          // metres
 };
 
 class FrameReader {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "capture/class_json.h"
 #include "capture/mesh_sequence.h"
 
 namespace fourdvt::capture {
@@ -43,6 +44,9 @@ class Parser {
     const Json& sequences = member(root, "sequences");
     if (!sequences.is_array() || sequences.empty()) return error("needs \"sequences\", a list with at least one entry");
     for (const Json& entry : sequences) FOURDVT_TRY(sequence(entry));
+    auto classes = parseClasses(member(root, "classes"), out_.sequences, file_);
+    if (!classes) return classes.error();
+    capture.classes = classes.take();
     return std::move(out_);
   }
 

@@ -17,7 +17,7 @@ struct DeclaredSequence {
 };
 
 struct DeclaredCapture {
-  Capture capture;  // without cameras, sequences and topology
+  Capture capture;  // without cameras, sequences and topology; with all classes
   std::string cameras_folder;
   std::vector<DeclaredSequence> sequences;
 };

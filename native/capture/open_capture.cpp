@@ -19,6 +19,15 @@ Result<DeclaredCapture> readDeclaration(const std::string& folder) {
   return parseCaptureJson(*text, folder);
 }
 
+void dropIncompleteClasses(DeclaredCapture& declared) {
+  const auto kept = [&](const CaptureClass::MemberOf& member) {
+    return std::any_of(declared.sequences.begin(), declared.sequences.end(),
+                       [&](const DeclaredSequence& s) { return s.sequence.name == member.sequence; });
+  };
+  std::erase_if(declared.capture.classes,
+                [&](const CaptureClass& c) { return !std::all_of(c.members.begin(), c.members.end(), kept); });
+}
+
 Status keepOnly(const std::vector<std::string>& only, DeclaredCapture& declared) {
   if (only.empty()) return {};
   std::string known;
@@ -34,6 +43,7 @@ Status keepOnly(const std::vector<std::string>& only, DeclaredCapture& declared)
     kept.push_back(*it);
   }
   declared.sequences = std::move(kept);
+  dropIncompleteClasses(declared);
   return {};
 }
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "draco/compression/decode.h"
+#include "draco/compression/mesh/mesh_edgebreaker_decoder.h"
 #include "package/base_mesh_draco.h"
 #include "package/draco_guard.h"
 
@@ -45,8 +45,9 @@ std::unique_ptr<draco::Mesh> decodeDracoMesh(std::span<const uint8_t> bytes) {
   if (!looksLikeMesh(bytes)) return nullptr;
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  auto decoded = draco::Decoder().DecodeMeshFromBuffer(&buffer);
-  return decoded.ok() ? std::move(decoded).value() : nullptr;
+  auto mesh = std::make_unique<draco::Mesh>();
+  draco::MeshEdgebreakerDecoder decoder;  // the one method that looksLikeMesh lets through
+  return decoder.Decode({}, &buffer, mesh.get()).ok() ? std::move(mesh) : nullptr;
 }
 
 Result<BaseMesh> baseMeshFromDraco(const draco::Mesh& mesh) {

@@ -69,8 +69,8 @@ class AdaptiveBit {
   uint32_t p12() const { return state_ >> 20; }
   // Moves by 1 / (n + 1.5), n at most `limit`.
   void update(bool bit, uint32_t limit) {
-    const int64_t n = state_ & 1023, p = state_ >> 10;
-    const int64_t moved = p + ((((bit ? 4194303 : 0) - p) * (131072 / (2 * n + 3))) >> 16);
+    const uint32_t n = state_ & 1023, rate = 131072 / (2 * n + 3);
+    const int64_t p = state_ >> 10, moved = p + ((((bit ? 4194303 : 0) - p) * rate) >> 16);
     state_ = static_cast<uint32_t>(moved << 10 | (n < limit ? n + 1 : n));
   }
 

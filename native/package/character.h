@@ -3,6 +3,7 @@
 // Does NOT read files and does NOT parse JSON (see base/flat_json.h). Layouts: FORMAT.md.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -20,6 +21,9 @@ constexpr int kMaxLayers = 6;
 constexpr int kMaxCameras = 31;  // a face's camera set is a 32-bit mask
 constexpr int kMaxPictureSide = 4096;
 constexpr uint8_t kNoCamera = 255;  // label: slot empty
+constexpr int kMaxMembers = 4;      // motions of a class
+constexpr int kMaxReferences = 32;  // corrections of a class's mesh blend
+constexpr int kMaxParameters = 2;
 
 struct Rect {
   int x = 0, y = 0, width = 0, height = 0;  // texels of the tiled picture, origin top left
@@ -37,10 +41,33 @@ struct Rendition {
   uint64_t video_bytes = 0;   // length of the file
   std::string codec;          // RFC 6381, e.g. "avc1.640028"
   int width = 0, height = 0;  // tiled picture, even
-  std::vector<Rect> layers;   // layer l of the character; square
+  std::vector<Rect> layers;   // [member][layer], squares; a plain sequence has one member
   BarcodeStrip barcode;
 };
 
+// One motion of a class, warped to the class's common time; of a plain sequence: itself.
+struct Member {
+  std::string name;               // of the captured sequence
+  std::vector<double> parameter;  // its place in parameter space; empty for a plain sequence
+  double duration_s = 0;          // of one whole pass at weight 1
+  glm::dvec3 travel{0};  // of one whole pass: metres along x and z, radians about y; character frame at its start
+};
+
+// Parameter values → weights, piecewise linear over simplices (ALGORITHMS 4): look up the simplex that holds the wanted
+// point and mix its corners. The samples are dense enough that "2.1 m/s" means that speed.
+struct ParameterSample {
+  std::vector<double> at;      // one value a parameter
+  std::vector<float> weights;  // one a member, sum 1
+  std::vector<float> offsets;  // one a reference: coefficients of the mesh blend's corrections
+};
+struct ParameterSpace {
+  std::vector<std::string> names;  // none: a plain sequence; else 1 or 2, e.g. "speed_mps"
+  std::vector<ParameterSample> samples;
+  std::vector<std::array<uint16_t, 3>> simplices;  // sample indices; with one parameter the last two are equal
+};
+
+// A plain sequence, or a class: motions aligned in time whose pictures are tiled into one video, so that one decoder
+// serves them all. frame_count then counts common phases; fps is that of the mean duration, see Member::duration_s.
 struct Sequence {
   std::string name;
   uint32_t frame_count = 0;
@@ -51,6 +78,10 @@ struct Sequence {
   uint64_t stream_bytes = 0;
   uint32_t stream_header_bytes = 0;   // header + index: fetch this much first
   std::vector<Rendition> renditions;  // lowest bitrate first
+  std::vector<Member> members;        // 1…kMaxMembers; exactly 1 for a plain sequence
+  ParameterSpace space;
+  uint32_t reference_count = 0;  // corrections of the mesh blend a frame
+  bool isClass() const { return members.size() > 1; }
   double duration_s() const { return frame_count / fps; }
 };
 
@@ -65,6 +96,8 @@ struct Character {
   std::string mesh_uri;  // file that holds the Draco base mesh
   uint64_t mesh_offset = 0, mesh_bytes = 0;
   std::string poster_uri;
+  std::string graph_uri;  // motion graph (motion/motion_graph.h); empty: none
+  uint64_t graph_bytes = 0;
   std::vector<Sequence> sequences;
 
   const Sequence* find(const std::string& sequence_name) const;

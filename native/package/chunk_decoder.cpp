@@ -2,10 +2,10 @@
 #include "package/chunk_decoder.h"
 
 #include <algorithm>
-#include <optional>
 
 #include "base/bytes.h"
-#include "package/character.h"
+#include "package/chunk_counts.h"
+#include "package/field_model.h"
 #include "package/label_model.h"
 #include "package/position_model.h"
 
@@ -16,24 +16,93 @@ Error invalid(const char* what) {
   return {ErrorId::StreamInvalid, std::string("GOP chunk: ") + what + "; the .bin file is damaged, upload it again"};
 }
 
+// One coded part. Frames in order.
+class Part {
+ public:
+  explicit Part(std::span<const uint8_t> bytes) : bits_(bytes) {}
+  virtual ~Part() = default;
+  // Appends a frame to its kind of the contents. False: it does not decode, or has bytes left after the last frame.
+  bool decode(ChunkFrames& out, bool last) {
+    return decodeFrame(out) && !bits_.overrun() && (!last || bits_.finished());
+  }
+
+ protected:
+  virtual bool decodeFrame(ChunkFrames& out) = 0;
+  BinaryDecoder bits_;
+};
+
+// Room for `count` more values.
+template <class Value>
+Value* append(std::vector<Value>& values, size_t count) {
+  values.resize(values.size() + count);
+  return values.data() + values.size() - count;
+}
+
+class PositionPart final : public Part {
+ public:
+  PositionPart(ByteReader bytes, const ChunkMesh& mesh) : PositionPart(bytes.u32(), bytes, mesh) {}
+
+ private:
+  PositionPart(uint32_t base_scale, ByteReader& bytes, const ChunkMesh& mesh)
+      : Part(bytes.bytes(bytes.remaining())), model_(bits_, mesh, base_scale) {}
+  bool decodeFrame(ChunkFrames& out) override { return model_.frame(append(out.positions, out.vertex_count)); }
+  PositionModel<BinaryDecoder> model_;
+};
+
+class LabelPart final : public Part {
+ public:
+  LabelPart(std::span<const uint8_t> bytes, const ChunkMesh& mesh, uint32_t layers)
+      : Part(bytes), model_(bits_, mesh, layers) {}
+
+ private:
+  bool decodeFrame(ChunkFrames& out) override {
+    model_.frame(append(out.labels, size_t(out.layer_count) * out.face_count));
+    return true;
+  }
+  LabelModel<BinaryDecoder> model_;
+};
+
+template <int N>
+class FieldPart final : public Part {
+ public:
+  using Field = std::vector<glm::vec<N, int>> ChunkFrames::*;
+  FieldPart(std::span<const uint8_t> bytes, const ChunkMesh& mesh, Field field)
+      : Part(bytes), model_(bits_, mesh, N), field_(field) {}
+
+ private:
+  bool decodeFrame(ChunkFrames& out) override { return model_.frame(append(out.*field_, out.vertex_count)); }
+  FieldModel<BinaryDecoder> model_;
+  Field field_;
+};
+
 class FrameByFrame final : public ChunkDecoder {
  public:
-  FrameByFrame(const ChunkFrames& counts, const ChunkMesh& mesh, std::span<const uint8_t> positions,
-               std::span<const uint8_t> labels, uint32_t base_scale)
-      : frames_(counts),
-        position_bits_(positions),
-        label_bits_(labels),
-        position_model_(position_bits_, mesh, base_scale),
-        label_model_(label_bits_, mesh, counts.layer_count) {}
+  FrameByFrame(const ChunkFrames& counts, const ChunkMesh& mesh) : frames_(counts), mesh_(mesh) {}
+
+  // False: the lengths are not those of the bytes.
+  bool open(std::span<const uint8_t> bytes) {
+    ByteReader lengths(bytes), in(bytes);
+    in.bytes(size_t(4) * (2 * frames_.member_count + frames_.reference_count + frames_.alignment_count));
+    const auto next = [&] { return in.bytes(lengths.u32()); };
+    for (uint32_t m = 0; m < frames_.member_count; ++m) {
+      parts_.push_back(std::make_unique<PositionPart>(ByteReader(next()), mesh_));
+      parts_.push_back(std::make_unique<LabelPart>(next(), mesh_, frames_.layer_count));
+    }
+    for (uint32_t r = 0; r < frames_.reference_count; ++r)
+      parts_.push_back(std::make_unique<FieldPart<3>>(next(), mesh_, &ChunkFrames::offsets));
+    for (uint32_t a = 0; a < frames_.alignment_count; ++a)
+      parts_.push_back(std::make_unique<FieldPart<2>>(next(), mesh_, &ChunkFrames::alignment));
+    root_ = ByteReader(in.bytes(size_t(12) * frames_.frame_count * frames_.member_count));
+    return in.ok() && in.remaining() == 0;
+  }
 
   Status decodeTo(uint32_t frame) override {
     const uint32_t end = std::min(frame, frames_.frame_count - 1) + 1;
     while (!broken_ && decoded_ < end) {
-      broken_ = decodeNext();
-      if (broken_) break;
-      ++decoded_;
+      broken_ = !decodeNext();
+      decoded_ += !broken_;
     }
-    if (broken_) return invalid(broken_);
+    if (broken_) return invalid("positions, labels or fields do not decode");
     return {};
   }
   uint32_t decodedCount() const override { return decoded_; }
@@ -41,26 +110,26 @@ class FrameByFrame final : public ChunkDecoder {
   ChunkFrames take() override { return std::move(frames_); }
 
  private:
-  // Null, or what is wrong. Memory grows with the frames that the bytes really hold.
-  const char* decodeNext() {
-    const size_t vertices = frames_.vertex_count, slots = size_t(frames_.layer_count) * frames_.face_count;
-    frames_.positions.resize((decoded_ + 1) * vertices);
-    frames_.labels.resize((decoded_ + 1) * slots);
-    if (!position_model_.frame(&frames_.positions[decoded_ * vertices]) || position_bits_.overrun())
-      return "positions do not decode";
-    label_model_.frame(&frames_.labels[decoded_ * slots]);
-    if (label_bits_.overrun()) return "labels do not decode";
-    if (decoded_ + 1 < frames_.frame_count) return nullptr;
-    if (!position_bits_.finished()) return "positions do not decode";
-    return label_bits_.finished() ? nullptr : "labels do not decode";
+  // Memory grows with the frames that the bytes really hold.
+  bool decodeNext() {
+    const bool last = decoded_ + 1 == frames_.frame_count;
+    for (auto& part : parts_) {
+      if (!part->decode(frames_, last)) return false;
+    }
+    for (uint32_t m = 0; m < frames_.member_count; ++m) {
+      glm::vec3& root = frames_.root.emplace_back();
+      for (int k = 0; k < 3; ++k) root[k] = root_.f32();
+      if (!validRoot(root)) return false;
+    }
+    return true;
   }
 
   ChunkFrames frames_;
-  BinaryDecoder position_bits_, label_bits_;
-  PositionModel<BinaryDecoder> position_model_;
-  LabelModel<BinaryDecoder> label_model_;
+  const ChunkMesh& mesh_;
+  std::vector<std::unique_ptr<Part>> parts_;
+  ByteReader root_{{}};
   uint32_t decoded_ = 0;
-  const char* broken_ = nullptr;
+  bool broken_ = false;
 };
 
 }  // namespace
@@ -68,20 +137,20 @@ class FrameByFrame final : public ChunkDecoder {
 Result<std::unique_ptr<ChunkDecoder>> ChunkDecoder::open(std::span<const uint8_t> bytes, const StreamIndex& index,
                                                          uint32_t chunk, const ChunkMesh& mesh) {
   if (chunk >= index.chunks.size()) return invalid("no such GOP");
-  const ChunkFrames counts{
-      index.chunks[chunk].frame_count, index.vertex_count, index.face_count, index.layer_count, {}, {}};
-  if (counts.vertex_count != mesh.vertexCount() || counts.face_count != mesh.faceCount() || counts.layer_count == 0 ||
-      counts.layer_count > uint32_t(kMaxLayers) || counts.frame_count == 0)
-    return invalid("frame, vertex, face or layer count is not the mesh's");
-  ByteReader in(bytes);
-  const uint32_t position_bytes = in.u32(), label_bytes = in.u32();
-  ByteReader positions(in.bytes(position_bytes));
-  const auto labels = in.bytes(label_bytes);
-  if (!in.ok() || in.remaining() != 0) return invalid("length differs from its header");
-  const uint32_t base_scale = positions.u32();
-  if (!positions.ok()) return invalid("positions do not decode");
-  const auto coded = positions.bytes(positions.remaining());
-  return std::unique_ptr<ChunkDecoder>(std::make_unique<FrameByFrame>(counts, mesh, coded, labels, base_scale));
+  ChunkFrames counts;
+  counts.frame_count = index.chunks[chunk].frame_count;
+  counts.vertex_count = index.vertex_count;
+  counts.face_count = index.face_count;
+  counts.layer_count = index.layer_count;
+  counts.member_count = index.member_count;
+  counts.reference_count = index.reference_count;
+  counts.alignment_count = index.alignment_count;
+  if (counts.vertex_count != mesh.vertexCount() || counts.face_count != mesh.faceCount() || counts.frame_count == 0 ||
+      !validCounts(counts))
+    return invalid("frame, vertex, face, layer or member count is not the mesh's");
+  auto decoder = std::make_unique<FrameByFrame>(counts, mesh);
+  if (!decoder->open(bytes)) return invalid("length differs from its header");
+  return std::unique_ptr<ChunkDecoder>(std::move(decoder));
 }
 
 Result<ChunkFrames> decodeChunk(std::span<const uint8_t> bytes, const StreamIndex& index, uint32_t chunk,

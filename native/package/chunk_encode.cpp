@@ -3,38 +3,52 @@
 
 #include "base/bytes.h"
 #include "package/character.h"
+#include "package/chunk_counts.h"
+#include "package/field_coder.h"
 #include "package/label_coder.h"
 #include "package/position_coder.h"
+#include "package/residual_model.h"
 
 namespace fourdvt::package {
 namespace {
 
-constexpr int32_t kMaxQuantised = 1 << 24;
+bool countsMatch(const ChunkFrames& in, const ChunkMesh& mesh) {
+  const size_t frames = in.frame_count, members = frames * in.member_count;
+  return frames > 0 && in.vertex_count == mesh.vertexCount() && in.face_count == mesh.faceCount() && validCounts(in) &&
+         in.positions.size() == members * in.vertex_count &&
+         in.labels.size() == members * in.layer_count * in.face_count &&
+         in.offsets.size() == frames * in.reference_count * in.vertex_count &&
+         in.alignment.size() == frames * in.alignment_count * in.vertex_count && in.root.size() == members;
+}
 
-bool consistent(const ChunkFrames& in, const ChunkMesh& mesh) {
-  const size_t slots = size_t(in.frame_count) * in.face_count * in.layer_count;
-  if (in.frame_count == 0 || in.face_count == 0 || in.layer_count == 0 || in.layer_count > uint32_t(kMaxLayers) ||
-      in.vertex_count != mesh.vertexCount() || in.face_count != mesh.faceCount() ||
-      in.positions.size() != size_t(in.frame_count) * in.vertex_count || in.labels.size() != slots) {
-    return false;
-  }
-  for (const glm::ivec3& q : in.positions) {
-    if (glm::any(glm::greaterThan(glm::abs(q), glm::ivec3(kMaxQuantised)))) return false;
-  }
-  return std::all_of(in.labels.begin(), in.labels.end(),
+bool valuesFit(const ChunkFrames& in) {
+  return std::all_of(in.positions.begin(), in.positions.end(), inRange) &&
+         std::all_of(in.offsets.begin(), in.offsets.end(), inRange) &&
+         std::all_of(in.alignment.begin(), in.alignment.end(),
+                     [](const glm::ivec2& q) { return inRange(glm::ivec3(q, 0)); }) &&
+         std::all_of(in.root.begin(), in.root.end(), validRoot) &&
+         std::all_of(in.labels.begin(), in.labels.end(),
                      [](uint8_t label) { return label < kMaxCameras || label == kNoCamera; });
 }
 
 }  // namespace
 
 Result<std::vector<uint8_t>> encodeChunk(const ChunkFrames& frames, const ChunkMesh& mesh) {
-  if (!consistent(frames, mesh)) return Error{ErrorId::Internal, "GOP chunk: counts, positions or labels out of range"};
-  const std::vector<uint8_t> positions = encodePositions(frames, mesh), labels = encodeLabels(frames, mesh);
+  if (!countsMatch(frames, mesh)) return Error{ErrorId::Internal, "GOP chunk: counts do not match its contents"};
+  if (!valuesFit(frames)) return Error{ErrorId::Internal, "GOP chunk: a value is out of range"};
+  std::vector<std::vector<uint8_t>> parts;
+  for (uint32_t m = 0; m < frames.member_count; ++m) {
+    parts.push_back(encodePositions(frames, mesh, m));
+    parts.push_back(encodeLabels(frames, mesh, m));
+  }
+  for (uint32_t r = 0; r < frames.reference_count; ++r) parts.push_back(encodeOffsets(frames, mesh, r));
+  for (uint32_t a = 0; a < frames.alignment_count; ++a) parts.push_back(encodeAlignment(frames, mesh, a));
   ByteWriter out;
-  out.u32(static_cast<uint32_t>(positions.size()));
-  out.u32(static_cast<uint32_t>(labels.size()));
-  out.bytes(positions);
-  out.bytes(labels);
+  for (const auto& part : parts) out.u32(static_cast<uint32_t>(part.size()));
+  for (const auto& part : parts) out.bytes(part);
+  for (const glm::vec3& root : frames.root) {
+    for (int k = 0; k < 3; ++k) out.f32(root[k]);
+  }
   return out.take();
 }
 

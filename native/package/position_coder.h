@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Encoder of the position part of a GOP chunk; chunk_decoder.cpp decodes. Internal to package/.
+// Encoder of a member's position part of a GOP chunk; chunk_decoder.cpp decodes. Internal to package/.
 #pragma once
 
 #include "package/chunk_mesh.h"
@@ -8,6 +8,6 @@
 namespace fourdvt::package {
 
 // Counts and ranges must have been checked.
-std::vector<uint8_t> encodePositions(const ChunkFrames& frames, const ChunkMesh& mesh);
+std::vector<uint8_t> encodePositions(const ChunkFrames& frames, const ChunkMesh& mesh, uint32_t member);
 
 }  // namespace fourdvt::package

@@ -7,11 +7,11 @@ namespace fourdvt::package {
 namespace {
 
 // Edges hardly change their lengths between poses: frame 0's against the base pose's.
-uint32_t baseScale(const ChunkFrames& frames, const ChunkMesh& mesh) {
+uint32_t baseScale(const glm::ivec3* positions, const ChunkMesh& mesh) {
   double steps = 0, lattice = 0;
   for (uint32_t v = 0; v < mesh.vertexCount(); ++v) {
     for (uint32_t u : mesh.earlierOf(v).first(mesh.ring_count[v])) {
-      const glm::dvec3 a(frames.positions[v] - frames.positions[u]), b(mesh.base[v] - mesh.base[u]);
+      const glm::dvec3 a(positions[v] - positions[u]), b(mesh.base[v] - mesh.base[u]);
       steps += glm::dot(a, a);
       lattice += glm::dot(b, b);
     }
@@ -22,12 +22,13 @@ uint32_t baseScale(const ChunkFrames& frames, const ChunkMesh& mesh) {
 
 }  // namespace
 
-std::vector<uint8_t> encodePositions(const ChunkFrames& frames, const ChunkMesh& mesh) {
-  const uint32_t base_scale = baseScale(frames, mesh);
+std::vector<uint8_t> encodePositions(const ChunkFrames& frames, const ChunkMesh& mesh, uint32_t member) {
+  const size_t first = size_t(member) * frames.vertex_count, stride = size_t(frames.member_count) * frames.vertex_count;
+  std::vector<glm::ivec3> positions = frames.positions;
+  const uint32_t base_scale = baseScale(&positions[first], mesh);
   BinaryEncoder encoder;
   PositionModel model(encoder, mesh, base_scale);
-  std::vector<glm::ivec3> positions = frames.positions;
-  for (uint32_t f = 0; f < frames.frame_count; ++f) model.frame(&positions[size_t(f) * frames.vertex_count]);
+  for (uint32_t f = 0; f < frames.frame_count; ++f) model.frame(&positions[f * stride + first]);
   ByteWriter out;
   out.u32(base_scale);
   out.bytes(encoder.take());

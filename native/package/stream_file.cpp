@@ -5,13 +5,13 @@
 #include <cmath>
 
 #include "base/bytes.h"
-#include "package/character.h"
+#include "package/chunk_counts.h"
 
 namespace fourdvt::package {
 namespace {
 
 constexpr uint32_t kMagic = 0x53564434;  // "4DVS"
-constexpr uint16_t kVersion = 2;
+constexpr uint16_t kVersion = 3;
 constexpr uint32_t kKeyBit = 0x80000000u;
 constexpr uint32_t kMaxFrames = 1u << 20, kMaxCount = 1u << 22, kMaxChunkFrames = 65535, kMaxRenditions = 16;
 constexpr uint64_t kMaxOffset = 1ull << 53;
@@ -103,16 +103,21 @@ Status readCounts(ByteReader& in, StreamIndex& index, size_t span_bytes) {
   index.vertex_count = in.u32();
   index.face_count = in.u32();
   index.layer_count = in.u32();
+  index.member_count = in.u32();
+  index.reference_count = in.u32();
+  index.alignment_count = in.u32();
   for (int i = 0; i < 3; ++i) index.position_origin[i] = in.f32();
   index.position_step_m = in.f32();
+  index.alignment_step_m = in.f32();
   if (!in.ok()) return invalid("truncated");
   const bool counts_ok = index.frame_count >= 1 && index.frame_count <= kMaxFrames && index.vertex_count >= 3 &&
                          index.vertex_count <= kMaxCount && index.face_count >= 1 && index.face_count <= kMaxCount &&
-                         index.layer_count >= 1 && index.layer_count <= uint32_t(kMaxLayers);
+                         validCounts(index);
   if (!counts_ok) return invalid("counts out of range");
   const glm::vec3& o = index.position_origin;
   if (!std::isfinite(o.x) || !std::isfinite(o.y) || !std::isfinite(o.z) || !(index.position_step_m > 0) ||
-      !std::isfinite(index.position_step_m)) {
+      !std::isfinite(index.position_step_m) || !std::isfinite(index.alignment_step_m) ||
+      (index.alignment_count > 0 && !(index.alignment_step_m > 0))) {
     return invalid("bad quantisation");
   }
   return {};
@@ -132,8 +137,12 @@ std::vector<uint8_t> writeStreamHeader(const StreamIndex& index) {
   body.u32(index.vertex_count);
   body.u32(index.face_count);
   body.u32(index.layer_count);
+  body.u32(index.member_count);
+  body.u32(index.reference_count);
+  body.u32(index.alignment_count);
   for (int i = 0; i < 3; ++i) body.f32(index.position_origin[i]);
   body.f32(index.position_step_m);
+  body.f32(index.alignment_step_m);
   body.u32(static_cast<uint32_t>(index.chunks.size()));
   for (const ChunkEntry& chunk : index.chunks) {
     body.u32(chunk.frame_count);

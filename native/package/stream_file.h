@@ -35,8 +35,11 @@ struct SampleTable {                         // one rendition
 
 struct StreamIndex {
   uint32_t frame_count = 0, vertex_count = 0, face_count = 0, layer_count = 0;
+  uint32_t member_count = 1, reference_count = 0;
+  uint32_t alignment_count = 0;  // member_count - 1, or 0: not aligned
   glm::vec3 position_origin{0};  // position = origin + step * q
   float position_step_m = 0;
+  float alignment_step_m = 0;
   std::vector<ChunkEntry> chunks;  // contiguous frames 0..frame_count
   std::vector<SampleTable> renditions;
   // Chunk that holds a frame.
@@ -50,10 +53,19 @@ std::vector<uint8_t> writeStreamHeader(const StreamIndex& index);
 Result<StreamIndex> readStreamHeader(std::span<const uint8_t> bytes);
 
 // One chunk's contents: positions quantised to int32 (position = origin + step * q), labels planar.
+// Everything is frame-major, so that frame by frame decoding appends.
 struct ChunkFrames {
   uint32_t frame_count = 0, vertex_count = 0, face_count = 0, layer_count = 0;
-  std::vector<glm::ivec3> positions;  // [frame][vertex]
-  std::vector<uint8_t> labels;        // [frame][layer][face], kNoCamera for empty
+  uint32_t member_count = 1, reference_count = 0, alignment_count = 0;
+  std::vector<glm::ivec3> positions;  // [frame][member][vertex]
+  std::vector<uint8_t> labels;        // [frame][member][layer][face], kNoCamera for empty
+  std::vector<glm::ivec3> offsets;    // [frame][reference][vertex], position steps: corrections of the mesh blend
+  // [frame][member - 1][vertex], alignment steps along the vertex's tangents (base/surface_frame.h): what lies at this
+  // vertex in member 0 lies displaced by this in the member.
+  std::vector<glm::ivec2> alignment;
+  // [frame][member]: metres along x and z, radians about y since frame 0 of the whole sequence, in the character frame
+  // of frame 0.
+  std::vector<glm::vec3> root;
 };
 
 struct ChunkMesh;  // chunk_mesh.h

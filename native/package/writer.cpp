@@ -60,19 +60,46 @@ Value renditionValue(const Rendition& rendition) {
                              {"barcode", barcode}});
 }
 
+Value memberValue(const Member& member) {
+  return Value(Value::Object{{"name", Value(member.name)},
+                             {"parameter", numbers(member.parameter)},
+                             {"duration", number(member.duration_s)},
+                             {"travel", vec3(member.travel)}});
+}
+
+Value spaceValue(const ParameterSpace& space) {
+  Value::Array names, samples, simplices;
+  for (const std::string& name : space.names) names.push_back(Value(name));
+  for (const ParameterSample& sample : space.samples) {
+    samples.push_back(Value(Value::Object{
+        {"at", numbers(sample.at)}, {"weights", numbers(sample.weights)}, {"offsets", numbers(sample.offsets)}}));
+  }
+  for (const auto& simplex : space.simplices) simplices.push_back(numbers(simplex));
+  return Value(Value::Object{{"names", Value(names)}, {"samples", Value(samples)}, {"simplices", Value(simplices)}});
+}
+
+// Members and parameters; of a plain sequence only the member that it is.
+void addMembers(const Sequence& s, Value::Object& out) {
+  Value::Array members;
+  for (const Member& member : s.members) members.push_back(memberValue(member));
+  if (!members.empty()) out["members"] = Value(members);
+  if (!s.isClass()) return;
+  out["parameterSpace"] = spaceValue(s.space);
+  out["referenceCount"] = number(s.reference_count);
+}
+
 Value sequenceValue(const Sequence& s) {
   Value::Array renditions;
   for (const Rendition& r : s.renditions) renditions.push_back(renditionValue(r));
   const Value stream(Value::Object{{"uri", Value(s.stream_uri)},
                                    {"byteLength", number(double(s.stream_bytes))},
                                    {"headerLength", number(s.stream_header_bytes)}});
-  return Value(Value::Object{{"name", Value(s.name)},
-                             {"frameCount", number(s.frame_count)},
-                             {"fps", number(s.fps)},
-                             {"loop", Value(s.loop)},
-                             {"rootVelocity", vec3(s.root_velocity_mps)},
-                             {"stream", stream},
-                             {"renditions", Value(renditions)}});
+  Value::Object out{
+      {"name", Value(s.name)},          {"frameCount", number(s.frame_count)},       {"fps", number(s.fps)},
+      {"loop", Value(s.loop)},          {"rootVelocity", vec3(s.root_velocity_mps)}, {"stream", stream},
+      {"renditions", Value(renditions)}};
+  addMembers(s, out);
+  return Value(out);
 }
 
 Value extensionValue(const Character& c) {
@@ -83,17 +110,21 @@ Value extensionValue(const Character& c) {
                                  {"byteOffset", number(double(c.mesh_offset))},
                                  {"byteLength", number(double(c.mesh_bytes))}});
   const Value bounds(Value::Object{{"min", vec3(c.bounds.min)}, {"max", vec3(c.bounds.max)}});
-  return Value(Value::Object{{"version", number(c.version)},
-                             {"name", Value(c.name)},
-                             {"layerCount", number(c.layer_count)},
-                             {"vertexCount", number(c.vertex_count)},
-                             {"faceCount", number(c.face_count)},
-                             {"mesh", mesh},
-                             {"poster", Value(Value::Object{{"uri", Value(c.poster_uri)}})},
-                             {"bounds", bounds},
-                             {"groundY", number(c.ground_y_m)},
-                             {"cameras", Value(cameras)},
-                             {"sequences", Value(sequences)}});
+  Value::Object out{{"version", number(c.version)},
+                    {"name", Value(c.name)},
+                    {"layerCount", number(c.layer_count)},
+                    {"vertexCount", number(c.vertex_count)},
+                    {"faceCount", number(c.face_count)},
+                    {"mesh", mesh},
+                    {"poster", Value(Value::Object{{"uri", Value(c.poster_uri)}})},
+                    {"bounds", bounds},
+                    {"groundY", number(c.ground_y_m)},
+                    {"cameras", Value(cameras)},
+                    {"sequences", Value(sequences)}};
+  if (!c.graph_uri.empty()) {
+    out["graph"] = Value(Value::Object{{"uri", Value(c.graph_uri)}, {"byteLength", number(double(c.graph_bytes))}});
+  }
+  return Value(out);
 }
 
 int addAccessor(tinygltf::Model& model, int component_type, int type, size_t count) {

@@ -36,13 +36,37 @@ void checkUri(const std::string& uri) {
   require(!uri.empty() && uri[0] != '/' && uri.find(':') == std::string::npos && uri.find("../") == std::string::npos);
 }
 
+void checkSpace(const Sequence& s) {
+  require(!s.members.empty() && s.members.size() <= size_t(kMaxMembers) &&
+          s.reference_count <= uint32_t(kMaxReferences));
+  require(s.isClass() == !s.space.names.empty() && s.isClass() == !s.space.simplices.empty());
+  require(s.space.names.size() <= size_t(kMaxParameters));
+  for (const Member& m : s.members) {
+    require(m.parameter.size() == s.space.names.size() && m.duration_s > 0 && std::isfinite(m.duration_s));
+    require(std::isfinite(m.travel.x + m.travel.y + m.travel.z));
+  }
+  for (const ParameterSample& sample : s.space.samples) {
+    require(sample.at.size() == s.space.names.size() && sample.weights.size() == s.members.size() &&
+            sample.offsets.size() == s.reference_count);
+    float sum = 0;
+    for (float weight : sample.weights) sum += weight;
+    require(std::abs(sum - 1) < 0.002f);
+    for (float offset : sample.offsets) require(std::isfinite(offset));
+  }
+  for (const auto& simplex : s.space.simplices) {
+    for (uint16_t corner : simplex) require(corner < s.space.samples.size());
+  }
+}
+
 void checkSequence(const Sequence& s, int layers) {
   require(s.frame_count >= 1 && s.fps > 0 && std::isfinite(s.duration_s()) && !s.renditions.empty());
   require(s.stream_header_bytes <= s.stream_bytes);
   checkUri(s.stream_uri);
+  checkSpace(s);
   for (const Rendition& r : s.renditions) {
     checkUri(r.video_uri);
-    require(int(r.layers.size()) == layers && r.width <= kMaxPictureSide && r.height <= kMaxPictureSide);
+    require(int(r.layers.size()) == layers * int(s.members.size()) && r.width <= kMaxPictureSide &&
+            r.height <= kMaxPictureSide);
     for (const Rect& rect : r.layers) {
       require(rect.x >= 0 && rect.y >= 0 && rect.width > 0 && rect.x + rect.width <= r.width &&
               rect.y + rect.height <= r.height);
@@ -59,6 +83,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const Character& c = read.value();
   require(c.layer_count >= 1 && c.layer_count <= kMaxLayers && c.cameras.size() <= size_t(kMaxCameras));
   checkUri(c.mesh_uri);
+  if (!c.graph_uri.empty()) checkUri(c.graph_uri);
   for (const PinholeCamera& camera : c.cameras) require(std::isfinite(camera.centreInWorld().x) && camera.fx > 0);
   for (const Sequence& s : c.sequences) checkSequence(s, c.layer_count);
   return 0;

@@ -19,10 +19,18 @@ std::vector<uint8_t> mutate(std::vector<uint8_t> bytes, std::mt19937& random) {
   for (int i = 0; i < edits && !bytes.empty(); ++i) {
     const size_t at = random() % bytes.size();
     switch (random() % 5) {
-      case 0: bytes[at] = static_cast<uint8_t>(random()); break;
-      case 1: bytes[at] ^= static_cast<uint8_t>(1u << (random() % 8)); break;
-      case 2: bytes.resize(at); break;
-      case 3: bytes.insert(bytes.begin() + static_cast<long>(at), static_cast<uint8_t>(random())); break;
+      case 0:
+        bytes[at] = static_cast<uint8_t>(random());
+        break;
+      case 1:
+        bytes[at] ^= static_cast<uint8_t>(1u << (random() % 8));
+        break;
+      case 2:
+        bytes.resize(at);
+        break;
+      case 3:
+        bytes.insert(bytes.begin() + static_cast<long>(at), static_cast<uint8_t>(random()));
+        break;
       default:
         for (size_t k = at; k < bytes.size() && k < at + 4; ++k) bytes[k] = 0xff;
     }

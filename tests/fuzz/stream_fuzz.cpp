@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stream headers ("H" + bytes) and GOP chunks ("C" + frames, vertices, faces, layers as bytes + chunk; the mesh is the
-// one that testing::strandMesh makes of the counts): whatever is accepted is consistent, and a header that is accepted
-// writes back to the same bytes.
+// Stream headers ("H" + bytes) and GOP chunks ("C" + frames, vertices, faces, layers, members, references, alignment
+// fields as bytes + chunk; the mesh is the one that testing::strandMesh makes of the counts): whatever is accepted is
+// consistent, and a header that is accepted writes back to the same bytes.
 #include <cstdlib>
 
 #include "../unit/chunk_fixture.h"
@@ -31,25 +31,38 @@ void fuzzHeader(std::span<const uint8_t> bytes) {
   if (again != std::vector<uint8_t>(bytes.begin(), bytes.end())) std::abort();
 }
 
+void requireInRange(int q) {
+  if (q < -(1 << 24) || q > 1 << 24) std::abort();
+}
+
 void fuzzChunk(std::span<const uint8_t> bytes) {
-  if (bytes.size() < 4) return;
+  if (bytes.size() < 7) return;
   StreamIndex index;
   index.frame_count = 1u + bytes[0] % 32;
   index.vertex_count = 3u + bytes[1];
   index.face_count = 1u + bytes[2];
   index.layer_count = 1u + bytes[3] % 6;
+  index.member_count = 1u + bytes[4] % 4;
+  index.reference_count = bytes[5] % 33;
+  index.alignment_count = bytes[6] % 4;
   index.chunks = {{0, index.frame_count, 0, uint32_t(bytes.size())}};
   const auto decoded =
-      decodeChunk(bytes.subspan(4), index, 0, testing::strandMesh(index.vertex_count, index.face_count));
+      decodeChunk(bytes.subspan(7), index, 0, testing::strandMesh(index.vertex_count, index.face_count));
   if (!decoded.ok()) return;
-  const ChunkFrames& frames = decoded.value();
-  if (frames.positions.size() != size_t(index.frame_count) * index.vertex_count) std::abort();
-  if (frames.labels.size() != size_t(index.frame_count) * index.layer_count * index.face_count) std::abort();
-  for (uint8_t label : frames.labels) {
+  const ChunkFrames& c = decoded.value();
+  const size_t members = size_t(index.frame_count) * index.member_count, vertices = index.vertex_count;
+  if (c.positions.size() != members * vertices || c.root.size() != members) std::abort();
+  if (c.labels.size() != members * index.layer_count * index.face_count) std::abort();
+  if (c.offsets.size() != size_t(index.frame_count) * index.reference_count * vertices) std::abort();
+  if (c.alignment.size() != size_t(index.frame_count) * index.alignment_count * vertices) std::abort();
+  for (uint8_t label : c.labels) {
     if (label >= 31 && label != 255) std::abort();
   }
-  for (const glm::ivec3& q : frames.positions) {
-    if (glm::any(glm::greaterThan(glm::abs(q), glm::ivec3(1 << 24)))) std::abort();
+  for (const glm::ivec3& q : c.positions) requireInRange(q.x), requireInRange(q.y), requireInRange(q.z);
+  for (const glm::ivec3& q : c.offsets) requireInRange(q.x), requireInRange(q.y), requireInRange(q.z);
+  for (const glm::ivec2& q : c.alignment) requireInRange(q.x), requireInRange(q.y);
+  for (const glm::vec3& r : c.root) {
+    if (!(glm::length(r) < 1.75e6f)) std::abort();
   }
 }
 

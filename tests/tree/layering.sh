@@ -3,10 +3,11 @@
 set -u
 cd "$1"
 bad=0
-order=(base gpu package render stream player)
+order=(base gpu package motion render stream player)
 for i in "${!order[@]}"; do
   allowed=" ${order[*]:0:$((i + 1))} "
   [ "${order[$i]}" != package ] || allowed=" base package draco "
+  [ "${order[$i]}" != motion ] || allowed=" base package motion "
   while IFS=: read -r file include; do
     folder=$(sed -E 's/.*"([a-z]+)\/.*/\1/' <<<"$include")
     [[ $allowed == *" $folder "* ]] || { echo "$file includes $folder/, which is not below ${order[$i]}/"; bad=1; }

@@ -42,7 +42,33 @@ inline package::BaseMesh cylinder(uint32_t around, uint32_t along) {
 }
 
 inline package::StreamIndex indexFor(const package::ChunkFrames& f) {
-  return {f.frame_count, f.vertex_count, f.face_count, f.layer_count, {}, 1, {{0, f.frame_count, 100, 100}}, {}};
+  package::StreamIndex index;
+  index.frame_count = f.frame_count;
+  index.vertex_count = f.vertex_count;
+  index.face_count = f.face_count;
+  index.layer_count = f.layer_count;
+  index.member_count = f.member_count;
+  index.reference_count = f.reference_count;
+  index.alignment_count = f.alignment_count;
+  index.position_step_m = 1;
+  index.alignment_step_m = 1;
+  index.chunks = {{0, f.frame_count, 100, 100}};
+  return index;
+}
+
+// What a chunk's encoder asks for beside the counts: everything 0, no labels.
+inline void fillWithZeros(package::ChunkFrames& f) {
+  const size_t vertices = size_t(f.frame_count) * f.vertex_count;
+  f.positions.resize(vertices * f.member_count);
+  f.labels.resize(size_t(f.frame_count) * f.member_count * f.layer_count * f.face_count, 255);
+  f.offsets.resize(vertices * f.reference_count);
+  f.alignment.resize(vertices * f.alignment_count);
+  f.root.resize(size_t(f.frame_count) * f.member_count);
+}
+
+inline bool sameChunk(const package::ChunkFrames& a, const package::ChunkFrames& b) {
+  return a.positions == b.positions && a.labels == b.labels && a.offsets == b.offsets && a.alignment == b.alignment &&
+         a.root == b.root;
 }
 
 }  // namespace fourdvt::testing

@@ -17,12 +17,13 @@
 using namespace fourdvt;
 using namespace fourdvt::package;
 using fourdvt::testing::cylinder;
+using fourdvt::testing::fillWithZeros;
 using fourdvt::testing::strandMesh;
 
 namespace {
 
 ChunkFrames emptyFrames(const ChunkMesh& mesh, uint32_t frames, uint32_t layers) {
-  return {frames, mesh.vertexCount(), mesh.faceCount(), layers, {}, {}};
+  return {frames, mesh.vertexCount(), mesh.faceCount(), layers, 1, 0, 0, {}, {}, {}, {}, {}};
 }
 
 // False if the bytes are not a whole part of the counts of `out`.
@@ -51,7 +52,7 @@ bool decodePositions(std::span<const uint8_t> bytes, const ChunkMesh& mesh, Chun
 }
 
 void expectRoundTrip(const ChunkFrames& in, const ChunkMesh& mesh) {
-  const std::vector<uint8_t> bytes = encodeLabels(in, mesh);
+  const std::vector<uint8_t> bytes = encodeLabels(in, mesh, 0);
   ChunkFrames out = emptyFrames(mesh, in.frame_count, in.layer_count);
   ASSERT_TRUE(decodeLabels(bytes, mesh, out));
   EXPECT_EQ(out.labels, in.labels);
@@ -98,7 +99,7 @@ TEST(LabelCoder, RandomLabelsCostNoMoreThanTheirInformation) {
   const ChunkMesh mesh = makeChunkMesh(cylinder(20, 50));
   ChunkFrames in = emptyFrames(mesh, 4, 3);
   for (uint32_t i = 0; i < 4 * 3 * mesh.faceCount(); ++i) in.labels.push_back(random() % 8);
-  EXPECT_LT(encodeLabels(in, mesh).size(), in.labels.size() * 3 / 8 * 1.25);  // 3 bits a label
+  EXPECT_LT(encodeLabels(in, mesh, 0).size(), in.labels.size() * 3 / 8 * 1.25);  // 3 bits a label
 }
 
 TEST(LabelCoder, StillAndEmptyLabelsCostNearlyNothing) {
@@ -106,12 +107,12 @@ TEST(LabelCoder, StillAndEmptyLabelsCostNearlyNothing) {
   ChunkFrames in = emptyFrames(mesh, 20, 3);
   in.labels.assign(size_t(20) * 3 * mesh.faceCount(), kNoCamera);
   expectRoundTrip(in, mesh);
-  EXPECT_LT(encodeLabels(in, mesh).size(), 40u);
+  EXPECT_LT(encodeLabels(in, mesh, 0).size(), 40u);
   const ChunkFrames moving = movingSeams(mesh, 40, 1, 3);
   for (uint32_t f = 0; f < 20; ++f)
     std::copy(moving.labels.begin(), moving.labels.end(), in.labels.begin() + f * moving.labels.size());
   expectRoundTrip(in, mesh);
-  EXPECT_LT(encodeLabels(in, mesh).size(), encodeLabels(moving, mesh).size() + 100);
+  EXPECT_LT(encodeLabels(in, mesh, 0).size(), encodeLabels(moving, mesh, 0).size() + 100);
 }
 
 TEST(LabelCoder, MovingSeamsAreFollowed) {
@@ -122,7 +123,7 @@ TEST(LabelCoder, MovingSeamsAreFollowed) {
     changed += in.labels[i] != in.labels[i - 3 * mesh.faceCount()];
   ASSERT_GT(changed, 19u * 3 * mesh.faceCount() / 20) << "the field must move: 5 % of all labels a frame";
   expectRoundTrip(in, mesh);
-  EXPECT_LT(encodeLabels(in, mesh).size() / 20, 85u) << "bytes a frame";
+  EXPECT_LT(encodeLabels(in, mesh, 0).size() / 20, 85u) << "bytes a frame";
 }
 
 TEST(LabelCoder, RefusesOtherLengthsAndOnlyEverGivesLabels) {
@@ -130,7 +131,7 @@ TEST(LabelCoder, RefusesOtherLengthsAndOnlyEverGivesLabels) {
   ChunkFrames in = emptyFrames(mesh, 4, 3);
   std::mt19937 random(8);
   for (uint32_t i = 0; i < 4 * 3 * 50; ++i) in.labels.push_back(random() % 5 ? 1 : kNoCamera);
-  std::vector<uint8_t> bytes = encodeLabels(in, mesh);
+  std::vector<uint8_t> bytes = encodeLabels(in, mesh, 0);
   for (size_t n = 0; n < bytes.size(); ++n) {
     ChunkFrames out = emptyFrames(mesh, 4, 3);
     EXPECT_FALSE(decodeLabels(std::span(bytes).first(n), mesh, out)) << n;
@@ -164,7 +165,7 @@ TEST(PositionCoder, ARigidMotionCostsOnlyItsRounding) {
     for (const glm::dvec3 p : base.positions)
       in.positions.emplace_back(glm::round(glm::dvec3(c * p.x + s * p.z + 0.04 * f, p.y, c * p.z - s * p.x) / 0.00025));
   }
-  const std::vector<uint8_t> bytes = encodePositions(in, mesh);
+  const std::vector<uint8_t> bytes = encodePositions(in, mesh, 0);
   ChunkFrames out = emptyFrames(mesh, 12, 1);
   ASSERT_TRUE(decodePositions(bytes, mesh, out));
   EXPECT_EQ(out.positions, in.positions);
@@ -180,7 +181,7 @@ TEST(PositionCoder, GivesBackExtremesAndRefusesOtherLengths) {
     const auto end = [&] { return random() % 2 ? 1 << 24 : -(1 << 24); };
     in.positions.emplace_back(end(), end(), int(random() % (1 << 25)) - (1 << 24));
   }
-  const std::vector<uint8_t> bytes = encodePositions(in, mesh);
+  const std::vector<uint8_t> bytes = encodePositions(in, mesh, 0);
   ChunkFrames out = emptyFrames(mesh, 3, 1);
   ASSERT_TRUE(decodePositions(bytes, mesh, out));
   EXPECT_EQ(out.positions, in.positions);
@@ -223,6 +224,7 @@ TEST(ChunkDecoder, DecodesNoFurtherThanAsked) {
   ChunkFrames in = movingSeams(mesh, 20, 6, 3);
   for (uint32_t f = 0; f < 6; ++f)
     for (uint32_t v = 0; v < mesh.vertexCount(); ++v) in.positions.emplace_back(int(f * v), int(v), -int(f));
+  fillWithZeros(in);
   const auto bytes = encodeChunk(in, mesh);
   ASSERT_TRUE(bytes);
   StreamIndex index;
@@ -249,6 +251,7 @@ TEST(ChunkDecoder, StaysBrokenWhereTheBytesEnd) {
   ChunkFrames in = movingSeams(mesh, 20, 6, 1);
   std::mt19937 random(3);
   for (uint32_t i = 0; i < 6 * mesh.vertexCount(); ++i) in.positions.emplace_back(random() % 1000, random() % 1000, 0);
+  fillWithZeros(in);
   std::vector<uint8_t> bytes = encodeChunk(in, mesh).take();
   StreamIndex index;
   index.frame_count = 6;

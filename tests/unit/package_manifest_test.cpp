@@ -63,6 +63,7 @@ Character smallCharacter(const EncodedBaseMesh& mesh) {
   s.fps = 25;
   s.loop = true;
   s.root_velocity_mps = {0, 0, 1.2265};
+  s.members = {{"walk", {}, 1.12, {0, 1.375, 0.25}}};
   s.stream_uri = "walk.bin";
   s.stream_bytes = 5000000000ull;  // above 32 bits
   s.stream_header_bytes = 900;
@@ -72,9 +73,39 @@ Character smallCharacter(const EncodedBaseMesh& mesh) {
   return c;
 }
 
+// Walk and run by speed, with one correction; tiled as walk's two layers, then run's.
+Sequence locomotion(const Sequence& walk) {
+  Sequence s = walk;
+  s.name = "locomotion";
+  s.members = {{"walk", {1.25}, 1.12, {0.125, 1.5, 0}}, {"run", {2.75}, 0.76, {0, 2, 0.0625}}};
+  s.space = {{"speed_mps"},
+             {{{1.25}, {1, 0}, {0}}, {{2}, {0.375f, 0.625f}, {1}}, {{2.75}, {0, 1}, {0}}},
+             {{0, 1, 1}, {1, 2, 2}}};
+  s.reference_count = 1;
+  s.renditions[0].layers = {{0, 0, 512, 512}, {512, 0, 256, 256}, {768, 0, 512, 512}, {1280, 0, 256, 256}};
+  return s;
+}
+
+// Three motions over a triangle of two parameters, without corrections.
+Sequence steering(const Sequence& walk) {
+  Sequence s = walk;
+  s.name = "steering";
+  s.members = {{"walk", {1, 0}, 1, {0, 1, 0}}, {"run", {3, 0}, 0.75, {0, 2, 0}}, {"turn", {1, 90}, 1.5, {0.5, 0, 1.5}}};
+  s.space = {{"speed_mps", "turn_dps"},
+             {{{1, 0}, {1, 0, 0}, {}}, {{3, 0}, {0, 1, 0}, {}}, {{1, 90}, {0, 0, 1}, {}}},
+             {{0, 1, 2}}};
+  s.renditions[0].layers.assign(6, {0, 0, 512, 512});
+  return s;
+}
+
 json writtenManifest() {
   const EncodedBaseMesh mesh = smallMesh();
-  auto text = writeManifest({smallCharacter(mesh), &mesh, "still.jpg", "fourdvt test", "nobody"});
+  Character character = smallCharacter(mesh);
+  character.graph_uri = "graph.bin";
+  character.graph_bytes = 4321;
+  character.sequences.push_back(locomotion(character.sequences[0]));
+  character.sequences.push_back(steering(character.sequences[0]));
+  auto text = writeManifest({character, &mesh, "still.jpg", "fourdvt test", "nobody"});
   EXPECT_TRUE(text.ok());
   // For the Khronos validator: FOURDVT_SAMPLE_OUT names a folder.
   if (const char* folder = std::getenv("FOURDVT_SAMPLE_OUT")) {
@@ -113,7 +144,7 @@ TEST(Manifest, RoundTrips) {
     EXPECT_EQ(got.cameras[k].cx, want.cameras[k].cx);
     EXPECT_EQ(got.cameras[k].cam_from_world, want.cameras[k].cam_from_world);
   }
-  ASSERT_EQ(got.sequences.size(), 1u);
+  ASSERT_EQ(got.sequences.size(), 3u);
   const Sequence& s = got.sequences[0];
   EXPECT_EQ(s.stream_bytes, 5000000000ull);
   EXPECT_TRUE(s.loop);
@@ -123,6 +154,102 @@ TEST(Manifest, RoundTrips) {
   EXPECT_EQ(s.renditions[0].barcode.rect.y, 1032);
   EXPECT_EQ(got.find("walk"), &s);
   EXPECT_EQ(got.find("run"), nullptr);
+}
+
+void expectSame(const Sequence& got, const Sequence& want) {
+  ASSERT_EQ(got.members.size(), want.members.size());
+  for (size_t m = 0; m < want.members.size(); ++m) {
+    EXPECT_EQ(got.members[m].name, want.members[m].name);
+    EXPECT_EQ(got.members[m].parameter, want.members[m].parameter);
+    EXPECT_EQ(got.members[m].duration_s, want.members[m].duration_s);
+    EXPECT_EQ(got.members[m].travel, want.members[m].travel);
+  }
+  EXPECT_EQ(got.reference_count, want.reference_count);
+  EXPECT_EQ(got.space.names, want.space.names);
+  EXPECT_EQ(got.space.simplices, want.space.simplices);
+  ASSERT_EQ(got.space.samples.size(), want.space.samples.size());
+  for (size_t i = 0; i < want.space.samples.size(); ++i) {
+    EXPECT_EQ(got.space.samples[i].at, want.space.samples[i].at);
+    EXPECT_EQ(got.space.samples[i].weights, want.space.samples[i].weights);
+    EXPECT_EQ(got.space.samples[i].offsets, want.space.samples[i].offsets);
+  }
+}
+
+TEST(Manifest, ClassesAndTheGraphRoundTrip) {
+  auto read = readManifest(flatten(writtenManifest()));
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(read.value().graph_uri, "graph.bin");
+  EXPECT_EQ(read.value().graph_bytes, 4321u);
+  const Sequence walk = smallCharacter(smallMesh()).sequences[0];
+  ASSERT_EQ(read.value().sequences.size(), 3u);
+  expectSame(read.value().sequences[0], walk);
+  EXPECT_FALSE(read.value().sequences[0].isClass());
+  EXPECT_TRUE(read.value().sequences[1].isClass());
+  expectSame(read.value().sequences[1], locomotion(walk));
+  expectSame(read.value().sequences[2], steering(walk));
+  EXPECT_EQ(read.value().sequences[1].renditions[0].layers[2].x, 768);
+}
+
+// Manifests of before there were classes.
+TEST(Manifest, ASequenceWithoutMembersIsItsOwn) {
+  json old = writtenManifest();
+  json& fields = old[json::json_pointer(kAt)];
+  fields.erase("graph");
+  fields["sequences"][0].erase("members");
+  auto read = readManifest(flatten(old));
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_TRUE(read.value().graph_uri.empty());
+  const Sequence& s = read.value().sequences[0];
+  ASSERT_EQ(s.members.size(), 1u);
+  EXPECT_EQ(s.members[0].name, "walk");
+  EXPECT_TRUE(s.members[0].parameter.empty());
+  EXPECT_DOUBLE_EQ(s.members[0].duration_s, 28 / 25.0);
+  EXPECT_DOUBLE_EQ(s.members[0].travel.y, 1.2265 * 28 / 25);
+  EXPECT_EQ(s.members[0].travel.x, 0);
+  EXPECT_EQ(s.members[0].travel.z, 0) << "no turning";
+  EXPECT_TRUE(s.space.names.empty());
+}
+
+TEST(Manifest, RefusesClassesThatCannotBe) {
+  const std::string one = "/sequences/1", two = "/sequences/2";
+  expectRefused(one + "/members/0/parameter", json::array());
+  expectRefused(one + "/members/0/parameter", {1, 2});
+  expectRefused(one + "/members/0/duration", 0);
+  expectRefused(one + "/members/1/name", "walk");
+  expectRefused(one + "/members/1/travel", {0, 1e9, 0});
+  expectRefused(one + "/referenceCount", 2);  // the samples hold one coefficient
+  expectRefused(one + "/referenceCount", 0);
+  expectRefused(one + "/referenceCount", 33);
+  expectRefused(two + "/referenceCount", 1);
+  expectRefused(one + "/parameterSpace/names", json::array());
+  expectRefused(one + "/parameterSpace/names", {"speed_mps", "turn_dps"});
+  expectRefused(two + "/parameterSpace/names", {"speed_mps", "speed_mps"});
+  expectRefused(two + "/parameterSpace/names", {"a", "b", "c"});
+  expectRefused(one + "/parameterSpace/samples", json::array());
+  expectRefused(one + "/parameterSpace/samples/1/at", {2, 3});
+  expectRefused(one + "/parameterSpace/samples/1/weights", {1});
+  expectRefused(one + "/parameterSpace/samples/1/weights", {0.375, 0.62});
+  expectRefused(one + "/parameterSpace/samples/1/weights", {-0.5, 1.5});
+  expectRefused(one + "/parameterSpace/samples/1/offsets", json::array());
+  expectRefused(one + "/parameterSpace/samples/1/offsets", {1e30});
+  expectRefused(one + "/parameterSpace/samples/1/at", {1.25});  // an interval of no length
+  expectRefused(one + "/parameterSpace/simplices", json::array());
+  expectRefused(one + "/parameterSpace/simplices/1", {1, 2, 3});
+  expectRefused(one + "/parameterSpace/simplices/1", {0, 1, 2});
+  expectRefused(one + "/parameterSpace/simplices/1", {1, 1, 1});
+  expectRefused(two + "/parameterSpace/simplices/0", {0, 1, 1});
+  expectRefused(two + "/parameterSpace/samples/2/at", {5, 0});                          // on one line
+  expectRefused(one + "/renditions/0/layers", {{0, 0, 512, 512}, {512, 0, 256, 256}});  // one member's only
+  expectRefused("/graph/uri", "../graph.bin");
+  expectRefused("/graph/byteLength", 0);
+  json five = writtenManifest();
+  json& members = five[json::json_pointer(kAt + one + "/members")];
+  for (int m = 2; m < 5; ++m)
+    members.push_back({{"name", "m" + std::to_string(m)}, {"parameter", {m}}, {"duration", 1}, {"travel", {0, 0, 0}}});
+  EXPECT_FALSE(readManifest(flatten(five)).ok());
+  FlatJson flat = flatten(writtenManifest());
+  flat.set(kAt + one + "/parameterSpace/samples/1/weights/0", std::nan(""));
+  EXPECT_FALSE(readManifest(flat).ok());
 }
 
 TEST(Manifest, CameraNodesLookWhereTheCamerasDo) {
@@ -190,6 +317,7 @@ TEST(Manifest, EveryMissingFieldIsRefused) {
   const json whole = writtenManifest();
   const json fields = whole[json::json_pointer(kAt)].flatten();
   for (const auto& [pointer, value] : fields.items()) {
+    if (value.is_null()) continue;  // an empty list
     FlatJson flat;
     const json all = whole.flatten();
     for (const auto& [key, leaf] : all.items()) {
@@ -199,6 +327,25 @@ TEST(Manifest, EveryMissingFieldIsRefused) {
       if (leaf.is_boolean()) flat.set(key, leaf.get<bool>());
     }
     EXPECT_FALSE(readManifest(flat).ok()) << pointer;
+  }
+}
+
+// A corpus that is refused at once would let the fuzzing test nothing.
+TEST(FuzzCorpus, ManifestsAreAccepted) {
+  for (const char* name : {"whole.txt", "classes.txt"}) {
+    std::ifstream file(std::string(FOURDVT_SOURCE_DIR "/tests/fuzz/corpus/manifest_fuzz/") + name);
+    FlatJson flat;
+    flat.set("/asset/version", std::string("2.0"));
+    for (std::string line; std::getline(file, line);) {
+      const size_t equals = line.find('=');
+      ASSERT_LT(equals + 1, line.size()) << line;
+      const std::string pointer = kAt + line.substr(0, equals), value = line.substr(equals + 2);
+      if (line[equals + 1] == 'n') flat.set(pointer, std::stod(value));
+      if (line[equals + 1] == 's') flat.set(pointer, value);
+      if (line[equals + 1] == 'b') flat.set(pointer, value == "T");
+    }
+    auto read = readManifest(flat);
+    EXPECT_TRUE(read.ok()) << name << ": " << (read.ok() ? "" : read.error().message);
   }
 }
 

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where a character stands on the ground, and how root motion moves it. Ground = the xz plane; a heading turns about y,
+// positive from +z towards +x; heading 0 faces +z.
+#pragma once
+
+#include <glm/glm.hpp>
+
+namespace fourdvt::motion {
+
+struct Placement {
+  glm::vec2 ground_m{0};  // x, z in world
+  float heading_rad = 0;
+};
+
+glm::mat4 worldFromCharacter(const Placement& placement);
+// `step`: metres along x and z and radians about y, in the character's frame before the step.
+Placement moved(const Placement& placement, const glm::vec3& step);
+// The step that leads from one root value to the next (both as of mesh_blend.h rootOf, in the frame of frame 0),
+// seen from the character's own frame at `from`.
+glm::vec3 stepBetween(const glm::vec3& from, const glm::vec3& to);
+float wrapAngle(float radians);  // to -π…π
+
+}  // namespace fourdvt::motion

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// What stream headers and chunks may hold. Internal to package/.
+#pragma once
+
+#include <cmath>
+
+#include "package/character.h"
+#include "package/stream_file.h"
+
+namespace fourdvt::package {
+
+// counts: StreamIndex or ChunkFrames. A plain sequence has no blend to correct and nothing to align.
+template <class Counts>
+bool validCounts(const Counts& counts) {
+  return counts.layer_count >= 1 && counts.layer_count <= uint32_t(kMaxLayers) && counts.member_count >= 1 &&
+         counts.member_count <= uint32_t(kMaxMembers) && counts.reference_count <= uint32_t(kMaxReferences) &&
+         (counts.member_count > 1 || counts.reference_count == 0) &&
+         (counts.alignment_count == 0 || counts.alignment_count == counts.member_count - 1);
+}
+
+inline bool validRoot(const glm::vec3& root) {
+  constexpr float kMax = 1e6f;  // metres, radians
+  return std::fabs(root.x) <= kMax && std::fabs(root.y) <= kMax && std::fabs(root.z) <= kMax;
+}
+
+}  // namespace fourdvt::package

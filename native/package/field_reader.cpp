@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "package/field_reader.h"
+
+#include <cmath>
+
+namespace fourdvt::package {
+namespace {
+
+// Relative, inside the character folder: no scheme, no leading slash, no ".." segment, no control characters.
+bool isSafeUri(const std::string& uri) {
+  if (uri.empty() || uri.size() > 512 || uri[0] == '/') return false;
+  size_t segment = 0;
+  for (size_t i = 0; i <= uri.size(); ++i) {
+    const char c = i < uri.size() ? uri[i] : '/';
+    if (c == ':' || c == '\\' || static_cast<unsigned char>(c) < 0x20) return false;
+    if (c == '?' || c == '#') return false;
+    if (c != '/') continue;
+    if (uri.compare(segment, i - segment, "..") == 0) return false;
+    segment = i + 1;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::string item(const std::string& list, int index) { return list + "/" + std::to_string(index); }
+
+void FieldReader::fail(const std::string& pointer, const std::string& what) {
+  if (ok()) problem_ = pointer + " " + what;
+}
+
+double FieldReader::number(const std::string& pointer, double low, double high) {
+  const auto value = json_.number(pointer);
+  if (!value) return fail(pointer, "is missing or not a number"), low;
+  if (!(*value >= low && *value <= high)) return fail(pointer, "is out of range"), low;
+  return *value;
+}
+
+double FieldReader::integer(const std::string& pointer, double low, double high) {
+  const double value = number(pointer, low, high);
+  if (value != std::floor(value)) fail(pointer, "is not a whole number");
+  return value;
+}
+
+std::string FieldReader::text(const std::string& pointer, size_t max_length) {
+  const auto value = json_.string(pointer);
+  if (!value || value->empty()) return fail(pointer, "is missing or not a string"), std::string();
+  if (value->size() > max_length) return fail(pointer, "is too long"), std::string();
+  return *value;
+}
+
+std::string FieldReader::uri(const std::string& pointer) {
+  std::string value = text(pointer, 512);
+  if (ok() && !isSafeUri(value)) fail(pointer, "must be a relative path inside the character folder");
+  return value;
+}
+
+bool FieldReader::flag(const std::string& pointer) {
+  const auto value = json_.boolean(pointer);
+  if (!value) fail(pointer, "is missing or not true/false");
+  return value.value_or(false);
+}
+
+std::vector<double> FieldReader::numbers(const std::string& pointer, size_t count, double low, double high) {
+  const int size = arraySize(pointer, int(count), int(count));
+  std::vector<double> out;
+  for (int i = 0; i < size; ++i) out.push_back(number(item(pointer, i), low, high));
+  out.resize(count);
+  return out;
+}
+
+glm::dvec3 FieldReader::vec3(const std::string& pointer) {
+  const std::vector<double> v = numbers(pointer, 3, -kMaxMetres, kMaxMetres);
+  return {v[0], v[1], v[2]};
+}
+
+Rect FieldReader::rect(const std::string& pointer) {
+  int v[4];
+  for (int i = 0; i < 4; ++i) v[i] = int(integer(item(pointer, i), 0, kMaxPictureSide));
+  return {v[0], v[1], v[2], v[3]};
+}
+
+int FieldReader::arraySize(const std::string& pointer, int low, int high) {
+  int count = 0;
+  while (count <= high && json_.has(item(pointer, count))) ++count;
+  if (count < low || count > high)
+    fail(pointer, "must have " + std::to_string(low) + " to " + std::to_string(high) + " entries");
+  return ok() ? count : 0;
+}
+
+}  // namespace fourdvt::package

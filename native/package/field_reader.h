@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bounded reading of a manifest's fields. Internal to package/.
+#pragma once
+
+#include <string>
+
+#include "package/character.h"
+
+namespace fourdvt::package {
+
+constexpr double kMaxMetres = 1e6;
+
+std::string item(const std::string& list, int index);  // pointer of an entry
+
+// Keeps the first complaint; after it, values are in range but mean nothing.
+class FieldReader {
+ public:
+  explicit FieldReader(const FlatJson& json) : json_(json) {}
+  bool ok() const { return problem_.empty(); }
+  const std::string& problem() const { return problem_; }
+  void fail(const std::string& pointer, const std::string& what);
+  bool has(const std::string& pointer) const { return json_.has(pointer); }
+  double number(const std::string& pointer, double low, double high);
+  double integer(const std::string& pointer, double low, double high);
+  std::string text(const std::string& pointer, size_t max_length);
+  std::string uri(const std::string& pointer);
+  bool flag(const std::string& pointer);
+  // A list of exactly `count`.
+  std::vector<double> numbers(const std::string& pointer, size_t count, double low, double high);
+  glm::dvec3 vec3(const std::string& pointer);  // metres
+  Rect rect(const std::string& pointer);
+  // Length of a list; complains outside [low, high].
+  int arraySize(const std::string& pointer, int low, int high);
+
+ private:
+  const FlatJson& json_;
+  std::string problem_;
+};
+
+}  // namespace fourdvt::package
