@@ -10,8 +10,10 @@ bool isFloat(PixelFormat format) {
   return format == PixelFormat::R32F || format == PixelFormat::RG32F || format == PixelFormat::RGBA32F;
 }
 
+bool isHalfFloat(PixelFormat format) { return format == PixelFormat::RG16F || format == PixelFormat::RGBA16F; }
+
 bool isFilterable(PixelFormat format) {
-  return format == PixelFormat::R8 || format == PixelFormat::RG8 || format == PixelFormat::RGBA8;
+  return format == PixelFormat::R8 || format == PixelFormat::RG8 || format == PixelFormat::RGBA8 || isHalfFloat(format);
 }
 
 int levelCount(const TextureDesc& desc) {
@@ -176,6 +178,8 @@ std::string CheckedDevice::describeTarget(TargetRecord& record) const {
     if (is_depth_slot != (attached->desc.format == PixelFormat::Depth24)) return "depth and colour are mixed up";
     if (isFloat(attached->desc.format) && !caps_.float_targets)
       return "this GPU cannot draw into float textures (EXT_color_buffer_float)";
+    if (isHalfFloat(attached->desc.format) && !caps_.half_float_targets)
+      return "this GPU cannot draw into half-float textures (EXT_color_buffer_half_float)";
     if (record.width && (attached->desc.width != record.width || attached->desc.height != record.height))
       return "its attachments differ in size";
     if (attached->desc.layers > 0 && (is_depth_slot ? desc.depth_layer : desc.color_layer) >= attached->desc.layers)

@@ -22,8 +22,9 @@
 
 namespace fourdvt::gpu {
 
-enum class PixelFormat { R8, RG8, RGBA8, R32UI, RG32F, RGBA32F, R32F, Depth24 };
+enum class PixelFormat { R8, RG8, RGBA8, R32UI, RG32F, RGBA32F, R32F, Depth24, RG16F, RGBA16F };
 int bytesPerPixel(PixelFormat format);
+int readBytesPerPixel(PixelFormat format);  // of Device::readPixels
 
 enum class Filter { Nearest, Linear, LinearMipmap };
 
@@ -104,7 +105,8 @@ struct Pass {
 
 struct Caps {
   int max_texture_size = 0, max_samples = 0;
-  bool float_targets = false;  // RGBA32F renderable
+  bool float_targets = false;       // R32F, RG32F, RGBA32F renderable
+  bool half_float_targets = false;  // RG16F, RGBA16F renderable
   std::string renderer;
 };
 
@@ -136,7 +138,8 @@ class Device {
   // Resolves/copies colour of `from` (0,0,w,h) to `to` at (to_x, to_y); same formats, and (0,0) if `from` is
   // multisampled (a canvas: alpha, no antialias).
   virtual void blit(TargetId from, TargetId to, int width, int height, int to_x = 0, int to_y = 0) = 0;
-  // Reads colour attachment 0 as stored (RGBA8: 4 bytes; RGBA32F: 16; R32UI: 4 with `format`), top row first.
+  // Reads colour attachment 0 as stored (RGBA8: 4 bytes; RGBA32F: 16; R32UI: 4 with `format`), top row first. 16F
+  // formats are read as 32-bit floats.
   virtual Status readPixels(TargetId target, PixelFormat format, int x, int y, int width, int height, void* out) = 0;
   // The context's own name of a texture (GLuint), for edges that upload video frames themselves.
   virtual uint32_t nativeTexture(TextureId texture) const = 0;
@@ -150,8 +153,8 @@ class Device {
 
 // Needs a current GLES 3.0 / WebGL2 context. gles_device.cpp is the only file that calls gl*.
 Result<std::unique_ptr<Device>> createGlesDevice();
-// Draws nothing; validates handles, sizes, pass order and counts.
-std::unique_ptr<Device> createNullDevice();
+// Draws nothing; validates handles, sizes, pass order and counts. float_targets: both kinds of Caps.
+std::unique_ptr<Device> createNullDevice(bool float_targets = true);
 
 // Move-only owners.
 template <void (Device::*Destroy)(uint32_t)>

@@ -33,6 +33,10 @@ GlFormat glFormat(PixelFormat format) {
       return {GL_RGBA32F, GL_RGBA, GL_FLOAT};
     case PixelFormat::R32F:
       return {GL_R32F, GL_RED, GL_FLOAT};
+    case PixelFormat::RG16F:
+      return {GL_RG16F, GL_RG, GL_HALF_FLOAT};
+    case PixelFormat::RGBA16F:
+      return {GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT};
     case PixelFormat::Depth24:
       return {GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT};
   }
@@ -281,10 +285,14 @@ class GlesDevice final : public CheckedDevice {
     drainErrors();
     const bool is_byte = glFormat(format).type == GL_UNSIGNED_BYTE;
     const size_t channel_bytes = is_byte ? 1 : 4;
-    const size_t pixel_bytes = bytesPerPixel(format), row_bytes = pixel_bytes * width;
+    const size_t pixel_bytes = readBytesPerPixel(format), row_bytes = pixel_bytes * width;
     std::vector<uint8_t> whole(4 * channel_bytes * width * height);
     glBindFramebuffer(GL_FRAMEBUFFER, target ? target->framebuffer : 0);
-    glReadPixels(x, y, width, height, format == PixelFormat::R32UI ? GL_RGBA_INTEGER : GL_RGBA, glFormat(format).type,
+    const bool is_integer = format == PixelFormat::R32UI;
+    glReadPixels(x, y, width, height, is_integer ? GL_RGBA_INTEGER : GL_RGBA,
+                 is_integer ? GL_UNSIGNED_INT
+                 : is_byte  ? GL_UNSIGNED_BYTE
+                            : GL_FLOAT,
                  whole.data());
     if (const GLenum error = glGetError(); error != GL_NO_ERROR)
       return gpuError("readPixels of '" + (target ? target->label : "") + "': GL error " + std::to_string(error));
@@ -322,7 +330,9 @@ class GlesDevice final : public CheckedDevice {
     glGetIntegerv(GL_NUM_EXTENSIONS, &count);
     for (GLint i = 0; i < count; ++i) {
       const auto* name = reinterpret_cast<const char*>(glGetStringi(GL_EXTENSIONS, static_cast<GLuint>(i)));
-      if (name && std::strcmp(name, "GL_EXT_color_buffer_float") == 0) caps_.float_targets = true;
+      if (!name) continue;
+      if (std::strcmp(name, "GL_EXT_color_buffer_float") == 0) caps_.float_targets = caps_.half_float_targets = true;
+      if (std::strcmp(name, "GL_EXT_color_buffer_half_float") == 0) caps_.half_float_targets = true;
     }
   }
 

@@ -8,10 +8,10 @@ namespace {
 
 class NullDevice final : public CheckedDevice {
  public:
-  NullDevice() {
+  explicit NullDevice(bool float_targets) {
     caps_.max_texture_size = 4096;
     caps_.max_samples = 4;
-    caps_.float_targets = true;
+    caps_.float_targets = caps_.half_float_targets = float_targets;
     caps_.renderer = "null";
   }
   void invalidateState() override {}
@@ -32,7 +32,7 @@ class NullDevice final : public CheckedDevice {
   void onDraw(const Draw&) override {}
   void onBlit(const TargetRecord*, const TargetRecord*, int, int, int, int) override {}
   Status onReadPixels(const TargetRecord*, PixelFormat format, int, int, int width, int height, void* out) override {
-    std::memset(out, 0, static_cast<size_t>(width) * height * bytesPerPixel(format));
+    std::memset(out, 0, static_cast<size_t>(width) * height * readBytesPerPixel(format));
     return {};
   }
 
@@ -42,6 +42,6 @@ class NullDevice final : public CheckedDevice {
 
 }  // namespace
 
-std::unique_ptr<Device> createNullDevice() { return std::make_unique<NullDevice>(); }
+std::unique_ptr<Device> createNullDevice(bool float_targets) { return std::make_unique<NullDevice>(float_targets); }
 
 }  // namespace fourdvt::gpu

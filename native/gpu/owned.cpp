@@ -21,8 +21,17 @@ int bytesPerPixel(PixelFormat format) {
       return 4;
     case PixelFormat::Depth24:
       return 4;
+    case PixelFormat::RG16F:
+      return 4;
+    case PixelFormat::RGBA16F:
+      return 8;
   }
   return 0;
+}
+
+int readBytesPerPixel(PixelFormat format) {
+  const bool is_half = format == PixelFormat::RG16F || format == PixelFormat::RGBA16F;
+  return bytesPerPixel(format) * (is_half ? 2 : 1);
 }
 
 Result<Texture> makeTexture(Device& device, const TextureDesc& desc) {

@@ -4,49 +4,33 @@
 #include <algorithm>
 #include <cassert>
 
+#include "base/surface_frame.h"
+#include "render/table.h"
+
 namespace fourdvt::render {
 namespace {
 
 constexpr uint32_t kEmptySlot = 31;
 constexpr int kLabelBits = 5;
 
-uint32_t tableRows(uint64_t texels) {
-  return static_cast<uint32_t>(
-      std::max<uint64_t>(1, (texels + CharacterModel::kTableWidth - 1) / CharacterModel::kTableWidth));
-}
-
-Result<gpu::Texture> makeTable(gpu::Device& device, gpu::PixelFormat format, uint64_t texels, const char* label) {
-  return gpu::makeTexture(device, {.format = format,
-                                   .width = CharacterModel::kTableWidth,
-                                   .height = static_cast<int>(tableRows(texels)),
-                                   .label = label});
-}
-
-// `table` holds whole rows.
-template <class T>
-void uploadTable(gpu::Device& device, const gpu::Texture& texture, const std::vector<T>& table) {
-  const int rows = static_cast<int>(table.size() / CharacterModel::kTableWidth);
-  device.updateTexture(texture.id(), 0, 0, 0, CharacterModel::kTableWidth, rows, table.data());
-}
-
-template <class T>
-void resizeToRows(std::vector<T>& table, uint64_t texels, T fill) {
-  table.assign(static_cast<size_t>(tableRows(texels)) * CharacterModel::kTableWidth, fill);
-}
-
-std::vector<glm::vec4> cornerTable(const MeshTopology& topology) {
+std::vector<glm::vec4> cornerTable(const package::BaseMesh& mesh) {
+  const MeshTopology& topology = mesh.topology;
+  const SurfaceFrames frames = computeSurfaceFrames(topology, mesh.positions);
   std::vector<glm::vec4> table;
-  resizeToRows(table, 3ull * topology.faceCount(), glm::vec4(0));
+  resizeToRows(table, 6ull * topology.faceCount(), glm::vec4(0));
   for (uint32_t face = 0; face < topology.faceCount(); ++face)
     for (int corner = 0; corner < 3; ++corner) {
       const glm::vec2 uv = topology.uvs[topology.face_uvs[face][corner]];
-      table[3 * face + corner] = {uv.x, uv.y, static_cast<float>(topology.face_vertices[face][corner]), 0};
+      const glm::mat2& uv_from_tangents = frames.uv_from_tangents[3 * face + corner];
+      glm::vec4* texels = &table[2 * (3 * face + corner)];
+      texels[0] = {uv.x, uv.y, static_cast<float>(topology.face_vertices[face][corner]), 0};
+      texels[1] = {uv_from_tangents[0], uv_from_tangents[1]};
     }
   return table;
 }
 
 Status checkMesh(const gpu::Device& device, const package::Character& character, const package::BaseMesh& mesh) {
-  const uint64_t corners = 3ull * mesh.topology.faceCount(), halves = 2ull * mesh.topology.vertex_count;
+  const uint64_t corners = 6ull * mesh.topology.faceCount(), halves = 2ull * mesh.topology.vertex_count;
   if (corners == 0) return Error{ErrorId::GpuFailure, "the character has no faces; bake it again"};
   if (mesh.topology.vertex_count >= 1u << 24 ||
       tableRows(std::max(corners, halves)) > static_cast<uint32_t>(device.caps().max_texture_size))
@@ -107,7 +91,7 @@ void uploadPicture(gpu::Device& device, PictureTextures& picture, const I420View
 }
 
 void packLabels(const std::vector<glm::uvec3>& face_vertices, std::span<const uint8_t> labels, int layer_count,
-                int camera_count, std::vector<uint32_t>& packed, std::vector<uint32_t>& masks) {
+                int camera_count, std::span<uint32_t> packed, std::span<uint32_t> masks) {
   const size_t face_count = face_vertices.size();
   for (size_t face = 0; face < face_count; ++face) {
     uint32_t cameras = 0;
@@ -137,54 +121,30 @@ Result<CharacterModel> CharacterModel::create(gpu::Device& device, const package
     model.camera_centres.emplace_back(glm::vec3(camera.centreInWorld()), 0);
     model.camera_forwards.emplace_back(glm::vec3(camera.forwardInWorld()), 0);
   }
-  struct Wanted {
-    gpu::Texture* out;
-    gpu::PixelFormat format;
-    uint64_t texels;
-    const char* label;
-  };
-  const Wanted tables[] = {
-      {&model.corners, gpu::PixelFormat::RGBA32F, 3ull * model.face_count, "corners"},
-      {&model.positions_normals, gpu::PixelFormat::RGBA32F, 2ull * model.vertex_count, "positions and normals"},
-      {&model.vertex_masks, gpu::PixelFormat::R32UI, model.vertex_count, "vertex camera masks"},
-      {&model.labels, gpu::PixelFormat::R32UI, model.face_count, "face labels"}};
-  for (const Wanted& table : tables) {
-    auto made = makeTable(device, table.format, table.texels, table.label);
-    if (!made) return made.error();
-    *table.out = made.take();
-  }
-  uploadTable(device, model.corners, cornerTable(mesh.topology));
+  auto corners = makeTable(device, gpu::PixelFormat::RGBA32F, 6ull * model.face_count, "corners");
+  if (!corners) return corners.error();
+  model.corners = corners.take();
+  auto positions = makeTable(device, gpu::PixelFormat::RGBA32F, 2ull * model.vertex_count, "positions and normals");
+  if (!positions) return positions.error();
+  model.positions_normals = positions.take();
+  uploadTable(device, model.corners, cornerTable(mesh));
   return model;
 }
 
-void CharacterModel::setGeometry(gpu::Device& device, const FrameGeometry& frame) {
-  assert(frame.positions.size() == vertex_count);
-  assert(frame.labels.size() == static_cast<size_t>(layer_count) * face_count);
-  computeVertexNormals(face_vertices_, frame.positions.data(), vertex_count, normals_);
+void CharacterModel::setPositions(gpu::Device& device, std::span<const glm::vec3> positions) {
+  assert(positions.size() == vertex_count);
+  computeVertexNormals(face_vertices_, positions.data(), vertex_count, normals_);
   resizeToRows(table_, 2ull * vertex_count, glm::vec4(0));
-  frame_bounds = {frame.positions[0], frame.positions[0]};
+  frame_bounds = {positions[0], positions[0]};
   for (uint32_t vertex = 0; vertex < vertex_count; ++vertex) {
-    const glm::vec3& position = frame.positions[vertex];
+    const glm::vec3& position = positions[vertex];
     table_[2 * vertex] = glm::vec4(position, 1);
     table_[2 * vertex + 1] = glm::vec4(normals_[vertex], 0);
     frame_bounds.min = glm::min(frame_bounds.min, position);
     frame_bounds.max = glm::max(frame_bounds.max, position);
   }
-  resizeToRows(masks_, vertex_count, 0xffffffffu);
-  resizeToRows(packed_, face_count, 0xffffffffu);
-  packLabels(face_vertices_, frame.labels, layer_count, camera_count, packed_, masks_);
   uploadTable(device, positions_normals, table_);
-  uploadTable(device, vertex_masks, masks_);
-  uploadTable(device, labels, packed_);
   geometry_serial = nextSerial();
-}
-
-void CharacterModel::setLayout(const package::Rendition& rendition) {
-  picture_size = {rendition.width, rendition.height};
-  layer_rects_uv.clear();
-  for (const package::Rect& rect : rendition.layers)
-    layer_rects_uv.emplace_back(glm::vec2(rect.x, rect.y) / picture_size,
-                                glm::vec2(rect.width, rect.height) / picture_size);
 }
 
 }  // namespace fourdvt::render

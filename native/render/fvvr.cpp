@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "render/passes.h"
+#include "render/table.h"
 
 namespace fourdvt::render {
 namespace {
@@ -75,17 +76,6 @@ glm::mat4 pixelFromWorld(const PinholeCamera& camera) {
   pixel_from_cam[2][0] = camera.cx;
   pixel_from_cam[2][1] = camera.cy;
   return glm::mat4(pixel_from_cam * camera.cam_from_world);
-}
-
-// Table textures: index → (index % width, index / width), whole rows.
-size_t wholeRows(size_t texels) {
-  return (texels + CharacterModel::kTableWidth - 1) / CharacterModel::kTableWidth * CharacterModel::kTableWidth;
-}
-
-template <class T>
-void uploadTable(gpu::Device& device, const gpu::Texture& texture, const std::vector<T>& table) {
-  device.updateTexture(texture.id(), 0, 0, 0, CharacterModel::kTableWidth,
-                       static_cast<int>(table.size() / CharacterModel::kTableWidth), table.data());
 }
 
 template <class T>
@@ -163,10 +153,7 @@ class FvvrOnDevice final : public Fvvr {
 Status FvvrOnDevice::prepare() {
   const int layers = static_cast<int>(cameras_.size());
   const auto table = [&](gpu::PixelFormat format, size_t texels, const char* label, gpu::Texture& out) {
-    const int rows = static_cast<int>(wholeRows(texels) / CharacterModel::kTableWidth);
-    return keep(gpu::makeTexture(
-                    device_, {.format = format, .width = CharacterModel::kTableWidth, .height = rows, .label = label}),
-                out);
+    return keep(makeTable(device_, format, texels, label), out);
   };
   FOURDVT_TRY(table(gpu::PixelFormat::R32UI, cornerCount(), "fvvr corners", corner_vertices_));
   FOURDVT_TRY(table(gpu::PixelFormat::RGBA32F, 2ull * vertex_count_, "fvvr positions", positions_normals_));
@@ -186,8 +173,9 @@ Status FvvrOnDevice::prepare() {
                      cameras_[c].depth_map));
   FOURDVT_TRY(keep(makeEmbeddedProgram(device_, "fvvr_depth.vert", "fvvr_depth.frag"), depth_program_));
   std::vector<uint32_t> corners;
-  for (const glm::uvec3& face : face_vertices_) corners.insert(corners.end(), {face.x, face.y, face.z});
-  corners.resize(wholeRows(corners.size()));
+  resizeToRows(corners, 3 * face_vertices_.size(), 0u);
+  for (size_t f = 0; f < face_vertices_.size(); ++f)
+    for (int k = 0; k < 3; ++k) corners[3 * f + k] = face_vertices_[f][k];
   uploadTable(device_, corner_vertices_, corners);
   return {};
 }
@@ -197,7 +185,7 @@ Status FvvrOnDevice::setGeometry(const Positions& positions) {
     return invalid("the frame has " + std::to_string(positions.size()) + " vertices, the mesh " +
                    std::to_string(vertex_count_));
   computeVertexNormals(face_vertices_, positions.data(), vertex_count_, normals_);
-  table_.assign(wholeRows(2ull * vertex_count_), glm::vec4(0));
+  resizeToRows(table_, 2ull * vertex_count_, glm::vec4(0));
   for (uint32_t vertex = 0; vertex < vertex_count_; ++vertex) {
     table_[2 * vertex] = glm::vec4(positions[vertex], 1);
     table_[2 * vertex + 1] = glm::vec4(normals_[vertex], 0);

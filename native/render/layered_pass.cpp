@@ -4,11 +4,20 @@
 namespace fourdvt::render {
 namespace {
 
-std::vector<gpu::TextureBinding> bindings(const CharacterModel& model, const PictureTextures& picture) {
+bool isSharpened(const RecipeOptions& options) { return options.view_exponent != 1.0f; }
+
+bool isAligned(const Part& part, const DrawOptions& options) {
+  return options.align == Align::Baked && part.look->appearance->aligned && part.sources.size() > 1;
+}
+
+std::vector<gpu::TextureBinding> bindings(const CharacterModel& model, const Part& part, bool aligned) {
+  const Appearance& appearance = *part.look->appearance;
+  const PictureTextures& picture = *part.look->picture;
   std::vector<gpu::TextureBinding> list = {{"u_corners", model.corners.id()},
                                            {"u_positions_normals", model.positions_normals.id()},
-                                           {"u_vertex_masks", model.vertex_masks.id()},
-                                           {"u_labels", model.labels.id()}};
+                                           {"u_vertex_masks", appearance.vertex_masks.id()},
+                                           {"u_labels", appearance.labels.id()}};
+  if (aligned) list.push_back({"u_alignment", appearance.alignment.id()});
   if (picture.kind == PictureTextures::Kind::Rgba) {
     list.push_back({"u_picture_rgba", picture.rgba.id()});
     return list;
@@ -19,46 +28,72 @@ std::vector<gpu::TextureBinding> bindings(const CharacterModel& model, const Pic
   return list;
 }
 
-bool isSharpened(const RecipeOptions& options) { return options.view_exponent != 1.0f; }
+// The sources' rectangles, one source behind the other.
+std::vector<glm::vec4> layerRects(const Part& part) {
+  const Appearance& appearance = *part.look->appearance;
+  std::vector<glm::vec4> rects;
+  for (const Source& source : part.sources) {
+    const auto first = appearance.layer_rects_uv.begin() + source.member * appearance.layer_count;
+    rects.insert(rects.end(), first, first + appearance.layer_count);
+  }
+  return rects;
+}
+
+uint32_t programKey(const CharacterModel& model, const Part& part, const DrawOptions& options) {
+  uint32_t key = static_cast<uint32_t>(model.layer_count);
+  key = key * 8 + static_cast<uint32_t>(part.sources.size());
+  key = key * 2 + static_cast<uint32_t>(part.look->picture->kind);
+  key = key * 8 + static_cast<uint32_t>(options.recipe.debug);
+  for (bool flag : {options.recipe.paper_weights, isSharpened(options.recipe), isAligned(part, options)})
+    key = key * 2 + flag;
+  return key;
+}
+
+std::string definesOf(const CharacterModel& model, const Part& part, const DrawOptions& options) {
+  const RecipeOptions& recipe = options.recipe;
+  std::string defines = "LAYERS " + std::to_string(model.layer_count) + "\n";
+  defines += "SOURCES " + std::to_string(part.sources.size()) + "\n";
+  defines += "MAX_CAMERAS " + std::to_string(package::kMaxCameras) + "\n";
+  if (part.look->picture->kind == PictureTextures::Kind::I420) defines += "PICTURE_I420\n";
+  if (isAligned(part, options)) defines += "ALIGNED\n";
+  if (recipe.paper_weights) defines += "PAPER_WEIGHTS\n";
+  if (isSharpened(recipe)) defines += "SHARPENED\n";
+  if (recipe.debug != DebugView::None) defines += "DEBUG_VIEW " + std::to_string(static_cast<int>(recipe.debug)) + "\n";
+  return defines;
+}
 
 }  // namespace
 
-int LayeredPass::key(const CharacterModel& model, PictureTextures::Kind kind, const RecipeOptions& options) {
-  return model.layer_count + 8 * static_cast<int>(kind) + 16 * static_cast<int>(options.debug) +
-         (options.paper_weights ? 128 : 0) + (isSharpened(options) ? 256 : 0);
-}
-
-Status LayeredPass::prepare(gpu::Device& device, const CharacterModel& model, PictureTextures::Kind kind,
-                            const RecipeOptions& options) {
-  gpu::Program& program = programs_[key(model, kind, options)];
+Status LayeredPass::prepare(gpu::Device& device, const CharacterModel& model, const Part& part,
+                            const DrawOptions& options) {
+  gpu::Program& program = programs_[programKey(model, part, options)];
   if (program) return {};
-  std::string defines = "LAYERS " + std::to_string(model.layer_count) + "\n";
-  defines += "MAX_CAMERAS " + std::to_string(package::kMaxCameras) + "\n";
-  if (kind == PictureTextures::Kind::I420) defines += "PICTURE_I420\n";
-  if (options.paper_weights) defines += "PAPER_WEIGHTS\n";
-  if (isSharpened(options)) defines += "SHARPENED\n";
-  if (options.debug != DebugView::None)
-    defines += "DEBUG_VIEW " + std::to_string(static_cast<int>(options.debug)) + "\n";
-  auto made = makeEmbeddedProgram(device, "layered.vert", "layered.frag", defines);
+  auto made = makeEmbeddedProgram(device, "layered.vert", "layered.frag", definesOf(model, part, options));
   if (!made) return made.error();
   program = made.take();
   return {};
 }
 
-void LayeredPass::draw(gpu::Device& device, const CharacterModel& model, const PictureTextures& picture,
-                       const View& view, const RecipeOptions& options) const {
+void LayeredPass::draw(gpu::Device& device, const CharacterModel& model, const Part& part, const View& view,
+                       const DrawOptions& options) const {
   const glm::vec3 view_axis = viewAxis(view);
-  device.draw({.program = programs_.at(key(model, picture.kind, options)).id(),
-               .textures = bindings(model, picture),
-               .uniforms = {gpu::uniform("u_clip_from_world", view.clip_from_world),
-                            gpu::uniform("u_eye_in_world", view.eye_in_world), gpu::uniform("u_view_axis", view_axis),
+  const int vertex_count = static_cast<int>(model.vertex_count), face_count = static_cast<int>(model.face_count);
+  const std::vector<glm::vec4> rects = layerRects(part);
+  std::vector<glm::vec4> sources;
+  for (const Source& source : part.sources) sources.emplace_back(source.member, source.weight, 0, 0);
+  device.draw({.program = programs_.at(programKey(model, part, options)).id(),
+               .textures = bindings(model, part, isAligned(part, options)),
+               .uniforms = {gpu::uniform("u_clip_from_character", view.clip_from_world),
+                            gpu::uniform("u_eye", view.eye_in_world), gpu::uniform("u_view_axis", view_axis),
                             gpu::uniform("u_camera_centres", std::span<const glm::vec4>(model.camera_centres)),
                             gpu::uniform("u_camera_forwards", std::span<const glm::vec4>(model.camera_forwards)),
-                            gpu::uniform("u_view_exponent", options.view_exponent),
-                            gpu::uniform("u_layer_rects", std::span<const glm::vec4>(model.layer_rects_uv)),
-                            gpu::uniform("u_picture_size", model.picture_size),
-                            gpu::uniform("u_debug_layer", options.debug_layer)},
-               .vertex_count = static_cast<int>(3 * model.face_count),
+                            gpu::uniform("u_view_exponent", options.recipe.view_exponent),
+                            gpu::uniform("u_sources", std::span<const glm::vec4>(sources)),
+                            gpu::uniform("u_vertex_count", vertex_count), gpu::uniform("u_face_count", face_count),
+                            gpu::uniform("u_layer_rects", std::span<const glm::vec4>(rects)),
+                            gpu::uniform("u_picture_size", part.look->appearance->picture_size),
+                            gpu::uniform("u_debug_layer", options.recipe.debug_layer)},
+               .vertex_count = 3 * face_count,
                .depth_test = true,
                .depth_write = true,
                .cull = model.closed_surface ? gpu::Cull::Back : gpu::Cull::None});

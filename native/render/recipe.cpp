@@ -8,64 +8,161 @@
 namespace fourdvt::render {
 namespace {
 
-Status whyNotDrawable(const CharacterModel& model, const PictureTextures& picture, const View& view,
-                      const RecipeOptions& options) {
-  const auto invalid = [](const char* message) { return Error{ErrorId::InvalidArgument, message}; };
-  if (model.geometry_serial == 0) return invalid("draw before the model's first setGeometry");
-  if (model.layer_rects_uv.size() != static_cast<size_t>(model.layer_count))
-    return invalid("the rendition has another number of layers than the character; call setLayout with its own");
-  if (model.camera_count < 1) return invalid("the character has no cameras");
-  if (picture.kind == PictureTextures::Kind::I420 ? !picture.y || !picture.u || !picture.v : !picture.rgba)
-    return invalid("the picture's textures are missing; call createPicture");
-  if (view.width < 1 || view.height < 1) return invalid("the view is empty; give it a width and a height");
-  if (options.debug_layer < 0 || options.debug_layer >= model.layer_count) return invalid("no such debug layer");
-  if (!(options.view_exponent > 0)) return invalid("view_exponent must be positive");
-  return {};
-}
+// A picture of the view's size.
+struct Canvas {
+  gpu::Texture color;
+  gpu::Target target;
+};
+
+struct PlannedFigure {
+  const CharacterModel* model;
+  View view;  // in the character's frame
+  std::vector<Part> parts;
+  gpu::TextureId mixed = 0;  // of more than one part
+};
+
+struct Size {
+  int width = 0, height = 0, samples = 0;
+  bool operator==(const Size&) const = default;
+};
 
 class RecipeOnDevice final : public Recipe {
  public:
   RecipeOnDevice(gpu::Device& device, ShadowPass shadow) : device_(device), shadow_(std::move(shadow)) {}
 
-  Status draw(const CharacterModel& model, const PictureTextures& picture, const View& view,
-              const RecipeOptions& options, gpu::TargetId target) override {
-    FOURDVT_TRY(whyNotDrawable(model, picture, view, options));
-    FOURDVT_TRY(layered_.prepare(device_, model, picture.kind, options));
-    FOURDVT_TRY(resize(view.width, view.height, std::clamp(options.samples, 0, device_.caps().max_samples)));
-    if (options.ground_shadow) shadow_.cast(device_, model);
-    device_.beginPass({.target = scene_.id(),
+  void setFlow(std::unique_ptr<FlowSource> flow) override { flow_ = std::move(flow); }
+
+  Status draw(std::span<const Figure> figures, const Scene* scene, const View& view, const DrawOptions& options,
+              gpu::TargetId target) override {
+    FOURDVT_TRY(check(figures, view, options));
+    const RecipeOptions& recipe = options.recipe;
+    FOURDVT_TRY(resize({view.width, view.height, std::clamp(recipe.samples, 0, device_.caps().max_samples)}));
+    if (scene) FOURDVT_TRY(scene_pass_.prepare(device_));
+    std::vector<PlannedFigure> plan;
+    for (const Figure& figure : figures) {
+      plan.push_back({figure.model, viewOfFigure(view, figure), partsOf(figure, options)});
+      FOURDVT_TRY(prepareFigure(plan.back(), plan.size() - 1, options));
+      if (recipe.ground_shadow)
+        FOURDVT_TRY(shadow_.cast(device_, plan.size() - 1, *figure.model, groundOf(figure, scene)));
+    }
+    device_.beginPass({.target = main_.id(),
                        .width = view.width,
                        .height = view.height,
                        .clear_color = true,
                        .clear_depth = true,
-                       .color = options.background,
-                       .label = "character"});
-    if (options.ground_shadow) shadow_.drawGround(device_, view, options.shadow_strength);
-    layered_.draw(device_, model, picture, view, options);
+                       .color = recipe.background,
+                       .label = "figures"});
+    if (scene) scene_pass_.draw(device_, *scene, view);
+    for (size_t i = 0; recipe.ground_shadow && i < plan.size(); ++i)
+      shadow_.drawGround(device_, i, plan[i].view, recipe.shadow_strength);
+    for (const PlannedFigure& figure : plan) drawFigure(figure, options);
     device_.endPass();
-    device_.blit(scene_.id(), target, view.width, view.height);
+    device_.blit(main_.id(), target, view.width, view.height);
     return {};
   }
 
  private:
-  Status resize(int width, int height, int samples) {
-    if (scene_ && width == width_ && height == height_ && samples == samples_) return {};
-    scene_.reset();
+  Status check(std::span<const Figure> figures, const View& view, const DrawOptions& options) const {
+    const auto invalid = [](const char* message) { return Error{ErrorId::InvalidArgument, message}; };
+    if (view.width < 1 || view.height < 1) return invalid("the view is empty; give it a width and a height");
+    if (!(options.recipe.view_exponent > 0)) return invalid("view_exponent must be positive");
+    if (options.align == Align::Flow && !flow_)
+      return Error{ErrorId::Unsupported, "alignment by flow needs a flow; call setFlow or choose another alignment"};
+    for (const Figure& figure : figures) FOURDVT_TRY(checkFigure(figure, options.recipe));
+    return {};
+  }
+
+  // Of the character's frame. Placements are upright.
+  static float groundOf(const Figure& figure, const Scene* scene) {
+    if (!scene) return static_cast<float>(figure.model->ground_y_m);
+    const glm::vec4 feet = figure.world_from_character[3];
+    return (glm::inverse(figure.world_from_character) * glm::vec4(feet.x, scene->ground_y_m, feet.z, 1)).y;
+  }
+
+  // All that goes before the main pass.
+  Status prepareFigure(PlannedFigure& figure, size_t number, const DrawOptions& options) {
+    for (const Part& part : figure.parts) FOURDVT_TRY(layered_.prepare(device_, *figure.model, part, options));
+    if (figure.parts.size() == 1) return {};
+    while (mixed_.size() <= number) mixed_.emplace_back();
+    FOURDVT_TRY(mix_.prepare(device_, options.align == Align::Flow));
+    for (Canvas* canvas : {&parts_[0], &parts_[1], &mixed_[number]}) FOURDVT_TRY(makeCanvas(*canvas));
+    FOURDVT_TRY(mixParts(figure, mixed_[number], options));
+    figure.mixed = mixed_[number].color.id();
+    return {};
+  }
+
+  // Each part is mixed into what the parts before it gave: their order is that of the looks and members, and what is
+  // shown moves smoothly with their shares.
+  Status mixParts(const PlannedFigure& figure, Canvas& out, const DrawOptions& options) {
+    drawPart(figure, figure.parts[0], parts_[0], options);
+    float before = figure.parts[0].share;
+    for (size_t i = 1; i < figure.parts.size(); ++i) {
+      if (i > 1) std::swap(parts_[0], out);
+      const Part& part = figure.parts[i];
+      drawPart(figure, part, parts_[1], options);
+      if (options.align == Align::Flow)
+        FOURDVT_TRY(flow_->compute(parts_[0].color.id(), parts_[1].color.id(), size_.width, size_.height));
+      device_.beginPass({.target = out.target.id(), .label = "mix"});
+      mix_.mix(device_, parts_[0].color.id(), parts_[1].color.id(), part.share / (before + part.share),
+               options.align == Align::Flow ? flow_->flow() : 0);
+      device_.endPass();
+      before += part.share;
+    }
+    return {};
+  }
+
+  // Multisampled as the figure will be: covered pixels are the same.
+  void drawPart(const PlannedFigure& figure, const Part& part, const Canvas& out, const DrawOptions& options) {
+    device_.beginPass({.target = main_.id(), .clear_color = true, .clear_depth = true, .label = "part"});
+    layered_.draw(device_, *figure.model, part, figure.view, options);
+    device_.endPass();
+    device_.blit(main_.id(), out.target.id(), size_.width, size_.height);
+  }
+
+  void drawFigure(const PlannedFigure& figure, const DrawOptions& options) {
+    if (figure.mixed)
+      mix_.drawMesh(device_, *figure.model, figure.mixed, figure.view);
+    else
+      layered_.draw(device_, *figure.model, figure.parts[0], figure.view, options);
+  }
+
+  Status makeCanvas(Canvas& canvas) const {
+    if (canvas.target) return {};
+    auto color = gpu::makeTexture(
+        device_,
+        {.width = size_.width, .height = size_.height, .filter = gpu::Filter::Linear, .label = "part of a figure"});
+    if (!color) return color.error();
+    auto target = gpu::makeTarget(device_, {.colors = {color.value().id()}, .label = "part of a figure"});
+    if (!target) return target.error();
+    canvas.color = color.take();
+    canvas.target = target.take();
+    return {};
+  }
+
+  Status resize(const Size& size) {
+    if (main_ && size == size_) return {};
+    main_.reset();
+    for (Canvas& part : parts_) part = {};
+    mixed_.clear();
     auto made = gpu::makeTarget(
-        device_, {.width = width, .height = height, .samples = samples, .own_depth = true, .label = "scene"});
+        device_,
+        {.width = size.width, .height = size.height, .samples = size.samples, .own_depth = true, .label = "scene"});
     if (!made) return made.error();
-    scene_ = made.take();
-    width_ = width;
-    height_ = height;
-    samples_ = samples;
+    main_ = made.take();
+    size_ = size;
     return {};
   }
 
   gpu::Device& device_;
   ShadowPass shadow_;
   LayeredPass layered_;
-  gpu::Target scene_;
-  int width_ = 0, height_ = 0, samples_ = 0;
+  MixPass mix_;
+  ScenePass scene_pass_;
+  std::unique_ptr<FlowSource> flow_;
+  gpu::Target main_;
+  Canvas parts_[2];            // scratch
+  std::vector<Canvas> mixed_;  // by number of the figure
+  Size size_;
 };
 
 }  // namespace

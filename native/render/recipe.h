@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The frame recipe: ground shadow → layered character → resolve. Same calls natively and in the browser.
+// The frame recipe: background → scene → ground shadows → layered characters → resolve. Same calls natively and in the
+// browser. Several figures share programs and targets.
 #pragma once
 
 #include <memory>
 
 #include "gpu/device.h"
-#include "render/character_model.h"
+#include "render/appearance.h"
+#include "render/flow.h"
+#include "render/scene.h"
 #include "render/view.h"
 
 namespace fourdvt::render {
@@ -24,14 +27,42 @@ struct RecipeOptions {
   float view_exponent = 1;  // sharpens the blend towards the cameras nearest to the view; 1: LVDT Eq. 3
 };
 
+// How the members' appearance is brought together (4DVT 5). None: plain blend. Baked: texture coordinates move by the
+// stream's alignment, no extra pass. Flow: every member is drawn on the same mesh and view, aligned by optical flow in
+// the picture, warped and blended (Eq. 7 corrected, ALGORITHMS 0); more than two one after the other, each to the blend
+// of those before it, so that nothing jumps where weights cross.
+enum class Align { None, Baked, Flow };
+
+// One decoded picture on the figure's mesh.
+struct Look {
+  const Appearance* appearance = nullptr;
+  const PictureTextures* picture = nullptr;
+  std::span<const float> weights;  // one a member of the appearance, sum 1; those below 1/512 are not drawn
+};
+
+struct Figure {
+  const CharacterModel* model = nullptr;
+  std::span<const Look> looks;  // one; two during a transition
+  float fade = 0;               // 0: the first look, 1: the second
+  glm::mat4 world_from_character{1};
+};
+
+struct DrawOptions {
+  RecipeOptions recipe;
+  Align align = Align::Baked;
+};
+
 class Recipe {
  public:
   static Result<std::unique_ptr<Recipe>> create(gpu::Device& device);
   virtual ~Recipe() = default;
-  // Draws one picture of the model. Output is premultiplied, sRGB-encoded, view.width × view.height at (0,0) of
-  // `target` (gpu::kDefaultTarget: the canvas). Intermediate targets are kept and resized on demand.
-  virtual Status draw(const CharacterModel& model, const PictureTextures& picture, const View& view,
-                      const RecipeOptions& options, gpu::TargetId target) = 0;
+  // Draws one picture of the figures, nearest surface first by depth. Output is premultiplied, sRGB-encoded,
+  // view.width × view.height at (0,0) of `target` (gpu::kDefaultTarget: the canvas). Intermediate targets are kept and
+  // resized on demand. scene: null: none. Errors: InvalidArgument, GpuFailure; Unsupported: Align::Flow without a flow.
+  virtual Status draw(std::span<const Figure> figures, const Scene* scene, const View& view, const DrawOptions& options,
+                      gpu::TargetId target) = 0;
+  // What Align::Flow uses; null: none. See flow.h.
+  virtual void setFlow(std::unique_ptr<FlowSource> flow) = 0;
 };
 
 }  // namespace fourdvt::render

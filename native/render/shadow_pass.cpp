@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "render/passes.h"
@@ -13,11 +12,10 @@ constexpr float kExtentStep_m = 0.25f;  // the map's extent changes in steps, so
 constexpr float kContactSigma_m = 0.035f, kBodySigma_m = 0.13f;
 constexpr float kTapsOfBodySigma = 5.0f;  // the kernel's 12 taps a side reach 2.4 sigma
 
-glm::vec4 shadowArea(const CharacterModel& model) {
+glm::vec4 shadowArea(const CharacterModel& model, float ground_y_m) {
   const glm::vec3 low = model.frame_bounds.min, high = model.frame_bounds.max;
   const float half = std::max(high.x - low.x, high.z - low.z) / 2 + kMargin_m;
-  return {(low.x + high.x) / 2, (low.z + high.z) / 2, std::ceil(half / kExtentStep_m) * kExtentStep_m,
-          static_cast<float>(model.ground_y_m)};
+  return {(low.x + high.x) / 2, (low.z + high.z) / 2, std::ceil(half / kExtentStep_m) * kExtentStep_m, ground_y_m};
 }
 
 }  // namespace
@@ -40,56 +38,73 @@ Result<ShadowPass> ShadowPass::create(gpu::Device& device) {
   FOURDVT_TRY(program(pass.cast_, "shadow_cast.vert", "shadow_cast.frag"));
   FOURDVT_TRY(program(pass.blur_, "fullscreen.vert", "shadow_blur.frag"));
   FOURDVT_TRY(program(pass.ground_, "shadow_ground.vert", "shadow_ground.frag"));
-  for (int i = 0; i < 2; ++i) {
-    auto map = gpu::makeTexture(device, {.format = gpu::PixelFormat::RG8,
-                                         .width = kSide,
-                                         .height = kSide,
-                                         .filter = gpu::Filter::Linear,
-                                         .label = "shadow map"});
-    if (!map) return map.error();
-    pass.maps_[i] = map.take();
-    auto target = gpu::makeTarget(
-        device, {.colors = {pass.maps_[i].id()}, .own_depth = i == 0, .label = i == 0 ? "shadow cast" : "shadow blur"});
-    if (!target) return target.error();
-    pass.targets_[i] = target.take();
-  }
+  auto scratch = makeMap(device, false);
+  if (!scratch) return scratch.error();
+  pass.scratch_ = scratch.take();
   return pass;
 }
 
-void ShadowPass::cast(gpu::Device& device, const CharacterModel& model) {
-  if (serial_ == model.geometry_serial) return;
-  serial_ = model.geometry_serial;
-  area_ = shadowArea(model);
-  const float height_m = std::max(model.frame_bounds.max.y - area_.w, 0.1f) + 0.1f;
-  device.beginPass({.target = targets_[0].id(), .clear_color = true, .clear_depth = true, .label = "shadow cast"});
+Result<ShadowPass::Map> ShadowPass::makeMap(gpu::Device& device, bool with_depth) {
+  Map map;
+  auto occlusion = gpu::makeTexture(device, {.format = gpu::PixelFormat::RG8,
+                                             .width = kSide,
+                                             .height = kSide,
+                                             .filter = gpu::Filter::Linear,
+                                             .label = "shadow map"});
+  if (!occlusion) return occlusion.error();
+  map.occlusion = occlusion.take();
+  auto target =
+      gpu::makeTarget(device, {.colors = {map.occlusion.id()}, .own_depth = with_depth, .label = "shadow map"});
+  if (!target) return target.error();
+  map.target = target.take();
+  return map;
+}
+
+Status ShadowPass::cast(gpu::Device& device, size_t i, const CharacterModel& model, float ground_y_m) {
+  while (maps_.size() <= i) {
+    auto made = makeMap(device, true);
+    if (!made) return made.error();
+    maps_.push_back(made.take());
+  }
+  Map& map = maps_[i];
+  if (map.serial == model.geometry_serial && map.area.w == ground_y_m) return {};
+  map.serial = model.geometry_serial;
+  map.area = shadowArea(model, ground_y_m);
+  const float height_m = std::max(model.frame_bounds.max.y - ground_y_m, 0.1f) + 0.1f;
+  device.beginPass({.target = map.target.id(), .clear_color = true, .clear_depth = true, .label = "shadow cast"});
   device.draw({.program = cast_.id(),
                .textures = {{"u_corners", model.corners.id()}, {"u_positions_normals", model.positions_normals.id()}},
-               .uniforms = {gpu::uniform("u_ground", area_), gpu::uniform("u_height_m", height_m)},
+               .uniforms = {gpu::uniform("u_ground", map.area), gpu::uniform("u_height_m", height_m)},
                .vertex_count = static_cast<int>(3 * model.face_count),
                .depth_test = true,
                .depth_write = true});
   device.endPass();
-  // Map units: the map is 2 × area_.z metres wide.
+  // Map units: the map is 2 × area.z metres wide.
   const float tap_m = kBodySigma_m / kTapsOfBodySigma;
-  const float tap = tap_m / (2 * area_.z);
+  const float tap = tap_m / (2 * map.area.z);
   const glm::vec2 sigma(kContactSigma_m / tap_m, kTapsOfBodySigma);
-  const std::array<glm::vec2, 2> steps{glm::vec2(tap, 0), glm::vec2(0, tap)};
-  for (int i = 0; i < 2; ++i) {
-    device.beginPass({.target = targets_[1 - i].id(), .label = "shadow blur"});
+  const auto blur = [&](const Map& from, const Map& to, const glm::vec2& step) {
+    device.beginPass({.target = to.target.id(), .label = "shadow blur"});
     device.draw({.program = blur_.id(),
-                 .textures = {{"u_occlusion", maps_[i].id()}},
-                 .uniforms = {gpu::uniform("u_step", steps[i]), gpu::uniform("u_sigma", sigma)},
+                 .textures = {{"u_occlusion", from.occlusion.id()}},
+                 .uniforms = {gpu::uniform("u_step", step), gpu::uniform("u_sigma", sigma)},
                  .vertex_count = 3});
     device.endPass();
-  }
+  };
+  blur(map, scratch_, {tap, 0});
+  blur(scratch_, map, {0, tap});
+  return {};
 }
 
-void ShadowPass::drawGround(gpu::Device& device, const View& view, float strength) const {
+void ShadowPass::drawGround(gpu::Device& device, size_t i, const View& view, float strength) const {
+  const Map& map = maps_[i];
   device.draw({.program = ground_.id(),
-               .textures = {{"u_occlusion", maps_[0].id()}},
-               .uniforms = {gpu::uniform("u_clip_from_world", view.clip_from_world), gpu::uniform("u_ground", area_),
+               .textures = {{"u_occlusion", map.occlusion.id()}},
+               .uniforms = {gpu::uniform("u_clip_from_character", view.clip_from_world),
+                            gpu::uniform("u_eye", view.eye_in_world), gpu::uniform("u_ground", map.area),
                             gpu::uniform("u_strength", strength)},
                .vertex_count = 6,
+               .depth_test = true,
                .blend = gpu::Blend::PremultipliedOver,
                .cull = gpu::Cull::Back});
 }

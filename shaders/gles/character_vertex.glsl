@@ -1,6 +1,6 @@
 // Vertices pulled from CharacterModel's tables; gl_VertexID counts corners, three a face.
 #include "tables.glsl"
-uniform sampler2D u_corners;            // uv.x, uv.y, vertex index, unused
+uniform sampler2D u_corners;            // two texels a corner: uv, vertex index, unused; uv_from_tangents by columns
 uniform sampler2D u_positions_normals;  // two texels a vertex
 
 struct Corner {
@@ -9,8 +9,13 @@ struct Corner {
 };
 
 Corner fetchCorner(int corner) {
-  vec4 texel = texelFetch(u_corners, tableTexel(corner), 0);
+  vec4 texel = texelFetch(u_corners, tableTexel(2 * corner), 0);
   return Corner(texel.xy, int(texel.z + 0.5));
+}
+
+mat2 fetchUvFromTangents(int corner) {
+  vec4 texel = texelFetch(u_corners, tableTexel(2 * corner + 1), 0);
+  return mat2(texel.xy, texel.zw);
 }
 
 vec3 fetchPosition(int vertex) { return texelFetch(u_positions_normals, tableTexel(2 * vertex), 0).xyz; }

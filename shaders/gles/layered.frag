@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// LVDT Eq. 3-4 with the corrected sign, per-fragment rays and seam feathering. Blends encoded values, as the paper does.
+// LVDT Eq. 3-4 with the corrected sign, per-fragment rays and seam feathering, for each source; sources are blended by
+// their weights. Blends encoded values, as the paper does.
+#define VARYING in
+#include "layered_varyings.glsl"
 #include "picture.glsl"
-in vec2 v_uv;
-in vec3 v_normal;
-in vec3 v_to_eye;
-in vec4 v_to_camera[LAYERS];
-flat in uint v_labels;
 out vec4 o_color;
 
+uniform vec4 u_sources[SOURCES];  // member, weight
+#ifdef PAPER_WEIGHTS
+uniform vec3 u_view_axis;  // unit, of the viewing camera
+uniform vec4 u_camera_forwards[MAX_CAMERAS];
+#else
+uniform vec3 u_eye;
+uniform vec4 u_camera_centres[MAX_CAMERAS];
+#endif
 #ifdef SHARPENED
 uniform float u_view_exponent;  // sharpens the view term; without: 1, the paper
 #endif
@@ -15,55 +21,82 @@ uniform float u_view_exponent;  // sharpens the view term; without: 1, the paper
 // Below this sum of weights the first slot takes over.
 const float kLeastSum = 1e-4;
 
-#ifdef DEBUG_VIEW
-uniform int u_debug_layer;
+uint labelOf(int source, int slot) { return (v_labels[source] >> uint(5 * slot)) & kEmpty; }
 
-vec3 labelColor(uint label) {
-  if (label == 31u) return vec3(0.25);
-  vec3 hue = fract(float(label) * 0.618034 + vec3(0.0, 2.0, 1.0) / 3.0);
-  return 0.15 + 0.85 * clamp(abs(hue * 6.0 - 3.0) - 1.0, 0.0, 1.0);
-}
+float slotWeight(int source, int slot, vec3 normal, vec3 to_eye) {
+  int i = source * LAYERS + slot;
+  float mask = v_masks[i / 4][i % 4];
+  if (mask <= 0.0) return 0.0;
+#ifdef PAPER_WEIGHTS
+  vec3 direction = -u_camera_forwards[labelOf(source, slot)].xyz;
+#else
+  vec3 direction = normalize(u_camera_centres[labelOf(source, slot)].xyz - v_point);
 #endif
-
-float slotWeight(vec4 to_camera, vec3 normal, vec3 to_eye) {
-  if (to_camera.w <= 0.0) return 0.0;
-  vec3 direction = normalize(to_camera.xyz);
   float facing = max(dot(normal, direction), 0.0);
   float viewing = max(dot(direction, to_eye), 0.0);
 #ifdef SHARPENED
   viewing = pow(viewing, u_view_exponent);
 #endif
-  return to_camera.w * facing * viewing;
+  return mask * facing * viewing;
 }
+
+// Sum 1.
+void slotShares(int source, vec3 normal, vec3 to_eye, out float shares[LAYERS]) {
+  float sum = 0.0;
+  for (int slot = 0; slot < LAYERS; ++slot) {
+    shares[slot] = slotWeight(source, slot, normal, to_eye);
+    sum += shares[slot];
+  }
+  float missing = max(kLeastSum - sum, 0.0);
+  shares[0] += missing;
+  sum += missing;
+  for (int slot = 0; slot < LAYERS; ++slot) shares[slot] /= sum;
+}
+
+#ifdef DEBUG_VIEW
+uniform int u_debug_layer;
+
+vec3 labelColor(uint label) {
+  if (label == kEmpty) return vec3(0.25);
+  vec3 hue = fract(float(label) * 0.618034 + vec3(0.0, 2.0, 1.0) / 3.0);
+  return 0.15 + 0.85 * clamp(abs(hue * 6.0 - 3.0) - 1.0, 0.0, 1.0);
+}
+
+vec3 debugColor(vec3 normal, vec3 to_eye) {
+#if DEBUG_VIEW == 1
+  return labelColor(labelOf(0, u_debug_layer));
+#elif DEBUG_VIEW == 2
+  return sampleLayer(u_debug_layer, v_uv[0]);
+#elif DEBUG_VIEW == 3
+  float shares[LAYERS];
+  slotShares(0, normal, to_eye, shares);
+  vec3 shown = vec3(0.0);
+  for (int slot = 0; slot < min(LAYERS, 3); ++slot) shown[slot] = shares[slot];
+  return shown;
+#else
+  return normal * 0.5 + 0.5;
+#endif
+}
+#endif
 
 void main() {
   vec3 normal = normalize(v_normal);
-  vec3 to_eye = normalize(v_to_eye);
-  float weights[LAYERS];
-  float sum = 0.0;
-  for (int slot = 0; slot < LAYERS; ++slot) {
-    weights[slot] = slotWeight(v_to_camera[slot], normal, to_eye);
-    sum += weights[slot];
-  }
-  float missing = max(kLeastSum - sum, 0.0);
-  weights[0] += missing;
-  sum += missing;
-  vec3 color = vec3(0.0);
-  for (int slot = 0; slot < LAYERS; ++slot)
-    if (weights[slot] > 0.0) color += weights[slot] * sampleLayer(slot, v_uv);
-  o_color = vec4(color / sum, 1.0);
-
-#ifdef DEBUG_VIEW
-#if DEBUG_VIEW == 1
-  o_color.rgb = labelColor((v_labels >> uint(5 * u_debug_layer)) & 31u);
-#elif DEBUG_VIEW == 2
-  o_color.rgb = sampleLayer(u_debug_layer, v_uv);
-#elif DEBUG_VIEW == 3
-  vec3 shares = vec3(0.0);
-  for (int slot = 0; slot < min(LAYERS, 3); ++slot) shares[slot] = weights[slot] / sum;
-  o_color.rgb = shares;
+#ifdef PAPER_WEIGHTS
+  vec3 to_eye = -u_view_axis;
 #else
-  o_color.rgb = normal * 0.5 + 0.5;
+  vec3 to_eye = normalize(u_eye - v_point);
 #endif
+#ifdef DEBUG_VIEW
+  o_color = vec4(debugColor(normal, to_eye), 1.0);
+#else
+  vec3 color = vec3(0.0);
+  for (int source = 0; source < SOURCES; ++source) {
+    float shares[LAYERS];
+    slotShares(source, normal, to_eye, shares);
+    for (int slot = 0; slot < LAYERS; ++slot)
+      if (shares[slot] > 0.0)
+        color += u_sources[source].y * shares[slot] * sampleLayer(source * LAYERS + slot, v_uv[source]);
+  }
+  o_color = vec4(color, 1.0);
 #endif
 }

@@ -1,47 +1,54 @@
 // SPDX-License-Identifier: Apache-2.0
-// Corners of the character with, per layer slot, the vector to the slot's camera and its seam mask (ALGORITHMS 2).
+// Corners of the character with, per source (a member of the appearance) its texture coordinates and labels, and per
+// layer slot of each the seam mask (ALGORITHMS 2). Everything is in the character's frame.
 #include "character_vertex.glsl"
-uniform usampler2D u_vertex_masks;  // bit c: camera c is in the set of every incident face
-uniform usampler2D u_labels;        // 5 bits a slot, 31 empty
-uniform mat4 u_clip_from_world;
-uniform vec3 u_eye_in_world;
-#ifdef PAPER_WEIGHTS
-uniform vec3 u_view_axis;  // unit, of the viewing camera
-uniform vec4 u_camera_forwards[MAX_CAMERAS];
-#else
-uniform vec4 u_camera_centres[MAX_CAMERAS];
-#endif
+#define VARYING out
+#include "layered_varyings.glsl"
+uniform usampler2D u_vertex_masks;  // [member][vertex]; bit c: camera c is in the set of every incident face
+uniform usampler2D u_labels;        // [member][face]; 5 bits a slot, 31 empty
+uniform mat4 u_clip_from_character;
+uniform vec4 u_sources[SOURCES];    // member, weight
+uniform int u_vertex_count;
+uniform int u_face_count;
+invariant gl_Position;              // mesh_picture.vert covers the same pixels
 
-out vec2 v_uv;
-out vec3 v_normal;
-out vec3 v_to_eye;             // world, not unit
-out vec4 v_to_camera[LAYERS];  // xyz world, not unit, linear over the face; w seam mask
-flat out uint v_labels;
+float maskOf(uint camera, uint mask) { return camera == kEmpty ? 0.0 : float((mask >> camera) & 1u); }
 
-const uint kEmpty = 31u;
+#ifdef ALIGNED
+uniform sampler2D u_alignment;  // [member - 1][vertex]; metres along the tangents from member 0's content to the member's
 
-vec4 toCamera(uint camera, vec3 point, uint mask) {
-  if (camera == kEmpty) return vec4(0.0);
-#ifdef PAPER_WEIGHTS
-  return vec4(-u_camera_forwards[camera].xyz, 1.0);
-#else
-  return vec4(u_camera_centres[camera].xyz - point, float((mask >> camera) & 1u));
-#endif
+vec2 displacementOf(int source, int vertex) {
+  int member = int(u_sources[source].x);
+  return member == 0 ? vec2(0.0) : texelFetch(u_alignment, tableTexel((member - 1) * u_vertex_count + vertex), 0).xy;
 }
+
+// All sources meet at the weighted mean (ALGORITHMS 5).
+void align(int corner, int vertex) {
+  mat2 uv_from_tangents = fetchUvFromTangents(corner);
+  vec2 mean = vec2(0.0);
+  for (int source = 0; source < SOURCES; ++source) mean += u_sources[source].y * displacementOf(source, vertex);
+  for (int source = 0; source < SOURCES; ++source)
+    v_uv[source] += uv_from_tangents * (displacementOf(source, vertex) - mean);
+}
+#endif
 
 void main() {
   Corner corner = fetchCorner(gl_VertexID);
-  vec3 point = fetchPosition(corner.vertex);
-  uint mask = texelFetch(u_vertex_masks, tableTexel(corner.vertex), 0).r;
-  v_labels = texelFetch(u_labels, tableTexel(gl_VertexID / 3), 0).r;
-  v_uv = corner.uv;
+  v_point = fetchPosition(corner.vertex);
   v_normal = fetchNormal(corner.vertex);
-#ifdef PAPER_WEIGHTS
-  v_to_eye = -u_view_axis;
-#else
-  v_to_eye = u_eye_in_world - point;
+  for (int source = 0; source < SOURCES; ++source) {
+    int member = int(u_sources[source].x);
+    uint mask = texelFetch(u_vertex_masks, tableTexel(member * u_vertex_count + corner.vertex), 0).r;
+    uint labels = texelFetch(u_labels, tableTexel(member * u_face_count + gl_VertexID / 3), 0).r;
+    v_uv[source] = corner.uv;
+    v_labels[source] = labels;
+    for (int slot = 0; slot < LAYERS; ++slot) {
+      int i = source * LAYERS + slot;
+      v_masks[i / 4][i % 4] = maskOf((labels >> uint(5 * slot)) & kEmpty, mask);
+    }
+  }
+#ifdef ALIGNED
+  align(gl_VertexID, corner.vertex);
 #endif
-  for (int slot = 0; slot < LAYERS; ++slot)
-    v_to_camera[slot] = toCamera((v_labels >> uint(5 * slot)) & kEmpty, point, mask);
-  gl_Position = u_clip_from_world * vec4(point, 1.0);
+  gl_Position = u_clip_from_character * vec4(v_point, 1.0);
 }

@@ -1,6 +1,6 @@
 // Layers of the tiled picture as sRGB-encoded colour. PICTURE_I420: three planes, BT.709 limited range, chroma sited
 // in the middle of its 2 × 2 block; else one RGBA texture.
-uniform vec4 u_layer_rects[LAYERS];  // x, y, width, height in picture texture coordinates
+uniform vec4 u_layer_rects[SOURCES * LAYERS];  // x, y, width, height in picture texture coordinates
 uniform vec2 u_picture_size;         // texels
 #ifdef PICTURE_I420
 uniform sampler2D u_picture_y;

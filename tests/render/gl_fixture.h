@@ -49,13 +49,27 @@ class GlFixture : public ::testing::Test {
   Image last_picture_;
 };
 
+// What `draw` gives of the view: RGBA as drawn (premultiplied), top row first.
+template <class Draw>
+Image drawnImage(gpu::Device& device, const render::View& view, const Draw& draw) {
+  Image out(view.width, view.height, 4);
+  auto color = gpu::makeTexture(device, {.width = view.width, .height = view.height, .label = "still"}).take();
+  auto target = gpu::makeTarget(device, {.colors = {color.id()}, .label = "still"}).take();
+  const Status drawn = draw(target.id());
+  EXPECT_TRUE(drawn) << drawn.error().message;
+  const Status read =
+      device.readPixels(target.id(), gpu::PixelFormat::RGBA8, 0, 0, view.width, view.height, out.pixels.data());
+  EXPECT_TRUE(read) << read.error().message;
+  return out;
+}
+
 // A scene on the GPU with one picture; draws stills. Owners die before the fixture's device.
 class Still {
  public:
   Still(gpu::Device& device, const Scene& scene, render::PictureTextures::Kind kind) : device_(device) {
-    model = render::CharacterModel::create(device, scene.character, scene.mesh).take();
-    model.setLayout(scene.rendition);
-    model.setGeometry(device, {scene.mesh.positions, scene.labels});
+    figure = render::PlainFigure::create(device, scene.character, scene.mesh).take();
+    figure.setLayout(scene.rendition);
+    figure.setFrame(device, scene.mesh.positions, scene.labels);
     picture = render::createPicture(device, scene.rendition.width, scene.rendition.height, kind).take();
     auto made = render::Recipe::create(device);
     EXPECT_TRUE(made) << (made ? "" : made.error().message);
@@ -68,18 +82,11 @@ class Still {
 
   // RGBA as drawn (premultiplied), top row first.
   Image draw(const render::View& view, const render::RecipeOptions& options) {
-    Image out(view.width, view.height, 4);
-    auto color = gpu::makeTexture(device_, {.width = view.width, .height = view.height, .label = "still"}).take();
-    auto target = gpu::makeTarget(device_, {.colors = {color.id()}, .label = "still"}).take();
-    const Status drawn = recipe->draw(model, picture, view, options, target.id());
-    EXPECT_TRUE(drawn) << drawn.error().message;
-    const Status read =
-        device_.readPixels(target.id(), gpu::PixelFormat::RGBA8, 0, 0, view.width, view.height, out.pixels.data());
-    EXPECT_TRUE(read) << read.error().message;
-    return out;
+    return drawnImage(device_, view,
+                      [&](gpu::TargetId target) { return figure.draw(*recipe, picture, view, options, target); });
   }
 
-  render::CharacterModel model;
+  render::PlainFigure figure;
   render::PictureTextures picture;
   std::unique_ptr<render::Recipe> recipe;
 

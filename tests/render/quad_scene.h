@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "render/recipe.h"
+#include "render/plain_figure.h"
 
 namespace fourdvt::testing {
 

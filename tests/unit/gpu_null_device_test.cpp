@@ -52,6 +52,19 @@ TEST_F(NullDeviceTest, countsMipmapAndArrayBytes) {
   EXPECT_EQ(device->counters().live_texture_bytes, 43u + 3 * 64);
 }
 
+TEST_F(NullDeviceTest, filtersHalfFloatsAndRefusesFloatTargetsItHasNot) {
+  EXPECT_TRUE(makeTexture(*device, {.format = PixelFormat::RG16F, .filter = Filter::Linear}));
+  EXPECT_FALSE(makeTexture(*device, {.format = PixelFormat::RG32F, .filter = Filter::Linear}));
+  EXPECT_EQ(bytesPerPixel(PixelFormat::RGBA16F), 8);
+  EXPECT_EQ(readBytesPerPixel(PixelFormat::RGBA16F), 16);
+  EXPECT_EQ(readBytesPerPixel(PixelFormat::RGBA8), 4);
+  const auto plain = createNullDevice(false);
+  for (PixelFormat format : {PixelFormat::RG16F, PixelFormat::RGBA16F, PixelFormat::RGBA32F}) {
+    Texture color = makeTexture(*plain, {.format = format}).take();
+    EXPECT_FALSE(makeTarget(*plain, {.colors = {color.id()}}));
+  }
+}
+
 TEST_F(NullDeviceTest, countsDrawsAndUploads) {
   Texture color = texture(PixelFormat::RGBA8, 16, 8);
   Target target = makeTarget(*device, {.colors = {color.id()}}).take();

@@ -2,6 +2,8 @@
 // Label packing and seam masks by hand; the recipe's calls on the null device.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "../render/quad_scene.h"
 
 namespace fourdvt::render {
@@ -38,15 +40,15 @@ TEST(PackLabels, aVertexKeepsTheCamerasOfAllItsFaces) {
 
 struct Drawn {
   std::unique_ptr<gpu::Device> device = gpu::createNullDevice();
-  CharacterModel model;
+  PlainFigure figure;
   PictureTextures picture;
   std::unique_ptr<Recipe> recipe;
   gpu::Texture color;
   gpu::Target target;
 
   Drawn(const Scene& scene, PictureTextures::Kind kind) {
-    model = CharacterModel::create(*device, scene.character, scene.mesh).take();
-    model.setLayout(scene.rendition);
+    figure = PlainFigure::create(*device, scene.character, scene.mesh).take();
+    figure.setLayout(scene.rendition);
     picture = createPicture(*device, scene.rendition.width, scene.rendition.height, kind).take();
     recipe = Recipe::create(*device).take();
     color = gpu::makeTexture(*device, {.width = 64, .height = 48}).take();
@@ -54,7 +56,7 @@ struct Drawn {
   }
   Status draw(const RecipeOptions& options = {}) {
     const auto camera = fourdvt::testing::lookAt({0, 1, 3}, {0, 1, 0}, 64, 48, 50);
-    return recipe->draw(model, picture, viewFromCamera(camera), options, target.id());
+    return figure.draw(*recipe, picture, viewFromCamera(camera), options, target.id());
   }
 };
 
@@ -64,7 +66,7 @@ TEST(Recipe, drawsFiveTimesThenTwiceForTheSameGeometryAndLeaksNothing) {
   std::unique_ptr<gpu::Device> device;
   {
     Drawn drawn(scene, PictureTextures::Kind::I420);
-    drawn.model.setGeometry(*drawn.device, {scene.mesh.positions, scene.labels});
+    drawn.figure.setFrame(*drawn.device, scene.mesh.positions, scene.labels);
     drawn.device->resetCounters();
     ASSERT_TRUE(drawn.draw());
     EXPECT_EQ(drawn.device->counters().draws, 5u);  // cast, blur, blur, ground, character
@@ -80,7 +82,7 @@ TEST(Recipe, drawsFiveTimesThenTwiceForTheSameGeometryAndLeaksNothing) {
     EXPECT_EQ(drawn.device->takeErrors(), "");
     device = std::move(drawn.device);
     // Owners go before the device.
-    drawn.model = {};
+    drawn.figure = {};
     drawn.picture = {};
     drawn.recipe.reset();
     drawn.target.reset();
@@ -97,7 +99,7 @@ TEST(Recipe, makesOneProgramForEachLayerCountKindAndDebugView) {
   Scene scene = quadScene({0, 1}, 0.5f);
   scene.setLayers(2, 32);
   Drawn drawn(scene, PictureTextures::Kind::Rgba);
-  drawn.model.setGeometry(*drawn.device, {scene.mesh.positions, scene.labels});
+  drawn.figure.setFrame(*drawn.device, scene.mesh.positions, scene.labels);
   ASSERT_TRUE(drawn.draw());
   const uint64_t programs = drawn.device->counters().live_programs;
   ASSERT_TRUE(drawn.draw());
@@ -113,14 +115,128 @@ TEST(Recipe, refusesAModelThatIsNotReady) {
   scene.setLayers(2, 32);
   Drawn drawn(scene, PictureTextures::Kind::Rgba);
   EXPECT_EQ(drawn.draw().error().id, ErrorId::InvalidArgument);  // no geometry
-  drawn.model.setGeometry(*drawn.device, {scene.mesh.positions, scene.labels});
+  drawn.figure.setFrame(*drawn.device, scene.mesh.positions, scene.labels);
   EXPECT_TRUE(drawn.draw());
   scene.rendition.layers.pop_back();
-  drawn.model.setLayout(scene.rendition);
+  drawn.figure.setLayout(scene.rendition);
   EXPECT_EQ(drawn.draw().error().id, ErrorId::InvalidArgument);  // one layer short
   RecipeOptions options;
   options.debug_layer = 2;
   EXPECT_EQ(drawn.draw(options).error().id, ErrorId::InvalidArgument);
+}
+
+// A class of two members on the null device, drawn as any figures.
+struct DrawnClass {
+  Scene scene = boxScene(0.2f, 1.8f);
+  std::unique_ptr<gpu::Device> device = gpu::createNullDevice();
+  CharacterModel model;
+  Appearance appearance;
+  PictureTextures picture;
+  std::unique_ptr<Recipe> recipe;
+  gpu::Texture color;
+  gpu::Target target;
+  std::vector<float> weights{0.5f, 0.5f};
+  View view = viewFromCamera(fourdvt::testing::lookAt({0, 1, 3}, {0, 1, 0}, 64, 48, 50));
+  DrawOptions options;
+
+  DrawnClass() {
+    scene.setLayers(4, 32);
+    scene.character.layer_count = 2;
+    model = CharacterModel::create(*device, scene.character, scene.mesh).take();
+    model.setPositions(*device, scene.mesh.positions);
+    appearance = Appearance::create(*device, model, 2).take();
+    appearance.setLayout(scene.rendition);
+    appearance.setFrame(*device, model, {scene.labels, {}});
+    picture = createPicture(*device, 128, 32, PictureTextures::Kind::I420).take();
+    recipe = Recipe::create(*device).take();
+    color = gpu::makeTexture(*device, {.width = 64, .height = 48}).take();
+    target = gpu::makeTarget(*device, {.colors = {color.id()}}).take();
+  }
+  Look look() const { return {&appearance, &picture, weights}; }
+  Status draw(std::span<const Figure> figures) {
+    device->resetCounters();
+    return recipe->draw(figures, nullptr, view, options, target.id());
+  }
+  Status draw(const Figure& figure) { return draw(std::span(&figure, 1)); }
+  ErrorId refusal(const Figure& figure) { return draw(figure).error().id; }
+};
+
+TEST(Recipe, blendsMembersInOneDrawAndLooksThroughPictures) {
+  DrawnClass drawn;
+  const Look looks[] = {drawn.look(), drawn.look()};
+  Figure figure{&drawn.model, {looks, 1}};
+  ASSERT_TRUE(drawn.draw(figure));
+  EXPECT_EQ(drawn.device->counters().draws, 5u);  // cast, blur, blur, ground, character
+  figure.looks = looks;
+  figure.fade = 0.5f;
+  ASSERT_TRUE(drawn.draw(figure));
+  EXPECT_EQ(drawn.device->counters().draws, 5u);  // two looks, mix, ground, character
+  figure.fade = 1;
+  ASSERT_TRUE(drawn.draw(figure));
+  EXPECT_EQ(drawn.device->counters().draws, 2u);  // ground, character: the second look alone
+  EXPECT_EQ(drawn.device->takeErrors(), "");
+}
+
+TEST(Recipe, figuresShareAllButTheirShadows) {
+  DrawnClass drawn;
+  const Look look = drawn.look();
+  const std::vector<Figure> figures(3, Figure{&drawn.model, {&look, 1}});
+  ASSERT_TRUE(drawn.draw(std::span(figures).first(1)));
+  const gpu::Counters one = drawn.device->counters();
+  ASSERT_TRUE(drawn.draw(figures));
+  EXPECT_EQ(drawn.device->counters().live_programs, one.live_programs);
+  EXPECT_EQ(drawn.device->counters().live_textures, one.live_textures + 2);
+  EXPECT_EQ(drawn.device->counters().draws, 2 * 3u + 3 + 3);  // casts of two, ground, characters
+  ASSERT_TRUE(drawn.draw(std::span<const Figure>()));
+  EXPECT_EQ(drawn.device->counters().draws, 0u);
+  EXPECT_EQ(drawn.device->takeErrors(), "");
+}
+
+TEST(Recipe, refusesWhatItCannotDraw) {
+  DrawnClass drawn;
+  const Look look = drawn.look(), looks[3] = {look, look, look};
+  const Figure good{&drawn.model, {&look, 1}};
+  ASSERT_TRUE(drawn.draw(good));
+  Figure bad = good;
+  bad.model = nullptr;
+  EXPECT_EQ(drawn.refusal(bad), ErrorId::InvalidArgument);
+  for (size_t count : {0, 3}) {
+    bad = good;
+    bad.looks = std::span(looks).first(count);
+    EXPECT_EQ(drawn.refusal(bad), ErrorId::InvalidArgument) << count;
+  }
+  for (float fade : {-0.1f, 1.1f, NAN}) {
+    bad = good;
+    bad.fade = fade;
+    EXPECT_EQ(drawn.refusal(bad), ErrorId::InvalidArgument) << fade;
+  }
+  bad = good;
+  bad.world_from_character = glm::mat4(0);
+  EXPECT_EQ(drawn.refusal(bad), ErrorId::InvalidArgument);
+  for (const std::vector<float>& weights :
+       {std::vector<float>{}, {1}, {0.5f, 0.6f}, {1.5f, -0.5f}, {NAN, 1}, {0.5f, 0.25f, 0.25f}}) {
+    drawn.weights = weights;
+    const Look wrong = drawn.look();
+    bad = good;
+    bad.looks = {&wrong, 1};
+    EXPECT_EQ(drawn.refusal(bad), ErrorId::InvalidArgument);
+  }
+  drawn.options.align = Align::Flow;
+  EXPECT_EQ(drawn.refusal(good), ErrorId::Unsupported);
+  EXPECT_EQ(drawn.device->takeErrors(), "");
+}
+
+TEST(Appearance, refusesTooManyMembers) {
+  DrawnClass drawn;
+  for (int members : {0, package::kMaxMembers + 1})
+    EXPECT_EQ(Appearance::create(*drawn.device, drawn.model, members).error().id, ErrorId::InvalidArgument);
+}
+
+TEST(SceneMesh, needsWholeTriangles) {
+  auto device = gpu::createNullDevice();
+  for (size_t corners : {0, 4})
+    EXPECT_EQ(makeSceneMesh(*device, std::vector<SceneCorner>(corners), false).error().id, ErrorId::InvalidArgument);
+  EXPECT_EQ(makeSceneMesh(*device, std::vector<SceneCorner>(6), true).value().corner_count, 6);
 }
 
 TEST(CharacterModel, knowsAClosedSurface) {

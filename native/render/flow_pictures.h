@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every FlowSource works on: both pictures' luma, filled outside the character, and how far flow can be trusted.
+// Two passes and a mipmap chain of RGBA8; needs no float targets. Does NOT compute flow.
+#pragma once
+
+#include "gpu/device.h"
+
+namespace fourdvt::render {
+
+class FlowPictures {
+ public:
+  // Errors: GpuFailure.
+  Status prepare(gpu::Device& device, gpu::TextureId a, gpu::TextureId b, int width, int height);
+  // RGBA8, width × height: luma of a, luma of b, unused, confidence. Outside the character both lumas are the same
+  // smooth extension of their mean, so that the silhouette is no moving edge. Confidence: 0 some pixels outside the
+  // character and where its luma is constant.
+  gpu::TextureId texture() const { return filled_.id(); }
+  gpu::TargetId target() const { return filled_target_.id(); }  // to read texture() back
+
+ private:
+  Status resize(gpu::Device& device, int width, int height);
+  gpu::Program luma_, fill_;
+  gpu::Texture premultiplied_, filled_;
+  gpu::Target premultiplied_target_, filled_target_;
+  int width_ = 0, height_ = 0;
+};
+
+// One full-screen draw into the whole target. Lists, not vectors: the code at each call stays small.
+void runFlowPass(gpu::Device& device, gpu::ProgramId program, gpu::TargetId target,
+                 std::initializer_list<gpu::TextureBinding> textures, std::initializer_list<gpu::Uniform> uniforms);
+
+// Textures of one size drawn together.
+struct FlowBuffer {
+  gpu::Texture textures[3];
+  gpu::Target target;
+  int width = 0, height = 0;
+  gpu::TextureId operator[](size_t i) const { return textures[i].id(); }
+};
+
+// 16F textures with linear filtering. Errors: GpuFailure.
+Status makeFlowBuffer(gpu::Device& device, int width, int height, std::initializer_list<gpu::PixelFormat> formats,
+                      FlowBuffer& out);
+// Both lumas of FlowPictures at a pyramid level: OpenCV's Gaussian blur of the full size and linear resize, in grey
+// levels about the middle, where half floats are finest.
+class ShrunkPair {
+ public:
+  // To w × h, `scale` of the pictures' size. Errors: GpuFailure.
+  Status resize(gpu::Device& device, int width, int height, int w, int h, double scale);
+  void draw(gpu::Device& device, const gpu::Program& shrink, gpu::TextureId pictures) const;  // flow_shrink.frag
+  gpu::TextureId texture() const { return luma_[0]; }                                         // RG16F
+
+ private:
+  FlowBuffer rows_, luma_;
+  glm::vec3 blur_x_{0}, blur_y_{0};  // u_blur of the shader
+};
+
+// fullscreen.vert with the embedded NAME.frag. Errors: GpuFailure.
+Status makeFlowProgram(gpu::Device& device, const char* fragment, gpu::Program& out, const char* defines = "");
+
+}  // namespace fourdvt::render

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// A mesh with one look of one member, drawn alone: what bake and evaluation show.
+#pragma once
+
+#include "render/recipe.h"
+
+namespace fourdvt::render {
+
+class PlainFigure {
+ public:
+  // Errors: those of CharacterModel and Appearance.
+  static Result<PlainFigure> create(gpu::Device& device, const package::Character& character,
+                                    const package::BaseMesh& mesh);
+  // One instant, in base-mesh order: vertex_count positions, labels [layer][face].
+  void setFrame(gpu::Device& device, std::span<const glm::vec3> positions, std::span<const uint8_t> labels);
+  void setLayout(const package::Rendition& rendition) { appearance.setLayout(rendition); }
+  // Recipe::draw of this figure, without a scene.
+  Status draw(Recipe& recipe, const PictureTextures& picture, const View& view, const RecipeOptions& options,
+              gpu::TargetId target) const;
+
+  CharacterModel model;
+  Appearance appearance;
+};
+
+}  // namespace fourdvt::render

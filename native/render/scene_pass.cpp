@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/passes.h"
+#include "render/table.h"
+
+namespace fourdvt::render {
+
+Result<SceneMesh> makeSceneMesh(gpu::Device& device, std::span<const SceneCorner> corners, bool occluder_only) {
+  if (corners.empty() || corners.size() % 3 != 0)
+    return Error{ErrorId::InvalidArgument, "a scene mesh needs three corners a triangle"};
+  if (tableRows(2 * corners.size()) > static_cast<uint32_t>(device.caps().max_texture_size))
+    return Error{ErrorId::InvalidArgument, "the scene mesh has too many triangles for this GPU: " +
+                                               std::to_string(corners.size() / 3) + "; simplify it"};
+  auto table = makeTable(device, gpu::PixelFormat::RGBA32F, 2 * corners.size(), "scene corners");
+  if (!table) return table.error();
+  std::vector<glm::vec4> texels;
+  resizeToRows(texels, 2 * corners.size(), glm::vec4(0));
+  for (size_t i = 0; i < corners.size(); ++i) {
+    texels[2 * i] = glm::vec4(corners[i].position, 1);
+    texels[2 * i + 1] = glm::vec4(corners[i].color, 1);
+  }
+  uploadTable(device, table.value(), texels);
+  SceneMesh mesh;
+  mesh.corners = table.take();
+  mesh.corner_count = static_cast<int>(corners.size());
+  mesh.occluder_only = occluder_only;
+  return mesh;
+}
+
+Status ScenePass::prepare(gpu::Device& device) {
+  if (mesh_) return {};
+  auto background = makeEmbeddedProgram(device, "fullscreen.vert", "background.frag");
+  if (!background) return background.error();
+  auto mesh = makeEmbeddedProgram(device, "scene_mesh.vert", "scene_mesh.frag");
+  if (!mesh) return mesh.error();
+  background_ = background.take();
+  mesh_ = mesh.take();
+  return {};
+}
+
+void ScenePass::draw(gpu::Device& device, const Scene& scene, const View& view) const {
+  if (scene.background)
+    device.draw({.program = background_.id(), .textures = {{"u_background", scene.background}}, .vertex_count = 3});
+  for (const SceneMesh& mesh : scene.meshes) {
+    if (!mesh.corners) continue;
+    const float opacity = mesh.occluder_only ? 0.0f : 1.0f;
+    device.draw(
+        {.program = mesh_.id(),
+         .textures = {{"u_corners", mesh.corners.id()}},
+         .uniforms = {gpu::uniform("u_clip_from_world", view.clip_from_world), gpu::uniform("u_opacity", opacity)},
+         .vertex_count = mesh.corner_count,
+         .depth_test = true,
+         .depth_write = true,
+         .blend = gpu::Blend::PremultipliedOver});
+  }
+}
+
+}  // namespace fourdvt::render

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Table textures: index → (index % CharacterModel::kTableWidth, index / kTableWidth), whole rows. Private to render/.
+#pragma once
+
+#include <algorithm>
+
+#include "render/character_model.h"
+
+namespace fourdvt::render {
+
+inline uint32_t tableRows(uint64_t texels) {
+  return static_cast<uint32_t>(
+      std::max<uint64_t>(1, (texels + CharacterModel::kTableWidth - 1) / CharacterModel::kTableWidth));
+}
+
+inline Result<gpu::Texture> makeTable(gpu::Device& device, gpu::PixelFormat format, uint64_t texels,
+                                      const char* label) {
+  return gpu::makeTexture(device, {.format = format,
+                                   .width = CharacterModel::kTableWidth,
+                                   .height = static_cast<int>(tableRows(texels)),
+                                   .label = label});
+}
+
+// Whole rows of `fill`.
+template <class T>
+void resizeToRows(std::vector<T>& table, uint64_t texels, T fill) {
+  table.assign(static_cast<size_t>(tableRows(texels)) * CharacterModel::kTableWidth, fill);
+}
+
+// `table` holds whole rows.
+template <class T>
+void uploadTable(gpu::Device& device, const gpu::Texture& texture, const std::vector<T>& table) {
+  const int rows = static_cast<int>(table.size() / CharacterModel::kTableWidth);
+  device.updateTexture(texture.id(), 0, 0, 0, CharacterModel::kTableWidth, rows, table.data());
+}
+
+}  // namespace fourdvt::render

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Push-pull over the mipmaps: each coarser level fills what the finer ones leave open, with the mean of both pictures.
+in vec2 v_uv;
+out vec4 o_filled;  // luma of a, luma of b, unused, confidence
+uniform sampler2D u_luma;
+const float kNoise = 2.0 / 255.0;  // luma that compression alone makes, standard deviation
+
+// From the character within 10 pixels: fades where it covers less than 0.4 of them, and where a's luma is constant.
+float confidence() {
+  vec3 sum = vec3(0.0);
+  vec2 step = 4.0 / vec2(textureSize(u_luma, 0));
+  for (int i = 0; i < 25; ++i) {
+    vec4 luma = textureLod(u_luma, v_uv + step * vec2(i % 5 - 2, i / 5 - 2), 1.0);
+    float y = luma.r / max(luma.b, 1e-3);
+    sum += luma.b * vec3(1.0, y, y * y);
+  }
+  vec2 moments = sum.yz / max(sum.x, 1e-3);
+  float variance = max(moments.y - moments.x * moments.x, 0.0);
+  return smoothstep(0.0, 0.4, sum.x / 25.0) * variance / (variance + kNoise * kNoise);
+}
+
+void main() {
+  vec4 own = textureLod(u_luma, v_uv, 0.0);
+  vec2 fill = vec2(0.0);  // premultiplied luma, weight
+  ivec2 size = textureSize(u_luma, 0);
+  for (int level = 0; max(size.x, size.y) >> level > 0; ++level) {
+    vec4 luma = textureLod(u_luma, v_uv, float(level));
+    fill += (1.0 - fill.y) * 0.5 * vec2(luma.x + luma.y, luma.z + luma.w);
+  }
+  float outside = fill.x / max(fill.y, 1e-3);
+  o_filled = vec4(own.xy + (1.0 - own.zw) * outside, 0.0, confidence());
+}

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+// Farnebäck: the equations averaged along y, and solved.
+out vec2 o_flow;
+#include "flow_box.glsl"
+const float kRegular = 1e-3 / 256.0;  // OpenCV's, times the square of flow_matrices' scale
+
+void main() {
+  vec4 g;  // G11, G12, G22, h1
+  float h2;
+  average(g, h2);
+  o_flow = vec2(g.x * h2 - g.y * g.w, g.z * g.w - g.y * h2) / (g.x * g.z - g.y * g.y + kRegular);
+}

@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a picture of the same mesh and view has at this pixel; its alpha is the mesh's coverage, which this draw has.
+uniform sampler2D u_shown;  // premultiplied, of the view's size
+out vec4 o_color;
+
+void main() {
+  vec4 shown = texelFetch(u_shown, ivec2(gl_FragCoord.xy), 0);
+  o_color = vec4(shown.rgb / max(shown.a, 1.0 / 255.0), 1.0);
+}

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// Two pictures of one mesh and view, premultiplied. FLOW: 4DVT Eq. 7 corrected (ALGORITHMS 0).
+in vec2 v_uv;
+out vec4 o_color;
+uniform sampler2D u_first;
+uniform sampler2D u_second;
+uniform float u_share;  // of the second
+
+#ifdef FLOW
+uniform sampler2D u_flow;  // pixels: first(p) ~ second(p + flow)
+
+vec3 straight(vec4 color) { return color.rgb / max(color.a, 1.0 / 255.0); }
+
+// Straight. Where a warped picture leaves the character: `plain`.
+vec3 warped(vec3 plain) {
+  vec2 flow = texelFetch(u_flow, ivec2(gl_FragCoord.xy), 0).xy / vec2(textureSize(u_first, 0));
+  vec4 first = texture(u_first, v_uv - u_share * flow);
+  vec4 second = texture(u_second, v_uv + (1.0 - u_share) * flow);
+  return mix(plain, mix(straight(first), straight(second), u_share), min(first.a, second.a));
+}
+#endif
+
+void main() {
+  o_color = mix(texture(u_first, v_uv), texture(u_second, v_uv), u_share);
+#ifdef FLOW
+  o_color.rgb = o_color.a * warped(straight(o_color));
+#endif
+}

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+// Optical flow by fragment passes: known motions of a synthetic texture, and OpenCV on the same pairs.
+#include <cmath>
+#include <functional>
+
+#include "gl_fixture.h"
+#include "platform/opencv_flow.h"
+
+namespace fourdvt::render {
+namespace {
+
+using Motion = std::function<glm::dvec2(glm::dvec2)>;  // where a point of a is in b
+struct Pair {
+  Image a, b;
+  std::vector<bool> inside;  // of the character, away from its edge
+};
+
+// Waves of 9 to 120 pixels in many directions, 0..1.
+double texture(glm::dvec2 p) {
+  constexpr int kWaves = 14;
+  double sum = 0;
+  for (int i = 0; i < kWaves; ++i) {
+    const double wavelength = 9 * std::pow(120.0 / 9, i / (kWaves - 1.0)), angle = 2.4 * i;
+    sum += std::sin(2 * M_PI / wavelength * (p.x * std::cos(angle) + p.y * std::sin(angle)) + i * i);
+  }
+  return glm::clamp(0.5 + 0.09 * sum, 0.0, 1.0);
+}
+
+glm::dvec2 centre(const Image& image) { return {image.width / 2.0, image.height / 2.0}; }
+double radius(const Image& image) { return 0.4 * std::min(image.width, image.height); }
+
+// A textured disc that stays where it is while its texture moves: what one mesh under two appearances looks like.
+// Rows as the GPU counts them. The texture of b at p is that of a where the motion comes from.
+Pair disc(int width, int height, const Motion& from_b, double contrast = 1) {
+  Pair pair{Image(width, height, 4), Image(width, height, 4), {}};
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const glm::dvec2 p(x + 0.5, y + 0.5);
+      const double edge = radius(pair.a) - glm::length(p - centre(pair.a));
+      const double alpha = glm::clamp(edge + 0.5, 0.0, 1.0);
+      const auto paint = [&](uint8_t* pixel, glm::dvec2 at) {
+        for (int c = 0; c < 3; ++c)
+          pixel[c] = static_cast<uint8_t>(std::lrint(255 * alpha * (0.5 + contrast * (texture(at) - 0.5))));
+        pixel[3] = static_cast<uint8_t>(std::lrint(255 * alpha));
+      };
+      paint(pair.a.at(x, y), p);
+      paint(pair.b.at(x, y), from_b(p));
+      pair.inside.push_back(edge > 20);
+    }
+  return pair;
+}
+
+class Flow : public testing::GlFixture {
+ protected:
+  gpu::Texture upload(const Image& image) {
+    auto texture = gpu::makeTexture(*device, {.width = image.width, .height = image.height, .label = "picture"}).take();
+    device->updateTexture(texture.id(), 0, 0, 0, image.width, image.height, image.pixels.data());
+    return texture;
+  }
+  std::unique_ptr<FlowSource> gpuFlow(FlowMethod method) {
+    FlowOptions options;
+    options.method = method;
+    auto made = createGpuFlow(*device, options);
+    EXPECT_TRUE(made) << (made ? "" : made.error().message);
+    return made ? made.take() : nullptr;
+  }
+  // Flow by rows as the GPU counts them. The format is that of the source's texture.
+  std::vector<glm::vec2> flow(FlowSource& source, const Pair& pair, gpu::PixelFormat format = gpu::PixelFormat::RG16F) {
+    const int width = pair.a.width, height = pair.a.height;
+    const gpu::Texture a = upload(pair.a), b = upload(pair.b);
+    const Status computed = source.compute(a.id(), b.id(), width, height);
+    EXPECT_TRUE(computed) << computed.error().message;
+    std::vector<glm::vec2> top_first(pair.inside.size()), out(pair.inside.size());
+    auto target = gpu::makeTarget(*device, {.colors = {source.flow()}, .label = "flow"}).take();
+    EXPECT_TRUE(device->readPixels(target.id(), format, 0, 0, width, height, top_first.data()));
+    for (int y = 0; y < height; ++y)
+      std::copy_n(top_first.begin() + (height - 1 - y) * width, width, out.begin() + y * width);
+    return out;
+  }
+  // Mean end-point error inside against the motion a → b.
+  double error(const std::vector<glm::vec2>& flow, const Pair& pair, const Motion& to_b) {
+    double sum = 0, count = 0;
+    for (size_t i = 0; i < flow.size(); ++i) {
+      if (!pair.inside[i]) continue;
+      const glm::dvec2 p(i % pair.a.width + 0.5, i / pair.a.width + 0.5);
+      sum += glm::length(p + glm::dvec2(flow[i]) - to_b(p));
+      count += 1;
+    }
+    return sum / count;
+  }
+};
+
+TEST_F(Flow, findsAShiftAtSubPixels) {
+  const glm::dvec2 shift(3.3, -2.6);
+  const Pair pair = disc(256, 256, [&](glm::dvec2 p) { return p - shift; });
+  const Motion moved = [&](glm::dvec2 p) { return p + shift; };
+  EXPECT_LT(error(flow(*gpuFlow(FlowMethod::Farneback), pair), pair, moved), 0.05);
+  EXPECT_LT(error(flow(*gpuFlow(FlowMethod::Dis), pair), pair, moved), 0.2);
+}
+
+TEST_F(Flow, findsARotationWithScaleInAnUnevenSize) {
+  const glm::dvec2 middle(333 / 2.0, 251 / 2.0);
+  const auto turned = [&](double angle, double scale) {
+    return [=](glm::dvec2 p) {
+      const glm::dvec2 r = p - middle;
+      return middle + scale * glm::dvec2(std::cos(angle) * r.x - std::sin(angle) * r.y,
+                                         std::sin(angle) * r.x + std::cos(angle) * r.y);
+    };
+  };
+  const Pair pair = disc(333, 251, turned(-0.04, 1 / 1.03));
+  EXPECT_LT(error(flow(*gpuFlow(FlowMethod::Farneback), pair), pair, turned(0.04, 1.03)), 0.15);
+  EXPECT_LT(error(flow(*gpuFlow(FlowMethod::Dis), pair), pair, turned(0.04, 1.03)), 0.4);
+}
+
+TEST_F(Flow, agreesWithOpencvFarneback) {
+  const auto source = gpuFlow(FlowMethod::Farneback), reference = platform::createOpencvFlow(*device);
+  for (const glm::ivec2 size : {glm::ivec2(256, 256), glm::ivec2(333, 251), glm::ivec2(70, 190)}) {
+    const Pair pair = disc(size.x, size.y, [&](glm::dvec2 p) {
+      return p - glm::dvec2(4 * std::sin(p.y / 40) + 1, 3 * std::cos(p.x / 50));
+    });
+    const auto ours = flow(*source, pair), theirs = flow(*reference, pair, gpu::PixelFormat::RG32F);
+    double sum = 0, size_of_flow = 0, count = 0;
+    for (size_t i = 0; i < ours.size(); ++i) {
+      if (!pair.inside[i]) continue;
+      sum += glm::length(ours[i] - theirs[i]);
+      size_of_flow += glm::length(theirs[i]);
+      count += 1;
+    }
+    EXPECT_GT(size_of_flow / count, 1.5);
+    EXPECT_LT(sum / count, 0.05) << size.x << " x " << size.y;
+  }
+}
+
+TEST_F(Flow, isZeroForEqualPictures) {
+  const Pair pair = disc(200, 120, [](glm::dvec2 p) { return p; });
+  for (FlowMethod method : {FlowMethod::Farneback, FlowMethod::Dis})
+    for (const glm::vec2& f : flow(*gpuFlow(method), pair)) ASSERT_LT(glm::length(f), 1e-3f);
+}
+
+TEST_F(Flow, goesSmoothlyToZeroOutsideTheCharacter) {
+  const Pair pair = disc(256, 256, [](glm::dvec2 p) { return p - glm::dvec2(4, 0); });
+  for (FlowMethod method : {FlowMethod::Farneback, FlowMethod::Dis}) {
+    const auto found = flow(*gpuFlow(method), pair);
+    float steepest = 0;
+    for (int y = 0; y < 256; ++y)
+      for (int x = 0; x < 256; ++x) {
+        const glm::dvec2 p(x + 0.5, y + 0.5);
+        const double outside = glm::length(p - centre(pair.a)) - radius(pair.a);
+        const glm::vec2 f = found[y * 256 + x];
+        if (outside > 24) {
+          ASSERT_LT(glm::length(f), 0.02f) << x << ", " << y;
+        }
+        if (x > 0 && outside > 0) steepest = std::max(steepest, glm::length(f - found[y * 256 + x - 1]));
+      }
+    EXPECT_LT(steepest, 2.0f);
+  }
+}
+
+TEST_F(Flow, isSmallWhereThereIsNoTexture) {
+  const Pair pair = disc(
+      256, 256, [](glm::dvec2 p) { return p - glm::dvec2(4, 0); }, 0.004);  // one grey level
+  for (FlowMethod method : {FlowMethod::Farneback, FlowMethod::Dis}) {
+    const auto found = flow(*gpuFlow(method), pair);
+    for (size_t i = 0; i < found.size(); ++i) ASSERT_LT(pair.inside[i] ? glm::length(found[i]) : 0, 0.5f);
+  }
+}
+
+TEST_F(Flow, keepsNoMemoryAndTakesEverySize) {
+  const auto before = device->counters().live_texture_bytes;
+  {
+    const auto source = gpuFlow(FlowMethod::Farneback), other = gpuFlow(FlowMethod::Dis);
+    for (const glm::ivec2 size : {glm::ivec2(64, 64), glm::ivec2(9, 31), glm::ivec2(130, 65)}) {
+      const Pair pair = disc(size.x, size.y, [](glm::dvec2 p) { return p; });
+      for (FlowSource* s : {source.get(), other.get()})
+        for (const glm::vec2& f : flow(*s, pair)) ASSERT_LT(glm::length(f), 0.1f);
+    }
+  }
+  EXPECT_EQ(device->counters().live_texture_bytes, before);
+}
+
+TEST(FlowWithoutFloatTargets, isUnsupportedAndOpencvStillWorks) {
+  const auto device = gpu::createNullDevice(false);
+  const auto made = createGpuFlow(*device);
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().id, ErrorId::Unsupported);
+  const auto picture = gpu::makeTexture(*device, {.width = 40, .height = 36, .label = "picture"}).take();
+  const auto opencv = platform::createOpencvFlow(*device);
+  EXPECT_TRUE(opencv->compute(picture.id(), picture.id(), 40, 36));
+  EXPECT_EQ(device->takeErrors(), "");
+}
+
+TEST(FlowOptions, areChecked) {
+  const auto device = gpu::createNullDevice();
+  for (const auto& [window, poly_n] : {std::pair(12, 5), std::pair(13, 6), std::pair(1, 5)}) {
+    const auto made = createGpuFlow(*device, {.window = window, .poly_n = poly_n});
+    ASSERT_FALSE(made);
+    EXPECT_EQ(made.error().id, ErrorId::InvalidArgument);
+  }
+}
+
+}  // namespace
+}  // namespace fourdvt::render
