@@ -10,29 +10,42 @@ extern "C" {
 #include <libavformat/avformat.h>
 }
 
+#include "bake/describe.h"
 #include "bake/mp4.h"
 #include "bake/output.h"
 #include "bake/poster.h"
 #include "base/bytes.h"
+#include "motion/parameter_space.h"
 #include "package/writer.h"
 
 namespace fourdvt::bake {
 namespace {
 
 constexpr const char* kGenerator = "fourdvt 0.1.0";
-constexpr const char* kMesh = "mesh.bin";
 constexpr const char* kTexture = "texture.jpg";
-constexpr const char* kPoster = "poster.webp";
 constexpr const char* kTiles = "report_tiles.jpg";
+constexpr const char* kGraph = "motion.bin";
 
 struct ChunkBytes {
-  uint32_t total = 0, positions = 0;
+  uint32_t total = 0, positions = 0, labels = 0, offsets = 0, alignment = 0;
 };
 
-// A chunk opens with the length of its coded positions (FORMAT.md).
-ChunkBytes measure(const std::vector<uint8_t>& chunk) {
-  return {static_cast<uint32_t>(chunk.size()), ByteReader(chunk).u32()};
+// A chunk opens with the lengths of its parts (FORMAT.md).
+ChunkBytes measure(const StreamPlan& plan, const std::vector<uint8_t>& chunk, bool aligned) {
+  ByteReader lengths(chunk);
+  ChunkBytes bytes;
+  bytes.total = static_cast<uint32_t>(chunk.size());
+  const size_t members = plan.motion.members.size();
+  for (size_t m = 0; m < members; ++m) {
+    bytes.positions += lengths.u32();
+    bytes.labels += lengths.u32();
+  }
+  for (size_t r = 0; r < plan.motion.reference_weights.size(); ++r) bytes.offsets += lengths.u32();
+  for (size_t a = 1; aligned && a < members; ++a) bytes.alignment += lengths.u32();
+  return bytes;
 }
+
+bool isAligned(const Job& job, const StreamPlan& plan) { return plan.isClass() && job.options.align; }
 
 struct PackedSequence {
   package::Sequence manifest;
@@ -43,13 +56,19 @@ std::string ffmpegVersion(unsigned v) {
   return std::to_string(v >> 16) + "." + std::to_string((v >> 8) & 255) + "." + std::to_string(v & 255);
 }
 
-package::StreamIndex makeIndex(const Job& job, const SequencePlan& plan, const std::vector<ChunkBytes>& chunk_bytes,
+package::StreamIndex makeIndex(const Job& job, const StreamPlan& plan, const std::vector<ChunkBytes>& chunk_bytes,
                                package::SampleTable table) {
   package::StreamIndex index;
-  index.frame_count = plan.source->frame_count;
+  index.frame_count = plan.frameCount();
   index.vertex_count = job.mesh.decoded.topology.vertex_count;
   index.face_count = job.mesh.decoded.topology.faceCount();
   index.layer_count = static_cast<uint32_t>(job.options.layers);
+  index.member_count = static_cast<uint32_t>(plan.motion.members.size());
+  index.reference_count = static_cast<uint32_t>(plan.motion.reference_weights.size());
+  if (isAligned(job, plan)) {
+    index.alignment_count = index.member_count - 1;
+    index.alignment_step_m = static_cast<float>(job.options.alignment_step_m);
+  }
   index.position_origin = job.bounds.min;
   index.position_step_m = static_cast<float>(job.options.position_step_m);
   index.renditions.push_back(std::move(table));
@@ -83,13 +102,12 @@ Status writeStream(const std::string& path, const std::vector<uint8_t>& header, 
   std::FILE* file = std::fopen(path.c_str(), "wb");
   bool ok = file && std::fwrite(header.data(), 1, header.size(), file) == header.size();
   for (uint32_t g = 0; ok && g < gop_count; ++g) {
-    auto artefact = work.loadGop(sequence, g);
-    if (!artefact) {
+    auto chunk = work.loadChunk(sequence, g);
+    if (!chunk) {
       std::fclose(file);
-      return artefact.error();
+      return chunk.error();
     }
-    const std::vector<uint8_t>& chunk = artefact.value().chunk;
-    ok = std::fwrite(chunk.data(), 1, chunk.size(), file) == chunk.size();
+    ok = std::fwrite(chunk.value().data(), 1, chunk.value().size(), file) == chunk.value().size();
   }
   int code = ok ? 0 : errno;
   if (file && std::fclose(file) != 0 && ok) code = errno, ok = false;
@@ -98,71 +116,66 @@ Status writeStream(const std::string& path, const std::vector<uint8_t>& header, 
                path + ": cannot write: " + std::strerror(code) + "; free disk space or choose another output folder"};
 }
 
-Result<Mp4Samples> packVideo(const Job& job, const SequencePlan& plan, const WorkFolder& work, const std::string& path,
-                             std::vector<ChunkBytes>& chunk_bytes) {
-  const std::string& name = plan.source->name;
-  FOURDVT_TRY(writeMp4(path, job.encode, static_cast<uint32_t>(plan.gop_first_frames.size()),
-                       [&](uint32_t g) -> Result<EncodedGop> {
-                         auto artefact = work.loadGop(name, g);
-                         if (!artefact) return artefact.error();
-                         chunk_bytes.push_back(measure(artefact.value().chunk));
-                         return std::move(artefact.value().video);
-                       }));
-  return readMp4Samples(path, job.encode.fps, plan.gop_first_frames, plan.source->frame_count);
+Result<std::vector<ChunkBytes>> measureChunks(const Job& job, const StreamPlan& plan, const WorkFolder& work) {
+  std::vector<ChunkBytes> bytes;
+  for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
+    auto chunk = work.loadChunk(plan.name, g);
+    if (!chunk) return chunk.error();
+    bytes.push_back(measure(plan, chunk.value(), isAligned(job, plan)));
+  }
+  return bytes;
 }
 
-Result<PackedSequence> packSequence(const Job& job, const SequencePlan& plan, const WorkFolder& work) {
-  const capture::CaptureSequence& source = *plan.source;
+Result<Mp4Samples> packVideo(const StreamPlan& plan, const WorkFolder& work, const std::string& path) {
+  FOURDVT_TRY(writeMp4(path, plan.encode, static_cast<uint32_t>(plan.gop_first_frames.size()),
+                       [&](uint32_t g) -> Result<EncodedGop> {
+                         auto artefact = work.loadGop(plan.name, g);
+                         if (!artefact) return artefact.error();
+                         return std::move(artefact.value().video);
+                       }));
+  return readMp4Samples(path, plan.encode.fps, plan.gop_first_frames, plan.frameCount());
+}
+
+ReportSequence reportSequence(const package::Sequence& s, const std::vector<ChunkBytes>& chunk_bytes) {
+  ReportSequence r;
+  r.name = s.name;
+  r.frames = s.frame_count;
+  r.gops = static_cast<uint32_t>(chunk_bytes.size());
+  r.fps = s.fps;
+  r.loop = s.loop;
+  r.members = static_cast<uint32_t>(s.members.size());
+  r.video_bytes = s.renditions.front().video_bytes;
+  r.index_bytes = s.stream_header_bytes;
+  for (const ChunkBytes& bytes : chunk_bytes) {
+    r.geometry_bytes += bytes.positions;
+    r.offset_bytes += bytes.offsets;
+    r.alignment_bytes += bytes.alignment;
+    r.label_bytes += bytes.labels;
+    r.index_bytes += bytes.total - bytes.positions - bytes.offsets - bytes.alignment - bytes.labels;
+  }
+  return r;
+}
+
+Result<PackedSequence> packSequence(const Job& job, const StreamPlan& plan, const WorkFolder& work) {
   const std::string folder = job.resultFolder() + "/";
   PackedSequence out;
   package::Sequence& s = out.manifest;
-  package::Rendition rendition;
-  rendition.video_uri = source.name + ".mp4";
-  s.stream_uri = source.name + ".bin";
-  std::vector<ChunkBytes> chunk_bytes;
-  auto packed = packVideo(job, plan, work, folder + rendition.video_uri, chunk_bytes);
+  s = describeStream(plan);
+  package::Rendition& rendition = s.renditions.front();
+  auto chunk_bytes = measureChunks(job, plan, work);
+  if (!chunk_bytes) return chunk_bytes.error();
+  auto packed = packVideo(plan, work, folder + rendition.video_uri);
   if (!packed) return packed.error();
-  package::StreamIndex index = makeIndex(job, plan, chunk_bytes, std::move(packed.value().table));
-  auto header = finalHeader(index);
-  if (!header) return header.error();
-  FOURDVT_TRY(writeStream(folder + s.stream_uri, header.value(), work, source.name, chunk_bytes.size()));
   rendition.video_bytes = packed.value().file_bytes;
   rendition.codec = packed.value().codec;
-  rendition.width = job.layout.width;
-  rendition.height = job.layout.height;
-  rendition.layers = job.layout.layers;
-  rendition.barcode = job.layout.barcode;
-  s.name = source.name;
-  s.frame_count = source.frame_count;
-  s.fps = job.capture.fps;
-  s.loop = source.loop;
-  s.root_velocity_mps = source.root_velocity_mps;
+  package::StreamIndex index = makeIndex(job, plan, chunk_bytes.value(), std::move(packed.value().table));
+  auto header = finalHeader(index);
+  if (!header) return header.error();
+  FOURDVT_TRY(writeStream(folder + s.stream_uri, header.value(), work, plan.name, chunk_bytes.value().size()));
   s.stream_bytes = fileBytes(folder + s.stream_uri);
   s.stream_header_bytes = static_cast<uint32_t>(header.value().size());
-  ReportSequence& r = out.report;
-  r = {s.name, s.frame_count, static_cast<uint32_t>(chunk_bytes.size()), s.fps, s.loop, rendition.video_bytes};
-  r.index_bytes = header.value().size();
-  for (const ChunkBytes& bytes : chunk_bytes) {
-    r.geometry_bytes += bytes.positions;
-    r.label_bytes += bytes.total - bytes.positions;
-  }
-  s.renditions.push_back(std::move(rendition));
+  out.report = reportSequence(s, chunk_bytes.value());
   return out;
-}
-
-package::Character describeCharacter(const Job& job) {
-  package::Character character;
-  character.name = job.capture.name;
-  character.layer_count = job.options.layers;
-  character.vertex_count = job.mesh.decoded.topology.vertex_count;
-  character.face_count = job.mesh.decoded.topology.faceCount();
-  character.cameras = job.cameras;
-  character.bounds = job.bounds;
-  character.ground_y_m = job.capture.ground_y_m;
-  character.mesh_uri = kMesh;
-  character.mesh_bytes = job.mesh.bytes.size();
-  character.poster_uri = kPoster;
-  return character;
 }
 
 Status writeStills(const Job& job, const WorkFolder& work, gpu::Device& device, const package::Character& character) {
@@ -178,7 +191,7 @@ Status writeStills(const Job& job, const WorkFolder& work, gpu::Device& device, 
   if (!poster) return poster.error();
   auto webp = encodePicture(poster.value(), ".webp", 85);
   if (!webp) return webp.error();
-  return writeFile(folder + kPoster, webp.value());
+  return writeFile(folder + kPosterFile, webp.value());
 }
 
 void describe(const Job& job, const package::Character& character, ReportInput& report) {
@@ -195,36 +208,77 @@ void describe(const Job& job, const package::Character& character, ReportInput& 
   report.picture_height = job.layout.height;
   report.versions = {{"libavcodec", ffmpegVersion(avcodec_version())},
                      {"libavformat", ffmpegVersion(avformat_version())}};
-  const std::string first = job.sequences[0].source->name + ", frame 0";
-  report.pictures = {{kPoster, "The character, " + first + ", as the page shows it first."},
+  const std::string first = job.streams[0].name + ", frame 0";
+  report.pictures = {{kPosterFile, "The character, " + first + ", as the page shows it first."},
                      {kTiles, "The video picture of " + first + ": all layers and the barcode."}};
   auto& bytes = report.figures.bytes_by_part;
-  for (const char* name : {kMesh, kTexture, kPoster, "character.gltf"}) bytes[name] = fileBytes(folder + name);
+  for (const char* name : {kMeshFile, kTexture, kPosterFile, "character.gltf"}) bytes[name] = fileBytes(folder + name);
   for (const package::Sequence& s : character.sequences) {
     bytes[s.stream_uri] = s.stream_bytes;
     bytes[s.renditions.front().video_uri] = s.renditions.front().video_bytes;
   }
 }
 
+ClassFigures figuresOf(const Job& job, const StreamPlan& plan, const package::Sequence& sequence) {
+  ClassFigures figures;
+  for (const package::Member& member : sequence.members) figures.members.push_back(member.name);
+  for (size_t p = 0; p < sequence.space.names.size(); ++p) {
+    const motion::Range range = motion::parameterRange(sequence, p);
+    figures.parameters.push_back({sequence.space.names[p], range.min, range.max});
+  }
+  figures.references = sequence.reference_count;
+  figures.linear_error_m = plan.motion.linear_error_m;
+  figures.hybrid_error_m = plan.motion.hybrid_error_m;
+  figures.aligned = isAligned(job, plan);
+  return figures;
+}
+
+// Figures and a picture of every class.
+Status describeClasses(const Job& job, const WorkFolder& work, const package::Character& character,
+                       ReportInput& report) {
+  for (const StreamPlan& plan : job.streams) {
+    if (!plan.isClass()) continue;
+    report.figures.classes[plan.name] = figuresOf(job, plan, *character.find(plan.name));
+    auto artefact = work.loadGop(plan.name, 0);
+    if (!artefact) return artefact.error();
+    const std::string file = "report_" + plan.name + ".jpg";
+    FOURDVT_TRY(writeFile(job.resultFolder() + "/" + file, artefact.value().picture_jpeg));
+    report.pictures.push_back({file, "The video picture of " + plan.name + ", frame 0: the layers of " +
+                                         std::to_string(plan.motion.members.size()) + " members and the barcode."});
+  }
+  return {};
+}
+
+Status writeGraph(const Job& job, const std::vector<uint8_t>& graph, package::Character& character,
+                  ReportInput& report) {
+  if (graph.empty()) return {};
+  character.graph_uri = kGraph;
+  character.graph_bytes = graph.size();
+  report.figures.bytes_by_part[kGraph] = graph.size();
+  return writeFile(job.resultFolder() + "/" + kGraph, graph);
+}
+
 }  // namespace
 
-Status assemble(const Job& job, const WorkFolder& work, gpu::Device& device, ReportInput& report) {
+Status assemble(const Job& job, const WorkFolder& work, const std::vector<uint8_t>& graph, gpu::Device& device,
+                ReportInput& report) {
   removeFolder(job.resultFolder());
   FOURDVT_TRY(makeFolder(job.resultFolder()));
   package::Character character = describeCharacter(job);
-  for (const SequencePlan& plan : job.sequences) {
+  for (const StreamPlan& plan : job.streams) {
     auto packed = packSequence(job, plan, work);
     if (!packed) return packed.error();
     character.sequences.push_back(std::move(packed.value().manifest));
     report.sequences.push_back(std::move(packed.value().report));
   }
-  FOURDVT_TRY(writeFile(job.resultFolder() + "/" + kMesh, job.mesh.bytes));
+  FOURDVT_TRY(writeFile(job.resultFolder() + "/" + kMeshFile, job.mesh.bytes));
   FOURDVT_TRY(writeStills(job, work, device, character));
+  FOURDVT_TRY(writeGraph(job, graph, character, report));
   auto manifest = package::writeManifest({character, &job.mesh, kTexture, kGenerator, job.capture.credit});
   if (!manifest) return manifest.error();
   FOURDVT_TRY(writeFile(job.resultFolder() + "/character.gltf", manifest.value()));
   describe(job, character, report);
-  return {};
+  return describeClasses(job, work, character, report);
 }
 
 Status writeReportFiles(const Job& job, const ReportInput& report) {

@@ -9,8 +9,10 @@
 namespace fourdvt::bake {
 
 // Writes every file into job.resultFolder() and completes `report` (sequences, codec, pictures, bytes by part); the
-// report's own files come last, by writeReportFiles. Errors: WriteFailed, Internal, GpuFailure.
-Status assemble(const Job& job, const WorkFolder& work, gpu::Device& device, ReportInput& report);
+// report's own files come last, by writeReportFiles. graph: the motion graph's file; empty: none. Errors: WriteFailed,
+// Internal, GpuFailure.
+Status assemble(const Job& job, const WorkFolder& work, const std::vector<uint8_t>& graph, gpu::Device& device,
+                ReportInput& report);
 // report.json and report.html into job.resultFolder().
 Status writeReportFiles(const Job& job, const ReportInput& report);
 

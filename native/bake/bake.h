@@ -2,6 +2,7 @@
 // Capture folder → character folder. The stages in order of execution; each is one file of this folder:
 //
 //   validate      whole capture readable, output writable; the settings' hash for --resume
+//   warp          motion classes: members on common time, root motion, corrections of the mesh blend (class_plan)
 //   survey        first pass over the frames: which camera sees which face (visibility: depth maps and sample tests on
 //                 the GPU), and the cameras' colours against each other (colour_calibration)
 //   labelling     cameras per face for whole sequences (4DVT Eq. 1-5, ALGORITHMS 1)
@@ -9,10 +10,13 @@
 //   fill          empty texels and gutters (ALGORITHMS 2)
 //   tile          layers + barcode → one 4:2:0 picture
 //   encode        H.264, one closed GOP at a time
-//   geometry      quantised positions and labels → chunks
+//   align         classes: what the decoded members show, brought together on the surface (surface_alignment)
+//   geometry      quantised positions, labels, corrections and alignment → chunks
+//   graph         where every state enters every other one (transitions)
 //   assemble      mp4 + bin + character.gltf + texture still + poster + report, renamed into place at the end
 //
-// Does NOT decide how frames are shown. Memory: one frame of pictures and one GOP of packets, whatever the length.
+// Does NOT decide how frames are shown. Memory: one frame of pictures and one GOP of packets and meshes, whatever the
+// length; besides, for classes, 12 bytes a vertex, phase and further member (alignment over the whole motion).
 #pragma once
 
 #include <atomic>
@@ -47,24 +51,43 @@ struct BakeOptions {
   bool colour_calibration = true;
   ResampleOptions resample;
   Codec codec = Codec::H264;
-  std::string preset;  // the encoder's own; empty: the default
+  std::string preset;                // the encoder's own; empty: the default
+  bool classes = true;               // capture.json's motion classes, one more sequence each
+  bool align = true;                 // classes: alignment at bake time
+  double blend_error_m = 0.003;      // classes: hybrid mesh blend against the non-linear one, largest vertex distance
+  double alignment_step_m = 0.0001;  // quantisation of the alignment
   // Where visibility, colour maps and labels are kept between bakes of the same capture; empty: with the work folder.
   std::string survey_folder;
   std::string check() const;  // empty, or what is wrong
 };
 
 struct Progress {
-  std::string stage;             // "survey walk 12/28", "walk 12/28"
-  uint32_t done = 0, total = 0;  // frames baked over the whole bake; the survey has none done
+  // "warp locomotion", "survey walk 12/28", "walk 12/28", "align locomotion 12/28", "graph"
+  std::string stage;
+  uint32_t done = 0, total = 0;  // frames encoded over the whole bake; none before the survey's end
   double frames_per_s = 0, left_s = 0;
+};
+
+struct ClassFigures {
+  std::vector<std::string> members;
+  struct Parameter {
+    std::string name;
+    double min = 0, max = 0;
+  };
+  std::vector<Parameter> parameters;
+  uint32_t references = 0;                        // corrections of the mesh blend a frame
+  double linear_error_m = 0, hybrid_error_m = 0;  // against the non-linear blend, largest vertex distance
+  bool aligned = false;
 };
 
 struct BakeReport {
   std::map<std::string, double> seconds_by_stage;
-  uint32_t frames = 0;
+  uint32_t frames = 0;  // of all sequences and classes
   uint64_t peak_rss_bytes = 0;
   std::map<std::string, uint64_t> bytes_by_part;
   std::map<std::string, LabelStatistics> labels_by_sequence;
+  std::map<std::string, ClassFigures> classes;
+  std::vector<std::string> notes;  // what the user should know, one sentence each
 };
 
 struct BakeEnvironment {

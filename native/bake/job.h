@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bake/bake.h"
+#include "bake/class_plan.h"
 #include "bake/encode.h"
 #include "bake/tile.h"
 #include "capture/capture.h"
@@ -16,12 +17,26 @@
 
 namespace fourdvt::bake {
 
+// One captured sequence: what is surveyed and labelled.
 struct SequencePlan {
   const capture::CaptureSequence* source = nullptr;  // borrowed from Job::capture
-  std::vector<uint32_t> gop_first_frames;            // ascending, starts with 0
+};
+
+// One sequence of the character: a captured one, or a class of them with all members' layers in one picture.
+struct StreamPlan {
+  std::string name;
+  // A captured sequence: its own one member at its own frames, without references and parameters.
+  ClassPlan motion;
+  TileLayout layout;
+  EncodeSettings encode;
+  std::vector<uint32_t> gop_first_frames;  // ascending, starts with 0
+  bool isClass() const { return motion.members.size() > 1; }
+  uint32_t frameCount() const { return motion.frame_count; }
   uint32_t gopEnd(size_t gop) const {
-    return gop + 1 < gop_first_frames.size() ? gop_first_frames[gop + 1] : source->frame_count;
+    return gop + 1 < gop_first_frames.size() ? gop_first_frames[gop + 1] : frameCount();
   }
+  // The frame of the member's source whose pictures and labels stand for this one.
+  uint32_t sourceFrame(size_t member, uint32_t frame) const;
 };
 
 struct Job {
@@ -29,11 +44,14 @@ struct Job {
   capture::Capture capture;
   std::vector<PinholeCamera> cameras;
   std::vector<SequencePlan> sequences;
-  package::EncodedBaseMesh mesh;  // THE order of vertices and faces of everything below
-  BoundingBox bounds;             // over all frames
-  TileLayout layout;
-  EncodeSettings encode;
-  uint32_t total_frames = 0;
+  std::vector<StreamPlan> streams;  // in the manifest's order: the sequences, then the classes; see planStreams
+  package::EncodedBaseMesh mesh;    // THE order of vertices and faces of everything below
+  BoundingBox bounds;               // over all frames
+  TileLayout layout;                // of one member
+  EncodeSettings encode;            // of a captured sequence
+  uint32_t total_frames = 0;        // captured
+  uint32_t streamFrames() const;    // of all streams
+  const SequencePlan& planOf(const capture::CaptureSequence& source) const;  // one of `sequences`
   // Beside the character folder and on its file system: finished GOPs, and the result until it is renamed into place.
   std::string workFolder() const { return options.character_folder + ".work"; }
   std::string resultFolder() const { return workFolder() + "/result"; }

@@ -6,7 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "render/recipe.h"
+#include "render/plain_figure.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -24,8 +24,8 @@ void unpremultiply(Image& image) {
 
 Result<Image> renderPoster(gpu::Device& device, const package::Character& character, const package::BaseMesh& mesh,
                            const StillArtefact& still, const Positions& positions) {
-  auto model = render::CharacterModel::create(device, character, mesh);
-  if (!model) return model.error();
+  auto figure = render::PlainFigure::create(device, character, mesh);
+  if (!figure) return figure.error();
   const I420View view = still.picture.view();
   auto picture = render::createPicture(device, view.width, view.height, render::PictureTextures::Kind::I420);
   if (!picture) return picture.error();
@@ -38,12 +38,12 @@ Result<Image> renderPoster(gpu::Device& device, const package::Character& charac
   auto target = gpu::makeTarget(device, desc);
   if (!target) return target.error();
   render::uploadPicture(device, picture.value(), view);
-  model.value().setLayout(character.sequences.front().renditions.front());
-  model.value().setGeometry(device, {positions, still.labels});
+  figure.value().setLayout(character.sequences.front().renditions.front());
+  figure.value().setFrame(device, positions, still.labels);
   const OrbitView orbit = defaultOrbit(character.bounds, double(kPosterWidth) / kPosterHeight);
   const PinholeCamera camera = cameraFromOrbit(orbit, kPosterWidth, kPosterHeight);
   FOURDVT_TRY(
-      recipe.value()->draw(model.value(), picture.value(), render::viewFromCamera(camera), {}, target.value().id()));
+      figure.value().draw(*recipe.value(), picture.value(), render::viewFromCamera(camera), {}, target.value().id()));
   Image image(kPosterWidth, kPosterHeight, 4);
   FOURDVT_TRY(device.readPixels(target.value().id(), gpu::PixelFormat::RGBA8, 0, 0, kPosterWidth, kPosterHeight,
                                 image.pixels.data()));

@@ -55,7 +55,7 @@ StageSeconds orderedStages(const ReportInput& in) {
 }
 
 uint64_t streamedBytes(const ReportSequence& s) {
-  return s.video_bytes + s.geometry_bytes + s.label_bytes + s.index_bytes;
+  return s.video_bytes + s.geometry_bytes + s.label_bytes + s.offset_bytes + s.alignment_bytes + s.index_bytes;
 }
 
 double megabitsPerSecond(const ReportSequence& s, uint64_t bytes) {
@@ -82,6 +82,10 @@ Json optionsJson(const BakeOptions& o) {
           {"filter", filterName(o.resample.filter)},
           {"equal_layers", o.equal_layers},
           {"colour_calibration", o.colour_calibration},
+          {"classes", o.classes},
+          {"align", o.align ? "baked" : "none"},
+          {"blend_error_mm", o.blend_error_m * 1e3},
+          {"alignment_step_m", o.alignment_step_m},
           {"preset", o.preset}};
 }
 
@@ -91,12 +95,26 @@ Json sequenceJson(const ReportSequence& s) {
           {"gops", s.gops},
           {"fps", s.fps},
           {"loop", s.loop},
+          {"members", s.members},
           {"video_bytes", s.video_bytes},
           {"geometry_bytes", s.geometry_bytes},
           {"label_bytes", s.label_bytes},
+          {"offset_bytes", s.offset_bytes},
+          {"alignment_bytes", s.alignment_bytes},
           {"index_bytes", s.index_bytes},
           {"video_mbit_per_s", megabitsPerSecond(s, s.video_bytes)},
           {"total_mbit_per_s", megabitsPerSecond(s, streamedBytes(s))}};
+}
+
+Json classJson(const ClassFigures& c) {
+  Json json = {{"members", c.members},
+               {"references", c.references},
+               {"linear_error_mm", c.linear_error_m * 1e3},
+               {"hybrid_error_mm", c.hybrid_error_m * 1e3},
+               {"aligned", c.aligned}};
+  json["parameters"] = Json::array();
+  for (const auto& p : c.parameters) json["parameters"].push_back({{"name", p.name}, {"min", p.min}, {"max", p.max}});
+  return json;
 }
 
 // Horizontal bars with labels and values; one row an entry, widths relative to the largest.
@@ -165,12 +183,43 @@ std::string sequenceTable(const ReportInput& in) {
   std::string out =
       "<div "
       "class=\"scroll\"><table><thead><tr><th>sequence</th><th>frames</th><th>seconds</th><th>GOPs</th><th>video</th>"
-      "<th>geometry</th><th>labels</th><th>index</th><th>Mbit/s</th></tr></thead><tbody>\n";
+      "<th>geometry</th><th>labels</th><th>corrections</th><th>alignment</th><th>index</th><th>Mbit/s</th></tr></thead>"
+      "<tbody>\n";
   for (const ReportSequence& s : in.sequences) {
     out += "<tr>" + cell(s.name + (s.loop ? " ↻" : "")) + cell(std::to_string(s.frames)) +
            cell(printed("%.2f", s.fps > 0 ? s.frames / s.fps : 0)) + cell(std::to_string(s.gops)) +
            cell(sizeText(s.video_bytes)) + cell(sizeText(s.geometry_bytes)) + cell(sizeText(s.label_bytes)) +
-           cell(sizeText(s.index_bytes)) + cell(printed("%.2f", megabitsPerSecond(s, streamedBytes(s)))) + "</tr>\n";
+           cell(s.members > 1 ? sizeText(s.offset_bytes) : "–") +
+           cell(s.members > 1 ? sizeText(s.alignment_bytes) : "–") + cell(sizeText(s.index_bytes)) +
+           cell(printed("%.2f", megabitsPerSecond(s, streamedBytes(s)))) + "</tr>\n";
+  }
+  return out + "</tbody></table></div>\n";
+}
+
+std::string rangeText(const ClassFigures& c) {
+  std::string text;
+  for (const auto& p : c.parameters)
+    text += (text.empty() ? "" : ", ") + p.name + printed(" %.2f", p.min) + printed("…%.2f", p.max);
+  return text;
+}
+
+std::string classTable(const ReportInput& in) {
+  std::string out =
+      "<p>Members of a class share one video and common time. Meshes are blended linearly, and corrected at the "
+      "references towards the non-linear blend; errors are largest vertex distances to it.</p>\n"
+      "<div class=\"scroll\"><table><thead><tr><th>class</th><th>members</th><th>parameter</th><th>phases</th>"
+      "<th>seconds</th><th>references</th><th>linear error</th><th>hybrid error</th><th>alignment</th></tr></thead>"
+      "<tbody>\n";
+  for (const ReportSequence& s : in.sequences) {
+    const auto found = in.figures.classes.find(s.name);
+    if (found == in.figures.classes.end()) continue;
+    const ClassFigures& c = found->second;
+    std::string members;
+    for (const std::string& name : c.members) members += (members.empty() ? "" : ", ") + name;
+    out += "<tr>" + cell(s.name) + cell(members) + cell(rangeText(c)) + cell(std::to_string(s.frames)) +
+           cell(printed("%.2f", s.fps > 0 ? s.frames / s.fps : 0)) + cell(std::to_string(c.references)) +
+           cell(printed("%.2f mm", c.linear_error_m * 1e3)) + cell(printed("%.2f mm", c.hybrid_error_m * 1e3)) +
+           cell(c.aligned ? "baked" : "none") + "</tr>\n";
   }
   return out + "</tbody></table></div>\n";
 }
@@ -240,8 +289,9 @@ footer{margin-top:48px;border-top:1px solid var(--line);padding-top:16px}
 }  // namespace
 
 const std::vector<std::string>& pipelineStages() {
-  static const std::vector<std::string> stages{"validate", "decode", "visibility", "colours",  "labels",  "resample",
-                                               "fill",     "tile",   "encode",     "geometry", "assemble"};
+  static const std::vector<std::string> stages{"validate", "warp",     "decode", "visibility", "colours",
+                                               "labels",   "resample", "fill",   "tile",       "encode",
+                                               "align",    "geometry", "graph",  "assemble"};
   return stages;
 }
 
@@ -276,6 +326,9 @@ std::string reportJson(const ReportInput& in) {
                             {"mean_penalty", l.mean_penalty},
                             {"energy", l.energy},
                             {"seconds", l.seconds}};
+  root["classes"] = Json::object();
+  for (const auto& [name, c] : in.figures.classes) root["classes"][name] = classJson(c);
+  root["notes"] = in.figures.notes;
   root["sequences"] = Json::array();
   for (const ReportSequence& s : in.sequences) root["sequences"].push_back(sequenceJson(s));
   root["versions"] = Json::object();
@@ -300,6 +353,8 @@ std::string reportHtml(const ReportInput& in) {
   out += "<p>Stages overlap on " + std::to_string(in.options.jobs) +
          " jobs: their sum may exceed the whole bake’s time.</p>\n";
   out += stageChart(in) + "<h2>What the bytes are</h2>\n" + sizeChart(in) + "<h2>Sequences</h2>\n" + sequenceTable(in);
+  for (const std::string& note : in.figures.notes) out += "<p>" + htmlEscaped(note) + "</p>\n";
+  if (!in.figures.classes.empty()) out += "<h2>Motion classes</h2>\n" + classTable(in);
   if (!in.figures.labels_by_sequence.empty()) out += "<h2>Labels</h2>\n" + labelTable(in);
   if (in.pictures.size() > 1) {
     out += "<h2>Pictures</h2>\n<section class=\"sheet\">\n";

@@ -16,9 +16,11 @@ struct ReportSequence {
   uint32_t frames = 0, gops = 0;
   double fps = 0;
   bool loop = false;
-  uint64_t video_bytes = 0;                      // .mp4
-  uint64_t geometry_bytes = 0, label_bytes = 0;  // of the chunks in the .bin
-  uint64_t index_bytes = 0;                      // header, index and sample tables of the .bin
+  uint32_t members = 1;
+  uint64_t video_bytes = 0;                        // .mp4
+  uint64_t geometry_bytes = 0, label_bytes = 0;    // of the chunks in the .bin: positions and labels
+  uint64_t offset_bytes = 0, alignment_bytes = 0;  // of a class: corrections of the mesh blend, alignment
+  uint64_t index_bytes = 0;                        // the rest of the .bin: header, index, sample tables, root motion
 };
 
 struct ReportPicture {

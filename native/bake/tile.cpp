@@ -66,27 +66,42 @@ TileLayout equalLayout(int layer_count, int texture) {
   return best;
 }
 
+// Every member's block: layer 1 at the left, further layers of half its side in columns of two to its right.
+TileLayout stackedLayout(int layer_count, int texture, int member_count, int columns) {
+  TileLayout layout;
+  const int half = texture / 2, rows = (member_count + columns - 1) / columns;
+  const int block_width = texture + layer_count / 2 * half;
+  for (int m = 0; m < member_count; ++m) {
+    const int x = m / rows * block_width, y = m % rows * texture;
+    layout.layers.push_back({x, y, texture, texture});
+    for (int k = 0; k + 1 < layer_count; ++k)
+      layout.layers.push_back({x + texture + (k / 2) * half, y + (k % 2) * half, half, half});
+  }
+  layout.barcode.rect = {0, rows * texture, kBarcodeWidth, layout.barcode.cell_size};
+  layout.width = std::max(columns * block_width, kBarcodeWidth);
+  layout.height = rows * texture + layout.barcode.cell_size;
+  return layout;
+}
+
 uint8_t clampByte(double v) { return static_cast<uint8_t>(std::clamp(v + 0.5, 0.0, 255.0)); }
 
 }  // namespace
 
-TileLayout makeTileLayout(int layer_count, int texture, bool equal_layers) {
-  if (equal_layers) return equalLayout(layer_count, texture);
-  TileLayout layout;
-  const int half = texture / 2, columns = layer_count / 2;
-  layout.layers.push_back({0, 0, texture, texture});
-  for (int k = 0; k + 1 < layer_count; ++k)
-    layout.layers.push_back({texture + (k / 2) * half, (k % 2) * half, half, half});
-  layout.barcode.rect = {0, texture, kBarcodeWidth, layout.barcode.cell_size};
-  layout.width = std::max(texture + columns * half, kBarcodeWidth);
-  layout.height = texture + layout.barcode.cell_size;
+TileLayout makeTileLayout(int layer_count, int texture, bool equal_layers, int member_count) {
+  if (equal_layers) return equalLayout(layer_count * member_count, texture);
+  TileLayout layout = stackedLayout(layer_count, texture, member_count, 1);
+  for (int columns = 2; columns <= member_count && !fits(layout); ++columns) {
+    const TileLayout other = stackedLayout(layer_count, texture, member_count, columns);
+    if (better(other, layout)) layout = other;
+  }
   return layout;
 }
 
-std::string checkTileLayout(int layer_count, int texture, bool equal_layers) {
-  const TileLayout layout = makeTileLayout(layer_count, texture, equal_layers);
+std::string checkTileLayout(int layer_count, int texture, bool equal_layers, int member_count) {
+  const TileLayout layout = makeTileLayout(layer_count, texture, equal_layers, member_count);
   if (fits(layout)) return {};
-  return "layers " + std::to_string(layer_count) + " with texture " + std::to_string(texture) +
+  return (member_count > 1 ? std::to_string(member_count) + " members of " : std::string()) + "layers " +
+         std::to_string(layer_count) + " with texture " + std::to_string(texture) +
          (equal_layers ? " and equal layers" : "") + " need a picture of " + std::to_string(layout.width) + " x " +
          std::to_string(layout.height) + ", more than " + std::to_string(package::kMaxPictureSide) +
          "; use fewer layers" + (equal_layers ? ", smaller further layers" : "") + " or a smaller texture";
@@ -120,9 +135,16 @@ void drawLayer(const Image& layer, const package::Rect& rect, I420Picture& pictu
   }
 }
 
-void tileFrame(const TileLayout& layout, const std::vector<Image>& layers, uint32_t frame, I420Picture& picture) {
-  for (size_t l = 0; l < layers.size(); ++l) drawLayer(layers[l], layout.layers[l], picture);
+void tileFrame(const TileLayout& layout, const std::vector<const Image*>& layers, uint32_t frame,
+               I420Picture& picture) {
+  for (size_t l = 0; l < layers.size(); ++l) drawLayer(*layers[l], layout.layers[l], picture);
   package::drawBarcode(layout.barcode, frame, picture.y.data(), picture.width);
+}
+
+void tileFrame(const TileLayout& layout, const std::vector<Image>& layers, uint32_t frame, I420Picture& picture) {
+  std::vector<const Image*> pointers;
+  for (const Image& layer : layers) pointers.push_back(&layer);
+  tileFrame(layout, pointers, frame, picture);
 }
 
 Image rgbFromTile(const I420View& p, const package::Rect& rect) {

@@ -9,13 +9,16 @@
 #include <thread>
 
 #include "bake/output.h"
+#include "bake/stream_plan.h"
 
 namespace fourdvt::bake {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kBakeVersion = "bake 2";  // change it whenever finished GOPs of older builds must not be reused
+// Change them whenever what older builds kept must not be reused.
+constexpr const char* kSurveyVersion = "bake 2";
+constexpr const char* kGopVersion = "gops 3";
 
 Error bad(const std::string& message) { return {ErrorId::InvalidArgument, message}; }
 
@@ -42,7 +45,9 @@ Status checkSpace(const Job& job) {
   constexpr double kVideoBytesPerTexel = 0.05,
                    kCopies = 2;  // generous: work folder and result, at crf 23 a fifth of it
   const double frame = job.layout.width * job.layout.height * kVideoBytesPerTexel + 8.0 * job.mesh.source_vertex.size();
-  const double needed = kCopies * frame * job.total_frames + (8 << 20);
+  double frames = job.total_frames;
+  for (const capture::CaptureClass* c : bakedClasses(job)) frames += c->members.size() * expectedPhases(job, *c);
+  const double needed = kCopies * frame * frames + (8 << 20);
   std::error_code error;
   const fs::space_info space = fs::space(job.workFolder(), error);
   if (error || double(space.available) >= needed) return {};
@@ -53,15 +58,38 @@ Status checkSpace(const Job& job) {
   return Error{ErrorId::WriteFailed, job.options.character_folder + text};
 }
 
-Status checkNames(const capture::Capture& capture) {
-  for (const capture::CaptureSequence& s : capture.sequences) {
-    const bool plain = !s.name.empty() && s.name[0] != '.' && std::all_of(s.name.begin(), s.name.end(), [](char c) {
-      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
-             c == '.';
-    });
-    if (!plain)
-      return Error{ErrorId::CaptureJson, capture.folder + "/capture.json: sequence name '" + s.name +
+bool isFileName(const std::string& name) {
+  return !name.empty() && name[0] != '.' && std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
+           c == '.';
+  });
+}
+
+// Sequences and classes become files side by side.
+Status checkNames(const Job& job) {
+  std::vector<std::string> names;
+  for (const capture::CaptureSequence& s : job.capture.sequences) names.push_back(s.name);
+  for (const capture::CaptureClass* c : bakedClasses(job)) names.push_back(c->name);
+  const std::string json = job.capture.folder + "/capture.json: ";
+  for (auto name = names.begin(); name != names.end(); ++name) {
+    if (!isFileName(*name))
+      return Error{ErrorId::CaptureJson, json + "sequence or class name '" + *name +
                                              "' cannot be a file name; use letters, digits, '_' and '-'"};
+    if (*name == "mesh" || *name == "motion" || *name == "tiles")
+      return Error{ErrorId::CaptureJson, json + "a sequence or class cannot be called '" + *name +
+                                             "': the character has a file of that name; rename it"};
+    if (std::find(names.begin(), name, *name) != name)
+      return Error{ErrorId::CaptureJson,
+                   json + "two sequences or classes are called '" + *name + "'; give each a name of its own"};
+  }
+  return {};
+}
+
+Status checkClassPictures(const Job& job) {
+  const BakeOptions& o = job.options;
+  for (const capture::CaptureClass* c : bakedClasses(job)) {
+    const std::string wrong = checkTileLayout(o.layers, o.texture, o.equal_layers, static_cast<int>(c->members.size()));
+    if (!wrong.empty()) return bad("class '" + c->name + "': " + wrong + ", or leave classes out with --no-classes");
   }
   return {};
 }
@@ -138,6 +166,8 @@ std::string BakeOptions::check() const {
   if (gop < 1 || gop > 250) return "gop must be 1..250 frames, not " + std::to_string(gop);
   if (jobs < 0) return "jobs must not be negative";
   if (!(position_step_m >= 1e-6 && position_step_m <= 0.1)) return "position step must be 0.000001..0.1 m";
+  if (!(blend_error_m >= 1e-5 && blend_error_m <= 1)) return "blend error must be 0.01..1000 mm";
+  if (!(alignment_step_m >= 1e-6 && alignment_step_m <= 0.1)) return "alignment step must be 0.000001..0.1 m";
   if (gutter_texels < 0 || gutter_texels > 64) return "gutter must be 0..64 texels";
   return {};
 }
@@ -167,12 +197,13 @@ Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environm
   if (!capture) return capture.error();
   job.capture = capture.take();
   FOURDVT_TRY(checkCameras(job.capture));
-  FOURDVT_TRY(checkNames(job.capture));
+  FOURDVT_TRY(checkNames(job));
+  FOURDVT_TRY(checkClassPictures(job));
   job.options.sequences.clear();
   for (const capture::CaptureCamera& camera : job.capture.cameras) job.cameras.push_back(camera.pinhole);
   for (const capture::CaptureSequence& sequence : job.capture.sequences) {
     job.options.sequences.push_back(sequence.name);
-    job.sequences.push_back({&sequence, planGops(sequence.frame_count, options.gop)});
+    job.sequences.push_back({&sequence});
     job.total_frames += sequence.frame_count;
   }
   job.layout = makeTileLayout(options.layers, options.texture, options.equal_layers);
@@ -189,7 +220,7 @@ Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environm
 
 std::string captureKey(const Job& job, const SequencePlan& plan) {
   const fs::path folder(job.capture.folder);
-  std::string key = kBakeVersion;
+  std::string key = kSurveyVersion;
   for (const fs::path& part : {folder / "cameras", folder / "background", fs::path(plan.source->folder)})
     for (const std::string& line : fingerprints(part)) key += line + "\n";
   if (auto json = readFile((folder / "capture.json").string()); json.ok())
@@ -205,12 +236,14 @@ std::string labelKey(const BakeOptions& o) {
 
 std::string settingsKey(const Job& job) {
   const BakeOptions& o = job.options;
-  char line[320];
+  char line[400];
   std::snprintf(line, sizeof line,
-                "%s texture %d equal %d crf %d codec %d preset %.60s gop %d step %.9g gutter %d fps %.9g colours %d "
+                "%s %s classes %d align %d blend %.9g alignment %.9g texture %d equal %d crf %d codec %d preset %.60s "
+                "gop %d step %.9g gutter %d fps %.9g colours %d "
                 "filter %d contour %.9g/%.9g matte %.9g/%.9g",
-                labelKey(o).c_str(), o.texture, int(o.equal_layers), o.crf, static_cast<int>(o.codec), o.preset.c_str(),
-                o.gop, o.position_step_m, o.gutter_texels, job.capture.fps, int(o.colour_calibration),
+                kGopVersion, labelKey(o).c_str(), int(o.classes), int(o.align), o.blend_error_m, o.alignment_step_m,
+                o.texture, int(o.equal_layers), o.crf, static_cast<int>(o.codec), o.preset.c_str(), o.gop,
+                o.position_step_m, o.gutter_texels, job.capture.fps, int(o.colour_calibration),
                 static_cast<int>(o.resample.filter), o.resample.contour_pixels, o.resample.contour_step_m,
                 o.resample.matte_threshold, o.resample.matte_pixels);
   uint64_t hash = 14695981039346656037ull;
@@ -218,7 +251,7 @@ std::string settingsKey(const Job& job) {
     const std::string key = captureKey(job, plan);
     hash = hashBytes(hash, key.data(), key.size() + 1);
   }
-  char text[400];
+  char text[480];
   std::snprintf(text, sizeof text, "%016llx%s\n", static_cast<unsigned long long>(hash), line);
   return text;
 }

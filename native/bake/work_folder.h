@@ -9,12 +9,18 @@
 
 #include "bake/encode.h"
 #include "bake/tile.h"
+#include "package/stream_file.h"
 
 namespace fourdvt::bake {
 
+// Layer 1 in this many texels a side: what the motion graph compares (TransitionOptions::atlas).
+constexpr int kAtlasSide = 32;
+
 struct GopArtefact {
   EncodedGop video;
-  std::vector<uint8_t> chunk;  // package::encodeChunk's
+  package::ChunkFrames frames;        // of a class: what its chunk is coded from after alignment; else none
+  std::vector<Image> atlases;         // [frame][member], RGB
+  std::vector<uint8_t> picture_jpeg;  // first GOP of a class: its tiled picture
 };
 
 // Frame 0 of the first sequence: what poster and still are made of.
@@ -34,10 +40,15 @@ class WorkFolder {
   bool hasStill() const;
   Status saveStill(const StillArtefact& still) const;
   Result<StillArtefact> loadStill() const;
+  // package::encodeChunk's bytes of a GOP.
+  bool hasChunk(const std::string& sequence, uint32_t gop) const;
+  Status saveChunk(const std::string& sequence, uint32_t gop, const std::vector<uint8_t>& chunk) const;
+  Result<std::vector<uint8_t>> loadChunk(const std::string& sequence, uint32_t gop) const;  // Internal if damaged
   const std::string& path() const { return path_; }
 
  private:
   std::string gopPath(const std::string& sequence, uint32_t gop) const;
+  std::string chunkPath(const std::string& sequence, uint32_t gop) const;
   std::string stillPath() const { return path_ + "/still.bin"; }
   std::string path_;
 };

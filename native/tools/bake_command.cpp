@@ -60,6 +60,11 @@ const CommandHelp& help() {
         "                          ray (to the face's centre) or resolution (fewer pixels)"},
        {"--no-colour-calibration", nullptr, "leave the cameras' colours as they are"},
        {"--filter", "NAME", "how camera pictures are sampled: bilinear (default), mipmap or bicubic"},
+       {"--no-classes", nullptr, "leave out the capture's motion classes"},
+       {"--align", "MODE",
+        "classes: baked (what the members show is aligned on the surface; default) or none (quicker)"},
+       {"--blend-error", "MM",
+        "classes: how far the blended mesh may be from the non-linear blend, millimetres (default 3)"},
        {"--gop", "N", "frames a group of pictures at most (default 20)"},
        {"--jobs", "N", "worker threads, 0: as many as cores (default 0)"},
        {"--resume", nullptr, "reuse what an interrupted run with the same settings finished"}}};
@@ -76,16 +81,18 @@ std::string timeLeft(double seconds) {
   return text;
 }
 
-// One line, rewritten in place on a terminal; elsewhere a line every 5 s and a last one.
+// One line, rewritten in place on a terminal; elsewhere a line every 5 s, and one when all frames are encoded.
 class ProgressLine {
  public:
   void show(const bake::Progress& p) {
     const auto now = std::chrono::steady_clock::now();
-    if (!tty_ && p.done != p.total && shown_ && now - last_ < std::chrono::seconds(5)) return;
-    if (tty_ && p.done != p.total && shown_ && now - last_ < std::chrono::milliseconds(100)) return;
+    const bool all_frames = p.done == p.total && !all_frames_;
+    const auto pause = tty_ ? std::chrono::milliseconds(100) : std::chrono::seconds(5);
+    if (!all_frames && shown_ && now - last_ < pause) return;
     if (!tty_ && line_ == p.stage) return;
     last_ = now;
     shown_ = true;
+    all_frames_ |= all_frames;
     line_ = p.stage;
     char numbers[120] = "";
     if (p.total > 0) std::snprintf(numbers, sizeof numbers, "  %u of %u frames", p.done, p.total);
@@ -104,7 +111,7 @@ class ProgressLine {
 
  private:
   const bool tty_ = isatty(STDERR_FILENO) != 0;
-  bool shown_ = false;
+  bool shown_ = false, all_frames_ = false;
   std::string line_;
   std::chrono::steady_clock::time_point last_;
 };
@@ -161,6 +168,9 @@ bake::BakeOptions readOptions(Args& args) {
                              {{"bilinear", bake::ResampleFilter::Bilinear},
                               {"mipmap", bake::ResampleFilter::Mipmap},
                               {"bicubic", bake::ResampleFilter::Bicubic}});
+  o.classes = !args.has("--no-classes");
+  o.align = choice(args, "--align", o.align, {{"baked", true}, {"none", false}});
+  o.blend_error_m = args.number("--blend-error", o.blend_error_m * 1e3, 0.01, 1000) / 1e3;
   o.colour_calibration = !args.has("--no-colour-calibration");
   return o;
 }

@@ -125,6 +125,32 @@ TEST_P(EncodeTest, CodecStringIsComplete) {
   }
 }
 
+// Two members at web quality, 28 phases in 0.94 s: 12384 macroblocks are too many for H.264's level 4.2, 3.2 million
+// luma samples for VP9's and AV1's 4.1.
+TEST_P(EncodeTest, LevelFitsTheLargePictureOfAClass) {
+  const TileLayout large = makeTileLayout(3, 1024, false, 2);
+  settings.width = large.width;
+  settings.height = large.height;
+  settings.fps = 28 / 0.94;
+  const Status written = writeMp4(path, settings, 1, [&](uint32_t) -> Result<EncodedGop> {
+    auto encoder = GopEncoder::create(settings);
+    if (!encoder) return encoder.error();
+    for (uint32_t f = 0; f < 2; ++f) {
+      I420Picture out(large.width, large.height);
+      tileFrame(large, std::vector<Image>(), f, out);
+      FOURDVT_TRY(encoder.value()->push(out.view()));
+    }
+    return encoder.value()->finish();
+  });
+  ASSERT_TRUE(written.ok()) << written.error().message;
+  auto samples = readMp4Samples(path, settings.fps, {0}, 2);
+  ASSERT_TRUE(samples.ok()) << samples.error().message;
+  const std::string level = GetParam() == Codec::H264  ? "avc1.640032"
+                            : GetParam() == Codec::Vp9 ? "vp09.00.50."
+                                                       : "av01.0.12M.";
+  EXPECT_EQ(samples.value().codec.substr(0, level.size()), level) << samples.value().codec;
+}
+
 TEST_P(EncodeTest, GopOfOneFrame) {
   auto encoder = GopEncoder::create(settings);
   ASSERT_TRUE(encoder.ok()) << encoder.error().message;

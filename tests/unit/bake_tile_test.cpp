@@ -16,14 +16,14 @@ bool overlap(const package::Rect& a, const package::Rect& b) {
   return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
 }
 
-void expectInsideAndApart(bool equal_layers) {
+void expectInsideAndApart(bool equal_layers, int members) {
   for (int texture : {128, 256, 512, 1024, 1504}) {
     for (int layers = 1; layers <= 6; ++layers) {
-      const TileLayout layout = makeTileLayout(layers, texture, equal_layers);
+      const TileLayout layout = makeTileLayout(layers, texture, equal_layers, members);
       EXPECT_EQ(layout.width % 16, 0);
       EXPECT_EQ(layout.height % 16, 0);
       std::vector<package::Rect> rects = layout.layers;
-      ASSERT_EQ(int(rects.size()), layers);
+      ASSERT_EQ(int(rects.size()), layers * members);
       rects.push_back(layout.barcode.rect);
       for (size_t i = 0; i < rects.size(); ++i) {
         EXPECT_TRUE(rects[i].x >= 0 && rects[i].y >= 0 && rects[i].x + rects[i].width <= layout.width &&
@@ -36,8 +36,34 @@ void expectInsideAndApart(bool equal_layers) {
   }
 }
 
-TEST(TileLayout, RectanglesLieInsideAndApart) { expectInsideAndApart(false); }
-TEST(TileLayout, EqualRectanglesLieInsideAndApart) { expectInsideAndApart(true); }
+TEST(TileLayout, RectanglesLieInsideAndApart) {
+  for (int members = 1; members <= package::kMaxMembers; ++members)
+    for (bool equal_layers : {false, true}) expectInsideAndApart(equal_layers, members);
+}
+
+TEST(TileLayout, MembersAreStackedAsTheyAreAlone) {
+  const TileLayout one = makeTileLayout(3, 1024), two = makeTileLayout(3, 1024, false, 2);
+  EXPECT_EQ(two.width, 1536);
+  EXPECT_EQ(two.height, 2064);
+  for (int m = 0; m < 2; ++m)
+    for (int l = 0; l < 3; ++l) {
+      const package::Rect &alone = one.layers[l], &stacked = two.layers[3 * m + l];
+      EXPECT_EQ(stacked.x, alone.x);
+      EXPECT_EQ(stacked.y, alone.y + 1024 * m);
+      EXPECT_EQ(stacked.width, alone.width);
+    }
+}
+
+// Four members of 1024 in one column would be 4112 texels high.
+TEST(TileLayout, MembersTakeASecondColumnRatherThanTooHighAPicture) {
+  const TileLayout four = makeTileLayout(3, 1024, false, 4);
+  EXPECT_EQ(four.width, 3072);
+  EXPECT_EQ(four.height, 2064);
+  EXPECT_EQ(checkTileLayout(3, 1024, false, 4), "");
+  const std::string wrong = checkTileLayout(3, 2048, false, 2);
+  EXPECT_NE(wrong.find("2 members of layers 3 with texture 2048"), std::string::npos) << wrong;
+  EXPECT_NE(wrong.find("smaller texture"), std::string::npos) << wrong;
+}
 
 TEST(TileLayout, EqualLayersAreEqualAndOfTheFewestTexels) {
   for (int layers = 1; layers <= 6; ++layers)

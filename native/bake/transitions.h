@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// The motion graph's tables (ALGORITHMS 4): s(a,b) = (1/N) min_T Σ ‖x_a − T x_b‖² + λ_v ‖v_a − T v_b‖² over yaw and
+// ground translation, plus appearance as the distance of tiny layer-1 atlases (4DVT 6.1); for every frame and weight
+// row of a state the best entry into every other one. Does NOT play.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "base/image.h"
+#include "base/mesh.h"
+#include "base/result.h"
+
+namespace fourdvt::bake {
+
+// One state as the tables see it.
+struct TransitionState {
+  uint32_t frame_count = 0;
+  double fps = 0;
+  bool loop = false;
+  std::vector<std::vector<float>> weight_rows;  // members' weights; a plain sequence: {{1}}
+  // Metres, character frame; any rows × frames.
+  std::function<Result<Positions>(uint32_t weight_row, uint32_t frame)> positions;
+  std::function<glm::vec3(uint32_t weight_row, uint32_t frame)> root;  // ChunkFrames::root, mixed
+  // Layer 1, tiny (TransitionOptions::atlas texels a side), of the row's heaviest member; empty: no appearance cost.
+  std::function<Result<Image>(uint32_t weight_row, uint32_t frame)> atlas;
+};
+
+struct TransitionOptions {
+  double velocity_weight = 0.04;  // λ_v, s²
+  double appearance_mm = 60;      // cost of black against white
+  int atlas = 32;                 // texels a side
+  int fade_frames = 10;           // entries leave this much room at the ends of a state that does not loop
+  int features = 400;             // vertices looked at, spread over the surface
+};
+
+// Bytes of the graph file (motion/motion_graph.h). Memory: features a frame, not meshes. Errors: those of the
+// callbacks, Interrupted (progress returned false).
+Result<std::vector<uint8_t>> buildMotionGraph(const std::vector<TransitionState>& states,
+                                              const TransitionOptions& options,
+                                              const std::function<bool(double)>& progress);
+
+}  // namespace fourdvt::bake

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include "bake/hybrid_blend.h"
+#include "motion_shapes.h"
+
+namespace fourdvt::bake {
+namespace {
+
+std::unique_ptr<NonlinearBlend> make(const MeshTopology& topology, const Positions& reference) {
+  auto blend = NonlinearBlend::create(topology, reference);
+  EXPECT_TRUE(blend.ok()) << blend.error().message;
+  return blend.ok() ? blend.take() : nullptr;
+}
+
+Positions turnedAboutY(const Positions& p, double angle, const glm::vec3& shift) {
+  const float c = float(std::cos(angle)), s = float(std::sin(angle));
+  Positions out;
+  for (const glm::vec3& v : p) out.push_back(glm::vec3(c * v.x + s * v.z, v.y, c * v.z - s * v.x) + shift);
+  return out;
+}
+
+Positions centred(Positions p) {
+  const glm::vec3 mean = meanOf(p);
+  for (glm::vec3& v : p) v -= mean;
+  return p;
+}
+
+TEST(NonlinearBlend, ABendingTubeBendsAlongTheArc) {
+  const Tube tube;
+  const std::vector<Positions> members = {Tube::bent(0), Tube::bent(2.1)};
+  const auto blend = make(tube.topology, members[0]);
+  for (float w : {0.25f, 0.5f, 0.75f}) {
+    const std::vector<float> weights = {1 - w, w};
+    const Positions mixed = blend->blend(members, weights), linear = linearBlend(members, weights);
+    EXPECT_LT(largestDistance(centred(mixed), centred(Tube::bent(2.1 * w))), 0.002) << w;
+    EXPECT_NEAR(Tube::length(mixed), 1, 0.003);
+    EXPECT_LT(Tube::length(linear), 0.96);
+    EXPECT_LT(glm::distance(meanOf(mixed), meanOf(linear)), 1e-5);
+  }
+}
+
+TEST(NonlinearBlend, MembersThemselvesAreExact) {
+  const Tube tube;
+  const std::vector<Positions> members = {Tube::bent(0), Tube::bent(1.5)};
+  const auto blend = make(tube.topology, Tube::bent(0.4));  // any pose is a reference
+  EXPECT_LT(largestDistance(blend->blend(members, std::vector<float>{0, 1}), members[1]), 1e-5);
+  // Both equal: a solve, yet nothing moves.
+  const std::vector<Positions> same = {members[1], members[1]};
+  EXPECT_LT(largestDistance(blend->blend(same, std::vector<float>{0.5f, 0.5f}), members[1]), 1e-5);
+}
+
+TEST(NonlinearBlend, RigidTurnsBlendExactly) {
+  const Tube tube;
+  const Positions pose = Tube::bent(1);
+  for (double angle : {1.2, 3.0}) {
+    const std::vector<Positions> members = {pose, turnedAboutY(pose, angle, {2, 0.5f, -1})};
+    const auto blend = make(tube.topology, Tube::bent(0));
+    const std::vector<float> weights = {0.7f, 0.3f};
+    const Positions expected = turnedAboutY(pose, 0.3 * angle, {0, 0, 0});
+    EXPECT_LT(largestDistance(centred(blend->blend(members, weights)), centred(expected)), 1e-4) << angle;
+  }
+}
+
+TEST(NonlinearBlend, ThreeMembersMixTheirTurns) {
+  const Tube tube;
+  const Positions pose = Tube::bent(1);
+  const std::vector<Positions> members = {pose, turnedAboutY(pose, 0.5, {0, 0, 0}), turnedAboutY(pose, 1, {0, 0, 0})};
+  const auto blend = make(tube.topology, pose);
+  const Positions expected = turnedAboutY(pose, 0.3 * 0.5 + 0.5 * 1, {0, 0, 0});
+  const Positions mixed = blend->blend(members, std::vector<float>{0.2f, 0.3f, 0.5f});
+  EXPECT_LT(largestDistance(centred(mixed), centred(expected)), 1e-4);
+}
+
+TEST(NonlinearBlend, BeyondAHalfTurnNeighboursAgree) {
+  // The tube's tip turns by 3.8: past π the shortest way would tear the tube.
+  const Tube tube;
+  const std::vector<Positions> members = {Tube::bent(0), Tube::bent(3.8)};
+  const auto blend = make(tube.topology, members[0]);
+  const Positions mixed = blend->blend(members, std::vector<float>{0.5f, 0.5f});
+  EXPECT_LT(largestDistance(centred(mixed), centred(Tube::bent(1.9))), 0.004);
+}
+
+TEST(NonlinearBlend, BadFacesDoNoHarm) {
+  Tube tube;
+  std::vector<Positions> members = {Tube::bent(0), Tube::bent(2.1)};
+  const Positions good = make(tube.topology, members[0])->blend(members, std::vector<float>{0.5f, 0.5f});
+  const uint32_t own = tube.topology.vertex_count, lonely = own + 1;
+  for (Positions& p : members) p.insert(p.end(), {p[100], glm::vec3(7)});
+  auto& faces = tube.topology.face_vertices;
+  faces[96] = {48, 48, 48};          // a hole, and a face of one point
+  faces.push_back({0, 1, 1});        // an edge
+  faces.push_back({30, 31, 43});     // a third face at its edges
+  faces.push_back({100, 101, own});  // a vertex on another one's spot
+  tube.topology.vertex_count = lonely + 1;
+  tube.topology.face_uvs.assign(faces.size(), {0, 1, 2});
+  const Positions mixed = make(tube.topology, members[0])->blend(members, std::vector<float>{0.5f, 0.5f});
+  for (const glm::vec3& p : mixed) ASSERT_TRUE(std::isfinite(p.x + p.y + p.z));
+  Positions tube_only(mixed.begin(), mixed.end() - 2);
+  EXPECT_LT(largestDistance(centred(tube_only), centred(good)), 0.01);
+  EXPECT_LT(glm::distance(mixed[lonely], glm::vec3(7)), 1e-4);
+  EXPECT_LT(glm::distance(mixed[own], mixed[100]), 0.01);
+}
+
+TEST(NonlinearBlend, AMeshWithoutAreaIsRefused) {
+  Tube tube;
+  const auto blend = NonlinearBlend::create(tube.topology, Positions(tube.topology.vertex_count, glm::vec3(1)));
+  ASSERT_FALSE(blend.ok());
+  EXPECT_EQ(blend.error().id, ErrorId::MeshTopology);
+}
+
+TEST(HybridBlend, LinearErrorOfATurnIsItsSagitta) {
+  const Tube tube;
+  const std::vector<Positions> members = {Tube::bent(0), turnedAboutY(Tube::bent(0), 1.6, {0, 0, 0})};
+  const auto blend = make(tube.topology, members[0]);
+  HybridErrors errors({{0, 1, 1}}, HybridMix::Polynomial, 16, 4);
+  errors.add(*blend, members);
+  EXPECT_NEAR(errors.of(1).max_m, Tube::kRadius * (1 - std::cos(0.8)), 1e-4);
+}
+
+TEST(HybridBlend, ReferencesAreJoinedAndMoreLeaveLess) {
+  const Tube tube;
+  const std::vector<Positions> members = {Tube::bent(0), Tube::bent(2.1)};
+  const auto blend = make(tube.topology, members[0]);
+  for (HybridMix mix : {HybridMix::Straight, HybridMix::Polynomial}) {
+    HybridErrors errors({{0, 1, 1}}, mix, 16, 4);
+    errors.add(*blend, members);
+    EXPECT_GT(errors.of(1).max_m, 0.05);
+    for (int segments = 2; segments <= 4; ++segments)
+      EXPECT_LT(errors.of(segments).max_m, 0.6 * errors.of(segments - 1).max_m) << segments;
+    const auto nodes = hybridNodes(true, 4, 16);
+    ASSERT_EQ(nodes.size(), 3u);
+    for (size_t n = 0; n < 3; ++n) {
+      const auto at_node = hybridCoefficients(nodes, 4, mix, nodes[n]);
+      for (size_t k = 0; k < 3; ++k) EXPECT_NEAR(at_node[k], k == n ? 1 : 0, 1e-9);
+    }
+    for (double c : hybridCoefficients(nodes, 4, mix, {0, 1, 0})) EXPECT_NEAR(c, 0, 1e-9);
+  }
+}
+
+TEST(HybridBlend, TrianglesMixTheReferencesRoundAPoint) {
+  const auto nodes = hybridNodes(false, 2, 12);
+  ASSERT_EQ(nodes.size(), 3u);
+  double sum = 0;  // amid the three edges' middles, they share everything
+  for (double c : hybridCoefficients(nodes, 2, HybridMix::Straight, Shares(1) / 3.0)) sum += c;
+  EXPECT_NEAR(sum, 1, 1e-9);
+  for (double c : hybridCoefficients(nodes, 2, HybridMix::Straight, {1, 0, 0})) EXPECT_NEAR(c, 0, 1e-9);
+}
+
+}  // namespace
+}  // namespace fourdvt::bake
