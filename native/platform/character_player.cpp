@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "platform/character_player.h"
 
-#include <algorithm>
+#include <array>
 #include <deque>
 #include <filesystem>
 #include <map>
 
 #include "platform/ffmpeg_video.h"
 #include "platform/files.h"
+#include "platform/still_target.h"
 
 namespace fourdvt::platform {
 namespace {
@@ -43,29 +44,24 @@ struct HeldPicture {
   }
 };
 
-void unpremultiply(Image& image) {
-  for (size_t i = 0; i + 3 < image.pixels.size(); i += 4) {
-    uint8_t* p = &image.pixels[i];
-    if (p[3] == 0 || p[3] == 255) continue;
-    for (int c = 0; c < 3; ++c) p[c] = static_cast<uint8_t>(std::min(255, (p[c] * 255 + p[3] / 2) / p[3]));
-  }
-}
-
 class FilePlayer final : public CharacterPlayer {
  public:
-  FilePlayer(gpu::Device& device, std::string folder) : device_(device), folder_(std::move(folder)) {}
+  FilePlayer(gpu::Device& device, std::shared_ptr<render::Recipe> recipe, std::string folder)
+      : recipe_(std::move(recipe)), folder_(std::move(folder)), still_(device) {}
 
-  Status load(const std::string& manifest_path) {
+  Status load(gpu::Device& device, const std::string& manifest_path) {
     auto json = readJsonFlat(manifest_path);
     if (!json.ok()) return json.error();
-    auto player = Player::create(device_, {});
+    auto player = Player::create(device, recipe_, {});
     if (!player.ok()) return player.error();
     player_ = player.take();
     return player_->loadManifest(json.value());
   }
 
   Player& player() override { return *player_; }
+  render::Recipe& recipe() override { return *recipe_; }
   Status showFrame(const std::string& sequence, uint32_t frame) override;
+  Status advance(double seconds) override;
   Status pump() override;
   Result<Image> renderStill(const render::View& view, const render::RecipeOptions& options) override;
 
@@ -75,31 +71,33 @@ class FilePlayer final : public CharacterPlayer {
     return player_->hasFrame() && !player_->seeking() && current && current->name == sequence &&
            player_->frame() == frame;
   }
+  struct Decoding {
+    std::unique_ptr<SampleDecoder> decoder;
+    std::deque<HeldPicture> held;
+  };
+  Decoding& decoding(int decoder) { return decoding_[static_cast<size_t>(decoder)]; }
   // One overload a request.
   void answer(const FetchRange& fetch);
   void answer(const CancelFetch&) {}  // files answer at once: nothing is ever under way
   void answer(const ConfigureDecoder& configure);
   void answer(const DecodeSample& sample);
-  void answer(const FlushDecoder&) { report(decoder_ ? decoder_->flush() : Status()); }
-  void answer(const ResetDecoder&);
-  void report(const Status& status);
-  void onPicture(const I420View& picture, int64_t timestamp_us);
+  void answer(const FlushDecoder& flush);
+  void answer(const ResetDecoder& reset);
+  void answer(const CloseDecoder& close) { decoding(close.decoder) = {}; }
+  void report(int decoder, const Status& status);
+  void onPicture(int decoder, const I420View& picture, int64_t timestamp_us);
   void offerHeldPictures();
   // False if no slot is free now.
-  bool offer(const I420View& picture, int64_t timestamp_us);
+  bool offer(int decoder, const I420View& picture, int64_t timestamp_us);
   Status takeEvents();
-  Status prepareTarget(int width, int height);
 
-  gpu::Device& device_;
+  std::shared_ptr<render::Recipe> recipe_;
   std::string folder_;
   std::unique_ptr<Player> player_;
-  std::unique_ptr<SampleDecoder> decoder_;
-  std::deque<HeldPicture> held_;
+  std::array<Decoding, kDecoders> decoding_;
   std::map<std::string, Error> errors_;  // by sequence: the player reports a broken one only once
   double now_s_ = 0;
-  gpu::Texture color_;
-  gpu::Target target_;
-  int target_width_ = 0, target_height_ = 0;
+  StillTarget still_;
 };
 
 void FilePlayer::answer(const FetchRange& fetch) {
@@ -112,35 +110,39 @@ void FilePlayer::answer(const FetchRange& fetch) {
 }
 
 void FilePlayer::answer(const ConfigureDecoder& configure) {
-  held_.clear();
+  const int number = configure.decoder;
+  decoding(number) = {};
   auto decoder = SampleDecoder::create(
       configure.codec, configure.description,
-      [this](const I420View& picture, int64_t timestamp_us) { onPicture(picture, timestamp_us); });
-  if (decoder.ok()) {
-    decoder_ = decoder.take();
-  } else {
-    decoder_.reset();
-    report(decoder.error());
-  }
+      [this, number](const I420View& picture, int64_t timestamp_us) { onPicture(number, picture, timestamp_us); });
+  if (decoder.ok())
+    decoding(number).decoder = decoder.take();
+  else
+    report(number, decoder.error());
 }
 
 void FilePlayer::answer(const DecodeSample& sample) {
-  if (decoder_) report(decoder_->decode(sample.bytes, sample.timestamp_us, sample.key));
+  if (SampleDecoder* decoder = decoding(sample.decoder).decoder.get())
+    report(sample.decoder, decoder->decode(sample.bytes, sample.timestamp_us, sample.key));
 }
 
-void FilePlayer::answer(const ResetDecoder&) {
-  held_.clear();
-  if (decoder_) decoder_->reset();
+void FilePlayer::answer(const FlushDecoder& flush) {
+  if (SampleDecoder* decoder = decoding(flush.decoder).decoder.get()) report(flush.decoder, decoder->flush());
 }
 
-void FilePlayer::report(const Status& status) {
+void FilePlayer::answer(const ResetDecoder& reset) {
+  decoding(reset.decoder).held.clear();
+  if (SampleDecoder* decoder = decoding(reset.decoder).decoder.get()) decoder->reset();
+}
+
+void FilePlayer::report(int decoder, const Status& status) {
   if (status.ok()) return;
   const bool unsupported = status.error().id == ErrorId::DecoderUnsupported;
-  player_->onDecoderFailed((unsupported ? "unsupported: " : "") + status.error().message);
+  player_->onDecoderFailed(decoder, (unsupported ? "unsupported: " : "") + status.error().message);
 }
 
-bool FilePlayer::offer(const I420View& picture, int64_t timestamp_us) {
-  const int slot = player_->acquireSlot(timestamp_us);
+bool FilePlayer::offer(int decoder, const I420View& picture, int64_t timestamp_us) {
+  const int slot = player_->acquireSlot(decoder, timestamp_us);
   if (slot == -1) return false;
   if (slot < 0) return true;
   player_->uploadI420(slot, picture);
@@ -148,13 +150,17 @@ bool FilePlayer::offer(const I420View& picture, int64_t timestamp_us) {
   return true;
 }
 
-void FilePlayer::onPicture(const I420View& picture, int64_t timestamp_us) {
-  if (held_.empty() && offer(picture, timestamp_us)) return;
-  held_.emplace_back(picture, timestamp_us);
+void FilePlayer::onPicture(int decoder, const I420View& picture, int64_t timestamp_us) {
+  std::deque<HeldPicture>& held = decoding(decoder).held;
+  if (held.empty() && offer(decoder, picture, timestamp_us)) return;
+  held.emplace_back(picture, timestamp_us);
 }
 
 void FilePlayer::offerHeldPictures() {
-  while (!held_.empty() && offer(held_.front().view(), held_.front().timestamp_us)) held_.pop_front();
+  for (int d = 0; d < kDecoders; ++d) {
+    std::deque<HeldPicture>& held = decoding(d).held;
+    while (!held.empty() && offer(d, held.front().view(), held.front().timestamp_us)) held.pop_front();
+  }
 }
 
 // Remembers errors and returns the first one.
@@ -188,10 +194,11 @@ Status FilePlayer::showFrame(const std::string& sequence, uint32_t frame) {
                                                "; its frames are 0 to " + std::to_string(wanted->frame_count - 1)};
   }
   if (auto broken = errors_.find(sequence); broken != errors_.end()) return broken->second;
-  if (shows(sequence, frame)) return {};
   player_->pause();
-  FOURDVT_TRY(player_->selectSequence(sequence));
-  player_->seekFrame(frame);
+  if (!shows(sequence, frame)) {
+    FOURDVT_TRY(player_->selectSequence(sequence));
+    player_->seekFrame(frame);
+  }
   for (int tick = 0; tick < kMaxTicksPerFrame; ++tick) {
     player_->tick(now_s_ += kTick_s);
     if (shows(sequence, frame)) return {};
@@ -201,53 +208,39 @@ Status FilePlayer::showFrame(const std::string& sequence, uint32_t frame) {
                                           std::to_string(frame) + " never came out of the decoder; bake again"};
 }
 
-Status FilePlayer::prepareTarget(int width, int height) {
-  if (target_ && width == target_width_ && height == target_height_) return {};
-  gpu::TextureDesc texture;
-  texture.width = width;
-  texture.height = height;
-  texture.label = "still";
-  auto color = gpu::makeTexture(device_, texture);
-  if (!color.ok()) return color.error();
-  gpu::TargetDesc desc;
-  desc.colors = {color.value().id()};
-  desc.width = width;
-  desc.height = height;
-  desc.label = "still";
-  auto target = gpu::makeTarget(device_, desc);
-  if (!target.ok()) return target.error();
-  target_ = target.take();
-  color_ = color.take();
-  target_width_ = width;
-  target_height_ = height;
+Status FilePlayer::advance(double seconds) {
+  FOURDVT_TRY(pump());  // fills every slot, so that the step meets decoded pictures
+  player_->tick(now_s_ += seconds);
+  FOURDVT_TRY(pump());
+  for (int tick = 0; player_->seeking() && tick < kMaxTicksPerFrame; ++tick) {
+    player_->tick(now_s_);
+    FOURDVT_TRY(pump());
+  }
   return {};
 }
 
 Result<Image> FilePlayer::renderStill(const render::View& view, const render::RecipeOptions& options) {
-  const int largest = device_.caps().max_texture_size;
-  if (view.width < 1 || view.height < 1 || view.width > largest || view.height > largest) {
-    return Error{ErrorId::InvalidArgument, "picture size must be between 1 and " + std::to_string(largest) + " pixels"};
-  }
-  FOURDVT_TRY(prepareTarget(view.width, view.height));
-  FOURDVT_TRY(player_->draw(view, options, target_.id()));
-  Image image(view.width, view.height, 4);
-  FOURDVT_TRY(
-      device_.readPixels(target_.id(), gpu::PixelFormat::RGBA8, 0, 0, view.width, view.height, image.pixels.data()));
-  unpremultiply(image);
-  return image;
+  return still_.render(view, [&](gpu::TargetId target) { return player_->draw(view, options, target); });
 }
 
 }  // namespace
 
 Result<std::unique_ptr<CharacterPlayer>> CharacterPlayer::open(gpu::Device& device, const std::string& manifest_path) {
+  auto recipe = render::Recipe::create(device);
+  if (!recipe.ok()) return recipe.error();
+  return open(device, manifest_path, recipe.take());
+}
+
+Result<std::unique_ptr<CharacterPlayer>> CharacterPlayer::open(gpu::Device& device, const std::string& manifest_path,
+                                                               std::shared_ptr<render::Recipe> recipe) {
   namespace fs = std::filesystem;
   std::error_code ignored;
   fs::path manifest(manifest_path);
   if (fs::is_directory(manifest, ignored)) manifest /= "character.gltf";
   fs::path folder = manifest.parent_path();
   if (folder.empty()) folder = ".";
-  auto player = std::make_unique<FilePlayer>(device, folder.string());
-  FOURDVT_TRY(player->load(manifest.string()));
+  auto player = std::make_unique<FilePlayer>(device, std::move(recipe), folder.string());
+  FOURDVT_TRY(player->load(device, manifest.string()));
   return std::unique_ptr<CharacterPlayer>(std::move(player));
 }
 

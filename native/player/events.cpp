@@ -5,17 +5,32 @@ namespace fourdvt {
 
 const char* eventName(EventKind kind) {
   switch (kind) {
-    case EventKind::LoadedMetadata: return "loadedmetadata";
-    case EventKind::CanPlay: return "canplay";
-    case EventKind::Playing: return "playing";
-    case EventKind::Paused: return "pause";
-    case EventKind::Waiting: return "waiting";
-    case EventKind::Seeked: return "seeked";
-    case EventKind::Ended: return "ended";
-    case EventKind::TimeUpdate: return "timeupdate";
-    case EventKind::Progress: return "progress";
-    case EventKind::SequenceChanged: return "sequencechange";
-    case EventKind::Error: return "error";
+    case EventKind::LoadedMetadata:
+      return "loadedmetadata";
+    case EventKind::CanPlay:
+      return "canplay";
+    case EventKind::Playing:
+      return "playing";
+    case EventKind::Paused:
+      return "pause";
+    case EventKind::Waiting:
+      return "waiting";
+    case EventKind::Seeked:
+      return "seeked";
+    case EventKind::Ended:
+      return "ended";
+    case EventKind::TimeUpdate:
+      return "timeupdate";
+    case EventKind::Progress:
+      return "progress";
+    case EventKind::SequenceChanged:
+      return "sequencechange";
+    case EventKind::Error:
+      return "error";
+    case EventKind::TransitionStarted:
+      return "transitionstart";
+    case EventKind::TransitionEnded:
+      return "transitionend";
   }
   return "error";
 }

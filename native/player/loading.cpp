@@ -22,17 +22,17 @@ Status PlayerImpl::loadManifest(const FlatJson& gltf) {
   character_ = read.take();
   sequences_.clear();
   sequences_.resize(character_->sequences.size());
-  active_ = 0;
-  if (!wanted_name_.empty()) FOURDVT_TRY(selectSequence(wanted_name_));
+  const int first = wanted_name_.empty() ? 0 : findSequence(wanted_name_);
   emit(EventKind::LoadedMetadata);
   progress_total_ = character_->mesh_bytes;
-  startAt(frameOf(wanted_k_));
+  select(std::max(first, 0));
+  if (first < 0) return Error{ErrorId::InvalidArgument, "the character has no sequence named " + wanted_name_};
   return {};
 }
 
-bool PlayerImpl::ready() const {
-  if (active_ < 0 || !model_) return false;
-  const SequenceState& state = sequences_[static_cast<size_t>(active_)];
+bool PlayerImpl::ready(const Track& t) const {
+  if (!t.used() || !model_) return false;
+  const SequenceState& state = stateOf(t);
   return state.header == PartState::Present && !state.broken;
 }
 
@@ -44,40 +44,58 @@ void PlayerImpl::requestFetch(PartKind kind, int sequence, uint32_t gop, const s
   requests_.emplace_back(std::in_place_type<FetchRange>, range);
 }
 
-// Asks for whatever the wanted position lacks: mesh and header first, then its GOP, then the next one.
+// Asks for whatever the wanted position lacks: mesh and header first, then its GOP, then the next one; then the same of
+// the state that comes next.
 void PlayerImpl::requestMissing() {
-  if (active_ < 0) return;
-  const package::Sequence& sequence = active();
-  SequenceState& state = sequences_[static_cast<size_t>(active_)];
+  if (!main().used()) return;
   if (mesh_state_ == PartState::Absent) {
     mesh_state_ = PartState::Fetching;
     requestFetch(PartKind::Mesh, -1, 0, character_->mesh_uri, character_->mesh_offset, character_->mesh_bytes);
   }
-  if (state.header == PartState::Absent) {
-    state.header = PartState::Fetching;
-    if (!can_play_) progress_total_ += sequence.stream_header_bytes;
-    requestFetch(PartKind::Header, active_, 0, sequence.stream_uri, 0, sequence.stream_header_bytes);
-  }
-  if (state.header != PartState::Present || state.broken) return;
-  const int64_t k = playing_ && !seeking_ ? shown_.k : wanted_k_;
-  for (uint32_t gop : stream::neededGops(state.index, frameOf(k), looping(), kGopsAhead)) requestGop(active_, gop);
-  if (feeding_ && !feed_done_) requestGop(active_, feed_gop_);
-  cache_.trim(keptGops());
+  requestTrack(main());
+  if (other().used()) requestTrack(other());
+  if (transition_.phase == Phase::Wanted) requestHeader(transition_.target);
+  if (can_play_ && fetches_.empty()) requestGraph();
+  std::vector<GopKey> keep;
+  addNeededGops(main(), keep);
+  addNeededGops(other(), keep);
+  cache_.trim(keep);
 }
 
-std::vector<GopKey> PlayerImpl::keptGops() const {
-  std::vector<GopKey> keep;
-  const SequenceState& state = sequences_[static_cast<size_t>(active_)];
-  if (state.header != PartState::Present) return keep;
-  const int64_t k = playing_ && !seeking_ ? shown_.k : wanted_k_;
-  for (uint32_t gop : stream::neededGops(state.index, frameOf(k), looping(), kGopsAhead))
-    keep.push_back({active_, gop});
-  if (feeding_) keep.push_back({active_, feed_gop_});
-  return keep;
+void PlayerImpl::requestTrack(const Track& t) {
+  requestHeader(t.sequence);
+  std::vector<GopKey> needed;
+  addNeededGops(t, needed);
+  for (const GopKey& key : needed) requestGop(key.sequence, key.gop);
+}
+
+void PlayerImpl::requestHeader(int sequence_index) {
+  const package::Sequence& sequence = sequenceAt(sequence_index);
+  SequenceState& state = sequences_[static_cast<size_t>(sequence_index)];
+  if (state.header != PartState::Absent) return;
+  state.header = PartState::Fetching;
+  if (!can_play_) progress_total_ += sequence.stream_header_bytes;
+  requestFetch(PartKind::Header, sequence_index, 0, sequence.stream_uri, 0, sequence.stream_header_bytes);
+}
+
+void PlayerImpl::requestGraph() {
+  if (graph_state_ != PartState::Absent || character_->graph_uri.empty()) return;
+  graph_state_ = PartState::Fetching;
+  requestFetch(PartKind::Graph, -1, 0, character_->graph_uri, 0, character_->graph_bytes);
+}
+
+// What playing on needs, nearest first.
+void PlayerImpl::addNeededGops(const Track& t, std::vector<GopKey>& keys) const {
+  if (!t.used()) return;
+  const SequenceState& state = stateOf(t);
+  if (state.header != PartState::Present || state.broken) return;
+  for (uint32_t gop : stream::neededGops(state.index, frameOf(t, positionOf(t)), looping(t), kGopsAhead))
+    keys.push_back({t.sequence, gop});
+  if (t.feeding && !t.feed_done) keys.push_back({t.sequence, t.feed_gop});
 }
 
 void PlayerImpl::requestGop(int sequence_index, uint32_t gop_index) {
-  const package::Sequence& sequence = character_->sequences[static_cast<size_t>(sequence_index)];
+  const package::Sequence& sequence = sequenceAt(sequence_index);
   const package::StreamIndex& index = sequences_[static_cast<size_t>(sequence_index)].index;
   stream::Gop& gop = cache_.touch({sequence_index, gop_index});
   if (gop.chunk_state == PartState::Absent) {
@@ -122,13 +140,14 @@ Status PlayerImpl::receiveMesh(std::span<const uint8_t> bytes) {
 }
 
 Status PlayerImpl::receiveHeader(int sequence_index, std::span<const uint8_t> bytes) {
-  const package::Sequence& sequence = character_->sequences[static_cast<size_t>(sequence_index)];
+  const package::Sequence& sequence = sequenceAt(sequence_index);
   auto index = package::readStreamHeader(bytes);
   if (!index.ok()) return Error{index.error().id, sequence.stream_uri + ": " + index.error().message};
   const package::StreamIndex& i = index.value();
   if (i.frame_count != sequence.frame_count || i.vertex_count != character_->vertex_count ||
       i.face_count != character_->face_count || i.layer_count != static_cast<uint32_t>(character_->layer_count) ||
-      i.renditions.size() != sequence.renditions.size())
+      i.renditions.size() != sequence.renditions.size() || i.member_count != sequence.members.size() ||
+      i.reference_count != sequence.reference_count)
     return Error{ErrorId::StreamInvalid,
                  sequence.stream_uri + ": stream and manifest disagree on counts; bake the character again"};
   for (const package::ChunkEntry& chunk : i.chunks)
@@ -145,6 +164,13 @@ Status PlayerImpl::receiveHeader(int sequence_index, std::span<const uint8_t> by
   return {};
 }
 
+// A graph that cannot be read counts as none: states are then simply selected.
+void PlayerImpl::receiveGraph(std::span<const uint8_t> bytes) {
+  auto graph = motion::MotionGraph::read(bytes, *character_);
+  graph_state_ = graph.ok() ? PartState::Present : PartState::Failed;
+  if (graph.ok()) graph_ = graph.take();
+}
+
 void PlayerImpl::onRangeReceived(uint32_t id, std::span<const uint8_t> bytes) {
   auto it = fetches_.find(id);
   if (it == fetches_.end()) return;
@@ -158,9 +184,12 @@ void PlayerImpl::onRangeReceived(uint32_t id, std::span<const uint8_t> bytes) {
   Status status;
   if (fetch.kind == PartKind::Mesh) {
     status = receiveMesh(bytes);
+  } else if (fetch.kind == PartKind::Graph) {
+    receiveGraph(bytes);
   } else if (fetch.kind == PartKind::Header) {
     status = receiveHeader(fetch.sequence, bytes);
-    if (status.ok() && fetch.sequence == active_) restartFeed();
+    for (Track& t : tracks_)
+      if (status.ok() && fetch.sequence == t.sequence) restartFeed(t);
   } else {
     stream::Gop& gop = cache_.touch({fetch.sequence, fetch.gop});
     const bool video = fetch.kind == PartKind::Video;
@@ -181,6 +210,10 @@ void PlayerImpl::onRangeFailed(uint32_t id, const std::string& reason) {
   }
   const Fetch fetch = it->second;
   fetches_.erase(it);
+  if (fetch.kind == PartKind::Graph) {
+    graph_state_ = PartState::Failed;
+    return;
+  }
   if (stream::Gop* gop = fetch.kind == PartKind::Video || fetch.kind == PartKind::Chunk
                              ? cache_.find({fetch.sequence, fetch.gop})
                              : nullptr)
@@ -193,13 +226,16 @@ void PlayerImpl::onRangeFailed(uint32_t id, const std::string& reason) {
 
 // Reports and stops asking for what is broken: one sequence, or everything (-1). The player itself stays usable.
 void PlayerImpl::fail(Error error, int broken_sequence) {
-  for (size_t i = 0; i < sequences_.size(); ++i)
-    if (broken_sequence < 0 || static_cast<int>(i) == broken_sequence) {
-      if (sequences_[i].broken) return;
-      sequences_[i].broken = true;
-      cache_.dropSequence(static_cast<int>(i));
-    }
-  if (broken_sequence < 0 || broken_sequence == active_) stopFeed();
+  bool news = sequences_.empty();
+  for (size_t i = 0; i < sequences_.size(); ++i) {
+    if (sequences_[i].broken || (broken_sequence >= 0 && static_cast<int>(i) != broken_sequence)) continue;
+    news = sequences_[i].broken = true;
+    cache_.dropSequence(static_cast<int>(i));
+  }
+  if (!news) return;
+  for (Track& t : tracks_)
+    if (broken_sequence < 0 || broken_sequence == t.sequence) stopFeed(t);
+  if (broken_sequence < 0 || broken_sequence == transition_.target) cancelTransition();
   Event event{EventKind::Error, std::move(error), 0, 0};
   events_.push_back(std::move(event));
 }
@@ -221,7 +257,7 @@ const package::ChunkFrames* PlayerImpl::geometryOf(int sequence_index, uint32_t 
   }
   if (status.ok()) status = gop->geometry->decodeTo(frame - state.index.chunks[gop_index].first_frame);
   if (!status.ok()) {
-    const std::string& uri = character_->sequences[static_cast<size_t>(sequence_index)].stream_uri;
+    const std::string& uri = sequenceAt(sequence_index).stream_uri;
     fail({status.error().id, uri + ": " + status.error().message}, sequence_index);
     return nullptr;
   }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The state machine of one character: what to fetch, what to decode, which frame to show, how to draw it.
 //
-// Does: load, play, pause, seek, loop, rate, sequence choice; pair decoded pictures with mesh chunks by timestamp and
-// check the barcode; bound its memory by a window of GOPs. Does NOT fetch, decode video, own a clock, touch the DOM or
-// files: the edge (page or native tool) polls requests and feeds answers.
-// Order of calls: create → loadManifest → { tick(now) → drain nextRequest/nextEvent → answers → draw } …
-// Single-threaded. No call blocks.
+// Does: load, play, pause, seek, loop, rate, sequence choice; parameters of motion classes, transitions through the
+// motion graph, root motion; pair decoded pictures with mesh chunks by timestamp and check the barcode; bound its
+// memory by a window of GOPs. During a transition two sequences play, each with a decoder of its own
+// (Request::decoder). Does NOT fetch, decode video, own a clock, touch the DOM or files: the edge (page or native tool)
+// polls requests and feeds answers. Order of calls: create → loadManifest → { tick(now) → drain nextRequest/nextEvent →
+// answers → draw } … Single-threaded. No call blocks.
 #pragma once
 
 #include <cstdint>
@@ -17,51 +18,81 @@
 #include "base/flat_json.h"
 #include "base/result.h"
 #include "gpu/device.h"
+#include "motion/placement.h"
 #include "package/character.h"
 #include "render/recipe.h"
 
 namespace fourdvt {
 
 // What the edge must do. Spans stay valid until the next call of any non-const method of the player.
-struct FetchRange {      // answer: onRangeReceived / onRangeFailed
+struct FetchRange {  // answer: onRangeReceived / onRangeFailed
   uint32_t id = 0;
-  std::string uri;       // relative to the manifest
+  std::string uri;  // relative to the manifest
   uint64_t offset = 0, bytes = 0;
 };
-struct CancelFetch { uint32_t id = 0; };
+struct CancelFetch {
+  uint32_t id = 0;
+};
+// Decoder requests name one of kDecoders; the second is used only around transitions.
+constexpr int kDecoders = 2;
 struct ConfigureDecoder {  // drop everything queued, then configure
+  int decoder = 0;
   std::string codec;
   std::span<const uint8_t> description;  // avcC or empty
   int width = 0, height = 0;
 };
 struct DecodeSample {
+  int decoder = 0;
   std::span<const uint8_t> bytes;
-  int64_t timestamp_us = 0;  // strictly identifies the wanted presentation (unwrapped over loops); goes back in the answer
+  int64_t timestamp_us =
+      0;  // strictly identifies the wanted presentation (unwrapped over loops); goes back in the answer
   bool key = false;
 };
-struct FlushDecoder {};  // no more samples follow for now: output everything (end of a sequence that does not loop)
-struct ResetDecoder {};  // forget queued samples and pictures (seek, other sequence); answers still in flight are dropped
-using Request = std::variant<FetchRange, CancelFetch, ConfigureDecoder, DecodeSample, FlushDecoder, ResetDecoder>;
+struct FlushDecoder {
+  int decoder = 0;
+};  // no more samples follow for now: output everything (end of a sequence that does not loop)
+struct ResetDecoder {
+  int decoder = 0;
+};  // forget queued samples and pictures (seek, other sequence); answers still in flight are dropped
+struct CloseDecoder {
+  int decoder = 0;
+};  // not needed any more: free it
+using Request =
+    std::variant<FetchRange, CancelFetch, ConfigureDecoder, DecodeSample, FlushDecoder, ResetDecoder, CloseDecoder>;
 
 enum class EventKind {
-  LoadedMetadata, CanPlay, Playing, Paused, Waiting, Seeked, Ended, TimeUpdate, Progress, SequenceChanged, Error
+  LoadedMetadata,
+  CanPlay,
+  Playing,
+  Paused,
+  Waiting,
+  Seeked,
+  Ended,
+  TimeUpdate,
+  Progress,
+  SequenceChanged,
+  Error,
+  TransitionStarted,
+  TransitionEnded
 };
 const char* eventName(EventKind kind);  // "loadedmetadata", "canplay", … as the media element names them
 struct Event {
   EventKind kind;
-  Error error;                                    // Error only
-  uint64_t loaded_bytes = 0, total_bytes = 0;     // Progress only: towards the first picture
+  Error error;                                 // Error only
+  uint64_t loaded_bytes = 0, total_bytes = 0;  // Progress only: towards the first picture
 };
 
 struct PlayerOptions {
-  int picture_slots = 4;                 // decoded pictures kept on the GPU
+  int picture_slots = 4;                      // decoded pictures kept on the GPU
   uint64_t encoded_budget_bytes = 16u << 20;  // fetched GOPs kept for loops
   render::PictureTextures::Kind picture_kind = render::PictureTextures::Kind::I420;
+  double turn_rate_rad_s = 2.1;  // heading follows the wanted one at most this fast
+  double parameter_rate = 1.5;   // a class's parameter crosses its whole range at most this often a second
 };
 
 struct PlayerStats {
-  uint64_t frames_shown = 0;        // distinct presentations
-  uint64_t frames_late = 0;         // presentations skipped because nothing was ready
+  uint64_t frames_shown = 0;  // distinct presentations
+  uint64_t frames_late = 0;   // presentations skipped because nothing was ready
   uint64_t barcode_checked = 0, barcode_mismatches = 0;
   uint64_t bytes_fetched = 0;
   uint64_t encoded_bytes_held = 0;
@@ -70,17 +101,36 @@ struct PlayerStats {
 class Player {
  public:
   static Result<std::unique_ptr<Player>> create(gpu::Device& device, const PlayerOptions& options);
+  // Several characters on one device share programs and targets: they are drawn together by one recipe.
+  static Result<std::unique_ptr<Player>> create(gpu::Device& device, std::shared_ptr<render::Recipe> recipe,
+                                                const PlayerOptions& options);
   virtual ~Player() = default;
 
   // Starts loading; the first sequence (or `selectSequence` called before) is prepared at frame 0.
   virtual Status loadManifest(const FlatJson& gltf) = 0;
   virtual void play() = 0;
   virtual void pause() = 0;
-  virtual void seekFrame(uint32_t frame) = 0;           // of the current sequence, clamped; stays playing/paused
+  virtual void seekFrame(uint32_t frame) = 0;  // of the current sequence, clamped; stays playing/paused
   virtual void seek(double time_s) = 0;
   virtual Status selectSequence(const std::string& name) = 0;  // keeps the old picture until the new one is ready
-  virtual void setRate(double rate) = 0;                // 0 < rate <= 4
-  virtual void setLoop(int loop) = 0;                   // -1 as the sequence says, 0 never, 1 always
+  virtual void setRate(double rate) = 0;                       // 0 < rate <= 4
+  virtual void setLoop(int loop) = 0;                          // -1 as the sequence says, 0 never, 1 always
+
+  // Parameters of classes, by name. The shown value glides to the wanted one (parameter_rate); a value outside its
+  // range counts as the nearest. Kept for classes that are entered later. Errors: InvalidArgument: no class has it.
+  virtual Status setParameter(const std::string& name, double value, bool at_once = false) = 0;
+  virtual double parameter(const std::string& name) const = 0;  // as shown; NaN: no class has it
+  // To another state by the best transition of the motion graph: waits for its exit frame, then cross-fades. Without a
+  // graph, or while paused: as selectSequence. Asked again during a transition: taken up after it.
+  virtual Status goTo(const std::string& state) = 0;
+  virtual bool inTransition() const = 0;
+  virtual std::string goal() const = 0;  // state asked for last
+  // Root motion moves the placement while playing; off (default): the character stays where it is put.
+  virtual void setTravel(bool on) = 0;
+  virtual void setPlacement(const motion::Placement& placement) = 0;
+  virtual motion::Placement placement() const = 0;
+  virtual void steer(double heading_rad) = 0;      // wanted heading, reached at turn_rate_rad_s while playing
+  virtual void setAlign(render::Align align) = 0;  // default Baked; a stream without alignment is blended plainly
 
   // Advances the clock to the edge's monotonic time and chooses the frame to show.
   virtual void tick(double now_s) = 0;
@@ -91,22 +141,27 @@ class Player {
   virtual void onRangeFailed(uint32_t id, const std::string& reason) = 0;
   // A decoded picture wants a slot: -1 if none is free now (hold the picture and ask again after the next tick), -2 if
   // nobody waits for that timestamp any more (drop it).
-  virtual int acquireSlot(int64_t timestamp_us) = 0;
+  // Slots are numbered over both decoders.
+  virtual int acquireSlot(int decoder, int64_t timestamp_us) = 0;
   virtual void uploadI420(int slot, const I420View& picture) = 0;  // also checks the barcode
   virtual gpu::TextureId slotTexture(int slot) const = 0;          // Rgba kind: the edge fills it itself
   virtual void commitSlot(int slot) = 0;
-  virtual void onDecoderFailed(const std::string& reason) = 0;
+  virtual void onDecoderFailed(int decoder, const std::string& reason) = 0;
 
   // True once a complete frame (picture + geometry) has been shown by tick.
   virtual bool hasFrame() const = 0;
+  // What to hand to a recipe, to draw it with others; valid until the next tick. Errors: InvalidArgument: no frame yet.
+  virtual Result<render::Figure> figure() const = 0;
+  virtual render::Align align() const = 0;
+  // This character alone.
   virtual Status draw(const render::View& view, const render::RecipeOptions& options, gpu::TargetId target) = 0;
 
   virtual const package::Character* character() const = 0;  // null before the manifest is read
   virtual const package::Sequence* sequence() const = 0;
-  virtual uint32_t frame() const = 0;       // shown frame index
-  virtual double currentTime() const = 0;   // seconds in the sequence
+  virtual uint32_t frame() const = 0;      // shown frame index
+  virtual double currentTime() const = 0;  // seconds in the sequence
   virtual bool paused() const = 0;
-  virtual bool seeking() const = 0;         // the wanted sequence and frame are not on screen yet
+  virtual bool seeking() const = 0;  // the wanted sequence and frame are not on screen yet
   virtual PlayerStats stats() const = 0;
 };
 

@@ -64,7 +64,10 @@ Args::Args(const CommandHelp& help, int argc, char** argv) {
     if (option->value && value.empty()) complain(name + " needs a value: " + option->value);
     if (!values_.emplace(name, value).second) complain(name + " is given twice");
   }
-  if (positional_.empty() && !help_asked_) complain("missing argument; usage: fourdvt " + std::string(help.usage));
+  const bool replaced = help.instead && has(help.instead);
+  if (replaced && !positional_.empty()) complain("unexpected argument \"" + positional_ + "\" beside " + help.instead);
+  if (positional_.empty() && !replaced && !help_asked_)
+    complain("missing argument; usage: fourdvt " + std::string(help.usage));
 }
 
 void Args::complain(const std::string& problem) {

@@ -24,11 +24,13 @@ struct CommandHelp {
   const char* usage;    // "bake CAPTURE -o CHARACTER [options]"
   const char* summary;  // one or two sentences
   std::vector<Option> options;
+  const char* instead = nullptr;  // an option that takes the positional argument's place
 };
 
 class Args {
  public:
-  // `argv` after the command's name. Exactly one positional argument is expected unless --help is given.
+  // `argv` after the command's name. Exactly one positional argument is expected unless --help or CommandHelp::instead
+  // is given.
   Args(const CommandHelp& help, int argc, char** argv);
 
   bool wantsHelp() const { return help_asked_; }

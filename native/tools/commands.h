@@ -7,6 +7,7 @@ namespace fourdvt::tools {
 int bakeCommand(int argc, char** argv);
 int inspectCommand(int argc, char** argv);
 int renderCommand(int argc, char** argv);
+int studioCommand(int argc, char** argv);
 int evaluateCommand(int argc, char** argv);
 
 }  // namespace fourdvt::tools

@@ -5,6 +5,8 @@
 #include <filesystem>
 
 #include "base/bytes.h"
+#include "motion/motion_graph.h"
+#include "motion/parameter_space.h"
 #include "package/barcode.h"
 #include "package/base_mesh.h"
 #include "package/character.h"
@@ -24,8 +26,8 @@ namespace fs = std::filesystem;
 const CommandHelp& help() {
   static const CommandHelp text{
       "inspect CHARACTER",
-      "Lists sequences, renditions and sizes of a character folder (or of its character.gltf) and checks that every\n"
-      "chunk and every video frame decodes. Exit code 1 if anything is broken.",
+      "Lists sequences, motion classes, renditions and sizes of a character folder (or of its character.gltf) and\n"
+      "checks that every chunk, every video frame and the motion graph decode. Exit code 1 if anything is broken.",
       {}};
   return text;
 }
@@ -36,10 +38,28 @@ Error inFile(const std::string& path, const Error& error) {
 }
 
 struct SequenceSizes {
-  uint64_t video = 0, geometry = 0, labels = 0, index = 0;
+  uint64_t video = 0, positions = 0, labels = 0, offsets = 0, alignment = 0;
+  uint64_t index = 0;  // header, tables of lengths, root motion
   size_t chunks = 0;
+  bool aligned = false;
   std::string pictures;  // "1536x1024 avc1.640028"
+  uint64_t withoutVideo() const { return positions + labels + offsets + alignment + index; }
 };
+
+// A chunk begins with the lengths of its parts: positions and labels of every member, corrections, alignment.
+void addChunk(std::span<const uint8_t> bytes, const package::StreamIndex& index, SequenceSizes& sizes) {
+  ByteReader lengths(bytes);
+  uint64_t parts = 0;
+  const auto add = [&](uint64_t& kind) {
+    const uint32_t length = lengths.u32();
+    kind += length;
+    parts += length;
+  };
+  for (uint32_t m = 0; m < index.member_count; ++m) add(sizes.positions), add(sizes.labels);
+  for (uint32_t r = 0; r < index.reference_count; ++r) add(sizes.offsets);
+  for (uint32_t a = 0; a < index.alignment_count; ++a) add(sizes.alignment);
+  sizes.index += bytes.size() - parts;
+}
 
 class Inspection {
  public:
@@ -53,6 +73,7 @@ class Inspection {
     character_ = character.take();
     FOURDVT_TRY(baseMesh());
     for (const package::Sequence& sequence : character_.sequences) FOURDVT_TRY(inspectSequence(sequence));
+    if (!character_.graph_uri.empty()) FOURDVT_TRY(readGraph());
     if (!character_.poster_uri.empty()) {
       auto poster = platform::readImage(path(character_.poster_uri));
       if (!poster.ok()) return inFile(path(character_.poster_uri), poster.error());
@@ -75,6 +96,8 @@ class Inspection {
       std::printf("%-12s %6u %6.2f %8.2f %5s %5zu  %s\n", s.name.c_str(), s.frame_count, s.fps, s.duration_s(),
                   s.loop ? "yes" : "no", sizes_[i].chunks, sizes_[i].pictures.c_str());
     }
+    printClasses();
+    printGraph();
     printSizes();
   }
 
@@ -113,6 +136,7 @@ class Inspection {
     SequenceSizes sizes;
     sizes.index = sequence.stream_header_bytes;
     sizes.chunks = index.value().chunks.size();
+    sizes.aligned = index.value().alignment_count > 0;
     FOURDVT_TRY(matchesManifest(sequence, index.value(), file));
     FOURDVT_TRY(chunks(index.value(), file, sizes));
     for (size_t r = 0; r < sequence.renditions.size(); ++r) {
@@ -128,10 +152,11 @@ class Inspection {
 
   Status matchesManifest(const package::Sequence& sequence, const package::StreamIndex& index,
                          const std::string& file) const {
-    const bool same = index.frame_count == sequence.frame_count && index.vertex_count == character_.vertex_count &&
-                      index.face_count == character_.face_count &&
-                      static_cast<int>(index.layer_count) == character_.layer_count &&
-                      index.renditions.size() == sequence.renditions.size();
+    const bool same =
+        index.frame_count == sequence.frame_count && index.vertex_count == character_.vertex_count &&
+        index.face_count == character_.face_count && static_cast<int>(index.layer_count) == character_.layer_count &&
+        index.member_count == sequence.members.size() && index.reference_count == sequence.reference_count &&
+        index.renditions.size() == sequence.renditions.size();
     if (same) return {};
     return Error{ErrorId::StreamInvalid, file + ": counts differ from the manifest's; bake the character again"};
   }
@@ -142,9 +167,7 @@ class Inspection {
       if (!bytes.ok()) return bytes.error();
       auto frames = package::decodeChunk(bytes.value(), index, c, chunk_mesh_);
       if (!frames.ok()) return inFile(file, frames.error());
-      const uint32_t geometry = ByteReader(bytes.value()).u32();  // a chunk starts with the size of its positions
-      sizes.geometry += geometry;
-      sizes.labels += index.chunks[c].bytes - geometry;
+      addChunk(bytes.value(), index, sizes);
     }
     return {};
   }
@@ -180,23 +203,64 @@ class Inspection {
     return Error{ErrorId::VideoInvalid, file + ": " + wrong + "; copy or bake it again"};
   }
 
+  Status readGraph() {
+    const std::string file = path(character_.graph_uri);
+    FOURDVT_TRY(checkSize(file, character_.graph_bytes, ErrorId::StreamInvalid));
+    auto bytes = platform::readFileRange(file, 0, character_.graph_bytes);
+    if (!bytes.ok()) return bytes.error();
+    auto graph = motion::MotionGraph::read(bytes.value(), character_);
+    if (!graph.ok()) return inFile(file, graph.error());
+    graph_ = graph.take();
+    return {};
+  }
+
+  void printClasses() const {
+    for (size_t i = 0; i < sizes_.size(); ++i) {
+      const package::Sequence& s = character_.sequences[i];
+      if (!s.isClass()) continue;
+      std::printf("\nclass %s: ", s.name.c_str());
+      for (size_t p = 0; p < s.space.names.size(); ++p) {
+        const motion::Range range = motion::parameterRange(s, p);
+        std::printf("%s %.2f to %.2f, ", s.space.names[p].c_str(), range.min, range.max);
+      }
+      std::printf(
+          "%u corrections a frame, %s\n", s.reference_count,
+          sizes_[i].aligned ? (std::to_string(sizes_[i].alignment) + " bytes of alignment").c_str() : "not aligned");
+      for (const package::Member& m : s.members) {
+        std::printf("  %-10s at", m.name.c_str());
+        for (double value : m.parameter) std::printf(" %.2f", value);
+        std::printf(": %.2f s, travels x %.2f, z %.2f m, turns %.1f degrees\n", m.duration_s, m.travel.x, m.travel.y,
+                    glm::degrees(m.travel.z));
+      }
+    }
+  }
+
+  void printGraph() const {
+    const int states = static_cast<int>(graph_.states().size());
+    int pairs = 0;
+    for (int from = 0; from < states; ++from)
+      for (int to = 0; to < states; ++to) pairs += graph_.entry(from, 0, 0, to) != nullptr;
+    if (states > 0) {
+      std::printf("\nmotion graph: %d of %d transitions between %d states, %lu bytes\n", pairs, states * (states - 1),
+                  states, character_.graph_bytes);
+    }
+  }
+
   void printSizes() const {
-    std::printf("\n%-12s %10s %10s %10s %10s %10s  %s\n", "bytes", "video", "geometry", "labels", "index", "total",
-                "Mbit/s (video + rest)");
-    uint64_t all = 0;
+    std::printf("\n%-12s %9s %9s %9s %9s %9s %9s %10s  %s\n", "bytes", "video", "positions", "labels", "offsets",
+                "alignment", "index", "total", "Mbit/s (video + rest)");
+    uint64_t all = character_.mesh_bytes + poster_bytes_ + character_.graph_bytes + fs::file_size(manifest_);
     for (size_t i = 0; i < sizes_.size(); ++i) {
       const SequenceSizes& s = sizes_[i];
-      const uint64_t rest = s.geometry + s.labels + s.index;
+      const uint64_t rest = s.withoutVideo();
       const double rate = 8e-6 / character_.sequences[i].duration_s();
-      std::printf("%-12s %10lu %10lu %10lu %10lu %10lu  %.2f (%.2f + %.2f)\n", character_.sequences[i].name.c_str(),
-                  s.video, s.geometry, s.labels, s.index, s.video + rest, (s.video + rest) * rate, s.video * rate,
-                  rest * rate);
+      std::printf("%-12s %9lu %9lu %9lu %9lu %9lu %9lu %10lu  %.2f (%.2f + %.2f)\n",
+                  character_.sequences[i].name.c_str(), s.video, s.positions, s.labels, s.offsets, s.alignment, s.index,
+                  s.video + rest, (s.video + rest) * rate, s.video * rate, rest * rate);
       all += s.video + rest;
     }
-    const uint64_t manifest = fs::file_size(manifest_);
     std::printf("\nmesh %lu, poster %lu, manifest %lu; all that a player may load: %lu bytes (%.2f MB)\n",
-                character_.mesh_bytes, poster_bytes_, manifest, all + character_.mesh_bytes + poster_bytes_ + manifest,
-                (all + character_.mesh_bytes + poster_bytes_ + manifest) / 1e6);
+                character_.mesh_bytes, poster_bytes_, uint64_t(fs::file_size(manifest_)), all, all / 1e6);
   }
 
   std::string manifest_;
@@ -204,6 +268,7 @@ class Inspection {
   package::Character character_;
   package::ChunkMesh chunk_mesh_;
   std::vector<SequenceSizes> sizes_;
+  motion::MotionGraph graph_;  // no states if there is none
   uint64_t poster_bytes_ = 0;
 };
 

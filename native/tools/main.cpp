@@ -17,6 +17,7 @@ constexpr Command kCommands[] = {
     {"bake", "turn a capture folder into a character folder", fourdvt::tools::bakeCommand},
     {"inspect", "list what is inside a character and check every byte of it", fourdvt::tools::inspectCommand},
     {"render", "draw one frame, or a turntable movie, of a character", fourdvt::tools::renderCommand},
+    {"studio", "render a model, or a built-in actor, as a capture folder", fourdvt::tools::studioCommand},
     {"evaluate", "measure a character against its capture's pictures", fourdvt::tools::evaluateCommand},
 };
 

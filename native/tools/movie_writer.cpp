@@ -117,6 +117,7 @@ class H264Writer final : public MovieWriter {
     int code = avcodec_send_frame(encoder_, frame);
     if (code < 0) return failed(code);
     while ((code = avcodec_receive_packet(encoder_, packet_)) >= 0) {
+      if (packet_->duration == 0) packet_->duration = 1;  // else the last picture takes no time and is not shown
       av_packet_rescale_ts(packet_, encoder_->time_base, stream_->time_base);
       packet_->stream_index = stream_->index;
       if (const int wrote = av_interleaved_write_frame(format_, packet_); wrote < 0) return failed(wrote);

@@ -59,6 +59,59 @@ void readMethod(Args& args, RenderArguments& a) {
     args.complain("--method fvvr is for stills and takes no --debug");
 }
 
+void readMotion(Args& args, RenderArguments& a) {
+  if (args.has("--class")) {
+    if (args.has("--sequence")) args.complain("--class and --sequence exclude each other");
+    a.sequence = args.text("--class");
+    a.wants_class = true;
+  }
+  if (args.has("--phase")) a.phase = args.number("--phase", 0, 0, 1);
+  if (a.phase && args.has("--frame")) args.complain("--phase and --frame exclude each other");
+  for (const std::string& entry : args.list("--parameter")) {
+    const auto parameter = parseParameter(entry);
+    if (!parameter) args.complain("--parameter must be NAME=NUMBER, not \"" + entry + "\"");
+    if (parameter) a.parameters.push_back(*parameter);
+  }
+  const std::string align = args.text("--align", "baked");
+  if (const auto method = alignMethod(align))
+    a.align = *method;
+  else
+    args.complain(std::string("--align must be ") + kAlignNames + ", not \"" + align + "\"");
+  if (args.has("--sweep")) {
+    a.sweep = parseSweep(args.text("--sweep"));
+    if (!a.sweep) args.complain("--sweep must be NAME=FROM:TO, not \"" + args.text("--sweep") + "\"");
+  }
+  for (const std::string& entry : args.list("--play")) {
+    const auto cue = parseCue(entry);
+    if (!cue) args.complain("--play must be STATE@SECONDS, not \"" + entry + "\"");
+    if (cue) a.cues.push_back(*cue);
+  }
+  a.travel = args.has("--travel");
+  a.follow = args.has("--follow");
+  a.scene = args.text("--scene");
+  a.fps = args.number("--fps", 25, 1, 240);
+}
+
+void checkMotion(Args& args, const RenderArguments& a) {
+  const bool playing = a.sweep || !a.cues.empty();
+  if (int(a.sweep.has_value()) + int(!a.cues.empty()) + int(!a.scene.empty()) + int(!a.turntable.empty()) +
+          int(a.fvvr) >
+      1)
+    args.complain("--sweep, --play, --scene, --turntable and --method fvvr exclude each other");
+  if (a.movie() && !playing && a.scene.empty()) args.complain("a movie needs --sweep, --play, --scene or --turntable");
+  if (playing && !a.movie() && !a.output.empty()) args.complain("--sweep and --play make a movie: -o must end in .mp4");
+  if (!playing && args.has("--travel")) args.complain("--travel belongs to --sweep and --play");
+  if (!playing && args.has("--fps")) args.complain("--fps belongs to --sweep and --play");
+  if (!playing && a.scene.empty() && a.follow) args.complain("--follow belongs to --sweep, --play and --scene");
+  if ((playing || !a.scene.empty()) && (!a.camera.empty() || !a.debug.empty()))
+    args.complain("--camera and --debug are for stills of one character");
+  if (playing && (args.has("--frame") || a.phase)) args.complain("--sweep and --play take neither --frame nor --phase");
+  if (!a.scene.empty() && (!a.sequence.empty() || !a.parameters.empty() || a.phase))
+    args.complain("the scene's file says which state and parameter; give them there");
+  if (a.fvvr && (a.wants_class || !a.parameters.empty() || a.phase))
+    args.complain("--method fvvr renders captured frames: neither --class nor --parameter nor --phase");
+}
+
 void checkCombination(Args& args, const RenderArguments& a) {
   if (a.output.empty() && a.turntable.empty()) args.complain("-o PICTURE or --turntable MOVIE is required");
   if (!a.output.empty() && !a.turntable.empty()) args.complain("-o and --turntable exclude each other");
@@ -66,31 +119,44 @@ void checkCombination(Args& args, const RenderArguments& a) {
   if (orbit && !a.camera.empty())
     args.complain("--camera and --azimuth, --elevation, --distance, --fov exclude each other");
   if (!a.cameras_folder.empty() && a.camera.empty()) args.complain("--cameras needs --camera NAME as well");
-  if (!a.turntable.empty() && (!a.camera.empty() || args.has("--frame")))
-    args.complain("--turntable takes neither --camera nor --frame");
-  if (a.turntable.empty() && args.has("--seconds")) args.complain("--seconds belongs to --turntable");
+  if (!a.turntable.empty() && (!a.camera.empty() || args.has("--frame") || a.phase))
+    args.complain("--turntable takes neither --camera nor --frame nor --phase");
+  const bool movie = a.movie() || !a.turntable.empty();
+  if (!movie && args.has("--seconds")) args.complain("--seconds belongs to movies");
   if (!a.turntable.empty() && (a.debug == "layers" || a.debug == "labels"))
     args.complain("--debug " + a.debug + " is for stills");
-  if (!a.turntable.empty() && a.size && (a.size->first % 2 || a.size->second % 2))
-    args.complain("--size of a movie must be even");
+  if (movie && a.size && (a.size->first % 2 || a.size->second % 2)) args.complain("--size of a movie must be even");
   if (a.output.empty()) return;
   const std::string extension = std::filesystem::path(a.output).extension().string();
-  if (extension != ".png" && extension != ".jpg" && extension != ".webp")
-    args.complain("-o must end in .png, .jpg or .webp");
+  if (!a.movie() && extension != ".png" && extension != ".jpg" && extension != ".webp")
+    args.complain("-o must end in .png, .jpg or .webp, or .mp4 for a movie");
 }
 
 }  // namespace
 
 const CommandHelp& renderHelp() {
   static const CommandHelp text{
-      "render CHARACTER (-o PICTURE | --turntable MOVIE.mp4) [options]",
+      "render (CHARACTER | --scene SCENE.json) (-o PICTURE | -o MOVIE.mp4 | --turntable MOVIE.mp4) [options]",
       "Draws one frame of a character from an orbit position, from one of its capture cameras, or from a camera of a\n"
-      "COLMAP text model; or a movie of the playing sequence while the camera turns once round it.",
+      "COLMAP text model; or a movie: the camera turns once round it, a class's parameter is swept, transitions are\n"
+      "played; or characters composited with a background, its camera track and occluders.",
       {{"-o", "PICTURE", ".png (with transparency), .jpg or .webp"},
        {"--turntable", "MOVIE", "H.264 .mp4 instead of a picture"},
-       {"--seconds", "S", "length of the turntable (default: whole loops, at least 8 s)"},
+       {"--seconds", "S", "length of a movie (default: whole loops, at least 8 s)"},
        {"--sequence", "NAME", "sequence (default: the first)"},
        {"--frame", "N", "frame, from 0 (default 0)"},
+       {"--class", "NAME", "motion class instead of a sequence"},
+       {"--phase", "U", "of one pass, 0 to 1, instead of a frame"},
+       {"--parameter", "NAME=VALUE", "of the class, e.g. speed_mps=2.1; several: commas"},
+       {"--align", "HOW",
+        "motions of a class: none, baked (default), flow-gpu, flow-dis, flow-opencv, flow-opencv-dis"},
+       {"--sweep", "NAME=A:B", "movie: the parameter goes from A to B (default 8 s)"},
+       {"--play", "STATE@S,...",
+        "movie: at S seconds on to STATE through the motion graph; STATE alone: from the start"},
+       {"--travel", nullptr, "--sweep, --play: the character moves over the ground"},
+       {"--follow", nullptr, "the camera moves along with the (first) character"},
+       {"--fps", "N", "of --sweep and --play (default 25)"},
+       {"--scene", "SCENE", "scene.json: characters with a background, camera track and occluders"},
        {"--azimuth", "DEG", "0: in front of the performer, positive: towards +X (default 25)"},
        {"--elevation", "DEG", "positive: from above (default 8)"},
        {"--distance", "M", "metres from the centre of the bounds (default: all in view)"},
@@ -103,9 +169,12 @@ const CommandHelp& renderHelp() {
        {"--no-shadow", nullptr, "without the ground shadow"},
        {"--method", "WHAT", "layered (default), or fvvr: projective texturing from all camera videos, no shadow"},
        {"--capture", "CAPTURE", "fvvr: the capture folder that CHARACTER was baked from"},
-       {"--closest", "M", "fvvr: only the M cameras closest to the view (default: all)"}}};
+       {"--closest", "M", "fvvr: only the M cameras closest to the view (default: all)"}},
+      "--scene"};
   return text;
 }
+
+bool RenderArguments::movie() const { return std::filesystem::path(output).extension() == ".mp4"; }
 
 RenderArguments readRenderArguments(Args& args) {
   RenderArguments a;
@@ -126,6 +195,8 @@ RenderArguments readRenderArguments(Args& args) {
   a.recipe.ground_shadow = !args.has("--no-shadow");
   a.debug = debugView(args, a.recipe);
   readMethod(args, a);
+  readMotion(args, a);
+  checkMotion(args, a);
   checkCombination(args, a);
   return a;
 }

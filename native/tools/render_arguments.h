@@ -9,22 +9,33 @@
 #include "render/fvvr.h"
 #include "render/recipe.h"
 #include "tools/args.h"
+#include "tools/motion_arguments.h"
 
 namespace fourdvt::tools {
 
 struct RenderArguments {
   std::string character, output, turntable;
-  std::string sequence;  // empty: the first
+  std::string sequence;  // or class; empty: the first
+  bool wants_class = false;
   int frame = 0;
+  std::optional<double> phase;  // of one pass, 0…1, instead of the frame
+  Parameters parameters;
+  AlignMethod align = AlignMethod::Baked;
+  std::optional<Sweep> sweep;
+  std::vector<Cue> cues;
+  bool travel = false, follow = false;
+  std::string scene;  // scene.json instead of `character`
+  double fps = 25;    // of sweeps and cues
   std::optional<std::pair<int, int>> size;
   std::string camera, cameras_folder;  // camera name; folder of a COLMAP model, empty: the character's own
   std::optional<double> azimuth_deg, elevation_deg, distance_m, vertical_fov_deg;
-  double seconds = 0;  // turntable; 0: whole loops, at least 8 s
+  double seconds = 0;  // of movies; 0: what their kind takes
   std::string debug;   // "", labels, layers, weights, normals
   render::RecipeOptions recipe;
   bool fvvr = false;           // the free-viewpoint baseline instead of the layers
   std::string capture_folder;  // fvvr only
   render::FvvrOptions fvvr_options;
+  bool movie() const;  // the output is one
 };
 
 const CommandHelp& renderHelp();

@@ -11,6 +11,7 @@
 #include "tools/commands.h"
 #include "tools/movie_writer.h"
 #include "tools/render_arguments.h"
+#include "tools/render_motion.h"
 #include "tools/session.h"
 
 namespace fourdvt::tools {
@@ -51,10 +52,12 @@ Status renderFvvr(CharacterSession& session, const RenderArguments& arguments, c
   return platform::writeImage(arguments.output, picture.value(), 95);
 }
 
-Status renderStill(CharacterSession& session, const RenderArguments& arguments, const std::string& sequence) {
+Status renderStill(CharacterSession& session, const RenderArguments& arguments, const package::Sequence& sequence) {
   auto camera = chooseCamera(arguments, session.character());
   if (!camera.ok()) return camera.error();
-  FOURDVT_TRY(session.player->showFrame(sequence, static_cast<uint32_t>(arguments.frame)));
+  const auto phase = static_cast<uint32_t>(std::lround(arguments.phase.value_or(0) * sequence.frame_count));
+  const uint32_t frame = arguments.phase ? phase % sequence.frame_count : static_cast<uint32_t>(arguments.frame);
+  FOURDVT_TRY(session.player->showFrame(sequence.name, frame));
   render::RecipeOptions recipe = arguments.recipe;
   std::vector<Image> pictures;
   const int count = arguments.debug == "layers" || arguments.debug == "labels" ? session.character().layer_count : 1;
@@ -90,29 +93,42 @@ Status renderTurntable(CharacterSession& session, const RenderArguments& argumen
   return writer.value()->finish();
 }
 
+Status prepareMotion(CharacterSession& session, const RenderArguments& arguments) {
+  Player& player = session.player->player();
+  FOURDVT_TRY(setParameters(player, arguments.parameters, arguments.character));
+  auto align = prepareAlign(arguments.align, *session.gpu.device, session.player->recipe());
+  if (!align.ok()) return align.error();
+  player.setAlign(align.value());
+  return {};
+}
+
 }  // namespace
 
 int renderCommand(int argc, char** argv) {
   Args args(renderHelp(), argc, argv);
   const RenderArguments arguments = readRenderArguments(args);
   if (const auto code = helpOrProblem(renderHelp(), args)) return *code;
+  if (!arguments.scene.empty() || arguments.sweep || !arguments.cues.empty()) {
+    const Status status = arguments.scene.empty() ? renderMotion(arguments) : renderScene(arguments);
+    return status.ok() ? kOk : fail(status.error());
+  }
   auto session = openCharacter(arguments.character);
   if (!session.ok()) return fail(session.error());
   const package::Character& character = session.value().character();
   const std::string name = arguments.sequence.empty() ? character.sequences.front().name : arguments.sequence;
-  const package::Sequence* sequence = character.find(name);
-  if (!sequence) {
-    std::string known;
-    for (const auto& s : character.sequences) known += (known.empty() ? "" : ", ") + s.name;
+  auto found = findState(character, name, arguments.character);
+  if (!found.ok()) return fail(found.error());
+  const package::Sequence& sequence = *found.value();
+  if (arguments.wants_class && !sequence.isClass())
     return fail(
-        {ErrorId::InvalidArgument, arguments.character + ": has no sequence \"" + name + "\"; it has " + known});
-  }
-  if (static_cast<uint32_t>(arguments.frame) >= sequence->frame_count)
+        {ErrorId::InvalidArgument, arguments.character + ": " + name + " is a sequence, not a class; use --sequence"});
+  if (static_cast<uint32_t>(arguments.frame) >= sequence.frame_count)
     return fail({ErrorId::InvalidArgument,
-                 arguments.character + ": " + name + " has frames 0 to " + std::to_string(sequence->frame_count - 1)});
+                 arguments.character + ": " + name + " has frames 0 to " + std::to_string(sequence.frame_count - 1)});
+  if (const Status ready = prepareMotion(session.value(), arguments); !ready.ok()) return fail(ready.error());
   const Status status = arguments.fvvr                ? renderFvvr(session.value(), arguments, name)
-                        : arguments.turntable.empty() ? renderStill(session.value(), arguments, name)
-                                                      : renderTurntable(session.value(), arguments, *sequence);
+                        : arguments.turntable.empty() ? renderStill(session.value(), arguments, sequence)
+                                                      : renderTurntable(session.value(), arguments, sequence);
   return status.ok() ? kOk : fail(status.error());
 }
 

@@ -22,14 +22,23 @@ Result<CharacterSession> openCharacter(const std::string& character) {
   auto gpu = openGpu();
   if (!gpu.ok()) return gpu.error();
   CharacterSession session{gpu.take(), nullptr};
-  auto player = platform::CharacterPlayer::open(*session.gpu.device, manifestPath(character));
+  auto recipe = render::Recipe::create(*session.gpu.device);
+  if (!recipe.ok()) return recipe.error();
+  auto player = openCharacterOn(session.gpu, character, recipe.take());
   if (!player.ok()) return player.error();
   session.player = player.take();
-  const std::string path = manifestPath(character);
-  if (!session.player->player().character()) return Error{ErrorId::ManifestInvalid, path + ": manifest did not load"};
-  if (session.character().sequences.empty())
-    return Error{ErrorId::ManifestInvalid, path + ": has no sequences; bake it again"};
   return session;
+}
+
+Result<std::unique_ptr<platform::CharacterPlayer>> openCharacterOn(GpuSession& gpu, const std::string& character,
+                                                                   std::shared_ptr<render::Recipe> recipe) {
+  const std::string path = manifestPath(character);
+  auto player = platform::CharacterPlayer::open(*gpu.device, path, std::move(recipe));
+  if (!player.ok()) return player.error();
+  const package::Character* read = player.value()->player().character();
+  if (!read) return Error{ErrorId::ManifestInvalid, path + ": manifest did not load"};
+  if (read->sequences.empty()) return Error{ErrorId::ManifestInvalid, path + ": has no sequences; bake it again"};
+  return player;
 }
 
 std::string manifestPath(const std::string& character) {

@@ -26,6 +26,9 @@ struct CharacterSession {
 Result<GpuSession> openGpu();
 // `character`: a folder or its character.gltf. Opened far enough that the manifest is read.
 Result<CharacterSession> openCharacter(const std::string& character);
+// The same on a context that is open already, for characters that are drawn together.
+Result<std::unique_ptr<platform::CharacterPlayer>> openCharacterOn(GpuSession& gpu, const std::string& character,
+                                                                   std::shared_ptr<render::Recipe> recipe);
 // <folder>/character.gltf for a folder, else the path itself.
 std::string manifestPath(const std::string& character);
 // The platform's FFmpeg reader.

@@ -119,6 +119,16 @@ TEST_F(DamagedPackage, MissingPosterIsFoundByInspect) {
   expectBroken("poster", false);
 }
 
+TEST_F(DamagedPackage, MotionGraphThatIsMissingOrNone) {
+  const std::string graph = folder + "/graph.bin", named = R"("graph": {"uri": "graph.bin", "byteLength": 100}, )";
+  ASSERT_EQ(shell("sed -i 's/\"groundY\"/" + named + "\"groundY\"/' " + manifest).code, 0);
+  expectBroken(graph, false);
+  writeText(graph, std::string(99, 'x'));
+  expectBroken(graph, false);
+  writeText(graph, std::string(100, 'x'));
+  expectBroken(graph, false);
+}
+
 TEST_F(DamagedPackage, UnknownSequenceFrameAndCamera) {
   for (const std::string& wrong :
        {std::string("--sequence fly"), std::string("--frame 8"), std::string("--camera cam99")}) {

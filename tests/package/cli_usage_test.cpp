@@ -51,6 +51,14 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"render a -o b.png --method fvvr --capture c --closest 0", "--closest"},
         Mistake{"render a --turntable b.mp4 --method fvvr --capture c", "stills"},
         Mistake{"render a -o b.png --method fvvr --capture c --debug labels", "--debug"},
+        Mistake{"render a --scene b.json -o c.png", "--scene"},
+        Mistake{"render --scene a.json --class c -o b.png", "scene"}, Mistake{"render a -o b.mp4", "--sweep"},
+        Mistake{"render a --sweep s=1:2 -o b.png", ".mp4"}, Mistake{"render a --sweep s -o b.mp4", "--sweep"},
+        Mistake{"render a --play x@ -o b.mp4", "--play"},
+        Mistake{"render a --sweep s=1:2 --play x@1 -o b.mp4", "exclude"},
+        Mistake{"render a --parameter s -o b.png", "--parameter"}, Mistake{"render a --align x -o b.png", "--align"},
+        Mistake{"render a --class c --sequence s -o b.png", "--class"},
+        Mistake{"render a --phase 2 -o b.png", "--phase"}, Mistake{"render a --travel -o b.png", "--travel"},
         Mistake{"evaluate a", "--character"}, Mistake{"evaluate a --character b --input-every -1", "--input-every"}));
 
 TEST(Usage, UnknownCommandListsThoseThatExist) {

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <deque>
 #include <optional>
 #include <random>
@@ -40,7 +41,8 @@ class SimulatedEdge {
   std::vector<Error> errors;
   std::vector<Event> progress;
   double now_s = 0;
-  int most_slots_busy = 0, requests_after_error = 0, flushes = 0, stale_answers = 0;
+  int most_slots_busy = 0, requests_after_error = 0, flushes = 0, stale_answers = 0, closes = 0;
+  bool second_decoder_fails = false;
   uint64_t most_bytes_held = 0;
 
   void step(double dt_s) {
@@ -84,6 +86,9 @@ class SimulatedEdge {
       EXPECT_EQ(sequence.name, player->sequence()->name);
     }
   }
+  int openDecoders() const {
+    return int(std::count_if(decoders_.begin(), decoders_.end(), [](const Decoder& d) { return d.open; }));
+  }
   double uniform(double high) { return std::uniform_real_distribution<double>(0, high)(random_); }
   uint32_t below(uint32_t n) { return random_() % n; }
 
@@ -96,6 +101,13 @@ class SimulatedEdge {
     int64_t timestamp_us;
     uint32_t sequence, frame;
     double due_s;
+  };
+  struct Decoder {
+    bool open = false, needs_key = true;
+    uint32_t sequence = 99;
+    std::map<int64_t, std::pair<uint32_t, uint32_t>> reorder;
+    std::deque<Decoded> decoded;
+    size_t stale_from = 0;
   };
   struct Copy {
     int slot;
@@ -110,48 +122,61 @@ class SimulatedEdge {
     } else if (auto* cancel = std::get_if<CancelFetch>(&request)) {
       std::erase_if(fetches_, [&](const PendingFetch& f) { return f.range.id == cancel->id; });
     } else if (auto* configure = std::get_if<ConfigureDecoder>(&request)) {
-      reset();
+      Decoder& decoder = decoders_[size_t(configure->decoder)];
+      reset(decoder);
       EXPECT_EQ(configure->description.size(), 2u);
-      configured_sequence_ = configure->description[1];
-      needs_key_ = true;
+      decoder.sequence = configure->description[1];
+      if (second_decoder_fails && openDecoders() == 1 && !decoder.open) {
+        player->onDecoderFailed(configure->decoder, "unsupported: only one decoder");
+        return;
+      }
+      decoder.open = true;
     } else if (auto* sample = std::get_if<DecodeSample>(&request)) {
-      decode(*sample);
-    } else if (std::holds_alternative<FlushDecoder>(request)) {
+      decode(decoders_[size_t(sample->decoder)], *sample);
+    } else if (auto* flush = std::get_if<FlushDecoder>(&request)) {
       ++flushes;
-      while (!reorder_.empty()) output();
-      needs_key_ = true;
-    } else {
-      reset();
+      Decoder& decoder = decoders_[size_t(flush->decoder)];
+      while (!decoder.reorder.empty()) output(decoder);
+      decoder.needs_key = true;
+    } else if (auto* forget = std::get_if<ResetDecoder>(&request)) {
+      EXPECT_TRUE(decoders_[size_t(forget->decoder)].open);
+      reset(decoders_[size_t(forget->decoder)]);
+    } else if (auto* close = std::get_if<CloseDecoder>(&request)) {
+      ++closes;
+      reset(decoders_[size_t(close->decoder)]);
+      decoders_[size_t(close->decoder)].open = false;
     }
   }
-  void reset() {
-    reorder_.clear();
-    std::erase_if(decoded_, [&](const Decoded&) { return uniform(1) > options.stale_delivery; });
-    stale_from_ = decoded_.size();
-    needs_key_ = true;
+  void reset(Decoder& decoder) {
+    decoder.reorder.clear();
+    std::erase_if(decoder.decoded, [&](const Decoded&) { return uniform(1) > options.stale_delivery; });
+    decoder.stale_from = decoder.decoded.size();
+    decoder.needs_key = true;
   }
-  void decode(const DecodeSample& sample) {
+  void decode(Decoder& decoder, const DecodeSample& sample) {
     uint32_t sequence = 0, frame = 0;
     ASSERT_GE(sample.bytes.size(), 9u);
     std::memcpy(&sequence, sample.bytes.data(), 4);
     std::memcpy(&frame, sample.bytes.data() + 4, 4);
-    EXPECT_EQ(sequence, configured_sequence_);
+    if (!decoder.open) return;  // failed: what was on its way is lost
+    EXPECT_EQ(sequence, decoder.sequence);
     EXPECT_EQ(sample.bytes[8] == 1, sample.key);
-    if (needs_key_) {
+    if (decoder.needs_key) {
       EXPECT_TRUE(sample.key) << "decoding must start at a key";
     }
-    needs_key_ = false;
-    EXPECT_FALSE(reorder_.count(sample.timestamp_us));
-    reorder_[sample.timestamp_us] = {sequence, frame};
-    if (int(reorder_.size()) > options.reorder_delay) output();
+    decoder.needs_key = false;
+    EXPECT_FALSE(decoder.reorder.count(sample.timestamp_us));
+    decoder.reorder[sample.timestamp_us] = {sequence, frame};
+    if (int(decoder.reorder.size()) > options.reorder_delay) output(decoder);
   }
-  void output() {
-    const auto first = reorder_.begin();
+  void output(Decoder& decoder) {
+    const auto first = decoder.reorder.begin();
     auto [sequence, frame] = first->second;
     if (options.wrong_picture_every && ++pictures_ % options.wrong_picture_every == 0) frame ^= 1;
-    const double after_s = decoded_.empty() ? now_s : decoded_.back().due_s;
-    decoded_.push_back({first->first, sequence, frame, std::max(now_s, after_s) + uniform(options.decode_latency_s)});
-    reorder_.erase(first);
+    const double after_s = decoder.decoded.empty() ? now_s : decoder.decoded.back().due_s;
+    decoder.decoded.push_back(
+        {first->first, sequence, frame, std::max(now_s, after_s) + uniform(options.decode_latency_s)});
+    decoder.reorder.erase(first);
   }
   void answerFetches() {
     std::shuffle(fetches_.begin(), fetches_.end(), random_);
@@ -172,13 +197,16 @@ class SimulatedEdge {
     }
   }
   void offerPictures() {
-    while (!decoded_.empty() && decoded_.front().due_s <= now_s) {
-      const Decoded picture = decoded_.front();
-      const int slot = player->acquireSlot(picture.timestamp_us);
+    for (int d = 0; d < kDecoders; ++d) offerPictures(d, decoders_[size_t(d)]);
+  }
+  void offerPictures(int number, Decoder& decoder) {
+    while (!decoder.decoded.empty() && decoder.decoded.front().due_s <= now_s) {
+      const Decoded picture = decoder.decoded.front();
+      const int slot = player->acquireSlot(number, picture.timestamp_us);
       if (slot == -1) return;
-      const bool stale = stale_from_ > 0;
-      if (stale) --stale_from_, ++stale_answers;
-      decoded_.pop_front();
+      const bool stale = decoder.stale_from > 0;
+      if (stale) --decoder.stale_from, ++stale_answers;
+      decoder.decoded.pop_front();
       if (slot < 0) continue;
       EXPECT_FALSE(stale) << "a picture from before a reset got a slot";
       for (const Copy& copy : copies_) EXPECT_NE(copy.slot, slot) << "a slot was given twice";
@@ -207,13 +235,9 @@ class SimulatedEdge {
   FakeCharacter character_;
   std::mt19937 random_;
   std::vector<PendingFetch> fetches_;
-  std::map<int64_t, std::pair<uint32_t, uint32_t>> reorder_;
-  std::deque<Decoded> decoded_;
+  std::array<Decoder, kDecoders> decoders_;
   std::deque<Copy> copies_;
-  size_t stale_from_ = 0;
-  uint32_t configured_sequence_ = 99;
   int pictures_ = 0;
-  bool needs_key_ = true;
 };
 
 }  // namespace fourdvt::testing

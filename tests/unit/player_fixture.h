@@ -6,11 +6,13 @@
 
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "gpu/device.h"
+#include "motion/motion_graph.h"
 #include "package/barcode.h"
 #include "package/base_mesh.h"
 #include "package/chunk_mesh.h"
@@ -21,13 +23,22 @@ namespace fourdvt::testing {
 constexpr float kStep_m = 0.001f;
 constexpr int kFrameStride = 10;  // vertex 0's x = kStep_m * kFrameStride * (frame + 1000 * sequence)
 constexpr int kSequenceFrames = 1000;
+constexpr int kMemberTag = 100;  // steps of vertex 1's y a member: with the weights on screen it tells their mix
+
+struct FakeMember {
+  double speed_mps = 0, duration_s = 1;
+  glm::dvec3 travel{0};  // of one pass; root motion is even
+};
 
 struct FakeSequence {
   std::string name;
   uint32_t frames, gop;
   double fps;
   bool loop;
-  int width, height;  // of the picture; at least 192 × 8
+  int width, height;                // of the picture; at least 192 × 8
+  std::vector<FakeMember> members;  // a class by "speed_mps" if there are several
+  glm::dvec3 travel(size_t member) const { return members.empty() ? glm::dvec3(0) : members[member].travel; }
+  size_t memberCount() const { return std::max<size_t>(1, members.size()); }
 };
 
 struct FakeCharacter {
@@ -93,6 +104,33 @@ class FakeBuilder {
     return std::move(out_);
   }
 
+  // `choose`: where to enter `target` from a frame of `source`. Weight rows of a class: its members alone.
+  using Choose = std::function<motion::Entry(uint32_t source, uint32_t frame, uint32_t target)>;
+  static void addGraph(FakeCharacter& character, const Choose& choose) {
+    std::vector<motion::GraphState> states;
+    for (const FakeSequence& s : character.sequences) {
+      motion::GraphState state{s.frames, {}};
+      for (size_t m = 0; m < s.memberCount(); ++m) {
+        state.weight_rows.emplace_back(s.memberCount());
+        state.weight_rows.back()[m] = 1;
+      }
+      states.push_back(state);
+    }
+    std::vector<std::vector<motion::Entry>> tables;
+    for (uint32_t a = 0; a < states.size(); ++a)
+      for (uint32_t b = 0; b < states.size(); ++b) {
+        std::vector<motion::Entry>& table = tables.emplace_back();
+        if (a == b) continue;
+        for (size_t row = 0; row < states[a].weight_rows.size(); ++row)
+          for (uint32_t f = 0; f < states[a].frame_count; ++f) table.push_back(choose(a, f, b));
+      }
+    std::vector<uint8_t> bytes = motion::writeMotionGraph(states, tables);
+    const std::string at = std::string("/extensions/") + package::kExtensionName + "/graph";
+    character.manifest.set(at + "/uri", std::string("graph.bin"));
+    character.manifest.set(at + "/byteLength", double(bytes.size()));
+    character.files["graph.bin"] = std::move(bytes);
+  }
+
  private:
   void set(const std::string& field, FlatJson::Value value) {
     out_.manifest.set(std::string("/extensions/") + package::kExtensionName + field, std::move(value));
@@ -105,7 +143,14 @@ class FakeBuilder {
   }
   void sequence(uint32_t s) {
     const FakeSequence& q = out_.sequences[s];
-    package::StreamIndex index{q.frames, vertices_, faces_, 1, {}, kStep_m, {}, {{}}};
+    package::StreamIndex index;
+    index.frame_count = q.frames;
+    index.vertex_count = vertices_;
+    index.face_count = faces_;
+    index.layer_count = 1;
+    index.member_count = uint32_t(q.memberCount());
+    index.position_step_m = kStep_m;
+    index.renditions.resize(1);
     std::vector<std::vector<uint8_t>> chunks;
     std::vector<uint8_t> video(500, 0);  // an mp4 has something in front
     for (uint32_t first = 0; first < q.frames; first += q.gop) {
@@ -132,12 +177,22 @@ class FakeBuilder {
     out_.files[q.name + ".mp4"] = std::move(video);
   }
   std::vector<uint8_t> chunk(uint32_t s, uint32_t first, uint32_t count) {
-    package::ChunkFrames frames{count, vertices_, faces_, 1, {}, {}};
+    const FakeSequence& q = out_.sequences[s];
+    package::ChunkFrames frames;
+    frames.frame_count = count;
+    frames.vertex_count = vertices_;
+    frames.face_count = faces_;
+    frames.layer_count = 1;
+    frames.member_count = uint32_t(q.memberCount());
     for (uint32_t f = 0; f < count; ++f) {
-      for (uint32_t v = 0; v < vertices_; ++v) {
-        frames.positions.emplace_back(kFrameStride * int(first + f + kSequenceFrames * s), int(v * 7), int(v * v));
+      for (size_t m = 0; m < q.memberCount(); ++m) {
+        for (uint32_t v = 0; v < vertices_; ++v) {
+          const int y = int(v * 7) + (v == 1 ? kMemberTag * int(m) : 0);
+          frames.positions.emplace_back(kFrameStride * int(first + f + kSequenceFrames * s), y, int(v * v));
+        }
+        frames.labels.insert(frames.labels.end(), faces_, 0);
+        frames.root.push_back(glm::vec3(q.travel(m) * (double(first + f) / q.frames)));
       }
-      frames.labels.insert(frames.labels.end(), faces_, 0);
     }
     return package::encodeChunk(frames, chunk_mesh_).take();
   }
@@ -153,10 +208,30 @@ class FakeBuilder {
     set(r + "/width", double(q.width)), set(r + "/height", double(q.height));
     const double layer[4] = {0, 0, 4, 4}, strip[4] = {0, 4, 128, 4};
     for (int i = 0; i < 4; ++i) {
-      set(r + "/layers/0/" + std::to_string(i), layer[i]);
+      for (size_t m = 0; m < q.memberCount(); ++m)
+        set(r + "/layers/" + std::to_string(m) + "/" + std::to_string(i), layer[i]);
       set(r + "/barcode/rect/" + std::to_string(i), strip[i]);
     }
     set(r + "/barcode/cellSize", 4.0);
+    if (!q.members.empty()) describeMembers(at, q);
+  }
+  // Speed mixes as the weights do, so two samples say it all.
+  void describeMembers(const std::string& at, const FakeSequence& q) {
+    const bool is_class = q.members.size() > 1;
+    for (size_t m = 0; m < q.members.size(); ++m) {
+      const FakeMember& member = q.members[m];
+      const std::string here = at + "/members/" + std::to_string(m);
+      const std::string sample = at + "/parameterSpace/samples/" + std::to_string(m);
+      set(here + "/name", q.name + std::to_string(m)), set(here + "/duration", member.duration_s);
+      for (int i = 0; i < 3; ++i) set(here + "/travel/" + std::to_string(i), member.travel[i]);
+      if (!is_class) continue;
+      set(here + "/parameter/0", member.speed_mps), set(sample + "/at/0", member.speed_mps);
+      for (size_t w = 0; w < q.members.size(); ++w) set(sample + "/weights/" + std::to_string(w), w == m ? 1.0 : 0.0);
+      if (m == 0) continue;
+      const std::string simplex = at + "/parameterSpace/simplices/" + std::to_string(m - 1);
+      set(simplex + "/0", double(m - 1)), set(simplex + "/1", double(m)), set(simplex + "/2", double(m));
+    }
+    if (is_class) set(at + "/parameterSpace/names/0", std::string("speed_mps")), set(at + "/referenceCount", 0.0);
   }
 
   FakeCharacter out_;
@@ -171,6 +246,8 @@ class TaggingDevice final : public gpu::Device {
  public:
   struct Drawn {
     int picture_frame = -1, geometry_frame = -1, geometry_sequence = -1, picture_width = 0;
+    double x_m = 0;     // of vertex 0
+    double member = 0;  // mean of the members' numbers by their weights
   };
   Drawn drawn;
 
@@ -184,7 +261,10 @@ class TaggingDevice final : public gpu::Device {
                      int stride_bytes) override {
     null_->updateTexture(texture, layer, x, y, width, height, pixels, stride_bytes);
     const gpu::TextureDesc& desc = descs_[texture];
-    if (desc.format == gpu::PixelFormat::RGBA32F) x_of_[texture] = *static_cast<const float*>(pixels);
+    if (desc.format == gpu::PixelFormat::RGBA32F) {  // two texels a vertex
+      const float* texels = static_cast<const float*>(pixels);
+      first_of_[texture] = {texels[0], texels[9]};
+    }
     if (desc.format != gpu::PixelFormat::R8 || width < 128 || height < 8) return;
     const I420View view{width,   height,  static_cast<const uint8_t*>(pixels),
                         nullptr, nullptr, stride_bytes ? stride_bytes : width,
@@ -200,7 +280,10 @@ class TaggingDevice final : public gpu::Device {
         drawn.picture_frame = frame_of_[binding.texture];
         drawn.picture_width = descs_[binding.texture].width;
       } else if (sampler == "u_positions_normals") {
-        const int tag = int(std::lround(x_of_[binding.texture] / (kStep_m * kFrameStride)));
+        const auto& [x, y] = first_of_[binding.texture];
+        const int tag = int(std::lround(x / (kStep_m * kFrameStride)));
+        drawn.x_m = x;
+        drawn.member = (y / kStep_m - 7) / kMemberTag;
         drawn.geometry_frame = tag % kSequenceFrames;
         drawn.geometry_sequence = tag / kSequenceFrames;
       }
@@ -233,7 +316,7 @@ class TaggingDevice final : public gpu::Device {
   std::unique_ptr<gpu::Device> null_ = gpu::createNullDevice();
   std::map<gpu::TextureId, gpu::TextureDesc> descs_;
   std::map<gpu::TextureId, int> frame_of_;
-  std::map<gpu::TextureId, float> x_of_;
+  std::map<gpu::TextureId, std::pair<float, float>> first_of_;  // vertex 0's x, vertex 1's y
 };
 
 }  // namespace fourdvt::testing

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "platform/still_target.h"
+
+#include <algorithm>
+
+namespace fourdvt::platform {
+namespace {
+
+void unpremultiply(Image& image) {
+  for (size_t i = 0; i + 3 < image.pixels.size(); i += 4) {
+    uint8_t* p = &image.pixels[i];
+    if (p[3] == 0 || p[3] == 255) continue;
+    for (int c = 0; c < 3; ++c) p[c] = static_cast<uint8_t>(std::min(255, (p[c] * 255 + p[3] / 2) / p[3]));
+  }
+}
+
+}  // namespace
+
+Status StillTarget::prepare(int width, int height) {
+  if (target_ && width == width_ && height == height_) return {};
+  auto color = gpu::makeTexture(device_, {.width = width, .height = height, .label = "still"});
+  if (!color.ok()) return color.error();
+  auto target =
+      gpu::makeTarget(device_, {.colors = {color.value().id()}, .width = width, .height = height, .label = "still"});
+  if (!target.ok()) return target.error();
+  target_ = target.take();
+  color_ = color.take();
+  width_ = width;
+  height_ = height;
+  return {};
+}
+
+Result<Image> StillTarget::render(const render::View& view, const std::function<Status(gpu::TargetId)>& draw) {
+  const int largest = device_.caps().max_texture_size;
+  if (view.width < 1 || view.height < 1 || view.width > largest || view.height > largest) {
+    return Error{ErrorId::InvalidArgument, "picture size must be between 1 and " + std::to_string(largest) + " pixels"};
+  }
+  FOURDVT_TRY(prepare(view.width, view.height));
+  FOURDVT_TRY(draw(target_.id()));
+  Image image(view.width, view.height, 4);
+  FOURDVT_TRY(
+      device_.readPixels(target_.id(), gpu::PixelFormat::RGBA8, 0, 0, view.width, view.height, image.pixels.data()));
+  unpremultiply(image);
+  return image;
+}
+
+}  // namespace fourdvt::platform

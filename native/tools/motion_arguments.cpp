@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/motion_arguments.h"
+
+#include <cmath>
+#include <cstdlib>
+
+#include "platform/opencv_flow.h"
+
+namespace fourdvt::tools {
+namespace {
+
+std::optional<double> number(const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  if (text.empty() || *end != '\0' || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+}  // namespace
+
+std::optional<AlignMethod> alignMethod(const std::string& name) {
+  constexpr std::pair<const char*, AlignMethod> kMethods[] = {{"none", AlignMethod::None},
+                                                              {"baked", AlignMethod::Baked},
+                                                              {"flow-gpu", AlignMethod::FlowGpu},
+                                                              {"flow-dis", AlignMethod::FlowDis},
+                                                              {"flow-opencv", AlignMethod::FlowOpencv},
+                                                              {"flow-opencv-dis", AlignMethod::FlowOpencvDis}};
+  for (const auto& [known, method] : kMethods)
+    if (name == known) return method;
+  return std::nullopt;
+}
+
+Result<render::Align> prepareAlign(AlignMethod method, gpu::Device& device, render::Recipe& recipe) {
+  if (method == AlignMethod::None) return render::Align::None;
+  if (method == AlignMethod::Baked) return render::Align::Baked;
+  render::FlowOptions options;
+  if (method == AlignMethod::FlowDis || method == AlignMethod::FlowOpencvDis) options.method = render::FlowMethod::Dis;
+  if (method == AlignMethod::FlowOpencv || method == AlignMethod::FlowOpencvDis) {
+    recipe.setFlow(platform::createOpencvFlow(device, options));
+  } else {
+    auto flow = render::createGpuFlow(device, options);
+    if (!flow.ok()) return flow.error();
+    recipe.setFlow(flow.take());
+  }
+  return render::Align::Flow;
+}
+
+Status setParameters(Player& player, const Parameters& parameters, const std::string& character) {
+  for (const auto& [name, value] : parameters)
+    if (Status status = player.setParameter(name, value, true); !status.ok())
+      return Error{status.error().id, character + ": " + status.error().message};
+  return {};
+}
+
+std::optional<std::pair<std::string, double>> parseParameter(const std::string& text) {
+  const size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) return std::nullopt;
+  const auto value = number(text.substr(equals + 1));
+  if (!value) return std::nullopt;
+  return std::pair{text.substr(0, equals), *value};
+}
+
+std::optional<Cue> parseCue(const std::string& text) {
+  const size_t at = text.rfind('@');
+  if (at == std::string::npos) return text.empty() ? std::nullopt : std::optional(Cue{text, 0});
+  const auto seconds = number(text.substr(at + 1));
+  if (at == 0 || !seconds || *seconds < 0) return std::nullopt;
+  return Cue{text.substr(0, at), *seconds};
+}
+
+std::optional<Sweep> parseSweep(const std::string& text) {
+  const size_t equals = text.find('='), colon = text.find(':', equals);
+  if (equals == std::string::npos || equals == 0 || colon == std::string::npos) return std::nullopt;
+  const auto from = number(text.substr(equals + 1, colon - equals - 1)), to = number(text.substr(colon + 1));
+  if (!from || !to) return std::nullopt;
+  return Sweep{text.substr(0, equals), *from, *to};
+}
+
+Result<const package::Sequence*> findState(const package::Character& character, const std::string& name,
+                                           const std::string& folder) {
+  if (const package::Sequence* found = character.find(name)) return found;
+  std::string known;
+  for (const auto& s : character.sequences) known += (known.empty() ? "" : ", ") + s.name;
+  return Error{ErrorId::InvalidArgument, folder + ": has no sequence \"" + name + "\"; it has " + known};
+}
+
+}  // namespace fourdvt::tools

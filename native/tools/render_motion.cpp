@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/render_motion.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+
+#include "motion/parameter_space.h"
+#include "platform/files.h"
+#include "tools/movie_writer.h"
+#include "tools/scene_file.h"
+
+namespace fourdvt::tools {
+namespace {
+
+constexpr double kSweep_s = 8, kAfterLastCue_s = 4, kScene_s = 6;
+
+// Camera of frame i; called in order, after the stage has advanced to it.
+using CameraOf = std::function<PinholeCamera(int frame)>;
+
+// The orbit round the character's first place; follows the character if asked to.
+CameraOf orbitCamera(const RenderArguments& arguments, Player& player, int width, int height) {
+  const OrbitView orbit = chooseOrbit(arguments, *player.character(), width, height);
+  const motion::Placement start = player.placement();
+  const bool follow = arguments.follow;
+  return [=, &player](int) {
+    OrbitView view = orbit;
+    const glm::vec2 at = (follow ? player.placement() : start).ground_m;
+    view.target_in_world += glm::dvec3(at.x, 0, at.y);
+    return cameraFromOrbit(view, width, height);
+  };
+}
+
+struct Show {
+  Stage& stage;
+  CameraOf camera;
+  double fps;
+  int frames;
+  std::function<Status(int frame)> prepare;  // before frame i is drawn
+  const render::Scene* scene = nullptr;
+};
+
+Result<Image> drawFrame(const Show& show, int frame, const render::RecipeOptions& recipe) {
+  if (frame > 0) FOURDVT_TRY(show.stage.advance(1 / show.fps));
+  FOURDVT_TRY(show.prepare(frame));
+  return show.stage.draw(render::viewFromCamera(show.camera(frame)), show.scene, recipe);
+}
+
+Status writeMovie(const Show& show, const RenderArguments& arguments) {
+  std::unique_ptr<MovieWriter> writer;
+  for (int i = 0; i < show.frames; ++i) {
+    auto picture = drawFrame(show, i, arguments.recipe);
+    if (!picture.ok()) return picture.error();
+    if (!writer) {
+      auto made = MovieWriter::create(arguments.output, picture.value().width, picture.value().height, show.fps);
+      if (!made.ok()) return made.error();
+      writer = made.take();
+    }
+    FOURDVT_TRY(writer->write(picture.value()));
+    if (isatty(STDERR_FILENO)) std::fprintf(stderr, "\r\033[K%d of %d frames", i + 1, show.frames);
+  }
+  if (isatty(STDERR_FILENO)) std::fputs("\r\033[K", stderr);
+  return writer->finish();
+}
+
+// Frame `arguments.frame` of the show.
+Status writePicture(const Show& show, const RenderArguments& arguments) {
+  Result<Image> picture = Image();
+  for (int i = 0; i <= arguments.frame; ++i) {
+    if (i == arguments.frame)
+      picture = drawFrame(show, i, arguments.recipe);
+    else if (i > 0)
+      FOURDVT_TRY(show.stage.advance(1 / show.fps));
+    if (!picture.ok()) return picture.error();
+  }
+  return platform::writeImage(arguments.output, picture.value(), 95);
+}
+
+int frameCount(double seconds, double fps) { return std::max(1, static_cast<int>(std::lround(seconds * fps))); }
+
+// What the camera took, frame by frame; the last picture stays when a video ends.
+class Background {
+ public:
+  static Result<Background> open(gpu::Device& device, const std::string& path) {
+    Background out(device, path);
+    if (path.empty()) return out;
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored))
+      return Error{ErrorId::FileMissing, path + ": there is no such file; correct \"background\" in the scene"};
+    const std::string extension = std::filesystem::path(path).extension().string();
+    if (extension == ".jpg" || extension == ".jpeg" || extension == ".png" || extension == ".webp") {
+      auto picture = platform::readImage(path);
+      if (!picture.ok()) return picture.error();
+      FOURDVT_TRY(out.upload(picture.value()));
+    } else {
+      auto video = videoOpener()(path, 3);
+      if (!video.ok()) return video.error();
+      out.video_ = video.take();
+      FOURDVT_TRY(out.step());
+      if (!out.texture_) return Error{ErrorId::VideoInvalid, path + ": has no pictures; choose another background"};
+    }
+    return out;
+  }
+  Status step() {
+    if (!video_) return {};
+    auto picture = video_->next();
+    if (!picture.ok()) return picture.error();
+    return picture.value() ? upload(*picture.value()) : Status();
+  }
+  gpu::TextureId texture() const { return texture_.id(); }
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+ private:
+  Background(gpu::Device& device, std::string path) : device_(&device), path_(std::move(path)) {}
+
+  Status upload(const Image& picture) {
+    Image rgba(picture.width, picture.height, 4, 255);
+    for (size_t i = 0; i < rgba.pixels.size() / 4; ++i)
+      for (size_t c = 0; c < 3; ++c) rgba.pixels[4 * i + c] = picture.pixels[picture.channels * i + c];
+    if (!texture_ || picture.width != width_ || picture.height != height_) {
+      const int largest = device_->caps().max_texture_size;
+      if (picture.width > largest || picture.height > largest)
+        return Error{ErrorId::InvalidArgument,
+                     path_ + ": is larger than " + std::to_string(largest) + " pixels; scale it down"};
+      auto made = gpu::makeTexture(
+          *device_,
+          {.width = picture.width, .height = picture.height, .filter = gpu::Filter::Linear, .label = "background"});
+      if (!made.ok()) return made.error();
+      texture_ = made.take();
+      width_ = picture.width;
+      height_ = picture.height;
+    }
+    device_->updateTexture(texture_.id(), 0, 0, 0, width_, height_, rgba.pixels.data());
+    return {};
+  }
+
+  gpu::Device* device_;
+  std::string path_;
+  std::unique_ptr<VideoSource> video_;
+  gpu::Texture texture_;
+  int width_ = 0, height_ = 0;
+};
+
+Status addMeshes(gpu::Device& device, const std::vector<std::string>& paths, bool occluder_only, render::Scene& scene) {
+  for (const std::string& path : paths) {
+    auto corners = readSceneMesh(path);
+    if (!corners.ok()) return corners.error();
+    auto mesh = render::makeSceneMesh(device, corners.value(), occluder_only);
+    if (!mesh.ok()) return Error{mesh.error().id, path + ": " + mesh.error().message};
+    scene.meshes.push_back(mesh.take());
+  }
+  return {};
+}
+
+// --size, the scene's, the camera's, the background's; even for movies.
+std::pair<int, int> sceneSize(const RenderArguments& arguments, const SceneFile& file, const Background& background) {
+  std::pair<int, int> size{720, 960};
+  if (background.texture()) size = {background.width(), background.height()};
+  if (!file.cameras.empty()) size = {file.cameras[0].width, file.cameras[0].height};
+  if (file.size) size = *file.size;
+  if (arguments.size) size = *arguments.size;
+  if (!arguments.movie()) return size;
+  return {std::max(2, size.first & ~1), std::max(2, size.second & ~1)};
+}
+
+}  // namespace
+
+Status renderMotion(const RenderArguments& arguments) {
+  auto gpu = openGpu();
+  if (!gpu.ok()) return gpu.error();
+  auto stage = Stage::create(gpu.value(), arguments.align);
+  if (!stage.ok()) return stage.error();
+  ActorOptions actor{arguments.character, arguments.sequence, arguments.parameters, {}, arguments.travel, {}};
+  actor.cues = arguments.cues;
+  if (actor.state.empty() && !actor.cues.empty() && actor.cues[0].at_s == 0) actor.state = actor.cues[0].state;
+  const std::optional<Sweep> sweep = arguments.sweep;
+  if (sweep) actor.parameters.emplace_back(sweep->parameter, sweep->from);
+  FOURDVT_TRY(stage.value()->add(actor));
+  Player& player = stage.value()->player(0);
+  if (sweep && motion::findParameter(*player.sequence(), sweep->parameter) < 0)
+    return Error{ErrorId::InvalidArgument, arguments.character + ": " + player.sequence()->name + " is no class by " +
+                                               sweep->parameter + "; choose one with --class"};
+  const double last_cue_s =
+      actor.cues.empty() ? 0 : std::max_element(actor.cues.begin(), actor.cues.end(), [](const Cue& a, const Cue& b) {
+                                 return a.at_s < b.at_s;
+                               })->at_s;
+  const double seconds = arguments.seconds > 0 ? arguments.seconds : sweep ? kSweep_s : last_cue_s + kAfterLastCue_s;
+  const auto [width, height] = arguments.size.value_or(std::pair{720, 960});
+  const int frames = frameCount(seconds, arguments.fps);
+  const auto sweepTo = [&](int frame) -> Status {
+    if (!sweep) return {};
+    const double share = frames > 1 ? double(frame) / (frames - 1) : 0;
+    return player.setParameter(sweep->parameter, sweep->from + share * (sweep->to - sweep->from), true);
+  };
+  const Show show{*stage.value(), orbitCamera(arguments, player, width, height), arguments.fps, frames, sweepTo};
+  return writeMovie(show, arguments);
+}
+
+Status renderScene(const RenderArguments& arguments) {
+  auto read = readSceneFile(arguments.scene);
+  if (!read.ok()) return read.error();
+  const SceneFile& file = read.value();
+  auto gpu = openGpu();
+  if (!gpu.ok()) return gpu.error();
+  gpu::Device& device = *gpu.value().device;
+  auto stage = Stage::create(gpu.value(), arguments.align);
+  if (!stage.ok()) return stage.error();
+  for (const ActorOptions& actor : file.characters) FOURDVT_TRY(stage.value()->add(actor));
+  auto background = Background::open(device, file.background);
+  if (!background.ok()) return background.error();
+  render::Scene scene;
+  scene.background = background.value().texture();
+  scene.ground_y_m = static_cast<float>(file.ground_y_m);
+  FOURDVT_TRY(addMeshes(device, file.occluders, true, scene));
+  FOURDVT_TRY(addMeshes(device, file.meshes, false, scene));
+  const auto [width, height] = sceneSize(arguments, file, background.value());
+  const double track_s = file.cameras.size() > 1 ? static_cast<double>(file.cameras.size()) / file.fps : kScene_s;
+  const double seconds = arguments.seconds > 0 ? arguments.seconds : file.seconds > 0 ? file.seconds : track_s;
+  const int frames = arguments.movie() ? frameCount(seconds, file.fps) : arguments.frame + 1;
+  if (file.cameras.size() > 1 && file.cameras.size() < static_cast<size_t>(frames))
+    return Error{ErrorId::InvalidArgument, file.path + ": " + std::to_string(frames) + " frames, but only " +
+                                               std::to_string(file.cameras.size()) +
+                                               " cameras; shorten \"seconds\" or choose one \"camera_name\""};
+  CameraOf camera = orbitCamera(arguments, stage.value()->player(0), width, height);
+  if (!file.cameras.empty())
+    camera = [&, w = width, h = height](int frame) {
+      return scaledCamera(file.cameras[file.cameras.size() > 1 ? static_cast<size_t>(frame) : 0], w, h);
+    };
+  const auto next = [&](int frame) -> Status {
+    if (frame > 0) FOURDVT_TRY(background.value().step());
+    scene.background = background.value().texture();
+    return {};
+  };
+  const Show show{*stage.value(), camera, file.fps, frames, next, &scene};
+  return arguments.movie() ? writeMovie(show, arguments) : writePicture(show, arguments);
+}
+
+}  // namespace fourdvt::tools

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// scene.json: characters composited with a background and its camera track (4DVT step 6). Reads and checks; does NOT
+// draw. Paths in it are relative to the file. World: metres, y up, ground at ground_y.
+//
+//   {"background": "street.jpg" or .mp4,   picture or video that the camera took, undistorted; optional
+//    "camera": "street",                   COLMAP text model: one image a frame by name, or one; else the orbit options
+//    "camera_name": "0007",                that image only (without extension), for every frame; optional
+//    "metres_per_unit": 1,                 of the COLMAP model
+//    "occluders": ["car.obj"],             hide characters and show the background; OBJ in metres
+//    "meshes": ["floor.obj"],              are seen: colours "v x y z r g b", else grey
+//    "ground_y": 0, "size": [1280, 720], "fps": 25, "seconds": 6,
+//    "characters": [{"src": "../character", "state": "locomotion", "parameter": {"speed_mps": 2}, "position": [x, z],
+//                    "heading_deg": 90, "travel": true, "play": ["pickup@1.5"]}]}
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render/scene.h"
+#include "tools/stage.h"
+
+namespace fourdvt::tools {
+
+struct SceneFile {
+  std::string path;
+  std::string background;              // empty: none
+  std::vector<PinholeCamera> cameras;  // one: for every frame; empty: an orbit
+  std::vector<std::string> occluders, meshes;
+  double ground_y_m = 0, fps = 25, seconds = 0;  // 0: as long as the camera track, at least one frame
+  std::optional<std::pair<int, int>> size;
+  std::vector<ActorOptions> characters;
+};
+
+// Errors: FileMissing, InvalidArgument (file, key and remedy named), those of readColmapCameras.
+Result<SceneFile> readSceneFile(const std::string& path);
+// Triangles of an OBJ file: "v x y z [r g b]" and "f"; everything else is skipped. Errors: FileMissing, MeshIndex.
+Result<std::vector<render::SceneCorner>> readSceneMesh(const std::string& path);
+
+}  // namespace fourdvt::tools

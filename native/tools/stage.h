@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// One or more characters that play in real steps and are drawn into one picture.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "platform/still_target.h"
+#include "tools/motion_arguments.h"
+#include "tools/session.h"
+
+namespace fourdvt::tools {
+
+struct ActorOptions {
+  std::string folder;  // of the character
+  std::string state;   // at first; empty: the character's first
+  Parameters parameters;
+  motion::Placement placement;
+  bool travel = false;
+  std::vector<Cue> cues;
+};
+
+class Stage {
+ public:
+  // `gpu` outlives the stage.
+  static Result<std::unique_ptr<Stage>> create(GpuSession& gpu, AlignMethod align);
+  // Opens a character and shows its first frame. Errors: those of opening; InvalidArgument: unknown state or parameter.
+  Status add(const ActorOptions& options);
+  // Plays on by this much time; states whose cue is due are gone to.
+  Status advance(double seconds);
+  // scene: null: none.
+  Result<Image> draw(const render::View& view, const render::Scene* scene, const render::RecipeOptions& recipe);
+  Player& player(size_t actor) { return actors_[actor].character->player(); }
+  size_t count() const { return actors_.size(); }
+
+ private:
+  struct Actor {
+    std::unique_ptr<platform::CharacterPlayer> character;
+    std::vector<Cue> cues;  // by time
+    size_t next_cue = 0;
+  };
+  Stage(GpuSession& gpu, std::shared_ptr<render::Recipe> recipe, render::Align align)
+      : gpu_(gpu), recipe_(std::move(recipe)), align_(align), still_(*gpu.device) {}
+  Status followCues(Actor& actor);
+
+  GpuSession& gpu_;
+  std::shared_ptr<render::Recipe> recipe_;
+  render::Align align_;
+  platform::StillTarget still_;
+  std::vector<Actor> actors_;
+  double now_s_ = 0;
+};
+
+}  // namespace fourdvt::tools
