@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who stands in the virtual studio: a textured surface that moves, and the mesh that a capture system would track on
+// it. The surface is the truth; the tracked mesh may be coarser and slide over it.
+// Does NOT draw. pose() may be called from one thread only.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/image.h"
+#include "base/mesh.h"
+#include "base/result.h"
+
+namespace fourdvt::studio {
+
+struct Motion {
+  std::string name;
+  double duration_s = 1;
+  bool loop = false;
+  glm::dvec3 root_velocity_mps{0};  // taken out of the poses
+};
+
+// A mesh in the actor's rest pose.
+struct RestMesh {
+  MeshTopology topology;
+  Positions positions;
+};
+
+class Actor {
+ public:
+  virtual ~Actor() = default;
+  virtual const std::vector<Motion>& motions() const = 0;
+  virtual const RestMesh& surface() const = 0;  // as drawn; UVs are those of texture()
+  virtual const RestMesh& tracked() const = 0;  // as captured
+  virtual const Image& texture() const = 0;     // RGB, sRGB
+  // The surface's vertices with this share of every motion (sum 1) at the motions' common phase 0…1; one motion's
+  // phase is its share of the duration. Between motions: the exact intermediate motion, not a blend of vertices.
+  virtual void pose(std::span<const double> shares, double phase, Positions& out) = 0;
+};
+
+// The built-in actor: a smooth closed body with the motions "walk", "jog" and "run", which are one motion with a
+// parameter (0, 0.5, 1): every joint curve, stance, cadence and speed is a function of it. Feet on the ground do not
+// slide against the root velocity. `mesh_cell_m`: size of the tracked mesh's faces; 0.025 makes about 4000 vertices.
+// `motions`: names among those three. Errors: InvalidArgument.
+Result<std::unique_ptr<Actor>> createProceduralActor(const std::vector<std::string>& motions, double mesh_cell_m);
+
+// A rigged, textured glTF or GLB: its skinned meshes welded to one, its animations by name. Between animations: joint
+// by joint (slerp). Travel of a cyclic animation becomes root velocity. Morph targets are not played.
+// `motions` empty: all animations. Errors: FileMissing, FileUnreadable, Unsupported (no rig, no animation, unknown
+// kind of data), MeshNoUvs, MeshUvRange, InvalidArgument (no animation of a name).
+Result<std::unique_ptr<Actor>> openGltfActor(const std::string& path, const std::vector<std::string>& motions);
+
+}  // namespace fourdvt::studio

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// The pictures of one camera over a sequence: an H.264 .mp4 (RGB, BT.709 limited range, 4:2:0, near-lossless), a
+// lossless FFV1 .mkv (one channel), or a folder of PNG files. The same pictures give the same bytes.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "base/image.h"
+#include "base/result.h"
+
+namespace fourdvt::studio {
+
+class PictureFile {
+ public:
+  // stem + ".mp4" for 3 channels, ".mkv" for 1; stem + "/%06d.png" with `images`. Errors: WriteFailed, Unsupported (no
+  // encoder in this FFmpeg).
+  static Result<std::unique_ptr<PictureFile>> create(const std::string& stem, int width, int height, int channels,
+                                                     double fps, bool images);
+  virtual ~PictureFile() = default;
+  virtual Status write(const Image& picture) = 0;
+  virtual Status finish() = 0;  // last
+};
+
+}  // namespace fourdvt::studio

@@ -1,0 +1,421 @@
+// SPDX-License-Identifier: Apache-2.0
+// The studio's geometry: walks on surfaces, the procedural body and its gait, drift and its exact correspondence,
+// glTF models good and broken, cameras, sensor. Drawing is tests/render/studio_test.cpp's.
+#include <cmath>
+#include <map>
+
+#include "capture/studio_actor.h"
+#include "capture/studio_body.h"
+#include "capture/studio_rig.h"
+#include "capture/studio_sensor.h"
+#include "capture/studio_tracker.h"
+#include "capture_fixture.h"
+#include "studio_model.h"
+
+namespace fourdvt::studio {
+namespace {
+
+using fourdvt::testing::StudioModel;
+
+constexpr double kPi = 3.14159265358979323846;
+
+// Built once: meshing and painting take a second.
+Actor& walkJogRun() {
+  static const auto actor = createProceduralActor({"walk", "jog", "run"}, 0.025).take();
+  return *actor;
+}
+
+// An n-gon prism of radius 1, open at the ends, z from 0 to 2.
+Surface prism(int n) {
+  std::vector<glm::uvec3> faces;
+  Positions positions;
+  for (int k = 0; k < n; ++k)
+    for (const float z : {0.0f, 2.0f}) positions.emplace_back(std::cos(2 * kPi * k / n), std::sin(2 * kPi * k / n), z);
+  for (uint32_t k = 0; k < uint32_t(n); ++k) {
+    const uint32_t a = 2 * k, b = 2 * ((k + 1) % n);
+    faces.push_back({a, b, b + 1});
+    faces.push_back({a, b + 1, a + 1});
+  }
+  return {faces, positions};
+}
+
+TEST(StudioSurface, WalkGoesRoundAPrismAndComesBack) {
+  const int n = 12;
+  const Surface surface = prism(n);
+  const double round = n * 2 * std::sin(kPi / n);
+  SurfacePoint start = surface.nearest({1, 0, 1});
+  const glm::dvec3 from = surface.place(start, surface.positions());
+  EXPECT_NEAR(glm::distance(from, glm::dvec3(1, 0, 1)), 0, 1e-6);
+  const glm::dvec3 once = surface.place(surface.walk(start, {0, round, 0}), surface.positions());
+  EXPECT_NEAR(glm::distance(once, from), 0, 1e-6);
+  // A helix of half a turn climbs by what it is tilted.
+  const double up = 0.6, half = 0.5 * round;
+  const glm::dvec3 start_side = surface.positions()[2];
+  const glm::dvec3 across = glm::normalize(start_side - glm::dvec3(1, 0, 0)) * half;
+  const glm::dvec3 far = surface.place(surface.walk(start, across + glm::dvec3(0, 0, up)), surface.positions());
+  EXPECT_NEAR(glm::distance(far, glm::dvec3(-1, 0, 1 + up)), 0, 1e-5);
+}
+
+TEST(StudioSurface, WalkStopsAtAnOpenEdge) {
+  const Surface surface = prism(12);
+  const SurfacePoint start = surface.nearest({1, 0, 1});
+  EXPECT_NEAR(surface.place(surface.walk(start, {0, 0, 5}), surface.positions()).z, 2, 1e-6);
+}
+
+TEST(StudioBody, IsClosedConnectedAndOutwards) {
+  const RestMesh& mesh = walkJogRun().tracked();
+  EXPECT_GT(mesh.topology.vertex_count, 3500u);
+  EXPECT_LT(mesh.topology.vertex_count, 4500u);
+  std::map<std::pair<uint32_t, uint32_t>, int> edges;  // directed
+  double volume = 0;
+  for (const glm::uvec3& f : mesh.topology.face_vertices) {
+    for (int k = 0; k < 3; ++k) ++edges[{f[k], f[(k + 1) % 3]}];
+    volume += glm::dot(glm::dvec3(mesh.positions[f.x]),
+                       glm::cross(glm::dvec3(mesh.positions[f.y]), glm::dvec3(mesh.positions[f.z]))) /
+              6;
+  }
+  for (const auto& [edge, count] : edges) {
+    ASSERT_EQ(count, 1);
+    ASSERT_EQ(edges.count({edge.second, edge.first}), 1u);
+  }
+  EXPECT_GT(volume, 0.05);  // of a slim person, m³
+  EXPECT_LT(volume, 0.12);
+  // Genus 0 and one component.
+  EXPECT_EQ(int(mesh.positions.size()) - int(edges.size() / 2) + int(mesh.topology.faceCount()), 2);
+}
+
+TEST(StudioBody, VerticesLieOnTheBody) {
+  for (const RestMesh* mesh : {&walkJogRun().tracked(), &walkJogRun().surface()})
+    for (const glm::vec3& p : mesh->positions) ASSERT_NEAR(bodyDistance(p), 0, 1e-4);
+}
+
+TEST(StudioBody, AtlasDoesNotOverlap) {
+  const MeshTopology& t = walkJogRun().tracked().topology;
+  constexpr int kSide = 1024;
+  std::vector<uint8_t> hits(kSide * kSide, 0);
+  int covered = 0, twice = 0;
+  for (const glm::uvec3& f : t.face_uvs) {
+    glm::dvec2 p[3];
+    for (int k = 0; k < 3; ++k) {
+      ASSERT_TRUE(glm::all(glm::greaterThanEqual(t.uvs[f[k]], glm::vec2(0))));
+      ASSERT_TRUE(glm::all(glm::lessThanEqual(t.uvs[f[k]], glm::vec2(1))));
+      p[k] = glm::dvec2(t.uvs[f[k]]) * double(kSide);
+    }
+    const auto side = [](glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
+      return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+    };
+    const glm::dvec2 low = glm::min(p[0], glm::min(p[1], p[2])), high = glm::max(p[0], glm::max(p[1], p[2]));
+    const double winding = side(p[0], p[1], p[2]) < 0 ? -1 : 1;
+    for (int y = int(low.y); y <= int(high.y); ++y)
+      for (int x = int(low.x); x <= int(high.x); ++x) {
+        const glm::dvec2 q(x + 0.5, y + 0.5);
+        bool inside = true;
+        for (int k = 0; k < 3; ++k) inside &= winding * side(p[k], p[(k + 1) % 3], q) > 1e-9;
+        if (!inside) continue;
+        ++covered;
+        twice += hits[y * kSide + x]++ > 0;
+      }
+  }
+  EXPECT_GT(covered, 0.35 * kSide * kSide);
+  EXPECT_LT(twice, 1e-3 * covered);
+}
+
+TEST(StudioGait, IsALoopAndItsParameterIsExact) {
+  Positions a, b;
+  walkJogRun().pose(std::vector<double>{0.7, 0, 0.3}, 0, a);
+  walkJogRun().pose(std::vector<double>{0.7, 0, 0.3}, 1, b);
+  for (size_t v = 0; v < a.size(); ++v) ASSERT_NEAR(glm::distance(a[v], b[v]), 0, 1e-6);
+  walkJogRun().pose(std::vector<double>{0.5, 0, 0.5}, 0.3, a);
+  walkJogRun().pose(std::vector<double>{0, 1, 0}, 0.3, b);
+  for (size_t v = 0; v < a.size(); ++v) ASSERT_NEAR(glm::distance(a[v], b[v]), 0, 1e-6);
+}
+
+// While a sole is on the ground it moves back exactly at the root's speed, so that the world's ground does not slide.
+TEST(StudioGait, FeetDoNotSlide) {
+  Actor& actor = walkJogRun();
+  const Positions& rest = actor.surface().positions;
+  uint32_t sole = 0;  // under the left toes, which no other bone moves
+  for (uint32_t v = 0; v < rest.size(); ++v)
+    if (rest[v].x > 0 && rest[v].z > 0.08f && rest[v].y < rest[sole].y) sole = v;
+  for (const double w : {0.0, 0.4, 1.0}) {
+    const std::vector<double> shares{1 - w, 0, w};
+    double duration = 0, speed = 0;
+    for (const size_t m : {0u, 2u}) {
+      duration += shares[m] * actor.motions()[m].duration_s;
+      speed += shares[m] * actor.motions()[m].root_velocity_mps.z;
+    }
+    Positions first, later;
+    actor.pose(shares, 0.02, first);
+    for (const double phase : {0.1, 0.2, 0.3}) {
+      actor.pose(shares, phase, later);
+      const glm::dvec3 moved(later[sole] - first[sole]);
+      EXPECT_NEAR(moved.z, -speed * duration * (phase - 0.02), 1.5e-3) << w << " " << phase;
+      EXPECT_NEAR(moved.y, 0, 1.5e-3) << w << " " << phase;
+    }
+  }
+}
+
+TEST(StudioTracker, DriftIsAsFarAsTheKnobSays) {
+  StudioKnobs knobs;
+  knobs.drift_mm = 12;
+  const Tracker tracker(walkJogRun(), knobs);
+  const auto first = tracker.points(0, 0), last = tracker.points(1, 0), middle = tracker.points(0.5, 0);
+  const Surface& surface = tracker.actorSurface();
+  double largest = 0, mean = 0, ratio = 0;
+  for (uint32_t v = 0; v < first.size(); ++v) {
+    const glm::dvec3 a = surface.place(first[v], surface.positions()), b = surface.place(last[v], surface.positions());
+    const double expected = 0.012 * glm::length(tracker.driftDirection(v));
+    // The straight line is a little shorter than the way along the skin, never longer.
+    ASSERT_LE(glm::distance(a, b), expected * 1.001 + 1e-7);
+    ASSERT_GE(glm::distance(a, b), expected * 0.3 - 1e-7);  // across the folds of armpits and neck
+    ratio += glm::distance(a, b) / expected / double(first.size());
+    const glm::dvec3 here = surface.place(middle[v], surface.positions());
+    ASSERT_NEAR(glm::distance(here, glm::dvec3(tracker.trackedSurface().positions()[v])), 0, 1e-5);
+    largest = std::max(largest, glm::distance(a, b));
+    mean += glm::distance(a, b) / double(first.size());
+  }
+  EXPECT_NEAR(largest, 0.012, 0.0003);
+  EXPECT_GT(mean, 0.006);
+  EXPECT_GT(ratio, 0.98);
+}
+
+// The written correspondence: at the aligned point `run` carries the material that `walk` carries at the vertex.
+TEST(StudioTracker, AlignmentFindsTheSameMaterial) {
+  StudioKnobs knobs;
+  knobs.drift_mm = 12;
+  const Tracker tracker(walkJogRun(), knobs);
+  const Positions& rest = tracker.actorSurface().positions();
+  const Positions walk = tracker.truth(tracker.points(0, 0.3), rest), run = tracker.truth(tracker.points(1, 0.3), rest);
+  const auto aligned = tracker.alignment(0, 1, 0.3);
+  const Surface& mesh = tracker.trackedSurface();
+  double mean_moved = 0, mean_missed = 0, worst = 0;
+  for (uint32_t v = 0; v < aligned.size(); ++v) {
+    const double missed = glm::distance(mesh.place(aligned[v], run), glm::dvec3(walk[v]));
+    worst = std::max(worst, missed);
+    mean_missed += missed / double(aligned.size());
+    mean_moved += glm::distance(mesh.place(aligned[v], mesh.positions()), glm::dvec3(mesh.positions()[v])) /
+                  double(aligned.size());
+  }
+  EXPECT_GT(mean_moved, 0.005);
+  EXPECT_LT(mean_missed, 0.0006);  // chords of the tracked mesh's faces lie a little inside the skin
+  EXPECT_LT(worst, 0.006);
+}
+
+TEST(StudioTracker, NoDriftIsNoAlignment) {
+  const Tracker tracker(walkJogRun(), StudioKnobs());
+  const auto aligned = tracker.alignment(0, 1, 0.3);
+  const Surface& mesh = tracker.trackedSurface();
+  for (uint32_t v = 0; v < aligned.size(); ++v)
+    ASSERT_NEAR(glm::distance(mesh.place(aligned[v], mesh.positions()), glm::dvec3(mesh.positions()[v])), 0, 1e-5);
+}
+
+TEST(StudioTracker, ProxyErrorStandsOffByAtMostTheKnob) {
+  StudioKnobs knobs;
+  knobs.proxy_mm = 5;
+  const Tracker tracker(walkJogRun(), knobs);
+  const auto points = tracker.points(0, 0);
+  const Positions& rest = tracker.actorSurface().positions();
+  const Positions exact = tracker.truth(points, rest), captured = tracker.captured(points, rest);
+  float largest = 0;
+  for (size_t v = 0; v < exact.size(); ++v) largest = std::max(largest, glm::distance(exact[v], captured[v]));
+  EXPECT_LE(largest, 0.00501f);
+  EXPECT_GT(largest, 0.004f);
+}
+
+TEST(StudioRig, SeesEveryCornerAndCalibrationErrorsAreOfTheirSize) {
+  const BoundingBox box{{-0.4f, 0, -0.5f}, {0.4f, 1.8f, 0.5f}};
+  const Rig rig = makeRig(box, 8, 480, 640);
+  ASSERT_EQ(rig.ring.size(), 8u);
+  ASSERT_EQ(rig.test.size(), 3u);
+  for (const auto* list : {&rig.ring, &rig.test})
+    for (const PinholeCamera& camera : *list)
+      for (int k = 0; k < 8; ++k) {
+        const glm::dvec3 p = camera.project(
+            {k & 1 ? box.max.x : box.min.x, k & 2 ? box.max.y : box.min.y, k & 4 ? box.max.z : box.min.z});
+        EXPECT_TRUE(p.z > rig.near_m && p.z < rig.far_m && p.x > 0 && p.y > 0 && p.x < 480 && p.y < 640);
+      }
+  StudioKnobs knobs;
+  for (size_t c = 0; c < 8; ++c) {
+    const glm::dmat4 same = miscalibrated(rig.ring, knobs)[c].cam_from_world - rig.ring[c].cam_from_world;
+    for (int k = 0; k < 4; ++k) EXPECT_LT(glm::length(same[k]), 1e-12);
+  }
+  knobs.translation_mm = 5;
+  knobs.rotation_deg = 0.2;
+  const auto wrong = miscalibrated(rig.ring, knobs), again = miscalibrated(rig.ring, knobs);
+  double moved = 0, turned = 0;
+  for (size_t c = 0; c < 8; ++c) {
+    EXPECT_EQ(wrong[c].cam_from_world, again[c].cam_from_world);
+    moved += std::pow(glm::distance(wrong[c].centreInWorld(), rig.ring[c].centreInWorld()), 2);
+    const glm::dmat3 change =
+        glm::dmat3(wrong[c].cam_from_world) * glm::transpose(glm::dmat3(rig.ring[c].cam_from_world));
+    turned += std::pow(std::acos(std::min(1.0, (change[0][0] + change[1][1] + change[2][2] - 1) / 2)) * 180 / kPi, 2);
+  }
+  EXPECT_NEAR(std::sqrt(moved / 24), 0.005, 0.002);  // 24 components
+  EXPECT_NEAR(std::sqrt(turned / 24), 0.2, 0.08);
+}
+
+TEST(StudioSensor, NoiseGainAndErosionAreOfTheirSize) {
+  Image picture(64, 64, 4, 0);
+  for (int y = 16; y < 48; ++y)
+    for (int x = 16; x < 48; ++x) std::fill_n(picture.at(x, y), 4, uint8_t(255)), picture.at(x, y)[1] = 100;
+  StudioKnobs knobs;
+  const Sensor plain(knobs, 0, 64, 64);
+  const Image exposed = plain.expose(picture, 0);
+  EXPECT_EQ(exposed.at(30, 30)[1], 100);
+  EXPECT_TRUE(std::equal(exposed.at(2, 2), exposed.at(2, 2) + 3, plain.plate().at(2, 2)));
+  EXPECT_EQ(plain.matte(picture).at(16, 30)[0], 255);
+  knobs.noise_levels = 3;
+  knobs.erosion_pixels = 2;
+  const Sensor noisy(knobs, 0, 64, 64);
+  const Image one = noisy.expose(picture, 0), two = noisy.expose(picture, 1);
+  double square = 0;
+  for (int y = 16; y < 48; ++y)
+    for (int x = 16; x < 48; ++x) square += std::pow(one.at(x, y)[1] - 100.0, 2) / 1024;
+  EXPECT_NEAR(std::sqrt(square), 3, 0.3);
+  EXPECT_NE(one.pixels, two.pixels);
+  EXPECT_EQ(one.pixels, noisy.expose(picture, 0).pixels);
+  EXPECT_EQ(noisy.matte(picture).at(17, 30)[0], 0);
+  EXPECT_EQ(noisy.matte(picture).at(18, 30)[0], 255);
+}
+
+class StudioGltf : public ::testing::Test {
+ protected:
+  Result<std::unique_ptr<Actor>> open(const std::vector<std::string>& motions = {}) {
+    path_ = model.write(folder_ / "model.glb");
+    return openGltfActor(path_, motions);
+  }
+  void expectError(ErrorId id, const std::string& part) {
+    const auto actor = open();
+    capture::expectError(actor, id, path_);
+    if (actor.ok()) return;
+    EXPECT_NE(actor.error().message.find(part), std::string::npos) << actor.error().message;
+  }
+  capture::TempFolder folder_;
+  std::string path_;
+  StudioModel model;
+};
+
+// The upper vertices turn about (0, 0.5, 0); the lower half stays.
+glm::dvec3 bent(const glm::dvec3& rest, double degrees) {
+  if (rest.y <= 0.5 + 1e-6) return rest;
+  const double a = degrees * kPi / 180, y = rest.y - 0.5;
+  return {rest.x, 0.5 + y * std::cos(a) - rest.z * std::sin(a), y * std::sin(a) + rest.z * std::cos(a)};
+}
+
+TEST_F(StudioGltf, IsWeldedTexturedAndPosed) {
+  auto opened = open({"bend", "still", "stride", "fall"});
+  ASSERT_TRUE(opened) << opened.error().message;
+  Actor& actor = *opened.value();
+  EXPECT_EQ(actor.surface().topology.vertex_count, 4u * StudioModel::kRings);  // the seam's column is welded
+  EXPECT_EQ(actor.surface().topology.faceCount(), 8u * (StudioModel::kRings - 1));
+  EXPECT_EQ(actor.texture().at(10, 20)[0], 40);
+  EXPECT_EQ(actor.texture().at(10, 20)[1], 80);
+  const auto& motions = actor.motions();
+  ASSERT_EQ(motions.size(), 4u);
+  EXPECT_TRUE(motions[0].loop && motions[1].loop && motions[2].loop);
+  EXPECT_FALSE(motions[3].loop);
+  EXPECT_NEAR(motions[3].duration_s, 0.8, 1e-6);
+  EXPECT_NEAR(motions[2].root_velocity_mps.z, 1.5, 1e-5);
+  Positions pose;
+  const Positions& rest = actor.surface().positions;
+  actor.pose(std::vector<double>{1, 0, 0, 0}, 0.5, pose);
+  for (size_t v = 0; v < pose.size(); ++v) ASSERT_NEAR(glm::distance(glm::dvec3(pose[v]), bent(rest[v], 80)), 0, 1e-5);
+  // Half-way between bending and holding still: half the angle, not half the vertices' way.
+  actor.pose(std::vector<double>{0.5, 0.5, 0, 0}, 0.5, pose);
+  for (size_t v = 0; v < pose.size(); ++v) ASSERT_NEAR(glm::distance(glm::dvec3(pose[v]), bent(rest[v], 40)), 0, 1e-5);
+  // Travel is taken out.
+  actor.pose(std::vector<double>{0, 0, 1, 0}, 0.5, pose);
+  for (size_t v = 0; v < pose.size(); ++v) ASSERT_NEAR(glm::distance(glm::dvec3(pose[v]), bent(rest[v], 40)), 0, 1e-5);
+}
+
+TEST_F(StudioGltf, SeveralMaterialsShareAnAtlas) {
+  tinygltf::Material red;
+  red.pbrMetallicRoughness.baseColorFactor = {1, 0, 0, 1};
+  model.gltf.materials.push_back(red);
+  model.gltf.meshes[0].primitives.push_back(model.primitive());
+  model.gltf.meshes[0].primitives[1].material = 1;
+  auto opened = open({"bend"});
+  ASSERT_TRUE(opened) << opened.error().message;
+  const Image& atlas = opened.value()->texture();
+  const MeshTopology& t = opened.value()->surface().topology;
+  EXPECT_EQ(t.vertex_count, 4u * StudioModel::kRings);
+  const auto colourOf = [&](uint32_t face) {
+    glm::vec2 uv(0);
+    for (int k = 0; k < 3; ++k) uv += t.uvs[t.face_uvs[face][k]] / 3.0f;
+    return atlas.at(int(uv.x * atlas.width), int(uv.y * atlas.height));
+  };
+  EXPECT_EQ(colourOf(0)[2], 90);
+  EXPECT_EQ(colourOf(t.faceCount() - 1)[0], 255);
+  EXPECT_EQ(colourOf(t.faceCount() - 1)[2], 0);
+}
+
+TEST_F(StudioGltf, BrokenModelsAreNamedWithTheRemedy) {
+  capture::expectError(openGltfActor(folder_ / "none.glb", {}), ErrorId::FileMissing, folder_ / "none.glb");
+  folder_.write("text.glb", std::string("this is no model"));
+  capture::expectError(openGltfActor(folder_ / "text.glb", {}), ErrorId::FileUnreadable, folder_ / "text.glb");
+}
+
+TEST_F(StudioGltf, NoTextureCoordinates) {
+  model.primitive().attributes.erase("TEXCOORD_0");
+  expectError(ErrorId::MeshNoUvs, "unwrap");
+}
+
+TEST_F(StudioGltf, RepeatedTexture) {
+  auto* uvs = reinterpret_cast<float*>(
+      &model.gltf.buffers[0].data[model.gltf.bufferViews[model.gltf.accessors[model.uv].bufferView].byteOffset]);
+  uvs[0] = 2.5f;
+  expectError(ErrorId::MeshUvRange, "[0,1]");
+}
+
+TEST_F(StudioGltf, NoSkin) {
+  model.gltf.nodes[2].skin = -1;
+  expectError(ErrorId::Unsupported, "armature");
+}
+
+TEST_F(StudioGltf, NoWeights) {
+  model.primitive().attributes.erase("WEIGHTS_0");
+  expectError(ErrorId::Unsupported, "WEIGHTS_0");
+}
+
+TEST_F(StudioGltf, NoAnimation) {
+  model.gltf.animations.clear();
+  expectError(ErrorId::Unsupported, "animation");
+}
+
+TEST_F(StudioGltf, NoSuchAnimationListsThose) {
+  const auto actor = open({"walk"});
+  capture::expectError(actor, ErrorId::InvalidArgument, path_);
+  EXPECT_NE(actor.error().message.find("bend, stride"), std::string::npos) << actor.error().message;
+}
+
+TEST_F(StudioGltf, JointOutOfRange) {
+  model.gltf.skins[0].joints.pop_back();
+  expectError(ErrorId::MeshIndex, "joint");
+}
+
+TEST_F(StudioGltf, AccessorBeyondItsBuffer) {
+  model.gltf.accessors[model.position].count = 1000000;
+  const auto actor = open();
+  capture::expectError(actor, ErrorId::FileUnreadable, path_);
+}
+
+TEST(StudioOptions, AreChecked) {
+  StudioOptions o;
+  EXPECT_NE(o.check(), "");  // no folder
+  o.folder = "x";
+  EXPECT_EQ(o.check(), "");
+  o.width = 481;
+  EXPECT_NE(o.check(), "");
+  o = {};
+  o.folder = "x";
+  o.classes = {{"c", "p", {"a", "a"}}};
+  EXPECT_NE(o.check().find("twice"), std::string::npos);
+  o.classes = {{"c", "p", {"a"}}};
+  EXPECT_NE(o.check(), "");
+  o.classes.clear();
+  o.sequences = {"a/b"};
+  EXPECT_NE(o.check(), "");
+}
+
+}  // namespace
+}  // namespace fourdvt::studio
