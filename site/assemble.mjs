@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // node site/assemble.mjs OUT DIST CHARACTER: the folder that is served.
-// OUT/{index.html,site.css,site.js,layers.jpg}, OUT/fourdvt-viewer (DIST, the built web package), OUT/character (a baked one).
+// OUT/{index,steer}.html, their scripts, styles and pictures, OUT/fourdvt-viewer (DIST, the built web package), OUT/character (a baked one).
 // Replaces only what it makes.
 import { copyFileSync, cpSync, existsSync, mkdirSync, rmSync } from 'node:fs';
 import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
-const kPageFiles = ['index.html', 'site.css', 'site.js', 'layers.jpg'];
+const kPageFiles = ['index.html', 'site.css', 'site.js', 'steer.html', 'steer.js', 'layers.jpg'];
 
 function fail(message) {
   console.error(`assemble: ${message}`);

@@ -34,7 +34,7 @@ step() { printf '\n== %s\n' "$*"; }
 quiet() { local log=$root/build/$1.log; shift; "$@" >"$log" 2>&1 || { tail -n 60 "$log"; echo "failed: $* (whole log: $log)" >&2; exit 1; }; }
 
 packages=(build-essential pkg-config cmake ninja-build ca-certificates dpkg-dev
-  libglm-dev libtinygltf-dev nlohmann-json3-dev libdraco-dev libopencv-dev libgtest-dev
+  libglm-dev libeigen3-dev libtinygltf-dev nlohmann-json3-dev libdraco-dev libopencv-dev libgtest-dev
   libavcodec-dev libavformat-dev libavutil-dev libswscale-dev
   libegl-dev libgles-dev libegl1 libgles2 libgl1-mesa-dri
   emscripten chromium fonts-dejavu-core)
@@ -60,8 +60,11 @@ quiet build-release cmake --build build/release
 
 step "Building the player (wasm and JavaScript)"
 export NODE_PATH=/usr/share/nodejs  # Debian's emscripten keeps acorn there
-draco=$(bash wasm/build_draco.sh 2>build/draco.log) || { tail -n 40 build/draco.log; exit 1; }
-quiet cmake-wasm cmake --preset wasm "-DDRACO_WASM_DIR=$draco"
+# A library for wasm: the folder of it. Built on the first run, in the cache of all clones after that.
+wasm_library() { bash "wasm/build_$1.sh" 2> >(tee "build/$1.log" | grep --line-buffered "^build_$1:" >&2) || { tail -n 40 "build/$1.log" >&2; exit 1; }; }
+draco=$(wasm_library draco)
+opencv=$(wasm_library opencv)
+quiet cmake-wasm cmake --preset wasm "-DDRACO_WASM_DIR=$draco" "-DOPENCV_WASM_DIR=$opencv"
 quiet build-wasm cmake --build build/wasm
 (cd web
  lock=$(sha256sum package-lock.json | cut -d' ' -f1)

@@ -11,12 +11,26 @@ const scrub = byId('scrub');
 const time = byId('time');
 const calm = matchMedia('(prefers-reduced-motion: reduce)');
 
+const UNITS = { mps: 'm/s', m: 'm', deg: '°', dps: '°/s', s: 's' };
 let scrubbing = false;
 let resumeAfterScrub = false;
 
+// "speed_mps" → Speed, m/s.
+function describeParameter(name) {
+  const [, words, unit] = /^(.*?)(?:_([a-z]+))?$/.exec(name);
+  return UNITS[unit] ? { label: capital(words), unit: UNITS[unit] } : { label: capital(name), unit: '' };
+}
+
+function capital(words) {
+  const text = words.replaceAll('_', ' ');
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}
+
 function labelOf(name) {
   const words = { pickup: 'Pick up' };
-  return words[name] ?? name.charAt(0).toUpperCase() + name.slice(1).replaceAll('_', ' ');
+  const members = viewer.sequences.find((s) => s.name === name)?.members ?? [];
+  if (members.length > 1) return members.map((member, i) => (i ? member : capital(member))).join(' ↔ ');
+  return words[name] ?? capital(name);
 }
 
 function currentSequence() {
@@ -43,14 +57,44 @@ function showSequence() {
   const sequence = currentSequence();
   if (!sequence) return;
   scrub.max = String(Math.max(1, sequence.frames - 1));
-  const radio = [...motions.querySelectorAll('input')].find((input) => input.value === sequence.name);
+  const radio = [...motions.querySelectorAll('input')].find((input) => input.value === viewer.state);
   if (radio) radio.checked = true;
+  showParameter();
   showTime();
+}
+
+// The slider belongs to the class shown; it stays while a one-off motion plays.
+function showParameter() {
+  const sequence = currentSequence();
+  const [parameter] = viewer.parameters;
+  if (!sequence || !parameter) return;
+  const { label, unit } = describeParameter(parameter.name);
+  const slider = byId('parameter');
+  const known = slider.dataset.name === parameter.name; // then it is the visitor's: the motion glides to it
+  slider.dataset.name = parameter.name;
+  slider.dataset.unit = unit;
+  slider.min = String(parameter.min);
+  slider.max = String(parameter.max);
+  slider.step = String((parameter.max - parameter.min) / 200);
+  const value = viewer.getParameter(parameter.name);
+  if (!known) slider.value = String(Number.isFinite(value) ? value : parameter.min);
+  byId('parameter-name').textContent = label;
+  byId('blend').hidden = byId('to-steer').hidden = false;
+  writeParameter();
+}
+
+function writeParameter() {
+  const slider = byId('parameter');
+  const text = `${Number(slider.value).toFixed(2)} ${slider.dataset.unit ?? ''}`.trim();
+  byId('parameter-value').value = text;
+  slider.setAttribute('aria-valuetext', text);
 }
 
 function buildMotions() {
   for (const old of motions.querySelectorAll('label')) old.remove();
+  const members = new Set(viewer.sequences.flatMap((s) => (s.members.length > 1 ? s.members : [])));
   for (const sequence of viewer.sequences) {
+    if (members.has(sequence.name)) continue; // an end of a class's slider
     const label = document.createElement('label');
     const radio = document.createElement('input');
     radio.type = 'radio';
@@ -67,7 +111,7 @@ function buildMotions() {
 // A new motion starts moving at once, unless the visitor paused or asked for little motion.
 function chooseMotion(name) {
   const wasAtEnd = !currentSequence()?.loop && viewer.frame + 1 >= (currentSequence()?.frames ?? 0);
-  viewer.sequence = name;
+  viewer.goTo(name);
   if (wasAtEnd && !calm.matches) viewer.play();
 }
 
@@ -103,7 +147,20 @@ scrub.addEventListener('input', () => {
 });
 playButton.addEventListener('click', togglePlay);
 
-viewer.addEventListener('loadedmetadata', buildMotions);
+byId('parameter').addEventListener('input', () => {
+  const slider = byId('parameter');
+  writeParameter();
+  viewer.setParameter(slider.dataset.name, Number(slider.value));
+});
+byId('align').addEventListener('change', () => { viewer.align = byId('align').value; });
+
+// A class of motions is the first thing to play with.
+viewer.addEventListener('loadedmetadata', () => {
+  const first = viewer.sequences.find((s) => s.parameters.length > 0);
+  if (first && !viewer.hasAttribute('sequence')) viewer.sequence = first.name;
+  buildMotions();
+});
+for (const type of ['transitionstart', 'transitionend']) viewer.addEventListener(type, showSequence);
 viewer.addEventListener('sequencechange', showSequence);
 for (const type of ['timeupdate', 'seeked', 'ended']) viewer.addEventListener(type, showTime);
 for (const type of ['play', 'playing', 'pause', 'ended']) viewer.addEventListener(type, showPlaying);

@@ -2,117 +2,17 @@
 // The player as a page sees it: plain C functions on an opaque handle, results as plain structs in wasm memory.
 //
 // A returned block is owned by the handle and valid until the next fdvt_* call on it. Text is UTF-8, pointer + length.
-// The order of the fields is the ABI: web/src/wasm-player.ts reads them at fixed offsets (checked below).
+// Several handles may share a canvas (fdvt_create_beside). Motion: motion_exports.cpp.
 // Every function that may touch GL makes the handle's own context current first, so several handles may coexist.
-#include <emscripten/html5.h>
-
-#include <cstddef>
-#include <cstdint>
 #include <cstdlib>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "player/player.h"
-
-#define FDVT extern "C" __attribute__((used, visibility("default")))
-
-namespace {
+#include "instance.h"
 
 using namespace fourdvt;
 
-struct Text {
-  const char* data = nullptr;
-  uint32_t size = 0;
-};
-Text text(const std::string& s) { return {s.data(), static_cast<uint32_t>(s.size())}; }
-Text text(const char* s) { return {s, static_cast<uint32_t>(std::char_traits<char>::length(s))}; }
-
-struct ErrorBlock {
-  int32_t id = 0;
-  Text name, message;
-};
-
-enum RequestKind : int32_t { kFetch = 1, kCancel, kConfigure, kDecode, kFlush, kReset };
-struct RequestBlock {
-  int32_t kind = 0;
-  uint32_t id = 0;
-  Text uri_or_codec;
-  Text data;  // decoder description or sample
-  int32_t width = 0, height = 0;
-  int32_t key = 0, pad = 0;
-  double offset = 0, bytes = 0;
-  double timestamp_us = 0;
-};
-
-struct EventBlock {
-  Text name;
-  ErrorBlock error;
-  int32_t pad = 0;
-  double loaded_bytes = 0, total_bytes = 0;
-};
-
-struct StateBlock {
-  int32_t has_frame = 0, paused = 1;
-  int32_t frame = 0, sequence = -1;
-  int32_t seeking = 0, pad = 0;
-  double current_time_s = 0;
-  double frames_shown = 0, frames_late = 0, barcode_checked = 0, barcode_mismatches = 0;
-  double bytes_fetched = 0, encoded_bytes_held = 0;
-  double draws = 0, live_textures = 0, live_texture_bytes = 0;
-};
-
-struct CharacterBlock {
-  double bounds_min[3] = {}, bounds_max[3] = {};
-  double ground_y_m = 0;
-  int32_t layers = 0, vertices = 0, faces = 0, sequences = 0;
-  Text name, poster_uri;
-};
-
-struct SequenceBlock {
-  Text name;
-  int32_t frames = 0, loop = 0;
-  double fps = 0, duration_s = 0;
-};
-
-static_assert(sizeof(ErrorBlock) == 20 && sizeof(RequestBlock) == 64 && offsetof(RequestBlock, offset) == 40);
-static_assert(offsetof(EventBlock, loaded_bytes) == 32 && sizeof(StateBlock) == 104 && sizeof(SequenceBlock) == 32);
-static_assert(offsetof(CharacterBlock, layers) == 56 && offsetof(CharacterBlock, name) == 72);
-
-struct Instance {
-  EMSCRIPTEN_WEBGL_CONTEXT_HANDLE context = 0;
-  std::unique_ptr<gpu::Device> device;
-  std::unique_ptr<Player> player;  // destroyed before the device
-  FlatJson manifest;
-  render::RecipeOptions recipe;
-  std::vector<uint8_t> chroma;  // de-interleaved NV12, u then v
-  Request request;
-  Event event;
-  Error error;
-  ErrorBlock error_block;
-  RequestBlock request_block;
-  EventBlock event_block;
-  StateBlock state;
-  CharacterBlock character;
-  SequenceBlock sequence;
-};
-
-ErrorBlock blockOf(const Error& error) {
-  return {static_cast<int32_t>(error.id), text(errorName(error.id)), text(error.message)};
-}
-
-// 1, or 0 with the handle's error set.
-int keep(Instance* h, const Status& status) {
-  if (!status.ok()) h->error = status.error();
-  return status.ok() ? 1 : 0;
-}
-
-int fail(Instance* h, ErrorId id, const char* message) {
-  h->error = {id, message};
-  return 0;
-}
-
-void makeCurrent(Instance* h) { emscripten_webgl_make_context_current(h->context); }
+namespace {
 
 struct FillRequest {
   RequestBlock& out;
@@ -126,6 +26,7 @@ struct FillRequest {
   void operator()(const CancelFetch& r) const { out.kind = kCancel, out.id = r.id; }
   void operator()(const ConfigureDecoder& r) const {
     out.kind = kConfigure;
+    out.decoder = r.decoder;
     out.uri_or_codec = text(r.codec);
     out.data = bytes(r.description);
     out.width = r.width;
@@ -133,16 +34,57 @@ struct FillRequest {
   }
   void operator()(const DecodeSample& r) const {
     out.kind = kDecode;
+    out.decoder = r.decoder;
     out.data = bytes(r.bytes);
     out.timestamp_us = static_cast<double>(r.timestamp_us);
     out.key = r.key;
   }
-  void operator()(const FlushDecoder&) const { out.kind = kFlush; }
-  void operator()(const ResetDecoder&) const { out.kind = kReset; }
+  void operator()(const FlushDecoder& r) const { out.kind = kFlush, out.decoder = r.decoder; }
+  void operator()(const ResetDecoder& r) const { out.kind = kReset, out.decoder = r.decoder; }
+  void operator()(const CloseDecoder& r) const { out.kind = kClose, out.decoder = r.decoder; }
   static Text bytes(std::span<const uint8_t> s) {
     return {reinterpret_cast<const char*>(s.data()), static_cast<uint32_t>(s.size())};
   }
 };
+
+Status openStage(Stage& stage) {
+  auto device = gpu::createGlesDevice();
+  if (!device.ok()) return device.error();
+  stage.device = device.take();
+  auto recipe = render::Recipe::create(*stage.device);
+  if (!recipe.ok()) return recipe.error();
+  stage.recipe = recipe.take();
+  return {};
+}
+
+void openPlayer(Instance* h, int32_t picture_kind, int32_t picture_slots) {
+  PlayerOptions options;
+  options.picture_kind = picture_kind ? render::PictureTextures::Kind::Rgba : render::PictureTextures::Kind::I420;
+  options.picture_slots = picture_slots;
+  auto player = Player::create(*h->stage->device, h->stage->recipe, options);
+  if (player.ok()) h->player = player.take();
+  if (!player.ok()) h->error = player.error();
+}
+
+Status drawTogether(Instance* const* handles, uint32_t count, const render::View& view) {
+  std::vector<render::Figure> figures;
+  for (uint32_t i = 0; i < count; ++i) {
+    auto figure = handles[i]->player->figure();
+    if (!figure.ok()) return figure.error();
+    figures.push_back(figure.value());
+  }
+  Stage& stage = *handles[0]->stage;
+  return stage.recipe->draw(figures, stage.scene.meshes.empty() ? nullptr : &stage.scene, view,
+                            {handles[0]->recipe, handles[0]->player->align()}, gpu::kDefaultTarget);
+}
+
+int drawOrbit(Instance* const* handles, uint32_t count, const OrbitView& orbit, int32_t width, int32_t height) {
+  Instance* h = handles[0];
+  if (width < 1 || height < 1)
+    return fail(h, ErrorId::InvalidArgument, "picture without pixels: give the canvas a size");
+  makeCurrent(h);
+  return keep(h, drawTogether(handles, count, render::viewFromCamera(cameraFromOrbit(orbit, width, height))));
+}
 
 }  // namespace
 
@@ -153,27 +95,23 @@ FDVT void fdvt_free(void* p) { std::free(p); }
 // Never null; 0 from fdvt_ready means that fdvt_error says why.
 FDVT Instance* fdvt_create(int32_t context, int32_t picture_kind, int32_t picture_slots) {
   auto* h = new Instance;
-  h->context = context;
+  h->stage = std::make_shared<Stage>();
+  h->stage->context = context;
   makeCurrent(h);
-  auto device = gpu::createGlesDevice();
-  if (!device.ok()) {
-    h->error = device.error();
-    return h;
-  }
-  h->device = device.take();
-  PlayerOptions options;
-  options.picture_kind = picture_kind ? render::PictureTextures::Kind::Rgba : render::PictureTextures::Kind::I420;
-  options.picture_slots = picture_slots;
-  auto player = Player::create(*h->device, options);
-  if (player.ok()) h->player = player.take();
-  if (!player.ok()) h->error = player.error();
+  if (keep(h, openStage(*h->stage))) openPlayer(h, picture_kind, picture_slots);
+  return h;
+}
+// Another character on the first one's context, device and renderer.
+FDVT Instance* fdvt_create_beside(Instance* first, int32_t picture_kind, int32_t picture_slots) {
+  auto* h = new Instance;
+  h->stage = first->stage;
+  makeCurrent(h);
+  openPlayer(h, picture_kind, picture_slots);
   return h;
 }
 FDVT int fdvt_ready(Instance* h) { return h->player != nullptr; }
 FDVT void fdvt_destroy(Instance* h) {
   makeCurrent(h);
-  h->player.reset();
-  h->device.reset();
   delete h;
 }
 FDVT const ErrorBlock* fdvt_error(Instance* h) {
@@ -201,8 +139,14 @@ FDVT int fdvt_load(Instance* h) {
 
 FDVT void fdvt_play(Instance* h) { h->player->play(); }
 FDVT void fdvt_pause(Instance* h) { h->player->pause(); }
-FDVT void fdvt_seek_frame(Instance* h, uint32_t frame) { h->player->seekFrame(frame); }
-FDVT void fdvt_seek(Instance* h, double time_s) { h->player->seek(time_s); }
+FDVT void fdvt_seek_frame(Instance* h, uint32_t frame) {
+  makeCurrent(h);
+  h->player->seekFrame(frame);
+}
+FDVT void fdvt_seek(Instance* h, double time_s) {
+  makeCurrent(h);
+  h->player->seek(time_s);
+}
 FDVT void fdvt_set_rate(Instance* h, double rate) { h->player->setRate(rate); }
 FDVT void fdvt_set_loop(Instance* h, int32_t loop) { h->player->setLoop(loop); }
 FDVT int fdvt_select(Instance* h, const char* name, uint32_t size) {
@@ -236,15 +180,17 @@ FDVT void fdvt_range_received(Instance* h, uint32_t id, const uint8_t* bytes, ui
   h->player->onRangeReceived(id, {bytes, size});
 }
 FDVT void fdvt_range_failed(Instance* h, uint32_t id, const char* reason, uint32_t size) {
+  makeCurrent(h);
   h->player->onRangeFailed(id, {reason, size});
 }
-FDVT void fdvt_decoder_failed(Instance* h, const char* reason, uint32_t size) {
-  h->player->onDecoderFailed({reason, size});
+FDVT void fdvt_decoder_failed(Instance* h, int32_t decoder, const char* reason, uint32_t size) {
+  makeCurrent(h);
+  h->player->onDecoderFailed(decoder, {reason, size});
 }
 
-FDVT int fdvt_acquire_slot(Instance* h, double timestamp_us) {
+FDVT int fdvt_acquire_slot(Instance* h, int32_t decoder, double timestamp_us) {
   makeCurrent(h);
-  return h->player->acquireSlot(static_cast<int64_t>(timestamp_us));
+  return h->player->acquireSlot(decoder, static_cast<int64_t>(timestamp_us));
 }
 // Planes lie at byte offsets of `pixels`; an NV12 picture has its interleaved plane at offset_u and stride_v == 0.
 FDVT void fdvt_upload(Instance* h, int32_t slot, const uint8_t* pixels, int32_t width, int32_t height,
@@ -269,17 +215,17 @@ FDVT void fdvt_upload(Instance* h, int32_t slot, const uint8_t* pixels, int32_t 
 }
 // RGBA kind: the page fills this texture (a GL name of the context), then commits.
 FDVT uint32_t fdvt_slot_texture(Instance* h, int32_t slot) {
-  return h->device->nativeTexture(h->player->slotTexture(slot));
+  return h->stage->device->nativeTexture(h->player->slotTexture(slot));
 }
 FDVT void fdvt_commit_slot(Instance* h, int32_t slot) {
   makeCurrent(h);
-  h->device->invalidateState();
+  h->stage->device->invalidateState();
   h->player->commitSlot(slot);
 }
 // After page code used the context for itself.
 FDVT void fdvt_invalidate_state(Instance* h) {
   makeCurrent(h);
-  h->device->invalidateState();
+  h->stage->device->invalidateState();
 }
 
 // background: premultiplied sRGB-encoded; debug: render::DebugView.
@@ -295,22 +241,25 @@ FDVT void fdvt_set_options(Instance* h, float r, float g, float b, float a, int3
 // Degrees, metres, pixels of the canvas.
 FDVT int fdvt_draw(Instance* h, double azimuth, double elevation, double distance, double target_x, double target_y,
                    double target_z, double vertical_fov, int32_t width, int32_t height) {
-  if (width < 1 || height < 1)
-    return fail(h, ErrorId::InvalidArgument, "picture without pixels: give the canvas a size");
-  makeCurrent(h);
-  const OrbitView orbit{azimuth, elevation, distance, {target_x, target_y, target_z}, vertical_fov};
-  const render::View view = render::viewFromCamera(cameraFromOrbit(orbit, width, height));
-  return keep(h, h->player->draw(view, h->recipe, gpu::kDefaultTarget));
+  return drawOrbit(&h, 1, {azimuth, elevation, distance, {target_x, target_y, target_z}, vertical_fov}, width, height);
+}
+// Handles of one canvas; options, scene and alignment are the first one's. All must have a frame.
+FDVT int fdvt_draw_group(Instance* const* handles, uint32_t count, double azimuth, double elevation, double distance,
+                         double target_x, double target_y, double target_z, double vertical_fov, int32_t width,
+                         int32_t height) {
+  return drawOrbit(handles, count, {azimuth, elevation, distance, {target_x, target_y, target_z}, vertical_fov}, width,
+                   height);
 }
 
 FDVT const StateBlock* fdvt_state(Instance* h) {
   const Player& p = *h->player;
   const PlayerStats s = p.stats();
-  const gpu::Counters& c = h->device->counters();
+  const gpu::Counters& c = h->stage->device->counters();
   StateBlock& out = h->state = {};
   out.has_frame = p.hasFrame();
   out.paused = p.paused();
   out.seeking = p.seeking();
+  out.in_transition = p.inTransition();
   out.frame = static_cast<int32_t>(p.frame());
   if (p.character() && p.sequence())
     out.sequence = static_cast<int32_t>(p.sequence() - p.character()->sequences.data());
@@ -324,6 +273,12 @@ FDVT const StateBlock* fdvt_state(Instance* h) {
   out.draws = static_cast<double>(c.draws);
   out.live_textures = static_cast<double>(c.live_textures);
   out.live_texture_bytes = static_cast<double>(c.live_texture_bytes);
+  const motion::Placement placement = p.placement();
+  out.x_m = placement.ground_m.x;
+  out.z_m = placement.ground_m.y;
+  out.heading_rad = placement.heading_rad;
+  h->goal = p.goal();
+  out.goal = text(h->goal);
   return &out;
 }
 // Null before the manifest is read.
@@ -345,6 +300,12 @@ FDVT const SequenceBlock* fdvt_sequence(Instance* h, uint32_t index) {
   const package::Character* c = h->player->character();
   if (!c || index >= c->sequences.size()) return nullptr;
   const package::Sequence& s = c->sequences[index];
-  h->sequence = {text(s.name), static_cast<int32_t>(s.frame_count), s.loop, s.fps, s.duration_s()};
+  h->sequence = {text(s.name),
+                 static_cast<int32_t>(s.frame_count),
+                 s.loop,
+                 s.fps,
+                 s.duration_s(),
+                 static_cast<int32_t>(s.space.names.size()),
+                 s.isClass() ? static_cast<int32_t>(s.members.size()) : 0};
   return &h->sequence;
 }

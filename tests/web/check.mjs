@@ -65,6 +65,34 @@ async function watchFrames(page, sequence) {
   report(seen.length >= kDistinctFrames, `${sequence} plays: frames ${seen.join(', ')} seen`);
 }
 
+// The class's slider from end to end: the parameter follows, frames advance, the character stays in the picture.
+async function sweepSlider(page) {
+  const steps = await page.evaluate(() => {
+    const viewer = document.querySelector('fourdvt-viewer');
+    const motion = viewer.sequences.find((s) => s.parameters.length > 0);
+    if (!motion) return null;
+    viewer.sequence = motion.name;
+    viewer.play();
+    const [{ name, min, max }] = motion.parameters;
+    return { motion: motion.name, name, values: [min, (min + max) / 2, max, min] };
+  });
+  if (!steps) return report(true, 'no class of motions: no slider');
+  const { motion, name, values } = steps;
+  await page.waitForFunction((wanted) => document.querySelector('fourdvt-viewer').sequence === wanted, motion);
+  const frames = new Set();
+  for (const [i, value] of values.entries()) {
+    await page.evaluate(({ name, value }) => document.querySelector('fourdvt-viewer').setParameter(name, value), { name, value });
+    await page.waitForFunction(({ name, value, range }) => Math.abs(document.querySelector('fourdvt-viewer').getParameter(name) - value) < 0.01 * range,
+      { name, value, range: values[2] - values[0] });
+    frames.add(await page.evaluate(() => document.querySelector('fourdvt-viewer').frame));
+    const picture = await readCanvas(page);
+    writePicture(join(out, `${motion}-${i}.png`), picture);
+    const covered = coverage(picture);
+    report(covered > 0.005, `${motion} at ${name} = ${value.toFixed(2)}: covers ${(100 * covered).toFixed(2)} %`);
+  }
+  report(frames.size > 1, `${motion} plays while the slider moves: frames ${[...frames].join(', ')}`);
+}
+
 // Barcodes are read on the plane path; a visitor's browser may have measured the other one as faster.
 async function checkPairing(browser, address) {
   const page = await openPage(browser, {}, 'i420');
@@ -86,6 +114,7 @@ async function check(page, address) {
       await comparePose(page, { sequence, frame: kFrame, azimuth, elevation: kElevation, distance: kDistance });
     }
   }
+  await sweepSlider(page);
   for (const sequence of ['walk', 'run']) await watchFrames(page, sequence);
   const path = await page.evaluate(() => document.querySelector('fourdvt-viewer').stats.uploadPath);
   console.log(`upload path measured as the faster: ${path}`);

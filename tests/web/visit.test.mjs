@@ -42,7 +42,7 @@ const framesAdvance = (sequence, wanted) => page.evaluate(async ({ sequence, wan
 }, { sequence, wanted, patience: kPatienceMs });
 
 test('plays on its own, and the figures are the report\'s', async () => {
-  assert.ok(await framesAdvance('walk', 3) >= 3);
+  assert.ok(await framesAdvance('locomotion', 3) >= 3);
   const report = await (await fetch(`${server.url}character/report.json`)).json();
   await until(() => !document.getElementById('figures-text').hidden);
   const text = (await page.textContent('#figures-text')).replace(/\s+/g, ' ');
@@ -76,19 +76,21 @@ test('keys turn, zoom and pause', async () => {
 });
 
 test('motions can be chosen by mouse and by keys', async () => {
-  for (const sequence of ['run', 'pickup', 'walk']) {
+  const offered = await page.locator('#motions input').evaluateAll((inputs) => inputs.map((input) => input.value));
+  assert.deepEqual(offered.sort(), ['locomotion', 'pickup'], 'the ends of the slider are no motions of their own');
+  for (const sequence of ['pickup', 'locomotion']) {
     await page.locator(`#motions input[value=${sequence}]`).click();
     await until((wanted) => document.querySelector('fourdvt-viewer').sequence === wanted, sequence);
     assert.ok(await framesAdvance(sequence, 3) >= 3, `${sequence} moves`);
-    assert.ok(await page.isChecked(`#motions input[value=${sequence}]`));
   }
-  await page.locator('#motions input[value=walk]').focus();
-  await page.keyboard.press('ArrowRight');
-  await until(() => document.querySelector('fourdvt-viewer').sequence === 'run');
+  assert.ok(await page.isChecked('#motions input[value=locomotion]'));
+  await page.locator('#motions input[value=locomotion]').focus();
+  await page.keyboard.press('ArrowLeft');
+  await until(() => document.querySelector('fourdvt-viewer').state === 'pickup');
 });
 
 test('the scrub bar and the play button steer time', async () => {
-  await page.locator('#motions input[value=pickup]').click();
+  await page.evaluate(() => { document.querySelector('fourdvt-viewer').sequence = 'pickup'; });
   await until(() => document.querySelector('fourdvt-viewer').sequence === 'pickup');
   if (!(await viewerState()).paused) await page.click('#play');
   await until(() => document.querySelector('fourdvt-viewer').paused);

@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// <fourdvt-viewer>: a thin composition of session (loading and playing), orbit camera and controls, and overlay.
+// <fourdvt-viewer>: a thin composition of session (loading and playing), orbit camera, controls, and overlay.
 // Attributes and events follow <model-viewer> and the media element; README.md lists them.
+import type { Actor, ActorWishes, Placement } from './actor.js';
 import type { ErrorDetail } from './errors.js';
-import { OrbitCamera, parseOrbit, parseTarget } from './orbit-camera.js';
+import { FourdvtCharacter } from './fourdvt-character.js';
+import { MotionControls } from './motion-controls.js';
+import { OrbitCamera, parseOrbit, parseTarget, type Follow } from './orbit-camera.js';
 import { OrbitControls } from './orbit-controls.js';
 import { Overlay } from './overlay.js';
 import { Session, type SessionHost, type Snapshot, type Wishes } from './session.js';
 import type { UploadPath } from './upload-path.js';
-import type { PictureKind, RenderOptions, SequenceInfo } from './wasm-player.js';
+import type { Align, ParameterInfo, PictureKind, RenderOptions, SceneMesh, SequenceInfo } from './wasm-player.js';
 
-export type { ErrorDetail, RenderOptions, SequenceInfo, Snapshot, UploadPath };
+export { FourdvtCharacter };
+export type { Align, ErrorDetail, ParameterInfo, Placement, RenderOptions, SceneMesh, SequenceInfo, Snapshot, UploadPath };
 
 export interface ViewerStats {
   framesShown: number;
@@ -28,6 +32,9 @@ export interface Orbit {
   distance: number;
 }
 
+const ALIGNS: readonly Align[] = ['none', 'baked', 'flow-gpu', 'flow-dis', 'flow-opencv'];
+const STEER_DEG = 60;            // how far ahead of the heading a held key looks
+const PARAMETER_RANGES_S = 0.7;  // a held key crosses the parameter's range this often a second
 const MAX_PIXEL_RATIO = 2;
 // The total is known only when the stream's index is here: the bar must not be full before that.
 const LEAST_TOTAL_BYTES = 300_000;
@@ -40,16 +47,19 @@ const DEFAULT_RENDER: RenderOptions = {
 export class FourdvtViewer extends HTMLElement {
   static readonly observedAttributes = [
     'src', 'poster', 'alt', 'loop', 'auto-rotate', 'camera-controls', 'camera-orbit', 'camera-target', 'field-of-view',
-    'sequence', 'touch-action',
+    'sequence', 'touch-action', 'motion-controls', 'camera-follow', 'travel', 'align',
   ];
   /** Where the player's wasm file lies; beside the script unless set before an element loads. */
   static wasmUrl = new URL('fourdvt-viewer.wasm', import.meta.url).href;
+  /** Where the optional OpenCV module lies (align="flow-opencv"); fetched only then. */
+  static opencvUrl = new URL('fourdvt-opencv.js', import.meta.url).href;
 
   readonly #overlay: Overlay;
   readonly #camera = new OrbitCamera();
   readonly #reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
   readonly #host: SessionHost;
   #controls: OrbitControls | null = null;
+  #motion: MotionControls | null = null;
   #session: Session | null = null;
   #canvas: HTMLCanvasElement | null = null;
   #observers: AbortController | null = null;
@@ -60,7 +70,10 @@ export class FourdvtViewer extends HTMLElement {
   #sinceInteraction = Infinity;
   #uploadPath: UploadPath = 'auto';
   #render: RenderOptions = { ...DEFAULT_RENDER };
-  #resume: { frame: number; sequence: string | null } | null = null;
+  #resume: { frame: number; sequence: string | null; placement: Placement } | null = null;
+  #parameters = new Map<string, number>();
+  #scene: SceneMesh[] = [];
+  #placement: Placement = { x: 0, z: 0, heading: 0 };
   #error: ErrorDetail | null = null;
   #loading = false;
 
@@ -91,13 +104,13 @@ export class FourdvtViewer extends HTMLElement {
   get currentTime(): number { return this.#session?.state()?.currentTime ?? 0; }
   set currentTime(value: number) {
     this.#emit('seeking');
-    this.#session?.seek(Number(value));
+    this.#session?.main?.seek(Number(value));
   }
   get playbackRate(): number { return this.#rate; }
   set playbackRate(value: number) {
     if (!(value > 0 && value <= 4)) throw new RangeError('playbackRate must be above 0 and at most 4');
     this.#rate = value;
-    this.#session?.setRate(value);
+    this.#main((m) => m.setRate(value), (w) => { w.rate = value; });
     this.#emit('ratechange');
   }
   play(): Promise<void> {
@@ -105,14 +118,14 @@ export class FourdvtViewer extends HTMLElement {
     if (this.#paused) {
       this.#paused = false;
       this.#emit('play');
-      this.#session?.play();
+      this.#main((m) => m.play(), (w) => { w.playing = true; });
     }
     return Promise.resolve();
   }
   pause(): void {
     if (this.#paused) return;
     this.#paused = true;
-    this.#session?.pause();
+    this.#main((m) => m.pause(), (w) => { w.playing = false; });
     if (!this.#session?.character) this.#emit('pause');
   }
 
@@ -121,11 +134,69 @@ export class FourdvtViewer extends HTMLElement {
   get frame(): number { return this.#session?.state()?.frame ?? 0; }
   seekFrame(frame: number): void {
     this.#emit('seeking');
-    this.#session?.seekFrame(frame);
+    this.#main((m) => m.seekFrame(frame), (w) => { w.frame = frame; });
   }
   get sequence(): string { return this.#current()?.name ?? this.getAttribute('sequence') ?? ''; }
   set sequence(name: string) { this.setAttribute('sequence', name); }
   get sequences(): SequenceInfo[] { return this.#session?.character?.sequences ?? []; }
+
+  // --- motion ---
+
+  /** Parameters of the motion shown, with their ranges; none for a plain motion. */
+  get parameters(): ParameterInfo[] { return this.#current()?.parameters ?? []; }
+  /** The motion glides to the value; `immediate`: at once. A value outside the range counts as the nearest. */
+  setParameter(name: string, value: number, immediate = false): void {
+    if (!Number.isFinite(value)) throw new TypeError(`${name} must be a number`);
+    this.#parameters.set(name, value);
+    this.#session?.main?.setParameter(name, value, immediate);
+  }
+  /** As shown now; NaN if the character does not have it. */
+  getParameter(name: string): number { return this.#session?.main?.parameter(name) ?? this.#parameters.get(name) ?? NaN; }
+  /** To another motion by the best transition; a one-off motion returns by itself. */
+  goTo(state: string): void { this.#main((m) => m.goTo(state), (w) => { w.sequence = state; }); }
+  /** The motion that goTo asked for last, or that is shown. */
+  get state(): string { return this.#session?.state()?.goal || this.sequence; }
+  get inTransition(): boolean { return this.#session?.state()?.inTransition ?? false; }
+  /** Degrees, from +z towards +x. Setting it makes the character turn there while it moves. */
+  get heading(): number { return this.#session?.state()?.heading ?? this.#placement.heading; }
+  set heading(degrees: number) {
+    if (!Number.isFinite(degrees)) throw new TypeError('heading must be a number of degrees');
+    this.#session?.main?.steer(degrees);
+    if (!this.#session?.main) this.placement = { heading: degrees };
+  }
+  /** Where the character stands. Setting it puts it there at once. */
+  get placement(): Placement {
+    const state = this.#session?.state();
+    return state ? { x: state.x, z: state.z, heading: state.heading } : { ...this.#placement };
+  }
+  set placement(place: Partial<Placement>) {
+    const at = { ...this.placement, ...place };
+    if (![at.x, at.z, at.heading].every(Number.isFinite)) throw new TypeError('x, z and heading must be numbers');
+    this.#placement = at;
+    this.#main((m) => m.place(at), (w) => { w.placement = at; });
+  }
+  /** Root motion moves the character over the ground. */
+  get travel(): boolean { return this.hasAttribute('travel'); }
+  set travel(on: boolean) { this.toggleAttribute('travel', on); }
+  get align(): Align {
+    const wish = this.getAttribute('align') as Align | null;
+    return wish && ALIGNS.includes(wish) ? wish : 'baked';
+  }
+  set align(value: Align) { this.setAttribute('align', value); }
+  /** Meshes that characters stand among; see README.md. */
+  get scene(): SceneMesh[] { return this.#scene; }
+  set scene(meshes: SceneMesh[]) {
+    if (meshes.some(({ corners }) => corners.length % 18 !== 0)) throw new RangeError('a scene mesh has 18 numbers a triangle');
+    this.#scene = meshes.filter(({ corners }) => corners.length > 0)
+      .map((mesh) => ({ ...mesh, corners: Float32Array.from(mesh.corners) }));
+    this.#session?.setScene(this.#scene);
+  }
+  /** For <fourdvt-character>: another character in this canvas. Null while there is none to stand beside. */
+  addActor(wishes: ActorWishes, emit: (name: string, detail?: unknown) => void): Promise<Actor | null> {
+    return this.#session?.character ? this.#session.add(wishes, emit) : Promise.resolve(null);
+  }
+  removeActor(actor: Actor): void { this.#session?.remove(actor); }
+
   getCameraOrbit(): Orbit {
     const { azimuth, elevation, distance } = this.#camera.pose;
     return { azimuth, elevation, distance };
@@ -158,6 +229,8 @@ export class FourdvtViewer extends HTMLElement {
     return this.#session?.toBlob(snapshot) ?? Promise.resolve(null);
   }
 
+  override focus(options?: FocusOptions): void { this.#overlay.stage.focus(options); }
+
   // --- life in the document ---
 
   connectedCallback(): void {
@@ -167,6 +240,11 @@ export class FourdvtViewer extends HTMLElement {
       wheelZooms: () => this.hasAttribute('zoom') || this.matches(':focus-within'),
       onInteract: () => this.#interacted(),
       togglePlay: () => (this.#paused ? void this.play() : this.pause()),
+    });
+    this.#motion = new MotionControls(this.#overlay.stage, this.#overlay.joystick, {
+      steers: () => this.hasAttribute('motion-controls'),
+      act: () => this.#act(),
+      onInteract: () => this.#session?.wake(),
     });
     this.#applyCamera();
     this.#applyLabels();
@@ -178,18 +256,23 @@ export class FourdvtViewer extends HTMLElement {
     this.#observers = null;
     this.#controls?.dispose();
     this.#controls = null;
+    this.#motion?.dispose();
+    this.#motion = null;
     this.#unload();
     this.#overlay.idle();
   }
 
   attributeChangedCallback(name: string, before: string | null, value: string | null): void {
-    if (!this.#observers || before === value) return; // before connectedCallback, which reads them all
+    if (!this.#observers) return; // before connectedCallback, which reads them all
+    if (before === value && name !== 'sequence') return; // goTo may have left the sequence asked for before
     switch (name) {
       case 'src': this.#load(); break;
       case 'poster': this.#overlay.setPoster(value); break;
-      case 'loop': this.#session?.setLoop(this.#loopMode()); break;
-      case 'sequence': if (value) this.#session?.select(value); break;
-      case 'camera-orbit': case 'camera-target': case 'field-of-view': this.#applyCamera(); break;
+      case 'loop': this.#main((m) => m.setLoop(this.#loopMode()), (w) => { w.loop = this.#loopMode(); }); break;
+      case 'sequence': if (value) this.#main((m) => m.select(value), (w) => { w.sequence = value; }); break;
+      case 'align': this.#session?.setAlign(this.align); break;
+      case 'travel': this.#main((m) => m.setTravel(this.travel), (w) => { w.travel = this.travel; }); break;
+      case 'camera-orbit': case 'camera-target': case 'camera-follow': case 'field-of-view': this.#applyCamera(); break;
       default: this.#applyLabels();
     }
     this.#session?.wake();
@@ -224,6 +307,12 @@ export class FourdvtViewer extends HTMLElement {
       rate: this.#rate,
       frame: this.#resume?.frame ?? 0,
       render: this.#render,
+      opencvUrl: FourdvtViewer.opencvUrl,
+      parameters: this.#parameters,
+      align: this.align,
+      travel: this.travel,
+      placement: this.#resume?.placement ?? this.#placement,
+      scene: this.#scene,
     };
     this.#resume = null;
     const session = (this.#session = new Session(canvas, wishes, this.#host));
@@ -245,7 +334,7 @@ export class FourdvtViewer extends HTMLElement {
 
   readonly #onContextLost = (e: Event): void => {
     e.preventDefault(); // asks the browser to restore it
-    this.#resume = { frame: this.frame, sequence: this.sequence || null };
+    this.#resume = { frame: this.frame, sequence: this.sequence || null, placement: this.placement };
     const session = this.#session;
     this.#session = null;
     session?.dispose();
@@ -289,6 +378,8 @@ export class FourdvtViewer extends HTMLElement {
     const fov = parseFloat(this.getAttribute('field-of-view') ?? '');
     this.#camera.fov = fov >= 5 && fov <= 120 ? fov : 35;
     this.#camera.setTarget(parseTarget(this.getAttribute('camera-target')));
+    const follow = this.getAttribute('camera-follow');
+    this.#camera.setFollow((['position', 'behind'] as (string | null)[]).includes(follow) ? follow as Follow : 'none');
     if (this.#session?.character) this.#camera.setCharacter(this.#session.character);
     this.#camera.setHome(parseOrbit(this.getAttribute('camera-orbit')));
     if (!this.#session?.character || this.#reducedMotion.matches) this.#camera.jump();
@@ -300,7 +391,34 @@ export class FourdvtViewer extends HTMLElement {
       this.#sinceInteraction > AUTO_ROTATE_RESUME_S;
     if (rotating) this.#camera.rotate(AUTO_ROTATE_DEG_S * dtS, 0);
     if (this.#reducedMotion.matches) this.#camera.jump();
-    return this.#camera.update(dtS) || rotating;
+    const steering = this.#steer(dtS);
+    return this.#camera.update(dtS) || rotating || steering;
+  }
+
+  // Held keys and the joystick move the wanted heading and the first parameter.
+  #steer(dtS: number): boolean {
+    const wish = this.#motion?.steering;
+    if (!wish || this.#paused) return false;
+    if (wish.turn) this.heading = this.heading - STEER_DEG * wish.turn;
+    const parameter = this.parameters[0];
+    if (parameter && (wish.change || wish.level !== null)) {
+      const { name, min, max } = parameter;
+      const now = this.#parameters.get(name) ?? this.getParameter(name);
+      const wanted = wish.level !== null ? min + (max - min) * wish.level : now + wish.change * (max - min) * PARAMETER_RANGES_S * dtS;
+      const value = Math.min(max, Math.max(min, wanted));
+      if (value !== now) {
+        this.setParameter(name, value);
+        this.#emit('parameterchange', { name, value });
+      }
+    }
+    return wish.turn !== 0 || wish.change !== 0 || wish.level !== null;
+  }
+
+  // Space: the motion named by `action`, or the first one that does not loop.
+  #act(): void {
+    if (this.#paused) return void this.play();
+    const action = this.getAttribute('action') ?? this.sequences.find((s) => !s.loop)?.name;
+    if (action && this.state !== action) this.goTo(action);
   }
 
   #interacted(): void {
@@ -310,7 +428,7 @@ export class FourdvtViewer extends HTMLElement {
   }
 
   #applyLabels(): void {
-    this.#overlay.setLabel(this.getAttribute('alt') ?? '', this.hasAttribute('camera-controls'));
+    this.#overlay.setLabel(this.getAttribute('alt') ?? '', this.hasAttribute('camera-controls'), this.hasAttribute('motion-controls'));
     this.#overlay.setTouchAction(this.getAttribute('touch-action') ?? 'pan-y');
   }
 
@@ -339,6 +457,13 @@ export class FourdvtViewer extends HTMLElement {
     if (poster && !this.#overlay.hasPoster) this.#overlay.setPoster(new URL(poster, new URL(this.src, this.baseURI)).href);
   }
 
+  // The command if the character is there, else a wish for when it comes.
+  #main(command: (main: Actor) => void, wish: (wishes: Wishes) => void): void {
+    const session = this.#session;
+    if (session?.main) command(session.main);
+    else if (session) wish(session.wishes);
+  }
+
   #emit(name: string, detail?: unknown): void {
     this.dispatchEvent(new CustomEvent(name, { detail }));
   }
@@ -356,9 +481,11 @@ export class FourdvtViewer extends HTMLElement {
 }
 
 if (!customElements.get('fourdvt-viewer')) customElements.define('fourdvt-viewer', FourdvtViewer);
+if (!customElements.get('fourdvt-character')) customElements.define('fourdvt-character', FourdvtCharacter);
 
 declare global {
   interface HTMLElementTagNameMap {
     'fourdvt-viewer': FourdvtViewer;
+    'fourdvt-character': FourdvtCharacter;
   }
 }

@@ -12,6 +12,9 @@ export interface OrbitText {
 
 const DEFAULT: OrbitText = { azimuth: 0, elevation: 6, distance: null };
 const DAMPING_S = 0.09;        // time constant towards the goal
+const FOLLOW_S = 0.12;         // time constants behind a travelling character
+const FOLLOW_TURN_S = 0.5;
+const FOLLOW_JUMP_M = 3;       // a character put elsewhere is not travelled to
 const MAX_ELEVATION = 85;
 const GROUND_CLEARANCE_M = 0.05;
 const MARGIN = 1.08;           // air round the character at the automatic distance
@@ -43,6 +46,9 @@ export function parseTarget(text: string | null): [number, number, number] | nul
 const clamp = (value: number, low: number, high: number): number => Math.min(Math.max(value, low), high);
 const radians = (degrees: number): number => (degrees * Math.PI) / 180;
 
+/** What of a travelling character the camera follows: its place, or its heading too. */
+export type Follow = 'none' | 'position' | 'behind';
+
 export class OrbitCamera {
   #home: OrbitText = DEFAULT;
   #goal: OrbitText = { ...DEFAULT };
@@ -52,6 +58,9 @@ export class OrbitCamera {
   #groundY = 0;
   #aspect = 1;
   #fixedTarget: [number, number, number] | null = null;
+  #place = { x: 0, z: 0, heading: 0 };
+  #seen = { x: 0, z: 0, heading: 0 }; // the place as the camera follows it
+  #following: Follow = 'none';
   fov = 35;
 
   /** The orbit of attributes: where Home returns to. */
@@ -74,8 +83,23 @@ export class OrbitCamera {
     this.#aspect = aspect;
   }
 
+  setFollow(follow: Follow): void {
+    this.#following = follow;
+    if (follow === 'none') this.#seen = { x: 0, z: 0, heading: 0 };
+  }
+  /** Where the character stands now: metres, degrees. */
+  follow(place: { x: number; z: number; heading: number }): void {
+    this.#place = { x: place.x, z: place.z, heading: place.heading };
+  }
+
   get pose(): OrbitPose {
-    return { ...this.#now, target: this.#target, fov: this.fov };
+    const [x, y, z] = this.#target;
+    const at = this.#seen;
+    const turn = radians(at.heading);
+    const target: [number, number, number] = [
+      at.x + x * Math.cos(turn) + z * Math.sin(turn), y, at.z - x * Math.sin(turn) + z * Math.cos(turn)];
+    const azimuth = this.#now.azimuth + (this.#following === 'behind' ? at.heading + 180 : 0);
+    return { ...this.#now, azimuth, target, fov: this.fov };
   }
   get goal(): { azimuth: number; elevation: number; distance: number } {
     return { ...this.#goal, distance: this.#goal.distance ?? this.#fit() };
@@ -97,10 +121,32 @@ export class OrbitCamera {
   }
   jump(): void {
     this.#now = this.goal;
+    if (this.#following !== 'none') this.#seen = { ...this.#place };
   }
 
   /** Moves towards the goal; true while it has not arrived. */
   update(dtS: number): boolean {
+    const following = this.#updateFollow(dtS);
+    return this.#updateOrbit(dtS) || following;
+  }
+
+  #updateFollow(dtS: number): boolean {
+    if (this.#following === 'none') return false;
+    const [seen, place] = [this.#seen, this.#place];
+    const near = 1 - Math.exp(-dtS / FOLLOW_S);
+    const turn = ((((place.heading - seen.heading) % 360) + 540) % 360) - 180;
+    const away = Math.hypot(place.x - seen.x, place.z - seen.z);
+    if (away > FOLLOW_JUMP_M) {
+      this.#seen = { ...place };
+      return true;
+    }
+    seen.x += near * (place.x - seen.x);
+    seen.z += near * (place.z - seen.z);
+    seen.heading += (1 - Math.exp(-dtS / FOLLOW_TURN_S)) * turn;
+    return away > 1e-4 || (this.#following === 'behind' && Math.abs(turn) > 0.02);
+  }
+
+  #updateOrbit(dtS: number): boolean {
     const goal = this.goal;
     const k = 1 - Math.exp(-dtS / DAMPING_S);
     const now = this.#now;
@@ -108,7 +154,7 @@ export class OrbitCamera {
       90 * Math.abs(goal.distance / now.distance - 1);
     if (away < 0.02) {
       const moved = away > 0;
-      this.jump();
+      this.#now = goal;
       return moved;
     }
     now.azimuth += k * (goal.azimuth - now.azimuth);

@@ -20,6 +20,11 @@ canvas { position: absolute; inset: 0; width: 100%; height: 100%; display: block
 .error { position: absolute; left: 0; right: 0; bottom: 12px; text-align: center; margin: 0 auto; padding: 6px 12px;
   width: fit-content; max-width: 90%; border-radius: 6px; font: 14px/1.4 system-ui, sans-serif; color: #fff;
   background: rgba(20,20,24,.75); }
+.joystick { position: absolute; left: 16px; bottom: 16px; width: 112px; height: 112px; border-radius: 50%; touch-action: none;
+  background: rgba(127,127,127,.18); border: 1px solid rgba(127,127,127,.35); box-sizing: border-box; }
+.joystick > div { position: absolute; left: 32px; top: 32px; width: 46px; height: 46px; border-radius: 50%;
+  background: rgba(20,20,24,.55); }
+@media (hover: hover) and (pointer: fine) { .joystick { display: none; } }
 .gone { opacity: 0; }
 [hidden] { display: none !important; }
 @media (prefers-reduced-motion: reduce) { .poster, .bar, .bar > div { transition: none; } }
@@ -36,6 +41,7 @@ function add<K extends keyof HTMLElementTagNameMap>(parent: Node, tag: K, name: 
 
 export class Overlay {
   readonly stage: HTMLDivElement;
+  readonly joystick: HTMLDivElement;
   readonly #poster: HTMLImageElement;
   readonly #bar: HTMLDivElement;
   readonly #fill: HTMLDivElement;
@@ -52,6 +58,9 @@ export class Overlay {
     this.stage = add(root, 'div', 'stage');
     this.stage.tabIndex = 0;
     this.stage.setAttribute('role', 'img');
+    this.joystick = add(root, 'div', 'joystick');
+    this.joystick.setAttribute('aria-hidden', 'true'); // the keys do the same
+    add(this.joystick, 'div', 'knob');
     this.#poster = add(root, 'img', 'poster');
     this.#poster.alt = '';
     this.#poster.hidden = true;
@@ -84,9 +93,11 @@ export class Overlay {
     this.#canvas = null;
   }
 
-  setLabel(alt: string, orbits: boolean): void {
+  setLabel(alt: string, orbits: boolean, steers: boolean): void {
     this.stage.setAttribute('aria-label', alt || '4D character');
-    if (orbits) this.stage.setAttribute('aria-keyshortcuts', 'ArrowLeft ArrowRight ArrowUp ArrowDown + - Home Space');
+    this.joystick.hidden = !steers;
+    if (steers) this.stage.setAttribute('aria-keyshortcuts', 'ArrowLeft ArrowRight ArrowUp ArrowDown W A S D Space');
+    else if (orbits) this.stage.setAttribute('aria-keyshortcuts', 'ArrowLeft ArrowRight ArrowUp ArrowDown + - Home Space');
     else this.stage.removeAttribute('aria-keyshortcuts');
     this.stage.classList.toggle('orbits', orbits);
   }

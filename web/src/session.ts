@@ -1,39 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
-// One loaded character on one canvas: transport + decoder + player in wasm + the frame loop. Made by the element, dies
-// with it, with its src, or with the GL context. After dispose() nothing of it runs any more.
+// One canvas: the frame loop, the GL context, the main character and those beside it. Made by the element, dies with it,
+// with its src, or with the GL context. After dispose() nothing of it runs any more.
+import { Actor, type ActorHost, type ActorWishes, type Placement } from './actor.js';
 import { asViewerError, ViewerError } from './errors.js';
-import { FrameDecoder, type Picture } from './frame-decoder.js';
+import { loadOpenCvFlow } from './opencv-flow.js';
 import type { OrbitCamera } from './orbit-camera.js';
 import { fetchManifest, Transport } from './transport.js';
-import { measurePath, rememberedPath, rememberPath, uploadVideoFrame, type UploadPath } from './upload-path.js';
-import { instantiate } from './wasm-module.js';
+import { measurePath, rememberedPath, rememberPath, type UploadPath } from './upload-path.js';
+import { instantiate, instantiateWithFlow } from './wasm-module.js';
 import type { WasmModule } from './wasm-abi.js';
-import {
-  WasmPlayer, type CharacterInfo, type OrbitPose, type PictureKind, type PlayerRequest, type PlayerState,
-  type RenderOptions,
-} from './wasm-player.js';
+import type { Align, CharacterInfo, OrbitPose, PictureKind, PlayerState, RenderOptions, SceneMesh } from './wasm-player.js';
 
-const PICTURE_SLOTS = 4;
 const MAX_STEP_S = 0.5;     // a longer pause of the page is not caught up
 const IDLE_FRAMES = 12;     // frames without change after which the loop sleeps
 const MAX_CANVAS_SIDE = 4096;
 
+const needsFlow = (align: Align): boolean => align.startsWith('flow');
+
 /** What the element wants; a new session starts from it. */
-export interface Wishes {
-  src: string;
+export interface Wishes extends ActorWishes {
   wasmUrl: string;
+  opencvUrl: string;
   uploadPath: UploadPath;
-  sequence: string | null;
-  playing: boolean;
-  loop: number;
-  rate: number;
-  frame: number;
   render: RenderOptions;
+  scene: SceneMesh[];
 }
 
 export interface SessionHost {
   readonly camera: OrbitCamera;
-  /** Called once a frame before drawing; true if the view changes on its own (auto-rotation, drag). */
+  /** Called once a frame before drawing; true if the view or the motion changes on its own. */
   animate(dtS: number): boolean;
   emit(name: string, detail?: unknown): void;
   firstPicture(): void;
@@ -53,11 +48,14 @@ export class Session {
   readonly #abort = new AbortController();
   #gl: WebGL2RenderingContext | null = null;
   #module: WasmModule | null = null;
+  #flow: Promise<WasmModule> | null = null; // the module with optical flow, once asked for
+  #wanted: Align;
+  #applied: Align; // what the player does now
   #manifest: unknown = null;
-  #player: WasmPlayer | null = null;
-  #decoder: FrameDecoder | null = null;
+  #main: Actor | null = null;
+  #others: Actor[] = [];
+  readonly #transports = new Map<Actor, Transport>(); // of the others
   #path: PictureKind = 'i420';
-  #character: CharacterInfo | null = null;
   #raf = 0;
   #last = 0;
   #clock = 0;
@@ -65,15 +63,17 @@ export class Session {
   #active = true;
   #shown = false;
   #deciding = false; // the upload path is being measured
-  #stuck = false; // after an error: do not wait for what will not come
   #redraw = true;
-  #drawn = -1;
+  #drawn = '';
   #size = { width: 1, height: 1 };
 
   constructor(canvas: HTMLCanvasElement, wishes: Wishes, host: SessionHost) {
     this.#canvas = canvas;
     this.#wishes = wishes;
     this.#host = host;
+    this.#wanted = wishes.align;
+    if (needsFlow(wishes.align)) wishes.align = 'baked'; // until flow is here
+    this.#applied = wishes.align;
     this.#transport = new Transport(wishes.src);
   }
 
@@ -84,7 +84,7 @@ export class Session {
         throw new ViewerError('decoder-unsupported', 'this browser has no WebCodecs VideoDecoder: open the page in a newer one');
       }
       const [manifest, module] = await Promise.all([
-        fetchManifest(this.#wishes.src, this.#abort.signal), instantiate(this.#wishes.wasmUrl)]);
+        fetchManifest(this.#wishes.src, this.#abort.signal), this.#firstModule()]);
       if (this.#abort.signal.aborted) return;
       this.#manifest = manifest;
       this.#module = module;
@@ -116,50 +116,69 @@ export class Session {
     this.#gl = null;
   }
 
-  get character(): CharacterInfo | null { return this.#character; }
+  /** The main character's commands. Null before it is there: what was wished until then holds (Wishes). */
+  get main(): Actor | null { return this.#main; }
+  get wishes(): Wishes { return this.#wishes; }
+  get character(): CharacterInfo | null { return this.#main?.character ?? null; }
   get path(): PictureKind { return this.#path; }
   get bytesReceived(): number { return this.#transport.bytesReceived; }
-  state(): PlayerState | null { return this.#player ? this.#guard((p) => p.state()) ?? null : null; }
+  state(): PlayerState | null { return this.#main?.state() ?? null; }
 
-  // A command before the player is there becomes a wish.
-  play(): void {
-    this.#wishes.playing = true;
-    this.#command((p) => p.play());
-  }
-  pause(): void {
-    this.#wishes.playing = false;
-    this.#command((p) => p.pause());
-  }
-  seek(timeS: number): void {
-    this.#command((p) => p.seek(timeS));
-  }
-  seekFrame(frame: number): void {
-    this.#wishes.frame = frame;
-    this.#command((p) => p.seekFrame(frame));
-  }
-  setRate(rate: number): void {
-    this.#wishes.rate = rate;
-    this.#command((p) => p.setRate(rate));
-  }
-  setLoop(loop: number): void {
-    this.#wishes.loop = loop;
-    this.#command((p) => p.setLoop(loop));
-  }
   setRenderOptions(options: RenderOptions): void {
     this.#wishes.render = options;
-    this.#command((p) => p.setOptions(options));
+    this.#main?.player?.setOptions(options);
+    this.wake();
   }
-  /** A name that the character does not have is an error event, and nothing else changes. */
-  select(name: string): void {
-    this.#wishes.sequence = name;
-    this.#command((p) => {
-      try {
-        p.selectSequence(name);
-      } catch (reason) {
-        if (!(reason instanceof ViewerError)) throw reason;
-        this.#host.emit('error', reason.detail);
+  setScene(scene: SceneMesh[]): void {
+    this.#wishes.scene = scene;
+    try {
+      this.#main?.player?.setScene(scene);
+    } catch (reason) {
+      if (!(reason instanceof ViewerError)) return this.#fatal(reason);
+      this.#host.emit('error', reason.detail);
+    }
+    this.wake();
+  }
+  /** Flow takes effect when its module is here; if it cannot be, an error event says why and nothing changes. */
+  setAlign(align: Align): void {
+    this.#wanted = align;
+    if (needsFlow(align)) {
+      if (this.#shown) void this.#useFlow(align); // else the first picture asks for it
+      return;
+    }
+    this.#wishes.align = this.#applied = align;
+    this.#main?.setAlign(align);
+  }
+
+  /** Another character in the same canvas; null if this session cannot have it (an error event says why). */
+  async add(wishes: ActorWishes, emit: (name: string, detail?: unknown) => void): Promise<Actor | null> {
+    const transport = new Transport(wishes.src);
+    transport.stopReplay();
+    try {
+      const manifest = await fetchManifest(wishes.src, this.#abort.signal);
+      if (!this.#main || !this.#module || !this.#gl) {
+        transport.dispose();
+        return null;
       }
-    });
+      const host: ActorHost = {
+        emit, wake: () => this.wake(), fatal: (reason) => this.#fatal(reason),
+        onNoPlanes: () => emit('error', new ViewerError('video-invalid', 'the pictures of this video cannot be read here').detail),
+      };
+      const actor = new Actor(this.#module, this.#gl, this.#main, this.#path, transport, manifest, wishes, host);
+      this.#others.push(actor);
+      this.#transports.set(actor, transport);
+      this.wake();
+      return actor;
+    } catch (reason) {
+      transport.dispose();
+      if (!this.#abort.signal.aborted) emit('error', asViewerError(reason).detail);
+      return null;
+    }
+  }
+  remove(actor: Actor): void {
+    this.#others = this.#others.filter((other) => other !== actor);
+    this.#drop(actor);
+    this.wake();
   }
 
   resize(width: number, height: number): void {
@@ -182,7 +201,7 @@ export class Session {
   wake(): void {
     this.#idle = 0;
     this.#redraw = true;
-    if (!this.#raf && this.#active && this.#player) this.#raf = requestAnimationFrame((t) => this.#frame(t));
+    if (!this.#raf && this.#active && this.#main) this.#raf = requestAnimationFrame((t) => this.#frame(t));
   }
 
   /** A PNG of what is shown, at another size and pose if wanted. Null before the first picture. */
@@ -197,51 +216,89 @@ export class Session {
     return blob;
   }
 
-  // --- the player's life ---
+  // --- optical flow ---
+
+  #flowModule(): Promise<WasmModule> {
+    if (!this.#flow) {
+      this.#flow = instantiateWithFlow(this.#wishes.wasmUrl);
+      this.#flow.catch(() => { this.#flow = null; });
+    }
+    return this.#flow;
+  }
+
+  // Without the flow module a character begins as baked; #show asks again and tells.
+  async #firstModule(): Promise<WasmModule> {
+    const flow = needsFlow(this.#wanted) ? await this.#flowModule().catch(() => null) : null;
+    return flow ?? instantiate(this.#wishes.wasmUrl);
+  }
+
+  async #useFlow(align: Align): Promise<void> {
+    try {
+      const module = await this.#flowModule();
+      if (align === 'flow-opencv') await loadOpenCvFlow(this.#wishes.opencvUrl, module);
+      if (!this.#main || this.#wanted !== align) return;
+      if (this.#module !== module) {
+        this.#module = module;
+        this.#reopen(this.#path);
+      }
+      this.#main?.player?.setAlign(align);
+      this.#applied = align;
+      this.wake();
+    } catch (reason) {
+      if (this.#abort.signal.aborted) return;
+      if (this.#wanted === align) this.#wanted = this.#applied;
+      if (reason instanceof ViewerError) this.#host.emit('error', reason.detail);
+      else this.#fatal(reason);
+    }
+  }
+
+  // --- the main character's life ---
 
   #open(path: PictureKind): void {
     const wishes = this.#wishes;
     this.#path = path;
     const decide = (this.#deciding = wishes.uploadPath === 'auto' && !rememberedPath());
-    this.#decoder = new FrameDecoder(path, {
-      onPicture: () => this.#onPicture(),
+    const main = new Actor(this.#module!, this.#gl!, null, path, this.#transport, this.#manifest, wishes, {
+      emit: (name, detail) => this.#onMainEvent(name, detail),
+      wake: () => this.wake(),
       onNoPlanes: () => this.#reopen('rgba'),
-      onError: (error) => this.#onDecoderError(error),
+      fatal: (reason) => this.#fatal(reason),
       ...(decide ? { onFirstFrame: (frame: VideoFrame) => void this.#choosePath(frame) } : {}),
     });
-    const player = new WasmPlayer(this.#module!, this.#gl!, path, PICTURE_SLOTS);
-    this.#player = player;
-    player.setOptions(wishes.render);
-    player.setLoop(wishes.loop);
-    player.setRate(wishes.rate);
-    player.loadManifest(this.#manifest);
-    if (wishes.sequence) this.select(wishes.sequence);
-    if (wishes.frame > 0) player.seekFrame(wishes.frame);
-    if (wishes.playing) player.play();
-    this.#character = player.character();
-    if (this.#character) this.#host.camera.setCharacter(this.#character);
+    this.#main = main;
+    main.player?.setOptions(wishes.render);
+    main.player?.setScene(wishes.scene);
+    if (needsFlow(this.#applied)) main.player?.setAlign(this.#applied);
+    if (main.character) this.#host.camera.setCharacter(main.character);
     if (!this.#shown) this.#host.camera.jump();
-    this.#pump();
     this.wake();
   }
 
-  #close(): void {
-    this.#decoder?.dispose();
-    this.#decoder = null;
-    const player = this.#player;
-    this.#player = null;
-    try {
-      player?.dispose();
-    } catch (reason) {
-      console.warn('fourdvt-viewer:', reason); // the wasm instance has trapped; it goes away with the session
-    }
+  #onMainEvent(name: string, detail?: unknown): void {
+    if (name === 'canplay' && !this.#deciding) this.#transport.stopReplay();
+    // The first events come while the actor is being made: the element asks for it in its listeners.
+    if (this.#main) this.#host.emit(name, detail);
+    else queueMicrotask(() => { if (!this.#abort.signal.aborted) this.#host.emit(name, detail); });
   }
 
-  // The same character on the other upload path, from where it is.
+  #drop(other: Actor): void {
+    this.#transports.get(other)?.dispose();
+    this.#transports.delete(other);
+    other.dispose();
+  }
+
+  // The others come again when the next main character is there (fourdvt-character.ts).
+  #close(): void {
+    for (const other of this.#others) this.#drop(other);
+    this.#others = [];
+    this.#main?.dispose();
+    this.#main = null;
+  }
+
+  // The same character on another upload path or in another module, from where it is.
   #reopen(path: PictureKind): void {
-    if (!this.#player) return;
-    const state = this.state();
-    if (state) this.#wishes.frame = state.frame;
+    if (!this.#main) return;
+    this.#keepPlace();
     this.#transport.cancelAll();
     this.#close();
     try {
@@ -251,12 +308,24 @@ export class Session {
     }
   }
 
+  // A motion that is on its way to another one begins with that.
+  #keepPlace(): void {
+    const state = this.state();
+    if (!state?.hasFrame) return;
+    const shown = this.character?.sequences[state.sequence]?.name ?? null;
+    const arrived = !state.goal || state.goal === shown;
+    this.#wishes.sequence = arrived ? shown : state.goal;
+    this.#wishes.frame = arrived ? state.frame : 0;
+    this.#wishes.placement = { x: state.x, z: state.z, heading: state.heading };
+    this.#drawn = '';
+  }
+
   async #choosePath(frame: VideoFrame): Promise<void> {
     const gl = this.#gl;
     if (!gl) return frame.close();
     let path: PictureKind = this.#path;
     try {
-      path = await measurePath(gl, frame, () => this.#guard((p) => p.invalidateState()));
+      path = await measurePath(gl, frame, () => this.#main?.player?.invalidateState());
     } catch {
       // not measurable here: stay on the path that works
     } finally {
@@ -270,85 +339,6 @@ export class Session {
     this.wake();
   }
 
-  // --- requests and answers ---
-
-  #pump(): void {
-    this.#guard((player) => {
-      this.#offerPictures(player);
-      for (let request = player.nextRequest(); request; request = player.nextRequest()) this.#serve(request);
-      this.#decoder?.feed();
-      for (let event = player.nextEvent(); event; event = player.nextEvent()) {
-        if (event.name === 'canplay' && !this.#deciding) this.#transport.stopReplay();
-        if (event.name === 'error') {
-          this.#stuck = true;
-          this.#host.emit('error', event.error);
-        } else if (event.name === 'progress') {
-          this.#host.emit('progress', { loaded: event.loadedBytes, total: event.totalBytes });
-        } else {
-          this.#host.emit(event.name);
-        }
-        if (this.#player !== player) return; // a listener removed us
-      }
-    });
-  }
-
-  #serve(request: PlayerRequest): void {
-    switch (request.kind) {
-      case 'fetch': void this.#fetch(request.id, request.uri, request.offset, request.bytes); break;
-      case 'cancel': this.#transport.cancel(request.id); break;
-      case 'configure': this.#decoder?.configure(request.codec, request.description, request.width, request.height); break;
-      case 'decode': this.#decoder?.decode(request.bytes, request.timestampUs, request.key); break;
-      case 'flush': this.#decoder?.flush(); break;
-      case 'reset': this.#decoder?.reset(); break;
-    }
-  }
-
-  async #fetch(id: number, uri: string, offset: number, bytes: number): Promise<void> {
-    const player = this.#player;
-    let answer: (p: WasmPlayer) => void;
-    try {
-      const part = await this.#transport.range(id, uri, offset, bytes);
-      if (!part) return;
-      answer = (p) => p.rangeReceived(id, part);
-    } catch (reason) {
-      answer = (p) => p.rangeFailed(id, asViewerError(reason).message);
-    }
-    if (this.#player !== player) return;
-    this.#guard(answer);
-    this.#pump();
-    this.wake();
-  }
-
-  #onPicture(): void {
-    this.#guard((player) => this.#offerPictures(player));
-    this.wake();
-  }
-
-  #offerPictures(player: WasmPlayer): void {
-    for (let picture = this.#decoder?.peek(); picture; picture = this.#decoder?.peek()) {
-      const slot = player.acquireSlot(picture.timestampUs);
-      if (slot === -1) return;
-      if (slot >= 0) this.#upload(player, slot, picture);
-      this.#decoder?.shift();
-    }
-  }
-
-  #upload(player: WasmPlayer, slot: number, picture: Picture): void {
-    if (picture.kind === 'i420') {
-      player.upload(slot, picture.pixels, picture.planes);
-      return;
-    }
-    const texture = player.slotTexture(slot);
-    if (texture && this.#gl) uploadVideoFrame(this.#gl, texture, picture.frame);
-    player.commitSlot(slot);
-  }
-
-  #onDecoderError(error: ViewerError): void {
-    const reason = error.id === 'decoder-unsupported' ? `unsupported: ${error.message}` : error.message;
-    this.#guard((p) => p.decoderFailed(reason));
-    this.#pump();
-  }
-
   // --- frame loop ---
 
   #frame(now: number): void {
@@ -356,27 +346,32 @@ export class Session {
     const dt = this.#last ? Math.min((now - this.#last) / 1000, MAX_STEP_S) : 0;
     this.#last = now;
     this.#clock += dt;
-    this.#guard((p) => p.tick(this.#clock));
-    this.#pump();
+    for (const actor of [this.#main, ...this.#others]) actor?.tick(this.#clock);
     const moved = this.#host.animate(dt);
-    const state = this.state();
-    if (!state) return;
-    const serial = state.framesShown * 65536 + state.frame;
+    const main = this.#main;
+    const state = main?.state();
+    if (!main || !state) return;
+    this.#host.camera.follow(state);
+    const others = this.#others.map((actor) => actor.state());
+    const serial = [state, ...others].map((s) => (s ? `${s.framesShown}:${s.frame}:${s.x}:${s.z}:${s.heading}` : '')).join();
     const changed = moved || this.#redraw || serial !== this.#drawn;
     if (changed && state.hasFrame) this.#show(serial);
     this.#redraw = false;
-    this.#idle = moved || ((!state.paused || state.seeking) && !this.#stuck) || this.#decoder?.busy ? 0 : this.#idle + 1;
-    if (this.#idle < IDLE_FRAMES && this.#player) this.#raf = requestAnimationFrame((t) => this.#frame(t));
+    const busy = moved || main.busy(state) || this.#others.some((actor, i) => others[i] && actor.busy(others[i]!));
+    this.#idle = busy ? 0 : this.#idle + 1;
+    // A command of this very frame may have asked for the next one already.
+    if (this.#idle < IDLE_FRAMES && this.#main) this.#raf ||= requestAnimationFrame((t) => this.#frame(t));
     else this.#last = 0;
   }
 
-  #show(serial: number): void {
+  #show(serial: string): void {
     this.#fit(this.#size.width, this.#size.height);
     if (!this.#draw(this.#host.camera.pose)) return;
     this.#drawn = serial;
     if (this.#shown) return;
     this.#shown = true;
     this.#host.firstPicture();
+    if (needsFlow(this.#wanted)) void this.#useFlow(this.#wanted);
   }
 
   #fit(width: number, height: number): void {
@@ -385,25 +380,13 @@ export class Session {
   }
 
   #draw(pose: OrbitPose): boolean {
-    return this.#guard((p) => (p.draw(pose, this.#canvas.width, this.#canvas.height), true)) ?? false;
-  }
-
-  #command(action: (player: WasmPlayer) => void): void {
-    this.#stuck = false;
-    this.#guard(action);
-    this.#pump();
-    this.wake();
-  }
-
-  // Runs the action on the living player. A trap in wasm ends the session, not the page.
-  #guard<T>(action: (player: WasmPlayer) => T): T | undefined {
-    if (!this.#player) return undefined;
+    const others = this.#others.filter((actor) => actor.state()?.hasFrame).map((actor) => actor.player!);
     try {
-      return action(this.#player);
+      this.#main?.player?.draw(pose, this.#canvas.width, this.#canvas.height, others);
+      return this.#main !== null;
     } catch (reason) {
-      if (this.#gl?.isContextLost()) return undefined;
-      this.#fatal(reason);
-      return undefined;
+      if (!this.#gl?.isContextLost()) this.#fatal(reason);
+      return false;
     }
   }
 
@@ -414,3 +397,5 @@ export class Session {
     this.#host.emit('error', error.detail);
   }
 }
+
+export type { Placement };

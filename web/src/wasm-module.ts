@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loads the wasm file once a page; every viewer instantiates it for itself, so that removing a viewer frees all of it.
-import createModule from 'fourdvt-wasm';
+// Loads a wasm file once a page; every viewer instantiates it for itself, so that removing a viewer frees all of it.
+// Two modules have the same functions: the player, and the player with optical flow, fetched only when it is asked for.
+import createPlayer from 'fourdvt-wasm';
 
-import type { WasmModule } from './wasm-abi.js';
+import type { ModuleOptions, WasmModule } from './wasm-abi.js';
 import { ViewerError } from './errors.js';
+
+type CreateModule = (options: ModuleOptions) => Promise<WasmModule>;
 
 const compiled = new Map<string, Promise<WebAssembly.Module>>();
 
@@ -15,7 +18,7 @@ async function compile(url: string): Promise<WebAssembly.Module> {
   return WebAssembly.compile(await response.arrayBuffer());
 }
 
-export async function instantiate(url: string): Promise<WasmModule> {
+async function create(createModule: CreateModule, url: string): Promise<WasmModule> {
   let module = compiled.get(url);
   if (!module) {
     module = compile(url);
@@ -30,4 +33,18 @@ export async function instantiate(url: string): Promise<WasmModule> {
     },
     printErr: (line) => console.warn(`fourdvt-viewer: ${line}`),
   });
+}
+
+export const instantiate = (url: string): Promise<WasmModule> => create(createPlayer, url);
+
+/** From fourdvt-flow.js and fourdvt-flow.wasm beside the player's wasm file. Errors: 'fetch-failed'. */
+export async function instantiateWithFlow(playerUrl: string): Promise<WasmModule> {
+  const script = new URL('fourdvt-flow.js', playerUrl).href;
+  try {
+    const { default: createModule } = (await import(script)) as { default: CreateModule };
+    return await create(createModule, new URL('fourdvt-flow.wasm', playerUrl).href);
+  } catch (reason) {
+    if (reason instanceof ViewerError) throw reason;
+    throw new ViewerError('fetch-failed', `${script}: the optical-flow module does not load (${String(reason)}); put it and its .wasm beside the player's`);
+  }
 }

@@ -10,10 +10,9 @@ export type PictureKind = 'i420' | 'rgba';
 export type PlayerRequest =
   | { kind: 'fetch'; id: number; uri: string; offset: number; bytes: number }
   | { kind: 'cancel'; id: number }
-  | { kind: 'configure'; codec: string; description: Uint8Array; width: number; height: number }
-  | { kind: 'decode'; bytes: Uint8Array; timestampUs: number; key: boolean }
-  | { kind: 'flush' }
-  | { kind: 'reset' };
+  | { kind: 'configure'; decoder: number; codec: string; description: Uint8Array; width: number; height: number }
+  | { kind: 'decode'; decoder: number; bytes: Uint8Array; timestampUs: number; key: boolean }
+  | { kind: 'flush' | 'reset' | 'close'; decoder: number };
 
 export interface PlayerEvent {
   name: string;
@@ -39,6 +38,19 @@ export interface PlayerState {
   draws: number;
   liveTextures: number;
   liveTextureBytes: number;
+  /** Where the character stands: metres, degrees from +z towards +x. */
+  x: number;
+  z: number;
+  heading: number;
+  inTransition: boolean;
+  /** The state asked for last. */
+  goal: string;
+}
+
+export interface ParameterInfo {
+  name: string;
+  min: number;
+  max: number;
 }
 
 export interface SequenceInfo {
@@ -47,6 +59,19 @@ export interface SequenceInfo {
   loop: boolean;
   fps: number;
   duration: number;
+  /** None: a plain motion; else a class of motions. */
+  parameters: ParameterInfo[];
+  /** Captured motions of a class. */
+  members: string[];
+}
+
+export type Align = 'none' | 'baked' | 'flow-gpu' | 'flow-dis' | 'flow-opencv';
+
+export interface SceneMesh {
+  /** 6 numbers a corner, 3 corners a triangle: position in metres, colour 0..1. */
+  corners: Float32Array;
+  /** Hides characters without being seen itself. */
+  occluderOnly?: boolean;
 }
 
 export interface CharacterInfo {
@@ -86,7 +111,9 @@ export interface Planes {
   layout: { offset: number; stride: number }[];
 }
 
+const ALIGNS: Align[] = ['none', 'baked', 'flow-gpu', 'flow-dis', 'flow-opencv'];
 const DEBUG_VIEWS = ['none', 'labels', 'layer', 'weights', 'normals'];
+const RADIANS = Math.PI / 180;
 const encoder = new TextEncoder();
 const decoder = new TextDecoder();
 
@@ -97,10 +124,16 @@ export class WasmPlayer {
   #scratch = 0;
   #scratchBytes = 0;
 
-  constructor(module: WasmModule, gl: WebGL2RenderingContext, kind: PictureKind, slots: number) {
+  /** `on`: the canvas's context, or another character that is drawn into the same canvas and outlives this one. */
+  constructor(module: WasmModule, on: WebGL2RenderingContext | WasmPlayer, kind: PictureKind, slots: number) {
     this.#m = module;
-    this.#context = module.GL.registerContext(gl, { majorVersion: 2, minorVersion: 0, enableExtensionsByDefault: true });
-    this.#h = module._fdvt_create(this.#context, kind === 'rgba' ? 1 : 0, slots);
+    const rgba = kind === 'rgba' ? 1 : 0;
+    if (on instanceof WasmPlayer) {
+      this.#h = module._fdvt_create_beside(on.#h, rgba, slots);
+    } else {
+      this.#context = module.GL.registerContext(on, { majorVersion: 2, minorVersion: 0, enableExtensionsByDefault: true });
+      this.#h = module._fdvt_create(this.#context, rgba, slots);
+    }
     if (!module._fdvt_ready(this.#h)) {
       const error = this.#lastError();
       this.dispose();
@@ -112,7 +145,7 @@ export class WasmPlayer {
     if (!this.#h) return;
     this.#m._fdvt_destroy(this.#h);
     this.#m._fdvt_free(this.#scratch);
-    this.#m.GL.deleteContext(this.#context);
+    if (this.#context) this.#m.GL.deleteContext(this.#context);
     this.#h = this.#scratch = this.#scratchBytes = 0;
   }
 
@@ -151,13 +184,15 @@ export class WasmPlayer {
     if (!p) return null;
     const v = this.#view();
     const id = v.getUint32(p + 4, true);
+    const decoder = v.getInt32(p + 36, true);
     switch (v.getInt32(p, true)) {
       case 1: return { kind: 'fetch', id, uri: this.#text(p + 8), offset: v.getFloat64(p + 40, true), bytes: v.getFloat64(p + 48, true) };
       case 2: return { kind: 'cancel', id };
-      case 3: return { kind: 'configure', codec: this.#text(p + 8), description: this.#bytes(p + 16), width: v.getInt32(p + 24, true), height: v.getInt32(p + 28, true) };
-      case 4: return { kind: 'decode', bytes: this.#bytes(p + 16), timestampUs: v.getFloat64(p + 56, true), key: v.getInt32(p + 32, true) !== 0 };
-      case 5: return { kind: 'flush' };
-      default: return { kind: 'reset' };
+      case 3: return { kind: 'configure', decoder, codec: this.#text(p + 8), description: this.#bytes(p + 16), width: v.getInt32(p + 24, true), height: v.getInt32(p + 28, true) };
+      case 4: return { kind: 'decode', decoder, bytes: this.#bytes(p + 16), timestampUs: v.getFloat64(p + 56, true), key: v.getInt32(p + 32, true) !== 0 };
+      case 5: return { kind: 'flush', decoder };
+      case 6: return { kind: 'reset', decoder };
+      default: return { kind: 'close', decoder };
     }
   }
 
@@ -183,13 +218,15 @@ export class WasmPlayer {
     const text = encoder.encode(reason);
     this.#m._fdvt_range_failed(this.#h, id, this.#put(text), text.length);
   }
-  decoderFailed(reason: string): void {
+  decoderFailed(decoder: number, reason: string): void {
     const text = encoder.encode(reason);
-    this.#m._fdvt_decoder_failed(this.#h, this.#put(text), text.length);
+    this.#m._fdvt_decoder_failed(this.#h, decoder, this.#put(text), text.length);
   }
 
   /** A slot, or -1 (none free now) or -2 (nobody waits for it). */
-  acquireSlot(timestampUs: number): number { return this.#m._fdvt_acquire_slot(this.#h, timestampUs); }
+  acquireSlot(decoder: number, timestampUs: number): number {
+    return this.#m._fdvt_acquire_slot(this.#h, decoder, timestampUs);
+  }
 
   /** Uploads the planes and commits the slot. */
   upload(slot: number, pixels: Uint8Array, planes: Planes): void {
@@ -210,9 +247,45 @@ export class WasmPlayer {
     this.#m._fdvt_set_options(this.#h, ...o.background, o.groundShadow ? 1 : 0, o.shadowStrength, o.samples,
       Math.max(0, DEBUG_VIEWS.indexOf(o.debug)), o.debugLayer);
   }
-  draw(pose: OrbitPose, width: number, height: number): void {
-    if (!this.#m._fdvt_draw(this.#h, pose.azimuth, pose.elevation, pose.distance, ...pose.target, pose.fov, width, height)) {
-      throw this.#lastError();
+  /** `others`: characters created beside this one, drawn into the same picture. */
+  draw(pose: OrbitPose, width: number, height: number, others: WasmPlayer[] = []): void {
+    const { azimuth, elevation, distance, target, fov } = pose;
+    let ok: number;
+    if (others.length) {
+      const handles = new Uint8Array(Uint32Array.of(this.#h, ...others.map((other) => other.#h)).buffer);
+      ok = this.#m._fdvt_draw_group(this.#put(handles), others.length + 1, azimuth, elevation, distance, ...target, fov, width, height);
+    } else {
+      ok = this.#m._fdvt_draw(this.#h, azimuth, elevation, distance, ...target, fov, width, height);
+    }
+    if (!ok) throw this.#lastError();
+  }
+
+  // --- motion ---
+
+  setParameter(name: string, value: number, atOnce: boolean): void {
+    const text = encoder.encode(name);
+    if (!this.#m._fdvt_set_parameter(this.#h, this.#put(text), text.length, value, atOnce ? 1 : 0)) throw this.#lastError();
+  }
+  /** As shown; NaN if no class has it. */
+  parameter(name: string): number {
+    const text = encoder.encode(name);
+    return this.#m._fdvt_parameter(this.#h, this.#put(text), text.length);
+  }
+  goTo(state: string): void {
+    const text = encoder.encode(state);
+    if (!this.#m._fdvt_goto(this.#h, this.#put(text), text.length)) throw this.#lastError();
+  }
+  setTravel(on: boolean): void { this.#m._fdvt_set_travel(this.#h, on ? 1 : 0); }
+  place(x: number, z: number, headingDeg: number): void { this.#m._fdvt_place(this.#h, x, z, headingDeg * RADIANS); }
+  steer(headingDeg: number): void { this.#m._fdvt_steer(this.#h, headingDeg * RADIANS); }
+  setAlign(align: Align): void {
+    if (!this.#m._fdvt_set_align(this.#h, ALIGNS.indexOf(align))) throw this.#lastError();
+  }
+  setScene(meshes: SceneMesh[]): void {
+    this.#m._fdvt_clear_scene(this.#h);
+    for (const { corners, occluderOnly } of meshes) {
+      const at = this.#put(new Uint8Array(corners.buffer, corners.byteOffset, corners.byteLength));
+      if (!this.#m._fdvt_add_scene_mesh(this.#h, at, corners.length / 6, occluderOnly ? 1 : 0)) throw this.#lastError();
     }
   }
 
@@ -236,6 +309,11 @@ export class WasmPlayer {
       draws: real(7),
       liveTextures: real(8),
       liveTextureBytes: real(9),
+      x: real(10),
+      z: real(11),
+      heading: real(12) / RADIANS,
+      inTransition: v.getInt32(p + 20, true) !== 0,
+      goal: this.#text(p + 128),
     };
   }
 
@@ -262,7 +340,7 @@ export class WasmPlayer {
   }
 
   #sequence(index: number): SequenceInfo {
-    const p = this.#m._fdvt_sequence(this.#h, index);
+    const p = this.#m._fdvt_sequence(this.#h, index);  // the block stays until the next fdvt_sequence
     const v = this.#view();
     return {
       name: this.#text(p),
@@ -270,7 +348,15 @@ export class WasmPlayer {
       loop: v.getInt32(p + 12, true) !== 0,
       fps: v.getFloat64(p + 16, true),
       duration: v.getFloat64(p + 24, true),
+      parameters: Array.from({ length: v.getInt32(p + 32, true) }, (_, i) => this.#parameter(index, i)),
+      members: Array.from({ length: v.getInt32(p + 36, true) }, (_, i) =>
+        this.#text(this.#m._fdvt_sequence_member(this.#h, index, i))),
     };
+  }
+  #parameter(sequence: number, index: number): ParameterInfo {
+    const p = this.#m._fdvt_sequence_parameter(this.#h, sequence, index);
+    const v = this.#view();
+    return { name: this.#text(p), min: v.getFloat64(p + 8, true), max: v.getFloat64(p + 16, true) };
   }
 
   #lastError(): ViewerError {

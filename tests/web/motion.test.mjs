@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+// The character's motion as a visitor steers it: the speed slider while orbiting, transitions, keys, several characters
+// in one canvas; and the same parameter, phase and camera natively.
+import assert from 'node:assert/strict';
+import { execFile } from 'node:child_process';
+import { readFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import { promisify } from 'node:util';
+
+import { environment, kFovDeg, kPatienceMs, launch, openPage, outputFolder, readCanvas, waitForEvent, writePicture } from './harness.mjs';
+import { decodePng } from './png.mjs';
+import { serve } from './server.mjs';
+import { coverage, ssim } from './ssim.mjs';
+
+const run = promisify(execFile);
+const kSsim = 0.98;
+const kStall_ms = 4000;  // far beyond a frame in software GL on a busy machine: what hangs, hangs longer
+
+let server, browser, page;
+before(async () => {
+  server = await serve(environment('SITE'));
+  browser = await launch();
+  page = await openPage(browser, { viewport: { width: 480, height: 900 } });
+  await page.goto(server.url);
+  await waitForEvent(page, 'canplay');
+  await until(() => document.querySelector('fourdvt-viewer').parameters.length > 0);
+});
+after(async () => {
+  await browser?.close();
+  await server?.close();
+});
+
+const until = (condition, argument, on = page) => on.waitForFunction(condition, argument, { timeout: kPatienceMs, polling: 50 });
+const shot = async (name, on = page) => {
+  const picture = await readCanvas(on);
+  writePicture(join(outputFolder('motion'), `${name}.png`), picture);
+  return picture;
+};
+
+// Starts to watch which frames are shown and the longest pause between two of them.
+const watch = (on = page) => on.evaluate(() => {
+  const viewer = document.querySelector('fourdvt-viewer');
+  const seen = (globalThis.frameWatch = { frames: 0, stall: 0, last: -1, since: performance.now(), on: true });
+  const look = () => {
+    const now = performance.now();
+    if (viewer.frame !== seen.last) {
+      seen.stall = Math.max(seen.stall, now - seen.since);
+      seen.since = now;
+      seen.last = viewer.frame;
+      ++seen.frames;
+    }
+    if (seen.on) setTimeout(look, 5);
+  };
+  look();
+});
+const watched = (on = page) => on.evaluate(() => {
+  const seen = globalThis.frameWatch;
+  seen.on = false;
+  return { frames: seen.frames, stall: Math.max(seen.stall, performance.now() - seen.since) };
+});
+
+test('the slider comes first: speed in metres a second, from walk to run', async () => {
+  const { min, max, name } = (await page.evaluate(() => document.querySelector('fourdvt-viewer').parameters))[0];
+  assert.equal(name, 'speed_mps');
+  assert.ok(min > 1 && min < 1.4 && max > 2.4 && max < 3, `${min} to ${max}`);
+  assert.match(await page.inputValue('#parameter'), /^1\./);
+  assert.match(await page.textContent('#parameter-value'), /m\/s/);
+});
+
+test('dragging the slider up and down again while orbiting: no stall, the parameter follows', async () => {
+  const slider = await page.locator('#parameter').boundingBox();
+  const viewer = await page.locator('fourdvt-viewer').boundingBox();
+  const y = slider.y + slider.height / 2;
+  const at = (share) => slider.x + 8 + (slider.width - 16) * share;
+  await watch();
+  const speeds = [];
+  for (const stops of [[0, 0.25, 0.5, 0.75, 1], [1, 0.5, 0]]) {
+    await page.mouse.move(at(stops[0]), y);
+    await page.mouse.down();
+    for (const stop of stops) {
+      await page.mouse.move(at(stop), y, { steps: 4 });
+      await until(() => {
+        const slider = document.getElementById('parameter');
+        return Math.abs(document.querySelector('fourdvt-viewer').getParameter(slider.dataset.name) - Number(slider.value)) < 0.02;
+      });
+      speeds.push(await page.evaluate(() => document.querySelector('fourdvt-viewer').getParameter('speed_mps')));
+      await shot(`slider-${speeds.length}`);
+    }
+    await page.mouse.up();
+    await page.mouse.move(viewer.x + viewer.width / 2, viewer.y + viewer.height / 2);
+    await page.mouse.down();
+    await page.mouse.move(viewer.x + viewer.width / 2 + 130, viewer.y + viewer.height / 2, { steps: 8 });
+    await page.mouse.up();
+  }
+  const { frames, stall } = await watched();
+  console.log(`speeds shown: ${speeds.map((v) => v.toFixed(2)).join(' ')}; ${frames} frames, longest pause ${stall.toFixed(0)} ms`);
+  assert.ok(speeds[4] > speeds[0] + 1, 'the slider reaches the run');
+  assert.ok(speeds.at(-1) < speeds[4] - 1, 'and comes back to the walk');
+  assert.ok(frames > 20 && stall < kStall_ms, `${frames} frames, longest pause ${stall} ms`);
+});
+
+test('a one-off motion is entered by a transition and left by itself', async () => {
+  await page.evaluate(() => {
+    const viewer = document.querySelector('fourdvt-viewer');
+    globalThis.motions = [];
+    for (const type of ['transitionstart', 'transitionend']) {
+      viewer.addEventListener(type, () => globalThis.motions.push(`${type} ${viewer.state}`));
+    }
+  });
+  await page.locator('#motions input[value=pickup]').click();
+  await until(() => document.querySelector('fourdvt-viewer').inTransition);
+  await shot('transition');
+  await until(() => document.querySelector('fourdvt-viewer').sequence === 'pickup');
+  await until(() => document.querySelector('fourdvt-viewer').sequence === 'locomotion');
+  await until(() => !document.querySelector('fourdvt-viewer').inTransition);
+  const motions = await page.evaluate(() => globalThis.motions);
+  assert.ok(motions.length >= 4, `${motions}`);
+});
+
+for (const [speed, phase, azimuth] of [[1.9, 0.3, 30], [2.4, 0.75, -120]]) {
+  test(`native and browser agree at ${speed} m/s, phase ${phase}`, async () => {
+    const frame = await page.evaluate(async ({ speed, phase, azimuth, fov }) => {
+      const viewer = document.querySelector('fourdvt-viewer');
+      viewer.pause();
+      viewer.renderOptions = { groundShadow: false };
+      viewer.setAttribute('field-of-view', `${fov}deg`);
+      viewer.setAttribute('camera-orbit', `${azimuth}deg 8deg 4.4m`);
+      viewer.jumpCameraToGoal();
+      viewer.setParameter('speed_mps', speed, true);
+      const frames = viewer.sequences.find((s) => s.name === 'locomotion').frames;
+      const wanted = Math.floor(phase * frames);
+      const seeked = new Promise((done) => viewer.addEventListener('seeked', done, { once: true }));
+      viewer.seekFrame(wanted);
+      await seeked;
+      for (let i = 0; i < 4; ++i) await new Promise((next) => requestAnimationFrame(next));
+      return viewer.frame;
+    }, { speed, phase, azimuth, fov: kFovDeg });
+    const shown = await shot(`parity-${speed}-browser`);
+    const file = join(outputFolder('motion'), `parity-${speed}-native.png`);
+    await run(environment('BIN'), ['render', environment('CHARACTER'), '--class', 'locomotion', '--parameter', `speed_mps=${speed}`,
+      '--frame', String(frame), '--azimuth', String(azimuth), '--elevation', '8', '--distance', '4.4', '--size',
+      `${shown.width}x${shown.height}`, '--no-shadow', '-o', file], { timeout: kPatienceMs });
+    const { all, foreground } = ssim(shown, decodePng(readFileSync(file)));
+    console.log(`${speed} m/s, frame ${frame}: SSIM ${all.toFixed(4)} whole picture, ${foreground.toFixed(4)} on the silhouettes`);
+    assert.ok(foreground >= kSsim, `SSIM ${foreground.toFixed(4)} is below ${kSsim}`);
+  });
+}
+
+test('steering with keys: it turns, speeds up, travels over the ground and picks up', async () => {
+  const steer = await openPage(browser, { viewport: { width: 800, height: 560 } });
+  await steer.goto(`${server.url}steer.html`);
+  await waitForEvent(steer, 'canplay');
+  await until(() => document.querySelector('fourdvt-viewer').parameters.length > 0, undefined, steer);
+  const place = () => steer.evaluate(() => {
+    const viewer = document.querySelector('fourdvt-viewer');
+    return { ...viewer.placement, speed: viewer.getParameter('speed_mps'), state: viewer.state };
+  });
+  const start = await place();
+  await until((z) => document.querySelector('fourdvt-viewer').placement.z > z + 0.5, start.z, steer);
+  await watch(steer);
+  await steer.keyboard.down('ArrowUp');
+  await until((v) => document.querySelector('fourdvt-viewer').getParameter('speed_mps') > v + 0.6, start.speed, steer);
+  await shot('steer-fast', steer);
+  await steer.keyboard.up('ArrowUp');
+  const straight = await place();
+  await steer.keyboard.down('a');
+  await until((h) => document.querySelector('fourdvt-viewer').heading > h + 50, straight.heading, steer);
+  await steer.keyboard.up('a');
+  await shot('steer-turn', steer);
+  const before = await place();
+  await until(({ x, z }) => {
+    const { placement } = document.querySelector('fourdvt-viewer');
+    return Math.hypot(placement.x - x, placement.z - z) > 0.5;
+  }, before, steer);
+  const then = await place();
+  const along = Math.atan2(then.x - before.x, then.z - before.z) * 180 / Math.PI;
+  assert.ok(Math.abs((((along - then.heading) % 360) + 540) % 360 - 180) < 35, `went ${along}°, heading ${then.heading}°`);
+  await steer.keyboard.press(' ');
+  await until(() => document.querySelector('fourdvt-viewer').sequence === 'pickup', undefined, steer);
+  await shot('steer-pickup', steer);
+  const { frames, stall } = await watched(steer);
+  console.log(`steering: ${frames} frames, longest pause ${stall.toFixed(0)} ms`);
+  assert.ok(stall < kStall_ms, `longest pause ${stall} ms`);
+  await steer.click('#company');
+  await until(() => document.querySelector('fourdvt-character').present, undefined, steer);
+  const companion = () => steer.evaluate(() => document.querySelector('fourdvt-character').placement);
+  const from = await companion();
+  await until(({ x, z }) => {
+    const { placement } = document.querySelector('fourdvt-character');
+    return Math.hypot(placement.x - x, placement.z - z) > 0.3;
+  }, from, steer);
+  await shot('steer-company', steer);
+  assert.deepEqual(steer.troubles, []);
+  await steer.close();
+});
+
+test('no console errors, no unhandled rejections', () => assert.deepEqual(page.troubles, []));

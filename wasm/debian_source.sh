@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: Apache-2.0
+# Sourced by the build_*.sh scripts here: Debian source packages through a private apt configuration that leaves the
+# system's alone. Needs no root. The caller defines fail MESSAGE, which ends the script.
+
+need() { command -v "$1" >/dev/null || fail "'$1' is missing: install the package $2"; }
+
+# Prints the system's own binary sources with their type turned into source packages.
+write_private_sources() {  # $1: folder for them
+  local file
+  for file in /etc/apt/sources.list.d/*.sources; do
+    [ -f "$file" ] && sed -E 's/^Types:.*/Types: deb-src/' "$file" >"$1/$(basename "$file")"
+  done
+  for file in /etc/apt/sources.list /etc/apt/sources.list.d/*.list; do
+    [ -f "$file" ] && sed -nE 's/^[[:space:]]*deb[[:space:]]/deb-src /p' "$file" >"$1/$(basename "$file")"
+  done
+  [ -n "$(cat "$1"/* 2>/dev/null)" ] || fail "no apt sources in /etc/apt: name an unpacked source folder instead"
+}
+
+private_apt() {  # $1: scratch folder, rest: apt-get arguments
+  local scratch=$1 sandbox=()
+  shift
+  [ "$(id -u)" -eq 0 ] && sandbox=(-o APT::Sandbox::User=root)
+  apt-get -q "${sandbox[@]}" -o Dir::Etc::SourceList=/dev/null -o Dir::Etc::SourceParts="$scratch/sources" \
+    -o Dir::State="$scratch/state" -o Dir::State::Lists="$scratch/state/lists" -o Dir::Cache="$scratch/cache" \
+    -o Dir::State::status=/var/lib/dpkg/status -o Debug::NoLocking=true "$@"
+}
+
+fetch_source() {  # $1: source package, $2: scratch folder; leaves the unpacked source in $2/source
+  mkdir -p "$2"/{sources,state/lists/partial,cache/archives/partial,download}
+  write_private_sources "$2/sources"
+  private_apt "$2" update >&2 || fail "apt-get update of the source lists failed: is the package mirror reachable?"
+  (cd "$2/download" && private_apt "$2" source --download-only "$1" >&2) ||
+    fail "no source package '$1' at the mirror: name an unpacked source folder instead"
+  need dpkg-source dpkg-dev
+  dpkg-source --no-check -x "$2"/download/"$1"_*.dsc "$2/source" >&2
+}

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "flow_modes.h"
+
+#include <emscripten.h>
+
+#include "render/flow_read_back.h"
+
+namespace fourdvt {
+namespace {
+
+// Two grey pictures → 2 floats a pixel, by the page (web/src/opencv-flow.ts); 0 if it cannot.
+EM_JS(int, fdvt_page_flow, (const uint8_t* a, const uint8_t* b, int width, int height, float* out),
+      { return Module['fourdvtFlow'] ? Module['fourdvtFlow'](a, b, width, height, out) : 0; });
+
+Status solveOnPage(const uint8_t* a, const uint8_t* b, int width, int height, float* flow) {
+  if (fdvt_page_flow(a, b, width, height, flow)) return {};
+  return Error{ErrorId::Unsupported, "the page has no optical flow: load the OpenCV module first"};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<render::FlowSource>> makeFlow(gpu::Device& device, AlignMode mode) {
+  if (mode == kPageFlow) return render::createReadBackFlow(device, solveOnPage);
+  render::FlowOptions options;
+  options.method = mode == kDis ? render::FlowMethod::Dis : render::FlowMethod::Farneback;
+  return render::createGpuFlow(device, options);
+}
+
+}  // namespace fourdvt

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// Keys and a touch joystick → steering: left and right turn, up and down change the parameter, Space acts. Knows
+// nothing of characters: the host turns wishes into motion.
+
+const KEYS: Record<string, [number, number]> = {
+  ArrowLeft: [-1, 0], KeyA: [-1, 0], ArrowRight: [1, 0], KeyD: [1, 0],
+  ArrowUp: [0, 1], KeyW: [0, 1], ArrowDown: [0, -1], KeyS: [0, -1],
+};
+const DEAD_ZONE = 0.12; // of the joystick's radius
+
+export interface MotionHost {
+  /** True: keys and joystick steer; the orbit's own arrow keys rest. */
+  steers(): boolean;
+  /** Space, or a tap on the joystick. */
+  act(): void;
+  onInteract(): void;
+}
+
+export interface Steering {
+  /** -1 left … 1 right. */
+  turn: number;
+  /** Keys: -1 slower … 1 faster, as long as they are held. */
+  change: number;
+  /** Joystick: 0 … 1 of the parameter's range; null while it is not held. */
+  level: number | null;
+}
+
+export class MotionControls {
+  readonly #host: MotionHost;
+  readonly #knob: HTMLElement;
+  readonly #abort = new AbortController();
+  readonly #held = new Set<string>();
+  #stick: { id: number; x: number; y: number; moved: boolean } | null = null;
+
+  constructor(stage: HTMLElement, joystick: HTMLElement, host: MotionHost) {
+    this.#host = host;
+    this.#knob = joystick.firstElementChild as HTMLElement;
+    const { signal } = this.#abort;
+    stage.addEventListener('keydown', (e) => this.#key(e, true), { signal, capture: true });
+    stage.addEventListener('keyup', (e) => this.#key(e, false), { signal, capture: true });
+    stage.addEventListener('blur', () => this.#held.clear(), { signal });
+    joystick.addEventListener('pointerdown', (e) => this.#grab(joystick, e), { signal });
+    joystick.addEventListener('pointermove', (e) => this.#drag(joystick, e), { signal });
+    for (const type of ['pointerup', 'pointercancel', 'lostpointercapture'] as const) {
+      joystick.addEventListener(type, (e) => this.#release(e), { signal });
+    }
+  }
+
+  dispose(): void {
+    this.#abort.abort();
+    this.#held.clear();
+    this.#stick = null;
+  }
+
+  get steering(): Steering | null {
+    if (!this.#host.steers()) return null;
+    let [turn, change] = [0, 0];
+    for (const code of this.#held) {
+      turn += KEYS[code]![0];
+      change += KEYS[code]![1];
+    }
+    const stick = this.#stick?.moved ? this.#stick : null;
+    if (stick) turn += Math.abs(stick.x) < DEAD_ZONE ? 0 : stick.x;
+    return { turn: Math.max(-1, Math.min(1, turn)), change, level: stick ? (1 - stick.y) / 2 : null };
+  }
+
+  #key(e: KeyboardEvent, down: boolean): void {
+    if (!this.#host.steers() || (down && (e.altKey || e.ctrlKey || e.metaKey))) return;
+    if (e.code === 'Space') {
+      if (down && !e.repeat) this.#host.act();
+    } else if (KEYS[e.code]) {
+      if (down) this.#held.add(e.code);
+      else this.#held.delete(e.code);
+    } else {
+      return;
+    }
+    e.preventDefault();
+    e.stopImmediatePropagation();
+    this.#host.onInteract();
+  }
+
+  #grab(joystick: HTMLElement, e: PointerEvent): void {
+    if (this.#stick) return;
+    joystick.setPointerCapture(e.pointerId);
+    this.#stick = { id: e.pointerId, x: 0, y: 0, moved: false };
+    this.#drag(joystick, e);
+    e.stopPropagation();
+  }
+
+  #drag(joystick: HTMLElement, e: PointerEvent): void {
+    if (this.#stick?.id !== e.pointerId) return;
+    const box = joystick.getBoundingClientRect();
+    const radius = box.width / 2;
+    let x = (e.clientX - box.left - radius) / radius;
+    let y = (e.clientY - box.top - radius) / radius;
+    const length = Math.hypot(x, y);
+    if (length > 1) [x, y] = [x / length, y / length];
+    const moved = this.#stick.moved || length > DEAD_ZONE;
+    this.#stick = { id: e.pointerId, x, y, moved };
+    this.#knob.style.transform = `translate(${x * radius * 0.6}px, ${y * radius * 0.6}px)`;
+    this.#host.onInteract();
+    e.stopPropagation();
+  }
+
+  #release(e: PointerEvent): void {
+    if (this.#stick?.id !== e.pointerId) return;
+    const tapped = !this.#stick.moved && e.type === 'pointerup';
+    this.#stick = null;
+    this.#knob.style.transform = '';
+    if (tapped) this.#host.act();
+    this.#host.onInteract();
+  }
+}
