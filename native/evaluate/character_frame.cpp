@@ -3,55 +3,14 @@
 
 #include <cstring>
 
-#include "package/base_mesh.h"
-#include "package/chunk_mesh.h"
-#include "package/stream_file.h"
 #include "platform/files.h"
 
 namespace fourdvt::evaluate {
 namespace {
 
-struct Stream {
-  package::Character character;
-  const package::Sequence* sequence = nullptr;
-  std::string path;
-  package::StreamIndex index;
-  package::BaseMesh mesh;
-  package::ChunkMesh chunk_mesh;
-};
-
 Error noFrame(const std::string& folder, const std::string& sequence, uint32_t frame) {
   return {ErrorId::InvalidArgument,
           folder + ": has no frame " + std::to_string(frame) + " of \"" + sequence + "\"; bake it again"};
-}
-
-Status openStream(const std::string& folder, const std::string& name, Stream& out) {
-  auto character = readCharacter(folder);
-  if (!character.ok()) return character.error();
-  out.character = character.take();
-  out.sequence = out.character.find(name);
-  if (!out.sequence) return noFrame(folder, name, 0);
-  out.path = folder + "/" + out.sequence->stream_uri;
-  auto header = platform::readFileRange(out.path, 0, out.sequence->stream_header_bytes);
-  if (!header.ok()) return header.error();
-  auto index = package::readStreamHeader(header.value());
-  if (!index.ok()) return Error{index.error().id, out.path + ": " + index.error().message};
-  out.index = index.take();
-  const package::Character& c = out.character;
-  auto bytes = platform::readFileRange(folder + "/" + c.mesh_uri, c.mesh_offset, c.mesh_bytes);
-  if (!bytes.ok()) return bytes.error();
-  auto mesh = package::decodeBaseMesh(bytes.value());
-  if (!mesh.ok()) return mesh.error();
-  out.mesh = mesh.take();
-  out.chunk_mesh = package::makeChunkMesh(out.mesh);
-  return {};
-}
-
-Result<package::ChunkFrames> readChunk(const Stream& stream, uint32_t chunk) {
-  const package::ChunkEntry& entry = stream.index.chunks[chunk];
-  auto bytes = platform::readFileRange(stream.path, entry.offset, entry.bytes);
-  if (!bytes.ok()) return bytes.error();
-  return package::decodeChunk(bytes.value(), stream.index, chunk, stream.chunk_mesh);
 }
 
 std::vector<std::vector<uint8_t>> labelsOf(const package::ChunkFrames& chunk, uint32_t frame_in_chunk) {
@@ -79,16 +38,45 @@ Result<package::Character> readCharacter(const std::string& folder) {
   return package::readManifest(json.value());
 }
 
+Status openCharacterStream(const std::string& folder, const std::string& name, CharacterStream& out) {
+  auto character = readCharacter(folder);
+  if (!character.ok()) return character.error();
+  out.character = character.take();
+  out.sequence = out.character.find(name);
+  if (!out.sequence) return noFrame(folder, name, 0);
+  out.path = folder + "/" + out.sequence->stream_uri;
+  auto header = platform::readFileRange(out.path, 0, out.sequence->stream_header_bytes);
+  if (!header.ok()) return header.error();
+  auto index = package::readStreamHeader(header.value());
+  if (!index.ok()) return Error{index.error().id, out.path + ": " + index.error().message};
+  out.index = index.take();
+  const package::Character& c = out.character;
+  auto bytes = platform::readFileRange(folder + "/" + c.mesh_uri, c.mesh_offset, c.mesh_bytes);
+  if (!bytes.ok()) return bytes.error();
+  auto mesh = package::decodeBaseMesh(bytes.value());
+  if (!mesh.ok()) return mesh.error();
+  out.mesh = mesh.take();
+  out.chunk_mesh = package::makeChunkMesh(out.mesh);
+  return {};
+}
+
+Result<package::ChunkFrames> readCharacterChunk(const CharacterStream& stream, uint32_t chunk) {
+  const package::ChunkEntry& entry = stream.index.chunks[chunk];
+  auto bytes = platform::readFileRange(stream.path, entry.offset, entry.bytes);
+  if (!bytes.ok()) return bytes.error();
+  return package::decodeChunk(bytes.value(), stream.index, chunk, stream.chunk_mesh);
+}
+
 Result<CharacterFrame> readCharacterFrame(const std::string& folder, const std::string& name, uint32_t frame,
                                           const OpenVideo& open_video) {
-  Stream stream;
-  FOURDVT_TRY(openStream(folder, name, stream));
+  CharacterStream stream;
+  FOURDVT_TRY(openCharacterStream(folder, name, stream));
   if (frame >= stream.index.frame_count) return noFrame(folder, name, frame);
   CharacterFrame out;
   out.topology = std::move(stream.mesh.topology);
 
   const uint32_t chunk_index = stream.index.chunkOfFrame(frame);
-  auto chunk = readChunk(stream, chunk_index);
+  auto chunk = readCharacterChunk(stream, chunk_index);
   if (!chunk.ok()) return chunk.error();
   const uint32_t inside = frame - stream.index.chunks[chunk_index].first_frame;
   out.labels = labelsOf(chunk.value(), inside);
@@ -114,14 +102,14 @@ Result<CharacterFrame> readCharacterFrame(const std::string& folder, const std::
 Result<std::vector<std::vector<std::vector<uint8_t>>>> readCharacterLabels(const std::string& folder,
                                                                            const std::string& name, uint32_t first,
                                                                            uint32_t count) {
-  Stream stream;
-  FOURDVT_TRY(openStream(folder, name, stream));
+  CharacterStream stream;
+  FOURDVT_TRY(openCharacterStream(folder, name, stream));
   if (first + count > stream.index.frame_count) return noFrame(folder, name, first + count - 1);
   std::vector<std::vector<std::vector<uint8_t>>> out;
   for (uint32_t c = 0; c < stream.index.chunks.size(); ++c) {
     const package::ChunkEntry& entry = stream.index.chunks[c];
     if (entry.first_frame + entry.frame_count <= first || entry.first_frame >= first + count) continue;
-    auto chunk = readChunk(stream, c);
+    auto chunk = readCharacterChunk(stream, c);
     if (!chunk.ok()) return chunk.error();
     for (uint32_t f = 0; f < entry.frame_count; ++f)
       if (entry.first_frame + f >= first && entry.first_frame + f < first + count)

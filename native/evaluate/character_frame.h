@@ -9,7 +9,10 @@
 #include "base/mesh.h"
 #include "base/result.h"
 #include "base/video.h"
+#include "package/base_mesh.h"
 #include "package/character.h"
+#include "package/chunk_mesh.h"
+#include "package/stream_file.h"
 
 namespace fourdvt::evaluate {
 
@@ -28,5 +31,17 @@ Result<CharacterFrame> readCharacterFrame(const std::string& folder, const std::
 Result<std::vector<std::vector<std::vector<uint8_t>>>> readCharacterLabels(const std::string& folder,
                                                                            const std::string& sequence, uint32_t first,
                                                                            uint32_t count);
+
+// The stream of a sequence or class, as the player would read it.
+struct CharacterStream {
+  package::Character character;
+  const package::Sequence* sequence = nullptr;  // of `character`
+  std::string path;
+  package::StreamIndex index;
+  package::BaseMesh mesh;
+  package::ChunkMesh chunk_mesh;
+};
+Status openCharacterStream(const std::string& folder, const std::string& sequence, CharacterStream& out);
+Result<package::ChunkFrames> readCharacterChunk(const CharacterStream& stream, uint32_t chunk);
 
 }  // namespace fourdvt::evaluate

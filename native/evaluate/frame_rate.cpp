@@ -14,7 +14,7 @@
 #include "platform/ffmpeg_video.h"
 #include "platform/files.h"
 #include "render/fvvr.h"
-#include "render/recipe.h"
+#include "render/plain_figure.h"
 
 namespace fourdvt::evaluate {
 namespace {
@@ -196,10 +196,10 @@ class Race {
   Status prepare(const capture::Capture& capture, FrameRates& rates) {
     FOURDVT_TRY(drain_.prepare(device_));
     const uint64_t before = device_.counters().live_texture_bytes;
-    auto model = render::CharacterModel::create(device_, loaded_.character, loaded_.mesh);
-    if (!model.ok()) return model.error();
-    model_ = model.take();
-    model_.setLayout(loaded_.rendition);
+    auto figure = render::PlainFigure::create(device_, loaded_.character, loaded_.mesh);
+    if (!figure.ok()) return figure.error();
+    figure_ = figure.take();
+    figure_.setLayout(loaded_.rendition);
     auto picture = render::createPicture(device_, loaded_.rendition.width, loaded_.rendition.height,
                                          render::PictureTextures::Kind::I420);
     if (!picture.ok()) return picture.error();
@@ -252,10 +252,10 @@ class Race {
     render::uploadPicture(device_, picture_, loaded_.frames[frame].picture(loaded_.rendition));
   }
   void setGeometry(size_t frame) {
-    model_.setGeometry(device_, {loaded_.frames[frame].positions, loaded_.frames[frame].labels});
+    figure_.setFrame(device_, loaded_.frames[frame].positions, loaded_.frames[frame].labels);
   }
   Status drawLayers(const render::View& view) {
-    return recipe_->draw(model_, picture_, view, recipe_options_, target_.id());
+    return figure_.draw(*recipe_, picture_, view, recipe_options_, target_.id());
   }
 
   Status layeredFrame(size_t frame, const render::View& view, Samples& out) {
@@ -314,7 +314,7 @@ class Race {
   render::FvvrOptions fvvr_options_;
   render::RecipeOptions recipe_options_;
   Drain drain_;
-  render::CharacterModel model_;
+  render::PlainFigure figure_;
   render::PictureTextures picture_;
   std::unique_ptr<render::Recipe> recipe_;
   std::unique_ptr<render::Fvvr> fvvr_;

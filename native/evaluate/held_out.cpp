@@ -152,7 +152,8 @@ Result<HeldOutReport> evaluateHeldOut(const capture::Capture& capture, const Ope
   if (!baked) return Error{ErrorId::Internal, "the character's manifest is not loaded"};
   std::vector<std::string> names = options.sequences;
   if (names.empty())
-    for (const auto& sequence : baked->sequences) names.push_back(sequence.name);
+    for (const auto& sequence : baked->sequences)
+      if (!sequence.isClass()) names.push_back(sequence.name);  // no camera saw a class
   bool any_held_out = false;
   for (const std::string& name : names) {
     const capture::CaptureSequence* sequence = capture.find(name);

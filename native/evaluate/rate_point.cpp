@@ -79,10 +79,10 @@ Status appendPicture(const std::string& path, const bake::I420Picture& picture, 
 
 Result<std::unique_ptr<RateMeter>> RateMeter::create(gpu::Device& device, const RateClip& clip) {
   std::unique_ptr<RateMeter> meter(new RateMeter(device, clip));
-  auto model = render::CharacterModel::create(device, clip.character, *clip.mesh);
-  if (!model) return model.error();
-  meter->model_ = model.take();
-  meter->model_.setLayout(renditionOf(clip));
+  auto figure = render::PlainFigure::create(device, clip.character, *clip.mesh);
+  if (!figure) return figure.error();
+  meter->figure_ = figure.take();
+  meter->figure_.setLayout(renditionOf(clip));
   auto picture =
       render::createPicture(device, clip.layout.width, clip.layout.height, render::PictureTextures::Kind::I420);
   if (!picture) return picture.error();
@@ -118,10 +118,10 @@ Status RateMeter::prepareTarget(int width, int height) {
 Result<Image> RateMeter::draw(const I420View& picture, uint32_t frame, const PinholeCamera& camera) {
   FOURDVT_TRY(prepareTarget(camera.width, camera.height));
   render::uploadPicture(device_, picture_, picture);
-  model_.setGeometry(device_, {clip_.positions[frame], clip_.labels[frame]});
+  figure_.setFrame(device_, clip_.positions[frame], clip_.labels[frame]);
   render::RecipeOptions options;
   options.ground_shadow = false;
-  FOURDVT_TRY(recipe_->draw(model_, picture_, render::viewFromCamera(camera), options, target_.id()));
+  FOURDVT_TRY(figure_.draw(*recipe_, picture_, render::viewFromCamera(camera), options, target_.id()));
   Image image(camera.width, camera.height, 4);
   FOURDVT_TRY(device_.readPixels(target_.id(), gpu::PixelFormat::RGBA8, 0, 0, camera.width, camera.height,
                                  image.pixels.data()));

@@ -12,7 +12,7 @@
 #include "gpu/device.h"
 #include "package/base_mesh.h"
 #include "package/character.h"
-#include "render/recipe.h"
+#include "render/plain_figure.h"
 
 namespace fourdvt::evaluate {
 
@@ -69,7 +69,7 @@ class RateMeter {
 
   gpu::Device& device_;
   const RateClip& clip_;
-  render::CharacterModel model_;
+  render::PlainFigure figure_;
   render::PictureTextures picture_;
   std::unique_ptr<render::Recipe> recipe_;
   gpu::Texture color_;

@@ -29,7 +29,8 @@ StudyContext resolved(const StudyContext& given) {
 
 std::vector<StudyStep> studySteps() {
   return {{"reference", 18, runReference}, {"methods", 55, runMethods}, {"layers", 40, runLayers},
-          {"rate", 30, runRate},           {"speed", 6, runSpeed},      {"pictures", 5, runPictures}};
+          {"rate", 30, runRate},           {"speed", 6, runSpeed},      {"pictures", 5, runPictures},
+          {"motion", 40, runMotion}};
 }
 
 Result<Figures> runStudy(const StudyContext& given) {

@@ -65,6 +65,7 @@ Result<Figures> runLayers(const StudyContext& context);    // study_layers: LVDT
 Result<Figures> runRate(const StudyContext& context);      // study_rate: rate-distortion of codecs and layouts
 Result<Figures> runSpeed(const StudyContext& context);     // study_speed: LVDT 4.4, per-pass breakdown
 Result<Figures> runPictures(const StudyContext& context);  // study_pictures: layers with camera maps, grazing views
+Result<Figures> runMotion(const StudyContext& context);    // study_motion: 4DVT 5-6: blend, alignment, transitions
 
 // The steps in order.
 std::vector<StudyStep> studySteps();

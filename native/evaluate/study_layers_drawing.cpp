@@ -68,21 +68,21 @@ Result<std::unique_ptr<LayerDrawing>> LayerDrawing::create(gpu::Device& device, 
   return out;
 }
 
-Result<render::CharacterModel*> LayerDrawing::modelOf(int layers) {
-  auto it = models_.find(layers);
-  if (it == models_.end()) {
-    auto model = render::CharacterModel::create(device_, characterOf(job_, layers), job_.mesh.decoded);
-    if (!model) return model.error();
-    model.value().setLayout(gridOf(size_, most_layers_, layers));
-    it = models_.emplace(layers, model.take()).first;
+Result<render::PlainFigure*> LayerDrawing::figureOf(int layers) {
+  auto it = figures_.find(layers);
+  if (it == figures_.end()) {
+    auto figure = render::PlainFigure::create(device_, characterOf(job_, layers), job_.mesh.decoded);
+    if (!figure) return figure.error();
+    figure.value().setLayout(gridOf(size_, most_layers_, layers));
+    it = figures_.emplace(layers, figure.take()).first;
   }
   return &it->second;
 }
 
 Status LayerDrawing::setGeometry(const Positions& positions, const std::vector<uint8_t>& labels, int layers) {
-  auto model = modelOf(layers);
-  if (!model) return model.error();
-  model.value()->setGeometry(device_, {positions, labels});
+  auto figure = figureOf(layers);
+  if (!figure) return figure.error();
+  figure.value()->setFrame(device_, positions, labels);
   return {};
 }
 
@@ -97,8 +97,8 @@ Status LayerDrawing::show(const std::vector<Image>& layers) {
 }
 
 Result<Image> LayerDrawing::draw(const PinholeCamera& camera, int layers) {
-  auto model = modelOf(layers);
-  if (!model) return model.error();
+  auto figure = figureOf(layers);
+  if (!figure) return figure.error();
   if (!target_ || width_ != camera.width || height_ != camera.height) {
     target_.reset();
     auto color = gpu::makeTexture(device_, {.width = camera.width, .height = camera.height, .label = "study"});
@@ -112,7 +112,7 @@ Result<Image> LayerDrawing::draw(const PinholeCamera& camera, int layers) {
   }
   render::RecipeOptions recipe;
   recipe.ground_shadow = false;
-  FOURDVT_TRY(recipe_->draw(*model.value(), picture_, render::viewFromCamera(camera), recipe, target_.id()));
+  FOURDVT_TRY(figure.value()->draw(*recipe_, picture_, render::viewFromCamera(camera), recipe, target_.id()));
   Image image(camera.width, camera.height, 4);
   FOURDVT_TRY(
       device_.readPixels(target_.id(), gpu::PixelFormat::RGBA8, 0, 0, image.width, image.height, image.pixels.data()));
@@ -122,8 +122,8 @@ Result<Image> LayerDrawing::draw(const PinholeCamera& camera, int layers) {
 
 Result<uint64_t> LayerDrawing::gpuBytes(int layers) {
   const uint64_t before = device_.counters().live_texture_bytes;
-  auto model = render::CharacterModel::create(device_, characterOf(job_, layers), job_.mesh.decoded);
-  if (!model) return model.error();
+  auto figure = render::PlainFigure::create(device_, characterOf(job_, layers), job_.mesh.decoded);
+  if (!figure) return figure.error();
   auto picture = render::createPicture(device_, size_ * layers, size_, render::PictureTextures::Kind::I420);
   if (!picture) return picture.error();
   return device_.counters().live_texture_bytes - before;

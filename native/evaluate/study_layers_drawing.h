@@ -8,7 +8,7 @@
 
 #include "bake/job.h"
 #include "gpu/device.h"
-#include "render/recipe.h"
+#include "render/plain_figure.h"
 
 namespace fourdvt::evaluate {
 
@@ -28,13 +28,13 @@ class LayerDrawing {
 
  private:
   LayerDrawing(gpu::Device& device, const bake::Job& job, int size) : device_(device), job_(job), size_(size) {}
-  Result<render::CharacterModel*> modelOf(int layers);
+  Result<render::PlainFigure*> figureOf(int layers);
 
   gpu::Device& device_;
   const bake::Job& job_;
   int size_, most_layers_ = 0;
   std::unique_ptr<render::Recipe> recipe_;
-  std::map<int, render::CharacterModel> models_;  // by number of layers
+  std::map<int, render::PlainFigure> figures_;  // by number of layers
   render::PictureTextures picture_;
   gpu::Texture color_;
   gpu::Target target_;

@@ -14,17 +14,6 @@ bool measured(const Section& section) {
   return !section.tables.empty() || !section.plots.empty() || !section.pictures.empty() || !section.tiles.empty();
 }
 
-Table judgementTable(const std::vector<Judgement>& judgements, const std::string& title) {
-  Table table{title, "", {"claim", "verdict", "measured", "why not"}, {}};
-  for (const Judgement& j : judgements) {
-    const char* verdict = j.verdict == Judgement::Verdict::Holds   ? "✓ holds"
-                          : j.verdict == Judgement::Verdict::Fails ? "✗ does not hold"
-                                                                   : "not measured";
-    table.rows.push_back({j.claim, verdict, j.measured, j.reason});
-  }
-  return table;
-}
-
 void addTile(Section& section, double value, const std::string& text, const std::string& meaning) {
   if (!std::isnan(value)) section.tiles.push_back({text, meaning});
 }
@@ -257,6 +246,17 @@ Section settingsSection(const StudyValues& v, const StudyOptions& options, const
 
 }  // namespace
 
+Table judgementTable(const std::vector<Judgement>& judgements, const std::string& title) {
+  Table table{title, "", {"claim", "verdict", "measured", "why not"}, {}};
+  for (const Judgement& j : judgements) {
+    const char* verdict = j.verdict == Judgement::Verdict::Holds   ? "✓ holds"
+                          : j.verdict == Judgement::Verdict::Fails ? "✗ does not hold"
+                                                                   : "not measured";
+    table.rows.push_back({j.claim, verdict, j.measured, j.reason});
+  }
+  return table;
+}
+
 Document makeStudyDocument(const Figures& rows, const StudyOptions& options, const std::string& capture_name) {
   const StudyValues values(rows);
   Document document{capture_name + ": evaluation", "", {}};
@@ -265,10 +265,10 @@ Document makeStudyDocument(const Figures& rows, const StudyOptions& options, con
                       "papers on this capture. Made by `fourdvt evaluate" +
                       std::string(options.quick ? " --quick`." : "`.");
   std::vector<std::string> missing;
-  for (const Section& section :
-       std::vector<Section>{summarySection(values), table1Section(values), layersSection(values),
-                            storageSection(values), speedSection(values), labelsSection(values), heldOutSection(values),
-                            rateSection(values), mapsSection(values), grazingSection(values), trendsSection(values)}) {
+  for (const Section& section : std::vector<Section>{
+           summarySection(values), table1Section(values), layersSection(values), storageSection(values),
+           speedSection(values), labelsSection(values), heldOutSection(values), rateSection(values),
+           mapsSection(values), grazingSection(values), motionSection(values), trendsSection(values)}) {
     if (measured(section)) {
       document.sections.push_back(section);
     } else {

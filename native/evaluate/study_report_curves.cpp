@@ -143,13 +143,17 @@ std::vector<Picture> picturesOf(const StudyValues& values, const std::vector<std
         {rows::kPictureChanges, "Layer 1's camera maps in three frames; faces that change are white"},
         {rows::kPictureErrorMap, "Reference, ours, difference × 4"},
         {rows::kPictureGrazing, "View with crops, FVVR above"},
-        {rows::kPictureWorst, "Worst held-out view: truth, ours, FVVR where kept, differences × 4"}};
+        {rows::kPictureWorst, "Worst held-out view: truth, ours, FVVR where kept, differences × 4"},
+        {rows::kPictureMotionColumns, "From one member (w = 0) to the other (w = 1)"},
+        {rows::kPictureMotionCrops, "Half way between the members"},
+        {rows::kPictureTransition, "A transition"}};
     for (const auto& [key, caption] : kKinds)
       if (row.quantity == key) picture.caption = caption;
     for (const std::string& part : {row.sequence, row.method.empty() ? "" : methodTitle(row.method)})
       if (!part.empty()) picture.caption += ", " + part;
     static const std::pair<const char*, const char*> kParts[] = {
-        {"layers", "L = "}, {"size", "size "}, {"frame", "frame "}, {"view", ""}, {"score", "SSIM-FG "}};
+        {"layers", "L = "}, {"size", "size "}, {"frame", "frame "},  {"view", ""},
+        {"from", "from "},  {"to", "to "},     {"score", "SSIM-FG "}};
     for (const auto& [key, prefix] : kParts)
       if (const std::string text = rows::settingText(row.setting, key); !text.empty())
         picture.caption += std::string(", ") + prefix + text;

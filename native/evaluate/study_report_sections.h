@@ -12,6 +12,10 @@ Section layersSection(const StudyValues& values);   // LVDT Fig. 5-6, 4DVT Fig. 
 Section storageSection(const StudyValues& values);  // LVDT Table 1, Fig. 7
 Section rateSection(const StudyValues& values);     // rate-distortion
 Section speedSection(const StudyValues& values);    // LVDT 4.4, bake stages
+Section motionSection(const StudyValues& values);   // 4DVT 5-6: blend, alignment, transitions
+
+std::vector<Judgement> judgeMotion(const StudyValues& values);
+Table judgementTable(const std::vector<Judgement>& judgements, const std::string& title);
 
 // Pictures of these caption keys, in the rows' order.
 std::vector<Picture> picturesOf(const StudyValues& values, const std::vector<std::string>& keys);

@@ -50,6 +50,23 @@
 // pictures      method or empty   file=NAME.jpg [layers= size=     value: any; quantity is a caption key below
 //                                 frame= view= score= width=       (kPicture…)
 //                                 height=]
+// motion-blend  linear, hybrid,   references=R [baked=1]           against the non-linear blend: kErrorMaxMm,
+//               nonlinear                                          kErrorRmsMm; kBlendMs a frame, kRatioToNonlinear
+// motion-flow   flow-gpu,         against=opencv|truth size=S      kDifferenceMeanPx, kDifferenceTailPx (95 %), to the
+//               flow-dis,                                          truth also kDifferenceMeanMm, …TailMm; against=none
+//               opencv-dis, …                                      (flow-opencv): the size of the flow itself
+// motion-       none, baked,      w=W mesh=blend|truth             against the studio's truth: kPsnrFgDb, kSsimFg.
+// appearance    flow-gpu,         region=common|whole              mesh: drawn on; common: both silhouettes only
+//               flow-opencv       (method empty: w=W)              kMeshMeanMm: blended mesh to the true one
+// motion-       likewise          w=W                              kGradientRatio, kGradientRatioLeast, kDetailRatio
+// sharpness                                                        against the members' own looks
+// motion-cost   likewise,         size=WxH [characters=N]          kFrameMs, kRatioToNone; baked: kCharactersPerFlow:
+//               flow-dis                                           as many take as long as one by flow-gpu
+// motion-       empty             from=A to=B                      kLatencyMeanS, kLatencyMaxS, kFitMeanMm, kFitMaxMm
+// transitions                                                      (planned from all frames); as played:
+//                                                                  kLatencyPlayedS, kStepMm, kOwnStepMm,
+//                                                                  kChangeLevels, kOwnChangeLevels (largest of both)
+// motion-skate  empty             at=PARAMETER (class)             kContacts, kSkateMeanMm, kSkateTailMm, kSkateMaxMm
 // trends        empty             empty                            written by no step: the report judges them
 // about         empty             value in setting: text=…         kAbout…: quantity names the fact, the rest of the
 //               (rest of line)                                     setting after "text=" is its text, spaces allowed
@@ -76,6 +93,13 @@ inline constexpr const char* kBake = "bake";
 inline constexpr const char* kSeams = "seams";
 inline constexpr const char* kPictures = "pictures";
 inline constexpr const char* kAbout = "about";
+inline constexpr const char* kMotionBlend = "motion-blend";
+inline constexpr const char* kMotionFlow = "motion-flow";
+inline constexpr const char* kMotionAppearance = "motion-appearance";
+inline constexpr const char* kMotionSharpness = "motion-sharpness";
+inline constexpr const char* kMotionCost = "motion-cost";
+inline constexpr const char* kMotionTransitions = "motion-transitions";
+inline constexpr const char* kMotionSkate = "motion-skate";
 
 // Methods. The labelling modes are bake::labelModeName's.
 inline constexpr const char* kFvvr = "fvvr";
@@ -87,6 +111,15 @@ inline constexpr const char* kJoint = "joint";
 inline constexpr const char* kJointDefault = "joint-default";
 inline constexpr const char* kMethodMultiview = "multiview";
 inline constexpr const char* kMethodLayered = "layered";
+inline constexpr const char* kLinear = "linear";
+inline constexpr const char* kHybrid = "hybrid";
+inline constexpr const char* kNonlinear = "nonlinear";
+inline constexpr const char* kAlignNone = "none";
+inline constexpr const char* kAlignBaked = "baked";
+inline constexpr const char* kFlowGpu = "flow-gpu";  // Farneback
+inline constexpr const char* kFlowDis = "flow-dis";
+inline constexpr const char* kFlowOpencv = "flow-opencv";  // Farneback
+inline constexpr const char* kOpencvDis = "opencv-dis";
 
 // Quantities.
 inline constexpr const char* kLoadingS = "loading_s";
@@ -125,6 +158,33 @@ inline constexpr const char* kPeakRssBytes = "peak_rss_bytes";
 inline constexpr const char* kSeamContrast = "seam_contrast";
 inline constexpr const char* kSeamControl = "seam_control";
 inline constexpr const char* kFringePercent = "fringe_percent";
+inline constexpr const char* kErrorMaxMm = "error_max_mm";
+inline constexpr const char* kErrorRmsMm = "error_rms_mm";
+inline constexpr const char* kMeshMeanMm = "mesh_mean_mm";
+inline constexpr const char* kBlendMs = "blend_ms";
+inline constexpr const char* kRatioToNonlinear = "ratio_to_nonlinear";
+inline constexpr const char* kDifferenceMeanPx = "difference_mean_px";
+inline constexpr const char* kDifferenceTailPx = "difference_tail_px";
+inline constexpr const char* kDifferenceMeanMm = "difference_mean_mm";
+inline constexpr const char* kDifferenceTailMm = "difference_tail_mm";
+inline constexpr const char* kGradientRatio = "gradient_ratio";
+inline constexpr const char* kGradientRatioLeast = "gradient_ratio_least";
+inline constexpr const char* kDetailRatio = "detail_ratio";
+inline constexpr const char* kRatioToNone = "ratio_to_none";
+inline constexpr const char* kCharactersPerFlow = "characters_per_flow";
+inline constexpr const char* kLatencyMeanS = "latency_mean_s";
+inline constexpr const char* kLatencyMaxS = "latency_max_s";
+inline constexpr const char* kLatencyPlayedS = "latency_played_s";
+inline constexpr const char* kFitMeanMm = "fit_mean_mm";
+inline constexpr const char* kFitMaxMm = "fit_max_mm";
+inline constexpr const char* kStepMm = "step_mm";
+inline constexpr const char* kOwnStepMm = "own_step_mm";
+inline constexpr const char* kChangeLevels = "change_levels";
+inline constexpr const char* kOwnChangeLevels = "own_change_levels";
+inline constexpr const char* kContacts = "contacts";
+inline constexpr const char* kSkateMeanMm = "skate_mean_mm";
+inline constexpr const char* kSkateTailMm = "skate_tail_mm";
+inline constexpr const char* kSkateMaxMm = "skate_max_mm";
 
 // Pictures: caption keys.
 inline constexpr const char* kPictureLayers = "layers_sheet";    // layers with camera maps (LVDT Fig. 3-4, 4DVT 4-5)
@@ -132,6 +192,9 @@ inline constexpr const char* kPictureChanges = "label_changes";  // camera maps 
 inline constexpr const char* kPictureErrorMap = "error_map";     // reference, ours, difference; layers= size=
 inline constexpr const char* kPictureGrazing = "grazing";        // grazing view with crops; view=
 inline constexpr const char* kPictureWorst = "worst_held_out";   // truth, ours, FVVR, differences; frame= view=
+inline constexpr const char* kPictureMotionColumns = "motion_columns";  // w = 0 … 1, a row a method; frame= view=
+inline constexpr const char* kPictureMotionCrops = "motion_crops";      // half way, a row a method; frame= view=
+inline constexpr const char* kPictureTransition = "motion_transition";  // tick by tick; from= to=
 
 // Facts (table "about"): any quantity name is printed as it is; these come first.
 inline constexpr const char* kAboutCommand = "command";

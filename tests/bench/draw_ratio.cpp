@@ -16,6 +16,7 @@
 #include "platform/ffmpeg_video.h"
 #include "platform/files.h"
 #include "render/passes.h"
+#include "render/plain_figure.h"
 
 namespace {
 
@@ -32,7 +33,7 @@ uniform mat4 u_clip_from_world;
 out vec2 v_uv;
 ivec2 at(int i) { return ivec2(i % 256, i / 256); }
 void main() {
-  vec4 corner = texelFetch(u_corners, at(gl_VertexID), 0);
+  vec4 corner = texelFetch(u_corners, at(2 * gl_VertexID), 0);
   v_uv = corner.xy;
   gl_Position = u_clip_from_world * vec4(texelFetch(u_positions_normals, at(2 * int(corner.z)), 0).xyz, 1.0);
 })";
@@ -66,7 +67,7 @@ void orStop(const Status& status) {
 
 struct Scene {
   package::Character character;
-  render::CharacterModel model;
+  render::PlainFigure figure;
   render::PictureTextures picture;
 };
 
@@ -88,10 +89,10 @@ Scene load(gpu::Device& device, const std::filesystem::path& folder) {
   Positions positions;
   for (uint32_t v = 0; v < c.vertex_count; ++v)
     positions.push_back(index.position_origin + index.position_step_m * glm::vec3(chunk.positions[v]));
-  scene.model = orStop(render::CharacterModel::create(device, c, mesh));
-  scene.model.setLayout(rendition);
-  scene.model.setGeometry(
-      device, {positions, std::span<const uint8_t>(chunk.labels).first(size_t(c.layer_count) * c.face_count)});
+  scene.figure = orStop(render::PlainFigure::create(device, c, mesh));
+  scene.figure.setLayout(rendition);
+  scene.figure.setFrame(device, positions,
+                        std::span<const uint8_t>(chunk.labels).first(size_t(c.layer_count) * c.face_count));
   scene.picture =
       orStop(render::createPicture(device, rendition.width, rendition.height, render::PictureTextures::Kind::I420));
   auto decoder = orStop(platform::SampleDecoder::create(rendition.codec, index.renditions[0].decoder_description,
@@ -132,8 +133,10 @@ int main(int argc, char** argv) {
   const auto one = orStop(gpu::makeTarget(*device, {.colors = {color.id()}, .label = "resolved"}));
   const auto plain = orStop(gpu::makeProgram(*device, "plain", kPlainVertex, kPlainFragment));
   render::LayeredPass layered;
-  const render::RecipeOptions options;
-  orStop(layered.prepare(*device, scene.model, scene.picture.kind, options));
+  const render::CharacterModel& model = scene.figure.model;
+  const render::Look look{&scene.figure.appearance, &scene.picture};
+  const render::Part part{&look, {{0, 1}}};
+  orStop(layered.prepare(*device, model, part, {}));
 
   const auto timed = [&](const auto& draw) {
     const auto start = std::chrono::steady_clock::now();
@@ -146,20 +149,20 @@ int main(int argc, char** argv) {
     orStop(device->readPixels(one.id(), gpu::PixelFormat::RGBA8, kWidth / 2, kHeight / 2, 1, 1, pixel));
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   };
-  const auto drawLayered = [&] { layered.draw(*device, scene.model, scene.picture, view, options); };
+  const auto drawLayered = [&] { layered.draw(*device, model, part, view, {}); };
   const auto drawPlain = [&] {
     device->draw({.program = plain.id(),
-                  .textures = {{"u_corners", scene.model.corners.id()},
-                               {"u_positions_normals", scene.model.positions_normals.id()},
+                  .textures = {{"u_corners", model.corners.id()},
+                               {"u_positions_normals", model.positions_normals.id()},
                                {"u_picture_y", scene.picture.y.id()},
                                {"u_picture_u", scene.picture.u.id()},
                                {"u_picture_v", scene.picture.v.id()}},
                   .uniforms = {gpu::uniform("u_clip_from_world", view.clip_from_world),
-                               gpu::uniform("u_rect", scene.model.layer_rects_uv[0])},
-                  .vertex_count = static_cast<int>(3 * scene.model.face_count),
+                               gpu::uniform("u_rect", scene.figure.appearance.layer_rects_uv[0])},
+                  .vertex_count = static_cast<int>(3 * model.face_count),
                   .depth_test = true,
                   .depth_write = true,
-                  .cull = scene.model.closed_surface ? gpu::Cull::Back : gpu::Cull::None});
+                  .cull = model.closed_surface ? gpu::Cull::Back : gpu::Cull::None});
   };
   std::vector<double> layered_ms, plain_ms;
   for (int i = -5; i < frames; ++i) {  // the first ones warm up
@@ -169,7 +172,7 @@ int main(int argc, char** argv) {
     plain_ms.push_back(b);
   }
   std::printf("%s, %dx%d, %d samples, %u faces, %d layers, %d frames\n", device->caps().renderer.c_str(), kWidth,
-              kHeight, kSamples, scene.model.face_count, scene.model.layer_count, frames);
+              kHeight, kSamples, model.face_count, model.layer_count, frames);
   std::printf("layered %.2f ms, plain %.2f ms, ratio %.2f\n", median(layered_ms), median(plain_ms),
               median(layered_ms) / median(plain_ms));
   return 0;

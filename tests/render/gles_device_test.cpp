@@ -87,6 +87,15 @@ TEST_F(GlesDevice, keepsEveryFormatExactly) {
   EXPECT_EQ(roundTrip(PixelFormat::R32UI, 4, 1, ids), ids);
   EXPECT_EQ(roundTrip(PixelFormat::RGBA8, 1, 1, std::vector<uint8_t>{9, 200, 31, 4}),
             (std::vector<uint8_t>{9, 200, 31, 4}));
+  if (device->caps().half_float_targets) {  // uploaded as halves, read as floats: 1, -2, 0.5, 65504
+    Texture half = texture(PixelFormat::RGBA16F, 1, 1);
+    const std::array<uint16_t, 4> halves = {0x3c00, 0xc000, 0x3800, 0x7bff};
+    device->updateTexture(half.id(), 0, 0, 0, 1, 1, halves.data());
+    Target target = makeTarget(*device, {.colors = {half.id()}, .label = "half"}).take();
+    std::array<float, 4> out{};
+    ASSERT_TRUE(device->readPixels(target.id(), PixelFormat::RGBA16F, 0, 0, 1, 1, out.data()));
+    EXPECT_EQ(out, (std::array<float, 4>{1, -2, 0.5f, 65504}));
+  }
   if (!device->caps().float_targets) GTEST_SKIP() << "no EXT_color_buffer_float";
   const std::vector<float> values = {1e-7f, -3.25f, 16777215.0f, 0.1f};
   EXPECT_EQ(roundTrip(PixelFormat::RGBA32F, 1, 1, values), values);
