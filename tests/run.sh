@@ -8,4 +8,4 @@ mkdir -p build
 cmake --preset asan >build/cmake-asan.log 2>&1 || { tail -n 40 build/cmake-asan.log; exit 1; }
 cmake --build build/asan --target unit_tests fuzz_smoke >build/build-asan.log 2>&1 || { tail -n 60 build/build-asan.log; exit 1; }
 printf '\n== Tests\n'
-ctest --preset release "$@"
+ctest --preset release -j "$(nproc)" "$@"  # browser tests run alone

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // GOPs → mp4 → sample table → decoder: every picture carries its own frame's barcode.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -24,7 +25,8 @@ struct EncodeTest : testing::TestWithParam<Codec> {
   TileLayout layout = makeTileLayout(1, 512);
   EncodeSettings settings{layout.width, layout.height, 25, 30, GetParam(), fastPreset(GetParam())};
   std::vector<uint32_t> first = planGops(kFrames, 8);  // 7 or 8 frames each
-  std::string folder = testing::TempDir() + "fourdvt_encode_test_" + codecName(GetParam());
+  std::string folder =
+      testing::TempDir() + "fourdvt_encode_test_" + codecName(GetParam()) + "_" + std::to_string(getpid());
   std::string path = folder + "/test.mp4";
   void SetUp() override { ASSERT_TRUE(makeFolder(folder).ok()); }
   void TearDown() override { removeFolder(folder); }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -12,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct RecordFileTest : testing::Test {
-  fs::path folder = fs::path(testing::TempDir()) / "record_file_test";
+  fs::path folder = fs::path(testing::TempDir()) / ("record_file_test_" + std::to_string(getpid()));
   std::string path = (folder / "a.bin").string();
   void SetUp() override {
     fs::remove_all(folder);
