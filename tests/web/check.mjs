@@ -31,7 +31,7 @@ function report(ok, text) {
 
 function playerBytes() {
   const folder = join(site, 'fourdvt-viewer');
-  const files = readdirSync(folder).filter((name) => /\.(js|wasm)$/.test(name));
+  const files = readdirSync(folder).filter((name) => /^fourdvt-viewer\.(js|wasm)$/.test(name)); // the rest is fetched when asked for
   return files.reduce((sum, name) => sum + gzipSync(readFileSync(join(folder, name)), { level: 9 }).length, 0);
 }
 

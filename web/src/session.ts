@@ -311,7 +311,7 @@ export class Session {
   // A motion that is on its way to another one begins with that.
   #keepPlace(): void {
     const state = this.state();
-    if (!state?.hasFrame) return;
+    if (!state?.hasFrame || state.seeking) return; // then the wishes hold what is sought
     const shown = this.character?.sequences[state.sequence]?.name ?? null;
     const arrived = !state.goal || state.goal === shown;
     this.#wishes.sequence = arrived ? shown : state.goal;
