@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The procedural actor's motion: closed-form joint curves of a phase and of a parameter, 0 = walk … 1 = run. Left
-// foot lands at phase 0, the right one half a cycle later.
+// The procedural actor's motion: closed-form joint curves of a phase and of a parameter, 0 = walk … 1 = run. The left
+// foot is in the middle of its stance at phase 0.25, the right one at 0.75, however long they stand: one phase is one
+// pose of the stride whatever the parameter, legs furthest apart at 0 and 0.5. Legs between walk and run take joint
+// angles between theirs, except that a foot on the ground does not slide.
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
@@ -21,6 +23,9 @@ struct NamedMotion {
 };
 constexpr NamedMotion kMotions[] = {{"walk", 0}, {"jog", 0.5}, {"run", 1}};
 
+constexpr double kMidStance = 0.25;  // phase
+constexpr double kTakesUp = 0.2;     // share of a swing at either end: between the ground's path and the joints' own
+constexpr double kSlopeStep = 1e-4;  // of the phase
 constexpr double kStance_m = 0.638;  // way of a foot on the ground; longer ones would overstretch the leg
 
 // Everything that depends on the parameter.
@@ -49,16 +54,33 @@ glm::dvec3 apply(const glm::dmat4& m, const glm::dvec3& p) { return glm::dvec3(m
 struct FootTarget {
   double forward_m, height_m, pitch;
 };
+FootTarget operator+(const FootTarget& a, const FootTarget& b) {
+  return {a.forward_m + b.forward_m, a.height_m + b.height_m, a.pitch + b.pitch};
+}
+FootTarget operator*(double k, const FootTarget& a) { return {k * a.forward_m, k * a.height_m, k * a.pitch}; }
 
-// A foot that lands at phase 0. On the ground it moves back at the root's speed and stays flat.
-FootTarget footAt(const Gait& gait, double phase) {
-  const double travel = gait.speed_mps * gait.duration_s, reach = 0.5 * travel * gait.stance;
-  if (phase <= gait.stance) return {reach - travel * phase, 0, 0};
-  const double t = (phase - gait.stance) / (1 - gait.stance), slope = -travel * (1 - gait.stance);
+// Below, `since`: the phase since the middle of the foot's stance, -0.5…0.5.
+
+// It moves back at the root's speed and stays flat.
+FootTarget onGround(const Gait& gait, double since) { return {-gait.speed_mps * gait.duration_s * since, 0, 0}; }
+
+// Of walk or run.
+FootTarget memberFoot(const Gait& gait, double since) {
+  if (std::abs(since) <= 0.5 * gait.stance) return onGround(gait, since);
+  const double swing = 1 - gait.stance, travel = gait.speed_mps * gait.duration_s, reach = 0.5 * travel * gait.stance;
+  const double t = (since + (since < 0 ? 1 : 0) - 0.5 * gait.stance) / swing, slope = -travel * swing;
   const double h01 = t * t * (3 - 2 * t), h10 = t * (1 - t) * (1 - t), h11 = t * t * (t - 1);
   const double lift = std::sin(kPi * t) * std::sin(kPi * t);
   return {reach * (2 * h01 - 1) + slope * (h10 + h11), gait.lift_m * lift * (1.2 - 0.4 * t),
           gait.toe * lift * std::cos(kPi * t) * 2};
+}
+
+FootTarget footAt(const Gait& gait, double since);  // of any gait
+
+glm::dmat4 pelvisAt(const Gait& gait, double phase) {
+  const double a = 2 * kPi * phase;
+  const glm::dvec3 shift(gait.sway_m * std::sin(a), gait.hip_m - kHipRest.y - gait.bob_m * std::cos(2 * a), 0);
+  return turned(about(kY, -gait.yaw * std::cos(a)), kPelvisRest, kPelvisRest + shift);
 }
 
 class Skeleton {
@@ -77,10 +99,8 @@ class Skeleton {
   static Bone sided(Bone bone, bool left) { return left ? bone : static_cast<Bone>(bone + 3); }
 
   void torso() {
-    const double a = 2 * kPi * phase_;
-    const glm::dvec3 hip_shift(gait_.sway_m * std::sin(a), gait_.hip_m - kHipRest.y - gait_.bob_m * std::cos(2 * a), 0);
-    const double twist = gait_.yaw * std::cos(a);
-    bones_[Pelvis] = turned(about(kY, -twist), kPelvisRest, kPelvisRest + hip_shift);
+    const double a = 2 * kPi * phase_, twist = gait_.yaw * std::cos(a);
+    bones_[Pelvis] = pelvisAt(gait_, phase_);
     const glm::dquat spine = about(kX, 0.6 * gait_.lean), chest = about(kY, twist) * about(kX, gait_.lean);
     bones_[Spine] = turned(spine, kWaistRest, apply(bones_[Pelvis], kWaistRest));
     chest_turn_ = chest;
@@ -91,8 +111,8 @@ class Skeleton {
   }
 
   void leg(bool left) {
-    const double own = phase_ + (left ? 0 : 0.5);
-    const FootTarget foot = footAt(gait_, own - std::floor(own));
+    const double since = phase_ + (left ? 0 : 0.5) - kMidStance;
+    const FootTarget foot = footAt(gait_, since - std::floor(since + 0.5));
     const glm::dvec3 hip_rest = sided(kHipRest, left), knee_rest = sided(kKneeRest, left);
     const glm::dvec3 ankle_rest = sided(kAnkleRest, left), hip = apply(bones_[Pelvis], hip_rest);
     glm::dvec3 ankle(sided({gait_.mix(0.11, 0.08), 0, 0}, left).x, kAnkleRest.y + foot.height_m, foot.forward_m);
@@ -132,6 +152,37 @@ class Skeleton {
   std::array<glm::dmat4, kBoneCount> bones_;
   glm::dquat chest_turn_;
 };
+
+// Where the joints between walk's and run's would put the left foot; the right one is its mirror half a cycle later.
+FootTarget byJoints(const Gait& gait, double since) {
+  static const Gait walk(0), run(1);
+  const double phase = since + kMidStance;
+  const Skeleton slow(walk, phase), fast(run, phase);
+  const auto turn = [&](Bone bone) {
+    const auto of = [&](const Skeleton& s) { return glm::quat_cast(glm::dmat3(s.bones()[bone])); };
+    return glm::slerp(of(slow), of(fast), gait.w);
+  };
+  const glm::dvec3 knee = apply(pelvisAt(gait, phase), kHipRest) + turn(ThighL) * (kKneeRest - kHipRest);
+  const glm::dvec3 ankle = knee + turn(ShinL) * (kAnkleRest - kKneeRest);
+  const double pitch = gait.mix(memberFoot(walk, since).pitch, memberFoot(run, since).pitch);
+  return {ankle.z, ankle.y - kAnkleRest.y, pitch};
+}
+
+FootTarget footAt(const Gait& gait, double since) {
+  if (gait.w == 0 || gait.w == 1) return memberFoot(gait, since);
+  const double ends = 0.5 * gait.stance, swing = 1 - gait.stance;
+  if (std::abs(since) <= ends) return onGround(gait, since);
+  const auto gap = [&](double at) { return onGround(gait, at) + -1 * byJoints(gait, at); };
+  FootTarget foot = byJoints(gait, since);
+  for (const double side : {1.0, -1.0}) {  // since it left the ground, until it lands
+    const double away = side * since < 0 ? 1 + side * since - ends : side * since - ends, u = away / (kTakesUp * swing);
+    if (u >= 1) continue;
+    const FootTarget at_end = gap(side * ends), before = gap(side * (ends - kSlopeStep));
+    const FootTarget slope = (kTakesUp * swing / kSlopeStep) * (at_end + -1 * before);
+    foot = foot + (1 - u) * (1 - u) * ((1 + 2 * u) * at_end + u * slope);
+  }
+  return foot;
+}
 
 class ProceduralActor final : public Actor {
  public:

@@ -8,8 +8,8 @@
 #include "bake/picture_crop.h"
 #include "capture/capture.h"
 #include "platform/files.h"
+#include "platform/video_writer.h"
 #include "tools/commands.h"
-#include "tools/movie_writer.h"
 #include "tools/render_arguments.h"
 #include "tools/render_motion.h"
 #include "tools/session.h"
@@ -76,7 +76,8 @@ Status renderTurntable(CharacterSession& session, const RenderArguments& argumen
   const double loops = std::ceil(8.0 / sequence.duration_s());
   const double seconds = arguments.seconds > 0 ? arguments.seconds : loops * sequence.duration_s();
   const int frames = std::max(1, static_cast<int>(std::lround(seconds * sequence.fps)));
-  auto writer = MovieWriter::create(arguments.turntable, width, height, sequence.fps);
+  auto writer =
+      platform::VideoWriter::create(arguments.turntable, {.width = width, .height = height, .fps = sequence.fps});
   if (!writer.ok()) return writer.error();
   OrbitView view = chooseOrbit(arguments, session.character(), width, height);
   const double start_deg = view.azimuth_deg;

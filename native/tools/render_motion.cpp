@@ -11,7 +11,7 @@
 
 #include "motion/parameter_space.h"
 #include "platform/files.h"
-#include "tools/movie_writer.h"
+#include "platform/video_writer.h"
 #include "tools/scene_file.h"
 
 namespace fourdvt::tools {
@@ -51,12 +51,13 @@ Result<Image> drawFrame(const Show& show, int frame, const render::RecipeOptions
 }
 
 Status writeMovie(const Show& show, const RenderArguments& arguments) {
-  std::unique_ptr<MovieWriter> writer;
+  std::unique_ptr<platform::VideoWriter> writer;
   for (int i = 0; i < show.frames; ++i) {
     auto picture = drawFrame(show, i, arguments.recipe);
     if (!picture.ok()) return picture.error();
     if (!writer) {
-      auto made = MovieWriter::create(arguments.output, picture.value().width, picture.value().height, show.fps);
+      auto made = platform::VideoWriter::create(
+          arguments.output, {.width = picture.value().width, .height = picture.value().height, .fps = show.fps});
       if (!made.ok()) return made.error();
       writer = made.take();
     }

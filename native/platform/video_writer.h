@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures → a video file: H.264 .mp4 (libx264, BT.709 limited range, 4:2:0, faststart) of RGB, or lossless FFV1 .mkv
+// of one channel. The file appears under its name only when finish() succeeded. Does NOT scale.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "base/image.h"
+#include "base/result.h"
+
+namespace fourdvt::platform {
+
+struct VideoFormat {
+  int width = 0, height = 0;  // even
+  int channels = 3;           // 3: H.264; 1: FFV1
+  double fps = 25;
+  int crf = 18;                   // H.264 only; smaller is better
+  const char* preset = "medium";  // H.264 only; libx264's
+  bool reproducible = false;      // the bytes depend on the pictures only; slower and larger
+};
+
+class VideoWriter {
+ public:
+  // Errors: WriteFailed, Unsupported (this FFmpeg has no such encoder).
+  static Result<std::unique_ptr<VideoWriter>> create(const std::string& path, const VideoFormat& format);
+  virtual ~VideoWriter() = default;
+  // Of `channels` channels; 4 for 3: composited over black. Errors: WriteFailed, Internal (another size).
+  virtual Status write(const Image& picture) = 0;
+  virtual Status finish() = 0;  // last
+};
+
+}  // namespace fourdvt::platform
