@@ -136,7 +136,7 @@ class Device {
   virtual void draw(const Draw& draw) = 0;
   virtual void endPass() = 0;
   // Resolves/copies colour of `from` (0,0,w,h) to `to` at (to_x, to_y); same formats, and (0,0) if `from` is
-  // multisampled (a canvas: alpha, no antialias).
+  // multisampled (a canvas: alpha, no antialias). A multisampled `from` loses what it held: clear it before drawing.
   virtual void blit(TargetId from, TargetId to, int width, int height, int to_x = 0, int to_y = 0) = 0;
   // Reads colour attachment 0 as stored (RGBA8: 4 bytes; RGBA32F: 16; R32UI: 4 with `format`), top row first. 16F
   // formats are read as 32-bit floats.

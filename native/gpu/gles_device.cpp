@@ -277,6 +277,9 @@ class GlesDevice final : public CheckedDevice {
     glBindFramebuffer(GL_READ_FRAMEBUFFER, from ? from->framebuffer : 0);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, to ? to->framebuffer : 0);
     glBlitFramebuffer(0, 0, width, height, to_x, to_y, to_x + width, to_y + height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    // Tiled GPUs need not store the samples. And without it ANGLE on Vulkan applies the next clear of `from` to `to`.
+    constexpr GLenum kSamples[] = {GL_COLOR_ATTACHMENT0, GL_DEPTH_ATTACHMENT};
+    if (from && from->samples > 1) glInvalidateFramebuffer(GL_READ_FRAMEBUFFER, 2, kSamples);
   }
 
   Status onReadPixels(const TargetRecord* target, PixelFormat format, int x, int y, int width, int height,

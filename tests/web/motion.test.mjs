@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The character's motion as a visitor steers it: the speed slider while orbiting, transitions, keys, several characters
-// in one canvas; and the same parameter, phase and camera natively.
+// in one canvas; and the same parameter, phase, camera and alignment natively.
 import assert from 'node:assert/strict';
 import { execFile } from 'node:child_process';
 import { readFileSync } from 'node:fs';
@@ -15,6 +15,7 @@ import { coverage, ssim } from './ssim.mjs';
 
 const run = promisify(execFile);
 const kSsim = 0.98;
+const kOther = 0.99;     // two alignments: below; native and browser agree to 0.997
 const kStall_ms = 4000;  // far beyond a frame in software GL on a busy machine: what hangs, hangs longer
 
 let server, browser, page;
@@ -118,34 +119,72 @@ test('a one-off motion is entered by a transition and left by itself', async () 
   assert.ok(motions.length >= 4, `${motions}`);
 });
 
-for (const [speed, phase, azimuth] of [[1.9, 0.3, 30], [2.4, 0.75, -120]]) {
+// The class, paused, at once; returns the frame that is shown.
+const pose = (view) => page.evaluate(async ({ speed, phase, azimuth, fov }) => {
+  const viewer = document.querySelector('fourdvt-viewer');
+  viewer.pause();
+  viewer.renderOptions = { groundShadow: false };
+  viewer.setAttribute('field-of-view', `${fov}deg`);
+  viewer.setAttribute('camera-orbit', `${azimuth}deg 8deg 4.4m`);
+  viewer.jumpCameraToGoal();
+  viewer.setParameter('speed_mps', speed, true);
+  const frames = viewer.sequences.find((s) => s.name === 'locomotion').frames;
+  const wanted = Math.floor(phase * frames);
+  const seeked = new Promise((done) => viewer.addEventListener('seeked', done, { once: true }));
+  viewer.seekFrame(wanted);
+  await seeked;
+  for (let i = 0; i < 4; ++i) await new Promise((next) => requestAnimationFrame(next));
+  return viewer.frame;
+}, { fov: kFovDeg, ...view });
+
+const native = async (name, { width, height }, { speed, azimuth }, frame, align = 'baked') => {
+  const file = join(outputFolder('motion'), `${name}.png`);
+  await run(environment('BIN'), ['render', environment('CHARACTER'), '--class', 'locomotion', '--parameter', `speed_mps=${speed}`,
+    '--frame', String(frame), '--azimuth', String(azimuth), '--elevation', '8', '--distance', '4.4', '--size',
+    `${width}x${height}`, '--no-shadow', '--align', align, '-o', file], { timeout: kPatienceMs });
+  return decodePng(readFileSync(file));
+};
+
+for (const view of [{ speed: 1.9, phase: 0.3, azimuth: 30 }, { speed: 2.4, phase: 0.75, azimuth: -120 }]) {
+  const { speed, phase } = view;
   test(`native and browser agree at ${speed} m/s, phase ${phase}`, async () => {
-    const frame = await page.evaluate(async ({ speed, phase, azimuth, fov }) => {
-      const viewer = document.querySelector('fourdvt-viewer');
-      viewer.pause();
-      viewer.renderOptions = { groundShadow: false };
-      viewer.setAttribute('field-of-view', `${fov}deg`);
-      viewer.setAttribute('camera-orbit', `${azimuth}deg 8deg 4.4m`);
-      viewer.jumpCameraToGoal();
-      viewer.setParameter('speed_mps', speed, true);
-      const frames = viewer.sequences.find((s) => s.name === 'locomotion').frames;
-      const wanted = Math.floor(phase * frames);
-      const seeked = new Promise((done) => viewer.addEventListener('seeked', done, { once: true }));
-      viewer.seekFrame(wanted);
-      await seeked;
-      for (let i = 0; i < 4; ++i) await new Promise((next) => requestAnimationFrame(next));
-      return viewer.frame;
-    }, { speed, phase, azimuth, fov: kFovDeg });
+    const frame = await pose(view);
     const shown = await shot(`parity-${speed}-browser`);
-    const file = join(outputFolder('motion'), `parity-${speed}-native.png`);
-    await run(environment('BIN'), ['render', environment('CHARACTER'), '--class', 'locomotion', '--parameter', `speed_mps=${speed}`,
-      '--frame', String(frame), '--azimuth', String(azimuth), '--elevation', '8', '--distance', '4.4', '--size',
-      `${shown.width}x${shown.height}`, '--no-shadow', '-o', file], { timeout: kPatienceMs });
-    const { all, foreground } = ssim(shown, decodePng(readFileSync(file)));
+    const { all, foreground } = ssim(shown, await native(`parity-${speed}-native`, shown, view, frame));
     console.log(`${speed} m/s, frame ${frame}: SSIM ${all.toFixed(4)} whole picture, ${foreground.toFixed(4)} on the silhouettes`);
     assert.ok(foreground >= kSsim, `SSIM ${foreground.toFixed(4)} is below ${kSsim}`);
   });
 }
+
+test('optical flow: native and browser agree, on a picture that no other alignment gives', async () => {
+  const view = { speed: 1.97, phase: 0.3, azimuth: 30 };
+  const frame = await pose(view);
+  const align = (name) => page.evaluate(async (name) => {
+    document.querySelector('fourdvt-viewer').align = name;
+    for (let i = 0; i < 4; ++i) await new Promise((next) => requestAnimationFrame(next));
+  }, name);
+  await align('none');
+  const plain = await shot('align-none-browser');
+  for (const name of ['flow-gpu', 'flow-dis', 'flow-opencv']) {
+    await align('baked');
+    const baked = await shot('align-baked-browser');
+    await align(name);
+    // No event says that the module is here.
+    let shown, toBaked = 1;
+    for (const end = Date.now() + kPatienceMs; toBaked > kOther && Date.now() < end;) {
+      await page.waitForTimeout(200);
+      shown = await shot(`align-${name}-browser`);
+      toBaked = ssim(shown, baked).foreground;
+    }
+    const toPlain = ssim(shown, plain).foreground;
+    const { foreground } = ssim(shown, await native(`align-${name}-native`, shown, view, frame, name));
+    console.log(`${name}, frame ${frame}: SSIM ${foreground.toFixed(4)} to native; ${toBaked.toFixed(4)} to baked, ${toPlain.toFixed(4)} to none`);
+    assert.equal(await page.evaluate(() => document.querySelector('fourdvt-viewer').frame), frame);
+    assert.ok(toBaked <= kOther && toPlain <= kOther, `${name} is not applied: SSIM ${toBaked} to baked, ${toPlain} to none`);
+    assert.ok(foreground >= kSsim, `${name}: SSIM ${foreground.toFixed(4)} is below ${kSsim}`);
+  }
+  await align('baked');
+});
 
 test('steering with keys: it turns, speeds up, travels over the ground and picks up', async () => {
   const steer = await openPage(browser, { viewport: { width: 800, height: 560 } });

@@ -353,9 +353,9 @@ export class Session {
     if (!main || !state) return;
     this.#host.camera.follow(state);
     const others = this.#others.map((actor) => actor.state());
-    const serial = [state, ...others].map((s) => (s ? `${s.framesShown}:${s.frame}:${s.x}:${s.z}:${s.heading}` : '')).join();
+    const serial = [state, ...others].map((s) => s && [s.framesShown, s.frame, s.x, s.z, s.heading]).join();
     const changed = moved || this.#redraw || serial !== this.#drawn;
-    if (changed && state.hasFrame) this.#show(serial);
+    if (changed && state.hasFrame) this.#show(serial, this.#others.filter((_, i) => others[i]?.hasFrame));
     this.#redraw = false;
     const busy = moved || main.busy(state) || this.#others.some((actor, i) => others[i] && actor.busy(others[i]!));
     this.#idle = busy ? 0 : this.#idle + 1;
@@ -364,9 +364,9 @@ export class Session {
     else this.#last = 0;
   }
 
-  #show(serial: string): void {
+  #show(serial: string, others: Actor[]): void {
     this.#fit(this.#size.width, this.#size.height);
-    if (!this.#draw(this.#host.camera.pose)) return;
+    if (!this.#draw(this.#host.camera.pose, others)) return;
     this.#drawn = serial;
     if (this.#shown) return;
     this.#shown = true;
@@ -379,10 +379,10 @@ export class Session {
     if (this.#canvas.height !== height) this.#canvas.height = height;
   }
 
-  #draw(pose: OrbitPose): boolean {
-    const others = this.#others.filter((actor) => actor.state()?.hasFrame).map((actor) => actor.player!);
+  /** `others`: those with a frame. */
+  #draw(pose: OrbitPose, others = this.#others.filter((actor) => actor.state()?.hasFrame)): boolean {
     try {
-      this.#main?.player?.draw(pose, this.#canvas.width, this.#canvas.height, others);
+      this.#main?.player?.draw(pose, this.#canvas.width, this.#canvas.height, others.map((actor) => actor.player!));
       return this.#main !== null;
     } catch (reason) {
       if (!this.#gl?.isContextLost()) this.#fatal(reason);
