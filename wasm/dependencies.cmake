@@ -4,7 +4,7 @@ add_library(fourdvt_glm INTERFACE)
 add_library(fourdvt_draco INTERFACE)
 if(EMSCRIPTEN)
   # Size before speed: the player's budget is its download; the GPU does the work per pixel.
-  set(FOURDVT_WASM_FLAGS -Oz -msimd128 -fno-exceptions -fno-rtti)
+  set(FOURDVT_WASM_FLAGS -Oz -flto -msimd128 -fno-exceptions -fno-rtti)
   add_compile_options(${FOURDVT_WASM_FLAGS})
   set(private_include ${CMAKE_BINARY_DIR}/include)
   file(MAKE_DIRECTORY ${private_include})

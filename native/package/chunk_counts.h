@@ -18,6 +18,13 @@ bool validCounts(const Counts& counts) {
          (counts.alignment_count == 0 || counts.alignment_count == counts.member_count - 1);
 }
 
+// Coded parts of a chunk, each with its length at the chunk's beginning (FORMAT.md): a member's positions, its labels,
+// the next member's …, offsets, alignment.
+template <class Counts>
+uint32_t partCount(const Counts& counts) {
+  return 2 * counts.member_count + counts.reference_count + counts.alignment_count;
+}
+
 inline bool validRoot(const glm::vec3& root) {
   constexpr float kMax = 1e6f;  // metres, radians
   return std::fabs(root.x) <= kMax && std::fabs(root.y) <= kMax && std::fabs(root.z) <= kMax;

@@ -82,7 +82,7 @@ class FrameByFrame final : public ChunkDecoder {
   // False: the lengths are not those of the bytes.
   bool open(std::span<const uint8_t> bytes) {
     ByteReader lengths(bytes), in(bytes);
-    in.bytes(size_t(4) * (2 * frames_.member_count + frames_.reference_count + frames_.alignment_count));
+    in.bytes(size_t(4) * partCount(frames_));
     const auto next = [&] { return in.bytes(lengths.u32()); };
     for (uint32_t m = 0; m < frames_.member_count; ++m) {
       parts_.push_back(std::make_unique<PositionPart>(ByteReader(next()), mesh_));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What labels and positions of a baked character cost: bytes a frame, kbit/s, and processor time to decode them as the
-// player does. Usage: bench_label_stream CHARACTER_FOLDER [RUNS]
+// What the streams of a baked character cost beside the video, part by part: kbit/s, bytes of labels a frame, and
+// processor time to decode all parts as the player does. A class carries every member's labels and positions.
+// Usage: bench_label_stream CHARACTER_FOLDER [RUNS]
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -10,6 +11,7 @@
 
 #include "base/bytes.h"
 #include "package/character.h"
+#include "package/chunk_counts.h"
 #include "package/chunk_mesh.h"
 #include "package/stream_file.h"
 #include "platform/files.h"
@@ -29,16 +31,31 @@ T orStop(Result<T> result) {
 double now_ms() { return 1e3 * double(std::clock()) / CLOCKS_PER_SEC; }
 
 struct Cost {
-  uint64_t positions = 0, labels = 0;  // bytes
-  uint64_t changed = 0, slots = 0;     // labels unlike the frame before, of those that have one in their chunk
+  uint64_t positions = 0, labels = 0, offsets = 0, alignment = 0, root = 0;  // bytes, with their lengths
+  uint64_t changed = 0, slots = 0;  // labels unlike the frame before, of those that have one in their chunk
   double decode_ms = 0, slowest_chunk_ms = 0;
 };
 
 void countChanges(const package::ChunkFrames& frames, Cost& cost) {
-  const size_t per_frame = size_t(frames.layer_count) * frames.face_count;
+  const size_t per_frame = size_t(frames.member_count) * frames.layer_count * frames.face_count;
   for (size_t i = per_frame; i < frames.labels.size(); ++i)
     cost.changed += frames.labels[i] != frames.labels[i - per_frame];
   cost.slots += frames.labels.size() - per_frame;
+}
+
+// The root motion is what the coded parts leave.
+void countBytes(std::span<const uint8_t> chunk, const package::StreamIndex& index, Cost& cost) {
+  ByteReader lengths(chunk);
+  uint64_t root = chunk.size();
+  for (uint32_t part = 0; part < package::partCount(index); ++part) {
+    const uint64_t bytes = sizeof(uint32_t) + lengths.u32();
+    root -= bytes;
+    if (part < 2 * index.member_count)
+      (part % 2 == 0 ? cost.positions : cost.labels) += bytes;
+    else
+      (part < 2 * index.member_count + index.reference_count ? cost.offsets : cost.alignment) += bytes;
+  }
+  cost.root += root;
 }
 
 Cost measure(const std::string& path, const package::Sequence& sequence, const package::ChunkMesh& mesh, int runs) {
@@ -47,9 +64,7 @@ Cost measure(const std::string& path, const package::Sequence& sequence, const p
   const package::StreamIndex index = orStop(package::readStreamHeader(header));
   for (uint32_t c = 0; c < index.chunks.size(); ++c) {
     const auto bytes = orStop(platform::readFileRange(path, index.chunks[c].offset, index.chunks[c].bytes));
-    const uint32_t positions = ByteReader(bytes).u32();
-    cost.positions += positions;
-    cost.labels += bytes.size() - positions;
+    countBytes(bytes, index, cost);
     double best_ms = 1e9;
     for (int run = 0; run < runs; ++run) {
       const double start_ms = now_ms();
@@ -76,14 +91,15 @@ int main(int argc, char** argv) {
   const package::ChunkMesh mesh = package::makeChunkMesh(base);
   std::printf("%u vertices, %u faces, %d layers; adjacency %.1f ms\n", c.vertex_count, c.face_count, c.layer_count,
               now_ms() - start_ms);
-  std::printf("%-12s %6s %9s %8s %9s %8s %10s %12s %12s\n", "sequence", "frames", "labels B", "kbit/s", "posit. B",
-              "kbit/s", "changed %", "cpu ms/frame", "cpu ms/chunk");
+  std::printf("%-12s %6s %9s | kbit/s %9s %9s %9s %9s %9s | %10s %12s %12s\n", "sequence", "frames", "labels B",
+              "labels", "positions", "offsets", "alignment", "root", "changed %", "cpu ms/frame", "cpu ms/chunk");
   for (const package::Sequence& s : c.sequences) {
     const Cost cost = measure(folder + s.stream_uri, s, mesh, runs);
-    const double labels = double(cost.labels) / s.frame_count, positions = double(cost.positions) / s.frame_count;
-    std::printf("%-12s %6u %9.0f %8.1f %9.0f %8.1f %10.2f %12.2f %12.1f\n", s.name.c_str(), s.frame_count, labels,
-                labels * s.fps * 8e-3, positions, positions * s.fps * 8e-3,
-                cost.slots ? 100.0 * cost.changed / cost.slots : 0.0, cost.decode_ms / s.frame_count,
+    const auto kbps = [&](uint64_t bytes) { return double(bytes) / s.frame_count * s.fps * 8e-3; };
+    std::printf("%-12s %6u %9.0f |        %9.1f %9.1f %9.1f %9.1f %9.1f | %10.2f %12.2f %12.1f\n", s.name.c_str(),
+                s.frame_count, double(cost.labels) / s.frame_count, kbps(cost.labels), kbps(cost.positions),
+                kbps(cost.offsets), kbps(cost.alignment), kbps(cost.root),
+                cost.slots ? 100.0 * double(cost.changed) / double(cost.slots) : 0.0, cost.decode_ms / s.frame_count,
                 cost.slowest_chunk_ms);
   }
 }

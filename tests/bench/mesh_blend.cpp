@@ -2,18 +2,16 @@
 // Motion classes of a capture in figures: time-warp, foot skate, the error of linear and hybrid blends against the full
 // non-linear one, and what each costs. Usage: bench_mesh_blend CAPTURE_FOLDER [MEMBER MEMBER]
 // With two sequences named: their frames, paired by share of the whole, as a harder pair.
-#include "motion/mesh_blend.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <string>
 #include <vector>
 
 #include "bake/hybrid_blend.h"
 #include "bake/root_track.h"
+#include "bench/blend_cost.h"
 #include "capture/capture.h"
 #include "platform/ffmpeg_video.h"
 
@@ -27,9 +25,6 @@ T orStop(Result<T> result) {
   std::fprintf(stderr, "bench_mesh_blend: %s\n", result.error().message.c_str());
   std::exit(1);
 }
-
-// Processor time: a busy machine does not change it.
-double now_ms() { return 1e3 * double(std::clock()) / CLOCKS_PER_SEC; }
 
 constexpr int kChecks = 24, kMostSegments = 9;
 
@@ -47,7 +42,7 @@ void printErrors(const char* name, const bake::NonlinearBlend& blend, const Phas
 }
 
 void printCost(const bake::NonlinearBlend& blend, const Phases& phases, const std::vector<float>& weights) {
-  constexpr int kReferences = 8, kSolves = 10, kBlends = 2000;
+  constexpr int kReferences = 8, kSolves = 10;
   package::StreamIndex index;
   index.position_step_m = 1e-4f;
   package::ChunkFrames frames;
@@ -59,15 +54,13 @@ void printCost(const bake::NonlinearBlend& blend, const Phases& phases, const st
     for (const glm::vec3& p : member) frames.positions.emplace_back(p / index.position_step_m);
   frames.offsets.assign(size_t(kReferences) * frames.vertex_count, glm::ivec3(3, -2, 1));
   Positions out;
-  double start = now_ms();
+  double start = bench::now_ms();
   for (int i = 0; i < kSolves; ++i) out = blend.blend(phases[0], weights);
-  const double solve_ms = (now_ms() - start) / kSolves;
+  const double solve_ms = (bench::now_ms() - start) / kSolves;
   for (int used : {kReferences, 1}) {
-    std::vector<float> offsets(kReferences, 0);
-    std::fill_n(offsets.begin(), used, 0.1f);
-    start = now_ms();
-    for (int i = 0; i < kBlends; ++i) motion::blendFrame(frames, 0, index, weights, offsets, out);
-    const double blend_ms = (now_ms() - start) / kBlends;
+    motion::BlendWeights hybrid{weights, std::vector<float>(kReferences, 0)};
+    std::fill_n(hybrid.offsets.begin(), used, 0.1f);
+    const double blend_ms = bench::blendCost_ms(frames, 0, index, hybrid);
     std::printf("blendFrame, 2 members, %d references used: %.4f ms; non-linear solve %.1f ms: %.0f times\n", used,
                 blend_ms, solve_ms, solve_ms / blend_ms);
   }
@@ -94,12 +87,12 @@ void printSkate(const capture::Capture& capture, const capture::CaptureSequence&
 }
 
 void benchClass(const capture::Capture& capture, const capture::CaptureClass& source, const bake::ReadPositions& read) {
-  const double start = now_ms();
+  const double start = bench::now_ms();
   const bake::ClassPlan plan = orStop(
       bake::planClass(capture, source, capture.topology, read, bake::ClassOptions{}, [](double) { return true; }));
   std::printf(
       "class %s: %u phases at %.3f fps, planned in %.1f s; linear %.3f mm, hybrid %.3f mm with %zu references\n",
-      source.name.c_str(), plan.frame_count, plan.fps, 1e-3 * (now_ms() - start), 1e3 * plan.linear_error_m,
+      source.name.c_str(), plan.frame_count, plan.fps, 1e-3 * (bench::now_ms() - start), 1e3 * plan.linear_error_m,
       1e3 * plan.hybrid_error_m, plan.reference_weights.size());
   for (size_t m = 0; m < plan.members.size(); ++m) {
     std::printf("  %s: %s %.4f, %.2f s; frames", plan.manifest[m].name.c_str(), source.parameters[0].c_str(),
