@@ -32,7 +32,7 @@ class ClassAligner {
   Status alignPicture(const package::ChunkFrames& frames, uint32_t row, const I420View& picture, RecordFile& file);
   Positions middle(const package::ChunkFrames& frames, uint32_t row) const;
   size_t vertices() const { return job_.mesh.decoded.topology.vertex_count * (plan_.motion.members.size() - 1); }
-  size_t recordBytes() const { return vertices() * (sizeof(glm::vec2) + sizeof(float)); }
+  size_t recordBytes() const { return vertices() * (sizeof(glm::vec2) + sizeof(float)) + sizeof(float); }
   std::vector<uint8_t> recordOf(const AlignedFrame& frame) const;
   AlignedFrame frameOf(const std::vector<uint8_t>& record) const;
 
@@ -151,6 +151,7 @@ std::vector<uint8_t> ClassAligner::recordOf(const AlignedFrame& frame) const {
   std::vector<uint8_t> record(recordBytes());
   std::memcpy(record.data(), frame.displacement_m.data(), vertices() * sizeof(glm::vec2));
   std::memcpy(record.data() + vertices() * sizeof(glm::vec2), frame.confidence.data(), vertices() * sizeof(float));
+  std::memcpy(record.data() + record.size() - sizeof(float), &frame.detail_correlation, sizeof(float));
   return record;
 }
 
@@ -158,7 +159,14 @@ AlignedFrame ClassAligner::frameOf(const std::vector<uint8_t>& record) const {
   AlignedFrame frame{std::vector<glm::vec2>(vertices()), std::vector<float>(vertices())};
   std::memcpy(frame.displacement_m.data(), record.data(), vertices() * sizeof(glm::vec2));
   std::memcpy(frame.confidence.data(), record.data() + vertices() * sizeof(glm::vec2), vertices() * sizeof(float));
+  std::memcpy(&frame.detail_correlation, record.data() + record.size() - sizeof(float), sizeof(float));
   return frame;
+}
+
+float meanCorrelation(const std::vector<AlignedFrame>& frames) {
+  double sum = 0;
+  for (const AlignedFrame& frame : frames) sum += frame.detail_correlation;
+  return static_cast<float>(sum / double(frames.size()));
 }
 
 // aligned: [phase], or none.
@@ -186,19 +194,20 @@ bool hasChunks(const StreamPlan& plan, const WorkFolder& work) {
 
 }  // namespace
 
-Status alignClasses(const Job& job, const WorkFolder& work, const BakeEnvironment& environment, StageClock& clock,
+Status alignClasses(Job& job, const WorkFolder& work, const BakeEnvironment& environment, StageClock& clock,
                     ProgressReporter& progress) {
   std::optional<package::ChunkMesh> mesh;
-  for (const StreamPlan& plan : job.streams) {
+  for (StreamPlan& plan : job.streams) {
     if (!plan.isClass()) continue;
     StageProgress stage(progress, job.options.align ? alignWork(plan) : 0);
-    if (hasChunks(plan, work)) continue;
     std::vector<AlignedFrame> aligned;
     if (job.options.align) {
       auto frames = ClassAligner(job, plan, work, environment, clock, stage).run();
       if (!frames) return frames.error();
       aligned = frames.take();
+      plan.detail_correlation = meanCorrelation(aligned);
     }
+    if (hasChunks(plan, work)) continue;
     StageClock::Span span(clock, "geometry");
     if (!mesh) mesh = package::makeChunkMesh(job.mesh.decoded);
     FOURDVT_TRY(codeChunks(job, plan, work, aligned, *mesh));

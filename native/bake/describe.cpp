@@ -29,6 +29,7 @@ package::Sequence describeStream(const StreamPlan& plan) {
   s.stream_uri = plan.name + ".bin";
   s.members = plan.motion.manifest;
   s.space = plan.motion.space;
+  s.detail_correlation = plan.detail_correlation;
   s.reference_count = static_cast<uint32_t>(plan.motion.reference_weights.size());
   package::Rendition rendition;
   rendition.video_uri = plan.name + ".mp4";

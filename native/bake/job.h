@@ -30,6 +30,7 @@ struct StreamPlan {
   TileLayout layout;
   EncodeSettings encode;
   std::vector<uint32_t> gop_first_frames;  // ascending, starts with 0
+  float detail_correlation = 1;            // of a class's aligned members; set by the align stage
   bool isClass() const { return motion.members.size() > 1; }
   uint32_t frameCount() const { return motion.frame_count; }
   uint32_t gopEnd(size_t gop) const {

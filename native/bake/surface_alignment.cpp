@@ -6,13 +6,15 @@
 #include <optional>
 
 #include "bake/surface_alignment_charts.h"
+#include "bake/surface_alignment_detail.h"
 #include "bake/surface_alignment_looks.h"
 #include "bake/surface_alignment_smooth.h"
 
 namespace fourdvt::bake {
 namespace {
 
-constexpr int kRounds[] = {2, 1};         // the picture height's divisor in each round, coarse to fine
+constexpr int kRounds[] = {2, 1};  // the picture height's divisor in each round, coarse to fine
+constexpr int kDetailViews = 4;
 constexpr float kInteriorReach_px = 8;    // at full height
 constexpr float kHalfConfidence = 0.25f;  // information (VertexEstimate) at which confidence is one half
 
@@ -52,6 +54,7 @@ class Aligner final : public SurfaceAligner {
     const int texels = int(std::lround(appearance.layer_rects_uv[0].z * appearance.picture_size.x));
     if (!limits_ || limits_->size() != texels) limits_.emplace(mesh_.topology, frames_, texels, options_.gutter_texels);
     for (const int divisor : kRounds) FOURDVT_TRY(refine(middle, appearance, picture, divisor, result));
+    FOURDVT_TRY(compareDetail(middle, appearance, picture, result));
     return result;
   }
 
@@ -86,7 +89,8 @@ class Aligner final : public SurfaceAligner {
     for (const PinholeCamera& camera : cameras) {
       auto drawn = drawer_->draw(camera, appearance, picture);
       if (!drawn) return drawn.error();
-      looks.push_back(drawn.take());
+      looks.emplace_back();
+      for (const cv::Mat& look : drawn.value()) looks.back().push_back(evenLuma(look));
     }
     const auto observations = observe(middle, cameras, looks, kInteriorReach_px / float(divisor));
     result.confidence.clear();
@@ -101,6 +105,19 @@ class Aligner final : public SurfaceAligner {
         result.confidence.push_back(information / (information + kHalfConfidence));
       }
     }
+    return {};
+  }
+
+  Status compareDetail(const Positions& middle, const render::Appearance& appearance,
+                       const render::PictureTextures& picture, AlignedFrame& result) {
+    FOURDVT_TRY(drawer_->setFrame(middle, movedUvs(result.displacement_m)));
+    DetailCorrelation detail;
+    for (const PinholeCamera& camera : alignmentCameras(middle, kDetailViews, options_.picture_height)) {
+      auto looks = drawer_->draw(camera, appearance, picture);
+      if (!looks) return looks.error();
+      detail.add(looks.value());
+    }
+    result.detail_correlation = detail.value();
     return {};
   }
 

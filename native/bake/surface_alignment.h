@@ -5,7 +5,7 @@
 // certain. What is aligned is what is shown: the pictures are the decoded ones. A displacement is found for the place
 // where both looks come together at equal weights, so that this is where it is exact. Does NOT code or store. Stages,
 // in order: surface_alignment_looks (draw), _views (what is seen), _lift (flow → vertices), _smooth, _charts (gutters),
-// over time: _time.
+// _detail (what the blend will lack); over time: _time.
 #pragma once
 
 #include <memory>
@@ -27,6 +27,7 @@ struct AlignmentOptions {
 struct AlignedFrame {
   std::vector<glm::vec2> displacement_m;  // [member - 1][vertex], along the tangents of base/surface_frame.h
   std::vector<float> confidence;          // likewise, 0..1
+  float detail_correlation = 1;           // of the members' looks where all of this is applied; see detailCorrelation
 };
 
 class SurfaceAligner {

@@ -10,26 +10,6 @@ constexpr float kNeighbourhood = 0.03f;  // side of the window of local contrast
 constexpr float kLeastContrast = 8;      // grey: deviation at which texture starts to count
 constexpr float kContrast = 40;          // grey: deviation of textured places in the result
 
-// Local mean and contrast made equal over the figure, so that shading and exposure say nothing; mid-grey elsewhere, so
-// that the outline, which stands still, says nothing either.
-cv::Mat evenLuma(const cv::Mat& rgba) {
-  const int side = int(kNeighbourhood * float(rgba.rows)) | 1;
-  const cv::Size window(side, side);
-  cv::Mat luma, alpha, inside, share, mean, variance, even;
-  cv::cvtColor(rgba, luma, cv::COLOR_RGBA2GRAY);
-  cv::extractChannel(rgba, alpha, 3);
-  luma.convertTo(luma, CV_32F);
-  alpha.convertTo(inside, CV_32F, 1.0 / 255);
-  cv::blur(inside, share, window);
-  share += 1e-6;
-  cv::blur(luma.mul(inside), mean, window);
-  const cv::Mat deviation = (luma - mean / share).mul(inside);
-  cv::blur(deviation.mul(deviation), variance, window);
-  cv::sqrt(variance / share, variance);
-  cv::Mat(deviation / (variance + kLeastContrast) * kContrast + 128).convertTo(even, CV_8U);
-  return even;
-}
-
 class Drawer final : public LookDrawer {
  public:
   Drawer(gpu::Device& device, const package::Character& character, const package::BaseMesh& mesh,
@@ -66,7 +46,7 @@ class Drawer final : public LookDrawer {
       cv::Mat rgba(camera.height, camera.width, CV_8UC4);
       FOURDVT_TRY(
           device_.readPixels(target_.id(), gpu::PixelFormat::RGBA8, 0, 0, camera.width, camera.height, rgba.data));
-      looks.push_back(evenLuma(rgba));
+      looks.push_back(rgba);
     }
     return looks;
   }
@@ -98,6 +78,24 @@ class Drawer final : public LookDrawer {
 };
 
 }  // namespace
+
+cv::Mat evenLuma(const cv::Mat& rgba) {
+  const int side = int(kNeighbourhood * float(rgba.rows)) | 1;
+  const cv::Size window(side, side);
+  cv::Mat luma, alpha, inside, share, mean, variance, even;
+  cv::cvtColor(rgba, luma, cv::COLOR_RGBA2GRAY);
+  cv::extractChannel(rgba, alpha, 3);
+  luma.convertTo(luma, CV_32F);
+  alpha.convertTo(inside, CV_32F, 1.0 / 255);
+  cv::blur(inside, share, window);
+  share += 1e-6;
+  cv::blur(luma.mul(inside), mean, window);
+  const cv::Mat deviation = (luma - mean / share).mul(inside);
+  cv::blur(deviation.mul(deviation), variance, window);
+  cv::sqrt(variance / share, variance);
+  cv::Mat(deviation / (variance + kLeastContrast) * kContrast + 128).convertTo(even, CV_8U);
+  return even;
+}
 
 Result<std::unique_ptr<LookDrawer>> LookDrawer::create(gpu::Device& device, const package::Character& character,
                                                        const package::BaseMesh& mesh) {

@@ -18,9 +18,13 @@ class LookDrawer {
   virtual ~LookDrawer() = default;
   // The mesh to draw on, and for every member the texture vertices to draw with (as many as the topology's).
   virtual Status setFrame(const Positions& positions, const std::vector<std::vector<glm::vec2>>& member_uvs) = 0;
-  // [member] luma, CV_8U, over the same mid-grey background.
+  // [member] CV_8UC4, premultiplied.
   virtual Result<std::vector<cv::Mat>> draw(const PinholeCamera& camera, const render::Appearance& appearance,
                                             const render::PictureTextures& picture) = 0;
 };
+
+// Luma, CV_8U, of even local mean and contrast over the figure, so that shading and exposure say nothing; mid-grey
+// elsewhere, so that the outline, which stands still, says nothing either.
+cv::Mat evenLuma(const cv::Mat& rgba);
 
 }  // namespace fourdvt::bake

@@ -81,6 +81,8 @@ struct Sequence {
   std::vector<Member> members;        // 1…kMaxMembers; exactly 1 for a plain sequence
   ParameterSpace space;
   uint32_t reference_count = 0;  // corrections of the mesh blend a frame
+  // Of the aligned members' detail, 0..1: what their blend loses of its contrast follows from it; 1: nothing.
+  float detail_correlation = 1;
   bool isClass() const { return members.size() > 1; }
   double duration_s() const { return frame_count / fps; }
 };

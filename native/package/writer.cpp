@@ -86,6 +86,7 @@ void addMembers(const Sequence& s, Value::Object& out) {
   if (!s.isClass()) return;
   out["parameterSpace"] = spaceValue(s.space);
   out["referenceCount"] = number(s.reference_count);
+  out["detailCorrelation"] = number(s.detail_correlation);
 }
 
 Value sequenceValue(const Sequence& s) {

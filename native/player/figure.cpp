@@ -32,6 +32,7 @@ bool PlayerImpl::present(Track& t, int slot_index) {
   motion::alignmentOf(frames, row, index, alignment_);
   t.appearance->setFrame(device_, *model_, {std::span(frames.labels).subspan(row * labels, labels), alignment_});
   t.appearance->setLayout(sequence.renditions[0]);
+  t.appearance->detail_correlation = sequence.detail_correlation;
   if (t.shown.sequence != slot.sequence || !t.entry_at.empty()) enterParameters(t, slot.sequence);
   takeRoots(t, frames, row, slot.k, !t.seeking);
   if (t.shown.slot >= 0) t.slots[static_cast<size_t>(t.shown.slot)].state = Slot::State::Free;

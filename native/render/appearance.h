@@ -36,6 +36,8 @@ class Appearance {
   glm::vec2 picture_size{1};
   int member_count = 1, layer_count = 0;
   bool aligned = false;  // the frame set last has alignment
+  // Of the aligned members' finest structure, 0..1; aligned blends get the contrast back that their mean loses.
+  float detail_correlation = 1;
 
  private:
   bool frame_set_ = false;

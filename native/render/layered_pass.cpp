@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
 #include "render/passes.h"
 
 namespace fourdvt::render {
@@ -37,6 +39,15 @@ std::vector<glm::vec4> layerRects(const Part& part) {
     rects.insert(rects.end(), first, first + appearance.layer_count);
   }
   return rects;
+}
+
+// Detail that does not correlate between the looks loses contrast in their weighted mean; to be multiplied on top of it
+// (the variance-preserving blend of Heitz and Neyret 2018, for looks of correlation c: 1 / sqrt(sum w² + c (1 - sum
+// w²)) - 1).
+float lostDetail(const Part& part) {
+  float squares = 0;
+  for (const Source& source : part.sources) squares += source.weight * source.weight;
+  return 1 / std::sqrt(squares + part.look->appearance->detail_correlation * (1 - squares)) - 1;
 }
 
 uint32_t programKey(const CharacterModel& model, const Part& part, const DrawOptions& options) {
@@ -89,6 +100,7 @@ void LayeredPass::draw(gpu::Device& device, const CharacterModel& model, const P
                             gpu::uniform("u_camera_forwards", std::span<const glm::vec4>(model.camera_forwards)),
                             gpu::uniform("u_view_exponent", options.recipe.view_exponent),
                             gpu::uniform("u_sources", std::span<const glm::vec4>(sources)),
+                            gpu::uniform("u_detail", options.recipe.keep_detail ? lostDetail(part) : 0.0f),
                             gpu::uniform("u_vertex_count", vertex_count), gpu::uniform("u_face_count", face_count),
                             gpu::uniform("u_layer_rects", std::span<const glm::vec4>(rects)),
                             gpu::uniform("u_picture_size", part.look->appearance->picture_size),

@@ -24,6 +24,7 @@ struct RecipeOptions {
   int debug_layer = 0;
   // LVDT's own protocol: optical axes instead of per-fragment rays, no feathering. For reproduction only.
   bool paper_weights = false;
+  bool keep_detail = true;  // aligned blends get back the contrast that their detail loses in the mean
   float view_exponent = 1;  // sharpens the blend towards the cameras nearest to the view; 1: LVDT Eq. 3
 };
 

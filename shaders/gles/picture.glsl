@@ -10,6 +10,8 @@ uniform sampler2D u_picture_v;
 uniform sampler2D u_picture_rgba;
 #endif
 
+const vec3 kLuma = vec3(0.2126, 0.7152, 0.0722);  // BT.709
+
 vec2 clampInside(vec2 at, vec4 rect, float margin_texels) {
   vec2 margin = margin_texels / u_picture_size;
   return clamp(at, rect.xy + margin, rect.xy + rect.zw - margin);
@@ -36,3 +38,17 @@ vec3 sampleLayer(int layer, vec2 uv) {
   return texture(u_picture_rgba, luma_at).rgb;
 #endif
 }
+
+#ifdef ALIGNED
+// Luma at `offset` texels of the first layer to both sides, the mean.
+float lumaBeside(int layer, vec2 uv, vec2 offset) {
+  vec4 rect = u_layer_rects[layer];
+  vec2 at = rect.xy + uv * rect.zw, away = offset / u_picture_size * (rect.zw / u_layer_rects[0].zw);
+  vec2 one = clampInside(at + away, rect, 0.5), other = clampInside(at - away, rect, 0.5);
+#ifdef PICTURE_I420
+  return (texture(u_picture_y, one).r + texture(u_picture_y, other).r) * (127.5 / 219.0) - 16.0 / 219.0;
+#else
+  return dot(texture(u_picture_rgba, one).rgb + texture(u_picture_rgba, other).rgb, 0.5 * kLuma);
+#endif
+}
+#endif

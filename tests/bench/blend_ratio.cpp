@@ -105,6 +105,7 @@ class Subject {
                             std::span(alignment).first(members == 1 ? 0 : alignment.size())});
       rendition.layers.resize(members * kLayers);
       appearance->setLayout(rendition);
+      appearance->detail_correlation = 0.8f;  // so that "baked" restores detail, as captured members need
     }
     upload(device, rendition.width, rendition.height);
   }

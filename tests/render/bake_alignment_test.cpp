@@ -50,6 +50,7 @@ TEST_F(BakeAlignment, EqualMembersStay) {
   auto found = rig.align(fewViews());
   ASSERT_TRUE(found) << found.error().message;
   for (const glm::vec2& d : found.value().displacement_m) ASSERT_LT(glm::length(d), 1e-5);
+  EXPECT_GT(found.value().detail_correlation, 0.999f);
 }
 
 TEST_F(BakeAlignment, DifferingShadingIsNotMotion) {

@@ -100,6 +100,28 @@ TEST_F(Blend, aMemberAloneIsNotMoved) {
   }
 }
 
+// Stripes of which one member knows nothing: their mean has half the contrast, of which sqrt 2 times is kept. Against
+// both neighbours a quarter of a period away the whole stripe is detail.
+TEST_F(Blend, detailThatDoesNotCorrelateKeepsItsContrast) {
+  constexpr double kPeriod_texels = 12;
+  MemberQuad quad(*device, 2, 1, kOneCamera);
+  const auto stripe = [&](double u) { return 80 * std::sin(2 * M_PI * u * MemberQuad::kSide / kPeriod_texels); };
+  quad.paint(*device, [&](int tile, double u, double) { return glm::dvec3(128 + (tile == 0 ? stripe(u) : 0)); });
+  quad.align(*device, {{0, 0}});
+  quad.appearance.detail_correlation = 0;
+  const Image kept = drawLook(quad, {0.5f, 0.5f}, Align::Baked), plain = drawLook(quad, {0.5f, 0.5f}, Align::None);
+  quad.appearance.detail_correlation = 1;
+  const Image alike = drawLook(quad, {0.5f, 0.5f}, Align::Baked);
+  quad.appearance.detail_correlation = 0;
+  const Image alone = drawLook(quad, {1, 0}, Align::Baked);
+  for (int x = 20; x < 100; x += 3) {
+    const double s = stripe(testing::uvAt(front, x, 60).x);
+    expectColor(kept, x, 60, glm::dvec3(128 + std::sqrt(0.5) * s), 3);
+    for (const Image* picture : {&plain, &alike}) expectColor(*picture, x, 60, glm::dvec3(128 + 0.5 * s), 3);
+    expectColor(alone, x, 60, glm::dvec3(128 + s), 5);
+  }
+}
+
 TEST_F(Blend, fourMembersOfThreeLayersInOneDraw) {
   MemberQuad quad(*device, 4, 3, [](int member, int slot) { return uint8_t((member + slot) % 3); });
   std::vector<glm::dvec3> colors;

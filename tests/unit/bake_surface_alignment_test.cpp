@@ -6,6 +6,7 @@
 
 #include "bake/surface_alignment.h"
 #include "bake/surface_alignment_charts.h"
+#include "bake/surface_alignment_detail.h"
 #include "bake/surface_alignment_smooth.h"
 
 namespace fourdvt::bake {
@@ -93,6 +94,37 @@ std::vector<SeenVertex> pixelGrid(const cv::Size& size) {
 }
 
 float mean(const glm::mat2& certainty) { return 0.5f * (certainty[0][0] + certainty[1][1]); }
+
+// Noise of the given shares of two sources; opaque within a border.
+cv::Mat noisyLook(double common, double own, int seed) {
+  constexpr int kSide = 160, kBorder = 12;
+  cv::Mat luma = cv::Mat::zeros(kSide, kSide, CV_32F);
+  for (const auto& [share, from] : {std::pair(common, 1), std::pair(own, seed)}) {
+    cv::Mat noise(kSide, kSide, CV_32F);
+    cv::RNG(from).fill(noise, cv::RNG::NORMAL, 0, 20);
+    luma += share * noise;
+  }
+  luma += 128;
+  cv::Mat look(kSide, kSide, CV_8UC4, cv::Scalar(0));
+  for (int y = kBorder; y < kSide - kBorder; ++y)
+    for (int x = kBorder; x < kSide - kBorder; ++x) {
+      const uint8_t l = cv::saturate_cast<uint8_t>(luma.at<float>(y, x));
+      look.at<cv::Vec4b>(y, x) = {l, l, l, 255};
+    }
+  return look;
+}
+
+TEST(DetailCorrelation, IsTheShareOfCommonDetail) {
+  for (const double share : {0.0, 0.5, 0.9, 1.0})
+    for (const int members : {2, 3}) {
+      DetailCorrelation detail;
+      std::vector<cv::Mat> looks;
+      for (int m = 0; m < members; ++m) looks.push_back(noisyLook(std::sqrt(share), std::sqrt(1 - share), 2 + m));
+      detail.add(looks);
+      EXPECT_NEAR(detail.value(), share, 0.03) << members;
+    }
+  EXPECT_EQ(DetailCorrelation().value(), 1);
+}
 
 TEST(SurfaceAlignmentViews, CamerasHoldAllPointsAndEveryOtherOneIsRaised) {
   const Tube tube;

@@ -82,6 +82,7 @@ Sequence locomotion(const Sequence& walk) {
              {{{1.25}, {1, 0}, {0}}, {{2}, {0.375f, 0.625f}, {1}}, {{2.75}, {0, 1}, {0}}},
              {{0, 1, 1}, {1, 2, 2}}};
   s.reference_count = 1;
+  s.detail_correlation = 0.75f;
   s.renditions[0].layers = {{0, 0, 512, 512}, {512, 0, 256, 256}, {768, 0, 512, 512}, {1280, 0, 256, 256}};
   return s;
 }
@@ -165,6 +166,7 @@ void expectSame(const Sequence& got, const Sequence& want) {
     EXPECT_EQ(got.members[m].travel, want.members[m].travel);
   }
   EXPECT_EQ(got.reference_count, want.reference_count);
+  EXPECT_EQ(got.detail_correlation, want.detail_correlation);
   EXPECT_EQ(got.space.names, want.space.names);
   EXPECT_EQ(got.space.simplices, want.space.simplices);
   ASSERT_EQ(got.space.samples.size(), want.space.samples.size());
@@ -220,6 +222,8 @@ TEST(Manifest, RefusesClassesThatCannotBe) {
   expectRefused(one + "/referenceCount", 2);  // the samples hold one coefficient
   expectRefused(one + "/referenceCount", 0);
   expectRefused(one + "/referenceCount", 33);
+  expectRefused(one + "/detailCorrelation", 1.5);
+  expectRefused(one + "/detailCorrelation", -0.1);
   expectRefused(two + "/referenceCount", 1);
   expectRefused(one + "/parameterSpace/names", json::array());
   expectRefused(one + "/parameterSpace/names", {"speed_mps", "turn_dps"});

@@ -231,7 +231,11 @@ class FakeBuilder {
       const std::string simplex = at + "/parameterSpace/simplices/" + std::to_string(m - 1);
       set(simplex + "/0", double(m - 1)), set(simplex + "/1", double(m)), set(simplex + "/2", double(m));
     }
-    if (is_class) set(at + "/parameterSpace/names/0", std::string("speed_mps")), set(at + "/referenceCount", 0.0);
+    if (is_class) {
+      set(at + "/parameterSpace/names/0", std::string("speed_mps"));
+      set(at + "/referenceCount", 0.0);
+      set(at + "/detailCorrelation", 1.0);
+    }
   }
 
   FakeCharacter out_;
