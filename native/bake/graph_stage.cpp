@@ -63,7 +63,11 @@ Status State::loadAtlases(const WorkFolder& work) {
 TransitionState State::description() const {
   TransitionState state;
   state.frame_count = plan_.frameCount();
-  state.fps = plan_.motion.fps;
+  for (const std::vector<float>& weights : weights_) {
+    double duration_s = 0;
+    for (size_t m = 0; m < weights.size(); ++m) duration_s += weights[m] * plan_.motion.manifest[m].duration_s;
+    state.frames_per_s.push_back(plan_.frameCount() / duration_s);
+  }
   state.loop = plan_.motion.loop;
   state.weight_rows = weights_;
   state.positions = [this](uint32_t row, uint32_t frame) { return positions(row, frame); };
@@ -136,6 +140,7 @@ Result<std::vector<uint8_t>> makeGraph(const Job& job, const WorkFolder& work, c
   }
   TransitionOptions options;
   options.atlas = kAtlasSide;
+  options.pop.look_s = 1 / job.capture.fps;
   const auto tell = [&](double share) {
     stage.done(share, "graph");
     return !progress.stopped();

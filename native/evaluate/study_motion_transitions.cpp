@@ -19,7 +19,8 @@ namespace {
 
 constexpr double kLatency_s = 0.4;
 constexpr int kMostTicks = 75, kTicksAfter = 6;
-constexpr int kPasses = 2;  // of a loop, for the skate
+constexpr int kPasses = 2;     // of a loop, for the skate
+constexpr int kOwnPasses = 8;  // of a class: its frames meet the ticks differently in every one
 
 struct Largest {
   double step_m = 0, levels = 0;
@@ -28,6 +29,16 @@ struct Largest {
     levels = std::max(levels, change.levels);
   }
   void add(const Largest& other) { add(TickChange{other.step_m, other.levels}); }
+};
+
+struct Waits {  // from the request to the first tick that shows the target
+  int count = 0;
+  double sum_s = 0, most_s = 0;
+  void add(double wait_s) {
+    ++count;
+    sum_s += wait_s;
+    most_s = std::max(most_s, wait_s);
+  }
 };
 
 class TransitionPart {
@@ -41,7 +52,7 @@ class TransitionPart {
   Status pair(size_t from, size_t to);
   void planned(size_t from, size_t to, const RowWriter& row) const;
   Status simulate(const package::Sequence& from, const package::Sequence& to, uint32_t frame, Largest& changes,
-                  double& latency_s, int& fades);
+                  Waits& waits);
   std::vector<uint32_t> startFrames(const package::Sequence& state) const;
 
   const MotionSubject& subject_;
@@ -73,7 +84,8 @@ Status TransitionPart::play(const package::Sequence& state, double parameter, La
   FOURDVT_TRY(watched_->start(state.name, 0, parameter));
   double duration_s = state.duration_s();
   for (const package::Member& member : state.members) duration_s = std::max(duration_s, member.duration_s);
-  const int ticks = static_cast<int>(std::ceil(duration_s / kTick_s)) + (state.loop ? 2 : -1);
+  const int passes = state.isClass() && !subject_.quick() ? kOwnPasses : 1;
+  const int ticks = static_cast<int>(std::ceil(passes * duration_s / kTick_s)) + (state.loop ? 2 : -1);
   for (int i = 0; i < ticks; ++i) {
     FOURDVT_TRY(checkStop(subject_.context));
     auto change = watched_->tick();
@@ -134,14 +146,13 @@ Status TransitionPart::pair(size_t from, size_t to) {
   const package::Sequence &source = character_.sequences[from], &target = character_.sequences[to];
   Largest changes, own = own_[source.name];
   own.add(own_[target.name]);
-  double latency_s = 0;
-  int fades = 0;
-  for (const uint32_t frame : startFrames(source))
-    FOURDVT_TRY(simulate(source, target, frame, changes, latency_s, fades));
+  Waits waits;
+  for (const uint32_t frame : startFrames(source)) FOURDVT_TRY(simulate(source, target, frame, changes, waits));
   const RowWriter row(out_, rows::kMotionTransitions, "", "", "from=" + source.name + " to=" + target.name);
   planned(from, to, row);
-  if (!fades) return {};
-  row.add(rows::kLatencyPlayedS, latency_s, "s");
+  if (!waits.count) return {};
+  row.add(rows::kLatencyPlayedMeanS, waits.sum_s / waits.count, "s");
+  row.add(rows::kLatencyPlayedS, waits.most_s, "s");
   row.add(rows::kStepMm, 1e3 * changes.step_m, "mm");
   row.add(rows::kOwnStepMm, 1e3 * own.step_m, "mm");
   row.add(rows::kChangeLevels, changes.levels, "levels");
@@ -151,7 +162,7 @@ Status TransitionPart::pair(size_t from, size_t to) {
 
 // From the request until shortly after the target has taken over.
 Status TransitionPart::simulate(const package::Sequence& from, const package::Sequence& to, uint32_t frame,
-                                Largest& changes, double& latency_s, int& fades) {
+                                Largest& changes, Waits& waits) {
   if (to.isClass())
     FOURDVT_TRY(watched_->player().setParameter(to.space.names[0], WatchedPlayer::middleParameter(to), true));
   FOURDVT_TRY(watched_->start(from.name, frame, WatchedPlayer::middleParameter(from)));
@@ -164,8 +175,7 @@ Status TransitionPart::simulate(const package::Sequence& from, const package::Se
     const bool fading = watched_->player().inTransition();
     if (fading && !faded) {
       faded = true;
-      ++fades;
-      latency_s = std::max(latency_s, (i + 1) * kTick_s);
+      waits.add((i + 1) * kTick_s);
     }
     if (faded) changes.add(change.value());
     if (faded && !fading) ++after;

@@ -2,7 +2,7 @@
 // Layout of the motion graph's file. Little-endian, packed, no padding; f32 = IEEE 754 binary32, finite.
 //
 //   u32  magic 0x47564434: the bytes "4DVG"
-//   u16  version: 1
+//   u16  version: 2
 //   u16  0
 //   u32  length of the file in bytes
 //   u32  S: number of states = number of the manifest's sequences, in their order
@@ -13,8 +13,9 @@
 //   S × S times, [source][target]:
 //     u32  N: entries, 0 (no transition from source to target; always so on the diagonal) or F × W of the source
 //     N times, [row][frame] of the source:
-//       u32  frame of the target to enter at, < F of the target
-//       u32  weight row of the target, < W of the target
+//       u32  frame of the target that is shown as the cross-fade begins, < F of the target
+//       u16  weight row of the target, < W of the target
+//       u16  length of the cross-fade in frames of the target, 1 or more
 //       f32  cost, millimetres, >= 0
 //       f32 × 3  the target's character frame seen from the source's: metres along x and z, radians about y
 //
@@ -39,7 +40,8 @@ std::vector<uint8_t> writeMotionGraph(const std::vector<GraphState>& states,
     body.u32(uint32_t(table.size()));
     for (const Entry& entry : table) {
       body.u32(entry.frame);
-      body.u32(entry.weight_row);
+      body.u16(uint16_t(entry.weight_row));
+      body.u16(uint16_t(entry.fade_frames));
       body.f32(entry.cost);
       for (int i = 0; i < 3; ++i) body.f32(entry.shift[i]);
     }

@@ -7,7 +7,7 @@
 namespace fourdvt::motion {
 
 constexpr uint32_t kGraphMagic = 0x47564434;  // "4DVG"
-constexpr uint16_t kGraphVersion = 1;
+constexpr uint16_t kGraphVersion = 2;
 constexpr uint32_t kGraphEntryBytes = 24;
 
 }  // namespace fourdvt::motion

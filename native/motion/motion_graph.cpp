@@ -49,11 +49,12 @@ bool readTable(ByteReader& in, const GraphState& source, const GraphState& targe
   table.resize(count);
   for (Entry& entry : table) {
     entry.frame = in.u32();
-    entry.weight_row = in.u32();
+    entry.weight_row = in.u16();
+    entry.fade_frames = in.u16();
     entry.cost = in.f32();
     for (int i = 0; i < 3; ++i) entry.shift[i] = in.f32();
-    if (entry.frame >= target.frame_count || entry.weight_row >= target.weight_rows.size() || !(entry.cost >= 0) ||
-        !std::isfinite(entry.cost + entry.shift.x + entry.shift.y + entry.shift.z)) {
+    if (entry.frame >= target.frame_count || entry.weight_row >= target.weight_rows.size() || !entry.fade_frames ||
+        !(entry.cost >= 0) || !std::isfinite(entry.cost + entry.shift.x + entry.shift.y + entry.shift.z)) {
       return false;
     }
   }
@@ -116,11 +117,12 @@ std::optional<Transition> MotionGraph::plan(int source, uint32_t frame, std::spa
   frame = std::min(frame, last);
   // Waiting longer than one pass, or past the end, meets no new frame.
   const uint32_t longest = loops_[source] ? last : last - frame;
-  const double most = std::max(0.0, options.max_latency_s * frames_per_s + 1e-6);
-  const uint32_t waits = most < longest ? uint32_t(most) : longest;
+  const auto frames = [&](double wait) { return wait < longest ? uint32_t(std::max(0.0, wait)) : longest; };
+  const uint32_t first = frames(std::ceil(options.least_wait_s * frames_per_s - 1e-6));
+  const uint32_t waits = std::max(first, frames(options.max_latency_s * frames_per_s + 1e-6));
   std::optional<Transition> best;
   double least = 1e300;
-  for (uint32_t wait = 0; wait <= waits; ++wait) {
+  for (uint32_t wait = first; wait <= waits; ++wait) {
     const uint32_t exit = (frame + wait) % state.frame_count;
     const Entry* found = entry(source, exit, row, target);
     if (!found) return std::nullopt;
@@ -132,6 +134,11 @@ std::optional<Transition> MotionGraph::plan(int source, uint32_t frame, std::spa
     }
   }
   return best;
+}
+
+float fadeWeight(double frames, uint32_t fade_frames) {
+  const double x = std::min((frames + 1) / (fade_frames + 1), 1.0);
+  return static_cast<float>(x * x * (3 - 2 * x));
 }
 
 }  // namespace fourdvt::motion

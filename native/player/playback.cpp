@@ -131,7 +131,7 @@ void PlayerImpl::setLoop(int loop) {
 }
 
 void PlayerImpl::tick(double now_s) {
-  const double dt_s = ticked_ ? std::clamp(now_s - now_s_, 0.0, kMaxStep_s) : 0;
+  tick_s_ = ticked_ ? std::clamp(now_s - now_s_, 0.0, kMaxStep_s) : 0;
   ticked_ = true;
   now_s_ = now_s;
   for (Track& t : tracks_) {
@@ -139,8 +139,8 @@ void PlayerImpl::tick(double now_s) {
     t.clock.advance(now_s, kMaxStep_s);
   }
   if (!main().used()) return;
-  glideParameters(dt_s);
-  turn(dt_s);
+  glideParameters(tick_s_);
+  turn(tick_s_);
   requestMissing();
   for (Track* t : {&main(), &other()})
     if (ready(*t)) choosePicture(*t);

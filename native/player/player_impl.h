@@ -82,12 +82,12 @@ class PlayerImpl final : public Player {
   struct TransitionState {
     Phase phase = Phase::None;
     int target = -1;
-    glm::vec3 shift{0};   // target's character frame seen from the source's
-    int64_t begin_k = 0;  // source presentation at which the fade begins
-    int64_t start_k = 0;  // the target's then
-    int fade_frames = 0;  // of the target
-    float fade = 0;       // 0…1
-    double wanted_since_s = 0, prepared_since_s = 0;
+    glm::vec3 shift{0};        // target's character frame seen from the source's
+    int64_t begin_k = 0;       // source presentation at which the fade begins
+    int64_t start_k = 0;       // the target's then
+    uint32_t fade_frames = 0;  // of the target
+    float fade = 0;            // 0…1
+    double prepared_since_s = 0;
     bool measured = false;  // lead_s_ knows how long this preparation took
   };
 
@@ -189,12 +189,13 @@ class PlayerImpl final : public Player {
   TransitionState transition_;
   int goal_ = -1;         // state asked for last
   int return_to_ = -1;    // state that led to the current one, which does not loop
+  double asked_s_ = 0;    // when it was asked for: the tick before
   double lead_s_ = 0.12;  // what preparing a transition takes
 
   bool playing_ = false, waiting_ = false, can_play_ = false, seek_requested_ = false;
   int loop_override_ = -1;
   double rate_ = 1;
-  double now_s_ = 0, last_timeupdate_s_ = -1, starved_since_s_ = -1;
+  double now_s_ = 0, tick_s_ = 0, last_timeupdate_s_ = -1, starved_since_s_ = -1;
   bool ticked_ = false;
 
   std::map<std::string, double> parameters_;  // wanted

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // From one state to another: the graph says where to leave and to enter, a second track is prepared at the entry, and
-// the two cross-fade, centred on exit and entry (ALGORITHMS 4).
+// the two cross-fade (ALGORITHMS 4).
 #include <algorithm>
 #include <cmath>
 
@@ -10,10 +10,8 @@ namespace fourdvt {
 
 namespace {
 
-constexpr double kMaxLatency_s = 0.4;     // until the fade begins, if the target is prepared in time
-constexpr double kMinChoice_s = 0.08;     // exits are looked for over at least this long
-constexpr double kReturnChoice_s = 0.12;  // the same at the end of a state that does not loop
-constexpr int kFadeFrames = 10;           // of the target
+constexpr double kMaxLatency_s = 0.4;     // from the request until the fade begins, if the target is prepared in time
+constexpr double kReturnChoice_s = 0.12;  // room for a good exit before the end of a state that does not loop
 constexpr double kPatience_s = 5;         // then the target is simply selected
 constexpr double kMinLead_s = 0.05, kMaxLead_s = 2;
 
@@ -31,8 +29,6 @@ std::vector<double> parametersAt(const package::Sequence& sequence, const std::v
   return nearest ? nearest->at : std::vector<double>{};
 }
 
-float smoothstep(double x) { return static_cast<float>(x * x * (3 - 2 * x)); }
-
 }  // namespace
 
 std::string PlayerImpl::goal() const { return goal_ < 0 ? wanted_name_ : sequenceAt(goal_).name; }
@@ -44,6 +40,7 @@ Status PlayerImpl::goTo(const std::string& state) {
   if (target < 0 || !by_graph) return selectSequence(state);
   if (sequences_[static_cast<size_t>(target)].broken)
     return Error{ErrorId::InvalidArgument, state + " cannot be played: its files are damaged"};
+  if (target != goal_) asked_s_ = now_s_;
   if (transition_.phase == Phase::Fading) {
     goal_ = target;  // taken up when the fade is over
     return {};
@@ -58,7 +55,6 @@ void PlayerImpl::beginTransition(int target) {
   transition_ = {};
   transition_.phase = Phase::Wanted;
   transition_.target = target;
-  transition_.wanted_since_s = now_s_;
   requestGraph();
   requestMissing();
 }
@@ -68,10 +64,10 @@ void PlayerImpl::stepTransition() {
   if (transition_.phase == Phase::Fading) stepFade();
   if (transition_.phase != Phase::Wanted && transition_.phase != Phase::Preparing) return;
   if (!playing_ || main().seeking) {
-    transition_.wanted_since_s = now_s_;
+    asked_s_ = now_s_;
     return;
   }
-  if (graph_state_ == stream::PartState::Failed || now_s_ - transition_.wanted_since_s > kPatience_s) {
+  if (graph_state_ == stream::PartState::Failed || now_s_ - asked_s_ > kPatience_s) {
     selectInstead();
     return;
   }
@@ -100,34 +96,28 @@ void PlayerImpl::stepTransition() {
 void PlayerImpl::planTransition() {
   const Track& source = main();
   Track& target = other();
-  const package::Sequence& from = wantedOf(source);
   const package::Sequence& to = sequenceAt(transition_.target);
-  const double source_rate = from.fps * source.clock.rate();
-  const auto ahead = static_cast<int64_t>(std::ceil(lead_s_ * source_rate + 0.5 * kFadeFrames * from.fps / to.fps));
-  const int64_t last = from.frame_count - 1, frame = frameOf(source, source.shown.k) + ahead;
+  const double rate = wantedOf(source).fps * source.clock.rate();
+  // The shown frame is as old as this.
+  const double age_s = source.clock.position() / source.clock.rate() - static_cast<double>(source.shown.k) / rate;
   motion::PlanOptions options;
-  options.max_latency_s =
-      transition_.target == return_to_ ? kReturnChoice_s : std::max(kMaxLatency_s - lead_s_, kMinChoice_s);
-  const auto plan =
-      graph_->plan(source.sequence, static_cast<uint32_t>(looping(source) ? frame % (last + 1) : std::min(frame, last)),
-                   source.weights.members, source_rate, transition_.target, options);
+  options.least_wait_s = lead_s_ + age_s;
+  // A frame is shown at the first tick after it is due.
+  options.max_latency_s = kMaxLatency_s - (now_s_ - asked_s_) - tick_s_ + age_s;
+  const auto plan = graph_->plan(source.sequence, frameOf(source, source.shown.k), source.weights.members, rate,
+                                 transition_.target, options);
   if (!plan) {
     selectInstead();
     return;
   }
   const std::vector<float>& weights =
       graph_->states()[static_cast<size_t>(transition_.target)].weight_rows[plan->entry.weight_row];
-  const double pass_s = to.isClass() ? motion::durationAt(to, weights) : to.duration_s();
-  const double target_rate = rate_ * to.frame_count / pass_s;
-  const int64_t entry = plan->entry.frame, count = to.frame_count;
-  const bool wraps = looping(transition_.target);
-  const int64_t before = wraps ? kFadeFrames / 2 : std::min<int64_t>(kFadeFrames / 2, entry);
-  const int64_t start = (entry - before + count) % count;
-  transition_.fade_frames =
-      static_cast<int>(wraps ? kFadeFrames : std::clamp<int64_t>(count - 1 - start, 1, kFadeFrames));
+  const int64_t start = plan->entry.frame;
+  transition_.fade_frames = plan->entry.fade_frames;
+  if (!looping(transition_.target))
+    transition_.fade_frames = std::clamp(to.frame_count - 1 - plan->entry.frame, 1u, plan->entry.fade_frames);
   transition_.shift = plan->entry.shift;
-  transition_.begin_k = source.shown.k + std::max<int64_t>(0, ahead + plan->wait_frames -
-                                                                  std::llround(before * source_rate / target_rate));
+  transition_.begin_k = source.shown.k + plan->wait_frames;
   const bool same = transition_.phase == Phase::Preparing && target.wanted_k == start;
   transition_.phase = Phase::Preparing;
   if (!same) {
@@ -152,14 +142,14 @@ void PlayerImpl::startFade() {
 }
 
 void PlayerImpl::stepFade() {
-  const double passed = static_cast<double>(other().shown.k - transition_.start_k + 1) / (transition_.fade_frames + 1);
-  const float fade = smoothstep(std::min(passed, 1.0));
+  const double passed = other().clock.position() * wantedOf(other()).fps - static_cast<double>(transition_.start_k);
+  const float fade = motion::fadeWeight(passed, transition_.fade_frames);
   if (fade == transition_.fade) return;
   const motion::Placement source = sourcePlacement();
   transition_.fade = fade;
   if (travel_) setSourcePlacement(source);
   compose_ = true;
-  if (passed >= 1) takeOver();
+  if (fade >= 1) takeOver();
 }
 
 void PlayerImpl::takeOver() {
@@ -209,9 +199,18 @@ void PlayerImpl::returnBeforeTheEnd() {
     return;
   }
   const double rate = wantedOf(t).fps * t.clock.rate();
-  const bool planned = graph_ && graph_->entry(t.sequence, 0, 0, return_to_);  // else a cut, after its end
-  const double needed = planned ? (lead_s_ + kReturnChoice_s) * rate + kFadeFrames : 0;
-  if (wantedOf(t).frame_count - 1 - frameOf(t, t.shown.k) > needed) return;
+  const uint32_t frame = frameOf(t, t.shown.k);
+  const motion::Entry* entry = graph_ ? graph_->entry(t.sequence, frame, 0, return_to_) : nullptr;
+  // As late as leaves room for the choice and for the fade; else a cut, after its end.
+  double needed = 0;
+  if (entry) {
+    const package::Sequence& to = sequenceAt(return_to_);
+    const double pass_s =
+        motion::durationAt(to, graph_->states()[static_cast<size_t>(return_to_)].weight_rows[entry->weight_row]);
+    needed = (lead_s_ + kReturnChoice_s + entry->fade_frames * pass_s / to.frame_count) * rate;
+  }
+  if (wantedOf(t).frame_count - 1 - frame > needed) return;
+  asked_s_ = now_s_;
   goal_ = return_to_;
   beginTransition(return_to_);
 }

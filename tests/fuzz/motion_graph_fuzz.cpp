@@ -38,7 +38,8 @@ void checkPair(const MotionGraph& graph, int source, int target, std::vector<Ent
     for (uint32_t frame = 0; frame < from.frame_count; ++frame) {
       const Entry* entry = graph.entry(source, frame, row, target);
       if (!entry) continue;
-      require(entry->frame < to.frame_count && entry->weight_row < to.weight_rows.size() && entry->cost >= 0);
+      require(entry->frame < to.frame_count && entry->weight_row < to.weight_rows.size() && entry->fade_frames > 0);
+      require(entry->cost >= 0);
       require(std::isfinite(entry->cost + entry->shift.x + entry->shift.y + entry->shift.z));
       table.push_back(*entry);
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include "bake/fade_path.h"
 #include "bake/transitions.h"
 #include "motion/motion_graph.h"
 #include "motion/placement.h"
@@ -14,7 +15,7 @@ bool keepOn(double) { return true; }
 TransitionState stateOf(const Walker& walker) {
   TransitionState state;
   state.frame_count = walker.sequence.frame_count;
-  state.fps = 25;
+  state.frames_per_s = {25};
   state.loop = walker.sequence.loop;
   state.weight_rows = {{1}};
   state.positions = [walker](uint32_t, uint32_t t) -> Result<Positions> { return walker.frame(t); };
@@ -93,8 +94,11 @@ TEST(Transitions, OppositeMotionDoesNotFit) {
   EXPECT_GT(graphOf({stateOf(walker), backwards}).entry(0, 5, 0, 1)->cost, 100);
   TransitionOptions shape_only;
   shape_only.velocity_weight = 0;
+  shape_only.pop_cost_mm = 0;
+  shape_only.fades_s = {0.4};
   const auto graph = graphOf({stateOf(walker), backwards}, shape_only);
-  EXPECT_EQ(graph.entry(0, 5, 0, 1)->frame, 23u);
+  const motion::Entry& entry = *graph.entry(0, 5, 0, 1);
+  EXPECT_EQ((entry.frame + entry.fade_frames / 2) % 28, 18u) << "28 - 5 - 5: the same pose half way";
   EXPECT_LT(graph.entry(0, 5, 0, 1)->cost, 1);
 }
 
@@ -114,7 +118,7 @@ TEST(Transitions, AppearanceDecidesBetweenEqualPoses) {
   still.atlas = [](uint32_t, uint32_t) -> Result<Image> { return Image(32, 32, 3, 200); };
   other.atlas = [](uint32_t, uint32_t t) -> Result<Image> { return Image(32, 32, 4, t == 4 ? 149 : 20); };
   const auto graph = graphOf({still, other});
-  EXPECT_EQ(graph.entry(0, 0, 0, 1)->frame, 4u);
+  EXPECT_EQ((graph.entry(0, 0, 0, 1)->frame + 5) % 6, 4u) << "half way";
   EXPECT_NEAR(graph.entry(0, 0, 0, 1)->cost, 60 * 0.2, 0.1);
   other.atlas = [](uint32_t, uint32_t) -> Result<Image> { return Image(16, 16, 3); };
   EXPECT_FALSE(buildMotionGraph({still, other}, {}, keepOn).ok());
@@ -126,19 +130,23 @@ TEST(Transitions, WhatDoesNotLoopIsEnteredNearItsStart) {
   once.loop = false;
   const auto graph = graphOf({stateOf(walker), once});
   for (uint32_t t = 0; t < 40; ++t) {
-    EXPECT_GE(graph.entry(0, t, 0, 1)->frame, 5u);
-    EXPECT_LE(graph.entry(0, t, 0, 1)->frame, 10u);
+    const motion::Entry& entry = *graph.entry(0, t, 0, 1);
+    EXPECT_LE(entry.frame + entry.fade_frames / 2, std::max(10u, entry.fade_frames / 2)) << "or at its start";
+    EXPECT_LE(entry.frame + entry.fade_frames, 39u);
   }
   Walker brief("brief", 1.2, 3);
   TransitionState short_one = stateOf(brief);
   short_one.loop = false;
-  EXPECT_EQ(graphOf({stateOf(walker), short_one}).entry(0, 0, 0, 1)->frame, 1u);
+  const motion::Entry whole = *graphOf({stateOf(walker), short_one}).entry(0, 0, 0, 1);
+  EXPECT_EQ(whole.frame, 0u);
+  EXPECT_EQ(whole.fade_frames, 2u);
 }
 
 TEST(Transitions, ClassesAreEnteredAtTheirBestWeight) {
   const Walker slow("slow", 1.2, 28), fast("fast", 2, 28);
   TransitionState both = stateOf(slow);
   both.weight_rows = {{1, 0}, {0, 1}};
+  both.frames_per_s = {25, 25};
   both.positions = [=](uint32_t row, uint32_t t) -> Result<Positions> {
     return row == 0 ? slow.frame(t) : fast.frame(t);
   };
@@ -148,6 +156,100 @@ TEST(Transitions, ClassesAreEnteredAtTheirBestWeight) {
   EXPECT_EQ(graph.entry(0, 3, 0, 1)->frame, 3u);
   EXPECT_GT(graph.entry(1, 3, 0, 0)->cost, 20);
   EXPECT_LT(graph.entry(1, 3, 1, 0)->cost, 1);
+}
+
+constexpr float kOwnStep_m = 0.03f;
+constexpr uint32_t kStill = 40, kLoop = 60;
+
+// Stands, then goes up and down at a known step; every other point is out by ±apart_m: no turn or move can mend that.
+TransitionState jumper(float apart_m) {
+  const Walker stand("stand", 0, kLoop);
+  TransitionState state = stateOf(stand);
+  state.root = [](uint32_t, uint32_t) { return glm::vec3(0); };
+  state.positions = [=](uint32_t, uint32_t t) -> Result<Positions> {
+    Positions p = stand.pose(0);
+    const uint32_t up = t < kStill ? 0 : std::min(t - kStill, kLoop - t);
+    for (size_t v = 0; v < p.size(); ++v) p[v].y += float(up) * kOwnStep_m + (v % 2 ? apart_m : -apart_m);
+    return p;
+  };
+  return state;
+}
+
+double steepest(uint32_t fade) {
+  double most = motion::fadeWeight(0, fade);
+  for (uint32_t k = 0; k < fade; ++k)
+    most = std::max(most, double(motion::fadeWeight(k + 1, fade) - motion::fadeWeight(k, fade)));
+  return most;
+}
+
+TEST(Transitions, FadesAreAsLongAsItTakesNotToPop) {
+  TransitionOptions options;
+  options.pop.mean_share = 1;
+  for (const float apart_m : {0.05f, 0.2f, 0.25f, 0.3f, 0.38f}) {
+    uint32_t expected = 0;
+    for (const double fade_s : options.fades_s)
+      if (!expected && steepest(uint32_t(25 * fade_s + 0.5)) * apart_m <= options.most_pop * kOwnStep_m)
+        expected = uint32_t(25 * fade_s + 0.5);
+    ASSERT_GT(expected, 0u);
+    const motion::Entry entry = *graphOf({jumper(0), jumper(apart_m)}, options).entry(0, 2, 0, 1);
+    EXPECT_EQ(entry.fade_frames, expected) << apart_m;
+    EXPECT_LE(entry.frame + entry.fade_frames, kStill + 1) << "both stand";
+  }
+  // Nothing is long enough: the longest, at a price.
+  const motion::Entry far = *graphOf({jumper(0), jumper(0.8f)}, options).entry(0, 2, 0, 1);
+  const uint32_t longest = uint32_t(25 * options.fades_s.back() + 0.5);
+  EXPECT_EQ(far.fade_frames, longest);
+  const double over = steepest(longest) * 0.8 / kOwnStep_m - options.most_pop;
+  EXPECT_NEAR(far.cost,
+              800 + options.fade_cost_mm_per_s * (options.fades_s.back() - options.fades_s.front()) +
+                  options.pop_cost_mm * over,
+              5);
+}
+
+MotionPath pathOf(const TransitionState& state, double frames_per_s, float travel_m) {
+  MotionPath path{frames_per_s, state.loop, {}, {}, {}};
+  for (uint32_t t = 0; t < state.frame_count; ++t) {
+    path.positions.push_back(state.positions(0, t).value());
+    path.root_steps.push_back({0, travel_m, 0});
+  }
+  path.steps = ownSteps(path, 0.04);
+  return path;
+}
+
+TEST(FadePath, StepsAreThoseSeenFromLookToLook) {
+  const Steps at_rate = pathOf(jumper(0), 25, 0).steps[kStill];
+  EXPECT_NEAR(at_rate.in_place.furthest, kOwnStep_m, 1e-6);
+  EXPECT_NEAR(at_rate.in_place.mean, kOwnStep_m, 1e-6);
+  EXPECT_NEAR(pathOf(jumper(0), 30, 0).steps[kStill].in_place.furthest, 2 * kOwnStep_m, 1e-6) << "two now and then";
+  EXPECT_NEAR(pathOf(jumper(0), 20, 0).steps[kStill].in_place.furthest, kOwnStep_m, 1e-6);
+  const Steps walked = pathOf(jumper(0), 25, 0.04f).steps[kStill];
+  EXPECT_NEAR(walked.in_place.furthest, kOwnStep_m, 1e-6);
+  EXPECT_NEAR(walked.travelling.furthest, 0.05, 1e-6) << "3, 4, 5";
+}
+
+TEST(FadePath, PopIsTheSteepestPartOfTheFade) {
+  const MotionPath a = pathOf(jumper(0), 25, 0), b = pathOf(jumper(0.2f), 25, 0);
+  const Steps own = larger(a.steps[kStill], b.steps[kStill]);
+  for (const uint32_t frames : {10u, 16u}) {
+    const double expected = 0.2 * steepest(frames) / kOwnStep_m;
+    EXPECT_NEAR(popOf(a, b, {3, 5, frames, glm::vec3(0)}, own, {0.04, 1}, 9), expected, 1e-4);
+    EXPECT_NEAR(popOf(a, b, {3, 5, frames, glm::vec3(0)}, own, {0.04, 0.5}, 9), 2 * expected, 1e-4) << "of the mean";
+    // The place goes over along the shift, as fast.
+    EXPECT_NEAR(popOf(a, a, {3, 5, frames, glm::vec3(0.2f, 0, 0)}, own, {0.04, 1}, 9), 0.5 * expected, 0.5 * expected);
+  }
+  EXPECT_NEAR(popOf(a, a, {3, 3, 10, glm::vec3(0)}, own, {0.04, 1}, 9), 0, 1e-6);
+  EXPECT_NEAR(popOf(a, a, {kStill, kStill, 10, glm::vec3(0)}, own, {0.04, 1}, 9), 1, 1e-4) << "as fast as itself";
+  // While it moves by itself the fade adds to that.
+  EXPECT_GT(popOf(a, b, {kStill - 5, kStill - 5, 10, glm::vec3(0)}, own, {0.04, 1}, 9), 1.5);
+}
+
+TEST(Transitions, WhatEndsIsLeftBeforeItStandsStill) {
+  TransitionState once = jumper(0);
+  once.loop = false;
+  const auto graph = graphOf({once, jumper(0)});
+  const float soon = graph.entry(0, 5, 0, 1)->cost, late = graph.entry(0, kLoop - 1, 0, 1)->cost;
+  EXPECT_LT(soon, 1);
+  EXPECT_GT(late, 30) << "0.4 s on its last frame, 100 mm a second";
 }
 
 TEST(Transitions, ErrorsAndStopsComeThrough) {

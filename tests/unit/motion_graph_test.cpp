@@ -24,11 +24,11 @@ struct Fixture {
     for (uint32_t r = 0; r < 3; ++r) {
       for (uint32_t f = 0; f < 10; ++f) {
         const bool good = r == 1 && (f == 2 || f == 8);
-        to_pickup.push_back({f / 2, 0, good ? 1.f : f == 5 ? 50.f : 100.f, {0.1f * float(f), float(r), -1}});
+        to_pickup.push_back({f / 2, 0, 10 + f, good ? 1.f : f == 5 ? 50.f : 100.f, {0.1f * float(f), float(r), -1}});
       }
     }
     for (uint32_t f = 0; f < 6; ++f)
-      tables[kPickup * 3 + kLocomotion].push_back({9 - f, 2, f == 5 ? 3.f : f == 0 ? 0.5f : 90.f, {0, 0, 0}});
+      tables[kPickup * 3 + kLocomotion].push_back({9 - f, 2, 8, f == 5 ? 3.f : f == 0 ? 0.5f : 90.f, {0, 0, 0}});
   }
   static package::Sequence sequence(uint32_t frames, bool loop, size_t members) {
     package::Sequence out;
@@ -58,6 +58,7 @@ TEST(MotionGraph, ReadsWhatWasWritten) {
       const Entry& written = f.tables[kPickup][r * 10 + frame];
       ASSERT_NE(read, nullptr);
       EXPECT_EQ(read->frame, written.frame);
+      EXPECT_EQ(read->fade_frames, written.fade_frames);
       EXPECT_EQ(read->cost, written.cost);
       EXPECT_EQ(read->shift, written.shift);
     }
@@ -71,7 +72,7 @@ TEST(MotionGraph, ReadsWhatWasWritten) {
 
 TEST(MotionGraph, PlansTheBestExitWithinTheLatency) {
   const MotionGraph graph = Fixture().graph();
-  const auto best = graph.plan(kLocomotion, 5, kMiddle, 10, kPickup, {0.4, 20});
+  const auto best = graph.plan(kLocomotion, 5, kMiddle, 10, kPickup, {0, 0.4, 20});
   ASSERT_TRUE(best);
   EXPECT_EQ(best->exit_frame, 8u);
   EXPECT_EQ(best->wait_frames, 3u);
@@ -79,35 +80,56 @@ TEST(MotionGraph, PlansTheBestExitWithinTheLatency) {
   EXPECT_EQ(best->source, int(kLocomotion));
   EXPECT_EQ(best->target, int(kPickup));
   // Of another weight there is nothing better than frame 5.
-  EXPECT_EQ(graph.plan(kLocomotion, 5, std::vector<float>{1, 0}, 10, kPickup, {0.4, 20})->exit_frame, 5u);
+  EXPECT_EQ(graph.plan(kLocomotion, 5, std::vector<float>{1, 0}, 10, kPickup, {0, 0.4, 20})->exit_frame, 5u);
 }
 
 TEST(MotionGraph, KeepsTheLatencyBound) {
   const MotionGraph graph = Fixture().graph();
-  EXPECT_EQ(graph.plan(kLocomotion, 5, kMiddle, 10, kPickup, {0.29, 20})->exit_frame, 5u);
-  EXPECT_EQ(graph.plan(kLocomotion, 5, kMiddle, 10, kPickup, {0.3, 20})->exit_frame, 8u);
-  EXPECT_EQ(graph.plan(kLocomotion, 5, kMiddle, 5, kPickup, {0.4, 20})->exit_frame, 5u);
-  EXPECT_EQ(graph.plan(kLocomotion, 5, kMiddle, 10, kPickup, {0, 20})->exit_frame, 5u);
+  EXPECT_EQ(graph.plan(kLocomotion, 5, kMiddle, 10, kPickup, {0, 0.29, 20})->exit_frame, 5u);
+  EXPECT_EQ(graph.plan(kLocomotion, 5, kMiddle, 10, kPickup, {0, 0.3, 20})->exit_frame, 8u);
+  EXPECT_EQ(graph.plan(kLocomotion, 5, kMiddle, 5, kPickup, {0, 0.4, 20})->exit_frame, 5u);
+  EXPECT_EQ(graph.plan(kLocomotion, 5, kMiddle, 10, kPickup, {0, 0, 20})->exit_frame, 5u);
 }
 
 TEST(MotionGraph, WaitingHasAPrice) {
   const MotionGraph graph = Fixture().graph();
-  EXPECT_EQ(graph.plan(kLocomotion, 5, kMiddle, 10, kPickup, {0.4, 200})->exit_frame, 5u);  // 50 against 1 + 60
+  EXPECT_EQ(graph.plan(kLocomotion, 5, kMiddle, 10, kPickup, {0, 0.4, 200})->exit_frame, 5u);  // 50 against 1 + 60
+}
+
+TEST(MotionGraph, BeginsNoSoonerThanItCan) {
+  const MotionGraph graph = Fixture().graph();
+  EXPECT_EQ(graph.plan(kLocomotion, 1, kMiddle, 10, kPickup, {0.1, 0.4, 20})->exit_frame, 2u);
+  EXPECT_EQ(graph.plan(kLocomotion, 1, kMiddle, 10, kPickup, {0.11, 0.4, 20})->exit_frame, 5u) << "2 is over by then";
+  // Where the bound leaves no choice: the soonest.
+  EXPECT_EQ(graph.plan(kLocomotion, 1, kMiddle, 10, kPickup, {0.55, 0.4, 20})->wait_frames, 6u);
+  EXPECT_EQ(graph.plan(kLocomotion, 1, kMiddle, 10, kPickup, {0.25, -1, 20})->wait_frames, 3u);
+  EXPECT_EQ(graph.plan(kPickup, 3, std::vector<float>{1}, 25, kLocomotion, {9, 9, 20})->exit_frame, 5u) << "its last";
+}
+
+TEST(MotionGraph, FadesBeginAboveNothingAndEndAtAll) {
+  for (const uint32_t frames : {1u, 2u, 10u, 20u}) {
+    EXPECT_GT(fadeWeight(0, frames), 0);
+    EXPECT_EQ(fadeWeight(frames, frames), 1);
+    EXPECT_EQ(fadeWeight(frames + 3.5, frames), 1);
+    EXPECT_NEAR(fadeWeight(0.5 * frames - 0.5, frames), 0.5, 1e-6) << "even";
+    for (double at = 0; at < frames; at += 0.1)
+      EXPECT_LE(fadeWeight(at + 0.1, frames) - fadeWeight(at, frames), 0.1 * 1.5 / (frames + 1) + 1e-6);
+  }
 }
 
 TEST(MotionGraph, LoopsWrap) {
   const MotionGraph graph = Fixture().graph();
-  const auto best = graph.plan(kLocomotion, 9, kMiddle, 10, kPickup, {0.4, 20});
+  const auto best = graph.plan(kLocomotion, 9, kMiddle, 10, kPickup, {0, 0.4, 20});
   EXPECT_EQ(best->exit_frame, 2u);
   EXPECT_EQ(best->wait_frames, 3u);
 }
 
 TEST(MotionGraph, SequencesThatEndWaitForTheirLastFrameOnly) {
   const MotionGraph graph = Fixture().graph();
-  const auto best = graph.plan(kPickup, 3, std::vector<float>{1}, 25, kLocomotion, {0.4, 20});
+  const auto best = graph.plan(kPickup, 3, std::vector<float>{1}, 25, kLocomotion, {0, 0.4, 20});
   EXPECT_EQ(best->exit_frame, 5u);
   EXPECT_EQ(best->wait_frames, 2u);
-  const auto at_end = graph.plan(kPickup, 5, std::vector<float>{1}, 25, kLocomotion, {0.4, 20});
+  const auto at_end = graph.plan(kPickup, 5, std::vector<float>{1}, 25, kLocomotion, {0, 0.4, 20});
   EXPECT_EQ(at_end->exit_frame, 5u);
   EXPECT_EQ(at_end->wait_frames, 0u);
 }
@@ -157,6 +179,7 @@ TEST(MotionGraph, ForeignCharactersAndBadValuesAreRejected) {
   broken([](Fixture& b) { b.states[0].weight_rows[1] = {-0.5f, 1.5f}; });
   broken([](Fixture& b) { b.tables[kPickup][4].frame = 6; });
   broken([](Fixture& b) { b.tables[kPickup][4].weight_row = 1; });
+  broken([](Fixture& b) { b.tables[kPickup][4].fade_frames = 0; });
   broken([](Fixture& b) { b.tables[kPickup][4].cost = -1; });
   broken([](Fixture& b) { b.tables[kPickup][4].cost = std::nanf(""); });
   broken([](Fixture& b) { b.tables[kPickup][4].shift.y = INFINITY; });
