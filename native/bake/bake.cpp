@@ -13,6 +13,7 @@
 #include "bake/stream_plan.h"
 #include "bake/survey.h"
 #include "bake/validate.h"
+#include "bake/work_folder.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -113,12 +114,14 @@ Result<BakeReport> bake(const BakeOptions& given, const BakeEnvironment& environ
   auto result = runJob(job.value(), environment, clock);
   if (result) return result;
   Error error = result.error();
+  const std::string work = job.value().workFolder();
   removeFolder(job.value().resultFolder());
-  removeIfEmpty(job.value().workFolder());
-  if (error.id == ErrorId::WriteFailed)
-    error.message += "; finished GOPs are kept in " + job.value().workFolder() + " for --resume";
-  else if (error.id != ErrorId::Interrupted)
-    removeFolder(job.value().workFolder());
+  removeIfEmpty(work);
+  if (error.id == ErrorId::Interrupted) return error;  // says it itself
+  if (WorkFolder::holdsGops(work))
+    error.message += "; finished GOPs are kept in " + work + " for --resume";
+  else if (error.id != ErrorId::WriteFailed)  // with room to write, what the survey measured goes on
+    removeFolder(work);
   return error;
 }
 

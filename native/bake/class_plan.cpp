@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 
 #include "bake/hybrid_blend.h"
 #include "bake/parameter_table.h"
@@ -27,25 +26,6 @@ struct Source {
 
 Error impossible(const capture::CaptureClass& source, const std::string& what) {
   return {ErrorId::CaptureJson, "capture.json: class '" + source.name + "': " + what};
-}
-
-// The frames read last: phases ask for the same ones again.
-ReadPositions remembering(const ReadPositions& read, size_t count) {
-  struct Entry {
-    const capture::CaptureSequence* sequence;
-    uint32_t frame;
-    Positions positions;
-  };
-  auto entries = std::make_shared<std::deque<Entry>>();
-  return [=](const capture::CaptureSequence& sequence, uint32_t frame) -> Result<Positions> {
-    for (const Entry& e : *entries)
-      if (e.sequence == &sequence && e.frame == frame) return e.positions;
-    auto positions = read(sequence, frame);
-    if (!positions) return positions;
-    if (entries->size() >= count) entries->pop_front();
-    entries->push_back({&sequence, frame, positions.value()});
-    return positions;
-  };
 }
 
 Status checkClass(const capture::Capture& capture, const capture::CaptureClass& source) {
@@ -255,20 +235,19 @@ Result<ClassPlan> planClass(const capture::Capture& capture, const capture::Capt
                             const MeshTopology& topology, const ReadPositions& read, const ClassOptions& options,
                             const std::function<bool(double)>& progress) {
   FOURDVT_TRY(checkClass(capture, source));
-  const ReadPositions recent = remembering(read, 8 * source.members.size());
   ClassPlan plan;
   plan.source = &source;
-  auto sources = openSources(capture, source, topology, recent, plan);
+  auto sources = openSources(capture, source, topology, read, plan);
   if (!sources) return sources.error();
   planTime(sources.value(), plan);
   auto simplices = classSimplices(plan.manifest, source.name);
   if (!simplices) return simplices.error();
-  auto pose = memberPositions(plan.members[0], 0, recent);
+  auto pose = memberPositions(plan.members[0], 0, read);
   if (!pose) return pose.error();
   auto blend = NonlinearBlend::create(topology, pose.value());
   if (!blend) return blend.error();
   ReferenceChooser chooser(simplices.take(), options, plan.members.size());
-  FOURDVT_TRY(chooser.measure(plan, *blend.value(), recent, progress));
+  FOURDVT_TRY(chooser.measure(plan, *blend.value(), read, progress));
   const std::vector<HybridSimplex> hybrid = chooser.choose(plan);
   const bool measured =
       std::all_of(source.members.begin(), source.members.end(), [](const auto& m) { return m.parameter.empty(); });
@@ -276,6 +255,16 @@ Result<ClassPlan> planClass(const capture::Capture& capture, const capture::Capt
                               hybrid, plan.reference_weights.size());
   if (!progress(1)) return Error{ErrorId::Interrupted, "stopped while planning"};
   return plan;
+}
+
+Result<std::vector<ClassMember>> classMembers(const capture::Capture& capture, const capture::CaptureClass& source,
+                                              const MeshTopology& topology, const ReadPositions& read) {
+  FOURDVT_TRY(checkClass(capture, source));
+  ClassPlan plan;
+  auto sources = openSources(capture, source, topology, read, plan);
+  if (!sources) return sources.error();
+  planTime(sources.value(), plan);
+  return std::move(plan.members);
 }
 
 Result<Positions> memberPositions(const ClassMember& member, uint32_t phase, const ReadPositions& read) {

@@ -44,10 +44,14 @@ struct ClassPlan {
 };
 
 // Errors: CaptureJson (class that cannot be: loops mixed with others, unknown parameter without values), those of read,
-// Interrupted (progress returned false). progress: share 0..1.
+// Interrupted (progress returned false). progress: share 0..1. read: neighbouring phases ask for the same frames.
 Result<ClassPlan> planClass(const capture::Capture& capture, const capture::CaptureClass& source,
                             const MeshTopology& topology, const ReadPositions& read, const ClassOptions& options,
                             const std::function<bool(double)>& progress);
+
+// The plan's members alone, without a look at how they blend. read: asked for every frame, and for each several times.
+Result<std::vector<ClassMember>> classMembers(const capture::Capture& capture, const capture::CaptureClass& source,
+                                              const MeshTopology& topology, const ReadPositions& read);
 
 // Of a captured sequence: metres along x and z, radians about y since frame 0, [frame_count + 1]: the last entry is the
 // whole pass. From vertices that stand on the ground (they must not slide), between contacts by velocity. Where their
@@ -61,7 +65,8 @@ Result<std::vector<glm::vec3>> rootTrack(const capture::Capture& capture, const 
 Result<Positions> memberPositions(const ClassMember& member, uint32_t phase, const ReadPositions& read);
 
 // Deformation-gradient blending: T = exp(Σ w log R) · Σ w S a face, solved for vertices with a prefactorised sparse
-// Cholesky (ALGORITHMS 4.3; "CTGH13" of 4DVT). Rigid in place: the result's mean is the linear blend's.
+// Cholesky (ALGORITHMS 4.3; "CTGH13" of 4DVT). A part of the mesh is placed where the
+// linear blend has those of its faces that turn least between the members: it is exact for what does not turn.
 class NonlinearBlend {
  public:
   // `reference`: any pose of the mesh. Errors: MeshTopology (a face without area everywhere, nothing to anchor).

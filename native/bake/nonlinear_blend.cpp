@@ -17,6 +17,7 @@ using Eigen::Vector3d;
 
 constexpr double kThinnest = 1e-3;  // a face's double area by the square of its longest edge; below: no gradient
 constexpr double kNearPi = 0.75 * std::numbers::pi;
+constexpr double kSteady = 0.2;  // radians between the members: a face's say in where the blend is placed falls beyond
 
 Vector3d toEigen(const glm::vec3& v) { return {v.x, v.y, v.z}; }
 
@@ -97,10 +98,10 @@ class Blend : public NonlinearBlend {
       if (weights[m] != 0) used.push_back(m);
     if (used.size() < 2) return linear;
     Eigen::MatrixX3d right = Eigen::MatrixX3d::Zero(vertex_count_, 3);
-    std::vector<Turns> turns(faces_.size());  // of the faces visited, for likeNeighbour
+    std::vector<Turns> turns(faces_.size());  // [face][used member] from the first one used
     for (size_t f : order_) addFace(f, members, weights, used, linear, turns, right);
     for (size_t p = 0; p < anchors_.size(); ++p) right.row(anchors_[p]) += toEigen(linear[anchors_[p]]).transpose();
-    return placed(solver_.solve(right), linear);
+    return placed(solver_.solve(right), linear, steadiness(weights, used, turns));
   }
 
  private:
@@ -230,17 +231,39 @@ class Blend : public NonlinearBlend {
     return base * expOf(turn) * stretch;
   }
 
-  // Every part moved to where its linear blend lies.
-  Positions placed(const Eigen::MatrixX3d& solved, const Positions& linear) const {
+  // [vertex] the more the less its faces turn between the members: what does not turn, the linear blend puts in its
+  // place. Where all turn alike, all weigh the same.
+  std::vector<double> steadiness(std::span<const float> weights, const std::vector<size_t>& used,
+                                 const std::vector<Turns>& turns) const {
+    double pairs = 0;
+    for (size_t m : used) pairs += weights[m] * (1 - weights[m]);
+    std::vector<double> steady(vertex_count_, 1e-12);
+    for (size_t f = 0; f < faces_.size(); ++f) {
+      if (!faces_[f].flat) continue;
+      Vector3d mean = Vector3d::Zero();
+      double square = 0;
+      for (size_t k = 1; k < used.size(); ++k) {
+        mean += double(weights[used[k]]) * turns[f][k];
+        square += double(weights[used[k]]) * turns[f][k].squaredNorm();
+      }
+      const double apart = (square - mean.squaredNorm()) / pairs;  // of two members: their angle's square
+      const double say = 1 / std::pow(1 + apart / (kSteady * kSteady), 2);
+      for (int i = 0; i < 3; ++i) steady[faces_[f].vertices[i]] += say;
+    }
+    return steady;
+  }
+
+  // Every part moved to where its linear blend lies, as its steady vertices see it.
+  Positions placed(const Eigen::MatrixX3d& solved, const Positions& linear, const std::vector<double>& steady) const {
     std::vector<Vector3d> shift(anchors_.size(), Vector3d::Zero());
-    std::vector<int> count(anchors_.size());
+    std::vector<double> weight(anchors_.size(), 0);
     for (uint32_t v = 0; v < vertex_count_; ++v) {
-      shift[part_of_[v]] += toEigen(linear[v]) - solved.row(v).transpose();
-      ++count[part_of_[v]];
+      shift[part_of_[v]] += steady[v] * (toEigen(linear[v]) - solved.row(v).transpose());
+      weight[part_of_[v]] += steady[v];
     }
     Positions out(vertex_count_);
     for (uint32_t v = 0; v < vertex_count_; ++v) {
-      const Vector3d p = solved.row(v).transpose() + shift[part_of_[v]] / count[part_of_[v]];
+      const Vector3d p = solved.row(v).transpose() + shift[part_of_[v]] / weight[part_of_[v]];
       out[v] = {float(p.x()), float(p.y()), float(p.z())};
     }
     return out;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
 
 #include "bake/output.h"
 #include "base/bytes.h"
@@ -22,7 +23,7 @@ Status save(const std::string& path, ByteWriter& out) {
   return writeFile(path, out.data());
 }
 
-Error damaged(const std::string& path) { return {ErrorId::Internal, path + ": damaged; bake again without --resume"}; }
+Error damaged(const std::string& path) { return {ErrorId::Internal, path + ": damaged; bake again"}; }
 
 Result<std::vector<uint8_t>> load(const std::string& path) {
   auto read = readFile(path);
@@ -135,6 +136,13 @@ Result<WorkFolder> WorkFolder::open(const std::string& path, const std::string& 
   FOURDVT_TRY(makeFolder(path));
   FOURDVT_TRY(writeFile(key_path, key));
   return folder;
+}
+
+bool WorkFolder::holdsGops(const std::string& path) {
+  std::error_code ignored;
+  for (std::filesystem::directory_iterator file(path, ignored), end; file != end; file.increment(ignored))
+    if (file->path().extension() == ".gop") return true;
+  return false;
 }
 
 std::string WorkFolder::gopPath(const std::string& sequence, uint32_t gop) const {

@@ -34,6 +34,8 @@ class WorkFolder {
  public:
   // `key`: settingsKey. What an earlier run left is kept only if `resume` and the keys agree. Errors: WriteFailed.
   static Result<WorkFolder> open(const std::string& path, const std::string& key, bool resume);
+  // Whether a bake in this folder has finished a GOP, of whatever settings.
+  static bool holdsGops(const std::string& path);
   bool hasGop(const std::string& sequence, uint32_t gop) const;
   Status saveGop(const std::string& sequence, uint32_t gop, const GopArtefact& artefact) const;
   Result<GopArtefact> loadGop(const std::string& sequence, uint32_t gop) const;  // Internal if damaged

@@ -132,4 +132,17 @@ double largestStep_m(const Positions& a, const Positions& b) {
   return largest;
 }
 
+double commonFrame(std::span<const double> first, std::span<const double> second, bool loop, double w, double phase) {
+  const size_t count = first.size();
+  const double turns = loop ? std::round(second[0] - first[0]) : 0;
+  const auto passed = [&](size_t f) {
+    return (1 - w) * first[f % count] + w * (second[f % count] - turns) + double(f / count);
+  };
+  if (loop) phase += std::ceil(passed(0) - phase);
+  const size_t last = loop ? count : count - 1;
+  for (size_t f = 0; f < last; ++f)
+    if (phase < passed(f + 1)) return double(f) + (phase - passed(f)) / (passed(f + 1) - passed(f));
+  return double(last);
+}
+
 }  // namespace fourdvt::evaluate

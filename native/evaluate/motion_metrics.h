@@ -4,6 +4,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <span>
 #include <vector>
 
 #include "base/camera.h"
@@ -49,6 +50,11 @@ class ErrorSamples {
 };
 // Lengths of a - b inside.
 void addDifferences(const FlowField& a, const FlowField& b, const Mask& inside, ErrorSamples& out);
+
+// When two motions on a common time, blended with w of the second, are in a phase: the fractional frame where the
+// w-weighted mean of their own phases is `phase`. first, second: [frame] share of the motion that has passed, rising;
+// a loop's may begin anywhere and count on beyond 1, and of a loop's turns the second's nearest to the first's counts.
+double commonFrame(std::span<const double> first, std::span<const double> second, bool loop, double w, double phase);
 
 // Mean of |a - b| over the three channels, levels, where either is (alpha >= 128); straight alpha over black. 0:
 // nothing there.

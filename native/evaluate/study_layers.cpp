@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // LVDT Fig. 5-7, 4DVT Fig. 9: fidelity to FVVR, storage and GPU memory against the number of layers and their size,
-// from layers of equal size, on the shortest sequence (colours calibrated on it alone). `joint` is solved anew for every number of layers; `naive` needs
-// one solve, its first layers do not depend on the number. Fidelity is that of layers before any codec. Memory: one
-// frame of pictures, the 4:2:0 layers of one GOP (2.6 GB at 2048 texels), and the FVVR pictures of the views (36 at
-// most).
+// from layers of equal size, on the shortest sequence (colours calibrated on it alone). `joint` is solved anew for
+// every number of layers; `naive` needs one solve, its first layers do not depend on the number. Fidelity is that of
+// layers before any codec. Memory: one frame of pictures, the 4:2:0 layers of one GOP (2.6 GB at 2048 texels), and the
+// FVVR pictures of the views (36 at most).
 #include <algorithm>
 #include <cmath>
 #include <future>

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "bake/mesh_reader.h"
 #include "bake/validate.h"
 #include "evaluate/study_rows.h"
 #include "evaluate/study_scene.h"
@@ -49,13 +50,25 @@ Status bakeMotion(const StudyContext& context, const bake::BakeOptions& options)
   return baked.ok() ? Status() : baked.error();
 }
 
-// The order of vertices of the bake.
-Result<package::EncodedBaseMesh> bakedMesh(const StudyContext& context, const bake::BakeOptions& options) {
+// The order of vertices and the class's common time, as the bake found them.
+Result<MotionTruth::Baked> asBaked(const StudyContext& context, const bake::BakeOptions& options,
+                                   const capture::CaptureClass& motion_class) {
   auto job = bake::validate(options, bakeEnvironment(context));
   std::error_code ignored;
   std::filesystem::remove(options.character_folder + ".work", ignored);  // only if empty: no bake is under way there
   if (!job) return job.error();
-  return std::move(job.value().mesh);
+  bake::MeshReader meshes(job.value());
+  const capture::Capture& capture = job.value().capture;
+  auto members = bake::classMembers(capture, motion_class, capture.topology, meshes.function());
+  if (!members) return members.error();
+  MotionTruth::Baked out;
+  for (const bake::ClassMember& member : members.value()) {
+    const double pass = member.source->frame_count - (member.source->loop ? 0 : 1);
+    out.passed.emplace_back();
+    for (const double frame : member.source_frame) out.passed.back().push_back(frame / pass);
+  }
+  out.mesh = std::move(job.value().mesh);
+  return out;
 }
 
 struct Part {
@@ -82,7 +95,7 @@ std::vector<uint32_t> MotionSubject::phases(size_t count) const {
 std::vector<AlignMethod> MotionSubject::methods(const std::vector<AlignMethod>& wanted) const {
   std::vector<AlignMethod> out;
   for (const AlignMethod& method : wanted)
-    if (method != rows::kAlignBaked || stage.aligned()) out.push_back(method);
+    if (alignOf(method) != render::Align::Baked || stage.aligned()) out.push_back(method);
   return out;
 }
 
@@ -105,9 +118,9 @@ Result<Figures> runMotion(const StudyContext& context) {
   FOURDVT_TRY(bakeMotion(context, options));
   auto stage = MotionStage::open(*context.device, options.character_folder, motion_class.name);
   if (!stage) return stage.error();
-  auto mesh = bakedMesh(context, options);
-  if (!mesh) return mesh.error();
-  auto truth = MotionTruth::open(context, stage.value()->motion(), mesh.take());
+  auto baked = asBaked(context, options, motion_class);
+  if (!baked) return baked.error();
+  auto truth = MotionTruth::open(context, stage.value()->motion(), baked.take());
   if (!truth) return truth.error();
   FOURDVT_TRY(makeFolder(context.pictures()));
   const MotionSubject subject{context, options.character_folder, *stage.value(), truth.value().get()};

@@ -27,10 +27,8 @@ std::vector<AlignMethod> shownMethods(const MotionSubject& subject, bool with_op
   return subject.methods(methods);
 }
 
-double meanDistance_m(const Positions& a, const Positions& b) {
-  double sum = 0;
-  for (size_t v = 0; v < a.size(); ++v) sum += glm::distance(a[v], b[v]);
-  return sum / double(a.size());
+void addDistances(const Positions& a, const Positions& b, ErrorSamples& millimetres) {
+  for (size_t v = 0; v < a.size(); ++v) millimetres.add(1e3f * glm::distance(a[v], b[v]));
 }
 
 Image restricted(const Image& rgba, const Mask& inside) {
@@ -48,23 +46,23 @@ class TruthPart {
 
   Result<Figures> run() {
     const size_t instants = subject_.quick() ? 1 : truth_.instants().size();
-    for (size_t i = 0; i < instants; ++i) {
-      FOURDVT_TRY(subject_.stage.show(truth_.instants()[i].phase));
+    for (size_t i = 0; i < instants; ++i)
       for (const MotionTruth::Step& step : truth_.steps())
         if (step.w > 0.01 && step.w < 0.99 && (!subject_.quick() || std::abs(step.w - 0.5) < 0.15))
           FOURDVT_TRY(measure(step, truth_.instants()[i]));
-    }
     return figures();
   }
 
  private:
   Status measure(const MotionTruth::Step& step, const MotionTruth::Instant& instant) {
+    FOURDVT_TRY(subject_.stage.show(truth_.classFrame(step.w, instant)));
     auto exact = truth_.mesh(step, instant);
     if (!exact) return exact.error();
+    auto blended = subject_.stage.blendedAt(step.w, truth_.classPhase(step.w, instant));
+    if (!blended) return blended.error();
+    addDistances(exact.value(), blended.value(), apart_[step.w]);
     for (const bool exactly : {false, true}) {
-      subject_.stage.setMesh(exactly ? exact.value() : subject_.stage.blended(step.w));
-      if (!exactly)
-        apart_[step.w].add(static_cast<float>(1e3 * meanDistance_m(exact.value(), subject_.stage.positions())));
+      subject_.stage.setMesh(exactly ? exact.value() : blended.value());
       const size_t cameras = std::min(truth_.cameras().size(), subject_.quick() ? 1 : kCameras);
       for (size_t c = 0; c < cameras; ++c) {
         FOURDVT_TRY(checkStop(subject_.context));
@@ -97,9 +95,11 @@ class TruthPart {
       row.add(rows::kPsnrFgDb, mean.psnr_fg_db, "dB");
       row.add(rows::kSsimFg, mean.ssim_fg, "");
     }
-    for (const auto& [w, millimetres] : apart_)
-      RowWriter(out, rows::kMotionAppearance, subject_.motion().name, "", settingOf(w))
-          .add(rows::kMeshMeanMm, millimetres.mean(), "mm");
+    for (const auto& [w, millimetres] : apart_) {
+      const RowWriter row(out, rows::kMotionAppearance, subject_.motion().name, "", settingOf(w));
+      row.add(rows::kMeshMeanMm, millimetres.mean(), "mm");
+      row.add(rows::kMeshTailMm, millimetres.tail(), "mm");
+    }
     return out;
   }
 
@@ -117,7 +117,9 @@ struct RatioSum {
 // Against the w-weighted mean of the members' own looks on the same mesh and view.
 Status addSharpness(const MotionSubject& subject, const PinholeCamera& camera, double w,
                     const std::array<Image, 2>& looks, std::map<AlignMethod, RatioSum>& sums) {
-  for (const AlignMethod& method : shownMethods(subject, false)) {
+  std::vector<AlignMethod> methods = shownMethods(subject, false);
+  if (subject.stage.aligned()) methods.push_back(rows::kAlignBakedMean);
+  for (const AlignMethod& method : methods) {
     auto blend = subject.stage.draw(camera, w, method);
     if (!blend) return blend.error();
     Mask inside = commonSilhouette(blend.value(), looks[0]);

@@ -86,7 +86,7 @@ class FlowPart {
     const size_t instants = !known ? 0 : subject_.quick() ? 1 : subject_.truth->instants().size();
     for (size_t i = 0; i < instants; ++i) {
       const MotionTruth::Instant& instant = subject_.truth->instants()[i];
-      FOURDVT_TRY(stage_.show(instant.phase));
+      FOURDVT_TRY(stage_.show(subject_.truth->classFrame(0.5, instant)));
       auto moved = subject_.truth->moved(instant, stage_.positions());
       if (!moved) return moved.error();
       const auto corners = cornersOf(stage_.mesh().topology, moved.value());

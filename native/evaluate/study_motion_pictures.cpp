@@ -100,7 +100,8 @@ Status PicturePart::truthCrops() {
   const auto nearer = [](const auto& a, const auto& b) { return std::abs(a.w - 0.5) < std::abs(b.w - 0.5); };
   const MotionTruth::Step& step = *std::min_element(truth.steps().begin(), truth.steps().end(), nearer);
   const PinholeCamera& camera = truth.cameras().front();
-  FOURDVT_TRY(stage_.show(instant.phase));
+  const uint32_t frame = truth.classFrame(step.w, instant);
+  FOURDVT_TRY(stage_.show(frame));
   auto mesh = truth.mesh(step, instant);
   if (!mesh) return mesh.error();
   stage_.setMesh(mesh.take());
@@ -119,7 +120,7 @@ Status PicturePart::truthCrops() {
   }
   crops.rows.push_back("truth");
   crops.cells.push_back(viewWithCrops(exact.value(), box));
-  return save("motion-truth.jpg", drawSheet(crops), "frame=" + std::to_string(instant.phase) + " view=" + camera.name,
+  return save("motion-truth.jpg", drawSheet(crops), "frame=" + std::to_string(frame) + " view=" + camera.name,
               rows::kPictureMotionCrops);
 }
 

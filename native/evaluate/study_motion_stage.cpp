@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bake/class_plan.h"
 #include "evaluate/study_rows.h"
 #include "evaluate/study_scene.h"
 #include "motion/mesh_blend.h"
@@ -46,11 +47,17 @@ std::vector<float> offsetsAt(const package::Sequence& motion, float w) {
   return offsets;
 }
 
+render::DrawOptions optionsOf(const AlignMethod& method) {
+  render::DrawOptions options{studyRecipe(), alignOf(method)};
+  options.recipe.keep_detail = method != rows::kAlignBakedMean;
+  return options;
+}
+
 }  // namespace
 
 render::Align alignOf(const AlignMethod& method) {
   if (method == rows::kAlignNone) return render::Align::None;
-  return method == rows::kAlignBaked ? render::Align::Baked : render::Align::Flow;
+  return method == rows::kAlignBaked || method == rows::kAlignBakedMean ? render::Align::Baked : render::Align::Flow;
 }
 
 Result<std::unique_ptr<MotionStage>> MotionStage::open(gpu::Device& device, const std::string& folder,
@@ -111,6 +118,20 @@ Positions MotionStage::blended(double w) const {
   return out;
 }
 
+Result<Positions> MotionStage::blendedAt(double w, double phase) {
+  const uint32_t shown = stream_.index.chunks[chunk_number_].first_frame + row_;
+  capture::CaptureSequence frames;
+  frames.frame_count = motion().frame_count;
+  frames.loop = motion().loop;
+  const auto read = [&](const capture::CaptureSequence&, uint32_t frame) -> Result<Positions> {
+    FOURDVT_TRY(loadChunk(frame));
+    return blended(w);
+  };
+  auto out = bake::memberPositions({&frames, {phase}, {}}, 0, read);
+  FOURDVT_TRY(loadChunk(shown));
+  return out;
+}
+
 void MotionStage::setMesh(Positions positions) {
   positions_ = std::move(positions);
   model_->setPositions(device_, positions_);
@@ -145,7 +166,7 @@ Status MotionStage::drawInto(const render::View& view, double w, const AlignMeth
   const std::vector<float> weights = weightsOf(w);
   const render::Look look{look_.appearance, look_.picture, weights};
   const render::Figure figure{&*model_, {&look, 1}};
-  return recipe.value()->draw({&figure, 1}, nullptr, view, {studyRecipe(), alignOf(method)}, target);
+  return recipe.value()->draw({&figure, 1}, nullptr, view, optionsOf(method), target);
 }
 
 Status MotionStage::drawMany(const render::View& view, int count, const AlignMethod& method, gpu::TargetId target) {
@@ -159,7 +180,7 @@ Status MotionStage::drawMany(const render::View& view, int count, const AlignMet
     figure.world_from_character[3] += glm::vec4(-kApart_m * float(i) * render::viewAxis(view), 0);
     figures.push_back(figure);
   }
-  return recipe.value()->draw(figures, nullptr, view, {studyRecipe(), alignOf(method)}, target);
+  return recipe.value()->draw(figures, nullptr, view, optionsOf(method), target);
 }
 
 Result<Image> MotionStage::draw(const PinholeCamera& camera, double w, const AlignMethod& method) {

@@ -36,6 +36,8 @@ class MotionStage {
   Status show(uint32_t phase);
   std::vector<Positions> members() const;  // meshes of the phase
   Positions blended(double w) const;       // as the player blends: w of the second member
+  // The same between two phases, as a class of more frames would have it; a loop goes on at its start.
+  Result<Positions> blendedAt(double w, double phase);
   const std::vector<glm::vec2>& alignment() const { return alignment_; }  // [member - 1][vertex], metres
   void setMesh(Positions positions);
   const Positions& positions() const { return positions_; }

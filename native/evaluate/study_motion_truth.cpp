@@ -8,12 +8,12 @@
 #include <filesystem>
 
 #include "bake/job.h"
+#include "evaluate/motion_metrics.h"
 #include "platform/files.h"
 
 namespace fourdvt::evaluate {
 namespace {
 
-constexpr double kSameMoment = 0.02;  // frames
 constexpr size_t kAlignmentBytes = 12;
 
 std::string at(const std::string& list, size_t i) { return list + "/" + std::to_string(i); }
@@ -34,13 +34,13 @@ Error damaged(const std::string& path) {
 }  // namespace
 
 Result<std::unique_ptr<MotionTruth>> MotionTruth::open(const StudyContext& context, const package::Sequence& motion,
-                                                       package::EncodedBaseMesh mesh) {
+                                                       Baked baked) {
   const std::string folder = context.capture->folder + "/truth/" + motion.name, path = folder + "/truth.json";
   std::error_code ignored;
   if (motion.members.size() != 2 || !std::filesystem::exists(path, ignored)) return std::unique_ptr<MotionTruth>();
   auto json = platform::readJsonFlat(path);
   if (!json) return json.error();
-  std::unique_ptr<MotionTruth> truth(new MotionTruth(*context.capture, folder, std::move(mesh)));
+  std::unique_ptr<MotionTruth> truth(new MotionTruth(*context.capture, folder, std::move(baked), motion.loop));
   FOURDVT_TRY(truth->read(json.value(), motion));
   if (truth->instants_.empty() || truth->steps_.empty()) return std::unique_ptr<MotionTruth>();
   return truth;
@@ -60,18 +60,8 @@ Status MotionTruth::read(const FlatJson& json, const package::Sequence& motion) 
     steps_.push_back({json.number(at(step + "/weights", member_of[1])).value_or(0),
                       json.string(step + "/pictures").value_or(""), json.string(step + "/positions").value_or("")});
   }
-  // A class's phases are the frames of its longest member.
-  for (const package::Member& member : motion.members) {
-    const capture::CaptureSequence* source = capture_.find(member.name);
-    if (!source || source->frame_count != motion.frame_count) continue;
-    const std::string frames = "/member_frames/" + member.name;
-    for (size_t i = 0; json.has(at(frames, i)); ++i) {
-      const double frame = json.number(at(frames, i)).value_or(-1), nearest = std::round(frame);
-      if (std::abs(frame - nearest) <= kSameMoment && nearest >= 0 && nearest < motion.frame_count)
-        instants_.push_back({static_cast<uint32_t>(i), static_cast<uint32_t>(nearest)});
-    }
-    break;
-  }
+  for (size_t i = 0; json.has(at("/phases", i)); ++i)
+    instants_.push_back({static_cast<uint32_t>(i), json.number(at("/phases", i)).value_or(0)});
   units_per_metre_ = json.number("/mesh/units_per_metre").value_or(0);
   if (!(units_per_metre_ > 0)) return damaged(folder_ + "/truth.json");
   const bool forwards = member_of[0] < member_of[1];
@@ -80,6 +70,14 @@ Status MotionTruth::read(const FlatJson& json, const package::Sequence& motion) 
   if (!cameras) return cameras.error();
   for (const auto& camera : cameras.value()) cameras_.push_back(camera.pinhole);
   return {};
+}
+
+double MotionTruth::classPhase(double w, const Instant& instant) const {
+  return commonFrame(baked_.passed[0], baked_.passed[1], loop_, w, instant.phase);
+}
+
+uint32_t MotionTruth::classFrame(double w, const Instant& instant) const {
+  return static_cast<uint32_t>(std::lround(classPhase(w, instant))) % static_cast<uint32_t>(baked_.passed[0].size());
 }
 
 Result<Image> MotionTruth::picture(const Step& step, const PinholeCamera& camera, const Instant& instant) const {
@@ -104,7 +102,7 @@ Result<Positions> MotionTruth::mesh(const Step& step, const Instant& instant) co
   Positions source(capture_.topology.vertex_count);
   for (size_t v = 0; v < source.size(); ++v)
     source[v] = glm::vec3(glm::dvec3(units[3 * v], units[3 * v + 1], units[3 * v + 2]) / units_per_metre_);
-  return bake::reordered(mesh_, source);
+  return bake::reordered(baked_.mesh, source);
 }
 
 Result<Positions> MotionTruth::moved(const Instant& instant, const Positions& mesh) const {
@@ -114,9 +112,9 @@ Result<Positions> MotionTruth::moved(const Instant& instant, const Positions& me
   const MeshTopology& topology = capture_.topology;
   if (bytes.value().size() != kAlignmentBytes * topology.vertex_count) return damaged(path);
   Positions source(topology.vertex_count), out(mesh.size());
-  for (size_t v = 0; v < mesh.size(); ++v) source[mesh_.source_vertex[v]] = mesh[v];
+  for (size_t v = 0; v < mesh.size(); ++v) source[baked_.mesh.source_vertex[v]] = mesh[v];
   for (size_t v = 0; v < mesh.size(); ++v) {
-    const uint8_t* record = bytes.value().data() + kAlignmentBytes * mesh_.source_vertex[v];
+    const uint8_t* record = bytes.value().data() + kAlignmentBytes * baked_.mesh.source_vertex[v];
     uint32_t face = 0;
     float second = 0, third = 0;
     std::memcpy(&face, record, 4);

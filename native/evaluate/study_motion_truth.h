@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The truth between a class's members, where the capture comes from the virtual studio (capture/studio_truth.h), in
-// the vertex order of the baked character. Only instants that fall on a phase of the class are used: no picture is
-// compared with another moment.
+// the vertex order of the baked character. A class's time is its members' common time, the studio's the phase of its
+// actor; what is the same moment follows from the members' frames alone (classPhase).
 #pragma once
 
 #include <memory>
@@ -25,15 +25,23 @@ class MotionTruth {
   };
   struct Instant {
     uint32_t number = 0;  // of the truth's files
-    uint32_t phase = 0;   // of the class
+    double phase = 0;     // 0…1, of every member's motion
   };
-  // Null: the capture has none, or the class has more than two members, or no instant falls on a phase. mesh: of the
-  // character's bake. Errors: FileUnreadable (a damaged truth).
+  // What the character's bake knew.
+  struct Baked {
+    package::EncodedBaseMesh mesh;
+    std::vector<std::vector<double>> passed;  // [member][frame of the class], as of commonFrame
+  };
+  // Null: the capture has none, or the class has more than two members. Errors: FileUnreadable (a damaged truth).
   static Result<std::unique_ptr<MotionTruth>> open(const StudyContext& context, const package::Sequence& motion,
-                                                   package::EncodedBaseMesh mesh);
+                                                   Baked baked);
   const std::vector<Step>& steps() const { return steps_; }
   const std::vector<Instant>& instants() const { return instants_; }
   const std::vector<PinholeCamera>& cameras() const { return cameras_; }
+  // When the class shows the instant, in its frames, fractional (commonFrame).
+  double classPhase(double w, const Instant& instant) const;
+  // The class's frame next to it.
+  uint32_t classFrame(double w, const Instant& instant) const;
   bool isAligned() const { return !alignment_.empty(); }
 
   Result<Image> picture(const Step& step, const PinholeCamera& camera, const Instant& instant) const;
@@ -42,13 +50,14 @@ class MotionTruth {
   Result<Positions> moved(const Instant& instant, const Positions& mesh) const;
 
  private:
-  MotionTruth(const capture::Capture& capture, std::string folder, package::EncodedBaseMesh mesh)
-      : capture_(capture), folder_(std::move(folder)), mesh_(std::move(mesh)) {}
+  MotionTruth(const capture::Capture& capture, std::string folder, Baked baked, bool loop)
+      : capture_(capture), folder_(std::move(folder)), baked_(std::move(baked)), loop_(loop) {}
   Status read(const FlatJson& json, const package::Sequence& motion);
 
   const capture::Capture& capture_;
   const std::string folder_;
-  const package::EncodedBaseMesh mesh_;
+  const Baked baked_;
+  const bool loop_;
   double units_per_metre_ = 0;
   std::vector<Step> steps_;
   std::vector<Instant> instants_;

@@ -122,14 +122,19 @@ void addTruthTable(Section& section, const StudyValues& v, const std::string& fi
 constexpr const char* kScores = "PSNR in dB / SSIM.";
 
 std::string meshNote(const StudyValues& v) {
-  std::string note = " Vertices of the blended mesh are from those of the true one, in the mean:";
-  for (const double w : v.numbers(rows::kMotionAppearance, "", "w"))
-    note += " " + fixedText(v.mean(rows::kMotionAppearance, "", "w=" + two(w) + " !mesh", rows::kMeshMeanMm), 1) +
-            " mm at w = " + two(w) + ",";
+  std::string note = " Vertices of the blended mesh are from those of the true one, mean / 95th percentile:";
+  for (const double w : v.numbers(rows::kMotionAppearance, "", "w")) {
+    const auto millimetres = [&](const char* quantity) {
+      return fixedText(v.mean(rows::kMotionAppearance, "", "w=" + two(w) + " !mesh", quantity), 1);
+    };
+    note +=
+        " " + millimetres(rows::kMeshMeanMm) + " / " + millimetres(rows::kMeshTailMm) + " mm at w = " + two(w) + ",";
+  }
   note.back() = '.';
   return note +
-         " The class's common time comes from its members' poses, the studio's from their parameters: the same phase "
-         "need not be the same moment.";
+         " The class's common time comes from its members' poses, the studio's is its actor's phase: an instant of the "
+         "truth is looked up where the members' own phases are, in the w-weighted mean, the instant's, between two "
+         "frames of the class.";
 }
 
 void addAppearance(Section& section, const StudyValues& v) {
@@ -147,8 +152,8 @@ void addAppearance(Section& section, const StudyValues& v) {
   addMethods(section, v,
              {"Sharpness half way, against the members' own looks",
               "Mean squared gradient of the blend over that of both members' looks on the same mesh and view; detail: "
-              "the same of the Laplacian. 1: as sharp as the sources. Averaging lowers it even where all is aligned: "
-              "sensor and codec noise of two sources is not the same.",
+              "the same of the Laplacian. 1: as sharp as the sources. Averaging lowers it even where all is aligned "
+              "(baked-mean), for noise and folds of two sources differ; baked puts that much contrast back.",
               {"method"},
               {}},
              rows::kMotionSharpness, "w=0.50",
@@ -173,12 +178,13 @@ void addCost(Section& section, const StudyValues& v) {
 
 void addTransitions(Section& section, const StudyValues& v) {
   Table table{"Transitions",
-              "Latency until the cross-fade begins and fit at the entry, as the motion graph plans them from every "
-              "frame (bound 0.4 s); played: the longest wait of the player. Step and change: the furthest that a "
-              "vertex moves and the mean that the picture changes from one tick of 40 ms to the next during the "
-              "transition, over the most in the two motions by themselves (travel left out).",
-              {"from", "to", "latency, mean", "max", "played", "fit, mean mm", "max mm", "step mm", "of own",
-               "change, levels", "of own"},
+              "Latency: from the request to the first frame in which the target is seen (bound 0.4 s), and the fit, as "
+              "the motion graph plans them from every frame; played: what the player takes, preparation and ticks "
+              "included. Step and change: the furthest that a vertex moves and the mean that the picture changes from "
+              "one tick of 40 ms to the next during the transition, over the most in the two motions by themselves "
+              "(travel left out).",
+              {"from", "to", "latency, mean", "max", "played, mean", "max", "fit, mean mm", "max mm", "step mm",
+               "of own", "change, levels", "of own"},
               {}};
   for (const Figure& row : v.rows()) {
     if (row.table != rows::kMotionTransitions || row.quantity != rows::kLatencyMeanS) continue;
@@ -187,10 +193,10 @@ void addTransitions(Section& section, const StudyValues& v) {
     };
     table.rows.push_back({rows::settingText(row.setting, "from"), rows::settingText(row.setting, "to"),
                           secondsText(row.value), secondsText(at(rows::kLatencyMaxS)),
-                          secondsText(at(rows::kLatencyPlayedS)), fixedText(at(rows::kFitMeanMm), 1),
-                          fixedText(at(rows::kFitMaxMm), 1), fixedText(at(rows::kStepMm), 1),
-                          two(at(rows::kStepMm) / at(rows::kOwnStepMm)), two(at(rows::kChangeLevels)),
-                          two(at(rows::kChangeLevels) / at(rows::kOwnChangeLevels))});
+                          secondsText(at(rows::kLatencyPlayedMeanS)), secondsText(at(rows::kLatencyPlayedS)),
+                          fixedText(at(rows::kFitMeanMm), 1), fixedText(at(rows::kFitMaxMm), 1),
+                          fixedText(at(rows::kStepMm), 1), two(at(rows::kStepMm) / at(rows::kOwnStepMm)),
+                          two(at(rows::kChangeLevels)), two(at(rows::kChangeLevels) / at(rows::kOwnChangeLevels))});
   }
   if (!table.rows.empty()) section.tables.push_back(std::move(table));
   Table skate{"Feet on the ground while travelling",

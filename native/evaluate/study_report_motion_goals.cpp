@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMostBlendMm = 3, kMostFlowPx = 0.3, kLeastGradient = 0.95, kMostCost = 1.3, kMostLatency_s = 0.4;
-constexpr double kTick_s = 0.04;  // the player is looked at after every one
+// Pictures are of whole levels: of a mean change of 40 this share, a tenth of a level, is rounding.
+constexpr double kChangeRounding = 0.0025;
 
 std::string two(double v) { return fixedText(v, 2); }
 std::string three(double v) { return fixedText(v, 3); }
@@ -91,16 +92,17 @@ void costGoals(const StudyValues& v, std::vector<Judgement>& out) {
 
 void transitionGoals(const StudyValues& v, std::vector<Judgement>& out) {
   const double latency = std::max(largest(v, rows::kMotionTransitions, rows::kLatencyMaxS),
-                                  largest(v, rows::kMotionTransitions, rows::kLatencyPlayedS) - kTick_s);
-  out.push_back(judged("Transitions begin within 0.4 s", latency, latency <= kMostLatency_s + 1e-9,
-                       secondsText(latency) + " at most, to a tick of 40 ms",
+                                  largest(v, rows::kMotionTransitions, rows::kLatencyPlayedS));
+  out.push_back(judged("Transitions are seen within 0.4 s of the request", latency, latency <= kMostLatency_s + 1e-9,
+                       secondsText(latency) + " at most, as planned and as played",
                        "See which pair waits; the player prepares the target first."));
   const double step = largest(v, rows::kMotionTransitions, rows::kStepMm, rows::kOwnStepMm),
                change = largest(v, rows::kMotionTransitions, rows::kChangeLevels, rows::kOwnChangeLevels);
-  out.push_back(judged(
-      "No pop: in transitions, vertices and pictures change no more than in the motions themselves",
-      std::max(step, change), std::max(step, change) <= 1, two(step) + " × (vertices), " + two(change) + " × (picture)",
-      "The worst pair; where a slow motion is entered from far away, the fade itself moves the mesh."));
+  out.push_back(
+      judged("No pop: in transitions, vertices and pictures change no more than in the motions themselves",
+             std::max(step, change), step <= 1 + 1e-9 && change <= 1 + kChangeRounding,
+             three(step) + " × (vertices), " + three(change) + " × (picture)",
+             "The worst pair; where a slow motion is entered from far away, the fade itself moves the mesh."));
 }
 
 }  // namespace

@@ -11,10 +11,10 @@
 namespace fourdvt::evaluate {
 namespace {
 
-constexpr const char* kMethodOrder[] = {rows::kFvvr,       rows::kNaive,   rows::kSpatial,      rows::kTemporalPaper,
-                                        rows::kPerTexel,   rows::kJoint,   rows::kJointDefault, rows::kAlignNone,
-                                        rows::kAlignBaked, rows::kFlowGpu, rows::kFlowDis,      rows::kFlowOpencv,
-                                        rows::kOpencvDis};
+constexpr const char* kMethodOrder[] = {
+    rows::kFvvr,    rows::kNaive,        rows::kSpatial,    rows::kTemporalPaper, rows::kPerTexel,
+    rows::kJoint,   rows::kJointDefault, rows::kAlignNone,  rows::kAlignBaked,    rows::kAlignBakedMean,
+    rows::kFlowGpu, rows::kFlowDis,      rows::kFlowOpencv, rows::kOpencvDis};
 
 size_t methodRank(const std::string& method) {
   return static_cast<size_t>(std::find(std::begin(kMethodOrder), std::end(kMethodOrder), method) -

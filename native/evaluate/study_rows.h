@@ -57,15 +57,16 @@
 //               opencv-dis, …                                      (flow-opencv): the size of the flow itself
 // motion-       none, baked,      w=W mesh=blend|truth             against the studio's truth: kPsnrFgDb, kSsimFg.
 // appearance    flow-gpu,         region=common|whole              mesh: drawn on; common: both silhouettes only
-//               flow-opencv       (method empty: w=W)              kMeshMeanMm: blended mesh to the true one
+//               flow-opencv       (method empty: w=W)              kMeshMeanMm/Tail: blended mesh to the true one
 // motion-       likewise          w=W                              kGradientRatio, kGradientRatioLeast, kDetailRatio
 // sharpness                                                        against the members' own looks
 // motion-cost   likewise,         size=WxH [characters=N]          kFrameMs, kRatioToNone; baked: kCharactersPerFlow:
 //               flow-dis                                           as many take as long as one by flow-gpu
 // motion-       empty             from=A to=B                      kLatencyMeanS, kLatencyMaxS, kFitMeanMm, kFitMaxMm
 // transitions                                                      (planned from all frames); as played:
-//                                                                  kLatencyPlayedS, kStepMm, kOwnStepMm,
-//                                                                  kChangeLevels, kOwnChangeLevels (largest of both)
+//                                                                  kLatencyPlayedMeanS, kLatencyPlayedS (the
+//                                                                  longest), kStepMm, kOwnStepMm, kChangeLevels,
+//                                                                  kOwnChangeLevels (largest of both)
 // motion-skate  empty             at=PARAMETER (class)             kContacts, kSkateMeanMm, kSkateTailMm, kSkateMaxMm
 // trends        empty             empty                            written by no step: the report judges them
 // about         empty             value in setting: text=…         kAbout…: quantity names the fact, the rest of the
@@ -116,7 +117,8 @@ inline constexpr const char* kHybrid = "hybrid";
 inline constexpr const char* kNonlinear = "nonlinear";
 inline constexpr const char* kAlignNone = "none";
 inline constexpr const char* kAlignBaked = "baked";
-inline constexpr const char* kFlowGpu = "flow-gpu";  // Farneback
+inline constexpr const char* kAlignBakedMean = "baked-mean";  // contrast lost in the mean is not put back
+inline constexpr const char* kFlowGpu = "flow-gpu";           // Farneback
 inline constexpr const char* kFlowDis = "flow-dis";
 inline constexpr const char* kFlowOpencv = "flow-opencv";  // Farneback
 inline constexpr const char* kOpencvDis = "opencv-dis";
@@ -161,6 +163,7 @@ inline constexpr const char* kFringePercent = "fringe_percent";
 inline constexpr const char* kErrorMaxMm = "error_max_mm";
 inline constexpr const char* kErrorRmsMm = "error_rms_mm";
 inline constexpr const char* kMeshMeanMm = "mesh_mean_mm";
+inline constexpr const char* kMeshTailMm = "mesh_tail_mm";
 inline constexpr const char* kBlendMs = "blend_ms";
 inline constexpr const char* kRatioToNonlinear = "ratio_to_nonlinear";
 inline constexpr const char* kDifferenceMeanPx = "difference_mean_px";
@@ -174,6 +177,7 @@ inline constexpr const char* kRatioToNone = "ratio_to_none";
 inline constexpr const char* kCharactersPerFlow = "characters_per_flow";
 inline constexpr const char* kLatencyMeanS = "latency_mean_s";
 inline constexpr const char* kLatencyMaxS = "latency_max_s";
+inline constexpr const char* kLatencyPlayedMeanS = "latency_played_mean_s";
 inline constexpr const char* kLatencyPlayedS = "latency_played_s";
 inline constexpr const char* kFitMeanMm = "fit_mean_mm";
 inline constexpr const char* kFitMaxMm = "fit_max_mm";

@@ -2,6 +2,8 @@
 // Baking a motion class: two loops of different length on common time, one of them begun elsewhere in its cycle.
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <functional>
 #include <map>
 
 #include "../unit/capture_fixture.h"
@@ -90,7 +92,8 @@ struct BakeClass : testing::GlFixture {
   ClassCapture input;
   std::atomic<bool> stop{false};
   std::vector<std::string> stages;
-  std::string stop_at;  // stage; empty: none
+  std::string stop_at;               // stage; empty: none
+  std::function<void()> when_there;  // instead of stopping
   BakeOptions options;
 
   void SetUp() override {
@@ -111,7 +114,8 @@ struct BakeClass : testing::GlFixture {
     environment.stop = &stop;
     environment.progress = [&](const Progress& p) {
       stages.push_back(p.stage);
-      if (p.stage == stop_at) stop = true;
+      if (p.stage != stop_at) return;
+      when_there ? when_there() : void(stop = true);
     };
     stop = false;
     stages.clear();
@@ -280,6 +284,26 @@ void BakeClass::expectResumes(std::initializer_list<const char*> stop_stages) {
 }
 
 TEST_F(BakeClass, StoppedAnywhereResumesToTheSameBytes) { expectResumes({"warp go", "go 1/9", "go 7/9", "graph"}); }
+
+TEST_F(BakeClass, AFailureAfterTheFramesKeepsThem) {
+  stop_at = "go 9/9";
+  const std::string gop = options.character_folder + ".work/go.0.gop";
+  when_there = [&] { std::ofstream(gop) << "torn"; };
+  options.jobs = 1;
+  auto failed = run();
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().id, ErrorId::Internal) << failed.error().message;
+  EXPECT_NE(failed.error().message.find("--resume"), std::string::npos) << failed.error().message;
+  EXPECT_FALSE(fs::exists(options.character_folder));
+  ASSERT_TRUE(fs::exists(gop));
+  stop_at.clear();
+  options.resume = true;
+  auto resumed = run();
+  ASSERT_TRUE(resumed) << resumed.error().message;
+  EXPECT_EQ(std::count(stages.begin(), stages.end(), "walk 1/9"), 0) << "baked again";
+  EXPECT_EQ(std::count(stages.begin(), stages.end(), "go 9/9"), 0) << "baked again";
+  EXPECT_EQ(std::count(stages.begin(), stages.end(), "go 4/9"), 1) << "the torn one is not baked again";
+}
 
 // Two phases: alignment draws and compares every one of them from all sides.
 TEST_F(BakeClass, StoppedInAlignmentKeepsThePhasesMeasured) {

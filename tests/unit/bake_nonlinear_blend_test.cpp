@@ -36,7 +36,29 @@ TEST(NonlinearBlend, ABendingTubeBendsAlongTheArc) {
     EXPECT_LT(largestDistance(centred(mixed), centred(Tube::bent(2.1 * w))), 0.002) << w;
     EXPECT_NEAR(Tube::length(mixed), 1, 0.003);
     EXPECT_LT(Tube::length(linear), 0.96);
-    EXPECT_LT(glm::distance(meanOf(mixed), meanOf(linear)), 1e-5);
+  }
+}
+
+// A tube whose lower half is straight and stays, and whose upper half bends to an arc.
+Positions halfBent(double angle) {
+  Positions out = Tube::bent(0);
+  const Positions arc = Tube::bent(2 * angle);
+  constexpr size_t half = size_t(Tube::kRings / 2) * Tube::kSides;
+  for (size_t v = half; v < out.size(); ++v) out[v] = arc[v - half] + glm::vec3(0, 0.5f, 0);
+  return out;
+}
+
+TEST(NonlinearBlend, WhatDoesNotTurnStaysInItsPlace) {
+  const Tube tube;
+  const std::vector<Positions> members = {halfBent(0), halfBent(2)};
+  const auto blend = make(tube.topology, members[0]);
+  for (float w : {0.05f, 0.5f, 0.8f}) {
+    const Positions mixed = blend->blend(members, std::vector<float>{1 - w, w});
+    double most = 0;
+    for (size_t v = 0; v < size_t(Tube::kRings / 2 - 2) * Tube::kSides; ++v)
+      most = std::max(most, double(glm::distance(mixed[v], members[0][v])));
+    EXPECT_LT(most, 0.002) << w;
+    EXPECT_LT(largestDistance(mixed, halfBent(2 * w)), 0.004) << w;
   }
 }
 

@@ -130,14 +130,20 @@ TEST(StudioGait, IsALoopAndItsParameterIsExact) {
   for (size_t v = 0; v < a.size(); ++v) ASSERT_NEAR(glm::distance(a[v], b[v]), 0, 1e-6);
 }
 
+// A vertex under the left toes, which no other bone moves.
+uint32_t leftSole(const Actor& actor) {
+  const Positions& rest = actor.surface().positions;
+  uint32_t sole = 0;
+  for (uint32_t v = 0; v < rest.size(); ++v)
+    if (rest[v].x > 0 && rest[v].z > 0.08f && rest[v].y < rest[sole].y) sole = v;
+  return sole;
+}
+
 // While a sole is on the ground it moves back exactly at the root's speed, so that the world's ground does not slide.
 TEST(StudioGait, FeetDoNotSlide) {
   Actor& actor = walkJogRun();
-  const Positions& rest = actor.surface().positions;
-  uint32_t sole = 0;  // under the left toes, which no other bone moves
-  for (uint32_t v = 0; v < rest.size(); ++v)
-    if (rest[v].x > 0 && rest[v].z > 0.08f && rest[v].y < rest[sole].y) sole = v;
-  for (const double w : {0.0, 0.4, 1.0}) {
+  const uint32_t sole = leftSole(actor);
+  for (const double w : {0.0, 0.4, 0.8, 1.0}) {
     const std::vector<double> shares{1 - w, 0, w};
     double duration = 0, speed = 0;
     for (const size_t m : {0u, 2u}) {
@@ -145,14 +151,48 @@ TEST(StudioGait, FeetDoNotSlide) {
       speed += shares[m] * actor.motions()[m].root_velocity_mps.z;
     }
     Positions first, later;
-    actor.pose(shares, 0.02, first);
-    for (const double phase : {0.1, 0.2, 0.3}) {
+    actor.pose(shares, 0.1, first);
+    for (const double phase : {0.2, 0.3, 0.4}) {
       actor.pose(shares, phase, later);
       const glm::dvec3 moved(later[sole] - first[sole]);
-      EXPECT_NEAR(moved.z, -speed * duration * (phase - 0.02), 1.5e-3) << w << " " << phase;
+      EXPECT_NEAR(moved.z, -speed * duration * (phase - 0.1), 1.5e-3) << w << " " << phase;
       EXPECT_NEAR(moved.y, 0, 1.5e-3) << w << " " << phase;
     }
   }
+}
+
+// The middle of a stance is the middle of it for every parameter: there the foot is under the body.
+TEST(StudioGait, OnePhaseIsOnePoseOfTheStride) {
+  Actor& actor = walkJogRun();
+  const Positions& rest = actor.surface().positions;
+  uint32_t left = 0, right = 0;  // toes
+  for (uint32_t v = 0; v < rest.size(); ++v) {
+    if (rest[v].x > 0 && rest[v].z > rest[left].z) left = v;
+    if (rest[v].x < 0 && rest[v].z > rest[right].z) right = v;
+  }
+  Positions pose;
+  for (const double w : {0.0, 0.3, 0.7, 1.0}) {
+    actor.pose(std::vector<double>{1 - w, 0, w}, 0.25, pose);
+    EXPECT_NEAR(pose[left].z, rest[left].z, 0.02) << w;
+    actor.pose(std::vector<double>{1 - w, 0, w}, 0.75, pose);
+    EXPECT_NEAR(pose[right].z, rest[right].z, 0.02) << w;
+  }
+}
+
+// Where a planted foot leaves the ground or comes down its path has no corner: twice the samples, a quarter the bend.
+TEST(StudioGait, FeetMoveSmoothlyBetweenTheMembers) {
+  Actor& actor = walkJogRun();
+  const uint32_t sole = leftSole(actor);
+  const auto mostBent = [&](double w, int samples) {
+    double most = 0;
+    std::array<Positions, 3> p;
+    for (int i = 0; i < samples; ++i) {
+      for (int k = 0; k < 3; ++k) actor.pose(std::vector<double>{1 - w, 0, w}, double(i + k) / samples, p[size_t(k)]);
+      most = std::max(most, double(glm::length(p[0][sole] - 2.0f * p[1][sole] + p[2][sole])));
+    }
+    return most;
+  };
+  for (const double w : {0.3, 0.7}) EXPECT_LT(mostBent(w, 120), 0.4 * mostBent(w, 60)) << w;
 }
 
 TEST(StudioTracker, DriftIsAsFarAsTheKnobSays) {
