@@ -29,9 +29,9 @@ struct TransitionState {
 };
 
 struct TransitionOptions {
-  double velocity_weight = 0.04;                                           // λ_v, s²
-  double appearance_mm = 60;                                               // cost of black against white
-  int atlas = 32;                                                          // texels a side
+  double velocity_weight = 0.04;                                                // λ_v, s²
+  double appearance_mm = 60;                                                    // cost of black against white
+  int atlas = 32;                                                               // texels a side
   std::vector<double> fades_s = {0.4, 0.48, 0.56, 0.64, 0.72, 0.8, 0.96, 1.2};  // to choose from, shortest first
   double fade_cost_mm_per_s = 20;   // beyond the shortest: a longer fade must be worth it
   double hold_cost_mm_per_s = 100;  // while a source that does not loop stands on its last frame
