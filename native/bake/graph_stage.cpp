@@ -57,7 +57,7 @@ Status State::loadAtlases(const WorkFolder& work) {
   }
   if (atlases_.size() == plan_.frameCount() * plan_.motion.members.size()) return {};
   return Error{ErrorId::Internal,
-               work.path() + ": GOPs of " + plan_.name + " lack frames; bake again without --resume"};
+               work.path() + ": GOPs of " + plan_.name + " lack frames; delete this folder and bake again"};
 }
 
 TransitionState State::description() const {

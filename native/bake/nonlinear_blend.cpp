@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 
 constexpr double kThinnest = 1e-3;  // a face's double area by the square of its longest edge; below: no gradient
 constexpr double kNearPi = 0.75 * std::numbers::pi;
-constexpr double kSteady = 0.2;  // radians between the members: a face's say in where the blend is placed falls beyond
+constexpr double kSteady = 0.2;  // radians, deviation: a face's say in where the blend is placed falls beyond
 
 Vector3d toEigen(const glm::vec3& v) { return {v.x, v.y, v.z}; }
 
@@ -246,7 +246,7 @@ class Blend : public NonlinearBlend {
         mean += double(weights[used[k]]) * turns[f][k];
         square += double(weights[used[k]]) * turns[f][k].squaredNorm();
       }
-      const double apart = (square - mean.squaredNorm()) / pairs;  // of two members: their angle's square
+      const double apart = (square - mean.squaredNorm()) / pairs;  // of two members: half of their angle's square
       const double say = 1 / std::pow(1 + apart / (kSteady * kSteady), 2);
       for (int i = 0; i < 3; ++i) steady[faces_[f].vertices[i]] += say;
     }

@@ -26,7 +26,7 @@ Result<std::vector<uint8_t>> readAt(std::FILE* file, const std::string& path, si
   if (!file || fseeko(file, static_cast<off_t>(record_bytes) * index, SEEK_SET) != 0 ||
       std::fread(record.data(), 1, record_bytes, file) != record_bytes)
     return Error{ErrorId::FileUnreadable,
-                 path + ": record " + std::to_string(index) + " is missing; bake again without --resume"};
+                 path + ": record " + std::to_string(index) + " is missing; delete its folder and bake again"};
   return record;
 }
 

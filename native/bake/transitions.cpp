@@ -106,6 +106,8 @@ Status fillPicture(const TransitionState& state, uint32_t weight_row, uint32_t f
 
 using KeepOn = std::function<bool()>;  // false: stop
 
+Error interrupted() { return {ErrorId::Interrupted, "stopped while measuring transitions"}; }
+
 // vertices: those of the fit first, then more for the steps.
 Result<Features> featuresOf(const TransitionState& state, const std::vector<uint32_t>& vertices,
                             const TransitionOptions& options, const KeepOn& keep_on) {
@@ -118,7 +120,7 @@ Result<Features> featuresOf(const TransitionState& state, const std::vector<uint
   for (uint32_t r = 0; r < state.weight_rows.size(); ++r) {
     MotionPath path{state.frames_per_s[r], state.loop, {}, rootSteps(state, r), {}};
     for (uint32_t t = 0; t < state.frame_count; ++t) {
-      if (!keep_on()) return Error{ErrorId::Interrupted, "stopped while measuring transitions"};
+      if (!keep_on()) return interrupted();
       auto positions = state.positions(r, t);
       if (!positions) return positions.error();
       path.positions.push_back(chosen(positions.value(), vertices));
@@ -156,7 +158,7 @@ class Pair {
  public:
   Pair(const TransitionState& from, const Features& source, const TransitionState& to, const Features& target,
        const TransitionOptions& options);
-  std::vector<motion::Entry> entries() const;  // one a sample of the source
+  Result<std::vector<motion::Entry>> entries(const KeepOn& keep_on) const;  // one a sample of the source
 
  private:
   void addCandidates(uint32_t row, uint32_t frame, uint32_t target_row, double fade_s,
@@ -249,10 +251,13 @@ motion::Entry Pair::best(uint32_t row, uint32_t frame) const {
   return best;
 }
 
-std::vector<motion::Entry> Pair::entries() const {
+Result<std::vector<motion::Entry>> Pair::entries(const KeepOn& keep_on) const {
   std::vector<motion::Entry> out;
   for (uint32_t row = 0; row < source_.paths.size(); ++row)
-    for (uint32_t frame = 0; frame < from_.frame_count; ++frame) out.push_back(best(row, frame));
+    for (uint32_t frame = 0; frame < from_.frame_count; ++frame) {
+      if (!keep_on()) return interrupted();
+      out.push_back(best(row, frame));
+    }
   return out;
 }
 
@@ -270,7 +275,8 @@ Result<std::vector<uint8_t>> buildMotionGraph(const std::vector<TransitionState>
       spreadVertices(pose.value(), size_t(std::max(options.features, options.step_features)));
   size_t samples = 0, done = 0;
   for (const TransitionState& state : states) samples += state.weight_rows.size() * state.frame_count;
-  const KeepOn keep_on = [&] { return progress(0.9 * double(done++) / double(samples)); };
+  // Every sample is measured, then compared with every other state.
+  const KeepOn keep_on = [&] { return progress(double(done++) / double(samples * states.size())); };
   std::vector<Features> features;
   for (const TransitionState& state : states) {
     auto measured = featuresOf(state, vertices, options, keep_on);
@@ -280,10 +286,10 @@ Result<std::vector<uint8_t>> buildMotionGraph(const std::vector<TransitionState>
   }
   for (size_t t = 0; t < tables.size(); ++t) {
     const size_t source = t / states.size(), target = t % states.size();
-    if (!progress(0.9 + 0.1 * double(t) / double(tables.size())))
-      return Error{ErrorId::Interrupted, "stopped while measuring transitions"};
     if (source == target) continue;
-    tables[t] = Pair(states[source], features[source], states[target], features[target], options).entries();
+    auto entries = Pair(states[source], features[source], states[target], features[target], options).entries(keep_on);
+    if (!entries) return entries.error();
+    tables[t] = entries.take();
   }
   return motion::writeMotionGraph(described, tables);
 }

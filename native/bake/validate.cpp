@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 // Change them whenever what older builds kept must not be reused.
 constexpr const char* kSurveyVersion = "bake 2";
-constexpr const char* kGopVersion = "gops 3";
+constexpr const char* kGopVersion = "gops 4";
 
 Error bad(const std::string& message) { return {ErrorId::InvalidArgument, message}; }
 

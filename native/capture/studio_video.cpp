@@ -52,7 +52,11 @@ Result<std::unique_ptr<PictureFile>> PictureFile::create(const std::string& stem
                                                                                          .crf = kCrf,
                                                                                          .preset = "veryfast",
                                                                                          .reproducible = true});
-  if (!writer) return writer.error();
+  if (!writer) {
+    Error error = writer.error();
+    if (error.id == ErrorId::Unsupported) error.message += ", or choose --images";
+    return error;
+  }
   return std::unique_ptr<PictureFile>(std::make_unique<Video>(writer.take()));
 }
 

@@ -133,8 +133,9 @@ std::string meshNote(const StudyValues& v) {
   note.back() = '.';
   return note +
          " The class's common time comes from its members' poses, the studio's is its actor's phase: an instant of the "
-         "truth is looked up where the members' own phases are, in the w-weighted mean, the instant's, between two "
-         "frames of the class.";
+         "truth is looked up where the members' own phases are, in the w-weighted mean, the instant's: the mesh "
+         "between "
+         "two frames of the class, pictures at the nearest.";
 }
 
 void addAppearance(Section& section, const StudyValues& v) {

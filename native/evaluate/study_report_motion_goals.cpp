@@ -101,7 +101,7 @@ void transitionGoals(const StudyValues& v, std::vector<Judgement>& out) {
   out.push_back(
       judged("No pop: in transitions, vertices and pictures change no more than in the motions themselves",
              std::max(step, change), step <= 1 + 1e-9 && change <= 1 + kChangeRounding,
-             three(step) + " × (vertices), " + three(change) + " × (picture)",
+             three(step) + " × (vertices), " + three(change) + " × (picture, to a tenth of a level)",
              "The worst pair; where a slow motion is entered from far away, the fade itself moves the mesh."));
 }
 

@@ -115,11 +115,11 @@ std::optional<Transition> MotionGraph::plan(int source, uint32_t frame, std::spa
   const GraphState& state = states_[source];
   const uint32_t last = state.frame_count - 1, row = nearestRow(state, weights);
   frame = std::min(frame, last);
-  // Waiting longer than one pass, or past the end, meets no new frame.
-  const uint32_t longest = loops_[source] ? last : last - frame;
-  const auto frames = [&](double wait) { return wait < longest ? uint32_t(std::max(0.0, wait)) : longest; };
+  // Past its end a motion meets no new frame; a loop goes on, and meets all within a pass.
+  const double longest = loops_[source] ? 1e6 : last - frame;
+  const auto frames = [&](double wait) { return uint32_t(std::clamp(wait, 0.0, longest)); };
   const uint32_t first = frames(std::ceil(options.least_wait_s * frames_per_s - 1e-6));
-  const uint32_t waits = std::max(first, frames(options.max_latency_s * frames_per_s + 1e-6));
+  const uint32_t waits = std::min(std::max(first, frames(options.max_latency_s * frames_per_s + 1e-6)), first + last);
   std::optional<Transition> best;
   double least = 1e300;
   for (uint32_t wait = first; wait <= waits; ++wait) {

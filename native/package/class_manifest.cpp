@@ -88,7 +88,7 @@ void readMembers(FieldReader& in, const std::string& at, Sequence& s) {
   if (members == 0) s.members.push_back(itself(s));
   if (members <= 1) return;
   s.reference_count = uint32_t(in.integer(at + "/referenceCount", 0, kMaxReferences));
-  s.detail_correlation = float(in.number(at + "/detailCorrelation", 0, 1));
+  if (in.has(at + "/detailCorrelation")) s.detail_correlation = float(in.number(at + "/detailCorrelation", 0, 1));
   readSpace(in, at + "/parameterSpace", s);
 }
 

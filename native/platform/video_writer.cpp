@@ -28,10 +28,9 @@ class FfmpegWriter final : public VideoWriter {
       : path_(path), partial_(path + ".part"), format_(format), colour_(format.channels == 3) {}
 
   ~FfmpegWriter() override {
-    const bool opened = file_ && file_->pb;
-    if (opened) avio_closep(&file_->pb);
+    if (file_ && file_->pb) avio_closep(&file_->pb);
     avformat_free_context(file_);
-    if (opened) std::remove(partial_.c_str());
+    if (unfinished_) std::remove(partial_.c_str());
   }
 
   Status open() {
@@ -51,6 +50,7 @@ class FfmpegWriter final : public VideoWriter {
     stream_->avg_frame_rate = encoder_->framerate;
     avcodec_parameters_from_context(stream_->codecpar, encoder_.get());
     if (const int code = avio_open(&file_->pb, partial_.c_str(), AVIO_FLAG_WRITE); code < 0) return failed(code);
+    unfinished_ = true;
     FOURDVT_TRY(writeHeader());
     return makeFrame();
   }
@@ -77,6 +77,7 @@ class FfmpegWriter final : public VideoWriter {
     if (const int code = av_write_trailer(file_); code < 0) return failed(code);
     if (const int code = avio_closep(&file_->pb); code < 0) return failed(code);
     if (std::rename(partial_.c_str(), path_.c_str()) != 0) return failed(AVERROR(errno));
+    unfinished_ = false;
     return {};
   }
 
@@ -157,6 +158,7 @@ class FfmpegWriter final : public VideoWriter {
   AVFormatContext* file_ = nullptr;
   AVStream* stream_ = nullptr;  // owned by file_
   int64_t next_pts_ = 0;
+  bool unfinished_ = false;  // the partial file is there
 };
 
 }  // namespace

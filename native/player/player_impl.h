@@ -87,7 +87,7 @@ class PlayerImpl final : public Player {
     int64_t start_k = 0;       // the target's then
     uint32_t fade_frames = 0;  // of the target
     float fade = 0;            // 0…1
-    double prepared_since_s = 0;
+    double wanted_since_s = 0, prepared_since_s = 0;
     bool measured = false;  // lead_s_ knows how long this preparation took
   };
 
@@ -189,7 +189,7 @@ class PlayerImpl final : public Player {
   TransitionState transition_;
   int goal_ = -1;         // state asked for last
   int return_to_ = -1;    // state that led to the current one, which does not loop
-  double asked_s_ = 0;    // when it was asked for: the tick before
+  double asked_s_ = 0;    // when it was asked for: the tick before; later, where it could not play since
   double lead_s_ = 0.12;  // what preparing a transition takes
 
   bool playing_ = false, waiting_ = false, can_play_ = false, seek_requested_ = false;

@@ -55,6 +55,7 @@ void PlayerImpl::beginTransition(int target) {
   transition_ = {};
   transition_.phase = Phase::Wanted;
   transition_.target = target;
+  transition_.wanted_since_s = now_s_;
   requestGraph();
   requestMissing();
 }
@@ -62,12 +63,10 @@ void PlayerImpl::beginTransition(int target) {
 void PlayerImpl::stepTransition() {
   if (transition_.phase == Phase::None) returnBeforeTheEnd();
   if (transition_.phase == Phase::Fading) stepFade();
-  if (transition_.phase != Phase::Wanted && transition_.phase != Phase::Preparing) return;
-  if (!playing_ || main().seeking) {
-    asked_s_ = now_s_;
-    return;
-  }
-  if (graph_state_ == stream::PartState::Failed || now_s_ - asked_s_ > kPatience_s) {
+  const bool held = !playing_ || main().seeking;
+  if (held) asked_s_ = transition_.wanted_since_s = now_s_;
+  if (held || (transition_.phase != Phase::Wanted && transition_.phase != Phase::Preparing)) return;
+  if (graph_state_ == stream::PartState::Failed || now_s_ - transition_.wanted_since_s > kPatience_s) {
     selectInstead();
     return;
   }
@@ -141,8 +140,10 @@ void PlayerImpl::startFade() {
   stepFade();
 }
 
+// With every picture of either motion: what is between them is not drawn.
 void PlayerImpl::stepFade() {
   const double passed = other().clock.position() * wantedOf(other()).fps - static_cast<double>(transition_.start_k);
+  if (!main().stale && !other().stale && passed < transition_.fade_frames) return;
   const float fade = motion::fadeWeight(passed, transition_.fade_frames);
   if (fade == transition_.fade) return;
   const motion::Placement source = sourcePlacement();

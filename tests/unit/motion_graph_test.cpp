@@ -104,6 +104,9 @@ TEST(MotionGraph, BeginsNoSoonerThanItCan) {
   EXPECT_EQ(graph.plan(kLocomotion, 1, kMiddle, 10, kPickup, {0.55, 0.4, 20})->wait_frames, 6u);
   EXPECT_EQ(graph.plan(kLocomotion, 1, kMiddle, 10, kPickup, {0.25, -1, 20})->wait_frames, 3u);
   EXPECT_EQ(graph.plan(kPickup, 3, std::vector<float>{1}, 25, kLocomotion, {9, 9, 20})->exit_frame, 5u) << "its last";
+  const auto late = graph.plan(kLocomotion, 1, kMiddle, 10, kPickup, {9, 0.4, 20});
+  EXPECT_GE(late->wait_frames, 90u) << "a loop goes round";
+  EXPECT_EQ(late->exit_frame, (1 + late->wait_frames) % graph.states()[kLocomotion].frame_count);
 }
 
 TEST(MotionGraph, FadesBeginAboveNothingAndEndAtAll) {
