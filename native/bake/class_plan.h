@@ -65,8 +65,8 @@ Result<std::vector<glm::vec3>> rootTrack(const capture::Capture& capture, const 
 Result<Positions> memberPositions(const ClassMember& member, uint32_t phase, const ReadPositions& read);
 
 // Deformation-gradient blending: T = exp(Σ w log R) · Σ w S a face, solved for vertices with a prefactorised sparse
-// Cholesky (ALGORITHMS 4.3; "CTGH13" of 4DVT). A part of the mesh is placed where the
-// linear blend has those of its faces that turn least between the members: it is exact for what does not turn.
+// Cholesky (ALGORITHMS 4.3; "CTGH13" of 4DVT). A part of the mesh is placed where the linear blend has those of its
+// faces that turn least between the members: it is exact for what does not turn.
 class NonlinearBlend {
  public:
   // `reference`: any pose of the mesh. Errors: MeshTopology (a face without area everywhere, nothing to anchor).

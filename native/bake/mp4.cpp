@@ -234,7 +234,7 @@ Status writeMp4(const std::string& path, const EncodeSettings& settings, uint32_
     }
     if (gop.parameter_sets != parameter_sets)
       return Error{ErrorId::Internal,
-                   path + ": GOPs were encoded with different parameter sets; bake without --resume"};
+                   path + ": GOPs were encoded with different parameter sets; delete the work folder and bake again"};
     FOURDVT_TRY(writeGop(*muxer, path, settings, gop, first_frame));
     first_frame += static_cast<uint32_t>(gop.packets.size());
   }

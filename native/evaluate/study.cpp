@@ -10,7 +10,7 @@
 namespace fourdvt::evaluate {
 namespace {
 
-constexpr const char* kStudyVersion = "study 1";  // change it whenever kept rows of older builds must not be reused
+constexpr const char* kStudyVersion = "study 2";  // change it whenever kept rows of older builds must not be reused
 
 StudyContext resolved(const StudyContext& given) {
   StudyContext context = given;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bake/describe.h"
 #include "evaluate/metrics.h"
 
 namespace fourdvt::evaluate {
@@ -25,12 +26,8 @@ void heat(double value, uint8_t* rgb) {
 }
 
 package::Character characterOf(const bake::Job& job, int layers) {
-  package::Character character;
+  package::Character character = bake::describeCharacter(job);
   character.layer_count = layers;
-  character.vertex_count = job.mesh.decoded.topology.vertex_count;
-  character.face_count = job.mesh.decoded.topology.faceCount();
-  character.cameras = job.cameras;
-  character.bounds = job.bounds;
   return character;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "bake/describe.h"
 #include "bake/frame_baker.h"
 #include "bake/quality.h"
 #include "evaluate/rate_point.h"
@@ -52,17 +53,6 @@ std::vector<Group> plannedGroups(bool quick) {
 std::string settingOf(const LayerSetting& layers, const bake::EncodeSettings& encode) {
   return "preset=" + encode.preset + " crf=" + std::to_string(encode.crf) + " size=" + std::to_string(layers.texture) +
          " layers=" + std::to_string(layers.layers) + " layout=" + (layers.equal ? "equal" : "default");
-}
-
-package::Character describe(const bake::Job& job) {
-  package::Character character;
-  character.layer_count = job.options.layers;
-  character.vertex_count = job.mesh.decoded.topology.vertex_count;
-  character.face_count = job.mesh.decoded.topology.faceCount();
-  character.cameras = job.cameras;
-  character.bounds = job.bounds;
-  character.ground_y_m = job.capture.ground_y_m;
-  return character;
 }
 
 // Deletes the pictures when the group is done: they are large.
@@ -200,7 +190,7 @@ Status RateStudy::measureGroup(const Group& group) {
   clip.frame_count = context_.options.quick ? std::min(kQuickFrames, sequence_.frame_count) : sequence_.frame_count;
   clip.pictures_path = pictures.path;
   clip.gop_first_frames = bake::planGops(clip.frame_count, bake::BakeOptions().gop);
-  clip.character = describe(job);
+  clip.character = bake::describeCharacter(job);
   clip.mesh = &job.mesh.decoded;
   FOURDVT_TRY(bakeLayers(*surveyed.value(), clip));
   auto views = makeViews(clip.frame_count);

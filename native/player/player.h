@@ -50,7 +50,7 @@ struct DecodeSample {
 };
 struct FlushDecoder {
   int decoder = 0;
-};  // no more samples follow for now: output everything (end of a sequence that does not loop)
+};  // the end of a sequence that does not loop: output every picture of the samples so far
 struct ResetDecoder {
   int decoder = 0;
 };  // forget queued samples and pictures (seek, other sequence); answers still in flight are dropped
