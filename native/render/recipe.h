@@ -7,7 +7,7 @@
 
 #include "gpu/device.h"
 #include "render/appearance.h"
-#include "render/flow.h"
+#include "render/flow/flow.h"
 #include "render/scene.h"
 #include "render/view.h"
 
