@@ -34,19 +34,17 @@ const kNumbers = String.raw`(${kNumber}[a-z]?(?:(?:\s*[-–,]\s*|\s+and\s+)${kNu
 
 // What a reference looks like. A document's name; a file's; a folder's; words in capitals that may be keys of papers;
 // "see someName".
-const pattern = (...pieces) => new RegExp(pieces.map((piece) => piece.source).join(''), 'g');
-const kDocument = pattern(
-  /((?:[\w.-]+\/)*[\w-]+\.md)\b/,
-  /|(?<![\w.\/-])(ALGORITHMS|DESIGN|STYLE|TOOLCHAIN|FORMAT|CHANGELOG)(?![\w.\/-]*\w)/);
-const kFile = pattern(
-  /(?<![\w.*%<>{$\/-])/,
-  /((?:\.{1,2}\/)?(?:[\w.-]+\/)*[\w-]+(?:\.test)?\.(?:h|cpp|ts|mjs|js|frag|vert|glsl|sh|cmake|html|css)/,
-  /|(?:[\w-]+\/)*CMakeLists\.txt)(?![\w*%{}-])/);
-const kFolder = pattern(
-  /(?<![\w.\/*-])((?:native|wasm|shaders|site|tests|web)(?:\/[\w-]+)+)/, /(\/?)(?![\w.*%{-])/);
-const kCapitals = pattern(
-  /(?<![\w.\/'-])([A-Z][A-Za-z]*[A-Z][A-Za-z]*\d{2}|[A-Z0-9]*[A-Z][A-Z0-9]+)/, /(?: 20\d\d| 19\d\d)?(?!\w)/);
-const kSee = pattern(/\b[Ss]ee `?((?:\w+(?:::|\.))?[A-Za-z_]\w*)/, /(?![\w.\/-]*\w)/);
+const raw = String.raw;
+const kDocument = new RegExp(
+  raw`((?:[\w.-]+/)*[\w-]+\.md)\b` +
+  raw`|(?<![\w./-])(ALGORITHMS|DESIGN|STYLE|TOOLCHAIN|FORMAT|CHANGELOG)(?![\w./-]*\w)`, 'g');
+const kFile = new RegExp(
+  raw`(?<![\w.*%<>{$/-])((?:\.{1,2}/)?(?:[\w.-]+/)*` +
+  raw`(?:[\w-]+(?:\.test)?\.(?:h|cpp|ts|mjs|js|frag|vert|glsl|sh|cmake|html|css)|CMakeLists\.txt))(?![\w*%{}-])`, 'g');
+const kFolder = /(?<![\w.\/*-])((?:native|wasm|shaders|site|tests|web)(?:\/[\w-]+)+)\/?(?![\w.*%{-])/g;
+const kCapitals = new RegExp(
+  raw`(?<![\w./'-])([A-Z][A-Za-z]*[A-Z][A-Za-z]*\d{2}|[A-Z0-9]*[A-Z][A-Z0-9]+)(?: 20\d\d| 19\d\d)?(?!\w)`, 'g');
+const kSee = /\b[Ss]ee `?((?:\w+(?:::|\.))?[A-Za-z_]\w*)(?![\w.\/-]*\w)/g;
 
 // ---- Reading -----------------------------------------------------------------------------------------------------
 
