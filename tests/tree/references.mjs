@@ -4,7 +4,8 @@
 //
 // Kinds: document (a Markdown file or its bare name in capitals), section (its number or its quoted heading), paper (a
 // short key, an author with a year, a bare equation), part (a paper's equation, figure, table or section number), file
-// (by path, or by a name that only one file has), identifier ("see someName").
+// (by path, or by a name that only one file has), identifier ("see someName"; in a table's row | what | `file` | `name` |
+// a name that the file must contain).
 // Papers are the rows of the table "Sources" in native/ALGORITHMS.md: | key | where it was published | parts cited |.
 // Code of C++, GLSL, TypeScript and JavaScript is looked at in comments only, except for papers, which messages of the
 // study name as well. Does NOT check web addresses, files that a build makes (kMade) and itself (its
@@ -198,6 +199,7 @@ class Checker {
       if (path === kThis) continue;
       for (const paragraph of paragraphsOf(path, text)) this.check(path, paragraph);
       if (kSlashed.has(extname(path))) this.checkMessages(path, text);
+      if (extname(path) === '.md') this.checkRows(path, text);
     }
     return this;
   }
@@ -220,6 +222,17 @@ class Checker {
     text.split('\n').forEach((line, i) => {
       const literals = codeOf(line, '//').match(/"(?:[^"\\]|\\.)*"/g);
       if (literals) this.checkKeys(path, { text: literals.join(' ').replace(/"/g, ' '), starts: [[0, i + 1]] });
+    });
+  }
+
+  // Rows of "Where do I change …?"
+  checkRows(path, text) {
+    text.split('\n').forEach((line, i) => {
+      const row = /^\|[^|]*\| `([^`]+)` \|([^|]*)\|$/.exec(line);
+      const code = row && this.files.get(row[1]);
+      if (!code) return;
+      for (const [, name] of row[2].matchAll(/`(?:\w+::)*(\w+)`/g))
+        this.expect(new RegExp(`\\b${name}\\b`).test(code), 'identifier', path, i + 1, `${row[1]} has no ${name}`);
     });
   }
 
@@ -413,6 +426,9 @@ function selfTest() {
     }
   expect(checked('int x;  // of ALGORITHMS\n        // 7.7\n').failures.length === 1, 'a reference over two lines was not found');
   expect(checked('title = "ABCD Table 9";\n').failures.length === 1, 'a reference in a message was not found');
+  const readme = '| x | `native/base/thing.h` | `none` |\n';
+  const lacking = new Checker(new Map(Object.entries({ ...kFixture, 'README.md': readme }))).run();
+  expect(lacking.failures.length === 1, 'a name that the file of a row lacks was not found');
   expect(missingKinds(checked(null)).length === kKinds.length, 'a tree without references has some');
   console.log(passed ? 'self-test passed' : 'self-test FAILED');
   return passed;
