@@ -8,10 +8,10 @@
 // a name that the file must contain).
 // Papers are the rows of the table "Sources" in native/ALGORITHMS.md: | key | where it was published | parts cited |.
 // Code of C++, GLSL, TypeScript and JavaScript is looked at in comments only, except for papers, which messages of the
-// study name as well. Does NOT check web addresses, files that a build makes (kMade) and itself (its
-// fixtures are wrong).
+// study name as well. Does NOT check web addresses, files that a build makes (kMade) and itself: its fixtures are
+// wrong.
 import { readdirSync, readFileSync } from 'node:fs';
-import { basename, dirname, extname, join, normalize } from 'node:path';
+import { dirname, extname, join, normalize } from 'node:path';
 
 const kAlgorithms = 'native/ALGORITHMS.md';
 const kThis = 'tests/tree/references.mjs';
