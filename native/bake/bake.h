@@ -7,7 +7,7 @@
 //                 the GPU), and the cameras' colours against each other (colour_calibration)
 //   labelling     cameras per face for whole sequences (4DVT Eq. 1-5, ALGORITHMS 1)
 //   resample      camera pictures → L texture layers in UV space on the GPU
-//   fill          empty texels and gutters (ALGORITHMS 2)
+//   fill          empty texels and gutters (ALGORITHMS 2.4)
 //   tile          layers + barcode → one 4:2:0 picture
 //   encode        H.264, one closed GOP at a time
 //   align         classes: what the decoded members show, brought together on the surface (surface_alignment)

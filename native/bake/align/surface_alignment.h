@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Alignment of the members' appearance, lifted to the surface at bake time (ALGORITHMS 5, "baked"): every member is
+// Alignment of the members' appearance, lifted to the surface at bake time (ALGORITHMS 5.1): every member is
 // drawn from a ring of views on the same blended mesh; flow both ways in each view; a tangent displacement a vertex
 // that agrees with all of them, weighted by facing, forward-backward error and texture; smooth; 0 where nothing is
 // certain. What is aligned is what is shown: the pictures are the decoded ones. A displacement is found for the place

@@ -44,7 +44,7 @@ struct FaceCosts {
 // 4DVT Eq. 1: 1 - (n·ô)², n the unit face normal and ô the unit optical axis. Blind to the sign: see facesCamera.
 double penalty(const glm::dvec3& normal, const glm::dvec3& optical_axis);
 
-// The facing test that Eq. 1 needs: the camera centre lies in front of the face.
+// The facing test that 4DVT Eq. 1 needs: the camera centre lies in front of the face.
 bool facesCamera(const glm::dvec3& normal, const glm::dvec3& face_centre, const glm::dvec3& camera_centre);
 
 // `fractions`: [camera][face], 0..1, of Visibility::measure.

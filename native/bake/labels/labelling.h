@@ -18,7 +18,7 @@ namespace fourdvt::bake {
 enum class LabelMode {
   Naive,          // "NO": cameras by penalty, every face and frame for itself
   Spatial,        // "SO", 4DVT Eq. 2-4: frame by frame, a layer after the other without the cameras taken before
-  TemporalPaper,  // "TO", Eq. 5 literally: the temporal term carries the weight 1/|M|
+  TemporalPaper,  // "TO", 4DVT Eq. 5 literally: the temporal term carries the weight 1/|M|
   Joint,          // ours: ordered tuples of distinct cameras, space and time, windowed
   PerTexel,       // LVDT: labels as Naive; the resampler replaces a camera texel by texel where it does not see it
 };
@@ -29,7 +29,7 @@ bool parseLabelMode(const std::string& name, LabelMode& mode);
 struct LabelOptions {
   LabelMode mode = LabelMode::Joint;
   int layers = 3;
-  // Joint: weights of ALGORITHMS 1. θ: penalty by slot, ω: slot term by slot (the last entry repeats), η: set term,
+  // Joint: weights of ALGORITHMS 1.3. θ: penalty by slot, ω: slot term by slot (the last entry repeats), η: set term,
   // τ: time, empty: penalty of an empty slot. Tuned with bench_labels for few flips and seams at a layer-1 penalty
   // within 10 % of Naive's.
   std::vector<float> theta{1.4f, 0.2f, 0.1f}, omega{1.2f, 0.3f, 0.25f};

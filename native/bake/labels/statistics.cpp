@@ -28,7 +28,7 @@ LabelMeter::LabelMeter(const LabelOptions& options, const FaceGraph& graph)
       seen_(options.layers),
       penalties_(options.layers) {}
 
-// ALGORITHMS 1: d(a,b) = Σ_l ω_l [a_l ≠ b_l] + (η/2) |S_a Δ S_b|.
+// ALGORITHMS 1.3: d(a,b) = Σ_l ω_l [a_l ≠ b_l] + (η/2) |S_a Δ S_b|.
 double LabelMeter::distance(const std::vector<uint8_t>& a, size_t f, const std::vector<uint8_t>& b, size_t g) const {
   double sum = 0;
   uint32_t set_a = 0, set_b = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every texel of every layer gets a value before encoding (ALGORITHMS 2): holes inside charts of layers >= 2 from
+// Every texel of every layer gets a value before encoding (ALGORITHMS 2.4): holes inside charts of layers >= 2 from
 // layer 1 plus the smooth difference of the two layers, holes of layer 1 likewise from the layers that have the texel;
 // what no layer has by diffusion over the mesh, so that colour never comes from a chart that only lies beside in UV;
 // gutters with true content from across the chart seam, the rest by push-pull. The smooth difference is that of the
