@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "evaluate/frame_rate.h"
+#include "study/steps/frame_rate.h"
 #include "platform/egl_context.h"
 #include "platform/ffmpeg_video.h"
 
@@ -32,11 +32,11 @@ int main(int argc, char** argv) {
   const auto context = orStop(platform::EglContext::create());
   const auto device = orStop(gpu::createGlesDevice());
   const auto capture = orStop(capture::openCapture(argv[2], open_video));
-  evaluate::FrameRateOptions options;
+  study::FrameRateOptions options;
   if (argc > 3) options.frames = std::max(1, std::atoi(argv[3]));
   if (argc > 4) options.closest = std::max(0, std::atoi(argv[4]));
   std::fputs(
-      evaluate::frameRateTable(orStop(evaluate::measureFrameRates(*device, capture, open_video, argv[1], options)))
+      study::frameRateTable(orStop(study::measureFrameRates(*device, capture, open_video, argv[1], options)))
           .c_str(),
       stdout);
   return 0;

@@ -6,8 +6,8 @@
 
 #include "bake/picture_crop.h"
 #include "capture/capture.h"
-#include "evaluate/metrics.h"
-#include "evaluate/projective.h"
+#include "measure/metrics.h"
+#include "measure/projective.h"
 #include "gl_fixture.h"
 #include "platform/ffmpeg_video.h"
 
@@ -264,9 +264,9 @@ TEST_F(FvvrTest, AgreesWithTheYardstickOnTheSample) {
     const PinholeCamera view = cameraFromOrbit(orbit, 480, 640);
     const Image drawn = still(view, frame.value().pictures);
     const Image truth =
-        evaluate::renderProjective(view, cameras, frame.value().pictures, topology.face_vertices, positions);
-    const double ssim = evaluate::ssim(evaluate::compositedOnBlack(truth), evaluate::compositedOnBlack(drawn),
-                                       evaluate::unionOfSilhouettes(truth, drawn));
+        measure::renderProjective(view, cameras, frame.value().pictures, topology.face_vertices, positions);
+    const double ssim = measure::ssim(measure::compositedOnBlack(truth), measure::compositedOnBlack(drawn),
+                                       measure::unionOfSilhouettes(truth, drawn));
     RecordProperty("ssim_" + std::to_string(static_cast<int>(azimuth_deg)), std::to_string(ssim));
     printf("azimuth %.0f: SSIM %.4f\n", azimuth_deg, ssim);
     EXPECT_GE(ssim, 0.97);

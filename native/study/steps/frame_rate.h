@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// LVDT 4.4: frame rate of the layered character against free-viewpoint rendering (FVVR), in one run, on the same
+// frames, views and picture sizes, the two taking turns. A frame is what playing needs from a decoded picture on:
+// upload, geometry, depth maps (FVVR), drawing. Decoding is left out for both (one video here, as many as cameras
+// there). Does NOT bake.
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "capture/capture.h"
+#include "gpu/device.h"
+
+namespace fourdvt::study {
+
+struct FrameRateOptions {
+  std::string sequence;  // empty: the character's first
+  std::vector<std::pair<int, int>> sizes = {{512, 512}, {720, 960}};
+  int frames = 16;  // measured a size, each at another azimuth
+  int closest = 0;  // FVVR's M; 0: all cameras
+  const std::atomic<bool>* stop = nullptr;
+};
+
+// Medians in milliseconds. `frame_ms` is one undisturbed frame; the parts are timed apart, with the GPU drained between
+// them, and add up to more. Readback of the whole picture is no part of a frame.
+struct PassTimes {
+  double frame_ms = 0;
+  double upload_ms = 0;      // decoded pictures into textures (FVVR: cropped round the mesh and premultiplied)
+  double geometry_ms = 0;    // normals and tables
+  double depth_maps_ms = 0;  // FVVR only
+  double shading_ms = 0;     // drawing and resolving
+  double readback_ms = 0;
+  double framesPerSecond() const { return 1000 / frame_ms; }
+};
+
+struct FrameRate {
+  int width = 0, height = 0;
+  PassTimes layered, fvvr;
+  double ratio() const { return fvvr.frame_ms / layered.frame_ms; }  // of the frame rates
+  double drawRatio() const { return (fvvr.depth_maps_ms + fvvr.shading_ms) / layered.shading_ms; }
+  double shadingRatio() const { return fvvr.shading_ms / layered.shading_ms; }
+};
+
+struct FrameRates {
+  std::string renderer, sequence;
+  int layers = 0, layer_side = 0, cameras = 0, frames = 0;
+  uint32_t faces = 0;
+  uint64_t layered_bytes = 0, fvvr_bytes = 0;  // textures held on the GPU
+  std::vector<FrameRate> sizes;
+};
+
+// Errors: those of reading the character and the capture; Interrupted.
+Result<FrameRates> measureFrameRates(gpu::Device& device, const capture::Capture& capture, const OpenVideo& open_video,
+                                     const std::string& character_folder, const FrameRateOptions& options = {});
+
+std::string frameRateTable(const FrameRates& rates);
+
+}  // namespace fourdvt::study

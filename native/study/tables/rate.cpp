@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "study/rows.h"
+#include "study/tables/sections.h"
+
+namespace fourdvt::study {
+namespace {
+
+// Everything of a setting that makes a rate curve; crf varies along it.
+std::string curveName(const Figure& row) {
+  std::string name = row.method;
+  for (const char* key : {"preset", "size", "layers", "layout"}) {
+    const std::string value = rows::settingText(row.setting, key);
+    if (value.empty()) continue;
+    name += std::string(key) == "layers" ? " L" + value : " " + value + (std::string(key) == "size" ? "²" : "");
+  }
+  return name;
+}
+
+struct RatePoint {
+  double bits_per_s, quality;
+};
+struct RateCurve {
+  std::string name;
+  std::vector<RatePoint> ssim, psnr;
+  double encode_ms = 0;
+  int encode_count = 0;
+};
+
+std::vector<RateCurve> rateCurves(const StudyValues& v) {
+  std::vector<RateCurve> curves;
+  std::vector<std::string> done;
+  for (const Figure& row : v.rows()) {
+    if (row.table != rows::kRate || row.quantity != rows::kVideoBps || matchesFilter(row.setting, "chosen=1")) continue;
+    const std::string name = curveName(row), key = row.method + "|" + row.setting;
+    if (std::find(done.begin(), done.end(), key) != done.end()) continue;
+    done.push_back(key);
+    auto it = std::find_if(curves.begin(), curves.end(), [&](const RateCurve& c) { return c.name == name; });
+    if (it == curves.end()) it = curves.insert(curves.end(), RateCurve{name, {}, {}, 0, 0});
+    const std::string filter = row.setting + " !chosen";
+    const double rate = v.mean(rows::kRate, row.method, filter, rows::kVideoBps),
+                 ssim = v.mean(rows::kRate, row.method, filter, rows::kSsimFg),
+                 psnr = v.mean(rows::kRate, row.method, filter, rows::kPsnrFgDb),
+                 ms = v.mean(rows::kRate, row.method, filter, rows::kEncodeMsFrame);
+    if (!std::isnan(ssim)) it->ssim.push_back({rate, ssim});
+    if (!std::isnan(psnr)) it->psnr.push_back({rate, psnr});
+    if (!std::isnan(ms)) it->encode_ms += ms, ++it->encode_count;
+  }
+  auto byRate = [](const RatePoint& a, const RatePoint& b) { return a.bits_per_s < b.bits_per_s; };
+  for (RateCurve& curve : curves) {
+    std::sort(curve.ssim.begin(), curve.ssim.end(), byRate);
+    std::sort(curve.psnr.begin(), curve.psnr.end(), byRate);
+  }
+  return curves;
+}
+
+// Where the curve crosses a quality, interpolated in log rate; NaN outside it.
+double rateAtQuality(const std::vector<RatePoint>& points, double quality) {
+  for (size_t i = 1; i < points.size(); ++i) {
+    const RatePoint &a = points[i - 1], &b = points[i];
+    if ((a.quality - quality) * (b.quality - quality) > 0 || a.quality == b.quality) continue;
+    const double share = (quality - a.quality) / (b.quality - a.quality);
+    return std::exp(std::log(a.bits_per_s) + share * std::log(b.bits_per_s / a.bits_per_s));
+  }
+  return std::nan("");
+}
+
+Curve plotCurve(const std::string& name, const std::vector<RatePoint>& points) {
+  Curve curve{name, {}};
+  for (const RatePoint& p : points) curve.points.emplace_back(p.bits_per_s / 1e6, p.quality);
+  return curve;
+}
+
+// The default's quality, or the middle of the first curve where no default was chosen.
+double commonQuality(const StudyValues& v, const std::vector<RateCurve>& curves) {
+  for (const std::string& method : v.methods(rows::kRate)) {
+    const double chosen = v.mean(rows::kRate, method, "chosen=1", rows::kSsimFg);
+    if (!std::isnan(chosen)) return chosen;
+  }
+  const auto& points = curves.front().ssim;
+  return points.empty() ? std::nan("") : points[points.size() / 2].quality;
+}
+
+}  // namespace
+
+Section rateSection(const StudyValues& v) {
+  Section section{"rate", "Rate and quality", "", {}, {}, {}, {}};
+  section.text =
+      "The rendered view (not the atlas) against FVVR's, over the bitrate of the layers' video. A curve a codec, "
+      "preset "
+      "and layout; the quality setting varies along it. Up and to the left is better.";
+  const auto curves = rateCurves(v);
+  if (curves.empty()) return section;
+  std::vector<Curve> ssim, psnr;
+  for (const RateCurve& curve : curves) {
+    if (!curve.ssim.empty()) ssim.push_back(plotCurve(curve.name, curve.ssim));
+    if (!curve.psnr.empty()) psnr.push_back(plotCurve(curve.name, curve.psnr));
+  }
+  if (!ssim.empty())
+    section.plots.push_back({"SSIM against bitrate", "Mbit/s", "SSIM-FG of the rendered view", true, false, ssim});
+  if (!psnr.empty())
+    section.plots.push_back({"PSNR against bitrate", "Mbit/s", "PSNR-FG of the rendered view, dB", true, false, psnr});
+  const double quality = commonQuality(v, curves);
+  Table table{"The same quality",
+              "Interpolated along each curve; “–”: the curve does not reach this quality.",
+              {"curve", "bitrate at SSIM-FG " + fixedText(quality, 4), "encoding a frame"},
+              {}};
+  for (const RateCurve& c : curves)
+    table.rows.push_back({c.name, bitrateText(rateAtQuality(c.ssim, quality)),
+                          secondsText(c.encode_count ? c.encode_ms / c.encode_count / 1e3 : std::nan(""))});
+  section.tables.push_back(std::move(table));
+  for (const Figure& row : v.rows())
+    if (row.table == rows::kRate && row.quantity == rows::kVideoBps && matchesFilter(row.setting, "chosen=1")) {
+      section.text += "\n\nThe default is " + curveName(row) + " at quality " + rows::settingText(row.setting, "crf") +
+                      ": " + bitrateText(row.value) + ".";
+      break;
+    }
+  return section;
+}
+
+Section speedSection(const StudyValues& v) {
+  Section section{"speed", "Speed", "", {}, {}, {}, {}};
+  section.text =
+      "LVDT 4.4: frame rate of the layered renderer and of FVVR, on the same machine in the same run (the paper: 20 "
+      "against 11 frames a second). Times are of this machine; the ratio is what compares.";
+  Table rates{"Frame rate", "", {"method", "frames a second", "ms a frame", "against FVVR"}, {}};
+  for (const std::string& method : v.methods(rows::kSpeed)) {
+    const double fps = v.mean(rows::kSpeed, method, "!pass", rows::kFramesPerS);
+    if (std::isnan(fps)) continue;
+    const double ratio = v.mean(rows::kSpeed, method, "!pass", rows::kRatioToFvvr);
+    rates.rows.push_back({methodTitle(method), fixedText(fps, 1),
+                          fixedText(v.mean(rows::kSpeed, method, "!pass", rows::kFrameMs), 2),
+                          std::isnan(ratio) ? "–" : fixedText(ratio, 2) + " ×"});
+  }
+  if (!rates.rows.empty()) section.tables.push_back(std::move(rates));
+  Table passes{"Passes, ms a frame", "", {"pass", "layered", "FVVR"}, {}};
+  for (const Figure& row : v.rows()) {
+    if (row.table != rows::kSpeed || row.quantity != rows::kFrameMs) continue;
+    const std::string pass = rows::settingText(row.setting, "pass");
+    if (pass.empty()) continue;
+    auto it = std::find_if(passes.rows.begin(), passes.rows.end(), [&](const auto& r) { return r[0] == pass; });
+    if (it == passes.rows.end()) it = passes.rows.insert(passes.rows.end(), {pass, "–", "–"});
+    (*it)[row.method == rows::kFvvr ? 2 : 1] = fixedText(row.value, 3);
+  }
+  if (!passes.rows.empty()) section.tables.push_back(std::move(passes));
+  Table stages{"Bake, by stage", "", {"stage", "a frame"}, {}};
+  for (const Figure& row : v.rows())
+    if (row.table == rows::kBake && row.quantity == rows::kSecondsFrame)
+      if (const std::string stage = rows::settingText(row.setting, "stage"); !stage.empty())
+        stages.rows.push_back({stage + (row.sequence.empty() ? "" : ", " + row.sequence), secondsText(row.value)});
+  const double whole = v.mean(rows::kBake, rows::kJointDefault, "!stage", rows::kSecondsFrame);
+  if (!std::isnan(whole)) stages.rows.push_back({"whole bake", secondsText(whole)});
+  const double peak = v.mean(rows::kBake, rows::kJointDefault, "!stage", rows::kPeakRssBytes);
+  if (!std::isnan(peak)) stages.note = "Stages overlap on several jobs. Peak memory " + bytesText(peak) + ".";
+  if (!stages.rows.empty()) section.tables.push_back(std::move(stages));
+  return section;
+}
+
+}  // namespace fourdvt::study
