@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "study/rows.h"
@@ -74,6 +75,24 @@ std::string figuresCsv(const Figures& figures) {
     out += quoted(f.table) + "," + quoted(f.sequence) + "," + quoted(f.method) + "," + quoted(f.setting) + "," +
            quoted(f.quantity) + "," + number(f.value) + "," + quoted(f.unit) + "\n";
   return out;
+}
+
+std::string figuresJson(const Figures& figures, const StudyOptions& options, const std::string& capture_name) {
+  using Json = nlohmann::ordered_json;
+  const auto replaced = Json::error_handler_t::replace;  // of bytes that are not UTF-8
+  const Json run = {{"generator", options.generator},
+                    {"capture", capture_name},
+                    {"quick", options.quick},
+                    {"sequences", options.sequences},
+                    {"jobs", options.jobs}};
+  std::string out = run.dump(-1, ' ', false, replaced);
+  out.replace(out.size() - 1, 1, ",\"rows\":[");
+  for (const Figure& f : figures) {
+    const Json row = {{"table", f.table},       {"sequence", f.sequence}, {"method", f.method}, {"setting", f.setting},
+                      {"quantity", f.quantity}, {"value", f.value},       {"unit", f.unit}};
+    out += (&f == &figures.front() ? "\n" : ",\n") + row.dump(-1, ' ', false, replaced);
+  }
+  return out + "\n]}\n";
 }
 
 Result<Figures> parseFiguresCsv(const std::string& text, const std::string& path) {

@@ -105,7 +105,7 @@ Status openReportFolder(const std::string& folder, const std::string& key) {
                                                "since; delete it or choose another report folder"};
   if (old != key + "\n") {
     for (const char* part : {"/steps", "/work", "/pictures"}) removeFolder(folder + part);
-    for (const char* part : {"/evaluate.csv", "/report.html"}) fs::remove(folder + part, ignored);
+    for (const char* part : {"/evaluate.csv", "/evaluate.json", "/report.html"}) fs::remove(folder + part, ignored);
   }
   for (const char* part : {"/steps", "/work", "/pictures"}) FOURDVT_TRY(makeFolder(folder + part));
   return writeText(keyPath(folder), key + "\n");

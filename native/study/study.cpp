@@ -41,6 +41,7 @@ Result<Figures> runStudy(const StudyContext& given) {
   const auto publish = [&](const Figures& rows) -> Status {
     published = rows;
     FOURDVT_TRY(writeText(folder + "/evaluate.csv", figuresCsv(published)));
+    FOURDVT_TRY(writeText(folder + "/evaluate.json", figuresJson(published, context.options, context.capture->name)));
     return writeText(folder + "/report.html",
                      report::documentHtml(makeStudyDocument(rows, context.options, context.capture->name)));
   };

@@ -32,6 +32,7 @@ struct StudyOptions {
   std::vector<std::string> sequences;  // empty: all
   bool quick = false;                  // ≤ 2 minutes on the sample: one sequence, few views, few settings
   int jobs = 0;
+  std::string generator;  // "fourdvt X.Y.Z", for evaluate.json
 };
 
 struct StudyProgress {
@@ -69,12 +70,16 @@ Result<Figures> runMotion(const StudyContext& context);    // motion/: 4DVT 5-6:
 
 // The steps in order.
 std::vector<StudyStep> studySteps();
-// Checks the report folder, runs what is missing and writes evaluate.csv and report.html after every step. The context
-// needs folders, capture, device and open_video. Errors: those of the steps; Interrupted; InvalidArgument (the report
-// folder holds something else); WriteFailed.
+// Checks the report folder, runs what is missing and writes evaluate.csv, evaluate.json and report.html after every
+// step. The context needs folders, capture, device and open_video. Errors: those of the steps; Interrupted;
+// InvalidArgument (the report folder holds something else); WriteFailed.
 Result<Figures> runStudy(const StudyContext& context);
 
 std::string figuresCsv(const Figures& figures);
+// evaluate.json: what was run and the same rows, {"generator", "capture", "quick", "sequences", "jobs",
+// "rows": [{"table", "sequence", "method", "setting", "quantity", "value", "unit"}, …]}. A value that is not finite is
+// null; "text=…" settings of table "about" stay as they are.
+std::string figuresJson(const Figures& figures, const StudyOptions& options, const std::string& capture_name);
 Result<Figures> parseFiguresCsv(const std::string& text, const std::string& path);
 
 }  // namespace fourdvt::study

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "measure/held_out.h"
-#include "study/study.h"
 #include "platform/files.h"
+#include "study/study.h"
 #include "tools/args.h"
 #include "tools/commands.h"
 #include "tools/session.h"
@@ -21,7 +21,9 @@ const CommandHelp& help() {
   static const CommandHelp text{
       "evaluate CAPTURE -o REPORT [--quick]  or  evaluate CAPTURE --character CHARACTER [options]",
       "The first form bakes the capture in every way that is compared and writes the papers' tables and curves as\n"
-      "REPORT/evaluate.csv and REPORT/report.html. Stop it with Ctrl-C; the same command goes on where it was.\n"
+      "REPORT/evaluate.csv, evaluate.json (the same rows) and report.html. Stop it with Ctrl-C; the same command goes "
+      "on\n"
+      "where it was.\n"
       "The second form scores one baked character: PSNR (RGB) and SSIM (luma, 11x11 Gaussian) over the union of both\n"
       "silhouettes, on black, at the capture's held-out cameras and at its input cameras: per sequence, camera and "
       "mean.\n"
@@ -111,7 +113,8 @@ int runWholeStudy(const Arguments& arguments) {
   if (!gpu.ok()) return fail(gpu.error());
   ProgressLine line;
   study::StudyContext context;
-  context.options = {arguments.capture, arguments.output, arguments.sequences, arguments.quick, arguments.jobs};
+  context.options = {arguments.capture, arguments.output, arguments.sequences,
+                     arguments.quick,   arguments.jobs,   "fourdvt " FOURDVT_VERSION};
   context.capture = &capture.value();
   context.open_video = videoOpener();
   context.device = gpu.value().device.get();
@@ -150,10 +153,10 @@ int scoreCharacter(const Arguments& arguments) {
   if (!capture.ok()) return fail(capture.error());
   const bool tty = isatty(STDERR_FILENO) != 0;
   auto report = measure::evaluateHeldOut(capture.value(), videoOpener(), *session.value().player, arguments.held_out,
-                                          [&](const std::string& sequence, uint32_t frame) {
-                                            if (tty)
-                                              std::fprintf(stderr, "\r\033[K%s frame %u", sequence.c_str(), frame);
-                                          });
+                                         [&](const std::string& sequence, uint32_t frame) {
+                                           if (tty)
+                                             std::fprintf(stderr, "\r\033[K%s frame %u", sequence.c_str(), frame);
+                                         });
   if (tty) std::fputs("\r\033[K", stderr);
   if (!report.ok()) return fail(report.error());
   std::fputs(measure::scoreTable(report.value()).c_str(), stdout);

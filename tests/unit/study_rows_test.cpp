@@ -12,6 +12,7 @@
 #include <set>
 
 #include "measure/metrics.h"
+#include "platform/files.h"
 #include "study/figures.h"
 #include "study/ring.h"
 #include "study/run_steps.h"
@@ -54,6 +55,28 @@ TEST(StudyCsv, DamageNamesFileAndLine) {
     EXPECT_NE(read.error().message.find("folder/f.csv"), std::string::npos);
   }
   EXPECT_NE(parseFiguresCsv(good + "t,s,m\n", "f").error().message.find("line 4"), std::string::npos);
+}
+
+TEST(StudyJson, HoldsTheRowsAndWhatWasRun) {
+  StudyOptions options;
+  options.generator = "fourdvt 1.2.3";
+  options.sequences = {"walk", "run"};
+  options.quick = true;
+  const Figures rows{row("t", "m \"x\"", "a=1", "q", 0.125), row("t", "m", "", "none", NAN)};
+  const std::string path = (fs::temp_directory_path() / ("fourdvt_json_" + std::to_string(getpid()))).string();
+  ASSERT_TRUE(writeText(path, figuresJson(rows, options, "actor")));
+  const auto json = platform::readJsonFlat(path);
+  fs::remove(path);
+  ASSERT_TRUE(json) << json.error().message;
+  EXPECT_EQ(json.value().string("/generator"), "fourdvt 1.2.3");
+  EXPECT_EQ(json.value().string("/capture"), "actor");
+  EXPECT_EQ(json.value().string("/sequences/1"), "run");
+  EXPECT_EQ(json.value().string("/rows/0/method"), "m \"x\"");
+  EXPECT_EQ(json.value().string("/rows/0/setting"), "a=1");
+  EXPECT_EQ(json.value().number("/rows/0/value"), 0.125);
+  EXPECT_EQ(json.value().string("/rows/1/quantity"), "none");
+  EXPECT_FALSE(json.value().number("/rows/1/value"));
+  EXPECT_FALSE(json.value().has("/rows/2"));
 }
 
 TEST(StudyQuality, BytesAreLogLinearBetweenAndBeyondKnownPoints) {

@@ -7,11 +7,13 @@
 #include <vector>
 
 #include "report/document.h"
+#include "report/text.h"
 #include "study/study.h"
 
 namespace fourdvt::study {
 
-using report::Curve, report::Document, report::Picture, report::Plot, report::Section, report::Table, report::Tile;
+using report::Curve, report::Document, report::Picture, report::Plot, report::Section, report::Table;
+using report::fixedText, report::percentText, report::bytesText, report::secondsText, report::bitrateText;
 
 Document makeStudyDocument(const Figures& rows, const StudyOptions& options, const std::string& capture_name);
 
@@ -45,13 +47,6 @@ bool matchesFilter(const std::string& setting, const std::string& filter);
 
 // "ours (joint)", "FVVR", "NO: naive" …
 std::string methodTitle(const std::string& method);
-
-// Figures as text; "–" for NaN.
-std::string fixedText(double value, int decimals);
-std::string percentText(double percent);
-std::string bytesText(double bytes);
-std::string secondsText(double seconds);
-std::string bitrateText(double bits_per_s);
 
 // A goal of the project or a trend of the papers against the rows.
 struct Judgement {
