@@ -141,12 +141,4 @@ std::optional<double> bytesAtQuality(std::vector<RatePoint> points, double quali
   return std::exp(std::log(a.bytes) + t * (std::log(b.bytes) - std::log(a.bytes)));
 }
 
-std::string hashText(const std::string& text) {
-  uint64_t hash = 14695981039346656037ull;
-  for (char c : text) hash = (hash ^ static_cast<uint8_t>(c)) * 1099511628211ull;
-  char out[24];
-  std::snprintf(out, sizeof out, "%016llx", static_cast<unsigned long long>(hash));
-  return out;
-}
-
 }  // namespace fourdvt::study

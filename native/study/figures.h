@@ -42,7 +42,4 @@ struct RatePoint {
 // beyond them. Any order; nullopt for fewer than two points of different quality.
 std::optional<double> bytesAtQuality(std::vector<RatePoint> points, double quality_db);
 
-// FNV-1a 64 as 16 hexadecimal digits.
-std::string hashText(const std::string& text);
-
 }  // namespace fourdvt::study

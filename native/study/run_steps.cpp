@@ -2,9 +2,12 @@
 #include "study/run_steps.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 
+#include "base/hash.h"
 #include "platform/files.h"
+#include "platform/folders.h"
 #include "study/figures.h"
 
 namespace fourdvt::study {
@@ -70,24 +73,9 @@ std::string studyKey(const StudyOptions& options, const std::string& version) {
   std::string text = version + (options.quick ? " quick" : " full");
   for (const std::string& name : options.sequences) text += "\nsequence " + name;
   for (const std::string& line : lines) text += "\n" + line;
-  return hashText(text);
-}
-
-Status writeText(const std::string& path, const std::string& text) {
-  return platform::writeFileAtomic(path, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
-}
-
-Status makeFolder(const std::string& path) {
-  std::error_code error;
-  fs::create_directories(path, error);
-  if (error)
-    return Error{ErrorId::WriteFailed, path + ": " + error.message() + "; choose a report folder that is writable"};
-  return {};
-}
-
-void removeFolder(const std::string& path) {
-  std::error_code ignored;
-  fs::remove_all(path, ignored);
+  char key[24];
+  std::snprintf(key, sizeof key, "%016llx", static_cast<unsigned long long>(fnv1a(text)));
+  return key;
 }
 
 Status openReportFolder(const std::string& folder, const std::string& key) {
@@ -104,11 +92,11 @@ Status openReportFolder(const std::string& folder, const std::string& key) {
                                                ": holds a study of other settings, or of a capture that has changed "
                                                "since; delete it or choose another report folder"};
   if (old != key + "\n") {
-    for (const char* part : {"/steps", "/work", "/pictures"}) removeFolder(folder + part);
+    for (const char* part : {"/steps", "/work", "/pictures"}) platform::removeFolder(folder + part);
     for (const char* part : {"/evaluate.csv", "/evaluate.json", "/report.html"}) fs::remove(folder + part, ignored);
   }
-  for (const char* part : {"/steps", "/work", "/pictures"}) FOURDVT_TRY(makeFolder(folder + part));
-  return writeText(keyPath(folder), key + "\n");
+  for (const char* part : {"/steps", "/work", "/pictures"}) FOURDVT_TRY(platform::makeFolder(folder + part));
+  return platform::writeFileAtomic(keyPath(folder), key + "\n");
 }
 
 Status checkStop(const StudyContext& context) {
@@ -123,8 +111,8 @@ Result<Figures> keptPart(const StudyContext& context, const std::string& name,
   FOURDVT_TRY(checkStop(context));
   auto rows = measure();
   if (!rows) return rows;
-  FOURDVT_TRY(makeFolder(folder));
-  FOURDVT_TRY(writeText(path, figuresCsv(rows.value())));
+  FOURDVT_TRY(platform::makeFolder(folder));
+  FOURDVT_TRY(platform::writeFileAtomic(path, figuresCsv(rows.value())));
   return rows;
 }
 
@@ -153,7 +141,7 @@ Result<Figures> runSteps(const StudyContext& context, std::span<const StudyStep>
                                                commandLine(context.options) + "` again to go on"};
       if (!measured) return measured.error();
       rows = measured.take();
-      FOURDVT_TRY(writeText(path, figuresCsv(*rows)));
+      FOURDVT_TRY(platform::writeFileAtomic(path, figuresCsv(*rows)));
     }
     all.insert(all.end(), rows->begin(), rows->end());
     before += weight;

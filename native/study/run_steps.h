@@ -34,8 +34,4 @@ Result<Figures> rowsOfStep(const StudyContext& context, const std::string& step)
 // Interrupted once the user asked to stop.
 Status checkStop(const StudyContext& context);
 
-Status writeText(const std::string& path, const std::string& text);  // atomic
-Status makeFolder(const std::string& path);
-void removeFolder(const std::string& path);
-
 }  // namespace fourdvt::study

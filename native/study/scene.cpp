@@ -6,8 +6,9 @@
 #include <filesystem>
 #include <future>
 
-#include "bake/validate.h"
+#include "bake/stages/validate.h"
 #include "platform/files.h"
+#include "platform/folders.h"
 #include "study/run_steps.h"
 
 namespace fourdvt::study {
@@ -131,7 +132,7 @@ bake::BakeEnvironment bakeEnvironment(const StudyContext& context) {
 
 Result<std::unique_ptr<SurveyedJob>> surveyOnly(const StudyContext& context, const bake::BakeOptions& options) {
   const bake::BakeEnvironment environment = bakeEnvironment(context);
-  FOURDVT_TRY(makeFolder(context.work() + "/methods"));
+  FOURDVT_TRY(platform::makeFolder(context.work() + "/methods"));
   auto job = bake::validate(options, environment);
   if (!job) return job.error();
   auto out = std::make_unique<SurveyedJob>();
@@ -139,8 +140,7 @@ Result<std::unique_ptr<SurveyedJob>> surveyOnly(const StudyContext& context, con
   for (bake::SequencePlan& plan : out->job.sequences) plan.source = out->job.capture.find(plan.source->name);
   bake::StageClock clock;
   auto survey = bake::Survey::run(out->job, environment, clock, [](const std::string&, double) {});
-  std::error_code ignored;
-  std::filesystem::remove(out->job.workFolder(), ignored);  // only if empty: no bake is under way there
+  platform::removeIfEmpty(out->job.workFolder());  // only if empty: no bake is under way there
   if (!survey) return survey.error();
   out->survey = std::make_unique<bake::Survey>(survey.take());
   return out;

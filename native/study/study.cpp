@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "study/study.h"
 
+#include "platform/files.h"
 #include "report/document.h"
 #include "study/figures.h"
 #include "study/run_steps.h"
@@ -40,10 +41,11 @@ Result<Figures> runStudy(const StudyContext& given) {
   Figures published;
   const auto publish = [&](const Figures& rows) -> Status {
     published = rows;
-    FOURDVT_TRY(writeText(folder + "/evaluate.csv", figuresCsv(published)));
-    FOURDVT_TRY(writeText(folder + "/evaluate.json", figuresJson(published, context.options, context.capture->name)));
-    return writeText(folder + "/report.html",
-                     report::documentHtml(makeStudyDocument(rows, context.options, context.capture->name)));
+    FOURDVT_TRY(platform::writeFileAtomic(folder + "/evaluate.csv", figuresCsv(published)));
+    FOURDVT_TRY(platform::writeFileAtomic(folder + "/evaluate.json",
+                                          figuresJson(published, context.options, context.capture->name)));
+    return platform::writeFileAtomic(
+        folder + "/report.html", report::documentHtml(makeStudyDocument(rows, context.options, context.capture->name)));
   };
   auto rows = runSteps(context, studySteps(), publish);
   if (!rows) return rows;

@@ -64,7 +64,7 @@ TEST(StudyJson, HoldsTheRowsAndWhatWasRun) {
   options.quick = true;
   const Figures rows{row("t", "m \"x\"", "a=1", "q", 0.125), row("t", "m", "", "none", NAN)};
   const std::string path = (fs::temp_directory_path() / ("fourdvt_json_" + std::to_string(getpid()))).string();
-  ASSERT_TRUE(writeText(path, figuresJson(rows, options, "actor")));
+  ASSERT_TRUE(platform::writeFileAtomic(path, figuresJson(rows, options, "actor")));
   const auto json = platform::readJsonFlat(path);
   fs::remove(path);
   ASSERT_TRUE(json) << json.error().message;
@@ -158,7 +158,7 @@ TEST_F(StudySteps, AnotherKeyRunsEverythingAgain) {
 
 TEST_F(StudySteps, AReportOfAnotherKeyIsNotOverwritten) {
   ASSERT_TRUE(run("key"));
-  ASSERT_TRUE(writeText(folder_ + "/evaluate.csv", "rows").ok());
+  ASSERT_TRUE(platform::writeFileAtomic(folder_ + "/evaluate.csv", "rows").ok());
   const Status opened = openReportFolder(folder_, "other key");
   ASSERT_FALSE(opened.ok());
   EXPECT_EQ(opened.error().id, ErrorId::InvalidArgument);

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <functional>
 
-#include "bake/hybrid_blend.h"
+#include "bake/motion/hybrid_blend.h"
 #include "motion/mesh_blend.h"
 #include "study/figures.h"
 #include "study/motion/motion.h"

@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "bake/mesh_reader.h"
-#include "bake/validate.h"
+#include "bake/run/mesh_reader.h"
+#include "bake/stages/validate.h"
+#include "platform/folders.h"
 #include "study/rows.h"
 #include "study/run_steps.h"
 #include "study/scene.h"
@@ -41,7 +42,7 @@ bake::BakeOptions motionBake(const StudyContext& context, const capture::Capture
 Status bakeMotion(const StudyContext& context, const bake::BakeOptions& options) {
   std::error_code ignored;
   if (std::filesystem::exists(options.character_folder + "/character.gltf", ignored)) return {};
-  FOURDVT_TRY(makeFolder(context.work() + "/motion"));
+  FOURDVT_TRY(platform::makeFolder(context.work() + "/motion"));
   bake::BakeEnvironment environment = bakeEnvironment(context);
   environment.progress = [&](const bake::Progress& p) {
     tell(context, "bake " + p.stage, p.total ? kBakeShare * p.done / p.total : 0);
@@ -54,8 +55,7 @@ Status bakeMotion(const StudyContext& context, const bake::BakeOptions& options)
 Result<MotionTruth::Baked> asBaked(const StudyContext& context, const bake::BakeOptions& options,
                                    const capture::CaptureClass& motion_class) {
   auto job = bake::validate(options, bakeEnvironment(context));
-  std::error_code ignored;
-  std::filesystem::remove(options.character_folder + ".work", ignored);  // only if empty: no bake is under way there
+  platform::removeIfEmpty(options.character_folder + ".work");  // only if empty: no bake is under way there
   if (!job) return job.error();
   bake::MeshReader meshes(job.value());
   const capture::Capture& capture = job.value().capture;
@@ -122,7 +122,7 @@ Result<Figures> runMotion(const StudyContext& context) {
   if (!baked) return baked.error();
   auto truth = MotionTruth::open(context, stage.value()->motion(), baked.take());
   if (!truth) return truth.error();
-  FOURDVT_TRY(makeFolder(context.pictures()));
+  FOURDVT_TRY(platform::makeFolder(context.pictures()));
   const MotionSubject subject{context, options.character_folder, *stage.value(), truth.value().get()};
   Figures out;
   double done = 0;

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bake/class_plan.h"
+#include "bake/motion/class_plan.h"
 #include "motion/mesh_blend.h"
 #include "platform/opencv_flow.h"
 #include "study/rows.h"

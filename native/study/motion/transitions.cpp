@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "bake/root_track.h"
+#include "bake/motion/root_track.h"
 #include "motion/motion_graph.h"
 #include "platform/files.h"
 #include "study/figures.h"

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <map>
 
-#include "bake/fill.h"
+#include "bake/texels/fill.h"
 #include "study/figures.h"
 #include "study/run_steps.h"
 #include "study/scene.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <thread>
 
-#include "bake/labelling.h"
+#include "bake/labels/labelling.h"
 #include "study/figures.h"
 #include "study/rows.h"
 #include "study/run_steps.h"

@@ -11,6 +11,7 @@
 #include "measure/held_out.h"
 #include "measure/metrics.h"
 #include "platform/files.h"
+#include "platform/folders.h"
 #include "study/figures.h"
 #include "study/rows.h"
 #include "study/run_steps.h"
@@ -84,9 +85,9 @@ class MethodStudy {
 Status MethodStudy::bakeCharacter() {
   bake::BakeEnvironment environment = bakeEnvironment(context_);
   environment.progress = [this](const bake::Progress& p) { tell(p.stage, p.total ? 0.6 * p.done / p.total : 0); };
-  FOURDVT_TRY(makeFolder(context_.work() + "/methods"));
+  FOURDVT_TRY(platform::makeFolder(context_.work() + "/methods"));
   const bool timed = method_.name == rows::kJointDefault;
-  if (timed) removeFolder(method_.options.survey_folder);
+  if (timed) platform::removeFolder(method_.options.survey_folder);
   auto report = bake::bake(method_.options, environment);
   if (!report) return report.error();
   baked_ = report.take();
@@ -318,7 +319,7 @@ Result<Figures> runMethods(const StudyContext& context) {
     compareStorage(reference.value(), sequence->name, sequence == &shortestSequence(context), methods, out);
   for (const Method& method : methods)
     if (method.name != rows::kJointDefault && method.name != rows::kJoint)
-      removeFolder(method.options.character_folder);
+      platform::removeFolder(method.options.character_folder);
   return out;
 }
 

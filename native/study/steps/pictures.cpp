@@ -8,6 +8,7 @@
 
 #include "measure/character_frame.h"
 #include "platform/files.h"
+#include "platform/folders.h"
 #include "report/picture_sheets.h"
 #include "study/figures.h"
 #include "study/rows.h"
@@ -112,7 +113,7 @@ Status PictureStep::bakeSheetCharacter(bake::LabelMode mode, double from) {
   options.layers = std::min(kSheetLayers, cameras);
   options.labels = mode;
   if (!std::filesystem::exists(options.character_folder + "/character.gltf")) {
-    FOURDVT_TRY(makeFolder(context_.work() + "/pictures"));
+    FOURDVT_TRY(platform::makeFolder(context_.work() + "/pictures"));
     bake::BakeEnvironment environment = bakeEnvironment(context_);
     environment.progress = [&](const bake::Progress& p) {
       tell(name + ", " + p.stage, from + (p.total ? 0.3 * p.done / p.total : 0));
@@ -268,7 +269,7 @@ Status PictureStep::seamRows() {
 }
 
 Result<Figures> PictureStep::run() {
-  FOURDVT_TRY(makeFolder(context_.pictures()));
+  FOURDVT_TRY(platform::makeFolder(context_.pictures()));
   FOURDVT_TRY(findSubjects());
   middles_deg_ = middleAzimuths_deg(captureCameras(context_));
   tell("layers and camera maps", 0.6);

@@ -8,9 +8,10 @@
 #include <future>
 #include <map>
 
-#include "bake/job.h"
+#include "bake/run/job.h"
 #include "measure/metrics.h"
 #include "platform/files.h"
+#include "platform/folders.h"
 #include "study/figures.h"
 #include "study/rows.h"
 #include "study/run_steps.h"
@@ -133,7 +134,7 @@ Result<Figures> Reference::draw() {
   auto held_out = heldOutCameras(context_);
   if (!held_out) return held_out.error();
   held_out_ = held_out.take();
-  FOURDVT_TRY(makeFolder(context_.work() + "/reference/" + sequence_.name));
+  FOURDVT_TRY(platform::makeFolder(context_.work() + "/reference/" + sequence_.name));
   const uint64_t gpu_before = context_.device->counters().live_texture_bytes;
   auto fvvr = makeFvvr(context_);
   if (!fvvr) return fvvr.error();
