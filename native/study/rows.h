@@ -25,17 +25,26 @@
 //               naive             layers=L size=S                  the same, where measured (the papers' own labels)
 //               fvvr              any                              kMaskedBytes (PNG, a frame, all cameras),
 //                                                                  kMultiviewCodecBytes (sequence), kGpuBytes
-// speed         layered, fvvr     layers=3 size=512                kFramesPerS, kFrameMs
-//               layered           any                              kRatioToFvvr
-//               layered, fvvr     pass=<name> (last)               kFrameMs of one pass ("shadow cast", "layered",
+// speed         layered, fvvr     layers=3 size=512 [closest=M]    kFramesPerS, kFrameMs. closest: FVVR from the M
+//                                                                  cameras nearest to the view; without it: from all
+//               layered           [closest=M]                      kRatioToFvvr: frame rate against FVVR's with M
+//                                                                  cameras; kDrawRatioToFvvr: draws only
+//               layered, fvvr     [closest=M] pass=<name> (last)   kFrameMs of one pass ("shadow cast", "layered",
 //                                                                  "depth maps", "upload" …)
-// labels        as table1         layer=1.. (1-based)              kSeamPercent, kFlipPercent, kMeanPenalty
+// labels        as table1         layer=1.. (1-based)              kSeamPercent, kFlipPercent: over all faces;
+//                                                                  kSeenSeamPercent, kSeenFlipPercent, kMeanPenalty:
+//                                                                  over faces that a camera sees
 //                                 empty                            kEnergy (joint formulation), kEmptyPercent,
 //                                                                  kLabelMsFrame, kLabelBps
-//               joint             solve=global|windowed           kEnergy of both solves of one sequence, where
-//               measured
-// held-out      fvvr, naive, …,   views=N                          against held-out cameras: kPsnrFgDb, kSsimFg,
-//               joint,            (joint-default as baked)         kPsnrCommonDb (common part of the silhouettes),
+//               joint             solve=global|windowed            kEnergy of both solves of one sequence, where
+//                                                                  measured
+// label-parts   naive, spatial,   layer=1..                        as labels: modes, and joint without its liberties
+//               temporal-paper,                                    (joint-no-unseen: faces that no camera sees stay
+//               joint, joint-no-                                   empty; joint-no-partial: no cameras that see a face
+//               unseen, …                                          in part; joint-neither), labelled from the same
+//                                                                  costs of one sequence's first frames
+// held-out      fvvr, fvvr-       views=N                          against held-out cameras: kPsnrFgDb, kSsimFg,
+//               closest, naive …, (joint-default as baked)         kPsnrCommonDb (common part of the silhouettes),
 //               joint-default                                      kPsnrFullDb, kSsimFull
 // rate          codec name        preset=medium crf=23 size=1024   one point a setting: kVideoBps, kSsimFg, kPsnrFgDb,
 //               (h264, vp9, av1)  layers=3 layout=default          kEncodeMsFrame. layout: "default" (layer 1 large)
@@ -88,6 +97,7 @@ inline constexpr const char* kMultiview = "multiview";
 inline constexpr const char* kLayers = "layers";
 inline constexpr const char* kSpeed = "speed";
 inline constexpr const char* kLabels = "labels";
+inline constexpr const char* kLabelParts = "label-parts";
 inline constexpr const char* kHeldOut = "held-out";
 inline constexpr const char* kRate = "rate";
 inline constexpr const char* kBake = "bake";
@@ -104,12 +114,17 @@ inline constexpr const char* kMotionSkate = "motion-skate";
 
 // Methods. The labelling modes are bake::labelModeName's.
 inline constexpr const char* kFvvr = "fvvr";
+inline constexpr const char* kFvvrClosest = "fvvr-closest";  // from the kClosestCameras nearest to the view
+inline constexpr int kClosestCameras = 3;                    // M: as many cameras as layers
 inline constexpr const char* kNaive = "naive";
 inline constexpr const char* kSpatial = "spatial";
 inline constexpr const char* kTemporalPaper = "temporal-paper";
 inline constexpr const char* kPerTexel = "per-texel";
 inline constexpr const char* kJoint = "joint";
 inline constexpr const char* kJointDefault = "joint-default";
+inline constexpr const char* kJointNoUnseen = "joint-no-unseen";    // faces that no camera sees stay empty
+inline constexpr const char* kJointNoPartial = "joint-no-partial";  // without cameras that see a face in part
+inline constexpr const char* kJointNeither = "joint-neither";
 inline constexpr const char* kMethodMultiview = "multiview";
 inline constexpr const char* kMethodLayered = "layered";
 inline constexpr const char* kLinear = "linear";
@@ -148,8 +163,11 @@ inline constexpr const char* kGpuBytes = "gpu_bytes";
 inline constexpr const char* kFramesPerS = "frames_per_s";
 inline constexpr const char* kFrameMs = "frame_ms";
 inline constexpr const char* kRatioToFvvr = "ratio_to_fvvr";
+inline constexpr const char* kDrawRatioToFvvr = "draw_ratio_to_fvvr";  // depth maps and shading; no upload, no geometry
 inline constexpr const char* kSeamPercent = "seam_percent";
 inline constexpr const char* kFlipPercent = "flip_percent";
+inline constexpr const char* kSeenSeamPercent = "seen_seam_percent";  // over faces that a camera sees
+inline constexpr const char* kSeenFlipPercent = "seen_flip_percent";
 inline constexpr const char* kMeanPenalty = "mean_penalty";
 inline constexpr const char* kEnergy = "energy";
 inline constexpr const char* kEmptyPercent = "empty_percent";

@@ -46,8 +46,10 @@ Status renderFvvr(CharacterSession& session, const RenderArguments& arguments, c
   for (const auto& camera : capture.value().cameras) cameras.push_back(camera.pinhole);
   auto fvvr = render::Fvvr::create(*session.gpu.device, cameras, capture.value().topology);
   if (!fvvr.ok()) return fvvr.error();
-  FOURDVT_TRY(fvvr.value()->setFrame(frame.value().positions, frame.value().pictures));
-  auto picture = fvvr.value()->renderStill(render::viewFromCamera(view.value()), arguments.fvvr_options);
+  const render::View seen = render::viewFromCamera(view.value());
+  const std::vector<size_t> used = fvvr.value()->camerasOf(seen, arguments.fvvr_options);
+  FOURDVT_TRY(fvvr.value()->setFrame(frame.value().positions, frame.value().pictures, used));
+  auto picture = fvvr.value()->renderStill(seen, arguments.fvvr_options);
   if (!picture.ok()) return picture.error();
   return platform::writeImage(arguments.output, picture.value(), 95);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // bench_fvvr_ratio CHARACTER CAPTURE [FRAMES [CLOSEST]]: LVDT 4.4, frame rate of the layered character against
-// free-viewpoint rendering from the CLOSEST cameras (0: all), with the parts of a frame.
+// free-viewpoint rendering from all cameras and from the CLOSEST ones (3), with the parts of a frame.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -34,7 +34,7 @@ int main(int argc, char** argv) {
   const auto capture = orStop(capture::openCapture(argv[2], open_video));
   study::FrameRateOptions options;
   if (argc > 3) options.frames = std::max(1, std::atoi(argv[3]));
-  if (argc > 4) options.closest = std::max(0, std::atoi(argv[4]));
+  if (argc > 4) options.closest = {0, std::max(0, std::atoi(argv[4]))};
   std::fputs(
       study::frameRateTable(orStop(study::measureFrameRates(*device, capture, open_video, argv[1], options)))
           .c_str(),

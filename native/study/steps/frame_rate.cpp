@@ -189,8 +189,14 @@ class Race {
   Race(gpu::Device& device, const LoadedCharacter& loaded, const std::vector<capture::CaptureFrame>& captured,
        const FrameRateOptions& options)
       : device_(device), loaded_(loaded), captured_(captured) {
-    fvvr_options_.closest = options.closest;
     recipe_options_.ground_shadow = false;
+    const int cameras = static_cast<int>(captured[0].pictures.size());
+    for (int closest : options.closest) {
+      if (closest >= cameras) closest = 0;
+      const bool is_known =
+          std::any_of(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.options.closest == closest; });
+      if (!is_known) entries_.push_back({{.closest = closest}, {}});
+    }
   }
 
   Status prepare(const capture::Capture& capture, FrameRates& rates) {
@@ -220,23 +226,33 @@ class Race {
 
   Result<FrameRate> run(int width, int height, int frames, const std::atomic<bool>* stop) {
     FOURDVT_TRY(resize(width, height));
-    Samples layered, fvvr;
+    Samples layered;
     for (int i = -kWarmUp; i < frames; ++i) {
       if (stop && *stop) return Error{ErrorId::Interrupted, "interrupted"};
-      if (i == 0) layered = fvvr = {};
+      if (i <= 0) {
+        layered = {};
+        for (Entry& entry : entries_) entry.samples = {};
+      }
       OrbitView orbit = defaultOrbit(loaded_.character.bounds, double(width) / height);
       orbit.azimuth_deg += 360.0 * i / frames;
       const render::View view = render::viewFromCamera(cameraFromOrbit(orbit, width, height));
       const size_t frame = static_cast<size_t>(i + kWarmUp) % loaded_.frames.size();
       FOURDVT_TRY(layeredFrame(frame, view, layered));
-      FOURDVT_TRY(fvvrFrame(frame, view, fvvr));
+      for (Entry& entry : entries_) FOURDVT_TRY(fvvrFrame(frame, view, entry));
       FOURDVT_TRY(layeredParts(frame, view, layered));
-      FOURDVT_TRY(fvvrParts(frame, view, fvvr));
+      for (Entry& entry : entries_) FOURDVT_TRY(fvvrParts(frame, view, entry));
     }
-    return FrameRate{width, height, medians(layered), medians(fvvr)};
+    FrameRate rate{width, height, medians(layered), {}};
+    for (const Entry& entry : entries_) rate.fvvr.push_back({entry.options.closest, medians(entry.samples)});
+    return rate;
   }
 
  private:
+  struct Entry {  // FVVR with one M
+    render::FvvrOptions options;
+    Samples samples;
+  };
+
   Status resize(int width, int height) {
     auto color = gpu::makeTexture(device_, {.width = width, .height = height, .label = "race"});
     if (!color.ok()) return color.error();
@@ -268,12 +284,13 @@ class Race {
     return {};
   }
 
-  Status fvvrFrame(size_t frame, const render::View& view, Samples& out) {
+  Status fvvrFrame(size_t frame, const render::View& view, Entry& entry) {
     const auto start = Clock::now();
-    FOURDVT_TRY(fvvr_->setFrame(captured_[frame].positions, captured_[frame].pictures));
-    FOURDVT_TRY(fvvr_->draw(view, fvvr_options_, target_.id()));
+    const std::vector<size_t> used = fvvr_->camerasOf(view, entry.options);
+    FOURDVT_TRY(fvvr_->setFrame(captured_[frame].positions, captured_[frame].pictures, used));
+    FOURDVT_TRY(fvvr_->draw(view, entry.options, target_.id()));
     FOURDVT_TRY(drain_.wait(device_));
-    out.frame.push_back(millisecondsSince(start));
+    entry.samples.frame.push_back(millisecondsSince(start));
     return {};
   }
 
@@ -300,18 +317,20 @@ class Race {
     return readBack(view, out);
   }
 
-  Status fvvrParts(size_t frame, const render::View& view, Samples& out) {
-    FOURDVT_TRY(timed(out.geometry, [&] { return fvvr_->setGeometry(captured_[frame].positions); }));
+  Status fvvrParts(size_t frame, const render::View& view, Entry& entry) {
+    Samples& out = entry.samples;
+    const std::vector<size_t> used = fvvr_->camerasOf(view, entry.options);
+    FOURDVT_TRY(timed(out.geometry, [&] { return fvvr_->setGeometry(captured_[frame].positions, used); }));
     FOURDVT_TRY(timed(out.upload, [&] { return fvvr_->uploadPictures(captured_[frame].pictures); }));
     FOURDVT_TRY(timed(out.depth_maps, [&] { return fvvr_->drawDepthMaps(), Status(); }));
-    FOURDVT_TRY(timed(out.shading, [&] { return fvvr_->draw(view, fvvr_options_, target_.id()); }));
+    FOURDVT_TRY(timed(out.shading, [&] { return fvvr_->draw(view, entry.options, target_.id()); }));
     return readBack(view, out);
   }
 
   gpu::Device& device_;
   const LoadedCharacter& loaded_;
   const std::vector<capture::CaptureFrame>& captured_;
-  render::FvvrOptions fvvr_options_;
+  std::vector<Entry> entries_;
   render::RecipeOptions recipe_options_;
   Drain drain_;
   render::PlainFigure figure_;
@@ -364,17 +383,20 @@ std::string frameRateTable(const FrameRates& r) {
   std::string text = line("%s; %s, %u faces, %d layers of %d, %d cameras, %d frames\n", r.renderer.c_str(),
                           r.sequence.c_str(), r.faces, r.layers, r.layer_side, r.cameras, r.frames);
   text += line("GPU textures: layered %.1f MB, FVVR %.1f MB\n", r.layered_bytes / 1e6, r.fvvr_bytes / 1e6);
-  text += line("%-9s %-8s %8s %8s | %8s %8s %8s %8s | %8s\n", "picture", "method", "frames/s", "frame ms", "upload",
+  text += line("%-9s %-12s %8s %8s | %8s %8s %8s %8s | %8s\n", "picture", "method", "frames/s", "frame ms", "upload",
                "geometry", "depth", "shading", "readback");
   for (const FrameRate& rate : r.sizes) {
     const auto row = [&](const char* method, const PassTimes& t) {
-      return line("%-9s %-8s %8.1f %8.2f | %8.2f %8.2f %8.2f %8.2f | %8.2f\n",
+      return line("%-9s %-12s %8.1f %8.2f | %8.2f %8.2f %8.2f %8.2f | %8.2f\n",
                   line("%dx%d", rate.width, rate.height).c_str(), method, t.framesPerSecond(), t.frame_ms, t.upload_ms,
                   t.geometry_ms, t.depth_maps_ms, t.shading_ms, t.readback_ms);
     };
-    text += row("layered", rate.layered) + row("fvvr", rate.fvvr);
-    text += line("          frame rate ratio %.2f, draw only (with depth maps) %.2f, shading only %.2f\n", rate.ratio(),
-                 rate.drawRatio(), rate.shadingRatio());
+    text += row("layered", rate.layered);
+    for (const auto& [closest, times] : rate.fvvr) {
+      text += row(line("fvvr, M = %d", closest ? closest : r.cameras).c_str(), times);
+      text += line("          frame rate ratio %.2f, draw only (with depth maps) %.2f, shading only %.2f\n",
+                   rate.ratio(times), rate.drawRatio(times), rate.shadingRatio(times));
+    }
   }
   return text;
 }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // LVDT 4.4: frame rate of the layered character against free-viewpoint rendering (FVVR), in one run, on the same
-// frames, views and picture sizes, the two taking turns. A frame is what playing needs from a decoded picture on:
-// upload, geometry, depth maps (FVVR), drawing. Decoding is left out for both (one video here, as many as cameras
-// there). Does NOT bake.
+// frames, views and picture sizes, the methods taking turns. A frame is what playing needs from a decoded picture on:
+// upload, geometry, depth maps (FVVR), drawing. FVVR is timed with all N cameras and with the M nearest to the view,
+// each time with the uploads and depth maps of the cameras that it uses and no others. Decoding is left out for both
+// (one video here, as many as cameras there). Does NOT bake.
 #pragma once
 
 #include <atomic>
@@ -18,8 +19,8 @@ namespace fourdvt::study {
 struct FrameRateOptions {
   std::string sequence;  // empty: the character's first
   std::vector<std::pair<int, int>> sizes = {{512, 512}, {720, 960}};
-  int frames = 16;  // measured a size, each at another azimuth
-  int closest = 0;  // FVVR's M; 0: all cameras
+  int frames = 16;                 // measured per size, each at another azimuth
+  std::vector<int> closest{0, 3};  // FVVR's M, each measured; 0: all cameras. Those of N and above count as 0
   const std::atomic<bool>* stop = nullptr;
 };
 
@@ -35,12 +36,21 @@ struct PassTimes {
   double framesPerSecond() const { return 1000 / frame_ms; }
 };
 
+// FVVR from the M cameras nearest to the view.
+struct FvvrRate {
+  int closest = 0;  // M; 0: all cameras
+  PassTimes times;
+};
+
 struct FrameRate {
   int width = 0, height = 0;
-  PassTimes layered, fvvr;
-  double ratio() const { return fvvr.frame_ms / layered.frame_ms; }  // of the frame rates
-  double drawRatio() const { return (fvvr.depth_maps_ms + fvvr.shading_ms) / layered.shading_ms; }
-  double shadingRatio() const { return fvvr.shading_ms / layered.shading_ms; }
+  PassTimes layered;
+  std::vector<FvvrRate> fvvr;  // as FrameRateOptions::closest
+  double ratio(const PassTimes& theirs) const { return theirs.frame_ms / layered.frame_ms; }  // of the frame rates
+  double drawRatio(const PassTimes& theirs) const {
+    return (theirs.depth_maps_ms + theirs.shading_ms) / layered.shading_ms;
+  }
+  double shadingRatio(const PassTimes& theirs) const { return theirs.shading_ms / layered.shading_ms; }
 };
 
 struct FrameRates {

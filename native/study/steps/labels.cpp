@@ -51,11 +51,80 @@ bake::FaceCosts costsOf(const Measured& measured, const bake::Job& job, uint32_t
                                 bake::steadyFractions(window, frame - first, options));
 }
 
+// The labelling problem of a sequence's first frames.
+struct LabelProblem {
+  const StudyContext& context;
+  const bake::Job& job;
+  std::string sequence;
+  Measured measured;
+  bake::FaceGraph graph;
+
+  uint32_t frameCount() const { return static_cast<uint32_t>(measured.positions.size()); }
+  Result<bake::LabelStatistics> solve(bake::LabelOptions options) const {
+    options.layers = kPaperLayers;
+    options.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    return bake::solveLabels(
+        options, graph, frameCount(), [&](uint32_t f) -> Result<bake::FaceCosts> { return costsOf(measured, job, f); },
+        [](uint32_t, const std::vector<uint8_t>&) -> Status { return {}; }, {}, context.stop);
+  }
+};
+
+struct LabelVariant {
+  const char* name;
+  bake::LabelOptions options;
+};
+
+const std::vector<LabelVariant>& labelVariants() {
+  using bake::LabelMode;
+  static const std::vector<LabelVariant> kVariants{
+      {rows::kNaive, {.mode = LabelMode::Naive}},
+      {rows::kSpatial, {.mode = LabelMode::Spatial}},
+      {rows::kTemporalPaper, {.mode = LabelMode::TemporalPaper}},
+      {rows::kJoint, {}},
+      {rows::kJointNoUnseen, {.label_unseen = false}},
+      {rows::kJointNoPartial, {.use_partial = false}},
+      {rows::kJointNeither, {.use_partial = false, .label_unseen = false}}};
+  return kVariants;
+}
+
+Status compareParts(const LabelProblem& problem, Figures& out) {
+  for (const LabelVariant& variant : labelVariants()) {
+    auto statistics = problem.solve(variant.options);
+    if (!statistics) return statistics.error();
+    writeLabelRows(statistics.value(), rows::kLabelParts, problem.sequence, variant.name, out);
+  }
+  return {};
+}
+
+Status compareSolves(const LabelProblem& problem, Figures& out) {
+  for (const bool is_global : {false, true}) {
+    bake::LabelOptions options;
+    if (is_global) options.window_frames = options.hop_frames = static_cast<int>(problem.frameCount());
+    auto statistics = problem.solve(options);
+    if (!statistics) return statistics.error();
+    RowWriter(out, rows::kLabels, problem.sequence, rows::kJoint, is_global ? "solve=global" : "solve=windowed")
+        .add(rows::kEnergy, statistics.value().energy, "");
+  }
+  return {};
+}
+
 }  // namespace
 
-Result<Figures> compareSolves(const StudyContext& context) {
+void writeLabelRows(const bake::LabelStatistics& s, const std::string& table, const std::string& sequence,
+                    const std::string& method, Figures& out) {
+  for (size_t l = 0; l < s.seam_percent.size(); ++l) {
+    const RowWriter row(out, table, sequence, method, "layer=" + std::to_string(l + 1));
+    row.add(rows::kSeamPercent, s.seam_percent[l], "percent");
+    row.add(rows::kFlipPercent, s.flip_percent[l], "percent");
+    row.add(rows::kSeenSeamPercent, s.seen_seam_percent[l], "percent");
+    row.add(rows::kSeenFlipPercent, s.seen_flip_percent[l], "percent");
+    row.add(rows::kMeanPenalty, s.mean_penalty[l], "");
+  }
+}
+
+Result<Figures> measureLabels(const StudyContext& context) {
   const capture::CaptureSequence& sequence = shortestSequence(context);
-  const uint32_t frames = std::min(sequence.frame_count, kGlobalFrames);
+  const uint32_t frames = std::min(sequence.frame_count, context.options.quick ? kQuickFrames : kGlobalFrames);
   bake::BakeOptions bake_options = studyBake(context, "solves");
   bake_options.sequences = {sequence.name};
   auto surveyed = surveyOnly(context, bake_options);
@@ -63,20 +132,11 @@ Result<Figures> compareSolves(const StudyContext& context) {
   const bake::Job& job = surveyed.value()->job;
   auto measured = measureFrames(context, job, sequence, frames);
   if (!measured) return measured.error();
-  const bake::FaceGraph graph = bake::makeFaceGraph(job.mesh.decoded.topology);
+  const LabelProblem problem{context, job, sequence.name, measured.take(),
+                             bake::makeFaceGraph(job.mesh.decoded.topology)};
   Figures out;
-  for (const char* solve : {"solve=windowed", "solve=global"}) {
-    bake::LabelOptions options;
-    options.layers = kPaperLayers;
-    options.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-    if (std::string(solve) == "solve=global") options.window_frames = options.hop_frames = static_cast<int>(frames);
-    auto statistics = bake::solveLabels(
-        options, graph, frames,
-        [&](uint32_t f) -> Result<bake::FaceCosts> { return costsOf(measured.value(), job, f); },
-        [](uint32_t, const std::vector<uint8_t>&) -> Status { return {}; }, {}, context.stop);
-    if (!statistics) return statistics.error();
-    RowWriter(out, rows::kLabels, sequence.name, rows::kJoint, solve).add(rows::kEnergy, statistics.value().energy, "");
-  }
+  FOURDVT_TRY(compareParts(problem, out));
+  if (!context.options.quick) FOURDVT_TRY(compareSolves(problem, out));
   return out;
 }
 

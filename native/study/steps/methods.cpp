@@ -230,12 +230,7 @@ void MethodStudy::labels(const capture::CaptureSequence& sequence) {
   const auto it = baked_.labels_by_sequence.find(sequence.name);
   if (it == baked_.labels_by_sequence.end()) return;
   const bake::LabelStatistics& s = it->second;
-  for (size_t l = 0; l < s.seam_percent.size(); ++l) {
-    const RowWriter row(out_, rows::kLabels, sequence.name, method_.name, "layer=" + std::to_string(l + 1));
-    row.add(rows::kSeamPercent, s.seam_percent[l], "percent");
-    row.add(rows::kFlipPercent, s.flip_percent[l], "percent");
-    row.add(rows::kMeanPenalty, s.mean_penalty[l], "");
-  }
+  writeLabelRows(s, rows::kLabels, sequence.name, method_.name, out_);
   const RowWriter row(out_, rows::kLabels, sequence.name, method_.name, "");
   row.add(rows::kEnergy, s.energy, "");
   row.add(rows::kEmptyPercent, s.empty_percent, "percent");
@@ -312,7 +307,7 @@ Result<Figures> runMethods(const StudyContext& context) {
     FOURDVT_TRY(take(keptPart(context, "codec-loss-" + sequence->name,
                               [&] { return measureCodecLoss(context, *sequence, methods); })));
   }
-  if (!context.options.quick) FOURDVT_TRY(take(keptPart(context, "solves", [&] { return compareSolves(context); })));
+  FOURDVT_TRY(take(keptPart(context, "labels", [&] { return measureLabels(context); })));
   auto reference = rowsOfStep(context, "reference");
   if (!reference) return reference;
   for (const auto* sequence : sequences)

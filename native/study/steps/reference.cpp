@@ -76,7 +76,7 @@ class Reference {
   double before_, share_;
   std::vector<RingView> ring_;
   std::vector<PinholeCamera> held_out_;
-  MeanScores held_out_scores_;
+  MeanScores held_out_scores_, held_out_closest_;
   std::map<std::string, MeanScores> held_out_by_camera_;
   uint64_t masked_png_bytes_ = 0, whole_png_bytes_ = 0, raw_bytes_ = 0;
   uint32_t whole_pngs_ = 0;
@@ -100,6 +100,9 @@ Status Reference::heldOut(uint32_t frame, render::Fvvr& fvvr) {
     auto picture = fvvr.renderStill(render::viewFromCamera(camera), {});
     if (!picture) return picture.error();
     const PictureScore score = scorePicture(truth.value(), picture.value());
+    auto fewer = fvvr.renderStill(render::viewFromCamera(camera), {.closest = rows::kClosestCameras});
+    if (!fewer) return fewer.error();
+    held_out_closest_.add(scorePicture(truth.value(), fewer.value()));
     held_out_scores_.add(score);
     held_out_by_camera_[camera.name].add(score);
     FOURDVT_TRY(platform::writeImage(referencePath(context_, sequence_.name, camera.name, frame), picture.value()));
@@ -183,6 +186,8 @@ Result<Figures> Reference::draw() {
   }
   held_out_scores_.write(out, rows::kHeldOut, sequence_.name, rows::kFvvr,
                          "views=" + std::to_string(held_out_scores_.count()));
+  held_out_closest_.write(out, rows::kHeldOut, sequence_.name, rows::kFvvrClosest,
+                          "views=" + std::to_string(held_out_closest_.count()));
   for (const auto& [camera, scores] : held_out_by_camera_)
     scores.write(out, "held-out-views", sequence_.name, rows::kFvvr, "view=" + camera);
   return out;

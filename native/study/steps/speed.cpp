@@ -45,30 +45,51 @@ Result<std::string> bakeOwn(const StudyContext& context) {
 
 std::string sizeText(const FrameRate& rate) { return std::to_string(rate.width) + "x" + std::to_string(rate.height); }
 
-void addMethod(Figures& out, const FrameRates& rates, const FrameRate& rate, const char* method, const PassTimes& times,
-               bool with_passes) {
+// The rows of one renderer at one picture size.
+struct SpeedRows {
+  Figures& out;
+  const FrameRates& rates;
+  std::string method, setting;
+
+  RowWriter writer() const { return {out, rows::kSpeed, rates.sequence, method, setting}; }
+  void addTimes(const PassTimes& times, uint64_t gpu_bytes) const {
+    writer().add(rows::kFramesPerS, times.framesPerSecond(), "1/s");
+    writer().add(rows::kFrameMs, times.frame_ms, "ms");
+    writer().add(rows::kGpuBytes, static_cast<double>(gpu_bytes), "bytes");
+  }
+  void addPasses(const PassTimes& times, const std::string& size) const {
+    const auto pass = [&](const char* name, double ms) {
+      RowWriter(out, rows::kSpeed, rates.sequence, method, setting + " pass=" + size + " " + name)
+          .add(rows::kFrameMs, ms, "ms");
+    };
+    pass("upload", times.upload_ms);
+    pass("geometry", times.geometry_ms);
+    if (method == rows::kFvvr) pass("depth maps", times.depth_maps_ms);
+    pass("shading", times.shading_ms);
+    pass("readback", times.readback_ms);
+  }
+};
+
+// "" for all cameras.
+std::string closestSetting(const FvvrRate& fvvr) {
+  return fvvr.closest ? " closest=" + std::to_string(fvvr.closest) : "";
+}
+
+void addSize(Figures& out, const FrameRates& rates, const FrameRate& rate, bool with_passes) {
   const std::string setting = "layers=" + std::to_string(rates.layers) + " size=" + std::to_string(rates.layer_side) +
                               " view=" + sizeText(rate);
-  const bool is_layered = method == std::string(rows::kMethodLayered);
-  RowWriter row(out, rows::kSpeed, rates.sequence, method, setting);
-  row.add(rows::kFramesPerS, times.framesPerSecond(), "1/s");
-  row.add(rows::kFrameMs, times.frame_ms, "ms");
-  row.add(rows::kGpuBytes, static_cast<double>(is_layered ? rates.layered_bytes : rates.fvvr_bytes), "bytes");
-  if (is_layered) {
-    row.add(rows::kRatioToFvvr, rate.ratio(), "ratio");
-    row.add("draw_ratio_to_fvvr", rate.drawRatio(), "ratio");        // depth maps + shading / shading
-    row.add("shading_ratio_to_fvvr", rate.shadingRatio(), "ratio");  // as if depth maps were free
+  const SpeedRows ours{out, rates, rows::kMethodLayered, setting};
+  ours.addTimes(rate.layered, rates.layered_bytes);
+  if (with_passes) ours.addPasses(rate.layered, sizeText(rate));
+  for (const FvvrRate& fvvr : rate.fvvr) {
+    const SpeedRows theirs{out, rates, rows::kFvvr, setting + closestSetting(fvvr)};
+    theirs.addTimes(fvvr.times, rates.fvvr_bytes);
+    if (with_passes) theirs.addPasses(fvvr.times, sizeText(rate));
+    const RowWriter ratios = SpeedRows{out, rates, rows::kMethodLayered, theirs.setting}.writer();
+    ratios.add(rows::kRatioToFvvr, rate.ratio(fvvr.times), "ratio");
+    ratios.add(rows::kDrawRatioToFvvr, rate.drawRatio(fvvr.times), "ratio");
+    ratios.add("shading_ratio_to_fvvr", rate.shadingRatio(fvvr.times), "ratio");  // as if depth maps were free
   }
-  if (!with_passes) return;
-  const auto pass = [&](const char* name, double ms) {
-    RowWriter(out, rows::kSpeed, rates.sequence, method, setting + " pass=" + sizeText(rate) + " " + name)
-        .add(rows::kFrameMs, ms, "ms");
-  };
-  pass("upload", times.upload_ms);
-  pass("geometry", times.geometry_ms);
-  if (!is_layered) pass("depth maps", times.depth_maps_ms);
-  pass("shading", times.shading_ms);
-  pass("readback", times.readback_ms);
 }
 
 }  // namespace
@@ -93,10 +114,7 @@ Result<Figures> runSpeed(const StudyContext& context) {
     tell(context, std::filesystem::path(characters[i]).filename().string(), 0.5 + 0.5 * double(i) / characters.size());
     auto rates = measureFrameRates(*context.device, *context.capture, context.open_video, characters[i], options);
     if (!rates.ok()) return rates.error();
-    for (const FrameRate& rate : rates.value().sizes) {
-      addMethod(out, rates.value(), rate, rows::kMethodLayered, rate.layered, i == 0);
-      addMethod(out, rates.value(), rate, rows::kFvvr, rate.fvvr, i == 0);
-    }
+    for (const FrameRate& rate : rates.value().sizes) addSize(out, rates.value(), rate, i == 0);
   }
   return out;
 }

@@ -83,6 +83,21 @@ double commonQuality(const StudyValues& v, const std::vector<RateCurve>& curves)
   return points.empty() ? std::nan("") : points[points.size() / 2].quality;
 }
 
+// A renderer's row of the table of frame rates. closest: FVVR's M; "": all cameras.
+void addRates(const StudyValues& v, const std::string& method, const std::string& closest, Table& out) {
+  const std::string filter = closest.empty() ? "!pass !closest" : "!pass closest=" + closest;
+  const double fps = v.mean(rows::kSpeed, method, filter, rows::kFramesPerS);
+  if (std::isnan(fps)) return;
+  const auto ratio = [&](const char* quantity) {
+    const double times = v.mean(rows::kSpeed, rows::kMethodLayered, filter, quantity);
+    return method != rows::kFvvr || std::isnan(times) ? "–" : fixedText(times, 2) + " ×";
+  };
+  const std::string cameras = method != rows::kFvvr ? "" : closest.empty() ? ", all cameras" : ", M = " + closest;
+  out.rows.push_back({methodTitle(method) + cameras, fixedText(fps, 1),
+                      fixedText(v.mean(rows::kSpeed, method, filter, rows::kFrameMs), 2), ratio(rows::kRatioToFvvr),
+                      ratio(rows::kDrawRatioToFvvr)});
+}
+
 }  // namespace
 
 Section rateSection(const StudyValues& v) {
@@ -125,24 +140,31 @@ Section speedSection(const StudyValues& v) {
   section.text =
       "LVDT 4.4: frame rate of the layered renderer and of FVVR, on the same machine in the same run (the paper: 20 "
       "against 11 frames a second). Times are of this machine; the ratio is what compares.";
-  Table rates{"Frame rate", "", {"method", "frames a second", "ms a frame", "against FVVR"}, {}};
-  for (const std::string& method : v.methods(rows::kSpeed)) {
-    const double fps = v.mean(rows::kSpeed, method, "!pass", rows::kFramesPerS);
-    if (std::isnan(fps)) continue;
-    const double ratio = v.mean(rows::kSpeed, method, "!pass", rows::kRatioToFvvr);
-    rates.rows.push_back({methodTitle(method), fixedText(fps, 1),
-                          fixedText(v.mean(rows::kSpeed, method, "!pass", rows::kFrameMs), 2),
-                          std::isnan(ratio) ? "–" : fixedText(ratio, 2) + " ×"});
-  }
+  Table rates{"Frame rate",
+              "FVVR uploads and draws the depth maps of the cameras that it blends, no others. “Whole frame”: uploads, "
+              "geometry and draws; “draws only”: depth maps and shading. Decoding is left out: one video here, one per "
+              "camera there.",
+              {"method", "frames per second", "ms per frame", "layered is faster: whole frame", "draws only"},
+              {}};
+  for (const std::string& method : v.methods(rows::kSpeed)) addRates(v, method, "", rates);
+  for (const std::string& closest : v.settings(rows::kSpeed, rows::kFvvr, "closest"))
+    addRates(v, rows::kFvvr, closest, rates);
   if (!rates.rows.empty()) section.tables.push_back(std::move(rates));
-  Table passes{"Passes, ms a frame", "", {"pass", "layered", "FVVR"}, {}};
+  Table passes{"Passes, ms per frame", "", {"pass", "layered", "FVVR, all cameras"}, {}};
+  const auto closest = v.settings(rows::kSpeed, rows::kFvvr, "closest");
+  for (const std::string& m : closest) passes.columns.push_back("FVVR, M = " + m);
   for (const Figure& row : v.rows()) {
     if (row.table != rows::kSpeed || row.quantity != rows::kFrameMs) continue;
-    const std::string pass = rows::settingText(row.setting, "pass");
+    const std::string pass = rows::settingText(row.setting, "pass"), m = rows::settingText(row.setting, "closest");
     if (pass.empty()) continue;
     auto it = std::find_if(passes.rows.begin(), passes.rows.end(), [&](const auto& r) { return r[0] == pass; });
-    if (it == passes.rows.end()) it = passes.rows.insert(passes.rows.end(), {pass, "–", "–"});
-    (*it)[row.method == rows::kFvvr ? 2 : 1] = fixedText(row.value, 3);
+    if (it == passes.rows.end()) {
+      it = passes.rows.insert(passes.rows.end(), std::vector<std::string>(passes.columns.size(), "–"));
+      it->front() = pass;
+    }
+    const size_t further = static_cast<size_t>(std::find(closest.begin(), closest.end(), m) - closest.begin());
+    const size_t column = row.method != rows::kFvvr ? 1 : m.empty() ? 2 : 3 + further;
+    (*it)[column] = fixedText(row.value, 3);
   }
   if (!passes.rows.empty()) section.tables.push_back(std::move(passes));
   Table stages{"Bake, by stage", "", {"stage", "a frame"}, {}};

@@ -92,20 +92,33 @@ Judgement heldOutGoal(const StudyValues& v, const char* method) {
                           (common_gap >= -0.1 ? "the loss is at the outline." : "the loss is in the texture."));
 }
 
+struct FewerGoal {
+  const char *what, *quantity;
+  double percent;
+  const char *where, *reason;  // which faces count; why it may fail
+};
+
+Judgement fewerThanSpatial(const StudyValues& v, const FewerGoal& goal) {
+  const double spatial = labelFigure(v, rows::kSpatial, goal.quantity),
+               joint = labelFigure(v, rows::kJoint, goal.quantity);
+  const double fewer = 100 * (1 - joint / spatial);
+  const std::string claim = "Labels: joint has at least " + fixedText(goal.percent, 0) + " % fewer " + goal.what +
+                            " in layer 1 than spatial" + goal.where,
+                    change = percentText(spatial) + " → " + percentText(joint);
+  return judged(claim, fewer, fewer >= goal.percent, percentText(fewer) + " fewer (" + change + ")", goal.reason);
+}
+
 void labellingGoals(const StudyValues& v, std::vector<Judgement>& out) {
-  const double spatial_flip = labelFigure(v, rows::kSpatial, rows::kFlipPercent),
-               joint_flip = labelFigure(v, rows::kJoint, rows::kFlipPercent);
-  const double fewer_flips = 100 * (1 - joint_flip / spatial_flip);
-  out.push_back(judged("Labels: joint has at least 50 % fewer flips in layer 1 than spatial", fewer_flips,
-                       fewer_flips >= 50, percentText(fewer_flips) + " fewer",
-                       "Flips a frame: " + percentText(spatial_flip) + " → " + percentText(joint_flip) +
-                           "; a face whose camera stops seeing it has to flip."));
-  const double spatial_seam = labelFigure(v, rows::kSpatial, rows::kSeamPercent),
-               joint_seam = labelFigure(v, rows::kJoint, rows::kSeamPercent);
-  const double fewer_seams = 100 * (1 - joint_seam / spatial_seam);
-  out.push_back(judged("Labels: joint has at least 30 % fewer seam edges in layer 1 than spatial", fewer_seams,
-                       fewer_seams >= 30, percentText(fewer_seams) + " fewer",
-                       "Seam edges: " + percentText(spatial_seam) + " → " + percentText(joint_seam) + "."));
+  constexpr const char* kSeen = ", counted on faces that a camera sees";
+  constexpr const char* kUnseen =
+      "The gain over all faces is in part that of faces that no camera sees: the papers' methods leave them empty, "
+      "ours goes on with the neighbours' label.";
+  constexpr const char* kMustFlip = "A face whose camera stops seeing it has to flip.";
+  for (const FewerGoal& goal : {FewerGoal{"flips", rows::kFlipPercent, 50, "", kMustFlip},
+                                FewerGoal{"flips", rows::kSeenFlipPercent, 50, kSeen, kMustFlip},
+                                FewerGoal{"seam edges", rows::kSeamPercent, 30, "", "See the tables of the labels."},
+                                FewerGoal{"seam edges", rows::kSeenSeamPercent, 30, kSeen, kUnseen}})
+    out.push_back(fewerThanSpatial(v, goal));
   const double naive = labelFigure(v, rows::kNaive, rows::kMeanPenalty),
                joint = labelFigure(v, rows::kJoint, rows::kMeanPenalty);
   const double more = 100 * (joint / naive - 1);
@@ -227,9 +240,14 @@ Judgement slowingGrowth(const StudyValues& v, const char* quantity, const std::s
 
 std::vector<Judgement> judgeGoals(const StudyValues& v) {
   std::vector<Judgement> out{storageGoal(v), qualityGoal(v)};
-  const double ratio = v.mean(rows::kSpeed, rows::kMethodLayered, "!pass", rows::kRatioToFvvr);
-  out.push_back(judged("Layered rendering at least 4 × FVVR's frame rate in the same run", ratio, ratio >= 4,
-                       fixedText(ratio, 2) + " ×", "See the passes for where the time goes."));
+  const double ratio = v.mean(rows::kSpeed, rows::kMethodLayered, "!pass !closest", rows::kRatioToFvvr);
+  const std::string three = "closest=" + std::to_string(rows::kClosestCameras) + " !pass";
+  const double fewer = v.mean(rows::kSpeed, rows::kMethodLayered, three, rows::kRatioToFvvr);
+  out.push_back(judged("Layered rendering at least 4 × the frame rate of FVVR from all cameras in the same run", ratio,
+                       ratio >= 4, fixedText(ratio, 2) + " ×", "See the passes for where the time goes."));
+  out.push_back(judged("Layered rendering faster than FVVR from the " + std::to_string(rows::kClosestCameras) +
+                           " cameras nearest to the view",
+                       fewer, fewer > 1, fixedText(fewer, 2) + " ×", "See the passes for where the time goes."));
   labellingGoals(v, out);
   for (const char* method : {rows::kJoint, rows::kJointDefault}) out.push_back(heldOutGoal(v, method));
   const double bake_s = v.mean(rows::kBake, rows::kJointDefault, "!stage", rows::kSecondsFrame);
