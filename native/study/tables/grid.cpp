@@ -24,9 +24,9 @@ double valueOf(const StudyValues& v, const char* table, const Cell& cell, const 
 }
 
 double valueOf(const StudyValues& v, const char* table, const Cell& cell) {
-  const auto of = [&](const char* quantity) { return valueOf(v, table, cell, quantity); };
-  if (cell.value) return cell.value(of);
-  return cell.over ? of(cell.quantity) / of(cell.over) : of(cell.quantity);
+  if (cell.value) return cell.value(v, cell);
+  const double value = valueOf(v, table, cell, cell.quantity);
+  return cell.over ? value / valueOf(v, table, cell, cell.over) : value;
 }
 
 std::string textOf(const StudyValues& v, const char* table, const Cell& cell, double value) {

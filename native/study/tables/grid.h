@@ -31,8 +31,8 @@ struct Cell {
   const char* beside = nullptr;  // a second quantity, "24.1 / 0.7712"
   NumberText beside_text = nullptr;
   std::string sequence = {};  // "": over all sequences
-  // Instead of `quantity`: from several quantities of the cell.
-  std::function<double(const std::function<double(const char* quantity)>& of)> value = {};
+  // Instead of `quantity`: from several quantities.
+  std::function<double(const StudyValues& values, const Cell& cell)> value = {};
 };
 using Cells = std::vector<Cell>;
 

@@ -83,31 +83,74 @@ double commonQuality(const StudyValues& v, const std::vector<RateCurve>& curves)
   return points.empty() ? std::nan("") : points[points.size() / 2].quality;
 }
 
-// A renderer's row of the table of frame rates. closest: FVVR's M; "": all cameras.
-void addRates(const StudyValues& v, const std::string& method, const std::string& closest, Table& out) {
-  const std::string filter = closest.empty() ? "!pass !closest" : "!pass closest=" + closest;
-  const double fps = v.mean(rows::kSpeed, method, filter, rows::kFramesPerS);
-  if (std::isnan(fps)) return;
-  const auto ratio = [&](const char* quantity) {
-    const double times = v.mean(rows::kSpeed, rows::kMethodLayered, filter, quantity);
-    return method != rows::kFvvr || std::isnan(times) ? "–" : fixedText(times, 2) + " ×";
-  };
-  const std::string cameras = method != rows::kFvvr ? "" : closest.empty() ? ", all cameras" : ", M = " + closest;
-  out.rows.push_back({methodTitle(method) + cameras, fixedText(fps, 1),
-                      fixedText(v.mean(rows::kSpeed, method, filter, rows::kFrameMs), 2), ratio(rows::kRatioToFvvr),
-                      ratio(rows::kDrawRatioToFvvr)});
+// By how much the layered renderer is faster than FVVR with this many cameras.
+double speedUp(const StudyValues& v, const Cell& cell) {
+  return cell.method == rows::kFvvr ? v.mean(rows::kSpeed, rows::kMethodLayered, cell.filter, cell.quantity)
+                                    : std::nan("");
+}
+
+void addFrameRates(Section& section, const StudyValues& v) {
+  Cells renderers;
+  for (const std::string& method : v.methods(rows::kSpeed))
+    renderers.push_back(
+        {{methodTitle(method) + (method == rows::kFvvr ? ", all cameras" : "")}, method, "!pass !closest"});
+  for (const std::string& closest : v.settings(rows::kSpeed, rows::kFvvr, "closest"))
+    renderers.push_back({{methodTitle(rows::kFvvr) + ", M = " + closest}, rows::kFvvr, "!pass closest=" + closest});
+  addGrid(
+      section, v,
+      {rows::kSpeed,
+       "Frame rate",
+       "FVVR uploads and draws the depth maps of the cameras that it blends, no others. “Whole frame”: uploads, "
+       "geometry and draws; “draws only”: depth maps and shading. Decoding is left out: one video here, one per "
+       "camera there.",
+       {"method"}},
+      renderers,
+      {{.title = {"frames per second"}, .quantity = rows::kFramesPerS, .text = fixed<1>},
+       {.title = {"ms per frame"}, .quantity = rows::kFrameMs, .text = fixed<2>},
+       {.title = {"layered is faster: whole frame"}, .quantity = rows::kRatioToFvvr, .text = times, .value = speedUp},
+       {.title = {"draws only"}, .quantity = rows::kDrawRatioToFvvr, .text = times, .value = speedUp}});
+}
+
+// A row per pass, a column per renderer; the names of passes hold spaces.
+void addPasses(Section& section, const StudyValues& v) {
+  Table passes{"Passes, ms per frame", "", {"pass", "layered", "FVVR, all cameras"}, {}};
+  const auto closest = v.settings(rows::kSpeed, rows::kFvvr, "closest");
+  for (const std::string& m : closest) passes.columns.push_back("FVVR, M = " + m);
+  for (const Figure& row : v.rows()) {
+    if (row.table != rows::kSpeed || row.quantity != rows::kFrameMs) continue;
+    const std::string pass = rows::settingText(row.setting, "pass"), m = rows::settingText(row.setting, "closest");
+    if (pass.empty()) continue;
+    auto it = std::find_if(passes.rows.begin(), passes.rows.end(), [&](const auto& r) { return r[0] == pass; });
+    if (it == passes.rows.end()) {
+      it = passes.rows.insert(passes.rows.end(), std::vector<std::string>(passes.columns.size(), "–"));
+      it->front() = pass;
+    }
+    const size_t further = static_cast<size_t>(std::find(closest.begin(), closest.end(), m) - closest.begin());
+    const size_t column = row.method != rows::kFvvr ? 1 : m.empty() ? 2 : 3 + further;
+    (*it)[column] = fixedText(row.value, 3);
+  }
+  if (!passes.rows.empty()) section.tables.push_back(std::move(passes));
+}
+
+void addStages(Section& section, const StudyValues& v) {
+  Cells stages;
+  for (const std::string& stage : v.settings(rows::kBake, "", "stage"))
+    stages.push_back({{stage}, rows::kJointDefault, "stage=" + stage});
+  stages.push_back({{"whole bake"}, rows::kJointDefault, "!stage"});
+  const double peak = v.mean(rows::kBake, rows::kJointDefault, "!stage", rows::kPeakRssBytes);
+  addGrid(section, v,
+          {rows::kBake,
+           "Bake, by stage",
+           std::isnan(peak) ? "" : "Stages overlap on several jobs. Peak memory " + bytesText(peak) + ".",
+           {"stage"}},
+          stages, {{{"a frame"}, "", "", rows::kSecondsFrame, secondsText}});
 }
 
 }  // namespace
 
-Section rateSection(const StudyValues& v) {
-  Section section{"rate", "Rate and quality", "", {}, {}, {}, {}};
-  section.text =
-      "The rendered view (not the atlas) against FVVR's, over the bitrate of the layers' video. A curve a codec, "
-      "preset "
-      "and layout; the quality setting varies along it. Up and to the left is better.";
+void fillRate(Section& section, const StudyValues& v) {
   const auto curves = rateCurves(v);
-  if (curves.empty()) return section;
+  if (curves.empty()) return;
   std::vector<Curve> ssim, psnr;
   for (const RateCurve& curve : curves) {
     if (!curve.ssim.empty()) ssim.push_back(plotCurve(curve.name, curve.ssim));
@@ -132,52 +175,12 @@ Section rateSection(const StudyValues& v) {
                       ": " + bitrateText(row.value) + ".";
       break;
     }
-  return section;
 }
 
-Section speedSection(const StudyValues& v) {
-  Section section{"speed", "Speed", "", {}, {}, {}, {}};
-  section.text =
-      "LVDT 4.4: frame rate of the layered renderer and of FVVR, on the same machine in the same run (the paper: 20 "
-      "against 11 frames a second). Times are of this machine; the ratio is what compares.";
-  Table rates{"Frame rate",
-              "FVVR uploads and draws the depth maps of the cameras that it blends, no others. “Whole frame”: uploads, "
-              "geometry and draws; “draws only”: depth maps and shading. Decoding is left out: one video here, one per "
-              "camera there.",
-              {"method", "frames per second", "ms per frame", "layered is faster: whole frame", "draws only"},
-              {}};
-  for (const std::string& method : v.methods(rows::kSpeed)) addRates(v, method, "", rates);
-  for (const std::string& closest : v.settings(rows::kSpeed, rows::kFvvr, "closest"))
-    addRates(v, rows::kFvvr, closest, rates);
-  if (!rates.rows.empty()) section.tables.push_back(std::move(rates));
-  Table passes{"Passes, ms per frame", "", {"pass", "layered", "FVVR, all cameras"}, {}};
-  const auto closest = v.settings(rows::kSpeed, rows::kFvvr, "closest");
-  for (const std::string& m : closest) passes.columns.push_back("FVVR, M = " + m);
-  for (const Figure& row : v.rows()) {
-    if (row.table != rows::kSpeed || row.quantity != rows::kFrameMs) continue;
-    const std::string pass = rows::settingText(row.setting, "pass"), m = rows::settingText(row.setting, "closest");
-    if (pass.empty()) continue;
-    auto it = std::find_if(passes.rows.begin(), passes.rows.end(), [&](const auto& r) { return r[0] == pass; });
-    if (it == passes.rows.end()) {
-      it = passes.rows.insert(passes.rows.end(), std::vector<std::string>(passes.columns.size(), "–"));
-      it->front() = pass;
-    }
-    const size_t further = static_cast<size_t>(std::find(closest.begin(), closest.end(), m) - closest.begin());
-    const size_t column = row.method != rows::kFvvr ? 1 : m.empty() ? 2 : 3 + further;
-    (*it)[column] = fixedText(row.value, 3);
-  }
-  if (!passes.rows.empty()) section.tables.push_back(std::move(passes));
-  Table stages{"Bake, by stage", "", {"stage", "a frame"}, {}};
-  for (const Figure& row : v.rows())
-    if (row.table == rows::kBake && row.quantity == rows::kSecondsFrame)
-      if (const std::string stage = rows::settingText(row.setting, "stage"); !stage.empty())
-        stages.rows.push_back({stage + (row.sequence.empty() ? "" : ", " + row.sequence), secondsText(row.value)});
-  const double whole = v.mean(rows::kBake, rows::kJointDefault, "!stage", rows::kSecondsFrame);
-  if (!std::isnan(whole)) stages.rows.push_back({"whole bake", secondsText(whole)});
-  const double peak = v.mean(rows::kBake, rows::kJointDefault, "!stage", rows::kPeakRssBytes);
-  if (!std::isnan(peak)) stages.note = "Stages overlap on several jobs. Peak memory " + bytesText(peak) + ".";
-  if (!stages.rows.empty()) section.tables.push_back(std::move(stages));
-  return section;
+void fillSpeed(Section& section, const StudyValues& v) {
+  addFrameRates(section, v);
+  addPasses(section, v);
+  addStages(section, v);
 }
 
 }  // namespace fourdvt::study

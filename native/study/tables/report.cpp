@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 #include "study/rows.h"
 #include "study/tables/sections.h"
@@ -19,8 +18,7 @@ void addTile(Section& section, double value, const std::string& text, const std:
   if (!std::isnan(value)) section.tiles.push_back({text, meaning});
 }
 
-Section summarySection(const StudyValues& v) {
-  Section section{"summary", "Summary", "", {}, {}, {}, {}};
+void fillSummary(Section& section, const StudyValues& v) {
   const double ours = v.sum(rows::kTable1, rows::kJoint, "", rows::kTotalBytes),
                masked = v.sum(rows::kTable1, rows::kFvvr, "", rows::kTotalBytes), smaller = 100 * (1 - ours / masked);
   addTile(section, smaller, percentText(smaller), "less than the foreground-only multi-view, at L = 3, 512²");
@@ -34,209 +32,100 @@ Section summarySection(const StudyValues& v) {
   const double bake = v.mean(rows::kBake, rows::kJointDefault, "!stage", rows::kSecondsFrame);
   addTile(section, bake, secondsText(bake), "a frame, whole bake");
   section.tables.push_back(judgementTable(judgeGoals(v), "Goals"));
-  return section;
 }
 
-struct Line {
-  const char *title, *quantity;
-  std::string (*text)(double value);
-};
-std::string ssimText(double s) { return fixedText(s, 4); }
-std::string decibelText(double d) { return fixedText(d, 2); }
-
-// A row a line, a column a method; lines without any figure are left out.
-Table methodTable(const StudyValues& v, const std::string& name, const std::string& sequence, const std::string& title,
-                  const std::vector<Line>& lines) {
-  Table table{title, "", {""}, {}};
-  const auto methods = v.methods(name);
-  for (const std::string& method : methods) table.columns.push_back(methodTitle(method));
-  for (const Line& line : lines) {
-    std::vector<std::string> row{line.title};
-    bool any = false;
-    for (const std::string& method : methods) {
-      const double value = v.of(name, sequence, method, "", line.quantity);
-      any |= !std::isnan(value);
-      row.push_back(line.text(value));
-    }
-    if (any) table.rows.push_back(std::move(row));
-  }
-  return table;
-}
-
-std::vector<std::string> sequencesOrWhole(const StudyValues& v, const std::string& table) {
-  auto names = v.sequences(table);
-  for (const Figure& row : v.rows())
-    if (row.table == table && row.sequence.empty()) {
-      names.push_back("");
-      break;
-    }
-  return names;
-}
-
-// "FVVR, NO (naive): layers=3 size=512; ours, default: …"
-std::string settingsNote(const StudyValues& v) {
-  std::vector<std::pair<std::string, std::string>> groups;  // setting → methods
-  for (const std::string& method : v.methods(rows::kTable1))
-    for (const Figure& row : v.rows()) {
-      if (row.table != rows::kTable1 || row.method != method || row.setting.empty()) continue;
-      auto it = std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.first == row.setting; });
-      if (it == groups.end()) it = groups.insert(groups.end(), {row.setting, ""});
-      it->second += (it->second.empty() ? "" : ", ") + methodTitle(method);
-      break;
-    }
-  std::string note;
-  for (const auto& [setting, methods] : groups) note += (note.empty() ? "" : "; ") + methods + ": " + setting;
-  return note;
-}
-
-Section table1Section(const StudyValues& v) {
-  Section section{"table1", "4DVT Table 1", "", {}, {}, {}, {}};
-  section.text =
-      "Loading, storage and quality of FVVR, 4DVT's three labellings and ours, in the papers' protocol: the reference "
-      "of "
-      "SSIM and PSNR is FVVR's picture from the same ring views, not the truth. FVVR's storage is the foreground-only "
-      "multi-view as PNG. Storage of the layers counts everything that is loaded.";
-  static const std::vector<Line> kLines{{"Loading", rows::kLoadingS, secondsText},
-                                        {"Storage", rows::kTotalBytes, bytesText},
-                                        {"Storage: video", rows::kVideoBytes, bytesText},
-                                        {"Storage: geometry", rows::kGeometryBytes, bytesText},
-                                        {"Storage: labels", rows::kLabelBytes, bytesText},
-                                        {"Storage: other", rows::kOtherBytes, bytesText},
-                                        {"Video bitrate", rows::kVideoBps, bitrateText},
-                                        {"Multi-view, same codec", rows::kMultiviewCodecBytes, bytesText},
-                                        {"% of the masked PNG", rows::kPercentOfMasked, percentText},
-                                        {"% of the same codec", rows::kPercentOfSameCodec, percentText},
-                                        {"SSIM, foreground", rows::kSsimFg, ssimText},
-                                        {"SSIM, full frame", rows::kSsimFull, ssimText},
-                                        {"PSNR, foreground, dB", rows::kPsnrFgDb, decibelText},
-                                        {"PSNR, full frame, dB", rows::kPsnrFullDb, decibelText}};
-  for (const std::string& sequence : sequencesOrWhole(v, rows::kTable1)) {
-    Table table = methodTable(v, rows::kTable1, sequence, sequence.empty() ? "all sequences" : sequence, kLines);
-    if (!table.rows.empty()) section.tables.push_back(std::move(table));
-  }
-  if (!section.tables.empty()) section.tables.back().note = settingsNote(v);
-  return section;
-}
-
-struct LabelColumn {
-  const char *title, *quantity;
-  int decimals;
-};
-constexpr LabelColumn kAllFaces[] = {{"seams % L", rows::kSeamPercent, 2}, {"flips % L", rows::kFlipPercent, 2}};
-constexpr LabelColumn kSeenFaces[] = {{"seams % L", rows::kSeenSeamPercent, 2},
-                                      {"flips % L", rows::kSeenFlipPercent, 2},
-                                      {"penalty L", rows::kMeanPenalty, 3}};
-
-// A row per method, the columns once per layer.
-Table labelTable(const StudyValues& v, const char* name, const std::string& title,
-                 std::span<const LabelColumn> columns) {
-  Table table{title, "", {"method"}, {}};
-  const auto layers = v.numbers(name, "", "layer");
-  for (const LabelColumn& column : columns)
-    for (const double layer : layers) table.columns.push_back(column.title + fixedText(layer, 0));
-  for (const std::string& method : v.methods(name)) {
-    std::vector<std::string> row{methodTitle(method)};
-    for (const LabelColumn& column : columns)
-      for (const double layer : layers)
-        row.push_back(
-            fixedText(v.mean(name, method, "layer=" + fixedText(layer, 0), column.quantity), column.decimals));
-    table.rows.push_back(std::move(row));
-  }
-  return table;
-}
-
-Table labelCostTable(const StudyValues& v) {
-  Table table{"Energy and cost", "", {"method", "energy", "empty %", "per frame", "bitrate"}, {}};
-  for (const std::string& method : v.methods(rows::kLabels)) {
-    const auto at = [&](const char* quantity) { return v.mean(rows::kLabels, method, "!layer !solve", quantity); };
-    table.rows.push_back({methodTitle(method), fixedText(at(rows::kEnergy), 0), fixedText(at(rows::kEmptyPercent), 2),
-                          secondsText(at(rows::kLabelMsFrame) / 1e3), bitrateText(at(rows::kLabelBps))});
-  }
-  return table;
-}
-
-Section labelsSection(const StudyValues& v) {
-  Section section{"labels", "Labels", "", {}, {}, {}, {}};
-  section.text =
-      "Seams: share of mesh edges whose faces differ in this layer. Flips: share of faces that differ from the frame "
-      "before. Penalty: 4DVT Eq. 1, mean over the filled slots of faces that a camera sees. Energy: of the joint "
-      "formulation with our weights, whatever the method. Means over the sequences.\n\nThe papers' methods leave a "
-      "face empty that no camera sees, ours goes on with its neighbours' label, which alone makes fewer seams where "
-      "nothing was filmed. What shows is the second table: edges between two faces, and faces in two frames, that at "
-      "least one camera sees. The last table takes ours apart.";
-  for (Table table :
-       {labelTable(v, rows::kLabels, "Over all faces", kAllFaces),
-        labelTable(v, rows::kLabels, "Over faces that a camera sees", kSeenFaces), labelCostTable(v),
-        labelTable(v, rows::kLabelParts, "The parts of ours, over all faces, first frames of one sequence", kAllFaces),
-        labelTable(v, rows::kLabelParts, "The parts of ours, over faces that a camera sees", kSeenFaces)})
-    if (!table.rows.empty()) section.tables.push_back(std::move(table));
-  return section;
-}
-
-Section heldOutSection(const StudyValues& v) {
-  Section section{"held-out", "Held-out cameras", "", {}, {}, {}, {}};
-  section.text =
-      "Against pictures of cameras that no method has seen: the truth. Foreground: the union of both silhouettes; "
-      "“common”: where both are, without the outline's error.";
-  static const std::vector<Line> kLines{{"PSNR, foreground, dB", rows::kPsnrFgDb, decibelText},
-                                        {"PSNR, common, dB", rows::kPsnrCommonDb, decibelText},
-                                        {"PSNR, full frame, dB", rows::kPsnrFullDb, decibelText},
-                                        {"SSIM, foreground", rows::kSsimFg, ssimText},
-                                        {"SSIM, full frame", rows::kSsimFull, ssimText}};
-  for (const std::string& sequence : sequencesOrWhole(v, rows::kHeldOut)) {
-    Table table = methodTable(v, rows::kHeldOut, sequence, sequence.empty() ? "all sequences" : sequence, kLines);
-    if (!table.rows.empty()) section.tables.push_back(std::move(table));
-  }
-  section.pictures = picturesOf(v, {rows::kPictureWorst});
-  return section;
-}
-
-Section mapsSection(const StudyValues& v) {
-  Section section{"camera-maps", "Layers and camera maps", "", {}, {}, {}, {}};
-  section.text =
-      "LVDT Fig. 3–4, 4DVT Fig. 4–5. A column a layer: the texture in UV space, its camera map (a colour a camera), "
-      "the "
-      "same two on the body, and the share of the layer in the blend. Large patches of one colour are what the codec "
-      "and the seams want.";
-  section.pictures = picturesOf(v, {rows::kPictureLayers, rows::kPictureChanges});
-  return section;
-}
-
-Section grazingSection(const StudyValues& v) {
-  Section section{"grazing", "Grazing views and seams", "", {}, {}, {}, {}};
-  section.text =
-      "Views from far above and below and midway between two cameras, where seams and green fringes would show.";
-  Table table{
-      "Seam contrast",
-      "Step and line across chart seams, and the same beside them, in levels of 255. Charts are cut along folds, "
-      "where the surface itself has contrast: FVVR, which has no atlas, shows how much; what is above it is the "
-      "atlas's. Fringe: share of the silhouette's pixels that are tinted towards the backdrop.",
-      {"method", "view", "at seams", "beside them", "excess", "above FVVR's", "fringe"},
-      {}};
-  for (const std::string& view : v.settings(rows::kSeams, "", "view")) {
-    const auto at = [&](const std::string& method, const char* quantity) {
-      return v.mean(rows::kSeams, method, "view=" + view, quantity);
-    };
-    const auto excess = [&](const std::string& m) { return at(m, rows::kSeamContrast) - at(m, rows::kSeamControl); };
-    for (const std::string& m : v.methods(rows::kSeams))
-      table.rows.push_back({methodTitle(m), view, fixedText(at(m, rows::kSeamContrast), 2),
-                            fixedText(at(m, rows::kSeamControl), 2), fixedText(excess(m), 2),
-                            m == rows::kFvvr ? "–" : fixedText(excess(m) - excess(rows::kFvvr), 2),
-                            percentText(at(m, rows::kFringePercent))});
-  }
-  if (!table.rows.empty()) section.tables.push_back(std::move(table));
-  section.pictures = picturesOf(v, {rows::kPictureGrazing});
-  return section;
-}
-
-Section trendsSection(const StudyValues& v) {
-  Section section{"trends", "The papers' trends", "", {}, {}, {}, {}};
-  section.text =
-      "What the papers report, and whether this capture shows it. Reasons that begin with “Likely” are an "
-      "interpretation; the others are figures of this run.";
+void fillTrends(Section& section, const StudyValues& v) {
   section.tables.push_back(judgementTable(judgeTrends(v), ""));
-  return section;
 }
+
+struct SectionPlan {
+  const char *id, *title, *text;
+  void (*fill)(Section& section, const StudyValues& values);  // may be null: pictures only
+  std::vector<std::string> pictures;                          // caption keys
+};
+
+// The report from top to bottom.
+const SectionPlan kSections[] = {
+    {"summary", "Summary", "", fillSummary, {}},
+    {"table1",
+     "4DVT Table 1",
+     "Loading, storage and quality of FVVR, 4DVT's three labellings and ours, in the papers' protocol: the reference "
+     "of "
+     "SSIM and PSNR is FVVR's picture from the same ring views, not the truth. FVVR's storage is the foreground-only "
+     "multi-view as PNG. Storage of the layers counts everything that is loaded.",
+     fillTable1,
+     {}},
+    {"layers",
+     "Quality against layers and size",
+     "LVDT Fig. 5 and 4DVT Fig. 9: the layered render against FVVR's picture from the same viewpoint, a curve a layer "
+     "size; all layers of one size, as in the papers. SSIM over the foreground of the ring views, on black. "
+     "The difference maps are LVDT Fig. 6.",
+     fillLayers,
+     {rows::kPictureErrorMap}},
+    {"storage",
+     "Storage and memory",
+     "LVDT Table 1 and Fig. 7a–c. Reductions of the layers as images and as video are against the foreground-only "
+     "multi-view as PNG; that of the GPU memory is against FVVR's pictures and depth maps.",
+     fillStorage,
+     {}},
+    {"speed",
+     "Speed",
+     "LVDT 4.4: frame rate of the layered renderer and of FVVR, on the same machine in the same run (the paper: 20 "
+     "against 11 frames a second). Times are of this machine; the ratio is what compares.",
+     fillSpeed,
+     {}},
+    {"labels",
+     "Labels",
+     "Seams: share of mesh edges whose faces differ in this layer. Flips: share of faces that differ from the frame "
+     "before. Penalty: 4DVT Eq. 1, mean over the filled slots of faces that a camera sees. Energy: of the joint "
+     "formulation with our weights, whatever the method. Means over the sequences.\n\nThe papers' methods leave a "
+     "face empty that no camera sees, ours goes on with its neighbours' label, which alone makes fewer seams where "
+     "nothing was filmed. What shows is the second table: edges between two faces, and faces in two frames, that at "
+     "least one camera sees. The last table takes ours apart.",
+     fillLabels,
+     {}},
+    {"held-out",
+     "Held-out cameras",
+     "Against pictures of cameras that no method has seen: the truth. Foreground: the union of both silhouettes; "
+     "“common”: where both are, without the outline's error.",
+     fillHeldOut,
+     {rows::kPictureWorst}},
+    {"rate",
+     "Rate and quality",
+     "The rendered view (not the atlas) against FVVR's, over the bitrate of the layers' video. A curve a codec, "
+     "preset "
+     "and layout; the quality setting varies along it. Up and to the left is better.",
+     fillRate,
+     {}},
+    {"camera-maps",
+     "Layers and camera maps",
+     "LVDT Fig. 3–4, 4DVT Fig. 4–5. A column a layer: the texture in UV space, its camera map (a colour a camera), "
+     "the "
+     "same two on the body, and the share of the layer in the blend. Large patches of one colour are what the codec "
+     "and the seams want.",
+     nullptr,
+     {rows::kPictureLayers, rows::kPictureChanges}},
+    {"grazing",
+     "Grazing views and seams",
+     "Views from far above and below and midway between two cameras, where seams and green fringes would show.",
+     fillGrazing,
+     {rows::kPictureGrazing}},
+    {"motion",
+     "Motion",
+     "4DVT 5–6: a motion class, one character between its members. Methods of bringing the members' appearance "
+     "together: none (plain blend), Farnebäck and DIS as GPU passes, OpenCV's own on read-back pictures, and the "
+     "alignment baked into the stream.\n\nThe truth between the members exists for captures of the virtual studio "
+     "only. To judge appearance and not the silhouette, pictures are compared where both show the character; the "
+     "whole foreground is given as well.",
+     fillMotion,
+     {rows::kPictureMotionColumns, rows::kPictureMotionCrops, rows::kPictureTransition}},
+    {"trends",
+     "The papers' trends",
+     "What the papers report, and whether this capture shows it. Reasons that begin with “Likely” are an "
+     "interpretation; the others are figures of this run.",
+     fillTrends,
+     {}},
+};
 
 Section settingsSection(const StudyValues& v, const StudyOptions& options, const std::vector<std::string>& missing) {
   Section section{"settings", "Settings and versions", "", {}, {}, {}, {}};
@@ -279,6 +168,40 @@ Table judgementTable(const std::vector<Judgement>& judgements, const std::string
   return table;
 }
 
+std::vector<Picture> picturesOf(const StudyValues& values, const std::vector<std::string>& keys) {
+  std::vector<Picture> out;
+  for (const Figure& row : values.rows()) {
+    if (row.table != rows::kPictures || std::find(keys.begin(), keys.end(), row.quantity) == keys.end()) continue;
+    Picture picture;
+    const std::string file = rows::settingText(row.setting, "file");
+    if (file.empty()) continue;
+    picture.file = "pictures/" + file;
+    const double width = rows::settingNumber(row.setting, "width"), height = rows::settingNumber(row.setting, "height");
+    if (width > 0 && height > 0) picture.width = static_cast<int>(width), picture.height = static_cast<int>(height);
+    static const std::pair<const char*, const char*> kKinds[] = {
+        {rows::kPictureLayers, "Layers and their camera maps"},
+        {rows::kPictureChanges, "Layer 1's camera maps in three frames; faces that change are white"},
+        {rows::kPictureErrorMap, "Reference, ours, difference × 4"},
+        {rows::kPictureGrazing, "View with crops, FVVR above"},
+        {rows::kPictureWorst, "Worst held-out view: truth, ours, FVVR where kept, differences × 4"},
+        {rows::kPictureMotionColumns, "From one member (w = 0) to the other (w = 1)"},
+        {rows::kPictureMotionCrops, "Half way between the members"},
+        {rows::kPictureTransition, "A transition"}};
+    for (const auto& [key, caption] : kKinds)
+      if (row.quantity == key) picture.caption = caption;
+    for (const std::string& part : {row.sequence, row.method.empty() ? "" : methodTitle(row.method)})
+      if (!part.empty()) picture.caption += ", " + part;
+    static const std::pair<const char*, const char*> kParts[] = {
+        {"layers", "L = "}, {"size", "size "}, {"frame", "frame "},  {"view", ""},
+        {"from", "from "},  {"to", "to "},     {"score", "SSIM-FG "}};
+    for (const auto& [key, prefix] : kParts)
+      if (const std::string text = rows::settingText(row.setting, key); !text.empty())
+        picture.caption += std::string(", ") + prefix + text;
+    out.push_back(std::move(picture));
+  }
+  return out;
+}
+
 Document makeStudyDocument(const Figures& rows, const StudyOptions& options, const std::string& capture_name) {
   const StudyValues values(rows);
   Document document{capture_name + ": evaluation", "", {}};
@@ -287,15 +210,14 @@ Document makeStudyDocument(const Figures& rows, const StudyOptions& options, con
                       "papers on this capture. Made by `fourdvt evaluate" +
                       std::string(options.quick ? " --quick`." : "`.");
   std::vector<std::string> missing;
-  for (const Section& section : std::vector<Section>{
-           summarySection(values), table1Section(values), layersSection(values), storageSection(values),
-           speedSection(values), labelsSection(values), heldOutSection(values), rateSection(values),
-           mapsSection(values), grazingSection(values), motionSection(values), trendsSection(values)}) {
-    if (measured(section)) {
-      document.sections.push_back(section);
-    } else {
-      missing.push_back(section.title);
-    }
+  for (const SectionPlan& plan : kSections) {
+    Section section{plan.id, plan.title, plan.text, {}, {}, {}, {}};
+    if (plan.fill) plan.fill(section, values);
+    section.pictures = picturesOf(values, plan.pictures);
+    if (measured(section))
+      document.sections.push_back(std::move(section));
+    else
+      missing.push_back(plan.title);
   }
   document.sections.push_back(settingsSection(values, options, missing));
   return document;

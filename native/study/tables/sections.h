@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sections of the study's report, each from its rows. Internal to tables/. A section without tables,
-// plots, pictures and tiles was not measured.
+// What fills the sections of the study's report from its rows; the list of sections is in report.cpp. A section without
+// tables, plots, pictures and tiles was not measured. Internal to tables/.
 #pragma once
 
-#include "report/document.h"
-#include "study/tables/report.h"
+#include "study/tables/grid.h"
 
 namespace fourdvt::study {
 
-Section layersSection(const StudyValues& values);   // LVDT Fig. 5-6, 4DVT Fig. 9
-Section storageSection(const StudyValues& values);  // LVDT Table 1, Fig. 7
-Section rateSection(const StudyValues& values);     // rate-distortion
-Section speedSection(const StudyValues& values);    // LVDT 4.4, bake stages
-Section motionSection(const StudyValues& values);   // 4DVT 5-6: blend, alignment, transitions
+void fillTable1(Section& section, const StudyValues& values);
+void fillLayers(Section& section, const StudyValues& values);
+void fillStorage(Section& section, const StudyValues& values);
+void fillSpeed(Section& section, const StudyValues& values);
+void fillLabels(Section& section, const StudyValues& values);
+void fillHeldOut(Section& section, const StudyValues& values);
+void fillRate(Section& section, const StudyValues& values);
+void fillGrazing(Section& section, const StudyValues& values);
+void fillMotion(Section& section, const StudyValues& values);
 
 std::vector<Judgement> judgeMotion(const StudyValues& values);
 Table judgementTable(const std::vector<Judgement>& judgements, const std::string& title);
