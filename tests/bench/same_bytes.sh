@@ -62,20 +62,21 @@ const at = found.members.map((m) => [m.parameter].flat()[0]);
 console.log(`${found.parameterSpace.names[0]}=${((Math.min(...at) + Math.max(...at)) / 2).toFixed(3)}`);'
 
 render_all() {  # $1: tool, $2: character, $3: folder
-  local character=$2 folder=$3 still=(--sequence "$shortest" --size 360x480) moving method parameter
-  still_of() { "$1" render "$character" "${@:3}" -o "$folder/$2.png"; }
+  local character=$2 folder=$3 still=(--sequence "$shortest" --size 360x480) moving method parameter bad=0
+  still_of() { "$1" render "$character" "${@:3}" -o "$folder/$2.png" || bad=$((bad + 1)); }
   mkdir -p "$folder"
   still_of "$1" front "${still[@]}" --frame 7 --azimuth 0
   still_of "$1" behind-above "${still[@]}" --frame 3 --azimuth 160 --elevation 35 --no-shadow --background none
   for method in labels layers weights; do still_of "$1" "debug-$method" "${still[@]}" --frame 7 --azimuth 40 --debug $method; done
   still_of "$1" fvvr "${still[@]}" --frame 7 --azimuth 30 --method fvvr --capture "$capture"
   still_of "$1" fvvr-closest "${still[@]}" --frame 7 --azimuth 210 --method fvvr --capture "$capture" --closest 3
-  [ "$class" != - ] || return 0
+  [ "$class" != - ] || return $bad
   parameter=$(node -e "$middle_parameter" "$character/character.gltf")
   moving=(--class "$class" --parameter "$parameter" --phase 0.3 --size 360x480)
   for method in none baked flow-gpu flow-dis flow-opencv; do
     still_of "$1" "align-$method" "${moving[@]}" --azimuth 30 --align $method
   done
+  return $bad
 }
 
 pictures() {  # $1: side, $2: tool, rest: as bake
