@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# fourdvt_precompile(TARGET...): compiles the sources of these targets with the standard library's and GLM's headers
-# parsed beforehand, once for all targets. A source still includes whatever it uses: with the option off, and in the wasm
+# fourdvt_precompile(TARGET...) and fourdvt_precompile_folder(FOLDER) compile the sources of targets with the standard
+# library's and GLM's headers parsed beforehand, once for all targets. A source still includes whatever it uses: with the option off, and in the wasm
 # build, nothing is precompiled.
 #
 # Off by default where ccache compiles: it keeps objects between builds, and keeps none that used a precompiled header.
@@ -23,10 +23,24 @@ if(FOURDVT_PRECOMPILE)
 endif()
 
 function(fourdvt_precompile)
-  if(NOT FOURDVT_PRECOMPILE)
-    return()
+  if(FOURDVT_PRECOMPILE)
+    foreach(target ${ARGN})
+      target_precompile_headers(${target} REUSE_FROM fourdvt_precompiled)
+    endforeach()
   endif()
-  foreach(target ${ARGN})
-    target_precompile_headers(${target} REUSE_FROM fourdvt_precompiled)
+endfunction()
+
+# The same for every library and program that the folder and the folders below it have defined.
+function(fourdvt_precompile_folder folder)
+  get_property(targets DIRECTORY ${folder} PROPERTY BUILDSYSTEM_TARGETS)
+  foreach(target ${targets})
+    get_target_property(type ${target} TYPE)
+    if(type MATCHES "^(STATIC_LIBRARY|EXECUTABLE)$")
+      fourdvt_precompile(${target})
+    endif()
+  endforeach()
+  get_property(folders DIRECTORY ${folder} PROPERTY SUBDIRECTORIES)
+  foreach(below ${folders})
+    fourdvt_precompile_folder(${below})
   endforeach()
 endfunction()

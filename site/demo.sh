@@ -54,27 +54,14 @@ build_player() {
   node web/build.mjs --wasm "$root/build/wasm/wasm"
 }
 
-# Shows what the player's build says from here on, and ends the script where it failed.
-finish_player() {
-  tail -n 1 -f --pid="$player" build/player.log
-  wait "$player" || { echo "failed: building the player (whole log: $root/build/player.log)" >&2; exit 1; }
-  trap - EXIT
-}
-
-# Built beside the tool and the bake, because its downloads and links leave a core idle. It has a process group of its
-# own, which ends as a whole when this script does.
-set -m
-build_player >build/player.log 2>&1 &
-player=$!
-set +m
-trap 'kill -- -$player 2>/dev/null || true' EXIT
+start_beside player build_player  # its downloads and links leave a core idle
 
 step "Building the tool (the player is built beside it: build/player.log)"
 tests=()
 [ -e build/release/CMakeCache.txt ] || tests=(-DFOURDVT_TESTS=OFF)  # tests/run.sh turns them on
 quiet cmake-release cmake --preset release "${tests[@]}"
 build build-release build/release fourdvt
-kill -0 "$player" 2>/dev/null || finish_player
+check_beside
 
 step "Baking the character"
 source_capture=${capture:-$root/site/sample/actor_a}
@@ -91,7 +78,7 @@ else
 fi
 
 step "Finishing the player (wasm and JavaScript)"
-finish_player
+finish_beside
 
 site_folder=$root/build/site; [ -z "$capture" ] || site_folder=$root/build/site-$name
 node site/assemble.mjs "$site_folder" "$root/web/dist" "$character"

@@ -72,3 +72,26 @@ build() {  # $1: name of the log, $2: build folder, rest: targets
   : >"build/$name.log"
   NINJA_STATUS='[%f/%t] ' "${command[@]}" 2>&1 | show_progress "build/$name.log" || fail_with_log "$name" "${command[@]}"
 }
+
+# Runs a command beside the script, for work that leaves a core idle: one at a time. It has a process group of its own,
+# which ends as a whole when the script does.
+start_beside() {  # $1: what it makes, also the name of its log; rest: command
+  beside=$1
+  set -m
+  "${@:2}" >"build/$1.log" 2>&1 &
+  beside_id=$!
+  set +m
+  trap 'kill -- "-$beside_id" 2>/dev/null || true' EXIT
+}
+
+# Ends the script if the command beside it has failed already.
+check_beside() { kill -0 "$beside_id" 2>/dev/null || finish_beside; }
+
+# Shows what the command says from here on, until it ends.
+finish_beside() {
+  [ -n "$beside_id" ] || return 0
+  tail -n 1 -f --pid="$beside_id" "build/$beside.log"
+  wait "$beside_id" || fail_with_log "$beside" "making the $beside"
+  beside_id=''
+  trap - EXIT
+}
