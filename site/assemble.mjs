@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // node site/assemble.mjs OUT DIST CHARACTER: the folder that is served.
-// OUT/{index,steer}.html, their scripts, styles and pictures, OUT/fourdvt-viewer (DIST, the built web package), OUT/character (a baked one).
+// OUT/{index,steer}.html, their scripts, styles and pictures, OUT/measured (the page of figures), OUT/fourdvt-viewer (DIST,
+// the built web package), OUT/character (a baked one).
 // Replaces only what it makes.
 import { copyFileSync, cpSync, existsSync, mkdirSync, rmSync } from 'node:fs';
 import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
-const kPageFiles = ['index.html', 'site.css', 'site.js', 'steer.html', 'steer.js', 'layers.jpg'];
+const kPageFiles = ['index.html', 'site.css', 'site.js', 'steer.html', 'steer.js', 'layers.jpg',
+  'measured/index.html', 'measured/measured.css', 'measured/figures.json'];
 
 function fail(message) {
   console.error(`assemble: ${message}`);
@@ -22,7 +24,7 @@ const needed = [
 for (const [path, remedy] of needed) if (!existsSync(path)) fail(`${path} is missing; ${remedy}`);
 
 const here = dirname(fileURLToPath(import.meta.url));
-mkdirSync(out, { recursive: true });
+mkdirSync(join(out, 'measured'), { recursive: true });
 for (const name of kPageFiles) copyFileSync(join(here, name), join(out, name));
 for (const [name, folder] of [['fourdvt-viewer', dist], ['character', character]]) {
   rmSync(join(out, name), { recursive: true, force: true });
