@@ -11,7 +11,7 @@
 //   { study | truth: table, method, setting, quantity, over }   rows of a study; "truth" is that of the virtual studio.
 //              over: "mean" (default), "sum", "max", "min", "first"; a row over all sequences wins over those of one.
 //              against, less: another quantity of the same row, by which the value is divided, or which is taken off it
-//   { character: take }                 take(report.json) → number or { key: number }
+//   { character: take }                 take(report.json) → number, { key: number }, or null where it was not measured
 //   { variant: name, take }             the same from the report of a variant of the character
 //   { scores: VARIANT, quantity }       held-out scores of a variant of the character
 //   { bench: name, match, over }        the first group of `match` in what the bench printed
@@ -105,10 +105,10 @@ const characterFigures = [
   { id: 'bitrate.class', what: 'bitrate of the class while playing', unit: 'Mbit/s', digits: 1, each, better: 'less', from: { character: (r) => perSequence({ sequences: classes(r) }, (s) => s.total_mbit_per_s) } },
   { id: 'bitrate.labels', what: 'bitrate of the labels', unit: 'kbit/s', digits: 0, each, better: 'less', from: { character: (r) => perSequence({ sequences: recorded(r) }, (s) => s.label_bytes * 8e-3 * s.fps / s.frames) } },
   { id: 'character.all', what: 'size of the character', unit: 'MB', digits: 1, better: 'less', from: { character: (r) => r.bytes * 1e-6 } },
-  { id: 'character.class', what: 'size of the class, fetched when it is shown', unit: 'MB', digits: 2, better: 'less', from: { character: (r) => (classes(r).length ? total(classes(r), streamed) * 1e-6 : NaN) } },
-  { id: 'bake.frame', what: 'bake with the class, per frame', unit: 's', digits: 2, better: 'less', from: { character: (r) => (r.resumed || !classes(r).length ? NaN : r.wall_s_per_frame) } },
+  { id: 'character.class', what: 'size of the class, fetched when it is shown', unit: 'MB', digits: 2, better: 'less', from: { character: (r) => (classes(r).length ? total(classes(r), streamed) * 1e-6 : null) } },
+  { id: 'bake.frame', what: 'bake with the class, per frame', unit: 's', digits: 2, better: 'less', from: { character: (r) => (r.resumed || !classes(r).length ? null : r.wall_s_per_frame) } },
   { id: 'bake.frames', what: 'frames of the bake, those of the class included', unit: '', digits: 0, from: { character: (r) => r.frames } },
-  { id: 'bake.stage', what: 'bake with the class, per frame and stage; stages overlap', unit: 's', digits: 2, each: 'stage', better: 'less', from: { character: (r) => (r.resumed ? {} : r.seconds_per_frame_by_stage) } },
+  { id: 'bake.stage', what: 'bake with the class, per frame and stage; stages overlap', unit: 's', digits: 2, each: 'stage', better: 'less', from: { character: (r) => (r.resumed ? null : r.seconds_per_frame_by_stage) } },
   { id: 'bake.peak', what: 'peak memory of the bake', unit: 'MB', digits: 0, scale: 1e-6, better: 'less', from: { character: (r) => r.peak_rss_bytes } },
 ];
 
@@ -116,7 +116,7 @@ const variantFigures = ['high', 'crf31'].map((name) => [
   { id: `${name}.psnr`, what: 'PSNR-FG at the held-out cameras', unit: 'dB', digits: 2, better: 'more', from: { scores: name, quantity: 'psnr_db' } },
   { id: `${name}.ssim`, what: 'SSIM-FG at the held-out cameras', unit: '', digits: 3, better: 'more', from: { scores: name, quantity: 'ssim' } },
   { id: `${name}.bitrate`, what: 'bitrate while playing', unit: 'Mbit/s', digits: 1, each, better: 'less', from: { variant: name, take: (r) => perSequence({ sequences: recorded(r) }, (s) => s.total_mbit_per_s) } },
-  { id: `${name}.bake`, what: 'bake without the class, per frame', unit: 's', digits: 2, better: 'less', from: { variant: name, take: (r) => (r.resumed ? NaN : r.wall_s_per_frame) } },
+  { id: `${name}.bake`, what: 'bake without the class, per frame', unit: 's', digits: 2, better: 'less', from: { variant: name, take: (r) => (r.resumed ? null : r.wall_s_per_frame) } },
 ]).flat();
 
 // How two motions of a class are brought together.

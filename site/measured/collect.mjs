@@ -68,6 +68,14 @@ function fromStudy(study, table, figure) {
   return Object.fromEntries(keys.map((key) => [key, combine(rows.filter((row) => keyOf(row, figure.each) === key), over)]));
 }
 
+function fromReport(report, take, figure) {
+  const value = take(report);
+  if (value === null) return NaN;
+  const numbers = typeof value === 'object' ? Object.values(value) : [value];
+  if (!numbers.every(Number.isFinite)) throw new SourceError(`report.json lacks what the figure ${figure.id} is made from; bake the character again, or mend site/measured/catalogue.mjs`);
+  return value;
+}
+
 function fromBench(folder, { bench, match, over }) {
   const text = readBench(folder, bench);
   if (text === null) return NaN;
@@ -81,8 +89,8 @@ function valueOf(figure, sources, known) {
   const { from } = figure;
   if (from.study) return sources.study ? fromStudy(sources.study, from.study, figure) : NaN;
   if (from.truth) return sources.truth ? fromStudy(sources.truth, from.truth, figure) : NaN;
-  if (from.character) return sources.character ? from.character(sources.character) : NaN;
-  if (from.variant) return sources.variants[from.variant] ? from.take(sources.variants[from.variant].report) : NaN;
+  if (from.character) return sources.character ? fromReport(sources.character, from.character, figure) : NaN;
+  if (from.variant) return sources.variants[from.variant] ? fromReport(sources.variants[from.variant].report, from.take, figure) : NaN;
   if (from.scores) return sources.variants[from.scores]?.score(from.quantity) ?? NaN;
   if (from.bench) return sources.bench ? fromBench(sources.bench, from) : NaN;
   if (from.player) return sources.player ? playerBytes(sources.player) : NaN;

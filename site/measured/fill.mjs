@@ -32,7 +32,8 @@ function goalText(shown, goal) {
 
 // Markdown: a plain space does.
 function headlines(shown) {
-  const caption = shown.fill('On the sample capture ({sample.cameras} cameras, {sample.frames} frames, {sample.faces} faces) with default settings ({sample.layers} layers, the first of {sample.texture} a side, CRF {sample.crf}); several values are those of its motions.') ?? `Sample capture: ${kNotMeasured}.`;
+  const sample = shown.fill('{sample.cameras} cameras, {sample.frames} frames, {sample.faces} faces; {sample.layers} layers, the first of {sample.texture} a side, CRF {sample.crf}') ?? kNotMeasured;
+  const caption = `Measured on ${shown.runs.study?.what ?? 'the sample capture'} (${sample}). Several values in one cell are those of its motions.`;
   const rows = sections.flatMap((section) => section.rows ?? []).filter((row) => row.headline);
   const lines = rows.map((row) => `| ${shown.fill(row.what) ?? row.what} | ${shown.fill(row.measured) ?? kNotMeasured} | ${goalText(shown, row.goal)} |`);
   return [caption, '', '| what | measured | goal |', '|---|---|---|', ...lines].join('\n').replaceAll('\u00a0', ' ');
@@ -78,7 +79,7 @@ export function unmarked(text, path, allowed = constants) {
 function outputs(root, data) {
   const shown = new Shown(data);
   const filled = kFilled.map((path) => [path, fillText(readFileSync(join(root, path), 'utf8'), shown, path)]);
-  return [...filled, ['site/measured/index.html', makePage(shown, data.runs)]];
+  return [...filled, ['site/measured/index.html', makePage(shown)]];
 }
 
 // Returns what is wrong with the tree; writes what differs unless only checking.

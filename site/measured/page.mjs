@@ -86,7 +86,8 @@ function runList(runs) {
   return `<section aria-labelledby="runs">\n<h2 id="runs">How to measure it again</h2>\n<p>All of it, README and these pages: <code>bash site/measured/measure.sh</code></p>\n<dl>\n${items.join('\n')}\n</dl>\n</section>`;
 }
 
-export function makePage(shown, runs) {
+export function makePage(shown) {
+  const { runs } = shown;
   const body = [missed(shown), ...sections.map((data) => section(shown, data, runs)), worse(shown), others(shown), runList(runs)].filter(Boolean);
   return `<!doctype html>
 <!-- SPDX-License-Identifier: Apache-2.0 -->

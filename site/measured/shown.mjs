@@ -16,7 +16,8 @@ function keyText(key) {
 }
 
 export class Shown {
-  constructor({ figures }) {
+  constructor({ figures, runs = {} }) {
+    this.runs = runs;
     this.figures = figures;
     this.byId = new Map(figures.map((figure) => [figure.id, figure]));
     this.known = new Set(catalogue.map((figure) => figure.id));
