@@ -15,7 +15,7 @@ import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { parseArgs } from 'node:util';
 
-import { figures as catalogue, runs, shownElsewhere } from './catalogue.mjs';
+import { figures as catalogue, leftToTheReport, runs } from './catalogue.mjs';
 import { SourceError, mean, playerBytes, readBench, readCharacter, readScores, readStudy } from './sources.mjs';
 
 const kOver = {
@@ -126,9 +126,20 @@ function entries(figure, value) {
   return Object.entries(value).filter(([, number]) => Number.isFinite(number)).map(([key, number]) => make(`${figure.id}.${key.replaceAll(' ', '_')}`, number, key));
 }
 
-// Rows of tables that the catalogue does not know: shown as they are.
+// Whether a figure takes this table and quantity for this method, be it as a partner of another quantity.
+function isTaken(row) {
+  return catalogue.some(({ from }) => (from.study ?? from.truth) === row.table && (from.method === undefined || from.method === row.method) &&
+    [from.quantity, from.against, from.less].includes(row.quantity));
+}
+
+function isLeft(row) {
+  const left = leftToTheReport[row.table];
+  return left === '*' || left?.includes(row.quantity);
+}
+
+// Rows that nothing in the catalogue shows: kept as they are.
 function otherRows(study, run) {
-  return study.rows.filter((row) => !shownElsewhere.includes(row.table)).map((row) => ({
+  return study.rows.filter((row) => !isLeft(row) && !isTaken(row)).map((row) => ({
     id: [`${run}:${row.table}`, row.sequence, row.method, (row.setting ?? '').replaceAll(' ', '+'), row.quantity].join('/'),
     value: Number(row.value.toPrecision(6)), unit: row.unit ?? '', what: row.quantity, run, row: row.table,
     cells: { sequence: row.sequence, method: row.method, setting: row.setting ?? '' },

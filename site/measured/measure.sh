@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Measures everything that README.md and the site say, and writes it there: studies, variants of the character, benches,
-# then collect.mjs and fill.mjs. Takes about an hour and a half on two cores; keep the machine quiet, the ratios like it.
+# then collect.mjs and fill.mjs. Keep the machine quiet meanwhile, for the sake of the times.
 # Run it again to go on where it was stopped; remove build/measured to measure anew.
 set -euo pipefail
 usage() {

@@ -32,7 +32,7 @@ function verdict(shown, goal) {
 }
 
 function goalRows(shown, { rows }, runs) {
-  return table(['what', 'measured', 'goal', '', 'run'], rows.map((row) => {
+  return table(['what', 'measured', 'goal', 'is it met', 'run'], rows.map((row) => {
     const measured = shown.fill(row.measured);
     const run = runs[row.run] ? `<a href="#run-${row.run}">${row.run}</a>` : '';
     return cells('td', [escaped(shown.fill(row.what) ?? row.what), escaped(measured ?? kNotMeasured), escaped(row.goal?.text ?? ''), verdict(shown, row.goal), run]);
@@ -40,7 +40,8 @@ function goalRows(shown, { rows }, runs) {
 }
 
 function section(shown, data, runs) {
-  const text = data.text ? `<p>${escaped((shown.fill(data.text) ?? data.text).replace(/\s+/g, ' '))}</p>\n` : '';
+  const absent = data.matrix?.flat().every((cell) => !cell.includes('{') || shown.fill(cell) === null);
+  const text = data.text && !absent ? `<p>${escaped((shown.fill(data.text) ?? data.text).replace(/\s+/g, ' '))}</p>\n` : '';
   const run = data.run && runs[data.run] ? `<p class="run">Run: <a href="#run-${data.run}">${data.run}</a></p>\n` : '';
   const body = data.matrix ? matrix(shown, data) : goalRows(shown, data, runs);
   return `<section aria-labelledby="${slug(data.title)}">\n<h2 id="${slug(data.title)}">${escaped(data.title)}</h2>\n${text}${run}${body}\n</section>`;
