@@ -24,15 +24,15 @@ done
 cd "$(dirname "$0")/../.."
 tool=build/release/native/tools/fourdvt sample=site/sample/actor_a character=build/character out=build/measured
 bench=$out/bench
-mkdir -p "$bench"
 step() { printf '\n== %s\n' "$*"; }
 
-# What NAME prints, kept as NAME.txt when it succeeds; a bench that was run is not run again.
+# What NAME prints, kept as NAME.txt; a bench that was run is not run again. A bench that misses its own goal fails, and
+# is still shown; collect.mjs refuses the text of one that printed no figure.
 bench() {
   local name=$1; shift
   [ -e "$bench/$name.txt" ] && return
   step "Bench $name"
-  "$@" | tee "$bench/$name.part"
+  "$@" | tee "$bench/$name.part" || echo "bench $name failed"
   mv "$bench/$name.part" "$bench/$name.txt"
 }
 
@@ -46,6 +46,12 @@ variant() {
 }
 
 bash site/demo.sh --prepare
+build=$(sha256sum "$tool" | cut -d' ' -f1)
+if [ "$(cat "$out/build" 2>/dev/null)" != "$build" ]; then  # another build's figures; a study looks after its own
+  rm -rf "$bench" "$out/high" "$out/crf31" "$out/studio"
+fi
+mkdir -p "$bench"
+echo "$build" >"$out/build"
 step "Building the benches"
 cmake --build build/release --target bench_draw_ratio bench_blend_ratio repeat_capture
 NODE_PATH=/usr/share/nodejs cmake --build build/wasm --target bench_class_frame
