@@ -53,7 +53,7 @@ export const runs = {
 
 // The papers' table: a column per method.
 export const methods = [
-  ['fvvr', 'FVVR'], ['fvvr-closest', 'FVVR, M = 3'], ['naive', 'NO'], ['spatial', 'SO'], ['temporal-paper', 'TO (Eq. 5)'], ['per-texel', 'per texel'],
+  ['fvvr', 'FVVR'], ['fvvr-closest', 'FVVR, M = 3'], ['naive', 'NO'], ['spatial', 'SO'], ['temporal-paper', 'TO (4DVT Eq. 5)'], ['per-texel', 'per texel'],
   ['joint', 'ours, 512²'], ['joint-default', 'ours, default'],
 ];
 const perMethod = (make) => methods.map(([method, title]) => make(method, title));

@@ -5,7 +5,7 @@ import { fixed, kNotMeasured } from './shown.mjs';
 
 const escaped = (text) => String(text).replaceAll('&', '&amp;').replaceAll('<', '&lt;').replaceAll('>', '&gt;').replaceAll('"', '&quot;').replaceAll('\u00a0', '&nbsp;');
 const cells = (tag, list) => list.map((cell, i) => `<${i ? tag : 'th'}${i ? '' : tag === 'td' ? ' scope="row"' : ''}>${cell}</${i ? tag : 'th'}>`).join('');
-const table = (columns, rows) => `<div class="scroll" tabindex="0"><table>
+const table = (title, columns, rows) => `<div class="scroll" tabindex="0" role="region" aria-label="${escaped(title)}"><table>
 <thead><tr>${cells('th', columns.map(escaped))}</tr></thead>
 <tbody>
 ${rows.map((row) => `<tr>${row}</tr>`).join('\n')}
@@ -14,12 +14,12 @@ ${rows.map((row) => `<tr>${row}</tr>`).join('\n')}
 const slug = (title) => title.toLowerCase().replace(/[^a-z0-9]+/g, '-');
 
 // Columns without any figure are left out; a row without any says so.
-function matrix(shown, { columns, matrix: rows }) {
-  const filled = rows.map(([title, ...values]) => [title, ...values.map((value) => shown.fill(value))]);
+function matrix(shown, { title, columns, matrix: rows }) {
+  const filled = rows.map(([what, ...values]) => [what, ...values.map((value) => shown.fill(value))]);
   const used = columns.map((_, i) => i === 0 || filled.some((row) => row[i] !== null));
   const shownColumns = columns.filter((_, i) => used[i]);
   if (shownColumns.length === 1) return `<p>${kNotMeasured}</p>`;
-  return table(shownColumns, filled.map((row) => {
+  return table(title, shownColumns, filled.map((row) => {
     const values = row.filter((_, i) => used[i]);
     if (values.slice(1).every((value) => value === null)) return `${cells('td', [escaped(values[0])])}<td colspan="${values.length - 1}">${kNotMeasured}</td>`;
     return cells('td', values.map((value) => escaped(value ?? '–')));
@@ -31,8 +31,8 @@ function verdict(shown, goal) {
   return met === null ? '' : met ? 'met' : '<strong>missed</strong>';
 }
 
-function goalRows(shown, { rows }, runs) {
-  return table(['what', 'measured', 'goal', 'is it met', 'run'], rows.map((row) => {
+function goalRows(shown, { title, rows }, runs) {
+  return table(title, ['what', 'measured', 'goal', 'is it met', 'run'], rows.map((row) => {
     const measured = shown.fill(row.measured);
     const run = runs[row.run] ? `<a href="#run-${row.run}">${row.run}</a>` : '';
     return cells('td', [escaped(shown.fill(row.what) ?? row.what), escaped(measured ?? kNotMeasured), escaped(row.goal?.text ?? ''), verdict(shown, row.goal), run]);
@@ -59,7 +59,7 @@ function worse(shown) {
   if (!list.length) return '';
   const unit = (figure, value) => escaped(fixed(value, figure.digits) + (figure.unit ? `\u00a0${figure.unit}` : ''));
   const rows = list.map((figure) => cells('td', [escaped(figure.what + (figure.key ? `, ${figure.key}` : '')), unit(figure, figure.before), unit(figure, figure.value)]));
-  return `<section aria-labelledby="worse">\n<h2 id="worse">What got worse since the version before</h2>\n<p>Times differ between two runs of one version, too.</p>\n${table(['what', 'before', 'now'], rows)}\n</section>`;
+  return `<section aria-labelledby="worse">\n<h2 id="worse">What got worse since the version before</h2>\n<p>Times differ between two runs of one version, too.</p>\n${table('What got worse', ['what', 'before', 'now'], rows)}\n</section>`;
 }
 
 // A table of a study that no section above shows: a row per sequence, method and setting, a column per quantity.
@@ -71,7 +71,7 @@ function otherTable(name, list) {
     rows.get(key).values[figure.what] = `${figure.value}${figure.unit ? `\u00a0${figure.unit}` : ''}`;
   }
   const lines = [...rows.values()].map((row) => cells('td', [...Object.values(row.cells), ...quantities.map((q) => row.values[q] ?? '–')].map(escaped)));
-  return `<h3>${escaped(name)}</h3>\n${table(['motion', 'method', 'setting', ...quantities], lines)}`;
+  return `<h3>${escaped(name)}</h3>\n${table(name, ['motion', 'method', 'setting', ...quantities], lines)}`;
 }
 
 function others(shown) {
