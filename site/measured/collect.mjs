@@ -64,7 +64,7 @@ function fromStudy(study, table, figure) {
   const { method, setting, quantity, over } = figure.from;
   const rows = withPartner(study, study.select({ table, method, setting, quantity }), figure.from);
   if (!figure.each) return rows.length ? combine(rows, over) : NaN;
-  const keys = distinct(rows.map((row) => keyOf(row, figure.each))).filter((key) => !figure.only || figure.only.includes(key));
+  const keys = distinct(rows.map((row) => keyOf(row, figure.each))).filter((key) => !figure.only || figure.only.some((wanted) => Number(wanted) === Number(key)));
   return Object.fromEntries(keys.map((key) => [key, combine(rows.filter((row) => keyOf(row, figure.each) === key), over)]));
 }
 
