@@ -65,7 +65,17 @@ function fromStudy(study, table, figure) {
   const rows = withPartner(study, study.select({ table, method, setting, quantity }), figure.from);
   if (!figure.each) return rows.length ? combine(rows, over) : NaN;
   const keys = distinct(rows.map((row) => keyOf(row, figure.each))).filter((key) => !figure.only || figure.only.some((wanted) => Number(wanted) === Number(key)));
-  return Object.fromEntries(keys.map((key) => [key, combine(rows.filter((row) => keyOf(row, figure.each) === key), over)]));
+  const values = keys.map((key) => [key, combine(rows.filter((row) => keyOf(row, figure.each) === key), over)]);
+  const order = distinct(study.rows.map((row) => row.sequence));
+  const outside = beyondRange(study, table, figure);
+  return Object.fromEntries(outside.length ? [...values, ...outside].sort(([a], [b]) => order.indexOf(a) - order.indexOf(b)) : values);
+}
+
+// What lies outside of the range that was measured has words instead of a value.
+function beyondRange(study, table, figure) {
+  const { method, setting, beyond } = figure.from;
+  if (!beyond) return [];
+  return study.select({ table, method, setting, quantity: beyond }).map((row) => [keyOf(row, figure.each), row.value > 0 ? 'above all rates' : 'below all rates']);
 }
 
 function fromReport(report, take, figure) {
@@ -123,13 +133,16 @@ function entries(figure, value) {
   const base = { unit: figure.unit, digits: figure.digits, what: figure.what, ...origin(figure), ...(figure.better && { better: figure.better }) };
   const make = (id, number, key) => ({ id, value: kept(number * (figure.scale ?? 1), figure.digits), ...(key !== undefined && { of: figure.id, key }), ...base });
   if (typeof value === 'number') return Number.isFinite(value) ? [make(figure.id, value)] : [];
-  return Object.entries(value).filter(([, number]) => Number.isFinite(number)).map(([key, number]) => make(`${figure.id}.${key.replaceAll(' ', '_')}`, number, key));
+  return Object.entries(value).map(([key, number]) => {
+    const id = `${figure.id}.${key.replaceAll(' ', '_')}`;
+    return typeof number === 'string' ? { ...make(id, 0, key), value: null, text: number } : make(id, number, key);
+  });
 }
 
 // Whether a figure takes this table and quantity for this method, be it as a partner of another quantity.
 function isTaken(row) {
   return catalogue.some(({ from }) => (from.study ?? from.truth) === row.table && (from.method === undefined || from.method === row.method) &&
-    [from.quantity, from.against, from.less].includes(row.quantity));
+    [from.quantity, from.against, from.less, from.beyond].includes(row.quantity));
 }
 
 function isLeft(row) {
@@ -173,9 +186,9 @@ function describeRuns(sources, used) {
 }
 
 // One figure a line, so that a change of one is a change of one line.
-export function printed({ runs: used, figures }) {
+export function printed({ runs: used, constants, figures }) {
   const lines = figures.map((figure) => `  ${JSON.stringify(figure)}`);
-  return `{\n "made_by": "node site/measured/collect.mjs",\n "runs": ${JSON.stringify(used, null, 2).replaceAll('\n', '\n ')},\n "figures": [\n${lines.join(',\n')}\n ]\n}\n`;
+  return `{\n "made_by": "node site/measured/collect.mjs",\n "runs": ${JSON.stringify(used, null, 2).replaceAll('\n', '\n ')},\n "constants": ${JSON.stringify(constants, null, 2).replaceAll('\n', '\n ')},\n "figures": [\n${lines.join(',\n')}\n ]\n}\n`;
 }
 
 function readSources(values) {
@@ -200,7 +213,7 @@ function main() {
   let figures = collect(sources);
   if (values.before) figures = withBefore(figures, JSON.parse(readFileSync(values.before, 'utf8')));
   const out = values.out ?? new URL('figures.json', import.meta.url).pathname;
-  writeFileSync(out, printed({ runs: describeRuns(sources, new Set(figures.map((figure) => figure.run))), figures }));
+  writeFileSync(out, printed({ runs: describeRuns(sources, new Set(figures.map((figure) => figure.run))), constants: sources.study.facts('constants'), figures }));
   console.log(`${figures.length} figures in ${out}; now: node site/measured/fill.mjs`);
 }
 

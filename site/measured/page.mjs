@@ -82,6 +82,12 @@ function others(shown) {
   return `<section aria-labelledby="rows">\n<h2 id="rows">Further tables of the studies</h2>\n${tables.join('\n')}\n</section>`;
 }
 
+function constants({ constants: list }) {
+  if (!list.length) return '';
+  const rows = list.map(({ name, text }) => cells('td', [escaped(name), escaped(text)]));
+  return `<section aria-labelledby="constants">\n<h2 id="constants">Constants, and the motions that they were chosen on</h2>\n${table('Constants', ['constants', 'chosen on'], rows)}\n</section>`;
+}
+
 function runList(runs) {
   const items = Object.entries(runs).map(([name, run]) => `<dt id="run-${name}">${name}</dt>\n<dd>${escaped(run.what)}${run.device ? `; ${escaped(run.device)}` : ''}<br><code>${escaped(run.command)}</code></dd>`);
   return `<section aria-labelledby="runs">\n<h2 id="runs">How to measure it again</h2>\n<p>All of it, README and these pages: <code>bash site/measured/measure.sh</code></p>\n<dl>\n${items.join('\n')}\n</dl>\n</section>`;
@@ -89,7 +95,7 @@ function runList(runs) {
 
 export function makePage(shown) {
   const { runs } = shown;
-  const body = [missed(shown), ...sections.map((data) => section(shown, data, runs)), worse(shown), others(shown), runList(runs)].filter(Boolean);
+  const body = [missed(shown), ...sections.map((data) => section(shown, data, runs)), worse(shown), constants(shown), others(shown), runList(runs)].filter(Boolean);
   return `<!doctype html>
 <!-- SPDX-License-Identifier: Apache-2.0 -->
 <!-- Made by site/measured/fill.mjs from figures.json: change site/measured/catalogue.mjs or measure again. -->

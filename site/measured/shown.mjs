@@ -16,7 +16,8 @@ function keyText(key) {
 }
 
 export class Shown {
-  constructor({ figures, runs = {} }) {
+  constructor({ figures, runs = {}, constants = [] }) {
+    this.constants = constants;
     this.runs = runs;
     this.figures = figures;
     this.byId = new Map(figures.map((figure) => [figure.id, figure]));
@@ -38,7 +39,8 @@ export class Shown {
     const group = this.group(id);
     if (!group.length) return null;
     const { unit, digits } = group[0];
-    const values = group.map((figure) => fixed(figure.value, digits));
+    const values = group.map((figure) => figure.text ?? fixed(figure.value, digits));
+    if (group.every((figure) => figure.text)) return values.join(' / ');
     if (unit === '×') return values.map((value) => `×\u00a0${value}`).join(' / ');
     return values.join(' / ') + (unit ? `\u00a0${unit}` : '');
   }
@@ -57,12 +59,12 @@ export class Shown {
   // true, false, or null where it was not measured.
   met({ of, min = -Infinity, max = Infinity }) {
     const group = this.group(of);
-    return group.length ? group.every(({ value }) => value >= min && value <= max) : null;
+    return group.length ? group.every(({ value }) => value !== null && value >= min && value <= max) : null;
   }
 
   // Figures that moved the wrong way by more than is shown since an earlier run.
   worse() {
-    return this.figures.filter(({ better, value, before, digits }) => before !== undefined && better &&
+    return this.figures.filter(({ better, value, before, digits }) => typeof before === 'number' && value !== null && better &&
       fixed(value, digits) !== fixed(before, digits) && (better === 'more' ? value < before : value > before));
   }
 }

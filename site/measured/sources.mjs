@@ -75,6 +75,10 @@ export class Study {
     return this.rows.filter((row) => row.table === table && (method === undefined || row.method === method) &&
       (quantity === undefined || row.quantity === quantity) && matchesFilter(row.keys, setting));
   }
+  // Texts of the table "about" of one method: [{ name, text }].
+  facts(method) {
+    return this.rows.filter((row) => row.table === 'about' && row.method === method).map((row) => ({ name: row.quantity, text: row.keys.get('text') ?? '' }));
+  }
   fact(name) {
     return this.rows.find((row) => row.table === 'about' && row.quantity === name)?.keys.get('text') ?? '';
   }

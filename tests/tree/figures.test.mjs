@@ -76,7 +76,10 @@ motion-transitions,,,from=b to=a,step_mm,9,mm
 motion-transitions,,,from=b to=a,own_step_mm,10,mm
 speed,walk,layered,size=1024 view=512x512 pass=512x512 upload,ratio_to_fvvr,99,ratio
 speed,walk,layered,size=1024 view=512x512,ratio_to_fvvr,8,ratio
+table1,run,joint,,percent_at_equal_held_out_psnr,54.4,percent
+table1,walk,joint,,beyond_range_at_held_out_psnr,-1,
 new-table,walk,joint,"a=1 text=one, ""two""",thing,3,dB
+about,,constants,text=the walk,label weights,0,
 about,,,text=fourdvt evaluate X --quick,command,0,
 `;
 const sources = (more) => ({ study: new Study(parseCsv(kCsv).map((row) => ({ ...row, value: Number(row.value) }))), variants: {}, ...more });
@@ -90,6 +93,7 @@ test('figures are taken from the rows of a study', () => {
   assert.equal(byId.get('transition.step').value, 0.9, 'the worst ratio of a row to its own partner');
   assert.equal(byId.get('speed.frame.512x512').value, 8, 'a pass is no frame');
   assert.equal(byId.get('study:new-table/walk/joint/a=1+text=one,+"two"/thing').value, 3, 'a table that the catalogue does not know is kept');
+  assert.deepEqual(sources().study.facts('constants'), [{ name: 'label weights', text: 'the walk' }]);
   assert.ok(!byId.has('bitrate.all.walk'), 'what has no source is left out');
 });
 
@@ -116,6 +120,8 @@ test('figures are shown with unit, rounding, goal and change', () => {
   const shown = new Shown(data);
   assert.equal(shown.text('held_out.psnr.joint-default'), '22.00 / 24.00\u00a0dB');
   assert.equal(shown.text('speed.frame'), '×\u00a08.0');
+  assert.equal(shown.text('equal_psnr.joint'), 'below all rates / 54\u00a0%');
+  assert.equal(shown.met({ of: 'equal_psnr.joint', max: 60 }), false, 'what is beyond the range meets no goal');
   assert.equal(shown.keys('speed.frame'), '512×512');
   assert.equal(shown.text('parity'), null);
   assert.equal(fillText('<!-- figure:parity --><!-- /figure -->', shown, 'a.html'), '<!-- figure:parity -->not measured in this run<!-- /figure -->');
