@@ -89,7 +89,7 @@ function constants({ constants: list }) {
 }
 
 function runList(runs) {
-  const items = Object.entries(runs).map(([name, run]) => `<dt id="run-${name}">${name}</dt>\n<dd>${escaped(run.what)}${run.device ? `; ${escaped(run.device)}` : ''}<br><code>${escaped(run.command)}</code></dd>`);
+  const items = Object.entries(runs).map(([name, run]) => `<dt id="run-${name}">${name}</dt>\n<dd>${escaped(run.what)}${[run.device, run.generator].filter(Boolean).map((fact) => `; ${escaped(fact)}`).join('')}<br><code>${escaped(run.command)}</code></dd>`);
   return `<section aria-labelledby="runs">\n<h2 id="runs">How to measure it again</h2>\n<p>All of it, README and these pages: <code>bash site/measured/measure.sh</code></p>\n<dl>\n${items.join('\n')}\n</dl>\n</section>`;
 }
 

@@ -41,10 +41,10 @@ export function parseCsv(text) {
 // Rows of `fourdvt evaluate CAPTURE -o FOLDER`: { table, sequence, method, setting, quantity, value, unit }.
 export function readStudy(folder) {
   const json = join(folder, 'evaluate.json'), csv = join(folder, 'evaluate.csv'), remedy = `run fourdvt evaluate CAPTURE -o ${folder}`;
-  const rows = existsSync(json) ? readJson(json, remedy).rows : parseCsv(readText(csv, remedy));
-  const numbers = (rows ?? []).map((row) => ({ ...row, value: Number(row.value) })).filter((row) => row.table && row.quantity);
+  const study = existsSync(json) ? readJson(json, remedy) : { rows: parseCsv(readText(csv, remedy)) };
+  const numbers = (study.rows ?? []).map((row) => ({ ...row, value: row.value === null ? NaN : Number(row.value) })).filter((row) => row.table && row.quantity);
   if (!numbers.length) throw new SourceError(`${folder}: holds no rows of a study; ${remedy}`);
-  return new Study(numbers);
+  return new Study(numbers, study);
 }
 
 // "key=value key=value" → Map. "text", "pass" and "stage" come last and reach to the end.
@@ -67,13 +67,19 @@ export function matchesFilter(setting, filter) {
 }
 
 export class Study {
-  constructor(rows) {
+  // about: what evaluate.json says of the run beside the rows.
+  constructor(rows, { generator, quick } = {}) {
+    this.generator = generator;
+    this.quick = quick;
     this.rows = rows.filter((row) => Number.isFinite(row.value)).map((row) => ({ ...row, keys: settingOf(row.setting ?? '') }));
   }
   // where: { table, method, setting, quantity }; what is left out matches all.
   select({ table, method, setting = '', quantity }) {
     return this.rows.filter((row) => row.table === table && (method === undefined || row.method === method) &&
       (quantity === undefined || row.quantity === quantity) && matchesFilter(row.keys, setting));
+  }
+  get isQuick() {
+    return this.quick ?? /--quick/.test(this.fact('command'));
   }
   // Texts of the table "about" of one method: [{ name, text }].
   facts(method) {
