@@ -3,7 +3,7 @@
 
 #include <emscripten.h>
 
-#include "render/flow_read_back.h"
+#include "render/flow/read_back.h"
 
 namespace fourdvt {
 namespace {

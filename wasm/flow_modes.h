@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "render/flow.h"
+#include "render/flow/flow.h"
 
 namespace fourdvt {
 

@@ -4,16 +4,16 @@
 
 #include <algorithm>
 
-#include "bake/align_stage.h"
-#include "bake/assemble.h"
-#include "bake/gop_stage.h"
-#include "bake/graph_stage.h"
-#include "bake/output.h"
-#include "bake/progress.h"
-#include "bake/stream_plan.h"
-#include "bake/survey.h"
-#include "bake/validate.h"
-#include "bake/work_folder.h"
+#include "bake/run/progress.h"
+#include "bake/run/work_folder.h"
+#include "bake/stages/align_stage.h"
+#include "bake/stages/assemble.h"
+#include "bake/stages/gop_stage.h"
+#include "bake/stages/graph_stage.h"
+#include "bake/stages/stream_plan.h"
+#include "bake/stages/survey.h"
+#include "bake/stages/validate.h"
+#include "platform/folders.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -91,8 +91,9 @@ Result<BakeReport> runJob(Job& job, const BakeEnvironment& environment, StageClo
   report.figures.peak_rss_bytes = peakResidentBytes();
   report.wall_s = progress.seconds() + report.figures.seconds_by_stage["validate"];
   FOURDVT_TRY(writeReportFiles(job, report));
-  FOURDVT_TRY(replaceFolder(job.resultFolder(), job.options.character_folder, job.workFolder() + "/previous"));
-  removeFolder(job.workFolder());
+  FOURDVT_TRY(
+      platform::replaceFolder(job.resultFolder(), job.options.character_folder, job.workFolder() + "/previous"));
+  platform::removeFolder(job.workFolder());
   return report.figures;
 }
 
@@ -108,20 +109,20 @@ Result<BakeReport> bake(const BakeOptions& given, const BakeEnvironment& environ
     return validate(options, environment);
   }();
   if (!job) {
-    removeIfEmpty(options.character_folder + ".work");
+    platform::removeIfEmpty(options.character_folder + ".work");
     return job.error();
   }
   auto result = runJob(job.value(), environment, clock);
   if (result) return result;
   Error error = result.error();
   const std::string work = job.value().workFolder();
-  removeFolder(job.value().resultFolder());
-  removeIfEmpty(work);
+  platform::removeFolder(job.value().resultFolder());
+  platform::removeIfEmpty(work);
   if (error.id == ErrorId::Interrupted) return error;  // says it itself
   if (WorkFolder::holdsGops(work))
     error.message += "; finished GOPs are kept in " + work + " for --resume";
   else if (error.id != ErrorId::WriteFailed)  // with room to write, what the survey measured goes on
-    removeFolder(work);
+    platform::removeFolder(work);
   return error;
 }
 

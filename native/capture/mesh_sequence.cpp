@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "base/hash.h"
 #include "capture/text.h"
 
 namespace fourdvt::capture {
@@ -15,15 +16,10 @@ namespace {
 // What two OBJ texts of one topology have in common.
 struct ObjOutline {
   size_t vertices = 0, faces = 0;
-  uint64_t connectivity = 14695981039346656037ull;  // FNV-1a over the vt and f lines
-  bool plain_numbers = true;                        // v lines hold nothing but decimal numbers
+  uint64_t connectivity = kFnv1aStart;  // of the vt and f lines
+  bool plain_numbers = true;            // v lines hold nothing but decimal numbers
   bool operator==(const ObjOutline&) const = default;
 };
-
-void addHash(uint64_t& hash, std::string_view line) {
-  for (char c : line) hash = (hash ^ static_cast<uint8_t>(c)) * 1099511628211ull;
-  hash = (hash ^ '\n') * 1099511628211ull;
-}
 
 ObjOutline outlineOf(std::string_view text) {
   ObjOutline outline;
@@ -34,7 +30,7 @@ ObjOutline outlineOf(std::string_view text) {
       outline.plain_numbers &= line.find_first_not_of("0123456789+-.eE \t", 1) == std::string_view::npos;
     } else if (line.starts_with("f ") || line.starts_with("vt ")) {
       outline.faces += line.front() == 'f';
-      addHash(outline.connectivity, line);
+      outline.connectivity = fnv1a("\n", fnv1a(line, outline.connectivity));
     }
   }
   return outline;

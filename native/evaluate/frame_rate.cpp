@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "bake/picture_crop.h"
+#include "bake/texels/picture_crop.h"
 #include "package/base_mesh.h"
 #include "package/chunk_mesh.h"
 #include "package/stream_file.h"

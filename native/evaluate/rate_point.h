@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "bake/encode.h"
-#include "bake/tile.h"
+#include "bake/video/encode.h"
+#include "bake/video/tile.h"
 #include "gpu/device.h"
 #include "package/base_mesh.h"
 #include "package/character.h"

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "bake/encode.h"
-#include "bake/tile.h"
+#include "bake/video/encode.h"
+#include "bake/video/tile.h"
 #include "base/image.h"
 
 namespace fourdvt::evaluate {

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <map>
 
-#include "bake/fill.h"
+#include "bake/texels/fill.h"
 #include "evaluate/study_codec.h"
 #include "evaluate/study_common.h"
 #include "evaluate/study_methods.h"

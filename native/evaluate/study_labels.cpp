@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <thread>
 
-#include "bake/labelling.h"
+#include "bake/labels/labelling.h"
 #include "evaluate/study_common.h"
 #include "evaluate/study_rows.h"
 #include "evaluate/study_scene.h"

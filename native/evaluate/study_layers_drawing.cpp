@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bake/describe.h"
+#include "bake/stages/describe.h"
 #include "evaluate/metrics.h"
 
 namespace fourdvt::evaluate {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "bake/job.h"
+#include "bake/run/job.h"
 #include "gpu/device.h"
 #include "render/plain_figure.h"
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "bake/mesh_reader.h"
-#include "bake/validate.h"
+#include "bake/run/mesh_reader.h"
+#include "bake/stages/validate.h"
 #include "evaluate/study_rows.h"
 #include "evaluate/study_scene.h"
 #include "evaluate/study_steps.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <functional>
 
-#include "bake/hybrid_blend.h"
+#include "bake/motion/hybrid_blend.h"
 #include "evaluate/study_common.h"
 #include "evaluate/study_motion.h"
 #include "evaluate/study_rows.h"

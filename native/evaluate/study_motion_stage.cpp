@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bake/class_plan.h"
+#include "bake/motion/class_plan.h"
 #include "evaluate/study_rows.h"
 #include "evaluate/study_scene.h"
 #include "motion/mesh_blend.h"

@@ -14,7 +14,7 @@
 #include "motion/parameter_space.h"
 #include "platform/character_player.h"
 #include "platform/still_target.h"
-#include "render/flow.h"
+#include "render/flow/flow.h"
 
 namespace fourdvt::evaluate {
 

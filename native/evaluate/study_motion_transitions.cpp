@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "bake/root_track.h"
+#include "bake/motion/root_track.h"
 #include "evaluate/study_common.h"
 #include "evaluate/study_motion.h"
 #include "evaluate/study_motion_player.h"

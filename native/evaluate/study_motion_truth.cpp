@@ -7,7 +7,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "bake/job.h"
+#include "bake/run/job.h"
 #include "evaluate/motion_metrics.h"
 #include "platform/files.h"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "bake/describe.h"
-#include "bake/frame_baker.h"
+#include "bake/stages/describe.h"
+#include "bake/stages/frame_baker.h"
 #include "bake/quality.h"
 #include "evaluate/rate_point.h"
 #include "evaluate/study_common.h"

@@ -8,7 +8,7 @@
 #include <future>
 #include <map>
 
-#include "bake/job.h"
+#include "bake/run/job.h"
 #include "evaluate/metrics.h"
 #include "evaluate/study_codec.h"
 #include "evaluate/study_common.h"

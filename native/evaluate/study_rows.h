@@ -191,7 +191,7 @@ inline constexpr const char* kSkateTailMm = "skate_tail_mm";
 inline constexpr const char* kSkateMaxMm = "skate_max_mm";
 
 // Pictures: caption keys.
-inline constexpr const char* kPictureLayers = "layers_sheet";    // layers with camera maps (LVDT Fig. 3-4, 4DVT 4-5)
+inline constexpr const char* kPictureLayers = "layers_sheet";    // with camera maps (LVDT Fig. 3-4, 4DVT Fig. 4-5)
 inline constexpr const char* kPictureChanges = "label_changes";  // camera maps of three frames, changes marked
 inline constexpr const char* kPictureErrorMap = "error_map";     // reference, ours, difference; layers= size=
 inline constexpr const char* kPictureGrazing = "grazing";        // grazing view with crops; view=

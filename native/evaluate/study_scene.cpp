@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <future>
 
-#include "bake/validate.h"
+#include "bake/stages/validate.h"
 #include "evaluate/study_steps.h"
 #include "platform/files.h"
 

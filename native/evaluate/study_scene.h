@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "bake/bake.h"
-#include "bake/job.h"
-#include "bake/survey.h"
+#include "bake/run/job.h"
+#include "bake/stages/survey.h"
 #include "evaluate/study_ring.h"
 #include "platform/character_player.h"
 #include "render/fvvr.h"

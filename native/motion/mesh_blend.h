@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One frame of a stream → positions: hybrid blend (ALGORITHMS 4): linear blend of the members plus precomputed
+// One frame of a stream → positions: hybrid blend (ALGORITHMS 4.4): linear blend of the members plus precomputed
 // corrections towards the non-linear one. No solver at run time.
 #pragma once
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Transitions between states (sequences and classes), precomputed at bake time (ALGORITHMS 4, 4DVT 6.1): for every
+// Transitions between states (sequences and classes), precomputed at bake time (ALGORITHMS 4.7, 4DVT 6.1): for every
 // frame and weight of a state, where to enter another one and how long to cross-fade. Here: the table's reader and the
 // choice at run time. Does NOT play anything; the player cross-fades.
 // Latency is the time from the request to the first shown frame in which the target has a weight above 0: it counts
 // whatever passes before (getting and decoding the target, the wait for a good frame), not the fade itself, whose
 // length is the entry's.
-// Layout of the file: FORMAT.md, "Motion graph".
+// Layout of the file: FORMAT.md, "The motion graph".
 #pragma once
 
 #include <cstdint>

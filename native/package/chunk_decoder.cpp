@@ -5,9 +5,9 @@
 
 #include "base/bytes.h"
 #include "package/chunk_counts.h"
-#include "package/field_model.h"
-#include "package/label_model.h"
-#include "package/position_model.h"
+#include "package/coding/field_model.h"
+#include "package/coding/label_model.h"
+#include "package/coding/position_model.h"
 
 namespace fourdvt::package {
 namespace {

@@ -146,6 +146,16 @@ Status writeFileAtomic(const std::string& path, std::span<const uint8_t> bytes) 
   return writeError(path, code);
 }
 
+Status writeFileAtomic(const std::string& path, const std::string& text) {
+  return writeFileAtomic(path, std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
+}
+
+uint64_t fileBytes(const std::string& path) {
+  std::error_code error;
+  const auto bytes = std::filesystem::file_size(path, error);
+  return error ? 0 : bytes;
+}
+
 Result<FlatJson> readJsonFlat(const std::string& path) {
   auto bytes = readFile(path);
   if (!bytes.ok()) return bytes.error();

@@ -16,6 +16,8 @@ namespace fourdvt::platform {
 Result<std::vector<uint8_t>> readFile(const std::string& path);
 Result<std::vector<uint8_t>> readFileRange(const std::string& path, uint64_t offset, uint64_t bytes);
 Status writeFileAtomic(const std::string& path, std::span<const uint8_t> bytes);  // WriteFailed
+Status writeFileAtomic(const std::string& path, const std::string& text);
+uint64_t fileBytes(const std::string& path);             // 0 if there is none
 Result<FlatJson> readJsonFlat(const std::string& path);  // FileMissing, ManifestInvalid
 // PNG/JPEG/WebP through OpenCV; 3- or 4-channel RGB(A).
 Result<Image> readImage(const std::string& path);

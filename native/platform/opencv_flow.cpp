@@ -3,7 +3,7 @@
 
 #include <opencv2/video/tracking.hpp>
 
-#include "render/flow_read_back.h"
+#include "render/flow/read_back.h"
 
 namespace fourdvt::platform {
 namespace {

@@ -2,7 +2,7 @@
 // Align::Flow by OpenCV's own Farnebäck or DIS (ultrafast) on read-back pictures: the reference of the GPU passes.
 #pragma once
 
-#include "render/flow.h"
+#include "render/flow/flow.h"
 
 namespace fourdvt::platform {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // From one state to another: the graph says where to leave and to enter, a second track is prepared at the entry, and
-// the two cross-fade (ALGORITHMS 4).
+// the two cross-fade (ALGORITHMS 4.8).
 #include <algorithm>
 #include <cmath>
 

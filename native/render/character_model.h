@@ -23,7 +23,7 @@ struct PictureTextures {
 Result<PictureTextures> createPicture(gpu::Device& device, int width, int height, PictureTextures::Kind kind);
 void uploadPicture(gpu::Device& device, PictureTextures& picture, const I420View& frame);
 
-// Seam feathering's tables (ALGORITHMS 2). `labels`: layer_count × face_vertices.size(), planar; a label that is no
+// Seam feathering's tables (ALGORITHMS 3.2). `labels`: layer_count × face_vertices.size(), planar; a label that is no
 // camera counts as empty. packed[face]: 5 bits a slot, 31 = empty, slot 0 lowest. masks[vertex]: bit c is cleared
 // unless camera c is in the set of every incident face. Both are at least as long as faces and vertices and hold ones.
 void packLabels(const std::vector<glm::uvec3>& face_vertices, std::span<const uint8_t> labels, int layer_count,

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include "bake/picture_crop.h"
+#include "bake/texels/picture_crop.h"
 #include "capture/capture.h"
 #include "platform/files.h"
 #include "platform/video_writer.h"

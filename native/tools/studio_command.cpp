@@ -7,7 +7,7 @@
 #include <cstring>
 #include <tuple>
 
-#include "capture/studio.h"
+#include "studio/studio.h"
 #include "tools/args.h"
 #include "tools/commands.h"
 #include "tools/session.h"

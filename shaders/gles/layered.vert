@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Corners of the character with, per source (a member of the appearance) its texture coordinates and labels, and per
-// layer slot of each the seam mask (ALGORITHMS 2). Everything is in the character's frame.
+// layer slot of each the seam mask (ALGORITHMS 3.2). Everything is in the character's frame.
 #include "character_vertex.glsl"
 #define VARYING out
 #include "layered_varyings.glsl"
@@ -22,7 +22,7 @@ vec2 displacementOf(int source, int vertex) {
   return member == 0 ? vec2(0.0) : texelFetch(u_alignment, tableTexel((member - 1) * u_vertex_count + vertex), 0).xy;
 }
 
-// All sources meet at the weighted mean (ALGORITHMS 5).
+// All sources meet at the weighted mean (ALGORITHMS 5.2).
 void align(int corner, int vertex) {
   mat2 uv_from_tangents = fetchUvFromTangents(corner);
   vec2 mean = vec2(0.0);

@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "bake/face_costs.h"
-#include "bake/gpu_capture.h"
-#include "bake/labelling.h"
-#include "bake/visibility.h"
+#include "bake/labels/face_costs.h"
+#include "bake/labels/labelling.h"
+#include "bake/texels/gpu_capture.h"
+#include "bake/texels/visibility.h"
 #include "capture/capture.h"
 #include "package/base_mesh.h"
 #include "platform/egl_context.h"
@@ -161,12 +161,14 @@ void compareWeights(const Measured& input, const char* lists) {
   for (const char* at = lists; at; at = std::strchr(at, ':')) {
     if (*at == ':') ++at;
     const bake::LabelStatistics s = solve(input, jointOptions(at)).statistics;
-    std::printf("%.*s\n  flips %s seams %s\n  flips %.2f %% (%.1f %% fewer) seams %.2f %% (%.1f %% fewer) penalty %+.1f %% %.1f ms\n",
-                static_cast<int>(std::strcspn(at, ":")), at, list(s.flip_percent, "%.2f").c_str(),
-                list(s.seam_percent, "%.2f").c_str(), s.flip_percent[0],
-                100 * (1 - s.flip_percent[0] / spatial.flip_percent[0]), s.seam_percent[0],
-                100 * (1 - s.seam_percent[0] / spatial.seam_percent[0]),
-                100 * (s.mean_penalty[0] / naive.mean_penalty[0] - 1), msPerFrame(s));
+    std::printf(
+        "%.*s\n  flips %s seams %s\n  flips %.2f %% (%.1f %% fewer) seams %.2f %% (%.1f %% fewer) penalty %+.1f %% "
+        "%.1f ms\n",
+        static_cast<int>(std::strcspn(at, ":")), at, list(s.flip_percent, "%.2f").c_str(),
+        list(s.seam_percent, "%.2f").c_str(), s.flip_percent[0],
+        100 * (1 - s.flip_percent[0] / spatial.flip_percent[0]), s.seam_percent[0],
+        100 * (1 - s.seam_percent[0] / spatial.seam_percent[0]), 100 * (s.mean_penalty[0] / naive.mean_penalty[0] - 1),
+        msPerFrame(s));
   }
 }
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "bake/hybrid_blend.h"
-#include "bake/root_track.h"
+#include "bake/motion/hybrid_blend.h"
+#include "bake/motion/root_track.h"
 #include "bench/blend_cost.h"
 #include "capture/capture.h"
 #include "platform/ffmpeg_video.h"

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "alignment_scene.h"
-#include "bake/surface_alignment.h"
+#include "bake/align/surface_alignment.h"
 
 namespace fourdvt::testing {
 

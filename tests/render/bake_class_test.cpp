@@ -8,8 +8,8 @@
 
 #include "../unit/capture_fixture.h"
 #include "bake/bake.h"
-#include "bake/class_plan.h"
-#include "bake/graph_stage.h"
+#include "bake/motion/class_plan.h"
+#include "bake/stages/graph_stage.h"
 #include "gl_fixture.h"
 #include "package/barcode.h"
 #include "package/chunk_mesh.h"

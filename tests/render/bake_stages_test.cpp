@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Visibility and resampling against geometry that can be worked out by hand.
-#include "bake/gpu_capture.h"
-#include "bake/resample.h"
-#include "bake/visibility.h"
+#include "bake/texels/gpu_capture.h"
+#include "bake/texels/resample.h"
+#include "bake/texels/visibility.h"
 #include "gl_fixture.h"
 
 namespace fourdvt::bake {

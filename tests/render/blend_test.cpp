@@ -206,7 +206,7 @@ struct Flow : Transition {
   void setFlow(const glm::vec2& flow) { recipe->setFlow(std::make_unique<MadeUpFlow>(*device, flow, calls)); }
 };
 
-// Eq. 7 corrected: w0 I0(p - w1 f) + w1 I1(p + w0 f).
+// 4DVT Eq. 7 corrected: w0 I0(p - w1 f) + w1 I1(p + w0 f).
 TEST_F(Flow, warpsAndBlendsMembersAsEquation7) {
   MemberQuad quad(*device, 2, 1, kOneCamera);
   quad.paint(*device, [](int tile, double u, double v) {

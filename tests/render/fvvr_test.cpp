@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "bake/picture_crop.h"
+#include "bake/texels/picture_crop.h"
 #include "capture/capture.h"
 #include "evaluate/metrics.h"
 #include "evaluate/projective.h"

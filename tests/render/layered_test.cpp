@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The layered pass against Eq. 3-4 worked out in double precision, colour conversion, addressing, alignment, shadow.
+// The layered pass against LVDT Eq. 3-4 worked out in double precision, colour conversion, addressing, alignment,
+// shadow.
 #include <cmath>
 #include <cstring>
 

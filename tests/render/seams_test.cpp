@@ -4,11 +4,11 @@
 // purpose show both.
 #include <algorithm>
 
-#include "bake/face_costs.h"
-#include "bake/fill.h"
-#include "bake/resample.h"
-#include "bake/tile.h"
-#include "bake/visibility.h"
+#include "bake/labels/face_costs.h"
+#include "bake/texels/fill.h"
+#include "bake/texels/resample.h"
+#include "bake/texels/visibility.h"
+#include "bake/video/tile.h"
 #include "capture/capture.h"
 #include "evaluate/seam_contrast.h"
 #include "gl_fixture.h"

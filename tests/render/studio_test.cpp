@@ -8,9 +8,9 @@
 #include <sstream>
 
 #include "capture/capture.h"
-#include "capture/studio_stage.h"
 #include "gl_fixture.h"
 #include "platform/ffmpeg_video.h"
+#include "studio/set.h"
 
 namespace fourdvt::studio {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "bake/class_plan.h"
-#include "bake/parameter_table.h"
-#include "bake/time_warp.h"
+#include "bake/motion/class_plan.h"
+#include "bake/motion/parameter_table.h"
+#include "bake/motion/time_warp.h"
 #include "motion/parameter_space.h"
 #include "motion_shapes.h"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "bake/colour_calibration.h"
+#include "bake/texels/colour_calibration.h"
 
 namespace fourdvt::bake {
 namespace {

@@ -7,11 +7,12 @@
 #include <filesystem>
 #include <map>
 
-#include "bake/job.h"
-#include "bake/mp4.h"
-#include "bake/output.h"
+#include "bake/run/job.h"
+#include "bake/video/mp4.h"
 #include "package/barcode.h"
 #include "platform/ffmpeg_video.h"
+#include "platform/files.h"
+#include "platform/folders.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -28,8 +29,8 @@ struct EncodeTest : testing::TestWithParam<Codec> {
   std::string folder =
       testing::TempDir() + "fourdvt_encode_test_" + codecName(GetParam()) + "_" + std::to_string(getpid());
   std::string path = folder + "/test.mp4";
-  void SetUp() override { ASSERT_TRUE(makeFolder(folder).ok()); }
-  void TearDown() override { removeFolder(folder); }
+  void SetUp() override { ASSERT_TRUE(platform::makeFolder(folder).ok()); }
+  void TearDown() override { platform::removeFolder(folder); }
 
   static const char* fastPreset(Codec codec) {
     return codec == Codec::H264 ? "medium" : codec == Codec::Vp9 ? "5" : "7";
@@ -64,7 +65,7 @@ TEST_P(EncodeTest, EveryDecodedPictureIsTheFrameThatTheTableSays) {
   auto samples = readMp4Samples(path, 25, first, kFrames);
   ASSERT_TRUE(samples.ok()) << samples.error().message;
   const package::SampleTable& table = samples.value().table;
-  auto file = readFile(path);
+  auto file = platform::readFile(path);
   ASSERT_TRUE(file.ok());
   EXPECT_EQ(samples.value().file_bytes, file.value().size());
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "bake/face_costs.h"
+#include "bake/labels/face_costs.h"
 #include "label_fixture.h"
 
 namespace fourdvt::bake {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bake/fill.h"
-#include "bake/push_pull.h"
+#include "bake/texels/fill.h"
+#include "bake/texels/push_pull.h"
 
 namespace fourdvt::bake {
 namespace {

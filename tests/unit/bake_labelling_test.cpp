@@ -6,10 +6,10 @@
 #include <bit>
 #include <random>
 
-#include "bake/label_expansion.h"
-#include "bake/label_schedule.h"
-#include "bake/label_statistics.h"
-#include "bake/labelling.h"
+#include "bake/labels/expansion.h"
+#include "bake/labels/labelling.h"
+#include "bake/labels/schedule.h"
+#include "bake/labels/statistics.h"
 #include "label_fixture.h"
 
 namespace fourdvt::bake {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "bake/hybrid_blend.h"
+#include "bake/motion/hybrid_blend.h"
 #include "motion_shapes.h"
 
 namespace fourdvt::bake {

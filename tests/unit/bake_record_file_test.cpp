@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "bake/record_file.h"
+#include "bake/run/record_file.h"
 
 namespace fourdvt::bake {
 namespace {

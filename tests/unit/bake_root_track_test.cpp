@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "bake/root_track.h"
+#include "bake/motion/root_track.h"
 #include "motion_shapes.h"
 
 namespace fourdvt::bake {

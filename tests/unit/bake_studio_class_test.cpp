@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "bake/class_plan.h"
-#include "capture/studio_actor.h"
-#include "capture/studio_tracker.h"
+#include "bake/motion/class_plan.h"
+#include "studio/actors/actor.h"
+#include "studio/tracker.h"
 
 namespace fourdvt::bake {
 namespace {

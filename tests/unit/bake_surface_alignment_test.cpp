@@ -4,10 +4,10 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "bake/surface_alignment.h"
-#include "bake/surface_alignment_charts.h"
-#include "bake/surface_alignment_detail.h"
-#include "bake/surface_alignment_smooth.h"
+#include "bake/align/charts.h"
+#include "bake/align/detail.h"
+#include "bake/align/smooth.h"
+#include "bake/align/surface_alignment.h"
 
 namespace fourdvt::bake {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "bake/survey_files.h"
+#include "bake/run/survey_files.h"
 
 namespace fourdvt::bake {
 namespace {

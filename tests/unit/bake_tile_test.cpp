@@ -6,7 +6,7 @@
 #include <random>
 
 #include "bake/bake.h"
-#include "bake/tile.h"
+#include "bake/video/tile.h"
 #include "package/barcode.h"
 
 namespace fourdvt::bake {

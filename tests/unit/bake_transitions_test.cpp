@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "bake/fade_path.h"
-#include "bake/transitions.h"
+#include "bake/motion/fade_path.h"
+#include "bake/motion/transitions.h"
 #include "motion/motion_graph.h"
 #include "motion/placement.h"
 #include "motion_shapes.h"

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <map>
 
-#include "capture/studio_actor.h"
-#include "capture/studio_body.h"
-#include "capture/studio_rig.h"
-#include "capture/studio_sensor.h"
-#include "capture/studio_tracker.h"
 #include "capture_fixture.h"
+#include "studio/actors/actor.h"
+#include "studio/actors/body.h"
+#include "studio/rig.h"
+#include "studio/sensor.h"
+#include "studio/tracker.h"
 #include "studio_model.h"
 
 namespace fourdvt::studio {

@@ -19,7 +19,7 @@ Image noise(int width, int height, uint32_t seed, int low = 0, int high = 255) {
 
 Mask everywhere(const Image& image) { return Mask(static_cast<size_t>(image.width) * image.height, 1); }
 
-// SSIM at one pixel straight from the paper's definitions (Eq. 13, weights summing to 1), two-pass variances.
+// SSIM at one pixel straight from its definition (WBSS04 Eq. 13, weights summing to 1), two-pass variances.
 double referenceSsimAt(const Image& a, const Image& b, int cx, int cy) {
   double weights[11][11], total = 0;
   for (int j = 0; j < 11; ++j)

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <string>
 
-#include "bake/class_plan.h"
+#include "bake/motion/class_plan.h"
 
 namespace fourdvt {
 

@@ -9,10 +9,10 @@
 #include "chunk_fixture.h"
 #include "package/character.h"
 #include "package/chunk_decoder.h"
-#include "package/label_coder.h"
-#include "package/label_model.h"
-#include "package/position_coder.h"
-#include "package/position_model.h"
+#include "package/coding/label_coder.h"
+#include "package/coding/label_model.h"
+#include "package/coding/position_coder.h"
+#include "package/coding/position_model.h"
 
 using namespace fourdvt;
 using namespace fourdvt::package;

@@ -3,7 +3,7 @@
 // it. a, b: luma, width × height bytes; out: 2 floats a pixel, x then y in row order, b(p + out) ~ a(p). 1: done, 0: it
 // cannot. An option of 0 or left out is FlowOptions' default. Memory comes from fdvt_flow_alloc.
 // An OpenCV error beyond that aborts the module.
-#include "render/flow.h"
+#include "render/flow/flow.h"
 
 #include <emscripten.h>
 

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/align/surface_alignment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "bake/align/charts.h"
+#include "bake/align/detail.h"
+#include "bake/align/looks.h"
+#include "bake/align/smooth.h"
+
+namespace fourdvt::bake {
+namespace {
+
+constexpr int kRounds[] = {2, 1};  // the picture height's divisor in each round, coarse to fine
+constexpr int kDetailViews = 4;
+constexpr float kInteriorReach_px = 8;    // at full height
+constexpr float kHalfConfidence = 0.25f;  // information (VertexEstimate) at which confidence is one half
+
+Status whyNot(const AlignmentOptions& options, const package::BaseMesh& mesh) {
+  const auto invalid = [](const char* message) { return Error{ErrorId::InvalidArgument, message}; };
+  if (options.views < 3) return invalid("alignment needs at least 3 views; set views to 8 or more");
+  if (options.picture_height < 64) return invalid("alignment's picture_height is too small; use 64 or more");
+  if (!(options.smoothness > 0)) return invalid("alignment's smoothness must be positive");
+  if (!(options.max_displacement_m > 0)) return invalid("alignment's max_displacement_m must be positive");
+  if (options.gutter_texels < 0) return invalid("alignment's gutter_texels must not be negative");
+  if (mesh.topology.faceCount() == 0) return invalid("alignment needs a mesh with faces");
+  return {};
+}
+
+// Smallest eigenvalue of a symmetric matrix.
+float leastInformation(const glm::mat2& m) {
+  const float mean = 0.5f * (m[0][0] + m[1][1]), half = 0.5f * (m[0][0] - m[1][1]);
+  return std::max(mean - std::hypot(half, m[0][1]), 0.0f);
+}
+
+class Aligner final : public SurfaceAligner {
+ public:
+  Aligner(const package::BaseMesh& mesh, const AlignmentOptions& options, std::unique_ptr<LookDrawer> drawer)
+      : mesh_(mesh),
+        options_(options),
+        frames_(computeSurfaceFrames(mesh.topology, mesh.positions)),
+        smoother_(TangentSmoother::create(mesh.topology, mesh.positions, frames_, options.smoothness)),
+        drawer_(std::move(drawer)) {}
+
+  Result<AlignedFrame> align(const Positions& middle, const render::Appearance& appearance,
+                             const render::PictureTextures& picture) override {
+    const size_t vertices = mesh_.topology.vertex_count, others = size_t(appearance.member_count) - 1;
+    if (middle.size() != vertices)
+      return Error{ErrorId::InvalidArgument, "alignment: positions are not those of the character's mesh"};
+    if (!appearance.ready()) return Error{ErrorId::InvalidArgument, "alignment: the appearance has no frame or layout"};
+    AlignedFrame result{std::vector<glm::vec2>(others * vertices, glm::vec2(0)), {}};
+    const int texels = int(std::lround(appearance.layer_rects_uv[0].z * appearance.picture_size.x));
+    if (!limits_ || limits_->size() != texels) limits_.emplace(mesh_.topology, frames_, texels, options_.gutter_texels);
+    for (const int divisor : kRounds) FOURDVT_TRY(refine(middle, appearance, picture, divisor, result));
+    FOURDVT_TRY(compareDetail(middle, appearance, picture, result));
+    return result;
+  }
+
+ private:
+  using Field = std::vector<glm::vec2>;  // [vertex]
+
+  // Texture vertices of every member, drawn where equal weights of all members put them.
+  std::vector<Field> movedUvs(const Field& displacement) const {
+    const size_t vertices = mesh_.topology.vertex_count, members = displacement.size() / vertices + 1;
+    Field mean(vertices, glm::vec2(0));
+    for (size_t i = 0; i < displacement.size(); ++i) mean[i % vertices] += displacement[i] / float(members);
+    std::vector<Field> uvs(members, mesh_.topology.uvs);
+    for (size_t member = 0; member < members; ++member)
+      for (uint32_t face = 0; face < mesh_.topology.faceCount(); ++face)
+        for (int corner = 0; corner < 3; ++corner) {
+          const uint32_t vertex = mesh_.topology.face_vertices[face][corner];
+          const uint32_t uv = mesh_.topology.face_uvs[face][corner];
+          const glm::vec2 own = member ? displacement[(member - 1) * vertices + vertex] : glm::vec2(0);
+          uvs[member][uv] = mesh_.topology.uvs[uv] + frames_.uv_from_tangents[3 * face + corner] * (own - mean[vertex]);
+        }
+    return uvs;
+  }
+
+  // One round: draw with what is known, add what flow still sees, smooth the whole.
+  Status refine(const Positions& middle, const render::Appearance& appearance, const render::PictureTextures& picture,
+                int divisor, AlignedFrame& result) {
+    const size_t vertices = mesh_.topology.vertex_count, others = result.displacement_m.size() / vertices;
+    const std::vector<PinholeCamera> cameras =
+        alignmentCameras(middle, options_.views, options_.picture_height / divisor);
+    FOURDVT_TRY(drawer_->setFrame(middle, movedUvs(result.displacement_m)));
+    std::vector<std::vector<cv::Mat>> looks;  // [view][member]
+    for (const PinholeCamera& camera : cameras) {
+      auto drawn = drawer_->draw(camera, appearance, picture);
+      if (!drawn) return drawn.error();
+      looks.emplace_back();
+      for (const cv::Mat& look : drawn.value()) looks.back().push_back(evenLuma(look));
+    }
+    const auto observations = observe(middle, cameras, looks, kInteriorReach_px / float(divisor));
+    result.confidence.clear();
+    for (size_t other = 0; other < others; ++other) {
+      const auto begin = result.displacement_m.begin() + ptrdiff_t(other * vertices);
+      const auto estimates = liftFlow(observations[other], Field(begin, begin + ptrdiff_t(vertices)));
+      Field field = smoother_->solve(estimates);
+      bound(field);
+      std::copy(field.begin(), field.end(), begin);
+      for (const VertexEstimate& estimate : estimates) {
+        const float information = leastInformation(estimate.information);
+        result.confidence.push_back(information / (information + kHalfConfidence));
+      }
+    }
+    return {};
+  }
+
+  Status compareDetail(const Positions& middle, const render::Appearance& appearance,
+                       const render::PictureTextures& picture, AlignedFrame& result) {
+    FOURDVT_TRY(drawer_->setFrame(middle, movedUvs(result.displacement_m)));
+    DetailCorrelation detail;
+    for (const PinholeCamera& camera : alignmentCameras(middle, kDetailViews, options_.picture_height)) {
+      auto looks = drawer_->draw(camera, appearance, picture);
+      if (!looks) return looks.error();
+      detail.add(looks.value());
+    }
+    result.detail_correlation = detail.value();
+    return {};
+  }
+
+  // [other][view]; views on all processors.
+  std::vector<std::vector<std::vector<FlowObservation>>> observe(const Positions& middle,
+                                                                 const std::vector<PinholeCamera>& cameras,
+                                                                 const std::vector<std::vector<cv::Mat>>& looks,
+                                                                 float reach) const {
+    std::vector<glm::vec3> normals;
+    computeVertexNormals(mesh_.topology.face_vertices, middle.data(), middle.size(), normals);
+    const auto tangents = poseTangents(mesh_.topology, mesh_.positions, frames_, middle);
+    const size_t others = looks[0].size() - 1;
+    std::vector<std::vector<std::vector<FlowObservation>>> observations(
+        others, std::vector<std::vector<FlowObservation>>(cameras.size()));
+    cv::parallel_for_(cv::Range(0, int(cameras.size())), [&](const cv::Range& range) {
+      for (int view = range.start; view < range.end; ++view) {
+        const cv::Mat depth = drawDepth(cameras[view], mesh_.topology, middle);
+        const cv::Mat interior = interiorOf(depth, reach);
+        const auto seen = seenVertices(cameras[view], depth, middle, normals, tangents);
+        for (size_t other = 0; other < others; ++other)
+          observations[other][view] = observeFlow(looks[view][0], looks[view][other + 1], interior, seen);
+      }
+    });
+    return observations;
+  }
+
+  void bound(Field& field) const {
+    for (glm::vec2& d : field) {
+      const float length = glm::length(d), most = float(options_.max_displacement_m);
+      if (length > most) d *= most / length;
+    }
+    limits_->cut(field);
+  }
+
+  const package::BaseMesh& mesh_;
+  const AlignmentOptions options_;
+  const SurfaceFrames frames_;
+  std::unique_ptr<TangentSmoother> smoother_;
+  std::unique_ptr<LookDrawer> drawer_;
+  std::optional<ChartLimits> limits_;  // of the texture size seen last
+};
+
+}  // namespace
+
+Result<std::unique_ptr<SurfaceAligner>> SurfaceAligner::create(gpu::Device& device, const package::Character& character,
+                                                               const package::BaseMesh& mesh,
+                                                               const AlignmentOptions& options) {
+  FOURDVT_TRY(whyNot(options, mesh));
+  auto drawer = LookDrawer::create(device, character, mesh);
+  if (!drawer) return drawer.error();
+  return std::unique_ptr<SurfaceAligner>(std::make_unique<Aligner>(mesh, options, drawer.take()));
+}
+
+}  // namespace fourdvt::bake

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/labels/expansion.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "bake/labels/statistics.h"
+
+namespace fourdvt::bake {
+namespace {
+
+constexpr double kKappaUnits = 65536;
+constexpr int kRings = 2;  // round a change, tried again
+
+constexpr uint8_t slotOf(uint64_t slots, int slot) { return static_cast<uint8_t>(slots >> (8 * slot)); }
+
+constexpr uint64_t withSlot(uint64_t slots, int slot, uint8_t camera) {
+  return (slots & ~(uint64_t(255) << (8 * slot))) | uint64_t(camera) << (8 * slot);
+}
+
+constexpr uint32_t bitOf(uint8_t camera) { return camera == package::kNoCamera ? 0 : 1u << camera; }
+
+// The largest sum a node can see stays below 2^29.
+double distanceUnits(double theta_sum, double omega_sum, double eta, int slots, double tau, const FaceLinks& links) {
+  double kappa = 0;
+  for (uint32_t f = 0; f < links.faceCount(); ++f) {
+    double sum = 0;
+    for (uint32_t k = links.first[f]; k < links.first[f + 1]; ++k) sum += links.links[k].kappa / kKappaUnits;
+    kappa = std::max(kappa, sum);
+  }
+  const double largest = theta_sum + (kappa + 2 * tau) * (omega_sum + eta * slots);
+  const double units = std::exp2(std::floor(std::log2(std::exp2(29) / std::max(largest, 1.0)))) / kKappaUnits;
+  return std::clamp(units, 1.0, 1024.0);
+}
+
+}  // namespace
+
+FaceLinks makeFaceLinks(const FaceGraph& graph) {
+  FaceLinks out;
+  out.first.assign(graph.face_count + 1, 0);
+  for (auto [f, g] : graph.edges) ++out.first[f + 1], ++out.first[g + 1];
+  for (uint32_t f = 0; f < graph.face_count; ++f) out.first[f + 1] += out.first[f];
+  out.links.resize(2 * graph.edges.size());
+  std::vector<uint32_t> next(out.first.begin(), out.first.end() - 1);
+  for (auto [f, g] : graph.edges) {
+    const double kappa = 1.0 / graph.neighbour_count[f] + 1.0 / graph.neighbour_count[g];
+    const int32_t units = static_cast<int32_t>(std::lround(kappa * kKappaUnits));
+    out.links[next[f]++] = {g, units};
+    out.links[next[g]++] = {f, units};
+  }
+  return out;
+}
+
+LabelWeights LabelWeights::joint(const LabelOptions& options, const FaceLinks& links) {
+  LabelWeights out;
+  out.slots = options.layers;
+  double theta_sum = 0, omega_sum = 0;
+  for (int l = 0; l < out.slots; ++l) {
+    theta_sum += weightOfSlot(options.theta, l) * std::max(1.0f, options.empty_penalty);
+    omega_sum += weightOfSlot(options.omega, l);
+  }
+  const double units = distanceUnits(theta_sum, omega_sum, options.eta, out.slots, options.tau, links);
+  out.units = units * kKappaUnits;
+  for (int l = 0; l < out.slots; ++l) {
+    out.theta[l] = static_cast<float>(weightOfSlot(options.theta, l) * out.units);
+    out.omega[l] = static_cast<int32_t>(std::lround(weightOfSlot(options.omega, l) * units));
+  }
+  out.half_eta = static_cast<int32_t>(std::lround(0.5 * options.eta * units));
+  out.tau = static_cast<int32_t>(std::lround(options.tau * kKappaUnits));
+  out.empty_penalty = options.empty_penalty;
+  return out;
+}
+
+LabelWeights LabelWeights::singleLayer(float tau, float empty_penalty, const FaceLinks& links) {
+  LabelOptions options;
+  options.layers = 1;
+  options.theta = options.omega = {1.0f};
+  options.eta = 0;
+  options.tau = tau;
+  options.empty_penalty = empty_penalty;
+  return joint(options, links);
+}
+
+ExpansionBlock::ExpansionBlock(const LabelWeights& weights, const FaceLinks& links, std::vector<BlockFrame> frames)
+    : weights_(weights), links_(links), frames_(std::move(frames)), faces_(links.faceCount()) {
+  const size_t nodes = frames_.size() * faces_;
+  labels_.resize(nodes);
+  allowed_.assign(nodes, 0);
+  is_near_.assign(nodes, 0);
+  candidate_of_.assign(nodes, -1);
+  tried_.resize(weights_.slots);
+  for (auto& row : tried_) row.fill(0);
+  for (size_t k = 0; k < frames_.size(); ++k) {
+    const BlockFrame& frame = frames_[k];
+    frozen_.push_back(frame.frozen);
+    if (!frame.frozen) camera_count_ = frame.costs->camera_count;
+    for (uint32_t f = 0; f < faces_; ++f) {
+      const size_t node = k * faces_ + f;
+      Tuple tuple{0, 0};
+      for (int l = 0; l < weights_.slots; ++l) {
+        const uint8_t camera = (*frame.labels)[f].slots[l];
+        tuple.slots = withSlot(tuple.slots, l, camera);
+        tuple.set |= bitOf(camera);
+      }
+      labels_[node] = tuple;
+      if (frame.frozen) continue;
+      allowed_[node] = (*frame.allowed)[f];
+      if (!frame.settled && allowed_[node]) log_.push_back(static_cast<uint32_t>(node));
+    }
+  }
+}
+
+LabelTuple ExpansionBlock::label(size_t frame, uint32_t face) const {
+  LabelTuple out;
+  for (int l = 0; l < weights_.slots; ++l) out.slots[l] = slotOf(labels_[frame * faces_ + face].slots, l);
+  return out;
+}
+
+inline int32_t ExpansionBlock::distance(const Tuple& a, const Tuple& b) const {
+  const uint64_t differing = a.slots ^ b.slots;
+  if (!differing) return 0;
+  int32_t sum = 0;
+  for (int l = 0; l < weights_.slots; ++l) sum += slotOf(differing, l) ? weights_.omega[l] : 0;
+  return weights_.half_eta ? sum + weights_.half_eta * std::popcount(a.set ^ b.set) : sum;
+}
+
+inline int32_t ExpansionBlock::unary(size_t node, int slot, uint8_t camera) const {
+  const FaceCosts& costs = *frames_[node / faces_].costs;
+  const float p = camera == package::kNoCamera ? weights_.empty_penalty
+                                               : costs.penalty[(node % faces_) * costs.camera_count + camera];
+  return static_cast<int32_t>(weights_.theta[slot] * p);
+}
+
+int32_t ExpansionBlock::unary(size_t node, const Tuple& tuple) const {
+  int32_t sum = 0;
+  for (int l = 0; l < weights_.slots; ++l) sum += unary(node, l, slotOf(tuple.slots, l));
+  return sum;
+}
+
+// The face's tuple after the move; false: the move does not apply.
+bool ExpansionBlock::moved(size_t node, int slot, uint8_t camera, Tuple& out) const {
+  const Tuple& now = labels_[node];
+  const uint8_t old = slotOf(now.slots, slot);
+  if (old == camera) return false;
+  if (camera == package::kNoCamera) {
+    if (slot == 0 || !allowed_[node]) return false;
+    out = {withSlot(now.slots, slot, camera), now.set & ~bitOf(old)};
+    return true;
+  }
+  if (!(allowed_[node] >> camera & 1)) return false;
+  out.slots = withSlot(now.slots, slot, camera);
+  if (!(now.set >> camera & 1)) {
+    out.set = (now.set & ~bitOf(old)) | bitOf(camera);
+    return true;
+  }
+  int holder = 0;
+  while (slotOf(now.slots, holder) != camera) ++holder;
+  if (holder == 0 && old == package::kNoCamera) return false;
+  out.slots = withSlot(out.slots, holder, old);
+  out.set = now.set;
+  return true;
+}
+
+template <class Visit>
+inline void ExpansionBlock::forNeighbours(uint32_t node, Visit&& visit) const {
+  const uint32_t frame = node / faces_, face = node - frame * faces_, base = node - face;
+  for (uint32_t k = links_.first[face]; k < links_.first[face + 1]; ++k)
+    visit(base + links_.links[k].face, links_.links[k].kappa);
+  if (weights_.tau == 0) return;
+  if (frame > 0) visit(node - faces_, weights_.tau);
+  if (frame + 1 < frames_.size()) visit(node + faces_, weights_.tau);
+}
+
+// Nodes within kRings of what the log says since `log_start`.
+void ExpansionBlock::gather(size_t log_start) {
+  near_.clear();
+  const auto take = [&](uint32_t node) {
+    if (is_near_[node] || !allowed_[node]) return;
+    is_near_[node] = 1;
+    near_.push_back(node);
+  };
+  for (size_t i = log_start; i < log_.size(); ++i) take(log_[i]);
+  size_t ring_start = 0;
+  for (int ring = 0; ring < kRings; ++ring) {
+    const size_t ring_end = near_.size();
+    for (size_t i = ring_start; i < ring_end; ++i) forNeighbours(near_[i], [&](uint32_t n, int32_t) { take(n); });
+    ring_start = ring_end;
+  }
+  for (uint32_t node : near_) is_near_[node] = 0;
+}
+
+// Unary and pairwise terms between staying (x = 0) and moving (x = 1); pairs with later candidates only.
+void ExpansionBlock::addNode(int index) {
+  const Candidate& c = candidates_[index];
+  const Tuple &stay = labels_[c.node], &move = c.moved;
+  int32_t u = unary(c.node, move) - unary(c.node, stay);
+  forNeighbours(c.node, [&](uint32_t n, int32_t weight) {
+    const Tuple& other_stay = labels_[n];
+    const int32_t stay_stay = distance(stay, other_stay), move_stay = distance(move, other_stay);
+    u += weight * (move_stay - stay_stay);
+    const int other = candidate_of_[n];
+    if (other < index) return;
+    const Tuple& other_move = candidates_[other].moved;
+    const int32_t stay_move = distance(stay, other_move), move_move = distance(move, other_move);
+    // Beyond both unaries there remains -gap x y = -g x - h y + g x (1-y) + h (1-x) y, g + h = gap.
+    const int32_t gap = weight * (stay_move + move_stay - stay_stay - move_move), half = gap / 2;
+    u -= half;
+    flow_.addUnary(other, half - gap);
+    flow_.addPair(index, other, gap - half, half);
+  });
+  flow_.addUnary(index, u);
+}
+
+bool ExpansionBlock::expand(int slot, uint8_t camera) {
+  size_t& tried = tried_[slot][camera == package::kNoCamera ? package::kMaxCameras : camera];
+  if (tried == log_.size()) return false;
+  gather(tried);
+  candidates_.clear();
+  Candidate candidate;
+  for (uint32_t node : near_) {
+    if (!moved(node, slot, camera, candidate.moved)) continue;
+    candidate.node = node;
+    candidate_of_[node] = static_cast<int32_t>(candidates_.size());
+    candidates_.push_back(candidate);
+  }
+  flow_.reset(candidates_.size());
+  for (size_t i = 0; i < candidates_.size(); ++i) addNode(static_cast<int>(i));
+  flow_.solve();
+  const bool changed = apply();
+  tried = log_.size();
+  return changed;
+}
+
+bool ExpansionBlock::apply() {
+  bool changed = false;
+  for (size_t i = 0; i < candidates_.size(); ++i) {
+    const Candidate& c = candidates_[i];
+    candidate_of_[c.node] = -1;
+    if (!flow_.one(static_cast<int>(i))) continue;
+    labels_[c.node] = c.moved;
+    log_.push_back(c.node);
+    changed = true;
+  }
+  return changed;
+}
+
+void ExpansionBlock::solve(int sweeps) {
+  bool changed = true;
+  for (int sweep = 0; sweep < sweeps && changed; ++sweep) {
+    changed = false;
+    for (int slot = 0; slot < weights_.slots; ++slot) {
+      for (int c = 0; c < camera_count_; ++c) changed |= expand(slot, static_cast<uint8_t>(c));
+      if (slot > 0) changed |= expand(slot, package::kNoCamera);
+    }
+  }
+  for (size_t k = 0; k < frames_.size(); ++k)
+    for (uint32_t f = 0; f < faces_ && !frozen_[k]; ++f) (*frames_[k].labels)[f] = label(k, f);
+}
+
+int64_t ExpansionBlock::energy() const {
+  int64_t sum = 0;
+  for (uint32_t node = 0; node < labels_.size(); ++node) {
+    if (!frozen_[node / faces_]) sum += unary(node, labels_[node]);
+    forNeighbours(node, [&](uint32_t n, int32_t weight) {
+      if (n > node) sum += int64_t(weight) * distance(labels_[node], labels_[n]);
+    });
+  }
+  return sum;
+}
+
+}  // namespace fourdvt::bake

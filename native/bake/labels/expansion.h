@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// Alpha-expansion over some frames at once (ALGORITHMS 1.3). Lowers
+//   E = Σ_t [ Σ_f Σ_l θ_l p(z_f^l, f) + Σ_fg κ_fg d(z_f, z_g) ] + τ Σ_t,f d(z_f(t), z_f(t-1)),
+//   d(a,b) = Σ_l ω_l [a_l ≠ b_l] + (η/2) |S_a Δ S_b|,   κ_fg = 1/|N_f| + 1/|N_g|,
+// by moves "slot l ← α, with swap". With one slot, ω = 1 and η = 0 it is 4DVT Eq. 2-5.
+// Slot 0 of a face that has an allowed camera is never empty. Energies are integers: a move never raises them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "bake/labels/labelling.h"
+#include "bake/labels/max_flow.h"
+#include "bake/labels/tuple.h"
+
+namespace fourdvt::bake {
+
+// FaceGraph by face, κ in 2^-16.
+struct FaceLinks {
+  struct Link {
+    uint32_t face;
+    int32_t kappa;
+  };
+  std::vector<uint32_t> first;  // face_count + 1
+  std::vector<Link> links;
+  uint32_t faceCount() const { return static_cast<uint32_t>(first.size()) - 1; }
+};
+FaceLinks makeFaceLinks(const FaceGraph& graph);
+
+// The weights as integers, scaled so that no node's sum overflows 32 bits.
+struct LabelWeights {
+  int slots = 1;
+  std::array<float, package::kMaxLayers> theta{};    // energy units per penalty
+  std::array<int32_t, package::kMaxLayers> omega{};  // times κ or τ: energy units
+  int32_t half_eta = 0, tau = 0;
+  float empty_penalty = 0;
+  double units = 1;  // energy units in 1
+  static LabelWeights joint(const LabelOptions& options, const FaceLinks& links);
+  static LabelWeights singleLayer(float tau, float empty_penalty, const FaceLinks& links);
+};
+
+struct BlockFrame {
+  const FaceCosts* costs = nullptr;                // borrowed, as are the others; not read where frozen
+  const std::vector<uint32_t>* allowed = nullptr;  // cameras a face
+  std::vector<LabelTuple>* labels = nullptr;       // in: only allowed cameras, distinct; out
+  bool frozen = false;                             // labels stay
+  bool settled = false;                            // labels are a minimum already but for what happens next to them
+};
+
+class ExpansionBlock {
+ public:
+  // Neighbouring entries of `frames` are neighbours in time.
+  ExpansionBlock(const LabelWeights& weights, const FaceLinks& links, std::vector<BlockFrame> frames);
+  // Sweeps over all slots and cameras until nothing changes; then the labels are written back.
+  void solve(int sweeps);
+  // One move; package::kNoCamera empties the slot. False: nothing to gain near what changed since the same move
+  // was tried last.
+  bool expand(int slot, uint8_t camera);
+  int64_t energy() const;
+  LabelTuple label(size_t frame, uint32_t face) const;
+  int cameraCount() const { return camera_count_; }
+
+ private:
+  struct Tuple {
+    uint64_t slots;  // a byte each, lowest first
+    uint32_t set;
+    bool operator==(const Tuple& o) const { return slots == o.slots; }
+  };
+  struct Candidate {
+    uint32_t node;
+    Tuple moved;
+  };
+  int32_t distance(const Tuple& a, const Tuple& b) const;
+  int32_t unary(size_t node, int slot, uint8_t camera) const;
+  int32_t unary(size_t node, const Tuple& tuple) const;
+  bool moved(size_t node, int slot, uint8_t camera, Tuple& out) const;
+  void gather(size_t log_start);
+  template <class Visit>
+  void forNeighbours(uint32_t node, Visit&& visit) const;  // visit(node, weight)
+  void addNode(int index);
+  bool apply();
+
+  LabelWeights weights_;
+  const FaceLinks& links_;
+  std::vector<BlockFrame> frames_;
+  uint32_t faces_ = 0;
+  int camera_count_ = 0;
+  std::vector<Tuple> labels_;      // frame × face
+  std::vector<uint32_t> allowed_;  // 0 where frozen
+  std::vector<uint8_t> frozen_;    // frame
+  std::vector<uint32_t> log_;      // nodes that changed, in the order of time; starts with the unsettled ones
+  std::vector<std::array<size_t, package::kMaxCameras + 1>> tried_;  // [slot][camera]: log size at the last try
+  std::vector<uint32_t> near_;                                       // nodes worth a try
+  std::vector<uint8_t> is_near_;
+  std::vector<Candidate> candidates_;
+  std::vector<int32_t> candidate_of_;  // -1: stays
+  LabelFlow flow_;
+};
+
+}  // namespace fourdvt::bake

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// What labelling knows of one frame: which cameras qualify for a face, and what each would cost.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/camera.h"
+#include "base/mesh.h"
+
+namespace fourdvt::bake {
+
+// All lie in 0..1, lower is better.
+enum class Penalty {
+  Axis,        // 4DVT Eq. 1: 1 - (n·ô)², ô the unit optical axis
+  Ray,         // the same with the unit ray from the camera's centre to the face's centre
+  Resolution,  // 1 - pixels of the face in this camera / most pixels that any camera of the rig gives a face facing it
+};
+
+struct FaceCostOptions {
+  Penalty penalty = Penalty::Axis;
+  float visible_fraction = 0.99f;   // of a face's sample points, for a camera to qualify
+  float fallback_fraction = 0.30f;  // asked for where no camera qualifies
+};
+
+// Hardly better than an empty slot: what is smoothest decides.
+constexpr float kUnseenPenalty = 1.9f;
+
+struct FaceCosts {
+  int camera_count = 0;
+  std::vector<uint32_t> feasible;  // per face: bit c = camera c sees it and it faces camera c
+  // Per face: cameras that face it and see at least `fallback_fraction` of it, but are not feasible. Empty: none. Only
+  // the joint labelling uses them, where that saves a seam or a flip.
+  std::vector<uint32_t> partial;
+  // Per face, 1: no camera is feasible or partial. Joint then takes any camera at kUnseenPenalty, so that its
+  // neighbours' label goes on across it (its texels are filled in); the paper modes leave it empty. Empty: all 0.
+  std::vector<uint8_t> unseen;
+  // [face * camera_count + camera]; partial: p + (1 - p) · (hidden share)²; 1 where neither, kUnseenPenalty
+  // where unseen.
+  std::vector<float> penalty;
+};
+
+// 4DVT Eq. 1: 1 - (n·ô)², n the unit face normal and ô the unit optical axis. Blind to the sign: see facesCamera.
+double penalty(const glm::dvec3& normal, const glm::dvec3& optical_axis);
+
+// The facing test that 4DVT Eq. 1 needs: the camera centre lies in front of the face.
+bool facesCamera(const glm::dvec3& normal, const glm::dvec3& face_centre, const glm::dvec3& camera_centre);
+
+// `fractions`: [camera][face], 0..1, of Visibility::measure.
+FaceCosts measureFaceCosts(const FaceCostOptions& options, std::span<const PinholeCamera> cameras,
+                           const MeshTopology& topology, const Positions& positions, std::span<const float> fractions);
+
+// Visibility hysteresis: `after[f]` of frame f is what at least half of the frames f-radius..f+radius say, per face and
+// camera, so that a camera does not come and go for a frame or two. A camera that a face does not see at all in
+// frame f (fraction below `fallback_fraction`) is never added. Works on fractions of a window of frames:
+// fractions[k] is frame first+k; returns those of the middle frame `middle`.
+std::vector<float> steadyFractions(std::span<const std::vector<float>> fractions, size_t middle,
+                                   const FaceCostOptions& options);
+
+}  // namespace fourdvt::bake

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/labels/labelling.h"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <mutex>
+
+#include "bake/labels/schedule.h"
+#include "bake/labels/statistics.h"
+#include "bake/labels/window.h"
+
+namespace fourdvt::bake {
+namespace {
+
+constexpr const char* kModeNames[] = {"naive", "spatial", "temporal-paper", "joint", "per-texel"};
+
+std::string complaint(const LabelOptions& o) {
+  if (o.layers < 1 || o.layers > package::kMaxLayers) return "layers must be 1 to 6";
+  if (o.window_frames < 1 || o.hop_frames < 1 || o.hop_frames > o.window_frames)
+    return "a window holds at least one frame, and the hop is 1 to the window";
+  if (o.sweeps < 1) return "at least one sweep is needed";
+  std::vector<float> weights{o.eta, o.tau, o.empty_penalty};
+  for (const auto* list : {&o.theta, &o.omega}) weights.insert(weights.end(), list->begin(), list->end());
+  for (float w : weights)
+    if (!(w >= 0 && w <= 100)) return "weights must lie in 0 to 100";
+  return {};
+}
+
+// Frames between their first load and their finish.
+class Solver {
+ public:
+  Solver(const LabelOptions& options, const FaceGraph& graph, const FaceCostSource& costs, const LabelSink& sink)
+      : options_(options),
+        graph_(graph),
+        links_(makeFaceLinks(graph)),
+        costs_(costs),
+        sink_(sink),
+        meter_(options, graph) {}
+
+  Status load(const LabelWindow& window) {
+    for (uint32_t t = window.fresh_first; t < window.fresh_end; ++t) {
+      const auto started = Clock::now();
+      auto costs = costs_(t);
+      outside_ += Clock::now() - started;
+      if (!costs) return costs.error();
+      std::lock_guard lock(mutex_);
+      frames_[t].costs = costs.take();
+    }
+    return {};
+  }
+
+  void solve(const LabelWindow& window) {
+    std::vector<WindowFrame> frames;
+    {
+      std::lock_guard lock(mutex_);  // references into a map stay valid
+      for (uint32_t t = window.frozen_first; t < window.frozen_end; ++t) {
+        Frame& frame = frames_[t];
+        const bool frozen = t < window.first || t >= window.end;
+        const bool fresh = t >= window.fresh_first && t < window.fresh_end;
+        frames.push_back({&frame.costs, &frame.labels, frozen, !frozen && !fresh});
+      }
+    }
+    solveWindow(options_, links_, frames);
+  }
+
+  Status finish(uint32_t t) {
+    const Frame& frame = frames_[t];
+    const size_t faces = graph_.face_count;
+    std::vector<uint8_t> labels(options_.layers * faces);
+    for (int l = 0; l < options_.layers; ++l)
+      for (size_t f = 0; f < faces; ++f) labels[l * faces + f] = frame.labels[f].slots[l];
+    const auto started = Clock::now();
+    meter_.add(frame.costs, labels);
+    FOURDVT_TRY(sink_(t, labels));
+    outside_ += Clock::now() - started;
+    std::lock_guard lock(mutex_);
+    frames_.erase(t);
+    return {};
+  }
+
+  LabelStatistics statistics() const {
+    LabelStatistics out = meter_.statistics();
+    out.seconds = std::chrono::duration<double>(Clock::now() - started_ - outside_).count();
+    return out;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Frame {
+    FaceCosts costs;
+    std::vector<LabelTuple> labels;
+  };
+  const LabelOptions& options_;
+  const FaceGraph& graph_;
+  const FaceLinks links_;
+  const FaceCostSource& costs_;
+  const LabelSink& sink_;
+  LabelMeter meter_;
+  std::mutex mutex_;  // frames_ as a map; every frame belongs to one window at a time
+  std::map<uint32_t, Frame> frames_;
+  Clock::time_point started_ = Clock::now();
+  Clock::duration outside_{};  // in source, sink and meter
+};
+
+}  // namespace
+
+const char* labelModeName(LabelMode mode) { return kModeNames[static_cast<int>(mode)]; }
+
+bool parseLabelMode(const std::string& name, LabelMode& mode) {
+  for (int m = 0; m < 5; ++m) {
+    if (name != kModeNames[m]) continue;
+    mode = static_cast<LabelMode>(m);
+    return true;
+  }
+  return false;
+}
+
+float weightOfSlot(const std::vector<float>& weights, int slot) {
+  return weights.empty() ? 0 : weights[std::min<size_t>(slot, weights.size() - 1)];
+}
+
+FaceGraph makeFaceGraph(const MeshTopology& topology) {
+  std::map<std::pair<uint32_t, uint32_t>, std::vector<uint32_t>> faces_of_edge;
+  for (uint32_t f = 0; f < topology.faceCount(); ++f) {
+    const glm::uvec3 v = topology.face_vertices[f];
+    for (int k = 0; k < 3; ++k) faces_of_edge[std::minmax(v[k], v[(k + 1) % 3])].push_back(f);
+  }
+  FaceGraph graph;
+  graph.face_count = topology.faceCount();
+  for (const auto& [edge, faces] : faces_of_edge)
+    for (size_t i = 0; i < faces.size(); ++i)
+      for (size_t j = i + 1; j < faces.size(); ++j)
+        if (faces[i] != faces[j]) graph.edges.push_back({faces[i], faces[j]});
+  std::sort(graph.edges.begin(), graph.edges.end());
+  graph.edges.erase(std::unique(graph.edges.begin(), graph.edges.end()), graph.edges.end());
+  graph.neighbour_count.assign(graph.face_count, 0);
+  for (auto [f, g] : graph.edges)
+    for (uint32_t face : {f, g})
+      if (graph.neighbour_count[face] < 255) ++graph.neighbour_count[face];
+  return graph;
+}
+
+Result<LabelStatistics> solveLabels(const LabelOptions& options, const FaceGraph& graph, uint32_t frame_count,
+                                    const FaceCostSource& costs, const LabelSink& sink,
+                                    const std::function<void(uint32_t)>& on_frame, const std::atomic<bool>* stop) {
+  if (const std::string wrong = complaint(options); !wrong.empty())
+    return Error{ErrorId::InvalidArgument, "labelling: " + wrong};
+  Solver solver(options, graph, costs, sink);
+  const auto finish = [&](uint32_t frame) -> Status {
+    FOURDVT_TRY(solver.finish(frame));
+    if (on_frame) on_frame(frame + 1);
+    return {};
+  };
+  FOURDVT_TRY(runWindows(
+      planWindows(options, frame_count), frame_count, std::max(1, options.jobs),
+      {[&](const LabelWindow& w) { return solver.load(w); }, [&](const LabelWindow& w) { solver.solve(w); }, finish},
+      stop));
+  return solver.statistics();
+}
+
+}  // namespace fourdvt::bake

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// Labels: which cameras a face takes its layers from, for a whole sequence (ALGORITHMS 1; 4DVT 4.1, Eq. 1-5).
+// Does NOT measure visibility (visibility.h) or penalties (face_costs.h). Memory: a window of frames, whatever the
+// sequence's length. Deterministic: the same input gives the same labels for every job count.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bake/labels/face_costs.h"
+#include "base/result.h"
+
+namespace fourdvt::bake {
+
+enum class LabelMode {
+  Naive,          // "NO": cameras by penalty, every face and frame for itself
+  Spatial,        // "SO", 4DVT Eq. 2-4: frame by frame, a layer after the other without the cameras taken before
+  TemporalPaper,  // "TO", 4DVT Eq. 5 literally: the temporal term carries the weight 1/|M|
+  Joint,          // ours: ordered tuples of distinct cameras, space and time, windowed
+  PerTexel,       // LVDT: labels as Naive; the resampler replaces a camera texel by texel where it does not see it
+};
+const char* labelModeName(LabelMode mode);  // "naive", "spatial", "temporal-paper", "joint", "per-texel"
+// False: no such name.
+bool parseLabelMode(const std::string& name, LabelMode& mode);
+
+struct LabelOptions {
+  LabelMode mode = LabelMode::Joint;
+  int layers = 3;
+  // Joint: weights of ALGORITHMS 1.3. θ: penalty by slot, ω: slot term by slot (the last entry repeats), η: set term,
+  // τ: time, empty: penalty of an empty slot. Tuned with bench_labels for few flips and seams at a layer-1 penalty
+  // within 10 % of Naive's.
+  std::vector<float> theta{1.4f, 0.2f, 0.1f}, omega{1.2f, 0.3f, 0.25f};
+  float eta = 0.1f, tau = 0.75f, empty_penalty = 2.0f;
+  int window_frames = 12, hop_frames = 8, sweeps = 4;
+  int jobs = 1;
+};
+
+// Pairs of faces that share an edge, each once, f < g.
+struct FaceGraph {
+  uint32_t face_count = 0;
+  std::vector<std::pair<uint32_t, uint32_t>> edges;
+  std::vector<uint8_t> neighbour_count;  // per face
+};
+FaceGraph makeFaceGraph(const MeshTopology& topology);
+
+struct LabelStatistics {
+  uint32_t frames = 0;
+  std::vector<double> seam_percent;  // per layer: share of edges whose faces differ in this slot
+  std::vector<double> flip_percent;  // per layer: share of faces that differ from the frame before
+  std::vector<double> camera_seam_percent, camera_flip_percent;  // of these, where neither of the two slots is empty
+  std::vector<double> mean_penalty;  // per layer, over filled slots of faces that a camera sees
+  double energy = 0;                 // of the joint formulation with the options' weights, whatever the mode
+  double empty_percent = 0;          // of all slots
+  double seconds = 0;                // wall clock of the solve
+};
+
+using FaceCostSource = std::function<Result<FaceCosts>(uint32_t frame)>;  // called from one thread, any order
+// labels: [layer][face], camera index or package::kNoCamera. Called once a frame, ascending.
+using LabelSink = std::function<Status(uint32_t frame, const std::vector<uint8_t>& labels)>;
+
+// `on_frame`, if set, hears how many frames are finished. Errors: those of source and sink; Interrupted once *stop.
+Result<LabelStatistics> solveLabels(const LabelOptions& options, const FaceGraph& graph, uint32_t frame_count,
+                                    const FaceCostSource& costs, const LabelSink& sink,
+                                    const std::function<void(uint32_t)>& on_frame = {},
+                                    const std::atomic<bool>* stop = nullptr);
+
+}  // namespace fourdvt::bake

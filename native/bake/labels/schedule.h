@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which windows of a sequence are solved, what each waits for, and how many at a time.
+//
+// Every second window ("even") starts from nothing; the windows between two of them fill the gap and solve the ends of
+// both neighbours again, between frozen frames. So all even windows are independent of each other, and so are all odd
+// ones: the labels do not depend on the number of threads.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "bake/labels/labelling.h"
+
+namespace fourdvt::bake {
+
+struct LabelWindow {
+  uint32_t first = 0, end = 0;                // frames whose labels it sets
+  uint32_t fresh_first = 0, fresh_end = 0;    // of them, those without labels so far
+  uint32_t frozen_first = 0, frozen_end = 0;  // frames it reads: first..end and a frozen one at each end, if there is
+  bool odd = false;                           // waits for the windows before and after it in the list of planWindows
+};
+
+// In time order: even and odd windows alternate. Modes without a temporal term: a window a frame, none of them odd.
+std::vector<LabelWindow> planWindows(const LabelOptions& options, uint32_t frame_count);
+
+struct LabelSteps {
+  std::function<Status(const LabelWindow&)> load;  // on the calling thread, before the window
+  std::function<void(const LabelWindow&)> solve;   // on any thread
+  std::function<Status(uint32_t frame)> finish;    // on the calling thread, frames in ascending order
+};
+// Errors: those of the steps; Interrupted once *stop.
+Status runWindows(const std::vector<LabelWindow>& windows, uint32_t frame_count, int jobs, const LabelSteps& steps,
+                  const std::atomic<bool>* stop);
+
+}  // namespace fourdvt::bake

@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/motion/class_plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bake/motion/hybrid_blend.h"
+#include "bake/motion/parameter_table.h"
+#include "bake/motion/time_warp.h"
+#include "motion/placement.h"
+
+namespace fourdvt::bake {
+namespace {
+
+constexpr size_t kFeatures = 300;      // vertices compared by the time-warp
+constexpr uint32_t kCheckPhases = 64;  // phases at which the blend's bound is checked, at most
+constexpr int kTriangleChecks = 12, kTriangleSegments = 4;
+constexpr const char* kMeasured = "speed_mps";
+
+struct Source {
+  const capture::CaptureSequence* sequence = nullptr;
+  std::vector<glm::vec3> track;
+  PoseFeatures features;
+  package::Member member;
+};
+
+Error impossible(const capture::CaptureClass& source, const std::string& what) {
+  return {ErrorId::CaptureJson, "capture.json: class '" + source.name + "': " + what};
+}
+
+Status checkClass(const capture::Capture& capture, const capture::CaptureClass& source) {
+  const size_t parameters = source.parameters.size();
+  if (parameters < 1 || parameters > size_t(package::kMaxParameters))
+    return impossible(source, "give it one parameter or two");
+  if (source.members.size() < 2 || source.members.size() > size_t(package::kMaxMembers))
+    return impossible(source, "a class has 2 to " + std::to_string(package::kMaxMembers) + " members");
+  for (const auto& member : source.members) {
+    const capture::CaptureSequence* sequence = capture.find(member.sequence);
+    if (!sequence || sequence->frame_count == 0) return impossible(source, "no sequence '" + member.sequence + "'");
+    if (sequence->loop != capture.find(source.members[0].sequence)->loop)
+      return impossible(source, "'" + member.sequence + "' and '" + source.members[0].sequence +
+                                    "' are not both loops; leave one out");
+    if (!member.parameter.empty() && member.parameter.size() != parameters)
+      return impossible(source, "'" + member.sequence + "' needs a value a parameter");
+    if (member.parameter.empty() && (parameters != 1 || source.parameters[0] != kMeasured))
+      return impossible(source, "only " + std::string(kMeasured) + " is measured: give '" + member.sequence +
+                                    "' its value of every parameter");
+  }
+  return {};
+}
+
+Result<Source> openSource(const capture::Capture& capture, const capture::CaptureClass::MemberOf& declared,
+                          const MeshTopology& topology, const std::vector<uint32_t>& vertices,
+                          const ReadPositions& read, std::vector<std::string>& notes) {
+  Source source;
+  source.sequence = capture.find(declared.sequence);
+  std::string note;
+  auto track = rootTrack(capture, *source.sequence, topology, read, &note);
+  if (!track) return track.error();
+  if (!note.empty()) notes.push_back(note);
+  source.track = track.take();
+  std::vector<Positions> frames;
+  for (uint32_t t = 0; t < source.sequence->frame_count; ++t) {
+    auto positions = read(*source.sequence, t);
+    if (!positions) return positions.error();
+    frames.emplace_back();
+    for (uint32_t v : vertices) frames.back().push_back(positions.value()[v]);
+  }
+  source.features = poseFeatures(frames, source.sequence->loop);
+  source.member.name = declared.sequence;
+  source.member.duration_s = source.sequence->frame_count / capture.fps;
+  source.member.travel = source.track.back();
+  source.member.parameter = declared.parameter;
+  if (declared.parameter.empty()) source.member.parameter = {speedOf(source.member)};
+  return source;
+}
+
+glm::vec3 joined(const glm::vec3& first, const glm::vec3& then) {
+  return {motion::moved({glm::vec2(first), first.z}, then).ground_m, first.z + then.z};
+}
+
+// Of a fractional frame; a loop's goes on into its next passes.
+glm::vec3 trackAt(const Source& source, double frame) {
+  const double count = source.sequence->frame_count;
+  glm::vec3 passes(0);
+  for (; source.sequence->loop && frame >= count; frame -= count) passes = joined(passes, source.track.back());
+  const size_t before = std::min(size_t(frame), source.track.size() - 2);
+  return joined(passes, glm::mix(source.track[before], source.track[before + 1], float(frame - double(before))));
+}
+
+ClassMember warpedMember(const Source& source, const Source& longest) {
+  ClassMember member;
+  member.source = source.sequence;
+  if (&source == &longest) {
+    for (uint32_t p = 0; p < source.sequence->frame_count; ++p) member.source_frame.push_back(p);
+  } else {
+    member.source_frame = warpTime(longest.features, source.features, source.sequence->loop);
+  }
+  const glm::vec3 start = trackAt(source, member.source_frame[0]);
+  for (double frame : member.source_frame) member.root.push_back(motion::stepBetween(start, trackAt(source, frame)));
+  return member;
+}
+
+size_t referenceOf(std::vector<std::vector<float>>& references, const std::vector<float>& weights) {
+  for (size_t r = 0; r < references.size(); ++r) {
+    float distance = 0;
+    for (size_t m = 0; m < weights.size(); ++m) distance += std::abs(weights[m] - references[r][m]);
+    if (distance < 1e-5f) return r;
+  }
+  references.push_back(weights);
+  return references.size() - 1;
+}
+
+std::vector<HybridSimplex> makeHybrid(const std::vector<BlendSimplex>& simplices, const std::vector<int>& segments,
+                                      int checks, size_t member_count, std::vector<std::vector<float>>& references) {
+  references.clear();
+  std::vector<HybridSimplex> out;
+  for (size_t s = 0; s < simplices.size(); ++s) {
+    HybridSimplex hybrid{simplices[s], segments[s], hybridNodes(simplices[s].interval(), segments[s], checks), {}};
+    for (const Shares& node : hybrid.nodes)
+      hybrid.references.push_back(referenceOf(references, simplexWeights(simplices[s], node, member_count)));
+    out.push_back(std::move(hybrid));
+  }
+  return out;
+}
+
+// Measures, then splits the worst simplex until all keep the bound or no reference is left.
+class ReferenceChooser {
+ public:
+  ReferenceChooser(std::vector<BlendSimplex> simplices, const ClassOptions& options, size_t member_count)
+      : simplices_(std::move(simplices)), options_(options), member_count_(member_count) {
+    const bool intervals = simplices_[0].interval();
+    const int most = intervals ? options.max_references + 1 : kTriangleSegments;
+    checks_ = intervals ? std::max(options.check_weights - 1, 2 * most) : kTriangleChecks;
+    for (const BlendSimplex& simplex : simplices_) errors_.emplace_back(simplex, mixOf(simplex), checks_, most);
+  }
+
+  Status measure(const ClassPlan& plan, const NonlinearBlend& blend, const ReadPositions& read,
+                 const std::function<bool(double)>& progress) {
+    const uint32_t stride = (plan.frame_count + kCheckPhases - 1) / kCheckPhases;
+    for (uint32_t phase = 0; phase < plan.frame_count; phase += stride) {
+      if (!progress(double(phase) / plan.frame_count)) return Error{ErrorId::Interrupted, "stopped while planning"};
+      std::vector<Positions> members;
+      for (const ClassMember& member : plan.members) {
+        auto positions = memberPositions(member, phase, read);
+        if (!positions) return positions.error();
+        members.push_back(positions.take());
+      }
+      for (HybridErrors& errors : errors_) errors.add(blend, members);
+    }
+    return {};
+  }
+
+  std::vector<HybridSimplex> choose(ClassPlan& plan) const {
+    std::vector<int> segments(simplices_.size(), 1);
+    plan.linear_error_m = largest(segments);
+    while (largest(segments) > options_.blend_error_m) {
+      const std::vector<int> next = refined(segments);
+      makeHybrid(simplices_, next, checks_, member_count_, plan.reference_weights);
+      if (next == segments || plan.reference_weights.size() > size_t(options_.max_references)) break;
+      segments = next;
+    }
+    plan.hybrid_error_m = largest(segments);
+    return makeHybrid(simplices_, segments, checks_, member_count_, plan.reference_weights);
+  }
+
+ private:
+  double errorOf(size_t simplex, int segments) const { return errors_[simplex].of(segments).max_m; }
+  double largest(const std::vector<int>& segments) const {
+    double most = 0;
+    for (size_t s = 0; s < segments.size(); ++s) most = std::max(most, errorOf(s, segments[s]));
+    return most;
+  }
+  // Triangles share edges: all together.
+  std::vector<int> refined(std::vector<int> segments) const {
+    size_t worst = 0;
+    for (size_t s = 1; s < segments.size(); ++s)
+      if (errorOf(s, segments[s]) > errorOf(worst, segments[worst])) worst = s;
+    for (size_t s = 0; s < segments.size(); ++s) {
+      if (simplices_[s].interval() && s != worst) continue;
+      segments[s] = std::min(segments[s] + 1, errors_[s].maxSegments());
+    }
+    return segments;
+  }
+
+  std::vector<BlendSimplex> simplices_;
+  ClassOptions options_;
+  size_t member_count_;
+  int checks_ = 0;
+  std::vector<HybridErrors> errors_;
+};
+
+Result<std::vector<Source>> openSources(const capture::Capture& capture, const capture::CaptureClass& source,
+                                        const MeshTopology& topology, const ReadPositions& read, ClassPlan& plan) {
+  auto first = read(*capture.find(source.members[0].sequence), 0);
+  if (!first) return first.error();
+  const std::vector<uint32_t> vertices = spreadVertices(first.value(), kFeatures);
+  std::vector<Source> sources;
+  for (const auto& member : source.members) {
+    auto opened = openSource(capture, member, topology, vertices, read, plan.notes);
+    if (!opened) return opened.error();
+    sources.push_back(opened.take());
+  }
+  const auto before = [](const Source& a, const Source& b) { return a.member.parameter[0] < b.member.parameter[0]; };
+  if (source.parameters.size() == 1 && !std::is_sorted(sources.begin(), sources.end(), before)) {
+    std::stable_sort(sources.begin(), sources.end(), before);
+    plan.notes.push_back("class '" + source.name + "': its members were put in order of " + source.parameters[0]);
+  }
+  return sources;
+}
+
+// Common time: that of the longest member.
+void planTime(const std::vector<Source>& sources, ClassPlan& plan) {
+  const auto shorter = [](const Source& a, const Source& b) {
+    return a.sequence->frame_count < b.sequence->frame_count;
+  };
+  const Source& longest = *std::max_element(sources.begin(), sources.end(), shorter);
+  double duration_s = 0;
+  for (const Source& source : sources) {
+    plan.members.push_back(warpedMember(source, longest));
+    plan.manifest.push_back(source.member);
+    const glm::vec3 start = trackAt(source, plan.members.back().source_frame[0]);
+    if (source.sequence->loop)
+      plan.manifest.back().travel = motion::stepBetween(start, joined(source.track.back(), start));
+    duration_s += source.member.duration_s / double(sources.size());
+  }
+  plan.frame_count = longest.sequence->frame_count;
+  plan.loop = longest.sequence->loop;
+  plan.fps = plan.frame_count / duration_s;
+}
+
+}  // namespace
+
+Result<ClassPlan> planClass(const capture::Capture& capture, const capture::CaptureClass& source,
+                            const MeshTopology& topology, const ReadPositions& read, const ClassOptions& options,
+                            const std::function<bool(double)>& progress) {
+  FOURDVT_TRY(checkClass(capture, source));
+  ClassPlan plan;
+  plan.source = &source;
+  auto sources = openSources(capture, source, topology, read, plan);
+  if (!sources) return sources.error();
+  planTime(sources.value(), plan);
+  auto simplices = classSimplices(plan.manifest, source.name);
+  if (!simplices) return simplices.error();
+  auto pose = memberPositions(plan.members[0], 0, read);
+  if (!pose) return pose.error();
+  auto blend = NonlinearBlend::create(topology, pose.value());
+  if (!blend) return blend.error();
+  ReferenceChooser chooser(simplices.take(), options, plan.members.size());
+  FOURDVT_TRY(chooser.measure(plan, *blend.value(), read, progress));
+  const std::vector<HybridSimplex> hybrid = chooser.choose(plan);
+  const bool measured =
+      std::all_of(source.members.begin(), source.members.end(), [](const auto& m) { return m.parameter.empty(); });
+  plan.space = parameterTable(plan.manifest, source.parameters, std::vector<bool>(source.parameters.size(), measured),
+                              hybrid, plan.reference_weights.size());
+  if (!progress(1)) return Error{ErrorId::Interrupted, "stopped while planning"};
+  return plan;
+}
+
+Result<std::vector<ClassMember>> classMembers(const capture::Capture& capture, const capture::CaptureClass& source,
+                                              const MeshTopology& topology, const ReadPositions& read) {
+  FOURDVT_TRY(checkClass(capture, source));
+  ClassPlan plan;
+  auto sources = openSources(capture, source, topology, read, plan);
+  if (!sources) return sources.error();
+  planTime(sources.value(), plan);
+  return std::move(plan.members);
+}
+
+Result<Positions> memberPositions(const ClassMember& member, uint32_t phase, const ReadPositions& read) {
+  const double at = member.source_frame[phase];
+  const long count = long(member.source->frame_count), before = long(std::floor(at));
+  const float u = float(at - double(before));
+  const std::array<float, 4> shares = {0.5f * u * (-1 + u * (2 - u)), 1 + 0.5f * u * u * (-5 + 3 * u),
+                                       0.5f * u * (1 + u * (4 - 3 * u)), 0.5f * u * u * (u - 1)};
+  Positions out;
+  for (long i = 0; i < 4; ++i) {
+    if (shares[size_t(i)] == 0) continue;
+    const long frame = before - 1 + i;
+    const long kept = member.source->loop ? (frame % count + count) % count : std::clamp(frame, 0l, count - 1);
+    auto read_frame = read(*member.source, uint32_t(kept));
+    if (!read_frame) return read_frame;
+    out.resize(read_frame.value().size(), glm::vec3(0));
+    for (size_t v = 0; v < out.size(); ++v) out[v] += shares[size_t(i)] * read_frame.value()[v];
+  }
+  return out;
+}
+
+std::vector<Positions> referenceOffsets(const NonlinearBlend& blend, const ClassPlan& plan,
+                                        std::span<const Positions> members) {
+  std::vector<Positions> offsets;
+  for (const auto& weights : plan.reference_weights) {
+    offsets.push_back(blend.blend(members, weights));
+    const Positions linear = linearBlend(members, weights);
+    for (size_t v = 0; v < linear.size(); ++v) offsets.back()[v] -= linear[v];
+  }
+  return offsets;
+}
+
+}  // namespace fourdvt::bake

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where in a class's weights corrections towards the non-linear blend are stored, how they mix, and what error they
+// leave (ALGORITHMS 4.4). The weights lie on simplices of members: intervals (one parameter) or triangles (two).
+//
+// A simplex of `segments` n has its references on the grid of n-ths. Intervals mix them by the polynomial through all
+// references and both ends, which needs fewer than straight pieces do; triangles by straight pieces, so that neighbours
+// fit together.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "bake/motion/class_plan.h"
+
+namespace fourdvt::bake {
+
+struct BlendSimplex {
+  std::array<int, 3> members{};  // an interval's last two are equal
+  bool interval() const { return members[1] == members[2]; }
+};
+using Shares = glm::dvec3;  // of a simplex's corners, sum 1; an interval's last is 0
+
+std::vector<float> simplexWeights(const BlendSimplex& simplex, const Shares& shares, size_t member_count);
+// All points of a simplex's grid of `segments`-ths, corners included.
+std::vector<Shares> simplexGrid(bool interval, int segments);
+
+// The references of a simplex, each on the grid of `check_segments`-ths.
+std::vector<Shares> hybridNodes(bool interval, int segments, int check_segments);
+enum class HybridMix { Straight, Polynomial };
+// Coefficient of every node at a point.
+std::vector<double> hybridCoefficients(std::span<const Shares> nodes, int segments, HybridMix mix, const Shares& at);
+
+// The errors of every number of segments, measured in one go over phases.
+class HybridErrors {
+ public:
+  struct Error {
+    double max_m = 0, sum_squares = 0;
+    uint64_t count = 0;
+  };
+  HybridErrors(const BlendSimplex& simplex, HybridMix mix, int check_segments, int max_segments);
+  // One phase. members: all the class's.
+  void add(const NonlinearBlend& blend, std::span<const Positions> members);
+  const Error& of(int segments) const { return levels_[size_t(segments - 1)].error; }  // 1: the linear blend
+  int maxSegments() const { return int(levels_.size()); }
+
+ private:
+  struct Level {
+    std::vector<size_t> nodes;                     // points_ indices
+    std::vector<std::vector<float>> coefficients;  // [point][node]
+    Error error;
+  };
+  BlendSimplex simplex_;
+  std::vector<Shares> points_;
+  std::vector<Level> levels_;  // [segments - 1]
+};
+
+}  // namespace fourdvt::bake

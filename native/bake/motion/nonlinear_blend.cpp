@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: Apache-2.0
+// Deformation transfer's gradients (Sumner and Popović 2004) with rotations blended on the group. Rotations are taken
+// relative to member 0, so that two rigid poses blend exactly whatever the reference.
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <Eigen/SparseCholesky>
+#include <numbers>
+#include <queue>
+
+#include "bake/motion/class_plan.h"
+
+namespace fourdvt::bake {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr double kThinnest = 1e-3;  // a face's double area by the square of its longest edge; below: no gradient
+constexpr double kNearPi = 0.75 * std::numbers::pi;
+constexpr double kSteady = 0.2;  // radians, deviation: a face's say in where the blend is placed falls beyond
+
+Vector3d toEigen(const glm::vec3& v) { return {v.x, v.y, v.z}; }
+
+struct Face {
+  glm::uvec3 vertices{0};
+  std::array<double, 3> half_cotangents{};  // of the edge from corner i to the next
+  std::array<Vector3d, 3> edges;            // of the reference, likewise
+  Matrix3d inverse;                         // of the reference's edge frame
+  bool flat = false;                        // has a gradient; else its edges follow the linear blend
+  int parent = -1;                          // neighbour visited before it, for the branch of the logarithm
+};
+
+// Two edges and a normal as long as they are; `ok` false where the face has no usable area.
+Matrix3d edgeFrame(const Vector3d& a, const Vector3d& b, const Vector3d& c, bool& ok) {
+  Matrix3d frame;
+  frame.col(0) = b - a;
+  frame.col(1) = c - a;
+  const Vector3d normal = frame.col(0).cross(frame.col(1));
+  const double area = normal.norm();
+  const double longest = std::max({(b - a).squaredNorm(), (c - a).squaredNorm(), (c - b).squaredNorm()});
+  ok = area > kThinnest * longest && longest > 0;
+  frame.col(2) = area > 0 ? Vector3d(normal / std::sqrt(area)) : Vector3d::Zero();
+  return frame;
+}
+
+// The rotation of the polar decomposition, by Newton's iteration; where that fails by singular values.
+Matrix3d rotationOf(const Matrix3d& gradient) {
+  Matrix3d rotation = gradient;
+  for (int i = 0; i < 20; ++i) {
+    const double determinant = rotation.determinant();
+    if (!(determinant > 1e-9 * std::pow(rotation.norm(), 3))) break;
+    const Matrix3d inverse_transpose = rotation.inverse().transpose();
+    const double scale = std::sqrt(inverse_transpose.norm() / rotation.norm());
+    const Matrix3d next = 0.5 * (scale * rotation + inverse_transpose / scale);
+    if ((next - rotation).squaredNorm() < 1e-20) return next;
+    rotation = next;
+  }
+  const Eigen::JacobiSVD<Matrix3d> svd(gradient, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Matrix3d u = svd.matrixU();
+  if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) = -u.col(2);
+  return u * svd.matrixV().transpose();
+}
+
+Vector3d logOf(const Matrix3d& rotation) {
+  const Eigen::AngleAxisd turn(rotation);
+  return turn.angle() * turn.axis();
+}
+
+Matrix3d expOf(const Vector3d& turn) {
+  const double angle = turn.norm();
+  return angle > 1e-12 ? Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix() : Matrix3d::Identity();
+}
+
+// Near a half turn the shortest way round is not stable: take the one that the neighbour took.
+Vector3d likeNeighbour(const Vector3d& turn, const Vector3d& neighbour) {
+  const double angle = turn.norm();
+  if (angle < kNearPi) return turn;
+  const Vector3d other = turn * (1 - 2 * std::numbers::pi / angle);
+  return (other - neighbour).squaredNorm() < (turn - neighbour).squaredNorm() ? other : turn;
+}
+
+class Blend : public NonlinearBlend {
+ public:
+  Status prepare(const MeshTopology& topology, const Positions& reference) {
+    vertex_count_ = topology.vertex_count;
+    makeFaces(topology, reference);
+    if (std::none_of(faces_.begin(), faces_.end(), [](const Face& f) { return f.flat; }))
+      return Error{ErrorId::MeshTopology, "mesh: no face has an area; check the capture's units and positions"};
+    orderFaces();
+    findParts();
+    return factorise();
+  }
+
+  Positions blend(std::span<const Positions> members, std::span<const float> weights) const override {
+    const Positions linear = linearBlend(members, weights);
+    std::vector<size_t> used;
+    for (size_t m = 0; m < weights.size(); ++m)
+      if (weights[m] != 0) used.push_back(m);
+    if (used.size() < 2) return linear;
+    Eigen::MatrixX3d right = Eigen::MatrixX3d::Zero(vertex_count_, 3);
+    std::vector<Turns> turns(faces_.size());  // [face][used member] from the first one used
+    for (size_t f : order_) addFace(f, members, weights, used, linear, turns, right);
+    for (size_t p = 0; p < anchors_.size(); ++p) right.row(anchors_[p]) += toEigen(linear[anchors_[p]]).transpose();
+    return placed(solver_.solve(right), linear, steadiness(weights, used, turns));
+  }
+
+ private:
+  using Turns = std::array<Vector3d, package::kMaxMembers>;
+
+  void makeFaces(const MeshTopology& topology, const Positions& reference) {
+    for (const glm::uvec3& vertices : topology.face_vertices) {
+      Face face;
+      face.vertices = vertices;
+      std::array<Vector3d, 3> corners;
+      for (int i = 0; i < 3; ++i) corners[i] = toEigen(reference[vertices[i]]);
+      const Matrix3d frame = edgeFrame(corners[0], corners[1], corners[2], face.flat);
+      for (int i = 0; i < 3; ++i) {
+        face.edges[i] = corners[(i + 1) % 3] - corners[i];
+        const Vector3d a = corners[i] - corners[(i + 2) % 3], b = corners[(i + 1) % 3] - corners[(i + 2) % 3];
+        face.half_cotangents[i] = face.flat ? 0.5 * a.dot(b) / a.cross(b).norm() : 0.5;
+      }
+      if (face.flat) face.inverse = frame.inverse();
+      faces_.push_back(face);
+    }
+  }
+
+  // Breadth first over shared vertices; degenerate faces are nobody's parent.
+  void orderFaces() {
+    std::vector<std::vector<uint32_t>> around(vertex_count_);
+    for (uint32_t f = 0; f < faces_.size(); ++f)
+      for (int i = 0; i < 3; ++i) around[faces_[f].vertices[i]].push_back(f);
+    std::vector<bool> seen(faces_.size(), false);
+    for (uint32_t start = 0; start < faces_.size(); ++start) {
+      if (seen[start]) continue;
+      std::queue<uint32_t> next({start});
+      seen[start] = true;
+      while (!next.empty()) {
+        const uint32_t f = next.front();
+        next.pop();
+        order_.push_back(f);
+        if (!faces_[f].flat) continue;
+        for (int i = 0; i < 3; ++i) {
+          for (uint32_t g : around[faces_[f].vertices[i]]) {
+            if (seen[g]) continue;
+            seen[g] = true;
+            faces_[g].parent = int(f);
+            next.push(g);
+          }
+        }
+      }
+    }
+  }
+
+  // Connected parts: each is anchored and placed by itself. A vertex of no face is a part.
+  void findParts() {
+    std::vector<uint32_t> root(vertex_count_);
+    for (uint32_t v = 0; v < vertex_count_; ++v) root[v] = v;
+    const auto find = [&](uint32_t v) {
+      while (root[v] != v) v = root[v] = root[root[v]];
+      return v;
+    };
+    for (const Face& face : faces_) {
+      root[find(face.vertices.y)] = find(face.vertices.x);
+      root[find(face.vertices.z)] = find(face.vertices.x);
+    }
+    part_of_.resize(vertex_count_);
+    std::vector<int> part_of_root(vertex_count_, -1);
+    for (uint32_t v = 0; v < vertex_count_; ++v) {
+      int& part = part_of_root[find(v)];
+      if (part < 0) {
+        part = int(anchors_.size());
+        anchors_.push_back(v);
+      }
+      part_of_[v] = part;
+    }
+  }
+
+  Status factorise() {
+    std::vector<Eigen::Triplet<double>> entries;
+    for (const Face& face : faces_) {
+      for (int i = 0; i < 3; ++i) {
+        const int a = int(face.vertices[i]), b = int(face.vertices[(i + 1) % 3]);
+        const double c = face.half_cotangents[i];
+        entries.insert(entries.end(), {{a, a, c}, {b, b, c}, {a, b, -c}, {b, a, -c}});
+      }
+    }
+    for (uint32_t anchor : anchors_) entries.emplace_back(int(anchor), int(anchor), 1.0);
+    Eigen::SparseMatrix<double> laplacian(vertex_count_, vertex_count_);
+    laplacian.setFromTriplets(entries.begin(), entries.end());
+    solver_.compute(laplacian);
+    if (solver_.info() != Eigen::Success)
+      return Error{ErrorId::MeshTopology, "mesh: its faces do not make a solvable surface; check the positions"};
+    return {};
+  }
+
+  void addFace(size_t index, std::span<const Positions> members, std::span<const float> weights,
+               const std::vector<size_t>& used, const Positions& linear, std::vector<Turns>& turns,
+               Eigen::MatrixX3d& right) const {
+    const Face& face = faces_[index];
+    Matrix3d gradient = Matrix3d::Zero();
+    if (face.flat) gradient = blendedGradient(face, members, weights, used, turns, turns[index]);
+    for (int i = 0; i < 3; ++i) {
+      const uint32_t a = face.vertices[i], b = face.vertices[(i + 1) % 3];
+      const Vector3d edge = face.flat ? Vector3d(gradient * face.edges[i]) : toEigen(linear[b] - linear[a]);
+      right.row(b) += face.half_cotangents[i] * edge.transpose();
+      right.row(a) -= face.half_cotangents[i] * edge.transpose();
+    }
+  }
+
+  Matrix3d blendedGradient(const Face& face, std::span<const Positions> members, std::span<const float> weights,
+                           const std::vector<size_t>& used, const std::vector<Turns>& turns, Turns& own) const {
+    Matrix3d base = Matrix3d::Identity(), stretch = Matrix3d::Zero();
+    Vector3d turn = Vector3d::Zero();
+    for (size_t k = 0; k < used.size(); ++k) {
+      const Positions& p = members[used[k]];
+      bool ok = false;
+      const Matrix3d gradient =
+          edgeFrame(toEigen(p[face.vertices.x]), toEigen(p[face.vertices.y]), toEigen(p[face.vertices.z]), ok) *
+          face.inverse;
+      const Matrix3d rotation = rotationOf(gradient);
+      const double w = weights[used[k]];
+      stretch += w * (rotation.transpose() * gradient);
+      if (k == 0) {
+        base = rotation;
+        continue;
+      }
+      own[k] = logOf(base.transpose() * rotation);
+      if (face.parent >= 0) own[k] = likeNeighbour(own[k], turns[size_t(face.parent)][k]);
+      turn += w * own[k];
+    }
+    return base * expOf(turn) * stretch;
+  }
+
+  // [vertex] the more the less its faces turn between the members: what does not turn, the linear blend puts in its
+  // place. Where all turn alike, all weigh the same.
+  std::vector<double> steadiness(std::span<const float> weights, const std::vector<size_t>& used,
+                                 const std::vector<Turns>& turns) const {
+    double pairs = 0;
+    for (size_t m : used) pairs += weights[m] * (1 - weights[m]);
+    std::vector<double> steady(vertex_count_, 1e-12);
+    for (size_t f = 0; f < faces_.size(); ++f) {
+      if (!faces_[f].flat) continue;
+      Vector3d mean = Vector3d::Zero();
+      double square = 0;
+      for (size_t k = 1; k < used.size(); ++k) {
+        mean += double(weights[used[k]]) * turns[f][k];
+        square += double(weights[used[k]]) * turns[f][k].squaredNorm();
+      }
+      const double apart = (square - mean.squaredNorm()) / pairs;  // of two members: half of their angle's square
+      const double say = 1 / std::pow(1 + apart / (kSteady * kSteady), 2);
+      for (int i = 0; i < 3; ++i) steady[faces_[f].vertices[i]] += say;
+    }
+    return steady;
+  }
+
+  // Every part moved to where its linear blend lies, as its steady vertices see it.
+  Positions placed(const Eigen::MatrixX3d& solved, const Positions& linear, const std::vector<double>& steady) const {
+    std::vector<Vector3d> shift(anchors_.size(), Vector3d::Zero());
+    std::vector<double> weight(anchors_.size(), 0);
+    for (uint32_t v = 0; v < vertex_count_; ++v) {
+      shift[part_of_[v]] += steady[v] * (toEigen(linear[v]) - solved.row(v).transpose());
+      weight[part_of_[v]] += steady[v];
+    }
+    Positions out(vertex_count_);
+    for (uint32_t v = 0; v < vertex_count_; ++v) {
+      const Vector3d p = solved.row(v).transpose() + shift[part_of_[v]] / weight[part_of_[v]];
+      out[v] = {float(p.x()), float(p.y()), float(p.z())};
+    }
+    return out;
+  }
+
+  uint32_t vertex_count_ = 0;
+  std::vector<Face> faces_;
+  std::vector<uint32_t> order_;    // faces, parents first
+  std::vector<uint32_t> anchors_;  // [part] vertex
+  std::vector<int> part_of_;       // [vertex]
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<NonlinearBlend>> NonlinearBlend::create(const MeshTopology& topology,
+                                                               const Positions& reference) {
+  if (reference.size() != topology.vertex_count)
+    return Error{ErrorId::MeshTopology, "mesh: the reference pose has another number of vertices"};
+  auto blend = std::make_unique<Blend>();
+  FOURDVT_TRY(blend->prepare(topology, reference));
+  return std::unique_ptr<NonlinearBlend>(std::move(blend));
+}
+
+Positions linearBlend(std::span<const Positions> members, std::span<const float> weights) {
+  Positions out(members[0].size(), glm::vec3(0));
+  for (size_t m = 0; m < members.size() && m < weights.size(); ++m) {
+    if (weights[m] == 0) continue;
+    for (size_t v = 0; v < out.size(); ++v) out[v] += weights[m] * members[m][v];
+  }
+  return out;
+}
+
+}  // namespace fourdvt::bake

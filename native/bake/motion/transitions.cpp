@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every sum of s(a,b) over vertices is a product of two feature rows, so that all pairs are a few matrix products:
+// with a and b centred over the ground, min over yaw of Σ |a - T b|² = Σ|a|² + Σ|b|² - 2 (√(C² + S²) + H).
+// The fit is that half way through the cross-fade, where both count the same.
+#include "bake/motion/transitions.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "bake/motion/time_warp.h"
+#include "motion/motion_graph.h"
+#include "motion/placement.h"
+
+namespace fourdvt::bake {
+namespace {
+
+// Double: small distances are differences of large sums.
+using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Pictures = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+constexpr double kEntryShare = 0.25;  // of a state that does not loop: entered in this first part, so that it is seen
+
+// A row a sample: weight row × frame of a state. Positions, then velocities times √λ_v.
+struct Features {
+  Matrix ground;  // x and z of all, centred
+  Matrix turned;  // z and -x of the same: what C becomes S with
+  Matrix height;
+  Pictures picture;  // tiny atlas 0..1; no columns without
+  Eigen::VectorXd squares;
+  Eigen::VectorXf picture_squares;
+  std::vector<glm::dvec2> centre;
+  std::vector<MotionPath> paths;  // [weight row]
+  Steps steps;                    // the largest of all of them
+};
+
+std::vector<glm::vec3> chosen(const Positions& positions, const std::vector<uint32_t>& vertices) {
+  std::vector<glm::vec3> out;
+  for (uint32_t v : vertices) out.push_back(positions[v]);
+  return out;
+}
+
+// Root motion to the next frame, in the character's frame; a pass's last frame goes on as the one before.
+std::vector<glm::vec3> rootSteps(const TransitionState& state, uint32_t row) {
+  std::vector<glm::vec3> steps;
+  for (uint32_t t = 0; t + 1 < state.frame_count; ++t)
+    steps.push_back(motion::stepBetween(state.root(row, t), state.root(row, t + 1)));
+  steps.push_back(steps.empty() ? glm::vec3(0) : steps.back());
+  return steps;
+}
+
+// Over the ground, of one frame: the pose's own by differences, plus root motion.
+std::vector<glm::vec3> velocities(const MotionPath& path, uint32_t t) {
+  const uint32_t count = uint32_t(path.positions.size());
+  const uint32_t before = t > 0 ? t - 1 : path.loop ? count - 1 : 0;
+  const uint32_t after = t + 1 < count ? t + 1 : path.loop ? 0 : t;
+  const float frames = path.loop ? 2.f : float(std::max(after - before, 1u));
+  const glm::vec3 step = 0.5f * (path.root_steps[t > 0 ? t - 1 : 0] + path.root_steps[t]);
+  std::vector<glm::vec3> out;
+  for (size_t v = 0; v < path.positions[t].size(); ++v) {
+    const glm::vec3& p = path.positions[t][v];
+    const glm::vec3 own = (path.positions[after][v] - path.positions[before][v]) / frames;
+    const glm::vec3 carried(step.x + step.z * p.z, 0, step.y - step.z * p.x);
+    out.push_back(float(path.frames_per_s) * (own + carried));
+  }
+  return out;
+}
+
+void fillRow(const Positions& positions, const std::vector<glm::vec3>& velocities, Eigen::Index row,
+             Features& features) {
+  const Eigen::Index count = features.height.cols() / 2;
+  glm::dvec2 centre(0);
+  for (Eigen::Index v = 0; v < count; ++v)
+    centre += glm::dvec2(positions[size_t(v)].x, positions[size_t(v)].z) / double(count);
+  features.centre.push_back(centre);
+  const auto put = [&](Eigen::Index v, float x, float y, float z) {
+    features.ground(row, v) = x;
+    features.ground(row, 2 * count + v) = z;
+    features.turned(row, v) = z;
+    features.turned(row, 2 * count + v) = -x;
+    features.height(row, v) = y;
+  };
+  for (Eigen::Index v = 0; v < count; ++v) {
+    const glm::vec3& p = positions[size_t(v)];
+    const glm::vec3& velocity = velocities[size_t(v)];
+    put(v, p.x - float(centre.x), p.y, p.z - float(centre.y));
+    put(count + v, velocity.x, velocity.y, velocity.z);
+  }
+}
+
+Status fillPicture(const TransitionState& state, uint32_t weight_row, uint32_t frame, int side, Eigen::Index row,
+                   Features& features) {
+  if (!state.atlas) return {};
+  auto atlas = state.atlas(weight_row, frame);
+  if (!atlas) return atlas.error();
+  const Image& image = atlas.value();
+  const int colours = std::min(image.channels, 3);
+  if (image.width != side || image.height != side || colours < 3)
+    return Error{ErrorId::Internal, "motion graph: an atlas of another size"};
+  if (features.picture.cols() == 0) features.picture.setZero(features.ground.rows(), 3 * side * side);
+  for (int i = 0; i < side * side; ++i)
+    for (int c = 0; c < 3; ++c)
+      features.picture(row, 3 * i + c) = float(image.pixels[size_t(i * image.channels + c)]) / 255;
+  return {};
+}
+
+using KeepOn = std::function<bool()>;  // false: stop
+
+Error interrupted() { return {ErrorId::Interrupted, "stopped while measuring transitions"}; }
+
+// vertices: those of the fit first, then more for the steps.
+Result<Features> featuresOf(const TransitionState& state, const std::vector<uint32_t>& vertices,
+                            const TransitionOptions& options, const KeepOn& keep_on) {
+  Features features;
+  const Eigen::Index rows = Eigen::Index(state.weight_rows.size() * state.frame_count);
+  const Eigen::Index count = Eigen::Index(std::min(vertices.size(), size_t(options.features)));
+  features.ground.resize(rows, 4 * count);
+  features.turned.resize(rows, 4 * count);
+  features.height.resize(rows, 2 * count);
+  for (uint32_t r = 0; r < state.weight_rows.size(); ++r) {
+    MotionPath path{state.frames_per_s[r], state.loop, {}, rootSteps(state, r), {}};
+    for (uint32_t t = 0; t < state.frame_count; ++t) {
+      if (!keep_on()) return interrupted();
+      auto positions = state.positions(r, t);
+      if (!positions) return positions.error();
+      path.positions.push_back(chosen(positions.value(), vertices));
+    }
+    for (uint32_t t = 0; t < state.frame_count; ++t) {
+      const Eigen::Index row = Eigen::Index(r * state.frame_count + t);
+      std::vector<glm::vec3> scaled = velocities(path, t);
+      for (glm::vec3& v : scaled) v *= std::sqrt(float(options.velocity_weight));
+      fillRow(path.positions[t], scaled, row, features);
+      FOURDVT_TRY(fillPicture(state, r, t, options.atlas, row, features));
+    }
+    path.steps = ownSteps(path, options.pop.look_s);
+    for (const Steps& steps : path.steps) features.steps = larger(features.steps, steps);
+    features.paths.push_back(std::move(path));
+  }
+  features.squares = features.ground.rowwise().squaredNorm() + features.height.rowwise().squaredNorm();
+  features.picture_squares = features.picture.rowwise().squaredNorm();
+  return features;
+}
+
+glm::vec3 shiftOf(double c, double s, const glm::dvec2& source, const glm::dvec2& target) {
+  const float yaw = float(std::atan2(s, c));
+  const glm::vec2 moved = motion::moved({glm::vec2(0), yaw}, {glm::vec2(target), 0}).ground_m;
+  return {glm::vec2(source) - moved, yaw};
+}
+
+// Where the source is left and the target entered, as rows of their features.
+struct Candidate {
+  motion::Entry entry;                            // without shift and pop
+  Eigen::Index source_half = 0, target_half = 0;  // half way
+};
+
+// All transitions from one state to another.
+class Pair {
+ public:
+  Pair(const TransitionState& from, const Features& source, const TransitionState& to, const Features& target,
+       const TransitionOptions& options);
+  Result<std::vector<motion::Entry>> entries(const KeepOn& keep_on) const;  // one a sample of the source
+
+ private:
+  void addCandidates(uint32_t row, uint32_t frame, uint32_t target_row, double fade_s,
+                     std::vector<Candidate>& out) const;
+  motion::Entry best(uint32_t row, uint32_t frame) const;
+  glm::vec3 shift(const Candidate& candidate) const;
+
+  const TransitionState &from_, &to_;
+  const Features &source_, &target_;
+  const TransitionOptions& options_;
+  const Matrix c_, s_;
+  Matrix fit_;  // millimetres
+  const Steps own_;
+};
+
+Pair::Pair(const TransitionState& from, const Features& source, const TransitionState& to, const Features& target,
+           const TransitionOptions& options)
+    : from_(from),
+      to_(to),
+      source_(source),
+      target_(target),
+      options_(options),
+      c_(source.ground * target.ground.transpose()),
+      s_(source.ground * target.turned.transpose()),
+      fit_(source.height * target.height.transpose()),
+      own_(larger(source.steps, target.steps)) {
+  const bool pictures = source.picture.cols() > 0 && target.picture.cols() == source.picture.cols();
+  const Pictures p = pictures ? Pictures(source.picture * target.picture.transpose()) : Pictures();
+  const double vertices = double(source.height.cols()) / 2;
+  for (Eigen::Index a = 0; a < c_.rows(); ++a) {
+    for (Eigen::Index b = 0; b < c_.cols(); ++b) {
+      const double turned = std::hypot(c_(a, b), s_(a, b)) + fit_(a, b);
+      fit_(a, b) = 1000 * std::sqrt(std::max(0.0, source.squares(a) + target.squares(b) - 2 * turned) / vertices);
+      if (!pictures) continue;
+      const float apart = std::max(0.f, source.picture_squares(a) + target.picture_squares(b) - 2 * p(a, b));
+      fit_(a, b) += options.appearance_mm * std::sqrt(apart / float(source.picture.cols()));
+    }
+  }
+}
+
+void Pair::addCandidates(uint32_t row, uint32_t frame, uint32_t target_row, double fade_s,
+                         std::vector<Candidate>& out) const {
+  const double rate = source_.paths[row].frames_per_s, target_rate = target_.paths[target_row].frames_per_s;
+  const uint32_t last = to_.frame_count - 1, source_last = from_.frame_count - 1;
+  uint32_t fade = std::max(1u, uint32_t(std::lround(fade_s * target_rate)));
+  if (!to_.loop) fade = std::clamp(last, 1u, fade);
+  const uint32_t half = fade / 2, source_half = frame + uint32_t(std::lround(half * rate / target_rate));
+  // What ends is entered so that its start is seen, and left so that it does not stand still.
+  const uint32_t seen = uint32_t(kEntryShare * to_.frame_count);
+  const uint32_t newest = to_.loop ? last : std::min(last - std::min(last, fade), seen > half ? seen - half : 0);
+  const double over = from_.loop ? 0 : frame + fade * rate / target_rate - source_last;
+  const double price = options_.fade_cost_mm_per_s * std::max(0.0, fade / target_rate - options_.fades_s.front()) +
+                       options_.hold_cost_mm_per_s * std::max(0.0, over) / rate;
+  Candidate candidate;
+  const uint32_t source_frame = from_.loop ? source_half % from_.frame_count : std::min(source_half, source_last);
+  candidate.source_half = row * from_.frame_count + source_frame;
+  for (uint32_t entered = 0; entered <= newest; ++entered) {
+    const uint32_t target_frame = to_.loop ? (entered + half) % to_.frame_count : std::min(entered + half, last);
+    candidate.target_half = target_row * to_.frame_count + target_frame;
+    const double cost = fit_(candidate.source_half, candidate.target_half) + price;
+    candidate.entry = {entered, target_row, fade, float(cost), glm::vec3(0)};
+    out.push_back(candidate);
+  }
+}
+
+glm::vec3 Pair::shift(const Candidate& candidate) const {
+  const Eigen::Index a = candidate.source_half, b = candidate.target_half;
+  return shiftOf(c_(a, b), s_(a, b), source_.centre[size_t(a)], target_.centre[size_t(b)]);
+}
+
+// The least cost; a pop is looked for only where that may still be.
+motion::Entry Pair::best(uint32_t row, uint32_t frame) const {
+  std::vector<Candidate> all;
+  for (uint32_t target_row = 0; target_row < target_.paths.size(); ++target_row)
+    for (const double fade_s : options_.fades_s) addCandidates(row, frame, target_row, fade_s, all);
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.entry.cost < b.entry.cost; });
+  motion::Entry best;
+  best.cost = 1e30f;
+  for (const Candidate& candidate : all) {
+    if (candidate.entry.cost >= best.cost) break;
+    motion::Entry entry = candidate.entry;
+    entry.shift = shift(candidate);
+    const double enough = options_.most_pop + (best.cost - entry.cost) / options_.pop_cost_mm;
+    const double pop = popOf(source_.paths[row], target_.paths[entry.weight_row],
+                             {frame, entry.frame, entry.fade_frames, entry.shift}, own_, options_.pop, enough);
+    entry.cost += float(options_.pop_cost_mm * std::max(0.0, pop - options_.most_pop));
+    if (entry.cost < best.cost) best = entry;
+  }
+  return best;
+}
+
+Result<std::vector<motion::Entry>> Pair::entries(const KeepOn& keep_on) const {
+  std::vector<motion::Entry> out;
+  for (uint32_t row = 0; row < source_.paths.size(); ++row)
+    for (uint32_t frame = 0; frame < from_.frame_count; ++frame) {
+      if (!keep_on()) return interrupted();
+      out.push_back(best(row, frame));
+    }
+  return out;
+}
+
+}  // namespace
+
+Result<std::vector<uint8_t>> buildMotionGraph(const std::vector<TransitionState>& states,
+                                              const TransitionOptions& options,
+                                              const std::function<bool(double)>& progress) {
+  std::vector<motion::GraphState> described;
+  std::vector<std::vector<motion::Entry>> tables(states.size() * states.size());
+  if (states.empty()) return motion::writeMotionGraph(described, tables);
+  auto pose = states[0].positions(0, 0);
+  if (!pose) return pose.error();
+  const std::vector<uint32_t> vertices =
+      spreadVertices(pose.value(), size_t(std::max(options.features, options.step_features)));
+  size_t samples = 0, done = 0;
+  for (const TransitionState& state : states) samples += state.weight_rows.size() * state.frame_count;
+  // Every sample is measured, then compared with every other state.
+  const KeepOn keep_on = [&] { return progress(double(done++) / double(samples * states.size())); };
+  std::vector<Features> features;
+  for (const TransitionState& state : states) {
+    auto measured = featuresOf(state, vertices, options, keep_on);
+    if (!measured) return measured.error();
+    features.push_back(measured.take());
+    described.push_back({state.frame_count, state.weight_rows});
+  }
+  for (size_t t = 0; t < tables.size(); ++t) {
+    const size_t source = t / states.size(), target = t % states.size();
+    if (source == target) continue;
+    auto entries = Pair(states[source], features[source], states[target], features[target], options).entries(keep_on);
+    if (!entries) return entries.error();
+    tables[t] = entries.take();
+  }
+  return motion::writeMotionGraph(described, tables);
+}
+
+}  // namespace fourdvt::bake

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a bake needs from the program that runs it: a GPU, a way to open videos, somebody to tell, a way to be stopped.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+
+#include "base/video.h"
+#include "gpu/device.h"
+
+namespace fourdvt::bake {
+
+struct Progress {
+  // "warp locomotion", "survey walk 12/28", "walk 12/28", "align locomotion 12/28", "graph"
+  std::string stage;
+  uint32_t done = 0, total = 0;  // frames encoded over the whole bake; none before the survey's end
+  double frames_per_s = 0, left_s = 0;
+};
+
+struct BakeEnvironment {
+  gpu::Device* device = nullptr;  // GLES; current on this thread
+  OpenVideo open_video;
+  std::function<void(const Progress&)> progress;
+  const std::atomic<bool>* stop = nullptr;  // set by Ctrl-C: finish the frame, keep finished GOPs, return Interrupted
+};
+
+}  // namespace fourdvt::bake

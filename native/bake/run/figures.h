@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a finished bake says of itself; the report shows it.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "bake/labels/labelling.h"
+
+namespace fourdvt::bake {
+
+struct ClassFigures {
+  std::vector<std::string> members;
+  struct Parameter {
+    std::string name;
+    double min = 0, max = 0;
+  };
+  std::vector<Parameter> parameters;
+  uint32_t references = 0;                        // corrections of the mesh blend a frame
+  double linear_error_m = 0, hybrid_error_m = 0;  // against the non-linear blend, largest vertex distance
+  bool aligned = false;
+};
+
+struct BakeReport {
+  std::map<std::string, double> seconds_by_stage;
+  uint32_t frames = 0;  // of all sequences and classes
+  uint64_t peak_rss_bytes = 0;
+  std::map<std::string, uint64_t> bytes_by_part;
+  std::map<std::string, LabelStatistics> labels_by_sequence;
+  std::map<std::string, ClassFigures> classes;
+  std::vector<std::string> notes;  // what the user should know, one sentence each
+};
+
+}  // namespace fourdvt::bake

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Captured meshes in the decoded mesh's order, the last ones kept: interpolation between frames asks for each of them
+// several times. Not thread-safe.
+#pragma once
+
+#include <list>
+
+#include "bake/run/job.h"
+
+namespace fourdvt::bake {
+
+class MeshReader {
+ public:
+  explicit MeshReader(const Job& job) : job_(&job) {}
+  // Errors: those of capture::readMeshFrame.
+  Result<Positions> read(const capture::CaptureSequence& sequence, uint32_t frame);
+  // Borrows the reader.
+  ReadPositions function() {
+    return [this](const capture::CaptureSequence& sequence, uint32_t frame) { return read(sequence, frame); };
+  }
+
+ private:
+  static constexpr size_t kKept = 24;  // four members, four frames each, and some to spare
+  struct Entry {
+    const capture::CaptureSequence* sequence;
+    uint32_t frame;
+    Positions positions;
+  };
+  const Job* job_;
+  std::list<Entry> entries_;  // the last used first
+};
+
+}  // namespace fourdvt::bake

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// The progress line of one bake: stage, frames, and the time that is left, from the work done so far. Does NOT print.
+#pragma once
+
+#include <chrono>
+
+#include "bake/run/environment.h"
+#include "bake/run/job.h"
+
+namespace fourdvt::bake {
+
+// Shares of a bake's time, about seconds on two cores; only their ratios matter.
+struct StageWork {
+  static constexpr double kWarp = 0.1;    // a phase of a class's member
+  static constexpr double kSurvey = 0.3;  // a captured frame
+  static constexpr double kFrame = 0.55;  // a stream's frame and member
+  static constexpr double kAlign = 2;     // a phase of each member but the first
+  static constexpr double kGraph = 0.01;  // a stream's frame
+};
+
+class ProgressReporter {
+ public:
+  using Now = std::chrono::steady_clock;
+  explicit ProgressReporter(const BakeEnvironment& environment) : environment_(environment) {}
+  uint32_t frames_done = 0, frames_total = 0;  // of the streams; done counts those of earlier runs
+
+  void expect(double work) { left_ += work; }
+  void skip(double work) { left_ -= work; }
+  void worked(double work) { done_ += work, left_ -= work; }
+  double seconds() const { return std::chrono::duration<double>(Now::now() - started_).count(); }
+  void tell(const std::string& stage, double frames_per_s = 0) const {
+    if (!environment_.progress) return;
+    const double left = done_ > 0 && left_ > 0 ? seconds() * left_ / done_ : 0;
+    environment_.progress({stage, frames_done, frames_total, frames_per_s, left});
+  }
+
+  bool stopped() const { return environment_.stop && *environment_.stop; }
+
+ private:
+  const BakeEnvironment& environment_;
+  Now::time_point started_ = Now::now();
+  double done_ = 0, left_ = 0;
+};
+
+// One stage's share of the work while it runs: done(0…1), in any steps; what was not done counts as skipped at the end.
+class StageProgress {
+ public:
+  StageProgress(ProgressReporter& reporter, double work) : reporter_(reporter), work_(work) {}
+  ~StageProgress() { reporter_.skip(work_ - done_); }
+  StageProgress(const StageProgress&) = delete;
+  StageProgress& operator=(const StageProgress&) = delete;
+  void done(double share, const std::string& stage) {
+    reporter_.worked(share * work_ - done_);
+    done_ = share * work_;
+    reporter_.tell(stage);
+  }
+
+ private:
+  ProgressReporter& reporter_;
+  const double work_;
+  double done_ = 0;
+};
+
+// Between frames: Interrupted once a stop was asked for, with what is kept and how to go on.
+inline Status checkStop(const BakeEnvironment& environment, const std::string& work_folder) {
+  if (!environment.stop || !*environment.stop) return {};
+  return Error{ErrorId::Interrupted,
+               "stopped; finished GOPs are kept in " + work_folder + "; run the same command with --resume to go on"};
+}
+
+}  // namespace fourdvt::bake

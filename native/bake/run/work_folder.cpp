@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/run/work_folder.h"
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+
+#include "base/bytes.h"
+#include "base/hash.h"
+#include "platform/files.h"
+#include "platform/folders.h"
+
+namespace fourdvt::bake {
+namespace {
+
+// A file holds its payload, then the payload's hash.
+Status save(const std::string& path, ByteWriter& out) {
+  out.u64(fnv1a(out.data()));
+  return platform::writeFileAtomic(path, out.data());
+}
+
+Error damaged(const std::string& path) { return {ErrorId::Internal, path + ": damaged; bake again"}; }
+
+Result<std::vector<uint8_t>> load(const std::string& path) {
+  auto read = platform::readFile(path);
+  if (!read) return read.error();
+  std::vector<uint8_t> bytes = read.take();
+  if (bytes.size() < 8) return damaged(path);
+  const std::span<const uint8_t> payload(bytes.data(), bytes.size() - 8);
+  ByteReader tail(std::span<const uint8_t>(bytes).subspan(payload.size()));
+  if (tail.u64() != fnv1a(payload)) return damaged(path);
+  bytes.resize(payload.size());
+  return bytes;
+}
+
+void putBytes(ByteWriter& out, const std::vector<uint8_t>& bytes) {
+  out.u32(static_cast<uint32_t>(bytes.size()));
+  out.bytes(bytes);
+}
+
+std::vector<uint8_t> takeBytes(ByteReader& in) {
+  const auto part = in.bytes(in.u32());
+  return {part.begin(), part.end()};
+}
+
+template <class T>
+void putVector(ByteWriter& out, const std::vector<T>& values) {
+  out.u32(static_cast<uint32_t>(values.size()));
+  out.bytes({reinterpret_cast<const uint8_t*>(values.data()), values.size() * sizeof(T)});
+}
+
+template <class T>
+std::vector<T> takeVector(ByteReader& in) {
+  const uint32_t count = in.u32();
+  const auto part = in.bytes(count * sizeof(T));
+  std::vector<T> values(in.ok() ? count : 0);
+  if (!values.empty()) std::memcpy(static_cast<void*>(values.data()), part.data(), part.size());
+  return values;
+}
+
+void putVideo(ByteWriter& out, const EncodedGop& video) {
+  putBytes(out, video.parameter_sets);
+  out.u32(static_cast<uint32_t>(video.packets.size()));
+  for (const EncodedPacket& packet : video.packets) {
+    out.u32(packet.frame);
+    out.u8(packet.key);
+    putBytes(out, packet.bytes);
+  }
+}
+
+EncodedGop takeVideo(ByteReader& in) {
+  EncodedGop video;
+  video.parameter_sets = takeBytes(in);
+  for (uint32_t left = in.u32(); left > 0 && in.ok(); --left) {
+    EncodedPacket packet;
+    packet.frame = in.u32();
+    packet.key = in.u8() != 0;
+    packet.bytes = takeBytes(in);
+    video.packets.push_back(std::move(packet));
+  }
+  return video;
+}
+
+// Without alignment, which comes later.
+void putFrames(ByteWriter& out, const package::ChunkFrames& f) {
+  for (uint32_t count : {f.frame_count, f.vertex_count, f.face_count, f.layer_count, f.member_count, f.reference_count})
+    out.u32(count);
+  putVector(out, f.positions);
+  putVector(out, f.labels);
+  putVector(out, f.offsets);
+  putVector(out, f.root);
+}
+
+package::ChunkFrames takeFrames(ByteReader& in) {
+  package::ChunkFrames f;
+  for (uint32_t* count :
+       {&f.frame_count, &f.vertex_count, &f.face_count, &f.layer_count, &f.member_count, &f.reference_count})
+    *count = in.u32();
+  f.positions = takeVector<glm::ivec3>(in);
+  f.labels = takeVector<uint8_t>(in);
+  f.offsets = takeVector<glm::ivec3>(in);
+  f.root = takeVector<glm::vec3>(in);
+  return f;
+}
+
+void putAtlases(ByteWriter& out, const std::vector<Image>& atlases) {
+  out.u32(static_cast<uint32_t>(atlases.size()));
+  for (const Image& atlas : atlases) out.bytes(atlas.pixels);
+}
+
+std::vector<Image> takeAtlases(ByteReader& in) {
+  std::vector<Image> atlases;
+  for (uint32_t left = in.u32(); left > 0 && in.ok(); --left) {
+    Image atlas(kAtlasSide, kAtlasSide, 3);
+    const auto part = in.bytes(atlas.pixels.size());
+    if (in.ok()) std::copy(part.begin(), part.end(), atlas.pixels.begin());
+    atlases.push_back(std::move(atlas));
+  }
+  return atlases;
+}
+
+}  // namespace
+
+Result<WorkFolder> WorkFolder::open(const std::string& path, const std::string& key, bool resume) {
+  WorkFolder folder;
+  folder.path_ = path;
+  const std::string key_path = path + "/settings.txt";
+  bool keep = false;
+  if (auto old = platform::readFile(key_path); resume && old.ok())
+    keep = std::string(old.value().begin(), old.value().end()) == key;
+  if (!keep) platform::removeFolder(path);
+  FOURDVT_TRY(platform::makeFolder(path));
+  FOURDVT_TRY(platform::writeFileAtomic(key_path, key));
+  return folder;
+}
+
+bool WorkFolder::holdsGops(const std::string& path) {
+  std::error_code ignored;
+  for (std::filesystem::directory_iterator file(path, ignored), end; file != end; file.increment(ignored))
+    if (file->path().extension() == ".gop") return true;
+  return false;
+}
+
+std::string WorkFolder::gopPath(const std::string& sequence, uint32_t gop) const {
+  return path_ + "/" + sequence + "." + std::to_string(gop) + ".gop";
+}
+
+bool WorkFolder::hasGop(const std::string& sequence, uint32_t gop) const { return load(gopPath(sequence, gop)).ok(); }
+
+Status WorkFolder::saveGop(const std::string& sequence, uint32_t gop, const GopArtefact& artefact) const {
+  ByteWriter out;
+  putVideo(out, artefact.video);
+  putFrames(out, artefact.frames);
+  putAtlases(out, artefact.atlases);
+  putBytes(out, artefact.picture_jpeg);
+  return save(gopPath(sequence, gop), out);
+}
+
+Result<GopArtefact> WorkFolder::loadGop(const std::string& sequence, uint32_t gop) const {
+  auto bytes = load(gopPath(sequence, gop));
+  if (!bytes) return bytes.error();
+  ByteReader in(bytes.value());
+  GopArtefact artefact;
+  artefact.video = takeVideo(in);
+  artefact.frames = takeFrames(in);
+  artefact.atlases = takeAtlases(in);
+  artefact.picture_jpeg = takeBytes(in);
+  if (!in.ok() || in.remaining() != 0) return damaged(gopPath(sequence, gop));
+  return artefact;
+}
+
+std::string WorkFolder::chunkPath(const std::string& sequence, uint32_t gop) const {
+  return path_ + "/" + sequence + "." + std::to_string(gop) + ".chunk";
+}
+
+bool WorkFolder::hasChunk(const std::string& sequence, uint32_t gop) const {
+  return load(chunkPath(sequence, gop)).ok();
+}
+
+Status WorkFolder::saveChunk(const std::string& sequence, uint32_t gop, const std::vector<uint8_t>& chunk) const {
+  ByteWriter out;
+  out.bytes(chunk);
+  return save(chunkPath(sequence, gop), out);
+}
+
+Result<std::vector<uint8_t>> WorkFolder::loadChunk(const std::string& sequence, uint32_t gop) const {
+  return load(chunkPath(sequence, gop));
+}
+
+bool WorkFolder::hasStill() const { return load(stillPath()).ok(); }
+
+Status WorkFolder::saveStill(const StillArtefact& still) const {
+  ByteWriter out;
+  out.u32(still.picture.width);
+  out.u32(still.picture.height);
+  putBytes(out, still.picture.y);
+  putBytes(out, still.picture.u);
+  putBytes(out, still.picture.v);
+  putBytes(out, still.labels);
+  putBytes(out, still.texture_jpeg);
+  putBytes(out, still.tile_jpeg);
+  return save(stillPath(), out);
+}
+
+Result<StillArtefact> WorkFolder::loadStill() const {
+  auto bytes = load(stillPath());
+  if (!bytes) return bytes.error();
+  ByteReader in(bytes.value());
+  StillArtefact still;
+  still.picture.width = static_cast<int>(in.u32());
+  still.picture.height = static_cast<int>(in.u32());
+  still.picture.y = takeBytes(in);
+  still.picture.u = takeBytes(in);
+  still.picture.v = takeBytes(in);
+  still.labels = takeBytes(in);
+  still.texture_jpeg = takeBytes(in);
+  still.tile_jpeg = takeBytes(in);
+  if (!in.ok() || in.remaining() != 0) return damaged(stillPath());
+  return still;
+}
+
+}  // namespace fourdvt::bake

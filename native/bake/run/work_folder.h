@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// Finished GOPs on disk, so that memory does not grow with the length and an interrupted bake resumes. Files are atomic
+// and checksummed; a damaged one counts as absent.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bake/video/encode.h"
+#include "bake/video/tile.h"
+#include "package/stream_file.h"
+
+namespace fourdvt::bake {
+
+// Layer 1 in this many texels a side: what the motion graph compares (TransitionOptions::atlas).
+constexpr int kAtlasSide = 32;
+
+struct GopArtefact {
+  EncodedGop video;
+  package::ChunkFrames frames;        // of a class: what its chunk is coded from after alignment; else none
+  std::vector<Image> atlases;         // [frame][member], RGB
+  std::vector<uint8_t> picture_jpeg;  // first GOP of a class: its tiled picture
+};
+
+// Frame 0 of the first sequence: what poster and still are made of.
+struct StillArtefact {
+  I420Picture picture;          // tiled
+  std::vector<uint8_t> labels;  // [layer][face]
+  std::vector<uint8_t> texture_jpeg, tile_jpeg;
+};
+
+class WorkFolder {
+ public:
+  // `key`: settingsKey. What an earlier run left is kept only if `resume` and the keys agree. Errors: WriteFailed.
+  static Result<WorkFolder> open(const std::string& path, const std::string& key, bool resume);
+  // Whether a bake in this folder has finished a GOP, of whatever settings.
+  static bool holdsGops(const std::string& path);
+  bool hasGop(const std::string& sequence, uint32_t gop) const;
+  Status saveGop(const std::string& sequence, uint32_t gop, const GopArtefact& artefact) const;
+  Result<GopArtefact> loadGop(const std::string& sequence, uint32_t gop) const;  // Internal if damaged
+  bool hasStill() const;
+  Status saveStill(const StillArtefact& still) const;
+  Result<StillArtefact> loadStill() const;
+  // package::encodeChunk's bytes of a GOP.
+  bool hasChunk(const std::string& sequence, uint32_t gop) const;
+  Status saveChunk(const std::string& sequence, uint32_t gop, const std::vector<uint8_t>& chunk) const;
+  Result<std::vector<uint8_t>> loadChunk(const std::string& sequence, uint32_t gop) const;  // Internal if damaged
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string gopPath(const std::string& sequence, uint32_t gop) const;
+  std::string chunkPath(const std::string& sequence, uint32_t gop) const;
+  std::string stillPath() const { return path_ + "/still.bin"; }
+  std::string path_;
+};
+
+}  // namespace fourdvt::bake

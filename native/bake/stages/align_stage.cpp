@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/stages/align_stage.h"
+
+#include <cstring>
+
+#include "bake/run/record_file.h"
+#include "bake/stages/describe.h"
+#include "bake/stages/geometry.h"
+#include "package/chunk_mesh.h"
+#include "platform/ffmpeg_video.h"
+
+namespace fourdvt::bake {
+namespace {
+
+double alignWork(const StreamPlan& plan) {
+  return StageWork::kAlign * plan.frameCount() * double(plan.motion.members.size() - 1);
+}
+
+// One class: phase after phase through the aligner.
+class ClassAligner {
+ public:
+  ClassAligner(const Job& job, const StreamPlan& plan, const WorkFolder& work, const BakeEnvironment& environment,
+               StageClock& clock, StageProgress& progress)
+      : job_(job), plan_(plan), work_(work), environment_(environment), clock_(clock), progress_(progress) {}
+
+  // [phase], steadied over the whole motion.
+  Result<std::vector<AlignedFrame>> run();
+
+ private:
+  Status open();
+  Status alignGop(uint32_t gop, RecordFile& file);
+  Status alignPicture(const package::ChunkFrames& frames, uint32_t row, const I420View& picture, RecordFile& file);
+  Positions middle(const package::ChunkFrames& frames, uint32_t row) const;
+  size_t vertices() const { return job_.mesh.decoded.topology.vertex_count * (plan_.motion.members.size() - 1); }
+  size_t recordBytes() const { return vertices() * (sizeof(glm::vec2) + sizeof(float)) + sizeof(float); }
+  std::vector<uint8_t> recordOf(const AlignedFrame& frame) const;
+  AlignedFrame frameOf(const std::vector<uint8_t>& record) const;
+
+  const Job& job_;
+  const StreamPlan& plan_;
+  const WorkFolder& work_;
+  const BakeEnvironment& environment_;
+  StageClock& clock_;
+  StageProgress& progress_;
+  package::Character character_;  // borrowed by the aligner
+  std::unique_ptr<SurfaceAligner> aligner_;
+  std::unique_ptr<NonlinearBlend> blend_;
+  std::optional<render::CharacterModel> model_;
+  std::optional<render::Appearance> appearance_;
+  std::optional<render::PictureTextures> picture_;
+};
+
+Result<std::vector<AlignedFrame>> ClassAligner::run() {
+  auto file = RecordFile::resume(work_.path() + "/" + plan_.name + ".alignment", recordBytes(), plan_.frameCount());
+  if (!file) return file.error();
+  if (file.value().count() < plan_.frameCount()) FOURDVT_TRY(open());
+  for (uint32_t g = 0; g < plan_.gop_first_frames.size(); ++g)
+    if (file.value().count() < plan_.gopEnd(g)) FOURDVT_TRY(alignGop(g, file.value()));
+  FOURDVT_TRY(file.value().finish());
+  StageClock::Span span(clock_, "align");
+  std::vector<AlignedFrame> frames;
+  for (uint32_t f = 0; f < plan_.frameCount(); ++f) {
+    auto record = file.value().read(f);
+    if (!record) return record.error();
+    frames.push_back(frameOf(record.value()));
+  }
+  steadyAlignment(frames, plan_.motion.loop);
+  return frames;
+}
+
+Status ClassAligner::open() {
+  StageClock::Span span(clock_, "align");
+  const package::BaseMesh& mesh = job_.mesh.decoded;
+  gpu::Device& device = *environment_.device;
+  character_ = describeCharacter(job_);
+  character_.sequences.push_back(describeStream(plan_));
+  AlignmentOptions options;
+  options.gutter_texels = job_.options.gutter_texels;
+  auto aligner = SurfaceAligner::create(device, character_, mesh, options);
+  if (!aligner) return aligner.error();
+  aligner_ = aligner.take();
+  auto blend = NonlinearBlend::create(mesh.topology, mesh.positions);
+  if (!blend) return blend.error();
+  blend_ = blend.take();
+  auto model = render::CharacterModel::create(device, character_, mesh);
+  if (!model) return model.error();
+  model_.emplace(model.take());
+  auto appearance = render::Appearance::create(device, *model_, static_cast<int>(plan_.motion.members.size()));
+  if (!appearance) return appearance.error();
+  appearance_.emplace(appearance.take());
+  appearance_->setLayout(character_.sequences.back().renditions.front());
+  auto picture =
+      render::createPicture(device, plan_.layout.width, plan_.layout.height, render::PictureTextures::Kind::I420);
+  if (!picture) return picture.error();
+  picture_.emplace(picture.take());
+  return {};
+}
+
+// The stream's codec string is in the finished file only; decoders go by its kind.
+const char* codecKind(Codec codec) { return codec == Codec::H264 ? "avc1" : codec == Codec::Vp9 ? "vp09" : "av01"; }
+
+Status ClassAligner::alignGop(uint32_t gop, RecordFile& file) {
+  auto loaded = work_.loadGop(plan_.name, gop);
+  if (!loaded) return loaded.error();
+  const GopArtefact& artefact = loaded.value();
+  const uint32_t first = plan_.gop_first_frames[gop];
+  Status aligned;
+  auto decoder = platform::SampleDecoder::create(codecKind(plan_.encode.codec), artefact.video.parameter_sets,
+                                                 [&](const I420View& view, int64_t frame) {
+                                                   const uint32_t row = static_cast<uint32_t>(frame);
+                                                   if (aligned.ok() && first + row == file.count())
+                                                     aligned = alignPicture(artefact.frames, row, view, file);
+                                                 });
+  if (!decoder) return decoder.error();
+  for (const EncodedPacket& packet : artefact.video.packets) {
+    FOURDVT_TRY(decoder.value()->decode(packet.bytes, packet.frame, packet.key));
+    FOURDVT_TRY(aligned);
+  }
+  FOURDVT_TRY(decoder.value()->flush());
+  FOURDVT_TRY(aligned);
+  if (file.count() == plan_.gopEnd(gop)) return {};
+  return Error{ErrorId::Internal, work_.path() + ": a GOP of " + plan_.name + " decodes to fewer pictures than frames"};
+}
+
+Status ClassAligner::alignPicture(const package::ChunkFrames& frames, uint32_t row, const I420View& view,
+                                  RecordFile& file) {
+  FOURDVT_TRY(checkStop(environment_, work_.path()));
+  StageClock::Span span(clock_, "align");
+  gpu::Device& device = *environment_.device;
+  render::uploadPicture(device, *picture_, view);
+  const size_t labels = size_t(frames.member_count) * frames.layer_count * frames.face_count;
+  appearance_->setFrame(device, *model_, {std::span(frames.labels).subspan(row * labels, labels), {}});
+  auto aligned = aligner_->align(middle(frames, row), *appearance_, *picture_);
+  if (!aligned) return aligned.error();
+  FOURDVT_TRY(file.append(recordOf(aligned.value())));
+  progress_.done(double(file.count()) / plan_.frameCount(),
+                 "align " + plan_.name + " " + std::to_string(file.count()) + "/" + std::to_string(plan_.frameCount()));
+  return {};
+}
+
+Positions ClassAligner::middle(const package::ChunkFrames& frames, uint32_t row) const {
+  std::vector<Positions> members(frames.member_count);
+  const glm::ivec3* q = &frames.positions[size_t(row) * frames.member_count * frames.vertex_count];
+  for (Positions& member : members)
+    for (uint32_t v = 0; v < frames.vertex_count; ++v, ++q)
+      member.push_back(job_.bounds.min + float(job_.options.position_step_m) * glm::vec3(*q));
+  return blend_->blend(members, std::vector<float>(members.size(), 1.0f / members.size()));
+}
+
+std::vector<uint8_t> ClassAligner::recordOf(const AlignedFrame& frame) const {
+  std::vector<uint8_t> record(recordBytes());
+  std::memcpy(record.data(), frame.displacement_m.data(), vertices() * sizeof(glm::vec2));
+  std::memcpy(record.data() + vertices() * sizeof(glm::vec2), frame.confidence.data(), vertices() * sizeof(float));
+  std::memcpy(record.data() + record.size() - sizeof(float), &frame.detail_correlation, sizeof(float));
+  return record;
+}
+
+AlignedFrame ClassAligner::frameOf(const std::vector<uint8_t>& record) const {
+  AlignedFrame frame{std::vector<glm::vec2>(vertices()), std::vector<float>(vertices())};
+  std::memcpy(frame.displacement_m.data(), record.data(), vertices() * sizeof(glm::vec2));
+  std::memcpy(frame.confidence.data(), record.data() + vertices() * sizeof(glm::vec2), vertices() * sizeof(float));
+  std::memcpy(&frame.detail_correlation, record.data() + record.size() - sizeof(float), sizeof(float));
+  return frame;
+}
+
+float meanCorrelation(const std::vector<AlignedFrame>& frames) {
+  double sum = 0;
+  for (const AlignedFrame& frame : frames) sum += frame.detail_correlation;
+  return static_cast<float>(sum / double(frames.size()));
+}
+
+// aligned: [phase], or none.
+Status codeChunks(const Job& job, const StreamPlan& plan, const WorkFolder& work,
+                  const std::vector<AlignedFrame>& aligned, const package::ChunkMesh& mesh) {
+  for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
+    auto artefact = work.loadGop(plan.name, g);
+    if (!artefact) return artefact.error();
+    package::ChunkFrames& frames = artefact.value().frames;
+    if (!aligned.empty())
+      addAlignment(std::span(aligned).subspan(plan.gop_first_frames[g], frames.frame_count),
+                   job.options.alignment_step_m, frames);
+    auto chunk = package::encodeChunk(frames, mesh);
+    if (!chunk) return chunk.error();
+    FOURDVT_TRY(work.saveChunk(plan.name, g, chunk.value()));
+  }
+  return {};
+}
+
+bool hasChunks(const StreamPlan& plan, const WorkFolder& work) {
+  for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g)
+    if (!work.hasChunk(plan.name, g)) return false;
+  return true;
+}
+
+}  // namespace
+
+Status alignClasses(Job& job, const WorkFolder& work, const BakeEnvironment& environment, StageClock& clock,
+                    ProgressReporter& progress) {
+  std::optional<package::ChunkMesh> mesh;
+  for (StreamPlan& plan : job.streams) {
+    if (!plan.isClass()) continue;
+    StageProgress stage(progress, job.options.align ? alignWork(plan) : 0);
+    std::vector<AlignedFrame> aligned;
+    if (job.options.align) {
+      auto frames = ClassAligner(job, plan, work, environment, clock, stage).run();
+      if (!frames) return frames.error();
+      aligned = frames.take();
+      plan.detail_correlation = meanCorrelation(aligned);
+    }
+    if (hasChunks(plan, work)) continue;
+    StageClock::Span span(clock, "geometry");
+    if (!mesh) mesh = package::makeChunkMesh(job.mesh.decoded);
+    FOURDVT_TRY(codeChunks(job, plan, work, aligned, *mesh));
+  }
+  return {};
+}
+
+}  // namespace fourdvt::bake

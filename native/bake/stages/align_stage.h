@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// What classes still lack after their GOPs are encoded: alignment of what the decoded pictures show, and the chunks.
+// Measured phases are kept in the work folder, so that an interrupted bake goes on. Completes the classes' plans by how
+// much of their detail correlates.
+#pragma once
+
+#include "bake/run/progress.h"
+#include "bake/run/work_folder.h"
+
+namespace fourdvt::bake {
+
+// Errors: GpuFailure, VideoInvalid, WriteFailed, Interrupted.
+Status alignClasses(Job& job, const WorkFolder& work, const BakeEnvironment& environment, StageClock& clock,
+                    ProgressReporter& progress);
+
+}  // namespace fourdvt::bake

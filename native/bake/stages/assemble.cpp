@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/stages/assemble.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+}
+
+#include "bake/stages/describe.h"
+#include "bake/stages/poster.h"
+#include "bake/video/mp4.h"
+#include "base/bytes.h"
+#include "motion/parameter_space.h"
+#include "package/writer.h"
+#include "platform/files.h"
+#include "platform/folders.h"
+
+namespace fourdvt::bake {
+namespace {
+
+constexpr const char* kGenerator = "fourdvt 0.1.0";
+constexpr const char* kTexture = "texture.jpg";
+constexpr const char* kTiles = "report_tiles.jpg";
+constexpr const char* kGraph = "motion.bin";
+
+struct ChunkBytes {
+  uint32_t total = 0, positions = 0, labels = 0, offsets = 0, alignment = 0;
+};
+
+// A chunk opens with the lengths of its parts (FORMAT.md).
+ChunkBytes measure(const StreamPlan& plan, const std::vector<uint8_t>& chunk, bool aligned) {
+  ByteReader lengths(chunk);
+  ChunkBytes bytes;
+  bytes.total = static_cast<uint32_t>(chunk.size());
+  const size_t members = plan.motion.members.size();
+  for (size_t m = 0; m < members; ++m) {
+    bytes.positions += lengths.u32();
+    bytes.labels += lengths.u32();
+  }
+  for (size_t r = 0; r < plan.motion.reference_weights.size(); ++r) bytes.offsets += lengths.u32();
+  for (size_t a = 1; aligned && a < members; ++a) bytes.alignment += lengths.u32();
+  return bytes;
+}
+
+bool isAligned(const Job& job, const StreamPlan& plan) { return plan.isClass() && job.options.align; }
+
+struct PackedSequence {
+  package::Sequence manifest;
+  ReportSequence report;
+};
+
+std::string ffmpegVersion(unsigned v) {
+  return std::to_string(v >> 16) + "." + std::to_string((v >> 8) & 255) + "." + std::to_string(v & 255);
+}
+
+package::StreamIndex makeIndex(const Job& job, const StreamPlan& plan, const std::vector<ChunkBytes>& chunk_bytes,
+                               package::SampleTable table) {
+  package::StreamIndex index;
+  index.frame_count = plan.frameCount();
+  index.vertex_count = job.mesh.decoded.topology.vertex_count;
+  index.face_count = job.mesh.decoded.topology.faceCount();
+  index.layer_count = static_cast<uint32_t>(job.options.layers);
+  index.member_count = static_cast<uint32_t>(plan.motion.members.size());
+  index.reference_count = static_cast<uint32_t>(plan.motion.reference_weights.size());
+  if (isAligned(job, plan)) {
+    index.alignment_count = index.member_count - 1;
+    index.alignment_step_m = static_cast<float>(job.options.alignment_step_m);
+  }
+  index.position_origin = job.bounds.min;
+  index.position_step_m = static_cast<float>(job.options.position_step_m);
+  index.renditions.push_back(std::move(table));
+  for (size_t g = 0; g < chunk_bytes.size(); ++g) {
+    const uint32_t first = plan.gop_first_frames[g];
+    index.chunks.push_back({first, plan.gopEnd(g) - first, 0, chunk_bytes[g].total});
+  }
+  return index;
+}
+
+// Offsets follow the header, whose size they must not change.
+Result<std::vector<uint8_t>> finalHeader(package::StreamIndex& index) {
+  std::vector<uint8_t> header = package::writeStreamHeader(index);
+  for (int attempt = 0; attempt < 4; ++attempt) {
+    uint64_t offset = header.size();
+    for (package::ChunkEntry& chunk : index.chunks) {
+      chunk.offset = offset;
+      offset += chunk.bytes;
+    }
+    std::vector<uint8_t> next = package::writeStreamHeader(index);
+    const bool stable = next.size() == header.size();
+    header = std::move(next);
+    if (stable) return header;
+  }
+  return Error{ErrorId::Internal, "the stream header's size does not settle"};
+}
+
+// Header and chunks in one file, a chunk in memory at a time.
+Status writeStream(const std::string& path, const std::vector<uint8_t>& header, const WorkFolder& work,
+                   const std::string& sequence, size_t gop_count) {
+  std::FILE* file = std::fopen(path.c_str(), "wb");
+  bool ok = file && std::fwrite(header.data(), 1, header.size(), file) == header.size();
+  for (uint32_t g = 0; ok && g < gop_count; ++g) {
+    auto chunk = work.loadChunk(sequence, g);
+    if (!chunk) {
+      std::fclose(file);
+      return chunk.error();
+    }
+    ok = std::fwrite(chunk.value().data(), 1, chunk.value().size(), file) == chunk.value().size();
+  }
+  int code = ok ? 0 : errno;
+  if (file && std::fclose(file) != 0 && ok) code = errno, ok = false;
+  if (ok) return {};
+  return Error{ErrorId::WriteFailed,
+               path + ": cannot write: " + std::strerror(code) + "; free disk space or choose another output folder"};
+}
+
+Result<std::vector<ChunkBytes>> measureChunks(const Job& job, const StreamPlan& plan, const WorkFolder& work) {
+  std::vector<ChunkBytes> bytes;
+  for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
+    auto chunk = work.loadChunk(plan.name, g);
+    if (!chunk) return chunk.error();
+    bytes.push_back(measure(plan, chunk.value(), isAligned(job, plan)));
+  }
+  return bytes;
+}
+
+Result<Mp4Samples> packVideo(const StreamPlan& plan, const WorkFolder& work, const std::string& path) {
+  FOURDVT_TRY(writeMp4(path, plan.encode, static_cast<uint32_t>(plan.gop_first_frames.size()),
+                       [&](uint32_t g) -> Result<EncodedGop> {
+                         auto artefact = work.loadGop(plan.name, g);
+                         if (!artefact) return artefact.error();
+                         return std::move(artefact.value().video);
+                       }));
+  return readMp4Samples(path, plan.encode.fps, plan.gop_first_frames, plan.frameCount());
+}
+
+ReportSequence reportSequence(const package::Sequence& s, const std::vector<ChunkBytes>& chunk_bytes) {
+  ReportSequence r;
+  r.name = s.name;
+  r.frames = s.frame_count;
+  r.gops = static_cast<uint32_t>(chunk_bytes.size());
+  r.fps = s.fps;
+  r.loop = s.loop;
+  r.members = static_cast<uint32_t>(s.members.size());
+  r.video_bytes = s.renditions.front().video_bytes;
+  r.index_bytes = s.stream_header_bytes;
+  for (const ChunkBytes& bytes : chunk_bytes) {
+    r.geometry_bytes += bytes.positions;
+    r.offset_bytes += bytes.offsets;
+    r.alignment_bytes += bytes.alignment;
+    r.label_bytes += bytes.labels;
+    r.index_bytes += bytes.total - bytes.positions - bytes.offsets - bytes.alignment - bytes.labels;
+  }
+  return r;
+}
+
+Result<PackedSequence> packSequence(const Job& job, const StreamPlan& plan, const WorkFolder& work) {
+  const std::string folder = job.resultFolder() + "/";
+  PackedSequence out;
+  package::Sequence& s = out.manifest;
+  s = describeStream(plan);
+  package::Rendition& rendition = s.renditions.front();
+  auto chunk_bytes = measureChunks(job, plan, work);
+  if (!chunk_bytes) return chunk_bytes.error();
+  auto packed = packVideo(plan, work, folder + rendition.video_uri);
+  if (!packed) return packed.error();
+  rendition.video_bytes = packed.value().file_bytes;
+  rendition.codec = packed.value().codec;
+  package::StreamIndex index = makeIndex(job, plan, chunk_bytes.value(), std::move(packed.value().table));
+  auto header = finalHeader(index);
+  if (!header) return header.error();
+  FOURDVT_TRY(writeStream(folder + s.stream_uri, header.value(), work, plan.name, chunk_bytes.value().size()));
+  s.stream_bytes = platform::fileBytes(folder + s.stream_uri);
+  s.stream_header_bytes = static_cast<uint32_t>(header.value().size());
+  out.report = reportSequence(s, chunk_bytes.value());
+  return out;
+}
+
+Status writeStills(const Job& job, const WorkFolder& work, gpu::Device& device, const package::Character& character) {
+  const std::string folder = job.resultFolder() + "/";
+  auto still = work.loadStill();
+  if (!still) return still.error();
+  FOURDVT_TRY(platform::writeFileAtomic(folder + kTexture, still.value().texture_jpeg));
+  FOURDVT_TRY(platform::writeFileAtomic(folder + kTiles, still.value().tile_jpeg));
+  auto positions = capture::readMeshFrame(job.capture, *job.sequences[0].source, 0);
+  if (!positions) return positions.error();
+  auto poster =
+      renderPoster(device, character, job.mesh.decoded, still.value(), reordered(job.mesh, positions.value()));
+  if (!poster) return poster.error();
+  auto webp = encodePicture(poster.value(), ".webp", 85);
+  if (!webp) return webp.error();
+  return platform::writeFileAtomic(folder + kPosterFile, webp.value());
+}
+
+void describe(const Job& job, const package::Character& character, ReportInput& report) {
+  const std::string folder = job.resultFolder() + "/";
+  report.options = job.options;
+  report.capture_name = job.capture.name;
+  report.credit = job.capture.credit;
+  report.generator = kGenerator;
+  report.codec = character.sequences.front().renditions.front().codec;
+  report.cameras = static_cast<uint32_t>(job.cameras.size());
+  report.vertices = character.vertex_count;
+  report.faces = character.face_count;
+  report.picture_width = job.layout.width;
+  report.picture_height = job.layout.height;
+  report.versions = {{"libavcodec", ffmpegVersion(avcodec_version())},
+                     {"libavformat", ffmpegVersion(avformat_version())}};
+  const std::string first = job.streams[0].name + ", frame 0";
+  report.pictures = {{kPosterFile, "The character, " + first + ", as the page shows it first."},
+                     {kTiles, "The video picture of " + first + ": all layers and the barcode."}};
+  auto& bytes = report.figures.bytes_by_part;
+  for (const char* name : {kMeshFile, kTexture, kPosterFile, "character.gltf"})
+    bytes[name] = platform::fileBytes(folder + name);
+  for (const package::Sequence& s : character.sequences) {
+    bytes[s.stream_uri] = s.stream_bytes;
+    bytes[s.renditions.front().video_uri] = s.renditions.front().video_bytes;
+  }
+}
+
+ClassFigures figuresOf(const Job& job, const StreamPlan& plan, const package::Sequence& sequence) {
+  ClassFigures figures;
+  for (const package::Member& member : sequence.members) figures.members.push_back(member.name);
+  for (size_t p = 0; p < sequence.space.names.size(); ++p) {
+    const motion::Range range = motion::parameterRange(sequence, p);
+    figures.parameters.push_back({sequence.space.names[p], range.min, range.max});
+  }
+  figures.references = sequence.reference_count;
+  figures.linear_error_m = plan.motion.linear_error_m;
+  figures.hybrid_error_m = plan.motion.hybrid_error_m;
+  figures.aligned = isAligned(job, plan);
+  return figures;
+}
+
+// Figures and a picture of every class.
+Status describeClasses(const Job& job, const WorkFolder& work, const package::Character& character,
+                       ReportInput& report) {
+  for (const StreamPlan& plan : job.streams) {
+    if (!plan.isClass()) continue;
+    report.figures.classes[plan.name] = figuresOf(job, plan, *character.find(plan.name));
+    auto artefact = work.loadGop(plan.name, 0);
+    if (!artefact) return artefact.error();
+    const std::string file = "report_" + plan.name + ".jpg";
+    FOURDVT_TRY(platform::writeFileAtomic(job.resultFolder() + "/" + file, artefact.value().picture_jpeg));
+    report.pictures.push_back({file, "The video picture of " + plan.name + ", frame 0: the layers of " +
+                                         std::to_string(plan.motion.members.size()) + " members and the barcode."});
+  }
+  return {};
+}
+
+Status writeGraph(const Job& job, const std::vector<uint8_t>& graph, package::Character& character,
+                  ReportInput& report) {
+  if (graph.empty()) return {};
+  character.graph_uri = kGraph;
+  character.graph_bytes = graph.size();
+  report.figures.bytes_by_part[kGraph] = graph.size();
+  return platform::writeFileAtomic(job.resultFolder() + "/" + kGraph, graph);
+}
+
+}  // namespace
+
+Status assemble(const Job& job, const WorkFolder& work, const std::vector<uint8_t>& graph, gpu::Device& device,
+                ReportInput& report) {
+  platform::removeFolder(job.resultFolder());
+  FOURDVT_TRY(platform::makeFolder(job.resultFolder()));
+  package::Character character = describeCharacter(job);
+  for (const StreamPlan& plan : job.streams) {
+    auto packed = packSequence(job, plan, work);
+    if (!packed) return packed.error();
+    character.sequences.push_back(std::move(packed.value().manifest));
+    report.sequences.push_back(std::move(packed.value().report));
+  }
+  FOURDVT_TRY(platform::writeFileAtomic(job.resultFolder() + "/" + kMeshFile, job.mesh.bytes));
+  FOURDVT_TRY(writeStills(job, work, device, character));
+  FOURDVT_TRY(writeGraph(job, graph, character, report));
+  auto manifest = package::writeManifest({character, &job.mesh, kTexture, kGenerator, job.capture.credit});
+  if (!manifest) return manifest.error();
+  FOURDVT_TRY(platform::writeFileAtomic(job.resultFolder() + "/character.gltf", manifest.value()));
+  describe(job, character, report);
+  return describeClasses(job, work, character, report);
+}
+
+Status writeReportFiles(const Job& job, const ReportInput& report) {
+  FOURDVT_TRY(platform::writeFileAtomic(job.resultFolder() + "/report.json", reportJson(report)));
+  return platform::writeFileAtomic(job.resultFolder() + "/report.html", reportHtml(report));
+}
+
+}  // namespace fourdvt::bake

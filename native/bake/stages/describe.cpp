@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/stages/describe.h"
+
+namespace fourdvt::bake {
+
+package::Character describeCharacter(const Job& job) {
+  package::Character character;
+  character.name = job.capture.name;
+  character.layer_count = job.options.layers;
+  character.vertex_count = job.mesh.decoded.topology.vertex_count;
+  character.face_count = job.mesh.decoded.topology.faceCount();
+  character.cameras = job.cameras;
+  character.bounds = job.bounds;
+  character.ground_y_m = job.capture.ground_y_m;
+  character.mesh_uri = kMeshFile;
+  character.mesh_bytes = job.mesh.bytes.size();
+  character.poster_uri = kPosterFile;
+  return character;
+}
+
+package::Sequence describeStream(const StreamPlan& plan) {
+  package::Sequence s;
+  s.name = plan.name;
+  s.frame_count = plan.frameCount();
+  s.fps = plan.motion.fps;
+  s.loop = plan.motion.loop;
+  for (const ClassMember& member : plan.motion.members)
+    s.root_velocity_mps += member.source->root_velocity_mps / double(plan.motion.members.size());
+  s.stream_uri = plan.name + ".bin";
+  s.members = plan.motion.manifest;
+  s.space = plan.motion.space;
+  s.detail_correlation = plan.detail_correlation;
+  s.reference_count = static_cast<uint32_t>(plan.motion.reference_weights.size());
+  package::Rendition rendition;
+  rendition.video_uri = plan.name + ".mp4";
+  rendition.width = plan.layout.width;
+  rendition.height = plan.layout.height;
+  rendition.layers = plan.layout.layers;
+  rendition.barcode = plan.layout.barcode;
+  s.renditions.push_back(std::move(rendition));
+  return s;
+}
+
+}  // namespace fourdvt::bake

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/stages/frame_baker.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fourdvt::bake {
+namespace {
+
+// Layers minify the pictures if their texels are wider than this many pixels.
+constexpr double kMipmapTexelPixels = 2;
+
+bool minifies(const PinholeCamera& camera, const MeshTopology& t, const Positions& positions, int size) {
+  double world_area = 0, uv_area = 0;
+  for (uint32_t f = 0; f < t.faceCount(); ++f) {
+    const glm::uvec3 v = t.face_vertices[f], w = t.face_uvs[f];
+    const glm::dvec3 a(positions[v.x]);
+    world_area += 0.5 * glm::length(glm::cross(glm::dvec3(positions[v.y]) - a, glm::dvec3(positions[v.z]) - a));
+    const glm::dvec2 p(t.uvs[w.y] - t.uvs[w.x]), q(t.uvs[w.z] - t.uvs[w.x]);
+    uv_area += 0.5 * std::abs(p.x * q.y - p.y * q.x);
+  }
+  const double texel_m = std::sqrt(world_area / std::max(uv_area, 1e-9)) / size;
+  const double pixel_m = camera.project(glm::dvec3(positions[0])).z / camera.fx;
+  return texel_m > kMipmapTexelPixels * std::abs(pixel_m);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<FrameBaker>> FrameBaker::create(gpu::Device& device, const std::vector<PinholeCamera>& cameras,
+                                                       const MeshTopology& topology, const Positions& pose,
+                                                       const FrameBakerOptions& options) {
+  auto baker = std::make_unique<FrameBaker>();
+  baker->device_ = &device;
+  const std::vector<int>& sizes = options.layer_sizes;
+  const bool mipmaps = !sizes.empty() && (options.resample.filter == ResampleFilter::Mipmap ||
+                                          minifies(cameras[0], topology, pose, sizes.back()));
+  auto capture = GpuCapture::create(device, cameras, topology, mipmaps);
+  if (!capture) return capture.error();
+  baker->capture_ = capture.take();
+  auto visibility = Visibility::create(device, baker->capture_);
+  if (!visibility) return visibility.error();
+  baker->visibility_ = visibility.take();
+  if (sizes.empty()) return baker;
+  auto resampler = Resampler::create(device, baker->capture_, sizes, options.resample, options.colour_maps);
+  if (!resampler) return resampler.error();
+  baker->resampler_ = resampler.take();
+  baker->large_map_ = makeGutterMap(topology, sizes[0], options.gutter_texels);
+  if (sizes.back() != sizes[0])
+    baker->small_map_ = makeGutterMap(topology, sizes.back(), options.gutter_texels * sizes.back() / sizes[0]);
+  for (int size : sizes) baker->maps_.push_back(size == sizes[0] ? &baker->large_map_ : &baker->small_map_);
+  return baker;
+}
+
+void FrameBaker::setFrame(const Positions& positions, const std::vector<PictureCrop>& crops) {
+  capture_.setFrame(*device_, positions, crops);
+}
+
+Result<std::vector<float>> FrameBaker::measureVisibility() { return visibility_.measure(*device_, capture_); }
+
+Result<std::vector<Image>> FrameBaker::resample(const std::vector<uint8_t>& labels) {
+  return resampler_.resample(*device_, capture_, labels);
+}
+
+Result<std::vector<Image>> FrameBaker::resamplePerTexel(const std::vector<uint8_t>& order) {
+  return resampler_.resamplePerTexel(*device_, capture_, order);
+}
+
+void FrameBaker::fill(std::vector<Image>& layers) const { fillLayers(maps_, layers); }
+
+}  // namespace fourdvt::bake

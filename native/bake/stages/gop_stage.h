@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every GOP that the work folder has not yet: resample → fill → tile → encode, and plain sequences' chunks. Three lanes
+// overlap: reading the next frame, the GPU's stages of this one (on the calling thread, which owns the context),
+// filling and encoding the one before.
+#pragma once
+
+#include <future>
+
+#include "bake/run/progress.h"
+#include "bake/run/work_folder.h"
+#include "bake/stages/frame_baker.h"
+#include "bake/stages/stream_reader.h"
+#include "bake/stages/survey.h"
+#include "package/chunk_mesh.h"
+
+namespace fourdvt::bake {
+
+class GopStage {
+ public:
+  GopStage(const Job& job, const Survey& survey, const WorkFolder& work, const BakeEnvironment& environment,
+           StageClock& clock, ProgressReporter& progress)
+      : job_(job), survey_(survey), work_(work), environment_(environment), clock_(clock), progress_(progress) {}
+
+  Status start();
+  Status run();  // Errors: those of capture, GPU and encoder, WriteFailed, Interrupted
+  uint32_t framesBaked() const { return baked_; }  // by this run
+
+ private:
+  struct OpenGop;
+  struct MemberLook {  // one member's share of the picture
+    std::vector<uint8_t> labels;
+    std::vector<Image> layers;
+    Image atlas;
+  };
+  struct DrawnFrame {
+    std::vector<std::optional<MemberLook>> members;  // not filled; none: as before
+    FrameGeometry geometry;
+  };
+
+  Status bakeStream(const StreamPlan& plan);
+  bool isFinished(const StreamPlan& plan, uint32_t gop) const;
+  Status bakeGop(const StreamPlan& plan, uint32_t gop, StreamReader& reader);
+  Result<DrawnFrame> drawFrame(const StreamPlan& plan, PreparedFrame frame);
+  Result<MemberLook> drawMember(const SequencePlan& plan, uint32_t source_frame, const SourceFrame& source);
+  Status finishFrame(OpenGop& open, const StreamPlan& plan, DrawnFrame frame, uint32_t index);
+  Status encode(OpenGop& open, const StreamPlan& plan);
+  Status saveStill();
+  Status saveGop(OpenGop& open, const StreamPlan& plan, uint32_t gop);
+  Status waitForSave();
+  void tellFrame(const StreamPlan& plan, uint32_t frame);
+  bool isFirst(const StreamPlan& plan) const { return &plan == job_.streams.data(); }
+  std::launch lane() const { return job_.options.jobs > 1 ? std::launch::async : std::launch::deferred; }
+
+  const Job& job_;
+  const Survey& survey_;
+  const WorkFolder& work_;
+  const BakeEnvironment& environment_;
+  StageClock& clock_;
+  ProgressReporter& progress_;
+  package::ChunkMesh chunk_mesh_;
+  std::unique_ptr<FrameBaker> frames_;
+  std::vector<MemberLook> looks_;  // of the stream's frame finished last
+  I420Picture picture_;
+  std::future<Status> saving_;  // of the GOP before; ends before the next encoder is made: only one is in memory
+  uint32_t baked_ = 0;
+  double started_s_ = 0;
+};
+
+}  // namespace fourdvt::bake

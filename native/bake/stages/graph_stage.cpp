@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/stages/graph_stage.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "bake/motion/transitions.h"
+#include "bake/run/mesh_reader.h"
+
+namespace fourdvt::bake {
+namespace {
+
+constexpr int kInnerPoints = 3;
+
+std::vector<std::pair<size_t, size_t>> neighbours(const ClassPlan& plan) {
+  std::vector<size_t> order(plan.members.size());
+  std::iota(order.begin(), order.end(), size_t(0));
+  std::vector<std::pair<size_t, size_t>> pairs;
+  if (plan.space.names.size() == 1) {
+    std::stable_sort(order.begin(), order.end(),
+                     [&](size_t a, size_t b) { return plan.manifest[a].parameter[0] < plan.manifest[b].parameter[0]; });
+    for (size_t i = 0; i + 1 < order.size(); ++i) pairs.push_back({order[i], order[i + 1]});
+    return pairs;
+  }
+  for (size_t a = 0; a < order.size(); ++a)
+    for (size_t b = a + 1; b < order.size(); ++b) pairs.push_back({a, b});
+  return pairs;
+}
+
+// One stream as a state of the graph.
+class State {
+ public:
+  State(const StreamPlan& plan, std::vector<std::vector<float>> weights, const ReadPositions& read,
+        const NonlinearBlend* blend)
+      : plan_(plan), weights_(std::move(weights)), read_(read), blend_(blend) {}
+
+  Status loadAtlases(const WorkFolder& work);
+  TransitionState description() const;
+
+ private:
+  Result<Positions> positions(uint32_t row, uint32_t frame) const;
+  glm::vec3 root(uint32_t row, uint32_t frame) const;
+  Image atlas(uint32_t row, uint32_t frame) const;
+
+  const StreamPlan& plan_;
+  const std::vector<std::vector<float>> weights_;  // [row][member]
+  const ReadPositions& read_;
+  const NonlinearBlend* blend_;
+  std::vector<Image> atlases_;  // [frame][member]
+};
+
+Status State::loadAtlases(const WorkFolder& work) {
+  for (uint32_t g = 0; g < plan_.gop_first_frames.size(); ++g) {
+    auto artefact = work.loadGop(plan_.name, g);
+    if (!artefact) return artefact.error();
+    for (Image& image : artefact.value().atlases) atlases_.push_back(std::move(image));
+  }
+  if (atlases_.size() == plan_.frameCount() * plan_.motion.members.size()) return {};
+  return Error{ErrorId::Internal,
+               work.path() + ": GOPs of " + plan_.name + " lack frames; delete this folder and bake again"};
+}
+
+TransitionState State::description() const {
+  TransitionState state;
+  state.frame_count = plan_.frameCount();
+  for (const std::vector<float>& weights : weights_) {
+    double duration_s = 0;
+    for (size_t m = 0; m < weights.size(); ++m) duration_s += weights[m] * plan_.motion.manifest[m].duration_s;
+    state.frames_per_s.push_back(plan_.frameCount() / duration_s);
+  }
+  state.loop = plan_.motion.loop;
+  state.weight_rows = weights_;
+  state.positions = [this](uint32_t row, uint32_t frame) { return positions(row, frame); };
+  state.root = [this](uint32_t row, uint32_t frame) { return root(row, frame); };
+  state.atlas = [this](uint32_t row, uint32_t frame) -> Result<Image> { return atlas(row, frame); };
+  return state;
+}
+
+Result<Positions> State::positions(uint32_t row, uint32_t frame) const {
+  const auto& members = plan_.motion.members;
+  if (!plan_.isClass()) return read_(*members[0].source, frame);
+  const std::vector<float>& weights = weights_[row];
+  std::vector<Positions> meshes;
+  for (size_t m = 0; m < members.size(); ++m) {
+    auto mesh = memberPositions(members[m], frame, read_);
+    if (!mesh || weights[m] == 1) return mesh;
+    meshes.push_back(mesh.take());
+  }
+  return blend_->blend(meshes, weights);
+}
+
+glm::vec3 State::root(uint32_t row, uint32_t frame) const {
+  glm::vec3 mixed(0);
+  for (size_t m = 0; m < weights_[row].size(); ++m) mixed += weights_[row][m] * plan_.motion.members[m].root[frame];
+  return mixed;
+}
+
+Image State::atlas(uint32_t row, uint32_t frame) const {
+  const std::vector<float>& weights = weights_[row];
+  const size_t heaviest = std::max_element(weights.begin(), weights.end()) - weights.begin();
+  return atlases_[frame * weights.size() + heaviest];
+}
+
+}  // namespace
+
+std::vector<std::vector<float>> graphWeights(const ClassPlan& plan) {
+  std::vector<std::vector<float>> rows;
+  for (size_t m = 0; m < plan.members.size(); ++m) {
+    rows.emplace_back(plan.members.size());
+    rows.back()[m] = 1;
+  }
+  if (rows.size() == 1) return rows;
+  for (const auto& [a, b] : neighbours(plan)) {
+    for (int i = 1; i <= kInnerPoints; ++i) {
+      const float share = float(i) / (kInnerPoints + 1);
+      rows.emplace_back(plan.members.size());
+      rows.back()[a] = 1 - share;
+      rows.back()[b] = share;
+    }
+  }
+  return rows;
+}
+
+Result<std::vector<uint8_t>> makeGraph(const Job& job, const WorkFolder& work, const BakeEnvironment& environment,
+                                       StageClock& clock, ProgressReporter& progress) {
+  StageProgress stage(progress, StageWork::kGraph * job.streamFrames());
+  if (job.streams.size() < 2) return std::vector<uint8_t>();
+  StageClock::Span span(clock, "graph");
+  auto blend = NonlinearBlend::create(job.mesh.decoded.topology, job.mesh.decoded.positions);
+  if (!blend) return blend.error();
+  MeshReader meshes(job);
+  const ReadPositions read = meshes.function();
+  std::vector<State> states;
+  states.reserve(job.streams.size());  // descriptions point to them
+  std::vector<TransitionState> descriptions;
+  for (const StreamPlan& plan : job.streams) {
+    states.emplace_back(plan, graphWeights(plan.motion), read, blend.value().get());
+    FOURDVT_TRY(states.back().loadAtlases(work));
+    descriptions.push_back(states.back().description());
+  }
+  TransitionOptions options;
+  options.atlas = kAtlasSide;
+  options.pop.look_s = 1 / job.capture.fps;
+  const auto tell = [&](double share) {
+    stage.done(share, "graph");
+    return !progress.stopped();
+  };
+  auto graph = buildMotionGraph(descriptions, options, tell);
+  if (!graph && graph.error().id == ErrorId::Interrupted) FOURDVT_TRY(checkStop(environment, work.path()));
+  return graph;
+}
+
+}  // namespace fourdvt::bake

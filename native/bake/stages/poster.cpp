@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/stages/poster.h"
+
+#include <algorithm>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "render/plain_figure.h"
+
+namespace fourdvt::bake {
+namespace {
+
+constexpr int kPosterWidth = 720, kPosterHeight = 960;
+
+void unpremultiply(Image& image) {
+  for (size_t i = 0; i < image.pixels.size(); i += 4) {
+    uint8_t* p = &image.pixels[i];
+    for (int c = 0; c < 3 && p[3] > 0; ++c) p[c] = static_cast<uint8_t>(std::min(255, (p[c] * 255 + p[3] / 2) / p[3]));
+  }
+}
+
+}  // namespace
+
+Result<Image> renderPoster(gpu::Device& device, const package::Character& character, const package::BaseMesh& mesh,
+                           const StillArtefact& still, const Positions& positions) {
+  auto figure = render::PlainFigure::create(device, character, mesh);
+  if (!figure) return figure.error();
+  const I420View view = still.picture.view();
+  auto picture = render::createPicture(device, view.width, view.height, render::PictureTextures::Kind::I420);
+  if (!picture) return picture.error();
+  auto recipe = render::Recipe::create(device);
+  if (!recipe) return recipe.error();
+  gpu::TargetDesc desc;
+  desc.width = kPosterWidth;
+  desc.height = kPosterHeight;
+  desc.label = "poster";
+  auto target = gpu::makeTarget(device, desc);
+  if (!target) return target.error();
+  render::uploadPicture(device, picture.value(), view);
+  figure.value().setLayout(character.sequences.front().renditions.front());
+  figure.value().setFrame(device, positions, still.labels);
+  const OrbitView orbit = defaultOrbit(character.bounds, double(kPosterWidth) / kPosterHeight);
+  const PinholeCamera camera = cameraFromOrbit(orbit, kPosterWidth, kPosterHeight);
+  FOURDVT_TRY(
+      figure.value().draw(*recipe.value(), picture.value(), render::viewFromCamera(camera), {}, target.value().id()));
+  Image image(kPosterWidth, kPosterHeight, 4);
+  FOURDVT_TRY(device.readPixels(target.value().id(), gpu::PixelFormat::RGBA8, 0, 0, kPosterWidth, kPosterHeight,
+                                image.pixels.data()));
+  unpremultiply(image);
+  return image;
+}
+
+Result<std::vector<uint8_t>> encodePicture(const Image& image, const std::string& extension, int quality) {
+  const cv::Mat rgb(image.height, image.width, CV_8UC(image.channels), const_cast<uint8_t*>(image.pixels.data()));
+  cv::Mat bgr;
+  cv::cvtColor(rgb, bgr, image.channels == 4 ? cv::COLOR_RGBA2BGRA : cv::COLOR_RGB2BGR);
+  const int flag = extension == ".webp" ? cv::IMWRITE_WEBP_QUALITY : cv::IMWRITE_JPEG_QUALITY;
+  std::vector<uint8_t> bytes;
+  if (!cv::imencode(extension, bgr, bytes, {flag, quality}))
+    return Error{ErrorId::Internal, "OpenCV cannot encode " + extension + " pictures; install a build with it"};
+  return bytes;
+}
+
+}  // namespace fourdvt::bake

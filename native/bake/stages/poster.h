@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures of the finished character for people: the poster, and JPEG stills.
+#pragma once
+
+#include "bake/run/job.h"
+#include "bake/run/work_folder.h"
+#include "package/character.h"
+
+namespace fourdvt::bake {
+
+// Renders the still from the view that the page starts with, 720 × 960, transparent. Result: RGBA, straight alpha.
+// `positions` in the decoded mesh's order. Errors: GpuFailure.
+Result<Image> renderPoster(gpu::Device& device, const package::Character& character, const package::BaseMesh& mesh,
+                           const StillArtefact& still, const Positions& positions);
+
+// RGB or RGBA → file bytes. `extension`: ".jpg" or ".webp". Errors: Internal.
+Result<std::vector<uint8_t>> encodePicture(const Image& image, const std::string& extension, int quality);
+
+}  // namespace fourdvt::bake

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// The bake's report as text: report.json (every figure) and report.html (self-contained: inline CSS and SVG, pictures
+// by relative file name). Does NOT write files, encode pictures or measure anything: the caller does.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bake/run/figures.h"
+#include "bake/run/options.h"
+
+namespace fourdvt::bake {
+
+struct ReportSequence {
+  std::string name;
+  uint32_t frames = 0, gops = 0;
+  double fps = 0;
+  bool loop = false;
+  uint32_t members = 1;
+  uint64_t video_bytes = 0;                        // .mp4
+  uint64_t geometry_bytes = 0, label_bytes = 0;    // of the chunks in the .bin: positions and labels
+  uint64_t offset_bytes = 0, alignment_bytes = 0;  // of a class: corrections of the mesh blend, alignment
+  uint64_t index_bytes = 0;                        // the rest of the .bin: header, index, sample tables, root motion
+};
+
+struct ReportPicture {
+  std::string file;     // relative to the character folder, written by the caller
+  std::string caption;  // one sentence
+};
+
+struct ReportInput {
+  BakeOptions options;                          // resolved: jobs > 0, sequences listed
+  BakeReport figures;                           // seconds by stage in order of pipelineStages(), bytes by part
+  std::string capture_name, credit, generator;  // generator: "fourdvt X.Y.Z"
+  std::string codec;                            // RFC 6381
+  uint32_t cameras = 0, vertices = 0, faces = 0;
+  int picture_width = 0, picture_height = 0;  // tiled picture, texels
+  double wall_s = 0;                          // whole bake
+  bool resumed = false;                       // seconds cover this run only
+  std::vector<ReportSequence> sequences;
+  std::vector<std::pair<std::string, std::string>> versions;  // library → version, e.g. libavcodec → 59.37.100
+  std::vector<ReportPicture> pictures;                        // the first is shown large (the poster)
+};
+
+// Stage names of bake.h in order; stages of the figures that are not among them follow at the end.
+const std::vector<std::string>& pipelineStages();
+std::string reportJson(const ReportInput& input);
+std::string reportHtml(const ReportInput& input);
+
+// Highest resident set of this process so far, bytes; 0 where the system does not say.
+uint64_t peakResidentBytes();
+
+}  // namespace fourdvt::bake

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/stages/stream_plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bake/run/mesh_reader.h"
+
+namespace fourdvt::bake {
+namespace {
+
+Error interrupted() { return {ErrorId::Interrupted, "stopped; nothing was written"}; }
+
+Result<ClassPlan> planSequence(const Job& job, const capture::CaptureSequence& source, const ReadPositions& read) {
+  ClassPlan plan;
+  std::string note;
+  auto track = rootTrack(job.capture, source, job.mesh.decoded.topology, read, &note);
+  if (!track) return track.error();
+  if (!note.empty()) plan.notes.push_back(note);
+  plan.frame_count = source.frame_count;
+  plan.fps = job.capture.fps;
+  plan.loop = source.loop;
+  ClassMember member;
+  member.source = &source;
+  for (uint32_t f = 0; f < source.frame_count; ++f) member.source_frame.push_back(f);
+  member.root.assign(track.value().begin(), track.value().end() - 1);
+  plan.members.push_back(std::move(member));
+  package::Member manifest;
+  manifest.name = source.name;
+  manifest.duration_s = source.frame_count / job.capture.fps;
+  manifest.travel = track.value().back();
+  plan.manifest.push_back(std::move(manifest));
+  return plan;
+}
+
+void addStream(Job& job, const std::string& name, ClassPlan motion) {
+  StreamPlan stream;
+  stream.name = name;
+  const BakeOptions& o = job.options;
+  stream.layout = makeTileLayout(o.layers, o.texture, o.equal_layers, static_cast<int>(motion.members.size()));
+  stream.encode = job.encode;
+  stream.encode.width = stream.layout.width;
+  stream.encode.height = stream.layout.height;
+  stream.encode.fps = motion.fps;
+  stream.gop_first_frames = planGops(motion.frame_count, o.gop);
+  stream.motion = std::move(motion);
+  job.streams.push_back(std::move(stream));
+}
+
+// Interpolation may overshoot the captured frames.
+Status growBounds(Job& job, const ClassPlan& plan, const ReadPositions& read) {
+  for (const ClassMember& member : plan.members) {
+    for (uint32_t f = 0; f < plan.frame_count; ++f) {
+      auto positions = memberPositions(member, f, read);
+      if (!positions) return positions.error();
+      for (const glm::vec3& p : positions.value()) {
+        job.bounds.min = glm::min(job.bounds.min, p);
+        job.bounds.max = glm::max(job.bounds.max, p);
+      }
+    }
+  }
+  return {};
+}
+
+Status planClasses(Job& job, const BakeEnvironment& environment, const ReadPositions& read, const OnWarp& on_progress) {
+  const auto stopped = [&] { return environment.stop && *environment.stop; };
+  const auto classes = bakedClasses(job);
+  ClassOptions options;
+  options.blend_error_m = job.options.blend_error_m;
+  for (size_t c = 0; c < classes.size(); ++c) {
+    const auto tell = [&](double share) {
+      on_progress(classes[c]->name, (c + share) / classes.size());
+      return !stopped();
+    };
+    auto plan = planClass(job.capture, *classes[c], job.mesh.decoded.topology, read, options, tell);
+    if (!plan) return plan.error().id == ErrorId::Interrupted ? interrupted() : plan.error();
+    FOURDVT_TRY(growBounds(job, plan.value(), read));
+    addStream(job, classes[c]->name, plan.take());
+  }
+  return {};
+}
+
+}  // namespace
+
+uint32_t StreamPlan::sourceFrame(size_t member, uint32_t frame) const {
+  const ClassMember& m = motion.members[member];
+  return static_cast<uint32_t>(std::llround(m.source_frame[frame])) % m.source->frame_count;
+}
+
+uint32_t Job::streamFrames() const {
+  uint32_t sum = 0;
+  for (const StreamPlan& stream : streams) sum += stream.frameCount();
+  return sum;
+}
+
+const SequencePlan& Job::planOf(const capture::CaptureSequence& source) const {
+  return *std::find_if(sequences.begin(), sequences.end(),
+                       [&](const SequencePlan& plan) { return plan.source->name == source.name; });
+}
+
+std::vector<const capture::CaptureClass*> bakedClasses(const Job& job) {
+  std::vector<const capture::CaptureClass*> out;
+  if (!job.options.classes) return out;
+  for (const capture::CaptureClass& c : job.capture.classes) out.push_back(&c);
+  return out;
+}
+
+uint32_t expectedPhases(const Job& job, const capture::CaptureClass& motion_class) {
+  uint32_t phases = 0;
+  for (const auto& member : motion_class.members)
+    if (const auto* source = job.capture.find(member.sequence)) phases = std::max(phases, source->frame_count);
+  return phases;
+}
+
+Status planStreams(Job& job, const BakeEnvironment& environment, const OnWarp& on_progress) {
+  MeshReader meshes(job);
+  const ReadPositions read = meshes.function();
+  job.streams.clear();
+  for (const SequencePlan& sequence : job.sequences) {
+    if (environment.stop && *environment.stop) return interrupted();
+    auto plan = planSequence(job, *sequence.source, read);
+    if (!plan) return plan.error();
+    addStream(job, sequence.source->name, plan.take());
+  }
+  return planClasses(job, environment, read, on_progress);
+}
+
+}  // namespace fourdvt::bake

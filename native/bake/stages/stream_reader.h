@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a stream's frame is made of: each member's pictures at the nearest captured frame, and the meshes at the frame's
+// own time with the corrections of their blend. Does NOT touch the GPU.
+#pragma once
+
+#include <optional>
+
+#include "bake/run/mesh_reader.h"
+#include "bake/stages/geometry.h"
+#include "bake/stages/stream_plan.h"
+#include "bake/texels/picture_crop.h"
+
+namespace fourdvt::bake {
+
+// A captured frame, decoded mesh's order.
+struct SourceFrame {
+  Positions pose;
+  std::vector<PictureCrop> crops;  // [camera]
+};
+
+struct PreparedMember {
+  uint32_t source_frame = 0;
+  std::optional<SourceFrame> fresh;  // none: the same captured frame as in the stream's frame read before
+};
+
+struct PreparedFrame {
+  std::vector<PreparedMember> members;
+  FrameGeometry geometry;
+};
+
+class StreamReader {
+ public:
+  // Errors: MeshTopology. Videos are opened with the first frame.
+  static Result<std::unique_ptr<StreamReader>> create(const Job& job, const StreamPlan& plan,
+                                                      const OpenVideo& open_video, StageClock& clock);
+  // Cheap in ascending order: captured frames are decoded once, and videos reopened where a loop wraps. Errors: those
+  // of capture.
+  Result<PreparedFrame> read(uint32_t frame);
+
+ private:
+  struct Source {
+    std::unique_ptr<capture::FrameReader> reader;
+    uint32_t next = 0;
+    std::optional<uint32_t> last;  // read last
+  };
+  StreamReader(const Job& job, const StreamPlan& plan, const OpenVideo& open_video, StageClock& clock)
+      : job_(job),
+        plan_(plan),
+        open_video_(open_video),
+        clock_(clock),
+        meshes_(job),
+        sources_(plan.motion.members.size()) {}
+  Result<PreparedMember> readMember(size_t member, uint32_t frame);
+  Result<SourceFrame> readSource(size_t member, uint32_t source_frame);
+  Result<FrameGeometry> blendGeometry(uint32_t frame);  // of a class
+
+  const Job& job_;
+  const StreamPlan& plan_;
+  const OpenVideo& open_video_;
+  StageClock& clock_;
+  MeshReader meshes_;
+  std::vector<Source> sources_;  // [member]
+  std::unique_ptr<NonlinearBlend> blend_;
+};
+
+}  // namespace fourdvt::bake

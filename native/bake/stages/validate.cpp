@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/stages/validate.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <thread>
+
+#include "bake/stages/stream_plan.h"
+#include "base/hash.h"
+#include "platform/files.h"
+#include "platform/folders.h"
+
+namespace fourdvt::bake {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Change them whenever what older builds kept must not be reused.
+constexpr const char* kSurveyVersion = "bake 2";
+constexpr const char* kGopVersion = "gops 4";
+
+Error bad(const std::string& message) { return {ErrorId::InvalidArgument, message}; }
+
+Status checkOutput(const BakeOptions& options) {
+  std::error_code error;
+  const fs::path target(options.character_folder);
+  if (!fs::exists(target, error)) return {};
+  if (!fs::is_directory(target, error))
+    return bad(options.character_folder + ": exists and is not a folder; choose another output folder");
+  if (fs::is_empty(target, error) || fs::exists(target / "character.gltf", error)) return {};
+  return bad(options.character_folder +
+             ": exists and is not a character folder (no character.gltf inside); choose another output folder");
+}
+
+// The work folder is deleted at the end: it must be ours.
+Status checkWorkFolder(const std::string& path) {
+  std::error_code error;
+  if (!fs::exists(path, error) || fs::exists(fs::path(path) / "settings.txt", error)) return {};
+  if (fs::is_directory(path, error) && fs::is_empty(path, error)) return {};
+  return bad(path + ": exists and is not a bake's work folder; move it away or choose another output folder");
+}
+
+Status checkSpace(const Job& job) {
+  constexpr double kVideoBytesPerTexel = 0.05,
+                   kCopies = 2;  // generous: work folder and result, at crf 23 a fifth of it
+  const double frame = job.layout.width * job.layout.height * kVideoBytesPerTexel + 8.0 * job.mesh.source_vertex.size();
+  double frames = job.total_frames;
+  for (const capture::CaptureClass* c : bakedClasses(job)) frames += c->members.size() * expectedPhases(job, *c);
+  const double needed = kCopies * frame * frames + (8 << 20);
+  std::error_code error;
+  const fs::space_info space = fs::space(job.workFolder(), error);
+  if (error || double(space.available) >= needed) return {};
+  char text[160];
+  std::snprintf(text, sizeof text,
+                ": %.0f MB free, about %.0f MB needed; free disk space or choose another output folder",
+                space.available / 1e6, needed / 1e6);
+  return Error{ErrorId::WriteFailed, job.options.character_folder + text};
+}
+
+bool isFileName(const std::string& name) {
+  return !name.empty() && name[0] != '.' && std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
+           c == '.';
+  });
+}
+
+// Sequences and classes become files side by side.
+Status checkNames(const Job& job) {
+  std::vector<std::string> names;
+  for (const capture::CaptureSequence& s : job.capture.sequences) names.push_back(s.name);
+  for (const capture::CaptureClass* c : bakedClasses(job)) names.push_back(c->name);
+  const std::string json = job.capture.folder + "/capture.json: ";
+  for (auto name = names.begin(); name != names.end(); ++name) {
+    if (!isFileName(*name))
+      return Error{ErrorId::CaptureJson, json + "sequence or class name '" + *name +
+                                             "' cannot be a file name; use letters, digits, '_' and '-'"};
+    if (*name == "mesh" || *name == "motion" || *name == "tiles")
+      return Error{ErrorId::CaptureJson, json + "a sequence or class cannot be called '" + *name +
+                                             "': the character has a file of that name; rename it"};
+    if (std::find(names.begin(), name, *name) != name)
+      return Error{ErrorId::CaptureJson,
+                   json + "two sequences or classes are called '" + *name + "'; give each a name of its own"};
+  }
+  return {};
+}
+
+Status checkClassPictures(const Job& job) {
+  const BakeOptions& o = job.options;
+  for (const capture::CaptureClass* c : bakedClasses(job)) {
+    const std::string wrong = checkTileLayout(o.layers, o.texture, o.equal_layers, static_cast<int>(c->members.size()));
+    if (!wrong.empty()) return bad("class '" + c->name + "': " + wrong + ", or leave classes out with --no-classes");
+  }
+  return {};
+}
+
+Status checkCameras(const capture::Capture& capture) {
+  if (capture.cameras.empty() || capture.cameras.size() > size_t(package::kMaxCameras))
+    return Error{ErrorId::Unsupported, capture.folder + "/cameras: " + std::to_string(capture.cameras.size()) +
+                                           " cameras; a character holds 1 to " + std::to_string(package::kMaxCameras)};
+  return {};
+}
+
+Status findBounds(Job& job, const BakeEnvironment& environment) {
+  bool first = true;
+  for (const SequencePlan& plan : job.sequences) {
+    for (uint32_t f = 0; f < plan.source->frame_count; ++f) {
+      if (environment.stop && *environment.stop) return Error{ErrorId::Interrupted, "stopped; nothing was written"};
+      auto positions = capture::readMeshFrame(job.capture, *plan.source, f);
+      if (!positions) return positions.error();
+      if (first) job.bounds = {positions.value()[0], positions.value()[0]};
+      first = false;
+      for (const glm::vec3& p : positions.value()) {
+        job.bounds.min = glm::min(job.bounds.min, p);
+        job.bounds.max = glm::max(job.bounds.max, p);
+      }
+    }
+  }
+  const glm::vec3 cells = (job.bounds.max - job.bounds.min) / float(job.options.position_step_m);
+  if (std::max({cells.x, cells.y, cells.z}) > float(1 << 24))
+    return Error{ErrorId::InvalidArgument, job.capture.folder +
+                                               ": the mesh spans more than 2^24 position steps; wrong units "
+                                               "in capture.json, or the position step is too small"};
+  return {};
+}
+
+Status planMesh(Job& job) {
+  auto positions = capture::readMeshFrame(job.capture, *job.sequences[0].source, 0);
+  if (!positions) return positions.error();
+  auto mesh = package::encodeBaseMesh(job.capture.topology, positions.value());
+  if (!mesh) return mesh.error();
+  job.mesh = mesh.take();
+  return {};
+}
+
+std::vector<std::string> fingerprints(const fs::path& folder) {
+  std::vector<std::string> lines;
+  std::error_code error;
+  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    std::error_code ignored;
+    if (!it->is_regular_file(ignored)) continue;
+    lines.push_back(it->path().string() + " " + std::to_string(it->file_size(ignored)) + " " +
+                    std::to_string(it->last_write_time(ignored).time_since_epoch().count()));
+  }
+  std::sort(lines.begin(), lines.end());
+  return lines;
+}
+
+}  // namespace
+
+std::string BakeOptions::check() const {
+  if (capture_folder.empty()) return "no capture folder given";
+  if (character_folder.empty()) return "no character folder given; use -o FOLDER";
+  if (layers < 1 || layers > package::kMaxLayers)
+    return "layers must be 1.." + std::to_string(package::kMaxLayers) + ", not " + std::to_string(layers);
+  if (texture < 128 || texture % 32 != 0)
+    return "texture must be a multiple of 32 from 128, not " + std::to_string(texture);
+  if (const std::string wrong = checkTileLayout(layers, texture, equal_layers); !wrong.empty()) return wrong;
+  if (crf < 0 || crf > highestCrf(codec))
+    return "crf must be 0.." + std::to_string(highestCrf(codec)) + " for this codec, not " + std::to_string(crf);
+  if (gop < 1 || gop > 250) return "gop must be 1..250 frames, not " + std::to_string(gop);
+  if (jobs < 0) return "jobs must not be negative";
+  if (!(position_step_m >= 1e-6 && position_step_m <= 0.1)) return "position step must be 0.000001..0.1 m";
+  if (!(blend_error_m >= 1e-5 && blend_error_m <= 1)) return "blend error must be 0.01..1000 mm";
+  if (!(alignment_step_m >= 1e-6 && alignment_step_m <= 0.1)) return "alignment step must be 0.000001..0.1 m";
+  if (gutter_texels < 0 || gutter_texels > 64) return "gutter must be 0..64 texels";
+  return {};
+}
+
+std::vector<uint32_t> planGops(uint32_t frame_count, int gop) {
+  const uint32_t count = (frame_count + gop - 1) / gop;
+  std::vector<uint32_t> first;
+  for (uint32_t g = 0; g < count; ++g) first.push_back(static_cast<uint32_t>(uint64_t(g) * frame_count / count));
+  return first;
+}
+
+Positions reordered(const package::EncodedBaseMesh& mesh, const Positions& source) {
+  Positions out;
+  out.reserve(mesh.source_vertex.size());
+  for (uint32_t v : mesh.source_vertex) out.push_back(source[v]);
+  return out;
+}
+
+Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environment) {
+  if (const std::string wrong = options.check(); !wrong.empty()) return bad(wrong);
+  Job job;
+  job.options = options;
+  if (job.options.jobs == 0) job.options.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  FOURDVT_TRY(checkOutput(job.options));
+  FOURDVT_TRY(checkEncoder(job.options.codec, job.options.preset));
+  auto capture = capture::openCapture(options.capture_folder, environment.open_video, options.sequences);
+  if (!capture) return capture.error();
+  job.capture = capture.take();
+  FOURDVT_TRY(checkCameras(job.capture));
+  FOURDVT_TRY(checkNames(job));
+  FOURDVT_TRY(checkClassPictures(job));
+  job.options.sequences.clear();
+  for (const capture::CaptureCamera& camera : job.capture.cameras) job.cameras.push_back(camera.pinhole);
+  for (const capture::CaptureSequence& sequence : job.capture.sequences) {
+    job.options.sequences.push_back(sequence.name);
+    job.sequences.push_back({&sequence});
+    job.total_frames += sequence.frame_count;
+  }
+  job.layout = makeTileLayout(options.layers, options.texture, options.equal_layers);
+  job.encode = {job.layout.width, job.layout.height, job.capture.fps, options.crf, options.codec, options.preset};
+  FOURDVT_TRY(checkWorkFolder(job.workFolder()));
+  FOURDVT_TRY(platform::makeFolder(job.workFolder()));
+  if (access(job.workFolder().c_str(), W_OK) != 0)
+    return Error{ErrorId::WriteFailed, job.workFolder() + ": not writable; choose another output folder"};
+  FOURDVT_TRY(planMesh(job));
+  FOURDVT_TRY(checkSpace(job));
+  FOURDVT_TRY(findBounds(job, environment));
+  return job;
+}
+
+std::string captureKey(const Job& job, const SequencePlan& plan) {
+  const fs::path folder(job.capture.folder);
+  std::string key = kSurveyVersion;
+  for (const fs::path& part : {folder / "cameras", folder / "background", fs::path(plan.source->folder)})
+    for (const std::string& line : fingerprints(part)) key += line + "\n";
+  if (auto json = platform::readFile((folder / "capture.json").string()); json.ok())
+    key.append(json.value().begin(), json.value().end());
+  key.append(job.mesh.bytes.begin(), job.mesh.bytes.end());
+  return key;
+}
+
+std::string labelKey(const BakeOptions& o) {
+  return std::string(" labels ") + labelModeName(o.labels) + " penalty " + std::to_string(static_cast<int>(o.penalty)) +
+         " layers " + std::to_string(o.layers);
+}
+
+std::string settingsKey(const Job& job) {
+  const BakeOptions& o = job.options;
+  char line[400];
+  std::snprintf(line, sizeof line,
+                "%s %s classes %d align %d blend %.9g alignment %.9g texture %d equal %d crf %d codec %d preset %.60s "
+                "gop %d step %.9g gutter %d fps %.9g colours %d "
+                "filter %d contour %.9g/%.9g matte %.9g/%.9g",
+                kGopVersion, labelKey(o).c_str(), int(o.classes), int(o.align), o.blend_error_m, o.alignment_step_m,
+                o.texture, int(o.equal_layers), o.crf, static_cast<int>(o.codec), o.preset.c_str(), o.gop,
+                o.position_step_m, o.gutter_texels, job.capture.fps, int(o.colour_calibration),
+                static_cast<int>(o.resample.filter), o.resample.contour_pixels, o.resample.contour_step_m,
+                o.resample.matte_threshold, o.resample.matte_pixels);
+  uint64_t hash = kFnv1aStart;
+  for (const SequencePlan& plan : job.sequences) {
+    const std::string key = captureKey(job, plan);
+    hash =
+        fnv1a(std::string_view(key.c_str(), key.size() + 1), hash);  // with its end, so that keys do not run together
+  }
+  char text[480];
+  std::snprintf(text, sizeof text, "%016llx%s\n", static_cast<unsigned long long>(hash), line);
+  return text;
+}
+
+}  // namespace fourdvt::bake

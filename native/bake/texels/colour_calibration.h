@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Per-camera colour: an affine 3×4 map of every camera's picture that makes overlapping views agree (ALGORITHMS 2.2).
+// Estimated from surface points that several cameras see face-on, before extraction. Works on encoded sRGB values.
+// The mean map over the cameras is the identity: the rig's overall look stays.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/camera.h"
+#include "base/image.h"
+#include "base/mesh.h"
+#include "base/result.h"
+
+namespace fourdvt::bake {
+
+// Corrected = matrix * colour + offset; colours 0..1.
+struct ColourMap {
+  glm::mat3 matrix{1};
+  glm::vec3 offset{0};
+};
+
+class ColourCalibrator {
+ public:
+  explicit ColourCalibrator(size_t camera_count) : camera_count_(camera_count) {}
+  // Adds a frame's observations. fractions: [camera][face], see Visibility. pictures: RGBA, straight alpha.
+  void add(std::span<const PinholeCamera> cameras, const MeshTopology& topology, const Positions& positions,
+           std::span<const float> fractions, std::span<const Image> pictures);
+  // One map a camera; identity for cameras with too few observations. Robust (outliers such as highlights count less),
+  // with a prior towards the identity.
+  std::vector<ColourMap> solve() const;
+  size_t observationCount() const { return observations_.size(); }
+
+ private:
+  struct Observation {  // the same surface point in two cameras
+    uint16_t a, b;
+    glm::vec3 colour_a, colour_b;
+    float weight;
+  };
+  void keep(const Observation& observation);
+  size_t camera_count_;
+  uint64_t seen_ = 0;
+  std::vector<Observation> observations_;  // bounded: a reservoir
+};
+
+}  // namespace fourdvt::bake

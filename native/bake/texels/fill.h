@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every texel of every layer gets a value before encoding (ALGORITHMS 2.4): holes inside charts of layers >= 2 from
+// layer 1 plus the smooth difference of the two layers, holes of layer 1 likewise from the layers that have the texel;
+// what no layer has by diffusion over the mesh, so that colour never comes from a chart that only lies beside in UV;
+// gutters with true content from across the chart seam, the rest by push-pull. The smooth difference is that of the
+// hole's border, so that a hole's content meets its surroundings without a step where the two layers differ smoothly;
+// where they differ in detail (a highlight, a misregistered stripe) a step of that detail's size remains.
+// The gutter map depends on the UV topology only and is computed once.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "base/image.h"
+#include "base/mesh.h"
+
+namespace fourdvt::bake {
+
+// A texel outside all charts and where its content lies: (x, y) in texels, centres at +0.5.
+struct GutterTexel {
+  uint32_t texel;  // y * size + x
+  float source_x, source_y;
+};
+
+struct GutterMap {
+  int size = 0;
+  std::vector<uint8_t> inside;  // size × size: 1 where the texel's centre lies in a chart
+  std::vector<GutterTexel> texels;
+  // The surface under the charts, for holes that no camera sees.
+  std::vector<uint32_t> faces;                    // size × size: the face where inside
+  std::vector<std::array<glm::vec2, 3>> corners;  // per face, in texels
+  std::vector<glm::uvec3> vertices;               // per face
+  std::vector<std::pair<uint32_t, uint32_t>> edges;
+  uint32_t vertex_count = 0;
+};
+
+// `gutter_texels`: width of the gutter in texels of this size. A gutter texel's content lies at the end of a straight
+// walk over the unfolded surface: across the seam, on through the neighbour's triangles and over further seams. Where
+// the walk meets a mesh border, and beyond mesh borders themselves, there is no content: push-pull continues the chart.
+GutterMap makeGutterMap(const MeshTopology& topology, int size, float gutter_texels);
+
+// layers: RGBA, square; alpha 255 = resampled, 0 = empty. Layer 0 may be larger than the others (a multiple).
+// maps[l].size is the size of layers[l]. On return all alpha are 255 unless a layer and layer 0 were wholly empty.
+void fillLayers(const std::vector<const GutterMap*>& maps, std::vector<Image>& layers);
+
+}  // namespace fourdvt::bake

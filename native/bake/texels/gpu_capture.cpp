@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/texels/gpu_capture.h"
+
+namespace fourdvt::bake {
+namespace {
+
+Result<gpu::Texture> makeTable(gpu::Device& device, size_t count, const char* label) {
+  gpu::TextureDesc desc;
+  desc.format = gpu::PixelFormat::RGBA32F;
+  desc.width = kTableWidth;
+  desc.height = tableRows(count);
+  desc.label = label;
+  return gpu::makeTexture(device, desc);
+}
+
+}  // namespace
+
+void updateTable(gpu::Device& device, gpu::TextureId table, std::vector<glm::vec4>& values) {
+  const int rows = tableRows(values.size());
+  values.resize(static_cast<size_t>(rows) * kTableWidth);
+  device.updateTexture(table, 0, 0, 0, kTableWidth, rows, values.data());
+}
+
+Result<GpuCapture> GpuCapture::create(gpu::Device& device, const std::vector<PinholeCamera>& cameras,
+                                      const MeshTopology& topology, bool mipmaps) {
+  GpuCapture capture;
+  capture.mipmaps_ = mipmaps;
+  capture.face_count_ = static_cast<int>(topology.faceCount());
+  capture.vertex_count_ = static_cast<int>(topology.vertex_count);
+  auto corners = makeTable(device, 3 * size_t(topology.faceCount()), "bake corners");
+  if (!corners) return corners.error();
+  auto positions = makeTable(device, topology.vertex_count, "bake positions");
+  if (!positions) return positions.error();
+  auto program = gpu::makeProgram(device, "bake depth", gpu::shaderSource("bake_depth.vert"),
+                                  gpu::shaderSource("bake_depth.frag"), kTableDefine);
+  if (!program) return program.error();
+  capture.corners_ = corners.take();
+  capture.positions_ = positions.take();
+  capture.depth_program_ = program.take();
+  std::vector<glm::vec4> table;
+  for (uint32_t f = 0; f < topology.faceCount(); ++f)
+    for (int k = 0; k < 3; ++k)
+      table.emplace_back(topology.uvs[topology.face_uvs[f][k]], float(topology.face_vertices[f][k]), 0.0f);
+  updateTable(device, capture.corners_.id(), table);
+  for (const PinholeCamera& pinhole : cameras) {
+    Camera camera;
+    camera.pinhole = pinhole;
+    gpu::TextureDesc desc;
+    desc.width = pinhole.width;
+    desc.height = pinhole.height;
+    desc.filter = mipmaps ? gpu::Filter::LinearMipmap : gpu::Filter::Linear;
+    desc.label = "bake picture";
+    auto picture = gpu::makeTexture(device, desc);
+    if (!picture) return picture.error();
+    desc.format = gpu::PixelFormat::Depth24;
+    desc.filter = gpu::Filter::Nearest;
+    desc.label = "bake depth";
+    auto depth = gpu::makeTexture(device, desc);
+    if (!depth) return depth.error();
+    gpu::TargetDesc target_desc;
+    target_desc.depth = depth.value().id();
+    target_desc.label = "bake depth";
+    auto target = gpu::makeTarget(device, target_desc);
+    if (!target) return target.error();
+    camera.picture = picture.take();
+    camera.depth = depth.take();
+    camera.target = target.take();
+    camera.cam_from_world = glm::mat4(pinhole.cam_from_world);
+    camera.intrinsics = {pinhole.fx, pinhole.fy, pinhole.cx, pinhole.cy};
+    capture.cameras_.push_back(std::move(camera));
+  }
+  return capture;
+}
+
+void GpuCapture::setFrame(gpu::Device& device, const Positions& positions, const std::vector<PictureCrop>& crops) {
+  scratch_.clear();
+  for (const glm::vec3& p : positions) scratch_.emplace_back(p, 1.0f);
+  updateTable(device, positions_.id(), scratch_);
+  for (size_t c = 0; c < cameras_.size(); ++c) {
+    Camera& camera = cameras_[c];
+    const PictureCrop& crop = crops[c];
+    const PinholeCamera& pinhole = camera.pinhole;
+    const float near_m = crop.near_m > 0 ? crop.near_m : 0.1f, far_m = crop.near_m > 0 ? crop.far_m : 1.0f;
+    camera.size_near_far = {pinhole.width, pinhole.height, near_m, far_m};
+    camera.clip_from_world = glm::mat4(clipFromWorld(pinhole, near_m, far_m));
+    if (crop.width > 0) {
+      device.updateTexture(camera.picture.id(), 0, crop.x, crop.y, crop.width, crop.height, crop.premultiplied.data());
+      if (mipmaps_) device.generateMipmaps(camera.picture.id());
+    }
+    gpu::Pass pass;
+    pass.target = camera.target.id();
+    pass.width = pinhole.width;
+    pass.height = pinhole.height;
+    pass.clear_depth = true;
+    pass.label = "bake depth";
+    device.beginPass(pass);
+    gpu::Draw draw;
+    draw.program = depth_program_.id();
+    bindMesh(draw);
+    draw.uniforms.push_back(gpu::uniform("clip_from_world", camera.clip_from_world));
+    draw.vertex_count = 3 * face_count_;
+    draw.depth_test = draw.depth_write = true;
+    device.draw(draw);
+    device.endPass();
+  }
+}
+
+void GpuCapture::bindMesh(gpu::Draw& draw) const {
+  draw.textures.push_back({"corners", corners_.id()});
+  draw.textures.push_back({"positions", positions_.id()});
+}
+
+void GpuCapture::bindCamera(size_t c, gpu::Draw& draw) const {
+  const Camera& camera = cameras_[c];
+  draw.textures.push_back({"picture", camera.picture.id()});
+  draw.textures.push_back({"depth_map", camera.depth.id()});
+  draw.uniforms.push_back(gpu::uniform("cam_from_world", camera.cam_from_world));
+  draw.uniforms.push_back(gpu::uniform("intrinsics", camera.intrinsics));
+  draw.uniforms.push_back(gpu::uniform("size_near_far", camera.size_near_far));
+  draw.uniforms.push_back(gpu::uniform("depth_bias", kDepthBias_m));
+  draw.uniforms.push_back(gpu::uniform("least_cosine", kLeastCosine));
+}
+
+}  // namespace fourdvt::bake

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// One captured frame on the GPU: mesh tables, and per camera the picture and the mesh's depth map. What visibility and
+// resample draw with. Does NOT read captures.
+#pragma once
+
+#include <vector>
+
+#include "bake/texels/picture_crop.h"
+#include "base/camera.h"
+#include "base/mesh.h"
+#include "gpu/device.h"
+
+namespace fourdvt::bake {
+
+constexpr int kTableWidth = 256;  // texels a row of table textures
+constexpr const char* kTableDefine = "TABLE_WIDTH 256\n";
+constexpr float kDepthBias_m = 0.004f;  // on top of one pixel's slope
+constexpr float kLeastCosine = 0.2f;    // between normal and ray; below, the depth test is too loose on this slope
+
+class GpuCapture {
+ public:
+  // `mipmaps`: pictures are minified by the smaller layers. Errors: GpuFailure.
+  static Result<GpuCapture> create(gpu::Device& device, const std::vector<PinholeCamera>& cameras,
+                                   const MeshTopology& topology, bool mipmaps);
+  // Uploads the frame and draws all depth maps.
+  void setFrame(gpu::Device& device, const Positions& positions, const std::vector<PictureCrop>& crops);
+
+  size_t cameraCount() const { return cameras_.size(); }
+  int faceCount() const { return face_count_; }
+  // Appends what bake_mesh.glsl and bake_camera.glsl declare, for camera c. Borrowed until the next call.
+  void bindMesh(gpu::Draw& draw) const;
+  void bindCamera(size_t c, gpu::Draw& draw) const;
+
+ private:
+  struct Camera {
+    PinholeCamera pinhole;
+    gpu::Texture picture, depth;
+    gpu::Target target;
+    glm::mat4 cam_from_world{1}, clip_from_world{1};
+    glm::vec4 intrinsics{0}, size_near_far{0};
+  };
+  std::vector<Camera> cameras_;
+  gpu::Texture corners_, positions_;
+  gpu::Program depth_program_;
+  int face_count_ = 0, vertex_count_ = 0;
+  bool mipmaps_ = false;
+  std::vector<glm::vec4> scratch_;
+};
+
+// Uploads `values` (padded to whole rows) into a table texture.
+void updateTable(gpu::Device& device, gpu::TextureId table, std::vector<glm::vec4>& values);
+inline int tableRows(size_t count) { return count ? static_cast<int>((count + kTableWidth - 1) / kTableWidth) : 1; }
+
+}  // namespace fourdvt::bake

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/texels/picture_crop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace fourdvt::bake {
+namespace {
+
+constexpr int kCropMargin = 8;    // pixels
+constexpr int kEdgePixels = 2;    // how far the backdrop's colour reaches inwards
+constexpr uint8_t kOpaque = 250;  // alpha
+constexpr int kReach[] = {3, 7};  // pixels in which inside colour is looked for; the second for corners
+
+struct Bounds {
+  int x0, y0, x1, y1;  // pixels, end exclusive
+};
+
+// 1 where every pixel within kEdgePixels (in x and y) is opaque; pixels beyond the picture's edge do not count.
+std::vector<uint8_t> insideMask(const Image& image) {
+  const int w = image.width, h = image.height;
+  std::vector<uint8_t> rows(size_t(w) * h), inside(size_t(w) * h);
+  for (int y = 0; y < h; ++y) {
+    int opaque_run = w;  // opaque pixels up to and including the current one
+    for (int x = 0; x < w + kEdgePixels; ++x) {
+      if (x < w)
+        opaque_run = image.at(x, y)[3] >= kOpaque ? opaque_run + 1 : 0;
+      else
+        ++opaque_run;
+      const int centre = x - kEdgePixels;
+      if (centre >= 0) rows[size_t(y) * w + centre] = opaque_run > 2 * kEdgePixels;
+    }
+  }
+  for (int y = 0; y < h; ++y) {
+    const int first = std::max(0, y - kEdgePixels), last = std::min(h - 1, y + kEdgePixels);
+    for (int x = 0; x < w; ++x) {
+      uint8_t all = 1;
+      for (int k = first; k <= last; ++k) all &= rows[size_t(k) * w + x];
+      inside[size_t(y) * w + x] = all;
+    }
+  }
+  return inside;
+}
+
+// Mean of the inside pixels within `reach`, nearer ones weighing more. False if there are none.
+bool insideColour(const Image& image, const std::vector<uint8_t>& inside, int x, int y, int reach, uint8_t* out) {
+  float sum[3] = {0, 0, 0}, total = 0;
+  for (int v = std::max(0, y - reach); v <= std::min(image.height - 1, y + reach); ++v) {
+    for (int u = std::max(0, x - reach); u <= std::min(image.width - 1, x + reach); ++u) {
+      if (!inside[size_t(v) * image.width + u]) continue;
+      const int squared = (u - x) * (u - x) + (v - y) * (v - y);
+      const float weight = 1.0f / float(squared * squared);
+      for (int c = 0; c < 3; ++c) sum[c] += weight * image.at(u, v)[c];
+      total += weight;
+    }
+  }
+  if (total == 0) return false;
+  for (int c = 0; c < 3; ++c) out[c] = static_cast<uint8_t>(sum[c] / total + 0.5f);
+  return true;
+}
+
+}  // namespace
+
+void replaceEdgeColours(Image& rgba) {
+  const std::vector<uint8_t> inside = insideMask(rgba);
+  for (int y = 0; y < rgba.height; ++y) {
+    for (int x = 0; x < rgba.width; ++x) {
+      uint8_t* p = rgba.at(x, y);
+      if (p[3] == 0 || inside[size_t(y) * rgba.width + x]) continue;
+      for (int reach : kReach)
+        if (insideColour(rgba, inside, x, y, reach, p)) break;  // reads inside pixels only: safe in place
+    }
+  }
+}
+
+PictureCrop cropPicture(const PinholeCamera& camera, const Positions& positions, const Image& picture) {
+  constexpr double kInf = std::numeric_limits<double>::max();
+  glm::dvec3 low(kInf), high(-kInf);
+  for (const glm::vec3& p : positions) {
+    const glm::dvec3 pixel = camera.project(glm::dvec3(p));
+    if (pixel.z <= 1e-3) continue;
+    low = glm::min(low, pixel);
+    high = glm::max(high, pixel);
+  }
+  PictureCrop crop;
+  if (low.z > high.z) return crop;
+  crop.near_m = static_cast<float>(std::max(0.9 * low.z, 1e-3));
+  crop.far_m = static_cast<float>(1.1 * high.z);
+  const double w = camera.width, h = camera.height;
+  const Bounds b{int(std::clamp(std::floor(low.x) - kCropMargin, 0.0, w)),
+                 int(std::clamp(std::floor(low.y) - kCropMargin, 0.0, h)),
+                 int(std::clamp(std::ceil(high.x) + kCropMargin, 0.0, w)),
+                 int(std::clamp(std::ceil(high.y) + kCropMargin, 0.0, h))};
+  if (b.x1 <= b.x0 || b.y1 <= b.y0) return crop;
+  Image part(b.x1 - b.x0, b.y1 - b.y0, 4);
+  for (int y = b.y0; y < b.y1; ++y) std::copy_n(picture.at(b.x0, y), size_t(part.width) * 4, part.at(0, y - b.y0));
+  replaceEdgeColours(part);
+  crop.x = b.x0;
+  crop.y = b.y0;
+  crop.width = part.width;
+  crop.height = part.height;
+  crop.premultiplied = std::move(part.pixels);
+  for (size_t i = 0; i < crop.premultiplied.size(); i += 4) {
+    uint8_t* p = &crop.premultiplied[i];
+    for (int c = 0; c < 3; ++c) p[c] = static_cast<uint8_t>((p[c] * p[3] + 127) / 255);
+  }
+  return crop;
+}
+
+}  // namespace fourdvt::bake

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// How a field of small vectors on the surface is predicted (corrections of the mesh blend, alignment), for the encoder
+// and the decoder alike. Integers only. Exact definition: FORMAT.md, "Fields". Internal to package/.
+#pragma once
+
+#include <algorithm>
+
+#include "package/coding/residual_model.h"
+
+namespace fourdvt::package {
+
+template <class Coder>
+class FieldModel {
+ public:
+  // components: of the vectors that frame takes.
+  FieldModel(Coder& coder, const ChunkMesh& mesh, int components)
+      : mesh_(mesh), residuals_(coder, mesh, components), before_(mesh.vertexCount(), glm::ivec3(0)), now_(before_) {}
+
+  // Frames in order. values: [vertex], read by an encoder, written by a decoder. False: one out of range.
+  template <int N>
+  bool frame(glm::vec<N, int>* values) {
+    std::swap(before_, now_);
+    residuals_.beginFrame();
+    for (uint32_t v = 0; v < mesh_.vertexCount(); ++v) {
+      const glm::ivec3 predicted = predict(v);
+      glm::ivec3 wanted(0);
+      for (int k = 0; k < N; ++k) wanted[k] = values[v][k];
+      now_[v] = predicted + residuals_.code(v, wanted - predicted);
+      if (!inRange(now_[v])) return false;
+      for (int k = 0; k < N; ++k) values[v][k] = now_[v][k];
+    }
+    return true;
+  }
+
+ private:
+  // The vertex's value in the frame before (0 before the first), moved as its neighbours have moved since.
+  glm::ivec3 predict(uint32_t v) const {
+    glm::ivec3 change(0);
+    const int n = mesh_.ring_count[v];
+    for (uint32_t u : mesh_.earlierOf(v).first(n)) change += now_[u] - before_[u];
+    glm::ivec3 out = before_[v];
+    for (int k = 0; n && k < 3; ++k) {
+      out[k] += (change[k] < 0 ? change[k] - n / 2 : change[k] + n / 2) / n;
+      out[k] = std::clamp(out[k], -kMaxQuantised, kMaxQuantised);
+    }
+    return out;
+  }
+
+  const ChunkMesh& mesh_;
+  ResidualModel<Coder> residuals_;
+  std::vector<glm::ivec3> before_, now_;
+};
+
+}  // namespace fourdvt::package

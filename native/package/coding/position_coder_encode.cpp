@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/bytes.h"
+#include "package/coding/position_coder.h"
+#include "package/coding/position_model.h"
+
+namespace fourdvt::package {
+namespace {
+
+// Edges hardly change their lengths between poses: frame 0's against the base pose's.
+uint32_t baseScale(const glm::ivec3* positions, const ChunkMesh& mesh) {
+  double steps = 0, lattice = 0;
+  for (uint32_t v = 0; v < mesh.vertexCount(); ++v) {
+    for (uint32_t u : mesh.earlierOf(v).first(mesh.ring_count[v])) {
+      const glm::dvec3 a(positions[v] - positions[u]), b(mesh.base[v] - mesh.base[u]);
+      steps += glm::dot(a, a);
+      lattice += glm::dot(b, b);
+    }
+  }
+  const double scale = lattice > 0 ? std::sqrt(steps / lattice) * 65536 : 0;
+  return static_cast<uint32_t>(std::min(scale + 0.5, 4294967295.0));
+}
+
+}  // namespace
+
+std::vector<uint8_t> encodePositions(const ChunkFrames& frames, const ChunkMesh& mesh, uint32_t member) {
+  const size_t first = size_t(member) * frames.vertex_count, stride = size_t(frames.member_count) * frames.vertex_count;
+  std::vector<glm::ivec3> positions = frames.positions;
+  const uint32_t base_scale = baseScale(&positions[first], mesh);
+  BinaryEncoder encoder;
+  PositionModel model(encoder, mesh, base_scale);
+  for (uint32_t f = 0; f < frames.frame_count; ++f) model.frame(&positions[f * stride + first]);
+  ByteWriter out;
+  out.u32(base_scale);
+  out.bytes(encoder.take());
+  return out.take();
+}
+
+}  // namespace fourdvt::package

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// How positions are predicted, for the encoder and the decoder alike. Exact definition: FORMAT.md, "Positions". The
+// prediction uses IEEE double additions, subtractions, multiplications and divisions in the order written; files that
+// include this must not contract them (-ffp-contract=off). Internal to package/.
+#pragma once
+
+#include <array>
+#include <cmath>
+
+#include "package/coding/residual_model.h"
+
+namespace fourdvt::package {
+
+// What a local affine motion, fitted to the vertices that are known already, does to one more vertex.
+class MotionFit {
+ public:
+  explicit MotionFit(const glm::dvec3& centre) : centre_(centre) {}
+  // A vertex's reference position and its displacement.
+  void add(const glm::dvec3& reference, const glm::dvec3& displacement, double weight) {
+    offsets_[count_] = reference - centre_;
+    displacements_[count_] = displacement;
+    weights_[count_] = weight;
+    ++count_;
+  }
+  // Displacement at the centre; ridge regression, so that it is defined for any set of vertices.
+  glm::dvec3 atCentre() const {
+    if (count_ == 0) return glm::dvec3(0);
+    double total = 0;
+    glm::dvec3 offset(0), mean(0);
+    for (int i = 0; i < count_; ++i) {
+      total = total + weights_[i];
+      offset = offset + weights_[i] * offsets_[i];
+      mean = mean + weights_[i] * displacements_[i];
+    }
+    offset = offset / total;
+    mean = mean / total;
+    const glm::dvec3 g = gradientWeights(offset);
+    glm::dvec3 slope(0);
+    for (int i = 0; i < count_; ++i) {
+      const glm::dvec3 d = offsets_[i] - offset;
+      const double along = (g.x * d.x + g.y * d.y + g.z * d.z) * weights_[i];
+      slope = slope + along * displacements_[i];
+    }
+    return mean + slope;
+  }
+
+ private:
+  // -(M + ridge I)^-1 offset, M the weighted scatter of the offsets around their mean.
+  glm::dvec3 gradientWeights(const glm::dvec3& offset) const {
+    double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+    for (int i = 0; i < count_; ++i) {
+      const glm::dvec3 d = offsets_[i] - offset, w = weights_[i] * d;
+      xx = xx + w.x * d.x, xy = xy + w.x * d.y, xz = xz + w.x * d.z;
+      yy = yy + w.y * d.y, yz = yz + w.y * d.z, zz = zz + w.z * d.z;
+    }
+    const double ridge = 0.003 * (xx + yy + zz) + 1;
+    xx = xx + ridge, yy = yy + ridge, zz = zz + ridge;
+    const double a = yy * zz - yz * yz, b = xz * yz - xy * zz, c = xy * yz - xz * yy;
+    const double d = xx * zz - xz * xz, e = xy * xz - xx * yz, f = xx * yy - xy * xy;
+    const double determinant = xx * a + xy * b + xz * c;
+    return glm::dvec3(a * offset.x + b * offset.y + c * offset.z, b * offset.x + d * offset.y + e * offset.z,
+                      c * offset.x + e * offset.y + f * offset.z) /
+           -determinant;
+  }
+
+  glm::dvec3 centre_;
+  int count_ = 0;
+  std::array<glm::dvec3, 24> offsets_, displacements_;
+  std::array<double, 24> weights_;
+};
+
+template <class Coder>
+class PositionModel {
+ public:
+  // base_scale: steps of the stream per 65536 lattice units of the base pose.
+  PositionModel(Coder& coder, const ChunkMesh& mesh, uint32_t base_scale) : mesh_(mesh), residuals_(coder, mesh, 3) {
+    for (const glm::ivec3& q : mesh.base) reference_.push_back(glm::dvec3(q) * (base_scale / 65536.0));
+  }
+
+  // Frames in order. positions: [vertex], read by an encoder, written by a decoder. False: a position out of range.
+  bool frame(glm::ivec3* positions) {
+    residuals_.beginFrame();
+    for (uint32_t v = 0; v < mesh_.vertexCount(); ++v) {
+      const glm::ivec3 predicted = predict(positions, v);
+      positions[v] = predicted + residuals_.code(v, positions[v] - predicted);
+      if (!inRange(positions[v])) return false;
+    }
+    for (uint32_t v = 0; v < mesh_.vertexCount(); ++v) reference_[v] = glm::dvec3(positions[v]);
+    return true;
+  }
+
+ private:
+  glm::ivec3 predict(const glm::ivec3* positions, uint32_t v) const {
+    MotionFit fit(reference_[v]);
+    const auto earlier = mesh_.earlierOf(v);
+    for (size_t i = 0; i < earlier.size(); ++i) {
+      const uint32_t u = earlier[i];
+      fit.add(reference_[u], glm::dvec3(positions[u]) - reference_[u], i < mesh_.ring_count[v] ? 1 : 0.25);
+    }
+    const glm::dvec3 p = reference_[v] + fit.atCentre();
+    glm::ivec3 out(0);
+    for (int k = 0; k < 3; ++k) {
+      const double limit = kMaxQuantised, rounded = std::floor(p[k] + 0.5);
+      out[k] = static_cast<int>(rounded > limit ? limit : rounded > -limit ? rounded : -limit);
+    }
+    return out;
+  }
+
+  const ChunkMesh& mesh_;
+  ResidualModel<Coder> residuals_;
+  std::vector<glm::dvec3> reference_;  // the frame before, or the base pose
+};
+
+}  // namespace fourdvt::package

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// Folders that a long command writes its result into: made with their parents, removed, put in the place of an older
+// one.
+#pragma once
+
+#include <string>
+
+#include "base/result.h"
+
+namespace fourdvt::platform {
+
+// Creates the folder and its parents; one that exists is left as it is. Errors: WriteFailed.
+Status makeFolder(const std::string& path);
+void removeFolder(const std::string& path);
+void removeIfEmpty(const std::string& path);
+// `from` takes the place of `to`; an earlier `to` becomes `previous`. On failure `to` is as before. All three lie on
+// one file system. Errors: WriteFailed.
+Status replaceFolder(const std::string& from, const std::string& to, const std::string& previous);
+
+}  // namespace fourdvt::platform

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// One texture atlas for a mesh of slender parts: charts are connected faces of one part that look the same way, laid
+// flat along that direction, packed without overlap. Does NOT minimise distortion: faces lean up to about 55°.
+#pragma once
+
+#include <functional>
+
+#include "studio/actors/actor.h"
+
+namespace fourdvt::studio {
+
+// Sets the topology's uvs and face_uvs, in [0,1]. `part`: which part a point of the rest pose belongs to.
+void unwrap(RestMesh& mesh, const std::function<int(const glm::vec3&)>& part);
+
+}  // namespace fourdvt::studio

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "studio/rig.h"
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <glm/gtc/quaternion.hpp>
+
+#include "platform/files.h"
+#include "studio/random.h"
+
+namespace fourdvt::studio {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kElevation_deg = 12, kFieldOfView_deg = 30, kMargin = 0.04;
+
+struct Direction {
+  double azimuth_deg, elevation_deg;
+};
+
+PinholeCamera cameraAt(const Direction& direction, const OrbitView& start, int width, int height) {
+  OrbitView view = start;
+  view.azimuth_deg = direction.azimuth_deg;
+  view.elevation_deg = direction.elevation_deg;
+  return cameraFromOrbit(view, width, height);
+}
+
+bool seesAll(const PinholeCamera& camera, const BoundingBox& box) {
+  for (int k = 0; k < 8; ++k) {
+    const glm::dvec3 corner(k & 1 ? box.max.x : box.min.x, k & 2 ? box.max.y : box.min.y,
+                            k & 4 ? box.max.z : box.min.z);
+    const glm::dvec3 p = camera.project(corner);
+    const double x = p.x / camera.width, y = p.y / camera.height;
+    if (p.z <= 0 || x < kMargin || x > 1 - kMargin || y < kMargin || y > 1 - kMargin) return false;
+  }
+  return true;
+}
+
+std::string numbered(const char* stem, size_t number) {
+  char name[40];
+  std::snprintf(name, sizeof name, "%s%02zu", stem, number);
+  return name;
+}
+
+}  // namespace
+
+Rig makeRig(const BoundingBox& bounds, int cameras, int width, int height) {
+  OrbitView view = defaultOrbit(bounds, double(width) / height);
+  view.vertical_fov_deg = kFieldOfView_deg;
+  view.distance_m *= 0.5;
+  const double step = 360.0 / cameras;
+  std::vector<Direction> ring,
+      test{{0.5 * step, kElevation_deg}, {1.5 * step, kElevation_deg + 4}, {-0.35 * step, kElevation_deg + 16}};
+  for (int c = 0; c < cameras; ++c) ring.push_back({c * step, kElevation_deg});
+  Rig rig;
+  for (bool inside = false; !inside; view.distance_m *= 1.01) {
+    rig.ring.clear();
+    rig.test.clear();
+    inside = true;
+    for (const Direction& d : ring) rig.ring.push_back(cameraAt(d, view, width, height));
+    for (const Direction& d : test) rig.test.push_back(cameraAt(d, view, width, height));
+    for (const auto* list : {&rig.ring, &rig.test})
+      for (const PinholeCamera& camera : *list) inside &= seesAll(camera, bounds);
+    rig.near_m = 0.1 * view.distance_m;
+    rig.far_m = 4 * view.distance_m;
+  }
+  for (size_t c = 0; c < rig.ring.size(); ++c) rig.ring[c].name = numbered("cam", c);
+  for (size_t c = 0; c < rig.test.size(); ++c) rig.test[c].name = numbered("test", c);
+  return rig;
+}
+
+std::vector<PinholeCamera> miscalibrated(const std::vector<PinholeCamera>& truth, const StudioKnobs& knobs) {
+  std::vector<PinholeCamera> out = truth;
+  for (size_t c = 0; c < out.size(); ++c) {
+    PinholeCamera& camera = out[c];
+    const auto normal = [&](int k) { return randomNormal(knobs.seed, 0x0ca0000 + 16 * c + k); };
+    const glm::dvec3 turn = knobs.rotation_deg * kPi / 180 * glm::dvec3(normal(0), normal(1), normal(2));
+    const glm::dvec3 centre =
+        camera.centreInWorld() + 1e-3 * knobs.translation_mm * glm::dvec3(normal(3), normal(4), normal(5));
+    const double angle = glm::length(turn);
+    glm::dmat3 rotation(camera.cam_from_world);
+    if (angle > 0) rotation = glm::dmat3(glm::mat3_cast(glm::angleAxis(angle, turn / angle))) * rotation;
+    camera.cam_from_world = glm::dmat4(rotation);
+    camera.cam_from_world[3] = glm::dvec4(-(rotation * centre), 1);
+    camera.fx *= 1 + 0.01 * knobs.focal_percent * normal(6);
+    camera.fy = camera.fx;
+  }
+  return out;
+}
+
+Status writeColmap(const std::string& folder, std::span<const PinholeCamera> cameras) {
+  std::error_code ignored;
+  std::filesystem::create_directories(folder, ignored);
+  std::string models = "# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[] (fx fy cx cy)\n";
+  std::string images = "# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME / POINTS2D[] (empty)\n";
+  char line[400];
+  for (size_t c = 0; c < cameras.size(); ++c) {
+    const PinholeCamera& p = cameras[c];
+    const glm::dquat q = glm::normalize(glm::quat_cast(glm::dmat3(p.cam_from_world)));
+    const glm::dvec3 t(p.cam_from_world[3]);
+    std::snprintf(line, sizeof line, "%zu PINHOLE %d %d %.9f %.9f %.9f %.9f\n", c + 1, p.width, p.height, p.fx, p.fy,
+                  p.cx, p.cy);
+    models += line;
+    std::snprintf(line, sizeof line, "%zu %.15f %.15f %.15f %.15f %.12f %.12f %.12f %zu %s\n\n", c + 1, q.w, q.x, q.y,
+                  q.z, t.x, t.y, t.z, c + 1, p.name.c_str());
+    images += line;
+  }
+  const auto write = [&](const char* name, const std::string& text) {
+    return platform::writeFileAtomic(folder + name, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+  };
+  FOURDVT_TRY(write("/cameras.txt", models));
+  return write("/images.txt", images);
+}
+
+}  // namespace fourdvt::studio

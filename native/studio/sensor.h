@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a studio camera makes of a rendered picture: backdrop, gain, noise, and a matte that may be too small.
+#pragma once
+
+#include "base/image.h"
+#include "studio/studio.h"
+
+namespace fourdvt::studio {
+
+class Sensor {
+ public:
+  Sensor(const StudioKnobs& knobs, int camera, int width, int height);
+  // The empty studio, RGB, with this camera's gain and without noise.
+  const Image& plate() const { return plate_; }
+  // RGB from a premultiplied RGBA picture. `shot`: a number that no other picture of this camera has.
+  Image expose(const Image& picture, uint64_t shot) const;
+  // One channel.
+  Image matte(const Image& picture) const;
+
+ private:
+  const StudioKnobs knobs_;
+  const int camera_;
+  double gain_[3];
+  Image backdrop_, plate_;
+};
+
+}  // namespace fourdvt::studio

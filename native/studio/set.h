@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// The studio set up for one run: actor, mesh tracker, cameras and renderer, posed together.
+#pragma once
+
+#include <memory>
+
+#include "studio/actors/actor.h"
+#include "studio/renderer.h"
+#include "studio/rig.h"
+#include "studio/tracker.h"
+
+namespace fourdvt::studio {
+
+// Frames of a motion at this rate: a loop's last one is a step before the first, otherwise the end is shown.
+uint32_t frameCount(const Motion& motion, double fps);
+// Phase of one of them.
+double framePhase(const Motion& motion, uint32_t frame, uint32_t count);
+
+class Stage {
+ public:
+  static Result<std::unique_ptr<Stage>> open(const StudioOptions& options, gpu::Device& device);
+
+  const Actor& actor() const { return *actor_; }
+  const Tracker& tracker() const { return tracker_; }
+  const Rig& rig() const { return rig_; }
+  const std::vector<StudioClass>& classes() const { return classes_; }
+  const BoundingBox& bounds() const { return bounds_; }
+  double unitsPerMetre() const { return units_per_metre_; }  // of packed positions
+  size_t motionIndex(const std::string& name) const;
+  // Shares of all motions at `position` of a class's members: 0 the first … 1 the last, linear between neighbours.
+  std::vector<double> sharesAt(const StudioClass& motion_class, double position) const;
+
+  // Everything below is of this instant.
+  void pose(const std::vector<double>& shares, double phase);
+  Result<Image> draw(const PinholeCamera& camera);  // premultiplied RGBA
+  Positions truth() const { return tracker_.truth(points_, surface_pose_); }
+  Positions captured() const { return tracker_.captured(points_, surface_pose_); }
+  double placeOf(const std::vector<double>& shares) const;
+
+ private:
+  Stage(const StudioOptions& options, std::unique_ptr<Actor> actor);
+  Status chooseClasses(const StudioOptions& options);
+  void measure();
+
+  std::unique_ptr<Actor> actor_;
+  const Tracker tracker_;
+  const Look look_;
+  std::vector<StudioClass> classes_;
+  std::vector<double> places_;  // [motion] what drift and folds depend on
+  Rig rig_;
+  BoundingBox bounds_;
+  double units_per_metre_ = 0;
+  std::unique_ptr<Renderer> renderer_;
+  Positions surface_pose_;
+  std::vector<SurfacePoint> points_;
+};
+
+}  // namespace fourdvt::studio

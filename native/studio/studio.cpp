@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "studio/studio.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "platform/files.h"
+#include "studio/sensor.h"
+#include "studio/truth.h"
+#include "studio/video.h"
+
+namespace fourdvt::studio {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+bool isFolderName(const std::string& name) {
+  return !name.empty() && name[0] != '.' && name.find_first_of("/\\") == std::string::npos;
+}
+
+std::string wrongClass(const StudioClass& c) {
+  if (!isFolderName(c.name) || c.parameter.empty() || c.members.size() < 2 || c.members.size() > 4)
+    return "a class needs a name, a parameter and two to four members, like locomotion=speed_mps:walk,run";
+  for (const std::string& member : c.members)
+    if (std::count(c.members.begin(), c.members.end(), member) > 1)
+      return "class \"" + c.name + "\" lists \"" + member + "\" twice";
+  return {};
+}
+
+Json knobsJson(const StudioKnobs& k) {
+  return {{"seed", k.seed},
+          {"drift_mm", k.drift_mm},
+          {"wrinkles", k.wrinkles},
+          {"specular", k.specular},
+          {"shading", k.shading},
+          {"rotation_deg", k.rotation_deg},
+          {"translation_mm", k.translation_mm},
+          {"focal_percent", k.focal_percent},
+          {"proxy_mm", k.proxy_mm},
+          {"mesh_cell_mm", k.mesh_cell_mm},
+          {"gain_percent", k.gain_percent},
+          {"noise_levels", k.noise_levels},
+          {"erosion_pixels", k.erosion_pixels}};
+}
+
+class Run {
+ public:
+  Run(const StudioOptions& options, Stage& stage, const OutputFolder& out, Ticker& ticker)
+      : options_(options), stage_(stage), out_(out), ticker_(ticker) {}
+
+  Status write() {
+    FOURDVT_TRY(calibration());
+    FOURDVT_TRY(plates());
+    for (size_t m = 0; m < stage_.actor().motions().size(); ++m) FOURDVT_TRY(sequence(m));
+    FOURDVT_TRY(writeTruth(stage_, options_, out_, ticker_));
+    return writeText(out_.path() + "/capture.json", captureJson().dump(1) + "\n");
+  }
+  uint32_t frames() const { return frames_; }
+
+ private:
+  Status calibration() {
+    FOURDVT_TRY(writeColmap(out_.path() + "/cameras", miscalibrated(stage_.rig().ring, options_.knobs)));
+    FOURDVT_TRY(writeColmap(out_.path() + "/cameras_true", stage_.rig().ring));
+    return writeColmap(out_.path() + "/cameras_test", stage_.rig().test);
+  }
+
+  Status plates() {
+    FOURDVT_TRY(out_.makeFolder("background"));
+    for (size_t c = 0; c < stage_.rig().ring.size(); ++c) {
+      sensors_.emplace_back(options_.knobs, int(c), options_.width, options_.height);
+      FOURDVT_TRY(platform::writeImage(out_.path() + "/background/" + stage_.rig().ring[c].name + ".png",
+                                       sensors_.back().plate()));
+    }
+    return {};
+  }
+
+  Status openFiles(const std::string& folder) {
+    colour_.clear();
+    mattes_.clear();
+    for (const PinholeCamera& camera : stage_.rig().ring)
+      for (const int channels : {3, 1}) {
+        const std::string stem = channels == 3 ? camera.name : "mask" + camera.name.substr(3);
+        auto file = PictureFile::create(folder + "/" + stem, options_.width, options_.height, channels, options_.fps,
+                                        options_.images);
+        if (!file) return file.error();
+        (channels == 3 ? colour_ : mattes_).push_back(file.take());
+      }
+    return {};
+  }
+
+  Status sequence(size_t index) {
+    const Motion& motion = stage_.actor().motions()[index];
+    ticker_.begin(motion.name);
+    const uint32_t count = frameCount(motion, options_.fps);
+    const std::string folder = out_.path() + "/" + motion.name;
+    FOURDVT_TRY(out_.makeFolder(motion.name + "/mesh"));
+    for (const PinholeCamera& camera : stage_.rig().test) FOURDVT_TRY(out_.makeFolder(motion.name + "/" + camera.name));
+    FOURDVT_TRY(openFiles(folder));
+    std::vector<double> shares(stage_.actor().motions().size(), 0);
+    shares[index] = 1;
+    std::vector<uint8_t> packed;
+    for (uint32_t frame = 0; frame < count; ++frame) {
+      stage_.pose(shares, framePhase(motion, frame, count));
+      const Positions mesh = stage_.captured();
+      appendPacked(mesh, stage_.unitsPerMetre(), packed);
+      if (frames_ == 0)
+        FOURDVT_TRY(writeText(out_.path() + "/mesh_topology.obj", objText(stage_.actor().tracked().topology, mesh)));
+      FOURDVT_TRY(photograph());
+      if (frame % options_.test_every == 0) FOURDVT_TRY(holdOut(folder, frame));
+      ++frames_;
+    }
+    for (auto* files : {&colour_, &mattes_})
+      for (const auto& file : *files) FOURDVT_TRY(file->finish());
+    return platform::writeFileAtomic(folder + "/mesh/positions.i16", packed);
+  }
+
+  Status photograph() {
+    for (size_t c = 0; c < sensors_.size(); ++c) {
+      auto picture = stage_.draw(stage_.rig().ring[c]);
+      if (!picture) return picture.error();
+      FOURDVT_TRY(colour_[c]->write(sensors_[c].expose(picture.value(), frames_)));
+      FOURDVT_TRY(mattes_[c]->write(sensors_[c].matte(picture.value())));
+      FOURDVT_TRY(ticker_.tick());
+    }
+    return {};
+  }
+
+  Status holdOut(const std::string& folder, uint32_t frame) {
+    for (const PinholeCamera& camera : stage_.rig().test) {
+      auto picture = stage_.draw(camera);
+      if (!picture) return picture.error();
+      FOURDVT_TRY(platform::writeImage(folder + "/" + camera.name + numberedName("/%04u.png", frame),
+                                       unpremultiplied(picture.value())));
+      FOURDVT_TRY(ticker_.tick());
+    }
+    return {};
+  }
+
+  Json sequenceJson(const Motion& motion) const {
+    const uint32_t count = frameCount(motion, options_.fps);
+    const glm::dvec3 v = motion.root_velocity_mps;
+    Json node = {{"name", motion.name}, {"frames", count}, {"loop", motion.loop}};
+    node["duration_s"] = motion.duration_s;
+    node["root_velocity"] = {v.x, v.y, v.z};
+    node["video"] = motion.name + "/camNN" + (options_.images ? "/%06d.png" : ".mp4");
+    node["mask"] = motion.name + "/maskNN" + (options_.images ? "/%06d.png" : ".mkv");
+    node["mesh"] = {{"topology", "mesh_topology.obj"},
+                    {"positions", motion.name + "/mesh/positions.i16"},
+                    {"units_per_metre", stage_.unitsPerMetre()}};
+    for (uint32_t frame = 0; frame < count; frame += options_.test_every) node["test_frames"].push_back(frame);
+    node["test_images"] = motion.name + "/testNN/%04d.png";
+    return node;
+  }
+
+  Json captureJson() const {
+    Json root = {{"name", std::filesystem::path(options_.folder).lexically_normal().filename().string()},
+                 {"kind", "virtual studio (rendered, not filmed)"},
+                 {"fps", options_.fps},
+                 {"units", "metre"},
+                 {"up_axis", "Y"},
+                 {"handedness", "right"},
+                 {"facing", "+Z"},
+                 {"image_size", {options_.width, options_.height}},
+                 {"ground_y", std::round(1e3 * stage_.bounds().min.y) / 1e3}};
+    for (const Motion& motion : stage_.actor().motions()) root["sequences"].push_back(sequenceJson(motion));
+    for (const PinholeCamera& camera : stage_.rig().ring) root["cameras"].push_back(camera.name);
+    for (const PinholeCamera& camera : stage_.rig().test) root["test_cameras"].push_back(camera.name);
+    root["calibration"] = {{"format", "COLMAP text, PINHOLE"},
+                           {"ring", "cameras/"},
+                           {"ring_without_error", "cameras_true/"},
+                           {"held_out", "cameras_test/"}};
+    root["background"] = "background/camNN.png";
+    for (const StudioClass& c : stage_.classes())
+      root["classes"].push_back({{"name", c.name}, {"parameter", c.parameter}, {"members", c.members}});
+    root["studio"] = {{"actor", std::filesystem::path(options_.actor).filename().string()},
+                      {"knobs", knobsJson(options_.knobs)},
+                      {"samples_a_pixel", 4}};
+    if (options_.truth_at.empty()) return root;
+    for (const StudioClass& c : stage_.classes()) root["studio"]["truth"].push_back("truth/" + c.name + "/truth.json");
+    return root;
+  }
+
+  const StudioOptions& options_;
+  Stage& stage_;
+  const OutputFolder& out_;
+  Ticker& ticker_;
+  std::vector<Sensor> sensors_;
+  std::vector<std::unique_ptr<PictureFile>> colour_, mattes_;  // of the sequence being written
+  uint32_t frames_ = 0;
+};
+
+uint32_t sequencePictures(const Stage& stage, const StudioOptions& options) {
+  uint32_t pictures = 0;
+  for (const Motion& motion : stage.actor().motions()) {
+    const uint32_t frames = frameCount(motion, options.fps);
+    pictures += frames * uint32_t(stage.rig().ring.size());
+    pictures +=
+        (frames - 1) / options.test_every * uint32_t(stage.rig().test.size()) + uint32_t(stage.rig().test.size());
+  }
+  return pictures;
+}
+
+}  // namespace
+
+std::string StudioOptions::check() const {
+  if (folder.empty()) return "a folder to write is needed";
+  if (cameras < 2 || cameras > 99) return "cameras must be 2 to 99";
+  if (width < 16 || height < 16 || width > 4096 || height > 4096 || width % 2 || height % 2)
+    return "pictures need even sides from 16 to 4096";
+  if (!(fps >= 1 && fps <= 1000)) return "fps must be 1 to 1000";
+  if (test_every < 1 || truth_phases < 1 || truth_ring < 0) return "counts must not be negative";
+  if (!(knobs.mesh_cell_mm >= 8 && knobs.mesh_cell_mm <= 45)) return "the mesh's cell must be 8 to 45 mm";
+  if (actor != "procedural" && knobs.mesh_cell_mm != StudioKnobs().mesh_cell_mm)
+    return "only the procedural actor can be meshed anew; a model keeps its own faces";
+  for (const double t : truth_at)
+    if (!(t >= 0 && t <= 1)) return "the truth's positions must be 0 (first member) to 1 (last member)";
+  for (const StudioClass& c : classes)
+    if (const std::string wrong = wrongClass(c); !wrong.empty()) return wrong;
+  for (size_t i = 0; i < sequences.size(); ++i)
+    if (!isFolderName(sequences[i]) || std::count(sequences.begin(), sequences.end(), sequences[i]) > 1)
+      return "sequences must be different plain names, not \"" + sequences[i] + "\"";
+  return {};
+}
+
+Result<StudioReport> runStudio(const StudioOptions& options, const StudioEnvironment& environment) {
+  if (const std::string wrong = options.check(); !wrong.empty()) return Error{ErrorId::InvalidArgument, wrong};
+  auto out = OutputFolder::open(options.folder);
+  if (!out) return out.error();
+  auto stage = Stage::open(options, *environment.device);
+  if (!stage) return stage.error();
+  Ticker ticker(environment, sequencePictures(*stage.value(), options) + truthPictures(*stage.value(), options));
+  Run run(options, *stage.value(), out.value(), ticker);
+  FOURDVT_TRY(run.write());
+  FOURDVT_TRY(out.value().keep());
+  const MeshTopology& mesh = stage.value()->actor().tracked().topology;
+  return StudioReport{mesh.vertex_count, mesh.faceCount(), run.frames(), ticker.done()};
+}
+
+}  // namespace fourdvt::studio
