@@ -12,6 +12,8 @@
 //              over: "mean" (default), "sum", "max", "min", "first"; a row over all sequences wins over those of one.
 //              beyond: the quantity that is 1 or −1 where the value lies above or below the range that was measured
 //              against, less: another quantity of the same row, by which the value is divided, or which is taken off it
+//   { curve: quantity, method, setting, at, minus }     of the study's rate curve of this setting at the bitrates of the
+//              curve `at`, interpolated in log bitrate and never beyond the range; less that of the curve `minus`
 //   { character: take }                 take(report.json) → number, { key: number }, or null where it was not measured
 //   { variant: name, take }             the same from the report of a variant of the character
 //   { scores: VARIANT, quantity }       held-out scores of a variant of the character
@@ -101,6 +103,15 @@ const meanFigures = ['fvvr', 'spatial', 'joint', 'joint-default'].map((method) =
 export const kLayerSizes = [256, 512, 1024, 2048];
 const layerFigures = kLayerSizes.map((size) => (
   { id: `layers.ssim.${size}`, what: `SSIM-FG against FVVR before the codec, layers of ${size}²`, unit: '', digits: 3, each: 'layers', better: 'more', from: row('layers', 'joint', 'ssim_fg', { setting: `size=${size}` }) }));
+
+// What layers are worth where they cost as many bits: curves of one codec and preset, read at the bitrates of the one of
+// three layers.
+const curveSetting = (layers) => `preset=medium size=1024 layout=default layers=${layers} !chosen`;
+const worthFigures = [['psnr', 'PSNR-FG', 'psnr_fg_db', 'dB', 2], ['ssim', 'SSIM-FG', 'ssim_fg', '', 3]].flatMap(([name, title, quantity, unit, digits]) => [
+  ...[1, 2, 3].map((layers) => (
+    { id: `worth.${name}.${layers}`, what: `${title} at the held-out cameras, ${layers} of 3 layers, at equal bitrate`, unit, digits, each: 'bitrate', better: 'more', from: { curve: quantity, method: 'h264', setting: curveSetting(layers), at: curveSetting(3) } })),
+  { id: `worth.${name}.gain`, what: `${title} at the held-out cameras, three layers less one at equal bitrate`, unit, digits, each: 'bitrate', better: 'more', from: { curve: quantity, method: 'h264', setting: curveSetting(3), minus: curveSetting(1), at: curveSetting(3) } },
+]);
 
 // A character of this report: what streams while it plays.
 const perSequence = (report, value) => Object.fromEntries(report.sequences.map((s) => [s.name, value(s)]));
@@ -200,7 +211,7 @@ const derivedFigures = [
   { id: 'labels.excess', what: 'energy of the windowed solve above that of one solve', unit: '%', digits: 2, better: 'less', from: { percent_more: ['labels.windowed', 'labels.global'] } },
 ];
 
-export const figures = [tableFigures, partFigures, meanFigures, layerFigures, characterFigures, variantFigures, alignmentFigures,
+export const figures = [tableFigures, partFigures, meanFigures, layerFigures, worthFigures, characterFigures, variantFigures, alignmentFigures,
   motionFigures, speedFigures, otherFigures, derivedFigures].flat();
 
 // What the page leaves to a study's own report: whole tables, or quantities of a table. Every other row whose table,
@@ -255,6 +266,13 @@ export const sections = [
     matrix: kLayerSizes.map((size) => [`${size}²`, `{layers.ssim.${size}}`]),
   },
   {
+    title: 'What view dependence is worth',
+    text: 'One layer looks the same from everywhere. Quality at the held-out cameras where the video costs as many bits: {keys:worth.psnr.3} Mbit/s. “–”: no such bitrate was measured.',
+    run: 'study',
+    columns: ['layers', 'PSNR-FG', 'SSIM-FG'],
+    matrix: [...[1, 2, 3].map((layers) => [`${layers}`, `{worth.psnr.${layers}}`, `{worth.ssim.${layers}}`]), ['three less one', '{worth.psnr.gain}', '{worth.ssim.gain}']],
+  },
+  {
     title: 'What each liberty of the labels adds',
     text: `The joint labelling may fill faces that no camera sees, and may take cameras that see a face in part. Layer 1, one motion’s
       first frames, from the same costs. The fill alone removes seams where nobody looks; the columns on seen faces tell what is gained there.`,
@@ -276,6 +294,7 @@ export const sections = [
       { what: 'storage against H.264 videos of all cameras, FVVR from them at equal held-out PSNR-FG; at equal SSIM-FG', measured: '{equal_psnr.joint-default}; {equal_ssim.joint-default}', run: 'study', headline: true },
       { what: 'frame rate against FVVR, at {keys:speed.frame}', measured: '{speed.frame}; draws only {speed.draw}', goal: { text: '≥ × 4', of: 'speed.frame', min: 4 }, run: 'study', headline: true },
       { what: 'the same against FVVR from the three cameras nearest to the view', measured: '{speed.frame_m3}; draws only {speed.draw_m3}', run: 'study', headline: true },
+      { what: 'three view-dependent layers above one at equal bitrate, held-out cameras, at {keys:worth.psnr.gain} Mbit/s', measured: '{worth.psnr.gain}; SSIM {worth.ssim.gain}', run: 'study', headline: true },
       { what: 'bitrate while playing, {keys:bitrate.all}', measured: '{bitrate.all}, of which video {bitrate.video}', goal: { text: '≤ 4 Mbit/s', of: 'bitrate.all', max: 4 }, run: 'character', headline: true },
       { what: 'the same with --crf 31', measured: '{crf31.bitrate}, {crf31.psnr}, {crf31.ssim}', goal: { text: '≤ 4 Mbit/s', of: 'crf31.bitrate', max: 4 }, run: 'crf31' },
       { what: 'bitrate of the labels', measured: '{bitrate.labels}', goal: { text: '≤ 120 kbit/s', of: 'bitrate.labels', max: 120 }, run: 'character' },

@@ -94,11 +94,41 @@ function fromBench(folder, { bench, match, over }) {
   return kOver[over ?? 'first'](found);
 }
 
+// Points [bit/s, quality] of a rate curve, by bitrate.
+function curvePoints(study, method, setting, quantity) {
+  return study.select({ table: 'rate', method, setting, quantity: 'video_bps' }).flatMap((row) => {
+    const partner = study.rows.find((other) => other.table === 'rate' && other.quantity === quantity && other.method === method && other.setting === row.setting && other.sequence === row.sequence);
+    return partner ? [[row.value, partner.value]] : [];
+  }).sort(([a], [b]) => a - b);
+}
+
+// Interpolated in log bitrate; NaN beyond the range.
+function onCurve(points, x) {
+  const next = points.findIndex(([at]) => at >= x);
+  if (next < 0) return NaN;
+  const [b, after] = points[next];
+  if (b === x) return after;
+  if (next === 0) return NaN;
+  const [a, before] = points[next - 1];
+  return before + (after - before) * Math.log(x / a) / Math.log(b / a);
+}
+
+function fromCurve(study, { curve, method, setting, at, minus }) {
+  const own = curvePoints(study, method, setting, curve), other = minus && curvePoints(study, method, minus, curve);
+  if (!own.length || (other && !other.length)) return {};
+  const bitrates = curvePoints(study, method, at, curve).map(([x]) => x);
+  return Object.fromEntries(bitrates.map((x) => {
+    const value = onCurve(own, x) - (other ? onCurve(other, x) : 0);
+    return [(x * 1e-6).toFixed(2), Number.isFinite(value) ? value : '–'];
+  }));
+}
+
 // What a figure is, or NaN where its run was not given.
 function valueOf(figure, sources, known) {
   const { from } = figure;
   if (from.study) return sources.study ? fromStudy(sources.study, from.study, figure) : NaN;
   if (from.truth) return sources.truth ? fromStudy(sources.truth, from.truth, figure) : NaN;
+  if (from.curve) return sources.study ? fromCurve(sources.study, from) : NaN;
   if (from.character) return sources.character ? fromReport(sources.character, from.character, figure) : NaN;
   if (from.variant) return sources.variants[from.variant] ? fromReport(sources.variants[from.variant].report, from.take, figure) : NaN;
   if (from.scores) return sources.variants[from.scores]?.score(from.quantity) ?? NaN;
@@ -115,6 +145,7 @@ function origin({ from }) {
     const words = [from[name], from.method, from.setting, from.quantity, from.against && `/ ${from.against}`, from.less && `− ${from.less}`, from.over];
     return { run: name, row: words.filter(Boolean).join(', ') };
   }
+  if (from.curve) return { run: 'study', row: ['rate', from.method, from.setting, from.curve, from.minus && `− ${from.minus}`].filter(Boolean).join(', ') };
   if (from.character) return { run: 'character', row: 'report.json' };
   if (from.variant) return { run: from.variant, row: 'character/report.json' };
   if (from.scores) return { run: from.scores, row: `scores/evaluate.csv, held-out, ${from.quantity}` };

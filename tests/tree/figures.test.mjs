@@ -78,6 +78,14 @@ speed,walk,layered,size=1024 view=512x512 pass=512x512 upload,ratio_to_fvvr,99,r
 speed,walk,layered,size=1024 view=512x512,ratio_to_fvvr,8,ratio
 table1,run,joint,,percent_at_equal_held_out_psnr,54.4,percent
 table1,walk,joint,,beyond_range_at_held_out_psnr,-1,
+rate,walk,h264,preset=medium crf=20 size=1024 layers=3 layout=default,video_bps,4000000,bit/s
+rate,walk,h264,preset=medium crf=20 size=1024 layers=3 layout=default,psnr_fg_db,22.1,dB
+rate,walk,h264,preset=medium crf=30 size=1024 layers=3 layout=default,video_bps,500000,bit/s
+rate,walk,h264,preset=medium crf=30 size=1024 layers=3 layout=default,psnr_fg_db,21,dB
+rate,walk,h264,preset=medium crf=14 size=1024 layers=1 layout=default,video_bps,8000000,bit/s
+rate,walk,h264,preset=medium crf=14 size=1024 layers=1 layout=default,psnr_fg_db,22,dB
+rate,walk,h264,preset=medium crf=24 size=1024 layers=1 layout=default,video_bps,2000000,bit/s
+rate,walk,h264,preset=medium crf=24 size=1024 layers=1 layout=default,psnr_fg_db,21,dB
 new-table,walk,joint,"a=1 text=one, ""two""",thing,3,dB
 about,,constants,text=the walk,label weights,0,
 about,,,text=fourdvt evaluate X --quick,command,0,
@@ -93,6 +101,9 @@ test('figures are taken from the rows of a study', () => {
   assert.equal(byId.get('transition.step').value, 0.9, 'the worst ratio of a row to its own partner');
   assert.equal(byId.get('speed.frame.512x512').value, 8, 'a pass is no frame');
   assert.equal(byId.get('study:new-table/walk/joint/a=1+text=one,+"two"/thing').value, 3, 'a table that the catalogue does not know is kept');
+  assert.equal(byId.get('worth.psnr.1.4.00').value, 21.5, 'half-way in log bitrate');
+  assert.equal(byId.get('worth.psnr.gain.4.00').value, 0.6);
+  assert.equal(byId.get('worth.psnr.1.0.50').text, '–', 'beyond the curve nothing is said');
   assert.deepEqual(sources().study.facts('constants'), [{ name: 'label weights', text: 'the walk' }]);
   assert.ok(!byId.has('bitrate.all.walk'), 'what has no source is left out');
 });
