@@ -134,7 +134,7 @@ const characterFigures = [
   { id: 'character.all', what: 'size of the character', unit: 'MB', digits: 1, better: 'less', from: { character: (r) => r.bytes * 1e-6 } },
   { id: 'character.class', what: 'size of the class, fetched when it is shown', unit: 'MB', digits: 2, better: 'less', from: { character: (r) => (classes(r).length ? total(classes(r), streamed) * 1e-6 : null) } },
   { id: 'bake.frame', what: 'bake with the class, per frame', unit: 's', digits: 2, better: 'less', from: { character: (r) => (r.resumed || !classes(r).length ? null : r.wall_s_per_frame) } },
-  { id: 'bake.frames', what: 'frames of the bake, those of the class included', unit: '', digits: 0, from: { character: (r) => r.frames } },
+  { id: 'bake.frames', what: 'frames of the bake, those of the class included', unit: '', digits: 0, from: { character: (r) => (classes(r).length ? r.frames : null) } },
   { id: 'bake.stage', what: 'bake with the class, per frame and stage; stages overlap', unit: 's', digits: 2, each: 'stage', better: 'less', from: { character: (r) => (r.resumed ? null : r.seconds_per_frame_by_stage) } },
   { id: 'bake.peak', what: 'peak memory of the bake', unit: 'MB', digits: 0, scale: 1e-6, better: 'less', from: { character: (r) => r.peak_rss_bytes } },
 ];

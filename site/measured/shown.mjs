@@ -53,7 +53,7 @@ export class Shown {
   fill(template) {
     const ids = [...template.matchAll(/\{(?!keys:)([^}]+)\}/g)].map((m) => m[1]);
     if (ids.length && ids.every((id) => this.text(id) === null)) return null;
-    return template.replace(/\{(keys:)?([^}]+)\}/g, (_, keys, id) => (keys ? this.keys(id) : this.text(id) ?? kNotMeasured)).replace(/,(?: at)? *$/, '');
+    return template.replace(/\{(keys:)?([^}]+)\}/g, (_, keys, id) => (keys ? this.keys(id) : this.text(id) ?? kNotMeasured)).replace(/,(?: at)? *(?: Mbit\/s)?$/, '');
   }
 
   // true, false, or null where it was not measured.

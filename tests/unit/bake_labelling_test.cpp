@@ -355,6 +355,57 @@ TEST(Joint, LabelGoesOnAcrossAFaceThatNoCameraSees) {
   EXPECT_EQ(spatial.labels[0], (std::vector<uint8_t>{1, package::kNoCamera, 1}));
 }
 
+// What the study takes away to see what it adds.
+TEST(Joint, WithoutItsLibertiesItTakesFullyVisibleCamerasOnly) {
+  // Seen, unseen, seen by camera 1; camera 0 sees face 2 in part and is the cheaper one with its neighbours.
+  Problem problem{chainOf(4), {}};
+  problem.frames.push_back(
+      {2, {0b01, 0, 0b10, 0b01}, {0, 0, 0b01, 0}, {0, 1, 0, 0}, {0.2f, 1, 1.9f, 1.9f, 0.25f, 0.2f, 0.2f, 1}});
+  LabelOptions options = withMode(LabelMode::Joint, 1);
+  EXPECT_EQ(solve(problem, options).labels[0], (std::vector<uint8_t>{0, 0, 0, 0}));
+  options.use_partial = false;
+  EXPECT_EQ(solve(problem, options).labels[0][2], 1);
+  EXPECT_NE(solve(problem, options).labels[0][1], package::kNoCamera);
+  options.label_unseen = false;
+  EXPECT_EQ(solve(problem, options).labels[0], (std::vector<uint8_t>{0, package::kNoCamera, 1, 0}));
+  options.use_partial = true;
+  EXPECT_EQ(solve(problem, options).labels[0], (std::vector<uint8_t>{0, package::kNoCamera, 0, 0}));
+}
+
+// Eq. 5 as printed: the weight of a flip is 1 / |M|, which holds on a mesh of two faces and vanishes on a hundred.
+TEST(TemporalPaper, FlipsCostLessTheMoreFacesTheMeshHas) {
+  const auto flips = [](LabelMode mode, uint32_t faces) {
+    Problem problem{chainOf(faces), {}};
+    for (int t = 0; t < 9; ++t) {
+      FaceCosts costs{2, std::vector<uint32_t>(faces, 3), {}, {}};
+      for (uint32_t f = 0; f < faces; ++f) costs.penalty.insert(costs.penalty.end(), {0.2f, t == 4 ? 0.15f : 0.3f});
+      problem.frames.push_back(costs);
+    }
+    return solve(problem, withMode(mode, 1)).statistics.flip_percent[0];
+  };
+  EXPECT_EQ(flips(LabelMode::TemporalPaper, 2), 0);
+  EXPECT_NEAR(flips(LabelMode::TemporalPaper, 100), 25, 1e-9);
+  for (uint32_t faces : {2, 100}) {
+    EXPECT_NEAR(flips(LabelMode::Naive, faces), 25, 1e-9);
+    EXPECT_NEAR(flips(LabelMode::Spatial, faces), 25, 1e-9);
+    EXPECT_EQ(flips(LabelMode::Joint, faces), 0);
+  }
+}
+
+// On one random problem: whatever separates the modes shows in their statistics.
+TEST(LabelModes, StandInTheOrderOfWhatTheyAskFor) {
+  const Problem problem = randomProblem(11, sheetOf(12, 10), 24, 5);
+  const auto of = [&](LabelMode mode) { return solve(problem, withMode(mode)).statistics; };
+  const LabelStatistics naive = of(LabelMode::Naive), spatial = of(LabelMode::Spatial),
+                        temporal = of(LabelMode::TemporalPaper), joint = of(LabelMode::Joint);
+  EXPECT_LT(naive.mean_penalty[0], spatial.mean_penalty[0]);
+  EXPECT_LT(spatial.seam_percent[0], 0.9 * naive.seam_percent[0]);
+  EXPECT_LE(temporal.flip_percent[0], spatial.flip_percent[0]);
+  EXPECT_LT(joint.flip_percent[0], 0.8 * temporal.flip_percent[0]);
+  EXPECT_LT(joint.energy, temporal.energy);
+  EXPECT_EQ(solve(problem, withMode(LabelMode::PerTexel)).labels, solve(problem, withMode(LabelMode::Naive)).labels);
+}
+
 TEST(Joint, WindowThatCoversEverythingIsTheGlobalSolve) {
   const Problem problem = randomProblem(5, sheetOf(10, 8), 12, 5);
   LabelOptions options = withMode(LabelMode::Joint);
@@ -406,6 +457,21 @@ TEST(Statistics, CountSeamsAndFlips) {
   EXPECT_NEAR(s.camera_flip_percent[0], 100 * 1.0 / 4, 1e-9);
   EXPECT_NEAR(s.mean_penalty[0], (0.1 * 4 + 0.2 * 3) / 7, 1e-6);
   EXPECT_NEAR(s.empty_percent, 100 / 8.0, 1e-9);
+}
+
+// Face 3 is not seen in the first frame, face 2 in the second.
+TEST(Statistics, CountOnFacesThatACameraSees) {
+  const FaceGraph graph = chainOf(4);
+  LabelMeter meter(withMode(LabelMode::Naive, 1), graph);
+  FaceCosts costs{2, std::vector<uint32_t>(4, 3), {}, {0, 0, 0, 1}, std::vector<float>(8, 0.5f)};
+  meter.add(costs, {0, 0, 1, 0});  // seams 1|2 and 2|3, the second beside an unseen face
+  costs.unseen = {0, 0, 1, 0};
+  meter.add(costs, {1, 1, 0, 0});  // seam 1|2 beside an unseen face; flips 0, 1, and 2 that was seen once
+  const LabelStatistics s = meter.statistics();
+  EXPECT_NEAR(s.seam_percent[0], 100 * 3.0 / 6, 1e-9);
+  EXPECT_NEAR(s.seen_seam_percent[0], 100 * 1.0 / 3, 1e-9);  // edges 0-1, 1-2; 0-1
+  EXPECT_NEAR(s.flip_percent[0], 100 * 3.0 / 4, 1e-9);
+  EXPECT_NEAR(s.seen_flip_percent[0], 100 * 2.0 / 2, 1e-9);  // faces 0 and 1
 }
 
 TEST(SolveLabels, PassesErrorsOnAndStops) {

@@ -12,6 +12,8 @@ TEST(SurveyFiles, StatisticsRoundTripAndRefuseOtherLengths) {
   in.seam_percent = {1, 2, 3};
   in.flip_percent = {4};
   in.camera_flip_percent = {0.5, 0.25};
+  in.seen_seam_percent = {7, 8};
+  in.seen_flip_percent = {9};
   in.mean_penalty = {0.125, 1};
   in.energy = 12345.5;
   in.seconds = 2;
@@ -23,6 +25,8 @@ TEST(SurveyFiles, StatisticsRoundTripAndRefuseOtherLengths) {
   EXPECT_EQ(out.flip_percent, in.flip_percent);
   EXPECT_EQ(out.camera_seam_percent, in.camera_seam_percent);
   EXPECT_EQ(out.camera_flip_percent, in.camera_flip_percent);
+  EXPECT_EQ(out.seen_seam_percent, in.seen_seam_percent);
+  EXPECT_EQ(out.seen_flip_percent, in.seen_flip_percent);
   EXPECT_EQ(out.mean_penalty, in.mean_penalty);
   EXPECT_EQ(out.energy, in.energy);
   EXPECT_EQ(out.seconds, in.seconds);
