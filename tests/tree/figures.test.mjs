@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every figure of README.md and the site comes from site/measured/figures.json, and figures.json from the runs' rows.
 import assert from 'node:assert/strict';
-import { copyFileSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { copyFileSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
 import { after, test } from 'node:test';
@@ -61,6 +61,15 @@ test('every text of the page names figures and runs that exist', () => {
   }
   assert.equal(new Set(catalogue.map((figure) => figure.id)).size, catalogue.length, 'ids differ');
   assert.throws(() => fillText('<!-- figure:no.such -->1<!-- /figure -->', shown, 'README.md'), /no figure is named no\.such/);
+});
+
+test('the study writes every table, method and quantity that figures are taken from', () => {
+  const sources = readdirSync(join(kRoot, 'native/study'), { recursive: true }).filter((file) => /\.(h|cpp)$/.test(file));
+  const study = sources.map((file) => readFileSync(join(kRoot, 'native/study', file), 'utf8')).join('');
+  const names = catalogue.map(({ from }) => from).filter((from) => from.study || from.truth || from.curve)
+    .flatMap((from) => [from.study ?? from.truth, from.curve, from.method, from.quantity, from.against, from.less, from.beyond]).filter(Boolean);
+  assert.ok(names.length > 100);
+  assert.deepEqual([...new Set(names)].filter((name) => !study.includes(`"${name}"`)), []);
 });
 
 const kCsv = `table,sequence,method,setting,quantity,value,unit
