@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // node site/assemble.mjs OUT DIST CHARACTER: the folder that is served.
-// OUT/{index,steer}.html, their scripts, styles and pictures, OUT/fourdvt-viewer (DIST, the built web package), OUT/character (a baked one).
+// OUT/{index,steer}.html, their scripts, styles and pictures, OUT/measured (the page of figures), OUT/fourdvt-viewer (DIST,
+// the built web package), OUT/character (a baked one).
 // An element of a page with data-needs="FILE", on a line of its own, is left out where DIST has no such file.
 // Replaces only what it makes.
 import { copyFileSync, cpSync, existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
-const kPageFiles = ['index.html', 'site.css', 'site.js', 'steer.html', 'steer.js', 'layers.jpg'];
+const kPageFiles = ['index.html', 'site.css', 'site.js', 'steer.html', 'steer.js', 'layers.jpg',
+  'measured/index.html', 'measured/measured.css', 'measured/figures.json'];
 
 function fail(message) {
   console.error(`assemble: ${message}`);
@@ -32,7 +34,7 @@ function onlyWhatWorks(html) {
 }
 
 const here = dirname(fileURLToPath(import.meta.url));
-mkdirSync(out, { recursive: true });
+mkdirSync(join(out, 'measured'), { recursive: true });
 for (const name of kPageFiles) {
   if (!name.endsWith('.html')) copyFileSync(join(here, name), join(out, name));
   else writeFileSync(join(out, name), onlyWhatWorks(readFileSync(join(here, name), 'utf8')));
