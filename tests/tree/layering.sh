@@ -15,12 +15,12 @@ layer() { order+=("$1"); allowed[$1]="${*:2}"; }
 core="base gpu package package/coding motion render render/flow stream player"
 layer base
 layer gpu base
-layer package/coding base
-layer package base package/coding
+layer package base
+layer package/coding base package
 layer motion base package
 layer render/flow base gpu
 layer render base gpu package render/flow
-layer stream base package
+layer stream base package package/coding
 layer player base gpu package motion render render/flow stream
 layer platform $core
 layer capture base
