@@ -133,23 +133,13 @@ bake::BakeEnvironment bakeEnvironment(const StudyContext& context) {
 Result<std::unique_ptr<SurveyedJob>> surveyOnly(const StudyContext& context, const bake::BakeOptions& options) {
   const bake::BakeEnvironment environment = bakeEnvironment(context);
   FOURDVT_TRY(platform::makeFolder(context.work() + "/methods"));
-  auto job = bake::validate(options, environment);
-  if (!job) return job.error();
-  auto out = std::make_unique<SurveyedJob>();
-  out->job = job.take();
-  for (bake::SequencePlan& plan : out->job.sequences) plan.source = out->job.capture.find(plan.source->name);
-  bake::StageClock clock;
-  auto survey = bake::Survey::run(out->job, environment, clock, [](const std::string&, double) {});
+  FOURDVT_ASSIGN(auto job, bake::validate(options, environment));
+  auto out = std::make_unique<SurveyedJob>(std::move(job), environment);
+  auto survey = bake::Survey::make(out->run);
   platform::removeIfEmpty(out->job.workFolder());  // only if empty: no bake is under way there
   if (!survey) return survey.error();
   out->survey = std::make_unique<bake::Survey>(survey.take());
   return out;
-}
-
-const bake::SequencePlan& planOf(const bake::Job& job, const std::string& sequence) {
-  for (const bake::SequencePlan& plan : job.sequences)
-    if (plan.source->name == sequence) return plan;
-  return job.sequences[0];
 }
 
 void setBakerFrame(bake::FrameBaker& baker, const bake::Job& job, const capture::CaptureFrame& frame) {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bake/bake.h"
-#include "bake/run/job.h"
+#include "bake/run/bake_run.h"
 #include "bake/stages/survey.h"
 #include "platform/character_player.h"
 #include "render/fvvr.h"
@@ -52,11 +52,13 @@ bake::BakeEnvironment bakeEnvironment(const StudyContext& context);
 
 // The plan and the survey of a bake that is not run: labels and colour maps for layers without a codec.
 struct SurveyedJob {
-  bake::Job job;
-  std::unique_ptr<bake::Survey> survey;  // borrows `job`
+  SurveyedJob(bake::Job validated, const bake::BakeEnvironment& environment)
+      : run(std::move(validated), environment), job(run.job) {}
+  bake::BakeRun run;
+  const bake::Job& job;                  // the run's
+  std::unique_ptr<bake::Survey> survey;  // borrows the job
 };
 Result<std::unique_ptr<SurveyedJob>> surveyOnly(const StudyContext& context, const bake::BakeOptions& options);
-const bake::SequencePlan& planOf(const bake::Job& job, const std::string& sequence);
 
 // A frame as FrameBaker wants it.
 void setBakerFrame(bake::FrameBaker& baker, const bake::Job& job, const capture::CaptureFrame& frame);

@@ -24,9 +24,8 @@ class Drawer final : public LookDrawer {
     models_.clear();
     for (const std::vector<glm::vec2>& uvs : member_uvs) {
       mesh_.topology.uvs = uvs;
-      auto model = render::CharacterModel::create(device_, character_, mesh_);
-      if (!model) return model.error();
-      models_.push_back(model.take());
+      FOURDVT_ASSIGN(auto model, render::CharacterModel::create(device_, character_, mesh_));
+      models_.push_back(std::move(model));
       models_.back().setPositions(device_, positions);
     }
     return {};
@@ -55,12 +54,8 @@ class Drawer final : public LookDrawer {
   Status resize(int width, int height) {
     if (color_ && width == width_ && height == height_) return {};
     target_.reset();
-    auto color = gpu::makeTexture(device_, {.width = width, .height = height, .label = "alignment look"});
-    if (!color) return color.error();
-    color_ = color.take();
-    auto target = gpu::makeTarget(device_, {.colors = {color_.id()}, .label = "alignment look"});
-    if (!target) return target.error();
-    target_ = target.take();
+    FOURDVT_ASSIGN(color_, gpu::makeTexture(device_, {.width = width, .height = height, .label = "alignment look"}));
+    FOURDVT_ASSIGN(target_, gpu::makeTarget(device_, {.colors = {color_.id()}, .label = "alignment look"}));
     width_ = width;
     height_ = height;
     return {};
@@ -99,9 +94,8 @@ cv::Mat evenLuma(const cv::Mat& rgba) {
 
 Result<std::unique_ptr<LookDrawer>> LookDrawer::create(gpu::Device& device, const package::Character& character,
                                                        const package::BaseMesh& mesh) {
-  auto recipe = render::Recipe::create(device);
-  if (!recipe) return recipe.error();
-  return std::unique_ptr<LookDrawer>(std::make_unique<Drawer>(device, character, mesh, recipe.take()));
+  FOURDVT_ASSIGN(auto recipe, render::Recipe::create(device));
+  return std::unique_ptr<LookDrawer>(std::make_unique<Drawer>(device, character, mesh, std::move(recipe)));
 }
 
 }  // namespace fourdvt::bake

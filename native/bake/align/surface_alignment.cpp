@@ -87,10 +87,9 @@ class Aligner final : public SurfaceAligner {
     FOURDVT_TRY(drawer_->setFrame(middle, movedUvs(result.displacement_m)));
     std::vector<std::vector<cv::Mat>> looks;  // [view][member]
     for (const PinholeCamera& camera : cameras) {
-      auto drawn = drawer_->draw(camera, appearance, picture);
-      if (!drawn) return drawn.error();
+      FOURDVT_ASSIGN(auto drawn, drawer_->draw(camera, appearance, picture));
       looks.emplace_back();
-      for (const cv::Mat& look : drawn.value()) looks.back().push_back(evenLuma(look));
+      for (const cv::Mat& look : drawn) looks.back().push_back(evenLuma(look));
     }
     const auto observations = observe(middle, cameras, looks, kInteriorReach_px / float(divisor));
     result.confidence.clear();
@@ -113,9 +112,8 @@ class Aligner final : public SurfaceAligner {
     FOURDVT_TRY(drawer_->setFrame(middle, movedUvs(result.displacement_m)));
     DetailCorrelation detail;
     for (const PinholeCamera& camera : alignmentCameras(middle, kDetailViews, options_.picture_height)) {
-      auto looks = drawer_->draw(camera, appearance, picture);
-      if (!looks) return looks.error();
-      detail.add(looks.value());
+      FOURDVT_ASSIGN(auto looks, drawer_->draw(camera, appearance, picture));
+      detail.add(looks);
     }
     result.detail_correlation = detail.value();
     return {};
@@ -166,9 +164,8 @@ Result<std::unique_ptr<SurfaceAligner>> SurfaceAligner::create(gpu::Device& devi
                                                                const package::BaseMesh& mesh,
                                                                const AlignmentOptions& options) {
   FOURDVT_TRY(whyNot(options, mesh));
-  auto drawer = LookDrawer::create(device, character, mesh);
-  if (!drawer) return drawer.error();
-  return std::unique_ptr<SurfaceAligner>(std::make_unique<Aligner>(mesh, options, drawer.take()));
+  FOURDVT_ASSIGN(auto drawer, LookDrawer::create(device, character, mesh));
+  return std::unique_ptr<SurfaceAligner>(std::make_unique<Aligner>(mesh, options, std::move(drawer)));
 }
 
 }  // namespace fourdvt::bake

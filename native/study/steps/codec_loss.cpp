@@ -75,9 +75,9 @@ const std::vector<uint8_t>& CodecLoss::charts(const bake::Job& job, int size) {
 }
 
 Result<std::vector<Image>> CodecLoss::layersOf(Lane& lane, uint32_t frame) {
-  const bake::SequencePlan& plan = planOf(lane.job->job, sequence_.name);
+  const capture::CaptureSequence& captured = *lane.job->job.capture.find(sequence_.name);
   const bool per_texel = lane.method->options.labels == bake::LabelMode::PerTexel;
-  auto labels = per_texel ? lane.job->survey->penaltyOrder(plan, frame) : lane.job->survey->labels(plan, frame);
+  auto labels = per_texel ? lane.job->survey->penaltyOrder(captured, frame) : lane.job->survey->labels(captured, frame);
   if (!labels) return labels.error();
   auto layers = per_texel ? lane.baker->resamplePerTexel(labels.value()) : lane.baker->resample(labels.value());
   if (!layers) return layers;

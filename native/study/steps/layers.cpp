@@ -164,7 +164,7 @@ std::vector<Variant> LayerStudy::variantsOf(int size) const {
 // Of all of the baker's layers: those that the variant does not have are empty.
 Result<std::vector<uint8_t>> LayerStudy::labelsOf(const Variant& variant, uint32_t frame) const {
   const bake::Job& own = variant.labels->job;
-  auto labels = variant.labels->survey->labels(planOf(own, sequence_.name), frame);
+  auto labels = variant.labels->survey->labels(*own.capture.find(sequence_.name), frame);
   if (!labels) return labels;
   const size_t faces = own.mesh.decoded.topology.faceCount();
   labels.value().resize(faces * variant.layers);

@@ -105,7 +105,7 @@ Status RateStudy::bakeLayers(SurveyedJob& surveyed, RateClip& clip) const {
   const package::BaseMesh& mesh = job.mesh.decoded;
   auto baker = bake::FrameBaker::create(*context_.device, job.cameras, mesh.topology, mesh.positions, options);
   if (!baker) return baker.error();
-  auto reader = capture::FrameReader::open(job.capture, *planOf(job, sequence_.name).source, context_.open_video);
+  auto reader = capture::FrameReader::open(job.capture, *job.capture.find(sequence_.name), context_.open_video);
   if (!reader) return reader.error();
   bake::I420Picture picture(job.layout.width, job.layout.height);
   for (uint32_t f = 0; f < clip.frame_count; ++f) {
@@ -114,7 +114,7 @@ Status RateStudy::bakeLayers(SurveyedJob& surveyed, RateClip& clip) const {
     auto frame = reader.value()->next();
     if (!frame) return frame.error();
     setBakerFrame(*baker.value(), job, frame.value());
-    auto labels = surveyed.survey->labels(planOf(job, sequence_.name), f);
+    auto labels = surveyed.survey->labels(*job.capture.find(sequence_.name), f);
     if (!labels) return labels.error();
     auto layers = baker.value()->resample(labels.value());
     if (!layers) return layers.error();

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "../render/quad_scene.h"
+#include "../../render/quad_scene.h"
 
 namespace fourdvt::render {
 namespace {
