@@ -150,17 +150,20 @@ void addAppearance(Section& section, const StudyValues& v) {
   addTruthTable(section, v, "mesh=blend region=whole", "Truth, drawn on the blended mesh, whole foreground", kScores);
   addPlot(section, "Gradient energy against the members' own", "ratio",
           curvesByW(v, rows::kMotionSharpness, "", rows::kGradientRatio));
-  addMethods(section, v,
-             {"Sharpness half way, against the members' own looks",
-              "Mean squared gradient of the blend over that of both members' looks on the same mesh and view; detail: "
-              "the same of the Laplacian. 1: as sharp as the sources. Averaging lowers it even where all is aligned "
-              "(baked-mean), for noise and folds of two sources differ; baked puts that much contrast back.",
-              {"method"},
-              {}},
-             rows::kMotionSharpness, "w=0.50",
-             {{"gradient energy", rows::kGradientRatio, three},
-              {"worst view", rows::kGradientRatioLeast, three},
-              {"detail energy", rows::kDetailRatio, three}});
+  addMethods(
+      section, v,
+      {"Sharpness half way, against the members' own looks",
+       "Mean squared gradient of the blend over that of both members' looks on the same mesh and view; detail: "
+       "the same of the Laplacian. 1: as sharp as the sources. Averaging lowers it even where all is aligned "
+       "(baked-mean), for noise and folds of two sources differ; baked puts that much contrast back. "
+       "flow-gpu-detail: the same put back in the flow's picture, in this study only; compare baked with it, and "
+       "baked-mean with flow-gpu.",
+       {"method"},
+       {}},
+      rows::kMotionSharpness, "w=0.50",
+      {{"gradient energy", rows::kGradientRatio, three},
+       {"worst view", rows::kGradientRatioLeast, three},
+       {"detail energy", rows::kDetailRatio, three}});
 }
 
 void addCost(Section& section, const StudyValues& v) {
