@@ -341,8 +341,8 @@ Result<Figures> Reference::encode() {
   auto held_out = heldOutCameras(context_);
   if (!held_out) return held_out.error();
   held_out_ = held_out.take();
-  FOURDVT_TRY(makeFolder(context_.work() + "/decoded"));
-  FOURDVT_TRY(makeFolder(decodedFolder()));
+  FOURDVT_TRY(platform::makeFolder(context_.work() + "/decoded"));
+  FOURDVT_TRY(platform::makeFolder(decodedFolder()));
   const size_t count = context_.capture->cameras.size();
   const std::vector<int> crfs = ladder();
   CameraVideo sum{0, std::vector<uint64_t>(crfs.size()), std::vector<SquaredError>(crfs.size())};
@@ -377,7 +377,7 @@ Result<Figures> Reference::encode() {
     row.add(rows::kHeldOutPsnrDb, scores.value().mean().psnr_fg_db, "dB");
     row.add(rows::kHeldOutSsim, scores.value().mean().ssim_fg, "");
   }
-  removeFolder(decodedFolder());
+  platform::removeFolder(decodedFolder());
   return out;
 }
 
