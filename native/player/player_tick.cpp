@@ -97,10 +97,9 @@ void PlayerImpl::finishAtEnd(Track& t) {
 
 // Decoded as far as this frame; none while it is not there, or broken.
 FrameGeometry PlayerImpl::geometryOf(int sequence, uint32_t frame) {
-  Result<FrameGeometry> geometry = loading_.geometry(sequence, frame);
-  if (geometry.ok()) return geometry.value();
-  fail(geometry.error(), sequence);
-  return {};
+  FrameGeometry geometry;
+  if (Status status = loading_.geometry(sequence, frame, geometry); !status.ok()) fail(status.error(), sequence);
+  return geometry;
 }
 
 void PlayerImpl::composeMesh() {

@@ -61,7 +61,7 @@ DecodeSample Feeding::nextSample(const FedSequence& fed, std::span<const uint8_t
   const int64_t serial = serial_base_ + k;
   next_serial_ = std::max(next_serial_, serial + 1);
   const int64_t timestamp_us = serial * kTimestampStep_us;
-  in_flight_[timestamp_us] = k;
+  in_flight_.push_back(timestamp_us);
   if (first + ++sample_ == table.chunk_first_sample[gop_ + 1]) finishGop(fed);
   return {decoder_, video.subspan(sample.offset - table.samples[first].offset, sample.bytes), timestamp_us, sample.key};
 }
@@ -86,13 +86,19 @@ void Feeding::noteIdlePoll(int used_slots) {
 }
 
 std::optional<int64_t> Feeding::presentationOf(int64_t timestamp_us) {
-  const auto it = in_flight_.find(timestamp_us);
-  if (it == in_flight_.end()) return std::nullopt;
+  if (std::find(in_flight_.begin(), in_flight_.end(), timestamp_us) == in_flight_.end()) return std::nullopt;
   idle_polls_ = 0;
-  const int64_t k = it->second;
+  const int64_t k = timestamp_us / kTimestampStep_us - serial_base_;
   if (k >= drop_before_k_) return k;
-  in_flight_.erase(it);
+  take(timestamp_us);
   return std::nullopt;
+}
+
+void Feeding::take(int64_t timestamp_us) {
+  const auto taken = std::find(in_flight_.begin(), in_flight_.end(), timestamp_us);
+  if (taken == in_flight_.end()) return;
+  *taken = in_flight_.back();
+  in_flight_.pop_back();
 }
 
 void Feeding::close(Outbox& outbox) {

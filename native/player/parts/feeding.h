@@ -6,9 +6,9 @@
 // the edge polls `next`.
 #pragma once
 
-#include <map>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "package/character.h"
 #include "package/stream_file.h"
@@ -41,7 +41,7 @@ class Feeding {
 
   // The presentation that a decoded picture is for; null: nobody waits for it.
   std::optional<int64_t> presentationOf(int64_t timestamp_us);
-  void take(int64_t timestamp_us) { in_flight_.erase(timestamp_us); }  // nobody waits for it any more
+  void take(int64_t timestamp_us);  // nobody waits for it any more
 
   void loseDecoder() { configured_ = false; }  // it failed; configured anew if feeding goes on
   void close(Outbox& outbox);                  // after stop()
@@ -63,9 +63,9 @@ class Feeding {
   int64_t drop_before_k_ = 0;
   int64_t serial_base_ = 0;  // serial = serial_base_ + k
   int64_t next_serial_ = 0;
-  std::map<int64_t, int64_t> in_flight_;  // timestamp → k
-  size_t reorder_allowance_ = 4;          // samples the decoder may hold beyond the slots; grows if it holds more
-  int idle_polls_ = 0;                    // since a picture came back
+  std::vector<int64_t> in_flight_;  // timestamps, in any order
+  size_t reorder_allowance_ = 4;    // samples the decoder may hold beyond the slots; grows if it holds more
+  int idle_polls_ = 0;              // since a picture came back
 };
 
 }  // namespace fourdvt

@@ -9,41 +9,46 @@ namespace {
 constexpr int kTries = 3;
 }  // namespace
 
-void Fetches::request(Fetch fetch) {
-  const uint32_t id = next_id_++;
-  fetch.range.id = id;
-  if (!progress_ended_ && fetch.sequence >= 0) progress_total_ += fetch.range.bytes;
+void Fetches::request(const FetchPurpose& purpose, const std::string& uri, uint64_t offset, uint64_t bytes) {
+  if (!progress_ended_ && purpose.sequence >= 0) progress_total_ += bytes;
+  Fetch& fetch = fetches_.emplace_back();
+  fetch.purpose = purpose;
+  fetch.range = {next_id_++, uri, offset, bytes};
   outbox_.request(fetch.range);
-  fetches_[id] = std::move(fetch);
+}
+
+std::vector<Fetch>::iterator Fetches::locate(uint32_t id) {
+  return std::find_if(fetches_.begin(), fetches_.end(), [id](const Fetch& f) { return f.range.id == id; });
 }
 
 const Fetch* Fetches::find(uint32_t id) const {
-  const auto it = fetches_.find(id);
-  return it == fetches_.end() ? nullptr : &it->second;
+  const auto found = const_cast<Fetches*>(this)->locate(id);
+  return found == fetches_.end() ? nullptr : &*found;
 }
 
-Fetch Fetches::finish(uint32_t id) {
-  const auto it = fetches_.find(id);
-  Fetch fetch = std::move(it->second);
-  fetches_.erase(it);
-  bytes_fetched_ += fetch.range.bytes;
-  if (progress_ended_) return fetch;
-  progress_loaded_ += fetch.range.bytes;
+FetchPurpose Fetches::finish(uint32_t id) {
+  const auto fetch = locate(id);
+  const FetchPurpose purpose = fetch->purpose;
+  const uint64_t bytes = fetch->range.bytes;
+  fetches_.erase(fetch);
+  bytes_fetched_ += bytes;
+  if (progress_ended_) return purpose;
+  progress_loaded_ += bytes;
   outbox_.emit({EventKind::Progress, {}, progress_loaded_, std::max(progress_total_, progress_loaded_)});
-  return fetch;
+  return purpose;
 }
 
-std::optional<Fetch> Fetches::fail(uint32_t id) {
-  const auto it = fetches_.find(id);
-  if (it == fetches_.end()) return std::nullopt;
-  if (it->second.tries < kTries) {
-    ++it->second.tries;
-    outbox_.request(it->second.range);
-    return std::nullopt;
+bool Fetches::retry(uint32_t id, Fetch& failed) {
+  const auto fetch = locate(id);
+  if (fetch == fetches_.end()) return true;
+  if (fetch->tries < kTries) {
+    ++fetch->tries;
+    outbox_.request(fetch->range);
+    return true;
   }
-  Fetch fetch = std::move(it->second);
-  fetches_.erase(it);
-  return fetch;
+  failed = std::move(*fetch);
+  fetches_.erase(fetch);
+  return false;
 }
 
 }  // namespace fourdvt

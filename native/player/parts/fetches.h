@@ -4,18 +4,22 @@
 // (loading.h).
 #pragma once
 
-#include <map>
-#include <optional>
+#include <vector>
 
 #include "player/parts/outbox.h"
 
 namespace fourdvt {
 
-struct Fetch {
+// What a byte range is for.
+struct FetchPurpose {
   enum class Kind { Mesh, Graph, Header, Video, Chunk } kind = Kind::Mesh;
   int sequence = -1;  // -1: it is of the whole character
   uint32_t gop = 0;   // Video and Chunk only
-  FetchRange range;   // its id is given by Fetches
+};
+
+struct Fetch {
+  FetchPurpose purpose;
+  FetchRange range;
   int tries = 1;
 };
 
@@ -23,14 +27,15 @@ class Fetches {
  public:
   explicit Fetches(Outbox& outbox) : outbox_(outbox) {}
 
-  void request(Fetch fetch);
-  // Null: nobody asked for it, or it is settled.
+  void request(const FetchPurpose& purpose, const std::string& uri, uint64_t offset, uint64_t bytes);
+  // Null: nobody asked for it, or it is settled. Valid until the next call.
   const Fetch* find(uint32_t id) const;
-  // All of its bytes are there: reports progress. The id must be one that `find` knows.
-  Fetch finish(uint32_t id);
-  // The fetch that is given up; null: nobody asked for it, or it is asked for again.
-  std::optional<Fetch> fail(uint32_t id);
-  bool empty() const { return fetches_.empty(); }
+  // All bytes of a fetch that `find` knows are there: settles it and reports progress.
+  FetchPurpose finish(uint32_t id);
+  // Asks again; false: it was tried often enough, and is settled. `failed` is then what was asked for. An id that
+  // nobody asked for counts as asked again.
+  bool retry(uint32_t id, Fetch& failed);
+  bool empty() const { return fetches_.empty(); }  // nothing is on its way
   uint64_t bytesFetched() const { return bytes_fetched_; }
 
   // Progress counts a sequence's bytes from the moment they are asked for; `bytes` more are expected from the start.
@@ -39,8 +44,10 @@ class Fetches {
   bool progressEnded() const { return progress_ended_; }
 
  private:
+  std::vector<Fetch>::iterator locate(uint32_t id);
+
   Outbox& outbox_;
-  std::map<uint32_t, Fetch> fetches_;  // by id
+  std::vector<Fetch> fetches_;
   uint32_t next_id_ = 1;
   uint64_t progress_loaded_ = 0, progress_total_ = 0, bytes_fetched_ = 0;
   bool progress_ended_ = false;

@@ -5,6 +5,7 @@
 
 namespace fourdvt {
 
+using Kind = FetchPurpose::Kind;
 using stream::GopKey;
 using stream::PartState;
 
@@ -54,7 +55,7 @@ void Loading::requestMesh() {
   if (mesh_state_ != PartState::Absent) return;
   mesh_state_ = PartState::Fetching;
   const package::Character& c = *character_;
-  fetches_.request({Fetch::Kind::Mesh, -1, 0, {0, c.mesh_uri, c.mesh_offset, c.mesh_bytes}});
+  fetches_.request({Kind::Mesh, -1, 0}, c.mesh_uri, c.mesh_offset, c.mesh_bytes);
 }
 
 void Loading::requestHeader(int sequence_index) {
@@ -62,13 +63,13 @@ void Loading::requestHeader(int sequence_index) {
   if (s.header != PartState::Absent) return;
   s.header = PartState::Fetching;
   const package::Sequence& q = sequence(sequence_index);
-  fetches_.request({Fetch::Kind::Header, sequence_index, 0, {0, q.stream_uri, 0, q.stream_header_bytes}});
+  fetches_.request({Kind::Header, sequence_index, 0}, q.stream_uri, 0, q.stream_header_bytes);
 }
 
 void Loading::requestGraph() {
   if (graph_state_ != PartState::Absent || character_->graph_uri.empty()) return;
   graph_state_ = PartState::Fetching;
-  fetches_.request({Fetch::Kind::Graph, -1, 0, {0, character_->graph_uri, 0, character_->graph_bytes}});
+  fetches_.request({Kind::Graph, -1, 0}, character_->graph_uri, 0, character_->graph_bytes);
 }
 
 // What playing on needs, nearest first.
@@ -85,7 +86,7 @@ void Loading::requestGop(GopKey key) {
   if (gop.chunk_state == PartState::Absent) {
     gop.chunk_state = PartState::Fetching;
     const package::ChunkEntry& entry = index(key.sequence).chunks[key.gop];
-    fetches_.request({Fetch::Kind::Chunk, key.sequence, key.gop, {0, q.stream_uri, entry.offset, entry.bytes}});
+    fetches_.request({Kind::Chunk, key.sequence, key.gop}, q.stream_uri, entry.offset, entry.bytes);
   }
   if (gop.video_state == PartState::Absent) {
     gop.video_state = PartState::Fetching;
@@ -93,7 +94,7 @@ void Loading::requestGop(GopKey key) {
     const package::VideoSample& first = table.samples[table.chunk_first_sample[key.gop]];
     const package::VideoSample& last = table.samples[table.chunk_first_sample[key.gop + 1] - 1];
     const uint64_t bytes = last.offset + last.bytes - first.offset;
-    fetches_.request({Fetch::Kind::Video, key.sequence, key.gop, {0, q.renditions[0].video_uri, first.offset, bytes}});
+    fetches_.request({Kind::Video, key.sequence, key.gop}, q.renditions[0].video_uri, first.offset, bytes);
   }
 }
 
@@ -102,34 +103,35 @@ Arrival Loading::receive(uint32_t id, std::span<const uint8_t> bytes) {
   if (!pending) return {};
   if (bytes.size() != pending->range.bytes)
     return refuse(id, "got " + std::to_string(bytes.size()) + " bytes of " + std::to_string(pending->range.bytes));
-  const Fetch fetch = fetches_.finish(id);
-  switch (fetch.kind) {
-    case Fetch::Kind::Mesh:
+  const FetchPurpose purpose = fetches_.finish(id);
+  switch (purpose.kind) {
+    case Kind::Mesh:
       return {Arrival::What::Mesh, -1, receiveMesh(bytes)};
-    case Fetch::Kind::Header:
-      return {Arrival::What::Header, fetch.sequence, receiveHeader(fetch.sequence, bytes)};
-    case Fetch::Kind::Graph:
+    case Kind::Header:
+      return {Arrival::What::Header, purpose.sequence, receiveHeader(purpose.sequence, bytes)};
+    case Kind::Graph:
       receiveGraph(bytes);
       break;
     default:
-      receiveGop(fetch, bytes);
+      receiveGop(purpose, bytes);
   }
-  return {Arrival::What::Other, fetch.sequence, {}};
+  return {Arrival::What::Other, purpose.sequence, {}};
 }
 
 Arrival Loading::refuse(uint32_t id, const std::string& reason) {
-  const std::optional<Fetch> fetch = fetches_.fail(id);
-  if (!fetch) return {};
-  if (fetch->kind == Fetch::Kind::Graph) {
+  Fetch failed;
+  if (fetches_.retry(id, failed)) return {};
+  const FetchPurpose& purpose = failed.purpose;
+  if (purpose.kind == Kind::Graph) {
     graph_state_ = PartState::Failed;
     return {};
   }
-  const bool video = fetch->kind == Fetch::Kind::Video;
-  if (video || fetch->kind == Fetch::Kind::Chunk)
-    if (stream::Gop* gop = cache_.find({fetch->sequence, fetch->gop}))
+  const bool video = purpose.kind == Kind::Video;
+  if (video || purpose.kind == Kind::Chunk)
+    if (stream::Gop* gop = cache_.find({purpose.sequence, purpose.gop}))
       (video ? gop->video_state : gop->chunk_state) = PartState::Failed;
-  const FetchRange& range = fetch->range;
-  return {Arrival::What::Nothing, fetch->sequence,
+  const FetchRange& range = failed.range;
+  return {Arrival::What::Nothing, purpose.sequence,
           Error{ErrorId::FetchFailed, range.uri + ": bytes " + std::to_string(range.offset) + "+" +
                                           std::to_string(range.bytes) + " could not be fetched (" + reason +
                                           "); check that the file is complete on the server"}};
@@ -182,9 +184,9 @@ void Loading::receiveGraph(std::span<const uint8_t> bytes) {
   if (graph.ok()) graph_ = graph.take();
 }
 
-void Loading::receiveGop(const Fetch& fetch, std::span<const uint8_t> bytes) {
-  stream::Gop& gop = cache_.touch({fetch.sequence, fetch.gop});
-  const bool video = fetch.kind == Fetch::Kind::Video;
+void Loading::receiveGop(const FetchPurpose& purpose, std::span<const uint8_t> bytes) {
+  stream::Gop& gop = cache_.touch({purpose.sequence, purpose.gop});
+  const bool video = purpose.kind == Kind::Video;
   (video ? gop.video : gop.chunk).assign(bytes.begin(), bytes.end());
   (video ? gop.video_state : gop.chunk_state) = PartState::Present;
 }
@@ -204,21 +206,25 @@ const std::vector<uint8_t>* Loading::video(int sequence, uint32_t gop_index) {
   return gop && gop->video_state == PartState::Present ? &gop->video : nullptr;
 }
 
-Result<FrameGeometry> Loading::geometry(int sequence_index, uint32_t frame) {
-  if (mesh_state_ != PartState::Present || !playable(sequence_index)) return FrameGeometry{};
+Status Loading::geometry(int sequence_index, uint32_t frame, FrameGeometry& out) {
+  if (mesh_state_ != PartState::Present || !playable(sequence_index)) return {};
   const package::StreamIndex& streamed = index(sequence_index);
   const uint32_t gop_index = streamed.chunkOfFrame(frame);
   stream::Gop* gop = cache_.find({sequence_index, gop_index});
-  if (!gop || gop->chunk_state != PartState::Present) return FrameGeometry{};
-  const std::string& uri = sequence(sequence_index).stream_uri;
+  if (!gop || gop->chunk_state != PartState::Present) return {};
+  Status status;
   if (!gop->geometry) {
     auto opened = package::ChunkDecoder::open(gop->chunk, streamed, gop_index, chunk_mesh_);
-    if (!opened.ok()) return named(uri, opened.error());
-    gop->geometry = opened.take();
+    if (opened.ok())
+      gop->geometry = opened.take();
+    else
+      status = opened.error();
   }
   const uint32_t row = frame - streamed.chunks[gop_index].first_frame;
-  if (Status status = gop->geometry->decodeTo(row); !status.ok()) return named(uri, status.error());
-  return FrameGeometry{&gop->geometry->frames(), &streamed, row};
+  if (status.ok()) status = gop->geometry->decodeTo(row);
+  if (!status.ok()) return named(sequence(sequence_index).stream_uri, status.error());
+  out = {&gop->geometry->frames(), &streamed, row};
+  return {};
 }
 
 }  // namespace fourdvt

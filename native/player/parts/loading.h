@@ -65,8 +65,8 @@ class Loading {
 
   // The GOP's samples, contiguous as in the file; null: not there.
   const std::vector<uint8_t>* video(int sequence, uint32_t gop);
-  // Decodes as far as this frame. Errors: StreamInvalid.
-  Result<FrameGeometry> geometry(int sequence, uint32_t frame);
+  // Decodes as far as this frame; `out` stays empty while that is not there. Errors: StreamInvalid.
+  Status geometry(int sequence, uint32_t frame, FrameGeometry& out);
   uint64_t bytesFetched() const { return fetches_.bytesFetched(); }
   uint64_t encodedBytesHeld() const { return cache_.encodedBytes(); }
 
@@ -87,7 +87,7 @@ class Loading {
   Status receiveHeader(int sequence, std::span<const uint8_t> bytes);
   Status checkHeader(int sequence, const package::StreamIndex& index) const;
   void receiveGraph(std::span<const uint8_t> bytes);
-  void receiveGop(const Fetch& fetch, std::span<const uint8_t> bytes);
+  void receiveGop(const FetchPurpose& purpose, std::span<const uint8_t> bytes);
 
   std::optional<package::Character> character_;
   std::optional<package::BaseMesh> mesh_;

@@ -3,8 +3,8 @@
 // polls. Does NOT hold samples for decoders: Feeding makes those when the edge polls, so that they are never stale.
 #pragma once
 
-#include <deque>
 #include <utility>
+#include <vector>
 
 #include "player/parts/messages.h"
 
@@ -12,23 +12,33 @@ namespace fourdvt {
 
 class Outbox {
  public:
-  void request(Request request) { requests_.push_back(std::move(request)); }
-  void emit(Event event) { events_.push_back(std::move(event)); }
+  template <class T>  // an alternative of Request
+  void request(T request) {
+    requests_.items.emplace_back() = std::move(request);
+  }
+  void emit(Event event) { events_.items.push_back(std::move(event)); }
   void emit(EventKind kind) { emit({kind, {}, 0, 0}); }
-  bool nextRequest(Request& out) { return take(requests_, out); }
-  bool nextEvent(Event& out) { return take(events_, out); }
+  bool nextRequest(Request& out) { return requests_.take(out); }
+  bool nextEvent(Event& out) { return events_.take(out); }
 
  private:
   template <class T>
-  static bool take(std::deque<T>& queue, T& out) {
-    if (queue.empty()) return false;
-    out = std::move(queue.front());
-    queue.pop_front();
-    return true;
-  }
+  struct Queue {
+    std::vector<T> items;
+    size_t next = 0;
+    bool take(T& out) {
+      if (items.empty()) return false;
+      out = std::move(items[next++]);
+      if (next == items.size()) {
+        items.clear();
+        next = 0;
+      }
+      return true;
+    }
+  };
 
-  std::deque<Request> requests_;
-  std::deque<Event> events_;
+  Queue<Request> requests_;
+  Queue<Event> events_;
 };
 
 }  // namespace fourdvt
