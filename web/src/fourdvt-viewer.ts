@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // <fourdvt-viewer>: a thin composition of session (loading and playing), orbit camera, controls, and overlay.
 // Attributes and events follow <model-viewer> and the media element; README.md lists them.
-import type { Actor, ActorWishes, Placement } from './actor.js';
+import { Commands } from './commands.js';
+import { JOIN_EVENT, type Companion } from './companion.js';
 import type { ErrorDetail } from './errors.js';
 import { FourdvtCharacter } from './fourdvt-character.js';
 import { MotionControls } from './motion-controls.js';
 import { OrbitCamera, parseOrbit, parseTarget, type Follow } from './orbit-camera.js';
 import { OrbitControls } from './orbit-controls.js';
 import { Overlay } from './overlay.js';
-import { Session, type SessionHost, type Snapshot, type Wishes } from './session.js';
+import { Session, type SessionHost, type Snapshot } from './session.js';
 import type { UploadPath } from './upload-path.js';
-import type { Align, ParameterInfo, PictureKind, RenderOptions, SceneMesh, SequenceInfo } from './wasm-player.js';
+import {
+  ALIGN_MODES, type Align, type ParameterInfo, type PictureKind, type Placement, type RenderOptions, type SceneMesh,
+  type SequenceInfo,
+} from './wasm-player.js';
 
 export { FourdvtCharacter };
 export type { Align, ErrorDetail, ParameterInfo, Placement, RenderOptions, SceneMesh, SequenceInfo, Snapshot, UploadPath };
@@ -32,12 +36,11 @@ export interface Orbit {
   distance: number;
 }
 
-const ALIGNS: readonly Align[] = ['none', 'baked', 'flow-gpu', 'flow-dis', 'flow-opencv'];
-const STEER_DEG = 60;            // how far ahead of the heading a held key looks
-const PARAMETER_RANGES_S = 0.7;  // a held key crosses the parameter's range this often a second
+const STEER_DEG = 60;            // a held key asks for a heading this far from the present one
+const PARAMETER_RANGES_S = 0.7;  // a held key crosses this part of the parameter's range per second
 const MAX_PIXEL_RATIO = 2;
 // The total is known only when the stream's index is here: the bar must not be full before that.
-const LEAST_TOTAL_BYTES = 300_000;
+const MIN_TOTAL_BYTES = 300_000;
 const AUTO_ROTATE_DEG_S = 14;
 const AUTO_ROTATE_RESUME_S = 4;
 const DEFAULT_RENDER: RenderOptions = {
@@ -57,6 +60,8 @@ export class FourdvtViewer extends HTMLElement {
   readonly #overlay: Overlay;
   readonly #camera = new OrbitCamera();
   readonly #reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
+  readonly #commands = new Commands();
+  readonly #companions = new Set<Companion>();
   readonly #host: SessionHost;
   #controls: OrbitControls | null = null;
   #motion: MotionControls | null = null;
@@ -65,15 +70,8 @@ export class FourdvtViewer extends HTMLElement {
   #observers: AbortController | null = null;
   #size = { width: 1, height: 1 };
   #visible = true;
-  #paused = true;
-  #rate = 1;
   #sinceInteraction = Infinity;
   #uploadPath: UploadPath = 'auto';
-  #render: RenderOptions = { ...DEFAULT_RENDER };
-  #resume: { frame: number; sequence: string | null; placement: Placement } | null = null;
-  #parameters = new Map<string, number>();
-  #scene: SceneMesh[] = [];
-  #placement: Placement = { x: 0, z: 0, heading: 0 };
   #error: ErrorDetail | null = null;
   #loading = false;
 
@@ -82,10 +80,14 @@ export class FourdvtViewer extends HTMLElement {
     this.#overlay = new Overlay(this.attachShadow({ mode: 'open' }), () => this.play());
     this.#host = {
       camera: this.#camera,
+      commands: this.#commands,
+      companions: this.#companions,
       animate: (dt) => this.#animate(dt),
       emit: (name, detail) => this.#onSessionEvent(name, detail),
       firstPicture: () => this.#overlay.ready(),
     };
+    this.#commands.set('options', DEFAULT_RENDER);
+    this.addEventListener(JOIN_EVENT, (e) => this.#onJoin(e as CustomEvent<Companion>));
   }
 
   // --- properties like the media element's ---
@@ -98,43 +100,41 @@ export class FourdvtViewer extends HTMLElement {
   set autoplay(value: boolean) { this.toggleAttribute('autoplay', value); }
   get loop(): boolean { return this.hasAttribute('loop') && this.getAttribute('loop') !== 'false'; }
   set loop(value: boolean) { this.setAttribute('loop', value ? '' : 'false'); }
-  get paused(): boolean { return this.#paused; }
+  get paused(): boolean { return !this.#commands.wishes.playing; }
   get error(): ErrorDetail | null { return this.#error; }
   get duration(): number { return this.#current()?.duration ?? NaN; }
-  get currentTime(): number { return this.#session?.state()?.currentTime ?? 0; }
+  get currentTime(): number { return this.#commands.state()?.currentTimeS ?? 0; }
   set currentTime(value: number) {
     this.#emit('seeking');
-    this.#session?.main?.seek(Number(value));
+    this.#commands.seek(Number(value));
   }
-  get playbackRate(): number { return this.#rate; }
+  get playbackRate(): number { return this.#commands.wishes.rate; }
   set playbackRate(value: number) {
     if (!(value > 0 && value <= 4)) throw new RangeError('playbackRate must be above 0 and at most 4');
-    this.#rate = value;
-    this.#main((m) => m.setRate(value), (w) => { w.rate = value; });
+    this.#commands.set('rate', value);
     this.#emit('ratechange');
   }
   play(): Promise<void> {
     this.#overlay.offerPlay(false);
-    if (this.#paused) {
-      this.#paused = false;
+    if (this.paused) {
+      this.#commands.remember('playing', true);
       this.#emit('play');
-      this.#main((m) => m.play(), (w) => { w.playing = true; });
+      this.#commands.set('playing', true);
     }
     return Promise.resolve();
   }
   pause(): void {
-    if (this.#paused) return;
-    this.#paused = true;
-    this.#main((m) => m.pause(), (w) => { w.playing = false; });
+    if (this.paused) return;
+    this.#commands.set('playing', false);
     if (!this.#session?.character) this.#emit('pause');
   }
 
   // --- what a character has beyond a video ---
 
-  get frame(): number { return this.#session?.state()?.frame ?? 0; }
+  get frame(): number { return this.#commands.state()?.frame ?? 0; }
   seekFrame(frame: number): void {
     this.#emit('seeking');
-    this.#main((m) => m.seekFrame(frame), (w) => { w.frame = frame; });
+    this.#commands.set('frame', frame);
   }
   get sequence(): string { return this.#current()?.name ?? this.getAttribute('sequence') ?? ''; }
   set sequence(name: string) { this.setAttribute('sequence', name); }
@@ -147,55 +147,43 @@ export class FourdvtViewer extends HTMLElement {
   /** The motion glides to the value; `immediate`: at once. A value outside the range counts as the nearest. */
   setParameter(name: string, value: number, immediate = false): void {
     if (!Number.isFinite(value)) throw new TypeError(`${name} must be a number`);
-    this.#parameters.set(name, value);
-    this.#session?.main?.setParameter(name, value, immediate);
+    this.#commands.setParameter(name, value, immediate);
   }
   /** As shown now; NaN if the character does not have it. */
-  getParameter(name: string): number { return this.#session?.main?.parameter(name) ?? this.#parameters.get(name) ?? NaN; }
+  getParameter(name: string): number { return this.#commands.parameter(name); }
   /** To another motion by the best transition; a one-off motion returns by itself. */
-  goTo(state: string): void { this.#main((m) => m.goTo(state), (w) => { w.sequence = state; }); }
+  goTo(state: string): void { this.#commands.goTo(state); }
   /** The motion that goTo asked for last, or that is shown. */
-  get state(): string { return this.#session?.state()?.goal || this.sequence; }
-  get inTransition(): boolean { return this.#session?.state()?.inTransition ?? false; }
+  get state(): string { return this.#commands.state()?.goal || this.sequence; }
+  get inTransition(): boolean { return this.#commands.state()?.inTransition ?? false; }
   /** Degrees, from +z towards +x. Setting it makes the character turn there while it moves. */
-  get heading(): number { return this.#session?.state()?.heading ?? this.#placement.heading; }
+  get heading(): number { return this.#commands.placement.heading; }
   set heading(degrees: number) {
     if (!Number.isFinite(degrees)) throw new TypeError('heading must be a number of degrees');
-    this.#session?.main?.steer(degrees);
-    if (!this.#session?.main) this.placement = { heading: degrees };
+    this.#commands.steer(degrees);
   }
   /** Where the character stands. Setting it puts it there at once. */
-  get placement(): Placement {
-    const state = this.#session?.state();
-    return state ? { x: state.x, z: state.z, heading: state.heading } : { ...this.#placement };
-  }
+  get placement(): Placement { return this.#commands.placement; }
   set placement(place: Partial<Placement>) {
     const at = { ...this.placement, ...place };
     if (![at.x, at.z, at.heading].every(Number.isFinite)) throw new TypeError('x, z and heading must be numbers');
-    this.#placement = at;
-    this.#main((m) => m.place(at), (w) => { w.placement = at; });
+    this.#commands.place(at);
   }
   /** Root motion moves the character over the ground. */
   get travel(): boolean { return this.hasAttribute('travel'); }
   set travel(on: boolean) { this.toggleAttribute('travel', on); }
   get align(): Align {
     const wish = this.getAttribute('align') as Align | null;
-    return wish && ALIGNS.includes(wish) ? wish : 'baked';
+    return wish && ALIGN_MODES.includes(wish) ? wish : 'baked';
   }
   set align(value: Align) { this.setAttribute('align', value); }
   /** Meshes that characters stand among; see README.md. */
-  get scene(): SceneMesh[] { return this.#scene; }
+  get scene(): SceneMesh[] { return this.#commands.wishes.scene ?? []; }
   set scene(meshes: SceneMesh[]) {
     if (meshes.some(({ corners }) => corners.length % 18 !== 0)) throw new RangeError('a scene mesh has 18 numbers a triangle');
-    this.#scene = meshes.filter(({ corners }) => corners.length > 0)
-      .map((mesh) => ({ ...mesh, corners: Float32Array.from(mesh.corners) }));
-    this.#session?.setScene(this.#scene);
+    this.#commands.set('scene', meshes.filter(({ corners }) => corners.length > 0)
+      .map((mesh) => ({ ...mesh, corners: Float32Array.from(mesh.corners) })));
   }
-  /** For <fourdvt-character>: another character in this canvas. Null while there is none to stand beside. */
-  addActor(wishes: ActorWishes, emit: (name: string, detail?: unknown) => void): Promise<Actor | null> {
-    return this.#session?.character ? this.#session.add(wishes, emit) : Promise.resolve(null);
-  }
-  removeActor(actor: Actor): void { this.#session?.remove(actor); }
 
   getCameraOrbit(): Orbit {
     const { azimuth, elevation, distance } = this.#camera.pose;
@@ -207,16 +195,15 @@ export class FourdvtViewer extends HTMLElement {
     this.#session?.wake();
   }
   /** Background, ground shadow, multisampling, debug views. Assigning a part keeps the rest. */
-  get renderOptions(): RenderOptions { return { ...this.#render }; }
+  get renderOptions(): RenderOptions { return { ...this.#commands.wishes.options! }; }
   set renderOptions(options: Partial<RenderOptions>) {
-    this.#render = { ...this.#render, ...options };
-    this.#session?.setRenderOptions(this.#render);
+    this.#commands.set('options', { ...this.renderOptions, ...options });
   }
   /** How decoded pictures reach the GPU; set before src. 'auto' measures. */
   get uploadPath(): UploadPath { return this.#uploadPath; }
   set uploadPath(value: UploadPath) { this.#uploadPath = value; }
   get stats(): ViewerStats | null {
-    const state = this.#session?.state();
+    const state = this.#commands.state();
     if (!state) return null;
     const { framesShown, framesLate, barcodeChecked, barcodeMismatches, bytesFetched, encodedBytesHeld } = state;
     return {
@@ -239,7 +226,7 @@ export class FourdvtViewer extends HTMLElement {
       orbits: () => this.hasAttribute('camera-controls'),
       wheelZooms: () => this.hasAttribute('zoom') || this.matches(':focus-within'),
       onInteract: () => this.#interacted(),
-      togglePlay: () => (this.#paused ? void this.play() : this.pause()),
+      togglePlay: () => (this.paused ? void this.play() : this.pause()),
     });
     this.#motion = new MotionControls(this.#overlay.stage, this.#overlay.joystick, {
       steers: () => this.hasAttribute('motion-controls'),
@@ -268,10 +255,10 @@ export class FourdvtViewer extends HTMLElement {
     switch (name) {
       case 'src': this.#load(); break;
       case 'poster': this.#overlay.setPoster(value); break;
-      case 'loop': this.#main((m) => m.setLoop(this.#loopMode()), (w) => { w.loop = this.#loopMode(); }); break;
-      case 'sequence': if (value) this.#main((m) => m.select(value), (w) => { w.sequence = value; }); break;
+      case 'loop': this.#commands.set('loop', this.#loopMode()); break;
+      case 'sequence': if (value) this.#commands.select(value); break;
       case 'align': this.#session?.setAlign(this.align); break;
-      case 'travel': this.#main((m) => m.setTravel(this.travel), (w) => { w.travel = this.travel; }); break;
+      case 'travel': this.#commands.set('travel', this.travel); break;
       case 'camera-orbit': case 'camera-target': case 'camera-follow': case 'field-of-view': this.#applyCamera(); break;
       default: this.#applyLabels();
     }
@@ -285,9 +272,11 @@ export class FourdvtViewer extends HTMLElement {
     this.#loading = true;
     this.#overlay.setPoster(this.poster || null);
     this.#overlay.loading();
-    if (this.autoplay && !this.#resume) {
-      this.#paused = this.#reducedMotion.matches;
-      this.#overlay.offerPlay(this.#paused);
+    this.#commands.begin({ sequence: this.getAttribute('sequence'), loop: this.#loopMode(), travel: this.travel });
+    for (const { src, commands } of this.#companions) if (src === null) commands.begin();
+    if (this.autoplay) {
+      this.#commands.remember('playing', !this.#reducedMotion.matches);
+      this.#overlay.offerPlay(this.paused);
     }
     this.#emit('loadstart');
     const canvas = (this.#canvas = this.#overlay.newCanvas());
@@ -297,25 +286,13 @@ export class FourdvtViewer extends HTMLElement {
   }
 
   #startSession(canvas: HTMLCanvasElement): void {
-    const wishes: Wishes = {
+    const session = (this.#session = new Session(canvas, {
       src: new URL(this.src, this.ownerDocument.baseURI).href,
       wasmUrl: FourdvtViewer.wasmUrl,
-      uploadPath: this.#uploadPath,
-      sequence: this.#resume?.sequence ?? this.getAttribute('sequence'),
-      playing: !this.#paused,
-      loop: this.#loopMode(),
-      rate: this.#rate,
-      frame: this.#resume?.frame ?? 0,
-      render: this.#render,
       opencvUrl: FourdvtViewer.opencvUrl,
-      parameters: this.#parameters,
+      uploadPath: this.#uploadPath,
       align: this.align,
-      travel: this.travel,
-      placement: this.#resume?.placement ?? this.#placement,
-      scene: this.#scene,
-    };
-    this.#resume = null;
-    const session = (this.#session = new Session(canvas, wishes, this.#host));
+    }, this.#host));
     session.resize(this.#size.width, this.#size.height);
     session.setActive(this.#visible);
     void session.start();
@@ -334,7 +311,6 @@ export class FourdvtViewer extends HTMLElement {
 
   readonly #onContextLost = (e: Event): void => {
     e.preventDefault(); // asks the browser to restore it
-    this.#resume = { frame: this.frame, sequence: this.sequence || null, placement: this.placement };
     const session = this.#session;
     this.#session = null;
     session?.dispose();
@@ -398,12 +374,12 @@ export class FourdvtViewer extends HTMLElement {
   // Held keys and the joystick move the wanted heading and the first parameter.
   #steer(dtS: number): boolean {
     const wish = this.#motion?.steering;
-    if (!wish || this.#paused) return false;
+    if (!wish || this.paused) return false;
     if (wish.turn) this.heading = this.heading - STEER_DEG * wish.turn;
     const parameter = this.parameters[0];
     if (parameter && (wish.change || wish.level !== null)) {
       const { name, min, max } = parameter;
-      const now = this.#parameters.get(name) ?? this.getParameter(name);
+      const now = this.#commands.wishedParameter(name) ?? this.getParameter(name);
       const wanted = wish.level !== null ? min + (max - min) * wish.level : now + wish.change * (max - min) * PARAMETER_RANGES_S * dtS;
       const value = Math.min(max, Math.max(min, wanted));
       if (value !== now) {
@@ -416,7 +392,7 @@ export class FourdvtViewer extends HTMLElement {
 
   // Space: the motion named by `action`, or the first one that does not loop.
   #act(): void {
-    if (this.#paused) return void this.play();
+    if (this.paused) return void this.play();
     const action = this.getAttribute('action') ?? this.sequences.find((s) => !s.loop)?.name;
     if (action && this.state !== action) this.goTo(action);
   }
@@ -437,13 +413,13 @@ export class FourdvtViewer extends HTMLElement {
   #onSessionEvent(name: string, detail?: unknown): void {
     if (name === 'progress') {
       const { loaded, total } = detail as { loaded: number; total: number };
-      if (this.#loading) this.#overlay.progress(Math.min(1, loaded / Math.max(total, LEAST_TOTAL_BYTES)));
+      if (this.#loading) this.#overlay.progress(Math.min(1, loaded / Math.max(total, MIN_TOTAL_BYTES)));
     } else if (name === 'loadedmetadata') {
       this.#onMetadata();
     } else if (name === 'canplay') {
       this.#loading = false;
     } else if (name === 'ended') {
-      this.#paused = true;
+      this.#commands.remember('playing', false);
     } else if (name === 'error') {
       this.#error = detail as ErrorDetail;
       if (this.#loading) this.#overlay.fail('This character cannot be shown.');
@@ -457,11 +433,15 @@ export class FourdvtViewer extends HTMLElement {
     if (poster && !this.#overlay.hasPoster) this.#overlay.setPoster(new URL(poster, new URL(this.src, this.baseURI)).href);
   }
 
-  // The command if the character is there, else a wish for when it comes.
-  #main(command: (main: Actor) => void, wish: (wishes: Wishes) => void): void {
-    const session = this.#session;
-    if (session?.main) command(session.main);
-    else if (session) wish(session.wishes);
+  #onJoin(event: CustomEvent<Companion>): void {
+    event.stopPropagation();
+    const companion = event.detail;
+    this.#companions.add(companion);
+    void this.#session?.add(companion);
+    companion.left.addEventListener('abort', () => {
+      this.#companions.delete(companion);
+      this.#session?.remove(companion);
+    });
   }
 
   #emit(name: string, detail?: unknown): void {
@@ -469,9 +449,7 @@ export class FourdvtViewer extends HTMLElement {
   }
 
   #current(): SequenceInfo | null {
-    const session = this.#session;
-    const index = session?.state()?.sequence ?? -1;
-    return session?.character?.sequences[index] ?? null;
+    return this.#session?.character?.sequences[this.#commands.state()?.sequence ?? -1] ?? null;
   }
   /** -1 as the sequence says, 0 never, 1 always. */
   #loopMode(): number {

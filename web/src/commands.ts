@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is asked of one character, by either element: every command once. Each is remembered as a wish; the character
+// fulfils it at once if it is there, and begins with all wishes when it comes. Loads and draws nothing.
+import type { Align, CharacterInfo, Placement, PlayerState, RenderOptions, SceneMesh, WasmPlayer } from './wasm-player.js';
+
+export interface Wishes {
+  /** -1 as the sequence says, 0 never, 1 always. */
+  loop: number;
+  rate: number;
+  placement: Placement;
+  travel: boolean;
+  align: Align;
+  /** Options and scene belong to the canvas: only its main character has them. */
+  options: RenderOptions | null;
+  scene: SceneMesh[] | null;
+  /** Null: the character's first. */
+  sequence: string | null;
+  frame: number;
+  playing: boolean;
+}
+
+/** A loaded character, which fulfils wishes. */
+export interface Performer {
+  readonly character: CharacterInfo | null;
+  state(): PlayerState | null;
+  /** As shown; NaN if the character does not have it. */
+  parameter(name: string): number;
+  /** False, after an error event, if the player refuses the action. */
+  run(action: (player: WasmPlayer) => void): boolean;
+}
+
+// A player that has just read its manifest is like this already.
+const NEW_PLAYER: Wishes = {
+  loop: -1, rate: 1, placement: { x: 0, z: 0, heading: 0 }, travel: false, align: 'baked', options: null, scene: null,
+  sequence: null, frame: 0, playing: false,
+};
+// What the player does for each wish, in the order in which a new player hears them.
+const FULFIL: { [K in keyof Wishes]: (player: WasmPlayer, wish: NonNullable<Wishes[K]>) => void } = {
+  loop: (player, loop) => player.setLoop(loop),
+  rate: (player, rate) => player.setRate(rate),
+  placement: (player, placement) => player.place(placement),
+  travel: (player, on) => player.setTravel(on),
+  align: (player, align) => player.setAlign(align),
+  options: (player, options) => player.setOptions(options),
+  scene: (player, meshes) => player.setScene(meshes),
+  sequence: (player, name) => player.selectSequence(name),
+  frame: (player, frame) => player.seekFrame(frame),
+  playing: (player, on) => (on ? player.play() : player.pause()),
+};
+const WISHES = Object.keys(FULFIL) as (keyof Wishes)[];
+
+function fulfil(player: WasmPlayer, name: keyof Wishes, wish: Wishes[keyof Wishes]): void {
+  (FULFIL[name] as (player: WasmPlayer, wish: unknown) => void)(player, wish);
+}
+
+export class Commands {
+  readonly #wishes: Wishes = { ...NEW_PLAYER };
+  readonly #parameters = new Map<string, number>();
+  // Where the last performer was when it went; a command takes its wish out of here.
+  #left: Partial<Wishes> = {};
+  #performer: Performer | null = null;
+
+  get wishes(): Readonly<Wishes> { return this.#wishes; }
+
+  /** False, after an error event, if the character refuses; then the earlier wish still holds. */
+  set<K extends keyof Wishes>(name: K, wish: Wishes[K]): boolean {
+    return this.#ask({ [name]: wish }, (player) => fulfil(player, name, wish));
+  }
+  /** To a motion at once, from its first frame. */
+  select(sequence: string): void { this.#ask({ sequence, frame: 0 }, (player) => player.selectSequence(sequence)); }
+  /** To a motion by the best transition. */
+  goTo(sequence: string): void { this.#ask({ sequence, frame: 0 }, (player) => player.goTo(sequence)); }
+  /** Only a character that is there can seek by time. */
+  seek(timeS: number): void { this.#performer?.run((player) => player.seek(timeS)); }
+  setParameter(name: string, value: number, atOnce: boolean): void {
+    this.#parameters.set(name, value);
+    const still = !this.#wishes.playing; // a still picture does not glide
+    this.#performer?.run((player) => player.setParameter(name, value, atOnce || still));
+  }
+  /** Puts the character there at once; the parts left out stay as they are. */
+  place(part: Partial<Placement>): void { this.set('placement', { ...this.placement, ...part }); }
+  /** The character turns to this heading while it moves; one that is still to come begins with it. */
+  steer(heading: number): void {
+    if (this.#performer) this.#performer.run((player) => player.steer(heading));
+    else this.place({ heading });
+  }
+  /** The wish alone, where the player knows already or will hear of it in a moment. */
+  remember<K extends keyof Wishes>(name: K, wish: Wishes[K]): void { this.#wishes[name] = wish; }
+
+  state(): PlayerState | null { return this.#performer?.state() ?? null; }
+  get placement(): Placement {
+    const { x, z, heading } = this.state() ?? this.#left.placement ?? this.#wishes.placement;
+    return { x, z, heading };
+  }
+  /** The parameter's value as shown, or as asked for while the character is not there; NaN if neither is known. */
+  parameter(name: string): number { return this.#performer?.parameter(name) ?? this.wishedParameter(name) ?? NaN; }
+  wishedParameter(name: string): number | undefined { return this.#parameters.get(name); }
+
+  /** The next performer shows another source: it begins as last asked for, not where the last one was. */
+  begin(asked: Partial<Wishes> = {}): void {
+    this.#left = {};
+    Object.assign(this.#wishes, { frame: 0 }, asked);
+  }
+  /** A new performer hears all wishes, then every command until it is detached. */
+  attach(performer: Performer): void {
+    this.#performer = performer;
+    const wishes = { ...this.#wishes, ...this.#left };
+    for (const [name, value] of this.#parameters) performer.run((player) => player.setParameter(name, value, true));
+    for (const name of WISHES) {
+      if (wishes[name] !== NEW_PLAYER[name]) performer.run((player) => fulfil(player, name, wishes[name]));
+    }
+  }
+  /** The performer goes. The next one of this source begins where it was. */
+  detach(performer: Performer): void {
+    if (this.#performer !== performer) return;
+    this.#keepPlace(performer);
+    this.#performer = null;
+  }
+
+  #ask(wish: Partial<Wishes>, action: (player: WasmPlayer) => void): boolean {
+    const names = Object.keys(wish) as (keyof Wishes)[];
+    const before = Object.fromEntries(names.map((name) => [name, this.#wishes[name]]));
+    Object.assign(this.#wishes, wish);
+    for (const name of names) delete this.#left[name];
+    const done = this.#performer?.run(action) ?? true;
+    if (!done) Object.assign(this.#wishes, before);
+    return done;
+  }
+
+  // A motion that is on its way to another one begins with that. While the performer seeks, the wishes hold the goal.
+  #keepPlace(performer: Performer): void {
+    const state = performer.state();
+    if (!state?.hasFrame) return;
+    const { x, z, heading, goal, frame } = state;
+    this.#left = { ...this.#left, placement: { x, z, heading } };
+    if (state.seeking) return;
+    const shown = performer.character?.sequences[state.sequence]?.name ?? null;
+    const arrived = !goal || goal === shown;
+    Object.assign(this.#left, arrived ? { sequence: shown, frame } : { sequence: goal, frame: 0 });
+  }
+}
