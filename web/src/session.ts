@@ -233,6 +233,7 @@ export class Session {
       fatal: (reason) => this.#fatal(reason),
       ...(decide ? { onFirstFrame: (frame: VideoFrame) => void this.#choosePath(frame) } : {}),
     });
+    if (this.#abort.signal.aborted) return main.dispose(); // it has ended the session already
     this.#main = main;
     if (main.character) this.#host.camera.setCharacter(main.character);
     if (!this.#shown) this.#host.camera.jump();
@@ -252,7 +253,7 @@ export class Session {
     };
     const actor = new Actor(this.#context(this.#main), { transport, manifest }, commands, host);
     this.#others.set(companion, { actor, transport });
-    if (companion.left.aborted) this.remove(companion); // by a listener of its first events
+    if (companion.left.aborted || this.#abort.signal.aborted) this.remove(companion); // ended by its first events
     this.wake();
   }
 
