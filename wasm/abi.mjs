@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // Makes code from the list of the C ABI (abi.txt, which explains its own format):
 //   node abi.mjs header FILE            C++: enumerations, structs, checks of their layout, declarations
-//   node abi.mjs exports MODULE FILE    what Emscripten exports, one symbol a line
-//   node abi.mjs typescript FILE        declarations of the functions, names of enumerations, readers and writers of records
-// A last argument --list LIST reads another list. What is made is never committed.
+//   node abi.mjs exports MODULE FILE    what Emscripten exports, one symbol per line
+//   node abi.mjs typescript FILE        declarations of functions, names of enumerations, readers and writers of records
+// What is made is never committed.
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { dirname } from 'node:path';
 import { fileURLToPath, pathToFileURL } from 'node:url';
 
 const LIST = fileURLToPath(new URL('abi.txt', import.meta.url));
-const NOTE = '// SPDX-License-Identifier: Apache-2.0\n// Made by wasm/abi.mjs from wasm/abi.txt when it was built. Edit the list instead.\n';
+const NOTE = `// SPDX-License-Identifier: Apache-2.0
+// Made by wasm/abi.mjs from wasm/abi.txt during the build. Edit the list instead.`;
 
-// In wasm32. `c`: C++ type; `size` in bytes, which is also the alignment unless `align` is given; `ts`: TypeScript type.
+// `c`: type in C++, `ts`: type in TypeScript; `size` in wasm32, in bytes, is also the alignment unless `align` is given.
 const FIELDS = {
   i32: { c: 'int32_t', size: 4, ts: 'number' },
   u32: { c: 'uint32_t', size: 4, ts: 'number' },
@@ -20,61 +21,75 @@ const FIELDS = {
   text: { c: 'Text', size: 8, align: 4, ts: 'string' },
   bytes: { c: 'Bytes', size: 8, align: 4, ts: 'Uint8Array' },
 };
+// Types of parameters and results, in C++. A pair is two parameters, address and length.
+const PAIRS = { text: 'const char*', bytes: 'const uint8_t*' };
 const POINTERS = {
   handle: 'fourdvt::Instance*', handles: 'fourdvt::Instance* const*', block: 'void*', pixels: 'const uint8_t*',
   floats: 'const float*', field: 'float*',
 };
-const PAIRS = { text: 'const char*', bytes: 'const uint8_t*' };
 
 const upperCamel = (name) => name.split(/[_-]/).map((word) => word[0].toUpperCase() + word.slice(1)).join('');
-const listName = (enumeration) => `${enumeration.toUpperCase()}S`;
 const lowerCamel = (name) => name.replace(/_(.)/g, (_, letter) => letter.toUpperCase());
+const roundUp = (value, step) => Math.ceil(value / step) * step;
 
-/** The list as { enums, records, functions }. Throws an Error that names the line. */
+// --- the list ---
+
+/** The list as { enums, records, functions }, maps by name. Throws an Error that names the line. */
 export function parseAbi(text) {
-  const abi = { enums: new Map(), records: new Map(), functions: new Map() };
-  let record = null;
-  let module = null;
+  const abi = { enums: new Map(), records: new Map(), functions: new Map(), module: '', record: null };
   text.split('\n').forEach((line, index) => {
-    const complain = (what) => { throw new Error(`abi.txt:${index + 1}: ${what}`); };
-    const define = (map, name, value) => {
-      if (map.has(name)) complain(`${name} is there twice`);
-      map.set(name, value);
-    };
     const code = line.replace(/#.*/, '').trimEnd();
-    let found;
     if (!code) return;
-    if ((found = /^ {2}(\S+) (\w+)$/.exec(code))) {
-      if (!record) complain('a field outside of a record');
-      const { size, align, ...type } = fieldType(abi, found[1]) ?? complain(`no type ${found[1]} for a field`);
-      const offset = roundUp(record.end, align);
-      define(record.fields, found[2], { ...type, offset });
-      record.end = offset + size;
-      record.align = Math.max(record.align, align);
-      record.size = roundUp(record.end, record.align);
-      return;
+    try {
+      parseLine(abi, code);
+    } catch (problem) {
+      throw new Error(`abi.txt:${index + 1}: ${problem.message}`);
     }
-    record = null;
-    if ((found = /^enum (\w+): ([\w -]+)$/.exec(code))) define(abi.enums, found[1], found[2].split(' '));
-    else if ((found = /^record (\w+)$/.exec(code))) define(abi.records, found[1], (record = { fields: new Map(), end: 0, align: 1, size: 0 }));
-    else if ((found = /^module (\w+)$/.exec(code))) module = found[1];
-    else if ((found = /^(\w+) (fdvt_\w+)\((.*)\)$/.exec(code))) {
-      const parameters = found[3].split(', ').map((part) => part.split(' '));
-      for (const [type, name] of [[found[1], 'result'], ...parameters]) {
-        if (!name || !knows(abi, type)) complain(`${found[2]}: no type ${type} for a parameter or result`);
-      }
-      define(abi.functions, found[2], { module, result: found[1], parameters });
-    } else complain('neither a module, an enumeration, a record, a field nor a function');
   });
   return abi;
 }
 
-const roundUp = (value, step) => Math.ceil(value / step) * step;
+const LINES = [
+  [/^ {2}(\S+) (\w+)$/, addField],
+  [/^module (\w+)$/, (abi, name) => { abi.module = name; }],
+  [/^enum (\w+): ([\w -]+)$/, (abi, name, values) => define(abi.enums, name, values.split(' '))],
+  [/^record (\w+)$/, (abi, name) => {
+    abi.record = { fields: new Map(), end: 0, align: 1, size: 0 };
+    define(abi.records, name, abi.record);
+  }],
+  [/^(\w+) (fdvt_\w+)\((.*)\)$/, addFunction],
+];
 
-function fieldType(abi, name) {
-  const record = abi.records.get(name);
-  if (record) return { c: upperCamel(name), size: record.size, align: record.align, ts: `${upperCamel(name)}Record`, record: true };
-  if (abi.enums.has(name)) return { c: upperCamel(name), size: 4, align: 4, ts: upperCamel(name), enumeration: name };
+function parseLine(abi, code) {
+  if (!code.startsWith(' ')) abi.record = null;
+  for (const [pattern, add] of LINES) {
+    const found = pattern.exec(code);
+    if (found) return add(abi, ...found.slice(1));
+  }
+  throw new Error('neither a module, an enumeration, a record, a field nor a function');
+}
+
+function define(map, name, value) {
+  if (map.has(name)) throw new Error(`${name} is there twice`);
+  map.set(name, value);
+}
+
+function addField({ record, ...abi }, typeName, name) {
+  const type = fieldType(abi, typeName);
+  if (!record) throw new Error('a field outside of a record');
+  if (!type) throw new Error(`no type ${typeName} for a field`);
+  const offset = roundUp(record.end, type.align);
+  define(record.fields, name, { ...type, offset });
+  record.end = offset + type.size;
+  record.align = Math.max(record.align, type.align);
+  record.size = roundUp(record.end, record.align);
+}
+
+// `access`: which method of Reader and Writer (web/src/records.ts) reads and writes it.
+function fieldType({ enums, records }, name) {
+  const camel = upperCamel(name);
+  if (records.has(name)) return { ...records.get(name), c: camel, ts: `${camel}Record`, record: camel };
+  if (enums.has(name)) return { size: 4, align: 4, c: camel, ts: camel, enumeration: listName(name) };
   const [, element, count] = /^(\w+)(?:\[(\d+)\])?$/.exec(name) ?? [];
   const type = FIELDS[element] && { align: FIELDS[element].size, access: element, ...FIELDS[element] };
   if (!type || !count) return type;
@@ -82,32 +97,61 @@ function fieldType(abi, name) {
   return { ...type, size: type.size * count, ts, access: `${element}s`, count };
 }
 
-const knows = (abi, type) => type in FIELDS || type in POINTERS || type === 'ok' || type === 'void' || abi.enums.has(type) || abi.records.has(type);
+function addFunction(abi, result, name, list) {
+  const parameters = list.split(', ').map((part) => part.split(' '));
+  for (const [type, parameter] of [[result, 'result'], ...parameters]) {
+    if (!parameter || !isType(abi, type)) throw new Error(`${name}: no type ${type} for a parameter or result`);
+  }
+  define(abi.functions, name, { module: abi.module, result, parameters });
+}
+
+function isType({ enums, records }, type) {
+  return [FIELDS, POINTERS, { ok: 1, void: 1 }].some((types) => type in types) || enums.has(type) || records.has(type);
+}
 
 // --- C++ ---
 
 export function cppHeader(abi) {
-  const out = [NOTE, '#pragma once\n\n#include <cstddef>\n#include <cstdint>\n\nnamespace fourdvt {\nstruct Instance;\nnamespace abi {\n'];
-  for (const [name, values] of abi.enums) out.push(`enum class ${upperCamel(name)} : int32_t { ${values.map(upperCamel).join(', ')} };`);
-  out.push('struct Text {\n  const char* data = nullptr;\n  uint32_t size = 0;\n};\nstruct Bytes {\n  const uint8_t* data = nullptr;\n  uint32_t size = 0;\n};');
-  for (const [name, record] of abi.records) out.push(cppRecord(upperCamel(name), record));
-  out.push('\n}  // namespace abi\n}  // namespace fourdvt\n\nextern "C" {');
-  for (const [name, declared] of abi.functions) out.push(cppDeclaration(abi, name, declared));
-  return `${out.join('\n')}\n}\n`;
+  const enums = [...abi.enums].map(([name, values]) =>
+    `enum class ${upperCamel(name)} : int32_t { ${values.map(upperCamel).join(', ')} };`);
+  const pairs = Object.entries(PAIRS).map(([name, c]) =>
+    `struct ${upperCamel(name)} {\n  ${c} data = nullptr;\n  uint32_t size = 0;\n};`);
+  const records = [...abi.records].map(([name, record]) => cppRecord(upperCamel(name), record));
+  const functions = [...abi.functions].map(([name, declared]) => cppDeclaration(abi, name, declared));
+  return `${NOTE}
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace fourdvt {
+struct Instance;
+namespace abi {
+
+${[...enums, ...pairs, ...records].join('\n')}
+
+}  // namespace abi
+}  // namespace fourdvt
+
+extern "C" {
+${functions.join('\n')}
+}
+`;
 }
 
 function cppRecord(name, { fields, size }) {
   const members = [...fields].map(([field, { c, count }]) => `  ${c} ${field}${count ? `[${count}]` : ''} = {};\n`);
-  const checks = [...fields].map(([field, { offset }]) => `offsetof(${name}, ${field}) == ${offset}`);
-  return `struct ${name} {\n${members.join('')}};\nstatic_assert(${[...checks, `sizeof(${name}) == ${size}`].join(' &&\n              ')},\n              "the page reads ${name} at other offsets");`;
+  const checks = [...fields].map(([field, { offset }]) => `offsetof(${name}, ${field}) == ${offset} &&\n`);
+  return `struct ${name} {\n${members.join('')}};
+static_assert(${checks.join('              ')}              sizeof(${name}) == ${size},
+              "the page reads ${name} at other offsets");`;
 }
 
 function cppDeclaration(abi, name, { result, parameters }) {
   const list = parameters.flatMap(([type, parameter]) => (type in PAIRS
     ? [`${PAIRS[type]} ${parameter}`, `uint32_t ${parameter}_size`]
     : [`${cppType(abi, type)} ${parameter}`]));
-  const returned = result === 'text' ? 'const fourdvt::abi::Text*' : cppType(abi, result);
-  return `${returned} ${name}(${list.join(', ')});`;
+  return `${result === 'text' ? 'const fourdvt::abi::Text*' : cppType(abi, result)} ${name}(${list.join(', ')});`;
 }
 
 function cppType(abi, type) {
@@ -125,22 +169,26 @@ export function exportList(abi, module) {
 
 // --- TypeScript ---
 
+const listName = (enumeration) => `${enumeration.toUpperCase()}S`;
+
+/** The page's half; it imports web/src/records.ts from the folder above its own. */
 export function typeScript(abi) {
-  const out = [NOTE, "import { Reader, Writer } from '../records.js';\n"];
-  for (const [name, values] of abi.enums) {
-    out.push(`export type ${upperCamel(name)} = ${values.map((value) => `'${value}'`).join(' | ')};`);
-    out.push(`export const ${listName(name)}: readonly ${upperCamel(name)}[] = [${values.map((value) => `'${value}'`).join(', ')}];`);
-  }
-  const written = new Set([...abi.functions.values()].flatMap((f) => f.parameters.map(([type]) => type)));
-  for (const [name, record] of abi.records) {
-    out.push(tsInterface(upperCamel(name), record), (written.has(name) ? tsWriter : tsReader)(upperCamel(name), record));
-  }
-  for (const module of new Set([...abi.functions.values()].map((f) => f.module))) {
-    out.push(`\nexport interface ${upperCamel(module)}Exports {`);
-    for (const [name, f] of abi.functions) if (f.module === module) out.push(tsDeclaration(name, f));
-    out.push('}');
-  }
-  return `${out.join('\n')}\n`;
+  const given = new Set([...abi.functions.values()].flatMap((f) => f.parameters.map(([type]) => type)));
+  const modules = new Set([...abi.functions.values()].map((f) => f.module));
+  return [
+    NOTE,
+    "import { Reader, Writer } from '../records.js';\n",
+    ...[...abi.enums].map(([name, values]) => tsEnum(name, values.map((value) => `'${value}'`))),
+    ...[...abi.records].flatMap(([name, record]) => [
+      tsInterface(upperCamel(name), record), (given.has(name) ? tsWriter : tsReader)(upperCamel(name), record)]),
+    ...[...modules].map((module) => tsModule(module, [...abi.functions].filter(([, f]) => f.module === module))),
+  ].join('\n');
+}
+
+function tsEnum(name, values) {
+  const type = upperCamel(name);
+  return `export type ${type} = ${values.join(' | ')};
+export const ${listName(name)}: readonly ${type}[] = [${values.join(', ')}];`;
 }
 
 function tsInterface(name, { fields }) {
@@ -156,47 +204,50 @@ function tsReader(name, { fields }) {
 }
 
 function tsRead({ offset, access, count, ts, record, enumeration }) {
-  if (record) return `read${ts.replace('Record', '')}(memory, at + ${offset})`;
-  if (enumeration) return `${listName(enumeration)}[r.i32(${offset})]!`;
+  if (record) return `read${record}(memory, at + ${offset})`;
+  if (enumeration) return `${enumeration}[r.i32(${offset})]!`;
   return count ? `r.${access}(${offset}, ${count}) as ${ts}` : `r.${access}(${offset})`;
 }
 
 // The record as bytes, to be put into wasm memory.
 function tsWriter(name, { fields, size }) {
-  const writes = [...fields].map(([field, { offset, access, enumeration }]) => {
-    const value = `record.${lowerCamel(field)}`;
-    return enumeration ? `  w.i32(${offset}, Math.max(0, ${listName(enumeration)}.indexOf(${value})));\n` : `  w.${access}(${offset}, ${value});\n`;
-  });
+  const writes = [...fields].map(([field, type]) => `  ${tsWrite(type, `record.${lowerCamel(field)}`)};\n`);
   return `export function bytesOf${name}(record: ${name}Record): Uint8Array {
   const w = new Writer(${size});\n${writes.join('')}  return w.bytes;\n}`;
 }
 
-function tsDeclaration(name, { result, parameters }) {
-  const list = parameters.flatMap(([type, parameter]) => [parameter, ...(type in PAIRS ? [`${parameter}_size`] : [])]);
-  return `  _${name}(${list.map((parameter) => `${lowerCamel(parameter)}: number`).join(', ')}): ${result === 'void' ? 'void' : 'number'};`;
+function tsWrite({ offset, access, enumeration }, value) {
+  if (enumeration) return `w.i32(${offset}, Math.max(0, ${enumeration}.indexOf(${value})))`;
+  return `w.${access}(${offset}, ${value})`;
 }
 
-// --- command line ---
-
-export function readAbi(list = LIST) {
-  return parseAbi(readFileSync(list, 'utf8'));
+function tsModule(module, functions) {
+  return `\nexport interface ${upperCamel(module)}Exports {\n${functions.map(tsDeclaration).join('')}}\n`;
 }
 
-/** Writes the TypeScript half, as web/build.mjs and the unit tests need it. */
-export function writeTypeScript(file, list = LIST) {
+function tsDeclaration([name, { result, parameters }]) {
+  const names = parameters.flatMap(([type, parameter]) => [parameter, ...(type in PAIRS ? [`${parameter}_size`] : [])]);
+  const list = names.map((parameter) => `${lowerCamel(parameter)}: number`).join(', ');
+  return `  _${name}(${list}): ${result === 'void' ? 'void' : 'number'};\n`;
+}
+
+// --- files ---
+
+function write(file, make) {
   mkdirSync(dirname(file), { recursive: true });
-  writeFileSync(file, typeScript(readAbi(list)));
+  writeFileSync(file, make(parseAbi(readFileSync(LIST, 'utf8'))));
 }
 
-function main(words) {
-  const at = words.indexOf('--list');
-  const list = at >= 0 ? words.splice(at, 2)[1] : LIST;
-  const [kind, ...rest] = words;
-  const file = rest.pop();
+/** Writes the page's half of abi.txt, as web/build.mjs and the tests need it. */
+export function writeTypeScript(file) {
+  write(file, typeScript);
+}
+
+function main([kind, ...rest]) {
+  const file = rest.at(-1);
   const make = { header: cppHeader, typescript: typeScript, exports: (abi) => exportList(abi, rest[0]) }[kind];
-  if (!make || !file || !list) throw new Error('usage: node abi.mjs header|typescript|exports MODULE FILE [--list LIST]');
-  mkdirSync(dirname(file), { recursive: true });
-  writeFileSync(file, make(readAbi(list)));
+  if (!make || !file) throw new Error('usage: node abi.mjs header|typescript|exports MODULE FILE');
+  write(file, make);
 }
 
 if (process.argv[1] && import.meta.url === pathToFileURL(process.argv[1]).href) {

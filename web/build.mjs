@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Builds dist/ from src/*.ts, the list of the ABI (wasm/abi.txt) and Emscripten's modules: the player (one ES module, one
-// .wasm, types), and what a page fetches only when it asks for optical flow. Prints the sizes; the budget is for what
-// every visitor downloads.
-//   node build.mjs [--wasm FOLDER with fourdvt.js, fourdvt-flow.js and their .wasm]
-//                  [--opencv FOLDER with fourdvt-opencv.js and .wasm, default WASM/opencv] [--out FOLDER]
+// Builds dist/ from src/, the list of the ABI (wasm/abi.txt) and the wasm modules: the player (one ES module, one .wasm,
+// types), and what a page fetches only when it asks for optical flow. Prints the sizes; the budget is for what every
+// visitor downloads.
+//   node build.mjs [--wasm FOLDER: the build of wasm/, default build/wasm/wasm]
+//                  [--opencv FOLDER with fourdvt-opencv.js and .wasm, default opencv/ in there] [--out FOLDER]
 import { execFileSync } from 'node:child_process';
 import { copyFileSync, existsSync, mkdirSync, readFileSync, rmSync } from 'node:fs';
 import { dirname, join, resolve } from 'node:path';
@@ -30,7 +30,8 @@ function fail(message) {
   process.exit(1);
 }
 for (const name of ['abi.ts', 'fourdvt.js', 'fourdvt.wasm', 'fourdvt-flow.js', 'fourdvt-flow.wasm']) {
-  if (!existsSync(join(wasmFolder, name))) fail(`${join(wasmFolder, name)} is missing: build the CMake preset wasm first, or name its folder with --wasm`);
+  if (existsSync(join(wasmFolder, name))) continue;
+  fail(`${join(wasmFolder, name)} is missing: build the CMake preset wasm first, or name its folder with --wasm`);
 }
 if (process.argv.includes('--opencv') && !hasOpencv) {
   fail(`${join(opencvFolder, 'fourdvt-opencv.js')} is missing: build the CMake preset wasm with OPENCV_WASM_DIR`);

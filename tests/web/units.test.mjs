@@ -145,7 +145,9 @@ function makePerformer(state = {}) {
   });
   return {
     told, character: { sequences: [{ name: 'walk' }, { name: 'run' }] },
-    state: () => ({ hasFrame: true, seeking: false, sequence: 1, frame: 7, goal: 'run', x: 1, z: 2, heading: 30, ...state }),
+    state: () => ({
+      hasFrame: true, seeking: false, sequence: 1, frame: 7, goal: 'run', x: 1, z: 2, heading: 30, ...state,
+    }),
     parameter: () => 1.5,
     run(action) {
       try { action(player); } catch { return false; }
@@ -178,8 +180,8 @@ test('commands: wishes until the character is there, then it does them; a new on
   commands.seek(1);
   commands.goTo('run');
   assert.deepEqual(performer.told.splice(0), [
-    ['setParameter', 'speed_mps', 3, false], ['pause'], ['setParameter', 'speed_mps', 4, true], ['steer', 10], ['seek', 1],
-    ['goTo', 'run']]);
+    ['setParameter', 'speed_mps', 3, false], ['pause'], ['setParameter', 'speed_mps', 4, true], ['steer', 10],
+    ['seek', 1], ['goTo', 'run']]);
   assert.equal(commands.parameter('speed_mps'), 1.5);
 });
 
@@ -199,13 +201,14 @@ test('commands: the next performer begins where the last one was, another source
   const there = ['place', { x: 1, z: 2, heading: 30 }];
   assert.deepEqual(next({}), [there, ['selectSequence', 'run'], ['seekFrame', 7]]);
   commands.begin();
-  assert.deepEqual(next({ goal: 'walk' }), [there, ['selectSequence', 'walk']], 'a motion on its way begins with its goal');
+  assert.deepEqual(next({ goal: 'walk' }), [there, ['selectSequence', 'walk']], 'the goal of a transition');
   commands.begin();
   assert.deepEqual(next({ seeking: true }), [there, ['selectSequence', 'walk']], 'while seeking, what is sought');
   commands.begin();
   assert.deepEqual(next({ hasFrame: false }), [['place', here], ['selectSequence', 'walk']]);
   commands.begin();
-  assert.deepEqual(next({}, () => commands.set('frame', 3)), [there, ['selectSequence', 'run'], ['seekFrame', 3]], 'a command comes before the place');
+  assert.deepEqual(next({}, () => commands.set('frame', 3)), [there, ['selectSequence', 'run'], ['seekFrame', 3]],
+    'a command counts more than the place that was left');
   commands.begin();
   assert.deepEqual(next({}, () => commands.begin()), [['place', here], ['selectSequence', 'walk']]);
 });

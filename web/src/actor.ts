@@ -1,26 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-// One character: transport + decoders + player in wasm, and the traffic between them. Draws nothing and owns no canvas;
-// session.ts does. After dispose() nothing of it runs any more.
+// One character: its transport, its decoders and its player in wasm, and the traffic between them. Draws nothing and
+// owns no canvas: session.ts does. After dispose() nothing of it runs any more.
 import type { Commands, Performer } from './commands.js';
 import { asViewerError, ViewerError, type ErrorDetail } from './errors.js';
 import { FrameDecoder, type Picture } from './frame-decoder.js';
 import type { Transport } from './transport.js';
 import { uploadVideoFrame } from './upload-path.js';
 import type { WasmModule } from './wasm-abi.js';
-import { WasmPlayer, type CharacterInfo, type PictureKind, type PlayerRequest, type PlayerState } from './wasm-player.js';
+import {
+  WasmPlayer, type CharacterInfo, type PictureKind, type PlayerRequest, type PlayerState,
+} from './wasm-player.js';
 
 const PICTURE_SLOTS = 4;
 
-/** What a character is drawn with. */
+/** What one character shares with the others of its canvas. */
 export interface ActorContext {
   module: WasmModule;
   gl: WebGL2RenderingContext;
   path: PictureKind;
-  /** The character that the canvas was opened with; null: this one. */
+  /** The character that the canvas was opened with; null if it is this one. */
   beside: Actor | null;
 }
 
-/** What a character is loaded from. */
+/** What one character is loaded from. */
 export interface Source {
   transport: Transport;
   manifest: unknown;
@@ -28,13 +30,13 @@ export interface Source {
 
 export interface ActorHost {
   emit(name: string, detail?: unknown): void;
-  /** Something to draw or to tick may have come. */
+  /** Asks for a turn of the frame loop: there may be something new to draw. */
   wake(): void;
-  /** This path cannot show the video's pictures. */
+  /** Reports that this upload path cannot show the video's pictures. */
   onNoPlanes(): void;
-  /** Once: the first picture, for measuring; the callee closes it. */
+  /** Gets the first decoded picture, once, to measure with; closes it. */
   onFirstFrame?(frame: VideoFrame): void;
-  /** A trap in wasm or another end of everything. */
+  /** Reports a trap in wasm or another error that ends the whole session. */
   fatal(reason: unknown): void;
 }
 
@@ -46,10 +48,10 @@ export class Actor implements Performer {
   #decoders: (FrameDecoder | undefined)[] = [];
   #player: WasmPlayer | null;
   #character: CharacterInfo | null = null;
-  #measured = false; // the first picture went to the host
-  #stuck = false; // after an error: do not wait for what will not come
+  #measured = false; // a decoder has been asked to give its first picture to the host
+  #stuck = false; // after an error, until the next command: what is awaited will not come
 
-  /** Obeys the commands until it is disposed of. Throws what stops it from loading. */
+  /** Obeys the commands until it is disposed of. Throws a ViewerError if the manifest cannot be used. */
   constructor(context: ActorContext, source: Source, commands: Commands, host: ActorHost) {
     this.#context = context;
     this.#transport = source.transport;
@@ -77,7 +79,7 @@ export class Actor implements Performer {
     try {
       player?.dispose();
     } catch (reason) {
-      console.warn('fourdvt-viewer:', reason); // the wasm instance has trapped; it goes away with the session
+      console.warn('fourdvt-viewer:', reason); // the wasm instance has trapped; the session drops it
     }
   }
 
@@ -85,7 +87,7 @@ export class Actor implements Performer {
   get character(): CharacterInfo | null { return this.#character; }
   state(): PlayerState | null { return this.#guard((p) => p.state()) ?? null; }
   parameter(name: string): number { return this.#guard((p) => p.parameter(name)) ?? NaN; }
-  /** Something is under way that needs the frame loop. */
+  /** True while something is under way that needs the frame loop. */
   busy(state: PlayerState): boolean {
     return ((!state.paused || state.seeking) && !this.#stuck) || this.#decoders.some((d) => d?.busy);
   }
@@ -126,7 +128,7 @@ export class Actor implements Performer {
         } else {
           this.#host.emit(event.name);
         }
-        if (this.#player !== player) return; // a listener removed us
+        if (this.#player !== player) return; // a listener has removed this character
       }
     });
   }
@@ -159,7 +161,7 @@ export class Actor implements Performer {
     }));
   }
 
-  // Decoders come and go with transitions; only the first one's first picture is measured.
+  // Decoders come and go with transitions; only the first decoder gives its first picture for measuring.
   #measuring(): { onFirstFrame?(frame: VideoFrame): void } {
     if (this.#measured || !this.#host.onFirstFrame) return {};
     this.#measured = true;
@@ -209,7 +211,7 @@ export class Actor implements Performer {
     this.pump();
   }
 
-  // Runs the action on the living player. A trap in wasm ends the session, not the page.
+  // Runs the action if there still is a player. A trap in wasm ends the session, not the page.
   #guard<T>(action: (player: WasmPlayer) => T): T | undefined {
     if (!this.#player) return undefined;
     try {

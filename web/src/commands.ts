@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is asked of one character, by either element: every command once. Each is remembered as a wish; the character
-// fulfils it at once if it is there, and begins with all wishes when it comes. Loads and draws nothing.
-import type { Align, CharacterInfo, Placement, PlayerState, RenderOptions, SceneMesh, WasmPlayer } from './wasm-player.js';
+// The commands of one character, each written once, for <fourdvt-viewer> and <fourdvt-character>. A command is
+// remembered as a wish. A character that is loaded fulfils it at once; one that comes later begins with all wishes.
+// Does not load or draw anything.
+import type {
+  Align, CharacterInfo, Placement, PlayerState, RenderOptions, SceneMesh, WasmPlayer,
+} from './wasm-player.js';
 
 export interface Wishes {
   /** -1 as the sequence says, 0 never, 1 always. */
@@ -10,31 +13,31 @@ export interface Wishes {
   placement: Placement;
   travel: boolean;
   align: Align;
-  /** Options and scene belong to the canvas: only its main character has them. */
+  /** Options and scene belong to the canvas, so only its main character is given any. */
   options: RenderOptions | null;
   scene: SceneMesh[] | null;
-  /** Null: the character's first. */
+  /** Null: the first sequence of the character. */
   sequence: string | null;
   frame: number;
   playing: boolean;
 }
 
-/** A loaded character, which fulfils wishes. */
+/** A loaded character that fulfils the wishes. */
 export interface Performer {
   readonly character: CharacterInfo | null;
   state(): PlayerState | null;
-  /** As shown; NaN if the character does not have it. */
+  /** The value as shown; NaN if the character has no such parameter. */
   parameter(name: string): number;
-  /** False, after an error event, if the player refuses the action. */
+  /** Runs the action on the player. False, after an error event, if the player refuses it. */
   run(action: (player: WasmPlayer) => void): boolean;
 }
 
-// A player that has just read its manifest is like this already.
+// What a player does that has just read its manifest: these wishes need not be told to it.
 const NEW_PLAYER: Wishes = {
   loop: -1, rate: 1, placement: { x: 0, z: 0, heading: 0 }, travel: false, align: 'baked', options: null, scene: null,
   sequence: null, frame: 0, playing: false,
 };
-// What the player does for each wish, in the order in which a new player hears them.
+// How a player fulfils each wish, in the order in which a new player is told them.
 const FULFIL: { [K in keyof Wishes]: (player: WasmPlayer, wish: NonNullable<Wishes[K]>) => void } = {
   loop: (player, loop) => player.setLoop(loop),
   rate: (player, rate) => player.setRate(rate),
@@ -56,35 +59,35 @@ function fulfil(player: WasmPlayer, name: keyof Wishes, wish: Wishes[keyof Wishe
 export class Commands {
   readonly #wishes: Wishes = { ...NEW_PLAYER };
   readonly #parameters = new Map<string, number>();
-  // Where the last performer was when it went; a command takes its wish out of here.
+  // Where the last performer was when it left; a command removes the part that it decides anew.
   #left: Partial<Wishes> = {};
   #performer: Performer | null = null;
 
   get wishes(): Readonly<Wishes> { return this.#wishes; }
 
-  /** False, after an error event, if the character refuses; then the earlier wish still holds. */
+  /** Changes one wish. False, after an error event, if the character refuses it: then the earlier wish still holds. */
   set<K extends keyof Wishes>(name: K, wish: Wishes[K]): boolean {
     return this.#ask({ [name]: wish }, (player) => fulfil(player, name, wish));
   }
-  /** To a motion at once, from its first frame. */
+  /** Shows a motion at once, from its first frame. */
   select(sequence: string): void { this.#ask({ sequence, frame: 0 }, (player) => player.selectSequence(sequence)); }
-  /** To a motion by the best transition. */
+  /** Goes over to a motion by the best transition. */
   goTo(sequence: string): void { this.#ask({ sequence, frame: 0 }, (player) => player.goTo(sequence)); }
-  /** Only a character that is there can seek by time. */
+  /** Seeks by time; without a character there is nothing to seek in, and nothing is remembered. */
   seek(timeS: number): void { this.#performer?.run((player) => player.seek(timeS)); }
   setParameter(name: string, value: number, atOnce: boolean): void {
     this.#parameters.set(name, value);
     const still = !this.#wishes.playing; // a still picture does not glide
     this.#performer?.run((player) => player.setParameter(name, value, atOnce || still));
   }
-  /** Puts the character there at once; the parts left out stay as they are. */
+  /** Puts the character somewhere at once. The parts left out keep their values. */
   place(part: Partial<Placement>): void { this.set('placement', { ...this.placement, ...part }); }
-  /** The character turns to this heading while it moves; one that is still to come begins with it. */
+  /** Turns the character to this heading while it moves; one that comes later begins with this heading. */
   steer(heading: number): void {
     if (this.#performer) this.#performer.run((player) => player.steer(heading));
     else this.place({ heading });
   }
-  /** The wish alone, where the player knows already or will hear of it in a moment. */
+  /** Changes the wish alone, where the player has done it by itself or is told in a moment. */
   remember<K extends keyof Wishes>(name: K, wish: Wishes[K]): void { this.#wishes[name] = wish; }
 
   state(): PlayerState | null { return this.#performer?.state() ?? null; }
@@ -92,16 +95,16 @@ export class Commands {
     const { x, z, heading } = this.state() ?? this.#left.placement ?? this.#wishes.placement;
     return { x, z, heading };
   }
-  /** The parameter's value as shown, or as asked for while the character is not there; NaN if neither is known. */
+  /** The parameter's value as shown, or as asked for if no character is loaded; NaN if neither is known. */
   parameter(name: string): number { return this.#performer?.parameter(name) ?? this.wishedParameter(name) ?? NaN; }
   wishedParameter(name: string): number | undefined { return this.#parameters.get(name); }
 
-  /** The next performer shows another source: it begins as last asked for, not where the last one was. */
+  /** Prepares for another source: its performer begins as last asked for, not where the last performer was. */
   begin(asked: Partial<Wishes> = {}): void {
     this.#left = {};
     Object.assign(this.#wishes, { frame: 0 }, asked);
   }
-  /** A new performer hears all wishes, then every command until it is detached. */
+  /** Tells a new performer all wishes, and from now on every command. */
   attach(performer: Performer): void {
     this.#performer = performer;
     const wishes = { ...this.#wishes, ...this.#left };
@@ -110,7 +113,7 @@ export class Commands {
       if (wishes[name] !== NEW_PLAYER[name]) performer.run((player) => fulfil(player, name, wishes[name]));
     }
   }
-  /** The performer goes. The next one of this source begins where it was. */
+  /** Lets the performer go and keeps its place: the next performer of this source begins there. */
   detach(performer: Performer): void {
     if (this.#performer !== performer) return;
     this.#keepPlace(performer);
@@ -127,7 +130,7 @@ export class Commands {
     return done;
   }
 
-  // A motion that is on its way to another one begins with that. While the performer seeks, the wishes hold the goal.
+  // During a transition the place is the start of its target. During a seek the wishes hold what is sought.
   #keepPlace(performer: Performer): void {
     const state = performer.state();
     if (!state?.hasFrame) return;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// <fourdvt-character> inside <fourdvt-viewer>: one more character in the same canvas. Programs and targets are shared;
-// each has decoders of its own. It comes when the viewer's own character is there, plays and pauses with it, and comes
-// again, as it was, after a lost context.
+// <fourdvt-character> inside <fourdvt-viewer>: one more character in the same canvas. It shares shader programs and
+// render targets with the others and has its own decoders. It is loaded once the viewer's own character is there, plays
+// and pauses with it, and comes back as it was after a lost GL context.
 import { Commands } from './commands.js';
 import { JOIN_EVENT, type Companion } from './companion.js';
 import type { Placement } from './wasm-player.js';
@@ -13,7 +13,9 @@ export class FourdvtCharacter extends HTMLElement {
 
   connectedCallback(): void {
     this.#commands.begin({
-      sequence: this.getAttribute('sequence'), travel: this.hasAttribute('travel'), placement: this.#placeOfAttributes(),
+      sequence: this.getAttribute('sequence'),
+      travel: this.hasAttribute('travel'),
+      placement: this.#placeOfAttributes(),
     });
     this.#join();
   }
@@ -30,12 +32,14 @@ export class FourdvtCharacter extends HTMLElement {
   }
 
   goTo(state: string): void { this.#commands.goTo(state); }
-  setParameter(name: string, value: number, immediate = false): void { this.#commands.setParameter(name, value, immediate); }
+  setParameter(name: string, value: number, immediate = false): void {
+    this.#commands.setParameter(name, value, immediate);
+  }
   get placement(): Placement { return this.#commands.placement; }
   set placement(place: Partial<Placement>) { this.#commands.place(place); }
   get heading(): number { return this.placement.heading; }
   set heading(degrees: number) { this.#commands.steer(degrees); }
-  /** The character is loaded and stands in the canvas. */
+  /** True when the character is loaded and shown. */
   get present(): boolean { return this.#commands.state()?.hasFrame ?? false; }
 
   #join(): void {
@@ -51,7 +55,7 @@ export class FourdvtCharacter extends HTMLElement {
     this.dispatchEvent(new CustomEvent(JOIN_EVENT, { bubbles: true, detail: companion }));
   }
 
-  // The new character stands where the old one stood.
+  // The new character stands where the old one was.
   #changeSource(): void {
     const { placement } = this;
     this.#membership?.abort();
@@ -59,7 +63,7 @@ export class FourdvtCharacter extends HTMLElement {
     this.#join();
   }
 
-  /** position="x z" in metres, heading in degrees. */
+  /** Reads position="x z" in metres and heading in degrees. */
   #placeOfAttributes(): Placement {
     const [x, z] = (this.getAttribute('position') ?? '').trim().split(/\s+/).map(Number);
     const heading = Number(this.getAttribute('heading'));

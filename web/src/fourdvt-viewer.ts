@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// <fourdvt-viewer>: a thin composition of session (loading and playing), orbit camera, controls, and overlay.
-// Attributes and events follow <model-viewer> and the media element; README.md lists them.
+// <fourdvt-viewer>: composes session (loading and playing), commands, orbit camera, controls and overlay.
+// Attributes and events follow <model-viewer> and the media element; web/README.md lists them.
 import { Commands } from './commands.js';
 import { JOIN_EVENT, type Companion } from './companion.js';
 import type { ErrorDetail } from './errors.js';
@@ -37,9 +37,9 @@ export interface Orbit {
 }
 
 const STEER_DEG = 60;            // a held key asks for a heading this far from the present one
-const PARAMETER_RANGES_S = 0.7;  // a held key crosses this part of the parameter's range per second
+const PARAMETER_RANGES_S = 0.7;  // share of the parameter's range that a held key crosses per second
 const MAX_PIXEL_RATIO = 2;
-// The total is known only when the stream's index is here: the bar must not be full before that.
+// Until the stream's index has come the total is too small; this keeps the progress bar from being full too early.
 const MIN_TOTAL_BYTES = 300_000;
 const AUTO_ROTATE_DEG_S = 14;
 const AUTO_ROTATE_RESUME_S = 4;
@@ -52,9 +52,9 @@ export class FourdvtViewer extends HTMLElement {
     'src', 'poster', 'alt', 'loop', 'auto-rotate', 'camera-controls', 'camera-orbit', 'camera-target', 'field-of-view',
     'sequence', 'touch-action', 'motion-controls', 'camera-follow', 'travel', 'align',
   ];
-  /** Where the player's wasm file lies; beside the script unless set before an element loads. */
+  /** Address of the player's wasm file: beside the script, unless it is set before the first element loads. */
   static wasmUrl = new URL('fourdvt-viewer.wasm', import.meta.url).href;
-  /** Where the optional OpenCV module lies (align="flow-opencv"); fetched only then. */
+  /** Address of the OpenCV module, which is fetched only for align="flow-opencv". */
   static opencvUrl = new URL('fourdvt-opencv.js', import.meta.url).href;
 
   readonly #overlay: Overlay;
@@ -144,32 +144,32 @@ export class FourdvtViewer extends HTMLElement {
 
   /** Parameters of the motion shown, with their ranges; none for a plain motion. */
   get parameters(): ParameterInfo[] { return this.#current()?.parameters ?? []; }
-  /** The motion glides to the value; `immediate`: at once. A value outside the range counts as the nearest. */
+  /** Lets the motion glide to the value, or jump if `immediate`. A value out of range counts as the range's end. */
   setParameter(name: string, value: number, immediate = false): void {
     if (!Number.isFinite(value)) throw new TypeError(`${name} must be a number`);
     this.#commands.setParameter(name, value, immediate);
   }
-  /** As shown now; NaN if the character does not have it. */
+  /** The value as shown now; NaN if the character has no such parameter. */
   getParameter(name: string): number { return this.#commands.parameter(name); }
-  /** To another motion by the best transition; a one-off motion returns by itself. */
+  /** Goes over to another motion by the best transition. A motion without loop returns by itself. */
   goTo(state: string): void { this.#commands.goTo(state); }
-  /** The motion that goTo asked for last, or that is shown. */
+  /** The motion that was asked for last, or the one that is shown. */
   get state(): string { return this.#commands.state()?.goal || this.sequence; }
   get inTransition(): boolean { return this.#commands.state()?.inTransition ?? false; }
-  /** Degrees, from +z towards +x. Setting it makes the character turn there while it moves. */
+  /** Degrees, from +z towards +x. Setting it makes the character turn to it while it moves. */
   get heading(): number { return this.#commands.placement.heading; }
   set heading(degrees: number) {
     if (!Number.isFinite(degrees)) throw new TypeError('heading must be a number of degrees');
     this.#commands.steer(degrees);
   }
-  /** Where the character stands. Setting it puts it there at once. */
+  /** Where the character stands. Setting it puts the character there at once. */
   get placement(): Placement { return this.#commands.placement; }
   set placement(place: Partial<Placement>) {
     const at = { ...this.placement, ...place };
     if (![at.x, at.z, at.heading].every(Number.isFinite)) throw new TypeError('x, z and heading must be numbers');
     this.#commands.place(at);
   }
-  /** Root motion moves the character over the ground. */
+  /** Whether root motion moves the character over the ground. */
   get travel(): boolean { return this.hasAttribute('travel'); }
   set travel(on: boolean) { this.toggleAttribute('travel', on); }
   get align(): Align {
@@ -177,7 +177,7 @@ export class FourdvtViewer extends HTMLElement {
     return wish && ALIGN_MODES.includes(wish) ? wish : 'baked';
   }
   set align(value: Align) { this.setAttribute('align', value); }
-  /** Meshes that characters stand among; see README.md. */
+  /** Meshes that the characters stand among; web/README.md says what they consist of. */
   get scene(): SceneMesh[] { return this.#commands.wishes.scene ?? []; }
   set scene(meshes: SceneMesh[]) {
     if (meshes.some(({ corners }) => corners.length % 18 !== 0)) throw new RangeError('a scene mesh has 18 numbers a triangle');
@@ -194,12 +194,12 @@ export class FourdvtViewer extends HTMLElement {
     this.#camera.jump();
     this.#session?.wake();
   }
-  /** Background, ground shadow, multisampling, debug views. Assigning a part keeps the rest. */
+  /** Background, ground shadow, multisampling, debug views. Assigning some of the options keeps the others. */
   get renderOptions(): RenderOptions { return { ...this.#commands.wishes.options! }; }
   set renderOptions(options: Partial<RenderOptions>) {
     this.#commands.set('options', { ...this.renderOptions, ...options });
   }
-  /** How decoded pictures reach the GPU; set before src. 'auto' measures. */
+  /** How decoded pictures reach the GPU; 'auto' measures what is faster. Takes effect at the next load. */
   get uploadPath(): UploadPath { return this.#uploadPath; }
   set uploadPath(value: UploadPath) { this.#uploadPath = value; }
   get stats(): ViewerStats | null {
@@ -211,7 +211,7 @@ export class FourdvtViewer extends HTMLElement {
       textureBytes: state.liveTextureBytes, uploadPath: this.#session!.path,
     };
   }
-  /** PNG of the shown frame; another size or pose for this picture only if wanted. Null before the first picture. */
+  /** A PNG of the shown frame, at the size and pose of the snapshot if there is one. Null before the first picture. */
   toBlob(snapshot?: Snapshot): Promise<Blob | null> {
     return this.#session?.toBlob(snapshot) ?? Promise.resolve(null);
   }
@@ -250,8 +250,8 @@ export class FourdvtViewer extends HTMLElement {
   }
 
   attributeChangedCallback(name: string, before: string | null, value: string | null): void {
-    if (!this.#observers) return; // before connectedCallback, which reads them all
-    if (before === value && name !== 'sequence') return; // goTo may have left the sequence asked for before
+    if (!this.#observers) return; // connectedCallback will read all attributes
+    if (before === value && name !== 'sequence') return; // since the last assignment goTo may have left that sequence
     switch (name) {
       case 'src': this.#load(); break;
       case 'poster': this.#overlay.setPoster(value); break;
@@ -371,7 +371,7 @@ export class FourdvtViewer extends HTMLElement {
     return this.#camera.update(dtS) || rotating || steering;
   }
 
-  // Held keys and the joystick move the wanted heading and the first parameter.
+  // Held keys and the joystick change the wanted heading and the first parameter.
   #steer(dtS: number): boolean {
     const wish = this.#motion?.steering;
     if (!wish || this.paused) return false;
@@ -390,7 +390,7 @@ export class FourdvtViewer extends HTMLElement {
     return wish.turn !== 0 || wish.change !== 0 || wish.level !== null;
   }
 
-  // Space: the motion named by `action`, or the first one that does not loop.
+  // Space plays the motion named by the attribute `action`, or else the first one that does not loop.
   #act(): void {
     if (this.paused) return void this.play();
     const action = this.getAttribute('action') ?? this.sequences.find((s) => !s.loop)?.name;

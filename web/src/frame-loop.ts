@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Turns of the page's animation frames, as long as something moves and the element is on screen. Draws nothing.
+// Takes one turn per animation frame of the page, as long as something moves and the element is on screen. What a turn
+// does is its owner's.
 
-const MAX_STEP_S = 0.5;  // a longer pause of the page is not caught up
+const MAX_STEP_S = 0.5;  // longer pauses of the page are not caught up
 const IDLE_TURNS = 12;   // turns without change after which the loop sleeps
 
 export class FrameLoop {
@@ -12,7 +13,7 @@ export class FrameLoop {
   #idle = 0;
   #active = true;
 
-  /** `turn`: one turn; true while more of them are needed. */
+  /** `turn` returns true while it needs further turns. Seconds, without the time off-screen. */
   constructor(turn: (clockS: number, stepS: number) => boolean) {
     this.#turn = turn;
   }
@@ -21,12 +22,12 @@ export class FrameLoop {
     this.#idle = 0;
     if (this.#active) this.#ask();
   }
-  /** False: off-screen. The clock stands still. */
+  /** False: the element is off-screen, and the clock stands still. */
   setActive(active: boolean): void {
     this.#active = active;
     if (!active) this.stop();
   }
-  /** Until it is woken again. */
+  /** Takes no more turns until it is woken again. */
   stop(): void {
     cancelAnimationFrame(this.#request);
     this.#request = this.#lastMs = 0;
@@ -42,7 +43,7 @@ export class FrameLoop {
     this.#lastMs = nowMs;
     this.#clockS += stepS;
     this.#idle = this.#turn(this.#clockS, stepS) ? 0 : this.#idle + 1;
-    if (!this.#active || !this.#lastMs) return; // stopped by what the turn did
+    if (!this.#active || !this.#lastMs) return; // the turn has stopped the loop
     if (this.#idle < IDLE_TURNS) this.#ask();
     else this.#lastMs = 0;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenCV's optical flow as a second wasm module, loaded only when asked for: the reference, and the fallback where the
-// GPU has no float render targets. Copies pictures between the two modules' memories.
+// Connects the player to OpenCV's optical flow, a second wasm module that is loaded only when it is asked for: the
+// reference for the GPU's flow, and the fallback where the GPU has no float render targets. Copies the pictures from
+// one module's memory to the other's.
 import { ViewerError } from './errors.js';
 import type { OpencvModule, WasmModule } from './wasm-abi.js';
 
@@ -15,18 +16,20 @@ async function load(url: string): Promise<OpencvModule> {
     return await create({ printErr: (line: string) => console.warn(`fourdvt-viewer: ${line}`) });
   } catch (reason) {
     loading.delete(url);
-    throw new ViewerError('fetch-failed', `${url}: the OpenCV module does not load (${String(reason)}); put it and its .wasm beside the player`);
+    throw new ViewerError('fetch-failed',
+      `${url}: the OpenCV module does not load (${String(reason)}); put it and its .wasm beside the player`);
   }
 }
 
-/** Afterwards the player's align 'flow-opencv' works. */
+/** Loads the module; afterwards the player can align with 'flow-opencv'. Errors: ViewerError 'fetch-failed'. */
 export async function loadOpenCvFlow(url: string, player: WasmModule): Promise<void> {
   let module = loading.get(url);
   if (!module) loading.set(url, (module = load(url)));
   const flow = await module;
   player.fourdvtFlow = (a, b, width, height, out) => {
     const pixels = width * height;
-    const field = flow._fdvt_flow_alloc((BYTES_PER_VECTOR + 2) * pixels); // field and pictures; the field is aligned
+    // The field comes first, so that it is aligned.
+    const field = flow._fdvt_flow_alloc((BYTES_PER_VECTOR + 2) * pixels);
     if (!field) return 0;
     const first = field + BYTES_PER_VECTOR * pixels;
     flow.HEAPU8.set(player.HEAPU8.subarray(a, a + pixels), first);

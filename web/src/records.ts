@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fields of the records in wasm memory by type and offset: little-endian, texts and bytes as address and length.
-// generated/abi.ts says which record has which field where.
+// Reads and writes fields of records in wasm memory, by type and offset: little-endian, texts and bytes as address and
+// length. generated/abi.ts says which fields a record has and where they lie.
 const decoder = new TextDecoder();
 
 export class Reader {
   readonly #memory: Uint8Array;
   readonly #view: DataView;
 
-  /** A record in wasm memory. Its texts are copied; its bytes are a view that lasts until the next call into wasm. */
+  /** `at`: address of a record. Texts are copied; bytes are a view that is valid until the next call into wasm. */
   constructor(memory: Uint8Array, at: number) {
     this.#memory = memory;
     this.#view = new DataView(memory.buffer, at);

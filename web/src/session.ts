@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One canvas: the GL context, the main character and those beside it, what is drawn when. Made by the element, dies with
-// it, with its src, or with the GL context. After dispose() nothing of it runs any more.
+// One canvas: its GL context, the main character, the companions beside it, and when they are drawn. The element makes
+// a session for each src and GL context. After dispose() nothing of it runs any more.
 import { Actor, type ActorContext, type ActorHost } from './actor.js';
 import type { Commands } from './commands.js';
 import type { Companion } from './companion.js';
@@ -28,11 +28,11 @@ export interface SessionOptions {
 
 export interface SessionHost {
   readonly camera: OrbitCamera;
-  /** What the main character is asked for. */
+  /** The main character's. */
   readonly commands: Commands;
-  /** Those that want to stand beside it. */
+  /** All that have joined, loaded or not. */
   readonly companions: Iterable<Companion>;
-  /** Called once a frame before drawing; true if the view or the motion changes on its own. */
+  /** Called once per frame before drawing. True if the view or the motion changes by itself. */
   animate(stepS: number): boolean;
   emit(name: string, detail?: unknown): void;
   firstPicture(): void;
@@ -44,7 +44,7 @@ export interface Snapshot {
   pose?: Partial<OrbitPose>;
 }
 
-/** A companion that has come. */
+/** A companion that has been loaded. */
 interface Other {
   actor: Actor;
   transport: Transport;
@@ -59,8 +59,8 @@ export class Session {
   readonly #loop = new FrameLoop((clockS, stepS) => this.#turn(clockS, stepS));
   #gl: WebGL2RenderingContext | null = null;
   #module: WasmModule | null = null;
-  #flow: Promise<WasmModule> | null = null; // the module with optical flow, once asked for
-  #align: Align; // as the page wants it; the commands have what the player does now
+  #flow: Promise<WasmModule> | null = null; // the module with optical flow, once it has been asked for
+  #align: Align; // as the page asked for it; the commands hold what the player does until flow is loaded
   #manifest: unknown = null;
   #main: Actor | null = null;
   readonly #others = new Map<Companion, Other>();
@@ -77,11 +77,11 @@ export class Session {
     this.#options = options;
     this.#host = host;
     this.#align = options.align;
-    this.#commands.set('align', needsFlow(options.align) ? 'baked' : options.align); // until flow is here
+    this.#commands.set('align', needsFlow(options.align) ? 'baked' : options.align); // until flow is loaded
     this.#transport = new Transport(options.src);
   }
 
-  /** Never rejects: what goes wrong becomes an error event. */
+  /** Loads the character. Never rejects: what goes wrong becomes an error event. */
   async start(): Promise<void> {
     try {
       if (typeof VideoDecoder === 'undefined') {
@@ -113,7 +113,7 @@ export class Session {
     this.#manifest = null;
   }
 
-  /** After dispose: frees the context now, not at the next garbage collection. The canvas is of no use afterwards. */
+  /** After dispose: frees the GL context before the next garbage collection. The canvas cannot be used afterwards. */
   loseContext(): void {
     this.#gl?.getExtension('WEBGL_lose_context')?.loseContext();
     this.#gl = null;
@@ -123,14 +123,14 @@ export class Session {
   get path(): PictureKind { return this.#path; }
   get #commands(): Commands { return this.#host.commands; }
 
-  /** Flow takes effect when its module is here; if it cannot be, an error event says why and nothing changes. */
+  /** Optical flow takes effect when its module is loaded; if it does not load, an error event says why. */
   setAlign(align: Align): void {
     this.#align = align;
     if (!needsFlow(align)) this.#commands.set('align', align);
-    else if (this.#shown) void this.#useFlow(align); // else the first picture asks for it
+    else if (this.#shown) void this.#useFlow(align); // else it is loaded after the first picture
   }
 
-  /** Another character in the same canvas, unless it is there; its error event says why if it cannot come. */
+  /** Loads another character into the same canvas, unless it is there. If it cannot be, its error event says why. */
   async add(companion: Companion): Promise<void> {
     if (!this.#main || this.#coming.has(companion) || this.#others.has(companion)) return;
     this.#coming.add(companion);
@@ -159,7 +159,7 @@ export class Session {
     this.wake();
   }
 
-  /** False: off-screen. The clock stands still and nothing is drawn or decoded. */
+  /** False: the element is off-screen. The clock stands still, and nothing is drawn or decoded. */
   setActive(active: boolean): void {
     this.#loop.setActive(active);
     if (active) this.wake();
@@ -170,7 +170,7 @@ export class Session {
     if (this.#main) this.#loop.wake();
   }
 
-  /** A PNG of what is shown, at another size and pose if wanted. Null before the first picture. */
+  /** A PNG of what is shown, at the size and pose of the snapshot if there is one. Null before the first picture. */
   async toBlob(snapshot?: Snapshot): Promise<Blob | null> {
     if (!this.#main?.state()?.hasFrame) return null;
     const { width, height } = snapshot ?? this.#size;
@@ -192,7 +192,7 @@ export class Session {
     return this.#flow;
   }
 
-  // Without the flow module a character begins as baked; #show asks again and tells.
+  // If the flow module does not load, the character begins with 'baked'; #show tries again and reports the error.
   async #firstModule(): Promise<WasmModule> {
     const flow = needsFlow(this.#align) ? await this.#flowModule().catch(() => null) : null;
     return flow ?? instantiate(this.#options.wasmUrl);
@@ -216,7 +216,7 @@ export class Session {
     }
   }
 
-  // --- the characters' lives ---
+  // --- opening and closing characters ---
 
   #context(beside: Actor | null): ActorContext {
     return { module: this.#module!, gl: this.#gl!, path: this.#path, beside };
@@ -233,7 +233,7 @@ export class Session {
       fatal: (reason) => this.#fatal(reason),
       ...(decide ? { onFirstFrame: (frame: VideoFrame) => void this.#choosePath(frame) } : {}),
     });
-    if (this.#abort.signal.aborted) return main.dispose(); // it has ended the session already
+    if (this.#abort.signal.aborted) return main.dispose(); // an error during its creation has ended the session
     this.#main = main;
     if (main.character) this.#host.camera.setCharacter(main.character);
     if (!this.#shown) this.#host.camera.jump();
@@ -253,7 +253,8 @@ export class Session {
     };
     const actor = new Actor(this.#context(this.#main), { transport, manifest }, commands, host);
     this.#others.set(companion, { actor, transport });
-    if (companion.left.aborted || this.#abort.signal.aborted) this.remove(companion); // ended by its first events
+    // A listener of its first events may have removed it.
+    if (companion.left.aborted || this.#abort.signal.aborted) this.remove(companion);
     this.wake();
   }
 
@@ -264,19 +265,19 @@ export class Session {
     } else if (name === 'playing' || name === 'pause') {
       for (const { commands } of this.#others.keys()) commands.set('playing', name === 'playing');
     }
-    // The first events come while the actor is being made: the element asks for it in its listeners.
+    // The first events come while the actor is being made, but the element's listeners ask for it: they get them later.
     if (this.#main) this.#host.emit(name, detail);
     else queueMicrotask(() => { if (!this.#abort.signal.aborted) this.#host.emit(name, detail); });
   }
 
-  // The others come again when the next main character can play.
+  // The companions are loaded again when the next main character can play.
   #close(): void {
     for (const companion of [...this.#others.keys()]) this.remove(companion);
     this.#main?.dispose();
     this.#main = null;
   }
 
-  // The same character on another upload path or in another module, from where it is.
+  // Opens the same character on another upload path or in another module; it goes on from where it is.
   #reopen(path: PictureKind): void {
     if (!this.#main) return;
     this.#drawn = '';
@@ -296,7 +297,7 @@ export class Session {
     try {
       path = await measurePath(gl, frame, () => this.#main?.player?.invalidateState());
     } catch {
-      // not measurable here: stay on the path that works
+      // it cannot be measured here: stay on the path that works
     } finally {
       frame.close();
     }
@@ -343,7 +344,7 @@ export class Session {
     if (this.#canvas.height !== height) this.#canvas.height = height;
   }
 
-  /** `others`: those with a frame. */
+  /** `others`: the companions that have a frame. */
   #draw(pose: OrbitPose, others = this.#otherActors.filter((actor) => actor.state()?.hasFrame)): boolean {
     try {
       this.#main?.player?.draw(pose, this.#canvas.width, this.#canvas.height, others.map((actor) => actor.player!));

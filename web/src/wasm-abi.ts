@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The wasm modules as Emscripten makes them, around the functions of wasm/abi.txt. Pointers and handles are numbers.
+// The wasm modules as Emscripten makes them: the functions of wasm/abi.txt and what its runtime adds. Addresses and
+// handles are numbers.
 import type { OpencvExports, PlayerExports } from './generated/abi.js';
 
 export interface WasmModule extends PlayerExports {
   HEAPU8: Uint8Array;
-  /** Solves the flow of align mode flow-opencv, as fdvt_flow_farneback of wasm/abi.txt but in this module's memory. */
+  /** Called for align mode flow-opencv: does what fdvt_flow_farneback of wasm/abi.txt does, in this module's memory. */
   fourdvtFlow?(a: number, b: number, width: number, height: number, flow: number): number;
   GL: {
     registerContext(context: WebGL2RenderingContext, attributes: object): number;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Typed owner of one player handle in wasm memory. Does not fetch, decode or schedule anything.
-// Byte views handed out (data of requests) are valid until the next call; copy what must last.
+// Owns one player's handle in wasm memory and gives its functions types. Does not fetch, decode or schedule anything.
+// The data of a request is a view into wasm memory, valid until the next call; copy what must last longer.
 import { ViewerError } from './errors.js';
 import { flattenJson } from './flat-json.js';
 import {
@@ -13,7 +13,7 @@ import type { WasmModule } from './wasm-abi.js';
 
 export { ALIGN_MODES };
 export type { PictureKind };
-/** Of its fields, a request fills those that its kind needs; see wasm/abi.txt. */
+/** Only the fields that its kind needs are filled in; see wasm/abi.txt. */
 export type PlayerRequest = RequestRecord;
 export type PlayerEvent = EventRecord;
 export type Align = AlignMode;
@@ -35,16 +35,16 @@ export interface SequenceInfo {
   loop: boolean;
   fps: number;
   duration: number;
-  /** Empty for a plain motion; a class of motions has at least one. */
+  /** A class of motions has at least one, a plain motion none. */
   parameters: ParameterInfo[];
-  /** Captured motions of a class. */
+  /** Names of the captured motions of a class. */
   members: string[];
 }
 
 export interface SceneMesh {
   /** 6 numbers per corner, 3 corners per triangle: position in metres, colour in 0..1. */
   corners: Float32Array;
-  /** Hides characters without being seen itself. */
+  /** True: the mesh hides characters without being drawn itself. */
   occluderOnly?: boolean;
 }
 
@@ -93,7 +93,7 @@ export class WasmPlayer {
   #scratch = 0;
   #scratchBytes = 0;
 
-  /** `on`: the canvas's context, or another character that is drawn into the same canvas and outlives this one. */
+  /** `on`: the canvas's context, or another character of the same canvas, which must outlive this one. */
   constructor(module: WasmModule, on: WebGL2RenderingContext | WasmPlayer, kind: PictureKind, slots: number) {
     this.#m = module;
     const kindNumber = PICTURE_KINDS.indexOf(kind);
@@ -164,7 +164,7 @@ export class WasmPlayer {
     this.#m._fdvt_decoder_failed(this.#h, decoder, ...this.#text(reason));
   }
 
-  /** A slot, or -1 (none free now) or -2 (nobody waits for it). */
+  /** A slot for the picture; -1 if none is free now, -2 if the player does not wait for this picture. */
   acquireSlot(decoder: number, timestampUs: number): number {
     return this.#m._fdvt_acquire_slot(this.#h, decoder, timestampUs);
   }
@@ -183,14 +183,14 @@ export class WasmPlayer {
   slotTexture(slot: number): WebGLTexture | null {
     return this.#m.GL.textures[this.#m._fdvt_slot_texture(this.#h, slot)] ?? null;
   }
-  /** After the page filled the slot's texture itself. */
+  /** To be called when the page has filled the slot's texture. */
   commitSlot(slot: number): void { this.#m._fdvt_commit_slot(this.#h, slot); }
   invalidateState(): void { this.#m._fdvt_invalidate_state(this.#h); }
 
   setOptions(options: RenderOptions): void {
     this.#m._fdvt_set_options(this.#h, this.#put(bytesOfOptions(options)));
   }
-  /** `others`: characters created beside this one, drawn into the same picture. */
+  /** Draws this character and the others, which were created beside it, into the same picture. */
   draw(pose: OrbitPose, width: number, height: number, others: WasmPlayer[] = []): void {
     const view = bytesOfView({ ...pose, width, height });
     const handles = Uint32Array.of(this.#h, ...others.map((other) => other.#h));
@@ -203,7 +203,7 @@ export class WasmPlayer {
   setParameter(name: string, value: number, atOnce: boolean): void {
     this.#check(this.#m._fdvt_set_parameter(this.#h, ...this.#text(name), value, atOnce ? 1 : 0));
   }
-  /** As shown; NaN if no class has it. */
+  /** The value as shown; NaN if no class has the parameter. */
   parameter(name: string): number { return this.#m._fdvt_parameter(this.#h, ...this.#text(name)); }
   goTo(state: string): void { this.#check(this.#m._fdvt_goto(this.#h, ...this.#text(state))); }
   setTravel(on: boolean): void { this.#m._fdvt_set_travel(this.#h, on ? 1 : 0); }
@@ -254,13 +254,13 @@ export class WasmPlayer {
     if (!ok) throw this.#lastError();
   }
 
-  // Address and length of a text in scratch memory.
+  // Copies a text into scratch memory and gives its address and length.
   #text(text: string): [number, number] {
     const bytes = encoder.encode(text);
     return [this.#put(bytes), bytes.length];
   }
 
-  // Copies the parts one after the other into scratch memory that lasts until the next call.
+  // Copies the parts, one after the other, into scratch memory that is valid until the next call.
   #put(...parts: Uint8Array[]): number {
     const size = parts.reduce((sum, part) => sum + part.length, 0);
     if (size > this.#scratchBytes) {
