@@ -2,7 +2,7 @@
 // Makes code from the list of the C ABI (abi.txt, which explains its own format):
 //   node abi.mjs header FILE            C++: enumerations, structs, checks of their layout, declarations
 //   node abi.mjs exports MODULE FILE    what Emscripten exports, one symbol per line
-//   node abi.mjs typescript FILE        declarations of functions, names of enumerations, readers and writers of records
+//   node abi.mjs typescript FILE        declarations of functions, names of enumerations, access to records
 // What is made is never committed.
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { dirname } from 'node:path';
@@ -12,7 +12,7 @@ const LIST = fileURLToPath(new URL('abi.txt', import.meta.url));
 const NOTE = `// SPDX-License-Identifier: Apache-2.0
 // Made by wasm/abi.mjs from wasm/abi.txt during the build. Edit the list instead.`;
 
-// `c`: type in C++, `ts`: type in TypeScript; `size` in wasm32, in bytes, is also the alignment unless `align` is given.
+// `c`: type in C++, `ts`: type in TypeScript; `size` in wasm32, in bytes, is the alignment too unless `align` is given.
 const FIELDS = {
   i32: { c: 'int32_t', size: 4, ts: 'number' },
   u32: { c: 'uint32_t', size: 4, ts: 'number' },

@@ -3,10 +3,10 @@
 # Builds OpenCV's core, imgproc and video as static libraries for wasm and prints the folder to pass as OPENCV_WASM_DIR
 # (nothing else on stdout). One thread, 128-bit SIMD, no file formats, no zlib.
 #
-# Source: Debian's source package, through a private apt configuration that leaves the system's alone; or
+# Source: Debian's source package (debian_source.sh); or
 #   OPENCV_SOURCE_DIR=folder   an unpacked OpenCV 4 (it has CMakeLists.txt); read only
 # Result: ${FOURDVT_CACHE:-~/.cache/fourdvt}/opencv-<version>-<hash of flags and compiler>/{lib/libopencv_*.a,include}
-# Needs no root. Every run after the first returns at once.
+# Needs no root. Returns at once if the result is there.
 set -euo pipefail
 
 cache=${FOURDVT_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/fourdvt}
@@ -50,7 +50,8 @@ number() { sed -nE "s/^#define CV_VERSION_$1 +([0-9]+).*/\1/p" "$source_dir/modu
 version=$(number MAJOR).$(number MINOR).$(number REVISION)
 [[ $version =~ ^4\.[0-9]+\.[0-9]+$ ]] || fail "$source_dir is no OpenCV 4 (version '$version')"
 
-# Flow needs no compressed files. OpenCV insists on zlib, which Debian's package leaves out: a name without contents.
+# Optical flow reads no compressed files, but OpenCV's build insists on zlib, which Debian's package leaves out. So it gets
+# a library of that name with nothing in it.
 sed -i 's/^#define USE_ZLIB 1$/#define USE_ZLIB 0/' "$source_dir/modules/core/src/persistence.hpp"
 zlib=$source_dir/3rdparty/zlib
 rm -rf "$zlib"
@@ -65,7 +66,7 @@ END
 echo "build_opencv: building OpenCV $version for wasm (about 10 minutes)" >&2
 export NODE_PATH=${NODE_PATH:-/usr/share/nodejs}
 log=$cache/opencv-$hash.log
-# Copies its input to the log and tells every 40th step of Ninja's.
+# Copies its input to the log and reports every 40th step of Ninja.
 show_progress() {
   local line
   while IFS= read -r line; do

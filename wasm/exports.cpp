@@ -78,13 +78,13 @@ Status drawTogether(Instance* const* handles, uint32_t count, const render::View
                              {handles[0]->options, handles[0]->player->align()}, gpu::kDefaultTarget);
 }
 
-// The page numbers the debug views as the renderer does.
+// The page's numbers of the debug views are the renderer's.
 static_assert(static_cast<int>(abi::DebugView::Labels) == static_cast<int>(render::DebugView::Labels) &&
               static_cast<int>(abi::DebugView::Layer) == static_cast<int>(render::DebugView::Layer) &&
               static_cast<int>(abi::DebugView::Weights) == static_cast<int>(render::DebugView::Weights) &&
               static_cast<int>(abi::DebugView::Normals) == static_cast<int>(render::DebugView::Normals));
 
-// Copies the interleaved u and v of an NV12 picture into planes of the handle.
+// Makes planes of an NV12 picture's interleaved u and v; they belong to the handle.
 void separateChroma(Instance* h, const uint8_t* interleaved, int32_t stride, I420View& view) {
   const size_t w = view.width / 2, rows = view.height / 2, plane = w * rows;
   h->chroma.resize(2 * plane);

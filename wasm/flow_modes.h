@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The optical flow behind some alignments: flow_modes.cpp in fourdvt-flow.wasm, no_flow_modes.cpp in the player that
-// every visitor downloads.
+// The optical flow that some alignments need: implemented by flow_modes.cpp in fourdvt-flow.wasm; refused by
+// no_flow_modes.cpp in the player that every visitor downloads.
 #pragma once
 
 #include <memory>

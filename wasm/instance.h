@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the files of the C ABI share: the handle that a page holds, and the records behind it that the page reads. The
-// ABI itself, its functions and records, is the list abi.txt; abi.h is made from it.
+// What the files of the C ABI share: the handle that a page holds and the records that it reads. The ABI itself, its
+// functions and records, is listed in abi.txt, from which abi.h is made.
 #pragma once
 
 #include <emscripten/html5.h>
@@ -15,7 +15,7 @@
 
 namespace fourdvt {
 
-// What characters in one canvas share.
+// What the characters of one canvas share.
 struct Canvas {
   EMSCRIPTEN_WEBGL_CONTEXT_HANDLE context = 0;
   std::unique_ptr<gpu::Device> device;
@@ -23,7 +23,7 @@ struct Canvas {
   render::Scene scene;
 };
 
-// The records that the page got last; each call overwrites its own.
+// The records that the page was given last; each function overwrites its own.
 struct Records {
   abi::Error error;
   abi::Request request;
@@ -38,10 +38,10 @@ struct Records {
 struct Instance {
   std::shared_ptr<Canvas> canvas;
   std::unique_ptr<Player> player;  // destroyed before the canvas
-  FlatJson manifest;               // while it comes value by value
+  FlatJson manifest;               // filled value by value until fdvt_load
   render::RecipeOptions options;
-  std::vector<uint8_t> chroma;  // de-interleaved NV12, u then v
-  // What the records' texts and bytes point to.
+  std::vector<uint8_t> chroma;  // planes u and v of an NV12 picture
+  // Owners of what the texts and bytes of the records point to.
   Request request;
   Event event;
   Error error;
@@ -53,7 +53,7 @@ inline abi::Text text(const std::string& s) { return {s.data(), static_cast<uint
 inline abi::Text text(const char* s) { return {s, static_cast<uint32_t>(std::char_traits<char>::length(s))}; }
 inline abi::Error recordOf(const Error& error) { return {text(errorName(error.id)), text(error.message)}; }
 
-// 1, or 0 with the handle's error set.
+// The ABI's `ok`: 1, or 0 with the handle's error set.
 inline int32_t keep(Instance* h, const Status& status) {
   if (!status.ok()) h->error = status.error();
   return status.ok() ? 1 : 0;

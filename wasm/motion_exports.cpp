@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The motion half of the C ABI: parameters, transitions, placement, alignment, scene. Conventions: exports.cpp.
+// The C ABI's functions for motion: parameters, transitions, placement, alignment, scene. exports.cpp says who owns
+// what.
 #include "flow_modes.h"
 #include "instance.h"
 #include "motion/parameter_space.h"

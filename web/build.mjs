@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Builds dist/ from src/, the list of the ABI (wasm/abi.txt) and the wasm modules: the player (one ES module, one .wasm,
-// types), and what a page fetches only when it asks for optical flow. Prints the sizes; the budget is for what every
-// visitor downloads.
+// Builds dist/ from src/, the list of the ABI (wasm/abi.txt) and the wasm modules: the player (an ES module, its .wasm
+// and its types), and what a page fetches only when it asks for optical flow. Prints the sizes; the budget is for what
+// every visitor downloads.
 //   node build.mjs [--wasm FOLDER: the build of wasm/, default build/wasm/wasm]
 //                  [--opencv FOLDER with fourdvt-opencv.js and .wasm, default opencv/ in there] [--out FOLDER]
 import { execFileSync } from 'node:child_process';
