@@ -180,7 +180,8 @@ export class FourdvtViewer extends HTMLElement {
   /** Meshes that the characters stand among; web/README.md says what they consist of. */
   get scene(): SceneMesh[] { return this.#commands.wishes.scene ?? []; }
   set scene(meshes: SceneMesh[]) {
-    if (meshes.some(({ corners }) => corners.length % 18 !== 0)) throw new RangeError('a scene mesh has 18 numbers a triangle');
+    const whole = meshes.every(({ corners }) => corners.length % 18 === 0);
+    if (!whole) throw new RangeError('a scene mesh needs 18 numbers per triangle');
     this.#commands.set('scene', meshes.filter(({ corners }) => corners.length > 0)
       .map((mesh) => ({ ...mesh, corners: Float32Array.from(mesh.corners) })));
   }

@@ -37,9 +37,6 @@ export class FrameDecoder {
   #first = true;
 
   constructor(path: PictureKind, callbacks: DecoderCallbacks) {
-    if (typeof VideoDecoder === 'undefined') {
-      throw new ViewerError('decoder-unsupported', 'this browser has no WebCodecs VideoDecoder: open the page in a newer one');
-    }
     this.#path = path;
     this.#callbacks = callbacks;
   }

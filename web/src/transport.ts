@@ -106,7 +106,7 @@ export class Transport {
 
 function slice(url: string, from: Uint8Array, offset: number, bytes: number): Uint8Array {
   if (offset + bytes > from.length) {
-    throw new ViewerError('fetch-failed', `${url}: too short, ${offset + bytes} bytes wanted; upload the file again`);
+    throw new ViewerError('fetch-failed', `${url}: the file has less than ${offset + bytes} bytes; upload it again`);
   }
   return from.subarray(offset, offset + bytes);
 }

@@ -172,7 +172,7 @@ export class WasmPlayer {
   /** Uploads the planes and commits the slot. */
   upload(slot: number, pixels: Uint8Array, { width, height, layout }: Planes): void {
     const [y, u, v] = layout;
-    if (!y || !u) throw new ViewerError('video-invalid', 'a decoded picture without planes');
+    if (!y || !u) throw new ViewerError('video-invalid', 'a decoded picture has no planes');
     const planes = bytesOfPlanes({
       width, height, offsetY: y.offset, strideY: y.stride, offsetU: u.offset, strideU: u.stride,
       offsetV: v?.offset ?? 0, strideV: v?.stride ?? 0,
