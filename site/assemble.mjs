@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// node site/assemble.mjs OUT DIST CHARACTER: puts together the folder that is served. OUT gets the pages with their
-// scripts, styles and pictures, OUT/fourdvt-viewer the built web package DIST, OUT/character the baked CHARACTER.
-// Other files in OUT stay.
+// node site/assemble.mjs OUT DIST CHARACTER: the folder that is served.
+// OUT/{index,steer}.html, their scripts, styles and pictures, OUT/fourdvt-viewer (DIST, the built web package), OUT/character (a baked one).
+// Replaces only what it makes.
 import { copyFileSync, cpSync, existsSync, mkdirSync, rmSync } from 'node:fs';
 import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
