@@ -66,7 +66,7 @@ END
 echo "build_opencv: building OpenCV $version for wasm (about 10 minutes)" >&2
 export NODE_PATH=${NODE_PATH:-/usr/share/nodejs}
 log=$cache/opencv-$hash.log
-# Copies its input to the log and reports every 40th step of Ninja.
+# Copies its input to the log and tells every 40th step of Ninja's.
 show_progress() {
   local line
   while IFS= read -r line; do
