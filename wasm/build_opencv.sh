@@ -6,7 +6,7 @@
 # Source: Debian's source package (debian_source.sh); or
 #   OPENCV_SOURCE_DIR=folder   an unpacked OpenCV 4 (it has CMakeLists.txt); read only
 # Result: ${FOURDVT_CACHE:-~/.cache/fourdvt}/opencv-<version>-<hash of flags and compiler>/{lib/libopencv_*.a,include}
-# Needs no root. Returns at once if the result is there.
+# Needs no root. Every run after the first returns at once.
 set -euo pipefail
 
 cache=${FOURDVT_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/fourdvt}
