@@ -146,10 +146,7 @@ export class Session {
     if (!this.#others.has(companion)) transport.dispose();
   }
   remove(companion: Companion): void {
-    const other = this.#others.get(companion);
-    this.#others.delete(companion);
-    other?.transport.dispose();
-    other?.actor.dispose();
+    this.#drop(companion);
     this.wake();
   }
 
@@ -270,9 +267,16 @@ export class Session {
     else queueMicrotask(() => { if (!this.#abort.signal.aborted) this.#host.emit(name, detail); });
   }
 
+  #drop(companion: Companion): void {
+    const other = this.#others.get(companion);
+    this.#others.delete(companion);
+    other?.transport.dispose();
+    other?.actor.dispose();
+  }
+
   // The companions are loaded again when the next main character can play.
   #close(): void {
-    for (const companion of [...this.#others.keys()]) this.remove(companion);
+    for (const companion of [...this.#others.keys()]) this.#drop(companion);
     this.#main?.dispose();
     this.#main = null;
   }
