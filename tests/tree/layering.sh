@@ -12,7 +12,7 @@ complain() { echo "$*"; bad=1; }
 declare -A allowed
 order=()
 layer() { order+=("$1"); allowed[$1]="${*:2}"; }
-core="base gpu package package/coding motion render render/flow stream player"
+core="base gpu package package/coding motion render render/flow stream player player/parts"
 layer base
 layer gpu base
 layer package base
@@ -21,7 +21,8 @@ layer motion base package
 layer render/flow base gpu
 layer render base gpu package render/flow
 layer stream base package package/coding
-layer player base gpu package motion render render/flow stream
+layer player/parts base gpu package package/coding motion render render/flow stream
+layer player base gpu package motion render render/flow stream player/parts
 layer platform $core
 layer capture base
 layer studio/actors base platform
