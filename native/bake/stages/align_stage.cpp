@@ -76,6 +76,7 @@ Status ClassAligner::open() {
   character_.sequences.push_back(describeStream(plan_));
   AlignmentOptions options;
   options.gutter_texels = job_.options.gutter_texels;
+  options.jobs = job_.options.jobs;
   auto aligner = SurfaceAligner::create(device, character_, mesh, options);
   if (!aligner) return aligner.error();
   aligner_ = aligner.take();
