@@ -4,8 +4,7 @@
 
 #include <algorithm>
 
-#include "bake/run/progress.h"
-#include "bake/run/work_folder.h"
+#include "bake/run/bake_run.h"
 #include "bake/stages/align_stage.h"
 #include "bake/stages/assemble.h"
 #include "bake/stages/gop_stage.h"
@@ -19,45 +18,24 @@ namespace fourdvt::bake {
 namespace {
 
 // What is expected of every stage, before the first of them begins.
-void expectWork(const Job& job, ProgressReporter& progress) {
+void expectWork(BakeRun& run) {
+  const Job& job = run.job;
   uint32_t phases = 0, member_phases = 0;
   for (const capture::CaptureClass* c : bakedClasses(job)) {
     const uint32_t frames = expectedPhases(job, *c);
     phases += frames;
     member_phases += frames * static_cast<uint32_t>(c->members.size());
   }
-  progress.frames_total = job.total_frames + phases;
-  progress.expect(StageWork::kWarp * member_phases + StageWork::kSurvey * job.total_frames +
-                  StageWork::kFrame * (job.total_frames + member_phases) + StageWork::kGraph * progress.frames_total);
-  if (job.options.align) progress.expect(StageWork::kAlign * (member_phases - phases));
+  run.progress.frames_total = job.total_frames + phases;
+  const auto expect = [&](Stage stage, uint32_t units) { run.progress.expect(infoOf(stage).work_s * units); };
+  expect(Stage::Warp, member_phases);
+  expect(Stage::Visibility, job.total_frames);
+  expect(Stage::Encode, job.total_frames + member_phases);
+  expect(Stage::Graph, run.progress.frames_total);
+  if (job.options.align) expect(Stage::Align, member_phases - phases);
 }
 
-Status warp(Job& job, const BakeEnvironment& environment, StageClock& clock, ProgressReporter& progress) {
-  StageClock::Span span(clock, "warp");
-  double work = 0;
-  for (const capture::CaptureClass* c : bakedClasses(job))
-    work += StageWork::kWarp * expectedPhases(job, *c) * c->members.size();
-  StageProgress stage(progress, work);
-  return planStreams(job, environment,
-                     [&](const std::string& name, double share) { stage.done(share, "warp " + name); });
-}
-
-Result<Survey> survey(const Job& job, const BakeEnvironment& environment, StageClock& clock,
-                      ProgressReporter& progress) {
-  StageProgress stage(progress, StageWork::kSurvey * job.total_frames);
-  return Survey::run(job, environment, clock, [&](const std::string& name, double share) { stage.done(share, name); });
-}
-
-Status bakeGops(const Job& job, const Survey& survey, const WorkFolder& work, const BakeEnvironment& environment,
-                StageClock& clock, ProgressReporter& progress, bool& resumed) {
-  GopStage gops(job, survey, work, environment, clock, progress);
-  FOURDVT_TRY(gops.start());
-  FOURDVT_TRY(gops.run());
-  resumed = gops.framesBaked() < job.streamFrames();
-  return {};
-}
-
-// Each once: a class says of its members what they say themselves.
+// Drops duplicates: classes repeat their members' notes.
 std::vector<std::string> notesOf(const Job& job) {
   std::vector<std::string> notes;
   for (const StreamPlan& plan : job.streams)
@@ -66,30 +44,30 @@ std::vector<std::string> notesOf(const Job& job) {
   return notes;
 }
 
-Result<BakeReport> runJob(Job& job, const BakeEnvironment& environment, StageClock& clock) {
-  ProgressReporter progress(environment);
-  expectWork(job, progress);
-  FOURDVT_TRY(warp(job, environment, clock, progress));
-  auto opened = WorkFolder::open(job.workFolder(), settingsKey(job), job.options.resume);
-  if (!opened) return opened.error();
-  const WorkFolder& work = opened.value();
-  auto surveyed = survey(job, environment, clock, progress);
-  if (!surveyed) return surveyed.error();
+void addFigures(const BakeRun& run, const Survey& survey, ReportInput& report) {
+  BakeReport& figures = report.figures;
+  figures.seconds_by_stage = run.clock.seconds();
+  figures.labels_by_sequence = survey.statistics();
+  figures.frames = run.job.streamFrames();
+  figures.notes = notesOf(run.job);
+  figures.peak_rss_bytes = peakResidentBytes();
+  report.wall_s = run.progress.seconds() + figures.seconds_by_stage[infoOf(Stage::Validate).name];
+}
+
+Result<BakeReport> runStages(BakeRun& run) {
+  const Job& job = run.job;
+  expectWork(run);
+  FOURDVT_TRY(planStreams(run));
+  FOURDVT_ASSIGN(run.work, WorkFolder::open(job.workFolder(), settingsKey(job), job.options.resume));
+  FOURDVT_ASSIGN(const Survey survey, Survey::make(run));
+  GopStage gops(run, survey);
+  FOURDVT_TRY(gops.run());
+  FOURDVT_TRY(alignClasses(run));
+  FOURDVT_ASSIGN(const auto graph, makeGraph(run));
   ReportInput report;
-  FOURDVT_TRY(bakeGops(job, surveyed.value(), work, environment, clock, progress, report.resumed));
-  FOURDVT_TRY(alignClasses(job, work, environment, clock, progress));
-  auto graph = makeGraph(job, work, environment, clock, progress);
-  if (!graph) return graph.error();
-  {
-    StageClock::Span span(clock, "assemble");
-    FOURDVT_TRY(assemble(job, work, graph.value(), *environment.device, report));
-  }
-  report.figures.seconds_by_stage = clock.seconds();
-  report.figures.labels_by_sequence = surveyed.value().statistics();
-  report.figures.frames = job.streamFrames();
-  report.figures.notes = notesOf(job);
-  report.figures.peak_rss_bytes = peakResidentBytes();
-  report.wall_s = progress.seconds() + report.figures.seconds_by_stage["validate"];
+  report.resumed = gops.framesBaked() < job.streamFrames();
+  FOURDVT_TRY(assemble(run, graph, report));
+  addFigures(run, survey, report);
   FOURDVT_TRY(writeReportFiles(job, report));
   FOURDVT_TRY(
       platform::replaceFolder(job.resultFolder(), job.options.character_folder, job.workFolder() + "/previous"));
@@ -97,26 +75,10 @@ Result<BakeReport> runJob(Job& job, const BakeEnvironment& environment, StageClo
   return report.figures;
 }
 
-}  // namespace
-
-Result<BakeReport> bake(const BakeOptions& given, const BakeEnvironment& environment) {
-  BakeOptions options = given;
-  while (options.character_folder.size() > 1 && options.character_folder.back() == '/')
-    options.character_folder.pop_back();
-  StageClock clock;
-  auto job = [&] {
-    StageClock::Span span(clock, "validate");
-    return validate(options, environment);
-  }();
-  if (!job) {
-    platform::removeIfEmpty(options.character_folder + ".work");
-    return job.error();
-  }
-  auto result = runJob(job.value(), environment, clock);
-  if (result) return result;
-  Error error = result.error();
-  const std::string work = job.value().workFolder();
-  platform::removeFolder(job.value().resultFolder());
+// What an unfinished bake leaves behind: finished GOPs and what the survey measured, never half a result.
+Error cleanedUp(Error error, const Job& job) {
+  const std::string work = job.workFolder();
+  platform::removeFolder(job.resultFolder());
   platform::removeIfEmpty(work);
   if (error.id == ErrorId::Interrupted) return error;  // says it itself
   if (WorkFolder::holdsGops(work))
@@ -124,6 +86,29 @@ Result<BakeReport> bake(const BakeOptions& given, const BakeEnvironment& environ
   else if (error.id != ErrorId::WriteFailed)  // with room to write, what the survey measured goes on
     platform::removeFolder(work);
   return error;
+}
+
+std::string withoutTrailingSlash(std::string path) {
+  while (path.size() > 1 && path.back() == '/') path.pop_back();
+  return path;
+}
+
+}  // namespace
+
+Result<BakeReport> bake(const BakeOptions& given, const BakeEnvironment& environment) {
+  BakeOptions options = given;
+  options.character_folder = withoutTrailingSlash(given.character_folder);
+  const auto started = std::chrono::steady_clock::now();
+  auto job = validate(options, environment);
+  if (!job) {
+    platform::removeIfEmpty(options.character_folder + ".work");
+    return job.error();
+  }
+  BakeRun run(job.take(), environment);
+  run.clock.add(Stage::Validate, std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count());
+  auto report = runStages(run);
+  if (report) return report;
+  return cleanedUp(report.error(), run.job);
 }
 
 }  // namespace fourdvt::bake

@@ -90,3 +90,13 @@ using Status = Result<void>;
     auto fourdvt_status = (expression);                 \
     if (!fourdvt_status.ok()) return fourdvt_status.error(); \
   } while (0)
+
+// FOURDVT_ASSIGN(target, expression): assigns a Result's value, or returns its error from the enclosing function. The
+// target is a declaration ("auto picture", "const Image still") or something that exists already.
+#define FOURDVT_ASSIGN(target, ...) FOURDVT_ASSIGN_FROM(FOURDVT_NAME_WITH(fourdvt_result_, __COUNTER__), target, __VA_ARGS__)
+#define FOURDVT_ASSIGN_FROM(result, target, ...) \
+  auto result = (__VA_ARGS__);                   \
+  if (!result.ok()) return result.error();       \
+  target = result.take()
+#define FOURDVT_NAME_WITH(name, number) FOURDVT_NAME_JOINED(name, number)
+#define FOURDVT_NAME_JOINED(name, number) name##number

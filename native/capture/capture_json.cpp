@@ -44,9 +44,7 @@ class Parser {
     const Json& sequences = member(root, "sequences");
     if (!sequences.is_array() || sequences.empty()) return error("needs \"sequences\", a list with at least one entry");
     for (const Json& entry : sequences) FOURDVT_TRY(sequence(entry));
-    auto classes = parseClasses(member(root, "classes"), out_.sequences, file_);
-    if (!classes) return classes.error();
-    capture.classes = classes.take();
+    FOURDVT_ASSIGN(capture.classes, parseClasses(member(root, "classes"), out_.sequences, file_));
     return std::move(out_);
   }
 

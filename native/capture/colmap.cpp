@@ -93,9 +93,7 @@ Result<std::map<int64_t, Intrinsics>> parseCameras(std::string_view text, const 
     if (first.empty() || first.front() == '#') continue;
     const auto id = toNumber<int64_t>(first);
     if (!id) return poseError(at(file, number), "the line must start with a camera number");
-    auto intrinsics = parseModel(line, at(file, number));
-    if (!intrinsics.ok()) return intrinsics.error();
-    cameras[*id] = intrinsics.value();
+    FOURDVT_ASSIGN(cameras[*id], parseModel(line, at(file, number)));
   }
   if (cameras.empty()) return poseError(file + ": ", "no camera in it");
   return cameras;
@@ -146,8 +144,7 @@ bool isPointsLine(std::string_view line) {
 
 Result<std::vector<CaptureCamera>> parseColmapText(std::string_view cameras_text, std::string_view images_text,
                                                    const std::string& path) {
-  auto intrinsics = parseCameras(cameras_text, path + "/cameras.txt");
-  if (!intrinsics.ok()) return intrinsics.error();
+  FOURDVT_ASSIGN(auto intrinsics, parseCameras(cameras_text, path + "/cameras.txt"));
   const std::string file = path + "/images.txt";
   std::vector<CaptureCamera> cameras;
   std::set<std::string> names;
@@ -159,7 +156,7 @@ Result<std::vector<CaptureCamera>> parseColmapText(std::string_view cameras_text
     const std::string_view first = takeWord(line);
     if (points || first.empty() || first.front() == '#') continue;
     if (!toNumber<int64_t>(first)) return poseError(at(file, number), "the line must start with an image number");
-    auto camera = parseImage(line, intrinsics.value(), at(file, number));
+    auto camera = parseImage(line, intrinsics, at(file, number));
     if (!camera.ok()) return camera.error();
     if (!names.insert(camera.value().pinhole.name).second) {
       return poseError(at(file, number), "camera \"" + camera.value().pinhole.name + "\" is listed twice");

@@ -34,19 +34,17 @@ class CameraReader {
 
   // RGBA, undistorted.
   Status read(uint32_t frame, Image& out) {
-    auto colour = colour_->read(frame);
-    if (!colour.ok()) return colour.error();
-    FOURDVT_TRY(checkSize(colour.value(), camera_, colour_->path()));
+    FOURDVT_ASSIGN(auto colour, colour_->read(frame));
+    FOURDVT_TRY(checkSize(colour, camera_, colour_->path()));
     Image alpha;
     if (matte_) {
-      auto matte = matte_->read(frame);
-      if (!matte.ok()) return matte.error();
-      FOURDVT_TRY(checkSize(matte.value(), camera_, matte_->path()));
-      alpha = matte.take();
+      FOURDVT_ASSIGN(auto matte, matte_->read(frame));
+      FOURDVT_TRY(checkSize(matte, camera_, matte_->path()));
+      alpha = std::move(matte);
     } else {
-      alpha = chromaKey(colour.value(), plate_);
+      alpha = chromaKey(colour, plate_);
     }
-    out = joined(undistorter_.apply(colour.take()), undistorter_.apply(std::move(alpha)));
+    out = joined(undistorter_.apply(std::move(colour)), undistorter_.apply(std::move(alpha)));
     return {};
   }
 
@@ -55,9 +53,7 @@ class CameraReader {
 
   static Status openStream(const PicturePlace& place, const CaptureSequence& sequence, int channels,
                            const OpenVideo& open_video, std::optional<PictureStream>& out) {
-    auto stream = PictureStream::open(place, sequence, channels, open_video);
-    if (!stream.ok()) return stream.error();
-    out = stream.take();
+    FOURDVT_ASSIGN(out, PictureStream::open(place, sequence, channels, open_video));
     return {};
   }
 
@@ -99,9 +95,8 @@ class Reader final : public FrameReader {
 
   Status openCameras(const OpenVideo& open_video) {
     for (const CaptureCamera& camera : capture_.cameras) {
-      auto reader = CameraReader::open(capture_, sequence_, camera, open_video);
-      if (!reader.ok()) return reader.error();
-      cameras_.push_back(reader.take());
+      FOURDVT_ASSIGN(auto reader, CameraReader::open(capture_, sequence_, camera, open_video));
+      cameras_.push_back(std::move(reader));
     }
     return {};
   }
@@ -109,9 +104,7 @@ class Reader final : public FrameReader {
   Result<CaptureFrame> next() override {
     CaptureFrame frame;
     frame.index = next_frame_;
-    auto positions = readMeshFrame(capture_, sequence_, frame.index);
-    if (!positions.ok()) return positions.error();
-    frame.positions = positions.take();
+    FOURDVT_ASSIGN(frame.positions, readMeshFrame(capture_, sequence_, frame.index));
     frame.pictures.resize(cameras_.size());
     std::vector<Status> done(cameras_.size());
     cv::parallel_for_(cv::Range(0, static_cast<int>(cameras_.size())), [&](const cv::Range& range) {

@@ -131,16 +131,15 @@ Result<Positions> readMeshFrame(const Capture& capture, const CaptureSequence& s
   }
   if (!sequence.packed_positions.empty()) return readPacked(capture, sequence, frame);
   const std::string path = framePath(sequence.mesh_pattern, frame);
-  auto mesh = readObj(path);
-  if (!mesh.ok()) return mesh.error();
-  const MeshTopology& topology = mesh.value().topology;
+  FOURDVT_ASSIGN(auto mesh, readObj(path));
+  const MeshTopology& topology = mesh.topology;
   if (!sameTopology(topology, capture.topology)) {
     return otherTopology(path, std::to_string(topology.vertex_count) + " vertices and " +
                                    std::to_string(topology.faceCount()) + " triangles differ from the first frame's " +
                                    std::to_string(capture.topology.vertex_count) + " and " +
                                    std::to_string(capture.topology.faceCount()) + " in number, order or UVs");
   }
-  Positions positions = std::move(mesh.value().positions);
+  Positions positions = std::move(mesh.positions);
   for (glm::vec3& p : positions) p *= static_cast<float>(capture.metres_per_unit);
   return positions;
 }

@@ -49,19 +49,17 @@ Status keepOnly(const std::vector<std::string>& only, DeclaredCapture& declared)
 
 Result<MeshTopology> topologyOf(const DeclaredSequence& declared) {
   const bool packed = !declared.packed_topology.empty();
-  auto mesh = readObj(packed ? declared.packed_topology : framePath(declared.sequence.mesh_pattern, 0));
-  if (!mesh.ok()) return mesh.error();
-  return std::move(mesh.value().topology);
+  FOURDVT_ASSIGN(auto mesh, readObj(packed ? declared.packed_topology : framePath(declared.sequence.mesh_pattern, 0)));
+  return std::move(mesh.topology);
 }
 
 // Sets capture.topology from the first sequence and holds the others to it.
 Status checkMeshes(const std::vector<DeclaredSequence>& declared, Capture& capture) {
   for (const DeclaredSequence& d : declared) {
-    auto topology = topologyOf(d);
-    if (!topology.ok()) return topology.error();
+    FOURDVT_ASSIGN(auto topology, topologyOf(d));
     const bool first = &d == &declared.front();
-    if (first) capture.topology = topology.take();
-    if (!first && !sameTopology(topology.value(), capture.topology)) {
+    if (first) capture.topology = std::move(topology);
+    if (!first && !sameTopology(topology, capture.topology)) {
       const std::string path = d.packed_topology.empty() ? framePath(d.sequence.mesh_pattern, 0) : d.packed_topology;
       return Error{ErrorId::MeshTopology, path + ": faces or UVs differ from sequence \"" +
                                               declared.front().sequence.name +
@@ -74,9 +72,8 @@ Status checkMeshes(const std::vector<DeclaredSequence>& declared, Capture& captu
 
 // Opening the reader checks places and lengths, the first frame checks decoding and sizes.
 Status checkPictures(const Capture& capture, const CaptureSequence& sequence, const OpenVideo& open_video) {
-  auto reader = FrameReader::open(capture, sequence, open_video);
-  if (!reader.ok()) return reader.error();
-  auto frame = reader.value()->next();
+  FOURDVT_ASSIGN(auto reader, FrameReader::open(capture, sequence, open_video));
+  auto frame = reader->next();
   return frame.ok() ? Status() : Status(frame.error());
 }
 
@@ -93,16 +90,13 @@ Result<Capture> openCapture(const std::string& folder, const OpenVideo& open_vid
                             const std::vector<std::string>& only) {
   std::error_code failed;
   const std::string absolute = std::filesystem::absolute(folder, failed).lexically_normal().string();
-  auto declared = readDeclaration(failed ? folder : absolute);
-  if (!declared.ok()) return declared.error();
-  FOURDVT_TRY(keepOnly(only, declared.value()));
-  Capture capture = std::move(declared.value().capture);
-  auto cameras = readColmapCameras(declared.value().cameras_folder);
-  if (!cameras.ok()) return cameras.error();
-  capture.cameras = cameras.take();
+  FOURDVT_ASSIGN(auto declared, readDeclaration(failed ? folder : absolute));
+  FOURDVT_TRY(keepOnly(only, declared));
+  Capture capture = std::move(declared.capture);
+  FOURDVT_ASSIGN(capture.cameras, readColmapCameras(declared.cameras_folder));
   scaleToMetres(capture.cameras, capture.metres_per_unit);
-  for (const DeclaredSequence& d : declared.value().sequences) capture.sequences.push_back(d.sequence);
-  FOURDVT_TRY(checkMeshes(declared.value().sequences, capture));
+  for (const DeclaredSequence& d : declared.sequences) capture.sequences.push_back(d.sequence);
+  FOURDVT_TRY(checkMeshes(declared.sequences, capture));
   for (const CaptureSequence& sequence : capture.sequences) FOURDVT_TRY(checkPictures(capture, sequence, open_video));
   return capture;
 }

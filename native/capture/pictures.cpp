@@ -67,9 +67,7 @@ Result<PictureStream> PictureStream::open(const PicturePlace& place, const Captu
     FOURDVT_TRY(stream.checkFiles());
     return stream;
   }
-  auto video = open_video(place.path, channels);
-  if (!video.ok()) return video.error();
-  stream.video_ = video.take();
+  FOURDVT_ASSIGN(stream.video_, open_video(place.path, channels));
   const auto hint = stream.video_->frameCountHint();
   if (hint && *hint < sequence.frame_count) return stream.tooShort(std::to_string(*hint) + " frames");
   return stream;
@@ -93,10 +91,9 @@ Status PictureStream::checkFiles() const {
 Result<Image> PictureStream::read(uint32_t frame) {
   if (place_.numbered) return readPicture(framePath(place_.path, frame), channels_);
   while (true) {
-    auto picture = video_->next();
-    if (!picture.ok()) return picture.error();
-    if (!picture.value()) return tooShort(std::to_string(next_) + " frames");
-    if (next_++ == frame) return std::move(*picture.value());
+    FOURDVT_ASSIGN(auto picture, video_->next());
+    if (!picture) return tooShort(std::to_string(next_) + " frames");
+    if (next_++ == frame) return std::move(*picture);
   }
 }
 

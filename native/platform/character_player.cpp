@@ -50,12 +50,9 @@ class FilePlayer final : public CharacterPlayer {
       : recipe_(std::move(recipe)), folder_(std::move(folder)), still_(device) {}
 
   Status load(gpu::Device& device, const std::string& manifest_path) {
-    auto json = readJsonFlat(manifest_path);
-    if (!json.ok()) return json.error();
-    auto player = Player::create(device, recipe_, {});
-    if (!player.ok()) return player.error();
-    player_ = player.take();
-    return player_->loadManifest(json.value());
+    FOURDVT_ASSIGN(auto json, readJsonFlat(manifest_path));
+    FOURDVT_ASSIGN(player_, Player::create(device, recipe_, {}));
+    return player_->loadManifest(json);
   }
 
   Player& player() override { return *player_; }
@@ -226,9 +223,8 @@ Result<Image> FilePlayer::renderStill(const render::View& view, const render::Re
 }  // namespace
 
 Result<std::unique_ptr<CharacterPlayer>> CharacterPlayer::open(gpu::Device& device, const std::string& manifest_path) {
-  auto recipe = render::Recipe::create(device);
-  if (!recipe.ok()) return recipe.error();
-  return open(device, manifest_path, recipe.take());
+  FOURDVT_ASSIGN(auto recipe, render::Recipe::create(device));
+  return open(device, manifest_path, std::move(recipe));
 }
 
 Result<std::unique_ptr<CharacterPlayer>> CharacterPlayer::open(gpu::Device& device, const std::string& manifest_path,

@@ -152,9 +152,8 @@ class FileSource final : public VideoSource {
     const bool luma_first = !(format->flags & (AV_PIX_FMT_FLAG_RGB | AV_PIX_FMT_FLAG_PAL)) &&
                             format->comp[0].depth == 8 && format->comp[0].step == 1 && format->comp[0].plane == 0;
     if (channels_ == 1 && luma_first) return std::optional<Image>(lumaPlane(*frame_, full));
-    auto rgb = toRgb(full);
-    if (!rgb.ok()) return rgb.error();
-    return std::optional<Image>(channels_ == 1 ? grayFromRgb(rgb.value()) : rgb.take());
+    FOURDVT_ASSIGN(auto rgb, toRgb(full));
+    return std::optional<Image>(channels_ == 1 ? grayFromRgb(rgb) : std::move(rgb));
   }
 
   Result<Image> toRgb(bool full_range) {

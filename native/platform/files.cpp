@@ -157,9 +157,8 @@ uint64_t fileBytes(const std::string& path) {
 }
 
 Result<FlatJson> readJsonFlat(const std::string& path) {
-  auto bytes = readFile(path);
-  if (!bytes.ok()) return bytes.error();
-  const auto json = nlohmann::json::parse(bytes.value().begin(), bytes.value().end(), nullptr, false);
+  FOURDVT_ASSIGN(auto bytes, readFile(path));
+  const auto json = nlohmann::json::parse(bytes.begin(), bytes.end(), nullptr, false);
   FlatJson flat;
   if (json.is_discarded() || !flatten(json, "", flat)) {
     return Error{ErrorId::ManifestInvalid, path + ": not valid JSON; bake the character again"};
@@ -168,12 +167,11 @@ Result<FlatJson> readJsonFlat(const std::string& path) {
 }
 
 Result<Image> readImage(const std::string& path) {
-  auto bytes = readFile(path);
-  if (!bytes.ok()) return bytes.error();
+  FOURDVT_ASSIGN(auto bytes, readFile(path));
   const Error bad{ErrorId::FileUnreadable, path + ": not a readable PNG, JPEG or WebP picture; export it again"};
-  if (bytes.value().empty()) return bad;
+  if (bytes.empty()) return bad;
   try {
-    const cv::Mat decoded = cv::imdecode(bytes.value(), cv::IMREAD_UNCHANGED);
+    const cv::Mat decoded = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
     if (decoded.empty() || (decoded.depth() != CV_8U && decoded.depth() != CV_16U)) return bad;
     const cv::Mat rgb = toRgb8(decoded);
     Image image(rgb.cols, rgb.rows, rgb.channels());

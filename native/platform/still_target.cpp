@@ -18,13 +18,10 @@ void unpremultiply(Image& image) {
 
 Status StillTarget::prepare(int width, int height) {
   if (target_ && width == width_ && height == height_) return {};
-  auto color = gpu::makeTexture(device_, {.width = width, .height = height, .label = "still"});
-  if (!color.ok()) return color.error();
-  auto target =
-      gpu::makeTarget(device_, {.colors = {color.value().id()}, .width = width, .height = height, .label = "still"});
-  if (!target.ok()) return target.error();
-  target_ = target.take();
-  color_ = color.take();
+  FOURDVT_ASSIGN(auto color, gpu::makeTexture(device_, {.width = width, .height = height, .label = "still"}));
+  FOURDVT_ASSIGN(
+      target_, gpu::makeTarget(device_, {.colors = {color.id()}, .width = width, .height = height, .label = "still"}));
+  color_ = std::move(color);
   width_ = width;
   height_ = height;
   return {};

@@ -23,16 +23,12 @@ Result<Renderer> Renderer::create(gpu::Device& device, const RestMesh& surface, 
   renderer.width_ = width;
   renderer.height_ = height;
   renderer.faces_ = surface.topology.face_vertices;
-  auto program = gpu::makeProgram(device, "studio surface", gpu::shaderSource("studio_surface.vert"),
-                                  gpu::shaderSource("studio_surface.frag"), kDefines);
-  if (!program) return program.error();
-  renderer.program_ = program.take();
-  auto albedo = gpu::makeTexture(device, {.width = texture.width,
-                                          .height = texture.height,
-                                          .filter = gpu::Filter::LinearMipmap,
-                                          .label = "studio albedo"});
-  if (!albedo) return albedo.error();
-  renderer.albedo_ = albedo.take();
+  FOURDVT_ASSIGN(renderer.program_, gpu::makeProgram(device, "studio surface", gpu::shaderSource("studio_surface.vert"),
+                                                     gpu::shaderSource("studio_surface.frag"), kDefines));
+  FOURDVT_ASSIGN(renderer.albedo_, gpu::makeTexture(device, {.width = texture.width,
+                                                             .height = texture.height,
+                                                             .filter = gpu::Filter::LinearMipmap,
+                                                             .label = "studio albedo"}));
   const Image rgba = texture.channels == 4 ? texture : withAlpha(texture);
   device.updateTexture(renderer.albedo_.id(), 0, 0, 0, rgba.width, rgba.height, rgba.pixels.data());
   device.generateMipmaps(renderer.albedo_.id());
@@ -53,9 +49,7 @@ Status Renderer::makeTables(const RestMesh& surface) {
   const std::pair<gpu::Texture*, size_t> tables[] = {
       {&corners_, 3 * faces_.size()}, {&rest_, vertices}, {&positions_, vertices}, {&normals_, vertices}};
   for (const auto& [texture, count] : tables) {
-    auto made = table(count, "studio table");
-    if (!made) return made.error();
-    *texture = made.take();
+    FOURDVT_ASSIGN(*texture, table(count, "studio table"));
   }
   std::vector<glm::vec3> corners;
   for (uint32_t f = 0; f < surface.topology.faceCount(); ++f)
@@ -67,19 +61,13 @@ Status Renderer::makeTables(const RestMesh& surface) {
 }
 
 Status Renderer::makeTargets(int width, int height) {
-  auto resolved = gpu::makeTexture(*device_, {.width = width, .height = height, .label = "studio picture"});
-  if (!resolved) return resolved.error();
-  resolved_ = resolved.take();
-  auto picture = gpu::makeTarget(*device_, {.colors = {resolved_.id()}, .label = "studio picture"});
-  if (!picture) return picture.error();
-  picture_ = picture.take();
-  auto samples = gpu::makeTarget(*device_, {.width = width,
-                                            .height = height,
-                                            .samples = std::min(kSamples, device_->caps().max_samples),
-                                            .own_depth = true,
-                                            .label = "studio samples"});
-  if (!samples) return samples.error();
-  samples_ = samples.take();
+  FOURDVT_ASSIGN(resolved_, gpu::makeTexture(*device_, {.width = width, .height = height, .label = "studio picture"}));
+  FOURDVT_ASSIGN(picture_, gpu::makeTarget(*device_, {.colors = {resolved_.id()}, .label = "studio picture"}));
+  FOURDVT_ASSIGN(samples_, gpu::makeTarget(*device_, {.width = width,
+                                                      .height = height,
+                                                      .samples = std::min(kSamples, device_->caps().max_samples),
+                                                      .own_depth = true,
+                                                      .label = "studio samples"}));
   return {};
 }
 

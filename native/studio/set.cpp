@@ -36,16 +36,14 @@ Stage::Stage(const StudioOptions& options, std::unique_ptr<Actor> actor)
       look_{float(options.knobs.wrinkles), float(options.knobs.specular), float(options.knobs.shading)} {}
 
 Result<std::unique_ptr<Stage>> Stage::open(const StudioOptions& options, gpu::Device& device) {
-  auto actor = openActor(options);
-  if (!actor) return actor.error();
-  std::unique_ptr<Stage> stage(new Stage(options, actor.take()));
+  FOURDVT_ASSIGN(auto actor, openActor(options));
+  std::unique_ptr<Stage> stage(new Stage(options, std::move(actor)));
   FOURDVT_TRY(stage->chooseClasses(options));
   stage->measure();
   stage->rig_ = makeRig(stage->bounds_, options.cameras, options.width, options.height);
-  auto renderer =
-      Renderer::create(device, stage->actor().surface(), stage->actor().texture(), options.width, options.height);
-  if (!renderer) return renderer.error();
-  stage->renderer_ = std::make_unique<Renderer>(renderer.take());
+  FOURDVT_ASSIGN(auto renderer, Renderer::create(device, stage->actor().surface(), stage->actor().texture(),
+                                                 options.width, options.height));
+  stage->renderer_ = std::make_unique<Renderer>(std::move(renderer));
   return stage;
 }
 

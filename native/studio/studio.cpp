@@ -82,10 +82,9 @@ class Run {
     for (const PinholeCamera& camera : stage_.rig().ring)
       for (const int channels : {3, 1}) {
         const std::string stem = channels == 3 ? camera.name : "mask" + camera.name.substr(3);
-        auto file = PictureFile::create(folder + "/" + stem, options_.width, options_.height, channels, options_.fps,
-                                        options_.images);
-        if (!file) return file.error();
-        (channels == 3 ? colour_ : mattes_).push_back(file.take());
+        FOURDVT_ASSIGN(auto file, PictureFile::create(folder + "/" + stem, options_.width, options_.height, channels,
+                                                      options_.fps, options_.images));
+        (channels == 3 ? colour_ : mattes_).push_back(std::move(file));
       }
     return {};
   }
@@ -118,10 +117,9 @@ class Run {
 
   Status photograph() {
     for (size_t c = 0; c < sensors_.size(); ++c) {
-      auto picture = stage_.draw(stage_.rig().ring[c]);
-      if (!picture) return picture.error();
-      FOURDVT_TRY(colour_[c]->write(sensors_[c].expose(picture.value(), frames_)));
-      FOURDVT_TRY(mattes_[c]->write(sensors_[c].matte(picture.value())));
+      FOURDVT_ASSIGN(auto picture, stage_.draw(stage_.rig().ring[c]));
+      FOURDVT_TRY(colour_[c]->write(sensors_[c].expose(picture, frames_)));
+      FOURDVT_TRY(mattes_[c]->write(sensors_[c].matte(picture)));
       FOURDVT_TRY(ticker_.tick());
     }
     return {};
@@ -129,10 +127,9 @@ class Run {
 
   Status holdOut(const std::string& folder, uint32_t frame) {
     for (const PinholeCamera& camera : stage_.rig().test) {
-      auto picture = stage_.draw(camera);
-      if (!picture) return picture.error();
+      FOURDVT_ASSIGN(auto picture, stage_.draw(camera));
       FOURDVT_TRY(platform::writeImage(folder + "/" + camera.name + numberedName("/%04u.png", frame),
-                                       unpremultiplied(picture.value())));
+                                       unpremultiplied(picture)));
       FOURDVT_TRY(ticker_.tick());
     }
     return {};
@@ -226,15 +223,13 @@ std::string StudioOptions::check() const {
 
 Result<StudioReport> runStudio(const StudioOptions& options, const StudioEnvironment& environment) {
   if (const std::string wrong = options.check(); !wrong.empty()) return Error{ErrorId::InvalidArgument, wrong};
-  auto out = OutputFolder::open(options.folder);
-  if (!out) return out.error();
-  auto stage = Stage::open(options, *environment.device);
-  if (!stage) return stage.error();
-  Ticker ticker(environment, sequencePictures(*stage.value(), options) + truthPictures(*stage.value(), options));
-  Run run(options, *stage.value(), out.value(), ticker);
+  FOURDVT_ASSIGN(auto out, OutputFolder::open(options.folder));
+  FOURDVT_ASSIGN(auto stage, Stage::open(options, *environment.device));
+  Ticker ticker(environment, sequencePictures(*stage, options) + truthPictures(*stage, options));
+  Run run(options, *stage, out, ticker);
   FOURDVT_TRY(run.write());
-  FOURDVT_TRY(out.value().keep());
-  const MeshTopology& mesh = stage.value()->actor().tracked().topology;
+  FOURDVT_TRY(out.keep());
+  const MeshTopology& mesh = stage->actor().tracked().topology;
   return StudioReport{mesh.vertex_count, mesh.faceCount(), run.frames(), ticker.done()};
 }
 

@@ -102,9 +102,8 @@ class ClassTruth {
 
   Status pictures(const std::string& folder, const std::string& file) {
     for (const PinholeCamera& camera : cameras_) {
-      auto picture = stage_.draw(camera);
-      if (!picture) return picture.error();
-      FOURDVT_TRY(platform::writeImage(folder + "/" + camera.name + file, unpremultiplied(picture.value())));
+      FOURDVT_ASSIGN(auto picture, stage_.draw(camera));
+      FOURDVT_TRY(platform::writeImage(folder + "/" + camera.name + file, unpremultiplied(picture)));
       FOURDVT_TRY(ticker_.tick());
     }
     return {};

@@ -66,9 +66,8 @@ class Inspection {
   explicit Inspection(const std::string& manifest) : manifest_(manifest), folder_(fs::path(manifest).parent_path()) {}
 
   Status run() {
-    auto json = platform::readJsonFlat(manifest_);
-    if (!json.ok()) return json.error();
-    auto character = package::readManifest(json.value());
+    FOURDVT_ASSIGN(auto json, platform::readJsonFlat(manifest_));
+    auto character = package::readManifest(json);
     if (!character.ok()) return inFile(manifest_, character.error());
     character_ = character.take();
     FOURDVT_TRY(baseMesh());
@@ -106,9 +105,8 @@ class Inspection {
 
   Status baseMesh() {
     const std::string file = path(character_.mesh_uri);
-    auto bytes = platform::readFileRange(file, character_.mesh_offset, character_.mesh_bytes);
-    if (!bytes.ok()) return bytes.error();
-    auto mesh = package::decodeBaseMesh(bytes.value());
+    FOURDVT_ASSIGN(auto bytes, platform::readFileRange(file, character_.mesh_offset, character_.mesh_bytes));
+    auto mesh = package::decodeBaseMesh(bytes);
     if (!mesh.ok()) return inFile(file, mesh.error());
     const MeshTopology& t = mesh.value().topology;
     chunk_mesh_ = package::makeChunkMesh(mesh.value());
@@ -129,9 +127,8 @@ class Inspection {
   Status inspectSequence(const package::Sequence& sequence) {
     const std::string file = path(sequence.stream_uri);
     FOURDVT_TRY(checkSize(file, sequence.stream_bytes, ErrorId::StreamInvalid));
-    auto header = platform::readFileRange(file, 0, sequence.stream_header_bytes);
-    if (!header.ok()) return header.error();
-    auto index = package::readStreamHeader(header.value());
+    FOURDVT_ASSIGN(auto header, platform::readFileRange(file, 0, sequence.stream_header_bytes));
+    auto index = package::readStreamHeader(header);
     if (!index.ok()) return inFile(file, index.error());
     SequenceSizes sizes;
     sizes.index = sequence.stream_header_bytes;
@@ -163,11 +160,10 @@ class Inspection {
 
   Status chunks(const package::StreamIndex& index, const std::string& file, SequenceSizes& sizes) const {
     for (uint32_t c = 0; c < index.chunks.size(); ++c) {
-      auto bytes = platform::readFileRange(file, index.chunks[c].offset, index.chunks[c].bytes);
-      if (!bytes.ok()) return bytes.error();
-      auto frames = package::decodeChunk(bytes.value(), index, c, chunk_mesh_);
+      FOURDVT_ASSIGN(auto bytes, platform::readFileRange(file, index.chunks[c].offset, index.chunks[c].bytes));
+      auto frames = package::decodeChunk(bytes, index, c, chunk_mesh_);
       if (!frames.ok()) return inFile(file, frames.error());
-      addChunk(bytes.value(), index, sizes);
+      addChunk(bytes, index, sizes);
     }
     return {};
   }
@@ -190,9 +186,8 @@ class Inspection {
         });
     if (!decoder.ok()) return inFile(file, decoder.error());
     for (const package::VideoSample& sample : table.samples) {
-      auto bytes = platform::readFileRange(file, sample.offset, sample.bytes);
-      if (!bytes.ok()) return bytes.error();
-      Status decoded = decoder.value()->decode(bytes.value(), sample.frame, sample.key);
+      FOURDVT_ASSIGN(auto bytes, platform::readFileRange(file, sample.offset, sample.bytes));
+      Status decoded = decoder.value()->decode(bytes, sample.frame, sample.key);
       if (!decoded.ok()) return inFile(file, decoded.error());
     }
     Status flushed = decoder.value()->flush();
@@ -206,9 +201,8 @@ class Inspection {
   Status readGraph() {
     const std::string file = path(character_.graph_uri);
     FOURDVT_TRY(checkSize(file, character_.graph_bytes, ErrorId::StreamInvalid));
-    auto bytes = platform::readFileRange(file, 0, character_.graph_bytes);
-    if (!bytes.ok()) return bytes.error();
-    auto graph = motion::MotionGraph::read(bytes.value(), character_);
+    FOURDVT_ASSIGN(auto bytes, platform::readFileRange(file, 0, character_.graph_bytes));
+    auto graph = motion::MotionGraph::read(bytes, character_);
     if (!graph.ok()) return inFile(file, graph.error());
     graph_ = graph.take();
     return {};

@@ -38,9 +38,8 @@ Result<render::Align> prepareAlign(AlignMethod method, gpu::Device& device, rend
   if (method == AlignMethod::FlowOpencv || method == AlignMethod::FlowOpencvDis) {
     recipe.setFlow(platform::createOpencvFlow(device, options));
   } else {
-    auto flow = render::createGpuFlow(device, options);
-    if (!flow.ok()) return flow.error();
-    recipe.setFlow(flow.take());
+    FOURDVT_ASSIGN(auto flow, render::createGpuFlow(device, options));
+    recipe.setFlow(std::move(flow));
   }
   return render::Align::Flow;
 }

@@ -217,10 +217,9 @@ Result<PinholeCamera> chooseCamera(const RenderArguments& a, const package::Char
   }
   std::vector<PinholeCamera> cameras = character.cameras;
   if (!a.cameras_folder.empty()) {
-    auto read = capture::readColmapCameras(a.cameras_folder);
-    if (!read.ok()) return read.error();
+    FOURDVT_ASSIGN(auto read, capture::readColmapCameras(a.cameras_folder));
     cameras.clear();
-    for (const auto& camera : read.value()) cameras.push_back(camera.pinhole);
+    for (const auto& camera : read) cameras.push_back(camera.pinhole);
   }
   std::string known;
   for (const PinholeCamera& camera : cameras) {

@@ -29,32 +29,26 @@ Image besideEachOther(const std::vector<Image>& pictures) {
 
 // Free-viewpoint rendering of the capture's own frame.
 Status renderFvvr(CharacterSession& session, const RenderArguments& arguments, const std::string& sequence) {
-  auto view = chooseCamera(arguments, session.character());
-  if (!view.ok()) return view.error();
+  FOURDVT_ASSIGN(auto view, chooseCamera(arguments, session.character()));
   auto capture = capture::openCapture(arguments.capture_folder, videoOpener(), {sequence});
   if (!capture.ok()) return capture.error();
   const capture::CaptureSequence& filmed = *capture.value().find(sequence);
   if (static_cast<uint32_t>(arguments.frame) >= filmed.frame_count)
     return Error{ErrorId::InvalidArgument, arguments.capture_folder + ": " + sequence + " has frames 0 to " +
                                                std::to_string(filmed.frame_count - 1)};
-  auto reader = capture::FrameReader::open(capture.value(), filmed, videoOpener(), arguments.frame);
-  if (!reader.ok()) return reader.error();
-  auto frame = reader.value()->next();
-  if (!frame.ok()) return frame.error();
-  for (Image& picture : frame.value().pictures) bake::replaceEdgeColours(picture);
+  FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(capture.value(), filmed, videoOpener(), arguments.frame));
+  FOURDVT_ASSIGN(auto frame, reader->next());
+  for (Image& picture : frame.pictures) bake::replaceEdgeColours(picture);
   std::vector<PinholeCamera> cameras;
   for (const auto& camera : capture.value().cameras) cameras.push_back(camera.pinhole);
-  auto fvvr = render::Fvvr::create(*session.gpu.device, cameras, capture.value().topology);
-  if (!fvvr.ok()) return fvvr.error();
-  FOURDVT_TRY(fvvr.value()->setFrame(frame.value().positions, frame.value().pictures));
-  auto picture = fvvr.value()->renderStill(render::viewFromCamera(view.value()), arguments.fvvr_options);
-  if (!picture.ok()) return picture.error();
-  return platform::writeImage(arguments.output, picture.value(), 95);
+  FOURDVT_ASSIGN(auto fvvr, render::Fvvr::create(*session.gpu.device, cameras, capture.value().topology));
+  FOURDVT_TRY(fvvr->setFrame(frame.positions, frame.pictures));
+  FOURDVT_ASSIGN(auto picture, fvvr->renderStill(render::viewFromCamera(view), arguments.fvvr_options));
+  return platform::writeImage(arguments.output, picture, 95);
 }
 
 Status renderStill(CharacterSession& session, const RenderArguments& arguments, const package::Sequence& sequence) {
-  auto camera = chooseCamera(arguments, session.character());
-  if (!camera.ok()) return camera.error();
+  FOURDVT_ASSIGN(auto camera, chooseCamera(arguments, session.character()));
   const auto phase = static_cast<uint32_t>(std::lround(arguments.phase.value_or(0) * sequence.frame_count));
   const uint32_t frame = arguments.phase ? phase % sequence.frame_count : static_cast<uint32_t>(arguments.frame);
   FOURDVT_TRY(session.player->showFrame(sequence.name, frame));
@@ -63,9 +57,8 @@ Status renderStill(CharacterSession& session, const RenderArguments& arguments, 
   const int count = arguments.debug == "layers" || arguments.debug == "labels" ? session.character().layer_count : 1;
   for (int layer = 0; layer < count; ++layer) {
     recipe.debug_layer = layer;
-    auto picture = session.player->renderStill(render::viewFromCamera(camera.value()), recipe);
-    if (!picture.ok()) return picture.error();
-    pictures.push_back(picture.take());
+    FOURDVT_ASSIGN(auto picture, session.player->renderStill(render::viewFromCamera(camera), recipe));
+    pictures.push_back(std::move(picture));
   }
   return platform::writeImage(arguments.output, besideEachOther(pictures), 95);
 }
@@ -76,30 +69,27 @@ Status renderTurntable(CharacterSession& session, const RenderArguments& argumen
   const double loops = std::ceil(8.0 / sequence.duration_s());
   const double seconds = arguments.seconds > 0 ? arguments.seconds : loops * sequence.duration_s();
   const int frames = std::max(1, static_cast<int>(std::lround(seconds * sequence.fps)));
-  auto writer =
-      platform::VideoWriter::create(arguments.turntable, {.width = width, .height = height, .fps = sequence.fps});
-  if (!writer.ok()) return writer.error();
+  FOURDVT_ASSIGN(auto writer, platform::VideoWriter::create(arguments.turntable,
+                                                            {.width = width, .height = height, .fps = sequence.fps}));
   OrbitView view = chooseOrbit(arguments, session.character(), width, height);
   const double start_deg = view.azimuth_deg;
   for (int i = 0; i < frames; ++i) {
     FOURDVT_TRY(session.player->showFrame(sequence.name, static_cast<uint32_t>(i) % sequence.frame_count));
     view.azimuth_deg = start_deg + 360.0 * i / frames;
-    auto picture =
-        session.player->renderStill(render::viewFromCamera(cameraFromOrbit(view, width, height)), arguments.recipe);
-    if (!picture.ok()) return picture.error();
-    FOURDVT_TRY(writer.value()->write(picture.value()));
+    FOURDVT_ASSIGN(auto picture, session.player->renderStill(
+                                     render::viewFromCamera(cameraFromOrbit(view, width, height)), arguments.recipe));
+    FOURDVT_TRY(writer->write(picture));
     if (isatty(STDERR_FILENO)) std::fprintf(stderr, "\r\033[K%d of %d frames", i + 1, frames);
   }
   if (isatty(STDERR_FILENO)) std::fputs("\r\033[K", stderr);
-  return writer.value()->finish();
+  return writer->finish();
 }
 
 Status prepareMotion(CharacterSession& session, const RenderArguments& arguments) {
   Player& player = session.player->player();
   FOURDVT_TRY(setParameters(player, arguments.parameters, arguments.character));
-  auto align = prepareAlign(arguments.align, *session.gpu.device, session.player->recipe());
-  if (!align.ok()) return align.error();
-  player.setAlign(align.value());
+  FOURDVT_ASSIGN(auto align, prepareAlign(arguments.align, *session.gpu.device, session.player->recipe()));
+  player.setAlign(align);
   return {};
 }
 

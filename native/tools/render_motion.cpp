@@ -53,15 +53,13 @@ Result<Image> drawFrame(const Show& show, int frame, const render::RecipeOptions
 Status writeMovie(const Show& show, const RenderArguments& arguments) {
   std::unique_ptr<platform::VideoWriter> writer;
   for (int i = 0; i < show.frames; ++i) {
-    auto picture = drawFrame(show, i, arguments.recipe);
-    if (!picture.ok()) return picture.error();
+    FOURDVT_ASSIGN(auto picture, drawFrame(show, i, arguments.recipe));
     if (!writer) {
-      auto made = platform::VideoWriter::create(
-          arguments.output, {.width = picture.value().width, .height = picture.value().height, .fps = show.fps});
-      if (!made.ok()) return made.error();
-      writer = made.take();
+      FOURDVT_ASSIGN(
+          writer, platform::VideoWriter::create(arguments.output,
+                                                {.width = picture.width, .height = picture.height, .fps = show.fps}));
     }
-    FOURDVT_TRY(writer->write(picture.value()));
+    FOURDVT_TRY(writer->write(picture));
     if (isatty(STDERR_FILENO)) std::fprintf(stderr, "\r\033[K%d of %d frames", i + 1, show.frames);
   }
   if (isatty(STDERR_FILENO)) std::fputs("\r\033[K", stderr);
@@ -94,13 +92,10 @@ class Background {
       return Error{ErrorId::FileMissing, path + ": there is no such file; correct \"background\" in the scene"};
     const std::string extension = std::filesystem::path(path).extension().string();
     if (extension == ".jpg" || extension == ".jpeg" || extension == ".png" || extension == ".webp") {
-      auto picture = platform::readImage(path);
-      if (!picture.ok()) return picture.error();
-      FOURDVT_TRY(out.upload(picture.value()));
+      FOURDVT_ASSIGN(auto picture, platform::readImage(path));
+      FOURDVT_TRY(out.upload(picture));
     } else {
-      auto video = videoOpener()(path, 3);
-      if (!video.ok()) return video.error();
-      out.video_ = video.take();
+      FOURDVT_ASSIGN(out.video_, videoOpener()(path, 3));
       FOURDVT_TRY(out.step());
       if (!out.texture_) return Error{ErrorId::VideoInvalid, path + ": has no pictures; choose another background"};
     }
@@ -108,9 +103,8 @@ class Background {
   }
   Status step() {
     if (!video_) return {};
-    auto picture = video_->next();
-    if (!picture.ok()) return picture.error();
-    return picture.value() ? upload(*picture.value()) : Status();
+    FOURDVT_ASSIGN(auto picture, video_->next());
+    return picture ? upload(*picture) : Status();
   }
   gpu::TextureId texture() const { return texture_.id(); }
   int width() const { return width_; }
@@ -128,11 +122,10 @@ class Background {
       if (picture.width > largest || picture.height > largest)
         return Error{ErrorId::InvalidArgument,
                      path_ + ": is larger than " + std::to_string(largest) + " pixels; scale it down"};
-      auto made = gpu::makeTexture(
-          *device_,
-          {.width = picture.width, .height = picture.height, .filter = gpu::Filter::Linear, .label = "background"});
-      if (!made.ok()) return made.error();
-      texture_ = made.take();
+      FOURDVT_ASSIGN(texture_, gpu::makeTexture(*device_, {.width = picture.width,
+                                                           .height = picture.height,
+                                                           .filter = gpu::Filter::Linear,
+                                                           .label = "background"}));
       width_ = picture.width;
       height_ = picture.height;
     }
@@ -149,9 +142,8 @@ class Background {
 
 Status addMeshes(gpu::Device& device, const std::vector<std::string>& paths, bool occluder_only, render::Scene& scene) {
   for (const std::string& path : paths) {
-    auto corners = readSceneMesh(path);
-    if (!corners.ok()) return corners.error();
-    auto mesh = render::makeSceneMesh(device, corners.value(), occluder_only);
+    FOURDVT_ASSIGN(auto corners, readSceneMesh(path));
+    auto mesh = render::makeSceneMesh(device, corners, occluder_only);
     if (!mesh.ok()) return Error{mesh.error().id, path + ": " + mesh.error().message};
     scene.meshes.push_back(mesh.take());
   }
@@ -172,17 +164,15 @@ std::pair<int, int> sceneSize(const RenderArguments& arguments, const SceneFile&
 }  // namespace
 
 Status renderMotion(const RenderArguments& arguments) {
-  auto gpu = openGpu();
-  if (!gpu.ok()) return gpu.error();
-  auto stage = Stage::create(gpu.value(), arguments.align);
-  if (!stage.ok()) return stage.error();
+  FOURDVT_ASSIGN(auto gpu, openGpu());
+  FOURDVT_ASSIGN(auto stage, Stage::create(gpu, arguments.align));
   ActorOptions actor{arguments.character, arguments.sequence, arguments.parameters, {}, arguments.travel, {}};
   actor.cues = arguments.cues;
   if (actor.state.empty() && !actor.cues.empty() && actor.cues[0].at_s == 0) actor.state = actor.cues[0].state;
   const std::optional<Sweep> sweep = arguments.sweep;
   if (sweep) actor.parameters.emplace_back(sweep->parameter, sweep->from);
-  FOURDVT_TRY(stage.value()->add(actor));
-  Player& player = stage.value()->player(0);
+  FOURDVT_TRY(stage->add(actor));
+  Player& player = stage->player(0);
   if (sweep && motion::findParameter(*player.sequence(), sweep->parameter) < 0)
     return Error{ErrorId::InvalidArgument, arguments.character + ": " + player.sequence()->name + " is no class by " +
                                                sweep->parameter + "; choose one with --class"};
@@ -198,28 +188,24 @@ Status renderMotion(const RenderArguments& arguments) {
     const double share = frames > 1 ? double(frame) / (frames - 1) : 0;
     return player.setParameter(sweep->parameter, sweep->from + share * (sweep->to - sweep->from), true);
   };
-  const Show show{*stage.value(), orbitCamera(arguments, player, width, height), arguments.fps, frames, sweepTo};
+  const Show show{*stage, orbitCamera(arguments, player, width, height), arguments.fps, frames, sweepTo};
   return writeMovie(show, arguments);
 }
 
 Status renderScene(const RenderArguments& arguments) {
-  auto read = readSceneFile(arguments.scene);
-  if (!read.ok()) return read.error();
-  const SceneFile& file = read.value();
+  FOURDVT_ASSIGN(const SceneFile file, readSceneFile(arguments.scene));
   auto gpu = openGpu();
   if (!gpu.ok()) return gpu.error();
   gpu::Device& device = *gpu.value().device;
-  auto stage = Stage::create(gpu.value(), arguments.align);
-  if (!stage.ok()) return stage.error();
-  for (const ActorOptions& actor : file.characters) FOURDVT_TRY(stage.value()->add(actor));
-  auto background = Background::open(device, file.background);
-  if (!background.ok()) return background.error();
+  FOURDVT_ASSIGN(auto stage, Stage::create(gpu.value(), arguments.align));
+  for (const ActorOptions& actor : file.characters) FOURDVT_TRY(stage->add(actor));
+  FOURDVT_ASSIGN(auto background, Background::open(device, file.background));
   render::Scene scene;
-  scene.background = background.value().texture();
+  scene.background = background.texture();
   scene.ground_y_m = static_cast<float>(file.ground_y_m);
   FOURDVT_TRY(addMeshes(device, file.occluders, true, scene));
   FOURDVT_TRY(addMeshes(device, file.meshes, false, scene));
-  const auto [width, height] = sceneSize(arguments, file, background.value());
+  const auto [width, height] = sceneSize(arguments, file, background);
   const double track_s = file.cameras.size() > 1 ? static_cast<double>(file.cameras.size()) / file.fps : kScene_s;
   const double seconds = arguments.seconds > 0 ? arguments.seconds : file.seconds > 0 ? file.seconds : track_s;
   const int frames = arguments.movie() ? frameCount(seconds, file.fps) : arguments.frame + 1;
@@ -227,17 +213,17 @@ Status renderScene(const RenderArguments& arguments) {
     return Error{ErrorId::InvalidArgument, file.path + ": " + std::to_string(frames) + " frames, but only " +
                                                std::to_string(file.cameras.size()) +
                                                " cameras; shorten \"seconds\" or choose one \"camera_name\""};
-  CameraOf camera = orbitCamera(arguments, stage.value()->player(0), width, height);
+  CameraOf camera = orbitCamera(arguments, stage->player(0), width, height);
   if (!file.cameras.empty())
     camera = [&, w = width, h = height](int frame) {
       return scaledCamera(file.cameras[file.cameras.size() > 1 ? static_cast<size_t>(frame) : 0], w, h);
     };
   const auto next = [&](int frame) -> Status {
-    if (frame > 0) FOURDVT_TRY(background.value().step());
-    scene.background = background.value().texture();
+    if (frame > 0) FOURDVT_TRY(background.step());
+    scene.background = background.texture();
     return {};
   };
-  const Show show{*stage.value(), camera, file.fps, frames, next, &scene};
+  const Show show{*stage, camera, file.fps, frames, next, &scene};
   return arguments.movie() ? writeMovie(show, arguments) : writePicture(show, arguments);
 }
 

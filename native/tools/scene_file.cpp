@@ -139,9 +139,7 @@ class SceneReader {
 
   // By name, so that the track follows the numbered pictures that it was made from.
   Status readCameras(const Json& root, const std::string& folder, SceneFile& out) {
-    auto read = capture::readColmapCameras(folder);
-    if (!read.ok()) return read.error();
-    std::vector<capture::CaptureCamera> cameras = read.take();
+    FOURDVT_ASSIGN(std::vector<capture::CaptureCamera> cameras, capture::readColmapCameras(folder));
     capture::scaleToMetres(cameras, number(root, "metres_per_unit", 1, 1e-6, 1e6));
     const std::string wanted = text(root, "camera_name");
     for (const auto& camera : cameras)

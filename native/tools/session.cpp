@@ -9,33 +9,24 @@ namespace fourdvt::tools {
 
 Result<GpuSession> openGpu() {
   GpuSession session;
-  auto context = platform::EglContext::create();
-  if (!context.ok()) return context.error();
-  session.context = context.take();
-  auto device = gpu::createGlesDevice();
-  if (!device.ok()) return device.error();
-  session.device = device.take();
+  FOURDVT_ASSIGN(session.context, platform::EglContext::create());
+  FOURDVT_ASSIGN(session.device, gpu::createGlesDevice());
   return session;
 }
 
 Result<CharacterSession> openCharacter(const std::string& character) {
-  auto gpu = openGpu();
-  if (!gpu.ok()) return gpu.error();
-  CharacterSession session{gpu.take(), nullptr};
-  auto recipe = render::Recipe::create(*session.gpu.device);
-  if (!recipe.ok()) return recipe.error();
-  auto player = openCharacterOn(session.gpu, character, recipe.take());
-  if (!player.ok()) return player.error();
-  session.player = player.take();
+  FOURDVT_ASSIGN(auto gpu, openGpu());
+  CharacterSession session{std::move(gpu), nullptr};
+  FOURDVT_ASSIGN(auto recipe, render::Recipe::create(*session.gpu.device));
+  FOURDVT_ASSIGN(session.player, openCharacterOn(session.gpu, character, std::move(recipe)));
   return session;
 }
 
 Result<std::unique_ptr<platform::CharacterPlayer>> openCharacterOn(GpuSession& gpu, const std::string& character,
                                                                    std::shared_ptr<render::Recipe> recipe) {
   const std::string path = manifestPath(character);
-  auto player = platform::CharacterPlayer::open(*gpu.device, path, std::move(recipe));
-  if (!player.ok()) return player.error();
-  const package::Character* read = player.value()->player().character();
+  FOURDVT_ASSIGN(auto player, platform::CharacterPlayer::open(*gpu.device, path, std::move(recipe)));
+  const package::Character* read = player->player().character();
   if (!read) return Error{ErrorId::ManifestInvalid, path + ": manifest did not load"};
   if (read->sequences.empty()) return Error{ErrorId::ManifestInvalid, path + ": has no sequences; bake it again"};
   return player;

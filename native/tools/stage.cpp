@@ -6,18 +6,14 @@
 namespace fourdvt::tools {
 
 Result<std::unique_ptr<Stage>> Stage::create(GpuSession& gpu, AlignMethod align) {
-  auto recipe = render::Recipe::create(*gpu.device);
-  if (!recipe.ok()) return recipe.error();
-  std::shared_ptr<render::Recipe> shared = recipe.take();
-  auto prepared = prepareAlign(align, *gpu.device, *shared);
-  if (!prepared.ok()) return prepared.error();
-  return std::unique_ptr<Stage>(new Stage(gpu, std::move(shared), prepared.value()));
+  FOURDVT_ASSIGN(std::shared_ptr<render::Recipe> shared, render::Recipe::create(*gpu.device));
+  FOURDVT_ASSIGN(auto prepared, prepareAlign(align, *gpu.device, *shared));
+  return std::unique_ptr<Stage>(new Stage(gpu, std::move(shared), prepared));
 }
 
 Status Stage::add(const ActorOptions& options) {
-  auto opened = openCharacterOn(gpu_, options.folder, recipe_);
-  if (!opened.ok()) return opened.error();
-  Actor actor{opened.take(), options.cues};
+  FOURDVT_ASSIGN(auto opened, openCharacterOn(gpu_, options.folder, recipe_));
+  Actor actor{std::move(opened), options.cues};
   Player& player = actor.character->player();
   const package::Character& character = *player.character();
   const std::string state = options.state.empty() ? character.sequences.front().name : options.state;
@@ -53,9 +49,8 @@ Status Stage::advance(double seconds) {
 Result<Image> Stage::draw(const render::View& view, const render::Scene* scene, const render::RecipeOptions& recipe) {
   std::vector<render::Figure> figures;
   for (const Actor& actor : actors_) {
-    auto figure = actor.character->player().figure();
-    if (!figure.ok()) return figure.error();
-    figures.push_back(figure.value());
+    FOURDVT_ASSIGN(auto figure, actor.character->player().figure());
+    figures.push_back(figure);
   }
   return still_.render(view, [&](gpu::TargetId target) {
     return recipe_->draw(figures, scene, view, {recipe, align_}, target);

@@ -36,9 +36,9 @@ class Drawer final : public LookDrawer {
   Status setFrame(const Positions& positions, const std::vector<std::vector<glm::vec2>>& member_uvs) override {
     model_.setPositions(device_, positions);
     while (corners_.size() < member_uvs.size()) {
-      auto made = render::makeTable(device_, gpu::PixelFormat::RGBA32F, 6ull * model_.face_count, "alignment corners");
-      if (!made) return made.error();
-      corners_.push_back(made.take());
+      FOURDVT_ASSIGN(auto corners, render::makeTable(device_, gpu::PixelFormat::RGBA32F, 6ull * model_.face_count,
+                                                     "alignment corners"));
+      corners_.push_back(std::move(corners));
     }
     corners_.resize(member_uvs.size());
     for (size_t member = 0; member < corners_.size(); ++member)
@@ -97,12 +97,9 @@ class Drawer final : public LookDrawer {
   Status resize(int width, int height) {
     if (color_ && width == width_ && height == height_) return {};
     target_.reset();
-    auto color = gpu::makeTexture(device_, {.width = width, .height = height, .label = "alignment look"});
-    if (!color) return color.error();
-    color_ = color.take();
-    auto target = gpu::makeTarget(device_, {.colors = {color_.id()}, .own_depth = true, .label = "alignment look"});
-    if (!target) return target.error();
-    target_ = target.take();
+    FOURDVT_ASSIGN(color_, gpu::makeTexture(device_, {.width = width, .height = height, .label = "alignment look"}));
+    FOURDVT_ASSIGN(target_,
+                   gpu::makeTarget(device_, {.colors = {color_.id()}, .own_depth = true, .label = "alignment look"}));
     width_ = width;
     height_ = height;
     return {};
@@ -142,11 +139,10 @@ cv::Mat evenLuma(const cv::Mat& rgba) {
 
 Result<std::unique_ptr<LookDrawer>> LookDrawer::create(gpu::Device& device, const package::Character& character,
                                                        const package::BaseMesh& mesh) {
-  auto model = render::CharacterModel::create(device, character, mesh);
-  if (!model) return model.error();
-  auto depth = render::makeEmbeddedProgram(device, "mesh_picture.vert", "bake_depth.frag");
-  if (!depth) return depth.error();
-  return std::unique_ptr<LookDrawer>(std::make_unique<Drawer>(device, mesh.topology, model.take(), depth.take()));
+  FOURDVT_ASSIGN(auto model, render::CharacterModel::create(device, character, mesh));
+  FOURDVT_ASSIGN(auto depth, render::makeEmbeddedProgram(device, "mesh_picture.vert", "bake_depth.frag"));
+  return std::unique_ptr<LookDrawer>(
+      std::make_unique<Drawer>(device, mesh.topology, std::move(model), std::move(depth)));
 }
 
 }  // namespace fourdvt::bake

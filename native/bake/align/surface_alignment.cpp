@@ -94,12 +94,11 @@ class Aligner final : public SurfaceAligner {
   // One round: draw with what is known, add what flow still sees, smooth the whole.
   Status refine(const Shown& shown, int divisor, AlignedFrame& result) {
     const size_t vertices = mesh_.topology.vertex_count, others = result.displacement_m.size() / vertices;
-    auto seen = observe(shown, divisor, result.displacement_m);
-    if (!seen) return seen.error();
+    FOURDVT_ASSIGN(auto seen, observe(shown, divisor, result.displacement_m));
     result.confidence.clear();
     for (size_t other = 0; other < others; ++other) {
       std::vector<std::vector<FlowObservation>> views;
-      for (ViewObservations& view : seen.value()) views.push_back(std::move(view[other]));
+      for (ViewObservations& view : seen) views.push_back(std::move(view[other]));
       const auto begin = result.displacement_m.begin() + ptrdiff_t(other * vertices);
       const auto estimates = liftFlow(views, Field(begin, begin + ptrdiff_t(vertices)));
       Field field = smoother_->solve(estimates);
@@ -121,9 +120,9 @@ class Aligner final : public SurfaceAligner {
     InOrder<ViewObservations> views(options_.jobs);
     for (const PinholeCamera& camera :
          alignmentCameras(shown.middle, options_.views, options_.picture_height / divisor)) {
-      auto looks = drawer_->draw(camera, shown.appearance, shown.picture);
-      if (!looks) return looks.error();
-      views.add([this, &pose, camera, looks = looks.take(), reach] { return observeView(pose, camera, looks, reach); });
+      FOURDVT_ASSIGN(auto looks, drawer_->draw(camera, shown.appearance, shown.picture));
+      views.add(
+          [this, &pose, camera, looks = std::move(looks), reach] { return observeView(pose, camera, looks, reach); });
     }
     return views.take();
   }
@@ -150,9 +149,8 @@ class Aligner final : public SurfaceAligner {
     FOURDVT_TRY(drawer_->setFrame(shown.middle, movedUvs(result.displacement_m)));
     InOrder<DetailEnergy> views(options_.jobs);
     for (const PinholeCamera& camera : alignmentCameras(shown.middle, kDetailViews, options_.picture_height)) {
-      auto looks = drawer_->draw(camera, shown.appearance, shown.picture);
-      if (!looks) return looks.error();
-      views.add([looks = looks.take()] { return detailEnergy(looks); });
+      FOURDVT_ASSIGN(auto looks, drawer_->draw(camera, shown.appearance, shown.picture));
+      views.add([looks = std::move(looks)] { return detailEnergy(looks); });
     }
     result.detail_correlation = detailCorrelation(views.take());
     return {};
@@ -180,9 +178,8 @@ Result<std::unique_ptr<SurfaceAligner>> SurfaceAligner::create(gpu::Device& devi
                                                                const package::BaseMesh& mesh,
                                                                const AlignmentOptions& options) {
   FOURDVT_TRY(whyNot(options, mesh));
-  auto drawer = LookDrawer::create(device, character, mesh);
-  if (!drawer) return drawer.error();
-  return std::unique_ptr<SurfaceAligner>(std::make_unique<Aligner>(mesh, options, drawer.take()));
+  FOURDVT_ASSIGN(auto drawer, LookDrawer::create(device, character, mesh));
+  return std::unique_ptr<SurfaceAligner>(std::make_unique<Aligner>(mesh, options, std::move(drawer)));
 }
 
 }  // namespace fourdvt::bake

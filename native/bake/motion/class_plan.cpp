@@ -55,16 +55,14 @@ Result<Source> openSource(const capture::Capture& capture, const capture::Captur
   Source source;
   source.sequence = capture.find(declared.sequence);
   std::string note;
-  auto track = rootTrack(capture, *source.sequence, topology, read, &note);
-  if (!track) return track.error();
+  FOURDVT_ASSIGN(auto track, rootTrack(capture, *source.sequence, topology, read, &note));
   if (!note.empty()) notes.push_back(note);
-  source.track = track.take();
+  source.track = std::move(track);
   std::vector<Positions> frames;
   for (uint32_t t = 0; t < source.sequence->frame_count; ++t) {
-    auto positions = read(*source.sequence, t);
-    if (!positions) return positions.error();
+    FOURDVT_ASSIGN(auto positions, read(*source.sequence, t));
     frames.emplace_back();
-    for (uint32_t v : vertices) frames.back().push_back(positions.value()[v]);
+    for (uint32_t v : vertices) frames.back().push_back(positions[v]);
   }
   source.features = poseFeatures(frames, source.sequence->loop);
   source.member.name = declared.sequence;
@@ -142,9 +140,8 @@ class ReferenceChooser {
       if (!progress(double(phase) / plan.frame_count)) return Error{ErrorId::Interrupted, "stopped while planning"};
       std::vector<Positions> members;
       for (const ClassMember& member : plan.members) {
-        auto positions = memberPositions(member, phase, read);
-        if (!positions) return positions.error();
-        members.push_back(positions.take());
+        FOURDVT_ASSIGN(auto positions, memberPositions(member, phase, read));
+        members.push_back(std::move(positions));
       }
       for (HybridErrors& errors : errors_) errors.add(blend, members);
     }
@@ -192,14 +189,12 @@ class ReferenceChooser {
 
 Result<std::vector<Source>> openSources(const capture::Capture& capture, const capture::CaptureClass& source,
                                         const MeshTopology& topology, const ReadPositions& read, ClassPlan& plan) {
-  auto first = read(*capture.find(source.members[0].sequence), 0);
-  if (!first) return first.error();
-  const std::vector<uint32_t> vertices = spreadVertices(first.value(), kFeatures);
+  FOURDVT_ASSIGN(auto first, read(*capture.find(source.members[0].sequence), 0));
+  const std::vector<uint32_t> vertices = spreadVertices(first, kFeatures);
   std::vector<Source> sources;
   for (const auto& member : source.members) {
-    auto opened = openSource(capture, member, topology, vertices, read, plan.notes);
-    if (!opened) return opened.error();
-    sources.push_back(opened.take());
+    FOURDVT_ASSIGN(auto opened, openSource(capture, member, topology, vertices, read, plan.notes));
+    sources.push_back(std::move(opened));
   }
   const auto before = [](const Source& a, const Source& b) { return a.member.parameter[0] < b.member.parameter[0]; };
   if (source.parameters.size() == 1 && !std::is_sorted(sources.begin(), sources.end(), before)) {
@@ -237,17 +232,13 @@ Result<ClassPlan> planClass(const capture::Capture& capture, const capture::Capt
   FOURDVT_TRY(checkClass(capture, source));
   ClassPlan plan;
   plan.source = &source;
-  auto sources = openSources(capture, source, topology, read, plan);
-  if (!sources) return sources.error();
-  planTime(sources.value(), plan);
-  auto simplices = classSimplices(plan.manifest, source.name);
-  if (!simplices) return simplices.error();
-  auto pose = memberPositions(plan.members[0], 0, read);
-  if (!pose) return pose.error();
-  auto blend = NonlinearBlend::create(topology, pose.value());
-  if (!blend) return blend.error();
-  ReferenceChooser chooser(simplices.take(), options, plan.members.size());
-  FOURDVT_TRY(chooser.measure(plan, *blend.value(), read, progress));
+  FOURDVT_ASSIGN(auto sources, openSources(capture, source, topology, read, plan));
+  planTime(sources, plan);
+  FOURDVT_ASSIGN(auto simplices, classSimplices(plan.manifest, source.name));
+  FOURDVT_ASSIGN(auto pose, memberPositions(plan.members[0], 0, read));
+  FOURDVT_ASSIGN(auto blend, NonlinearBlend::create(topology, pose));
+  ReferenceChooser chooser(std::move(simplices), options, plan.members.size());
+  FOURDVT_TRY(chooser.measure(plan, *blend, read, progress));
   const std::vector<HybridSimplex> hybrid = chooser.choose(plan);
   const bool measured =
       std::all_of(source.members.begin(), source.members.end(), [](const auto& m) { return m.parameter.empty(); });
@@ -261,9 +252,8 @@ Result<std::vector<ClassMember>> classMembers(const capture::Capture& capture, c
                                               const MeshTopology& topology, const ReadPositions& read) {
   FOURDVT_TRY(checkClass(capture, source));
   ClassPlan plan;
-  auto sources = openSources(capture, source, topology, read, plan);
-  if (!sources) return sources.error();
-  planTime(sources.value(), plan);
+  FOURDVT_ASSIGN(auto sources, openSources(capture, source, topology, read, plan));
+  planTime(sources, plan);
   return std::move(plan.members);
 }
 

@@ -41,10 +41,9 @@ float groundLevel(std::vector<float> lowest) {
 Result<float> findGround(const capture::CaptureSequence& sequence, const ReadPositions& read) {
   std::vector<float> lowest;
   for (uint32_t t = 0; t < sequence.frame_count; ++t) {
-    auto frame = read(sequence, t);
-    if (!frame) return frame.error();
+    FOURDVT_ASSIGN(auto frame, read(sequence, t));
     float low = 1e30f;
-    for (const glm::vec3& p : frame.value()) low = std::min(low, p.y);
+    for (const glm::vec3& p : frame) low = std::min(low, p.y);
     lowest.push_back(low);
   }
   return groundLevel(std::move(lowest));
@@ -60,14 +59,13 @@ Result<std::vector<std::vector<Candidate>>> findCandidates(const capture::Captur
   for (uint32_t t = 0; t < sequence.frame_count; ++t) {
     const bool last = t + 1 == sequence.frame_count;
     if (last && !sequence.loop) break;
-    auto next = last ? std::move(first) : read(sequence, t + 1);
-    if (!next) return next.error();
-    const Positions& after = next.value();
+    FOURDVT_ASSIGN(auto next, last ? std::move(first) : read(sequence, t + 1));
+    const Positions& after = next;
     for (size_t v = 0; v < before.size(); ++v) {
       const float height = 0.5f * (before[v].y + after[v].y) - ground;
       if (height < kLow) candidates[t].push_back({std::max(height, 0.f), after[v] - before[v]});
     }
-    before = next.take();
+    before = std::move(next);
   }
   return candidates;
 }
@@ -146,16 +144,14 @@ void smoothSteps(std::vector<Step>& steps, bool loop, const glm::dvec2* declared
 
 Result<std::vector<glm::vec3>> rootTrack(const capture::Capture& capture, const capture::CaptureSequence& sequence,
                                          const MeshTopology&, const ReadPositions& read, std::string* note) {
-  auto ground = findGround(sequence, read);
-  if (!ground) return ground.error();
-  auto candidates = findCandidates(sequence, ground.value(), read);
-  if (!candidates) return candidates.error();
+  FOURDVT_ASSIGN(auto ground, findGround(sequence, read));
+  FOURDVT_ASSIGN(auto candidates, findCandidates(sequence, ground, read));
   const glm::dvec2 declared = glm::dvec2(sequence.root_velocity_mps.x, sequence.root_velocity_mps.z) / capture.fps;
   const bool is_declared = glm::length(declared) > 0;
-  const glm::dvec2 usual = is_declared ? declared : usualStep(candidates.value(), capture.fps);
+  const glm::dvec2 usual = is_declared ? declared : usualStep(candidates, capture.fps);
   std::vector<Step> steps;
   glm::dvec2 travel(0);
-  for (const auto& frame : candidates.value()) steps.push_back(solveStep(frame, capture.fps, usual));
+  for (const auto& frame : candidates) steps.push_back(solveStep(frame, capture.fps, usual));
   smoothSteps(steps, sequence.loop, is_declared ? &declared : nullptr);
   for (const Step& step : steps) travel += step.metres;
   const double count = double(steps.size());
@@ -178,8 +174,7 @@ Result<std::vector<glm::vec3>> rootTrack(const capture::Capture& capture, const 
 
 Result<FootSkate> footSkate(const capture::Capture& capture, const capture::CaptureSequence& sequence,
                             const std::vector<glm::vec3>& track, const ReadPositions& read) {
-  auto ground = findGround(sequence, read);
-  if (!ground) return ground.error();
+  FOURDVT_ASSIGN(auto ground, findGround(sequence, read));
   struct Contact {
     int frames = 0;
     glm::vec2 min{0}, max{0};
@@ -192,15 +187,14 @@ Result<FootSkate> footSkate(const capture::Capture& capture, const capture::Capt
   };
   Positions before;
   for (uint32_t t = 0; t < sequence.frame_count; ++t) {
-    auto frame = read(sequence, t);
-    if (!frame) return frame.error();
-    const Positions& p = frame.value();
+    FOURDVT_ASSIGN(auto frame, read(sequence, t));
+    const Positions& p = frame;
     contacts.resize(p.size());
     if (before.empty()) before = p;
     const glm::vec2 step(track[t] - track[t > 0 ? t - 1 : 0]);
     for (size_t v = 0; v < p.size(); ++v) {
       const glm::vec3 moved = p[v] - before[v];
-      const bool stands = p[v].y - ground.value() < kStanding && std::abs(moved.y) * capture.fps < kSoleRise_mps &&
+      const bool stands = p[v].y - ground < kStanding && std::abs(moved.y) * capture.fps < kSoleRise_mps &&
                           glm::length(glm::vec2(moved.x, moved.z) + step) * capture.fps < kStandingSlide_mps;
       const glm::vec2 at = glm::vec2(p[v].x, p[v].z) + glm::vec2(track[t]);
       Contact& contact = contacts[v];
@@ -212,7 +206,7 @@ Result<FootSkate> footSkate(const capture::Capture& capture, const capture::Capt
       contact.max = contact.frames == 0 ? at : glm::max(contact.max, at);
       ++contact.frames;
     }
-    before = frame.take();
+    before = std::move(frame);
   }
   for (Contact& contact : contacts) finish(contact);
   if (slides.empty()) return FootSkate{};

@@ -121,9 +121,8 @@ Result<Features> featuresOf(const TransitionState& state, const std::vector<uint
     MotionPath path{state.frames_per_s[r], state.loop, {}, rootSteps(state, r), {}};
     for (uint32_t t = 0; t < state.frame_count; ++t) {
       if (!keep_on()) return interrupted();
-      auto positions = state.positions(r, t);
-      if (!positions) return positions.error();
-      path.positions.push_back(chosen(positions.value(), vertices));
+      FOURDVT_ASSIGN(auto positions, state.positions(r, t));
+      path.positions.push_back(chosen(positions, vertices));
     }
     for (uint32_t t = 0; t < state.frame_count; ++t) {
       const Eigen::Index row = Eigen::Index(r * state.frame_count + t);
@@ -269,27 +268,24 @@ Result<std::vector<uint8_t>> buildMotionGraph(const std::vector<TransitionState>
   std::vector<motion::GraphState> described;
   std::vector<std::vector<motion::Entry>> tables(states.size() * states.size());
   if (states.empty()) return motion::writeMotionGraph(described, tables);
-  auto pose = states[0].positions(0, 0);
-  if (!pose) return pose.error();
+  FOURDVT_ASSIGN(auto pose, states[0].positions(0, 0));
   const std::vector<uint32_t> vertices =
-      spreadVertices(pose.value(), size_t(std::max(options.features, options.step_features)));
+      spreadVertices(pose, size_t(std::max(options.features, options.step_features)));
   size_t samples = 0, done = 0;
   for (const TransitionState& state : states) samples += state.weight_rows.size() * state.frame_count;
   // Every sample is measured, then compared with every other state.
   const KeepOn keep_on = [&] { return progress(double(done++) / double(samples * states.size())); };
   std::vector<Features> features;
   for (const TransitionState& state : states) {
-    auto measured = featuresOf(state, vertices, options, keep_on);
-    if (!measured) return measured.error();
-    features.push_back(measured.take());
+    FOURDVT_ASSIGN(auto measured, featuresOf(state, vertices, options, keep_on));
+    features.push_back(std::move(measured));
     described.push_back({state.frame_count, state.weight_rows});
   }
   for (size_t t = 0; t < tables.size(); ++t) {
     const size_t source = t / states.size(), target = t % states.size();
     if (source == target) continue;
-    auto entries = Pair(states[source], features[source], states[target], features[target], options).entries(keep_on);
-    if (!entries) return entries.error();
-    tables[t] = entries.take();
+    FOURDVT_ASSIGN(tables[t],
+                   Pair(states[source], features[source], states[target], features[target], options).entries(keep_on));
   }
   return motion::writeMotionGraph(described, tables);
 }

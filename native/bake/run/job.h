@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the stages of one bake share: the resolved plan, and the clock that adds up seconds per stage.
+// The resolved plan of one bake: options, capture, mesh order, streams. Does NOT change once planStreams has completed
+// it, but for what alignment measures.
 #pragma once
 
-#include <chrono>
-#include <map>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -16,11 +14,6 @@
 #include "package/base_mesh.h"
 
 namespace fourdvt::bake {
-
-// One captured sequence: what is surveyed and labelled.
-struct SequencePlan {
-  const capture::CaptureSequence* source = nullptr;  // borrowed from Job::capture
-};
 
 // One sequence of the character: a captured one, or a class of them with all members' layers in one picture.
 struct StreamPlan {
@@ -41,18 +34,16 @@ struct StreamPlan {
 };
 
 struct Job {
-  BakeOptions options;  // resolved: jobs > 0, sequences listed, folders without a trailing slash
-  capture::Capture capture;
+  BakeOptions options;       // resolved: jobs > 0, sequences listed, folders without a trailing slash
+  capture::Capture capture;  // its sequences are surveyed and labelled; streams borrow them
   std::vector<PinholeCamera> cameras;
-  std::vector<SequencePlan> sequences;
-  std::vector<StreamPlan> streams;  // in the manifest's order: the sequences, then the classes; see planStreams
+  std::vector<StreamPlan> streams;  // in the manifest's order: the sequences, then the classes
   package::EncodedBaseMesh mesh;    // THE order of vertices and faces of everything below
   BoundingBox bounds;               // over all frames
   TileLayout layout;                // of one member
   EncodeSettings encode;            // of a captured sequence
   uint32_t total_frames = 0;        // captured
   uint32_t streamFrames() const;    // of all streams
-  const SequencePlan& planOf(const capture::CaptureSequence& source) const;  // one of `sequences`
   // Beside the character folder and on its file system: finished GOPs, and the result until it is renamed into place.
   std::string workFolder() const { return options.character_folder + ".work"; }
   std::string resultFolder() const { return workFolder() + "/result"; }
@@ -63,35 +54,5 @@ std::vector<uint32_t> planGops(uint32_t frame_count, int gop);
 
 // Positions in the decoded mesh's order.
 Positions reordered(const package::EncodedBaseMesh& mesh, const Positions& source);
-
-// Seconds of work by stage; stages overlap in time, so that the sum may exceed the wall clock. Thread-safe.
-class StageClock {
- public:
-  class Span {
-   public:
-    Span(StageClock& clock, const char* stage) : clock_(clock), stage_(stage), start_(Now::now()) {}
-    ~Span() { clock_.add(stage_, std::chrono::duration<double>(Now::now() - start_).count()); }
-    Span(const Span&) = delete;
-    Span& operator=(const Span&) = delete;
-
-   private:
-    using Now = std::chrono::steady_clock;
-    StageClock& clock_;
-    const char* stage_;
-    Now::time_point start_;
-  };
-  void add(const char* stage, double seconds) {
-    std::lock_guard lock(mutex_);
-    seconds_[stage] += seconds;
-  }
-  std::map<std::string, double> seconds() const {
-    std::lock_guard lock(mutex_);
-    return seconds_;
-  }
-
- private:
-  mutable std::mutex mutex_;
-  std::map<std::string, double> seconds_;
-};
 
 }  // namespace fourdvt::bake

@@ -13,9 +13,8 @@ Result<Positions> MeshReader::read(const capture::CaptureSequence& sequence, uin
     entries_.splice(entries_.begin(), entries_, known);
     return entries_.front().positions;
   }
-  auto positions = capture::readMeshFrame(job_->capture, sequence, frame);
-  if (!positions) return positions.error();
-  entries_.push_front({&sequence, frame, reordered(job_->mesh, positions.value())});
+  FOURDVT_ASSIGN(auto positions, capture::readMeshFrame(job_->capture, sequence, frame));
+  entries_.push_front({&sequence, frame, reordered(job_->mesh, positions)});
   if (entries_.size() > kKept) entries_.pop_back();
   return entries_.front().positions;
 }

@@ -3,20 +3,11 @@
 #pragma once
 
 #include <chrono>
+#include <string>
 
 #include "bake/run/environment.h"
-#include "bake/run/job.h"
 
 namespace fourdvt::bake {
-
-// Shares of a bake's time, about seconds on two cores; only their ratios matter.
-struct StageWork {
-  static constexpr double kWarp = 0.1;    // a phase of a class's member
-  static constexpr double kSurvey = 0.3;  // a captured frame
-  static constexpr double kFrame = 0.55;  // a stream's frame and member
-  static constexpr double kAlign = 2;     // a phase of each member but the first
-  static constexpr double kGraph = 0.01;  // a stream's frame
-};
 
 class ProgressReporter {
  public:
@@ -33,8 +24,6 @@ class ProgressReporter {
     const double left = done_ > 0 && left_ > 0 ? seconds() * left_ / done_ : 0;
     environment_.progress({stage, frames_done, frames_total, frames_per_s, left});
   }
-
-  bool stopped() const { return environment_.stop && *environment_.stop; }
 
  private:
   const BakeEnvironment& environment_;
@@ -60,12 +49,5 @@ class StageProgress {
   const double work_;
   double done_ = 0;
 };
-
-// Between frames: Interrupted once a stop was asked for, with what is kept and how to go on.
-inline Status checkStop(const BakeEnvironment& environment, const std::string& work_folder) {
-  if (!environment.stop || !*environment.stop) return {};
-  return Error{ErrorId::Interrupted,
-               "stopped; finished GOPs are kept in " + work_folder + "; run the same command with --resume to go on"};
-}
 
 }  // namespace fourdvt::bake

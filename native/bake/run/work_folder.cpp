@@ -22,9 +22,7 @@ Status save(const std::string& path, ByteWriter& out) {
 Error damaged(const std::string& path) { return {ErrorId::Internal, path + ": damaged; bake again"}; }
 
 Result<std::vector<uint8_t>> load(const std::string& path) {
-  auto read = platform::readFile(path);
-  if (!read) return read.error();
-  std::vector<uint8_t> bytes = read.take();
+  FOURDVT_ASSIGN(std::vector<uint8_t> bytes, platform::readFile(path));
   if (bytes.size() < 8) return damaged(path);
   const std::span<const uint8_t> payload(bytes.data(), bytes.size() - 8);
   ByteReader tail(std::span<const uint8_t>(bytes).subspan(payload.size()));
@@ -157,9 +155,8 @@ Status WorkFolder::saveGop(const std::string& sequence, uint32_t gop, const GopA
 }
 
 Result<GopArtefact> WorkFolder::loadGop(const std::string& sequence, uint32_t gop) const {
-  auto bytes = load(gopPath(sequence, gop));
-  if (!bytes) return bytes.error();
-  ByteReader in(bytes.value());
+  FOURDVT_ASSIGN(auto bytes, load(gopPath(sequence, gop)));
+  ByteReader in(bytes);
   GopArtefact artefact;
   artefact.video = takeVideo(in);
   artefact.frames = takeFrames(in);
@@ -203,9 +200,8 @@ Status WorkFolder::saveStill(const StillArtefact& still) const {
 }
 
 Result<StillArtefact> WorkFolder::loadStill() const {
-  auto bytes = load(stillPath());
-  if (!bytes) return bytes.error();
-  ByteReader in(bytes.value());
+  FOURDVT_ASSIGN(auto bytes, load(stillPath()));
+  ByteReader in(bytes);
   StillArtefact still;
   still.picture.width = static_cast<int>(in.u32());
   still.picture.height = static_cast<int>(in.u32());

@@ -13,15 +13,14 @@ namespace fourdvt::bake {
 namespace {
 
 double alignWork(const StreamPlan& plan) {
-  return StageWork::kAlign * plan.frameCount() * double(plan.motion.members.size() - 1);
+  return infoOf(Stage::Align).work_s * plan.frameCount() * double(plan.motion.members.size() - 1);
 }
 
 // One class: phase after phase through the aligner.
 class ClassAligner {
  public:
-  ClassAligner(const Job& job, const StreamPlan& plan, const WorkFolder& work, const BakeEnvironment& environment,
-               StageClock& clock, StageProgress& progress)
-      : job_(job), plan_(plan), work_(work), environment_(environment), clock_(clock), progress_(progress) {}
+  ClassAligner(BakeRun& run, const StreamPlan& plan, StageProgress& progress)
+      : run_(run), job_(run.job), plan_(plan), progress_(progress) {}
 
   // [phase], steadied over the whole motion.
   Result<std::vector<AlignedFrame>> run();
@@ -36,11 +35,9 @@ class ClassAligner {
   std::vector<uint8_t> recordOf(const AlignedFrame& frame) const;
   AlignedFrame frameOf(const std::vector<uint8_t>& record) const;
 
+  BakeRun& run_;
   const Job& job_;
   const StreamPlan& plan_;
-  const WorkFolder& work_;
-  const BakeEnvironment& environment_;
-  StageClock& clock_;
   StageProgress& progress_;
   package::Character character_;  // borrowed by the aligner
   std::unique_ptr<SurfaceAligner> aligner_;
@@ -51,49 +48,39 @@ class ClassAligner {
 };
 
 Result<std::vector<AlignedFrame>> ClassAligner::run() {
-  auto file = RecordFile::resume(work_.path() + "/" + plan_.name + ".alignment", recordBytes(), plan_.frameCount());
-  if (!file) return file.error();
-  if (file.value().count() < plan_.frameCount()) FOURDVT_TRY(open());
+  FOURDVT_ASSIGN(auto file, RecordFile::resume(run_.work.path() + "/" + plan_.name + ".alignment", recordBytes(),
+                                               plan_.frameCount()));
+  if (file.count() < plan_.frameCount()) FOURDVT_TRY(open());
   for (uint32_t g = 0; g < plan_.gop_first_frames.size(); ++g)
-    if (file.value().count() < plan_.gopEnd(g)) FOURDVT_TRY(alignGop(g, file.value()));
-  FOURDVT_TRY(file.value().finish());
-  StageClock::Span span(clock_, "align");
+    if (file.count() < plan_.gopEnd(g)) FOURDVT_TRY(alignGop(g, file));
+  FOURDVT_TRY(file.finish());
+  StageClock::Span span(run_.clock, Stage::Align);
   std::vector<AlignedFrame> frames;
   for (uint32_t f = 0; f < plan_.frameCount(); ++f) {
-    auto record = file.value().read(f);
-    if (!record) return record.error();
-    frames.push_back(frameOf(record.value()));
+    FOURDVT_ASSIGN(auto record, file.read(f));
+    frames.push_back(frameOf(record));
   }
   steadyAlignment(frames, plan_.motion.loop);
   return frames;
 }
 
 Status ClassAligner::open() {
-  StageClock::Span span(clock_, "align");
+  StageClock::Span span(run_.clock, Stage::Align);
   const package::BaseMesh& mesh = job_.mesh.decoded;
-  gpu::Device& device = *environment_.device;
+  gpu::Device& device = run_.device();
   character_ = describeCharacter(job_);
   character_.sequences.push_back(describeStream(plan_));
   AlignmentOptions options;
   options.gutter_texels = job_.options.gutter_texels;
   options.jobs = job_.options.jobs;
-  auto aligner = SurfaceAligner::create(device, character_, mesh, options);
-  if (!aligner) return aligner.error();
-  aligner_ = aligner.take();
-  auto blend = NonlinearBlend::create(mesh.topology, mesh.positions);
-  if (!blend) return blend.error();
-  blend_ = blend.take();
-  auto model = render::CharacterModel::create(device, character_, mesh);
-  if (!model) return model.error();
-  model_.emplace(model.take());
-  auto appearance = render::Appearance::create(device, *model_, static_cast<int>(plan_.motion.members.size()));
-  if (!appearance) return appearance.error();
-  appearance_.emplace(appearance.take());
+  FOURDVT_ASSIGN(aligner_, SurfaceAligner::create(device, character_, mesh, options));
+  FOURDVT_ASSIGN(blend_, NonlinearBlend::create(mesh.topology, mesh.positions));
+  FOURDVT_ASSIGN(model_, render::CharacterModel::create(device, character_, mesh));
+  FOURDVT_ASSIGN(appearance_,
+                 render::Appearance::create(device, *model_, static_cast<int>(plan_.motion.members.size())));
   appearance_->setLayout(character_.sequences.back().renditions.front());
-  auto picture =
-      render::createPicture(device, plan_.layout.width, plan_.layout.height, render::PictureTextures::Kind::I420);
-  if (!picture) return picture.error();
-  picture_.emplace(picture.take());
+  FOURDVT_ASSIGN(picture_, render::createPicture(device, plan_.layout.width, plan_.layout.height,
+                                                 render::PictureTextures::Kind::I420));
   return {};
 }
 
@@ -101,9 +88,7 @@ Status ClassAligner::open() {
 const char* codecKind(Codec codec) { return codec == Codec::H264 ? "avc1" : codec == Codec::Vp9 ? "vp09" : "av01"; }
 
 Status ClassAligner::alignGop(uint32_t gop, RecordFile& file) {
-  auto loaded = work_.loadGop(plan_.name, gop);
-  if (!loaded) return loaded.error();
-  const GopArtefact& artefact = loaded.value();
+  FOURDVT_ASSIGN(const GopArtefact artefact, run_.work.loadGop(plan_.name, gop));
   const uint32_t first = plan_.gop_first_frames[gop];
   Status aligned;
   auto decoder = platform::SampleDecoder::create(codecKind(plan_.encode.codec), artefact.video.parameter_sets,
@@ -120,20 +105,20 @@ Status ClassAligner::alignGop(uint32_t gop, RecordFile& file) {
   FOURDVT_TRY(decoder.value()->flush());
   FOURDVT_TRY(aligned);
   if (file.count() == plan_.gopEnd(gop)) return {};
-  return Error{ErrorId::Internal, work_.path() + ": a GOP of " + plan_.name + " decodes to fewer pictures than frames"};
+  return Error{ErrorId::Internal,
+               run_.work.path() + ": a GOP of " + plan_.name + " decodes to fewer pictures than frames"};
 }
 
 Status ClassAligner::alignPicture(const package::ChunkFrames& frames, uint32_t row, const I420View& view,
                                   RecordFile& file) {
-  FOURDVT_TRY(checkStop(environment_, work_.path()));
-  StageClock::Span span(clock_, "align");
-  gpu::Device& device = *environment_.device;
+  FOURDVT_TRY(run_.checkStop());
+  StageClock::Span span(run_.clock, Stage::Align);
+  gpu::Device& device = run_.device();
   render::uploadPicture(device, *picture_, view);
   const size_t labels = size_t(frames.member_count) * frames.layer_count * frames.face_count;
   appearance_->setFrame(device, *model_, {std::span(frames.labels).subspan(row * labels, labels), {}});
-  auto aligned = aligner_->align(middle(frames, row), *appearance_, *picture_);
-  if (!aligned) return aligned.error();
-  FOURDVT_TRY(file.append(recordOf(aligned.value())));
+  FOURDVT_ASSIGN(auto aligned, aligner_->align(middle(frames, row), *appearance_, *picture_));
+  FOURDVT_TRY(file.append(recordOf(aligned)));
   progress_.done(double(file.count()) / plan_.frameCount(),
                  "align " + plan_.name + " " + std::to_string(file.count()) + "/" + std::to_string(plan_.frameCount()));
   return {};
@@ -171,18 +156,16 @@ float meanCorrelation(const std::vector<AlignedFrame>& frames) {
 }
 
 // aligned: [phase], or none.
-Status codeChunks(const Job& job, const StreamPlan& plan, const WorkFolder& work,
-                  const std::vector<AlignedFrame>& aligned, const package::ChunkMesh& mesh) {
+Status codeChunks(const BakeRun& run, const StreamPlan& plan, const std::vector<AlignedFrame>& aligned,
+                  const package::ChunkMesh& mesh) {
   for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
-    auto artefact = work.loadGop(plan.name, g);
-    if (!artefact) return artefact.error();
-    package::ChunkFrames& frames = artefact.value().frames;
+    FOURDVT_ASSIGN(auto artefact, run.work.loadGop(plan.name, g));
+    package::ChunkFrames& frames = artefact.frames;
     if (!aligned.empty())
       addAlignment(std::span(aligned).subspan(plan.gop_first_frames[g], frames.frame_count),
-                   job.options.alignment_step_m, frames);
-    auto chunk = package::encodeChunk(frames, mesh);
-    if (!chunk) return chunk.error();
-    FOURDVT_TRY(work.saveChunk(plan.name, g, chunk.value()));
+                   run.job.options.alignment_step_m, frames);
+    FOURDVT_ASSIGN(auto chunk, package::encodeChunk(frames, mesh));
+    FOURDVT_TRY(run.work.saveChunk(plan.name, g, chunk));
   }
   return {};
 }
@@ -195,23 +178,21 @@ bool hasChunks(const StreamPlan& plan, const WorkFolder& work) {
 
 }  // namespace
 
-Status alignClasses(Job& job, const WorkFolder& work, const BakeEnvironment& environment, StageClock& clock,
-                    ProgressReporter& progress) {
+Status alignClasses(BakeRun& run) {
+  Job& job = run.job;
   std::optional<package::ChunkMesh> mesh;
   for (StreamPlan& plan : job.streams) {
     if (!plan.isClass()) continue;
-    StageProgress stage(progress, job.options.align ? alignWork(plan) : 0);
+    StageProgress progress(run.progress, job.options.align ? alignWork(plan) : 0);
     std::vector<AlignedFrame> aligned;
     if (job.options.align) {
-      auto frames = ClassAligner(job, plan, work, environment, clock, stage).run();
-      if (!frames) return frames.error();
-      aligned = frames.take();
+      FOURDVT_ASSIGN(aligned, ClassAligner(run, plan, progress).run());
       plan.detail_correlation = meanCorrelation(aligned);
     }
-    if (hasChunks(plan, work)) continue;
-    StageClock::Span span(clock, "geometry");
+    if (hasChunks(plan, run.work)) continue;
+    StageClock::Span span(run.clock, Stage::Geometry);
     if (!mesh) mesh = package::makeChunkMesh(job.mesh.decoded);
-    FOURDVT_TRY(codeChunks(job, plan, work, aligned, *mesh));
+    FOURDVT_TRY(codeChunks(run, plan, aligned, *mesh));
   }
   return {};
 }

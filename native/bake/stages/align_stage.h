@@ -4,13 +4,11 @@
 // much of their detail correlates.
 #pragma once
 
-#include "bake/run/progress.h"
-#include "bake/run/work_folder.h"
+#include "bake/run/bake_run.h"
 
 namespace fourdvt::bake {
 
 // Errors: GpuFailure, VideoInvalid, WriteFailed, Interrupted.
-Status alignClasses(Job& job, const WorkFolder& work, const BakeEnvironment& environment, StageClock& clock,
-                    ProgressReporter& progress);
+Status alignClasses(BakeRun& run);
 
 }  // namespace fourdvt::bake

@@ -99,11 +99,11 @@ Result<std::vector<uint8_t>> finalHeader(package::StreamIndex& index) {
 
 // Header and chunks in one file, a chunk in memory at a time.
 Status writeStream(const std::string& path, const std::vector<uint8_t>& header, const WorkFolder& work,
-                   const std::string& sequence, size_t gop_count) {
+                   const StreamPlan& plan) {
   std::FILE* file = std::fopen(path.c_str(), "wb");
   bool ok = file && std::fwrite(header.data(), 1, header.size(), file) == header.size();
-  for (uint32_t g = 0; ok && g < gop_count; ++g) {
-    auto chunk = work.loadChunk(sequence, g);
+  for (uint32_t g = 0; ok && g < plan.gop_first_frames.size(); ++g) {
+    auto chunk = work.loadChunk(plan.name, g);
     if (!chunk) {
       std::fclose(file);
       return chunk.error();
@@ -117,12 +117,11 @@ Status writeStream(const std::string& path, const std::vector<uint8_t>& header, 
                path + ": cannot write: " + std::strerror(code) + "; free disk space or choose another output folder"};
 }
 
-Result<std::vector<ChunkBytes>> measureChunks(const Job& job, const StreamPlan& plan, const WorkFolder& work) {
+Result<std::vector<ChunkBytes>> measureChunks(const BakeRun& run, const StreamPlan& plan) {
   std::vector<ChunkBytes> bytes;
   for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
-    auto chunk = work.loadChunk(plan.name, g);
-    if (!chunk) return chunk.error();
-    bytes.push_back(measure(plan, chunk.value(), isAligned(job, plan)));
+    FOURDVT_ASSIGN(auto chunk, run.work.loadChunk(plan.name, g));
+    bytes.push_back(measure(plan, chunk, isAligned(run.job, plan)));
   }
   return bytes;
 }
@@ -130,9 +129,8 @@ Result<std::vector<ChunkBytes>> measureChunks(const Job& job, const StreamPlan& 
 Result<Mp4Samples> packVideo(const StreamPlan& plan, const WorkFolder& work, const std::string& path) {
   FOURDVT_TRY(writeMp4(path, plan.encode, static_cast<uint32_t>(plan.gop_first_frames.size()),
                        [&](uint32_t g) -> Result<EncodedGop> {
-                         auto artefact = work.loadGop(plan.name, g);
-                         if (!artefact) return artefact.error();
-                         return std::move(artefact.value().video);
+                         FOURDVT_ASSIGN(auto artefact, work.loadGop(plan.name, g));
+                         return std::move(artefact.video);
                        }));
   return readMp4Samples(path, plan.encode.fps, plan.gop_first_frames, plan.frameCount());
 }
@@ -157,42 +155,37 @@ ReportSequence reportSequence(const package::Sequence& s, const std::vector<Chun
   return r;
 }
 
-Result<PackedSequence> packSequence(const Job& job, const StreamPlan& plan, const WorkFolder& work) {
+Result<PackedSequence> packSequence(const BakeRun& run, const StreamPlan& plan) {
+  const Job& job = run.job;
   const std::string folder = job.resultFolder() + "/";
   PackedSequence out;
   package::Sequence& s = out.manifest;
   s = describeStream(plan);
   package::Rendition& rendition = s.renditions.front();
-  auto chunk_bytes = measureChunks(job, plan, work);
-  if (!chunk_bytes) return chunk_bytes.error();
-  auto packed = packVideo(plan, work, folder + rendition.video_uri);
-  if (!packed) return packed.error();
-  rendition.video_bytes = packed.value().file_bytes;
-  rendition.codec = packed.value().codec;
-  package::StreamIndex index = makeIndex(job, plan, chunk_bytes.value(), std::move(packed.value().table));
-  auto header = finalHeader(index);
-  if (!header) return header.error();
-  FOURDVT_TRY(writeStream(folder + s.stream_uri, header.value(), work, plan.name, chunk_bytes.value().size()));
+  FOURDVT_ASSIGN(auto chunk_bytes, measureChunks(run, plan));
+  FOURDVT_ASSIGN(auto packed, packVideo(plan, run.work, folder + rendition.video_uri));
+  rendition.video_bytes = packed.file_bytes;
+  rendition.codec = packed.codec;
+  package::StreamIndex index = makeIndex(job, plan, chunk_bytes, std::move(packed.table));
+  FOURDVT_ASSIGN(auto header, finalHeader(index));
+  FOURDVT_TRY(writeStream(folder + s.stream_uri, header, run.work, plan));
   s.stream_bytes = platform::fileBytes(folder + s.stream_uri);
-  s.stream_header_bytes = static_cast<uint32_t>(header.value().size());
-  out.report = reportSequence(s, chunk_bytes.value());
+  s.stream_header_bytes = static_cast<uint32_t>(header.size());
+  out.report = reportSequence(s, chunk_bytes);
   return out;
 }
 
-Status writeStills(const Job& job, const WorkFolder& work, gpu::Device& device, const package::Character& character) {
+Status writeStills(const BakeRun& run, const package::Character& character) {
+  const Job& job = run.job;
   const std::string folder = job.resultFolder() + "/";
-  auto still = work.loadStill();
-  if (!still) return still.error();
-  FOURDVT_TRY(platform::writeFileAtomic(folder + kTexture, still.value().texture_jpeg));
-  FOURDVT_TRY(platform::writeFileAtomic(folder + kTiles, still.value().tile_jpeg));
-  auto positions = capture::readMeshFrame(job.capture, *job.sequences[0].source, 0);
-  if (!positions) return positions.error();
-  auto poster =
-      renderPoster(device, character, job.mesh.decoded, still.value(), reordered(job.mesh, positions.value()));
-  if (!poster) return poster.error();
-  auto webp = encodePicture(poster.value(), ".webp", 85);
-  if (!webp) return webp.error();
-  return platform::writeFileAtomic(folder + kPosterFile, webp.value());
+  FOURDVT_ASSIGN(auto still, run.work.loadStill());
+  FOURDVT_TRY(platform::writeFileAtomic(folder + kTexture, still.texture_jpeg));
+  FOURDVT_TRY(platform::writeFileAtomic(folder + kTiles, still.tile_jpeg));
+  FOURDVT_ASSIGN(auto positions, capture::readMeshFrame(job.capture, job.capture.sequences[0], 0));
+  FOURDVT_ASSIGN(auto poster,
+                 renderPoster(run.device(), character, job.mesh.decoded, still, reordered(job.mesh, positions)));
+  FOURDVT_ASSIGN(auto webp, encodePicture(poster, ".webp", 85));
+  return platform::writeFileAtomic(folder + kPosterFile, webp);
 }
 
 void describe(const Job& job, const package::Character& character, ReportInput& report) {
@@ -236,15 +229,14 @@ ClassFigures figuresOf(const Job& job, const StreamPlan& plan, const package::Se
 }
 
 // Figures and a picture of every class.
-Status describeClasses(const Job& job, const WorkFolder& work, const package::Character& character,
-                       ReportInput& report) {
+Status describeClasses(const BakeRun& run, const package::Character& character, ReportInput& report) {
+  const Job& job = run.job;
   for (const StreamPlan& plan : job.streams) {
     if (!plan.isClass()) continue;
     report.figures.classes[plan.name] = figuresOf(job, plan, *character.find(plan.name));
-    auto artefact = work.loadGop(plan.name, 0);
-    if (!artefact) return artefact.error();
+    FOURDVT_ASSIGN(auto artefact, run.work.loadGop(plan.name, 0));
     const std::string file = "report_" + plan.name + ".jpg";
-    FOURDVT_TRY(platform::writeFileAtomic(job.resultFolder() + "/" + file, artefact.value().picture_jpeg));
+    FOURDVT_TRY(platform::writeFileAtomic(job.resultFolder() + "/" + file, artefact.picture_jpeg));
     report.pictures.push_back({file, "The video picture of " + plan.name + ", frame 0: the layers of " +
                                          std::to_string(plan.motion.members.size()) + " members and the barcode."});
   }
@@ -262,25 +254,25 @@ Status writeGraph(const Job& job, const std::vector<uint8_t>& graph, package::Ch
 
 }  // namespace
 
-Status assemble(const Job& job, const WorkFolder& work, const std::vector<uint8_t>& graph, gpu::Device& device,
-                ReportInput& report) {
+Status assemble(BakeRun& run, const std::vector<uint8_t>& graph, ReportInput& report) {
+  StageClock::Span span(run.clock, Stage::Assemble);
+  const Job& job = run.job;
   platform::removeFolder(job.resultFolder());
   FOURDVT_TRY(platform::makeFolder(job.resultFolder()));
   package::Character character = describeCharacter(job);
   for (const StreamPlan& plan : job.streams) {
-    auto packed = packSequence(job, plan, work);
-    if (!packed) return packed.error();
-    character.sequences.push_back(std::move(packed.value().manifest));
-    report.sequences.push_back(std::move(packed.value().report));
+    FOURDVT_ASSIGN(auto packed, packSequence(run, plan));
+    character.sequences.push_back(std::move(packed.manifest));
+    report.sequences.push_back(std::move(packed.report));
   }
   FOURDVT_TRY(platform::writeFileAtomic(job.resultFolder() + "/" + kMeshFile, job.mesh.bytes));
-  FOURDVT_TRY(writeStills(job, work, device, character));
+  FOURDVT_TRY(writeStills(run, character));
   FOURDVT_TRY(writeGraph(job, graph, character, report));
-  auto manifest = package::writeManifest({character, &job.mesh, kTexture, kGenerator, job.capture.credit});
-  if (!manifest) return manifest.error();
-  FOURDVT_TRY(platform::writeFileAtomic(job.resultFolder() + "/character.gltf", manifest.value()));
+  FOURDVT_ASSIGN(auto manifest,
+                 package::writeManifest({character, &job.mesh, kTexture, kGenerator, job.capture.credit}));
+  FOURDVT_TRY(platform::writeFileAtomic(job.resultFolder() + "/character.gltf", manifest));
   describe(job, character, report);
-  return describeClasses(job, work, character, report);
+  return describeClasses(run, character, report);
 }
 
 Status writeReportFiles(const Job& job, const ReportInput& report) {

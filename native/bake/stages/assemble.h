@@ -2,8 +2,7 @@
 // Finished GOPs → the character folder, complete in a sibling folder first, renamed into place at the very end.
 #pragma once
 
-#include "bake/run/job.h"
-#include "bake/run/work_folder.h"
+#include "bake/run/bake_run.h"
 #include "bake/stages/report.h"
 
 namespace fourdvt::bake {
@@ -11,8 +10,7 @@ namespace fourdvt::bake {
 // Writes every file into job.resultFolder() and completes `report` (sequences, codec, pictures, bytes by part); the
 // report's own files come last, by writeReportFiles. graph: the motion graph's file; empty: none. Errors: WriteFailed,
 // Internal, GpuFailure.
-Status assemble(const Job& job, const WorkFolder& work, const std::vector<uint8_t>& graph, gpu::Device& device,
-                ReportInput& report);
+Status assemble(BakeRun& run, const std::vector<uint8_t>& graph, ReportInput& report);
 // report.json and report.html into job.resultFolder().
 Status writeReportFiles(const Job& job, const ReportInput& report);
 

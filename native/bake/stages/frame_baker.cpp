@@ -34,16 +34,11 @@ Result<std::unique_ptr<FrameBaker>> FrameBaker::create(gpu::Device& device, cons
   const std::vector<int>& sizes = options.layer_sizes;
   const bool mipmaps = !sizes.empty() && (options.resample.filter == ResampleFilter::Mipmap ||
                                           minifies(cameras[0], topology, pose, sizes.back()));
-  auto capture = GpuCapture::create(device, cameras, topology, mipmaps);
-  if (!capture) return capture.error();
-  baker->capture_ = capture.take();
-  auto visibility = Visibility::create(device, baker->capture_);
-  if (!visibility) return visibility.error();
-  baker->visibility_ = visibility.take();
+  FOURDVT_ASSIGN(baker->capture_, GpuCapture::create(device, cameras, topology, mipmaps));
+  FOURDVT_ASSIGN(baker->visibility_, Visibility::create(device, baker->capture_));
   if (sizes.empty()) return baker;
-  auto resampler = Resampler::create(device, baker->capture_, sizes, options.resample, options.colour_maps);
-  if (!resampler) return resampler.error();
-  baker->resampler_ = resampler.take();
+  FOURDVT_ASSIGN(baker->resampler_,
+                 Resampler::create(device, baker->capture_, sizes, options.resample, options.colour_maps));
   baker->large_map_ = makeGutterMap(topology, sizes[0], options.gutter_texels);
   if (sizes.back() != sizes[0])
     baker->small_map_ = makeGutterMap(topology, sizes.back(), options.gutter_texels * sizes.back() / sizes[0]);

@@ -6,7 +6,7 @@
 namespace fourdvt::bake {
 namespace {
 
-double frameWork(const StreamPlan& plan) { return StageWork::kFrame * plan.motion.members.size(); }
+double frameWork(const StreamPlan& plan) { return infoOf(Stage::Encode).work_s * plan.motion.members.size(); }
 
 // Means of equal blocks; the side of layer 1 is a multiple of kAtlasSide.
 Image atlasOf(const Image& layer) {
@@ -32,30 +32,29 @@ struct GopStage::OpenGop {
 };
 
 Status GopStage::start() {
-  StageClock::Span span(clock_, "fill");  // the gutter maps are most of it
+  StageClock::Span span(run_.clock, Stage::Fill);  // the gutter maps are most of it
   FrameBakerOptions options;
   for (const package::Rect& rect : job_.layout.layers) options.layer_sizes.push_back(rect.width);
   options.gutter_texels = static_cast<float>(job_.options.gutter_texels);
   options.resample = job_.options.resample;
   if (job_.options.colour_calibration) options.colour_maps = survey_.colourMaps();
   const package::BaseMesh& mesh = job_.mesh.decoded;
-  auto frames = FrameBaker::create(*environment_.device, job_.cameras, mesh.topology, mesh.positions, options);
-  if (!frames) return frames.error();
-  frames_ = frames.take();
+  FOURDVT_ASSIGN(frames_, FrameBaker::create(run_.device(), job_.cameras, mesh.topology, mesh.positions, options));
   chunk_mesh_ = package::makeChunkMesh(mesh);
   return {};
 }
 
 Status GopStage::run() {
-  started_s_ = progress_.seconds();
+  FOURDVT_TRY(start());
+  started_s_ = run_.progress.seconds();
   for (const StreamPlan& plan : job_.streams) FOURDVT_TRY(bakeStream(plan));
   return waitForSave();
 }
 
 bool GopStage::isFinished(const StreamPlan& plan, uint32_t gop) const {
-  if (!work_.hasGop(plan.name, gop)) return false;
-  if (!plan.isClass() && !work_.hasChunk(plan.name, gop)) return false;
-  return !isFirst(plan) || gop > 0 || work_.hasStill();
+  if (!run_.work.hasGop(plan.name, gop)) return false;
+  if (!plan.isClass() && !run_.work.hasChunk(plan.name, gop)) return false;
+  return !isFirst(plan) || gop > 0 || run_.work.hasStill();
 }
 
 Status GopStage::bakeStream(const StreamPlan& plan) {
@@ -63,21 +62,19 @@ Status GopStage::bakeStream(const StreamPlan& plan) {
   for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
     if (isFinished(plan, g)) {
       const uint32_t frames = plan.gopEnd(g) - plan.gop_first_frames[g];
-      progress_.frames_done += frames;
-      progress_.skip(frames * frameWork(plan));
+      run_.progress.frames_done += frames;
+      run_.progress.skip(frames * frameWork(plan));
       reader.reset();
       continue;
     }
     if (!reader) {
-      auto made = StreamReader::create(job_, plan, environment_.open_video, clock_);
-      if (!made) return made.error();
-      reader = made.take();
+      FOURDVT_ASSIGN(reader, StreamReader::create(run_, plan));
       looks_.assign(plan.motion.members.size(), {});
       picture_ = I420Picture(plan.layout.width, plan.layout.height);
     }
     FOURDVT_TRY(bakeGop(plan, g, *reader));
-    if (progress_.stopped()) FOURDVT_TRY(waitForSave());  // on every lane: a finished GOP is kept
-    FOURDVT_TRY(checkStop(environment_, work_.path()));
+    if (run_.stopped()) FOURDVT_TRY(waitForSave());  // on every lane: a finished GOP is kept
+    FOURDVT_TRY(run_.checkStop());
   }
   return {};
 }
@@ -89,17 +86,15 @@ Status GopStage::bakeGop(const StreamPlan& plan, uint32_t gop, StreamReader& rea
   std::future<Result<PreparedFrame>> next = std::async(lane(), read, first);  // futures join on every way out
   std::future<Status> finished;
   for (uint32_t f = first; f < end; ++f) {
-    auto prepared = next.get();
-    if (!prepared) return prepared.error();
+    FOURDVT_ASSIGN(auto prepared, next.get());
     if (f + 1 < end) next = std::async(lane(), read, f + 1);
-    auto drawn = drawFrame(plan, prepared.take());
-    if (!drawn) return drawn.error();
+    FOURDVT_ASSIGN(auto drawn, drawFrame(plan, std::move(prepared)));
     FOURDVT_TRY(f == first ? waitForSave() : finished.get());
-    finished = std::async(lane(), [this, &open = *open, &plan, f, frame = drawn.take()]() mutable {
+    finished = std::async(lane(), [this, &open = *open, &plan, f, frame = std::move(drawn)]() mutable {
       return finishFrame(open, plan, std::move(frame), f);
     });
     tellFrame(plan, f + 1);
-    if (f + 1 < end) FOURDVT_TRY(checkStop(environment_, work_.path()));
+    if (f + 1 < end) FOURDVT_TRY(run_.checkStop());
   }
   FOURDVT_TRY(finished.get());
   saving_ = std::async(lane(), [this, &plan, gop, open = std::move(open)] { return saveGop(*open, plan, gop); });
@@ -114,32 +109,24 @@ Result<GopStage::DrawnFrame> GopStage::drawFrame(const StreamPlan& plan, Prepare
     const PreparedMember& member = frame.members[m];
     out.members.emplace_back();
     if (!member.fresh) continue;
-    auto look = drawMember(job_.planOf(*plan.motion.members[m].source), member.source_frame, *member.fresh);
-    if (!look) return look.error();
-    out.members.back() = look.take();
+    FOURDVT_ASSIGN(auto look, drawMember(*plan.motion.members[m].source, member.source_frame, *member.fresh));
+    out.members.back() = std::move(look);
   }
   out.geometry = std::move(frame.geometry);
   return out;
 }
 
-Result<GopStage::MemberLook> GopStage::drawMember(const SequencePlan& plan, uint32_t source_frame,
+Result<GopStage::MemberLook> GopStage::drawMember(const capture::CaptureSequence& sequence, uint32_t source_frame,
                                                   const SourceFrame& source) {
   MemberLook out;
-  auto labels = survey_.labels(plan, source_frame);
-  if (!labels) return labels.error();
-  out.labels = labels.take();
-  StageClock::Span span(clock_, "resample");
+  FOURDVT_ASSIGN(out.labels, survey_.labels(sequence, source_frame));
+  StageClock::Span span(run_.clock, Stage::Resample);
   frames_->setFrame(source.pose, source.crops);
   if (job_.options.labels == LabelMode::PerTexel) {
-    auto order = survey_.penaltyOrder(plan, source_frame);
-    if (!order) return order.error();
-    auto layers = frames_->resamplePerTexel(order.value());
-    if (!layers) return layers.error();
-    out.layers = layers.take();
+    FOURDVT_ASSIGN(auto order, survey_.penaltyOrder(sequence, source_frame));
+    FOURDVT_ASSIGN(out.layers, frames_->resamplePerTexel(order));
   } else {
-    auto layers = frames_->resample(out.labels);
-    if (!layers) return layers.error();
-    out.layers = layers.take();
+    FOURDVT_ASSIGN(out.layers, frames_->resample(out.labels));
   }
   return out;
 }
@@ -147,7 +134,7 @@ Result<GopStage::MemberLook> GopStage::drawMember(const SequencePlan& plan, uint
 Status GopStage::finishFrame(OpenGop& open, const StreamPlan& plan, DrawnFrame frame, uint32_t index) {
   for (size_t m = 0; m < looks_.size(); ++m) {
     if (!frame.members[m]) continue;
-    StageClock::Span span(clock_, "fill");
+    StageClock::Span span(run_.clock, Stage::Fill);
     looks_[m] = std::move(*frame.members[m]);
     frames_->fill(looks_[m].layers);
     looks_[m].atlas = atlasOf(looks_[m].layers[0]);
@@ -160,7 +147,7 @@ Status GopStage::finishFrame(OpenGop& open, const StreamPlan& plan, DrawnFrame f
     open.artefact.atlases.push_back(look.atlas);
   }
   {
-    StageClock::Span span(clock_, "tile");
+    StageClock::Span span(run_.clock, Stage::Tile);
     tileFrame(plan.layout, layers, index, picture_);
   }
   open.chunk.add(frame.geometry, labels);
@@ -169,57 +156,49 @@ Status GopStage::finishFrame(OpenGop& open, const StreamPlan& plan, DrawnFrame f
 }
 
 Status GopStage::encode(OpenGop& open, const StreamPlan& plan) {
-  StageClock::Span span(clock_, "encode");
+  StageClock::Span span(run_.clock, Stage::Encode);
   if (!open.encoder) {
-    auto encoder = GopEncoder::create(plan.encode);
-    if (!encoder) return encoder.error();
-    open.encoder = encoder.take();
+    FOURDVT_ASSIGN(open.encoder, GopEncoder::create(plan.encode));
     if (plan.isClass()) {
-      auto jpeg = encodePicture(rgbFromTile(picture_.view(), {0, 0, picture_.width, picture_.height}), ".jpg", 80);
-      if (!jpeg) return jpeg.error();
-      open.artefact.picture_jpeg = jpeg.take();
+      FOURDVT_ASSIGN(open.artefact.picture_jpeg,
+                     encodePicture(rgbFromTile(picture_.view(), {0, 0, picture_.width, picture_.height}), ".jpg", 80));
     }
   }
   return open.encoder->push(picture_.view());
 }
 
 Status GopStage::saveStill() {
-  StageClock::Span span(clock_, "assemble");
-  auto texture = encodePicture(rgbFromTile(picture_.view(), job_.layout.layers[0]), ".jpg", 90);
-  if (!texture) return texture.error();
+  StageClock::Span span(run_.clock, Stage::Assemble);
+  FOURDVT_ASSIGN(auto texture, encodePicture(rgbFromTile(picture_.view(), job_.layout.layers[0]), ".jpg", 90));
   const Image tiles = rgbFromTile(picture_.view(), {0, 0, picture_.width, picture_.height});
-  auto tile_jpeg = encodePicture(tiles, ".jpg", 80);
-  if (!tile_jpeg) return tile_jpeg.error();
-  return work_.saveStill({picture_, looks_[0].labels, texture.take(), tile_jpeg.take()});
+  FOURDVT_ASSIGN(auto tile_jpeg, encodePicture(tiles, ".jpg", 80));
+  return run_.work.saveStill({picture_, looks_[0].labels, std::move(texture), std::move(tile_jpeg)});
 }
 
 Status GopStage::saveGop(OpenGop& open, const StreamPlan& plan, uint32_t gop) {
   {
-    StageClock::Span span(clock_, "encode");
-    auto video = open.encoder->finish();
-    if (!video) return video.error();
-    open.artefact.video = video.take();
+    StageClock::Span span(run_.clock, Stage::Encode);
+    FOURDVT_ASSIGN(open.artefact.video, open.encoder->finish());
     open.encoder.reset();
   }
-  StageClock::Span span(clock_, "geometry");
+  StageClock::Span span(run_.clock, Stage::Geometry);
   package::ChunkFrames frames = open.chunk.finish();
   if (plan.isClass()) {
     open.artefact.frames = std::move(frames);
   } else {
-    auto chunk = package::encodeChunk(frames, chunk_mesh_);
-    if (!chunk) return chunk.error();
-    FOURDVT_TRY(work_.saveChunk(plan.name, gop, chunk.value()));
+    FOURDVT_ASSIGN(auto chunk, package::encodeChunk(frames, chunk_mesh_));
+    FOURDVT_TRY(run_.work.saveChunk(plan.name, gop, chunk));
   }
-  return work_.saveGop(plan.name, gop, open.artefact);
+  return run_.work.saveGop(plan.name, gop, open.artefact);
 }
 
 void GopStage::tellFrame(const StreamPlan& plan, uint32_t frame) {
-  ++progress_.frames_done;
+  ++run_.progress.frames_done;
   ++baked_;
-  progress_.worked(frameWork(plan));
-  const double elapsed = progress_.seconds() - started_s_;
-  progress_.tell(plan.name + " " + std::to_string(frame) + "/" + std::to_string(plan.frameCount()),
-                 elapsed > 0 ? baked_ / elapsed : 0);
+  run_.progress.worked(frameWork(plan));
+  const double elapsed = run_.progress.seconds() - started_s_;
+  run_.progress.tell(plan.name + " " + std::to_string(frame) + "/" + std::to_string(plan.frameCount()),
+                     elapsed > 0 ? baked_ / elapsed : 0);
 }
 
 }  // namespace fourdvt::bake

@@ -6,8 +6,7 @@
 
 #include <future>
 
-#include "bake/run/progress.h"
-#include "bake/run/work_folder.h"
+#include "bake/run/bake_run.h"
 #include "bake/stages/frame_baker.h"
 #include "bake/stages/stream_reader.h"
 #include "bake/stages/survey.h"
@@ -17,11 +16,8 @@ namespace fourdvt::bake {
 
 class GopStage {
  public:
-  GopStage(const Job& job, const Survey& survey, const WorkFolder& work, const BakeEnvironment& environment,
-           StageClock& clock, ProgressReporter& progress)
-      : job_(job), survey_(survey), work_(work), environment_(environment), clock_(clock), progress_(progress) {}
+  GopStage(BakeRun& run, const Survey& survey) : run_(run), job_(run.job), survey_(survey) {}
 
-  Status start();
   Status run();  // Errors: those of capture, GPU and encoder, WriteFailed, Interrupted
   uint32_t framesBaked() const { return baked_; }  // by this run
 
@@ -37,11 +33,13 @@ class GopStage {
     FrameGeometry geometry;
   };
 
+  Status start();
   Status bakeStream(const StreamPlan& plan);
   bool isFinished(const StreamPlan& plan, uint32_t gop) const;
   Status bakeGop(const StreamPlan& plan, uint32_t gop, StreamReader& reader);
   Result<DrawnFrame> drawFrame(const StreamPlan& plan, PreparedFrame frame);
-  Result<MemberLook> drawMember(const SequencePlan& plan, uint32_t source_frame, const SourceFrame& source);
+  Result<MemberLook> drawMember(const capture::CaptureSequence& sequence, uint32_t source_frame,
+                                const SourceFrame& source);
   Status finishFrame(OpenGop& open, const StreamPlan& plan, DrawnFrame frame, uint32_t index);
   Status encode(OpenGop& open, const StreamPlan& plan);
   Status saveStill();
@@ -51,12 +49,9 @@ class GopStage {
   bool isFirst(const StreamPlan& plan) const { return &plan == job_.streams.data(); }
   std::launch lane() const { return job_.options.jobs > 1 ? std::launch::async : std::launch::deferred; }
 
+  BakeRun& run_;
   const Job& job_;
   const Survey& survey_;
-  const WorkFolder& work_;
-  const BakeEnvironment& environment_;
-  StageClock& clock_;
-  ProgressReporter& progress_;
   package::ChunkMesh chunk_mesh_;
   std::unique_ptr<FrameBaker> frames_;
   std::vector<MemberLook> looks_;  // of the stream's frame finished last

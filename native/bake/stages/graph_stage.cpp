@@ -51,9 +51,8 @@ class State {
 
 Status State::loadAtlases(const WorkFolder& work) {
   for (uint32_t g = 0; g < plan_.gop_first_frames.size(); ++g) {
-    auto artefact = work.loadGop(plan_.name, g);
-    if (!artefact) return artefact.error();
-    for (Image& image : artefact.value().atlases) atlases_.push_back(std::move(image));
+    FOURDVT_ASSIGN(auto artefact, work.loadGop(plan_.name, g));
+    for (Image& image : artefact.atlases) atlases_.push_back(std::move(image));
   }
   if (atlases_.size() == plan_.frameCount() * plan_.motion.members.size()) return {};
   return Error{ErrorId::Internal,
@@ -121,32 +120,31 @@ std::vector<std::vector<float>> graphWeights(const ClassPlan& plan) {
   return rows;
 }
 
-Result<std::vector<uint8_t>> makeGraph(const Job& job, const WorkFolder& work, const BakeEnvironment& environment,
-                                       StageClock& clock, ProgressReporter& progress) {
-  StageProgress stage(progress, StageWork::kGraph * job.streamFrames());
+Result<std::vector<uint8_t>> makeGraph(BakeRun& run) {
+  const Job& job = run.job;
+  StageProgress progress(run.progress, infoOf(Stage::Graph).work_s * job.streamFrames());
   if (job.streams.size() < 2) return std::vector<uint8_t>();
-  StageClock::Span span(clock, "graph");
-  auto blend = NonlinearBlend::create(job.mesh.decoded.topology, job.mesh.decoded.positions);
-  if (!blend) return blend.error();
+  StageClock::Span span(run.clock, Stage::Graph);
+  FOURDVT_ASSIGN(auto blend, NonlinearBlend::create(job.mesh.decoded.topology, job.mesh.decoded.positions));
   MeshReader meshes(job);
   const ReadPositions read = meshes.function();
   std::vector<State> states;
   states.reserve(job.streams.size());  // descriptions point to them
   std::vector<TransitionState> descriptions;
   for (const StreamPlan& plan : job.streams) {
-    states.emplace_back(plan, graphWeights(plan.motion), read, blend.value().get());
-    FOURDVT_TRY(states.back().loadAtlases(work));
+    states.emplace_back(plan, graphWeights(plan.motion), read, blend.get());
+    FOURDVT_TRY(states.back().loadAtlases(run.work));
     descriptions.push_back(states.back().description());
   }
   TransitionOptions options;
   options.atlas = kAtlasSide;
   options.pop.look_s = 1 / job.capture.fps;
   const auto tell = [&](double share) {
-    stage.done(share, "graph");
-    return !progress.stopped();
+    progress.done(share, "graph");
+    return !run.stopped();
   };
   auto graph = buildMotionGraph(descriptions, options, tell);
-  if (!graph && graph.error().id == ErrorId::Interrupted) FOURDVT_TRY(checkStop(environment, work.path()));
+  if (!graph && graph.error().id == ErrorId::Interrupted) FOURDVT_TRY(run.checkStop());
   return graph;
 }
 

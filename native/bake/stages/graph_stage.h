@@ -2,8 +2,7 @@
 // The motion graph of the whole character: states are its streams in the manifest's order.
 #pragma once
 
-#include "bake/run/progress.h"
-#include "bake/run/work_folder.h"
+#include "bake/run/bake_run.h"
 
 namespace fourdvt::bake {
 
@@ -12,7 +11,6 @@ namespace fourdvt::bake {
 std::vector<std::vector<float>> graphWeights(const ClassPlan& plan);
 
 // Bytes of the graph file; none for a character of one stream. Needs every GOP. Errors: those of capture, Interrupted.
-Result<std::vector<uint8_t>> makeGraph(const Job& job, const WorkFolder& work, const BakeEnvironment& environment,
-                                       StageClock& clock, ProgressReporter& progress);
+Result<std::vector<uint8_t>> makeGraph(BakeRun& run);
 
 }  // namespace fourdvt::bake

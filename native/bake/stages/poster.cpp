@@ -24,29 +24,25 @@ void unpremultiply(Image& image) {
 
 Result<Image> renderPoster(gpu::Device& device, const package::Character& character, const package::BaseMesh& mesh,
                            const StillArtefact& still, const Positions& positions) {
-  auto figure = render::PlainFigure::create(device, character, mesh);
-  if (!figure) return figure.error();
+  FOURDVT_ASSIGN(auto figure, render::PlainFigure::create(device, character, mesh));
   const I420View view = still.picture.view();
-  auto picture = render::createPicture(device, view.width, view.height, render::PictureTextures::Kind::I420);
-  if (!picture) return picture.error();
-  auto recipe = render::Recipe::create(device);
-  if (!recipe) return recipe.error();
+  FOURDVT_ASSIGN(auto picture,
+                 render::createPicture(device, view.width, view.height, render::PictureTextures::Kind::I420));
+  FOURDVT_ASSIGN(auto recipe, render::Recipe::create(device));
   gpu::TargetDesc desc;
   desc.width = kPosterWidth;
   desc.height = kPosterHeight;
   desc.label = "poster";
-  auto target = gpu::makeTarget(device, desc);
-  if (!target) return target.error();
-  render::uploadPicture(device, picture.value(), view);
-  figure.value().setLayout(character.sequences.front().renditions.front());
-  figure.value().setFrame(device, positions, still.labels);
+  FOURDVT_ASSIGN(auto target, gpu::makeTarget(device, desc));
+  render::uploadPicture(device, picture, view);
+  figure.setLayout(character.sequences.front().renditions.front());
+  figure.setFrame(device, positions, still.labels);
   const OrbitView orbit = defaultOrbit(character.bounds, double(kPosterWidth) / kPosterHeight);
   const PinholeCamera camera = cameraFromOrbit(orbit, kPosterWidth, kPosterHeight);
-  FOURDVT_TRY(
-      figure.value().draw(*recipe.value(), picture.value(), render::viewFromCamera(camera), {}, target.value().id()));
+  FOURDVT_TRY(figure.draw(*recipe, picture, render::viewFromCamera(camera), {}, target.id()));
   Image image(kPosterWidth, kPosterHeight, 4);
-  FOURDVT_TRY(device.readPixels(target.value().id(), gpu::PixelFormat::RGBA8, 0, 0, kPosterWidth, kPosterHeight,
-                                image.pixels.data()));
+  FOURDVT_TRY(
+      device.readPixels(target.id(), gpu::PixelFormat::RGBA8, 0, 0, kPosterWidth, kPosterHeight, image.pixels.data()));
   unpremultiply(image);
   return image;
 }

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "bake/run/stage_table.h"
 #include "base/html_text.h"
 
 namespace fourdvt::bake {
@@ -44,13 +45,9 @@ const char* filterName(ResampleFilter filter) {
 
 StageSeconds orderedStages(const ReportInput& in) {
   StageSeconds out;
-  const auto& known = pipelineStages();
-  for (const std::string& stage : known) {
-    const auto it = in.figures.seconds_by_stage.find(stage);
-    if (it != in.figures.seconds_by_stage.end()) out.emplace_back(*it);
-  }
-  for (const auto& entry : in.figures.seconds_by_stage)
-    if (std::find(known.begin(), known.end(), entry.first) == known.end()) out.emplace_back(entry);
+  for (const StageInfo& stage : kStages)
+    if (const auto it = in.figures.seconds_by_stage.find(stage.name); it != in.figures.seconds_by_stage.end())
+      out.emplace_back(*it);
   return out;
 }
 
@@ -287,13 +284,6 @@ footer{margin-top:48px;border-top:1px solid var(--line);padding-top:16px}
 )";
 
 }  // namespace
-
-const std::vector<std::string>& pipelineStages() {
-  static const std::vector<std::string> stages{"validate", "warp",     "decode", "visibility", "colours",
-                                               "labels",   "resample", "fill",   "tile",       "encode",
-                                               "align",    "geometry", "graph",  "assemble"};
-  return stages;
-}
 
 std::string reportJson(const ReportInput& in) {
   Json root;

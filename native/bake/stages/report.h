@@ -30,8 +30,8 @@ struct ReportPicture {
 };
 
 struct ReportInput {
-  BakeOptions options;                          // resolved: jobs > 0, sequences listed
-  BakeReport figures;                           // seconds by stage in order of pipelineStages(), bytes by part
+  BakeOptions options;  // resolved: jobs > 0, sequences listed
+  BakeReport figures;
   std::string capture_name, credit, generator;  // generator: "fourdvt X.Y.Z"
   std::string codec;                            // RFC 6381
   uint32_t cameras = 0, vertices = 0, faces = 0;
@@ -43,8 +43,6 @@ struct ReportInput {
   std::vector<ReportPicture> pictures;                        // the first is shown large (the poster)
 };
 
-// Stage names of bake.h in order; stages of the figures that are not among them follow at the end.
-const std::vector<std::string>& pipelineStages();
 std::string reportJson(const ReportInput& input);
 std::string reportHtml(const ReportInput& input);
 

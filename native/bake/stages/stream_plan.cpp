@@ -14,8 +14,7 @@ Error interrupted() { return {ErrorId::Interrupted, "stopped; nothing was writte
 Result<ClassPlan> planSequence(const Job& job, const capture::CaptureSequence& source, const ReadPositions& read) {
   ClassPlan plan;
   std::string note;
-  auto track = rootTrack(job.capture, source, job.mesh.decoded.topology, read, &note);
-  if (!track) return track.error();
+  FOURDVT_ASSIGN(auto track, rootTrack(job.capture, source, job.mesh.decoded.topology, read, &note));
   if (!note.empty()) plan.notes.push_back(note);
   plan.frame_count = source.frame_count;
   plan.fps = job.capture.fps;
@@ -23,12 +22,12 @@ Result<ClassPlan> planSequence(const Job& job, const capture::CaptureSequence& s
   ClassMember member;
   member.source = &source;
   for (uint32_t f = 0; f < source.frame_count; ++f) member.source_frame.push_back(f);
-  member.root.assign(track.value().begin(), track.value().end() - 1);
+  member.root.assign(track.begin(), track.end() - 1);
   plan.members.push_back(std::move(member));
   package::Member manifest;
   manifest.name = source.name;
   manifest.duration_s = source.frame_count / job.capture.fps;
-  manifest.travel = track.value().back();
+  manifest.travel = track.back();
   plan.manifest.push_back(std::move(manifest));
   return plan;
 }
@@ -51,9 +50,8 @@ void addStream(Job& job, const std::string& name, ClassPlan motion) {
 Status growBounds(Job& job, const ClassPlan& plan, const ReadPositions& read) {
   for (const ClassMember& member : plan.members) {
     for (uint32_t f = 0; f < plan.frame_count; ++f) {
-      auto positions = memberPositions(member, f, read);
-      if (!positions) return positions.error();
-      for (const glm::vec3& p : positions.value()) {
+      FOURDVT_ASSIGN(auto positions, memberPositions(member, f, read));
+      for (const glm::vec3& p : positions) {
         job.bounds.min = glm::min(job.bounds.min, p);
         job.bounds.max = glm::max(job.bounds.max, p);
       }
@@ -62,15 +60,15 @@ Status growBounds(Job& job, const ClassPlan& plan, const ReadPositions& read) {
   return {};
 }
 
-Status planClasses(Job& job, const BakeEnvironment& environment, const ReadPositions& read, const OnWarp& on_progress) {
-  const auto stopped = [&] { return environment.stop && *environment.stop; };
+Status planClasses(BakeRun& run, const ReadPositions& read, StageProgress& progress) {
+  Job& job = run.job;
   const auto classes = bakedClasses(job);
   ClassOptions options;
   options.blend_error_m = job.options.blend_error_m;
   for (size_t c = 0; c < classes.size(); ++c) {
     const auto tell = [&](double share) {
-      on_progress(classes[c]->name, (c + share) / classes.size());
-      return !stopped();
+      progress.done((c + share) / classes.size(), "warp " + classes[c]->name);
+      return !run.stopped();
     };
     auto plan = planClass(job.capture, *classes[c], job.mesh.decoded.topology, read, options, tell);
     if (!plan) return plan.error().id == ErrorId::Interrupted ? interrupted() : plan.error();
@@ -78,6 +76,12 @@ Status planClasses(Job& job, const BakeEnvironment& environment, const ReadPosit
     addStream(job, classes[c]->name, plan.take());
   }
   return {};
+}
+
+double warpWork(const Job& job) {
+  double member_phases = 0;
+  for (const capture::CaptureClass* c : bakedClasses(job)) member_phases += expectedPhases(job, *c) * c->members.size();
+  return infoOf(Stage::Warp).work_s * member_phases;
 }
 
 }  // namespace
@@ -91,11 +95,6 @@ uint32_t Job::streamFrames() const {
   uint32_t sum = 0;
   for (const StreamPlan& stream : streams) sum += stream.frameCount();
   return sum;
-}
-
-const SequencePlan& Job::planOf(const capture::CaptureSequence& source) const {
-  return *std::find_if(sequences.begin(), sequences.end(),
-                       [&](const SequencePlan& plan) { return plan.source->name == source.name; });
 }
 
 std::vector<const capture::CaptureClass*> bakedClasses(const Job& job) {
@@ -112,17 +111,19 @@ uint32_t expectedPhases(const Job& job, const capture::CaptureClass& motion_clas
   return phases;
 }
 
-Status planStreams(Job& job, const BakeEnvironment& environment, const OnWarp& on_progress) {
+Status planStreams(BakeRun& run) {
+  StageClock::Span span(run.clock, Stage::Warp);
+  Job& job = run.job;
+  StageProgress progress(run.progress, warpWork(job));
   MeshReader meshes(job);
   const ReadPositions read = meshes.function();
   job.streams.clear();
-  for (const SequencePlan& sequence : job.sequences) {
-    if (environment.stop && *environment.stop) return interrupted();
-    auto plan = planSequence(job, *sequence.source, read);
-    if (!plan) return plan.error();
-    addStream(job, sequence.source->name, plan.take());
+  for (const capture::CaptureSequence& sequence : job.capture.sequences) {
+    if (run.stopped()) return interrupted();
+    FOURDVT_ASSIGN(auto plan, planSequence(job, sequence, read));
+    addStream(job, sequence.name, std::move(plan));
   }
-  return planClasses(job, environment, read, on_progress);
+  return planClasses(run, read, progress);
 }
 
 }  // namespace fourdvt::bake

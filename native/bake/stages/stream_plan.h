@@ -2,16 +2,13 @@
 // What sequences the character gets: one a captured sequence, then one a motion class. The "warp" stage.
 #pragma once
 
-#include "bake/run/environment.h"
-#include "bake/run/job.h"
+#include "bake/run/bake_run.h"
 
 namespace fourdvt::bake {
 
-// Completes job.streams and grows job.bounds by the classes' interpolated meshes. `share` of the stage, 0..1, with the
-// class at work; not called where there are no classes. Errors: those of planClass and rootTrack, InvalidArgument (a
-// class's picture is too large), Interrupted.
-using OnWarp = std::function<void(const std::string& class_name, double share)>;
-Status planStreams(Job& job, const BakeEnvironment& environment, const OnWarp& on_progress);
+// Completes job.streams and grows job.bounds by the classes' interpolated meshes. Errors: those of planClass and
+// rootTrack, InvalidArgument (a class's picture is too large), Interrupted.
+Status planStreams(BakeRun& run);
 
 // Classes that are baked: none with BakeOptions::classes off.
 std::vector<const capture::CaptureClass*> bakedClasses(const Job& job);

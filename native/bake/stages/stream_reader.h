@@ -31,8 +31,7 @@ struct PreparedFrame {
 class StreamReader {
  public:
   // Errors: MeshTopology. Videos are opened with the first frame.
-  static Result<std::unique_ptr<StreamReader>> create(const Job& job, const StreamPlan& plan,
-                                                      const OpenVideo& open_video, StageClock& clock);
+  static Result<std::unique_ptr<StreamReader>> create(BakeRun& run, const StreamPlan& plan);
   // Cheap in ascending order: captured frames are decoded once, and videos reopened where a loop wraps. Errors: those
   // of capture.
   Result<PreparedFrame> read(uint32_t frame);
@@ -43,21 +42,14 @@ class StreamReader {
     uint32_t next = 0;
     std::optional<uint32_t> last;  // read last
   };
-  StreamReader(const Job& job, const StreamPlan& plan, const OpenVideo& open_video, StageClock& clock)
-      : job_(job),
-        plan_(plan),
-        open_video_(open_video),
-        clock_(clock),
-        meshes_(job),
-        sources_(plan.motion.members.size()) {}
+  StreamReader(BakeRun& run, const StreamPlan& plan)
+      : run_(run), plan_(plan), meshes_(run.job), sources_(plan.motion.members.size()) {}
   Result<PreparedMember> readMember(size_t member, uint32_t frame);
   Result<SourceFrame> readSource(size_t member, uint32_t source_frame);
   Result<FrameGeometry> blendGeometry(uint32_t frame);  // of a class
 
-  const Job& job_;
+  BakeRun& run_;
   const StreamPlan& plan_;
-  const OpenVideo& open_video_;
-  StageClock& clock_;
   MeshReader meshes_;
   std::vector<Source> sources_;  // [member]
   std::unique_ptr<NonlinearBlend> blend_;

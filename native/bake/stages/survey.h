@@ -9,43 +9,47 @@
 #include <string>
 #include <vector>
 
-#include "bake/run/environment.h"
-#include "bake/run/job.h"
+#include "bake/run/bake_run.h"
 #include "bake/stages/frame_baker.h"
 
 namespace fourdvt::bake {
 
 class Survey {
  public:
-  // `share`: of the survey, 0..1. Errors: those of capture and GPU, NothingVisible, WriteFailed, Interrupted.
-  using OnProgress = std::function<void(const std::string& stage, double share)>;
-  static Result<Survey> run(const Job& job, const BakeEnvironment& environment, StageClock& clock,
-                            const OnProgress& on_progress);
+  // The survey borrows the run's job. Errors: those of capture and GPU, NothingVisible, WriteFailed, Interrupted.
+  static Result<Survey> make(BakeRun& run);
 
   const std::vector<ColourMap>& colourMaps() const { return colour_maps_; }  // empty: not calibrated
   // [layer][face]. Errors: FileUnreadable.
-  Result<std::vector<uint8_t>> labels(const SequencePlan& plan, uint32_t frame) const;
+  Result<std::vector<uint8_t>> labels(const capture::CaptureSequence& sequence, uint32_t frame) const;
   // [rank][face]: all cameras that qualify, by penalty. For LabelMode::PerTexel.
-  Result<std::vector<uint8_t>> penaltyOrder(const SequencePlan& plan, uint32_t frame) const;
+  Result<std::vector<uint8_t>> penaltyOrder(const capture::CaptureSequence& sequence, uint32_t frame) const;
   const std::map<std::string, LabelStatistics>& statistics() const { return statistics_; }  // by sequence
 
  private:
+  using OnFrame = std::function<void(uint32_t done)>;
+  struct Measuring {
+    std::unique_ptr<FrameBaker> baker;
+    ColourCalibrator* calibrator = nullptr;  // none: colours are known
+    OnFrame on_frame;
+  };
   explicit Survey(const Job& job);
-  Status measure(const BakeEnvironment& environment, StageClock& clock, const OnProgress& on_progress);
-  Status measureSequence(const SequencePlan& plan, FrameBaker& baker, const BakeEnvironment& environment,
-                         StageClock& clock, ColourCalibrator* calibrator,
-                         const std::function<void(uint32_t)>& on_frame);
-  Status label(const SequencePlan& plan, const BakeEnvironment& environment, StageClock& clock,
-               const std::function<void(uint32_t)>& on_frame);
+  Status measure(BakeRun& run, StageProgress& progress);
+  Status measureSequence(BakeRun& run, const capture::CaptureSequence& sequence, Measuring& measuring);
+  Status label(BakeRun& run, const capture::CaptureSequence& sequence, const OnFrame& on_frame);
   bool loadColours();
   Status saveColours() const;
-  bool loadStatistics(const SequencePlan& plan);
-  Result<FaceCosts> faceCosts(const SequencePlan& plan, uint32_t frame) const;
-  Result<std::vector<float>> fractions(const SequencePlan& plan, uint32_t frame) const;
+  bool loadStatistics(const capture::CaptureSequence& sequence);
+  Result<FaceCosts> faceCosts(const capture::CaptureSequence& sequence, uint32_t frame) const;
+  Result<std::vector<float>> fractions(const capture::CaptureSequence& sequence, uint32_t frame) const;
   size_t fractionBytes() const { return job_->cameras.size() * job_->mesh.decoded.topology.faceCount(); }  // a frame
   size_t labelBytes() const { return job_->options.layers * job_->mesh.decoded.topology.faceCount(); }     // a frame
-  const std::string& fractionsPath(const SequencePlan& plan) const { return paths_.at(plan.source->name).fractions; }
-  const std::string& labelsPath(const SequencePlan& plan) const { return paths_.at(plan.source->name).labels; }
+  const std::string& fractionsPath(const capture::CaptureSequence& sequence) const {
+    return paths_.at(sequence.name).fractions;
+  }
+  const std::string& labelsPath(const capture::CaptureSequence& sequence) const {
+    return paths_.at(sequence.name).labels;
+  }
 
   struct Paths {
     std::string fractions, labels;

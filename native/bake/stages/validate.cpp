@@ -105,14 +105,13 @@ Status checkCameras(const capture::Capture& capture) {
 
 Status findBounds(Job& job, const BakeEnvironment& environment) {
   bool first = true;
-  for (const SequencePlan& plan : job.sequences) {
-    for (uint32_t f = 0; f < plan.source->frame_count; ++f) {
+  for (const capture::CaptureSequence& sequence : job.capture.sequences) {
+    for (uint32_t f = 0; f < sequence.frame_count; ++f) {
       if (environment.stop && *environment.stop) return Error{ErrorId::Interrupted, "stopped; nothing was written"};
-      auto positions = capture::readMeshFrame(job.capture, *plan.source, f);
-      if (!positions) return positions.error();
-      if (first) job.bounds = {positions.value()[0], positions.value()[0]};
+      FOURDVT_ASSIGN(auto positions, capture::readMeshFrame(job.capture, sequence, f));
+      if (first) job.bounds = {positions[0], positions[0]};
       first = false;
-      for (const glm::vec3& p : positions.value()) {
+      for (const glm::vec3& p : positions) {
         job.bounds.min = glm::min(job.bounds.min, p);
         job.bounds.max = glm::max(job.bounds.max, p);
       }
@@ -127,11 +126,8 @@ Status findBounds(Job& job, const BakeEnvironment& environment) {
 }
 
 Status planMesh(Job& job) {
-  auto positions = capture::readMeshFrame(job.capture, *job.sequences[0].source, 0);
-  if (!positions) return positions.error();
-  auto mesh = package::encodeBaseMesh(job.capture.topology, positions.value());
-  if (!mesh) return mesh.error();
-  job.mesh = mesh.take();
+  FOURDVT_ASSIGN(auto positions, capture::readMeshFrame(job.capture, job.capture.sequences[0], 0));
+  FOURDVT_ASSIGN(job.mesh, package::encodeBaseMesh(job.capture.topology, positions));
   return {};
 }
 
@@ -200,7 +196,6 @@ Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environm
   for (const capture::CaptureCamera& camera : job.capture.cameras) job.cameras.push_back(camera.pinhole);
   for (const capture::CaptureSequence& sequence : job.capture.sequences) {
     job.options.sequences.push_back(sequence.name);
-    job.sequences.push_back({&sequence});
     job.total_frames += sequence.frame_count;
   }
   job.layout = makeTileLayout(options.layers, options.texture, options.equal_layers);
@@ -215,10 +210,10 @@ Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environm
   return job;
 }
 
-std::string captureKey(const Job& job, const SequencePlan& plan) {
+std::string captureKey(const Job& job, const capture::CaptureSequence& sequence) {
   const fs::path folder(job.capture.folder);
   std::string key = kSurveyVersion;
-  for (const fs::path& part : {folder / "cameras", folder / "background", fs::path(plan.source->folder)})
+  for (const fs::path& part : {folder / "cameras", folder / "background", fs::path(sequence.folder)})
     for (const std::string& line : fingerprints(part)) key += line + "\n";
   if (auto json = platform::readFile((folder / "capture.json").string()); json.ok())
     key.append(json.value().begin(), json.value().end());
@@ -244,8 +239,8 @@ std::string settingsKey(const Job& job) {
                 static_cast<int>(o.resample.filter), o.resample.contour_pixels, o.resample.contour_step_m,
                 o.resample.matte_threshold, o.resample.matte_pixels);
   uint64_t hash = kFnv1aStart;
-  for (const SequencePlan& plan : job.sequences) {
-    const std::string key = captureKey(job, plan);
+  for (const capture::CaptureSequence& sequence : job.capture.sequences) {
+    const std::string key = captureKey(job, sequence);
     hash =
         fnv1a(std::string_view(key.c_str(), key.size() + 1), hash);  // with its end, so that keys do not run together
   }

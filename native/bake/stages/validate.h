@@ -13,7 +13,7 @@ namespace fourdvt::bake {
 Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environment);
 
 // What visibility depends on: this sequence's files, the cameras, the plates, capture.json, the mesh's order.
-std::string captureKey(const Job& job, const SequencePlan& plan);
+std::string captureKey(const Job& job, const capture::CaptureSequence& sequence);
 // What labels depend on besides.
 std::string labelKey(const BakeOptions& options);
 

@@ -27,16 +27,13 @@ Result<GpuCapture> GpuCapture::create(gpu::Device& device, const std::vector<Pin
   capture.mipmaps_ = mipmaps;
   capture.face_count_ = static_cast<int>(topology.faceCount());
   capture.vertex_count_ = static_cast<int>(topology.vertex_count);
-  auto corners = makeTable(device, 3 * size_t(topology.faceCount()), "bake corners");
-  if (!corners) return corners.error();
-  auto positions = makeTable(device, topology.vertex_count, "bake positions");
-  if (!positions) return positions.error();
-  auto program = gpu::makeProgram(device, "bake depth", gpu::shaderSource("bake_depth.vert"),
-                                  gpu::shaderSource("bake_depth.frag"), kTableDefine);
-  if (!program) return program.error();
-  capture.corners_ = corners.take();
-  capture.positions_ = positions.take();
-  capture.depth_program_ = program.take();
+  FOURDVT_ASSIGN(auto corners, makeTable(device, 3 * size_t(topology.faceCount()), "bake corners"));
+  FOURDVT_ASSIGN(auto positions, makeTable(device, topology.vertex_count, "bake positions"));
+  FOURDVT_ASSIGN(auto program, gpu::makeProgram(device, "bake depth", gpu::shaderSource("bake_depth.vert"),
+                                                gpu::shaderSource("bake_depth.frag"), kTableDefine));
+  capture.corners_ = std::move(corners);
+  capture.positions_ = std::move(positions);
+  capture.depth_program_ = std::move(program);
   std::vector<glm::vec4> table;
   for (uint32_t f = 0; f < topology.faceCount(); ++f)
     for (int k = 0; k < 3; ++k)
@@ -50,8 +47,7 @@ Result<GpuCapture> GpuCapture::create(gpu::Device& device, const std::vector<Pin
     desc.height = pinhole.height;
     desc.filter = mipmaps ? gpu::Filter::LinearMipmap : gpu::Filter::Linear;
     desc.label = "bake picture";
-    auto picture = gpu::makeTexture(device, desc);
-    if (!picture) return picture.error();
+    FOURDVT_ASSIGN(auto picture, gpu::makeTexture(device, desc));
     desc.format = gpu::PixelFormat::Depth24;
     desc.filter = gpu::Filter::Nearest;
     desc.label = "bake depth";
@@ -60,11 +56,10 @@ Result<GpuCapture> GpuCapture::create(gpu::Device& device, const std::vector<Pin
     gpu::TargetDesc target_desc;
     target_desc.depth = depth.value().id();
     target_desc.label = "bake depth";
-    auto target = gpu::makeTarget(device, target_desc);
-    if (!target) return target.error();
-    camera.picture = picture.take();
+    FOURDVT_ASSIGN(auto target, gpu::makeTarget(device, target_desc));
+    camera.picture = std::move(picture);
     camera.depth = depth.take();
-    camera.target = target.take();
+    camera.target = std::move(target);
     camera.cam_from_world = glm::mat4(pinhole.cam_from_world);
     camera.intrinsics = {pinhole.fx, pinhole.fy, pinhole.cx, pinhole.cy};
     capture.cameras_.push_back(std::move(camera));

@@ -45,31 +45,25 @@ Result<Resampler> Resampler::create(gpu::Device& device, const GpuCapture& captu
   r.options_ = options;
   for (const ColourMap& map : colour_maps) r.colour_maps_.push_back(affine(map));
   r.colour_maps_.resize(capture.cameraCount(), glm::mat4(1));
-  auto program = gpu::makeProgram(device, "bake resample", gpu::shaderSource("bake_resample.vert"),
-                                  gpu::shaderSource("bake_resample.frag"),
-                                  std::string(kTableDefine) + filterDefine(options.filter));
-  if (!program) return program.error();
-  r.program_ = program.take();
+  FOURDVT_ASSIGN(r.program_, gpu::makeProgram(device, "bake resample", gpu::shaderSource("bake_resample.vert"),
+                                              gpu::shaderSource("bake_resample.frag"),
+                                              std::string(kTableDefine) + filterDefine(options.filter)));
   gpu::TextureDesc desc;
   desc.format = gpu::PixelFormat::R32UI;
   desc.width = kTableWidth;
   desc.height = tableRows(sizes.size() * capture.faceCount());
   desc.label = "bake face list";
-  auto list = gpu::makeTexture(device, desc);
-  if (!list) return list.error();
-  r.face_list_ = list.take();
+  FOURDVT_ASSIGN(r.face_list_, gpu::makeTexture(device, desc));
   for (int size : sizes) {
     desc.format = gpu::PixelFormat::RGBA8;
     desc.width = desc.height = size;
     desc.label = "bake layer";
-    auto texture = gpu::makeTexture(device, desc);
-    if (!texture) return texture.error();
+    FOURDVT_ASSIGN(auto texture, gpu::makeTexture(device, desc));
     gpu::TargetDesc target_desc;
-    target_desc.colors = {texture.value().id()};
+    target_desc.colors = {texture.id()};
     target_desc.label = "bake layer";
-    auto target = gpu::makeTarget(device, target_desc);
-    if (!target) return target.error();
-    r.layers_.push_back({size, texture.take(), target.take()});
+    FOURDVT_ASSIGN(auto target, gpu::makeTarget(device, target_desc));
+    r.layers_.push_back({size, std::move(texture), std::move(target)});
   }
   return r;
 }
@@ -137,9 +131,8 @@ Result<std::vector<Image>> Resampler::resample(gpu::Device& device, const GpuCap
   for (size_t l = 0; l < layers_.size(); ++l) drawBatches(device, capture, layers_[l], batches[l]);
   std::vector<Image> out;
   for (const Layer& layer : layers_) {
-    auto image = readLayer(device, layer);
-    if (!image) return image.error();
-    out.push_back(image.take());
+    FOURDVT_ASSIGN(auto image, readLayer(device, layer));
+    out.push_back(std::move(image));
   }
   return out;
 }
@@ -157,9 +150,8 @@ Result<std::vector<Image>> Resampler::drawCameras(gpu::Device& device, const Gpu
     }
     uploadList(device);
     drawBatches(device, capture, layer, batches);
-    auto image = readLayer(device, layer);
-    if (!image) return image.error();
-    out.push_back(image.take());
+    FOURDVT_ASSIGN(auto image, readLayer(device, layer));
+    out.push_back(std::move(image));
   }
   return out;
 }
@@ -169,9 +161,7 @@ Result<std::vector<Image>> Resampler::resamplePerTexel(gpu::Device& device, cons
   std::vector<Image> cameras, out;
   for (size_t l = 0; l < layers_.size(); ++l) {
     if (cameras.empty() || cameras[0].width != layers_[l].size) {
-      auto drawn = drawCameras(device, capture, layers_[l], order);
-      if (!drawn) return drawn.error();
-      cameras = drawn.take();
+      FOURDVT_ASSIGN(cameras, drawCameras(device, capture, layers_[l], order));
     }
     out.push_back(pickRanked(cameras, l));
   }

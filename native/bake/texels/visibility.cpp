@@ -6,23 +6,20 @@ namespace fourdvt::bake {
 Result<Visibility> Visibility::create(gpu::Device& device, const GpuCapture& capture) {
   Visibility v;
   v.rows_ = tableRows(capture.faceCount());
-  auto program = gpu::makeProgram(device, "bake visibility", gpu::shaderSource("fullscreen.vert"),
-                                  gpu::shaderSource("bake_visibility.frag"), kTableDefine);
-  if (!program) return program.error();
+  FOURDVT_ASSIGN(auto program, gpu::makeProgram(device, "bake visibility", gpu::shaderSource("fullscreen.vert"),
+                                                gpu::shaderSource("bake_visibility.frag"), kTableDefine));
   gpu::TextureDesc desc;
   desc.width = kTableWidth;
   desc.height = v.rows_ * static_cast<int>(capture.cameraCount());
   desc.label = "bake visibility";
-  auto table = gpu::makeTexture(device, desc);
-  if (!table) return table.error();
+  FOURDVT_ASSIGN(auto table, gpu::makeTexture(device, desc));
   gpu::TargetDesc target_desc;
-  target_desc.colors = {table.value().id()};
+  target_desc.colors = {table.id()};
   target_desc.label = "bake visibility";
-  auto target = gpu::makeTarget(device, target_desc);
-  if (!target) return target.error();
-  v.program_ = program.take();
-  v.table_ = table.take();
-  v.target_ = target.take();
+  FOURDVT_ASSIGN(auto target, gpu::makeTarget(device, target_desc));
+  v.program_ = std::move(program);
+  v.table_ = std::move(table);
+  v.target_ = std::move(target);
   return v;
 }
 

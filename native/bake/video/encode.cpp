@@ -59,9 +59,7 @@ Error AvEncoder::failure(const char* what, int code) const {
 
 Status AvEncoder::open() {
   av_log_set_level(AV_LOG_ERROR);  // x264 reports every GOP otherwise
-  auto found = findEncoder(settings_);
-  if (!found) return found.error();
-  codec_ = found.value();
+  FOURDVT_ASSIGN(codec_, findEncoder(settings_));
   return openPass(encodesInTwoPasses(settings_) ? Pass::First : Pass::Only);
 }
 
@@ -90,12 +88,11 @@ Result<Frame> AvEncoder::copied(const I420View& picture) const {
 Status AvEncoder::push(const I420View& picture) {
   if (picture.width != settings_.width || picture.height != settings_.height)
     return Error{ErrorId::Internal, std::string(codec_->name) + " encoder: picture size differs from the settings"};
-  auto frame = copied(picture);
-  if (!frame) return frame.error();
-  frame.value()->pts = next_frame_++;
-  FOURDVT_TRY(send(frame.value().get()));
+  FOURDVT_ASSIGN(auto frame, copied(picture));
+  frame->pts = next_frame_++;
+  FOURDVT_TRY(send(frame.get()));
   const bool first_of_two = encodesInTwoPasses(settings_);
-  if (first_of_two) pictures_.push_back(frame.take());
+  if (first_of_two) pictures_.push_back(std::move(frame));
   return drain(false, !first_of_two);
 }
 

@@ -223,13 +223,9 @@ Status writeMp4(const std::string& path, const EncodeSettings& settings, uint32_
   std::vector<uint8_t> parameter_sets;
   uint32_t first_frame = 0;
   for (uint32_t g = 0; g < gop_count; ++g) {
-    auto loaded = load(g);
-    if (!loaded) return loaded.error();
-    EncodedGop gop = loaded.take();
+    FOURDVT_ASSIGN(EncodedGop gop, load(g));
     if (g == 0) {
-      auto opened = openMuxer(path, settings, gop);
-      if (!opened) return opened.error();
-      muxer = opened.take();
+      FOURDVT_ASSIGN(muxer, openMuxer(path, settings, gop));
       parameter_sets = gop.parameter_sets;
     }
     if (gop.parameter_sets != parameter_sets)
@@ -245,9 +241,8 @@ Status writeMp4(const std::string& path, const EncodeSettings& settings, uint32_
 
 Result<Mp4Samples> readMp4Samples(const std::string& path, double fps, const std::vector<uint32_t>& gop_first_frames,
                                   uint32_t frame_count) {
-  auto opened = openDemuxer(path);
-  if (!opened) return opened.error();
-  AVFormatContext& demuxer = *opened.value();
+  FOURDVT_ASSIGN(auto opened, openDemuxer(path));
+  AVFormatContext& demuxer = *opened;
   Mp4Samples out;
   out.file_bytes = static_cast<uint64_t>(std::max<int64_t>(0, avio_size(demuxer.pb)));
   FOURDVT_TRY(readSamples(demuxer, path, fps, out.table.samples));

@@ -161,9 +161,8 @@ class GltfActor final : public Actor {
 }  // namespace
 
 Result<std::unique_ptr<Actor>> openGltfActor(const std::string& path, const std::vector<std::string>& motions) {
-  auto model = readGltf(path);
-  if (!model) return model.error();
-  auto actor = std::make_unique<GltfActor>(model.take());
+  FOURDVT_ASSIGN(auto model, readGltf(path));
+  auto actor = std::make_unique<GltfActor>(std::move(model));
   FOURDVT_TRY(actor->choose(path, motions));
   return std::unique_ptr<Actor>(std::move(actor));
 }

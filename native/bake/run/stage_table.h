@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// The stages of a bake in order of execution. This is the only list of them: the clock adds up seconds by it, the
+// progress line weighs the remaining work by it, and the report names its rows by it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+namespace fourdvt::bake {
+
+enum class Stage {
+  Validate,
+  Warp,
+  Decode,
+  Visibility,
+  Colours,
+  Labels,
+  Resample,
+  Fill,
+  Tile,
+  Encode,
+  Align,
+  Geometry,
+  Graph,
+  Assemble,
+};
+
+struct StageInfo {
+  const char* name;
+  const char* does;
+  // Seconds of work per unit on two cores, roughly; only the ratios matter. 0: the time counts as another stage's.
+  double work_s;
+  const char* unit;
+};
+
+inline constexpr std::array<StageInfo, 14> kStages{{
+    {"validate", "checks that the capture can be read and the output written", 0, ""},
+    {"warp", "puts a class's members on common time; root motion, corrections of the mesh blend", 0.1,
+     "phase and member"},
+    {"decode", "reads pictures and meshes; survey and layers each do so once", 0, ""},
+    {"visibility", "finds which camera sees which face, from depth maps and sample points on the GPU", 0.3,
+     "captured frame, with decoding, colours and labels"},
+    {"colours", "makes the cameras' colours agree", 0, ""},
+    {"labels", "chooses the cameras of every face for whole sequences", 0, ""},
+    {"resample", "draws the cameras' pictures into texture layers", 0, ""},
+    {"fill", "fills empty texels and gutters", 0, ""},
+    {"tile", "puts layers and barcode into one 4:2:0 picture", 0, ""},
+    {"encode", "codes the pictures, one closed GOP at a time", 0.55,
+     "frame and member, with decoding, resampling, filling and tiling"},
+    {"align", "brings together on the surface what a class's members show", 2, "phase and member but the first"},
+    {"geometry", "codes positions, labels, corrections and alignment as chunks", 0, ""},
+    {"graph", "finds where every motion may lead into every other one", 0.01, "frame of a stream"},
+    {"assemble", "writes the character's files and renames them into place", 0, ""},
+}};
+
+constexpr const StageInfo& infoOf(Stage stage) { return kStages[static_cast<size_t>(stage)]; }
+
+}  // namespace fourdvt::bake
