@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // node site/assemble.mjs OUT DIST CHARACTER: the folder that is served.
-// OUT/{index,steer}.html, their scripts, styles and pictures, OUT/fourdvt-viewer (DIST, the built web package), OUT/character (a baked one).
+// OUT/{index,steer}.html, their scripts, styles and pictures, OUT/measured (the page of figures), OUT/fourdvt-viewer (DIST,
+// the built web package), OUT/character (a baked one).
+// An element of a page with data-needs="FILE", on a line of its own, is left out where DIST has no such file.
 // Replaces only what it makes.
-import { copyFileSync, cpSync, existsSync, mkdirSync, rmSync } from 'node:fs';
+import { copyFileSync, cpSync, existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
-const kPageFiles = ['index.html', 'site.css', 'site.js', 'steer.html', 'steer.js', 'layers.jpg'];
+const kPageFiles = ['index.html', 'site.css', 'site.js', 'steer.html', 'steer.js', 'layers.jpg',
+  'measured/index.html', 'measured/measured.css', 'measured/figures.json'];
 
 function fail(message) {
   console.error(`assemble: ${message}`);
@@ -21,9 +24,21 @@ const needed = [
 ];
 for (const [path, remedy] of needed) if (!existsSync(path)) fail(`${path} is missing; ${remedy}`);
 
+// The page without the choices whose module was not built.
+function onlyWhatWorks(html) {
+  const works = (line) => {
+    const needed = line.match(/ data-needs="([^"]+)"/);
+    return !needed || existsSync(join(dist, needed[1]));
+  };
+  return html.split('\n').filter(works).join('\n');
+}
+
 const here = dirname(fileURLToPath(import.meta.url));
-mkdirSync(out, { recursive: true });
-for (const name of kPageFiles) copyFileSync(join(here, name), join(out, name));
+mkdirSync(join(out, 'measured'), { recursive: true });
+for (const name of kPageFiles) {
+  if (!name.endsWith('.html')) copyFileSync(join(here, name), join(out, name));
+  else writeFileSync(join(out, name), onlyWhatWorks(readFileSync(join(here, name), 'utf8')));
+}
 for (const [name, folder] of [['fourdvt-viewer', dist], ['character', character]]) {
   rmSync(join(out, name), { recursive: true, force: true });
   cpSync(folder, join(out, name), { recursive: true, dereference: true });

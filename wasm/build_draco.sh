@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds Draco's static library for wasm and prints the folder to pass as DRACO_WASM_DIR (nothing else on stdout).
+# Builds Draco's decoders as a static library for wasm and prints the folder to pass as DRACO_WASM_DIR (nothing else on stdout).
 #
 # Source: Debian's source package, through a private apt configuration that leaves the system's alone; or
 #   DRACO_SOURCE_DIR=folder   an unpacked Draco (it has CMakeLists.txt)
@@ -14,9 +14,14 @@ options=(-DDRACO_JS_GLUE=OFF -DDRACO_TESTS=OFF -DDRACO_BACKWARDS_COMPATIBILITY=O
   -DDRACO_POINT_CLOUD_COMPRESSION=OFF -DDRACO_PREDICTIVE_EDGEBREAKER=OFF)
 # Decoders that Draco has no option for: a character has positions and texture coordinates only.
 no_features=NORMAL_ENCODING_SUPPORTED
+# The parts of Draco that decode a mesh; the encoders are most of the rest.
+parts=(draco_core draco_attributes draco_mesh draco_point_cloud draco_metadata draco_metadata_dec
+  draco_compression_entropy draco_compression_bit_coders draco_compression_attributes_dec draco_compression_mesh_dec
+  draco_compression_point_cloud_dec draco_compression_decode)
 
 fail() { echo "build_draco: $*" >&2; exit 1; }
 . "$(dirname "${BASH_SOURCE[0]}")/debian_source.sh"
+. "$(dirname "${BASH_SOURCE[0]}")/../site/steps.sh"  # show_progress
 
 need emcmake emscripten
 need cmake cmake
@@ -27,7 +32,7 @@ fi
 
 version_of() { sed -nE 's/.*kDracoVersion\[\] = "([^"]+)".*/\1/p' "$1/src/draco/core/draco_version.h"; }
 
-hash=$(printf '%s\n' "$flags" "${options[*]}" "$no_features" "$(emcc --version | head -1)" "${DRACO_SOURCE_DIR:-debian}" | sha256sum | cut -c1-12)
+hash=$(printf '%s\n' "$flags" "${options[*]}" "$no_features" "${parts[*]}" "$(emcc --version | head -1)" "${DRACO_SOURCE_DIR:-debian}" | sha256sum | cut -c1-12)
 mkdir -p "$cache"
 for ready in "$cache"/draco-*-"$hash"; do
   if [ -f "$ready/lib/libdraco.a" ]; then echo "$ready"; exit 0; fi
@@ -44,17 +49,18 @@ fi
 version=$(version_of "$source_dir")
 [ -n "$version" ] || fail "no version in $source_dir/src/draco/core/draco_version.h: is it Draco?"
 
-echo "build_draco: building Draco $version for wasm (2-3 minutes)" >&2
+echo "build_draco: building Draco $version for wasm (1-2 minutes)" >&2
 export NODE_PATH=${NODE_PATH:-/usr/share/nodejs}
 EMSCRIPTEN=${EMSCRIPTEN:-$(dirname "$(readlink -f "$(command -v emcc)")")}
 export EMSCRIPTEN
 log=$cache/draco-$hash.log
 {
   emcmake cmake -S "$source_dir" -B "$scratch/build" -G Ninja -DCMAKE_BUILD_TYPE=None \
-    -DCMAKE_C_FLAGS="$flags" -DCMAKE_CXX_FLAGS="$flags" "${options[@]}" &&
+    -DCMAKE_C_FLAGS="$flags" -DCMAKE_CXX_FLAGS="$flags" "${options[@]}" >"$log" 2>&1 &&
     find "$scratch/build" -name draco_features.h -exec sed -i "/$no_features/d" {} + &&
-    cmake --build "$scratch/build" --target draco_static
-} >"$log" 2>&1 || { tail -20 "$log" >&2; fail "the build failed, log: $log"; }
+    cmake --build "$scratch/build" --target "${parts[@]}" 2>&1 | show_progress "$log" "build_draco: " &&
+    find "$scratch/build/CMakeFiles" -name '*.o' | sort | xargs emar qc "$scratch/build/libdraco.a" >>"$log" 2>&1
+} || { tail -20 "$log" >&2; fail "the build failed, log: $log"; }
 
 staged=$scratch/install
 mkdir -p "$staged/lib" "$staged/include/draco"

@@ -6,8 +6,13 @@
 # Source: Debian's source package, through a private apt configuration that leaves the system's alone; or
 #   OPENCV_SOURCE_DIR=folder   an unpacked OpenCV 4 (it has CMakeLists.txt); read only
 # Result: ${FOURDVT_CACHE:-~/.cache/fourdvt}/opencv-<version>-<hash of flags and compiler>/{lib/libopencv_*.a,include}
+# With --only-if-built: prints the folder of an earlier run, or nothing.
 # Needs no root. Every run after the first returns at once.
 set -euo pipefail
+case $* in
+  '' | --only-if-built) ;;
+  *) echo "usage: build_opencv.sh [--only-if-built]" >&2; exit 2 ;;
+esac
 
 cache=${FOURDVT_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/fourdvt}
 flags="${OPENCV_WASM_FLAGS:--O2 -msimd128} -DNDEBUG"
@@ -22,6 +27,7 @@ done
 
 fail() { echo "build_opencv: $*" >&2; exit 1; }
 . "$(dirname "${BASH_SOURCE[0]}")/debian_source.sh"
+. "$(dirname "${BASH_SOURCE[0]}")/../site/steps.sh"  # show_progress
 
 need emcmake emscripten
 need cmake cmake
@@ -35,6 +41,7 @@ mkdir -p "$cache"
 for ready in "$cache"/opencv-*-"$hash"; do
   if [ -f "$ready/lib/libopencv_video.a" ]; then echo "$ready"; exit 0; fi
 done
+[ $# -eq 0 ] || exit 0
 
 scratch=$(mktemp -d "$cache/.opencv-build-XXXXXX")
 trap 'rm -rf "$scratch"' EXIT
@@ -65,20 +72,10 @@ END
 echo "build_opencv: building OpenCV $version for wasm (about 10 minutes)" >&2
 export NODE_PATH=${NODE_PATH:-/usr/share/nodejs}
 log=$cache/opencv-$hash.log
-# Copies its input to the log and tells every 40th step of Ninja's.
-show_progress() {
-  local line
-  while IFS= read -r line; do
-    echo "$line" >>"$log"
-    [[ $line =~ ^\[([0-9]+)/([0-9]+)\] ]] && ((BASH_REMATCH[1] % 40 == 0)) &&
-      echo "build_opencv: ${BASH_REMATCH[1]} of ${BASH_REMATCH[2]} steps" >&2
-  done
-  return 0
-}
 {
   emcmake cmake -S "$source_dir" -B "$scratch/build" -G Ninja -DCMAKE_BUILD_TYPE=None \
     -DCMAKE_C_FLAGS="$flags" -DCMAKE_CXX_FLAGS="$flags" "${options[@]}" >"$log" 2>&1 &&
-    cmake --build "$scratch/build" --target opencv_core opencv_imgproc opencv_video 2>&1 | show_progress
+    cmake --build "$scratch/build" --target opencv_core opencv_imgproc opencv_video 2>&1 | show_progress "$log" "build_opencv: "
 } || { tail -20 "$log" >&2; fail "the build failed, log: $log"; }
 
 staged=$scratch/staged

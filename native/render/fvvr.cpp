@@ -93,20 +93,22 @@ class FvvrOnDevice final : public Fvvr {
         vertex_count_(topology.vertex_count),
         closed_surface_(isClosedSurface(topology.face_vertices)) {
     for (const PinholeCamera& camera : cameras) {
-      cameras_.push_back({camera, {}, {}});
+      cameras_.push_back({.pinhole = camera});
       map_width_ = std::max(map_width_, camera.width);
       map_height_ = std::max(map_height_, camera.height);
     }
   }
 
   Status prepare();
-  Status setFrame(const Positions& positions, std::span<const Image> pictures) override {
-    FOURDVT_TRY(setGeometry(positions));
+  std::vector<size_t> camerasOf(const View& view, const FvvrOptions& options) const override;
+  Status setFrame(const Positions& positions, std::span<const Image> pictures,
+                  std::span<const size_t> cameras) override {
+    FOURDVT_TRY(setGeometry(positions, cameras));
     FOURDVT_TRY(uploadPictures(pictures));
     drawDepthMaps();
     return {};
   }
-  Status setGeometry(const Positions& positions) override;
+  Status setGeometry(const Positions& positions, std::span<const size_t> cameras) override;
   Status uploadPictures(std::span<const Image> pictures) override;
   void drawDepthMaps() override;
   Status draw(const View& view, const FvvrOptions& options, gpu::TargetId target) override;
@@ -117,6 +119,8 @@ class FvvrOnDevice final : public Fvvr {
     PinholeCamera pinhole;
     Crop crop;  // of the frame shown
     gpu::Target depth_map;
+    bool is_used = true;       // in the frame shown
+    bool has_picture = false;  // of a frame since it is used
   };
   struct Size {
     int width = 0, height = 0, samples = 0;
@@ -125,7 +129,10 @@ class FvvrOnDevice final : public Fvvr {
 
   int cornerCount() const { return static_cast<int>(3 * face_vertices_.size()); }
   gpu::Draw meshDraw(gpu::ProgramId program, int copies) const;
-  std::vector<size_t> closestCameras(const View& view, int count) const;
+  Status useCameras(std::span<const size_t> cameras);
+  Status checkPicture(const PinholeCamera& camera, const Image& picture) const;
+  Status checkDraw(const View& view, const FvvrOptions& options, const std::vector<size_t>& chosen) const;
+  void drawDepthMap(const Camera& camera);
   void drawMesh(const View& view, const FvvrOptions& options, const std::vector<size_t>& chosen) const;
   Status prepareProgram(size_t camera_count);
   Status resizeScene(const Size& size);
@@ -135,7 +142,7 @@ class FvvrOnDevice final : public Fvvr {
   std::vector<Camera> cameras_;
   std::vector<glm::uvec3> face_vertices_;
   uint32_t vertex_count_ = 0;
-  bool closed_surface_ = false, has_geometry_ = false, has_pictures_ = false;
+  bool closed_surface_ = false, has_geometry_ = false;
   int map_width_ = 0, map_height_ = 0;  // the largest camera's; smaller ones leave the rest of their layer unused
   gpu::Texture corner_vertices_, positions_normals_, pictures_, depth_maps_;
   gpu::Program depth_program_;
@@ -180,10 +187,21 @@ Status FvvrOnDevice::prepare() {
   return {};
 }
 
-Status FvvrOnDevice::setGeometry(const Positions& positions) {
+Status FvvrOnDevice::useCameras(std::span<const size_t> cameras) {
+  for (size_t c : cameras)
+    if (c >= cameras_.size())
+      return invalid("there is no camera " + std::to_string(c) + " among " + std::to_string(cameras_.size()));
+  for (Camera& camera : cameras_) camera.is_used = cameras.empty();
+  for (size_t c : cameras) cameras_[c].is_used = true;
+  for (Camera& camera : cameras_) camera.has_picture &= camera.is_used;
+  return {};
+}
+
+Status FvvrOnDevice::setGeometry(const Positions& positions, std::span<const size_t> cameras) {
   if (positions.size() != vertex_count_)
     return invalid("the frame has " + std::to_string(positions.size()) + " vertices, the mesh " +
                    std::to_string(vertex_count_));
+  FOURDVT_TRY(useCameras(cameras));
   computeVertexNormals(face_vertices_, positions.data(), vertex_count_, normals_);
   resizeToRows(table_, 2ull * vertex_count_, glm::vec4(0));
   for (uint32_t vertex = 0; vertex < vertex_count_; ++vertex) {
@@ -191,28 +209,31 @@ Status FvvrOnDevice::setGeometry(const Positions& positions) {
     table_[2 * vertex + 1] = glm::vec4(normals_[vertex], 0);
   }
   uploadTable(device_, positions_normals_, table_);
-  for (Camera& camera : cameras_) camera.crop = cropRoundMesh(camera.pinhole, positions);
+  for (Camera& camera : cameras_)
+    if (camera.is_used) camera.crop = cropRoundMesh(camera.pinhole, positions);
   has_geometry_ = true;
   return {};
+}
+
+Status FvvrOnDevice::checkPicture(const PinholeCamera& camera, const Image& picture) const {
+  if (picture.width == camera.width && picture.height == camera.height && picture.channels == 4) return {};
+  return invalid("the picture of camera " + camera.name + " must be RGBA of " + std::to_string(camera.width) + "x" +
+                 std::to_string(camera.height) + " pixels");
 }
 
 Status FvvrOnDevice::uploadPictures(std::span<const Image> pictures) {
   if (!has_geometry_) return invalid("setGeometry goes before uploadPictures");
   if (pictures.size() != cameras_.size())
     return invalid(std::to_string(pictures.size()) + " pictures for " + std::to_string(cameras_.size()) + " cameras");
-  for (size_t c = 0; c < pictures.size(); ++c) {
-    const PinholeCamera& camera = cameras_[c].pinhole;
-    if (pictures[c].width != camera.width || pictures[c].height != camera.height || pictures[c].channels != 4)
-      return invalid("the picture of camera " + camera.name + " must be RGBA of " + std::to_string(camera.width) + "x" +
-                     std::to_string(camera.height) + " pixels");
-  }
+  for (size_t c = 0; c < pictures.size(); ++c)
+    if (cameras_[c].is_used) FOURDVT_TRY(checkPicture(cameras_[c].pinhole, pictures[c]));
   for (size_t c = 0; c < pictures.size(); ++c) {
     const Crop& crop = cameras_[c].crop;
-    if (crop.width == 0) continue;
+    cameras_[c].has_picture = cameras_[c].is_used;
+    if (!cameras_[c].is_used || crop.width == 0) continue;
     premultiply(pictures[c], crop, pixels_);
     device_.updateTexture(pictures_.id(), static_cast<int>(c), crop.x, crop.y, crop.width, crop.height, pixels_.data());
   }
-  has_pictures_ = true;
   return {};
 }
 
@@ -226,35 +247,37 @@ gpu::Draw FvvrOnDevice::meshDraw(gpu::ProgramId program, int copies) const {
 }
 
 void FvvrOnDevice::drawDepthMaps() {
-  const int corner_count = cornerCount();
-  for (const Camera& camera : cameras_) {
-    const Crop& crop = camera.crop;
-    if (crop.width == 0) continue;
-    const PinholeCamera cropped = croppedCamera(camera.pinhole, crop);
-    const glm::mat4 clip_from_world(clipFromWorld(cropped, crop.near_m, crop.far_m));
-    const glm::vec2 clip_per_pixel(2.0f / crop.width, 2.0f / crop.height);
-    device_.beginPass({.target = camera.depth_map.id(),
-                       .x = crop.x,
-                       .y = map_height_ - crop.y - crop.height,
-                       .width = crop.width,
-                       .height = crop.height,
-                       .clear_depth = true,
-                       .label = "fvvr depth map"});
-    gpu::Draw draw = meshDraw(depth_program_.id(), kDepthCopies);
-    draw.uniforms = {gpu::uniform("u_clip_from_world", clip_from_world), gpu::uniform("u_corner_count", corner_count),
-                     gpu::uniform("u_clip_per_pixel", clip_per_pixel)};
-    device_.draw(draw);
-    device_.endPass();
-  }
+  for (const Camera& camera : cameras_)
+    if (camera.is_used && camera.crop.width > 0) drawDepthMap(camera);
 }
 
-std::vector<size_t> FvvrOnDevice::closestCameras(const View& view, int count) const {
+void FvvrOnDevice::drawDepthMap(const Camera& camera) {
+  const Crop& crop = camera.crop;
+  const PinholeCamera cropped = croppedCamera(camera.pinhole, crop);
+  const glm::mat4 clip_from_world(clipFromWorld(cropped, crop.near_m, crop.far_m));
+  const glm::vec2 clip_per_pixel(2.0f / crop.width, 2.0f / crop.height);
+  const int corner_count = cornerCount();
+  device_.beginPass({.target = camera.depth_map.id(),
+                     .x = crop.x,
+                     .y = map_height_ - crop.y - crop.height,
+                     .width = crop.width,
+                     .height = crop.height,
+                     .clear_depth = true,
+                     .label = "fvvr depth map"});
+  gpu::Draw draw = meshDraw(depth_program_.id(), kDepthCopies);
+  draw.uniforms = {gpu::uniform("u_clip_from_world", clip_from_world), gpu::uniform("u_corner_count", corner_count),
+                   gpu::uniform("u_clip_per_pixel", clip_per_pixel)};
+  device_.draw(draw);
+  device_.endPass();
+}
+
+std::vector<size_t> FvvrOnDevice::camerasOf(const View& view, const FvvrOptions& options) const {
   std::vector<size_t> order(cameras_.size());
   std::iota(order.begin(), order.end(), size_t(0));
   const glm::dvec3 axis(viewAxis(view));
   const auto cosine = [&](size_t c) { return glm::dot(cameras_[c].pinhole.forwardInWorld(), axis); };
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return cosine(a) > cosine(b); });
-  if (count > 0) order.resize(std::min(order.size(), static_cast<size_t>(count)));
+  if (options.closest > 0) order.resize(std::min(order.size(), static_cast<size_t>(options.closest)));
   return order;
 }
 
@@ -269,7 +292,8 @@ void FvvrOnDevice::drawMesh(const View& view, const FvvrOptions& options, const 
   std::vector<glm::mat4> pixel_from_world;
   std::vector<glm::vec4> centres, forwards, sizes;
   for (size_t c : chosen) {
-    const auto& [camera, crop, target] = cameras_[c];
+    const PinholeCamera& camera = cameras_[c].pinhole;
+    const Crop& crop = cameras_[c].crop;
     pixel_from_world.push_back(pixelFromWorld(camera));
     centres.emplace_back(glm::vec3(camera.centreInWorld()), c);
     forwards.emplace_back(glm::vec3(camera.forwardInWorld()), 1 / camera.fx);
@@ -293,11 +317,19 @@ void FvvrOnDevice::drawMesh(const View& view, const FvvrOptions& options, const 
   device_.draw(draw);
 }
 
-Status FvvrOnDevice::draw(const View& view, const FvvrOptions& options, gpu::TargetId target) {
-  if (!has_pictures_) return invalid("draw before the first setFrame");
+Status FvvrOnDevice::checkDraw(const View& view, const FvvrOptions& options, const std::vector<size_t>& chosen) const {
   if (view.width < 1 || view.height < 1) return invalid("the view is empty; give it a width and a height");
   if (options.closest < 0) return invalid("closest must be 0 (all cameras) or more");
-  const std::vector<size_t> chosen = closestCameras(view, options.closest);
+  for (size_t c : chosen)
+    if (!cameras_[c].has_picture)
+      return invalid("no picture of camera " + cameras_[c].pinhole.name +
+                     ", which this view uses; call setFrame with it before draw");
+  return {};
+}
+
+Status FvvrOnDevice::draw(const View& view, const FvvrOptions& options, gpu::TargetId target) {
+  const std::vector<size_t> chosen = camerasOf(view, options);
+  FOURDVT_TRY(checkDraw(view, options, chosen));
   FOURDVT_TRY(prepareProgram(chosen.size()));
   FOURDVT_TRY(resizeScene({view.width, view.height, std::clamp(options.samples, 0, device_.caps().max_samples)}));
   device_.beginPass({.target = scene_.id(),

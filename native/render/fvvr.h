@@ -6,11 +6,14 @@
 // moved by one pixel along the four diagonals, so that occluders grow by a pixel and a surface beside their outline is
 // not textured from them; the depth test's tolerance grows with the slope by as much, so that nothing hides itself.
 // Does NOT read captures, does NOT clean the matte's edge, and needs every camera's picture of the frame in GPU memory:
-// that is the point of the layers. Order of calls: setFrame (or its three parts) → draw….
+// that is the point of the layers. With M < N cameras a frame, only theirs are uploaded and drawn, so that M costs what
+// it must; the textures stay those of all N, because the next view takes others.
+// Order of calls: setFrame (or its three parts) → draw….
 #pragma once
 
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "base/image.h"
 #include "base/mesh.h"
@@ -32,15 +35,21 @@ class Fvvr {
   static Result<std::unique_ptr<Fvvr>> create(gpu::Device& device, std::span<const PinholeCamera> cameras,
                                               const MeshTopology& topology);
   virtual ~Fvvr() = default;
-  // RGBA pictures (alpha = matte), one a camera, of the camera's size. Uploads them and draws all depth maps.
-  // Shown only where the interpolated matte is above one half. Errors: InvalidArgument.
-  virtual Status setFrame(const Positions& positions, std::span<const Image> pictures) = 0;
+  // The cameras that a draw of this view uses, nearest first: `options.closest` of them.
+  virtual std::vector<size_t> camerasOf(const View& view, const FvvrOptions& options) const = 0;
+  // RGBA pictures (alpha = matte), one per camera, of the camera's size. Uploads them and draws their depth maps.
+  // Shown only where the interpolated matte is above one half. `cameras`: the indices of those that the draws until the
+  // next call use (camerasOf), no others are uploaded or drawn, and their pictures may be empty; an empty list: all.
+  // Errors: InvalidArgument.
+  virtual Status setFrame(const Positions& positions, std::span<const Image> pictures,
+                          std::span<const size_t> cameras = {}) = 0;
   // The parts of setFrame, in order; for measuring. Pictures are uploaded round the mesh only.
-  virtual Status setGeometry(const Positions& positions) = 0;
+  virtual Status setGeometry(const Positions& positions, std::span<const size_t> cameras = {}) = 0;
   virtual Status uploadPictures(std::span<const Image> pictures) = 0;
   virtual void drawDepthMaps() = 0;
   // Output as of Recipe::draw: premultiplied, at (0,0) of `target`. A covered fragment that no camera sees takes the
   // colour of the camera that faces it best in spite of occlusion; black if it lies outside every matte.
+  // Errors: InvalidArgument (also where a camera of this view was left out of the frame).
   virtual Status draw(const View& view, const FvvrOptions& options, gpu::TargetId target) = 0;
   // RGBA straight alpha, top row first.
   virtual Result<Image> renderStill(const View& view, const FvvrOptions& options) = 0;

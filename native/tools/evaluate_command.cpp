@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <optional>
 
-#include "evaluate/held_out.h"
-#include "evaluate/study.h"
+#include "measure/held_out.h"
 #include "platform/files.h"
+#include "study/study.h"
 #include "tools/args.h"
 #include "tools/commands.h"
 #include "tools/session.h"
@@ -21,7 +21,9 @@ const CommandHelp& help() {
   static const CommandHelp text{
       "evaluate CAPTURE -o REPORT [--quick]  or  evaluate CAPTURE --character CHARACTER [options]",
       "The first form bakes the capture in every way that is compared and writes the papers' tables and curves as\n"
-      "REPORT/evaluate.csv and REPORT/report.html. Stop it with Ctrl-C; the same command goes on where it was.\n"
+      "REPORT/evaluate.csv, evaluate.json (the same rows) and report.html. Stop it with Ctrl-C; the same command goes "
+      "on\n"
+      "where it was.\n"
       "The second form scores one baked character: PSNR (RGB) and SSIM (luma, 11x11 Gaussian) over the union of both\n"
       "silhouettes, on black, at the capture's held-out cameras and at its input cameras: per sequence, camera and "
       "mean.\n"
@@ -41,7 +43,7 @@ struct Arguments {
   std::vector<std::string> sequences;
   bool quick = false;
   int jobs = 0;
-  evaluate::HeldOutOptions held_out;
+  measure::HeldOutOptions held_out;
 };
 
 Arguments readArguments(Args& args) {
@@ -66,7 +68,7 @@ Arguments readArguments(Args& args) {
 // One line, rewritten in place on a terminal; elsewhere a line every 5 s.
 class ProgressLine {
  public:
-  void show(const evaluate::StudyProgress& p) {
+  void show(const study::StudyProgress& p) {
     const auto now = Clock::now();
     if (!started_) started_ = now, first_share_ = p.share;
     if (shown_ && now - last_ < (tty_ ? std::chrono::milliseconds(100) : std::chrono::milliseconds(5000))) return;
@@ -110,15 +112,16 @@ int runWholeStudy(const Arguments& arguments) {
   auto gpu = openGpu();
   if (!gpu.ok()) return fail(gpu.error());
   ProgressLine line;
-  evaluate::StudyContext context;
-  context.options = {arguments.capture, arguments.output, arguments.sequences, arguments.quick, arguments.jobs};
+  study::StudyContext context;
+  context.options = {arguments.capture, arguments.output, arguments.sequences,
+                     arguments.quick,   arguments.jobs,   "fourdvt " FOURDVT_VERSION};
   context.capture = &capture.value();
   context.open_video = videoOpener();
   context.device = gpu.value().device.get();
-  context.progress = [&](const evaluate::StudyProgress& p) { line.show(p); };
+  context.progress = [&](const study::StudyProgress& p) { line.show(p); };
   context.stop = stop;
   const auto start = std::chrono::steady_clock::now();
-  auto rows = evaluate::runStudy(context);
+  auto rows = study::runStudy(context);
   line.end();
   if (!rows.ok()) return fail(rows.error());
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
@@ -131,11 +134,11 @@ Status writeText(const std::string& path, const std::string& text) {
   return platform::writeFileAtomic(path, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
 }
 
-Status writeReport(const std::string& folder, const evaluate::HeldOutReport& report) {
-  FOURDVT_TRY(writeText(folder + "/evaluate.csv", evaluate::scoreCsv(report)));
-  FOURDVT_TRY(writeText(folder + "/evaluate.txt", evaluate::scoreTable(report)));
+Status writeReport(const std::string& folder, const measure::HeldOutReport& report) {
+  FOURDVT_TRY(writeText(folder + "/evaluate.csv", measure::scoreCsv(report)));
+  FOURDVT_TRY(writeText(folder + "/evaluate.txt", measure::scoreTable(report)));
   if (report.worst.empty()) return {};
-  return platform::writeImage(folder + "/worst.png", evaluate::contactSheet(report.worst));
+  return platform::writeImage(folder + "/worst.png", measure::contactSheet(report.worst));
 }
 
 int scoreCharacter(const Arguments& arguments) {
@@ -149,14 +152,14 @@ int scoreCharacter(const Arguments& arguments) {
   auto capture = capture::openCapture(arguments.capture, videoOpener(), arguments.sequences);
   if (!capture.ok()) return fail(capture.error());
   const bool tty = isatty(STDERR_FILENO) != 0;
-  auto report = evaluate::evaluateHeldOut(capture.value(), videoOpener(), *session.value().player, arguments.held_out,
-                                          [&](const std::string& sequence, uint32_t frame) {
-                                            if (tty)
-                                              std::fprintf(stderr, "\r\033[K%s frame %u", sequence.c_str(), frame);
-                                          });
+  auto report = measure::evaluateHeldOut(capture.value(), videoOpener(), *session.value().player, arguments.held_out,
+                                         [&](const std::string& sequence, uint32_t frame) {
+                                           if (tty)
+                                             std::fprintf(stderr, "\r\033[K%s frame %u", sequence.c_str(), frame);
+                                         });
   if (tty) std::fputs("\r\033[K", stderr);
   if (!report.ok()) return fail(report.error());
-  std::fputs(evaluate::scoreTable(report.value()).c_str(), stdout);
+  std::fputs(measure::scoreTable(report.value()).c_str(), stdout);
   if (output.empty()) return kOk;
   const Status written = writeReport(output, report.value());
   return written.ok() ? kOk : fail(written.error());

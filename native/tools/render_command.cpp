@@ -42,8 +42,9 @@ Status renderFvvr(CharacterSession& session, const RenderArguments& arguments, c
   std::vector<PinholeCamera> cameras;
   for (const auto& camera : capture.value().cameras) cameras.push_back(camera.pinhole);
   FOURDVT_ASSIGN(auto fvvr, render::Fvvr::create(*session.gpu.device, cameras, capture.value().topology));
-  FOURDVT_TRY(fvvr->setFrame(frame.positions, frame.pictures));
-  FOURDVT_ASSIGN(auto picture, fvvr->renderStill(render::viewFromCamera(view), arguments.fvvr_options));
+  const render::View seen = render::viewFromCamera(view);
+  FOURDVT_TRY(fvvr->setFrame(frame.positions, frame.pictures, fvvr->camerasOf(seen, arguments.fvvr_options)));
+  FOURDVT_ASSIGN(auto picture, fvvr->renderStill(seen, arguments.fvvr_options));
   return platform::writeImage(arguments.output, picture, 95);
 }
 

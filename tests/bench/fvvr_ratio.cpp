@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // bench_fvvr_ratio CHARACTER CAPTURE [FRAMES [CLOSEST]]: LVDT 4.4, frame rate of the layered character against
-// free-viewpoint rendering from the CLOSEST cameras (0: all), with the parts of a frame.
+// free-viewpoint rendering from all cameras and from the CLOSEST ones (3), with the parts of a frame.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 
-#include "evaluate/frame_rate.h"
+#include "study/steps/frame_rate.h"
 #include "platform/egl_context.h"
 #include "platform/ffmpeg_video.h"
 
@@ -32,11 +32,11 @@ int main(int argc, char** argv) {
   const auto context = orStop(platform::EglContext::create());
   const auto device = orStop(gpu::createGlesDevice());
   const auto capture = orStop(capture::openCapture(argv[2], open_video));
-  evaluate::FrameRateOptions options;
+  study::FrameRateOptions options;
   if (argc > 3) options.frames = std::max(1, std::atoi(argv[3]));
-  if (argc > 4) options.closest = std::max(0, std::atoi(argv[4]));
+  if (argc > 4) options.closest = {0, std::max(0, std::atoi(argv[4]))};
   std::fputs(
-      evaluate::frameRateTable(orStop(evaluate::measureFrameRates(*device, capture, open_video, argv[1], options)))
+      study::frameRateTable(orStop(study::measureFrameRates(*device, capture, open_video, argv[1], options)))
           .c_str(),
       stdout);
   return 0;

@@ -5,9 +5,9 @@
 #include <cstdlib>
 #include <string>
 
-#include "evaluate/study.h"
+#include "study/study.h"
 
-using namespace fourdvt::evaluate;
+using namespace fourdvt::study;
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::string text(reinterpret_cast<const char*>(data), size);

@@ -61,6 +61,11 @@ TEST(CliEvaluate, QuickStudyHasEveryTable) {
   ASSERT_EQ(run.code, 0) << run.output;
   EXPECT_TRUE(exists(report + "/report.html"));
   const Csv csv = readCsv(report + "/evaluate.csv");
+  const auto lines = [&](const char* name) {
+    const std::string text = readText(report + name);
+    return std::count(text.begin(), text.end(), '\n');
+  };
+  EXPECT_EQ(lines("/evaluate.json"), lines("/evaluate.csv") + 1);  // a row a line
   for (const std::string table : {"table1", "multiview", "layers", "labels", "held-out", "bake", "rate", "speed",
                                   "pictures", "about", "codec-loss"})
     EXPECT_TRUE(csv.tables.count(table)) << table;

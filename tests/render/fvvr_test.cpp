@@ -6,8 +6,8 @@
 
 #include "bake/texels/picture_crop.h"
 #include "capture/capture.h"
-#include "evaluate/metrics.h"
-#include "evaluate/projective.h"
+#include "measure/metrics.h"
+#include "measure/projective.h"
 #include "gl_fixture.h"
 #include "platform/ffmpeg_video.h"
 
@@ -171,6 +171,59 @@ TEST_F(FvvrTest, ClosestTakesTheNearestCamerasOnly) {
   EXPECT_EQ(still(right, pictures, {.closest = 9}).pixels, still(right, pictures).pixels);
 }
 
+// The cost of M < N: uploads and depth maps of the cameras that the view uses, for the picture that all would give.
+TEST_F(FvvrTest, ClosestCostsNoMoreThanItsCameras) {
+  addQuad({0, 1, 0}, 0.5);
+  for (double x : {-2.0, -1.0, 0.0, 1.0, 2.0}) cameras.push_back(lookAt({x, 1, 3}, {0, 1, 0}, kSide, kSide, 60));
+  std::vector<Image> pictures;
+  for (int c = 0; c < 5; ++c) pictures.push_back(filled(cameras[c], {50 * c, 255 - 50 * c, 10 * c, 255}));
+  const render::View view = render::viewFromCamera(lookAt({0.9, 1.1, 3}, {0, 1, 0}, kSide, kSide, 60));
+  auto fvvr = render::Fvvr::create(*device, cameras, topology).take();
+  uint64_t bytes_of_one = 0;
+  for (const int closest : {1, 2, 3, 4, 0, 9}) {
+    const render::FvvrOptions options{.closest = closest};
+    const size_t count = closest == 0 ? 5 : std::min(closest, 5);
+    ASSERT_TRUE(fvvr->setFrame(positions, pictures));
+    const Image expected = fvvr->renderStill(view, options).take();
+    const std::vector<size_t> used = fvvr->camerasOf(view, options);
+    ASSERT_EQ(used.size(), count);
+    std::vector<Image> needed(5);  // the others' pictures are not looked at
+    for (size_t c : used) needed[c] = pictures[c];
+    ASSERT_TRUE(fvvr->setGeometry(positions, used));
+    device->resetCounters();
+    ASSERT_TRUE(fvvr->uploadPictures(needed));
+    EXPECT_EQ(device->counters().texture_updates, count);
+    if (closest == 1) bytes_of_one = device->counters().uploaded_bytes;
+    EXPECT_NEAR(double(device->counters().uploaded_bytes) / bytes_of_one, count, 0.5 * count);  // crops differ a little
+    fvvr->drawDepthMaps();
+    EXPECT_EQ(device->counters().draws, count);
+    EXPECT_EQ(device->counters().passes, count);
+    EXPECT_EQ(device->counters().vertices, count * 5 * 3 * topology.faceCount());
+    device->resetCounters();
+    const Image image = fvvr->renderStill(view, options).take();
+    EXPECT_EQ(device->counters().draws, 1u);
+    EXPECT_EQ(device->counters().texture_updates, 0u);
+    EXPECT_EQ(image.pixels, expected.pixels) << "closest " << closest;
+  }
+}
+
+TEST_F(FvvrTest, CameraLeftOutOfTheFrameIsAnError) {
+  addQuad({0, 1, 0}, 0.5);
+  cameras = {lookAt({-1.5, 1, 3}, {0, 1, 0}, kSide, kSide, 60), lookAt({1.5, 1, 3}, {0, 1, 0}, kSide, kSide, 60)};
+  const std::vector<Image> pictures = {filled(cameras[0], kRed), filled(cameras[1], kBlue)};
+  const render::View left = render::viewFromCamera(cameras[0]), right = render::viewFromCamera(cameras[1]);
+  const render::FvvrOptions one{.closest = 1};
+  auto fvvr = render::Fvvr::create(*device, cameras, topology).take();
+  ASSERT_TRUE(fvvr->setFrame(positions, pictures, fvvr->camerasOf(left, one)));
+  EXPECT_TRUE(fvvr->renderStill(left, one));
+  EXPECT_EQ(fvvr->renderStill(right, one).error().id, ErrorId::InvalidArgument);
+  EXPECT_EQ(fvvr->renderStill(left, {}).error().id, ErrorId::InvalidArgument);
+  ASSERT_TRUE(fvvr->setFrame(positions, pictures));
+  EXPECT_TRUE(fvvr->renderStill(right, {}));
+  const size_t wrong[] = {2};
+  EXPECT_EQ(fvvr->setFrame(positions, pictures, wrong).error().id, ErrorId::InvalidArgument);
+}
+
 TEST_F(FvvrTest, BackdropIsNeverSampled) {
   addQuad({0, 1, 0}, 0.5);
   cameras = {lookAt({-0.8, 1, 3}, {0, 1, 0}, 128, 128, 120), lookAt({0.8, 1, 3}, {0, 1, 0}, 128, 128, 120)};
@@ -264,9 +317,9 @@ TEST_F(FvvrTest, AgreesWithTheYardstickOnTheSample) {
     const PinholeCamera view = cameraFromOrbit(orbit, 480, 640);
     const Image drawn = still(view, frame.value().pictures);
     const Image truth =
-        evaluate::renderProjective(view, cameras, frame.value().pictures, topology.face_vertices, positions);
-    const double ssim = evaluate::ssim(evaluate::compositedOnBlack(truth), evaluate::compositedOnBlack(drawn),
-                                       evaluate::unionOfSilhouettes(truth, drawn));
+        measure::renderProjective(view, cameras, frame.value().pictures, topology.face_vertices, positions);
+    const double ssim = measure::ssim(measure::compositedOnBlack(truth), measure::compositedOnBlack(drawn),
+                                       measure::unionOfSilhouettes(truth, drawn));
     RecordProperty("ssim_" + std::to_string(static_cast<int>(azimuth_deg)), std::to_string(ssim));
     printf("azimuth %.0f: SSIM %.4f\n", azimuth_deg, ssim);
     EXPECT_GE(ssim, 0.97);

@@ -10,7 +10,7 @@
 #include "bake/texels/visibility.h"
 #include "bake/video/tile.h"
 #include "capture/capture.h"
-#include "evaluate/seam_contrast.h"
+#include "measure/seam_contrast.h"
 #include "gl_fixture.h"
 #include "platform/ffmpeg_video.h"
 #include "seam_scene.h"
@@ -114,14 +114,14 @@ struct Seams : testing::GlFixture {
       Image picture = still.draw(render::viewFromCamera(view), options);
       straighten(picture);
       remember(picture);
-      add(evaluate::seamContrast(picture, view, filmed.topology, filmed.positions, {least_angle_deg}), sum);
-      sum.fringe += evaluate::fringeShare(picture, testing::kBackdrop) / double(views.size());
+      add(measure::seamContrast(picture, view, filmed.topology, filmed.positions, {least_angle_deg}), sum);
+      sum.fringe += measure::fringeShare(picture, testing::kBackdrop) / double(views.size());
     }
     report(sum);
     return sum;
   }
 
-  static void add(const evaluate::SeamContrast& contrast, Look& sum) {
+  static void add(const measure::SeamContrast& contrast, Look& sum) {
     sum.seam += contrast.seam * double(contrast.samples);
     sum.control += contrast.control * double(contrast.samples);
     sum.samples += contrast.samples;
@@ -225,10 +225,10 @@ TEST_F(SampleSeams, NoMoreThanTheTruthShows) {
   for (const auto& camera : capture::readColmapCameras(folder + "/cameras_test").take()) {
     views.push_back(camera.pinhole);
     Image picture = platform::readImage(folder + "/run/" + camera.pinhole.name + "/0000.png").take();
-    truth.fringe += evaluate::fringeShare(picture, testing::kBackdrop) / 3;
+    truth.fringe += measure::fringeShare(picture, testing::kBackdrop) / 3;
     for (size_t i = 0; i < picture.pixels.size(); ++i)
       picture.pixels[i] = static_cast<uint8_t>(picture.pixels[i] * picture.pixels[i / 4 * 4 + 3] / 255);
-    add(evaluate::seamContrast(picture, camera.pinhole, filmed.topology, filmed.positions), truth);
+    add(measure::seamContrast(picture, camera.pinhole, filmed.topology, filmed.positions), truth);
   }
   report(truth);
   const Look ours = look(filmed, views, kSettings, 0);

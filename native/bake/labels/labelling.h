@@ -34,6 +34,9 @@ struct LabelOptions {
   // within 10 % of Naive's.
   std::vector<float> theta{1.4f, 0.2f, 0.1f}, omega{1.2f, 0.3f, 0.25f};
   float eta = 0.1f, tau = 0.75f, empty_penalty = 2.0f;
+  // Joint: may take a camera that sees a face in part (FaceCosts::partial); labels a face that no camera sees, so that
+  // its neighbours' label goes on across it. A bake has both; without them the study measures what each adds.
+  bool use_partial = true, label_unseen = true;
   int window_frames = 12, hop_frames = 8, sweeps = 4;
   int jobs = 1;
 };
@@ -51,6 +54,9 @@ struct LabelStatistics {
   std::vector<double> seam_percent;  // per layer: share of edges whose faces differ in this slot
   std::vector<double> flip_percent;  // per layer: share of faces that differ from the frame before
   std::vector<double> camera_seam_percent, camera_flip_percent;  // of these, where neither of the two slots is empty
+  // As seams and flips, over faces that a camera sees, so that labels that no camera can show do not count: edges
+  // between two such faces, and faces that are seen in both frames.
+  std::vector<double> seen_seam_percent, seen_flip_percent;
   std::vector<double> mean_penalty;  // per layer, over filled slots of faces that a camera sees
   double energy = 0;                 // of the joint formulation with the options' weights, whatever the mode
   double empty_percent = 0;          // of all slots

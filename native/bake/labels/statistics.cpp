@@ -9,24 +9,19 @@
 namespace fourdvt::bake {
 namespace {
 
-void count(uint8_t a, uint8_t b, uint64_t& all, uint64_t& cameras) {
-  if (a == b) return;
-  ++all;
-  if (a != package::kNoCamera && b != package::kNoCamera) ++cameras;
+double percent(uint64_t part, double whole) { return whole > 0 ? 100 * double(part) / whole : 0; }
+
+// Per face, 1: a camera sees it.
+std::vector<uint8_t> seenFaces(const FaceCosts& costs, size_t faces) {
+  std::vector<uint8_t> seen(faces, 1);
+  for (size_t f = 0; f < costs.unseen.size(); ++f) seen[f] = !costs.unseen[f];
+  return seen;
 }
 
 }  // namespace
 
 LabelMeter::LabelMeter(const LabelOptions& options, const FaceGraph& graph)
-    : options_(options),
-      graph_(graph),
-      seams_(options.layers),
-      flips_(options.layers),
-      camera_seams_(options.layers),
-      camera_flips_(options.layers),
-      filled_(options.layers),
-      seen_(options.layers),
-      penalties_(options.layers) {}
+    : options_(options), graph_(graph), layers_(options.layers) {}
 
 // ALGORITHMS 1.3: d(a,b) = Σ_l ω_l [a_l ≠ b_l] + (η/2) |S_a Δ S_b|.
 double LabelMeter::distance(const std::vector<uint8_t>& a, size_t f, const std::vector<uint8_t>& b, size_t g) const {
@@ -41,25 +36,43 @@ double LabelMeter::distance(const std::vector<uint8_t>& a, size_t f, const std::
   return sum + 0.5 * options_.eta * std::popcount(set_a ^ set_b);
 }
 
-void LabelMeter::add(const FaceCosts& costs, const std::vector<uint8_t>& labels) {
+void LabelMeter::addLayer(const FaceCosts& costs, const uint8_t* layer, int l, const std::vector<uint8_t>& seen) {
+  Counts& counts = layers_[l];
+  const auto count = [](uint8_t a, uint8_t b, bool is_seen, uint64_t& all, uint64_t& cameras, uint64_t& of_seen) {
+    if (a == b) return;
+    ++all;
+    if (a != package::kNoCamera && b != package::kNoCamera) ++cameras;
+    if (is_seen) ++of_seen;
+  };
   const size_t faces = graph_.face_count;
-  for (int l = 0; l < options_.layers; ++l) {
-    const uint8_t* layer = labels.data() + l * faces;
-    for (size_t f = 0; f < faces; ++f) {
-      const bool filled = layer[f] != package::kNoCamera;
-      const double p = filled ? costs.penalty[f * costs.camera_count + layer[f]] : options_.empty_penalty;
-      energy_ += weightOfSlot(options_.theta, l) * p;
-      if (filled) ++filled_[l];
-      if (filled && (costs.unseen.empty() || !costs.unseen[f])) ++seen_[l], penalties_[l] += p;
-      if (frames_ > 0) count(layer[f], previous_[l * faces + f], flips_[l], camera_flips_[l]);
-    }
-    for (auto [f, g] : graph_.edges) count(layer[f], layer[g], seams_[l], camera_seams_[l]);
+  for (size_t f = 0; f < faces; ++f) {
+    const bool filled = layer[f] != package::kNoCamera;
+    const double p = filled ? costs.penalty[f * costs.camera_count + layer[f]] : options_.empty_penalty;
+    energy_ += weightOfSlot(options_.theta, l) * p;
+    if (filled) ++counts.filled;
+    if (filled && seen[f]) ++counts.filled_seen, counts.penalty += p;
+    if (frames_ > 0)
+      count(layer[f], previous_[l * faces + f], seen[f] && previous_seen_[f], counts.flips, counts.camera_flips,
+            counts.seen_flips);
   }
   for (auto [f, g] : graph_.edges)
+    count(layer[f], layer[g], seen[f] && seen[g], counts.seams, counts.camera_seams, counts.seen_seams);
+}
+
+void LabelMeter::add(const FaceCosts& costs, const std::vector<uint8_t>& labels) {
+  const size_t faces = graph_.face_count;
+  std::vector<uint8_t> seen = seenFaces(costs, faces);
+  for (int l = 0; l < options_.layers; ++l) addLayer(costs, labels.data() + l * faces, l, seen);
+  for (auto [f, g] : graph_.edges) {
     energy_ += (1.0 / graph_.neighbour_count[f] + 1.0 / graph_.neighbour_count[g]) * distance(labels, f, labels, g);
-  if (frames_ > 0)
-    for (size_t f = 0; f < faces; ++f) energy_ += options_.tau * distance(labels, f, previous_, f);
+    seen_edges_ += seen[f] && seen[g];
+  }
+  for (size_t f = 0; frames_ > 0 && f < faces; ++f) {
+    energy_ += options_.tau * distance(labels, f, previous_, f);
+    seen_steps_ += seen[f] && previous_seen_[f];
+  }
   previous_ = labels;
+  previous_seen_ = std::move(seen);
   ++frames_;
 }
 
@@ -71,13 +84,15 @@ LabelStatistics LabelMeter::statistics() const {
   const double edges = static_cast<double>(graph_.edges.size()) * frames_;
   const double steps = faces * (frames_ > 1 ? frames_ - 1 : 0);
   double filled = 0;
-  for (int l = 0; l < options_.layers; ++l) {
-    out.seam_percent.push_back(edges > 0 ? 100 * seams_[l] / edges : 0);
-    out.flip_percent.push_back(steps > 0 ? 100 * flips_[l] / steps : 0);
-    out.camera_seam_percent.push_back(edges > 0 ? 100 * camera_seams_[l] / edges : 0);
-    out.camera_flip_percent.push_back(steps > 0 ? 100 * camera_flips_[l] / steps : 0);
-    out.mean_penalty.push_back(seen_[l] ? penalties_[l] / seen_[l] : 0);
-    filled += filled_[l];
+  for (const Counts& counts : layers_) {
+    out.seam_percent.push_back(percent(counts.seams, edges));
+    out.flip_percent.push_back(percent(counts.flips, steps));
+    out.camera_seam_percent.push_back(percent(counts.camera_seams, edges));
+    out.camera_flip_percent.push_back(percent(counts.camera_flips, steps));
+    out.seen_seam_percent.push_back(percent(counts.seen_seams, double(seen_edges_)));
+    out.seen_flip_percent.push_back(percent(counts.seen_flips, double(seen_steps_)));
+    out.mean_penalty.push_back(counts.filled_seen ? counts.penalty / double(counts.filled_seen) : 0);
+    filled += double(counts.filled);
   }
   out.empty_percent = slots > 0 ? 100 * (1 - filled / slots) : 0;
   return out;

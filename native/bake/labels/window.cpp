@@ -12,11 +12,11 @@ void labelByPenalty(const FaceCosts& costs, int layers, std::vector<LabelTuple>&
   for (size_t f = 0; f < labels.size(); ++f) labels[f] = cheapestCameras(costs, f, costs.feasible[f], layers);
 }
 
-std::vector<uint32_t> usableCameras(const FaceCosts& costs) {
+std::vector<uint32_t> usableCameras(const LabelOptions& options, const FaceCosts& costs) {
   std::vector<uint32_t> out = costs.feasible;
-  for (size_t f = 0; f < costs.partial.size(); ++f) out[f] |= costs.partial[f];
+  for (size_t f = 0; options.use_partial && f < costs.partial.size(); ++f) out[f] |= costs.partial[f];
   const uint32_t all = costs.camera_count >= 32 ? ~0u : (1u << costs.camera_count) - 1;
-  for (size_t f = 0; f < costs.unseen.size(); ++f)
+  for (size_t f = 0; options.label_unseen && f < costs.unseen.size(); ++f)
     if (costs.unseen[f]) out[f] = all;
   return out;
 }
@@ -60,7 +60,7 @@ void solveJoint(const LabelOptions& options, const FaceLinks& links, std::vector
   const LabelWeights weights = LabelWeights::joint(options, links);
   std::vector<std::vector<uint32_t>> allowed(frames.size());
   for (size_t k = 0; k < frames.size(); ++k)
-    if (!frames[k].frozen) allowed[k] = usableCameras(*frames[k].costs);
+    if (!frames[k].frozen) allowed[k] = usableCameras(options, *frames[k].costs);
   startJoint(options, weights, links, allowed, frames);
   std::vector<BlockFrame> block;
   for (size_t k = 0; k < frames.size(); ++k)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // One bake while it runs: what its stages share. bake.cpp makes it and hands it from stage to stage. Does NOT decide
-// what is done; the environment is borrowed.
+// what is done; what the environment points to is borrowed.
 #pragma once
 
 #include "bake/run/environment.h"
@@ -13,7 +13,7 @@ namespace fourdvt::bake {
 
 struct BakeRun {
   BakeRun(Job validated, const BakeEnvironment& given)
-      : job(std::move(validated)), environment(given), progress(given) {}
+      : job(std::move(validated)), environment(given), progress(environment) {}
 
   gpu::Device& device() const { return *environment.device; }
   bool stopped() const { return environment.stop && *environment.stop; }
@@ -26,7 +26,7 @@ struct BakeRun {
   Status checkStop() const { return checkStop("finished GOPs", work.path()); }
 
   Job job;  // validated; planStreams completes it
-  const BakeEnvironment& environment;
+  const BakeEnvironment environment;
   WorkFolder work;  // opened once the plan is complete
   StageClock clock;
   ProgressReporter progress;

@@ -31,8 +31,8 @@ std::string keyedPath(const std::string& folder, const std::string& what, const 
 std::vector<uint8_t> statisticsBytes(const LabelStatistics& s) {
   ByteWriter out;
   out.u32(s.frames);
-  for (const auto* list :
-       {&s.seam_percent, &s.flip_percent, &s.camera_seam_percent, &s.camera_flip_percent, &s.mean_penalty})
+  for (const auto* list : {&s.seam_percent, &s.flip_percent, &s.camera_seam_percent, &s.camera_flip_percent,
+                           &s.seen_seam_percent, &s.seen_flip_percent, &s.mean_penalty})
     putList(out, *list);
   for (double v : {s.energy, s.empty_percent, s.seconds}) out.f64(v);
   return out.take();
@@ -41,7 +41,8 @@ std::vector<uint8_t> statisticsBytes(const LabelStatistics& s) {
 bool statisticsFrom(std::span<const uint8_t> bytes, LabelStatistics& s) {
   ByteReader in(bytes);
   s.frames = in.u32();
-  for (auto* list : {&s.seam_percent, &s.flip_percent, &s.camera_seam_percent, &s.camera_flip_percent, &s.mean_penalty})
+  for (auto* list : {&s.seam_percent, &s.flip_percent, &s.camera_seam_percent, &s.camera_flip_percent,
+                     &s.seen_seam_percent, &s.seen_flip_percent, &s.mean_penalty})
     *list = takeList(in);
   for (double* v : {&s.energy, &s.empty_percent, &s.seconds}) *v = in.f64();
   return in.ok() && in.remaining() == 0;

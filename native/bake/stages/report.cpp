@@ -223,12 +223,14 @@ std::string classTable(const ReportInput& in) {
 
 std::string labelTable(const ReportInput& in) {
   std::string out =
-      "<div class=\"scroll\"><table><thead><tr><th>sequence</th><th>layer</th><th>seam edges</th><th>flips a frame</th>"
-      "<th>mean penalty</th></tr></thead><tbody>\n";
+      "<div class=\"scroll\"><table><thead><tr><th>sequence</th><th>layer</th><th>seam edges</th><th>flips per "
+      "frame</th>"
+      "<th>seam edges, seen faces</th><th>flips per frame, seen faces</th><th>mean penalty</th></tr></thead><tbody>\n";
   for (const auto& [name, s] : in.figures.labels_by_sequence)
     for (size_t l = 0; l < s.seam_percent.size(); ++l)
       out += "<tr>" + cell(l == 0 ? name : "") + cell(std::to_string(l + 1)) +
              cell(printed("%.2f %%", s.seam_percent[l])) + cell(printed("%.2f %%", s.flip_percent[l])) +
+             cell(printed("%.2f %%", s.seen_seam_percent[l])) + cell(printed("%.2f %%", s.seen_flip_percent[l])) +
              cell(printed("%.3f", s.mean_penalty[l])) + "</tr>\n";
   return out + "</tbody></table></div>\n";
 }
@@ -313,6 +315,8 @@ std::string reportJson(const ReportInput& in) {
   for (const auto& [name, l] : in.figures.labels_by_sequence)
     root["labels"][name] = {{"seam_percent", l.seam_percent},
                             {"flip_percent", l.flip_percent},
+                            {"seen_seam_percent", l.seen_seam_percent},
+                            {"seen_flip_percent", l.seen_flip_percent},
                             {"mean_penalty", l.mean_penalty},
                             {"energy", l.energy},
                             {"seconds", l.seconds}};

@@ -91,9 +91,11 @@ Status Survey::measure(BakeRun& run, StageProgress& progress) {
     const uint32_t frames = sequence.frame_count;
     const bool measured = RecordFile::isComplete(fractionsPath(sequence), fractionBytes(), frames);
     if (!measured || need_colours) {
-      if (!measuring.baker)
-        FOURDVT_ASSIGN(measuring.baker, FrameBaker::create(run.device(), job_->cameras, job_->mesh.decoded.topology,
-                                                           job_->mesh.decoded.positions, {}));
+      if (!measuring.baker) {
+        const package::BaseMesh& mesh = job_->mesh.decoded;
+        FOURDVT_ASSIGN(measuring.baker,
+                       FrameBaker::create(run.device(), job_->cameras, mesh.topology, mesh.positions, {}));
+      }
       measuring.on_frame = [&](uint32_t done) {
         progress.done(kMeasuringShare * (before + done) / job_->total_frames,
                       "survey " + sequence.name + " " + std::to_string(done) + "/" + std::to_string(frames));
@@ -166,7 +168,8 @@ Status Survey::label(BakeRun& run, const capture::CaptureSequence& sequence, con
   auto statistics = solveLabels(
       options, makeFaceGraph(job_->mesh.decoded.topology), sequence.frame_count,
       [&](uint32_t frame) { return faceCosts(sequence, frame); },
-      [&](uint32_t, const std::vector<uint8_t>& labels) { return file.append(labels); }, on_frame, environment.stop);
+      [&](uint32_t, const std::vector<uint8_t>& labels) { return file.append(labels); }, on_frame,
+      run.environment.stop);
   if (!statistics) {
     if (statistics.error().id == ErrorId::Interrupted) FOURDVT_TRY(run.checkStop(kKept, folder_));
     return statistics.error();

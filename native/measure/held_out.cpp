@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "measure/held_out.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "measure/metrics.h"
+#include "measure/projective.h"
+#include "platform/files.h"
+
+namespace fourdvt::measure {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// Colour times alpha of a keyed camera picture: C = a·F + (1-a)·B, so a·F = C - (1-a)·B. Without a plate: a·C.
+// The result is straight alpha again, so that both kinds of truth look the same from here on.
+Image withoutBackdrop(const Image& rgba, const Image& plate) {
+  if (plate.empty()) return rgba;
+  Image out = rgba;
+  for (size_t i = 0; i < static_cast<size_t>(rgba.width) * rgba.height; ++i) {
+    const int alpha = rgba.pixels[4 * i + 3];
+    if (alpha == 0 || alpha == 255) continue;
+    for (int c = 0; c < 3; ++c) {
+      const int backdrop = plate.pixels[static_cast<size_t>(plate.channels) * i + c];
+      const int premultiplied = rgba.pixels[4 * i + c] - (255 - alpha) * backdrop / 255;
+      out.pixels[4 * i + c] = static_cast<uint8_t>(std::clamp(premultiplied * 255 / alpha, 0, 255));
+    }
+  }
+  return out;
+}
+
+class Evaluation {
+ public:
+  Evaluation(const capture::Capture& capture, platform::CharacterPlayer& character, const HeldOutOptions& options)
+      : capture_(capture), character_(character), options_(options) {}
+
+  Status prepare(bool any_held_out) {
+    for (const auto& camera : capture_.cameras) cameras_.push_back(camera.pinhole);
+    plates_.resize(cameras_.size());
+    for (size_t c = 0; c < cameras_.size() && !capture_.background_folder.empty(); ++c) {
+      auto plate = platform::readImage(capture_.background_folder + "/" + cameras_[c].name + ".png");
+      if (!plate.ok() && plate.error().id == ErrorId::FileMissing) continue;  // mattes need no plate
+      if (!plate.ok()) return plate.error();
+      const bool fits = plate.value().width == cameras_[c].width && plate.value().height == cameras_[c].height;
+      if (fits && !capture_.cameras[c].distortion.any()) plates_[c] = plate.take();
+    }
+    if (!any_held_out) return {};
+    auto test = capture::readColmapCameras(capture_.folder + "/cameras_test");
+    if (!test.ok()) return test.error();
+    for (const auto& camera : test.value()) test_cameras_.push_back(camera.pinhole);
+    return {};
+  }
+
+  Status frame(const capture::CaptureSequence& sequence, const capture::CaptureFrame& input) {
+    const auto& test = sequence.test_frames;
+    if (std::find(test.begin(), test.end(), input.index) != test.end()) FOURDVT_TRY(heldOutViews(sequence, input));
+    if (options_.input_every && input.index % options_.input_every == 0) FOURDVT_TRY(inputViews(sequence, input));
+    return {};
+  }
+
+  HeldOutReport take() { return std::move(report_); }
+
+ private:
+  Status heldOutViews(const capture::CaptureSequence& sequence, const capture::CaptureFrame& input) {
+    for (const PinholeCamera& camera : test_cameras_) {
+      char name[64];
+      std::snprintf(name, sizeof name, "/%04u.png", input.index);
+      const std::string path = sequence.folder + "/" + camera.name + name;
+      auto truth = platform::readImage(path);
+      if (!truth.ok()) return truth.error();
+      const Image& t = truth.value();
+      if (t.channels != 4 || t.width != camera.width || t.height != camera.height)
+        return Error{ErrorId::FrameSize, path + ": must be RGBA of " + std::to_string(camera.width) + "x" +
+                                             std::to_string(camera.height) + " pixels as in cameras_test/cameras.txt"};
+      Image yardstick;
+      if (options_.yardstick)
+        yardstick =
+            renderProjective(camera, cameras_, input.pictures, capture_.topology.face_vertices, input.positions);
+      FOURDVT_TRY(score(sequence.name, input.index, camera, true, t, yardstick));
+    }
+    return {};
+  }
+
+  Status inputViews(const capture::CaptureSequence& sequence, const capture::CaptureFrame& input) {
+    for (size_t c = 0; c < cameras_.size(); ++c)
+      FOURDVT_TRY(
+          score(sequence.name, input.index, cameras_[c], false, withoutBackdrop(input.pictures[c], plates_[c]), {}));
+    return {};
+  }
+
+  Status score(const std::string& sequence, uint32_t frame, const PinholeCamera& camera, bool held_out,
+               const Image& truth, const Image& yardstick) {
+    FOURDVT_TRY(character_.showFrame(sequence, frame));
+    render::RecipeOptions recipe;
+    recipe.ground_shadow = false;
+    auto drawn = character_.renderStill(render::viewFromCamera(camera), recipe);
+    if (!drawn.ok()) return drawn.error();
+    WorstView view{{sequence, camera.name, frame, held_out, 0, 0, 0, kNaN, kNaN, kNaN},
+                   compositedOnBlack(truth),
+                   compositedOnBlack(drawn.value()),
+                   {}};
+    const Mask inside = unionOfSilhouettes(truth, drawn.value());
+    view.score.psnr_db = psnr(view.truth, view.character, inside);
+    view.score.ssim = ssim(view.truth, view.character, inside);
+    view.score.common_psnr_db = psnr(view.truth, view.character, commonSilhouette(truth, drawn.value()));
+    if (!yardstick.empty()) {
+      view.yardstick = compositedOnBlack(yardstick);
+      const Mask its_inside = unionOfSilhouettes(truth, yardstick);
+      view.score.yardstick_psnr_db = psnr(view.truth, view.yardstick, its_inside);
+      view.score.yardstick_ssim = ssim(view.truth, view.yardstick, its_inside);
+      view.score.yardstick_common_psnr_db = psnr(view.truth, view.yardstick, commonSilhouette(truth, yardstick));
+    }
+    report_.scores.push_back(view.score);
+    if (held_out) keepIfWorst(std::move(view));
+    return {};
+  }
+
+  void keepIfWorst(WorstView view) {
+    for (WorstView& known : report_.worst) {
+      if (known.score.sequence != view.score.sequence) continue;
+      if (view.score.ssim < known.score.ssim) known = std::move(view);
+      return;
+    }
+    report_.worst.push_back(std::move(view));
+  }
+
+  const capture::Capture& capture_;
+  platform::CharacterPlayer& character_;
+  const HeldOutOptions& options_;
+  std::vector<PinholeCamera> cameras_, test_cameras_;
+  std::vector<Image> plates_;  // empty where there is none
+  HeldOutReport report_;
+};
+
+// Frames of the capture past this one are not decoded.
+uint32_t lastFrame(const capture::CaptureSequence& sequence, uint32_t input_every) {
+  uint32_t last = 0;
+  for (uint32_t frame : sequence.test_frames) last = std::max(last, frame);
+  if (input_every) last = std::max(last, (sequence.frame_count - 1) / input_every * input_every);
+  return last;
+}
+
+}  // namespace
+
+Result<HeldOutReport> evaluateHeldOut(const capture::Capture& capture, const OpenVideo& open_video,
+                                      platform::CharacterPlayer& character, const HeldOutOptions& options,
+                                      const std::function<void(const std::string&, uint32_t)>& on_frame) {
+  const package::Character* baked = character.player().character();
+  if (!baked) return Error{ErrorId::Internal, "the character's manifest is not loaded"};
+  std::vector<std::string> names = options.sequences;
+  if (names.empty())
+    for (const auto& sequence : baked->sequences)
+      if (!sequence.isClass()) names.push_back(sequence.name);  // no camera saw a class
+  bool any_held_out = false;
+  for (const std::string& name : names) {
+    const capture::CaptureSequence* sequence = capture.find(name);
+    if (!sequence) return Error{ErrorId::InvalidArgument, capture.folder + ": has no sequence \"" + name + "\""};
+    if (!baked->find(name))
+      return Error{ErrorId::InvalidArgument, "the character has no sequence \"" + name + "\"; bake it"};
+    if (baked->find(name)->frame_count != sequence->frame_count)
+      return Error{ErrorId::InvalidArgument,
+                   "sequence \"" + name + "\" has another length in the capture than in the character; bake it again"};
+    any_held_out |= !sequence->test_frames.empty();
+  }
+  Evaluation evaluation(capture, character, options);
+  FOURDVT_TRY(evaluation.prepare(any_held_out));
+  for (const std::string& name : names) {
+    const capture::CaptureSequence& sequence = *capture.find(name);
+    auto reader = capture::FrameReader::open(capture, sequence, open_video);
+    if (!reader.ok()) return reader.error();
+    for (uint32_t frame = 0; frame <= lastFrame(sequence, options.input_every); ++frame) {
+      auto input = reader.value()->next();
+      if (!input.ok()) return input.error();
+      FOURDVT_TRY(evaluation.frame(sequence, input.value()));
+      if (on_frame) on_frame(name, frame);
+    }
+  }
+  return evaluation.take();
+}
+
+}  // namespace fourdvt::measure

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// A baked character against its capture: at the held-out cameras (straight-alpha ground truth pictures) and at the
+// input cameras (video frames, with the backdrop taken out of their matte's soft edges). Both pictures over black; the
+// region is the union of both silhouettes (alpha >= 128). PSNR on RGB, SSIM on luma, see metrics.h. Memory: one frame
+// of capture pictures and three pictures per sequence for the contact sheet.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "base/image.h"
+#include "capture/capture.h"
+#include "platform/character_player.h"
+
+namespace fourdvt::measure {
+
+struct HeldOutOptions {
+  std::vector<std::string> sequences;  // empty: all of the character
+  uint32_t input_every = 4;            // input cameras: every Nth frame from 0; 0: not at all
+  bool yardstick = false;              // also plain projective texturing at the held-out cameras, see projective.h
+};
+
+struct ViewScore {
+  std::string sequence, camera;
+  uint32_t frame = 0;
+  bool held_out = true;          // false: an input camera
+  double psnr_db = 0, ssim = 0;  // layered character, over the union of the silhouettes
+  double common_psnr_db = 0;     // over their common part: how much of the error is the outline's
+  double yardstick_psnr_db = 0, yardstick_ssim = 0, yardstick_common_psnr_db = 0;  // NaN where it was not asked for
+};
+
+// The view with the lowest SSIM of one sequence's held-out views. All RGB over black, of the camera's size.
+struct WorstView {
+  ViewScore score;
+  Image truth, character, yardstick;  // yardstick may be empty
+};
+
+struct HeldOutReport {
+  std::vector<ViewScore> scores;
+  std::vector<WorstView> worst;  // one a sequence that has held-out views
+};
+
+// Needs a current GL context behind `character`. `on_frame`, if set, hears of each finished frame of the capture.
+// Errors: InvalidArgument (a sequence that one of them lacks), and those of the capture and of the character.
+Result<HeldOutReport> evaluateHeldOut(
+    const capture::Capture& capture, const OpenVideo& open_video, platform::CharacterPlayer& character,
+    const HeldOutOptions& options,
+    const std::function<void(const std::string& sequence, uint32_t frame)>& on_frame = {});
+
+// Means over the scores with these properties; an empty name means any.
+struct MeanScore {
+  size_t views = 0;
+  double psnr_db = 0, ssim = 0, common_psnr_db = 0;
+  double yardstick_psnr_db = 0, yardstick_ssim = 0, yardstick_common_psnr_db = 0;
+};
+MeanScore meanScore(const std::vector<ViewScore>& scores, bool held_out, const std::string& sequence,
+                    const std::string& camera);
+
+// Fixed-width table: per sequence and camera, means, worst views. Yardstick columns only where there are figures.
+std::string scoreTable(const HeldOutReport& report);
+std::string scoreCsv(const HeldOutReport& report);
+// Rows: worst views; columns: truth, character, (yardstick,) absolute difference × 4. Cropped to the performer.
+// `baseline` names what WorstView::yardstick shows.
+Image contactSheet(const std::vector<WorstView>& worst, const std::string& baseline = "yardstick");
+
+}  // namespace fourdvt::measure

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// A report as a self-contained HTML page: tables, SVG plots, pictures by relative file name. Does NOT measure or read
+// files.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/html_text.h"
+
+namespace fourdvt::report {
+
+struct Table {
+  std::string title, note;  // note: below the table, may be empty
+  std::vector<std::string> columns;
+  std::vector<std::vector<std::string>> rows;  // first cell: the row's name
+};
+
+struct Curve {
+  std::string name;
+  std::vector<std::pair<double, double>> points;  // ascending x
+};
+
+struct Plot {
+  std::string title, x_label, y_label;
+  bool log_x = false, log_y = false;
+  std::vector<Curve> curves;
+};
+
+struct Picture {
+  std::string file, caption;  // relative to the page
+  int width = 0, height = 0;  // pixels; 0: not known
+};
+
+struct Tile {
+  std::string value, meaning;  // a headline figure
+};
+
+struct Section {
+  std::string id, title, text;  // text: paragraphs separated by blank lines, `code` in backticks
+  std::vector<Table> tables;
+  std::vector<Plot> plots;
+  std::vector<Picture> pictures;
+  std::vector<Tile> tiles;
+};
+
+struct Document {
+  std::string title, subtitle;
+  std::vector<Section> sections;
+};
+
+// A plot's inner area in its viewBox; the area's corners are the ends of the axes.
+constexpr double kPlotLeft = 66, kPlotTop = 14, kPlotWidth = 540, kPlotHeight = 290;
+
+// Ends and ticks of an axis over finite values. Linear: multiples of 1, 2 or 5 · 10^k, ends rounded outwards to them.
+// Logarithmic (values > 0): the values themselves where there are at most 8 different ones and `own_ticks`, else
+// 1, 2, 5 · 10^k, or powers of ten over more than three decades.
+struct Axis {
+  double low = 0, high = 1;
+  bool log = false;
+  std::vector<double> ticks;         // ascending, inside [low, high]
+  double share(double value) const;  // 0 at low, 1 at high
+};
+Axis makeAxis(const std::vector<double>& values, bool log, bool own_ticks);
+
+// Accessible (title and description), light and dark by CSS variables, no scripts. Points that are not finite, or not
+// positive on a logarithmic axis, break their curve. A valid SVG file by itself.
+std::string plotSvg(const Plot& plot);
+// Cells that start with "✓" or "✗" are coloured as verdicts; columns of words wrap, columns of figures do not.
+std::string documentHtml(const Document& document);
+
+}  // namespace fourdvt::report

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures for people: grids with titles, camera maps in UV space, difference maps, crops. All RGB, row 0 at the top.
+// Does NOT draw characters or read files.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/image.h"
+#include "base/mesh.h"
+
+namespace fourdvt::report {
+
+// RGB; an empty picture leaves its cell empty. Columns are as wide as their widest picture, rows as high as their
+// highest. Titles: ASCII.
+struct Sheet {
+  std::string title;
+  std::vector<std::string> columns, rows;  // rows may be empty: no row titles
+  std::vector<std::vector<Image>> cells;   // [row][column]
+};
+Image drawSheet(const Sheet& sheet);
+
+// The colour of a camera in `--debug labels` (shaders/gles/layered.frag); dark grey for an empty slot.
+std::array<uint8_t, 3> labelColour(uint8_t camera);
+// Faces in texture space in their cameras' colours. labels: one a face. `side` pixels square.
+Image cameraMap(const MeshTopology& topology, std::span<const uint8_t> labels, int side);
+// Faces whose label differs, bright on the darkened map of `after`.
+Image changeMap(const MeshTopology& topology, std::span<const uint8_t> before, std::span<const uint8_t> after,
+                int side);
+// Swatches with names, one under the other.
+Image cameraLegend(const std::vector<std::string>& names, int width, int height);
+
+// |a − b| × gain, the largest of the channels, as a heat map from black to yellow. Both of one size, 3 or 4 channels.
+Image differenceMap(const Image& a, const Image& b, double gain = 4);
+// One channel 0..255 as a heat map; black where `alpha` (RGBA picture of the same size) is below 128.
+Image shareMap(const std::vector<uint8_t>& values, const Image& alpha);
+
+// RGBA over a grey, or RGB as it is.
+Image overGrey(const Image& image, uint8_t grey = 32);
+Image scaledTo(const Image& image, int width, int height);  // area filter down, cubic up
+// The part inside the picture; pixels.
+Image cropped(const Image& image, int x, int y, int width, int height);
+// Bounding box of alpha >= 128, grown by a margin and clamped: x, y, width, height. The whole picture if nothing is
+// there.
+std::array<int, 4> shownBox(const Image& rgba, int margin);
+
+}  // namespace fourdvt::report

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the steps of a study share and what needs neither GPU nor files: looking up rows, bytes at matched quality.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "study/study.h"
+
+namespace fourdvt::study {
+
+// Appends rows with table, sequence, method and setting in common.
+class RowWriter {
+ public:
+  RowWriter(Figures& out, std::string table, std::string sequence, std::string method, std::string setting)
+      : out_(&out), row_{std::move(table), std::move(sequence), std::move(method), std::move(setting), {}, 0, {}} {}
+  void add(const char* quantity, double value, const char* unit) const {
+    Figure row = row_;
+    row.quantity = quantity;
+    row.value = value;
+    row.unit = unit;
+    out_->push_back(std::move(row));
+  }
+
+ private:
+  Figures* out_;
+  Figure row_;
+};
+
+// The value of the first row of this table, sequence, method and quantity whose setting contains every one of these
+// "key=value" words ("" : any).
+std::optional<double> findValue(const Figures& rows, const std::string& table, const std::string& sequence,
+                                const std::string& method, const std::string& setting_words,
+                                const std::string& quantity);
+
+struct RatePoint {
+  double bytes = 0, quality_db = 0;
+};
+// Bytes at a quality: the logarithm of the bytes is linear between neighbouring points, and along the last segment
+// beyond them. Any order; nullopt for fewer than two points of different quality.
+std::optional<double> bytesAtQuality(std::vector<RatePoint> points, double quality_db);
+
+}  // namespace fourdvt::study

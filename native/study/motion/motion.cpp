@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+// Motion classes: mesh blend, alignment of the members' appearance, its cost, transitions. One class: the first.
+#include "study/motion/motion.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "bake/run/mesh_reader.h"
+#include "bake/stages/validate.h"
+#include "platform/folders.h"
+#include "study/rows.h"
+#include "study/run_steps.h"
+#include "study/scene.h"
+
+namespace fourdvt::study {
+namespace {
+
+constexpr double kBakeShare = 0.4, kFirstAzimuth_deg = 25;
+
+void tell(const StudyContext& context, const std::string& detail, double share) {
+  if (context.progress) context.progress({"motion", detail, share});
+}
+
+// Default settings. The class's members; with time, the study's other sequences as well, for transitions.
+bake::BakeOptions motionBake(const StudyContext& context, const capture::CaptureClass& motion_class) {
+  bake::BakeOptions options;
+  options.capture_folder = context.options.capture_folder;
+  options.character_folder = context.work() + "/motion/character";
+  for (const capture::CaptureSequence& sequence : context.capture->sequences) {
+    const auto is_member = [&](const auto& member) { return member.sequence == sequence.name; };
+    const auto& wanted = context.options.sequences;
+    const bool asked = !context.options.quick && std::find(wanted.begin(), wanted.end(), sequence.name) != wanted.end();
+    if (asked || std::any_of(motion_class.members.begin(), motion_class.members.end(), is_member))
+      options.sequences.push_back(sequence.name);
+  }
+  options.jobs = context.options.jobs;
+  options.resume = true;
+  options.survey_folder = context.work() + "/survey";
+  return options;
+}
+
+Status bakeMotion(const StudyContext& context, const bake::BakeOptions& options) {
+  std::error_code ignored;
+  if (std::filesystem::exists(options.character_folder + "/character.gltf", ignored)) return {};
+  FOURDVT_TRY(platform::makeFolder(context.work() + "/motion"));
+  bake::BakeEnvironment environment = bakeEnvironment(context);
+  environment.progress = [&](const bake::Progress& p) {
+    tell(context, "bake " + p.stage, p.total ? kBakeShare * p.done / p.total : 0);
+  };
+  auto baked = bake::bake(options, environment);
+  return baked.ok() ? Status() : baked.error();
+}
+
+// The order of vertices and the class's common time, as the bake found them.
+Result<MotionTruth::Baked> asBaked(const StudyContext& context, const bake::BakeOptions& options,
+                                   const capture::CaptureClass& motion_class) {
+  auto job = bake::validate(options, bakeEnvironment(context));
+  platform::removeIfEmpty(options.character_folder + ".work");  // only if empty: no bake is under way there
+  if (!job) return job.error();
+  bake::MeshReader meshes(job.value());
+  const capture::Capture& capture = job.value().capture;
+  auto members = bake::classMembers(capture, motion_class, capture.topology, meshes.function());
+  if (!members) return members.error();
+  MotionTruth::Baked out;
+  for (const bake::ClassMember& member : members.value()) {
+    const double pass = member.source->frame_count - (member.source->loop ? 0 : 1);
+    out.passed.emplace_back();
+    for (const double frame : member.source_frame) out.passed.back().push_back(frame / pass);
+  }
+  out.mesh = std::move(job.value().mesh);
+  return out;
+}
+
+struct Part {
+  const char* name;
+  Result<Figures> (*measure)(const MotionSubject& subject);
+};
+constexpr Part kParts[] = {{"motion-blend", measureBlend},
+                           {"motion-flow", measureFlow},
+                           {"motion-appearance", measureAppearance},
+                           {"motion-cost", measureCost},
+                           {"motion-transitions", measureTransitions},
+                           {"motion-skate", measureSkate},
+                           {"motion-pictures", drawMotionPictures}};
+
+}  // namespace
+
+std::vector<uint32_t> MotionSubject::phases(size_t count) const {
+  std::vector<uint32_t> out;
+  const size_t frames = motion().frame_count, kept = std::min(count, frames);
+  for (size_t i = 0; i < kept; ++i) out.push_back(static_cast<uint32_t>(i * frames / kept));
+  return out;
+}
+
+std::vector<AlignMethod> MotionSubject::methods(const std::vector<AlignMethod>& wanted) const {
+  std::vector<AlignMethod> out;
+  for (const AlignMethod& method : wanted)
+    if (alignOf(method) != render::Align::Baked || stage.aligned()) out.push_back(method);
+  return out;
+}
+
+std::vector<double> motionAzimuths_deg(size_t count) {
+  std::vector<double> out;
+  for (size_t i = 0; i < count; ++i) out.push_back(kFirstAzimuth_deg + 360.0 * double(i) / double(count));
+  return out;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+Result<Figures> runMotion(const StudyContext& context) {
+  if (context.capture->classes.empty()) return Figures();
+  const capture::CaptureClass& motion_class = context.capture->classes.front();
+  const bake::BakeOptions options = motionBake(context, motion_class);
+  FOURDVT_TRY(bakeMotion(context, options));
+  auto stage = MotionStage::open(*context.device, options.character_folder, motion_class.name);
+  if (!stage) return stage.error();
+  auto baked = asBaked(context, options, motion_class);
+  if (!baked) return baked.error();
+  auto truth = MotionTruth::open(context, stage.value()->motion(), baked.take());
+  if (!truth) return truth.error();
+  FOURDVT_TRY(platform::makeFolder(context.pictures()));
+  const MotionSubject subject{context, options.character_folder, *stage.value(), truth.value().get()};
+  Figures out;
+  double done = 0;
+  for (const Part& part : kParts) {
+    tell(context, std::string(part.name).substr(7), kBakeShare + (1 - kBakeShare) * done++ / std::size(kParts));
+    auto rows = keptPart(context, part.name, [&] { return part.measure(subject); });
+    if (!rows) return rows;
+    out.insert(out.end(), rows.value().begin(), rows.value().end());
+  }
+  return out;
+}
+
+}  // namespace fourdvt::study

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// The parts of the step "motion". Internal to motion/.
+#pragma once
+
+#include "study/motion/stage.h"
+#include "study/motion/truth.h"
+#include "study/study.h"
+
+namespace fourdvt::study {
+
+struct MotionSubject {
+  const StudyContext& context;
+  std::string folder;  // the baked character
+  MotionStage& stage;
+  const MotionTruth* truth = nullptr;  // null: none
+  const package::Sequence& motion() const { return stage.motion(); }
+  bool quick() const { return context.options.quick; }
+  // Evenly spread phases of the class.
+  std::vector<uint32_t> phases(size_t count) const;
+  // kAlign… of the product, in the tables' order; baked only where the stream is aligned.
+  std::vector<AlignMethod> methods(const std::vector<AlignMethod>& wanted) const;
+};
+
+Result<Figures> measureBlend(const MotionSubject& subject);        // study_motion_blend: mm and ms of the mesh blend
+Result<Figures> measureFlow(const MotionSubject& subject);         // study_motion_flow: against OpenCV, against truth
+Result<Figures> measureAppearance(const MotionSubject& subject);   // study_motion_appearance: 4DVT Fig. 8, sharpness
+Result<Figures> measureCost(const MotionSubject& subject);         // study_motion_cost: ms a frame, characters
+Result<Figures> measureTransitions(const MotionSubject& subject);  // study_motion_transitions: with the real player
+Result<Figures> measureSkate(const MotionSubject& subject);        // the same file
+Result<Figures> drawMotionPictures(const MotionSubject& subject);  // study_motion_pictures: 4DVT Fig. 7-8
+
+// Ring of azimuths that lie between the cameras' rather than on them.
+std::vector<double> motionAzimuths_deg(size_t count);
+double median(std::vector<double> values);
+
+}  // namespace fourdvt::study

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "study/motion/player.h"
+
+#include <cmath>
+#include <limits>
+
+#include "study/scene.h"
+
+namespace fourdvt::study {
+namespace {
+
+constexpr int kWidth = 240, kHeight = 320;  // of the pictures compared
+
+// The mesh that is drawn, from the table on the GPU: two texels a vertex.
+Result<Positions> shownPositions(gpu::Device& device, const render::CharacterModel& model) {
+  constexpr int kWidthOfTable = render::CharacterModel::kTableWidth;
+  const int height = (2 * static_cast<int>(model.vertex_count) + kWidthOfTable - 1) / kWidthOfTable;
+  auto target = gpu::makeTarget(device, {.colors = {model.positions_normals.id()}, .label = "positions"});
+  if (!target) return target.error();
+  std::vector<glm::vec4> table(size_t(kWidthOfTable) * height);
+  FOURDVT_TRY(
+      device.readPixels(target.value().id(), gpu::PixelFormat::RGBA32F, 0, 0, kWidthOfTable, height, table.data()));
+  Positions out;
+  for (uint32_t v = 0; v < model.vertex_count; ++v) {
+    const int row = static_cast<int>(2 * v) / kWidthOfTable, column = static_cast<int>(2 * v) % kWidthOfTable;
+    out.push_back(glm::vec3(table[size_t(height - 1 - row) * kWidthOfTable + column]));  // read top row first
+  }
+  return out;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<WatchedPlayer>> WatchedPlayer::open(gpu::Device& device, const std::string& folder,
+                                                           bool travel) {
+  std::unique_ptr<WatchedPlayer> out(new WatchedPlayer(device, travel));
+  auto player = platform::CharacterPlayer::open(device, folder);
+  if (!player) return player.error();
+  out->player_ = player.take();
+  out->player().setTravel(travel);
+  return out;
+}
+
+double WatchedPlayer::middleParameter(const package::Sequence& sequence) {
+  if (!sequence.isClass()) return std::numeric_limits<double>::quiet_NaN();
+  const motion::Range range = motion::parameterRange(sequence, 0);
+  return (range.min + range.max) / 2;
+}
+
+Status WatchedPlayer::start(const std::string& state, uint32_t frame, double parameter) {
+  if (!std::isnan(parameter)) {
+    const package::Sequence* sequence = player().character()->find(state);
+    FOURDVT_TRY(player().setParameter(sequence->space.names[0], parameter, true));
+  }
+  FOURDVT_TRY(player_->showFrame(state, frame));
+  player().setPlacement({});
+  player().play();
+  return look();
+}
+
+Status WatchedPlayer::look() {
+  auto figure = player().figure();
+  if (!figure) return figure.error();
+  auto shown = shownPositions(device_, *figure.value().model);
+  if (!shown) return shown.error();
+  world_ = shown.take();
+  for (glm::vec3& p : world_) p = glm::vec3(figure.value().world_from_character * glm::vec4(p, 1));
+  if (travel_) return {};
+  OrbitView orbit = defaultOrbit(player().character()->bounds, double(kWidth) / kHeight);
+  auto picture = player_->renderStill(render::viewFromCamera(cameraFromOrbit(orbit, kWidth, kHeight)), studyRecipe());
+  if (!picture) return picture.error();
+  picture_ = picture.take();
+  return {};
+}
+
+Result<TickChange> WatchedPlayer::tick() {
+  const Positions before = world_;
+  const Image picture_before = picture_;
+  FOURDVT_TRY(player_->advance(kTick_s));
+  FOURDVT_TRY(look());
+  return TickChange{measure::largestStep_m(before, world_),
+                    travel_ ? 0 : measure::pictureChange(picture_before, picture_)};
+}
+
+}  // namespace fourdvt::study

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "study/motion/stage.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bake/motion/class_plan.h"
+#include "motion/mesh_blend.h"
+#include "platform/opencv_flow.h"
+#include "study/rows.h"
+#include "study/scene.h"
+
+namespace fourdvt::study {
+namespace {
+
+constexpr float kApart_m = 0.002f;  // figures of drawMany
+
+bool byOpencv(const AlignMethod& method) { return method == rows::kFlowOpencv || method == rows::kOpencvDis; }
+
+Result<std::unique_ptr<render::FlowSource>> makeSource(gpu::Device& device, const AlignMethod& method) {
+  render::FlowOptions options;
+  if (method == rows::kFlowDis || method == rows::kOpencvDis) options.method = render::FlowMethod::Dis;
+  if (!byOpencv(method)) return render::createGpuFlow(device, options);
+  return platform::createOpencvFlow(device, options);
+}
+
+// Samples with nothing but the first two members, by the second one's weight.
+std::vector<const package::ParameterSample*> samplesBetween(const package::ParameterSpace& space) {
+  std::vector<const package::ParameterSample*> out;
+  for (const package::ParameterSample& sample : space.samples)
+    if (std::abs(sample.weights[0] + sample.weights[1] - 1) < 1e-4f) out.push_back(&sample);
+  std::sort(out.begin(), out.end(), [](const auto* a, const auto* b) { return a->weights[1] < b->weights[1]; });
+  return out;
+}
+
+// The references' coefficients at w, between the table's samples.
+std::vector<float> offsetsAt(const package::Sequence& motion, float w) {
+  std::vector<float> offsets(motion.reference_count, 0.0f);
+  const auto samples = samplesBetween(motion.space);
+  for (size_t i = 0; i + 1 < samples.size(); ++i) {
+    const package::ParameterSample &a = *samples[i], &b = *samples[i + 1];
+    if (w < a.weights[1] || w > b.weights[1] || a.weights[1] == b.weights[1]) continue;
+    const float share = (w - a.weights[1]) / (b.weights[1] - a.weights[1]);
+    for (size_t r = 0; r < offsets.size(); ++r) offsets[r] = (1 - share) * a.offsets[r] + share * b.offsets[r];
+    break;
+  }
+  return offsets;
+}
+
+render::DrawOptions optionsOf(const AlignMethod& method) {
+  render::DrawOptions options{studyRecipe(), alignOf(method)};
+  options.recipe.keep_detail = method != rows::kAlignBakedMean;
+  return options;
+}
+
+}  // namespace
+
+render::Align alignOf(const AlignMethod& method) {
+  if (method == rows::kAlignNone) return render::Align::None;
+  return method == rows::kAlignBaked || method == rows::kAlignBakedMean ? render::Align::Baked : render::Align::Flow;
+}
+
+Result<std::unique_ptr<MotionStage>> MotionStage::open(gpu::Device& device, const std::string& folder,
+                                                       const std::string& class_name) {
+  std::unique_ptr<MotionStage> stage(new MotionStage(device));
+  FOURDVT_TRY(measure::openCharacterStream(folder, class_name, stage->stream_));
+  if (!stage->motion().isClass())
+    return Error{ErrorId::InvalidArgument, folder + ": " + class_name + " is no motion class; bake it again"};
+  auto player = platform::CharacterPlayer::open(device, folder);
+  if (!player) return player.error();
+  stage->player_ = player.take();
+  auto model = render::CharacterModel::create(device, stage->character(), stage->mesh());
+  if (!model) return model.error();
+  stage->model_.emplace(model.take());
+  return stage;
+}
+
+Status MotionStage::loadChunk(uint32_t phase) {
+  const uint32_t number = stream_.index.chunkOfFrame(phase);
+  if (!chunk_ || number != chunk_number_) {
+    auto chunk = measure::readCharacterChunk(stream_, number);
+    if (!chunk) return chunk.error();
+    chunk_ = chunk.take();
+    chunk_number_ = number;
+  }
+  row_ = phase - stream_.index.chunks[number].first_frame;
+  return {};
+}
+
+Status MotionStage::show(uint32_t phase) {
+  FOURDVT_TRY(player_->showFrame(motion().name, phase));
+  FOURDVT_TRY(loadChunk(phase));
+  auto figure = player_->player().figure();
+  if (!figure) return figure.error();
+  look_ = figure.value().looks[0];
+  motion::alignmentOf(*chunk_, row_, stream_.index, alignment_);
+  setMesh(blended(0.5));
+  return {};
+}
+
+std::vector<float> MotionStage::weightsOf(double w) const {
+  std::vector<float> weights(motion().members.size(), 0.0f);
+  weights[0] = static_cast<float>(1 - w);
+  weights[1] = static_cast<float>(w);
+  return weights;
+}
+
+std::vector<Positions> MotionStage::members() const {
+  std::vector<Positions> out(2);
+  for (size_t m = 0; m < out.size(); ++m)
+    motion::blendFrame(*chunk_, row_, stream_.index, weightsOf(double(m)), {}, out[m]);
+  return out;
+}
+
+Positions MotionStage::blended(double w) const {
+  Positions out;
+  motion::blendFrame(*chunk_, row_, stream_.index, weightsOf(w), offsetsAt(motion(), static_cast<float>(w)), out);
+  return out;
+}
+
+Result<Positions> MotionStage::blendedAt(double w, double phase) {
+  const uint32_t shown = stream_.index.chunks[chunk_number_].first_frame + row_;
+  capture::CaptureSequence frames;
+  frames.frame_count = motion().frame_count;
+  frames.loop = motion().loop;
+  const auto read = [&](const capture::CaptureSequence&, uint32_t frame) -> Result<Positions> {
+    FOURDVT_TRY(loadChunk(frame));
+    return blended(w);
+  };
+  auto out = bake::memberPositions({&frames, {phase}, {}}, 0, read);
+  FOURDVT_TRY(loadChunk(shown));
+  return out;
+}
+
+void MotionStage::setMesh(Positions positions) {
+  positions_ = std::move(positions);
+  model_->setPositions(device_, positions_);
+}
+
+Result<render::Recipe*> MotionStage::recipeFor(const AlignMethod& method) {
+  auto& recipe = recipes_[method];
+  if (recipe) return recipe.get();
+  auto made = render::Recipe::create(device_);
+  if (!made) return made.error();
+  if (alignOf(method) == render::Align::Flow) {
+    auto source = makeSource(device_, method);
+    if (!source) return source.error();
+    made.value()->setFlow(source.take());
+  }
+  recipe = made.take();
+  return recipe.get();
+}
+
+Result<render::FlowSource*> MotionStage::sourceFor(const AlignMethod& method) {
+  auto& source = sources_[method];
+  if (source) return source.get();
+  auto made = makeSource(device_, method);
+  if (!made) return made.error();
+  source = made.take();
+  return source.get();
+}
+
+Status MotionStage::drawInto(const render::View& view, double w, const AlignMethod& method, gpu::TargetId target) {
+  auto recipe = recipeFor(method);
+  if (!recipe) return recipe.error();
+  const std::vector<float> weights = weightsOf(w);
+  const render::Look look{look_.appearance, look_.picture, weights};
+  const render::Figure figure{&*model_, {&look, 1}};
+  return recipe.value()->draw({&figure, 1}, nullptr, view, optionsOf(method), target);
+}
+
+Status MotionStage::drawMany(const render::View& view, int count, const AlignMethod& method, gpu::TargetId target) {
+  auto recipe = recipeFor(method);
+  if (!recipe) return recipe.error();
+  const std::vector<float> weights = weightsOf(0.5);
+  const render::Look look{look_.appearance, look_.picture, weights};
+  std::vector<render::Figure> figures;
+  for (int i = 0; i < count; ++i) {
+    render::Figure figure{&*model_, {&look, 1}};
+    figure.world_from_character[3] += glm::vec4(-kApart_m * float(i) * render::viewAxis(view), 0);
+    figures.push_back(figure);
+  }
+  return recipe.value()->draw(figures, nullptr, view, optionsOf(method), target);
+}
+
+Result<Image> MotionStage::draw(const PinholeCamera& camera, double w, const AlignMethod& method) {
+  const render::View view = render::viewFromCamera(camera);
+  return still_.render(view, [&](gpu::TargetId target) { return drawInto(view, w, method, target); });
+}
+
+Status MotionStage::drawLook(const PinholeCamera& camera, double w, gpu::Texture& out) {
+  auto color = gpu::makeTexture(
+      device_,
+      {.width = camera.width, .height = camera.height, .filter = gpu::Filter::Linear, .label = "look of a member"});
+  if (!color) return color.error();
+  auto target = gpu::makeTarget(device_, {.colors = {color.value().id()}, .label = "look of a member"});
+  if (!target) return target.error();
+  FOURDVT_TRY(drawInto(render::viewFromCamera(camera), w, rows::kAlignNone, target.value().id()));
+  out = color.take();
+  return {};
+}
+
+Result<measure::FlowField> MotionStage::flow(const PinholeCamera& camera, const AlignMethod& method) {
+  gpu::Texture first, second;
+  FOURDVT_TRY(drawLook(camera, 0, first));
+  FOURDVT_TRY(drawLook(camera, 1, second));
+  auto source = sourceFor(method);
+  if (!source) return source.error();
+  FOURDVT_TRY(source.value()->compute(first.id(), second.id(), camera.width, camera.height));
+  auto target = gpu::makeTarget(device_, {.colors = {source.value()->flow()}, .label = "flow"});
+  if (!target) return target.error();
+  measure::FlowField out{camera.width, camera.height, std::vector<glm::vec2>(size_t(camera.width) * camera.height)};
+  const auto format = byOpencv(method) ? gpu::PixelFormat::RG32F : gpu::PixelFormat::RG16F;
+  FOURDVT_TRY(
+      device_.readPixels(target.value().id(), format, 0, 0, camera.width, camera.height, out.displacement.data()));
+  for (glm::vec2& f : out.displacement) f.y = -f.y;  // counted along GL rows
+  return out;
+}
+
+PinholeCamera MotionStage::orbit(double azimuth_deg, int width, int height) const {
+  OrbitView view = defaultOrbit(character().bounds, double(width) / height);
+  view.azimuth_deg = azimuth_deg;
+  return cameraFromOrbit(view, width, height);
+}
+
+}  // namespace fourdvt::study

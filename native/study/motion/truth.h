@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// The truth between a class's members, where the capture comes from the virtual studio (capture/studio_truth.h), in
+// the vertex order of the baked character. A class's time is its members' common time, the studio's the phase of its
+// actor; what is the same moment follows from the members' frames alone (classPhase).
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/camera.h"
+#include "base/flat_json.h"
+#include "base/image.h"
+#include "package/base_mesh.h"
+#include "package/character.h"
+#include "study/study.h"
+
+namespace fourdvt::study {
+
+class MotionTruth {
+ public:
+  struct Step {
+    double w = 0;  // of the second member
+    std::string pictures, positions;
+  };
+  struct Instant {
+    uint32_t number = 0;  // of the truth's files
+    double phase = 0;     // 0…1, of every member's motion
+  };
+  // What the character's bake knew.
+  struct Baked {
+    package::EncodedBaseMesh mesh;
+    std::vector<std::vector<double>> passed;  // [member][frame of the class], as of commonFrame
+  };
+  // Null: the capture has none, or the class has more than two members. Errors: FileUnreadable (a damaged truth).
+  static Result<std::unique_ptr<MotionTruth>> open(const StudyContext& context, const package::Sequence& motion,
+                                                   Baked baked);
+  const std::vector<Step>& steps() const { return steps_; }
+  const std::vector<Instant>& instants() const { return instants_; }
+  const std::vector<PinholeCamera>& cameras() const { return cameras_; }
+  // When the class shows the instant, in its frames, fractional (commonFrame).
+  double classPhase(double w, const Instant& instant) const;
+  // The class's frame next to it.
+  uint32_t classFrame(double w, const Instant& instant) const;
+  bool isAligned() const { return !alignment_.empty(); }
+
+  Result<Image> picture(const Step& step, const PinholeCamera& camera, const Instant& instant) const;
+  Result<Positions> mesh(const Step& step, const Instant& instant) const;
+  // [vertex] the point of `mesh` where the second member shows what the first one shows at the vertex.
+  Result<Positions> moved(const Instant& instant, const Positions& mesh) const;
+
+ private:
+  MotionTruth(const capture::Capture& capture, std::string folder, Baked baked, bool loop)
+      : capture_(capture), folder_(std::move(folder)), baked_(std::move(baked)), loop_(loop) {}
+  Status read(const FlatJson& json, const package::Sequence& motion);
+
+  const capture::Capture& capture_;
+  const std::string folder_;
+  const Baked baked_;
+  const bool loop_;
+  double units_per_metre_ = 0;
+  std::vector<Step> steps_;
+  std::vector<Instant> instants_;
+  std::vector<PinholeCamera> cameras_;
+  std::string alignment_;  // pattern of the files
+};
+
+}  // namespace fourdvt::study

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "study/run_steps.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "base/hash.h"
+#include "platform/files.h"
+#include "platform/folders.h"
+#include "study/figures.h"
+
+namespace fourdvt::study {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string keyPath(const std::string& folder) { return folder + "/steps/key.txt"; }
+
+std::string readText(const std::string& path) {
+  auto bytes = platform::readFile(path);
+  return bytes ? std::string(bytes.value().begin(), bytes.value().end()) : std::string();
+}
+
+// Path below the folder, size and time of every file; not of what lies in `except`.
+void listFiles(const fs::path& folder, const fs::path& except, std::vector<std::string>& lines) {
+  std::error_code error;
+  fs::recursive_directory_iterator it(folder, error), end;
+  for (; !error && it != end; it.increment(error)) {
+    std::error_code ignored;
+    if (fs::equivalent(it->path(), except, ignored)) {
+      it.disable_recursion_pending();
+      continue;
+    }
+    if (!it->is_regular_file(ignored)) continue;
+    lines.push_back(fs::relative(it->path(), folder, ignored).string() + " " + std::to_string(it->file_size(ignored)) +
+                    " " + std::to_string(it->last_write_time(ignored).time_since_epoch().count()));
+  }
+}
+
+std::string commandLine(const StudyOptions& options) {
+  std::string sequences;
+  for (const std::string& name : options.sequences) sequences += (sequences.empty() ? " --sequences " : ",") + name;
+  return "fourdvt evaluate '" + options.capture_folder + "' -o '" + options.report_folder + "'" + sequences +
+         (options.quick ? " --quick" : "");
+}
+
+// Kept rows, or nullopt if there are none or the file is damaged.
+std::optional<Figures> keptRows(const std::string& path) {
+  const std::string text = readText(path);
+  if (text.empty()) return std::nullopt;
+  auto rows = parseFiguresCsv(text, path);
+  if (!rows) return std::nullopt;
+  return rows.take();
+}
+
+// What a step sees: its own share of the progress.
+StudyContext contextOfStep(const StudyContext& context, const StudyStep& step, double before, double weight) {
+  StudyContext inner = context;
+  inner.progress = [&context, name = std::string(step.name), before, weight](const StudyProgress& p) {
+    if (!context.progress) return;
+    context.progress({p.step.empty() ? name : p.step, p.detail, before + weight * std::clamp(p.share, 0.0, 1.0)});
+  };
+  return inner;
+}
+
+}  // namespace
+
+std::string studyKey(const StudyOptions& options, const std::string& version) {
+  std::vector<std::string> lines;
+  listFiles(options.capture_folder, options.report_folder, lines);
+  std::sort(lines.begin(), lines.end());
+  std::string text = version + (options.quick ? " quick" : " full");
+  for (const std::string& name : options.sequences) text += "\nsequence " + name;
+  for (const std::string& line : lines) text += "\n" + line;
+  char key[24];
+  std::snprintf(key, sizeof key, "%016llx", static_cast<unsigned long long>(fnv1a(text)));
+  return key;
+}
+
+Status openReportFolder(const std::string& folder, const std::string& key) {
+  std::error_code ignored;
+  if (fs::exists(folder, ignored) && !fs::is_directory(folder, ignored))
+    return Error{ErrorId::InvalidArgument, folder + ": exists and is not a folder; choose another report folder"};
+  const std::string old = readText(keyPath(folder));
+  if (old.empty() && fs::exists(folder, ignored) && !fs::is_empty(folder, ignored))
+    return Error{ErrorId::InvalidArgument, folder +
+                                               ": exists and is not a study's report (no steps/key.txt inside); "
+                                               "choose another report folder"};
+  if (!old.empty() && old != key + "\n" && fs::exists(folder + "/evaluate.csv", ignored))
+    return Error{ErrorId::InvalidArgument, folder +
+                                               ": holds a study of other settings, or of a capture that has changed "
+                                               "since; delete it or choose another report folder"};
+  if (old != key + "\n") {
+    for (const char* part : {"/steps", "/work", "/pictures"}) platform::removeFolder(folder + part);
+    for (const char* part : {"/evaluate.csv", "/evaluate.json", "/report.html"}) fs::remove(folder + part, ignored);
+  }
+  for (const char* part : {"/steps", "/work", "/pictures"}) FOURDVT_TRY(platform::makeFolder(folder + part));
+  return platform::writeFileAtomic(keyPath(folder), key + "\n");
+}
+
+Status checkStop(const StudyContext& context) {
+  if (!context.stop || !*context.stop) return {};
+  return Error{ErrorId::Interrupted, "stopped"};
+}
+
+Result<Figures> keptPart(const StudyContext& context, const std::string& name,
+                         const std::function<Result<Figures>()>& measure) {
+  const std::string folder = context.work() + "/rows", path = folder + "/" + name + ".csv";
+  if (auto kept = keptRows(path)) return std::move(*kept);
+  FOURDVT_TRY(checkStop(context));
+  auto rows = measure();
+  if (!rows) return rows;
+  FOURDVT_TRY(platform::makeFolder(folder));
+  FOURDVT_TRY(platform::writeFileAtomic(path, figuresCsv(rows.value())));
+  return rows;
+}
+
+Result<Figures> rowsOfStep(const StudyContext& context, const std::string& step) {
+  const std::string path = context.options.report_folder + "/steps/" + step + ".csv";
+  if (auto kept = keptRows(path)) return std::move(*kept);
+  return Error{ErrorId::Internal, path + ": not there; delete the report folder and run the study again"};
+}
+
+Result<Figures> runSteps(const StudyContext& context, std::span<const StudyStep> steps,
+                         const std::function<Status(const Figures&)>& publish) {
+  const std::string& folder = context.options.report_folder;
+  double total = 0, before = 0;
+  for (const StudyStep& step : steps) total += step.weight;
+  Figures all;
+  for (const StudyStep& step : steps) {
+    const std::string path = folder + "/steps/" + step.name + ".csv";
+    const double weight = step.weight / total;
+    auto rows = keptRows(path);
+    if (!rows) {
+      const StudyContext inner = contextOfStep(context, step, before, weight);
+      if (inner.progress) inner.progress({step.name, "", 0});
+      auto measured = checkStop(context) ? step.run(inner) : Result<Figures>(checkStop(context).error());
+      if (!measured && measured.error().id == ErrorId::Interrupted)
+        return Error{ErrorId::Interrupted, "stopped; what was measured is kept in " + folder + "; run `" +
+                                               commandLine(context.options) + "` again to go on"};
+      if (!measured) return measured.error();
+      rows = measured.take();
+      FOURDVT_TRY(platform::writeFileAtomic(path, figuresCsv(*rows)));
+    }
+    all.insert(all.end(), rows->begin(), rows->end());
+    before += weight;
+    FOURDVT_TRY(publish(all));
+    if (context.progress) context.progress({step.name, "finished", std::min(before, 1.0)});
+  }
+  return all;
+}
+
+}  // namespace fourdvt::study

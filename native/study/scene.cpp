@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "study/scene.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <future>
+
+#include "bake/stages/validate.h"
+#include "platform/files.h"
+#include "platform/folders.h"
+#include "study/run_steps.h"
+
+namespace fourdvt::study {
+
+std::vector<PinholeCamera> captureCameras(const StudyContext& context) {
+  std::vector<PinholeCamera> cameras;
+  for (const auto& camera : context.capture->cameras) cameras.push_back(camera.pinhole);
+  return cameras;
+}
+
+std::vector<const capture::CaptureSequence*> studySequences(const StudyContext& context) {
+  std::vector<const capture::CaptureSequence*> out;
+  for (const capture::CaptureSequence& sequence : context.capture->sequences) {
+    const auto& names = context.options.sequences;
+    if (names.empty() || std::find(names.begin(), names.end(), sequence.name) != names.end()) out.push_back(&sequence);
+  }
+  return out;
+}
+
+const capture::CaptureSequence& shortestSequence(const StudyContext& context) {
+  const auto all = studySequences(context);
+  return **std::min_element(all.begin(), all.end(),
+                            [](const auto* a, const auto* b) { return a->frame_count < b->frame_count; });
+}
+
+Result<std::vector<RingView>> studyRing(const StudyContext& context, const capture::CaptureSequence& sequence) {
+  BoundingBox bounds;
+  for (uint32_t f = 0; f < sequence.frame_count; ++f) {
+    auto positions = capture::readMeshFrame(*context.capture, sequence, f);
+    if (!positions) return positions.error();
+    if (f == 0) bounds = {positions.value()[0], positions.value()[0]};
+    for (const glm::vec3& p : positions.value()) {
+      bounds.min = glm::min(bounds.min, p);
+      bounds.max = glm::max(bounds.max, p);
+    }
+  }
+  return ringViews(captureCameras(context), bounds, sequence.frame_count, context.options.quick ? 8 : 36);
+}
+
+std::string referencePath(const StudyContext& context, const std::string& sequence, const RingView& view) {
+  return referencePath(context, sequence, view.camera.name, view.frame);
+}
+
+std::string referencePath(const StudyContext& context, const std::string& sequence, const std::string& camera,
+                          uint32_t frame) {
+  char name[32];
+  std::snprintf(name, sizeof name, "_%04u.png", frame);
+  return context.work() + "/reference/" + sequence + "/" + camera + name;
+}
+
+Result<Image> readReference(const std::string& path) {
+  auto picture = platform::readImage(path);
+  if (!picture)
+    return Error{picture.error().id, picture.error().message + "; delete the report folder and run the study again"};
+  return picture;
+}
+
+Result<std::vector<PinholeCamera>> heldOutCameras(const StudyContext& context) {
+  std::vector<PinholeCamera> out;
+  bool any = false;
+  for (const auto* sequence : studySequences(context)) any |= !sequence->test_frames.empty();
+  if (!any) return out;
+  auto cameras = capture::readColmapCameras(context.capture->folder + "/cameras_test");
+  if (!cameras) return cameras.error();
+  capture::scaleToMetres(cameras.value(), context.capture->metres_per_unit);
+  for (const auto& camera : cameras.value()) out.push_back(camera.pinhole);
+  return out;
+}
+
+Result<Image> heldOutTruth(const capture::CaptureSequence& sequence, const PinholeCamera& camera, uint32_t frame) {
+  char name[32];
+  std::snprintf(name, sizeof name, "/%04u.png", frame);
+  const std::string path = sequence.folder + "/" + camera.name + name;
+  auto truth = platform::readImage(path);
+  if (!truth) return truth.error();
+  const Image& t = truth.value();
+  if (t.channels != 4 || t.width != camera.width || t.height != camera.height)
+    return Error{ErrorId::FrameSize, path + ": must be RGBA of " + std::to_string(camera.width) + "x" +
+                                         std::to_string(camera.height) + " pixels as in cameras_test/cameras.txt"};
+  return truth;
+}
+
+void cleanEdges(std::vector<Image>& pictures) {
+  std::vector<std::future<void>> running;
+  for (Image& picture : pictures)
+    running.push_back(std::async(std::launch::async, [&picture] { bake::replaceEdgeColours(picture); }));
+}
+
+Result<capture::CaptureFrame> nextCleanFrame(capture::FrameReader& reader) {
+  auto frame = reader.next();
+  if (frame) cleanEdges(frame.value().pictures);
+  return frame;
+}
+
+Result<std::unique_ptr<render::Fvvr>> makeFvvr(const StudyContext& context) {
+  return render::Fvvr::create(*context.device, captureCameras(context), context.capture->topology);
+}
+
+bake::BakeOptions studyBake(const StudyContext& context, const std::string& name) {
+  bake::BakeOptions options;
+  options.capture_folder = context.options.capture_folder;
+  options.character_folder = context.work() + "/methods/" + name;
+  for (const auto* sequence : studySequences(context)) options.sequences.push_back(sequence->name);
+  options.jobs = context.options.jobs;
+  options.gop = kStudyGop;
+  options.crf = kStudyCrf;
+  options.layers = kPaperLayers;
+  options.classes = false;
+  options.resume = true;
+  options.survey_folder = context.work() + "/survey";
+  return options;
+}
+
+bake::BakeEnvironment bakeEnvironment(const StudyContext& context) {
+  bake::BakeEnvironment environment;
+  environment.device = context.device;
+  environment.open_video = context.open_video;
+  environment.stop = context.stop;
+  return environment;
+}
+
+Result<std::unique_ptr<SurveyedJob>> surveyOnly(const StudyContext& context, const bake::BakeOptions& options) {
+  const bake::BakeEnvironment environment = bakeEnvironment(context);
+  FOURDVT_TRY(platform::makeFolder(context.work() + "/methods"));
+  FOURDVT_ASSIGN(auto job, bake::validate(options, environment));
+  auto out = std::make_unique<SurveyedJob>(std::move(job), environment);
+  auto survey = bake::Survey::make(out->run);
+  platform::removeIfEmpty(out->job.workFolder());  // only if empty: no bake is under way there
+  if (!survey) return survey.error();
+  out->survey = std::make_unique<bake::Survey>(survey.take());
+  return out;
+}
+
+void setBakerFrame(bake::FrameBaker& baker, const bake::Job& job, const capture::CaptureFrame& frame) {
+  const Positions positions = bake::reordered(job.mesh, frame.positions);
+  std::vector<bake::PictureCrop> crops;
+  for (size_t c = 0; c < job.cameras.size(); ++c)
+    crops.push_back(bake::cropPicture(job.cameras[c], positions, frame.pictures[c]));
+  baker.setFrame(positions, crops);
+}
+
+render::RecipeOptions studyRecipe() {
+  render::RecipeOptions recipe;
+  recipe.ground_shadow = false;
+  return recipe;
+}
+
+}  // namespace fourdvt::study

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the steps read: frames of the capture with FVVR on them, held-out truth, plans of bakes, characters.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bake/bake.h"
+#include "bake/run/bake_run.h"
+#include "bake/stages/survey.h"
+#include "platform/character_player.h"
+#include "render/fvvr.h"
+#include "study/ring.h"
+
+namespace fourdvt::study {
+
+std::vector<PinholeCamera> captureCameras(const StudyContext& context);
+// The sequences of this study, in the capture's order.
+std::vector<const capture::CaptureSequence*> studySequences(const StudyContext& context);
+// The one with the fewest frames: what is measured on one sequence only.
+const capture::CaptureSequence& shortestSequence(const StudyContext& context);
+
+// Views of a sequence in this study: 36, or 8 with `quick`. Reads all meshes for their bounds.
+Result<std::vector<RingView>> studyRing(const StudyContext& context, const capture::CaptureSequence& sequence);
+
+// Where runReference leaves FVVR's pictures (RGBA PNG): of the ring, and at a held-out camera.
+std::string referencePath(const StudyContext& context, const std::string& sequence, const RingView& view);
+std::string referencePath(const StudyContext& context, const std::string& sequence, const std::string& camera,
+                          uint32_t frame);
+// What runReference writes there; any missing one is an error that says to delete the report folder.
+Result<Image> readReference(const std::string& path);
+
+// The cameras of cameras_test; empty if no sequence of the study has held-out frames.
+Result<std::vector<PinholeCamera>> heldOutCameras(const StudyContext& context);
+// Errors: FileMissing, FrameSize.
+Result<Image> heldOutTruth(const capture::CaptureSequence& sequence, const PinholeCamera& camera, uint32_t frame);
+
+// bake::replaceEdgeColours on all pictures, side by side.
+void cleanEdges(std::vector<Image>& pictures);
+// A captured frame with clean edges.
+Result<capture::CaptureFrame> nextCleanFrame(capture::FrameReader& reader);
+
+Result<std::unique_ptr<render::Fvvr>> makeFvvr(const StudyContext& context);
+
+// LVDT's own size, as in the tables.
+constexpr int kPaperTexture = 512, kPaperLayers = 3, kStudyCrf = 23, kStudyGop = 20;
+
+// Options of a bake into work()/methods/NAME that shares its survey with the study's other bakes.
+bake::BakeOptions studyBake(const StudyContext& context, const std::string& name);
+bake::BakeEnvironment bakeEnvironment(const StudyContext& context);
+
+// The plan and the survey of a bake that is not run: labels and colour maps for layers without a codec.
+struct SurveyedJob {
+  SurveyedJob(bake::Job validated, const bake::BakeEnvironment& environment)
+      : run(std::move(validated), environment), job(run.job) {}
+  bake::BakeRun run;
+  const bake::Job& job;                  // the run's
+  std::unique_ptr<bake::Survey> survey;  // borrows the job
+};
+Result<std::unique_ptr<SurveyedJob>> surveyOnly(const StudyContext& context, const bake::BakeOptions& options);
+
+// A frame as FrameBaker wants it.
+void setBakerFrame(bake::FrameBaker& baker, const bake::Job& job, const capture::CaptureFrame& frame);
+
+// No shadow, transparent background.
+render::RecipeOptions studyRecipe();
+
+}  // namespace fourdvt::study

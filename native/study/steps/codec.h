@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures and videos in memory: how large they get, and what is left of them.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bake/video/encode.h"
+#include "bake/video/tile.h"
+#include "base/image.h"
+
+namespace fourdvt::study {
+
+// RGB(A) → PNG of zlib level 6 with adaptive filters, or JPEG of this quality. Errors: Internal.
+Result<std::vector<uint8_t>> encodePng(const Image& image);
+Result<std::vector<uint8_t>> encodeJpeg(const Image& image, int quality);
+
+// RGB(A) of even sides as 4:2:0.
+void fillI420(const Image& image, bake::I420Picture& out);
+
+uint64_t gopBytes(const bake::EncodedGop& gop);
+// H.264 only. Pictures in presentation order. Errors: VideoInvalid and those of `on_picture`.
+Status decodeGop(const bake::EncodedGop& gop, const std::function<Status(uint32_t frame, const I420View&)>& on_picture);
+
+// Sum of squared differences over RGB of the pixels inside; PSNR of what was added.
+struct SquaredError {
+  double squares = 0;
+  uint64_t samples = 0;
+  // Both 3 or 4 channels and of one size; `inside`: width × height, non-zero: counts.
+  void add(const Image& a, const Image& b, const std::vector<uint8_t>& inside);
+  void add(const SquaredError& other) { squares += other.squares, samples += other.samples; }
+  double psnr_db() const;  // infinity for equal pictures, NaN where nothing was added
+};
+
+}  // namespace fourdvt::study

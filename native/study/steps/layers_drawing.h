@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// Draws layers that were never encoded: all of one size, side by side in one RGBA picture.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "bake/run/job.h"
+#include "gpu/device.h"
+#include "render/plain_figure.h"
+
+namespace fourdvt::study {
+
+class LayerDrawing {
+ public:
+  // `job` is borrowed. Errors: GpuFailure.
+  static Result<std::unique_ptr<LayerDrawing>> create(gpu::Device& device, const bake::Job& job, int size,
+                                                      int most_layers);
+  // Geometry for drawing with so many layers; labels [layer][face] of exactly that many. Decoded order.
+  Status setGeometry(const Positions& positions, const std::vector<uint8_t>& labels, int layers);
+  // Layers 0..n-1, RGBA or RGB of `size`².
+  Status show(const std::vector<Image>& layers);
+  // RGBA straight alpha. Errors: GpuFailure.
+  Result<Image> draw(const PinholeCamera& camera, int layers);
+  // Textures that a player holds for so many layers: the model's tables and one decoded 4:2:0 picture.
+  Result<uint64_t> gpuBytes(int layers);
+
+ private:
+  LayerDrawing(gpu::Device& device, const bake::Job& job, int size) : device_(device), job_(job), size_(size) {}
+  Result<render::PlainFigure*> figureOf(int layers);
+
+  gpu::Device& device_;
+  const bake::Job& job_;
+  int size_, most_layers_ = 0;
+  std::unique_ptr<render::Recipe> recipe_;
+  std::map<int, render::PlainFigure> figures_;  // by number of layers
+  render::PictureTextures picture_;
+  gpu::Texture color_;
+  gpu::Target target_;
+  int width_ = 0, height_ = 0;  // of the target
+};
+
+// Reference, picture and |difference| × 4 as a heat map beside each other, cropped to the performer. RGB.
+Image errorMap(const Image& reference, const Image& picture);
+
+}  // namespace fourdvt::study

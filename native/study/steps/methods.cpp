@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: Apache-2.0
+// 4DVT Table 1: the same capture baked with every labelling mode at the papers' size, and as this project bakes by
+// default; storage, loading, fidelity to FVVR on the ring and to ground truth at the held-out cameras, label
+// statistics.
+#include "study/steps/methods.h"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+
+#include "measure/held_out.h"
+#include "measure/metrics.h"
+#include "platform/files.h"
+#include "platform/folders.h"
+#include "study/figures.h"
+#include "study/rows.h"
+#include "study/run_steps.h"
+#include "study/scene.h"
+#include "study/steps/labels.h"
+
+namespace fourdvt::study {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+// The default first: it is timed from nothing, the others share its survey.
+std::vector<Method> studyMethods(const StudyContext& context) {
+  bake::BakeOptions plain;
+  bake::BakeOptions shared = studyBake(context, rows::kJointDefault);
+  plain.capture_folder = shared.capture_folder;
+  plain.character_folder = shared.character_folder;
+  plain.survey_folder = shared.survey_folder;
+  plain.sequences = shared.sequences;
+  plain.jobs = shared.jobs;
+  std::vector<Method> out{{rows::kJointDefault, plain}};
+  for (bake::LabelMode mode : {bake::LabelMode::Naive, bake::LabelMode::Spatial, bake::LabelMode::TemporalPaper,
+                               bake::LabelMode::PerTexel, bake::LabelMode::Joint}) {
+    if (mode == bake::LabelMode::PerTexel && context.options.quick) continue;
+    Method method{bake::labelModeName(mode), studyBake(context, std::string(bake::labelModeName(mode)) + "-512")};
+    method.options.labels = mode;
+    method.options.texture = kPaperTexture;
+    method.options.equal_layers = true;
+    out.push_back(std::move(method));
+  }
+  return out;
+}
+
+// One method: bake, then everything that needs its character only.
+class MethodStudy {
+ public:
+  MethodStudy(const StudyContext& context, const Method& method, double before, double share)
+      : context_(context), method_(method), before_(before), share_(share) {}
+  Result<Figures> run();
+
+ private:
+  Status bakeCharacter();
+  Status storage(const capture::CaptureSequence& sequence);
+  Status loading(const capture::CaptureSequence& sequence);
+  Status ring(const capture::CaptureSequence& sequence);
+  Status heldOut(const capture::CaptureSequence& sequence);
+  Status worstPicture(const capture::CaptureSequence& sequence, const PinholeCamera& camera, uint32_t frame,
+                      double ssim);
+  void labels(const capture::CaptureSequence& sequence);
+  Result<Image> picture(const PinholeCamera& camera, const std::string& sequence, uint32_t frame) {
+    FOURDVT_TRY(checkStop(context_));
+    FOURDVT_TRY(player_->showFrame(sequence, frame));
+    return player_->renderStill(render::viewFromCamera(camera), studyRecipe());
+  }
+  void tell(const std::string& what, double share) const {
+    if (context_.progress) context_.progress({"methods", method_.name + " " + what, before_ + share_ * share});
+  }
+
+  const StudyContext& context_;
+  const Method& method_;
+  double before_, share_;
+  bake::BakeReport baked_;
+  FlatJson report_;
+  std::unique_ptr<platform::CharacterPlayer> player_;
+  std::vector<PinholeCamera> held_out_;
+  Figures out_;
+};
+
+Status MethodStudy::bakeCharacter() {
+  bake::BakeEnvironment environment = bakeEnvironment(context_);
+  environment.progress = [this](const bake::Progress& p) { tell(p.stage, p.total ? 0.6 * p.done / p.total : 0); };
+  FOURDVT_TRY(platform::makeFolder(context_.work() + "/methods"));
+  const bool timed = method_.name == rows::kJointDefault;
+  if (timed) platform::removeFolder(method_.options.survey_folder);
+  auto report = bake::bake(method_.options, environment);
+  if (!report) return report.error();
+  baked_ = report.take();
+  auto json = platform::readJsonFlat(method_.options.character_folder + "/report.json");
+  if (!json) return json.error();
+  report_ = json.take();
+  if (!timed) return {};
+  RowWriter(out_, rows::kBake, "", rows::kJointDefault, "")
+      .add(rows::kSecondsFrame, report_.number("/wall_s_per_frame").value_or(0), "s");
+  for (const auto& [stage, seconds] : baked_.seconds_by_stage)
+    RowWriter(out_, rows::kBake, "", rows::kJointDefault, "stage=" + stage)
+        .add(rows::kSecondsFrame, seconds / baked_.frames, "s");
+  std::string encoder = std::string(method_.codecName());
+  if (const auto version = report_.string("/versions/libavcodec")) encoder += ", libavcodec " + *version;
+  RowWriter(out_, rows::kAbout, "", "", "text=" + encoder + ", crf " + std::to_string(method_.options.crf))
+      .add(rows::kAboutEncoder, 0, "");
+  return {};
+}
+
+Status MethodStudy::storage(const capture::CaptureSequence& sequence) {
+  std::string at;
+  for (int i = 0; at.empty() && report_.has("/sequences/" + std::to_string(i)); ++i)
+    if (report_.string("/sequences/" + std::to_string(i) + "/name") == sequence.name)
+      at = "/sequences/" + std::to_string(i) + "/";
+  const auto bytes = [&](const char* key) { return report_.number(at + key).value_or(0); };
+  const double shared = report_.number("/bytes_by_part/mesh.bin").value_or(0) +
+                        report_.number("/bytes_by_part/character.gltf").value_or(0);
+  const double video = bytes("video_bytes"), geometry = bytes("geometry_bytes"), labels = bytes("label_bytes"),
+               other = bytes("index_bytes") + shared;
+  if (at.empty() || video <= 0 || geometry <= 0)
+    return Error{ErrorId::Internal, method_.options.character_folder + "/report.json: no sizes of " + sequence.name};
+  const RowWriter row(out_, rows::kTable1, sequence.name, method_.name, method_.setting());
+  row.add(rows::kTotalBytes, video + geometry + labels + other, "bytes");
+  row.add(rows::kVideoBytes, video, "bytes");
+  row.add(rows::kGeometryBytes, geometry, "bytes");
+  row.add(rows::kLabelBytes, labels, "bytes");
+  row.add(rows::kOtherBytes, other, "bytes");
+  const double seconds = sequence.frame_count / context_.capture->fps;
+  row.add(rows::kVideoBps, 8 * video / seconds, "bit/s");
+  RowWriter(out_, rows::kLabels, sequence.name, method_.name, "").add(rows::kLabelBps, 8 * labels / seconds, "bit/s");
+  return {};
+}
+
+// Open, decode, upload and draw: until the first picture, and (not with `quick`) every picture of the sequence.
+Status MethodStudy::loading(const capture::CaptureSequence& sequence) {
+  player_.reset();
+  const auto start = Clock::now();
+  auto player = platform::CharacterPlayer::open(*context_.device, method_.options.character_folder);
+  if (!player) return player.error();
+  player_ = player.take();
+  auto first = picture(captureCameras(context_)[0], sequence.name, 0);
+  if (!first) return first.error();
+  const double first_s = secondsSince(start);
+  const RowWriter row(out_, rows::kTable1, sequence.name, method_.name, method_.setting());
+  row.add(rows::kLoadingS, first_s, "s");
+  if (context_.options.quick) return {};
+  for (uint32_t f = 1; f < sequence.frame_count; ++f) FOURDVT_TRY(player_->showFrame(sequence.name, f));
+  row.add("loading_all_s", secondsSince(start), "s");
+  return {};
+}
+
+Status MethodStudy::ring(const capture::CaptureSequence& sequence) {
+  auto views = studyRing(context_, sequence);
+  if (!views) return views.error();
+  ScoreLane lane;
+  for (const RingView& view : views.value()) {
+    auto reference = readReference(referencePath(context_, sequence.name, view));
+    if (!reference) return reference.error();
+    auto drawn = picture(view.camera, sequence.name, view.frame);
+    if (!drawn) return drawn.error();
+    lane.add(reference.take(), drawn.take());
+  }
+  lane.finishMean().write(out_, rows::kTable1, sequence.name, method_.name, method_.setting());
+  return {};
+}
+
+Status MethodStudy::heldOut(const capture::CaptureSequence& sequence) {
+  ScoreLane lane;
+  std::vector<std::pair<const PinholeCamera*, uint32_t>> views;
+  for (uint32_t frame : sequence.test_frames)
+    for (const PinholeCamera& camera : held_out_) {
+      auto truth = heldOutTruth(sequence, camera, frame);
+      if (!truth) return truth.error();
+      auto drawn = picture(camera, sequence.name, frame);
+      if (!drawn) return drawn.error();
+      lane.add(truth.take(), drawn.take(), camera.name);
+      views.emplace_back(&camera, frame);
+    }
+  if (views.empty()) return {};
+  MeanScores mean;
+  std::map<std::string, MeanScores> by_camera;
+  const auto scores = lane.finish();
+  size_t worst = 0;
+  for (size_t i = 0; i < scores.size(); ++i) {
+    mean.add(scores[i].second);
+    by_camera[scores[i].first].add(scores[i].second);
+    if (scores[i].second.ssim_fg < scores[worst].second.ssim_fg) worst = i;
+  }
+  mean.write(out_, rows::kHeldOut, sequence.name, method_.name, "views=" + std::to_string(views.size()));
+  for (const auto& [camera, part] : by_camera)
+    part.write(out_, "held-out-views", sequence.name, method_.name, "view=" + camera);
+  if (method_.name != rows::kJointDefault) return {};
+  return worstPicture(sequence, *views[worst].first, views[worst].second, scores[worst].second.ssim_fg);
+}
+
+Status MethodStudy::worstPicture(const capture::CaptureSequence& sequence, const PinholeCamera& camera, uint32_t frame,
+                                 double ssim) {
+  auto truth = heldOutTruth(sequence, camera, frame);
+  if (!truth) return truth.error();
+  auto drawn = picture(camera, sequence.name, frame);
+  if (!drawn) return drawn.error();
+  auto fvvr = readReference(referencePath(context_, sequence.name, camera.name, frame));
+  if (!fvvr) return fvvr.error();
+  const auto scored = [&](const Image& picture) { return scorePicture(truth.value(), picture); };
+  const PictureScore ours = scored(drawn.value()), theirs = scored(fvvr.value());
+  measure::WorstView view;
+  view.score = {sequence.name,
+                camera.name,
+                frame,
+                true,
+                ours.psnr_fg_db,
+                ours.ssim_fg,
+                ours.psnr_common_db,
+                theirs.psnr_fg_db,
+                theirs.ssim_fg,
+                theirs.psnr_common_db};
+  view.truth = measure::compositedOnBlack(truth.value());
+  view.character = measure::compositedOnBlack(drawn.value());
+  view.yardstick = measure::compositedOnBlack(fvvr.value());
+  const std::string file = "worst-held-out-" + sequence.name + ".jpg";
+  FOURDVT_TRY(platform::writeImage(context_.pictures() + "/" + file, measure::contactSheet({view}, "FVVR"), 90));
+  RowWriter(
+      out_, rows::kPictures, sequence.name, rows::kJointDefault,
+      "file=" + file + " frame=" + std::to_string(frame) + " view=" + camera.name + " score=" + std::to_string(ssim))
+      .add(rows::kPictureWorst, ssim, "");
+  return {};
+}
+
+void MethodStudy::labels(const capture::CaptureSequence& sequence) {
+  const auto it = baked_.labels_by_sequence.find(sequence.name);
+  if (it == baked_.labels_by_sequence.end()) return;
+  const bake::LabelStatistics& s = it->second;
+  writeLabelRows(s, rows::kLabels, sequence.name, method_.name, out_);
+  const RowWriter row(out_, rows::kLabels, sequence.name, method_.name, "");
+  row.add(rows::kEnergy, s.energy, "");
+  row.add(rows::kEmptyPercent, s.empty_percent, "percent");
+  row.add(rows::kLabelMsFrame, s.frames ? 1000 * s.seconds / s.frames : 0, "ms");
+}
+
+Result<Figures> MethodStudy::run() {
+  auto held_out = heldOutCameras(context_);
+  if (!held_out) return held_out.error();
+  held_out_ = held_out.take();
+  FOURDVT_TRY(bakeCharacter());
+  double done = 0;
+  const auto sequences = studySequences(context_);
+  for (const auto* sequence : sequences) {
+    tell(sequence->name + " pictures", 0.6 + 0.4 * done++ / sequences.size());
+    FOURDVT_TRY(storage(*sequence));
+    FOURDVT_TRY(loading(*sequence));
+    FOURDVT_TRY(ring(*sequence));
+    FOURDVT_TRY(heldOut(*sequence));
+    labels(*sequence);
+  }
+  return std::move(out_);
+}
+
+// Shares of the foreground-only multi-view, as pictures and as video of the same quality.
+void compareStorage(const Figures& reference, const std::string& sequence, bool is_shortest,
+                    const std::vector<Method>& methods, Figures& out) {
+  std::vector<RatePoint> ladder;
+  for (const Figure& row : reference)
+    if (row.table == "multiview-codec" && row.sequence == sequence && row.quantity == rows::kVideoBytes)
+      if (const auto db = findValue(reference, row.table, sequence, row.method, row.setting, rows::kPsnrFgDb))
+        ladder.push_back({row.value, *db});
+  const auto masked = findValue(reference, rows::kMultiview, sequence, rows::kMethodMultiview, "", rows::kMaskedBytes);
+  for (const Method& method : methods) {
+    const auto total = findValue(out, rows::kTable1, sequence, method.name, "", rows::kTotalBytes);
+    const auto loss = findValue(out, "codec-loss", sequence, method.name, "", "psnr_layers_db");
+    const RowWriter row(out, rows::kTable1, sequence, method.name, method.setting());
+    if (total && masked) row.add(rows::kPercentOfMasked, 100 * *total / *masked, "percent");
+    const auto multiview = loss ? bytesAtQuality(ladder, *loss) : std::nullopt;
+    if (!total || !multiview) continue;
+    row.add(rows::kPercentOfSameCodec, 100 * *total / *multiview, "percent");
+    if (method.name != rows::kJoint) continue;
+    const auto add = [&](const char* table, const char* name) {
+      RowWriter(out, table, sequence, name, "codec=h264").add(rows::kMultiviewCodecBytes, *multiview, "bytes");
+    };
+    add(rows::kTable1, rows::kFvvr);
+    add(rows::kMultiview, rows::kMethodMultiview);
+    if (is_shortest) add(rows::kLayers, rows::kFvvr);
+  }
+}
+
+}  // namespace
+
+Result<Figures> runMethods(const StudyContext& context) {
+  const std::vector<Method> methods = studyMethods(context);
+  const auto sequences = studySequences(context);
+  constexpr double kBakingShare = 0.85;
+  Figures out;
+  const auto take = [&](Result<Figures> part) -> Status {
+    if (!part) return part.error();
+    out.insert(out.end(), part.value().begin(), part.value().end());
+    return {};
+  };
+  const double share = kBakingShare / static_cast<double>(methods.size());
+  for (size_t m = 0; m < methods.size(); ++m)
+    FOURDVT_TRY(take(keptPart(context, "method-" + methods[m].name, [&] {
+      return MethodStudy(context, methods[m], share * static_cast<double>(m), share).run();
+    })));
+  double done = 0;
+  for (const auto* sequence : sequences) {
+    if (context.progress)
+      context.progress({"methods", sequence->name + " codec",
+                        kBakingShare + (1 - kBakingShare) * done++ / static_cast<double>(sequences.size())});
+    FOURDVT_TRY(take(keptPart(context, "codec-loss-" + sequence->name,
+                              [&] { return measureCodecLoss(context, *sequence, methods); })));
+  }
+  FOURDVT_TRY(take(keptPart(context, "labels", [&] { return measureLabels(context); })));
+  auto reference = rowsOfStep(context, "reference");
+  if (!reference) return reference;
+  for (const auto* sequence : sequences)
+    compareStorage(reference.value(), sequence->name, sequence == &shortestSequence(context), methods, out);
+  for (const Method& method : methods)
+    if (method.name != rows::kJointDefault && method.name != rows::kJoint)
+      platform::removeFolder(method.options.character_folder);
+  return out;
+}
+
+}  // namespace fourdvt::study

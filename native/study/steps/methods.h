@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the parts of methods.cpp share: one way of baking the capture, and what its codec costs in quality.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bake/bake.h"
+#include "study/study.h"
+
+namespace fourdvt::study {
+
+struct Method {
+  std::string name;  // as in the rows
+  bake::BakeOptions options;
+  std::string setting() const {
+    return "layers=" + std::to_string(options.layers) + " size=" + std::to_string(options.texture) +
+           " codec=" + codecName() + " crf=" + std::to_string(options.crf) +
+           " layout=" + (options.equal_layers ? "equal" : "default");
+  }
+  const char* codecName() const {
+    return options.codec == bake::Codec::H264 ? "h264" : options.codec == bake::Codec::Vp9 ? "vp9" : "av1";
+  }
+};
+
+// Table "codec-loss": PSNR of decoded layers against the same layers never encoded, over the charts, in every fourth
+// frame. The characters must be baked. Memory: one frame of pictures and layers.
+Result<Figures> measureCodecLoss(const StudyContext& context, const capture::CaptureSequence& sequence,
+                                 const std::vector<Method>& methods);
+
+}  // namespace fourdvt::study

@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures of the study: layers with their camera maps, how labels change from frame to frame, grazing views with
+// crops, and the seam contrast of these views.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include "measure/character_frame.h"
+#include "platform/files.h"
+#include "platform/folders.h"
+#include "report/picture_sheets.h"
+#include "study/figures.h"
+#include "study/rows.h"
+#include "study/run_steps.h"
+#include "study/scene.h"
+#include "study/steps/picture_parts.h"
+
+namespace fourdvt::study {
+namespace {
+
+constexpr int kSheetLayers = 4;
+constexpr double kGrazing_deg = 40;
+
+// A baked character of the study, and its title on the sheets.
+struct Subject {
+  std::string method, title, folder;
+  int layers = 0;
+};
+
+class PictureStep {
+ public:
+  explicit PictureStep(const StudyContext& context)
+      : context_(context), sequence_(shortestSequence(context)), frame_(sequence_.frame_count / 2) {}
+  Result<Figures> run();
+
+ private:
+  void tell(const std::string& what, double share) const {
+    if (context_.progress) context_.progress({"pictures", what, share});
+  }
+  Status findSubjects();
+  Status bakeSheetCharacter(bake::LabelMode mode, double from);
+  Status layersSheet(const Subject& subject);
+  Status changesSheet();
+  Status grazing();
+  Status seamRows();
+  Result<Image> draw(const Subject& subject, const PinholeCamera& camera, render::RecipeOptions recipe);
+  Result<Image> drawFvvr(const PinholeCamera& camera);
+  PinholeCamera orbit(double azimuth_deg, double elevation_deg, int width, int height) const;
+  Status save(const std::string& file, const Image& sheet, const Figure& row);
+
+  const StudyContext& context_;
+  const capture::CaptureSequence& sequence_;
+  const uint32_t frame_;
+  std::vector<Subject> subjects_;  // the product's own first
+  std::map<std::string, std::unique_ptr<platform::CharacterPlayer>> players_;
+  std::map<std::string, measure::CharacterFrame> frames_;  // by folder
+  std::unique_ptr<render::Fvvr> fvvr_;
+  std::vector<double> middles_deg_;  // azimuths midway between neighbouring cameras
+  BoundingBox bounds_;               // of all characters
+  Figures out_;
+};
+
+PinholeCamera PictureStep::orbit(double azimuth_deg, double elevation_deg, int width, int height) const {
+  OrbitView view = defaultOrbit(bounds_, static_cast<double>(width) / height);
+  view.azimuth_deg = azimuth_deg, view.elevation_deg = elevation_deg;
+  return cameraFromOrbit(view, width, height);
+}
+
+Result<Image> PictureStep::draw(const Subject& subject, const PinholeCamera& camera, render::RecipeOptions recipe) {
+  auto& player = players_[subject.folder];
+  if (!player) {
+    auto opened = platform::CharacterPlayer::open(*context_.device, subject.folder);
+    if (!opened.ok()) return opened.error();
+    player = opened.take();
+  }
+  FOURDVT_TRY(player->showFrame(sequence_.name, frame_));
+  return player->renderStill(render::viewFromCamera(camera), recipe);
+}
+
+Result<Image> PictureStep::drawFvvr(const PinholeCamera& camera) {
+  if (!fvvr_) {
+    auto fvvr = makeFvvr(context_);
+    if (!fvvr.ok()) return fvvr.error();
+    auto reader = capture::FrameReader::open(*context_.capture, sequence_, context_.open_video, frame_);
+    if (!reader.ok()) return reader.error();
+    auto frame = nextCleanFrame(*reader.value());
+    if (!frame.ok()) return frame.error();
+    FOURDVT_TRY(fvvr.value()->setFrame(frame.value().positions, frame.value().pictures));
+    fvvr_ = fvvr.take();
+  }
+  return fvvr_->renderStill(render::viewFromCamera(camera), {});
+}
+
+Status PictureStep::save(const std::string& file, const Image& sheet, const Figure& row) {
+  FOURDVT_TRY(platform::writeImage(context_.pictures() + "/" + file, sheet, 90));
+  Figure figure = row;
+  figure.table = rows::kPictures;
+  figure.sequence = sequence_.name;
+  figure.setting = "file=" + file + " " + figure.setting + (figure.setting.empty() ? "" : " ") +
+                   "frame=" + std::to_string(frame_) + " width=" + std::to_string(sheet.width) +
+                   " height=" + std::to_string(sheet.height);
+  out_.push_back(figure);
+  return {};
+}
+
+Status PictureStep::bakeSheetCharacter(bake::LabelMode mode, double from) {
+  const std::string name = bake::labelModeName(mode);
+  const int cameras = static_cast<int>(context_.capture->cameras.size());
+  bake::BakeOptions options = studyBake(context_, name);
+  options.character_folder = context_.work() + "/pictures/" + name;
+  options.sequences = {sequence_.name};
+  options.layers = std::min(kSheetLayers, cameras);
+  options.labels = mode;
+  if (!std::filesystem::exists(options.character_folder + "/character.gltf")) {
+    FOURDVT_TRY(platform::makeFolder(context_.work() + "/pictures"));
+    bake::BakeEnvironment environment = bakeEnvironment(context_);
+    environment.progress = [&](const bake::Progress& p) {
+      tell(name + ", " + p.stage, from + (p.total ? 0.3 * p.done / p.total : 0));
+    };
+    auto baked = bake::bake(options, environment);
+    if (!baked.ok()) return baked.error();
+  }
+  subjects_.push_back(
+      {name, name + ", L = " + std::to_string(options.layers), options.character_folder, options.layers});
+  return {};
+}
+
+// The default character of runMethods; with time, four layers of ours and of the naive labels as well.
+Status PictureStep::findSubjects() {
+  const std::string folder = context_.work() + "/methods/" + rows::kJointDefault;
+  auto product = measure::readCharacter(folder);
+  if (product.ok() && product.value().find(sequence_.name))
+    subjects_.push_back({rows::kJointDefault, "ours, default", folder, product.value().layer_count});
+  if (!context_.options.quick || subjects_.empty()) FOURDVT_TRY(bakeSheetCharacter(bake::LabelMode::Joint, 0));
+  if (!context_.options.quick) FOURDVT_TRY(bakeSheetCharacter(bake::LabelMode::Naive, 0.3));
+  bool first = true;
+  for (const Subject& subject : subjects_) {
+    auto character = measure::readCharacter(subject.folder);
+    if (!character.ok()) return character.error();
+    const BoundingBox& b = character.value().bounds;
+    bounds_ = first ? b : BoundingBox{glm::min(bounds_.min, b.min), glm::max(bounds_.max, b.max)};
+    first = false;
+    auto frame = measure::readCharacterFrame(subject.folder, sequence_.name, frame_, context_.open_video);
+    if (!frame.ok()) return frame.error();
+    frames_.emplace(subject.folder, frame.take());
+  }
+  return {};
+}
+
+// LVDT Fig. 3-4, 4DVT Fig. 4-5.
+Status PictureStep::layersSheet(const Subject& subject) {
+  const measure::CharacterFrame& frame = frames_.at(subject.folder);
+  const PinholeCamera view = orbit(25, 8, 960, 1280);
+  report::Sheet sheet{subject.title + ": " + sequence_.name + ", frame " + std::to_string(frame_),
+                      {},
+                      {"texture", "camera map", "on the body", "camera map", "share of blend"},
+                      std::vector<std::vector<Image>>(5)};
+  render::RecipeOptions recipe = studyRecipe();
+  auto blended = draw(subject, view, recipe);
+  if (!blended.ok()) return blended.error();
+  const auto box = report::shownBox(blended.value(), 16);
+  recipe.debug = render::DebugView::Weights;
+  auto shares = draw(subject, view, recipe);
+  if (!shares.ok()) return shares.error();
+  const int shown = std::min(subject.layers, kSheetLayers);
+  for (int l = 0; l < shown; ++l) {
+    const auto at = static_cast<size_t>(l);
+    sheet.columns.push_back("layer " + std::to_string(l + 1));
+    sheet.cells[0].push_back(report::scaledTo(frame.layers[at], kCell, kCell));
+    sheet.cells[1].push_back(
+        report::scaledTo(report::cameraMap(frame.topology, frame.labels[at], 2 * kCell), kCell, kCell));
+    recipe.debug_layer = l;
+    for (const auto& [row, debug] : {std::pair{2, render::DebugView::Layer}, {3, render::DebugView::Labels}}) {
+      recipe.debug = debug;
+      auto picture = draw(subject, view, recipe);
+      if (!picture.ok()) return picture.error();
+      sheet.cells[static_cast<size_t>(row)].push_back(bodyCell(report::overGrey(picture.value()), box));
+    }
+    sheet.cells[4].push_back(bodyCell(report::shareMap(shareOf(shares.value(), l), shares.value()), box));
+  }
+  sheet.columns.push_back("all layers");
+  std::vector<std::string> names;
+  for (const auto& camera : context_.capture->cameras) names.push_back(camera.pinhole.name);
+  sheet.cells[0].emplace_back();
+  sheet.cells[1].push_back(report::cameraLegend(names, kCell, kCell));
+  sheet.cells[2].push_back(bodyCell(report::overGrey(blended.value()), box));
+  return save("layers-" + subject.method + ".jpg", report::drawSheet(sheet),
+              {"", "", subject.method, "layers=" + std::to_string(shown), rows::kPictureLayers, 0, ""});
+}
+
+// Layer 1's camera map in three frames and the faces that change between them.
+Status PictureStep::changesSheet() {
+  const uint32_t first = frame_ > 0 && frame_ + 1 < sequence_.frame_count ? frame_ - 1 : 0;
+  if (sequence_.frame_count < 3) return {};
+  report::Sheet sheet{"Layer 1: camera maps of three frames; faces that change are white", {}, {}, {}};
+  for (const char* column : {"frame t - 1", "frame t", "frame t + 1", "t - 1 to t", "t to t + 1"})
+    sheet.columns.push_back(column);
+  for (const Subject& subject : subjects_) {
+    auto labels = measure::readCharacterLabels(subject.folder, sequence_.name, first, 3);
+    if (!labels.ok()) return labels.error();
+    const MeshTopology& topology = frames_.at(subject.folder).topology;
+    std::vector<Image> row;
+    for (size_t f = 0; f < 3; ++f)
+      row.push_back(report::scaledTo(report::cameraMap(topology, labels.value()[f][0], 2 * kCell), kCell, kCell));
+    for (size_t f = 0; f < 2; ++f)
+      row.push_back(report::scaledTo(
+          report::changeMap(topology, labels.value()[f][0], labels.value()[f + 1][0], 2 * kCell), kCell, kCell));
+    sheet.rows.push_back(subject.method);
+    sheet.cells.push_back(std::move(row));
+  }
+  return save("label-changes.jpg", report::drawSheet(sheet), {"", "", "", "", rows::kPictureChanges, 0, ""});
+}
+
+Status PictureStep::grazing() {
+  const size_t count = middles_deg_.size();
+  struct View {
+    const char* name;
+    double azimuth_deg, elevation_deg;
+  };
+  const View views[] = {{"from above", middles_deg_[0], kGrazing_deg},
+                        {"from below", middles_deg_[count / 2], -kGrazing_deg},
+                        {"between two cameras", middles_deg_[count - 1], 0}};
+  for (size_t i = 0; i < std::size(views); ++i) {
+    const View& view = views[i];
+    const PinholeCamera camera = orbit(view.azimuth_deg, view.elevation_deg, 720, 960);
+    auto reference = drawFvvr(camera);
+    if (!reference.ok()) return reference.error();
+    const auto box = report::shownBox(reference.value(), 12);
+    report::Sheet sheet{sequence_.name + ", frame " + std::to_string(frame_) + ", " + view.name,
+                        {"view", "crop", "crop", "crop"},
+                        {"FVVR"},
+                        {viewWithCrops(reference.value(), box)}};
+    for (const Subject& subject : subjects_) {
+      auto picture = draw(subject, camera, studyRecipe());
+      if (!picture.ok()) return picture.error();
+      sheet.rows.push_back(subject.method);
+      sheet.cells.push_back(viewWithCrops(picture.value(), box));
+    }
+    FOURDVT_TRY(save("grazing-" + std::to_string(i + 1) + ".jpg", report::drawSheet(sheet),
+                     {"", "", "",
+                      "view=" + std::string(i == 0   ? "above"
+                                            : i == 1 ? "below"
+                                                     : "between"),
+                      rows::kPictureGrazing, 0, ""}));
+  }
+  return {};
+}
+
+Status PictureStep::seamRows() {
+  const measure::CharacterFrame& mesh = frames_.begin()->second;
+  SeamTable table(backdropColour(*context_.capture));
+  for (size_t i = 0; i < middles_deg_.size(); i += context_.options.quick ? 2 : 1)
+    for (const double elevation_deg : {0.0, kGrazing_deg, -kGrazing_deg}) {
+      FOURDVT_TRY(checkStop(context_));
+      const PinholeCamera camera = orbit(middles_deg_[i], elevation_deg, 720, 960);
+      const std::string view = elevation_deg == 0 ? "mid" : "grazing";
+      auto reference = drawFvvr(camera);
+      if (!reference.ok()) return reference.error();
+      table.add(rows::kFvvr, view, mesh, camera, reference.value());
+      for (const Subject& subject : subjects_) {
+        auto picture = draw(subject, camera, studyRecipe());
+        if (!picture.ok()) return picture.error();
+        table.add(subject.method, view, frames_.at(subject.folder), camera, picture.value());
+      }
+    }
+  table.write(out_, sequence_.name);
+  return {};
+}
+
+Result<Figures> PictureStep::run() {
+  FOURDVT_TRY(platform::makeFolder(context_.pictures()));
+  FOURDVT_TRY(findSubjects());
+  middles_deg_ = middleAzimuths_deg(captureCameras(context_));
+  tell("layers and camera maps", 0.6);
+  for (const Subject& subject : subjects_) {
+    FOURDVT_TRY(checkStop(context_));
+    // Three layers of the default beside four of the same labels would show the same thing twice.
+    if (subject.method == rows::kJointDefault && subjects_.size() > 1) continue;
+    FOURDVT_TRY(layersSheet(subject));
+  }
+  FOURDVT_TRY(changesSheet());
+  tell("grazing views", 0.7);
+  FOURDVT_TRY(grazing());
+  tell("seams", 0.8);
+  FOURDVT_TRY(seamRows());
+  return std::move(out_);
+}
+
+}  // namespace
+
+Result<Figures> runPictures(const StudyContext& context) { return PictureStep(context).run(); }
+
+}  // namespace fourdvt::study

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// One point of a rate-distortion curve: tiled pictures → encoder → decoder → renderer → scores of rendered views.
+// Does NOT bake layers and does NOT choose points (rate.cpp does). Memory: one GOP of pictures.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bake/video/encode.h"
+#include "bake/video/tile.h"
+#include "gpu/device.h"
+#include "package/base_mesh.h"
+#include "package/character.h"
+#include "render/plain_figure.h"
+
+namespace fourdvt::study {
+
+// What the encoder sees of a sequence, and what is needed to draw it.
+struct RateClip {
+  bake::TileLayout layout;
+  double fps = 25;
+  uint32_t frame_count = 0;
+  std::string pictures_path;                 // frames of tiled I420, one after the other
+  std::vector<uint32_t> gop_first_frames;    // ascending, starts with 0
+  std::vector<Positions> positions;          // per frame, decoded mesh's order; may be empty for frames without views
+  std::vector<std::vector<uint8_t>> labels;  // per frame, [layer][face]; as positions
+  package::Character character;              // cameras, counts, bounds
+  const package::BaseMesh* mesh = nullptr;   // borrowed
+};
+
+struct RateView {
+  uint32_t frame = 0;
+  PinholeCamera camera;
+  Image truth;         // RGBA, straight alpha; empty where there is none
+  Image uncompressed;  // RGBA, straight alpha: drawn from the pictures before the codec; set by drawUncompressed
+};
+
+struct RateScore {
+  double video_bps = 0;                // bits a second
+  double ssim_fg = 0, psnr_fg_db = 0;  // against the truth, union of the silhouettes; NaN without truth
+  double ssim_fg_vs_uncompressed = 0, psnr_fg_vs_uncompressed_db = 0;
+  double encode_ms_frame = 0;        // one thread, wall clock
+  uint32_t unreadable_barcodes = 0;  // pictures that players would not show
+  std::string encoder_codec;         // codecName
+};
+
+Status appendPicture(const std::string& path, const bake::I420Picture& picture, bool first);  // WriteFailed
+
+class RateMeter {
+ public:
+  // Errors: GpuFailure.
+  static Result<std::unique_ptr<RateMeter>> create(gpu::Device& device, const RateClip& clip);
+  // Errors: FileUnreadable, GpuFailure.
+  Status drawUncompressed(std::vector<RateView>& views);
+  // Mean scores over the views of the pictures before the codec: what no bitrate can exceed.
+  RateScore scoreUncompressed(const std::vector<RateView>& views) const;
+  // settings: size and fps are the clip's. Errors: those of encoder and decoder.
+  Result<RateScore> measure(const bake::EncodeSettings& settings, const std::vector<RateView>& views);
+
+ private:
+  RateMeter(gpu::Device& device, const RateClip& clip) : device_(device), clip_(clip) {}
+  Result<Image> draw(const I420View& picture, uint32_t frame, const PinholeCamera& camera);
+  Status prepareTarget(int width, int height);
+  Status readPicture(uint32_t frame, bake::I420Picture& picture) const;
+  Result<bake::EncodedGop> encodeGop(const bake::EncodeSettings& settings, size_t gop, double& seconds) const;
+  Status scoreGop(const bake::EncodeSettings& settings, const bake::EncodedGop& gop, uint32_t first_frame,
+                  const std::vector<RateView>& views, RateScore& sum);
+
+  gpu::Device& device_;
+  const RateClip& clip_;
+  render::PlainFigure figure_;
+  render::PictureTextures picture_;
+  std::unique_ptr<render::Recipe> recipe_;
+  gpu::Texture color_;
+  gpu::Target target_;
+  int target_width_ = 0, target_height_ = 0;
+};
+
+}  // namespace fourdvt::study

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// LVDT 4.4: frame rate of the layered character against FVVR, with the passes of a frame and the textures held.
+#include <filesystem>
+
+#include "bake/bake.h"
+#include "study/figures.h"
+#include "study/rows.h"
+#include "study/steps/frame_rate.h"
+
+namespace fourdvt::study {
+namespace {
+
+constexpr int kFrames = 24, kQuickFrames = 10;
+
+void tell(const StudyContext& context, const std::string& detail, double share) {
+  if (context.progress) context.progress({"speed", detail, share});
+}
+
+bool isCharacter(const std::string& folder) {
+  std::error_code ignored;
+  return std::filesystem::exists(folder + "/character.gltf", ignored);
+}
+
+// One sequence with default settings.
+Result<std::string> bakeOwn(const StudyContext& context) {
+  bake::BakeOptions options;
+  options.capture_folder = context.options.capture_folder;
+  options.character_folder = context.work() + "/speed";
+  options.sequences = {context.options.sequences.empty() ? context.capture->sequences.front().name
+                                                         : context.options.sequences.front()};
+  options.jobs = context.options.jobs;
+  options.resume = true;
+  if (isCharacter(options.character_folder)) return options.character_folder;
+  bake::BakeEnvironment environment;
+  environment.device = context.device;
+  environment.open_video = context.open_video;
+  environment.stop = context.stop;
+  environment.progress = [&](const bake::Progress& p) {
+    tell(context, "bake " + p.stage, p.total ? 0.5 * p.done / p.total : 0);
+  };
+  auto baked = bake::bake(options, environment);
+  if (!baked.ok()) return baked.error();
+  return options.character_folder;
+}
+
+std::string sizeText(const FrameRate& rate) { return std::to_string(rate.width) + "x" + std::to_string(rate.height); }
+
+// The rows of one renderer at one picture size.
+struct SpeedRows {
+  Figures& out;
+  const FrameRates& rates;
+  std::string method, setting;
+
+  RowWriter writer() const { return {out, rows::kSpeed, rates.sequence, method, setting}; }
+  void addTimes(const PassTimes& times, uint64_t gpu_bytes) const {
+    writer().add(rows::kFramesPerS, times.framesPerSecond(), "1/s");
+    writer().add(rows::kFrameMs, times.frame_ms, "ms");
+    writer().add(rows::kGpuBytes, static_cast<double>(gpu_bytes), "bytes");
+  }
+  void addPasses(const PassTimes& times, const std::string& size) const {
+    const auto pass = [&](const char* name, double ms) {
+      RowWriter(out, rows::kSpeed, rates.sequence, method, setting + " pass=" + size + " " + name)
+          .add(rows::kFrameMs, ms, "ms");
+    };
+    pass("upload", times.upload_ms);
+    pass("geometry", times.geometry_ms);
+    if (method == rows::kFvvr) pass("depth maps", times.depth_maps_ms);
+    pass("shading", times.shading_ms);
+    pass("readback", times.readback_ms);
+  }
+};
+
+// "" for all cameras.
+std::string closestSetting(const FvvrRate& fvvr) {
+  return fvvr.closest ? " closest=" + std::to_string(fvvr.closest) : "";
+}
+
+void addSize(Figures& out, const FrameRates& rates, const FrameRate& rate, bool with_passes) {
+  const std::string setting = "layers=" + std::to_string(rates.layers) + " size=" + std::to_string(rates.layer_side) +
+                              " view=" + sizeText(rate);
+  const SpeedRows ours{out, rates, rows::kMethodLayered, setting};
+  ours.addTimes(rate.layered, rates.layered_bytes);
+  if (with_passes) ours.addPasses(rate.layered, sizeText(rate));
+  for (const FvvrRate& fvvr : rate.fvvr) {
+    const SpeedRows theirs{out, rates, rows::kFvvr, setting + closestSetting(fvvr)};
+    theirs.addTimes(fvvr.times, rates.fvvr_bytes);
+    if (with_passes) theirs.addPasses(fvvr.times, sizeText(rate));
+    const RowWriter ratios = SpeedRows{out, rates, rows::kMethodLayered, theirs.setting}.writer();
+    ratios.add(rows::kRatioToFvvr, rate.ratio(fvvr.times), "ratio");
+    ratios.add(rows::kDrawRatioToFvvr, rate.drawRatio(fvvr.times), "ratio");
+    ratios.add("shading_ratio_to_fvvr", rate.shadingRatio(fvvr.times), "ratio");  // as if depth maps were free
+  }
+}
+
+}  // namespace
+
+Result<Figures> runSpeed(const StudyContext& context) {
+  std::vector<std::string> characters;
+  const std::string as_baked = context.work() + "/methods/" + rows::kJointDefault,
+                    papers_size = context.work() + "/methods/joint-512";
+  if (isCharacter(as_baked)) {
+    characters.push_back(as_baked);
+  } else {
+    auto own = bakeOwn(context);
+    if (!own.ok()) return own.error();
+    characters.push_back(own.take());
+  }
+  if (!context.options.quick && isCharacter(papers_size)) characters.push_back(papers_size);
+  FrameRateOptions options;
+  options.frames = context.options.quick ? kQuickFrames : kFrames;
+  options.stop = context.stop;
+  Figures out;
+  for (size_t i = 0; i < characters.size(); ++i) {
+    tell(context, std::filesystem::path(characters[i]).filename().string(), 0.5 + 0.5 * double(i) / characters.size());
+    auto rates = measureFrameRates(*context.device, *context.capture, context.open_video, characters[i], options);
+    if (!rates.ok()) return rates.error();
+    for (const FrameRate& rate : rates.value().sizes) addSize(out, rates.value(), rate, i == 0);
+  }
+  return out;
+}
+
+}  // namespace fourdvt::study

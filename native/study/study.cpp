@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "study/study.h"
+
+#include "platform/files.h"
+#include "report/document.h"
+#include "study/figures.h"
+#include "study/run_steps.h"
+#include "study/scene.h"
+#include "study/tables/report.h"
+
+namespace fourdvt::study {
+namespace {
+
+constexpr const char* kStudyVersion = "study 2";  // change it whenever kept rows of older builds must not be reused
+
+StudyContext resolved(const StudyContext& given) {
+  StudyContext context = given;
+  for (std::string* folder : {&context.options.capture_folder, &context.options.report_folder})
+    while (folder->size() > 1 && folder->back() == '/') folder->pop_back();
+  if (context.options.sequences.empty()) {
+    if (context.options.quick)
+      context.options.sequences = {shortestSequence(context).name};
+    else
+      for (const auto& sequence : context.capture->sequences) context.options.sequences.push_back(sequence.name);
+  }
+  return context;
+}
+
+}  // namespace
+
+std::vector<StudyStep> studySteps() {
+  return {{"reference", 18, runReference}, {"methods", 55, runMethods}, {"layers", 40, runLayers},
+          {"rate", 30, runRate},           {"speed", 6, runSpeed},      {"pictures", 5, runPictures},
+          {"motion", 40, runMotion}};
+}
+
+Result<Figures> runStudy(const StudyContext& given) {
+  const StudyContext context = resolved(given);
+  const std::string& folder = context.options.report_folder;
+  FOURDVT_TRY(openReportFolder(folder, studyKey(context.options, kStudyVersion)));
+  Figures published;
+  const auto publish = [&](const Figures& rows) -> Status {
+    published = rows;
+    FOURDVT_TRY(platform::writeFileAtomic(folder + "/evaluate.csv", figuresCsv(published)));
+    FOURDVT_TRY(platform::writeFileAtomic(folder + "/evaluate.json",
+                                          figuresJson(published, context.options, context.capture->name)));
+    return platform::writeFileAtomic(
+        folder + "/report.html", report::documentHtml(makeStudyDocument(rows, context.options, context.capture->name)));
+  };
+  auto rows = runSteps(context, studySteps(), publish);
+  if (!rows) return rows;
+  return published;
+}
+
+}  // namespace fourdvt::study

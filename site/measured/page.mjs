@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page of all figures, site/measured/index.html, as text.
+import { sections } from './catalogue.mjs';
+import { fixed, kNotMeasured } from './shown.mjs';
+
+const escaped = (text) => String(text).replaceAll('&', '&amp;').replaceAll('<', '&lt;').replaceAll('>', '&gt;').replaceAll('"', '&quot;').replaceAll('\u00a0', '&nbsp;');
+const cells = (tag, list) => list.map((cell, i) => `<${i ? tag : 'th'}${i ? '' : tag === 'td' ? ' scope="row"' : ''}>${cell}</${i ? tag : 'th'}>`).join('');
+const table = (title, columns, rows) => `<div class="scroll" tabindex="0" role="region" aria-label="${escaped(title)}"><table>
+<thead><tr>${cells('th', columns.map(escaped))}</tr></thead>
+<tbody>
+${rows.map((row) => `<tr>${row}</tr>`).join('\n')}
+</tbody></table></div>`;
+
+const slug = (title) => title.toLowerCase().replace(/[^a-z0-9]+/g, '-');
+
+// Columns without any figure are left out; a row without any says so.
+function matrix(shown, { title, columns, matrix: rows }) {
+  const filled = rows.map(([what, ...values]) => [what, ...values.map((value) => shown.fill(value))]);
+  const used = columns.map((_, i) => i === 0 || filled.some((row) => row[i] !== null));
+  const shownColumns = columns.filter((_, i) => used[i]);
+  if (shownColumns.length === 1) return `<p>${kNotMeasured}</p>`;
+  return table(title, shownColumns, filled.map((row) => {
+    const values = row.filter((_, i) => used[i]);
+    if (values.slice(1).every((value) => value === null)) return `${cells('td', [escaped(values[0])])}<td colspan="${values.length - 1}">${kNotMeasured}</td>`;
+    return cells('td', values.map((value) => escaped(value ?? '–')));
+  }));
+}
+
+function verdict(shown, goal) {
+  const met = goal ? shown.met(goal) : null;
+  return met === null ? '' : met ? 'met' : '<strong>missed</strong>';
+}
+
+function goalRows(shown, { title, rows }, runs) {
+  return table(title, ['what', 'measured', 'goal', 'is it met', 'run'], rows.map((row) => {
+    const measured = shown.fill(row.measured);
+    const run = runs[row.run] ? `<a href="#run-${row.run}">${row.run}</a>` : '';
+    return cells('td', [escaped(shown.fill(row.what) ?? row.what), escaped(measured ?? kNotMeasured), escaped(row.goal?.text ?? ''), verdict(shown, row.goal), run]);
+  }));
+}
+
+function section(shown, data, runs) {
+  const absent = data.matrix?.flat().every((cell) => !cell.includes('{') || shown.fill(cell) === null);
+  const text = data.text && !absent ? `<p>${escaped((shown.fill(data.text) ?? data.text).replace(/\s+/g, ' '))}</p>\n` : '';
+  const run = data.run && runs[data.run] ? `<p class="run">Run: <a href="#run-${data.run}">${data.run}</a></p>\n` : '';
+  const body = data.matrix ? matrix(shown, data) : goalRows(shown, data, runs);
+  return `<section aria-labelledby="${slug(data.title)}">\n<h2 id="${slug(data.title)}">${escaped(data.title)}</h2>\n${text}${run}${body}\n</section>`;
+}
+
+function missed(shown) {
+  const rows = sections.flatMap((part) => part.rows ?? []).filter(({ goal }) => goal && shown.met(goal) === false);
+  if (!rows.length) return '';
+  const items = rows.map((row) => `<li>${escaped(shown.fill(row.what) ?? row.what)}: ${escaped(shown.fill(row.measured))}; the goal is ${escaped(row.goal.text)}</li>`);
+  return `<section aria-labelledby="missed">\n<h2 id="missed">Goals that are missed</h2>\n<ul>\n${items.join('\n')}\n</ul>\n</section>`;
+}
+
+function worse(shown) {
+  const list = shown.worse();
+  if (!list.length) return '';
+  const unit = (figure, value) => escaped(fixed(value, figure.digits) + (figure.unit ? `\u00a0${figure.unit}` : ''));
+  const rows = list.map((figure) => cells('td', [escaped(figure.what + (figure.key ? `, ${figure.key}` : '')), unit(figure, figure.before), unit(figure, figure.value)]));
+  return `<section aria-labelledby="worse">\n<h2 id="worse">What got worse since the version before</h2>\n<p>Times differ between two runs of one version, too.</p>\n${table('What got worse', ['what', 'before', 'now'], rows)}\n</section>`;
+}
+
+// A table of a study that no section above shows: a row per sequence, method and setting, a column per quantity.
+function otherTable(name, list) {
+  const quantities = [...new Set(list.map((figure) => figure.what))], rows = new Map();
+  for (const figure of list) {
+    const key = Object.values(figure.cells).join('|');
+    if (!rows.has(key)) rows.set(key, { cells: figure.cells, values: {} });
+    rows.get(key).values[figure.what] = `${figure.value}${figure.unit ? `\u00a0${figure.unit}` : ''}`;
+  }
+  const lines = [...rows.values()].map((row) => cells('td', [...Object.values(row.cells), ...quantities.map((q) => row.values[q] ?? '–')].map(escaped)));
+  return `<h3>${escaped(name)}</h3>\n${table(name, ['motion', 'method', 'setting', ...quantities], lines)}`;
+}
+
+function others(shown) {
+  const list = shown.figures.filter((figure) => figure.cells);
+  if (!list.length) return '';
+  const names = [...new Set(list.map((figure) => `${figure.run}: ${figure.row}`))];
+  const tables = names.map((name) => otherTable(name, list.filter((figure) => `${figure.run}: ${figure.row}` === name)));
+  return `<section aria-labelledby="rows">\n<h2 id="rows">Further tables of the studies</h2>\n${tables.join('\n')}\n</section>`;
+}
+
+function constants({ constants: list }) {
+  if (!list.length) return '';
+  const rows = list.map(({ name, text }) => cells('td', [escaped(name), escaped(text)]));
+  return `<section aria-labelledby="constants">\n<h2 id="constants">Constants, and the motions that they were chosen on</h2>\n${table('Constants', ['constants', 'chosen on'], rows)}\n</section>`;
+}
+
+function runList(runs) {
+  const items = Object.entries(runs).map(([name, run]) => `<dt id="run-${name}">${name}</dt>\n<dd>${escaped(run.what)}${[run.device, run.generator].filter(Boolean).map((fact) => `; ${escaped(fact)}`).join('')}<br><code>${escaped(run.command)}</code></dd>`);
+  return `<section aria-labelledby="runs">\n<h2 id="runs">How to measure it again</h2>\n<p>All of it, README and these pages: <code>bash site/measured/measure.sh</code></p>\n<dl>\n${items.join('\n')}\n</dl>\n</section>`;
+}
+
+export function makePage(shown) {
+  const { runs } = shown;
+  const body = [missed(shown), ...sections.map((data) => section(shown, data, runs)), worse(shown), constants(shown), others(shown), runList(runs)].filter(Boolean);
+  return `<!doctype html>
+<!-- SPDX-License-Identifier: Apache-2.0 -->
+<!-- Made by site/measured/fill.mjs from figures.json: change site/measured/catalogue.mjs or measure again. -->
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'self'; img-src data:; base-uri 'none'; form-action 'none'">
+<meta name="color-scheme" content="light dark">
+<meta name="description" content="Every figure of fourdvt, measured on the sample capture, with its goal and the command that measures it again.">
+<title>fourdvt · measured</title>
+<link rel="icon" href="data:,">
+<link rel="stylesheet" href="../site.css">
+<link rel="stylesheet" href="measured.css">
+</head>
+<body>
+<main class="measured">
+<header>
+<p><a href="../index.html">fourdvt</a></p>
+<h1>Measured</h1>
+<p>Every figure of this page, of the README and of the front page comes from one file, <a href="figures.json">figures.json</a>, which is made from what the tool itself wrote. “FG” counts the silhouettes only. Several values in one cell are those of the motions.</p>
+</header>
+${body.join('\n')}
+</main>
+</body>
+</html>
+`;
+}

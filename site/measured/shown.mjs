@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// Figures as text: values with their unit and rounding, texts that hold {id}, goals. Knows figures.json and the
+// catalogue; does NOT know HTML, Markdown or files.
+import { figures as catalogue } from './catalogue.mjs';
+
+export const kNotMeasured = 'not measured in this run';
+
+// "−0.07", "41,361"; a negative value that rounds to zero has no sign.
+export function fixed(value, digits) {
+  const number = Math.abs(value).toLocaleString('en', { minimumFractionDigits: digits, maximumFractionDigits: digits, useGrouping: Math.abs(value) >= 1e4 });
+  return value < 0 && /[1-9]/.test(number) ? `−${number}` : number;
+}
+
+function keyText(key) {
+  return key.replace(/^(\d+)x(\d+)$/, '$1×$2').replaceAll('-', ' ');
+}
+
+export class Shown {
+  constructor({ figures, runs = {}, constants = [] }) {
+    this.constants = constants;
+    this.runs = runs;
+    this.figures = figures;
+    this.byId = new Map(figures.map((figure) => [figure.id, figure]));
+    this.known = new Set(catalogue.map((figure) => figure.id));
+  }
+
+  // The figure of this id, or all that were made of it, one per key. A wrong id is a mistake of the text that holds it.
+  group(id) {
+    const one = this.byId.get(id);
+    if (one) return [one];
+    const group = this.figures.filter((figure) => figure.of === id);
+    if (!group.length && !this.known.has(id) && !this.known.has(id.slice(0, id.lastIndexOf('.'))))
+      throw new Error(`no figure is named ${id}; the names are in site/measured/catalogue.mjs`);
+    return group;
+  }
+
+  // "5.7 / 5.8 / 5.1 Mbit/s"; null where it was not measured.
+  text(id) {
+    const group = this.group(id);
+    if (!group.length) return null;
+    const { unit, digits } = group[0];
+    const values = group.map((figure) => figure.text ?? fixed(figure.value, digits));
+    if (group.every((figure) => figure.text)) return values.join(' / ');
+    if (unit === '×') return values.map((value) => `×\u00a0${value}`).join(' / ');
+    return values.join(' / ') + (unit ? `\u00a0${unit}` : '');
+  }
+
+  keys(id) {
+    return this.group(id).map((figure) => keyText(figure.key ?? '')).join(' / ');
+  }
+
+  // A text with its {id} filled in; null where none of them was measured.
+  fill(template) {
+    const ids = [...template.matchAll(/\{(?!keys:)([^}]+)\}/g)].map((m) => m[1]);
+    if (ids.length && ids.every((id) => this.text(id) === null)) return null;
+    return template.replace(/\{(keys:)?([^}]+)\}/g, (_, keys, id) => (keys ? this.keys(id) : this.text(id) ?? kNotMeasured)).replace(/,(?: at)? *(?: Mbit\/s)?$/, '');
+  }
+
+  // true, false, or null where it was not measured.
+  met({ of, min = -Infinity, max = Infinity }) {
+    const group = this.group(of);
+    return group.length ? group.every(({ value }) => value !== null && value >= min && value <= max) : null;
+  }
+
+  // Figures that moved the wrong way by more than is shown since an earlier run.
+  worse() {
+    return this.figures.filter(({ better, value, before, digits }) => typeof before === 'number' && value !== null && better &&
+      fixed(value, digits) !== fixed(before, digits) && (better === 'more' ? value < before : value > before));
+  }
+}
