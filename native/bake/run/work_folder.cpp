@@ -13,6 +13,8 @@
 namespace fourdvt::bake {
 namespace {
 
+constexpr const char* kLayersExtension = ".layers";
+
 // A file holds its payload, then the payload's hash.
 Status save(const std::string& path, ByteWriter& out) {
   out.u64(fnv1a(out.data()));
@@ -182,6 +184,42 @@ Status WorkFolder::saveChunk(const std::string& sequence, uint32_t gop, const st
 
 Result<std::vector<uint8_t>> WorkFolder::loadChunk(const std::string& sequence, uint32_t gop) const {
   return load(chunkPath(sequence, gop));
+}
+
+std::string WorkFolder::layersPath(const std::string& sequence, uint32_t frame) const {
+  return path_ + "/" + sequence + "." + std::to_string(frame) + kLayersExtension;
+}
+
+Status WorkFolder::saveLayers(const std::string& sequence, uint32_t frame, const std::vector<Image>& layers) const {
+  ByteWriter out;
+  out.u32(static_cast<uint32_t>(layers.size()));
+  for (const Image& layer : layers) {
+    for (int number : {layer.width, layer.height, layer.channels}) out.u32(static_cast<uint32_t>(number));
+    putBytes(out, layer.pixels);
+  }
+  return save(layersPath(sequence, frame), out);
+}
+
+Result<std::vector<Image>> WorkFolder::loadLayers(const std::string& sequence, uint32_t frame) const {
+  FOURDVT_ASSIGN(auto bytes, load(layersPath(sequence, frame)));
+  ByteReader in(bytes);
+  std::vector<Image> layers;
+  for (uint32_t left = in.u32(); left > 0 && in.ok(); --left) {
+    Image layer;
+    for (int* number : {&layer.width, &layer.height, &layer.channels}) *number = static_cast<int>(in.u32());
+    layer.pixels = takeBytes(in);
+    layers.push_back(std::move(layer));
+  }
+  if (!in.ok() || in.remaining() != 0) return damaged(layersPath(sequence, frame));
+  return layers;
+}
+
+void WorkFolder::removeLayers() const {
+  std::error_code ignored;
+  std::vector<std::filesystem::path> found;
+  for (std::filesystem::directory_iterator file(path_, ignored), end; file != end; file.increment(ignored))
+    if (file->path().extension() == kLayersExtension) found.push_back(file->path());
+  for (const std::filesystem::path& path : found) std::filesystem::remove(path, ignored);
 }
 
 bool WorkFolder::hasStill() const { return load(stillPath()).ok(); }
