@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 #include <sstream>
+#include <tuple>
 
 #include "command.h"
 
@@ -91,6 +92,22 @@ TEST(CliEvaluate, QuickStudyHasEveryTable) {
       EXPECT_NE(has(csv, "table1", method, "percent_at_equal_held_out_" + quality),
                 has(csv, "table1", method, "beyond_range_at_held_out_" + quality))
           << method << " " << quality;
+  }
+  // Results of this one bake, so that no change of labels, texels, codec or renderer costs quality unseen.
+  for (const auto& [method, psnr_db, ssim] :
+       {std::tuple{"fvvr", 29.06, 0.950}, std::tuple{"naive", 29.94, 0.973}, std::tuple{"joint", 30.52, 0.975},
+        std::tuple{"joint-default", 30.80, 0.977}}) {
+    EXPECT_NEAR(first(csv, "held-out", method, "psnr_fg_db"), psnr_db, 0.15) << method;
+    EXPECT_NEAR(first(csv, "held-out", method, "ssim_fg"), ssim, 0.003) << method;
+  }
+  const auto label = [&](const std::string& method, const char* quantity) {
+    return csv.values.at("label-parts,turn," + method + ",layer=1," + quantity);
+  };
+  for (const auto& [method, seams, flips] :
+       {std::tuple{"naive", 1.32, 0.39}, std::tuple{"spatial", 1.04, 1.00}, std::tuple{"joint", 0.0, 0.0},
+        std::tuple{"joint-no-partial", 1.25, 0.0}}) {
+    EXPECT_NEAR(label(method, "seen_seam_percent"), seams, 0.1) << method;
+    EXPECT_NEAR(label(method, "seen_flip_percent"), flips, 0.1) << method;
   }
   const double layered = first(csv, "table1", "joint", "video_bytes");
   EXPECT_EQ(first(csv, "table1", "joint", "total_bytes"), layered + first(csv, "table1", "joint", "geometry_bytes") +
