@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "study/rows.h"
 
@@ -111,20 +110,6 @@ Result<Figures> parseFiguresCsv(const std::string& text, const std::string& path
     out.push_back({r[0], r[1], r[2], r[3], r[4], value, r[6]});
   }
   return out;
-}
-
-std::optional<double> findValue(const Figures& rows, const std::string& table, const std::string& sequence,
-                                const std::string& method, const std::string& setting_words,
-                                const std::string& quantity) {
-  for (const Figure& row : rows) {
-    if (row.table != table || row.sequence != sequence || row.method != method || row.quantity != quantity) continue;
-    std::istringstream words(setting_words);
-    bool fits = true;
-    for (std::string word; words >> word;)
-      fits &= (" " + row.setting + " ").find(" " + word + " ") != std::string::npos;
-    if (fits) return row.value;
-  }
-  return std::nullopt;
 }
 
 BytesAtQuality bytesAtQuality(std::vector<RatePoint> points, double quality) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the steps of a study share and what needs neither GPU nor files: looking up rows, bytes at matched quality.
+// What the steps of a study share and what needs neither GPU nor files: writing rows, bytes at matched quality.
 #pragma once
 
 #include <optional>
@@ -28,12 +28,6 @@ class RowWriter {
   Figures* out_;
   Figure row_;
 };
-
-// The value of the first row of this table, sequence, method and quantity whose setting contains every one of these
-// "key=value" words ("" : any).
-std::optional<double> findValue(const Figures& rows, const std::string& table, const std::string& sequence,
-                                const std::string& method, const std::string& setting_words,
-                                const std::string& quantity);
 
 struct RatePoint {
   double bytes = 0, quality = 0;  // dB or SSIM: more is better

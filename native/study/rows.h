@@ -10,11 +10,11 @@
 // table1        fvvr, naive,      layers=3 size=512 codec=h264     kLoadingS, kTotalBytes (all that is loaded),
 //               spatial,          crf=23                           kVideoBytes, kGeometryBytes, kLabelBytes,
 //               temporal-paper,   (fvvr: any)                      kOtherBytes (manifest, index, base mesh),
-//               per-texel, joint                                   kVideoBps; kPercentOfMasked, kPercentOfSameCodec
+//               per-texel, joint                                   kVideoBps, kLoadingAllS; kPercentOfMasked
 //                                                                  (kTotalBytes against the foreground-only
 //                                                                  multi-view); against FVVR: kSsimFg, kSsimFull,
-//                                                                  kPsnrFgDb, kPsnrFullDb. fvvr: kLoadingS, kTotalBytes
-//                                                                  (masked PNG multi-view), kMultiviewCodecBytes
+//                                                                  kPsnrFgDb, kPsnrFullDb; kPercentAt…, kBeyondAt….
+//                                                                  fvvr: loading, kTotalBytes (masked PNG multi-view)
 //               joint-default     as baked by default              as above: the product's own settings
 // multiview     multiview         cameras=8 frames=28              LVDT Table 1: kRawBytes, kCompressedBytes (PNG),
 //                                                                  kMaskedBytes (PNG, background masked)

@@ -32,9 +32,8 @@ Result<uint64_t> pngBytes(const std::vector<Image>& pictures, const std::functio
   std::vector<std::future<Result<size_t>>> sizes;
   for (const Image& picture : pictures)
     sizes.push_back(std::async(std::launch::async, [&picture, &prepare]() -> Result<size_t> {
-      auto png = encodePng(prepare(picture));
-      if (!png) return png.error();
-      return png.value().size();
+      FOURDVT_ASSIGN(auto png, encodePng(prepare(picture)));
+      return png.size();
     }));
   uint64_t sum = 0;
   Status first;
@@ -114,17 +113,14 @@ bool Reference::isDrawn(uint32_t frame) const {
 Status Reference::heldOut(uint32_t frame, render::Fvvr& fvvr) {
   if (!isHeldOut(frame)) return {};
   for (const PinholeCamera& camera : held_out_) {
-    auto truth = heldOutTruth(sequence_, camera, frame);
-    if (!truth) return truth.error();
-    auto picture = fvvr.renderStill(render::viewFromCamera(camera), {});
-    if (!picture) return picture.error();
-    const PictureScore score = scorePicture(truth.value(), picture.value());
-    auto fewer = fvvr.renderStill(render::viewFromCamera(camera), {.closest = rows::kClosestCameras});
-    if (!fewer) return fewer.error();
-    held_out_closest_.add(scorePicture(truth.value(), fewer.value()));
+    FOURDVT_ASSIGN(auto truth, heldOutTruth(sequence_, camera, frame));
+    FOURDVT_ASSIGN(auto picture, fvvr.renderStill(render::viewFromCamera(camera), {}));
+    const PictureScore score = scorePicture(truth, picture);
+    FOURDVT_ASSIGN(auto fewer, fvvr.renderStill(render::viewFromCamera(camera), {.closest = rows::kClosestCameras}));
+    held_out_closest_.add(scorePicture(truth, fewer));
     held_out_scores_.add(score);
     held_out_by_camera_[camera.name].add(score);
-    FOURDVT_TRY(platform::writeImage(referencePath(context_, sequence_.name, camera.name, frame), picture.value()));
+    FOURDVT_TRY(platform::writeImage(referencePath(context_, sequence_.name, camera.name, frame), picture));
   }
   return {};
 }
@@ -132,57 +128,45 @@ Status Reference::heldOut(uint32_t frame, render::Fvvr& fvvr) {
 Status Reference::drawFrame(const capture::CaptureFrame& frame, render::Fvvr& fvvr) {
   for (const RingView& view : ring_) {
     if (view.frame != frame.index) continue;
-    auto picture = fvvr.renderStill(render::viewFromCamera(view.camera), {});
-    if (!picture) return picture.error();
-    FOURDVT_TRY(platform::writeImage(referencePath(context_, sequence_.name, view), picture.value()));
+    FOURDVT_ASSIGN(auto picture, fvvr.renderStill(render::viewFromCamera(view.camera), {}));
+    FOURDVT_TRY(platform::writeImage(referencePath(context_, sequence_.name, view), picture));
   }
   FOURDVT_TRY(heldOut(frame.index, fvvr));
-  auto masked = pngBytes(frame.pictures, measure::compositedOnBlack);
-  if (!masked) return masked.error();
-  masked_png_bytes_ += masked.value();
+  FOURDVT_ASSIGN(auto masked, pngBytes(frame.pictures, measure::compositedOnBlack));
+  masked_png_bytes_ += masked;
   for (const Image& p : frame.pictures) raw_bytes_ += 3ull * p.width * p.height;
   if (frame.index % kWholePictureEvery) return {};
-  auto whole = pngBytes(frame.pictures, [](const Image& picture) { return picture; });
-  if (!whole) return whole.error();
-  whole_png_bytes_ += whole.value();
+  FOURDVT_ASSIGN(auto whole, pngBytes(frame.pictures, [](const Image& picture) { return picture; }));
+  whole_png_bytes_ += whole;
   ++whole_pngs_;
   return {};
 }
 
 Result<Figures> Reference::draw() {
-  auto ring = studyRing(context_, sequence_);
-  if (!ring) return ring.error();
-  ring_ = ring.take();
-  auto held_out = heldOutCameras(context_);
-  if (!held_out) return held_out.error();
-  held_out_ = held_out.take();
+  FOURDVT_ASSIGN(ring_, studyRing(context_, sequence_));
+  FOURDVT_ASSIGN(held_out_, heldOutCameras(context_));
   FOURDVT_TRY(platform::makeFolder(context_.work() + "/reference/" + sequence_.name));
   const uint64_t gpu_before = context_.device->counters().live_texture_bytes;
-  auto fvvr = makeFvvr(context_);
-  if (!fvvr) return fvvr.error();
+  FOURDVT_ASSIGN(auto fvvr, makeFvvr(context_));
   const auto start = Clock::now();
-  auto reader = capture::FrameReader::open(*context_.capture, sequence_, context_.open_video);
-  if (!reader) return reader.error();
+  FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(*context_.capture, sequence_, context_.open_video));
   double loading_s = 0, first_s = 0;  // decoding, upload and depth maps; first: until the first picture
   uint64_t gpu_bytes = 0;
   for (uint32_t f = 0; f < sequence_.frame_count; ++f) {
     FOURDVT_TRY(checkStop(context_));
     const auto reading = f == 0 ? start : Clock::now();
-    auto frame = reader.value()->next();
-    if (!frame) return frame.error();
+    FOURDVT_ASSIGN(auto frame, reader->next());
     loading_s += secondsSince(reading);
-    cleanEdges(frame.value().pictures);
+    cleanEdges(frame.pictures);
     const auto showing = Clock::now();
-    if (!context_.options.quick || isDrawn(f))
-      FOURDVT_TRY(fvvr.value()->setFrame(frame.value().positions, frame.value().pictures));
+    if (!context_.options.quick || isDrawn(f)) FOURDVT_TRY(fvvr->setFrame(frame.positions, frame.pictures));
     if (f == 0) {
-      if (auto first = fvvr.value()->renderStill(render::viewFromCamera(ring_[0].camera), {}); !first)
-        return first.error();
+      if (auto first = fvvr->renderStill(render::viewFromCamera(ring_[0].camera), {}); !first) return first.error();
       gpu_bytes = context_.device->counters().live_texture_bytes - gpu_before;
     }
     loading_s += secondsSince(showing);
     if (f == 0) first_s = loading_s;
-    FOURDVT_TRY(drawFrame(frame.value(), *fvvr.value()));
+    FOURDVT_TRY(drawFrame(frame, *fvvr));
     tell("FVVR " + std::to_string(f + 1) + "/" + std::to_string(sequence_.frame_count),
          0.5 * (f + 1) / sequence_.frame_count);
   }
@@ -245,9 +229,8 @@ Status Reference::pushGop(capture::FrameReader& reader, uint32_t frames, CameraG
   bake::I420Picture picture;
   for (uint32_t f = 0; f < frames; ++f) {
     FOURDVT_TRY(checkStop(context_));
-    auto frame = nextCleanFrame(reader);
-    if (!frame) return frame.error();
-    const Image& rgba = frame.value().pictures[0];
+    FOURDVT_ASSIGN(auto frame, nextCleanFrame(reader));
+    const Image& rgba = frame.pictures[0];
     const int width = rgba.width / 2 * 2, height = rgba.height / 2 * 2;
     gop.colours.push_back(spreadColours(rgba));
     gop.masks.push_back(measure::unionOfSilhouettes(rgba, rgba));
@@ -255,10 +238,9 @@ Status Reference::pushGop(capture::FrameReader& reader, uint32_t frames, CameraG
     if (f == 0) picture = bake::I420Picture(width, height);
     for (const int crf : ladder()) {
       if (f > 0) break;
-      auto encoder =
-          bake::GopEncoder::create({.width = width, .height = height, .fps = context_.capture->fps, .crf = crf});
-      if (!encoder) return encoder.error();
-      gop.encoders.push_back(encoder.take());
+      FOURDVT_ASSIGN(auto encoder, bake::GopEncoder::create(
+                                       {.width = width, .height = height, .fps = context_.capture->fps, .crf = crf}));
+      gop.encoders.push_back(std::move(encoder));
     }
     bake::drawLayer(gop.colours.back(), {0, 0, width, height}, picture);
     for (auto& encoder : gop.encoders) FOURDVT_TRY(encoder->push(picture.view()));
@@ -299,14 +281,13 @@ Status Reference::finishGop(CameraGop& gop, CameraVideo& out) const {
 Result<Reference::CameraVideo> Reference::encodeCamera(size_t camera) const {
   capture::Capture alone = *context_.capture;
   alone.cameras = {context_.capture->cameras[camera]};
-  auto reader = capture::FrameReader::open(alone, sequence_, context_.open_video);
-  if (!reader) return reader.error();
+  FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(alone, sequence_, context_.open_video));
   CameraVideo out{camera, std::vector<uint64_t>(ladder().size()), std::vector<SquaredError>(ladder().size())};
   const std::vector<uint32_t> firsts = bake::planGops(sequence_.frame_count, kStudyGop);
   for (size_t g = 0; g < firsts.size(); ++g) {
     const uint32_t end = g + 1 < firsts.size() ? firsts[g + 1] : sequence_.frame_count;
     CameraGop gop{.first = firsts[g]};
-    FOURDVT_TRY(pushGop(*reader.value(), end - firsts[g], gop));
+    FOURDVT_TRY(pushGop(*reader, end - firsts[g], gop));
     FOURDVT_TRY(finishGop(gop, out));
   }
   return out;
@@ -317,30 +298,24 @@ Result<MeanScores> Reference::scoreDecoded(int crf, render::Fvvr& fvvr) const {
   ScoreLane lane;
   for (const uint32_t frame : sequence_.test_frames) {
     FOURDVT_TRY(checkStop(context_));
-    auto positions = capture::readMeshFrame(*context_.capture, sequence_, frame);
-    if (!positions) return positions.error();
+    FOURDVT_ASSIGN(auto positions, capture::readMeshFrame(*context_.capture, sequence_, frame));
     std::vector<Image> pictures;
     for (size_t c = 0; c < context_.capture->cameras.size(); ++c) {
-      auto picture = platform::readImage(decodedPath(crf, c, frame));
-      if (!picture) return picture.error();
-      pictures.push_back(picture.take());
+      FOURDVT_ASSIGN(auto picture, platform::readImage(decodedPath(crf, c, frame)));
+      pictures.push_back(std::move(picture));
     }
-    FOURDVT_TRY(fvvr.setFrame(positions.value(), pictures));
+    FOURDVT_TRY(fvvr.setFrame(positions, pictures));
     for (const PinholeCamera& camera : held_out_) {
-      auto truth = heldOutTruth(sequence_, camera, frame);
-      if (!truth) return truth.error();
-      auto picture = fvvr.renderStill(render::viewFromCamera(camera), {});
-      if (!picture) return picture.error();
-      lane.add(truth.take(), picture.take());
+      FOURDVT_ASSIGN(auto truth, heldOutTruth(sequence_, camera, frame));
+      FOURDVT_ASSIGN(auto picture, fvvr.renderStill(render::viewFromCamera(camera), {}));
+      lane.add(std::move(truth), std::move(picture));
     }
   }
   return lane.finishMean();
 }
 
 Result<Figures> Reference::encode() {
-  auto held_out = heldOutCameras(context_);
-  if (!held_out) return held_out.error();
-  held_out_ = held_out.take();
+  FOURDVT_ASSIGN(held_out_, heldOutCameras(context_));
   FOURDVT_TRY(platform::makeFolder(context_.work() + "/decoded"));
   FOURDVT_TRY(platform::makeFolder(decodedFolder()));
   const size_t count = context_.capture->cameras.size();
@@ -362,8 +337,7 @@ Result<Figures> Reference::encode() {
     }
     tell("foreground videos", 0.5 + 0.5 * static_cast<double>(std::min(count, c + lanes)) / count);
   }
-  auto fvvr = makeFvvr(context_);
-  if (!fvvr) return fvvr.error();
+  FOURDVT_ASSIGN(auto fvvr, makeFvvr(context_));
   Figures out;
   for (size_t i = 0; i < crfs.size(); ++i) {
     const RowWriter row(out, rows::kMultiviewCodec, sequence_.name, "h264", "crf=" + std::to_string(crfs[i]));
@@ -372,10 +346,9 @@ Result<Figures> Reference::encode() {
             "bit/s");
     row.add(rows::kPsnrFgDb, sum.error[i].psnr_db(), "dB");
     if (held_out_.empty() || sequence_.test_frames.empty()) continue;
-    auto scores = scoreDecoded(crfs[i], *fvvr.value());
-    if (!scores) return scores.error();
-    row.add(rows::kHeldOutPsnrDb, scores.value().mean().psnr_fg_db, "dB");
-    row.add(rows::kHeldOutSsim, scores.value().mean().ssim_fg, "");
+    FOURDVT_ASSIGN(auto scores, scoreDecoded(crfs[i], *fvvr));
+    row.add(rows::kHeldOutPsnrDb, scores.mean().psnr_fg_db, "dB");
+    row.add(rows::kHeldOutSsim, scores.mean().ssim_fg, "");
   }
   platform::removeFolder(decodedFolder());
   return out;
@@ -391,12 +364,10 @@ Result<Figures> runReference(const StudyContext& context) {
   for (const auto* sequence : sequences) {
     const double share = sequence->frame_count / total;
     Reference reference(context, *sequence, before, share);
-    auto drawn = keptPart(context, "reference-" + sequence->name, [&] { return reference.draw(); });
-    if (!drawn) return drawn;
-    auto encoded = keptPart(context, "multiview-" + sequence->name, [&] { return reference.encode(); });
-    if (!encoded) return encoded;
-    out.insert(out.end(), drawn.value().begin(), drawn.value().end());
-    out.insert(out.end(), encoded.value().begin(), encoded.value().end());
+    FOURDVT_ASSIGN(auto drawn, keptPart(context, "reference-" + sequence->name, [&] { return reference.draw(); }));
+    FOURDVT_ASSIGN(auto encoded, keptPart(context, "multiview-" + sequence->name, [&] { return reference.encode(); }));
+    out.insert(out.end(), drawn.begin(), drawn.end());
+    out.insert(out.end(), encoded.begin(), encoded.end());
     before += share;
   }
   RowWriter(out, rows::kAbout, "", "",

@@ -33,23 +33,22 @@ std::string settingsNote(const StudyValues& v) {
 
 // Sizes of a method's layers, for curves and columns.
 Cells sizesOf(const StudyValues& v, const char* method) {
-  Cells out = numbersOf(v, rows::kLayers, method, "size", 0, "", "²");
+  Cells out = numbersOf(v, {rows::kLayers, method, "size", 0, "", "²"});
   for (Cell& cell : out) cell.method = method;
   return out;
 }
 
-// A curve per layer size over the number of layers.
-void addOverLayers(Section& section, const StudyValues& v, const char* method, const char* quantity,
-                   const std::string& title, const std::string& y_label, std::optional<double> reduction_from = {}) {
-  addCurves(section, v, {rows::kLayers, quantity, "layers", 0, title, "layers L", y_label, "", reduction_from},
-            sizesOf(v, method));
+// A quantity over the number of layers.
+CurvesOptions overLayers(const char* quantity, const std::string& title, const std::string& y_label,
+                         std::optional<double> reduction_from = {}) {
+  return {rows::kLayers, quantity, "layers", 0, title, "layers L", y_label, "", reduction_from};
 }
 
 // A row per number of layers, a column per size.
 void addLayersTable(Section& section, const StudyValues& v, const char* quantity, const std::string& title,
                     NumberText text) {
   addGrid(section, v, {rows::kLayers, title, "", {"L"}, {.quantity = quantity, .text = text}},
-          numbersOf(v, rows::kLayers, rows::kJoint, "layers"), sizesOf(v, rows::kJoint));
+          numbersOf(v, {rows::kLayers, rows::kJoint, "layers"}), sizesOf(v, rows::kJoint));
 }
 
 // Bytes of the multi-view, or of what a character loads.
@@ -150,7 +149,7 @@ void addLabels(Section& section, const StudyValues& v, const char* table, const 
                const Cells& quantities) {
   Cells columns;
   for (const Cell& quantity : quantities)
-    for (Cell layer : numbersOf(v, table, "", "layer", 0, quantity.title.front())) {
+    for (Cell layer : numbersOf(v, {table, "", "layer", 0, quantity.title.front()})) {
       layer.quantity = quantity.quantity;
       layer.text = quantity.text;
       columns.push_back(std::move(layer));
@@ -191,10 +190,12 @@ void fillTable1(Section& section, const StudyValues& v) {
 
 void fillLayers(Section& section, const StudyValues& v) {
   const std::string ssim = "SSIM-FG against FVVR";
-  addOverLayers(section, v, rows::kJoint, rows::kSsimFg, "SSIM against the number of layers", ssim);
-  addOverLayers(section, v, rows::kJoint, rows::kPsnrFgDb, "PSNR against the number of layers",
-                "PSNR-FG against FVVR, dB");
-  addOverLayers(section, v, rows::kNaive, rows::kSsimFg, "SSIM with the papers' own labels (NO)", ssim);
+  const CurvesOptions psnr =
+      overLayers(rows::kPsnrFgDb, "PSNR against the number of layers", "PSNR-FG against FVVR, dB");
+  addCurves(section, v, overLayers(rows::kSsimFg, "SSIM against the number of layers", ssim), sizesOf(v, rows::kJoint));
+  addCurves(section, v, psnr, sizesOf(v, rows::kJoint));
+  addCurves(section, v, overLayers(rows::kSsimFg, "SSIM with the papers' own labels (NO)", ssim),
+            sizesOf(v, rows::kNaive));
   addLayersTable(section, v, rows::kSsimFg, ssim, fixed<4>);
 }
 
@@ -202,12 +203,13 @@ void fillStorage(Section& section, const StudyValues& v) {
   addMultiview(section, v);
   for (const std::string& sequence : v.sequences(rows::kTable1)) addEqualQuality(section, v, sequence);
   const auto theirs = [&](const char* quantity) { return v.mean(rows::kLayers, rows::kFvvr, "", quantity); };
-  addOverLayers(section, v, rows::kJoint, rows::kImageBytes, "Fig. 7a: less storage as images", "reduction, %",
-                theirs(rows::kMaskedBytes));
-  addOverLayers(section, v, rows::kJoint, rows::kVideoBytes, "Fig. 7b: less storage as video", "reduction, %",
-                maskedSequenceBytes(v));
-  addOverLayers(section, v, rows::kJoint, rows::kGpuBytes, "Fig. 7c: less GPU memory", "reduction, %",
-                theirs(rows::kGpuBytes));
+  const std::string less = "reduction, %";
+  const Cells sizes = sizesOf(v, rows::kJoint);
+  addCurves(section, v,
+            overLayers(rows::kImageBytes, "Fig. 7a: less storage as images", less, theirs(rows::kMaskedBytes)), sizes);
+  addCurves(section, v, overLayers(rows::kVideoBytes, "Fig. 7b: less storage as video", less, maskedSequenceBytes(v)),
+            sizes);
+  addCurves(section, v, overLayers(rows::kGpuBytes, "Fig. 7c: less GPU memory", less, theirs(rows::kGpuBytes)), sizes);
   addLayersTable(section, v, rows::kImageBytes, "Layers as PNG, a frame", bytesText);
   addLayersTable(section, v, rows::kVideoBps, "Layers as video", bitrateText);
   addLayersTable(section, v, rows::kGpuBytes, "GPU memory", bytesText);

@@ -180,6 +180,13 @@ Section settingsSection(const StudyValues& v, const StudyOptions& options, const
 
 }  // namespace
 
+Judgement judged(const std::string& claim, double decisive, bool holds, const std::string& measured,
+                 const std::string& reason) {
+  using Verdict = Judgement::Verdict;
+  if (std::isnan(decisive)) return {claim, "", Verdict::NotMeasured, ""};
+  return {claim, measured, holds ? Verdict::Holds : Verdict::Fails, holds ? "" : reason};
+}
+
 Table judgementTable(const std::vector<Judgement>& judgements, const std::string& title) {
   Table table{title, "", {"claim", "verdict", "measured", "why not"}, {}};
   for (const Judgement& j : judgements) {
