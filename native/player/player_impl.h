@@ -10,9 +10,9 @@
 #include "player/parts/figure_composer.h"
 #include "player/parts/loading.h"
 #include "player/parts/playback.h"
-#include "player/parts/track.h"
 #include "player/parts/transitions.h"
 #include "player/player.h"
+#include "player/track.h"
 
 namespace fourdvt {
 

@@ -127,16 +127,20 @@ TEST(PlayerLoading, ABrokenSequenceIsNotAskedForAndTheOtherStays) {
   EXPECT_TRUE(shelf.loading.broken(1));
 }
 
-TEST(PlayerLoading, AHeaderOfAnotherCharacterIsRefused) {
-  FakeCharacter character = twoSequences();
-  std::swap(character.files["walk.bin"], character.files["pickup.bin"]);
-  Shelf shelf(std::move(character));
-  const Need need{0, 0, true, {}};
-  shelf.loading.requestMissing({&need, 1}, -1);
-  const Arrival arrival = shelf.answer(shelf.asked()[1]);
-  ASSERT_FALSE(arrival.status.ok());
-  EXPECT_EQ(arrival.status.error().id, ErrorId::StreamInvalid);
-  EXPECT_FALSE(shelf.loading.hasHeader(0));
+TEST(PlayerLoading, AHeaderThatTheManifestContradictsIsRefused) {
+  const std::string walk = std::string("/extensions/") + package::kExtensionName + "/sequences/0";
+  for (const char* field : {"/frameCount", "/stream/byteLength", "/renditions/0/byteLength"}) {
+    FakeCharacter character = twoSequences();
+    const double stated = std::string(field) == "/frameCount" ? 27 : 700;
+    character.manifest.set(walk + field, stated);
+    Shelf shelf(std::move(character));
+    const Need need{0, 0, true, {}};
+    shelf.loading.requestMissing({&need, 1}, -1);
+    const Arrival arrival = shelf.answer(shelf.asked()[1]);
+    ASSERT_FALSE(arrival.status.ok()) << field;
+    EXPECT_EQ(arrival.status.error().id, ErrorId::StreamInvalid);
+    EXPECT_FALSE(shelf.loading.hasHeader(0));
+  }
 }
 
 TEST(PlayerLoading, GeometryIsThatOfItsFrame) {

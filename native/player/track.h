@@ -4,11 +4,11 @@
 #pragma once
 
 #include "player/parts/feeding.h"
+#include "player/parts/figure_composer.h"
 #include "player/parts/parameters.h"
 #include "player/parts/picture_slots.h"
 #include "player/parts/playhead.h"
 #include "player/parts/root_motion.h"
-#include "player/parts/shown_frame.h"
 
 namespace fourdvt {
 
