@@ -36,10 +36,14 @@ std::optional<double> findValue(const Figures& rows, const std::string& table, c
                                 const std::string& quantity);
 
 struct RatePoint {
-  double bytes = 0, quality_db = 0;
+  double bytes = 0, quality = 0;  // dB or SSIM: more is better
 };
-// Bytes at a quality: the logarithm of the bytes is linear between neighbouring points, and along the last segment
-// beyond them. Any order; nullopt for fewer than two points of different quality.
-std::optional<double> bytesAtQuality(std::vector<RatePoint> points, double quality_db);
+// Bytes at a quality: the logarithm of the bytes is linear between points of neighbouring quality. Nothing is
+// extrapolated: bytes is empty outside of the range of the points, and `beyond` says on which side. Any order.
+struct BytesAtQuality {
+  std::optional<double> bytes;
+  int beyond = 0;  // 1: better than every point, -1: worse than every point, 0: within the range, or unknown
+};
+BytesAtQuality bytesAtQuality(std::vector<RatePoint> points, double quality);
 
 }  // namespace fourdvt::study

@@ -15,7 +15,7 @@
 
 #include "bench/blend_cost.h"
 #include "package/base_mesh.h"
-#include "package/chunk_decoder.h"
+#include "package/coding/chunk_decoder.h"
 
 using namespace fourdvt;
 

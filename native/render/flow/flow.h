@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Dense optical flow between two pictures of the same mesh and view: what Align::Flow aligns members with.
-// Implementations: GpuFlow (flow_farneback.cpp, flow_dis.cpp: fragment passes), and edges that call OpenCV on read-back
+// Implementations: GpuFlow (farneback.cpp, dis.cpp: fragment passes), and edges that call OpenCV on read-back
 // pictures (native: native/platform; browser: the separate wasm module).
 #pragma once
 

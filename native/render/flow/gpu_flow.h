@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The two methods behind createGpuFlow. Does NOT prepare pictures or fade flow (FlowPictures, flow_gpu.cpp).
+// The two methods behind createGpuFlow. Does NOT prepare pictures or fade flow (FlowPictures, gpu_flow.cpp).
 #pragma once
 
 #include "render/flow/flow.h"

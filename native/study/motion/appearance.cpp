@@ -20,9 +20,14 @@ constexpr int kEdge = 4;  // pixels along the outline where sharpness is not mea
 
 constexpr size_t kCameras = 3;  // of the truth: the held-out ones come first
 
-// OpenCV's flow is read back: it is drawn where it matters most only.
+// Both ways of aligning without and with the contrast that a mean of several looks loses, so that neither is judged by
+// what the other has. OpenCV's flow is read back: it is drawn where it matters most only.
 std::vector<AlignMethod> shownMethods(const MotionSubject& subject, bool with_opencv) {
   std::vector<AlignMethod> methods{rows::kAlignNone, rows::kAlignBaked, rows::kFlowGpu};
+  if (subject.stage.aligned()) {
+    methods.insert(methods.begin() + 2, rows::kAlignBakedMean);
+    methods.push_back(rows::kFlowGpuDetail);
+  }
   if (with_opencv && !subject.quick()) methods.push_back(rows::kFlowOpencv);
   return subject.methods(methods);
 }
@@ -117,9 +122,7 @@ struct RatioSum {
 // Against the w-weighted mean of the members' own looks on the same mesh and view.
 Status addSharpness(const MotionSubject& subject, const PinholeCamera& camera, double w,
                     const std::array<Image, 2>& looks, std::map<AlignMethod, RatioSum>& sums) {
-  std::vector<AlignMethod> methods = shownMethods(subject, false);
-  if (subject.stage.aligned()) methods.push_back(rows::kAlignBakedMean);
-  for (const AlignMethod& method : methods) {
+  for (const AlignMethod& method : shownMethods(subject, false)) {
     auto blend = subject.stage.draw(camera, w, method);
     if (!blend) return blend.error();
     measure::Mask inside = measure::commonSilhouette(blend.value(), looks[0]);

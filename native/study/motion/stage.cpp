@@ -24,6 +24,38 @@ Result<std::unique_ptr<render::FlowSource>> makeSource(gpu::Device& device, cons
   return platform::createOpencvFlow(device, options);
 }
 
+double lumaAt(const Image& rgba, int x, int y) {
+  const uint8_t* p = rgba.at(x, y);
+  return 0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2];
+}
+
+// What the renderer puts back in the texture of a baked blend (render/layered_pass.cpp), in the picture: luma against
+// its neighbours on both diagonals, where all of them are covered.
+void putBackDetail(Image& rgba, double lost) {
+  constexpr int kReach = 3;  // pixels
+  const Image before = rgba;
+  const auto covered = [&](int x, int y) { return before.at(x, y)[3] == 255; };
+  for (int y = kReach; y + kReach < rgba.height; ++y)
+    for (int x = kReach; x + kReach < rgba.width; ++x) {
+      double beside = 0;
+      int count = 0;
+      for (int dx : {-kReach, kReach})
+        for (int dy : {-kReach, kReach})
+          if (covered(x + dx, y + dy)) beside += lumaAt(before, x + dx, y + dy), ++count;
+      if (count < 4 || !covered(x, y)) continue;
+      const double more = lost * (lumaAt(before, x, y) - beside / 4);
+      for (int c = 0; c < 3; ++c)
+        rgba.at(x, y)[c] = static_cast<uint8_t>(std::clamp(std::lround(before.at(x, y)[c] + more), 0l, 255l));
+    }
+}
+
+// As the renderer's: contrast that detail of this correlation loses in a mean, to be multiplied on top of it.
+double lostDetail(const std::vector<float>& weights, double correlation) {
+  double squares = 0;
+  for (float w : weights) squares += w * w;
+  return 1 / std::sqrt(squares + correlation * (1 - squares)) - 1;
+}
+
 // Samples with nothing but the first two members, by the second one's weight.
 std::vector<const package::ParameterSample*> samplesBetween(const package::ParameterSpace& space) {
   std::vector<const package::ParameterSample*> out;
@@ -185,7 +217,11 @@ Status MotionStage::drawMany(const render::View& view, int count, const AlignMet
 
 Result<Image> MotionStage::draw(const PinholeCamera& camera, double w, const AlignMethod& method) {
   const render::View view = render::viewFromCamera(camera);
-  return still_.render(view, [&](gpu::TargetId target) { return drawInto(view, w, method, target); });
+  const bool puts_back = method == rows::kFlowGpuDetail;
+  const AlignMethod drawn = puts_back ? rows::kFlowGpu : method;
+  auto image = still_.render(view, [&](gpu::TargetId target) { return drawInto(view, w, drawn, target); });
+  if (image && puts_back) putBackDetail(image.value(), lostDetail(weightsOf(w), look_.appearance->detail_correlation));
+  return image;
 }
 
 Status MotionStage::drawLook(const PinholeCamera& camera, double w, gpu::Texture& out) {

@@ -145,7 +145,7 @@ Status MethodStudy::loading(const capture::CaptureSequence& sequence) {
   row.add(rows::kLoadingS, first_s, "s");
   if (context_.options.quick) return {};
   for (uint32_t f = 1; f < sequence.frame_count; ++f) FOURDVT_TRY(player_->showFrame(sequence.name, f));
-  row.add("loading_all_s", secondsSince(start), "s");
+  row.add(rows::kLoadingAllS, secondsSince(start), "s");
   return {};
 }
 
@@ -255,30 +255,41 @@ Result<Figures> MethodStudy::run() {
   return std::move(out_);
 }
 
-// Shares of the foreground-only multi-view, as pictures and as video of the same quality.
-void compareStorage(const Figures& reference, const std::string& sequence, bool is_shortest,
-                    const std::vector<Method>& methods, Figures& out) {
+// What a quality at the held-out cameras costs FVVR, and how a method's share of that is written.
+struct EqualQuality {
+  const char *theirs, *ours;     // quantities: of the multi-view's videos, of the held-out table
+  const char *percent, *beyond;  // of table1
+};
+constexpr EqualQuality kEqualQualities[] = {
+    {rows::kHeldOutPsnrDb, rows::kPsnrFgDb, rows::kPercentAtPsnr, rows::kBeyondAtPsnr},
+    {rows::kHeldOutSsim, rows::kSsimFg, rows::kPercentAtSsim, rows::kBeyondAtSsim}};
+
+std::vector<RatePoint> multiviewLadder(const Figures& reference, const std::string& sequence, const char* quality) {
   std::vector<RatePoint> ladder;
   for (const Figure& row : reference)
-    if (row.table == "multiview-codec" && row.sequence == sequence && row.quantity == rows::kVideoBytes)
-      if (const auto db = findValue(reference, row.table, sequence, row.method, row.setting, rows::kPsnrFgDb))
-        ladder.push_back({row.value, *db});
+    if (row.table == rows::kMultiviewCodec && row.sequence == sequence && row.quantity == rows::kVideoBytes)
+      if (const auto value = findValue(reference, row.table, sequence, row.method, row.setting, quality))
+        ladder.push_back({row.value, *value});
+  return ladder;
+}
+
+// All that a method loads against the foreground-only multi-view: as pictures, and as the video from which FVVR shows
+// the held-out cameras as well as the method does. Nothing is said beyond the rates measured.
+void compareStorage(const Figures& reference, const std::string& sequence, const std::vector<Method>& methods,
+                    Figures& out) {
   const auto masked = findValue(reference, rows::kMultiview, sequence, rows::kMethodMultiview, "", rows::kMaskedBytes);
   for (const Method& method : methods) {
     const auto total = findValue(out, rows::kTable1, sequence, method.name, "", rows::kTotalBytes);
-    const auto loss = findValue(out, "codec-loss", sequence, method.name, "", "psnr_layers_db");
+    if (!total) continue;
     const RowWriter row(out, rows::kTable1, sequence, method.name, method.setting());
-    if (total && masked) row.add(rows::kPercentOfMasked, 100 * *total / *masked, "percent");
-    const auto multiview = loss ? bytesAtQuality(ladder, *loss) : std::nullopt;
-    if (!total || !multiview) continue;
-    row.add(rows::kPercentOfSameCodec, 100 * *total / *multiview, "percent");
-    if (method.name != rows::kJoint) continue;
-    const auto add = [&](const char* table, const char* name) {
-      RowWriter(out, table, sequence, name, "codec=h264").add(rows::kMultiviewCodecBytes, *multiview, "bytes");
-    };
-    add(rows::kTable1, rows::kFvvr);
-    add(rows::kMultiview, rows::kMethodMultiview);
-    if (is_shortest) add(rows::kLayers, rows::kFvvr);
+    if (masked) row.add(rows::kPercentOfMasked, 100 * *total / *masked, "percent");
+    for (const EqualQuality& equal : kEqualQualities) {
+      const auto quality = findValue(out, rows::kHeldOut, sequence, method.name, "", equal.ours);
+      if (!quality) continue;
+      const auto [bytes, beyond] = bytesAtQuality(multiviewLadder(reference, sequence, equal.theirs), *quality);
+      if (bytes) row.add(equal.percent, 100 * *total / *bytes, "percent");
+      if (beyond) row.add(equal.beyond, beyond, "");
+    }
   }
 }
 
@@ -310,8 +321,7 @@ Result<Figures> runMethods(const StudyContext& context) {
   FOURDVT_TRY(take(keptPart(context, "labels", [&] { return measureLabels(context); })));
   auto reference = rowsOfStep(context, "reference");
   if (!reference) return reference;
-  for (const auto* sequence : sequences)
-    compareStorage(reference.value(), sequence->name, sequence == &shortestSequence(context), methods, out);
+  for (const auto* sequence : sequences) compareStorage(reference.value(), sequence->name, methods, out);
   for (const Method& method : methods)
     if (method.name != rows::kJointDefault && method.name != rows::kJoint)
       platform::removeFolder(method.options.character_folder);

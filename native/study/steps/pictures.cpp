@@ -11,10 +11,10 @@
 #include "platform/folders.h"
 #include "report/picture_sheets.h"
 #include "study/figures.h"
+#include "study/picture_parts.h"
 #include "study/rows.h"
 #include "study/run_steps.h"
 #include "study/scene.h"
-#include "study/steps/picture_parts.h"
 
 namespace fourdvt::study {
 namespace {

@@ -39,15 +39,19 @@ using bake::Codec;
 
 std::vector<Group> plannedGroups(bool quick) {
   const std::vector<CodecSetting> few{{Codec::H264, "veryfast", {26, 34}}, {Codec::Av1, "7", {46}}};
-  if (quick) return {{{512, 3, false}, few}};
+  if (quick) return {{{512, 3, false}, few}, {{512, 1, false}, {{Codec::H264, "veryfast", {20, 26, 34}}}}};
   const std::vector<CodecSetting> all{{Codec::H264, "veryfast", {24, 28, 32, 36}},
                                       {Codec::H264, "medium", {20, 24, 28, 32, 36}},
                                       {Codec::H264, "slow", {20, 24, 28, 32, 36}},
                                       {Codec::Vp9, "3", {34, 40, 46, 52}},
                                       {Codec::Av1, "6", {34, 40, 46, 52}}};
+  // L = 1, 2, 3 over the same bitrates: fewer layers take fewer bits, and reach as far with a lower rate factor.
+  const std::vector<CodecSetting> one{{Codec::H264, "medium", {14, 18, 22, 26, 30, 34}}},
+      two{{Codec::H264, "medium", {16, 20, 24, 28, 32, 36}}, {Codec::Av1, "6", {40, 50}}};
   const std::vector<CodecSetting> some{{Codec::H264, "medium", {24, 30, 36}}, {Codec::Av1, "6", {40, 50}}};
-  return {{{1024, 3, false}, all}, {{1024, 3, true}, some},  {{1024, 2, false}, some}, {{512, 3, false}, some},
-          {{512, 3, true}, some},  {{1536, 3, false}, some}, {{2048, 2, false}, some}, {{2048, 3, false}, some}};
+  return {{{1024, 3, false}, all},  {{1024, 3, true}, some},  {{1024, 2, false}, two},
+          {{1024, 1, false}, one},  {{512, 3, false}, some},  {{512, 3, true}, some},
+          {{1536, 3, false}, some}, {{2048, 2, false}, some}, {{2048, 3, false}, some}};
 }
 
 std::string settingOf(const LayerSetting& layers, const bake::EncodeSettings& encode) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The yardsticks of a study: FVVR's pictures of the ring and at the held-out cameras, and what the foreground-only
-// multi-view costs as pictures and as video (LVDT 4.2, Table 1). Memory: one frame of pictures, and a camera's
-// encoders.
+// multi-view costs as pictures and as video (LVDT 4.2, Table 1). The videos are decoded again and FVVR draws the
+// held-out cameras from them, so that storage can be compared at the quality that viewers see.
+// Memory: one frame of pictures, and a camera's encoders. Disk: the decoded pictures of the held-out frames.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -59,14 +60,32 @@ class Reference {
   Status heldOut(uint32_t frame, render::Fvvr& fvvr);
   bool isHeldOut(uint32_t frame) const;
   bool isDrawn(uint32_t frame) const;
-  // Bytes and error of one camera's masked video at every rate factor.
+  // Bytes and error of one camera's foreground video at every rate factor.
   struct CameraVideo {
+    size_t camera = 0;
     std::vector<uint64_t> bytes;
     std::vector<SquaredError> error;
   };
+  // Frames of a camera between two keyframes.
+  struct CameraGop {
+    uint32_t first = 0;
+    std::vector<Image> pictures, colours;  // RGBA as captured, RGB as encoded
+    std::vector<measure::Mask> masks;
+    std::vector<std::unique_ptr<bake::GopEncoder>> encoders;  // one per rate factor
+  };
   Result<CameraVideo> encodeCamera(size_t camera) const;
-  Status encodeGop(capture::FrameReader& reader, uint32_t frames, CameraVideo& out) const;
-  std::vector<int> ladder() const { return context_.options.quick ? std::vector{20, 28} : std::vector{18, 23, 28, 33}; }
+  Status pushGop(capture::FrameReader& reader, uint32_t frames, CameraGop& gop) const;
+  Status finishGop(CameraGop& gop, CameraVideo& out) const;
+  Status takeDecoded(const CameraGop& gop, uint32_t frame, const I420View& view, size_t rate, CameraVideo& out) const;
+  Result<MeanScores> scoreDecoded(int crf, render::Fvvr& fvvr) const;
+  std::string decodedFolder() const { return context_.work() + "/decoded/" + sequence_.name; }
+  std::string decodedPath(int crf, size_t camera, uint32_t frame) const {
+    return decodedFolder() + "/" + std::to_string(crf) + "_" + std::to_string(camera) + "_" + std::to_string(frame) +
+           ".png";
+  }
+  std::vector<int> ladder() const {
+    return context_.options.quick ? std::vector{20, 36} : std::vector{18, 24, 30, 36, 42};
+  }
   void tell(const std::string& what, double share) const {
     if (context_.progress) context_.progress({"reference", sequence_.name + " " + what, before_ + share_ * share});
   }
@@ -170,7 +189,7 @@ Result<Figures> Reference::draw() {
   Figures out;
   const RowWriter table(out, rows::kTable1, sequence_.name, rows::kFvvr, "");
   table.add(rows::kLoadingS, first_s, "s");
-  if (!context_.options.quick) table.add("loading_all_s", loading_s, "s");
+  if (!context_.options.quick) table.add(rows::kLoadingAllS, loading_s, "s");
   table.add(rows::kTotalBytes, static_cast<double>(masked_png_bytes_), "bytes");
   const RowWriter multiview(out, rows::kMultiview, sequence_.name, rows::kMethodMultiview,
                             "cameras=" + std::to_string(context_.capture->cameras.size()) +
@@ -193,11 +212,36 @@ Result<Figures> Reference::draw() {
   return out;
 }
 
-Status Reference::encodeGop(capture::FrameReader& reader, uint32_t frames, CameraVideo& out) const {
-  const std::vector<int> crfs = ladder();
-  std::vector<std::unique_ptr<bake::GopEncoder>> encoders;
-  std::vector<Image> sources;  // masked, on black
-  std::vector<measure::Mask> masks;
+// The foreground's straight colours, spread by a few pixels over the black around it, so that neither the codec's
+// ringing nor its half-resolution chroma darkens FVVR's outlines.
+Image spreadColours(const Image& rgba) {
+  constexpr int kSpread = 4;  // pixels
+  Image out(rgba.width, rgba.height, 3);
+  measure::Mask known(size_t(rgba.width) * rgba.height), next;
+  for (size_t i = 0; i < known.size(); ++i) {
+    known[i] = rgba.pixels[4 * i + 3] > 0;
+    for (int c = 0; c < 3 && known[i]; ++c) out.pixels[3 * i + c] = rgba.pixels[4 * i + c];
+  }
+  for (int pass = 0; pass < kSpread; ++pass) {
+    next = known;
+    for (int y = 1; y + 1 < rgba.height; ++y)
+      for (int x = 1; x + 1 < rgba.width; ++x) {
+        const size_t i = size_t(y) * rgba.width + x;
+        if (known[i]) continue;
+        int sum[3] = {}, count = 0;
+        for (const size_t j : {i - 1, i + 1, i - rgba.width, i + rgba.width}) {
+          for (int c = 0; c < 3 && known[j]; ++c) sum[c] += out.pixels[3 * j + c];
+          count += known[j] != 0;
+        }
+        for (int c = 0; c < 3 && count; ++c) out.pixels[3 * i + c] = static_cast<uint8_t>(sum[c] / count);
+        next[i] = count > 0;
+      }
+    known.swap(next);
+  }
+  return out;
+}
+
+Status Reference::pushGop(capture::FrameReader& reader, uint32_t frames, CameraGop& gop) const {
   bake::I420Picture picture;
   for (uint32_t f = 0; f < frames; ++f) {
     FOURDVT_TRY(checkStop(context_));
@@ -205,31 +249,49 @@ Status Reference::encodeGop(capture::FrameReader& reader, uint32_t frames, Camer
     if (!frame) return frame.error();
     const Image& rgba = frame.value().pictures[0];
     const int width = rgba.width / 2 * 2, height = rgba.height / 2 * 2;
-    sources.push_back(measure::compositedOnBlack(rgba));
-    masks.push_back(measure::unionOfSilhouettes(rgba, rgba));
+    gop.colours.push_back(spreadColours(rgba));
+    gop.masks.push_back(measure::unionOfSilhouettes(rgba, rgba));
+    gop.pictures.push_back(rgba);
     if (f == 0) picture = bake::I420Picture(width, height);
-    bake::drawLayer(sources.back(), {0, 0, width, height}, picture);
-    for (size_t i = 0; i < crfs.size(); ++i) {
-      if (f == 0) {
-        auto encoder =
-            bake::GopEncoder::create({.width = width, .height = height, .fps = context_.capture->fps, .crf = crfs[i]});
-        if (!encoder) return encoder.error();
-        encoders.push_back(encoder.take());
-      }
-      FOURDVT_TRY(encoders[i]->push(picture.view()));
+    for (const int crf : ladder()) {
+      if (f > 0) break;
+      auto encoder =
+          bake::GopEncoder::create({.width = width, .height = height, .fps = context_.capture->fps, .crf = crf});
+      if (!encoder) return encoder.error();
+      gop.encoders.push_back(encoder.take());
     }
+    bake::drawLayer(gop.colours.back(), {0, 0, width, height}, picture);
+    for (auto& encoder : gop.encoders) FOURDVT_TRY(encoder->push(picture.view()));
   }
-  for (size_t i = 0; i < crfs.size(); ++i) {
-    auto gop = encoders[i]->finish();
-    encoders[i].reset();
-    if (!gop) return gop.error();
-    out.bytes[i] += gopBytes(gop.value());
-    FOURDVT_TRY(decodeGop(gop.value(), [&](uint32_t f, const I420View& view) -> Status {
-      Image decoded = bake::rgbFromTile(view, {0, 0, view.width, view.height});
-      if (decoded.width == sources[f].width && decoded.height == sources[f].height)
-        out.error[i].add(sources[f], decoded, masks[f]);
-      return {};
-    }));
+  return {};
+}
+
+// A decoded picture as FVVR takes it, with the captured matte, which costs it nothing here. An odd last row or column,
+// which 4:2:0 lacks, stays as captured.
+Image withMatte(const Image& decoded, Image picture) {
+  for (int y = 0; y < decoded.height; ++y)
+    for (int x = 0; x < decoded.width; ++x) std::copy_n(decoded.at(x, y), 3, picture.at(x, y));
+  return picture;
+}
+
+Status Reference::takeDecoded(const CameraGop& gop, uint32_t f, const I420View& view, size_t rate,
+                              CameraVideo& out) const {
+  const Image decoded = bake::rgbFromTile(view, {0, 0, view.width, view.height});
+  if (decoded.width == gop.colours[f].width && decoded.height == gop.colours[f].height)
+    out.error[rate].add(gop.colours[f], decoded, gop.masks[f]);
+  if (held_out_.empty() || !isHeldOut(gop.first + f)) return {};
+  return platform::writeImage(decodedPath(ladder()[rate], out.camera, gop.first + f),
+                              withMatte(decoded, gop.pictures[f]));
+}
+
+Status Reference::finishGop(CameraGop& gop, CameraVideo& out) const {
+  for (size_t i = 0; i < gop.encoders.size(); ++i) {
+    auto coded = gop.encoders[i]->finish();
+    gop.encoders[i].reset();
+    if (!coded) return coded.error();
+    out.bytes[i] += gopBytes(coded.value());
+    FOURDVT_TRY(
+        decodeGop(coded.value(), [&](uint32_t f, const I420View& view) { return takeDecoded(gop, f, view, i, out); }));
   }
   return {};
 }
@@ -239,19 +301,51 @@ Result<Reference::CameraVideo> Reference::encodeCamera(size_t camera) const {
   alone.cameras = {context_.capture->cameras[camera]};
   auto reader = capture::FrameReader::open(alone, sequence_, context_.open_video);
   if (!reader) return reader.error();
-  CameraVideo out{std::vector<uint64_t>(ladder().size()), std::vector<SquaredError>(ladder().size())};
+  CameraVideo out{camera, std::vector<uint64_t>(ladder().size()), std::vector<SquaredError>(ladder().size())};
   const std::vector<uint32_t> firsts = bake::planGops(sequence_.frame_count, kStudyGop);
   for (size_t g = 0; g < firsts.size(); ++g) {
     const uint32_t end = g + 1 < firsts.size() ? firsts[g + 1] : sequence_.frame_count;
-    FOURDVT_TRY(encodeGop(*reader.value(), end - firsts[g], out));
+    CameraGop gop{.first = firsts[g]};
+    FOURDVT_TRY(pushGop(*reader.value(), end - firsts[g], gop));
+    FOURDVT_TRY(finishGop(gop, out));
   }
   return out;
 }
 
+// FVVR from the decoded videos, at the held-out cameras and frames.
+Result<MeanScores> Reference::scoreDecoded(int crf, render::Fvvr& fvvr) const {
+  ScoreLane lane;
+  for (const uint32_t frame : sequence_.test_frames) {
+    FOURDVT_TRY(checkStop(context_));
+    auto positions = capture::readMeshFrame(*context_.capture, sequence_, frame);
+    if (!positions) return positions.error();
+    std::vector<Image> pictures;
+    for (size_t c = 0; c < context_.capture->cameras.size(); ++c) {
+      auto picture = platform::readImage(decodedPath(crf, c, frame));
+      if (!picture) return picture.error();
+      pictures.push_back(picture.take());
+    }
+    FOURDVT_TRY(fvvr.setFrame(positions.value(), pictures));
+    for (const PinholeCamera& camera : held_out_) {
+      auto truth = heldOutTruth(sequence_, camera, frame);
+      if (!truth) return truth.error();
+      auto picture = fvvr.renderStill(render::viewFromCamera(camera), {});
+      if (!picture) return picture.error();
+      lane.add(truth.take(), picture.take());
+    }
+  }
+  return lane.finishMean();
+}
+
 Result<Figures> Reference::encode() {
+  auto held_out = heldOutCameras(context_);
+  if (!held_out) return held_out.error();
+  held_out_ = held_out.take();
+  FOURDVT_TRY(platform::makeFolder(context_.work() + "/decoded"));
+  FOURDVT_TRY(platform::makeFolder(decodedFolder()));
   const size_t count = context_.capture->cameras.size();
   const std::vector<int> crfs = ladder();
-  CameraVideo sum{std::vector<uint64_t>(crfs.size()), std::vector<SquaredError>(crfs.size())};
+  CameraVideo sum{0, std::vector<uint64_t>(crfs.size()), std::vector<SquaredError>(crfs.size())};
   const size_t lanes = context_.options.jobs == 1 ? 1 : 2;
   for (size_t c = 0; c < count; c += lanes) {
     std::vector<std::future<Result<CameraVideo>>> running;
@@ -268,12 +362,22 @@ Result<Figures> Reference::encode() {
     }
     tell("foreground videos", 0.5 + 0.5 * static_cast<double>(std::min(count, c + lanes)) / count);
   }
+  auto fvvr = makeFvvr(context_);
+  if (!fvvr) return fvvr.error();
   Figures out;
   for (size_t i = 0; i < crfs.size(); ++i) {
-    const RowWriter row(out, "multiview-codec", sequence_.name, "h264", "crf=" + std::to_string(crfs[i]));
+    const RowWriter row(out, rows::kMultiviewCodec, sequence_.name, "h264", "crf=" + std::to_string(crfs[i]));
     row.add(rows::kVideoBytes, static_cast<double>(sum.bytes[i]), "bytes");
+    row.add(rows::kVideoBps, 8 * static_cast<double>(sum.bytes[i]) * context_.capture->fps / sequence_.frame_count,
+            "bit/s");
     row.add(rows::kPsnrFgDb, sum.error[i].psnr_db(), "dB");
+    if (held_out_.empty() || sequence_.test_frames.empty()) continue;
+    auto scores = scoreDecoded(crfs[i], *fvvr.value());
+    if (!scores) return scores.error();
+    row.add(rows::kHeldOutPsnrDb, scores.value().mean().psnr_fg_db, "dB");
+    row.add(rows::kHeldOutSsim, scores.value().mean().ssim_fg, "");
   }
+  platform::removeFolder(decodedFolder());
   return out;
 }
 

@@ -93,8 +93,7 @@ std::string meshNote(const StudyValues& v) {
   return note +
          " The class's common time comes from its members' poses, the studio's is its actor's phase: an instant of the "
          "truth is looked up where the members' own phases are, in the w-weighted mean, the instant's: the mesh "
-         "between "
-         "two frames of the class, pictures at the nearest.";
+         "between two frames of the class, pictures at the nearest.";
 }
 
 void addAppearance(Section& section, const StudyValues& v) {
@@ -114,7 +113,9 @@ void addAppearance(Section& section, const StudyValues& v) {
            "Sharpness half way, against the members' own looks",
            "Mean squared gradient of the blend over that of both members' looks on the same mesh and view; detail: "
            "the same of the Laplacian. 1: as sharp as the sources. Averaging lowers it even where all is aligned "
-           "(baked-mean), for noise and folds of two sources differ; baked puts that much contrast back.",
+           "(baked-mean), for noise and folds of two sources differ; baked puts that much contrast back. "
+           "flow-gpu-detail: the same put back in the flow's picture, in this study only; compare baked with it, and "
+           "baked-mean with flow-gpu.",
            {"method"},
            {.filter = "w=0.50", .text = fixed<3>}},
           methodsOf(v, rows::kMotionSharpness),

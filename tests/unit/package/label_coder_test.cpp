@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The coders of labels and positions, each alone: what they give back, how small, and what they refuse.
+#include "package/coding/label_coder.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,8 +10,7 @@
 
 #include "chunk_fixture.h"
 #include "package/character.h"
-#include "package/chunk_decoder.h"
-#include "package/coding/label_coder.h"
+#include "package/coding/chunk_decoder.h"
 #include "package/coding/label_model.h"
 #include "package/coding/position_coder.h"
 #include "package/coding/position_model.h"
