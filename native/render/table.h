@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Table textures: index → (index % CharacterModel::kTableWidth, index / kTableWidth), whole rows. Private to render/.
+// Table textures: index → (index % CharacterModel::kTableWidth, index / kTableWidth), whole rows. For render/ and the
+// looks of alignment (bake/align).
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws each member's look alone on the common mesh, with moved texture coordinates, as the recipe shows it.
+// Looks of one view share their depth, so that only visible surface is shaded.
 #pragma once
 
 #include <memory>

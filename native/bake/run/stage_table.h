@@ -47,7 +47,7 @@ inline constexpr std::array<StageInfo, 14> kStages{{
     {"tile", "puts layers and barcode into one 4:2:0 picture", 0, ""},
     {"encode", "codes the pictures, one closed GOP at a time", 0.55,
      "frame and member, with decoding, resampling, filling and tiling"},
-    {"align", "brings together on the surface what a class's members show", 2, "phase and member but the first"},
+    {"align", "brings together on the surface what a class's members show", 1.2, "phase and member but the first"},
     {"geometry", "codes positions, labels, corrections and alignment as chunks", 0, ""},
     {"graph", "finds where every motion may lead into every other one", 0.01, "frame of a stream"},
     {"assemble", "writes the character's files and renames them into place", 0, ""},
