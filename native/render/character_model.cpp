@@ -85,9 +85,9 @@ Result<PictureTextures> createPicture(gpu::Device& device, int width, int height
 void uploadPicture(gpu::Device& device, PictureTextures& picture, const I420View& frame) {
   assert(picture.kind == PictureTextures::Kind::I420);
   const int half_width = frame.width / 2, half_height = frame.height / 2;
-  device.updateTexture(picture.y.id(), 0, 0, 0, frame.width, frame.height, frame.y, frame.stride_y);
-  device.updateTexture(picture.u.id(), 0, 0, 0, half_width, half_height, frame.u, frame.stride_u);
-  device.updateTexture(picture.v.id(), 0, 0, 0, half_width, half_height, frame.v, frame.stride_v);
+  device.updateTexture(picture.y.id(), {.width = frame.width, .height = frame.height}, frame.y, frame.stride_y);
+  device.updateTexture(picture.u.id(), {.width = half_width, .height = half_height}, frame.u, frame.stride_u);
+  device.updateTexture(picture.v.id(), {.width = half_width, .height = half_height}, frame.v, frame.stride_v);
 }
 
 void packLabels(const std::vector<glm::uvec3>& face_vertices, std::span<const uint8_t> labels, int layer_count,

@@ -232,7 +232,8 @@ Status FvvrOnDevice::uploadPictures(std::span<const Image> pictures) {
     cameras_[c].has_picture = cameras_[c].is_used;
     if (!cameras_[c].is_used || crop.width == 0) continue;
     premultiply(pictures[c], crop, pixels_);
-    device_.updateTexture(pictures_.id(), static_cast<int>(c), crop.x, crop.y, crop.width, crop.height, pixels_.data());
+    device_.updateTexture(pictures_.id(), {.x = crop.x, .y = crop.y, .width = crop.width, .height = crop.height},
+                          pixels_.data(), 0, static_cast<int>(c));
   }
   return {};
 }
@@ -341,7 +342,7 @@ Status FvvrOnDevice::draw(const View& view, const FvvrOptions& options, gpu::Tar
                      .label = "fvvr"});
   drawMesh(view, options, chosen);
   device_.endPass();
-  device_.blit(scene_.id(), target, view.width, view.height);
+  device_.blit(scene_.id(), target, {.width = view.width, .height = view.height});
   return {};
 }
 
@@ -373,8 +374,8 @@ Result<Image> FvvrOnDevice::renderStill(const View& view, const FvvrOptions& opt
   FOURDVT_TRY(resizeStill(view.width, view.height));
   FOURDVT_TRY(draw(view, options, still_.id()));
   Image image(view.width, view.height, 4);
-  FOURDVT_TRY(
-      device_.readPixels(still_.id(), gpu::PixelFormat::RGBA8, 0, 0, view.width, view.height, image.pixels.data()));
+  FOURDVT_TRY(device_.readPixels(still_.id(), gpu::PixelFormat::RGBA8, {.width = view.width, .height = view.height},
+                                 image.pixels.data()));
   for (size_t i = 0; i < image.pixels.size(); i += 4) {
     uint8_t* p = &image.pixels[i];
     if (p[3] == 0 || p[3] == 255) continue;

@@ -57,7 +57,7 @@ class RecipeOnDevice final : public Recipe {
       shadow_.drawGround(device_, i, plan[i].view, recipe.shadow_strength);
     for (const PlannedFigure& figure : plan) drawFigure(figure, options);
     device_.endPass();
-    device_.blit(main_.id(), target, view.width, view.height);
+    device_.blit(main_.id(), target, {.width = view.width, .height = view.height});
     return {};
   }
 
@@ -116,7 +116,7 @@ class RecipeOnDevice final : public Recipe {
     device_.beginPass({.target = main_.id(), .clear_color = true, .clear_depth = true, .label = "part"});
     layered_.draw(device_, *figure.model, part, figure.view, options);
     device_.endPass();
-    device_.blit(main_.id(), out.target.id(), size_.width, size_.height);
+    device_.blit(main_.id(), out.target.id(), {.width = size_.width, .height = size_.height});
   }
 
   void drawFigure(const PlannedFigure& figure, const DrawOptions& options) {

@@ -156,7 +156,8 @@ void race(gpu::Device& device, render::Recipe& recipe, const Subject& subject, i
       const auto start = std::chrono::steady_clock::now();
       orStop(recipe.draw({&figure, 1}, nullptr, view, {{}, variant.align}, target.id()));
       uint8_t pixel[4];  // waits until everything is drawn
-      orStop(device.readPixels(target.id(), gpu::PixelFormat::RGBA8, width / 2, height / 2, 1, 1, pixel));
+      orStop(device.readPixels(target.id(), gpu::PixelFormat::RGBA8,
+                               {.x = width / 2, .y = height / 2, .width = 1, .height = 1}, pixel));
       const auto time = std::chrono::steady_clock::now() - start;
       if (i >= 0) variant.times_ms.push_back(std::chrono::duration<double, std::milli>(time).count());
     }

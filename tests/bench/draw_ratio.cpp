@@ -144,9 +144,10 @@ int main(int argc, char** argv) {
         {.target = many.id(), .width = kWidth, .height = kHeight, .clear_color = true, .clear_depth = true});
     draw();
     device->endPass();
-    device->blit(many.id(), one.id(), kWidth, kHeight);
+    device->blit(many.id(), one.id(), {.width = kWidth, .height = kHeight});
     uint8_t pixel[4];  // waits until everything is drawn
-    orStop(device->readPixels(one.id(), gpu::PixelFormat::RGBA8, kWidth / 2, kHeight / 2, 1, 1, pixel));
+    orStop(device->readPixels(one.id(), gpu::PixelFormat::RGBA8,
+                              {.x = kWidth / 2, .y = kHeight / 2, .width = 1, .height = 1}, pixel));
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   };
   const auto drawLayered = [&] { layered.draw(*device, model, part, view, {}); };

@@ -189,7 +189,7 @@ class MadeUpFlow final : public FlowSource {
     ++calls_;
     texture_ = gpu::makeTexture(device_, {.format = gpu::PixelFormat::RG32F, .width = width, .height = height}).take();
     const std::vector<glm::vec2> all(size_t(width) * height, value_);
-    device_.updateTexture(texture_.id(), 0, 0, 0, width, height, all.data());
+    device_.updateTexture(texture_.id(), {.width = width, .height = height}, all.data());
     return {};
   }
   gpu::TextureId flow() const override { return texture_.id(); }

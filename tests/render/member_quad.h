@@ -48,7 +48,7 @@ struct MemberQuad {
         const glm::dvec3 c = color(x / kSide, (x % kSide + 0.5) / kSide, (y + 0.5) / kSide);
         for (int i = 0; i < 3; ++i) image.at(x, y)[i] = static_cast<uint8_t>(c[i] + 0.5);
       }
-    device.updateTexture(picture.rgba.id(), 0, 0, 0, image.width, image.height, image.pixels.data());
+    device.updateTexture(picture.rgba.id(), {.width = image.width, .height = image.height}, image.pixels.data());
   }
   void paintTiles(gpu::Device& device, const std::vector<glm::dvec3>& colors) {
     paint(device, [&](int tile, double, double) { return colors[tile]; });

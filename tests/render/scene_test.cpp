@@ -95,7 +95,7 @@ TEST_F(Stage, meshesHideFiguresAndOccludersShowTheBackground) {
   Scene scene;
   auto paper = gpu::makeTexture(*device, {.width = 1, .height = 2}).take();
   const uint8_t rows[] = {0, 0, 255, 255, 0, 80, 80, 255};  // blue above
-  device->updateTexture(paper.id(), 0, 0, 0, 1, 2, rows);
+  device->updateTexture(paper.id(), {.width = 1, .height = 2}, rows);
   scene.background = paper.id();
   scene.meshes.push_back(makeSceneMesh(*device, wall({-0.25f, 1}, 0.2f, 0.5f, {0, 0, 0}), true).take());
   scene.meshes.push_back(makeSceneMesh(*device, wall({0.25f, 1}, 0.2f, 0.5f, {1, 1, 0}), false).take());

@@ -43,8 +43,8 @@ class Drawer final : public LookDrawer {
       FOURDVT_TRY(
           recipe_->draw(std::span(&figure, 1), nullptr, render::viewFromCamera(camera), options_, target_.id()));
       cv::Mat rgba(camera.height, camera.width, CV_8UC4);
-      FOURDVT_TRY(
-          device_.readPixels(target_.id(), gpu::PixelFormat::RGBA8, 0, 0, camera.width, camera.height, rgba.data));
+      FOURDVT_TRY(device_.readPixels(target_.id(), gpu::PixelFormat::RGBA8,
+                                     {.width = camera.width, .height = camera.height}, rgba.data));
       looks.push_back(rgba);
     }
     return looks;

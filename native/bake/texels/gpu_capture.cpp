@@ -18,7 +18,7 @@ Result<gpu::Texture> makeTable(gpu::Device& device, size_t count, const char* la
 void updateTable(gpu::Device& device, gpu::TextureId table, std::vector<glm::vec4>& values) {
   const int rows = tableRows(values.size());
   values.resize(static_cast<size_t>(rows) * kTableWidth);
-  device.updateTexture(table, 0, 0, 0, kTableWidth, rows, values.data());
+  device.updateTexture(table, {.width = kTableWidth, .height = rows}, values.data());
 }
 
 Result<GpuCapture> GpuCapture::create(gpu::Device& device, const std::vector<PinholeCamera>& cameras,
@@ -79,7 +79,8 @@ void GpuCapture::setFrame(gpu::Device& device, const Positions& positions, const
     camera.size_near_far = {pinhole.width, pinhole.height, near_m, far_m};
     camera.clip_from_world = glm::mat4(clipFromWorld(pinhole, near_m, far_m));
     if (crop.width > 0) {
-      device.updateTexture(camera.picture.id(), 0, crop.x, crop.y, crop.width, crop.height, crop.premultiplied.data());
+      device.updateTexture(camera.picture.id(), {.x = crop.x, .y = crop.y, .width = crop.width, .height = crop.height},
+                           crop.premultiplied.data());
       if (mipmaps_) device.generateMipmaps(camera.picture.id());
     }
     gpu::Pass pass;

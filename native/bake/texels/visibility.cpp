@@ -46,7 +46,8 @@ Result<std::vector<float>> Visibility::measure(gpu::Device& device, const GpuCap
   }
   const int height = rows_ * cameras;
   std::vector<uint8_t> pixels(static_cast<size_t>(kTableWidth) * height * 4);
-  FOURDVT_TRY(device.readPixels(target_.id(), gpu::PixelFormat::RGBA8, 0, 0, kTableWidth, height, pixels.data()));
+  FOURDVT_TRY(device.readPixels(target_.id(), gpu::PixelFormat::RGBA8, {.width = kTableWidth, .height = height},
+                                pixels.data()));
   std::vector<float> shares(static_cast<size_t>(cameras) * faces);
   for (int c = 0; c < cameras; ++c) {
     for (int f = 0; f < faces; ++f) {

@@ -211,8 +211,8 @@ Result<measure::FlowField> MotionStage::flow(const PinholeCamera& camera, const 
   if (!target) return target.error();
   measure::FlowField out{camera.width, camera.height, std::vector<glm::vec2>(size_t(camera.width) * camera.height)};
   const auto format = byOpencv(method) ? gpu::PixelFormat::RG32F : gpu::PixelFormat::RG16F;
-  FOURDVT_TRY(
-      device_.readPixels(target.value().id(), format, 0, 0, camera.width, camera.height, out.displacement.data()));
+  FOURDVT_TRY(device_.readPixels(target.value().id(), format, {.width = camera.width, .height = camera.height},
+                                 out.displacement.data()));
   for (glm::vec2& f : out.displacement) f.y = -f.y;  // counted along GL rows
   return out;
 }
