@@ -140,13 +140,13 @@ void CheckedDevice::destroyTexture(TextureId id) {
   textures_.erase(id);
 }
 
-Result<ProgramId> CheckedDevice::createProgram(std::string_view label, std::string_view vertex_source,
-                                               std::string_view fragment_source, std::string_view defines) {
+Result<ProgramId> CheckedDevice::createProgram(std::string_view label, std::string_view vertex_text,
+                                               std::string_view fragment_text, std::string_view defines) {
   const std::string name(label);
-  if (vertex_source.empty() || fragment_source.empty())
-    return Error{ErrorId::GpuFailure, "program '" + name + "': empty source; is the shader file embedded?"};
+  if (vertex_text.empty() || fragment_text.empty())
+    return Error{ErrorId::GpuFailure, "program '" + name + "': empty text; is the shader file embedded?"};
   const ProgramId id = next_id_++;
-  FOURDVT_TRY(onCreateProgram(id, name, wholeShader(defines, vertex_source), wholeShader(defines, fragment_source)));
+  FOURDVT_TRY(onCreateProgram(id, name, wholeShader(defines, vertex_text), wholeShader(defines, fragment_text)));
   counters_.live_programs += 1;
   programs_[id] = name;
   return id;

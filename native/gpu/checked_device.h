@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every device shares: handle tables, validation, counting. A back end implements the on… hooks, which are called
+// What every device shares: handle tables, validation, counting. Each device implements the on… hooks, which are called
 // with valid arguments only. Misuse is recorded (takeErrors) and the call dropped, so that the null device and GLES
 // agree on what is legal.
 #pragma once
@@ -15,7 +15,7 @@ struct TextureRecord {
   std::string label;
   int levels = 1;
   uint64_t bytes = 0;
-  uint32_t native = 0;  // set by the back end
+  uint32_t native = 0;  // set by the hooks
 };
 
 struct TargetRecord {
@@ -24,7 +24,7 @@ struct TargetRecord {
   int width = 0, height = 0, samples = 0;
   bool own_color = false, own_depth = false;
   std::vector<PixelFormat> formats;                              // of the colour attachments
-  uint32_t framebuffer = 0, color_buffer = 0, depth_buffer = 0;  // set by the back end
+  uint32_t framebuffer = 0, color_buffer = 0, depth_buffer = 0;  // set by the hooks
 };
 
 class CheckedDevice : public Device {
@@ -34,8 +34,8 @@ class CheckedDevice : public Device {
   void updateTexture(TextureId texture, const Region& region, const void* pixels, int stride_bytes, int layer) final;
   void generateMipmaps(TextureId texture) final;
   void destroyTexture(TextureId texture) final;
-  Result<ProgramId> createProgram(std::string_view label, std::string_view vertex_source,
-                                  std::string_view fragment_source, std::string_view defines) final;
+  Result<ProgramId> createProgram(std::string_view label, std::string_view vertex_text, std::string_view fragment_text,
+                                  std::string_view defines) final;
   void destroyProgram(ProgramId program) final;
   Result<TargetId> createTarget(const TargetDesc& desc) final;
   void destroyTarget(TargetId target) final;
@@ -55,8 +55,8 @@ class CheckedDevice : public Device {
                                int layer) = 0;
   virtual void onGenerateMipmaps(const TextureRecord& texture) = 0;
   virtual void onDestroyTexture(const TextureRecord& texture) = 0;
-  virtual Status onCreateProgram(ProgramId id, const std::string& label, const std::string& vertex_source,
-                                 const std::string& fragment_source) = 0;
+  virtual Status onCreateProgram(ProgramId id, const std::string& label, const std::string& vertex_text,
+                                 const std::string& fragment_text) = 0;
   virtual void onDestroyProgram(ProgramId id) = 0;
   virtual Status onCreateTarget(TargetRecord& target) = 0;
   virtual void onDestroyTarget(const TargetRecord& target) = 0;

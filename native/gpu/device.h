@@ -45,7 +45,7 @@ constexpr TargetId kDefaultTarget = 0;  // the context's own framebuffer (the ca
 struct TargetDesc {
   // Either: draw into existing textures (no multisampling) …
   std::vector<TextureId> colors;
-  TextureId depth = 0;  // a Depth24 texture to keep the depth readable by later passes
+  TextureId depth = 0;  // a Depth24 texture, which later passes can read
   int color_layer = 0;  // for array textures
   int depth_layer = 0;  // likewise, of `depth`
   // … or: own renderbuffers, RGBA8 + depth, with `samples` > 1 (resolved by blit).
@@ -130,10 +130,10 @@ class Device {
                              int layer = 0) = 0;
   virtual void generateMipmaps(TextureId texture) = 0;
   virtual void destroyTexture(TextureId texture) = 0;
-  // GLSL ES 3.00 sources without the #version line; `defines` ("LAYERS 3\n…", one per line, no "#define") go first,
+  // GLSL ES 3.00 texts without the #version line; `defines` ("LAYERS 3\n…", one per line, no "#define") go first,
   // then highp as the default precision. Error: GpuFailure with the label and the compiler's log.
-  virtual Result<ProgramId> createProgram(std::string_view label, std::string_view vertex_source,
-                                          std::string_view fragment_source, std::string_view defines = {}) = 0;
+  virtual Result<ProgramId> createProgram(std::string_view label, std::string_view vertex_text,
+                                          std::string_view fragment_text, std::string_view defines = {}) = 0;
   virtual void destroyProgram(ProgramId program) = 0;
   virtual Result<TargetId> createTarget(const TargetDesc& desc) = 0;
   virtual void destroyTarget(TargetId target) = 0;
@@ -152,13 +152,14 @@ class Device {
   virtual void invalidateState() = 0;
   virtual const Counters& counters() const = 0;
   virtual void resetCounters() = 0;  // live_… keep their values
-  // Misuse seen since the last call, a line each; empty: none. A misused call is dropped. Slow on GLES (glGetError).
+  // Misuse seen since the last call, one line per case; empty: none. A misused call is dropped. Slow on GLES
+  // (glGetError).
   virtual std::string takeErrors() = 0;
 };
 
 // Needs a current GLES 3.0 / WebGL2 context. gles_device.cpp is the only file that calls gl*.
 Result<std::unique_ptr<Device>> createGlesDevice();
-// Draws nothing; validates handles, sizes, pass order and counts. float_targets: both kinds of Caps.
+// Draws nothing, but validates handles, sizes, the order of passes and counts. float_targets: of both kinds in Caps.
 std::unique_ptr<Device> createNullDevice(bool float_targets = true);
 
 // Move-only owners.
@@ -196,12 +197,12 @@ using Program = Owned<&Device::destroyProgram>;
 using Target = Owned<&Device::destroyTarget>;
 
 Result<Texture> makeTexture(Device& device, const TextureDesc& desc);
-Result<Program> makeProgram(Device& device, std::string_view label, std::string_view vertex_source,
-                            std::string_view fragment_source, std::string_view defines = {});
+Result<Program> makeProgram(Device& device, std::string_view label, std::string_view vertex_text,
+                            std::string_view fragment_text, std::string_view defines = {});
 Result<Target> makeTarget(Device& device, const TargetDesc& desc);
 
 // Embedded shader files (shaders/gles/NAME, e.g. "layered.vert"); empty if there is none. `#include "x.glsl"` lines
 // are expanded at build time by the embedding script.
-std::string_view shaderSource(std::string_view name);
+std::string_view shaderText(std::string_view name);
 
 }  // namespace fourdvt::gpu

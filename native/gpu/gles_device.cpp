@@ -17,30 +17,16 @@ struct GlFormat {
   GLenum internal, format, type;
 };
 
-GlFormat glFormat(PixelFormat format) {
-  switch (format) {
-    case PixelFormat::R8:
-      return {GL_R8, GL_RED, GL_UNSIGNED_BYTE};
-    case PixelFormat::RG8:
-      return {GL_RG8, GL_RG, GL_UNSIGNED_BYTE};
-    case PixelFormat::RGBA8:
-      return {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE};
-    case PixelFormat::R32UI:
-      return {GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT};
-    case PixelFormat::RG32F:
-      return {GL_RG32F, GL_RG, GL_FLOAT};
-    case PixelFormat::RGBA32F:
-      return {GL_RGBA32F, GL_RGBA, GL_FLOAT};
-    case PixelFormat::R32F:
-      return {GL_R32F, GL_RED, GL_FLOAT};
-    case PixelFormat::RG16F:
-      return {GL_RG16F, GL_RG, GL_HALF_FLOAT};
-    case PixelFormat::RGBA16F:
-      return {GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT};
-    case PixelFormat::Depth24:
-      return {GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT};
-  }
-  return {};
+const GlFormat& glFormat(PixelFormat format) {
+  static constexpr GlFormat kFormats[] = {
+      // in the order of PixelFormat
+      {GL_R8, GL_RED, GL_UNSIGNED_BYTE},     {GL_RG8, GL_RG, GL_UNSIGNED_BYTE},
+      {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE}, {GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT},
+      {GL_RG32F, GL_RG, GL_FLOAT},           {GL_RGBA32F, GL_RGBA, GL_FLOAT},
+      {GL_R32F, GL_RED, GL_FLOAT},           {GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT},
+      {GL_RG16F, GL_RG, GL_HALF_FLOAT},      {GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT},
+  };
+  return kFormats[static_cast<size_t>(format)];
 }
 
 GLenum glTarget(const TextureRecord& texture) { return texture.desc.layers > 0 ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D; }
@@ -189,11 +175,11 @@ class GlesDevice final : public CheckedDevice {
     glDeleteTextures(1, &name);
   }
 
-  Status onCreateProgram(ProgramId id, const std::string& label, const std::string& vertex_source,
-                         const std::string& fragment_source) override {
+  Status onCreateProgram(ProgramId id, const std::string& label, const std::string& vertex_text,
+                         const std::string& fragment_text) override {
     std::string log;
-    const GLuint vertex = compile(GL_VERTEX_SHADER, vertex_source, log);
-    const GLuint fragment = log.empty() ? compile(GL_FRAGMENT_SHADER, fragment_source, log) : 0;
+    const GLuint vertex = compile(GL_VERTEX_SHADER, vertex_text, log);
+    const GLuint fragment = log.empty() ? compile(GL_FRAGMENT_SHADER, fragment_text, log) : 0;
     GlProgram program;
     if (log.empty()) program.name = link(vertex, fragment, log);
     if (vertex) glDeleteShader(vertex);

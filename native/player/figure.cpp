@@ -51,7 +51,7 @@ bool PlayerImpl::blend(Track& t) {
   if (!frames) return false;
   const package::StreamIndex& index = sequences_[static_cast<size_t>(t.shown.sequence)].index;
   const uint32_t row = frame - index.chunks[index.chunkOfFrame(frame)].first_frame;
-  motion::blendFrame(*frames, row, index, t.weights.members, t.weights.offsets, t.positions);
+  motion::blendFrame(*frames, row, index, t.weights, t.positions);
   t.stale = false;
   return true;
 }

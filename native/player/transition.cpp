@@ -100,10 +100,10 @@ void PlayerImpl::planTransition() {
   // The shown frame is as old as this.
   const double age_s = source.clock.position() / source.clock.rate() - static_cast<double>(source.shown.k) / rate;
   motion::PlanOptions options;
-  options.least_wait_s = lead_s_ + age_s;
+  options.min_wait_s = lead_s_ + age_s;
   // A frame is shown at the first tick after it is due.
   options.max_latency_s = kMaxLatency_s - (now_s_ - asked_s_) - tick_s_ + age_s;
-  const auto plan = graph_->plan(source.sequence, frameOf(source, source.shown.k), source.weights.members, rate,
+  const auto plan = graph_->plan({source.sequence, frameOf(source, source.shown.k), source.weights.members, rate},
                                  transition_.target, options);
   if (!plan) {
     selectInstead();

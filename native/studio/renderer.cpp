@@ -23,8 +23,8 @@ Result<Renderer> Renderer::create(gpu::Device& device, const RestMesh& surface, 
   renderer.width_ = width;
   renderer.height_ = height;
   renderer.faces_ = surface.topology.face_vertices;
-  FOURDVT_ASSIGN(renderer.program_, gpu::makeProgram(device, "studio surface", gpu::shaderSource("studio_surface.vert"),
-                                                     gpu::shaderSource("studio_surface.frag"), kDefines));
+  FOURDVT_ASSIGN(renderer.program_, gpu::makeProgram(device, "studio surface", gpu::shaderText("studio_surface.vert"),
+                                                     gpu::shaderText("studio_surface.frag"), kDefines));
   FOURDVT_ASSIGN(renderer.albedo_, gpu::makeTexture(device, {.width = texture.width,
                                                              .height = texture.height,
                                                              .filter = gpu::Filter::LinearMipmap,

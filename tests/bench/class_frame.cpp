@@ -118,8 +118,8 @@ void printBlends(const package::Sequence& sequence, const package::StreamIndex& 
     const motion::BlendWeights linear{hybrid.members, {}};
     const auto used = std::count_if(hybrid.offsets.begin(), hybrid.offsets.end(), [](float x) { return x != 0; });
     Positions a, b;
-    motion::blendFrame(frames, row, index, linear.members, linear.offsets, a);
-    motion::blendFrame(frames, row, index, hybrid.members, hybrid.offsets, b);
+    motion::blendFrame(frames, row, index, linear, a);
+    motion::blendFrame(frames, row, index, hybrid, b);
     const double linear_ms = bench::blendCost_ms(frames, row, index, linear);
     const double hybrid_ms = bench::blendCost_ms(frames, row, index, hybrid);
     std::printf("%s %.3f: linear %.4f ms, hybrid %.4f ms (%td corrections, up to %.2f mm): x %.2f\n",

@@ -29,8 +29,8 @@ Result<GpuCapture> GpuCapture::create(gpu::Device& device, const std::vector<Pin
   capture.vertex_count_ = static_cast<int>(topology.vertex_count);
   FOURDVT_ASSIGN(auto corners, makeTable(device, 3 * size_t(topology.faceCount()), "bake corners"));
   FOURDVT_ASSIGN(auto positions, makeTable(device, topology.vertex_count, "bake positions"));
-  FOURDVT_ASSIGN(auto program, gpu::makeProgram(device, "bake depth", gpu::shaderSource("bake_depth.vert"),
-                                                gpu::shaderSource("bake_depth.frag"), kTableDefine));
+  FOURDVT_ASSIGN(auto program, gpu::makeProgram(device, "bake depth", gpu::shaderText("bake_depth.vert"),
+                                                gpu::shaderText("bake_depth.frag"), kTableDefine));
   capture.corners_ = std::move(corners);
   capture.positions_ = std::move(positions);
   capture.depth_program_ = std::move(program);
@@ -114,7 +114,7 @@ void GpuCapture::bindCamera(size_t c, gpu::Draw& draw) const {
   draw.uniforms.push_back(gpu::uniform("intrinsics", camera.intrinsics));
   draw.uniforms.push_back(gpu::uniform("size_near_far", camera.size_near_far));
   draw.uniforms.push_back(gpu::uniform("depth_bias", kDepthBias_m));
-  draw.uniforms.push_back(gpu::uniform("least_cosine", kLeastCosine));
+  draw.uniforms.push_back(gpu::uniform("min_cosine", kLeastCosine));
 }
 
 }  // namespace fourdvt::bake

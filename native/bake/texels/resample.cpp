@@ -45,8 +45,8 @@ Result<Resampler> Resampler::create(gpu::Device& device, const GpuCapture& captu
   r.options_ = options;
   for (const ColourMap& map : colour_maps) r.colour_maps_.push_back(affine(map));
   r.colour_maps_.resize(capture.cameraCount(), glm::mat4(1));
-  FOURDVT_ASSIGN(r.program_, gpu::makeProgram(device, "bake resample", gpu::shaderSource("bake_resample.vert"),
-                                              gpu::shaderSource("bake_resample.frag"),
+  FOURDVT_ASSIGN(r.program_, gpu::makeProgram(device, "bake resample", gpu::shaderText("bake_resample.vert"),
+                                              gpu::shaderText("bake_resample.frag"),
                                               std::string(kTableDefine) + filterDefine(options.filter)));
   gpu::TextureDesc desc;
   desc.format = gpu::PixelFormat::R32UI;

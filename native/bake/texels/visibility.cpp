@@ -6,8 +6,8 @@ namespace fourdvt::bake {
 Result<Visibility> Visibility::create(gpu::Device& device, const GpuCapture& capture) {
   Visibility v;
   v.rows_ = tableRows(capture.faceCount());
-  FOURDVT_ASSIGN(auto program, gpu::makeProgram(device, "bake visibility", gpu::shaderSource("fullscreen.vert"),
-                                                gpu::shaderSource("bake_visibility.frag"), kTableDefine));
+  FOURDVT_ASSIGN(auto program, gpu::makeProgram(device, "bake visibility", gpu::shaderText("fullscreen.vert"),
+                                                gpu::shaderText("bake_visibility.frag"), kTableDefine));
   gpu::TextureDesc desc;
   desc.width = kTableWidth;
   desc.height = v.rows_ * static_cast<int>(capture.cameraCount());

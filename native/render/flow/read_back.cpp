@@ -33,10 +33,9 @@ class ReadBackFlow final : public FlowSource {
  private:
   Status resize(int width, int height) {
     if (width == width_ && height == height_) return {};
-    auto made = gpu::makeTexture(
-        device_, {.format = gpu::PixelFormat::RG32F, .width = width, .height = height, .label = "flow"});
-    if (!made) return made.error();
-    flow_ = made.take();
+    FOURDVT_ASSIGN(
+        flow_, gpu::makeTexture(
+                   device_, {.format = gpu::PixelFormat::RG32F, .width = width, .height = height, .label = "flow"}));
     width_ = width;
     height_ = height;
     const size_t count = static_cast<size_t>(width) * height;

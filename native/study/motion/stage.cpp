@@ -108,13 +108,13 @@ std::vector<float> MotionStage::weightsOf(double w) const {
 std::vector<Positions> MotionStage::members() const {
   std::vector<Positions> out(2);
   for (size_t m = 0; m < out.size(); ++m)
-    motion::blendFrame(*chunk_, row_, stream_.index, weightsOf(double(m)), {}, out[m]);
+    motion::blendFrame(*chunk_, row_, stream_.index, {weightsOf(double(m)), {}}, out[m]);
   return out;
 }
 
 Positions MotionStage::blended(double w) const {
   Positions out;
-  motion::blendFrame(*chunk_, row_, stream_.index, weightsOf(w), offsetsAt(motion(), static_cast<float>(w)), out);
+  motion::blendFrame(*chunk_, row_, stream_.index, {weightsOf(w), offsetsAt(motion(), static_cast<float>(w))}, out);
   return out;
 }
 
@@ -177,7 +177,7 @@ Status MotionStage::drawMany(const render::View& view, int count, const AlignMet
   std::vector<render::Figure> figures;
   for (int i = 0; i < count; ++i) {
     render::Figure figure{&*model_, {&look, 1}};
-    figure.world_from_character[3] += glm::vec4(-kApart_m * float(i) * render::viewAxis(view), 0);
+    figure.world_from_character[3] += glm::vec4(-kApart_m * float(i) * render::viewAxis(view.clip_from_world), 0);
     figures.push_back(figure);
   }
   return recipe.value()->draw(figures, nullptr, view, optionsOf(method), target);

@@ -180,9 +180,9 @@ TEST_F(NullDeviceTest, noticesADestroyedAttachment) {
   expectMisuse("destroyed");
 }
 
-TEST(ShaderSource, isEmbeddedWithIncludesExpanded) {
-  EXPECT_TRUE(shaderSource("no_such.frag").empty());
-  const std::string_view layered = shaderSource("layered.vert");
+TEST(ShaderText, isEmbeddedWithIncludesExpanded) {
+  EXPECT_TRUE(shaderText("no_such.frag").empty());
+  const std::string_view layered = shaderText("layered.vert");
   EXPECT_NE(layered.find("texelFetch"), std::string_view::npos);
   EXPECT_EQ(layered.find("#include"), std::string_view::npos);
   const size_t table = layered.find("ivec2 tableTexel");  // nested include, once
@@ -192,7 +192,7 @@ TEST(ShaderSource, isEmbeddedWithIncludesExpanded) {
 
 TEST(NullDevice, refusesAnEmptyShader) {
   auto device = createNullDevice();
-  auto made = device->createProgram("nothing", shaderSource("no_such.vert"), "x");
+  auto made = device->createProgram("nothing", shaderText("no_such.vert"), "x");
   ASSERT_FALSE(made);
   EXPECT_EQ(made.error().id, ErrorId::GpuFailure);
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "motion/mesh_blend.h"
+
 #include <gtest/gtest.h>
 
-#include "motion/mesh_blend.h"
 #include "motion/placement.h"
 
 namespace fourdvt::motion {
@@ -41,7 +42,7 @@ TEST(MeshBlend, MembersAndCorrectionsOfTheFrameAreSummed) {
   const Fixture f;
   Positions out;
   for (uint32_t row = 0; row < 2; ++row) {
-    blendFrame(f.frames, row, f.index, std::vector<float>{0.5f, 0.2f, 0.3f}, std::vector<float>{0.25f, 0.75f}, out);
+    blendFrame(f.frames, row, f.index, {{0.5f, 0.2f, 0.3f}, {0.25f, 0.75f}}, out);
     ASSERT_EQ(out.size(), 2u);
     for (int v = 0; v < 2; ++v) {
       glm::vec3 expected = 0.5f * f.position(row, 0, v) + 0.2f * f.position(row, 1, v) + 0.3f * f.position(row, 2, v);
@@ -54,7 +55,7 @@ TEST(MeshBlend, MembersAndCorrectionsOfTheFrameAreSummed) {
 TEST(MeshBlend, OneMemberIsItself) {
   const Fixture f;
   Positions out;
-  blendFrame(f.frames, 1, f.index, std::vector<float>{0, 0, 1}, std::vector<float>{0, 0}, out);
+  blendFrame(f.frames, 1, f.index, {{0, 0, 1}, {0, 0}}, out);
   for (int v = 0; v < 2; ++v) expectNear(out[v], f.position(1, 2, v), 1e-6f);
 }
 
