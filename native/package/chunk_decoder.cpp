@@ -139,12 +139,7 @@ Result<std::unique_ptr<ChunkDecoder>> ChunkDecoder::open(std::span<const uint8_t
   if (chunk >= index.chunks.size()) return invalid("no such GOP");
   ChunkFrames counts;
   counts.frame_count = index.chunks[chunk].frame_count;
-  counts.vertex_count = index.vertex_count;
-  counts.face_count = index.face_count;
-  counts.layer_count = index.layer_count;
-  counts.member_count = index.member_count;
-  counts.reference_count = index.reference_count;
-  counts.alignment_count = index.alignment_count;
+  copyCounts(index, counts);
   if (counts.vertex_count != mesh.vertexCount() || counts.face_count != mesh.faceCount() || counts.frame_count == 0 ||
       !validCounts(counts))
     return invalid("frame, vertex, face, layer or member count is not the mesh's");

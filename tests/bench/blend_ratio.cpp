@@ -9,29 +9,16 @@
 #include <cstdlib>
 #include <numeric>
 
+#include "or_stop.h"
 #include "platform/egl_context.h"
 #include "render/recipe.h"
 
 namespace {
 
 using namespace fourdvt;
+using fourdvt::testing::orStop;
 
 constexpr int kRound = 80, kRows = 50, kLayers = 3, kMembers = 2, kCameras = 8, kSide = 512;
-
-template <class T>
-T orStop(Result<T> result) {
-  if (!result.ok()) {
-    std::fprintf(stderr, "bench_blend_ratio: %s\n", result.error().message.c_str());
-    std::exit(1);
-  }
-  return result.take();
-}
-
-void orStop(const Status& status) {
-  if (status.ok()) return;
-  std::fprintf(stderr, "bench_blend_ratio: %s\n", status.error().message.c_str());
-  std::exit(1);
-}
 
 // A vase of a person's size.
 package::BaseMesh makeMesh() {

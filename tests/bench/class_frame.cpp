@@ -14,22 +14,18 @@
 #include <string>
 
 #include "bench/blend_cost.h"
+#include "or_stop.h"
 #include "package/base_mesh.h"
 #include "package/chunk_decoder.h"
 
 using namespace fourdvt;
+using fourdvt::testing::orStop;
 
 namespace {
 
 [[noreturn]] void stop(const std::string& why) {
   std::fprintf(stderr, "bench_class_frame: %s\n", why.c_str());
   std::exit(1);
-}
-
-template <class T>
-T orStop(Result<T> result) {
-  if (!result.ok()) stop(result.error().message);
-  return result.take();
 }
 
 std::vector<uint8_t> read(const std::string& path) {

@@ -11,6 +11,7 @@
 #include <filesystem>
 
 #include "base/camera.h"
+#include "or_stop.h"
 #include "package/base_mesh.h"
 #include "package/chunk_mesh.h"
 #include "package/stream_file.h"
@@ -23,21 +24,7 @@
 namespace {
 
 using namespace fourdvt;
-
-template <class T>
-T orStop(Result<T> result) {
-  if (!result.ok()) {
-    std::fprintf(stderr, "bench_flow: %s\n", result.error().message.c_str());
-    std::exit(1);
-  }
-  return result.take();
-}
-
-void orStop(const Status& status) {
-  if (status.ok()) return;
-  std::fprintf(stderr, "bench_flow: %s\n", status.error().message.c_str());
-  std::exit(1);
-}
+using fourdvt::testing::orStop;
 
 // A sequence's stream, and one decoded picture of it at a time.
 class Source {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/bytes.h"
+#include "or_stop.h"
 #include "package/character.h"
 #include "package/chunk_counts.h"
 #include "package/chunk_mesh.h"
@@ -17,15 +18,9 @@
 #include "platform/files.h"
 
 using namespace fourdvt;
+using fourdvt::testing::orStop;
 
 namespace {
-
-template <class T>
-T orStop(Result<T> result) {
-  if (result.ok()) return result.take();
-  std::fprintf(stderr, "bench_label_stream: %s\n", result.error().message.c_str());
-  std::exit(1);
-}
 
 // Processor time: a busy machine does not change it.
 double now_ms() { return 1e3 * double(std::clock()) / CLOCKS_PER_SEC; }

@@ -16,6 +16,7 @@
 #include "bake/texels/gpu_capture.h"
 #include "bake/texels/visibility.h"
 #include "capture/capture.h"
+#include "or_stop.h"
 #include "package/base_mesh.h"
 #include "platform/egl_context.h"
 #include "platform/ffmpeg_video.h"
@@ -24,17 +25,9 @@ namespace {
 
 using namespace fourdvt;
 using bake::LabelMode;
+using fourdvt::testing::orStop;
 
 constexpr size_t kHysteresisFrames = 2;  // to each side, as the bake's survey
-
-template <class T>
-T orStop(Result<T> result) {
-  if (!result.ok()) {
-    std::fprintf(stderr, "bench_labels: %s\n", result.error().message.c_str());
-    std::exit(1);
-  }
-  return result.take();
-}
 
 struct Measured {
   bake::FaceGraph graph;

@@ -121,11 +121,17 @@ glm::dvec3 bt709Reference(int y, int u, int v) {
   return 255.0 * glm::clamp(glm::dvec3(r, g, b), 0.0, 1.0);
 }
 
-TEST_F(Layered, convertsBt709LimitedRange) {
-  Scene scene = testing::quadScene({0, 1}, 1.2f);
+// One layer, which both faces take from camera 0.
+Scene quadOfOneCamera(float half_size) {
+  Scene scene = testing::quadScene({0, 1}, half_size);
   scene.setLayers(1, 16);
   scene.setLabel(0, 0, 0);
   scene.setLabel(0, 1, 0);
+  return scene;
+}
+
+TEST_F(Layered, convertsBt709LimitedRange) {
+  const Scene scene = quadOfOneCamera(1.2f);
   Still still(*device, scene, PictureTextures::Kind::I420);
   const PinholeCamera view = testing::lookAt({0, 1, 3}, {0, 1, 0}, 16, 16, 20);
   const int colors[][3] = {{16, 128, 128}, {235, 128, 128}, {126, 128, 128}, {63, 102, 240}, {173, 42, 26},
@@ -243,10 +249,7 @@ TEST_F(Layered, aPointLandsOnTheProjectedPixel) {
 }
 
 TEST_F(Layered, edgesArePremultipliedAndTheBackgroundStays) {
-  Scene scene = testing::quadScene({0, 1}, 0.5f);
-  scene.setLayers(1, 16);
-  scene.setLabel(0, 0, 0);
-  scene.setLabel(0, 1, 0);
+  const Scene scene = quadOfOneCamera(0.5f);
   Still still(*device, scene, PictureTextures::Kind::Rgba);
   still.uploadRgba(constantLayers(scene, {{255, 255, 255}}));
   RecipeOptions options = plainOptions();

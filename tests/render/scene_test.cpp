@@ -109,6 +109,11 @@ TEST_F(Stage, meshesHideFiguresAndOccludersShowTheBackground) {
   expectColor(picture, 50, 40, kRed, 1);
 }
 
+int alphaAt(const Image& picture, const PinholeCamera& camera, const glm::dvec3& point_in_world) {
+  const glm::dvec3 pixel = camera.project(point_in_world);
+  return picture.at(int(pixel.x), int(pixel.y))[3];
+}
+
 TEST_F(Stage, withoutFiguresTheSceneIsDrawn) {
   const auto recipe = Recipe::create(*device).take();
   Scene scene;
@@ -121,10 +126,7 @@ TEST_F(Stage, withoutFiguresTheSceneIsDrawn) {
 TEST_F(Stage, everyFigureHasItsShadowUnderItsFeet) {
   const auto box = still(testing::boxScene(0.15f, 1.6f), {200, 160, 120});
   const PinholeCamera camera = cameraFromOrbit({0, 30, 6, {0, 0.5, 0}, 40}, 320, 240);
-  const auto alpha = [&](const Image& picture, const glm::dvec3& point) {
-    const glm::dvec3 p = camera.project(point);
-    return int(picture.at(int(p.x), int(p.y))[3]);
-  };
+  const auto alpha = [&](const Image& picture, const glm::dvec3& point) { return alphaAt(picture, camera, point); };
   RecipeOptions options;
   const Image one = draw(*box->recipe, {placed(*box, moved({1.2f, 0, 0}))}, nullptr, camera, options);
   EXPECT_GT(alpha(one, {1.4, 0, 0.1}), 30);
@@ -138,10 +140,7 @@ TEST_F(Stage, everyFigureHasItsShadowUnderItsFeet) {
 TEST_F(Stage, theShadowLiesOnTheScenesGroundBehindOccluders) {
   const auto box = still(testing::boxScene(0.15f, 1.6f), {200, 160, 120});
   const PinholeCamera camera = cameraFromOrbit({0, 30, 5, {0, 0.5, 0}, 40}, 240, 240);
-  const auto alpha = [&](const Image& picture, const glm::dvec3& point) {
-    const glm::dvec3 p = camera.project(point);
-    return int(picture.at(int(p.x), int(p.y))[3]);
-  };
+  const auto alpha = [&](const Image& picture, const glm::dvec3& point) { return alphaAt(picture, camera, point); };
   RecipeOptions options;
   options.shadow_strength = 0.8f;
   Scene scene;

@@ -11,16 +11,12 @@ namespace {
 // Two frames, three members, two references, two vertices; every number differs.
 struct Fixture {
   package::StreamIndex index;
-  package::ChunkFrames frames;
+  package::ChunkFrames frames{
+      .frame_count = 2, .vertex_count = 2, .member_count = 3, .reference_count = 2, .alignment_count = 2};
   Fixture() {
     index.position_origin = {-1, 0, 2};
     index.position_step_m = 0.25f;
     index.alignment_step_m = 0.5f;
-    frames.frame_count = 2;
-    frames.vertex_count = 2;
-    frames.member_count = 3;
-    frames.reference_count = 2;
-    frames.alignment_count = 2;
     for (int i = 0; i < 12; ++i) frames.positions.emplace_back(i, 10 + i * i, -3 * i);
     for (int i = 0; i < 8; ++i) frames.offsets.emplace_back(100 * i, -i, 7);
     for (int i = 0; i < 8; ++i) frames.alignment.emplace_back(i, -2 * i);
