@@ -15,13 +15,13 @@ struct MemberQuad {
   render::Appearance appearance;
   render::PictureTextures picture;
 
-  // label(member, slot): of both faces.
+  // label(member, rank): of both faces.
   template <class LabelOf>
   MemberQuad(gpu::Device& device, int members, int layers, const LabelOf& label) : scene(quadScene({0, 1}, 1.0f)) {
     scene.setLayers(members * layers, kSide);
     scene.character.layer_count = layers;
-    for (int slot = 0; slot < members * layers; ++slot)
-      for (uint32_t face = 0; face < 2; ++face) scene.setLabel(slot, face, label(slot / layers, slot % layers));
+    for (int rank = 0; rank < members * layers; ++rank)
+      for (uint32_t face = 0; face < 2; ++face) scene.setLabel(rank, face, label(rank / layers, rank % layers));
     model = render::CharacterModel::create(device, scene.character, scene.mesh).take();
     model.setPositions(device, scene.mesh.positions);
     appearance = render::Appearance::create(device, model, members).take();

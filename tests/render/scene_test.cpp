@@ -27,7 +27,7 @@ glm::mat4 turned(float radians) {
 
 class Stage : public testing::GlFixture {
  protected:
-  // A scene of one constant colour, with camera 0 in its only slot.
+  // A scene of one constant colour, with camera 0 in its only rank.
   std::unique_ptr<Still> still(testing::Scene scene, const glm::dvec3& color) {
     scene.setLayers(1, 16);
     for (uint32_t face = 0; face < scene.mesh.topology.faceCount(); ++face) scene.setLabel(0, face, 0);
@@ -72,7 +72,7 @@ TEST_F(Stage, theNearerOfTwoFiguresIsSeenInAnyOrder) {
 
 // Weights and rays are the character's: a placed figure looks as the unplaced one from the moved camera.
 TEST_F(Stage, aPlacedFigureLooksAsFromACameraMovedTheOtherWay) {
-  testing::MemberQuad quad(*device, 1, 2, [](int, int slot) { return uint8_t(slot); });
+  testing::MemberQuad quad(*device, 1, 2, [](int, int rank) { return uint8_t(rank); });
   quad.paintTiles(*device, {kRed, kGreen});
   const auto recipe = Recipe::create(*device).take();
   const Look look = quad.look(kWhole);
