@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Wires the page's controls to the one <fourdvt-viewer>. Everything the page says in figures is read from the
-// character's own files; what cannot be read is not said.
+// Connects the page's controls to the one <fourdvt-viewer>. Figures about the character are read from its own files;
+// what cannot be read is not shown.
 import './fourdvt-viewer/fourdvt-viewer.js';
 
 const byId = (id) => document.getElementById(id);
@@ -15,7 +15,7 @@ const UNITS = { mps: 'm/s', m: 'm', deg: '°', dps: '°/s', s: 's' };
 let scrubbing = false;
 let resumeAfterScrub = false;
 
-// "speed_mps" → Speed, m/s.
+// Splits "speed_mps" into the label "Speed" and the unit "m/s".
 function describeParameter(name) {
   const [, words, unit] = /^(.*?)(?:_([a-z]+))?$/.exec(name);
   return UNITS[unit] ? { label: capital(words), unit: UNITS[unit] } : { label: capital(name), unit: '' };
@@ -63,14 +63,14 @@ function showSequence() {
   showTime();
 }
 
-// The slider belongs to the class shown; it stays while a one-off motion plays.
+// The slider is for the class shown; it stays while a motion without parameters plays.
 function showParameter() {
   const sequence = currentSequence();
   const [parameter] = viewer.parameters;
   if (!sequence || !parameter) return;
   const { label, unit } = describeParameter(parameter.name);
   const slider = byId('parameter');
-  const known = slider.dataset.name === parameter.name; // then it is the visitor's: the motion glides to it
+  const known = slider.dataset.name === parameter.name; // then the slider shows what the visitor asked for
   slider.dataset.name = parameter.name;
   slider.dataset.unit = unit;
   slider.min = String(parameter.min);
@@ -94,7 +94,7 @@ function buildMotions() {
   for (const old of motions.querySelectorAll('label')) old.remove();
   const members = new Set(viewer.sequences.flatMap((s) => (s.members.length > 1 ? s.members : [])));
   for (const sequence of viewer.sequences) {
-    if (members.has(sequence.name)) continue; // an end of a class's slider
+    if (members.has(sequence.name)) continue; // the class's slider reaches it
     const label = document.createElement('label');
     const radio = document.createElement('input');
     radio.type = 'radio';
@@ -108,7 +108,7 @@ function buildMotions() {
   showSequence();
 }
 
-// A new motion starts moving at once, unless the visitor paused or asked for little motion.
+// Choosing a motion after the last one has ended plays it, unless the visitor prefers reduced motion.
 function chooseMotion(name) {
   const wasAtEnd = !currentSequence()?.loop && viewer.frame + 1 >= (currentSequence()?.frames ?? 0);
   viewer.goTo(name);
@@ -154,7 +154,7 @@ byId('parameter').addEventListener('input', () => {
 });
 byId('align').addEventListener('change', () => { viewer.align = byId('align').value; });
 
-// A class of motions is the first thing to play with.
+// The page opens with a class of motions if there is one, because it has a slider.
 viewer.addEventListener('loadedmetadata', () => {
   const first = viewer.sequences.find((s) => s.parameters.length > 0);
   if (first && !viewer.hasAttribute('sequence')) viewer.sequence = first.name;
@@ -208,7 +208,7 @@ function showFigures(report) {
   byId('figures').hidden = byId('figures-text').hidden = false;
 }
 
-// The words about the sample capture belong to it alone.
+// Hides what is said about the sample if another capture is shown.
 function showCapture({ name, credit }) {
   if (name === 'actor_a') return;
   for (const words of document.querySelectorAll('.sample')) words.hidden = true;
@@ -224,5 +224,5 @@ try {
     showFigures(report);
   }
 } catch {
-  // Without a readable report the page says less.
+  // Without a readable report the page shows no figures.
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A small scene to steer through: paved ground, crates and columns that hide the performer, a companion on request.
+// A small scene to steer through: paved ground, crates and columns that hide the performer; a button adds a companion.
 import './fourdvt-viewer/fourdvt-viewer.js';
 
 const byId = (id) => document.getElementById(id);
@@ -8,7 +8,7 @@ const TILE_M = 1;
 const HALF_TILES = 14;
 const TURN_BACK_M = 11;
 
-// Triangles as the viewer wants them: x, y, z, r, g, b a corner.
+// Triangles as the viewer takes them: x, y, z, r, g, b per corner.
 class Shape {
   #numbers = [];
   quad(a, b, c, d, color) {
@@ -62,7 +62,7 @@ viewer.addEventListener('canplay', () => {
   viewer.focus({ preventScroll: true });
 }, { once: true });
 
-// At the edge of the ground one turns back.
+// At the edge of the ground the performer turns back.
 viewer.addEventListener('timeupdate', () => {
   const { x, z, heading } = viewer.placement;
   if (Math.hypot(x, z) < TURN_BACK_M) return;
@@ -87,7 +87,7 @@ byId('company').addEventListener('click', () => {
   companion.setAttribute('travel', '');
   viewer.append(companion);
   byId('company').disabled = true;
-  // Walks in a wide circle.
+  // The companion walks in a wide circle.
   const turning = setInterval(() => {
     if (companion.isConnected) companion.heading = companion.heading + 12;
     else clearInterval(turning);

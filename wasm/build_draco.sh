@@ -2,17 +2,17 @@
 # SPDX-License-Identifier: Apache-2.0
 # Builds Draco's decoders as a static library for wasm and prints the folder to pass as DRACO_WASM_DIR (nothing else on stdout).
 #
-# Source: Debian's source package, through a private apt configuration that leaves the system's alone; or
+# Source: Debian's source package (debian_source.sh); or
 #   DRACO_SOURCE_DIR=folder   an unpacked Draco (it has CMakeLists.txt)
 # Result: ${FOURDVT_CACHE:-~/.cache/fourdvt}/draco-<version>-<hash of flags and compiler>/{lib/libdraco.a,include/draco}
-# Needs no root. Every run after the first returns at once.
+# Needs no root. Returns at once if the result is there.
 set -euo pipefail
 
 cache=${FOURDVT_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/fourdvt}
 flags="${DRACO_WASM_FLAGS:--Oz -msimd128} -fno-exceptions -fno-rtti -DNDEBUG"
 options=(-DDRACO_JS_GLUE=OFF -DDRACO_TESTS=OFF -DDRACO_BACKWARDS_COMPATIBILITY=OFF
   -DDRACO_POINT_CLOUD_COMPRESSION=OFF -DDRACO_PREDICTIVE_EDGEBREAKER=OFF)
-# Decoders that Draco has no option for: a character has positions and texture coordinates only.
+# A decoder that no option of Draco leaves out. A character has positions and texture coordinates only.
 no_features=NORMAL_ENCODING_SUPPORTED
 # The parts of Draco that decode a mesh; the encoders are most of the rest.
 parts=(draco_core draco_attributes draco_mesh draco_point_cloud draco_metadata draco_metadata_dec

@@ -3,7 +3,7 @@
 # Builds OpenCV's core, imgproc and video as static libraries for wasm and prints the folder to pass as OPENCV_WASM_DIR
 # (nothing else on stdout). One thread, 128-bit SIMD, no file formats, no zlib.
 #
-# Source: Debian's source package, through a private apt configuration that leaves the system's alone; or
+# Source: Debian's source package (debian_source.sh); or
 #   OPENCV_SOURCE_DIR=folder   an unpacked OpenCV 4 (it has CMakeLists.txt); read only
 # Result: ${FOURDVT_CACHE:-~/.cache/fourdvt}/opencv-<version>-<hash of flags and compiler>/{lib/libopencv_*.a,include}
 # With --only-if-built: prints the folder of an earlier run, or nothing.
@@ -57,7 +57,8 @@ number() { sed -nE "s/^#define CV_VERSION_$1 +([0-9]+).*/\1/p" "$source_dir/modu
 version=$(number MAJOR).$(number MINOR).$(number REVISION)
 [[ $version =~ ^4\.[0-9]+\.[0-9]+$ ]] || fail "$source_dir is no OpenCV 4 (version '$version')"
 
-# Flow needs no compressed files. OpenCV insists on zlib, which Debian's package leaves out: a name without contents.
+# Optical flow reads no compressed files, but OpenCV's build insists on zlib, which Debian's package leaves out. So it gets
+# a library of that name with nothing in it.
 sed -i 's/^#define USE_ZLIB 1$/#define USE_ZLIB 0/' "$source_dir/modules/core/src/persistence.hpp"
 zlib=$source_dir/3rdparty/zlib
 rm -rf "$zlib"

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-# Sourced by the build_*.sh scripts here: Debian source packages through a private apt configuration that leaves the
-# system's alone. Needs no root. The caller defines fail MESSAGE, which ends the script.
+# Fetches Debian source packages; sourced by the build_*.sh scripts of this folder. Uses an apt configuration of its own,
+# changes nothing of the system's, and needs no root. The caller defines fail MESSAGE, which ends the script.
 
 need() { command -v "$1" >/dev/null || fail "'$1' is missing: install the package $2"; }
 
-# Prints the system's own binary sources with their type turned into source packages.
+# Writes the system's apt sources again, for source packages instead of binary ones.
 write_private_sources() {  # $1: folder for them
   local file
   for file in /etc/apt/sources.list.d/*.sources; do

@@ -1,9 +1,9 @@
-# GLM and Draco for both builds. Under Emscripten only the headers needed are linked into a private include folder,
-# because -I/usr/include would mix in the host's headers.
+# GLM and Draco for the native and the wasm build. For wasm only the needed headers are linked into an include folder of
+# their own, because -I/usr/include would mix in the host's headers.
 add_library(fourdvt_glm INTERFACE)
 add_library(fourdvt_draco INTERFACE)
 if(EMSCRIPTEN)
-  # Size before speed: the player's budget is its download; the GPU does the work per pixel.
+  # Small rather than fast code: the download has a budget, and the GPU does the work per pixel.
   set(FOURDVT_WASM_FLAGS -Oz -flto -msimd128 -fno-exceptions -fno-rtti)
   add_compile_options(${FOURDVT_WASM_FLAGS})
   set(private_include ${CMAKE_BINARY_DIR}/include)

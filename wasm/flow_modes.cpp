@@ -8,7 +8,7 @@
 namespace fourdvt {
 namespace {
 
-// Two grey pictures → 2 floats a pixel, by the page (web/src/opencv-flow.ts); 0 if it cannot.
+// Lets the page compute the flow (web/src/opencv-flow.ts), as fdvt_flow_farneback of abi.txt. 0 if the page cannot.
 EM_JS(int, fdvt_page_flow, (const uint8_t* a, const uint8_t* b, int width, int height, float* out),
       { return Module['fourdvtFlow'] ? Module['fourdvtFlow'](a, b, width, height, out) : 0; });
 
@@ -19,10 +19,10 @@ Status solveOnPage(const uint8_t* a, const uint8_t* b, int width, int height, fl
 
 }  // namespace
 
-Result<std::unique_ptr<render::FlowSource>> makeFlow(gpu::Device& device, AlignMode mode) {
-  if (mode == kPageFlow) return render::createReadBackFlow(device, solveOnPage);
+Result<std::unique_ptr<render::FlowSource>> makeFlow(gpu::Device& device, abi::AlignMode mode) {
+  if (mode == abi::AlignMode::FlowOpencv) return render::createReadBackFlow(device, solveOnPage);
   render::FlowOptions options;
-  options.method = mode == kDis ? render::FlowMethod::Dis : render::FlowMethod::Farneback;
+  options.method = mode == abi::AlignMode::FlowDis ? render::FlowMethod::Dis : render::FlowMethod::Farneback;
   return render::createGpuFlow(device, options);
 }
 

@@ -3,7 +3,7 @@
 
 namespace fourdvt {
 
-Result<std::unique_ptr<render::FlowSource>> makeFlow(gpu::Device&, AlignMode) {
+Result<std::unique_ptr<render::FlowSource>> makeFlow(gpu::Device&, abi::AlignMode) {
   return Error{ErrorId::Unsupported, "no optical flow in this module: use fourdvt-flow.wasm"};
 }
 

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// src/*.ts + Emscripten's modules → dist/: the player (one ES module, one .wasm, types), and what a page fetches only
-// when it asks for optical flow. Prints the sizes; the budget is for what every visitor downloads.
-//   node build.mjs [--wasm FOLDER with fourdvt.js, fourdvt-flow.js and their .wasm]
-//                  [--opencv FOLDER with fourdvt-opencv.js and .wasm, default WASM/opencv] [--out FOLDER]
+// Builds dist/ from src/, the list of the ABI (wasm/abi.txt) and the wasm modules: the player (an ES module, its .wasm
+// and its types), and what a page fetches only when it asks for optical flow. Prints the sizes; the budget is for what
+// every visitor downloads.
+//   node build.mjs [--wasm FOLDER: the build of wasm/, default build/wasm/wasm]
+//                  [--opencv FOLDER with fourdvt-opencv.js and .wasm, default opencv/ in there] [--out FOLDER]
 import { execFileSync } from 'node:child_process';
 import { copyFileSync, existsSync, mkdirSync, readFileSync, rmSync } from 'node:fs';
 import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { gzipSync } from 'node:zlib';
 import { build } from 'esbuild';
+
+import { writeTypeScript } from '../wasm/abi.mjs';
 
 const BUDGET_GZIP_BYTES = 150_000;
 const here = dirname(fileURLToPath(import.meta.url));
@@ -22,14 +25,21 @@ const wasmFolder = option('--wasm', join(here, '../build/wasm/wasm'));
 const opencvFolder = option('--opencv', join(wasmFolder, 'opencv'));
 const out = option('--out', join(here, 'dist'));
 const hasOpencv = existsSync(join(opencvFolder, 'fourdvt-opencv.js'));
-for (const name of ['fourdvt.js', 'fourdvt.wasm', 'fourdvt-flow.js', 'fourdvt-flow.wasm']) {
-  if (existsSync(join(wasmFolder, name))) continue;
-  console.error(`build.mjs: ${join(wasmFolder, name)} is missing: build the CMake preset wasm first, or name its folder with --wasm`);
+function fail(message) {
+  console.error(`build.mjs: ${message}`);
   process.exit(1);
 }
+for (const name of ['abi.ts', 'fourdvt.js', 'fourdvt.wasm', 'fourdvt-flow.js', 'fourdvt-flow.wasm']) {
+  if (existsSync(join(wasmFolder, name))) continue;
+  fail(`${join(wasmFolder, name)} is missing: build the CMake preset wasm first, or name its folder with --wasm`);
+}
 if (process.argv.includes('--opencv') && !hasOpencv) {
-  console.error(`build.mjs: ${join(opencvFolder, 'fourdvt-opencv.js')} is missing: build the CMake preset wasm with OPENCV_WASM_DIR`);
-  process.exit(1);
+  fail(`${join(opencvFolder, 'fourdvt-opencv.js')} is missing: build the CMake preset wasm with OPENCV_WASM_DIR`);
+}
+const abi = join(here, 'src/generated/abi.ts');
+writeTypeScript(abi);
+if (!readFileSync(abi).equals(readFileSync(join(wasmFolder, 'abi.ts')))) {
+  fail(`the modules in ${wasmFolder} have another ABI than wasm/abi.txt: build the CMake preset wasm again`);
 }
 
 function bundle(entry, outfile, more = {}) {

@@ -33,38 +33,32 @@ Image part(const Image& picture, const package::Rect& rect) {
 }  // namespace
 
 Result<package::Character> readCharacter(const std::string& folder) {
-  auto json = platform::readJsonFlat(folder + "/character.gltf");
-  if (!json.ok()) return json.error();
-  return package::readManifest(json.value());
+  FOURDVT_ASSIGN(auto json, platform::readJsonFlat(folder + "/character.gltf"));
+  return package::readManifest(json);
 }
 
 Status openCharacterStream(const std::string& folder, const std::string& name, CharacterStream& out) {
-  auto character = readCharacter(folder);
-  if (!character.ok()) return character.error();
-  out.character = character.take();
+  FOURDVT_ASSIGN(auto character, readCharacter(folder));
+  out.character = std::move(character);
   out.sequence = out.character.find(name);
   if (!out.sequence) return noFrame(folder, name, 0);
   out.path = folder + "/" + out.sequence->stream_uri;
-  auto header = platform::readFileRange(out.path, 0, out.sequence->stream_header_bytes);
-  if (!header.ok()) return header.error();
-  auto index = package::readStreamHeader(header.value());
+  FOURDVT_ASSIGN(auto header, platform::readFileRange(out.path, 0, out.sequence->stream_header_bytes));
+  auto index = package::readStreamHeader(header);
   if (!index.ok()) return Error{index.error().id, out.path + ": " + index.error().message};
   out.index = index.take();
   const package::Character& c = out.character;
-  auto bytes = platform::readFileRange(folder + "/" + c.mesh_uri, c.mesh_offset, c.mesh_bytes);
-  if (!bytes.ok()) return bytes.error();
-  auto mesh = package::decodeBaseMesh(bytes.value());
-  if (!mesh.ok()) return mesh.error();
-  out.mesh = mesh.take();
+  FOURDVT_ASSIGN(auto bytes, platform::readFileRange(folder + "/" + c.mesh_uri, c.mesh_offset, c.mesh_bytes));
+  FOURDVT_ASSIGN(auto mesh, package::decodeBaseMesh(bytes));
+  out.mesh = std::move(mesh);
   out.chunk_mesh = package::makeChunkMesh(out.mesh);
   return {};
 }
 
 Result<package::ChunkFrames> readCharacterChunk(const CharacterStream& stream, uint32_t chunk) {
   const package::ChunkEntry& entry = stream.index.chunks[chunk];
-  auto bytes = platform::readFileRange(stream.path, entry.offset, entry.bytes);
-  if (!bytes.ok()) return bytes.error();
-  return package::decodeChunk(bytes.value(), stream.index, chunk, stream.chunk_mesh);
+  FOURDVT_ASSIGN(auto bytes, platform::readFileRange(stream.path, entry.offset, entry.bytes));
+  return package::decodeChunk(bytes, stream.index, chunk, stream.chunk_mesh);
 }
 
 Result<CharacterFrame> readCharacterFrame(const std::string& folder, const std::string& name, uint32_t frame,
@@ -76,25 +70,22 @@ Result<CharacterFrame> readCharacterFrame(const std::string& folder, const std::
   out.topology = std::move(stream.mesh.topology);
 
   const uint32_t chunk_index = stream.index.chunkOfFrame(frame);
-  auto chunk = readCharacterChunk(stream, chunk_index);
-  if (!chunk.ok()) return chunk.error();
+  FOURDVT_ASSIGN(auto chunk, readCharacterChunk(stream, chunk_index));
   const uint32_t inside = frame - stream.index.chunks[chunk_index].first_frame;
-  out.labels = labelsOf(chunk.value(), inside);
-  const size_t vertices = chunk.value().vertex_count;
+  out.labels = labelsOf(chunk, inside);
+  const size_t vertices = chunk.vertex_count;
   for (size_t v = 0; v < vertices; ++v)
     out.positions.push_back(stream.index.position_origin +
-                            stream.index.position_step_m * glm::vec3(chunk.value().positions[inside * vertices + v]));
+                            stream.index.position_step_m * glm::vec3(chunk.positions[inside * vertices + v]));
 
   const package::Rendition& rendition = stream.sequence->renditions.back();
   const std::string video_path = folder + "/" + rendition.video_uri;
-  auto video = open_video(video_path, 3);
-  if (!video.ok()) return video.error();
+  FOURDVT_ASSIGN(auto video, open_video(video_path, 3));
   for (uint32_t f = 0; f <= frame; ++f) {
-    auto picture = video.value()->next();
-    if (!picture.ok()) return picture.error();
-    if (!picture.value()) return Error{ErrorId::VideoTooShort, video_path + ": ends early; bake it again"};
+    FOURDVT_ASSIGN(auto picture, video->next());
+    if (!picture) return Error{ErrorId::VideoTooShort, video_path + ": ends early; bake it again"};
     if (f != frame) continue;
-    for (const package::Rect& rect : rendition.layers) out.layers.push_back(part(*picture.value(), rect));
+    for (const package::Rect& rect : rendition.layers) out.layers.push_back(part(*picture, rect));
   }
   return out;
 }
@@ -109,11 +100,9 @@ Result<std::vector<std::vector<std::vector<uint8_t>>>> readCharacterLabels(const
   for (uint32_t c = 0; c < stream.index.chunks.size(); ++c) {
     const package::ChunkEntry& entry = stream.index.chunks[c];
     if (entry.first_frame + entry.frame_count <= first || entry.first_frame >= first + count) continue;
-    auto chunk = readCharacterChunk(stream, c);
-    if (!chunk.ok()) return chunk.error();
+    FOURDVT_ASSIGN(auto chunk, readCharacterChunk(stream, c));
     for (uint32_t f = 0; f < entry.frame_count; ++f)
-      if (entry.first_frame + f >= first && entry.first_frame + f < first + count)
-        out.push_back(labelsOf(chunk.value(), f));
+      if (entry.first_frame + f >= first && entry.first_frame + f < first + count) out.push_back(labelsOf(chunk, f));
   }
   return out;
 }

@@ -48,9 +48,8 @@ class Evaluation {
       if (fits && !capture_.cameras[c].distortion.any()) plates_[c] = plate.take();
     }
     if (!any_held_out) return {};
-    auto test = capture::readColmapCameras(capture_.folder + "/cameras_test");
-    if (!test.ok()) return test.error();
-    for (const auto& camera : test.value()) test_cameras_.push_back(camera.pinhole);
+    FOURDVT_ASSIGN(auto test, capture::readColmapCameras(capture_.folder + "/cameras_test"));
+    for (const auto& camera : test) test_cameras_.push_back(camera.pinhole);
     return {};
   }
 
@@ -69,9 +68,8 @@ class Evaluation {
       char name[64];
       std::snprintf(name, sizeof name, "/%04u.png", input.index);
       const std::string path = sequence.folder + "/" + camera.name + name;
-      auto truth = platform::readImage(path);
-      if (!truth.ok()) return truth.error();
-      const Image& t = truth.value();
+      FOURDVT_ASSIGN(auto truth, platform::readImage(path));
+      const Image& t = truth;
       if (t.channels != 4 || t.width != camera.width || t.height != camera.height)
         return Error{ErrorId::FrameSize, path + ": must be RGBA of " + std::to_string(camera.width) + "x" +
                                              std::to_string(camera.height) + " pixels as in cameras_test/cameras.txt"};
@@ -96,16 +94,15 @@ class Evaluation {
     FOURDVT_TRY(character_.showFrame(sequence, frame));
     render::RecipeOptions recipe;
     recipe.ground_shadow = false;
-    auto drawn = character_.renderStill(render::viewFromCamera(camera), recipe);
-    if (!drawn.ok()) return drawn.error();
+    FOURDVT_ASSIGN(auto drawn, character_.renderStill(render::viewFromCamera(camera), recipe));
     WorstView view{{sequence, camera.name, frame, held_out, 0, 0, 0, kNaN, kNaN, kNaN},
                    compositedOnBlack(truth),
-                   compositedOnBlack(drawn.value()),
+                   compositedOnBlack(drawn),
                    {}};
-    const Mask inside = unionOfSilhouettes(truth, drawn.value());
+    const Mask inside = unionOfSilhouettes(truth, drawn);
     view.score.psnr_db = psnr(view.truth, view.character, inside);
     view.score.ssim = ssim(view.truth, view.character, inside);
-    view.score.common_psnr_db = psnr(view.truth, view.character, commonSilhouette(truth, drawn.value()));
+    view.score.common_psnr_db = psnr(view.truth, view.character, commonSilhouette(truth, drawn));
     if (!yardstick.empty()) {
       view.yardstick = compositedOnBlack(yardstick);
       const Mask its_inside = unionOfSilhouettes(truth, yardstick);
@@ -169,12 +166,10 @@ Result<HeldOutReport> evaluateHeldOut(const capture::Capture& capture, const Ope
   FOURDVT_TRY(evaluation.prepare(any_held_out));
   for (const std::string& name : names) {
     const capture::CaptureSequence& sequence = *capture.find(name);
-    auto reader = capture::FrameReader::open(capture, sequence, open_video);
-    if (!reader.ok()) return reader.error();
+    FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(capture, sequence, open_video));
     for (uint32_t frame = 0; frame <= lastFrame(sequence, options.input_every); ++frame) {
-      auto input = reader.value()->next();
-      if (!input.ok()) return input.error();
-      FOURDVT_TRY(evaluation.frame(sequence, input.value()));
+      FOURDVT_ASSIGN(auto input, reader->next());
+      FOURDVT_TRY(evaluation.frame(sequence, input));
       if (on_frame) on_frame(name, frame);
     }
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The state machine of one character: what to fetch, what to decode, which frame to show, how to draw it.
+// Plays one character: decides what to fetch, what to decode, which frame to show, and composes what is drawn.
 //
 // Does: load, play, pause, seek, loop, rate, sequence choice; parameters of motion classes, transitions through the
 // motion graph, root motion; pair decoded pictures with mesh chunks by timestamp and check the barcode; bound its
@@ -7,80 +7,27 @@
 // (Request::decoder). Does NOT fetch, decode video, own a clock, touch the DOM or files: the edge (page or native tool)
 // polls requests and feeds answers. Order of calls: create → loadManifest → { tick(now) → drain nextRequest/nextEvent →
 // answers → draw } … Single-threaded. No call blocks.
+//
+// Words: a state is a node of the motion graph, that is a sequence or class as something to go to. A slot is a picture
+// slot of a decoder. A look is one decoded picture on the figure's mesh; the figure is what a recipe draws.
+//
+// The player is made of parts (parts/), each with its own state and tests; player_impl.h brings them together.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
-#include <variant>
 
 #include "base/flat_json.h"
 #include "base/result.h"
 #include "gpu/device.h"
 #include "motion/placement.h"
 #include "package/character.h"
+#include "player/parts/messages.h"
 #include "render/recipe.h"
 
 namespace fourdvt {
-
-// What the edge must do. Spans stay valid until the next call of any non-const method of the player.
-struct FetchRange {  // answer: onRangeReceived / onRangeFailed
-  uint32_t id = 0;
-  std::string uri;  // relative to the manifest
-  uint64_t offset = 0, bytes = 0;
-};
-struct CancelFetch {
-  uint32_t id = 0;
-};
-// Decoder requests name one of kDecoders; the second is used only around transitions.
-constexpr int kDecoders = 2;
-struct ConfigureDecoder {  // drop everything queued, then configure
-  int decoder = 0;
-  std::string codec;
-  std::span<const uint8_t> description;  // avcC or empty
-  int width = 0, height = 0;
-};
-struct DecodeSample {
-  int decoder = 0;
-  std::span<const uint8_t> bytes;
-  int64_t timestamp_us =
-      0;  // strictly identifies the wanted presentation (unwrapped over loops); goes back in the answer
-  bool key = false;
-};
-struct FlushDecoder {
-  int decoder = 0;
-};  // the end of a sequence that does not loop: output every picture of the samples so far
-struct ResetDecoder {
-  int decoder = 0;
-};  // forget queued samples and pictures (seek, other sequence); answers still in flight are dropped
-struct CloseDecoder {
-  int decoder = 0;
-};  // not needed any more: free it
-using Request =
-    std::variant<FetchRange, CancelFetch, ConfigureDecoder, DecodeSample, FlushDecoder, ResetDecoder, CloseDecoder>;
-
-enum class EventKind {
-  LoadedMetadata,
-  CanPlay,
-  Playing,
-  Paused,
-  Waiting,
-  Seeked,
-  Ended,
-  TimeUpdate,
-  Progress,
-  SequenceChanged,
-  Error,
-  TransitionStarted,
-  TransitionEnded
-};
-const char* eventName(EventKind kind);  // "loadedmetadata", "canplay", … as the media element names them
-struct Event {
-  EventKind kind;
-  Error error;                                 // Error only
-  uint64_t loaded_bytes = 0, total_bytes = 0;  // Progress only: towards the first picture
-};
 
 struct PlayerOptions {
   int picture_slots = 4;                      // decoded pictures kept on the GPU

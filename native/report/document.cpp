@@ -38,12 +38,17 @@ td.good{color:var(--good);font-weight:600}td.bad{color:var(--bad);font-weight:60
 .plots{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,440px),1fr));gap:20px;margin-top:20px}
 .plots figure{background:var(--card);border:1px solid var(--line);border-radius:10px;padding:16px}
 .plots figcaption{font-size:15px;color:var(--ink);font-weight:620;margin:0 0 10px}.plots>figure>div{overflow-x:auto}
+svg.bars{width:100%;max-width:720px;height:auto;display:block}svg.bars rect{fill:var(--bar)}
+svg.bars text{font:13px system-ui,sans-serif;fill:var(--ink)}svg.bars .label{text-anchor:end;fill:var(--soft)}
+header.with-poster{display:grid;grid-template-columns:1fr minmax(160px,240px);gap:32px;align-items:center}
+footer{margin-top:48px;border-top:1px solid var(--line);padding-top:16px}
+@media(max-width:640px){header.with-poster{grid-template-columns:1fr}}
 svg.plot{width:100%;min-width:400px;height:auto;display:block}
 .pictures{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,300px),1fr));gap:20px;margin-top:20px}
 .pictures .wide{grid-column:1/-1}figure{margin:0}img{width:100%;height:auto;display:block;border-radius:8px;background:#8882}
 figcaption{font-size:13px;color:var(--soft);margin-top:6px;max-width:80ch}
 @media(min-width:1240px){.page{max-width:1280px;display:grid;grid-template-columns:190px minmax(0,1fr);column-gap:56px}
-header,main{grid-column:2}nav{grid-column:1;grid-row:1/3}nav ol{position:sticky;top:32px;display:block;margin:0}
+header,main,footer{grid-column:2}nav{grid-column:1;grid-row:1/3}nav ol{position:sticky;top:32px;display:block;margin:0}
 nav a{border:0;background:none;padding:5px 0}}
 @media print{nav{display:none}section{break-inside:avoid-page}.scroll{overflow:visible}}
 )";
@@ -147,6 +152,10 @@ std::string sectionHtml(const Section& section) {
              "</span></div>\n";
     out += "</div>\n";
   }
+  for (const BarChart& chart : section.bar_charts) {
+    if (!chart.title.empty()) out += "<h3>" + htmlEscaped(chart.title) + "</h3>\n";
+    out += barsSvg(chart);
+  }
   if (!section.plots.empty()) {
     out += "<div class=\"plots\">\n";
     for (const Plot& plot : section.plots)
@@ -163,15 +172,20 @@ std::string sectionHtml(const Section& section) {
   return out + "</section>\n";
 }
 
+std::string headerHtml(const Document& document) {
+  const std::string text = "<h1>" + htmlEscaped(document.title) + "</h1>\n" + paragraphs(document.subtitle);
+  if (document.poster.file.empty()) return "<header>" + text + "</header>\n";
+  return "<header class=\"with-poster\"><div>" + text + "</div>" + pictureHtml(document.poster) + "</header>\n";
+}
+
 }  // namespace
 
 std::string documentHtml(const Document& document) {
   std::string out =
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
       "content=\"width=device-width,initial-scale=1\"><title>" +
-      htmlEscaped(document.title) + "</title><style>" + kStyle +
-      "</style></head><body><div class=\"page\">\n<header><h1>" + htmlEscaped(document.title) + "</h1>\n" +
-      paragraphs(document.subtitle) + "</header>\n";
+      htmlEscaped(document.title) + "</title><style>" + kStyle + "</style></head><body><div class=\"page\">\n" +
+      headerHtml(document);
   if (document.sections.size() > 1) {
     out += "<nav aria-label=\"Contents\"><ol>\n";
     for (const Section& section : document.sections)
@@ -180,7 +194,9 @@ std::string documentHtml(const Document& document) {
   }
   out += "<main>\n";
   for (const Section& section : document.sections) out += sectionHtml(section);
-  return out + "</main></div></body></html>\n";
+  out += "</main>\n";
+  if (!document.credit.empty()) out += "<footer>" + paragraphs(document.credit) + "</footer>\n";
+  return out + "</div></body></html>\n";
 }
 
 }  // namespace fourdvt::report

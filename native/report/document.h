@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A report as a self-contained HTML page: tables, SVG plots, pictures by relative file name. Does NOT measure or read
-// files.
+// A report as a self-contained HTML page: tables, SVG plots and bars, pictures by relative file name. The one writer of
+// such pages: the bake's report and the study's are both documents. Does NOT measure or read files.
 #pragma once
 
 #include <string>
@@ -28,6 +28,16 @@ struct Plot {
   std::vector<Curve> curves;
 };
 
+struct Bar {
+  std::string label, text;  // text: the value as it is read
+  double value = 0;         // not negative; lengths are relative to the chart's largest
+};
+
+struct BarChart {
+  std::string title;
+  std::vector<Bar> bars;
+};
+
 struct Picture {
   std::string file, caption;  // relative to the page
   int width = 0, height = 0;  // pixels; 0: not known
@@ -43,11 +53,14 @@ struct Section {
   std::vector<Plot> plots;
   std::vector<Picture> pictures;
   std::vector<Tile> tiles;
+  std::vector<BarChart> bar_charts;
 };
 
 struct Document {
   std::string title, subtitle;
   std::vector<Section> sections;
+  Picture poster;      // beside the title; no file: none
+  std::string credit;  // at the foot, may be empty
 };
 
 // A plot's inner area in its viewBox; the area's corners are the ends of the axes.
@@ -67,6 +80,8 @@ Axis makeAxis(const std::vector<double>& values, bool log, bool own_ticks);
 // Accessible (title and description), light and dark by CSS variables, no scripts. Points that are not finite, or not
 // positive on a logarithmic axis, break their curve. A valid SVG file by itself.
 std::string plotSvg(const Plot& plot);
+// Horizontal bars with labels and values, for a page (its CSS colours them).
+std::string barsSvg(const BarChart& chart);
 // Cells that start with "✓" or "✗" are coloured as verdicts; columns of words wrap, columns of figures do not.
 std::string documentHtml(const Document& document);
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -134,17 +133,6 @@ Image cameraLegend(const std::vector<std::string>& names, int width, int height)
   }
   entry(index, labelColour(255), "no camera left");
   return out;
-}
-
-Image differenceMap(const Image& a, const Image& b, double gain) {
-  cv::Mat grey(a.height, a.width, CV_8U);
-  for (int y = 0; y < a.height; ++y)
-    for (int x = 0; x < a.width; ++x) {
-      int largest = 0;
-      for (int c = 0; c < 3; ++c) largest = std::max(largest, std::abs(int(a.at(x, y)[c]) - int(b.at(x, y)[c])));
-      grey.at<uint8_t>(y, x) = cv::saturate_cast<uint8_t>(gain * largest);
-    }
-  return heat(grey);
 }
 
 Image shareMap(const std::vector<uint8_t>& values, const Image& alpha) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures for people: grids with titles, camera maps in UV space, difference maps, crops. All RGB, row 0 at the top.
+// Pictures for people: grids with titles, camera maps in UV space, crops. All RGB, row 0 at the top.
 // Does NOT draw characters or read files.
 #pragma once
 
@@ -33,8 +33,6 @@ Image changeMap(const MeshTopology& topology, std::span<const uint8_t> before, s
 // Swatches with names, one under the other.
 Image cameraLegend(const std::vector<std::string>& names, int width, int height);
 
-// |a − b| × gain, the largest of the channels, as a heat map from black to yellow. Both of one size, 3 or 4 channels.
-Image differenceMap(const Image& a, const Image& b, double gain = 4);
 // One channel 0..255 as a heat map; black where `alpha` (RGBA picture of the same size) is below 128.
 Image shareMap(const std::vector<uint8_t>& values, const Image& alpha);
 

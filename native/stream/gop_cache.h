@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "package/chunk_decoder.h"
+#include "package/coding/chunk_decoder.h"
 
 namespace fourdvt::stream {
 
@@ -23,8 +23,8 @@ enum class PartState { Absent, Fetching, Present, Failed };
 
 struct Gop {
   PartState video_state = PartState::Absent, chunk_state = PartState::Absent;
-  std::vector<uint8_t> video;   // the GOP's samples, contiguous as in the file
-  std::vector<uint8_t> chunk;   // encoded geometry
+  std::vector<uint8_t> video;                       // the GOP's samples, contiguous as in the file
+  std::vector<uint8_t> chunk;                       // encoded geometry
   std::unique_ptr<package::ChunkDecoder> geometry;  // of `chunk`, decoded as far as was asked for
   uint64_t last_use = 0;
   uint64_t encodedBytes() const { return video.size() + chunk.size(); }
@@ -33,8 +33,8 @@ struct Gop {
 class GopCache {
  public:
   explicit GopCache(uint64_t budget_bytes) : budget_bytes_(budget_bytes) {}
-  Gop& touch(GopKey key);            // creates it; marks it used
-  Gop* find(GopKey key);             // null if not held
+  Gop& touch(GopKey key);  // creates it; marks it used
+  Gop* find(GopKey key);   // null if not held
   // Drops least recently used GOPs that are neither kept nor being fetched until the budget holds, and the decoded
   // geometry of all but the kept ones.
   void trim(const std::vector<GopKey>& keep);

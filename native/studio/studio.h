@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The virtual studio: an actor, rendered from a ring of cameras, written as a capture folder (capture.h) with held-out
-// pictures, and for a motion class with the truth between its members (studio_truth.h). Every imperfection of a real
+// pictures, and for a motion class with the truth between its members (truth.h). Every imperfection of a real
 // capture is a knob, with a seed; the same options give the same bytes.
 //
 // Order of calls: options.check() → runStudio. Does NOT model motion blur, lens distortion, shadows or rolling shutter.

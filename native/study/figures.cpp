@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "study/rows.h"
 
@@ -113,32 +112,17 @@ Result<Figures> parseFiguresCsv(const std::string& text, const std::string& path
   return out;
 }
 
-std::optional<double> findValue(const Figures& rows, const std::string& table, const std::string& sequence,
-                                const std::string& method, const std::string& setting_words,
-                                const std::string& quantity) {
-  for (const Figure& row : rows) {
-    if (row.table != table || row.sequence != sequence || row.method != method || row.quantity != quantity) continue;
-    std::istringstream words(setting_words);
-    bool fits = true;
-    for (std::string word; words >> word;)
-      fits &= (" " + row.setting + " ").find(" " + word + " ") != std::string::npos;
-    if (fits) return row.value;
-  }
-  return std::nullopt;
-}
-
-std::optional<double> bytesAtQuality(std::vector<RatePoint> points, double quality_db) {
-  std::sort(points.begin(), points.end(),
-            [](const RatePoint& a, const RatePoint& b) { return a.quality_db < b.quality_db; });
-  points.erase(std::unique(points.begin(), points.end(),
-                           [](const RatePoint& a, const RatePoint& b) { return a.quality_db == b.quality_db; }),
-               points.end());
-  if (points.size() < 2 || !std::isfinite(quality_db)) return std::nullopt;
-  size_t i = 1;
-  while (i + 1 < points.size() && points[i].quality_db < quality_db) ++i;
+BytesAtQuality bytesAtQuality(std::vector<RatePoint> points, double quality) {
+  if (points.empty() || !std::isfinite(quality)) return {};
+  std::sort(points.begin(), points.end(), [](const RatePoint& a, const RatePoint& b) { return a.quality < b.quality; });
+  if (quality > points.back().quality) return {std::nullopt, 1};
+  if (quality < points.front().quality) return {std::nullopt, -1};
+  size_t i = 0;
+  while (points[i].quality < quality) ++i;
+  if (points[i].quality == quality) return {points[i].bytes, 0};
   const RatePoint &a = points[i - 1], &b = points[i];
-  const double t = (quality_db - a.quality_db) / (b.quality_db - a.quality_db);
-  return std::exp(std::log(a.bytes) + t * (std::log(b.bytes) - std::log(a.bytes)));
+  const double t = (quality - a.quality) / (b.quality - a.quality);
+  return {std::exp(std::log(a.bytes) + t * (std::log(b.bytes) - std::log(a.bytes))), 0};
 }
 
 }  // namespace fourdvt::study

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the steps of a study share and what needs neither GPU nor files: looking up rows, bytes at matched quality.
+// What the steps of a study share and what needs neither GPU nor files: writing rows, bytes at matched quality.
 #pragma once
 
 #include <optional>
@@ -29,17 +29,15 @@ class RowWriter {
   Figure row_;
 };
 
-// The value of the first row of this table, sequence, method and quantity whose setting contains every one of these
-// "key=value" words ("" : any).
-std::optional<double> findValue(const Figures& rows, const std::string& table, const std::string& sequence,
-                                const std::string& method, const std::string& setting_words,
-                                const std::string& quantity);
-
 struct RatePoint {
-  double bytes = 0, quality_db = 0;
+  double bytes = 0, quality = 0;  // dB or SSIM: more is better
 };
-// Bytes at a quality: the logarithm of the bytes is linear between neighbouring points, and along the last segment
-// beyond them. Any order; nullopt for fewer than two points of different quality.
-std::optional<double> bytesAtQuality(std::vector<RatePoint> points, double quality_db);
+// Bytes at a quality: the logarithm of the bytes is linear between points of neighbouring quality. Nothing is
+// extrapolated: bytes is empty outside of the range of the points, and `beyond` says on which side. Any order.
+struct BytesAtQuality {
+  std::optional<double> bytes;
+  int beyond = 0;  // 1: better than every point, -1: worse than every point, 0: within the range, or unknown
+};
+BytesAtQuality bytesAtQuality(std::vector<RatePoint> points, double quality);
 
 }  // namespace fourdvt::study

@@ -10,21 +10,25 @@
 // table1        fvvr, naive,      layers=3 size=512 codec=h264     kLoadingS, kTotalBytes (all that is loaded),
 //               spatial,          crf=23                           kVideoBytes, kGeometryBytes, kLabelBytes,
 //               temporal-paper,   (fvvr: any)                      kOtherBytes (manifest, index, base mesh),
-//               per-texel, joint                                   kVideoBps; kPercentOfMasked, kPercentOfSameCodec
+//               per-texel, joint                                   kVideoBps, kLoadingAllS; kPercentOfMasked
 //                                                                  (kTotalBytes against the foreground-only
 //                                                                  multi-view); against FVVR: kSsimFg, kSsimFull,
-//                                                                  kPsnrFgDb, kPsnrFullDb. fvvr: kLoadingS, kTotalBytes
-//                                                                  (masked PNG multi-view), kMultiviewCodecBytes
+//                                                                  kPsnrFgDb, kPsnrFullDb; kPercentAt…, kBeyondAt….
+//                                                                  fvvr: loading, kTotalBytes (masked PNG multi-view)
 //               joint-default     as baked by default              as above: the product's own settings
 // multiview     multiview         cameras=8 frames=28              LVDT Table 1: kRawBytes, kCompressedBytes (PNG),
-//                                                                  kMaskedBytes (PNG, background masked),
-//                                                                  kMultiviewCodecBytes (codec of table1, same quality)
+//                                                                  kMaskedBytes (PNG, background masked)
+// multiview-    h264              crf=23                           foreground-only multi-view as one video per camera:
+// codec                                                            kVideoBytes, kPsnrFgDb (the cameras' pictures);
+//                                                                  kHeldOutPsnrDb, kHeldOutSsim: FVVR from the decoded
+//                                                                  videos against the held-out cameras (its mattes
+//                                                                  and meshes cost it nothing)
 // layers        joint             layers=L size=S                  LVDT Fig. 5: kSsimFg, kSsimFull, kPsnrFgDb;
 //                                                                  Fig. 7: kImageBytes (layers as PNG, a frame),
 //                                                                  kVideoBytes (sequence), kVideoBps, kGpuBytes;
 //               naive             layers=L size=S                  the same, where measured (the papers' own labels)
 //               fvvr              any                              kMaskedBytes (PNG, a frame, all cameras),
-//                                                                  kMultiviewCodecBytes (sequence), kGpuBytes
+//                                                                  kGpuBytes
 // speed         layered, fvvr     layers=3 size=512 [closest=M]    kFramesPerS, kFrameMs. closest: FVVR from the M
 //                                                                  cameras nearest to the view; without it: from all
 //               layered           [closest=M]                      kRatioToFvvr: frame rate against FVVR's with M
@@ -65,8 +69,9 @@
 //               flow-dis,                                          truth also kDifferenceMeanMm, …TailMm; against=none
 //               opencv-dis, …                                      (flow-opencv): the size of the flow itself
 // motion-       none, baked,      w=W mesh=blend|truth             against the studio's truth: kPsnrFgDb, kSsimFg.
-// appearance    flow-gpu,         region=common|whole              mesh: drawn on; common: both silhouettes only
-//               flow-opencv       (method empty: w=W)              kMeshMeanMm/Tail: blended mesh to the true one
+// appearance    baked-mean,       region=common|whole              mesh: drawn on; common: both silhouettes only
+//               flow-gpu, flow-   (method empty: w=W)              kMeshMeanMm/Tail: blended mesh to the true one
+//               gpu-detail, flow-opencv
 // motion-       likewise          w=W                              kGradientRatio, kGradientRatioLeast, kDetailRatio
 // sharpness                                                        against the members' own looks
 // motion-cost   likewise,         size=WxH [characters=N]          kFrameMs, kRatioToNone; baked: kCharactersPerFlow:
@@ -94,6 +99,7 @@ namespace fourdvt::study::rows {
 // Tables.
 inline constexpr const char* kTable1 = "table1";
 inline constexpr const char* kMultiview = "multiview";
+inline constexpr const char* kMultiviewCodec = "multiview-codec";
 inline constexpr const char* kLayers = "layers";
 inline constexpr const char* kSpeed = "speed";
 inline constexpr const char* kLabels = "labels";
@@ -119,7 +125,7 @@ inline constexpr int kClosestCameras = 3;                    // M: as many camer
 inline constexpr const char* kNaive = "naive";
 inline constexpr const char* kSpatial = "spatial";
 inline constexpr const char* kTemporalPaper = "temporal-paper";
-inline constexpr const char* kPerTexel = "per-texel";
+inline constexpr const char* kPerTexel = "per-texel";  // texels chosen per texel, weighted per face: not LVDT's
 inline constexpr const char* kJoint = "joint";
 inline constexpr const char* kJointDefault = "joint-default";
 inline constexpr const char* kJointNoUnseen = "joint-no-unseen";    // faces that no camera sees stay empty
@@ -132,14 +138,17 @@ inline constexpr const char* kHybrid = "hybrid";
 inline constexpr const char* kNonlinear = "nonlinear";
 inline constexpr const char* kAlignNone = "none";
 inline constexpr const char* kAlignBaked = "baked";
-inline constexpr const char* kAlignBakedMean = "baked-mean";  // contrast lost in the mean is not put back
-inline constexpr const char* kFlowGpu = "flow-gpu";           // Farneback
+inline constexpr const char* kAlignBakedMean = "baked-mean";      // contrast lost in the mean is not put back
+inline constexpr const char* kFlowGpu = "flow-gpu";               // Farneback
+inline constexpr const char* kFlowGpuDetail = "flow-gpu-detail";  // its contrast put back in the picture; study only
 inline constexpr const char* kFlowDis = "flow-dis";
 inline constexpr const char* kFlowOpencv = "flow-opencv";  // Farneback
 inline constexpr const char* kOpencvDis = "opencv-dis";
 
 // Quantities.
-inline constexpr const char* kLoadingS = "loading_s";
+inline constexpr const char* kLoadingS = "loading_s";  // from nothing to the first picture
+inline constexpr const char* kLoadingAllS =
+    "loading_all_s";  // the whole sequence decoded and uploaded, as in the papers
 inline constexpr const char* kTotalBytes = "total_bytes";
 inline constexpr const char* kVideoBytes = "video_bytes";
 inline constexpr const char* kGeometryBytes = "geometry_bytes";
@@ -148,7 +157,12 @@ inline constexpr const char* kOtherBytes = "other_bytes";
 inline constexpr const char* kVideoBps = "video_bps";
 inline constexpr const char* kLabelBps = "label_bps";
 inline constexpr const char* kPercentOfMasked = "percent_of_masked";
-inline constexpr const char* kPercentOfSameCodec = "percent_of_same_codec";
+inline constexpr const char* kPercentAtPsnr = "percent_at_equal_held_out_psnr";
+inline constexpr const char* kPercentAtSsim = "percent_at_equal_held_out_ssim";
+inline constexpr const char* kBeyondAtPsnr = "beyond_range_at_held_out_psnr";
+inline constexpr const char* kBeyondAtSsim = "beyond_range_at_held_out_ssim";
+inline constexpr const char* kHeldOutPsnrDb = "held_out_psnr_fg_db";
+inline constexpr const char* kHeldOutSsim = "held_out_ssim_fg";
 inline constexpr const char* kSsimFg = "ssim_fg";
 inline constexpr const char* kSsimFull = "ssim_full";
 inline constexpr const char* kPsnrFgDb = "psnr_fg_db";
@@ -157,7 +171,6 @@ inline constexpr const char* kPsnrCommonDb = "psnr_common_db";
 inline constexpr const char* kRawBytes = "raw_bytes";
 inline constexpr const char* kCompressedBytes = "compressed_bytes";
 inline constexpr const char* kMaskedBytes = "masked_bytes";
-inline constexpr const char* kMultiviewCodecBytes = "multiview_codec_bytes";
 inline constexpr const char* kImageBytes = "image_bytes_frame";
 inline constexpr const char* kGpuBytes = "gpu_bytes";
 inline constexpr const char* kFramesPerS = "frames_per_s";

@@ -109,10 +109,9 @@ Result<Figures> keptPart(const StudyContext& context, const std::string& name,
   const std::string folder = context.work() + "/rows", path = folder + "/" + name + ".csv";
   if (auto kept = keptRows(path)) return std::move(*kept);
   FOURDVT_TRY(checkStop(context));
-  auto rows = measure();
-  if (!rows) return rows;
+  FOURDVT_ASSIGN(auto rows, measure());
   FOURDVT_TRY(platform::makeFolder(folder));
-  FOURDVT_TRY(platform::writeFileAtomic(path, figuresCsv(rows.value())));
+  FOURDVT_TRY(platform::writeFileAtomic(path, figuresCsv(rows)));
   return rows;
 }
 

@@ -37,10 +37,9 @@ const capture::CaptureSequence& shortestSequence(const StudyContext& context) {
 Result<std::vector<RingView>> studyRing(const StudyContext& context, const capture::CaptureSequence& sequence) {
   BoundingBox bounds;
   for (uint32_t f = 0; f < sequence.frame_count; ++f) {
-    auto positions = capture::readMeshFrame(*context.capture, sequence, f);
-    if (!positions) return positions.error();
-    if (f == 0) bounds = {positions.value()[0], positions.value()[0]};
-    for (const glm::vec3& p : positions.value()) {
+    FOURDVT_ASSIGN(auto positions, capture::readMeshFrame(*context.capture, sequence, f));
+    if (f == 0) bounds = {positions[0], positions[0]};
+    for (const glm::vec3& p : positions) {
       bounds.min = glm::min(bounds.min, p);
       bounds.max = glm::max(bounds.max, p);
     }
@@ -71,10 +70,9 @@ Result<std::vector<PinholeCamera>> heldOutCameras(const StudyContext& context) {
   bool any = false;
   for (const auto* sequence : studySequences(context)) any |= !sequence->test_frames.empty();
   if (!any) return out;
-  auto cameras = capture::readColmapCameras(context.capture->folder + "/cameras_test");
-  if (!cameras) return cameras.error();
-  capture::scaleToMetres(cameras.value(), context.capture->metres_per_unit);
-  for (const auto& camera : cameras.value()) out.push_back(camera.pinhole);
+  FOURDVT_ASSIGN(auto cameras, capture::readColmapCameras(context.capture->folder + "/cameras_test"));
+  capture::scaleToMetres(cameras, context.capture->metres_per_unit);
+  for (const auto& camera : cameras) out.push_back(camera.pinhole);
   return out;
 }
 
@@ -82,9 +80,8 @@ Result<Image> heldOutTruth(const capture::CaptureSequence& sequence, const Pinho
   char name[32];
   std::snprintf(name, sizeof name, "/%04u.png", frame);
   const std::string path = sequence.folder + "/" + camera.name + name;
-  auto truth = platform::readImage(path);
-  if (!truth) return truth.error();
-  const Image& t = truth.value();
+  FOURDVT_ASSIGN(auto truth, platform::readImage(path));
+  const Image& t = truth;
   if (t.channels != 4 || t.width != camera.width || t.height != camera.height)
     return Error{ErrorId::FrameSize, path + ": must be RGBA of " + std::to_string(camera.width) + "x" +
                                          std::to_string(camera.height) + " pixels as in cameras_test/cameras.txt"};
@@ -130,6 +127,24 @@ bake::BakeEnvironment bakeEnvironment(const StudyContext& context) {
   return environment;
 }
 
+Result<bake::BakeReport> runBake(const StudyContext& context, const bake::BakeOptions& options, const TellBake& tell) {
+  FOURDVT_TRY(platform::makeFolder(std::filesystem::path(options.character_folder).parent_path().string()));
+  bake::BakeEnvironment environment = bakeEnvironment(context);
+  environment.progress = [&](const bake::Progress& p) { tell(p.stage, p.total ? double(p.done) / p.total : 0); };
+  return bake::bake(options, environment);
+}
+
+bool isCharacter(const std::string& folder) {
+  std::error_code ignored;
+  return std::filesystem::exists(folder + "/character.gltf", ignored);
+}
+
+Status bakeOnce(const StudyContext& context, const bake::BakeOptions& options, const TellBake& tell) {
+  if (isCharacter(options.character_folder)) return {};
+  FOURDVT_ASSIGN([[maybe_unused]] const auto report, runBake(context, options, tell));
+  return {};
+}
+
 Result<std::unique_ptr<SurveyedJob>> surveyOnly(const StudyContext& context, const bake::BakeOptions& options) {
   const bake::BakeEnvironment environment = bakeEnvironment(context);
   FOURDVT_TRY(platform::makeFolder(context.work() + "/methods"));
@@ -140,6 +155,21 @@ Result<std::unique_ptr<SurveyedJob>> surveyOnly(const StudyContext& context, con
   if (!survey) return survey.error();
   out->survey = std::make_unique<bake::Survey>(survey.take());
   return out;
+}
+
+bake::FrameBakerOptions bakerOptions(const SurveyedJob& surveyed) {
+  bake::FrameBakerOptions options;
+  for (const package::Rect& rect : surveyed.job.layout.layers) options.layer_sizes.push_back(rect.width);
+  options.gutter_texels = static_cast<float>(surveyed.job.options.gutter_texels);
+  options.resample = surveyed.job.options.resample;
+  options.colour_maps = surveyed.survey->colourMaps();
+  return options;
+}
+
+Result<std::unique_ptr<bake::FrameBaker>> makeBaker(const StudyContext& context, const bake::Job& job,
+                                                    const bake::FrameBakerOptions& options) {
+  const package::BaseMesh& mesh = job.mesh.decoded;
+  return bake::FrameBaker::create(*context.device, job.cameras, mesh.topology, mesh.positions, options);
 }
 
 void setBakerFrame(bake::FrameBaker& baker, const bake::Job& job, const capture::CaptureFrame& frame) {

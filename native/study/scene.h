@@ -2,6 +2,7 @@
 // What the steps read: frames of the capture with FVVR on them, held-out truth, plans of bakes, characters.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -49,6 +50,12 @@ constexpr int kPaperTexture = 512, kPaperLayers = 3, kStudyCrf = 23, kStudyGop =
 // Options of a bake into work()/methods/NAME that shares its survey with the study's other bakes.
 bake::BakeOptions studyBake(const StudyContext& context, const std::string& name);
 bake::BakeEnvironment bakeEnvironment(const StudyContext& context);
+// `tell` hears the name of the bake's stage and the share of the whole bake.
+using TellBake = std::function<void(const std::string& stage, double share)>;
+Result<bake::BakeReport> runBake(const StudyContext& context, const bake::BakeOptions& options, const TellBake& tell);
+bool isCharacter(const std::string& folder);
+// runBake, unless the folder holds a character already.
+Status bakeOnce(const StudyContext& context, const bake::BakeOptions& options, const TellBake& tell);
 
 // The plan and the survey of a bake that is not run: labels and colour maps for layers without a codec.
 struct SurveyedJob {
@@ -60,7 +67,11 @@ struct SurveyedJob {
 };
 Result<std::unique_ptr<SurveyedJob>> surveyOnly(const StudyContext& context, const bake::BakeOptions& options);
 
-// A frame as FrameBaker wants it.
+// What the bake itself would give to its FrameBaker; a FrameBaker of the job's cameras and mesh; a frame as it wants
+// it.
+bake::FrameBakerOptions bakerOptions(const SurveyedJob& surveyed);
+Result<std::unique_ptr<bake::FrameBaker>> makeBaker(const StudyContext& context, const bake::Job& job,
+                                                    const bake::FrameBakerOptions& options);
 void setBakerFrame(bake::FrameBaker& baker, const bake::Job& job, const capture::CaptureFrame& frame);
 
 // No shadow, transparent background.

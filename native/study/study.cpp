@@ -47,8 +47,7 @@ Result<Figures> runStudy(const StudyContext& given) {
     return platform::writeFileAtomic(
         folder + "/report.html", report::documentHtml(makeStudyDocument(rows, context.options, context.capture->name)));
   };
-  auto rows = runSteps(context, studySteps(), publish);
-  if (!rows) return rows;
+  FOURDVT_ASSIGN(auto rows, runSteps(context, studySteps(), publish));
   return published;
 }
 

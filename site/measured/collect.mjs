@@ -218,9 +218,9 @@ function describeRuns(sources, used) {
 }
 
 // One figure a line, so that a change of one is a change of one line.
-export function printed({ runs: used, constants, figures }) {
+export function printed({ runs: used, figures }) {
   const lines = figures.map((figure) => `  ${JSON.stringify(figure)}`);
-  return `{\n "made_by": "node site/measured/collect.mjs",\n "runs": ${JSON.stringify(used, null, 2).replaceAll('\n', '\n ')},\n "constants": ${JSON.stringify(constants, null, 2).replaceAll('\n', '\n ')},\n "figures": [\n${lines.join(',\n')}\n ]\n}\n`;
+  return `{\n "made_by": "node site/measured/collect.mjs",\n "runs": ${JSON.stringify(used, null, 2).replaceAll('\n', '\n ')},\n "figures": [\n${lines.join(',\n')}\n ]\n}\n`;
 }
 
 function readSources(values) {
@@ -245,7 +245,7 @@ function main() {
   let figures = collect(sources);
   if (values.before) figures = withBefore(figures, JSON.parse(readFileSync(values.before, 'utf8')));
   const out = values.out ?? new URL('figures.json', import.meta.url).pathname;
-  writeFileSync(out, printed({ runs: describeRuns(sources, new Set(figures.map((figure) => figure.run))), constants: sources.study.facts('constants'), figures }));
+  writeFileSync(out, printed({ runs: describeRuns(sources, new Set(figures.map((figure) => figure.run))), figures }));
   console.log(`${figures.length} figures in ${out}; now: node site/measured/fill.mjs`);
 }
 

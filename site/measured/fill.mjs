@@ -17,7 +17,7 @@ const kFilled = ['README.md', 'site/index.html'];
 const kChecked = [...kFilled, 'site/steer.html'];
 
 // Numbers with a unit that were not measured: each with the reason why it may stand there.
-export const constants = [
+export const allowedNumbers = [
   { file: 'site/index.html', text: '0.00 s', reason: 'the clock of the player before it plays' },
 ];
 
@@ -69,7 +69,7 @@ function visible(text, path) {
 }
 
 // Numbers with a unit outside of the markers, as messages.
-export function unmarked(text, path, allowed = constants) {
+export function unmarked(text, path, allowed = allowedNumbers) {
   let seen = visible(text, path);
   for (const { file, text: constant } of allowed) if (file === path) seen = seen.replaceAll(constant, ' ');
   const found = new Set(kPatterns.flatMap((pattern) => [...seen.matchAll(pattern)].map((m) => m[0].replace(/\s+/g, ' '))));

@@ -22,9 +22,9 @@ while [ $# -gt 0 ]; do
   shift
 done
 cd "$(dirname "$0")/../.."
-tool=build/release/native/tools/fourdvt sample=site/sample/actor_a character=build/character out=build/measured
-bench=$out/bench
-step() { printf '\n== %s\n' "$*"; }
+tool=build/release/native/tools/fourdvt sample=site/sample/actor_a out=build/measured
+bench=$out/bench character=$out/character
+. site/steps.sh
 
 # What NAME prints, kept as NAME.txt; a bench that was run is not run again. A bench that misses its own goal fails, and
 # is still shown; collect.mjs refuses the text of one that printed no figure.
@@ -45,22 +45,29 @@ variant() {
   "$tool" evaluate "$sample" --character "$folder/character" -o "$folder/scores"
 }
 
+mkdir -p build
+install_packages "${page_packages[@]}" "${test_packages[@]}"
 bash site/demo.sh --prepare
+step "Building the benches"
+quiet cmake-tests cmake --preset release -DFOURDVT_TESTS=ON
+build build-benches build/release bench_draw_ratio bench_blend_ratio repeat_capture fourdvt
+quiet build-class-frame env NODE_PATH=/usr/share/nodejs cmake --build build/wasm --target bench_class_frame
 build=$(sha256sum "$tool" | cut -d' ' -f1)
 if [ "$(cat "$out/build" 2>/dev/null)" != "$build" ]; then  # another build's figures; a study looks after its own
-  rm -rf "$bench" "$out/high" "$out/crf31" "$out/studio"
+  rm -rf "$bench" "$character" "$out/high" "$out/crf31" "$out/studio"
 fi
 mkdir -p "$bench"
 echo "$build" >"$out/build"
-step "Building the benches"
-cmake --build build/release --target bench_draw_ratio bench_blend_ratio repeat_capture
-NODE_PATH=/usr/share/nodejs cmake --build build/wasm --target bench_class_frame
+
+# The page's character is baked beside other builds; this one's time is a figure.
+step "Baking the character on a quiet machine"
+[ -e "$character/character.gltf" ] || "$tool" bake "$sample" -o "$character"
 
 bench draw_ratio build/release/tests/bench/bench_draw_ratio "$character"
 bench blend_ratio build/release/tests/bench/bench_blend_ratio
 bench class_frame node build/wasm/tests/bench/wasm/bench_class_frame.js "$character"
 bench bake_memory bash tests/bench/bake_memory.sh "$tool" build/release/tests/package/repeat_capture "$sample" 5
-bench parity env FOURDVT_SITE="$PWD/build/site" FOURDVT_CHARACTER="$PWD/$character" FOURDVT_BIN="$PWD/$tool" \
+bench parity env FOURDVT_SITE="$PWD/build/site" FOURDVT_CHARACTER="$PWD/build/character" FOURDVT_BIN="$PWD/$tool" \
   FOURDVT_OUT="$PWD/build/web-tests" node --test tests/web/parity.test.mjs
 
 more=()

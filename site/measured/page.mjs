@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page of all figures, site/measured/index.html, as text.
-import { sections } from './catalogue.mjs';
+import { constants, sections } from './catalogue.mjs';
 import { fixed, kNotMeasured } from './shown.mjs';
 
 const escaped = (text) => String(text).replaceAll('&', '&amp;').replaceAll('<', '&lt;').replaceAll('>', '&gt;').replaceAll('"', '&quot;').replaceAll('\u00a0', '&nbsp;');
@@ -82,10 +82,9 @@ function others(shown) {
   return `<section aria-labelledby="rows">\n<h2 id="rows">Further tables of the studies</h2>\n${tables.join('\n')}\n</section>`;
 }
 
-function constants({ constants: list }) {
-  if (!list.length) return '';
-  const rows = list.map(({ name, text }) => cells('td', [escaped(name), escaped(text)]));
-  return `<section aria-labelledby="constants">\n<h2 id="constants">Constants, and the motions that they were chosen on</h2>\n${table('Constants', ['constants', 'chosen on'], rows)}\n</section>`;
+function constantsTable() {
+  const rows = constants.map((row) => cells('td', row.map(escaped)));
+  return `<section aria-labelledby="constants">\n<h2 id="constants">What the constants were chosen on</h2>\n<p>Figures of a motion that constants were chosen on flatter them; those of the other motions do not. All motions are of one performer under one rig: no figure here shows another performer or another rig.</p>\n${table('Constants', ['constants', 'file', 'chosen on', 'by'], rows)}\n</section>`;
 }
 
 function runList(runs) {
@@ -95,7 +94,7 @@ function runList(runs) {
 
 export function makePage(shown) {
   const { runs } = shown;
-  const body = [missed(shown), ...sections.map((data) => section(shown, data, runs)), worse(shown), constants(shown), others(shown), runList(runs)].filter(Boolean);
+  const body = [missed(shown), ...sections.map((data) => section(shown, data, runs)), worse(shown), constantsTable(), others(shown), runList(runs)].filter(Boolean);
   return `<!doctype html>
 <!-- SPDX-License-Identifier: Apache-2.0 -->
 <!-- Made by site/measured/fill.mjs from figures.json: change site/measured/catalogue.mjs or measure again. -->

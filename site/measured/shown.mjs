@@ -16,8 +16,7 @@ function keyText(key) {
 }
 
 export class Shown {
-  constructor({ figures, runs = {}, constants = [] }) {
-    this.constants = constants;
+  constructor({ figures, runs = {} }) {
     this.runs = runs;
     this.figures = figures;
     this.byId = new Map(figures.map((figure) => [figure.id, figure]));

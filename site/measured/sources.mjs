@@ -81,10 +81,6 @@ export class Study {
   get isQuick() {
     return this.quick ?? /--quick/.test(this.fact('command'));
   }
-  // Texts of the table "about" of one method: [{ name, text }].
-  facts(method) {
-    return this.rows.filter((row) => row.table === 'about' && row.method === method).map((row) => ({ name: row.quantity, text: row.keys.get('text') ?? '' }));
-  }
   fact(name) {
     return this.rows.find((row) => row.table === 'about' && row.quantity === name)?.keys.get('text') ?? '';
   }

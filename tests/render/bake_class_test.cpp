@@ -285,6 +285,47 @@ void BakeClass::expectResumes(std::initializer_list<const char*> stop_stages) {
 
 TEST_F(BakeClass, StoppedAnywhereResumesToTheSameBytes) { expectResumes({"warp go", "go 1/9", "go 7/9", "graph"}); }
 
+TEST_F(BakeClass, ShowsWhatItsMembersOwnStreamsHaveDrawn) {
+  ASSERT_TRUE(run());
+  const std::vector<uint8_t> video = bytesOf("go.mp4"), geometry = bytesOf("go.bin");
+  fs::remove_all(options.character_folder);
+  options.jobs = 1;  // nothing is read ahead
+  stop_at = "run 6/6";
+  when_there = [&] {
+    for (const char* member : {"walk", "run"})
+      for (const char* folder : {"/cam00", "/cam01", "/mask00", "/mask01"}) input.remove(member + std::string(folder));
+  };
+  auto report = run();
+  ASSERT_TRUE(report) << "pictures are read again: " << report.error().message;
+  EXPECT_TRUE(bytesOf("go.mp4") == video);
+  EXPECT_TRUE(bytesOf("go.bin") == geometry);
+}
+
+TEST_F(BakeClass, DrawsAgainWhatIsNotKept) {
+  ASSERT_TRUE(run());
+  const std::vector<uint8_t> video = bytesOf("go.mp4");
+  fs::remove_all(options.character_folder);
+  options.jobs = 1;
+  stop_at = "go 1/9";
+  int kept = 0, left = 0;
+  when_there = [&] {
+    for (const fs::directory_entry& file : fs::directory_iterator(options.character_folder + ".work")) {
+      if (file.path().extension() != ".layers") continue;
+      if (++kept % 3 == 0) fs::remove(file.path());
+      if (kept % 3 == 1) std::ofstream(file.path()) << "torn";
+    }
+    stop_at = "graph";
+    when_there = [&] {
+      for (const fs::directory_entry& file : fs::directory_iterator(options.character_folder + ".work"))
+        left += file.path().extension() == ".layers";
+    };
+  };
+  ASSERT_TRUE(run());
+  EXPECT_GE(kept, kWalkFrames);
+  EXPECT_EQ(left, 0) << "layers stay longer than they are needed";
+  EXPECT_TRUE(bytesOf("go.mp4") == video);
+}
+
 TEST_F(BakeClass, AFailureAfterTheFramesKeepsThem) {
   stop_at = "go 9/9";
   const std::string gop = options.character_folder + ".work/go.0.gop";

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rendered views do not give the atlas away: neither chart seams nor the backdrop's green show, at views between the
 // cameras and at grazing angles, on a cylinder worked out by hand and on the sample capture. Bakes that are broken on
-// purpose show both.
+// purpose show both. Bounds lie near what is measured on the software rasteriser, which stands beside them.
 #include <algorithm>
 
 #include "bake/labels/face_costs.h"
@@ -177,27 +177,27 @@ TEST_F(CylinderSeams, NeitherSeamsNorBackdropShow) {
   const Look all = look(filmed, views, {}, 0), grazing = look(filmed, views, {}, 60);
   EXPECT_GT(all.samples, 3000u);
   EXPECT_GT(grazing.samples, 200u);
-  EXPECT_LT(all.visible(), 0.25);
-  EXPECT_LT(grazing.visible(), 1);
-  EXPECT_LT(all.fringe, 0.02);
+  EXPECT_LT(all.visible(), 0);         // -0.18
+  EXPECT_LT(grazing.visible(), 0.45);  // 0.29
+  EXPECT_LT(all.fringe, 0.0125);       // 0.0108
 }
 
 TEST_F(CylinderSeams, WithoutGuttersSeamsShow) {
   BakeSettings broken;
   broken.gutter_texels = 0;
-  EXPECT_GT(look(filmed, views, broken, 0).visible(), 0.25);
+  EXPECT_GT(look(filmed, views, broken, 0).visible(), 0.3);  // 0.47
 }
 
 TEST_F(CylinderSeams, WithoutFillingSeamsShow) {
   BakeSettings broken;
   broken.fill = false;
-  EXPECT_GT(look(filmed, views, broken, 0).visible(), 10);
+  EXPECT_GT(look(filmed, views, broken, 0).visible(), 22);  // 27.4
 }
 
 TEST_F(CylinderSeams, WithoutMatteTheBackdropShows) {
   BakeSettings broken;
   broken.use_matte = false;
-  EXPECT_GT(look(filmed, views, broken, 0).fringe, 0.05);
+  EXPECT_GT(look(filmed, views, broken, 0).fringe, 0.07);  // 0.084
 }
 
 struct SampleSeams : Seams {
@@ -234,18 +234,18 @@ TEST_F(SampleSeams, NoMoreThanTheTruthShows) {
   report(truth);
   const Look ours = look(filmed, views, kSettings, 0);
   EXPECT_GT(ours.samples, 1000u);
-  EXPECT_LT(ours.visible(), truth.visible() + 2.5);
-  EXPECT_LT(ours.fringe, truth.fringe + 0.01);
+  EXPECT_LT(ours.visible(), truth.visible() + 2.1);  // 5.36 + 1.78
+  EXPECT_LT(ours.fringe, truth.fringe + 0.0045);     // 0.0018 + 0.0033
 }
 
 TEST_F(SampleSeams, GrazingViewsBetweenTheCameras) {
   const std::vector<PinholeCamera> views = viewsBetween(4, 22.5, 3.2, 540, 720);
   const Look grazing = look(filmed, views, kSettings, 60);
   EXPECT_GT(grazing.samples, 500u);
-  EXPECT_LT(grazing.visible(), 8);
-  EXPECT_LT(grazing.fringe, 0.01);
-  EXPECT_GT(look(filmed, views, {1024, 10, false, true}, 60).visible(), 12) << "not filled: seams must show";
-  EXPECT_GT(look(filmed, views, {1024, 10, true, false}, 60).fringe, 0.02) << "matte ignored: green must show";
+  EXPECT_LT(grazing.visible(), 6.4);  // 5.75
+  EXPECT_LT(grazing.fringe, 0.006);   // 0.0048
+  EXPECT_GT(look(filmed, views, {1024, 10, false, true}, 60).visible(), 17) << "not filled: seams must show";
+  EXPECT_GT(look(filmed, views, {1024, 10, true, false}, 60).fringe, 0.026) << "matte ignored: green must show";
 }
 
 }  // namespace

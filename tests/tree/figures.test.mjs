@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every figure of README.md and the site comes from site/measured/figures.json, and figures.json from the runs' rows.
 import assert from 'node:assert/strict';
-import { copyFileSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
+import { copyFileSync, existsSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
 import { after, test } from 'node:test';
 import { fileURLToPath } from 'node:url';
 
-import { figures as catalogue, runs, sections } from '../../site/measured/catalogue.mjs';
+import { constants, figures as catalogue, runs, sections } from '../../site/measured/catalogue.mjs';
 import { collect, withBefore } from '../../site/measured/collect.mjs';
 import { fillText, run, unmarked } from '../../site/measured/fill.mjs';
 import { Shown, fixed } from '../../site/measured/shown.mjs';
@@ -59,6 +59,7 @@ test('every text of the page names figures and runs that exist', () => {
       assert.ok(runs[row.run], `run ${row.run}`);
     }
   }
+  for (const [, file] of constants) assert.ok(existsSync(join(kRoot, file)), file);
   assert.equal(new Set(catalogue.map((figure) => figure.id)).size, catalogue.length, 'ids differ');
   assert.throws(() => fillText('<!-- figure:no.such -->1<!-- /figure -->', shown, 'README.md'), /no figure is named no\.such/);
 });
@@ -96,7 +97,6 @@ rate,walk,h264,preset=medium crf=14 size=1024 layers=1 layout=default,psnr_fg_db
 rate,walk,h264,preset=medium crf=24 size=1024 layers=1 layout=default,video_bps,2000000,bit/s
 rate,walk,h264,preset=medium crf=24 size=1024 layers=1 layout=default,psnr_fg_db,21,dB
 new-table,walk,joint,"a=1 text=one, ""two""",thing,3,dB
-about,,constants,text=the walk,label weights,0,
 about,,,text=fourdvt evaluate X --quick,command,0,
 `;
 const sources = (more) => ({ study: new Study(parseCsv(kCsv).map((row) => ({ ...row, value: Number(row.value) }))), variants: {}, ...more });
@@ -113,7 +113,6 @@ test('figures are taken from the rows of a study', () => {
   assert.equal(byId.get('worth.psnr.1.4.00').value, 21.5, 'half-way in log bitrate');
   assert.equal(byId.get('worth.psnr.gain.4.00').value, 0.6);
   assert.equal(byId.get('worth.psnr.1.0.50').text, '–', 'beyond the curve nothing is said');
-  assert.deepEqual(sources().study.facts('constants'), [{ name: 'label weights', text: 'the walk' }]);
   assert.ok(!byId.has('bitrate.all.walk'), 'what has no source is left out');
 });
 

@@ -1,22 +1,79 @@
 #!/usr/bin/env bash
-# Portable folders may include only folders below them, and only one file may call gl*.
+# SPDX-License-Identifier: Apache-2.0
+# layering.sh ROOT: a file may include only folders at or below its own; every folder of native/ has its place here.
+# Also: only one file calls gl*, and platform #ifdefs stay in wasm/ and native/platform/.
 set -u
-cd "$1"
+cd "$1" || exit 2
 bad=0
-order=(base gpu package motion render stream player)
-for i in "${!order[@]}"; do
-  allowed=" ${order[*]:0:$((i + 1))} "
-  [ "${order[$i]}" != package ] || allowed=" base package draco "
-  [ "${order[$i]}" != motion ] || allowed=" base package motion "
-  while IFS=: read -r file include; do
-    folder=$(sed -E 's/.*"([a-z]+)\/.*/\1/' <<<"$include")
-    [[ $allowed == *" $folder "* ]] || { echo "$file includes $folder/, which is not below ${order[$i]}/"; bad=1; }
-  done < <(grep -HoE '#include "[a-z]+/[^"]+"' "native/${order[$i]}"/*.cpp "native/${order[$i]}"/*.h)
+complain() { echo "$*"; bad=1; }
+
+# Folder: what it may include besides itself. Bottom → top; a folder may name only folders that stand above it in this
+# list, so that there are no circles.
+declare -A allowed
+order=()
+layer() { order+=("$1"); allowed[$1]="${*:2}"; }
+core="base gpu package package/coding motion render render/flow stream player player/parts"
+layer base
+layer gpu base
+layer package base
+layer package/coding base package
+layer motion base package
+layer render/flow base gpu
+layer render base gpu package render/flow
+layer stream base package package/coding
+layer player/parts base gpu package package/coding motion render render/flow stream
+layer player base gpu package motion render render/flow stream player/parts
+layer platform $core
+layer capture base
+layer studio/actors base platform
+layer studio base gpu platform studio/actors
+layer report base platform
+layer measure base package player platform capture report render
+layer bake/labels base package
+layer bake/texels base gpu package
+layer bake/motion base package motion capture
+layer bake/align base gpu package render
+layer bake/video base package
+layer bake/run base gpu package motion platform capture bake/labels bake/texels bake/motion bake/video
+layer bake/stages base gpu package motion render platform capture report bake/labels bake/texels bake/motion bake/align bake/video bake/run
+layer bake base platform report bake/labels bake/texels bake/video bake/run bake/stages
+bake_all="bake bake/labels bake/texels bake/motion bake/align bake/video bake/run bake/stages"
+layer study/tables base report study
+layer study $core platform capture report measure $bake_all study/tables
+layer study/steps $core platform capture report measure $bake_all study study/tables
+layer study/motion $core platform capture report measure $bake_all study study/tables
+layer tools $core platform capture studio studio/actors report measure $bake_all study study/steps study/motion study/tables
+
+# Two folders that may name each other: the tables show the rows of the study, whose last step makes them.
+one_idea=" study/tables:study study:study/tables "
+declare -A seen
+for folder in "${order[@]}"; do
+  [ -d "native/$folder" ] || complain "this list names native/$folder, which does not exist"
+  for below in ${allowed[$folder]}; do
+    [ -n "${allowed[$below]+x}" ] || complain "$folder may include $below, which has no place in this list"
+    [ -n "${seen[$below]+x}" ] || [[ $one_idea == *" $folder:$below "* ]] || complain "$folder may include $below, which stands above it: a circle"
+  done
+  seen[$folder]=1
 done
+while read -r folder; do
+  [ -n "${allowed[$folder]+x}" ] || complain "native/$folder has no place in the layering: name it in tests/tree/layering.sh"
+done < <(find native -name '*.cpp' -o -name '*.h' | sed -E 's,^native/,,; s,/[^/]*$,,' | sort -u)
+
+includes=0
+while IFS=: read -r file include; do
+  includes=$((includes + 1))
+  folder=$(dirname "${file#native/}") below=$(dirname "$include")
+  [[ $below == draco* ]] && continue
+  [ "$below" != . ] || { complain "$file includes \"$include\" without its folder"; continue; }
+  [ "$folder" = "$below" ] || [[ " ${allowed[$folder]-} " == *" $below "* ]] || complain "$file includes $below/, which is not below native/$folder"
+done < <(grep -rHoE '^#include "[^"]+"' native --include='*.cpp' --include='*.h' | sed -E 's/#include "(.*)"/\1/')
+[ "$includes" -gt 500 ] || complain "only $includes includes found: the check looks in the wrong place"
+
 if grep -nE '\bgl[A-Z][A-Za-z0-9]*\(' native -r --include='*.cpp' --include='*.h' | grep -v '^native/gpu/gles_device.cpp' | grep -vE ':\s*//' | grep -v '/platform/egl_context'; then
-  echo "gl* is called outside native/gpu/gles_device.cpp"; bad=1
+  complain "gl* is called outside native/gpu/gles_device.cpp"
 fi
 if grep -rn '__EMSCRIPTEN__' native --include='*.cpp' --include='*.h' | grep -v '^native/platform/'; then
-  echo "platform #ifdef outside wasm/ and native/platform/"; bad=1
+  complain "platform #ifdef outside wasm/ and native/platform/"
 fi
+echo "$includes includes checked in ${#order[@]} folders"
 exit $bad

@@ -113,6 +113,30 @@ TEST(PlotSvg, CurvesDifferInColourAndDash) {
   for (int i = 0; i < 3; ++i) EXPECT_TRUE(contains(svg, ">curve" + std::to_string(i) + "</text>"));
 }
 
+TEST(BarsSvg, LengthsAreRelativeToTheLargest) {
+  const std::string svg = barsSvg({"sizes", {{"video", "4 kB", 4000}, {"mesh <b>", "1 kB", 1000}, {"none", "0 B", 0}}});
+  EXPECT_TRUE(contains(svg, "width=\"400.0\""));  // 640 less the label's and the value's room
+  EXPECT_TRUE(contains(svg, "width=\"100.0\""));
+  EXPECT_TRUE(contains(svg, "width=\"1.0\""));  // still seen
+  EXPECT_TRUE(contains(svg, ">mesh &lt;b&gt;</text>"));
+  EXPECT_TRUE(contains(barsSvg({"empty", {}}), "</svg>"));
+}
+
+TEST(DocumentHtml, PosterBarsAndCreditAreShown) {
+  Document document{"Title", "Sub", {}};
+  EXPECT_FALSE(contains(documentHtml(document), "<footer>"));
+  EXPECT_TRUE(contains(documentHtml(document), "<header><h1>"));
+  document.poster = {"poster.webp", "the actor"};
+  document.credit = "Filmed by nobody.";
+  Section section{"sizes", "Sizes", "", {}, {}, {}, {}};
+  section.bar_charts = {{"", {{"video", "4 kB", 4000}}}};
+  document.sections = {section};
+  const std::string html = documentHtml(document);
+  EXPECT_TRUE(contains(html, "src=\"poster.webp\""));
+  EXPECT_TRUE(contains(html, "<footer><p>Filmed by nobody.</p>"));
+  EXPECT_EQ(count(html, "<svg class=\"bars\""), 1u);
+}
+
 TEST(Escaping, NothingOfTheTextBecomesMarkup) {
   const std::string evil = "<b>\"a\" & 'b'</b>";
   EXPECT_EQ(htmlEscaped(evil), "&lt;b&gt;&quot;a&quot; &amp; &#39;b&#39;&lt;/b&gt;");

@@ -79,16 +79,21 @@ TEST(StudyJson, HoldsTheRowsAndWhatWasRun) {
   EXPECT_FALSE(json.value().has("/rows/2"));
 }
 
-TEST(StudyQuality, BytesAreLogLinearBetweenAndBeyondKnownPoints) {
+TEST(StudyQuality, BytesAreLogLinearBetweenKnownPointsAndUnknownBeyondThem) {
   const std::vector<RatePoint> points{{1000, 40}, {100, 30}, {10000, 44}};  // any order
-  EXPECT_NEAR(*bytesAtQuality(points, 30), 100, 1e-9);
-  EXPECT_NEAR(*bytesAtQuality(points, 35), std::sqrt(100 * 1000.0), 1e-6);
-  EXPECT_NEAR(*bytesAtQuality(points, 42), std::sqrt(1000 * 10000.0), 1e-6);
-  EXPECT_NEAR(*bytesAtQuality(points, 20), 10, 1e-9);      // along the first segment
-  EXPECT_NEAR(*bytesAtQuality(points, 48), 100000, 1e-4);  // along the last one
-  EXPECT_FALSE(bytesAtQuality({{100, 30}}, 30));
-  EXPECT_FALSE(bytesAtQuality({{100, 30}, {200, 30}}, 30));
-  EXPECT_FALSE(bytesAtQuality(points, NAN));
+  const auto bytesAt = [&](double quality) { return bytesAtQuality(points, quality).bytes; };
+  EXPECT_NEAR(*bytesAt(30), 100, 1e-9);
+  EXPECT_NEAR(*bytesAt(35), std::sqrt(100 * 1000.0), 1e-6);
+  EXPECT_NEAR(*bytesAt(42), std::sqrt(1000 * 10000.0), 1e-6);
+  EXPECT_NEAR(*bytesAt(44), 10000, 1e-6);
+  EXPECT_FALSE(bytesAt(29.9));
+  EXPECT_EQ(bytesAtQuality(points, 29.9).beyond, -1);
+  EXPECT_FALSE(bytesAt(44.1));
+  EXPECT_EQ(bytesAtQuality(points, 44.1).beyond, 1);
+  EXPECT_EQ(bytesAtQuality(points, 35).beyond, 0);
+  EXPECT_EQ(*bytesAtQuality({{100, 30}}, 30).bytes, 100);
+  EXPECT_FALSE(bytesAtQuality({}, 30).bytes);
+  EXPECT_FALSE(bytesAt(NAN));
 }
 
 // --- steps ---

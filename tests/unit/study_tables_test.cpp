@@ -65,7 +65,7 @@ TEST(StudyDocument, Table1HoldsTheRowsFigures) {
   const auto* storage = rowOf(walk, "Storage");
   ASSERT_NE(storage, nullptr);
   EXPECT_EQ(*storage, (std::vector<std::string>{"Storage", bytesText(40e6), bytesText(1.5e6), bytesText(1e6)}));
-  EXPECT_EQ((*rowOf(walk, "Loading"))[1], secondsText(12));
+  EXPECT_EQ((*rowOf(walk, "Loading, to the first picture"))[1], secondsText(12));
   EXPECT_EQ((*rowOf(walk, "SSIM, foreground"))[3], "0.9346");
   EXPECT_EQ((*rowOf(walk, "SSIM, foreground"))[1], "–");
   EXPECT_EQ(rowOf(walk, "PSNR, foreground, dB"), nullptr);
@@ -128,6 +128,88 @@ TEST(StudyDocument, RateCurvesAreInterpolatedAtTheDefaultsQuality) {
   ASSERT_EQ(section->plots[0].curves.size(), 1u);
   EXPECT_EQ(section->plots[0].curves[0].points, (std::vector<std::pair<double, double>>{{2, 0.92}, {8, 0.96}}));
   EXPECT_EQ(section->tables[0].rows[0][1], bitrateText(4e6));  // geometric mean of 2 and 8
+}
+
+const Table* tableThat(const Section& section, const std::string& start) {
+  for (const Table& table : section.tables)
+    if (table.title.rfind(start, 0) == 0) return &table;
+  return nullptr;
+}
+
+TEST(StudyDocument, StorageAtEqualQualityIsNeverExtrapolated) {
+  Figures rows;
+  add(rows, rows::kTable1, "walk", rows::kJoint, kSetting, rows::kTotalBytes, 1e6);
+  add(rows, rows::kTable1, "walk", rows::kJoint, kSetting, rows::kPercentAtPsnr, 25);
+  add(rows, rows::kTable1, "walk", rows::kJoint, kSetting, rows::kBeyondAtSsim, 1);
+  add(rows, rows::kTable1, "walk", rows::kNaive, kSetting, rows::kBeyondAtPsnr, -1);
+  for (const auto& [crf, psnr] : {std::pair{"crf=18", 23.5}, {"crf=42", 21.25}})
+    add(rows, rows::kMultiviewCodec, "walk", "h264", crf, rows::kHeldOutPsnrDb, psnr);
+  const Document document = makeStudyDocument(rows, {}, "actor");
+  const Table* table = tableThat(*find(document, "storage"), "Storage at equal quality");
+  ASSERT_NE(table, nullptr);
+  EXPECT_TRUE(contains(table->note, "21.25 to 23.50 dB")) << table->note;
+  EXPECT_EQ((*rowOf(*table, "ours (joint)"))[3], percentText(25));
+  EXPECT_EQ((*rowOf(*table, "ours (joint)"))[5], "beyond the range measured: better than FVVR at every rate measured");
+  EXPECT_EQ((*rowOf(*table, "NO (naive)"))[3], "beyond the range measured: worse than FVVR at every rate measured");
+}
+
+TEST(StudyDocument, LayersAreComparedAtEqualBitrate) {
+  Figures rows;
+  const auto point = [&](int layers, int crf, double bps, double psnr) {
+    const std::string setting =
+        "preset=medium crf=" + std::to_string(crf) + " size=1024 layers=" + std::to_string(layers) + " layout=default";
+    add(rows, rows::kRate, "walk", "h264", setting, rows::kVideoBps, bps);
+    add(rows, rows::kRate, "walk", "h264", setting, rows::kPsnrFgDb, psnr);
+  };
+  point(1, 20, 4e6, 21.0), point(1, 30, 1e6, 20.0);
+  point(3, 20, 8e6, 23.0), point(3, 30, 2e6, 22.0);
+  const Document document = makeStudyDocument(rows, {}, "actor");
+  const Table* table = tableThat(*find(document, "rate"), "What view dependence is worth");
+  ASSERT_NE(table, nullptr);
+  EXPECT_EQ(table->columns, (std::vector<std::string>{"bitrate", "PSNR-FG, dB, L = 1", "PSNR-FG, dB, L = 3",
+                                                      "SSIM-FG, L = 1", "SSIM-FG, L = 3"}));
+  EXPECT_EQ(table->rows[0][1], "20.50");  // 2 Mbit/s lies half way between 1 and 4
+  EXPECT_EQ(table->rows[0][2], "22.00");
+  EXPECT_EQ(table->rows[1][1], "–");  // one layer was not measured at 8 Mbit/s
+}
+
+TEST(StudyDocument, SpeedIsGivenForAllCamerasAndForTheClosest) {
+  Figures rows;
+  for (const auto& [closest, ratio] : {std::pair{"", 4.0}, {" closest=3", 1.5}}) {
+    const std::string setting = std::string("layers=3 size=512 view=512x512") + closest;
+    add(rows, rows::kSpeed, "walk", rows::kFvvr, setting, rows::kFramesPerS, 30 / ratio);
+    add(rows, rows::kSpeed, "walk", rows::kFvvr, setting + " pass=512x512 upload", rows::kFrameMs, 10 * ratio);
+    add(rows, rows::kSpeed, "walk", rows::kMethodLayered, setting, rows::kRatioToFvvr, ratio);
+    add(rows, rows::kSpeed, "walk", rows::kMethodLayered, setting, rows::kDrawRatioToFvvr, ratio / 2);
+  }
+  add(rows, rows::kSpeed, "walk", rows::kMethodLayered, "layers=3 size=512 view=512x512", rows::kFramesPerS, 30);
+  const Document document = makeStudyDocument(rows, {}, "actor");
+  const Table& rates = find(document, "speed")->tables[0];
+  EXPECT_EQ((*rowOf(rates, "FVVR, all cameras"))[3], "4.00 ×");
+  EXPECT_EQ((*rowOf(rates, "FVVR, M = 3"))[3], "1.50 ×");
+  EXPECT_EQ((*rowOf(rates, "FVVR, M = 3"))[4], "0.75 ×");
+  const Table* passes = tableThat(*find(document, "speed"), "Passes");
+  ASSERT_NE(passes, nullptr);
+  EXPECT_EQ(*rowOf(*passes, "512x512 upload"), (std::vector<std::string>{"512x512 upload", "–", "40.000", "15.000"}));
+}
+
+TEST(StudyDocument, LabelGainsAreJudgedOnSeenFacesToo) {
+  Figures rows;
+  const auto label = [&](const char* method, double all, double seen) {
+    add(rows, rows::kLabels, "walk", method, "layer=1", rows::kSeamPercent, all);
+    add(rows, rows::kLabels, "walk", method, "layer=1", rows::kSeenSeamPercent, seen);
+  };
+  label(rows::kSpatial, 10, 10), label(rows::kJoint, 6, 9);
+  const auto goals = judgeGoals(StudyValues(rows));
+  const std::string claim = "Labels: joint has at least 30 % fewer seam edges in layer 1 than spatial";
+  EXPECT_EQ(judgement(goals, claim).verdict, Judgement::Verdict::Holds);
+  const Judgement seen = judgement(goals, claim + ", counted on faces");
+  EXPECT_EQ(seen.verdict, Judgement::Verdict::Fails);
+  EXPECT_TRUE(contains(seen.measured, percentText(10))) << seen.measured;
+  const Document document = makeStudyDocument(rows, {}, "actor");
+  const Table* table = tableThat(*find(document, "labels"), "Over faces that a camera sees");
+  ASSERT_NE(table, nullptr);
+  EXPECT_EQ((*rowOf(*table, "ours (joint)"))[1], "9.00");
 }
 
 TEST(StudyDocument, NothingMeasuredIsADocumentThatSaysSo) {

@@ -230,6 +230,17 @@ test('steering with keys: it turns, speeds up, travels over the ground and picks
     return Math.hypot(placement.x - x, placement.z - z) > 0.3;
   }, from, steer);
   await shot('steer-company', steer);
+  const left = await steer.evaluate(async () => {
+    const companion = document.querySelector('fourdvt-character');
+    const viewer = companion.parentElement;
+    companion.remove();
+    const { present } = companion;
+    viewer.append(companion);
+    return { present, framesShown: viewer.stats.framesShown };
+  });
+  assert.equal(left.present, false);
+  await until(() => document.querySelector('fourdvt-character').present, undefined, steer);
+  await until((shown) => document.querySelector('fourdvt-viewer').stats.framesShown > shown, left.framesShown, steer);
   assert.deepEqual(steer.troubles, []);
   await steer.close();
 });

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parts of the element that need no browser: byte ranges, manifest flattening, orbit camera. Executed from source.
+// Parts of the element that need no browser: byte ranges, manifest flattening, orbit camera, commands, frame loop, the
+// flow module. Executed from source.
 import assert from 'node:assert/strict';
 import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { createServer } from 'node:http';
@@ -131,4 +132,123 @@ test('the flow module comes from beside the wasm file; one that is missing is on
   } finally {
     globalThis.fetch = realFetch;
   }
+});
+
+// A character as Commands sees it: writes down what its player is told, and refuses the sequence `none`.
+function makePerformer(state = {}) {
+  const told = [];
+  const player = new Proxy({}, {
+    get: (_, name) => (...values) => {
+      if (values[0] === 'none') throw new Error('refused');
+      told.push([name, ...values]);
+    },
+  });
+  return {
+    told, character: { sequences: [{ name: 'walk' }, { name: 'run' }] },
+    state: () => ({
+      hasFrame: true, seeking: false, sequence: 1, frame: 7, goal: 'run', x: 1, z: 2, heading: 30, ...state,
+    }),
+    parameter: () => 1.5,
+    run(action) {
+      try { action(player); } catch { return false; }
+      return true;
+    },
+  };
+}
+
+test('commands: wishes until the character is there, then it does them; a new one hears what differs', async () => {
+  const { Commands } = await load('commands');
+  const commands = new Commands();
+  commands.begin({ sequence: 'walk', loop: 1 });
+  commands.set('playing', true);
+  commands.set('travel', true);
+  commands.set('travel', false);
+  commands.setParameter('speed_mps', 2, false);
+  commands.steer(90);
+  commands.seek(1);
+  assert.deepEqual(commands.placement, { x: 0, z: 0, heading: 90 });
+  assert.equal(commands.parameter('speed_mps'), 2);
+  const performer = makePerformer();
+  commands.attach(performer);
+  assert.deepEqual(performer.told.splice(0), [
+    ['setParameter', 'speed_mps', 2, true], ['setLoop', 1], ['place', { x: 0, z: 0, heading: 90 }],
+    ['selectSequence', 'walk'], ['play']]);
+  commands.setParameter('speed_mps', 3, false);
+  commands.set('playing', false);
+  commands.setParameter('speed_mps', 4, false);
+  commands.steer(10);
+  commands.seek(1);
+  commands.goTo('run');
+  assert.deepEqual(performer.told.splice(0), [
+    ['setParameter', 'speed_mps', 3, false], ['pause'], ['setParameter', 'speed_mps', 4, true], ['steer', 10],
+    ['seek', 1], ['goTo', 'run']]);
+  assert.equal(commands.parameter('speed_mps'), 1.5);
+});
+
+test('commands: the next performer begins where the last one was, another source as last asked for', async () => {
+  const { Commands } = await load('commands');
+  const commands = new Commands();
+  const here = { x: 5, z: 0, heading: 0 };
+  commands.begin({ sequence: 'walk', placement: here });
+  const next = (state, between = () => undefined) => {
+    const [first, second] = [makePerformer(state), makePerformer()];
+    commands.attach(first);
+    commands.detach(first);
+    between();
+    commands.attach(second);
+    return second.told;
+  };
+  const there = ['place', { x: 1, z: 2, heading: 30 }];
+  assert.deepEqual(next({}), [there, ['selectSequence', 'run'], ['seekFrame', 7]]);
+  commands.begin();
+  assert.deepEqual(next({ goal: 'walk' }), [there, ['selectSequence', 'walk']], 'the goal of a transition');
+  commands.begin();
+  assert.deepEqual(next({ seeking: true }), [there, ['selectSequence', 'walk']], 'while seeking, what is sought');
+  commands.begin();
+  assert.deepEqual(next({ hasFrame: false }), [['place', here], ['selectSequence', 'walk']]);
+  commands.begin();
+  assert.deepEqual(next({}, () => commands.set('frame', 3)), [there, ['selectSequence', 'run'], ['seekFrame', 3]],
+    'a command counts more than the place that was left');
+  commands.begin();
+  assert.deepEqual(next({}, () => commands.begin()), [['place', here], ['selectSequence', 'walk']]);
+});
+
+test('commands: what the character refuses is not remembered', async () => {
+  const { Commands } = await load('commands');
+  const commands = new Commands();
+  commands.begin({ sequence: 'walk' });
+  commands.attach(makePerformer());
+  assert.equal(commands.set('align', 'none'), false);
+  commands.select('none');
+  assert.equal(commands.wishes.align, 'baked');
+  assert.equal(commands.wishes.sequence, 'walk');
+});
+
+test('frame loop: goes on while something moves, sleeps after, stands still off-screen', async () => {
+  const { FrameLoop } = await load('frame-loop');
+  let waiting = null, busy = true;
+  globalThis.requestAnimationFrame = (callback) => { waiting = callback; return 1; };
+  globalThis.cancelAnimationFrame = () => { waiting = null; };
+  const turns = [];
+  const loop = new FrameLoop((clock, step) => { turns.push([clock, step]); return busy; });
+  const frame = (ms) => {
+    const callback = waiting;
+    waiting = null;
+    callback?.(ms);
+    return callback !== null;
+  };
+  loop.wake();
+  for (const ms of [1000, 1100, 3000]) frame(ms);
+  assert.deepEqual(turns.map((turn) => turn.map((s) => Number(s.toFixed(3)))), [[0, 0], [0.1, 0.1], [0.6, 0.5]]);
+  busy = false;
+  let idle = 0;
+  while (frame(3000 + 10 * idle)) ++idle;
+  assert.equal(idle, 12);
+  loop.setActive(false);
+  loop.wake();
+  assert.equal(frame(9000), false);
+  loop.setActive(true);
+  loop.wake();
+  assert.ok(frame(9100));
+  assert.equal(turns.at(-1)[1], 0, 'the time off-screen is not caught up');
 });

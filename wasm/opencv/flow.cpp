@@ -1,49 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
-// fourdvt-opencv.js/.wasm: OpenCV's optical flow in the browser, a module of its own that a page loads when it needs
-// it. a, b: luma, width × height bytes; out: 2 floats a pixel, x then y in row order, b(p + out) ~ a(p). 1: done, 0: it
-// cannot. An option of 0 or left out is FlowOptions' default. Memory comes from fdvt_flow_alloc.
-// An OpenCV error beyond that aborts the module.
+// fourdvt-opencv.js/.wasm: OpenCV's optical flow in the browser, with the options of the other flows. A module of its
+// own that a page loads when it needs it; abi.txt says what its functions take. An OpenCV error aborts the module.
 #include "render/flow/flow.h"
-
-#include <emscripten.h>
 
 #include <cstdlib>
 #include <opencv2/video/tracking.hpp>
 
-#define FDVT extern "C" EMSCRIPTEN_KEEPALIVE
+#include "abi.h"
 
 namespace {
 
-constexpr int kLeastSide = 16;  // pixels; DIS needs a patch of 8 on its coarsest level
+constexpr int kMinSide = 16;  // pixels
 
-bool valid(const uint8_t* a, const uint8_t* b, int width, int height, const float* out) {
-  return a && b && out && width >= kLeastSide && height >= kLeastSide;
+// OpenCV has no view of memory that it only reads.
+cv::Mat picture(const uint8_t* luma, int width, int height) {
+  return {height, width, CV_8UC1, const_cast<uint8_t*>(luma)};
 }
-cv::Mat picture(uint8_t* luma, int width, int height) { return {height, width, CV_8UC1, luma}; }
 
 }  // namespace
 
-FDVT void* fdvt_flow_alloc(uint32_t bytes) { return std::malloc(bytes); }
-FDVT void fdvt_flow_free(void* p) { std::free(p); }
+void* fdvt_flow_alloc(uint32_t size) { return std::malloc(size); }
+void fdvt_flow_free(void* memory) { std::free(memory); }
 
-FDVT int fdvt_flow_farneback(uint8_t* a, uint8_t* b, int width, int height, float* out, int levels, int window,
-                             int iterations, int poly_n, double poly_sigma) {
-  if (!valid(a, b, width, height, out)) return 0;
-  const fourdvt::render::FlowOptions defaults;
-  const auto chosen = [](int value, int otherwise) { return value > 0 ? value : otherwise; };
-  cv::Mat flow(height, width, CV_32FC2, out);
-  cv::calcOpticalFlowFarneback(picture(a, width, height), picture(b, width, height), flow, 0.5,
-                               chosen(levels, defaults.levels), chosen(window, defaults.window),
-                               chosen(iterations, defaults.iterations), chosen(poly_n, defaults.poly_n),
-                               poly_sigma > 0 ? poly_sigma : defaults.poly_sigma, 0);
-  return 1;
-}
-
-FDVT int fdvt_flow_dis(uint8_t* a, uint8_t* b, int width, int height, float* out) {
-  if (!valid(a, b, width, height, out)) return 0;
-  static const cv::Ptr<cv::DISOpticalFlow> dis = cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_ULTRAFAST);
-  cv::Mat_<cv::Vec2f> flow;
-  dis->calc(picture(a, width, height), picture(b, width, height), flow);
-  flow.copyTo(cv::Mat(height, width, CV_32FC2, out));
+int32_t fdvt_flow_farneback(const uint8_t* a, const uint8_t* b, int32_t width, int32_t height, float* flow) {
+  if (width < kMinSide || height < kMinSide) return 0;
+  const fourdvt::render::FlowOptions o;
+  cv::Mat field(height, width, CV_32FC2, flow);
+  cv::calcOpticalFlowFarneback(picture(a, width, height), picture(b, width, height), field, 0.5, o.levels, o.window,
+                               o.iterations, o.poly_n, o.poly_sigma, 0);
   return 1;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the element's `error` event carries. Ids are those of native/base/result.h; compare ids, never the wording.
+// What the element's `error` event carries. The ids are those of native/base/result.h. Compare ids, never
+// messages.
 
 export interface ErrorDetail {
   id: string;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// JSON → (JSON pointer, leaf) pairs, as native/base/flat_json.h wants them. Null and empty containers vanish.
+// Flattens JSON to pairs of JSON pointer and value, as native/base/flat_json.h takes them. Leaves out null and empty
+// containers.
 
 export type Leaf = number | string | boolean;
 

@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// <fourdvt-viewer>: a thin composition of session (loading and playing), orbit camera, controls, and overlay.
-// Attributes and events follow <model-viewer> and the media element; README.md lists them.
-import type { Actor, ActorWishes, Placement } from './actor.js';
+// <fourdvt-viewer>: composes session (loading and playing), commands, orbit camera, controls and overlay.
+// Attributes and events follow <model-viewer> and the media element; web/README.md lists them.
+import { Commands } from './commands.js';
+import { JOIN_EVENT, type Companion } from './companion.js';
 import type { ErrorDetail } from './errors.js';
 import { FourdvtCharacter } from './fourdvt-character.js';
 import { MotionControls } from './motion-controls.js';
 import { OrbitCamera, parseOrbit, parseTarget, type Follow } from './orbit-camera.js';
 import { OrbitControls } from './orbit-controls.js';
 import { Overlay } from './overlay.js';
-import { Session, type SessionHost, type Snapshot, type Wishes } from './session.js';
+import { Session, type SessionHost, type Snapshot } from './session.js';
 import type { UploadPath } from './upload-path.js';
-import type { Align, ParameterInfo, PictureKind, RenderOptions, SceneMesh, SequenceInfo } from './wasm-player.js';
+import {
+  ALIGN_MODES, type Align, type ParameterInfo, type PictureKind, type Placement, type RenderOptions, type SceneMesh,
+  type SequenceInfo,
+} from './wasm-player.js';
 
 export { FourdvtCharacter };
 export type { Align, ErrorDetail, ParameterInfo, Placement, RenderOptions, SceneMesh, SequenceInfo, Snapshot, UploadPath };
@@ -32,12 +36,11 @@ export interface Orbit {
   distance: number;
 }
 
-const ALIGNS: readonly Align[] = ['none', 'baked', 'flow-gpu', 'flow-dis', 'flow-opencv'];
-const STEER_DEG = 60;            // how far ahead of the heading a held key looks
-const PARAMETER_RANGES_S = 0.7;  // a held key crosses the parameter's range this often a second
+const STEER_DEG = 60;            // a held key asks for a heading this far from the present one
+const PARAMETER_RANGES_S = 0.7;  // share of the parameter's range that a held key crosses per second
 const MAX_PIXEL_RATIO = 2;
-// The total is known only when the stream's index is here: the bar must not be full before that.
-const LEAST_TOTAL_BYTES = 300_000;
+// Until the stream's index has come the total is too small; this keeps the progress bar from being full too early.
+const MIN_TOTAL_BYTES = 300_000;
 const AUTO_ROTATE_DEG_S = 14;
 const AUTO_ROTATE_RESUME_S = 4;
 const DEFAULT_RENDER: RenderOptions = {
@@ -49,14 +52,16 @@ export class FourdvtViewer extends HTMLElement {
     'src', 'poster', 'alt', 'loop', 'auto-rotate', 'camera-controls', 'camera-orbit', 'camera-target', 'field-of-view',
     'sequence', 'touch-action', 'motion-controls', 'camera-follow', 'travel', 'align',
   ];
-  /** Where the player's wasm file lies; beside the script unless set before an element loads. */
+  /** Address of the player's wasm file: beside the script, unless it is set before the first element loads. */
   static wasmUrl = new URL('fourdvt-viewer.wasm', import.meta.url).href;
-  /** Where the optional OpenCV module lies (align="flow-opencv"); fetched only then. */
+  /** Address of the OpenCV module, which is fetched only for align="flow-opencv". */
   static opencvUrl = new URL('fourdvt-opencv.js', import.meta.url).href;
 
   readonly #overlay: Overlay;
   readonly #camera = new OrbitCamera();
   readonly #reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
+  readonly #commands = new Commands();
+  readonly #companions = new Set<Companion>();
   readonly #host: SessionHost;
   #controls: OrbitControls | null = null;
   #motion: MotionControls | null = null;
@@ -65,15 +70,8 @@ export class FourdvtViewer extends HTMLElement {
   #observers: AbortController | null = null;
   #size = { width: 1, height: 1 };
   #visible = true;
-  #paused = true;
-  #rate = 1;
   #sinceInteraction = Infinity;
   #uploadPath: UploadPath = 'auto';
-  #render: RenderOptions = { ...DEFAULT_RENDER };
-  #resume: { frame: number; sequence: string | null; placement: Placement } | null = null;
-  #parameters = new Map<string, number>();
-  #scene: SceneMesh[] = [];
-  #placement: Placement = { x: 0, z: 0, heading: 0 };
   #error: ErrorDetail | null = null;
   #loading = false;
 
@@ -82,10 +80,14 @@ export class FourdvtViewer extends HTMLElement {
     this.#overlay = new Overlay(this.attachShadow({ mode: 'open' }), () => this.play());
     this.#host = {
       camera: this.#camera,
+      commands: this.#commands,
+      companions: this.#companions,
       animate: (dt) => this.#animate(dt),
       emit: (name, detail) => this.#onSessionEvent(name, detail),
       firstPicture: () => this.#overlay.ready(),
     };
+    this.#commands.set('options', DEFAULT_RENDER);
+    this.addEventListener(JOIN_EVENT, (e) => this.#onJoin(e as CustomEvent<Companion>));
   }
 
   // --- properties like the media element's ---
@@ -98,43 +100,41 @@ export class FourdvtViewer extends HTMLElement {
   set autoplay(value: boolean) { this.toggleAttribute('autoplay', value); }
   get loop(): boolean { return this.hasAttribute('loop') && this.getAttribute('loop') !== 'false'; }
   set loop(value: boolean) { this.setAttribute('loop', value ? '' : 'false'); }
-  get paused(): boolean { return this.#paused; }
+  get paused(): boolean { return !this.#commands.wishes.playing; }
   get error(): ErrorDetail | null { return this.#error; }
   get duration(): number { return this.#current()?.duration ?? NaN; }
-  get currentTime(): number { return this.#session?.state()?.currentTime ?? 0; }
+  get currentTime(): number { return this.#commands.state()?.currentTimeS ?? 0; }
   set currentTime(value: number) {
     this.#emit('seeking');
-    this.#session?.main?.seek(Number(value));
+    this.#commands.seek(Number(value));
   }
-  get playbackRate(): number { return this.#rate; }
+  get playbackRate(): number { return this.#commands.wishes.rate; }
   set playbackRate(value: number) {
     if (!(value > 0 && value <= 4)) throw new RangeError('playbackRate must be above 0 and at most 4');
-    this.#rate = value;
-    this.#main((m) => m.setRate(value), (w) => { w.rate = value; });
+    this.#commands.set('rate', value);
     this.#emit('ratechange');
   }
   play(): Promise<void> {
     this.#overlay.offerPlay(false);
-    if (this.#paused) {
-      this.#paused = false;
+    if (this.paused) {
+      this.#commands.remember('playing', true);
       this.#emit('play');
-      this.#main((m) => m.play(), (w) => { w.playing = true; });
+      this.#commands.set('playing', true);
     }
     return Promise.resolve();
   }
   pause(): void {
-    if (this.#paused) return;
-    this.#paused = true;
-    this.#main((m) => m.pause(), (w) => { w.playing = false; });
+    if (this.paused) return;
+    this.#commands.set('playing', false);
     if (!this.#session?.character) this.#emit('pause');
   }
 
   // --- what a character has beyond a video ---
 
-  get frame(): number { return this.#session?.state()?.frame ?? 0; }
+  get frame(): number { return this.#commands.state()?.frame ?? 0; }
   seekFrame(frame: number): void {
     this.#emit('seeking');
-    this.#main((m) => m.seekFrame(frame), (w) => { w.frame = frame; });
+    this.#commands.set('frame', frame);
   }
   get sequence(): string { return this.#current()?.name ?? this.getAttribute('sequence') ?? ''; }
   set sequence(name: string) { this.setAttribute('sequence', name); }
@@ -144,58 +144,47 @@ export class FourdvtViewer extends HTMLElement {
 
   /** Parameters of the motion shown, with their ranges; none for a plain motion. */
   get parameters(): ParameterInfo[] { return this.#current()?.parameters ?? []; }
-  /** The motion glides to the value; `immediate`: at once. A value outside the range counts as the nearest. */
+  /** Lets the motion glide to the value, or jump if `immediate`. A value out of range counts as the range's end. */
   setParameter(name: string, value: number, immediate = false): void {
     if (!Number.isFinite(value)) throw new TypeError(`${name} must be a number`);
-    this.#parameters.set(name, value);
-    this.#session?.main?.setParameter(name, value, immediate);
+    this.#commands.setParameter(name, value, immediate);
   }
-  /** As shown now; NaN if the character does not have it. */
-  getParameter(name: string): number { return this.#session?.main?.parameter(name) ?? this.#parameters.get(name) ?? NaN; }
-  /** To another motion by the best transition; a one-off motion returns by itself. */
-  goTo(state: string): void { this.#main((m) => m.goTo(state), (w) => { w.sequence = state; }); }
-  /** The motion that goTo asked for last, or that is shown. */
-  get state(): string { return this.#session?.state()?.goal || this.sequence; }
-  get inTransition(): boolean { return this.#session?.state()?.inTransition ?? false; }
-  /** Degrees, from +z towards +x. Setting it makes the character turn there while it moves. */
-  get heading(): number { return this.#session?.state()?.heading ?? this.#placement.heading; }
+  /** The value as shown now; NaN if the character has no such parameter. */
+  getParameter(name: string): number { return this.#commands.parameter(name); }
+  /** Goes over to another motion by the best transition. A motion without loop returns by itself. */
+  goTo(state: string): void { this.#commands.goTo(state); }
+  /** The motion that was asked for last, or the one that is shown. */
+  get state(): string { return this.#commands.state()?.goal || this.sequence; }
+  get inTransition(): boolean { return this.#commands.state()?.inTransition ?? false; }
+  /** Degrees, from +z towards +x. Setting it makes the character turn to it while it moves. */
+  get heading(): number { return this.#commands.placement.heading; }
   set heading(degrees: number) {
     if (!Number.isFinite(degrees)) throw new TypeError('heading must be a number of degrees');
-    this.#session?.main?.steer(degrees);
-    if (!this.#session?.main) this.placement = { heading: degrees };
+    this.#commands.steer(degrees);
   }
-  /** Where the character stands. Setting it puts it there at once. */
-  get placement(): Placement {
-    const state = this.#session?.state();
-    return state ? { x: state.x, z: state.z, heading: state.heading } : { ...this.#placement };
-  }
+  /** Where the character stands. Setting it puts the character there at once. */
+  get placement(): Placement { return this.#commands.placement; }
   set placement(place: Partial<Placement>) {
     const at = { ...this.placement, ...place };
     if (![at.x, at.z, at.heading].every(Number.isFinite)) throw new TypeError('x, z and heading must be numbers');
-    this.#placement = at;
-    this.#main((m) => m.place(at), (w) => { w.placement = at; });
+    this.#commands.place(at);
   }
-  /** Root motion moves the character over the ground. */
+  /** Whether root motion moves the character over the ground. */
   get travel(): boolean { return this.hasAttribute('travel'); }
   set travel(on: boolean) { this.toggleAttribute('travel', on); }
   get align(): Align {
     const wish = this.getAttribute('align') as Align | null;
-    return wish && ALIGNS.includes(wish) ? wish : 'baked';
+    return wish && ALIGN_MODES.includes(wish) ? wish : 'baked';
   }
   set align(value: Align) { this.setAttribute('align', value); }
-  /** Meshes that characters stand among; see README.md. */
-  get scene(): SceneMesh[] { return this.#scene; }
+  /** Meshes that the characters stand among; web/README.md says what they consist of. */
+  get scene(): SceneMesh[] { return this.#commands.wishes.scene ?? []; }
   set scene(meshes: SceneMesh[]) {
-    if (meshes.some(({ corners }) => corners.length % 18 !== 0)) throw new RangeError('a scene mesh has 18 numbers a triangle');
-    this.#scene = meshes.filter(({ corners }) => corners.length > 0)
-      .map((mesh) => ({ ...mesh, corners: Float32Array.from(mesh.corners) }));
-    this.#session?.setScene(this.#scene);
+    const whole = meshes.every(({ corners }) => corners.length % 18 === 0);
+    if (!whole) throw new RangeError('a scene mesh needs 18 numbers per triangle');
+    this.#commands.set('scene', meshes.filter(({ corners }) => corners.length > 0)
+      .map((mesh) => ({ ...mesh, corners: Float32Array.from(mesh.corners) })));
   }
-  /** For <fourdvt-character>: another character in this canvas. Null while there is none to stand beside. */
-  addActor(wishes: ActorWishes, emit: (name: string, detail?: unknown) => void): Promise<Actor | null> {
-    return this.#session?.character ? this.#session.add(wishes, emit) : Promise.resolve(null);
-  }
-  removeActor(actor: Actor): void { this.#session?.remove(actor); }
 
   getCameraOrbit(): Orbit {
     const { azimuth, elevation, distance } = this.#camera.pose;
@@ -206,17 +195,16 @@ export class FourdvtViewer extends HTMLElement {
     this.#camera.jump();
     this.#session?.wake();
   }
-  /** Background, ground shadow, multisampling, debug views. Assigning a part keeps the rest. */
-  get renderOptions(): RenderOptions { return { ...this.#render }; }
+  /** Background, ground shadow, multisampling, debug views. Assigning some of the options keeps the others. */
+  get renderOptions(): RenderOptions { return { ...this.#commands.wishes.options! }; }
   set renderOptions(options: Partial<RenderOptions>) {
-    this.#render = { ...this.#render, ...options };
-    this.#session?.setRenderOptions(this.#render);
+    this.#commands.set('options', { ...this.renderOptions, ...options });
   }
-  /** How decoded pictures reach the GPU; set before src. 'auto' measures. */
+  /** How decoded pictures reach the GPU; 'auto' measures what is faster. Takes effect at the next load. */
   get uploadPath(): UploadPath { return this.#uploadPath; }
   set uploadPath(value: UploadPath) { this.#uploadPath = value; }
   get stats(): ViewerStats | null {
-    const state = this.#session?.state();
+    const state = this.#commands.state();
     if (!state) return null;
     const { framesShown, framesLate, barcodeChecked, barcodeMismatches, bytesFetched, encodedBytesHeld } = state;
     return {
@@ -224,7 +212,7 @@ export class FourdvtViewer extends HTMLElement {
       textureBytes: state.liveTextureBytes, uploadPath: this.#session!.path,
     };
   }
-  /** PNG of the shown frame; another size or pose for this picture only if wanted. Null before the first picture. */
+  /** A PNG of the shown frame, at the size and pose of the snapshot if there is one. Null before the first picture. */
   toBlob(snapshot?: Snapshot): Promise<Blob | null> {
     return this.#session?.toBlob(snapshot) ?? Promise.resolve(null);
   }
@@ -239,7 +227,7 @@ export class FourdvtViewer extends HTMLElement {
       orbits: () => this.hasAttribute('camera-controls'),
       wheelZooms: () => this.hasAttribute('zoom') || this.matches(':focus-within'),
       onInteract: () => this.#interacted(),
-      togglePlay: () => (this.#paused ? void this.play() : this.pause()),
+      togglePlay: () => (this.paused ? void this.play() : this.pause()),
     });
     this.#motion = new MotionControls(this.#overlay.stage, this.#overlay.joystick, {
       steers: () => this.hasAttribute('motion-controls'),
@@ -263,15 +251,15 @@ export class FourdvtViewer extends HTMLElement {
   }
 
   attributeChangedCallback(name: string, before: string | null, value: string | null): void {
-    if (!this.#observers) return; // before connectedCallback, which reads them all
-    if (before === value && name !== 'sequence') return; // goTo may have left the sequence asked for before
+    if (!this.#observers) return; // connectedCallback will read all attributes
+    if (before === value && name !== 'sequence') return; // since the last assignment goTo may have left that sequence
     switch (name) {
       case 'src': this.#load(); break;
       case 'poster': this.#overlay.setPoster(value); break;
-      case 'loop': this.#main((m) => m.setLoop(this.#loopMode()), (w) => { w.loop = this.#loopMode(); }); break;
-      case 'sequence': if (value) this.#main((m) => m.select(value), (w) => { w.sequence = value; }); break;
+      case 'loop': this.#commands.set('loop', this.#loopMode()); break;
+      case 'sequence': if (value) this.#commands.select(value); break;
       case 'align': this.#session?.setAlign(this.align); break;
-      case 'travel': this.#main((m) => m.setTravel(this.travel), (w) => { w.travel = this.travel; }); break;
+      case 'travel': this.#commands.set('travel', this.travel); break;
       case 'camera-orbit': case 'camera-target': case 'camera-follow': case 'field-of-view': this.#applyCamera(); break;
       default: this.#applyLabels();
     }
@@ -285,9 +273,11 @@ export class FourdvtViewer extends HTMLElement {
     this.#loading = true;
     this.#overlay.setPoster(this.poster || null);
     this.#overlay.loading();
-    if (this.autoplay && !this.#resume) {
-      this.#paused = this.#reducedMotion.matches;
-      this.#overlay.offerPlay(this.#paused);
+    this.#commands.begin({ sequence: this.getAttribute('sequence'), loop: this.#loopMode(), travel: this.travel });
+    for (const { src, commands } of this.#companions) if (src === null) commands.begin();
+    if (this.autoplay) {
+      this.#commands.remember('playing', !this.#reducedMotion.matches);
+      this.#overlay.offerPlay(this.paused);
     }
     this.#emit('loadstart');
     const canvas = (this.#canvas = this.#overlay.newCanvas());
@@ -297,25 +287,13 @@ export class FourdvtViewer extends HTMLElement {
   }
 
   #startSession(canvas: HTMLCanvasElement): void {
-    const wishes: Wishes = {
+    const session = (this.#session = new Session(canvas, {
       src: new URL(this.src, this.ownerDocument.baseURI).href,
       wasmUrl: FourdvtViewer.wasmUrl,
-      uploadPath: this.#uploadPath,
-      sequence: this.#resume?.sequence ?? this.getAttribute('sequence'),
-      playing: !this.#paused,
-      loop: this.#loopMode(),
-      rate: this.#rate,
-      frame: this.#resume?.frame ?? 0,
-      render: this.#render,
       opencvUrl: FourdvtViewer.opencvUrl,
-      parameters: this.#parameters,
+      uploadPath: this.#uploadPath,
       align: this.align,
-      travel: this.travel,
-      placement: this.#resume?.placement ?? this.#placement,
-      scene: this.#scene,
-    };
-    this.#resume = null;
-    const session = (this.#session = new Session(canvas, wishes, this.#host));
+    }, this.#host));
     session.resize(this.#size.width, this.#size.height);
     session.setActive(this.#visible);
     void session.start();
@@ -334,7 +312,6 @@ export class FourdvtViewer extends HTMLElement {
 
   readonly #onContextLost = (e: Event): void => {
     e.preventDefault(); // asks the browser to restore it
-    this.#resume = { frame: this.frame, sequence: this.sequence || null, placement: this.placement };
     const session = this.#session;
     this.#session = null;
     session?.dispose();
@@ -395,15 +372,15 @@ export class FourdvtViewer extends HTMLElement {
     return this.#camera.update(dtS) || rotating || steering;
   }
 
-  // Held keys and the joystick move the wanted heading and the first parameter.
+  // Held keys and the joystick change the wanted heading and the first parameter.
   #steer(dtS: number): boolean {
     const wish = this.#motion?.steering;
-    if (!wish || this.#paused) return false;
+    if (!wish || this.paused) return false;
     if (wish.turn) this.heading = this.heading - STEER_DEG * wish.turn;
     const parameter = this.parameters[0];
     if (parameter && (wish.change || wish.level !== null)) {
       const { name, min, max } = parameter;
-      const now = this.#parameters.get(name) ?? this.getParameter(name);
+      const now = this.#commands.wishedParameter(name) ?? this.getParameter(name);
       const wanted = wish.level !== null ? min + (max - min) * wish.level : now + wish.change * (max - min) * PARAMETER_RANGES_S * dtS;
       const value = Math.min(max, Math.max(min, wanted));
       if (value !== now) {
@@ -414,9 +391,9 @@ export class FourdvtViewer extends HTMLElement {
     return wish.turn !== 0 || wish.change !== 0 || wish.level !== null;
   }
 
-  // Space: the motion named by `action`, or the first one that does not loop.
+  // Space plays the motion named by the attribute `action`, or else the first one that does not loop.
   #act(): void {
-    if (this.#paused) return void this.play();
+    if (this.paused) return void this.play();
     const action = this.getAttribute('action') ?? this.sequences.find((s) => !s.loop)?.name;
     if (action && this.state !== action) this.goTo(action);
   }
@@ -437,13 +414,13 @@ export class FourdvtViewer extends HTMLElement {
   #onSessionEvent(name: string, detail?: unknown): void {
     if (name === 'progress') {
       const { loaded, total } = detail as { loaded: number; total: number };
-      if (this.#loading) this.#overlay.progress(Math.min(1, loaded / Math.max(total, LEAST_TOTAL_BYTES)));
+      if (this.#loading) this.#overlay.progress(Math.min(1, loaded / Math.max(total, MIN_TOTAL_BYTES)));
     } else if (name === 'loadedmetadata') {
       this.#onMetadata();
     } else if (name === 'canplay') {
       this.#loading = false;
     } else if (name === 'ended') {
-      this.#paused = true;
+      this.#commands.remember('playing', false);
     } else if (name === 'error') {
       this.#error = detail as ErrorDetail;
       if (this.#loading) this.#overlay.fail('This character cannot be shown.');
@@ -457,11 +434,15 @@ export class FourdvtViewer extends HTMLElement {
     if (poster && !this.#overlay.hasPoster) this.#overlay.setPoster(new URL(poster, new URL(this.src, this.baseURI)).href);
   }
 
-  // The command if the character is there, else a wish for when it comes.
-  #main(command: (main: Actor) => void, wish: (wishes: Wishes) => void): void {
-    const session = this.#session;
-    if (session?.main) command(session.main);
-    else if (session) wish(session.wishes);
+  #onJoin(event: CustomEvent<Companion>): void {
+    event.stopPropagation();
+    const companion = event.detail;
+    this.#companions.add(companion);
+    void this.#session?.add(companion);
+    companion.left.addEventListener('abort', () => {
+      this.#companions.delete(companion);
+      this.#session?.remove(companion);
+    });
   }
 
   #emit(name: string, detail?: unknown): void {
@@ -469,9 +450,7 @@ export class FourdvtViewer extends HTMLElement {
   }
 
   #current(): SequenceInfo | null {
-    const session = this.#session;
-    const index = session?.state()?.sequence ?? -1;
-    return session?.character?.sequences[index] ?? null;
+    return this.#session?.character?.sequences[this.#commands.state()?.sequence ?? -1] ?? null;
   }
   /** -1 as the sequence says, 0 never, 1 always. */
   #loopMode(): number {

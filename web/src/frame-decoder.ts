@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// WebCodecs behind the player's decode requests. Holds a bounded number of pictures, in presentation order, until the
-// player has a slot for them, and closes VideoFrames as soon as their pixels are copied.
-// Path 'i420': pixels are copied out (I420 or NV12 planes). Path 'rgba': the VideoFrame itself waits for the GPU.
+// Carries out the player's decode requests with WebCodecs. Holds a bounded number of pictures, in presentation order,
+// until the player has a slot for them, and closes a VideoFrame as soon as its pixels are copied.
+// Upload path 'i420' copies the pixels out (I420 or NV12 planes); on path 'rgba' the VideoFrame itself is held.
 import { ViewerError } from './errors.js';
 import type { PictureKind, Planes } from './wasm-player.js';
 
-const MAX_HELD = 3;   // pictures waiting for a slot, beyond them the decoder is not fed
+const MAX_HELD = 3;   // pictures that wait for a slot; the decoder is not fed while there are as many
 const MAX_QUEUED = 6; // samples inside the decoder
 
 export type Picture =
@@ -14,10 +14,10 @@ export type Picture =
 
 export interface DecoderCallbacks {
   onPicture(): void;
-  /** The picture's planes cannot be read (opaque GPU frame): only the 'rgba' path can show it. */
+  /** Reports that the picture's planes cannot be read (opaque GPU frame): only path 'rgba' can show it. */
   onNoPlanes(): void;
   onError(error: ViewerError): void;
-  /** Once: the first picture, for measuring; the callee closes it. */
+  /** Gets the first picture, once, to measure with; closes it. */
   onFirstFrame?(frame: VideoFrame): void;
 }
 
@@ -37,9 +37,6 @@ export class FrameDecoder {
   #first = true;
 
   constructor(path: PictureKind, callbacks: DecoderCallbacks) {
-    if (typeof VideoDecoder === 'undefined') {
-      throw new ViewerError('decoder-unsupported', 'this browser has no WebCodecs VideoDecoder: open the page in a newer one');
-    }
     this.#path = path;
     this.#callbacks = callbacks;
   }
@@ -84,7 +81,7 @@ export class FrameDecoder {
     this.#pool = [];
   }
 
-  /** Hands samples to the decoder while there is room behind it. */
+  /** Hands samples to the decoder as long as its pictures can be held. */
   feed(): void {
     const decoder = this.#decoder;
     while (decoder && decoder.state === 'configured' && this.#commands.length) {
@@ -95,11 +92,11 @@ export class FrameDecoder {
     }
   }
 
-  /** The earliest picture that waits. */
+  /** The earliest of the waiting pictures. */
   peek(): Picture | undefined {
     return this.#pictures[0];
   }
-  /** Drops it (shown or unwanted). */
+  /** Drops the earliest waiting picture, which has been shown or is not wanted. */
   shift(): void {
     const picture = this.#pictures.shift();
     if (picture) this.#release(picture);

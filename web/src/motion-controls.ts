@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keys and a touch joystick → steering: left and right turn, up and down change the parameter, Space acts. Knows
-// nothing of characters: the host turns wishes into motion.
+// Turns keys and a touch joystick into steering: left and right turn, up and down change the parameter, Space acts.
+// Does not know characters: the host turns steering into motion.
 
 const KEYS: Record<string, [number, number]> = {
   ArrowLeft: [-1, 0], KeyA: [-1, 0], ArrowRight: [1, 0], KeyD: [1, 0],
   ArrowUp: [0, 1], KeyW: [0, 1], ArrowDown: [0, -1], KeyS: [0, -1],
 };
-const DEAD_ZONE = 0.12; // of the joystick's radius
+const DEAD_ZONE = 0.12; // share of the joystick's radius
 
 export interface MotionHost {
-  /** True: keys and joystick steer; the orbit's own arrow keys rest. */
+  /** True if keys and joystick steer; then the arrow keys do not turn the orbit. */
   steers(): boolean;
-  /** Space, or a tap on the joystick. */
+  /** Called for Space and for a tap on the joystick. */
   act(): void;
   onInteract(): void;
 }
@@ -19,9 +19,9 @@ export interface MotionHost {
 export interface Steering {
   /** -1 left … 1 right. */
   turn: number;
-  /** Keys: -1 slower … 1 faster, as long as they are held. */
+  /** By held keys: -1 slower … 1 faster. */
   change: number;
-  /** Joystick: 0 … 1 of the parameter's range; null while it is not held. */
+  /** By the joystick: 0 … 1 of the parameter's range; null while it is not held. */
   level: number | null;
 }
 

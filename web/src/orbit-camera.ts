@@ -1,27 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-// The orbit the visitor looks along: goal, damped current pose, limits from the character's bounding box. No DOM.
-// Degrees and metres; azimuth 0 looks at the performer's front, positive moves the camera towards +X.
+// The orbit of the visitor's camera: its goal, the pose that glides towards the goal, and limits from the character's
+// bounding box. Does not touch the DOM. Degrees and metres; azimuth 0 looks at the performer's front, a positive one
+// moves the camera towards +x.
 import type { CharacterInfo, OrbitPose } from './wasm-player.js';
 
 export interface OrbitText {
   azimuth: number;
   elevation: number;
-  /** Null: as far as the whole character needs. */
+  /** Null: the distance that shows the whole character. */
   distance: number | null;
 }
 
 const DEFAULT: OrbitText = { azimuth: 0, elevation: 6, distance: null };
-const DAMPING_S = 0.09;        // time constant towards the goal
-const FOLLOW_S = 0.12;         // time constants behind a travelling character
+const DAMPING_S = 0.09;        // time constant of the glide towards the goal
+const FOLLOW_S = 0.12;         // time constants of following a travelling character: place and heading
 const FOLLOW_TURN_S = 0.5;
-const FOLLOW_JUMP_M = 3;       // a character put elsewhere is not travelled to
+const FOLLOW_JUMP_M = 3;       // the camera jumps after a character that was put this far away
 const MAX_ELEVATION = 85;
 const GROUND_CLEARANCE_M = 0.05;
-const MARGIN = 1.08;           // air round the character at the automatic distance
-const NEAREST = 0.35;          // closest and farthest, in automatic distances
-const FARTHEST = 3;
+const MARGIN = 1.08;           // room around the character at the automatic distance
+const MIN_DISTANCE = 0.35;     // in automatic distances
+const MAX_DISTANCE = 3;
 
-/** "30deg 10deg 3m"; "auto" for a part keeps its default. */
+/** Reads "30deg 10deg 3m": azimuth, elevation, distance. "auto" keeps the default of a part. */
 export function parseOrbit(text: string | null): OrbitText {
   const part = (token: string | undefined, fallback: number): number => {
     const value = parseFloat(token ?? '');
@@ -37,7 +38,7 @@ export function parseOrbit(text: string | null): OrbitText {
   };
 }
 
-/** "0m 0.9m 0m", or null. */
+/** Reads "0m 0.9m 0m"; null if the text is something else. */
 export function parseTarget(text: string | null): [number, number, number] | null {
   const values = (text ?? '').trim().split(/\s+/).map(parseFloat);
   return values.length === 3 && values.every(Number.isFinite) ? (values as [number, number, number]) : null;
@@ -46,7 +47,7 @@ export function parseTarget(text: string | null): [number, number, number] | nul
 const clamp = (value: number, low: number, high: number): number => Math.min(Math.max(value, low), high);
 const radians = (degrees: number): number => (degrees * Math.PI) / 180;
 
-/** What of a travelling character the camera follows: its place, or its heading too. */
+/** Whether the camera follows a travelling character's position, or stays behind it and follows its heading too. */
 export type Follow = 'none' | 'position' | 'behind';
 
 export class OrbitCamera {
@@ -54,16 +55,16 @@ export class OrbitCamera {
   #goal: OrbitText = { ...DEFAULT };
   #now = { azimuth: DEFAULT.azimuth, elevation: DEFAULT.elevation, distance: 3 };
   #target: [number, number, number] = [0, 0.9, 0];
-  #half: [number, number] = [0.5, 0.9]; // half width (over all azimuths) and half height of the box, metres
+  #half: [number, number] = [0.5, 0.9]; // of the bounding box, metres: half its width from any azimuth, half its height
   #groundY = 0;
   #aspect = 1;
   #fixedTarget: [number, number, number] | null = null;
   #place = { x: 0, z: 0, heading: 0 };
-  #seen = { x: 0, z: 0, heading: 0 }; // the place as the camera follows it
+  #seen = { x: 0, z: 0, heading: 0 }; // the place that the camera has followed it to
   #following: Follow = 'none';
   fov = 35;
 
-  /** The orbit of attributes: where Home returns to. */
+  /** Sets the orbit that Home returns to. */
   setHome(orbit: OrbitText): void {
     this.#home = orbit;
     this.#goal = { ...orbit };
@@ -87,7 +88,7 @@ export class OrbitCamera {
     this.#following = follow;
     if (follow === 'none') this.#seen = { x: 0, z: 0, heading: 0 };
   }
-  /** Where the character stands now: metres, degrees. */
+  /** Tells where the character stands now: metres, degrees. */
   follow(place: { x: number; z: number; heading: number }): void {
     this.#place = { x: place.x, z: place.z, heading: place.heading };
   }
@@ -110,7 +111,7 @@ export class OrbitCamera {
     this.#goal.elevation += elevation;
     this.#limit();
   }
-  /** factor < 1 comes closer. */
+  /** A factor below 1 comes closer. */
   zoom(factor: number): void {
     this.#goal.distance = (this.#goal.distance ?? this.#fit()) * factor;
     this.#limit();
@@ -124,7 +125,7 @@ export class OrbitCamera {
     if (this.#following !== 'none') this.#seen = { ...this.#place };
   }
 
-  /** Moves towards the goal; true while it has not arrived. */
+  /** Moves towards the goal; true until it has arrived. */
   update(dtS: number): boolean {
     const following = this.#updateFollow(dtS);
     return this.#updateOrbit(dtS) || following;
@@ -163,7 +164,7 @@ export class OrbitCamera {
     return true;
   }
 
-  // Distance at which the whole box is in the picture from every azimuth.
+  // The distance at which the whole bounding box is in the picture from every azimuth.
   #fit(): number {
     const tan = Math.tan(radians(this.fov / 2));
     const [width, height] = this.#half;
@@ -171,7 +172,8 @@ export class OrbitCamera {
   }
   #limit(): void {
     const fit = this.#fit();
-    if (this.#goal.distance !== null) this.#goal.distance = clamp(this.#goal.distance, NEAREST * fit, FARTHEST * fit);
+    const { distance } = this.#goal;
+    if (distance !== null) this.#goal.distance = clamp(distance, MIN_DISTANCE * fit, MAX_DISTANCE * fit);
     const drop = (this.#target[1] - this.#groundY - GROUND_CLEARANCE_M) / this.goal.distance;
     const lowest = -Math.asin(clamp(drop, 0, 1)) * (180 / Math.PI);
     this.#goal.elevation = clamp(this.#goal.elevation, lowest, MAX_ELEVATION);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pointer, wheel and keys → orbit. Vertical panning stays with the page (touch-action: pan-y); the wheel zooms only
-// with Ctrl (pinch on a trackpad), or when the element has the focus or the `zoom` attribute.
+// Turns the orbit by pointer, wheel and keys. Vertical swipes still scroll the page (touch-action: pan-y). The wheel
+// zooms only with Ctrl (which a trackpad's pinch sends), or if the element has the focus or the `zoom` attribute.
 import type { OrbitCamera } from './orbit-camera.js';
 
 const KEY_STEP_DEG = 10;
@@ -8,7 +8,7 @@ const KEY_ZOOM = 1.15;
 const DRAG_DEG_PER_HEIGHT = 240;
 
 export interface ControlsHost {
-  /** False: only the keys for playing work. */
+  /** False if only the key for play and pause works. */
   orbits(): boolean;
   wheelZooms(): boolean;
   onInteract(): void;
@@ -51,7 +51,7 @@ export class OrbitControls {
     try {
       this.#stage.setPointerCapture(e.pointerId);
     } catch {
-      // the pointer is gone already: its moves inside the stage still count
+      // the pointer has been lifted already; moves inside the element still count
     }
     this.#pinch = this.#spread();
     this.#host.onInteract();

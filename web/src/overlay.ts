@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The element's shadow tree: canvas stage, poster, progress bar, play button, error line. Constructable style sheet
-// only, so that a strict style-src policy holds.
+// The element's shadow tree: the part that holds the canvas, poster, progress bar, play button, joystick, error line.
+// Its style is a constructable style sheet, so that the page can have a strict style-src policy.
 const CSS = `
 :host { display: block; position: relative; overflow: hidden; contain: strict; width: 300px; height: 400px; }
 :host([hidden]) { display: none; }
@@ -59,7 +59,7 @@ export class Overlay {
     this.stage.tabIndex = 0;
     this.stage.setAttribute('role', 'img');
     this.joystick = add(root, 'div', 'joystick');
-    this.joystick.setAttribute('aria-hidden', 'true'); // the keys do the same
+    this.joystick.setAttribute('aria-hidden', 'true'); // the keys steer as well
     add(this.joystick, 'div', 'knob');
     this.#poster = add(root, 'img', 'poster');
     this.#poster.alt = '';
@@ -80,7 +80,7 @@ export class Overlay {
     this.idle();
   }
 
-  /** A canvas without a context yet; the previous one is removed. */
+  /** Replaces the canvas by a new one, which has no context yet. */
   newCanvas(): HTMLCanvasElement {
     this.dropCanvas();
     this.#canvas = document.createElement('canvas');
@@ -127,7 +127,7 @@ export class Overlay {
     this.#fill.style.transform = `scaleX(${fraction})`;
     this.#bar.setAttribute('aria-valuenow', String(Math.round(100 * fraction)));
   }
-  /** The first picture is on the canvas. */
+  /** Shows the canvas: the first picture is on it. */
   ready(): void {
     this.progress(1);
     this.#bar.classList.add('gone');

@@ -1,35 +1,39 @@
 // SPDX-License-Identifier: Apache-2.0
-// One canvas: the frame loop, the GL context, the main character and those beside it. Made by the element, dies with it,
-// with its src, or with the GL context. After dispose() nothing of it runs any more.
-import { Actor, type ActorHost, type ActorWishes, type Placement } from './actor.js';
+// One canvas: its GL context, the main character, the companions beside it, and when they are drawn. The element makes
+// a session for each src and GL context. After dispose() nothing of it runs any more.
+import { Actor, type ActorContext, type ActorHost } from './actor.js';
+import type { Commands } from './commands.js';
+import type { Companion } from './companion.js';
 import { asViewerError, ViewerError } from './errors.js';
+import { FrameLoop } from './frame-loop.js';
 import { loadOpenCvFlow } from './opencv-flow.js';
 import type { OrbitCamera } from './orbit-camera.js';
 import { fetchManifest, Transport } from './transport.js';
 import { measurePath, rememberedPath, rememberPath, type UploadPath } from './upload-path.js';
 import { instantiate, instantiateWithFlow } from './wasm-module.js';
 import type { WasmModule } from './wasm-abi.js';
-import type { Align, CharacterInfo, OrbitPose, PictureKind, PlayerState, RenderOptions, SceneMesh } from './wasm-player.js';
+import type { Align, CharacterInfo, OrbitPose, PictureKind } from './wasm-player.js';
 
-const MAX_STEP_S = 0.5;     // a longer pause of the page is not caught up
-const IDLE_FRAMES = 12;     // frames without change after which the loop sleeps
 const MAX_CANVAS_SIDE = 4096;
 
 const needsFlow = (align: Align): boolean => align.startsWith('flow');
 
-/** What the element wants; a new session starts from it. */
-export interface Wishes extends ActorWishes {
+export interface SessionOptions {
+  src: string;
   wasmUrl: string;
   opencvUrl: string;
   uploadPath: UploadPath;
-  render: RenderOptions;
-  scene: SceneMesh[];
+  align: Align;
 }
 
 export interface SessionHost {
   readonly camera: OrbitCamera;
-  /** Called once a frame before drawing; true if the view or the motion changes on its own. */
-  animate(dtS: number): boolean;
+  /** The main character's. */
+  readonly commands: Commands;
+  /** All that have joined, loaded or not. */
+  readonly companions: Iterable<Companion>;
+  /** Called once per frame before drawing. True if the view or the motion changes by itself. */
+  animate(stepS: number): boolean;
   emit(name: string, detail?: unknown): void;
   firstPicture(): void;
 }
@@ -40,51 +44,51 @@ export interface Snapshot {
   pose?: Partial<OrbitPose>;
 }
 
+/** A companion that has been loaded. */
+interface Other {
+  actor: Actor;
+  transport: Transport;
+}
+
 export class Session {
   readonly #canvas: HTMLCanvasElement;
-  readonly #wishes: Wishes;
+  readonly #options: SessionOptions;
   readonly #host: SessionHost;
   readonly #transport: Transport;
   readonly #abort = new AbortController();
+  readonly #loop = new FrameLoop((clockS, stepS) => this.#turn(clockS, stepS));
   #gl: WebGL2RenderingContext | null = null;
   #module: WasmModule | null = null;
-  #flow: Promise<WasmModule> | null = null; // the module with optical flow, once asked for
-  #wanted: Align;
-  #applied: Align; // what the player does now
+  #flow: Promise<WasmModule> | null = null; // the module with optical flow, once it has been asked for
+  #align: Align; // as the page asked for it; the commands hold what the player does until flow is loaded
   #manifest: unknown = null;
   #main: Actor | null = null;
-  #others: Actor[] = [];
-  readonly #transports = new Map<Actor, Transport>(); // of the others
+  readonly #others = new Map<Companion, Other>();
+  readonly #coming = new Set<Companion>();
   #path: PictureKind = 'i420';
-  #raf = 0;
-  #last = 0;
-  #clock = 0;
-  #idle = 0;
-  #active = true;
   #shown = false;
   #deciding = false; // the upload path is being measured
   #redraw = true;
   #drawn = '';
   #size = { width: 1, height: 1 };
 
-  constructor(canvas: HTMLCanvasElement, wishes: Wishes, host: SessionHost) {
+  constructor(canvas: HTMLCanvasElement, options: SessionOptions, host: SessionHost) {
     this.#canvas = canvas;
-    this.#wishes = wishes;
+    this.#options = options;
     this.#host = host;
-    this.#wanted = wishes.align;
-    if (needsFlow(wishes.align)) wishes.align = 'baked'; // until flow is here
-    this.#applied = wishes.align;
-    this.#transport = new Transport(wishes.src);
+    this.#align = options.align;
+    this.#commands.set('align', needsFlow(options.align) ? 'baked' : options.align); // until flow is loaded
+    this.#transport = new Transport(options.src);
   }
 
-  /** Never rejects: what goes wrong becomes an error event. */
+  /** Loads the character. Never rejects: what goes wrong becomes an error event. */
   async start(): Promise<void> {
     try {
       if (typeof VideoDecoder === 'undefined') {
         throw new ViewerError('decoder-unsupported', 'this browser has no WebCodecs VideoDecoder: open the page in a newer one');
       }
       const [manifest, module] = await Promise.all([
-        fetchManifest(this.#wishes.src, this.#abort.signal), this.#firstModule()]);
+        fetchManifest(this.#options.src, this.#abort.signal), this.#firstModule()]);
       if (this.#abort.signal.aborted) return;
       this.#manifest = manifest;
       this.#module = module;
@@ -93,8 +97,8 @@ export class Session {
         powerPreference: 'high-performance',
       });
       if (!this.#gl) throw new ViewerError('gpu-failure', 'no WebGL2 context: the browser or its GPU driver refuses one');
-      const wish = this.#wishes.uploadPath;
-      this.#open(wish === 'auto' ? rememberedPath() ?? 'i420' : wish);
+      const { uploadPath } = this.#options;
+      this.#open(uploadPath === 'auto' ? rememberedPath() ?? 'i420' : uploadPath);
     } catch (reason) {
       if (!this.#abort.signal.aborted) this.#fatal(reason);
     }
@@ -102,82 +106,47 @@ export class Session {
 
   dispose(): void {
     this.#abort.abort();
-    cancelAnimationFrame(this.#raf);
-    this.#raf = 0;
+    this.#loop.stop();
     this.#transport.dispose();
     this.#close();
     this.#module = null;
     this.#manifest = null;
   }
 
-  /** After dispose: frees the context now, not at the next garbage collection. The canvas is of no use afterwards. */
+  /** After dispose: frees the GL context before the next garbage collection. The canvas cannot be used afterwards. */
   loseContext(): void {
     this.#gl?.getExtension('WEBGL_lose_context')?.loseContext();
     this.#gl = null;
   }
 
-  /** The main character's commands. Null before it is there: what was wished until then holds (Wishes). */
-  get main(): Actor | null { return this.#main; }
-  get wishes(): Wishes { return this.#wishes; }
   get character(): CharacterInfo | null { return this.#main?.character ?? null; }
   get path(): PictureKind { return this.#path; }
-  get bytesReceived(): number { return this.#transport.bytesReceived; }
-  state(): PlayerState | null { return this.#main?.state() ?? null; }
+  get #commands(): Commands { return this.#host.commands; }
 
-  setRenderOptions(options: RenderOptions): void {
-    this.#wishes.render = options;
-    this.#main?.player?.setOptions(options);
-    this.wake();
-  }
-  setScene(scene: SceneMesh[]): void {
-    this.#wishes.scene = scene;
-    try {
-      this.#main?.player?.setScene(scene);
-    } catch (reason) {
-      if (!(reason instanceof ViewerError)) return this.#fatal(reason);
-      this.#host.emit('error', reason.detail);
-    }
-    this.wake();
-  }
-  /** Flow takes effect when its module is here; if it cannot be, an error event says why and nothing changes. */
+  /** Optical flow takes effect when its module is loaded; if it does not load, an error event says why. */
   setAlign(align: Align): void {
-    this.#wanted = align;
-    if (needsFlow(align)) {
-      if (this.#shown) void this.#useFlow(align); // else the first picture asks for it
-      return;
-    }
-    this.#wishes.align = this.#applied = align;
-    this.#main?.setAlign(align);
+    this.#align = align;
+    if (!needsFlow(align)) this.#commands.set('align', align);
+    else if (this.#shown) void this.#useFlow(align); // else it is loaded after the first picture
   }
 
-  /** Another character in the same canvas; null if this session cannot have it (an error event says why). */
-  async add(wishes: ActorWishes, emit: (name: string, detail?: unknown) => void): Promise<Actor | null> {
-    const transport = new Transport(wishes.src);
+  /** Loads another character into the same canvas, unless it is there. If it cannot be, its error event says why. */
+  async add(companion: Companion): Promise<void> {
+    if (!this.#main || this.#coming.has(companion) || this.#others.has(companion)) return;
+    this.#coming.add(companion);
+    const transport = new Transport(companion.src ?? this.#options.src);
     transport.stopReplay();
     try {
-      const manifest = await fetchManifest(wishes.src, this.#abort.signal);
-      if (!this.#main || !this.#module || !this.#gl) {
-        transport.dispose();
-        return null;
-      }
-      const host: ActorHost = {
-        emit, wake: () => this.wake(), fatal: (reason) => this.#fatal(reason),
-        onNoPlanes: () => emit('error', new ViewerError('video-invalid', 'the pictures of this video cannot be read here').detail),
-      };
-      const actor = new Actor(this.#module, this.#gl, this.#main, this.#path, transport, manifest, wishes, host);
-      this.#others.push(actor);
-      this.#transports.set(actor, transport);
-      this.wake();
-      return actor;
+      const manifest = await fetchManifest(companion.src ?? this.#options.src, this.#abort.signal);
+      if (this.#main && !companion.left.aborted) this.#addActor(companion, transport, manifest);
     } catch (reason) {
-      transport.dispose();
-      if (!this.#abort.signal.aborted) emit('error', asViewerError(reason).detail);
-      return null;
+      if (!this.#abort.signal.aborted && !companion.left.aborted) companion.emit('error', asViewerError(reason).detail);
     }
+    this.#coming.delete(companion);
+    if (!this.#others.has(companion)) transport.dispose();
   }
-  remove(actor: Actor): void {
-    this.#others = this.#others.filter((other) => other !== actor);
-    this.#drop(actor);
+  remove(companion: Companion): void {
+    this.#drop(companion);
     this.wake();
   }
 
@@ -187,26 +156,20 @@ export class Session {
     this.wake();
   }
 
-  /** False: off-screen. The clock stands still and nothing is drawn or decoded. */
+  /** False: the element is off-screen. The clock stands still, and nothing is drawn or decoded. */
   setActive(active: boolean): void {
-    this.#active = active;
+    this.#loop.setActive(active);
     if (active) this.wake();
-    else {
-      cancelAnimationFrame(this.#raf);
-      this.#raf = 0;
-      this.#last = 0;
-    }
   }
 
   wake(): void {
-    this.#idle = 0;
     this.#redraw = true;
-    if (!this.#raf && this.#active && this.#main) this.#raf = requestAnimationFrame((t) => this.#frame(t));
+    if (this.#main) this.#loop.wake();
   }
 
-  /** A PNG of what is shown, at another size and pose if wanted. Null before the first picture. */
+  /** A PNG of what is shown, at the size and pose of the snapshot if there is one. Null before the first picture. */
   async toBlob(snapshot?: Snapshot): Promise<Blob | null> {
-    if (!this.state()?.hasFrame) return null;
+    if (!this.#main?.state()?.hasFrame) return null;
     const { width, height } = snapshot ?? this.#size;
     this.#fit(width, height);
     this.#draw({ ...this.#host.camera.pose, ...snapshot?.pose });
@@ -220,85 +183,108 @@ export class Session {
 
   #flowModule(): Promise<WasmModule> {
     if (!this.#flow) {
-      this.#flow = instantiateWithFlow(this.#wishes.wasmUrl);
+      this.#flow = instantiateWithFlow(this.#options.wasmUrl);
       this.#flow.catch(() => { this.#flow = null; });
     }
     return this.#flow;
   }
 
-  // Without the flow module a character begins as baked; #show asks again and tells.
+  // If the flow module does not load, the character begins with 'baked'; #show tries again and reports the error.
   async #firstModule(): Promise<WasmModule> {
-    const flow = needsFlow(this.#wanted) ? await this.#flowModule().catch(() => null) : null;
-    return flow ?? instantiate(this.#wishes.wasmUrl);
+    const flow = needsFlow(this.#align) ? await this.#flowModule().catch(() => null) : null;
+    return flow ?? instantiate(this.#options.wasmUrl);
   }
 
   async #useFlow(align: Align): Promise<void> {
     try {
       const module = await this.#flowModule();
-      if (align === 'flow-opencv') await loadOpenCvFlow(this.#wishes.opencvUrl, module);
-      if (!this.#main || this.#wanted !== align) return;
+      if (align === 'flow-opencv') await loadOpenCvFlow(this.#options.opencvUrl, module);
+      if (!this.#main || this.#align !== align) return;
       if (this.#module !== module) {
         this.#module = module;
         this.#reopen(this.#path);
       }
-      this.#main?.player?.setAlign(align);
-      this.#applied = align;
-      this.wake();
+      if (!this.#commands.set('align', align)) this.#align = this.#commands.wishes.align;
     } catch (reason) {
       if (this.#abort.signal.aborted) return;
-      if (this.#wanted === align) this.#wanted = this.#applied;
+      if (this.#align === align) this.#align = this.#commands.wishes.align;
       if (reason instanceof ViewerError) this.#host.emit('error', reason.detail);
       else this.#fatal(reason);
     }
   }
 
-  // --- the main character's life ---
+  // --- opening and closing characters ---
+
+  #context(beside: Actor | null): ActorContext {
+    return { module: this.#module!, gl: this.#gl!, path: this.#path, beside };
+  }
 
   #open(path: PictureKind): void {
-    const wishes = this.#wishes;
     this.#path = path;
-    const decide = (this.#deciding = wishes.uploadPath === 'auto' && !rememberedPath());
-    const main = new Actor(this.#module!, this.#gl!, null, path, this.#transport, this.#manifest, wishes, {
+    const decide = (this.#deciding = this.#options.uploadPath === 'auto' && !rememberedPath());
+    const source = { transport: this.#transport, manifest: this.#manifest };
+    const main = new Actor(this.#context(null), source, this.#commands, {
       emit: (name, detail) => this.#onMainEvent(name, detail),
       wake: () => this.wake(),
       onNoPlanes: () => this.#reopen('rgba'),
       fatal: (reason) => this.#fatal(reason),
       ...(decide ? { onFirstFrame: (frame: VideoFrame) => void this.#choosePath(frame) } : {}),
     });
+    if (this.#abort.signal.aborted) return main.dispose(); // an error during its creation has ended the session
     this.#main = main;
-    main.player?.setOptions(wishes.render);
-    main.player?.setScene(wishes.scene);
-    if (needsFlow(this.#applied)) main.player?.setAlign(this.#applied);
     if (main.character) this.#host.camera.setCharacter(main.character);
     if (!this.#shown) this.#host.camera.jump();
     this.wake();
   }
 
+  #addActor(companion: Companion, transport: Transport, manifest: unknown): void {
+    const { commands } = companion;
+    commands.set('playing', this.#commands.wishes.playing);
+    commands.set('align', this.#align === 'none' ? 'none' : 'baked');
+    const host: ActorHost = {
+      emit: (name, detail) => companion.emit(name, detail),
+      wake: () => this.wake(),
+      fatal: (reason) => this.#fatal(reason),
+      onNoPlanes: () => companion.emit('error',
+        new ViewerError('video-invalid', 'the pictures of this video cannot be read here').detail),
+    };
+    const actor = new Actor(this.#context(this.#main), { transport, manifest }, commands, host);
+    this.#others.set(companion, { actor, transport });
+    // A listener of its first events may have removed it.
+    if (companion.left.aborted || this.#abort.signal.aborted) this.remove(companion);
+    this.wake();
+  }
+
   #onMainEvent(name: string, detail?: unknown): void {
-    if (name === 'canplay' && !this.#deciding) this.#transport.stopReplay();
-    // The first events come while the actor is being made: the element asks for it in its listeners.
+    if (name === 'canplay') {
+      if (!this.#deciding) this.#transport.stopReplay();
+      for (const companion of this.#host.companions) void this.add(companion);
+    } else if (name === 'playing' || name === 'pause') {
+      for (const { commands } of this.#others.keys()) commands.set('playing', name === 'playing');
+    }
+    // The first events come while the actor is being made, but the element's listeners ask for it: they get them later.
     if (this.#main) this.#host.emit(name, detail);
     else queueMicrotask(() => { if (!this.#abort.signal.aborted) this.#host.emit(name, detail); });
   }
 
-  #drop(other: Actor): void {
-    this.#transports.get(other)?.dispose();
-    this.#transports.delete(other);
-    other.dispose();
+  #drop(companion: Companion): void {
+    const other = this.#others.get(companion);
+    this.#others.delete(companion);
+    other?.transport.dispose();
+    other?.actor.dispose();
   }
 
-  // The others come again when the next main character is there (fourdvt-character.ts).
+  // The companions are loaded again when the next main character can play.
   #close(): void {
-    for (const other of this.#others) this.#drop(other);
-    this.#others = [];
+    for (const companion of [...this.#others.keys()]) this.#drop(companion);
     this.#main?.dispose();
     this.#main = null;
   }
 
-  // The same character on another upload path or in another module, from where it is.
+  // Opens the same character on another upload path or in another module; it goes on from where it is.
   #reopen(path: PictureKind): void {
     if (!this.#main) return;
-    this.#keepPlace();
+    this.#drawn = '';
     this.#transport.cancelAll();
     this.#close();
     try {
@@ -308,18 +294,6 @@ export class Session {
     }
   }
 
-  // A motion that is on its way to another one begins with that.
-  #keepPlace(): void {
-    const state = this.state();
-    if (!state?.hasFrame || state.seeking) return; // then the wishes hold what is sought
-    const shown = this.character?.sequences[state.sequence]?.name ?? null;
-    const arrived = !state.goal || state.goal === shown;
-    this.#wishes.sequence = arrived ? shown : state.goal;
-    this.#wishes.frame = arrived ? state.frame : 0;
-    this.#wishes.placement = { x: state.x, z: state.z, heading: state.heading };
-    this.#drawn = '';
-  }
-
   async #choosePath(frame: VideoFrame): Promise<void> {
     const gl = this.#gl;
     if (!gl) return frame.close();
@@ -327,7 +301,7 @@ export class Session {
     try {
       path = await measurePath(gl, frame, () => this.#main?.player?.invalidateState());
     } catch {
-      // not measurable here: stay on the path that works
+      // it cannot be measured here: stay on the path that works
     } finally {
       frame.close();
     }
@@ -335,33 +309,28 @@ export class Session {
     rememberPath(path);
     this.#deciding = false;
     if (path !== this.#path) this.#reopen(path);
-    else if (this.state()?.hasFrame) this.#transport.stopReplay();
+    else if (this.#main?.state()?.hasFrame) this.#transport.stopReplay();
     this.wake();
   }
 
-  // --- frame loop ---
+  // --- drawing ---
 
-  #frame(now: number): void {
-    this.#raf = 0;
-    const dt = this.#last ? Math.min((now - this.#last) / 1000, MAX_STEP_S) : 0;
-    this.#last = now;
-    this.#clock += dt;
-    for (const actor of [this.#main, ...this.#others]) actor?.tick(this.#clock);
-    const moved = this.#host.animate(dt);
+  get #otherActors(): Actor[] { return Array.from(this.#others.values(), ({ actor }) => actor); }
+
+  #turn(clockS: number, stepS: number): boolean {
+    const others = this.#otherActors;
+    for (const actor of [this.#main, ...others]) actor?.tick(clockS);
+    const moved = this.#host.animate(stepS);
     const main = this.#main;
     const state = main?.state();
-    if (!main || !state) return;
+    if (!main || !state) return false;
     this.#host.camera.follow(state);
-    const others = this.#others.map((actor) => actor.state());
-    const serial = [state, ...others].map((s) => s && [s.framesShown, s.frame, s.x, s.z, s.heading]).join();
+    const otherStates = others.map((actor) => actor.state());
+    const serial = [state, ...otherStates].map((s) => s && [s.framesShown, s.frame, s.x, s.z, s.heading]).join();
     const changed = moved || this.#redraw || serial !== this.#drawn;
-    if (changed && state.hasFrame) this.#show(serial, this.#others.filter((_, i) => others[i]?.hasFrame));
+    if (changed && state.hasFrame) this.#show(serial, others.filter((_, i) => otherStates[i]?.hasFrame));
     this.#redraw = false;
-    const busy = moved || main.busy(state) || this.#others.some((actor, i) => others[i] && actor.busy(others[i]!));
-    this.#idle = busy ? 0 : this.#idle + 1;
-    // A command of this very frame may have asked for the next one already.
-    if (this.#idle < IDLE_FRAMES && this.#main) this.#raf ||= requestAnimationFrame((t) => this.#frame(t));
-    else this.#last = 0;
+    return moved || main.busy(state) || others.some((actor, i) => otherStates[i] && actor.busy(otherStates[i]!));
   }
 
   #show(serial: string, others: Actor[]): void {
@@ -371,7 +340,7 @@ export class Session {
     if (this.#shown) return;
     this.#shown = true;
     this.#host.firstPicture();
-    if (needsFlow(this.#wanted)) void this.#useFlow(this.#wanted);
+    if (needsFlow(this.#align)) void this.#useFlow(this.#align);
   }
 
   #fit(width: number, height: number): void {
@@ -379,8 +348,8 @@ export class Session {
     if (this.#canvas.height !== height) this.#canvas.height = height;
   }
 
-  /** `others`: those with a frame. */
-  #draw(pose: OrbitPose, others = this.#others.filter((actor) => actor.state()?.hasFrame)): boolean {
+  /** `others`: the companions that have a frame. */
+  #draw(pose: OrbitPose, others = this.#otherActors.filter((actor) => actor.state()?.hasFrame)): boolean {
     try {
       this.#main?.player?.draw(pose, this.#canvas.width, this.#canvas.height, others.map((actor) => actor.player!));
       return this.#main !== null;
@@ -397,5 +366,3 @@ export class Session {
     this.#host.emit('error', error.detail);
   }
 }
-
-export type { Placement };

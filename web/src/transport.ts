@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Byte ranges over fetch. A server that ignores Range (answers 200) is remembered and its files are sliced here.
-// Transient failures are tried again twice; a cancelled range answers nothing.
+// Fetches byte ranges of files. If a server ignores Range and answers with the whole file (200), the file is kept and
+// cut up here. Transient failures are tried again twice.
 import { ViewerError } from './errors.js';
 
 const RETRY_DELAYS_MS = [250, 1000];
@@ -14,7 +14,7 @@ export class Transport {
   readonly #base: string;
   readonly #running = new Map<number, AbortController>();
   readonly #whole = new Map<string, Promise<Uint8Array>>();
-  // Ranges of the first seconds, so that a second player on another upload path downloads nothing again.
+  // The ranges of the first seconds: a second player on another upload path gets them without downloading them again.
   #replay: Map<string, Uint8Array> | null = new Map();
   bytesReceived = 0;
 
@@ -48,7 +48,7 @@ export class Transport {
   cancelAll(): void {
     for (const abort of this.#running.values()) abort.abort();
   }
-  /** The upload path is decided: keep no more copies. */
+  /** Keeps no more ranges for a second player: the upload path is decided. */
   stopReplay(): void {
     this.#replay = null;
   }
@@ -87,7 +87,7 @@ export class Transport {
     return this.#keepWhole(url, response, offset, bytes);
   }
 
-  // Only the first of several concurrent answers is read to its end.
+  // Several answers may bring the same file at the same time; only the first is read to its end.
   async #keepWhole(url: string, response: Response, offset: number, bytes: number): Promise<Uint8Array> {
     let whole = this.#whole.get(url);
     if (whole) {
@@ -106,12 +106,12 @@ export class Transport {
 
 function slice(url: string, from: Uint8Array, offset: number, bytes: number): Uint8Array {
   if (offset + bytes > from.length) {
-    throw new ViewerError('fetch-failed', `${url}: too short, ${offset + bytes} bytes wanted; upload the file again`);
+    throw new ViewerError('fetch-failed', `${url}: the file has less than ${offset + bytes} bytes; upload it again`);
   }
   return from.subarray(offset, offset + bytes);
 }
 
-/** The manifest as JSON. Errors: 'fetch-failed', 'manifest-invalid'. */
+/** Fetches the manifest as JSON. Errors: ViewerError 'fetch-failed', 'manifest-invalid'. */
 export async function fetchManifest(url: string, signal: AbortSignal): Promise<unknown> {
   const response = await fetch(url, { signal, credentials: 'same-origin' }).catch(() => null);
   if (!response?.ok) {

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a decoded picture gets into a texture: plane copies with our own colour matrix ('i420', deterministic), or the
-// browser's VideoFrame upload ('rgba', no copy on most GPUs). Measured once a tab with a real decoded frame.
+// How a decoded picture gets into a texture. 'i420' copies its planes and converts colours with the player's own
+// matrix, the same on every machine; 'rgba' lets the browser upload the VideoFrame, without a copy on most GPUs. Which
+// is faster is measured once per tab, with a decoded frame of the character.
 import type { PictureKind } from './wasm-player.js';
 
 export type UploadPath = PictureKind | 'auto';
 const KEY = 'fourdvt-upload-path';
-// The plane path also proves the frame's index by its barcode and has our own colours, so the other one must be clearly
-// faster: on a GPU it is by several times, in software rendering the two differ by noise.
-const RGBA_ADVANTAGE = 0.5;
+// 'i420' also checks the frame's number by its barcode and has exact colours, so 'rgba' must take less than this share
+// of its time. On a GPU it is several times as fast; in software rendering the two differ by noise only.
+const MAX_RGBA_SHARE = 0.5;
 const RUNS = 4;
 
 export function rememberedPath(): PictureKind | null {
@@ -22,11 +23,11 @@ export function rememberPath(path: PictureKind): void {
   try {
     sessionStorage.setItem(KEY, path);
   } catch {
-    return; // storage is blocked: measure again next time
+    return; // storage is blocked: it is measured again next time
   }
 }
 
-/** Puts a VideoFrame into an existing RGBA8 texture. Leaves default unpack state behind. */
+/** Uploads a VideoFrame into an existing RGBA8 texture. Leaves the default unpack state behind. */
 export function uploadVideoFrame(gl: WebGL2RenderingContext, texture: WebGLTexture, frame: VideoFrame): void {
   gl.activeTexture(gl.TEXTURE0);
   gl.bindTexture(gl.TEXTURE_2D, texture);
@@ -49,7 +50,7 @@ function makeTexture(gl: WebGL2RenderingContext, format: number, width: number, 
   return texture;
 }
 
-// Waits until the texture has its pixels: reads one of them.
+// Waits until the texture has its pixels, by reading one of them.
 function force(gl: WebGL2RenderingContext, texture: WebGLTexture): void {
   const framebuffer = gl.createFramebuffer();
   gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
@@ -91,7 +92,7 @@ function timeVideoFrame(gl: WebGL2RenderingContext, frame: VideoFrame): number {
   return total;
 }
 
-/** The faster path for frames like this one; the fastest run of each counts. `touched`: GL state has changed. */
+/** The faster path for frames like this one, by the fastest run of each. Calls `touched` after it changed GL state. */
 export async function measurePath(gl: WebGL2RenderingContext, frame: VideoFrame, touched: () => void):
     Promise<PictureKind> {
   if (frame.format !== 'I420' && frame.format !== 'NV12') return 'rgba';
@@ -104,5 +105,5 @@ export async function measurePath(gl: WebGL2RenderingContext, frame: VideoFrame,
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, alignment);
     touched();
   }
-  return whole < RGBA_ADVANTAGE * planes ? 'rgba' : 'i420';
+  return whole < MAX_RGBA_SHARE * planes ? 'rgba' : 'i420';
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loads a wasm file once a page; every viewer instantiates it for itself, so that removing a viewer frees all of it.
-// Two modules have the same functions: the player, and the player with optical flow, fetched only when it is asked for.
+// Compiles a wasm file once per page. Every viewer makes its own instance of it, so that removing a viewer frees all of
+// its memory. Two modules have the same functions: the player, and the player with optical flow, which is fetched only
+// when it is asked for.
 import createPlayer from 'fourdvt-wasm';
 
 import type { ModuleOptions, WasmModule } from './wasm-abi.js';
@@ -37,7 +38,7 @@ async function create(createModule: CreateModule, url: string): Promise<WasmModu
 
 export const instantiate = (url: string): Promise<WasmModule> => create(createPlayer, url);
 
-/** From fourdvt-flow.js and fourdvt-flow.wasm beside the player's wasm file. Errors: 'fetch-failed'. */
+/** Loads fourdvt-flow.js and its .wasm from beside the player's wasm file. Errors: ViewerError 'fetch-failed'. */
 export async function instantiateWithFlow(playerUrl: string): Promise<WasmModule> {
   const script = new URL('fourdvt-flow.js', playerUrl).href;
   try {

@@ -1,57 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
-// Typed owner of one player handle in wasm memory. Does not fetch, decode or schedule anything.
-// Byte views handed out (request data) are valid until the next call; copy what must last.
-import { ViewerError, type ErrorDetail } from './errors.js';
+// Owns one player's handle in wasm memory and gives its functions types. Does not fetch, decode or schedule anything.
+// The data of a request is a view into wasm memory, valid until the next call; copy what must last longer.
+import { ViewerError } from './errors.js';
 import { flattenJson } from './flat-json.js';
+import {
+  ALIGN_MODES, bytesOfOptions, bytesOfPlanes, bytesOfView, PICTURE_KINDS, readCharacter, readError, readEvent,
+  readParameter, readRequest, readSequence, readState, type AlignMode, type DebugView, type EventRecord,
+  type ParameterRecord, type PictureKind, type RequestRecord, type StateRecord,
+} from './generated/abi.js';
+import { Reader } from './records.js';
 import type { WasmModule } from './wasm-abi.js';
 
-export type PictureKind = 'i420' | 'rgba';
+export { ALIGN_MODES };
+export type { PictureKind };
+/** Only the fields that its kind needs are filled in; see wasm/abi.txt. */
+export type PlayerRequest = RequestRecord;
+export type PlayerEvent = EventRecord;
+export type Align = AlignMode;
+export type ParameterInfo = ParameterRecord;
 
-export type PlayerRequest =
-  | { kind: 'fetch'; id: number; uri: string; offset: number; bytes: number }
-  | { kind: 'cancel'; id: number }
-  | { kind: 'configure'; decoder: number; codec: string; description: Uint8Array; width: number; height: number }
-  | { kind: 'decode'; decoder: number; bytes: Uint8Array; timestampUs: number; key: boolean }
-  | { kind: 'flush' | 'reset' | 'close'; decoder: number };
-
-export interface PlayerEvent {
-  name: string;
-  error: ErrorDetail;
-  loadedBytes: number;
-  totalBytes: number;
-}
-
-export interface PlayerState {
-  hasFrame: boolean;
-  paused: boolean;
-  frame: number;
-  sequence: number;
-  /** What is wanted is not on screen yet. */
-  seeking: boolean;
-  currentTime: number;
-  framesShown: number;
-  framesLate: number;
-  barcodeChecked: number;
-  barcodeMismatches: number;
-  bytesFetched: number;
-  encodedBytesHeld: number;
-  draws: number;
-  liveTextures: number;
-  liveTextureBytes: number;
-  /** Where the character stands: metres, degrees from +z towards +x. */
+export interface Placement {
+  /** Metres on the ground. */
   x: number;
   z: number;
+  /** Degrees, from +z towards +x. */
   heading: number;
-  inTransition: boolean;
-  /** The state asked for last. */
-  goal: string;
 }
 
-export interface ParameterInfo {
-  name: string;
-  min: number;
-  max: number;
-}
+export interface PlayerState extends StateRecord, Placement {}
 
 export interface SequenceInfo {
   name: string;
@@ -59,18 +35,16 @@ export interface SequenceInfo {
   loop: boolean;
   fps: number;
   duration: number;
-  /** None: a plain motion; else a class of motions. */
+  /** A class of motions has at least one, a plain motion none. */
   parameters: ParameterInfo[];
-  /** Captured motions of a class. */
+  /** Names of the captured motions of a class. */
   members: string[];
 }
 
-export type Align = 'none' | 'baked' | 'flow-gpu' | 'flow-dis' | 'flow-opencv';
-
 export interface SceneMesh {
-  /** 6 numbers a corner, 3 corners a triangle: position in metres, colour 0..1. */
+  /** 6 numbers per corner, 3 corners per triangle: position in metres, colour in 0..1. */
   corners: Float32Array;
-  /** Hides characters without being seen itself. */
+  /** True: the mesh hides characters without being drawn itself. */
   occluderOnly?: boolean;
 }
 
@@ -80,19 +54,16 @@ export interface CharacterInfo {
   min: [number, number, number];
   max: [number, number, number];
   groundY: number;
-  layers: number;
-  vertices: number;
-  faces: number;
   sequences: SequenceInfo[];
 }
 
 export interface RenderOptions {
-  /** Premultiplied sRGB, 0..1; alpha 0 lets the page show through. */
+  /** Premultiplied sRGB in 0..1; where alpha is 0 the page shows through. */
   background: [number, number, number, number];
   groundShadow: boolean;
   shadowStrength: number;
   samples: number;
-  debug: 'none' | 'labels' | 'layer' | 'weights' | 'normals';
+  debug: DebugView;
   debugLayer: number;
 }
 
@@ -111,11 +82,9 @@ export interface Planes {
   layout: { offset: number; stride: number }[];
 }
 
-const ALIGNS: Align[] = ['none', 'baked', 'flow-gpu', 'flow-dis', 'flow-opencv'];
-const DEBUG_VIEWS = ['none', 'labels', 'layer', 'weights', 'normals'];
 const RADIANS = Math.PI / 180;
+const SMALLEST_SCRATCH_BYTES = 4096;
 const encoder = new TextEncoder();
-const decoder = new TextDecoder();
 
 export class WasmPlayer {
   readonly #m: WasmModule;
@@ -124,15 +93,15 @@ export class WasmPlayer {
   #scratch = 0;
   #scratchBytes = 0;
 
-  /** `on`: the canvas's context, or another character that is drawn into the same canvas and outlives this one. */
+  /** `on`: the canvas's context, or another character of the same canvas, which must outlive this one. */
   constructor(module: WasmModule, on: WebGL2RenderingContext | WasmPlayer, kind: PictureKind, slots: number) {
     this.#m = module;
-    const rgba = kind === 'rgba' ? 1 : 0;
+    const kindNumber = PICTURE_KINDS.indexOf(kind);
     if (on instanceof WasmPlayer) {
-      this.#h = module._fdvt_create_beside(on.#h, rgba, slots);
+      this.#h = module._fdvt_create_beside(on.#h, kindNumber, slots);
     } else {
       this.#context = module.GL.registerContext(on, { majorVersion: 2, minorVersion: 0, enableExtensionsByDefault: true });
-      this.#h = module._fdvt_create(this.#context, rgba, slots);
+      this.#h = module._fdvt_create(this.#context, kindNumber, slots);
     }
     if (!module._fdvt_ready(this.#h)) {
       const error = this.#lastError();
@@ -162,7 +131,7 @@ export class WasmPlayer {
         this.#m._fdvt_manifest_bool(this.#h, this.#put(key), key.length, value ? 1 : 0);
       }
     });
-    if (!this.#m._fdvt_load(this.#h)) throw this.#lastError();
+    this.#check(this.#m._fdvt_load(this.#h));
   }
 
   play(): void { this.#m._fdvt_play(this.#h); }
@@ -173,39 +142,15 @@ export class WasmPlayer {
   /** -1 as the sequence says, 0 never, 1 always. */
   setLoop(loop: number): void { this.#m._fdvt_set_loop(this.#h, loop); }
   tick(nowS: number): void { this.#m._fdvt_tick(this.#h, nowS); }
-
-  selectSequence(name: string): void {
-    const text = encoder.encode(name);
-    if (!this.#m._fdvt_select(this.#h, this.#put(text), text.length)) throw this.#lastError();
-  }
+  selectSequence(name: string): void { this.#check(this.#m._fdvt_select(this.#h, ...this.#text(name))); }
 
   nextRequest(): PlayerRequest | null {
-    const p = this.#m._fdvt_next_request(this.#h);
-    if (!p) return null;
-    const v = this.#view();
-    const id = v.getUint32(p + 4, true);
-    const decoder = v.getInt32(p + 36, true);
-    switch (v.getInt32(p, true)) {
-      case 1: return { kind: 'fetch', id, uri: this.#text(p + 8), offset: v.getFloat64(p + 40, true), bytes: v.getFloat64(p + 48, true) };
-      case 2: return { kind: 'cancel', id };
-      case 3: return { kind: 'configure', decoder, codec: this.#text(p + 8), description: this.#bytes(p + 16), width: v.getInt32(p + 24, true), height: v.getInt32(p + 28, true) };
-      case 4: return { kind: 'decode', decoder, bytes: this.#bytes(p + 16), timestampUs: v.getFloat64(p + 56, true), key: v.getInt32(p + 32, true) !== 0 };
-      case 5: return { kind: 'flush', decoder };
-      case 6: return { kind: 'reset', decoder };
-      default: return { kind: 'close', decoder };
-    }
+    const at = this.#m._fdvt_next_request(this.#h);
+    return at ? readRequest(this.#m.HEAPU8, at) : null;
   }
-
   nextEvent(): PlayerEvent | null {
-    const p = this.#m._fdvt_next_event(this.#h);
-    if (!p) return null;
-    const v = this.#view();
-    return {
-      name: this.#text(p),
-      error: { id: this.#text(p + 12), message: this.#text(p + 20) },
-      loadedBytes: v.getFloat64(p + 32, true),
-      totalBytes: v.getFloat64(p + 40, true),
-    };
+    const at = this.#m._fdvt_next_event(this.#h);
+    return at ? readEvent(this.#m.HEAPU8, at) : null;
   }
 
   rangeReceived(id: number, bytes: Uint8Array): void {
@@ -214,169 +159,113 @@ export class WasmPlayer {
     this.#m._fdvt_range_received(this.#h, id, at, bytes.length);
     this.#m._fdvt_free(at);
   }
-  rangeFailed(id: number, reason: string): void {
-    const text = encoder.encode(reason);
-    this.#m._fdvt_range_failed(this.#h, id, this.#put(text), text.length);
-  }
+  rangeFailed(id: number, reason: string): void { this.#m._fdvt_range_failed(this.#h, id, ...this.#text(reason)); }
   decoderFailed(decoder: number, reason: string): void {
-    const text = encoder.encode(reason);
-    this.#m._fdvt_decoder_failed(this.#h, decoder, this.#put(text), text.length);
+    this.#m._fdvt_decoder_failed(this.#h, decoder, ...this.#text(reason));
   }
 
-  /** A slot, or -1 (none free now) or -2 (nobody waits for it). */
+  /** A slot for the picture; -1 if none is free now, -2 if the player does not wait for this picture. */
   acquireSlot(decoder: number, timestampUs: number): number {
     return this.#m._fdvt_acquire_slot(this.#h, decoder, timestampUs);
   }
 
   /** Uploads the planes and commits the slot. */
-  upload(slot: number, pixels: Uint8Array, planes: Planes): void {
-    const at = this.#put(pixels);
-    const [y, u, v] = planes.layout;
-    if (!y || !u) throw new ViewerError('video-invalid', 'a decoded picture without planes');
-    this.#m._fdvt_upload(this.#h, slot, at, planes.width, planes.height, y.offset, y.stride, u.offset, u.stride,
-      v ? v.offset : 0, v ? v.stride : 0);
+  upload(slot: number, pixels: Uint8Array, { width, height, layout }: Planes): void {
+    const [y, u, v] = layout;
+    if (!y || !u) throw new ViewerError('video-invalid', 'a decoded picture has no planes');
+    const planes = bytesOfPlanes({
+      width, height, offsetY: y.offset, strideY: y.stride, offsetU: u.offset, strideU: u.stride,
+      offsetV: v?.offset ?? 0, strideV: v?.stride ?? 0,
+    });
+    const at = this.#put(planes, pixels);
+    this.#m._fdvt_upload(this.#h, slot, at + planes.length, at);
   }
   slotTexture(slot: number): WebGLTexture | null {
     return this.#m.GL.textures[this.#m._fdvt_slot_texture(this.#h, slot)] ?? null;
   }
-  /** After the page filled the slot's texture itself. */
+  /** To be called when the page has filled the slot's texture. */
   commitSlot(slot: number): void { this.#m._fdvt_commit_slot(this.#h, slot); }
   invalidateState(): void { this.#m._fdvt_invalidate_state(this.#h); }
 
-  setOptions(o: RenderOptions): void {
-    this.#m._fdvt_set_options(this.#h, ...o.background, o.groundShadow ? 1 : 0, o.shadowStrength, o.samples,
-      Math.max(0, DEBUG_VIEWS.indexOf(o.debug)), o.debugLayer);
+  setOptions(options: RenderOptions): void {
+    this.#m._fdvt_set_options(this.#h, this.#put(bytesOfOptions(options)));
   }
-  /** `others`: characters created beside this one, drawn into the same picture. */
+  /** Draws this character and the others, which were created beside it, into the same picture. */
   draw(pose: OrbitPose, width: number, height: number, others: WasmPlayer[] = []): void {
-    const { azimuth, elevation, distance, target, fov } = pose;
-    let ok: number;
-    if (others.length) {
-      const handles = new Uint8Array(Uint32Array.of(this.#h, ...others.map((other) => other.#h)).buffer);
-      ok = this.#m._fdvt_draw_group(this.#put(handles), others.length + 1, azimuth, elevation, distance, ...target, fov, width, height);
-    } else {
-      ok = this.#m._fdvt_draw(this.#h, azimuth, elevation, distance, ...target, fov, width, height);
-    }
-    if (!ok) throw this.#lastError();
+    const view = bytesOfView({ ...pose, width, height });
+    const handles = Uint32Array.of(this.#h, ...others.map((other) => other.#h));
+    const at = this.#put(view, new Uint8Array(handles.buffer));
+    this.#check(this.#m._fdvt_draw(at + view.length, handles.length, at));
   }
 
   // --- motion ---
 
   setParameter(name: string, value: number, atOnce: boolean): void {
-    const text = encoder.encode(name);
-    if (!this.#m._fdvt_set_parameter(this.#h, this.#put(text), text.length, value, atOnce ? 1 : 0)) throw this.#lastError();
+    this.#check(this.#m._fdvt_set_parameter(this.#h, ...this.#text(name), value, atOnce ? 1 : 0));
   }
-  /** As shown; NaN if no class has it. */
-  parameter(name: string): number {
-    const text = encoder.encode(name);
-    return this.#m._fdvt_parameter(this.#h, this.#put(text), text.length);
-  }
-  goTo(state: string): void {
-    const text = encoder.encode(state);
-    if (!this.#m._fdvt_goto(this.#h, this.#put(text), text.length)) throw this.#lastError();
-  }
+  /** The value as shown; NaN if no class has the parameter. */
+  parameter(name: string): number { return this.#m._fdvt_parameter(this.#h, ...this.#text(name)); }
+  goTo(state: string): void { this.#check(this.#m._fdvt_goto(this.#h, ...this.#text(state))); }
   setTravel(on: boolean): void { this.#m._fdvt_set_travel(this.#h, on ? 1 : 0); }
-  place(x: number, z: number, headingDeg: number): void { this.#m._fdvt_place(this.#h, x, z, headingDeg * RADIANS); }
+  place({ x, z, heading }: Placement): void { this.#m._fdvt_place(this.#h, x, z, heading * RADIANS); }
   steer(headingDeg: number): void { this.#m._fdvt_steer(this.#h, headingDeg * RADIANS); }
-  setAlign(align: Align): void {
-    if (!this.#m._fdvt_set_align(this.#h, ALIGNS.indexOf(align))) throw this.#lastError();
-  }
+  setAlign(align: Align): void { this.#check(this.#m._fdvt_set_align(this.#h, ALIGN_MODES.indexOf(align))); }
   setScene(meshes: SceneMesh[]): void {
     this.#m._fdvt_clear_scene(this.#h);
     for (const { corners, occluderOnly } of meshes) {
       const at = this.#put(new Uint8Array(corners.buffer, corners.byteOffset, corners.byteLength));
-      if (!this.#m._fdvt_add_scene_mesh(this.#h, at, corners.length / 6, occluderOnly ? 1 : 0)) throw this.#lastError();
+      this.#check(this.#m._fdvt_add_scene_mesh(this.#h, at, corners.length / 6, occluderOnly ? 1 : 0));
     }
   }
 
   state(): PlayerState {
-    const p = this.#m._fdvt_state(this.#h);
-    const v = this.#view();
-    const real = (index: number): number => v.getFloat64(p + 24 + 8 * index, true);
-    return {
-      hasFrame: v.getInt32(p, true) !== 0,
-      paused: v.getInt32(p + 4, true) !== 0,
-      frame: v.getInt32(p + 8, true),
-      sequence: v.getInt32(p + 12, true),
-      seeking: v.getInt32(p + 16, true) !== 0,
-      currentTime: real(0),
-      framesShown: real(1),
-      framesLate: real(2),
-      barcodeChecked: real(3),
-      barcodeMismatches: real(4),
-      bytesFetched: real(5),
-      encodedBytesHeld: real(6),
-      draws: real(7),
-      liveTextures: real(8),
-      liveTextureBytes: real(9),
-      x: real(10),
-      z: real(11),
-      heading: real(12) / RADIANS,
-      inTransition: v.getInt32(p + 20, true) !== 0,
-      goal: this.#text(p + 128),
-    };
+    const state = readState(this.#m.HEAPU8, this.#m._fdvt_state(this.#h));
+    return { ...state, x: state.xM, z: state.zM, heading: state.headingRad / RADIANS };
   }
 
   /** Null before the manifest is read. */
   character(): CharacterInfo | null {
-    const p = this.#m._fdvt_character(this.#h);
-    if (!p) return null;
-    const v = this.#view();
-    const real = (index: number): number => v.getFloat64(p + 8 * index, true);
-    const info: CharacterInfo = {
-      name: this.#text(p + 72),
-      posterUri: this.#text(p + 80),
-      min: [real(0), real(1), real(2)],
-      max: [real(3), real(4), real(5)],
-      groundY: real(6),
-      layers: v.getInt32(p + 56, true),
-      vertices: v.getInt32(p + 60, true),
-      faces: v.getInt32(p + 64, true),
-      sequences: [],
+    const at = this.#m._fdvt_character(this.#h);
+    if (!at) return null;
+    const { boundsMin, boundsMax, groundYM, sequences, ...rest } = readCharacter(this.#m.HEAPU8, at);
+    return {
+      ...rest, min: boundsMin, max: boundsMax, groundY: groundYM,
+      sequences: Array.from({ length: sequences }, (_, i) => this.#sequence(i)),
     };
-    const count = v.getInt32(p + 68, true);
-    for (let i = 0; i < count; ++i) info.sequences.push(this.#sequence(i));
-    return info;
   }
 
   #sequence(index: number): SequenceInfo {
-    const p = this.#m._fdvt_sequence(this.#h, index);  // the block stays until the next fdvt_sequence
-    const v = this.#view();
+    const m = this.#m;
+    const { durationS, parameters, members, ...rest } = readSequence(m.HEAPU8, m._fdvt_sequence(this.#h, index));
     return {
-      name: this.#text(p),
-      frames: v.getInt32(p + 8, true),
-      loop: v.getInt32(p + 12, true) !== 0,
-      fps: v.getFloat64(p + 16, true),
-      duration: v.getFloat64(p + 24, true),
-      parameters: Array.from({ length: v.getInt32(p + 32, true) }, (_, i) => this.#parameter(index, i)),
-      members: Array.from({ length: v.getInt32(p + 36, true) }, (_, i) =>
-        this.#text(this.#m._fdvt_sequence_member(this.#h, index, i))),
+      ...rest, duration: durationS,
+      parameters: Array.from({ length: parameters }, (_, i) =>
+        readParameter(m.HEAPU8, m._fdvt_sequence_parameter(this.#h, index, i))),
+      members: Array.from({ length: members }, (_, i) =>
+        new Reader(m.HEAPU8, m._fdvt_sequence_member(this.#h, index, i)).text(0)),
     };
-  }
-  #parameter(sequence: number, index: number): ParameterInfo {
-    const p = this.#m._fdvt_sequence_parameter(this.#h, sequence, index);
-    const v = this.#view();
-    return { name: this.#text(p), min: v.getFloat64(p + 8, true), max: v.getFloat64(p + 16, true) };
   }
 
   #lastError(): ViewerError {
-    const p = this.#m._fdvt_error(this.#h);
-    return new ViewerError(this.#text(p + 4), this.#text(p + 12));
+    const { id, message } = readError(this.#m.HEAPU8, this.#m._fdvt_error(this.#h));
+    return new ViewerError(id, message);
   }
-  #view(): DataView { return new DataView(this.#m.HEAPU8.buffer); }
-  #bytes(at: number): Uint8Array {
-    const v = this.#view();
-    const start = v.getUint32(at, true);
-    return this.#m.HEAPU8.subarray(start, start + v.getUint32(at + 4, true));
+  #check(ok: number): void {
+    if (!ok) throw this.#lastError();
   }
-  #text(at: number): string { return decoder.decode(this.#bytes(at)); }
 
-  // Copies the parts one after the other into scratch memory that lasts until the next call.
+  // Copies a text into scratch memory and gives its address and length.
+  #text(text: string): [number, number] {
+    const bytes = encoder.encode(text);
+    return [this.#put(bytes), bytes.length];
+  }
+
+  // Copies the parts, one after the other, into scratch memory that is valid until the next call.
   #put(...parts: Uint8Array[]): number {
     const size = parts.reduce((sum, part) => sum + part.length, 0);
     if (size > this.#scratchBytes) {
       this.#m._fdvt_free(this.#scratch);
-      this.#scratchBytes = Math.max(size, 4096);
+      this.#scratchBytes = Math.max(size, SMALLEST_SCRATCH_BYTES);
       this.#scratch = this.#m._fdvt_alloc(this.#scratchBytes);
     }
     let at = this.#scratch;

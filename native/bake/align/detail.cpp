@@ -35,21 +35,29 @@ double gradientEnergy(const cv::Mat& luma, const cv::Mat& inside) {
 
 }  // namespace
 
-void DetailCorrelation::add(const std::vector<cv::Mat>& looks) {
+DetailEnergy detailEnergy(const std::vector<cv::Mat>& looks) {
   const cv::Mat inside = insideOf(looks[0]);
   cv::Mat sum = cv::Mat::zeros(inside.size(), CV_32F);
+  DetailEnergy energy;
   for (const cv::Mat& look : looks) {
     const cv::Mat luma = lumaOf(look);
-    own_ += gradientEnergy(luma, inside);
+    energy.own.push_back(gradientEnergy(luma, inside));
     sum += luma;
   }
-  sum_ += gradientEnergy(sum, inside);
-  looks_ = looks.size();
+  energy.sum = gradientEnergy(sum, inside);
+  return energy;
 }
 
-float DetailCorrelation::value() const {
-  if (own_ == 0) return 1;
-  return static_cast<float>(std::clamp((sum_ - own_) / (own_ * double(looks_ - 1)), 0.0, 1.0));
+float detailCorrelation(const std::vector<DetailEnergy>& views) {
+  double own = 0, sum = 0;
+  size_t looks = 2;
+  for (const DetailEnergy& view : views) {
+    for (const double energy : view.own) own += energy;
+    sum += view.sum;
+    looks = view.own.size();
+  }
+  if (own == 0) return 1;
+  return static_cast<float>(std::clamp((sum - own) / (own * double(looks - 1)), 0.0, 1.0));
 }
 
 }  // namespace fourdvt::bake

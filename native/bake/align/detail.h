@@ -9,16 +9,16 @@
 
 namespace fourdvt::bake {
 
-class DetailCorrelation {
- public:
-  // [member] CV_8UC4 of one view, two or more, the same outline.
-  void add(const std::vector<cv::Mat>& looks);
-  // 0..1: the mean of n looks keeps (1 + (n - 1) value) / n of their gradient energy. 1: nothing was seen.
-  float value() const;
-
- private:
-  double own_ = 0, sum_ = 0;  // gradient energy of the looks, of their sum
-  size_t looks_ = 2;
+// Gradient energies of the looks of one view, on the pixels that all of them show.
+struct DetailEnergy {
+  std::vector<double> own;  // [member]
+  double sum = 0;           // of the looks' sum
 };
+
+// [member] CV_8UC4 of one view, two or more, the same outline.
+DetailEnergy detailEnergy(const std::vector<cv::Mat>& looks);
+
+// 0..1: the mean of n looks keeps (1 + (n - 1) value) / n of their gradient energy. 1: nothing was seen.
+float detailCorrelation(const std::vector<DetailEnergy>& views);
 
 }  // namespace fourdvt::bake

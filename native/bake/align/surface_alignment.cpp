@@ -7,6 +7,7 @@
 
 #include "bake/align/charts.h"
 #include "bake/align/detail.h"
+#include "bake/align/in_order.h"
 #include "bake/align/looks.h"
 #include "bake/align/smooth.h"
 
@@ -53,13 +54,25 @@ class Aligner final : public SurfaceAligner {
     AlignedFrame result{std::vector<glm::vec2>(others * vertices, glm::vec2(0)), {}};
     const int texels = int(std::lround(appearance.layer_rects_uv[0].z * appearance.picture_size.x));
     if (!limits_ || limits_->size() != texels) limits_.emplace(mesh_.topology, frames_, texels, options_.gutter_texels);
-    for (const int divisor : kRounds) FOURDVT_TRY(refine(middle, appearance, picture, divisor, result));
-    FOURDVT_TRY(compareDetail(middle, appearance, picture, result));
+    const Shown shown{middle, appearance, picture};
+    for (const int divisor : kRounds) FOURDVT_TRY(refine(shown, divisor, result));
+    FOURDVT_TRY(compareDetail(shown, result));
     return result;
   }
 
  private:
-  using Field = std::vector<glm::vec2>;  // [vertex]
+  using Field = std::vector<glm::vec2>;                                // [vertex]
+  using ViewObservations = std::vector<std::vector<FlowObservation>>;  // [other]: what one view says
+  struct Shown {                                                       // what align was called with
+    const Positions& middle;
+    const render::Appearance& appearance;
+    const render::PictureTextures& picture;
+  };
+  struct Pose {  // what every view of one mesh needs
+    const Positions& positions;
+    std::vector<glm::vec3> normals;
+    std::vector<glm::mat2x3> tangents;
+  };
 
   // Texture vertices of every member, drawn where equal weights of all members put them.
   std::vector<Field> movedUvs(const Field& displacement) const {
@@ -79,23 +92,15 @@ class Aligner final : public SurfaceAligner {
   }
 
   // One round: draw with what is known, add what flow still sees, smooth the whole.
-  Status refine(const Positions& middle, const render::Appearance& appearance, const render::PictureTextures& picture,
-                int divisor, AlignedFrame& result) {
+  Status refine(const Shown& shown, int divisor, AlignedFrame& result) {
     const size_t vertices = mesh_.topology.vertex_count, others = result.displacement_m.size() / vertices;
-    const std::vector<PinholeCamera> cameras =
-        alignmentCameras(middle, options_.views, options_.picture_height / divisor);
-    FOURDVT_TRY(drawer_->setFrame(middle, movedUvs(result.displacement_m)));
-    std::vector<std::vector<cv::Mat>> looks;  // [view][member]
-    for (const PinholeCamera& camera : cameras) {
-      FOURDVT_ASSIGN(auto drawn, drawer_->draw(camera, appearance, picture));
-      looks.emplace_back();
-      for (const cv::Mat& look : drawn) looks.back().push_back(evenLuma(look));
-    }
-    const auto observations = observe(middle, cameras, looks, kInteriorReach_px / float(divisor));
+    FOURDVT_ASSIGN(auto seen, observe(shown, divisor, result.displacement_m));
     result.confidence.clear();
     for (size_t other = 0; other < others; ++other) {
+      std::vector<std::vector<FlowObservation>> views;
+      for (ViewObservations& view : seen) views.push_back(std::move(view[other]));
       const auto begin = result.displacement_m.begin() + ptrdiff_t(other * vertices);
-      const auto estimates = liftFlow(observations[other], Field(begin, begin + ptrdiff_t(vertices)));
+      const auto estimates = liftFlow(views, Field(begin, begin + ptrdiff_t(vertices)));
       Field field = smoother_->solve(estimates);
       bound(field);
       std::copy(field.begin(), field.end(), begin);
@@ -107,39 +112,48 @@ class Aligner final : public SurfaceAligner {
     return {};
   }
 
-  Status compareDetail(const Positions& middle, const render::Appearance& appearance,
-                       const render::PictureTextures& picture, AlignedFrame& result) {
-    FOURDVT_TRY(drawer_->setFrame(middle, movedUvs(result.displacement_m)));
-    DetailCorrelation detail;
-    for (const PinholeCamera& camera : alignmentCameras(middle, kDetailViews, options_.picture_height)) {
-      FOURDVT_ASSIGN(auto looks, drawer_->draw(camera, appearance, picture));
-      detail.add(looks);
+  // [view]; each view is measured while the next ones are drawn.
+  Result<std::vector<ViewObservations>> observe(const Shown& shown, int divisor, const Field& displacement) {
+    FOURDVT_TRY(drawer_->setFrame(shown.middle, movedUvs(displacement)));
+    const Pose pose = poseOf(shown.middle);
+    const float reach = kInteriorReach_px / float(divisor);
+    InOrder<ViewObservations> views(options_.jobs);
+    for (const PinholeCamera& camera :
+         alignmentCameras(shown.middle, options_.views, options_.picture_height / divisor)) {
+      FOURDVT_ASSIGN(auto looks, drawer_->draw(camera, shown.appearance, shown.picture));
+      views.add(
+          [this, &pose, camera, looks = std::move(looks), reach] { return observeView(pose, camera, looks, reach); });
     }
-    result.detail_correlation = detail.value();
-    return {};
+    return views.take();
   }
 
-  // [other][view]; views on all processors.
-  std::vector<std::vector<std::vector<FlowObservation>>> observe(const Positions& middle,
-                                                                 const std::vector<PinholeCamera>& cameras,
-                                                                 const std::vector<std::vector<cv::Mat>>& looks,
-                                                                 float reach) const {
-    std::vector<glm::vec3> normals;
-    computeVertexNormals(mesh_.topology.face_vertices, middle.data(), middle.size(), normals);
-    const auto tangents = poseTangents(mesh_.topology, mesh_.positions, frames_, middle);
-    const size_t others = looks[0].size() - 1;
-    std::vector<std::vector<std::vector<FlowObservation>>> observations(
-        others, std::vector<std::vector<FlowObservation>>(cameras.size()));
-    cv::parallel_for_(cv::Range(0, int(cameras.size())), [&](const cv::Range& range) {
-      for (int view = range.start; view < range.end; ++view) {
-        const cv::Mat depth = drawDepth(cameras[view], mesh_.topology, middle);
-        const cv::Mat interior = interiorOf(depth, reach);
-        const auto seen = seenVertices(cameras[view], depth, middle, normals, tangents);
-        for (size_t other = 0; other < others; ++other)
-          observations[other][view] = observeFlow(looks[view][0], looks[view][other + 1], interior, seen);
-      }
-    });
+  Pose poseOf(const Positions& positions) const {
+    Pose pose{positions, {}, poseTangents(mesh_.topology, mesh_.positions, frames_, positions)};
+    computeVertexNormals(mesh_.topology.face_vertices, positions.data(), positions.size(), pose.normals);
+    return pose;
+  }
+
+  ViewObservations observeView(const Pose& pose, const PinholeCamera& camera, const std::vector<cv::Mat>& looks,
+                               float reach) const {
+    const cv::Mat depth = drawDepth(camera, mesh_.topology, pose.positions);
+    const cv::Mat interior = interiorOf(depth, reach);
+    const auto seen = seenVertices(camera, depth, pose.positions, pose.normals, pose.tangents);
+    const cv::Mat first = evenLuma(looks[0]);
+    ViewObservations observations;
+    for (size_t member = 1; member < looks.size(); ++member)
+      observations.push_back(observeFlow(first, evenLuma(looks[member]), interior, seen));
     return observations;
+  }
+
+  Status compareDetail(const Shown& shown, AlignedFrame& result) {
+    FOURDVT_TRY(drawer_->setFrame(shown.middle, movedUvs(result.displacement_m)));
+    InOrder<DetailEnergy> views(options_.jobs);
+    for (const PinholeCamera& camera : alignmentCameras(shown.middle, kDetailViews, options_.picture_height)) {
+      FOURDVT_ASSIGN(auto looks, drawer_->draw(camera, shown.appearance, shown.picture));
+      views.add([looks = std::move(looks)] { return detailEnergy(looks); });
+    }
+    result.detail_correlation = detailCorrelation(views.take());
+    return {};
   }
 
   void bound(Field& field) const {

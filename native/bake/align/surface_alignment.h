@@ -3,9 +3,9 @@
 // drawn from a ring of views on the same blended mesh; flow both ways in each view; a tangent displacement a vertex
 // that agrees with all of them, weighted by facing, forward-backward error and texture; smooth; 0 where nothing is
 // certain. What is aligned is what is shown: the pictures are the decoded ones. A displacement is found for the place
-// where both looks come together at equal weights, so that this is where it is exact. Does NOT code or store. Stages,
-// in order: surface_alignment_looks (draw), _views (what is seen), _lift (flow → vertices), _smooth, _charts (gutters),
-// _detail (what the blend will lack); over time: _time.
+// where both looks come together at equal weights, so that this is where it is exact. Does NOT code or store. In order:
+// looks.h (draw), views.h (what is seen), lift.h (flow → vertices), smooth.h, charts.h (gutters), detail.h (what the
+// blend will lack); over time: steady.cpp.
 #pragma once
 
 #include <memory>
@@ -22,12 +22,13 @@ struct AlignmentOptions {
   double smoothness = 1;     // of the screened Laplacian
   double max_displacement_m = 0.04;
   int gutter_texels = 10;  // of layer 1: displacements that leave a chart further than this are cut
+  int jobs = 2;            // views measured at a time, on other threads than the one that draws; 1: on the same one
 };
 
 struct AlignedFrame {
   std::vector<glm::vec2> displacement_m;  // [member - 1][vertex], along the tangents of base/surface_frame.h
   std::vector<float> confidence;          // likewise, 0..1
-  float detail_correlation = 1;           // of the members' looks, moved by just this; see surface_alignment_detail.h
+  float detail_correlation = 1;           // of the members' looks, moved by just this; see detail.h
 };
 
 class SurfaceAligner {

@@ -42,14 +42,17 @@ void drawTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, cv
   const glm::vec2 a2(a), b2(b), c2(c);
   const float area = cross2(b2 - a2, c2 - a2);
   if (!(std::abs(area) > 1e-6f)) return;
+  const float sign = area < 0 ? -1.0f : 1.0f;
   const glm::vec2 low = glm::min(a2, glm::min(b2, c2)), high = glm::max(a2, glm::max(b2, c2));
   const int x0 = std::max(0, int(std::floor(low.x))), x1 = std::min(depth.cols - 1, int(std::ceil(high.x)));
   const int y0 = std::max(0, int(std::floor(low.y))), y1 = std::min(depth.rows - 1, int(std::ceil(high.y)));
   for (int y = y0; y <= y1; ++y)
     for (int x = x0; x <= x1; ++x) {
       const glm::vec2 p(x + 0.5f, y + 0.5f);
-      const float u = cross2(b2 - p, c2 - p) / area, v = cross2(c2 - p, a2 - p) / area, w = 1 - u - v;
-      if (u < 0 || v < 0 || w < 0) continue;
+      const float of_a = cross2(b2 - p, c2 - p), of_b = cross2(c2 - p, a2 - p);
+      if (of_a * sign < 0 || of_b * sign < 0) continue;  // no divisions for the pixels beside the triangle
+      const float u = of_a / area, v = of_b / area, w = 1 - u - v;
+      if (w < 0) continue;
       float& nearest = depth.at<float>(y, x);
       nearest = std::min(nearest, 1 / (u / a.z + v / b.z + w / c.z));
     }

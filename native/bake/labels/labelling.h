@@ -20,7 +20,7 @@ enum class LabelMode {
   Spatial,        // "SO", 4DVT Eq. 2-4: frame by frame, a layer after the other without the cameras taken before
   TemporalPaper,  // "TO", 4DVT Eq. 5 literally: the temporal term carries the weight 1/|M|
   Joint,          // ours: ordered tuples of distinct cameras, space and time, windowed
-  PerTexel,       // LVDT: labels as Naive; the resampler replaces a camera texel by texel where it does not see it
+  PerTexel,       // labels as Naive, texels from the next camera that sees them; weights stay per face, unlike LVDT's
 };
 const char* labelModeName(LabelMode mode);  // "naive", "spatial", "temporal-paper", "joint", "per-texel"
 // False: no such name.

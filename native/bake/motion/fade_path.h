@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How far a mesh moves from look to look while one motion cross-fades into another as the player does it
-// (player/transition.cpp), against how far the motions move by themselves: where it moves further, the fade is seen as
+// (player/parts/transitions.cpp), against how far the motions move by themselves: where it moves further, the fade is seen as
 // a pop. Exact for the vertices given: whole frames are shown, of fast motions now and then one more between two looks.
 // Does NOT look at pictures; they change with the mean of the vertices' steps, though more in some poses than in
 // others.

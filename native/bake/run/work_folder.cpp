@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 
 #include "base/bytes.h"
 #include "base/hash.h"
@@ -12,6 +13,8 @@
 
 namespace fourdvt::bake {
 namespace {
+
+constexpr const char* kLayersExtension = ".layers";
 
 // A file holds its payload, then the payload's hash.
 Status save(const std::string& path, ByteWriter& out) {
@@ -182,6 +185,48 @@ Status WorkFolder::saveChunk(const std::string& sequence, uint32_t gop, const st
 
 Result<std::vector<uint8_t>> WorkFolder::loadChunk(const std::string& sequence, uint32_t gop) const {
   return load(chunkPath(sequence, gop));
+}
+
+std::string WorkFolder::layersPath(const std::string& sequence, uint32_t frame) const {
+  return path_ + "/" + sequence + "." + std::to_string(frame) + kLayersExtension;
+}
+
+Status WorkFolder::saveLayers(const std::string& sequence, uint32_t frame, const std::vector<Image>& layers) const {
+  ByteWriter out;
+  out.u32(static_cast<uint32_t>(layers.size()));
+  for (const Image& layer : layers) {
+    for (int number : {layer.width, layer.height, layer.channels}) out.u32(static_cast<uint32_t>(number));
+    putBytes(out, layer.pixels);
+  }
+  out.u64(fnv1a(out.data()));
+  const std::string path = layersPath(sequence, frame);
+  std::ofstream file(path, std::ios::binary);  // the hash finds half a file: no need to wait for the disk
+  file.write(reinterpret_cast<const char*>(out.data().data()), static_cast<std::streamsize>(out.data().size()));
+  file.close();
+  if (file) return {};
+  return Error{ErrorId::WriteFailed, path + ": cannot be written; free some space"};
+}
+
+Result<std::vector<Image>> WorkFolder::loadLayers(const std::string& sequence, uint32_t frame) const {
+  FOURDVT_ASSIGN(auto bytes, load(layersPath(sequence, frame)));
+  ByteReader in(bytes);
+  std::vector<Image> layers;
+  for (uint32_t left = in.u32(); left > 0 && in.ok(); --left) {
+    Image layer;
+    for (int* number : {&layer.width, &layer.height, &layer.channels}) *number = static_cast<int>(in.u32());
+    layer.pixels = takeBytes(in);
+    layers.push_back(std::move(layer));
+  }
+  if (!in.ok() || in.remaining() != 0) return damaged(layersPath(sequence, frame));
+  return layers;
+}
+
+void WorkFolder::removeLayers() const {
+  std::error_code ignored;
+  std::vector<std::filesystem::path> found;
+  for (std::filesystem::directory_iterator file(path_, ignored), end; file != end; file.increment(ignored))
+    if (file->path().extension() == kLayersExtension) found.push_back(file->path());
+  for (const std::filesystem::path& path : found) std::filesystem::remove(path, ignored);
 }
 
 bool WorkFolder::hasStill() const { return load(stillPath()).ok(); }

@@ -46,11 +46,17 @@ class WorkFolder {
   bool hasChunk(const std::string& sequence, uint32_t gop) const;
   Status saveChunk(const std::string& sequence, uint32_t gop, const std::vector<uint8_t>& chunk) const;
   Result<std::vector<uint8_t>> loadChunk(const std::string& sequence, uint32_t gop) const;  // Internal if damaged
+  // Filled layers of a captured frame, kept until the classes that show it have been baked. What is absent or damaged
+  // is an error, and can be drawn again.
+  Status saveLayers(const std::string& sequence, uint32_t frame, const std::vector<Image>& layers) const;
+  Result<std::vector<Image>> loadLayers(const std::string& sequence, uint32_t frame) const;
+  void removeLayers() const;  // of all frames
   const std::string& path() const { return path_; }
 
  private:
   std::string gopPath(const std::string& sequence, uint32_t gop) const;
   std::string chunkPath(const std::string& sequence, uint32_t gop) const;
+  std::string layersPath(const std::string& sequence, uint32_t frame) const;
   std::string stillPath() const { return path_ + "/still.bin"; }
   std::string path_;
 };

@@ -72,6 +72,7 @@ Status ClassAligner::open() {
   character_.sequences.push_back(describeStream(plan_));
   AlignmentOptions options;
   options.gutter_texels = job_.options.gutter_texels;
+  options.jobs = job_.options.jobs;
   FOURDVT_ASSIGN(aligner_, SurfaceAligner::create(device, character_, mesh, options));
   FOURDVT_ASSIGN(blend_, NonlinearBlend::create(mesh.topology, mesh.positions));
   FOURDVT_ASSIGN(model_, render::CharacterModel::create(device, character_, mesh));

@@ -23,6 +23,17 @@ Image atlasOf(const Image& layer) {
   return out;
 }
 
+// [frame] of a captured sequence's stream: whether a class shows it.
+std::vector<bool> shownByClasses(const Job& job, const StreamPlan& plan) {
+  std::vector<bool> shown(plan.frameCount(), false);
+  if (plan.isClass()) return shown;
+  for (const StreamPlan& other : job.streams)
+    for (size_t m = 0; other.isClass() && m < other.motion.members.size(); ++m)
+      for (uint32_t f = 0; other.motion.members[m].source->name == plan.name && f < other.frameCount(); ++f)
+        shown[other.sourceFrame(m, f)] = true;
+  return shown;
+}
+
 }  // namespace
 
 struct GopStage::OpenGop {
@@ -48,6 +59,7 @@ Status GopStage::run() {
   FOURDVT_TRY(start());
   started_s_ = run_.progress.seconds();
   for (const StreamPlan& plan : job_.streams) FOURDVT_TRY(bakeStream(plan));
+  run_.work.removeLayers();
   return waitForSave();
 }
 
@@ -70,6 +82,7 @@ Status GopStage::bakeStream(const StreamPlan& plan) {
     if (!reader) {
       FOURDVT_ASSIGN(reader, StreamReader::create(run_, plan));
       looks_.assign(plan.motion.members.size(), {});
+      kept_ = shownByClasses(job_, plan);
       picture_ = I420Picture(plan.layout.width, plan.layout.height);
     }
     FOURDVT_TRY(bakeGop(plan, g, *reader));
@@ -106,11 +119,12 @@ Status GopStage::waitForSave() { return saving_.valid() ? saving_.get() : Status
 Result<GopStage::DrawnFrame> GopStage::drawFrame(const StreamPlan& plan, PreparedFrame frame) {
   DrawnFrame out;
   for (size_t m = 0; m < frame.members.size(); ++m) {
-    const PreparedMember& member = frame.members[m];
+    PreparedMember& member = frame.members[m];
+    const capture::CaptureSequence& sequence = *plan.motion.members[m].source;
     out.members.emplace_back();
-    if (!member.fresh) continue;
-    FOURDVT_ASSIGN(auto look, drawMember(*plan.motion.members[m].source, member.source_frame, *member.fresh));
-    out.members.back() = std::move(look);
+    if (!member.fresh && member.kept_layers.empty()) continue;
+    FOURDVT_ASSIGN(out.members.back(), member.fresh ? drawMember(sequence, member.source_frame, *member.fresh)
+                                                    : keptMember(sequence, std::move(member)));
   }
   out.geometry = std::move(frame.geometry);
   return out;
@@ -131,14 +145,30 @@ Result<GopStage::MemberLook> GopStage::drawMember(const capture::CaptureSequence
   return out;
 }
 
+Result<GopStage::MemberLook> GopStage::keptMember(const capture::CaptureSequence& sequence, PreparedMember kept) const {
+  MemberLook out;
+  FOURDVT_ASSIGN(out.labels, survey_.labels(sequence, kept.source_frame));
+  out.layers = std::move(kept.kept_layers);
+  out.filled = true;
+  return out;
+}
+
+// A disk that is full of them must not end the bake: without them the class draws its frames itself.
+void GopStage::keepForClasses(const StreamPlan& plan, uint32_t frame) {
+  if (!kept_[frame] || run_.work.saveLayers(plan.name, frame, looks_[0].layers).ok()) return;
+  kept_.assign(kept_.size(), false);
+  run_.work.removeLayers();
+}
+
 Status GopStage::finishFrame(OpenGop& open, const StreamPlan& plan, DrawnFrame frame, uint32_t index) {
   for (size_t m = 0; m < looks_.size(); ++m) {
     if (!frame.members[m]) continue;
     StageClock::Span span(run_.clock, Stage::Fill);
     looks_[m] = std::move(*frame.members[m]);
-    frames_->fill(looks_[m].layers);
+    if (!looks_[m].filled) frames_->fill(looks_[m].layers);
     looks_[m].atlas = atlasOf(looks_[m].layers[0]);
   }
+  keepForClasses(plan, index);
   std::vector<const Image*> layers;
   std::vector<uint8_t> labels;
   for (const MemberLook& look : looks_) {

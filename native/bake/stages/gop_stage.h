@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every GOP that the work folder has not yet: resample → fill → tile → encode, and plain sequences' chunks. Three lanes
 // overlap: reading the next frame, the GPU's stages of this one (on the calling thread, which owns the context),
-// filling and encoding the one before.
+// filling and encoding the one before. A class shows its members' frames as their own streams have drawn and filled
+// them: these are kept in the work folder meanwhile, and drawn again where an interrupted bake left none.
 #pragma once
 
 #include <future>
@@ -26,10 +27,11 @@ class GopStage {
   struct MemberLook {  // one member's share of the picture
     std::vector<uint8_t> labels;
     std::vector<Image> layers;
+    bool filled = false;
     Image atlas;
   };
   struct DrawnFrame {
-    std::vector<std::optional<MemberLook>> members;  // not filled; none: as before
+    std::vector<std::optional<MemberLook>> members;  // none: as before
     FrameGeometry geometry;
   };
 
@@ -40,6 +42,8 @@ class GopStage {
   Result<DrawnFrame> drawFrame(const StreamPlan& plan, PreparedFrame frame);
   Result<MemberLook> drawMember(const capture::CaptureSequence& sequence, uint32_t source_frame,
                                 const SourceFrame& source);
+  Result<MemberLook> keptMember(const capture::CaptureSequence& sequence, PreparedMember kept) const;
+  void keepForClasses(const StreamPlan& plan, uint32_t frame);
   Status finishFrame(OpenGop& open, const StreamPlan& plan, DrawnFrame frame, uint32_t index);
   Status encode(OpenGop& open, const StreamPlan& plan);
   Status saveStill();
@@ -56,6 +60,7 @@ class GopStage {
   std::unique_ptr<FrameBaker> frames_;
   std::vector<MemberLook> looks_;  // of the stream's frame finished last
   I420Picture picture_;
+  std::vector<bool> kept_;      // [frame] of the stream: a class shows it later
   std::future<Status> saving_;  // of the GOP before; ends before the next encoder is made: only one is in memory
   uint32_t baked_ = 0;
   double started_s_ = 0;

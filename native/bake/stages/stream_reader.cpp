@@ -30,8 +30,17 @@ Result<PreparedMember> StreamReader::readMember(size_t member, uint32_t frame) {
   PreparedMember out;
   out.source_frame = plan_.sourceFrame(member, frame);
   if (sources_[member].last == out.source_frame) return out;
+  sources_[member].last = out.source_frame;
+  if (plan_.isClass()) out.kept_layers = keptLayers(member, out.source_frame);
+  if (!out.kept_layers.empty()) return out;
   FOURDVT_ASSIGN(out.fresh, readSource(member, out.source_frame));
   return out;
+}
+
+std::vector<Image> StreamReader::keptLayers(size_t member, uint32_t source_frame) const {
+  StageClock::Span span(run_.clock, Stage::Decode);
+  auto kept = run_.work.loadLayers(plan_.motion.members[member].source->name, source_frame);
+  return kept ? kept.take() : std::vector<Image>();
 }
 
 Result<SourceFrame> StreamReader::readSource(size_t member, uint32_t source_frame) {
@@ -45,7 +54,6 @@ Result<SourceFrame> StreamReader::readSource(size_t member, uint32_t source_fram
   for (; source.next < source_frame; ++source.next) FOURDVT_TRY(source.reader->next());
   FOURDVT_ASSIGN(auto frame, source.reader->next());
   ++source.next;
-  source.last = source_frame;
   SourceFrame out;
   out.pose = reordered(run_.job.mesh, frame.positions);
   for (size_t c = 0; c < run_.job.cameras.size(); ++c)

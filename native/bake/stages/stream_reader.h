@@ -20,7 +20,9 @@ struct SourceFrame {
 
 struct PreparedMember {
   uint32_t source_frame = 0;
-  std::optional<SourceFrame> fresh;  // none: the same captured frame as in the stream's frame read before
+  // At most one of them; none: the same captured frame as in the stream's frame read before.
+  std::optional<SourceFrame> fresh;
+  std::vector<Image> kept_layers;  // of a class: filled, as the member's own stream left them in the work folder
 };
 
 struct PreparedFrame {
@@ -45,6 +47,7 @@ class StreamReader {
   StreamReader(BakeRun& run, const StreamPlan& plan)
       : run_(run), plan_(plan), meshes_(run.job), sources_(plan.motion.members.size()) {}
   Result<PreparedMember> readMember(size_t member, uint32_t frame);
+  std::vector<Image> keptLayers(size_t member, uint32_t source_frame) const;  // empty: none are kept
   Result<SourceFrame> readSource(size_t member, uint32_t source_frame);
   Result<FrameGeometry> blendGeometry(uint32_t frame);  // of a class
 

@@ -33,7 +33,7 @@ class Resampler {
   // labels: [layer][face]. Result: a layer each, RGBA, alpha 255 where resampled, else 0; row 0 = UV row 0.
   Result<std::vector<Image>> resample(gpu::Device& device, const GpuCapture& capture,
                                       const std::vector<uint8_t>& labels);
-  // LVDT's selection: layer l of a texel is the l-th camera of the face's order that sees this texel. order:
+  // LVDT's choice of texels: layer l of a texel is the l-th camera of the face's order that sees this texel. order:
   // [rank][face], all cameras by penalty, package::kNoCamera after the last. For reproduction only: slow.
   Result<std::vector<Image>> resamplePerTexel(gpu::Device& device, const GpuCapture& capture,
                                               const std::vector<uint8_t>& order);

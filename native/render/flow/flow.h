@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Dense optical flow between two pictures of the same mesh and view: what Align::Flow aligns members with.
-// Implementations: GpuFlow (farneback.cpp, dis.cpp: fragment passes), and edges that call OpenCV on read-back pictures
-// (native: native/platform; browser: the separate wasm module).
+// Implementations: GpuFlow (farneback.cpp, dis.cpp: fragment passes), and edges that call OpenCV on read-back
+// pictures (native: native/platform; browser: the separate wasm module).
 #pragma once
 
 #include <memory>

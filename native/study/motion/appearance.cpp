@@ -20,9 +20,14 @@ constexpr int kEdge = 4;  // pixels along the outline where sharpness is not mea
 
 constexpr size_t kCameras = 3;  // of the truth: the held-out ones come first
 
-// OpenCV's flow is read back: it is drawn where it matters most only.
+// Both ways of aligning without and with the contrast that a mean of several looks loses, so that neither is judged by
+// what the other has. OpenCV's flow is read back: it is drawn where it matters most only.
 std::vector<AlignMethod> shownMethods(const MotionSubject& subject, bool with_opencv) {
   std::vector<AlignMethod> methods{rows::kAlignNone, rows::kAlignBaked, rows::kFlowGpu};
+  if (subject.stage.aligned()) {
+    methods.insert(methods.begin() + 2, rows::kAlignBakedMean);
+    methods.push_back(rows::kFlowGpuDetail);
+  }
   if (with_opencv && !subject.quick()) methods.push_back(rows::kFlowOpencv);
   return subject.methods(methods);
 }
@@ -56,27 +61,22 @@ class TruthPart {
  private:
   Status measure(const MotionTruth::Step& step, const MotionTruth::Instant& instant) {
     FOURDVT_TRY(subject_.stage.show(truth_.classFrame(step.w, instant)));
-    auto exact = truth_.mesh(step, instant);
-    if (!exact) return exact.error();
-    auto blended = subject_.stage.blendedAt(step.w, truth_.classPhase(step.w, instant));
-    if (!blended) return blended.error();
-    addDistances(exact.value(), blended.value(), apart_[step.w]);
+    FOURDVT_ASSIGN(auto exact, truth_.mesh(step, instant));
+    FOURDVT_ASSIGN(auto blended, subject_.stage.blendedAt(step.w, truth_.classPhase(step.w, instant)));
+    addDistances(exact, blended, apart_[step.w]);
     for (const bool exactly : {false, true}) {
-      subject_.stage.setMesh(exactly ? exact.value() : blended.value());
+      subject_.stage.setMesh(exactly ? exact : blended);
       const size_t cameras = std::min(truth_.cameras().size(), subject_.quick() ? 1 : kCameras);
       for (size_t c = 0; c < cameras; ++c) {
         FOURDVT_TRY(checkStop(subject_.context));
         const PinholeCamera& camera = truth_.cameras()[c];
-        auto truth = truth_.picture(step, camera, instant);
-        if (!truth) return truth.error();
+        FOURDVT_ASSIGN(auto truth, truth_.picture(step, camera, instant));
         for (const AlignMethod& method : shownMethods(subject_, exactly)) {
-          auto picture = subject_.stage.draw(camera, step.w, method);
-          if (!picture) return picture.error();
+          FOURDVT_ASSIGN(auto picture, subject_.stage.draw(camera, step.w, method));
           const std::string setting = settingOf(step.w) + " mesh=" + (exactly ? "truth" : "blend");
-          const measure::Mask common = measure::commonSilhouette(truth.value(), picture.value());
-          lane_.add(restricted(truth.value(), common), restricted(picture.value(), common),
-                    method + "|" + setting + " region=common");
-          lane_.add(truth.value(), picture.take(), method + "|" + setting + " region=whole");
+          const measure::Mask common = measure::commonSilhouette(truth, picture);
+          lane_.add(restricted(truth, common), restricted(picture, common), method + "|" + setting + " region=common");
+          lane_.add(truth, std::move(picture), method + "|" + setting + " region=whole");
         }
       }
     }
@@ -117,14 +117,11 @@ struct RatioSum {
 // Against the w-weighted mean of the members' own looks on the same mesh and view.
 Status addSharpness(const MotionSubject& subject, const PinholeCamera& camera, double w,
                     const std::array<Image, 2>& looks, std::map<AlignMethod, RatioSum>& sums) {
-  std::vector<AlignMethod> methods = shownMethods(subject, false);
-  if (subject.stage.aligned()) methods.push_back(rows::kAlignBakedMean);
-  for (const AlignMethod& method : methods) {
-    auto blend = subject.stage.draw(camera, w, method);
-    if (!blend) return blend.error();
-    measure::Mask inside = measure::commonSilhouette(blend.value(), looks[0]);
+  for (const AlignMethod& method : shownMethods(subject, false)) {
+    FOURDVT_ASSIGN(auto blend, subject.stage.draw(camera, w, method));
+    measure::Mask inside = measure::commonSilhouette(blend, looks[0]);
     inside = measure::eroded(inside, camera.width, camera.height, kEdge);
-    const measure::Sharpness shown = measure::sharpness(measure::compositedOnBlack(blend.value()), inside),
+    const measure::Sharpness shown = measure::sharpness(measure::compositedOnBlack(blend), inside),
                              first = measure::sharpness(measure::compositedOnBlack(looks[0]), inside),
                              second = measure::sharpness(measure::compositedOnBlack(looks[1]), inside);
     const double ratio = shown.gradient / ((1 - w) * first.gradient + w * second.gradient);
@@ -149,9 +146,7 @@ Status measureSharpness(const MotionSubject& subject, Figures& out) {
         const PinholeCamera camera = subject.stage.orbit(azimuth, kSharpWidth, kSharpHeight);
         std::array<Image, 2> looks;
         for (size_t m = 0; m < 2; ++m) {
-          auto look = subject.stage.draw(camera, double(m), rows::kAlignNone);
-          if (!look) return look.error();
-          looks[m] = look.take();
+          FOURDVT_ASSIGN(looks[m], subject.stage.draw(camera, double(m), rows::kAlignNone));
         }
         FOURDVT_TRY(addSharpness(subject, camera, w, looks, sums[w]));
       }
@@ -171,9 +166,7 @@ Status measureSharpness(const MotionSubject& subject, Figures& out) {
 Result<Figures> measureAppearance(const MotionSubject& subject) {
   Figures out;
   if (subject.truth) {
-    auto rows = TruthPart(subject).run();
-    if (!rows) return rows;
-    out = rows.take();
+    FOURDVT_ASSIGN(out, TruthPart(subject).run());
   }
   FOURDVT_TRY(measureSharpness(subject, out));
   return out;

@@ -55,20 +55,19 @@ class RunTimeBlend {
 
 Result<Figures> measureBlend(const MotionSubject& subject) {
   MotionStage& stage = subject.stage;
-  auto blend = bake::NonlinearBlend::create(stage.mesh().topology, stage.mesh().positions);
-  if (!blend) return blend.error();
+  FOURDVT_ASSIGN(auto blend, bake::NonlinearBlend::create(stage.mesh().topology, stage.mesh().positions));
   bake::HybridErrors errors({{0, 1, 1}}, bake::HybridMix::Polynomial, kCheckWeights + 1, kMostReferences + 1);
   for (const uint32_t phase : subject.phases(subject.quick() ? 2 : subject.motion().frame_count)) {
     FOURDVT_TRY(checkStop(subject.context));
     FOURDVT_TRY(stage.show(phase));
-    errors.add(*blend.value(), stage.members());
+    errors.add(*blend, stage.members());
   }
   const std::vector<Positions> members = stage.members();
   RunTimeBlend run_time(members);
   Figures out;
   const std::string name = subject.motion().name;
   const float halves[] = {0.5f, 0.5f};
-  const double solved_ms = milliseconds([&] { blend.value()->blend(members, halves); });
+  const double solved_ms = milliseconds([&] { blend->blend(members, halves); });
   RowWriter(out, rows::kMotionBlend, name, rows::kNonlinear, "").add(rows::kBlendMs, solved_ms, "ms");
   for (int references = 0; references <= kMostReferences; ++references) {
     const bool baked = references == static_cast<int>(subject.motion().reference_count);

@@ -36,13 +36,11 @@ Status drawOnce(const MotionSubject& subject, const render::View& view, Variant&
 Status race(const MotionSubject& subject, int width, int height, int frames, std::vector<Variant>& variants) {
   gpu::Device& device = *subject.context.device;
   const render::View view = render::viewFromCamera(subject.stage.orbit(kFirstAzimuth_deg, width, height));
-  auto color = gpu::makeTexture(device, {.width = width, .height = height, .label = "motion cost"});
-  if (!color) return color.error();
-  auto target = gpu::makeTarget(device, {.colors = {color.value().id()}, .label = "motion cost"});
-  if (!target) return target.error();
+  FOURDVT_ASSIGN(auto color, gpu::makeTexture(device, {.width = width, .height = height, .label = "motion cost"}));
+  FOURDVT_ASSIGN(auto target, gpu::makeTarget(device, {.colors = {color.id()}, .label = "motion cost"}));
   for (int i = -kWarmUp; i < frames; ++i) {
     FOURDVT_TRY(checkStop(subject.context));
-    for (Variant& variant : variants) FOURDVT_TRY(drawOnce(subject, view, variant, target.value().id(), i >= 0));
+    for (Variant& variant : variants) FOURDVT_TRY(drawOnce(subject, view, variant, target.id(), i >= 0));
   }
   return {};
 }

@@ -87,9 +87,8 @@ class FlowPart {
     for (size_t i = 0; i < instants; ++i) {
       const MotionTruth::Instant& instant = subject_.truth->instants()[i];
       FOURDVT_TRY(stage_.show(subject_.truth->classFrame(0.5, instant)));
-      auto moved = subject_.truth->moved(instant, stage_.positions());
-      if (!moved) return moved.error();
-      const auto corners = cornersOf(stage_.mesh().topology, moved.value());
+      FOURDVT_ASSIGN(auto moved, subject_.truth->moved(instant, stage_.positions()));
+      const auto corners = cornersOf(stage_.mesh().topology, moved);
       for (const double azimuth : azimuths) FOURDVT_TRY(pair(stage_.orbit(azimuth, kSide, kSide), &corners));
     }
     return figures();
@@ -99,14 +98,11 @@ class FlowPart {
   // corners: the truth's; null: OpenCV is what is compared with.
   Status pair(const PinholeCamera& camera, const std::vector<glm::vec3>* corners) {
     FOURDVT_TRY(checkStop(subject_.context));
-    auto look = stage_.draw(camera, 0, rows::kAlignNone);
-    if (!look) return look.error();
-    const measure::Mask inside = silhouette(look.value());
+    FOURDVT_ASSIGN(auto look, stage_.draw(camera, 0, rows::kAlignNone));
+    const measure::Mask inside = silhouette(look);
     std::map<AlignMethod, measure::FlowField> fields;
     for (const AlignMethod method : kSources) {
-      auto flow = stage_.flow(camera, method);
-      if (!flow) return flow.error();
-      fields[method] = flow.take();
+      FOURDVT_ASSIGN(fields[method], stage_.flow(camera, method));
     }
     if (!corners) {
       for (const auto& [method, field] : fields)

@@ -3,7 +3,6 @@
 #include "study/motion/motion.h"
 
 #include <algorithm>
-#include <filesystem>
 
 #include "bake/run/mesh_reader.h"
 #include "bake/stages/validate.h"
@@ -39,35 +38,22 @@ bake::BakeOptions motionBake(const StudyContext& context, const capture::Capture
   return options;
 }
 
-Status bakeMotion(const StudyContext& context, const bake::BakeOptions& options) {
-  std::error_code ignored;
-  if (std::filesystem::exists(options.character_folder + "/character.gltf", ignored)) return {};
-  FOURDVT_TRY(platform::makeFolder(context.work() + "/motion"));
-  bake::BakeEnvironment environment = bakeEnvironment(context);
-  environment.progress = [&](const bake::Progress& p) {
-    tell(context, "bake " + p.stage, p.total ? kBakeShare * p.done / p.total : 0);
-  };
-  auto baked = bake::bake(options, environment);
-  return baked.ok() ? Status() : baked.error();
-}
-
 // The order of vertices and the class's common time, as the bake found them.
 Result<MotionTruth::Baked> asBaked(const StudyContext& context, const bake::BakeOptions& options,
                                    const capture::CaptureClass& motion_class) {
-  auto job = bake::validate(options, bakeEnvironment(context));
+  auto validated = bake::validate(options, bakeEnvironment(context));
   platform::removeIfEmpty(options.character_folder + ".work");  // only if empty: no bake is under way there
-  if (!job) return job.error();
-  bake::MeshReader meshes(job.value());
-  const capture::Capture& capture = job.value().capture;
-  auto members = bake::classMembers(capture, motion_class, capture.topology, meshes.function());
-  if (!members) return members.error();
+  FOURDVT_ASSIGN(auto job, std::move(validated));
+  bake::MeshReader meshes(job);
+  const capture::Capture& capture = job.capture;
+  FOURDVT_ASSIGN(auto members, bake::classMembers(capture, motion_class, capture.topology, meshes.function()));
   MotionTruth::Baked out;
-  for (const bake::ClassMember& member : members.value()) {
+  for (const bake::ClassMember& member : members) {
     const double pass = member.source->frame_count - (member.source->loop ? 0 : 1);
     out.passed.emplace_back();
     for (const double frame : member.source_frame) out.passed.back().push_back(frame / pass);
   }
-  out.mesh = std::move(job.value().mesh);
+  out.mesh = std::move(job.mesh);
   return out;
 }
 
@@ -115,22 +101,20 @@ Result<Figures> runMotion(const StudyContext& context) {
   if (context.capture->classes.empty()) return Figures();
   const capture::CaptureClass& motion_class = context.capture->classes.front();
   const bake::BakeOptions options = motionBake(context, motion_class);
-  FOURDVT_TRY(bakeMotion(context, options));
-  auto stage = MotionStage::open(*context.device, options.character_folder, motion_class.name);
-  if (!stage) return stage.error();
-  auto baked = asBaked(context, options, motion_class);
-  if (!baked) return baked.error();
-  auto truth = MotionTruth::open(context, stage.value()->motion(), baked.take());
-  if (!truth) return truth.error();
+  FOURDVT_TRY(bakeOnce(context, options, [&](const std::string& stage, double share) {
+    tell(context, "bake " + stage, kBakeShare * share);
+  }));
+  FOURDVT_ASSIGN(auto stage, MotionStage::open(*context.device, options.character_folder, motion_class.name));
+  FOURDVT_ASSIGN(auto baked, asBaked(context, options, motion_class));
+  FOURDVT_ASSIGN(auto truth, MotionTruth::open(context, stage->motion(), std::move(baked)));
   FOURDVT_TRY(platform::makeFolder(context.pictures()));
-  const MotionSubject subject{context, options.character_folder, *stage.value(), truth.value().get()};
+  const MotionSubject subject{context, options.character_folder, *stage, truth.get()};
   Figures out;
   double done = 0;
   for (const Part& part : kParts) {
     tell(context, std::string(part.name).substr(7), kBakeShare + (1 - kBakeShare) * done++ / std::size(kParts));
-    auto rows = keptPart(context, part.name, [&] { return part.measure(subject); });
-    if (!rows) return rows;
-    out.insert(out.end(), rows.value().begin(), rows.value().end());
+    FOURDVT_ASSIGN(auto rows, keptPart(context, part.name, [&] { return part.measure(subject); }));
+    out.insert(out.end(), rows.begin(), rows.end());
   }
   return out;
 }

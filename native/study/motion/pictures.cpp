@@ -5,9 +5,9 @@
 #include "report/picture_sheets.h"
 #include "study/motion/motion.h"
 #include "study/motion/player.h"
+#include "study/picture_parts.h"
 #include "study/rows.h"
 #include "study/run_steps.h"
-#include "study/steps/picture_parts.h"
 #include "study/tables/report.h"
 
 namespace fourdvt::study {
@@ -67,9 +67,8 @@ Status PicturePart::save(const std::string& file, const Image& sheet, const std:
 Status PicturePart::columns(uint32_t phase, double azimuth, int number) {
   FOURDVT_TRY(stage_.show(phase));
   const PinholeCamera camera = stage_.orbit(azimuth, kWidth, kHeight);
-  auto middle = stage_.draw(camera, 0.5, rows::kAlignNone);
-  if (!middle) return middle.error();
-  const auto box = report::shownBox(middle.value(), 4 * kMargin);
+  FOURDVT_ASSIGN(auto middle, stage_.draw(camera, 0.5, rows::kAlignNone));
+  const auto box = report::shownBox(middle, 4 * kMargin);
   report::Sheet sheet{subject_.motion().name + ", phase " + std::to_string(phase), {}, {}, {}};
   report::Sheet crops{sheet.title + ", w = 0.5", {"view", "crop", "crop", "crop"}, {}, {}};
   for (const double w : kColumns) sheet.columns.push_back(columnTitle(w));
@@ -80,10 +79,9 @@ Status PicturePart::columns(uint32_t phase, double azimuth, int number) {
     for (const double w : kColumns) {
       FOURDVT_TRY(checkStop(subject_.context));
       stage_.setMesh(stage_.blended(w));
-      auto picture = stage_.draw(camera, w, method);
-      if (!picture) return picture.error();
-      row.push_back(narrowed(picture.value(), box));
-      if (w == 0.5) crops.cells.push_back(viewWithCrops(picture.value(), report::shownBox(picture.value(), kMargin)));
+      FOURDVT_ASSIGN(auto picture, stage_.draw(camera, w, method));
+      row.push_back(narrowed(picture, box));
+      if (w == 0.5) crops.cells.push_back(viewWithCrops(picture, report::shownBox(picture, kMargin)));
     }
     sheet.cells.push_back(std::move(row));
   }
@@ -103,24 +101,21 @@ Status PicturePart::truthCrops() {
   const PinholeCamera& camera = truth.cameras().front();
   const uint32_t frame = truth.classFrame(step.w, instant);
   FOURDVT_TRY(stage_.show(frame));
-  auto mesh = truth.mesh(step, instant);
-  if (!mesh) return mesh.error();
-  stage_.setMesh(mesh.take());
-  auto exact = truth.picture(step, camera, instant);
-  if (!exact) return exact.error();
-  const auto box = report::shownBox(exact.value(), kMargin);
+  FOURDVT_ASSIGN(auto mesh, truth.mesh(step, instant));
+  stage_.setMesh(std::move(mesh));
+  FOURDVT_ASSIGN(auto exact, truth.picture(step, camera, instant));
+  const auto box = report::shownBox(exact, kMargin);
   report::Sheet crops{subject_.motion().name + ", " + columnTitle(step.w) + ", on the true mesh",
                       {"view", "crop", "crop", "crop"},
                       {},
                       {}};
   for (const AlignMethod& method : methods()) {
-    auto picture = stage_.draw(camera, step.w, method);
-    if (!picture) return picture.error();
+    FOURDVT_ASSIGN(auto picture, stage_.draw(camera, step.w, method));
     crops.rows.push_back(method);
-    crops.cells.push_back(viewWithCrops(picture.value(), box));
+    crops.cells.push_back(viewWithCrops(picture, box));
   }
   crops.rows.push_back("truth");
-  crops.cells.push_back(viewWithCrops(exact.value(), box));
+  crops.cells.push_back(viewWithCrops(exact, box));
   return save("motion-truth.jpg", report::drawSheet(crops), "frame=" + std::to_string(frame) + " view=" + camera.name,
               rows::kPictureMotionCrops);
 }
@@ -133,19 +128,17 @@ Status PicturePart::transition() {
   for (const package::Sequence& sequence : character.sequences)
     if (!sequence.isClass() && !sequence.loop) to = sequence.name;  // more to see
   if (character.graph_uri.empty() || !character.find(from) || !character.find(to)) return {};
-  auto watched = WatchedPlayer::open(*subject_.context.device, subject_.folder, false);
-  if (!watched) return watched.error();
-  FOURDVT_TRY(watched.value()->start(from, 0, std::nan("")));
-  FOURDVT_TRY(watched.value()->player().goTo(to));
+  FOURDVT_ASSIGN(auto watched, WatchedPlayer::open(*subject_.context.device, subject_.folder, false));
+  FOURDVT_TRY(watched->start(from, 0, std::nan("")));
+  FOURDVT_TRY(watched->player().goTo(to));
   report::Sheet sheet{from + " to " + to + ", every second tick from the fade's first", {}, {}, {{}}};
   bool faded = false;
   for (int tick = 0, kept = 0; tick < 60 && kept < kTransitionCells; ++tick) {
-    auto change = watched.value()->tick();
-    if (!change) return change.error();
-    faded |= watched.value()->player().inTransition();
+    FOURDVT_ASSIGN(auto change, watched->tick());
+    faded |= watched->player().inTransition();
     if (!faded || tick % 2) continue;
     sheet.columns.push_back(std::to_string(80 * kept) + " ms");
-    sheet.cells[0].push_back(report::overGrey(watched.value()->picture()));
+    sheet.cells[0].push_back(report::overGrey(watched->picture()));
     ++kept;
   }
   if (sheet.cells[0].empty()) return {};

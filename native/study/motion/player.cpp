@@ -15,11 +15,11 @@ constexpr int kWidth = 240, kHeight = 320;  // of the pictures compared
 Result<Positions> shownPositions(gpu::Device& device, const render::CharacterModel& model) {
   constexpr int kWidthOfTable = render::CharacterModel::kTableWidth;
   const int height = (2 * static_cast<int>(model.vertex_count) + kWidthOfTable - 1) / kWidthOfTable;
-  auto target = gpu::makeTarget(device, {.colors = {model.positions_normals.id()}, .label = "positions"});
-  if (!target) return target.error();
+  FOURDVT_ASSIGN(auto target,
+                 gpu::makeTarget(device, {.colors = {model.positions_normals.id()}, .label = "positions"}));
   std::vector<glm::vec4> table(size_t(kWidthOfTable) * height);
-  FOURDVT_TRY(device.readPixels(target.value().id(), gpu::PixelFormat::RGBA32F,
-                                {.width = kWidthOfTable, .height = height}, table.data()));
+  FOURDVT_TRY(device.readPixels(target.id(), gpu::PixelFormat::RGBA32F, {.width = kWidthOfTable, .height = height},
+                                table.data()));
   Positions out;
   for (uint32_t v = 0; v < model.vertex_count; ++v) {
     const int row = static_cast<int>(2 * v) / kWidthOfTable, column = static_cast<int>(2 * v) % kWidthOfTable;
@@ -33,9 +33,8 @@ Result<Positions> shownPositions(gpu::Device& device, const render::CharacterMod
 Result<std::unique_ptr<WatchedPlayer>> WatchedPlayer::open(gpu::Device& device, const std::string& folder,
                                                            bool travel) {
   std::unique_ptr<WatchedPlayer> out(new WatchedPlayer(device, travel));
-  auto player = platform::CharacterPlayer::open(device, folder);
-  if (!player) return player.error();
-  out->player_ = player.take();
+  FOURDVT_ASSIGN(auto player, platform::CharacterPlayer::open(device, folder));
+  out->player_ = std::move(player);
   out->player().setTravel(travel);
   return out;
 }
@@ -58,17 +57,13 @@ Status WatchedPlayer::start(const std::string& state, uint32_t frame, double par
 }
 
 Status WatchedPlayer::look() {
-  auto figure = player().figure();
-  if (!figure) return figure.error();
-  auto shown = shownPositions(device_, *figure.value().model);
-  if (!shown) return shown.error();
-  world_ = shown.take();
-  for (glm::vec3& p : world_) p = glm::vec3(figure.value().world_from_character * glm::vec4(p, 1));
+  FOURDVT_ASSIGN(auto figure, player().figure());
+  FOURDVT_ASSIGN(world_, shownPositions(device_, *figure.model));
+  for (glm::vec3& p : world_) p = glm::vec3(figure.world_from_character * glm::vec4(p, 1));
   if (travel_) return {};
   OrbitView orbit = defaultOrbit(player().character()->bounds, double(kWidth) / kHeight);
-  auto picture = player_->renderStill(render::viewFromCamera(cameraFromOrbit(orbit, kWidth, kHeight)), studyRecipe());
-  if (!picture) return picture.error();
-  picture_ = picture.take();
+  FOURDVT_ASSIGN(picture_,
+                 player_->renderStill(render::viewFromCamera(cameraFromOrbit(orbit, kWidth, kHeight)), studyRecipe()));
   return {};
 }
 

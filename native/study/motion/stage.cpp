@@ -24,6 +24,38 @@ Result<std::unique_ptr<render::FlowSource>> makeSource(gpu::Device& device, cons
   return platform::createOpencvFlow(device, options);
 }
 
+double lumaAt(const Image& rgba, int x, int y) {
+  const uint8_t* p = rgba.at(x, y);
+  return 0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2];
+}
+
+// What the renderer puts back in the texture of a baked blend (render/layered_pass.cpp), in the picture: luma against
+// its neighbours on both diagonals, where all of them are covered.
+void putBackDetail(Image& rgba, double lost) {
+  constexpr int kReach = 3;  // pixels
+  const Image before = rgba;
+  const auto covered = [&](int x, int y) { return before.at(x, y)[3] == 255; };
+  for (int y = kReach; y + kReach < rgba.height; ++y)
+    for (int x = kReach; x + kReach < rgba.width; ++x) {
+      double beside = 0;
+      int count = 0;
+      for (int dx : {-kReach, kReach})
+        for (int dy : {-kReach, kReach})
+          if (covered(x + dx, y + dy)) beside += lumaAt(before, x + dx, y + dy), ++count;
+      if (count < 4 || !covered(x, y)) continue;
+      const double more = lost * (lumaAt(before, x, y) - beside / 4);
+      for (int c = 0; c < 3; ++c)
+        rgba.at(x, y)[c] = static_cast<uint8_t>(std::clamp(std::lround(before.at(x, y)[c] + more), 0l, 255l));
+    }
+}
+
+// As the renderer's: contrast that detail of this correlation loses in a mean, to be multiplied on top of it.
+double lostDetail(const std::vector<float>& weights, double correlation) {
+  double squares = 0;
+  for (float w : weights) squares += w * w;
+  return 1 / std::sqrt(squares + correlation * (1 - squares)) - 1;
+}
+
 // Samples with nothing but the first two members, by the second one's weight.
 std::vector<const package::ParameterSample*> samplesBetween(const package::ParameterSpace& space) {
   std::vector<const package::ParameterSample*> out;
@@ -66,21 +98,16 @@ Result<std::unique_ptr<MotionStage>> MotionStage::open(gpu::Device& device, cons
   FOURDVT_TRY(measure::openCharacterStream(folder, class_name, stage->stream_));
   if (!stage->motion().isClass())
     return Error{ErrorId::InvalidArgument, folder + ": " + class_name + " is no motion class; bake it again"};
-  auto player = platform::CharacterPlayer::open(device, folder);
-  if (!player) return player.error();
-  stage->player_ = player.take();
-  auto model = render::CharacterModel::create(device, stage->character(), stage->mesh());
-  if (!model) return model.error();
-  stage->model_.emplace(model.take());
+  FOURDVT_ASSIGN(stage->player_, platform::CharacterPlayer::open(device, folder));
+  FOURDVT_ASSIGN(auto model, render::CharacterModel::create(device, stage->character(), stage->mesh()));
+  stage->model_.emplace(std::move(model));
   return stage;
 }
 
 Status MotionStage::loadChunk(uint32_t phase) {
   const uint32_t number = stream_.index.chunkOfFrame(phase);
   if (!chunk_ || number != chunk_number_) {
-    auto chunk = measure::readCharacterChunk(stream_, number);
-    if (!chunk) return chunk.error();
-    chunk_ = chunk.take();
+    FOURDVT_ASSIGN(chunk_, measure::readCharacterChunk(stream_, number));
     chunk_number_ = number;
   }
   row_ = phase - stream_.index.chunks[number].first_frame;
@@ -90,9 +117,8 @@ Status MotionStage::loadChunk(uint32_t phase) {
 Status MotionStage::show(uint32_t phase) {
   FOURDVT_TRY(player_->showFrame(motion().name, phase));
   FOURDVT_TRY(loadChunk(phase));
-  auto figure = player_->player().figure();
-  if (!figure) return figure.error();
-  look_ = figure.value().looks[0];
+  FOURDVT_ASSIGN(auto figure, player_->player().figure());
+  look_ = figure.looks[0];
   motion::alignmentOf(*chunk_, row_, stream_.index, alignment_);
   setMesh(blended(0.5));
   return {};
@@ -140,38 +166,32 @@ void MotionStage::setMesh(Positions positions) {
 Result<render::Recipe*> MotionStage::recipeFor(const AlignMethod& method) {
   auto& recipe = recipes_[method];
   if (recipe) return recipe.get();
-  auto made = render::Recipe::create(device_);
-  if (!made) return made.error();
+  FOURDVT_ASSIGN(auto made, render::Recipe::create(device_));
   if (alignOf(method) == render::Align::Flow) {
-    auto source = makeSource(device_, method);
-    if (!source) return source.error();
-    made.value()->setFlow(source.take());
+    FOURDVT_ASSIGN(auto source, makeSource(device_, method));
+    made->setFlow(std::move(source));
   }
-  recipe = made.take();
+  recipe = std::move(made);
   return recipe.get();
 }
 
 Result<render::FlowSource*> MotionStage::sourceFor(const AlignMethod& method) {
   auto& source = sources_[method];
   if (source) return source.get();
-  auto made = makeSource(device_, method);
-  if (!made) return made.error();
-  source = made.take();
+  FOURDVT_ASSIGN(source, makeSource(device_, method));
   return source.get();
 }
 
 Status MotionStage::drawInto(const render::View& view, double w, const AlignMethod& method, gpu::TargetId target) {
-  auto recipe = recipeFor(method);
-  if (!recipe) return recipe.error();
+  FOURDVT_ASSIGN(auto recipe, recipeFor(method));
   const std::vector<float> weights = weightsOf(w);
   const render::Look look{look_.appearance, look_.picture, weights};
   const render::Figure figure{&*model_, {&look, 1}};
-  return recipe.value()->draw({&figure, 1}, nullptr, view, optionsOf(method), target);
+  return recipe->draw({&figure, 1}, nullptr, view, optionsOf(method), target);
 }
 
 Status MotionStage::drawMany(const render::View& view, int count, const AlignMethod& method, gpu::TargetId target) {
-  auto recipe = recipeFor(method);
-  if (!recipe) return recipe.error();
+  FOURDVT_ASSIGN(auto recipe, recipeFor(method));
   const std::vector<float> weights = weightsOf(0.5);
   const render::Look look{look_.appearance, look_.picture, weights};
   std::vector<render::Figure> figures;
@@ -180,23 +200,26 @@ Status MotionStage::drawMany(const render::View& view, int count, const AlignMet
     figure.world_from_character[3] += glm::vec4(-kApart_m * float(i) * render::viewAxis(view.clip_from_world), 0);
     figures.push_back(figure);
   }
-  return recipe.value()->draw(figures, nullptr, view, optionsOf(method), target);
+  return recipe->draw(figures, nullptr, view, optionsOf(method), target);
 }
 
 Result<Image> MotionStage::draw(const PinholeCamera& camera, double w, const AlignMethod& method) {
   const render::View view = render::viewFromCamera(camera);
-  return still_.render(view, [&](gpu::TargetId target) { return drawInto(view, w, method, target); });
+  const bool puts_back = method == rows::kFlowGpuDetail;
+  const AlignMethod drawn = puts_back ? rows::kFlowGpu : method;
+  auto image = still_.render(view, [&](gpu::TargetId target) { return drawInto(view, w, drawn, target); });
+  if (image && puts_back) putBackDetail(image.value(), lostDetail(weightsOf(w), look_.appearance->detail_correlation));
+  return image;
 }
 
 Status MotionStage::drawLook(const PinholeCamera& camera, double w, gpu::Texture& out) {
-  auto color = gpu::makeTexture(
-      device_,
-      {.width = camera.width, .height = camera.height, .filter = gpu::Filter::Linear, .label = "look of a member"});
-  if (!color) return color.error();
-  auto target = gpu::makeTarget(device_, {.colors = {color.value().id()}, .label = "look of a member"});
-  if (!target) return target.error();
-  FOURDVT_TRY(drawInto(render::viewFromCamera(camera), w, rows::kAlignNone, target.value().id()));
-  out = color.take();
+  FOURDVT_ASSIGN(auto color, gpu::makeTexture(device_, {.width = camera.width,
+                                                        .height = camera.height,
+                                                        .filter = gpu::Filter::Linear,
+                                                        .label = "look of a member"}));
+  FOURDVT_ASSIGN(auto target, gpu::makeTarget(device_, {.colors = {color.id()}, .label = "look of a member"}));
+  FOURDVT_TRY(drawInto(render::viewFromCamera(camera), w, rows::kAlignNone, target.id()));
+  out = std::move(color);
   return {};
 }
 
@@ -204,14 +227,12 @@ Result<measure::FlowField> MotionStage::flow(const PinholeCamera& camera, const 
   gpu::Texture first, second;
   FOURDVT_TRY(drawLook(camera, 0, first));
   FOURDVT_TRY(drawLook(camera, 1, second));
-  auto source = sourceFor(method);
-  if (!source) return source.error();
-  FOURDVT_TRY(source.value()->compute(first.id(), second.id(), camera.width, camera.height));
-  auto target = gpu::makeTarget(device_, {.colors = {source.value()->flow()}, .label = "flow"});
-  if (!target) return target.error();
+  FOURDVT_ASSIGN(auto source, sourceFor(method));
+  FOURDVT_TRY(source->compute(first.id(), second.id(), camera.width, camera.height));
+  FOURDVT_ASSIGN(auto target, gpu::makeTarget(device_, {.colors = {source->flow()}, .label = "flow"}));
   measure::FlowField out{camera.width, camera.height, std::vector<glm::vec2>(size_t(camera.width) * camera.height)};
   const auto format = byOpencv(method) ? gpu::PixelFormat::RG32F : gpu::PixelFormat::RG16F;
-  FOURDVT_TRY(device_.readPixels(target.value().id(), format, {.width = camera.width, .height = camera.height},
+  FOURDVT_TRY(device_.readPixels(target.id(), format, {.width = camera.width, .height = camera.height},
                                  out.displacement.data()));
   for (glm::vec2& f : out.displacement) f.y = -f.y;  // counted along GL rows
   return out;

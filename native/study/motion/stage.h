@@ -46,7 +46,8 @@ class MotionStage {
   Status drawInto(const render::View& view, double w, const AlignMethod& method, gpu::TargetId target);
   // `count` figures in the same place, each a little nearer than the one before: every one is shaded.
   Status drawMany(const render::View& view, int count, const AlignMethod& method, gpu::TargetId target);
-  // RGBA straight alpha, top row first. w: 0 and 1 show one member's own look.
+  // RGBA straight alpha, top row first. w: 0 and 1 show one member's own look. Knows kFlowGpuDetail too: the flow's
+  // picture with as much contrast put back as a baked blend of the same weights gets.
   Result<Image> draw(const PinholeCamera& camera, double w, const AlignMethod& method);
   // From the first member's look to the second's, on the mesh set; one of the flow methods.
   Result<measure::FlowField> flow(const PinholeCamera& camera, const AlignMethod& method);

@@ -65,14 +65,10 @@ class TransitionPart {
 
 Result<Figures> TransitionPart::run() {
   if (character_.graph_uri.empty()) return Figures();
-  auto bytes = platform::readFile(subject_.folder + "/" + character_.graph_uri);
-  if (!bytes) return bytes.error();
-  auto graph = motion::MotionGraph::read(bytes.value(), character_);
-  if (!graph) return graph.error();
-  graph_.emplace(graph.take());
-  auto watched = WatchedPlayer::open(*subject_.context.device, subject_.folder, false);
-  if (!watched) return watched.error();
-  watched_ = watched.take();
+  FOURDVT_ASSIGN(auto bytes, platform::readFile(subject_.folder + "/" + character_.graph_uri));
+  FOURDVT_ASSIGN(auto graph, motion::MotionGraph::read(bytes, character_));
+  graph_.emplace(std::move(graph));
+  FOURDVT_ASSIGN(watched_, WatchedPlayer::open(*subject_.context.device, subject_.folder, false));
   for (const package::Sequence& state : character_.sequences) FOURDVT_TRY(ownPace(state));
   for (size_t from = 0; from < character_.sequences.size(); ++from)
     for (size_t to = 0; to < character_.sequences.size(); ++to)
@@ -88,9 +84,8 @@ Status TransitionPart::play(const package::Sequence& state, double parameter, La
   const int ticks = static_cast<int>(std::ceil(passes * duration_s / kTick_s)) + (state.loop ? 2 : -1);
   for (int i = 0; i < ticks; ++i) {
     FOURDVT_TRY(checkStop(subject_.context));
-    auto change = watched_->tick();
-    if (!change) return change.error();
-    out.add(change.value());
+    FOURDVT_ASSIGN(auto change, watched_->tick());
+    out.add(change);
   }
   return {};
 }
@@ -170,14 +165,13 @@ Status TransitionPart::simulate(const package::Sequence& from, const package::Se
   bool faded = false;
   for (int i = 0, after = 0; i < kMostTicks && after < kTicksAfter; ++i) {
     FOURDVT_TRY(checkStop(subject_.context));
-    auto change = watched_->tick();
-    if (!change) return change.error();
+    FOURDVT_ASSIGN(auto change, watched_->tick());
     const bool fading = watched_->player().inTransition();
     if (fading && !faded) {
       faded = true;
       waits.add((i + 1) * kTick_s);
     }
-    if (faded) changes.add(change.value());
+    if (faded) changes.add(change);
     if (faded && !fading) ++after;
   }
   return {};
@@ -192,8 +186,7 @@ Result<bake::FootSkate> skateOf(const MotionSubject& subject, WatchedPlayer& wat
   std::vector<Positions> shown;
   for (int i = 0; i < static_cast<int>(kPasses * duration_s / kTick_s); ++i) {
     FOURDVT_TRY(checkStop(subject.context));
-    auto change = watched.tick();
-    if (!change) return change.error();
+    FOURDVT_ASSIGN(auto change, watched.tick());
     shown.push_back(watched.world());
   }
   capture::Capture world;
@@ -217,24 +210,21 @@ void writeSkate(const bake::FootSkate& skate, const RowWriter& row) {
 Result<Figures> measureTransitions(const MotionSubject& subject) { return TransitionPart(subject).run(); }
 
 Result<Figures> measureSkate(const MotionSubject& subject) {
-  auto watched = WatchedPlayer::open(*subject.context.device, subject.folder, true);
-  if (!watched) return watched.error();
+  FOURDVT_ASSIGN(auto watched, WatchedPlayer::open(*subject.context.device, subject.folder, true));
   Figures out;
   const package::Sequence& motion = subject.motion();
   const motion::Range range = motion::parameterRange(motion, 0);
   const int speeds = subject.quick() ? 2 : 5;
   for (int i = 0; i < speeds; ++i) {
     const double parameter = range.min + (range.max - range.min) * i / (speeds - 1);
-    auto skate = skateOf(subject, *watched.value(), motion, parameter);
-    if (!skate) return skate.error();
-    writeSkate(skate.value(), RowWriter(out, rows::kMotionSkate, motion.name, "", "at=" + fixedText(parameter, 2)));
+    FOURDVT_ASSIGN(auto skate, skateOf(subject, *watched, motion, parameter));
+    writeSkate(skate, RowWriter(out, rows::kMotionSkate, motion.name, "", "at=" + fixedText(parameter, 2)));
   }
   for (const package::Member& member : motion.members) {
     const package::Sequence* state = subject.stage.character().find(member.name);
     if (!state || !state->loop || subject.quick()) continue;
-    auto skate = skateOf(subject, *watched.value(), *state, std::nan(""));
-    if (!skate) return skate.error();
-    writeSkate(skate.value(), RowWriter(out, rows::kMotionSkate, state->name, "", ""));
+    FOURDVT_ASSIGN(auto skate, skateOf(subject, *watched, *state, std::nan("")));
+    writeSkate(skate, RowWriter(out, rows::kMotionSkate, state->name, "", ""));
   }
   return out;
 }

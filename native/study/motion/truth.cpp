@@ -38,10 +38,9 @@ Result<std::unique_ptr<MotionTruth>> MotionTruth::open(const StudyContext& conte
   const std::string folder = context.capture->folder + "/truth/" + motion.name, path = folder + "/truth.json";
   std::error_code ignored;
   if (motion.members.size() != 2 || !std::filesystem::exists(path, ignored)) return std::unique_ptr<MotionTruth>();
-  auto json = platform::readJsonFlat(path);
-  if (!json) return json.error();
+  FOURDVT_ASSIGN(auto json, platform::readJsonFlat(path));
   std::unique_ptr<MotionTruth> truth(new MotionTruth(*context.capture, folder, std::move(baked), motion.loop));
-  FOURDVT_TRY(truth->read(json.value(), motion));
+  FOURDVT_TRY(truth->read(json, motion));
   if (truth->instants_.empty() || truth->steps_.empty()) return std::unique_ptr<MotionTruth>();
   return truth;
 }
@@ -66,9 +65,8 @@ Status MotionTruth::read(const FlatJson& json, const package::Sequence& motion) 
   if (!(units_per_metre_ > 0)) return damaged(folder_ + "/truth.json");
   const bool forwards = member_of[0] < member_of[1];
   if (forwards) alignment_ = json.string("/alignment/0/files").value_or("");
-  auto cameras = capture::readColmapCameras(folder_ + "/cameras");
-  if (!cameras) return cameras.error();
-  for (const auto& camera : cameras.value()) cameras_.push_back(camera.pinhole);
+  FOURDVT_ASSIGN(auto cameras, capture::readColmapCameras(folder_ + "/cameras"));
+  for (const auto& camera : cameras) cameras_.push_back(camera.pinhole);
   return {};
 }
 
@@ -85,9 +83,8 @@ Result<Image> MotionTruth::picture(const Step& step, const PinholeCamera& camera
   const size_t place = name.find("CAMERA");
   if (place != std::string::npos) name.replace(place, 6, camera.name);
   const std::string path = folder_ + "/" + numbered(name, instant.number);
-  auto picture = platform::readImage(path);
-  if (!picture) return picture;
-  const Image& p = picture.value();
+  FOURDVT_ASSIGN(auto picture, platform::readImage(path));
+  const Image& p = picture;
   if (p.channels != 4 || p.width != camera.width || p.height != camera.height) return damaged(path);
   return picture;
 }
@@ -95,10 +92,9 @@ Result<Image> MotionTruth::picture(const Step& step, const PinholeCamera& camera
 Result<Positions> MotionTruth::mesh(const Step& step, const Instant& instant) const {
   const std::string path = folder_ + "/" + step.positions;
   const uint64_t bytes = uint64_t(6) * capture_.topology.vertex_count;
-  auto packed = platform::readFileRange(path, bytes * instant.number, bytes);
-  if (!packed) return packed.error();
-  std::vector<int16_t> units(packed.value().size() / 2);
-  std::memcpy(units.data(), packed.value().data(), 2 * units.size());
+  FOURDVT_ASSIGN(auto packed, platform::readFileRange(path, bytes * instant.number, bytes));
+  std::vector<int16_t> units(packed.size() / 2);
+  std::memcpy(units.data(), packed.data(), 2 * units.size());
   Positions source(capture_.topology.vertex_count);
   for (size_t v = 0; v < source.size(); ++v)
     source[v] = glm::vec3(glm::dvec3(units[3 * v], units[3 * v + 1], units[3 * v + 2]) / units_per_metre_);
@@ -107,14 +103,13 @@ Result<Positions> MotionTruth::mesh(const Step& step, const Instant& instant) co
 
 Result<Positions> MotionTruth::moved(const Instant& instant, const Positions& mesh) const {
   const std::string path = folder_ + "/" + numbered(alignment_, instant.number);
-  auto bytes = platform::readFile(path);
-  if (!bytes) return bytes.error();
+  FOURDVT_ASSIGN(auto bytes, platform::readFile(path));
   const MeshTopology& topology = capture_.topology;
-  if (bytes.value().size() != kAlignmentBytes * topology.vertex_count) return damaged(path);
+  if (bytes.size() != kAlignmentBytes * topology.vertex_count) return damaged(path);
   Positions source(topology.vertex_count), out(mesh.size());
   for (size_t v = 0; v < mesh.size(); ++v) source[baked_.mesh.source_vertex[v]] = mesh[v];
   for (size_t v = 0; v < mesh.size(); ++v) {
-    const uint8_t* record = bytes.value().data() + kAlignmentBytes * baked_.mesh.source_vertex[v];
+    const uint8_t* record = bytes.data() + kAlignmentBytes * baked_.mesh.source_vertex[v];
     uint32_t face = 0;
     float second = 0, third = 0;
     std::memcpy(&face, record, 4);

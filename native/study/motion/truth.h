@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The truth between a class's members, where the capture comes from the virtual studio (capture/studio_truth.h), in
+// The truth between a class's members, where the capture comes from the virtual studio (studio/truth.h), in
 // the vertex order of the baked character. A class's time is its members' common time, the studio's the phase of its
 // actor; what is the same moment follows from the members' frames alone (classPhase).
 #pragma once

@@ -45,18 +45,18 @@ Status decodeGop(const bake::EncodedGop& gop,
                  const std::function<Status(uint32_t frame, const I420View&)>& on_picture) {
   Status first;
   uint32_t pictures = 0;
-  auto decoder = platform::SampleDecoder::create("avc1.640028", {}, [&](const I420View& picture, int64_t timestamp_us) {
-    ++pictures;
-    if (first.ok()) first = on_picture(static_cast<uint32_t>(timestamp_us), picture);
-  });
-  if (!decoder) return decoder.error();
+  FOURDVT_ASSIGN(auto decoder,
+                 platform::SampleDecoder::create("avc1.640028", {}, [&](const I420View& picture, int64_t timestamp_us) {
+                   ++pictures;
+                   if (first.ok()) first = on_picture(static_cast<uint32_t>(timestamp_us), picture);
+                 }));
   std::vector<uint8_t> bytes = gop.parameter_sets;
   for (const bake::EncodedPacket& packet : gop.packets) {
     bytes.insert(bytes.end(), packet.bytes.begin(), packet.bytes.end());
-    FOURDVT_TRY(decoder.value()->decode(bytes, packet.frame, packet.key));
+    FOURDVT_TRY(decoder->decode(bytes, packet.frame, packet.key));
     bytes.clear();
   }
-  FOURDVT_TRY(decoder.value()->flush());
+  FOURDVT_TRY(decoder->flush());
   FOURDVT_TRY(first);
   if (pictures != gop.packets.size())
     return Error{ErrorId::VideoInvalid, "the decoder returned " + std::to_string(pictures) + " of " +

@@ -43,25 +43,13 @@ class CodecLoss {
 Status CodecLoss::open(const Method& method) {
   Lane lane;
   lane.method = &method;
-  auto job = surveyOnly(context_, method.options);
-  if (!job) return job.error();
-  lane.job = job.take();
+  FOURDVT_ASSIGN(lane.job, surveyOnly(context_, method.options));
   const std::string path = method.options.character_folder + "/" + sequence_.name + ".mp4";
-  auto video = context_.open_video(path, 3);
-  if (!video) return video.error();
-  lane.video = video.take();
-  const bake::Job& plan = lane.job->job;
-  bake::FrameBakerOptions options;
-  for (const package::Rect& rect : plan.layout.layers) options.layer_sizes.push_back(rect.width);
-  options.gutter_texels = static_cast<float>(method.options.gutter_texels);
-  options.resample = method.options.resample;
-  options.colour_maps = lane.job->survey->colourMaps();
+  FOURDVT_ASSIGN(lane.video, context_.open_video(path, 3));
+  const bake::FrameBakerOptions options = bakerOptions(*lane.job);
   auto& baker = bakers_[options.layer_sizes];
   if (!baker) {
-    auto made = bake::FrameBaker::create(*context_.device, plan.cameras, plan.mesh.decoded.topology,
-                                         plan.mesh.decoded.positions, options);
-    if (!made) return made.error();
-    baker = made.take();
+    FOURDVT_ASSIGN(baker, makeBaker(context_, lane.job->job, options));
   }
   lane.baker = baker.get();
   lanes_.push_back(std::move(lane));
@@ -77,45 +65,40 @@ const std::vector<uint8_t>& CodecLoss::charts(const bake::Job& job, int size) {
 Result<std::vector<Image>> CodecLoss::layersOf(Lane& lane, uint32_t frame) {
   const capture::CaptureSequence& captured = *lane.job->job.capture.find(sequence_.name);
   const bool per_texel = lane.method->options.labels == bake::LabelMode::PerTexel;
-  auto labels = per_texel ? lane.job->survey->penaltyOrder(captured, frame) : lane.job->survey->labels(captured, frame);
-  if (!labels) return labels.error();
-  auto layers = per_texel ? lane.baker->resamplePerTexel(labels.value()) : lane.baker->resample(labels.value());
-  if (!layers) return layers;
-  lane.baker->fill(layers.value());
+  FOURDVT_ASSIGN(auto labels, per_texel ? lane.job->survey->penaltyOrder(captured, frame)
+                                        : lane.job->survey->labels(captured, frame));
+  FOURDVT_ASSIGN(auto layers, per_texel ? lane.baker->resamplePerTexel(labels) : lane.baker->resample(labels));
+  lane.baker->fill(layers);
   return layers;
 }
 
 Status CodecLoss::compare(Lane& lane, uint32_t frame) {
-  auto decoded = lane.video->next();
-  if (!decoded) return decoded.error();
-  if (!decoded.value())
+  FOURDVT_ASSIGN(auto decoded, lane.video->next());
+  if (!decoded)
     return Error{ErrorId::VideoTooShort, lane.method->options.character_folder + ": " + sequence_.name +
                                              ".mp4 ends early; delete the report folder and run the study again"};
   if (frame % kCodecEvery) return {};
-  auto layers = layersOf(lane, frame);
-  if (!layers) return layers.error();
-  const Image& picture = *decoded.value();
+  FOURDVT_ASSIGN(auto layers, layersOf(lane, frame));
+  const Image& picture = *decoded;
   const auto& rects = lane.job->job.layout.layers;
   for (size_t l = 0; l < rects.size(); ++l) {
     Image part(rects[l].width, rects[l].height, 3);
     for (int y = 0; y < part.height; ++y)
       std::copy_n(picture.at(rects[l].x, rects[l].y + y), size_t(3) * part.width, part.at(0, y));
-    lane.error.add(layers.value()[l], part, charts(lane.job->job, part.width));
+    lane.error.add(layers[l], part, charts(lane.job->job, part.width));
   }
   return {};
 }
 
 Result<Figures> CodecLoss::run(const std::vector<Method>& methods) {
   for (const Method& method : methods) FOURDVT_TRY(open(method));
-  auto reader = capture::FrameReader::open(*context_.capture, sequence_, context_.open_video);
-  if (!reader) return reader.error();
+  FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(*context_.capture, sequence_, context_.open_video));
   const uint32_t last = (sequence_.frame_count - 1) / kCodecEvery * kCodecEvery;
   for (uint32_t f = 0; f <= last; ++f) {
     FOURDVT_TRY(checkStop(context_));
-    auto frame = reader.value()->next();
-    if (!frame) return frame.error();
+    FOURDVT_ASSIGN(auto frame, reader->next());
     if (f % kCodecEvery == 0)
-      for (auto& [sizes, baker] : bakers_) setBakerFrame(*baker, lanes_[0].job->job, frame.value());
+      for (auto& [sizes, baker] : bakers_) setBakerFrame(*baker, lanes_[0].job->job, frame);
     for (Lane& lane : lanes_) FOURDVT_TRY(compare(lane, f));
   }
   Figures out;

@@ -52,42 +52,37 @@ void appendPlane(std::vector<uint8_t>& out, const uint8_t* plane, int stride, in
 // The chunk's first frames: positions, labels, pictures.
 Status readFirstChunk(const std::filesystem::path& folder, LoadedCharacter& out) {
   const std::string stream = (folder / out.sequence.stream_uri).string();
-  auto header = platform::readFileRange(stream, 0, out.sequence.stream_header_bytes);
-  if (!header.ok()) return header.error();
-  auto index = package::readStreamHeader(header.value());
-  if (!index.ok()) return index.error();
-  const package::ChunkEntry& entry = index.value().chunks[0];
-  auto bytes = platform::readFileRange(stream, entry.offset, entry.bytes);
-  if (!bytes.ok()) return bytes.error();
-  auto chunk = package::decodeChunk(bytes.value(), index.value(), 0, package::makeChunkMesh(out.mesh));
-  if (!chunk.ok()) return chunk.error();
-  const package::ChunkFrames& c = chunk.value();
+  FOURDVT_ASSIGN(auto header, platform::readFileRange(stream, 0, out.sequence.stream_header_bytes));
+  FOURDVT_ASSIGN(auto index, package::readStreamHeader(header));
+  const package::ChunkEntry& entry = index.chunks[0];
+  FOURDVT_ASSIGN(auto bytes, platform::readFileRange(stream, entry.offset, entry.bytes));
+  FOURDVT_ASSIGN(auto chunk, package::decodeChunk(bytes, index, 0, package::makeChunkMesh(out.mesh)));
+  const package::ChunkFrames& c = chunk;
   out.frames.resize(std::min(kDistinctFrames, c.frame_count));
   const size_t label_count = size_t(c.layer_count) * c.face_count;
   for (size_t f = 0; f < out.frames.size(); ++f) {
     for (uint32_t v = 0; v < c.vertex_count; ++v)
-      out.frames[f].positions.push_back(index.value().position_origin +
-                                        index.value().position_step_m * glm::vec3(c.positions[f * c.vertex_count + v]));
+      out.frames[f].positions.push_back(index.position_origin +
+                                        index.position_step_m * glm::vec3(c.positions[f * c.vertex_count + v]));
     out.frames[f].labels.assign(c.labels.begin() + f * label_count, c.labels.begin() + (f + 1) * label_count);
   }
-  const package::SampleTable& table = index.value().renditions.back();
-  auto decoder = platform::SampleDecoder::create(
-      out.rendition.codec, table.decoder_description, [&](const I420View& picture, int64_t number) {
-        if (number < 0 || number >= int64_t(out.frames.size())) return;
-        std::vector<uint8_t>& planes = out.frames[number].planes;
-        appendPlane(planes, picture.y, picture.stride_y, picture.width, picture.height);
-        appendPlane(planes, picture.u, picture.stride_u, picture.width / 2, picture.height / 2);
-        appendPlane(planes, picture.v, picture.stride_v, picture.width / 2, picture.height / 2);
-      });
-  if (!decoder.ok()) return decoder.error();
+  const package::SampleTable& table = index.renditions.back();
+  FOURDVT_ASSIGN(auto decoder,
+                 platform::SampleDecoder::create(
+                     out.rendition.codec, table.decoder_description, [&](const I420View& picture, int64_t number) {
+                       if (number < 0 || number >= int64_t(out.frames.size())) return;
+                       std::vector<uint8_t>& planes = out.frames[number].planes;
+                       appendPlane(planes, picture.y, picture.stride_y, picture.width, picture.height);
+                       appendPlane(planes, picture.u, picture.stride_u, picture.width / 2, picture.height / 2);
+                       appendPlane(planes, picture.v, picture.stride_v, picture.width / 2, picture.height / 2);
+                     }));
   const std::string video = (folder / out.rendition.video_uri).string();
   for (uint32_t s = table.chunk_first_sample[0]; s < table.chunk_first_sample[1]; ++s) {
     const package::VideoSample& sample = table.samples[s];
-    auto coded = platform::readFileRange(video, sample.offset, sample.bytes);
-    if (!coded.ok()) return coded.error();
-    FOURDVT_TRY(decoder.value()->decode(coded.value(), sample.frame, sample.key));
+    FOURDVT_ASSIGN(auto coded, platform::readFileRange(video, sample.offset, sample.bytes));
+    FOURDVT_TRY(decoder->decode(coded, sample.frame, sample.key));
   }
-  FOURDVT_TRY(decoder.value()->flush());
+  FOURDVT_TRY(decoder->flush());
   const size_t picture_bytes = size_t(out.rendition.width) * out.rendition.height * 3 / 2;
   for (const LayeredFrame& frame : out.frames)
     if (frame.planes.size() != picture_bytes)
@@ -98,11 +93,9 @@ Status readFirstChunk(const std::filesystem::path& folder, LoadedCharacter& out)
 Result<LoadedCharacter> loadCharacter(const std::filesystem::path& folder, const std::string& sequence_name) {
   LoadedCharacter out;
   const std::string manifest = (folder / "character.gltf").string();
-  auto json = platform::readJsonFlat(manifest);
-  if (!json.ok()) return json.error();
-  auto character = package::readManifest(json.value());
-  if (!character.ok()) return character.error();
-  out.character = character.take();
+  FOURDVT_ASSIGN(auto json, platform::readJsonFlat(manifest));
+  FOURDVT_ASSIGN(auto character, package::readManifest(json));
+  out.character = std::move(character);
   const package::Character& c = out.character;
   const package::Sequence* sequence =
       sequence_name.empty() && !c.sequences.empty() ? &c.sequences[0] : c.find(sequence_name);
@@ -110,11 +103,8 @@ Result<LoadedCharacter> loadCharacter(const std::filesystem::path& folder, const
     return Error{ErrorId::InvalidArgument, manifest + ": has no sequence \"" + sequence_name + "\"; bake it"};
   out.sequence = *sequence;
   out.rendition = sequence->renditions.back();
-  auto bytes = platform::readFileRange((folder / c.mesh_uri).string(), c.mesh_offset, c.mesh_bytes);
-  if (!bytes.ok()) return bytes.error();
-  auto mesh = package::decodeBaseMesh(bytes.value());
-  if (!mesh.ok()) return mesh.error();
-  out.mesh = mesh.take();
+  FOURDVT_ASSIGN(auto bytes, platform::readFileRange((folder / c.mesh_uri).string(), c.mesh_offset, c.mesh_bytes));
+  FOURDVT_ASSIGN(out.mesh, package::decodeBaseMesh(bytes));
   FOURDVT_TRY(readFirstChunk(folder, out));
   return out;
 }
@@ -127,14 +117,12 @@ Result<std::vector<capture::CaptureFrame>> readCapturedFrames(const capture::Cap
   if (!sequence)
     return Error{ErrorId::InvalidArgument, capture.folder + ": has no sequence \"" + character.sequence.name +
                                                "\"; name the capture that the character was baked from"};
-  auto reader = capture::FrameReader::open(capture, *sequence, open_video);
-  if (!reader.ok()) return reader.error();
+  FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(capture, *sequence, open_video));
   std::vector<capture::CaptureFrame> frames;
   while (frames.size() < character.frames.size()) {
-    auto frame = reader.value()->next();
-    if (!frame.ok()) return frame.error();
-    for (Image& picture : frame.value().pictures) bake::replaceEdgeColours(picture);
-    frames.push_back(frame.take());
+    FOURDVT_ASSIGN(auto frame, reader->next());
+    for (Image& picture : frame.pictures) bake::replaceEdgeColours(picture);
+    frames.push_back(std::move(frame));
   }
   return frames;
 }
@@ -148,12 +136,8 @@ double millisecondsSince(Clock::time_point start) {
 class Drain {
  public:
   Status prepare(gpu::Device& device) {
-    auto color = gpu::makeTexture(device, {.width = 1, .height = 1, .label = "drain"});
-    if (!color.ok()) return color.error();
-    color_ = color.take();
-    auto target = gpu::makeTarget(device, {.colors = {color_.id()}, .label = "drain"});
-    if (!target.ok()) return target.error();
-    target_ = target.take();
+    FOURDVT_ASSIGN(color_, gpu::makeTexture(device, {.width = 1, .height = 1, .label = "drain"}));
+    FOURDVT_ASSIGN(target_, gpu::makeTarget(device, {.colors = {color_.id()}, .label = "drain"}));
     return {};
   }
   Status wait(gpu::Device& device) const {
@@ -202,23 +186,15 @@ class Race {
   Status prepare(const capture::Capture& capture, FrameRates& rates) {
     FOURDVT_TRY(drain_.prepare(device_));
     const uint64_t before = device_.counters().live_texture_bytes;
-    auto figure = render::PlainFigure::create(device_, loaded_.character, loaded_.mesh);
-    if (!figure.ok()) return figure.error();
-    figure_ = figure.take();
+    FOURDVT_ASSIGN(figure_, render::PlainFigure::create(device_, loaded_.character, loaded_.mesh));
     figure_.setLayout(loaded_.rendition);
-    auto picture = render::createPicture(device_, loaded_.rendition.width, loaded_.rendition.height,
-                                         render::PictureTextures::Kind::I420);
-    if (!picture.ok()) return picture.error();
-    picture_ = picture.take();
-    auto recipe = render::Recipe::create(device_);
-    if (!recipe.ok()) return recipe.error();
-    recipe_ = recipe.take();
+    FOURDVT_ASSIGN(picture_, render::createPicture(device_, loaded_.rendition.width, loaded_.rendition.height,
+                                                   render::PictureTextures::Kind::I420));
+    FOURDVT_ASSIGN(recipe_, render::Recipe::create(device_));
     const uint64_t between = device_.counters().live_texture_bytes;
     std::vector<PinholeCamera> cameras;
     for (const auto& camera : capture.cameras) cameras.push_back(camera.pinhole);
-    auto fvvr = render::Fvvr::create(device_, cameras, capture.topology);
-    if (!fvvr.ok()) return fvvr.error();
-    fvvr_ = fvvr.take();
+    FOURDVT_ASSIGN(fvvr_, render::Fvvr::create(device_, cameras, capture.topology));
     rates.layered_bytes = between - before;
     rates.fvvr_bytes = device_.counters().live_texture_bytes - between;
     return {};
@@ -254,12 +230,9 @@ class Race {
   };
 
   Status resize(int width, int height) {
-    auto color = gpu::makeTexture(device_, {.width = width, .height = height, .label = "race"});
-    if (!color.ok()) return color.error();
-    auto target = gpu::makeTarget(device_, {.colors = {color.value().id()}, .label = "race"});
-    if (!target.ok()) return target.error();
-    target_ = target.take();
-    color_ = color.take();
+    FOURDVT_ASSIGN(auto color, gpu::makeTexture(device_, {.width = width, .height = height, .label = "race"}));
+    FOURDVT_ASSIGN(target_, gpu::makeTarget(device_, {.colors = {color.id()}, .label = "race"}));
+    color_ = std::move(color);
     read_.resize(size_t(width) * height * 4);
     return {};
   }
@@ -357,25 +330,22 @@ std::string line(const char* format, ...) {
 
 Result<FrameRates> measureFrameRates(gpu::Device& device, const capture::Capture& capture, const OpenVideo& open_video,
                                      const std::string& character_folder, const FrameRateOptions& options) {
-  auto loaded = loadCharacter(character_folder, options.sequence);
-  if (!loaded.ok()) return loaded.error();
-  auto captured = readCapturedFrames(capture, open_video, loaded.value());
-  if (!captured.ok()) return captured.error();
-  const package::Character& character = loaded.value().character;
+  FOURDVT_ASSIGN(auto loaded, loadCharacter(character_folder, options.sequence));
+  FOURDVT_ASSIGN(auto captured, readCapturedFrames(capture, open_video, loaded));
+  const package::Character& character = loaded.character;
   FrameRates rates;
   rates.renderer = device.caps().renderer;
-  rates.sequence = loaded.value().sequence.name;
+  rates.sequence = loaded.sequence.name;
   rates.layers = character.layer_count;
-  rates.layer_side = loaded.value().rendition.layers[0].width;
+  rates.layer_side = loaded.rendition.layers[0].width;
   rates.cameras = static_cast<int>(capture.cameras.size());
   rates.frames = options.frames;
   rates.faces = character.face_count;
-  Race race(device, loaded.value(), captured.value(), options);
+  Race race(device, loaded, captured, options);
   FOURDVT_TRY(race.prepare(capture, rates));
   for (const auto& [width, height] : options.sizes) {
-    auto rate = race.run(width, height, options.frames, options.stop);
-    if (!rate.ok()) return rate.error();
-    rates.sizes.push_back(rate.value());
+    FOURDVT_ASSIGN(auto rate, race.run(width, height, options.frames, options.stop));
+    rates.sizes.push_back(rate);
   }
   return rates;
 }

@@ -22,21 +22,16 @@ struct Measured {
 
 Result<Measured> measureFrames(const StudyContext& context, const bake::Job& job,
                                const capture::CaptureSequence& sequence, uint32_t frames) {
-  auto baker =
-      bake::FrameBaker::create(*context.device, job.cameras, job.mesh.decoded.topology, job.mesh.decoded.positions, {});
-  if (!baker) return baker.error();
-  auto reader = capture::FrameReader::open(*context.capture, sequence, context.open_video);
-  if (!reader) return reader.error();
+  FOURDVT_ASSIGN(auto baker, makeBaker(context, job, {}));
+  FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(*context.capture, sequence, context.open_video));
   Measured out;
   for (uint32_t f = 0; f < frames; ++f) {
     FOURDVT_TRY(checkStop(context));
-    auto frame = reader.value()->next();
-    if (!frame) return frame.error();
-    setBakerFrame(*baker.value(), job, frame.value());
-    auto fractions = baker.value()->measureVisibility();
-    if (!fractions) return fractions.error();
-    out.fractions.push_back(fractions.take());
-    out.positions.push_back(bake::reordered(job.mesh, frame.value().positions));
+    FOURDVT_ASSIGN(auto frame, reader->next());
+    setBakerFrame(*baker, job, frame);
+    FOURDVT_ASSIGN(auto fractions, baker->measureVisibility());
+    out.fractions.push_back(std::move(fractions));
+    out.positions.push_back(bake::reordered(job.mesh, frame.positions));
   }
   return out;
 }
@@ -89,9 +84,8 @@ const std::vector<LabelVariant>& labelVariants() {
 
 Status compareParts(const LabelProblem& problem, Figures& out) {
   for (const LabelVariant& variant : labelVariants()) {
-    auto statistics = problem.solve(variant.options);
-    if (!statistics) return statistics.error();
-    writeLabelRows(statistics.value(), rows::kLabelParts, problem.sequence, variant.name, out);
+    FOURDVT_ASSIGN(auto statistics, problem.solve(variant.options));
+    writeLabelRows(statistics, rows::kLabelParts, problem.sequence, variant.name, out);
   }
   return {};
 }
@@ -100,10 +94,9 @@ Status compareSolves(const LabelProblem& problem, Figures& out) {
   for (const bool is_global : {false, true}) {
     bake::LabelOptions options;
     if (is_global) options.window_frames = options.hop_frames = static_cast<int>(problem.frameCount());
-    auto statistics = problem.solve(options);
-    if (!statistics) return statistics.error();
+    FOURDVT_ASSIGN(auto statistics, problem.solve(options));
     RowWriter(out, rows::kLabels, problem.sequence, rows::kJoint, is_global ? "solve=global" : "solve=windowed")
-        .add(rows::kEnergy, statistics.value().energy, "");
+        .add(rows::kEnergy, statistics.energy, "");
   }
   return {};
 }
@@ -127,12 +120,10 @@ Result<Figures> measureLabels(const StudyContext& context) {
   const uint32_t frames = std::min(sequence.frame_count, context.options.quick ? kQuickFrames : kGlobalFrames);
   bake::BakeOptions bake_options = studyBake(context, "solves");
   bake_options.sequences = {sequence.name};
-  auto surveyed = surveyOnly(context, bake_options);
-  if (!surveyed) return surveyed.error();
-  const bake::Job& job = surveyed.value()->job;
-  auto measured = measureFrames(context, job, sequence, frames);
-  if (!measured) return measured.error();
-  const LabelProblem problem{context, job, sequence.name, measured.take(),
+  FOURDVT_ASSIGN(auto surveyed, surveyOnly(context, bake_options));
+  const bake::Job& job = surveyed->job;
+  FOURDVT_ASSIGN(auto measured, measureFrames(context, job, sequence, frames));
+  const LabelProblem problem{context, job, sequence.name, std::move(measured),
                              bake::makeFaceGraph(job.mesh.decoded.topology)};
   Figures out;
   FOURDVT_TRY(compareParts(problem, out));

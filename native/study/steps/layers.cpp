@@ -107,16 +107,12 @@ Status LayerStudy::survey() {
   options.texture = 128;  // plans only: sizes are this step's own
   options.labels = bake::LabelMode::Naive;
   options.layers = plan_.most_layers;
-  auto naive = surveyOnly(context_, options);
-  if (!naive) return naive.error();
-  naive_ = naive.take();
+  FOURDVT_ASSIGN(naive_, surveyOnly(context_, options));
   options.labels = bake::LabelMode::Joint;
   for (int l = 1; l <= plan_.most_layers; ++l) {
     FOURDVT_TRY(checkStop(context_));
     options.layers = l;
-    auto solved = surveyOnly(context_, options);
-    if (!solved) return solved.error();
-    joint_[l] = solved.take();
+    FOURDVT_ASSIGN(joint_[l], surveyOnly(context_, options));
     if (context_.progress)
       context_.progress({"layers", "labels of " + std::to_string(l) + " layers", 0.1 * l / plan_.most_layers});
   }
@@ -125,27 +121,21 @@ Status LayerStudy::survey() {
 
 // Views j, j + n, j + 2n … of the ring for the j-th drawn frame: all frames together go round once.
 Status LayerStudy::drawReferences() {
-  auto ring = studyRing(context_, sequence_);
-  if (!ring) return ring.error();
+  FOURDVT_ASSIGN(auto ring, studyRing(context_, sequence_));
   for (int j = 0; j < plan_.frames; ++j) {
     const auto frame = static_cast<uint32_t>(static_cast<uint64_t>(j) * sequence_.frame_count / plan_.frames);
-    for (int k = 0; k < plan_.views; ++k)
-      views_[frame].push_back(ring.value()[(j + k * plan_.frames) % ring.value().size()].camera);
+    for (int k = 0; k < plan_.views; ++k) views_[frame].push_back(ring[(j + k * plan_.frames) % ring.size()].camera);
   }
-  auto fvvr = makeFvvr(context_);
-  if (!fvvr) return fvvr.error();
-  auto reader = capture::FrameReader::open(*context_.capture, sequence_, context_.open_video);
-  if (!reader) return reader.error();
+  FOURDVT_ASSIGN(auto fvvr, makeFvvr(context_));
+  FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(*context_.capture, sequence_, context_.open_video));
   for (uint32_t f = 0; f <= views_.rbegin()->first; ++f) {
     FOURDVT_TRY(checkStop(context_));
-    auto frame = isDrawn(f) ? nextCleanFrame(*reader.value()) : reader.value()->next();
-    if (!frame) return frame.error();
+    FOURDVT_ASSIGN(auto frame, isDrawn(f) ? nextCleanFrame(*reader) : reader->next());
     if (!isDrawn(f)) continue;
-    FOURDVT_TRY(fvvr.value()->setFrame(frame.value().positions, frame.value().pictures));
+    FOURDVT_TRY(fvvr->setFrame(frame.positions, frame.pictures));
     for (const PinholeCamera& camera : views_[f]) {
-      auto picture = fvvr.value()->renderStill(render::viewFromCamera(camera), {});
-      if (!picture) return picture.error();
-      references_[f].push_back(picture.take());
+      FOURDVT_ASSIGN(auto picture, fvvr->renderStill(render::viewFromCamera(camera), {}));
+      references_[f].push_back(std::move(picture));
     }
   }
   return {};
@@ -164,11 +154,10 @@ std::vector<Variant> LayerStudy::variantsOf(int size) const {
 // Of all of the baker's layers: those that the variant does not have are empty.
 Result<std::vector<uint8_t>> LayerStudy::labelsOf(const Variant& variant, uint32_t frame) const {
   const bake::Job& own = variant.labels->job;
-  auto labels = variant.labels->survey->labels(*own.capture.find(sequence_.name), frame);
-  if (!labels) return labels;
+  FOURDVT_ASSIGN(auto labels, variant.labels->survey->labels(*own.capture.find(sequence_.name), frame));
   const size_t faces = own.mesh.decoded.topology.faceCount();
-  labels.value().resize(faces * variant.layers);
-  labels.value().resize(faces * plan_.most_layers, package::kNoCamera);
+  labels.resize(faces * variant.layers);
+  labels.resize(faces * plan_.most_layers, package::kNoCamera);
   return labels;
 }
 
@@ -176,11 +165,9 @@ Status LayerStudy::addPictures(const std::vector<Image>& layers, Stored& stored)
   std::vector<std::future<Result<std::pair<size_t, size_t>>>> running;
   for (const Image& layer : layers)
     running.push_back(std::async(std::launch::async, [&layer]() -> Result<std::pair<size_t, size_t>> {
-      auto png = encodePng(layer);
-      if (!png) return png.error();
-      auto jpeg = encodeJpeg(layer, kJpegQuality);
-      if (!jpeg) return jpeg.error();
-      return std::pair{png.value().size(), jpeg.value().size()};
+      FOURDVT_ASSIGN(auto png, encodePng(layer));
+      FOURDVT_ASSIGN(auto jpeg, encodeJpeg(layer, kJpegQuality));
+      return std::pair{png.size(), jpeg.size()};
     }));
   Status first;
   for (auto& one : running) {
@@ -211,13 +198,12 @@ Status LayerStudy::drawViews(const Variant& variant, int size, uint32_t frame, c
   FOURDVT_TRY(drawing_->show(layers));
   const auto& cameras = views_.at(frame);
   for (size_t v = 0; v < cameras.size(); ++v) {
-    auto picture = drawing_->draw(cameras[v], variant.layers);
-    if (!picture) return picture.error();
+    FOURDVT_ASSIGN(auto picture, drawing_->draw(cameras[v], variant.layers));
     const bool mapped =
         variant.method == rows::kJoint && variant.layers == std::min(kErrorMapLayers, plan_.most_layers);
     if (mapped && v == 1 && !has_error_map_)
-      FOURDVT_TRY(saveErrorMap(variant, size, frame, references_.at(frame)[v], picture.value()));
-    lane_.add(references_.at(frame)[v], picture.take(), keyOf(variant));
+      FOURDVT_TRY(saveErrorMap(variant, size, frame, references_.at(frame)[v], picture));
+    lane_.add(references_.at(frame)[v], std::move(picture), keyOf(variant));
   }
   return {};
 }
@@ -247,16 +233,14 @@ Status LayerStudy::encodeGop(const std::vector<Variant>& variants, int size) {
     if (auto queue = gop_.find(keyOf(variant)); queue != gop_.end())
       for (const auto& pictures : queue->second) streams.push_back({&shown_[keyOf(variant)].stored, &pictures});
   const auto encode = [&](const Stream& stream) -> Result<uint64_t> {
-    auto encoder =
-        bake::GopEncoder::create({.width = size, .height = size, .fps = context_.capture->fps, .crf = kStudyCrf});
-    if (!encoder) return encoder.error();
+    FOURDVT_ASSIGN(auto encoder, bake::GopEncoder::create(
+                                     {.width = size, .height = size, .fps = context_.capture->fps, .crf = kStudyCrf}));
     for (const bake::I420Picture& picture : *stream.pictures) {
       FOURDVT_TRY(checkStop(context_));
-      FOURDVT_TRY(encoder.value()->push(picture.view()));
+      FOURDVT_TRY(encoder->push(picture.view()));
     }
-    auto gop = encoder.value()->finish();
-    if (!gop) return gop.error();
-    return gopBytes(gop.value());
+    FOURDVT_ASSIGN(auto gop, encoder->finish());
+    return gopBytes(gop);
   };
   for (size_t i = 0; i < streams.size(); i += 2) {
     std::future<Result<uint64_t>> second;
@@ -282,40 +266,31 @@ Result<Figures> LayerStudy::measureSize(int size, double before, double share) {
   options.layer_sizes.assign(plan_.most_layers, size);
   options.gutter_texels = std::max(2.0f, 10.0f * static_cast<float>(size) / 1024);
   options.colour_maps = naive_->survey->colourMaps();
-  auto baker = bake::FrameBaker::create(*context_.device, plan.cameras, plan.mesh.decoded.topology,
-                                        plan.mesh.decoded.positions, options);
-  if (!baker) return baker.error();
-  auto drawing = LayerDrawing::create(*context_.device, plan, size, plan_.most_layers);
-  if (!drawing) return drawing.error();
-  drawing_ = drawing.take();
+  FOURDVT_ASSIGN(auto baker, makeBaker(context_, plan, options));
+  FOURDVT_ASSIGN(drawing_, LayerDrawing::create(*context_.device, plan, size, plan_.most_layers));
   for (const Variant& variant : variants) {
-    auto bytes = drawing_->gpuBytes(variant.layers);
-    if (!bytes) return bytes.error();
-    shown_[keyOf(variant)].gpu_bytes = static_cast<double>(bytes.value());
+    FOURDVT_ASSIGN(auto bytes, drawing_->gpuBytes(variant.layers));
+    shown_[keyOf(variant)].gpu_bytes = static_cast<double>(bytes);
   }
-  auto reader = capture::FrameReader::open(*context_.capture, sequence_, context_.open_video);
-  if (!reader) return reader.error();
+  FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(*context_.capture, sequence_, context_.open_video));
   const std::vector<uint32_t> gops = bake::planGops(sequence_.frame_count, kStudyGop);
   const uint32_t frames = std::max(plan_.video_frames, views_.rbegin()->first + 1);
   for (uint32_t f = 0; f < frames; ++f) {
     FOURDVT_TRY(checkStop(context_));
     if (f > 0 && std::find(gops.begin(), gops.end(), f) != gops.end()) FOURDVT_TRY(encodeGop(variants, size));
-    auto frame = reader.value()->next();
-    if (!frame) return frame.error();
+    FOURDVT_ASSIGN(auto frame, reader->next());
     if (!isDrawn(f) && f >= plan_.video_frames) continue;
-    setBakerFrame(*baker.value(), plan, frame.value());
-    const Positions positions = bake::reordered(plan.mesh, frame.value().positions);
+    setBakerFrame(*baker, plan, frame);
+    const Positions positions = bake::reordered(plan.mesh, frame.positions);
     for (const Variant& variant : variants) {
       if (!isDrawn(f) && (!variant.stored || f >= plan_.video_frames)) continue;
-      auto labels = labelsOf(variant, f);
-      if (!labels) return labels.error();
-      auto layers = baker.value()->resample(labels.value());
-      if (!layers) return layers.error();
-      layers.value().resize(variant.layers);
-      baker.value()->fill(layers.value());
-      labels.value().resize(plan.mesh.decoded.topology.faceCount() * variant.layers);
-      if (isDrawn(f)) FOURDVT_TRY(drawing_->setGeometry(positions, labels.value(), variant.layers));
-      FOURDVT_TRY(addFrame(variant, size, f, layers.take()));
+      FOURDVT_ASSIGN(auto labels, labelsOf(variant, f));
+      FOURDVT_ASSIGN(auto layers, baker->resample(labels));
+      layers.resize(variant.layers);
+      baker->fill(layers);
+      labels.resize(plan.mesh.decoded.topology.faceCount() * variant.layers);
+      if (isDrawn(f)) FOURDVT_TRY(drawing_->setGeometry(positions, labels, variant.layers));
+      FOURDVT_TRY(addFrame(variant, size, f, std::move(layers)));
     }
     if (context_.progress)
       context_.progress({"layers",
@@ -351,9 +326,9 @@ Result<Figures> LayerStudy::run() {
   Figures out;
   for (int size : plan_.sizes) {
     const double share = 0.85 * std::pow(size, 1.5) / total;
-    auto part = keptPart(context_, "layers-" + std::to_string(size), [&] { return measureSize(size, before, share); });
-    if (!part) return part;
-    out.insert(out.end(), part.value().begin(), part.value().end());
+    FOURDVT_ASSIGN(auto part, keptPart(context_, "layers-" + std::to_string(size),
+                                       [&] { return measureSize(size, before, share); }));
+    out.insert(out.end(), part.begin(), part.end());
     before += share;
   }
   return out;

@@ -56,30 +56,25 @@ Result<std::unique_ptr<LayerDrawing>> LayerDrawing::create(gpu::Device& device, 
                                           std::to_string(largest) + "; use a GPU with larger textures"};
   std::unique_ptr<LayerDrawing> out(new LayerDrawing(device, job, size));
   out->most_layers_ = most_layers;
-  auto recipe = render::Recipe::create(device);
-  if (!recipe) return recipe.error();
-  out->recipe_ = recipe.take();
-  auto picture = render::createPicture(device, grid.width, grid.height, render::PictureTextures::Kind::Rgba);
-  if (!picture) return picture.error();
-  out->picture_ = picture.take();
+  FOURDVT_ASSIGN(out->recipe_, render::Recipe::create(device));
+  FOURDVT_ASSIGN(out->picture_,
+                 render::createPicture(device, grid.width, grid.height, render::PictureTextures::Kind::Rgba));
   return out;
 }
 
 Result<render::PlainFigure*> LayerDrawing::figureOf(int layers) {
   auto it = figures_.find(layers);
   if (it == figures_.end()) {
-    auto figure = render::PlainFigure::create(device_, characterOf(job_, layers), job_.mesh.decoded);
-    if (!figure) return figure.error();
-    figure.value().setLayout(gridOf(size_, most_layers_, layers));
-    it = figures_.emplace(layers, figure.take()).first;
+    FOURDVT_ASSIGN(auto figure, render::PlainFigure::create(device_, characterOf(job_, layers), job_.mesh.decoded));
+    figure.setLayout(gridOf(size_, most_layers_, layers));
+    it = figures_.emplace(layers, std::move(figure)).first;
   }
   return &it->second;
 }
 
 Status LayerDrawing::setGeometry(const Positions& positions, const std::vector<uint8_t>& labels, int layers) {
-  auto figure = figureOf(layers);
-  if (!figure) return figure.error();
-  figure.value()->setFrame(device_, positions, labels);
+  FOURDVT_ASSIGN(auto figure, figureOf(layers));
+  figure->setFrame(device_, positions, labels);
   return {};
 }
 
@@ -95,22 +90,20 @@ Status LayerDrawing::show(const std::vector<Image>& layers) {
 }
 
 Result<Image> LayerDrawing::draw(const PinholeCamera& camera, int layers) {
-  auto figure = figureOf(layers);
-  if (!figure) return figure.error();
+  FOURDVT_ASSIGN(auto figure, figureOf(layers));
   if (!target_ || width_ != camera.width || height_ != camera.height) {
     target_.reset();
-    auto color = gpu::makeTexture(device_, {.width = camera.width, .height = camera.height, .label = "study"});
-    if (!color) return color.error();
-    auto target = gpu::makeTarget(device_, {.colors = {color.value().id()}, .label = "study"});
-    if (!target) return target.error();
-    color_ = color.take();
-    target_ = target.take();
+    FOURDVT_ASSIGN(auto color,
+                   gpu::makeTexture(device_, {.width = camera.width, .height = camera.height, .label = "study"}));
+    FOURDVT_ASSIGN(auto target, gpu::makeTarget(device_, {.colors = {color.id()}, .label = "study"}));
+    color_ = std::move(color);
+    target_ = std::move(target);
     width_ = camera.width;
     height_ = camera.height;
   }
   render::RecipeOptions recipe;
   recipe.ground_shadow = false;
-  FOURDVT_TRY(figure.value()->draw(*recipe_, picture_, render::viewFromCamera(camera), recipe, target_.id()));
+  FOURDVT_TRY(figure->draw(*recipe_, picture_, render::viewFromCamera(camera), recipe, target_.id()));
   Image image(camera.width, camera.height, 4);
   FOURDVT_TRY(device_.readPixels(target_.id(), gpu::PixelFormat::RGBA8, {.width = image.width, .height = image.height},
                                  image.pixels.data()));
@@ -120,10 +113,9 @@ Result<Image> LayerDrawing::draw(const PinholeCamera& camera, int layers) {
 
 Result<uint64_t> LayerDrawing::gpuBytes(int layers) {
   const uint64_t before = device_.counters().live_texture_bytes;
-  auto figure = render::PlainFigure::create(device_, characterOf(job_, layers), job_.mesh.decoded);
-  if (!figure) return figure.error();
-  auto picture = render::createPicture(device_, size_ * layers, size_, render::PictureTextures::Kind::I420);
-  if (!picture) return picture.error();
+  FOURDVT_ASSIGN(auto figure, render::PlainFigure::create(device_, characterOf(job_, layers), job_.mesh.decoded));
+  FOURDVT_ASSIGN(auto picture,
+                 render::createPicture(device_, size_ * layers, size_, render::PictureTextures::Kind::I420));
   return device_.counters().live_texture_bytes - before;
 }
 

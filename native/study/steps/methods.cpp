@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <map>
 
 #include "measure/held_out.h"
@@ -17,6 +18,7 @@
 #include "study/run_steps.h"
 #include "study/scene.h"
 #include "study/steps/labels.h"
+#include "study/tables/report.h"
 
 namespace fourdvt::study {
 namespace {
@@ -83,17 +85,11 @@ class MethodStudy {
 };
 
 Status MethodStudy::bakeCharacter() {
-  bake::BakeEnvironment environment = bakeEnvironment(context_);
-  environment.progress = [this](const bake::Progress& p) { tell(p.stage, p.total ? 0.6 * p.done / p.total : 0); };
-  FOURDVT_TRY(platform::makeFolder(context_.work() + "/methods"));
   const bool timed = method_.name == rows::kJointDefault;
   if (timed) platform::removeFolder(method_.options.survey_folder);
-  auto report = bake::bake(method_.options, environment);
-  if (!report) return report.error();
-  baked_ = report.take();
-  auto json = platform::readJsonFlat(method_.options.character_folder + "/report.json");
-  if (!json) return json.error();
-  report_ = json.take();
+  FOURDVT_ASSIGN(baked_, runBake(context_, method_.options,
+                                 [this](const std::string& stage, double share) { tell(stage, 0.6 * share); }));
+  FOURDVT_ASSIGN(report_, platform::readJsonFlat(method_.options.character_folder + "/report.json"));
   if (!timed) return {};
   RowWriter(out_, rows::kBake, "", rows::kJointDefault, "")
       .add(rows::kSecondsFrame, report_.number("/wall_s_per_frame").value_or(0), "s");
@@ -135,30 +131,24 @@ Status MethodStudy::storage(const capture::CaptureSequence& sequence) {
 Status MethodStudy::loading(const capture::CaptureSequence& sequence) {
   player_.reset();
   const auto start = Clock::now();
-  auto player = platform::CharacterPlayer::open(*context_.device, method_.options.character_folder);
-  if (!player) return player.error();
-  player_ = player.take();
-  auto first = picture(captureCameras(context_)[0], sequence.name, 0);
-  if (!first) return first.error();
+  FOURDVT_ASSIGN(player_, platform::CharacterPlayer::open(*context_.device, method_.options.character_folder));
+  FOURDVT_ASSIGN(auto first, picture(captureCameras(context_)[0], sequence.name, 0));
   const double first_s = secondsSince(start);
   const RowWriter row(out_, rows::kTable1, sequence.name, method_.name, method_.setting());
   row.add(rows::kLoadingS, first_s, "s");
   if (context_.options.quick) return {};
   for (uint32_t f = 1; f < sequence.frame_count; ++f) FOURDVT_TRY(player_->showFrame(sequence.name, f));
-  row.add("loading_all_s", secondsSince(start), "s");
+  row.add(rows::kLoadingAllS, secondsSince(start), "s");
   return {};
 }
 
 Status MethodStudy::ring(const capture::CaptureSequence& sequence) {
-  auto views = studyRing(context_, sequence);
-  if (!views) return views.error();
+  FOURDVT_ASSIGN(auto views, studyRing(context_, sequence));
   ScoreLane lane;
-  for (const RingView& view : views.value()) {
-    auto reference = readReference(referencePath(context_, sequence.name, view));
-    if (!reference) return reference.error();
-    auto drawn = picture(view.camera, sequence.name, view.frame);
-    if (!drawn) return drawn.error();
-    lane.add(reference.take(), drawn.take());
+  for (const RingView& view : views) {
+    FOURDVT_ASSIGN(auto reference, readReference(referencePath(context_, sequence.name, view)));
+    FOURDVT_ASSIGN(auto drawn, picture(view.camera, sequence.name, view.frame));
+    lane.add(std::move(reference), std::move(drawn));
   }
   lane.finishMean().write(out_, rows::kTable1, sequence.name, method_.name, method_.setting());
   return {};
@@ -169,11 +159,9 @@ Status MethodStudy::heldOut(const capture::CaptureSequence& sequence) {
   std::vector<std::pair<const PinholeCamera*, uint32_t>> views;
   for (uint32_t frame : sequence.test_frames)
     for (const PinholeCamera& camera : held_out_) {
-      auto truth = heldOutTruth(sequence, camera, frame);
-      if (!truth) return truth.error();
-      auto drawn = picture(camera, sequence.name, frame);
-      if (!drawn) return drawn.error();
-      lane.add(truth.take(), drawn.take(), camera.name);
+      FOURDVT_ASSIGN(auto truth, heldOutTruth(sequence, camera, frame));
+      FOURDVT_ASSIGN(auto drawn, picture(camera, sequence.name, frame));
+      lane.add(std::move(truth), std::move(drawn), camera.name);
       views.emplace_back(&camera, frame);
     }
   if (views.empty()) return {};
@@ -195,14 +183,11 @@ Status MethodStudy::heldOut(const capture::CaptureSequence& sequence) {
 
 Status MethodStudy::worstPicture(const capture::CaptureSequence& sequence, const PinholeCamera& camera, uint32_t frame,
                                  double ssim) {
-  auto truth = heldOutTruth(sequence, camera, frame);
-  if (!truth) return truth.error();
-  auto drawn = picture(camera, sequence.name, frame);
-  if (!drawn) return drawn.error();
-  auto fvvr = readReference(referencePath(context_, sequence.name, camera.name, frame));
-  if (!fvvr) return fvvr.error();
-  const auto scored = [&](const Image& picture) { return scorePicture(truth.value(), picture); };
-  const PictureScore ours = scored(drawn.value()), theirs = scored(fvvr.value());
+  FOURDVT_ASSIGN(auto truth, heldOutTruth(sequence, camera, frame));
+  FOURDVT_ASSIGN(auto drawn, picture(camera, sequence.name, frame));
+  FOURDVT_ASSIGN(auto fvvr, readReference(referencePath(context_, sequence.name, camera.name, frame)));
+  const auto scored = [&](const Image& picture) { return scorePicture(truth, picture); };
+  const PictureScore ours = scored(drawn), theirs = scored(fvvr);
   measure::WorstView view;
   view.score = {sequence.name,
                 camera.name,
@@ -214,9 +199,9 @@ Status MethodStudy::worstPicture(const capture::CaptureSequence& sequence, const
                 theirs.psnr_fg_db,
                 theirs.ssim_fg,
                 theirs.psnr_common_db};
-  view.truth = measure::compositedOnBlack(truth.value());
-  view.character = measure::compositedOnBlack(drawn.value());
-  view.yardstick = measure::compositedOnBlack(fvvr.value());
+  view.truth = measure::compositedOnBlack(truth);
+  view.character = measure::compositedOnBlack(drawn);
+  view.yardstick = measure::compositedOnBlack(fvvr);
   const std::string file = "worst-held-out-" + sequence.name + ".jpg";
   FOURDVT_TRY(platform::writeImage(context_.pictures() + "/" + file, measure::contactSheet({view}, "FVVR"), 90));
   RowWriter(
@@ -238,9 +223,7 @@ void MethodStudy::labels(const capture::CaptureSequence& sequence) {
 }
 
 Result<Figures> MethodStudy::run() {
-  auto held_out = heldOutCameras(context_);
-  if (!held_out) return held_out.error();
-  held_out_ = held_out.take();
+  FOURDVT_ASSIGN(held_out_, heldOutCameras(context_));
   FOURDVT_TRY(bakeCharacter());
   double done = 0;
   const auto sequences = studySequences(context_);
@@ -255,30 +238,43 @@ Result<Figures> MethodStudy::run() {
   return std::move(out_);
 }
 
-// Shares of the foreground-only multi-view, as pictures and as video of the same quality.
-void compareStorage(const Figures& reference, const std::string& sequence, bool is_shortest,
-                    const std::vector<Method>& methods, Figures& out) {
+// What a quality at the held-out cameras costs FVVR, and how a method's share of that is written.
+struct EqualQuality {
+  const char *theirs, *ours;     // quantities: of the multi-view's videos, of the held-out table
+  const char *percent, *beyond;  // of table1
+};
+constexpr EqualQuality kEqualQualities[] = {
+    {rows::kHeldOutPsnrDb, rows::kPsnrFgDb, rows::kPercentAtPsnr, rows::kBeyondAtPsnr},
+    {rows::kHeldOutSsim, rows::kSsimFg, rows::kPercentAtSsim, rows::kBeyondAtSsim}};
+
+std::vector<RatePoint> multiviewLadder(const Figures& reference, const std::string& sequence, const char* quality) {
   std::vector<RatePoint> ladder;
-  for (const Figure& row : reference)
-    if (row.table == "multiview-codec" && row.sequence == sequence && row.quantity == rows::kVideoBytes)
-      if (const auto db = findValue(reference, row.table, sequence, row.method, row.setting, rows::kPsnrFgDb))
-        ladder.push_back({row.value, *db});
-  const auto masked = findValue(reference, rows::kMultiview, sequence, rows::kMethodMultiview, "", rows::kMaskedBytes);
+  for (const Figure& row : reference) {
+    if (row.table != rows::kMultiviewCodec || row.sequence != sequence || row.quantity != rows::kVideoBytes) continue;
+    const double value = StudyValues(reference).of(row.table, sequence, row.method, row.setting, quality);
+    if (!std::isnan(value)) ladder.push_back({row.value, value});
+  }
+  return ladder;
+}
+
+// All that a method loads against the foreground-only multi-view: as pictures, and as the video from which FVVR shows
+// the held-out cameras as well as the method does. Nothing is said beyond the rates measured.
+void compareStorage(const Figures& reference, const std::string& sequence, const std::vector<Method>& methods,
+                    Figures& out) {
+  const StudyValues measured(out);
+  const double masked =
+      StudyValues(reference).of(rows::kMultiview, sequence, rows::kMethodMultiview, "", rows::kMaskedBytes);
   for (const Method& method : methods) {
-    const auto total = findValue(out, rows::kTable1, sequence, method.name, "", rows::kTotalBytes);
-    const auto loss = findValue(out, "codec-loss", sequence, method.name, "", "psnr_layers_db");
+    const double total = measured.of(rows::kTable1, sequence, method.name, "", rows::kTotalBytes);
+    if (std::isnan(total)) continue;
     const RowWriter row(out, rows::kTable1, sequence, method.name, method.setting());
-    if (total && masked) row.add(rows::kPercentOfMasked, 100 * *total / *masked, "percent");
-    const auto multiview = loss ? bytesAtQuality(ladder, *loss) : std::nullopt;
-    if (!total || !multiview) continue;
-    row.add(rows::kPercentOfSameCodec, 100 * *total / *multiview, "percent");
-    if (method.name != rows::kJoint) continue;
-    const auto add = [&](const char* table, const char* name) {
-      RowWriter(out, table, sequence, name, "codec=h264").add(rows::kMultiviewCodecBytes, *multiview, "bytes");
-    };
-    add(rows::kTable1, rows::kFvvr);
-    add(rows::kMultiview, rows::kMethodMultiview);
-    if (is_shortest) add(rows::kLayers, rows::kFvvr);
+    if (!std::isnan(masked)) row.add(rows::kPercentOfMasked, 100 * total / masked, "percent");
+    for (const EqualQuality& equal : kEqualQualities) {
+      const double quality = measured.of(rows::kHeldOut, sequence, method.name, "", equal.ours);
+      const auto [bytes, beyond] = bytesAtQuality(multiviewLadder(reference, sequence, equal.theirs), quality);
+      if (bytes) row.add(equal.percent, 100 * total / *bytes, "percent");
+      if (beyond) row.add(equal.beyond, beyond, "");
+    }
   }
 }
 
@@ -308,10 +304,8 @@ Result<Figures> runMethods(const StudyContext& context) {
                               [&] { return measureCodecLoss(context, *sequence, methods); })));
   }
   FOURDVT_TRY(take(keptPart(context, "labels", [&] { return measureLabels(context); })));
-  auto reference = rowsOfStep(context, "reference");
-  if (!reference) return reference;
-  for (const auto* sequence : sequences)
-    compareStorage(reference.value(), sequence->name, sequence == &shortestSequence(context), methods, out);
+  FOURDVT_ASSIGN(auto reference, rowsOfStep(context, "reference"));
+  for (const auto* sequence : sequences) compareStorage(reference, sequence->name, methods, out);
   for (const Method& method : methods)
     if (method.name != rows::kJointDefault && method.name != rows::kJoint)
       platform::removeFolder(method.options.character_folder);

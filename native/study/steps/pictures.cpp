@@ -3,7 +3,6 @@
 // crops, and the seam contrast of these views.
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <map>
 
 #include "measure/character_frame.h"
@@ -11,10 +10,10 @@
 #include "platform/folders.h"
 #include "report/picture_sheets.h"
 #include "study/figures.h"
+#include "study/picture_parts.h"
 #include "study/rows.h"
 #include "study/run_steps.h"
 #include "study/scene.h"
-#include "study/steps/picture_parts.h"
 
 namespace fourdvt::study {
 namespace {
@@ -70,9 +69,7 @@ PinholeCamera PictureStep::orbit(double azimuth_deg, double elevation_deg, int w
 Result<Image> PictureStep::draw(const Subject& subject, const PinholeCamera& camera, render::RecipeOptions recipe) {
   auto& player = players_[subject.folder];
   if (!player) {
-    auto opened = platform::CharacterPlayer::open(*context_.device, subject.folder);
-    if (!opened.ok()) return opened.error();
-    player = opened.take();
+    FOURDVT_ASSIGN(player, platform::CharacterPlayer::open(*context_.device, subject.folder));
   }
   FOURDVT_TRY(player->showFrame(sequence_.name, frame_));
   return player->renderStill(render::viewFromCamera(camera), recipe);
@@ -80,14 +77,11 @@ Result<Image> PictureStep::draw(const Subject& subject, const PinholeCamera& cam
 
 Result<Image> PictureStep::drawFvvr(const PinholeCamera& camera) {
   if (!fvvr_) {
-    auto fvvr = makeFvvr(context_);
-    if (!fvvr.ok()) return fvvr.error();
-    auto reader = capture::FrameReader::open(*context_.capture, sequence_, context_.open_video, frame_);
-    if (!reader.ok()) return reader.error();
-    auto frame = nextCleanFrame(*reader.value());
-    if (!frame.ok()) return frame.error();
-    FOURDVT_TRY(fvvr.value()->setFrame(frame.value().positions, frame.value().pictures));
-    fvvr_ = fvvr.take();
+    FOURDVT_ASSIGN(auto fvvr, makeFvvr(context_));
+    FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(*context_.capture, sequence_, context_.open_video, frame_));
+    FOURDVT_ASSIGN(auto frame, nextCleanFrame(*reader));
+    FOURDVT_TRY(fvvr->setFrame(frame.positions, frame.pictures));
+    fvvr_ = std::move(fvvr);
   }
   return fvvr_->renderStill(render::viewFromCamera(camera), {});
 }
@@ -112,15 +106,8 @@ Status PictureStep::bakeSheetCharacter(bake::LabelMode mode, double from) {
   options.sequences = {sequence_.name};
   options.layers = std::min(kSheetLayers, cameras);
   options.labels = mode;
-  if (!std::filesystem::exists(options.character_folder + "/character.gltf")) {
-    FOURDVT_TRY(platform::makeFolder(context_.work() + "/pictures"));
-    bake::BakeEnvironment environment = bakeEnvironment(context_);
-    environment.progress = [&](const bake::Progress& p) {
-      tell(name + ", " + p.stage, from + (p.total ? 0.3 * p.done / p.total : 0));
-    };
-    auto baked = bake::bake(options, environment);
-    if (!baked.ok()) return baked.error();
-  }
+  FOURDVT_TRY(bakeOnce(context_, options,
+                       [&](const std::string& stage, double share) { tell(name + ", " + stage, from + 0.3 * share); }));
   subjects_.push_back(
       {name, name + ", L = " + std::to_string(options.layers), options.character_folder, options.layers});
   return {};
@@ -136,14 +123,13 @@ Status PictureStep::findSubjects() {
   if (!context_.options.quick) FOURDVT_TRY(bakeSheetCharacter(bake::LabelMode::Naive, 0.3));
   bool first = true;
   for (const Subject& subject : subjects_) {
-    auto character = measure::readCharacter(subject.folder);
-    if (!character.ok()) return character.error();
-    const BoundingBox& b = character.value().bounds;
+    FOURDVT_ASSIGN(auto character, measure::readCharacter(subject.folder));
+    const BoundingBox& b = character.bounds;
     bounds_ = first ? b : BoundingBox{glm::min(bounds_.min, b.min), glm::max(bounds_.max, b.max)};
     first = false;
-    auto frame = measure::readCharacterFrame(subject.folder, sequence_.name, frame_, context_.open_video);
-    if (!frame.ok()) return frame.error();
-    frames_.emplace(subject.folder, frame.take());
+    FOURDVT_ASSIGN(auto frame,
+                   measure::readCharacterFrame(subject.folder, sequence_.name, frame_, context_.open_video));
+    frames_.emplace(subject.folder, std::move(frame));
   }
   return {};
 }
@@ -157,12 +143,10 @@ Status PictureStep::layersSheet(const Subject& subject) {
                       {"texture", "camera map", "on the body", "camera map", "share of blend"},
                       std::vector<std::vector<Image>>(5)};
   render::RecipeOptions recipe = studyRecipe();
-  auto blended = draw(subject, view, recipe);
-  if (!blended.ok()) return blended.error();
-  const auto box = report::shownBox(blended.value(), 16);
+  FOURDVT_ASSIGN(auto blended, draw(subject, view, recipe));
+  const auto box = report::shownBox(blended, 16);
   recipe.debug = render::DebugView::Weights;
-  auto shares = draw(subject, view, recipe);
-  if (!shares.ok()) return shares.error();
+  FOURDVT_ASSIGN(auto shares, draw(subject, view, recipe));
   const int shown = std::min(subject.layers, kSheetLayers);
   for (int l = 0; l < shown; ++l) {
     const auto at = static_cast<size_t>(l);
@@ -173,18 +157,17 @@ Status PictureStep::layersSheet(const Subject& subject) {
     recipe.debug_layer = l;
     for (const auto& [row, debug] : {std::pair{2, render::DebugView::Layer}, {3, render::DebugView::Labels}}) {
       recipe.debug = debug;
-      auto picture = draw(subject, view, recipe);
-      if (!picture.ok()) return picture.error();
-      sheet.cells[static_cast<size_t>(row)].push_back(bodyCell(report::overGrey(picture.value()), box));
+      FOURDVT_ASSIGN(auto picture, draw(subject, view, recipe));
+      sheet.cells[static_cast<size_t>(row)].push_back(bodyCell(report::overGrey(picture), box));
     }
-    sheet.cells[4].push_back(bodyCell(report::shareMap(shareOf(shares.value(), l), shares.value()), box));
+    sheet.cells[4].push_back(bodyCell(report::shareMap(shareOf(shares, l), shares), box));
   }
   sheet.columns.push_back("all layers");
   std::vector<std::string> names;
   for (const auto& camera : context_.capture->cameras) names.push_back(camera.pinhole.name);
   sheet.cells[0].emplace_back();
   sheet.cells[1].push_back(report::cameraLegend(names, kCell, kCell));
-  sheet.cells[2].push_back(bodyCell(report::overGrey(blended.value()), box));
+  sheet.cells[2].push_back(bodyCell(report::overGrey(blended), box));
   return save("layers-" + subject.method + ".jpg", report::drawSheet(sheet),
               {"", "", subject.method, "layers=" + std::to_string(shown), rows::kPictureLayers, 0, ""});
 }
@@ -197,15 +180,14 @@ Status PictureStep::changesSheet() {
   for (const char* column : {"frame t - 1", "frame t", "frame t + 1", "t - 1 to t", "t to t + 1"})
     sheet.columns.push_back(column);
   for (const Subject& subject : subjects_) {
-    auto labels = measure::readCharacterLabels(subject.folder, sequence_.name, first, 3);
-    if (!labels.ok()) return labels.error();
+    FOURDVT_ASSIGN(auto labels, measure::readCharacterLabels(subject.folder, sequence_.name, first, 3));
     const MeshTopology& topology = frames_.at(subject.folder).topology;
     std::vector<Image> row;
     for (size_t f = 0; f < 3; ++f)
-      row.push_back(report::scaledTo(report::cameraMap(topology, labels.value()[f][0], 2 * kCell), kCell, kCell));
+      row.push_back(report::scaledTo(report::cameraMap(topology, labels[f][0], 2 * kCell), kCell, kCell));
     for (size_t f = 0; f < 2; ++f)
-      row.push_back(report::scaledTo(
-          report::changeMap(topology, labels.value()[f][0], labels.value()[f + 1][0], 2 * kCell), kCell, kCell));
+      row.push_back(
+          report::scaledTo(report::changeMap(topology, labels[f][0], labels[f + 1][0], 2 * kCell), kCell, kCell));
     sheet.rows.push_back(subject.method);
     sheet.cells.push_back(std::move(row));
   }
@@ -224,18 +206,16 @@ Status PictureStep::grazing() {
   for (size_t i = 0; i < std::size(views); ++i) {
     const View& view = views[i];
     const PinholeCamera camera = orbit(view.azimuth_deg, view.elevation_deg, 720, 960);
-    auto reference = drawFvvr(camera);
-    if (!reference.ok()) return reference.error();
-    const auto box = report::shownBox(reference.value(), 12);
+    FOURDVT_ASSIGN(auto reference, drawFvvr(camera));
+    const auto box = report::shownBox(reference, 12);
     report::Sheet sheet{sequence_.name + ", frame " + std::to_string(frame_) + ", " + view.name,
                         {"view", "crop", "crop", "crop"},
                         {"FVVR"},
-                        {viewWithCrops(reference.value(), box)}};
+                        {viewWithCrops(reference, box)}};
     for (const Subject& subject : subjects_) {
-      auto picture = draw(subject, camera, studyRecipe());
-      if (!picture.ok()) return picture.error();
+      FOURDVT_ASSIGN(auto picture, draw(subject, camera, studyRecipe()));
       sheet.rows.push_back(subject.method);
-      sheet.cells.push_back(viewWithCrops(picture.value(), box));
+      sheet.cells.push_back(viewWithCrops(picture, box));
     }
     FOURDVT_TRY(save("grazing-" + std::to_string(i + 1) + ".jpg", report::drawSheet(sheet),
                      {"", "", "",
@@ -255,13 +235,11 @@ Status PictureStep::seamRows() {
       FOURDVT_TRY(checkStop(context_));
       const PinholeCamera camera = orbit(middles_deg_[i], elevation_deg, 720, 960);
       const std::string view = elevation_deg == 0 ? "mid" : "grazing";
-      auto reference = drawFvvr(camera);
-      if (!reference.ok()) return reference.error();
-      table.add(rows::kFvvr, view, mesh, camera, reference.value());
+      FOURDVT_ASSIGN(auto reference, drawFvvr(camera));
+      table.add(rows::kFvvr, view, mesh, camera, reference);
       for (const Subject& subject : subjects_) {
-        auto picture = draw(subject, camera, studyRecipe());
-        if (!picture.ok()) return picture.error();
-        table.add(subject.method, view, frames_.at(subject.folder), camera, picture.value());
+        FOURDVT_ASSIGN(auto picture, draw(subject, camera, studyRecipe()));
+        table.add(subject.method, view, frames_.at(subject.folder), camera, picture);
       }
     }
   table.write(out_, sequence_.name);

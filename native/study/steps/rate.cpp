@@ -4,9 +4,9 @@
 #include <cmath>
 #include <filesystem>
 
+#include "bake/quality.h"
 #include "bake/stages/describe.h"
 #include "bake/stages/frame_baker.h"
-#include "bake/quality.h"
 #include "study/figures.h"
 #include "study/rows.h"
 #include "study/run_steps.h"
@@ -39,15 +39,19 @@ using bake::Codec;
 
 std::vector<Group> plannedGroups(bool quick) {
   const std::vector<CodecSetting> few{{Codec::H264, "veryfast", {26, 34}}, {Codec::Av1, "7", {46}}};
-  if (quick) return {{{512, 3, false}, few}};
+  if (quick) return {{{512, 3, false}, few}, {{512, 1, false}, {{Codec::H264, "veryfast", {20, 26, 34}}}}};
   const std::vector<CodecSetting> all{{Codec::H264, "veryfast", {24, 28, 32, 36}},
                                       {Codec::H264, "medium", {20, 24, 28, 32, 36}},
                                       {Codec::H264, "slow", {20, 24, 28, 32, 36}},
                                       {Codec::Vp9, "3", {34, 40, 46, 52}},
                                       {Codec::Av1, "6", {34, 40, 46, 52}}};
+  // L = 1, 2, 3 over the same bitrates: fewer layers take fewer bits, and reach as far with a lower rate factor.
+  const std::vector<CodecSetting> one{{Codec::H264, "medium", {14, 18, 22, 26, 30, 34}}},
+      two{{Codec::H264, "medium", {16, 20, 24, 28, 32, 36}}, {Codec::Av1, "6", {40, 50}}};
   const std::vector<CodecSetting> some{{Codec::H264, "medium", {24, 30, 36}}, {Codec::Av1, "6", {40, 50}}};
-  return {{{1024, 3, false}, all}, {{1024, 3, true}, some},  {{1024, 2, false}, some}, {{512, 3, false}, some},
-          {{512, 3, true}, some},  {{1536, 3, false}, some}, {{2048, 2, false}, some}, {{2048, 3, false}, some}};
+  return {{{1024, 3, false}, all},  {{1024, 3, true}, some},  {{1024, 2, false}, two},
+          {{1024, 1, false}, one},  {{512, 3, false}, some},  {{512, 3, true}, some},
+          {{1536, 3, false}, some}, {{2048, 2, false}, some}, {{2048, 3, false}, some}};
 }
 
 std::string settingOf(const LayerSetting& layers, const bake::EncodeSettings& encode) {
@@ -70,7 +74,6 @@ class RateStudy {
   Result<Figures> run();
 
  private:
-  Status checkStop() const;
   Status measureGroup(const Group& group);
   Status bakeLayers(SurveyedJob& surveyed, RateClip& clip) const;
   Result<std::vector<RateView>> makeViews(uint32_t frame_count) const;
@@ -85,11 +88,6 @@ class RateStudy {
   Figures figures_;
 };
 
-Status RateStudy::checkStop() const {
-  if (!context_.stop || !*context_.stop) return {};
-  return Error{ErrorId::Interrupted, "stopped; run the same command again to go on"};
-}
-
 void RateStudy::tell(const std::string& detail) const {
   if (context_.progress) context_.progress({"rate", detail, points_ ? double(done_) / double(points_) : 0});
 }
@@ -97,32 +95,22 @@ void RateStudy::tell(const std::string& detail) const {
 // Pictures into clip.pictures_path; geometry and labels of every frame.
 Status RateStudy::bakeLayers(SurveyedJob& surveyed, RateClip& clip) const {
   const bake::Job& job = surveyed.job;
-  bake::FrameBakerOptions options;
-  for (const package::Rect& rect : job.layout.layers) options.layer_sizes.push_back(rect.width);
-  options.gutter_texels = static_cast<float>(job.options.gutter_texels);
-  options.resample = job.options.resample;
-  options.colour_maps = surveyed.survey->colourMaps();
-  const package::BaseMesh& mesh = job.mesh.decoded;
-  auto baker = bake::FrameBaker::create(*context_.device, job.cameras, mesh.topology, mesh.positions, options);
-  if (!baker) return baker.error();
-  auto reader = capture::FrameReader::open(job.capture, *job.capture.find(sequence_.name), context_.open_video);
-  if (!reader) return reader.error();
+  FOURDVT_ASSIGN(auto baker, makeBaker(context_, job, bakerOptions(surveyed)));
+  FOURDVT_ASSIGN(auto reader,
+                 capture::FrameReader::open(job.capture, *job.capture.find(sequence_.name), context_.open_video));
   bake::I420Picture picture(job.layout.width, job.layout.height);
   for (uint32_t f = 0; f < clip.frame_count; ++f) {
-    FOURDVT_TRY(checkStop());
+    FOURDVT_TRY(checkStop(context_));
     tell("layers of " + std::to_string(job.options.texture) + ", frame " + std::to_string(f + 1));
-    auto frame = reader.value()->next();
-    if (!frame) return frame.error();
-    setBakerFrame(*baker.value(), job, frame.value());
-    auto labels = surveyed.survey->labels(*job.capture.find(sequence_.name), f);
-    if (!labels) return labels.error();
-    auto layers = baker.value()->resample(labels.value());
-    if (!layers) return layers.error();
-    baker.value()->fill(layers.value());
-    bake::tileFrame(job.layout, layers.value(), f, picture);
+    FOURDVT_ASSIGN(auto frame, reader->next());
+    setBakerFrame(*baker, job, frame);
+    FOURDVT_ASSIGN(auto labels, surveyed.survey->labels(*job.capture.find(sequence_.name), f));
+    FOURDVT_ASSIGN(auto layers, baker->resample(labels));
+    baker->fill(layers);
+    bake::tileFrame(job.layout, layers, f, picture);
     FOURDVT_TRY(appendPicture(clip.pictures_path, picture, f == 0));
-    clip.positions.push_back(bake::reordered(job.mesh, frame.value().positions));
-    clip.labels.push_back(labels.take());
+    clip.positions.push_back(bake::reordered(job.mesh, frame.positions));
+    clip.labels.push_back(std::move(labels));
   }
   return {};
 }
@@ -130,14 +118,12 @@ Status RateStudy::bakeLayers(SurveyedJob& surveyed, RateClip& clip) const {
 // Held-out cameras at held-out frames; where there are none, three cameras of the ring without a truth.
 Result<std::vector<RateView>> RateStudy::makeViews(uint32_t frame_count) const {
   std::vector<RateView> views;
-  auto held_out = heldOutCameras(context_);
-  if (!held_out) return held_out.error();
+  FOURDVT_ASSIGN(auto held_out, heldOutCameras(context_));
   for (const uint32_t frame : sequence_.test_frames) {
-    for (const PinholeCamera& camera : held_out.value()) {
+    for (const PinholeCamera& camera : held_out) {
       if (frame >= frame_count) continue;
-      auto truth = heldOutTruth(sequence_, camera, frame);
-      if (!truth) return truth.error();
-      views.push_back({frame, camera, truth.take(), {}});
+      FOURDVT_ASSIGN(auto truth, heldOutTruth(sequence_, camera, frame));
+      views.push_back({frame, camera, std::move(truth), {}});
     }
   }
   if (!views.empty()) return views;
@@ -164,12 +150,11 @@ void RateStudy::write(const std::string& method, const std::string& setting, con
 
 Status RateStudy::measurePoint(RateMeter& meter, const LayerSetting& layers, const bake::EncodeSettings& encode,
                                bool chosen, const std::vector<RateView>& views) {
-  FOURDVT_TRY(checkStop());
+  FOURDVT_TRY(checkStop(context_));
   const std::string setting = (chosen ? "chosen=1 " : "") + settingOf(layers, encode);
   tell(std::string(bake::codecName(encode.codec)) + " " + setting);
-  auto score = meter.measure(encode, views);
-  if (!score) return score.error();
-  write(bake::codecName(encode.codec), setting, score.value());
+  FOURDVT_ASSIGN(auto score, meter.measure(encode, views));
+  write(bake::codecName(encode.codec), setting, score);
   ++done_;
   return {};
 }
@@ -180,9 +165,8 @@ Status RateStudy::measureGroup(const Group& group) {
   options.texture = group.layers.texture;
   options.layers = group.layers.layers;
   options.equal_layers = group.layers.equal;
-  auto surveyed = surveyOnly(context_, options);
-  if (!surveyed) return surveyed.error();
-  const bake::Job& job = surveyed.value()->job;
+  FOURDVT_ASSIGN(auto surveyed, surveyOnly(context_, options));
+  const bake::Job& job = surveyed->job;
   RateClip clip;
   const PicturesFile pictures{context_.work() + "/rate_pictures.yuv"};
   clip.layout = job.layout;
@@ -192,22 +176,20 @@ Status RateStudy::measureGroup(const Group& group) {
   clip.gop_first_frames = bake::planGops(clip.frame_count, bake::BakeOptions().gop);
   clip.character = bake::describeCharacter(job);
   clip.mesh = &job.mesh.decoded;
-  FOURDVT_TRY(bakeLayers(*surveyed.value(), clip));
-  auto views = makeViews(clip.frame_count);
-  if (!views) return views.error();
-  auto meter = RateMeter::create(*context_.device, clip);
-  if (!meter) return meter.error();
-  FOURDVT_TRY(meter.value()->drawUncompressed(views.value()));
+  FOURDVT_TRY(bakeLayers(*surveyed, clip));
+  FOURDVT_ASSIGN(auto views, makeViews(clip.frame_count));
+  FOURDVT_ASSIGN(auto meter, RateMeter::create(*context_.device, clip));
+  FOURDVT_TRY(meter->drawUncompressed(views));
   const std::string plain = "size=" + std::to_string(options.texture) + " layers=" + std::to_string(options.layers) +
                             " layout=" + (options.equal_layers ? "equal" : "default");
-  write("uncompressed", plain, meter.value()->scoreUncompressed(views.value()));
+  write("uncompressed", plain, meter->scoreUncompressed(views));
   for (const CodecSetting& codec : group.codecs) {
     bake::EncodeSettings encode;
     encode.codec = codec.codec;
     encode.preset = codec.preset;
     for (const int crf : codec.crfs) {
       encode.crf = crf;
-      FOURDVT_TRY(measurePoint(*meter.value(), group.layers, encode, false, views.value()));
+      FOURDVT_TRY(measurePoint(*meter, group.layers, encode, false, views));
     }
   }
   const bake::BakeOptions chosen;  // the default
@@ -218,7 +200,7 @@ Status RateStudy::measureGroup(const Group& group) {
   encode.codec = chosen.codec;
   encode.crf = chosen.crf;
   encode.preset = chosen.preset.empty() ? bake::defaultPreset(chosen.codec) : chosen.preset;
-  return measurePoint(*meter.value(), group.layers, encode, true, views.value());
+  return measurePoint(*meter, group.layers, encode, true, views);
 }
 
 Result<Figures> RateStudy::run() {
@@ -229,13 +211,12 @@ Result<Figures> RateStudy::run() {
   for (const Group& group : groups) {
     const std::string name = "rate-" + std::to_string(group.layers.texture) + "-" +
                              std::to_string(group.layers.layers) + (group.layers.equal ? "-equal" : "");
-    auto part = keptPart(context_, name, [&]() -> Result<Figures> {
-      figures_.clear();
-      FOURDVT_TRY(measureGroup(group));
-      return std::move(figures_);
-    });
-    if (!part) return part;
-    all.insert(all.end(), part.value().begin(), part.value().end());
+    FOURDVT_ASSIGN(auto part, keptPart(context_, name, [&]() -> Result<Figures> {
+                     figures_.clear();
+                     FOURDVT_TRY(measureGroup(group));
+                     return std::move(figures_);
+                   }));
+    all.insert(all.end(), part.begin(), part.end());
   }
   return all;
 }

@@ -79,17 +79,11 @@ Status appendPicture(const std::string& path, const bake::I420Picture& picture, 
 
 Result<std::unique_ptr<RateMeter>> RateMeter::create(gpu::Device& device, const RateClip& clip) {
   std::unique_ptr<RateMeter> meter(new RateMeter(device, clip));
-  auto figure = render::PlainFigure::create(device, clip.character, *clip.mesh);
-  if (!figure) return figure.error();
-  meter->figure_ = figure.take();
+  FOURDVT_ASSIGN(meter->figure_, render::PlainFigure::create(device, clip.character, *clip.mesh));
   meter->figure_.setLayout(renditionOf(clip));
-  auto picture =
-      render::createPicture(device, clip.layout.width, clip.layout.height, render::PictureTextures::Kind::I420);
-  if (!picture) return picture.error();
-  meter->picture_ = picture.take();
-  auto recipe = render::Recipe::create(device);
-  if (!recipe) return recipe.error();
-  meter->recipe_ = recipe.take();
+  FOURDVT_ASSIGN(meter->picture_, render::createPicture(device, clip.layout.width, clip.layout.height,
+                                                        render::PictureTextures::Kind::I420));
+  FOURDVT_ASSIGN(meter->recipe_, render::Recipe::create(device));
   return meter;
 }
 
@@ -99,17 +93,14 @@ Status RateMeter::prepareTarget(int width, int height) {
   texture.width = width;
   texture.height = height;
   texture.label = "rate view";
-  auto color = gpu::makeTexture(device_, texture);
-  if (!color) return color.error();
+  FOURDVT_ASSIGN(auto color, gpu::makeTexture(device_, texture));
   gpu::TargetDesc desc;
-  desc.colors = {color.value().id()};
+  desc.colors = {color.id()};
   desc.width = width;
   desc.height = height;
   desc.label = "rate view";
-  auto target = gpu::makeTarget(device_, desc);
-  if (!target) return target.error();
-  target_ = target.take();
-  color_ = color.take();
+  FOURDVT_ASSIGN(target_, gpu::makeTarget(device_, desc));
+  color_ = std::move(color);
   target_width_ = width;
   target_height_ = height;
   return {};
@@ -143,9 +134,7 @@ Status RateMeter::drawUncompressed(std::vector<RateView>& views) {
   bake::I420Picture picture(clip_.layout.width, clip_.layout.height);
   for (RateView& view : views) {
     FOURDVT_TRY(readPicture(view.frame, picture));
-    auto drawn = draw(picture.view(), view.frame, view.camera);
-    if (!drawn) return drawn.error();
-    view.uncompressed = drawn.take();
+    FOURDVT_ASSIGN(view.uncompressed, draw(picture.view(), view.frame, view.camera));
   }
   return {};
 }
@@ -169,9 +158,7 @@ Result<bake::EncodedGop> RateMeter::encodeGop(const bake::EncodeSettings& settin
     seconds += std::chrono::duration<double>(Clock::now() - start).count();
     return result;
   };
-  auto created = timed([&] { return bake::GopEncoder::create(settings); });
-  if (!created) return created.error();
-  encoder = created.take();
+  FOURDVT_ASSIGN(encoder, timed([&] { return bake::GopEncoder::create(settings); }));
   for (uint32_t f = first; f < end; ++f) {
     FOURDVT_TRY(readPicture(f, picture));
     FOURDVT_TRY(timed([&] { return encoder->push(picture.view()); }));
@@ -182,7 +169,8 @@ Result<bake::EncodedGop> RateMeter::encodeGop(const bake::EncodeSettings& settin
 Status RateMeter::scoreGop(const bake::EncodeSettings& settings, const bake::EncodedGop& gop, uint32_t first_frame,
                            const std::vector<RateView>& views, RateScore& sum) {
   Status drawing;
-  auto decoder =
+  FOURDVT_ASSIGN(
+      auto decoder,
       platform::SampleDecoder::create(decoderName(settings.codec), {}, [&](const I420View& picture, int64_t frame) {
         const auto barcode = package::readBarcode(clip_.layout.barcode, picture);
         sum.unreadable_barcodes += barcode != std::optional<uint32_t>(static_cast<uint32_t>(frame) % 4096);
@@ -194,15 +182,14 @@ Status RateMeter::scoreGop(const bake::EncodeSettings& settings, const bake::Enc
           else
             drawing = drawn.error();
         }
-      });
-  if (!decoder) return decoder.error();
+      }));
   for (const bake::EncodedPacket& packet : gop.packets) {
     std::vector<uint8_t> bytes;
     if (packet.key && settings.codec == bake::Codec::H264) bytes = gop.parameter_sets;
     bytes.insert(bytes.end(), packet.bytes.begin(), packet.bytes.end());
-    FOURDVT_TRY(decoder.value()->decode(bytes, int64_t(first_frame) + packet.frame, packet.key));
+    FOURDVT_TRY(decoder->decode(bytes, int64_t(first_frame) + packet.frame, packet.key));
   }
-  FOURDVT_TRY(decoder.value()->flush());
+  FOURDVT_TRY(decoder->flush());
   return drawing;
 }
 
@@ -215,10 +202,9 @@ Result<RateScore> RateMeter::measure(const bake::EncodeSettings& given, const st
   score.encoder_codec = bake::codecName(settings.codec);
   double bytes = 0, seconds = 0;
   for (size_t g = 0; g < clip_.gop_first_frames.size(); ++g) {
-    auto gop = encodeGop(settings, g, seconds);
-    if (!gop) return gop.error();
-    for (const bake::EncodedPacket& packet : gop.value().packets) bytes += double(packet.bytes.size());
-    FOURDVT_TRY(scoreGop(settings, gop.value(), clip_.gop_first_frames[g], views, score));
+    FOURDVT_ASSIGN(auto gop, encodeGop(settings, g, seconds));
+    for (const bake::EncodedPacket& packet : gop.packets) bytes += double(packet.bytes.size());
+    FOURDVT_TRY(scoreGop(settings, gop, clip_.gop_first_frames[g], views, score));
   }
   divide(score, views.size());
   score.video_bps = 8 * bytes * clip_.fps / clip_.frame_count;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The yardsticks of a study: FVVR's pictures of the ring and at the held-out cameras, and what the foreground-only
-// multi-view costs as pictures and as video (LVDT 4.2, Table 1). Memory: one frame of pictures, and a camera's
-// encoders.
+// multi-view costs as pictures and as video (LVDT 4.2, Table 1). The videos are decoded again and FVVR draws the
+// held-out cameras from them, so that storage can be compared at the quality that viewers see.
+// Memory: one frame of pictures, and a camera's encoders. Disk: the decoded pictures of the held-out frames.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -31,9 +32,8 @@ Result<uint64_t> pngBytes(const std::vector<Image>& pictures, const std::functio
   std::vector<std::future<Result<size_t>>> sizes;
   for (const Image& picture : pictures)
     sizes.push_back(std::async(std::launch::async, [&picture, &prepare]() -> Result<size_t> {
-      auto png = encodePng(prepare(picture));
-      if (!png) return png.error();
-      return png.value().size();
+      FOURDVT_ASSIGN(auto png, encodePng(prepare(picture)));
+      return png.size();
     }));
   uint64_t sum = 0;
   Status first;
@@ -59,14 +59,32 @@ class Reference {
   Status heldOut(uint32_t frame, render::Fvvr& fvvr);
   bool isHeldOut(uint32_t frame) const;
   bool isDrawn(uint32_t frame) const;
-  // Bytes and error of one camera's masked video at every rate factor.
+  // Bytes and error of one camera's foreground video at every rate factor.
   struct CameraVideo {
+    size_t camera = 0;
     std::vector<uint64_t> bytes;
     std::vector<SquaredError> error;
   };
+  // Frames of a camera between two keyframes.
+  struct CameraGop {
+    uint32_t first = 0;
+    std::vector<Image> pictures, colours;  // RGBA as captured, RGB as encoded
+    std::vector<measure::Mask> masks;
+    std::vector<std::unique_ptr<bake::GopEncoder>> encoders;  // one per rate factor
+  };
   Result<CameraVideo> encodeCamera(size_t camera) const;
-  Status encodeGop(capture::FrameReader& reader, uint32_t frames, CameraVideo& out) const;
-  std::vector<int> ladder() const { return context_.options.quick ? std::vector{20, 28} : std::vector{18, 23, 28, 33}; }
+  Status pushGop(capture::FrameReader& reader, uint32_t frames, CameraGop& gop) const;
+  Status finishGop(CameraGop& gop, CameraVideo& out) const;
+  Status takeDecoded(const CameraGop& gop, uint32_t frame, const I420View& view, size_t rate, CameraVideo& out) const;
+  Result<MeanScores> scoreDecoded(int crf, render::Fvvr& fvvr) const;
+  std::string decodedFolder() const { return context_.work() + "/decoded/" + sequence_.name; }
+  std::string decodedPath(int crf, size_t camera, uint32_t frame) const {
+    return decodedFolder() + "/" + std::to_string(crf) + "_" + std::to_string(camera) + "_" + std::to_string(frame) +
+           ".png";
+  }
+  std::vector<int> ladder() const {
+    return context_.options.quick ? std::vector{20, 36} : std::vector{18, 24, 30, 36, 42};
+  }
   void tell(const std::string& what, double share) const {
     if (context_.progress) context_.progress({"reference", sequence_.name + " " + what, before_ + share_ * share});
   }
@@ -95,17 +113,14 @@ bool Reference::isDrawn(uint32_t frame) const {
 Status Reference::heldOut(uint32_t frame, render::Fvvr& fvvr) {
   if (!isHeldOut(frame)) return {};
   for (const PinholeCamera& camera : held_out_) {
-    auto truth = heldOutTruth(sequence_, camera, frame);
-    if (!truth) return truth.error();
-    auto picture = fvvr.renderStill(render::viewFromCamera(camera), {});
-    if (!picture) return picture.error();
-    const PictureScore score = scorePicture(truth.value(), picture.value());
-    auto fewer = fvvr.renderStill(render::viewFromCamera(camera), {.closest = rows::kClosestCameras});
-    if (!fewer) return fewer.error();
-    held_out_closest_.add(scorePicture(truth.value(), fewer.value()));
+    FOURDVT_ASSIGN(auto truth, heldOutTruth(sequence_, camera, frame));
+    FOURDVT_ASSIGN(auto picture, fvvr.renderStill(render::viewFromCamera(camera), {}));
+    const PictureScore score = scorePicture(truth, picture);
+    FOURDVT_ASSIGN(auto fewer, fvvr.renderStill(render::viewFromCamera(camera), {.closest = rows::kClosestCameras}));
+    held_out_closest_.add(scorePicture(truth, fewer));
     held_out_scores_.add(score);
     held_out_by_camera_[camera.name].add(score);
-    FOURDVT_TRY(platform::writeImage(referencePath(context_, sequence_.name, camera.name, frame), picture.value()));
+    FOURDVT_TRY(platform::writeImage(referencePath(context_, sequence_.name, camera.name, frame), picture));
   }
   return {};
 }
@@ -113,64 +128,52 @@ Status Reference::heldOut(uint32_t frame, render::Fvvr& fvvr) {
 Status Reference::drawFrame(const capture::CaptureFrame& frame, render::Fvvr& fvvr) {
   for (const RingView& view : ring_) {
     if (view.frame != frame.index) continue;
-    auto picture = fvvr.renderStill(render::viewFromCamera(view.camera), {});
-    if (!picture) return picture.error();
-    FOURDVT_TRY(platform::writeImage(referencePath(context_, sequence_.name, view), picture.value()));
+    FOURDVT_ASSIGN(auto picture, fvvr.renderStill(render::viewFromCamera(view.camera), {}));
+    FOURDVT_TRY(platform::writeImage(referencePath(context_, sequence_.name, view), picture));
   }
   FOURDVT_TRY(heldOut(frame.index, fvvr));
-  auto masked = pngBytes(frame.pictures, measure::compositedOnBlack);
-  if (!masked) return masked.error();
-  masked_png_bytes_ += masked.value();
+  FOURDVT_ASSIGN(auto masked, pngBytes(frame.pictures, measure::compositedOnBlack));
+  masked_png_bytes_ += masked;
   for (const Image& p : frame.pictures) raw_bytes_ += 3ull * p.width * p.height;
   if (frame.index % kWholePictureEvery) return {};
-  auto whole = pngBytes(frame.pictures, [](const Image& picture) { return picture; });
-  if (!whole) return whole.error();
-  whole_png_bytes_ += whole.value();
+  FOURDVT_ASSIGN(auto whole, pngBytes(frame.pictures, [](const Image& picture) { return picture; }));
+  whole_png_bytes_ += whole;
   ++whole_pngs_;
   return {};
 }
 
 Result<Figures> Reference::draw() {
-  auto ring = studyRing(context_, sequence_);
-  if (!ring) return ring.error();
-  ring_ = ring.take();
-  auto held_out = heldOutCameras(context_);
-  if (!held_out) return held_out.error();
-  held_out_ = held_out.take();
+  FOURDVT_ASSIGN(ring_, studyRing(context_, sequence_));
+  FOURDVT_ASSIGN(held_out_, heldOutCameras(context_));
   FOURDVT_TRY(platform::makeFolder(context_.work() + "/reference/" + sequence_.name));
   const uint64_t gpu_before = context_.device->counters().live_texture_bytes;
-  auto fvvr = makeFvvr(context_);
-  if (!fvvr) return fvvr.error();
+  FOURDVT_ASSIGN(auto fvvr, makeFvvr(context_));
   const auto start = Clock::now();
-  auto reader = capture::FrameReader::open(*context_.capture, sequence_, context_.open_video);
-  if (!reader) return reader.error();
+  FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(*context_.capture, sequence_, context_.open_video));
   double loading_s = 0, first_s = 0;  // decoding, upload and depth maps; first: until the first picture
   uint64_t gpu_bytes = 0;
   for (uint32_t f = 0; f < sequence_.frame_count; ++f) {
     FOURDVT_TRY(checkStop(context_));
     const auto reading = f == 0 ? start : Clock::now();
-    auto frame = reader.value()->next();
-    if (!frame) return frame.error();
+    FOURDVT_ASSIGN(auto frame, reader->next());
     loading_s += secondsSince(reading);
-    cleanEdges(frame.value().pictures);
+    cleanEdges(frame.pictures);
     const auto showing = Clock::now();
-    if (!context_.options.quick || isDrawn(f))
-      FOURDVT_TRY(fvvr.value()->setFrame(frame.value().positions, frame.value().pictures));
+    if (!context_.options.quick || isDrawn(f)) FOURDVT_TRY(fvvr->setFrame(frame.positions, frame.pictures));
     if (f == 0) {
-      if (auto first = fvvr.value()->renderStill(render::viewFromCamera(ring_[0].camera), {}); !first)
-        return first.error();
+      if (auto first = fvvr->renderStill(render::viewFromCamera(ring_[0].camera), {}); !first) return first.error();
       gpu_bytes = context_.device->counters().live_texture_bytes - gpu_before;
     }
     loading_s += secondsSince(showing);
     if (f == 0) first_s = loading_s;
-    FOURDVT_TRY(drawFrame(frame.value(), *fvvr.value()));
+    FOURDVT_TRY(drawFrame(frame, *fvvr));
     tell("FVVR " + std::to_string(f + 1) + "/" + std::to_string(sequence_.frame_count),
          0.5 * (f + 1) / sequence_.frame_count);
   }
   Figures out;
   const RowWriter table(out, rows::kTable1, sequence_.name, rows::kFvvr, "");
   table.add(rows::kLoadingS, first_s, "s");
-  if (!context_.options.quick) table.add("loading_all_s", loading_s, "s");
+  if (!context_.options.quick) table.add(rows::kLoadingAllS, loading_s, "s");
   table.add(rows::kTotalBytes, static_cast<double>(masked_png_bytes_), "bytes");
   const RowWriter multiview(out, rows::kMultiview, sequence_.name, rows::kMethodMultiview,
                             "cameras=" + std::to_string(context_.capture->cameras.size()) +
@@ -193,43 +196,84 @@ Result<Figures> Reference::draw() {
   return out;
 }
 
-Status Reference::encodeGop(capture::FrameReader& reader, uint32_t frames, CameraVideo& out) const {
-  const std::vector<int> crfs = ladder();
-  std::vector<std::unique_ptr<bake::GopEncoder>> encoders;
-  std::vector<Image> sources;  // masked, on black
-  std::vector<measure::Mask> masks;
+// The foreground's straight colours, spread by a few pixels over the black around it, so that neither the codec's
+// ringing nor its half-resolution chroma darkens FVVR's outlines.
+Image spreadColours(const Image& rgba) {
+  constexpr int kSpread = 4;  // pixels
+  Image out(rgba.width, rgba.height, 3);
+  measure::Mask known(size_t(rgba.width) * rgba.height), next;
+  for (size_t i = 0; i < known.size(); ++i) {
+    known[i] = rgba.pixels[4 * i + 3] > 0;
+    for (int c = 0; c < 3 && known[i]; ++c) out.pixels[3 * i + c] = rgba.pixels[4 * i + c];
+  }
+  for (int pass = 0; pass < kSpread; ++pass) {
+    next = known;
+    for (int y = 1; y + 1 < rgba.height; ++y)
+      for (int x = 1; x + 1 < rgba.width; ++x) {
+        const size_t i = size_t(y) * rgba.width + x;
+        if (known[i]) continue;
+        int sum[3] = {}, count = 0;
+        for (const size_t j : {i - 1, i + 1, i - rgba.width, i + rgba.width}) {
+          for (int c = 0; c < 3 && known[j]; ++c) sum[c] += out.pixels[3 * j + c];
+          count += known[j] != 0;
+        }
+        for (int c = 0; c < 3 && count; ++c) out.pixels[3 * i + c] = static_cast<uint8_t>(sum[c] / count);
+        next[i] = count > 0;
+      }
+    known.swap(next);
+  }
+  return out;
+}
+
+Status Reference::pushGop(capture::FrameReader& reader, uint32_t frames, CameraGop& gop) const {
   bake::I420Picture picture;
   for (uint32_t f = 0; f < frames; ++f) {
     FOURDVT_TRY(checkStop(context_));
-    auto frame = nextCleanFrame(reader);
-    if (!frame) return frame.error();
-    const Image& rgba = frame.value().pictures[0];
+    FOURDVT_ASSIGN(auto frame, nextCleanFrame(reader));
+    const Image& rgba = frame.pictures[0];
     const int width = rgba.width / 2 * 2, height = rgba.height / 2 * 2;
-    sources.push_back(measure::compositedOnBlack(rgba));
-    masks.push_back(measure::unionOfSilhouettes(rgba, rgba));
+    gop.colours.push_back(spreadColours(rgba));
+    gop.masks.push_back(measure::unionOfSilhouettes(rgba, rgba));
+    gop.pictures.push_back(rgba);
     if (f == 0) picture = bake::I420Picture(width, height);
-    bake::drawLayer(sources.back(), {0, 0, width, height}, picture);
-    for (size_t i = 0; i < crfs.size(); ++i) {
-      if (f == 0) {
-        auto encoder =
-            bake::GopEncoder::create({.width = width, .height = height, .fps = context_.capture->fps, .crf = crfs[i]});
-        if (!encoder) return encoder.error();
-        encoders.push_back(encoder.take());
-      }
-      FOURDVT_TRY(encoders[i]->push(picture.view()));
+    for (const int crf : ladder()) {
+      if (f > 0) break;
+      FOURDVT_ASSIGN(auto encoder, bake::GopEncoder::create(
+                                       {.width = width, .height = height, .fps = context_.capture->fps, .crf = crf}));
+      gop.encoders.push_back(std::move(encoder));
     }
+    bake::drawLayer(gop.colours.back(), {0, 0, width, height}, picture);
+    for (auto& encoder : gop.encoders) FOURDVT_TRY(encoder->push(picture.view()));
   }
-  for (size_t i = 0; i < crfs.size(); ++i) {
-    auto gop = encoders[i]->finish();
-    encoders[i].reset();
-    if (!gop) return gop.error();
-    out.bytes[i] += gopBytes(gop.value());
-    FOURDVT_TRY(decodeGop(gop.value(), [&](uint32_t f, const I420View& view) -> Status {
-      Image decoded = bake::rgbFromTile(view, {0, 0, view.width, view.height});
-      if (decoded.width == sources[f].width && decoded.height == sources[f].height)
-        out.error[i].add(sources[f], decoded, masks[f]);
-      return {};
-    }));
+  return {};
+}
+
+// A decoded picture as FVVR takes it, with the captured matte, which costs it nothing here. An odd last row or column,
+// which 4:2:0 lacks, stays as captured.
+Image withMatte(const Image& decoded, Image picture) {
+  for (int y = 0; y < decoded.height; ++y)
+    for (int x = 0; x < decoded.width; ++x) std::copy_n(decoded.at(x, y), 3, picture.at(x, y));
+  return picture;
+}
+
+Status Reference::takeDecoded(const CameraGop& gop, uint32_t f, const I420View& view, size_t rate,
+                              CameraVideo& out) const {
+  const Image decoded = bake::rgbFromTile(view, {0, 0, view.width, view.height});
+  if (decoded.width == gop.colours[f].width && decoded.height == gop.colours[f].height)
+    out.error[rate].add(gop.colours[f], decoded, gop.masks[f]);
+  if (held_out_.empty() || !isHeldOut(gop.first + f)) return {};
+  return platform::writeImage(decodedPath(ladder()[rate], out.camera, gop.first + f),
+                              withMatte(decoded, gop.pictures[f]));
+}
+
+Status Reference::finishGop(CameraGop& gop, CameraVideo& out) const {
+  for (size_t i = 0; i < gop.encoders.size(); ++i) {
+    auto coded = gop.encoders[i]->finish();
+    gop.encoders[i].reset();
+    if (!coded) return coded.error();
+    out.bytes[i] += gopBytes(coded.value());
+    FOURDVT_TRY(
+        decodeGop(coded.value(), [&](uint32_t f, const I420View& view) { return takeDecoded(gop, f, view, i, out); }));
   }
   return {};
 }
@@ -237,21 +281,46 @@ Status Reference::encodeGop(capture::FrameReader& reader, uint32_t frames, Camer
 Result<Reference::CameraVideo> Reference::encodeCamera(size_t camera) const {
   capture::Capture alone = *context_.capture;
   alone.cameras = {context_.capture->cameras[camera]};
-  auto reader = capture::FrameReader::open(alone, sequence_, context_.open_video);
-  if (!reader) return reader.error();
-  CameraVideo out{std::vector<uint64_t>(ladder().size()), std::vector<SquaredError>(ladder().size())};
+  FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(alone, sequence_, context_.open_video));
+  CameraVideo out{camera, std::vector<uint64_t>(ladder().size()), std::vector<SquaredError>(ladder().size())};
   const std::vector<uint32_t> firsts = bake::planGops(sequence_.frame_count, kStudyGop);
   for (size_t g = 0; g < firsts.size(); ++g) {
     const uint32_t end = g + 1 < firsts.size() ? firsts[g + 1] : sequence_.frame_count;
-    FOURDVT_TRY(encodeGop(*reader.value(), end - firsts[g], out));
+    CameraGop gop{.first = firsts[g]};
+    FOURDVT_TRY(pushGop(*reader, end - firsts[g], gop));
+    FOURDVT_TRY(finishGop(gop, out));
   }
   return out;
 }
 
+// FVVR from the decoded videos, at the held-out cameras and frames.
+Result<MeanScores> Reference::scoreDecoded(int crf, render::Fvvr& fvvr) const {
+  ScoreLane lane;
+  for (const uint32_t frame : sequence_.test_frames) {
+    FOURDVT_TRY(checkStop(context_));
+    FOURDVT_ASSIGN(auto positions, capture::readMeshFrame(*context_.capture, sequence_, frame));
+    std::vector<Image> pictures;
+    for (size_t c = 0; c < context_.capture->cameras.size(); ++c) {
+      FOURDVT_ASSIGN(auto picture, platform::readImage(decodedPath(crf, c, frame)));
+      pictures.push_back(std::move(picture));
+    }
+    FOURDVT_TRY(fvvr.setFrame(positions, pictures));
+    for (const PinholeCamera& camera : held_out_) {
+      FOURDVT_ASSIGN(auto truth, heldOutTruth(sequence_, camera, frame));
+      FOURDVT_ASSIGN(auto picture, fvvr.renderStill(render::viewFromCamera(camera), {}));
+      lane.add(std::move(truth), std::move(picture));
+    }
+  }
+  return lane.finishMean();
+}
+
 Result<Figures> Reference::encode() {
+  FOURDVT_ASSIGN(held_out_, heldOutCameras(context_));
+  FOURDVT_TRY(platform::makeFolder(context_.work() + "/decoded"));
+  FOURDVT_TRY(platform::makeFolder(decodedFolder()));
   const size_t count = context_.capture->cameras.size();
   const std::vector<int> crfs = ladder();
-  CameraVideo sum{std::vector<uint64_t>(crfs.size()), std::vector<SquaredError>(crfs.size())};
+  CameraVideo sum{0, std::vector<uint64_t>(crfs.size()), std::vector<SquaredError>(crfs.size())};
   const size_t lanes = context_.options.jobs == 1 ? 1 : 2;
   for (size_t c = 0; c < count; c += lanes) {
     std::vector<std::future<Result<CameraVideo>>> running;
@@ -268,12 +337,20 @@ Result<Figures> Reference::encode() {
     }
     tell("foreground videos", 0.5 + 0.5 * static_cast<double>(std::min(count, c + lanes)) / count);
   }
+  FOURDVT_ASSIGN(auto fvvr, makeFvvr(context_));
   Figures out;
   for (size_t i = 0; i < crfs.size(); ++i) {
-    const RowWriter row(out, "multiview-codec", sequence_.name, "h264", "crf=" + std::to_string(crfs[i]));
+    const RowWriter row(out, rows::kMultiviewCodec, sequence_.name, "h264", "crf=" + std::to_string(crfs[i]));
     row.add(rows::kVideoBytes, static_cast<double>(sum.bytes[i]), "bytes");
+    row.add(rows::kVideoBps, 8 * static_cast<double>(sum.bytes[i]) * context_.capture->fps / sequence_.frame_count,
+            "bit/s");
     row.add(rows::kPsnrFgDb, sum.error[i].psnr_db(), "dB");
+    if (held_out_.empty() || sequence_.test_frames.empty()) continue;
+    FOURDVT_ASSIGN(auto scores, scoreDecoded(crfs[i], *fvvr));
+    row.add(rows::kHeldOutPsnrDb, scores.mean().psnr_fg_db, "dB");
+    row.add(rows::kHeldOutSsim, scores.mean().ssim_fg, "");
   }
+  platform::removeFolder(decodedFolder());
   return out;
 }
 
@@ -287,12 +364,10 @@ Result<Figures> runReference(const StudyContext& context) {
   for (const auto* sequence : sequences) {
     const double share = sequence->frame_count / total;
     Reference reference(context, *sequence, before, share);
-    auto drawn = keptPart(context, "reference-" + sequence->name, [&] { return reference.draw(); });
-    if (!drawn) return drawn;
-    auto encoded = keptPart(context, "multiview-" + sequence->name, [&] { return reference.encode(); });
-    if (!encoded) return encoded;
-    out.insert(out.end(), drawn.value().begin(), drawn.value().end());
-    out.insert(out.end(), encoded.value().begin(), encoded.value().end());
+    FOURDVT_ASSIGN(auto drawn, keptPart(context, "reference-" + sequence->name, [&] { return reference.draw(); }));
+    FOURDVT_ASSIGN(auto encoded, keptPart(context, "multiview-" + sequence->name, [&] { return reference.encode(); }));
+    out.insert(out.end(), drawn.begin(), drawn.end());
+    out.insert(out.end(), encoded.begin(), encoded.end());
     before += share;
   }
   RowWriter(out, rows::kAbout, "", "",

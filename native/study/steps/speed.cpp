@@ -5,6 +5,7 @@
 #include "bake/bake.h"
 #include "study/figures.h"
 #include "study/rows.h"
+#include "study/scene.h"
 #include "study/steps/frame_rate.h"
 
 namespace fourdvt::study {
@@ -16,11 +17,6 @@ void tell(const StudyContext& context, const std::string& detail, double share) 
   if (context.progress) context.progress({"speed", detail, share});
 }
 
-bool isCharacter(const std::string& folder) {
-  std::error_code ignored;
-  return std::filesystem::exists(folder + "/character.gltf", ignored);
-}
-
 // One sequence with default settings.
 Result<std::string> bakeOwn(const StudyContext& context) {
   bake::BakeOptions options;
@@ -30,16 +26,8 @@ Result<std::string> bakeOwn(const StudyContext& context) {
                                                          : context.options.sequences.front()};
   options.jobs = context.options.jobs;
   options.resume = true;
-  if (isCharacter(options.character_folder)) return options.character_folder;
-  bake::BakeEnvironment environment;
-  environment.device = context.device;
-  environment.open_video = context.open_video;
-  environment.stop = context.stop;
-  environment.progress = [&](const bake::Progress& p) {
-    tell(context, "bake " + p.stage, p.total ? 0.5 * p.done / p.total : 0);
-  };
-  auto baked = bake::bake(options, environment);
-  if (!baked.ok()) return baked.error();
+  FOURDVT_TRY(bakeOnce(context, options,
+                       [&](const std::string& stage, double share) { tell(context, "bake " + stage, 0.5 * share); }));
   return options.character_folder;
 }
 
@@ -101,9 +89,8 @@ Result<Figures> runSpeed(const StudyContext& context) {
   if (isCharacter(as_baked)) {
     characters.push_back(as_baked);
   } else {
-    auto own = bakeOwn(context);
-    if (!own.ok()) return own.error();
-    characters.push_back(own.take());
+    FOURDVT_ASSIGN(auto own, bakeOwn(context));
+    characters.push_back(std::move(own));
   }
   if (!context.options.quick && isCharacter(papers_size)) characters.push_back(papers_size);
   FrameRateOptions options;
@@ -112,9 +99,9 @@ Result<Figures> runSpeed(const StudyContext& context) {
   Figures out;
   for (size_t i = 0; i < characters.size(); ++i) {
     tell(context, std::filesystem::path(characters[i]).filename().string(), 0.5 + 0.5 * double(i) / characters.size());
-    auto rates = measureFrameRates(*context.device, *context.capture, context.open_video, characters[i], options);
-    if (!rates.ok()) return rates.error();
-    for (const FrameRate& rate : rates.value().sizes) addSize(out, rates.value(), rate, i == 0);
+    FOURDVT_ASSIGN(auto rates,
+                   measureFrameRates(*context.device, *context.capture, context.open_video, characters[i], options));
+    for (const FrameRate& rate : rates.sizes) addSize(out, rates, rate, i == 0);
   }
   return out;
 }

@@ -60,12 +60,11 @@ Cells methodsOf(const StudyValues& v, const char* table) {
   return out;
 }
 
-Cells numbersOf(const StudyValues& v, const char* table, const std::string& method, const std::string& key,
-                int decimals, const std::string& before, const std::string& after) {
+Cells numbersOf(const StudyValues& v, const NumbersOptions& options) {
   Cells out;
-  for (const double number : v.numbers(table, method, key)) {
-    const std::string text = fixedText(number, decimals);
-    out.push_back({{before + text + after}, "", key + "=" + text});
+  for (const double number : v.numbers(options.table, options.method, options.key)) {
+    const std::string text = fixedText(number, options.decimals);
+    out.push_back({{options.before + text + options.after}, "", options.key + "=" + text});
   }
   return out;
 }

@@ -46,10 +46,17 @@ struct GridOptions {
 void addGrid(Section& section, const StudyValues& v, const GridOptions& options, const Cells& rows,
              const Cells& columns);
 
-// A cell a method of the table, in the report's order, and a cell a value of a setting's key.
+// A cell per method of the table, in the report's order.
 Cells methodsOf(const StudyValues& v, const char* table);
-Cells numbersOf(const StudyValues& v, const char* table, const std::string& method, const std::string& key,
-                int decimals = 0, const std::string& before = {}, const std::string& after = {});
+
+struct NumbersOptions {
+  const char* table;
+  std::string method, key;  // method: empty for all
+  int decimals = 0;
+  std::string before = {}, after = {};  // of the number in the title
+};
+// A cell per value of a setting's key, ascending.
+Cells numbersOf(const StudyValues& v, const NumbersOptions& options);
 
 struct CurvesOptions {
   const char *table, *quantity;
@@ -59,7 +66,7 @@ struct CurvesOptions {
   std::string filter = {};
   std::optional<double> reduction_from = {};  // y: reduction against this figure, percent
 };
-// A curve a cell; curves without points are left out, no curves: nothing is added.
+// A curve per cell; curves without points are left out, no curves: nothing is added.
 void addCurves(Section& section, const StudyValues& v, const CurvesOptions& options, const Cells& curves);
 
 }  // namespace fourdvt::study

@@ -8,13 +8,14 @@
 namespace fourdvt::study {
 namespace {
 
-Cells weightsOf(const StudyValues& v) { return numbersOf(v, rows::kMotionAppearance, "", "w", 2, "w = "); }
+Cells weightsOf(const StudyValues& v) { return numbersOf(v, {rows::kMotionAppearance, "", "w", 2, "w = "}); }
 
 // Curves over w, one per method.
-void addOverW(Section& section, const StudyValues& v, const char* table, const char* quantity, const std::string& title,
-              const std::string& y_label, const std::string& filter = {}) {
-  addCurves(section, v, {table, quantity, "w", 2, title, "w, share of the second member", y_label, filter},
-            methodsOf(v, table));
+void addOverW(Section& section, const StudyValues& v, CurvesOptions options) {
+  options.x_key = "w";
+  options.x_decimals = 2;
+  options.x_label = "w, share of the second member";
+  addCurves(section, v, options, methodsOf(v, options.table));
 }
 
 void addBlend(Section& section, const StudyValues& v) {
@@ -93,28 +94,40 @@ std::string meshNote(const StudyValues& v) {
   return note +
          " The class's common time comes from its members' poses, the studio's is its actor's phase: an instant of the "
          "truth is looked up where the members' own phases are, in the w-weighted mean, the instant's: the mesh "
-         "between "
-         "two frames of the class, pictures at the nearest.";
+         "between two frames of the class, pictures at the nearest.";
 }
 
 void addAppearance(Section& section, const StudyValues& v) {
   const std::string judged = "mesh=truth region=common";
-  addOverW(section, v, rows::kMotionAppearance, rows::kPsnrFgDb, "4DVT Fig. 8: PSNR against the truth, true mesh",
-           "PSNR, common foreground, dB", judged);
-  addOverW(section, v, rows::kMotionAppearance, rows::kSsimFg, "SSIM against the truth, true mesh",
-           "SSIM, common foreground", judged);
+  addOverW(section, v,
+           {.table = rows::kMotionAppearance,
+            .quantity = rows::kPsnrFgDb,
+            .title = "4DVT Fig. 8: PSNR against the truth, true mesh",
+            .y_label = "PSNR, common foreground, dB",
+            .filter = judged});
+  addOverW(section, v,
+           {.table = rows::kMotionAppearance,
+            .quantity = rows::kSsimFg,
+            .title = "SSIM against the truth, true mesh",
+            .y_label = "SSIM, common foreground",
+            .filter = judged});
   addTruth(section, v, judged, "Truth, drawn on the true mesh, common foreground: appearance alone", kScores);
   addTruth(section, v, "mesh=blend region=common", "Truth, drawn on the blended mesh, common foreground",
            kScores + meshNote(v));
   addTruth(section, v, "mesh=blend region=whole", "Truth, drawn on the blended mesh, whole foreground", kScores);
-  addOverW(section, v, rows::kMotionSharpness, rows::kGradientRatio, "Gradient energy against the members' own",
-           "ratio");
+  addOverW(section, v,
+           {.table = rows::kMotionSharpness,
+            .quantity = rows::kGradientRatio,
+            .title = "Gradient energy against the members' own",
+            .y_label = "ratio"});
   addGrid(section, v,
           {rows::kMotionSharpness,
            "Sharpness half way, against the members' own looks",
            "Mean squared gradient of the blend over that of both members' looks on the same mesh and view; detail: "
            "the same of the Laplacian. 1: as sharp as the sources. Averaging lowers it even where all is aligned "
-           "(baked-mean), for noise and folds of two sources differ; baked puts that much contrast back.",
+           "(baked-mean), for noise and folds of two sources differ; baked puts that much contrast back. "
+           "flow-gpu-detail: the same put back in the flow's picture, in this study only; compare baked with it, and "
+           "baked-mean with flow-gpu.",
            {"method"},
            {.filter = "w=0.50", .text = fixed<3>}},
           methodsOf(v, rows::kMotionSharpness),

@@ -15,15 +15,6 @@ constexpr double kMostBlendMm = 3, kMostFlowPx = 0.3, kLeastGradient = 0.95, kMo
 // Pictures are of whole levels: of a mean change of 40 this share, a tenth of a level, is rounding.
 constexpr double kChangeRounding = 0.0025;
 
-std::string two(double v) { return fixedText(v, 2); }
-std::string three(double v) { return fixedText(v, 3); }
-
-Judgement judged(const std::string& claim, double decisive, bool holds, const std::string& measured,
-                 const std::string& reason) {
-  if (std::isnan(decisive)) return {claim, "", Judgement::Verdict::NotMeasured, ""};
-  return {claim, measured, holds ? Judgement::Verdict::Holds : Judgement::Verdict::Fails, holds ? "" : reason};
-}
-
 // The largest of a quantity, or of its ratio to another, over the rows of a table.
 double largest(const StudyValues& v, const char* table, const char* quantity, const char* over = nullptr) {
   double most = kNaN;
@@ -38,13 +29,13 @@ double largest(const StudyValues& v, const char* table, const char* quantity, co
 Judgement blendGoal(const StudyValues& v) {
   const double error = v.mean(rows::kMotionBlend, rows::kHybrid, "baked=1", rows::kErrorMaxMm);
   return judged("Hybrid mesh blend, as baked: at most 3 mm from the non-linear one", error, error <= kMostBlendMm,
-                two(error) + " mm", "See the table for what more corrections would leave.");
+                fixed<2>(error) + " mm", "See the table for what more corrections would leave.");
 }
 
 Judgement flowGoal(const StudyValues& v) {
   const double difference = v.mean(rows::kMotionFlow, rows::kFlowGpu, "against=opencv", rows::kDifferenceMeanPx);
   return judged("flow-gpu within 0.3 px of OpenCV's Farnebäck in the mean", difference, difference <= kMostFlowPx,
-                three(difference) + " px", "See the 95th percentile: whether few pixels or all differ.");
+                fixed<3>(difference) + " px", "See the 95th percentile: whether few pixels or all differ.");
 }
 
 // Mean over w of 0.2 … 0.8, true mesh, common foreground.
@@ -52,14 +43,15 @@ void truthGoals(const StudyValues& v, std::vector<Judgement>& out) {
   const auto meanOf = [&](const char* method) {
     double sum = 0, count = 0;
     for (const double w : v.numbers(rows::kMotionAppearance, method, "w")) {
-      sum += v.mean(rows::kMotionAppearance, method, "w=" + two(w) + " mesh=truth region=common", rows::kPsnrFgDb);
+      sum += v.mean(rows::kMotionAppearance, method, "w=" + fixed<2>(w) + " mesh=truth region=common", rows::kPsnrFgDb);
       ++count;
     }
     return count ? sum / count : kNaN;
   };
   const double none = meanOf(rows::kAlignNone), baked = meanOf(rows::kAlignBaked),
                flow = std::max(meanOf(rows::kFlowGpu), meanOf(rows::kFlowOpencv));
-  const std::string measured = "none " + two(none) + ", run-time flow " + two(flow) + ", baked " + two(baked) + " dB";
+  const std::string measured =
+      "none " + fixed<2>(none) + ", run-time flow " + fixed<2>(flow) + ", baked " + fixed<2>(baked) + " dB";
   out.push_back(judged("Truth between the members: baked at least as good as run-time Farnebäck", baked - flow,
                        baked >= flow, measured, "See the end-point errors for where the baked alignment is off."));
   out.push_back(judged("Truth between the members: flow and baked above the plain blend", baked + flow - 2 * none,
@@ -72,8 +64,8 @@ Judgement sharpnessGoal(const StudyValues& v) {
                baked = v.mean(rows::kMotionSharpness, rows::kAlignBaked, "w=0.50", rows::kGradientRatio),
                flow = v.mean(rows::kMotionSharpness, rows::kFlowGpu, "w=0.50", rows::kGradientRatio);
   return judged("Half way as sharp as the members: gradient energy at least 0.95 with baked alignment, less without",
-                baked - none, baked >= kLeastGradient && baked > none, three(baked) + ", plain " + three(none),
-                "Run-time flow keeps " + three(flow) +
+                baked - none, baked >= kLeastGradient && baked > none, fixed<3>(baked) + ", plain " + fixed<3>(none),
+                "Run-time flow keeps " + fixed<3>(flow) +
                     ". What is missing is detail that the members do not share: codec noise, folds, other cameras.");
 }
 
@@ -85,9 +77,10 @@ void costGoals(const StudyValues& v, std::vector<Judgement>& out) {
     const double count = v.mean(rows::kMotionCost, rows::kAlignBaked, "size=" + size, rows::kCharactersPerFlow);
     characters = std::isnan(characters) ? count : std::min(characters, count);
   }
-  out.push_back(judged("Baked alignment at most 1.3 × the plain blend", most, most <= kMostCost, two(most) + " ×", ""));
+  out.push_back(
+      judged("Baked alignment at most 1.3 × the plain blend", most, most <= kMostCost, fixed<2>(most) + " ×", ""));
   out.push_back(judged("More than one baked character in the time of one with run-time flow", characters,
-                       characters > 1, two(characters), ""));
+                       characters > 1, fixed<2>(characters), ""));
 }
 
 void transitionGoals(const StudyValues& v, std::vector<Judgement>& out) {
@@ -101,7 +94,7 @@ void transitionGoals(const StudyValues& v, std::vector<Judgement>& out) {
   out.push_back(
       judged("No pop: in transitions, vertices and pictures change no more than in the motions themselves",
              std::max(step, change), step <= 1 + 1e-9 && change <= 1 + kChangeRounding,
-             three(step) + " × (vertices), " + three(change) + " × (picture, to a tenth of a level)",
+             fixed<3>(step) + " × (vertices), " + fixed<3>(change) + " × (picture, to a tenth of a level)",
              "The worst pair; where a slow motion is entered from far away, the fade itself moves the mesh."));
 }
 

@@ -8,12 +8,13 @@
 namespace fourdvt::study {
 namespace {
 
-// Everything of a setting that makes a rate curve; crf varies along it.
-std::string curveName(const Figure& row) {
+// Everything of a setting that makes a rate curve, or a family of curves without the number of layers; crf varies along
+// it.
+std::string curveName(const Figure& row, bool with_layers = true) {
   std::string name = row.method;
   for (const char* key : {"preset", "size", "layers", "layout"}) {
     const std::string value = rows::settingText(row.setting, key);
-    if (value.empty()) continue;
+    if (value.empty() || (!with_layers && std::string(key) == "layers")) continue;
     name += std::string(key) == "layers" ? " L" + value : " " + value + (std::string(key) == "size" ? "²" : "");
   }
   return name;
@@ -23,11 +24,17 @@ struct RatePoint {
   double bits_per_s, quality;
 };
 struct RateCurve {
-  std::string name;
+  std::string name, family, layers;
   std::vector<RatePoint> ssim, psnr;
   double encode_ms = 0;
   int encode_count = 0;
 };
+
+void sortByRate(RateCurve& curve) {
+  for (auto* points : {&curve.ssim, &curve.psnr})
+    std::sort(points->begin(), points->end(),
+              [](const RatePoint& a, const RatePoint& b) { return a.bits_per_s < b.bits_per_s; });
+}
 
 std::vector<RateCurve> rateCurves(const StudyValues& v) {
   std::vector<RateCurve> curves;
@@ -38,7 +45,10 @@ std::vector<RateCurve> rateCurves(const StudyValues& v) {
     if (std::find(done.begin(), done.end(), key) != done.end()) continue;
     done.push_back(key);
     auto it = std::find_if(curves.begin(), curves.end(), [&](const RateCurve& c) { return c.name == name; });
-    if (it == curves.end()) it = curves.insert(curves.end(), RateCurve{name, {}, {}, 0, 0});
+    if (it == curves.end())
+      it = curves.insert(
+          curves.end(),
+          RateCurve{.name = name, .family = curveName(row, false), .layers = rows::settingText(row.setting, "layers")});
     const std::string filter = row.setting + " !chosen";
     const double rate = v.mean(rows::kRate, row.method, filter, rows::kVideoBps),
                  ssim = v.mean(rows::kRate, row.method, filter, rows::kSsimFg),
@@ -48,11 +58,7 @@ std::vector<RateCurve> rateCurves(const StudyValues& v) {
     if (!std::isnan(psnr)) it->psnr.push_back({rate, psnr});
     if (!std::isnan(ms)) it->encode_ms += ms, ++it->encode_count;
   }
-  auto byRate = [](const RatePoint& a, const RatePoint& b) { return a.bits_per_s < b.bits_per_s; };
-  for (RateCurve& curve : curves) {
-    std::sort(curve.ssim.begin(), curve.ssim.end(), byRate);
-    std::sort(curve.psnr.begin(), curve.psnr.end(), byRate);
-  }
+  for (RateCurve& curve : curves) sortByRate(curve);
   return curves;
 }
 
@@ -65,6 +71,57 @@ double rateAtQuality(const std::vector<RatePoint>& points, double quality) {
     return std::exp(std::log(a.bits_per_s) + share * std::log(b.bits_per_s / a.bits_per_s));
   }
   return std::nan("");
+}
+
+// The quality that the curve gives at a rate, interpolated in log rate; NaN outside of it. Points by rate.
+double qualityAtRate(const std::vector<RatePoint>& points, double bits_per_s) {
+  for (size_t i = 1; i < points.size(); ++i) {
+    const RatePoint &a = points[i - 1], &b = points[i];
+    if (bits_per_s < a.bits_per_s || bits_per_s > b.bits_per_s || a.bits_per_s == b.bits_per_s) continue;
+    const double share = std::log(bits_per_s / a.bits_per_s) / std::log(b.bits_per_s / a.bits_per_s);
+    return a.quality + share * (b.quality - a.quality);
+  }
+  return std::nan("");
+}
+
+// What further layers are worth where they cost as many bits: a family's curves at the bitrates measured of the one
+// with the largest number of layers. Without a curve of one layer there is nothing to compare with.
+Table equalRateTable(const std::vector<RateCurve>& curves, const std::string& family) {
+  std::vector<const RateCurve*> members;
+  for (const RateCurve& curve : curves)
+    if (curve.family == family && !curve.psnr.empty()) members.push_back(&curve);
+  std::sort(members.begin(), members.end(), [](auto* a, auto* b) { return a->layers < b->layers; });
+  if (members.size() < 2 || members.front()->layers != "1") return {};
+  Table table{"What view dependence is worth: " + family,
+              "Quality at the held-out cameras with one layer, which looks the same from everywhere, and with more, at "
+              "the same bitrate of video. Interpolated between measured rates; “–”: beyond the range measured.",
+              {"bitrate"},
+              {}};
+  for (const char* what : {"PSNR-FG, dB, L = ", "SSIM-FG, L = "})
+    for (const RateCurve* curve : members) table.columns.push_back(what + curve->layers);
+  for (const RatePoint& point : members.back()->psnr) {
+    std::vector<std::string> row{bitrateText(point.bits_per_s)};
+    for (const RateCurve* curve : members) row.push_back(fixedText(qualityAtRate(curve->psnr, point.bits_per_s), 2));
+    for (const RateCurve* curve : members) row.push_back(fixedText(qualityAtRate(curve->ssim, point.bits_per_s), 4));
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+// FVVR fed from the decoded videos of all cameras, of the sequence that the rates were measured on.
+RateCurve multiviewCurve(const StudyValues& v) {
+  RateCurve out{.name = "FVVR from the multi-view's videos"};
+  for (const std::string& sequence : v.sequences(rows::kRate))
+    for (const double crf : v.numbers(rows::kMultiviewCodec, "h264", "crf")) {
+      const auto at = [&](const char* quantity) {
+        return v.of(rows::kMultiviewCodec, sequence, "h264", "crf=" + fixedText(crf, 0), quantity);
+      };
+      const double rate = at(rows::kVideoBps), ssim = at(rows::kHeldOutSsim), psnr = at(rows::kHeldOutPsnrDb);
+      if (!std::isnan(rate + ssim)) out.ssim.push_back({rate, ssim});
+      if (!std::isnan(rate + psnr)) out.psnr.push_back({rate, psnr});
+    }
+  sortByRate(out);
+  return out;
 }
 
 Curve plotCurve(const std::string& name, const std::vector<RatePoint>& points) {
@@ -156,6 +213,9 @@ void fillRate(Section& section, const StudyValues& v) {
     if (!curve.ssim.empty()) ssim.push_back(plotCurve(curve.name, curve.ssim));
     if (!curve.psnr.empty()) psnr.push_back(plotCurve(curve.name, curve.psnr));
   }
+  const RateCurve multiview = multiviewCurve(v);
+  if (!multiview.ssim.empty()) ssim.push_back(plotCurve(multiview.name, multiview.ssim));
+  if (!multiview.psnr.empty()) psnr.push_back(plotCurve(multiview.name, multiview.psnr));
   if (!ssim.empty())
     section.plots.push_back({"SSIM against bitrate", "Mbit/s", "SSIM-FG of the rendered view", true, false, ssim});
   if (!psnr.empty())
@@ -169,6 +229,11 @@ void fillRate(Section& section, const StudyValues& v) {
     table.rows.push_back({c.name, bitrateText(rateAtQuality(c.ssim, quality)),
                           secondsText(c.encode_count ? c.encode_ms / c.encode_count / 1e3 : std::nan(""))});
   section.tables.push_back(std::move(table));
+  std::vector<std::string> families;
+  for (const RateCurve& curve : curves)
+    if (std::find(families.begin(), families.end(), curve.family) == families.end()) families.push_back(curve.family);
+  for (const std::string& family : families)
+    if (Table worth = equalRateTable(curves, family); !worth.rows.empty()) section.tables.push_back(std::move(worth));
   for (const Figure& row : v.rows())
     if (row.table == rows::kRate && row.quantity == rows::kVideoBps && matchesFilter(row.setting, "chosen=1")) {
       section.text += "\n\nThe default is " + curveName(row) + " at quality " + rows::settingText(row.setting, "crf") +

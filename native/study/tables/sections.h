@@ -17,6 +17,9 @@ void fillRate(Section& section, const StudyValues& values);
 void fillGrazing(Section& section, const StudyValues& values);
 void fillMotion(Section& section, const StudyValues& values);
 
+// `decisive` is NaN where it was not measured; `reason` counts where the claim does not hold.
+Judgement judged(const std::string& claim, double decisive, bool holds, const std::string& measured,
+                 const std::string& reason = {});
 std::vector<Judgement> judgeMotion(const StudyValues& values);
 Table judgementTable(const std::vector<Judgement>& judgements, const std::string& title);
 

@@ -12,10 +12,10 @@ namespace fourdvt::study {
 namespace {
 
 constexpr const char* kMethodOrder[] = {
-    rows::kFvvr,         rows::kFvvrClosest, rows::kNaive,        rows::kSpatial,        rows::kTemporalPaper,
-    rows::kPerTexel,     rows::kJoint,       rows::kJointDefault, rows::kJointNoUnseen,  rows::kJointNoPartial,
-    rows::kJointNeither, rows::kAlignNone,   rows::kAlignBaked,   rows::kAlignBakedMean, rows::kFlowGpu,
-    rows::kFlowDis,      rows::kFlowOpencv,  rows::kOpencvDis};
+    rows::kFvvr,          rows::kFvvrClosest, rows::kNaive,        rows::kSpatial,        rows::kTemporalPaper,
+    rows::kPerTexel,      rows::kJoint,       rows::kJointDefault, rows::kJointNoUnseen,  rows::kJointNoPartial,
+    rows::kJointNeither,  rows::kAlignNone,   rows::kAlignBaked,   rows::kAlignBakedMean, rows::kFlowGpu,
+    rows::kFlowGpuDetail, rows::kFlowDis,     rows::kFlowOpencv,   rows::kOpencvDis};
 
 size_t methodRank(const std::string& method) {
   return static_cast<size_t>(std::find(std::begin(kMethodOrder), std::end(kMethodOrder), method) -
@@ -128,7 +128,7 @@ std::string methodTitle(const std::string& method) {
   if (method == rows::kNaive) return "NO (naive)";
   if (method == rows::kSpatial) return "SO (spatial)";
   if (method == rows::kTemporalPaper) return "TO (Eq. 5)";
-  if (method == rows::kPerTexel) return "LVDT (per texel)";
+  if (method == rows::kPerTexel) return "per texel";
   if (method == rows::kJoint) return "ours (joint)";
   if (method == rows::kJointDefault) return "ours, default";
   if (method == rows::kJointNoUnseen) return "ours, unseen faces left empty";

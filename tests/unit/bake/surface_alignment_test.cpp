@@ -117,13 +117,11 @@ cv::Mat noisyLook(double common, double own, int seed) {
 TEST(DetailCorrelation, IsTheShareOfCommonDetail) {
   for (const double share : {0.0, 0.5, 0.9, 1.0})
     for (const int members : {2, 3}) {
-      DetailCorrelation detail;
       std::vector<cv::Mat> looks;
       for (int m = 0; m < members; ++m) looks.push_back(noisyLook(std::sqrt(share), std::sqrt(1 - share), 2 + m));
-      detail.add(looks);
-      EXPECT_NEAR(detail.value(), share, 0.03) << members;
+      EXPECT_NEAR(detailCorrelation({detailEnergy(looks)}), share, 0.03) << members;
     }
-  EXPECT_EQ(DetailCorrelation().value(), 1);
+  EXPECT_EQ(detailCorrelation({}), 1);
 }
 
 TEST(SurfaceAlignmentViews, CamerasHoldAllPointsAndEveryOtherOneIsRaised) {

@@ -10,7 +10,7 @@
 
 #include "chunk_fixture.h"
 #include "package/character.h"
-#include "package/chunk_decoder.h"
+#include "package/coding/chunk_decoder.h"
 #include "package/coding/label_model.h"
 #include "package/coding/position_coder.h"
 #include "package/coding/position_model.h"

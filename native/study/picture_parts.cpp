@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "study/steps/picture_parts.h"
+#include "study/picture_parts.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "package/chunk_decoder.h"
+#include "package/coding/chunk_decoder.h"
 
 #include <algorithm>
 

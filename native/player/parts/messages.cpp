@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "player/player.h"
+#include "player/parts/messages.h"
 
 namespace fourdvt {
 

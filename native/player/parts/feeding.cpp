@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "player/parts/feeding.h"
+
+#include <algorithm>
+
+namespace fourdvt {
+
+namespace {
+constexpr size_t kMaxReorderAllowance = 32;
+constexpr int kMaxIdlePolls = 60;
+constexpr int64_t kTimestampStep_us = 40000;  // whatever the sequence's frame rate
+}  // namespace
+
+void Feeding::stop() {
+  active_ = false;
+  in_flight_.clear();
+}
+
+void Feeding::restart(const FedSequence& fed, int64_t k, Outbox& outbox) {
+  stop();
+  const auto frame = static_cast<uint32_t>(k % fed.sequence->frame_count);
+  gop_ = fed.index->chunkOfFrame(frame);
+  gop_k_ = k - (frame - fed.index->chunks[gop_].first_frame);
+  sample_ = 0;
+  drop_before_k_ = k;
+  serial_base_ = next_serial_ - gop_k_;
+  done_ = flushed_ = false;
+  active_ = true;
+  if (configured_ && configured_sequence_ == fed.number)
+    outbox.request(ResetDecoder{decoder_});
+  else
+    configured_ = false;
+}
+
+bool Feeding::next(const FedSequence& fed, const std::vector<uint8_t>* video, int free_slots, Request& out) {
+  if (!active_) return false;
+  if (!configured_) {
+    configured_ = true;
+    configured_sequence_ = fed.number;
+    const package::Rendition& rendition = fed.sequence->renditions[0];
+    out = ConfigureDecoder{decoder_, rendition.codec, fed.index->renditions[0].decoder_description, rendition.width,
+                           rendition.height};
+    return true;
+  }
+  if (done_) {
+    if (flushed_) return false;
+    flushed_ = true;
+    out = FlushDecoder{decoder_};
+    return true;
+  }
+  if (!video || in_flight_.size() >= static_cast<size_t>(free_slots) + reorder_allowance_) return false;
+  out = nextSample(fed, *video);
+  return true;
+}
+
+DecodeSample Feeding::nextSample(const FedSequence& fed, std::span<const uint8_t> video) {
+  const package::SampleTable& table = fed.index->renditions[0];
+  const uint32_t first = table.chunk_first_sample[gop_];
+  const package::VideoSample& sample = table.samples[first + sample_];
+  const int64_t k = gop_k_ + (sample.frame - fed.index->chunks[gop_].first_frame);
+  const int64_t serial = serial_base_ + k;
+  next_serial_ = std::max(next_serial_, serial + 1);
+  const int64_t timestamp_us = serial * kTimestampStep_us;
+  in_flight_.push_back(timestamp_us);
+  if (first + ++sample_ == table.chunk_first_sample[gop_ + 1]) finishGop(fed);
+  return {decoder_, video.subspan(sample.offset - table.samples[first].offset, sample.bytes), timestamp_us, sample.key};
+}
+
+void Feeding::finishGop(const FedSequence& fed) {
+  const std::vector<package::ChunkEntry>& chunks = fed.index->chunks;
+  const bool last = gop_ + 1 == chunks.size();
+  if (last && !fed.loops) {
+    done_ = true;
+    return;
+  }
+  gop_k_ += chunks[gop_].frame_count;
+  gop_ = last ? 0 : gop_ + 1;
+  sample_ = 0;
+}
+
+void Feeding::noteIdlePoll(int used_slots) {
+  if (!active_ || in_flight_.empty()) return;
+  if (++idle_polls_ <= kMaxIdlePolls || used_slots > 1) return;
+  reorder_allowance_ = std::min(reorder_allowance_ + 4, kMaxReorderAllowance);
+  idle_polls_ = 0;
+}
+
+std::optional<int64_t> Feeding::presentationOf(int64_t timestamp_us) {
+  if (std::find(in_flight_.begin(), in_flight_.end(), timestamp_us) == in_flight_.end()) return std::nullopt;
+  idle_polls_ = 0;
+  const int64_t k = timestamp_us / kTimestampStep_us - serial_base_;
+  if (k >= drop_before_k_) return k;
+  take(timestamp_us);
+  return std::nullopt;
+}
+
+void Feeding::take(int64_t timestamp_us) {
+  const auto taken = std::find(in_flight_.begin(), in_flight_.end(), timestamp_us);
+  if (taken == in_flight_.end()) return;
+  *taken = in_flight_.back();
+  in_flight_.pop_back();
+}
+
+void Feeding::close(Outbox& outbox) {
+  if (configured_) outbox.request(CloseDecoder{decoder_});
+  configured_ = false;
+}
+
+}  // namespace fourdvt

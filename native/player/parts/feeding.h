@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// What one decoder is fed: configuration, then the samples of one GOP after the other in decoding order, from the key
+// sample of the GOP that holds the wanted presentation on; and which presentation a picture that comes back belongs to.
+// A sample's timestamp is a serial number that never repeats, so that a picture from before a seek finds nobody who
+// waits for it. Does NOT hold pictures (picture_slots.h), does NOT fetch GOPs (loading.h), does NOT call the decoder:
+// the edge polls `next`.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "package/character.h"
+#include "package/stream_file.h"
+#include "player/parts/outbox.h"
+
+namespace fourdvt {
+
+// The sequence that is fed; borrowed for a call.
+struct FedSequence {
+  int number = -1;  // among the character's sequences
+  const package::Sequence* sequence = nullptr;
+  const package::StreamIndex* index = nullptr;
+  bool loops = false;
+};
+
+class Feeding {
+ public:
+  explicit Feeding(int decoder) : decoder_(decoder) {}
+
+  // Nobody waits for the pictures under way any more.
+  void stop();
+  // Starts again at the GOP that holds presentation k: frames since the sequence's start, unwrapped over loops.
+  // Pictures before k are decoded and dropped.
+  void restart(const FedSequence& fed, int64_t k, Outbox& outbox);
+  // The decoder's next request; false: it must have none now. video: the samples of `gop()`, null while they are not
+  // there. The decoder holds at most as many samples as there are free slots, and a few that it may need to reorder.
+  bool next(const FedSequence& fed, const std::vector<uint8_t>* video, int free_slots, Request& out);
+  // Call after a poll that brought nothing: a decoder that keeps more pictures back than expected must not starve.
+  void noteIdlePoll(int used_slots);
+
+  // The presentation that a decoded picture is for; null: nobody waits for it.
+  std::optional<int64_t> presentationOf(int64_t timestamp_us);
+  void take(int64_t timestamp_us);  // nobody waits for it any more
+
+  void loseDecoder() { configured_ = false; }  // it failed; configured anew if feeding goes on
+  void close(Outbox& outbox);                  // after stop()
+
+  bool active() const { return active_; }
+  bool done() const { return done_; }    // a sequence that does not loop is fed to its end
+  uint32_t gop() const { return gop_; }  // the one being fed
+
+ private:
+  DecodeSample nextSample(const FedSequence& fed, std::span<const uint8_t> video);
+  void finishGop(const FedSequence& fed);
+
+  int decoder_;
+  bool active_ = false, done_ = false, flushed_ = false;
+  bool configured_ = false;
+  int configured_sequence_ = -1;
+  uint32_t gop_ = 0, sample_ = 0;
+  int64_t gop_k_ = 0;  // presentation of the GOP's first frame
+  int64_t drop_before_k_ = 0;
+  int64_t serial_base_ = 0;  // serial = serial_base_ + k
+  int64_t next_serial_ = 0;
+  std::vector<int64_t> in_flight_;  // timestamps, in any order
+  size_t reorder_allowance_ = 4;    // samples the decoder may hold beyond the slots; grows if it holds more
+  int idle_polls_ = 0;              // since a picture came back
+};
+
+}  // namespace fourdvt

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// Byte ranges on their way: what each one is for, how often it was tried, and how far loading towards the first picture
+// has come. Asks for each range up to three times. Does NOT look into the bytes and does NOT decide what to fetch
+// (loading.h).
+#pragma once
+
+#include <vector>
+
+#include "player/parts/outbox.h"
+
+namespace fourdvt {
+
+// What a byte range is for.
+struct FetchPurpose {
+  enum class Kind { Mesh, Graph, Header, Video, Chunk } kind = Kind::Mesh;
+  int sequence = -1;  // -1: it is of the whole character
+  uint32_t gop = 0;   // Video and Chunk only
+};
+
+struct Fetch {
+  FetchPurpose purpose;
+  FetchRange range;
+  int tries = 1;
+};
+
+class Fetches {
+ public:
+  explicit Fetches(Outbox& outbox) : outbox_(outbox) {}
+
+  void request(const FetchPurpose& purpose, const std::string& uri, uint64_t offset, uint64_t bytes);
+  // Null: nobody asked for it, or it is settled. Valid until the next call.
+  const Fetch* find(uint32_t id) const;
+  // All bytes of a fetch that `find` knows are there: settles it and reports progress.
+  FetchPurpose finish(uint32_t id);
+  // Asks again; false: it was tried often enough, and is settled. `failed` is then what was asked for. An id that
+  // nobody asked for counts as asked again.
+  bool retry(uint32_t id, Fetch& failed);
+  bool empty() const { return fetches_.empty(); }  // nothing is on its way
+  uint64_t bytesFetched() const { return bytes_fetched_; }
+
+  // Progress counts a sequence's bytes from the moment they are asked for; `bytes` more are expected from the start.
+  void startProgress(uint64_t bytes) { progress_total_ = bytes; }
+  void endProgress() { progress_ended_ = true; }  // the first picture is on screen
+  bool progressEnded() const { return progress_ended_; }
+
+ private:
+  std::vector<Fetch>::iterator locate(uint32_t id);
+
+  Outbox& outbox_;
+  std::vector<Fetch> fetches_;
+  uint32_t next_id_ = 1;
+  uint64_t progress_loaded_ = 0, progress_total_ = 0, bytes_fetched_ = 0;
+  bool progress_ended_ = false;
+};
+
+}  // namespace fourdvt

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "player/parts/loading.h"
+
+#include <algorithm>
+
+namespace fourdvt {
+
+using Kind = FetchPurpose::Kind;
+using stream::GopKey;
+using stream::PartState;
+
+namespace {
+
+constexpr uint32_t kGopsAhead = 1;
+
+bool liesWithin(uint64_t offset, uint64_t bytes, uint64_t file_bytes) {
+  return offset <= file_bytes && bytes <= file_bytes - offset;
+}
+
+Error named(const std::string& uri, const Error& error) { return {error.id, uri + ": " + error.message}; }
+
+}  // namespace
+
+Status Loading::readManifest(const FlatJson& gltf) {
+  auto read = package::readManifest(gltf);
+  if (!read.ok()) return read.error();
+  character_ = read.take();
+  streams_.clear();
+  streams_.resize(character_->sequences.size());
+  fetches_.startProgress(character_->mesh_bytes);
+  return {};
+}
+
+int Loading::find(const std::string& name) const {
+  for (int i = 0; i < sequenceCount(); ++i)
+    if (sequence(i).name == name) return i;
+  return -1;
+}
+
+void Loading::requestMissing(std::span<const Need> needs, int next_sequence) {
+  requestMesh();
+  std::vector<GopKey> keep;
+  for (const Need& need : needs) {
+    requestHeader(need.sequence);
+    const size_t first = keep.size();
+    addNeededGops(need, keep);
+    for (size_t i = first; i < keep.size(); ++i) requestGop(keep[i]);
+  }
+  if (next_sequence >= 0) requestHeader(next_sequence);
+  if (fetches_.progressEnded() && fetches_.empty()) requestGraph();
+  cache_.trim(keep);
+}
+
+void Loading::requestMesh() {
+  if (mesh_state_ != PartState::Absent) return;
+  mesh_state_ = PartState::Fetching;
+  const package::Character& c = *character_;
+  fetches_.request({Kind::Mesh, -1, 0}, c.mesh_uri, c.mesh_offset, c.mesh_bytes);
+}
+
+void Loading::requestHeader(int sequence_index) {
+  Stream& s = stream(sequence_index);
+  if (s.header != PartState::Absent) return;
+  s.header = PartState::Fetching;
+  const package::Sequence& q = sequence(sequence_index);
+  fetches_.request({Kind::Header, sequence_index, 0}, q.stream_uri, 0, q.stream_header_bytes);
+}
+
+void Loading::requestGraph() {
+  if (graph_state_ != PartState::Absent || character_->graph_uri.empty()) return;
+  graph_state_ = PartState::Fetching;
+  fetches_.request({Kind::Graph, -1, 0}, character_->graph_uri, 0, character_->graph_bytes);
+}
+
+// What playing on needs, nearest first.
+void Loading::addNeededGops(const Need& need, std::vector<GopKey>& keys) const {
+  if (!playable(need.sequence)) return;
+  for (uint32_t gop : stream::neededGops(index(need.sequence), need.frame, need.loops, kGopsAhead))
+    keys.push_back({need.sequence, gop});
+  if (need.fed_gop) keys.push_back({need.sequence, *need.fed_gop});
+}
+
+void Loading::requestGop(GopKey key) {
+  const package::Sequence& q = sequence(key.sequence);
+  stream::Gop& gop = cache_.touch(key);
+  if (gop.chunk_state == PartState::Absent) {
+    gop.chunk_state = PartState::Fetching;
+    const package::ChunkEntry& entry = index(key.sequence).chunks[key.gop];
+    fetches_.request({Kind::Chunk, key.sequence, key.gop}, q.stream_uri, entry.offset, entry.bytes);
+  }
+  if (gop.video_state == PartState::Absent) {
+    gop.video_state = PartState::Fetching;
+    const package::SampleTable& table = index(key.sequence).renditions[0];
+    const package::VideoSample& first = table.samples[table.chunk_first_sample[key.gop]];
+    const package::VideoSample& last = table.samples[table.chunk_first_sample[key.gop + 1] - 1];
+    const uint64_t bytes = last.offset + last.bytes - first.offset;
+    fetches_.request({Kind::Video, key.sequence, key.gop}, q.renditions[0].video_uri, first.offset, bytes);
+  }
+}
+
+Arrival Loading::receive(uint32_t id, std::span<const uint8_t> bytes) {
+  const Fetch* pending = fetches_.find(id);
+  if (!pending) return {};
+  if (bytes.size() != pending->range.bytes)
+    return refuse(id, "got " + std::to_string(bytes.size()) + " bytes of " + std::to_string(pending->range.bytes));
+  const FetchPurpose purpose = fetches_.finish(id);
+  switch (purpose.kind) {
+    case Kind::Mesh:
+      return {Arrival::What::Mesh, -1, receiveMesh(bytes)};
+    case Kind::Header:
+      return {Arrival::What::Header, purpose.sequence, receiveHeader(purpose.sequence, bytes)};
+    case Kind::Graph:
+      receiveGraph(bytes);
+      break;
+    default:
+      receiveGop(purpose, bytes);
+  }
+  return {Arrival::What::Other, purpose.sequence, {}};
+}
+
+Arrival Loading::refuse(uint32_t id, const std::string& reason) {
+  Fetch failed;
+  if (fetches_.retry(id, failed)) return {};
+  const FetchPurpose& purpose = failed.purpose;
+  if (purpose.kind == Kind::Graph) {
+    graph_state_ = PartState::Failed;
+    return {};
+  }
+  const bool video = purpose.kind == Kind::Video;
+  if (video || purpose.kind == Kind::Chunk)
+    if (stream::Gop* gop = cache_.find({purpose.sequence, purpose.gop}))
+      (video ? gop->video_state : gop->chunk_state) = PartState::Failed;
+  const FetchRange& range = failed.range;
+  return {Arrival::What::Nothing, purpose.sequence,
+          Error{ErrorId::FetchFailed, range.uri + ": bytes " + std::to_string(range.offset) + "+" +
+                                          std::to_string(range.bytes) + " could not be fetched (" + reason +
+                                          "); check that the file is complete on the server"}};
+}
+
+Status Loading::receiveMesh(std::span<const uint8_t> bytes) {
+  auto mesh = package::decodeBaseMesh(bytes);
+  if (!mesh.ok()) return named(character_->mesh_uri, mesh.error());
+  const MeshTopology& topology = mesh.value().topology;
+  if (topology.vertex_count != character_->vertex_count || topology.faceCount() != character_->face_count)
+    return Error{ErrorId::MeshDataInvalid,
+                 character_->mesh_uri + ": mesh and manifest disagree on vertices or faces; bake the character again"};
+  mesh_ = mesh.take();
+  chunk_mesh_ = package::makeChunkMesh(*mesh_);
+  mesh_state_ = PartState::Present;
+  return {};
+}
+
+Status Loading::receiveHeader(int sequence_index, std::span<const uint8_t> bytes) {
+  auto index = package::readStreamHeader(bytes);
+  if (!index.ok()) return named(sequence(sequence_index).stream_uri, index.error());
+  FOURDVT_TRY(checkHeader(sequence_index, index.value()));
+  stream(sequence_index).index = index.take();
+  stream(sequence_index).header = PartState::Present;
+  return {};
+}
+
+Status Loading::checkHeader(int sequence_index, const package::StreamIndex& i) const {
+  const package::Sequence& q = sequence(sequence_index);
+  if (i.frame_count != q.frame_count || i.vertex_count != character_->vertex_count ||
+      i.face_count != character_->face_count || i.layer_count != static_cast<uint32_t>(character_->layer_count) ||
+      i.renditions.size() != q.renditions.size() || i.member_count != q.members.size() ||
+      i.reference_count != q.reference_count)
+    return Error{ErrorId::StreamInvalid,
+                 q.stream_uri + ": stream and manifest disagree on counts; bake the character again"};
+  for (const package::ChunkEntry& chunk : i.chunks)
+    if (!liesWithin(chunk.offset, chunk.bytes, q.stream_bytes))
+      return Error{ErrorId::StreamInvalid, q.stream_uri + ": a chunk lies beyond the end of the file"};
+  const package::Rendition& rendition = q.renditions[0];
+  for (const package::VideoSample& sample : i.renditions[0].samples)
+    if (!liesWithin(sample.offset, sample.bytes, rendition.video_bytes))
+      return Error{ErrorId::StreamInvalid, rendition.video_uri + ": a video sample lies beyond the end of the file"};
+  return {};
+}
+
+// A graph that cannot be read counts as none: states are then simply selected.
+void Loading::receiveGraph(std::span<const uint8_t> bytes) {
+  auto graph = motion::MotionGraph::read(bytes, *character_);
+  graph_state_ = graph.ok() ? PartState::Present : PartState::Failed;
+  if (graph.ok()) graph_ = graph.take();
+}
+
+void Loading::receiveGop(const FetchPurpose& purpose, std::span<const uint8_t> bytes) {
+  stream::Gop& gop = cache_.touch({purpose.sequence, purpose.gop});
+  const bool video = purpose.kind == Kind::Video;
+  (video ? gop.video : gop.chunk).assign(bytes.begin(), bytes.end());
+  (video ? gop.video_state : gop.chunk_state) = PartState::Present;
+}
+
+bool Loading::markBroken(int sequence) {
+  bool news = streams_.empty();
+  for (int i = 0; i < sequenceCount(); ++i) {
+    if (broken(i) || (sequence >= 0 && i != sequence)) continue;
+    news = stream(i).broken = true;
+    cache_.dropSequence(i);
+  }
+  return news;
+}
+
+const std::vector<uint8_t>* Loading::video(int sequence, uint32_t gop_index) {
+  const stream::Gop* gop = cache_.find({sequence, gop_index});
+  return gop && gop->video_state == PartState::Present ? &gop->video : nullptr;
+}
+
+Status Loading::geometry(int sequence_index, uint32_t frame, FrameGeometry& out) {
+  if (mesh_state_ != PartState::Present || !playable(sequence_index)) return {};
+  const package::StreamIndex& streamed = index(sequence_index);
+  const uint32_t gop_index = streamed.chunkOfFrame(frame);
+  stream::Gop* gop = cache_.find({sequence_index, gop_index});
+  if (!gop || gop->chunk_state != PartState::Present) return {};
+  Status status;
+  if (!gop->geometry) {
+    auto opened = package::ChunkDecoder::open(gop->chunk, streamed, gop_index, chunk_mesh_);
+    if (opened.ok())
+      gop->geometry = opened.take();
+    else
+      status = opened.error();
+  }
+  const uint32_t row = frame - streamed.chunks[gop_index].first_frame;
+  if (status.ok()) status = gop->geometry->decodeTo(row);
+  if (!status.ok()) return named(sequence(sequence_index).stream_uri, status.error());
+  out = {&gop->geometry->frames(), &streamed, row};
+  return {};
+}
+
+}  // namespace fourdvt

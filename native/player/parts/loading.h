@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// What there is of a character: manifest, base mesh, motion graph, stream headers, and the GOPs that playback needs,
+// within a budget of encoded bytes. Asks for what is missing, checks what arrives against the manifest, decodes
+// geometry when it is asked for. Does NOT decide what is played: the player tells it what its tracks need. Does NOT
+// report errors as events: a call returns them, and the player marks the sequence as broken.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "motion/motion_graph.h"
+#include "package/chunk_mesh.h"
+#include "player/parts/fetches.h"
+#include "player/parts/frame_geometry.h"
+#include "stream/gop_cache.h"
+
+namespace fourdvt {
+
+// What a track needs to play on.
+struct Need {
+  int sequence = -1;
+  uint32_t frame = 0;  // that is shown or sought
+  bool loops = false;
+  std::optional<uint32_t> fed_gop;  // whose samples are going to the decoder; it may be ahead of the frame
+};
+
+// What an answer to a fetch brought.
+struct Arrival {
+  enum class What { Nothing, Mesh, Header, Other } what = What::Nothing;
+  int sequence = -1;
+  Status status;  // not ok: the sequence is broken, or with -1 the whole character
+};
+
+class Loading {
+ public:
+  Loading(Outbox& outbox, uint64_t encoded_budget_bytes) : cache_(encoded_budget_bytes), fetches_(outbox) {}
+
+  // Errors: as of package::readManifest; what was there stays.
+  Status readManifest(const FlatJson& gltf);
+  const package::Character* character() const { return character_ ? &*character_ : nullptr; }  // null: no manifest yet
+  int sequenceCount() const { return static_cast<int>(streams_.size()); }
+  const package::Sequence& sequence(int index) const { return character_->sequences[static_cast<size_t>(index)]; }
+  int find(const std::string& name) const;                  // -1: there is no sequence of that name
+  const package::BaseMesh& mesh() const { return *mesh_; }  // after Arrival::What::Mesh
+  bool hasHeader(int sequence) const { return stream(sequence).header == stream::PartState::Present; }
+  bool broken(int sequence) const { return stream(sequence).broken; }
+  bool playable(int sequence) const { return hasHeader(sequence) && !broken(sequence); }
+  const package::StreamIndex& index(int sequence) const { return stream(sequence).index; }  // once it has its header
+  const motion::MotionGraph* graph() const { return graph_ ? &*graph_ : nullptr; }          // null: not there
+  // The manifest names no motion graph, or it could not be had.
+  bool lacksGraph() const { return character_->graph_uri.empty() || graphFailed(); }
+  bool graphFailed() const { return graph_state_ == stream::PartState::Failed; }
+
+  // Asks for what the needs lack, the most urgent first: mesh, header and GOPs of each need in turn, then the header of
+  // `next_sequence` (-1: none). Frees what nobody needs when the budget is exceeded.
+  void requestMissing(std::span<const Need> needs, int next_sequence);
+  void requestGraph();
+  void onFirstPicture() { fetches_.endProgress(); }  // the motion graph may be fetched now
+  Arrival receive(uint32_t id, std::span<const uint8_t> bytes);
+  Arrival refuse(uint32_t id, const std::string& reason);
+  // Nothing more is asked for of a sequence, or with -1 of any. False: that was known.
+  bool markBroken(int sequence);
+
+  // The GOP's samples, contiguous as in the file; null: not there.
+  const std::vector<uint8_t>* video(int sequence, uint32_t gop);
+  // Decodes as far as this frame; `out` stays empty while that is not there. Errors: StreamInvalid.
+  Status geometry(int sequence, uint32_t frame, FrameGeometry& out);
+  uint64_t bytesFetched() const { return fetches_.bytesFetched(); }
+  uint64_t encodedBytesHeld() const { return cache_.encodedBytes(); }
+
+ private:
+  struct Stream {  // one of each sequence
+    stream::PartState header = stream::PartState::Absent;
+    package::StreamIndex index;
+    bool broken = false;
+  };
+
+  Stream& stream(int sequence) { return streams_[static_cast<size_t>(sequence)]; }
+  const Stream& stream(int sequence) const { return streams_[static_cast<size_t>(sequence)]; }
+  void requestMesh();
+  void requestHeader(int sequence);
+  void requestGop(stream::GopKey key);
+  void addNeededGops(const Need& need, std::vector<stream::GopKey>& keys) const;
+  Status receiveMesh(std::span<const uint8_t> bytes);
+  Status receiveHeader(int sequence, std::span<const uint8_t> bytes);
+  Status checkHeader(int sequence, const package::StreamIndex& index) const;
+  void receiveGraph(std::span<const uint8_t> bytes);
+  void receiveGop(const FetchPurpose& purpose, std::span<const uint8_t> bytes);
+
+  std::optional<package::Character> character_;
+  std::optional<package::BaseMesh> mesh_;
+  package::ChunkMesh chunk_mesh_;
+  std::optional<motion::MotionGraph> graph_;
+  stream::PartState mesh_state_ = stream::PartState::Absent, graph_state_ = stream::PartState::Absent;
+  std::vector<Stream> streams_;
+  stream::GopCache cache_;
+  Fetches fetches_;
+};
+
+}  // namespace fourdvt

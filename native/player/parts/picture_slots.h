@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// The picture slots of one decoder: textures that its decoded pictures are copied into, and the presentation that each
+// one holds. A slot is free, being filled, ready, or on screen. Pictures of an earlier epoch (before a seek or another
+// sequence) are never shown. Does NOT decode (feeding.h) and does NOT decide what is shown (playhead.h).
+// Order of calls for a slot: findFree → prepare → fill → upload → commit → show.
+#pragma once
+
+#include <vector>
+
+#include "render/character_model.h"
+
+namespace fourdvt {
+
+class PictureSlots {
+ public:
+  PictureSlots(int count, render::PictureTextures::Kind kind) : kind_(kind), slots_(static_cast<size_t>(count)) {}
+
+  bool holds(int slot) const { return slot >= 0 && slot < static_cast<int>(slots_.size()); }
+  int freeCount() const;
+  int usedCount() const { return static_cast<int>(slots_.size()) - freeCount(); }
+  int findFree() const;  // -1: none
+  // Gives the slot a texture of the rendition's size. Errors: GpuFailure.
+  Status prepare(gpu::Device& device, int slot, const package::Rendition& rendition);
+  void fill(int slot, int64_t k);  // k: the presentation, frames since the sequence's start, unwrapped over loops
+  // It is being filled for the present epoch.
+  bool awaits(int slot) const;
+  void upload(gpu::Device& device, int slot, const I420View& picture);
+  void reject(int slot) { at(slot).rejected = true; }  // what it is being filled with must not be shown
+  // It is filled: ready from now on, or free again if nobody wants it. Not `in_use`: its texture is freed.
+  void commit(int slot, bool in_use);
+  // Puts a ready picture on screen; frees the one before and the ready ones that it overtakes.
+  void show(int slot);
+
+  int64_t k(int slot) const { return at(slot).k; }
+  const render::PictureTextures& picture(int slot) const { return at(slot).picture; }
+  // Ready pictures of the present epoch; -1: none.
+  int findReady(int64_t k) const;
+  int newestReady(int64_t min_k, int64_t max_k) const;
+
+  void beginEpoch();  // frees ready pictures; those that are being filled go when they are committed
+  void close();       // frees all, and their textures, but for those that are being filled
+
+ private:
+  struct Slot {
+    enum class Use { Free, Filling, Ready, Shown } use = Use::Free;
+    int64_t k = 0;
+    uint32_t epoch = 0;
+    bool rejected = false;
+    int width = 0, height = 0;
+    render::PictureTextures picture;
+    void release();
+  };
+  Slot& at(int slot) { return slots_[static_cast<size_t>(slot)]; }
+  const Slot& at(int slot) const { return slots_[static_cast<size_t>(slot)]; }
+
+  render::PictureTextures::Kind kind_;
+  std::vector<Slot> slots_;
+  uint32_t epoch_ = 0;
+};
+
+}  // namespace fourdvt

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "player/parts/playback.h"
+
+#include <algorithm>
+
+namespace fourdvt {
+
+namespace {
+constexpr double kStarvedBeforeWaiting_s = 0.25;
+constexpr double kTimeUpdatePeriod_s = 0.25;
+constexpr double kMaxRate = 4;
+}  // namespace
+
+bool Playback::play() {
+  if (playing_) return false;
+  return playing_ = true;
+}
+
+bool Playback::pause() {
+  if (!playing_) return false;
+  playing_ = waiting_ = false;
+  outbox_.emit(EventKind::Paused);
+  return true;
+}
+
+void Playback::end() {
+  playing_ = false;
+  outbox_.emit(EventKind::Ended);
+}
+
+void Playback::setRate(double rate) {
+  if (rate > 0) rate_ = std::min(rate, kMaxRate);
+}
+
+void Playback::setLoop(int loop) { loop_override_ = std::clamp(loop, -1, 1); }
+
+bool Playback::loops(const package::Sequence& sequence) const {
+  return loop_override_ < 0 ? sequence.loop : loop_override_ == 1;
+}
+
+void Playback::tick(double now_s) {
+  tick_s_ = ticked_ ? std::clamp(now_s - now_s_, 0.0, kMaxStep_s) : 0;
+  ticked_ = true;
+  now_s_ = now_s;
+}
+
+void Playback::finishTick(bool seeking) {
+  if (!playing_ || seeking || now_s_ - last_time_update_s_ < kTimeUpdatePeriod_s) return;
+  last_time_update_s_ = now_s_;
+  outbox_.emit(EventKind::TimeUpdate);
+}
+
+void Playback::finishSeek(bool sequence_changed) {
+  if (!can_play_) {
+    can_play_ = true;
+    outbox_.emit(EventKind::CanPlay);
+  }
+  if (sequence_changed) outbox_.emit(EventKind::SequenceChanged);
+  if (seek_requested_) outbox_.emit(EventKind::Seeked);
+  seek_requested_ = false;
+  if (playing_) emitPlaying();
+}
+
+void Playback::noteStarvation(bool starved) {
+  if (!starved) {
+    forgetStarvation();
+    if (waiting_ && playing_) emitPlaying();
+    waiting_ = false;
+    return;
+  }
+  if (starved_since_s_ < 0) starved_since_s_ = now_s_;
+  if (waiting_ || now_s_ - starved_since_s_ <= kStarvedBeforeWaiting_s) return;
+  waiting_ = true;
+  outbox_.emit(EventKind::Waiting);
+}
+
+}  // namespace fourdvt

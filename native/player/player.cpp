@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+// Commands and queries.
+#include <algorithm>
+#include <cmath>
+
+#include "player/player_impl.h"
+
+namespace fourdvt {
+
+Result<std::unique_ptr<Player>> Player::create(gpu::Device& device, const PlayerOptions& options) {
+  auto recipe = render::Recipe::create(device);
+  if (!recipe.ok()) return recipe.error();
+  return create(device, recipe.take(), options);
+}
+
+Result<std::unique_ptr<Player>> Player::create(gpu::Device& device, std::shared_ptr<render::Recipe> recipe,
+                                               const PlayerOptions& options) {
+  if (options.picture_slots < 2) return Error{ErrorId::InvalidArgument, "picture_slots must be at least 2"};
+  return std::unique_ptr<Player>(new PlayerImpl(device, options, std::move(recipe)));
+}
+
+PlayerImpl::PlayerImpl(gpu::Device& device, const PlayerOptions& options, std::shared_ptr<render::Recipe> recipe)
+    : device_(device),
+      options_(options),
+      recipe_(std::move(recipe)),
+      loading_(outbox_, options.encoded_budget_bytes),
+      playback_(outbox_),
+      tracks_{Track(0, options.picture_slots, options.picture_kind),
+              Track(1, options.picture_slots, options.picture_kind)},
+      root_motion_(options.turn_rate_rad_s),
+      parameters_(options.parameter_rate) {}
+
+Status PlayerImpl::loadManifest(const FlatJson& gltf) {
+  if (Status read = loading_.readManifest(gltf); !read.ok()) {
+    fail(read.error(), -1);
+    return read;
+  }
+  const int first = wanted_name_.empty() ? 0 : loading_.find(wanted_name_);
+  outbox_.emit(EventKind::LoadedMetadata);
+  select(std::max(first, 0));
+  if (first < 0) return Error{ErrorId::InvalidArgument, "the character has no sequence named " + wanted_name_};
+  return {};
+}
+
+bool PlayerImpl::runs(const Track& t) const {
+  return playback_.playing() && !t.head.seeking() && (isMain(t) || transitions_.fading());
+}
+
+bool PlayerImpl::isReady(const Track& t) const {
+  return t.head.used() && composer_.hasMesh() && loading_.playable(t.head.sequence());
+}
+
+uint32_t PlayerImpl::frameOf(const Track& t, int64_t k) const {
+  return static_cast<uint32_t>(k % wantedOf(t).frame_count);
+}
+
+uint32_t PlayerImpl::shownFrameOf(const Track& t) const {
+  return static_cast<uint32_t>(t.head.shown().k % shownOf(t).frame_count);
+}
+
+void PlayerImpl::play() {
+  if (!playback_.play() || !main().head.used()) return;
+  if (main().head.ended()) startAt(main(), 0);
+  for (Track& t : tracks_) t.head.setRunning(runs(t));
+  if (!seeking()) playback_.emitPlaying();
+}
+
+void PlayerImpl::pause() {
+  if (!playback_.pause()) return;
+  for (Track& t : tracks_) t.head.setRunning(false);
+}
+
+void PlayerImpl::seekFrame(uint32_t frame) {
+  if (!main().head.used()) return;
+  cancelTransition();
+  playback_.requestSeek();
+  startAt(main(), std::min(frame, wantedOf(main()).frame_count - 1));
+}
+
+void PlayerImpl::seek(double time_s) {
+  if (!main().head.used() || !std::isfinite(time_s)) return;
+  const package::Sequence& sequence = wantedOf(main());
+  seekFrame(static_cast<uint32_t>(
+      std::clamp(time_s * sequence.fps + 1e-6, 0.0, static_cast<double>(sequence.frame_count - 1))));
+}
+
+Status PlayerImpl::selectSequence(const std::string& name) {
+  wanted_name_ = name;
+  if (!character()) return {};
+  const int sequence = loading_.find(name);
+  if (sequence < 0) return Error{ErrorId::InvalidArgument, "the character has no sequence named " + name};
+  cancelTransition();
+  transitions_.forgetReturn();
+  transitions_.setGoal(sequence);
+  if (sequence != main().head.sequence()) select(sequence);
+  return {};
+}
+
+void PlayerImpl::select(int sequence) {
+  transitions_.setGoal(sequence);
+  main().head.select(sequence);
+  startAt(main(), 0);
+}
+
+void PlayerImpl::startAt(Track& t, int64_t frame) {
+  t.head.seek(frame, wantedOf(t).fps);
+  t.parameters.setEntry({});
+  if (isMain(t)) playback_.forgetStarvation();
+  stopFeed(t);
+  if (loading_.playable(t.head.sequence())) restartFeed(t);
+  requestMissing();
+}
+
+// A sequence that was fed to its end and now loops is fed again, from the shown frame on.
+void PlayerImpl::setLoop(int loop) {
+  playback_.setLoop(loop);
+  for (Track& t : tracks_) {
+    if (!isReady(t) || !t.feeding.active() || !t.feeding.done() || !loops(t)) continue;
+    if (!t.head.hasPicture() || t.head.seeking()) continue;
+    t.head.seekShown();
+    restartFeed(t);
+  }
+}
+
+Status PlayerImpl::setParameter(const std::string& name, double value, bool at_once) {
+  if (!std::isfinite(value)) return Error{ErrorId::InvalidArgument, name + " must be a number"};
+  const package::Character* c = character();
+  if (c && std::none_of(c->sequences.begin(), c->sequences.end(),
+                        [&](const auto& s) { return motion::findParameter(s, name) >= 0; }))
+    return Error{ErrorId::InvalidArgument, "the character has no parameter named " + name};
+  parameters_.set(name, value);
+  if (at_once) glideParameters(1e9);
+  return {};
+}
+
+double PlayerImpl::parameter(const std::string& name) const {
+  if (hasFrame()) {
+    const int p = motion::findParameter(shownOf(main()), name);
+    if (p >= 0) return main().parameters.value(static_cast<size_t>(p));
+  }
+  for (int i = 0; i < loading_.sequenceCount(); ++i) {
+    const int p = motion::findParameter(loading_.sequence(i), name);
+    if (p >= 0) return parameters_.wanted(loading_.sequence(i), static_cast<size_t>(p));
+  }
+  return std::nan("");
+}
+
+void PlayerImpl::glideParameters(double dt_s) {
+  for (Track& t : tracks_) {
+    if (!t.head.hasPicture() || !(isMain(t) || transitions_.fading())) continue;
+    if (t.parameters.glide(shownOf(t), parameters_, dt_s)) t.frame.markStale();
+  }
+}
+
+std::string PlayerImpl::goal() const {
+  return transitions_.goal() < 0 ? wanted_name_ : loading_.sequence(transitions_.goal()).name;
+}
+
+const package::Sequence* PlayerImpl::sequence() const { return main().head.used() ? &wantedOf(main()) : nullptr; }
+
+uint32_t PlayerImpl::frame() const {
+  const Track& t = main();
+  if (!t.head.used()) return 0;
+  return hasFrame() ? shownFrameOf(t) : frameOf(t, t.head.wantedK());
+}
+
+double PlayerImpl::currentTime() const {
+  const Track& t = main();
+  if (!t.head.used()) return 0;
+  return frameOf(t, hasFrame() ? t.head.position() : t.head.wantedK()) / wantedOf(t).fps;
+}
+
+PlayerStats PlayerImpl::stats() const {
+  PlayerStats stats = stats_;
+  stats.bytes_fetched = loading_.bytesFetched();
+  stats.encoded_bytes_held = loading_.encodedBytesHeld();
+  return stats;
+}
+
+}  // namespace fourdvt

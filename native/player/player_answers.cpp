@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+// What passes between the player and its edge: requests, answers to fetches, decoded pictures, failures.
+#include "package/barcode.h"
+#include "player/player_impl.h"
+
+namespace fourdvt {
+
+namespace {
+// Answers of acquireSlot.
+constexpr int kNoSlotNow = -1, kNotAwaited = -2;
+}  // namespace
+
+void PlayerImpl::requestMissing() {
+  if (!main().head.used()) return;
+  std::array<Need, kDecoders> needs;
+  size_t count = 0;
+  for (const Track* t : {&main(), &other()}) {
+    if (!t->head.used()) continue;
+    Need& need = needs[count++];
+    need = {t->head.sequence(), frameOf(*t, t->head.position()), loops(*t), {}};
+    if (t->feeding.active() && !t->feeding.done()) need.fed_gop = t->feeding.gop();
+  }
+  const bool wanted = transitions_.phase() == Transitions::Phase::Wanted;
+  loading_.requestMissing(std::span(needs.data(), count), wanted ? transitions_.target() : -1);
+}
+
+void PlayerImpl::onRangeReceived(uint32_t id, std::span<const uint8_t> bytes) {
+  Arrival arrival = loading_.receive(id, bytes);
+  if (arrival.status.ok() && arrival.what == Arrival::What::Mesh)
+    arrival.status = composer_.setMesh(device_, *character(), loading_.mesh());
+  if (arrival.status.ok() && arrival.what == Arrival::What::Header) {
+    for (Track& t : tracks_)
+      if (t.head.sequence() == arrival.sequence) restartFeed(t);
+  }
+  if (!arrival.status.ok()) fail(arrival.status.error(), arrival.sequence);
+  if (arrival.what != Arrival::What::Nothing) requestMissing();
+}
+
+void PlayerImpl::onRangeFailed(uint32_t id, const std::string& reason) {
+  const Arrival arrival = loading_.refuse(id, reason);
+  if (!arrival.status.ok()) fail(arrival.status.error(), arrival.sequence);
+}
+
+// Reports what is broken and stops asking for it: one sequence, or everything (-1). The player itself stays usable.
+void PlayerImpl::fail(Error error, int broken_sequence) {
+  if (!loading_.markBroken(broken_sequence)) return;
+  for (Track& t : tracks_)
+    if (broken_sequence < 0 || broken_sequence == t.head.sequence()) stopFeed(t);
+  if (broken_sequence < 0 || broken_sequence == transitions_.target()) cancelTransition();
+  outbox_.emit({EventKind::Error, std::move(error), 0, 0});
+}
+
+// The device has no memory for a track's pictures or labels: without the second track a transition is a cut.
+void PlayerImpl::giveUp(const Track& t, const Error& error) {
+  if (isMain(t))
+    fail(error, -1);
+  else
+    selectInstead();
+}
+
+FedSequence PlayerImpl::fedBy(const Track& t) const {
+  const int sequence = t.head.sequence();
+  return {sequence, &loading_.sequence(sequence), &loading_.index(sequence), loops(sequence)};
+}
+
+void PlayerImpl::stopFeed(Track& t) {
+  t.feeding.stop();
+  t.slots.beginEpoch();
+}
+
+void PlayerImpl::restartFeed(Track& t) {
+  stopFeed(t);
+  t.feeding.restart(fedBy(t), t.head.wantedK(), outbox_);
+}
+
+// Frees decoder and pictures; pictures that are being filled go when they are committed.
+void PlayerImpl::closeTrack(Track& t) {
+  if (!t.head.used()) return;
+  stopFeed(t);
+  t.slots.close();
+  t.feeding.close(outbox_);
+  t.head.close();
+  t.frame.release();
+}
+
+bool PlayerImpl::nextRequest(Request& out) {
+  if (outbox_.nextRequest(out)) return true;
+  for (Track* t : {&main(), &other()}) {
+    if (!isReady(*t)) continue;
+    const std::vector<uint8_t>* video = loading_.video(t->head.sequence(), t->feeding.gop());
+    if (t->feeding.next(fedBy(*t), video, t->slots.freeCount(), out)) return true;
+  }
+  for (Track& t : tracks_) t.feeding.noteIdlePoll(t.slots.usedCount());
+  return false;
+}
+
+// Null for a number that is none. Slots are numbered over both decoders; `slot` becomes the number within the track.
+Track* PlayerImpl::trackOf(int& slot) {
+  const int each = options_.picture_slots;
+  if (slot < 0 || slot >= kDecoders * each) return nullptr;
+  Track& track = tracks_[static_cast<size_t>(slot / each)];
+  slot %= each;
+  return &track;
+}
+
+int PlayerImpl::acquireSlot(int decoder, int64_t timestamp_us) {
+  if (decoder < 0 || decoder >= kDecoders) return kNotAwaited;
+  Track& t = tracks_[static_cast<size_t>(decoder)];
+  const std::optional<int64_t> k = t.feeding.presentationOf(timestamp_us);
+  if (!k) return kNotAwaited;
+  const int slot = t.slots.findFree();
+  if (slot < 0) return kNoSlotNow;
+  t.feeding.take(timestamp_us);
+  if (Status status = t.slots.prepare(device_, slot, wantedOf(t).renditions[0]); !status.ok()) {
+    giveUp(t, status.error());
+    return kNotAwaited;
+  }
+  t.slots.fill(slot, *k);
+  return decoder * options_.picture_slots + slot;
+}
+
+void PlayerImpl::uploadI420(int slot, const I420View& picture) {
+  Track* t = trackOf(slot);
+  if (!t || !t->slots.awaits(slot)) return;
+  const package::Rendition& rendition = wantedOf(*t).renditions[0];
+  if (picture.width != rendition.width || picture.height != rendition.height) {
+    t->slots.reject(slot);
+    fail({ErrorId::VideoInvalid, rendition.video_uri + ": pictures are " + std::to_string(picture.width) + "x" +
+                                     std::to_string(picture.height) + ", the manifest says " +
+                                     std::to_string(rendition.width) + "x" + std::to_string(rendition.height)},
+         t->head.sequence());
+    return;
+  }
+  const int64_t k = t->slots.k(slot);
+  const uint32_t expected = frameOf(*t, k) % 4096;
+  const std::optional<uint32_t> seen = package::readBarcode(rendition.barcode, picture);
+  ++stats_.barcode_checked;
+  if (seen && *seen == expected) {
+    t->slots.upload(device_, slot, picture);
+    return;
+  }
+  ++stats_.barcode_mismatches;
+  t->slots.reject(slot);
+  if (t->head.seeking() && k == t->head.wantedK())
+    fail({ErrorId::VideoInvalid, rendition.video_uri + ": frame " + std::to_string(expected) +
+                                     " carries another frame's barcode; the file is damaged"},
+         t->head.sequence());
+}
+
+gpu::TextureId PlayerImpl::slotTexture(int slot) const {
+  const Track* t = const_cast<PlayerImpl*>(this)->trackOf(slot);
+  return t ? t->slots.picture(slot).rgba.id() : 0;
+}
+
+void PlayerImpl::commitSlot(int slot) {
+  if (Track* t = trackOf(slot)) t->slots.commit(slot, t->head.used());
+}
+
+void PlayerImpl::onDecoderFailed(int decoder, const std::string& reason) {
+  if (decoder < 0 || decoder >= kDecoders) return;
+  Track& t = tracks_[static_cast<size_t>(decoder)];
+  if (!t.head.used()) return;
+  t.feeding.loseDecoder();
+  if (!isMain(t)) {
+    outbox_.request(CloseDecoder{decoder});
+    selectInstead();
+    return;
+  }
+  const ErrorId id = reason.rfind("unsupported", 0) == 0 ? ErrorId::DecoderUnsupported : ErrorId::VideoInvalid;
+  fail({id, wantedOf(t).renditions[0].video_uri + ": the video does not decode (" + reason + ")"}, t.head.sequence());
+}
+
+}  // namespace fourdvt

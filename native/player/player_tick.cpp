@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+// A tick: the clock moves on, a picture is chosen, and what is drawn is composed.
+#include <array>
+
+#include "player/player_impl.h"
+
+namespace fourdvt {
+
+void PlayerImpl::tick(double now_s) {
+  playback_.tick(now_s);
+  for (Track& t : tracks_) t.head.advance(now_s, clockRate(t), kMaxStep_s);
+  if (!main().head.used()) return;
+  glideParameters(playback_.tick_s());
+  if (playback_.playing() && !seeking()) root_motion_.turn(playback_.tick_s());
+  requestMissing();
+  for (Track* t : {&main(), &other()})
+    if (isReady(*t)) choosePicture(*t);
+  stepTransition();
+  composeMesh();
+  playback_.finishTick(seeking());
+}
+
+// A class's phases pass as fast as the pass takes at these weights.
+double PlayerImpl::clockRate(const Track& t) const {
+  const double rate = playback_.rate();
+  if (!t.head.used() || t.head.shown().sequence != t.head.sequence()) return rate;
+  const package::Sequence& sequence = wantedOf(t);
+  const double duration_s = motion::durationAt(sequence, t.parameters.weights().members);
+  return sequence.isClass() && duration_s > 0 ? rate * sequence.duration_s() / duration_s : rate;
+}
+
+void PlayerImpl::choosePicture(Track& t) {
+  if (!t.head.seeking() && !runs(t)) return;
+  const double fps = wantedOf(t).fps;
+  const int slot = t.head.choose(t.slots, fps);
+  const FrameGeometry geometry =
+      slot < 0 ? FrameGeometry{} : geometryOf(t.head.sequence(), frameOf(t, t.slots.k(slot)));
+  if (geometry) {
+    if (!showPicture(t, slot, geometry)) return;
+  } else if (runs(t) && isMain(t)) {
+    playback_.noteStarvation(t.head.isLate(fps) && !t.feeding.done());
+  }
+  if (!runs(t)) return;
+  t.head.holdAtNewest(t.slots, fps);
+  if (isMain(t)) finishAtEnd(t);
+}
+
+// False: there was no memory for it.
+bool PlayerImpl::showPicture(Track& t, int slot, const FrameGeometry& geometry) {
+  const int previous_sequence = t.head.shown().sequence;
+  const int64_t k = t.slots.k(slot);
+  if (!t.head.seeking()) stats_.frames_late += static_cast<uint64_t>(k - t.head.shown().k - 1);
+  if (!present(t, k, geometry)) return false;
+  t.slots.show(slot);
+  t.head.show(slot, k);
+  ++stats_.frames_shown;
+  if (isMain(t)) playback_.noteStarvation(false);
+  if (t.head.seeking()) finishSeek(t, previous_sequence);
+  return true;
+}
+
+// Picture, labels and alignment of one presentation go on screen together; its mesh follows in composeMesh. The
+// character moves along if the presentation continues the shown motion.
+bool PlayerImpl::present(Track& t, int64_t k, const FrameGeometry& geometry) {
+  const package::Sequence& sequence = wantedOf(t);
+  if (Status status = t.frame.present(device_, composer_.model(), sequence, geometry); !status.ok()) {
+    giveUp(t, status.error());
+    return false;
+  }
+  const Presentation& shown = t.head.shown();
+  if (shown.sequence != t.head.sequence() || t.parameters.hasEntry()) t.parameters.enter(sequence, parameters_);
+  const RootFrame root{sequence, t.parameters.weights().members, geometry};
+  const int64_t count = sequence.frame_count;
+  if (!t.head.seeking())
+    t.roots.lead(root_motion_, isMain(t) ? RootMotion::Side::Source : RootMotion::Side::Target, root,
+                 k / count - shown.k / count);
+  t.roots.keep(root);
+  return true;
+}
+
+void PlayerImpl::finishSeek(Track& t, int previous_sequence) {
+  t.head.finishSeek(wantedOf(t).fps);
+  t.head.setRunning(runs(t));
+  if (!isMain(t)) return;
+  loading_.onFirstPicture();
+  playback_.finishSeek(previous_sequence >= 0 && previous_sequence != t.head.sequence());
+}
+
+// A state that is about to lead on stays on its last frame instead of ending.
+void PlayerImpl::finishAtEnd(Track& t) {
+  if (loops(t) || shownFrameOf(t) + 1 != wantedOf(t).frame_count) return;
+  if (transitions_.phase() != Transitions::Phase::None || transitions_.returnTo() >= 0) return;
+  if (!t.head.pastShown(wantedOf(t).fps)) return;
+  t.head.end();
+  playback_.end();
+}
+
+// Decoded as far as this frame; none while it is not there, or broken.
+FrameGeometry PlayerImpl::geometryOf(int sequence, uint32_t frame) {
+  FrameGeometry geometry;
+  if (Status status = loading_.geometry(sequence, frame, geometry); !status.ok()) fail(status.error(), sequence);
+  return geometry;
+}
+
+void PlayerImpl::composeMesh() {
+  for (Track* t : {&main(), &other()}) {
+    if (!t->head.hasPicture() || !t->frame.stale() || !(isMain(*t) || transitions_.fading())) continue;
+    const FrameGeometry geometry = geometryOf(t->head.shown().sequence, shownFrameOf(*t));
+    if (!geometry) continue;
+    t->frame.blend(geometry, t->parameters.weights());
+    composer_.markStale();
+  }
+  if (!hasFrame()) return;
+  composer_.compose(device_, main().frame, transitions_.fading() ? &other().frame : nullptr,
+                    {transitions_.fade(), transitions_.shift()});
+}
+
+Result<render::Figure> PlayerImpl::figure() const {
+  if (!hasFrame()) return Error{ErrorId::InvalidArgument, "nothing to draw yet: wait for canplay"};
+  const auto look = [](const Track& t) {
+    return render::Look{&t.frame.appearance(), &t.slots.picture(t.head.shown().slot), t.parameters.weights().members};
+  };
+  std::array<render::Look, 2> looks{look(main())};
+  if (transitions_.fading()) looks[1] = look(other());
+  return composer_.figure(std::span(looks.data(), transitions_.fading() ? 2 : 1), transitions_.fade(),
+                          motion::worldFromCharacter(root_motion_.sourcePlacement()));
+}
+
+Status PlayerImpl::draw(const render::View& view, const render::RecipeOptions& options, gpu::TargetId target) {
+  auto drawn = figure();
+  if (!drawn.ok()) return drawn.error();
+  return recipe_->draw({&drawn.value(), 1}, nullptr, view, {options, align_}, target);
+}
+
+}  // namespace fourdvt

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+// Loading alone: what is asked for and in which order, retries, damage, progress, and the budget.
+#include <gtest/gtest.h>
+
+#include "player/parts/loading.h"
+#include "player_fixture.h"
+
+using namespace fourdvt;
+using namespace fourdvt::testing;
+
+namespace {
+
+FakeCharacter twoSequences() {
+  return FakeBuilder().build({{"walk", 28, 10, 25, true, 192, 16}, {"pickup", 23, 9, 30, false, 128, 32}});
+}
+
+// Loading with files that answer when the test says so.
+struct Shelf {
+  explicit Shelf(FakeCharacter made = twoSequences(), uint64_t budget_bytes = 1 << 20)
+      : character(std::move(made)), loading(outbox, budget_bytes) {
+    EXPECT_TRUE(loading.readManifest(character.manifest).ok());
+  }
+  std::vector<FetchRange> asked() {
+    std::vector<FetchRange> ranges;
+    for (Request request; outbox.nextRequest(request);) ranges.push_back(std::get<FetchRange>(request));
+    return ranges;
+  }
+  Arrival answer(const FetchRange& range) {
+    const std::vector<uint8_t>& file = character.files.at(range.uri);
+    return loading.receive(range.id, std::span(file).subspan(range.offset, range.bytes));
+  }
+  // Answers everything until nothing more is asked for.
+  void fill(const Need& need) {
+    for (loading.requestMissing({&need, 1}, -1);; loading.requestMissing({&need, 1}, -1)) {
+      const std::vector<FetchRange> ranges = asked();
+      if (ranges.empty()) return;
+      for (const FetchRange& range : ranges) EXPECT_TRUE(answer(range).status.ok());
+    }
+  }
+  FrameGeometry geometry(int sequence, uint32_t frame) {
+    FrameGeometry found;
+    EXPECT_TRUE(loading.geometry(sequence, frame, found).ok());
+    return found;
+  }
+
+  FakeCharacter character;
+  Outbox outbox;
+  Loading loading;
+};
+
+std::vector<std::string> names(const std::vector<FetchRange>& ranges) {
+  std::vector<std::string> uris;
+  for (const FetchRange& range : ranges) uris.push_back(range.uri);
+  return uris;
+}
+
+using Uris = std::vector<std::string>;
+
+}  // namespace
+
+TEST(PlayerLoading, AsksForTheMostUrgentFirstAndOnlyOnce) {
+  Shelf shelf;
+  const Need need{0, 12, true, {}};
+  shelf.loading.requestMissing({&need, 1}, 1);
+  std::vector<FetchRange> ranges = shelf.asked();
+  ASSERT_EQ(names(ranges), (Uris{"mesh.bin", "walk.bin", "pickup.bin"})) << "mesh, its header, the next one's";
+  shelf.loading.requestMissing({&need, 1}, 1);
+  EXPECT_TRUE(shelf.asked().empty());
+  EXPECT_EQ(shelf.answer(ranges[1]).what, Arrival::What::Header);
+  EXPECT_TRUE(shelf.loading.playable(0));
+  shelf.loading.requestMissing({&need, 1}, 1);
+  ranges = shelf.asked();
+  ASSERT_EQ(names(ranges), (Uris{"walk.bin", "walk.mp4", "walk.bin", "walk.mp4"})) << "its GOP, then the next";
+  const package::StreamIndex& index = shelf.loading.index(0);
+  EXPECT_EQ(ranges[0].offset, index.chunks[1].offset) << "frame 12 lies in the second";
+  EXPECT_EQ(ranges[2].offset, index.chunks[2].offset);
+}
+
+TEST(PlayerLoading, AsksThreeTimesThenReportsTheFile) {
+  Shelf shelf;
+  const Need need{0, 0, true, {}};
+  shelf.loading.requestMissing({&need, 1}, -1);
+  const FetchRange header = shelf.asked()[1];
+  for (int retry = 0; retry < 2; ++retry) {
+    EXPECT_TRUE(shelf.loading.refuse(header.id, "offline").status.ok());
+    const std::vector<FetchRange> again = shelf.asked();
+    ASSERT_EQ(again.size(), 1u);
+    EXPECT_EQ(again[0].id, header.id);
+  }
+  const Arrival failed = shelf.loading.refuse(header.id, "offline");
+  ASSERT_FALSE(failed.status.ok());
+  EXPECT_EQ(failed.status.error().id, ErrorId::FetchFailed);
+  EXPECT_EQ(failed.sequence, 0);
+  EXPECT_NE(failed.status.error().message.find("walk.bin"), std::string::npos);
+  EXPECT_TRUE(shelf.loading.refuse(header.id, "offline").status.ok()) << "it is settled";
+  EXPECT_EQ(shelf.answer(header).what, Arrival::What::Nothing);
+}
+
+TEST(PlayerLoading, AnAnswerThatSucceedsAfterAFailureCounts) {
+  Shelf shelf;
+  const Need need{0, 0, true, {}};
+  shelf.loading.requestMissing({&need, 1}, -1);
+  const FetchRange header = shelf.asked()[1];
+  EXPECT_TRUE(shelf.loading.refuse(header.id, "offline").status.ok());
+  const std::vector<uint8_t> too_short(header.bytes - 1);
+  EXPECT_EQ(shelf.loading.receive(header.id, too_short).what, Arrival::What::Nothing) << "counts as a failure";
+  EXPECT_EQ(shelf.asked().size(), 2u);
+  EXPECT_EQ(shelf.answer(header).what, Arrival::What::Header);
+  EXPECT_TRUE(shelf.loading.hasHeader(0));
+}
+
+TEST(PlayerLoading, ABrokenSequenceIsNotAskedForAndTheOtherStays) {
+  Shelf shelf;
+  shelf.fill({0, 0, true, {}});
+  shelf.fill({1, 0, false, {}});
+  ASSERT_TRUE(shelf.geometry(0, 3) && shelf.geometry(1, 3));
+  EXPECT_TRUE(shelf.loading.markBroken(0));
+  EXPECT_FALSE(shelf.loading.markBroken(0)) << "known";
+  EXPECT_FALSE(shelf.loading.playable(0));
+  EXPECT_FALSE(shelf.geometry(0, 3));
+  EXPECT_EQ(shelf.loading.video(0, 0), nullptr) << "its bytes are freed";
+  EXPECT_TRUE(shelf.geometry(1, 3));
+  const Need needs[] = {{0, 15, true, {}}, {1, 15, false, {}}};
+  shelf.loading.requestMissing(needs, -1);
+  for (const FetchRange& range : shelf.asked()) EXPECT_EQ(range.uri.substr(0, 6), "pickup");
+  EXPECT_TRUE(shelf.loading.markBroken(-1)) << "the other one is news";
+  EXPECT_TRUE(shelf.loading.broken(1));
+}
+
+TEST(PlayerLoading, AHeaderOfAnotherCharacterIsRefused) {
+  FakeCharacter character = twoSequences();
+  std::swap(character.files["walk.bin"], character.files["pickup.bin"]);
+  Shelf shelf(std::move(character));
+  const Need need{0, 0, true, {}};
+  shelf.loading.requestMissing({&need, 1}, -1);
+  const Arrival arrival = shelf.answer(shelf.asked()[1]);
+  ASSERT_FALSE(arrival.status.ok());
+  EXPECT_EQ(arrival.status.error().id, ErrorId::StreamInvalid);
+  EXPECT_FALSE(shelf.loading.hasHeader(0));
+}
+
+TEST(PlayerLoading, GeometryIsThatOfItsFrame) {
+  Shelf shelf;
+  EXPECT_FALSE(shelf.geometry(0, 0)) << "nothing there yet";
+  shelf.fill({0, 10, true, {}});
+  for (uint32_t frame : {10u, 13u, 27u}) {
+    const FrameGeometry found = shelf.geometry(0, frame);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found.frames->positions[found.row * found.frames->vertex_count].x, int(frame) * kFrameStride);
+  }
+  EXPECT_FALSE(shelf.geometry(0, 0)) << "not needed, not fetched";
+}
+
+TEST(PlayerLoading, KeepsWithinItsBudgetWhatIsNeeded) {
+  Shelf shelf(twoSequences(), 1);
+  shelf.fill({0, 0, true, {}});
+  const uint64_t two_gops = shelf.loading.encodedBytesHeld();
+  EXPECT_GT(two_gops, 1u) << "what is needed is kept";
+  shelf.fill({0, 10, true, {}});
+  EXPECT_EQ(shelf.loading.video(0, 0), nullptr);
+  EXPECT_NE(shelf.loading.video(0, 2), nullptr);
+  shelf.fill({0, 10, true, {0u}});
+  EXPECT_NE(shelf.loading.video(0, 0), nullptr) << "it is being fed";
+}
+
+TEST(PlayerLoading, ProgressEndsWithTheFirstPictureAndTheGraphFollows) {
+  FakeCharacter character = twoSequences();
+  FakeBuilder::addGraph(character, [](uint32_t, uint32_t, uint32_t) { return motion::Entry{}; });
+  Shelf shelf(std::move(character));
+  const Need need{0, 0, true, {}};
+  shelf.fill(need);
+  Event last{}, event{};
+  int reports = 0;
+  for (; shelf.outbox.nextEvent(event); last = event) ++reports;
+  EXPECT_EQ(reports, 6) << "mesh, header, two GOPs of two parts";
+  EXPECT_EQ(last.kind, EventKind::Progress);
+  EXPECT_EQ(last.loaded_bytes, last.total_bytes);
+  EXPECT_EQ(last.loaded_bytes, shelf.loading.bytesFetched());
+  EXPECT_EQ(shelf.loading.graph(), nullptr);
+  shelf.loading.onFirstPicture();
+  shelf.fill(need);
+  EXPECT_FALSE(shelf.outbox.nextEvent(event));
+  ASSERT_NE(shelf.loading.graph(), nullptr);
+  EXPECT_FALSE(shelf.loading.lacksGraph());
+}
+
+TEST(PlayerLoading, AGraphThatCannotBeHadIsNoError) {
+  for (bool damaged : {false, true}) {
+    FakeCharacter character = twoSequences();
+    FakeBuilder::addGraph(character, [](uint32_t, uint32_t, uint32_t) { return motion::Entry{}; });
+    if (damaged) character.files["graph.bin"][4] ^= 9;
+    Shelf shelf(std::move(character));
+    shelf.loading.requestGraph();
+    const FetchRange range = shelf.asked()[0];
+    if (damaged) {
+      EXPECT_TRUE(shelf.answer(range).status.ok());
+    } else {
+      for (int i = 0; i < 3; ++i) EXPECT_TRUE(shelf.loading.refuse(range.id, "offline").status.ok());
+    }
+    EXPECT_TRUE(shelf.loading.graphFailed());
+    EXPECT_TRUE(shelf.loading.lacksGraph());
+  }
+}

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// The assembled page offers a choice only where the module that it needs was built.
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import { fileURLToPath } from 'node:url';
+
+let folder;
+before(() => { folder = mkdtempSync(join(tmpdir(), 'fourdvt-assemble-')); });
+after(() => rmSync(folder, { recursive: true, force: true }));
+
+// The index page as it is served with these files in the built web package.
+function indexWith(modules) {
+  const [out, dist, character] = ['out', 'dist', 'character'].map((name) => join(folder, name));
+  for (const made of [dist, character]) {
+    rmSync(made, { recursive: true, force: true });
+    mkdirSync(made);
+  }
+  for (const name of ['fourdvt-viewer.js', ...modules]) writeFileSync(join(dist, name), '');
+  writeFileSync(join(character, 'character.gltf'), '{}');
+  execFileSync(process.execPath, [fileURLToPath(new URL('../../site/assemble.mjs', import.meta.url)), out, dist, character]);
+  return readFileSync(join(out, 'index.html'), 'utf8');
+}
+
+test('OpenCV\'s optical flow is offered where its module lies, and only there', () => {
+  const source = readFileSync(new URL('../../site/index.html', import.meta.url), 'utf8');
+  assert.equal(indexWith(['fourdvt-opencv.js']), source);
+  const without = indexWith([]);
+  assert.doesNotMatch(without, /flow-opencv/);
+  assert.match(without, /value="flow-dis"/);
+  assert.equal(without.split('\n').length, source.split('\n').length - 1, 'nothing else is left out');
+});

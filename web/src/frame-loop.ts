@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// Takes one turn per animation frame of the page, as long as something moves and the element is on screen. What a turn
+// does is its owner's.
+
+const MAX_STEP_S = 0.5;  // longer pauses of the page are not caught up
+const IDLE_TURNS = 12;   // turns without change after which the loop sleeps
+
+export class FrameLoop {
+  readonly #turn: (clockS: number, stepS: number) => boolean;
+  #request = 0;
+  #lastMs = 0;
+  #clockS = 0;
+  #idle = 0;
+  #active = true;
+
+  /** `turn` returns true while it needs further turns. Seconds, without the time off-screen. */
+  constructor(turn: (clockS: number, stepS: number) => boolean) {
+    this.#turn = turn;
+  }
+
+  wake(): void {
+    this.#idle = 0;
+    if (this.#active) this.#ask();
+  }
+  /** False: the element is off-screen, and the clock stands still. */
+  setActive(active: boolean): void {
+    this.#active = active;
+    if (!active) this.stop();
+  }
+  /** Takes no more turns until it is woken again. */
+  stop(): void {
+    cancelAnimationFrame(this.#request);
+    this.#request = this.#lastMs = 0;
+  }
+
+  #ask(): void {
+    this.#request ||= requestAnimationFrame((nowMs) => this.#frame(nowMs));
+  }
+
+  #frame(nowMs: number): void {
+    this.#request = 0;
+    const stepS = this.#lastMs ? Math.min((nowMs - this.#lastMs) / 1000, MAX_STEP_S) : 0;
+    this.#lastMs = nowMs;
+    this.#clockS += stepS;
+    this.#idle = this.#turn(this.#clockS, stepS) ? 0 : this.#idle + 1;
+    if (!this.#active || !this.#lastMs) return; // the turn has stopped the loop
+    if (this.#idle < IDLE_TURNS) this.#ask();
+    else this.#lastMs = 0;
+  }
+}
