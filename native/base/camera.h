@@ -23,8 +23,8 @@ struct PinholeCamera {
   glm::dvec3 project(const glm::dvec3& point_in_world) const;
 };
 
-// OpenGL clip space (z in [-w, w], y up) from the camera frame (y down, z forward), for a picture whose row 0 is the
-// top row once read back with the first GL row as the bottom one.
+// To OpenGL clip space (z in [-w, w], y up) from the camera frame (y down, z forward). The picture's top row is the
+// last GL row.
 glm::dmat4 clipFromCam(const PinholeCamera& camera, double near_m, double far_m);
 glm::dmat4 clipFromWorld(const PinholeCamera& camera, double near_m, double far_m);
 
@@ -40,11 +40,11 @@ struct OrbitView {
 PinholeCamera cameraFromOrbit(const OrbitView& view, int width, int height);
 
 // The view that stills, turntables and the page start from: vertical field of view 30°, azimuth 25°, elevation 8°,
-// target at the centre of the bounds, as close as the upright cylinder round the bounds stays inside a picture of
-// aspect width/height at every azimuth, with 8 % to spare.
+// target at the centre of the bounds. The distance is the smallest at which the upright cylinder round the bounds stays
+// inside a picture of aspect width/height, with 8 % to spare.
 OrbitView defaultOrbit(const BoundingBox& bounds, double aspect);
 
-// The same camera for a picture of another size: the field of view that limits is kept, the rest is cropped or added.
+// The same camera for a picture of another size. The narrower field of view is kept, the other is cropped or widened.
 PinholeCamera scaledCamera(const PinholeCamera& camera, int width, int height);
 
 }  // namespace fourdvt

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // JSON as a flat table from JSON pointer ("/extensions/X/sequences/0/frames") to number, string or boolean.
 // The page flattens with JSON.parse, native tools with nlohmann/json; the portable manifest reader sees only this, so
-// that one validation serves both and the player carries no JSON parser. Arrays and objects that are empty vanish.
+// that one validation serves both and the player carries no JSON parser. Empty arrays and objects are not in the table.
 #pragma once
 
 #include <map>
@@ -34,7 +34,8 @@ class FlatJson {
   // True if anything lies at or below the pointer.
   bool has(const std::string& pointer) const {
     auto it = values_.lower_bound(pointer);
-    return it != values_.end() && (it->first == pointer || it->first.compare(0, pointer.size() + 1, pointer + "/") == 0);
+    return it != values_.end() &&
+           (it->first == pointer || it->first.compare(0, pointer.size() + 1, pointer + "/") == 0);
   }
   size_t size() const { return values_.size(); }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// FNV-1a, 64 bit: keys and checksums of files that this program writes for itself. Does NOT protect against intent.
+// FNV-1a, 64 bit: keys and checksums of files that this program writes for itself. Does NOT detect forgery.
 #pragma once
 
 #include <cstdint>

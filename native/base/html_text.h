@@ -5,7 +5,7 @@
 
 namespace fourdvt {
 
-// Text for HTML and SVG, also inside quoted attributes.
+// Escapes text for HTML and SVG, also inside quoted attributes.
 inline std::string htmlEscaped(const std::string& text) {
   std::string out;
   out.reserve(text.size());

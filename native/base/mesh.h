@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Triangle topology with wedge UVs, constant over a character. Positions per frame live beside it.
+// Triangle topology with UVs per corner, the same in all frames of a character. Positions are kept apart, per frame.
 #pragma once
 
 #include <cstdint>
-#include <vector>
-
 #include <glm/glm.hpp>
+#include <vector>
 
 namespace fourdvt {
 
 struct MeshTopology {
   uint32_t vertex_count = 0;
-  std::vector<glm::vec2> uvs;            // texture coordinates, origin TOP left (glTF); texel = uv * size
-  std::vector<glm::uvec3> face_vertices; // indices < vertex_count, counter-clockwise seen from outside
-  std::vector<glm::uvec3> face_uvs;      // indices < uvs.size(), one per face
+  std::vector<glm::vec2> uvs;             // texture coordinates, origin TOP left (glTF); texel = uv * size
+  std::vector<glm::uvec3> face_vertices;  // indices < vertex_count, counter-clockwise seen from outside
+  std::vector<glm::uvec3> face_uvs;       // indices < uvs.size(), one per face
 
   uint32_t faceCount() const { return static_cast<uint32_t>(face_vertices.size()); }
 };
@@ -25,7 +24,7 @@ struct BoundingBox {
 };
 
 // Area-weighted unit vertex normals, vertex_count of them; a vertex without area gets (0,1,0).
-void computeVertexNormals(const std::vector<glm::uvec3>& face_vertices, const glm::vec3* positions,
-                          size_t vertex_count, std::vector<glm::vec3>& normals);
+void computeVertexNormals(const std::vector<glm::uvec3>& face_vertices, const glm::vec3* positions, size_t vertex_count,
+                          std::vector<glm::vec3>& normals);
 
 }  // namespace fourdvt

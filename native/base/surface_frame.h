@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two tangents a vertex of the base mesh, and how a displacement along them moves texture coordinates. The same frame
-// at bake and at run time, so that a displacement baked as two numbers a vertex needs no pose.
+// Two tangents per vertex of the base mesh, and how a displacement along them moves texture coordinates. Bake and
+// player compute the same frames, so that a displacement of two numbers per vertex needs no pose.
 #pragma once
 
 #include <span>

@@ -50,6 +50,12 @@ std::string sized(const std::string& label, int width, int height) {
   return "'" + label + "' (" + std::to_string(width) + " x " + std::to_string(height) + ")";
 }
 
+bool isEmpty(const Region& region) { return region.x < 0 || region.y < 0 || region.width < 1 || region.height < 1; }
+
+bool fits(const Region& region, int width, int height) {
+  return !isEmpty(region) && region.x <= width - region.width && region.y <= height - region.height;
+}
+
 }  // namespace
 
 const TextureRecord* CheckedDevice::texture(TextureId id) const {
@@ -101,21 +107,20 @@ Result<TextureId> CheckedDevice::createTexture(const TextureDesc& desc) {
   return id;
 }
 
-void CheckedDevice::updateTexture(TextureId id, int layer, int x, int y, int width, int height, const void* pixels,
-                                  int stride_bytes) {
+void CheckedDevice::updateTexture(TextureId id, const Region& region, const void* pixels, int stride_bytes, int layer) {
   const TextureRecord* record = texture(id);
   if (!record) return misuse("updateTexture: no such texture");
   const TextureDesc& desc = record->desc;
-  const int row_bytes = width * bytesPerPixel(desc.format);
+  const int row_bytes = region.width * bytesPerPixel(desc.format);
   if (in_pass_) return misuse("updateTexture inside a pass: " + record->label);
   if (!pixels || desc.format == PixelFormat::Depth24) return misuse("updateTexture: no pixels for " + record->label);
-  if (x < 0 || y < 0 || width < 1 || height < 1 || x > desc.width - width || y > desc.height - height)
+  if (!fits(region, desc.width, desc.height))
     return misuse("updateTexture: rectangle outside " + sized(record->label, desc.width, desc.height));
   if (desc.layers > 0 && (layer < 0 || layer >= desc.layers)) return misuse("updateTexture: no such layer");
   if (stride_bytes != 0 && stride_bytes < row_bytes) return misuse("updateTexture: stride shorter than a row");
   counters_.texture_updates += 1;
-  counters_.uploaded_bytes += static_cast<uint64_t>(row_bytes) * height;
-  onUpdateTexture(*record, layer, x, y, width, height, pixels, stride_bytes ? stride_bytes : row_bytes);
+  counters_.uploaded_bytes += static_cast<uint64_t>(row_bytes) * region.height;
+  onUpdateTexture(*record, region, pixels, stride_bytes ? stride_bytes : row_bytes, layer);
 }
 
 void CheckedDevice::generateMipmaps(TextureId id) {
@@ -135,13 +140,13 @@ void CheckedDevice::destroyTexture(TextureId id) {
   textures_.erase(id);
 }
 
-Result<ProgramId> CheckedDevice::createProgram(std::string_view label, std::string_view vertex_source,
-                                               std::string_view fragment_source, std::string_view defines) {
+Result<ProgramId> CheckedDevice::createProgram(std::string_view label, std::string_view vertex_text,
+                                               std::string_view fragment_text, std::string_view defines) {
   const std::string name(label);
-  if (vertex_source.empty() || fragment_source.empty())
-    return Error{ErrorId::GpuFailure, "program '" + name + "': empty source; is the shader file embedded?"};
+  if (vertex_text.empty() || fragment_text.empty())
+    return Error{ErrorId::GpuFailure, "program '" + name + "': empty text; is the shader file embedded?"};
   const ProgramId id = next_id_++;
-  FOURDVT_TRY(onCreateProgram(id, name, wholeShader(defines, vertex_source), wholeShader(defines, fragment_source)));
+  FOURDVT_TRY(onCreateProgram(id, name, wholeShader(defines, vertex_text), wholeShader(defines, fragment_text)));
   counters_.live_programs += 1;
   programs_[id] = name;
   return id;
@@ -262,41 +267,39 @@ void CheckedDevice::endPass() {
   in_pass_ = false;
 }
 
-std::string CheckedDevice::whyNotBlit(TargetId from, TargetId to, int width, int height, int to_x, int to_y) const {
+std::string CheckedDevice::whyNotBlit(TargetId from, TargetId to, const Region& region) const {
   const TargetRecord* source = target(from);
   const TargetRecord* destination = target(to);
   if (in_pass_) return "inside a pass";
   if ((from != kDefaultTarget && !source) || (to != kDefaultTarget && !destination) || from == to)
     return "no such target";
-  if (width < 1 || height < 1 || to_x < 0 || to_y < 0) return "empty or negative rectangle";
-  if (source && (width > source->width || height > source->height)) return "larger than its source";
-  if (destination && (to_x > destination->width - width || to_y > destination->height - height))
-    return "outside its destination";
+  if (isEmpty(region)) return "empty or negative rectangle";
+  if (source && (region.width > source->width || region.height > source->height)) return "larger than its source";
+  if (destination && !fits(region, destination->width, destination->height)) return "outside its destination";
   if (destination && destination->samples > 1) return "its destination is multisampled";
-  if (source && source->samples > 1 && (to_x != 0 || to_y != 0)) return "a multisampled source cannot be moved";
+  if (source && source->samples > 1 && (region.x != 0 || region.y != 0)) return "a multisampled source cannot be moved";
   if (source && destination &&
       (source->formats.empty() || destination->formats.empty() || source->formats[0] != destination->formats[0]))
     return "formats differ";
   return {};
 }
 
-void CheckedDevice::blit(TargetId from, TargetId to, int width, int height, int to_x, int to_y) {
-  if (const std::string why = whyNotBlit(from, to, width, height, to_x, to_y); !why.empty())
-    return misuse("blit: " + why);
-  onBlit(target(from), target(to), width, height, to_x, to_y);
+void CheckedDevice::blit(TargetId from, TargetId to, const Region& region) {
+  if (const std::string why = whyNotBlit(from, to, region); !why.empty()) return misuse("blit: " + why);
+  onBlit(target(from), target(to), region);
 }
 
-Status CheckedDevice::readPixels(TargetId id, PixelFormat format, int x, int y, int width, int height, void* out) {
+Status CheckedDevice::readPixels(TargetId id, PixelFormat format, const Region& region, void* out) {
   const TargetRecord* record = target(id);
   std::string why;
   if (in_pass_) why = "inside a pass";
   if (id != kDefaultTarget && !record) why = "no such target";
-  if (!out || width < 1 || height < 1 || x < 0 || y < 0) why = "empty rectangle";
-  if (record && (x > record->width - width || y > record->height - height)) why = "rectangle outside the target";
+  if (!out || isEmpty(region)) why = "empty rectangle";
+  if (record && !fits(region, record->width, record->height)) why = "rectangle outside the target";
   if (record && record->samples > 1) why = "multisampled; blit it first";
   if (record && (record->formats.empty() || record->formats[0] != format)) why = "the target has another format";
   if (!why.empty()) return Error{ErrorId::GpuFailure, "readPixels of '" + (record ? record->label : "") + "': " + why};
-  return onReadPixels(record, format, x, y, width, height, out);
+  return onReadPixels(record, format, region, out);
 }
 
 uint32_t CheckedDevice::nativeTexture(TextureId id) const {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every device shares: handle tables, validation, counting. A back end implements the on… hooks, which are called
+// What every device shares: handle tables, validation, counting. Each device implements the on… hooks, which are called
 // with valid arguments only. Misuse is recorded (takeErrors) and the call dropped, so that the null device and GLES
 // agree on what is legal.
 #pragma once
@@ -15,7 +15,7 @@ struct TextureRecord {
   std::string label;
   int levels = 1;
   uint64_t bytes = 0;
-  uint32_t native = 0;  // set by the back end
+  uint32_t native = 0;  // set by the hooks
 };
 
 struct TargetRecord {
@@ -24,27 +24,26 @@ struct TargetRecord {
   int width = 0, height = 0, samples = 0;
   bool own_color = false, own_depth = false;
   std::vector<PixelFormat> formats;                              // of the colour attachments
-  uint32_t framebuffer = 0, color_buffer = 0, depth_buffer = 0;  // set by the back end
+  uint32_t framebuffer = 0, color_buffer = 0, depth_buffer = 0;  // set by the hooks
 };
 
 class CheckedDevice : public Device {
  public:
   const Caps& caps() const final { return caps_; }
   Result<TextureId> createTexture(const TextureDesc& desc) final;
-  void updateTexture(TextureId texture, int layer, int x, int y, int width, int height, const void* pixels,
-                     int stride_bytes) final;
+  void updateTexture(TextureId texture, const Region& region, const void* pixels, int stride_bytes, int layer) final;
   void generateMipmaps(TextureId texture) final;
   void destroyTexture(TextureId texture) final;
-  Result<ProgramId> createProgram(std::string_view label, std::string_view vertex_source,
-                                  std::string_view fragment_source, std::string_view defines) final;
+  Result<ProgramId> createProgram(std::string_view label, std::string_view vertex_text, std::string_view fragment_text,
+                                  std::string_view defines) final;
   void destroyProgram(ProgramId program) final;
   Result<TargetId> createTarget(const TargetDesc& desc) final;
   void destroyTarget(TargetId target) final;
   void beginPass(const Pass& pass) final;
   void draw(const Draw& draw) final;
   void endPass() final;
-  void blit(TargetId from, TargetId to, int width, int height, int to_x, int to_y) final;
-  Status readPixels(TargetId target, PixelFormat format, int x, int y, int width, int height, void* out) final;
+  void blit(TargetId from, TargetId to, const Region& region) final;
+  Status readPixels(TargetId target, PixelFormat format, const Region& region, void* out) final;
   uint32_t nativeTexture(TextureId texture) const final;
   const Counters& counters() const final { return counters_; }
   void resetCounters() final;
@@ -52,20 +51,19 @@ class CheckedDevice : public Device {
 
  protected:
   virtual Status onCreateTexture(TextureRecord& texture) = 0;
-  virtual void onUpdateTexture(const TextureRecord& texture, int layer, int x, int y, int width, int height,
-                               const void* pixels, int stride_bytes) = 0;
+  virtual void onUpdateTexture(const TextureRecord& texture, const Region& region, const void* pixels, int stride_bytes,
+                               int layer) = 0;
   virtual void onGenerateMipmaps(const TextureRecord& texture) = 0;
   virtual void onDestroyTexture(const TextureRecord& texture) = 0;
-  virtual Status onCreateProgram(ProgramId id, const std::string& label, const std::string& vertex_source,
-                                 const std::string& fragment_source) = 0;
+  virtual Status onCreateProgram(ProgramId id, const std::string& label, const std::string& vertex_text,
+                                 const std::string& fragment_text) = 0;
   virtual void onDestroyProgram(ProgramId id) = 0;
   virtual Status onCreateTarget(TargetRecord& target) = 0;
   virtual void onDestroyTarget(const TargetRecord& target) = 0;
   virtual void onBeginPass(const Pass& pass, const TargetRecord* target) = 0;  // target null: the default one
   virtual void onDraw(const Draw& draw) = 0;
-  virtual void onBlit(const TargetRecord* from, const TargetRecord* to, int width, int height, int to_x, int to_y) = 0;
-  virtual Status onReadPixels(const TargetRecord* target, PixelFormat format, int x, int y, int width, int height,
-                              void* out) = 0;
+  virtual void onBlit(const TargetRecord* from, const TargetRecord* to, const Region& region) = 0;
+  virtual Status onReadPixels(const TargetRecord* target, PixelFormat format, const Region& region, void* out) = 0;
   virtual std::string onTakeErrors() { return {}; }
 
   const TextureRecord* texture(TextureId id) const;
@@ -78,7 +76,7 @@ class CheckedDevice : public Device {
   std::string whyNotTexture(const TextureDesc& desc) const;
   std::string describeTarget(TargetRecord& record) const;
   std::string whyNotDraw(const Draw& draw) const;
-  std::string whyNotBlit(TargetId from, TargetId to, int width, int height, int to_x, int to_y) const;
+  std::string whyNotBlit(TargetId from, TargetId to, const Region& region) const;
 
   std::unordered_map<TextureId, TextureRecord> textures_;
   std::unordered_map<ProgramId, std::string> programs_;  // labels

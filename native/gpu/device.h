@@ -45,10 +45,10 @@ constexpr TargetId kDefaultTarget = 0;  // the context's own framebuffer (the ca
 struct TargetDesc {
   // Either: draw into existing textures (no multisampling) …
   std::vector<TextureId> colors;
-  TextureId depth = 0;  // a Depth24 texture to keep the depth readable by later passes
+  TextureId depth = 0;  // a Depth24 texture, which later passes can read
   int color_layer = 0;  // for array textures
   int depth_layer = 0;  // likewise, of `depth`
-  // … or: own renderbuffers, RGBA8 + depth, with `samples` > 1 (resolved by blitToTarget).
+  // … or: own renderbuffers, RGBA8 + depth, with `samples` > 1 (resolved by blit).
   int width = 0, height = 0, samples = 0;
   bool own_depth = false;  // a depth renderbuffer owned by the target
   const char* label = "";
@@ -115,45 +115,51 @@ struct Counters {  // since creation, or since resetCounters
   uint64_t live_textures = 0, live_texture_bytes = 0, live_programs = 0, live_targets = 0;
 };
 
+// A rectangle in pixels. Of memory: y counts from the top row; of a target: from the bottom one, as GL does.
+struct Region {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
 class Device {
  public:
   virtual ~Device() = default;
   virtual const Caps& caps() const = 0;
   virtual Result<TextureId> createTexture(const TextureDesc& desc) = 0;
-  // Replaces a rectangle; `stride_bytes` 0 means tightly packed. layer is ignored for 2-D textures.
-  virtual void updateTexture(TextureId texture, int layer, int x, int y, int width, int height, const void* pixels,
-                             int stride_bytes = 0) = 0;
+  // Replaces a region. stride_bytes: from row to row, 0 if they are tightly packed. layer: of an array texture.
+  virtual void updateTexture(TextureId texture, const Region& region, const void* pixels, int stride_bytes = 0,
+                             int layer = 0) = 0;
   virtual void generateMipmaps(TextureId texture) = 0;
   virtual void destroyTexture(TextureId texture) = 0;
-  // GLSL ES 3.00 sources without the #version line; `defines` ("LAYERS 3\n…", one per line, no "#define") go first,
+  // GLSL ES 3.00 texts without the #version line; `defines` ("LAYERS 3\n…", one per line, no "#define") go first,
   // then highp as the default precision. Error: GpuFailure with the label and the compiler's log.
-  virtual Result<ProgramId> createProgram(std::string_view label, std::string_view vertex_source,
-                                          std::string_view fragment_source, std::string_view defines = {}) = 0;
+  virtual Result<ProgramId> createProgram(std::string_view label, std::string_view vertex_text,
+                                          std::string_view fragment_text, std::string_view defines = {}) = 0;
   virtual void destroyProgram(ProgramId program) = 0;
   virtual Result<TargetId> createTarget(const TargetDesc& desc) = 0;
   virtual void destroyTarget(TargetId target) = 0;
   virtual void beginPass(const Pass& pass) = 0;
   virtual void draw(const Draw& draw) = 0;
   virtual void endPass() = 0;
-  // Resolves/copies colour of `from` (0,0,w,h) to `to` at (to_x, to_y); same formats, and (0,0) if `from` is
-  // multisampled (a canvas: alpha, no antialias). A multisampled `from` loses what it held: clear it before drawing.
-  virtual void blit(TargetId from, TargetId to, int width, int height, int to_x = 0, int to_y = 0) = 0;
+  // Copies the colour of `from` at (0,0) into `region` of `to`; formats must be the same. A multisampled `from` is
+  // resolved, to (0,0) only (a canvas: alpha, no antialias), and loses what it held: clear it before drawing.
+  virtual void blit(TargetId from, TargetId to, const Region& region) = 0;
   // Reads colour attachment 0 as stored (RGBA8: 4 bytes; RGBA32F: 16; R32UI: 4 with `format`), top row first. 16F
   // formats are read as 32-bit floats.
-  virtual Status readPixels(TargetId target, PixelFormat format, int x, int y, int width, int height, void* out) = 0;
+  virtual Status readPixels(TargetId target, PixelFormat format, const Region& region, void* out) = 0;
   // The context's own name of a texture (GLuint), for edges that upload video frames themselves.
   virtual uint32_t nativeTexture(TextureId texture) const = 0;
   // Drops cached GL state after foreign code touched the context.
   virtual void invalidateState() = 0;
   virtual const Counters& counters() const = 0;
   virtual void resetCounters() = 0;  // live_… keep their values
-  // Misuse seen since the last call, a line each; empty: none. A misused call is dropped. Slow on GLES (glGetError).
+  // Misuse seen since the last call, one line per case; empty: none. A misused call is dropped. Slow on GLES
+  // (glGetError).
   virtual std::string takeErrors() = 0;
 };
 
 // Needs a current GLES 3.0 / WebGL2 context. gles_device.cpp is the only file that calls gl*.
 Result<std::unique_ptr<Device>> createGlesDevice();
-// Draws nothing; validates handles, sizes, pass order and counts. float_targets: both kinds of Caps.
+// Draws nothing, but validates handles, sizes, the order of passes and counts. float_targets: of both kinds in Caps.
 std::unique_ptr<Device> createNullDevice(bool float_targets = true);
 
 // Move-only owners.
@@ -191,12 +197,12 @@ using Program = Owned<&Device::destroyProgram>;
 using Target = Owned<&Device::destroyTarget>;
 
 Result<Texture> makeTexture(Device& device, const TextureDesc& desc);
-Result<Program> makeProgram(Device& device, std::string_view label, std::string_view vertex_source,
-                            std::string_view fragment_source, std::string_view defines = {});
+Result<Program> makeProgram(Device& device, std::string_view label, std::string_view vertex_text,
+                            std::string_view fragment_text, std::string_view defines = {});
 Result<Target> makeTarget(Device& device, const TargetDesc& desc);
 
 // Embedded shader files (shaders/gles/NAME, e.g. "layered.vert"); empty if there is none. `#include "x.glsl"` lines
 // are expanded at build time by the embedding script.
-std::string_view shaderSource(std::string_view name);
+std::string_view shaderText(std::string_view name);
 
 }  // namespace fourdvt::gpu

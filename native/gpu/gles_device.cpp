@@ -17,43 +17,29 @@ struct GlFormat {
   GLenum internal, format, type;
 };
 
-GlFormat glFormat(PixelFormat format) {
-  switch (format) {
-    case PixelFormat::R8:
-      return {GL_R8, GL_RED, GL_UNSIGNED_BYTE};
-    case PixelFormat::RG8:
-      return {GL_RG8, GL_RG, GL_UNSIGNED_BYTE};
-    case PixelFormat::RGBA8:
-      return {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE};
-    case PixelFormat::R32UI:
-      return {GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT};
-    case PixelFormat::RG32F:
-      return {GL_RG32F, GL_RG, GL_FLOAT};
-    case PixelFormat::RGBA32F:
-      return {GL_RGBA32F, GL_RGBA, GL_FLOAT};
-    case PixelFormat::R32F:
-      return {GL_R32F, GL_RED, GL_FLOAT};
-    case PixelFormat::RG16F:
-      return {GL_RG16F, GL_RG, GL_HALF_FLOAT};
-    case PixelFormat::RGBA16F:
-      return {GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT};
-    case PixelFormat::Depth24:
-      return {GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT};
-  }
-  return {};
+const GlFormat& glFormat(PixelFormat format) {
+  static constexpr GlFormat kFormats[] = {
+      // in the order of PixelFormat
+      {GL_R8, GL_RED, GL_UNSIGNED_BYTE},     {GL_RG8, GL_RG, GL_UNSIGNED_BYTE},
+      {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE}, {GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT},
+      {GL_RG32F, GL_RG, GL_FLOAT},           {GL_RGBA32F, GL_RGBA, GL_FLOAT},
+      {GL_R32F, GL_RED, GL_FLOAT},           {GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT},
+      {GL_RG16F, GL_RG, GL_HALF_FLOAT},      {GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT},
+  };
+  return kFormats[static_cast<size_t>(format)];
 }
 
 GLenum glTarget(const TextureRecord& texture) { return texture.desc.layers > 0 ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D; }
 
 struct GlProgram {
-  struct Slot {
+  struct UniformSlot {
     std::string name;
     GLint location = -1;
     int unit = -1;                  // samplers only
     GLenum target = GL_TEXTURE_2D;  // samplers only
   };
   GLuint name = 0;
-  std::vector<Slot> uniforms, samplers;
+  std::vector<UniformSlot> uniforms, samplers;
 };
 
 // "u_rects[0]" → "u_rects"
@@ -162,18 +148,19 @@ class GlesDevice final : public CheckedDevice {
     return {};
   }
 
-  void onUpdateTexture(const TextureRecord& texture, int layer, int x, int y, int width, int height, const void* pixels,
-                       int stride_bytes) override {
+  void onUpdateTexture(const TextureRecord& texture, const Region& region, const void* pixels, int stride_bytes,
+                       int layer) override {
     const int pixel_bytes = bytesPerPixel(texture.desc.format);
     bindUnit(0, glTarget(texture), texture.native);
     if (stride_bytes % pixel_bytes == 0) {
       glPixelStorei(GL_UNPACK_ROW_LENGTH, stride_bytes / pixel_bytes);
-      upload(texture, layer, x, y, width, height, pixels);
+      upload(texture, region, pixels, layer);
       glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
       return;
     }
     const auto* row = static_cast<const uint8_t*>(pixels);
-    for (int i = 0; i < height; ++i, row += stride_bytes) upload(texture, layer, x, y + i, width, 1, row);
+    for (int i = 0; i < region.height; ++i, row += stride_bytes)
+      upload(texture, {region.x, region.y + i, region.width, 1}, row, layer);
   }
 
   void onGenerateMipmaps(const TextureRecord& texture) override {
@@ -188,11 +175,11 @@ class GlesDevice final : public CheckedDevice {
     glDeleteTextures(1, &name);
   }
 
-  Status onCreateProgram(ProgramId id, const std::string& label, const std::string& vertex_source,
-                         const std::string& fragment_source) override {
+  Status onCreateProgram(ProgramId id, const std::string& label, const std::string& vertex_text,
+                         const std::string& fragment_text) override {
     std::string log;
-    const GLuint vertex = compile(GL_VERTEX_SHADER, vertex_source, log);
-    const GLuint fragment = log.empty() ? compile(GL_FRAGMENT_SHADER, fragment_source, log) : 0;
+    const GLuint vertex = compile(GL_VERTEX_SHADER, vertex_text, log);
+    const GLuint fragment = log.empty() ? compile(GL_FRAGMENT_SHADER, fragment_text, log) : 0;
     GlProgram program;
     if (log.empty()) program.name = link(vertex, fragment, log);
     if (vertex) glDeleteShader(vertex);
@@ -264,26 +251,27 @@ class GlesDevice final : public CheckedDevice {
   void onDraw(const Draw& draw) override {
     const GlProgram& program = programs_[draw.program];
     if (program_ != program.name) glUseProgram(program_ = program.name);
-    for (const GlProgram::Slot& sampler : program.samplers)
+    for (const GlProgram::UniformSlot& sampler : program.samplers)
       bindUnit(sampler.unit, sampler.target, boundTo(draw, sampler));
     for (const Uniform& value : draw.uniforms)
-      for (const GlProgram::Slot& slot : program.uniforms)
+      for (const GlProgram::UniformSlot& slot : program.uniforms)
         if (slot.name == value.name) setUniform(slot.location, value);
     setState(draw);
     glDrawArrays(GL_TRIANGLES, 0, draw.vertex_count);
   }
 
-  void onBlit(const TargetRecord* from, const TargetRecord* to, int width, int height, int to_x, int to_y) override {
+  void onBlit(const TargetRecord* from, const TargetRecord* to, const Region& region) override {
     glBindFramebuffer(GL_READ_FRAMEBUFFER, from ? from->framebuffer : 0);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, to ? to->framebuffer : 0);
-    glBlitFramebuffer(0, 0, width, height, to_x, to_y, to_x + width, to_y + height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    glBlitFramebuffer(0, 0, region.width, region.height, region.x, region.y, region.x + region.width,
+                      region.y + region.height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
     // Tiled GPUs need not store the samples. And without it ANGLE on Vulkan applies the next clear of `from` to `to`.
     constexpr GLenum kSamples[] = {GL_COLOR_ATTACHMENT0, GL_DEPTH_ATTACHMENT};
     if (from && from->samples > 1) glInvalidateFramebuffer(GL_READ_FRAMEBUFFER, 2, kSamples);
   }
 
-  Status onReadPixels(const TargetRecord* target, PixelFormat format, int x, int y, int width, int height,
-                      void* out) override {
+  Status onReadPixels(const TargetRecord* target, PixelFormat format, const Region& region, void* out) override {
+    const auto [x, y, width, height] = region;
     // Only the four-channel forms are guaranteed to be readable: read those, keep the format's channels.
     drainErrors();
     const bool is_byte = glFormat(format).type == GL_UNSIGNED_BYTE;
@@ -352,7 +340,8 @@ class GlesDevice final : public CheckedDevice {
   }
 
   // updateTexture relies on unit 0 being active whenever it has bound there.
-  static void upload(const TextureRecord& texture, int layer, int x, int y, int width, int height, const void* pixels) {
+  static void upload(const TextureRecord& texture, const Region& region, const void* pixels, int layer) {
+    const auto [x, y, width, height] = region;
     const GlFormat format = glFormat(texture.desc.format);
     if (texture.desc.layers > 0)
       glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, x, y, layer, width, height, 1, format.format, format.type, pixels);
@@ -360,7 +349,7 @@ class GlesDevice final : public CheckedDevice {
       glTexSubImage2D(GL_TEXTURE_2D, 0, x, y, width, height, format.format, format.type, pixels);
   }
 
-  GLuint boundTo(const Draw& draw, const GlProgram::Slot& sampler) const {
+  GLuint boundTo(const Draw& draw, const GlProgram::UniformSlot& sampler) const {
     for (const TextureBinding& binding : draw.textures)
       if (sampler.name == binding.sampler) return texture(binding.texture)->native;
     return 0;
@@ -406,7 +395,7 @@ class GlesDevice final : public CheckedDevice {
       GLenum type = 0;
       glGetActiveUniform(program.name, static_cast<GLuint>(i), static_cast<GLsizei>(name.size()), nullptr, &size, &type,
                          name.data());
-      GlProgram::Slot slot{plainName(name.data()), glGetUniformLocation(program.name, name.data())};
+      GlProgram::UniformSlot slot{plainName(name.data()), glGetUniformLocation(program.name, name.data())};
       if (slot.location < 0) continue;
       if (!isSampler(type)) {
         program.uniforms.push_back(std::move(slot));

@@ -21,7 +21,7 @@ class NullDevice final : public CheckedDevice {
     texture.native = ++natives_;
     return {};
   }
-  void onUpdateTexture(const TextureRecord&, int, int, int, int, int, const void*, int) override {}
+  void onUpdateTexture(const TextureRecord&, const Region&, const void*, int, int) override {}
   void onGenerateMipmaps(const TextureRecord&) override {}
   void onDestroyTexture(const TextureRecord&) override {}
   Status onCreateProgram(ProgramId, const std::string&, const std::string&, const std::string&) override { return {}; }
@@ -30,9 +30,9 @@ class NullDevice final : public CheckedDevice {
   void onDestroyTarget(const TargetRecord&) override {}
   void onBeginPass(const Pass&, const TargetRecord*) override {}
   void onDraw(const Draw&) override {}
-  void onBlit(const TargetRecord*, const TargetRecord*, int, int, int, int) override {}
-  Status onReadPixels(const TargetRecord*, PixelFormat format, int, int, int width, int height, void* out) override {
-    std::memset(out, 0, static_cast<size_t>(width) * height * readBytesPerPixel(format));
+  void onBlit(const TargetRecord*, const TargetRecord*, const Region&) override {}
+  Status onReadPixels(const TargetRecord*, PixelFormat format, const Region& region, void* out) override {
+    std::memset(out, 0, static_cast<size_t>(region.width) * region.height * readBytesPerPixel(format));
     return {};
   }
 

@@ -4,29 +4,8 @@
 namespace fourdvt::gpu {
 
 int bytesPerPixel(PixelFormat format) {
-  switch (format) {
-    case PixelFormat::R8:
-      return 1;
-    case PixelFormat::RG8:
-      return 2;
-    case PixelFormat::RGBA8:
-      return 4;
-    case PixelFormat::R32UI:
-      return 4;
-    case PixelFormat::RG32F:
-      return 8;
-    case PixelFormat::RGBA32F:
-      return 16;
-    case PixelFormat::R32F:
-      return 4;
-    case PixelFormat::Depth24:
-      return 4;
-    case PixelFormat::RG16F:
-      return 4;
-    case PixelFormat::RGBA16F:
-      return 8;
-  }
-  return 0;
+  constexpr uint8_t kBytes[] = {1, 2, 4, 4, 8, 16, 4, 4, 4, 8};  // in the order of PixelFormat
+  return kBytes[static_cast<size_t>(format)];
 }
 
 int readBytesPerPixel(PixelFormat format) {
@@ -40,9 +19,9 @@ Result<Texture> makeTexture(Device& device, const TextureDesc& desc) {
   return Texture(device, id.value());
 }
 
-Result<Program> makeProgram(Device& device, std::string_view label, std::string_view vertex_source,
-                            std::string_view fragment_source, std::string_view defines) {
-  auto id = device.createProgram(label, vertex_source, fragment_source, defines);
+Result<Program> makeProgram(Device& device, std::string_view label, std::string_view vertex_text,
+                            std::string_view fragment_text, std::string_view defines) {
+  auto id = device.createProgram(label, vertex_text, fragment_text, defines);
   if (!id) return id.error();
   return Program(device, id.value());
 }

@@ -6,7 +6,7 @@
 //   u16  0
 //   u32  length of the file in bytes
 //   u32  S: number of states = number of the manifest's sequences, in their order
-//   S times, one a state:
+//   S times, once per state:
 //     u32  F: frames, as the manifest's frame_count
 //     u32  W: weight rows, 1 or more
 //     W × M f32  [row][member] weights of the members, 0..1, each row's sum 1 (M: members in the manifest)

@@ -4,7 +4,7 @@
 namespace fourdvt::motion {
 namespace {
 
-// Over plain numbers, three a vertex: compilers leave vectors uninlined where they optimise for size.
+// Runs over plain numbers, three per vertex: where compilers optimise for size, they do not inline vectors.
 void add(const glm::ivec3* steps, float metres_per_step, Positions& out) {
   if (metres_per_step == 0) return;
   const int32_t* from = &steps->x;
@@ -16,7 +16,8 @@ void add(const glm::ivec3* steps, float metres_per_step, Positions& out) {
 }  // namespace
 
 void blendFrame(const package::ChunkFrames& frames, uint32_t row, const package::StreamIndex& index,
-                std::span<const float> members, std::span<const float> offsets, Positions& out) {
+                const BlendWeights& weights, Positions& out) {
+  const std::vector<float>&members = weights.members, &offsets = weights.offsets;
   const size_t count = frames.vertex_count;
   const glm::ivec3* positions = frames.positions.data() + row * frames.member_count * count;
   const glm::ivec3* corrections = frames.offsets.data() + row * frames.reference_count * count;

@@ -63,13 +63,13 @@ bool readTable(ByteReader& in, const GraphState& source, const GraphState& targe
 
 uint32_t nearestRow(const GraphState& state, std::span<const float> weights) {
   uint32_t nearest = 0;
-  float least = 1e30f;
+  float min_distance = 1e30f;
   for (uint32_t r = 0; r < state.weight_rows.size(); ++r) {
     const std::vector<float>& row = state.weight_rows[r];
     float distance = 0;
     for (size_t m = 0; m < row.size(); ++m) distance += std::abs(row[m] - (m < weights.size() ? weights[m] : 0));
-    if (distance < least) {
-      least = distance;
+    if (distance < min_distance) {
+      min_distance = distance;
       nearest = r;
     }
   }
@@ -109,27 +109,28 @@ const Entry* MotionGraph::entry(int source, uint32_t frame, uint32_t weight_row,
   return &table[size_t(weight_row) * state.frame_count + frame];
 }
 
-std::optional<Transition> MotionGraph::plan(int source, uint32_t frame, std::span<const float> weights,
-                                            double frames_per_s, int target, const PlanOptions& options) const {
+std::optional<Transition> MotionGraph::plan(const PlayedState& from, int target, const PlanOptions& options) const {
+  const int source = from.source;
+  const double frames_per_s = from.frames_per_s;
   if (source < 0 || size_t(source) >= states_.size()) return std::nullopt;
   const GraphState& state = states_[source];
-  const uint32_t last = state.frame_count - 1, row = nearestRow(state, weights);
-  frame = std::min(frame, last);
-  // Past its end a motion meets no new frame; a loop goes on, and meets all within a pass.
+  const uint32_t last = state.frame_count - 1, row = nearestRow(state, from.weights);
+  const uint32_t frame = std::min(from.frame, last);
+  // After its end a motion shows no new frame. A loop goes on, and shows every frame within one pass.
   const double longest = loops_[source] ? 1e6 : last - frame;
   const auto frames = [&](double wait) { return uint32_t(std::clamp(wait, 0.0, longest)); };
-  const uint32_t first = frames(std::ceil(options.least_wait_s * frames_per_s - 1e-6));
+  const uint32_t first = frames(std::ceil(options.min_wait_s * frames_per_s - 1e-6));
   const uint32_t waits = std::min(std::max(first, frames(options.max_latency_s * frames_per_s + 1e-6)), first + last);
   std::optional<Transition> best;
-  double least = 1e300;
+  double min_cost = 1e300;
   for (uint32_t wait = first; wait <= waits; ++wait) {
     const uint32_t exit = (frame + wait) % state.frame_count;
     const Entry* found = entry(source, exit, row, target);
     if (!found) return std::nullopt;
     const double waited_s = wait > 0 ? wait / frames_per_s : 0;
     const double cost = found->cost + options.latency_cost_mm_per_s * waited_s;
-    if (cost < least) {
-      least = cost;
+    if (cost < min_cost) {
+      min_cost = cost;
       best = Transition{source, target, exit, wait, *found};
     }
   }

@@ -2,9 +2,8 @@
 // Transitions between states (sequences and classes), precomputed at bake time (ALGORITHMS 4.7, 4DVT 6.1): for every
 // frame and weight of a state, where to enter another one and how long to cross-fade. Here: the table's reader and the
 // choice at run time. Does NOT play anything; the player cross-fades.
-// Latency is the time from the request to the first shown frame in which the target has a weight above 0: it counts
-// whatever passes before (getting and decoding the target, the wait for a good frame), not the fade itself, whose
-// length is the entry's.
+// Latency is the time from the request to the first shown frame in which the target has a weight above 0. It includes
+// fetching and decoding the target and the wait for a good frame, but not the fade, whose length the entry gives.
 // Layout of the file: FORMAT.md, "The motion graph".
 #pragma once
 
@@ -21,9 +20,10 @@ namespace fourdvt::motion {
 struct Entry {               // from one frame and weight row of a state into another state
   uint32_t frame = 0;        // of the target, shown as the cross-fade begins
   uint32_t weight_row = 0;   // of the target: at which of its weights the fit was found
-  uint32_t fade_frames = 1;  // of the target, at least 1: then the source is gone
-  float cost = 0;            // millimetres: rms of position and velocity difference half way, appearance, length, pop
-  glm::vec3 shift{0};        // target's character frame seen from the source's: metres along x and z, radians about y
+  uint32_t fade_frames = 1;  // of the target, at least 1; after them the source is gone
+  float cost =
+      0;  // millimetres: rms difference of positions and velocities half way, appearance, length of the fade, pop
+  glm::vec3 shift{0};  // target's character frame seen from the source's: metres along x and z, radians about y
 };
 
 struct GraphState {
@@ -31,16 +31,23 @@ struct GraphState {
   std::vector<std::vector<float>> weight_rows;  // members' weights at which transitions were measured; plain: {{1}}
 };
 
-struct PlanOptions {                  // times from the frame asked at
-  double least_wait_s = 0;            // the target cannot be shown sooner
+struct PlanOptions {                  // times count from the request
+  double min_wait_s = 0;              // until the target can be shown
   double max_latency_s = 0.4;         // until the cross-fade begins
-  double latency_cost_mm_per_s = 20;  // how much fit a second of waiting is worth
+  double latency_cost_mm_per_s = 20;  // what a second of waiting costs
+};
+
+struct PlayedState {
+  int source = -1;                 // sequence index
+  uint32_t frame = 0;              // shown now
+  std::span<const float> weights;  // of its members, now
+  double frames_per_s = 0;         // at which it plays on
 };
 
 struct Transition {
   int source = -1, target = -1;  // sequence indices
   uint32_t exit_frame = 0;       // of the source, shown as the cross-fade begins
-  uint32_t wait_frames = 0;      // from the frame asked at
+  uint32_t wait_frames = 0;      // from the frame shown at the request
   Entry entry;
 };
 
@@ -48,12 +55,10 @@ class MotionGraph {
  public:
   // Checks counts against the character. Errors: StreamInvalid.
   static Result<MotionGraph> read(std::span<const uint8_t> bytes, const package::Character& character);
-  // The best transition that begins within the latency bound; the soonest, where the bound leaves no choice. The source
-  // runs on at `frames_per_s`; one that does not loop stays on its last frame. Null: no such pair. weights: the
-  // source's members at present.
-  std::optional<Transition> plan(int source, uint32_t frame, std::span<const float> weights, double frames_per_s,
-                                 int target, const PlanOptions& options = {}) const;
-  const std::vector<GraphState>& states() const { return states_; }  // one a sequence of the character
+  // The best transition that begins within the latency bound, or the soonest one if none does. While it waits, the
+  // source plays on; one that does not loop stays on its last frame. Null: the graph has no such transition.
+  std::optional<Transition> plan(const PlayedState& from, int target, const PlanOptions& options = {}) const;
+  const std::vector<GraphState>& states() const { return states_; }  // one per sequence of the character
   // Null: no transition from source to target.
   const Entry* entry(int source, uint32_t frame, uint32_t weight_row, int target) const;
 
@@ -63,8 +68,8 @@ class MotionGraph {
   std::vector<std::vector<Entry>> tables_;  // [source * states + target][weight_row * frames + frame]; empty: none
 };
 
-// The target's weight after so many of its frames since the cross-fade began: above 0 from the first one on, a smooth
-// step to 1 at fade_frames.
+// The target's weight when it has shown so many frames since the cross-fade began: above 0 from the first one on, and
+// rising smoothly to 1 at fade_frames.
 float fadeWeight(double frames, uint32_t fade_frames);
 
 // Native only (graph_encode.cpp): the file's bytes. tables as above.

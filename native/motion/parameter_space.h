@@ -15,16 +15,17 @@ struct BlendWeights {
   std::vector<float> offsets;  // coefficients of the references
 };
 
-// The whole weight on one member.
+// Gives one member the whole weight.
 BlendWeights memberWeights(const package::Sequence& sequence, size_t member);
-// The nearest point of the space's simplices. A plain sequence: {1}. `at`: one value a parameter.
+// The weights at the point of the space's simplices that lies nearest to `at`. A plain sequence has {1}. `at`: one
+// value per parameter.
 BlendWeights weightsAt(const package::Sequence& sequence, std::span<const double> at);
 struct Range {
   double min = 0, max = 0;
 };
 Range parameterRange(const package::Sequence& sequence, size_t parameter);
-int findParameter(const package::Sequence& sequence, std::string_view name);  // -1: it has none of that name
-// Of one pass at these weights: durations and travel mix linearly.
+int findParameter(const package::Sequence& sequence, std::string_view name);  // -1: no parameter has that name
+// Duration of one pass at these weights of the members; durations mix linearly.
 double durationAt(const package::Sequence& sequence, std::span<const float> members);
 
 }  // namespace fourdvt::motion

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Frame index in the picture: 16 cells = 12-bit Gray code of (frame mod 4096) + 4-bit CRC (x^4+x+1 over the 12 Gray
-// bits), most significant first, white (luma 235) = 1; written twice side by side. Proves which frame a decoded
-// picture is, whatever the decoder reordered.
+// bits), most significant first, white (luma 235) = 1; written twice side by side. It tells which frame a
+// decoded picture is, however the decoder reorders them.
 #pragma once
 
 #include <cstdint>

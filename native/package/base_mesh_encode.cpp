@@ -18,6 +18,10 @@ using draco::PointIndex;
 constexpr double kMaxUvErrorTexels = 0.1, kTexelsPerUv = 1024;
 constexpr int kMaxUvBits = 20;
 
+struct Quantisation {
+  int position = 14, uv = 13;  // bits
+};
+
 Error failed(const std::string& what) { return {ErrorId::Internal, "base mesh: " + what}; }
 
 template <class Vec>
@@ -31,7 +35,7 @@ int addFloats(draco::Mesh& mesh, GeometryAttribute::Type type, const std::vector
   return id;
 }
 
-// Point of every corner: one per unique (vertex, uv) pair, or one per corner.
+// The Draco point of every corner: one point per unique (vertex, uv) pair, or one per corner.
 std::vector<uint32_t> cornerPoints(const MeshTopology& topology, bool one_per_corner, uint32_t& point_count) {
   std::vector<uint32_t> points;
   std::map<std::pair<uint32_t, uint32_t>, uint32_t> known;
@@ -77,12 +81,12 @@ draco::Mesh* buildMesh(draco::Mesh& mesh, const MeshTopology& topology, const Po
   return &mesh;
 }
 
-Result<std::vector<uint8_t>> encode(const draco::Mesh& mesh, int position_bits, int uv_bits) {
+Result<std::vector<uint8_t>> encode(const draco::Mesh& mesh, const Quantisation& bits) {
   draco::ExpertEncoder encoder(mesh);
   encoder.SetEncodingMethod(draco::MESH_EDGEBREAKER_ENCODING);
   encoder.SetSpeedOptions(3, 3);
-  encoder.SetAttributeQuantization(0, position_bits);
-  encoder.SetAttributeQuantization(1, uv_bits);
+  encoder.SetAttributeQuantization(0, bits.position);
+  encoder.SetAttributeQuantization(1, bits.uv);
   draco::EncoderBuffer buffer;
   const draco::Status status = encoder.EncodeToBuffer(&buffer);
   if (!status.ok()) return failed("Draco: " + status.error_msg_string());
@@ -150,17 +154,13 @@ double verify(const EncodedBaseMesh& mesh, const MeshTopology& source, const Pos
 }
 
 // Pass 2: final bytes, decoded back and compared with pass 1's order.
-Status encodeFinal(const MeshTopology& topology, const Positions& positions, const BaseMesh& ordered, int position_bits,
-                   int uv_bits, EncodedBaseMesh& out) {
+Status encodeFinal(const MeshTopology& topology, const Positions& positions, const BaseMesh& ordered,
+                   const Quantisation& bits, EncodedBaseMesh& out) {
   draco::Mesh plain;
-  auto bytes = encode(*buildMesh(plain, topology, positions, false), position_bits, uv_bits);
-  if (!bytes) return bytes.error();
-  out.bytes = bytes.take();
+  FOURDVT_ASSIGN(out.bytes, encode(*buildMesh(plain, topology, positions, false), bits));
   const auto mesh = decodeDracoMesh(out.bytes);
   if (!mesh) return failed("own bytes do not decode");
-  auto decoded = baseMeshFromDraco(*mesh);
-  if (!decoded) return decoded.error();
-  out.decoded = decoded.take();
+  FOURDVT_ASSIGN(out.decoded, baseMeshFromDraco(*mesh));
   if (out.decoded.topology.face_vertices != ordered.topology.face_vertices) return failed("Draco changed the order");
   out.point_count = mesh->num_points();
   out.position_attribute = static_cast<int>(mesh->GetNamedAttribute(GeometryAttribute::POSITION)->unique_id());
@@ -176,7 +176,7 @@ Result<EncodedBaseMesh> encodeBaseMesh(const MeshTopology& topology, const Posit
     return failed("positions or face UVs do not match the topology");
   }
   draco::Mesh with_ids;
-  auto first = encode(*buildMesh(with_ids, topology, positions, true), position_bits, uv_bits);
+  auto first = encode(*buildMesh(with_ids, topology, positions, true), {position_bits, uv_bits});
   if (!first) return first.error();
   const auto ordered_mesh = decodeDracoMesh(first.value());
   if (!ordered_mesh) return failed("own bytes do not decode");
@@ -186,7 +186,7 @@ Result<EncodedBaseMesh> encodeBaseMesh(const MeshTopology& topology, const Posit
   FOURDVT_TRY(readOrder(*ordered_mesh, ordered.value(), topology, out));
   double uv_error = 0;
   do {
-    FOURDVT_TRY(encodeFinal(topology, positions, ordered.value(), position_bits, uv_bits, out));
+    FOURDVT_TRY(encodeFinal(topology, positions, ordered.value(), {position_bits, uv_bits}, out));
     uv_error = verify(out, topology, positions, position_bits);
     if (uv_error < 0) return failed("decoded mesh differs from the source");
   } while (uv_error >= kMaxUvErrorTexels && ++uv_bits <= kMaxUvBits);

@@ -20,7 +20,7 @@ constexpr int kFormatVersion = 1;
 constexpr int kMaxLayers = 6;
 constexpr int kMaxCameras = 31;  // a face's camera set is a 32-bit mask
 constexpr int kMaxPictureSide = 4096;
-constexpr uint8_t kNoCamera = 255;  // label: slot empty
+constexpr uint8_t kNoCamera = 255;  // label: no camera at this rank
 constexpr int kMaxMembers = 4;      // motions of a class
 constexpr int kMaxReferences = 32;  // corrections of a class's mesh blend
 constexpr int kMaxParameters = 2;
@@ -45,20 +45,20 @@ struct Rendition {
   BarcodeStrip barcode;
 };
 
-// One motion of a class, warped to the class's common time; of a plain sequence: itself.
+// One motion of a class, warped to the class's common time. The member of a plain sequence is the sequence itself.
 struct Member {
   std::string name;               // of the captured sequence
   std::vector<double> parameter;  // its place in parameter space; empty for a plain sequence
-  double duration_s = 0;          // of one whole pass at weight 1
+  double duration_s = 0;          // of one whole pass when this member has all the weight
   glm::dvec3 travel{0};  // of one whole pass: metres along x and z, radians about y; character frame at its start
 };
 
 // Parameter values → weights, piecewise linear over simplices (ALGORITHMS 4.5): look up the simplex that holds the
 // wanted point and mix its corners. The samples are dense enough that "2.1 m/s" means that speed.
 struct ParameterSample {
-  std::vector<double> at;      // one value a parameter
-  std::vector<float> weights;  // one a member, sum 1
-  std::vector<float> offsets;  // one a reference: coefficients of the mesh blend's corrections
+  std::vector<double> at;      // one value per parameter
+  std::vector<float> weights;  // one per member, sum 1
+  std::vector<float> offsets;  // one per reference: coefficients of the mesh blend's corrections
 };
 struct ParameterSpace {
   std::vector<std::string> names;  // none: a plain sequence; else 1 or 2, e.g. "speed_mps"
@@ -80,8 +80,8 @@ struct Sequence {
   std::vector<Rendition> renditions;  // lowest bitrate first
   std::vector<Member> members;        // 1…kMaxMembers; exactly 1 for a plain sequence
   ParameterSpace space;
-  uint32_t reference_count = 0;  // corrections of the mesh blend a frame
-  // Of the aligned members' detail, 0..1: what their blend loses of its contrast follows from it; 1: nothing.
+  uint32_t reference_count = 0;  // corrections of the mesh blend per frame
+  // Correlation of the aligned members' detail, 0..1. It tells how much contrast their blend loses; 1: none.
   float detail_correlation = 1;
   bool isClass() const { return members.size() > 1; }
   double duration_s() const { return frame_count / fps; }

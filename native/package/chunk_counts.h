@@ -25,6 +25,17 @@ uint32_t partCount(const Counts& counts) {
   return 2 * counts.member_count + counts.reference_count + counts.alignment_count;
 }
 
+// StreamIndex → ChunkFrames or back; all counts but that of the frames, which differ.
+template <class From, class To>
+void copyCounts(const From& from, To& to) {
+  to.vertex_count = from.vertex_count;
+  to.face_count = from.face_count;
+  to.layer_count = from.layer_count;
+  to.member_count = from.member_count;
+  to.reference_count = from.reference_count;
+  to.alignment_count = from.alignment_count;
+}
+
 inline bool validRoot(const glm::vec3& root) {
   constexpr float kMax = 1e6f;  // metres, radians
   return std::fabs(root.x) <= kMax && std::fabs(root.y) <= kMax && std::fabs(root.z) <= kMax;

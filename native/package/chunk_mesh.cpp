@@ -31,7 +31,7 @@ std::vector<Edge> sortedEdges(const std::vector<glm::uvec3>& faces) {
   return edges;
 }
 
-// Faces of equal edges in pairs: the first with the second, the third with the fourth.
+// Links the faces that share an edge in pairs: the first with the second, the third with the fourth.
 void linkFaces(const std::vector<Edge>& edges, ChunkMesh& out) {
   for (size_t i = 0; i + 1 < edges.size();) {
     const Edge &e = edges[i], &o = edges[i + 1];
@@ -88,7 +88,7 @@ void listEarlier(const Adjacency& adjacency, uint32_t v, ChunkMesh& out) {
   out.earlier_first.push_back(static_cast<uint32_t>(out.earlier.size()));
 }
 
-// Finds Draco's integers again, so that every machine starts from the same ones.
+// Recovers Draco's integers from the decoded positions, so that every machine starts from the same ones.
 std::vector<glm::ivec3> lattice(const Positions& positions) {
   glm::dvec3 low(positions.empty() ? glm::vec3(0) : positions[0]), high = low;
   for (const glm::vec3& p : positions) low = glm::min(low, glm::dvec3(p)), high = glm::max(high, glm::dvec3(p));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the coders of GOP chunks take from the base mesh: which faces and vertices lie beside each other, and a pose to
-// start from. Built once a character.
+// start from. Built once per character.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ struct ChunkMesh {
 
   uint32_t faceCount() const { return static_cast<uint32_t>(face_neighbours.size()); }
   uint32_t vertexCount() const { return static_cast<uint32_t>(base.size()); }
-  // At most 24 vertices of smaller index: ring_count[v] that share an edge with v, then some that share one with those.
+  // At most 24 vertices of smaller index: first ring_count[v] that share an edge with v, then neighbours of those.
   std::span<const uint32_t> earlierOf(uint32_t vertex) const {
     return std::span(earlier).subspan(earlier_first[vertex], earlier_first[vertex + 1] - earlier_first[vertex]);
   }

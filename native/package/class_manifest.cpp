@@ -26,7 +26,7 @@ ParameterSample readSample(FieldReader& in, const std::string& at, const Sequenc
   return sample;
 }
 
-// Length of an interval, twice the area of a triangle: what a look-up divides by.
+// Length of an interval, or twice the area of a triangle. A look-up divides by it.
 double extent(const ParameterSpace& space, const std::array<uint16_t, 3>& simplex) {
   const auto &a = space.samples[simplex[0]].at, &b = space.samples[simplex[1]].at, &c = space.samples[simplex[2]].at;
   if (a.size() == 1) return b[0] - a[0];

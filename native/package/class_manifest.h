@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part of a manifest's sequence that tells of members and parameters. Internal to package/.
+// Reads the members and the parameter space of a manifest's sequence. Internal to package/.
 #pragma once
 
 #include "package/character.h"

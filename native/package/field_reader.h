@@ -10,9 +10,9 @@ namespace fourdvt::package {
 
 constexpr double kMaxMetres = 1e6;
 
-std::string item(const std::string& list, int index);  // pointer of an entry
+std::string item(const std::string& list, int index);  // JSON pointer of a list's entry
 
-// Keeps the first complaint; after it, values are in range but mean nothing.
+// Keeps the first complaint. Values read after it are in range, but mean nothing.
 class FieldReader {
  public:
   explicit FieldReader(const FlatJson& json) : json_(json) {}

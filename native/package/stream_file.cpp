@@ -34,7 +34,7 @@ void writeRendition(ByteWriter& out, const SampleTable& table, const std::vector
   }
 }
 
-// Samples of one chunk: its frames exactly once, the first one a key.
+// Reads the samples of one chunk. False unless they cover its frames exactly once and start with a key.
 bool readChunkSamples(ByteReader& in, const ChunkEntry& chunk, SampleTable& table) {
   std::vector<bool> seen(chunk.frame_count, false);
   uint64_t offset = in.u64();
@@ -58,7 +58,7 @@ Status readRendition(ByteReader& in, StreamIndex& index) {
   table.decoder_description.assign(description.begin(), description.end());
   for (const ChunkEntry& chunk : index.chunks) {
     table.chunk_first_sample.push_back(static_cast<uint32_t>(table.samples.size()));
-    // 6 bytes a sample: refuses counts that the span cannot hold before growing.
+    // A sample takes 6 bytes: counts that the span cannot hold are refused before memory grows.
     if (!in.ok() || in.remaining() / 6 < chunk.frame_count) return invalid("truncated sample table");
     if (!readChunkSamples(in, chunk, table)) return invalid("sample table does not match the frames");
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The per-motion stream (.bin): header, index of chunks, sample tables of every rendition; then one chunk a GOP with
-// vertex positions and labels. Byte layout: FORMAT.md. The reader takes only what the header span holds; the chunks
-// are fetched by range.
+// The per-motion stream (.bin): header, index of chunks, sample tables of every rendition; then one chunk per GOP
+// with vertex positions and labels. Byte layout: FORMAT.md. The reader takes only what the header span holds; the
+// chunks are fetched by range.
 #pragma once
 
 #include <cstdint>
@@ -42,7 +42,7 @@ struct StreamIndex {
   float alignment_step_m = 0;
   std::vector<ChunkEntry> chunks;  // contiguous frames 0..frame_count
   std::vector<SampleTable> renditions;
-  // Chunk that holds a frame.
+  // The chunk that holds a frame.
   uint32_t chunkOfFrame(uint32_t frame) const;
 };
 
@@ -53,7 +53,7 @@ std::vector<uint8_t> writeStreamHeader(const StreamIndex& index);
 Result<StreamIndex> readStreamHeader(std::span<const uint8_t> bytes);
 
 // One chunk's contents: positions quantised to int32 (position = origin + step * q), labels planar.
-// Everything is frame-major, so that frame by frame decoding appends.
+// Every list runs frame by frame, so that a decoder appends.
 struct ChunkFrames {
   uint32_t frame_count = 0, vertex_count = 0, face_count = 0, layer_count = 0;
   uint32_t member_count = 1, reference_count = 0, alignment_count = 0;

@@ -73,7 +73,7 @@ class FilePlayer final : public CharacterPlayer {
     std::deque<HeldPicture> held;
   };
   Decoding& decoding(int decoder) { return decoding_[static_cast<size_t>(decoder)]; }
-  // One overload a request.
+  // One overload per kind of request.
   void answer(const FetchRange& fetch);
   void answer(const CancelFetch&) {}  // files answer at once: nothing is ever under way
   void answer(const ConfigureDecoder& configure);

@@ -21,13 +21,13 @@ class CharacterPlayer {
   virtual ~CharacterPlayer() = default;
   virtual Player& player() = 0;
   virtual render::Recipe& recipe() = 0;
-  // Shows exactly this frame, of a class: this phase at the player's parameters, and pauses: seeks and pumps until it
-  // is on screen. Errors: those of the player's error events.
+  // Shows exactly this frame (of a class: this phase at the player's parameters) and pauses. Seeks and pumps until the
+  // frame is on screen. Errors: those of the player's error events.
   virtual Status showFrame(const std::string& sequence, uint32_t frame) = 0;
-  // Plays on by this much time (at most 0.25 s), for movies: whatever is due is loaded and decoded first, so that no
-  // picture is lost. Errors: those of the player's error events.
+  // Plays on by this much time, at most 0.25 s, for movies. Loads and decodes first whatever is due, so that no picture
+  // is lost. Errors: those of the player's error events.
   virtual Status advance(double seconds) = 0;
-  // Answers everything pending once.
+  // Answers every pending request once.
   virtual Status pump() = 0;
   // RGBA straight alpha, top row first, of what is shown.
   virtual Result<Image> renderStill(const render::View& view, const render::RecipeOptions& options) = 0;

@@ -95,7 +95,7 @@ std::string escaped(const std::string& key) {
 
 constexpr int kMaxDepth = 64;
 
-// False if the tree is deeper than any manifest.
+// Adds the tree below `node` to `out`. False if it is deeper than any manifest.
 bool flatten(const nlohmann::json& node, const std::string& pointer, FlatJson& out, int depth = 0) {
   if (depth > kMaxDepth) return false;
   if (node.is_object()) {

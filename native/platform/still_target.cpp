@@ -35,8 +35,8 @@ Result<Image> StillTarget::render(const render::View& view, const std::function<
   FOURDVT_TRY(prepare(view.width, view.height));
   FOURDVT_TRY(draw(target_.id()));
   Image image(view.width, view.height, 4);
-  FOURDVT_TRY(
-      device_.readPixels(target_.id(), gpu::PixelFormat::RGBA8, 0, 0, view.width, view.height, image.pixels.data()));
+  FOURDVT_TRY(device_.readPixels(target_.id(), gpu::PixelFormat::RGBA8, {.width = view.width, .height = view.height},
+                                 image.pixels.data()));
   unpremultiply(image);
   return image;
 }

@@ -25,7 +25,8 @@ class VideoWriter {
   // Errors: WriteFailed, Unsupported (this FFmpeg has no such encoder).
   static Result<std::unique_ptr<VideoWriter>> create(const std::string& path, const VideoFormat& format);
   virtual ~VideoWriter() = default;
-  // Of `channels` channels; 4 for 3: composited over black. Errors: WriteFailed, Internal (another size).
+  // Takes pictures of `channels` channels, or of 4 instead of 3, which are composited over black. Errors: WriteFailed,
+  // Internal (another size).
   virtual Status write(const Image& picture) = 0;
   virtual Status finish() = 0;  // last
 };

@@ -19,9 +19,7 @@ Result<Appearance> Appearance::create(gpu::Device& device, const CharacterModel&
   appearance.member_count = member_count;
   appearance.layer_count = model.layer_count;
   const auto table = [&](gpu::Texture& out, gpu::PixelFormat format, uint64_t texels, const char* label) -> Status {
-    auto made = makeTable(device, format, texels, label);
-    if (!made) return made.error();
-    out = made.take();
+    FOURDVT_ASSIGN(out, makeTable(device, format, texels, label));
     return {};
   };
   FOURDVT_TRY(table(appearance.vertex_masks, gpu::PixelFormat::R32UI, member_count * vertices, "vertex camera masks"));
@@ -38,8 +36,8 @@ void Appearance::setFrame(gpu::Device& device, const CharacterModel& model, cons
   resizeToRows(masks_, member_count * vertices, ~0u);
   resizeToRows(packed_, member_count * faces, ~0u);
   for (int member = 0; member < member_count; ++member)
-    packLabels(model.faces(), frame.labels.subspan(member * member_labels, member_labels), layer_count,
-               model.camera_count, std::span(packed_).subspan(member * faces, faces),
+    packLabels(model.faces(), frame.labels.subspan(member * member_labels, member_labels), model.camera_count,
+               std::span(packed_).subspan(member * faces, faces),
                std::span(masks_).subspan(member * vertices, vertices));
   uploadTable(device, vertex_masks, masks_);
   uploadTable(device, labels, packed_);

@@ -10,7 +10,7 @@
 namespace fourdvt::render {
 namespace {
 
-constexpr uint32_t kEmptySlot = 31;
+constexpr uint32_t kEmptyLabel = 31;
 constexpr int kLabelBits = 5;
 
 std::vector<glm::vec4> cornerTable(const package::BaseMesh& mesh) {
@@ -66,10 +66,9 @@ Result<PictureTextures> createPicture(gpu::Device& device, int width, int height
   PictureTextures picture;
   picture.kind = kind;
   const auto plane = [&](gpu::Texture& out, gpu::PixelFormat format, int w, int h, const char* label) -> Status {
-    auto made = gpu::makeTexture(
-        device, {.format = format, .width = w, .height = h, .filter = gpu::Filter::Linear, .label = label});
-    if (!made) return made.error();
-    out = made.take();
+    FOURDVT_ASSIGN(
+        out, gpu::makeTexture(
+                 device, {.format = format, .width = w, .height = h, .filter = gpu::Filter::Linear, .label = label}));
     return {};
   };
   if (kind == PictureTextures::Kind::Rgba) {
@@ -85,20 +84,21 @@ Result<PictureTextures> createPicture(gpu::Device& device, int width, int height
 void uploadPicture(gpu::Device& device, PictureTextures& picture, const I420View& frame) {
   assert(picture.kind == PictureTextures::Kind::I420);
   const int half_width = frame.width / 2, half_height = frame.height / 2;
-  device.updateTexture(picture.y.id(), 0, 0, 0, frame.width, frame.height, frame.y, frame.stride_y);
-  device.updateTexture(picture.u.id(), 0, 0, 0, half_width, half_height, frame.u, frame.stride_u);
-  device.updateTexture(picture.v.id(), 0, 0, 0, half_width, half_height, frame.v, frame.stride_v);
+  device.updateTexture(picture.y.id(), {.width = frame.width, .height = frame.height}, frame.y, frame.stride_y);
+  device.updateTexture(picture.u.id(), {.width = half_width, .height = half_height}, frame.u, frame.stride_u);
+  device.updateTexture(picture.v.id(), {.width = half_width, .height = half_height}, frame.v, frame.stride_v);
 }
 
-void packLabels(const std::vector<glm::uvec3>& face_vertices, std::span<const uint8_t> labels, int layer_count,
-                int camera_count, std::span<uint32_t> packed, std::span<uint32_t> masks) {
+void packLabels(const std::vector<glm::uvec3>& face_vertices, std::span<const uint8_t> labels, int camera_count,
+                std::span<uint32_t> packed, std::span<uint32_t> masks) {
   const size_t face_count = face_vertices.size();
   for (size_t face = 0; face < face_count; ++face) {
     uint32_t cameras = 0;
-    for (int slot = 0; slot < layer_count; ++slot) {
-      const uint32_t label = labels[slot * face_count + face];
+    int shift = 0;
+    for (size_t i = face; i < labels.size(); i += face_count, shift += kLabelBits) {
+      const uint32_t label = labels[i];
       if (label >= static_cast<uint32_t>(camera_count)) continue;
-      packed[face] ^= (kEmptySlot ^ label) << (kLabelBits * slot);
+      packed[face] ^= (kEmptyLabel ^ label) << shift;
       cameras |= 1u << label;
     }
     for (int corner = 0; corner < 3; ++corner) masks[face_vertices[face][corner]] &= cameras;
@@ -121,12 +121,9 @@ Result<CharacterModel> CharacterModel::create(gpu::Device& device, const package
     model.camera_centres.emplace_back(glm::vec3(camera.centreInWorld()), 0);
     model.camera_forwards.emplace_back(glm::vec3(camera.forwardInWorld()), 0);
   }
-  auto corners = makeTable(device, gpu::PixelFormat::RGBA32F, 6ull * model.face_count, "corners");
-  if (!corners) return corners.error();
-  model.corners = corners.take();
-  auto positions = makeTable(device, gpu::PixelFormat::RGBA32F, 2ull * model.vertex_count, "positions and normals");
-  if (!positions) return positions.error();
-  model.positions_normals = positions.take();
+  FOURDVT_ASSIGN(model.corners, makeTable(device, gpu::PixelFormat::RGBA32F, 6ull * model.face_count, "corners"));
+  FOURDVT_ASSIGN(model.positions_normals,
+                 makeTable(device, gpu::PixelFormat::RGBA32F, 2ull * model.vertex_count, "positions and normals"));
   uploadTable(device, model.corners, cornerTable(mesh));
   return model;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// GPU resources of one character: static corner data and the mesh of the moment; and picture textures.
+// GPU resources of one character: corner data that never changes, and the mesh shown now; and picture textures.
 // Does NOT decode or schedule anything (player/) and does NOT decide how to blend (layered_pass).
 #pragma once
 
@@ -23,18 +23,19 @@ struct PictureTextures {
 Result<PictureTextures> createPicture(gpu::Device& device, int width, int height, PictureTextures::Kind kind);
 void uploadPicture(gpu::Device& device, PictureTextures& picture, const I420View& frame);
 
-// Seam feathering's tables (ALGORITHMS 3.2). `labels`: layer_count × face_vertices.size(), planar; a label that is no
-// camera counts as empty. packed[face]: 5 bits a slot, 31 = empty, slot 0 lowest. masks[vertex]: bit c is cleared
-// unless camera c is in the set of every incident face. Both are at least as long as faces and vertices and hold ones.
-void packLabels(const std::vector<glm::uvec3>& face_vertices, std::span<const uint8_t> labels, int layer_count,
-                int camera_count, std::span<uint32_t> packed, std::span<uint32_t> masks);
+// Fills the tables of seam feathering (ALGORITHMS 3.2). labels: [rank][face]; a label that is no camera counts as
+// empty. packed[face]: 5 bits per rank, 31 = empty, rank 0 lowest. masks[vertex]: bit c is cleared unless camera c is
+// in the set of every incident face. Both tables are at least as long as faces and vertices, and all their bits are
+// set before the call.
+void packLabels(const std::vector<glm::uvec3>& face_vertices, std::span<const uint8_t> labels, int camera_count,
+                std::span<uint32_t> packed, std::span<uint32_t> masks);
 
-// Every edge has two faces of opposite direction.
+// True if every edge belongs to two faces, which run along it in opposite directions.
 bool isClosedSurface(const std::vector<glm::uvec3>& face_vertices);
 
 class CharacterModel {
  public:
-  // Cameras, UVs and faces do not change after this. Errors: GpuFailure.
+  // Cameras, UVs and faces are fixed from here on. Errors: GpuFailure.
   static Result<CharacterModel> create(gpu::Device& device, const package::Character& character,
                                        const package::BaseMesh& mesh);
   // The mesh to draw: vertex_count points in the character's frame, metres. Uploads positions and vertex normals.
@@ -42,10 +43,10 @@ class CharacterModel {
 
   // What the passes bind. Textures are 2-D tables addressed as index → (index % width, index / width).
   static constexpr int kTableWidth = 256;
-  // RGBA32F, 2 texels a corner: uv.x, uv.y, vertex index (exact below 2^24), unused; then uv_from_tangents, column by
+  // RGBA32F, 2 texels per corner: uv.x, uv.y, vertex index (exact below 2^24), unused; then uv_from_tangents, column by
   // column (base/surface_frame.h).
   gpu::Texture corners;
-  gpu::Texture positions_normals;          // RGBA32F, 2 texels a vertex: position, normal
+  gpu::Texture positions_normals;          // RGBA32F, 2 texels per vertex: position, normal
   std::vector<glm::vec4> camera_centres;   // xyz, w unused
   std::vector<glm::vec4> camera_forwards;  // unit optical axes, w unused
   int layer_count = 0, camera_count = 0;
@@ -54,7 +55,7 @@ class CharacterModel {
   double ground_y_m = 0;
   BoundingBox frame_bounds;      // of the positions shown
   uint64_t geometry_serial = 0;  // 0: none yet; unique over all models and calls of setPositions
-  bool closed_surface = false;   // every edge has two faces of opposite direction: back faces are never seen
+  bool closed_surface = false;   // isClosedSurface: back faces are never seen
 
   const std::vector<glm::uvec3>& faces() const { return face_vertices_; }
 

@@ -7,7 +7,7 @@
 namespace fourdvt::render {
 namespace {
 
-constexpr float kLeastShare = 1.0f / 512;  // below half a level of eight bits
+constexpr float kMinShare = 1.0f / 512;  // below half a level of eight bits
 
 Error invalid(const char* message) { return Error{ErrorId::InvalidArgument, message}; }
 
@@ -31,25 +31,26 @@ Status checkLook(const Look& look, const CharacterModel& model) {
   return std::abs(sum - 1) < 0.01f ? Status() : invalid("the members' weights must sum to 1");
 }
 
-std::vector<Source> sourcesOf(const Look& look) {
-  std::vector<Source> sources;
+std::vector<WeightedMember> weightedMembersOf(const Look& look) {
+  std::vector<WeightedMember> members;
   float sum = 0;
   for (size_t member = 0; member < look.weights.size(); ++member) {
-    if (look.weights[member] < kLeastShare) continue;
-    sources.push_back({static_cast<int>(member), look.weights[member]});
+    if (look.weights[member] < kMinShare) continue;
+    members.push_back({static_cast<int>(member), look.weights[member]});
     sum += look.weights[member];
   }
-  for (Source& source : sources) source.weight /= sum;
-  return sources;
+  for (WeightedMember& member : members) member.weight /= sum;
+  return members;
 }
 
-// A debug view shows one member.
+// A debug view shows the member of the largest share only.
 std::vector<Part> heaviestOf(const std::vector<Part>& parts) {
   const auto lighter = [](const auto& a, const auto& b) { return a.share < b.share; };
   Part part = *std::max_element(parts.begin(), parts.end(), lighter);
-  const auto source = std::max_element(part.sources.begin(), part.sources.end(),
-                                       [](const Source& a, const Source& b) { return a.weight < b.weight; });
-  part.sources = {{source->member, 1}};
+  const auto heaviest =
+      std::max_element(part.members.begin(), part.members.end(),
+                       [](const WeightedMember& a, const WeightedMember& b) { return a.weight < b.weight; });
+  part.members = {{heaviest->member, 1}};
   part.share = 1;
   return {part};
 }
@@ -72,28 +73,26 @@ Status checkFigure(const Figure& figure, const RecipeOptions& options) {
 
 std::vector<Part> partsOf(const Figure& figure, const DrawOptions& options) {
   float second = figure.looks.size() > 1 ? figure.fade : 0;
-  if (second < kLeastShare) second = 0;
-  if (second > 1 - kLeastShare) second = 1;
+  if (second < kMinShare) second = 0;
+  if (second > 1 - kMinShare) second = 1;
   std::vector<Part> parts;
   for (size_t i = 0; i < figure.looks.size(); ++i) {
     const float share = i == 0 ? 1 - second : second;
     if (share == 0) continue;
-    const std::vector<Source> sources = sourcesOf(figure.looks[i]);
+    const std::vector<WeightedMember> members = weightedMembersOf(figure.looks[i]);
     if (options.align != Align::Flow) {
-      parts.push_back({&figure.looks[i], sources, share});
+      parts.push_back({&figure.looks[i], members, share});
       continue;
     }
-    for (const Source& source : sources)
-      parts.push_back({&figure.looks[i], {{source.member, 1}}, share * source.weight});
+    for (const WeightedMember& member : members)
+      parts.push_back({&figure.looks[i], {{member.member, 1}}, share * member.weight});
   }
   return options.recipe.debug == DebugView::None ? parts : heaviestOf(parts);
 }
 
-View viewOfFigure(const View& view, const Figure& figure) {
-  View out = view;
-  out.clip_from_world = view.clip_from_world * figure.world_from_character;
-  out.eye_in_world = glm::vec3(glm::inverse(figure.world_from_character) * glm::vec4(view.eye_in_world, 1));
-  return out;
+CharacterView viewOfFigure(const View& view, const Figure& figure) {
+  return {view.clip_from_world * figure.world_from_character,
+          glm::vec3(glm::inverse(figure.world_from_character) * glm::vec4(view.eye_in_world, 1))};
 }
 
 }  // namespace fourdvt::render

@@ -18,7 +18,7 @@ constexpr int kCropMargin = 8;   // pixels round the mesh
 
 Error invalid(const std::string& message) { return Error{ErrorId::InvalidArgument, message}; }
 
-// What of a picture the frame's mesh can be textured from.
+// The part of a picture that the frame's mesh can be textured from.
 struct Crop {
   int x = 0, y = 0, width = 0, height = 0;  // pixels; empty: the mesh is out of sight
   float near_m = 0, far_m = 0;
@@ -43,7 +43,7 @@ Crop cropRoundMesh(const PinholeCamera& camera, const Positions& positions) {
   return {x0, y0, x1 - x0, y1 - y0, static_cast<float>(0.9 * low.z), static_cast<float>(1.1 * high.z)};
 }
 
-// The camera whose picture is the crop.
+// The camera that would take just the crop.
 PinholeCamera croppedCamera(PinholeCamera camera, const Crop& crop) {
   camera.cx -= crop.x;
   camera.cy -= crop.y;
@@ -120,7 +120,7 @@ class FvvrOnDevice final : public Fvvr {
     Crop crop;  // of the frame shown
     gpu::Target depth_map;
     bool is_used = true;       // in the frame shown
-    bool has_picture = false;  // of a frame since it is used
+    bool has_picture = false;  // uploaded since the camera is in use
   };
   struct Size {
     int width = 0, height = 0, samples = 0;
@@ -232,7 +232,8 @@ Status FvvrOnDevice::uploadPictures(std::span<const Image> pictures) {
     cameras_[c].has_picture = cameras_[c].is_used;
     if (!cameras_[c].is_used || crop.width == 0) continue;
     premultiply(pictures[c], crop, pixels_);
-    device_.updateTexture(pictures_.id(), static_cast<int>(c), crop.x, crop.y, crop.width, crop.height, pixels_.data());
+    device_.updateTexture(pictures_.id(), {.x = crop.x, .y = crop.y, .width = crop.width, .height = crop.height},
+                          pixels_.data(), 0, static_cast<int>(c));
   }
   return {};
 }
@@ -274,7 +275,7 @@ void FvvrOnDevice::drawDepthMap(const Camera& camera) {
 std::vector<size_t> FvvrOnDevice::camerasOf(const View& view, const FvvrOptions& options) const {
   std::vector<size_t> order(cameras_.size());
   std::iota(order.begin(), order.end(), size_t(0));
-  const glm::dvec3 axis(viewAxis(view));
+  const glm::dvec3 axis(viewAxis(view.clip_from_world));
   const auto cosine = [&](size_t c) { return glm::dot(cameras_[c].pinhole.forwardInWorld(), axis); };
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return cosine(a) > cosine(b); });
   if (options.closest > 0) order.resize(std::min(order.size(), static_cast<size_t>(options.closest)));
@@ -300,7 +301,7 @@ void FvvrOnDevice::drawMesh(const View& view, const FvvrOptions& options, const 
     sizes.emplace_back(camera.width, camera.height, crop.near_m, crop.far_m);
   }
   const glm::vec2 map_size(map_width_, map_height_);
-  const glm::vec3 view_axis = viewAxis(view);
+  const glm::vec3 view_axis = viewAxis(view.clip_from_world);
   const int paper_weights = options.paper_weights ? 1 : 0;
   gpu::Draw draw = meshDraw(programs_.at(chosen.size()).id(), 1);
   draw.textures.push_back({"u_pictures", pictures_.id()});
@@ -341,7 +342,7 @@ Status FvvrOnDevice::draw(const View& view, const FvvrOptions& options, gpu::Tar
                      .label = "fvvr"});
   drawMesh(view, options, chosen);
   device_.endPass();
-  device_.blit(scene_.id(), target, view.width, view.height);
+  device_.blit(scene_.id(), target, {.width = view.width, .height = view.height});
   return {};
 }
 
@@ -373,8 +374,8 @@ Result<Image> FvvrOnDevice::renderStill(const View& view, const FvvrOptions& opt
   FOURDVT_TRY(resizeStill(view.width, view.height));
   FOURDVT_TRY(draw(view, options, still_.id()));
   Image image(view.width, view.height, 4);
-  FOURDVT_TRY(
-      device_.readPixels(still_.id(), gpu::PixelFormat::RGBA8, 0, 0, view.width, view.height, image.pixels.data()));
+  FOURDVT_TRY(device_.readPixels(still_.id(), gpu::PixelFormat::RGBA8, {.width = view.width, .height = view.height},
+                                 image.pixels.data()));
   for (size_t i = 0; i < image.pixels.size(); i += 4) {
     uint8_t* p = &image.pixels[i];
     if (p[3] == 0 || p[3] == 255) continue;

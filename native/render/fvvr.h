@@ -6,8 +6,8 @@
 // moved by one pixel along the four diagonals, so that occluders grow by a pixel and a surface beside their outline is
 // not textured from them; the depth test's tolerance grows with the slope by as much, so that nothing hides itself.
 // Does NOT read captures, does NOT clean the matte's edge, and needs every camera's picture of the frame in GPU memory:
-// that is the point of the layers. With M < N cameras a frame, only theirs are uploaded and drawn, so that M costs what
-// it must; the textures stay those of all N, because the next view takes others.
+// that is the point of the layers. With M < N cameras per frame, only their pictures are uploaded
+// and their depth maps drawn; textures for all N stay allocated, because the next view takes other cameras.
 // Order of calls: setFrame (or its three parts) → draw….
 #pragma once
 

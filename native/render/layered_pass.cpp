@@ -9,7 +9,7 @@ namespace {
 bool isSharpened(const RecipeOptions& options) { return options.view_exponent != 1.0f; }
 
 bool isAligned(const Part& part, const DrawOptions& options) {
-  return options.align == Align::Baked && part.look->appearance->aligned && part.sources.size() > 1;
+  return options.align == Align::Baked && part.look->appearance->aligned && part.members.size() > 1;
 }
 
 std::vector<gpu::TextureBinding> bindings(const CharacterModel& model, const Part& part, bool aligned) {
@@ -30,12 +30,12 @@ std::vector<gpu::TextureBinding> bindings(const CharacterModel& model, const Par
   return list;
 }
 
-// The sources' rectangles, one source behind the other.
+// The members' rectangles of layers, member after member.
 std::vector<glm::vec4> layerRects(const Part& part) {
   const Appearance& appearance = *part.look->appearance;
   std::vector<glm::vec4> rects;
-  for (const Source& source : part.sources) {
-    const auto first = appearance.layer_rects_uv.begin() + source.member * appearance.layer_count;
+  for (const WeightedMember& member : part.members) {
+    const auto first = appearance.layer_rects_uv.begin() + member.member * appearance.layer_count;
     rects.insert(rects.end(), first, first + appearance.layer_count);
   }
   return rects;
@@ -46,13 +46,13 @@ std::vector<glm::vec4> layerRects(const Part& part) {
 // w²)) - 1).
 float lostDetail(const Part& part) {
   float squares = 0;
-  for (const Source& source : part.sources) squares += source.weight * source.weight;
+  for (const WeightedMember& member : part.members) squares += member.weight * member.weight;
   return 1 / std::sqrt(squares + part.look->appearance->detail_correlation * (1 - squares)) - 1;
 }
 
 uint32_t programKey(const CharacterModel& model, const Part& part, const DrawOptions& options) {
   uint32_t key = static_cast<uint32_t>(model.layer_count);
-  key = key * 8 + static_cast<uint32_t>(part.sources.size());
+  key = key * 8 + static_cast<uint32_t>(part.members.size());
   key = key * 2 + static_cast<uint32_t>(part.look->picture->kind);
   key = key * 8 + static_cast<uint32_t>(options.recipe.debug);
   for (bool flag : {options.recipe.paper_weights, isSharpened(options.recipe), isAligned(part, options)})
@@ -63,7 +63,7 @@ uint32_t programKey(const CharacterModel& model, const Part& part, const DrawOpt
 std::string definesOf(const CharacterModel& model, const Part& part, const DrawOptions& options) {
   const RecipeOptions& recipe = options.recipe;
   std::string defines = "LAYERS " + std::to_string(model.layer_count) + "\n";
-  defines += "SOURCES " + std::to_string(part.sources.size()) + "\n";
+  defines += "MEMBERS " + std::to_string(part.members.size()) + "\n";
   defines += "MAX_CAMERAS " + std::to_string(package::kMaxCameras) + "\n";
   if (part.look->picture->kind == PictureTextures::Kind::I420) defines += "PICTURE_I420\n";
   if (isAligned(part, options)) defines += "ALIGNED\n";
@@ -79,27 +79,25 @@ Status LayeredPass::prepare(gpu::Device& device, const CharacterModel& model, co
                             const DrawOptions& options) {
   gpu::Program& program = programs_[programKey(model, part, options)];
   if (program) return {};
-  auto made = makeEmbeddedProgram(device, "layered.vert", "layered.frag", definesOf(model, part, options));
-  if (!made) return made.error();
-  program = made.take();
+  FOURDVT_ASSIGN(program, makeEmbeddedProgram(device, "layered.vert", "layered.frag", definesOf(model, part, options)));
   return {};
 }
 
-void LayeredPass::draw(gpu::Device& device, const CharacterModel& model, const Part& part, const View& view,
+void LayeredPass::draw(gpu::Device& device, const CharacterModel& model, const Part& part, const CharacterView& view,
                        const DrawOptions& options) const {
-  const glm::vec3 view_axis = viewAxis(view);
+  const glm::vec3 view_axis = viewAxis(view.clip_from_character);
   const int vertex_count = static_cast<int>(model.vertex_count), face_count = static_cast<int>(model.face_count);
   const std::vector<glm::vec4> rects = layerRects(part);
-  std::vector<glm::vec4> sources;
-  for (const Source& source : part.sources) sources.emplace_back(source.member, source.weight, 0, 0);
+  std::vector<glm::vec4> members;
+  for (const WeightedMember& member : part.members) members.emplace_back(member.member, member.weight, 0, 0);
   device.draw({.program = programs_.at(programKey(model, part, options)).id(),
                .textures = bindings(model, part, isAligned(part, options)),
-               .uniforms = {gpu::uniform("u_clip_from_character", view.clip_from_world),
-                            gpu::uniform("u_eye", view.eye_in_world), gpu::uniform("u_view_axis", view_axis),
+               .uniforms = {gpu::uniform("u_clip_from_character", view.clip_from_character),
+                            gpu::uniform("u_eye", view.eye_in_character), gpu::uniform("u_view_axis", view_axis),
                             gpu::uniform("u_camera_centres", std::span<const glm::vec4>(model.camera_centres)),
                             gpu::uniform("u_camera_forwards", std::span<const glm::vec4>(model.camera_forwards)),
                             gpu::uniform("u_view_exponent", options.recipe.view_exponent),
-                            gpu::uniform("u_sources", std::span<const glm::vec4>(sources)),
+                            gpu::uniform("u_members", std::span<const glm::vec4>(members)),
                             gpu::uniform("u_detail", options.recipe.keep_detail ? lostDetail(part) : 0.0f),
                             gpu::uniform("u_vertex_count", vertex_count), gpu::uniform("u_face_count", face_count),
                             gpu::uniform("u_layer_rects", std::span<const glm::vec4>(rects)),

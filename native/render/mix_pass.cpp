@@ -6,9 +6,7 @@ namespace fourdvt::render {
 Status MixPass::prepare(gpu::Device& device, bool with_flow) {
   const auto make = [&](gpu::Program& out, const char* vertex, const char* fragment, const char* defines) -> Status {
     if (out) return {};
-    auto made = makeEmbeddedProgram(device, vertex, fragment, defines);
-    if (!made) return made.error();
-    out = made.take();
+    FOURDVT_ASSIGN(out, makeEmbeddedProgram(device, vertex, fragment, defines));
     return {};
   };
   FOURDVT_TRY(make(mesh_, "mesh_picture.vert", "mesh_picture.frag", ""));
@@ -27,12 +25,12 @@ void MixPass::mix(gpu::Device& device, gpu::TextureId first, gpu::TextureId seco
 }
 
 void MixPass::drawMesh(gpu::Device& device, const CharacterModel& model, gpu::TextureId picture,
-                       const View& view) const {
+                       const CharacterView& view) const {
   device.draw({.program = mesh_.id(),
                .textures = {{"u_corners", model.corners.id()},
                             {"u_positions_normals", model.positions_normals.id()},
                             {"u_shown", picture}},
-               .uniforms = {gpu::uniform("u_clip_from_character", view.clip_from_world)},
+               .uniforms = {gpu::uniform("u_clip_from_character", view.clip_from_character)},
                .vertex_count = static_cast<int>(3 * model.face_count),
                .depth_test = true,
                .depth_write = true,

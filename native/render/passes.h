@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The passes of the recipe, in order of execution: shadow cast → [parts → mix, for figures of several parts] → [target
 // cleared] → background, scene meshes → shadow ground → layered, or the mesh with its mixed picture.
-// Everything of a figure is in its character's frame, the View too. Does NOT own the target they draw into
-// (recipe.cpp).
+// What belongs to a figure is in its character's frame (CharacterView). Does NOT own the target that the passes draw
+// into (recipe.cpp does).
 #pragma once
 
 #include <map>
@@ -12,12 +12,12 @@
 
 namespace fourdvt::render {
 
-// Embedded NAME.vert and NAME.frag as a program.
+// Makes a program of the embedded files `vertex` and `fragment`.
 Result<gpu::Program> makeEmbeddedProgram(gpu::Device& device, const char* vertex, const char* fragment,
                                          const std::string& defines = {});
 
 // A member of an appearance, and its share of the blend.
-struct Source {
+struct WeightedMember {
   int member = 0;
   float weight = 1;
 };
@@ -25,26 +25,27 @@ struct Source {
 // What one layered draw shows of a figure.
 struct Part {
   const Look* look = nullptr;
-  std::vector<Source> sources;  // weights sum 1
-  float share = 1;              // of the figure
+  std::vector<WeightedMember> members;  // weights sum 1
+  float share = 1;                      // of the figure's colour
 };
 
-// Parts of positive share, sum 1: the looks, with Align::Flow the members of each. More than one: they are mixed.
+// The parts that a figure is mixed of: its looks, or with Align::Flow the members of each look. Their shares are
+// positive and sum to 1; a figure of one part needs no mixing.
 std::vector<Part> partsOf(const Figure& figure, const DrawOptions& options);
 // Errors: InvalidArgument.
 Status checkFigure(const Figure& figure, const RecipeOptions& options);
 
-// In the character's frame.
-View viewOfFigure(const View& view, const Figure& figure);
+// The view in the frame of the figure's character.
+CharacterView viewOfFigure(const View& view, const Figure& figure);
 
-// Soft contact shadows: the lowest surface seen from above, as occlusion of the ground, blurred. A map a figure.
+// Soft contact shadows: the lowest surface seen from above, as occlusion of the ground, blurred. One map per figure.
 class ShadowPass {
  public:
   static Result<ShadowPass> create(gpu::Device& device);
-  // Three draws into own targets; nothing if geometry and ground are those of the last call. `i`: the figure's number.
+  // Draws figure number `i` into its map (three draws); does nothing if geometry and ground are those of the last call.
   Status cast(gpu::Device& device, size_t i, const CharacterModel& model, float ground_y_m);
-  // One draw inside the caller's pass: the ground quad, premultiplied, behind what is nearer.
-  void drawGround(gpu::Device& device, size_t i, const View& view, float strength) const;
+  // Draws the shadow on the ground inside the caller's pass: a premultiplied quad, hidden by what is nearer.
+  void drawGround(gpu::Device& device, size_t i, const CharacterView& view, float strength) const;
 
  private:
   static constexpr int kSide = 128;  // texels of the occlusion map
@@ -62,34 +63,35 @@ class ShadowPass {
 };
 
 // A character with layered view-dependent texture (LVDT Eq. 3-4), up to four members of a look blended. Programs are
-// made on first use, one for each layer count, number of sources, picture kind, debug view and kind of weights.
+// made on first use, one per layer count, number of members, picture kind, debug view and kind of weights.
 class LayeredPass {
  public:
   // Makes the program. Errors: GpuFailure.
   Status prepare(gpu::Device& device, const CharacterModel& model, const Part& part, const DrawOptions& options);
   // One draw inside the caller's pass, after prepare with the same arguments.
-  void draw(gpu::Device& device, const CharacterModel& model, const Part& part, const View& view,
+  void draw(gpu::Device& device, const CharacterModel& model, const Part& part, const CharacterView& view,
             const DrawOptions& options) const;
 
  private:
   std::map<uint32_t, gpu::Program> programs_;
 };
 
-// Pictures of one mesh and view, and the mesh drawn with one of them.
+// Mixes two pictures of one mesh and view, and draws the mesh with a mixed picture.
 class MixPass {
  public:
   // Makes the programs. Errors: GpuFailure.
   Status prepare(gpu::Device& device, bool with_flow);
-  // One draw over the caller's pass. flow: of first to second; 0: none.
+  // One draw that covers the caller's target. flow: displacements from `first` to `second`; 0: none.
   void mix(gpu::Device& device, gpu::TextureId first, gpu::TextureId second, float share_of_second,
            gpu::TextureId flow) const;
-  void drawMesh(gpu::Device& device, const CharacterModel& model, gpu::TextureId picture, const View& view) const;
+  void drawMesh(gpu::Device& device, const CharacterModel& model, gpu::TextureId picture,
+                const CharacterView& view) const;
 
  private:
   gpu::Program mix_, mix_flow_, mesh_;
 };
 
-// Background and meshes of a Scene; programs are made on first use.
+// Draws background and meshes of a Scene; programs are made on first use.
 class ScenePass {
  public:
   Status prepare(gpu::Device& device);  // Errors: GpuFailure

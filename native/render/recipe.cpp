@@ -16,9 +16,9 @@ struct Canvas {
 
 struct PlannedFigure {
   const CharacterModel* model;
-  View view;  // in the character's frame
+  CharacterView view;
   std::vector<Part> parts;
-  gpu::TextureId mixed = 0;  // of more than one part
+  gpu::TextureId mixed = 0;  // the mixed picture; 0: one part, which is drawn directly
 };
 
 struct Size {
@@ -57,7 +57,7 @@ class RecipeOnDevice final : public Recipe {
       shadow_.drawGround(device_, i, plan[i].view, recipe.shadow_strength);
     for (const PlannedFigure& figure : plan) drawFigure(figure, options);
     device_.endPass();
-    device_.blit(main_.id(), target, view.width, view.height);
+    device_.blit(main_.id(), target, {.width = view.width, .height = view.height});
     return {};
   }
 
@@ -72,14 +72,14 @@ class RecipeOnDevice final : public Recipe {
     return {};
   }
 
-  // Of the character's frame. Placements are upright.
+  // Height of the ground in the character's frame. Placements are upright.
   static float groundOf(const Figure& figure, const Scene* scene) {
     if (!scene) return static_cast<float>(figure.model->ground_y_m);
     const glm::vec4 feet = figure.world_from_character[3];
     return (glm::inverse(figure.world_from_character) * glm::vec4(feet.x, scene->ground_y_m, feet.z, 1)).y;
   }
 
-  // All that goes before the main pass.
+  // Everything that is drawn before the main pass.
   Status prepareFigure(PlannedFigure& figure, size_t number, const DrawOptions& options) {
     for (const Part& part : figure.parts) FOURDVT_TRY(layered_.prepare(device_, *figure.model, part, options));
     if (figure.parts.size() == 1) return {};
@@ -91,8 +91,8 @@ class RecipeOnDevice final : public Recipe {
     return {};
   }
 
-  // Each part is mixed into what the parts before it gave: their order is that of the looks and members, and what is
-  // shown moves smoothly with their shares.
+  // Mixes each part into the mixture of the parts before it. The order is that of looks and members, so that the
+  // picture changes smoothly with their shares.
   Status mixParts(const PlannedFigure& figure, Canvas& out, const DrawOptions& options) {
     drawPart(figure, figure.parts[0], parts_[0], options);
     float before = figure.parts[0].share;
@@ -111,12 +111,12 @@ class RecipeOnDevice final : public Recipe {
     return {};
   }
 
-  // Multisampled as the figure will be: covered pixels are the same.
+  // Multisamples the part as the figure will be, so that both cover the same pixels.
   void drawPart(const PlannedFigure& figure, const Part& part, const Canvas& out, const DrawOptions& options) {
     device_.beginPass({.target = main_.id(), .clear_color = true, .clear_depth = true, .label = "part"});
     layered_.draw(device_, *figure.model, part, figure.view, options);
     device_.endPass();
-    device_.blit(main_.id(), out.target.id(), size_.width, size_.height);
+    device_.blit(main_.id(), out.target.id(), {.width = size_.width, .height = size_.height});
   }
 
   void drawFigure(const PlannedFigure& figure, const DrawOptions& options) {
@@ -144,11 +144,11 @@ class RecipeOnDevice final : public Recipe {
     main_.reset();
     for (Canvas& part : parts_) part = {};
     mixed_.clear();
-    auto made = gpu::makeTarget(
-        device_,
-        {.width = size.width, .height = size.height, .samples = size.samples, .own_depth = true, .label = "scene"});
-    if (!made) return made.error();
-    main_ = made.take();
+    FOURDVT_ASSIGN(main_, gpu::makeTarget(device_, {.width = size.width,
+                                                    .height = size.height,
+                                                    .samples = size.samples,
+                                                    .own_depth = true,
+                                                    .label = "scene"}));
     size_ = size;
     return {};
   }

@@ -24,7 +24,7 @@ struct RecipeOptions {
   int debug_layer = 0;
   // The cameras' optical axes instead of rays per fragment, as LVDT prints Eq. 3-4; seams are feathered all the same.
   bool paper_weights = false;
-  bool keep_detail = true;  // aligned blends get back the contrast that their detail loses in the mean
+  bool keep_detail = true;  // gives aligned blends back the contrast that their mean loses
   float view_exponent = 1;  // sharpens the blend towards the cameras nearest to the view; 1: LVDT Eq. 3
 };
 
@@ -38,7 +38,7 @@ enum class Align { None, Baked, Flow };
 struct Look {
   const Appearance* appearance = nullptr;
   const PictureTextures* picture = nullptr;
-  std::span<const float> weights;  // one a member of the appearance, sum 1; those below 1/512 are not drawn
+  std::span<const float> weights;  // one per member, sum 1; below 1/512 a member is not drawn
 };
 
 struct Figure {

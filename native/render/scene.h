@@ -11,7 +11,7 @@ namespace fourdvt::render {
 
 // Triangles in world coordinates.
 struct SceneMesh {
-  // RGBA32F table as CharacterModel's, 2 texels a corner: position; colour, straight alpha 1. Null: nothing.
+  // RGBA32F table as CharacterModel's, 2 texels per corner: position; colour, straight alpha 1. Null: draws nothing.
   gpu::Texture corners;
   int corner_count = 0;
   bool occluder_only = false;  // writes depth only: the background picture shows what it is
@@ -21,7 +21,7 @@ struct SceneCorner {
   glm::vec3 position{0};  // world, metres
   glm::vec3 color{0.5f};
 };
-// Three corners a triangle, both sides are seen. Errors: InvalidArgument, GpuFailure.
+// Three corners per triangle; both sides are seen. Errors: InvalidArgument, GpuFailure.
 Result<SceneMesh> makeSceneMesh(gpu::Device& device, std::span<const SceneCorner> corners, bool occluder_only);
 
 struct Scene {

@@ -6,7 +6,7 @@ namespace fourdvt::render {
 
 Result<SceneMesh> makeSceneMesh(gpu::Device& device, std::span<const SceneCorner> corners, bool occluder_only) {
   if (corners.empty() || corners.size() % 3 != 0)
-    return Error{ErrorId::InvalidArgument, "a scene mesh needs three corners a triangle"};
+    return Error{ErrorId::InvalidArgument, "a scene mesh needs three corners per triangle"};
   if (tableRows(2 * corners.size()) > static_cast<uint32_t>(device.caps().max_texture_size))
     return Error{ErrorId::InvalidArgument, "the scene mesh has too many triangles for this GPU: " +
                                                std::to_string(corners.size() / 3) + "; simplify it"};

@@ -10,7 +10,7 @@ namespace {
 constexpr float kMargin_m = 0.5f;       // of the map round the frame's bounds
 constexpr float kExtentStep_m = 0.25f;  // the map's extent changes in steps, so that its texels rarely do
 constexpr float kContactSigma_m = 0.035f, kBodySigma_m = 0.13f;
-constexpr float kTapsOfBodySigma = 5.0f;  // the kernel's 12 taps a side reach 2.4 sigma
+constexpr float kTapsOfBodySigma = 5.0f;  // the kernel's 12 taps on each side reach 2.4 sigma
 
 glm::vec4 shadowArea(const CharacterModel& model, float ground_y_m) {
   const glm::vec3 low = model.frame_bounds.min, high = model.frame_bounds.max;
@@ -23,40 +23,33 @@ glm::vec4 shadowArea(const CharacterModel& model, float ground_y_m) {
 Result<gpu::Program> makeEmbeddedProgram(gpu::Device& device, const char* vertex, const char* fragment,
                                          const std::string& defines) {
   const std::string table = "TABLE_WIDTH " + std::to_string(CharacterModel::kTableWidth) + "\n";
-  return gpu::makeProgram(device, std::string(vertex) + " + " + fragment, gpu::shaderSource(vertex),
-                          gpu::shaderSource(fragment), table + defines);
+  return gpu::makeProgram(device, std::string(vertex) + " + " + fragment, gpu::shaderText(vertex),
+                          gpu::shaderText(fragment), table + defines);
 }
 
 Result<ShadowPass> ShadowPass::create(gpu::Device& device) {
   ShadowPass pass;
   const auto program = [&](gpu::Program& out, const char* vertex, const char* fragment) -> Status {
-    auto made = makeEmbeddedProgram(device, vertex, fragment);
-    if (!made) return made.error();
-    out = made.take();
+    FOURDVT_ASSIGN(out, makeEmbeddedProgram(device, vertex, fragment));
     return {};
   };
   FOURDVT_TRY(program(pass.cast_, "shadow_cast.vert", "shadow_cast.frag"));
   FOURDVT_TRY(program(pass.blur_, "fullscreen.vert", "shadow_blur.frag"));
   FOURDVT_TRY(program(pass.ground_, "shadow_ground.vert", "shadow_ground.frag"));
-  auto scratch = makeMap(device, false);
-  if (!scratch) return scratch.error();
-  pass.scratch_ = scratch.take();
+  FOURDVT_ASSIGN(pass.scratch_, makeMap(device, false));
   return pass;
 }
 
 Result<ShadowPass::Map> ShadowPass::makeMap(gpu::Device& device, bool with_depth) {
   Map map;
-  auto occlusion = gpu::makeTexture(device, {.format = gpu::PixelFormat::RG8,
-                                             .width = kSide,
-                                             .height = kSide,
-                                             .filter = gpu::Filter::Linear,
-                                             .label = "shadow map"});
-  if (!occlusion) return occlusion.error();
-  map.occlusion = occlusion.take();
-  auto target =
-      gpu::makeTarget(device, {.colors = {map.occlusion.id()}, .own_depth = with_depth, .label = "shadow map"});
-  if (!target) return target.error();
-  map.target = target.take();
+  FOURDVT_ASSIGN(map.occlusion, gpu::makeTexture(device, {.format = gpu::PixelFormat::RG8,
+                                                          .width = kSide,
+                                                          .height = kSide,
+                                                          .filter = gpu::Filter::Linear,
+                                                          .label = "shadow map"}));
+  FOURDVT_ASSIGN(
+      map.target,
+      gpu::makeTarget(device, {.colors = {map.occlusion.id()}, .own_depth = with_depth, .label = "shadow map"}));
   return map;
 }
 
@@ -79,7 +72,7 @@ Status ShadowPass::cast(gpu::Device& device, size_t i, const CharacterModel& mod
                .depth_test = true,
                .depth_write = true});
   device.endPass();
-  // Map units: the map is 2 × area.z metres wide.
+  // In units of the map, which is 2 × area.z metres wide.
   const float tap_m = kBodySigma_m / kTapsOfBodySigma;
   const float tap = tap_m / (2 * map.area.z);
   const glm::vec2 sigma(kContactSigma_m / tap_m, kTapsOfBodySigma);
@@ -96,12 +89,12 @@ Status ShadowPass::cast(gpu::Device& device, size_t i, const CharacterModel& mod
   return {};
 }
 
-void ShadowPass::drawGround(gpu::Device& device, size_t i, const View& view, float strength) const {
+void ShadowPass::drawGround(gpu::Device& device, size_t i, const CharacterView& view, float strength) const {
   const Map& map = maps_[i];
   device.draw({.program = ground_.id(),
                .textures = {{"u_occlusion", map.occlusion.id()}},
-               .uniforms = {gpu::uniform("u_clip_from_character", view.clip_from_world),
-                            gpu::uniform("u_eye", view.eye_in_world), gpu::uniform("u_ground", map.area),
+               .uniforms = {gpu::uniform("u_clip_from_character", view.clip_from_character),
+                            gpu::uniform("u_eye", view.eye_in_character), gpu::uniform("u_ground", map.area),
                             gpu::uniform("u_strength", strength)},
                .vertex_count = 6,
                .depth_test = true,

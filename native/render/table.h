@@ -32,7 +32,7 @@ void resizeToRows(std::vector<T>& table, uint64_t texels, T fill) {
 template <class T>
 void uploadTable(gpu::Device& device, const gpu::Texture& texture, const std::vector<T>& table) {
   const int rows = static_cast<int>(table.size() / CharacterModel::kTableWidth);
-  device.updateTexture(texture.id(), 0, 0, 0, CharacterModel::kTableWidth, rows, table.data());
+  device.updateTexture(texture.id(), {.width = CharacterModel::kTableWidth, .height = rows}, table.data());
 }
 
 }  // namespace fourdvt::render

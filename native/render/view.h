@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera as shaders want it.
+// Where a picture looks from, as shaders want it.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -14,9 +14,15 @@ struct View {
   int width = 0, height = 0;  // pixels
 };
 
-// Unit optical axis: the gradient of clip w.
-inline glm::vec3 viewAxis(const View& view) {
-  const glm::mat4& m = view.clip_from_world;
+// The same in the frame of a character that stands in the world.
+struct CharacterView {
+  glm::mat4 clip_from_character{1};
+  glm::vec3 eye_in_character{0};
+};
+
+// Unit optical axis in the frame that the matrix starts from: the gradient of clip w.
+inline glm::vec3 viewAxis(const glm::mat4& clip_from_frame) {
+  const glm::mat4& m = clip_from_frame;
   return glm::normalize(glm::vec3(m[0][3], m[1][3], m[2][3]));
 }
 

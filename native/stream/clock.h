@@ -11,8 +11,10 @@ class PlaybackClock {
   void jump(double position_s) { position_s_ = position_s; }
   // Moves to `now_s`; a step longer than `max_step_s` (a sleeping tab) counts as that long. Going back counts as 0.
   void advance(double now_s, double max_step_s = 0.25);
-  // Holds the position at `limit_s` at most: playback waits for pictures instead of running away from them.
-  void holdAt(double limit_s) { if (position_s_ > limit_s) position_s_ = limit_s; }
+  // Keeps the position from passing `limit_s`: playback waits for pictures instead of running away from them.
+  void holdAt(double limit_s) {
+    if (position_s_ > limit_s) position_s_ = limit_s;
+  }
   double position() const { return position_s_; }
   double rate() const { return rate_; }
   bool running() const { return running_; }

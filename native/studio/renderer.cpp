@@ -23,14 +23,14 @@ Result<Renderer> Renderer::create(gpu::Device& device, const RestMesh& surface, 
   renderer.width_ = width;
   renderer.height_ = height;
   renderer.faces_ = surface.topology.face_vertices;
-  FOURDVT_ASSIGN(renderer.program_, gpu::makeProgram(device, "studio surface", gpu::shaderSource("studio_surface.vert"),
-                                                     gpu::shaderSource("studio_surface.frag"), kDefines));
+  FOURDVT_ASSIGN(renderer.program_, gpu::makeProgram(device, "studio surface", gpu::shaderText("studio_surface.vert"),
+                                                     gpu::shaderText("studio_surface.frag"), kDefines));
   FOURDVT_ASSIGN(renderer.albedo_, gpu::makeTexture(device, {.width = texture.width,
                                                              .height = texture.height,
                                                              .filter = gpu::Filter::LinearMipmap,
                                                              .label = "studio albedo"}));
   const Image rgba = texture.channels == 4 ? texture : withAlpha(texture);
-  device.updateTexture(renderer.albedo_.id(), 0, 0, 0, rgba.width, rgba.height, rgba.pixels.data());
+  device.updateTexture(renderer.albedo_.id(), {.width = rgba.width, .height = rgba.height}, rgba.pixels.data());
   device.generateMipmaps(renderer.albedo_.id());
   FOURDVT_TRY(renderer.makeTables(surface));
   FOURDVT_TRY(renderer.makeTargets(width, height));
@@ -75,7 +75,7 @@ void Renderer::update(const gpu::Texture& table, std::span<const glm::vec3> valu
   const size_t rows = (values.size() + kTableWidth - 1) / kTableWidth;
   scratch_.assign(rows * kTableWidth, glm::vec4(0));
   for (size_t i = 0; i < values.size(); ++i) scratch_[i] = glm::vec4(values[i], 0);
-  device_->updateTexture(table.id(), 0, 0, 0, kTableWidth, static_cast<int>(rows), scratch_.data());
+  device_->updateTexture(table.id(), {.width = kTableWidth, .height = static_cast<int>(rows)}, scratch_.data());
 }
 
 void Renderer::setPose(const Positions& positions, double place, double phase) {
@@ -107,9 +107,10 @@ Result<Image> Renderer::draw(const PinholeCamera& camera, double near_m, double 
   draw.depth_test = draw.depth_write = true;
   device_->draw(draw);
   device_->endPass();
-  device_->blit(samples_.id(), picture_.id(), width_, height_);
+  device_->blit(samples_.id(), picture_.id(), {.width = width_, .height = height_});
   Image out(width_, height_, 4);
-  FOURDVT_TRY(device_->readPixels(picture_.id(), gpu::PixelFormat::RGBA8, 0, 0, width_, height_, out.pixels.data()));
+  FOURDVT_TRY(device_->readPixels(picture_.id(), gpu::PixelFormat::RGBA8, {.width = width_, .height = height_},
+                                  out.pixels.data()));
   return out;
 }
 

@@ -129,7 +129,7 @@ class Background {
       width_ = picture.width;
       height_ = picture.height;
     }
-    device_->updateTexture(texture_.id(), 0, 0, 0, width_, height_, rgba.pixels.data());
+    device_->updateTexture(texture_.id(), {.width = width_, .height = height_}, rgba.pixels.data());
     return {};
   }
 

@@ -28,10 +28,10 @@ bool isNearContour(vec2 pixel, float depth, float slope_per_pixel) {
 
 bool isNearBackground(vec2 pixel) {
   if (matte_pixels <= 0.0) return false;
-  float least = 1.0;
+  float min_alpha = 1.0;
   for (int k = 0; k < 8; ++k)
-    least = min(least, textureLod(picture, (pixel + matte_pixels * kRing[k]) / size_near_far.xy, 0.0).a);
-  return least < matte_threshold;
+    min_alpha = min(min_alpha, textureLod(picture, (pixel + matte_pixels * kRing[k]) / size_near_far.xy, 0.0).a);
+  return min_alpha < matte_threshold;
 }
 
 #ifdef FILTER_BICUBIC
@@ -40,8 +40,8 @@ vec4 catmullRom(float t) {
               (0.5 * t - 0.5) * t * t);
 }
 
-// Premultiplied; 4 × 4 pixels, those below the matte threshold left out. Where the negative lobes would then carry the
-// result, bilinear of the pixels that remain.
+// Premultiplied. Filters 4 × 4 pixels and leaves out those below the matte threshold. Where the negative lobes would
+// then dominate, interpolates the remaining pixels bilinearly.
 vec4 sampleSharp(vec2 pixel, vec4 otherwise) {
   vec2 base = floor(pixel - 0.5), t = pixel - 0.5 - base;
   vec4 wx = catmullRom(t.x), wy = catmullRom(t.y);
@@ -60,7 +60,7 @@ vec4 sampleSharp(vec2 pixel, vec4 otherwise) {
   return plain.a > 0.01 ? plain : otherwise;
 }
 
-// Pixels that a texel spans.
+// How many pixels one texel spans.
 float texelPixels(vec2 pixel) {
   vec2 dx = dFdx(pixel), dy = dFdy(pixel);
   return sqrt(max(dot(dx, dx), dot(dy, dy)));

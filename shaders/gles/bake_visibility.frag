@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One texel a face (table order): the share of seven sample points that one camera sees, in the red channel.
+// One texel per face, in table order: the share of seven sample points that one camera sees, in the red channel.
 #include "bake_mesh.glsl"
 #include "bake_camera.glsl"
 uniform int first_row;   // of the viewport

@@ -1,7 +1,7 @@
-// Vertices pulled from CharacterModel's tables; gl_VertexID counts corners, three a face.
+// Vertices pulled from CharacterModel's tables; gl_VertexID counts corners, three per face.
 #include "tables.glsl"
-uniform sampler2D u_corners;            // two texels a corner: uv, vertex index, unused; uv_from_tangents by columns
-uniform sampler2D u_positions_normals;  // two texels a vertex
+uniform sampler2D u_corners;            // two texels per corner: uv, vertex index, unused; uv_from_tangents by columns
+uniform sampler2D u_positions_normals;  // two texels per vertex
 
 struct Corner {
   vec2 uv;

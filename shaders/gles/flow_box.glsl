@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mean of the equations over an odd window, in one direction; two texels a fetch by linear filtering.
+// Mean of the equations over an odd window, in one direction; linear filtering reads two texels per fetch.
 in vec2 v_uv;
 uniform sampler2D u_first, u_second;
 uniform vec2 u_step;  // one texel along the direction, texture coordinates

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Dense inverse search (Kroeger 2016), one patch a fragment: the best start among its own and its neighbours', then
-// Gauss-Newton on the mean-normalised difference.
+// Dense inverse search (Kroeger 2016), one patch per fragment: takes the best start among its own and its neighbours', then
+// runs Gauss-Newton on the mean-normalised difference.
 out vec2 o_flow;
 uniform sampler2D u_slopes;  // luma of a, of b, slope of a
 uniform sampler2D u_start;   // flow to start from
-uniform vec4 u_place;        // where in it: texture coordinates a patch, and of the first one
+uniform vec4 u_place;        // where patches lie in it: texture coordinates from patch to patch, and those of the first
 uniform float u_gain;        // of u_start
 uniform int u_iterations;
 const int kPatch = 8, kStride = 4;
@@ -13,7 +13,7 @@ const float kDamping = 512.0;  // holds patches without texture at their start
 
 vec2 start(vec2 neighbour) { return texture(u_start, (gl_FragCoord.xy + neighbour) * u_place.xy + u_place.zw).xy * u_gain; }
 
-// Sum of squared differences; pull: their slope over flow.
+// Sum of squared differences, their mean removed; pull: its slope over flow.
 float mismatch(vec2 flow, vec2 mean_slope, out vec2 pull) {
   ivec2 corner = kStride * ivec2(gl_FragCoord.xy);
   vec2 size = vec2(textureSize(u_slopes, 0)), sums = vec2(0.0);
@@ -40,19 +40,19 @@ void main() {
   tensor += vec3(kDamping, kDamping, 0.0) - kPixels * mean.xyx * mean.xyy;
   vec2 pull, next_pull;
   vec2 best = start(vec2(0.0));
-  float least = mismatch(best, mean, pull);
+  float min_cost = mismatch(best, mean, pull);
   for (int i = 0; i < 4; ++i) {
     vec2 candidate = start(vec2(i < 2 ? 2 * i - 1 : 0, i < 2 ? 0 : 2 * i - 5));
     float cost = mismatch(candidate, mean, next_pull);
-    if (cost < least) least = cost, best = candidate, pull = next_pull;
+    if (cost < min_cost) min_cost = cost, best = candidate, pull = next_pull;
   }
   vec2 from = best;
   for (int i = 0; i < u_iterations; ++i) {
     vec2 next = best - vec2(tensor.y * pull.x - tensor.z * pull.y, tensor.x * pull.y - tensor.z * pull.x) /
                            (tensor.x * tensor.y - tensor.z * tensor.z);
     float cost = mismatch(next, mean, next_pull);
-    if (cost >= least || distance(next, from) > float(kPatch)) break;
-    least = cost, best = next, pull = next_pull;
+    if (cost >= min_cost || distance(next, from) > float(kPatch)) break;
+    min_cost = cost, best = next, pull = next_pull;
   }
   o_flow = best;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Both lumas and the slope of a's.
+// Both lumas, and the slope of the first picture's luma.
 out vec4 o_slopes;
 uniform sampler2D u_luma;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Farnebäck's normal equations a pixel, from a's expansion here and b's where the flow so far leads.
+// Farnebäck's normal equations per pixel, from a's expansion here and b's expansion where the flow so far leads.
 layout(location = 0) out vec4 o_first;   // G11, G12, G22, h1; y before x
 layout(location = 1) out vec2 o_second;  // h2
 in vec2 v_uv;

@@ -10,7 +10,7 @@ uniform highp sampler2DArray u_depth_maps;  // drawn y up: row 0 is the bottom r
 uniform vec2 u_map_size;                    // texels of both
 uniform mat4 u_pixel_from_world[CAMERAS];   // → (pixel · depth, depth along the optical axis, unused)
 uniform vec4 u_centres[CAMERAS];            // xyz world; w layer
-uniform vec4 u_forwards[CAMERAS];           // xyz unit optical axis; w metres a pixel spans at a depth of 1 m
+uniform vec4 u_forwards[CAMERAS];           // xyz unit optical axis; w metres that a pixel spans at a depth of 1 m
 uniform vec4 u_sizes_near_far[CAMERAS];     // pixels, pixels, metres, metres
 uniform vec3 u_eye_in_world;
 uniform vec3 u_view_axis;
@@ -18,7 +18,7 @@ uniform int u_paper_weights;
 
 const float kDepthBias = 0.01;    // metres
 const float kReachPixels = 2.1;   // of the offset multi-draw along its diagonals, and the rounding to a texel
-const float kLeastSum = 1e-6;
+const float kMinSum = 1e-6;
 
 float mappedDepth(vec2 pixel, int i) {
   ivec2 at = ivec2(pixel);
@@ -79,5 +79,5 @@ void main() {
     color += weight * texel.a * texel.rgb;
     sum += weight * texel.a;
   }
-  o_color = vec4(sum > kLeastSum ? color / sum : bestFacingColor(normal), 1.0);
+  o_color = vec4(sum > kMinSum ? color / sum : bestFacingColor(normal), 1.0);
 }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// LVDT Eq. 3-4 with the corrected sign, per-fragment rays and seam feathering, for each source; sources are blended by
-// their weights. Blends encoded values, as the paper does.
+// LVDT Eq. 3-4 with the corrected sign, per-fragment rays and seam feathering, for each drawn member; the members
+// are blended by their weights. Blends encoded values, as the paper does.
 #define VARYING in
 #include "layered_varyings.glsl"
 #include "picture.glsl"
 out vec4 o_color;
 
-uniform vec4 u_sources[SOURCES];  // member, weight
+uniform vec4 u_members[MEMBERS];  // per drawn member m: its number in the appearance, its weight
 #ifdef PAPER_WEIGHTS
 uniform vec3 u_view_axis;  // unit, of the viewing camera
 uniform vec4 u_camera_forwards[MAX_CAMERAS];
@@ -18,19 +18,19 @@ uniform vec4 u_camera_centres[MAX_CAMERAS];
 uniform float u_view_exponent;  // sharpens the view term; without: 1, the paper
 #endif
 
-// Below this sum of weights the first slot takes over.
-const float kLeastSum = 1e-4;
+// Below this sum of weights the first rank takes over.
+const float kMinSum = 1e-4;
 
-uint labelOf(int source, int slot) { return (v_labels[source] >> uint(5 * slot)) & kEmpty; }
+uint labelOf(int m, int rank) { return (v_labels[m] >> uint(5 * rank)) & kEmpty; }
 
-float slotWeight(int source, int slot, vec3 normal, vec3 to_eye) {
-  int i = source * LAYERS + slot;
+float rankWeight(int m, int rank, vec3 normal, vec3 to_eye) {
+  int i = m * LAYERS + rank;
   float mask = v_masks[i / 4][i % 4];
   if (mask <= 0.0) return 0.0;
 #ifdef PAPER_WEIGHTS
-  vec3 direction = -u_camera_forwards[labelOf(source, slot)].xyz;
+  vec3 direction = -u_camera_forwards[labelOf(m, rank)].xyz;
 #else
-  vec3 direction = normalize(u_camera_centres[labelOf(source, slot)].xyz - v_point);
+  vec3 direction = normalize(u_camera_centres[labelOf(m, rank)].xyz - v_point);
 #endif
   float facing = max(dot(normal, direction), 0.0);
   float viewing = max(dot(direction, to_eye), 0.0);
@@ -40,48 +40,48 @@ float slotWeight(int source, int slot, vec3 normal, vec3 to_eye) {
   return mask * facing * viewing;
 }
 
-// Sum 1.
-void slotShares(int source, vec3 normal, vec3 to_eye, out float shares[LAYERS]) {
+// Weights of the ranks of drawn member m, scaled to sum 1.
+void rankShares(int m, vec3 normal, vec3 to_eye, out float shares[LAYERS]) {
   float sum = 0.0;
-  for (int slot = 0; slot < LAYERS; ++slot) {
-    shares[slot] = slotWeight(source, slot, normal, to_eye);
-    sum += shares[slot];
+  for (int rank = 0; rank < LAYERS; ++rank) {
+    shares[rank] = rankWeight(m, rank, normal, to_eye);
+    sum += shares[rank];
   }
-  float missing = max(kLeastSum - sum, 0.0);
+  float missing = max(kMinSum - sum, 0.0);
   shares[0] += missing;
   sum += missing;
-  for (int slot = 0; slot < LAYERS; ++slot) shares[slot] /= sum;
+  for (int rank = 0; rank < LAYERS; ++rank) shares[rank] /= sum;
 }
 
 #ifdef ALIGNED
-uniform float u_detail;  // what is put back of the contrast that the mean of several looks loses in its detail
+uniform float u_detail;  // how much contrast of detail to restore, which the mean of several looks loses
 const float kReach = 3.0;
 #endif
 
-// One member. ALIGNED: with what its share of the detail needs, against both neighbours on a diagonal, which turns
-// from source to source.
-vec3 sourceColor(int source, vec3 normal, vec3 to_eye) {
+// Colour of drawn member m. ALIGNED: detail is restored against both neighbours on a diagonal, which turns
+// from member to member.
+vec3 memberColor(int m, vec3 normal, vec3 to_eye) {
   float shares[LAYERS];
-  slotShares(source, normal, to_eye, shares);
+  rankShares(m, normal, to_eye, shares);
   vec3 color = vec3(0.0);
 #ifdef ALIGNED
-  int main_slot = 0;
+  int main_rank = 0;
   vec3 main_color = vec3(0.0);
 #endif
-  for (int slot = 0; slot < LAYERS; ++slot) {
-    if (shares[slot] <= 0.0) continue;
-    vec3 layer = sampleLayer(source * LAYERS + slot, v_uv[source]);
-    color += shares[slot] * layer;
+  for (int rank = 0; rank < LAYERS; ++rank) {
+    if (shares[rank] <= 0.0) continue;
+    vec3 layer = sampleLayer(m * LAYERS + rank, v_uv[m]);
+    color += shares[rank] * layer;
 #ifdef ALIGNED
-    if (shares[slot] >= shares[main_slot]) {
-      main_slot = slot;
+    if (shares[rank] >= shares[main_rank]) {
+      main_rank = rank;
       main_color = layer;
     }
 #endif
   }
 #ifdef ALIGNED
-  vec2 diagonal = vec2(kReach, source % 2 == 0 ? kReach : -kReach);
-  color += u_detail * (dot(main_color, kLuma) - lumaBeside(source * LAYERS + main_slot, v_uv[source], diagonal));
+  vec2 diagonal = vec2(kReach, m % 2 == 0 ? kReach : -kReach);
+  color += u_detail * (dot(main_color, kLuma) - lumaBeside(m * LAYERS + main_rank, v_uv[m], diagonal));
 #endif
   return color;
 }
@@ -102,9 +102,9 @@ vec3 debugColor(vec3 normal, vec3 to_eye) {
   return sampleLayer(u_debug_layer, v_uv[0]);
 #elif DEBUG_VIEW == 3
   float shares[LAYERS];
-  slotShares(0, normal, to_eye, shares);
+  rankShares(0, normal, to_eye, shares);
   vec3 shown = vec3(0.0);
-  for (int slot = 0; slot < min(LAYERS, 3); ++slot) shown[slot] = shares[slot];
+  for (int rank = 0; rank < min(LAYERS, 3); ++rank) shown[rank] = shares[rank];
   return shown;
 #else
   return normal * 0.5 + 0.5;
@@ -123,7 +123,7 @@ void main() {
   o_color = vec4(debugColor(normal, to_eye), 1.0);
 #else
   vec3 color = vec3(0.0);
-  for (int source = 0; source < SOURCES; ++source) color += u_sources[source].y * sourceColor(source, normal, to_eye);
+  for (int m = 0; m < MEMBERS; ++m) color += u_members[m].y * memberColor(m, normal, to_eye);
   o_color = vec4(color, 1.0);
 #endif
 }

@@ -11,7 +11,7 @@ uniform sampler2D u_flow;  // pixels: first(p) ~ second(p + flow)
 
 vec3 straight(vec4 color) { return color.rgb / max(color.a, 1.0 / 255.0); }
 
-// Straight. Where a warped picture leaves the character: `plain`.
+// Straight colour; `plain` where a warped picture leaves the character.
 vec3 warped(vec3 plain) {
   vec2 flow = texelFetch(u_flow, ivec2(gl_FragCoord.xy), 0).xy / vec2(textureSize(u_first, 0));
   vec4 first = texture(u_first, v_uv - u_share * flow);

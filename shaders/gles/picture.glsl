@@ -1,6 +1,6 @@
 // Layers of the tiled picture as sRGB-encoded colour. PICTURE_I420: three planes, BT.709 limited range, chroma sited
 // in the middle of its 2 × 2 block; else one RGBA texture.
-uniform vec4 u_layer_rects[SOURCES * LAYERS];  // x, y, width, height in picture texture coordinates
+uniform vec4 u_layer_rects[MEMBERS * LAYERS];  // x, y, width, height in picture texture coordinates
 uniform vec2 u_picture_size;         // texels
 #ifdef PICTURE_I420
 uniform sampler2D u_picture_y;
@@ -40,7 +40,7 @@ vec3 sampleLayer(int layer, vec2 uv) {
 }
 
 #ifdef ALIGNED
-// Luma at `offset` texels of the first layer to both sides, the mean.
+// Mean luma on both sides, at `offset` texels of the first layer.
 float lumaBeside(int layer, vec2 uv, vec2 offset) {
   vec4 rect = u_layer_rects[layer];
   vec2 at = rect.xy + uv * rect.zw, away = offset / u_picture_size * (rect.zw / u_layer_rects[0].zw);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Blended over: opacity 0 leaves the colour as it is and writes depth.
+// Blended over what is there. Opacity 0 keeps the colour and only writes depth.
 in vec3 v_color;
 out vec4 o_color;
 uniform float u_opacity;

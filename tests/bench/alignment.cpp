@@ -10,21 +10,13 @@
 #include <opencv2/video/tracking.hpp>
 
 #include "../render/alignment_rig.h"
+#include "or_stop.h"
 #include "platform/egl_context.h"
 
 namespace {
 
 using namespace fourdvt;
 using namespace fourdvt::testing;
-
-template <class T>
-T orStop(Result<T> result) {
-  if (!result.ok()) {
-    std::fprintf(stderr, "bench_alignment: %s\n", result.error().message.c_str());
-    std::exit(1);
-  }
-  return result.take();
-}
 
 cv::Mat matOf(Image& image) { return {image.height, image.width, CV_8UC4, image.pixels.data()}; }
 

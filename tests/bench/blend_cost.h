@@ -34,7 +34,7 @@ inline double blendCost_ms(const package::ChunkFrames& frames, uint32_t row, con
   double least = HUGE_VAL;
   for (int run = 0; run < kRuns; ++run) {
     const double start = now_ms();
-    for (int i = 0; i < kBlends; ++i) motion::blendFrame(frames, row, index, weights.members, weights.offsets, out);
+    for (int i = 0; i < kBlends; ++i) motion::blendFrame(frames, row, index, weights, out);
     least = std::min(least, (now_ms() - start) / kBlends);
   }
   return least;

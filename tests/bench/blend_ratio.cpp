@@ -9,29 +9,16 @@
 #include <cstdlib>
 #include <numeric>
 
+#include "or_stop.h"
 #include "platform/egl_context.h"
 #include "render/recipe.h"
 
 namespace {
 
 using namespace fourdvt;
+using fourdvt::testing::orStop;
 
 constexpr int kRound = 80, kRows = 50, kLayers = 3, kMembers = 2, kCameras = 8, kSide = 512;
-
-template <class T>
-T orStop(Result<T> result) {
-  if (!result.ok()) {
-    std::fprintf(stderr, "bench_blend_ratio: %s\n", result.error().message.c_str());
-    std::exit(1);
-  }
-  return result.take();
-}
-
-void orStop(const Status& status) {
-  if (status.ok()) return;
-  std::fprintf(stderr, "bench_blend_ratio: %s\n", status.error().message.c_str());
-  std::exit(1);
-}
 
 // A vase of a person's size.
 package::BaseMesh makeMesh() {
@@ -156,7 +143,8 @@ void race(gpu::Device& device, render::Recipe& recipe, const Subject& subject, i
       const auto start = std::chrono::steady_clock::now();
       orStop(recipe.draw({&figure, 1}, nullptr, view, {{}, variant.align}, target.id()));
       uint8_t pixel[4];  // waits until everything is drawn
-      orStop(device.readPixels(target.id(), gpu::PixelFormat::RGBA8, width / 2, height / 2, 1, 1, pixel));
+      orStop(device.readPixels(target.id(), gpu::PixelFormat::RGBA8,
+                               {.x = width / 2, .y = height / 2, .width = 1, .height = 1}, pixel));
       const auto time = std::chrono::steady_clock::now() - start;
       if (i >= 0) variant.times_ms.push_back(std::chrono::duration<double, std::milli>(time).count());
     }

@@ -14,22 +14,18 @@
 #include <string>
 
 #include "bench/blend_cost.h"
+#include "or_stop.h"
 #include "package/base_mesh.h"
 #include "package/coding/chunk_decoder.h"
 
 using namespace fourdvt;
+using fourdvt::testing::orStop;
 
 namespace {
 
 [[noreturn]] void stop(const std::string& why) {
   std::fprintf(stderr, "bench_class_frame: %s\n", why.c_str());
   std::exit(1);
-}
-
-template <class T>
-T orStop(Result<T> result) {
-  if (!result.ok()) stop(result.error().message);
-  return result.take();
 }
 
 std::vector<uint8_t> read(const std::string& path) {
@@ -118,8 +114,8 @@ void printBlends(const package::Sequence& sequence, const package::StreamIndex& 
     const motion::BlendWeights linear{hybrid.members, {}};
     const auto used = std::count_if(hybrid.offsets.begin(), hybrid.offsets.end(), [](float x) { return x != 0; });
     Positions a, b;
-    motion::blendFrame(frames, row, index, linear.members, linear.offsets, a);
-    motion::blendFrame(frames, row, index, hybrid.members, hybrid.offsets, b);
+    motion::blendFrame(frames, row, index, linear, a);
+    motion::blendFrame(frames, row, index, hybrid, b);
     const double linear_ms = bench::blendCost_ms(frames, row, index, linear);
     const double hybrid_ms = bench::blendCost_ms(frames, row, index, hybrid);
     std::printf("%s %.3f: linear %.4f ms, hybrid %.4f ms (%td corrections, up to %.2f mm): x %.2f\n",

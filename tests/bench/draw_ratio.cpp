@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "base/camera.h"
+#include "or_stop.h"
 #include "package/base_mesh.h"
 #include "package/chunk_mesh.h"
 #include "package/stream_file.h"
@@ -21,6 +22,7 @@
 namespace {
 
 using namespace fourdvt;
+using fourdvt::testing::orStop;
 
 constexpr int kWidth = 720, kHeight = 960, kSamples = 4;
 
@@ -49,21 +51,6 @@ void main() {
   float u = texture(u_picture_u, uv).r - 128.0 / 255.0, v = texture(u_picture_v, uv).r - 128.0 / 255.0;
   o_color = vec4(y + 1.79274 * v, y - 0.21325 * u - 0.53291 * v, y + 2.11240 * u, 1.0);
 })";
-
-template <class T>
-T orStop(Result<T> result) {
-  if (!result.ok()) {
-    std::fprintf(stderr, "bench_draw_ratio: %s\n", result.error().message.c_str());
-    std::exit(1);
-  }
-  return result.take();
-}
-
-void orStop(const Status& status) {
-  if (status.ok()) return;
-  std::fprintf(stderr, "bench_draw_ratio: %s\n", status.error().message.c_str());
-  std::exit(1);
-}
 
 struct Scene {
   package::Character character;
@@ -144,9 +131,10 @@ int main(int argc, char** argv) {
         {.target = many.id(), .width = kWidth, .height = kHeight, .clear_color = true, .clear_depth = true});
     draw();
     device->endPass();
-    device->blit(many.id(), one.id(), kWidth, kHeight);
+    device->blit(many.id(), one.id(), {.width = kWidth, .height = kHeight});
     uint8_t pixel[4];  // waits until everything is drawn
-    orStop(device->readPixels(one.id(), gpu::PixelFormat::RGBA8, kWidth / 2, kHeight / 2, 1, 1, pixel));
+    orStop(device->readPixels(one.id(), gpu::PixelFormat::RGBA8,
+                              {.x = kWidth / 2, .y = kHeight / 2, .width = 1, .height = 1}, pixel));
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   };
   const auto drawLayered = [&] { layered.draw(*device, model, part, view, {}); };

@@ -11,6 +11,7 @@
 #include <filesystem>
 
 #include "base/camera.h"
+#include "or_stop.h"
 #include "package/base_mesh.h"
 #include "package/chunk_mesh.h"
 #include "package/stream_file.h"
@@ -23,21 +24,7 @@
 namespace {
 
 using namespace fourdvt;
-
-template <class T>
-T orStop(Result<T> result) {
-  if (!result.ok()) {
-    std::fprintf(stderr, "bench_flow: %s\n", result.error().message.c_str());
-    std::exit(1);
-  }
-  return result.take();
-}
-
-void orStop(const Status& status) {
-  if (status.ok()) return;
-  std::fprintf(stderr, "bench_flow: %s\n", status.error().message.c_str());
-  std::exit(1);
-}
+using fourdvt::testing::orStop;
 
 // A sequence's stream, and one decoded picture of it at a time.
 class Source {
@@ -146,10 +133,10 @@ void compute(gpu::Device& device, Method& method, const Picture* pair, int width
   method.flow.resize(size_t(width) * height);
   const auto target = orStop(gpu::makeTarget(device, {.colors = {method.source->flow()}, .label = "flow"}));
   uint8_t waits_for_all[16];
-  orStop(device.readPixels(target.id(), method.format, 0, 0, 1, 1, waits_for_all));
+  orStop(device.readPixels(target.id(), method.format, {.width = 1, .height = 1}, waits_for_all));
   method.times_ms.push_back(
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
-  orStop(device.readPixels(target.id(), method.format, 0, 0, width, height, method.flow.data()));
+  orStop(device.readPixels(target.id(), method.format, {.width = width, .height = height}, method.flow.data()));
 }
 
 double percentile(std::vector<double> values, double share) {
@@ -213,7 +200,8 @@ void measure(gpu::Device& device, const package::Character& character, const pac
     drawPair(device, character, base, sources, phase, view, pair);
     for (int i = 0; i < 2; ++i) {
       rgba[i].resize(4 * size_t(width) * height);
-      orStop(device.readPixels(pair[i].target.id(), gpu::PixelFormat::RGBA8, 0, 0, width, height, rgba[i].data()));
+      orStop(device.readPixels(pair[i].target.id(), gpu::PixelFormat::RGBA8, {.width = width, .height = height},
+                               rgba[i].data()));
     }
     for (int i = 0; i < repeats; ++i)
       for (Method& method : methods) compute(device, method, pair, width, height);

@@ -5,22 +5,15 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "study/steps/frame_rate.h"
+#include "or_stop.h"
 #include "platform/egl_context.h"
 #include "platform/ffmpeg_video.h"
+#include "study/steps/frame_rate.h"
 
 namespace {
 
 using namespace fourdvt;
-
-template <class T>
-T orStop(Result<T> result) {
-  if (!result.ok()) {
-    std::fprintf(stderr, "bench_fvvr_ratio: %s\n", result.error().message.c_str());
-    std::exit(1);
-  }
-  return result.take();
-}
+using fourdvt::testing::orStop;
 
 }  // namespace
 
@@ -36,8 +29,7 @@ int main(int argc, char** argv) {
   if (argc > 3) options.frames = std::max(1, std::atoi(argv[3]));
   if (argc > 4) options.closest = {0, std::max(0, std::atoi(argv[4]))};
   std::fputs(
-      study::frameRateTable(orStop(study::measureFrameRates(*device, capture, open_video, argv[1], options)))
-          .c_str(),
+      study::frameRateTable(orStop(study::measureFrameRates(*device, capture, open_video, argv[1], options))).c_str(),
       stdout);
   return 0;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the streams of a baked character cost beside the video, part by part: kbit/s, bytes of labels a frame, and
+// What the streams of a baked character cost beside the video, part by part: kbit/s, bytes of labels per frame, and
 // processor time to decode all parts as the player does. A class carries every member's labels and positions.
 // Usage: bench_label_stream CHARACTER_FOLDER [RUNS]
 #include <algorithm>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/bytes.h"
+#include "or_stop.h"
 #include "package/character.h"
 #include "package/chunk_counts.h"
 #include "package/chunk_mesh.h"
@@ -17,22 +18,17 @@
 #include "platform/files.h"
 
 using namespace fourdvt;
+using fourdvt::testing::orStop;
 
 namespace {
-
-template <class T>
-T orStop(Result<T> result) {
-  if (result.ok()) return result.take();
-  std::fprintf(stderr, "bench_label_stream: %s\n", result.error().message.c_str());
-  std::exit(1);
-}
 
 // Processor time: a busy machine does not change it.
 double now_ms() { return 1e3 * double(std::clock()) / CLOCKS_PER_SEC; }
 
 struct Cost {
   uint64_t positions = 0, labels = 0, offsets = 0, alignment = 0, root = 0;  // bytes, with their lengths
-  uint64_t changed = 0, slots = 0;  // labels unlike the frame before, of those that have one in their chunk
+  uint64_t changed = 0,
+           compared = 0;  // labels that differ from the previous frame of their chunk, of all that have one
   double decode_ms = 0, slowest_chunk_ms = 0;
 };
 
@@ -40,7 +36,7 @@ void countChanges(const package::ChunkFrames& frames, Cost& cost) {
   const size_t per_frame = size_t(frames.member_count) * frames.layer_count * frames.face_count;
   for (size_t i = per_frame; i < frames.labels.size(); ++i)
     cost.changed += frames.labels[i] != frames.labels[i - per_frame];
-  cost.slots += frames.labels.size() - per_frame;
+  cost.compared += frames.labels.size() - per_frame;
 }
 
 // The root motion is what the coded parts leave.
@@ -99,7 +95,7 @@ int main(int argc, char** argv) {
     std::printf("%-12s %6u %9.0f |        %9.1f %9.1f %9.1f %9.1f %9.1f | %10.2f %12.2f %12.1f\n", s.name.c_str(),
                 s.frame_count, double(cost.labels) / s.frame_count, kbps(cost.labels), kbps(cost.positions),
                 kbps(cost.offsets), kbps(cost.alignment), kbps(cost.root),
-                cost.slots ? 100.0 * double(cost.changed) / double(cost.slots) : 0.0, cost.decode_ms / s.frame_count,
-                cost.slowest_chunk_ms);
+                cost.compared ? 100.0 * double(cost.changed) / double(cost.compared) : 0.0,
+                cost.decode_ms / s.frame_count, cost.slowest_chunk_ms);
   }
 }

@@ -16,6 +16,7 @@
 #include "bake/texels/gpu_capture.h"
 #include "bake/texels/visibility.h"
 #include "capture/capture.h"
+#include "or_stop.h"
 #include "package/base_mesh.h"
 #include "platform/egl_context.h"
 #include "platform/ffmpeg_video.h"
@@ -24,17 +25,9 @@ namespace {
 
 using namespace fourdvt;
 using bake::LabelMode;
+using fourdvt::testing::orStop;
 
 constexpr size_t kHysteresisFrames = 2;  // to each side, as the bake's survey
-
-template <class T>
-T orStop(Result<T> result) {
-  if (!result.ok()) {
-    std::fprintf(stderr, "bench_labels: %s\n", result.error().message.c_str());
-    std::exit(1);
-  }
-  return result.take();
-}
 
 struct Measured {
   bake::FaceGraph graph;
@@ -212,7 +205,7 @@ int main(int argc, char** argv) {
   printComparison("all", joint.flip_percent, spatial.flip_percent, joint.seam_percent, spatial.seam_percent);
   printComparison("between cameras", joint.camera_flip_percent, spatial.camera_flip_percent, joint.camera_seam_percent,
                   spatial.camera_seam_percent);
-  std::printf("layer-1 penalty %+.1f %% of naive's; empty slots %.2f %%, naive %.2f %%\n",
+  std::printf("layer-1 penalty %+.1f %% of naive's; empty ranks %.2f %%, naive %.2f %%\n",
               100 * (joint.mean_penalty[0] / naive.mean_penalty[0] - 1), joint.empty_percent, naive.empty_percent);
   bake::LabelOptions whole;
   whole.window_frames = whole.hop_frames = static_cast<int>(input.frames.size());

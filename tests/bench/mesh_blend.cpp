@@ -13,18 +13,13 @@
 #include "bake/motion/root_track.h"
 #include "bench/blend_cost.h"
 #include "capture/capture.h"
+#include "or_stop.h"
 #include "platform/ffmpeg_video.h"
 
 using namespace fourdvt;
+using fourdvt::testing::orStop;
 
 namespace {
-
-template <class T>
-T orStop(Result<T> result) {
-  if (result.ok()) return result.take();
-  std::fprintf(stderr, "bench_mesh_blend: %s\n", result.error().message.c_str());
-  std::exit(1);
-}
 
 constexpr int kChecks = 24, kMostSegments = 9;
 

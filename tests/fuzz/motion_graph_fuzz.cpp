@@ -43,7 +43,7 @@ void checkPair(const MotionGraph& graph, int source, int target, std::vector<Ent
       require(std::isfinite(entry->cost + entry->shift.x + entry->shift.y + entry->shift.z));
       table.push_back(*entry);
     }
-    const auto planned = graph.plan(source, 1, from.weight_rows[row], 25, target);
+    const auto planned = graph.plan({source, 1, from.weight_rows[row], 25}, target);
     require(planned.has_value() == !table.empty());
     require(!planned || (planned->exit_frame < from.frame_count && planned->entry.frame < to.frame_count));
   }

@@ -22,7 +22,7 @@ class AlignmentRig {
     model_.setPositions(device, scene.middle);
     appearance_.setLayout(scene.rendition);
     setAlignment({});
-    device.updateTexture(picture_.rgba.id(), 0, 0, 0, scene.picture.width, scene.picture.height,
+    device.updateTexture(picture_.rgba.id(), {.width = scene.picture.width, .height = scene.picture.height},
                          scene.picture.pixels.data());
   }
 
@@ -47,7 +47,7 @@ class AlignmentRig {
     Image image(camera.width, camera.height, 4);
     Status done = recipe_->draw(std::span(&figure, 1), nullptr, render::viewFromCamera(camera), options, target.id());
     if (done)
-      done = device_.readPixels(target.id(), gpu::PixelFormat::RGBA8, 0, 0, camera.width, camera.height,
+      done = device_.readPixels(target.id(), gpu::PixelFormat::RGBA8, {.width = camera.width, .height = camera.height},
                                 image.pixels.data());
     if (!done) std::fprintf(stderr, "%s\n", done.error().message.c_str()), std::abort();
     return image;

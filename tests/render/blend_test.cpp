@@ -42,7 +42,7 @@ constexpr uint8_t kOneCamera(int, int) { return 0; }
 
 TEST_F(Blend, membersHaveLabelsAndTilesOfTheirOwn) {
   const uint8_t labels[2][2] = {{0, 1}, {2, 0}};
-  MemberQuad quad(*device, 2, 2, [&](int member, int slot) { return labels[member][slot]; });
+  MemberQuad quad(*device, 2, 2, [&](int member, int rank) { return labels[member][rank]; });
   const std::vector<glm::dvec3> colors = {{230, 30, 60}, {20, 200, 90}, {70, 40, 250}, {180, 180, 10}};
   quad.paintTiles(*device, colors);
   for (float second : {0.0f, 0.3f, 0.5f, 1.0f}) {
@@ -53,9 +53,9 @@ TEST_F(Blend, membersHaveLabelsAndTilesOfTheirOwn) {
       for (int member = 0; member < 2; ++member) {
         glm::dvec3 color(0);
         double sum = 0;
-        for (int slot = 0; slot < 2; ++slot) {
-          const double weight = testing::eq3(quad.scene.character.cameras[labels[member][slot]], front, point, {});
-          color += weight * colors[2 * member + slot];
+        for (int rank = 0; rank < 2; ++rank) {
+          const double weight = testing::eq3(quad.scene.character.cameras[labels[member][rank]], front, point, {});
+          color += weight * colors[2 * member + rank];
           sum += weight;
         }
         expected += double(member ? second : 1 - second) * color / sum;
@@ -123,7 +123,7 @@ TEST_F(Blend, detailThatDoesNotCorrelateKeepsItsContrast) {
 }
 
 TEST_F(Blend, fourMembersOfThreeLayersInOneDraw) {
-  MemberQuad quad(*device, 4, 3, [](int member, int slot) { return uint8_t((member + slot) % 3); });
+  MemberQuad quad(*device, 4, 3, [](int member, int rank) { return uint8_t((member + rank) % 3); });
   std::vector<glm::dvec3> colors;
   for (int member = 0; member < 4; ++member)
     colors.insert(colors.end(), 3, {60.0 * member, 255 - 60.0 * member, member == 2 ? 200 : 20});
@@ -139,7 +139,7 @@ TEST_F(Blend, fourMembersOfThreeLayersInOneDraw) {
 }
 
 TEST_F(Blend, mostLayersAndMembersFitTheVaryings) {
-  MemberQuad quad(*device, 4, 6, [](int member, int slot) { return uint8_t((member + slot) % 3); });
+  MemberQuad quad(*device, 4, 6, [](int member, int rank) { return uint8_t((member + rank) % 3); });
   quad.paintTiles(*device, std::vector<glm::dvec3>(24, {50, 100, 150}));
   quad.align(*device, {{0.01f, 0}, {0, 0.01f}, {0.02f, 0.01f}});
   expectColor(drawLook(quad, {0.25f, 0.25f, 0.25f, 0.25f}, Align::Baked), 60, 60, {50, 100, 150}, kTolerance);
@@ -189,7 +189,7 @@ class MadeUpFlow final : public FlowSource {
     ++calls_;
     texture_ = gpu::makeTexture(device_, {.format = gpu::PixelFormat::RG32F, .width = width, .height = height}).take();
     const std::vector<glm::vec2> all(size_t(width) * height, value_);
-    device_.updateTexture(texture_.id(), 0, 0, 0, width, height, all.data());
+    device_.updateTexture(texture_.id(), {.width = width, .height = height}, all.data());
     return {};
   }
   gpu::TextureId flow() const override { return texture_.id(); }

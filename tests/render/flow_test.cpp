@@ -54,7 +54,7 @@ class Flow : public testing::GlFixture {
  protected:
   gpu::Texture upload(const Image& image) {
     auto texture = gpu::makeTexture(*device, {.width = image.width, .height = image.height, .label = "picture"}).take();
-    device->updateTexture(texture.id(), 0, 0, 0, image.width, image.height, image.pixels.data());
+    device->updateTexture(texture.id(), {.width = image.width, .height = image.height}, image.pixels.data());
     return texture;
   }
   std::unique_ptr<FlowSource> gpuFlow(FlowMethod method) {
@@ -72,7 +72,7 @@ class Flow : public testing::GlFixture {
     EXPECT_TRUE(computed) << computed.error().message;
     std::vector<glm::vec2> top_first(pair.inside.size()), out(pair.inside.size());
     auto target = gpu::makeTarget(*device, {.colors = {source.flow()}, .label = "flow"}).take();
-    EXPECT_TRUE(device->readPixels(target.id(), format, 0, 0, width, height, top_first.data()));
+    EXPECT_TRUE(device->readPixels(target.id(), format, {.width = width, .height = height}, top_first.data()));
     for (int y = 0; y < height; ++y)
       std::copy_n(top_first.begin() + (height - 1 - y) * width, width, out.begin() + y * width);
     return out;

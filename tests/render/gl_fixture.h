@@ -57,8 +57,8 @@ Image drawnImage(gpu::Device& device, const render::View& view, const Draw& draw
   auto target = gpu::makeTarget(device, {.colors = {color.id()}, .label = "still"}).take();
   const Status drawn = draw(target.id());
   EXPECT_TRUE(drawn) << drawn.error().message;
-  const Status read =
-      device.readPixels(target.id(), gpu::PixelFormat::RGBA8, 0, 0, view.width, view.height, out.pixels.data());
+  const Status read = device.readPixels(target.id(), gpu::PixelFormat::RGBA8,
+                                        {.width = view.width, .height = view.height}, out.pixels.data());
   EXPECT_TRUE(read) << read.error().message;
   return out;
 }
@@ -77,7 +77,7 @@ class Still {
   }
 
   void uploadRgba(const Image& image) {
-    device_.updateTexture(picture.rgba.id(), 0, 0, 0, image.width, image.height, image.pixels.data());
+    device_.updateTexture(picture.rgba.id(), {.width = image.width, .height = image.height}, image.pixels.data());
   }
 
   // RGBA as drawn (premultiplied), top row first.

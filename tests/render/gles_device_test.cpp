@@ -27,10 +27,10 @@ class GlesDevice : public testing::GlFixture {
   template <class T>
   std::vector<T> roundTrip(PixelFormat format, int width, int height, const std::vector<T>& data, int stride = 0) {
     Texture t = texture(format, width, height);
-    device->updateTexture(t.id(), 0, 0, 0, width, height, data.data(), stride);
+    device->updateTexture(t.id(), {.width = width, .height = height}, data.data(), stride);
     Target target = makeTarget(*device, {.colors = {t.id()}, .label = "t"}).take();
     std::vector<T> out(static_cast<size_t>(width) * height * bytesPerPixel(format) / sizeof(T));
-    EXPECT_TRUE(device->readPixels(target.id(), format, 0, 0, width, height, out.data()));
+    EXPECT_TRUE(device->readPixels(target.id(), format, {.width = width, .height = height}, out.data()));
     return out;
   }
   void fill(TargetId target, glm::vec4 color, float depth, Draw state = {}) {
@@ -45,7 +45,7 @@ class GlesDevice : public testing::GlFixture {
   }
   std::array<uint8_t, 4> pixel(TargetId target, int x, int y) {
     std::array<uint8_t, 4> rgba{};
-    EXPECT_TRUE(device->readPixels(target, PixelFormat::RGBA8, x, y, 1, 1, rgba.data()));
+    EXPECT_TRUE(device->readPixels(target, PixelFormat::RGBA8, {.x = x, .y = y, .width = 1, .height = 1}, rgba.data()));
     return rgba;
   }
   void SetUp() override {
@@ -90,10 +90,10 @@ TEST_F(GlesDevice, keepsEveryFormatExactly) {
   if (device->caps().half_float_targets) {  // uploaded as halves, read as floats: 1, -2, 0.5, 65504
     Texture half = texture(PixelFormat::RGBA16F, 1, 1);
     const std::array<uint16_t, 4> halves = {0x3c00, 0xc000, 0x3800, 0x7bff};
-    device->updateTexture(half.id(), 0, 0, 0, 1, 1, halves.data());
+    device->updateTexture(half.id(), {.width = 1, .height = 1}, halves.data());
     Target target = makeTarget(*device, {.colors = {half.id()}, .label = "half"}).take();
     std::array<float, 4> out{};
-    ASSERT_TRUE(device->readPixels(target.id(), PixelFormat::RGBA16F, 0, 0, 1, 1, out.data()));
+    ASSERT_TRUE(device->readPixels(target.id(), PixelFormat::RGBA16F, {.width = 1, .height = 1}, out.data()));
     EXPECT_EQ(out, (std::array<float, 4>{1, -2, 0.5f, 65504}));
   }
   if (!device->caps().float_targets) GTEST_SKIP() << "no EXT_color_buffer_float";
@@ -117,7 +117,7 @@ TEST_F(GlesDevice, clearsOnlyTheViewportAndIntegersExactly) {
                      .color = glm::vec4(4294967295.0f)});
   device->endPass();
   std::array<uint32_t, 16> out{};
-  ASSERT_TRUE(device->readPixels(target.id(), PixelFormat::R32UI, 0, 0, 4, 4, out.data()));
+  ASSERT_TRUE(device->readPixels(target.id(), PixelFormat::R32UI, {.width = 4, .height = 4}, out.data()));
   for (int i = 0; i < 16; ++i) EXPECT_EQ(out[i], i == 13 || i == 14 ? 0xffffffffu : 0u) << i;
 }
 
@@ -138,7 +138,7 @@ TEST_F(GlesDevice, resolvesMultisampledTargets) {
   Target plain = makeTarget(*device, {.colors = {color.id()}}).take();
   Target many = makeTarget(*device, {.width = 4, .height = 4, .samples = 4, .own_depth = true}).take();
   fill(many.id(), {0.2f, 0.4f, 0.6f, 1}, 0, {});
-  device->blit(many.id(), plain.id(), 4, 4);
+  device->blit(many.id(), plain.id(), {.width = 4, .height = 4});
   EXPECT_EQ(pixel(plain.id(), 3, 0), (Rgba{51, 102, 153, 255}));
 }
 

@@ -30,9 +30,9 @@ void checkBlend(const Image& picture, const Scene& scene, const PinholeCamera& v
     const glm::dvec3 point = pointOnPlane(view, x, y);
     glm::dvec3 color(0);
     double sum = 0;
-    for (int slot = 0; slot < layers; ++slot) {
-      const double weight = eq3(scene.character.cameras[scene.labels[slot * 2]], view, point, how);
-      color += weight * kColors[slot];
+    for (int rank = 0; rank < layers; ++rank) {
+      const double weight = eq3(scene.character.cameras[scene.labels[rank * 2]], view, point, how);
+      color += weight * kColors[rank];
       sum += weight;
     }
     expectColor(picture, x, y, color / sum, kTolerance);
@@ -44,8 +44,8 @@ TEST_F(Layered, blendsAsEquation3And4) {
   for (int layers = 1; layers <= 3; ++layers) {
     Scene scene = testing::quadScene({0, 1}, 1.2f);
     scene.setLayers(layers, 32);
-    for (int slot = 0; slot < layers; ++slot)
-      for (uint32_t face = 0; face < 2; ++face) scene.setLabel(slot, face, static_cast<uint8_t>(2 - slot));
+    for (int rank = 0; rank < layers; ++rank)
+      for (uint32_t face = 0; face < 2; ++face) scene.setLabel(rank, face, static_cast<uint8_t>(2 - rank));
     Still still(*device, scene, PictureTextures::Kind::Rgba);
     still.uploadRgba(constantLayers(scene, {kColors.begin(), kColors.begin() + layers}));
     for (const Weighting& how : {Weighting{}, Weighting{8.0, false}, Weighting{1.0, true}}) {
@@ -62,7 +62,7 @@ TEST_F(Layered, blendsAsEquation3And4) {
   }
 }
 
-TEST_F(Layered, ignoresEmptySlotsAndFallsBackToTheFirst) {
+TEST_F(Layered, ignoresEmptyRanksAndFallsBackToTheFirst) {
   Scene scene = testing::quadScene({0, 1}, 1.2f);
   scene.setLayers(2, 32);
   scene.setLabel(0, 0, 0);  // face 0: one camera; face 1: none at all
@@ -78,8 +78,8 @@ TEST_F(Layered, fallsBackWhereNoCameraFacesTheView) {
   Scene scene = testing::quadScene({0, 1}, 1.2f);
   for (PinholeCamera& camera : scene.character.cameras) camera = testing::lookAt({0.1, 1.2, -3}, {0, 1, 0}, 8, 8, 9);
   scene.setLayers(2, 32);
-  for (int slot = 0; slot < 2; ++slot)
-    for (uint32_t face = 0; face < 2; ++face) scene.setLabel(slot, face, static_cast<uint8_t>(slot));
+  for (int rank = 0; rank < 2; ++rank)
+    for (uint32_t face = 0; face < 2; ++face) scene.setLabel(rank, face, static_cast<uint8_t>(rank));
   Still still(*device, scene, PictureTextures::Kind::Rgba);
   still.uploadRgba(constantLayers(scene, {kColors[0], kColors[1]}));
   const PinholeCamera view = testing::lookAt({0, 1, 3}, {0, 1, 0}, 64, 64, 70);
@@ -121,11 +121,17 @@ glm::dvec3 bt709Reference(int y, int u, int v) {
   return 255.0 * glm::clamp(glm::dvec3(r, g, b), 0.0, 1.0);
 }
 
-TEST_F(Layered, convertsBt709LimitedRange) {
-  Scene scene = testing::quadScene({0, 1}, 1.2f);
+// One layer, which both faces take from camera 0.
+Scene quadOfOneCamera(float half_size) {
+  Scene scene = testing::quadScene({0, 1}, half_size);
   scene.setLayers(1, 16);
   scene.setLabel(0, 0, 0);
   scene.setLabel(0, 1, 0);
+  return scene;
+}
+
+TEST_F(Layered, convertsBt709LimitedRange) {
+  const Scene scene = quadOfOneCamera(1.2f);
   Still still(*device, scene, PictureTextures::Kind::I420);
   const PinholeCamera view = testing::lookAt({0, 1, 3}, {0, 1, 0}, 16, 16, 20);
   const int colors[][3] = {{16, 128, 128}, {235, 128, 128}, {126, 128, 128}, {63, 102, 240}, {173, 42, 26},
@@ -157,8 +163,8 @@ TEST_F(Layered, addressesTexelsOfALayerExactly) {
   scene.rendition.width = 64;
   scene.rendition.height = 40;
   scene.rendition.layers = {{32, 4, 16, 16}, {6, 22, 16, 16}};
-  for (int slot = 0; slot < 2; ++slot)
-    for (uint32_t face = 0; face < 2; ++face) scene.setLabel(slot, face, static_cast<uint8_t>(slot));
+  for (int rank = 0; rank < 2; ++rank)
+    for (uint32_t face = 0; face < 2; ++face) scene.setLabel(rank, face, static_cast<uint8_t>(rank));
   Still still(*device, scene, PictureTextures::Kind::Rgba);
   Image tiles(64, 40, 4, 255);
   for (int y = 0; y < 40; ++y)
@@ -243,10 +249,7 @@ TEST_F(Layered, aPointLandsOnTheProjectedPixel) {
 }
 
 TEST_F(Layered, edgesArePremultipliedAndTheBackgroundStays) {
-  Scene scene = testing::quadScene({0, 1}, 0.5f);
-  scene.setLayers(1, 16);
-  scene.setLabel(0, 0, 0);
-  scene.setLabel(0, 1, 0);
+  const Scene scene = quadOfOneCamera(0.5f);
   Still still(*device, scene, PictureTextures::Kind::Rgba);
   still.uploadRgba(constantLayers(scene, {{255, 255, 255}}));
   RecipeOptions options = plainOptions();
@@ -354,7 +357,7 @@ TEST_F(Layered, drawCallsAndTexturesStayWithinTheProbes) {
   Scene scene = testing::boxScene(0.2f, 1.7f);
   scene.setLayers(3, 64);
   for (uint32_t face = 0; face < 12; ++face)
-    for (int slot = 0; slot < 3; ++slot) scene.setLabel(slot, face, static_cast<uint8_t>(slot));
+    for (int rank = 0; rank < 3; ++rank) scene.setLabel(rank, face, static_cast<uint8_t>(rank));
   Still still(*device, scene, PictureTextures::Kind::I420);
   const PinholeCamera view = testing::lookAt({0, 1, 3}, {0, 1, 0}, 64, 64, 80);
   device->resetCounters();

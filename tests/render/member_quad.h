@@ -15,13 +15,13 @@ struct MemberQuad {
   render::Appearance appearance;
   render::PictureTextures picture;
 
-  // label(member, slot): of both faces.
+  // label(member, rank): of both faces.
   template <class LabelOf>
   MemberQuad(gpu::Device& device, int members, int layers, const LabelOf& label) : scene(quadScene({0, 1}, 1.0f)) {
     scene.setLayers(members * layers, kSide);
     scene.character.layer_count = layers;
-    for (int slot = 0; slot < members * layers; ++slot)
-      for (uint32_t face = 0; face < 2; ++face) scene.setLabel(slot, face, label(slot / layers, slot % layers));
+    for (int rank = 0; rank < members * layers; ++rank)
+      for (uint32_t face = 0; face < 2; ++face) scene.setLabel(rank, face, label(rank / layers, rank % layers));
     model = render::CharacterModel::create(device, scene.character, scene.mesh).take();
     model.setPositions(device, scene.mesh.positions);
     appearance = render::Appearance::create(device, model, members).take();
@@ -48,7 +48,7 @@ struct MemberQuad {
         const glm::dvec3 c = color(x / kSide, (x % kSide + 0.5) / kSide, (y + 0.5) / kSide);
         for (int i = 0; i < 3; ++i) image.at(x, y)[i] = static_cast<uint8_t>(c[i] + 0.5);
       }
-    device.updateTexture(picture.rgba.id(), 0, 0, 0, image.width, image.height, image.pixels.data());
+    device.updateTexture(picture.rgba.id(), {.width = image.width, .height = image.height}, image.pixels.data());
   }
   void paintTiles(gpu::Device& device, const std::vector<glm::dvec3>& colors) {
     paint(device, [&](int tile, double, double) { return colors[tile]; });

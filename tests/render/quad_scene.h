@@ -39,7 +39,7 @@ struct Scene {
     for (int layer = 0; layer < count; ++layer) rendition.layers.push_back({side * layer, 0, side, side});
     labels.assign(static_cast<size_t>(count) * mesh.topology.faceCount(), package::kNoCamera);
   }
-  void setLabel(int slot, uint32_t face, uint8_t camera) { labels[slot * mesh.topology.faceCount() + face] = camera; }
+  void setLabel(int rank, uint32_t face, uint8_t camera) { labels[rank * mesh.topology.faceCount() + face] = camera; }
   void finish() {
     mesh.topology.vertex_count = static_cast<uint32_t>(mesh.positions.size());
     character.vertex_count = mesh.topology.vertex_count;

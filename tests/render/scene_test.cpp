@@ -27,7 +27,7 @@ glm::mat4 turned(float radians) {
 
 class Stage : public testing::GlFixture {
  protected:
-  // A scene of one constant colour, with camera 0 in its only slot.
+  // A scene of one constant colour, with camera 0 in its only rank.
   std::unique_ptr<Still> still(testing::Scene scene, const glm::dvec3& color) {
     scene.setLayers(1, 16);
     for (uint32_t face = 0; face < scene.mesh.topology.faceCount(); ++face) scene.setLabel(0, face, 0);
@@ -72,7 +72,7 @@ TEST_F(Stage, theNearerOfTwoFiguresIsSeenInAnyOrder) {
 
 // Weights and rays are the character's: a placed figure looks as the unplaced one from the moved camera.
 TEST_F(Stage, aPlacedFigureLooksAsFromACameraMovedTheOtherWay) {
-  testing::MemberQuad quad(*device, 1, 2, [](int, int slot) { return uint8_t(slot); });
+  testing::MemberQuad quad(*device, 1, 2, [](int, int rank) { return uint8_t(rank); });
   quad.paintTiles(*device, {kRed, kGreen});
   const auto recipe = Recipe::create(*device).take();
   const Look look = quad.look(kWhole);
@@ -95,7 +95,7 @@ TEST_F(Stage, meshesHideFiguresAndOccludersShowTheBackground) {
   Scene scene;
   auto paper = gpu::makeTexture(*device, {.width = 1, .height = 2}).take();
   const uint8_t rows[] = {0, 0, 255, 255, 0, 80, 80, 255};  // blue above
-  device->updateTexture(paper.id(), 0, 0, 0, 1, 2, rows);
+  device->updateTexture(paper.id(), {.width = 1, .height = 2}, rows);
   scene.background = paper.id();
   scene.meshes.push_back(makeSceneMesh(*device, wall({-0.25f, 1}, 0.2f, 0.5f, {0, 0, 0}), true).take());
   scene.meshes.push_back(makeSceneMesh(*device, wall({0.25f, 1}, 0.2f, 0.5f, {1, 1, 0}), false).take());
@@ -107,6 +107,11 @@ TEST_F(Stage, meshesHideFiguresAndOccludersShowTheBackground) {
   expectColor(picture, 42, 46, {0, 0, 255}, 1);    // hidden
   expectColor(picture, 54, 48, {255, 255, 0}, 1);  // the yellow wall
   expectColor(picture, 50, 40, kRed, 1);
+}
+
+int alphaAt(const Image& picture, const PinholeCamera& camera, const glm::dvec3& point_in_world) {
+  const glm::dvec3 pixel = camera.project(point_in_world);
+  return picture.at(int(pixel.x), int(pixel.y))[3];
 }
 
 TEST_F(Stage, withoutFiguresTheSceneIsDrawn) {
@@ -121,10 +126,7 @@ TEST_F(Stage, withoutFiguresTheSceneIsDrawn) {
 TEST_F(Stage, everyFigureHasItsShadowUnderItsFeet) {
   const auto box = still(testing::boxScene(0.15f, 1.6f), {200, 160, 120});
   const PinholeCamera camera = cameraFromOrbit({0, 30, 6, {0, 0.5, 0}, 40}, 320, 240);
-  const auto alpha = [&](const Image& picture, const glm::dvec3& point) {
-    const glm::dvec3 p = camera.project(point);
-    return int(picture.at(int(p.x), int(p.y))[3]);
-  };
+  const auto alpha = [&](const Image& picture, const glm::dvec3& point) { return alphaAt(picture, camera, point); };
   RecipeOptions options;
   const Image one = draw(*box->recipe, {placed(*box, moved({1.2f, 0, 0}))}, nullptr, camera, options);
   EXPECT_GT(alpha(one, {1.4, 0, 0.1}), 30);
@@ -138,10 +140,7 @@ TEST_F(Stage, everyFigureHasItsShadowUnderItsFeet) {
 TEST_F(Stage, theShadowLiesOnTheScenesGroundBehindOccluders) {
   const auto box = still(testing::boxScene(0.15f, 1.6f), {200, 160, 120});
   const PinholeCamera camera = cameraFromOrbit({0, 30, 5, {0, 0.5, 0}, 40}, 240, 240);
-  const auto alpha = [&](const Image& picture, const glm::dvec3& point) {
-    const glm::dvec3 p = camera.project(point);
-    return int(picture.at(int(p.x), int(p.y))[3]);
-  };
+  const auto alpha = [&](const Image& picture, const glm::dvec3& point) { return alphaAt(picture, camera, point); };
   RecipeOptions options;
   options.shadow_strength = 0.8f;
   Scene scene;

@@ -10,8 +10,8 @@
 #include "bake/texels/visibility.h"
 #include "bake/video/tile.h"
 #include "capture/capture.h"
-#include "measure/seam_contrast.h"
 #include "gl_fixture.h"
+#include "measure/seam_contrast.h"
 #include "platform/ffmpeg_video.h"
 #include "seam_scene.h"
 
@@ -105,7 +105,8 @@ struct Seams : testing::GlFixture {
     testing::Still still(*device, scene, render::PictureTextures::Kind::Rgba);
     for (int l = 0; l < kLayers; ++l) {
       const package::Rect& at = layout.layers[l];
-      device->updateTexture(still.picture.rgba.id(), 0, at.x, at.y, at.width, at.height, baked.layers[l].pixels.data());
+      device->updateTexture(still.picture.rgba.id(), {.x = at.x, .y = at.y, .width = at.width, .height = at.height},
+                            baked.layers[l].pixels.data());
     }
     Look sum;
     render::RecipeOptions options;

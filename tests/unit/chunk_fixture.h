@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "package/chunk_counts.h"
 #include "package/chunk_mesh.h"
 #include "package/stream_file.h"
 
@@ -44,12 +45,7 @@ inline package::BaseMesh cylinder(uint32_t around, uint32_t along) {
 inline package::StreamIndex indexFor(const package::ChunkFrames& f) {
   package::StreamIndex index;
   index.frame_count = f.frame_count;
-  index.vertex_count = f.vertex_count;
-  index.face_count = f.face_count;
-  index.layer_count = f.layer_count;
-  index.member_count = f.member_count;
-  index.reference_count = f.reference_count;
-  index.alignment_count = f.alignment_count;
+  package::copyCounts(f, index);
   index.position_step_m = 1;
   index.alignment_step_m = 1;
   index.chunks = {{0, f.frame_count, 100, 100}};

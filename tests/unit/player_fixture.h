@@ -261,18 +261,23 @@ class TaggingDevice final : public gpu::Device {
     if (made.ok()) descs_[made.value()] = desc;
     return made;
   }
-  void updateTexture(gpu::TextureId texture, int layer, int x, int y, int width, int height, const void* pixels,
-                     int stride_bytes) override {
-    null_->updateTexture(texture, layer, x, y, width, height, pixels, stride_bytes);
+  void updateTexture(gpu::TextureId texture, const gpu::Region& region, const void* pixels, int stride_bytes,
+                     int layer) override {
+    null_->updateTexture(texture, region, pixels, stride_bytes, layer);
     const gpu::TextureDesc& desc = descs_[texture];
     if (desc.format == gpu::PixelFormat::RGBA32F) {  // two texels a vertex
       const float* texels = static_cast<const float*>(pixels);
       first_of_[texture] = {texels[0], texels[9]};
     }
-    if (desc.format != gpu::PixelFormat::R8 || width < 128 || height < 8) return;
-    const I420View view{width,   height,  static_cast<const uint8_t*>(pixels),
-                        nullptr, nullptr, stride_bytes ? stride_bytes : width,
-                        0,       0};
+    if (desc.format != gpu::PixelFormat::R8 || region.width < 128 || region.height < 8) return;
+    const I420View view{region.width,
+                        region.height,
+                        static_cast<const uint8_t*>(pixels),
+                        nullptr,
+                        nullptr,
+                        stride_bytes ? stride_bytes : region.width,
+                        0,
+                        0};
     const auto frame = package::readBarcode(fakeStrip(), view);
     frame_of_[texture] = frame ? int(*frame) : -1;
   }
@@ -304,11 +309,9 @@ class TaggingDevice final : public gpu::Device {
   void destroyTarget(gpu::TargetId t) override { null_->destroyTarget(t); }
   void beginPass(const gpu::Pass& pass) override { null_->beginPass(pass); }
   void endPass() override { null_->endPass(); }
-  void blit(gpu::TargetId from, gpu::TargetId to, int w, int h, int x, int y) override {
-    null_->blit(from, to, w, h, x, y);
-  }
-  Status readPixels(gpu::TargetId t, gpu::PixelFormat f, int x, int y, int w, int h, void* out) override {
-    return null_->readPixels(t, f, x, y, w, h, out);
+  void blit(gpu::TargetId from, gpu::TargetId to, const gpu::Region& region) override { null_->blit(from, to, region); }
+  Status readPixels(gpu::TargetId t, gpu::PixelFormat f, const gpu::Region& region, void* out) override {
+    return null_->readPixels(t, f, region, out);
   }
   uint32_t nativeTexture(gpu::TextureId t) const override { return null_->nativeTexture(t); }
   void invalidateState() override { null_->invalidateState(); }

@@ -55,8 +55,8 @@ class Drawer final : public LookDrawer {
     for (size_t member = 0; member < corners_.size(); ++member) {
       FOURDVT_TRY(drawMember(member, view, appearance, picture));
       cv::Mat rgba(camera.height, camera.width, CV_8UC4);
-      FOURDVT_TRY(
-          device_.readPixels(target_.id(), gpu::PixelFormat::RGBA8, 0, 0, camera.width, camera.height, rgba.data));
+      FOURDVT_TRY(device_.readPixels(target_.id(), gpu::PixelFormat::RGBA8,
+                                     {.width = camera.width, .height = camera.height}, rgba.data));
       looks.push_back(rgba);
     }
     return looks;

@@ -41,8 +41,8 @@ Result<Image> renderPoster(gpu::Device& device, const package::Character& charac
   const PinholeCamera camera = cameraFromOrbit(orbit, kPosterWidth, kPosterHeight);
   FOURDVT_TRY(figure.draw(*recipe, picture, render::viewFromCamera(camera), {}, target.id()));
   Image image(kPosterWidth, kPosterHeight, 4);
-  FOURDVT_TRY(
-      device.readPixels(target.id(), gpu::PixelFormat::RGBA8, 0, 0, kPosterWidth, kPosterHeight, image.pixels.data()));
+  FOURDVT_TRY(device.readPixels(target.id(), gpu::PixelFormat::RGBA8, {.width = kPosterWidth, .height = kPosterHeight},
+                                image.pixels.data()));
   unpremultiply(image);
   return image;
 }

@@ -18,7 +18,7 @@ Result<gpu::Texture> makeTable(gpu::Device& device, size_t count, const char* la
 void updateTable(gpu::Device& device, gpu::TextureId table, std::vector<glm::vec4>& values) {
   const int rows = tableRows(values.size());
   values.resize(static_cast<size_t>(rows) * kTableWidth);
-  device.updateTexture(table, 0, 0, 0, kTableWidth, rows, values.data());
+  device.updateTexture(table, {.width = kTableWidth, .height = rows}, values.data());
 }
 
 Result<GpuCapture> GpuCapture::create(gpu::Device& device, const std::vector<PinholeCamera>& cameras,
@@ -29,8 +29,8 @@ Result<GpuCapture> GpuCapture::create(gpu::Device& device, const std::vector<Pin
   capture.vertex_count_ = static_cast<int>(topology.vertex_count);
   FOURDVT_ASSIGN(auto corners, makeTable(device, 3 * size_t(topology.faceCount()), "bake corners"));
   FOURDVT_ASSIGN(auto positions, makeTable(device, topology.vertex_count, "bake positions"));
-  FOURDVT_ASSIGN(auto program, gpu::makeProgram(device, "bake depth", gpu::shaderSource("bake_depth.vert"),
-                                                gpu::shaderSource("bake_depth.frag"), kTableDefine));
+  FOURDVT_ASSIGN(auto program, gpu::makeProgram(device, "bake depth", gpu::shaderText("bake_depth.vert"),
+                                                gpu::shaderText("bake_depth.frag"), kTableDefine));
   capture.corners_ = std::move(corners);
   capture.positions_ = std::move(positions);
   capture.depth_program_ = std::move(program);
@@ -79,7 +79,8 @@ void GpuCapture::setFrame(gpu::Device& device, const Positions& positions, const
     camera.size_near_far = {pinhole.width, pinhole.height, near_m, far_m};
     camera.clip_from_world = glm::mat4(clipFromWorld(pinhole, near_m, far_m));
     if (crop.width > 0) {
-      device.updateTexture(camera.picture.id(), 0, crop.x, crop.y, crop.width, crop.height, crop.premultiplied.data());
+      device.updateTexture(camera.picture.id(), {.x = crop.x, .y = crop.y, .width = crop.width, .height = crop.height},
+                           crop.premultiplied.data());
       if (mipmaps_) device.generateMipmaps(camera.picture.id());
     }
     gpu::Pass pass;
@@ -113,7 +114,7 @@ void GpuCapture::bindCamera(size_t c, gpu::Draw& draw) const {
   draw.uniforms.push_back(gpu::uniform("intrinsics", camera.intrinsics));
   draw.uniforms.push_back(gpu::uniform("size_near_far", camera.size_near_far));
   draw.uniforms.push_back(gpu::uniform("depth_bias", kDepthBias_m));
-  draw.uniforms.push_back(gpu::uniform("least_cosine", kLeastCosine));
+  draw.uniforms.push_back(gpu::uniform("min_cosine", kLeastCosine));
 }
 
 }  // namespace fourdvt::bake

@@ -45,8 +45,8 @@ Result<Resampler> Resampler::create(gpu::Device& device, const GpuCapture& captu
   r.options_ = options;
   for (const ColourMap& map : colour_maps) r.colour_maps_.push_back(affine(map));
   r.colour_maps_.resize(capture.cameraCount(), glm::mat4(1));
-  FOURDVT_ASSIGN(r.program_, gpu::makeProgram(device, "bake resample", gpu::shaderSource("bake_resample.vert"),
-                                              gpu::shaderSource("bake_resample.frag"),
+  FOURDVT_ASSIGN(r.program_, gpu::makeProgram(device, "bake resample", gpu::shaderText("bake_resample.vert"),
+                                              gpu::shaderText("bake_resample.frag"),
                                               std::string(kTableDefine) + filterDefine(options.filter)));
   gpu::TextureDesc desc;
   desc.format = gpu::PixelFormat::R32UI;
@@ -81,7 +81,7 @@ Resampler::Batch Resampler::listFaces(const uint8_t* labels, size_t faces, size_
 void Resampler::uploadList(gpu::Device& device) {
   const int rows = tableRows(list_.size());
   list_.resize(static_cast<size_t>(rows) * kTableWidth);
-  device.updateTexture(face_list_.id(), 0, 0, 0, kTableWidth, rows, list_.data());
+  device.updateTexture(face_list_.id(), {.width = kTableWidth, .height = rows}, list_.data());
 }
 
 void Resampler::drawBatches(gpu::Device& device, const GpuCapture& capture, const Layer& layer,
@@ -114,8 +114,8 @@ void Resampler::drawBatches(gpu::Device& device, const GpuCapture& capture, cons
 
 Result<Image> Resampler::readLayer(gpu::Device& device, const Layer& layer) const {
   Image image(layer.size, layer.size, 4);
-  FOURDVT_TRY(
-      device.readPixels(layer.target.id(), gpu::PixelFormat::RGBA8, 0, 0, layer.size, layer.size, image.pixels.data()));
+  FOURDVT_TRY(device.readPixels(layer.target.id(), gpu::PixelFormat::RGBA8, {.width = layer.size, .height = layer.size},
+                                image.pixels.data()));
   return image;
 }
 

@@ -6,8 +6,8 @@ namespace fourdvt::bake {
 Result<Visibility> Visibility::create(gpu::Device& device, const GpuCapture& capture) {
   Visibility v;
   v.rows_ = tableRows(capture.faceCount());
-  FOURDVT_ASSIGN(auto program, gpu::makeProgram(device, "bake visibility", gpu::shaderSource("fullscreen.vert"),
-                                                gpu::shaderSource("bake_visibility.frag"), kTableDefine));
+  FOURDVT_ASSIGN(auto program, gpu::makeProgram(device, "bake visibility", gpu::shaderText("fullscreen.vert"),
+                                                gpu::shaderText("bake_visibility.frag"), kTableDefine));
   gpu::TextureDesc desc;
   desc.width = kTableWidth;
   desc.height = v.rows_ * static_cast<int>(capture.cameraCount());
@@ -46,7 +46,8 @@ Result<std::vector<float>> Visibility::measure(gpu::Device& device, const GpuCap
   }
   const int height = rows_ * cameras;
   std::vector<uint8_t> pixels(static_cast<size_t>(kTableWidth) * height * 4);
-  FOURDVT_TRY(device.readPixels(target_.id(), gpu::PixelFormat::RGBA8, 0, 0, kTableWidth, height, pixels.data()));
+  FOURDVT_TRY(device.readPixels(target_.id(), gpu::PixelFormat::RGBA8, {.width = kTableWidth, .height = height},
+                                pixels.data()));
   std::vector<float> shares(static_cast<size_t>(cameras) * faces);
   for (int c = 0; c < cameras; ++c) {
     for (int f = 0; f < faces; ++f) {

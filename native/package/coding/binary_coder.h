@@ -114,13 +114,13 @@ class MixedBit {
 
   template <class Coder>
   bool code(Coder& coder, bool bit, const std::array<uint32_t, N>& contexts, uint32_t weight_set) {
-    std::array<AdaptiveBit*, N> slots;
+    std::array<AdaptiveBit*, N> bits;
     std::array<int, N> inputs;
     int32_t* weights = &weights_[size_t(weight_set) * N];
     int64_t sum = 0;
     for (int i = 0; i < N; ++i) {
-      slots[i] = &table_[hash(contexts[i], static_cast<uint32_t>(i)) & mask_];
-      inputs[i] = logistic_.stretch(slots[i]->p12());
+      bits[i] = &table_[hash(contexts[i], static_cast<uint32_t>(i)) & mask_];
+      inputs[i] = logistic_.stretch(bits[i]->p12());
       sum += int64_t(weights[i]) * inputs[i];
     }
     sum >>= 16;
@@ -131,7 +131,7 @@ class MixedBit {
     for (int i = 0; i < N; ++i) {
       const int64_t moved = weights[i] + ((inputs[i] * error * kRate) >> 14);
       weights[i] = static_cast<int32_t>(moved > kMaxWeight ? kMaxWeight : moved < -kMaxWeight ? -kMaxWeight : moved);
-      slots[i]->update(bit, kLimit);
+      bits[i]->update(bit, kLimit);
     }
     return bit;
   }

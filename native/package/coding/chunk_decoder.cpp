@@ -16,12 +16,12 @@ Error invalid(const char* what) {
   return {ErrorId::StreamInvalid, std::string("GOP chunk: ") + what + "; the .bin file is damaged, upload it again"};
 }
 
-// One coded part. Frames in order.
+// One coded part of a chunk; its frames are decoded in order.
 class Part {
  public:
   explicit Part(std::span<const uint8_t> bytes) : bits_(bytes) {}
   virtual ~Part() = default;
-  // Appends a frame to its kind of the contents. False: it does not decode, or has bytes left after the last frame.
+  // Appends a frame of what the part holds to `out`. False: it does not decode, or bytes are left after the last frame.
   bool decode(ChunkFrames& out, bool last) {
     return decodeFrame(out) && !bits_.overrun() && (!last || bits_.finished());
   }
@@ -31,7 +31,7 @@ class Part {
   BinaryDecoder bits_;
 };
 
-// Room for `count` more values.
+// Makes room for `count` more values, and returns the first.
 template <class Value>
 Value* append(std::vector<Value>& values, size_t count) {
   values.resize(values.size() + count);
@@ -110,7 +110,7 @@ class FrameByFrame final : public ChunkDecoder {
   ChunkFrames take() override { return std::move(frames_); }
 
  private:
-  // Memory grows with the frames that the bytes really hold.
+  // Decodes one frame at a time, so that memory grows only with frames that the bytes really hold.
   bool decodeNext() {
     const bool last = decoded_ + 1 == frames_.frame_count;
     for (auto& part : parts_) {
@@ -139,12 +139,7 @@ Result<std::unique_ptr<ChunkDecoder>> ChunkDecoder::open(std::span<const uint8_t
   if (chunk >= index.chunks.size()) return invalid("no such GOP");
   ChunkFrames counts;
   counts.frame_count = index.chunks[chunk].frame_count;
-  counts.vertex_count = index.vertex_count;
-  counts.face_count = index.face_count;
-  counts.layer_count = index.layer_count;
-  counts.member_count = index.member_count;
-  counts.reference_count = index.reference_count;
-  counts.alignment_count = index.alignment_count;
+  copyCounts(index, counts);
   if (counts.vertex_count != mesh.vertexCount() || counts.face_count != mesh.faceCount() || counts.frame_count == 0 ||
       !validCounts(counts))
     return invalid("frame, vertex, face, layer or member count is not the mesh's");

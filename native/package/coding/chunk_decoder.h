@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decodes a GOP's chunk frame by frame, so that a page never waits for a whole GOP at once. Frames are predicted from
-// the ones before: frame n costs the decoding of 0..n, once.
+// the ones before, so the first call for frame n decodes 0..n.
 #pragma once
 
 #include <memory>
@@ -16,7 +16,7 @@ class ChunkDecoder {
   static Result<std::unique_ptr<ChunkDecoder>> open(std::span<const uint8_t> bytes, const StreamIndex& index,
                                                     uint32_t chunk, const ChunkMesh& mesh);
   virtual ~ChunkDecoder() = default;
-  // Until frames 0..frame of the chunk are there; beyond the last frame: all. Errors: StreamInvalid; it stays broken.
+  // Decodes until frames 0..frame of the chunk are there, or all of them. Errors: StreamInvalid, from then on always.
   virtual Status decodeTo(uint32_t frame) = 0;
   virtual uint32_t decodedCount() const = 0;
   // Counts are the whole chunk's; positions and labels hold the decoded frames.

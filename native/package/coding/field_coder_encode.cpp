@@ -5,7 +5,7 @@
 namespace fourdvt::package {
 namespace {
 
-// fields: [frame][of `count`][vertex].
+// Encodes number `field` of `count` fields. fields: [frame][field][vertex].
 template <int N>
 std::vector<uint8_t> encodeField(std::vector<glm::vec<N, int>> fields, const ChunkFrames& frames, uint32_t count,
                                  uint32_t field, const ChunkMesh& mesh) {

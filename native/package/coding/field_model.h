@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a field of small vectors on the surface is predicted (corrections of the mesh blend, alignment), for the encoder
-// and the decoder alike. Integers only. Exact definition: FORMAT.md, "Fields". Internal to package/.
+// Predicts a field of small vectors on the surface (corrections of the mesh blend, alignment), for the encoder and the
+// decoder alike. Integers only. Exact definition: FORMAT.md, "Fields". Internal to package/.
 #pragma once
 
 #include <algorithm>
@@ -12,11 +12,12 @@ namespace fourdvt::package {
 template <class Coder>
 class FieldModel {
  public:
-  // components: of the vectors that frame takes.
+  // components: of each vector, 2 or 3.
   FieldModel(Coder& coder, const ChunkMesh& mesh, int components)
       : mesh_(mesh), residuals_(coder, mesh, components), before_(mesh.vertexCount(), glm::ivec3(0)), now_(before_) {}
 
-  // Frames in order. values: [vertex], read by an encoder, written by a decoder. False: one out of range.
+  // Codes one frame; frames come in order. values: [vertex], read by an encoder, written by a decoder. False: a value
+  // is out of range.
   template <int N>
   bool frame(glm::vec<N, int>* values) {
     std::swap(before_, now_);
@@ -33,7 +34,7 @@ class FieldModel {
   }
 
  private:
-  // The vertex's value in the frame before (0 before the first), moved as its neighbours have moved since.
+  // The vertex's value in the previous frame (0 before the first), plus the mean change of its neighbours since then.
   glm::ivec3 predict(uint32_t v) const {
     glm::ivec3 change(0);
     const int n = mesh_.ring_count[v];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How labels are predicted, for the encoder and the decoder alike. Exact definition: FORMAT.md, "Labels". Internal to
+// Predicts labels, for the encoder and the decoder alike. Exact definition: FORMAT.md, "Labels". Internal to
 // package/.
 #pragma once
 
@@ -21,7 +21,7 @@ class LabelModel {
         faces_(mesh.faceCount()),
         layers_(layers),
         face_bits_(14, 4),
-        slot_bits_(16, 96),
+        rank_bits_(16, 96),
         previous_(size_t(faces_) * layers),
         current_(previous_.size()),
         changed_(faces_),
@@ -31,7 +31,7 @@ class LabelModel {
     }
   }
 
-  // Frames in order. labels: [layer][face], read by an encoder, written by a decoder.
+  // Codes one frame; frames come in order. labels: [layer][face], read by an encoder, written by a decoder.
   void frame(uint8_t* labels) {
     std::swap(previous_, current_);
     std::swap(changed_before_, changed_);
@@ -80,16 +80,16 @@ class LabelModel {
   }
 
   void codeTuple(uint32_t f, uint8_t* tuple) {
-    uint32_t changed_slots = 0;
+    uint32_t changed_ranks = 0;
     for (uint32_t l = 0; l < layers_; ++l) {
-      tuple[l] = codeSlot(f, l, tuple, changed_slots);
-      if (temporal_ && tuple[l] != previousOf(f)[l]) changed_slots |= 1u << l;
+      tuple[l] = codeRank(f, l, changed_ranks);
+      if (temporal_ && tuple[l] != previousOf(f)[l]) changed_ranks |= 1u << l;
       auto& recent = recent_[l];
       std::rotate(recent.begin(), std::find(recent.begin(), recent.end() - 1, tuple[l]), recent.end());
     }
   }
 
-  // Labels a slot may hold, likely ones first; every label once.
+  // Lists the labels that rank l may hold, every label once, likely ones first; returns their number.
   int listCandidates(uint32_t f, uint32_t l, std::array<uint8_t, kValues>& out) const {
     uint32_t seen = 0;
     int count = 0;
@@ -121,28 +121,28 @@ class LabelModel {
     return count;
   }
 
-  uint8_t codeSlot(uint32_t f, uint32_t l, const uint8_t* tuple, uint32_t changed_slots) {
+  uint8_t codeRank(uint32_t f, uint32_t l, uint32_t changed_ranks) {
     std::array<uint8_t, kValues> candidates;
     const int count = listCandidates(f, l, candidates);
     for (int r = 0; r + 1 < count; ++r) {
-      if (codeCandidate(f, l, tuple, changed_slots, candidates[r], std::min(r, 5))) return candidates[r];
+      if (codeCandidate(f, l, changed_ranks, candidates[r], std::min(r, 5))) return candidates[r];
     }
     return candidates[count - 1];
   }
 
-  // "Slot l of face f is x": x is candidate number `rank`; slots below l are known.
-  bool codeCandidate(uint32_t f, uint32_t l, const uint8_t* tuple, uint32_t changed_slots, uint8_t x, uint32_t rank) {
-    const uint8_t* before = previousOf(f);
+  // Codes "the label of rank l of face f is x", where x is the candidate of this number; lower ranks are known.
+  bool codeCandidate(uint32_t f, uint32_t l, uint32_t changed_ranks, uint8_t x, uint32_t number) {
+    const uint8_t *tuple = currentOf(f), *before = previousOf(f);
     uint32_t used = 0, displaced = 0, came_from = 0;
     for (uint32_t j = 0; j < l; ++j) {
       used |= tuple[j] == x && x != kNoCamera;
       displaced |= temporal_ && tuple[j] == before[l] && tuple[j] != kNoCamera;
     }
-    for (uint32_t j = layers_; temporal_ && j-- > 0;) {  // the lowest slot that held x
-      if (before[j] == x) came_from = j < l ? 1 + !(changed_slots >> j & 1) : j == l ? 3 : 4;
+    for (uint32_t j = layers_; temporal_ && j-- > 0;) {  // the lowest rank that held x
+      if (before[j] == x) came_from = j < l ? 1 + !(changed_ranks >> j & 1) : j == l ? 3 : 4;
     }
     std::array<uint32_t, 3> states;
-    uint32_t slots_with_x = 0;
+    uint32_t ranks_with_x = 0;
     for (int k = 0; k < 3; ++k) {
       const uint32_t g = mesh_.face_neighbours[f][k];
       states[k] = 6;
@@ -150,18 +150,18 @@ class LabelModel {
       const bool now = currentOf(g)[l] == x, then = temporal_ ? previousOf(g)[l] == x : now;
       states[k] = g < f ? (now ? !then : 2 + !then) : 4 + !then;
       const uint8_t* known = g < f ? currentOf(g) : previousOf(g);
-      for (uint32_t j = 0; j < layers_; ++j) slots_with_x |= uint32_t(known[j] == x) << j;
+      for (uint32_t j = 0; j < layers_; ++j) ranks_with_x |= uint32_t(known[j] == x) << j;
     }
     std::sort(states.begin(), states.end());
     const uint32_t around = states[0] * 49 + states[1] * 7 + states[2];
-    const uint32_t base = (l * 2 + temporal_) * 8 + rank;
-    const uint32_t previous_slot = l > 0 ? tuple[l - 1] : 254;
-    return slot_bits_.code(
+    const uint32_t base = (l * 2 + temporal_) * 8 + number;
+    const uint32_t label_before = l > 0 ? tuple[l - 1] : 254;
+    return rank_bits_.code(
         coder_, tuple[l] == x,
-        {(base * 343 + around) * 2 + used, (((base * 64 + changed_slots) * 2 + used) * 8 + came_from) * 2 + displaced,
-         (base * 256 + x) * 256 + (temporal_ ? before[l] : 255), ((base * 256 + x) * 256 + previous_slot) * 2 + used,
-         ((base * 64 + slots_with_x) * 8 + came_from) * 2 + (changed_slots != 0)},
-        (temporal_ * 8 + l) * 6 + rank);
+        {(base * 343 + around) * 2 + used, (((base * 64 + changed_ranks) * 2 + used) * 8 + came_from) * 2 + displaced,
+         (base * 256 + x) * 256 + (temporal_ ? before[l] : 255), ((base * 256 + x) * 256 + label_before) * 2 + used,
+         ((base * 64 + ranks_with_x) * 8 + came_from) * 2 + (changed_ranks != 0)},
+        (temporal_ * 8 + l) * 6 + number);
   }
 
   Coder& coder_;
@@ -169,7 +169,7 @@ class LabelModel {
   const uint32_t faces_, layers_;
   bool temporal_ = false;  // false in a chunk's first frame
   MixedBit<3> face_bits_;
-  MixedBit<5> slot_bits_;
+  MixedBit<5> rank_bits_;
   std::vector<uint8_t> previous_, current_;                      // [face][layer]
   std::vector<uint8_t> changed_, changed_before_;                // [face], 0 or 1: in this frame, in the frame before
   std::array<std::array<uint8_t, kValues>, kMaxLayers> recent_;  // [layer], most recent first

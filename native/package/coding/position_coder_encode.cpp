@@ -6,7 +6,8 @@
 namespace fourdvt::package {
 namespace {
 
-// Edges hardly change their lengths between poses: frame 0's against the base pose's.
+// Scale from the base pose's lattice to the stream's steps. Edges hardly change their lengths between poses, so their
+// lengths in frame 0 are compared with those of the base pose.
 uint32_t baseScale(const glm::ivec3* positions, const ChunkMesh& mesh) {
   double steps = 0, lattice = 0;
   for (uint32_t v = 0; v < mesh.vertexCount(); ++v) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How positions are predicted, for the encoder and the decoder alike. Exact definition: FORMAT.md, "Positions". The
+// Predicts positions, for the encoder and the decoder alike. Exact definition: FORMAT.md, "Positions". The
 // prediction uses IEEE double additions, subtractions, multiplications and divisions in the order written; files that
 // include this must not contract them (-ffp-contract=off). Internal to package/.
 #pragma once
@@ -11,18 +11,18 @@
 
 namespace fourdvt::package {
 
-// What a local affine motion, fitted to the vertices that are known already, does to one more vertex.
+// Fits an affine motion to the displacements of known vertices, and applies it to one more vertex.
 class MotionFit {
  public:
   explicit MotionFit(const glm::dvec3& centre) : centre_(centre) {}
-  // A vertex's reference position and its displacement.
+  // Adds a known vertex: its reference position and its displacement.
   void add(const glm::dvec3& reference, const glm::dvec3& displacement, double weight) {
     offsets_[count_] = reference - centre_;
     displacements_[count_] = displacement;
     weights_[count_] = weight;
     ++count_;
   }
-  // Displacement at the centre; ridge regression, so that it is defined for any set of vertices.
+  // Displacement at the centre, by ridge regression: defined for any set of vertices.
   glm::dvec3 atCentre() const {
     if (count_ == 0) return glm::dvec3(0);
     double total = 0;
@@ -77,7 +77,8 @@ class PositionModel {
     for (const glm::ivec3& q : mesh.base) reference_.push_back(glm::dvec3(q) * (base_scale / 65536.0));
   }
 
-  // Frames in order. positions: [vertex], read by an encoder, written by a decoder. False: a position out of range.
+  // Codes one frame; frames come in order. positions: [vertex], read by an encoder, written by a decoder. False: a
+  // position is out of range.
   bool frame(glm::ivec3* positions) {
     residuals_.beginFrame();
     for (uint32_t v = 0; v < mesh_.vertexCount(); ++v) {

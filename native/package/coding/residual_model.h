@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How what a prediction left over is coded, by its size nearby on the surface and in the frame before; for the encoder
-// and the decoder alike. Integers only. Exact definition: FORMAT.md, "Residuals". Internal to package/.
+// Codes the residuals of a prediction, for the encoder and the decoder alike. Contexts are the magnitudes at the
+// neighbours and in the previous frame. Integers only. Exact definition: FORMAT.md, "Residuals". Internal to package/.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,7 @@ inline bool inRange(const glm::ivec3& q) {
 template <class Coder>
 class ResidualModel {
  public:
-  // components: how many of a residual's three are coded, 2 or 3; the others are 0.
+  // components: how many of a residual's three numbers are coded, 2 or 3; the rest are 0.
   ResidualModel(Coder& coder, const ChunkMesh& mesh, int components)
       : coder_(coder),
         mesh_(mesh),
@@ -39,7 +39,7 @@ class ResidualModel {
     started_ = true;
   }
 
-  // Vertices in ascending order. Residuals below 2^26.
+  // Codes the residual of one vertex; vertices come in ascending order. Magnitudes are below 2^26.
   glm::ivec3 code(uint32_t v, const glm::ivec3& residual) {
     const auto ring = mesh_.earlierOf(v).first(mesh_.ring_count[v]);
     glm::ivec3 sum(0);
@@ -67,14 +67,14 @@ class ResidualModel {
 
   int mean(const glm::ivec3& m) const { return (m.x + m.y + (components_ == 3 ? m.z : 0)) / components_; }
 
-  // About 1.5 log2: 0, 1 → 0; 2 → 1; 3 → 1; 4, 5 …
+  // Classes of magnitude, about 1.5 log2: 0, 1 → 0; 2, 3 → 1; …
   static uint32_t level(int magnitude) {
     uint32_t level = 0;
     for (; magnitude >= 2 && level < 31; ++level) magnitude = magnitude * 5 >> 3;
     return level;
   }
 
-  // Number of binary digits of |value| in unary, the digits below the leading one, the sign.
+  // Codes the number of binary digits of |value| in unary, then the digits below the leading one, then the sign.
   int codeValue(int value, uint32_t whole, uint32_t own) {
     const uint32_t magnitude = static_cast<uint32_t>(std::abs(value));
     int size = 0;
@@ -111,7 +111,7 @@ class ResidualModel {
   const int components_;
   bool started_ = false, temporal_ = false;  // temporal: not a chunk's first frame
   std::vector<AdaptiveBit> size_bits_, mantissa_bits_;
-  std::vector<glm::ivec3> magnitudes_, magnitudes_before_;  // of the residuals, this frame and the one before
+  std::vector<glm::ivec3> magnitudes_, magnitudes_before_;  // of the residuals in this frame and in the previous one
 };
 
 }  // namespace fourdvt::package

@@ -27,7 +27,7 @@ Status ShownFrame::present(gpu::Device& device, const render::CharacterModel& mo
 }
 
 void ShownFrame::blend(const FrameGeometry& geometry, const motion::BlendWeights& weights) {
-  motion::blendFrame(*geometry.frames, geometry.row, *geometry.index, weights.members, weights.offsets, positions_);
+  motion::blendFrame(*geometry.frames, geometry.row, *geometry.index, weights, positions_);
   stale_ = false;
 }
 

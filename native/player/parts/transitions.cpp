@@ -58,10 +58,10 @@ std::optional<Transitions::Entrance> Transitions::plan(const TransitionView& vie
   // The shown frame is as old as this.
   const double age_s = view.clock_s / view.clock_rate - static_cast<double>(view.k) / rate;
   motion::PlanOptions options;
-  options.least_wait_s = lead_s_ + age_s;
+  options.min_wait_s = lead_s_ + age_s;
   // A frame is shown at the first tick after it is due.
   options.max_latency_s = kMaxLatency_s - (view.now_s - asked_s_) - view.tick_s + age_s;
-  const auto way = view.graph->plan(view.source, view.frame(), view.weights, rate, run_.target, options);
+  const auto way = view.graph->plan({view.source, view.frame(), view.weights, rate}, run_.target, options);
   if (!way) return std::nullopt;
   const motion::Entry& entry = way->entry;
   run_.fade_frames = to_loops ? entry.fade_frames : std::clamp(to.frame_count - 1 - entry.frame, 1u, entry.fade_frames);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A level, coarse to fine: blur and shrink both pictures (2 passes), slopes, search twice (from the coarser flow, then
-// from the neighbouring patches), densify.
+// Works from the coarsest level to the finest. Each level: blur and shrink both pictures (2 passes), take slopes,
+// search twice (from the coarser flow, then from the neighbouring patches), densify.
 #include <algorithm>
 #include <cmath>
 
@@ -12,11 +12,18 @@ namespace {
 using gpu::PixelFormat;
 constexpr int kPatch = 8, kStride = 4;  // pixels, as in the shaders
 constexpr int kFinest = 2;              // octaves below the full size
-constexpr int kIterations = 5;          // at most, a search
+constexpr int kIterations = 5;          // per search, at most
 
 struct Level {
   FlowBuffer slopes, first, second, flow;
   ShrunkPair luma;
+};
+
+// Where a search starts; as the uniforms of flow_dis_search.frag.
+struct Start {
+  gpu::TextureId flow;
+  glm::vec4 place;
+  float gain;
 };
 
 class Dis final : public FlowMethodPasses {
@@ -55,29 +62,28 @@ class Dis final : public FlowMethodPasses {
     const int w = static_cast<int>(width * scale), h = static_cast<int>(height * scale);
     const int columns = 1 + (w - kPatch) / kStride, rows = 1 + (h - kPatch) / kStride;
     constexpr auto kTwo = PixelFormat::RG16F;
-    FOURDVT_TRY(level.luma.resize(device, width, height, w, h, scale));
+    FOURDVT_TRY(level.luma.resize(device, {width, height}, {w, h}, scale));
     FOURDVT_TRY(makeFlowBuffer(device, w, h, {PixelFormat::RGBA16F}, level.slopes));
     FOURDVT_TRY(makeFlowBuffer(device, columns, rows, {kTwo}, level.first));
     FOURDVT_TRY(makeFlowBuffer(device, columns, rows, {kTwo}, level.second));
     return makeFlowBuffer(device, w, h, {kTwo}, level.flow);
   }
 
-  void search(gpu::Device& device, const Level& level, const FlowBuffer& to, gpu::TextureId start,
-              const glm::vec4& place, float gain) const {
-    runFlowPass(
-        device, search_.id(), to.target.id(), {{"u_slopes", level.slopes[0]}, {"u_start", start}},
-        {gpu::uniform("u_place", place), gpu::uniform("u_gain", gain), gpu::uniform("u_iterations", kIterations)});
+  void search(gpu::Device& device, const Level& level, const Start& start, const FlowBuffer& to) const {
+    runFlowPass(device, search_.id(), to.target.id(), {{"u_slopes", level.slopes[0]}, {"u_start", start.flow}},
+                {gpu::uniform("u_place", start.place), gpu::uniform("u_gain", start.gain),
+                 gpu::uniform("u_iterations", kIterations)});
   }
 
   void refine(gpu::Device& device, const Level& level, gpu::TextureId pictures, gpu::TextureId start) const {
     level.luma.draw(device, shrink_, pictures);
     runFlowPass(device, slopes_.id(), level.slopes.target.id(), {{"u_luma", level.luma.texture()}}, {});
-    // The middle of a patch in the coarser flow, then the patch itself.
+    // The first search starts from the coarser flow at the middle of the patch, the second from the patch's own flow.
     const glm::vec2 pixel(1.0f / level.flow.width, 1.0f / level.flow.height);
     const glm::vec2 patch(1.0f / level.first.width, 1.0f / level.first.height);
     const float to_middle = kPatch / 2 - kStride * 0.5f;
-    search(device, level, level.first, start, glm::vec4(float(kStride) * pixel, to_middle * pixel), 2);
-    search(device, level, level.second, level.first[0], glm::vec4(patch, 0, 0), 1);
+    search(device, level, {start, glm::vec4(float(kStride) * pixel, to_middle * pixel), 2}, level.first);
+    search(device, level, {level.first[0], glm::vec4(patch, 0, 0), 1}, level.second);
     runFlowPass(device, densify_.id(), level.flow.target.id(),
                 {{"u_slopes", level.slopes[0]}, {"u_patches", level.second[0]}}, {});
   }

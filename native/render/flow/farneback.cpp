@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A level, coarse to fine: blur and shrink both pictures (2 passes), expand (2), then the iterations (3 each):
-// matrices, average along x, average along y and solve.
+// Works from the coarsest level to the finest. Each level: blur and shrink both pictures (2 passes), expand (2 passes),
+// then iterate (3 passes each): matrices, average along x, average along y and solve.
 #include <array>
 #include <cmath>
 
@@ -81,7 +81,7 @@ class Farneback final : public FlowMethodPasses {
   static Status makeLevel(gpu::Device& device, int width, int height, double scale, Level& level) {
     const int w = static_cast<int>(std::lrint(width * scale)), h = static_cast<int>(std::lrint(height * scale));
     constexpr auto kTwo = PixelFormat::RG16F, kFour = PixelFormat::RGBA16F;
-    FOURDVT_TRY(level.luma.resize(device, width, height, w, h, scale));
+    FOURDVT_TRY(level.luma.resize(device, {width, height}, {w, h}, scale));
     FOURDVT_TRY(makeFlowBuffer(device, w, h, {kFour, kFour}, level.wide));
     FOURDVT_TRY(makeFlowBuffer(device, w, h, {kFour, kFour, kTwo}, level.expansion));
     FOURDVT_TRY(makeFlowBuffer(device, w, h, {kFour, kTwo}, level.average));

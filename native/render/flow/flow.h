@@ -15,7 +15,7 @@ class FlowSource {
   virtual ~FlowSource() = default;
   // a, b: RGBA8, premultiplied, width × height, GL rows (bottom first); alpha 0: no character. Displacement f with
   // a(p) ~ b(p + f), in pixels, y along GL rows; found in flow(), a texture of width × height whose .xy it is.
-  // Where nothing can be known it goes smoothly to 0. Errors: GpuFailure, Unsupported.
+  // Where nothing can be known, the displacement falls smoothly to 0. Errors: GpuFailure, Unsupported.
   virtual Status compute(gpu::TextureId a, gpu::TextureId b, int width, int height) = 0;
   virtual gpu::TextureId flow() const = 0;  // valid until the next compute
 };
@@ -26,9 +26,9 @@ struct FlowOptions {
   FlowMethod method = FlowMethod::Farneback;
   int levels = 4;           // pyramid, factor 2
   int window = 13;          // Farneback: averaging window, pixels; odd
-  int iterations = 3;       // a level
+  int iterations = 3;       // per level
   int poly_n = 5;           // Farneback: neighbourhood of the polynomial expansion; 5 or 7
-  double poly_sigma = 1.1;  // of its weights, pixels
+  double poly_sigma = 1.1;  // of the expansion's weights, pixels
 };
 
 // Farnebäck 2003 as fragment passes, or the fast DIS (Kroeger 2016). Needs float render targets (Caps); programs and

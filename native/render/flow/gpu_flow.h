@@ -7,7 +7,7 @@
 
 namespace fourdvt::render {
 
-// Raw flow of FlowPictures' luma pair, any size; gain: pixels of the pictures for its unit.
+// Flow of FlowPictures' luma pair before it is faded, of any size; gain: how many pixels of the pictures its unit is.
 struct RawFlow {
   gpu::TextureId texture = 0;
   float gain = 1;
@@ -23,8 +23,8 @@ class FlowMethodPasses {
 // As cv::calcOpticalFlowFarneback (box window): levels below the full size, none with a side under 32 pixels.
 Result<std::unique_ptr<FlowMethodPasses>> createFarneback(gpu::Device& device, const FlowOptions& options);
 // As cv::DISOpticalFlow, ultrafast: patches of 8 every 4 pixels from a quarter of the size down, no variational
-// refinement; but whole Gauss-Newton steps, and candidates from all neighbours instead of sweeps. FlowOptions
-// do not touch it: levels follow from the size.
+// refinement; but whole Gauss-Newton steps, and candidates from all neighbours instead of sweeps. Takes
+// no options: its levels follow from the size.
 Result<std::unique_ptr<FlowMethodPasses>> createDis(gpu::Device& device);
 
 }  // namespace fourdvt::render

@@ -6,13 +6,11 @@
 
 namespace fourdvt::render {
 
-std::string_view flowShaderSource(std::string_view name);  // the embedded flow_*; see CMakeLists.txt
+std::string_view flowShaderText(std::string_view name);  // the embedded flow_*; see CMakeLists.txt
 
 Status makeFlowProgram(gpu::Device& device, const char* fragment, gpu::Program& out, const char* defines) {
-  auto made =
-      gpu::makeProgram(device, fragment, gpu::shaderSource("fullscreen.vert"), flowShaderSource(fragment), defines);
-  if (!made) return made.error();
-  out = made.take();
+  FOURDVT_ASSIGN(
+      out, gpu::makeProgram(device, fragment, gpu::shaderText("fullscreen.vert"), flowShaderText(fragment), defines));
   return {};
 }
 
@@ -20,15 +18,14 @@ Status makeFlowBuffer(gpu::Device& device, int width, int height, std::initializ
                       FlowBuffer& out) {
   gpu::TargetDesc desc{.label = "flow"};
   for (gpu::PixelFormat format : formats) {
-    auto texture = gpu::makeTexture(
-        device, {.format = format, .width = width, .height = height, .filter = gpu::Filter::Linear, .label = "flow"});
-    if (!texture) return texture.error();
-    out.textures[desc.colors.size()] = texture.take();
+    FOURDVT_ASSIGN(
+        out.textures[desc.colors.size()],
+        gpu::makeTexture(
+            device,
+            {.format = format, .width = width, .height = height, .filter = gpu::Filter::Linear, .label = "flow"}));
     desc.colors.push_back(out[desc.colors.size()]);
   }
-  auto target = gpu::makeTarget(device, desc);
-  if (!target) return target.error();
-  out.target = target.take();
+  FOURDVT_ASSIGN(out.target, gpu::makeTarget(device, desc));
   out.width = width;
   out.height = height;
   return {};
@@ -72,20 +69,20 @@ Status FlowPictures::prepare(gpu::Device& device, gpu::TextureId a, gpu::Texture
   return {};
 }
 
-Status ShrunkPair::resize(gpu::Device& device, int width, int height, int w, int h, double scale) {
+Status ShrunkPair::resize(gpu::Device& device, const FlowSize& pictures, const FlowSize& level, double scale) {
   const double sigma = (1 / scale - 1) / 2;
   const int side = std::max(static_cast<int>(std::lrint(sigma * 5)) | 1, 3) / 2;
   const double fall = sigma > 0 ? 1 / (2 * sigma * sigma) : std::log(2.0);  // at full size (1, 2, 1) / 4
-  blur_x_ = glm::vec3(double(width) / w, side, fall);
-  blur_y_ = glm::vec3(double(height) / h, side, fall);
-  FOURDVT_TRY(makeFlowBuffer(device, w, height, {gpu::PixelFormat::RG16F}, rows_));
-  return makeFlowBuffer(device, w, h, {gpu::PixelFormat::RG16F}, luma_);
+  blur_x_ = glm::vec3(double(pictures.width) / level.width, side, fall);
+  blur_y_ = glm::vec3(double(pictures.height) / level.height, side, fall);
+  FOURDVT_TRY(makeFlowBuffer(device, level.width, pictures.height, {gpu::PixelFormat::RG16F}, rows_));
+  return makeFlowBuffer(device, level.width, level.height, {gpu::PixelFormat::RG16F}, luma_);
 }
 
 void ShrunkPair::draw(gpu::Device& device, const gpu::Program& shrink, gpu::TextureId pictures) const {
   const auto pass = [&](const FlowBuffer& to, gpu::TextureId from, int down, const glm::vec3& blur,
                         const glm::vec2& values) {
-    runFlowPass(device, shrink.id(), to.target.id(), {{"u_source", from}},
+    runFlowPass(device, shrink.id(), to.target.id(), {{"u_from", from}},
                 {gpu::uniform("u_down", down), gpu::uniform("u_blur", blur), gpu::uniform("u_values", values)});
   };
   pass(rows_, pictures, 0, blur_x_, {0.5f, 255.0f});

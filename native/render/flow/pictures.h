@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every FlowSource works on: both pictures' luma, filled outside the character, and how far flow can be trusted.
-// Two passes and a mipmap chain of RGBA8; needs no float targets. Does NOT compute flow.
+// What every FlowSource starts from: both pictures' luma, filled outside the character, and how far flow can be
+// trusted. Two passes and a mipmap chain of RGBA8; needs no float targets. Does NOT compute flow.
 #pragma once
 
 #include "gpu/device.h"
@@ -12,8 +12,8 @@ class FlowPictures {
   // Errors: GpuFailure.
   Status prepare(gpu::Device& device, gpu::TextureId a, gpu::TextureId b, int width, int height);
   // RGBA8, width × height: luma of a, luma of b, unused, confidence. Outside the character both lumas are the same
-  // smooth extension of their mean, so that the silhouette is no moving edge. Confidence: 0 some pixels outside the
-  // character and where its luma is constant.
+  // smooth extension of their mean, so that the silhouette is no moving edge. Confidence falls to 0 a few pixels
+  // outside the character, and where its luma is constant.
   gpu::TextureId texture() const { return filled_.id(); }
   gpu::TargetId target() const { return filled_target_.id(); }  // to read texture() back
 
@@ -25,11 +25,15 @@ class FlowPictures {
   int width_ = 0, height_ = 0;
 };
 
-// One full-screen draw into the whole target. Lists, not vectors: the code at each call stays small.
+// One full-screen draw into the whole target. Takes lists instead of vectors to keep the code at each call small.
 void runFlowPass(gpu::Device& device, gpu::ProgramId program, gpu::TargetId target,
                  std::initializer_list<gpu::TextureBinding> textures, std::initializer_list<gpu::Uniform> uniforms);
 
-// Textures of one size drawn together.
+struct FlowSize {
+  int width = 0, height = 0;  // pixels
+};
+
+// Textures of one size that are drawn together.
 struct FlowBuffer {
   gpu::Texture textures[3];
   gpu::Target target;
@@ -40,12 +44,12 @@ struct FlowBuffer {
 // 16F textures with linear filtering. Errors: GpuFailure.
 Status makeFlowBuffer(gpu::Device& device, int width, int height, std::initializer_list<gpu::PixelFormat> formats,
                       FlowBuffer& out);
-// Both lumas of FlowPictures at a pyramid level: OpenCV's Gaussian blur of the full size and linear resize, in grey
-// levels about the middle, where half floats are finest.
+// Both lumas of FlowPictures at a level of the pyramid, made as OpenCV does: Gaussian blur at full size, then linear
+// resize. Values are grey levels minus the middle one, where half floats are finest.
 class ShrunkPair {
  public:
-  // To w × h, `scale` of the pictures' size. Errors: GpuFailure.
-  Status resize(gpu::Device& device, int width, int height, int w, int h, double scale);
+  // `level`: about `scale` times the pictures' size. Errors: GpuFailure.
+  Status resize(gpu::Device& device, const FlowSize& pictures, const FlowSize& level, double scale);
   void draw(gpu::Device& device, const gpu::Program& shrink, gpu::TextureId pictures) const;  // flow_shrink.frag
   gpu::TextureId texture() const { return luma_[0]; }                                         // RG16F
 

@@ -13,7 +13,8 @@ class ReadBackFlow final : public FlowSource {
   Status compute(gpu::TextureId a, gpu::TextureId b, int width, int height) override {
     FOURDVT_TRY(resize(width, height));
     FOURDVT_TRY(pictures_.prepare(device_, a, b, width, height));
-    FOURDVT_TRY(device_.readPixels(pictures_.target(), gpu::PixelFormat::RGBA8, 0, 0, width, height, pixels_.data()));
+    FOURDVT_TRY(device_.readPixels(pictures_.target(), gpu::PixelFormat::RGBA8, {.width = width, .height = height},
+                                   pixels_.data()));
     // Read top row first; flow counts along GL rows.
     const size_t count = a_.size(), row = width;
     for (size_t i = 0; i < count; ++i) {
@@ -24,7 +25,7 @@ class ReadBackFlow final : public FlowSource {
     }
     FOURDVT_TRY(solver_(a_.data(), b_.data(), width, height, flow_values_.data()));
     for (size_t i = 0; i < 2 * count; ++i) flow_values_[i] *= confidence_[i / 2] / 255.0f;
-    device_.updateTexture(flow_.id(), 0, 0, 0, width, height, flow_values_.data());
+    device_.updateTexture(flow_.id(), {.width = width, .height = height}, flow_values_.data());
     return {};
   }
   gpu::TextureId flow() const override { return flow_.id(); }
@@ -32,10 +33,9 @@ class ReadBackFlow final : public FlowSource {
  private:
   Status resize(int width, int height) {
     if (width == width_ && height == height_) return {};
-    auto made = gpu::makeTexture(
-        device_, {.format = gpu::PixelFormat::RG32F, .width = width, .height = height, .label = "flow"});
-    if (!made) return made.error();
-    flow_ = made.take();
+    FOURDVT_ASSIGN(
+        flow_, gpu::makeTexture(
+                   device_, {.format = gpu::PixelFormat::RG32F, .width = width, .height = height, .label = "flow"}));
     width_ = width;
     height_ = height;
     const size_t count = static_cast<size_t>(width) * height;

@@ -9,7 +9,7 @@
 
 namespace fourdvt::render {
 
-// a, b: luma, width × height bytes; flow: 2 floats a pixel, x then y in row order; filled by the solver.
+// a, b: luma, width × height bytes; flow: 2 floats per pixel, x then y in row order; filled by the solver.
 using FlowSolver = std::function<Status(const uint8_t* a, const uint8_t* b, int width, int height, float* flow)>;
 
 std::unique_ptr<FlowSource> createReadBackFlow(gpu::Device& device, FlowSolver solver);

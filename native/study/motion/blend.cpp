@@ -41,9 +41,8 @@ class RunTimeBlend {
     frames_.offsets.resize(size_t(kMostReferences) * frames_.vertex_count, glm::ivec3(1));
   }
   double ms(int references) {
-    const float halves[] = {0.5f, 0.5f};
-    const std::vector<float> coefficients(static_cast<size_t>(references), 0.3f);
-    return milliseconds([&] { motion::blendFrame(frames_, 0, index_, halves, coefficients, out_); });
+    const motion::BlendWeights halves{{0.5f, 0.5f}, std::vector<float>(static_cast<size_t>(references), 0.3f)};
+    return milliseconds([&] { motion::blendFrame(frames_, 0, index_, halves, out_); });
   }
 
  private:

@@ -26,8 +26,8 @@ Status drawOnce(const MotionSubject& subject, const render::View& view, Variant&
   const auto start = std::chrono::steady_clock::now();
   FOURDVT_TRY(subject.stage.drawMany(view, variant.characters, variant.method, target));
   uint8_t pixel[4];  // waits until everything is drawn
-  FOURDVT_TRY(subject.context.device->readPixels(target, gpu::PixelFormat::RGBA8, view.width / 2, view.height / 2, 1, 1,
-                                                 pixel));
+  FOURDVT_TRY(subject.context.device->readPixels(
+      target, gpu::PixelFormat::RGBA8, {.x = view.width / 2, .y = view.height / 2, .width = 1, .height = 1}, pixel));
   const auto time = std::chrono::steady_clock::now() - start;
   if (counts) variant.times_ms.push_back(std::chrono::duration<double, std::milli>(time).count());
   return {};

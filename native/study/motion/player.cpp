@@ -18,7 +18,8 @@ Result<Positions> shownPositions(gpu::Device& device, const render::CharacterMod
   FOURDVT_ASSIGN(auto target,
                  gpu::makeTarget(device, {.colors = {model.positions_normals.id()}, .label = "positions"}));
   std::vector<glm::vec4> table(size_t(kWidthOfTable) * height);
-  FOURDVT_TRY(device.readPixels(target.id(), gpu::PixelFormat::RGBA32F, 0, 0, kWidthOfTable, height, table.data()));
+  FOURDVT_TRY(device.readPixels(target.id(), gpu::PixelFormat::RGBA32F, {.width = kWidthOfTable, .height = height},
+                                table.data()));
   Positions out;
   for (uint32_t v = 0; v < model.vertex_count; ++v) {
     const int row = static_cast<int>(2 * v) / kWidthOfTable, column = static_cast<int>(2 * v) % kWidthOfTable;

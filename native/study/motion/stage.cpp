@@ -134,13 +134,13 @@ std::vector<float> MotionStage::weightsOf(double w) const {
 std::vector<Positions> MotionStage::members() const {
   std::vector<Positions> out(2);
   for (size_t m = 0; m < out.size(); ++m)
-    motion::blendFrame(*chunk_, row_, stream_.index, weightsOf(double(m)), {}, out[m]);
+    motion::blendFrame(*chunk_, row_, stream_.index, {weightsOf(double(m)), {}}, out[m]);
   return out;
 }
 
 Positions MotionStage::blended(double w) const {
   Positions out;
-  motion::blendFrame(*chunk_, row_, stream_.index, weightsOf(w), offsetsAt(motion(), static_cast<float>(w)), out);
+  motion::blendFrame(*chunk_, row_, stream_.index, {weightsOf(w), offsetsAt(motion(), static_cast<float>(w))}, out);
   return out;
 }
 
@@ -197,7 +197,7 @@ Status MotionStage::drawMany(const render::View& view, int count, const AlignMet
   std::vector<render::Figure> figures;
   for (int i = 0; i < count; ++i) {
     render::Figure figure{&*model_, {&look, 1}};
-    figure.world_from_character[3] += glm::vec4(-kApart_m * float(i) * render::viewAxis(view), 0);
+    figure.world_from_character[3] += glm::vec4(-kApart_m * float(i) * render::viewAxis(view.clip_from_world), 0);
     figures.push_back(figure);
   }
   return recipe->draw(figures, nullptr, view, optionsOf(method), target);
@@ -232,7 +232,8 @@ Result<measure::FlowField> MotionStage::flow(const PinholeCamera& camera, const 
   FOURDVT_ASSIGN(auto target, gpu::makeTarget(device_, {.colors = {source->flow()}, .label = "flow"}));
   measure::FlowField out{camera.width, camera.height, std::vector<glm::vec2>(size_t(camera.width) * camera.height)};
   const auto format = byOpencv(method) ? gpu::PixelFormat::RG32F : gpu::PixelFormat::RG16F;
-  FOURDVT_TRY(device_.readPixels(target.id(), format, 0, 0, camera.width, camera.height, out.displacement.data()));
+  FOURDVT_TRY(device_.readPixels(target.id(), format, {.width = camera.width, .height = camera.height},
+                                 out.displacement.data()));
   for (glm::vec2& f : out.displacement) f.y = -f.y;  // counted along GL rows
   return out;
 }

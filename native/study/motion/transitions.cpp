@@ -122,7 +122,7 @@ void TransitionPart::planned(size_t from, size_t to, const RowWriter& row) const
   for (uint32_t frame = 0; frame < source.frame_count; ++frame) {
     motion::PlanOptions options;
     options.max_latency_s = kLatency_s;
-    const auto plan = graph_->plan(int(from), frame, weights, fps, int(to), options);
+    const auto plan = graph_->plan({int(from), frame, weights, fps}, int(to), options);
     if (!plan) continue;
     latency += plan->wait_frames / fps;
     most_latency = std::max(most_latency, plan->wait_frames / fps);

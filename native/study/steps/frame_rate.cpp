@@ -144,7 +144,7 @@ class Drain {
     device.beginPass({.target = target_.id(), .clear_color = true, .label = "drain"});
     device.endPass();
     uint8_t pixel[4];
-    return device.readPixels(target_.id(), gpu::PixelFormat::RGBA8, 0, 0, 1, 1, pixel);
+    return device.readPixels(target_.id(), gpu::PixelFormat::RGBA8, {.width = 1, .height = 1}, pixel);
   }
 
  private:
@@ -279,7 +279,8 @@ class Race {
 
   Status readBack(const render::View& view, Samples& out) {
     return timed(out.readback, [&] {
-      return device_.readPixels(target_.id(), gpu::PixelFormat::RGBA8, 0, 0, view.width, view.height, read_.data());
+      return device_.readPixels(target_.id(), gpu::PixelFormat::RGBA8, {.width = view.width, .height = view.height},
+                                read_.data());
     });
   }
 

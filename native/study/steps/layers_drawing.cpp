@@ -83,7 +83,8 @@ Status LayerDrawing::show(const std::vector<Image>& layers) {
     if (layers[l].channels != 4 || layers[l].width != size_ || layers[l].height != size_)
       return Error{ErrorId::Internal, "a layer to draw is not RGBA of the drawing's size"};
     const package::Rect rect = rectOf(static_cast<int>(l), size_);
-    device_.updateTexture(picture_.rgba.id(), 0, rect.x, rect.y, size_, size_, layers[l].pixels.data());
+    device_.updateTexture(picture_.rgba.id(), {.x = rect.x, .y = rect.y, .width = size_, .height = size_},
+                          layers[l].pixels.data());
   }
   return {};
 }
@@ -104,8 +105,8 @@ Result<Image> LayerDrawing::draw(const PinholeCamera& camera, int layers) {
   recipe.ground_shadow = false;
   FOURDVT_TRY(figure->draw(*recipe_, picture_, render::viewFromCamera(camera), recipe, target_.id()));
   Image image(camera.width, camera.height, 4);
-  FOURDVT_TRY(
-      device_.readPixels(target_.id(), gpu::PixelFormat::RGBA8, 0, 0, image.width, image.height, image.pixels.data()));
+  FOURDVT_TRY(device_.readPixels(target_.id(), gpu::PixelFormat::RGBA8, {.width = image.width, .height = image.height},
+                                 image.pixels.data()));
   unpremultiply(image);
   return image;
 }

@@ -114,8 +114,8 @@ Result<Image> RateMeter::draw(const I420View& picture, uint32_t frame, const Pin
   options.ground_shadow = false;
   FOURDVT_TRY(figure_.draw(*recipe_, picture_, render::viewFromCamera(camera), options, target_.id()));
   Image image(camera.width, camera.height, 4);
-  FOURDVT_TRY(device_.readPixels(target_.id(), gpu::PixelFormat::RGBA8, 0, 0, camera.width, camera.height,
-                                 image.pixels.data()));
+  FOURDVT_TRY(device_.readPixels(target_.id(), gpu::PixelFormat::RGBA8,
+                                 {.width = camera.width, .height = camera.height}, image.pixels.data()));
   unpremultiply(image);
   return image;
 }

@@ -69,7 +69,7 @@ TEST_F(NullDeviceTest, countsDrawsAndUploads) {
   Texture color = texture(PixelFormat::RGBA8, 16, 8);
   Target target = makeTarget(*device, {.colors = {color.id()}}).take();
   Program p = program();
-  device->updateTexture(color.id(), 0, 4, 2, 8, 4, bytes.data());
+  device->updateTexture(color.id(), {.x = 4, .y = 2, .width = 8, .height = 4}, bytes.data());
   device->beginPass({.target = target.id()});
   device->draw({.program = p.id(), .vertex_count = 9});
   device->endPass();
@@ -100,13 +100,13 @@ TEST_F(NullDeviceTest, refusesBadTextures) {
 
 TEST_F(NullDeviceTest, refusesBadUpdates) {
   Texture color = texture(PixelFormat::RGBA8, 16, 8);
-  device->updateTexture(color.id(), 0, 9, 0, 8, 8, bytes.data());
+  device->updateTexture(color.id(), {.x = 9, .width = 8, .height = 8}, bytes.data());
   expectMisuse("outside");
-  device->updateTexture(color.id(), 0, 0, 0, 16, 8, nullptr);
+  device->updateTexture(color.id(), {.width = 16, .height = 8}, nullptr);
   expectMisuse("no pixels");
-  device->updateTexture(color.id(), 0, 0, 0, 16, 8, bytes.data(), 63);
+  device->updateTexture(color.id(), {.width = 16, .height = 8}, bytes.data(), 63);
   expectMisuse("stride");
-  device->updateTexture(color.id() + 7, 0, 0, 0, 1, 1, bytes.data());
+  device->updateTexture(color.id() + 7, {.width = 1, .height = 1}, bytes.data());
   expectMisuse("no such texture");
   device->generateMipmaps(color.id());
   expectMisuse("LinearMipmap");
@@ -136,7 +136,7 @@ TEST_F(NullDeviceTest, refusesWrongPassOrder) {
   device->beginPass({.target = target.id()});
   device->beginPass({.target = target.id()});
   expectMisuse("inside a pass");
-  device->updateTexture(color.id(), 0, 0, 0, 1, 1, bytes.data());
+  device->updateTexture(color.id(), {.width = 1, .height = 1}, bytes.data());
   expectMisuse("inside a pass");
   device->draw({.program = p.id(), .textures = {{"s", color.id()}}, .vertex_count = 3});
   expectMisuse("draws into");
@@ -146,7 +146,7 @@ TEST_F(NullDeviceTest, refusesWrongPassOrder) {
   expectMisuse("depth_test");
   device->draw({.program = 12345, .vertex_count = 3});
   expectMisuse("no such program");
-  EXPECT_FALSE(device->readPixels(target.id(), PixelFormat::RGBA8, 0, 0, 1, 1, bytes.data()));
+  EXPECT_FALSE(device->readPixels(target.id(), PixelFormat::RGBA8, {.width = 1, .height = 1}, bytes.data()));
   device->endPass();
   EXPECT_EQ(device->counters().draws, 0u);
 }
@@ -156,20 +156,20 @@ TEST_F(NullDeviceTest, refusesBadBlitsAndReads) {
   Target plain = makeTarget(*device, {.colors = {color.id()}}).take();
   Target grey = makeTarget(*device, {.colors = {other.id()}}).take();
   Target many = makeTarget(*device, {.width = 16, .height = 8, .samples = 4}).take();
-  device->blit(many.id(), plain.id(), 16, 8);
+  device->blit(many.id(), plain.id(), {.width = 16, .height = 8});
   EXPECT_EQ(device->takeErrors(), "");
-  device->blit(many.id(), plain.id(), 8, 8, 4, 0);
+  device->blit(many.id(), plain.id(), {.x = 4, .width = 8, .height = 8});
   expectMisuse("cannot be moved");
-  device->blit(plain.id(), many.id(), 8, 8);
+  device->blit(plain.id(), many.id(), {.width = 8, .height = 8});
   expectMisuse("multisampled");
-  device->blit(plain.id(), grey.id(), 8, 8);
+  device->blit(plain.id(), grey.id(), {.width = 8, .height = 8});
   expectMisuse("formats");
-  device->blit(plain.id(), kDefaultTarget, 17, 8);
+  device->blit(plain.id(), kDefaultTarget, {.width = 17, .height = 8});
   expectMisuse("larger");
-  EXPECT_FALSE(device->readPixels(many.id(), PixelFormat::RGBA8, 0, 0, 1, 1, bytes.data()));
-  EXPECT_FALSE(device->readPixels(plain.id(), PixelFormat::R8, 0, 0, 1, 1, bytes.data()));
-  EXPECT_FALSE(device->readPixels(plain.id(), PixelFormat::RGBA8, 0, 0, 17, 1, bytes.data()));
-  EXPECT_TRUE(device->readPixels(plain.id(), PixelFormat::RGBA8, 0, 0, 16, 8, bytes.data()));
+  EXPECT_FALSE(device->readPixels(many.id(), PixelFormat::RGBA8, {.width = 1, .height = 1}, bytes.data()));
+  EXPECT_FALSE(device->readPixels(plain.id(), PixelFormat::R8, {.width = 1, .height = 1}, bytes.data()));
+  EXPECT_FALSE(device->readPixels(plain.id(), PixelFormat::RGBA8, {.width = 17, .height = 1}, bytes.data()));
+  EXPECT_TRUE(device->readPixels(plain.id(), PixelFormat::RGBA8, {.width = 16, .height = 8}, bytes.data()));
 }
 
 TEST_F(NullDeviceTest, noticesADestroyedAttachment) {
@@ -180,9 +180,9 @@ TEST_F(NullDeviceTest, noticesADestroyedAttachment) {
   expectMisuse("destroyed");
 }
 
-TEST(ShaderSource, isEmbeddedWithIncludesExpanded) {
-  EXPECT_TRUE(shaderSource("no_such.frag").empty());
-  const std::string_view layered = shaderSource("layered.vert");
+TEST(ShaderText, isEmbeddedWithIncludesExpanded) {
+  EXPECT_TRUE(shaderText("no_such.frag").empty());
+  const std::string_view layered = shaderText("layered.vert");
   EXPECT_NE(layered.find("texelFetch"), std::string_view::npos);
   EXPECT_EQ(layered.find("#include"), std::string_view::npos);
   const size_t table = layered.find("ivec2 tableTexel");  // nested include, once
@@ -192,7 +192,7 @@ TEST(ShaderSource, isEmbeddedWithIncludesExpanded) {
 
 TEST(NullDevice, refusesAnEmptyShader) {
   auto device = createNullDevice();
-  auto made = device->createProgram("nothing", shaderSource("no_such.vert"), "x");
+  auto made = device->createProgram("nothing", shaderText("no_such.vert"), "x");
   ASSERT_FALSE(made);
   EXPECT_EQ(made.error().id, ErrorId::GpuFailure);
 }

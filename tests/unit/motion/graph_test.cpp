@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "motion/motion_graph.h"
-
 #include <gtest/gtest.h>
 
 #include <cstring>
+
+#include "motion/motion_graph.h"
 
 namespace fourdvt::motion {
 namespace {
@@ -72,7 +72,7 @@ TEST(MotionGraph, ReadsWhatWasWritten) {
 
 TEST(MotionGraph, PlansTheBestExitWithinTheLatency) {
   const MotionGraph graph = Fixture().graph();
-  const auto best = graph.plan(kLocomotion, 5, kMiddle, 10, kPickup, {0, 0.4, 20});
+  const auto best = graph.plan({kLocomotion, 5, kMiddle, 10}, kPickup, {0, 0.4, 20});
   ASSERT_TRUE(best);
   EXPECT_EQ(best->exit_frame, 8u);
   EXPECT_EQ(best->wait_frames, 3u);
@@ -80,31 +80,31 @@ TEST(MotionGraph, PlansTheBestExitWithinTheLatency) {
   EXPECT_EQ(best->source, int(kLocomotion));
   EXPECT_EQ(best->target, int(kPickup));
   // Of another weight there is nothing better than frame 5.
-  EXPECT_EQ(graph.plan(kLocomotion, 5, std::vector<float>{1, 0}, 10, kPickup, {0, 0.4, 20})->exit_frame, 5u);
+  EXPECT_EQ(graph.plan({kLocomotion, 5, std::vector<float>{1, 0}, 10}, kPickup, {0, 0.4, 20})->exit_frame, 5u);
 }
 
 TEST(MotionGraph, KeepsTheLatencyBound) {
   const MotionGraph graph = Fixture().graph();
-  EXPECT_EQ(graph.plan(kLocomotion, 5, kMiddle, 10, kPickup, {0, 0.29, 20})->exit_frame, 5u);
-  EXPECT_EQ(graph.plan(kLocomotion, 5, kMiddle, 10, kPickup, {0, 0.3, 20})->exit_frame, 8u);
-  EXPECT_EQ(graph.plan(kLocomotion, 5, kMiddle, 5, kPickup, {0, 0.4, 20})->exit_frame, 5u);
-  EXPECT_EQ(graph.plan(kLocomotion, 5, kMiddle, 10, kPickup, {0, 0, 20})->exit_frame, 5u);
+  EXPECT_EQ(graph.plan({kLocomotion, 5, kMiddle, 10}, kPickup, {0, 0.29, 20})->exit_frame, 5u);
+  EXPECT_EQ(graph.plan({kLocomotion, 5, kMiddle, 10}, kPickup, {0, 0.3, 20})->exit_frame, 8u);
+  EXPECT_EQ(graph.plan({kLocomotion, 5, kMiddle, 5}, kPickup, {0, 0.4, 20})->exit_frame, 5u);
+  EXPECT_EQ(graph.plan({kLocomotion, 5, kMiddle, 10}, kPickup, {0, 0, 20})->exit_frame, 5u);
 }
 
 TEST(MotionGraph, WaitingHasAPrice) {
   const MotionGraph graph = Fixture().graph();
-  EXPECT_EQ(graph.plan(kLocomotion, 5, kMiddle, 10, kPickup, {0, 0.4, 200})->exit_frame, 5u);  // 50 against 1 + 60
+  EXPECT_EQ(graph.plan({kLocomotion, 5, kMiddle, 10}, kPickup, {0, 0.4, 200})->exit_frame, 5u);  // 50 against 1 + 60
 }
 
 TEST(MotionGraph, BeginsNoSoonerThanItCan) {
   const MotionGraph graph = Fixture().graph();
-  EXPECT_EQ(graph.plan(kLocomotion, 1, kMiddle, 10, kPickup, {0.1, 0.4, 20})->exit_frame, 2u);
-  EXPECT_EQ(graph.plan(kLocomotion, 1, kMiddle, 10, kPickup, {0.11, 0.4, 20})->exit_frame, 5u) << "2 is over by then";
+  EXPECT_EQ(graph.plan({kLocomotion, 1, kMiddle, 10}, kPickup, {0.1, 0.4, 20})->exit_frame, 2u);
+  EXPECT_EQ(graph.plan({kLocomotion, 1, kMiddle, 10}, kPickup, {0.11, 0.4, 20})->exit_frame, 5u) << "2 is over by then";
   // Where the bound leaves no choice: the soonest.
-  EXPECT_EQ(graph.plan(kLocomotion, 1, kMiddle, 10, kPickup, {0.55, 0.4, 20})->wait_frames, 6u);
-  EXPECT_EQ(graph.plan(kLocomotion, 1, kMiddle, 10, kPickup, {0.25, -1, 20})->wait_frames, 3u);
-  EXPECT_EQ(graph.plan(kPickup, 3, std::vector<float>{1}, 25, kLocomotion, {9, 9, 20})->exit_frame, 5u) << "its last";
-  const auto late = graph.plan(kLocomotion, 1, kMiddle, 10, kPickup, {9, 0.4, 20});
+  EXPECT_EQ(graph.plan({kLocomotion, 1, kMiddle, 10}, kPickup, {0.55, 0.4, 20})->wait_frames, 6u);
+  EXPECT_EQ(graph.plan({kLocomotion, 1, kMiddle, 10}, kPickup, {0.25, -1, 20})->wait_frames, 3u);
+  EXPECT_EQ(graph.plan({kPickup, 3, std::vector<float>{1}, 25}, kLocomotion, {9, 9, 20})->exit_frame, 5u) << "its last";
+  const auto late = graph.plan({kLocomotion, 1, kMiddle, 10}, kPickup, {9, 0.4, 20});
   EXPECT_GE(late->wait_frames, 90u) << "a loop goes round";
   EXPECT_EQ(late->exit_frame, (1 + late->wait_frames) % graph.states()[kLocomotion].frame_count);
 }
@@ -122,26 +122,26 @@ TEST(MotionGraph, FadesBeginAboveNothingAndEndAtAll) {
 
 TEST(MotionGraph, LoopsWrap) {
   const MotionGraph graph = Fixture().graph();
-  const auto best = graph.plan(kLocomotion, 9, kMiddle, 10, kPickup, {0, 0.4, 20});
+  const auto best = graph.plan({kLocomotion, 9, kMiddle, 10}, kPickup, {0, 0.4, 20});
   EXPECT_EQ(best->exit_frame, 2u);
   EXPECT_EQ(best->wait_frames, 3u);
 }
 
 TEST(MotionGraph, SequencesThatEndWaitForTheirLastFrameOnly) {
   const MotionGraph graph = Fixture().graph();
-  const auto best = graph.plan(kPickup, 3, std::vector<float>{1}, 25, kLocomotion, {0, 0.4, 20});
+  const auto best = graph.plan({kPickup, 3, std::vector<float>{1}, 25}, kLocomotion, {0, 0.4, 20});
   EXPECT_EQ(best->exit_frame, 5u);
   EXPECT_EQ(best->wait_frames, 2u);
-  const auto at_end = graph.plan(kPickup, 5, std::vector<float>{1}, 25, kLocomotion, {0, 0.4, 20});
+  const auto at_end = graph.plan({kPickup, 5, std::vector<float>{1}, 25}, kLocomotion, {0, 0.4, 20});
   EXPECT_EQ(at_end->exit_frame, 5u);
   EXPECT_EQ(at_end->wait_frames, 0u);
 }
 
 TEST(MotionGraph, NoTransitionWithoutATable) {
   const MotionGraph graph = Fixture().graph();
-  EXPECT_FALSE(graph.plan(kLocomotion, 0, kMiddle, 25, kWave));
-  EXPECT_FALSE(graph.plan(kLocomotion, 0, kMiddle, 25, kLocomotion));
-  EXPECT_FALSE(graph.plan(9, 0, kMiddle, 25, kPickup));
+  EXPECT_FALSE(graph.plan({kLocomotion, 0, kMiddle, 25}, kWave));
+  EXPECT_FALSE(graph.plan({kLocomotion, 0, kMiddle, 25}, kLocomotion));
+  EXPECT_FALSE(graph.plan({9, 0, kMiddle, 25}, kPickup));
 }
 
 void expectInvalid(const std::vector<uint8_t>& bytes, const package::Character& character) {

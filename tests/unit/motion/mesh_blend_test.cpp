@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "motion/mesh_blend.h"
+
 #include <gtest/gtest.h>
 
-#include "motion/mesh_blend.h"
 #include "motion/placement.h"
 
 namespace fourdvt::motion {
@@ -10,16 +11,12 @@ namespace {
 // Two frames, three members, two references, two vertices; every number differs.
 struct Fixture {
   package::StreamIndex index;
-  package::ChunkFrames frames;
+  package::ChunkFrames frames{
+      .frame_count = 2, .vertex_count = 2, .member_count = 3, .reference_count = 2, .alignment_count = 2};
   Fixture() {
     index.position_origin = {-1, 0, 2};
     index.position_step_m = 0.25f;
     index.alignment_step_m = 0.5f;
-    frames.frame_count = 2;
-    frames.vertex_count = 2;
-    frames.member_count = 3;
-    frames.reference_count = 2;
-    frames.alignment_count = 2;
     for (int i = 0; i < 12; ++i) frames.positions.emplace_back(i, 10 + i * i, -3 * i);
     for (int i = 0; i < 8; ++i) frames.offsets.emplace_back(100 * i, -i, 7);
     for (int i = 0; i < 8; ++i) frames.alignment.emplace_back(i, -2 * i);
@@ -41,7 +38,7 @@ TEST(MeshBlend, MembersAndCorrectionsOfTheFrameAreSummed) {
   const Fixture f;
   Positions out;
   for (uint32_t row = 0; row < 2; ++row) {
-    blendFrame(f.frames, row, f.index, std::vector<float>{0.5f, 0.2f, 0.3f}, std::vector<float>{0.25f, 0.75f}, out);
+    blendFrame(f.frames, row, f.index, {{0.5f, 0.2f, 0.3f}, {0.25f, 0.75f}}, out);
     ASSERT_EQ(out.size(), 2u);
     for (int v = 0; v < 2; ++v) {
       glm::vec3 expected = 0.5f * f.position(row, 0, v) + 0.2f * f.position(row, 1, v) + 0.3f * f.position(row, 2, v);
@@ -54,7 +51,7 @@ TEST(MeshBlend, MembersAndCorrectionsOfTheFrameAreSummed) {
 TEST(MeshBlend, OneMemberIsItself) {
   const Fixture f;
   Positions out;
-  blendFrame(f.frames, 1, f.index, std::vector<float>{0, 0, 1}, std::vector<float>{0, 0}, out);
+  blendFrame(f.frames, 1, f.index, {{0, 0, 1}, {0, 0}}, out);
   for (int v = 0; v < 2; ++v) expectNear(out[v], f.position(1, 2, v), 1e-6f);
 }
 

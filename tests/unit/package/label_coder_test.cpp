@@ -31,10 +31,10 @@ ChunkFrames emptyFrames(const ChunkMesh& mesh, uint32_t frames, uint32_t layers)
 bool decodeLabels(std::span<const uint8_t> bytes, const ChunkMesh& mesh, ChunkFrames& out) {
   BinaryDecoder decoder(bytes);
   LabelModel model(decoder, mesh, out.layer_count);
-  const size_t slots = size_t(out.layer_count) * out.face_count;
+  const size_t labels_per_frame = size_t(out.layer_count) * out.face_count;
   for (uint32_t f = 0; f < out.frame_count && !decoder.overrun(); ++f) {
-    out.labels.resize((f + 1) * slots);
-    model.frame(&out.labels[f * slots]);
+    out.labels.resize((f + 1) * labels_per_frame);
+    model.frame(&out.labels[f * labels_per_frame]);
   }
   return decoder.finished();
 }

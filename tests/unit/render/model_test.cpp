@@ -13,24 +13,24 @@ using fourdvt::testing::boxScene;
 using fourdvt::testing::quadScene;
 using fourdvt::testing::Scene;
 
-TEST(PackLabels, packsFiveBitsASlotAndMarksUnknownCamerasEmpty) {
+TEST(PackLabels, packsFiveBitsPerRankAndMarksUnknownCamerasEmpty) {
   const std::vector<glm::uvec3> faces = {{0, 1, 2}, {0, 2, 3}};
-  const std::vector<uint8_t> labels = {0, 2, /*slot 1*/ 30, package::kNoCamera, /*slot 2*/ 5, 31};
+  const std::vector<uint8_t> labels = {0, 2, /*rank 1*/ 30, package::kNoCamera, /*rank 2*/ 5, 31};
   std::vector<uint32_t> packed(2, ~0u), masks(4, ~0u);
-  packLabels(faces, labels, 3, 31, packed, masks);
+  packLabels(faces, labels, 31, packed, masks);
   EXPECT_EQ(packed[0] & 0x7fff, 0u | 30u << 5 | 5u << 10);
   EXPECT_EQ(packed[1] & 0x7fff, 2u | 31u << 5 | 31u << 10);
   std::fill(packed.begin(), packed.end(), ~0u);
-  packLabels(faces, labels, 3, 4, packed, masks);  // four cameras only: 30 and 5 do not exist
+  packLabels(faces, labels, 4, packed, masks);  // four cameras only: 30 and 5 do not exist
   EXPECT_EQ(packed[0] & 0x7fff, 0u | 31u << 5 | 31u << 10);
 }
 
 TEST(PackLabels, aVertexKeepsTheCamerasOfAllItsFaces) {
   // A strip of three faces; vertices 1, 2 are in faces 0 and 1 (2 also in face 2), 3 in 1 and 2, 0 and 4 in one face.
   const std::vector<glm::uvec3> faces = {{0, 1, 2}, {1, 3, 2}, {2, 3, 4}};
-  const std::vector<uint8_t> labels = {0, 1, 1, /*slot 1*/ 1, 2, package::kNoCamera};
+  const std::vector<uint8_t> labels = {0, 1, 1, /*rank 1*/ 1, 2, package::kNoCamera};
   std::vector<uint32_t> packed(3, ~0u), masks(5, ~0u);
-  packLabels(faces, labels, 2, 3, packed, masks);
+  packLabels(faces, labels, 3, packed, masks);
   EXPECT_EQ(masks[0], 0b011u);  // {0,1}
   EXPECT_EQ(masks[1], 0b010u);  // {0,1} and {1,2}
   EXPECT_EQ(masks[2], 0b010u);  // {0,1}, {1,2} and {1}
