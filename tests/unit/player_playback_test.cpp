@@ -28,6 +28,7 @@ TEST(PlayerPlayback, PlayAndPauseOnce) {
   EXPECT_TRUE(p.playback.play());
   EXPECT_FALSE(p.playback.play());
   EXPECT_TRUE(p.playback.pause());
+  EXPECT_FALSE(p.playback.playing());
   EXPECT_EQ(p.events(), Kinds{EventKind::Paused});
   p.playback.play();
   p.playback.end();
