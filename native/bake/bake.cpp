@@ -32,7 +32,7 @@ void expectWork(BakeRun& run) {
   expect(Stage::Visibility, job.total_frames);
   expect(Stage::Encode, job.total_frames + member_phases);
   expect(Stage::Graph, run.progress.frames_total);
-  if (job.options.align) expect(Stage::Align, member_phases - phases);
+  if (job.options.classes.align) expect(Stage::Align, member_phases - phases);
 }
 
 // Drops duplicates: classes repeat their members' notes.

@@ -9,7 +9,7 @@
 
 namespace fourdvt::studio {
 
-struct Look {
+struct Shading {
   float wrinkles = 0, specular = 0, shading = 0;  // see StudioKnobs
 };
 
@@ -21,7 +21,7 @@ class Renderer {
   // `place`: where among the motions the pose stands, 0…1; `phase` 0…1: what folds depend on.
   void setPose(const Positions& positions, double place, double phase);
   // RGBA, premultiplied, over nothing.
-  Result<Image> draw(const PinholeCamera& camera, double near_m, double far_m, const Look& look);
+  Result<Image> draw(const PinholeCamera& camera, double near_m, double far_m, const Shading& shading);
 
  private:
   explicit Renderer(gpu::Device& device) : device_(&device) {}

@@ -16,9 +16,9 @@ uint32_t frameCount(const Motion& motion, double fps);
 // Phase of one of them.
 double framePhase(const Motion& motion, uint32_t frame, uint32_t count);
 
-class Stage {
+class StudioSet {
  public:
-  static Result<std::unique_ptr<Stage>> open(const StudioOptions& options, gpu::Device& device);
+  static Result<std::unique_ptr<StudioSet>> open(const StudioOptions& options, gpu::Device& device);
 
   const Actor& actor() const { return *actor_; }
   const Tracker& tracker() const { return tracker_; }
@@ -38,13 +38,13 @@ class Stage {
   double placeOf(const std::vector<double>& shares) const;
 
  private:
-  Stage(const StudioOptions& options, std::unique_ptr<Actor> actor);
+  StudioSet(const StudioOptions& options, std::unique_ptr<Actor> actor);
   Status chooseClasses(const StudioOptions& options);
   void measure();
 
   std::unique_ptr<Actor> actor_;
   const Tracker tracker_;
-  const Look look_;
+  const Shading shading_;
   std::vector<StudioClass> classes_;
   std::vector<double> places_;  // [motion] what drift and folds depend on
   Rig rig_;

@@ -57,7 +57,7 @@ struct StudioOptions {
 };
 
 struct StudioProgress {
-  std::string stage;
+  std::string step;
   uint32_t done = 0, total = 0;  // pictures
 };
 

@@ -19,8 +19,8 @@
 namespace fourdvt::studio {
 
 // Pictures that writeTruth will draw.
-uint32_t truthPictures(const Stage& stage, const StudioOptions& options);
-// Of every class of the stage. Errors: WriteFailed, GpuFailure, Interrupted.
-Status writeTruth(Stage& stage, const StudioOptions& options, const OutputFolder& out, Ticker& ticker);
+uint32_t truthPictures(const StudioSet& set, const StudioOptions& options);
+// Of every class of the set. Errors: WriteFailed, GpuFailure, Interrupted.
+Status writeTruth(StudioSet& set, const StudioOptions& options, const OutputFolder& out, Ticker& ticker);
 
 }  // namespace fourdvt::studio

@@ -11,12 +11,18 @@
 
 namespace fourdvt::studio {
 
+struct PictureFormat {
+  int width = 0, height = 0;
+  int channels = 3;  // 3: RGB, 1: a matte
+  double fps = 0;
+  bool images = false;  // PNG files instead of a video
+};
+
 class PictureFile {
  public:
   // stem + ".mp4" for 3 channels, ".mkv" for 1; stem + "/%06d.png" with `images`. Errors: WriteFailed, Unsupported (no
   // encoder in this FFmpeg).
-  static Result<std::unique_ptr<PictureFile>> create(const std::string& stem, int width, int height, int channels,
-                                                     double fps, bool images);
+  static Result<std::unique_ptr<PictureFile>> create(const std::string& stem, const PictureFormat& format);
   virtual ~PictureFile() = default;
   virtual Status write(const Image& picture) = 0;
   virtual Status finish() = 0;  // last

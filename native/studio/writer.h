@@ -29,7 +29,7 @@ class OutputFolder {
 class Ticker {
  public:
   Ticker(const StudioEnvironment& environment, uint32_t total) : environment_(environment) { progress_.total = total; }
-  void begin(const std::string& stage) { progress_.stage = stage; }
+  void begin(const std::string& step) { progress_.step = step; }
   Status tick();  // one picture done; Interrupted
   uint32_t done() const { return progress_.done; }
 
@@ -38,7 +38,6 @@ class Ticker {
   StudioProgress progress_;
 };
 
-Status writeText(const std::string& path, const std::string& text);
 // mesh_topology.obj: faces, wedge UVs (origin bottom left), positions. 1-based "v/vt".
 std::string objText(const MeshTopology& topology, const Positions& positions);
 // Little-endian int16 [vertex][xyz], appended.

@@ -168,9 +168,9 @@ bake::BakeOptions readOptions(Args& args) {
                              {{"bilinear", bake::ResampleFilter::Bilinear},
                               {"mipmap", bake::ResampleFilter::Mipmap},
                               {"bicubic", bake::ResampleFilter::Bicubic}});
-  o.classes = !args.has("--no-classes");
-  o.align = choice(args, "--align", o.align, {{"baked", true}, {"none", false}});
-  o.blend_error_m = args.number("--blend-error", o.blend_error_m * 1e3, 0.01, 1000) / 1e3;
+  o.classes.bake = !args.has("--no-classes");
+  o.classes.align = choice(args, "--align", o.classes.align, {{"baked", true}, {"none", false}});
+  o.classes.blend_error_m = args.number("--blend-error", o.classes.blend_error_m * 1e3, 0.01, 1000) / 1e3;
   o.colour_calibration = !args.has("--no-colour-calibration");
   return o;
 }

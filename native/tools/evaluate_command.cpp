@@ -3,11 +3,11 @@
 
 #include <chrono>
 #include <cstdio>
-#include <filesystem>
 #include <optional>
 
 #include "measure/held_out.h"
 #include "platform/files.h"
+#include "platform/folders.h"
 #include "study/study.h"
 #include "tools/args.h"
 #include "tools/commands.h"
@@ -130,23 +130,17 @@ int runWholeStudy(const Arguments& arguments) {
   return kOk;
 }
 
-Status writeText(const std::string& path, const std::string& text) {
-  return platform::writeFileAtomic(path, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
-}
-
 Status writeReport(const std::string& folder, const measure::HeldOutReport& report) {
-  FOURDVT_TRY(writeText(folder + "/evaluate.csv", measure::scoreCsv(report)));
-  FOURDVT_TRY(writeText(folder + "/evaluate.txt", measure::scoreTable(report)));
+  FOURDVT_TRY(platform::writeFileAtomic(folder + "/evaluate.csv", measure::scoreCsv(report)));
+  FOURDVT_TRY(platform::writeFileAtomic(folder + "/evaluate.txt", measure::scoreTable(report)));
   if (report.worst.empty()) return {};
   return platform::writeImage(folder + "/worst.png", measure::contactSheet(report.worst));
 }
 
 int scoreCharacter(const Arguments& arguments) {
   const std::string& output = arguments.output;
-  std::error_code failed;
-  if (!output.empty()) std::filesystem::create_directories(output, failed);
-  if (failed)
-    return fail({ErrorId::WriteFailed, output + ": " + failed.message() + "; choose a folder that is writable"});
+  if (!output.empty())
+    if (const Status made = platform::makeFolder(output); !made.ok()) return fail(made.error());
   auto session = openCharacter(arguments.character);
   if (!session.ok()) return fail(session.error());
   auto capture = capture::openCapture(arguments.capture, videoOpener(), arguments.sequences);

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "render/scene.h"
-#include "tools/stage.h"
+#include "tools/ensemble.h"
 
 namespace fourdvt::tools {
 

@@ -3,7 +3,7 @@ uniform mat4 cam_from_world;
 uniform vec4 intrinsics;      // fx, fy, cx, cy in pixels
 uniform vec4 size_near_far;   // pixels, pixels, metres, metres
 uniform float depth_bias;     // metres
-uniform float least_cosine;   // of the angle between a face's normal and the ray to the camera
+uniform float min_cosine;   // of the angle between a face's normal and the ray to the camera
 uniform sampler2D picture;
 uniform sampler2D depth_map;  // drawn y up: GL row 0 is the picture's bottom row
 
@@ -22,8 +22,8 @@ vec2 pixelOf(vec3 point_in_cam) { return intrinsics.xy * point_in_cam.xy / point
 // depth map. The bias grows with the depth that one pixel spans on this slope.
 bool isSeen(vec3 point_in_cam, vec3 normal_in_cam, vec2 pixel, out float bias) {
   float cosine = -dot(normal_in_cam, normalize(point_in_cam));
-  float slope = sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, max(least_cosine, 0.05));
+  float slope = sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, max(min_cosine, 0.05));
   bias = depth_bias + slope * point_in_cam.z / intrinsics.x;
   bool inside = all(greaterThan(pixel, vec2(1.0))) && all(lessThan(pixel, size_near_far.xy - 1.0));
-  return cosine > least_cosine && point_in_cam.z > size_near_far.z && inside && point_in_cam.z <= mappedDepth(pixel) + bias;
+  return cosine > min_cosine && point_in_cam.z > size_near_far.z && inside && point_in_cam.z <= mappedDepth(pixel) + bias;
 }

@@ -107,7 +107,7 @@ Solved solve(const Measured& input, const bake::LabelOptions& options) {
     return {};
   };
   out.statistics =
-      orStop(bake::solveLabels(options, input.graph, static_cast<uint32_t>(input.frames.size()), costs, sink));
+      orStop(bake::solveLabels(options, input.graph, static_cast<uint32_t>(input.frames.size()), {costs, sink}));
   return out;
 }
 
@@ -212,7 +212,7 @@ int main(int argc, char** argv) {
   printComparison("all", joint.flip_percent, spatial.flip_percent, joint.seam_percent, spatial.seam_percent);
   printComparison("between cameras", joint.camera_flip_percent, spatial.camera_flip_percent, joint.camera_seam_percent,
                   spatial.camera_seam_percent);
-  std::printf("layer-1 penalty %+.1f %% of naive's; empty slots %.2f %%, naive %.2f %%\n",
+  std::printf("layer-1 penalty %+.1f %% of naive's; empty ranks %.2f %%, naive %.2f %%\n",
               100 * (joint.mean_penalty[0] / naive.mean_penalty[0] - 1), joint.empty_percent, naive.empty_percent);
   bake::LabelOptions whole;
   whole.window_frames = whole.hop_frames = static_cast<int>(input.frames.size());

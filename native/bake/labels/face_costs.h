@@ -24,7 +24,7 @@ struct FaceCostOptions {
   float fallback_fraction = 0.30f;  // asked for where no camera qualifies
 };
 
-// Hardly better than an empty slot: what is smoothest decides.
+// Hardly better than an empty rank: what is smoothest decides.
 constexpr float kUnseenPenalty = 1.9f;
 
 struct FaceCosts {

@@ -49,13 +49,14 @@ Status checkClass(const capture::Capture& capture, const capture::CaptureClass& 
   return {};
 }
 
+// `vertices`: those that the time warp compares.
 Result<Source> openSource(const capture::Capture& capture, const capture::CaptureClass::MemberOf& declared,
-                          const MeshTopology& topology, const std::vector<uint32_t>& vertices,
-                          const ReadPositions& read, std::vector<std::string>& notes) {
+                          const std::vector<uint32_t>& vertices, const ReadPositions& read,
+                          std::vector<std::string>& notes) {
   Source source;
   source.sequence = capture.find(declared.sequence);
   std::string note;
-  FOURDVT_ASSIGN(auto track, rootTrack(capture, *source.sequence, topology, read, &note));
+  FOURDVT_ASSIGN(auto track, rootTrack(capture, *source.sequence, read, &note));
   if (!note.empty()) notes.push_back(note);
   source.track = std::move(track);
   std::vector<Positions> frames;
@@ -188,12 +189,12 @@ class ReferenceChooser {
 };
 
 Result<std::vector<Source>> openSources(const capture::Capture& capture, const capture::CaptureClass& source,
-                                        const MeshTopology& topology, const ReadPositions& read, ClassPlan& plan) {
+                                        const ReadPositions& read, ClassPlan& plan) {
   FOURDVT_ASSIGN(auto first, read(*capture.find(source.members[0].sequence), 0));
   const std::vector<uint32_t> vertices = spreadVertices(first, kFeatures);
   std::vector<Source> sources;
   for (const auto& member : source.members) {
-    FOURDVT_ASSIGN(auto opened, openSource(capture, member, topology, vertices, read, plan.notes));
+    FOURDVT_ASSIGN(auto opened, openSource(capture, member, vertices, read, plan.notes));
     sources.push_back(std::move(opened));
   }
   const auto before = [](const Source& a, const Source& b) { return a.member.parameter[0] < b.member.parameter[0]; };
@@ -227,16 +228,17 @@ void planTime(const std::vector<Source>& sources, ClassPlan& plan) {
 }  // namespace
 
 Result<ClassPlan> planClass(const capture::Capture& capture, const capture::CaptureClass& source,
-                            const MeshTopology& topology, const ReadPositions& read, const ClassOptions& options,
+                            const CapturedMeshes& meshes, const ClassOptions& options,
                             const std::function<bool(double)>& progress) {
   FOURDVT_TRY(checkClass(capture, source));
+  const ReadPositions& read = meshes.read;
   ClassPlan plan;
   plan.source = &source;
-  FOURDVT_ASSIGN(auto sources, openSources(capture, source, topology, read, plan));
+  FOURDVT_ASSIGN(auto sources, openSources(capture, source, read, plan));
   planTime(sources, plan);
   FOURDVT_ASSIGN(auto simplices, classSimplices(plan.manifest, source.name));
   FOURDVT_ASSIGN(auto pose, memberPositions(plan.members[0], 0, read));
-  FOURDVT_ASSIGN(auto blend, NonlinearBlend::create(topology, pose));
+  FOURDVT_ASSIGN(auto blend, NonlinearBlend::create(meshes.topology, pose));
   ReferenceChooser chooser(std::move(simplices), options, plan.members.size());
   FOURDVT_TRY(chooser.measure(plan, *blend, read, progress));
   const std::vector<HybridSimplex> hybrid = chooser.choose(plan);
@@ -249,10 +251,10 @@ Result<ClassPlan> planClass(const capture::Capture& capture, const capture::Capt
 }
 
 Result<std::vector<ClassMember>> classMembers(const capture::Capture& capture, const capture::CaptureClass& source,
-                                              const MeshTopology& topology, const ReadPositions& read) {
+                                              const ReadPositions& read) {
   FOURDVT_TRY(checkClass(capture, source));
   ClassPlan plan;
-  FOURDVT_ASSIGN(auto sources, openSources(capture, source, topology, read, plan));
+  FOURDVT_ASSIGN(auto sources, openSources(capture, source, read, plan));
   planTime(sources, plan);
   return std::move(plan.members);
 }

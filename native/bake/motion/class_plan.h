@@ -9,18 +9,23 @@
 #include <string>
 #include <vector>
 
+#include "bake/motion/nonlinear_blend.h"
+#include "bake/motion/root_track.h"
 #include "capture/capture.h"
 #include "package/character.h"
 
 namespace fourdvt::bake {
 
-// Positions of one captured frame in the decoded mesh's order, metres.
-using ReadPositions = std::function<Result<Positions>(const capture::CaptureSequence&, uint32_t frame)>;
-
 struct ClassOptions {
   double blend_error_m = 0.003;  // hybrid against full non-linear blend, largest vertex distance
   int max_references = 8;        // corrections a frame; more are never stored: the report says what error is left
   int check_weights = 17;        // weights an interval at which the bound is checked
+};
+
+// All meshes of a capture, in one order of vertices.
+struct CapturedMeshes {
+  const MeshTopology& topology;
+  ReadPositions read;
 };
 
 struct ClassMember {
@@ -46,35 +51,15 @@ struct ClassPlan {
 // Errors: CaptureJson (class that cannot be: loops mixed with others, unknown parameter without values), those of read,
 // Interrupted (progress returned false). progress: share 0..1. read: neighbouring phases ask for the same frames.
 Result<ClassPlan> planClass(const capture::Capture& capture, const capture::CaptureClass& source,
-                            const MeshTopology& topology, const ReadPositions& read, const ClassOptions& options,
+                            const CapturedMeshes& meshes, const ClassOptions& options,
                             const std::function<bool(double)>& progress);
 
 // The plan's members alone, without a look at how they blend. read: asked for every frame, and for each several times.
 Result<std::vector<ClassMember>> classMembers(const capture::Capture& capture, const capture::CaptureClass& source,
-                                              const MeshTopology& topology, const ReadPositions& read);
-
-// Of a captured sequence: metres along x and z, radians about y since frame 0, [frame_count + 1]: the last entry is the
-// whole pass. From vertices that stand on the ground (they must not slide), between contacts by velocity. Where their
-// mean speed and a declared root velocity differ by more than a fifth, the latter is used and `note` says so.
-// Does NOT measure turns: the angle is 0.
-Result<std::vector<glm::vec3>> rootTrack(const capture::Capture& capture, const capture::CaptureSequence& sequence,
-                                         const MeshTopology& topology, const ReadPositions& read,
-                                         std::string* note = nullptr);
+                                              const ReadPositions& read);
 
 // Positions of a member at a phase, interpolated between the source's frames (4 points, so that motion stays smooth).
 Result<Positions> memberPositions(const ClassMember& member, uint32_t phase, const ReadPositions& read);
-
-// Deformation-gradient blending: T = exp(Σ w log R) · Σ w S a face, solved for vertices with a prefactorised sparse
-// Cholesky (ALGORITHMS 4.3; "CTGH13" of 4DVT). A part of the mesh is placed where the linear blend has those of its
-// faces that turn least between the members: it is exact for what does not turn.
-class NonlinearBlend {
- public:
-  // `reference`: any pose of the mesh. Errors: MeshTopology (a face without area everywhere, nothing to anchor).
-  static Result<std::unique_ptr<NonlinearBlend>> create(const MeshTopology& topology, const Positions& reference);
-  virtual ~NonlinearBlend() = default;
-  virtual Positions blend(std::span<const Positions> members, std::span<const float> weights) const = 0;
-};
-Positions linearBlend(std::span<const Positions> members, std::span<const float> weights);
 
 // Corrections of one phase: [reference][vertex] = D such that Σ φ_j(w) D_j joins the non-linear blend at the
 // references.

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Deformation transfer's gradients (Sumner and Popović 2004) with rotations blended on the group. Rotations are taken
-// relative to member 0, so that two rigid poses blend exactly whatever the reference.
+// Takes the faces' gradients from deformation transfer and blends their rotations on the rotation group. Rotations are
+// taken relative to member 0, so that two rigid poses blend exactly whatever the reference.
+#include "bake/motion/nonlinear_blend.h"
+
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <Eigen/SparseCholesky>
 #include <numbers>
 #include <queue>
 
-#include "bake/motion/class_plan.h"
+#include "package/character.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -15,9 +17,10 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kThinnest = 1e-3;  // a face's double area by the square of its longest edge; below: no gradient
+constexpr double kThinnest =
+    1e-3;  // twice a face's area over the square of its longest edge; below, it has no gradient
 constexpr double kNearPi = 0.75 * std::numbers::pi;
-constexpr double kSteady = 0.2;  // radians, deviation: a face's say in where the blend is placed falls beyond
+constexpr double kSteady = 0.2;  // radians of deviation between members beyond which a face's anchor weight falls
 
 Vector3d toEigen(const glm::vec3& v) { return {v.x, v.y, v.z}; }
 
@@ -99,13 +102,22 @@ class Blend : public NonlinearBlend {
     if (used.size() < 2) return linear;
     Eigen::MatrixX3d right = Eigen::MatrixX3d::Zero(vertex_count_, 3);
     std::vector<Turns> turns(faces_.size());  // [face][used member] from the first one used
-    for (size_t f : order_) addFace(f, members, weights, used, linear, turns, right);
+    const Blending blending{members, weights, used, linear};
+    for (size_t f : order_) addFace(f, blending, turns, right);
     for (size_t p = 0; p < anchors_.size(); ++p) right.row(anchors_[p]) += toEigen(linear[anchors_[p]]).transpose();
     return placed(solver_.solve(right), linear, steadiness(weights, used, turns));
   }
 
  private:
   using Turns = std::array<Vector3d, package::kMaxMembers>;
+
+  // What one call of blend() mixes.
+  struct Blending {
+    std::span<const Positions> members;
+    std::span<const float> weights;
+    const std::vector<size_t>& used;  // members whose weight is not 0
+    const Positions& linear;          // their linear blend
+  };
 
   void makeFaces(const MeshTopology& topology, const Positions& reference) {
     for (const glm::uvec3& vertices : topology.face_vertices) {
@@ -193,32 +205,33 @@ class Blend : public NonlinearBlend {
     return {};
   }
 
-  void addFace(size_t index, std::span<const Positions> members, std::span<const float> weights,
-               const std::vector<size_t>& used, const Positions& linear, std::vector<Turns>& turns,
-               Eigen::MatrixX3d& right) const {
+  // Adds the face's edges as blended to the right-hand side. turns: of the faces before it in order_; sets its own.
+  void addFace(size_t index, const Blending& blending, std::vector<Turns>& turns, Eigen::MatrixX3d& right) const {
     const Face& face = faces_[index];
     Matrix3d gradient = Matrix3d::Zero();
-    if (face.flat) gradient = blendedGradient(face, members, weights, used, turns, turns[index]);
+    if (face.flat) gradient = blendedGradient(face, blending, turns, turns[index]);
     for (int i = 0; i < 3; ++i) {
       const uint32_t a = face.vertices[i], b = face.vertices[(i + 1) % 3];
-      const Vector3d edge = face.flat ? Vector3d(gradient * face.edges[i]) : toEigen(linear[b] - linear[a]);
+      const Vector3d edge =
+          face.flat ? Vector3d(gradient * face.edges[i]) : toEigen(blending.linear[b] - blending.linear[a]);
       right.row(b) += face.half_cotangents[i] * edge.transpose();
       right.row(a) -= face.half_cotangents[i] * edge.transpose();
     }
   }
 
-  Matrix3d blendedGradient(const Face& face, std::span<const Positions> members, std::span<const float> weights,
-                           const std::vector<size_t>& used, const std::vector<Turns>& turns, Turns& own) const {
+  Matrix3d blendedGradient(const Face& face, const Blending& blending, const std::vector<Turns>& turns,
+                           Turns& own) const {
+    const std::vector<size_t>& used = blending.used;
     Matrix3d base = Matrix3d::Identity(), stretch = Matrix3d::Zero();
     Vector3d turn = Vector3d::Zero();
     for (size_t k = 0; k < used.size(); ++k) {
-      const Positions& p = members[used[k]];
+      const Positions& p = blending.members[used[k]];
       bool ok = false;
       const Matrix3d gradient =
           edgeFrame(toEigen(p[face.vertices.x]), toEigen(p[face.vertices.y]), toEigen(p[face.vertices.z]), ok) *
           face.inverse;
       const Matrix3d rotation = rotationOf(gradient);
-      const double w = weights[used[k]];
+      const double w = blending.weights[used[k]];
       stretch += w * (rotation.transpose() * gradient);
       if (k == 0) {
         base = rotation;
@@ -231,8 +244,8 @@ class Blend : public NonlinearBlend {
     return base * expOf(turn) * stretch;
   }
 
-  // [vertex] the more the less its faces turn between the members: what does not turn, the linear blend puts in its
-  // place. Where all turn alike, all weigh the same.
+  // Anchor weight per vertex; falls with the rotation of its faces between the members, because the linear blend is
+  // exact for what does not rotate. Where all faces rotate alike, all vertices weigh the same.
   std::vector<double> steadiness(std::span<const float> weights, const std::vector<size_t>& used,
                                  const std::vector<Turns>& turns) const {
     double pairs = 0;
@@ -246,14 +259,16 @@ class Blend : public NonlinearBlend {
         mean += double(weights[used[k]]) * turns[f][k];
         square += double(weights[used[k]]) * turns[f][k].squaredNorm();
       }
-      const double apart = (square - mean.squaredNorm()) / pairs;  // of two members: half of their angle's square
+      const double apart =
+          (square - mean.squaredNorm()) /
+          pairs;  // variance of the rotation; of two members: half of the square of the angle between them
       const double say = 1 / std::pow(1 + apart / (kSteady * kSteady), 2);
       for (int i = 0; i < 3; ++i) steady[faces_[f].vertices[i]] += say;
     }
     return steady;
   }
 
-  // Every part moved to where its linear blend lies, as its steady vertices see it.
+  // Moves every connected part to where the linear blend has it: by the weighted mean offset of its vertices.
   Positions placed(const Eigen::MatrixX3d& solved, const Positions& linear, const std::vector<double>& steady) const {
     std::vector<Vector3d> shift(anchors_.size(), Vector3d::Zero());
     std::vector<double> weight(anchors_.size(), 0);

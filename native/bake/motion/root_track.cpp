@@ -143,7 +143,7 @@ void smoothSteps(std::vector<Step>& steps, bool loop, const glm::dvec2* declared
 }  // namespace
 
 Result<std::vector<glm::vec3>> rootTrack(const capture::Capture& capture, const capture::CaptureSequence& sequence,
-                                         const MeshTopology&, const ReadPositions& read, std::string* note) {
+                                         const ReadPositions& read, std::string* note) {
   FOURDVT_ASSIGN(auto ground, findGround(sequence, read));
   FOURDVT_ASSIGN(auto candidates, findCandidates(sequence, ground, read));
   const glm::dvec2 declared = glm::dvec2(sequence.root_velocity_mps.x, sequence.root_velocity_mps.z) / capture.fps;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr float kPassVelocityWeight = 0.04f;  // of squared metres a pass
 constexpr int kStepsAPhase = 8;               // resolution of the search at mean pace
-constexpr double kMostPace = 3;               // times the mean pace, and its inverse
+constexpr double kMaxPace = 3;                // times the mean pace, and its inverse
 constexpr double kPaceCost = 0.02;            // of a pace twice the mean, in mean distances
 constexpr int kCoarseStarts = 64;             // of a loop, before refining
 constexpr int kSmoothings = 2;                // with 1 4 6 4 1
@@ -28,10 +28,10 @@ class Grid {
     total_ = (loop ? frames_ : frames_ - 1) * size_t(steps_a_frame_);
     intervals_ = loop ? phases_ : phases_ - 1;
     const double mean_step = double(total_) / double(intervals_);
-    least_step_ = std::max<size_t>(1, size_t(std::ceil(mean_step / kMostPace)));
-    most_step_ = size_t(std::floor(mean_step * kMostPace));
+    min_step_ = std::max<size_t>(1, size_t(std::ceil(mean_step / kMaxPace)));
+    max_step_ = size_t(std::floor(mean_step * kMaxPace));
     measure(reference, member);
-    for (size_t s = 0; s <= most_step_; ++s) {
+    for (size_t s = 0; s <= max_step_; ++s) {
       const double excess = double(s) / mean_step - 1;
       pace_cost_.push_back(kPaceCost * mean_ * excess * excess);
     }
@@ -48,10 +48,10 @@ class Grid {
     cost[0] = distance(0, start);
     for (size_t p = 1; p <= intervals_; ++p) {
       std::fill(next.begin(), next.end(), kFar);
-      const size_t last = std::min(total_ - std::min(total_, (intervals_ - p) * least_step_), p * most_step_);
-      for (size_t at = p * least_step_; at <= last; ++at) {
+      const size_t last = std::min(total_ - std::min(total_, (intervals_ - p) * min_step_), p * max_step_);
+      for (size_t at = p * min_step_; at <= last; ++at) {
         uint32_t& step = taken[p * width + at];
-        for (size_t s = least_step_; s <= most_step_ && s <= at; ++s) {
+        for (size_t s = min_step_; s <= max_step_ && s <= at; ++s) {
           if (cost[at - s] == kFar) continue;
           const double through = cost[at - s] + pace_cost_[s];
           if (through < next[at]) {
@@ -97,7 +97,7 @@ class Grid {
     return loop_ ? distances_[phase * total_ + step % total_] : distances_[phase * (total_ + 1) + step];
   }
 
-  size_t phases_, frames_, total_ = 0, intervals_ = 0, least_step_ = 1, most_step_ = 1;
+  size_t phases_, frames_, total_ = 0, intervals_ = 0, min_step_ = 1, max_step_ = 1;
   bool loop_;
   int steps_a_frame_ = 1;
   std::vector<float> distances_;

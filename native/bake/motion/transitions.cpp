@@ -88,12 +88,7 @@ void fillRow(const Positions& positions, const std::vector<glm::vec3>& velocitie
   }
 }
 
-Status fillPicture(const TransitionState& state, uint32_t weight_row, uint32_t frame, int side, Eigen::Index row,
-                   Features& features) {
-  if (!state.atlas) return {};
-  auto atlas = state.atlas(weight_row, frame);
-  if (!atlas) return atlas.error();
-  const Image& image = atlas.value();
+Status fillPicture(const Image& image, int side, Eigen::Index row, Features& features) {
   const int colours = std::min(image.channels, 3);
   if (image.width != side || image.height != side || colours < 3)
     return Error{ErrorId::Internal, "motion graph: an atlas of another size"};
@@ -129,9 +124,11 @@ Result<Features> featuresOf(const TransitionState& state, const std::vector<uint
       std::vector<glm::vec3> scaled = velocities(path, t);
       for (glm::vec3& v : scaled) v *= std::sqrt(float(options.velocity_weight));
       fillRow(path.positions[t], scaled, row, features);
-      FOURDVT_TRY(fillPicture(state, r, t, options.atlas, row, features));
+      if (!state.atlas) continue;
+      FOURDVT_ASSIGN(const Image atlas, state.atlas(r, t));
+      FOURDVT_TRY(fillPicture(atlas, options.atlas, row, features));
     }
-    path.steps = ownSteps(path, options.pop.look_s);
+    path.steps = ownSteps(path, options.pop.tick_s);
     for (const Steps& steps : path.steps) features.steps = larger(features.steps, steps);
     features.paths.push_back(std::move(path));
   }
@@ -241,10 +238,10 @@ motion::Entry Pair::best(uint32_t row, uint32_t frame) const {
     if (candidate.entry.cost >= best.cost) break;
     motion::Entry entry = candidate.entry;
     entry.shift = shift(candidate);
-    const double enough = options_.most_pop + (best.cost - entry.cost) / options_.pop_cost_mm;
+    const double enough = options_.max_pop + (best.cost - entry.cost) / options_.pop_cost_mm;
     const double pop = popOf(source_.paths[row], target_.paths[entry.weight_row],
-                             {frame, entry.frame, entry.fade_frames, entry.shift}, own_, options_.pop, enough);
-    entry.cost += float(options_.pop_cost_mm * std::max(0.0, pop - options_.most_pop));
+                             {frame, entry.frame, entry.fade_frames, entry.shift}, {own_, enough}, options_.pop);
+    entry.cost += float(options_.pop_cost_mm * std::max(0.0, pop - options_.max_pop));
     if (entry.cost < best.cost) best = entry;
   }
   return best;

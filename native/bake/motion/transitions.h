@@ -36,7 +36,7 @@ struct TransitionOptions {
   double fade_cost_mm_per_s = 20;   // beyond the shortest: a longer fade must be worth it
   double hold_cost_mm_per_s = 100;  // while a source that does not loop stands on its last frame
   PopOptions pop;
-  double most_pop = 1;         // of the motions' own steps; more costs
+  double max_pop = 1;          // of the motions' own steps; more costs
   double pop_cost_mm = 10000;  // of as much again: the last resort
   int features = 400;          // vertices looked at for the fit, spread over the surface
   int step_features = 4000;    // and for the steps

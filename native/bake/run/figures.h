@@ -10,7 +10,7 @@
 
 namespace fourdvt::bake {
 
-struct ClassFigures {
+struct ClassSummary {
   std::vector<std::string> members;
   struct Parameter {
     std::string name;
@@ -28,7 +28,7 @@ struct BakeReport {
   uint64_t peak_rss_bytes = 0;
   std::map<std::string, uint64_t> bytes_by_part;
   std::map<std::string, LabelStatistics> labels_by_sequence;
-  std::map<std::string, ClassFigures> classes;
+  std::map<std::string, ClassSummary> classes;
   std::vector<std::string> notes;  // what the user should know, one sentence each
 };
 

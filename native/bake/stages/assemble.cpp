@@ -46,7 +46,7 @@ ChunkBytes measure(const StreamPlan& plan, const std::vector<uint8_t>& chunk, bo
   return bytes;
 }
 
-bool isAligned(const Job& job, const StreamPlan& plan) { return plan.isClass() && job.options.align; }
+bool isAligned(const Job& job, const StreamPlan& plan) { return plan.isClass() && job.options.classes.align; }
 
 struct PackedSequence {
   package::Sequence manifest;
@@ -68,7 +68,7 @@ package::StreamIndex makeIndex(const Job& job, const StreamPlan& plan, const std
   index.reference_count = static_cast<uint32_t>(plan.motion.reference_weights.size());
   if (isAligned(job, plan)) {
     index.alignment_count = index.member_count - 1;
-    index.alignment_step_m = static_cast<float>(job.options.alignment_step_m);
+    index.alignment_step_m = static_cast<float>(job.options.classes.alignment_step_m);
   }
   index.position_origin = job.bounds.min;
   index.position_step_m = static_cast<float>(job.options.position_step_m);
@@ -214,8 +214,8 @@ void describe(const Job& job, const package::Character& character, ReportInput& 
   }
 }
 
-ClassFigures figuresOf(const Job& job, const StreamPlan& plan, const package::Sequence& sequence) {
-  ClassFigures figures;
+ClassSummary figuresOf(const Job& job, const StreamPlan& plan, const package::Sequence& sequence) {
+  ClassSummary figures;
   for (const package::Member& member : sequence.members) figures.members.push_back(member.name);
   for (size_t p = 0; p < sequence.space.names.size(); ++p) {
     const motion::Range range = motion::parameterRange(sequence, p);

@@ -138,7 +138,7 @@ Result<std::vector<uint8_t>> makeGraph(BakeRun& run) {
   }
   TransitionOptions options;
   options.atlas = kAtlasSide;
-  options.pop.look_s = 1 / job.capture.fps;
+  options.pop.tick_s = 1 / job.capture.fps;
   const auto tell = [&](double share) {
     progress.done(share, "graph");
     return !run.stopped();

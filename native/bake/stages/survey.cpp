@@ -165,11 +165,10 @@ Status Survey::label(BakeRun& run, const capture::CaptureSequence& sequence, con
   options.mode = job_->options.labels;
   options.layers = job_->options.layers;
   options.jobs = job_->options.jobs;
-  auto statistics = solveLabels(
-      options, makeFaceGraph(job_->mesh.decoded.topology), sequence.frame_count,
-      [&](uint32_t frame) { return faceCosts(sequence, frame); },
-      [&](uint32_t, const std::vector<uint8_t>& labels) { return file.append(labels); }, on_frame,
-      run.environment.stop);
+  auto statistics = solveLabels(options, makeFaceGraph(job_->mesh.decoded.topology), sequence.frame_count,
+                                {[&](uint32_t frame) { return faceCosts(sequence, frame); },
+                                 [&](uint32_t, const std::vector<uint8_t>& labels) { return file.append(labels); },
+                                 on_frame, run.environment.stop});
   if (!statistics) {
     if (statistics.error().id == ErrorId::Interrupted) FOURDVT_TRY(run.checkStop(kKept, folder_));
     return statistics.error();

@@ -9,12 +9,12 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr size_t kMostObservations = 60000;
-constexpr size_t kLeastObservations = 50;  // of a camera
-constexpr float kLeastFraction = 0.99f;    // of a face that a camera must see
-constexpr double kLeastCosine = 0.5;       // between face normal and ray
-constexpr double kScale = 0.02;            // residual from which an observation counts less, in colour units
-constexpr double kPriorShare = 4e-3;       // weight of the identity against a camera's mean observations
+constexpr size_t kMaxObservations = 60000;
+constexpr size_t kMinObservations = 50;  // of a camera
+constexpr float kMinFraction = 0.99f;    // of a face that a camera must see
+constexpr double kMinCosine = 0.5;       // between face normal and ray
+constexpr double kScale = 0.02;          // residual from which an observation counts less, in colour units
+constexpr double kPriorShare = 4e-3;     // weight of the identity against a camera's mean observations
 constexpr int kHuberIterations = 6, kIterations = 16;
 constexpr uint8_t kOpaque = 250;
 constexpr uint8_t kClipped = 250;  // a channel from here on may have been brighter
@@ -108,7 +108,7 @@ void ColourCalibrator::add(std::span<const PinholeCamera> cameras, const MeshTop
     sights.clear();
     for (size_t c = 0; c < cameras.size(); ++c) {
       const double cosine = glm::dot(area_normal / length, glm::normalize(centres[c] - centre));
-      if (fractions[c * faces + f] < kLeastFraction || cosine < kLeastCosine) continue;
+      if (fractions[c * faces + f] < kMinFraction || cosine < kMinCosine) continue;
       Sight sight{static_cast<uint16_t>(c), float(cosine), {}};
       if (observe(cameras[c], pictures[c], corners, sight)) sights.push_back(sight);
     }
@@ -123,12 +123,12 @@ void ColourCalibrator::add(std::span<const PinholeCamera> cameras, const MeshTop
 // Vitter's algorithm R with a fixed pseudo-random sequence.
 void ColourCalibrator::keep(const Observation& observation) {
   const uint64_t index = seen_++;
-  if (observations_.size() < kMostObservations) {
+  if (observations_.size() < kMaxObservations) {
     observations_.push_back(observation);
     return;
   }
-  const uint64_t slot = mix(index) % seen_;
-  if (slot < kMostObservations) observations_[slot] = observation;
+  const uint64_t place = mix(index) % seen_;
+  if (place < kMaxObservations) observations_[place] = observation;
 }
 
 // Least squares over the maps' deviations d from the identity: |(I + d_a) a - (I + d_b) b|², the channels' rows apart
@@ -139,7 +139,7 @@ std::vector<ColourMap> ColourCalibrator::solve() const {
   for (const Observation& o : observations_) ++counts[o.a], ++counts[o.b];
   size_t cameras = 0;
   for (size_t c = 0; c < camera_count_; ++c)
-    if (counts[c] >= kLeastObservations) unknown[c] = cameras++;
+    if (counts[c] >= kMinObservations) unknown[c] = cameras++;
   if (cameras < 2) return maps;
 
   const size_t n = 4 * cameras;

@@ -9,7 +9,7 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr float kLeastTexels = 0.5f;  // known texels that give a vertex its colour
+constexpr float kMinTexels = 0.5f;  // known texels that give a vertex its colour
 constexpr int kRelaxations = 60;
 
 using Field = std::vector<glm::vec4>;  // xyz = value × weight (0..255), w = weight
@@ -146,7 +146,7 @@ Field vertexColours(const GutterMap& map, const Image& layer) {
   }
   std::vector<uint8_t> known(colours.size());
   for (size_t v = 0; v < colours.size(); ++v) {
-    known[v] = colours[v].w > kLeastTexels;
+    known[v] = colours[v].w > kMinTexels;
     colours[v] = known[v] ? colours[v] / colours[v].w : glm::vec4(0);
   }
   Field sums(colours.size());

@@ -113,7 +113,7 @@ void GpuCapture::bindCamera(size_t c, gpu::Draw& draw) const {
   draw.uniforms.push_back(gpu::uniform("intrinsics", camera.intrinsics));
   draw.uniforms.push_back(gpu::uniform("size_near_far", camera.size_near_far));
   draw.uniforms.push_back(gpu::uniform("depth_bias", kDepthBias_m));
-  draw.uniforms.push_back(gpu::uniform("least_cosine", kLeastCosine));
+  draw.uniforms.push_back(gpu::uniform("min_cosine", kMinCosine));
 }
 
 }  // namespace fourdvt::bake

@@ -15,7 +15,7 @@ namespace fourdvt::bake {
 constexpr int kTableWidth = 256;  // texels a row of table textures
 constexpr const char* kTableDefine = "TABLE_WIDTH 256\n";
 constexpr float kDepthBias_m = 0.004f;  // on top of one pixel's slope
-constexpr float kLeastCosine = 0.2f;    // between normal and ray; below, the depth test is too loose on this slope
+constexpr float kMinCosine = 0.2f;      // between normal and ray; below, the depth test is too loose on this slope
 
 class GpuCapture {
  public:

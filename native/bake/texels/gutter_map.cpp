@@ -13,7 +13,7 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr int kMostSteps = 64;  // triangles that a gutter texel may cross
+constexpr int kMaxSteps = 64;  // triangles that a gutter texel may cross
 
 float cross2(glm::vec2 u, glm::vec2 v) { return u.x * v.y - u.y * v.x; }
 
@@ -128,7 +128,7 @@ std::optional<Walk> stepAcross(const Surface& surface, EdgeOfFace e, glm::vec2 a
 
 // The end of the walk; nothing if it leaves the mesh.
 std::optional<glm::vec2> walkToEnd(const Surface& surface, Walk walk) {
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMaxSteps; ++step) {
     EdgeOfFace exit;
     float share = 1;  // of `rest` up to the exit
     for (int k = 0; k < 3; ++k) {

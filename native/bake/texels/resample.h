@@ -15,7 +15,7 @@ enum class ResampleFilter { Bilinear, Mipmap, Bicubic };
 // Filter at 1024 texels: bilinear .7733 / 22.52 dB, bicubic .7755 / 22.50, mipmap .7681 / 22.51; at 2048: .7797
 // / 22.53, .7797 / 22.49, .7796 / 22.54. Contour 0, 1, 1.5, 2, 3 px: .7731, .7734, .7733, .7733, .7730.
 // Matte .5 → .9: +.0002; its distance 0, 1, 2, 3 px: .7722, .7728, .7733, .7733. Contour step 20 → 10 mm: -.0001.
-// Without kLeastCosine: .7711.
+// Without kMinCosine: .7711.
 struct ResampleOptions {
   ResampleFilter filter = ResampleFilter::Bilinear;
   float contour_pixels = 1;      // distance that a texel keeps from an occlusion boundary

@@ -10,10 +10,10 @@
 namespace fourdvt::studio {
 namespace {
 
-constexpr int kDirections = 6;        // ±x, ±y, ±z of the part
-constexpr double kMargin = 0.008;     // of the atlas's side, round every chart
-constexpr size_t kSmallChart = 12;    // faces; smaller ones join a neighbour if they lean less than kMostLean
-constexpr double kLeastFacing = 0.3;  // cosine of a face that changes its chart
+constexpr int kDirections = 6;      // ±x, ±y, ±z of the part
+constexpr double kMargin = 0.008;   // of the atlas's side, round every chart
+constexpr size_t kSmallChart = 12;  // faces; smaller ones join a neighbour if they lean less than kMinFacing
+constexpr double kMinFacing = 0.3;  // cosine of a face that changes its chart
 
 using Neighbours = std::vector<std::array<int, 3>>;
 
@@ -116,7 +116,7 @@ class Unwrapper {
     const int d = label % kDirections;
     return axes_.at(label / kDirections)[d / 2] * (d % 2 ? -1.0 : 1.0);
   }
-  bool mayWear(uint32_t f, int label) const { return glm::dot(direction(label), normals_[f]) > kLeastFacing; }
+  bool mayWear(uint32_t f, int label) const { return glm::dot(direction(label), normals_[f]) > kMinFacing; }
 
   void smooth() {
     const std::vector<int> before = labels_;

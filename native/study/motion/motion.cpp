@@ -59,7 +59,7 @@ Result<MotionTruth::Baked> asBaked(const StudyContext& context, const bake::Bake
   if (!job) return job.error();
   bake::MeshReader meshes(job.value());
   const capture::Capture& capture = job.value().capture;
-  auto members = bake::classMembers(capture, motion_class, capture.topology, meshes.function());
+  auto members = bake::classMembers(capture, motion_class, meshes.function());
   if (!members) return members.error();
   MotionTruth::Baked out;
   for (const bake::ClassMember& member : members.value()) {

@@ -21,10 +21,10 @@ struct ActorOptions {
   std::vector<Cue> cues;
 };
 
-class Stage {
+class Ensemble {
  public:
-  // `gpu` outlives the stage.
-  static Result<std::unique_ptr<Stage>> create(GpuSession& gpu, AlignMethod align);
+  // `gpu` outlives the ensemble.
+  static Result<std::unique_ptr<Ensemble>> create(GpuSession& gpu, AlignMethod align);
   // Opens a character and shows its first frame. Errors: those of opening; InvalidArgument: unknown state or parameter.
   Status add(const ActorOptions& options);
   // Plays on by this much time; states whose cue is due are gone to.
@@ -40,7 +40,7 @@ class Stage {
     std::vector<Cue> cues;  // by time
     size_t next_cue = 0;
   };
-  Stage(GpuSession& gpu, std::shared_ptr<render::Recipe> recipe, render::Align align)
+  Ensemble(GpuSession& gpu, std::shared_ptr<render::Recipe> recipe, render::Align align)
       : gpu_(gpu), recipe_(std::move(recipe)), align_(align), still_(*gpu.device) {}
   Status followCues(Actor& actor);
 
