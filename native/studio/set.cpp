@@ -8,7 +8,7 @@ namespace fourdvt::studio {
 namespace {
 
 constexpr int kBoundsPhases = 16;
-constexpr float kBoundsSlack_m = 0.02f;  // between the phases looked at
+constexpr float kBoundsSlack_m = 0.02f;  // added because the surface may bulge between the phases that are measured
 
 std::vector<std::string> namesOf(const StudioOptions& options) {
   if (options.sequences.empty() && options.actor == "procedural") return {"walk", "run"};

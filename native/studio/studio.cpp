@@ -185,7 +185,7 @@ class Run {
   const OutputFolder& out_;
   Ticker& ticker_;
   std::vector<Sensor> sensors_;
-  std::vector<std::unique_ptr<PictureFile>> colour_, mattes_;  // of the sequence being written
+  std::vector<std::unique_ptr<PictureFile>> colour_, mattes_;  // open files of the sequence that is being written
   uint32_t frames_ = 0;
 };
 

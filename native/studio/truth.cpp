@@ -45,7 +45,7 @@ class ClassTruth {
   }
 
  private:
-  // Of a loop the last phase is one step before the first again; otherwise it is the end.
+  // The last phase of a loop lies one step before its first; the last phase of any other motion is its end.
   double phase(int i) const {
     const bool loop = set_.actor().motions()[set_.motionIndex(class_.members[0])].loop;
     return double(i) / (loop ? options_.truth_phases : std::max(1, options_.truth_phases - 1));
@@ -144,7 +144,7 @@ class ClassTruth {
   const OutputFolder& out_;
   Ticker& ticker_;
   const std::vector<PinholeCamera> cameras_;
-  const std::string folder_;  // below the output
+  const std::string folder_;  // relative to the output folder
 };
 
 }  // namespace

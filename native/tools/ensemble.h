@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One or more characters that play in real steps and are drawn into one picture.
+// Several figures that play and are drawn into one picture. Time passes by the steps that advance() is told.
 #pragma once
 
 #include <memory>
@@ -13,8 +13,8 @@
 namespace fourdvt::tools {
 
 struct ActorOptions {
-  std::string folder;  // of the character
-  std::string state;   // at first; empty: the character's first
+  std::string folder;  // of the baked character
+  std::string state;   // the state to begin with; empty: the character's first
   Parameters parameters;
   motion::Placement placement;
   bool travel = false;
@@ -25,11 +25,12 @@ class Ensemble {
  public:
   // `gpu` outlives the ensemble.
   static Result<std::unique_ptr<Ensemble>> create(GpuSession& gpu, AlignMethod align);
-  // Opens a character and shows its first frame. Errors: those of opening; InvalidArgument: unknown state or parameter.
+  // Opens a character and shows its first frame. Errors: those of opening; InvalidArgument (unknown state or
+  // parameter).
   Status add(const ActorOptions& options);
-  // Plays on by this much time; states whose cue is due are gone to.
+  // Plays on by this much time, and starts the transitions whose cues are due.
   Status advance(double seconds);
-  // scene: null: none.
+  // `scene` may be null.
   Result<Image> draw(const render::View& view, const render::Scene* scene, const render::RecipeOptions& recipe);
   Player& player(size_t actor) { return actors_[actor].character->player(); }
   size_t count() const { return actors_.size(); }
@@ -37,7 +38,7 @@ class Ensemble {
  private:
   struct Actor {
     std::unique_ptr<platform::CharacterPlayer> character;
-    std::vector<Cue> cues;  // by time
+    std::vector<Cue> cues;  // in order of time
     size_t next_cue = 0;
   };
   Ensemble(GpuSession& gpu, std::shared_ptr<render::Recipe> recipe, render::Align align)

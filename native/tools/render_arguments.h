@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `fourdvt render` was asked for, checked against the character where that needs one.
+// What `fourdvt render` is asked for. What depends on the character is checked once there is one.
 #pragma once
 
 #include <string>

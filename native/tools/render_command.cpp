@@ -27,7 +27,7 @@ Image besideEachOther(const std::vector<Image>& pictures) {
   return out;
 }
 
-// Free-viewpoint rendering of the capture's own frame.
+// Renders a captured frame by free-viewpoint video rendering (ALGORITHMS 7).
 Status renderFvvr(CharacterSession& session, const RenderArguments& arguments, const std::string& sequence) {
   FOURDVT_ASSIGN(auto view, chooseCamera(arguments, session.character()));
   auto capture = capture::openCapture(arguments.fvvr.capture_folder, videoOpener(), {sequence});
@@ -64,7 +64,7 @@ Status renderStill(CharacterSession& session, const RenderArguments& arguments, 
   return platform::writeImage(arguments.output, besideEachOther(pictures), 95);
 }
 
-// The sequence repeats while the azimuth goes once round, starting and ending at the still's azimuth.
+// The sequence repeats while the camera goes once round, starting and ending at the still's azimuth.
 Status renderTurntable(CharacterSession& session, const RenderArguments& arguments, const package::Sequence& sequence) {
   const auto [width, height] = arguments.view.size.value_or(std::pair{720, 960});
   const double loops = std::ceil(8.0 / sequence.duration_s());

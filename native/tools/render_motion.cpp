@@ -22,7 +22,7 @@ constexpr double kSweep_s = 8, kAfterLastCue_s = 4, kScene_s = 6;
 // Camera of frame i; called in order, after the ensemble has advanced to it.
 using CameraOf = std::function<PinholeCamera(int frame)>;
 
-// The orbit round the character's first place; follows the character if asked to.
+// Orbits round where the character stands first, or follows the character if asked to.
 CameraOf orbitCamera(const RenderArguments& arguments, Player& player, int width, int height) {
   const OrbitView orbit = chooseOrbit(arguments, *player.character(), width, height);
   const motion::Placement start = player.placement();
@@ -66,7 +66,7 @@ Status writeMovie(const Show& show, const RenderArguments& arguments) {
   return writer->finish();
 }
 
-// Frame `arguments.frame` of the show.
+// Writes frame `arguments.frame` of the show.
 Status writePicture(const Show& show, const RenderArguments& arguments) {
   Result<Image> picture = Image();
   for (int i = 0; i <= arguments.frame; ++i) {
@@ -81,7 +81,7 @@ Status writePicture(const Show& show, const RenderArguments& arguments) {
 
 int frameCount(double seconds, double fps) { return std::max(1, static_cast<int>(std::lround(seconds * fps))); }
 
-// What the camera took, frame by frame; the last picture stays when a video ends.
+// The background, frame by frame; when a video ends, its last picture stays.
 class Background {
  public:
   static Result<Background> open(gpu::Device& device, const std::string& path) {
@@ -150,7 +150,7 @@ Status addMeshes(gpu::Device& device, const std::vector<std::string>& paths, boo
   return {};
 }
 
-// --size, the scene's, the camera's, the background's; even for movies.
+// The size of the output: --size, else the scene's, the camera's or the background's; even for movies.
 std::pair<int, int> sceneSize(const RenderArguments& arguments, const SceneFile& file, const Background& background) {
   std::pair<int, int> size{720, 960};
   if (background.texture()) size = {background.width(), background.height()};

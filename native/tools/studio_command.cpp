@@ -115,7 +115,7 @@ studio::StudioOptions readOptions(Args& args) {
   return o;
 }
 
-// "--actor NAME" and "--actor=NAME" are the positional argument.
+// Turns "--actor NAME" and "--actor=NAME" into the positional argument.
 std::vector<char*> withoutActorOption(int argc, char** argv) {
   std::vector<char*> out;
   for (int i = 0; i < argc; ++i) {
@@ -125,7 +125,7 @@ std::vector<char*> withoutActorOption(int argc, char** argv) {
   return out;
 }
 
-// One line, rewritten in place on a terminal; elsewhere one per step.
+// Prints one line, rewritten in place, on a terminal; elsewhere one line per step.
 class ProgressLine {
  public:
   void show(const studio::StudioProgress& p) {
