@@ -11,7 +11,7 @@ namespace fourdvt::bake {
 namespace {
 
 constexpr double kKappaUnits = 65536;
-constexpr int kRings = 2;  // round a change, tried again
+constexpr int kRings = 2;  // how many rings of neighbours round a change are tried again
 
 constexpr uint8_t cameraAt(uint64_t ranks, int rank) { return static_cast<uint8_t>(ranks >> (8 * rank)); }
 
@@ -140,7 +140,7 @@ int32_t ExpansionBlock::unary(size_t node, const Tuple& tuple) const {
   return sum;
 }
 
-// The face's tuple after the move; false: the move does not apply.
+// Sets `out` to the face's tuple after the move. False: the move does not apply.
 bool ExpansionBlock::moved(size_t node, int rank, uint8_t camera, Tuple& out) const {
   const Tuple& now = labels_[node];
   const uint8_t old = cameraAt(now.ranks, rank);
@@ -174,7 +174,7 @@ inline void ExpansionBlock::forNeighbours(uint32_t node, Visit&& visit) const {
   if (frame + 1 < frames_.size()) visit(node + faces_, weights_.tau);
 }
 
-// Nodes within kRings of what the log says since `log_start`.
+// Gathers the nodes within kRings of those that the log names since `log_start`.
 void ExpansionBlock::gather(size_t log_start) {
   near_.clear();
   const auto take = [&](uint32_t node) {
@@ -192,7 +192,7 @@ void ExpansionBlock::gather(size_t log_start) {
   for (uint32_t node : near_) is_near_[node] = 0;
 }
 
-// Unary and pairwise terms between staying (x = 0) and moving (x = 1); pairs with later candidates only.
+// Adds the unary and pairwise terms of staying (x = 0) and moving (x = 1); pairs are added with later candidates only.
 void ExpansionBlock::addNode(int index) {
   const Candidate& c = candidates_[index];
   const Tuple &stay = labels_[c.node], &move = c.moved;
@@ -205,7 +205,7 @@ void ExpansionBlock::addNode(int index) {
     if (other < index) return;
     const Tuple& other_move = candidates_[other].moved;
     const int32_t stay_move = distance(stay, other_move), move_move = distance(move, other_move);
-    // Beyond both unaries there remains -gap x y = -g x - h y + g x (1-y) + h (1-x) y, g + h = gap.
+    // What remains beyond both unary terms: -gap x y = -g x - h y + g x (1-y) + h (1-x) y, g + h = gap.
     const int32_t gap = weight * (stay_move + move_stay - stay_stay - move_move), half = gap / 2;
     u -= half;
     flow_.addUnary(other, half - gap);

@@ -28,11 +28,11 @@ struct FaceLinks {
 };
 FaceLinks makeFaceLinks(const FaceGraph& graph);
 
-// The weights as integers, scaled so that no node's sum overflows 32 bits.
+// The weights of the energy, scaled to integers such that no node's sum overflows 32 bits.
 struct LabelWeights {
   int ranks = 1;
   std::array<float, package::kMaxLayers> theta{};    // energy units per penalty
-  std::array<int32_t, package::kMaxLayers> omega{};  // times κ or τ: energy units
+  std::array<int32_t, package::kMaxLayers> omega{};  // times κ or τ gives energy units
   int32_t half_eta = 0, tau = 0;
   float empty_penalty = 0;
   double units = 1;  // energy units in 1
@@ -41,11 +41,11 @@ struct LabelWeights {
 };
 
 struct BlockFrame {
-  const FaceCosts* costs = nullptr;                // borrowed, as are the others; not read where frozen
-  const std::vector<uint32_t>* allowed = nullptr;  // cameras a face
-  std::vector<LabelTuple>* labels = nullptr;       // in: only allowed cameras, distinct; out
-  bool frozen = false;                             // labels stay
-  bool settled = false;                            // labels are a minimum already but for what happens next to them
+  const FaceCosts* costs = nullptr;                // borrowed, as are the two below; not read if frozen
+  const std::vector<uint32_t>* allowed = nullptr;  // cameras that each face may take, as bits
+  std::vector<LabelTuple>* labels = nullptr;       // in: distinct cameras, all allowed; out: the result
+  bool frozen = false;                             // its labels do not change
+  bool settled = false;                            // its labels are a minimum already, unless neighbours change
 };
 
 class ExpansionBlock {
@@ -54,8 +54,8 @@ class ExpansionBlock {
   ExpansionBlock(const LabelWeights& weights, const FaceLinks& links, std::vector<BlockFrame> frames);
   // Sweeps over all ranks and cameras until nothing changes; then the labels are written back.
   void solve(int sweeps);
-  // One move; package::kNoCamera empties the rank. False: nothing to gain near what changed since the same move
-  // was tried last.
+  // Tries one move; package::kNoCamera empties the rank. False: nothing was to be gained near what has changed since
+  // the same move was last tried.
   bool expand(int rank, uint8_t camera);
   int64_t energy() const;
   LabelTuple label(size_t frame, uint32_t face) const;
@@ -88,13 +88,13 @@ class ExpansionBlock {
   int camera_count_ = 0;
   std::vector<Tuple> labels_;      // frame × face
   std::vector<uint32_t> allowed_;  // 0 where frozen
-  std::vector<uint8_t> frozen_;    // frame
+  std::vector<uint8_t> frozen_;    // [frame]
   std::vector<uint32_t> log_;      // nodes that changed, in the order of time; starts with the unsettled ones
   std::vector<std::array<size_t, package::kMaxCameras + 1>> tried_;  // [rank][camera]: log size at the last try
   std::vector<uint32_t> near_;                                       // nodes worth a try
   std::vector<uint8_t> is_near_;
   std::vector<Candidate> candidates_;
-  std::vector<int32_t> candidate_of_;  // -1: stays
+  std::vector<int32_t> candidate_of_;  // [node] its candidate; -1: it stays
   LabelFlow flow_;
 };
 

@@ -122,7 +122,7 @@ std::vector<float> steadyFractions(std::span<const std::vector<float>> fractions
     int votes = 0;
     for (const std::vector<float>& frame : fractions) votes += frame[i] >= options.visible_fraction;
     if (2 * votes > frames && out[i] >= options.fallback_fraction) out[i] = std::max(out[i], options.visible_fraction);
-    if (2 * votes < frames) out[i] = std::min(out[i], just_hidden);  // an even vote changes nothing
+    if (2 * votes < frames) out[i] = std::min(out[i], just_hidden);  // a tie changes nothing
   }
   return out;
 }

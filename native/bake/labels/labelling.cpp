@@ -27,7 +27,7 @@ std::string complaint(const LabelOptions& o) {
   return {};
 }
 
-// Frames between their first load and their finish.
+// The frames between their first load and their finish.
 class Solver {
  public:
   Solver(const LabelOptions& options, const FaceGraph& graph, const FaceCostSource& costs, const LabelSink& sink)
@@ -53,7 +53,7 @@ class Solver {
   void solve(const LabelWindow& window) {
     std::vector<WindowFrame> frames;
     {
-      std::lock_guard lock(mutex_);  // references into a map stay valid
+      std::lock_guard lock(mutex_);  // references into the map stay valid
       for (uint32_t t = window.frozen_first; t < window.frozen_end; ++t) {
         Frame& frame = frames_[t];
         const bool frozen = t < window.first || t >= window.end;
@@ -100,7 +100,7 @@ class Solver {
   std::mutex mutex_;  // frames_ as a map; every frame belongs to one window at a time
   std::map<uint32_t, Frame> frames_;
   Clock::time_point started_ = Clock::now();
-  Clock::duration outside_{};  // in source, sink and meter
+  Clock::duration outside_{};  // spent in source, sink and meter
 };
 
 }  // namespace

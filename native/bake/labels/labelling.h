@@ -16,11 +16,11 @@
 namespace fourdvt::bake {
 
 enum class LabelMode {
-  Naive,          // "NO": cameras by penalty, every face and frame for itself
-  Spatial,        // "SO", 4DVT Eq. 2-4: frame by frame, a layer after the other without the cameras taken before
+  Naive,          // "NO": cameras by penalty, each face and frame by itself
+  Spatial,        // "SO", 4DVT Eq. 2-4: each frame by itself, layer after layer without the cameras already taken
   TemporalPaper,  // "TO", 4DVT Eq. 5 literally: the temporal term carries the weight 1/|M|
   Joint,          // ours: ordered tuples of distinct cameras, space and time, windowed
-  PerTexel,       // labels as Naive, texels from the next camera that sees them; weights stay per face, unlike LVDT's
+  PerTexel,  // labels as Naive, but each texel from the next camera that sees it; weights stay per face, unlike LVDT's
 };
 const char* labelModeName(LabelMode mode);  // "naive", "spatial", "temporal-paper", "joint", "per-texel"
 // False: there is no such name.
@@ -65,8 +65,8 @@ struct LabelStatistics {
   double seconds = 0;                // wall clock of the solve
 };
 
-using FaceCostSource = std::function<Result<FaceCosts>(uint32_t frame)>;  // called from one thread, any order
-// labels: [layer][face], camera index or package::kNoCamera. Called once a frame, ascending.
+using FaceCostSource = std::function<Result<FaceCosts>(uint32_t frame)>;  // called from one thread, in any order
+// labels: [layer][face], camera index or package::kNoCamera. Called once per frame, in ascending order.
 using LabelSink = std::function<Status(uint32_t frame, const std::vector<uint8_t>& labels)>;
 
 // What solveLabels reads, and whom it tells.

@@ -16,7 +16,7 @@ struct LabelTuple {
   bool operator==(const LabelTuple& o) const { return ranks == o.ranks; }
 };
 
-// The `count` cheapest cameras of `allowed`, cheapest first; equal penalties by camera index.
+// The `count` cheapest cameras of `allowed`, the cheapest first; equal penalties are ordered by camera index.
 inline LabelTuple cheapestCameras(const FaceCosts& costs, size_t face, uint32_t allowed, int count) {
   LabelTuple out;
   const float* penalties = costs.penalty.data() + face * costs.camera_count;

@@ -21,7 +21,8 @@ std::vector<uint32_t> usableCameras(const LabelOptions& options, const FaceCosts
   return out;
 }
 
-// The neighbouring frame's cameras where they still are feasible, the cheapest others in the ranks that this leaves.
+// Takes the neighbouring frame's cameras where they are still feasible, and fills the remaining ranks with the
+// cheapest.
 void labelByNeighbour(const FaceCosts& costs, const std::vector<uint32_t>& allowed, int layers,
                       const std::vector<LabelTuple>& neighbour, std::vector<LabelTuple>& labels) {
   labels.resize(allowed.size());
@@ -35,13 +36,13 @@ void labelByNeighbour(const FaceCosts& costs, const std::vector<uint32_t>& allow
     const LabelTuple spare = cheapestCameras(costs, f, free, layers);
     for (int l = 0, s = 0; l < layers; ++l)
       if (tuple.ranks[l] == package::kNoCamera) tuple.ranks[l] = spare.ranks[s++];
-    // Rank 0 may be empty still if the cameras left are in further ranks.
+    // Rank 0 may still be empty if the remaining cameras are in further ranks.
     for (int l = 1; l < layers && tuple.ranks[0] == package::kNoCamera; ++l) std::swap(tuple.ranks[0], tuple.ranks[l]);
     labels[f] = tuple;
   }
 }
 
-// A first guess for every frame without labels: the frame before, or one frame solved on its own.
+// Makes a first guess for every frame without labels: from the frame before, or by solving one frame by itself.
 void startJoint(const LabelOptions& options, const LabelWeights& weights, const FaceLinks& links,
                 const std::vector<std::vector<uint32_t>>& allowed, std::vector<WindowFrame>& frames) {
   for (size_t k = 0; k < frames.size(); ++k) {
@@ -68,7 +69,7 @@ void solveJoint(const LabelOptions& options, const FaceLinks& links, std::vector
   ExpansionBlock(weights, links, std::move(block)).solve(options.sweeps);
 }
 
-// 4DVT 4.1: a layer after the other; a camera that a face has taken is not allowed in its further layers.
+// 4DVT 4.1: solves layer after layer; a camera that a face has taken is not allowed in its further layers.
 void solveLayers(const LabelOptions& options, float tau, const FaceLinks& links, std::vector<WindowFrame>& frames) {
   const LabelWeights weights = LabelWeights::singleLayer(tau, options.empty_penalty, links);
   std::vector<std::vector<uint32_t>> allowed(frames.size());

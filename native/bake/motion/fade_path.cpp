@@ -14,7 +14,7 @@ using motion::moved;
 using motion::Placement;
 
 constexpr double kRounding = 1e-6;
-constexpr double kStill_m = 0.002;  // what hardly moves may move this far
+constexpr double kStill_m = 0.002;  // steps of motions that hardly move count as at least this long
 
 Step stepBetween(const Positions& before, const Positions& after, const Placement& moved_by) {
   const glm::mat4 move = motion::worldFromCharacter(moved_by);

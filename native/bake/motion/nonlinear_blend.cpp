@@ -26,14 +26,14 @@ Vector3d toEigen(const glm::vec3& v) { return {v.x, v.y, v.z}; }
 
 struct Face {
   glm::uvec3 vertices{0};
-  std::array<double, 3> half_cotangents{};  // of the edge from corner i to the next
-  std::array<Vector3d, 3> edges;            // of the reference, likewise
-  Matrix3d inverse;                         // of the reference's edge frame
-  bool flat = false;                        // has a gradient; else its edges follow the linear blend
-  int parent = -1;                          // neighbour visited before it, for the branch of the logarithm
+  std::array<double, 3> half_cotangents{};  // [i] of the edge from corner i to the next
+  std::array<Vector3d, 3> edges;            // [i] the same edge in the reference pose
+  Matrix3d inverse;                         // inverse of the edge frame in the reference pose
+  bool flat = false;                        // it has a gradient; otherwise its edges follow the linear blend
+  int parent = -1;  // the neighbour visited before it, which chooses the branch of the logarithm
 };
 
-// Two edges and a normal as long as they are; `ok` false where the face has no usable area.
+// Two edges and a normal of about their length. Sets `ok` to false if the face has no usable area.
 Matrix3d edgeFrame(const Vector3d& a, const Vector3d& b, const Vector3d& c, bool& ok) {
   Matrix3d frame;
   frame.col(0) = b - a;
@@ -46,7 +46,7 @@ Matrix3d edgeFrame(const Vector3d& a, const Vector3d& b, const Vector3d& c, bool
   return frame;
 }
 
-// The rotation of the polar decomposition, by Newton's iteration; where that fails by singular values.
+// The rotation of the polar decomposition, by Newton's iteration, or by singular values where that fails.
 Matrix3d rotationOf(const Matrix3d& gradient) {
   Matrix3d rotation = gradient;
   for (int i = 0; i < 20; ++i) {
@@ -74,7 +74,7 @@ Matrix3d expOf(const Vector3d& turn) {
   return angle > 1e-12 ? Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix() : Matrix3d::Identity();
 }
 
-// Near a half turn the shortest way round is not stable: take the one that the neighbour took.
+// Near a half turn the shorter direction of rotation is not stable: takes the one that the neighbour took.
 Vector3d likeNeighbour(const Vector3d& turn, const Vector3d& neighbour) {
   const double angle = turn.norm();
   if (angle < kNearPi) return turn;
@@ -101,7 +101,7 @@ class Blend : public NonlinearBlend {
       if (weights[m] != 0) used.push_back(m);
     if (used.size() < 2) return linear;
     Eigen::MatrixX3d right = Eigen::MatrixX3d::Zero(vertex_count_, 3);
-    std::vector<Turns> turns(faces_.size());  // [face][used member] from the first one used
+    std::vector<Turns> turns(faces_.size());  // [face][used member] rotation from the first used member
     const Blending blending{members, weights, used, linear};
     for (size_t f : order_) addFace(f, blending, turns, right);
     for (size_t p = 0; p < anchors_.size(); ++p) right.row(anchors_[p]) += toEigen(linear[anchors_[p]]).transpose();
@@ -136,7 +136,7 @@ class Blend : public NonlinearBlend {
     }
   }
 
-  // Breadth first over shared vertices; degenerate faces are nobody's parent.
+  // Visits faces breadth first over shared vertices; degenerate faces are never parents.
   void orderFaces() {
     std::vector<std::vector<uint32_t>> around(vertex_count_);
     for (uint32_t f = 0; f < faces_.size(); ++f)
@@ -163,7 +163,7 @@ class Blend : public NonlinearBlend {
     }
   }
 
-  // Connected parts: each is anchored and placed by itself. A vertex of no face is a part.
+  // Finds the connected parts, each of which is anchored and placed by itself. A vertex without faces is a part.
   void findParts() {
     std::vector<uint32_t> root(vertex_count_);
     for (uint32_t v = 0; v < vertex_count_; ++v) root[v] = v;

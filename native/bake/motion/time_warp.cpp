@@ -8,17 +8,17 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr float kPassVelocityWeight = 0.04f;  // of squared metres a pass
-constexpr int kStepsAPhase = 8;               // resolution of the search at mean pace
-constexpr double kMaxPace = 3;                // times the mean pace, and its inverse
-constexpr double kPaceCost = 0.02;            // of a pace twice the mean, in mean distances
-constexpr int kCoarseStarts = 64;             // of a loop, before refining
-constexpr int kSmoothings = 2;                // with 1 4 6 4 1
+constexpr float kPassVelocityWeight = 0.04f;  // of squared metres per pass
+constexpr int kStepsAPhase = 8;               // steps per phase at mean pace: the resolution of the search
+constexpr double kMaxPace = 3;                // times the mean pace; the slowest pace is its inverse
+constexpr double kPaceCost = 0.02;            // cost of a pace twice the mean, in mean distances
+constexpr int kCoarseStarts = 64;             // starts tried in a loop before refining
+constexpr int kSmoothings = 2;                // passes of the filter 1 4 6 4 1
 constexpr double kFar = std::numeric_limits<double>::max();
 
 size_t wrapped(long index, size_t count) { return size_t((index % long(count) + long(count)) % long(count)); }
 
-// Distances of every phase to every step of the member, and paths through them.
+// The distances of every phase to every step of the member, and the cheapest paths through them.
 class Grid {
  public:
   Grid(const PoseFeatures& reference, const PoseFeatures& member, bool loop)
@@ -59,7 +59,7 @@ class Grid {
             step = uint32_t(s);
           }
         }
-        // A loop's last phase is its first one again.
+        // In a loop, the phase after the last is the first again.
         if (next[at] < kFar && p < phases_) next[at] += distance(p, start + at);
       }
       cost.swap(next);
@@ -105,7 +105,7 @@ class Grid {
   double mean_ = 0;
 };
 
-// The start of the cheapest cyclic path: a coarse scan, then halved round the best.
+// Finds where the cheapest cyclic path starts: by a coarse scan, then by halving the interval round the best.
 size_t bestStart(const Grid& grid) {
   std::vector<size_t> steps;
   const size_t count = grid.positions();
@@ -128,8 +128,8 @@ size_t bestStart(const Grid& grid) {
   return best;
 }
 
-// Means of neighbours' departures from the mean pace: paces stay within their bounds. Ends of a path that is no loop
-// are mirrored through themselves, so that they stay.
+// Smooths a path by averaging neighbours' departures from the mean pace, which keeps paces within their bounds. A path
+// that is no loop is mirrored at its ends, so that they do not move.
 void smooth(std::vector<double>& time, double pass, bool loop) {
   const long count = long(time.size());
   const auto at = [&](const std::vector<double>& from, long i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a finished bake says of itself; the report shows it.
+// What a finished bake measured about itself; the report shows it.
 #pragma once
 
 #include <map>
@@ -17,8 +17,8 @@ struct ClassSummary {
     double min = 0, max = 0;
   };
   std::vector<Parameter> parameters;
-  uint32_t references = 0;                        // corrections of the mesh blend a frame
-  double linear_error_m = 0, hybrid_error_m = 0;  // against the non-linear blend, largest vertex distance
+  uint32_t references = 0;                        // corrections of the mesh blend per frame
+  double linear_error_m = 0, hybrid_error_m = 0;  // largest vertex distances from the non-linear blend
   bool aligned = false;
 };
 

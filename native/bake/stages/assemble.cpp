@@ -31,7 +31,7 @@ struct ChunkBytes {
   uint32_t total = 0, positions = 0, labels = 0, offsets = 0, alignment = 0;
 };
 
-// A chunk opens with the lengths of its parts (FORMAT.md).
+// A chunk begins with the lengths of its parts (native/package/FORMAT.md).
 ChunkBytes measure(const StreamPlan& plan, const std::vector<uint8_t>& chunk, bool aligned) {
   ByteReader lengths(chunk);
   ChunkBytes bytes;
@@ -80,7 +80,7 @@ package::StreamIndex makeIndex(const Job& job, const StreamPlan& plan, const std
   return index;
 }
 
-// Offsets follow the header, whose size they must not change.
+// Offsets are counted from behind the header, whose size they must not change.
 Result<std::vector<uint8_t>> finalHeader(package::StreamIndex& index) {
   std::vector<uint8_t> header = package::writeStreamHeader(index);
   for (int attempt = 0; attempt < 4; ++attempt) {
@@ -97,7 +97,7 @@ Result<std::vector<uint8_t>> finalHeader(package::StreamIndex& index) {
   return Error{ErrorId::Internal, "the stream header's size does not settle"};
 }
 
-// Header and chunks in one file, a chunk in memory at a time.
+// Writes header and chunks into one file, with one chunk in memory at a time.
 Status writeStream(const std::string& path, const std::vector<uint8_t>& header, const WorkFolder& work,
                    const StreamPlan& plan) {
   std::FILE* file = std::fopen(path.c_str(), "wb");
@@ -228,7 +228,7 @@ ClassSummary figuresOf(const Job& job, const StreamPlan& plan, const package::Se
   return figures;
 }
 
-// Figures and a picture of every class.
+// Adds the summary and a picture of every class to the report.
 Status describeClasses(const BakeRun& run, const package::Character& character, ReportInput& report) {
   const Job& job = run.job;
   for (const StreamPlan& plan : job.streams) {

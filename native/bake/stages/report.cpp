@@ -277,9 +277,10 @@ std::string reportHtml(const ReportInput& in) {
   report::Section summary = section("summary", "Summary", "", {});
   summary.tiles = tilesOf(in);
   report::Section stages = section("stages", "Seconds per frame, by stage", "", {});
-  if (in.resumed) stages.text = "This run resumed an interrupted one: it measured only the GOPs it baked itself.\n\n";
+  if (in.resumed)
+    stages.text = "This run continued an interrupted one and measured only the GOPs that it baked itself.\n\n";
   stages.text += "Stages overlap on " + std::to_string(in.options.jobs) +
-                 " jobs: their sum may exceed the time of the whole bake.";
+                 " jobs, so that their sum may exceed the time of the whole bake.";
   stages.bar_charts = {stageChart(in)};
   report::Section sizes = section("sizes", "What the bytes are", "", {});
   sizes.bar_charts = {sizeChart(in)};

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Change them whenever what older builds kept must not be reused.
+// Change these whenever what older builds kept must not be reused.
 constexpr const char* kSurveyVersion = "bake 2";
 constexpr const char* kGopVersion = "gops 4";
 
@@ -35,7 +35,7 @@ Status checkOutput(const BakeOptions& options) {
              ": exists and is not a character folder (no character.gltf inside); choose another output folder");
 }
 
-// The work folder is deleted at the end: it must be ours.
+// The work folder will be deleted at the end, so it must be one of ours.
 Status checkWorkFolder(const std::string& path) {
   std::error_code error;
   if (!fs::exists(path, error) || fs::exists(fs::path(path) / "settings.txt", error)) return {};
@@ -45,7 +45,7 @@ Status checkWorkFolder(const std::string& path) {
 
 Status checkSpace(const Job& job) {
   constexpr double kVideoBytesPerTexel = 0.05,
-                   kCopies = 2;  // generous: work folder and result, at crf 23 a fifth of it
+                   kCopies = 2;  // work folder and result; generous: crf 23 needs a fifth of it
   const double frame = job.layout.width * job.layout.height * kVideoBytesPerTexel + 8.0 * job.mesh.source_vertex.size();
   double frames = job.total_frames;
   for (const capture::CaptureClass* c : bakedClasses(job)) frames += c->members.size() * expectedPhases(job, *c);
@@ -67,7 +67,7 @@ bool isFileName(const std::string& name) {
   });
 }
 
-// Sequences and classes become files side by side.
+// Names of sequences and classes become names of files in one folder.
 Status checkNames(const Job& job) {
   std::vector<std::string> names;
   for (const capture::CaptureSequence& s : job.capture.sequences) names.push_back(s.name);
@@ -208,8 +208,8 @@ std::string settingsKey(const Job& job) {
   uint64_t hash = kFnv1aStart;
   for (const capture::CaptureSequence& sequence : job.capture.sequences) {
     const std::string key = captureKey(job, sequence);
-    hash =
-        fnv1a(std::string_view(key.c_str(), key.size() + 1), hash);  // with its end, so that keys do not run together
+    hash = fnv1a(std::string_view(key.c_str(), key.size() + 1),
+                 hash);  // hashed with its terminating zero, so that keys do not run together
   }
   char text[480];
   std::snprintf(text, sizeof text, "%016llx%s\n", static_cast<unsigned long long>(hash), line);

@@ -11,7 +11,8 @@ namespace {
 constexpr int kCropMargin = 8;    // pixels
 constexpr int kEdgePixels = 2;    // how far the backdrop's colour reaches inwards
 constexpr uint8_t kOpaque = 250;  // alpha
-constexpr int kReach[] = {3, 7};  // pixels in which inside colour is looked for; the second for corners
+constexpr int kReach[] = {3,
+                          7};  // distances in pixels within which inside colour is looked for; corners need the second
 
 struct Bounds {
   int x0, y0, x1, y1;  // pixels, end exclusive
@@ -71,7 +72,7 @@ void replaceEdgeColours(Image& rgba) {
       uint8_t* p = rgba.at(x, y);
       if (p[3] == 0 || inside[size_t(y) * rgba.width + x]) continue;
       for (int reach : kReach)
-        if (insideColour(rgba, inside, {x, y}, reach, p)) break;  // reads inside pixels only: safe in place
+        if (insideColour(rgba, inside, {x, y}, reach, p)) break;  // safe in place, because it reads inside pixels only
     }
   }
 }

@@ -19,7 +19,8 @@ glm::mat4 affine(const ColourMap& map) {
   return m;
 }
 
-// Per texel the cameras that see it, in the order of their ranks (alpha = rank + 1): the l-th is the texel of layer l.
+// Finds, per texel, the cameras that see it in the order of their ranks (alpha = rank + 1); the l-th camera gives the
+// texel of layer l.
 Image pickRanked(const std::vector<Image>& cameras, size_t l) {
   Image out(cameras[0].width, cameras[0].height, 4);
   std::vector<std::pair<uint8_t, const uint8_t*>> seen;

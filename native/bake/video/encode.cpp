@@ -42,10 +42,10 @@ class AvEncoder final : public GopEncoder {
 
   const EncodeSettings settings_;
   const AVCodec* codec_ = nullptr;
-  std::string statistics_;  // of the first pass; the context of the second borrows it
+  std::string statistics_;  // what the first pass found; the context of the second pass borrows it
   Context context_;
   std::unique_ptr<AVPacket, PacketDeleter> packet_{av_packet_alloc()};
-  std::vector<Frame> pictures_;  // for the second pass
+  std::vector<Frame> pictures_;  // kept for the second pass
   EncodedGop gop_;
   int64_t next_frame_ = 0;
 };
@@ -57,7 +57,7 @@ Error AvEncoder::failure(const char* what, int code) const {
 }
 
 Status AvEncoder::open() {
-  av_log_set_level(AV_LOG_ERROR);  // x264 reports every GOP otherwise
+  av_log_set_level(AV_LOG_ERROR);  // otherwise x264 reports every GOP
   FOURDVT_ASSIGN(codec_, findEncoder(settings_));
   return openPass(encodesInTwoPasses(settings_) ? Pass::First : Pass::Only);
 }
@@ -141,7 +141,8 @@ Result<EncodedGop> AvEncoder::finish() {
   return std::move(gop_);
 }
 
-// What the sample table rests on: one packet a frame, the key first and alone, little reordering.
+// Checks what the sample table relies on: one packet per frame, one key frame, which comes first, and little
+// reordering.
 Status AvEncoder::checkGop() const {
   const std::string encoder = std::string(codec_->name) + " encoder: ";
   if (gop_.packets.size() != size_t(next_frame_) || gop_.packets.empty() || !gop_.packets[0].key)

@@ -43,7 +43,7 @@ TileLayout gridLayout(int layer_count, int texture, int columns) {
   const int rows = (layer_count + columns - 1) / columns;
   for (int l = 0; l < layer_count; ++l)
     layout.layers.push_back({(l % columns) * texture, (l / columns) * texture, texture, texture});
-  const int last_x = (layer_count - (rows - 1) * columns) * texture;  // end of the last row
+  const int last_x = (layer_count - (rows - 1) * columns) * texture;  // where the last row ends
   const bool free_cell = columns * texture - last_x >= kBarcodeWidth;
   const int barcode_y = free_cell ? (rows - 1) * texture : rows * texture;
   layout.barcode.rect = {free_cell ? last_x : 0, barcode_y, kBarcodeWidth, layout.barcode.cell_size};
@@ -52,7 +52,8 @@ TileLayout gridLayout(int layer_count, int texture, int columns) {
   return layout;
 }
 
-// Fitting layouts first, the one of the fewest texels; where none fits, the one that comes closest.
+// Whether `a` is better: prefers layouts that fit, then the one with the fewest texels; if neither fits, the smaller
+// one.
 bool better(const TileLayout& a, const TileLayout& b) {
   if (fits(a) != fits(b)) return fits(a);
   if (!fits(a)) return std::max(a.width, a.height) < std::max(b.width, b.height);
@@ -68,7 +69,8 @@ TileLayout equalLayout(int layer_count, int texture) {
   return best;
 }
 
-// Every member's block: layer 1 at the left, further layers of half its side in columns of two to its right.
+// Lays out every member as a block: layer 1 at the left, further layers of half its side in columns of two to its
+// right.
 TileLayout stackedLayout(int layer_count, int texture, int member_count, int columns) {
   TileLayout layout;
   const int half = texture / 2, rows = (member_count + columns - 1) / columns;
