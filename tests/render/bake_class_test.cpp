@@ -10,6 +10,7 @@
 #include "bake/bake.h"
 #include "bake/motion/class_plan.h"
 #include "bake/stages/graph_stage.h"
+#include "bake_environment.h"
 #include "gl_fixture.h"
 #include "package/barcode.h"
 #include "package/chunk_mesh.h"
@@ -108,18 +109,13 @@ struct BakeClass : testing::GlFixture {
     options.classes.align = false;
   }
   Result<BakeReport> run() {
-    BakeEnvironment environment;
-    environment.device = device.get();
-    environment.open_video = platform::openVideoFile;
-    environment.stop = &stop;
-    environment.progress = [&](const Progress& p) {
-      stages.push_back(p.stage);
-      if (p.stage != stop_at) return;
-      when_there ? when_there() : void(stop = true);
-    };
     stop = false;
     stages.clear();
-    return bake(options, environment);
+    return bake(options, testEnvironment(*device, stop, [&](const Progress& p) {
+                  stages.push_back(p.stage);
+                  if (p.stage != stop_at) return;
+                  when_there ? when_there() : void(stop = true);
+                }));
   }
   std::vector<uint8_t> bytesOf(const std::string& name) {
     auto bytes = platform::readFile(options.character_folder + "/" + name);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a character travels over the ground, from its meshes alone (ALGORITHMS 4.2), and how well its feet then stand.
+// Where a character travels over the ground, from its meshes alone (ALGORITHMS 4.6), and how well its feet then stand.
 // Does NOT measure turns.
 #pragma once
 

@@ -116,4 +116,14 @@ void GpuCapture::bindCamera(size_t c, gpu::Draw& draw) const {
   draw.uniforms.push_back(gpu::uniform("min_cosine", kMinCosine));
 }
 
+Result<DrawnTexture> makeDrawnTexture(gpu::Device& device, const gpu::TextureDesc& desc) {
+  DrawnTexture drawn;
+  FOURDVT_ASSIGN(drawn.texture, gpu::makeTexture(device, desc));
+  gpu::TargetDesc target;
+  target.colors = {drawn.texture.id()};
+  target.label = desc.label;
+  FOURDVT_ASSIGN(drawn.target, gpu::makeTarget(device, target));
+  return drawn;
+}
+
 }  // namespace fourdvt::bake

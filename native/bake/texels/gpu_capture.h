@@ -52,4 +52,12 @@ class GpuCapture {
 void updateTable(gpu::Device& device, gpu::TextureId table, std::vector<glm::vec4>& values);
 inline int tableRows(size_t count) { return count ? static_cast<int>((count + kTableWidth - 1) / kTableWidth) : 1; }
 
+// A texture and the target that draws into it.
+struct DrawnTexture {
+  gpu::Texture texture;
+  gpu::Target target;
+};
+// Both carry the label of `desc`. Errors: GpuFailure.
+Result<DrawnTexture> makeDrawnTexture(gpu::Device& device, const gpu::TextureDesc& desc);
+
 }  // namespace fourdvt::bake

@@ -59,12 +59,8 @@ Result<Resampler> Resampler::create(gpu::Device& device, const GpuCapture& captu
     desc.format = gpu::PixelFormat::RGBA8;
     desc.width = desc.height = size;
     desc.label = "bake layer";
-    FOURDVT_ASSIGN(auto texture, gpu::makeTexture(device, desc));
-    gpu::TargetDesc target_desc;
-    target_desc.colors = {texture.id()};
-    target_desc.label = "bake layer";
-    FOURDVT_ASSIGN(auto target, gpu::makeTarget(device, target_desc));
-    r.layers_.push_back({size, std::move(texture), std::move(target)});
+    FOURDVT_ASSIGN(DrawnTexture drawn, makeDrawnTexture(device, desc));
+    r.layers_.push_back({size, std::move(drawn.texture), std::move(drawn.target)});
   }
   return r;
 }
