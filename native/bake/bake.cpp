@@ -17,7 +17,7 @@
 namespace fourdvt::bake {
 namespace {
 
-// What is expected of every stage, before the first of them begins.
+// Tells the progress how much work every stage has to do, before the first of them begins.
 void expectWork(BakeRun& run) {
   const Job& job = run.job;
   uint32_t phases = 0, member_phases = 0;
@@ -32,7 +32,7 @@ void expectWork(BakeRun& run) {
   expect(Stage::Visibility, job.total_frames);
   expect(Stage::Encode, job.total_frames + member_phases);
   expect(Stage::Graph, run.progress.frames_total);
-  if (job.options.align) expect(Stage::Align, member_phases - phases);
+  if (job.options.classes.align) expect(Stage::Align, member_phases - phases);
 }
 
 // Drops duplicates: classes repeat their members' notes.
@@ -75,15 +75,15 @@ Result<BakeReport> runStages(BakeRun& run) {
   return report.figures;
 }
 
-// What an unfinished bake leaves behind: finished GOPs and what the survey measured, never half a result.
+// Tidies up after an unfinished bake: finished GOPs and what the survey measured stay, half a result never does.
 Error cleanedUp(Error error, const Job& job) {
   const std::string work = job.workFolder();
   platform::removeFolder(job.resultFolder());
   platform::removeIfEmpty(work);
-  if (error.id == ErrorId::Interrupted) return error;  // says it itself
+  if (error.id == ErrorId::Interrupted) return error;  // its message says what stays
   if (WorkFolder::holdsGops(work))
     error.message += "; finished GOPs are kept in " + work + " for --resume";
-  else if (error.id != ErrorId::WriteFailed)  // with room to write, what the survey measured goes on
+  else if (error.id != ErrorId::WriteFailed)  // after a failed write, what the survey measured stays for the next run
     platform::removeFolder(work);
   return error;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Named settings: what `fourdvt bake --quality` sets together. The figures that each entry rests on stand in
-// quality.cpp; `fourdvt evaluate` measures them again.
+// Named settings: what `fourdvt bake --quality` sets together. quality.cpp states the measurements that each entry
+// rests on; `fourdvt evaluate` repeats them.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@ struct Quality {
   const char* name;     // "draft", "web", "high"
   const char* meaning;  // one line for the help
   int texture, layers;
-  // By codec, in the order of the enum: CRF on the codec's own scale, and the encoder's preset.
+  // Per codec, in the order of the enum: CRF on the codec's own scale, and the encoder's preset.
   int crf[3];
   const char* preset[3];
 };
@@ -22,9 +22,9 @@ struct Quality {
 constexpr const char* kDefaultQuality = "web";
 
 const std::vector<Quality>& qualities();  // lowest bitrate first
-// nullptr: no such name.
+// nullptr: there is no such name.
 const Quality* findQuality(const std::string& name);
-// Texture, layers, codec, crf and preset; the rest of `options` stays.
+// Sets texture, layers, codec, crf and preset; the rest of `options` stays.
 void applyQuality(const Quality& quality, Codec codec, BakeOptions& options);
 
 }  // namespace fourdvt::bake

@@ -2,7 +2,7 @@
 // Reads a capture folder: capture.json, COLMAP text cameras, videos or image sequences, mattes, mesh sequences.
 //
 // openCapture checks everything that can be checked without decoding whole videos, before any long work starts.
-// FrameReader then decodes in step over all cameras, one frame at a time: memory does not grow with the length.
+// FrameReader then decodes all cameras in step, one frame at a time, so that memory does not grow with the length.
 // Pictures are undistorted to the returned pinhole cameras (SIMPLE_RADIAL, OPENCV). Does NOT cache, does NOT touch the
 // GPU. Errors name the file and the remedy.
 #pragma once
@@ -20,7 +20,7 @@
 
 namespace fourdvt::capture {
 
-struct Distortion {  // OpenCV order; all zero: pinhole already
+struct Distortion {  // in the order of OpenCV; all zero: the camera is a pinhole already
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0;
   bool any() const { return k1 != 0 || k2 != 0 || p1 != 0 || p2 != 0; }
 };
@@ -36,18 +36,18 @@ struct CaptureSequence {
   bool loop = false;
   glm::dvec3 root_velocity_mps{0};
   std::string folder;  // absolute
-  // Mesh source: either OBJ files or a packed int16 file with a declared scale (see the sample's README).
+  // Its meshes are either OBJ files or one packed int16 file with a declared scale.
   std::string mesh_pattern;      // absolute, with one %d or %0Nd for the frame; empty if packed
   std::string packed_positions;  // absolute path or empty
   double packed_units_per_metre = 0;
   std::vector<uint32_t> test_frames;  // held-out frames, may be empty
 };
 
-// Motions that are one motion with a parameter, e.g. walk and run by speed (capture.json "classes").
+// Captured motions that are one motion with a parameter, e.g. walk and run by speed ("classes" in capture.json).
 struct CaptureClass {
   struct MemberOf {
     std::string sequence;
-    std::vector<double> parameter;  // one value a parameter, or empty: measured (speed_mps) from root velocity and feet
+    std::vector<double> parameter;  // one value per parameter; empty: speed_mps, measured from the feet
   };
   std::string name;
   std::vector<std::string> parameters;  // 1 or 2 names, e.g. "speed_mps"
@@ -61,17 +61,17 @@ struct Capture {
   double ground_y_m = 0;
   std::vector<CaptureCamera> cameras;  // ring, in images.txt order
   std::vector<CaptureSequence> sequences;
-  std::vector<CaptureClass> classes;  // only those whose members are all among `sequences`
+  std::vector<CaptureClass> classes;  // those whose members are all among `sequences`
   std::string background_folder;      // plates for chroma key, may be empty
   MeshTopology topology;              // constant over all sequences
   const CaptureSequence* find(const std::string& name) const;
 };
 
-// Reads a COLMAP text model (cameras.txt + images.txt) in `folder`. Models: SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL,
+// Reads the COLMAP text model (cameras.txt and images.txt) in `folder`. Models: SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL,
 // RADIAL, OPENCV. Translations stay in the capture's units: scale them with scaleToMetres.
 // Errors: FileMissing, CameraModel, CameraPose.
 Result<std::vector<CaptureCamera>> readColmapCameras(const std::string& folder);
-// The same from memory; `path` is the folder named in messages.
+// The same from texts in memory; messages name `path` as the folder.
 Result<std::vector<CaptureCamera>> parseColmapText(std::string_view cameras_text, std::string_view images_text,
                                                    const std::string& path);
 void scaleToMetres(std::vector<CaptureCamera>& cameras, double metres_per_unit);
@@ -88,7 +88,7 @@ struct CaptureFrame {
 
 class FrameReader {
  public:
-  // Starts at `first_frame`. Errors of opening as in openCapture.
+  // The first call of next() returns `first_frame`. Errors: those of openCapture for pictures.
   static Result<std::unique_ptr<FrameReader>> open(const Capture& capture, const CaptureSequence& sequence,
                                                    const OpenVideo& open_video, uint32_t first_frame = 0);
   virtual ~FrameReader() = default;
@@ -99,7 +99,7 @@ class FrameReader {
 // Positions of one frame. Errors: FileMissing, MeshTopology (file named), MeshNotFinite, MeshIndex.
 Result<Positions> readMeshFrame(const Capture& capture, const CaptureSequence& sequence, uint32_t frame);
 
-// Parses OBJ text: faces (triangulated fans), wedge UVs flipped to a top-left origin. `path` is for messages only.
+// Parses OBJ text: splits polygons into triangle fans and flips the UVs to a top-left origin. `path` is for messages.
 // Errors: MeshNoUvs, MeshNotFinite, MeshIndex, MeshUvRange.
 struct ObjMesh {
   MeshTopology topology;

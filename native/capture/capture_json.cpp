@@ -15,7 +15,7 @@ namespace {
 using Json = nlohmann::json;
 constexpr double kMaxFrames = 10'000'000;
 
-// Member of an object, or null for anything else.
+// The value of `key`; null if there is none or if `node` is no object.
 const Json& member(const Json& node, const char* key) {
   static const Json null;
   if (!node.is_object()) return null;

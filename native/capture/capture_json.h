@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// capture.json → what it declares. Does NOT look at any other file.
+// Reads what capture.json declares. Does NOT look at any other file.
 #pragma once
 
 #include <string>
@@ -10,10 +10,11 @@
 
 namespace fourdvt::capture {
 
-// Paths are absolute once parsed.
+// All paths are absolute.
 struct DeclaredSequence {
   CaptureSequence sequence;
-  std::string packed_topology;  // OBJ with faces and UVs beside packed positions; empty for OBJ frames
+  std::string
+      packed_topology;  // the OBJ with faces and UVs that goes with packed positions; empty if every frame is an OBJ
 };
 
 struct DeclaredCapture {
@@ -22,7 +23,7 @@ struct DeclaredCapture {
   std::vector<DeclaredSequence> sequences;
 };
 
-// `folder` holds capture.json. Lengths are in the declared units, root velocities in those units a second.
+// `folder` holds capture.json. Lengths are in the declared units, root velocities in those units per second.
 // Errors: CaptureJson.
 Result<DeclaredCapture> parseCaptureJson(std::string_view text, const std::string& folder);
 

@@ -12,7 +12,7 @@ using Json = nlohmann::json;
 constexpr size_t kMinMembers = 2, kMaxMembers = 4, kMaxParameters = 2;
 constexpr double kMaxValue = 1e6;
 
-// Null if there is none, or if the node is no object.
+// The value of the key; null if there is none or if the node is no object.
 Json valueAt(const Json& node, const char* key) {
   const auto it = node.is_object() ? node.find(key) : node.end();
   return it == node.end() ? Json() : *it;

@@ -10,7 +10,8 @@
 
 namespace fourdvt::capture {
 
-// `list`: the value of "classes"; null: none. `file`: capture.json, for messages. Errors: CaptureJson.
+// `list`: the value of "classes", null if there is none. `file`: path of capture.json, for messages. Errors:
+// CaptureJson.
 Result<std::vector<CaptureClass>> parseClasses(const nlohmann::json& list,
                                                const std::vector<DeclaredSequence>& sequences, const std::string& file);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// FrameReader: all cameras in step, one frame in memory. Cameras decode side by side on OpenCV's threads.
+// FrameReader: keeps all cameras in step and one frame in memory. Cameras are decoded in parallel on OpenCV's threads.
 #include <opencv2/core/utility.hpp>
 
 #include "capture/matte.h"
@@ -10,7 +10,7 @@
 namespace fourdvt::capture {
 namespace {
 
-// One camera: colour, and either a matte stream or a plate to key against.
+// One camera: its colour pictures, and either its mattes or a plate to key against.
 class CameraReader {
  public:
   static Result<CameraReader> open(const Capture& capture, const CaptureSequence& sequence, const CaptureCamera& camera,
@@ -85,7 +85,7 @@ class CameraReader {
   CaptureCamera camera_;
   Undistorter undistorter_;
   std::optional<PictureStream> colour_, matte_;
-  Image plate_;  // only without mattes
+  Image plate_;  // empty if there are mattes
 };
 
 class Reader final : public FrameReader {

@@ -9,7 +9,7 @@
 namespace fourdvt::capture {
 namespace {
 
-// Difference of two colours in the CbCr plane; linear, so that it applies to the difference of RGB as well.
+// Maps the difference of two RGB colours to their difference in the CbCr plane, which is linear.
 float chromaDistance(const uint8_t* a, const uint8_t* b) {
   const float r = static_cast<float>(a[0]) - b[0], g = static_cast<float>(a[1]) - b[1],
               bl = static_cast<float>(a[2]) - b[2];

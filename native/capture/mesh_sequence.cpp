@@ -16,8 +16,8 @@ namespace {
 // What two OBJ texts of one topology have in common.
 struct ObjOutline {
   size_t vertices = 0, faces = 0;
-  uint64_t connectivity = kFnv1aStart;  // of the vt and f lines
-  bool plain_numbers = true;            // v lines hold nothing but decimal numbers
+  uint64_t connectivity = kFnv1aStart;  // hash of the vt and f lines
+  bool plain_numbers = true;            // the v lines hold nothing but decimal numbers
   bool operator==(const ObjOutline&) const = default;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mesh files of a sequence: names, topology check. Does NOT keep frames.
+// The mesh files of a sequence: their names, and the check that all have one topology. Does NOT keep frames.
 #pragma once
 
 #include <string>
@@ -8,15 +8,16 @@
 
 namespace fourdvt::capture {
 
-// Path of one frame from a pattern with exactly one %d or %0Nd; empty if the pattern is not one.
+// Path of one frame, from a pattern with exactly one %d or %0Nd; empty if `pattern` is no such pattern.
 std::string framePath(const std::string& pattern, uint32_t frame);
 
-// Reads the OBJ at `path` whole. Errors: FileMissing and those of parseObj.
+// Reads the whole OBJ at `path`. Errors: FileMissing and those of parseObj.
 Result<ObjMesh> readObj(const std::string& path);
 
 bool sameTopology(const MeshTopology& a, const MeshTopology& b);
 
-// Every mesh frame exists and has the capture's topology; reads, but parses only files that differ from the first.
+// Checks that every mesh frame exists and has the capture's topology. Reads all files, but parses only those whose
+// topology lines differ from the first one's. Errors: FileMissing, MeshTopology and those of parseObj.
 Status checkMeshSequence(const Capture& capture, const CaptureSequence& sequence);
 
 }  // namespace fourdvt::capture

@@ -8,7 +8,7 @@
 namespace fourdvt::capture {
 namespace {
 
-constexpr float kUvSlack = 1e-4f;  // rounding of exporters; clamped away
+constexpr float kUvSlack = 1e-4f;  // exporters round; UVs this far outside [0,1] are clamped
 
 struct Corner {
   uint32_t vertex = 0, uv = 0;
@@ -122,7 +122,7 @@ class ObjParser {
 
   std::string_view text_;
   const std::string& path_;
-  int line_ = 0;  // for messages; 0: the whole file
+  int line_ = 0;  // named in messages; 0: the whole file
   size_t vertices_so_far_ = 0, uvs_so_far_ = 0;
   ObjMesh mesh_;
 };

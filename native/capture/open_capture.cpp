@@ -53,7 +53,7 @@ Result<MeshTopology> topologyOf(const DeclaredSequence& declared) {
   return std::move(mesh.topology);
 }
 
-// Sets capture.topology from the first sequence and holds the others to it.
+// Sets capture.topology from the first sequence and checks that all others have the same.
 Status checkMeshes(const std::vector<DeclaredSequence>& declared, Capture& capture) {
   for (const DeclaredSequence& d : declared) {
     FOURDVT_ASSIGN(auto topology, topologyOf(d));
@@ -70,7 +70,7 @@ Status checkMeshes(const std::vector<DeclaredSequence>& declared, Capture& captu
   return {};
 }
 
-// Opening the reader checks places and lengths, the first frame checks decoding and sizes.
+// Opening the reader checks that files are there and long enough; reading the first frame checks decoding and sizes.
 Status checkPictures(const Capture& capture, const CaptureSequence& sequence, const OpenVideo& open_video) {
   FOURDVT_ASSIGN(auto reader, FrameReader::open(capture, sequence, open_video));
   auto frame = reader->next();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of one camera of one sequence, whether video or numbered files. Does NOT key or undistort.
+// The pictures of one camera over one sequence, from a video or from numbered files. Does NOT key or undistort.
 #pragma once
 
 #include <memory>
@@ -14,26 +14,27 @@ namespace fourdvt::capture {
 
 // Where a camera's colour pictures or mattes are: a video file, or a folder with 000000.png (or .jpg) ….
 struct PicturePlace {
-  std::string path;       // file, or pattern of the numbered files
-  bool numbered = false;  // pattern
+  std::string path;       // the file, or the pattern of the numbered files
+  bool numbered = false;  // `path` is a pattern
 };
 
-// <folder>/<stem>.mp4/.mkv/.webm/.mov or <folder>/<stem>/000000.png/.jpg; nullopt if there is none of them.
+// Looks for <folder>/<stem>.mp4, .mkv, .webm, .mov and <folder>/<stem>/000000.png, .jpg; nullopt if there is none.
 std::optional<PicturePlace> findPictures(const std::string& folder, const std::string& stem);
 
 // Name of a camera's matte: cam03 → mask03, other → maskother.
 std::string matteStem(const std::string& camera_name);
 
-// PNG or JPEG as 3 (RGB) or 1 channel. Errors: FileMissing, FileUnreadable.
+// Reads a PNG or JPEG as 3 channels (RGB) or 1. Errors: FileMissing, FileUnreadable.
 Result<Image> readPicture(const std::string& path, int channels);
 
 class PictureStream {
  public:
-  // Checks what is cheap to know: the files are there and the container does not state too few frames.
+  // Checks what is cheap to check: that the files are there, and that the video does not announce too few frames.
   // Errors: VideoTooShort, and those of `open_video`.
   static Result<PictureStream> open(const PicturePlace& place, const CaptureSequence& sequence, int channels,
                                     const OpenVideo& open_video);
-  // Frames in rising order; a video decodes and drops those between. Errors: VideoTooShort, FileUnreadable.
+  // Frames must be asked for in ascending order; a video decodes and drops those in between. Errors: VideoTooShort,
+  // FileUnreadable.
   Result<Image> read(uint32_t frame);
   const std::string& path() const { return place_.path; }
 
@@ -47,7 +48,7 @@ class PictureStream {
   std::unique_ptr<VideoSource> video_;
 };
 
-// Size as calibrated, else FrameSize naming `path`.
+// Error FrameSize, naming `path`, if the image does not have the size that the camera is calibrated for.
 Status checkSize(const Image& image, const CaptureCamera& camera, const std::string& path);
 
 }  // namespace fourdvt::capture

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Removes lens distortion; the maps are computed once a camera.
+// Removes lens distortion. The maps are computed once per camera.
 #pragma once
 
 #include <memory>
@@ -15,13 +15,13 @@ class Undistorter {
   ~Undistorter();
   Undistorter(Undistorter&&) noexcept;
   Undistorter& operator=(Undistorter&&) noexcept;
-  // Pictures as captured → as the pinhole camera would see them. Outside the capture, colour (3 channels) repeats the
-  // border and a matte (1 channel) is 0.
+  // Turns a captured picture into what the pinhole camera would see. Beyond the captured picture, colour (3 channels)
+  // repeats the border and a matte (1 channel) is 0.
   Image apply(Image picture) const;
 
  private:
   struct Maps;
-  std::unique_ptr<Maps> maps_;  // null: nothing to remove
+  std::unique_ptr<Maps> maps_;  // null if there is no distortion
 };
 
 }  // namespace fourdvt::capture

@@ -85,10 +85,10 @@ void Renderer::setPose(const Positions& positions, double place, double phase) {
   motion_ = {place, phase};
 }
 
-Result<Image> Renderer::draw(const PinholeCamera& camera, double near_m, double far_m, const Look& look) {
+Result<Image> Renderer::draw(const PinholeCamera& camera, double near_m, double far_m, const Shading& shading) {
   const glm::mat4 clip_from_world(clipFromWorld(camera, near_m, far_m));
   const glm::vec3 eye(camera.centreInWorld());
-  const glm::vec4 strengths(look.wrinkles, look.specular, look.shading, 0);
+  const glm::vec4 strengths(shading.wrinkles, shading.specular, shading.shading, 0);
   gpu::Pass pass;
   pass.target = samples_.id();
   pass.clear_color = pass.clear_depth = true;
@@ -102,7 +102,7 @@ Result<Image> Renderer::draw(const PinholeCamera& camera, double near_m, double 
                    {"normals", normals_.id()},
                    {"rest", rest_.id()}};
   draw.uniforms = {gpu::uniform("clip_from_world", clip_from_world), gpu::uniform("eye", eye),
-                   gpu::uniform("look", strengths), gpu::uniform("motion", motion_)};
+                   gpu::uniform("shading", strengths), gpu::uniform("motion", motion_)};
   draw.vertex_count = static_cast<int>(3 * faces_.size());
   draw.depth_test = draw.depth_write = true;
   device_->draw(draw);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws an actor's surface, multisampled. Needs the device for as long as it lives.
+// Draws an actor's surface, multisampled. Borrows the device, which must outlive it.
 #pragma once
 
 #include "base/camera.h"
@@ -9,8 +9,8 @@
 
 namespace fourdvt::studio {
 
-struct Look {
-  float wrinkles = 0, specular = 0, shading = 0;  // see StudioKnobs
+struct Shading {
+  float wrinkles = 0, specular = 0, shading = 0;  // as in StudioKnobs
 };
 
 class Renderer {
@@ -18,10 +18,10 @@ class Renderer {
   // All pictures have this size. Errors: GpuFailure.
   static Result<Renderer> create(gpu::Device& device, const RestMesh& surface, const Image& texture, int width,
                                  int height);
-  // `place`: where among the motions the pose stands, 0…1; `phase` 0…1: what folds depend on.
+  // The folds of the cloth depend on `place`, 0…1 from the first motion to the last, and on `phase`, 0…1.
   void setPose(const Positions& positions, double place, double phase);
-  // RGBA, premultiplied, over nothing.
-  Result<Image> draw(const PinholeCamera& camera, double near_m, double far_m, const Look& look);
+  // Returns RGBA, premultiplied, on a transparent background.
+  Result<Image> draw(const PinholeCamera& camera, double near_m, double far_m, const Shading& shading);
 
  private:
   explicit Renderer(gpu::Device& device) : device_(&device) {}
@@ -41,7 +41,7 @@ class Renderer {
   int width_ = 0, height_ = 0;
 };
 
-// Straight alpha from premultiplied.
+// Turns premultiplied alpha into straight alpha.
 Image unpremultiplied(const Image& picture);
 
 }  // namespace fourdvt::studio

@@ -3,10 +3,10 @@
 
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <glm/gtc/quaternion.hpp>
 
 #include "platform/files.h"
+#include "platform/folders.h"
 #include "studio/random.h"
 
 namespace fourdvt::studio {
@@ -90,8 +90,7 @@ std::vector<PinholeCamera> miscalibrated(const std::vector<PinholeCamera>& truth
 }
 
 Status writeColmap(const std::string& folder, std::span<const PinholeCamera> cameras) {
-  std::error_code ignored;
-  std::filesystem::create_directories(folder, ignored);
+  FOURDVT_TRY(platform::makeFolder(folder));
   std::string models = "# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[] (fx fy cx cy)\n";
   std::string images = "# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME / POINTS2D[] (empty)\n";
   char line[400];
@@ -106,11 +105,8 @@ Status writeColmap(const std::string& folder, std::span<const PinholeCamera> cam
                   q.z, t.x, t.y, t.z, c + 1, p.name.c_str());
     images += line;
   }
-  const auto write = [&](const char* name, const std::string& text) {
-    return platform::writeFileAtomic(folder + name, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
-  };
-  FOURDVT_TRY(write("/cameras.txt", models));
-  return write("/images.txt", images);
+  FOURDVT_TRY(platform::writeFileAtomic(folder + "/cameras.txt", models));
+  return platform::writeFileAtomic(folder + "/images.txt", images);
 }
 
 }  // namespace fourdvt::studio

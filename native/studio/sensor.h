@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a studio camera makes of a rendered picture: backdrop, gain, noise, and a matte that may be too small.
+// Turns a rendered picture into what a studio camera records: with backdrop, gain and noise, and with a matte that may
+// be too small.
 #pragma once
 
 #include "base/image.h"
@@ -12,9 +13,10 @@ class Sensor {
   Sensor(const StudioKnobs& knobs, int camera, int width, int height);
   // The empty studio, RGB, with this camera's gain and without noise.
   const Image& plate() const { return plate_; }
-  // RGB from a premultiplied RGBA picture. `shot`: a number that no other picture of this camera has.
+  // Makes RGB from a premultiplied RGBA picture. `shot` seeds the noise: a number that no other picture of this camera
+  // has.
   Image expose(const Image& picture, uint64_t shot) const;
-  // One channel.
+  // Returns one channel.
   Image matte(const Image& picture) const;
 
  private:

@@ -8,7 +8,7 @@ namespace fourdvt::studio {
 namespace {
 
 constexpr int kBoundsPhases = 16;
-constexpr float kBoundsSlack_m = 0.02f;  // between the phases looked at
+constexpr float kBoundsSlack_m = 0.02f;  // added because the surface may bulge between the phases that are measured
 
 std::vector<std::string> namesOf(const StudioOptions& options) {
   if (options.sequences.empty() && options.actor == "procedural") return {"walk", "run"};
@@ -30,24 +30,24 @@ double framePhase(const Motion& motion, uint32_t frame, uint32_t count) {
   return double(frame) / std::max(1u, motion.loop ? count : count - 1);
 }
 
-Stage::Stage(const StudioOptions& options, std::unique_ptr<Actor> actor)
+StudioSet::StudioSet(const StudioOptions& options, std::unique_ptr<Actor> actor)
     : actor_(std::move(actor)),
       tracker_(*actor_, options.knobs),
-      look_{float(options.knobs.wrinkles), float(options.knobs.specular), float(options.knobs.shading)} {}
+      shading_{float(options.knobs.wrinkles), float(options.knobs.specular), float(options.knobs.shading)} {}
 
-Result<std::unique_ptr<Stage>> Stage::open(const StudioOptions& options, gpu::Device& device) {
+Result<std::unique_ptr<StudioSet>> StudioSet::open(const StudioOptions& options, gpu::Device& device) {
   FOURDVT_ASSIGN(auto actor, openActor(options));
-  std::unique_ptr<Stage> stage(new Stage(options, std::move(actor)));
-  FOURDVT_TRY(stage->chooseClasses(options));
-  stage->measure();
-  stage->rig_ = makeRig(stage->bounds_, options.cameras, options.width, options.height);
-  FOURDVT_ASSIGN(auto renderer, Renderer::create(device, stage->actor().surface(), stage->actor().texture(),
-                                                 options.width, options.height));
-  stage->renderer_ = std::make_unique<Renderer>(std::move(renderer));
-  return stage;
+  std::unique_ptr<StudioSet> set(new StudioSet(options, std::move(actor)));
+  FOURDVT_TRY(set->chooseClasses(options));
+  set->measure();
+  set->rig_ = makeRig(set->bounds_, options.cameras, options.width, options.height);
+  FOURDVT_ASSIGN(auto renderer, Renderer::create(device, set->actor().surface(), set->actor().texture(), options.width,
+                                                 options.height));
+  set->renderer_ = std::make_unique<Renderer>(std::move(renderer));
+  return set;
 }
 
-Status Stage::chooseClasses(const StudioOptions& options) {
+Status StudioSet::chooseClasses(const StudioOptions& options) {
   const auto& motions = actor_->motions();
   classes_ = options.classes;
   if (classes_.empty() && options.actor == "procedural" && motions.size() > 1) {
@@ -69,7 +69,7 @@ Status Stage::chooseClasses(const StudioOptions& options) {
   return {};
 }
 
-void Stage::measure() {
+void StudioSet::measure() {
   bounds_ = {glm::vec3(1e9f), glm::vec3(-1e9f)};
   Positions pose;
   std::vector<double> shares(actor_->motions().size(), 0);
@@ -87,13 +87,13 @@ void Stage::measure() {
   bounds_.max += kBoundsSlack_m;
 }
 
-size_t Stage::motionIndex(const std::string& name) const {
+size_t StudioSet::motionIndex(const std::string& name) const {
   const auto& motions = actor_->motions();
   return size_t(std::find_if(motions.begin(), motions.end(), [&](const Motion& m) { return m.name == name; }) -
                 motions.begin());
 }
 
-std::vector<double> Stage::sharesAt(const StudioClass& motion_class, double position) const {
+std::vector<double> StudioSet::sharesAt(const StudioClass& motion_class, double position) const {
   std::vector<double> shares(actor_->motions().size(), 0);
   const double along = position * double(motion_class.members.size() - 1);
   const size_t first = std::min(size_t(along), motion_class.members.size() - 2);
@@ -102,20 +102,20 @@ std::vector<double> Stage::sharesAt(const StudioClass& motion_class, double posi
   return shares;
 }
 
-double Stage::placeOf(const std::vector<double>& shares) const {
+double StudioSet::placeOf(const std::vector<double>& shares) const {
   double place = 0;
   for (size_t i = 0; i < shares.size(); ++i) place += shares[i] * places_[i];
   return place;
 }
 
-void Stage::pose(const std::vector<double>& shares, double phase) {
+void StudioSet::pose(const std::vector<double>& shares, double phase) {
   actor_->pose(shares, phase, surface_pose_);
   points_ = tracker_.points(placeOf(shares), phase);
   renderer_->setPose(surface_pose_, placeOf(shares), phase);
 }
 
-Result<Image> Stage::draw(const PinholeCamera& camera) {
-  return renderer_->draw(camera, rig_.near_m, rig_.far_m, look_);
+Result<Image> StudioSet::draw(const PinholeCamera& camera) {
+  return renderer_->draw(camera, rig_.near_m, rig_.far_m, shading_);
 }
 
 }  // namespace fourdvt::studio

@@ -11,14 +11,15 @@
 
 namespace fourdvt::studio {
 
-// Frames of a motion at this rate: a loop's last one is a step before the first, otherwise the end is shown.
+// Number of frames of a motion at this rate. The last frame of a loop lies one step before its first; the last frame of
+// any other motion is its end.
 uint32_t frameCount(const Motion& motion, double fps);
-// Phase of one of them.
+// Phase of one of these frames, 0…1.
 double framePhase(const Motion& motion, uint32_t frame, uint32_t count);
 
-class Stage {
+class StudioSet {
  public:
-  static Result<std::unique_ptr<Stage>> open(const StudioOptions& options, gpu::Device& device);
+  static Result<std::unique_ptr<StudioSet>> open(const StudioOptions& options, gpu::Device& device);
 
   const Actor& actor() const { return *actor_; }
   const Tracker& tracker() const { return tracker_; }
@@ -27,10 +28,11 @@ class Stage {
   const BoundingBox& bounds() const { return bounds_; }
   double unitsPerMetre() const { return units_per_metre_; }  // of packed positions
   size_t motionIndex(const std::string& name) const;
-  // Shares of all motions at `position` of a class's members: 0 the first … 1 the last, linear between neighbours.
+  // Shares of all motions at a position between the members of a class: 0 is the first, 1 the last, linear between
+  // neighbours.
   std::vector<double> sharesAt(const StudioClass& motion_class, double position) const;
 
-  // Everything below is of this instant.
+  // Sets the instant that everything below shows.
   void pose(const std::vector<double>& shares, double phase);
   Result<Image> draw(const PinholeCamera& camera);  // premultiplied RGBA
   Positions truth() const { return tracker_.truth(points_, surface_pose_); }
@@ -38,15 +40,15 @@ class Stage {
   double placeOf(const std::vector<double>& shares) const;
 
  private:
-  Stage(const StudioOptions& options, std::unique_ptr<Actor> actor);
+  StudioSet(const StudioOptions& options, std::unique_ptr<Actor> actor);
   Status chooseClasses(const StudioOptions& options);
   void measure();
 
   std::unique_ptr<Actor> actor_;
   const Tracker tracker_;
-  const Look look_;
+  const Shading shading_;
   std::vector<StudioClass> classes_;
-  std::vector<double> places_;  // [motion] what drift and folds depend on
+  std::vector<double> places_;  // [motion] the place that drift and folds depend on, 0…1
   Rig rig_;
   BoundingBox bounds_;
   double units_per_metre_ = 0;

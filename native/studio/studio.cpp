@@ -47,30 +47,30 @@ Json knobsJson(const StudioKnobs& k) {
 
 class Run {
  public:
-  Run(const StudioOptions& options, Stage& stage, const OutputFolder& out, Ticker& ticker)
-      : options_(options), stage_(stage), out_(out), ticker_(ticker) {}
+  Run(const StudioOptions& options, StudioSet& set, const OutputFolder& out, Ticker& ticker)
+      : options_(options), set_(set), out_(out), ticker_(ticker) {}
 
   Status write() {
     FOURDVT_TRY(calibration());
     FOURDVT_TRY(plates());
-    for (size_t m = 0; m < stage_.actor().motions().size(); ++m) FOURDVT_TRY(sequence(m));
-    FOURDVT_TRY(writeTruth(stage_, options_, out_, ticker_));
-    return writeText(out_.path() + "/capture.json", captureJson().dump(1) + "\n");
+    for (size_t m = 0; m < set_.actor().motions().size(); ++m) FOURDVT_TRY(sequence(m));
+    FOURDVT_TRY(writeTruth(set_, options_, out_, ticker_));
+    return platform::writeFileAtomic(out_.path() + "/capture.json", captureJson().dump(1) + "\n");
   }
   uint32_t frames() const { return frames_; }
 
  private:
   Status calibration() {
-    FOURDVT_TRY(writeColmap(out_.path() + "/cameras", miscalibrated(stage_.rig().ring, options_.knobs)));
-    FOURDVT_TRY(writeColmap(out_.path() + "/cameras_true", stage_.rig().ring));
-    return writeColmap(out_.path() + "/cameras_test", stage_.rig().test);
+    FOURDVT_TRY(writeColmap(out_.path() + "/cameras", miscalibrated(set_.rig().ring, options_.knobs)));
+    FOURDVT_TRY(writeColmap(out_.path() + "/cameras_true", set_.rig().ring));
+    return writeColmap(out_.path() + "/cameras_test", set_.rig().test);
   }
 
   Status plates() {
     FOURDVT_TRY(out_.makeFolder("background"));
-    for (size_t c = 0; c < stage_.rig().ring.size(); ++c) {
+    for (size_t c = 0; c < set_.rig().ring.size(); ++c) {
       sensors_.emplace_back(options_.knobs, int(c), options_.width, options_.height);
-      FOURDVT_TRY(platform::writeImage(out_.path() + "/background/" + stage_.rig().ring[c].name + ".png",
+      FOURDVT_TRY(platform::writeImage(out_.path() + "/background/" + set_.rig().ring[c].name + ".png",
                                        sensors_.back().plate()));
     }
     return {};
@@ -79,33 +79,34 @@ class Run {
   Status openFiles(const std::string& folder) {
     colour_.clear();
     mattes_.clear();
-    for (const PinholeCamera& camera : stage_.rig().ring)
+    for (const PinholeCamera& camera : set_.rig().ring)
       for (const int channels : {3, 1}) {
         const std::string stem = channels == 3 ? camera.name : "mask" + camera.name.substr(3);
-        FOURDVT_ASSIGN(auto file, PictureFile::create(folder + "/" + stem, options_.width, options_.height, channels,
-                                                      options_.fps, options_.images));
+        FOURDVT_ASSIGN(auto file, PictureFile::create(folder + "/" + stem, {options_.width, options_.height, channels,
+                                                                            options_.fps, options_.images}));
         (channels == 3 ? colour_ : mattes_).push_back(std::move(file));
       }
     return {};
   }
 
   Status sequence(size_t index) {
-    const Motion& motion = stage_.actor().motions()[index];
+    const Motion& motion = set_.actor().motions()[index];
     ticker_.begin(motion.name);
     const uint32_t count = frameCount(motion, options_.fps);
     const std::string folder = out_.path() + "/" + motion.name;
     FOURDVT_TRY(out_.makeFolder(motion.name + "/mesh"));
-    for (const PinholeCamera& camera : stage_.rig().test) FOURDVT_TRY(out_.makeFolder(motion.name + "/" + camera.name));
+    for (const PinholeCamera& camera : set_.rig().test) FOURDVT_TRY(out_.makeFolder(motion.name + "/" + camera.name));
     FOURDVT_TRY(openFiles(folder));
-    std::vector<double> shares(stage_.actor().motions().size(), 0);
+    std::vector<double> shares(set_.actor().motions().size(), 0);
     shares[index] = 1;
     std::vector<uint8_t> packed;
     for (uint32_t frame = 0; frame < count; ++frame) {
-      stage_.pose(shares, framePhase(motion, frame, count));
-      const Positions mesh = stage_.captured();
-      appendPacked(mesh, stage_.unitsPerMetre(), packed);
+      set_.pose(shares, framePhase(motion, frame, count));
+      const Positions mesh = set_.captured();
+      appendPacked(mesh, set_.unitsPerMetre(), packed);
       if (frames_ == 0)
-        FOURDVT_TRY(writeText(out_.path() + "/mesh_topology.obj", objText(stage_.actor().tracked().topology, mesh)));
+        FOURDVT_TRY(platform::writeFileAtomic(out_.path() + "/mesh_topology.obj",
+                                              objText(set_.actor().tracked().topology, mesh)));
       FOURDVT_TRY(photograph());
       if (frame % options_.test_every == 0) FOURDVT_TRY(holdOut(folder, frame));
       ++frames_;
@@ -117,7 +118,7 @@ class Run {
 
   Status photograph() {
     for (size_t c = 0; c < sensors_.size(); ++c) {
-      FOURDVT_ASSIGN(auto picture, stage_.draw(stage_.rig().ring[c]));
+      FOURDVT_ASSIGN(auto picture, set_.draw(set_.rig().ring[c]));
       FOURDVT_TRY(colour_[c]->write(sensors_[c].expose(picture, frames_)));
       FOURDVT_TRY(mattes_[c]->write(sensors_[c].matte(picture)));
       FOURDVT_TRY(ticker_.tick());
@@ -126,8 +127,8 @@ class Run {
   }
 
   Status holdOut(const std::string& folder, uint32_t frame) {
-    for (const PinholeCamera& camera : stage_.rig().test) {
-      FOURDVT_ASSIGN(auto picture, stage_.draw(camera));
+    for (const PinholeCamera& camera : set_.rig().test) {
+      FOURDVT_ASSIGN(auto picture, set_.draw(camera));
       FOURDVT_TRY(platform::writeImage(folder + "/" + camera.name + numberedName("/%04u.png", frame),
                                        unpremultiplied(picture)));
       FOURDVT_TRY(ticker_.tick());
@@ -145,7 +146,7 @@ class Run {
     node["mask"] = motion.name + "/maskNN" + (options_.images ? "/%06d.png" : ".mkv");
     node["mesh"] = {{"topology", "mesh_topology.obj"},
                     {"positions", motion.name + "/mesh/positions.i16"},
-                    {"units_per_metre", stage_.unitsPerMetre()}};
+                    {"units_per_metre", set_.unitsPerMetre()}};
     for (uint32_t frame = 0; frame < count; frame += options_.test_every) node["test_frames"].push_back(frame);
     node["test_images"] = motion.name + "/testNN/%04d.png";
     return node;
@@ -160,41 +161,40 @@ class Run {
                  {"handedness", "right"},
                  {"facing", "+Z"},
                  {"image_size", {options_.width, options_.height}},
-                 {"ground_y", std::round(1e3 * stage_.bounds().min.y) / 1e3}};
-    for (const Motion& motion : stage_.actor().motions()) root["sequences"].push_back(sequenceJson(motion));
-    for (const PinholeCamera& camera : stage_.rig().ring) root["cameras"].push_back(camera.name);
-    for (const PinholeCamera& camera : stage_.rig().test) root["test_cameras"].push_back(camera.name);
+                 {"ground_y", std::round(1e3 * set_.bounds().min.y) / 1e3}};
+    for (const Motion& motion : set_.actor().motions()) root["sequences"].push_back(sequenceJson(motion));
+    for (const PinholeCamera& camera : set_.rig().ring) root["cameras"].push_back(camera.name);
+    for (const PinholeCamera& camera : set_.rig().test) root["test_cameras"].push_back(camera.name);
     root["calibration"] = {{"format", "COLMAP text, PINHOLE"},
                            {"ring", "cameras/"},
                            {"ring_without_error", "cameras_true/"},
                            {"held_out", "cameras_test/"}};
     root["background"] = "background/camNN.png";
-    for (const StudioClass& c : stage_.classes())
+    for (const StudioClass& c : set_.classes())
       root["classes"].push_back({{"name", c.name}, {"parameter", c.parameter}, {"members", c.members}});
     root["studio"] = {{"actor", std::filesystem::path(options_.actor).filename().string()},
                       {"knobs", knobsJson(options_.knobs)},
                       {"samples_a_pixel", 4}};
     if (options_.truth_at.empty()) return root;
-    for (const StudioClass& c : stage_.classes()) root["studio"]["truth"].push_back("truth/" + c.name + "/truth.json");
+    for (const StudioClass& c : set_.classes()) root["studio"]["truth"].push_back("truth/" + c.name + "/truth.json");
     return root;
   }
 
   const StudioOptions& options_;
-  Stage& stage_;
+  StudioSet& set_;
   const OutputFolder& out_;
   Ticker& ticker_;
   std::vector<Sensor> sensors_;
-  std::vector<std::unique_ptr<PictureFile>> colour_, mattes_;  // of the sequence being written
+  std::vector<std::unique_ptr<PictureFile>> colour_, mattes_;  // open files of the sequence that is being written
   uint32_t frames_ = 0;
 };
 
-uint32_t sequencePictures(const Stage& stage, const StudioOptions& options) {
+uint32_t sequencePictures(const StudioSet& set, const StudioOptions& options) {
   uint32_t pictures = 0;
-  for (const Motion& motion : stage.actor().motions()) {
+  for (const Motion& motion : set.actor().motions()) {
     const uint32_t frames = frameCount(motion, options.fps);
-    pictures += frames * uint32_t(stage.rig().ring.size());
-    pictures +=
-        (frames - 1) / options.test_every * uint32_t(stage.rig().test.size()) + uint32_t(stage.rig().test.size());
+    pictures += frames * uint32_t(set.rig().ring.size());
+    pictures += (frames - 1) / options.test_every * uint32_t(set.rig().test.size()) + uint32_t(set.rig().test.size());
   }
   return pictures;
 }
@@ -224,12 +224,12 @@ std::string StudioOptions::check() const {
 Result<StudioReport> runStudio(const StudioOptions& options, const StudioEnvironment& environment) {
   if (const std::string wrong = options.check(); !wrong.empty()) return Error{ErrorId::InvalidArgument, wrong};
   FOURDVT_ASSIGN(auto out, OutputFolder::open(options.folder));
-  FOURDVT_ASSIGN(auto stage, Stage::open(options, *environment.device));
-  Ticker ticker(environment, sequencePictures(*stage, options) + truthPictures(*stage, options));
-  Run run(options, *stage, out, ticker);
+  FOURDVT_ASSIGN(auto set, StudioSet::open(options, *environment.device));
+  Ticker ticker(environment, sequencePictures(*set, options) + truthPictures(*set, options));
+  Run run(options, *set, out, ticker);
   FOURDVT_TRY(run.write());
   FOURDVT_TRY(out.keep());
-  const MeshTopology& mesh = stage->actor().tracked().topology;
+  const MeshTopology& mesh = set->actor().tracked().topology;
   return StudioReport{mesh.vertex_count, mesh.faceCount(), run.frames(), ticker.done()};
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The virtual studio: an actor, rendered from a ring of cameras, written as a capture folder (capture.h) with held-out
-// pictures, and for a motion class with the truth between its members (truth.h). Every imperfection of a real
-// capture is a knob, with a seed; the same options give the same bytes.
+// pictures, and for a motion class with the truth between its members (truth.h). Every imperfection of a real capture
+// is a knob, and one seed drives all randomness: the same options give the same bytes.
 //
 // Order of calls: options.check() → runStudio. Does NOT model motion blur, lens distortion, shadows or rolling shutter.
 #pragma once
@@ -19,19 +19,20 @@ namespace fourdvt::studio {
 struct StudioKnobs {
   uint32_t seed = 1;
   // The actor.
-  double drift_mm = 0;   // most that appearance slides over the tracked mesh between a class's first and last member
+  double drift_mm =
+      0;  // how far appearance slides over the tracked mesh between the first and last member of a class, at most
   double wrinkles = 0;   // 0…1: contrast of folds whose place on the cloth depends on the motion and its phase
   double specular = 0;   // 0…1: strength of a highlight that moves with the camera
-  double shading = 0.5;  // 0…1: of the studio's fixed lights; 0: the texture's colours as they are
-  // Between truth and capture. σ: standard deviation of a normal distribution, drawn once a camera.
+  double shading = 0.5;  // 0…1: strength of the studio's fixed lights; 0: the texture's colours as they are
+  // How the capture departs from the truth. σ: standard deviation of a normal distribution, drawn once per camera.
   double rotation_deg = 0;    // σ of the written calibration's rotation
   double translation_mm = 0;  // σ of each component of the written calibration's position
   double focal_percent = 0;   // σ of the written focal length
   double proxy_mm = 0;        // largest distance of the written mesh from the surface, along its normals, smooth
   double mesh_cell_mm = 25;   // procedural actor: size of the tracked mesh's faces
   double gain_percent = 0;    // σ of each colour channel's gain
-  double noise_levels = 0;    // σ of sensor noise, of 255, drawn anew a pixel and frame
-  double erosion_pixels = 0;  // mattes are this much too small
+  double noise_levels = 0;    // σ of sensor noise in levels of 255, drawn anew for every pixel and frame
+  double erosion_pixels = 0;  // how much too small the mattes are
 };
 
 struct StudioClass {
@@ -41,23 +42,25 @@ struct StudioClass {
 
 struct StudioOptions {
   std::string actor = "procedural";    // or a path to .glb or .gltf
-  std::string folder;                  // to write
-  std::vector<std::string> sequences;  // empty: all that the actor has (procedural: walk and run)
-  std::vector<StudioClass> classes;    // empty: procedural with two or more motions: locomotion by speed_mps
-  int cameras = 8;                     // on the ring
-  int width = 480, height = 640;       // pixels, even
+  std::string folder;                  // the folder to write
+  std::vector<std::string> sequences;  // empty: all animations of the actor (procedural: walk and run)
+  std::vector<StudioClass>
+      classes;                    // empty: the procedural actor with two or more motions makes locomotion by speed_mps
+  int cameras = 8;                // on the ring
+  int width = 480, height = 640;  // pixels, both even
   double fps = 25;
-  int test_every = 8;                                      // held-out pictures: every Nth frame
-  std::vector<double> truth_at{0, 0.2, 0.4, 0.6, 0.8, 1};  // 0: first member … 1: last one; empty: no truth
+  int test_every = 8;  // every Nth frame has held-out pictures
+  std::vector<double> truth_at{0,   0.2, 0.4,
+                               0.6, 0.8, 1};  // 0: the first member … 1: the last; empty: no truth is written
   int truth_phases = 8;
-  int truth_ring = 2;   // ring cameras that the truth is rendered from, besides the held-out ones
+  int truth_ring = 2;   // how many ring cameras the truth is rendered from, besides the held-out ones
   bool images = false;  // PNG pictures and mattes instead of videos
   StudioKnobs knobs;
-  std::string check() const;  // empty: fine; else what is wrong
+  std::string check() const;  // what is wrong; empty if nothing is
 };
 
 struct StudioProgress {
-  std::string stage;
+  std::string step;
   uint32_t done = 0, total = 0;  // pictures
 };
 
@@ -71,7 +74,7 @@ struct StudioReport {
   uint32_t vertices = 0, faces = 0, frames = 0, pictures = 0;
 };
 
-// Writes into FOLDER.work and renames at the end. Replaces an earlier studio capture, never another folder.
+// Writes into FOLDER.work and renames it at the end. Replaces an earlier studio capture, but never another folder.
 // Errors: InvalidArgument, WriteFailed, Interrupted, GpuFailure, those of openGltfActor.
 Result<StudioReport> runStudio(const StudioOptions& options, const StudioEnvironment& environment);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The capture system's mesh on an actor: every vertex of it rides on a point of the surface, which may slide with the
-// motion ("drift"), and may stand off the surface ("proxy error"). Knows the exact correspondence between motions.
+// The mesh that a capture system would track on an actor: every vertex rides on a point of the surface. The point may
+// slide over the surface with the motion ("drift"), and the vertex may stand off the surface ("proxy error"). Knows the
+// exact correspondence between motions.
 #pragma once
 
 #include "studio/actors/actor.h"
@@ -15,8 +16,9 @@ class Tracker {
 
   const Surface& actorSurface() const { return actor_surface_; }
   const Surface& trackedSurface() const { return tracked_surface_; }
-  // [vertex] the point of the actor's surface (its material) under the tracked vertex. `place`: among the class's
-  // members, 0…1; at phase 0 the points of places 0 and 1 are up to knobs.drift_mm apart along the surface.
+  // [vertex] the point of the actor's surface, its material, under the tracked vertex. `place`: position between the
+  // first (0) and last (1) member of the class. At phase 0 the points of places 0 and 1 are up to knobs.drift_mm apart
+  // along the surface.
   std::vector<SurfacePoint> points(double place, double phase) const;
   // The tracked mesh for a pose of the surface: exact, or with the proxy error.
   Positions truth(const std::vector<SurfacePoint>& points, const Positions& pose) const;
@@ -24,7 +26,7 @@ class Tracker {
   // [vertex] the point of the tracked mesh that carries at place `to` the material that the vertex carries at `from`:
   // the true alignment of their appearance.
   std::vector<SurfacePoint> alignment(double from, double to, double phase) const;
-  // Unit tangent field that drift follows, times a factor of at most 1; at a tracked vertex, in the rest pose.
+  // The tangent field that drift follows, of length at most 1, at a tracked vertex in the rest pose.
   glm::dvec3 driftDirection(uint32_t vertex) const;
 
  private:

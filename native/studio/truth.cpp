@@ -22,14 +22,14 @@ std::vector<PinholeCamera> truthCameras(const Rig& rig, const StudioOptions& opt
 
 class ClassTruth {
  public:
-  ClassTruth(Stage& stage, const StudioOptions& options, const StudioClass& motion_class, const OutputFolder& out,
+  ClassTruth(StudioSet& set, const StudioOptions& options, const StudioClass& motion_class, const OutputFolder& out,
              Ticker& ticker)
-      : stage_(stage),
+      : set_(set),
         options_(options),
         class_(motion_class),
         out_(out),
         ticker_(ticker),
-        cameras_(truthCameras(stage.rig(), options)),
+        cameras_(truthCameras(set.rig(), options)),
         folder_("truth/" + motion_class.name) {}
 
   Status write() {
@@ -41,13 +41,13 @@ class ClassTruth {
     Json root = description();
     root["steps"] = std::move(steps);
     root["alignment"] = std::move(alignment);
-    return writeText(out_.path() + "/" + folder_ + "/truth.json", root.dump(1) + "\n");
+    return platform::writeFileAtomic(out_.path() + "/" + folder_ + "/truth.json", root.dump(1) + "\n");
   }
 
  private:
-  // Of a loop the last phase is one step before the first again; otherwise it is the end.
+  // The last phase of a loop lies one step before its first; the last phase of any other motion is its end.
   double phase(int i) const {
-    const bool loop = stage_.actor().motions()[stage_.motionIndex(class_.members[0])].loop;
+    const bool loop = set_.actor().motions()[set_.motionIndex(class_.members[0])].loop;
     return double(i) / (loop ? options_.truth_phases : std::max(1, options_.truth_phases - 1));
   }
 
@@ -60,24 +60,24 @@ class ClassTruth {
     for (const PinholeCamera& camera : cameras_) root["cameras"].push_back(camera.name);
     for (int i = 0; i < options_.truth_phases; ++i) root["phases"].push_back(phase(i));
     for (const std::string& name : class_.members) {
-      const Motion& motion = stage_.actor().motions()[stage_.motionIndex(name)];
+      const Motion& motion = set_.actor().motions()[set_.motionIndex(name)];
       const uint32_t frames = frameCount(motion, options_.fps);
       for (int i = 0; i < options_.truth_phases; ++i)
         root["member_frames"][name].push_back(phase(i) * double(motion.loop ? frames : frames - 1));
     }
-    root["mesh"] = {{"topology", "../../mesh_topology.obj"}, {"units_per_metre", stage_.unitsPerMetre()}};
+    root["mesh"] = {{"topology", "../../mesh_topology.obj"}, {"units_per_metre", set_.unitsPerMetre()}};
     return root;
   }
 
   Status step(double position, Json& steps) {
     const std::string name = numberedName("w%03u", static_cast<uint32_t>(std::lround(100 * position)));
-    const std::vector<double> shares = stage_.sharesAt(class_, position);
+    const std::vector<double> shares = set_.sharesAt(class_, position);
     FOURDVT_TRY(out_.makeFolder(folder_ + "/" + name + "/mesh"));
     for (const PinholeCamera& camera : cameras_) FOURDVT_TRY(out_.makeFolder(folder_ + "/" + name + "/" + camera.name));
     std::vector<uint8_t> packed;
     for (int i = 0; i < options_.truth_phases; ++i) {
-      stage_.pose(shares, phase(i));
-      appendPacked(stage_.truth(), stage_.unitsPerMetre(), packed);
+      set_.pose(shares, phase(i));
+      appendPacked(set_.truth(), set_.unitsPerMetre(), packed);
       FOURDVT_TRY(pictures(out_.path() + "/" + folder_ + "/" + name, numberedName("/%04u.png", uint32_t(i))));
     }
     const std::string positions = name + "/mesh/positions.i16";
@@ -86,10 +86,10 @@ class ClassTruth {
     double duration_s = 0;
     glm::dvec3 velocity(0);
     for (const std::string& member : class_.members) {
-      const size_t index = stage_.motionIndex(member);
+      const size_t index = set_.motionIndex(member);
       entry["weights"].push_back(shares[index]);
-      duration_s += shares[index] * stage_.actor().motions()[index].duration_s;
-      velocity += shares[index] * stage_.actor().motions()[index].root_velocity_mps;
+      duration_s += shares[index] * set_.actor().motions()[index].duration_s;
+      velocity += shares[index] * set_.actor().motions()[index].root_velocity_mps;
     }
     if (class_.parameter == "speed_mps") entry["parameter_value"] = glm::length(velocity);
     entry["duration_s"] = duration_s;
@@ -102,7 +102,7 @@ class ClassTruth {
 
   Status pictures(const std::string& folder, const std::string& file) {
     for (const PinholeCamera& camera : cameras_) {
-      FOURDVT_ASSIGN(auto picture, stage_.draw(camera));
+      FOURDVT_ASSIGN(auto picture, set_.draw(camera));
       FOURDVT_TRY(platform::writeImage(folder + "/" + camera.name + file, unpremultiplied(picture)));
       FOURDVT_TRY(ticker_.tick());
     }
@@ -114,10 +114,10 @@ class ClassTruth {
     const std::string folder = folder_ + "/alignment/" + name;
     FOURDVT_TRY(out_.makeFolder(folder));
     const double place = double(member) / double(class_.members.size() - 1);
-    const Surface& mesh = stage_.tracker().trackedSurface();
+    const Surface& mesh = set_.tracker().trackedSurface();
     double largest = 0, sum = 0;
     for (int i = 0; i < options_.truth_phases; ++i) {
-      const auto points = stage_.tracker().alignment(0, place, phase(i));
+      const auto points = set_.tracker().alignment(0, place, phase(i));
       ByteWriter bytes;
       for (size_t v = 0; v < points.size(); ++v) {
         bytes.u32(points[v].face);
@@ -138,27 +138,27 @@ class ClassTruth {
     return {};
   }
 
-  Stage& stage_;
+  StudioSet& set_;
   const StudioOptions& options_;
   const StudioClass& class_;
   const OutputFolder& out_;
   Ticker& ticker_;
   const std::vector<PinholeCamera> cameras_;
-  const std::string folder_;  // below the output
+  const std::string folder_;  // relative to the output folder
 };
 
 }  // namespace
 
-uint32_t truthPictures(const Stage& stage, const StudioOptions& options) {
-  return static_cast<uint32_t>(stage.classes().size() * options.truth_at.size() * options.truth_phases *
-                               truthCameras(stage.rig(), options).size());
+uint32_t truthPictures(const StudioSet& set, const StudioOptions& options) {
+  return static_cast<uint32_t>(set.classes().size() * options.truth_at.size() * options.truth_phases *
+                               truthCameras(set.rig(), options).size());
 }
 
-Status writeTruth(Stage& stage, const StudioOptions& options, const OutputFolder& out, Ticker& ticker) {
+Status writeTruth(StudioSet& set, const StudioOptions& options, const OutputFolder& out, Ticker& ticker) {
   if (options.truth_at.empty()) return {};
-  for (const StudioClass& motion_class : stage.classes()) {
+  for (const StudioClass& motion_class : set.classes()) {
     FOURDVT_TRY(out.makeFolder("truth/" + motion_class.name));
-    FOURDVT_TRY(ClassTruth(stage, options, motion_class, out, ticker).write());
+    FOURDVT_TRY(ClassTruth(set, options, motion_class, out, ticker).write());
   }
   return {};
 }

@@ -2,9 +2,9 @@
 #include "studio/video.h"
 
 #include <cstdio>
-#include <filesystem>
 
 #include "platform/files.h"
+#include "platform/folders.h"
 #include "platform/video_writer.h"
 
 namespace fourdvt::studio {
@@ -24,10 +24,7 @@ class Video final : public PictureFile {
 
 class Numbered final : public PictureFile {
  public:
-  explicit Numbered(const std::string& folder) : folder_(folder) {
-    std::error_code ignored;  // the first write tells
-    std::filesystem::create_directories(folder, ignored);
-  }
+  explicit Numbered(const std::string& folder) : folder_(folder) {}
   Status write(const Image& picture) override {
     char name[24];
     std::snprintf(name, sizeof name, "/%06u.png", next_++);
@@ -40,18 +37,23 @@ class Numbered final : public PictureFile {
   uint32_t next_ = 0;
 };
 
+Result<std::unique_ptr<PictureFile>> makeNumbered(const std::string& folder) {
+  FOURDVT_TRY(platform::makeFolder(folder));
+  return std::unique_ptr<PictureFile>(std::make_unique<Numbered>(folder));
+}
+
 }  // namespace
 
-Result<std::unique_ptr<PictureFile>> PictureFile::create(const std::string& stem, int width, int height, int channels,
-                                                         double fps, bool images) {
-  if (images) return std::unique_ptr<PictureFile>(std::make_unique<Numbered>(stem));
-  auto writer = platform::VideoWriter::create(stem + (channels == 3 ? ".mp4" : ".mkv"), {.width = width,
-                                                                                         .height = height,
-                                                                                         .channels = channels,
-                                                                                         .fps = fps,
-                                                                                         .crf = kCrf,
-                                                                                         .preset = "veryfast",
-                                                                                         .reproducible = true});
+Result<std::unique_ptr<PictureFile>> PictureFile::create(const std::string& stem, const PictureFormat& format) {
+  if (format.images) return makeNumbered(stem);
+  auto writer =
+      platform::VideoWriter::create(stem + (format.channels == 3 ? ".mp4" : ".mkv"), {.width = format.width,
+                                                                                      .height = format.height,
+                                                                                      .channels = format.channels,
+                                                                                      .fps = format.fps,
+                                                                                      .crf = kCrf,
+                                                                                      .preset = "veryfast",
+                                                                                      .reproducible = true});
   if (!writer) {
     Error error = writer.error();
     if (error.id == ErrorId::Unsupported) error.message += ", or choose --images";

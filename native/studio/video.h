@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pictures of one camera over a sequence: an H.264 .mp4 (RGB, BT.709 limited range, 4:2:0, near-lossless), a
-// lossless FFV1 .mkv (one channel), or a folder of PNG files. The same pictures give the same bytes.
+// Writes the pictures of one camera over a sequence: as an H.264 .mp4 (RGB, BT.709 limited range, 4:2:0,
+// near-lossless), a lossless FFV1 .mkv (one channel), or as a folder of PNG files. The same pictures give the same
+// bytes.
 #pragma once
 
 #include <memory>
@@ -11,15 +12,21 @@
 
 namespace fourdvt::studio {
 
+struct PictureFormat {
+  int width = 0, height = 0;
+  int channels = 3;  // 3: RGB, 1: a matte
+  double fps = 0;
+  bool images = false;  // PNG files instead of a video
+};
+
 class PictureFile {
  public:
-  // stem + ".mp4" for 3 channels, ".mkv" for 1; stem + "/%06d.png" with `images`. Errors: WriteFailed, Unsupported (no
-  // encoder in this FFmpeg).
-  static Result<std::unique_ptr<PictureFile>> create(const std::string& stem, int width, int height, int channels,
-                                                     double fps, bool images);
+  // Writes `stem`.mp4 for 3 channels and `stem`.mkv for 1, or `stem`/%06d.png with `images`. Errors: WriteFailed,
+  // Unsupported (this FFmpeg lacks the encoder).
+  static Result<std::unique_ptr<PictureFile>> create(const std::string& stem, const PictureFormat& format);
   virtual ~PictureFile() = default;
   virtual Status write(const Image& picture) = 0;
-  virtual Status finish() = 0;  // last
+  virtual Status finish() = 0;  // the last call
 };
 
 }  // namespace fourdvt::studio

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "platform/files.h"
+#include "platform/folders.h"
 
 namespace fourdvt::studio {
 namespace {
@@ -39,10 +40,9 @@ Result<OutputFolder> OutputFolder::open(const std::string& given) {
       return Error{ErrorId::InvalidArgument, work + ": is in the way and was not made here; move it or choose another"};
     fs::remove_all(work, failed);
   }
-  fs::create_directories(work, failed);
-  if (failed) return notWritable(work, failed);
+  FOURDVT_TRY(platform::makeFolder(work));
   OutputFolder out(folder, work);
-  FOURDVT_TRY(writeText(work + kMarker, "A studio capture that is not finished. May be deleted.\n"));
+  FOURDVT_TRY(platform::writeFileAtomic(work + kMarker, "A studio capture that is not finished. May be deleted.\n"));
   return out;
 }
 
@@ -56,11 +56,7 @@ OutputFolder::~OutputFolder() {
   if (!work_.empty()) fs::remove_all(work_, ignored);
 }
 
-Status OutputFolder::makeFolder(const std::string& name) const {
-  std::error_code failed;
-  fs::create_directories(work_ + "/" + name, failed);
-  return failed ? Status(notWritable(work_ + "/" + name, failed)) : Status();
-}
+Status OutputFolder::makeFolder(const std::string& name) const { return platform::makeFolder(work_ + "/" + name); }
 
 Status OutputFolder::keep() {
   std::error_code failed;
@@ -78,10 +74,6 @@ Status Ticker::tick() {
   if (environment_.stop && environment_.stop->load())
     return Error{ErrorId::Interrupted, "stopped; nothing was kept, run the same command again"};
   return {};
-}
-
-Status writeText(const std::string& path, const std::string& text) {
-  return platform::writeFileAtomic(path, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
 }
 
 std::string objText(const MeshTopology& topology, const Positions& positions) {

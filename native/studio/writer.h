@@ -9,10 +9,11 @@
 
 namespace fourdvt::studio {
 
-// FOLDER.work until keep(); removed with what is in it otherwise.
+// FOLDER.work, which keep() renames to FOLDER; without keep() the destructor removes it and all it holds.
 class OutputFolder {
  public:
-  // Errors: InvalidArgument (FOLDER is there and no studio capture, FOLDER.work is there and not ours), WriteFailed.
+  // Errors: InvalidArgument (FOLDER exists and is no studio capture, or FOLDER.work exists and is not ours),
+  // WriteFailed.
   static Result<OutputFolder> open(const std::string& folder);
   OutputFolder(OutputFolder&& other) noexcept;
   OutputFolder& operator=(OutputFolder&&) = delete;
@@ -29,8 +30,8 @@ class OutputFolder {
 class Ticker {
  public:
   Ticker(const StudioEnvironment& environment, uint32_t total) : environment_(environment) { progress_.total = total; }
-  void begin(const std::string& stage) { progress_.stage = stage; }
-  Status tick();  // one picture done; Interrupted
+  void begin(const std::string& step) { progress_.step = step; }
+  Status tick();  // counts one finished picture. Errors: Interrupted
   uint32_t done() const { return progress_.done; }
 
  private:
@@ -38,11 +39,10 @@ class Ticker {
   StudioProgress progress_;
 };
 
-Status writeText(const std::string& path, const std::string& text);
-// mesh_topology.obj: faces, wedge UVs (origin bottom left), positions. 1-based "v/vt".
+// The text of mesh_topology.obj: positions, UVs with the origin at the bottom left, faces as "v/vt" counted from 1.
 std::string objText(const MeshTopology& topology, const Positions& positions);
-// Little-endian int16 [vertex][xyz], appended.
+// Appends little-endian int16 [vertex][xyz].
 void appendPacked(const Positions& positions, double units_per_metre, std::vector<uint8_t>& out);
-std::string numberedName(const char* format, uint32_t number);  // format: one %u
+std::string numberedName(const char* format, uint32_t number);  // `format` has one %u
 
 }  // namespace fourdvt::studio

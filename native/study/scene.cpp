@@ -113,7 +113,7 @@ bake::BakeOptions studyBake(const StudyContext& context, const std::string& name
   options.gop = kStudyGop;
   options.crf = kStudyCrf;
   options.layers = kPaperLayers;
-  options.classes = false;
+  options.classes.bake = false;
   options.resume = true;
   options.survey_folder = context.work() + "/survey";
   return options;

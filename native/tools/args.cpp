@@ -54,7 +54,7 @@ Args::Args(const CommandHelp& help, int argc, char** argv) {
     if (!option->value && joined) complain(name + " takes no value");
     if (option->value && !joined) {
       const char* next = i + 1 < argc ? argv[i + 1] : nullptr;
-      // A following option is a forgotten value, unless it is a negative number.
+      // If an option follows, the value was forgotten, unless what follows is a negative number.
       if (!next || (next[0] == '-' && next[1] != '\0' && !std::strchr("0123456789.", next[1]))) {
         complain(name + " needs a value: " + option->value);
         continue;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A strict command line: declared options only, every value checked, the first problem kept as one line.
+// A strict command line: declared options only, every value checked, and the first problem is kept as one line.
 // Order of calls: construct → read every option → problem(). Does NOT exit or print.
 #pragma once
 
@@ -16,8 +16,8 @@ constexpr int kOk = 0, kFailed = 1, kUsage = 2, kInterrupted = 130;
 
 struct Option {
   const char* name;     // "--layers", or a short one such as "-o"
-  const char* value;    // what the help calls the value; nullptr: a flag
-  const char* meaning;  // one line, with default and unit
+  const char* value;    // how the help calls the value; nullptr: the option is a flag
+  const char* meaning;  // one line that gives default and unit
 };
 
 struct CommandHelp {
@@ -41,10 +41,10 @@ class Args {
   int integer(const char* name, int otherwise, int low, int high);
   double number(const char* name, double otherwise, double low, double high);
   std::vector<std::string> list(const char* name);  // comma-separated, no empty entries
-  // "720x960", each side 1..high.
+  // Such as "720x960", each side from 1 to `high`.
   std::optional<std::pair<int, int>> size(const char* name, int high);
-  void complain(const std::string& problem);               // keeps the first
-  const std::string& problem() const { return problem_; }  // empty: all good
+  void complain(const std::string& problem);               // keeps the first problem
+  const std::string& problem() const { return problem_; }  // empty if there is none
 
  private:
   std::map<std::string, std::string> values_;
@@ -53,7 +53,7 @@ class Args {
 };
 
 std::string helpText(const CommandHelp& help);
-// Prints help or the problem; kOk or kUsage if the command must not run, nullopt if it may.
+// Prints the help or the problem and returns kOk or kUsage; nullopt if the command may run.
 std::optional<int> helpOrProblem(const CommandHelp& help, const Args& args);
 // Prints "fourdvt: MESSAGE" and returns the exit code of the error.
 int fail(const Error& error);

@@ -29,7 +29,7 @@ const char* qualityHelp() {
 
 const char* presetHelp() {
   static const std::string text = [] {
-    std::string t = "the encoder's own speed (default: of the quality):";
+    std::string t = "the encoder's own name of a speed (default: of the quality):";
     for (const bake::Codec codec : {bake::Codec::H264, bake::Codec::Vp9, bake::Codec::Av1})
       t += std::string("\n                          ") + bake::codecName(codec) + ": " + bake::presetExplanation(codec);
     return t;
@@ -48,12 +48,12 @@ const CommandHelp& help() {
        {"--codec", "NAME", "h264 (plays everywhere, the default), vp9 or av1 (smaller, slower to bake)"},
        {"--layers", "N", "texture layers, 1 to 6 (default: of the quality)"},
        {"--texture", "N", "texels, side of layer 1 (default: of the quality)"},
-       {"--equal-layers", nullptr, "all layers of the size of layer 1; else further layers have half of it"},
+       {"--equal-layers", nullptr, "give all layers the size of layer 1 (default: further layers have half of it)"},
        {"--crf", "N",
         "rate factor, lower is better: 0 to 51 for h264, 0 to 63 for vp9 and av1 (default: of the quality)"},
        {"--preset", "NAME", presetHelp()},
        {"--labels", "MODE",
-        "which cameras a face takes: joint (default), or as in the papers naive, spatial,\n"
+        "how faces choose their cameras: joint (default), or as in the papers naive, spatial,\n"
         "                          temporal-paper or per-texel"},
        {"--penalty", "NAME",
         "what makes a camera worse for a face: axis (optical axis, as in the papers; default),\n"
@@ -65,9 +65,9 @@ const CommandHelp& help() {
         "classes: baked (what the members show is aligned on the surface; default) or none (quicker)"},
        {"--blend-error", "MM",
         "classes: how far the blended mesh may be from the non-linear blend, millimetres (default 3)"},
-       {"--gop", "N", "frames a group of pictures at most (default 20)"},
-       {"--jobs", "N", "worker threads, 0: as many as cores (default 0)"},
-       {"--resume", nullptr, "reuse what an interrupted run with the same settings finished"}}};
+       {"--gop", "N", "largest number of frames per group of pictures (default 20)"},
+       {"--jobs", "N", "worker threads; 0: one per core (default 0)"},
+       {"--resume", nullptr, "continue an interrupted run with the same settings"}}};
   return text;
 }
 
@@ -81,7 +81,7 @@ std::string timeLeft(double seconds) {
   return text;
 }
 
-// One line, rewritten in place on a terminal; elsewhere a line every 5 s, and one when all frames are encoded.
+// Prints one line, rewritten in place, on a terminal; elsewhere a line every 5 s, and one when all frames are encoded.
 class ProgressLine {
  public:
   void show(const bake::Progress& p) {
@@ -116,7 +116,7 @@ class ProgressLine {
   std::chrono::steady_clock::time_point last_;
 };
 
-// The value of `name`, one of `known`; `otherwise` where it is not given or none of them.
+// The value of option `name`, which must be one of `known`; `otherwise` if it is not given or is none of them.
 template <class T>
 T choice(Args& args, const char* name, T otherwise, std::initializer_list<std::pair<const char*, T>> known) {
   if (!args.has(name)) return otherwise;
@@ -129,7 +129,7 @@ T choice(Args& args, const char* name, T otherwise, std::initializer_list<std::p
   return otherwise;
 }
 
-// Quality and codec first, then what is given explicitly.
+// Applies quality and codec first, so that options that are given explicitly win.
 void readEncoding(Args& args, bake::BakeOptions& o) {
   bake::Codec codec = o.codec;
   if (args.has("--codec") && !bake::parseCodec(args.text("--codec"), codec))
@@ -168,9 +168,9 @@ bake::BakeOptions readOptions(Args& args) {
                              {{"bilinear", bake::ResampleFilter::Bilinear},
                               {"mipmap", bake::ResampleFilter::Mipmap},
                               {"bicubic", bake::ResampleFilter::Bicubic}});
-  o.classes = !args.has("--no-classes");
-  o.align = choice(args, "--align", o.align, {{"baked", true}, {"none", false}});
-  o.blend_error_m = args.number("--blend-error", o.blend_error_m * 1e3, 0.01, 1000) / 1e3;
+  o.classes.bake = !args.has("--no-classes");
+  o.classes.align = choice(args, "--align", o.classes.align, {{"baked", true}, {"none", false}});
+  o.classes.blend_error_m = args.number("--blend-error", o.classes.blend_error_m * 1e3, 0.01, 1000) / 1e3;
   o.colour_calibration = !args.has("--no-colour-calibration");
   return o;
 }
@@ -178,7 +178,7 @@ bake::BakeOptions readOptions(Args& args) {
 void printSummary(const bake::BakeOptions& options, const bake::BakeReport& report, double seconds) {
   uint64_t bytes = 0;
   for (const auto& [part, size] : report.bytes_by_part) bytes += size;
-  std::printf("%s: %u frames, %.2f MB, %.1f s (%.2f s a frame), peak memory %.0f MB\nfigures: %s/report.html\n",
+  std::printf("%s: %u frames, %.2f MB, %.1f s (%.2f s per frame), peak memory %.0f MB\nfigures: %s/report.html\n",
               options.character_folder.c_str(), report.frames, bytes / 1e6, seconds,
               report.frames ? seconds / report.frames : 0.0, report.peak_rss_bytes / 1e6,
               options.character_folder.c_str());

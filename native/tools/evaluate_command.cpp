@@ -3,11 +3,11 @@
 
 #include <chrono>
 #include <cstdio>
-#include <filesystem>
 #include <optional>
 
 #include "measure/held_out.h"
 #include "platform/files.h"
+#include "platform/folders.h"
 #include "study/study.h"
 #include "tools/args.h"
 #include "tools/commands.h"
@@ -31,7 +31,7 @@ const CommandHelp& help() {
       {{"-o", "FOLDER", "report folder (required without --character; with it: evaluate.csv, .txt and worst.png)"},
        {"--sequences", "A,B", "only these sequences (default: all)"},
        {"--quick", nullptr, "the shortest sequence, few views and settings: for a first look"},
-       {"--jobs", "N", "worker threads of the bakes, 0: as many as cores (default 0)"},
+       {"--jobs", "N", "worker threads of the bakes; 0: one per core (default 0)"},
        {"--character", "CHARACTER", "score this character folder, baked from CAPTURE"},
        {"--input-every", "N", "with --character: input cameras, every Nth frame, 0: none (default 4)"},
        {"--yardstick", nullptr, "with --character: also plain projective texturing, no layers, no codec"}}};
@@ -65,7 +65,7 @@ Arguments readArguments(Args& args) {
   return a;
 }
 
-// One line, rewritten in place on a terminal; elsewhere a line every 5 s.
+// Prints one line, rewritten in place, on a terminal; elsewhere a line every 5 s.
 class ProgressLine {
  public:
   void show(const study::StudyProgress& p) {
@@ -86,7 +86,7 @@ class ProgressLine {
 
  private:
   using Clock = std::chrono::steady_clock;
-  // What earlier runs finished does not count.
+  // Work that earlier runs finished does not count.
   std::string timeLeft(Clock::time_point now, double share) const {
     const double elapsed_s = std::chrono::duration<double>(now - *started_).count(), done = share - first_share_;
     if (elapsed_s < 3 || done < 0.01) return "";
@@ -130,23 +130,17 @@ int runWholeStudy(const Arguments& arguments) {
   return kOk;
 }
 
-Status writeText(const std::string& path, const std::string& text) {
-  return platform::writeFileAtomic(path, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
-}
-
 Status writeReport(const std::string& folder, const measure::HeldOutReport& report) {
-  FOURDVT_TRY(writeText(folder + "/evaluate.csv", measure::scoreCsv(report)));
-  FOURDVT_TRY(writeText(folder + "/evaluate.txt", measure::scoreTable(report)));
+  FOURDVT_TRY(platform::writeFileAtomic(folder + "/evaluate.csv", measure::scoreCsv(report)));
+  FOURDVT_TRY(platform::writeFileAtomic(folder + "/evaluate.txt", measure::scoreTable(report)));
   if (report.worst.empty()) return {};
   return platform::writeImage(folder + "/worst.png", measure::contactSheet(report.worst));
 }
 
 int scoreCharacter(const Arguments& arguments) {
   const std::string& output = arguments.output;
-  std::error_code failed;
-  if (!output.empty()) std::filesystem::create_directories(output, failed);
-  if (failed)
-    return fail({ErrorId::WriteFailed, output + ": " + failed.message() + "; choose a folder that is writable"});
+  if (!output.empty())
+    if (const Status made = platform::makeFolder(output); !made.ok()) return fail(made.error());
   auto session = openCharacter(arguments.character);
   if (!session.ok()) return fail(session.error());
   auto capture = capture::openCapture(arguments.capture, videoOpener(), arguments.sequences);

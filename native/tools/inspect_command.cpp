@@ -112,7 +112,7 @@ class Inspection {
     chunk_mesh_ = package::makeChunkMesh(mesh.value());
     if (t.vertex_count == character_.vertex_count && t.faceCount() == character_.face_count) return {};
     return Error{ErrorId::MeshDataInvalid,
-                 file + ": base mesh has other counts than the manifest; bake the character again"};
+                 file + ": its numbers of vertices and faces are not those of the manifest; bake the character again"};
   }
 
   Status checkSize(const std::string& file, uint64_t expected, ErrorId id) const {
@@ -262,7 +262,7 @@ class Inspection {
   package::Character character_;
   package::ChunkMesh chunk_mesh_;
   std::vector<SequenceSizes> sizes_;
-  motion::MotionGraph graph_;  // no states if there is none
+  motion::MotionGraph graph_;  // without states if the character has none
   uint64_t poster_bytes_ = 0;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How motion is asked for in text: parameters, cues, alignment. On the command line and in scene files alike.
+// How text asks for motion: parameters, cues, alignment; the same on the command line and in scene files.
 #pragma once
 
 #include <optional>
@@ -15,14 +15,14 @@ namespace fourdvt::tools {
 enum class AlignMethod { None, Baked, FlowGpu, FlowDis, FlowOpencv, FlowOpencvDis };
 constexpr const char* kAlignNames = "none, baked, flow-gpu, flow-dis, flow-opencv or flow-opencv-dis";
 std::optional<AlignMethod> alignMethod(const std::string& name);
-// Gives the recipe the flow that the method needs. Errors: Unsupported (no float render targets).
+// Sets up the flow that the method needs in the recipe. Errors: Unsupported (no float render targets).
 Result<render::Align> prepareAlign(AlignMethod method, gpu::Device& device, render::Recipe& recipe);
 
 using Parameters = std::vector<std::pair<std::string, double>>;
-// Errors: InvalidArgument: no class of the character has such a parameter; `character` is for the message.
+// Errors: InvalidArgument (no class of the character has such a parameter). `character` is for the message.
 Status setParameters(Player& player, const Parameters& parameters, const std::string& character);
 
-struct Cue {  // at this time on to that state
+struct Cue {  // at this time, go to that state
   std::string state;
   double at_s = 0;
 };
@@ -34,7 +34,7 @@ std::optional<std::pair<std::string, double>> parseParameter(const std::string& 
 std::optional<Cue> parseCue(const std::string& text);                                   // STATE@SECONDS, or STATE: at 0
 std::optional<Sweep> parseSweep(const std::string& text);                               // NAME=FROM:TO
 
-// The sequence or class of this name. Errors: InvalidArgument, with the names that there are.
+// The sequence or class of this name. Errors: InvalidArgument, whose message lists the names there are.
 Result<const package::Sequence*> findState(const package::Character& character, const std::string& name,
                                            const std::string& folder);
 

@@ -47,15 +47,16 @@ std::optional<double> optionalNumber(Args& args, const char* name, double low, d
 
 void readMethod(Args& args, RenderArguments& a) {
   const std::string method = args.text("--method", "layered");
-  a.fvvr = method == "fvvr";
-  if (!a.fvvr && method != "layered") args.complain("--method must be layered or fvvr, not \"" + method + "\"");
-  a.capture_folder = args.text("--capture");
-  a.fvvr_options.closest = args.integer("--closest", 0, 1, package::kMaxCameras);
-  a.fvvr_options.background = a.recipe.background;
-  if (a.fvvr && a.capture_folder.empty()) args.complain("--method fvvr needs --capture CAPTURE with the videos");
-  if (!a.fvvr && (args.has("--capture") || args.has("--closest")))
+  a.fvvr.wanted = method == "fvvr";
+  if (!a.fvvr.wanted && method != "layered") args.complain("--method must be layered or fvvr, not \"" + method + "\"");
+  a.fvvr.capture_folder = args.text("--capture");
+  a.fvvr.options.closest = args.integer("--closest", 0, 1, package::kMaxCameras);
+  a.fvvr.options.background = a.recipe.background;
+  if (a.fvvr.wanted && a.fvvr.capture_folder.empty())
+    args.complain("--method fvvr needs --capture CAPTURE with the videos");
+  if (!a.fvvr.wanted && (args.has("--capture") || args.has("--closest")))
     args.complain("--capture and --closest belong to --method fvvr");
-  if (a.fvvr && (!a.turntable.empty() || !a.debug.empty()))
+  if (a.fvvr.wanted && (!a.turntable.empty() || !a.debug.empty()))
     args.complain("--method fvvr is for stills and takes no --debug");
 }
 
@@ -95,7 +96,7 @@ void readMotion(Args& args, RenderArguments& a) {
 void checkMotion(Args& args, const RenderArguments& a) {
   const bool playing = a.sweep || !a.cues.empty();
   if (int(a.sweep.has_value()) + int(!a.cues.empty()) + int(!a.scene.empty()) + int(!a.turntable.empty()) +
-          int(a.fvvr) >
+          int(a.fvvr.wanted) >
       1)
     args.complain("--sweep, --play, --scene, --turntable and --method fvvr exclude each other");
   if (a.movie() && !playing && a.scene.empty()) args.complain("a movie needs --sweep, --play, --scene or --turntable");
@@ -103,29 +104,30 @@ void checkMotion(Args& args, const RenderArguments& a) {
   if (!playing && args.has("--travel")) args.complain("--travel belongs to --sweep and --play");
   if (!playing && args.has("--fps")) args.complain("--fps belongs to --sweep and --play");
   if (!playing && a.scene.empty() && a.follow) args.complain("--follow belongs to --sweep, --play and --scene");
-  if ((playing || !a.scene.empty()) && (!a.camera.empty() || !a.debug.empty()))
+  if ((playing || !a.scene.empty()) && (!a.view.camera.empty() || !a.debug.empty()))
     args.complain("--camera and --debug are for stills of one character");
   if (playing && (args.has("--frame") || a.phase)) args.complain("--sweep and --play take neither --frame nor --phase");
   if (!a.scene.empty() && (!a.sequence.empty() || !a.parameters.empty() || a.phase))
     args.complain("the scene's file says which state and parameter; give them there");
-  if (a.fvvr && (a.wants_class || !a.parameters.empty() || a.phase))
+  if (a.fvvr.wanted && (a.wants_class || !a.parameters.empty() || a.phase))
     args.complain("--method fvvr renders captured frames: neither --class nor --parameter nor --phase");
 }
 
 void checkCombination(Args& args, const RenderArguments& a) {
   if (a.output.empty() && a.turntable.empty()) args.complain("-o PICTURE or --turntable MOVIE is required");
   if (!a.output.empty() && !a.turntable.empty()) args.complain("-o and --turntable exclude each other");
-  const bool orbit = a.azimuth_deg || a.elevation_deg || a.distance_m || a.vertical_fov_deg;
-  if (orbit && !a.camera.empty())
+  const bool orbit = a.view.azimuth_deg || a.view.elevation_deg || a.view.distance_m || a.view.vertical_fov_deg;
+  if (orbit && !a.view.camera.empty())
     args.complain("--camera and --azimuth, --elevation, --distance, --fov exclude each other");
-  if (!a.cameras_folder.empty() && a.camera.empty()) args.complain("--cameras needs --camera NAME as well");
-  if (!a.turntable.empty() && (!a.camera.empty() || args.has("--frame") || a.phase))
+  if (!a.view.cameras_folder.empty() && a.view.camera.empty()) args.complain("--cameras needs --camera NAME as well");
+  if (!a.turntable.empty() && (!a.view.camera.empty() || args.has("--frame") || a.phase))
     args.complain("--turntable takes neither --camera nor --frame nor --phase");
   const bool movie = a.movie() || !a.turntable.empty();
   if (!movie && args.has("--seconds")) args.complain("--seconds belongs to movies");
   if (!a.turntable.empty() && (a.debug == "layers" || a.debug == "labels"))
     args.complain("--debug " + a.debug + " is for stills");
-  if (movie && a.size && (a.size->first % 2 || a.size->second % 2)) args.complain("--size of a movie must be even");
+  if (movie && a.view.size && (a.view.size->first % 2 || a.view.size->second % 2))
+    args.complain("--size of a movie must be even");
   if (a.output.empty()) return;
   const std::string extension = std::filesystem::path(a.output).extension().string();
   if (!a.movie() && extension != ".png" && extension != ".jpg" && extension != ".webp")
@@ -183,13 +185,13 @@ RenderArguments readRenderArguments(Args& args) {
   a.turntable = args.text("--turntable");
   a.sequence = args.text("--sequence");
   a.frame = args.integer("--frame", 0, 0, 100'000'000);
-  a.size = args.size("--size", kMaxSide);
-  a.camera = args.text("--camera");
-  a.cameras_folder = args.text("--cameras");
-  a.azimuth_deg = optionalNumber(args, "--azimuth", -3600, 3600);
-  a.elevation_deg = optionalNumber(args, "--elevation", -90, 90);
-  a.distance_m = optionalNumber(args, "--distance", 0.01, 1e4);
-  a.vertical_fov_deg = optionalNumber(args, "--fov", 1, 150);
+  a.view.size = args.size("--size", kMaxSide);
+  a.view.camera = args.text("--camera");
+  a.view.cameras_folder = args.text("--cameras");
+  a.view.azimuth_deg = optionalNumber(args, "--azimuth", -3600, 3600);
+  a.view.elevation_deg = optionalNumber(args, "--elevation", -90, 90);
+  a.view.distance_m = optionalNumber(args, "--distance", 0.01, 1e4);
+  a.view.vertical_fov_deg = optionalNumber(args, "--fov", 1, 150);
   a.seconds = args.number("--seconds", 0, 0.1, 3600);
   a.recipe.background = background(args);
   a.recipe.ground_shadow = !args.has("--no-shadow");
@@ -203,31 +205,32 @@ RenderArguments readRenderArguments(Args& args) {
 
 OrbitView chooseOrbit(const RenderArguments& a, const package::Character& character, int width, int height) {
   OrbitView view = defaultOrbit(character.bounds, double(width) / height);
-  if (a.azimuth_deg) view.azimuth_deg = *a.azimuth_deg;
-  if (a.elevation_deg) view.elevation_deg = *a.elevation_deg;
-  if (a.distance_m) view.distance_m = *a.distance_m;
-  if (a.vertical_fov_deg) view.vertical_fov_deg = *a.vertical_fov_deg;
+  if (a.view.azimuth_deg) view.azimuth_deg = *a.view.azimuth_deg;
+  if (a.view.elevation_deg) view.elevation_deg = *a.view.elevation_deg;
+  if (a.view.distance_m) view.distance_m = *a.view.distance_m;
+  if (a.view.vertical_fov_deg) view.vertical_fov_deg = *a.view.vertical_fov_deg;
   return view;
 }
 
 Result<PinholeCamera> chooseCamera(const RenderArguments& a, const package::Character& character) {
-  if (a.camera.empty()) {
-    const auto [width, height] = a.size.value_or(std::pair{720, 960});
+  if (a.view.camera.empty()) {
+    const auto [width, height] = a.view.size.value_or(std::pair{720, 960});
     return cameraFromOrbit(chooseOrbit(a, character, width, height), width, height);
   }
   std::vector<PinholeCamera> cameras = character.cameras;
-  if (!a.cameras_folder.empty()) {
-    FOURDVT_ASSIGN(auto read, capture::readColmapCameras(a.cameras_folder));
+  if (!a.view.cameras_folder.empty()) {
+    FOURDVT_ASSIGN(auto read, capture::readColmapCameras(a.view.cameras_folder));
     cameras.clear();
     for (const auto& camera : read) cameras.push_back(camera.pinhole);
   }
   std::string known;
   for (const PinholeCamera& camera : cameras) {
-    if (camera.name == a.camera) return a.size ? scaledCamera(camera, a.size->first, a.size->second) : camera;
+    if (camera.name == a.view.camera)
+      return a.view.size ? scaledCamera(camera, a.view.size->first, a.view.size->second) : camera;
     known += (known.empty() ? "" : ", ") + camera.name;
   }
-  return Error{ErrorId::InvalidArgument, (a.cameras_folder.empty() ? a.character : a.cameras_folder) +
-                                             ": has no camera \"" + a.camera + "\"; it has " + known};
+  return Error{ErrorId::InvalidArgument, (a.view.cameras_folder.empty() ? a.character : a.view.cameras_folder) +
+                                             ": has no camera \"" + a.view.camera + "\"; it has " + known};
 }
 
 }  // namespace fourdvt::tools

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `fourdvt render` was asked for, checked against the character where that needs one.
+// What `fourdvt render` is asked for. What depends on the character is checked once there is one.
 #pragma once
 
 #include <string>
@@ -13,29 +13,39 @@
 
 namespace fourdvt::tools {
 
+// Where the picture is taken from.
+struct ViewArguments {
+  std::optional<std::pair<int, int>> size;
+  std::string camera, cameras_folder;  // camera name; folder of a COLMAP model, empty: the character's own cameras
+  std::optional<double> azimuth_deg, elevation_deg, distance_m, vertical_fov_deg;
+};
+
+// The free-viewpoint baseline instead of the layers.
+struct FvvrArguments {
+  bool wanted = false;
+  std::string capture_folder;
+  render::FvvrOptions options;
+};
+
 struct RenderArguments {
   std::string character, output, turntable;
   std::string sequence;  // or class; empty: the first
   bool wants_class = false;
   int frame = 0;
-  std::optional<double> phase;  // of one pass, 0…1, instead of the frame
+  std::optional<double> phase;  // position in one pass, 0…1; instead of the frame
   Parameters parameters;
   AlignMethod align = AlignMethod::Baked;
   std::optional<Sweep> sweep;
   std::vector<Cue> cues;
   bool travel = false, follow = false;
   std::string scene;  // scene.json instead of `character`
-  double fps = 25;    // of sweeps and cues
-  std::optional<std::pair<int, int>> size;
-  std::string camera, cameras_folder;  // camera name; folder of a COLMAP model, empty: the character's own
-  std::optional<double> azimuth_deg, elevation_deg, distance_m, vertical_fov_deg;
-  double seconds = 0;  // of movies; 0: what their kind takes
+  double fps = 25;    // of movies by --sweep and --play
+  ViewArguments view;
+  double seconds = 0;  // length of a movie; 0: what its kind takes
   std::string debug;   // "", labels, layers, weights, normals
   render::RecipeOptions recipe;
-  bool fvvr = false;           // the free-viewpoint baseline instead of the layers
-  std::string capture_folder;  // fvvr only
-  render::FvvrOptions fvvr_options;
-  bool movie() const;  // the output is one
+  FvvrArguments fvvr;
+  bool movie() const;  // whether the output is a movie
 };
 
 const CommandHelp& renderHelp();

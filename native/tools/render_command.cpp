@@ -27,14 +27,14 @@ Image besideEachOther(const std::vector<Image>& pictures) {
   return out;
 }
 
-// Free-viewpoint rendering of the capture's own frame.
+// Renders a captured frame by free-viewpoint video rendering (ALGORITHMS 7).
 Status renderFvvr(CharacterSession& session, const RenderArguments& arguments, const std::string& sequence) {
   FOURDVT_ASSIGN(auto view, chooseCamera(arguments, session.character()));
-  auto capture = capture::openCapture(arguments.capture_folder, videoOpener(), {sequence});
+  auto capture = capture::openCapture(arguments.fvvr.capture_folder, videoOpener(), {sequence});
   if (!capture.ok()) return capture.error();
   const capture::CaptureSequence& filmed = *capture.value().find(sequence);
   if (static_cast<uint32_t>(arguments.frame) >= filmed.frame_count)
-    return Error{ErrorId::InvalidArgument, arguments.capture_folder + ": " + sequence + " has frames 0 to " +
+    return Error{ErrorId::InvalidArgument, arguments.fvvr.capture_folder + ": " + sequence + " has frames 0 to " +
                                                std::to_string(filmed.frame_count - 1)};
   FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(capture.value(), filmed, videoOpener(), arguments.frame));
   FOURDVT_ASSIGN(auto frame, reader->next());
@@ -43,8 +43,8 @@ Status renderFvvr(CharacterSession& session, const RenderArguments& arguments, c
   for (const auto& camera : capture.value().cameras) cameras.push_back(camera.pinhole);
   FOURDVT_ASSIGN(auto fvvr, render::Fvvr::create(*session.gpu.device, cameras, capture.value().topology));
   const render::View seen = render::viewFromCamera(view);
-  FOURDVT_TRY(fvvr->setFrame(frame.positions, frame.pictures, fvvr->camerasOf(seen, arguments.fvvr_options)));
-  FOURDVT_ASSIGN(auto picture, fvvr->renderStill(seen, arguments.fvvr_options));
+  FOURDVT_TRY(fvvr->setFrame(frame.positions, frame.pictures, fvvr->camerasOf(seen, arguments.fvvr.options)));
+  FOURDVT_ASSIGN(auto picture, fvvr->renderStill(seen, arguments.fvvr.options));
   return platform::writeImage(arguments.output, picture, 95);
 }
 
@@ -64,9 +64,9 @@ Status renderStill(CharacterSession& session, const RenderArguments& arguments, 
   return platform::writeImage(arguments.output, besideEachOther(pictures), 95);
 }
 
-// The sequence repeats while the azimuth goes once round, starting and ending at the still's azimuth.
+// The sequence repeats while the camera goes once round, starting and ending at the still's azimuth.
 Status renderTurntable(CharacterSession& session, const RenderArguments& arguments, const package::Sequence& sequence) {
-  const auto [width, height] = arguments.size.value_or(std::pair{720, 960});
+  const auto [width, height] = arguments.view.size.value_or(std::pair{720, 960});
   const double loops = std::ceil(8.0 / sequence.duration_s());
   const double seconds = arguments.seconds > 0 ? arguments.seconds : loops * sequence.duration_s();
   const int frames = std::max(1, static_cast<int>(std::lround(seconds * sequence.fps)));
@@ -118,7 +118,7 @@ int renderCommand(int argc, char** argv) {
     return fail({ErrorId::InvalidArgument,
                  arguments.character + ": " + name + " has frames 0 to " + std::to_string(sequence.frame_count - 1)});
   if (const Status ready = prepareMotion(session.value(), arguments); !ready.ok()) return fail(ready.error());
-  const Status status = arguments.fvvr                ? renderFvvr(session.value(), arguments, name)
+  const Status status = arguments.fvvr.wanted         ? renderFvvr(session.value(), arguments, name)
                         : arguments.turntable.empty() ? renderStill(session.value(), arguments, sequence)
                                                       : renderTurntable(session.value(), arguments, sequence);
   return status.ok() ? kOk : fail(status.error());

@@ -19,10 +19,10 @@ namespace {
 
 constexpr double kSweep_s = 8, kAfterLastCue_s = 4, kScene_s = 6;
 
-// Camera of frame i; called in order, after the stage has advanced to it.
+// Camera of frame i; called in order, after the ensemble has advanced to it.
 using CameraOf = std::function<PinholeCamera(int frame)>;
 
-// The orbit round the character's first place; follows the character if asked to.
+// Orbits round where the character stands first, or follows the character if asked to.
 CameraOf orbitCamera(const RenderArguments& arguments, Player& player, int width, int height) {
   const OrbitView orbit = chooseOrbit(arguments, *player.character(), width, height);
   const motion::Placement start = player.placement();
@@ -36,7 +36,7 @@ CameraOf orbitCamera(const RenderArguments& arguments, Player& player, int width
 }
 
 struct Show {
-  Stage& stage;
+  Ensemble& ensemble;
   CameraOf camera;
   double fps;
   int frames;
@@ -45,9 +45,9 @@ struct Show {
 };
 
 Result<Image> drawFrame(const Show& show, int frame, const render::RecipeOptions& recipe) {
-  if (frame > 0) FOURDVT_TRY(show.stage.advance(1 / show.fps));
+  if (frame > 0) FOURDVT_TRY(show.ensemble.advance(1 / show.fps));
   FOURDVT_TRY(show.prepare(frame));
-  return show.stage.draw(render::viewFromCamera(show.camera(frame)), show.scene, recipe);
+  return show.ensemble.draw(render::viewFromCamera(show.camera(frame)), show.scene, recipe);
 }
 
 Status writeMovie(const Show& show, const RenderArguments& arguments) {
@@ -66,14 +66,14 @@ Status writeMovie(const Show& show, const RenderArguments& arguments) {
   return writer->finish();
 }
 
-// Frame `arguments.frame` of the show.
+// Writes frame `arguments.frame` of the show.
 Status writePicture(const Show& show, const RenderArguments& arguments) {
   Result<Image> picture = Image();
   for (int i = 0; i <= arguments.frame; ++i) {
     if (i == arguments.frame)
       picture = drawFrame(show, i, arguments.recipe);
     else if (i > 0)
-      FOURDVT_TRY(show.stage.advance(1 / show.fps));
+      FOURDVT_TRY(show.ensemble.advance(1 / show.fps));
     if (!picture.ok()) return picture.error();
   }
   return platform::writeImage(arguments.output, picture.value(), 95);
@@ -81,7 +81,7 @@ Status writePicture(const Show& show, const RenderArguments& arguments) {
 
 int frameCount(double seconds, double fps) { return std::max(1, static_cast<int>(std::lround(seconds * fps))); }
 
-// What the camera took, frame by frame; the last picture stays when a video ends.
+// The background, frame by frame; when a video ends, its last picture stays.
 class Background {
  public:
   static Result<Background> open(gpu::Device& device, const std::string& path) {
@@ -150,13 +150,13 @@ Status addMeshes(gpu::Device& device, const std::vector<std::string>& paths, boo
   return {};
 }
 
-// --size, the scene's, the camera's, the background's; even for movies.
+// The size of the output: --size, else the scene's, the camera's or the background's; even for movies.
 std::pair<int, int> sceneSize(const RenderArguments& arguments, const SceneFile& file, const Background& background) {
   std::pair<int, int> size{720, 960};
   if (background.texture()) size = {background.width(), background.height()};
   if (!file.cameras.empty()) size = {file.cameras[0].width, file.cameras[0].height};
   if (file.size) size = *file.size;
-  if (arguments.size) size = *arguments.size;
+  if (arguments.view.size) size = *arguments.view.size;
   if (!arguments.movie()) return size;
   return {std::max(2, size.first & ~1), std::max(2, size.second & ~1)};
 }
@@ -165,14 +165,14 @@ std::pair<int, int> sceneSize(const RenderArguments& arguments, const SceneFile&
 
 Status renderMotion(const RenderArguments& arguments) {
   FOURDVT_ASSIGN(auto gpu, openGpu());
-  FOURDVT_ASSIGN(auto stage, Stage::create(gpu, arguments.align));
+  FOURDVT_ASSIGN(auto ensemble, Ensemble::create(gpu, arguments.align));
   ActorOptions actor{arguments.character, arguments.sequence, arguments.parameters, {}, arguments.travel, {}};
   actor.cues = arguments.cues;
   if (actor.state.empty() && !actor.cues.empty() && actor.cues[0].at_s == 0) actor.state = actor.cues[0].state;
   const std::optional<Sweep> sweep = arguments.sweep;
   if (sweep) actor.parameters.emplace_back(sweep->parameter, sweep->from);
-  FOURDVT_TRY(stage->add(actor));
-  Player& player = stage->player(0);
+  FOURDVT_TRY(ensemble->add(actor));
+  Player& player = ensemble->player(0);
   if (sweep && motion::findParameter(*player.sequence(), sweep->parameter) < 0)
     return Error{ErrorId::InvalidArgument, arguments.character + ": " + player.sequence()->name + " is no class by " +
                                                sweep->parameter + "; choose one with --class"};
@@ -181,14 +181,14 @@ Status renderMotion(const RenderArguments& arguments) {
                                  return a.at_s < b.at_s;
                                })->at_s;
   const double seconds = arguments.seconds > 0 ? arguments.seconds : sweep ? kSweep_s : last_cue_s + kAfterLastCue_s;
-  const auto [width, height] = arguments.size.value_or(std::pair{720, 960});
+  const auto [width, height] = arguments.view.size.value_or(std::pair{720, 960});
   const int frames = frameCount(seconds, arguments.fps);
   const auto sweepTo = [&](int frame) -> Status {
     if (!sweep) return {};
     const double share = frames > 1 ? double(frame) / (frames - 1) : 0;
     return player.setParameter(sweep->parameter, sweep->from + share * (sweep->to - sweep->from), true);
   };
-  const Show show{*stage, orbitCamera(arguments, player, width, height), arguments.fps, frames, sweepTo};
+  const Show show{*ensemble, orbitCamera(arguments, player, width, height), arguments.fps, frames, sweepTo};
   return writeMovie(show, arguments);
 }
 
@@ -197,8 +197,8 @@ Status renderScene(const RenderArguments& arguments) {
   auto gpu = openGpu();
   if (!gpu.ok()) return gpu.error();
   gpu::Device& device = *gpu.value().device;
-  FOURDVT_ASSIGN(auto stage, Stage::create(gpu.value(), arguments.align));
-  for (const ActorOptions& actor : file.characters) FOURDVT_TRY(stage->add(actor));
+  FOURDVT_ASSIGN(auto ensemble, Ensemble::create(gpu.value(), arguments.align));
+  for (const ActorOptions& actor : file.characters) FOURDVT_TRY(ensemble->add(actor));
   FOURDVT_ASSIGN(auto background, Background::open(device, file.background));
   render::Scene scene;
   scene.background = background.texture();
@@ -213,7 +213,7 @@ Status renderScene(const RenderArguments& arguments) {
     return Error{ErrorId::InvalidArgument, file.path + ": " + std::to_string(frames) + " frames, but only " +
                                                std::to_string(file.cameras.size()) +
                                                " cameras; shorten \"seconds\" or choose one \"camera_name\""};
-  CameraOf camera = orbitCamera(arguments, stage->player(0), width, height);
+  CameraOf camera = orbitCamera(arguments, ensemble->player(0), width, height);
   if (!file.cameras.empty())
     camera = [&, w = width, h = height](int frame) {
       return scaledCamera(file.cameras[file.cameras.size() > 1 ? static_cast<size_t>(frame) : 0], w, h);
@@ -223,7 +223,7 @@ Status renderScene(const RenderArguments& arguments) {
     scene.background = background.texture();
     return {};
   };
-  const Show show{*stage, camera, file.fps, frames, next, &scene};
+  const Show show{*ensemble, camera, file.fps, frames, next, &scene};
   return arguments.movie() ? writeMovie(show, arguments) : writePicture(show, arguments);
 }
 

@@ -6,9 +6,9 @@
 
 namespace fourdvt::tools {
 
-// --sweep and --play: one character, camera from the arguments.
+// Renders --sweep and --play: one character, with the camera from the arguments.
 Status renderMotion(const RenderArguments& arguments);
-// --scene.
+// Renders --scene.
 Status renderScene(const RenderArguments& arguments);
 
 }  // namespace fourdvt::tools

@@ -16,7 +16,7 @@ using Json = nlohmann::json;
 constexpr int kMaxSide = 8192, kMaxCharacters = 64;
 constexpr double kMaxMetres = 1e5, kDegree_rad = 0.017453292519943295;
 
-// Reads members of objects, refuses unknown ones, keeps the first complaint.
+// Reads the members of JSON objects, refuses unknown ones, and keeps the first complaint.
 class SceneReader {
  public:
   explicit SceneReader(const std::string& path) : path_(path), folder_(std::filesystem::path(path).parent_path()) {}
@@ -137,7 +137,7 @@ class SceneReader {
       actor.parameters.emplace_back(name, checked(value, name, -1e6, 1e6));
   }
 
-  // By name, so that the track follows the numbered pictures that it was made from.
+  // Sorted by name, so that the track follows the numbered pictures that it was made from.
   Status readCameras(const Json& root, const std::string& folder, SceneFile& out) {
     FOURDVT_ASSIGN(std::vector<capture::CaptureCamera> cameras, capture::readColmapCameras(folder));
     capture::scaleToMetres(cameras, number(root, "metres_per_unit", 1, 1e-6, 1e6));
@@ -193,7 +193,7 @@ Result<std::vector<render::SceneCorner>> readSceneMesh(const std::string& path) 
       for (std::string_view word = capture::takeWord(line); !word.empty(); word = capture::takeWord(line)) {
         const auto number = capture::toNumber<long>(word.substr(0, word.find('/')));
         const long index = !number ? 0 : *number < 0 ? long(points.size()) + *number + 1 : *number;
-        if (index < 1 || index > long(points.size())) return broken("a face names a vertex that there is not");
+        if (index < 1 || index > long(points.size())) return broken("a face refers to a vertex that does not exist");
         polygon.push_back(size_t(index - 1));
       }
       for (size_t i = 2; i < polygon.size(); ++i)

@@ -3,13 +3,12 @@
 // draw. Paths in it are relative to the file. World: metres, y up, ground at ground_y.
 //
 //   {"background": "street.jpg" or .mp4,   picture or video that the camera took, undistorted; optional
-//    "camera": "street",                   COLMAP text model: one image a frame by name, or one; else the orbit options
-//    "camera_name": "0007",                that image only (without extension), for every frame; optional
-//    "metres_per_unit": 1,                 of the COLMAP model
-//    "occluders": ["car.obj"],             hide characters and show the background; OBJ in metres
-//    "meshes": ["floor.obj"],              are seen: colours "v x y z r g b", else grey
-//    "ground_y": 0, "size": [1280, 720], "fps": 25, "seconds": 6,
-//    "characters": [{"src": "../character", "state": "locomotion", "parameter": {"speed_mps": 2}, "position": [x, z],
+//    "camera": "street",                   COLMAP text model with one image per frame, sorted by name, or one image;
+//    else the orbit options "camera_name": "0007",                that image only (without extension), for every frame;
+//    optional "metres_per_unit": 1,                 of the COLMAP model "occluders": ["car.obj"],             hide
+//    characters and show the background; OBJ in metres "meshes": ["floor.obj"],              are drawn: colours "v x y
+//    z r g b", else grey "ground_y": 0, "size": [1280, 720], "fps": 25, "seconds": 6, "characters": [{"src":
+//    "../character", "state": "locomotion", "parameter": {"speed_mps": 2}, "position": [x, z],
 //                    "heading_deg": 90, "travel": true, "play": ["pickup@1.5"]}]}
 #pragma once
 
@@ -18,7 +17,7 @@
 #include <vector>
 
 #include "render/scene.h"
-#include "tools/stage.h"
+#include "tools/ensemble.h"
 
 namespace fourdvt::tools {
 
@@ -27,7 +26,7 @@ struct SceneFile {
   std::string background;              // empty: none
   std::vector<PinholeCamera> cameras;  // one: for every frame; empty: an orbit
   std::vector<std::string> occluders, meshes;
-  double ground_y_m = 0, fps = 25, seconds = 0;  // 0: as long as the camera track, at least one frame
+  double ground_y_m = 0, fps = 25, seconds = 0;  // 0: the camera track's length, one frame or more
   std::optional<std::pair<int, int>> size;
   std::vector<ActorOptions> characters;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a command that draws needs, in the order of its lifetime: context, device, and a character in it.
+// What a command that draws needs, in order of construction: context, device, and a character on it.
 #pragma once
 
 #include <memory>
@@ -26,7 +26,7 @@ struct CharacterSession {
 Result<GpuSession> openGpu();
 // `character`: a folder or its character.gltf. Opened far enough that the manifest is read.
 Result<CharacterSession> openCharacter(const std::string& character);
-// The same on a context that is open already, for characters that are drawn together.
+// Opens a further character on the same context, to draw several together.
 Result<std::unique_ptr<platform::CharacterPlayer>> openCharacterOn(GpuSession& gpu, const std::string& character,
                                                                    std::shared_ptr<render::Recipe> recipe);
 // <folder>/character.gltf for a folder, else the path itself.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ctrl-C and SIGTERM for commands that keep what they have finished.
+// Catches Ctrl-C and SIGTERM for commands that keep what they have finished.
 #pragma once
 
 #include <atomic>

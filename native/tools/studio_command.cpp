@@ -115,7 +115,7 @@ studio::StudioOptions readOptions(Args& args) {
   return o;
 }
 
-// "--actor NAME" and "--actor=NAME" are the positional argument.
+// Turns "--actor NAME" and "--actor=NAME" into the positional argument.
 std::vector<char*> withoutActorOption(int argc, char** argv) {
   std::vector<char*> out;
   for (int i = 0; i < argc; ++i) {
@@ -125,26 +125,26 @@ std::vector<char*> withoutActorOption(int argc, char** argv) {
   return out;
 }
 
-// One line, rewritten in place on a terminal; elsewhere one a stage.
+// Prints one line, rewritten in place, on a terminal; elsewhere one line per step.
 class ProgressLine {
  public:
   void show(const studio::StudioProgress& p) {
-    if (!tty_ && p.stage == stage_) return;
+    if (!tty_ && p.step == step_) return;
     const auto now = std::chrono::steady_clock::now();
     if (tty_ && p.done != p.total && now - last_ < std::chrono::milliseconds(100)) return;
     last_ = now;
-    stage_ = p.stage;
-    std::fprintf(stderr, tty_ ? "\r\033[K%s  %u of %u pictures" : "%s  %u of %u pictures\n", p.stage.c_str(), p.done,
+    step_ = p.step;
+    std::fprintf(stderr, tty_ ? "\r\033[K%s  %u of %u pictures" : "%s  %u of %u pictures\n", p.step.c_str(), p.done,
                  p.total);
     std::fflush(stderr);
   }
   void end() const {
-    if (tty_ && !stage_.empty()) std::fputs("\r\033[K", stderr);
+    if (tty_ && !step_.empty()) std::fputs("\r\033[K", stderr);
   }
 
  private:
   const bool tty_ = isatty(STDERR_FILENO) != 0;
-  std::string stage_;
+  std::string step_;
   std::chrono::steady_clock::time_point last_;
 };
 

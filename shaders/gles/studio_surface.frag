@@ -2,7 +2,7 @@
 // Albedo × folds × lights + highlight, in sRGB-coded values. Opaque: coverage becomes alpha by multisampling.
 uniform sampler2D albedo;
 uniform vec3 eye;
-uniform vec4 look;    // wrinkles, specular, shading, unused; 0…1 each
+uniform vec4 shading;  // wrinkles, specular, shading, unused; 0…1 each
 uniform vec2 motion;  // place among the motions 0…1, phase 0…1
 in vec2 v_uv;
 in vec3 v_world, v_normal, v_rest;
@@ -27,7 +27,7 @@ void main() {
   float light = 0.62 + 0.38 * (0.5 + 0.5 * dot(n, KEY_LIGHT));
   float highlight = pow(max(dot(n, normalize(KEY_LIGHT + to_eye)), 0.0), 40.0);
   vec3 c = texture(albedo, v_uv).rgb;
-  c *= 1.0 + 0.6 * look.x * folds(v_rest);
-  c *= mix(1.0, light, look.z);
-  color = vec4(clamp(c + look.y * highlight, 0.0, 1.0), 1.0);
+  c *= 1.0 + 0.6 * shading.x * folds(v_rest);
+  c *= mix(1.0, light, shading.z);
+  color = vec4(clamp(c + shading.y * highlight, 0.0, 1.0), 1.0);
 }

@@ -100,7 +100,7 @@ Solved solve(const Measured& input, const bake::LabelOptions& options) {
     return {};
   };
   out.statistics =
-      orStop(bake::solveLabels(options, input.graph, static_cast<uint32_t>(input.frames.size()), costs, sink));
+      orStop(bake::solveLabels(options, input.graph, static_cast<uint32_t>(input.frames.size()), {costs, sink}));
   return out;
 }
 

@@ -21,15 +21,15 @@ using fourdvt::testing::orStop;
 
 namespace {
 
-constexpr int kChecks = 24, kMostSegments = 9;
+constexpr int kChecks = 24, kMaxSegments = 9;
 
 using Phases = std::vector<std::vector<Positions>>;  // [phase][member]
 
 void printErrors(const char* name, const bake::NonlinearBlend& blend, const Phases& phases, bake::HybridMix mix) {
-  bake::HybridErrors errors({{0, 1, 1}}, mix, kChecks, kMostSegments);
+  bake::HybridErrors errors({{0, 1, 1}}, mix, kChecks, kMaxSegments);
   for (const auto& members : phases) errors.add(blend, members);
   std::printf("%s, %zu phases x %d weights, mm: references max rms\n", name, phases.size(), kChecks - 1);
-  for (int segments = 1; segments <= kMostSegments; ++segments) {
+  for (int segments = 1; segments <= kMaxSegments; ++segments) {
     const auto& error = errors.of(segments);
     std::printf("  %d %8.3f %8.3f\n", segments - 1, 1e3 * error.max_m,
                 1e3 * std::sqrt(error.sum_squares / double(error.count)));
@@ -64,7 +64,7 @@ void printCost(const bake::NonlinearBlend& blend, const Phases& phases, const st
 void printSkate(const capture::Capture& capture, const capture::CaptureSequence& sequence,
                 const bake::ReadPositions& read) {
   std::string note;
-  auto track = orStop(bake::rootTrack(capture, sequence, capture.topology, read, &note));
+  auto track = orStop(bake::rootTrack(capture, sequence, read, &note));
   std::vector<glm::vec3> declared;
   for (uint32_t t = 0; t <= sequence.frame_count; ++t) {
     const glm::dvec3 moved = sequence.root_velocity_mps * (t / capture.fps);
@@ -77,14 +77,14 @@ void printSkate(const capture::Capture& capture, const capture::CaptureSequence&
   for (const auto& [name, used] : {std::pair("declared", &declared), std::pair("feet", &track)}) {
     const bake::FootSkate skate = orStop(bake::footSkate(capture, sequence, *used, read));
     std::printf("  skate, %s: %d vertex contacts, mean %.1f mm, 95th percentile %.1f mm, max %.1f mm\n", name,
-                skate.contacts, 1e3 * skate.mean_m, 1e3 * skate.most_m, 1e3 * skate.max_m);
+                skate.contacts, 1e3 * skate.mean_m, 1e3 * skate.tail_m, 1e3 * skate.max_m);
   }
 }
 
 void benchClass(const capture::Capture& capture, const capture::CaptureClass& source, const bake::ReadPositions& read) {
   const double start = bench::now_ms();
   const bake::ClassPlan plan = orStop(
-      bake::planClass(capture, source, capture.topology, read, bake::ClassOptions{}, [](double) { return true; }));
+      bake::planClass(capture, source, {capture.topology, read}, bake::ClassOptions{}, [](double) { return true; }));
   std::printf(
       "class %s: %u phases at %.3f fps, planned in %.1f s; linear %.3f mm, hybrid %.3f mm with %zu references\n",
       source.name.c_str(), plan.frame_count, plan.fps, 1e-3 * (bench::now_ms() - start), 1e3 * plan.linear_error_m,

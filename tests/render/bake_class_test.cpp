@@ -10,6 +10,7 @@
 #include "bake/bake.h"
 #include "bake/motion/class_plan.h"
 #include "bake/stages/graph_stage.h"
+#include "bake_environment.h"
 #include "gl_fixture.h"
 #include "package/barcode.h"
 #include "package/chunk_mesh.h"
@@ -105,21 +106,16 @@ struct BakeClass : testing::GlFixture {
     options.gop = 5;
     options.crf = 8;
     options.colour_calibration = false;
-    options.align = false;
+    options.classes.align = false;
   }
   Result<BakeReport> run() {
-    BakeEnvironment environment;
-    environment.device = device.get();
-    environment.open_video = platform::openVideoFile;
-    environment.stop = &stop;
-    environment.progress = [&](const Progress& p) {
-      stages.push_back(p.stage);
-      if (p.stage != stop_at) return;
-      when_there ? when_there() : void(stop = true);
-    };
     stop = false;
     stages.clear();
-    return bake(options, environment);
+    return bake(options, testEnvironment(*device, stop, [&](const Progress& p) {
+                  stages.push_back(p.stage);
+                  if (p.stage != stop_at) return;
+                  when_there ? when_there() : void(stop = true);
+                }));
   }
   std::vector<uint8_t> bytesOf(const std::string& name) {
     auto bytes = platform::readFile(options.character_folder + "/" + name);
@@ -155,7 +151,7 @@ struct BakeClass : testing::GlFixture {
     const ReadPositions read = [&](const capture::CaptureSequence& sequence, uint32_t frame) {
       return capture::readMeshFrame(capture, sequence, frame);
     };
-    auto plan = planClass(capture, capture.classes[0], capture.topology, read, {}, [](double) { return true; });
+    auto plan = planClass(capture, capture.classes[0], {capture.topology, read}, {}, [](double) { return true; });
     EXPECT_TRUE(plan) << (plan ? "" : plan.error().message);
     return plan.take();
   }
@@ -192,7 +188,7 @@ TEST_F(BakeClass, ManifestTellsTheClass) {
   EXPECT_EQ(c.graph_bytes, bytesOf(c.graph_uri).size());
   ASSERT_EQ(report.value().classes.count("go"), 1u);
   EXPECT_EQ(report.value().classes["go"].references, go.reference_count);
-  EXPECT_LE(report.value().classes["go"].hybrid_error_m, options.blend_error_m);
+  EXPECT_LE(report.value().classes["go"].hybrid_error_m, options.classes.blend_error_m);
   EXPECT_EQ(stages.front().rfind("warp go", 0), 0u) << stages.front();
 }
 
@@ -350,12 +346,12 @@ TEST_F(BakeClass, AFailureAfterTheFramesKeepsThem) {
 // Two phases: alignment draws and compares every one of them from all sides.
 TEST_F(BakeClass, StoppedInAlignmentKeepsThePhasesMeasured) {
   input.setFrames(2, 2);
-  options.align = true;
+  options.classes.align = true;
   expectResumes({"align go 1/2"});
   EXPECT_EQ(std::count(stages.begin(), stages.end(), "align go 1/2"), 0) << "measured again";
   const Stream go = stream("go");
   EXPECT_EQ(go.index.alignment_count, 1u);
-  EXPECT_NEAR(go.index.alignment_step_m, options.alignment_step_m, 1e-9);
+  EXPECT_NEAR(go.index.alignment_step_m, options.classes.alignment_step_m, 1e-9);
   EXPECT_EQ(go.chunks[0].alignment.size(), 2 * go.index.vertex_count);
 }
 
@@ -365,17 +361,17 @@ TEST_F(BakeClass, LeftOutWithAMemberOrByOption) {
   EXPECT_EQ(character().sequences.size(), 1u);
   EXPECT_TRUE(character().graph_uri.empty()) << "one state has no transitions";
   options.sequences.clear();
-  options.classes = false;
+  options.classes.bake = false;
   ASSERT_TRUE(run());
   EXPECT_EQ(character().sequences.size(), 2u);
   EXPECT_FALSE(character().graph_uri.empty());
 }
 
 TEST_F(BakeClass, PlainSequencesDoNotDependOnClasses) {
-  options.classes = false;
+  options.classes.bake = false;
   ASSERT_TRUE(run());
   const auto walk = bytesOf("walk.mp4"), run_video = bytesOf("run.mp4");
-  options.classes = true;
+  options.classes.bake = true;
   ASSERT_TRUE(run());
   EXPECT_TRUE(bytesOf("walk.mp4") == walk);
   EXPECT_TRUE(bytesOf("run.mp4") == run_video);

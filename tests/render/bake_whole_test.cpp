@@ -7,6 +7,7 @@
 
 #include "../unit/capture_fixture.h"
 #include "bake/bake.h"
+#include "bake_environment.h"
 #include "gl_fixture.h"
 #include "package/chunk_mesh.h"
 #include "package/stream_file.h"
@@ -37,17 +38,12 @@ struct WholeBake : testing::GlFixture {
   }
 
   Result<BakeReport> run(uint32_t stop_after = 1000) {
-    BakeEnvironment environment;
-    environment.device = device.get();
-    environment.open_video = platform::openVideoFile;
-    environment.stop = &stop;
-    environment.progress = [&](const Progress& p) {
-      stages.push_back(p.stage);
-      stop = p.done >= stop_after || p.stage == stop_at;
-    };
     stop = false;
     stages.clear();
-    return bake(options, environment);
+    return bake(options, testEnvironment(*device, stop, [&](const Progress& p) {
+                  stages.push_back(p.stage);
+                  stop = p.done >= stop_after || p.stage == stop_at;
+                }));
   }
   std::string bytesOf(const std::string& name) {
     auto bytes = platform::readFile(options.character_folder + "/" + name);

@@ -62,25 +62,24 @@ class StudioTest : public fourdvt::testing::GlFixture {
 };
 
 // Compares pictures with the texture at the tracked vertices that a camera sees well inside the silhouette.
-void expectColoursOfTexture(Stage& stage, const std::vector<double>& shares, double phase, double place) {
-  stage.pose(shares, phase);
-  const Tracker& tracker = stage.tracker();
+void expectColoursOfTexture(StudioSet& set, const std::vector<double>& shares, double phase, double place) {
+  set.pose(shares, phase);
+  const Tracker& tracker = set.tracker();
   const auto points = tracker.points(place, phase);
-  const Positions vertices = stage.truth();
+  const Positions vertices = set.truth();
   std::vector<glm::vec3> normals;
   computeVertexNormals(tracker.trackedSurface().faces(), vertices.data(), vertices.size(), normals);
-  const MeshTopology& surface = stage.actor().surface().topology;
-  const Image& texture = stage.actor().texture();
+  const MeshTopology& surface = set.actor().surface().topology;
+  const Image& texture = set.actor().texture();
   int checked = 0;
   double error = 0, contrast = 0;
-  for (const PinholeCamera& camera : stage.rig().ring) {
-    const Image picture = stage.draw(camera).take();
+  for (const PinholeCamera& camera : set.rig().ring) {
+    const Image picture = set.draw(camera).take();
     for (size_t v = 0; v < vertices.size(); ++v) {
       const glm::dvec3 to_eye = glm::normalize(camera.centreInWorld() - glm::dvec3(vertices[v]));
       if (glm::dot(glm::dvec3(normals[v]), to_eye) < 0.85) continue;
       // Nothing else of the body before it: the torso's front and back only.
-      if (stage.actor().tracked().positions[v].y < 1.15 || std::abs(stage.actor().tracked().positions[v].x) > 0.1)
-        continue;
+      if (set.actor().tracked().positions[v].y < 1.15 || std::abs(set.actor().tracked().positions[v].x) > 0.1) continue;
       const glm::dvec3 pixel = camera.project(vertices[v]);
       const uint8_t* seen = picture.at(int(pixel.x), int(pixel.y));
       glm::dvec2 uv(0);
@@ -104,11 +103,11 @@ TEST_F(StudioTest, PicturesShowTheTextureWhereTheCameraPutsIt) {
   o.width = 1200;
   o.height = 1600;
   o.knobs.shading = 0;
-  auto plain = Stage::open(o, *device);
+  auto plain = StudioSet::open(o, *device);
   ASSERT_TRUE(plain) << plain.error().message;
   expectColoursOfTexture(*plain.value(), {1, 0}, 0.2, 0);
   o.knobs.drift_mm = 30;
-  auto drifting = Stage::open(o, *device);
+  auto drifting = StudioSet::open(o, *device);
   ASSERT_TRUE(drifting) << drifting.error().message;
   expectColoursOfTexture(*drifting.value(), {1, 0}, 0.2, 0);
   expectColoursOfTexture(*drifting.value(), {0, 1}, 0.6, 1);

@@ -88,7 +88,8 @@ class Drawer final : public LookDrawer {
     FOURDVT_TRY(layered_.prepare(device_, model_, part, options_));
     device_.beginPass({.target = target_.id(), .label = "look"});
     std::swap(model_.corners, corners_[member]);
-    layered_.draw(device_, model_, part, view, options_);
+    const render::CharacterView unmoved{view.clip_from_world, view.eye_in_world};  // the character stands in the origin
+    layered_.draw(device_, model_, part, unmoved, options_);
     std::swap(model_.corners, corners_[member]);
     device_.endPass();
     return {};

@@ -11,10 +11,10 @@ namespace {
 using Matrix = Eigen::SparseMatrix<double>;
 using Entries = std::vector<Eigen::Triplet<double>>;
 
-constexpr double kLength_m = 0.01;                  // of smoothing at smoothness 1 and information 1
-constexpr double kPull = 1e-3;                      // information of "no displacement"
-constexpr double kLeastArea = 1e-3;                 // of a vertex, in mean areas
-constexpr double kLeastEdge = 0.05, kMostEdge = 5;  // cotangent weights of badly shaped faces
+constexpr double kLength_m = 0.01;               // of smoothing at smoothness 1 and information 1
+constexpr double kPull = 1e-3;                   // information of "no displacement"
+constexpr double kMinArea = 1e-3;                // of a vertex, in mean areas
+constexpr double kMinEdge = 0.05, kMaxEdge = 5;  // cotangent weights of badly shaped faces
 
 double cotangent(const glm::vec3& a, const glm::vec3& b) {
   const double area = glm::length(glm::cross(a, b));
@@ -30,7 +30,7 @@ std::vector<double> vertexAreas(const MeshTopology& topology, std::span<const gl
     sum += area;
   }
   const double mean = sum > 0 ? sum / topology.vertex_count : 1;
-  for (double& area : areas) area = std::max(area, kLeastArea * mean);
+  for (double& area : areas) area = std::max(area, kMinArea * mean);
   return areas;
 }
 
@@ -60,7 +60,7 @@ class Smoother final : public TangentSmoother {
         const uint32_t apex = face[corner], a = face[(corner + 1) % 3], b = face[(corner + 2) % 3];
         if (a == b) continue;
         const double weight =
-            0.5 * scale * std::clamp(cotangent(base[a] - base[apex], base[b] - base[apex]), kLeastEdge, kMostEdge);
+            0.5 * scale * std::clamp(cotangent(base[a] - base[apex], base[b] - base[apex]), kMinEdge, kMaxEdge);
         const glm::dmat2 b_from_a = transport(frames.tangents[a], frames.tangents[b]);
         addBlock(a, a, glm::dmat2(weight), entries);
         addBlock(b, b, glm::dmat2(weight), entries);

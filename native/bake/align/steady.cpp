@@ -6,8 +6,8 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr float kSteadiness = 0.25f;  // pull towards each neighbour in time, against confidence 0..1
-constexpr float kLeast = 1e-3f;       // confidence of everything: a vertex that is never certain keeps its mean
+constexpr float kSteadiness = 0.25f;     // pull towards each neighbour in time, against confidence 0..1
+constexpr float kMinConfidence = 1e-3f;  // confidence of everything: a vertex that is never certain keeps its mean
 
 // One tridiagonal system: confidence_t (x_t − d_t) + kSteadiness Σ (x_t − x_neighbour) = 0.
 class TimeLine {
@@ -17,8 +17,8 @@ class TimeLine {
   void set(size_t t, float confidence, const glm::vec2& value) {
     const size_t last = diagonal_.size() - 1;
     const float neighbours = loop_ ? 2.0f : float(t > 0) + float(t < last);
-    diagonal_[t] = confidence + kLeast + kSteadiness * neighbours;
-    right_[t] = (confidence + kLeast) * value;
+    diagonal_[t] = confidence + kMinConfidence + kSteadiness * neighbours;
+    right_[t] = (confidence + kMinConfidence) * value;
   }
 
   const std::vector<glm::vec2>& solve() {

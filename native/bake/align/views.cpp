@@ -13,8 +13,8 @@ constexpr double kRaised_deg = 35;
 constexpr double kDistance = 2.5;  // from the centre, in diagonals of the bounds
 constexpr int kMargin = 12;        // pixels round the figure
 constexpr float kDepthTolerance_m = 0.01f;
-constexpr float kDepthStep_m = 0.03f;  // between neighbouring pixels, on top of the slope at kLeastCosine
-constexpr float kLeastCosine = 0.15f;  // beyond, a surface is too foreshortened to tell movement along it
+constexpr float kDepthStep_m = 0.03f;  // between neighbouring pixels, on top of the slope at kMinCosine
+constexpr float kMinCosine = 0.15f;    // beyond, a surface is too foreshortened to tell movement along it
 
 // Fits focal length, principal point and width to the points.
 PinholeCamera fitted(PinholeCamera camera, const Positions& positions, int height) {
@@ -145,7 +145,7 @@ std::vector<SeenVertex> seenVertices(const PinholeCamera& camera, const cv::Mat&
   std::vector<SeenVertex> seen;
   for (uint32_t vertex = 0; vertex < positions.size(); ++vertex) {
     const float cosine = glm::dot(normals[vertex], glm::normalize(eye - positions[vertex]));
-    if (!(cosine > kLeastCosine)) continue;
+    if (!(cosine > kMinCosine)) continue;
     const glm::vec3 at(camera.project(positions[vertex]));
     const int x = int(std::floor(at.x)), y = int(std::floor(at.y));
     if (x < 0 || y < 0 || x >= camera.width || y >= camera.height) continue;

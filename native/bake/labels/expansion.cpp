@@ -11,25 +11,27 @@ namespace fourdvt::bake {
 namespace {
 
 constexpr double kKappaUnits = 65536;
-constexpr int kRings = 2;  // round a change, tried again
+constexpr int kRings = 2;  // how many rings of neighbours round a change are tried again
 
-constexpr uint8_t slotOf(uint64_t slots, int slot) { return static_cast<uint8_t>(slots >> (8 * slot)); }
+constexpr uint8_t cameraAt(uint64_t ranks, int rank) { return static_cast<uint8_t>(ranks >> (8 * rank)); }
 
-constexpr uint64_t withSlot(uint64_t slots, int slot, uint8_t camera) {
-  return (slots & ~(uint64_t(255) << (8 * slot))) | uint64_t(camera) << (8 * slot);
+constexpr uint64_t withCamera(uint64_t ranks, int rank, uint8_t camera) {
+  return (ranks & ~(uint64_t(255) << (8 * rank))) | uint64_t(camera) << (8 * rank);
 }
 
 constexpr uint32_t bitOf(uint8_t camera) { return camera == package::kNoCamera ? 0 : 1u << camera; }
 
-// The largest sum a node can see stays below 2^29.
-double distanceUnits(double theta_sum, double omega_sum, double eta, int slots, double tau, const FaceLinks& links) {
+// Energy units in 1, chosen so that the largest sum of terms at one node stays below 2^29. `theta_sum` and `omega_sum`:
+// of the weights over the ranks.
+double distanceUnits(const LabelOptions& options, double theta_sum, double omega_sum, const FaceLinks& links) {
+  const double eta = options.eta, tau = options.tau;
   double kappa = 0;
   for (uint32_t f = 0; f < links.faceCount(); ++f) {
     double sum = 0;
     for (uint32_t k = links.first[f]; k < links.first[f + 1]; ++k) sum += links.links[k].kappa / kKappaUnits;
     kappa = std::max(kappa, sum);
   }
-  const double largest = theta_sum + (kappa + 2 * tau) * (omega_sum + eta * slots);
+  const double largest = theta_sum + (kappa + 2 * tau) * (omega_sum + eta * options.layers);
   const double units = std::exp2(std::floor(std::log2(std::exp2(29) / std::max(largest, 1.0)))) / kKappaUnits;
   return std::clamp(units, 1.0, 1024.0);
 }
@@ -54,17 +56,17 @@ FaceLinks makeFaceLinks(const FaceGraph& graph) {
 
 LabelWeights LabelWeights::joint(const LabelOptions& options, const FaceLinks& links) {
   LabelWeights out;
-  out.slots = options.layers;
+  out.ranks = options.layers;
   double theta_sum = 0, omega_sum = 0;
-  for (int l = 0; l < out.slots; ++l) {
-    theta_sum += weightOfSlot(options.theta, l) * std::max(1.0f, options.empty_penalty);
-    omega_sum += weightOfSlot(options.omega, l);
+  for (int l = 0; l < out.ranks; ++l) {
+    theta_sum += weightOfRank(options.theta, l) * std::max(1.0f, options.empty_penalty);
+    omega_sum += weightOfRank(options.omega, l);
   }
-  const double units = distanceUnits(theta_sum, omega_sum, options.eta, out.slots, options.tau, links);
+  const double units = distanceUnits(options, theta_sum, omega_sum, links);
   out.units = units * kKappaUnits;
-  for (int l = 0; l < out.slots; ++l) {
-    out.theta[l] = static_cast<float>(weightOfSlot(options.theta, l) * out.units);
-    out.omega[l] = static_cast<int32_t>(std::lround(weightOfSlot(options.omega, l) * units));
+  for (int l = 0; l < out.ranks; ++l) {
+    out.theta[l] = static_cast<float>(weightOfRank(options.theta, l) * out.units);
+    out.omega[l] = static_cast<int32_t>(std::lround(weightOfRank(options.omega, l) * units));
   }
   out.half_eta = static_cast<int32_t>(std::lround(0.5 * options.eta * units));
   out.tau = static_cast<int32_t>(std::lround(options.tau * kKappaUnits));
@@ -89,7 +91,7 @@ ExpansionBlock::ExpansionBlock(const LabelWeights& weights, const FaceLinks& lin
   allowed_.assign(nodes, 0);
   is_near_.assign(nodes, 0);
   candidate_of_.assign(nodes, -1);
-  tried_.resize(weights_.slots);
+  tried_.resize(weights_.ranks);
   for (auto& row : tried_) row.fill(0);
   for (size_t k = 0; k < frames_.size(); ++k) {
     const BlockFrame& frame = frames_[k];
@@ -98,9 +100,9 @@ ExpansionBlock::ExpansionBlock(const LabelWeights& weights, const FaceLinks& lin
     for (uint32_t f = 0; f < faces_; ++f) {
       const size_t node = k * faces_ + f;
       Tuple tuple{0, 0};
-      for (int l = 0; l < weights_.slots; ++l) {
-        const uint8_t camera = (*frame.labels)[f].slots[l];
-        tuple.slots = withSlot(tuple.slots, l, camera);
+      for (int l = 0; l < weights_.ranks; ++l) {
+        const uint8_t camera = (*frame.labels)[f].ranks[l];
+        tuple.ranks = withCamera(tuple.ranks, l, camera);
         tuple.set |= bitOf(camera);
       }
       labels_[node] = tuple;
@@ -113,51 +115,51 @@ ExpansionBlock::ExpansionBlock(const LabelWeights& weights, const FaceLinks& lin
 
 LabelTuple ExpansionBlock::label(size_t frame, uint32_t face) const {
   LabelTuple out;
-  for (int l = 0; l < weights_.slots; ++l) out.slots[l] = slotOf(labels_[frame * faces_ + face].slots, l);
+  for (int l = 0; l < weights_.ranks; ++l) out.ranks[l] = cameraAt(labels_[frame * faces_ + face].ranks, l);
   return out;
 }
 
 inline int32_t ExpansionBlock::distance(const Tuple& a, const Tuple& b) const {
-  const uint64_t differing = a.slots ^ b.slots;
+  const uint64_t differing = a.ranks ^ b.ranks;
   if (!differing) return 0;
   int32_t sum = 0;
-  for (int l = 0; l < weights_.slots; ++l) sum += slotOf(differing, l) ? weights_.omega[l] : 0;
+  for (int l = 0; l < weights_.ranks; ++l) sum += cameraAt(differing, l) ? weights_.omega[l] : 0;
   return weights_.half_eta ? sum + weights_.half_eta * std::popcount(a.set ^ b.set) : sum;
 }
 
-inline int32_t ExpansionBlock::unary(size_t node, int slot, uint8_t camera) const {
+inline int32_t ExpansionBlock::unary(size_t node, int rank, uint8_t camera) const {
   const FaceCosts& costs = *frames_[node / faces_].costs;
   const float p = camera == package::kNoCamera ? weights_.empty_penalty
                                                : costs.penalty[(node % faces_) * costs.camera_count + camera];
-  return static_cast<int32_t>(weights_.theta[slot] * p);
+  return static_cast<int32_t>(weights_.theta[rank] * p);
 }
 
 int32_t ExpansionBlock::unary(size_t node, const Tuple& tuple) const {
   int32_t sum = 0;
-  for (int l = 0; l < weights_.slots; ++l) sum += unary(node, l, slotOf(tuple.slots, l));
+  for (int l = 0; l < weights_.ranks; ++l) sum += unary(node, l, cameraAt(tuple.ranks, l));
   return sum;
 }
 
-// The face's tuple after the move; false: the move does not apply.
-bool ExpansionBlock::moved(size_t node, int slot, uint8_t camera, Tuple& out) const {
+// Sets `out` to the face's tuple after the move. False: the move does not apply.
+bool ExpansionBlock::moved(size_t node, int rank, uint8_t camera, Tuple& out) const {
   const Tuple& now = labels_[node];
-  const uint8_t old = slotOf(now.slots, slot);
+  const uint8_t old = cameraAt(now.ranks, rank);
   if (old == camera) return false;
   if (camera == package::kNoCamera) {
-    if (slot == 0 || !allowed_[node]) return false;
-    out = {withSlot(now.slots, slot, camera), now.set & ~bitOf(old)};
+    if (rank == 0 || !allowed_[node]) return false;
+    out = {withCamera(now.ranks, rank, camera), now.set & ~bitOf(old)};
     return true;
   }
   if (!(allowed_[node] >> camera & 1)) return false;
-  out.slots = withSlot(now.slots, slot, camera);
+  out.ranks = withCamera(now.ranks, rank, camera);
   if (!(now.set >> camera & 1)) {
     out.set = (now.set & ~bitOf(old)) | bitOf(camera);
     return true;
   }
   int holder = 0;
-  while (slotOf(now.slots, holder) != camera) ++holder;
+  while (cameraAt(now.ranks, holder) != camera) ++holder;
   if (holder == 0 && old == package::kNoCamera) return false;
-  out.slots = withSlot(out.slots, holder, old);
+  out.ranks = withCamera(out.ranks, holder, old);
   out.set = now.set;
   return true;
 }
@@ -172,7 +174,7 @@ inline void ExpansionBlock::forNeighbours(uint32_t node, Visit&& visit) const {
   if (frame + 1 < frames_.size()) visit(node + faces_, weights_.tau);
 }
 
-// Nodes within kRings of what the log says since `log_start`.
+// Gathers the nodes within kRings of those that the log names since `log_start`.
 void ExpansionBlock::gather(size_t log_start) {
   near_.clear();
   const auto take = [&](uint32_t node) {
@@ -190,7 +192,7 @@ void ExpansionBlock::gather(size_t log_start) {
   for (uint32_t node : near_) is_near_[node] = 0;
 }
 
-// Unary and pairwise terms between staying (x = 0) and moving (x = 1); pairs with later candidates only.
+// Adds the unary and pairwise terms of staying (x = 0) and moving (x = 1); pairs are added with later candidates only.
 void ExpansionBlock::addNode(int index) {
   const Candidate& c = candidates_[index];
   const Tuple &stay = labels_[c.node], &move = c.moved;
@@ -203,7 +205,7 @@ void ExpansionBlock::addNode(int index) {
     if (other < index) return;
     const Tuple& other_move = candidates_[other].moved;
     const int32_t stay_move = distance(stay, other_move), move_move = distance(move, other_move);
-    // Beyond both unaries there remains -gap x y = -g x - h y + g x (1-y) + h (1-x) y, g + h = gap.
+    // What remains beyond both unary terms: -gap x y = -g x - h y + g x (1-y) + h (1-x) y, g + h = gap.
     const int32_t gap = weight * (stay_move + move_stay - stay_stay - move_move), half = gap / 2;
     u -= half;
     flow_.addUnary(other, half - gap);
@@ -212,14 +214,14 @@ void ExpansionBlock::addNode(int index) {
   flow_.addUnary(index, u);
 }
 
-bool ExpansionBlock::expand(int slot, uint8_t camera) {
-  size_t& tried = tried_[slot][camera == package::kNoCamera ? package::kMaxCameras : camera];
+bool ExpansionBlock::expand(int rank, uint8_t camera) {
+  size_t& tried = tried_[rank][camera == package::kNoCamera ? package::kMaxCameras : camera];
   if (tried == log_.size()) return false;
   gather(tried);
   candidates_.clear();
   Candidate candidate;
   for (uint32_t node : near_) {
-    if (!moved(node, slot, camera, candidate.moved)) continue;
+    if (!moved(node, rank, camera, candidate.moved)) continue;
     candidate.node = node;
     candidate_of_[node] = static_cast<int32_t>(candidates_.size());
     candidates_.push_back(candidate);
@@ -249,9 +251,9 @@ void ExpansionBlock::solve(int sweeps) {
   bool changed = true;
   for (int sweep = 0; sweep < sweeps && changed; ++sweep) {
     changed = false;
-    for (int slot = 0; slot < weights_.slots; ++slot) {
-      for (int c = 0; c < camera_count_; ++c) changed |= expand(slot, static_cast<uint8_t>(c));
-      if (slot > 0) changed |= expand(slot, package::kNoCamera);
+    for (int rank = 0; rank < weights_.ranks; ++rank) {
+      for (int c = 0; c < camera_count_; ++c) changed |= expand(rank, static_cast<uint8_t>(c));
+      if (rank > 0) changed |= expand(rank, package::kNoCamera);
     }
   }
   for (size_t k = 0; k < frames_.size(); ++k)

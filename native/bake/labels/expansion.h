@@ -2,8 +2,8 @@
 // Alpha-expansion over some frames at once (ALGORITHMS 1.3). Lowers
 //   E = Σ_t [ Σ_f Σ_l θ_l p(z_f^l, f) + Σ_fg κ_fg d(z_f, z_g) ] + τ Σ_t,f d(z_f(t), z_f(t-1)),
 //   d(a,b) = Σ_l ω_l [a_l ≠ b_l] + (η/2) |S_a Δ S_b|,   κ_fg = 1/|N_f| + 1/|N_g|,
-// by moves "slot l ← α, with swap". With one slot, ω = 1 and η = 0 it is 4DVT Eq. 2-5.
-// Slot 0 of a face that has an allowed camera is never empty. Energies are integers: a move never raises them.
+// by moves "rank l ← α, with swap". With one rank, ω = 1 and η = 0 it is 4DVT Eq. 2-5.
+// Rank 0 of a face that has an allowed camera is never empty. Energies are integers: a move never raises them.
 #pragma once
 
 #include <array>
@@ -28,11 +28,11 @@ struct FaceLinks {
 };
 FaceLinks makeFaceLinks(const FaceGraph& graph);
 
-// The weights as integers, scaled so that no node's sum overflows 32 bits.
+// The weights of the energy, scaled to integers such that no node's sum overflows 32 bits.
 struct LabelWeights {
-  int slots = 1;
+  int ranks = 1;
   std::array<float, package::kMaxLayers> theta{};    // energy units per penalty
-  std::array<int32_t, package::kMaxLayers> omega{};  // times κ or τ: energy units
+  std::array<int32_t, package::kMaxLayers> omega{};  // times κ or τ gives energy units
   int32_t half_eta = 0, tau = 0;
   float empty_penalty = 0;
   double units = 1;  // energy units in 1
@@ -41,40 +41,40 @@ struct LabelWeights {
 };
 
 struct BlockFrame {
-  const FaceCosts* costs = nullptr;                // borrowed, as are the others; not read where frozen
-  const std::vector<uint32_t>* allowed = nullptr;  // cameras a face
-  std::vector<LabelTuple>* labels = nullptr;       // in: only allowed cameras, distinct; out
-  bool frozen = false;                             // labels stay
-  bool settled = false;                            // labels are a minimum already but for what happens next to them
+  const FaceCosts* costs = nullptr;                // borrowed, as are the two below; not read if frozen
+  const std::vector<uint32_t>* allowed = nullptr;  // cameras that each face may take, as bits
+  std::vector<LabelTuple>* labels = nullptr;       // in: distinct cameras, all allowed; out: the result
+  bool frozen = false;                             // its labels do not change
+  bool settled = false;                            // its labels are a minimum already, unless neighbours change
 };
 
 class ExpansionBlock {
  public:
   // Neighbouring entries of `frames` are neighbours in time.
   ExpansionBlock(const LabelWeights& weights, const FaceLinks& links, std::vector<BlockFrame> frames);
-  // Sweeps over all slots and cameras until nothing changes; then the labels are written back.
+  // Sweeps over all ranks and cameras until nothing changes; then the labels are written back.
   void solve(int sweeps);
-  // One move; package::kNoCamera empties the slot. False: nothing to gain near what changed since the same move
-  // was tried last.
-  bool expand(int slot, uint8_t camera);
+  // Tries one move; package::kNoCamera empties the rank. False: nothing was to be gained near what has changed since
+  // the same move was last tried.
+  bool expand(int rank, uint8_t camera);
   int64_t energy() const;
   LabelTuple label(size_t frame, uint32_t face) const;
   int cameraCount() const { return camera_count_; }
 
  private:
   struct Tuple {
-    uint64_t slots;  // a byte each, lowest first
+    uint64_t ranks;  // a byte each, lowest first
     uint32_t set;
-    bool operator==(const Tuple& o) const { return slots == o.slots; }
+    bool operator==(const Tuple& o) const { return ranks == o.ranks; }
   };
   struct Candidate {
     uint32_t node;
     Tuple moved;
   };
   int32_t distance(const Tuple& a, const Tuple& b) const;
-  int32_t unary(size_t node, int slot, uint8_t camera) const;
+  int32_t unary(size_t node, int rank, uint8_t camera) const;
   int32_t unary(size_t node, const Tuple& tuple) const;
-  bool moved(size_t node, int slot, uint8_t camera, Tuple& out) const;
+  bool moved(size_t node, int rank, uint8_t camera, Tuple& out) const;
   void gather(size_t log_start);
   template <class Visit>
   void forNeighbours(uint32_t node, Visit&& visit) const;  // visit(node, weight)
@@ -88,13 +88,13 @@ class ExpansionBlock {
   int camera_count_ = 0;
   std::vector<Tuple> labels_;      // frame × face
   std::vector<uint32_t> allowed_;  // 0 where frozen
-  std::vector<uint8_t> frozen_;    // frame
+  std::vector<uint8_t> frozen_;    // [frame]
   std::vector<uint32_t> log_;      // nodes that changed, in the order of time; starts with the unsettled ones
-  std::vector<std::array<size_t, package::kMaxCameras + 1>> tried_;  // [slot][camera]: log size at the last try
+  std::vector<std::array<size_t, package::kMaxCameras + 1>> tried_;  // [rank][camera]: log size at the last try
   std::vector<uint32_t> near_;                                       // nodes worth a try
   std::vector<uint8_t> is_near_;
   std::vector<Candidate> candidates_;
-  std::vector<int32_t> candidate_of_;  // -1: stays
+  std::vector<int32_t> candidate_of_;  // [node] its candidate; -1: it stays
   LabelFlow flow_;
 };
 

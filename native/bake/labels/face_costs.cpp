@@ -23,7 +23,7 @@ double rayPenalty(const CameraAxis& camera, const FacePlane& face) {
   return length > 0 ? penalty(face.normal, ray / length) : 1;
 }
 
-// Pixels a square metre at the face's centre if the face looked straight at the camera: fx fy d / z³.
+// Pixels per square metre at the face's centre if the face looked straight at the camera: fx fy d / z³.
 double frontalDensity(const CameraAxis& camera, const FacePlane& face) {
   const glm::dvec3 ray = face.centre - camera.centre;
   const double z = glm::dot(ray, camera.forward);
@@ -47,12 +47,19 @@ bool planeOf(const glm::uvec3& v, const Positions& positions, FacePlane& out) {
   return true;
 }
 
-uint32_t feasibleCameras(std::span<const CameraAxis> cameras, const FacePlane& face, std::span<const float> fractions,
-                         size_t face_index, size_t face_count, float least) {
+// What every camera sees of one face.
+struct FaceFractions {
+  std::span<const float> all;  // [camera][face]
+  size_t face_count, face;
+  float of(size_t camera) const { return all[camera * face_count + face]; }
+};
+
+// Bit c: camera c has the face turned towards it and sees at least `min_fraction` of it.
+uint32_t feasibleCameras(std::span<const CameraAxis> cameras, const FacePlane& face, const FaceFractions& fractions,
+                         float min_fraction) {
   uint32_t mask = 0;
   for (size_t c = 0; c < cameras.size(); ++c)
-    if (fractions[c * face_count + face_index] >= least && facesCamera(face.normal, face.centre, cameras[c].centre))
-      mask |= 1u << c;
+    if (fractions.of(c) >= min_fraction && facesCamera(face.normal, face.centre, cameras[c].centre)) mask |= 1u << c;
   return mask;
 }
 
@@ -83,8 +90,9 @@ FaceCosts measureFaceCosts(const FaceCostOptions& options, std::span<const Pinho
   for (size_t f = 0; f < faces; ++f) {
     FacePlane face;
     if (!planeOf(topology.face_vertices[f], positions, face)) continue;
-    const uint32_t full = feasibleCameras(axes, face, fractions, f, faces, options.visible_fraction);
-    const uint32_t some = feasibleCameras(axes, face, fractions, f, faces, options.fallback_fraction);
+    const FaceFractions seen{fractions, faces, f};
+    const uint32_t full = feasibleCameras(axes, face, seen, options.visible_fraction);
+    const uint32_t some = feasibleCameras(axes, face, seen, options.fallback_fraction);
     out.feasible[f] = full ? full : some;
     out.partial[f] = some & ~out.feasible[f];
     out.unseen[f] = some == 0;
@@ -98,7 +106,7 @@ FaceCosts measureFaceCosts(const FaceCostOptions& options, std::span<const Pinho
       if (options.penalty == Penalty::Axis) p = penalty(face.normal, axes[c].forward);
       if (options.penalty == Penalty::Ray) p = rayPenalty(axes[c], face);
       if (options.penalty == Penalty::Resolution) p = resolutionPenalty(axes[c], face, best_density);
-      if (out.partial[f] >> c & 1) p = partialPenalty(p, fractions[c * faces + f]);
+      if (out.partial[f] >> c & 1) p = partialPenalty(p, seen.of(c));
       out.penalty[f * count + c] = static_cast<float>(std::clamp(p, 0.0, 1.0));
     }
   }
@@ -114,7 +122,7 @@ std::vector<float> steadyFractions(std::span<const std::vector<float>> fractions
     int votes = 0;
     for (const std::vector<float>& frame : fractions) votes += frame[i] >= options.visible_fraction;
     if (2 * votes > frames && out[i] >= options.fallback_fraction) out[i] = std::max(out[i], options.visible_fraction);
-    if (2 * votes < frames) out[i] = std::min(out[i], just_hidden);  // an even vote changes nothing
+    if (2 * votes < frames) out[i] = std::min(out[i], just_hidden);  // a tie changes nothing
   }
   return out;
 }

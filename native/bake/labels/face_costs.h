@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What labelling knows of one frame: which cameras qualify for a face, and what each would cost.
+// What labelling knows about one frame: which cameras qualify for each face, and what each would cost.
 #pragma once
 
 #include <cstdint>
@@ -11,20 +11,20 @@
 
 namespace fourdvt::bake {
 
-// All lie in 0..1, lower is better.
+// All penalties lie in 0…1; lower is better.
 enum class Penalty {
   Axis,        // 4DVT Eq. 1: 1 - (n·ô)², ô the unit optical axis
   Ray,         // the same with the unit ray from the camera's centre to the face's centre
-  Resolution,  // 1 - pixels of the face in this camera / most pixels that any camera of the rig gives a face facing it
+  Resolution,  // 1 - pixels of the face in this camera / pixels if the rig's best camera saw it face-on
 };
 
 struct FaceCostOptions {
   Penalty penalty = Penalty::Axis;
   float visible_fraction = 0.99f;   // of a face's sample points, for a camera to qualify
-  float fallback_fraction = 0.30f;  // asked for where no camera qualifies
+  float fallback_fraction = 0.30f;  // the same where no camera qualifies
 };
 
-// Hardly better than an empty slot: what is smoothest decides.
+// Hardly better than an empty rank, so that smoothness decides.
 constexpr float kUnseenPenalty = 1.9f;
 
 struct FaceCosts {
@@ -33,8 +33,8 @@ struct FaceCosts {
   // Per face: cameras that face it and see at least `fallback_fraction` of it, but are not feasible. Empty: none. Only
   // the joint labelling uses them, where that saves a seam or a flip.
   std::vector<uint32_t> partial;
-  // Per face, 1: no camera is feasible or partial. Joint then takes any camera at kUnseenPenalty, so that its
-  // neighbours' label goes on across it (its texels are filled in); the paper modes leave it empty. Empty: all 0.
+  // Per face, 1: no camera is feasible or partial. Joint may then take any camera at kUnseenPenalty, so that
+  // the neighbours' label continues across it (its texels are filled in); the paper modes leave it empty. Empty: all 0.
   std::vector<uint8_t> unseen;
   // [face * camera_count + camera]; partial: p + (1 - p) · (hidden share)²; 1 where neither, kUnseenPenalty
   // where unseen.

@@ -27,7 +27,7 @@ std::string complaint(const LabelOptions& o) {
   return {};
 }
 
-// Frames between their first load and their finish.
+// The frames between their first load and their finish.
 class Solver {
  public:
   Solver(const LabelOptions& options, const FaceGraph& graph, const FaceCostSource& costs, const LabelSink& sink)
@@ -53,7 +53,7 @@ class Solver {
   void solve(const LabelWindow& window) {
     std::vector<WindowFrame> frames;
     {
-      std::lock_guard lock(mutex_);  // references into a map stay valid
+      std::lock_guard lock(mutex_);  // references into the map stay valid
       for (uint32_t t = window.frozen_first; t < window.frozen_end; ++t) {
         Frame& frame = frames_[t];
         const bool frozen = t < window.first || t >= window.end;
@@ -69,7 +69,7 @@ class Solver {
     const size_t faces = graph_.face_count;
     std::vector<uint8_t> labels(options_.layers * faces);
     for (int l = 0; l < options_.layers; ++l)
-      for (size_t f = 0; f < faces; ++f) labels[l * faces + f] = frame.labels[f].slots[l];
+      for (size_t f = 0; f < faces; ++f) labels[l * faces + f] = frame.labels[f].ranks[l];
     const auto started = Clock::now();
     meter_.add(frame.costs, labels);
     FOURDVT_TRY(sink_(t, labels));
@@ -100,7 +100,7 @@ class Solver {
   std::mutex mutex_;  // frames_ as a map; every frame belongs to one window at a time
   std::map<uint32_t, Frame> frames_;
   Clock::time_point started_ = Clock::now();
-  Clock::duration outside_{};  // in source, sink and meter
+  Clock::duration outside_{};  // spent in source, sink and meter
 };
 
 }  // namespace
@@ -116,8 +116,8 @@ bool parseLabelMode(const std::string& name, LabelMode& mode) {
   return false;
 }
 
-float weightOfSlot(const std::vector<float>& weights, int slot) {
-  return weights.empty() ? 0 : weights[std::min<size_t>(slot, weights.size() - 1)];
+float weightOfRank(const std::vector<float>& weights, int rank) {
+  return weights.empty() ? 0 : weights[std::min<size_t>(rank, weights.size() - 1)];
 }
 
 FaceGraph makeFaceGraph(const MeshTopology& topology) {
@@ -142,20 +142,19 @@ FaceGraph makeFaceGraph(const MeshTopology& topology) {
 }
 
 Result<LabelStatistics> solveLabels(const LabelOptions& options, const FaceGraph& graph, uint32_t frame_count,
-                                    const FaceCostSource& costs, const LabelSink& sink,
-                                    const std::function<void(uint32_t)>& on_frame, const std::atomic<bool>* stop) {
+                                    const LabelExchange& exchange) {
   if (const std::string wrong = complaint(options); !wrong.empty())
     return Error{ErrorId::InvalidArgument, "labelling: " + wrong};
-  Solver solver(options, graph, costs, sink);
+  Solver solver(options, graph, exchange.costs, exchange.sink);
   const auto finish = [&](uint32_t frame) -> Status {
     FOURDVT_TRY(solver.finish(frame));
-    if (on_frame) on_frame(frame + 1);
+    if (exchange.on_frame) exchange.on_frame(frame + 1);
     return {};
   };
   FOURDVT_TRY(runWindows(
       planWindows(options, frame_count), frame_count, std::max(1, options.jobs),
       {[&](const LabelWindow& w) { return solver.load(w); }, [&](const LabelWindow& w) { solver.solve(w); }, finish},
-      stop));
+      exchange.stop));
   return solver.statistics();
 }
 

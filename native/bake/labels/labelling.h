@@ -16,21 +16,21 @@
 namespace fourdvt::bake {
 
 enum class LabelMode {
-  Naive,          // "NO": cameras by penalty, every face and frame for itself
-  Spatial,        // "SO", 4DVT Eq. 2-4: frame by frame, a layer after the other without the cameras taken before
+  Naive,          // "NO": cameras by penalty, each face and frame by itself
+  Spatial,        // "SO", 4DVT Eq. 2-4: each frame by itself, layer after layer without the cameras already taken
   TemporalPaper,  // "TO", 4DVT Eq. 5 literally: the temporal term carries the weight 1/|M|
   Joint,          // ours: ordered tuples of distinct cameras, space and time, windowed
-  PerTexel,       // labels as Naive, texels from the next camera that sees them; weights stay per face, unlike LVDT's
+  PerTexel,  // labels as Naive, but each texel from the next camera that sees it; weights stay per face, unlike LVDT's
 };
 const char* labelModeName(LabelMode mode);  // "naive", "spatial", "temporal-paper", "joint", "per-texel"
-// False: no such name.
+// False: there is no such name.
 bool parseLabelMode(const std::string& name, LabelMode& mode);
 
 struct LabelOptions {
   LabelMode mode = LabelMode::Joint;
   int layers = 3;
-  // Joint: weights of ALGORITHMS 1.3. θ: penalty by slot, ω: slot term by slot (the last entry repeats), η: set term,
-  // τ: time, empty: penalty of an empty slot. Tuned with bench_labels for few flips and seams at a layer-1 penalty
+  // Joint: weights of ALGORITHMS 1.3. θ: penalty by rank, ω: rank term by rank (the last entry repeats), η: set term,
+  // τ: time, empty: penalty of an empty rank. Tuned with bench_labels for few flips and seams at a layer-1 penalty
   // within 10 % of Naive's.
   std::vector<float> theta{1.4f, 0.2f, 0.1f}, omega{1.2f, 0.3f, 0.25f};
   float eta = 0.1f, tau = 0.75f, empty_penalty = 2.0f;
@@ -40,6 +40,8 @@ struct LabelOptions {
   int window_frames = 12, hop_frames = 8, sweeps = 4;
   int jobs = 1;
 };
+// Entry `rank` of theta or omega: the last entry repeats; 0 if there is none.
+float weightOfRank(const std::vector<float>& weights, int rank);
 
 // Pairs of faces that share an edge, each once, f < g.
 struct FaceGraph {
@@ -51,26 +53,32 @@ FaceGraph makeFaceGraph(const MeshTopology& topology);
 
 struct LabelStatistics {
   uint32_t frames = 0;
-  std::vector<double> seam_percent;  // per layer: share of edges whose faces differ in this slot
+  std::vector<double> seam_percent;  // per layer: share of edges whose faces differ in this rank
   std::vector<double> flip_percent;  // per layer: share of faces that differ from the frame before
-  std::vector<double> camera_seam_percent, camera_flip_percent;  // of these, where neither of the two slots is empty
+  std::vector<double> camera_seam_percent, camera_flip_percent;  // of these, where neither of the two ranks is empty
   // As seams and flips, over faces that a camera sees, so that labels that no camera can show do not count: edges
   // between two such faces, and faces that are seen in both frames.
   std::vector<double> seen_seam_percent, seen_flip_percent;
-  std::vector<double> mean_penalty;  // per layer, over filled slots of faces that a camera sees
+  std::vector<double> mean_penalty;  // per layer, over filled ranks of faces that a camera sees
   double energy = 0;                 // of the joint formulation with the options' weights, whatever the mode
-  double empty_percent = 0;          // of all slots
+  double empty_percent = 0;          // of all ranks
   double seconds = 0;                // wall clock of the solve
 };
 
-using FaceCostSource = std::function<Result<FaceCosts>(uint32_t frame)>;  // called from one thread, any order
-// labels: [layer][face], camera index or package::kNoCamera. Called once a frame, ascending.
+using FaceCostSource = std::function<Result<FaceCosts>(uint32_t frame)>;  // called from one thread, in any order
+// labels: [layer][face], camera index or package::kNoCamera. Called once per frame, in ascending order.
 using LabelSink = std::function<Status(uint32_t frame, const std::vector<uint8_t>& labels)>;
 
-// `on_frame`, if set, hears how many frames are finished. Errors: those of source and sink; Interrupted once *stop.
+// What solveLabels reads, and whom it tells.
+struct LabelExchange {
+  FaceCostSource costs;
+  LabelSink sink;
+  std::function<void(uint32_t frames)> on_frame;  // told how many frames are finished; may be empty
+  const std::atomic<bool>* stop = nullptr;        // may be null
+};
+
+// Errors: those of costs and sink; Interrupted once *stop.
 Result<LabelStatistics> solveLabels(const LabelOptions& options, const FaceGraph& graph, uint32_t frame_count,
-                                    const FaceCostSource& costs, const LabelSink& sink,
-                                    const std::function<void(uint32_t)>& on_frame = {},
-                                    const std::atomic<bool>* stop = nullptr);
+                                    const LabelExchange& exchange);
 
 }  // namespace fourdvt::bake

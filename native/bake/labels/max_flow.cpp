@@ -46,7 +46,8 @@ void LabelFlow::solve() {
   }
 }
 
-// Takes in every neighbour that can still send flow to v; flow from those that the source feeds goes down at once.
+// Takes every neighbour that can still send flow to v into the tree; flow from those that the source feeds is sent at
+// once.
 void LabelFlow::grow(int v) {
   for (int32_t a = nodes_[v].first; a >= 0; a = arcs_[a].next) {
     const int32_t inward = a ^ 1;
@@ -63,7 +64,7 @@ void LabelFlow::grow(int v) {
       u.distance = node.distance + 1;
       activate(arcs_[a].head);
     } else if (u.parent >= 0 && u.stamp <= node.stamp && u.distance > node.distance + 1) {
-      u.parent = inward;  // a shorter way
+      u.parent = inward;  // this way is shorter
       u.stamp = node.stamp;
       u.distance = node.distance + 1;
     }
@@ -106,7 +107,7 @@ void LabelFlow::adoptOrphans() {
   }
 }
 
-// Nodes on the way learn their distance under the current stamp.
+// Stores the distance, under the current stamp, in all nodes on the way.
 int LabelFlow::distanceToRoot(int start) {
   int steps = 0, v = start;
   for (;; ++steps) {
@@ -148,7 +149,7 @@ bool LabelFlow::findParent(int v) {
   return true;
 }
 
-// v leaves the tree; its children become orphans, and who could take it in later becomes active.
+// Takes v out of the tree: its children become orphans, and neighbours that could take it in later become active.
 void LabelFlow::release(int v) {
   nodes_[v].parent = kFree;
   nodes_[v].stamp = 0;

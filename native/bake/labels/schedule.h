@@ -14,13 +14,15 @@
 namespace fourdvt::bake {
 
 struct LabelWindow {
-  uint32_t first = 0, end = 0;                // frames whose labels it sets
-  uint32_t fresh_first = 0, fresh_end = 0;    // of them, those without labels so far
-  uint32_t frozen_first = 0, frozen_end = 0;  // frames it reads: first..end and a frozen one at each end, if there is
-  bool odd = false;                           // waits for the windows before and after it in the list of planWindows
+  uint32_t first = 0, end = 0;              // the frames whose labels it sets
+  uint32_t fresh_first = 0, fresh_end = 0;  // those of them that have no labels yet
+  uint32_t frozen_first = 0,
+           frozen_end = 0;  // the frames it reads: first..end and one frozen frame at either end, if any
+  bool odd = false;         // waits for the windows before and after it in the list of planWindows
 };
 
-// In time order: even and odd windows alternate. Modes without a temporal term: a window a frame, none of them odd.
+// In the order of time, in which even and odd windows alternate. Modes without a temporal term have one window per
+// frame, and none is odd.
 std::vector<LabelWindow> planWindows(const LabelOptions& options, uint32_t frame_count);
 
 struct LabelSteps {

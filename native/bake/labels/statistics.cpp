@@ -29,7 +29,7 @@ double LabelMeter::distance(const std::vector<uint8_t>& a, size_t f, const std::
   uint32_t set_a = 0, set_b = 0;
   for (int l = 0; l < options_.layers; ++l) {
     const uint8_t x = a[l * graph_.face_count + f], y = b[l * graph_.face_count + g];
-    if (x != y) sum += weightOfSlot(options_.omega, l);
+    if (x != y) sum += weightOfRank(options_.omega, l);
     if (x != package::kNoCamera) set_a |= 1u << x;
     if (y != package::kNoCamera) set_b |= 1u << y;
   }
@@ -48,7 +48,7 @@ void LabelMeter::addLayer(const FaceCosts& costs, const uint8_t* layer, int l, c
   for (size_t f = 0; f < faces; ++f) {
     const bool filled = layer[f] != package::kNoCamera;
     const double p = filled ? costs.penalty[f * costs.camera_count + layer[f]] : options_.empty_penalty;
-    energy_ += weightOfSlot(options_.theta, l) * p;
+    energy_ += weightOfRank(options_.theta, l) * p;
     if (filled) ++counts.filled;
     if (filled && seen[f]) ++counts.filled_seen, counts.penalty += p;
     if (frames_ > 0)
@@ -80,7 +80,7 @@ LabelStatistics LabelMeter::statistics() const {
   LabelStatistics out;
   out.frames = frames_;
   out.energy = energy_;
-  const double faces = graph_.face_count, slots = faces * options_.layers * frames_;
+  const double faces = graph_.face_count, ranks = faces * options_.layers * frames_;
   const double edges = static_cast<double>(graph_.edges.size()) * frames_;
   const double steps = faces * (frames_ > 1 ? frames_ - 1 : 0);
   double filled = 0;
@@ -94,7 +94,7 @@ LabelStatistics LabelMeter::statistics() const {
     out.mean_penalty.push_back(counts.filled_seen ? counts.penalty / double(counts.filled_seen) : 0);
     filled += double(counts.filled);
   }
-  out.empty_percent = slots > 0 ? 100 * (1 - filled / slots) : 0;
+  out.empty_percent = ranks > 0 ? 100 * (1 - filled / ranks) : 0;
   return out;
 }
 

@@ -6,9 +6,6 @@
 
 namespace fourdvt::bake {
 
-// The last entry repeats; 0 where there is none.
-float weightOfSlot(const std::vector<float>& weights, int slot);
-
 class LabelMeter {
  public:
   LabelMeter(const LabelOptions& options, const FaceGraph& graph);

@@ -11,20 +11,20 @@
 namespace fourdvt::bake {
 
 struct LabelTuple {
-  std::array<uint8_t, package::kMaxLayers> slots;  // camera or package::kNoCamera
-  LabelTuple() { slots.fill(package::kNoCamera); }
-  bool operator==(const LabelTuple& o) const { return slots == o.slots; }
+  std::array<uint8_t, package::kMaxLayers> ranks;  // camera or package::kNoCamera
+  LabelTuple() { ranks.fill(package::kNoCamera); }
+  bool operator==(const LabelTuple& o) const { return ranks == o.ranks; }
 };
 
-// The `count` cheapest cameras of `allowed`, cheapest first; equal penalties by camera index.
+// The `count` cheapest cameras of `allowed`, the cheapest first; equal penalties are ordered by camera index.
 inline LabelTuple cheapestCameras(const FaceCosts& costs, size_t face, uint32_t allowed, int count) {
   LabelTuple out;
   const float* penalties = costs.penalty.data() + face * costs.camera_count;
-  for (int slot = 0; slot < count && allowed; ++slot) {
+  for (int rank = 0; rank < count && allowed; ++rank) {
     int best = -1;
     for (int c = 0; c < costs.camera_count; ++c)
       if ((allowed >> c & 1) && (best < 0 || penalties[c] < penalties[best])) best = c;
-    out.slots[slot] = static_cast<uint8_t>(best);
+    out.ranks[rank] = static_cast<uint8_t>(best);
     allowed &= ~(1u << best);
   }
   return out;

@@ -21,27 +21,28 @@ std::vector<uint32_t> usableCameras(const LabelOptions& options, const FaceCosts
   return out;
 }
 
-// The neighbouring frame's cameras where they still are feasible, the cheapest others in the slots that this leaves.
+// Takes the neighbouring frame's cameras where they are still feasible, and fills the remaining ranks with the
+// cheapest.
 void labelByNeighbour(const FaceCosts& costs, const std::vector<uint32_t>& allowed, int layers,
                       const std::vector<LabelTuple>& neighbour, std::vector<LabelTuple>& labels) {
   labels.resize(allowed.size());
   for (size_t f = 0; f < labels.size(); ++f) {
     LabelTuple tuple = neighbour[f];
     uint32_t free = allowed[f];
-    for (uint8_t& c : tuple.slots) {
+    for (uint8_t& c : tuple.ranks) {
       if (c != package::kNoCamera && !(free >> c & 1)) c = package::kNoCamera;
       if (c != package::kNoCamera) free &= ~(1u << c);
     }
     const LabelTuple spare = cheapestCameras(costs, f, free, layers);
     for (int l = 0, s = 0; l < layers; ++l)
-      if (tuple.slots[l] == package::kNoCamera) tuple.slots[l] = spare.slots[s++];
-    // Slot 0 may be empty still if the cameras left are in further slots.
-    for (int l = 1; l < layers && tuple.slots[0] == package::kNoCamera; ++l) std::swap(tuple.slots[0], tuple.slots[l]);
+      if (tuple.ranks[l] == package::kNoCamera) tuple.ranks[l] = spare.ranks[s++];
+    // Rank 0 may still be empty if the remaining cameras are in further ranks.
+    for (int l = 1; l < layers && tuple.ranks[0] == package::kNoCamera; ++l) std::swap(tuple.ranks[0], tuple.ranks[l]);
     labels[f] = tuple;
   }
 }
 
-// A first guess for every frame without labels: the frame before, or one frame solved on its own.
+// Makes a first guess for every frame without labels: from the frame before, or by solving one frame by itself.
 void startJoint(const LabelOptions& options, const LabelWeights& weights, const FaceLinks& links,
                 const std::vector<std::vector<uint32_t>>& allowed, std::vector<WindowFrame>& frames) {
   for (size_t k = 0; k < frames.size(); ++k) {
@@ -68,7 +69,7 @@ void solveJoint(const LabelOptions& options, const FaceLinks& links, std::vector
   ExpansionBlock(weights, links, std::move(block)).solve(options.sweeps);
 }
 
-// 4DVT 4.1: a layer after the other; a camera that a face has taken is not allowed in its further layers.
+// 4DVT 4.1: solves layer after layer; a camera that a face has taken is not allowed in its further layers.
 void solveLayers(const LabelOptions& options, float tau, const FaceLinks& links, std::vector<WindowFrame>& frames) {
   const LabelWeights weights = LabelWeights::singleLayer(tau, options.empty_penalty, links);
   std::vector<std::vector<uint32_t>> allowed(frames.size());
@@ -84,10 +85,10 @@ void solveLayers(const LabelOptions& options, float tau, const FaceLinks& links,
     for (size_t k = 0; k < frames.size(); ++k) {
       const WindowFrame& frame = frames[k];
       for (uint32_t f = 0; f < links.faceCount(); ++f) {
-        uint8_t camera = (*frame.labels)[f].slots[l];
+        uint8_t camera = (*frame.labels)[f].ranks[l];
         if (!frame.frozen && (camera == package::kNoCamera || !(allowed[k][f] >> camera & 1)))
-          camera = cheapestCameras(*frame.costs, f, allowed[k][f], 1).slots[0];
-        layer[k][f].slots[0] = camera;
+          camera = cheapestCameras(*frame.costs, f, allowed[k][f], 1).ranks[0];
+        layer[k][f].ranks[0] = camera;
       }
       block.push_back({frame.costs, frame.frozen ? nullptr : &allowed[k], &layer[k], frame.frozen, false});
     }
@@ -95,8 +96,8 @@ void solveLayers(const LabelOptions& options, float tau, const FaceLinks& links,
     for (size_t k = 0; k < frames.size(); ++k) {
       if (frames[k].frozen) continue;
       for (uint32_t f = 0; f < links.faceCount(); ++f) {
-        const uint8_t camera = layer[k][f].slots[0];
-        (*frames[k].labels)[f].slots[l] = camera;
+        const uint8_t camera = layer[k][f].ranks[0];
+        (*frames[k].labels)[f].ranks[l] = camera;
         if (camera != package::kNoCamera) allowed[k][f] &= ~(1u << camera);
       }
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Labels of neighbouring frames solved together, by mode.
+// Solves the labels of neighbouring frames together, as the mode asks.
 #pragma once
 
 #include <vector>
@@ -11,8 +11,8 @@ namespace fourdvt::bake {
 struct WindowFrame {
   const FaceCosts* costs = nullptr;           // borrowed
   std::vector<LabelTuple>* labels = nullptr;  // borrowed; out
-  bool frozen = false;                        // labels stay
-  bool solved = false;                        // labels come from another window; improve them
+  bool frozen = false;                        // its labels do not change
+  bool solved = false;                        // its labels come from another window and are to be improved
 };
 
 void solveWindow(const LabelOptions& options, const FaceLinks& links, std::vector<WindowFrame>& frames);

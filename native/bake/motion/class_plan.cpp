@@ -12,8 +12,8 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr size_t kFeatures = 300;      // vertices compared by the time-warp
-constexpr uint32_t kCheckPhases = 64;  // phases at which the blend's bound is checked, at most
+constexpr size_t kFeatures = 300;      // vertices that the time warp compares
+constexpr uint32_t kCheckPhases = 64;  // the largest number of phases at which the blend's bound is checked
 constexpr int kTriangleChecks = 12, kTriangleSegments = 4;
 constexpr const char* kMeasured = "speed_mps";
 
@@ -41,7 +41,7 @@ Status checkClass(const capture::Capture& capture, const capture::CaptureClass& 
       return impossible(source, "'" + member.sequence + "' and '" + source.members[0].sequence +
                                     "' are not both loops; leave one out");
     if (!member.parameter.empty() && member.parameter.size() != parameters)
-      return impossible(source, "'" + member.sequence + "' needs a value a parameter");
+      return impossible(source, "'" + member.sequence + "' needs one value per parameter");
     if (member.parameter.empty() && (parameters != 1 || source.parameters[0] != kMeasured))
       return impossible(source, "only " + std::string(kMeasured) + " is measured: give '" + member.sequence +
                                     "' its value of every parameter");
@@ -49,13 +49,14 @@ Status checkClass(const capture::Capture& capture, const capture::CaptureClass& 
   return {};
 }
 
+// `vertices`: those that the time warp compares.
 Result<Source> openSource(const capture::Capture& capture, const capture::CaptureClass::MemberOf& declared,
-                          const MeshTopology& topology, const std::vector<uint32_t>& vertices,
-                          const ReadPositions& read, std::vector<std::string>& notes) {
+                          const std::vector<uint32_t>& vertices, const ReadPositions& read,
+                          std::vector<std::string>& notes) {
   Source source;
   source.sequence = capture.find(declared.sequence);
   std::string note;
-  FOURDVT_ASSIGN(auto track, rootTrack(capture, *source.sequence, topology, read, &note));
+  FOURDVT_ASSIGN(auto track, rootTrack(capture, *source.sequence, read, &note));
   if (!note.empty()) notes.push_back(note);
   source.track = std::move(track);
   std::vector<Positions> frames;
@@ -77,7 +78,7 @@ glm::vec3 joined(const glm::vec3& first, const glm::vec3& then) {
   return {motion::moved({glm::vec2(first), first.z}, then).ground_m, first.z + then.z};
 }
 
-// Of a fractional frame; a loop's goes on into its next passes.
+// The root track at a fractional frame; a loop's continues into its next passes.
 glm::vec3 trackAt(const Source& source, double frame) {
   const double count = source.sequence->frame_count;
   glm::vec3 passes(0);
@@ -122,15 +123,16 @@ std::vector<HybridSimplex> makeHybrid(const std::vector<BlendSimplex>& simplices
   return out;
 }
 
-// Measures, then splits the worst simplex until all keep the bound or no reference is left.
+// Chooses the references: measures the errors, then splits the worst simplex until all keep the bound or no reference
+// is left.
 class ReferenceChooser {
  public:
   ReferenceChooser(std::vector<BlendSimplex> simplices, const ClassOptions& options, size_t member_count)
       : simplices_(std::move(simplices)), options_(options), member_count_(member_count) {
     const bool intervals = simplices_[0].interval();
-    const int most = intervals ? options.max_references + 1 : kTriangleSegments;
-    checks_ = intervals ? std::max(options.check_weights - 1, 2 * most) : kTriangleChecks;
-    for (const BlendSimplex& simplex : simplices_) errors_.emplace_back(simplex, mixOf(simplex), checks_, most);
+    const int max_segments = intervals ? options.max_references + 1 : kTriangleSegments;
+    checks_ = intervals ? std::max(options.check_weights - 1, 2 * max_segments) : kTriangleChecks;
+    for (const BlendSimplex& simplex : simplices_) errors_.emplace_back(simplex, mixOf(simplex), checks_, max_segments);
   }
 
   Status measure(const ClassPlan& plan, const NonlinearBlend& blend, const ReadPositions& read,
@@ -164,11 +166,11 @@ class ReferenceChooser {
  private:
   double errorOf(size_t simplex, int segments) const { return errors_[simplex].of(segments).max_m; }
   double largest(const std::vector<int>& segments) const {
-    double most = 0;
-    for (size_t s = 0; s < segments.size(); ++s) most = std::max(most, errorOf(s, segments[s]));
-    return most;
+    double error = 0;
+    for (size_t s = 0; s < segments.size(); ++s) error = std::max(error, errorOf(s, segments[s]));
+    return error;
   }
-  // Triangles share edges: all together.
+  // Triangles share edges, so they are split all together.
   std::vector<int> refined(std::vector<int> segments) const {
     size_t worst = 0;
     for (size_t s = 1; s < segments.size(); ++s)
@@ -188,12 +190,12 @@ class ReferenceChooser {
 };
 
 Result<std::vector<Source>> openSources(const capture::Capture& capture, const capture::CaptureClass& source,
-                                        const MeshTopology& topology, const ReadPositions& read, ClassPlan& plan) {
+                                        const ReadPositions& read, ClassPlan& plan) {
   FOURDVT_ASSIGN(auto first, read(*capture.find(source.members[0].sequence), 0));
   const std::vector<uint32_t> vertices = spreadVertices(first, kFeatures);
   std::vector<Source> sources;
   for (const auto& member : source.members) {
-    FOURDVT_ASSIGN(auto opened, openSource(capture, member, topology, vertices, read, plan.notes));
+    FOURDVT_ASSIGN(auto opened, openSource(capture, member, vertices, read, plan.notes));
     sources.push_back(std::move(opened));
   }
   const auto before = [](const Source& a, const Source& b) { return a.member.parameter[0] < b.member.parameter[0]; };
@@ -204,7 +206,7 @@ Result<std::vector<Source>> openSources(const capture::Capture& capture, const c
   return sources;
 }
 
-// Common time: that of the longest member.
+// Common time is that of the longest member.
 void planTime(const std::vector<Source>& sources, ClassPlan& plan) {
   const auto shorter = [](const Source& a, const Source& b) {
     return a.sequence->frame_count < b.sequence->frame_count;
@@ -227,16 +229,17 @@ void planTime(const std::vector<Source>& sources, ClassPlan& plan) {
 }  // namespace
 
 Result<ClassPlan> planClass(const capture::Capture& capture, const capture::CaptureClass& source,
-                            const MeshTopology& topology, const ReadPositions& read, const ClassOptions& options,
+                            const CapturedMeshes& meshes, const ClassOptions& options,
                             const std::function<bool(double)>& progress) {
   FOURDVT_TRY(checkClass(capture, source));
+  const ReadPositions& read = meshes.read;
   ClassPlan plan;
   plan.source = &source;
-  FOURDVT_ASSIGN(auto sources, openSources(capture, source, topology, read, plan));
+  FOURDVT_ASSIGN(auto sources, openSources(capture, source, read, plan));
   planTime(sources, plan);
   FOURDVT_ASSIGN(auto simplices, classSimplices(plan.manifest, source.name));
   FOURDVT_ASSIGN(auto pose, memberPositions(plan.members[0], 0, read));
-  FOURDVT_ASSIGN(auto blend, NonlinearBlend::create(topology, pose));
+  FOURDVT_ASSIGN(auto blend, NonlinearBlend::create(meshes.topology, pose));
   ReferenceChooser chooser(std::move(simplices), options, plan.members.size());
   FOURDVT_TRY(chooser.measure(plan, *blend, read, progress));
   const std::vector<HybridSimplex> hybrid = chooser.choose(plan);
@@ -249,10 +252,10 @@ Result<ClassPlan> planClass(const capture::Capture& capture, const capture::Capt
 }
 
 Result<std::vector<ClassMember>> classMembers(const capture::Capture& capture, const capture::CaptureClass& source,
-                                              const MeshTopology& topology, const ReadPositions& read) {
+                                              const ReadPositions& read) {
   FOURDVT_TRY(checkClass(capture, source));
   ClassPlan plan;
-  FOURDVT_ASSIGN(auto sources, openSources(capture, source, topology, read, plan));
+  FOURDVT_ASSIGN(auto sources, openSources(capture, source, read, plan));
   planTime(sources, plan);
   return std::move(plan.members);
 }

@@ -14,7 +14,7 @@ using motion::moved;
 using motion::Placement;
 
 constexpr double kRounding = 1e-6;
-constexpr double kStill_m = 0.002;  // what hardly moves may move this far
+constexpr double kStill_m = 0.002;  // steps of motions that hardly move count as at least this long
 
 Step stepBetween(const Positions& before, const Positions& after, const Placement& moved_by) {
   const glm::mat4 move = motion::worldFromCharacter(moved_by);
@@ -29,8 +29,8 @@ Step stepBetween(const Positions& before, const Positions& after, const Placemen
 
 Step larger(const Step& a, const Step& b) { return {std::max(a.furthest, b.furthest), std::max(a.mean, b.mean)}; }
 
-double ratio(const Step& step, const Step& most) {
-  return std::max(step.furthest / std::max(most.furthest, kStill_m), step.mean / std::max(most.mean, kStill_m));
+double ratio(const Step& step, const Step& limit) {
+  return std::max(step.furthest / std::max(limit.furthest, kStill_m), step.mean / std::max(limit.mean, kStill_m));
 }
 
 // A motion that does not loop stays on its last frame.
@@ -39,9 +39,9 @@ uint32_t frameAt(const MotionPath& path, int64_t frame) {
   return uint32_t(path.loop ? (frame % count + count) % count : std::clamp<int64_t>(frame, 0, count - 1));
 }
 
-// Frames that pass between two looks at most.
-int64_t framesPerLook(const MotionPath& path, double look_s) {
-  return std::max<int64_t>(1, int64_t(std::ceil(path.frames_per_s * look_s - kRounding)));
+// The largest number of frames that pass between two ticks.
+int64_t framesPerTick(const MotionPath& path, double tick_s) {
+  return std::max<int64_t>(1, int64_t(std::ceil(path.frames_per_s * tick_s - kRounding)));
 }
 
 glm::vec3 rootStep(const MotionPath& path, int64_t frame, int64_t frames) {
@@ -59,9 +59,9 @@ Steps larger(const Steps& a, const Steps& b) {
   return {larger(a.in_place, b.in_place), larger(a.travelling, b.travelling)};
 }
 
-std::vector<Steps> ownSteps(const MotionPath& path, double look_s) {
+std::vector<Steps> ownSteps(const MotionPath& path, double tick_s) {
   std::vector<Steps> own;
-  const int64_t count = int64_t(path.positions.size()), frames = framesPerLook(path, look_s);
+  const int64_t count = int64_t(path.positions.size()), frames = framesPerTick(path, tick_s);
   for (int64_t t = 0; t < count; ++t) {
     const Positions &before = path.positions[size_t(t)], &after = path.positions[frameAt(path, t + frames)];
     own.push_back({stepBetween(before, after, {}), stepBetween(before, after, moved({}, rootStep(path, t, frames)))});
@@ -69,8 +69,8 @@ std::vector<Steps> ownSteps(const MotionPath& path, double look_s) {
   return own;
 }
 
-double popOf(const MotionPath& source, const MotionPath& target, const Fade& fade, const Steps& own,
-             const PopOptions& options, double enough) {
+double popOf(const MotionPath& source, const MotionPath& target, const Fade& fade, const PopScale& scale,
+             const PopOptions& options) {
   const glm::mat4 source_from_target = motion::worldFromCharacter(moved({}, fade.shift));
   // The faded mesh in the source's character frame.
   const auto faded = [&](int64_t source_frame, int64_t target_frame, float weight) {
@@ -81,34 +81,34 @@ double popOf(const MotionPath& source, const MotionPath& target, const Fade& fad
     return points;
   };
   const auto weightAt = [&](double k) { return k < -kRounding ? 0 : motion::fadeWeight(k, fade.frames); };
-  const int64_t source_frames = framesPerLook(source, options.look_s),
-                target_frames = framesPerLook(target, options.look_s);
-  double most = 0;
-  for (int64_t k = -1; k < int64_t(fade.frames) && most <= enough; ++k) {
+  const int64_t source_frames = framesPerTick(source, options.tick_s),
+                target_frames = framesPerTick(target, options.tick_s);
+  double largest = 0;
+  for (int64_t k = -1; k < int64_t(fade.frames) && largest <= scale.enough; ++k) {
     const int64_t left =
         fade.source_frame + int64_t(std::floor(k * source.frames_per_s / target.frames_per_s + kRounding));
     const int64_t entered = fade.target_frame + k;
-    const float before = weightAt(k), after = weightAt(k + options.look_s * target.frames_per_s),
+    const float before = weightAt(k), after = weightAt(k + options.tick_s * target.frames_per_s),
                 middle = (before + after) / 2;
     const Positions from = faded(left, entered, before);
     const Positions to = faded(left + source_frames, entered + target_frames, after);
-    // In place the placement goes over from the source's to the target's.
+    // In place, the placement is faded from the source's to the target's.
     const Placement in_place =
         moved({}, motion::stepBetween(inverse(before * fade.shift), inverse(after * fade.shift)));
     const Placement led = moved(moved({}, (1 - middle) * rootStep(source, left, source_frames)), fade.shift);
     const Placement travelling =
         moved(moved(led, middle * rootStep(target, entered, target_frames)), inverse(fade.shift));
     Steps limit = larger(source.steps[frameAt(source, left)], target.steps[frameAt(target, entered)]);
-    const auto allow = [&](Step& now, const Step& largest) {
-      now = {largest.furthest, std::max(now.mean, options.mean_share * largest.mean)};
+    const auto allow = [&](Step& now, const Step& ever) {
+      now = {ever.furthest, std::max(now.mean, options.mean_share * ever.mean)};
     };
-    allow(limit.in_place, own.in_place);
-    allow(limit.travelling, own.travelling);
-    most = std::max(most, ratio(stepBetween(from, to, travelling), limit.travelling));
+    allow(limit.in_place, scale.own.in_place);
+    allow(limit.travelling, scale.own.travelling);
+    largest = std::max(largest, ratio(stepBetween(from, to, travelling), limit.travelling));
     if (glm::length(glm::vec2(fade.shift)) <= options.furthest_shift_m)
-      most = std::max(most, ratio(stepBetween(from, to, in_place), limit.in_place));
+      largest = std::max(largest, ratio(stepBetween(from, to, in_place), limit.in_place));
   }
-  return most;
+  return largest;
 }
 
 }  // namespace fourdvt::bake

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far a mesh moves from look to look while one motion cross-fades into another as the player does it
-// (player/parts/transitions.cpp), against how far the motions move by themselves: where it moves further, the fade is seen as
-// a pop. Exact for the vertices given: whole frames are shown, of fast motions now and then one more between two looks.
-// Does NOT look at pictures; they change with the mean of the vertices' steps, though more in some poses than in
-// others.
+// Finds pops: how far the mesh moves from tick to tick while one motion cross-fades into another as the player does it
+// (player/parts/transitions.cpp), against how far the motions move by themselves. Where the fade moves the mesh further, the
+// visitor sees a pop. Exact for the vertices given; whole frames are shown, so that fast motions now and then advance
+// by one frame more between two ticks. Does NOT look at pictures, which change with the mean of the vertices' steps.
 #pragma once
 
 #include <cstdint>
@@ -13,11 +12,11 @@
 
 namespace fourdvt::bake {
 
-// From one look to the next, metres.
+// How far the vertices move from one tick to the next, metres.
 struct Step {
-  double furthest = 0, mean = 0;  // of the vertices
+  double furthest = 0, mean = 0;
 };
-// In place, and over the ground: a character that does not travel treads on the spot.
+// In place, for a character that does not travel and so treads on the spot; and over the ground.
 struct Steps {
   Step in_place, travelling;
 };
@@ -29,26 +28,31 @@ struct MotionPath {
   bool loop = false;
   std::vector<Positions> positions;   // [frame] chosen vertices, metres, character frame
   std::vector<glm::vec3> root_steps;  // [frame] to the next one, metres along x and z and radians, character frame
-  std::vector<Steps> steps;           // [frame] to the next look: ownSteps
+  std::vector<Steps> steps;           // [frame] to the next tick, as ownSteps returns them
 };
-// The character is looked at every look_s.
-std::vector<Steps> ownSteps(const MotionPath& path, double look_s);
+// [frame] the steps of the motion by itself, with a tick every `tick_s`.
+std::vector<Steps> ownSteps(const MotionPath& path, double tick_s);
 
 struct Fade {
   uint32_t source_frame = 0, target_frame = 0;  // shown as it begins
-  uint32_t frames = 1;                          // of the target
+  uint32_t frames = 1;                          // length, in frames of the target
   glm::vec3 shift{0};                           // motion::Entry::shift
 };
 struct PopOptions {
-  double look_s = 0.04;
-  // The mean step may reach this share of the largest, or what either motion does by itself at that moment.
+  double tick_s = 0.04;
+  // The fade's mean step may reach this share of `PopScale::own`, or what either motion does by itself at that moment.
   double mean_share = 0.85;
-  // Metres over the ground between the two character frames. A motion captured further away must slide in place,
-  // whichever frames meet: then only travelling counts.
+  // If the two character frames lie further apart over the ground, metres, only travelling steps are compared: in
+  // place such a motion must slide whichever frames meet.
   double furthest_shift_m = 0.3;
 };
-// The largest ratio of the fade's steps to `own`, the largest of both motions; once above `enough` any such ratio.
-double popOf(const MotionPath& source, const MotionPath& target, const Fade& fade, const Steps& own,
-             const PopOptions& options, double enough);
+// What a fade's steps are compared with.
+struct PopScale {
+  Steps own;          // the largest steps of both motions by themselves
+  double enough = 0;  // beyond this ratio the exact one does not matter
+};
+// The largest ratio of the fade's steps to `scale.own`; any ratio above `scale.enough` stands for all larger ones.
+double popOf(const MotionPath& source, const MotionPath& target, const Fade& fade, const PopScale& scale,
+             const PopOptions& options);
 
 }  // namespace fourdvt::bake

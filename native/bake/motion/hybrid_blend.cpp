@@ -9,7 +9,7 @@ namespace {
 
 bool isCorner(const Shares& s) { return std::max({s.x, s.y, s.z}) > 1 - 1e-9; }
 
-// 1 at the node, straight to 0 at its neighbours on the grid of `segments`-ths (not necessarily equal intervals).
+// 1 at the node, falling linearly to 0 at its neighbours on the grid of `segments`-ths, whose intervals may differ.
 double straight(std::span<const Shares> nodes, size_t node, int segments, const Shares& at) {
   if (at.z == 0 && std::all_of(nodes.begin(), nodes.end(), [](const Shares& n) { return n.z == 0; })) {
     const double before = node > 0 ? nodes[node - 1].y : 0, here = nodes[node].y;
@@ -20,7 +20,7 @@ double straight(std::span<const Shares> nodes, size_t node, int segments, const 
   return std::max(0.0, 1 - std::max({d.x, d.y, d.z}));
 }
 
-// Lagrange's polynomial: 1 at the node, 0 at the other nodes and both ends.
+// Lagrange's polynomial: 1 at the node, 0 at the other nodes and at both ends.
 double polynomial(std::span<const Shares> nodes, size_t node, const Shares& at) {
   const double here = nodes[node].y;
   double value = at.y / here * (1 - at.y) / (1 - here);

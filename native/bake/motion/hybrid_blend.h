@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where in a class's weights corrections towards the non-linear blend are stored, how they mix, and what error they
-// leave (ALGORITHMS 4.4). The weights lie on simplices of members: intervals (one parameter) or triangles (two).
+// Decides at which weights of a class corrections towards the non-linear blend are stored, how they mix, and what error
+// they leave (ALGORITHMS 4.4). The weights lie on simplices of members: intervals (one parameter) or triangles (two).
 //
 // A simplex of `segments` n has its references on the grid of n-ths. Intervals mix them by the polynomial through all
 // references and both ends, which needs fewer than straight pieces do; triangles by straight pieces, so that neighbours
@@ -18,19 +18,19 @@ struct BlendSimplex {
   std::array<int, 3> members{};  // an interval's last two are equal
   bool interval() const { return members[1] == members[2]; }
 };
-using Shares = glm::dvec3;  // of a simplex's corners, sum 1; an interval's last is 0
+using Shares = glm::dvec3;  // weights of a simplex's corners, sum 1; the third one of an interval is 0
 
 std::vector<float> simplexWeights(const BlendSimplex& simplex, const Shares& shares, size_t member_count);
 // All points of a simplex's grid of `segments`-ths, corners included.
 std::vector<Shares> simplexGrid(bool interval, int segments);
 
-// The references of a simplex, each on the grid of `check_segments`-ths.
+// The references of a simplex, each rounded to the grid of `check_segments`-ths.
 std::vector<Shares> hybridNodes(bool interval, int segments, int check_segments);
 enum class HybridMix { Straight, Polynomial };
 // Coefficient of every node at a point.
 std::vector<double> hybridCoefficients(std::span<const Shares> nodes, int segments, HybridMix mix, const Shares& at);
 
-// The errors of every number of segments, measured in one go over phases.
+// The errors that every number of segments leaves, measured in one pass over the phases.
 class HybridErrors {
  public:
   struct Error {
@@ -38,7 +38,7 @@ class HybridErrors {
     uint64_t count = 0;
   };
   HybridErrors(const BlendSimplex& simplex, HybridMix mix, int check_segments, int max_segments);
-  // One phase. members: all the class's.
+  // Adds one phase. `members`: positions of all members of the class.
   void add(const NonlinearBlend& blend, std::span<const Positions> members);
   const Error& of(int segments) const { return levels_[size_t(segments - 1)].error; }  // 1: the linear blend
   int maxSegments() const { return int(levels_.size()); }

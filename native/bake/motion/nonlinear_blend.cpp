@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Deformation transfer's gradients (Sumner and Popović 2004) with rotations blended on the group. Rotations are taken
-// relative to member 0, so that two rigid poses blend exactly whatever the reference.
+// Takes the faces' gradients from deformation transfer and blends their rotations on the rotation group. Rotations are
+// taken relative to member 0, so that two rigid poses blend exactly whatever the reference.
+#include "bake/motion/nonlinear_blend.h"
+
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <Eigen/SparseCholesky>
 #include <numbers>
 #include <queue>
 
-#include "bake/motion/class_plan.h"
+#include "package/character.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -15,22 +17,23 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kThinnest = 1e-3;  // a face's double area by the square of its longest edge; below: no gradient
+constexpr double kThinnest =
+    1e-3;  // twice a face's area over the square of its longest edge; below, it has no gradient
 constexpr double kNearPi = 0.75 * std::numbers::pi;
-constexpr double kSteady = 0.2;  // radians, deviation: a face's say in where the blend is placed falls beyond
+constexpr double kSteady = 0.2;  // radians of deviation between members beyond which a face's anchor weight falls
 
 Vector3d toEigen(const glm::vec3& v) { return {v.x, v.y, v.z}; }
 
 struct Face {
   glm::uvec3 vertices{0};
-  std::array<double, 3> half_cotangents{};  // of the edge from corner i to the next
-  std::array<Vector3d, 3> edges;            // of the reference, likewise
-  Matrix3d inverse;                         // of the reference's edge frame
-  bool flat = false;                        // has a gradient; else its edges follow the linear blend
-  int parent = -1;                          // neighbour visited before it, for the branch of the logarithm
+  std::array<double, 3> half_cotangents{};  // [i] of the edge from corner i to the next
+  std::array<Vector3d, 3> edges;            // [i] the same edge in the reference pose
+  Matrix3d inverse;                         // inverse of the edge frame in the reference pose
+  bool flat = false;                        // it has a gradient; otherwise its edges follow the linear blend
+  int parent = -1;  // the neighbour visited before it, which chooses the branch of the logarithm
 };
 
-// Two edges and a normal as long as they are; `ok` false where the face has no usable area.
+// Two edges and a normal of about their length. Sets `ok` to false if the face has no usable area.
 Matrix3d edgeFrame(const Vector3d& a, const Vector3d& b, const Vector3d& c, bool& ok) {
   Matrix3d frame;
   frame.col(0) = b - a;
@@ -43,7 +46,7 @@ Matrix3d edgeFrame(const Vector3d& a, const Vector3d& b, const Vector3d& c, bool
   return frame;
 }
 
-// The rotation of the polar decomposition, by Newton's iteration; where that fails by singular values.
+// The rotation of the polar decomposition, by Newton's iteration, or by singular values where that fails.
 Matrix3d rotationOf(const Matrix3d& gradient) {
   Matrix3d rotation = gradient;
   for (int i = 0; i < 20; ++i) {
@@ -71,7 +74,7 @@ Matrix3d expOf(const Vector3d& turn) {
   return angle > 1e-12 ? Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix() : Matrix3d::Identity();
 }
 
-// Near a half turn the shortest way round is not stable: take the one that the neighbour took.
+// Near a half turn the shorter direction of rotation is not stable: takes the one that the neighbour took.
 Vector3d likeNeighbour(const Vector3d& turn, const Vector3d& neighbour) {
   const double angle = turn.norm();
   if (angle < kNearPi) return turn;
@@ -98,14 +101,23 @@ class Blend : public NonlinearBlend {
       if (weights[m] != 0) used.push_back(m);
     if (used.size() < 2) return linear;
     Eigen::MatrixX3d right = Eigen::MatrixX3d::Zero(vertex_count_, 3);
-    std::vector<Turns> turns(faces_.size());  // [face][used member] from the first one used
-    for (size_t f : order_) addFace(f, members, weights, used, linear, turns, right);
+    std::vector<Turns> turns(faces_.size());  // [face][used member] rotation from the first used member
+    const Blending blending{members, weights, used, linear};
+    for (size_t f : order_) addFace(f, blending, turns, right);
     for (size_t p = 0; p < anchors_.size(); ++p) right.row(anchors_[p]) += toEigen(linear[anchors_[p]]).transpose();
     return placed(solver_.solve(right), linear, steadiness(weights, used, turns));
   }
 
  private:
   using Turns = std::array<Vector3d, package::kMaxMembers>;
+
+  // What one call of blend() mixes.
+  struct Blending {
+    std::span<const Positions> members;
+    std::span<const float> weights;
+    const std::vector<size_t>& used;  // members whose weight is not 0
+    const Positions& linear;          // their linear blend
+  };
 
   void makeFaces(const MeshTopology& topology, const Positions& reference) {
     for (const glm::uvec3& vertices : topology.face_vertices) {
@@ -124,7 +136,7 @@ class Blend : public NonlinearBlend {
     }
   }
 
-  // Breadth first over shared vertices; degenerate faces are nobody's parent.
+  // Visits faces breadth first over shared vertices; degenerate faces are never parents.
   void orderFaces() {
     std::vector<std::vector<uint32_t>> around(vertex_count_);
     for (uint32_t f = 0; f < faces_.size(); ++f)
@@ -151,7 +163,7 @@ class Blend : public NonlinearBlend {
     }
   }
 
-  // Connected parts: each is anchored and placed by itself. A vertex of no face is a part.
+  // Finds the connected parts, each of which is anchored and placed by itself. A vertex without faces is a part.
   void findParts() {
     std::vector<uint32_t> root(vertex_count_);
     for (uint32_t v = 0; v < vertex_count_; ++v) root[v] = v;
@@ -193,32 +205,33 @@ class Blend : public NonlinearBlend {
     return {};
   }
 
-  void addFace(size_t index, std::span<const Positions> members, std::span<const float> weights,
-               const std::vector<size_t>& used, const Positions& linear, std::vector<Turns>& turns,
-               Eigen::MatrixX3d& right) const {
+  // Adds the face's edges as blended to the right-hand side. turns: of the faces before it in order_; sets its own.
+  void addFace(size_t index, const Blending& blending, std::vector<Turns>& turns, Eigen::MatrixX3d& right) const {
     const Face& face = faces_[index];
     Matrix3d gradient = Matrix3d::Zero();
-    if (face.flat) gradient = blendedGradient(face, members, weights, used, turns, turns[index]);
+    if (face.flat) gradient = blendedGradient(face, blending, turns, turns[index]);
     for (int i = 0; i < 3; ++i) {
       const uint32_t a = face.vertices[i], b = face.vertices[(i + 1) % 3];
-      const Vector3d edge = face.flat ? Vector3d(gradient * face.edges[i]) : toEigen(linear[b] - linear[a]);
+      const Vector3d edge =
+          face.flat ? Vector3d(gradient * face.edges[i]) : toEigen(blending.linear[b] - blending.linear[a]);
       right.row(b) += face.half_cotangents[i] * edge.transpose();
       right.row(a) -= face.half_cotangents[i] * edge.transpose();
     }
   }
 
-  Matrix3d blendedGradient(const Face& face, std::span<const Positions> members, std::span<const float> weights,
-                           const std::vector<size_t>& used, const std::vector<Turns>& turns, Turns& own) const {
+  Matrix3d blendedGradient(const Face& face, const Blending& blending, const std::vector<Turns>& turns,
+                           Turns& own) const {
+    const std::vector<size_t>& used = blending.used;
     Matrix3d base = Matrix3d::Identity(), stretch = Matrix3d::Zero();
     Vector3d turn = Vector3d::Zero();
     for (size_t k = 0; k < used.size(); ++k) {
-      const Positions& p = members[used[k]];
+      const Positions& p = blending.members[used[k]];
       bool ok = false;
       const Matrix3d gradient =
           edgeFrame(toEigen(p[face.vertices.x]), toEigen(p[face.vertices.y]), toEigen(p[face.vertices.z]), ok) *
           face.inverse;
       const Matrix3d rotation = rotationOf(gradient);
-      const double w = weights[used[k]];
+      const double w = blending.weights[used[k]];
       stretch += w * (rotation.transpose() * gradient);
       if (k == 0) {
         base = rotation;
@@ -231,8 +244,8 @@ class Blend : public NonlinearBlend {
     return base * expOf(turn) * stretch;
   }
 
-  // [vertex] the more the less its faces turn between the members: what does not turn, the linear blend puts in its
-  // place. Where all turn alike, all weigh the same.
+  // Anchor weight per vertex; falls with the rotation of its faces between the members, because the linear blend is
+  // exact for what does not rotate. Where all faces rotate alike, all vertices weigh the same.
   std::vector<double> steadiness(std::span<const float> weights, const std::vector<size_t>& used,
                                  const std::vector<Turns>& turns) const {
     double pairs = 0;
@@ -246,14 +259,16 @@ class Blend : public NonlinearBlend {
         mean += double(weights[used[k]]) * turns[f][k];
         square += double(weights[used[k]]) * turns[f][k].squaredNorm();
       }
-      const double apart = (square - mean.squaredNorm()) / pairs;  // of two members: half of their angle's square
+      const double apart =
+          (square - mean.squaredNorm()) /
+          pairs;  // variance of the rotation; of two members: half of the square of the angle between them
       const double say = 1 / std::pow(1 + apart / (kSteady * kSteady), 2);
       for (int i = 0; i < 3; ++i) steady[faces_[f].vertices[i]] += say;
     }
     return steady;
   }
 
-  // Every part moved to where its linear blend lies, as its steady vertices see it.
+  // Moves every connected part to where the linear blend has it: by the weighted mean offset of its vertices.
   Positions placed(const Eigen::MatrixX3d& solved, const Positions& linear, const std::vector<double>& steady) const {
     std::vector<Vector3d> shift(anchors_.size(), Vector3d::Zero());
     std::vector<double> weight(anchors_.size(), 0);

@@ -12,7 +12,7 @@ using package::Member;
 using package::ParameterSample;
 using package::ParameterSpace;
 
-constexpr int kIntervalSteps = 32, kTriangleSteps = 12;  // of the table, a simplex
+constexpr int kIntervalSteps = 32, kTriangleSteps = 12;  // steps of the table per simplex
 
 Error impossible(const std::string& name, const std::string& what) {
   return {ErrorId::CaptureJson, "capture.json: class '" + name + "': " + what};
@@ -42,7 +42,7 @@ std::vector<BlendSimplex> quadTriangles(const std::vector<glm::dvec2>& p) {
     const int a = (i + 1) % 4, b = (i + 2) % 4, c = (i + 3) % 4;
     if (inside(p[i], p[a], p[b], p[c])) return {{{a, b, i}}, {{b, c, i}}, {{c, a, i}}};
   }
-  std::array<int, 4> order = {0, 1, 2, 3};  // round the middle
+  std::array<int, 4> order = {0, 1, 2, 3};  // members in order round their middle
   const glm::dvec2 middle = (p[0] + p[1] + p[2] + p[3]) / 4.0;
   std::sort(order.begin(), order.end(), [&](int a, int b) {
     return std::atan2(p[a].y - middle.y, p[a].x - middle.x) < std::atan2(p[b].y - middle.y, p[b].x - middle.x);
@@ -62,7 +62,7 @@ double mixedSpeed(const std::vector<Member>& members, const std::vector<float>& 
   return glm::length(travel) / duration_s;
 }
 
-// The sample of these weights; equal ones of neighbouring simplices are one.
+// The sample at these weights; neighbouring simplices share equal samples.
 uint16_t findSample(ParameterSpace& space, ParameterSample sample) {
   for (size_t s = 0; s < space.samples.size(); ++s) {
     double distance = 0;
@@ -75,7 +75,7 @@ uint16_t findSample(ParameterSpace& space, ParameterSample sample) {
 }
 
 void addCells(ParameterSpace& space, const std::vector<uint16_t>& grid, bool interval, int steps) {
-  size_t row = 0;  // first of the grid's row y
+  size_t row = 0;  // first sample in row y of the grid
   for (int y = 0; y < steps; ++y) {
     const int length = interval ? 1 : steps - y + 1;
     const size_t next = row + size_t(length);

@@ -9,29 +9,29 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr float kLow = 0.05f;          // metres above the lowest level: looked at
-constexpr float kStanding = 0.015f;    // height at which a vertex counts much less
-constexpr double kSoleRise_mps = 0.2;  // vertical speed likewise
-constexpr double kSlow_mps = 0.2;      // sliding speed likewise, at the end of the search
+constexpr float kLow = 0.05f;          // metres above the ground below which vertices are examined
+constexpr float kStanding = 0.015f;    // metres above the ground at which a vertex counts much less
+constexpr double kSoleRise_mps = 0.2;  // vertical speed at which a vertex counts much less
+constexpr double kSlow_mps = 0.2;      // sliding speed at which a vertex counts much less, at the end of the search
 constexpr double kSlowAtFirst_mps = 0.8;
-constexpr double kStandingSlide_mps = 0.5;  // what slides faster does not stand: it is swung
+constexpr double kStandingSlide_mps = 0.5;  // a vertex that slides faster does not stand: the foot swings
 constexpr int kSearches = 10;
-constexpr double kFewStand = 0.3;    // of the most that ever stands: half certain
-constexpr double kSmoothness = 0.1;  // of the steps, against contacts of certainty 1
-constexpr double kDeclared = 0.05;   // certainty of the declared velocity, for what no contact tells
-constexpr double kAgreement = 0.2;   // of the declared speed
+constexpr double kFewStand = 0.3;    // share of the most weight that ever stands, at which a contact is half certain
+constexpr double kSmoothness = 0.1;  // weight of smooth steps against contacts of certainty 1
+constexpr double kDeclared = 0.05;   // certainty of the declared velocity, which decides where there is no contact
+constexpr double kAgreement = 0.2;   // share of the declared speed within which the measured one agrees
 
 struct Candidate {  // a vertex near the ground, from one frame to the next
   float height = 0;
   glm::vec3 moved{0};
 };
 
-struct Step {  // over the ground
+struct Step {  // travel over the ground between two frames
   glm::dvec2 metres{0};
   double weight = 0;
 };
 
-// Height of the ground under the feet: where most frames' lowest vertices are, or below.
+// Height of the ground under the feet: four fifths of the frames have their lowest vertex at it or above.
 float groundLevel(std::vector<float> lowest) {
   const auto fifth = lowest.begin() + long(lowest.size() / 5);
   std::nth_element(lowest.begin(), fifth, lowest.end());
@@ -49,7 +49,7 @@ Result<float> findGround(const capture::CaptureSequence& sequence, const ReadPos
   return groundLevel(std::move(lowest));
 }
 
-// [frame] what moved near the ground until the next frame; a loop's last frame leads to its first.
+// [frame] the vertices near the ground and how they move until the next frame; a loop's last frame leads to its first.
 Result<std::vector<std::vector<Candidate>>> findCandidates(const capture::CaptureSequence& sequence, float ground,
                                                            const ReadPositions& read) {
   std::vector<std::vector<Candidate>> candidates(sequence.frame_count);
@@ -72,12 +72,12 @@ Result<std::vector<std::vector<Candidate>>> findCandidates(const capture::Captur
 
 double square(double x) { return x * x; }
 
-// What stands: low and neither rising nor falling.
+// Weight by which a vertex stands: it is low and neither rises nor falls.
 double standing(const Candidate& c, double fps) {
   return std::exp(-square(c.height / kStanding) - square(c.moved.y * fps / kSoleRise_mps));
 }
 
-// The ground's usual step under the feet, where none is declared: the median of what stands.
+// The usual step over the ground if none is declared: the median over the vertices that stand.
 glm::dvec2 usualStep(const std::vector<std::vector<Candidate>>& candidates, double fps) {
   std::vector<double> x, z;
   for (const auto& frame : candidates) {
@@ -95,7 +95,7 @@ glm::dvec2 usualStep(const std::vector<std::vector<Candidate>>& candidates, doub
   return {median(x), median(z)};
 }
 
-// The step under which what stands slides least; what slides fast counts less and less.
+// Finds the step by which standing vertices slide least; fast-sliding vertices count less and less.
 Step solveStep(const std::vector<Candidate>& candidates, double fps, const glm::dvec2& usual) {
   Step step{usual, 0};
   for (int search = 0; search < kSearches; ++search) {
@@ -116,16 +116,16 @@ Step solveStep(const std::vector<Candidate>& candidates, double fps, const glm::
   return step;
 }
 
-// Certain steps stay, others follow their neighbours' velocity. declared: null: none.
+// Keeps certain steps and lets the others follow their neighbours' velocity. `declared` may be null.
 void smoothSteps(std::vector<Step>& steps, bool loop, const glm::dvec2* declared) {
-  double most = 0;
-  for (const Step& step : steps) most = std::max(most, step.weight);
+  double max_weight = 0;
+  for (const Step& step : steps) max_weight = std::max(max_weight, step.weight);
   const int count = int(steps.size());
   std::vector<Eigen::Triplet<double>> entries;
   Eigen::MatrixX2d right(count, 2);
   for (int t = 0; t < count; ++t) {
     const double stand = square(steps[t].weight);
-    const double certainty = stand / (stand + square(kFewStand * most) + 1e-12) + 1e-9;
+    const double certainty = stand / (stand + square(kFewStand * max_weight) + 1e-12) + 1e-9;
     entries.emplace_back(t, t, certainty + (declared ? kDeclared : 0));
     const glm::dvec2 wanted = certainty * steps[t].metres + (declared ? kDeclared * *declared : glm::dvec2(0));
     right.row(t) << wanted.x, wanted.y;
@@ -143,7 +143,7 @@ void smoothSteps(std::vector<Step>& steps, bool loop, const glm::dvec2* declared
 }  // namespace
 
 Result<std::vector<glm::vec3>> rootTrack(const capture::Capture& capture, const capture::CaptureSequence& sequence,
-                                         const MeshTopology&, const ReadPositions& read, std::string* note) {
+                                         const ReadPositions& read, std::string* note) {
   FOURDVT_ASSIGN(auto ground, findGround(sequence, read));
   FOURDVT_ASSIGN(auto candidates, findCandidates(sequence, ground, read));
   const glm::dvec2 declared = glm::dvec2(sequence.root_velocity_mps.x, sequence.root_velocity_mps.z) / capture.fps;

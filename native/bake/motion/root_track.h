@@ -1,20 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
-// How well feet stand on the ground while a character travels along a root track (class_plan.h rootTrack).
+// Where a character travels over the ground, from its meshes alone (ALGORITHMS 4.6), and how well its feet then stand.
+// Does NOT measure turns.
 #pragma once
 
+#include <functional>
+#include <string>
 #include <vector>
 
-#include "bake/motion/class_plan.h"
+#include "capture/capture.h"
 
 namespace fourdvt::bake {
 
+// Positions of one captured frame in the decoded mesh's order, metres.
+using ReadPositions = std::function<Result<Positions>(const capture::CaptureSequence&, uint32_t frame)>;
+
+// The root track of a captured sequence: [frame_count + 1], metres along x and z and radians about y since frame 0; the
+// last entry is the whole pass, the angle is always 0. Follows the vertices that stand on the ground, which must not
+// slide, and keeps the velocity between contacts. Where the feet's mean speed and a declared root velocity differ by
+// more than a fifth, the declared velocity is used and `note` says so.
+Result<std::vector<glm::vec3>> rootTrack(const capture::Capture& capture, const capture::CaptureSequence& sequence,
+                                         const ReadPositions& read, std::string* note = nullptr);
+
 struct FootSkate {
-  int contacts = 0;  // of single vertices: at least three frames near the ground, not swung
-  // How far a contact's vertex strays over the ground, first to last extreme: mean, 95th percentile, largest.
-  double mean_m = 0, most_m = 0, max_m = 0;
+  int contacts = 0;  // stretches of at least three frames in which one vertex stands on the ground
+  // How far a vertex slides over the ground during a contact, between its extremes: mean, 95th percentile, largest.
+  double mean_m = 0, tail_m = 0, max_m = 0;
 };
 
-// track: as of rootTrack, without turns.
+// `track`: as rootTrack returns it; turns in it are not looked at.
 Result<FootSkate> footSkate(const capture::Capture& capture, const capture::CaptureSequence& sequence,
                             const std::vector<glm::vec3>& track, const ReadPositions& read);
 

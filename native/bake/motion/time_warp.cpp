@@ -8,17 +8,17 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr float kPassVelocityWeight = 0.04f;  // of squared metres a pass
-constexpr int kStepsAPhase = 8;               // resolution of the search at mean pace
-constexpr double kMostPace = 3;               // times the mean pace, and its inverse
-constexpr double kPaceCost = 0.02;            // of a pace twice the mean, in mean distances
-constexpr int kCoarseStarts = 64;             // of a loop, before refining
-constexpr int kSmoothings = 2;                // with 1 4 6 4 1
+constexpr float kPassVelocityWeight = 0.04f;  // of squared metres per pass
+constexpr int kStepsAPhase = 8;               // steps per phase at mean pace: the resolution of the search
+constexpr double kMaxPace = 3;                // times the mean pace; the slowest pace is its inverse
+constexpr double kPaceCost = 0.02;            // cost of a pace twice the mean, in mean distances
+constexpr int kCoarseStarts = 64;             // starts tried in a loop before refining
+constexpr int kSmoothings = 2;                // passes of the filter 1 4 6 4 1
 constexpr double kFar = std::numeric_limits<double>::max();
 
 size_t wrapped(long index, size_t count) { return size_t((index % long(count) + long(count)) % long(count)); }
 
-// Distances of every phase to every step of the member, and paths through them.
+// The distances of every phase to every step of the member, and the cheapest paths through them.
 class Grid {
  public:
   Grid(const PoseFeatures& reference, const PoseFeatures& member, bool loop)
@@ -28,10 +28,10 @@ class Grid {
     total_ = (loop ? frames_ : frames_ - 1) * size_t(steps_a_frame_);
     intervals_ = loop ? phases_ : phases_ - 1;
     const double mean_step = double(total_) / double(intervals_);
-    least_step_ = std::max<size_t>(1, size_t(std::ceil(mean_step / kMostPace)));
-    most_step_ = size_t(std::floor(mean_step * kMostPace));
+    min_step_ = std::max<size_t>(1, size_t(std::ceil(mean_step / kMaxPace)));
+    max_step_ = size_t(std::floor(mean_step * kMaxPace));
     measure(reference, member);
-    for (size_t s = 0; s <= most_step_; ++s) {
+    for (size_t s = 0; s <= max_step_; ++s) {
       const double excess = double(s) / mean_step - 1;
       pace_cost_.push_back(kPaceCost * mean_ * excess * excess);
     }
@@ -48,10 +48,10 @@ class Grid {
     cost[0] = distance(0, start);
     for (size_t p = 1; p <= intervals_; ++p) {
       std::fill(next.begin(), next.end(), kFar);
-      const size_t last = std::min(total_ - std::min(total_, (intervals_ - p) * least_step_), p * most_step_);
-      for (size_t at = p * least_step_; at <= last; ++at) {
+      const size_t last = std::min(total_ - std::min(total_, (intervals_ - p) * min_step_), p * max_step_);
+      for (size_t at = p * min_step_; at <= last; ++at) {
         uint32_t& step = taken[p * width + at];
-        for (size_t s = least_step_; s <= most_step_ && s <= at; ++s) {
+        for (size_t s = min_step_; s <= max_step_ && s <= at; ++s) {
           if (cost[at - s] == kFar) continue;
           const double through = cost[at - s] + pace_cost_[s];
           if (through < next[at]) {
@@ -59,7 +59,7 @@ class Grid {
             step = uint32_t(s);
           }
         }
-        // A loop's last phase is its first one again.
+        // In a loop, the phase after the last is the first again.
         if (next[at] < kFar && p < phases_) next[at] += distance(p, start + at);
       }
       cost.swap(next);
@@ -97,7 +97,7 @@ class Grid {
     return loop_ ? distances_[phase * total_ + step % total_] : distances_[phase * (total_ + 1) + step];
   }
 
-  size_t phases_, frames_, total_ = 0, intervals_ = 0, least_step_ = 1, most_step_ = 1;
+  size_t phases_, frames_, total_ = 0, intervals_ = 0, min_step_ = 1, max_step_ = 1;
   bool loop_;
   int steps_a_frame_ = 1;
   std::vector<float> distances_;
@@ -105,7 +105,7 @@ class Grid {
   double mean_ = 0;
 };
 
-// The start of the cheapest cyclic path: a coarse scan, then halved round the best.
+// Finds where the cheapest cyclic path starts: by a coarse scan, then by halving the interval round the best.
 size_t bestStart(const Grid& grid) {
   std::vector<size_t> steps;
   const size_t count = grid.positions();
@@ -128,8 +128,8 @@ size_t bestStart(const Grid& grid) {
   return best;
 }
 
-// Means of neighbours' departures from the mean pace: paces stay within their bounds. Ends of a path that is no loop
-// are mirrored through themselves, so that they stay.
+// Smooths a path by averaging neighbours' departures from the mean pace, which keeps paces within their bounds. A path
+// that is no loop is mirrored at its ends, so that they do not move.
 void smooth(std::vector<double>& time, double pass, bool loop) {
   const long count = long(time.size());
   const auto at = [&](const std::vector<double>& from, long i) {

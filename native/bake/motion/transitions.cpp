@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every sum of s(a,b) over vertices is a product of two feature rows, so that all pairs are a few matrix products:
 // with a and b centred over the ground, min over yaw of Σ |a - T b|² = Σ|a|² + Σ|b|² - 2 (√(C² + S²) + H).
-// The fit is that half way through the cross-fade, where both count the same.
+// The poses are fitted half way through the cross-fade, where both weigh the same.
 #include "bake/motion/transitions.h"
 
 #include <Eigen/Dense>
@@ -15,23 +15,24 @@
 namespace fourdvt::bake {
 namespace {
 
-// Double: small distances are differences of large sums.
+// Sums are double, because small distances are differences of large sums.
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Pictures = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-constexpr double kEntryShare = 0.25;  // of a state that does not loop: entered in this first part, so that it is seen
+constexpr double kEntryShare =
+    0.25;  // a state that does not loop is entered within this first share, so that its motion is seen
 
-// A row a sample: weight row × frame of a state. Positions, then velocities times √λ_v.
+// One row per sample, a sample being a weight row and a frame of a state. Positions, then velocities times √λ_v.
 struct Features {
-  Matrix ground;  // x and z of all, centred
-  Matrix turned;  // z and -x of the same: what C becomes S with
+  Matrix ground;  // x and z of all values, centred
+  Matrix turned;  // z and -x of the same, which give S as `ground` gives C
   Matrix height;
-  Pictures picture;  // tiny atlas 0..1; no columns without
+  Pictures picture;  // tiny atlas, 0…1; no columns if there is none
   Eigen::VectorXd squares;
   Eigen::VectorXf picture_squares;
   std::vector<glm::dvec2> centre;
   std::vector<MotionPath> paths;  // [weight row]
-  Steps steps;                    // the largest of all of them
+  Steps steps;                    // the largest steps of all paths
 };
 
 std::vector<glm::vec3> chosen(const Positions& positions, const std::vector<uint32_t>& vertices) {
@@ -40,7 +41,7 @@ std::vector<glm::vec3> chosen(const Positions& positions, const std::vector<uint
   return out;
 }
 
-// Root motion to the next frame, in the character's frame; a pass's last frame goes on as the one before.
+// [frame] root motion to the next frame, in the character's frame; the last frame of a pass continues the one before.
 std::vector<glm::vec3> rootSteps(const TransitionState& state, uint32_t row) {
   std::vector<glm::vec3> steps;
   for (uint32_t t = 0; t + 1 < state.frame_count; ++t)
@@ -49,7 +50,7 @@ std::vector<glm::vec3> rootSteps(const TransitionState& state, uint32_t row) {
   return steps;
 }
 
-// Over the ground, of one frame: the pose's own by differences, plus root motion.
+// Velocities over the ground at one frame: the pose's own, by differences, plus root motion.
 std::vector<glm::vec3> velocities(const MotionPath& path, uint32_t t) {
   const uint32_t count = uint32_t(path.positions.size());
   const uint32_t before = t > 0 ? t - 1 : path.loop ? count - 1 : 0;
@@ -88,15 +89,10 @@ void fillRow(const Positions& positions, const std::vector<glm::vec3>& velocitie
   }
 }
 
-Status fillPicture(const TransitionState& state, uint32_t weight_row, uint32_t frame, int side, Eigen::Index row,
-                   Features& features) {
-  if (!state.atlas) return {};
-  auto atlas = state.atlas(weight_row, frame);
-  if (!atlas) return atlas.error();
-  const Image& image = atlas.value();
+Status fillPicture(const Image& image, int side, Eigen::Index row, Features& features) {
   const int colours = std::min(image.channels, 3);
   if (image.width != side || image.height != side || colours < 3)
-    return Error{ErrorId::Internal, "motion graph: an atlas of another size"};
+    return Error{ErrorId::Internal, "motion graph: an atlas has another size than the others"};
   if (features.picture.cols() == 0) features.picture.setZero(features.ground.rows(), 3 * side * side);
   for (int i = 0; i < side * side; ++i)
     for (int c = 0; c < 3; ++c)
@@ -108,7 +104,7 @@ using KeepOn = std::function<bool()>;  // false: stop
 
 Error interrupted() { return {ErrorId::Interrupted, "stopped while measuring transitions"}; }
 
-// vertices: those of the fit first, then more for the steps.
+// `vertices`: first those that the fit compares, then those that only the steps use.
 Result<Features> featuresOf(const TransitionState& state, const std::vector<uint32_t>& vertices,
                             const TransitionOptions& options, const KeepOn& keep_on) {
   Features features;
@@ -129,9 +125,11 @@ Result<Features> featuresOf(const TransitionState& state, const std::vector<uint
       std::vector<glm::vec3> scaled = velocities(path, t);
       for (glm::vec3& v : scaled) v *= std::sqrt(float(options.velocity_weight));
       fillRow(path.positions[t], scaled, row, features);
-      FOURDVT_TRY(fillPicture(state, r, t, options.atlas, row, features));
+      if (!state.atlas) continue;
+      FOURDVT_ASSIGN(const Image atlas, state.atlas(r, t));
+      FOURDVT_TRY(fillPicture(atlas, options.atlas, row, features));
     }
-    path.steps = ownSteps(path, options.pop.look_s);
+    path.steps = ownSteps(path, options.pop.tick_s);
     for (const Steps& steps : path.steps) features.steps = larger(features.steps, steps);
     features.paths.push_back(std::move(path));
   }
@@ -146,10 +144,10 @@ glm::vec3 shiftOf(double c, double s, const glm::dvec2& source, const glm::dvec2
   return {glm::vec2(source) - moved, yaw};
 }
 
-// Where the source is left and the target entered, as rows of their features.
+// Where the source is left and the target is entered, as rows of their features.
 struct Candidate {
-  motion::Entry entry;                            // without shift and pop
-  Eigen::Index source_half = 0, target_half = 0;  // half way
+  motion::Entry entry;                            // without its shift and the cost of its pop
+  Eigen::Index source_half = 0, target_half = 0;  // rows half way through the fade
 };
 
 // All transitions from one state to another.
@@ -157,7 +155,7 @@ class Pair {
  public:
   Pair(const TransitionState& from, const Features& source, const TransitionState& to, const Features& target,
        const TransitionOptions& options);
-  Result<std::vector<motion::Entry>> entries(const KeepOn& keep_on) const;  // one a sample of the source
+  Result<std::vector<motion::Entry>> entries(const KeepOn& keep_on) const;  // one per sample of the source
 
  private:
   void addCandidates(uint32_t row, uint32_t frame, uint32_t target_row, double fade_s,
@@ -205,7 +203,7 @@ void Pair::addCandidates(uint32_t row, uint32_t frame, uint32_t target_row, doub
   uint32_t fade = std::max(1u, uint32_t(std::lround(fade_s * target_rate)));
   if (!to_.loop) fade = std::clamp(last, 1u, fade);
   const uint32_t half = fade / 2, source_half = frame + uint32_t(std::lround(half * rate / target_rate));
-  // What ends is entered so that its start is seen, and left so that it does not stand still.
+  // A motion that ends is entered early, so that its start is seen, and left early, so that it does not stand still.
   const uint32_t seen = uint32_t(kEntryShare * to_.frame_count);
   const uint32_t newest = to_.loop ? last : std::min(last - std::min(last, fade), seen > half ? seen - half : 0);
   const double over = from_.loop ? 0 : frame + fade * rate / target_rate - source_last;
@@ -228,7 +226,7 @@ glm::vec3 Pair::shift(const Candidate& candidate) const {
   return shiftOf(c_(a, b), s_(a, b), source_.centre[size_t(a)], target_.centre[size_t(b)]);
 }
 
-// The least cost; a pop is looked for only where that may still be.
+// The entry of least cost. Pops are computed only for candidates that may still be the best.
 motion::Entry Pair::best(uint32_t row, uint32_t frame) const {
   std::vector<Candidate> all;
   for (uint32_t target_row = 0; target_row < target_.paths.size(); ++target_row)
@@ -241,10 +239,10 @@ motion::Entry Pair::best(uint32_t row, uint32_t frame) const {
     if (candidate.entry.cost >= best.cost) break;
     motion::Entry entry = candidate.entry;
     entry.shift = shift(candidate);
-    const double enough = options_.most_pop + (best.cost - entry.cost) / options_.pop_cost_mm;
+    const double enough = options_.max_pop + (best.cost - entry.cost) / options_.pop_cost_mm;
     const double pop = popOf(source_.paths[row], target_.paths[entry.weight_row],
-                             {frame, entry.frame, entry.fade_frames, entry.shift}, own_, options_.pop, enough);
-    entry.cost += float(options_.pop_cost_mm * std::max(0.0, pop - options_.most_pop));
+                             {frame, entry.frame, entry.fade_frames, entry.shift}, {own_, enough}, options_.pop);
+    entry.cost += float(options_.pop_cost_mm * std::max(0.0, pop - options_.max_pop));
     if (entry.cost < best.cost) best = entry;
   }
   return best;
@@ -273,7 +271,7 @@ Result<std::vector<uint8_t>> buildMotionGraph(const std::vector<TransitionState>
       spreadVertices(pose, size_t(std::max(options.features, options.step_features)));
   size_t samples = 0, done = 0;
   for (const TransitionState& state : states) samples += state.weight_rows.size() * state.frame_count;
-  // Every sample is measured, then compared with every other state.
+  // Every sample is measured once and then compared with every other state.
   const KeepOn keep_on = [&] { return progress(double(done++) / double(samples * states.size())); };
   std::vector<Features> features;
   for (const TransitionState& state : states) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One bake while it runs: what its stages share. bake.cpp makes it and hands it from stage to stage. Does NOT decide
-// what is done; what the environment points to is borrowed.
+// One bake while it runs: what its stages share. bake.cpp makes it and hands it from stage to stage. Borrows what the
+// environment points to. Does NOT decide what is done.
 #pragma once
 
 #include "bake/run/environment.h"
@@ -17,7 +17,8 @@ struct BakeRun {
 
   gpu::Device& device() const { return *environment.device; }
   bool stopped() const { return environment.stop && *environment.stop; }
-  // Between frames: Interrupted once a stop was asked for. `kept`: what stays on disk ("finished GOPs").
+  // Called between frames: error Interrupted once a stop was asked for. `kept` names what stays on disk ("finished
+  // GOPs").
   Status checkStop(const std::string& kept, const std::string& folder) const {
     if (!stopped()) return {};
     return Error{ErrorId::Interrupted,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bake needs from the program that runs it: a GPU, a way to open videos, somebody to tell, a way to be stopped.
+// What a bake needs from the program that runs it: a GPU, a way to open videos, a listener, a way to be stopped.
 #pragma once
 
 #include <atomic>
@@ -14,7 +14,7 @@ namespace fourdvt::bake {
 struct Progress {
   // "warp locomotion", "survey walk 12/28", "walk 12/28", "align locomotion 12/28", "graph"
   std::string stage;
-  uint32_t done = 0, total = 0;  // frames encoded over the whole bake; none before the survey's end
+  uint32_t done = 0, total = 0;  // frames encoded in the whole bake; 0 until the survey ends
   double frames_per_s = 0, left_s = 0;
 };
 

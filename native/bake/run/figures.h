@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a finished bake says of itself; the report shows it.
+// What a finished bake measured about itself; the report shows it.
 #pragma once
 
 #include <map>
@@ -10,15 +10,15 @@
 
 namespace fourdvt::bake {
 
-struct ClassFigures {
+struct ClassSummary {
   std::vector<std::string> members;
   struct Parameter {
     std::string name;
     double min = 0, max = 0;
   };
   std::vector<Parameter> parameters;
-  uint32_t references = 0;                        // corrections of the mesh blend a frame
-  double linear_error_m = 0, hybrid_error_m = 0;  // against the non-linear blend, largest vertex distance
+  uint32_t references = 0;                        // corrections of the mesh blend per frame
+  double linear_error_m = 0, hybrid_error_m = 0;  // largest vertex distances from the non-linear blend
   bool aligned = false;
 };
 
@@ -28,7 +28,7 @@ struct BakeReport {
   uint64_t peak_rss_bytes = 0;
   std::map<std::string, uint64_t> bytes_by_part;
   std::map<std::string, LabelStatistics> labels_by_sequence;
-  std::map<std::string, ClassFigures> classes;
+  std::map<std::string, ClassSummary> classes;
   std::vector<std::string> notes;  // what the user should know, one sentence each
 };
 

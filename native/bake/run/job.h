@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The resolved plan of one bake: options, capture, mesh order, streams. Does NOT change once planStreams has completed
-// it, but for what alignment measures.
+// The resolved plan of one bake: options, capture, mesh order, streams. validate makes it and planStreams completes it;
+// after that only the align stage sets what it measures.
 #pragma once
 
 #include <string>
@@ -15,21 +15,21 @@
 
 namespace fourdvt::bake {
 
-// One sequence of the character: a captured one, or a class of them with all members' layers in one picture.
+// One sequence of the character: a captured sequence, or a class, whose members' layers are all in one picture.
 struct StreamPlan {
   std::string name;
-  // A captured sequence: its own one member at its own frames, without references and parameters.
+  // A captured sequence is a plan with one member, itself, at its own frames, without references and parameters.
   ClassPlan motion;
   TileLayout layout;
   EncodeSettings encode;
   std::vector<uint32_t> gop_first_frames;  // ascending, starts with 0
-  float detail_correlation = 1;            // of a class's aligned members; set by the align stage
+  float detail_correlation = 1;  // how much the details of a class's aligned members correlate; set by the align stage
   bool isClass() const { return motion.members.size() > 1; }
   uint32_t frameCount() const { return motion.frame_count; }
   uint32_t gopEnd(size_t gop) const {
     return gop + 1 < gop_first_frames.size() ? gop_first_frames[gop + 1] : frameCount();
   }
-  // The frame of the member's source whose pictures and labels stand for this one.
+  // The captured frame of the member whose pictures and labels stand for this frame.
   uint32_t sourceFrame(size_t member, uint32_t frame) const;
 };
 
@@ -38,21 +38,21 @@ struct Job {
   capture::Capture capture;  // its sequences are surveyed and labelled; streams borrow them
   std::vector<PinholeCamera> cameras;
   std::vector<StreamPlan> streams;  // in the manifest's order: the sequences, then the classes
-  package::EncodedBaseMesh mesh;    // THE order of vertices and faces of everything below
+  package::EncodedBaseMesh mesh;    // its decoded order of vertices and faces is the order everywhere in the bake
   BoundingBox bounds;               // over all frames
   TileLayout layout;                // of one member
   EncodeSettings encode;            // of a captured sequence
-  uint32_t total_frames = 0;        // captured
-  uint32_t streamFrames() const;    // of all streams
+  uint32_t total_frames = 0;        // number of captured frames
+  uint32_t streamFrames() const;    // number of frames of all streams
   // Beside the character folder and on its file system: finished GOPs, and the result until it is renamed into place.
   std::string workFolder() const { return options.character_folder + ".work"; }
   std::string resultFolder() const { return workFolder() + "/result"; }
 };
 
-// Equal lengths ±1, at most `gop` frames each.
+// First frames of GOPs of at most `gop` frames, whose lengths differ by at most 1.
 std::vector<uint32_t> planGops(uint32_t frame_count, int gop);
 
-// Positions in the decoded mesh's order.
+// `source` in the order of the decoded mesh.
 Positions reordered(const package::EncodedBaseMesh& mesh, const Positions& source);
 
 }  // namespace fourdvt::bake

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Captured meshes in the decoded mesh's order, the last ones kept: interpolation between frames asks for each of them
-// several times. Not thread-safe.
+// Reads captured meshes in the decoded mesh's order and keeps the last ones, because interpolation between frames asks
+// for each of them several times. Not thread-safe.
 #pragma once
 
 #include <list>
@@ -14,20 +14,20 @@ class MeshReader {
   explicit MeshReader(const Job& job) : job_(&job) {}
   // Errors: those of capture::readMeshFrame.
   Result<Positions> read(const capture::CaptureSequence& sequence, uint32_t frame);
-  // Borrows the reader.
+  // The same as a function, which borrows the reader.
   ReadPositions function() {
     return [this](const capture::CaptureSequence& sequence, uint32_t frame) { return read(sequence, frame); };
   }
 
  private:
-  static constexpr size_t kKept = 24;  // four members, four frames each, and some to spare
+  static constexpr size_t kKept = 24;  // four frames of each of four members, and some to spare
   struct Entry {
     const capture::CaptureSequence* sequence;
     uint32_t frame;
     Positions positions;
   };
   const Job* job_;
-  std::list<Entry> entries_;  // the last used first
+  std::list<Entry> entries_;  // the most recently used first
 };
 
 }  // namespace fourdvt::bake

@@ -11,29 +11,34 @@
 
 namespace fourdvt::bake {
 
+// What is made of capture.json's motion classes.
+struct MotionClassOptions {
+  bool bake = true;                  // each class becomes one more sequence of the character
+  bool align = true;                 // what the members show is aligned on the surface, at bake time
+  double blend_error_m = 0.003;      // largest vertex distance of the hybrid mesh blend from the non-linear one
+  double alignment_step_m = 0.0001;  // quantisation of the alignment
+};
+
 struct BakeOptions {
   std::string capture_folder, character_folder;
   std::vector<std::string> sequences;  // empty: all
   int layers = 3;                      // texture layers, 1..6
   int texture = 1024;                  // texels, side of layer 1; further layers: see equal_layers
   int crf = 28;                        // constant rate factor on the codec's own scale, lower is better
-  int gop = 20;                        // frames a GOP at most; GOPs of a sequence are of equal length ±1
-  int jobs = 0;                        // worker threads; 0: as many as cores
-  bool resume = false;                 // reuse GOPs that an interrupted run with the same settings finished
-  double position_step_m = 0.00025;    // quantisation of streamed vertices
-  int gutter_texels = 10;              // true-content gutter round every chart, texels of layer 1
+  int gop = 20;                      // the largest number of frames per GOP; lengths in a sequence differ by at most 1
+  int jobs = 0;                      // worker threads; 0: as many as cores
+  bool resume = false;               // reuse GOPs that an interrupted run with the same settings finished
+  double position_step_m = 0.00025;  // quantisation of streamed vertices
+  int gutter_texels = 10;            // width of the gutter round every chart, texels of layer 1
   LabelMode labels = LabelMode::Joint;
   Penalty penalty = Penalty::Axis;
-  bool equal_layers = false;  // all layers of the size of layer 1, as in the papers
+  bool equal_layers = false;  // all layers have the size of layer 1, as in the papers
   bool colour_calibration = true;
   ResampleOptions resample;
   Codec codec = Codec::H264;
-  std::string preset;                // the encoder's own; empty: the default
-  bool classes = true;               // capture.json's motion classes, one more sequence each
-  bool align = true;                 // classes: alignment at bake time
-  double blend_error_m = 0.003;      // classes: hybrid mesh blend against the non-linear one, largest vertex distance
-  double alignment_step_m = 0.0001;  // quantisation of the alignment
-  // Where visibility, colour maps and labels are kept between bakes of the same capture; empty: with the work folder.
+  std::string preset;  // in the encoder's own terms; empty: its default
+  MotionClassOptions classes;
+  // Where visibility, colour maps and labels are kept between bakes of the same capture; empty: in the work folder.
   std::string survey_folder;
   std::string check() const;  // empty, or what is wrong
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The progress line of one bake: stage, frames, and the time that is left, from the work done so far. Does NOT print.
+// The progress of one bake: stage, frames, and the time that is left, estimated from the work done so far. Does NOT
+// print.
 #pragma once
 
 #include <chrono>
@@ -13,7 +14,7 @@ class ProgressReporter {
  public:
   using Now = std::chrono::steady_clock;
   explicit ProgressReporter(const BakeEnvironment& environment) : environment_(environment) {}
-  uint32_t frames_done = 0, frames_total = 0;  // of the streams; done counts those of earlier runs
+  uint32_t frames_done = 0, frames_total = 0;  // of the streams; frames_done includes those of earlier runs
 
   void expect(double work) { left_ += work; }
   void skip(double work) { left_ -= work; }
@@ -31,7 +32,8 @@ class ProgressReporter {
   double done_ = 0, left_ = 0;
 };
 
-// One stage's share of the work while it runs: done(0…1), in any steps; what was not done counts as skipped at the end.
+// One stage's share of the work while it runs. done(0…1) may be called in any steps; what was not done when the object
+// is destroyed counts as skipped.
 class StageProgress {
  public:
   StageProgress(ProgressReporter& reporter, double work) : reporter_(reporter), work_(work) {}

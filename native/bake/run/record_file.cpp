@@ -44,7 +44,7 @@ Result<RecordFile> RecordFile::resume(const std::string& path, size_t record_byt
   const bool complete = isComplete(path, record_bytes, records);
   out.open_path_ = complete ? path : path + ".part";
   std::error_code ignored;
-  if (!complete && fs::exists(out.open_path_, ignored)) {  // drop half a record
+  if (!complete && fs::exists(out.open_path_, ignored)) {  // drops a record that was only half written
     const uint64_t whole = sizeOf(out.open_path_) / record_bytes;
     fs::resize_file(out.open_path_, std::min<uint64_t>(whole, records) * record_bytes, ignored);
   }
@@ -61,7 +61,7 @@ Result<std::vector<uint8_t>> RecordFile::readOne(const std::string& path, size_t
 
 Status RecordFile::append(std::span<const uint8_t> record) {
   if (record.size() != record_bytes_ || count_ >= records_)
-    return Error{ErrorId::Internal, path_ + ": record of a wrong size, or too many"};
+    return Error{ErrorId::Internal, path_ + ": a record has the wrong size, or there are too many"};
   if (std::fseek(file_.get(), 0, SEEK_END) != 0 ||
       std::fwrite(record.data(), 1, record.size(), file_.get()) != record.size() || std::fflush(file_.get()) != 0)
     return cannotWrite(open_path_, errno);

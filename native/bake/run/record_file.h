@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Records of equal size, appended one after the other: "PATH.part" until it is complete, then PATH. An interrupted
-// writer goes on after the last whole record. Does NOT check what is in the records.
+// A file of records of equal size, appended one after the other: "PATH.part" until it is complete, then PATH. A writer
+// that was interrupted goes on after the last whole record. Does NOT check what is in the records.
 #pragma once
 
 #include <cstdint>
@@ -17,14 +17,14 @@ namespace fourdvt::bake {
 class RecordFile {
  public:
   static bool isComplete(const std::string& path, size_t record_bytes, uint32_t records);
-  // Opens what is there, complete or not, for append and read. Errors: WriteFailed.
+  // Opens what exists, complete or not, for appending and reading. Errors: WriteFailed.
   static Result<RecordFile> resume(const std::string& path, size_t record_bytes, uint32_t records);
   static Result<std::vector<uint8_t>> readOne(const std::string& path, size_t record_bytes, uint32_t index);
 
   uint32_t count() const { return count_; }
   Status append(std::span<const uint8_t> record);
   Result<std::vector<uint8_t>> read(uint32_t index);
-  // Renames into place if all records are there.
+  // Renames the file into place if all records are in it.
   Status finish();
 
  private:

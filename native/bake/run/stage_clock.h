@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Seconds of work by stage. Stages overlap in time, so that the sum may exceed the wall clock. Thread-safe.
+// Adds up seconds of work by stage. Stages overlap in time, so that the sum may exceed the wall clock. Thread-safe.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ namespace fourdvt::bake {
 
 class StageClock {
  public:
-  // Counts from its making to its end.
+  // Counts the time from its construction to its destruction.
   class Span {
    public:
     Span(StageClock& clock, Stage stage) : clock_(clock), stage_(stage), start_(Now::now()) {}
@@ -33,7 +33,7 @@ class StageClock {
     std::lock_guard lock(mutex_);
     seconds_[static_cast<size_t>(stage)] += seconds;
   }
-  // By the stages' names; stages that never ran are left out.
+  // Seconds by the stages' names; stages that never ran are left out.
   std::map<std::string, double> seconds() const {
     std::lock_guard lock(mutex_);
     std::map<std::string, double> out;

@@ -28,7 +28,7 @@ enum class Stage {
 struct StageInfo {
   const char* name;
   const char* does;
-  // Seconds of work per unit on two cores, roughly; only the ratios matter. 0: the time counts as another stage's.
+  // Rough seconds of work per unit on two cores; only the ratios matter. 0: another stage's estimate includes it.
   double work_s;
   const char* unit;
 };
@@ -47,7 +47,7 @@ inline constexpr std::array<StageInfo, 14> kStages{{
     {"tile", "puts layers and barcode into one 4:2:0 picture", 0, ""},
     {"encode", "codes the pictures, one closed GOP at a time", 0.55,
      "frame and member, with decoding, resampling, filling and tiling"},
-    {"align", "brings together on the surface what a class's members show", 1.2, "phase and member but the first"},
+    {"align", "aligns on the surface what a class's members show", 1.2, "phase and member but the first"},
     {"geometry", "codes positions, labels, corrections and alignment as chunks", 0, ""},
     {"graph", "finds where every motion may lead into every other one", 0.01, "frame of a stream"},
     {"assemble", "writes the character's files and renames them into place", 0, ""},

@@ -16,13 +16,13 @@ namespace {
 
 constexpr const char* kLayersExtension = ".layers";
 
-// A file holds its payload, then the payload's hash.
+// A file holds its payload, followed by the payload's hash.
 Status save(const std::string& path, ByteWriter& out) {
   out.u64(fnv1a(out.data()));
   return platform::writeFileAtomic(path, out.data());
 }
 
-Error damaged(const std::string& path) { return {ErrorId::Internal, path + ": damaged; bake again"}; }
+Error damaged(const std::string& path) { return {ErrorId::Internal, path + ": is damaged; bake again"}; }
 
 Result<std::vector<uint8_t>> load(const std::string& path) {
   FOURDVT_ASSIGN(std::vector<uint8_t> bytes, platform::readFile(path));
@@ -82,7 +82,7 @@ EncodedGop takeVideo(ByteReader& in) {
   return video;
 }
 
-// Without alignment, which comes later.
+// Does not include the alignment, which is measured later.
 void putFrames(ByteWriter& out, const package::ChunkFrames& f) {
   for (uint32_t count : {f.frame_count, f.vertex_count, f.face_count, f.layer_count, f.member_count, f.reference_count})
     out.u32(count);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finished GOPs on disk, so that memory does not grow with the length and an interrupted bake resumes. Files are atomic
-// and checksummed; a damaged one counts as absent.
+// Keeps finished GOPs on disk, so that memory does not grow with the length and an interrupted bake can go on. Files
+// are written atomically and checksummed; a damaged one counts as absent.
 #pragma once
 
 #include <optional>
@@ -13,17 +13,17 @@
 
 namespace fourdvt::bake {
 
-// Layer 1 in this many texels a side: what the motion graph compares (TransitionOptions::atlas).
+// Side in texels of the small layers 1 that the motion graph compares (TransitionOptions::atlas).
 constexpr int kAtlasSide = 32;
 
 struct GopArtefact {
   EncodedGop video;
-  package::ChunkFrames frames;        // of a class: what its chunk is coded from after alignment; else none
+  package::ChunkFrames frames;        // of a class: what its chunk is coded from once it is aligned; else empty
   std::vector<Image> atlases;         // [frame][member], RGB
   std::vector<uint8_t> picture_jpeg;  // first GOP of a class: its tiled picture
 };
 
-// Frame 0 of the first sequence: what poster and still are made of.
+// Frame 0 of the first sequence, from which poster and still are made.
 struct StillArtefact {
   I420Picture picture;          // tiled
   std::vector<uint8_t> labels;  // [layer][face]
@@ -32,9 +32,9 @@ struct StillArtefact {
 
 class WorkFolder {
  public:
-  // `key`: settingsKey. What an earlier run left is kept only if `resume` and the keys agree. Errors: WriteFailed.
+  // `key`: settingsKey. What an earlier run left stays only if `resume` is set and the keys agree. Errors: WriteFailed.
   static Result<WorkFolder> open(const std::string& path, const std::string& key, bool resume);
-  // Whether a bake in this folder has finished a GOP, of whatever settings.
+  // Whether a bake in this folder has finished a GOP, with whatever settings.
   static bool holdsGops(const std::string& path);
   bool hasGop(const std::string& sequence, uint32_t gop) const;
   Status saveGop(const std::string& sequence, uint32_t gop, const GopArtefact& artefact) const;
@@ -42,7 +42,7 @@ class WorkFolder {
   bool hasStill() const;
   Status saveStill(const StillArtefact& still) const;
   Result<StillArtefact> loadStill() const;
-  // package::encodeChunk's bytes of a GOP.
+  // The bytes of a GOP's chunk, as package::encodeChunk returns them.
   bool hasChunk(const std::string& sequence, uint32_t gop) const;
   Status saveChunk(const std::string& sequence, uint32_t gop, const std::vector<uint8_t>& chunk) const;
   Result<std::vector<uint8_t>> loadChunk(const std::string& sequence, uint32_t gop) const;  // Internal if damaged

@@ -163,7 +163,7 @@ Status codeChunks(const BakeRun& run, const StreamPlan& plan, const std::vector<
     package::ChunkFrames& frames = artefact.frames;
     if (!aligned.empty())
       addAlignment(std::span(aligned).subspan(plan.gop_first_frames[g], frames.frame_count),
-                   run.job.options.alignment_step_m, frames);
+                   run.job.options.classes.alignment_step_m, frames);
     FOURDVT_ASSIGN(auto chunk, package::encodeChunk(frames, mesh));
     FOURDVT_TRY(run.work.saveChunk(plan.name, g, chunk));
   }
@@ -183,9 +183,9 @@ Status alignClasses(BakeRun& run) {
   std::optional<package::ChunkMesh> mesh;
   for (StreamPlan& plan : job.streams) {
     if (!plan.isClass()) continue;
-    StageProgress progress(run.progress, job.options.align ? alignWork(plan) : 0);
+    StageProgress progress(run.progress, job.options.classes.align ? alignWork(plan) : 0);
     std::vector<AlignedFrame> aligned;
-    if (job.options.align) {
+    if (job.options.classes.align) {
       FOURDVT_ASSIGN(aligned, ClassAligner(run, plan, progress).run());
       plan.detail_correlation = meanCorrelation(aligned);
     }

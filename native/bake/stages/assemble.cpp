@@ -31,7 +31,7 @@ struct ChunkBytes {
   uint32_t total = 0, positions = 0, labels = 0, offsets = 0, alignment = 0;
 };
 
-// A chunk opens with the lengths of its parts (FORMAT.md).
+// A chunk begins with the lengths of its parts (native/package/FORMAT.md).
 ChunkBytes measure(const StreamPlan& plan, const std::vector<uint8_t>& chunk, bool aligned) {
   ByteReader lengths(chunk);
   ChunkBytes bytes;
@@ -46,7 +46,7 @@ ChunkBytes measure(const StreamPlan& plan, const std::vector<uint8_t>& chunk, bo
   return bytes;
 }
 
-bool isAligned(const Job& job, const StreamPlan& plan) { return plan.isClass() && job.options.align; }
+bool isAligned(const Job& job, const StreamPlan& plan) { return plan.isClass() && job.options.classes.align; }
 
 struct PackedSequence {
   package::Sequence manifest;
@@ -68,7 +68,7 @@ package::StreamIndex makeIndex(const Job& job, const StreamPlan& plan, const std
   index.reference_count = static_cast<uint32_t>(plan.motion.reference_weights.size());
   if (isAligned(job, plan)) {
     index.alignment_count = index.member_count - 1;
-    index.alignment_step_m = static_cast<float>(job.options.alignment_step_m);
+    index.alignment_step_m = static_cast<float>(job.options.classes.alignment_step_m);
   }
   index.position_origin = job.bounds.min;
   index.position_step_m = static_cast<float>(job.options.position_step_m);
@@ -80,7 +80,7 @@ package::StreamIndex makeIndex(const Job& job, const StreamPlan& plan, const std
   return index;
 }
 
-// Offsets follow the header, whose size they must not change.
+// Offsets are counted from behind the header, whose size they must not change.
 Result<std::vector<uint8_t>> finalHeader(package::StreamIndex& index) {
   std::vector<uint8_t> header = package::writeStreamHeader(index);
   for (int attempt = 0; attempt < 4; ++attempt) {
@@ -97,7 +97,7 @@ Result<std::vector<uint8_t>> finalHeader(package::StreamIndex& index) {
   return Error{ErrorId::Internal, "the stream header's size does not settle"};
 }
 
-// Header and chunks in one file, a chunk in memory at a time.
+// Writes header and chunks into one file, with one chunk in memory at a time.
 Status writeStream(const std::string& path, const std::vector<uint8_t>& header, const WorkFolder& work,
                    const StreamPlan& plan) {
   std::FILE* file = std::fopen(path.c_str(), "wb");
@@ -214,8 +214,8 @@ void describe(const Job& job, const package::Character& character, ReportInput& 
   }
 }
 
-ClassFigures figuresOf(const Job& job, const StreamPlan& plan, const package::Sequence& sequence) {
-  ClassFigures figures;
+ClassSummary figuresOf(const Job& job, const StreamPlan& plan, const package::Sequence& sequence) {
+  ClassSummary figures;
   for (const package::Member& member : sequence.members) figures.members.push_back(member.name);
   for (size_t p = 0; p < sequence.space.names.size(); ++p) {
     const motion::Range range = motion::parameterRange(sequence, p);
@@ -228,7 +228,7 @@ ClassFigures figuresOf(const Job& job, const StreamPlan& plan, const package::Se
   return figures;
 }
 
-// Figures and a picture of every class.
+// Adds the summary and a picture of every class to the report.
 Status describeClasses(const BakeRun& run, const package::Character& character, ReportInput& report) {
   const Job& job = run.job;
   for (const StreamPlan& plan : job.streams) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finished GOPs → the character folder, complete in a sibling folder first, renamed into place at the very end.
+// Makes the character folder from finished GOPs: complete in a sibling folder first, which bake.cpp renames into place.
 #pragma once
 
 #include "bake/run/bake_run.h"
@@ -7,11 +7,11 @@
 
 namespace fourdvt::bake {
 
-// Writes every file into job.resultFolder() and completes `report` (sequences, codec, pictures, bytes by part); the
-// report's own files come last, by writeReportFiles. graph: the motion graph's file; empty: none. Errors: WriteFailed,
+// Writes every file but the report's into job.resultFolder() and completes `report` (sequences, codec, pictures, bytes
+// by part). `graph`: bytes of the motion graph's file; empty if there is none. Errors: WriteFailed,
 // Internal, GpuFailure.
 Status assemble(BakeRun& run, const std::vector<uint8_t>& graph, ReportInput& report);
-// report.json and report.html into job.resultFolder().
+// Writes report.json and report.html into job.resultFolder().
 Status writeReportFiles(const Job& job, const ReportInput& report);
 
 }  // namespace fourdvt::bake

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bake's plan in the package's words, as far as it is known before the files are written.
+// Puts a bake's plan into the package's terms, as far as it is known before the files are written.
 #pragma once
 
 #include "bake/run/job.h"
@@ -10,9 +10,9 @@ namespace fourdvt::bake {
 constexpr const char* kMeshFile = "mesh.bin";
 constexpr const char* kPosterFile = "poster.webp";
 
-// Without sequences and graph.
+// Everything but sequences and graph.
 package::Character describeCharacter(const Job& job);
-// Without the sizes of its files and the codec; one rendition.
+// Everything but the sizes of the files and the codec string; with one rendition.
 package::Sequence describeStream(const StreamPlan& plan);
 
 }  // namespace fourdvt::bake

@@ -7,7 +7,7 @@
 namespace fourdvt::bake {
 namespace {
 
-// Layers minify the pictures if their texels are wider than this many pixels.
+// Layers whose texels are wider than this many pixels minify the pictures.
 constexpr double kMipmapTexelPixels = 2;
 
 bool minifies(const PinholeCamera& camera, const MeshTopology& t, const Positions& positions, int size) {

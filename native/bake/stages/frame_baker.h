@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The GPU's and fill's share of a bake for one frame at a time: pictures → visibility → layers. What bake.cpp runs in
-// its lanes and what evaluation runs without a codec.
+// From the pictures of one frame to its visibility and its filled layers. The survey and the GOP stage run it in a
+// bake, and the study runs it without a codec. Does NOT read captures.
 #pragma once
 
 #include <memory>
@@ -17,28 +17,29 @@
 namespace fourdvt::bake {
 
 struct FrameBakerOptions {
-  // Texels, a side each; layer 0 may be larger than the others (a multiple). Empty: visibility only.
+  // Side of every layer in texels; that of layer 0 may be a multiple of the others'. Empty: visibility only.
   std::vector<int> layer_sizes;
   float gutter_texels = 10;  // of layer 0
   ResampleOptions resample;
-  std::vector<ColourMap> colour_maps;  // one a camera; empty: pictures as they are
+  std::vector<ColourMap> colour_maps;  // one per camera; empty: pictures stay as they are
 };
 
 class FrameBaker {
  public:
-  // Errors: GpuFailure. `pose`: any frame's positions, to judge how far layers minify the pictures.
+  // `pose`: the positions of any frame; they show how far layers minify the pictures. Errors: GpuFailure.
   static Result<std::unique_ptr<FrameBaker>> create(gpu::Device& device, const std::vector<PinholeCamera>& cameras,
                                                     const MeshTopology& topology, const Positions& pose,
                                                     const FrameBakerOptions& options);
   // Uploads a frame (positions in the topology's order) and draws its depth maps.
   void setFrame(const Positions& positions, const std::vector<PictureCrop>& crops);
-  // Of the current frame: [camera][face], 0..1.
+  // What each camera sees of each face in the current frame: [camera][face], 0…1.
   Result<std::vector<float>> measureVisibility();
-  // Of the current frame, not filled. labels: [layer][face].
+  // Layers of the current frame, not filled. labels: [layer][face].
   Result<std::vector<Image>> resample(const std::vector<uint8_t>& labels);
-  // LVDT's assignment texel by texel; order: [rank][face], all cameras by penalty, package::kNoCamera after the last.
+  // The same with LVDT's choice of cameras texel by texel. order: [rank][face], all cameras by penalty, then
+  // package::kNoCamera.
   Result<std::vector<Image>> resamplePerTexel(const std::vector<uint8_t>& order);
-  // CPU only, on any thread: holes, gutters and the rest.
+  // Fills holes, gutters and the rest. Runs on the CPU only; any thread may call it.
   void fill(std::vector<Image>& layers) const;
 
  private:
@@ -47,7 +48,7 @@ class FrameBaker {
   Visibility visibility_;
   Resampler resampler_;
   GutterMap large_map_, small_map_;
-  std::vector<const GutterMap*> maps_;  // a layer each
+  std::vector<const GutterMap*> maps_;  // [layer]
 };
 
 }  // namespace fourdvt::bake

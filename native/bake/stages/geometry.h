@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames of one GOP, quantised, as the package codes them; and the alignment that joins them later.
+// Quantises the frames of one GOP as the package codes them, and adds their alignment once it is measured.
 #pragma once
 
 #include <span>
@@ -10,7 +10,7 @@
 
 namespace fourdvt::bake {
 
-// One frame, all in the decoded mesh's order.
+// The meshes of one frame, in the decoded mesh's order.
 struct FrameGeometry {
   std::vector<Positions> members;  // [member]
   std::vector<Positions> offsets;  // [reference]: corrections of the mesh blend
@@ -22,7 +22,7 @@ class ChunkBuilder {
   ChunkBuilder(const Job& job, const StreamPlan& plan);
   // labels: [member][layer][face].
   void add(const FrameGeometry& geometry, const std::vector<uint8_t>& labels);
-  // Of what was added; the builder is empty again.
+  // The frames that were added; the builder is empty afterwards.
   package::ChunkFrames finish();
 
  private:
@@ -32,7 +32,7 @@ class ChunkBuilder {
   package::ChunkFrames empty_, frames_;
 };
 
-// Sets the frames' alignment; one entry a frame.
+// Sets the alignment of `frames`, one entry per frame.
 void addAlignment(std::span<const AlignedFrame> aligned, double step_m, package::ChunkFrames& frames);
 
 }  // namespace fourdvt::bake

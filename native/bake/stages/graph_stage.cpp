@@ -27,7 +27,7 @@ std::vector<std::pair<size_t, size_t>> neighbours(const ClassPlan& plan) {
   return pairs;
 }
 
-// One stream as a state of the graph.
+// Presents one stream as a state of the graph.
 class State {
  public:
   State(const StreamPlan& plan, std::vector<std::vector<float>> weights, const ReadPositions& read,
@@ -129,7 +129,7 @@ Result<std::vector<uint8_t>> makeGraph(BakeRun& run) {
   MeshReader meshes(job);
   const ReadPositions read = meshes.function();
   std::vector<State> states;
-  states.reserve(job.streams.size());  // descriptions point to them
+  states.reserve(job.streams.size());  // the descriptions point into it
   std::vector<TransitionState> descriptions;
   for (const StreamPlan& plan : job.streams) {
     states.emplace_back(plan, graphWeights(plan.motion), read, blend.get());
@@ -138,7 +138,7 @@ Result<std::vector<uint8_t>> makeGraph(BakeRun& run) {
   }
   TransitionOptions options;
   options.atlas = kAtlasSide;
-  options.pop.look_s = 1 / job.capture.fps;
+  options.pop.tick_s = 1 / job.capture.fps;
   const auto tell = [&](double share) {
     progress.done(share, "graph");
     return !run.stopped();

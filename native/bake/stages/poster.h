@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of the finished character for people: the poster, and JPEG stills.
+// Pictures of the finished character for people: the poster, and stills as JPEG.
 #pragma once
 
 #include "bake/run/job.h"
@@ -8,12 +8,12 @@
 
 namespace fourdvt::bake {
 
-// Renders the still from the view that the page starts with, 720 × 960, transparent. Result: RGBA, straight alpha.
-// `positions` in the decoded mesh's order. Errors: GpuFailure.
+// Renders the still from the view that the page starts with, 720 × 960, as RGBA with straight alpha. `positions` are in
+// the decoded mesh's order. Errors: GpuFailure.
 Result<Image> renderPoster(gpu::Device& device, const package::Character& character, const package::BaseMesh& mesh,
                            const StillArtefact& still, const Positions& positions);
 
-// RGB or RGBA → file bytes. `extension`: ".jpg" or ".webp". Errors: Internal.
+// Encodes RGB or RGBA as a file. `extension`: ".jpg" or ".webp". Errors: Internal.
 Result<std::vector<uint8_t>> encodePicture(const Image& image, const std::string& extension, int quality);
 
 }  // namespace fourdvt::bake

@@ -63,10 +63,10 @@ Json optionsJson(const BakeOptions& o) {
           {"filter", filterName(o.resample.filter)},
           {"equal_layers", o.equal_layers},
           {"colour_calibration", o.colour_calibration},
-          {"classes", o.classes},
-          {"align", o.align ? "baked" : "none"},
-          {"blend_error_mm", o.blend_error_m * 1e3},
-          {"alignment_step_m", o.alignment_step_m},
+          {"classes", o.classes.bake},
+          {"align", o.classes.align ? "baked" : "none"},
+          {"blend_error_mm", o.classes.blend_error_m * 1e3},
+          {"alignment_step_m", o.classes.alignment_step_m},
           {"preset", o.preset}};
 }
 
@@ -87,7 +87,7 @@ Json sequenceJson(const ReportSequence& s) {
           {"total_mbit_per_s", megabitsPerSecond(s, streamedBytes(s))}};
 }
 
-Json classJson(const ClassFigures& c) {
+Json classJson(const ClassSummary& c) {
   Json json = {{"members", c.members},
                {"references", c.references},
                {"linear_error_mm", c.linear_error_m * 1e3},
@@ -147,7 +147,7 @@ report::Table sequenceTable(const ReportInput& in) {
   return table;
 }
 
-std::string rangeText(const ClassFigures& c) {
+std::string rangeText(const ClassSummary& c) {
   std::string text;
   for (const auto& p : c.parameters)
     text += (text.empty() ? "" : ", ") + p.name + " " + fixedText(p.min, 2) + "…" + fixedText(p.max, 2);
@@ -163,7 +163,7 @@ report::Table classTable(const ReportInput& in) {
   for (const ReportSequence& s : in.sequences) {
     const auto found = in.figures.classes.find(s.name);
     if (found == in.figures.classes.end()) continue;
-    const ClassFigures& c = found->second;
+    const ClassSummary& c = found->second;
     std::string members;
     for (const std::string& name : c.members) members += (members.empty() ? "" : ", ") + name;
     table.rows.push_back({s.name, members, rangeText(c), std::to_string(s.frames), playedSeconds(s),
@@ -277,9 +277,10 @@ std::string reportHtml(const ReportInput& in) {
   report::Section summary = section("summary", "Summary", "", {});
   summary.tiles = tilesOf(in);
   report::Section stages = section("stages", "Seconds per frame, by stage", "", {});
-  if (in.resumed) stages.text = "This run resumed an interrupted one: it measured only the GOPs it baked itself.\n\n";
+  if (in.resumed)
+    stages.text = "This run continued an interrupted one and measured only the GOPs that it baked itself.\n\n";
   stages.text += "Stages overlap on " + std::to_string(in.options.jobs) +
-                 " jobs: their sum may exceed the time of the whole bake.";
+                 " jobs, so that their sum may exceed the time of the whole bake.";
   stages.bar_charts = {stageChart(in)};
   report::Section sizes = section("sizes", "What the bytes are", "", {});
   sizes.bar_charts = {sizeChart(in)};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bake's report as text: report.json (every figure) and report.html (self-contained: inline CSS and SVG, pictures
-// by relative file name). Does NOT write files, encode pictures or measure anything: the caller does.
+// The bake's report as text: report.json (every value) and report.html (self-contained: inline CSS and SVG, pictures
+// by relative file name). Does NOT write files or encode pictures: the caller does.
 #pragma once
 
 #include <string>
@@ -19,8 +19,8 @@ struct ReportSequence {
   bool loop = false;
   uint32_t members = 1;
   uint64_t video_bytes = 0;                        // .mp4
-  uint64_t geometry_bytes = 0, label_bytes = 0;    // of the chunks in the .bin: positions and labels
-  uint64_t offset_bytes = 0, alignment_bytes = 0;  // of a class: corrections of the mesh blend, alignment
+  uint64_t geometry_bytes = 0, label_bytes = 0;    // in the chunks of the .bin: positions, labels
+  uint64_t offset_bytes = 0, alignment_bytes = 0;  // in a class's chunks: corrections of the mesh blend, alignment
   uint64_t index_bytes = 0;                        // the rest of the .bin: header, index, sample tables, root motion
 };
 
@@ -36,8 +36,8 @@ struct ReportInput {
   std::string codec;                            // RFC 6381
   uint32_t cameras = 0, vertices = 0, faces = 0;
   int picture_width = 0, picture_height = 0;  // tiled picture, texels
-  double wall_s = 0;                          // whole bake
-  bool resumed = false;                       // seconds cover this run only
+  double wall_s = 0;                          // duration of the whole bake
+  bool resumed = false;                       // the run continued an earlier one; seconds cover this run only
   std::vector<ReportSequence> sequences;
   std::vector<std::pair<std::string, std::string>> versions;  // library → version, e.g. libavcodec → 59.37.100
   std::vector<ReportPicture> pictures;                        // the first is shown large (the poster)
@@ -46,7 +46,7 @@ struct ReportInput {
 std::string reportJson(const ReportInput& input);
 std::string reportHtml(const ReportInput& input);
 
-// Highest resident set of this process so far, bytes; 0 where the system does not say.
+// Peak resident memory of this process so far, bytes; 0 if the system does not tell.
 uint64_t peakResidentBytes();
 
 }  // namespace fourdvt::bake

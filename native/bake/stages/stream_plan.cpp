@@ -14,7 +14,7 @@ Error interrupted() { return {ErrorId::Interrupted, "stopped; nothing was writte
 Result<ClassPlan> planSequence(const Job& job, const capture::CaptureSequence& source, const ReadPositions& read) {
   ClassPlan plan;
   std::string note;
-  FOURDVT_ASSIGN(auto track, rootTrack(job.capture, source, job.mesh.decoded.topology, read, &note));
+  FOURDVT_ASSIGN(auto track, rootTrack(job.capture, source, read, &note));
   if (!note.empty()) plan.notes.push_back(note);
   plan.frame_count = source.frame_count;
   plan.fps = job.capture.fps;
@@ -64,13 +64,13 @@ Status planClasses(BakeRun& run, const ReadPositions& read, StageProgress& progr
   Job& job = run.job;
   const auto classes = bakedClasses(job);
   ClassOptions options;
-  options.blend_error_m = job.options.blend_error_m;
+  options.blend_error_m = job.options.classes.blend_error_m;
   for (size_t c = 0; c < classes.size(); ++c) {
     const auto tell = [&](double share) {
       progress.done((c + share) / classes.size(), "warp " + classes[c]->name);
       return !run.stopped();
     };
-    auto plan = planClass(job.capture, *classes[c], job.mesh.decoded.topology, read, options, tell);
+    auto plan = planClass(job.capture, *classes[c], {job.mesh.decoded.topology, read}, options, tell);
     if (!plan) return plan.error().id == ErrorId::Interrupted ? interrupted() : plan.error();
     FOURDVT_TRY(growBounds(job, plan.value(), read));
     addStream(job, classes[c]->name, plan.take());
@@ -86,20 +86,9 @@ double warpWork(const Job& job) {
 
 }  // namespace
 
-uint32_t StreamPlan::sourceFrame(size_t member, uint32_t frame) const {
-  const ClassMember& m = motion.members[member];
-  return static_cast<uint32_t>(std::llround(m.source_frame[frame])) % m.source->frame_count;
-}
-
-uint32_t Job::streamFrames() const {
-  uint32_t sum = 0;
-  for (const StreamPlan& stream : streams) sum += stream.frameCount();
-  return sum;
-}
-
 std::vector<const capture::CaptureClass*> bakedClasses(const Job& job) {
   std::vector<const capture::CaptureClass*> out;
-  if (!job.options.classes) return out;
+  if (!job.options.classes.bake) return out;
   for (const capture::CaptureClass& c : job.capture.classes) out.push_back(&c);
   return out;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What sequences the character gets: one a captured sequence, then one a motion class. The "warp" stage.
+// The "warp" stage: plans the sequences of the character, one per captured sequence, then one per motion class.
 #pragma once
 
 #include "bake/run/bake_run.h"
@@ -10,9 +10,9 @@ namespace fourdvt::bake {
 // rootTrack, InvalidArgument (a class's picture is too large), Interrupted.
 Status planStreams(BakeRun& run);
 
-// Classes that are baked: none with BakeOptions::classes off.
+// The classes that are baked; none if options.classes.bake is off.
 std::vector<const capture::CaptureClass*> bakedClasses(const Job& job);
-// Before planning: phases of a class are the frames of its longest member.
+// The number of phases that a class will have: the frames of its longest member.
 uint32_t expectedPhases(const Job& job, const capture::CaptureClass& motion_class);
 
 }  // namespace fourdvt::bake

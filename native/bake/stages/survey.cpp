@@ -17,17 +17,17 @@ namespace fourdvt::bake {
 namespace {
 
 constexpr const char* kKept = "visibility and labels measured so far";
-constexpr uint32_t kHysteresisFrames = 2;  // to each side
-// Colours are compared in every kColourEvery-th of the first kColourFrames frames of a sequence.
+constexpr uint32_t kHysteresisFrames = 2;  // on either side
+// Compares colours in every kColourEvery-th of the first kColourFrames frames of a sequence.
 constexpr uint32_t kColourEvery = 4, kColourFrames = 32;
-constexpr double kMeasuringShare = 0.8;  // of the survey's time; the rest is labelling
+constexpr double kMeasuringShare = 0.8;  // share of the survey's time; labelling takes the rest
 
 bool showsColours(uint32_t frame) { return frame < kColourFrames && frame % kColourEvery == 0; }
 
 struct SurveyFrame {
-  Positions positions;  // decoded order
+  Positions positions;  // in the decoded mesh's order
   std::vector<PictureCrop> crops;
-  std::vector<Image> pictures;  // only where colours are compared
+  std::vector<Image> pictures;  // empty unless colours are compared in this frame
 };
 
 Status checkVisible(const Job& job, const capture::CaptureSequence& sequence, const Positions& positions,
@@ -130,7 +130,7 @@ Status Survey::measureSequence(BakeRun& run, const capture::CaptureSequence& seq
     return out;
   };
   const std::launch lane = job_->options.jobs > 1 ? std::launch::async : std::launch::deferred;
-  std::future<Result<SurveyFrame>> next = std::async(lane, read, first);  // joins on every way out
+  std::future<Result<SurveyFrame>> next = std::async(lane, read, first);  // its destructor joins on every return
   for (uint32_t f = first; f < end; ++f) {
     FOURDVT_ASSIGN(auto frame, next.get());
     FOURDVT_TRY(run.checkStop(kKept, folder_));
@@ -165,11 +165,10 @@ Status Survey::label(BakeRun& run, const capture::CaptureSequence& sequence, con
   options.mode = job_->options.labels;
   options.layers = job_->options.layers;
   options.jobs = job_->options.jobs;
-  auto statistics = solveLabels(
-      options, makeFaceGraph(job_->mesh.decoded.topology), sequence.frame_count,
-      [&](uint32_t frame) { return faceCosts(sequence, frame); },
-      [&](uint32_t, const std::vector<uint8_t>& labels) { return file.append(labels); }, on_frame,
-      run.environment.stop);
+  auto statistics = solveLabels(options, makeFaceGraph(job_->mesh.decoded.topology), sequence.frame_count,
+                                {[&](uint32_t frame) { return faceCosts(sequence, frame); },
+                                 [&](uint32_t, const std::vector<uint8_t>& labels) { return file.append(labels); },
+                                 on_frame, run.environment.stop});
   if (!statistics) {
     if (statistics.error().id == ErrorId::Interrupted) FOURDVT_TRY(run.checkStop(kKept, folder_));
     return statistics.error();

@@ -19,10 +19,10 @@ class Survey {
   // The survey borrows the run's job. Errors: those of capture and GPU, NothingVisible, WriteFailed, Interrupted.
   static Result<Survey> make(BakeRun& run);
 
-  const std::vector<ColourMap>& colourMaps() const { return colour_maps_; }  // empty: not calibrated
+  const std::vector<ColourMap>& colourMaps() const { return colour_maps_; }  // empty if colours are not calibrated
   // [layer][face]. Errors: FileUnreadable.
   Result<std::vector<uint8_t>> labels(const capture::CaptureSequence& sequence, uint32_t frame) const;
-  // [rank][face]: all cameras that qualify, by penalty. For LabelMode::PerTexel.
+  // [rank][face]: all cameras that qualify, in order of their penalties; for LabelMode::PerTexel.
   Result<std::vector<uint8_t>> penaltyOrder(const capture::CaptureSequence& sequence, uint32_t frame) const;
   const std::map<std::string, LabelStatistics>& statistics() const { return statistics_; }  // by sequence
 
@@ -30,7 +30,7 @@ class Survey {
   using OnFrame = std::function<void(uint32_t done)>;
   struct Measuring {
     std::unique_ptr<FrameBaker> baker;
-    ColourCalibrator* calibrator = nullptr;  // none: colours are known
+    ColourCalibrator* calibrator = nullptr;  // null: the colour maps are known already
     OnFrame on_frame;
   };
   explicit Survey(const Job& job);
@@ -56,7 +56,7 @@ class Survey {
   };
   const Job* job_;
   std::string folder_, colours_path_;
-  std::map<std::string, Paths> paths_;  // by sequence; the capture's files are looked at once
+  std::map<std::string, Paths> paths_;  // by sequence; kept so that the capture's files are examined only once
   std::vector<ColourMap> colour_maps_;
   std::map<std::string, LabelStatistics> statistics_;
 };

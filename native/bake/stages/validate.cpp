@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Change them whenever what older builds kept must not be reused.
+// Change these whenever what older builds kept must not be reused.
 constexpr const char* kSurveyVersion = "bake 2";
 constexpr const char* kGopVersion = "gops 4";
 
@@ -35,7 +35,7 @@ Status checkOutput(const BakeOptions& options) {
              ": exists and is not a character folder (no character.gltf inside); choose another output folder");
 }
 
-// The work folder is deleted at the end: it must be ours.
+// The work folder will be deleted at the end, so it must be one of ours.
 Status checkWorkFolder(const std::string& path) {
   std::error_code error;
   if (!fs::exists(path, error) || fs::exists(fs::path(path) / "settings.txt", error)) return {};
@@ -45,7 +45,7 @@ Status checkWorkFolder(const std::string& path) {
 
 Status checkSpace(const Job& job) {
   constexpr double kVideoBytesPerTexel = 0.05,
-                   kCopies = 2;  // generous: work folder and result, at crf 23 a fifth of it
+                   kCopies = 2;  // work folder and result; generous: crf 23 needs a fifth of it
   const double frame = job.layout.width * job.layout.height * kVideoBytesPerTexel + 8.0 * job.mesh.source_vertex.size();
   double frames = job.total_frames;
   for (const capture::CaptureClass* c : bakedClasses(job)) frames += c->members.size() * expectedPhases(job, *c);
@@ -67,7 +67,7 @@ bool isFileName(const std::string& name) {
   });
 }
 
-// Sequences and classes become files side by side.
+// Names of sequences and classes become names of files in one folder.
 Status checkNames(const Job& job) {
   std::vector<std::string> names;
   for (const capture::CaptureSequence& s : job.capture.sequences) names.push_back(s.name);
@@ -146,39 +146,6 @@ std::vector<std::string> fingerprints(const fs::path& folder) {
 
 }  // namespace
 
-std::string BakeOptions::check() const {
-  if (capture_folder.empty()) return "no capture folder given";
-  if (character_folder.empty()) return "no character folder given; use -o FOLDER";
-  if (layers < 1 || layers > package::kMaxLayers)
-    return "layers must be 1.." + std::to_string(package::kMaxLayers) + ", not " + std::to_string(layers);
-  if (texture < 128 || texture % 32 != 0)
-    return "texture must be a multiple of 32 from 128, not " + std::to_string(texture);
-  if (const std::string wrong = checkTileLayout(layers, texture, equal_layers); !wrong.empty()) return wrong;
-  if (crf < 0 || crf > highestCrf(codec))
-    return "crf must be 0.." + std::to_string(highestCrf(codec)) + " for this codec, not " + std::to_string(crf);
-  if (gop < 1 || gop > 250) return "gop must be 1..250 frames, not " + std::to_string(gop);
-  if (jobs < 0) return "jobs must not be negative";
-  if (!(position_step_m >= 1e-6 && position_step_m <= 0.1)) return "position step must be 0.000001..0.1 m";
-  if (!(blend_error_m >= 1e-5 && blend_error_m <= 1)) return "blend error must be 0.01..1000 mm";
-  if (!(alignment_step_m >= 1e-6 && alignment_step_m <= 0.1)) return "alignment step must be 0.000001..0.1 m";
-  if (gutter_texels < 0 || gutter_texels > 64) return "gutter must be 0..64 texels";
-  return {};
-}
-
-std::vector<uint32_t> planGops(uint32_t frame_count, int gop) {
-  const uint32_t count = (frame_count + gop - 1) / gop;
-  std::vector<uint32_t> first;
-  for (uint32_t g = 0; g < count; ++g) first.push_back(static_cast<uint32_t>(uint64_t(g) * frame_count / count));
-  return first;
-}
-
-Positions reordered(const package::EncodedBaseMesh& mesh, const Positions& source) {
-  Positions out;
-  out.reserve(mesh.source_vertex.size());
-  for (uint32_t v : mesh.source_vertex) out.push_back(source[v]);
-  return out;
-}
-
 Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environment) {
   if (const std::string wrong = options.check(); !wrong.empty()) return bad(wrong);
   Job job;
@@ -233,16 +200,16 @@ std::string settingsKey(const Job& job) {
                 "%s %s classes %d align %d blend %.9g alignment %.9g texture %d equal %d crf %d codec %d preset %.60s "
                 "gop %d step %.9g gutter %d fps %.9g colours %d "
                 "filter %d contour %.9g/%.9g matte %.9g/%.9g",
-                kGopVersion, labelKey(o).c_str(), int(o.classes), int(o.align), o.blend_error_m, o.alignment_step_m,
-                o.texture, int(o.equal_layers), o.crf, static_cast<int>(o.codec), o.preset.c_str(), o.gop,
-                o.position_step_m, o.gutter_texels, job.capture.fps, int(o.colour_calibration),
+                kGopVersion, labelKey(o).c_str(), int(o.classes.bake), int(o.classes.align), o.classes.blend_error_m,
+                o.classes.alignment_step_m, o.texture, int(o.equal_layers), o.crf, static_cast<int>(o.codec),
+                o.preset.c_str(), o.gop, o.position_step_m, o.gutter_texels, job.capture.fps, int(o.colour_calibration),
                 static_cast<int>(o.resample.filter), o.resample.contour_pixels, o.resample.contour_step_m,
                 o.resample.matte_threshold, o.resample.matte_pixels);
   uint64_t hash = kFnv1aStart;
   for (const capture::CaptureSequence& sequence : job.capture.sequences) {
     const std::string key = captureKey(job, sequence);
-    hash =
-        fnv1a(std::string_view(key.c_str(), key.size() + 1), hash);  // with its end, so that keys do not run together
+    hash = fnv1a(std::string_view(key.c_str(), key.size() + 1),
+                 hash);  // hashed with its terminating zero, so that keys do not run together
   }
   char text[480];
   std::snprintf(text, sizeof text, "%016llx%s\n", static_cast<unsigned long long>(hash), line);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything that can fail early fails here: options, capture, output folder, disk space.
+// Checks everything that can fail early: options, capture, output folder, disk space.
 #pragma once
 
 #include "bake/run/environment.h"
@@ -7,14 +7,14 @@
 
 namespace fourdvt::bake {
 
-// Opens the capture, encodes the base mesh, plans GOPs and finds the bounds of all frames. Reads every mesh once, one
-// at a time. `options.character_folder` has no trailing slash. Errors: InvalidArgument, WriteFailed, those of capture,
+// Opens the capture, encodes the base mesh and finds the bounds of all frames. Reads every mesh once, one at a time.
+// `options.character_folder` has no trailing slash. Errors: InvalidArgument, WriteFailed, those of capture,
 // Interrupted.
 Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environment);
 
-// What visibility depends on: this sequence's files, the cameras, the plates, capture.json, the mesh's order.
+// What visibility depends on: the sequence's files, the cameras, the plates, capture.json, the mesh's order.
 std::string captureKey(const Job& job, const capture::CaptureSequence& sequence);
-// What labels depend on besides.
+// What labels depend on in addition.
 std::string labelKey(const BakeOptions& options);
 
 // Hash of everything that finished GOPs depend on: options, capture files (path, size, time), the bake's version.

@@ -9,17 +9,17 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr size_t kMostObservations = 60000;
-constexpr size_t kLeastObservations = 50;  // of a camera
-constexpr float kLeastFraction = 0.99f;    // of a face that a camera must see
-constexpr double kLeastCosine = 0.5;       // between face normal and ray
-constexpr double kScale = 0.02;            // residual from which an observation counts less, in colour units
-constexpr double kPriorShare = 4e-3;       // weight of the identity against a camera's mean observations
+constexpr size_t kMaxObservations = 60000;
+constexpr size_t kMinObservations = 50;  // that a camera needs
+constexpr float kMinFraction = 0.99f;    // of a face, which a camera must see at least
+constexpr double kMinCosine = 0.5;       // between face normal and ray
+constexpr double kScale = 0.02;          // residual beyond which an observation counts less, in colour units
+constexpr double kPriorShare = 4e-3;     // weight of the identity, as a share of a camera's mean number of observations
 constexpr int kHuberIterations = 6, kIterations = 16;
 constexpr uint8_t kOpaque = 250;
-constexpr uint8_t kClipped = 250;  // a channel from here on may have been brighter
+constexpr uint8_t kClipped = 250;  // from this value on, a channel may have been brighter
 
-struct Sight {  // a face in one camera
+struct Sight {  // what one camera sees of a face
   uint16_t camera;
   float cosine;
   std::array<glm::vec3, 4> colours;
@@ -32,7 +32,7 @@ uint64_t mix(uint64_t x) {  // splitmix64's finaliser (Steele et al. 2014)
   return x ^ (x >> 31);
 }
 
-// Bilinear; nothing unless all four pixels are opaque and not clipped.
+// Samples bilinearly; nothing unless all four pixels are opaque and not clipped.
 std::optional<glm::vec3> sample(const Image& picture, const glm::dvec3& pixel) {
   const double fx = pixel.x - 0.5, fy = pixel.y - 0.5;
   const int x = int(std::floor(fx)), y = int(std::floor(fy));
@@ -60,14 +60,14 @@ bool observe(const PinholeCamera& camera, const Image& picture, const glm::dvec3
   return true;
 }
 
-// Huber's weight first; then Geman and McClure's, which lets go of outliers altogether.
+// Uses Huber's weight first, then Geman and McClure's, which drops outliers altogether.
 double robustWeight(double residual, int iteration) {
   const double ratio = residual / kScale;
   if (iteration < kHuberIterations) return std::min(1.0, 1 / std::max(ratio, 1e-9));
   return 1 / ((1 + ratio * ratio) * (1 + ratio * ratio));
 }
 
-// Symmetric positive definite system by Cholesky, in place; the solution lies in b.
+// Solves a symmetric positive definite system in place by Cholesky decomposition; leaves the solution in b.
 void solveSystem(std::vector<double>& a, std::vector<double>& b) {
   const size_t n = b.size();
   for (size_t i = 0; i < n; ++i) {
@@ -108,7 +108,7 @@ void ColourCalibrator::add(std::span<const PinholeCamera> cameras, const MeshTop
     sights.clear();
     for (size_t c = 0; c < cameras.size(); ++c) {
       const double cosine = glm::dot(area_normal / length, glm::normalize(centres[c] - centre));
-      if (fractions[c * faces + f] < kLeastFraction || cosine < kLeastCosine) continue;
+      if (fractions[c * faces + f] < kMinFraction || cosine < kMinCosine) continue;
       Sight sight{static_cast<uint16_t>(c), float(cosine), {}};
       if (observe(cameras[c], pictures[c], corners, sight)) sights.push_back(sight);
     }
@@ -120,15 +120,15 @@ void ColourCalibrator::add(std::span<const PinholeCamera> cameras, const MeshTop
   }
 }
 
-// Vitter's algorithm R with a fixed pseudo-random sequence.
+// Keeps a uniform sample by reservoir sampling with a fixed pseudo-random sequence (Vitter's algorithm R).
 void ColourCalibrator::keep(const Observation& observation) {
   const uint64_t index = seen_++;
-  if (observations_.size() < kMostObservations) {
+  if (observations_.size() < kMaxObservations) {
     observations_.push_back(observation);
     return;
   }
-  const uint64_t slot = mix(index) % seen_;
-  if (slot < kMostObservations) observations_[slot] = observation;
+  const uint64_t place = mix(index) % seen_;
+  if (place < kMaxObservations) observations_[place] = observation;
 }
 
 // Least squares over the maps' deviations d from the identity: |(I + d_a) a - (I + d_b) b|², the channels' rows apart
@@ -139,7 +139,7 @@ std::vector<ColourMap> ColourCalibrator::solve() const {
   for (const Observation& o : observations_) ++counts[o.a], ++counts[o.b];
   size_t cameras = 0;
   for (size_t c = 0; c < camera_count_; ++c)
-    if (counts[c] >= kLeastObservations) unknown[c] = cameras++;
+    if (counts[c] >= kMinObservations) unknown[c] = cameras++;
   if (cameras < 2) return maps;
 
   const size_t n = 4 * cameras;

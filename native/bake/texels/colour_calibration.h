@@ -29,8 +29,8 @@ class ColourCalibrator {
   // Adds a frame's observations. fractions: [camera][face], see Visibility. pictures: RGBA, straight alpha.
   void add(std::span<const PinholeCamera> cameras, const MeshTopology& topology, const Positions& positions,
            std::span<const float> fractions, std::span<const Image> pictures);
-  // One map a camera; identity for cameras with too few observations. Robust (outliers such as highlights count less),
-  // with a prior towards the identity.
+  // Returns one map per camera, the identity for cameras with too few observations. The fit is robust (outliers such as
+  // highlights count less) and has a prior towards the identity.
   std::vector<ColourMap> solve() const;
   size_t observationCount() const { return observations_.size(); }
 
@@ -43,7 +43,7 @@ class ColourCalibrator {
   void keep(const Observation& observation);
   size_t camera_count_;
   uint64_t seen_ = 0;
-  std::vector<Observation> observations_;  // bounded: a reservoir
+  std::vector<Observation> observations_;  // of bounded size: a reservoir
 };
 
 }  // namespace fourdvt::bake

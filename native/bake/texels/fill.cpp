@@ -9,7 +9,7 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr float kLeastTexels = 0.5f;  // known texels that give a vertex its colour
+constexpr float kMinTexels = 0.5f;  // weight of known texels that a vertex needs for its colour
 constexpr int kRelaxations = 60;
 
 using Field = std::vector<glm::vec4>;  // xyz = value × weight (0..255), w = weight
@@ -22,7 +22,7 @@ void store(const glm::vec4& value, uint8_t* p) {
   p[3] = 255;
 }
 
-// Bilinear over the known texels of charts; w is the known share of the footprint.
+// Samples bilinearly over the known texels of charts; w is the known share of the footprint.
 glm::vec4 sampleCharts(const Image& layer, const std::vector<uint8_t>& inside, float x, float y) {
   const float fx = x - 0.5f, fy = y - 0.5f;
   const int x0 = int(std::floor(fx)), y0 = int(std::floor(fy));
@@ -50,7 +50,7 @@ void fillRest(Image& layer) {
     if (layer.pixels[i * 4 + 3] == 0) store(field[i], &layer.pixels[i * 4]);
 }
 
-// Layer 1 at another layer's size: box mean of its texels (all filled).
+// Layer 1, all filled, at another layer's size: the mean of the texels in each box.
 Image shrink(const Image& layer, int size) {
   const int factor = layer.width / size;
   if (factor == 1) return layer;
@@ -68,7 +68,7 @@ Image shrink(const Image& layer, int size) {
   return out;
 }
 
-// Layer 1 at another layer's size: mean of the known texels of each box.
+// Layer 1 at another layer's size: the mean of the known texels in each box.
 Image shrinkKnown(const Image& layer, int size) {
   const int factor = layer.width / size;
   if (factor == 1) return layer;
@@ -84,7 +84,8 @@ Image shrinkKnown(const Image& layer, int size) {
   return out;
 }
 
-// target - source where both are known, smoothly continued over everything else; unknown everywhere if they never meet.
+// target - source where both are known, continued smoothly over everything else; unknown everywhere if no texel is
+// known in both.
 Field smoothDifference(const Image& target, const Image& source) {
   Field difference(static_cast<size_t>(target.width) * target.height, glm::vec4(0));
   for (size_t i = 0; i < difference.size(); ++i) {
@@ -95,8 +96,8 @@ Field smoothDifference(const Image& target, const Image& source) {
   return difference;
 }
 
-// Holes inside charts take layer 1, where it is known, shifted by the smooth difference of the two layers, so that
-// brightness and colour match where the hole begins.
+// Fills holes inside charts from layer 1 where it is known, shifted by the smooth difference of the two layers, so that
+// brightness and colour match at the hole's border.
 void fillFromFirst(const GutterMap& map, const Image& first, Image& layer) {
   const Field difference = smoothDifference(layer, first);
   for (size_t i = 0; i < difference.size(); ++i) {
@@ -108,8 +109,8 @@ void fillFromFirst(const GutterMap& map, const Image& first, Image& layer) {
   }
 }
 
-// Holes of layer 1 take a further layer where that one was resampled, shifted by the smooth difference likewise: a
-// camera that sees the texel is better than its neighbours in UV space.
+// Fills holes of layer 1 from a further layer that was resampled there, shifted in the same way: a camera that sees the
+// texel is a better source than its neighbours in UV space.
 void fillFirstFrom(const GutterMap& first_map, const GutterMap& map, const Image& layer, Image& first) {
   const Field difference = smoothDifference(shrinkKnown(first, layer.width), layer);
   const float scale = float(layer.width) / float(first.width);
@@ -134,8 +135,8 @@ glm::vec3 barycentric(const std::array<glm::vec2, 3>& p, glm::vec2 at) {
   return {1 - b - c, b, c};
 }
 
-// Known texels' colours at the mesh's vertices, spread ring by ring to the vertices without and relaxed there (a
-// membrane over the mesh). w = 0: no known texel in this component.
+// Colours at the mesh's vertices: taken from known texels, spread ring by ring to vertices without any and relaxed
+// there (a membrane over the mesh). w = 0: the connected component has no known texel.
 Field vertexColours(const GutterMap& map, const Image& layer) {
   Field colours(map.vertex_count, glm::vec4(0));
   for (size_t i = 0; i < map.inside.size(); ++i) {
@@ -146,7 +147,7 @@ Field vertexColours(const GutterMap& map, const Image& layer) {
   }
   std::vector<uint8_t> known(colours.size());
   for (size_t v = 0; v < colours.size(); ++v) {
-    known[v] = colours[v].w > kLeastTexels;
+    known[v] = colours[v].w > kMinTexels;
     colours[v] = known[v] ? colours[v] / colours[v].w : glm::vec4(0);
   }
   Field sums(colours.size());
@@ -165,7 +166,8 @@ Field vertexColours(const GutterMap& map, const Image& layer) {
   return colours;
 }
 
-// Holes inside charts that no camera shows: vertex colours, shifted by the smooth difference to what is known.
+// Fills holes inside charts that no camera shows with vertex colours, shifted by the smooth difference to what is
+// known.
 void fillOnSurface(const GutterMap& map, Image& layer) {
   const Field vertices = vertexColours(map, layer);
   Image smooth(map.size, map.size, 4);

@@ -18,7 +18,7 @@
 
 namespace fourdvt::bake {
 
-// A texel outside all charts and where its content lies: (x, y) in texels, centres at +0.5.
+// A texel outside all charts, and the place (x, y) its content is taken from, in texels with centres at +0.5.
 struct GutterTexel {
   uint32_t texel;  // y * size + x
   float source_x, source_y;

@@ -114,7 +114,17 @@ void GpuCapture::bindCamera(size_t c, gpu::Draw& draw) const {
   draw.uniforms.push_back(gpu::uniform("intrinsics", camera.intrinsics));
   draw.uniforms.push_back(gpu::uniform("size_near_far", camera.size_near_far));
   draw.uniforms.push_back(gpu::uniform("depth_bias", kDepthBias_m));
-  draw.uniforms.push_back(gpu::uniform("min_cosine", kLeastCosine));
+  draw.uniforms.push_back(gpu::uniform("min_cosine", kMinCosine));
+}
+
+Result<DrawnTexture> makeDrawnTexture(gpu::Device& device, const gpu::TextureDesc& desc) {
+  DrawnTexture drawn;
+  FOURDVT_ASSIGN(drawn.texture, gpu::makeTexture(device, desc));
+  gpu::TargetDesc target;
+  target.colors = {drawn.texture.id()};
+  target.label = desc.label;
+  FOURDVT_ASSIGN(drawn.target, gpu::makeTarget(device, target));
+  return drawn;
 }
 
 }  // namespace fourdvt::bake

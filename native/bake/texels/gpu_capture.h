@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One captured frame on the GPU: mesh tables, and per camera the picture and the mesh's depth map. What visibility and
-// resample draw with. Does NOT read captures.
+// One captured frame on the GPU, with which visibility and resample draw: the mesh as tables, and per camera the
+// picture and the mesh's depth map. Does NOT read captures.
 #pragma once
 
 #include <vector>
@@ -12,14 +12,14 @@
 
 namespace fourdvt::bake {
 
-constexpr int kTableWidth = 256;  // texels a row of table textures
+constexpr int kTableWidth = 256;  // texels per row of table textures
 constexpr const char* kTableDefine = "TABLE_WIDTH 256\n";
-constexpr float kDepthBias_m = 0.004f;  // on top of one pixel's slope
-constexpr float kLeastCosine = 0.2f;    // between normal and ray; below, the depth test is too loose on this slope
+constexpr float kDepthBias_m = 0.004f;  // added to the depth that the surface's slope covers in one pixel
+constexpr float kMinCosine = 0.2f;      // between normal and ray; below, the depth test is too loose on this slope
 
 class GpuCapture {
  public:
-  // `mipmaps`: pictures are minified by the smaller layers. Errors: GpuFailure.
+  // `mipmaps`: makes them for pictures, which smaller layers minify. Errors: GpuFailure.
   static Result<GpuCapture> create(gpu::Device& device, const std::vector<PinholeCamera>& cameras,
                                    const MeshTopology& topology, bool mipmaps);
   // Uploads the frame and draws all depth maps.
@@ -27,7 +27,8 @@ class GpuCapture {
 
   size_t cameraCount() const { return cameras_.size(); }
   int faceCount() const { return face_count_; }
-  // Appends what bake_mesh.glsl and bake_camera.glsl declare, for camera c. Borrowed until the next call.
+  // Appends the textures and uniforms that bake_mesh.glsl and bake_camera.glsl declare, for camera c. They are borrowed
+  // until the next call.
   void bindMesh(gpu::Draw& draw) const;
   void bindCamera(size_t c, gpu::Draw& draw) const;
 
@@ -50,5 +51,13 @@ class GpuCapture {
 // Uploads `values` (padded to whole rows) into a table texture.
 void updateTable(gpu::Device& device, gpu::TextureId table, std::vector<glm::vec4>& values);
 inline int tableRows(size_t count) { return count ? static_cast<int>((count + kTableWidth - 1) / kTableWidth) : 1; }
+
+// A texture and the target that draws into it.
+struct DrawnTexture {
+  gpu::Texture texture;
+  gpu::Target target;
+};
+// Both carry the label of `desc`. Errors: GpuFailure.
+Result<DrawnTexture> makeDrawnTexture(gpu::Device& device, const gpu::TextureDesc& desc);
 
 }  // namespace fourdvt::bake

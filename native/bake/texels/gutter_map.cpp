@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The static half of the fill stage.
+// Makes the gutter map: the half of filling that depends on the UV topology only.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,7 +13,7 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr int kMostSteps = 64;  // triangles that a gutter texel may cross
+constexpr int kMaxSteps = 64;  // triangles that a gutter texel may cross
 
 float cross2(glm::vec2 u, glm::vec2 v) { return u.x * v.y - u.y * v.x; }
 
@@ -21,7 +21,7 @@ struct EdgeOfFace {
   int face = -1, edge = 0;  // edge k joins corners k and k+1
 };
 
-// The surface in texels: triangles, and which edges are one edge of the mesh.
+// The surface in texels: its triangles, and which of their edges are the same edge of the mesh.
 struct Surface {
   std::vector<std::array<glm::vec2, 3>> corners;
   std::vector<std::array<EdgeOfFace, 3>> partners;  // face -1: mesh border
@@ -36,7 +36,7 @@ struct Surface {
     return glm::dot(n, corners[e.face][(e.edge + 2) % 3] - begin(e)) > 0 ? -n : n;
   }
   EdgeOfFace partner(EdgeOfFace e) const { return partners[e.face][e.edge]; }
-  // The partner's ends in the order of this edge's.
+  // The ends of the partner edge, in the order of this edge's ends.
   std::pair<glm::vec2, glm::vec2> acrossEnds(EdgeOfFace e) const {
     const EdgeOfFace p = partner(e);
     return reversed[e.face][e.edge] ? std::pair(end(p), begin(p)) : std::pair(begin(p), end(p));
@@ -48,7 +48,8 @@ struct Surface {
   }
 };
 
-// Of the faces at an edge (more than two where the mesh is not manifold): the one with the same UVs, else the first.
+// Chooses among the faces at an edge, of which a non-manifold mesh has more than two: the one with the same UVs, else
+// the first.
 void findPartners(const MeshTopology& topology, Surface& surface) {
   std::map<std::pair<uint32_t, uint32_t>, std::vector<EdgeOfFace>> by_vertices;
   const auto from = [&](EdgeOfFace e) { return topology.face_vertices[e.face][e.edge]; };
@@ -111,7 +112,7 @@ struct Walk {
   glm::vec2 at, rest;
 };
 
-// Over edge e, at point `at` of it, with `rest` still to go, both in e's chart: into the partner's chart by the
+// Crosses edge e at point `at`, with `rest` still to go, both in e's chart: maps them into the partner's chart by the
 // similarity that maps the edge onto its partner.
 std::optional<Walk> stepAcross(const Surface& surface, EdgeOfFace e, glm::vec2 at, glm::vec2 rest) {
   const EdgeOfFace p = surface.partner(e);
@@ -126,11 +127,11 @@ std::optional<Walk> stepAcross(const Surface& surface, EdgeOfFace e, glm::vec2 a
               glm::dot(rest, along) * along2 + glm::dot(rest, surface.outward(e)) * inward2};
 }
 
-// The end of the walk; nothing if it leaves the mesh.
+// The end of the walk; nothing if the walk leaves the mesh.
 std::optional<glm::vec2> walkToEnd(const Surface& surface, Walk walk) {
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMaxSteps; ++step) {
     EdgeOfFace exit;
-    float share = 1;  // of `rest` up to the exit
+    float share = 1;  // share of `rest` up to the exit
     for (int k = 0; k < 3; ++k) {
       const EdgeOfFace e{walk.entry.face, k};
       if (k == walk.entry.edge || surface.begin(e) == surface.end(e)) continue;
@@ -153,7 +154,7 @@ struct Nearest {
   float x = 0, y = 0;  // source
 };
 
-// Offers a chart's border edge to the empty texels round it.
+// Offers a border edge of a chart to the empty texels round it, which keep the closest.
 void offerEdge(const Surface& surface, EdgeOfFace own, float gutter, const GutterMap& map,
                std::vector<Nearest>& nearest) {
   const glm::vec2 a = surface.begin(own), b = surface.end(own);
@@ -172,7 +173,8 @@ void offerEdge(const Surface& surface, EdgeOfFace own, float gutter, const Gutte
       const float beyond = std::max({0.0f, -t, t - length});
       const float distance = std::hypot(out, beyond);
       if (out < -0.5f || distance > gutter) continue;
-      const float cost = distance + 0.01f * beyond;  // of two edges that meet in a corner: the one it lies beside
+      const float cost =
+          distance + 0.01f * beyond;  // where two edges meet in a corner, prefers the edge that the texel lies beside
       if (cost >= nearest[texel].cost) continue;
       const float on_edge = std::clamp(t, 0.0f, length);
       const auto walk =

@@ -11,7 +11,8 @@ namespace {
 constexpr int kCropMargin = 8;    // pixels
 constexpr int kEdgePixels = 2;    // how far the backdrop's colour reaches inwards
 constexpr uint8_t kOpaque = 250;  // alpha
-constexpr int kReach[] = {3, 7};  // pixels in which inside colour is looked for; the second for corners
+constexpr int kReach[] = {3,
+                          7};  // distances in pixels within which inside colour is looked for; corners need the second
 
 struct Bounds {
   int x0, y0, x1, y1;  // pixels, end exclusive
@@ -43,8 +44,10 @@ std::vector<uint8_t> insideMask(const Image& image) {
   return inside;
 }
 
-// Mean of the inside pixels within `reach`, nearer ones weighing more. False if there are none.
-bool insideColour(const Image& image, const std::vector<uint8_t>& inside, int x, int y, int reach, uint8_t* out) {
+// Mean colour of the inside pixels within `reach` of `at`; nearer ones weigh more. False if there are none.
+bool insideColour(const Image& image, const std::vector<uint8_t>& inside, const glm::ivec2& at, int reach,
+                  uint8_t* out) {
+  const int x = at.x, y = at.y;
   float sum[3] = {0, 0, 0}, total = 0;
   for (int v = std::max(0, y - reach); v <= std::min(image.height - 1, y + reach); ++v) {
     for (int u = std::max(0, x - reach); u <= std::min(image.width - 1, x + reach); ++u) {
@@ -69,7 +72,7 @@ void replaceEdgeColours(Image& rgba) {
       uint8_t* p = rgba.at(x, y);
       if (p[3] == 0 || inside[size_t(y) * rgba.width + x]) continue;
       for (int reach : kReach)
-        if (insideColour(rgba, inside, x, y, reach, p)) break;  // reads inside pixels only: safe in place
+        if (insideColour(rgba, inside, {x, y}, reach, p)) break;  // safe in place, because it reads inside pixels only
     }
   }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What of a captured picture the GPU needs: the mesh's surroundings, without the backdrop's colour at the matte's edge.
-// No GL: may run on any thread.
+// Cuts out of a captured picture what the GPU needs: the mesh's surroundings, without the backdrop's colour at the
+// matte's edge. Uses no GL, so that any thread may call it.
 #pragma once
 
 #include <vector>
@@ -12,16 +12,17 @@
 namespace fourdvt::bake {
 
 struct PictureCrop {
-  int x = 0, y = 0, width = 0, height = 0;  // pixels; empty if the mesh is out of sight
+  int x = 0, y = 0, width = 0, height = 0;  // pixels; width 0 if the mesh is out of sight
   float near_m = 0, far_m = 0;              // depth range of the mesh
   std::vector<uint8_t> premultiplied;       // height × width × 4
 };
 
-// `picture` is RGBA with the camera's size, colour as filmed (mixed with the backdrop where alpha is partial).
+// `picture` is RGBA with the camera's size, with colours as recorded: mixed with the backdrop where alpha is partial.
 PictureCrop cropPicture(const PinholeCamera& camera, const Positions& positions, const Image& picture);
 
 // Edge pixels (alpha > 0 within two pixels of a pixel that is not opaque: mixed pixels and 4:2:0 chroma bleeding) take
-// the mean colour of the opaque pixels further inside. Alpha stays. Structures too thin for an inside stay as filmed.
+// the mean colour of the opaque pixels further inside. Alpha stays. Structures too thin to have an inside stay as
+// recorded.
 void replaceEdgeColours(Image& rgba);
 
 }  // namespace fourdvt::bake

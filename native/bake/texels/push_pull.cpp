@@ -11,7 +11,7 @@ struct Level {
   std::vector<glm::vec4> texels;
 };
 
-// Mean of up to four children, weight saturating at 1.
+// The mean of up to four children; the weight saturates at 1.
 void push(const std::vector<glm::vec4>& fine, int fine_size, Level& coarse) {
   coarse.size = (fine_size + 1) / 2;
   coarse.texels.resize(static_cast<size_t>(coarse.size) * coarse.size);

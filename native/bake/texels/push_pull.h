@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Push-pull interpolation: a smooth field through scattered valid texels (Gortler et al., The Lumigraph, 1996).
+// Push-pull interpolation: a smooth field through scattered valid texels (ALGORITHMS 2.4).
 #pragma once
 
 #include <glm/glm.hpp>

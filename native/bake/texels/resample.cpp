@@ -19,7 +19,8 @@ glm::mat4 affine(const ColourMap& map) {
   return m;
 }
 
-// Per texel the cameras that see it, in the order of their ranks (alpha = rank + 1): the l-th is the texel of layer l.
+// Finds, per texel, the cameras that see it in the order of their ranks (alpha = rank + 1); the l-th camera gives the
+// texel of layer l.
 Image pickRanked(const std::vector<Image>& cameras, size_t l) {
   Image out(cameras[0].width, cameras[0].height, 4);
   std::vector<std::pair<uint8_t, const uint8_t*>> seen;
@@ -58,12 +59,8 @@ Result<Resampler> Resampler::create(gpu::Device& device, const GpuCapture& captu
     desc.format = gpu::PixelFormat::RGBA8;
     desc.width = desc.height = size;
     desc.label = "bake layer";
-    FOURDVT_ASSIGN(auto texture, gpu::makeTexture(device, desc));
-    gpu::TargetDesc target_desc;
-    target_desc.colors = {texture.id()};
-    target_desc.label = "bake layer";
-    FOURDVT_ASSIGN(auto target, gpu::makeTarget(device, target_desc));
-    r.layers_.push_back({size, std::move(texture), std::move(target)});
+    FOURDVT_ASSIGN(DrawnTexture drawn, makeDrawnTexture(device, desc));
+    r.layers_.push_back({size, std::move(drawn.texture), std::move(drawn.target)});
   }
   return r;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Camera pictures → texture layers in UV space on the GPU, per the labels. Does NOT fill what no camera shows.
+// Resamples camera pictures into texture layers in UV space on the GPU, as the labels say. Does NOT fill what no camera
+// shows.
 #pragma once
 
 #include "bake/texels/colour_calibration.h"
@@ -15,22 +16,23 @@ enum class ResampleFilter { Bilinear, Mipmap, Bicubic };
 // Filter at 1024 texels: bilinear .7733 / 22.52 dB, bicubic .7755 / 22.50, mipmap .7681 / 22.51; at 2048: .7797
 // / 22.53, .7797 / 22.49, .7796 / 22.54. Contour 0, 1, 1.5, 2, 3 px: .7731, .7734, .7733, .7733, .7730.
 // Matte .5 → .9: +.0002; its distance 0, 1, 2, 3 px: .7722, .7728, .7733, .7733. Contour step 20 → 10 mm: -.0001.
-// Without kLeastCosine: .7711.
+// Without kMinCosine: .7711.
 struct ResampleOptions {
   ResampleFilter filter = ResampleFilter::Bilinear;
-  float contour_pixels = 1;      // distance that a texel keeps from an occlusion boundary
-  float contour_step_m = 0.02f;  // depth that makes an occlusion boundary, beyond the surface's own slope
+  float contour_pixels = 1;      // distance that a texel must keep from an occlusion boundary
+  float contour_step_m = 0.02f;  // step in depth, beyond the surface's own slope, that counts as an occlusion boundary
   float matte_threshold = 0.9f;  // coverage below which a texel is background, 0..1
-  float matte_pixels = 2;        // distance that a texel keeps from background
+  float matte_pixels = 2;        // distance that a texel must keep from background
 };
 
 class Resampler {
  public:
-  // sizes: texels, side of each layer. colour_maps: a camera each, applied to straight colour; empty: pictures as they
-  // are. Errors: GpuFailure, InvalidArgument.
+  // sizes: side of each layer in texels. colour_maps: one per camera, applied to straight colour; empty: pictures stay
+  // as they are. Errors: GpuFailure, InvalidArgument.
   static Result<Resampler> create(gpu::Device& device, const GpuCapture& capture, const std::vector<int>& sizes,
                                   const ResampleOptions& options, const std::vector<ColourMap>& colour_maps);
-  // labels: [layer][face]. Result: a layer each, RGBA, alpha 255 where resampled, else 0; row 0 = UV row 0.
+  // labels: [layer][face]. Returns [layer], RGBA, with alpha 255 where resampled, else 0; row 0 is the first row of
+  // UVs.
   Result<std::vector<Image>> resample(gpu::Device& device, const GpuCapture& capture,
                                       const std::vector<uint8_t>& labels);
   // LVDT's choice of texels: layer l of a texel is the l-th camera of the face's order that sees this texel. order:
@@ -44,12 +46,12 @@ class Resampler {
     gpu::Texture texture;
     gpu::Target target;
   };
-  struct Batch {  // faces of one row of labels and one camera, a range of the face list
+  struct Batch {  // the faces of one row of labels and one camera: a range of the face list
     size_t camera = 0;
     int first = 0, count = 0;
-    float mark = 1;  // alpha of the texels drawn
+    float mark = 1;  // alpha that is drawn into the texels
   };
-  // Appends the faces whose label is `camera`.
+  // Appends to the face list the faces whose label is `camera`.
   Batch listFaces(const uint8_t* labels, size_t faces, size_t camera);
   void uploadList(gpu::Device& device);
   void drawBatches(gpu::Device& device, const GpuCapture& capture, const Layer& layer,
@@ -59,7 +61,7 @@ class Resampler {
                                          const std::vector<uint8_t>& order);
 
   ResampleOptions options_;
-  std::vector<glm::mat4> colour_maps_;  // a camera each
+  std::vector<glm::mat4> colour_maps_;  // [camera]
   gpu::Program program_;
   gpu::Texture face_list_;
   std::vector<Layer> layers_;

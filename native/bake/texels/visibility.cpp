@@ -12,14 +12,10 @@ Result<Visibility> Visibility::create(gpu::Device& device, const GpuCapture& cap
   desc.width = kTableWidth;
   desc.height = v.rows_ * static_cast<int>(capture.cameraCount());
   desc.label = "bake visibility";
-  FOURDVT_ASSIGN(auto table, gpu::makeTexture(device, desc));
-  gpu::TargetDesc target_desc;
-  target_desc.colors = {table.id()};
-  target_desc.label = "bake visibility";
-  FOURDVT_ASSIGN(auto target, gpu::makeTarget(device, target_desc));
+  FOURDVT_ASSIGN(DrawnTexture drawn, makeDrawnTexture(device, desc));
   v.program_ = std::move(program);
-  v.table_ = std::move(table);
-  v.target_ = std::move(target);
+  v.table_ = std::move(drawn.texture);
+  v.target_ = std::move(drawn.target);
   return v;
 }
 

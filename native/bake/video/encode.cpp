@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bake/video/encode.h"
 
-#include <cstring>
 #include <string>
 
 #include "bake/video/encode_setup.h"
+
+extern "C" {
+#include <libavutil/imgutils.h>
+}
 
 namespace fourdvt::bake {
 namespace {
@@ -20,10 +23,6 @@ struct PacketDeleter {
 };
 using Context = std::unique_ptr<AVCodecContext, ContextDeleter>;
 using Frame = std::unique_ptr<AVFrame, FrameDeleter>;
-
-void copyPlane(const uint8_t* from, int from_stride, uint8_t* to, int to_stride, int width, int height) {
-  for (int y = 0; y < height; ++y) std::memcpy(to + size_t(y) * to_stride, from + size_t(y) * from_stride, width);
-}
 
 class AvEncoder final : public GopEncoder {
  public:
@@ -43,10 +42,10 @@ class AvEncoder final : public GopEncoder {
 
   const EncodeSettings settings_;
   const AVCodec* codec_ = nullptr;
-  std::string statistics_;  // of the first pass; the context of the second borrows it
+  std::string statistics_;  // what the first pass found; the context of the second pass borrows it
   Context context_;
   std::unique_ptr<AVPacket, PacketDeleter> packet_{av_packet_alloc()};
-  std::vector<Frame> pictures_;  // for the second pass
+  std::vector<Frame> pictures_;  // kept for the second pass
   EncodedGop gop_;
   int64_t next_frame_ = 0;
 };
@@ -58,7 +57,7 @@ Error AvEncoder::failure(const char* what, int code) const {
 }
 
 Status AvEncoder::open() {
-  av_log_set_level(AV_LOG_ERROR);  // x264 reports every GOP otherwise
+  av_log_set_level(AV_LOG_ERROR);  // otherwise x264 reports every GOP
   FOURDVT_ASSIGN(codec_, findEncoder(settings_));
   return openPass(encodesInTwoPasses(settings_) ? Pass::First : Pass::Only);
 }
@@ -79,9 +78,9 @@ Result<Frame> AvEncoder::copied(const I420View& picture) const {
   f->width = picture.width;
   f->height = picture.height;
   if (const int rc = av_frame_get_buffer(f.get(), 0); rc < 0) return failure("allocating a picture", rc);
-  copyPlane(picture.y, picture.stride_y, f->data[0], f->linesize[0], f->width, f->height);
-  copyPlane(picture.u, picture.stride_u, f->data[1], f->linesize[1], f->width / 2, f->height / 2);
-  copyPlane(picture.v, picture.stride_v, f->data[2], f->linesize[2], f->width / 2, f->height / 2);
+  av_image_copy_plane(f->data[0], f->linesize[0], picture.y, picture.stride_y, f->width, f->height);
+  av_image_copy_plane(f->data[1], f->linesize[1], picture.u, picture.stride_u, f->width / 2, f->height / 2);
+  av_image_copy_plane(f->data[2], f->linesize[2], picture.v, picture.stride_v, f->width / 2, f->height / 2);
   return f;
 }
 
@@ -142,7 +141,8 @@ Result<EncodedGop> AvEncoder::finish() {
   return std::move(gop_);
 }
 
-// What the sample table rests on: one packet a frame, the key first and alone, little reordering.
+// Checks what the sample table relies on: one packet per frame, one key frame, which comes first, and little
+// reordering.
 Status AvEncoder::checkGop() const {
   const std::string encoder = std::string(codec_->name) + " encoder: ";
   if (gop_.packets.size() != size_t(next_frame_) || gop_.packets.empty() || !gop_.packets[0].key)

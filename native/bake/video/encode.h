@@ -18,9 +18,9 @@ namespace fourdvt::bake {
 enum class Codec { H264, Vp9, Av1 };
 
 const char* codecName(Codec codec);  // "h264", "vp9", "av1"
-// False: no such name.
+// False: there is no such name.
 bool parseCodec(const std::string& name, Codec& codec);
-int highestCrf(Codec codec);                 // of the codec's own scale, which starts at 0
+int highestCrf(Codec codec);                 // on the codec's own scale, which starts at 0
 const char* defaultPreset(Codec codec);      // what an empty EncodeSettings::preset means
 const char* presetExplanation(Codec codec);  // one line for help and messages
 // H.264: x264's preset names. VP9: libvpx's cpu-used, 0..5. AV1: SVT-AV1's 0..7, or "aom-0".."aom-8" for libaom.
@@ -51,8 +51,8 @@ struct EncodedGop {
   std::vector<EncodedPacket> packets;   // decoding order
 };
 
-// Frames that decoding order may run ahead of presentation order, in every GOP. VP9 and AV1 hide their reordering
-// inside packets.
+// The number of frames by which decoding order may run ahead of presentation order, the same in every GOP. VP9 and AV1
+// hide their reordering inside packets.
 constexpr int kReorderFrames = 1;
 inline int reorderFrames(Codec codec) { return codec == Codec::H264 ? kReorderFrames : 0; }
 
@@ -62,7 +62,7 @@ class GopEncoder {
   static Result<std::unique_ptr<GopEncoder>> create(const EncodeSettings& settings);
   virtual ~GopEncoder() = default;
   virtual Status push(const I420View& picture) = 0;
-  // No push may follow.
+  // Ends the GOP; no push may follow.
   virtual Result<EncodedGop> finish() = 0;
 };
 

@@ -20,7 +20,7 @@ constexpr int kFastestSvt = 7;
 constexpr const char* kAom = "aom-";
 constexpr int kWholeGop = 10000;  // longer than any GOP: the first picture is the only key
 
-// -1: not a whole number from 0 to `highest`.
+// -1 if the text is not a whole number from 0 to `highest`.
 int speed(const std::string& text, int highest) {
   if (text.empty() || text.size() > 2 || text.find_first_not_of("0123456789") != std::string::npos) return -1;
   const int value = std::atoi(text.c_str());
@@ -43,7 +43,7 @@ EncoderName encoderName(const EncodeSettings& s) {
   return {"libsvtav1", "SVT-AV1 (Debian: libavcodec59 with libsvtav1enc1)"};
 }
 
-// SVT-AV1 writes a banner to the standard error for every encoder; errors stay.
+// Keeps SVT-AV1 from writing a banner to standard error for every encoder; errors are still written.
 void quietSvt() {
   static std::once_flag once;
   std::call_once(once, [] { setenv("SVT_LOG", "1", 0); });
@@ -99,7 +99,7 @@ void configureAom(const EncodeSettings& s, AVCodecContext& c) {
   av_opt_set(c.priv_data, "cpu-used", presetOf(s).c_str() + std::strlen(kAom), 0);
   av_opt_set_int(c.priv_data, "lag-in-frames", 25, 0);
   av_opt_set_int(c.priv_data, "row-mt", 0, 0);
-  av_opt_set_int(c.priv_data, "arnr-max-frames", 0, 0);  // no temporal filter, of key pictures neither
+  av_opt_set_int(c.priv_data, "arnr-max-frames", 0, 0);  // no temporal filter, not even of key pictures
   av_opt_set(c.priv_data, "aom-params", "enable-keyframe-filtering=0", 0);
 }
 
@@ -112,7 +112,7 @@ void configureSvt(const EncodeSettings& s, AVCodecContext& c) {
   av_opt_set(c.priv_data, "svtav1-params", params.c_str(), 0);
 }
 
-// "key=value:key=value" into the wrapper's own options.
+// Sets "key=value:key=value" in the wrapper's own options.
 Status setExtra(const EncodeSettings& s, AVCodecContext& c) {
   if (s.codec == Codec::H264 || encoderName(s).name == std::string("libsvtav1") || s.extra.empty()) return {};
   if (av_set_options_string(c.priv_data, s.extra.c_str(), "=", ":") >= 0) return {};

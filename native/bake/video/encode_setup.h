@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which of libavcodec's encoders makes which codec, and with what options. Private to encode*.cpp.
+// Chooses libavcodec's encoder for a codec, and its options. Private to encode*.cpp.
 #pragma once
 
 #include "bake/video/encode.h"
@@ -15,7 +15,7 @@ enum class Pass { Only, First, Second };
 // Errors: Unsupported, with the package to install; InvalidArgument (preset).
 Result<const AVCodec*> findEncoder(const EncodeSettings& settings);
 bool encodesInTwoPasses(const EncodeSettings& settings);
-// Everything but avcodec_open2 and the first pass's statistics. Errors: InvalidArgument (`extra`).
+// Does everything but call avcodec_open2 and hand over the first pass's statistics. Errors: InvalidArgument (`extra`).
 Status configureEncoder(const EncodeSettings& settings, Pass pass, AVCodecContext& context);
 
 }  // namespace fourdvt::bake

@@ -115,7 +115,7 @@ Result<Demuxer> openDemuxer(const std::string& path) {
 }
 
 struct Vp9Level {
-  int level;  // times 10
+  int level;  // ten times the level's number
   double luma_rate, luma_picture, bits_per_s;
   int side;
 };
@@ -144,7 +144,7 @@ std::string vp9Codec(const AVCodecParameters& p, double fps, double bits_per_s) 
   return codec;
 }
 
-// From the av1C box: profile and level, tier and chroma; BT.709, limited range.
+// Reads profile, level, tier and chroma from the av1C box; BT.709 and limited range are ours.
 std::string av1Codec(const AVCodecParameters& p) {
   const uint8_t *box = p.extradata, chroma = box[2];
   char codec[48];
@@ -153,7 +153,7 @@ std::string av1Codec(const AVCodecParameters& p) {
   return codec;
 }
 
-// Codec string, and the description where WebCodecs wants one.
+// Sets the codec string, and the decoder description where WebCodecs needs one.
 Status describeCodec(const AVCodecParameters& p, const std::string& path, double fps, double bits_per_s,
                      Mp4Samples& out) {
   if (p.codec_id == AV_CODEC_ID_VP9) {
@@ -188,7 +188,7 @@ Status readSamples(AVFormatContext& demuxer, const std::string& path, double fps
     const bool same = packet->pos >= 0 && std::fseek(file.get(), long(packet->pos), SEEK_SET) == 0 &&
                       std::fread(bytes.data(), 1, bytes.size(), file.get()) == bytes.size() &&
                       std::memcmp(bytes.data(), packet->data, bytes.size()) == 0;
-    if (!same || frame < 0) return broken(path, "a sample is not where the file says");
+    if (!same || frame < 0) return broken(path, "a sample is not where the file's table says");
     samples.push_back({static_cast<uint64_t>(packet->pos), static_cast<uint32_t>(packet->size),
                        static_cast<uint32_t>(frame), (packet->flags & AV_PKT_FLAG_KEY) != 0});
     av_packet_unref(packet);
@@ -199,7 +199,7 @@ Status readSamples(AVFormatContext& demuxer, const std::string& path, double fps
 // GOPs are closed: chunk g's samples are the next `frames of g` in the file.
 Status groupByChunk(const std::string& path, const std::vector<uint32_t>& first_frames, uint32_t frame_count,
                     package::SampleTable& table) {
-  if (table.samples.size() != frame_count) return broken(path, "other number of samples than frames");
+  if (table.samples.size() != frame_count) return broken(path, "the number of samples is not the number of frames");
   table.chunk_first_sample = first_frames;
   table.chunk_first_sample.push_back(frame_count);
   std::vector<uint8_t> seen(frame_count, 0);

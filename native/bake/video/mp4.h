@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Encoded GOPs → a faststart .mp4, and the finished file's sample table read back from it.
+// Writes encoded GOPs as a faststart .mp4, and reads the sample table back from the finished file.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@
 
 namespace fourdvt::bake {
 
-// GOP g of the sequence; asked for in order, one at a time.
+// Loads GOP g of the sequence; called in order, with one GOP in memory at a time.
 using LoadGop = std::function<Result<EncodedGop>(uint32_t gop)>;
 
 // Errors: WriteFailed, Internal (parameter sets differ between GOPs), and those of `load`.

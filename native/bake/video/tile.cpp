@@ -8,7 +8,7 @@
 namespace fourdvt::bake {
 namespace {
 
-// BT.709, 8-bit limited range, times 2^20. Rows sum to 219, 0 and 0 (times 2^20 / 255).
+// The BT.709 matrix for 8 bits and limited range, times 2^20. Its rows sum to 219, 0 and 0 (times 2^20 / 255).
 constexpr int kShift = 20;
 constexpr double kOne = double(1 << kShift);
 constexpr double kRed = 0.2126, kGreen = 0.7152, kBlue = 0.0722;
@@ -16,18 +16,20 @@ constexpr int round(double v) { return static_cast<int>(v < 0 ? v - 0.5 : v + 0.
 constexpr int kYr = round(kOne * 219 / 255 * kRed), kYg = round(kOne * 219 / 255 * kGreen),
               kYb = round(kOne * 219 / 255 * kBlue);
 constexpr double kU = 224.0 / 255 / (2 * (1 - kBlue)), kV = 224.0 / 255 / (2 * (1 - kRed));
-// Applied to sums of four texels, hence / 4.
-constexpr int kUr = round(-kOne / 4 * kU * kRed), kUg = round(-kOne / 4 * kU * kGreen),
-              kUb = round(kOne / 4 * kU * (1 - kBlue));
-constexpr int kVr = round(kOne / 4 * kV * (1 - kRed)), kVg = round(-kOne / 4 * kV * kGreen),
-              kVb = round(-kOne / 4 * kV * kBlue);
+// These rows are applied to sums of four texels, hence the division by 4.
+constexpr int kURow[3] = {round(-kOne / 4 * kU * kRed), round(-kOne / 4 * kU * kGreen),
+                          round(kOne / 4 * kU * (1 - kBlue))};
+constexpr int kVRow[3] = {round(kOne / 4 * kV * (1 - kRed)), round(-kOne / 4 * kV * kGreen),
+                          round(-kOne / 4 * kV * kBlue)};
 
 uint8_t luma(const uint8_t* p) {
   return static_cast<uint8_t>((kYr * p[0] + kYg * p[1] + kYb * p[2] + (16 << kShift) + (1 << (kShift - 1))) >> kShift);
 }
 
-uint8_t chroma(int r, int g, int b, int cr, int cg, int cb) {
-  return static_cast<uint8_t>((cr * r + cg * g + cb * b + (128 << kShift) + (1 << (kShift - 1))) >> kShift);
+// `sum`: of four texels. `row`: the matrix row of U or V.
+uint8_t chroma(const int (&sum)[3], const int (&row)[3]) {
+  return static_cast<uint8_t>(
+      (row[0] * sum[0] + row[1] * sum[1] + row[2] * sum[2] + (128 << kShift) + (1 << (kShift - 1))) >> kShift);
 }
 
 constexpr int kBarcodeWidth = 2 * 16 * package::BarcodeStrip().cell_size;
@@ -41,7 +43,7 @@ TileLayout gridLayout(int layer_count, int texture, int columns) {
   const int rows = (layer_count + columns - 1) / columns;
   for (int l = 0; l < layer_count; ++l)
     layout.layers.push_back({(l % columns) * texture, (l / columns) * texture, texture, texture});
-  const int last_x = (layer_count - (rows - 1) * columns) * texture;  // end of the last row
+  const int last_x = (layer_count - (rows - 1) * columns) * texture;  // where the last row ends
   const bool free_cell = columns * texture - last_x >= kBarcodeWidth;
   const int barcode_y = free_cell ? (rows - 1) * texture : rows * texture;
   layout.barcode.rect = {free_cell ? last_x : 0, barcode_y, kBarcodeWidth, layout.barcode.cell_size};
@@ -50,7 +52,8 @@ TileLayout gridLayout(int layer_count, int texture, int columns) {
   return layout;
 }
 
-// Fitting layouts first, the one of the fewest texels; where none fits, the one that comes closest.
+// Whether `a` is better: prefers layouts that fit, then the one with the fewest texels; if neither fits, the smaller
+// one.
 bool better(const TileLayout& a, const TileLayout& b) {
   if (fits(a) != fits(b)) return fits(a);
   if (!fits(a)) return std::max(a.width, a.height) < std::max(b.width, b.height);
@@ -66,7 +69,8 @@ TileLayout equalLayout(int layer_count, int texture) {
   return best;
 }
 
-// Every member's block: layer 1 at the left, further layers of half its side in columns of two to its right.
+// Lays out every member as a block: layer 1 at the left, further layers of half its side in columns of two to its
+// right.
 TileLayout stackedLayout(int layer_count, int texture, int member_count, int columns) {
   TileLayout layout;
   const int half = texture / 2, rows = (member_count + columns - 1) / columns;
@@ -128,9 +132,9 @@ void drawLayer(const Image& layer, const package::Rect& rect, I420Picture& pictu
     for (int x = 0; x < rect.width / 2; ++x) {
       const uint8_t *a = layer.at(2 * x, 2 * y), *b = layer.at(2 * x + 1, 2 * y), *c = layer.at(2 * x, 2 * y + 1),
                     *d = layer.at(2 * x + 1, 2 * y + 1);
-      const int red = a[0] + b[0] + c[0] + d[0], green = a[1] + b[1] + c[1] + d[1], blue = a[2] + b[2] + c[2] + d[2];
-      picture.u[row + x] = chroma(red, green, blue, kUr, kUg, kUb);
-      picture.v[row + x] = chroma(red, green, blue, kVr, kVg, kVb);
+      const int sum[3] = {a[0] + b[0] + c[0] + d[0], a[1] + b[1] + c[1] + d[1], a[2] + b[2] + c[2] + d[2]};
+      picture.u[row + x] = chroma(sum, kURow);
+      picture.v[row + x] = chroma(sum, kVRow);
     }
   }
 }

@@ -22,25 +22,26 @@ struct TileLayout {
 // Several members: the layers of each as above, stacked in as few columns as fit; equal layers all in one grid.
 TileLayout makeTileLayout(int layer_count, int texture, bool equal_layers = false, int member_count = 1);
 
-// Empty, or why the layout is no picture that readers accept, with the remedy.
+// Why readers would not accept a picture of this layout, with the remedy; empty if they accept it.
 std::string checkTileLayout(int layer_count, int texture, bool equal_layers, int member_count = 1);
 
 struct I420Picture {
   int width = 0, height = 0;
   std::vector<uint8_t> y, u, v;
   I420Picture() = default;
-  I420Picture(int w, int h);  // mid-grey
+  I420Picture(int w, int h);  // all texels mid-grey
   I420View view() const;
 };
 
-// One RGB(A) square → its rectangle; BT.709 limited range, chroma = mean of 2 × 2 texels. Rectangle corners are even.
+// Draws one RGB(A) square into its rectangle, whose corners are even, in BT.709 limited range; chroma is the mean of
+// 2 × 2 texels.
 void drawLayer(const Image& layer, const package::Rect& rect, I420Picture& picture);
 
 // layers: [member][layer]. `frame` goes into the barcode. `picture` has the layout's size.
 void tileFrame(const TileLayout& layout, const std::vector<const Image*>& layers, uint32_t frame, I420Picture& picture);
 void tileFrame(const TileLayout& layout, const std::vector<Image>& layers, uint32_t frame, I420Picture& picture);
 
-// The inverse colour matrix for one rectangle (chroma replicated), e.g. for stills.
+// Reads one rectangle back as RGB, with chroma replicated, e.g. for stills.
 Image rgbFromTile(const I420View& picture, const package::Rect& rect);
 
 }  // namespace fourdvt::bake

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who stands in the virtual studio: a textured surface that moves, and the mesh that a capture system would track on
-// it. The surface is the truth; the tracked mesh may be coarser and slide over it.
-// Does NOT draw. pose() may be called from one thread only.
+// The actor in the virtual studio: a textured surface that moves, and the mesh that a capture system would track on it.
+// The surface is the truth; the tracked mesh may be coarser and slide over it. Does NOT draw. Only one thread may call
+// pose().
 #pragma once
 
 #include <memory>
@@ -32,11 +32,12 @@ class Actor {
  public:
   virtual ~Actor() = default;
   virtual const std::vector<Motion>& motions() const = 0;
-  virtual const RestMesh& surface() const = 0;  // as drawn; UVs are those of texture()
-  virtual const RestMesh& tracked() const = 0;  // as captured
+  virtual const RestMesh& surface() const = 0;  // what is drawn; its UVs lie in texture()
+  virtual const RestMesh& tracked() const = 0;  // what is captured
   virtual const Image& texture() const = 0;     // RGB, sRGB
-  // The surface's vertices with this share of every motion (sum 1) at the motions' common phase 0…1; one motion's
-  // phase is its share of the duration. Between motions: the exact intermediate motion, not a blend of vertices.
+  // Sets `out` to the surface's vertices for these shares of all motions (sum 1) at their common phase 0…1; the phase
+  // of one motion is the share of its duration that has passed. Between motions this is the exact intermediate motion,
+  // not a blend of vertices.
   virtual void pose(std::span<const double> shares, double phase, Positions& out) = 0;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// One texture atlas for a mesh of slender parts: charts are connected faces of one part that look the same way, laid
-// flat along that direction, packed without overlap. Does NOT minimise distortion: faces lean up to about 55°.
+// Makes one texture atlas for a mesh of slender parts. A chart holds connected faces of one part that face the same
+// way; it is laid flat along that direction and packed without overlap. Does NOT minimise distortion: faces lean by up
+// to about 55°.
 #pragma once
 
 #include <functional>
@@ -9,7 +10,7 @@
 
 namespace fourdvt::studio {
 
-// Sets the topology's uvs and face_uvs, in [0,1]. `part`: which part a point of the rest pose belongs to.
+// Sets the topology's uvs and face_uvs, in [0,1]. `part` returns which part a point of the rest pose belongs to.
 void unwrap(RestMesh& mesh, const std::function<int(const glm::vec3&)>& part);
 
 }  // namespace fourdvt::studio

@@ -10,7 +10,7 @@
 namespace fourdvt::studio {
 namespace {
 
-constexpr double kJoin_m = 0.012;    // roundness where limbs join
+constexpr double kJoin_m = 0.012;    // radius by which the joints of limbs are rounded
 constexpr double kLeftOut_m = 1e-6;  // value of a grid point that counts as outside
 constexpr double kSoften_m = 0.016;  // width of the skin's transition between bones
 constexpr glm::dvec3 kBodyMin{-0.80, -0.06, -0.30}, kBodyMax{0.80, 1.88, 0.38};
@@ -46,7 +46,7 @@ const std::vector<RoundedCone>& cones() {
   return all;
 }
 
-// A capsule whose radius changes along its axis; the gradient's length stays near 1 for slender ones.
+// Distance to a capsule whose radius changes along its axis; its gradient's length stays near 1 if it is slender.
 double distanceTo(const RoundedCone& cone, const glm::dvec3& p) {
   const glm::dvec3 axis = cone.b - cone.a;
   const double t = std::clamp(glm::dot(p - cone.a, axis) / glm::dot(axis, axis), 0.0, 1.0);
@@ -72,7 +72,7 @@ glm::dvec3 onBody(glm::dvec3 p) {
   return p;
 }
 
-// Surface nets: a vertex in every cell that the surface passes, a quad across every grid edge that it cuts.
+// Surface nets: puts a vertex into every cell that the surface passes, and a quad across every grid edge that it cuts.
 class SurfaceNets {
  public:
   explicit SurfaceNets(double cell_m) : cell_(cell_m), size_(glm::ivec3((kBodyMax - kBodyMin) / cell_m) + 2) {}
@@ -137,7 +137,7 @@ class SurfaceNets {
     quads_.push_back({q[0], q[1], q[2], q[3]});
   }
 
-  // Along the shorter diagonal.
+  // Splits the quad along its shorter diagonal.
   void triangulate() {
     const auto& p = mesh_.positions;
     for (const auto& q : quads_) {
@@ -147,8 +147,8 @@ class SurfaceNets {
     }
   }
 
-  // A square of the grid with two opposite corners inside would give an edge to four faces: the shallower corner of the
-  // two is left out. False: something was left out.
+  // A square of the grid with two opposite corners inside would make an edge with four faces: the shallower corner of
+  // the two is left out. False: something was left out.
   bool settle() {
     bool settled = true;
     for (int axis = 0; axis < 3; ++axis)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The procedural actor's shape: rounded cones on a skeleton, smoothly joined, meshed, unwrapped and weighted. A-pose,
-// metres, Y up, facing +Z, soles at y = 0. Deterministic: there is nothing random in it.
+// The procedural actor's shape: rounded cones on a skeleton, smoothly joined, meshed, unwrapped and weighted. It stands
+// in A-pose, faces +Z with Y up, has its soles at y = 0 and is measured in metres. Nothing about it is random.
 #pragma once
 
 #include <array>
@@ -38,12 +38,12 @@ constexpr glm::dvec3 kPelvisRest{0, 0.95, 0}, kWaistRest{0, 1.05, 0}, kNeckRest{
 double bodyDistance(const glm::dvec3& p);
 // Smooth skinning weights at a point near the skin; sum 1.
 std::array<float, kBoneCount> boneWeights(const glm::dvec3& p);
-// The heaviest bone there.
+// The bone with the largest weight at that point.
 Bone boneAt(const glm::dvec3& p);
-// Closed and connected, faces counter-clockwise from outside, one atlas; vertices lie on the body. `cell_m`: edges are
-// about this long.
+// Returns a closed and connected mesh with one atlas, whose vertices lie on the body and whose faces run
+// counter-clockwise as seen from outside. `cell_m`: length of an edge, roughly.
 RestMesh meshBody(double cell_m);
-// Every face in four; new vertices are put on the body, UVs stay in their charts.
+// Splits every face into four. New vertices are moved onto the body, UVs stay in their charts.
 RestMesh subdivideOnBody(const RestMesh& mesh);
 // The actor's clothes and skin on the mesh's atlas: plaid, weave and grain at several scales, rows of glyphs.
 Image paintBody(const RestMesh& mesh, int side);

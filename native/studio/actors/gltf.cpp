@@ -66,7 +66,7 @@ class Reader {
       out_.nodes[i].rest = restOf(node);
       for (const int child : node.children) {
         if (child < 0 || size_t(child) >= out_.nodes.size() || out_.nodes[child].parent >= 0 || child == int(i))
-          return error(ErrorId::FileUnreadable, "its nodes are no tree; export it again");
+          return error(ErrorId::FileUnreadable, "its nodes do not form a tree; export it again");
         out_.nodes[child].parent = static_cast<int>(i);
       }
     }
@@ -103,7 +103,7 @@ class Reader {
     return t;
   }
 
-  // Values of an accessor as doubles, `components` an element; integers are normalised if the accessor says so.
+  // The values of an accessor as doubles, `components` per element; integers are normalised if the accessor says so.
   Status numbers(int index, int components, const char* what, std::vector<double>& out) const {
     const Error broken = error(ErrorId::FileUnreadable, std::string(what) + " cannot be read; export it again");
     if (index < 0 || size_t(index) >= gltf_.accessors.size()) return broken;
@@ -241,7 +241,7 @@ class Reader {
     return true;
   }
 
-  // Vertices that were split for their UVs or normals become one again.
+  // Joins vertices that the exporter split for their UVs or normals.
   uint32_t weld(const GltfVertex& v) {
     std::array<int64_t, 11> key{};
     for (int k = 0; k < 3; ++k) key[k] = std::llround(v.position[k] * 1e6);
@@ -289,7 +289,8 @@ class Reader {
       animation.end_s = -1e9;
       for (const tinygltf::AnimationChannel& channel : source.channels)
         FOURDVT_TRY(readChannel(source, channel, animation));
-      if (animation.channels.empty() || !(animation.end_s > animation.start_s)) continue;  // a pose, or morphs only
+      if (animation.channels.empty() || !(animation.end_s > animation.start_s))
+        continue;  // it holds a single pose, or morphs only
       out_.animations.push_back(std::move(animation));
     }
     if (out_.animations.empty())
@@ -331,7 +332,7 @@ class Reader {
     return {};
   }
 
-  // The materials' textures as tiles of one picture; UVs follow.
+  // Puts the materials' textures as tiles into one picture and moves the UVs along.
   Status paintAtlas() {
     std::vector<cv::Mat> tiles;
     for (const int material : materials_) {
@@ -366,7 +367,7 @@ class Reader {
         factor = {pbr.baseColorFactor[0], pbr.baseColorFactor[1], pbr.baseColorFactor[2]};
       texture = pbr.baseColorTexture.index;
     }
-    // The factor is linear light; pictures here are sRGB-coded.
+    // The factor is in linear light, but pictures here are sRGB-coded.
     factor = glm::pow(glm::clamp(factor, 0.0, 1.0), glm::dvec3(1 / 2.2));
     out = cv::Mat(kPlainSide, kPlainSide, CV_8UC3, cv::Scalar(255, 255, 255));
     if (texture >= 0) {
@@ -393,7 +394,7 @@ class Reader {
   GltfModel out_;
   bool any_skin_ = false;
   std::map<std::array<int64_t, 11>, uint32_t> welded_;
-  std::vector<int> materials_;     // glTF's, in order of first use
+  std::vector<int> materials_;     // the glTF's materials, in order of first use
   std::vector<int> uv_materials_;  // [uv] index into materials_
 };
 

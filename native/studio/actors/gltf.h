@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A rigged glTF model in plain numbers: one welded mesh in skeleton space, one texture, nodes, animations. Private to
-// the studio. Does NOT know morph targets, cameras, lights or more than one set of four weights a vertex.
+// the studio. Does NOT know morph targets, cameras, lights or more than one set of four weights per vertex.
 #pragma once
 
 #include <array>
@@ -27,8 +27,8 @@ struct GltfChannel {
   Path path = Path::Translation;
   Between between = Between::Linear;
   std::vector<double> times;           // seconds, increasing
-  std::vector<glm::dvec4> values;      // one a time; Cubic: three (in-tangent, value, out-tangent)
-  glm::dvec4 at(double time_s) const;  // rotations: not normalised
+  std::vector<glm::dvec4> values;      // one per time; Cubic: three per time (in-tangent, value, out-tangent)
+  glm::dvec4 at(double time_s) const;  // rotations are not normalised
 };
 
 struct GltfAnimation {
@@ -37,7 +37,7 @@ struct GltfAnimation {
   std::vector<GltfChannel> channels;
 };
 
-// A vertex follows up to four of these.
+// What a vertex follows; it follows up to four.
 struct GltfJoint {
   int node = 0;
   glm::dmat4 bind{1};  // joint from mesh

@@ -9,8 +9,9 @@
 namespace fourdvt::studio {
 namespace {
 
-constexpr double kLoopShare = 0.01;  // of the model's size: a loop's last pose is this close to its first
-constexpr double kStill_m = 0.01;    // less travel a cycle is none
+constexpr double kLoopShare =
+    0.01;  // share of the model's size: an animation loops if its last pose is this close to its first
+constexpr double kStill_m = 0.01;  // less travel per cycle counts as none
 
 class GltfActor final : public Actor {
  public:
@@ -57,7 +58,7 @@ class GltfActor final : public Actor {
   }
 
  private:
-  // "Armature|walk" → "walk"; what no folder may be called becomes "_".
+  // "Armature|walk" → "walk"; characters that a folder's name must not have become "_".
   static std::string folderName(const std::string& name) {
     std::string out = name.substr(name.find_last_of('|') + 1);
     for (char& c : out)
@@ -116,7 +117,7 @@ class GltfActor final : public Actor {
     return out;
   }
 
-  // into += share * (from - into), rotations along the shorter arc; the first call takes `from` whole.
+  // Adds share * (from - into) to `into`, rotations along the shorter arc; the first call copies `from`.
   static void blend(std::vector<NodeTransform> from, double share, std::vector<NodeTransform>& into) {
     if (into.empty()) {
       into = std::move(from);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Clothes and skin as functions of the rest pose, painted on the atlas: continuous over the atlas's seams.
+// Paints clothes and skin on the atlas as functions of the rest pose, so that they continue across the atlas's seams.
 #include <algorithm>
 #include <cmath>
 
@@ -50,7 +50,7 @@ glm::dvec3 plaid(const glm::dvec3& p) {
   return glm::mix(c, glm::dvec3(0.90, 0.65, 0.20), 0.7 * stripe(p.z + 0.01, 0.071, 0.10));
 }
 
-// Rows of random 3 x 5 glyphs; 0 or 1.
+// Rows of random 3 × 5 glyphs: 1 on a glyph, else 0.
 double glyph(double x, double y, double cell_m) {
   const double column = std::floor(x / cell_m), row = std::floor(y / (1.6 * cell_m));
   const double fx = x / cell_m - column, fy = y / (1.6 * cell_m) - row;
@@ -145,7 +145,7 @@ class Painter {
 
   static double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
 
-  // One texel outwards: the mean of the covered neighbours.
+  // Grows the paint by one texel: each new texel is the mean of its covered neighbours.
   void grow() {
     const int side = image_.width;
     const std::vector<uint8_t> before = covered_;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The procedural actor's motion: closed-form joint curves of a phase and of a parameter, 0 = walk … 1 = run. The left
-// foot is in the middle of its stance at phase 0.25, the right one at 0.75, however long they stand: one phase is one
-// pose of the stride whatever the parameter, legs furthest apart at 0 and 0.5. Legs between walk and run take joint
-// angles between theirs, except that a foot on the ground does not slide.
+// foot is in the middle of its stance at phase 0.25 and the right one at 0.75, however long they stand, so that a phase
+// means the same pose of the stride for every parameter; the legs are furthest apart at 0 and 0.5. Between walk and run
+// the legs take joint angles between those of both, except that a foot on the ground does not slide.
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
@@ -24,9 +24,11 @@ struct NamedMotion {
 constexpr NamedMotion kMotions[] = {{"walk", 0}, {"jog", 0.5}, {"run", 1}};
 
 constexpr double kMidStance = 0.25;  // phase
-constexpr double kTakesUp = 0.2;     // share of a swing at either end: between the ground's path and the joints' own
+constexpr double kTakesUp =
+    0.2;  // share of a swing at either end in which the foot's path changes over between the ground's and the joints'
 constexpr double kSlopeStep = 1e-4;  // of the phase
-constexpr double kStance_m = 0.638;  // way of a foot on the ground; longer ones would overstretch the leg
+constexpr double kStance_m =
+    0.638;  // how far a standing foot moves back under the body; a longer way would overstretch the leg
 
 // Everything that depends on the parameter.
 struct Gait {
@@ -43,7 +45,7 @@ struct Gait {
 glm::dquat about(const glm::dvec3& axis, double angle) { return glm::angleAxis(angle, axis); }
 constexpr glm::dvec3 kX{1, 0, 0}, kY{0, 1, 0}, kZ{0, 0, 1};
 
-// Moves `joint` to `to` and turns about it.
+// Moves `joint` to `to` and rotates about it.
 glm::dmat4 turned(const glm::dquat& turn, const glm::dvec3& joint, const glm::dvec3& to) {
   glm::dmat4 m = glm::mat4_cast(turn);
   m[3] = glm::dvec4(to - turn * joint, 1);
@@ -59,9 +61,9 @@ FootTarget operator+(const FootTarget& a, const FootTarget& b) {
 }
 FootTarget operator*(double k, const FootTarget& a) { return {k * a.forward_m, k * a.height_m, k * a.pitch}; }
 
-// Below, `since`: the phase since the middle of the foot's stance, -0.5…0.5.
+// In what follows, `since` is the phase that has passed since the middle of the foot's stance, -0.5…0.5.
 
-// It moves back at the root's speed and stays flat.
+// A standing foot moves back at the root's speed and stays flat.
 FootTarget onGround(const Gait& gait, double since) { return {-gait.speed_mps * gait.duration_s * since, 0, 0}; }
 
 // Of walk or run.
@@ -132,7 +134,7 @@ class Skeleton {
     bones_[sided(FootL, left)] = turned(about(kX, foot.pitch), ankle_rest, ankle);
   }
 
-  // Against the leg of the same side.
+  // The arm swings against the leg of its side.
   void arm(bool left) {
     const double side = left ? 1 : -1, a = 2 * kPi * (phase_ + (left ? 0.5 : 0));
     const glm::dvec3 shoulder_rest = sided(kShoulderRest, left), elbow_rest = sided(kElbowRest, left);
@@ -153,7 +155,7 @@ class Skeleton {
   glm::dquat chest_turn_;
 };
 
-// Where the joints between walk's and run's would put the left foot; the right one is its mirror half a cycle later.
+// Where joint angles between those of walk and run put the left foot; the right foot mirrors it half a cycle later.
 FootTarget byJoints(const Gait& gait, double since) {
   static const Gait walk(0), run(1);
   const double phase = since + kMidStance;
@@ -174,7 +176,7 @@ FootTarget footAt(const Gait& gait, double since) {
   if (std::abs(since) <= ends) return onGround(gait, since);
   const auto gap = [&](double at) { return onGround(gait, at) + -1 * byJoints(gait, at); };
   FootTarget foot = byJoints(gait, since);
-  for (const double side : {1.0, -1.0}) {  // since it left the ground, until it lands
+  for (const double side : {1.0, -1.0}) {  // once since the foot left the ground, once until it lands
     const double away = side * since < 0 ? 1 + side * since - ends : side * since - ends, u = away / (kTakesUp * swing);
     if (u >= 1) continue;
     const FootTarget at_end = gap(side * ends), before = gap(side * (ends - kSlopeStep));

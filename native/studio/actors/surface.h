@@ -21,13 +21,13 @@ class Surface {
 
   const std::vector<glm::uvec3>& faces() const { return faces_; }
   const Positions& positions() const { return positions_; }
-  const std::vector<glm::vec3>& normals() const { return normals_; }  // unit, a vertex
+  const std::vector<glm::vec3>& normals() const { return normals_; }  // unit, per vertex
   glm::dvec3 faceNormal(uint32_t face) const;                         // unit
   SurfacePoint atVertex(uint32_t vertex) const;
-  // The closest point of the faces round the nearest vertex.
+  // The closest point to `p` on the faces round the nearest vertex.
   SurfacePoint nearest(const glm::dvec3& p) const;
-  // The end of a geodesic that leaves `from` along `step` (turned into the surface) and is as long as it. A walk that
-  // meets an open edge ends there.
+  // The end of the geodesic that leaves `from` in the direction of `step`, turned into the surface, and is as long as
+  // `step`. A walk that meets an open edge ends there.
   SurfacePoint walk(const SurfacePoint& from, const glm::dvec3& step) const;
   // Where the point lies when the vertices are at `pose`.
   glm::dvec3 place(const SurfacePoint& point, const Positions& pose) const;

@@ -46,7 +46,7 @@ Result<MotionTruth::Baked> asBaked(const StudyContext& context, const bake::Bake
   FOURDVT_ASSIGN(auto job, std::move(validated));
   bake::MeshReader meshes(job);
   const capture::Capture& capture = job.capture;
-  FOURDVT_ASSIGN(auto members, bake::classMembers(capture, motion_class, capture.topology, meshes.function()));
+  FOURDVT_ASSIGN(auto members, bake::classMembers(capture, motion_class, meshes.function()));
   MotionTruth::Baked out;
   for (const bake::ClassMember& member : members) {
     const double pass = member.source->frame_count - (member.source->loop ? 0 : 1);

@@ -201,7 +201,7 @@ Result<bake::FootSkate> skateOf(const MotionSubject& subject, WatchedPlayer& wat
 void writeSkate(const bake::FootSkate& skate, const RowWriter& row) {
   row.add(rows::kContacts, skate.contacts, "");
   row.add(rows::kSkateMeanMm, 1e3 * skate.mean_m, "mm");
-  row.add(rows::kSkateTailMm, 1e3 * skate.most_m, "mm");
+  row.add(rows::kSkateTailMm, 1e3 * skate.tail_m, "mm");
   row.add(rows::kSkateMaxMm, 1e3 * skate.max_m, "mm");
 }
 

@@ -58,9 +58,11 @@ struct LabelProblem {
   Result<bake::LabelStatistics> solve(bake::LabelOptions options) const {
     options.layers = kPaperLayers;
     options.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-    return bake::solveLabels(
-        options, graph, frameCount(), [&](uint32_t f) -> Result<bake::FaceCosts> { return costsOf(measured, job, f); },
-        [](uint32_t, const std::vector<uint8_t>&) -> Status { return {}; }, {}, context.stop);
+    return bake::solveLabels(options, graph, frameCount(),
+                             {[&](uint32_t f) -> Result<bake::FaceCosts> { return costsOf(measured, job, f); },
+                              [](uint32_t, const std::vector<uint8_t>&) -> Status { return {}; },
+                              {},
+                              context.stop});
   }
 };
 

@@ -81,7 +81,7 @@ const SectionPlan kSections[] = {
     {"labels",
      "Labels",
      "Seams: share of mesh edges whose faces differ in this layer. Flips: share of faces that differ from the frame "
-     "before. Penalty: 4DVT Eq. 1, mean over the filled slots of faces that a camera sees. Energy: of the joint "
+     "before. Penalty: 4DVT Eq. 1, mean over the filled ranks of faces that a camera sees. Energy: of the joint "
      "formulation with our weights, whatever the method. Means over the sequences.\n\nThe papers' methods leave a "
      "face empty that no camera sees, ours goes on with its neighbours' label, which alone makes fewer seams where "
      "nothing was filmed. What shows is the second table: edges between two faces, and faces in two frames, that at "

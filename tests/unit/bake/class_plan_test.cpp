@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "bake/motion/class_plan.h"
+
 #include <gtest/gtest.h>
 
-#include "bake/motion/class_plan.h"
 #include "bake/motion/parameter_table.h"
 #include "bake/motion/time_warp.h"
 #include "motion/parameter_space.h"
@@ -101,7 +102,7 @@ struct Walkers {
     };
   }
   Result<ClassPlan> plan(const ClassOptions& options = {}) const {
-    return planClass(capture, locomotion, capture.topology, read(), options, keepOn);
+    return planClass(capture, locomotion, {capture.topology, read()}, options, keepOn);
   }
 };
 
@@ -194,7 +195,7 @@ TEST(ClassPlan, ImpossibleClassesAreRefused) {
 
 TEST(ClassPlan, StopsWhenAsked) {
   const Walkers walkers = walkAndRun();
-  const auto plan = planClass(walkers.capture, walkers.locomotion, walkers.capture.topology, walkers.read(), {},
+  const auto plan = planClass(walkers.capture, walkers.locomotion, {walkers.capture.topology, walkers.read()}, {},
                               [](double) { return false; });
   ASSERT_FALSE(plan.ok());
   EXPECT_EQ(plan.error().id, ErrorId::Interrupted);
@@ -227,7 +228,7 @@ struct Tubes {
     };
   }
   ClassPlan plan(const ClassOptions& options) const {
-    auto planned = planClass(capture, bending, capture.topology, read(), options, keepOn);
+    auto planned = planClass(capture, bending, {capture.topology, read()}, options, keepOn);
     EXPECT_TRUE(planned.ok()) << planned.error().message;
     return planned.take();
   }

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Labels on graphs small enough to know the answer: the box between two cameras, chains with every labelling tried,
 // random sheets for what must hold whatever the labels are.
+#include "bake/labels/labelling.h"
+
 #include <gtest/gtest.h>
 
 #include <bit>
 #include <random>
 
 #include "bake/labels/expansion.h"
-#include "bake/labels/labelling.h"
 #include "bake/labels/schedule.h"
 #include "bake/labels/statistics.h"
 #include "label_fixture.h"
@@ -69,14 +70,13 @@ struct Solution {
 
 Solution solve(const Problem& problem, const LabelOptions& options) {
   Solution out;
-  auto statistics = solveLabels(
-      options, problem.graph, static_cast<uint32_t>(problem.frames.size()),
-      [&](uint32_t t) -> Result<FaceCosts> { return FaceCosts(problem.frames[t]); },
-      [&](uint32_t t, const std::vector<uint8_t>& labels) -> Status {
-        EXPECT_EQ(t, out.labels.size());  // ascending
-        out.labels.push_back(labels);
-        return {};
-      });
+  auto statistics = solveLabels(options, problem.graph, static_cast<uint32_t>(problem.frames.size()),
+                                {[&](uint32_t t) -> Result<FaceCosts> { return FaceCosts(problem.frames[t]); },
+                                 [&](uint32_t t, const std::vector<uint8_t>& labels) -> Status {
+                                   EXPECT_EQ(t, out.labels.size());  // ascending
+                                   out.labels.push_back(labels);
+                                   return {};
+                                 }});
   EXPECT_TRUE(statistics.ok());
   if (statistics.ok()) out.statistics = statistics.take();
   EXPECT_EQ(out.labels.size(), problem.frames.size());
@@ -255,11 +255,11 @@ TEST(Expansion, MovesNeverRaiseTheEnergy) {
   const int64_t start = energy;
   int falls = 0;
   for (int sweep = 0; sweep < 3; ++sweep) {
-    for (int slot = 0; slot < options.layers; ++slot) {
+    for (int rank = 0; rank < options.layers; ++rank) {
       for (uint8_t c : {0, 1, 2, 3, 4, 5, 255}) {
-        const bool changed = block.expand(slot, c);
+        const bool changed = block.expand(rank, c);
         const int64_t now = block.energy();
-        ASSERT_EQ(changed, now < energy) << "slot " << slot << " camera " << int(c);
+        ASSERT_EQ(changed, now < energy) << "rank " << rank << " camera " << int(c);
         falls += changed;
         energy = now;
       }
@@ -273,7 +273,7 @@ TEST(Expansion, MovesNeverRaiseTheEnergy) {
   for (const auto& frame : labels) {
     planar.emplace_back(options.layers * frame.size());
     for (size_t i = 0; i < planar.back().size(); ++i)
-      planar.back()[i] = frame[i % frame.size()].slots[i / frame.size()];
+      planar.back()[i] = frame[i % frame.size()].ranks[i / frame.size()];
   }
   EXPECT_NEAR(block.energy() / weights.units / energyOf(problem, options, planar), 1, 2e-3);
 }
@@ -484,12 +484,12 @@ TEST(SolveLabels, PassesErrorsOnAndStops) {
   };
   LabelOptions options;
   options.jobs = 2;
-  EXPECT_EQ(solveLabels(options, problem.graph, 3, bad, ignore).error().id, ErrorId::FileUnreadable);
-  EXPECT_EQ(solveLabels(options, problem.graph, 3, good, full).error().id, ErrorId::WriteFailed);
+  EXPECT_EQ(solveLabels(options, problem.graph, 3, {bad, ignore}).error().id, ErrorId::FileUnreadable);
+  EXPECT_EQ(solveLabels(options, problem.graph, 3, {good, full}).error().id, ErrorId::WriteFailed);
   std::atomic<bool> stop = true;
-  EXPECT_EQ(solveLabels(options, problem.graph, 3, good, ignore, {}, &stop).error().id, ErrorId::Interrupted);
+  EXPECT_EQ(solveLabels(options, problem.graph, 3, {good, ignore, {}, &stop}).error().id, ErrorId::Interrupted);
   options.tau = -1;
-  EXPECT_EQ(solveLabels(options, problem.graph, 3, good, ignore).error().id, ErrorId::InvalidArgument);
+  EXPECT_EQ(solveLabels(options, problem.graph, 3, {good, ignore}).error().id, ErrorId::InvalidArgument);
 }
 
 }  // namespace

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "bake/motion/root_track.h"
+
 #include <gtest/gtest.h>
 
-#include "bake/motion/root_track.h"
 #include "motion_shapes.h"
 
 namespace fourdvt::bake {
@@ -11,7 +12,7 @@ std::vector<glm::vec3> track(const Walker& walker, std::string* note = nullptr) 
   const ReadPositions read = [&](const capture::CaptureSequence&, uint32_t t) {
     return Result<Positions>(walker.frame(t));
   };
-  auto found = rootTrack(walker.capture, walker.sequence, walker.capture.topology, read, note);
+  auto found = rootTrack(walker.capture, walker.sequence, read, note);
   EXPECT_TRUE(found.ok());
   return found.take();
 }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "bake/motion/transitions.h"
+
 #include <gtest/gtest.h>
 
 #include "bake/motion/fade_path.h"
-#include "bake/motion/transitions.h"
 #include "motion/motion_graph.h"
 #include "motion/placement.h"
 #include "motion_shapes.h"
@@ -188,7 +189,7 @@ TEST(Transitions, FadesAreAsLongAsItTakesNotToPop) {
   for (const float apart_m : {0.05f, 0.2f, 0.25f, 0.3f, 0.38f}) {
     uint32_t expected = 0;
     for (const double fade_s : options.fades_s)
-      if (!expected && steepest(uint32_t(25 * fade_s + 0.5)) * apart_m <= options.most_pop * kOwnStep_m)
+      if (!expected && steepest(uint32_t(25 * fade_s + 0.5)) * apart_m <= options.max_pop * kOwnStep_m)
         expected = uint32_t(25 * fade_s + 0.5);
     ASSERT_GT(expected, 0u);
     const motion::Entry entry = *graphOf({jumper(0), jumper(apart_m)}, options).entry(0, 2, 0, 1);
@@ -199,7 +200,7 @@ TEST(Transitions, FadesAreAsLongAsItTakesNotToPop) {
   const motion::Entry far = *graphOf({jumper(0), jumper(0.8f)}, options).entry(0, 2, 0, 1);
   const uint32_t longest = uint32_t(25 * options.fades_s.back() + 0.5);
   EXPECT_EQ(far.fade_frames, longest);
-  const double over = steepest(longest) * 0.8 / kOwnStep_m - options.most_pop;
+  const double over = steepest(longest) * 0.8 / kOwnStep_m - options.max_pop;
   EXPECT_NEAR(far.cost,
               800 + options.fade_cost_mm_per_s * (options.fades_s.back() - options.fades_s.front()) +
                   options.pop_cost_mm * over,
@@ -232,15 +233,15 @@ TEST(FadePath, PopIsTheSteepestPartOfTheFade) {
   const Steps own = larger(a.steps[kStill], b.steps[kStill]);
   for (const uint32_t frames : {10u, 16u}) {
     const double expected = 0.2 * steepest(frames) / kOwnStep_m;
-    EXPECT_NEAR(popOf(a, b, {3, 5, frames, glm::vec3(0)}, own, {0.04, 1}, 9), expected, 1e-4);
-    EXPECT_NEAR(popOf(a, b, {3, 5, frames, glm::vec3(0)}, own, {0.04, 0.5}, 9), 2 * expected, 1e-4) << "of the mean";
+    EXPECT_NEAR(popOf(a, b, {3, 5, frames, glm::vec3(0)}, {own, 9}, {0.04, 1}), expected, 1e-4);
+    EXPECT_NEAR(popOf(a, b, {3, 5, frames, glm::vec3(0)}, {own, 9}, {0.04, 0.5}), 2 * expected, 1e-4) << "of the mean";
     // The place goes over along the shift, as fast.
-    EXPECT_NEAR(popOf(a, a, {3, 5, frames, glm::vec3(0.2f, 0, 0)}, own, {0.04, 1}, 9), expected, 1e-4);
+    EXPECT_NEAR(popOf(a, a, {3, 5, frames, glm::vec3(0.2f, 0, 0)}, {own, 9}, {0.04, 1}), expected, 1e-4);
   }
-  EXPECT_NEAR(popOf(a, a, {3, 3, 10, glm::vec3(0)}, own, {0.04, 1}, 9), 0, 1e-6);
-  EXPECT_NEAR(popOf(a, a, {kStill, kStill, 10, glm::vec3(0)}, own, {0.04, 1}, 9), 1, 1e-4) << "as fast as itself";
+  EXPECT_NEAR(popOf(a, a, {3, 3, 10, glm::vec3(0)}, {own, 9}, {0.04, 1}), 0, 1e-6);
+  EXPECT_NEAR(popOf(a, a, {kStill, kStill, 10, glm::vec3(0)}, {own, 9}, {0.04, 1}), 1, 1e-4) << "as fast as itself";
   // While it moves by itself the fade adds to that.
-  EXPECT_GT(popOf(a, b, {kStill - 5, kStill - 5, 10, glm::vec3(0)}, own, {0.04, 1}, 9), 1.5);
+  EXPECT_GT(popOf(a, b, {kStill - 5, kStill - 5, 10, glm::vec3(0)}, {own, 9}, {0.04, 1}), 1.5);
 }
 
 TEST(Transitions, WhatEndsIsLeftBeforeItStandsStill) {

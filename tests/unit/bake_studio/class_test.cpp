@@ -30,7 +30,7 @@ class StudioClass : public ::testing::Test {
       capture_->sequences.push_back(sequence);
     }
     capture::CaptureClass locomotion{"locomotion", {"speed_mps"}, {{"walk", {}}, {"run", {}}}};
-    members_ = classMembers(*capture_, locomotion, capture_->topology, read).take();
+    members_ = classMembers(*capture_, locomotion, read).take();
   }
   static void TearDownTestSuite() {
     members_.clear();

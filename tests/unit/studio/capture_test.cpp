@@ -183,7 +183,7 @@ TEST(StudioGait, OnePhaseIsOnePoseOfTheStride) {
 TEST(StudioGait, FeetMoveSmoothlyBetweenTheMembers) {
   Actor& actor = walkJogRun();
   const uint32_t sole = leftSole(actor);
-  const auto mostBent = [&](double w, int samples) {
+  const auto maxBend = [&](double w, int samples) {
     double most = 0;
     std::array<Positions, 3> p;
     for (int i = 0; i < samples; ++i) {
@@ -192,7 +192,7 @@ TEST(StudioGait, FeetMoveSmoothlyBetweenTheMembers) {
     }
     return most;
   };
-  for (const double w : {0.3, 0.7}) EXPECT_LT(mostBent(w, 120), 0.4 * mostBent(w, 60)) << w;
+  for (const double w : {0.3, 0.7}) EXPECT_LT(maxBend(w, 120), 0.4 * maxBend(w, 60)) << w;
 }
 
 TEST(StudioTracker, DriftIsAsFarAsTheKnobSays) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One or more characters that play in real steps and are drawn into one picture.
+// Several figures that play and are drawn into one picture. Time passes by the steps that advance() is told.
 #pragma once
 
 #include <memory>
@@ -13,23 +13,24 @@
 namespace fourdvt::tools {
 
 struct ActorOptions {
-  std::string folder;  // of the character
-  std::string state;   // at first; empty: the character's first
+  std::string folder;  // of the baked character
+  std::string state;   // the state to begin with; empty: the character's first
   Parameters parameters;
   motion::Placement placement;
   bool travel = false;
   std::vector<Cue> cues;
 };
 
-class Stage {
+class Ensemble {
  public:
-  // `gpu` outlives the stage.
-  static Result<std::unique_ptr<Stage>> create(GpuSession& gpu, AlignMethod align);
-  // Opens a character and shows its first frame. Errors: those of opening; InvalidArgument: unknown state or parameter.
+  // `gpu` outlives the ensemble.
+  static Result<std::unique_ptr<Ensemble>> create(GpuSession& gpu, AlignMethod align);
+  // Opens a character and shows its first frame. Errors: those of opening; InvalidArgument (unknown state or
+  // parameter).
   Status add(const ActorOptions& options);
-  // Plays on by this much time; states whose cue is due are gone to.
+  // Plays on by this much time, and starts the transitions whose cues are due.
   Status advance(double seconds);
-  // scene: null: none.
+  // `scene` may be null.
   Result<Image> draw(const render::View& view, const render::Scene* scene, const render::RecipeOptions& recipe);
   Player& player(size_t actor) { return actors_[actor].character->player(); }
   size_t count() const { return actors_.size(); }
@@ -37,10 +38,10 @@ class Stage {
  private:
   struct Actor {
     std::unique_ptr<platform::CharacterPlayer> character;
-    std::vector<Cue> cues;  // by time
+    std::vector<Cue> cues;  // in order of time
     size_t next_cue = 0;
   };
-  Stage(GpuSession& gpu, std::shared_ptr<render::Recipe> recipe, render::Align align)
+  Ensemble(GpuSession& gpu, std::shared_ptr<render::Recipe> recipe, render::Align align)
       : gpu_(gpu), recipe_(std::move(recipe)), align_(align), still_(*gpu.device) {}
   Status followCues(Actor& actor);
 

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/stage.h"
+#include "tools/ensemble.h"
 
 #include <algorithm>
 
 namespace fourdvt::tools {
 
-Result<std::unique_ptr<Stage>> Stage::create(GpuSession& gpu, AlignMethod align) {
+Result<std::unique_ptr<Ensemble>> Ensemble::create(GpuSession& gpu, AlignMethod align) {
   FOURDVT_ASSIGN(std::shared_ptr<render::Recipe> shared, render::Recipe::create(*gpu.device));
   FOURDVT_ASSIGN(auto prepared, prepareAlign(align, *gpu.device, *shared));
-  return std::unique_ptr<Stage>(new Stage(gpu, std::move(shared), prepared));
+  return std::unique_ptr<Ensemble>(new Ensemble(gpu, std::move(shared), prepared));
 }
 
-Status Stage::add(const ActorOptions& options) {
+Status Ensemble::add(const ActorOptions& options) {
   FOURDVT_ASSIGN(auto opened, openCharacterOn(gpu_, options.folder, recipe_));
   Actor actor{std::move(opened), options.cues};
   Player& player = actor.character->player();
@@ -31,13 +31,13 @@ Status Stage::add(const ActorOptions& options) {
   return {};
 }
 
-Status Stage::followCues(Actor& actor) {
+Status Ensemble::followCues(Actor& actor) {
   while (actor.next_cue < actor.cues.size() && actor.cues[actor.next_cue].at_s <= now_s_ + 1e-9)
     FOURDVT_TRY(actor.character->player().goTo(actor.cues[actor.next_cue++].state));
   return {};
 }
 
-Status Stage::advance(double seconds) {
+Status Ensemble::advance(double seconds) {
   for (Actor& actor : actors_) {
     FOURDVT_TRY(followCues(actor));
     FOURDVT_TRY(actor.character->advance(seconds));
@@ -46,7 +46,8 @@ Status Stage::advance(double seconds) {
   return {};
 }
 
-Result<Image> Stage::draw(const render::View& view, const render::Scene* scene, const render::RecipeOptions& recipe) {
+Result<Image> Ensemble::draw(const render::View& view, const render::Scene* scene,
+                             const render::RecipeOptions& recipe) {
   std::vector<render::Figure> figures;
   for (const Actor& actor : actors_) {
     FOURDVT_ASSIGN(auto figure, actor.character->player().figure());

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// The two blends of a class's meshes (ALGORITHMS 4.3): linear by vertices, and non-linear by the faces' deformation
+// gradients, which the corrections stored with a class approach. Does NOT choose where corrections are stored
+// (hybrid_blend.h).
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "base/mesh.h"
+#include "base/result.h"
+
+namespace fourdvt::bake {
+
+// Deformation-gradient blending: T = exp(Σ w log R) · Σ w S per face, solved for the vertices with a prefactorised
+// sparse Cholesky decomposition ("CTGH13" of 4DVT). Each connected part of the mesh is placed where the linear blend
+// puts those of its faces that turn least between the members: the linear blend is exact for what does not turn.
+class NonlinearBlend {
+ public:
+  // `reference`: any pose of the mesh. Errors: MeshTopology (no face has an area, or nothing can be anchored).
+  static Result<std::unique_ptr<NonlinearBlend>> create(const MeshTopology& topology, const Positions& reference);
+  virtual ~NonlinearBlend() = default;
+  virtual Positions blend(std::span<const Positions> members, std::span<const float> weights) const = 0;
+};
+
+Positions linearBlend(std::span<const Positions> members, std::span<const float> weights);
+
+}  // namespace fourdvt::bake

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/run/options.h"
+
+#include "bake/video/tile.h"
+
+namespace fourdvt::bake {
+
+std::string BakeOptions::check() const {
+  if (capture_folder.empty()) return "no capture folder given";
+  if (character_folder.empty()) return "no character folder given; use -o FOLDER";
+  if (layers < 1 || layers > package::kMaxLayers)
+    return "layers must be 1.." + std::to_string(package::kMaxLayers) + ", not " + std::to_string(layers);
+  if (texture < 128 || texture % 32 != 0)
+    return "texture must be a multiple of 32 from 128, not " + std::to_string(texture);
+  if (const std::string wrong = checkTileLayout(layers, texture, equal_layers); !wrong.empty()) return wrong;
+  if (crf < 0 || crf > highestCrf(codec))
+    return "crf must be 0.." + std::to_string(highestCrf(codec)) + " for this codec, not " + std::to_string(crf);
+  if (gop < 1 || gop > 250) return "gop must be 1..250 frames, not " + std::to_string(gop);
+  if (jobs < 0) return "jobs must not be negative";
+  if (!(position_step_m >= 1e-6 && position_step_m <= 0.1)) return "position step must be 0.000001..0.1 m";
+  if (!(classes.blend_error_m >= 1e-5 && classes.blend_error_m <= 1)) return "blend error must be 0.01..1000 mm";
+  if (!(classes.alignment_step_m >= 1e-6 && classes.alignment_step_m <= 0.1))
+    return "alignment step must be 0.000001..0.1 m";
+  if (gutter_texels < 0 || gutter_texels > 64) return "gutter must be 0..64 texels";
+  return {};
+}
+
+}  // namespace fourdvt::bake

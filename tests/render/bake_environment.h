@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a bake of a test runs with: the test's device, FFmpeg's videos, a flag to stop it, a listener.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <utility>
+
+#include "bake/run/environment.h"
+#include "platform/ffmpeg_video.h"
+
+namespace fourdvt::bake {
+
+inline BakeEnvironment testEnvironment(gpu::Device& device, const std::atomic<bool>& stop,
+                                       std::function<void(const Progress&)> progress) {
+  BakeEnvironment environment;
+  environment.device = &device;
+  environment.open_video = platform::openVideoFile;
+  environment.stop = &stop;
+  environment.progress = std::move(progress);
+  return environment;
+}
+
+}  // namespace fourdvt::bake
