@@ -236,6 +236,8 @@ TEST(PlayerPlayhead, ShowsTheNewestPictureThatIsDueAndWaitsForTheNext) {
   head.select(0);
   head.seek(4, 25);
   EXPECT_TRUE(head.seeking());
+  s.ready(3);
+  EXPECT_EQ(head.choose(s.slots, 25), -1) << "not the one before it";
   const int fifth = s.ready(5), fourth = s.ready(4);
   EXPECT_EQ(head.choose(s.slots, 25), fourth) << "exactly the sought one";
   s.slots.show(fourth);

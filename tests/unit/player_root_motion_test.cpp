@@ -170,6 +170,7 @@ TEST(PlayerParameters, AnEntryBeginsWhereTheGraphSaysOnce) {
   ShownParameters shown;
   shown.setEntry(parametersAt(sequence, {0.1f, 0.9f}));
   EXPECT_TRUE(shown.hasEntry());
+  EXPECT_EQ(parametersAt(sequence, {0.9f, 0.1f}), std::vector<double>{1});
   shown.enter(sequence, parameters);
   EXPECT_EQ(shown.value(0), 3) << "the sample with the nearest weights";
   EXPECT_FALSE(shown.hasEntry());
