@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Third stage of baked alignment: a smooth tangent field from certain and uncertain estimates (screened Laplacian on
-// the base mesh, sparse Cholesky). Does NOT look at other frames: steadyAlignment does (surface_alignment_time.cpp).
+// the base mesh, sparse Cholesky). Does NOT look at other frames: steadyAlignment does (steady.cpp).
 #pragma once
 
 #include <memory>

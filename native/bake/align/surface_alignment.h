@@ -27,7 +27,7 @@ struct AlignmentOptions {
 struct AlignedFrame {
   std::vector<glm::vec2> displacement_m;  // [member - 1][vertex], along the tangents of base/surface_frame.h
   std::vector<float> confidence;          // likewise, 0..1
-  float detail_correlation = 1;           // of the members' looks, moved by just this; see surface_alignment_detail.h
+  float detail_correlation = 1;           // of the members' looks, moved by just this; see detail.h
 };
 
 class SurfaceAligner {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // First stage of baked alignment: where the mesh is looked at from, what is seen there, and how it moves on the
-// picture. Does NOT draw looks (surface_alignment_looks.h).
+// picture. Does NOT draw looks (looks.h).
 #pragma once
 
 #include <opencv2/core.hpp>

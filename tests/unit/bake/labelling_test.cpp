@@ -372,7 +372,7 @@ TEST(Joint, WithoutItsLibertiesItTakesFullyVisibleCamerasOnly) {
   EXPECT_EQ(solve(problem, options).labels[0], (std::vector<uint8_t>{0, package::kNoCamera, 0, 0}));
 }
 
-// Eq. 5 as printed: the weight of a flip is 1 / |M|, which holds on a mesh of two faces and vanishes on a hundred.
+// 4DVT Eq. 5 as printed: the weight of a flip is 1 / |M|, which holds on a mesh of two faces and vanishes on a hundred.
 TEST(TemporalPaper, FlipsCostLessTheMoreFacesTheMeshHas) {
   const auto flips = [](LabelMode mode, uint32_t faces) {
     Problem problem{chainOf(faces), {}};
