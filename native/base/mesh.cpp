@@ -3,12 +3,11 @@
 
 namespace fourdvt {
 
-void computeVertexNormals(const std::vector<glm::uvec3>& face_vertices, const glm::vec3* positions,
-                          size_t vertex_count, std::vector<glm::vec3>& normals) {
+void computeVertexNormals(const std::vector<glm::uvec3>& face_vertices, const glm::vec3* positions, size_t vertex_count,
+                          std::vector<glm::vec3>& normals) {
   normals.assign(vertex_count, glm::vec3(0));
   for (const glm::uvec3& f : face_vertices) {
-    const glm::vec3 area_normal =
-        glm::cross(positions[f.y] - positions[f.x], positions[f.z] - positions[f.x]);
+    const glm::vec3 area_normal = glm::cross(positions[f.y] - positions[f.x], positions[f.z] - positions[f.x]);
     normals[f.x] += area_normal;
     normals[f.y] += area_normal;
     normals[f.z] += area_normal;

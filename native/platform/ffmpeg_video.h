@@ -20,11 +20,11 @@ class SampleDecoder {
  public:
   using OnPicture = std::function<void(const I420View& picture, int64_t timestamp_us)>;
   // codec: RFC 6381 string ("avc1…", "av01…", "vp09…"). Errors: DecoderUnsupported.
-  static Result<std::unique_ptr<SampleDecoder>> create(const std::string& codec,
-                                                       std::span<const uint8_t> description, OnPicture on_picture);
+  static Result<std::unique_ptr<SampleDecoder>> create(const std::string& codec, std::span<const uint8_t> description,
+                                                       OnPicture on_picture);
   virtual ~SampleDecoder() = default;
   virtual Status decode(std::span<const uint8_t> bytes, int64_t timestamp_us, bool key) = 0;  // VideoInvalid
-  virtual Status flush() = 0;   // outputs everything; a key sample must follow
+  virtual Status flush() = 0;  // outputs everything; a key sample must follow
   virtual void reset() = 0;
 };
 

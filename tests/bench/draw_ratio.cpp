@@ -137,7 +137,7 @@ int main(int argc, char** argv) {
                               {.x = kWidth / 2, .y = kHeight / 2, .width = 1, .height = 1}, pixel));
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   };
-  const auto drawLayered = [&] { layered.draw(*device, model, part, view, {}); };
+  const auto drawLayered = [&] { layered.draw(*device, model, part, {view.clip_from_world, view.eye_in_world}, {}); };
   const auto drawPlain = [&] {
     device->draw({.program = plain.id(),
                   .textures = {{"u_corners", model.corners.id()},

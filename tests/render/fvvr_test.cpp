@@ -6,9 +6,9 @@
 
 #include "bake/texels/picture_crop.h"
 #include "capture/capture.h"
+#include "gl_fixture.h"
 #include "measure/metrics.h"
 #include "measure/projective.h"
-#include "gl_fixture.h"
 #include "platform/ffmpeg_video.h"
 
 namespace fourdvt::testing {
@@ -319,7 +319,7 @@ TEST_F(FvvrTest, AgreesWithTheYardstickOnTheSample) {
     const Image truth =
         measure::renderProjective(view, cameras, frame.value().pictures, topology.face_vertices, positions);
     const double ssim = measure::ssim(measure::compositedOnBlack(truth), measure::compositedOnBlack(drawn),
-                                       measure::unionOfSilhouettes(truth, drawn));
+                                      measure::unionOfSilhouettes(truth, drawn));
     RecordProperty("ssim_" + std::to_string(static_cast<int>(azimuth_deg)), std::to_string(ssim));
     printf("azimuth %.0f: SSIM %.4f\n", azimuth_deg, ssim);
     EXPECT_GE(ssim, 0.97);

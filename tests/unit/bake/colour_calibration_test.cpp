@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Colour maps from synthetic cameras whose gains and offsets are known.
+#include "bake/texels/colour_calibration.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
-
-#include "bake/texels/colour_calibration.h"
 
 namespace fourdvt::bake {
 namespace {

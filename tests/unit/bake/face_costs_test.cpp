@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Penalties and feasible cameras on a box between two cameras; visibility hysteresis on hand-made fractions.
+#include "bake/labels/face_costs.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "bake/labels/face_costs.h"
 #include "label_fixture.h"
 
 namespace fourdvt::bake {

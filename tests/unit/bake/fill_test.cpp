@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Gutters across a seam, push-pull and hole filling on small textures.
+#include "bake/texels/fill.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "bake/texels/fill.h"
 #include "bake/texels/push_pull.h"
 
 namespace fourdvt::bake {

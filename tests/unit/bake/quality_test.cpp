@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The table of named settings: every entry is one that a bake accepts, in order, and the default is the default.
-#include <gtest/gtest.h>
-
 #include "bake/quality.h"
+
+#include <gtest/gtest.h>
 
 namespace fourdvt::bake {
 namespace {

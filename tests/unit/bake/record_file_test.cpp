@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "bake/run/record_file.h"
+
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
-
-#include "bake/run/record_file.h"
 
 namespace fourdvt::bake {
 namespace {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "bake/align/surface_alignment.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,7 +9,6 @@
 #include "bake/align/charts.h"
 #include "bake/align/detail.h"
 #include "bake/align/smooth.h"
-#include "bake/align/surface_alignment.h"
 
 namespace fourdvt::bake {
 namespace {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Layout and colour conversion of the tiled picture.
+#include "bake/video/tile.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
 #include "bake/bake.h"
-#include "bake/video/tile.h"
 #include "package/barcode.h"
 
 namespace fourdvt::bake {

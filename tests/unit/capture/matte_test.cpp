@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/matte.h"
+
 #include "capture_fixture.h"
 
 namespace fourdvt::capture {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "measure/metrics.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
-
-#include "measure/metrics.h"
 
 namespace fourdvt::measure {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "measure/projective.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
-
-#include "measure/projective.h"
 
 namespace fourdvt::measure {
 namespace {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "platform/files.h"
+
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -6,8 +8,6 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
-
-#include "platform/files.h"
 
 namespace fourdvt::platform {
 namespace {

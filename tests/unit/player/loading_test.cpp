@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Loading alone: what is asked for and in which order, retries, damage, progress, and the budget.
+#include "player/parts/loading.h"
+
 #include <gtest/gtest.h>
 
-#include "player/parts/loading.h"
 #include "player_fixture.h"
 
 using namespace fourdvt;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Playback alone: the events of a media element that follow from playing, seeking and starving.
-#include <gtest/gtest.h>
-
 #include "player/parts/playback.h"
+
+#include <gtest/gtest.h>
 
 using namespace fourdvt;
 
