@@ -119,7 +119,6 @@ Result<CharacterModel> CharacterModel::create(gpu::Device& device, const package
   model.closed_surface = isClosedSurface(model.face_vertices_);
   for (const PinholeCamera& camera : character.cameras) {
     model.camera_centres.emplace_back(glm::vec3(camera.centreInWorld()), 0);
-    model.camera_forwards.emplace_back(glm::vec3(camera.forwardInWorld()), 0);
   }
   FOURDVT_ASSIGN(model.corners, makeTable(device, gpu::PixelFormat::RGBA32F, 6ull * model.face_count, "corners"));
   FOURDVT_ASSIGN(model.positions_normals,

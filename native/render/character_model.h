@@ -46,9 +46,8 @@ class CharacterModel {
   // RGBA32F, 2 texels per corner: uv.x, uv.y, vertex index (exact below 2^24), unused; then uv_from_tangents, column by
   // column (base/surface_frame.h).
   gpu::Texture corners;
-  gpu::Texture positions_normals;          // RGBA32F, 2 texels per vertex: position, normal
-  std::vector<glm::vec4> camera_centres;   // xyz, w unused
-  std::vector<glm::vec4> camera_forwards;  // unit optical axes, w unused
+  gpu::Texture positions_normals;         // RGBA32F, 2 texels per vertex: position, normal
+  std::vector<glm::vec4> camera_centres;  // xyz, w unused
   int layer_count = 0, camera_count = 0;
   uint32_t vertex_count = 0, face_count = 0;
   BoundingBox bounds;

@@ -291,29 +291,25 @@ Status FvvrOnDevice::prepareProgram(size_t camera_count) {
 
 void FvvrOnDevice::drawMesh(const View& view, const FvvrOptions& options, const std::vector<size_t>& chosen) const {
   std::vector<glm::mat4> pixel_from_world;
-  std::vector<glm::vec4> centres, forwards, sizes;
+  std::vector<glm::vec4> centres, pixel_spans, sizes;
   for (size_t c : chosen) {
     const PinholeCamera& camera = cameras_[c].pinhole;
     const Crop& crop = cameras_[c].crop;
     pixel_from_world.push_back(pixelFromWorld(camera));
     centres.emplace_back(glm::vec3(camera.centreInWorld()), c);
-    forwards.emplace_back(glm::vec3(camera.forwardInWorld()), 1 / camera.fx);
+    pixel_spans.emplace_back(1 / camera.fx, 0, 0, 0);
     sizes.emplace_back(camera.width, camera.height, crop.near_m, crop.far_m);
   }
   const glm::vec2 map_size(map_width_, map_height_);
-  const glm::vec3 view_axis = viewAxis(view.clip_from_world);
-  const int paper_weights = options.paper_weights ? 1 : 0;
   gpu::Draw draw = meshDraw(programs_.at(chosen.size()).id(), 1);
   draw.textures.push_back({"u_pictures", pictures_.id()});
   draw.textures.push_back({"u_depth_maps", depth_maps_.id()});
   draw.uniforms = {gpu::uniform("u_clip_from_world", view.clip_from_world),
                    gpu::uniform("u_eye_in_world", view.eye_in_world),
-                   gpu::uniform("u_view_axis", view_axis),
-                   gpu::uniform("u_paper_weights", paper_weights),
                    gpu::uniform("u_map_size", map_size),
                    gpu::uniform("u_pixel_from_world", std::span<const glm::mat4>(pixel_from_world)),
                    gpu::uniform("u_centres", std::span<const glm::vec4>(centres)),
-                   gpu::uniform("u_forwards", std::span<const glm::vec4>(forwards)),
+                   gpu::uniform("u_pixel_spans", std::span<const glm::vec4>(pixel_spans)),
                    gpu::uniform("u_sizes_near_far", std::span<const glm::vec4>(sizes))};
   device_.draw(draw);
 }

@@ -26,7 +26,6 @@ struct FvvrOptions {
   int closest = 0;          // M of N: cameras whose optical axes are nearest in angle to the view's; 0: all
   glm::vec4 background{0};  // premultiplied
   int samples = 4;
-  bool paper_weights = false;  // optical axes instead of per-fragment rays
 };
 
 class Fvvr {

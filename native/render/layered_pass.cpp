@@ -55,8 +55,7 @@ uint32_t programKey(const CharacterModel& model, const Part& part, const DrawOpt
   key = key * 8 + static_cast<uint32_t>(part.members.size());
   key = key * 2 + static_cast<uint32_t>(part.look->picture->kind);
   key = key * 8 + static_cast<uint32_t>(options.recipe.debug);
-  for (bool flag : {options.recipe.paper_weights, isSharpened(options.recipe), isAligned(part, options)})
-    key = key * 2 + flag;
+  for (bool flag : {isSharpened(options.recipe), isAligned(part, options)}) key = key * 2 + flag;
   return key;
 }
 
@@ -67,7 +66,6 @@ std::string definesOf(const CharacterModel& model, const Part& part, const DrawO
   defines += "MAX_CAMERAS " + std::to_string(package::kMaxCameras) + "\n";
   if (part.look->picture->kind == PictureTextures::Kind::I420) defines += "PICTURE_I420\n";
   if (isAligned(part, options)) defines += "ALIGNED\n";
-  if (recipe.paper_weights) defines += "PAPER_WEIGHTS\n";
   if (isSharpened(recipe)) defines += "SHARPENED\n";
   if (recipe.debug != DebugView::None) defines += "DEBUG_VIEW " + std::to_string(static_cast<int>(recipe.debug)) + "\n";
   return defines;
@@ -85,7 +83,6 @@ Status LayeredPass::prepare(gpu::Device& device, const CharacterModel& model, co
 
 void LayeredPass::draw(gpu::Device& device, const CharacterModel& model, const Part& part, const CharacterView& view,
                        const DrawOptions& options) const {
-  const glm::vec3 view_axis = viewAxis(view.clip_from_character);
   const int vertex_count = static_cast<int>(model.vertex_count), face_count = static_cast<int>(model.face_count);
   const std::vector<glm::vec4> rects = layerRects(part);
   std::vector<glm::vec4> members;
@@ -93,9 +90,8 @@ void LayeredPass::draw(gpu::Device& device, const CharacterModel& model, const P
   device.draw({.program = programs_.at(programKey(model, part, options)).id(),
                .textures = bindings(model, part, isAligned(part, options)),
                .uniforms = {gpu::uniform("u_clip_from_character", view.clip_from_character),
-                            gpu::uniform("u_eye", view.eye_in_character), gpu::uniform("u_view_axis", view_axis),
+                            gpu::uniform("u_eye", view.eye_in_character),
                             gpu::uniform("u_camera_centres", std::span<const glm::vec4>(model.camera_centres)),
-                            gpu::uniform("u_camera_forwards", std::span<const glm::vec4>(model.camera_forwards)),
                             gpu::uniform("u_view_exponent", options.recipe.view_exponent),
                             gpu::uniform("u_members", std::span<const glm::vec4>(members)),
                             gpu::uniform("u_detail", options.recipe.keep_detail ? lostDetail(part) : 0.0f),

@@ -22,8 +22,6 @@ struct RecipeOptions {
   int samples = 4;                   // multisampling of the character; clamped to the device's maximum
   DebugView debug = DebugView::None;
   int debug_layer = 0;
-  // The cameras' optical axes instead of rays per fragment, as LVDT prints Eq. 3-4; seams are feathered all the same.
-  bool paper_weights = false;
   bool keep_detail = true;  // gives aligned blends back the contrast that their mean loses
   float view_exponent = 1;  // sharpens the blend towards the cameras nearest to the view; 1: LVDT Eq. 3
 };

@@ -3,9 +3,11 @@
 
 #include "platform/files.h"
 #include "report/document.h"
-#include "study/figures.h"
-#include "study/run_steps.h"
-#include "study/scene.h"
+#include "study/motion/motion.h"
+#include "study/run/figures.h"
+#include "study/run/run_steps.h"
+#include "study/run/scene.h"
+#include "study/steps/steps.h"
 #include "study/tables/report.h"
 
 namespace fourdvt::study {

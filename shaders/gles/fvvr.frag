@@ -10,11 +10,9 @@ uniform highp sampler2DArray u_depth_maps;  // drawn y up: row 0 is the bottom r
 uniform vec2 u_map_size;                    // texels of both
 uniform mat4 u_pixel_from_world[CAMERAS];   // → (pixel · depth, depth along the optical axis, unused)
 uniform vec4 u_centres[CAMERAS];            // xyz world; w layer
-uniform vec4 u_forwards[CAMERAS];           // xyz unit optical axis; w metres that a pixel spans at a depth of 1 m
+uniform vec4 u_pixel_spans[CAMERAS];        // x: metres that a pixel spans at a depth of 1 m
 uniform vec4 u_sizes_near_far[CAMERAS];     // pixels, pixels, metres, metres
 uniform vec3 u_eye_in_world;
-uniform vec3 u_view_axis;
-uniform int u_paper_weights;
 
 const float kDepthBias = 0.01;    // metres
 const float kReachPixels = 2.1;   // of the offset multi-draw along its diagonals, and the rounding to a texel
@@ -37,7 +35,7 @@ vec3 projected(int i) {
 
 bool isHidden(vec3 at, float cosine, int i) {
   float slope = sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, 0.05);
-  return at.z > mappedDepth(at.xy, i) + kDepthBias + kReachPixels * slope * at.z * u_forwards[i].w;
+  return at.z > mappedDepth(at.xy, i) + kDepthBias + kReachPixels * slope * at.z * u_pixel_spans[i].x;
 }
 
 // Straight colour; alpha 0 where the matte says background.
@@ -64,13 +62,12 @@ vec3 bestFacingColor(vec3 normal) {
 
 void main() {
   vec3 normal = normalize(v_normal);
-  vec3 to_eye = u_paper_weights != 0 ? -u_view_axis : normalize(u_eye_in_world - v_point);
+  vec3 to_eye = normalize(u_eye_in_world - v_point);
   vec3 color = vec3(0.0);
   float sum = 0.0;
   for (int i = 0; i < CAMERAS; ++i) {
     vec3 ray = normalize(u_centres[i].xyz - v_point);
-    vec3 direction = u_paper_weights != 0 ? -u_forwards[i].xyz : ray;
-    float weight = max(dot(normal, direction), 0.0) * max(dot(direction, to_eye), 0.0);
+    float weight = max(dot(normal, ray), 0.0) * max(dot(ray, to_eye), 0.0);
     float cosine = dot(normal, ray);
     if (weight <= 0.0 || cosine <= 0.0) continue;
     vec3 at = projected(i);

@@ -7,13 +7,8 @@
 out vec4 o_color;
 
 uniform vec4 u_members[MEMBERS];  // per drawn member m: its number in the appearance, its weight
-#ifdef PAPER_WEIGHTS
-uniform vec3 u_view_axis;  // unit, of the viewing camera
-uniform vec4 u_camera_forwards[MAX_CAMERAS];
-#else
 uniform vec3 u_eye;
 uniform vec4 u_camera_centres[MAX_CAMERAS];
-#endif
 #ifdef SHARPENED
 uniform float u_view_exponent;  // sharpens the view term; without: 1, the paper
 #endif
@@ -27,11 +22,7 @@ float rankWeight(int m, int rank, vec3 normal, vec3 to_eye) {
   int i = m * LAYERS + rank;
   float mask = v_masks[i / 4][i % 4];
   if (mask <= 0.0) return 0.0;
-#ifdef PAPER_WEIGHTS
-  vec3 direction = -u_camera_forwards[labelOf(m, rank)].xyz;
-#else
   vec3 direction = normalize(u_camera_centres[labelOf(m, rank)].xyz - v_point);
-#endif
   float facing = max(dot(normal, direction), 0.0);
   float viewing = max(dot(direction, to_eye), 0.0);
 #ifdef SHARPENED
@@ -114,11 +105,7 @@ vec3 debugColor(vec3 normal, vec3 to_eye) {
 
 void main() {
   vec3 normal = normalize(v_normal);
-#ifdef PAPER_WEIGHTS
-  vec3 to_eye = -u_view_axis;
-#else
   vec3 to_eye = normalize(u_eye - v_point);
-#endif
 #ifdef DEBUG_VIEW
   o_color = vec4(debugColor(normal, to_eye), 1.0);
 #else

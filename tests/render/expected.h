@@ -40,17 +40,11 @@ inline glm::dvec3 pointOnPlane(const PinholeCamera& camera, int x, int y) {
   return eye - ray * (eye.z / ray.z);
 }
 
-struct Weighting {
-  double exponent = 1;
-  bool paper = false;
-};
-
 // LVDT Eq. 3 with the corrected sign for the normal +Z.
-inline double eq3(const PinholeCamera& camera, const PinholeCamera& view, const glm::dvec3& point,
-                  const Weighting& how) {
-  const glm::dvec3 d = how.paper ? -camera.forwardInWorld() : glm::normalize(camera.centreInWorld() - point);
-  const glm::dvec3 v = how.paper ? -view.forwardInWorld() : glm::normalize(view.centreInWorld() - point);
-  return std::max(d.z, 0.0) * std::pow(std::max(glm::dot(d, v), 0.0), how.exponent);
+inline double eq3(const PinholeCamera& camera, const PinholeCamera& view, const glm::dvec3& point, double exponent) {
+  const glm::dvec3 d = glm::normalize(camera.centreInWorld() - point);
+  const glm::dvec3 v = glm::normalize(view.centreInWorld() - point);
+  return std::max(d.z, 0.0) * std::pow(std::max(glm::dot(d, v), 0.0), exponent);
 }
 
 inline void expectColor(const Image& picture, int x, int y, const glm::dvec3& expected, double tolerance) {

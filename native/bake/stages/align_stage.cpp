@@ -3,8 +3,8 @@
 
 #include <cstring>
 
+#include "bake/run/describe.h"
 #include "bake/run/record_file.h"
-#include "bake/stages/describe.h"
 #include "bake/stages/geometry.h"
 #include "package/chunk_mesh.h"
 #include "platform/ffmpeg_video.h"

@@ -10,7 +10,7 @@ extern "C" {
 #include <libavformat/avformat.h>
 }
 
-#include "bake/stages/describe.h"
+#include "bake/run/describe.h"
 #include "bake/stages/poster.h"
 #include "bake/video/mp4.h"
 #include "base/bytes.h"

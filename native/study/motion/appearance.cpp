@@ -5,11 +5,11 @@
 #include <cmath>
 #include <map>
 
-#include "study/figures.h"
 #include "study/motion/motion.h"
-#include "study/ring.h"
-#include "study/rows.h"
-#include "study/run_steps.h"
+#include "study/run/figures.h"
+#include "study/run/ring.h"
+#include "study/run/rows.h"
+#include "study/run/run_steps.h"
 #include "study/tables/report.h"
 
 namespace fourdvt::study {

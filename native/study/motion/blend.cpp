@@ -6,10 +6,10 @@
 
 #include "bake/motion/hybrid_blend.h"
 #include "motion/mesh_blend.h"
-#include "study/figures.h"
 #include "study/motion/motion.h"
-#include "study/rows.h"
-#include "study/run_steps.h"
+#include "study/run/figures.h"
+#include "study/run/rows.h"
+#include "study/run/run_steps.h"
 
 namespace fourdvt::study {
 namespace {

@@ -3,10 +3,10 @@
 // baked alignment take as long as one with run-time flow.
 #include <chrono>
 
-#include "study/figures.h"
 #include "study/motion/motion.h"
-#include "study/rows.h"
-#include "study/run_steps.h"
+#include "study/run/figures.h"
+#include "study/run/rows.h"
+#include "study/run/run_steps.h"
 
 namespace fourdvt::study {
 namespace {

@@ -5,10 +5,10 @@
 #include <map>
 
 #include "base/surface_frame.h"
-#include "study/figures.h"
 #include "study/motion/motion.h"
-#include "study/rows.h"
-#include "study/run_steps.h"
+#include "study/run/figures.h"
+#include "study/run/rows.h"
+#include "study/run/run_steps.h"
 
 namespace fourdvt::study {
 namespace {

@@ -7,9 +7,9 @@
 #include "bake/run/mesh_reader.h"
 #include "bake/stages/validate.h"
 #include "platform/folders.h"
-#include "study/rows.h"
-#include "study/run_steps.h"
-#include "study/scene.h"
+#include "study/run/rows.h"
+#include "study/run/run_steps.h"
+#include "study/run/scene.h"
 
 namespace fourdvt::study {
 namespace {

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The parts of the step "motion". Internal to motion/.
+// The step "motion": blend, alignment and transitions of motion classes (4DVT 5-6), and the parts that it consists of.
 #pragma once
 
 #include "study/motion/stage.h"
 #include "study/motion/truth.h"
-#include "study/study.h"
+#include "study/run/context.h"
 
 namespace fourdvt::study {
+
+// The step. Sequences without a class have no rows.
+Result<Figures> runMotion(const StudyContext& context);
 
 struct MotionSubject {
   const StudyContext& context;
@@ -21,13 +24,13 @@ struct MotionSubject {
   std::vector<AlignMethod> methods(const std::vector<AlignMethod>& wanted) const;
 };
 
-Result<Figures> measureBlend(const MotionSubject& subject);        // study_motion_blend: mm and ms of the mesh blend
-Result<Figures> measureFlow(const MotionSubject& subject);         // study_motion_flow: against OpenCV, against truth
-Result<Figures> measureAppearance(const MotionSubject& subject);   // study_motion_appearance: 4DVT Fig. 8, sharpness
-Result<Figures> measureCost(const MotionSubject& subject);         // study_motion_cost: ms a frame, characters
-Result<Figures> measureTransitions(const MotionSubject& subject);  // study_motion_transitions: with the real player
+Result<Figures> measureBlend(const MotionSubject& subject);        // blend.cpp: mm and ms of the mesh blend
+Result<Figures> measureFlow(const MotionSubject& subject);         // flow.cpp: against OpenCV, against truth
+Result<Figures> measureAppearance(const MotionSubject& subject);   // appearance.cpp: 4DVT Fig. 8, sharpness
+Result<Figures> measureCost(const MotionSubject& subject);         // cost.cpp: ms a frame, characters
+Result<Figures> measureTransitions(const MotionSubject& subject);  // transitions.cpp: with the real player
 Result<Figures> measureSkate(const MotionSubject& subject);        // the same file
-Result<Figures> drawMotionPictures(const MotionSubject& subject);  // study_motion_pictures: 4DVT Fig. 7-8
+Result<Figures> drawMotionPictures(const MotionSubject& subject);  // pictures.cpp: 4DVT Fig. 7-8
 
 // Ring of azimuths that lie between the cameras' rather than on them.
 std::vector<double> motionAzimuths_deg(size_t count);

@@ -5,9 +5,9 @@
 #include "report/picture_sheets.h"
 #include "study/motion/motion.h"
 #include "study/motion/player.h"
-#include "study/picture_parts.h"
-#include "study/rows.h"
-#include "study/run_steps.h"
+#include "study/run/picture_parts.h"
+#include "study/run/rows.h"
+#include "study/run/run_steps.h"
 #include "study/tables/report.h"
 
 namespace fourdvt::study {

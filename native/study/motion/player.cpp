@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "study/scene.h"
+#include "study/run/scene.h"
 
 namespace fourdvt::study {
 namespace {

@@ -7,8 +7,8 @@
 #include "bake/motion/class_plan.h"
 #include "motion/mesh_blend.h"
 #include "platform/opencv_flow.h"
-#include "study/rows.h"
-#include "study/scene.h"
+#include "study/run/rows.h"
+#include "study/run/scene.h"
 
 namespace fourdvt::study {
 namespace {

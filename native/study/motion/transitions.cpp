@@ -7,11 +7,11 @@
 #include "bake/motion/root_track.h"
 #include "motion/motion_graph.h"
 #include "platform/files.h"
-#include "study/figures.h"
 #include "study/motion/motion.h"
 #include "study/motion/player.h"
-#include "study/rows.h"
-#include "study/run_steps.h"
+#include "study/run/figures.h"
+#include "study/run/rows.h"
+#include "study/run/run_steps.h"
 #include "study/tables/report.h"
 
 namespace fourdvt::study {

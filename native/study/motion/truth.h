@@ -13,7 +13,7 @@
 #include "base/image.h"
 #include "package/base_mesh.h"
 #include "package/character.h"
-#include "study/study.h"
+#include "study/run/context.h"
 
 namespace fourdvt::study {
 

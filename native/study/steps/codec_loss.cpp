@@ -3,9 +3,9 @@
 #include <map>
 
 #include "bake/texels/fill.h"
-#include "study/figures.h"
-#include "study/run_steps.h"
-#include "study/scene.h"
+#include "study/run/figures.h"
+#include "study/run/run_steps.h"
+#include "study/run/scene.h"
 #include "study/steps/codec.h"
 #include "study/steps/methods.h"
 

@@ -5,10 +5,10 @@
 #include <thread>
 
 #include "bake/labels/labelling.h"
-#include "study/figures.h"
-#include "study/rows.h"
-#include "study/run_steps.h"
-#include "study/scene.h"
+#include "study/run/figures.h"
+#include "study/run/rows.h"
+#include "study/run/run_steps.h"
+#include "study/run/scene.h"
 
 namespace fourdvt::study {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "bake/labels/labelling.h"
-#include "study/study.h"
+#include "study/run/context.h"
 
 namespace fourdvt::study {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bake/stages/describe.h"
+#include "bake/run/describe.h"
 #include "measure/metrics.h"
 
 namespace fourdvt::study {

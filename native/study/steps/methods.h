@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bake/bake.h"
-#include "study/study.h"
+#include "study/run/context.h"
 
 namespace fourdvt::study {
 

@@ -9,11 +9,12 @@
 #include "platform/files.h"
 #include "platform/folders.h"
 #include "report/picture_sheets.h"
-#include "study/figures.h"
-#include "study/picture_parts.h"
-#include "study/rows.h"
-#include "study/run_steps.h"
-#include "study/scene.h"
+#include "study/run/figures.h"
+#include "study/run/picture_parts.h"
+#include "study/run/rows.h"
+#include "study/run/run_steps.h"
+#include "study/run/scene.h"
+#include "study/steps/steps.h"
 
 namespace fourdvt::study {
 namespace {

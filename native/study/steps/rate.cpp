@@ -5,13 +5,14 @@
 #include <filesystem>
 
 #include "bake/quality.h"
-#include "bake/stages/describe.h"
+#include "bake/run/describe.h"
 #include "bake/stages/frame_baker.h"
-#include "study/figures.h"
-#include "study/rows.h"
-#include "study/run_steps.h"
-#include "study/scene.h"
+#include "study/run/figures.h"
+#include "study/run/rows.h"
+#include "study/run/run_steps.h"
+#include "study/run/scene.h"
 #include "study/steps/rate_point.h"
+#include "study/steps/steps.h"
 
 namespace fourdvt::study {
 namespace {

@@ -13,11 +13,12 @@
 #include "measure/metrics.h"
 #include "platform/files.h"
 #include "platform/folders.h"
-#include "study/figures.h"
-#include "study/rows.h"
-#include "study/run_steps.h"
-#include "study/scene.h"
+#include "study/run/figures.h"
+#include "study/run/rows.h"
+#include "study/run/run_steps.h"
+#include "study/run/scene.h"
 #include "study/steps/codec.h"
+#include "study/steps/steps.h"
 
 namespace fourdvt::study {
 namespace {

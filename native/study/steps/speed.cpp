@@ -3,10 +3,11 @@
 #include <filesystem>
 
 #include "bake/bake.h"
-#include "study/figures.h"
-#include "study/rows.h"
-#include "study/scene.h"
+#include "study/run/figures.h"
+#include "study/run/rows.h"
+#include "study/run/scene.h"
 #include "study/steps/frame_rate.h"
+#include "study/steps/steps.h"
 
 namespace fourdvt::study {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "study/rows.h"
+#include "study/run/rows.h"
 #include "study/tables/sections.h"
 
 namespace fourdvt::study {

@@ -2,7 +2,7 @@
 // Motion classes: mesh blend, alignment against OpenCV and truth, appearance between the members, cost, transitions.
 #include <cmath>
 
-#include "study/rows.h"
+#include "study/run/rows.h"
 #include "study/tables/sections.h"
 
 namespace fourdvt::study {

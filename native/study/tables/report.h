@@ -8,7 +8,7 @@
 
 #include "report/document.h"
 #include "report/text.h"
-#include "study/study.h"
+#include "study/run/context.h"
 
 namespace fourdvt::study {
 

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <sstream>
 
-#include "study/rows.h"
+#include "study/run/rows.h"
 #include "study/tables/report.h"
 
 namespace fourdvt::study {

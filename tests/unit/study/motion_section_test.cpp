@@ -2,7 +2,7 @@
 // The report's section on motion from made-up rows.
 #include <gtest/gtest.h>
 
-#include "study/rows.h"
+#include "study/run/rows.h"
 #include "study/tables/report.h"
 
 namespace fourdvt::study {

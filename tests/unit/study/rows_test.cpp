@@ -13,9 +13,9 @@
 
 #include "measure/metrics.h"
 #include "platform/files.h"
-#include "study/figures.h"
-#include "study/ring.h"
-#include "study/run_steps.h"
+#include "study/run/figures.h"
+#include "study/run/ring.h"
+#include "study/run/run_steps.h"
 
 namespace fourdvt::study {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "study/rows.h"
+#include "study/run/rows.h"
 #include "study/tables/report.h"
 
 namespace fourdvt::study {

@@ -12,7 +12,7 @@
 #include "bake/stages/survey.h"
 #include "platform/character_player.h"
 #include "render/fvvr.h"
-#include "study/ring.h"
+#include "study/run/ring.h"
 
 namespace fourdvt::study {
 

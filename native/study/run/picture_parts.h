@@ -11,7 +11,7 @@
 #include "capture/capture.h"
 #include "measure/character_frame.h"
 #include "report/picture_sheets.h"
-#include "study/study.h"
+#include "study/run/context.h"
 
 namespace fourdvt::study {
 

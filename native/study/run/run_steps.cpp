@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "study/run_steps.h"
+#include "study/run/run_steps.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -8,7 +8,7 @@
 #include "base/hash.h"
 #include "platform/files.h"
 #include "platform/folders.h"
-#include "study/figures.h"
+#include "study/run/figures.h"
 
 namespace fourdvt::study {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "study/ring.h"
+#include "study/run/ring.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "measure/metrics.h"
-#include "study/figures.h"
-#include "study/rows.h"
+#include "study/run/figures.h"
+#include "study/run/rows.h"
 
 namespace fourdvt::study {
 namespace {

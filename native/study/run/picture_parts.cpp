@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "study/picture_parts.h"
+#include "study/run/picture_parts.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "measure/seam_contrast.h"
 #include "platform/files.h"
-#include "study/figures.h"
-#include "study/rows.h"
+#include "study/run/figures.h"
+#include "study/run/rows.h"
 
 namespace fourdvt::study {
 

@@ -12,7 +12,7 @@
 
 #include "base/camera.h"
 #include "base/image.h"
-#include "study/study.h"
+#include "study/run/context.h"
 
 namespace fourdvt::study {
 

@@ -7,9 +7,16 @@
 #include <utility>
 #include <vector>
 
-#include "study/study.h"
+#include "study/run/context.h"
 
 namespace fourdvt::study {
+
+std::string figuresCsv(const Figures& figures);
+// evaluate.json: what was run and the same rows, {"generator", "capture", "quick", "sequences", "jobs",
+// "rows": [{"table", "sequence", "method", "setting", "quantity", "value", "unit"}, …]}. A value that is not finite is
+// null; "text=…" settings of table "about" stay as they are.
+std::string figuresJson(const Figures& figures, const StudyOptions& options, const std::string& capture_name);
+Result<Figures> parseFiguresCsv(const std::string& text, const std::string& path);
 
 // Appends rows with table, sequence, method and setting in common.
 class RowWriter {

@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "study/study.h"
+#include "study/run/context.h"
 
 namespace fourdvt::study {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "study/scene.h"
+#include "study/run/scene.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -9,7 +9,7 @@
 #include "bake/stages/validate.h"
 #include "platform/files.h"
 #include "platform/folders.h"
-#include "study/run_steps.h"
+#include "study/run/run_steps.h"
 
 namespace fourdvt::study {
 

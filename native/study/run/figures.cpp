@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "study/figures.h"
+#include "study/run/figures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
-#include "study/rows.h"
+#include "study/run/rows.h"
 
 namespace fourdvt::study {
 namespace {

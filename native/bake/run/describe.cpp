@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/stages/describe.h"
+#include "bake/run/describe.h"
 
 namespace fourdvt::bake {
 

@@ -92,7 +92,7 @@
 #include <limits>
 #include <string>
 
-#include "study/study.h"
+#include "study/run/context.h"
 
 namespace fourdvt::study::rows {
 
