@@ -134,7 +134,7 @@ Status PicturePart::transition() {
   report::Sheet sheet{from + " to " + to + ", every second tick from the fade's first", {}, {}, {{}}};
   bool faded = false;
   for (int tick = 0, kept = 0; tick < 60 && kept < kTransitionCells; ++tick) {
-    FOURDVT_ASSIGN(auto change, watched->tick());
+    FOURDVT_TRY(watched->tick());
     faded |= watched->player().inTransition();
     if (!faded || tick % 2) continue;
     sheet.columns.push_back(std::to_string(80 * kept) + " ms");

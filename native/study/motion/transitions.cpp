@@ -186,7 +186,7 @@ Result<bake::FootSkate> skateOf(const MotionSubject& subject, WatchedPlayer& wat
   std::vector<Positions> shown;
   for (int i = 0; i < static_cast<int>(kPasses * duration_s / kTick_s); ++i) {
     FOURDVT_TRY(checkStop(subject.context));
-    FOURDVT_ASSIGN(auto change, watched.tick());
+    FOURDVT_TRY(watched.tick());
     shown.push_back(watched.world());
   }
   capture::Capture world;
