@@ -210,7 +210,7 @@ function describeRuns(sources, used) {
   const out = Object.fromEntries(Object.entries(runs).filter(([name]) => used.has(name)).map(([name, run]) => [name, { ...run }]));
   for (const name of ['study', 'truth']) {
     if (!out[name] || !sources[name]) continue;
-    if (sources[name].isQuick) Object.assign(out[name], { what: `${out[name].what}; the study was a quick run of one motion`, command: `${out[name].command} --quick` });
+    if (sources[name].isQuick) Object.assign(out[name], { what: `${out[name].what}; the study was a quick run of one motion`, quick: true, command: `${out[name].command} --quick` });
     out[name].device = sources[name].fact('device');
     if (sources[name].generator) out[name].generator = sources[name].generator;
   }

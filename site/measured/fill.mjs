@@ -24,10 +24,10 @@ export const allowedNumbers = [
 const kFigure = /<!-- figure:(\S+) -->[\s\S]*?<!-- \/figure -->/g;
 const kBlock = /<!-- figures:(\S+) -->[\s\S]*?<!-- \/figures -->/g;
 
-function goalText(shown, goal) {
+function goalText(shown, { goal, run }) {
   if (!goal) return '';
   const met = shown.met(goal);
-  return goal.text + (met === null ? '' : met ? ': met' : ': **missed**');
+  return goal.text + (met === null ? '' : (met ? ': met' : ': **missed**') + shown.scope(run));
 }
 
 // Markdown: a plain space does.
@@ -35,7 +35,7 @@ function headlines(shown) {
   const sample = shown.fill('{sample.cameras} cameras, {sample.frames} frames, {sample.faces} faces; {sample.layers} layers, the first of {sample.texture} a side, CRF {sample.crf}') ?? kNotMeasured;
   const caption = `Measured on ${shown.runs.study?.what ?? 'the sample capture'} (${sample}). Several values in one cell are those of its motions.`;
   const rows = sections.flatMap((section) => section.rows ?? []).filter((row) => row.headline);
-  const lines = rows.map((row) => `| ${shown.fill(row.what) ?? row.what} | ${shown.fill(row.measured) ?? kNotMeasured} | ${goalText(shown, row.goal)} |`);
+  const lines = rows.map((row) => `| ${shown.fill(row.what) ?? row.what} | ${shown.fill(row.measured) ?? kNotMeasured} | ${goalText(shown, row)} |`);
   return [caption, '', '| what | measured | goal |', '|---|---|---|', ...lines].join('\n').replaceAll('\u00a0', ' ');
 }
 

@@ -26,16 +26,16 @@ function matrix(shown, { title, columns, matrix: rows }) {
   }));
 }
 
-function verdict(shown, goal) {
+function verdict(shown, { goal, run }) {
   const met = goal ? shown.met(goal) : null;
-  return met === null ? '' : met ? 'met' : '<strong>missed</strong>';
+  return met === null ? '' : (met ? 'met' : '<strong>missed</strong>') + shown.scope(run);
 }
 
 function goalRows(shown, { title, rows }, runs) {
   return table(title, ['what', 'measured', 'goal', 'is it met', 'run'], rows.map((row) => {
     const measured = shown.fill(row.measured);
     const run = runs[row.run] ? `<a href="#run-${row.run}">${row.run}</a>` : '';
-    return cells('td', [escaped(shown.fill(row.what) ?? row.what), escaped(measured ?? kNotMeasured), escaped(row.goal?.text ?? ''), verdict(shown, row.goal), run]);
+    return cells('td', [escaped(shown.fill(row.what) ?? row.what), escaped(measured ?? kNotMeasured), escaped(row.goal?.text ?? ''), verdict(shown, row), run]);
   }));
 }
 

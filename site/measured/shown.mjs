@@ -61,6 +61,11 @@ export class Shown {
     return group.length ? group.every(({ value }) => value !== null && value >= min && value <= max) : null;
   }
 
+  // What a verdict holds for: a quick run has seen one motion only, and says nothing of the others.
+  scope(run) {
+    return this.runs[run]?.quick ? ' on the one motion of a quick run' : '';
+  }
+
   // Figures that moved the wrong way by more than is shown since an earlier run.
   worse() {
     return this.figures.filter(({ better, value, before, digits }) => typeof before === 'number' && value !== null && better &&

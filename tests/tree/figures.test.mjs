@@ -145,5 +145,7 @@ test('figures are shown with unit, rounding, goal and change', () => {
   assert.equal(shown.text('parity'), null);
   assert.equal(fillText('<!-- figure:parity --><!-- /figure -->', shown, 'a.html'), '<!-- figure:parity -->not measured in this run<!-- /figure -->');
   assert.deepEqual([shown.met({ of: 'gap.default', min: -0.1 }), shown.met({ of: 'gap.default', max: 0 }), shown.met({ of: 'parity', min: 0.99 })], [false, true, null]);
+  assert.equal(new Shown({ figures: [], runs: { study: { quick: true } } }).scope('study'), ' on the one motion of a quick run');
+  assert.equal(shown.scope('study'), '', 'a whole run speaks for all motions');
   assert.deepEqual(shown.worse().map((figure) => figure.id), ['mean.psnr.joint-default']);
 });
