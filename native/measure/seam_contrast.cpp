@@ -125,14 +125,14 @@ SeamContrast seamContrast(const Image& picture, const PinholeCamera& view, const
                           const Positions& positions, const SeamOptions& options) {
   const SeamProbe probe(picture, view, topology, positions);
   const glm::dvec3 eye = view.centreInWorld();
-  const double most_cosine = std::cos(glm::radians(options.least_angle_deg));
+  const double max_cosine = std::cos(glm::radians(options.min_angle_deg));
   SeamContrast sum;
   for (const ChartSeam& seam : chartSeams(topology)) {
     const glm::dvec3 a(positions[seam.vertex_a]), b(positions[seam.vertex_b]);
     const glm::dvec3 to_eye = glm::normalize(eye - 0.5 * (a + b));
     const double cosine_a = glm::dot(faceNormal(topology.face_vertices[seam.face_a], positions), to_eye);
     const double cosine_b = glm::dot(faceNormal(topology.face_vertices[seam.face_b], positions), to_eye);
-    if (std::min(cosine_a, cosine_b) <= 0 || std::max(cosine_a, cosine_b) > most_cosine) continue;
+    if (std::min(cosine_a, cosine_b) <= 0 || std::max(cosine_a, cosine_b) > max_cosine) continue;
     const glm::dvec3 from = view.project(a), to = view.project(b);
     const double length = glm::length(glm::dvec2(to - from));
     if (from.z <= 0 || to.z <= 0 || length < 0.5) continue;

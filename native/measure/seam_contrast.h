@@ -29,7 +29,7 @@ struct SeamContrast {
   double visible() const { return seam - control; }  // 0: seams look like their surroundings
 };
 struct SeamOptions {
-  double least_angle_deg = 0;  // between view ray and the normals of both faces: 60 leaves grazing views only
+  double min_angle_deg = 0;  // between view ray and the normals of both faces: 60 leaves grazing views only
 };
 // `picture`: RGB(A) of the view's size.
 SeamContrast seamContrast(const Image& picture, const PinholeCamera& view, const MeshTopology& topology,

@@ -4,7 +4,7 @@
 #include "platform/files.h"
 #include "report/document.h"
 #include "study/motion/motion.h"
-#include "study/run/figures.h"
+#include "study/run/row_writer.h"
 #include "study/run/run_steps.h"
 #include "study/run/scene.h"
 #include "study/steps/steps.h"
@@ -36,16 +36,16 @@ std::vector<StudyStep> studySteps() {
           {"motion", 40, runMotion}};
 }
 
-Result<Figures> runStudy(const StudyContext& given) {
+Result<Rows> runStudy(const StudyContext& given) {
   const StudyContext context = resolved(given);
   const std::string& folder = context.options.report_folder;
   FOURDVT_TRY(openReportFolder(folder, studyKey(context.options, kStudyVersion)));
-  Figures published;
-  const auto publish = [&](const Figures& rows) -> Status {
+  Rows published;
+  const auto publish = [&](const Rows& rows) -> Status {
     published = rows;
-    FOURDVT_TRY(platform::writeFileAtomic(folder + "/evaluate.csv", figuresCsv(published)));
+    FOURDVT_TRY(platform::writeFileAtomic(folder + "/evaluate.csv", rowsCsv(published)));
     FOURDVT_TRY(platform::writeFileAtomic(folder + "/evaluate.json",
-                                          figuresJson(published, context.options, context.capture->name)));
+                                          rowsJson(published, context.options, context.capture->name)));
     return platform::writeFileAtomic(
         folder + "/report.html", report::documentHtml(makeStudyDocument(rows, context.options, context.capture->name)));
   };

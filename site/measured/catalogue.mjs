@@ -218,7 +218,7 @@ export const figures = [tableFigures, partFigures, meanFigures, layerFigures, wo
 // quantity or method no figure above takes is shown as it is at the end of the page, so that nothing measured is left
 // out in silence.
 export const leftToTheReport = {
-  about: '*', bake: '*', 'codec-loss': '*', 'held-out-views': '*', layers: '*', multiview: '*', 'multiview-codec': '*', pictures: '*', rate: '*',
+  about: '*', bake: '*', 'held-out-views': '*', layers: '*', multiview: '*', 'multiview-codec': '*', pictures: '*', rate: '*',
   table1: ['video_bytes', 'geometry_bytes', 'label_bytes', 'other_bytes', 'video_bps', 'multiview_codec_bytes', 'ssim_full', 'ssim_box', 'psnr_fg_db', 'psnr_full_db', 'psnr_box_db', 'psnr_common_db'],
   'held-out': ['ssim_full', 'ssim_box', 'psnr_full_db', 'psnr_box_db', 'psnr_common_db'],
   labels: ['empty_percent', 'label_bps', 'energy', 'label_ms_frame'],

@@ -75,8 +75,8 @@ TEST(CliEvaluate, QuickStudyHasEveryTable) {
     return std::count(text.begin(), text.end(), '\n');
   };
   EXPECT_EQ(lines("/evaluate.json"), lines("/evaluate.csv") + 1);  // a row a line
-  for (const std::string table : {"table1", "multiview", "layers", "labels", "held-out", "bake", "rate", "speed",
-                                  "pictures", "about", "codec-loss"})
+  for (const std::string table :
+       {"table1", "multiview", "layers", "labels", "held-out", "bake", "rate", "speed", "pictures", "about"})
     EXPECT_TRUE(csv.tables.count(table)) << table;
   for (const std::string method : {"fvvr", "naive", "spatial", "temporal-paper", "joint", "joint-default"}) {
     EXPECT_TRUE(csv.methods.count("table1 " + method)) << method;

@@ -138,7 +138,7 @@ TEST_F(Blend, fourMembersOfThreeLayersInOneDraw) {
   expectColor(picture, 60, 60, expected, kTolerance);
 }
 
-TEST_F(Blend, mostLayersAndMembersFitTheVaryings) {
+TEST_F(Blend, maxLayersAndMembersFitTheVaryings) {
   MemberQuad quad(*device, 4, 6, [](int member, int rank) { return uint8_t((member + rank) % 3); });
   quad.paintTiles(*device, std::vector<glm::dvec3>(24, {50, 100, 150}));
   quad.align(*device, {{0.01f, 0}, {0, 0.01f}, {0.02f, 0.01f}});

@@ -88,7 +88,7 @@ struct Seams : testing::GlFixture {
   }
 
   Look look(const Filmed& filmed, const std::vector<PinholeCamera>& views, const BakeSettings& settings,
-            double least_angle_deg) {
+            double min_angle_deg) {
     constexpr int kLayers = 3;
     const TileLayout layout = makeTileLayout(kLayers, settings.texture);
     const Baked baked = bakeFrame(filmed, layout, settings);
@@ -115,7 +115,7 @@ struct Seams : testing::GlFixture {
       Image picture = still.draw(render::viewFromCamera(view), options);
       straighten(picture);
       remember(picture);
-      add(measure::seamContrast(picture, view, filmed.topology, filmed.positions, {least_angle_deg}), sum);
+      add(measure::seamContrast(picture, view, filmed.topology, filmed.positions, {min_angle_deg}), sum);
       sum.fringe += measure::fringeShare(picture, testing::kBackdrop) / double(views.size());
     }
     report(sum);

@@ -41,9 +41,9 @@ class SimulatedEdge {
   std::vector<Error> errors;
   std::vector<Event> progress;
   double now_s = 0;
-  int most_slots_busy = 0, requests_after_error = 0, flushes = 0, stale_answers = 0, closes = 0;
+  int max_slots_busy = 0, requests_after_error = 0, flushes = 0, stale_answers = 0, closes = 0;
   bool second_decoder_fails = false;
-  uint64_t most_bytes_held = 0;
+  uint64_t max_bytes_held = 0;
 
   void step(double dt_s) {
     now_s += dt_s;
@@ -53,7 +53,7 @@ class SimulatedEdge {
     player->tick(now_s);
     for (Request request; player->nextRequest(request);) take(request);
     for (Event event; player->nextEvent(event);) note(event);
-    most_bytes_held = std::max(most_bytes_held, player->stats().encoded_bytes_held);
+    max_bytes_held = std::max(max_bytes_held, player->stats().encoded_bytes_held);
   }
   // Runs until the condition holds; false after `limit_s`.
   template <class Condition>
@@ -211,7 +211,7 @@ class SimulatedEdge {
       EXPECT_FALSE(stale) << "a picture from before a reset got a slot";
       for (const Copy& copy : copies_) EXPECT_NE(copy.slot, slot) << "a slot was given twice";
       copies_.push_back({slot, picture, now_s + uniform(options.copy_latency_s)});
-      most_slots_busy = std::max(most_slots_busy, int(copies_.size()));
+      max_slots_busy = std::max(max_slots_busy, int(copies_.size()));
     }
   }
   void finishCopies() {

@@ -31,7 +31,7 @@ Status whyNot(const AlignmentOptions& options, const package::BaseMesh& mesh) {
 }
 
 // Smallest eigenvalue of a symmetric matrix.
-float leastInformation(const glm::mat2& m) {
+float minInformation(const glm::mat2& m) {
   const float mean = 0.5f * (m[0][0] + m[1][1]), half = 0.5f * (m[0][0] - m[1][1]);
   return std::max(mean - std::hypot(half, m[0][1]), 0.0f);
 }
@@ -105,7 +105,7 @@ class Aligner final : public SurfaceAligner {
       bound(field);
       std::copy(field.begin(), field.end(), begin);
       for (const VertexEstimate& estimate : estimates) {
-        const float information = leastInformation(estimate.information);
+        const float information = minInformation(estimate.information);
         result.confidence.push_back(information / (information + kHalfConfidence));
       }
     }

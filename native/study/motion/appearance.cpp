@@ -6,8 +6,8 @@
 #include <map>
 
 #include "study/motion/motion.h"
-#include "study/run/figures.h"
 #include "study/run/ring.h"
+#include "study/run/row_writer.h"
 #include "study/run/rows.h"
 #include "study/run/run_steps.h"
 #include "study/tables/report.h"
@@ -49,13 +49,13 @@ class TruthPart {
  public:
   explicit TruthPart(const MotionSubject& subject) : subject_(subject), truth_(*subject.truth) {}
 
-  Result<Figures> run() {
+  Result<Rows> run() {
     const size_t instants = subject_.quick() ? 1 : truth_.instants().size();
     for (size_t i = 0; i < instants; ++i)
       for (const MotionTruth::Step& step : truth_.steps())
         if (step.w > 0.01 && step.w < 0.99 && (!subject_.quick() || std::abs(step.w - 0.5) < 0.15))
           FOURDVT_TRY(measure(step, truth_.instants()[i]));
-    return figures();
+    return rows();
   }
 
  private:
@@ -83,10 +83,10 @@ class TruthPart {
     return {};
   }
 
-  Figures figures() {
+  Rows rows() {
     std::map<std::string, MeanScores> means;
     for (const auto& [tag, score] : lane_.finish()) means[tag].add(score);
-    Figures out;
+    Rows out;
     for (const auto& [tag, scores] : means) {
       const size_t bar = tag.find('|');
       const PictureScore mean = scores.mean();
@@ -134,7 +134,7 @@ Status addSharpness(const MotionSubject& subject, const PinholeCamera& camera, d
   return {};
 }
 
-Status measureSharpness(const MotionSubject& subject, Figures& out) {
+Status measureSharpness(const MotionSubject& subject, Rows& out) {
   std::map<double, std::map<AlignMethod, RatioSum>> sums;  // by w
   for (const uint32_t phase : subject.phases(subject.quick() ? 1 : 5)) {
     FOURDVT_TRY(subject.stage.show(phase));
@@ -163,8 +163,8 @@ Status measureSharpness(const MotionSubject& subject, Figures& out) {
 
 }  // namespace
 
-Result<Figures> measureAppearance(const MotionSubject& subject) {
-  Figures out;
+Result<Rows> measureAppearance(const MotionSubject& subject) {
+  Rows out;
   if (subject.truth) {
     FOURDVT_ASSIGN(out, TruthPart(subject).run());
   }

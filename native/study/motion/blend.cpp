@@ -7,7 +7,7 @@
 #include "bake/motion/hybrid_blend.h"
 #include "motion/mesh_blend.h"
 #include "study/motion/motion.h"
-#include "study/run/figures.h"
+#include "study/run/row_writer.h"
 #include "study/run/rows.h"
 #include "study/run/run_steps.h"
 
@@ -53,7 +53,7 @@ class RunTimeBlend {
 
 }  // namespace
 
-Result<Figures> measureBlend(const MotionSubject& subject) {
+Result<Rows> measureBlend(const MotionSubject& subject) {
   MotionStage& stage = subject.stage;
   FOURDVT_ASSIGN(auto blend, bake::NonlinearBlend::create(stage.mesh().topology, stage.mesh().positions));
   bake::HybridErrors errors({{0, 1, 1}}, bake::HybridMix::Polynomial, kCheckWeights + 1, kMostReferences + 1);
@@ -64,7 +64,7 @@ Result<Figures> measureBlend(const MotionSubject& subject) {
   }
   const std::vector<Positions> members = stage.members();
   RunTimeBlend run_time(members);
-  Figures out;
+  Rows out;
   const std::string name = subject.motion().name;
   const float halves[] = {0.5f, 0.5f};
   const double solved_ms = milliseconds([&] { blend->blend(members, halves); });

@@ -4,7 +4,7 @@
 #include <chrono>
 
 #include "study/motion/motion.h"
-#include "study/run/figures.h"
+#include "study/run/row_writer.h"
 #include "study/run/rows.h"
 #include "study/run/run_steps.h"
 
@@ -56,9 +56,9 @@ double charactersWithin(const std::vector<std::pair<int, double>>& times, double
 
 }  // namespace
 
-Result<Figures> measureCost(const MotionSubject& subject) {
+Result<Rows> measureCost(const MotionSubject& subject) {
   FOURDVT_TRY(subject.stage.show(subject.motion().frame_count / 3));
-  Figures out;
+  Rows out;
   const int frames = subject.quick() ? 3 : 15;
   for (const auto [width, height] : kSizes) {
     if (subject.quick() && width != kSizes[0][0]) break;

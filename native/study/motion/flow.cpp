@@ -6,7 +6,7 @@
 
 #include "base/surface_frame.h"
 #include "study/motion/motion.h"
-#include "study/run/figures.h"
+#include "study/run/row_writer.h"
 #include "study/run/rows.h"
 #include "study/run/run_steps.h"
 
@@ -76,7 +76,7 @@ class FlowPart {
         stage_(subject.stage),
         frames_(computeSurfaceFrames(stage_.mesh().topology, stage_.mesh().positions)) {}
 
-  Result<Figures> run() {
+  Result<Rows> run() {
     const auto azimuths = motionAzimuths_deg(subject_.quick() ? 1 : 4);
     for (const uint32_t phase : subject_.phases(subject_.quick() ? 2 : 5)) {
       FOURDVT_TRY(stage_.show(phase));
@@ -91,7 +91,7 @@ class FlowPart {
       const auto corners = cornersOf(stage_.mesh().topology, moved);
       for (const double azimuth : azimuths) FOURDVT_TRY(pair(stage_.orbit(azimuth, kSide, kSide), &corners));
     }
-    return figures();
+    return rows();
   }
 
  private:
@@ -124,8 +124,8 @@ class FlowPart {
     return {};
   }
 
-  Figures figures() const {
-    Figures out;
+  Rows rows() const {
+    Rows out;
     const std::string name = subject_.motion().name, size = " size=" + std::to_string(kSide);
     for (const auto& [method, samples] : against_) {
       const RowWriter row(out, rows::kMotionFlow, name, method, "against=opencv" + size);
@@ -155,6 +155,6 @@ class FlowPart {
 
 }  // namespace
 
-Result<Figures> measureFlow(const MotionSubject& subject) { return FlowPart(subject).run(); }
+Result<Rows> measureFlow(const MotionSubject& subject) { return FlowPart(subject).run(); }
 
 }  // namespace fourdvt::study

@@ -59,7 +59,7 @@ Result<MotionTruth::Baked> asBaked(const StudyContext& context, const bake::Bake
 
 struct Part {
   const char* name;
-  Result<Figures> (*measure)(const MotionSubject& subject);
+  Result<Rows> (*measure)(const MotionSubject& subject);
 };
 constexpr Part kParts[] = {{"motion-blend", measureBlend},
                            {"motion-flow", measureFlow},
@@ -97,8 +97,8 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-Result<Figures> runMotion(const StudyContext& context) {
-  if (context.capture->classes.empty()) return Figures();
+Result<Rows> runMotion(const StudyContext& context) {
+  if (context.capture->classes.empty()) return Rows();
   const capture::CaptureClass& motion_class = context.capture->classes.front();
   const bake::BakeOptions options = motionBake(context, motion_class);
   FOURDVT_TRY(bakeOnce(context, options, [&](const std::string& stage, double share) {
@@ -109,7 +109,7 @@ Result<Figures> runMotion(const StudyContext& context) {
   FOURDVT_ASSIGN(auto truth, MotionTruth::open(context, stage->motion(), std::move(baked)));
   FOURDVT_TRY(platform::makeFolder(context.pictures()));
   const MotionSubject subject{context, options.character_folder, *stage, truth.get()};
-  Figures out;
+  Rows out;
   double done = 0;
   for (const Part& part : kParts) {
     tell(context, std::string(part.name).substr(7), kBakeShare + (1 - kBakeShare) * done++ / std::size(kParts));

@@ -9,7 +9,7 @@
 namespace fourdvt::study {
 
 // The step. Sequences without a class have no rows.
-Result<Figures> runMotion(const StudyContext& context);
+Result<Rows> runMotion(const StudyContext& context);
 
 struct MotionSubject {
   const StudyContext& context;
@@ -24,13 +24,13 @@ struct MotionSubject {
   std::vector<AlignMethod> methods(const std::vector<AlignMethod>& wanted) const;
 };
 
-Result<Figures> measureBlend(const MotionSubject& subject);        // blend.cpp: mm and ms of the mesh blend
-Result<Figures> measureFlow(const MotionSubject& subject);         // flow.cpp: against OpenCV, against truth
-Result<Figures> measureAppearance(const MotionSubject& subject);   // appearance.cpp: 4DVT Fig. 8, sharpness
-Result<Figures> measureCost(const MotionSubject& subject);         // cost.cpp: ms a frame, characters
-Result<Figures> measureTransitions(const MotionSubject& subject);  // transitions.cpp: with the real player
-Result<Figures> measureSkate(const MotionSubject& subject);        // the same file
-Result<Figures> drawMotionPictures(const MotionSubject& subject);  // pictures.cpp: 4DVT Fig. 7-8
+Result<Rows> measureBlend(const MotionSubject& subject);        // blend.cpp: mm and ms of the mesh blend
+Result<Rows> measureFlow(const MotionSubject& subject);         // flow.cpp: against OpenCV, against truth
+Result<Rows> measureAppearance(const MotionSubject& subject);   // appearance.cpp: 4DVT Fig. 8, sharpness
+Result<Rows> measureCost(const MotionSubject& subject);         // cost.cpp: ms a frame, characters
+Result<Rows> measureTransitions(const MotionSubject& subject);  // transitions.cpp: with the real player
+Result<Rows> measureSkate(const MotionSubject& subject);        // the same file
+Result<Rows> drawMotionPictures(const MotionSubject& subject);  // pictures.cpp: 4DVT Fig. 7-8
 
 // Ring of azimuths that lie between the cameras' rather than on them.
 std::vector<double> motionAzimuths_deg(size_t count);

@@ -28,7 +28,7 @@ class PicturePart {
  public:
   explicit PicturePart(const MotionSubject& subject) : subject_(subject), stage_(subject.stage) {}
 
-  Result<Figures> run() {
+  Result<Rows> run() {
     const auto phases = subject_.phases(6);
     int number = 0;
     for (const uint32_t phase : {phases[1], phases[phases.size() / 2]})
@@ -52,7 +52,7 @@ class PicturePart {
 
   const MotionSubject& subject_;
   MotionStage& stage_;
-  Figures out_;
+  Rows out_;
 };
 
 Status PicturePart::save(const std::string& file, const Image& sheet, const std::string& setting, const char* caption) {
@@ -148,6 +148,6 @@ Status PicturePart::transition() {
 
 }  // namespace
 
-Result<Figures> drawMotionPictures(const MotionSubject& subject) { return PicturePart(subject).run(); }
+Result<Rows> drawMotionPictures(const MotionSubject& subject) { return PicturePart(subject).run(); }
 
 }  // namespace fourdvt::study

@@ -9,7 +9,7 @@
 #include "platform/files.h"
 #include "study/motion/motion.h"
 #include "study/motion/player.h"
-#include "study/run/figures.h"
+#include "study/run/row_writer.h"
 #include "study/run/rows.h"
 #include "study/run/run_steps.h"
 #include "study/tables/report.h"
@@ -33,18 +33,18 @@ struct Largest {
 
 struct Waits {  // from the request to the first tick that shows the target
   int count = 0;
-  double sum_s = 0, most_s = 0;
+  double sum_s = 0, max_s = 0;
   void add(double wait_s) {
     ++count;
     sum_s += wait_s;
-    most_s = std::max(most_s, wait_s);
+    max_s = std::max(max_s, wait_s);
   }
 };
 
 class TransitionPart {
  public:
   explicit TransitionPart(const MotionSubject& subject) : subject_(subject), character_(subject.stage.character()) {}
-  Result<Figures> run();
+  Result<Rows> run();
 
  private:
   Status ownPace(const package::Sequence& state);
@@ -60,11 +60,11 @@ class TransitionPart {
   std::optional<motion::MotionGraph> graph_;
   std::unique_ptr<WatchedPlayer> watched_;
   std::map<std::string, Largest> own_;
-  Figures out_;
+  Rows out_;
 };
 
-Result<Figures> TransitionPart::run() {
-  if (character_.graph_uri.empty()) return Figures();
+Result<Rows> TransitionPart::run() {
+  if (character_.graph_uri.empty()) return Rows();
   FOURDVT_ASSIGN(auto bytes, platform::readFile(subject_.folder + "/" + character_.graph_uri));
   FOURDVT_ASSIGN(auto graph, motion::MotionGraph::read(bytes, character_));
   graph_.emplace(std::move(graph));
@@ -117,7 +117,7 @@ void TransitionPart::planned(size_t from, size_t to, const RowWriter& row) const
     weights = motion::weightsAt(source, {&middle, 1}).members;
     fps = source.frame_count / motion::durationAt(source, weights);
   }
-  double latency = 0, most_latency = 0, fit = 0, worst_fit = 0;
+  double latency = 0, max_latency = 0, fit = 0, worst_fit = 0;
   int count = 0;
   for (uint32_t frame = 0; frame < source.frame_count; ++frame) {
     motion::PlanOptions options;
@@ -125,14 +125,14 @@ void TransitionPart::planned(size_t from, size_t to, const RowWriter& row) const
     const auto plan = graph_->plan({int(from), frame, weights, fps}, int(to), options);
     if (!plan) continue;
     latency += plan->wait_frames / fps;
-    most_latency = std::max(most_latency, plan->wait_frames / fps);
+    max_latency = std::max(max_latency, plan->wait_frames / fps);
     fit += plan->entry.cost;
     worst_fit = std::max(worst_fit, double(plan->entry.cost));
     ++count;
   }
   if (!count) return;
   row.add(rows::kLatencyMeanS, latency / count, "s");
-  row.add(rows::kLatencyMaxS, most_latency, "s");
+  row.add(rows::kLatencyMaxS, max_latency, "s");
   row.add(rows::kFitMeanMm, fit / count, "mm");
   row.add(rows::kFitMaxMm, worst_fit, "mm");
 }
@@ -147,7 +147,7 @@ Status TransitionPart::pair(size_t from, size_t to) {
   planned(from, to, row);
   if (!waits.count) return {};
   row.add(rows::kLatencyPlayedMeanS, waits.sum_s / waits.count, "s");
-  row.add(rows::kLatencyPlayedS, waits.most_s, "s");
+  row.add(rows::kLatencyPlayedS, waits.max_s, "s");
   row.add(rows::kStepMm, 1e3 * changes.step_m, "mm");
   row.add(rows::kOwnStepMm, 1e3 * own.step_m, "mm");
   row.add(rows::kChangeLevels, changes.levels, "levels");
@@ -207,11 +207,11 @@ void writeSkate(const bake::FootSkate& skate, const RowWriter& row) {
 
 }  // namespace
 
-Result<Figures> measureTransitions(const MotionSubject& subject) { return TransitionPart(subject).run(); }
+Result<Rows> measureTransitions(const MotionSubject& subject) { return TransitionPart(subject).run(); }
 
-Result<Figures> measureSkate(const MotionSubject& subject) {
+Result<Rows> measureSkate(const MotionSubject& subject) {
   FOURDVT_ASSIGN(auto watched, WatchedPlayer::open(*subject.context.device, subject.folder, true));
-  Figures out;
+  Rows out;
   const package::Sequence& motion = subject.motion();
   const motion::Range range = motion::parameterRange(motion, 0);
   const int speeds = subject.quick() ? 2 : 5;

@@ -16,7 +16,7 @@
 namespace fourdvt::study {
 
 // One row of evaluate.csv.
-struct Figure {
+struct Row {
   std::string table;     // e.g. "table1", "layers", "storage", "rate", "speed", "labels", "held-out"
   std::string sequence;  // empty: all
   std::string method;    // "fvvr", "naive", "spatial", "temporal-paper", "joint", codec names …
@@ -50,11 +50,11 @@ struct StudyContext {
   std::string work() const { return options.report_folder + "/work"; }  // baked characters, references; kept for resume
 };
 
-using Figures = std::vector<Figure>;
+using Rows = std::vector<Row>;
 struct StudyStep {
   const char* name;
   double weight;  // share of the time, relative
-  Result<Figures> (*run)(const StudyContext& context);
+  Result<Rows> (*run)(const StudyContext& context);
 };
 
 }  // namespace fourdvt::study

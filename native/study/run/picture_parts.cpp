@@ -6,7 +6,7 @@
 
 #include "measure/seam_contrast.h"
 #include "platform/files.h"
-#include "study/run/figures.h"
+#include "study/run/row_writer.h"
 #include "study/run/rows.h"
 
 namespace fourdvt::study {
@@ -84,7 +84,7 @@ void SeamTable::add(const std::string& method, const std::string& view, const me
   if (!std::isnan(fringe)) sum.fringe += fringe, ++sum.pictures;
 }
 
-void SeamTable::write(Figures& out, const std::string& sequence) const {
+void SeamTable::write(Rows& out, const std::string& sequence) const {
   for (const auto& [key, sum] : sums_) {
     const RowWriter row(out, rows::kSeams, sequence, key.first, "view=" + key.second);
     if (sum.samples) {

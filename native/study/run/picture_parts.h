@@ -35,7 +35,7 @@ class SeamTable {
   // `picture`: RGBA of the camera's size.
   void add(const std::string& method, const std::string& view, const measure::CharacterFrame& frame,
            const PinholeCamera& camera, const Image& picture);
-  void write(Figures& out, const std::string& sequence) const;
+  void write(Rows& out, const std::string& sequence) const;
 
  private:
   struct Sums {

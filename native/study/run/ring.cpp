@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "measure/metrics.h"
-#include "study/run/figures.h"
+#include "study/run/row_writer.h"
 #include "study/run/rows.h"
 
 namespace fourdvt::study {
@@ -215,7 +215,7 @@ PictureScore MeanScores::mean() const {
           sum_.ssim_full / n,    sum_.ssim_box / n,    sum_.ssim_fg / n};
 }
 
-void MeanScores::write(Figures& out, const std::string& table, const std::string& sequence, const std::string& method,
+void MeanScores::write(Rows& out, const std::string& table, const std::string& sequence, const std::string& method,
                        const std::string& setting) const {
   if (count_ == 0) return;
   const RowWriter row(out, table, sequence, method, setting);

@@ -45,7 +45,7 @@ class MeanScores {
   size_t count() const { return count_; }
   PictureScore mean() const;
   // Rows ssim_fg, ssim_full, ssim_box, psnr_fg_db, psnr_full_db, psnr_box_db, psnr_common_db.
-  void write(Figures& out, const std::string& table, const std::string& sequence, const std::string& method,
+  void write(Rows& out, const std::string& table, const std::string& sequence, const std::string& method,
              const std::string& setting) const;
 
  private:

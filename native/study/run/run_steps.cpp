@@ -8,7 +8,7 @@
 #include "base/hash.h"
 #include "platform/files.h"
 #include "platform/folders.h"
-#include "study/run/figures.h"
+#include "study/run/row_writer.h"
 
 namespace fourdvt::study {
 namespace {
@@ -46,10 +46,10 @@ std::string commandLine(const StudyOptions& options) {
 }
 
 // Kept rows, or nullopt if there are none or the file is damaged.
-std::optional<Figures> keptRows(const std::string& path) {
+std::optional<Rows> keptRows(const std::string& path) {
   const std::string text = readText(path);
   if (text.empty()) return std::nullopt;
-  auto rows = parseFiguresCsv(text, path);
+  auto rows = parseRowsCsv(text, path);
   if (!rows) return std::nullopt;
   return rows.take();
 }
@@ -104,29 +104,29 @@ Status checkStop(const StudyContext& context) {
   return Error{ErrorId::Interrupted, "stopped"};
 }
 
-Result<Figures> keptPart(const StudyContext& context, const std::string& name,
-                         const std::function<Result<Figures>()>& measure) {
+Result<Rows> keptPart(const StudyContext& context, const std::string& name,
+                      const std::function<Result<Rows>()>& measure) {
   const std::string folder = context.work() + "/rows", path = folder + "/" + name + ".csv";
   if (auto kept = keptRows(path)) return std::move(*kept);
   FOURDVT_TRY(checkStop(context));
   FOURDVT_ASSIGN(auto rows, measure());
   FOURDVT_TRY(platform::makeFolder(folder));
-  FOURDVT_TRY(platform::writeFileAtomic(path, figuresCsv(rows)));
+  FOURDVT_TRY(platform::writeFileAtomic(path, rowsCsv(rows)));
   return rows;
 }
 
-Result<Figures> rowsOfStep(const StudyContext& context, const std::string& step) {
+Result<Rows> rowsOfStep(const StudyContext& context, const std::string& step) {
   const std::string path = context.options.report_folder + "/steps/" + step + ".csv";
   if (auto kept = keptRows(path)) return std::move(*kept);
   return Error{ErrorId::Internal, path + ": not there; delete the report folder and run the study again"};
 }
 
-Result<Figures> runSteps(const StudyContext& context, std::span<const StudyStep> steps,
-                         const std::function<Status(const Figures&)>& publish) {
+Result<Rows> runSteps(const StudyContext& context, std::span<const StudyStep> steps,
+                      const std::function<Status(const Rows&)>& publish) {
   const std::string& folder = context.options.report_folder;
   double total = 0, before = 0;
   for (const StudyStep& step : steps) total += step.weight;
-  Figures all;
+  Rows all;
   for (const StudyStep& step : steps) {
     const std::string path = folder + "/steps/" + step.name + ".csv";
     const double weight = step.weight / total;
@@ -134,13 +134,13 @@ Result<Figures> runSteps(const StudyContext& context, std::span<const StudyStep>
     if (!rows) {
       const StudyContext inner = contextOfStep(context, step, before, weight);
       if (inner.progress) inner.progress({step.name, "", 0});
-      auto measured = checkStop(context) ? step.run(inner) : Result<Figures>(checkStop(context).error());
+      auto measured = checkStop(context) ? step.run(inner) : Result<Rows>(checkStop(context).error());
       if (!measured && measured.error().id == ErrorId::Interrupted)
         return Error{ErrorId::Interrupted, "stopped; what was measured is kept in " + folder + "; run `" +
                                                commandLine(context.options) + "` again to go on"};
       if (!measured) return measured.error();
       rows = measured.take();
-      FOURDVT_TRY(platform::writeFileAtomic(path, figuresCsv(*rows)));
+      FOURDVT_TRY(platform::writeFileAtomic(path, rowsCsv(*rows)));
     }
     all.insert(all.end(), rows->begin(), rows->end());
     before += weight;

@@ -21,15 +21,15 @@ Status openReportFolder(const std::string& folder, const std::string& key);
 // Runs the steps whose rows are not kept yet, in order, and keeps each one's rows. After every step `publish` gets all
 // rows so far. Progress of a step (share: of the step) becomes progress of the study.
 // Errors: those of the steps and of `publish`; Interrupted with how to go on.
-Result<Figures> runSteps(const StudyContext& context, std::span<const StudyStep> steps,
-                         const std::function<Status(const Figures&)>& publish);
+Result<Rows> runSteps(const StudyContext& context, std::span<const StudyStep> steps,
+                      const std::function<Status(const Rows&)>& publish);
 
 // Rows of a part of a step, kept in work() so that an interrupted step goes on after its finished parts.
-Result<Figures> keptPart(const StudyContext& context, const std::string& name,
-                         const std::function<Result<Figures>()>& measure);
+Result<Rows> keptPart(const StudyContext& context, const std::string& name,
+                      const std::function<Result<Rows>()>& measure);
 
 // What an earlier step measured. Errors: Internal if it has not run.
-Result<Figures> rowsOfStep(const StudyContext& context, const std::string& step);
+Result<Rows> rowsOfStep(const StudyContext& context, const std::string& step);
 
 // Interrupted once the user asked to stop.
 Status checkStop(const StudyContext& context);

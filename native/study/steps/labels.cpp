@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "bake/labels/labelling.h"
-#include "study/run/figures.h"
+#include "study/run/row_writer.h"
 #include "study/run/rows.h"
 #include "study/run/run_steps.h"
 #include "study/run/scene.h"
@@ -84,7 +84,7 @@ const std::vector<LabelVariant>& labelVariants() {
   return kVariants;
 }
 
-Status compareParts(const LabelProblem& problem, Figures& out) {
+Status compareParts(const LabelProblem& problem, Rows& out) {
   for (const LabelVariant& variant : labelVariants()) {
     FOURDVT_ASSIGN(auto statistics, problem.solve(variant.options));
     writeLabelRows(statistics, rows::kLabelParts, problem.sequence, variant.name, out);
@@ -92,7 +92,7 @@ Status compareParts(const LabelProblem& problem, Figures& out) {
   return {};
 }
 
-Status compareSolves(const LabelProblem& problem, Figures& out) {
+Status compareSolves(const LabelProblem& problem, Rows& out) {
   for (const bool is_global : {false, true}) {
     bake::LabelOptions options;
     if (is_global) options.window_frames = options.hop_frames = static_cast<int>(problem.frameCount());
@@ -106,7 +106,7 @@ Status compareSolves(const LabelProblem& problem, Figures& out) {
 }  // namespace
 
 void writeLabelRows(const bake::LabelStatistics& s, const std::string& table, const std::string& sequence,
-                    const std::string& method, Figures& out) {
+                    const std::string& method, Rows& out) {
   for (size_t l = 0; l < s.seam_percent.size(); ++l) {
     const RowWriter row(out, table, sequence, method, "layer=" + std::to_string(l + 1));
     row.add(rows::kSeamPercent, s.seam_percent[l], "percent");
@@ -117,7 +117,7 @@ void writeLabelRows(const bake::LabelStatistics& s, const std::string& table, co
   }
 }
 
-Result<Figures> measureLabels(const StudyContext& context) {
+Result<Rows> measureLabels(const StudyContext& context) {
   const capture::CaptureSequence& sequence = shortestSequence(context);
   const uint32_t frames = std::min(sequence.frame_count, context.options.quick ? kQuickFrames : kGlobalFrames);
   bake::BakeOptions bake_options = studyBake(context, "solves");
@@ -127,7 +127,7 @@ Result<Figures> measureLabels(const StudyContext& context) {
   FOURDVT_ASSIGN(auto measured, measureFrames(context, job, sequence, frames));
   const LabelProblem problem{context, job, sequence.name, std::move(measured),
                              bake::makeFaceGraph(job.mesh.decoded.topology)};
-  Figures out;
+  Rows out;
   FOURDVT_TRY(compareParts(problem, out));
   if (!context.options.quick) FOURDVT_TRY(compareSolves(problem, out));
   return out;

@@ -15,10 +15,10 @@ namespace fourdvt::study {
 // unseen faces, without both; table "labels", method joint, setting solve=global and solve=windowed: energy (not with
 // `quick`).
 constexpr uint32_t kGlobalFrames = 32, kQuickFrames = 6;
-Result<Figures> measureLabels(const StudyContext& context);
+Result<Rows> measureLabels(const StudyContext& context);
 
 // Seams, flips and penalties per layer, as rows of a table.
 void writeLabelRows(const bake::LabelStatistics& statistics, const std::string& table, const std::string& sequence,
-                    const std::string& method, Figures& out);
+                    const std::string& method, Rows& out);
 
 }  // namespace fourdvt::study

@@ -11,7 +11,7 @@
 
 #include "measure/metrics.h"
 #include "platform/files.h"
-#include "study/run/figures.h"
+#include "study/run/row_writer.h"
 #include "study/run/rows.h"
 #include "study/run/run_steps.h"
 #include "study/run/scene.h"
@@ -36,7 +36,7 @@ struct Variant {
 struct Plan {
   int frames = 6, views = 6;  // frames that are drawn, views of each
   uint32_t video_frames = 0;  // frames encoded as video
-  int most_layers = 6;
+  int max_layers = 6;
   std::vector<int> sizes{256, 512, 1024, 2048};
 };
 
@@ -47,7 +47,7 @@ Plan planFor(const StudyContext& context, uint32_t frame_count) {
   if (context.options.quick) {
     plan = {3, 4, std::min(frame_count, 8u), 3, {256, 512, 1024}};
   }
-  plan.most_layers = std::min(plan.most_layers, cameras);
+  plan.max_layers = std::min(plan.max_layers, cameras);
   plan.frames = std::min<int>(plan.frames, static_cast<int>(frame_count));
   return plan;
 }
@@ -68,12 +68,12 @@ class LayerStudy {
  public:
   LayerStudy(const StudyContext& context, const capture::CaptureSequence& sequence)
       : context_(context), sequence_(sequence), plan_(planFor(context, sequence.frame_count)) {}
-  Result<Figures> run();
+  Result<Rows> run();
 
  private:
   Status survey();
   Status drawReferences();
-  Result<Figures> measureSize(int size, double before, double share);
+  Result<Rows> measureSize(int size, double before, double share);
   std::vector<Variant> variantsOf(int size) const;
   Status addFrame(const Variant& variant, int size, uint32_t frame, std::vector<Image> layers);
   Status drawViews(const Variant& variant, int size, uint32_t frame, const std::vector<Image>& layers);
@@ -97,7 +97,7 @@ class LayerStudy {
   std::unique_ptr<LayerDrawing> drawing_;
   ScoreLane lane_;
   bool has_error_map_ = false;
-  Figures pictures_;
+  Rows pictures_;
 };
 
 std::string keyOf(const Variant& variant) { return variant.method + " " + std::to_string(variant.layers); }
@@ -107,15 +107,15 @@ Status LayerStudy::survey() {
   options.sequences = {sequence_.name};
   options.texture = 128;  // plans only: sizes are this step's own
   options.labels = bake::LabelMode::Naive;
-  options.layers = plan_.most_layers;
+  options.layers = plan_.max_layers;
   FOURDVT_ASSIGN(naive_, surveyOnly(context_, options));
   options.labels = bake::LabelMode::Joint;
-  for (int l = 1; l <= plan_.most_layers; ++l) {
+  for (int l = 1; l <= plan_.max_layers; ++l) {
     FOURDVT_TRY(checkStop(context_));
     options.layers = l;
     FOURDVT_ASSIGN(joint_[l], surveyOnly(context_, options));
     if (context_.progress)
-      context_.progress({"layers", "labels of " + std::to_string(l) + " layers", 0.1 * l / plan_.most_layers});
+      context_.progress({"layers", "labels of " + std::to_string(l) + " layers", 0.1 * l / plan_.max_layers});
   }
   return {};
 }
@@ -147,7 +147,7 @@ std::vector<Variant> LayerStudy::variantsOf(int size) const {
   std::vector<Variant> out;
   for (const auto& [layers, labels] : joint_) out.push_back({rows::kJoint, layers, labels.get(), true});
   if (!context_.options.quick && !large)
-    for (int layers = 1; layers <= plan_.most_layers; ++layers)
+    for (int layers = 1; layers <= plan_.max_layers; ++layers)
       out.push_back({rows::kNaive, layers, naive_.get(), false});
   return out;
 }
@@ -158,7 +158,7 @@ Result<std::vector<uint8_t>> LayerStudy::labelsOf(const Variant& variant, uint32
   FOURDVT_ASSIGN(auto labels, variant.labels->survey->labels(*own.capture.find(sequence_.name), frame));
   const size_t faces = own.mesh.decoded.topology.faceCount();
   labels.resize(faces * variant.layers);
-  labels.resize(faces * plan_.most_layers, package::kNoCamera);
+  labels.resize(faces * plan_.max_layers, package::kNoCamera);
   return labels;
 }
 
@@ -200,8 +200,7 @@ Status LayerStudy::drawViews(const Variant& variant, int size, uint32_t frame, c
   const auto& cameras = views_.at(frame);
   for (size_t v = 0; v < cameras.size(); ++v) {
     FOURDVT_ASSIGN(auto picture, drawing_->draw(cameras[v], variant.layers));
-    const bool mapped =
-        variant.method == rows::kJoint && variant.layers == std::min(kErrorMapLayers, plan_.most_layers);
+    const bool mapped = variant.method == rows::kJoint && variant.layers == std::min(kErrorMapLayers, plan_.max_layers);
     if (mapped && v == 1 && !has_error_map_)
       FOURDVT_TRY(saveErrorMap(variant, size, frame, references_.at(frame)[v], picture));
     lane_.add(references_.at(frame)[v], std::move(picture), keyOf(variant));
@@ -257,18 +256,18 @@ Status LayerStudy::encodeGop(const std::vector<Variant>& variants, int size) {
   return {};
 }
 
-Result<Figures> LayerStudy::measureSize(int size, double before, double share) {
+Result<Rows> LayerStudy::measureSize(int size, double before, double share) {
   shown_.clear();
   pictures_.clear();
   has_error_map_ = false;
   const std::vector<Variant> variants = variantsOf(size);
   const bake::Job& plan = job();
   bake::FrameBakerOptions options;
-  options.layer_sizes.assign(plan_.most_layers, size);
+  options.layer_sizes.assign(plan_.max_layers, size);
   options.gutter_texels = std::max(2.0f, 10.0f * static_cast<float>(size) / 1024);
   options.colour_maps = naive_->survey->colourMaps();
   FOURDVT_ASSIGN(auto baker, makeBaker(context_, plan, options));
-  FOURDVT_ASSIGN(drawing_, LayerDrawing::create(*context_.device, plan, size, plan_.most_layers));
+  FOURDVT_ASSIGN(drawing_, LayerDrawing::create(*context_.device, plan, size, plan_.max_layers));
   for (const Variant& variant : variants) {
     FOURDVT_ASSIGN(auto bytes, drawing_->gpuBytes(variant.layers));
     shown_[keyOf(variant)].gpu_bytes = static_cast<double>(bytes);
@@ -301,7 +300,7 @@ Result<Figures> LayerStudy::measureSize(int size, double before, double share) {
   FOURDVT_TRY(encodeGop(variants, size));
   for (const auto& [key, score] : lane_.finish()) shown_[key].scores.add(score);
   drawing_.reset();
-  Figures out;
+  Rows out;
   for (const Variant& variant : variants) {
     const Shown& shown = shown_[keyOf(variant)];
     shown.scores.write(out, rows::kLayers, sequence_.name, variant.method, variant.setting(size));
@@ -319,12 +318,12 @@ Result<Figures> LayerStudy::measureSize(int size, double before, double share) {
   return out;
 }
 
-Result<Figures> LayerStudy::run() {
+Result<Rows> LayerStudy::run() {
   FOURDVT_TRY(survey());
   FOURDVT_TRY(drawReferences());
   double total = 0, before = 0.15;
   for (int size : plan_.sizes) total += std::pow(size, 1.5);
-  Figures out;
+  Rows out;
   for (int size : plan_.sizes) {
     const double share = 0.85 * std::pow(size, 1.5) / total;
     FOURDVT_ASSIGN(auto part, keptPart(context_, "layers-" + std::to_string(size),
@@ -337,6 +336,6 @@ Result<Figures> LayerStudy::run() {
 
 }  // namespace
 
-Result<Figures> runLayers(const StudyContext& context) { return LayerStudy(context, shortestSequence(context)).run(); }
+Result<Rows> runLayers(const StudyContext& context) { return LayerStudy(context, shortestSequence(context)).run(); }
 
 }  // namespace fourdvt::study

@@ -36,10 +36,10 @@ constexpr int kColumns = 3;
 package::Rect rectOf(int layer, int size) { return {layer % kColumns * size, layer / kColumns * size, size, size}; }
 
 // A grid of three columns.
-package::Rendition gridOf(int size, int most_layers, int layers) {
+package::Rendition gridOf(int size, int max_layers, int layers) {
   package::Rendition rendition;
-  rendition.width = std::min(kColumns, most_layers) * size;
-  rendition.height = (most_layers + kColumns - 1) / kColumns * size;
+  rendition.width = std::min(kColumns, max_layers) * size;
+  rendition.height = (max_layers + kColumns - 1) / kColumns * size;
   for (int l = 0; l < layers; ++l) rendition.layers.push_back(rectOf(l, size));
   return rendition;
 }
@@ -47,15 +47,15 @@ package::Rendition gridOf(int size, int most_layers, int layers) {
 }  // namespace
 
 Result<std::unique_ptr<LayerDrawing>> LayerDrawing::create(gpu::Device& device, const bake::Job& job, int size,
-                                                           int most_layers) {
+                                                           int max_layers) {
   const int largest = device.caps().max_texture_size;
-  const package::Rendition grid = gridOf(size, most_layers, most_layers);
+  const package::Rendition grid = gridOf(size, max_layers, max_layers);
   if (std::max(grid.width, grid.height) > largest)
-    return Error{ErrorId::GpuFailure, std::to_string(most_layers) + " layers of " + std::to_string(size) +
+    return Error{ErrorId::GpuFailure, std::to_string(max_layers) + " layers of " + std::to_string(size) +
                                           " texels are larger than this GPU's largest texture of " +
                                           std::to_string(largest) + "; use a GPU with larger textures"};
   std::unique_ptr<LayerDrawing> out(new LayerDrawing(device, job, size));
-  out->most_layers_ = most_layers;
+  out->max_layers_ = max_layers;
   FOURDVT_ASSIGN(out->recipe_, render::Recipe::create(device));
   FOURDVT_ASSIGN(out->picture_,
                  render::createPicture(device, grid.width, grid.height, render::PictureTextures::Kind::Rgba));
@@ -66,7 +66,7 @@ Result<render::PlainFigure*> LayerDrawing::figureOf(int layers) {
   auto it = figures_.find(layers);
   if (it == figures_.end()) {
     FOURDVT_ASSIGN(auto figure, render::PlainFigure::create(device_, characterOf(job_, layers), job_.mesh.decoded));
-    figure.setLayout(gridOf(size_, most_layers_, layers));
+    figure.setLayout(gridOf(size_, max_layers_, layers));
     it = figures_.emplace(layers, std::move(figure)).first;
   }
   return &it->second;

@@ -16,7 +16,7 @@ class LayerDrawing {
  public:
   // `job` is borrowed. Errors: GpuFailure.
   static Result<std::unique_ptr<LayerDrawing>> create(gpu::Device& device, const bake::Job& job, int size,
-                                                      int most_layers);
+                                                      int max_layers);
   // Geometry for drawing with so many layers; labels [layer][face] of exactly that many. Decoded order.
   Status setGeometry(const Positions& positions, const std::vector<uint8_t>& labels, int layers);
   // Layers 0..n-1, RGBA or RGB of `size`².
@@ -32,7 +32,7 @@ class LayerDrawing {
 
   gpu::Device& device_;
   const bake::Job& job_;
-  int size_, most_layers_ = 0;
+  int size_, max_layers_ = 0;
   std::unique_ptr<render::Recipe> recipe_;
   std::map<int, render::PlainFigure> figures_;  // by number of layers
   render::PictureTextures picture_;

@@ -13,7 +13,7 @@
 #include "measure/metrics.h"
 #include "platform/files.h"
 #include "platform/folders.h"
-#include "study/run/figures.h"
+#include "study/run/row_writer.h"
 #include "study/run/rows.h"
 #include "study/run/run_steps.h"
 #include "study/run/scene.h"
@@ -55,7 +55,7 @@ class MethodStudy {
  public:
   MethodStudy(const StudyContext& context, const Method& method, double before, double share)
       : context_(context), method_(method), before_(before), share_(share) {}
-  Result<Figures> run();
+  Result<Rows> run();
 
  private:
   Status bakeCharacter();
@@ -82,7 +82,7 @@ class MethodStudy {
   FlatJson report_;
   std::unique_ptr<platform::CharacterPlayer> player_;
   std::vector<PinholeCamera> held_out_;
-  Figures out_;
+  Rows out_;
 };
 
 Status MethodStudy::bakeCharacter() {
@@ -223,7 +223,7 @@ void MethodStudy::labels(const capture::CaptureSequence& sequence) {
   row.add(rows::kLabelMsFrame, s.frames ? 1000 * s.seconds / s.frames : 0, "ms");
 }
 
-Result<Figures> MethodStudy::run() {
+Result<Rows> MethodStudy::run() {
   FOURDVT_ASSIGN(held_out_, heldOutCameras(context_));
   FOURDVT_TRY(bakeCharacter());
   double done = 0;
@@ -248,9 +248,9 @@ constexpr EqualQuality kEqualQualities[] = {
     {rows::kHeldOutPsnrDb, rows::kPsnrFgDb, rows::kPercentAtPsnr, rows::kBeyondAtPsnr},
     {rows::kHeldOutSsim, rows::kSsimFg, rows::kPercentAtSsim, rows::kBeyondAtSsim}};
 
-std::vector<RatePoint> multiviewLadder(const Figures& reference, const std::string& sequence, const char* quality) {
+std::vector<RatePoint> multiviewLadder(const Rows& reference, const std::string& sequence, const char* quality) {
   std::vector<RatePoint> ladder;
-  for (const Figure& row : reference) {
+  for (const Row& row : reference) {
     if (row.table != rows::kMultiviewCodec || row.sequence != sequence || row.quantity != rows::kVideoBytes) continue;
     const double value = StudyValues(reference).of(row.table, sequence, row.method, row.setting, quality);
     if (!std::isnan(value)) ladder.push_back({row.value, value});
@@ -260,8 +260,7 @@ std::vector<RatePoint> multiviewLadder(const Figures& reference, const std::stri
 
 // All that a method loads against the foreground-only multi-view: as pictures, and as the video from which FVVR shows
 // the held-out cameras as well as the method does. Nothing is said beyond the rates measured.
-void compareStorage(const Figures& reference, const std::string& sequence, const std::vector<Method>& methods,
-                    Figures& out) {
+void compareStorage(const Rows& reference, const std::string& sequence, const std::vector<Method>& methods, Rows& out) {
   const StudyValues measured(out);
   const double masked =
       StudyValues(reference).of(rows::kMultiview, sequence, rows::kMethodMultiview, "", rows::kMaskedBytes);
@@ -281,12 +280,12 @@ void compareStorage(const Figures& reference, const std::string& sequence, const
 
 }  // namespace
 
-Result<Figures> runMethods(const StudyContext& context) {
+Result<Rows> runMethods(const StudyContext& context) {
   const std::vector<Method> methods = studyMethods(context);
   const auto sequences = studySequences(context);
   constexpr double kBakingShare = 0.85;
-  Figures out;
-  const auto take = [&](Result<Figures> part) -> Status {
+  Rows out;
+  const auto take = [&](Result<Rows> part) -> Status {
     if (!part) return part.error();
     out.insert(out.end(), part.value().begin(), part.value().end());
     return {};
@@ -296,14 +295,6 @@ Result<Figures> runMethods(const StudyContext& context) {
     FOURDVT_TRY(take(keptPart(context, "method-" + methods[m].name, [&] {
       return MethodStudy(context, methods[m], share * static_cast<double>(m), share).run();
     })));
-  double done = 0;
-  for (const auto* sequence : sequences) {
-    if (context.progress)
-      context.progress({"methods", sequence->name + " codec",
-                        kBakingShare + (1 - kBakingShare) * done++ / static_cast<double>(sequences.size())});
-    FOURDVT_TRY(take(keptPart(context, "codec-loss-" + sequence->name,
-                              [&] { return measureCodecLoss(context, *sequence, methods); })));
-  }
   FOURDVT_TRY(take(keptPart(context, "labels", [&] { return measureLabels(context); })));
   FOURDVT_ASSIGN(auto reference, rowsOfStep(context, "reference"));
   for (const auto* sequence : sequences) compareStorage(reference, sequence->name, methods, out);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the parts of methods.cpp share: one way of baking the capture, and what its codec costs in quality.
+// What the parts of methods.cpp share.
 #pragma once
 
 #include <string>
@@ -22,10 +22,5 @@ struct Method {
     return options.codec == bake::Codec::H264 ? "h264" : options.codec == bake::Codec::Vp9 ? "vp9" : "av1";
   }
 };
-
-// Table "codec-loss": PSNR of decoded layers against the same layers never encoded, over the charts, in every fourth
-// frame. The characters must be baked. Memory: one frame of pictures and layers.
-Result<Figures> measureCodecLoss(const StudyContext& context, const capture::CaptureSequence& sequence,
-                                 const std::vector<Method>& methods);
 
 }  // namespace fourdvt::study

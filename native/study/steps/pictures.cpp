@@ -9,8 +9,8 @@
 #include "platform/files.h"
 #include "platform/folders.h"
 #include "report/picture_sheets.h"
-#include "study/run/figures.h"
 #include "study/run/picture_parts.h"
+#include "study/run/row_writer.h"
 #include "study/run/rows.h"
 #include "study/run/run_steps.h"
 #include "study/run/scene.h"
@@ -32,7 +32,7 @@ class PictureStep {
  public:
   explicit PictureStep(const StudyContext& context)
       : context_(context), sequence_(shortestSequence(context)), frame_(sequence_.frame_count / 2) {}
-  Result<Figures> run();
+  Result<Rows> run();
 
  private:
   void tell(const std::string& what, double share) const {
@@ -47,7 +47,7 @@ class PictureStep {
   Result<Image> draw(const Subject& subject, const PinholeCamera& camera, render::RecipeOptions recipe);
   Result<Image> drawFvvr(const PinholeCamera& camera);
   PinholeCamera orbit(double azimuth_deg, double elevation_deg, int width, int height) const;
-  Status save(const std::string& file, const Image& sheet, const Figure& row);
+  Status save(const std::string& file, const Image& sheet, const Row& row);
 
   const StudyContext& context_;
   const capture::CaptureSequence& sequence_;
@@ -58,7 +58,7 @@ class PictureStep {
   std::unique_ptr<render::Fvvr> fvvr_;
   std::vector<double> middles_deg_;  // azimuths midway between neighbouring cameras
   BoundingBox bounds_;               // of all characters
-  Figures out_;
+  Rows out_;
 };
 
 PinholeCamera PictureStep::orbit(double azimuth_deg, double elevation_deg, int width, int height) const {
@@ -87,15 +87,15 @@ Result<Image> PictureStep::drawFvvr(const PinholeCamera& camera) {
   return fvvr_->renderStill(render::viewFromCamera(camera), {});
 }
 
-Status PictureStep::save(const std::string& file, const Image& sheet, const Figure& row) {
+Status PictureStep::save(const std::string& file, const Image& sheet, const Row& shown) {
   FOURDVT_TRY(platform::writeImage(context_.pictures() + "/" + file, sheet, 90));
-  Figure figure = row;
-  figure.table = rows::kPictures;
-  figure.sequence = sequence_.name;
-  figure.setting = "file=" + file + " " + figure.setting + (figure.setting.empty() ? "" : " ") +
-                   "frame=" + std::to_string(frame_) + " width=" + std::to_string(sheet.width) +
-                   " height=" + std::to_string(sheet.height);
-  out_.push_back(figure);
+  Row row = shown;
+  row.table = rows::kPictures;
+  row.sequence = sequence_.name;
+  row.setting = "file=" + file + " " + row.setting + (row.setting.empty() ? "" : " ") +
+                "frame=" + std::to_string(frame_) + " width=" + std::to_string(sheet.width) +
+                " height=" + std::to_string(sheet.height);
+  out_.push_back(std::move(row));
   return {};
 }
 
@@ -247,7 +247,7 @@ Status PictureStep::seamRows() {
   return {};
 }
 
-Result<Figures> PictureStep::run() {
+Result<Rows> PictureStep::run() {
   FOURDVT_TRY(platform::makeFolder(context_.pictures()));
   FOURDVT_TRY(findSubjects());
   middles_deg_ = middleAzimuths_deg(captureCameras(context_));
@@ -268,6 +268,6 @@ Result<Figures> PictureStep::run() {
 
 }  // namespace
 
-Result<Figures> runPictures(const StudyContext& context) { return PictureStep(context).run(); }
+Result<Rows> runPictures(const StudyContext& context) { return PictureStep(context).run(); }
 
 }  // namespace fourdvt::study

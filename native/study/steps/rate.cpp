@@ -7,7 +7,7 @@
 #include "bake/quality.h"
 #include "bake/run/describe.h"
 #include "bake/stages/frame_baker.h"
-#include "study/run/figures.h"
+#include "study/run/row_writer.h"
 #include "study/run/rows.h"
 #include "study/run/run_steps.h"
 #include "study/run/scene.h"
@@ -72,7 +72,7 @@ struct PicturesFile {
 class RateStudy {
  public:
   explicit RateStudy(const StudyContext& context) : context_(context), sequence_(shortestSequence(context)) {}
-  Result<Figures> run();
+  Result<Rows> run();
 
  private:
   Status measureGroup(const Group& group);
@@ -86,7 +86,7 @@ class RateStudy {
   const StudyContext& context_;
   const capture::CaptureSequence& sequence_;
   size_t points_ = 0, done_ = 0;
-  Figures figures_;
+  Rows rows_;
 };
 
 void RateStudy::tell(const std::string& detail) const {
@@ -136,7 +136,7 @@ Result<std::vector<RateView>> RateStudy::makeViews(uint32_t frame_count) const {
 }
 
 void RateStudy::write(const std::string& method, const std::string& setting, const RateScore& score) {
-  const RowWriter out(figures_, rows::kRate, sequence_.name, method, setting);
+  const RowWriter out(rows_, rows::kRate, sequence_.name, method, setting);
   if (score.video_bps > 0) {
     out.add(rows::kVideoBps, score.video_bps, "bit/s");
     out.add(rows::kEncodeMsFrame, score.encode_ms_frame, "ms");
@@ -204,18 +204,18 @@ Status RateStudy::measureGroup(const Group& group) {
   return measurePoint(*meter, group.layers, encode, true, views);
 }
 
-Result<Figures> RateStudy::run() {
+Result<Rows> RateStudy::run() {
   const std::vector<Group> groups = plannedGroups(context_.options.quick);
   for (const Group& group : groups)
     for (const CodecSetting& codec : group.codecs) points_ += codec.crfs.size();
-  Figures all;
+  Rows all;
   for (const Group& group : groups) {
     const std::string name = "rate-" + std::to_string(group.layers.texture) + "-" +
                              std::to_string(group.layers.layers) + (group.layers.equal ? "-equal" : "");
-    FOURDVT_ASSIGN(auto part, keptPart(context_, name, [&]() -> Result<Figures> {
-                     figures_.clear();
+    FOURDVT_ASSIGN(auto part, keptPart(context_, name, [&]() -> Result<Rows> {
+                     rows_.clear();
                      FOURDVT_TRY(measureGroup(group));
-                     return std::move(figures_);
+                     return std::move(rows_);
                    }));
     all.insert(all.end(), part.begin(), part.end());
   }
@@ -224,6 +224,6 @@ Result<Figures> RateStudy::run() {
 
 }  // namespace
 
-Result<Figures> runRate(const StudyContext& context) { return RateStudy(context).run(); }
+Result<Rows> runRate(const StudyContext& context) { return RateStudy(context).run(); }
 
 }  // namespace fourdvt::study

@@ -13,7 +13,7 @@
 #include "measure/metrics.h"
 #include "platform/files.h"
 #include "platform/folders.h"
-#include "study/run/figures.h"
+#include "study/run/row_writer.h"
 #include "study/run/rows.h"
 #include "study/run/run_steps.h"
 #include "study/run/scene.h"
@@ -52,8 +52,8 @@ class Reference {
   Reference(const StudyContext& context, const capture::CaptureSequence& sequence, double share_before, double share)
       : context_(context), sequence_(sequence), before_(share_before), share_(share) {}
 
-  Result<Figures> draw();
-  Result<Figures> encode();
+  Result<Rows> draw();
+  Result<Rows> encode();
 
  private:
   Status drawFrame(const capture::CaptureFrame& frame, render::Fvvr& fvvr);
@@ -143,7 +143,7 @@ Status Reference::drawFrame(const capture::CaptureFrame& frame, render::Fvvr& fv
   return {};
 }
 
-Result<Figures> Reference::draw() {
+Result<Rows> Reference::draw() {
   FOURDVT_ASSIGN(ring_, studyRing(context_, sequence_));
   FOURDVT_ASSIGN(held_out_, heldOutCameras(context_));
   FOURDVT_TRY(platform::makeFolder(context_.work() + "/reference/" + sequence_.name));
@@ -171,7 +171,7 @@ Result<Figures> Reference::draw() {
     tell("FVVR " + std::to_string(f + 1) + "/" + std::to_string(sequence_.frame_count),
          0.5 * (f + 1) / sequence_.frame_count);
   }
-  Figures out;
+  Rows out;
   const RowWriter table(out, rows::kTable1, sequence_.name, rows::kFvvr, "");
   table.add(rows::kLoadingS, first_s, "s");
   if (!context_.options.quick) table.add(rows::kLoadingAllS, loading_s, "s");
@@ -315,7 +315,7 @@ Result<MeanScores> Reference::scoreDecoded(int crf, render::Fvvr& fvvr) const {
   return lane.finishMean();
 }
 
-Result<Figures> Reference::encode() {
+Result<Rows> Reference::encode() {
   FOURDVT_ASSIGN(held_out_, heldOutCameras(context_));
   FOURDVT_TRY(platform::makeFolder(context_.work() + "/decoded"));
   FOURDVT_TRY(platform::makeFolder(decodedFolder()));
@@ -339,7 +339,7 @@ Result<Figures> Reference::encode() {
     tell("foreground videos", 0.5 + 0.5 * static_cast<double>(std::min(count, c + lanes)) / count);
   }
   FOURDVT_ASSIGN(auto fvvr, makeFvvr(context_));
-  Figures out;
+  Rows out;
   for (size_t i = 0; i < crfs.size(); ++i) {
     const RowWriter row(out, rows::kMultiviewCodec, sequence_.name, "h264", "crf=" + std::to_string(crfs[i]));
     row.add(rows::kVideoBytes, static_cast<double>(sum.bytes[i]), "bytes");
@@ -357,11 +357,11 @@ Result<Figures> Reference::encode() {
 
 }  // namespace
 
-Result<Figures> runReference(const StudyContext& context) {
+Result<Rows> runReference(const StudyContext& context) {
   const auto sequences = studySequences(context);
   double total = 0, before = 0;
   for (const auto* sequence : sequences) total += sequence->frame_count;
-  Figures out;
+  Rows out;
   for (const auto* sequence : sequences) {
     const double share = sequence->frame_count / total;
     Reference reference(context, *sequence, before, share);

@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "bake/bake.h"
-#include "study/run/figures.h"
+#include "study/run/row_writer.h"
 #include "study/run/rows.h"
 #include "study/run/scene.h"
 #include "study/steps/frame_rate.h"
@@ -36,7 +36,7 @@ std::string sizeText(const FrameRate& rate) { return std::to_string(rate.width) 
 
 // The rows of one renderer at one picture size.
 struct SpeedRows {
-  Figures& out;
+  Rows& out;
   const FrameRates& rates;
   std::string method, setting;
 
@@ -64,7 +64,7 @@ std::string closestSetting(const FvvrRate& fvvr) {
   return fvvr.closest ? " closest=" + std::to_string(fvvr.closest) : "";
 }
 
-void addSize(Figures& out, const FrameRates& rates, const FrameRate& rate, bool with_passes) {
+void addSize(Rows& out, const FrameRates& rates, const FrameRate& rate, bool with_passes) {
   const std::string setting = "layers=" + std::to_string(rates.layers) + " size=" + std::to_string(rates.layer_side) +
                               " view=" + sizeText(rate);
   const SpeedRows ours{out, rates, rows::kMethodLayered, setting};
@@ -83,7 +83,7 @@ void addSize(Figures& out, const FrameRates& rates, const FrameRate& rate, bool 
 
 }  // namespace
 
-Result<Figures> runSpeed(const StudyContext& context) {
+Result<Rows> runSpeed(const StudyContext& context) {
   std::vector<std::string> characters;
   const std::string as_baked = context.work() + "/methods/" + rows::kJointDefault,
                     papers_size = context.work() + "/methods/joint-512";
@@ -97,7 +97,7 @@ Result<Figures> runSpeed(const StudyContext& context) {
   FrameRateOptions options;
   options.frames = context.options.quick ? kQuickFrames : kFrames;
   options.stop = context.stop;
-  Figures out;
+  Rows out;
   for (size_t i = 0; i < characters.size(); ++i) {
     tell(context, std::filesystem::path(characters[i]).filename().string(), 0.5 + 0.5 * double(i) / characters.size());
     FOURDVT_ASSIGN(auto rates,

@@ -19,7 +19,7 @@ void addMethodTables(Section& section, const StudyValues& v, const char* table, 
 std::string settingsNote(const StudyValues& v) {
   std::vector<std::pair<std::string, std::string>> groups;  // setting → methods
   for (const std::string& method : v.methods(rows::kTable1))
-    for (const Figure& row : v.rows()) {
+    for (const Row& row : v.rows()) {
       if (row.table != rows::kTable1 || row.method != method || row.setting.empty()) continue;
       auto it = std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.first == row.setting; });
       if (it == groups.end()) it = groups.insert(groups.end(), {row.setting, ""});

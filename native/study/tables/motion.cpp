@@ -155,7 +155,7 @@ void addCost(Section& section, const StudyValues& v) {
 // setting.
 Cells casesOf(const StudyValues& v, const char* table, const char* quantity, const std::vector<std::string>& keys) {
   Cells out;
-  for (const Figure& row : v.rows()) {
+  for (const Row& row : v.rows()) {
     if (row.table != table || row.quantity != quantity) continue;
     Cell cell{.filter = row.setting, .sequence = row.sequence};
     for (const std::string& key : keys) {

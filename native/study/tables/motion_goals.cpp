@@ -18,7 +18,7 @@ constexpr double kChangeRounding = 0.0025;
 // The largest of a quantity, or of its ratio to another, over the rows of a table.
 double largest(const StudyValues& v, const char* table, const char* quantity, const char* over = nullptr) {
   double most = kNaN;
-  for (const Figure& row : v.rows()) {
+  for (const Row& row : v.rows()) {
     if (row.table != table || row.quantity != quantity) continue;
     const double value = over ? row.value / v.of(table, row.sequence, row.method, row.setting, over) : row.value;
     most = std::isnan(most) ? value : std::max(most, value);

@@ -10,7 +10,7 @@ namespace {
 
 // Everything of a setting that makes a rate curve, or a family of curves without the number of layers; crf varies along
 // it.
-std::string curveName(const Figure& row, bool with_layers = true) {
+std::string curveName(const Row& row, bool with_layers = true) {
   std::string name = row.method;
   for (const char* key : {"preset", "size", "layers", "layout"}) {
     const std::string value = rows::settingText(row.setting, key);
@@ -39,7 +39,7 @@ void sortByRate(RateCurve& curve) {
 std::vector<RateCurve> rateCurves(const StudyValues& v) {
   std::vector<RateCurve> curves;
   std::vector<std::string> done;
-  for (const Figure& row : v.rows()) {
+  for (const Row& row : v.rows()) {
     if (row.table != rows::kRate || row.quantity != rows::kVideoBps || matchesFilter(row.setting, "chosen=1")) continue;
     const std::string name = curveName(row), key = row.method + "|" + row.setting;
     if (std::find(done.begin(), done.end(), key) != done.end()) continue;
@@ -173,7 +173,7 @@ void addPasses(Section& section, const StudyValues& v) {
   Table passes{"Passes, ms per frame", "", {"pass", "layered", "FVVR, all cameras"}, {}};
   const auto closest = v.settings(rows::kSpeed, rows::kFvvr, "closest");
   for (const std::string& m : closest) passes.columns.push_back("FVVR, M = " + m);
-  for (const Figure& row : v.rows()) {
+  for (const Row& row : v.rows()) {
     if (row.table != rows::kSpeed || row.quantity != rows::kFrameMs) continue;
     const std::string pass = rows::settingText(row.setting, "pass"), m = rows::settingText(row.setting, "closest");
     if (pass.empty()) continue;
@@ -234,7 +234,7 @@ void fillRate(Section& section, const StudyValues& v) {
     if (std::find(families.begin(), families.end(), curve.family) == families.end()) families.push_back(curve.family);
   for (const std::string& family : families)
     if (Table worth = equalRateTable(curves, family); !worth.rows.empty()) section.tables.push_back(std::move(worth));
-  for (const Figure& row : v.rows())
+  for (const Row& row : v.rows())
     if (row.table == rows::kRate && row.quantity == rows::kVideoBps && matchesFilter(row.setting, "chosen=1")) {
       section.text += "\n\nThe default is " + curveName(row) + " at quality " + rows::settingText(row.setting, "crf") +
                       ": " + bitrateText(row.value) + ".";

@@ -135,7 +135,7 @@ const SectionPlan kSections[] = {
 Table constantsTable() {
   return {
       "What the constants were chosen on",
-      "Figures of a motion that constants were chosen on flatter them; those of the other motions do not. All "
+      "Rows of a motion that constants were chosen on flatter them; those of the other motions do not. All "
       "motions are of one performer under one rig, so that no figure here shows another performer or another rig.",
       {"constants", "chosen on", "by"},
       {{"quality presets: CRF and encoder preset (bake/quality.cpp)", "walk of the sample",
@@ -164,7 +164,7 @@ Section settingsSection(const StudyValues& v, const StudyOptions& options, const
   table.rows.push_back({"mode", options.quick ? "quick" : "full"});
   table.rows.push_back({"jobs", options.jobs > 0 ? std::to_string(options.jobs) : "as many as cores"});
   auto add = [&](bool first) {
-    for (const Figure& row : v.rows()) {
+    for (const Row& row : v.rows()) {
       const bool is_first = row.quantity == rows::kAboutCommand || row.quantity == rows::kAboutDevice ||
                             row.quantity == rows::kAboutEncoder;
       if (row.table != rows::kAbout || is_first != first) continue;
@@ -200,7 +200,7 @@ Table judgementTable(const std::vector<Judgement>& judgements, const std::string
 
 std::vector<Picture> picturesOf(const StudyValues& values, const std::vector<std::string>& keys) {
   std::vector<Picture> out;
-  for (const Figure& row : values.rows()) {
+  for (const Row& row : values.rows()) {
     if (row.table != rows::kPictures || std::find(keys.begin(), keys.end(), row.quantity) == keys.end()) continue;
     Picture picture;
     const std::string file = rows::settingText(row.setting, "file");
@@ -232,7 +232,7 @@ std::vector<Picture> picturesOf(const StudyValues& values, const std::vector<std
   return out;
 }
 
-Document makeStudyDocument(const Figures& rows, const StudyOptions& options, const std::string& capture_name) {
+Document makeStudyDocument(const Rows& rows, const StudyOptions& options, const std::string& capture_name) {
   const StudyValues values(rows);
   Document document{capture_name + ": evaluation", "", {}};
   document.subtitle = "Layered view-dependent texture of " + capture_name +

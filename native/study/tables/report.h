@@ -15,14 +15,14 @@ namespace fourdvt::study {
 using report::Curve, report::Document, report::Picture, report::Plot, report::Section, report::Table;
 using report::fixedText, report::percentText, report::bytesText, report::secondsText, report::bitrateText;
 
-Document makeStudyDocument(const Figures& rows, const StudyOptions& options, const std::string& capture_name);
+Document makeStudyDocument(const Rows& rows, const StudyOptions& options, const std::string& capture_name);
 
 // Rows by name. A filter is "key=value !key": each pair must be in the setting (figures compare as figures), a key
 // after
 // "!" must not be; empty: any setting.
 class StudyValues {
  public:
-  explicit StudyValues(const Figures& rows) : rows_(rows) {}
+  explicit StudyValues(const Rows& rows) : rows_(rows) {}
   // The first such row of this sequence; NaN where there is none.
   double of(const std::string& table, const std::string& sequence, const std::string& method, const std::string& filter,
             const std::string& quantity) const;
@@ -37,10 +37,10 @@ class StudyValues {
   std::vector<std::string> settings(const std::string& table, const std::string& method, const std::string& key) const;
   // The same as ascending figures; no method: all.
   std::vector<double> numbers(const std::string& table, const std::string& method, const std::string& key) const;
-  const Figures& rows() const { return rows_; }
+  const Rows& rows() const { return rows_; }
 
  private:
-  const Figures& rows_;
+  const Rows& rows_;
 };
 
 bool matchesFilter(const std::string& setting, const std::string& filter);

@@ -30,16 +30,15 @@ Pair pairedSums(const StudyValues& v, const std::string& table, const std::strin
   return sums;
 }
 
-double labelFigure(const StudyValues& v, const std::string& method, const char* quantity) {
+double labelValue(const StudyValues& v, const std::string& method, const char* quantity) {
   return v.mean(rows::kLabels, method, "layer=1", quantity);
 }
 
 // "layer-1 flips 10.1 % → 4.9 %, seams 16.8 % → 6.8 %"
 std::string labelChange(const StudyValues& v, const std::string& a, const std::string& b) {
-  return "layer-1 flips " + percentText(labelFigure(v, a, rows::kFlipPercent)) + " → " +
-         percentText(labelFigure(v, b, rows::kFlipPercent)) + ", seams " +
-         percentText(labelFigure(v, a, rows::kSeamPercent)) + " → " +
-         percentText(labelFigure(v, b, rows::kSeamPercent));
+  return "layer-1 flips " + percentText(labelValue(v, a, rows::kFlipPercent)) + " → " +
+         percentText(labelValue(v, b, rows::kFlipPercent)) + ", seams " +
+         percentText(labelValue(v, a, rows::kSeamPercent)) + " → " + percentText(labelValue(v, b, rows::kSeamPercent));
 }
 
 Judgement storageGoal(const StudyValues& v) {
@@ -93,8 +92,8 @@ struct FewerGoal {
 };
 
 Judgement fewerThanSpatial(const StudyValues& v, const FewerGoal& goal) {
-  const double spatial = labelFigure(v, rows::kSpatial, goal.quantity),
-               joint = labelFigure(v, rows::kJoint, goal.quantity);
+  const double spatial = labelValue(v, rows::kSpatial, goal.quantity),
+               joint = labelValue(v, rows::kJoint, goal.quantity);
   const double fewer = 100 * (1 - joint / spatial);
   const std::string claim = "Labels: joint has at least " + fixedText(goal.percent, 0) + " % fewer " + goal.what +
                             " in layer 1 than spatial" + goal.where,
@@ -113,8 +112,8 @@ void labellingGoals(const StudyValues& v, std::vector<Judgement>& out) {
                                 FewerGoal{"seam edges", rows::kSeamPercent, 30, "", "See the tables of the labels."},
                                 FewerGoal{"seam edges", rows::kSeenSeamPercent, 30, kSeen, kUnseen}})
     out.push_back(fewerThanSpatial(v, goal));
-  const double naive = labelFigure(v, rows::kNaive, rows::kMeanPenalty),
-               joint = labelFigure(v, rows::kJoint, rows::kMeanPenalty);
+  const double naive = labelValue(v, rows::kNaive, rows::kMeanPenalty),
+               joint = labelValue(v, rows::kJoint, rows::kMeanPenalty);
   const double more = 100 * (joint / naive - 1);
   out.push_back(
       judged("Labels: joint's mean layer-1 penalty within 10 % of naive's", more, more <= 10,
@@ -175,8 +174,8 @@ Judgement storageOrder(const StudyValues& v, const char* more, const char* less)
   const Pair total = pairedSums(v, rows::kTable1, more, less, rows::kTotalBytes);
   const Pair video = pairedSums(v, rows::kTable1, more, less, rows::kVideoBytes);
   const Pair labels = pairedSums(v, rows::kTable1, more, less, rows::kLabelBytes);
-  const double flips_more = labelFigure(v, more, rows::kFlipPercent),
-               flips_less = labelFigure(v, less, rows::kFlipPercent);
+  const double flips_more = labelValue(v, more, rows::kFlipPercent),
+               flips_less = labelValue(v, less, rows::kFlipPercent);
   std::string reason = labelChange(v, more, less) + "; video " + bytesText(video.a) + " → " + bytesText(video.b) +
                        ", labels " + bytesText(labels.a) + " → " + bytesText(labels.b) + ". ";
   if (std::string(less) == rows::kTemporalPaper && flips_less > 0.9 * flips_more)
@@ -203,8 +202,8 @@ Judgement sameQuality(const StudyValues& v) {
   return judged("SSIM is the same for NO, SO, TO and ours within 0.02 (4DVT Table 1)", high - low, high - low <= 0.02,
                 fixedText(low, 4) + " to " + fixedText(high, 4),
                 "Smoother labels take worse cameras: mean layer-1 penalty " +
-                    fixedText(labelFigure(v, rows::kNaive, rows::kMeanPenalty), 3) + " (NO) → " +
-                    fixedText(labelFigure(v, rows::kJoint, rows::kMeanPenalty), 3) + " (ours).");
+                    fixedText(labelValue(v, rows::kNaive, rows::kMeanPenalty), 3) + " (NO) → " +
+                    fixedText(labelValue(v, rows::kJoint, rows::kMeanPenalty), 3) + " (ours).");
 }
 
 // Bytes grow with L, and the last layer costs less than the second one.

@@ -50,7 +50,7 @@ bool matchesFilter(const std::string& setting, const std::string& filter) {
 
 double StudyValues::of(const std::string& table, const std::string& sequence, const std::string& method,
                        const std::string& filter, const std::string& quantity) const {
-  for (const Figure& row : rows_)
+  for (const Row& row : rows_)
     if (row.table == table && row.sequence == sequence && row.method == method && row.quantity == quantity &&
         matchesFilter(row.setting, filter))
       return row.value;
@@ -84,14 +84,14 @@ double StudyValues::mean(const std::string& table, const std::string& method, co
 
 std::vector<std::string> StudyValues::sequences(const std::string& table) const {
   std::vector<std::string> out;
-  for (const Figure& row : rows_)
+  for (const Row& row : rows_)
     if (row.table == table && !row.sequence.empty()) addOnce(out, row.sequence);
   return out;
 }
 
 std::vector<std::string> StudyValues::methods(const std::string& table) const {
   std::vector<std::string> out;
-  for (const Figure& row : rows_)
+  for (const Row& row : rows_)
     if (row.table == table && !row.method.empty()) addOnce(out, row.method);
   std::stable_sort(out.begin(), out.end(),
                    [](const std::string& a, const std::string& b) { return methodRank(a) < methodRank(b); });
@@ -101,7 +101,7 @@ std::vector<std::string> StudyValues::methods(const std::string& table) const {
 std::vector<std::string> StudyValues::settings(const std::string& table, const std::string& method,
                                                const std::string& key) const {
   std::vector<std::string> out;
-  for (const Figure& row : rows_) {
+  for (const Row& row : rows_) {
     if (row.table != table || (!method.empty() && row.method != method)) continue;
     const std::string value = rows::settingText(row.setting, key);
     if (!value.empty()) addOnce(out, value);

@@ -193,8 +193,8 @@ TEST(PlayerSimulation, TenThousandFramesWithoutAMismatch) {
     ASSERT_FALSE(::testing::Test::HasFailure()) << "seed " << seed;
     ASSERT_GE(edge.player->stats().frames_shown, 1000u) << "stalled, seed " << seed;
     EXPECT_TRUE(edge.errors.empty());
-    EXPECT_LE(edge.most_slots_busy, options.player.picture_slots);
-    EXPECT_LE(edge.most_bytes_held, options.player.encoded_budget_bytes) << seed;
+    EXPECT_LE(edge.max_slots_busy, options.player.picture_slots);
+    EXPECT_LE(edge.max_bytes_held, options.player.encoded_budget_bytes) << seed;
     shown += edge.player->stats().frames_shown;
     checked += edge.player->stats().barcode_checked;
     mismatches += edge.player->stats().barcode_mismatches;

@@ -116,7 +116,7 @@ TEST(PlayerTransition, KeepsTheLatencyBoundFromEveryFrame) {
   for (int from = 0; from < 3; ++from) {
     for (int to = 0; to < 3; ++to) {
       if (from == to) continue;
-      double most_s = 0;
+      double max_s = 0;
       for (uint32_t frame = 0; frame < frames[from]; ++frame) {
         EdgeOptions options;
         options.seed = frame + 1;
@@ -128,10 +128,10 @@ TEST(PlayerTransition, KeepsTheLatencyBoundFromEveryFrame) {
         ASSERT_TRUE(s.player().goTo(names[to]).ok());
         while (!(s.player().inTransition() && s.player().figure().value().fade > 0) && s.edge.now_s < asked_s + 2)
           s.edge.step(1 / 60.0);
-        most_s = std::max(most_s, s.edge.now_s - asked_s);
+        max_s = std::max(max_s, s.edge.now_s - asked_s);
       }
-      EXPECT_LE(most_s, 0.4) << names[from] << " to " << names[to];
-      EXPECT_GT(most_s, 0.3) << "and all of it is used";
+      EXPECT_LE(max_s, 0.4) << names[from] << " to " << names[to];
+      EXPECT_GT(max_s, 0.3) << "and all of it is used";
     }
   }
 }
@@ -157,7 +157,7 @@ TEST(PlayerTransition, TravelsWithoutAJump) {
   Scene s(threeStates());
   s.player().setTravel(true);
   ASSERT_TRUE(s.player().goTo("idle").ok());
-  const float most_m = kWalkStep_m * 1.01f + 0.17f * glm::length(glm::vec2(kShift));
+  const float max_m = kWalkStep_m * 1.01f + 0.17f * glm::length(glm::vec2(kShift));
   glm::mat4 world = s.world();
   motion::Placement placement = s.player().placement();
   const glm::mat4 shift = motion::worldFromCharacter(motion::moved({}, kShift));
@@ -166,7 +166,7 @@ TEST(PlayerTransition, TravelsWithoutAJump) {
     const bool fading = s.player().inTransition();
     if (fading) target = s.world() * shift;
     s.edge.step(0.004);
-    EXPECT_LE(glm::length(s.player().placement().ground_m - placement.ground_m), most_m);
+    EXPECT_LE(glm::length(s.player().placement().ground_m - placement.ground_m), max_m);
     EXPECT_LE(std::abs(s.player().placement().heading_rad - placement.heading_rad), 0.17f * kShift.z + 1e-4f);
     if (s.player().inTransition() && fading) {
       EXPECT_LE(distance(s.world(), world), kWalkStep_m * 1.01f) << "the source walks on, feet on the ground";
@@ -465,7 +465,7 @@ TEST(PlayerTransition, HundredsOfThemInAnyOrder) {
     EXPECT_GT(s.player().stats().frames_shown, shown + 600) << "stalled, seed " << seed;
     EXPECT_EQ(s.player().stats().barcode_mismatches, 0u);
     EXPECT_TRUE(s.edge.errors.empty());
-    EXPECT_LE(s.edge.most_bytes_held, options.player.encoded_budget_bytes);
+    EXPECT_LE(s.edge.max_bytes_held, options.player.encoded_budget_bytes);
     EXPECT_EQ(s.edge.device.takeErrors(), "");
     transitions += s.edge.events[EventKind::TransitionStarted];
   }

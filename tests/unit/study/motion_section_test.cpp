@@ -8,21 +8,20 @@
 namespace fourdvt::study {
 namespace {
 
-Figure figure(const char* table, const std::string& method, const std::string& setting, const char* quantity,
-              double value) {
+Row row(const char* table, const std::string& method, const std::string& setting, const char* quantity, double value) {
   return {table, "locomotion", method, setting, quantity, value, ""};
 }
 
-Figures sampleRows() {
-  Figures rows{figure(rows::kMotionBlend, rows::kNonlinear, "", rows::kBlendMs, 10),
-               figure(rows::kMotionFlow, rows::kFlowGpu, "against=opencv size=512", rows::kDifferenceMeanPx, 0.111)};
+Rows sampleRows() {
+  Rows rows{row(rows::kMotionBlend, rows::kNonlinear, "", rows::kBlendMs, 10),
+            row(rows::kMotionFlow, rows::kFlowGpu, "against=opencv size=512", rows::kDifferenceMeanPx, 0.111)};
   for (const auto& [references, error] : {std::pair{1, 4.5}, {2, 2.25}}) {
     const std::string setting = "references=" + std::to_string(references) + (references == 2 ? " baked=1" : "");
-    rows.push_back(figure(rows::kMotionBlend, rows::kHybrid, setting, rows::kErrorMaxMm, error));
-    rows.push_back(figure(rows::kMotionBlend, rows::kHybrid, setting, rows::kBlendMs, 0.1));
+    rows.push_back(row(rows::kMotionBlend, rows::kHybrid, setting, rows::kErrorMaxMm, error));
+    rows.push_back(row(rows::kMotionBlend, rows::kHybrid, setting, rows::kBlendMs, 0.1));
   }
   for (const auto& [method, ratio] : {std::pair{rows::kAlignNone, 0.80}, {rows::kAlignBaked, 0.93}})
-    rows.push_back(figure(rows::kMotionSharpness, method, "w=0.50", rows::kGradientRatio, ratio));
+    rows.push_back(row(rows::kMotionSharpness, method, "w=0.50", rows::kGradientRatio, ratio));
   for (const auto& [quantity, value] : {std::pair{rows::kLatencyMeanS, 0.2},
                                         {rows::kLatencyMaxS, 0.36},
                                         {rows::kLatencyPlayedMeanS, 0.3},
@@ -35,12 +34,12 @@ Figures sampleRows() {
   return rows;
 }
 
-void addTruth(Figures& rows) {
+void addTruth(Rows& rows) {
   for (const auto& [method, psnr] :
        {std::pair{rows::kAlignNone, 25.0}, {rows::kAlignBaked, 31.25}, {rows::kFlowGpu, 30.5}})
     for (const char* w : {"0.20", "0.50"})
-      rows.push_back(figure(rows::kMotionAppearance, method, std::string("w=") + w + " mesh=truth region=common",
-                            rows::kPsnrFgDb, psnr));
+      rows.push_back(row(rows::kMotionAppearance, method, std::string("w=") + w + " mesh=truth region=common",
+                         rows::kPsnrFgDb, psnr));
 }
 
 const Section* motionOf(const Document& document) {
@@ -62,7 +61,7 @@ std::string verdict(const Section& section, const std::string& goal) {
 }
 
 TEST(MotionSection, GoalsAreJudgedByTheRows) {
-  Figures rows = sampleRows();
+  Rows rows = sampleRows();
   addTruth(rows);
   const Document document = makeStudyDocument(rows, {}, "actor");
   const Section* section = motionOf(document);

@@ -13,8 +13,8 @@
 
 #include "measure/metrics.h"
 #include "platform/files.h"
-#include "study/run/figures.h"
 #include "study/run/ring.h"
+#include "study/run/row_writer.h"
 #include "study/run/run_steps.h"
 
 namespace fourdvt::study {
@@ -22,16 +22,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Figure row(const std::string& table, const std::string& method, const std::string& setting, const std::string& quantity,
-           double value) {
+Row row(const std::string& table, const std::string& method, const std::string& setting, const std::string& quantity,
+        double value) {
   return {table, "run", method, setting, quantity, value, "bytes"};
 }
 
 TEST(StudyCsv, RowsSurviveCommasQuotesAndLineBreaks) {
-  const Figures rows{{"a,b", "say \"run\"", "", "text=one, \"two\"\nthree", "q", -1.25e-7, "dB"},
-                     {"t", "", "m", "", "inf", HUGE_VAL, ""},
-                     {"t", "s", "m", "x=1 y=2", "large", 1234567890, "bytes"}};
-  auto back = parseFiguresCsv(figuresCsv(rows), "f.csv");
+  const Rows rows{{"a,b", "say \"run\"", "", "text=one, \"two\"\nthree", "q", -1.25e-7, "dB"},
+                  {"t", "", "m", "", "inf", HUGE_VAL, ""},
+                  {"t", "s", "m", "x=1 y=2", "large", 1234567890, "bytes"}};
+  auto back = parseRowsCsv(rowsCsv(rows), "f.csv");
   ASSERT_TRUE(back) << back.error().message;
   ASSERT_EQ(back.value().size(), rows.size());
   for (size_t i = 0; i < rows.size(); ++i) {
@@ -46,15 +46,15 @@ TEST(StudyCsv, RowsSurviveCommasQuotesAndLineBreaks) {
 }
 
 TEST(StudyCsv, DamageNamesFileAndLine) {
-  const std::string good = figuresCsv({row("t", "m", "", "q", 1), row("t", "m", "", "q", 2)});
+  const std::string good = rowsCsv({row("t", "m", "", "q", 1), row("t", "m", "", "q", 2)});
   for (const std::string& bad : {std::string("x,y\n"), good + "t,s,m,,q,notanumber,\n", good + "t,s,m\n",
                                  good.substr(0, good.size() - 3) + "\"open", std::string()}) {
-    auto read = parseFiguresCsv(bad, "folder/f.csv");
+    auto read = parseRowsCsv(bad, "folder/f.csv");
     ASSERT_FALSE(read) << bad;
     EXPECT_EQ(read.error().id, ErrorId::FileUnreadable);
     EXPECT_NE(read.error().message.find("folder/f.csv"), std::string::npos);
   }
-  EXPECT_NE(parseFiguresCsv(good + "t,s,m\n", "f").error().message.find("line 4"), std::string::npos);
+  EXPECT_NE(parseRowsCsv(good + "t,s,m\n", "f").error().message.find("line 4"), std::string::npos);
 }
 
 TEST(StudyJson, HoldsTheRowsAndWhatWasRun) {
@@ -62,9 +62,9 @@ TEST(StudyJson, HoldsTheRowsAndWhatWasRun) {
   options.generator = "fourdvt 1.2.3";
   options.sequences = {"walk", "run"};
   options.quick = true;
-  const Figures rows{row("t", "m \"x\"", "a=1", "q", 0.125), row("t", "m", "", "none", NAN)};
+  const Rows rows{row("t", "m \"x\"", "a=1", "q", 0.125), row("t", "m", "", "none", NAN)};
   const std::string path = (fs::temp_directory_path() / ("fourdvt_json_" + std::to_string(getpid()))).string();
-  ASSERT_TRUE(platform::writeFileAtomic(path, figuresJson(rows, options, "actor")));
+  ASSERT_TRUE(platform::writeFileAtomic(path, rowsJson(rows, options, "actor")));
   const auto json = platform::readJsonFlat(path);
   fs::remove(path);
   ASSERT_TRUE(json) << json.error().message;
@@ -101,18 +101,18 @@ TEST(StudyQuality, BytesAreLogLinearBetweenKnownPointsAndUnknownBeyondThem) {
 std::map<std::string, int> g_runs;
 bool g_fail_second = false;
 
-Result<Figures> firstStep(const StudyContext& context) {
+Result<Rows> firstStep(const StudyContext& context) {
   ++g_runs["first"];
   if (context.progress) context.progress({"first", "half", 0.5});
-  return Figures{row("t", "first", "", "q", 1)};
+  return Rows{row("t", "first", "", "q", 1)};
 }
-Result<Figures> secondStep(const StudyContext& context) {
+Result<Rows> secondStep(const StudyContext& context) {
   ++g_runs["second"];
   FOURDVT_TRY(checkStop(context));
   if (g_fail_second) return Error{ErrorId::Internal, "broken"};
-  auto part = keptPart(context, "part", [&]() -> Result<Figures> {
+  auto part = keptPart(context, "part", [&]() -> Result<Rows> {
     ++g_runs["part"];
-    return Figures{row("t", "second", "", "q", 2)};
+    return Rows{row("t", "second", "", "q", 2)};
   });
   return part;
 }
@@ -131,9 +131,9 @@ class StudySteps : public ::testing::Test {
     g_fail_second = false;
   }
   void TearDown() override { fs::remove_all(folder_); }
-  Result<Figures> run(const std::string& key) {
+  Result<Rows> run(const std::string& key) {
     FOURDVT_TRY(openReportFolder(folder_, key));
-    return runSteps(context_, kSteps, [&](const Figures& rows) -> Status {
+    return runSteps(context_, kSteps, [&](const Rows& rows) -> Status {
       published_.push_back(rows.size());
       return {};
     });
@@ -150,7 +150,7 @@ TEST_F(StudySteps, FinishedStepsAreKept) {
   EXPECT_EQ(published_, (std::vector<size_t>{1, 2}));  // after every step
   auto again = run("key");
   ASSERT_TRUE(again);
-  EXPECT_EQ(figuresCsv(again.value()), figuresCsv(first.value()));
+  EXPECT_EQ(rowsCsv(again.value()), rowsCsv(first.value()));
   EXPECT_EQ(g_runs, (std::map<std::string, int>{{"first", 1}, {"second", 1}, {"part", 1}}));
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-void add(Figures& rows, const char* table, const std::string& sequence, const char* method, const std::string& setting,
+void add(Rows& rows, const char* table, const std::string& sequence, const char* method, const std::string& setting,
          const char* quantity, double value) {
   rows.push_back({table, sequence, method, setting, quantity, value, ""});
 }
@@ -32,7 +32,7 @@ const std::vector<std::string>* rowOf(const Table& table, const std::string& nam
 const std::string kSetting = "layers=3 size=512 codec=h264 crf=23";
 
 TEST(StudyValues, FiltersAndMeans) {
-  Figures rows;
+  Rows rows;
   add(rows, rows::kLayers, "walk", rows::kJoint, "layers=3 size=512", rows::kSsimFg, 0.9);
   add(rows, rows::kLayers, "run", rows::kJoint, "size=512.0 layers=3", rows::kSsimFg, 0.8);
   add(rows, rows::kLayers, "walk", rows::kJoint, "layers=3 size=1024", rows::kSsimFg, 0.95);
@@ -47,8 +47,8 @@ TEST(StudyValues, FiltersAndMeans) {
   EXPECT_EQ(rows::settingText("a=1 pass=shadow cast", "pass"), "shadow cast");
 }
 
-TEST(StudyDocument, Table1HoldsTheRowsFigures) {
-  Figures rows;
+TEST(StudyDocument, Table1HoldsTheRows) {
+  Rows rows;
   add(rows, rows::kTable1, "walk", rows::kFvvr, "", rows::kLoadingS, 12);
   add(rows, rows::kTable1, "walk", rows::kFvvr, "", rows::kTotalBytes, 40e6);
   add(rows, rows::kTable1, "walk", rows::kJoint, kSetting, rows::kTotalBytes, 1e6);
@@ -80,7 +80,7 @@ Judgement judgement(const std::vector<Judgement>& all, const std::string& start)
 }
 
 TEST(StudyDocument, GoalsAndTrendsAreJudgedByTheRows) {
-  Figures rows;
+  Rows rows;
   const char* methods[] = {rows::kNaive, rows::kSpatial, rows::kTemporalPaper, rows::kJoint};
   const double bytes[] = {1.5e6, 1.3e6, 1.31e6, 1.0e6}, flips[] = {10, 8, 7.9, 3.5};
   for (size_t i = 0; i < 4; ++i) {
@@ -113,7 +113,7 @@ TEST(StudyDocument, GoalsAndTrendsAreJudgedByTheRows) {
 }
 
 TEST(StudyDocument, RateCurvesAreInterpolatedAtTheDefaultsQuality) {
-  Figures rows;
+  Rows rows;
   for (const auto& [crf, bps, ssim] : {std::tuple{18, 8e6, 0.96}, {28, 2e6, 0.92}}) {
     const std::string setting = "preset=medium crf=" + std::to_string(crf) + " size=1024";
     add(rows, rows::kRate, "walk", "h264", setting, rows::kVideoBps, bps);
@@ -137,7 +137,7 @@ const Table* tableThat(const Section& section, const std::string& start) {
 }
 
 TEST(StudyDocument, StorageAtEqualQualityIsNeverExtrapolated) {
-  Figures rows;
+  Rows rows;
   add(rows, rows::kTable1, "walk", rows::kJoint, kSetting, rows::kTotalBytes, 1e6);
   add(rows, rows::kTable1, "walk", rows::kJoint, kSetting, rows::kPercentAtPsnr, 25);
   add(rows, rows::kTable1, "walk", rows::kJoint, kSetting, rows::kBeyondAtSsim, 1);
@@ -154,7 +154,7 @@ TEST(StudyDocument, StorageAtEqualQualityIsNeverExtrapolated) {
 }
 
 TEST(StudyDocument, LayersAreComparedAtEqualBitrate) {
-  Figures rows;
+  Rows rows;
   const auto point = [&](int layers, int crf, double bps, double psnr) {
     const std::string setting =
         "preset=medium crf=" + std::to_string(crf) + " size=1024 layers=" + std::to_string(layers) + " layout=default";
@@ -174,7 +174,7 @@ TEST(StudyDocument, LayersAreComparedAtEqualBitrate) {
 }
 
 TEST(StudyDocument, SpeedIsGivenForAllCamerasAndForTheClosest) {
-  Figures rows;
+  Rows rows;
   for (const auto& [closest, ratio] : {std::pair{"", 4.0}, {" closest=3", 1.5}}) {
     const std::string setting = std::string("layers=3 size=512 view=512x512") + closest;
     add(rows, rows::kSpeed, "walk", rows::kFvvr, setting, rows::kFramesPerS, 30 / ratio);
@@ -194,7 +194,7 @@ TEST(StudyDocument, SpeedIsGivenForAllCamerasAndForTheClosest) {
 }
 
 TEST(StudyDocument, LabelGainsAreJudgedOnSeenFacesToo) {
-  Figures rows;
+  Rows rows;
   const auto label = [&](const char* method, double all, double seen) {
     add(rows, rows::kLabels, "walk", method, "layer=1", rows::kSeamPercent, all);
     add(rows, rows::kLabels, "walk", method, "layer=1", rows::kSeenSeamPercent, seen);
@@ -225,7 +225,7 @@ TEST(StudyDocument, NothingMeasuredIsADocumentThatSaysSo) {
 }
 
 TEST(StudyDocument, PicturesCarryFileAndCaption) {
-  Figures rows;
+  Rows rows;
   add(rows, rows::kPictures, "walk", rows::kJoint, "file=layers.jpg layers=4 frame=9 width=1600 height=900",
       rows::kPictureLayers, 0);
   const Document document = makeStudyDocument(rows, {}, "actor");

@@ -11,20 +11,20 @@
 
 namespace fourdvt::study {
 
-std::string figuresCsv(const Figures& figures);
+std::string rowsCsv(const Rows& rows);
 // evaluate.json: what was run and the same rows, {"generator", "capture", "quick", "sequences", "jobs",
 // "rows": [{"table", "sequence", "method", "setting", "quantity", "value", "unit"}, …]}. A value that is not finite is
 // null; "text=…" settings of table "about" stay as they are.
-std::string figuresJson(const Figures& figures, const StudyOptions& options, const std::string& capture_name);
-Result<Figures> parseFiguresCsv(const std::string& text, const std::string& path);
+std::string rowsJson(const Rows& rows, const StudyOptions& options, const std::string& capture_name);
+Result<Rows> parseRowsCsv(const std::string& text, const std::string& path);
 
 // Appends rows with table, sequence, method and setting in common.
 class RowWriter {
  public:
-  RowWriter(Figures& out, std::string table, std::string sequence, std::string method, std::string setting)
+  RowWriter(Rows& out, std::string table, std::string sequence, std::string method, std::string setting)
       : out_(&out), row_{std::move(table), std::move(sequence), std::move(method), std::move(setting), {}, 0, {}} {}
   void add(const char* quantity, double value, const char* unit) const {
-    Figure row = row_;
+    Row row = row_;
     row.quantity = quantity;
     row.value = value;
     row.unit = unit;
@@ -32,8 +32,8 @@ class RowWriter {
   }
 
  private:
-  Figures* out_;
-  Figure row_;
+  Rows* out_;
+  Row row_;
 };
 
 struct RatePoint {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "study/run/figures.h"
+#include "study/run/row_writer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -68,15 +68,15 @@ bool parseNumber(const std::string& text, double& value) {
 
 }  // namespace
 
-std::string figuresCsv(const Figures& figures) {
+std::string rowsCsv(const Rows& rows) {
   std::string out = std::string(kHeader) + "\n";
-  for (const Figure& f : figures)
+  for (const Row& f : rows)
     out += quoted(f.table) + "," + quoted(f.sequence) + "," + quoted(f.method) + "," + quoted(f.setting) + "," +
            quoted(f.quantity) + "," + number(f.value) + "," + quoted(f.unit) + "\n";
   return out;
 }
 
-std::string figuresJson(const Figures& figures, const StudyOptions& options, const std::string& capture_name) {
+std::string rowsJson(const Rows& rows, const StudyOptions& options, const std::string& capture_name) {
   using Json = nlohmann::ordered_json;
   const auto replaced = Json::error_handler_t::replace;  // of bytes that are not UTF-8
   const Json run = {{"generator", options.generator},
@@ -86,15 +86,15 @@ std::string figuresJson(const Figures& figures, const StudyOptions& options, con
                     {"jobs", options.jobs}};
   std::string out = run.dump(-1, ' ', false, replaced);
   out.replace(out.size() - 1, 1, ",\"rows\":[");
-  for (const Figure& f : figures) {
+  for (const Row& f : rows) {
     const Json row = {{"table", f.table},       {"sequence", f.sequence}, {"method", f.method}, {"setting", f.setting},
                       {"quantity", f.quantity}, {"value", f.value},       {"unit", f.unit}};
-    out += (&f == &figures.front() ? "\n" : ",\n") + row.dump(-1, ' ', false, replaced);
+    out += (&f == &rows.front() ? "\n" : ",\n") + row.dump(-1, ' ', false, replaced);
   }
   return out + "\n]}\n";
 }
 
-Result<Figures> parseFiguresCsv(const std::string& text, const std::string& path) {
+Result<Rows> parseRowsCsv(const std::string& text, const std::string& path) {
   const auto broken = [&](size_t line) {
     return Error{ErrorId::FileUnreadable, path + ": line " + std::to_string(line) + " is no row of a study (" +
                                               kHeader + "); delete the file and run the study again"};
@@ -102,7 +102,7 @@ Result<Figures> parseFiguresCsv(const std::string& text, const std::string& path
   std::vector<std::vector<std::string>> records;
   if (!splitCsv(text, records)) return broken(records.size() + 1);
   if (records.empty() || records[0].size() != kFields || records[0][0] != "table") return broken(1);
-  Figures out;
+  Rows out;
   for (size_t i = 1; i < records.size(); ++i) {
     auto& r = records[i];
     double value = 0;

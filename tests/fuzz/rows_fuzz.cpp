@@ -5,18 +5,18 @@
 #include <cstdlib>
 #include <string>
 
-#include "study/study.h"
+#include "study/run/row_writer.h"
 
 using namespace fourdvt::study;
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::string text(reinterpret_cast<const char*>(data), size);
-  auto rows = parseFiguresCsv(text, "rows.csv");
+  auto rows = parseRowsCsv(text, "rows.csv");
   if (!rows) return 0;
-  auto again = parseFiguresCsv(figuresCsv(rows.value()), "rows.csv");
+  auto again = parseRowsCsv(rowsCsv(rows.value()), "rows.csv");
   if (!again || again.value().size() != rows.value().size()) std::abort();
   for (size_t i = 0; i < rows.value().size(); ++i) {
-    const Figure &a = rows.value()[i], &b = again.value()[i];
+    const Row &a = rows.value()[i], &b = again.value()[i];
     if (a.table != b.table || a.sequence != b.sequence || a.method != b.method || a.setting != b.setting ||
         a.quantity != b.quantity || a.unit != b.unit)
       std::abort();
