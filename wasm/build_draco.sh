@@ -23,12 +23,7 @@ fail() { echo "build_draco: $*" >&2; exit 1; }
 . "$(dirname "${BASH_SOURCE[0]}")/debian_source.sh"
 . "$(dirname "${BASH_SOURCE[0]}")/../site/steps.sh"  # show_progress
 
-need emcmake emscripten
-need cmake cmake
-need ninja ninja-build
-if [ -n "${DRACO_SOURCE_DIR:-}" ]; then
-  [ -f "$DRACO_SOURCE_DIR/CMakeLists.txt" ] || fail "DRACO_SOURCE_DIR=$DRACO_SOURCE_DIR has no CMakeLists.txt: name an unpacked Draco"
-fi
+need_tools DRACO_SOURCE_DIR Draco
 
 version_of() { sed -nE 's/.*kDracoVersion\[\] = "([^"]+)".*/\1/p' "$1/src/draco/core/draco_version.h"; }
 

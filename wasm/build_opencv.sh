@@ -29,12 +29,7 @@ fail() { echo "build_opencv: $*" >&2; exit 1; }
 . "$(dirname "${BASH_SOURCE[0]}")/debian_source.sh"
 . "$(dirname "${BASH_SOURCE[0]}")/../site/steps.sh"  # show_progress
 
-need emcmake emscripten
-need cmake cmake
-need ninja ninja-build
-if [ -n "${OPENCV_SOURCE_DIR:-}" ]; then
-  [ -f "$OPENCV_SOURCE_DIR/CMakeLists.txt" ] || fail "OPENCV_SOURCE_DIR=$OPENCV_SOURCE_DIR has no CMakeLists.txt: name an unpacked OpenCV"
-fi
+need_tools OPENCV_SOURCE_DIR OpenCV
 
 hash=$(printf '%s\n' "$flags" "${options[*]}" "$(emcc --version | head -1)" "${OPENCV_SOURCE_DIR:-debian}" | sha256sum | cut -c1-12)
 mkdir -p "$cache"

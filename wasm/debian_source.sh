@@ -4,6 +4,14 @@
 
 need() { command -v "$1" >/dev/null || fail "'$1' is missing: install the package $2"; }
 
+# Ends the script if a tool is missing, or if the variable is set and names no source folder.
+need_tools() {  # $1: variable, $2: the library's name
+  need emcmake emscripten
+  need cmake cmake
+  need ninja ninja-build
+  [ -z "${!1:-}" ] || [ -f "${!1}/CMakeLists.txt" ] || fail "$1=${!1} has no CMakeLists.txt: name an unpacked $2"
+}
+
 # Writes the system's apt sources again, for source packages instead of binary ones.
 write_private_sources() {  # $1: folder for them
   local file

@@ -15,8 +15,8 @@ struct Quality {
   const char* meaning;  // one line for the help
   int texture, layers;
   // Per codec, in the order of the enum: CRF on the codec's own scale, and the encoder's preset.
-  int crf[3];
-  const char* preset[3];
+  int crf[kCodecs];
+  const char* preset[kCodecs];
 };
 
 constexpr const char* kDefaultQuality = "web";

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace fourdvt {
 
@@ -19,6 +20,28 @@ glm::dvec3 PinholeCamera::forwardInWorld() const {
 glm::dvec3 PinholeCamera::project(const glm::dvec3& point_in_world) const {
   const glm::dvec3 p(cam_from_world * glm::dvec4(point_in_world, 1));
   return {fx * p.x / p.z + cx, fy * p.y / p.z + cy, p.z};
+}
+
+PictureRegion regionOf(const PinholeCamera& camera, const Positions& positions) {
+  constexpr int kMargin = 8;         // pixels
+  constexpr double kNearest = 1e-3;  // m
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  glm::dvec3 low(kInfinity), high(-kInfinity);
+  for (const glm::vec3& position : positions) {
+    const glm::dvec3 pixel = camera.project(glm::dvec3(position));
+    if (pixel.z <= kNearest) continue;
+    low = glm::min(low, pixel);
+    high = glm::max(high, pixel);
+  }
+  if (low.z > high.z) return {};
+  const auto bound = [](double value, int end) { return static_cast<int>(std::clamp(value, 0.0, double(end))); };
+  const int x0 = bound(std::floor(low.x) - kMargin, camera.width),
+            x1 = bound(std::ceil(high.x) + kMargin, camera.width),
+            y0 = bound(std::floor(low.y) - kMargin, camera.height),
+            y1 = bound(std::ceil(high.y) + kMargin, camera.height);
+  if (x1 <= x0 || y1 <= y0) return {};
+  const double near_m = std::max(0.9 * low.z, kNearest), far_m = 1.1 * high.z;
+  return {x0, y0, x1 - x0, y1 - y0, static_cast<float>(near_m), static_cast<float>(far_m)};
 }
 
 glm::dmat4 clipFromCam(const PinholeCamera& c, double near_m, double far_m) {

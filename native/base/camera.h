@@ -28,6 +28,16 @@ struct PinholeCamera {
 glm::dmat4 clipFromCam(const PinholeCamera& camera, double near_m, double far_m);
 glm::dmat4 clipFromWorld(const PinholeCamera& camera, double near_m, double far_m);
 
+// A part of a camera's picture, pixels, and the depths along the optical axis that it shows.
+struct PictureRegion {
+  int x = 0, y = 0, width = 0, height = 0;
+  float near_m = 0, far_m = 0;
+  bool empty() const { return width == 0; }
+};
+// Where the points in front of the camera fall, with 8 pixels to spare on each side and a tenth of the depth; empty if
+// none falls into the picture.
+PictureRegion regionOf(const PinholeCamera& camera, const Positions& positions_in_world);
+
 // A view on a sphere round `target_in_world`, Y up. Azimuth 0 looks at the performer's front (camera on +Z), positive
 // azimuth moves the camera towards +X; positive elevation moves it up.
 struct OrbitView {

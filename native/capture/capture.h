@@ -76,6 +76,10 @@ Result<std::vector<CaptureCamera>> parseColmapText(std::string_view cameras_text
                                                    const std::string& path);
 void scaleToMetres(std::vector<CaptureCamera>& cameras, double metres_per_unit);
 
+// The held-out cameras, folder cameras_test: test pictures exist of them, and no bake sees them. In metres.
+// Errors: those of readColmapCameras.
+Result<std::vector<PinholeCamera>> readTestCameras(const Capture& capture);
+
 // `only` limits the sequences that are checked and returned (empty: all).
 Result<Capture> openCapture(const std::string& folder, const OpenVideo& open_video,
                             const std::vector<std::string>& only = {});

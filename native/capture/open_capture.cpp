@@ -86,6 +86,14 @@ const CaptureSequence* Capture::find(const std::string& wanted) const {
   return nullptr;
 }
 
+Result<std::vector<PinholeCamera>> readTestCameras(const Capture& capture) {
+  FOURDVT_ASSIGN(auto cameras, readColmapCameras(capture.folder + "/cameras_test"));
+  scaleToMetres(cameras, capture.metres_per_unit);
+  std::vector<PinholeCamera> out;
+  for (const CaptureCamera& camera : cameras) out.push_back(camera.pinhole);
+  return out;
+}
+
 Result<Capture> openCapture(const std::string& folder, const OpenVideo& open_video,
                             const std::vector<std::string>& only) {
   std::error_code failed;

@@ -3,17 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <limits>
 
+#include "measure/held_out_truth.h"
 #include "measure/metrics.h"
 #include "measure/projective.h"
 #include "platform/files.h"
 
 namespace fourdvt::measure {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Colour times alpha of a keyed camera picture: C = a·F + (1-a)·B, so a·F = C - (1-a)·B. Without a plate: a·C.
 // The result is straight alpha again, so that both kinds of truth look the same from here on.
@@ -48,8 +45,7 @@ class Evaluation {
       if (fits && !capture_.cameras[c].distortion.any()) plates_[c] = plate.take();
     }
     if (!any_held_out) return {};
-    FOURDVT_ASSIGN(auto test, capture::readColmapCameras(capture_.folder + "/cameras_test"));
-    for (const auto& camera : test) test_cameras_.push_back(camera.pinhole);
+    FOURDVT_ASSIGN(test_cameras_, capture::readTestCameras(capture_));
     return {};
   }
 
@@ -65,40 +61,30 @@ class Evaluation {
  private:
   Status heldOutViews(const capture::CaptureSequence& sequence, const capture::CaptureFrame& input) {
     for (const PinholeCamera& camera : test_cameras_) {
-      char name[64];
-      std::snprintf(name, sizeof name, "/%04u.png", input.index);
-      const std::string path = sequence.folder + "/" + camera.name + name;
-      FOURDVT_ASSIGN(auto truth, platform::readImage(path));
-      const Image& t = truth;
-      if (t.channels != 4 || t.width != camera.width || t.height != camera.height)
-        return Error{ErrorId::FrameSize, path + ": must be RGBA of " + std::to_string(camera.width) + "x" +
-                                             std::to_string(camera.height) + " pixels as in cameras_test/cameras.txt"};
+      FOURDVT_ASSIGN(auto truth, heldOutTruth(sequence, camera, input.index));
       Image yardstick;
       if (options_.yardstick)
         yardstick =
             renderProjective(camera, cameras_, input.pictures, capture_.topology.face_vertices, input.positions);
-      FOURDVT_TRY(score(sequence.name, input.index, camera, true, t, yardstick));
+      FOURDVT_TRY(score({sequence.name, camera.name, input.index, true}, camera, truth, yardstick));
     }
     return {};
   }
 
   Status inputViews(const capture::CaptureSequence& sequence, const capture::CaptureFrame& input) {
     for (size_t c = 0; c < cameras_.size(); ++c)
-      FOURDVT_TRY(
-          score(sequence.name, input.index, cameras_[c], false, withoutBackdrop(input.pictures[c], plates_[c]), {}));
+      FOURDVT_TRY(score({sequence.name, cameras_[c].name, input.index, false}, cameras_[c],
+                        withoutBackdrop(input.pictures[c], plates_[c]), {}));
     return {};
   }
 
-  Status score(const std::string& sequence, uint32_t frame, const PinholeCamera& camera, bool held_out,
-               const Image& truth, const Image& yardstick) {
-    FOURDVT_TRY(character_.showFrame(sequence, frame));
+  // Fills in the score, whose first four fields say what is drawn.
+  Status score(ViewScore score, const PinholeCamera& camera, const Image& truth, const Image& yardstick) {
+    FOURDVT_TRY(character_.showFrame(score.sequence, score.frame));
     render::RecipeOptions recipe;
     recipe.ground_shadow = false;
     FOURDVT_ASSIGN(auto drawn, character_.renderStill(render::viewFromCamera(camera), recipe));
-    WorstView view{{sequence, camera.name, frame, held_out, 0, 0, 0, kNaN, kNaN, kNaN},
-                   compositedOnBlack(truth),
-                   compositedOnBlack(drawn),
-                   {}};
+    WorstView view{std::move(score), compositedOnBlack(truth), compositedOnBlack(drawn), {}};
     const Mask inside = unionOfSilhouettes(truth, drawn);
     view.score.psnr_db = psnr(view.truth, view.character, inside);
     view.score.ssim = ssim(view.truth, view.character, inside);
@@ -111,7 +97,7 @@ class Evaluation {
       view.score.yardstick_common_psnr_db = psnr(view.truth, view.yardstick, commonSilhouette(truth, yardstick));
     }
     report_.scores.push_back(view.score);
-    if (held_out) keepIfWorst(std::move(view));
+    if (view.score.held_out) keepIfWorst(std::move(view));
     return {};
   }
 

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -21,13 +22,15 @@ struct HeldOutOptions {
   bool yardstick = false;              // also plain projective texturing at the held-out cameras, see projective.h
 };
 
+inline constexpr double kNotAsked = std::numeric_limits<double>::quiet_NaN();
+
 struct ViewScore {
   std::string sequence, camera;
   uint32_t frame = 0;
   bool held_out = true;          // false: an input camera
   double psnr_db = 0, ssim = 0;  // layered character, over the union of the silhouettes
   double common_psnr_db = 0;     // over their common part: how much of the error is the outline's
-  double yardstick_psnr_db = 0, yardstick_ssim = 0, yardstick_common_psnr_db = 0;  // NaN where it was not asked for
+  double yardstick_psnr_db = kNotAsked, yardstick_ssim = kNotAsked, yardstick_common_psnr_db = kNotAsked;
 };
 
 // The view with the lowest SSIM of one sequence's held-out views. All RGB over black, of the camera's size.
@@ -38,7 +41,7 @@ struct WorstView {
 
 struct HeldOutReport {
   std::vector<ViewScore> scores;
-  std::vector<WorstView> worst;  // one a sequence that has held-out views
+  std::vector<WorstView> worst;  // one per sequence that has held-out views
 };
 
 // Needs a current GL context behind `character`. `on_frame`, if set, hears of each finished frame of the capture.

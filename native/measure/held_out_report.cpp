@@ -49,7 +49,7 @@ std::string section(const HeldOutReport& report, bool held_out) {
   return out;
 }
 
-// What any of the pictures shows, with a margin of 16 pixels.
+// The box of everything that any of the pictures shows, with a margin of 16 pixels.
 cv::Rect shownPart(const WorstView& view) {
   int left = view.truth.width, top = view.truth.height, right = 0, bottom = 0;
   for (const Image* image : {&view.truth, &view.character}) {

@@ -19,7 +19,7 @@ using Mask = std::vector<uint8_t>;  // width × height, non-zero: inside the reg
 Image compositedOnBlack(const Image& rgba);
 // Where the alpha of either picture is at least 128. Both RGBA and of one size.
 Mask unionOfSilhouettes(const Image& a, const Image& b);
-// Where both are: leaves the error of the outline out.
+// Where the alpha of both pictures is at least 128: this leaves the error of the outline out.
 Mask commonSilhouette(const Image& a, const Image& b);
 
 // 10 log10(255² / MSE), MSE over all three channels of the pixels inside. Infinity for equal pictures, NaN for an

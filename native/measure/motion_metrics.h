@@ -29,15 +29,15 @@ struct FlowField {
   int width = 0, height = 0;
   std::vector<glm::vec2> displacement;  // NaN where nothing is known
 };
-// Between pixels bilinearly; NaN where a neighbour is.
+// Bilinear between pixels; NaN where a neighbour is NaN.
 glm::vec2 flowAt(const FlowField& flow, glm::dvec2 pixel);
 
-// Where each face corner, perspective-correctly what is between them, is seen after it moved to `moved`
-// ([3 * face + corner]). NaN off the surface. metres_per_pixel, if not null, gets the size of a pixel there.
+// Flow of the surface when its face corners move from `positions` to `moved` ([3 * face + corner]); perspective-correct
+// inside a face. NaN off the surface. metres_per_pixel, if not null, gets the size of a pixel on the surface.
 FlowField surfaceFlow(const PinholeCamera& camera, const std::vector<glm::uvec3>& faces, const Positions& positions,
                       const std::vector<glm::vec3>& moved, std::vector<float>* metres_per_pixel = nullptr);
 
-// Gathers distances; NaN is left out.
+// Collects distances; NaN is left out.
 class ErrorSamples {
  public:
   void add(float value);
@@ -48,16 +48,16 @@ class ErrorSamples {
  private:
   std::vector<float> values_;
 };
-// Lengths of a - b inside.
+// Adds the lengths of a - b at the pixels inside.
 void addDifferences(const FlowField& a, const FlowField& b, const Mask& inside, ErrorSamples& out);
 
-// When two motions on a common time, blended with w of the second, are in a phase: the fractional frame where the
-// w-weighted mean of their own phases is `phase`. first, second: [frame] share of the motion that has passed, rising;
-// a loop's may begin anywhere and count on beyond 1, and of a loop's turns the second's nearest to the first's counts.
+// The fractional frame at which two motions on a common time, blended with weight w of the second, reach `phase`: where
+// the w-weighted mean of their own phases is `phase`. first, second: [frame] share of the motion that has passed,
+// rising. A loop's shares may begin anywhere and go on beyond 1; the second's turn nearest to the first's is used.
 double commonFrame(std::span<const double> first, std::span<const double> second, bool loop, double w, double phase);
 
-// Mean of |a - b| over the three channels, levels, where either is (alpha >= 128); straight alpha over black. 0:
-// nothing there.
+// Mean of |a - b| over the three channels, levels, where either picture is covered (alpha >= 128); straight alpha over
+// black. 0 if neither is covered anywhere.
 double pictureChange(const Image& a, const Image& b);
 // Largest distance between points of the same index.
 double largestStep_m(const Positions& a, const Positions& b);

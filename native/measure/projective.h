@@ -19,17 +19,17 @@ struct FaceBuffer {
   std::vector<uint32_t> face;  // 0xffffffff where nothing is
 };
 
-// Nearest face at each sample centre, `scale` samples a pixel and axis; faces seen from behind are drawn too.
+// Nearest face at each sample centre, `scale` samples per pixel along each axis; faces seen from behind are drawn too.
 FaceBuffer rasterise(const PinholeCamera& camera, const std::vector<glm::uvec3>& face_vertices,
                      const Positions& positions, int scale);
 
 struct ProjectiveOptions {
-  int samples = 2;  // samples a pixel and axis
+  int samples = 2;  // samples per pixel along each axis
   double depth_tolerance_m = 0.01;
 };
 
 // RGBA straight alpha; alpha = covered share of the samples. A covered sample that no camera sees takes the camera that
-// faces it best in spite of occlusion. `pictures` are one RGB(A) picture a camera.
+// faces it best in spite of occlusion. `pictures`: one RGB(A) picture per camera.
 Image renderProjective(const PinholeCamera& view, std::span<const PinholeCamera> cameras,
                        std::span<const Image> pictures, const std::vector<glm::uvec3>& face_vertices,
                        const Positions& positions, const ProjectiveOptions& options = {});

@@ -21,8 +21,8 @@ struct ChartSeam {
 std::vector<ChartSeam> chartSeams(const MeshTopology& topology);
 
 // Sampled every pixel along the seams that the view shows. The contrast at a point with unit normal n across the edge
-// and luma L (0..255): |L(1.5n) - L(-1.5n)| + |L(0) - (L(1.5n) + L(-1.5n)) / 2|, a step and a line. Controls are the
-// same at parallel lines 6 pixels to either side, where the same surface goes on.
+// and luma L (0..255): |L(1.5n) - L(-1.5n)| + |L(0) - (L(1.5n) + L(-1.5n)) / 2|, a step and a line. Controls are
+// measured in the same way along parallel lines 6 pixels to either side, where the same surface continues.
 struct SeamContrast {
   double seam = 0, control = 0;  // means, levels
   size_t samples = 0;
@@ -36,9 +36,9 @@ SeamContrast seamContrast(const Image& picture, const PinholeCamera& view, const
                           const Positions& positions, const SeamOptions& options = {});
 
 // Share (0..1) of the pixels within 3 pixels of the silhouette (alpha 128) of a straight-alpha RGBA picture that are
-// tinted by `backdrop` (sRGB 0..255, green or blue): by how much its strongest channel exceeds the others they lie at
-// least a quarter of the way from the most tinted of the performer's pixels 5 to 9 pixels inside, nearby, to the
-// backdrop. NaN without a silhouette.
+// tinted by `backdrop` (sRGB 0..255, green or blue). The tint of a colour is by how much the backdrop's strongest
+// channel exceeds the other two. A pixel counts if its tint lies at least a quarter of the way from the strongest tint
+// of the performer nearby, 5 to 9 pixels inside, to that of the backdrop. NaN without a silhouette.
 double fringeShare(const Image& rgba, const glm::dvec3& backdrop);
 
 }  // namespace fourdvt::measure

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
 
@@ -14,37 +13,11 @@ namespace fourdvt::render {
 namespace {
 
 constexpr int kDepthCopies = 5;  // of the offset multi-draw, as in fvvr_depth.vert
-constexpr int kCropMargin = 8;   // pixels round the mesh
 
 Error invalid(const std::string& message) { return Error{ErrorId::InvalidArgument, message}; }
 
-// The part of a picture that the frame's mesh can be textured from.
-struct Crop {
-  int x = 0, y = 0, width = 0, height = 0;  // pixels; empty: the mesh is out of sight
-  float near_m = 0, far_m = 0;
-};
-
-Crop cropRoundMesh(const PinholeCamera& camera, const Positions& positions) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  glm::dvec3 low(kInfinity), high(-kInfinity);
-  for (const glm::vec3& position : positions) {
-    const glm::dvec3 pixel = camera.project(glm::dvec3(position));
-    if (pixel.z <= 1e-3) continue;
-    low = glm::min(low, pixel);
-    high = glm::max(high, pixel);
-  }
-  if (low.z > high.z) return {};
-  const auto bound = [](double value, int end) { return static_cast<int>(std::clamp(value, 0.0, double(end))); };
-  const int x0 = bound(std::floor(low.x) - kCropMargin, camera.width),
-            x1 = bound(std::ceil(high.x) + kCropMargin, camera.width),
-            y0 = bound(std::floor(low.y) - kCropMargin, camera.height),
-            y1 = bound(std::ceil(high.y) + kCropMargin, camera.height);
-  if (x1 <= x0 || y1 <= y0) return {};
-  return {x0, y0, x1 - x0, y1 - y0, static_cast<float>(0.9 * low.z), static_cast<float>(1.1 * high.z)};
-}
-
 // The camera that would take just the crop.
-PinholeCamera croppedCamera(PinholeCamera camera, const Crop& crop) {
+PinholeCamera croppedCamera(PinholeCamera camera, const PictureRegion& crop) {
   camera.cx -= crop.x;
   camera.cy -= crop.y;
   camera.width = crop.width;
@@ -53,7 +26,7 @@ PinholeCamera croppedCamera(PinholeCamera camera, const Crop& crop) {
 }
 
 // Pixels from straight RGBA, rows tightly packed.
-void premultiply(const Image& rgba, const Crop& crop, std::vector<uint8_t>& out) {
+void premultiply(const Image& rgba, const PictureRegion& crop, std::vector<uint8_t>& out) {
   out.resize(size_t(crop.width) * crop.height * 4);
   uint8_t* to = out.data();
   for (int y = 0; y < crop.height; ++y) {
@@ -117,7 +90,7 @@ class FvvrOnDevice final : public Fvvr {
  private:
   struct Camera {
     PinholeCamera pinhole;
-    Crop crop;  // of the frame shown
+    PictureRegion crop;  // what the mesh of the frame shown needs
     gpu::Target depth_map;
     bool is_used = true;       // in the frame shown
     bool has_picture = false;  // uploaded since the camera is in use
@@ -210,7 +183,7 @@ Status FvvrOnDevice::setGeometry(const Positions& positions, std::span<const siz
   }
   uploadTable(device_, positions_normals_, table_);
   for (Camera& camera : cameras_)
-    if (camera.is_used) camera.crop = cropRoundMesh(camera.pinhole, positions);
+    if (camera.is_used) camera.crop = regionOf(camera.pinhole, positions);
   has_geometry_ = true;
   return {};
 }
@@ -228,9 +201,9 @@ Status FvvrOnDevice::uploadPictures(std::span<const Image> pictures) {
   for (size_t c = 0; c < pictures.size(); ++c)
     if (cameras_[c].is_used) FOURDVT_TRY(checkPicture(cameras_[c].pinhole, pictures[c]));
   for (size_t c = 0; c < pictures.size(); ++c) {
-    const Crop& crop = cameras_[c].crop;
+    const PictureRegion& crop = cameras_[c].crop;
     cameras_[c].has_picture = cameras_[c].is_used;
-    if (!cameras_[c].is_used || crop.width == 0) continue;
+    if (!cameras_[c].is_used || crop.empty()) continue;
     premultiply(pictures[c], crop, pixels_);
     device_.updateTexture(pictures_.id(), {.x = crop.x, .y = crop.y, .width = crop.width, .height = crop.height},
                           pixels_.data(), 0, static_cast<int>(c));
@@ -249,11 +222,11 @@ gpu::Draw FvvrOnDevice::meshDraw(gpu::ProgramId program, int copies) const {
 
 void FvvrOnDevice::drawDepthMaps() {
   for (const Camera& camera : cameras_)
-    if (camera.is_used && camera.crop.width > 0) drawDepthMap(camera);
+    if (camera.is_used && !camera.crop.empty()) drawDepthMap(camera);
 }
 
 void FvvrOnDevice::drawDepthMap(const Camera& camera) {
-  const Crop& crop = camera.crop;
+  const PictureRegion& crop = camera.crop;
   const PinholeCamera cropped = croppedCamera(camera.pinhole, crop);
   const glm::mat4 clip_from_world(clipFromWorld(cropped, crop.near_m, crop.far_m));
   const glm::vec2 clip_per_pixel(2.0f / crop.width, 2.0f / crop.height);
@@ -294,7 +267,7 @@ void FvvrOnDevice::drawMesh(const View& view, const FvvrOptions& options, const 
   std::vector<glm::vec4> centres, pixel_spans, sizes;
   for (size_t c : chosen) {
     const PinholeCamera& camera = cameras_[c].pinhole;
-    const Crop& crop = cameras_[c].crop;
+    const PictureRegion& crop = cameras_[c].crop;
     pixel_from_world.push_back(pixelFromWorld(camera));
     centres.emplace_back(glm::vec3(camera.centreInWorld()), c);
     pixel_spans.emplace_back(1 / camera.fx, 0, 0, 0);

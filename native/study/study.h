@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `fourdvt evaluate CAPTURE -o REPORT`: the papers' tables on one capture, as a list of steps. A step measures and
-// returns figures (rows of evaluate.csv) and writes its pictures into REPORT/pictures. A finished step's rows are kept
+// `fourdvt evaluate CAPTURE -o REPORT`: the papers' tables on one capture, as a list of steps. A step measures,
+// returns rows of evaluate.csv and writes its pictures into REPORT/pictures. A finished step's rows are kept
 // in REPORT/steps/<name>.csv, so that an interrupted study resumes; the document is made from rows only.
 #pragma once
 

@@ -30,8 +30,8 @@ const char* qualityHelp() {
 const char* presetHelp() {
   static const std::string text = [] {
     std::string t = "the encoder's own name of a speed (default: of the quality):";
-    for (const bake::Codec codec : {bake::Codec::H264, bake::Codec::Vp9, bake::Codec::Av1})
-      t += std::string("\n                          ") + bake::codecName(codec) + ": " + bake::presetExplanation(codec);
+    for (const bake::CodecInfo& info : bake::kCodecInfos)
+      t += std::string("\n                          ") + info.name + ": " + info.presets;
     return t;
   }();
   return text.c_str();
@@ -133,7 +133,7 @@ T choice(Args& args, const char* name, T otherwise, std::initializer_list<std::p
 void readEncoding(Args& args, bake::BakeOptions& o) {
   bake::Codec codec = o.codec;
   if (args.has("--codec") && !bake::parseCodec(args.text("--codec"), codec))
-    args.complain("--codec must be one of h264, vp9, av1, not \"" + args.text("--codec") + "\"");
+    args.complain("--codec must be one of " + bake::codecNames() + ", not \"" + args.text("--codec") + "\"");
   const std::string name = args.text("--quality", bake::kDefaultQuality);
   if (const bake::Quality* quality = bake::findQuality(name))
     bake::applyQuality(*quality, codec, o);
@@ -141,11 +141,11 @@ void readEncoding(Args& args, bake::BakeOptions& o) {
     args.complain("--quality must be one of draft, web, high, not \"" + name + "\"");
   o.layers = args.integer("--layers", o.layers, 1, 6);
   o.texture = args.integer("--texture", o.texture, 64, 4096);
-  o.crf = args.integer("--crf", o.crf, 0, bake::highestCrf(codec));
+  o.crf = args.integer("--crf", o.crf, 0, bake::infoOf(codec).highest_crf);
   o.preset = args.text("--preset", o.preset);
   o.equal_layers = args.has("--equal-layers");
   if (!bake::knowsPreset(codec, o.preset))
-    args.complain(std::string("--preset for ") + bake::codecName(codec) + " must be " + bake::presetExplanation(codec) +
+    args.complain(std::string("--preset for ") + bake::infoOf(codec).name + " must be " + bake::infoOf(codec).presets +
                   ", not \"" + o.preset + "\"");
 }
 

@@ -10,7 +10,7 @@ uniform vec4 u_members[MEMBERS];  // per drawn member m: its number in the appea
 uniform vec3 u_eye;
 uniform vec4 u_camera_centres[MAX_CAMERAS];
 #ifdef SHARPENED
-uniform float u_view_exponent;  // sharpens the view term; without: 1, the paper
+uniform float u_view_exponent;  // RecipeOptions::view_exponent, which sharpens the view term; not SHARPENED: 1
 #endif
 
 // Below this sum of weights the first rank takes over.

@@ -92,6 +92,20 @@ function runList(runs) {
   return `<section aria-labelledby="runs">\n<h2 id="runs">How to measure it again</h2>\n<p>All of it, README and these pages: <code>bash site/measured/measure.sh</code></p>\n<dl>\n${items.join('\n')}\n</dl>\n</section>`;
 }
 
+const meta = (name, content) => `<meta name="${name}" content="${content}">`;
+const link = (rel, href) => `<link rel="${rel}" href="${href}">`;
+const head = ['<meta charset="utf-8">', meta('viewport', 'width=device-width, initial-scale=1'),
+  `<meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'self'; img-src data:; base-uri 'none'; form-action 'none'">`,
+  meta('color-scheme', 'light dark'),
+  meta('description', 'Every figure of fourdvt, measured on the sample capture, with its goal and the command that measures it again.'),
+  '<title>fourdvt · measured</title>', link('icon', 'data:,'), link('stylesheet', '../site.css'), link('stylesheet', 'measured.css')].join('\n');
+
+const introduction = `<header>
+<p><a href="../index.html">fourdvt</a></p>
+<h1>Measured</h1>
+<p>Every figure of this page, of the README and of the front page comes from one file, <a href="figures.json">figures.json</a>, which is made from what the tool itself wrote. “FG” counts the silhouettes only. Several values in one cell are those of the motions.</p>
+</header>`;
+
 export function makePage(shown) {
   const { runs } = shown;
   const body = [missed(shown), ...sections.map((data) => section(shown, data, runs)), worse(shown), constantsTable(), others(shown), runList(runs)].filter(Boolean);
@@ -100,23 +114,11 @@ export function makePage(shown) {
 <!-- Made by site/measured/fill.mjs from figures.json: change site/measured/catalogue.mjs or measure again. -->
 <html lang="en">
 <head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'self'; img-src data:; base-uri 'none'; form-action 'none'">
-<meta name="color-scheme" content="light dark">
-<meta name="description" content="Every figure of fourdvt, measured on the sample capture, with its goal and the command that measures it again.">
-<title>fourdvt · measured</title>
-<link rel="icon" href="data:,">
-<link rel="stylesheet" href="../site.css">
-<link rel="stylesheet" href="measured.css">
+${head}
 </head>
 <body>
 <main class="measured">
-<header>
-<p><a href="../index.html">fourdvt</a></p>
-<h1>Measured</h1>
-<p>Every figure of this page, of the README and of the front page comes from one file, <a href="figures.json">figures.json</a>, which is made from what the tool itself wrote. “FG” counts the silhouettes only. Several values in one cell are those of the motions.</p>
-</header>
+${introduction}
 ${body.join('\n')}
 </main>
 </body>

@@ -22,6 +22,7 @@ read -r shortest class members < <(node -e "$describe" "$capture/capture.json")
 
 plain="--sequences $shortest --no-classes"
 declare -A bakes=(
+  [default]=""
   [layers-1]="$plain --layers 1" [layers-2]="$plain --layers 2" [layers-3-equal]="$plain --layers 3 --equal-layers"
   [labels-naive]="$plain --labels naive" [labels-spatial]="$plain --labels spatial"
   [labels-temporal-paper]="$plain --labels temporal-paper" [labels-joint]="$plain --labels joint"
@@ -33,7 +34,7 @@ declare -A bakes=(
 names=("$@")
 [ ${#names[@]} -gt 0 ] || readarray -t names < <(printf '%s\n' "${!bakes[@]}" pictures | sort)
 for name in "${names[@]}"; do
-  [ "$name" = pictures ] || [ -n "${bakes[$name]:-}" ] || { echo "same_bytes: no case \"$name\" for this capture: ${!bakes[*]} pictures" >&2; exit 2; }
+  [ "$name" = pictures ] || [[ -v bakes[$name] ]] || { echo "same_bytes: no case \"$name\" for this capture: ${!bakes[*]} pictures" >&2; exit 2; }
 done
 
 # What a result depends on. A tool is known by its contents.

@@ -25,12 +25,19 @@ bake::AlignmentOptions fewViews() {
   return options;
 }
 
+// From few views. Empty, and the test fails, where there is an error.
+bake::AlignedFrame aligned(AlignmentRig& rig) {
+  auto found = rig.align(fewViews());
+  if (found) return found.take();
+  ADD_FAILURE() << found.error().message;
+  return {};
+}
+
 TEST_F(BakeAlignment, FindsTheDriftAndSharpensTheMiddle) {
   const AlignmentSceneOptions options = smallScene(0.012);
   AlignmentRig rig(*device, options), truth(*device, smallScene(0));
-  auto found = rig.align(fewViews());
-  ASSERT_TRUE(found) << found.error().message;
-  EXPECT_LT(alignmentError_m(rig.scene, found.value().displacement_m), 0.05 * options.drift_m);
+  const bake::AlignedFrame found = aligned(rig);
+  EXPECT_LT(alignmentError_m(rig.scene, found.displacement_m), 0.05 * options.drift_m);
   const float half[] = {0.5f, 0.5f};
   SquaredError none, baked;
   for (int view = 0; view < kHeldOutViews; ++view) {
@@ -38,7 +45,7 @@ TEST_F(BakeAlignment, FindsTheDriftAndSharpensTheMiddle) {
     const Image wanted = truth.draw(camera, half, render::Align::None);
     rig.setAlignment({});
     none.add(wanted, rig.draw(camera, half, render::Align::None));
-    rig.setAlignment(found.value().displacement_m);
+    rig.setAlignment(found.displacement_m);
     baked.add(wanted, rig.draw(camera, half, render::Align::Baked));
   }
   printf("PSNR at w = 1/2: none %.2f dB, baked %.2f dB\n", none.psnr_db(), baked.psnr_db());
@@ -47,19 +54,17 @@ TEST_F(BakeAlignment, FindsTheDriftAndSharpensTheMiddle) {
 
 TEST_F(BakeAlignment, EqualMembersStay) {
   AlignmentRig rig(*device, smallScene(0));
-  auto found = rig.align(fewViews());
-  ASSERT_TRUE(found) << found.error().message;
-  for (const glm::vec2& d : found.value().displacement_m) ASSERT_LT(glm::length(d), 1e-5);
-  EXPECT_GT(found.value().detail_correlation, 0.999f);
+  const bake::AlignedFrame found = aligned(rig);
+  for (const glm::vec2& d : found.displacement_m) ASSERT_LT(glm::length(d), 1e-5);
+  EXPECT_GT(found.detail_correlation, 0.999f);
 }
 
 TEST_F(BakeAlignment, DifferingShadingIsNotMotion) {
   AlignmentSceneOptions options = smallScene(0.006);
   options.wrinkles = 0.15;
   AlignmentRig rig(*device, options);
-  auto found = rig.align(fewViews());
-  ASSERT_TRUE(found) << found.error().message;
-  EXPECT_LT(alignmentError_m(rig.scene, found.value().displacement_m), 0.12 * options.drift_m);
+  const bake::AlignedFrame found = aligned(rig);
+  EXPECT_LT(alignmentError_m(rig.scene, found.displacement_m), 0.12 * options.drift_m);
 }
 
 TEST_F(BakeAlignment, PlainPlacesTakeASmoothFieldAndLittleConfidence) {
@@ -67,9 +72,7 @@ TEST_F(BakeAlignment, PlainPlacesTakeASmoothFieldAndLittleConfidence) {
   options.plain_from = 0.45;
   options.plain_to = 0.55;
   AlignmentRig rig(*device, options);
-  auto made = rig.align(fewViews());
-  ASSERT_TRUE(made) << made.error().message;
-  const bake::AlignedFrame& found = made.value();
+  const bake::AlignedFrame found = aligned(rig);
   const auto truth = rig.scene.truth();
   float plain = 0, textured = 0;
   int plain_count = 0, textured_count = 0;
@@ -93,9 +96,7 @@ TEST_F(BakeAlignment, ThreeMembersEachFindTheirOwnWay) {
   AlignmentSceneOptions options = smallScene(0.012);
   options.members = 3;
   AlignmentRig rig(*device, options);
-  auto made = rig.align(fewViews());
-  ASSERT_TRUE(made) << made.error().message;
-  const auto& found = made.value().displacement_m;
+  const std::vector<glm::vec2> found = aligned(rig).displacement_m;
   const size_t vertices = rig.scene.mesh.topology.vertex_count;
   ASSERT_EQ(found.size(), 2 * vertices);
   EXPECT_LT(alignmentError_m(rig.scene, std::span(found).subspan(vertices)), 0.05 * options.drift_m);

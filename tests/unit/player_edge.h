@@ -67,6 +67,8 @@ class SimulatedEdge {
   bool runUntilShown() {
     return runUntil([&] { return player->hasFrame() && !player->seeking(); });
   }
+  // Loads the manifest and runs until the first picture is shown.
+  bool load() { return player->loadManifest(character_.manifest).ok() && runUntilShown(); }
   // What the shown picture and geometry say about themselves; both through one draw.
   TaggingDevice::Drawn draw() {
     device.drawn = {};

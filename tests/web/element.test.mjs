@@ -221,14 +221,19 @@ test('twenty elements one after the other do not exhaust contexts', async () => 
   assert.deepEqual([...new Set(ids)], ['fetch-failed']);
 });
 
-test('keys, drag and attributes turn the camera; vertical touch stays with the page', async () => {
-  await page.evaluate(() => {
+// globalThis.viewer, without a character.
+function addSteeredViewer(orbit) {
+  return page.evaluate((orbit) => {
     const viewer = document.createElement('fourdvt-viewer');
     viewer.setAttribute('camera-controls', '');
-    viewer.setAttribute('camera-orbit', '30deg 10deg 4m');
+    viewer.setAttribute('camera-orbit', orbit);
     document.body.append(viewer);
     globalThis.viewer = viewer;
-  });
+  }, orbit);
+}
+
+test('keys, drag and attributes turn the camera; vertical touch stays with the page', async () => {
+  await addSteeredViewer('30deg 10deg 4m');
   const orbit = () => page.evaluate(() => {
     globalThis.viewer.jumpCameraToGoal();
     return globalThis.viewer.getCameraOrbit();
@@ -253,14 +258,10 @@ test('keys, drag and attributes turn the camera; vertical touch stays with the p
 });
 
 test('a wheel without focus scrolls the page, with Ctrl it zooms', async () => {
+  await addSteeredViewer('0deg 0deg 4m');
   await page.evaluate(() => {
-    const viewer = document.createElement('fourdvt-viewer');
-    viewer.setAttribute('camera-controls', '');
-    viewer.setAttribute('camera-orbit', '0deg 0deg 4m');
-    document.body.append(viewer);
-    globalThis.viewer = viewer;
     globalThis.prevented = [];
-    viewer.addEventListener('wheel', (e) => globalThis.prevented.push(e.defaultPrevented));
+    globalThis.viewer.addEventListener('wheel', (e) => globalThis.prevented.push(e.defaultPrevented));
   });
   const wheel = (ctrlKey) => page.evaluate((ctrlKey) => {
     const stage = globalThis.viewer.shadowRoot.querySelector('[role=img]');

@@ -8,6 +8,7 @@ import { join } from 'node:path';
 import { promisify } from 'node:util';
 
 import { decodePng, encodePng } from './png.mjs';
+import { serve } from './server.mjs';
 
 /** npm packages live beside the player: web/node_modules. */
 export const requireFromWeb = createRequire(new URL('../../web/package.json', import.meta.url));
@@ -36,6 +37,20 @@ export function outputFolder(name) {
 
 export function launch() {
   return chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: kFlags });
+}
+
+/** The site in a browser, its first picture shown: {server, browser, page}; close with closeSite. */
+export async function openSite(viewport) {
+  const site = { server: await serve(environment('SITE')), browser: await launch() };
+  site.page = await openPage(site.browser, { viewport });
+  await site.page.goto(site.server.url);
+  await waitForEvent(site.page, 'canplay');
+  return site;
+}
+
+export async function closeSite(site) {
+  await site?.browser.close();
+  await site?.server.close();
 }
 
 /**

@@ -8,9 +8,8 @@ import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { promisify } from 'node:util';
 
-import { environment, kFovDeg, kPatienceMs, launch, openPage, outputFolder, readCanvas, waitForEvent, writePicture } from './harness.mjs';
+import { closeSite, environment, kFovDeg, kPatienceMs, openPage, openSite, outputFolder, readCanvas, waitForEvent, writePicture } from './harness.mjs';
 import { decodePng } from './png.mjs';
-import { serve } from './server.mjs';
 import { coverage, ssim } from './ssim.mjs';
 
 const run = promisify(execFile);
@@ -18,19 +17,13 @@ const kSsim = 0.98;
 const kOther = 0.99;     // two alignments: below; native and browser agree to 0.997
 const kStall_ms = 4000;  // far beyond a frame in software GL on a busy machine: what hangs, hangs longer
 
-let server, browser, page;
+let site, server, browser, page;
 before(async () => {
-  server = await serve(environment('SITE'));
-  browser = await launch();
-  page = await openPage(browser, { viewport: { width: 480, height: 900 } });
-  await page.goto(server.url);
-  await waitForEvent(page, 'canplay');
+  site = await openSite({ width: 480, height: 900 });
+  ({ server, browser, page } = site);
   await until(() => document.querySelector('fourdvt-viewer').parameters.length > 0);
 });
-after(async () => {
-  await browser?.close();
-  await server?.close();
-});
+after(() => closeSite(site));
 
 const until = (condition, argument, on = page) => on.waitForFunction(condition, argument, { timeout: kPatienceMs, polling: 50 });
 const shot = async (name, on = page) => {

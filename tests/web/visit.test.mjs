@@ -4,22 +4,15 @@ import assert from 'node:assert/strict';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 
-import { environment, kPatienceMs, launch, openPage, outputFolder, readCanvas, waitForEvent, writePicture } from './harness.mjs';
-import { serve } from './server.mjs';
+import { closeSite, environment, kPatienceMs, openPage, openSite, outputFolder, readCanvas, waitForEvent, writePicture } from './harness.mjs';
 import { coverage } from './ssim.mjs';
 
-let server, browser, page;
+let site, server, browser, page;
 before(async () => {
-  server = await serve(environment('SITE'));
-  browser = await launch();
-  page = await openPage(browser, { viewport: { width: 390, height: 844 } });
-  await page.goto(server.url);
-  await waitForEvent(page, 'canplay');
+  site = await openSite({ width: 390, height: 844 });
+  ({ server, browser, page } = site);
 });
-after(async () => {
-  await browser?.close();
-  await server?.close();
-});
+after(() => closeSite(site));
 
 const viewerState = () => page.evaluate(() => {
   const viewer = document.querySelector('fourdvt-viewer');

@@ -72,7 +72,7 @@ float ChartLimits::allowedShare(const glm::vec2& uv, const glm::vec2& shift, int
   for (int step = 1; step <= steps; ++step) {
     const glm::vec2 texel = glm::floor((uv + shift * (float(step) / float(steps))) * float(size_));
     const glm::ivec2 at(glm::clamp(texel, glm::vec2(0), glm::vec2(float(size_ - 1))));
-    // A chart's thin end may cover no texel's centre: what is no chart's counts as its own within one texel.
+    // The thin end of a chart may cover no texel centre: texels of no chart count as its own within one texel.
     if (reach_[size_t(at.y) * size_ + at.x] != chart && step > 1) return float(step - 1) / float(steps);
   }
   return 1;

@@ -13,8 +13,8 @@ class ChartLimits {
  public:
   // `size`: side of layer 1 in texels. Topology and frames are borrowed.
   ChartLimits(const MeshTopology& topology, const SurfaceFrames& frames, int size, int gutter_texels);
-  // Shortens displacements (metres along the tangents) that would take a corner's texture coordinates, moved either
-  // way, further than the gutter out of their chart or into another one's.
+  // Shortens every displacement (metres along the tangents) that would move the texture coordinates of a corner,
+  // forwards or backwards, beyond the gutter of their chart or into the gutter of another chart.
   void cut(std::vector<glm::vec2>& displacement_m) const;
   int size() const { return size_; }
 
@@ -26,7 +26,7 @@ class ChartLimits {
   const SurfaceFrames* frames_;
   int size_ = 0;
   std::vector<int> chart_of_uv_;
-  std::vector<int> reach_;  // size × size: chart that is near enough, the nearest one; kNoChart: none
+  std::vector<int> reach_;  // size × size: the nearest chart within reach; kNoChart: none
 };
 
 }  // namespace fourdvt::bake

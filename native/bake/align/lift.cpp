@@ -12,7 +12,7 @@ namespace {
 constexpr double kFlowPyramidScale = 0.5;
 constexpr int kFlowLevels = 5, kFlowWindow = 15, kFlowIterations = 2, kFlowPolyN = 5;
 constexpr double kFlowPolySigma = 1.1;
-constexpr float kDisagreement_px = 1.0f;    // forward-backward, at which certainty has fallen to 1/e …
+constexpr float kDisagreement_px = 1.0f;    // forward-backward error at which certainty falls to 1/e …
 constexpr float kDisagreementShare = 0.1f;  // … plus this share of the flow's length
 constexpr float kTexture = 20;              // grey² a pixel²: gradient energy at which certainty is one quarter
 constexpr double kTextureSigma_px = 4;
@@ -59,7 +59,7 @@ glm::vec2 sampleFlow(const cv::Mat& flow, const glm::vec2& at) {
   return {value[0], value[1]};
 }
 
-// (S (S + k)⁻¹)²: sure along directions with texture only; what noise there is in plain places counts for nothing.
+// (S (S + k)⁻¹)²: certain only along directions that have texture, so that noise in plain places does not count.
 glm::mat2 textureCertainty(const cv::Vec3f& tensor) {
   const glm::mat2 energy(tensor[0], tensor[2], tensor[2], tensor[1]);
   const glm::mat2 share = energy * glm::inverse(energy + glm::mat2(kTexture));
@@ -75,7 +75,7 @@ std::vector<FlowObservation> observeFlow(const cv::Mat& first, const cv::Mat& ot
   std::vector<FlowObservation> observations;
   observations.reserve(seen.size());
   for (const SeenVertex& vertex : seen) {
-    // Where a look point lies in either picture when the vertex lies half way.
+    // The place of one look point in both pictures when the vertex lies half way between them.
     const glm::vec2 start = vertex.pixel - 0.5f * sampleFlow(forward, vertex.pixel);
     const glm::vec2 there = sampleFlow(forward, start);
     const glm::vec2 back = sampleFlow(backward, start + there);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Second stage of baked alignment: flow both ways in one view → what it says about the tangent displacement of the
-// vertices seen there; then one robust estimate a vertex from all views.
+// Second part of baked alignment: turns the optical flow of one view, computed in both directions, into observations of
+// the tangent displacement of the vertices seen there; then combines all views into one robust estimate per vertex.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -10,8 +10,9 @@
 
 namespace fourdvt::bake {
 
-// Of one vertex in one view: the displacement d that is missing obeys pixels_from_tangents · d = flow, as far as
-// `certainty` (symmetric, eigenvalues 0..1: facing, forward-backward agreement, texture in each direction) says.
+// One view's observation of one vertex: the displacement d that is still missing satisfies
+// pixels_from_tangents · d = flow, weighted by `certainty` (symmetric, eigenvalues 0..1; from facing, forward-backward
+// agreement and texture in each direction).
 struct FlowObservation {
   uint32_t vertex = 0;
   float pixels_per_metre = 0;
@@ -25,15 +26,15 @@ struct FlowObservation {
 std::vector<FlowObservation> observeFlow(const cv::Mat& first, const cv::Mat& other, const cv::Mat& interior,
                                          const std::vector<SeenVertex>& seen);
 
-// Normal equations of one vertex's displacement in base metres: information · d = pull. information is without unit: 1
-// is one frontal view that is sure of both directions.
+// Normal equations of one vertex's displacement in base metres: information · d = pull. Information has no unit: 1 is
+// one frontal view that is certain of both directions.
 struct VertexEstimate {
   glm::mat2 information{0};
   glm::vec2 pull{0};
 };
 
-// Cauchy reweighting over the views of a vertex. `current`: displacement under which the looks were drawn, base metres;
-// the estimates are of the whole displacement.
+// Combines the views of each vertex by Cauchy reweighting. `current`: the displacement with which the looks were drawn,
+// base metres. The estimates are of the whole displacement, not of what is missing from `current`.
 std::vector<VertexEstimate> liftFlow(const std::vector<std::vector<FlowObservation>>& views,
                                      const std::vector<glm::vec2>& current);
 

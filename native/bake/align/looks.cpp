@@ -63,8 +63,8 @@ class Drawer final : public LookDrawer {
   }
 
  private:
-  // Looks differ in their texture coordinates only: with their depth drawn before them, hidden surface is never shaded.
-  // What colours this leaves does not matter: every look draws over the same pixels.
+  // Looks differ only in their texture coordinates. Their common depth is drawn first, so that hidden surface is never
+  // shaded; the colours of this pass do not matter, because every look draws over the same pixels.
   void drawDepth(const render::View& view) {
     device_.beginPass({.target = target_.id(), .clear_color = true, .clear_depth = true, .label = "look depth"});
     device_.draw(

@@ -17,15 +17,15 @@ class LookDrawer {
   static Result<std::unique_ptr<LookDrawer>> create(gpu::Device& device, const package::Character& character,
                                                     const package::BaseMesh& mesh);
   virtual ~LookDrawer() = default;
-  // The mesh to draw on, and for every member the texture vertices to draw with (as many as the topology's).
+  // Sets the mesh to draw on and, per member, its texture coordinates (as many as the topology has).
   virtual Status setFrame(const Positions& positions, const std::vector<std::vector<glm::vec2>>& member_uvs) = 0;
   // [member] CV_8UC4, premultiplied.
   virtual Result<std::vector<cv::Mat>> draw(const PinholeCamera& camera, const render::Appearance& appearance,
                                             const render::PictureTextures& picture) = 0;
 };
 
-// Luma, CV_8U, of even local mean and contrast over the figure, so that shading and exposure say nothing; mid-grey
-// elsewhere, so that the outline, which stands still, says nothing either.
+// Luma, CV_8U, with local mean and contrast evened out over the figure, so that shading and exposure do not influence
+// the flow; mid-grey elsewhere, so that the outline, which does not move, does not influence it either.
 cv::Mat evenLuma(const cv::Mat& rgba);
 
 }  // namespace fourdvt::bake

@@ -7,7 +7,7 @@ namespace fourdvt::bake {
 namespace {
 
 constexpr float kSteadiness = 0.25f;     // pull towards each neighbour in time, against confidence 0..1
-constexpr float kMinConfidence = 1e-3f;  // confidence of everything: a vertex that is never certain keeps its mean
+constexpr float kMinConfidence = 1e-3f;  // every vertex has this much, so that one that is never certain keeps its mean
 
 // One tridiagonal system: confidence_t (x_t − d_t) + kSteadiness Σ (x_t − x_neighbour) = 0.
 class TimeLine {

@@ -74,7 +74,7 @@ class Aligner final : public SurfaceAligner {
     std::vector<glm::mat2x3> tangents;
   };
 
-  // Texture vertices of every member, drawn where equal weights of all members put them.
+  // Texture coordinates per member, moved to the place where all members meet at equal weights.
   std::vector<Field> movedUvs(const Field& displacement) const {
     const size_t vertices = mesh_.topology.vertex_count, members = displacement.size() / vertices + 1;
     Field mean(vertices, glm::vec2(0));
@@ -91,7 +91,7 @@ class Aligner final : public SurfaceAligner {
     return uvs;
   }
 
-  // One round: draw with what is known, add what flow still sees, smooth the whole.
+  // One round: draws with the displacement known so far, adds what the flow still finds, and smooths the sum.
   Status refine(const Shown& shown, int divisor, AlignedFrame& result) {
     const size_t vertices = mesh_.topology.vertex_count, others = result.displacement_m.size() / vertices;
     FOURDVT_ASSIGN(auto seen, observe(shown, divisor, result.displacement_m));

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Alignment of the members' appearance, lifted to the surface at bake time (ALGORITHMS 5.1): every member is
-// drawn from a ring of views on the same blended mesh; flow both ways in each view; a tangent displacement a vertex
-// that agrees with all of them, weighted by facing, forward-backward error and texture; smooth; 0 where nothing is
-// certain. What is aligned is what is shown: the pictures are the decoded ones. A displacement is found for the place
-// where both looks come together at equal weights, so that this is where it is exact. Does NOT code or store. In order:
-// looks.h (draw), views.h (what is seen), lift.h (flow → vertices), smooth.h, charts.h (gutters), detail.h (what the
-// blend will lack); over time: steady.cpp.
+// Aligns the members' appearance on the surface at bake time (ALGORITHMS 5.1). Every member is drawn on the same
+// blended mesh from a ring of views. Optical flow in both directions in each view gives one tangent displacement per
+// vertex that fits all views, weighted by facing, forward-backward error and texture; it is smoothed, and 0 where
+// nothing is certain. The decoded pictures are aligned, because they are what the player shows. The displacement is
+// exact at equal weights, where both looks meet. Does NOT code or store. In order: looks.h (draws), views.h (what each
+// view sees), lift.h (flow → vertices), smooth.h, charts.h (gutters), detail.h (contrast that the blend will lack);
+// over time: steady.cpp.
 #pragma once
 
 #include <memory>
@@ -21,14 +21,14 @@ struct AlignmentOptions {
   int picture_height = 640;  // pixels
   double smoothness = 1;     // of the screened Laplacian
   double max_displacement_m = 0.04;
-  int gutter_texels = 10;  // of layer 1: displacements that leave a chart further than this are cut
-  int jobs = 2;            // views measured at a time, on other threads than the one that draws; 1: on the same one
+  int gutter_texels = 10;  // of layer 1; displacements that would leave a chart further than this are shortened
+  int jobs = 2;            // views measured at a time, on threads beside the drawing one; 1: on the drawing thread
 };
 
 struct AlignedFrame {
   std::vector<glm::vec2> displacement_m;  // [member - 1][vertex], along the tangents of base/surface_frame.h
   std::vector<float> confidence;          // likewise, 0..1
-  float detail_correlation = 1;           // of the members' looks, moved by just this; see detail.h
+  float detail_correlation = 1;           // of the members' looks after this displacement; see detail.h
 };
 
 class SurfaceAligner {
@@ -37,13 +37,14 @@ class SurfaceAligner {
   static Result<std::unique_ptr<SurfaceAligner>> create(gpu::Device& device, const package::Character& character,
                                                         const package::BaseMesh& mesh, const AlignmentOptions& options);
   virtual ~SurfaceAligner() = default;
-  // One frame: the class's decoded picture and labels (`appearance`, set for this frame), on `middle`: the blend of all
-  // members at equal weights.
+  // Aligns one frame: the class's decoded picture and labels (`appearance`, set for this frame) on `middle`, the blend
+  // of all members at equal weights.
   virtual Result<AlignedFrame> align(const Positions& middle, const render::Appearance& appearance,
                                      const render::PictureTextures& picture) = 0;
 };
 
-// Over time: confident frames steady the others; loops wrap. frames: of one whole GOP window or sequence.
+// Steadies the displacements over time: confident frames pull their neighbours; loops wrap. `frames`: those of one
+// whole GOP window or sequence.
 void steadyAlignment(std::vector<AlignedFrame>& frames, bool loop);
 
 }  // namespace fourdvt::bake

@@ -14,7 +14,7 @@ constexpr double kDistance = 2.5;  // from the centre, in diagonals of the bound
 constexpr int kMargin = 12;        // pixels round the figure
 constexpr float kDepthTolerance_m = 0.01f;
 constexpr float kDepthStep_m = 0.03f;  // between neighbouring pixels, on top of the slope at kMinCosine
-constexpr float kMinCosine = 0.15f;    // beyond, a surface is too foreshortened to tell movement along it
+constexpr float kMinCosine = 0.15f;    // below it a surface is too foreshortened to show movement along it
 
 // Fits focal length, principal point and width to the points.
 PinholeCamera fitted(PinholeCamera camera, const Positions& positions, int height) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// First stage of baked alignment: where the mesh is looked at from, what is seen there, and how it moves on the
+// First part of baked alignment: where the mesh is looked at from, what is seen there, and how it moves on the
 // picture. Does NOT draw looks (looks.h).
 #pragma once
 

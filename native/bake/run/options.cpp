@@ -13,8 +13,9 @@ std::string BakeOptions::check() const {
   if (texture < 128 || texture % 32 != 0)
     return "texture must be a multiple of 32 from 128, not " + std::to_string(texture);
   if (const std::string wrong = checkTileLayout(layers, texture, equal_layers); !wrong.empty()) return wrong;
-  if (crf < 0 || crf > highestCrf(codec))
-    return "crf must be 0.." + std::to_string(highestCrf(codec)) + " for this codec, not " + std::to_string(crf);
+  if (crf < 0 || crf > infoOf(codec).highest_crf)
+    return "crf must be 0.." + std::to_string(infoOf(codec).highest_crf) + " for this codec, not " +
+           std::to_string(crf);
   if (gop < 1 || gop > 250) return "gop must be 1..250 frames, not " + std::to_string(gop);
   if (jobs < 0) return "jobs must not be negative";
   if (!(position_step_m >= 1e-6 && position_step_m <= 0.1)) return "position step must be 0.000001..0.1 m";

@@ -84,14 +84,11 @@ Status ClassAligner::open() {
   return {};
 }
 
-// The stream's codec string is in the finished file only; decoders go by its kind.
-const char* codecKind(Codec codec) { return codec == Codec::H264 ? "avc1" : codec == Codec::Vp9 ? "vp09" : "av01"; }
-
 Status ClassAligner::alignGop(uint32_t gop, RecordFile& file) {
   FOURDVT_ASSIGN(const GopArtefact artefact, run_.work.loadGop(plan_.name, gop));
   const uint32_t first = plan_.gop_first_frames[gop];
   Status aligned;
-  auto decoder = platform::SampleDecoder::create(codecKind(plan_.encode.codec), artefact.video.parameter_sets,
+  auto decoder = platform::SampleDecoder::create(infoOf(plan_.encode.codec).kind, artefact.video.parameter_sets,
                                                  [&](const I420View& view, int64_t frame) {
                                                    const uint32_t row = static_cast<uint32_t>(frame);
                                                    if (aligned.ok() && first + row == file.count())

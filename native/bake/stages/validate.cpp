@@ -189,8 +189,15 @@ std::string captureKey(const Job& job, const capture::CaptureSequence& sequence)
 }
 
 std::string labelKey(const BakeOptions& o) {
+  const LabelOptions weights;
+  std::string all =
+      std::to_string(weights.eta) + " " + std::to_string(weights.tau) + " " + std::to_string(weights.empty_penalty);
+  for (const auto* by_rank : {&weights.theta, &weights.omega})
+    for (const float weight : *by_rank) all += " " + std::to_string(weight);
+  char hash[20];
+  std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(fnv1a(all, kFnv1aStart)));
   return std::string(" labels ") + labelModeName(o.labels) + " penalty " + std::to_string(static_cast<int>(o.penalty)) +
-         " layers " + std::to_string(o.layers);
+         " layers " + std::to_string(o.layers) + " weights " + hash;
 }
 
 std::string settingsKey(const Job& job) {

@@ -75,12 +75,15 @@ void GpuCapture::setFrame(gpu::Device& device, const Positions& positions, const
     Camera& camera = cameras_[c];
     const PictureCrop& crop = crops[c];
     const PinholeCamera& pinhole = camera.pinhole;
-    const float near_m = crop.near_m > 0 ? crop.near_m : 0.1f, far_m = crop.near_m > 0 ? crop.far_m : 1.0f;
+    const float near_m = crop.region.near_m > 0 ? crop.region.near_m : 0.1f,
+                far_m = crop.region.near_m > 0 ? crop.region.far_m : 1.0f;
     camera.size_near_far = {pinhole.width, pinhole.height, near_m, far_m};
     camera.clip_from_world = glm::mat4(clipFromWorld(pinhole, near_m, far_m));
-    if (crop.width > 0) {
-      device.updateTexture(camera.picture.id(), {.x = crop.x, .y = crop.y, .width = crop.width, .height = crop.height},
-                           crop.premultiplied.data());
+    if (!crop.region.empty()) {
+      device.updateTexture(
+          camera.picture.id(),
+          {.x = crop.region.x, .y = crop.region.y, .width = crop.region.width, .height = crop.region.height},
+          crop.premultiplied.data());
       if (mipmaps_) device.generateMipmaps(camera.picture.id());
     }
     gpu::Pass pass;

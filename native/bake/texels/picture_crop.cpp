@@ -2,21 +2,14 @@
 #include "bake/texels/picture_crop.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 namespace fourdvt::bake {
 namespace {
 
-constexpr int kCropMargin = 8;    // pixels
 constexpr int kEdgePixels = 2;    // how far the backdrop's colour reaches inwards
 constexpr uint8_t kOpaque = 250;  // alpha
 constexpr int kReach[] = {3,
                           7};  // distances in pixels within which inside colour is looked for; corners need the second
-
-struct Bounds {
-  int x0, y0, x1, y1;  // pixels, end exclusive
-};
 
 // 1 where every pixel within kEdgePixels (in x and y) is opaque; pixels beyond the picture's edge do not count.
 std::vector<uint8_t> insideMask(const Image& image) {
@@ -78,31 +71,14 @@ void replaceEdgeColours(Image& rgba) {
 }
 
 PictureCrop cropPicture(const PinholeCamera& camera, const Positions& positions, const Image& picture) {
-  constexpr double kInf = std::numeric_limits<double>::max();
-  glm::dvec3 low(kInf), high(-kInf);
-  for (const glm::vec3& p : positions) {
-    const glm::dvec3 pixel = camera.project(glm::dvec3(p));
-    if (pixel.z <= 1e-3) continue;
-    low = glm::min(low, pixel);
-    high = glm::max(high, pixel);
-  }
   PictureCrop crop;
-  if (low.z > high.z) return crop;
-  crop.near_m = static_cast<float>(std::max(0.9 * low.z, 1e-3));
-  crop.far_m = static_cast<float>(1.1 * high.z);
-  const double w = camera.width, h = camera.height;
-  const Bounds b{int(std::clamp(std::floor(low.x) - kCropMargin, 0.0, w)),
-                 int(std::clamp(std::floor(low.y) - kCropMargin, 0.0, h)),
-                 int(std::clamp(std::ceil(high.x) + kCropMargin, 0.0, w)),
-                 int(std::clamp(std::ceil(high.y) + kCropMargin, 0.0, h))};
-  if (b.x1 <= b.x0 || b.y1 <= b.y0) return crop;
-  Image part(b.x1 - b.x0, b.y1 - b.y0, 4);
-  for (int y = b.y0; y < b.y1; ++y) std::copy_n(picture.at(b.x0, y), size_t(part.width) * 4, part.at(0, y - b.y0));
+  crop.region = regionOf(camera, positions);
+  const PictureRegion& region = crop.region;
+  if (region.empty()) return crop;
+  Image part(region.width, region.height, 4);
+  for (int y = 0; y < region.height; ++y)
+    std::copy_n(picture.at(region.x, region.y + y), size_t(region.width) * 4, part.at(0, y));
   replaceEdgeColours(part);
-  crop.x = b.x0;
-  crop.y = b.y0;
-  crop.width = part.width;
-  crop.height = part.height;
   crop.premultiplied = std::move(part.pixels);
   for (size_t i = 0; i < crop.premultiplied.size(); i += 4) {
     uint8_t* p = &crop.premultiplied[i];

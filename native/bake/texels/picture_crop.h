@@ -12,9 +12,8 @@
 namespace fourdvt::bake {
 
 struct PictureCrop {
-  int x = 0, y = 0, width = 0, height = 0;  // pixels; width 0 if the mesh is out of sight
-  float near_m = 0, far_m = 0;              // depth range of the mesh
-  std::vector<uint8_t> premultiplied;       // height × width × 4
+  PictureRegion region;                // of the mesh; empty if it is out of sight
+  std::vector<uint8_t> premultiplied;  // height × width × 4
 };
 
 // `picture` is RGBA with the camera's size, with colours as recorded: mixed with the backdrop where alpha is partial.

@@ -152,7 +152,7 @@ Status AvEncoder::checkGop() const {
     const uint32_t frame = gop_.packets[i].frame;
     if (frame >= seen.size() || seen[frame]++)
       return Error{ErrorId::Internal, encoder + "packets and frames of a GOP do not pair up"};
-    if (i > frame + reorderFrames(settings_.codec) || (i > 0 && gop_.packets[i].key))
+    if (i > frame + infoOf(settings_.codec).reorder_frames || (i > 0 && gop_.packets[i].key))
       return Error{ErrorId::Internal, encoder + "a GOP is not closed or reorders too far"};
   }
   return {};

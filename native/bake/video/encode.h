@@ -10,19 +10,12 @@
 #include <string>
 #include <vector>
 
+#include "bake/video/codec.h"
 #include "base/image.h"
 #include "base/result.h"
 
 namespace fourdvt::bake {
 
-enum class Codec { H264, Vp9, Av1 };
-
-const char* codecName(Codec codec);  // "h264", "vp9", "av1"
-// False: there is no such name.
-bool parseCodec(const std::string& name, Codec& codec);
-int highestCrf(Codec codec);                 // on the codec's own scale, which starts at 0
-const char* defaultPreset(Codec codec);      // what an empty EncodeSettings::preset means
-const char* presetExplanation(Codec codec);  // one line for help and messages
 // H.264: x264's preset names. VP9: libvpx's cpu-used, 0..5. AV1: SVT-AV1's 0..7, or "aom-0".."aom-8" for libaom.
 bool knowsPreset(Codec codec, const std::string& preset);
 
@@ -34,7 +27,7 @@ struct EncodeSettings {
   double fps = 25;
   int crf = 23;  // the codec's own scale: 0..51 for H.264, 0..63 for VP9 and AV1
   Codec codec = Codec::H264;
-  std::string preset;  // the encoder's own, see knowsPreset; empty: defaultPreset
+  std::string preset;  // the encoder's own, see knowsPreset; empty: the codec's default
   // Further options of the encoder, "key=value:key=value": x264-params, svtav1-params, options of libavcodec's
   // wrapper of libvpx and libaom. For measurements.
   std::string extra;
@@ -50,11 +43,6 @@ struct EncodedGop {
   std::vector<uint8_t> parameter_sets;  // Annex B SPS and PPS; VP9: empty; AV1: sequence header OBU
   std::vector<EncodedPacket> packets;   // decoding order
 };
-
-// The number of frames by which decoding order may run ahead of presentation order, the same in every GOP. VP9 and AV1
-// hide their reordering inside packets.
-constexpr int kReorderFrames = 1;
-inline int reorderFrames(Codec codec) { return codec == Codec::H264 ? kReorderFrames : 0; }
 
 class GopEncoder {
  public:

@@ -29,18 +29,23 @@ int speed(const std::string& text, int highest) {
 
 bool isAom(const std::string& preset) { return preset.rfind(kAom, 0) == 0; }
 
-std::string presetOf(const EncodeSettings& s) { return s.preset.empty() ? defaultPreset(s.codec) : s.preset; }
+std::string presetOf(const EncodeSettings& s) { return s.preset.empty() ? infoOf(s.codec).default_preset : s.preset; }
 
 struct EncoderName {
   const char *name, *package;
 };
 
 EncoderName encoderName(const EncodeSettings& s) {
-  if (s.codec == Codec::H264)
-    return {"libx264", "libx264 (Debian: libavcodec-extra59 or libavcodec59 with libx264-164)"};
-  if (s.codec == Codec::Vp9) return {"libvpx-vp9", "libvpx (Debian: libavcodec59 with libvpx7)"};
-  if (isAom(presetOf(s))) return {"libaom-av1", "libaom (Debian: libavcodec59 with libaom3)"};
-  return {"libsvtav1", "SVT-AV1 (Debian: libavcodec59 with libsvtav1enc1)"};
+  switch (s.codec) {
+    case Codec::H264:
+      return {"libx264", "libx264 (Debian: libavcodec-extra59 or libavcodec59 with libx264-164)"};
+    case Codec::Vp9:
+      return {"libvpx-vp9", "libvpx (Debian: libavcodec59 with libvpx7)"};
+    case Codec::Av1:
+      if (isAom(presetOf(s))) return {"libaom-av1", "libaom (Debian: libavcodec59 with libaom3)"};
+      return {"libsvtav1", "SVT-AV1 (Debian: libavcodec59 with libsvtav1enc1)"};
+  }
+  return {};
 }
 
 // Keeps SVT-AV1 from writing a banner to standard error for every encoder; errors are still written.
@@ -121,25 +126,19 @@ Status setExtra(const EncodeSettings& s, AVCodecContext& c) {
 
 }  // namespace
 
-const char* codecName(Codec codec) { return codec == Codec::H264 ? "h264" : codec == Codec::Vp9 ? "vp9" : "av1"; }
+std::string codecNames() {
+  std::string out;
+  for (const CodecInfo& info : kCodecInfos) out += (out.empty() ? "" : ", ") + std::string(info.name);
+  return out;
+}
 
 bool parseCodec(const std::string& name, Codec& codec) {
-  for (const Codec known : {Codec::H264, Codec::Vp9, Codec::Av1}) {
-    if (name != codecName(known)) continue;
-    codec = known;
+  for (size_t i = 0; i < kCodecs; ++i) {
+    if (name != kCodecInfos[i].name) continue;
+    codec = static_cast<Codec>(i);
     return true;
   }
   return false;
-}
-
-int highestCrf(Codec codec) { return codec == Codec::H264 ? 51 : 63; }
-
-const char* defaultPreset(Codec codec) { return codec == Codec::H264 ? "slow" : codec == Codec::Vp9 ? "3" : "6"; }
-
-const char* presetExplanation(Codec codec) {
-  if (codec == Codec::H264) return "ultrafast, superfast, veryfast, faster, fast, medium, slow, slower or veryslow";
-  if (codec == Codec::Vp9) return "0 (slow) to 5";
-  return "0 (slow) to 7 for SVT-AV1, aom-0 to aom-8 for libaom";
 }
 
 bool knowsPreset(Codec codec, const std::string& preset) {
@@ -152,12 +151,12 @@ bool knowsPreset(Codec codec, const std::string& preset) {
 
 Result<const AVCodec*> findEncoder(const EncodeSettings& s) {
   if (!knowsPreset(s.codec, s.preset))
-    return Error{ErrorId::InvalidArgument, std::string(codecName(s.codec)) + " has no preset \"" + s.preset +
-                                               "\"; use " + presetExplanation(s.codec)};
+    return Error{ErrorId::InvalidArgument, std::string(infoOf(s.codec).name) + " has no preset \"" + s.preset +
+                                               "\"; use " + infoOf(s.codec).presets};
   const EncoderName wanted = encoderName(s);
   if (const AVCodec* codec = avcodec_find_encoder_by_name(wanted.name)) return codec;
   return Error{ErrorId::Unsupported, std::string("this FFmpeg has no ") + wanted.name + " encoder for " +
-                                         codecName(s.codec) + ": install an FFmpeg built with " + wanted.package +
+                                         infoOf(s.codec).name + ": install an FFmpeg built with " + wanted.package +
                                          ", or bake with another --codec"};
 }
 
@@ -169,14 +168,17 @@ Status configureEncoder(const EncodeSettings& s, Pass pass, AVCodecContext& c) {
   setCommon(s, c);
   if (pass == Pass::First) c.flags |= AV_CODEC_FLAG_PASS1;
   if (pass == Pass::Second) c.flags |= AV_CODEC_FLAG_PASS2;
-  if (s.codec == Codec::H264)
-    configureX264(s, c);
-  else if (s.codec == Codec::Vp9)
-    configureVpx(s, c);
-  else if (isAom(presetOf(s)))
-    configureAom(s, c);
-  else
-    configureSvt(s, c);
+  switch (s.codec) {
+    case Codec::H264:
+      configureX264(s, c);
+      break;
+    case Codec::Vp9:
+      configureVpx(s, c);
+      break;
+    case Codec::Av1:
+      isAom(presetOf(s)) ? configureAom(s, c) : configureSvt(s, c);
+      break;
+  }
   return setExtra(s, c);
 }
 

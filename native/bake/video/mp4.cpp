@@ -8,6 +8,7 @@
 #include <memory>
 
 extern "C" {
+#include <libavcodec/codec_desc.h>
 #include <libavformat/avformat.h>
 }
 
@@ -33,10 +34,7 @@ struct MuxerDeleter {
 };
 using Muxer = std::unique_ptr<AVFormatContext, MuxerDeleter>;
 
-AVCodecID codecId(Codec codec) {
-  if (codec == Codec::H264) return AV_CODEC_ID_H264;
-  return codec == Codec::Vp9 ? AV_CODEC_ID_VP9 : AV_CODEC_ID_AV1;
-}
+AVCodecID codecId(Codec codec) { return avcodec_descriptor_get_by_name(infoOf(codec).name)->id; }
 
 void describe(AVStream& stream, const EncodeSettings& s, const std::vector<uint8_t>& parameter_sets) {
   AVCodecParameters* p = stream.codecpar;
@@ -49,7 +47,7 @@ void describe(AVStream& stream, const EncodeSettings& s, const std::vector<uint8
   p->color_primaries = AVCOL_PRI_BT709;
   p->color_trc = AVCOL_TRC_BT709;
   p->color_space = AVCOL_SPC_BT709;
-  p->video_delay = reorderFrames(s.codec);
+  p->video_delay = infoOf(s.codec).reorder_frames;
   if (!parameter_sets.empty()) {
     p->extradata = static_cast<uint8_t*>(av_mallocz(parameter_sets.size() + AV_INPUT_BUFFER_PADDING_SIZE));
     std::memcpy(p->extradata, parameter_sets.data(), parameter_sets.size());
@@ -86,7 +84,7 @@ Status writeGop(AVFormatContext& muxer, const std::string& path, const EncodeSet
     packet->data = in.bytes.data();  // borrowed: av_write_frame copies what it keeps
     packet->size = static_cast<int>(in.bytes.size());
     packet->pts = int64_t(first_frame) + in.frame;
-    packet->dts = int64_t(first_frame) + int64_t(i) - reorderFrames(settings.codec);
+    packet->dts = int64_t(first_frame) + int64_t(i) - infoOf(settings.codec).reorder_frames;
     packet->duration = 1;
     packet->flags = in.key ? AV_PKT_FLAG_KEY : 0;
     av_packet_rescale_ts(packet, frame_base, muxer.streams[0]->time_base);

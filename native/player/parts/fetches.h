@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Byte ranges on their way: what each one is for, how often it was tried, and how far loading towards the first picture
-// has come. Asks for each range up to three times. Does NOT look into the bytes and does NOT decide what to fetch
-// (loading.h).
+// has come. Asks for each range up to three times; in the browser, web/src/transport.ts itself tries each of
+// these requests up to three times. Does NOT look into the bytes and does NOT decide what to fetch (loading.h).
 #pragma once
 
 #include <vector>

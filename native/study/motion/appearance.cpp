@@ -20,8 +20,8 @@ constexpr int kEdge = 4;  // pixels along the outline where sharpness is not mea
 
 constexpr size_t kCameras = 3;  // of the truth: the held-out ones come first
 
-// Both ways of aligning without and with the contrast that a mean of several looks loses, so that neither is judged by
-// what the other has. OpenCV's flow is read back: it is drawn where it matters most only.
+// Both ways of aligning are measured with and without restored contrast, so that neither is judged by what only the
+// other has. OpenCV's flow is slow to read back, so it is drawn only where it matters most.
 std::vector<AlignMethod> shownMethods(const MotionSubject& subject, bool with_opencv) {
   std::vector<AlignMethod> methods{rows::kAlignNone, rows::kAlignBaked, rows::kFlowGpu};
   if (subject.stage.aligned()) {
@@ -84,12 +84,12 @@ class TruthPart {
   }
 
   Rows rows() {
-    std::map<std::string, MeanScores> means;
+    std::map<std::string, measure::MeanScores> means;
     for (const auto& [tag, score] : lane_.finish()) means[tag].add(score);
     Rows out;
     for (const auto& [tag, scores] : means) {
       const size_t bar = tag.find('|');
-      const PictureScore mean = scores.mean();
+      const measure::PictureScore mean = scores.mean();
       const RowWriter row(out, rows::kMotionAppearance, subject_.motion().name, tag.substr(0, bar),
                           tag.substr(bar + 1));
       row.add(rows::kPsnrFgDb, mean.psnr_fg_db, "dB");
@@ -105,8 +105,8 @@ class TruthPart {
 
   const MotionSubject& subject_;
   const MotionTruth& truth_;
-  ScoreLane lane_;
-  std::map<double, measure::ErrorSamples> apart_;  // by w: true mesh and blended one
+  measure::ScoreLane lane_;
+  std::map<double, measure::ErrorSamples> apart_;  // by w: from the true mesh to the blended one
 };
 
 struct RatioSum {

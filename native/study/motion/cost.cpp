@@ -45,7 +45,8 @@ Status race(const MotionSubject& subject, int width, int height, int frames, std
   return {};
 }
 
-// Characters that take `limit_ms`: between the counts drawn, and beyond them along the last two. times: ascending.
+// How many characters take `limit_ms`: interpolated between the counts drawn, extrapolated from the last two beyond
+// them. `times`: ascending.
 double charactersWithin(const std::vector<std::pair<int, double>>& times, double limit_ms) {
   size_t i = 1;
   while (i + 1 < times.size() && times[i].second < limit_ms) ++i;

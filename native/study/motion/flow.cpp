@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Optical flow between two members' looks on the same blended mesh and view: the GPU's against OpenCV's, and both and
-// the baked alignment against what the studio knows.
+// Optical flow between two members' looks on the same blended mesh and view: compares the GPU's flow with OpenCV's, and
+// both of them and the baked alignment with the studio's truth.
 #include <cmath>
 #include <map>
 
@@ -54,8 +54,8 @@ struct TruthErrors {
   measure::ErrorSamples px, mm;
 };
 
-// What is compared at a pixel of the first look is the displacement of what is seen there. The baked one belongs to
-// where both looks come together, half way along it.
+// At a pixel of the first look, the displacement of the surface point seen there is compared. The baked displacement
+// belongs to the place where both looks meet, half way along it.
 void addTruthErrors(const measure::FlowField& truth, const measure::FlowField& found, bool half_way,
                     const measure::Mask& inside, const std::vector<float>& metres_per_pixel, TruthErrors& out) {
   for (size_t i = 0; i < inside.size(); ++i) {
@@ -95,7 +95,7 @@ class FlowPart {
   }
 
  private:
-  // corners: the truth's; null: OpenCV is what is compared with.
+  // corners: the truth's; null: compares with OpenCV instead.
   Status pair(const PinholeCamera& camera, const std::vector<glm::vec3>* corners) {
     FOURDVT_TRY(checkStop(subject_.context));
     FOURDVT_ASSIGN(auto look, stage_.draw(camera, 0, rows::kAlignNone));

@@ -20,7 +20,8 @@ void tell(const StudyContext& context, const std::string& detail, double share) 
   if (context.progress) context.progress({"motion", detail, share});
 }
 
-// Default settings. The class's members; with time, the study's other sequences as well, for transitions.
+// A bake with default settings of the class's members; unless `quick`, also of the study's other sequences, for
+// transitions.
 bake::BakeOptions motionBake(const StudyContext& context, const capture::CaptureClass& motion_class) {
   bake::BakeOptions options;
   options.capture_folder = context.options.capture_folder;

@@ -32,7 +32,7 @@ Result<Rows> measureTransitions(const MotionSubject& subject);  // transitions.c
 Result<Rows> measureSkate(const MotionSubject& subject);        // the same file
 Result<Rows> drawMotionPictures(const MotionSubject& subject);  // pictures.cpp: 4DVT Fig. 7-8
 
-// Ring of azimuths that lie between the cameras' rather than on them.
+// Azimuths of a ring, between the cameras rather than on them.
 std::vector<double> motionAzimuths_deg(size_t count);
 double median(std::vector<double> values);
 

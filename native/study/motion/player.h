@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The real player, watched: plays a baked character in ticks and looks at every mesh and picture that it shows.
+// Plays a baked character with the real player, tick by tick, and keeps the mesh and the picture that it shows.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,7 @@ constexpr double kTick_s = 1.0 / 25;
 
 // From one tick to the next.
 struct TickChange {
-  double step_m = 0;  // furthest any vertex moved in the world: travel too, unless the player does not travel
+  double step_m = 0;  // the largest movement of a vertex in the world, travel included if the player travels
   double levels = 0;  // pictureChange
 };
 

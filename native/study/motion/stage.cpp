@@ -29,8 +29,8 @@ double lumaAt(const Image& rgba, int x, int y) {
   return 0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2];
 }
 
-// What the renderer puts back in the texture of a baked blend (render/layered_pass.cpp), in the picture: luma against
-// its neighbours on both diagonals, where all of them are covered.
+// Restores contrast in the picture as the renderer does in the texture of a baked blend (render/layered_pass.cpp): luma
+// against its neighbours on both diagonals, where all of them are covered.
 void putBackDetail(Image& rgba, double lost) {
   constexpr int kReach = 3;  // pixels
   const Image before = rgba;
@@ -49,14 +49,14 @@ void putBackDetail(Image& rgba, double lost) {
     }
 }
 
-// As the renderer's: contrast that detail of this correlation loses in a mean, to be multiplied on top of it.
+// As in the renderer: the share of contrast that a mean of these weights loses, for detail of this correlation.
 double lostDetail(const std::vector<float>& weights, double correlation) {
   double squares = 0;
   for (float w : weights) squares += w * w;
   return 1 / std::sqrt(squares + correlation * (1 - squares)) - 1;
 }
 
-// Samples with nothing but the first two members, by the second one's weight.
+// The samples in which only the first two members have weight, ordered by the second one's.
 std::vector<const package::ParameterSample*> samplesBetween(const package::ParameterSpace& space) {
   std::vector<const package::ParameterSample*> out;
   for (const package::ParameterSample& sample : space.samples)

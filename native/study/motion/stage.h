@@ -18,7 +18,7 @@
 
 namespace fourdvt::study {
 
-// A row of the tables (rows.h: kAlign…). kOpencvDis is no product setting: a reference of flow-dis only.
+// As a row of the tables names it (rows.h: kAlign…). kOpencvDis is no product setting, only a baseline of flow-dis.
 using AlignMethod = std::string;
 render::Align alignOf(const AlignMethod& method);
 
@@ -32,7 +32,7 @@ class MotionStage {
   const package::BaseMesh& mesh() const { return stream_.mesh; }
   bool aligned() const { return stream_.index.alignment_count > 0; }
 
-  // The phase whose pictures, labels and meshes are used from here on; its mesh at equal weights is set.
+  // Chooses the phase whose pictures, labels and meshes are used from now on, and sets its mesh at equal weights.
   Status show(uint32_t phase);
   std::vector<Positions> members() const;  // meshes of the phase
   Positions blended(double w) const;       // as the player blends: w of the second member
@@ -52,7 +52,7 @@ class MotionStage {
   // From the first member's look to the second's, on the mesh set; one of the flow methods.
   Result<measure::FlowField> flow(const PinholeCamera& camera, const AlignMethod& method);
 
-  // At this distance the whole motion is seen from everywhere.
+  // The distance from which the whole motion is in the picture on every side.
   PinholeCamera orbit(double azimuth_deg, int width, int height) const;
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Transitions as the player makes them: what the motion graph plans, the largest change from tick to tick against that
-// of the two motions themselves; and how feet slide while the character travels.
+// Transitions as the player makes them: the waits and fits that the motion graph plans, and the largest change from
+// tick to tick beside that of the two motions themselves. Also how far feet slide while the character travels.
 #include <cmath>
 #include <map>
 
@@ -20,7 +20,7 @@ namespace {
 constexpr double kLatency_s = 0.4;
 constexpr int kMostTicks = 75, kTicksAfter = 6;
 constexpr int kPasses = 2;     // of a loop, for the skate
-constexpr int kOwnPasses = 8;  // of a class: its frames meet the ticks differently in every one
+constexpr int kOwnPasses = 8;  // of a class, whose frames meet the ticks differently in every pass
 
 struct Largest {
   double step_m = 0, levels = 0;
@@ -90,7 +90,7 @@ Status TransitionPart::play(const package::Sequence& state, double parameter, La
   return {};
 }
 
-// The largest changes of the motion by itself; of a class: at both ends of the parameter and between.
+// The largest changes of the motion by itself; for a class, at both ends of the parameter and in the middle.
 Status TransitionPart::ownPace(const package::Sequence& state) {
   Largest& own = own_[state.name];
   if (!state.isClass()) return play(state, std::nan(""), own);
@@ -107,7 +107,7 @@ std::vector<uint32_t> TransitionPart::startFrames(const package::Sequence& state
   return out;
 }
 
-// By the tables, from every frame.
+// As the graph's tables plan it, from every frame.
 void TransitionPart::planned(size_t from, size_t to, const RowWriter& row) const {
   const package::Sequence& source = character_.sequences[from];
   std::vector<float> weights{1};
@@ -177,7 +177,7 @@ Status TransitionPart::simulate(const package::Sequence& from, const package::Se
   return {};
 }
 
-// Some passes over the ground.
+// Plays some passes while the character travels over the ground.
 Result<bake::FootSkate> skateOf(const MotionSubject& subject, WatchedPlayer& watched, const package::Sequence& state,
                                 double parameter) {
   FOURDVT_TRY(watched.start(state.name, 0, parameter));

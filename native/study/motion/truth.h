@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The truth between a class's members, where the capture comes from the virtual studio (studio/truth.h), in
 // the vertex order of the baked character. A class's time is its members' common time, the studio's the phase of its
-// actor; what is the same moment follows from the members' frames alone (classPhase).
+// actor. Which moments are the same follows from the members' frames alone (classPhase).
 #pragma once
 
 #include <memory>
@@ -27,7 +27,7 @@ class MotionTruth {
     uint32_t number = 0;  // of the truth's files
     double phase = 0;     // 0…1, of every member's motion
   };
-  // What the character's bake knew.
+  // What is known from the character's bake.
   struct Baked {
     package::EncodedBaseMesh mesh;
     std::vector<std::vector<double>> passed;  // [member][frame of the class], as of commonFrame
@@ -38,9 +38,9 @@ class MotionTruth {
   const std::vector<Step>& steps() const { return steps_; }
   const std::vector<Instant>& instants() const { return instants_; }
   const std::vector<PinholeCamera>& cameras() const { return cameras_; }
-  // When the class shows the instant, in its frames, fractional (commonFrame).
+  // The fractional frame of the class that shows the instant (commonFrame).
   double classPhase(double w, const Instant& instant) const;
-  // The class's frame next to it.
+  // The class's whole frame nearest to the instant.
   uint32_t classFrame(double w, const Instant& instant) const;
   bool isAligned() const { return !alignment_.empty(); }
 

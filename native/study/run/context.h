@@ -29,14 +29,14 @@ struct Row {
 struct StudyOptions {
   std::string capture_folder, report_folder;
   std::vector<std::string> sequences;  // empty: all
-  bool quick = false;                  // ≤ 2 minutes on the sample: one sequence, few views, few settings
+  bool quick = false;                  // two minutes on the sample: one sequence, few views, few settings
   int jobs = 0;
   std::string generator;  // "fourdvt X.Y.Z", for evaluate.json
 };
 
 struct StudyProgress {
   std::string step, detail;  // "storage", "run 12/19"
-  double share = 0;          // 0..1; from a step: of the step (runSteps makes it of the whole study)
+  double share = 0;          // 0..1: of the step where a step reports it, of the whole study where runSteps does
 };
 
 struct StudyContext {

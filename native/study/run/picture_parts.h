@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the sheets of study/steps/pictures.cpp are made of. Does NOT draw characters.
+// Parts of the sheets that study/steps/pictures.cpp makes. Does NOT draw characters.
 #pragma once
 
 #include <array>

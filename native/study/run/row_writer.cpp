@@ -94,6 +94,18 @@ std::string rowsJson(const Rows& rows, const StudyOptions& options, const std::s
   return out + "\n]}\n";
 }
 
+void writeScores(const RowWriter& row, const measure::MeanScores& scores) {
+  if (scores.count() == 0) return;
+  const measure::PictureScore m = scores.mean();
+  row.add(rows::kSsimFg, m.ssim_fg, "");
+  row.add(rows::kSsimFull, m.ssim_full, "");
+  row.add("ssim_box", m.ssim_box, "");
+  row.add(rows::kPsnrFgDb, m.psnr_fg_db, "dB");
+  row.add(rows::kPsnrFullDb, m.psnr_full_db, "dB");
+  row.add("psnr_box_db", m.psnr_box_db, "dB");
+  row.add(rows::kPsnrCommonDb, m.psnr_common_db, "dB");
+}
+
 Result<Rows> parseRowsCsv(const std::string& text, const std::string& path) {
   const auto broken = [&](size_t line) {
     return Error{ErrorId::FileUnreadable, path + ": line " + std::to_string(line) + " is no row of a study (" +

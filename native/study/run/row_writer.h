@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the steps of a study share and what needs neither GPU nor files: writing rows, bytes at matched quality.
+// Rows as text, writers of rows, and bytes at matched quality. Needs neither GPU nor files.
 #pragma once
 
 #include <optional>
@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "measure/picture_score.h"
 #include "study/run/context.h"
 
 namespace fourdvt::study {
@@ -35,6 +36,9 @@ class RowWriter {
   Rows* out_;
   Row row_;
 };
+
+// Rows ssim_fg, ssim_full, ssim_box, psnr_fg_db, psnr_full_db, psnr_box_db, psnr_common_db; none without scores.
+void writeScores(const RowWriter& row, const measure::MeanScores& scores);
 
 struct RatePoint {
   double bytes = 0, quality = 0;  // dB or SSIM: more is better

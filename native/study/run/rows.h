@@ -2,8 +2,9 @@
 // The vocabulary of evaluate.csv: what the steps write and what the report reads. A row that is missing leaves its part
 // of the report out; a row that is not listed here stays in the CSV only.
 //
-// `setting` is "key=value key=value"; keys in any order. `sequence` is empty for a figure over all sequences.
-// Percentages are 0..100 with unit "percent", rates are bits (not bytes) a second with unit "bit/s", times "s" or "ms".
+// `setting` is "key=value key=value"; keys in any order. `sequence` is empty where a row is over all sequences.
+// Percentages are 0..100 with unit "percent", rates are bits (not bytes) per second with unit "bit/s",
+// times "s" or "ms".
 //
 // table         method            setting                          quantities
 // ------------  ----------------  -------------------------------  ---------------------------------------------------
@@ -50,10 +51,10 @@
 // held-out      fvvr, fvvr-       views=N                          against held-out cameras: kPsnrFgDb, kSsimFg,
 //               closest, naive …, (joint-default as baked)         kPsnrCommonDb (common part of the silhouettes),
 //               joint-default                                      kPsnrFullDb, kSsimFull
-// rate          codec name        preset=medium crf=23 size=1024   one point a setting: kVideoBps, kSsimFg, kPsnrFgDb,
-//               (h264, vp9, av1)  layers=3 layout=default          kEncodeMsFrame. layout: "default" (layer 1 large)
-//                                 (or layout=equal)                or "equal". A curve: same method, preset, size,
-//                                                                  layers and layout; crf varies
+// rate          codec name        preset=medium crf=23 size=1024   one point per setting: kVideoBps, kSsimFg,
+//               (h264, vp9, av1)  layers=3 layout=default          kPsnrFgDb, kEncodeMsFrame. layout: "default"
+//                                 (or layout=equal)                (layer 1 large) or "equal". A curve: same method,
+//                                                                  preset, size, layers and layout; crf varies
 //               h264              chosen=1 preset=… crf=…          kVideoBps, kSsimFg: the default, the measured knee
 // bake          joint-default     stage=<name>                     kSecondsFrame by stage
 //                                 empty                            kSecondsFrame of the whole bake, kPeakRssBytes
@@ -227,8 +228,8 @@ inline constexpr const char* kPictureChanges = "label_changes";  // camera maps 
 inline constexpr const char* kPictureErrorMap = "error_map";     // reference, ours, difference; layers= size=
 inline constexpr const char* kPictureGrazing = "grazing";        // grazing view with crops; view=
 inline constexpr const char* kPictureWorst = "worst_held_out";   // truth, ours, FVVR, differences; frame= view=
-inline constexpr const char* kPictureMotionColumns = "motion_columns";  // w = 0 … 1, a row a method; frame= view=
-inline constexpr const char* kPictureMotionCrops = "motion_crops";      // half way, a row a method; frame= view=
+inline constexpr const char* kPictureMotionColumns = "motion_columns";  // w = 0 … 1, one row per method; frame= view=
+inline constexpr const char* kPictureMotionCrops = "motion_crops";      // half way, one row per method; frame= view=
 inline constexpr const char* kPictureTransition = "motion_transition";  // tick by tick; from= to=
 
 // Facts (table "about"): any quantity name is printed as it is; these come first.

@@ -22,7 +22,7 @@ std::string readText(const std::string& path) {
   return bytes ? std::string(bytes.value().begin(), bytes.value().end()) : std::string();
 }
 
-// Path below the folder, size and time of every file; not of what lies in `except`.
+// Path below the folder, size and time of every file, except for those in `except`.
 void listFiles(const fs::path& folder, const fs::path& except, std::vector<std::string>& lines) {
   std::error_code error;
   fs::recursive_directory_iterator it(folder, error), end;
@@ -54,7 +54,7 @@ std::optional<Rows> keptRows(const std::string& path) {
   return rows.take();
 }
 
-// What a step sees: its own share of the progress.
+// The context that a step gets: its progress counts as its own share of the study's.
 StudyContext contextOfStep(const StudyContext& context, const StudyStep& step, double before, double weight) {
   StudyContext inner = context;
   inner.progress = [&context, name = std::string(step.name), before, weight](const StudyProgress& p) {

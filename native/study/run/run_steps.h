@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The report folder and what is kept in it between runs. REPORT/steps/key.txt says what the rest belongs to: another
-// key empties steps/, work/ and pictures/. Does NOT know what the steps measure.
+// The report folder and what is kept in it between runs. REPORT/steps/key.txt names the settings and the capture that
+// the kept files belong to; another key empties steps/, work/ and pictures/. Does NOT know what the steps measure.
 #pragma once
 
 #include <functional>
@@ -24,14 +24,14 @@ Status openReportFolder(const std::string& folder, const std::string& key);
 Result<Rows> runSteps(const StudyContext& context, std::span<const StudyStep> steps,
                       const std::function<Status(const Rows&)>& publish);
 
-// Rows of a part of a step, kept in work() so that an interrupted step goes on after its finished parts.
+// Runs a part of a step, unless its rows are kept in work(): an interrupted step goes on after its finished parts.
 Result<Rows> keptPart(const StudyContext& context, const std::string& name,
                       const std::function<Result<Rows>()>& measure);
 
-// What an earlier step measured. Errors: Internal if it has not run.
+// The rows that an earlier step measured. Errors: Internal if it has not run.
 Result<Rows> rowsOfStep(const StudyContext& context, const std::string& step);
 
-// Interrupted once the user asked to stop.
+// Returns Interrupted once the user has asked to stop.
 Status checkStop(const StudyContext& context);
 
 }  // namespace fourdvt::study

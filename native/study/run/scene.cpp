@@ -66,26 +66,10 @@ Result<Image> readReference(const std::string& path) {
 }
 
 Result<std::vector<PinholeCamera>> heldOutCameras(const StudyContext& context) {
-  std::vector<PinholeCamera> out;
   bool any = false;
   for (const auto* sequence : studySequences(context)) any |= !sequence->test_frames.empty();
-  if (!any) return out;
-  FOURDVT_ASSIGN(auto cameras, capture::readColmapCameras(context.capture->folder + "/cameras_test"));
-  capture::scaleToMetres(cameras, context.capture->metres_per_unit);
-  for (const auto& camera : cameras) out.push_back(camera.pinhole);
-  return out;
-}
-
-Result<Image> heldOutTruth(const capture::CaptureSequence& sequence, const PinholeCamera& camera, uint32_t frame) {
-  char name[32];
-  std::snprintf(name, sizeof name, "/%04u.png", frame);
-  const std::string path = sequence.folder + "/" + camera.name + name;
-  FOURDVT_ASSIGN(auto truth, platform::readImage(path));
-  const Image& t = truth;
-  if (t.channels != 4 || t.width != camera.width || t.height != camera.height)
-    return Error{ErrorId::FrameSize, path + ": must be RGBA of " + std::to_string(camera.width) + "x" +
-                                         std::to_string(camera.height) + " pixels as in cameras_test/cameras.txt"};
-  return truth;
+  if (!any) return std::vector<PinholeCamera>();
+  return capture::readTestCameras(*context.capture);
 }
 
 void cleanEdges(std::vector<Image>& pictures) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the steps read: frames of the capture with FVVR on them, held-out truth, plans of bakes, characters.
+// What the steps read: frames of the capture, FVVR's pictures, held-out truth, plans of bakes, baked characters.
 #pragma once
 
 #include <functional>
@@ -10,8 +10,11 @@
 #include "bake/bake.h"
 #include "bake/run/bake_run.h"
 #include "bake/stages/survey.h"
+#include "measure/held_out_truth.h"
+#include "measure/picture_score.h"
 #include "platform/character_player.h"
 #include "render/fvvr.h"
+#include "study/run/context.h"
 #include "study/run/ring.h"
 
 namespace fourdvt::study {
@@ -19,25 +22,23 @@ namespace fourdvt::study {
 std::vector<PinholeCamera> captureCameras(const StudyContext& context);
 // The sequences of this study, in the capture's order.
 std::vector<const capture::CaptureSequence*> studySequences(const StudyContext& context);
-// The one with the fewest frames: what is measured on one sequence only.
+// The sequence with the fewest frames; used by whatever is measured on one sequence only.
 const capture::CaptureSequence& shortestSequence(const StudyContext& context);
 
 // Views of a sequence in this study: 36, or 8 with `quick`. Reads all meshes for their bounds.
 Result<std::vector<RingView>> studyRing(const StudyContext& context, const capture::CaptureSequence& sequence);
 
-// Where runReference leaves FVVR's pictures (RGBA PNG): of the ring, and at a held-out camera.
+// The path of a picture that runReference writes (RGBA PNG): FVVR on the ring, or at a held-out camera.
 std::string referencePath(const StudyContext& context, const std::string& sequence, const RingView& view);
 std::string referencePath(const StudyContext& context, const std::string& sequence, const std::string& camera,
                           uint32_t frame);
-// What runReference writes there; any missing one is an error that says to delete the report folder.
+// Reads such a picture. If it is missing, the error says to delete the report folder.
 Result<Image> readReference(const std::string& path);
 
-// The cameras of cameras_test; empty if no sequence of the study has held-out frames.
+// capture::readTestCameras; empty if no sequence of the study has held-out frames.
 Result<std::vector<PinholeCamera>> heldOutCameras(const StudyContext& context);
-// Errors: FileMissing, FrameSize.
-Result<Image> heldOutTruth(const capture::CaptureSequence& sequence, const PinholeCamera& camera, uint32_t frame);
 
-// bake::replaceEdgeColours on all pictures, side by side.
+// Runs bake::replaceEdgeColours on all pictures in parallel.
 void cleanEdges(std::vector<Image>& pictures);
 // A captured frame with clean edges.
 Result<capture::CaptureFrame> nextCleanFrame(capture::FrameReader& reader);
@@ -67,8 +68,8 @@ struct SurveyedJob {
 };
 Result<std::unique_ptr<SurveyedJob>> surveyOnly(const StudyContext& context, const bake::BakeOptions& options);
 
-// What the bake itself would give to its FrameBaker; a FrameBaker of the job's cameras and mesh; a frame as it wants
-// it.
+// The options that the bake itself would give to its FrameBaker; a FrameBaker for the job's cameras and mesh; the step
+// that gives it a captured frame.
 bake::FrameBakerOptions bakerOptions(const SurveyedJob& surveyed);
 Result<std::unique_ptr<bake::FrameBaker>> makeBaker(const StudyContext& context, const bake::Job& job,
                                                     const bake::FrameBakerOptions& options);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures and videos in memory: how large they get, and what is left of them.
+// Codes pictures and videos in memory, to learn how large they become and how much quality is left.
 #pragma once
 
 #include <functional>
@@ -16,7 +16,7 @@ namespace fourdvt::study {
 Result<std::vector<uint8_t>> encodePng(const Image& image);
 Result<std::vector<uint8_t>> encodeJpeg(const Image& image, int quality);
 
-// RGB(A) of even sides as 4:2:0.
+// Converts RGB(A) with even sides to 4:2:0.
 void fillI420(const Image& image, bake::I420Picture& out);
 
 uint64_t gopBytes(const bake::EncodedGop& gop);

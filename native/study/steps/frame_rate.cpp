@@ -49,7 +49,7 @@ void appendPlane(std::vector<uint8_t>& out, const uint8_t* plane, int stride, in
     out.insert(out.end(), plane + ptrdiff_t(y) * stride, plane + ptrdiff_t(y) * stride + width);
 }
 
-// The chunk's first frames: positions, labels, pictures.
+// Reads positions, labels and pictures of the chunk's first frames.
 Status readFirstChunk(const std::filesystem::path& folder, LoadedCharacter& out) {
   const std::string stream = (folder / out.sequence.stream_uri).string();
   FOURDVT_ASSIGN(auto header, platform::readFileRange(stream, 0, out.sequence.stream_header_bytes));
@@ -132,7 +132,7 @@ double millisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-// Waits until all GPU work so far is done: work is done in order, and this is the last.
+// Waits until all GPU work so far is done: the GPU works in order, and this is the last piece.
 class Drain {
  public:
   Status prepare(gpu::Device& device) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // LVDT 4.4: frame rate of the layered character against free-viewpoint rendering (FVVR), in one run, on the same
-// frames, views and picture sizes, the methods taking turns. A frame is what playing needs from a decoded picture on:
-// upload, geometry, depth maps (FVVR), drawing. FVVR is timed with all N cameras and with the M nearest to the view,
-// each time with the uploads and depth maps of the cameras that it uses and no others. Decoding is left out for both
-// (one video here, as many as cameras there). Does NOT bake.
+// frames, views and picture sizes, with the methods taking turns. A frame is everything that playing does with a
+// decoded picture: upload, geometry, depth maps (FVVR), drawing. FVVR is timed with all N cameras and with the M
+// nearest to the view, each time with the uploads and depth maps of the cameras that it uses and no others. Decoding is
+// left out for both (one video here, one video per camera there). Does NOT bake.
 #pragma once
 
 #include <atomic>
@@ -20,12 +20,12 @@ struct FrameRateOptions {
   std::string sequence;  // empty: the character's first
   std::vector<std::pair<int, int>> sizes = {{512, 512}, {720, 960}};
   int frames = 16;                 // measured per size, each at another azimuth
-  std::vector<int> closest{0, 3};  // FVVR's M, each measured; 0: all cameras. Those of N and above count as 0
+  std::vector<int> closest{0, 3};  // the values of M measured for FVVR; 0, or N and above: all cameras
   const std::atomic<bool>* stop = nullptr;
 };
 
 // Medians in milliseconds. `frame_ms` is one undisturbed frame; the parts are timed apart, with the GPU drained between
-// them, and add up to more. Readback of the whole picture is no part of a frame.
+// them, and add up to more. Reading the picture back is not part of a frame.
 struct PassTimes {
   double frame_ms = 0;
   double upload_ms = 0;      // decoded pictures into textures (FVVR: cropped round the mesh and premultiplied)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What labelling alone gains, without a bake: the modes on the same costs, the joint mode without its two liberties,
-// and how near its windows come to one solve of the whole sequence. Does NOT measure pictures.
+// What labelling alone gains, without a bake: compares the modes on the same costs, the joint mode without each of its
+// two liberties, and its windowed solve with one solve of the whole sequence. Does NOT measure pictures.
 #pragma once
 
 #include <string>

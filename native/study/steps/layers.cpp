@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // LVDT Fig. 5-7, 4DVT Fig. 9: fidelity to FVVR, storage and GPU memory against the number of layers and their size,
 // from layers of equal size, on the shortest sequence (colours calibrated on it alone). `joint` is solved anew for
-// every number of layers; `naive` needs one solve, its first layers do not depend on the number. Fidelity is that of
-// layers before any codec. Memory: one frame of pictures, the 4:2:0 layers of one GOP (2.6 GB at 2048 texels), and the
-// FVVR pictures of the views (36 at most).
+// every number of layers. `naive` needs only one solve, because its first layers do not depend on that number. Fidelity
+// is measured before any codec. Memory: one frame of pictures, the 4:2:0 layers of one GOP (2.6 GB at 2048 texels), and
+// the FVVR pictures of the views (36 at most).
 #include <algorithm>
 #include <cmath>
 #include <future>
@@ -24,7 +24,7 @@ namespace {
 
 constexpr int kJpegQuality = 95, kErrorMapLayers = 3;
 
-// One curve's point: labels of a method for so many layers.
+// A point of a curve: labels of one method for one number of layers.
 struct Variant {
   std::string method;
   int layers = 0;
@@ -52,14 +52,14 @@ Plan planFor(const StudyContext& context, uint32_t frame_count) {
   return plan;
 }
 
-// Sizes in bytes of one variant's layers, added up over what was looked at.
+// Bytes of one variant's layers, summed over the frames that were encoded.
 struct Stored {
   uint64_t png = 0, jpeg = 0, video = 0;
   uint32_t pictures_of = 0;  // frames
 };
 
 struct Shown {
-  MeanScores scores;
+  measure::MeanScores scores;
   Stored stored;
   double gpu_bytes = 0;
 };
@@ -95,7 +95,7 @@ class LayerStudy {
   std::map<std::string, Shown> shown_;
   std::map<std::string, std::vector<std::vector<bake::I420Picture>>> gop_;  // [layer][frame]
   std::unique_ptr<LayerDrawing> drawing_;
-  ScoreLane lane_;
+  measure::ScoreLane lane_;
   bool has_error_map_ = false;
   Rows pictures_;
 };
@@ -105,7 +105,7 @@ std::string keyOf(const Variant& variant) { return variant.method + " " + std::t
 Status LayerStudy::survey() {
   bake::BakeOptions options = studyBake(context_, "layers");
   options.sequences = {sequence_.name};
-  options.texture = 128;  // plans only: sizes are this step's own
+  options.texture = 128;  // for the plan only: this step has its own sizes
   options.labels = bake::LabelMode::Naive;
   options.layers = plan_.max_layers;
   FOURDVT_ASSIGN(naive_, surveyOnly(context_, options));
@@ -152,7 +152,7 @@ std::vector<Variant> LayerStudy::variantsOf(int size) const {
   return out;
 }
 
-// Of all of the baker's layers: those that the variant does not have are empty.
+// As many layers as the baker has; those that the variant lacks are empty.
 Result<std::vector<uint8_t>> LayerStudy::labelsOf(const Variant& variant, uint32_t frame) const {
   const bake::Job& own = variant.labels->job;
   FOURDVT_ASSIGN(auto labels, variant.labels->survey->labels(*own.capture.find(sequence_.name), frame));
@@ -187,7 +187,7 @@ Status LayerStudy::saveErrorMap(const Variant& variant, int size, uint32_t frame
   has_error_map_ = true;
   const std::string file = "error-map-" + std::to_string(size) + ".jpg";
   FOURDVT_TRY(platform::writeImage(context_.pictures() + "/" + file, errorMap(reference, picture), 92));
-  const double ssim = scorePicture(reference, picture).ssim_fg;
+  const double ssim = measure::scorePicture(reference, picture).ssim_fg;
   RowWriter(pictures_, rows::kPictures, sequence_.name, variant.method,
             "file=" + file + " " + variant.setting(size) + " frame=" + std::to_string(frame) +
                 " score=" + std::to_string(ssim))
@@ -303,7 +303,7 @@ Result<Rows> LayerStudy::measureSize(int size, double before, double share) {
   Rows out;
   for (const Variant& variant : variants) {
     const Shown& shown = shown_[keyOf(variant)];
-    shown.scores.write(out, rows::kLayers, sequence_.name, variant.method, variant.setting(size));
+    writeScores({out, rows::kLayers, sequence_.name, variant.method, variant.setting(size)}, shown.scores);
     const RowWriter row(out, rows::kLayers, sequence_.name, variant.method, variant.setting(size));
     row.add(rows::kGpuBytes, shown.gpu_bytes, "bytes");
     if (!variant.stored) continue;

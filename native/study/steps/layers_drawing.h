@@ -17,13 +17,13 @@ class LayerDrawing {
   // `job` is borrowed. Errors: GpuFailure.
   static Result<std::unique_ptr<LayerDrawing>> create(gpu::Device& device, const bake::Job& job, int size,
                                                       int max_layers);
-  // Geometry for drawing with so many layers; labels [layer][face] of exactly that many. Decoded order.
+  // Sets the geometry and the labels, [layer][face] for exactly `layers` layers. Vertices in decoded order.
   Status setGeometry(const Positions& positions, const std::vector<uint8_t>& labels, int layers);
   // Layers 0..n-1, RGBA or RGB of `size`².
   Status show(const std::vector<Image>& layers);
   // RGBA straight alpha. Errors: GpuFailure.
   Result<Image> draw(const PinholeCamera& camera, int layers);
-  // Textures that a player holds for so many layers: the model's tables and one decoded 4:2:0 picture.
+  // Bytes of the textures that a player holds for this many layers: the model's tables and one decoded 4:2:0 picture.
   Result<uint64_t> gpuBytes(int layers);
 
  private:
@@ -41,7 +41,7 @@ class LayerDrawing {
   int width_ = 0, height_ = 0;  // of the target
 };
 
-// Reference, picture and |difference| × 4 as a heat map beside each other, cropped to the performer. RGB.
+// Reference, picture and |difference| × 4 as a heat map, side by side and cropped to the performer. RGB.
 Image errorMap(const Image& reference, const Image& picture);
 
 }  // namespace fourdvt::study

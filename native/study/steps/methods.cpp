@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // 4DVT Table 1: the same capture baked with every labelling mode at the papers' size, and as this project bakes by
-// default; storage, loading, fidelity to FVVR on the ring and to ground truth at the held-out cameras, label
-// statistics.
+// default. Measures storage, loading, fidelity to FVVR on the ring and to ground truth at the held-out cameras, and
+// label statistics.
 #include "study/steps/methods.h"
 
 #include <algorithm>
@@ -28,7 +28,7 @@ using Clock = std::chrono::steady_clock;
 
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-// The default first: it is timed from nothing, the others share its survey.
+// The default comes first: its time counts from nothing, and the others share its survey.
 std::vector<Method> studyMethods(const StudyContext& context) {
   bake::BakeOptions plain;
   bake::BakeOptions shared = studyBake(context, rows::kJointDefault);
@@ -50,7 +50,7 @@ std::vector<Method> studyMethods(const StudyContext& context) {
   return out;
 }
 
-// One method: bake, then everything that needs its character only.
+// One method: bakes, then measures everything that needs only its character.
 class MethodStudy {
  public:
   MethodStudy(const StudyContext& context, const Method& method, double before, double share)
@@ -97,7 +97,7 @@ Status MethodStudy::bakeCharacter() {
   for (const auto& [stage, seconds] : baked_.seconds_by_stage)
     RowWriter(out_, rows::kBake, "", rows::kJointDefault, "stage=" + stage)
         .add(rows::kSecondsFrame, seconds / baked_.frames, "s");
-  std::string encoder = std::string(method_.codecName());
+  std::string encoder = std::string(bake::infoOf(method_.options.codec).name);
   if (const auto version = report_.string("/versions/libavcodec")) encoder += ", libavcodec " + *version;
   RowWriter(out_, rows::kAbout, "", "", "text=" + encoder + ", crf " + std::to_string(method_.options.crf))
       .add(rows::kAboutEncoder, 0, "");
@@ -128,7 +128,8 @@ Status MethodStudy::storage(const capture::CaptureSequence& sequence) {
   return {};
 }
 
-// Open, decode, upload and draw: until the first picture, and (not with `quick`) every picture of the sequence.
+// Times opening, decoding, uploading and drawing: until the first picture and, unless `quick`, until every picture of
+// the sequence has been loaded.
 Status MethodStudy::loading(const capture::CaptureSequence& sequence) {
   player_.reset();
   const auto start = Clock::now();
@@ -145,29 +146,29 @@ Status MethodStudy::loading(const capture::CaptureSequence& sequence) {
 
 Status MethodStudy::ring(const capture::CaptureSequence& sequence) {
   FOURDVT_ASSIGN(auto views, studyRing(context_, sequence));
-  ScoreLane lane;
+  measure::ScoreLane lane;
   for (const RingView& view : views) {
     FOURDVT_ASSIGN(auto reference, readReference(referencePath(context_, sequence.name, view)));
     FOURDVT_ASSIGN(auto drawn, picture(view.camera, sequence.name, view.frame));
     lane.add(std::move(reference), std::move(drawn));
   }
-  lane.finishMean().write(out_, rows::kTable1, sequence.name, method_.name, method_.setting());
+  writeScores({out_, rows::kTable1, sequence.name, method_.name, method_.setting()}, lane.finishMean());
   return {};
 }
 
 Status MethodStudy::heldOut(const capture::CaptureSequence& sequence) {
-  ScoreLane lane;
+  measure::ScoreLane lane;
   std::vector<std::pair<const PinholeCamera*, uint32_t>> views;
   for (uint32_t frame : sequence.test_frames)
     for (const PinholeCamera& camera : held_out_) {
-      FOURDVT_ASSIGN(auto truth, heldOutTruth(sequence, camera, frame));
+      FOURDVT_ASSIGN(auto truth, measure::heldOutTruth(sequence, camera, frame));
       FOURDVT_ASSIGN(auto drawn, picture(camera, sequence.name, frame));
       lane.add(std::move(truth), std::move(drawn), camera.name);
       views.emplace_back(&camera, frame);
     }
   if (views.empty()) return {};
-  MeanScores mean;
-  std::map<std::string, MeanScores> by_camera;
+  measure::MeanScores mean;
+  std::map<std::string, measure::MeanScores> by_camera;
   const auto scores = lane.finish();
   size_t worst = 0;
   for (size_t i = 0; i < scores.size(); ++i) {
@@ -175,20 +176,20 @@ Status MethodStudy::heldOut(const capture::CaptureSequence& sequence) {
     by_camera[scores[i].first].add(scores[i].second);
     if (scores[i].second.ssim_fg < scores[worst].second.ssim_fg) worst = i;
   }
-  mean.write(out_, rows::kHeldOut, sequence.name, method_.name, "views=" + std::to_string(views.size()));
+  writeScores({out_, rows::kHeldOut, sequence.name, method_.name, "views=" + std::to_string(views.size())}, mean);
   for (const auto& [camera, part] : by_camera)
-    part.write(out_, "held-out-views", sequence.name, method_.name, "view=" + camera);
+    writeScores({out_, "held-out-views", sequence.name, method_.name, "view=" + camera}, part);
   if (method_.name != rows::kJointDefault) return {};
   return worstPicture(sequence, *views[worst].first, views[worst].second, scores[worst].second.ssim_fg);
 }
 
 Status MethodStudy::worstPicture(const capture::CaptureSequence& sequence, const PinholeCamera& camera, uint32_t frame,
                                  double ssim) {
-  FOURDVT_ASSIGN(auto truth, heldOutTruth(sequence, camera, frame));
+  FOURDVT_ASSIGN(auto truth, measure::heldOutTruth(sequence, camera, frame));
   FOURDVT_ASSIGN(auto drawn, picture(camera, sequence.name, frame));
   FOURDVT_ASSIGN(auto fvvr, readReference(referencePath(context_, sequence.name, camera.name, frame)));
-  const auto scored = [&](const Image& picture) { return scorePicture(truth, picture); };
-  const PictureScore ours = scored(drawn), theirs = scored(fvvr);
+  const auto scored = [&](const Image& picture) { return measure::scorePicture(truth, picture); };
+  const measure::PictureScore ours = scored(drawn), theirs = scored(fvvr);
   measure::WorstView view;
   view.score = {sequence.name,
                 camera.name,
@@ -239,7 +240,7 @@ Result<Rows> MethodStudy::run() {
   return std::move(out_);
 }
 
-// What a quality at the held-out cameras costs FVVR, and how a method's share of that is written.
+// A quality at the held-out cameras: how many bytes it costs FVVR, and the rows for a method's share of them.
 struct EqualQuality {
   const char *theirs, *ours;     // quantities: of the multi-view's videos, of the held-out table
   const char *percent, *beyond;  // of table1
@@ -258,8 +259,8 @@ std::vector<RatePoint> multiviewLadder(const Rows& reference, const std::string&
   return ladder;
 }
 
-// All that a method loads against the foreground-only multi-view: as pictures, and as the video from which FVVR shows
-// the held-out cameras as well as the method does. Nothing is said beyond the rates measured.
+// Compares all that a method loads with the foreground-only multi-view: as pictures, and as the videos from which FVVR
+// shows the held-out cameras equally well. Nothing is extrapolated beyond the rates measured.
 void compareStorage(const Rows& reference, const std::string& sequence, const std::vector<Method>& methods, Rows& out) {
   const StudyValues measured(out);
   const double masked =

@@ -15,11 +15,8 @@ struct Method {
   bake::BakeOptions options;
   std::string setting() const {
     return "layers=" + std::to_string(options.layers) + " size=" + std::to_string(options.texture) +
-           " codec=" + codecName() + " crf=" + std::to_string(options.crf) +
+           " codec=" + bake::infoOf(options.codec).name + " crf=" + std::to_string(options.crf) +
            " layout=" + (options.equal_layers ? "equal" : "default");
-  }
-  const char* codecName() const {
-    return options.codec == bake::Codec::H264 ? "h264" : options.codec == bake::Codec::Vp9 ? "vp9" : "av1";
   }
 };
 

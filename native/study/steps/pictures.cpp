@@ -114,7 +114,7 @@ Status PictureStep::bakeSheetCharacter(bake::LabelMode mode, double from) {
   return {};
 }
 
-// The default character of runMethods; with time, four layers of ours and of the naive labels as well.
+// The default character of runMethods; unless `quick`, also four layers with our labels and with the naive ones.
 Status PictureStep::findSubjects() {
   const std::string folder = context_.work() + "/methods/" + rows::kJointDefault;
   auto product = measure::readCharacter(folder);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rate-distortion of codecs, presets, layouts and layer sizes. Layers are baked once a size and layout; every point
-// then encodes, decodes and renders the same pictures (rate_point.h).
+// Rate-distortion of codecs, presets, layouts and layer sizes. Layers are baked once per size and layout; every
+// point then encodes, decodes and renders the same pictures (rate_point.h).
 #include <cmath>
 #include <filesystem>
 
@@ -123,7 +123,7 @@ Result<std::vector<RateView>> RateStudy::makeViews(uint32_t frame_count) const {
   for (const uint32_t frame : sequence_.test_frames) {
     for (const PinholeCamera& camera : held_out) {
       if (frame >= frame_count) continue;
-      FOURDVT_ASSIGN(auto truth, heldOutTruth(sequence_, camera, frame));
+      FOURDVT_ASSIGN(auto truth, measure::heldOutTruth(sequence_, camera, frame));
       views.push_back({frame, camera, std::move(truth), {}});
     }
   }
@@ -153,9 +153,9 @@ Status RateStudy::measurePoint(RateMeter& meter, const LayerSetting& layers, con
                                bool chosen, const std::vector<RateView>& views) {
   FOURDVT_TRY(checkStop(context_));
   const std::string setting = (chosen ? "chosen=1 " : "") + settingOf(layers, encode);
-  tell(std::string(bake::codecName(encode.codec)) + " " + setting);
+  tell(std::string(bake::infoOf(encode.codec).name) + " " + setting);
   FOURDVT_ASSIGN(auto score, meter.measure(encode, views));
-  write(bake::codecName(encode.codec), setting, score);
+  write(bake::infoOf(encode.codec).name, setting, score);
   ++done_;
   return {};
 }
@@ -200,7 +200,7 @@ Status RateStudy::measureGroup(const Group& group) {
   bake::EncodeSettings encode;
   encode.codec = chosen.codec;
   encode.crf = chosen.crf;
-  encode.preset = chosen.preset.empty() ? bake::defaultPreset(chosen.codec) : chosen.preset;
+  encode.preset = chosen.preset.empty() ? bake::infoOf(chosen.codec).default_preset : chosen.preset;
   return measurePoint(*meter, group.layers, encode, true, views);
 }
 

@@ -61,11 +61,6 @@ package::Rendition renditionOf(const RateClip& clip) {
   return r;
 }
 
-// SampleDecoder takes its kind from the front of an RFC 6381 string. H.264's Annex B needs no description.
-const char* decoderName(bake::Codec codec) {
-  return codec == bake::Codec::H264 ? "avc1" : codec == bake::Codec::Vp9 ? "vp09" : "av01";
-}
-
 }  // namespace
 
 Status appendPicture(const std::string& path, const bake::I420Picture& picture, bool first) {
@@ -169,20 +164,20 @@ Result<bake::EncodedGop> RateMeter::encodeGop(const bake::EncodeSettings& settin
 Status RateMeter::scoreGop(const bake::EncodeSettings& settings, const bake::EncodedGop& gop, uint32_t first_frame,
                            const std::vector<RateView>& views, RateScore& sum) {
   Status drawing;
-  FOURDVT_ASSIGN(
-      auto decoder,
-      platform::SampleDecoder::create(decoderName(settings.codec), {}, [&](const I420View& picture, int64_t frame) {
-        const auto barcode = package::readBarcode(clip_.layout.barcode, picture);
-        sum.unreadable_barcodes += barcode != std::optional<uint32_t>(static_cast<uint32_t>(frame) % 4096);
-        for (const RateView& view : views) {
-          if (view.frame != frame || !drawing.ok()) continue;
-          auto drawn = draw(picture, view.frame, view.camera);
-          if (drawn)
-            add(view, drawn.value(), sum);
-          else
-            drawing = drawn.error();
-        }
-      }));
+  FOURDVT_ASSIGN(auto decoder, platform::SampleDecoder::create(
+                                   bake::infoOf(settings.codec).kind, {}, [&](const I420View& picture, int64_t frame) {
+                                     const auto barcode = package::readBarcode(clip_.layout.barcode, picture);
+                                     sum.unreadable_barcodes +=
+                                         barcode != std::optional<uint32_t>(static_cast<uint32_t>(frame) % 4096);
+                                     for (const RateView& view : views) {
+                                       if (view.frame != frame || !drawing.ok()) continue;
+                                       auto drawn = draw(picture, view.frame, view.camera);
+                                       if (drawn)
+                                         add(view, drawn.value(), sum);
+                                       else
+                                         drawing = drawn.error();
+                                     }
+                                   }));
   for (const bake::EncodedPacket& packet : gop.packets) {
     std::vector<uint8_t> bytes;
     if (packet.key && settings.codec == bake::Codec::H264) bytes = gop.parameter_sets;
@@ -199,7 +194,7 @@ Result<RateScore> RateMeter::measure(const bake::EncodeSettings& given, const st
   settings.height = clip_.layout.height;
   settings.fps = clip_.fps;
   RateScore score;
-  score.encoder_codec = bake::codecName(settings.codec);
+  score.encoder_codec = bake::infoOf(settings.codec).name;
   double bytes = 0, seconds = 0;
   for (size_t g = 0; g < clip_.gop_first_frames.size(); ++g) {
     FOURDVT_ASSIGN(auto gop, encodeGop(settings, g, seconds));

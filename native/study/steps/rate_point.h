@@ -16,7 +16,7 @@
 
 namespace fourdvt::study {
 
-// What the encoder sees of a sequence, and what is needed to draw it.
+// The pictures of a sequence that the encoder gets, and what is needed to draw them.
 struct RateClip {
   bake::TileLayout layout;
   double fps = 25;
@@ -42,7 +42,7 @@ struct RateScore {
   double ssim_fg_vs_uncompressed = 0, psnr_fg_vs_uncompressed_db = 0;
   double encode_ms_frame = 0;        // one thread, wall clock
   uint32_t unreadable_barcodes = 0;  // pictures that players would not show
-  std::string encoder_codec;         // codecName
+  std::string encoder_codec;         // CodecInfo::name
 };
 
 Status appendPicture(const std::string& path, const bake::I420Picture& picture, bool first);  // WriteFailed
@@ -53,7 +53,7 @@ class RateMeter {
   static Result<std::unique_ptr<RateMeter>> create(gpu::Device& device, const RateClip& clip);
   // Errors: FileUnreadable, GpuFailure.
   Status drawUncompressed(std::vector<RateView>& views);
-  // Mean scores over the views of the pictures before the codec: what no bitrate can exceed.
+  // Mean scores over the views, drawn from the pictures before the codec: no bitrate can exceed them.
   RateScore scoreUncompressed(const std::vector<RateView>& views) const;
   // settings: size and fps are the clip's. Errors: those of encoder and decoder.
   Result<RateScore> measure(const bake::EncodeSettings& settings, const std::vector<RateView>& views);

@@ -77,7 +77,7 @@ class Reference {
   Status pushGop(capture::FrameReader& reader, uint32_t frames, CameraGop& gop) const;
   Status finishGop(CameraGop& gop, CameraVideo& out) const;
   Status takeDecoded(const CameraGop& gop, uint32_t frame, const I420View& view, size_t rate, CameraVideo& out) const;
-  Result<MeanScores> scoreDecoded(int crf, render::Fvvr& fvvr) const;
+  Result<measure::MeanScores> scoreDecoded(int crf, render::Fvvr& fvvr) const;
   std::string decodedFolder() const { return context_.work() + "/decoded/" + sequence_.name; }
   std::string decodedPath(int crf, size_t camera, uint32_t frame) const {
     return decodedFolder() + "/" + std::to_string(crf) + "_" + std::to_string(camera) + "_" + std::to_string(frame) +
@@ -95,8 +95,8 @@ class Reference {
   double before_, share_;
   std::vector<RingView> ring_;
   std::vector<PinholeCamera> held_out_;
-  MeanScores held_out_scores_, held_out_closest_;
-  std::map<std::string, MeanScores> held_out_by_camera_;
+  measure::MeanScores held_out_scores_, held_out_closest_;
+  std::map<std::string, measure::MeanScores> held_out_by_camera_;
   uint64_t masked_png_bytes_ = 0, whole_png_bytes_ = 0, raw_bytes_ = 0;
   uint32_t whole_pngs_ = 0;
 };
@@ -114,11 +114,11 @@ bool Reference::isDrawn(uint32_t frame) const {
 Status Reference::heldOut(uint32_t frame, render::Fvvr& fvvr) {
   if (!isHeldOut(frame)) return {};
   for (const PinholeCamera& camera : held_out_) {
-    FOURDVT_ASSIGN(auto truth, heldOutTruth(sequence_, camera, frame));
+    FOURDVT_ASSIGN(auto truth, measure::heldOutTruth(sequence_, camera, frame));
     FOURDVT_ASSIGN(auto picture, fvvr.renderStill(render::viewFromCamera(camera), {}));
-    const PictureScore score = scorePicture(truth, picture);
+    const measure::PictureScore score = measure::scorePicture(truth, picture);
     FOURDVT_ASSIGN(auto fewer, fvvr.renderStill(render::viewFromCamera(camera), {.closest = rows::kClosestCameras}));
-    held_out_closest_.add(scorePicture(truth, fewer));
+    held_out_closest_.add(measure::scorePicture(truth, fewer));
     held_out_scores_.add(score);
     held_out_by_camera_[camera.name].add(score);
     FOURDVT_TRY(platform::writeImage(referencePath(context_, sequence_.name, camera.name, frame), picture));
@@ -183,21 +183,22 @@ Result<Rows> Reference::draw() {
   multiview.add(rows::kCompressedBytes,
                 static_cast<double>(whole_png_bytes_) * sequence_.frame_count / std::max(1u, whole_pngs_), "bytes");
   multiview.add(rows::kMaskedBytes, static_cast<double>(masked_png_bytes_), "bytes");
-  if (&sequence_ == &shortestSequence(context_)) {  // what the layers' figures are compared with
+  if (&sequence_ == &shortestSequence(context_)) {  // the baseline of the layers' rows
     const RowWriter layers(out, rows::kLayers, sequence_.name, rows::kFvvr, "");
     layers.add(rows::kMaskedBytes, static_cast<double>(masked_png_bytes_) / sequence_.frame_count, "bytes");
     layers.add(rows::kGpuBytes, static_cast<double>(gpu_bytes), "bytes");
   }
-  held_out_scores_.write(out, rows::kHeldOut, sequence_.name, rows::kFvvr,
-                         "views=" + std::to_string(held_out_scores_.count()));
-  held_out_closest_.write(out, rows::kHeldOut, sequence_.name, rows::kFvvrClosest,
-                          "views=" + std::to_string(held_out_closest_.count()));
+  writeScores({out, rows::kHeldOut, sequence_.name, rows::kFvvr, "views=" + std::to_string(held_out_scores_.count())},
+              held_out_scores_);
+  writeScores(
+      {out, rows::kHeldOut, sequence_.name, rows::kFvvrClosest, "views=" + std::to_string(held_out_closest_.count())},
+      held_out_closest_);
   for (const auto& [camera, scores] : held_out_by_camera_)
-    scores.write(out, "held-out-views", sequence_.name, rows::kFvvr, "view=" + camera);
+    writeScores({out, "held-out-views", sequence_.name, rows::kFvvr, "view=" + camera}, scores);
   return out;
 }
 
-// The foreground's straight colours, spread by a few pixels over the black around it, so that neither the codec's
+// Spreads the foreground's straight colours by a few pixels over the black around it, so that neither the codec's
 // ringing nor its half-resolution chroma darkens FVVR's outlines.
 Image spreadColours(const Image& rgba) {
   constexpr int kSpread = 4;  // pixels
@@ -249,8 +250,8 @@ Status Reference::pushGop(capture::FrameReader& reader, uint32_t frames, CameraG
   return {};
 }
 
-// A decoded picture as FVVR takes it, with the captured matte, which costs it nothing here. An odd last row or column,
-// which 4:2:0 lacks, stays as captured.
+// Makes the picture that FVVR draws from: decoded colours with the captured matte, whose bytes are not counted. An odd
+// last row or column, which 4:2:0 lacks, stays as captured.
 Image withMatte(const Image& decoded, Image picture) {
   for (int y = 0; y < decoded.height; ++y)
     for (int x = 0; x < decoded.width; ++x) std::copy_n(decoded.at(x, y), 3, picture.at(x, y));
@@ -295,8 +296,8 @@ Result<Reference::CameraVideo> Reference::encodeCamera(size_t camera) const {
 }
 
 // FVVR from the decoded videos, at the held-out cameras and frames.
-Result<MeanScores> Reference::scoreDecoded(int crf, render::Fvvr& fvvr) const {
-  ScoreLane lane;
+Result<measure::MeanScores> Reference::scoreDecoded(int crf, render::Fvvr& fvvr) const {
+  measure::ScoreLane lane;
   for (const uint32_t frame : sequence_.test_frames) {
     FOURDVT_TRY(checkStop(context_));
     FOURDVT_ASSIGN(auto positions, capture::readMeshFrame(*context_.capture, sequence_, frame));
@@ -307,7 +308,7 @@ Result<MeanScores> Reference::scoreDecoded(int crf, render::Fvvr& fvvr) const {
     }
     FOURDVT_TRY(fvvr.setFrame(positions, pictures));
     for (const PinholeCamera& camera : held_out_) {
-      FOURDVT_ASSIGN(auto truth, heldOutTruth(sequence_, camera, frame));
+      FOURDVT_ASSIGN(auto truth, measure::heldOutTruth(sequence_, camera, frame));
       FOURDVT_ASSIGN(auto picture, fvvr.renderStill(render::viewFromCamera(camera), {}));
       lane.add(std::move(truth), std::move(picture));
     }

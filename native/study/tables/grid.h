@@ -21,7 +21,8 @@ std::string fixed(double value) {
 }
 inline std::string times(double ratio) { return std::isnan(ratio) ? "–" : fixedText(ratio, 2) + " ×"; }
 
-// What is known of a cell. A row's and a column's are joined: texts are put together, of the rest either has it.
+// What a row or a column fixes about its cells. Both are joined: texts are concatenated; of everything else only one of
+// the two may be set.
 struct Cell {
   std::vector<std::string> title;  // a row's may have several cells
   std::string method, filter;      // as StudyValues
@@ -64,7 +65,7 @@ struct CurvesOptions {
   int x_decimals = 0;
   std::string title, x_label, y_label;
   std::string filter = {};
-  std::optional<double> reduction_from = {};  // y: reduction against this figure, percent
+  std::optional<double> reduction_from = {};  // y: reduction against this value, percent
 };
 // A curve per cell; curves without points are left out, no curves: nothing is added.
 void addCurves(Section& section, const StudyValues& v, const CurvesOptions& options, const Cells& curves);

@@ -133,7 +133,7 @@ void addEqualQuality(Section& section, const StudyValues& v, const std::string& 
   if (!table.rows.empty()) section.tables.push_back(std::move(table));
 }
 
-// Masked PNGs of the sequences whose layers were measured, mean a sequence.
+// Masked PNGs of the sequences whose layers were measured, mean per sequence.
 double maskedSequenceBytes(const StudyValues& v) {
   double sum = 0;
   int count = 0;

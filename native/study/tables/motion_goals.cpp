@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMostBlendMm = 3, kMostFlowPx = 0.3, kLeastGradient = 0.95, kMostCost = 1.3, kMostLatency_s = 0.4;
-// Pictures are of whole levels: of a mean change of 40 this share, a tenth of a level, is rounding.
+// Pictures have whole levels: this share of a mean change of 40, a tenth of a level, is rounding.
 constexpr double kChangeRounding = 0.0025;
 
 // The largest of a quantity, or of its ratio to another, over the rows of a table.

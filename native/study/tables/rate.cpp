@@ -8,8 +8,8 @@
 namespace fourdvt::study {
 namespace {
 
-// Everything of a setting that makes a rate curve, or a family of curves without the number of layers; crf varies along
-// it.
+// The part of a setting that names a rate curve, or without the number of layers a family of curves; crf varies along a
+// curve.
 std::string curveName(const Row& row, bool with_layers = true) {
   std::string name = row.method;
   for (const char* key : {"preset", "size", "layers", "layout"}) {
@@ -84,8 +84,8 @@ double qualityAtRate(const std::vector<RatePoint>& points, double bits_per_s) {
   return std::nan("");
 }
 
-// What further layers are worth where they cost as many bits: a family's curves at the bitrates measured of the one
-// with the largest number of layers. Without a curve of one layer there is nothing to compare with.
+// What more layers are worth at equal bitrate: reads a family's curves at the bitrates that were measured for the
+// largest number of layers. Without a curve of one layer there is no comparison.
 Table equalRateTable(const std::vector<RateCurve>& curves, const std::string& family) {
   std::vector<const RateCurve*> members;
   for (const RateCurve& curve : curves)

@@ -17,9 +17,8 @@ using report::fixedText, report::percentText, report::bytesText, report::seconds
 
 Document makeStudyDocument(const Rows& rows, const StudyOptions& options, const std::string& capture_name);
 
-// Rows by name. A filter is "key=value !key": each pair must be in the setting (figures compare as figures), a key
-// after
-// "!" must not be; empty: any setting.
+// Rows by name. A filter is "key=value !key": each pair must be in the setting (numbers compare as numbers), and a key
+// with a "!" must not be; empty: any setting.
 class StudyValues {
  public:
   explicit StudyValues(const Rows& rows) : rows_(rows) {}
@@ -35,7 +34,7 @@ class StudyValues {
   std::vector<std::string> sequences(const std::string& table) const;
   std::vector<std::string> methods(const std::string& table) const;
   std::vector<std::string> settings(const std::string& table, const std::string& method, const std::string& key) const;
-  // The same as ascending figures; no method: all.
+  // The same as ascending numbers; no method: all.
   std::vector<double> numbers(const std::string& table, const std::string& method, const std::string& key) const;
   const Rows& rows() const { return rows_; }
 
@@ -52,7 +51,7 @@ std::string methodTitle(const std::string& method);
 struct Judgement {
   std::string claim, measured;
   enum class Verdict { Holds, Fails, NotMeasured } verdict = Verdict::NotMeasured;
-  std::string reason;  // where it fails: what the figures say about why
+  std::string reason;  // where it fails: what the rows say about why
 };
 std::vector<Judgement> judgeGoals(const StudyValues& values);
 std::vector<Judgement> judgeTrends(const StudyValues& values);

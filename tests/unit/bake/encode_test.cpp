@@ -20,14 +20,14 @@ namespace {
 constexpr uint32_t kFrames = 29;
 
 // GoogleTest prints it.
-std::string nameOf(const testing::TestParamInfo<Codec>& info) { return codecName(info.param); }
+std::string nameOf(const testing::TestParamInfo<Codec>& info) { return infoOf(info.param).name; }
 
 struct EncodeTest : testing::TestWithParam<Codec> {
   TileLayout layout = makeTileLayout(1, 512);
   EncodeSettings settings{layout.width, layout.height, 25, 30, GetParam(), fastPreset(GetParam())};
   std::vector<uint32_t> first = planGops(kFrames, 8);  // 7 or 8 frames each
   std::string folder =
-      testing::TempDir() + "fourdvt_encode_test_" + codecName(GetParam()) + "_" + std::to_string(getpid());
+      testing::TempDir() + "fourdvt_encode_test_" + infoOf(GetParam()).name + "_" + std::to_string(getpid());
   std::string path = folder + "/test.mp4";
   void SetUp() override { ASSERT_TRUE(platform::makeFolder(folder).ok()); }
   void TearDown() override { platform::removeFolder(folder); }
@@ -192,14 +192,14 @@ TEST(Presets, AreCheckedWithTheRemedy) {
   EXPECT_TRUE(knowsPreset(Codec::Av1, "aom-6"));
   for (const Codec codec : {Codec::H264, Codec::Vp9, Codec::Av1}) {
     EXPECT_TRUE(knowsPreset(codec, ""));
-    EXPECT_TRUE(knowsPreset(codec, defaultPreset(codec)));
+    EXPECT_TRUE(knowsPreset(codec, infoOf(codec).default_preset));
     EXPECT_TRUE(checkEncoder(codec, "").ok());
     for (const char* wrong : {"8", "-1", "fastest", "aom-9", "6 "}) {
-      EXPECT_FALSE(knowsPreset(codec, wrong)) << codecName(codec) << " " << wrong;
+      EXPECT_FALSE(knowsPreset(codec, wrong)) << infoOf(codec).name << " " << wrong;
       const Status status = checkEncoder(codec, wrong);
       ASSERT_FALSE(status.ok());
       EXPECT_EQ(status.error().id, ErrorId::InvalidArgument);
-      EXPECT_NE(status.error().message.find(presetExplanation(codec)), std::string::npos);
+      EXPECT_NE(status.error().message.find(infoOf(codec).presets), std::string::npos);
     }
   }
 }
@@ -207,7 +207,7 @@ TEST(Presets, AreCheckedWithTheRemedy) {
 TEST(Codecs, NamesRoundTrip) {
   for (const Codec codec : {Codec::H264, Codec::Vp9, Codec::Av1}) {
     Codec parsed = Codec::H264;
-    EXPECT_TRUE(parseCodec(codecName(codec), parsed));
+    EXPECT_TRUE(parseCodec(infoOf(codec).name, parsed));
     EXPECT_EQ(parsed, codec);
   }
   Codec unchanged = Codec::Vp9;

@@ -19,10 +19,10 @@ TEST(Quality, EveryEntryIsAcceptedForEveryCodec) {
     for (const Codec codec : {Codec::H264, Codec::Vp9, Codec::Av1}) {
       BakeOptions options = named();
       applyQuality(quality, codec, options);
-      EXPECT_EQ(options.check(), "") << quality.name << " " << codecName(codec);
+      EXPECT_EQ(options.check(), "") << quality.name << " " << infoOf(codec).name;
       EXPECT_EQ(options.codec, codec);
-      EXPECT_TRUE(knowsPreset(codec, options.preset)) << quality.name << " " << codecName(codec);
-      EXPECT_LE(options.crf, highestCrf(codec));
+      EXPECT_TRUE(knowsPreset(codec, options.preset)) << quality.name << " " << infoOf(codec).name;
+      EXPECT_LE(options.crf, infoOf(codec).highest_crf);
       EXPECT_EQ(findQuality(quality.name), &quality);
     }
   }
@@ -63,7 +63,7 @@ TEST(Quality, DefaultIsThatOfBakeOptions) {
   EXPECT_EQ(options.texture, defaults.texture);
   EXPECT_EQ(options.layers, defaults.layers);
   EXPECT_EQ(options.crf, defaults.crf);
-  EXPECT_EQ(options.preset, defaults.preset.empty() ? defaultPreset(defaults.codec) : defaults.preset);
+  EXPECT_EQ(options.preset, defaults.preset.empty() ? infoOf(defaults.codec).default_preset : defaults.preset);
 }
 
 }  // namespace

@@ -27,6 +27,19 @@ TEST(CaptureCamera, QuaternionProjectsAnalytically) {
   expectNear(camera.project({0, 1.4, 0}), {320, 189, 4});
 }
 
+TEST(CaptureCamera, TestCamerasAreInMetresAsTheOthers) {
+  SmallCapture files;
+  files.write("capture.json", SmallCapture::json("", "millimetre"));
+  std::filesystem::copy(files / "cameras", files / "cameras_test");
+  auto capture = files.open();
+  ASSERT_TRUE(capture.ok()) << capture.error().message;
+  auto cameras = readTestCameras(capture.value());
+  ASSERT_TRUE(cameras.ok()) << cameras.error().message;
+  ASSERT_EQ(cameras.value().size(), 2u);
+  expectNear(cameras.value()[0].centreInWorld(), {0, 0, -0.003});
+  expectNear(cameras.value()[1].centreInWorld(), capture.value().cameras[1].pinhole.centreInWorld());
+}
+
 TEST(CaptureCamera, QuaternionIsNormalised) {
   const PinholeCamera a = single("PINHOLE 64 48 50 50 32 24", "0.6 0 0.8 0 1 2 3").pinhole;
   const PinholeCamera b = single("PINHOLE 64 48 50 50 32 24", "1.2 0 1.6 0 1 2 3").pinhole;

@@ -36,28 +36,21 @@ TEST(CaptureErrors, UnknownSequenceAsked) {
               capture / "capture.json");
 }
 
-TEST(CaptureErrors, MissingCalibration) {
-  SmallCapture capture;
-  capture.remove("cameras/images.txt");
-  expectError(capture.open(), ErrorId::FileMissing, capture / "cameras/images.txt");
-}
-
-TEST(CaptureErrors, CameraWithoutVideo) {
-  SmallCapture capture;
-  capture.remove("walk/cam01");
-  expectError(capture.open(), ErrorId::CameraMissingVideo, capture / "walk/cam01");
-}
-
-TEST(CaptureErrors, CameraWithNeitherMatteNorPlate) {
-  SmallCapture capture;
-  capture.remove("walk/mask01");
-  expectError(capture.open(), ErrorId::FileMissing, capture / "background/cam01.png");
-}
-
-TEST(CaptureErrors, ImageSequenceTooShort) {
-  SmallCapture capture;
-  capture.remove("walk/cam01/000002.png");
-  expectError(capture.open(), ErrorId::VideoTooShort, capture / "walk/cam01/000002.png");
+TEST(CaptureErrors, MissingFilesAreNamed) {
+  struct Missing {
+    const char* removed;
+    ErrorId id;
+    const char* named;
+  };
+  for (const Missing& m : {Missing{"cameras/images.txt", ErrorId::FileMissing, "cameras/images.txt"},
+                           Missing{"walk/cam01", ErrorId::CameraMissingVideo, "walk/cam01"},
+                           Missing{"walk/mask01", ErrorId::FileMissing, "background/cam01.png"},
+                           Missing{"walk/cam01/000002.png", ErrorId::VideoTooShort, "walk/cam01/000002.png"}}) {
+    SCOPED_TRACE(m.removed);
+    SmallCapture capture;
+    capture.remove(m.removed);
+    expectError(capture.open(), m.id, capture / m.named);
+  }
 }
 
 TEST(CaptureErrors, UnreadableVideo) {

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "../live_objects.h"
 #include "gpu/device.h"
 
 namespace fourdvt::gpu {
@@ -37,11 +38,7 @@ TEST_F(NullDeviceTest, countsLiveObjectsDownToZero) {
     EXPECT_EQ(device->counters().live_targets, 1u);
     EXPECT_EQ(device->counters().live_programs, 1u);
   }
-  EXPECT_EQ(device->counters().live_textures, 0u);
-  EXPECT_EQ(device->counters().live_texture_bytes, 0u);
-  EXPECT_EQ(device->counters().live_targets, 0u);
-  EXPECT_EQ(device->counters().live_programs, 0u);
-  EXPECT_EQ(device->takeErrors(), "");
+  fourdvt::testing::expectNothingLives(*device);
 }
 
 TEST_F(NullDeviceTest, countsMipmapAndArrayBytes) {

@@ -76,8 +76,7 @@ TEST(PlayerErrors, DecoderFailureBreaksOneSequence) {
        {std::pair{"unsupported: avc1", ErrorId::DecoderUnsupported}, {"bad sample", ErrorId::VideoInvalid}}) {
     const FakeCharacter character = twoSequences();
     SimulatedEdge edge(character, {});
-    ASSERT_TRUE(edge.player->loadManifest(character.manifest).ok());
-    ASSERT_TRUE(edge.runUntilShown());
+    ASSERT_TRUE(edge.load());
     edge.player->onDecoderFailed(0, reason);
     edge.step(0.01);
     ASSERT_EQ(edge.errors.size(), 1u);
@@ -170,6 +169,5 @@ TEST(PlayerErrors, AnswersNobodyAskedForAreIgnored) {
   edge.player->commitSlot(99);
   edge.player->uploadI420(99, {});
   EXPECT_EQ(edge.player->slotTexture(99), 0u);
-  ASSERT_TRUE(edge.player->loadManifest(character.manifest).ok());
-  EXPECT_TRUE(edge.runUntilShown());
+  ASSERT_TRUE(edge.load());
 }

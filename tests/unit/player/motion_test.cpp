@@ -67,8 +67,7 @@ TEST(PlayerClass, AParameterSetBeforeTheManifestIsKept) {
   const FakeCharacter character = locomotion();
   SimulatedEdge edge(character, {});
   ASSERT_TRUE(edge.player->setParameter("speed_mps", 2.7, false).ok());
-  ASSERT_TRUE(edge.player->loadManifest(character.manifest).ok());
-  ASSERT_TRUE(edge.runUntilShown());
+  ASSERT_TRUE(edge.load());
   EXPECT_NEAR(edge.draw().member, 1, 1e-3);
 }
 

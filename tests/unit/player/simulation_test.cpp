@@ -25,8 +25,7 @@ uint64_t largestGopBytes(const FakeCharacter& character) {
 TEST(PlayerSimulation, LoadsPausedAtFrameZero) {
   const FakeCharacter character = twoSequences();
   SimulatedEdge edge(character, {});
-  ASSERT_TRUE(edge.player->loadManifest(character.manifest).ok());
-  ASSERT_TRUE(edge.runUntilShown());
+  ASSERT_TRUE(edge.load());
   EXPECT_EQ(edge.player->frame(), 0u);
   EXPECT_TRUE(edge.player->paused());
   edge.expectPaired();
@@ -41,8 +40,7 @@ TEST(PlayerSimulation, LoadsPausedAtFrameZero) {
 TEST(PlayerSimulation, PlaysEveryFrameInOrderOverLoops) {
   const FakeCharacter character = twoSequences();
   SimulatedEdge edge(character, {});
-  ASSERT_TRUE(edge.player->loadManifest(character.manifest).ok());
-  ASSERT_TRUE(edge.runUntilShown());
+  ASSERT_TRUE(edge.load());
   edge.player->play();
   uint32_t last = edge.player->frame();
   int advances = 0;
@@ -63,8 +61,7 @@ TEST(PlayerSimulation, RunsAtTheSequencesRate) {
   const FakeCharacter character = twoSequences();
   for (double rate : {0.5, 1.0, 2.0, 4.0}) {
     SimulatedEdge edge(character, {});
-    ASSERT_TRUE(edge.player->loadManifest(character.manifest).ok());
-    ASSERT_TRUE(edge.runUntilShown());
+    ASSERT_TRUE(edge.load());
     edge.player->setRate(rate);
     edge.player->play();
     edge.runUntil([] { return false; }, 2);  // caches fill
@@ -121,8 +118,7 @@ TEST(PlayerSimulation, EndsOnTheLastFrameAndPlaysAgain) {
 TEST(PlayerSimulation, KeepsTheOldPictureUntilTheNewSequenceIsReady) {
   const FakeCharacter character = twoSequences();
   SimulatedEdge edge(character, {});
-  ASSERT_TRUE(edge.player->loadManifest(character.manifest).ok());
-  ASSERT_TRUE(edge.runUntilShown());
+  ASSERT_TRUE(edge.load());
   edge.player->play();
   for (const char* name : {"pickup", "walk", "pickup"}) {
     ASSERT_TRUE(edge.player->selectSequence(name).ok());
@@ -142,8 +138,7 @@ TEST(PlayerSimulation, ADecoderThatHoldsManyPicturesDoesNotStallIt) {
   EdgeOptions options;
   options.reorder_delay = 14;
   SimulatedEdge edge(character, options);
-  ASSERT_TRUE(edge.player->loadManifest(character.manifest).ok());
-  ASSERT_TRUE(edge.runUntilShown());
+  ASSERT_TRUE(edge.load());
   edge.player->play();
   EXPECT_TRUE(edge.runUntil([&] { return edge.player->stats().frames_shown > 60; }));
 }
@@ -162,8 +157,7 @@ TEST(PlayerSimulation, TenThousandFramesWithoutAMismatch) {
     options.reorder_delay = 1 + int(seed % 4);
     options.player.encoded_budget_bytes = seed % 2 ? 4 * largestGopBytes(character) : 1u << 20;
     SimulatedEdge edge(character, options);
-    ASSERT_TRUE(edge.player->loadManifest(character.manifest).ok());
-    ASSERT_TRUE(edge.runUntilShown());
+    ASSERT_TRUE(edge.load());
     edge.player->play();
     uint32_t last = 9999;
     for (uint64_t target = 1000; edge.player->stats().frames_shown < target && edge.now_s < 400;) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "../../render/quad_scene.h"
+#include "../live_objects.h"
 
 namespace fourdvt::render {
 namespace {
@@ -88,11 +89,7 @@ TEST(Recipe, drawsFiveTimesThenTwiceForTheSameGeometryAndLeaksNothing) {
     drawn.target.reset();
     drawn.color.reset();
   }
-  EXPECT_EQ(device->counters().live_textures, 0u);
-  EXPECT_EQ(device->counters().live_texture_bytes, 0u);
-  EXPECT_EQ(device->counters().live_targets, 0u);
-  EXPECT_EQ(device->counters().live_programs, 0u);
-  EXPECT_EQ(device->takeErrors(), "");
+  fourdvt::testing::expectNothingLives(*device);
 }
 
 TEST(Recipe, makesOneProgramForEachLayerCountKindAndDebugView) {

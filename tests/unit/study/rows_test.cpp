@@ -309,7 +309,7 @@ Image squareOn(int width, int height, int x0, int y0, int side, uint8_t grey) {
 
 TEST(StudyScore, RegionsHaveTheirKnownPsnr) {
   const Image a = squareOn(80, 60, 20, 10, 30, 100), b = squareOn(80, 60, 20, 10, 30, 110);
-  const PictureScore same = scorePicture(a, a), other = scorePicture(a, b);
+  const measure::PictureScore same = measure::scorePicture(a, a), other = measure::scorePicture(a, b);
   EXPECT_EQ(same.psnr_fg_db, 100);
   EXPECT_NEAR(same.ssim_full, 1, 1e-12);
   const double expected = 20 * std::log10(255 / 10.0);
@@ -323,7 +323,7 @@ TEST(StudyScore, RegionsHaveTheirKnownPsnr) {
 TEST(StudyScore, SsimEqualsThatOfTheWholePicture) {
   for (const auto& [x, y] : {std::pair{20, 10}, {0, 0}, {50, 30}, {3, 28}}) {
     const Image a = squareOn(80, 60, x, y, 30, 100), b = squareOn(80, 60, x, y, 29, 140);
-    const PictureScore score = scorePicture(a, b);
+    const measure::PictureScore score = measure::scorePicture(a, b);
     const Image ca = measure::compositedOnBlack(a), cb = measure::compositedOnBlack(b);
     EXPECT_NEAR(score.ssim_full, measure::ssim(ca, cb, measure::Mask(80 * 60, 1)), 1e-9);
     EXPECT_NEAR(score.ssim_fg, measure::ssim(ca, cb, measure::unionOfSilhouettes(a, b)), 1e-9);
@@ -333,7 +333,7 @@ TEST(StudyScore, SsimEqualsThatOfTheWholePicture) {
 
 TEST(StudyScore, LaneKeepsTheOrder) {
   const Image a = squareOn(80, 60, 20, 10, 30, 100);
-  ScoreLane lane;
+  measure::ScoreLane lane;
   for (int i = 0; i < 9; ++i)
     lane.add(a, squareOn(80, 60, 20, 10, 30, static_cast<uint8_t>(101 + i)), std::to_string(i));
   const auto scores = lane.finish();

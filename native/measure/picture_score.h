@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// The papers' measures of one picture against a reference, their means, and their computation beside other work.
+#pragma once
+
+#include <deque>
+#include <future>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/image.h"
+
+namespace fourdvt::measure {
+
+// Foreground: union of both silhouettes; common: what both cover. Box: the foreground's bounding box. Full: the whole
+// picture. All over black; PSNR on RGB, SSIM on luma.
+// A further measure needs: a field here, its place in kMeasures and scorePicture (picture_score.cpp), a row in
+// writeScores (study/run/row_writer.cpp) and rows.h, and a column in the tables that show it (study/tables/).
+struct PictureScore {
+  double psnr_full_db = 0, psnr_box_db = 0, psnr_fg_db = 0, psnr_common_db = 0;
+  double ssim_full = 0, ssim_box = 0, ssim_fg = 0;
+};
+// RGBA straight alpha, of one size. Infinite PSNR counts as 100 dB, so that means stay finite.
+PictureScore scorePicture(const Image& reference, const Image& picture);
+
+class MeanScores {
+ public:
+  void add(const PictureScore& score);
+  size_t count() const { return count_; }
+  PictureScore mean() const;  // NaN if nothing was added
+
+ private:
+  PictureScore sum_;
+  size_t count_ = 0;
+};
+
+// Scores on other threads while the caller draws on; at most a few pictures wait.
+class ScoreLane {
+ public:
+  // `tag`: whatever the caller tells scores apart by, e.g. a camera's name; may be empty.
+  void add(Image reference, Image picture, const std::string& tag = {});
+  // Waits for all. Scores in order of add.
+  std::vector<std::pair<std::string, PictureScore>> finish();
+  MeanScores finishMean();
+
+ private:
+  static constexpr size_t kWaiting = 4;
+  void collect(size_t keep);
+  std::deque<std::pair<std::string, std::future<PictureScore>>> running_;
+  std::vector<std::pair<std::string, PictureScore>> finished_;
+};
+
+}  // namespace fourdvt::measure
