@@ -52,13 +52,13 @@ Result<HeldOutReport> evaluateHeldOut(
     const std::function<void(const std::string& sequence, uint32_t frame)>& on_frame = {});
 
 // Means over the scores with these properties; an empty name means any.
-struct MeanScore {
+struct MeanViewScore {
   size_t views = 0;
   double psnr_db = 0, ssim = 0, common_psnr_db = 0;
   double yardstick_psnr_db = 0, yardstick_ssim = 0, yardstick_common_psnr_db = 0;
 };
-MeanScore meanScore(const std::vector<ViewScore>& scores, bool held_out, const std::string& sequence,
-                    const std::string& camera);
+MeanViewScore meanViewScore(const std::vector<ViewScore>& scores, bool held_out, const std::string& sequence,
+                            const std::string& camera);
 
 // Fixed-width table: per sequence and camera, means, worst views. Yardstick columns only where there are figures.
 std::string scoreTable(const HeldOutReport& report);

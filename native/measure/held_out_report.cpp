@@ -12,7 +12,7 @@
 namespace fourdvt::measure {
 namespace {
 
-std::string row(const std::string& name, const MeanScore& m, bool yardstick) {
+std::string row(const std::string& name, const MeanViewScore& m, bool yardstick) {
   char text[200];
   std::snprintf(text, sizeof text, "  %-10s %6zu %9.2f %8.4f %10.2f", name.c_str(), m.views, m.psnr_db, m.ssim,
                 m.common_psnr_db);
@@ -35,17 +35,17 @@ std::vector<std::string> distinct(const std::vector<ViewScore>& scores, bool hel
 std::string section(const HeldOutReport& report, bool held_out) {
   const auto sequences = distinct(report.scores, held_out, &ViewScore::sequence);
   if (sequences.empty()) return {};
-  const bool yardstick = held_out && !std::isnan(meanScore(report.scores, true, "", "").yardstick_psnr_db);
+  const bool yardstick = held_out && !std::isnan(meanViewScore(report.scores, true, "", "").yardstick_psnr_db);
   std::string out = held_out ? "Held-out cameras\n" : "Input cameras\n";
   for (const std::string& sequence : sequences) {
     out += sequence + "\n  camera      views   PSNR dB     SSIM  common dB" +
            (yardstick ? "  yardst. dB     SSIM  common dB\n" : "\n");
     for (const std::string& camera : distinct(report.scores, held_out, &ViewScore::camera))
-      out += row(camera, meanScore(report.scores, held_out, sequence, camera), yardstick);
-    out += row("mean", meanScore(report.scores, held_out, sequence, ""), yardstick);
+      out += row(camera, meanViewScore(report.scores, held_out, sequence, camera), yardstick);
+    out += row("mean", meanViewScore(report.scores, held_out, sequence, ""), yardstick);
   }
   if (sequences.size() > 1)
-    out += "all sequences\n" + row("mean", meanScore(report.scores, held_out, "", ""), yardstick);
+    out += "all sequences\n" + row("mean", meanViewScore(report.scores, held_out, "", ""), yardstick);
   return out;
 }
 
@@ -100,9 +100,9 @@ cv::Mat sheetRow(const WorstView& view, const std::string& baseline) {
 
 }  // namespace
 
-MeanScore meanScore(const std::vector<ViewScore>& scores, bool held_out, const std::string& sequence,
-                    const std::string& camera) {
-  MeanScore mean;
+MeanViewScore meanViewScore(const std::vector<ViewScore>& scores, bool held_out, const std::string& sequence,
+                            const std::string& camera) {
+  MeanViewScore mean;
   for (const ViewScore& s : scores) {
     if (s.held_out != held_out || (!sequence.empty() && s.sequence != sequence) ||
         (!camera.empty() && s.camera != camera))

@@ -13,7 +13,7 @@
 namespace fourdvt::study {
 namespace {
 
-constexpr const char* kStudyVersion = "study 2";  // change it whenever kept rows of older builds must not be reused
+constexpr const char* kStudyVersion = "study 3";  // change it whenever kept rows of older builds must not be reused
 
 StudyContext resolved(const StudyContext& given) {
   StudyContext context = given;

@@ -125,7 +125,7 @@ int runWholeStudy(const Arguments& arguments) {
   line.end();
   if (!rows.ok()) return fail(rows.error());
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  std::printf("%zu figures in %.0f s\nfigures: %s/evaluate.csv\nreport: %s/report.html\n", rows.value().size(),
+  std::printf("%zu rows in %.0f s\nrows: %s/evaluate.csv\nreport: %s/report.html\n", rows.value().size(),
               seconds.count(), arguments.output.c_str(), arguments.output.c_str());
   return kOk;
 }

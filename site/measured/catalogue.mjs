@@ -200,6 +200,7 @@ const otherFigures = [
 
 const derivedFigures = [
   { id: 'gap.default', what: 'PSNR-FG at the held-out cameras, ours by default less FVVR, mean over the motions', unit: 'dB', digits: 2, better: 'more', from: { difference: ['mean.psnr.joint-default', 'mean.psnr.fvvr'] } },
+  { id: 'gap.motion', what: 'PSNR-FG at the held-out cameras, ours by default less FVVR', unit: 'dB', digits: 2, each: 'sequence', better: 'more', from: { difference: ['held_out.psnr.joint-default', 'held_out.psnr.fvvr'] } },
   { id: 'gap.high', what: 'PSNR-FG at the held-out cameras, --quality high less FVVR', unit: 'dB', digits: 2, better: 'more', from: { difference: ['high.psnr', 'mean.psnr.fvvr'] } },
   { id: 'storage.percent', what: 'storage of all motions against the masked PNG multi-view, ours by default', unit: '%', digits: 1, better: 'less', from: { percent: ['sum.storage.joint-default', 'sum.storage.fvvr'] } },
   { id: 'storage.percent_512', what: 'storage of all motions against the masked PNG multi-view, ours at 512²', unit: '%', digits: 1, better: 'less', from: { percent: ['sum.storage.joint', 'sum.storage.fvvr'] } },
@@ -286,19 +287,20 @@ export const sections = [
       above: no ring camera sees the crown of the head, which FVVR leaves dark and ours fills from the hair around it; thin double
       lines of the plaid merge in both; and the mesh stands a little outside the true silhouette, which costs both.`,
     rows: [
-      { what: 'PSNR-FG and SSIM-FG at held-out cameras, against FVVR', measured: '{mean.psnr.joint-default}, {mean.ssim.joint-default}; FVVR {mean.psnr.fvvr}, {mean.ssim.fvvr}', goal: { text: 'PSNR at most 0.1 dB below FVVR', of: 'gap.default', min: -0.1 }, run: 'study', headline: true },
-      { what: 'the same with --quality high', measured: '{high.psnr}, {high.ssim}', goal: { text: 'PSNR at most 0.1 dB below FVVR', of: 'gap.high', min: -0.1 }, run: 'high' },
+      { what: 'PSNR-FG and SSIM-FG at held-out cameras, against FVVR', measured: '{mean.psnr.joint-default}, {mean.ssim.joint-default}; FVVR {mean.psnr.fvvr}, {mean.ssim.fvvr}', goal: { text: 'mean PSNR at most 0.1 dB below FVVR', of: 'gap.default', min: -0.1 }, run: 'study', headline: true },
+      { what: 'PSNR-FG at held-out cameras, ours less FVVR, {keys:gap.motion}', measured: '{gap.motion}', goal: { text: '≥ −0.1 dB for each', of: 'gap.motion', min: -0.1 }, run: 'study', headline: true },
+      { what: 'the same as the first row with --quality high', measured: '{high.psnr}, {high.ssim}', goal: { text: 'PSNR at most 0.1 dB below FVVR', of: 'gap.high', min: -0.1 }, run: 'high' },
       { what: 'SSIM-FG against FVVR at the default', measured: '{ssim_against_fvvr.joint-default}', goal: { text: '≥ 0.93', of: 'ssim_against_fvvr.joint-default', min: 0.93 }, run: 'study' },
       { what: 'storage against the masked pictures of all cameras', measured: '{storage.percent}, with layers of 512² {storage.percent_512}', goal: { text: '≤ 3 %, 512²', of: 'storage.percent_512', max: 3 }, run: 'study', headline: true },
-      { what: 'storage against H.264 videos of all cameras, FVVR from them at equal held-out PSNR-FG; at equal SSIM-FG', measured: '{equal_psnr.joint-default}; {equal_ssim.joint-default}', run: 'study', headline: true },
+      { what: 'storage as a share of the H.264 camera videos from which FVVR reaches the same PSNR-FG at held-out cameras, {keys:equal_psnr.joint-default}; the same SSIM-FG', measured: '{equal_psnr.joint-default}; {equal_ssim.joint-default}', run: 'study', headline: true },
       { what: 'frame rate against FVVR from all cameras, at {keys:speed.frame}; from the three nearest to the view', measured: '{speed.frame}; {speed.frame_m3}', goal: { text: '≥ × 4', of: 'speed.frame', min: 4 }, run: 'study', headline: true },
       { what: 'the same, draws and depth maps only', measured: '{speed.draw}; {speed.draw_m3}', run: 'study' },
       { what: 'three view-dependent layers above one at equal bitrate, held-out cameras, at {keys:worth.psnr.gain} Mbit/s', measured: '{worth.psnr.gain}; SSIM {worth.ssim.gain}', run: 'study', headline: true },
       { what: 'bitrate while playing, {keys:bitrate.all}', measured: '{bitrate.all}, of which video {bitrate.video}', goal: { text: '≤ 4 Mbit/s', of: 'bitrate.all', max: 4 }, run: 'character', headline: true },
       { what: 'the same with --crf 31', measured: '{crf31.bitrate}, {crf31.psnr}, {crf31.ssim}', goal: { text: '≤ 4 Mbit/s', of: 'crf31.bitrate', max: 4 }, run: 'crf31' },
       { what: 'bitrate of the labels', measured: '{bitrate.labels}', goal: { text: '≤ 120 kbit/s', of: 'bitrate.labels', max: 120 }, run: 'character' },
-      { what: 'layer-1 label flips per frame, against SO', measured: '{flips.fewer} fewer; on faces that a camera sees {seen_flips.fewer}', goal: { text: '≥ 50 % fewer', of: 'flips.fewer', min: 50 }, run: 'study', headline: true },
-      { what: 'layer-1 seam edges, against SO', measured: '{seams.fewer} fewer; on faces that a camera sees {seen_seams.fewer}', goal: { text: '≥ 30 % fewer', of: 'seams.fewer', min: 30 }, run: 'study', headline: true },
+      { what: 'layer-1 label flips per frame, against SO', measured: '{flips.fewer} fewer; on faces that a camera sees {seen_flips.fewer}', goal: { text: '≥ 50 % fewer on all faces', of: 'flips.fewer', min: 50 }, run: 'study', headline: true },
+      { what: 'layer-1 seam edges, against SO', measured: '{seams.fewer} fewer; on faces that a camera sees {seen_seams.fewer}', goal: { text: '≥ 30 % fewer on all faces', of: 'seams.fewer', min: 30 }, run: 'study', headline: true },
       { what: 'energy of the windowed labelling above that of one solve', measured: '{labels.excess}', goal: { text: '≤ 1 %', of: 'labels.excess', max: 1 }, run: 'study' },
       { what: 'labelling, per frame', measured: '{labels.time}', goal: { text: '≤ 100 ms', of: 'labels.time', max: 100 }, run: 'study' },
       { what: 'contrast of seams above the surface beside them, grazing views', measured: '{seam.ours}, FVVR {seam.fvvr}', run: 'study' },

@@ -123,6 +123,14 @@ function fromCurve(study, { curve, method, setting, at, minus }) {
   }));
 }
 
+// Of numbers, or of groups: per key that all of them have.
+function derived(operation, parts) {
+  if (parts.every((part) => typeof part === 'number')) return operation(...parts);
+  if (parts.some((part) => typeof part === 'number')) return NaN;
+  const keys = Object.keys(parts[0]).filter((key) => parts.every((part) => Number.isFinite(part[key])));
+  return Object.fromEntries(keys.map((key) => [key, operation(...parts.map((part) => part[key]))]));
+}
+
 // What a figure is, or NaN where its run was not given.
 function valueOf(figure, sources, known) {
   const { from } = figure;
@@ -135,7 +143,7 @@ function valueOf(figure, sources, known) {
   if (from.bench) return sources.bench ? fromBench(sources.bench, from) : NaN;
   if (from.player) return sources.player ? playerBytes(sources.player) : NaN;
   const [kind] = Object.keys(kDerived).filter((name) => from[name]);
-  return kDerived[kind](...from[kind].map((id) => known.get(id) ?? NaN));
+  return derived(kDerived[kind], from[kind].map((id) => known.get(id) ?? NaN));
 }
 
 // Where a reader finds it again.
@@ -194,7 +202,8 @@ export function collect(sources) {
   const known = new Map(), out = [];
   for (const figure of catalogue) {
     const value = valueOf(figure, sources, known);
-    if (typeof value === 'number') known.set(figure.id, value * (figure.scale ?? 1));
+    const scaled = (number) => number * (figure.scale ?? 1);
+    known.set(figure.id, typeof value === 'number' ? scaled(value) : Object.fromEntries(Object.entries(value).map(([key, number]) => [key, scaled(number)])));
     out.push(...entries(figure, value));
   }
   for (const run of ['study', 'truth']) if (sources[run]) out.push(...otherRows(sources[run], run));

@@ -84,7 +84,7 @@ function others(shown) {
 
 function constantsTable() {
   const rows = constants.map((row) => cells('td', row.map(escaped)));
-  return `<section aria-labelledby="constants">\n<h2 id="constants">What the constants were chosen on</h2>\n<p>Figures of a motion that constants were chosen on flatter them; those of the other motions do not. All motions are of one performer under one rig: no figure here shows another performer or another rig.</p>\n${table('Constants', ['constants', 'file', 'chosen on', 'by'], rows)}\n</section>`;
+  return `<section aria-labelledby="constants">\n<h2 id="constants">What the constants were chosen on</h2>\n<p>The values of a motion that constants were chosen on flatter them; those of the other motions do not. All motions are of one performer under one rig: no figure here shows another performer or another rig.</p>\n${table('Constants', ['constants', 'file', 'chosen on', 'by'], rows)}\n</section>`;
 }
 
 function runList(runs) {

@@ -40,6 +40,7 @@ export class Shown {
     const { unit, digits } = group[0];
     const values = group.map((figure) => figure.text ?? fixed(figure.value, digits));
     if (group.every((figure) => figure.text)) return values.join(' / ');
+    if (group.some((figure) => figure.text)) return group.map((figure, i) => figure.text ?? `${values[i]}\u00a0${unit}`).join(' / ');
     if (unit === '×') return values.map((value) => `×\u00a0${value}`).join(' / ');
     return values.join(' / ') + (unit ? `\u00a0${unit}` : '');
   }

@@ -22,7 +22,7 @@ read -r shortest class members < <(node -e "$describe" "$capture/capture.json")
 
 plain="--sequences $shortest --no-classes"
 declare -A bakes=(
-  [default]=""
+  [as-is]=""
   [layers-1]="$plain --layers 1" [layers-2]="$plain --layers 2" [layers-3-equal]="$plain --layers 3 --equal-layers"
   [labels-naive]="$plain --labels naive" [labels-spatial]="$plain --labels spatial"
   [labels-temporal-paper]="$plain --labels temporal-paper" [labels-joint]="$plain --labels joint"

@@ -133,7 +133,7 @@ TEST(CliEvaluate, QuickStudyHasEveryTable) {
   EXPECT_TRUE(exists(report + "/work/methods/joint-default/character.gltf"));
   EXPECT_FALSE(exists(report + "/work/methods/naive-512"));
 
-  // A second run measures nothing, and gives the same figures.
+  // A second run measures nothing, and gives the same rows.
   const std::string before = readText(report + "/evaluate.csv");
   fs::remove(report + "/report.html");
   const Outcome again = fourdvt("evaluate " + capture() + " -o " + report + " --quick");

@@ -37,6 +37,7 @@ TEST_F(BakeAlignment, FindsTheDriftAndSharpensTheMiddle) {
   const AlignmentSceneOptions options = smallScene(0.012);
   AlignmentRig rig(*device, options), truth(*device, smallScene(0));
   const bake::AlignedFrame found = aligned(rig);
+  ASSERT_FALSE(HasFailure());
   EXPECT_LT(alignmentError_m(rig.scene, found.displacement_m), 0.05 * options.drift_m);
   const float half[] = {0.5f, 0.5f};
   SquaredError none, baked;
@@ -55,6 +56,7 @@ TEST_F(BakeAlignment, FindsTheDriftAndSharpensTheMiddle) {
 TEST_F(BakeAlignment, EqualMembersStay) {
   AlignmentRig rig(*device, smallScene(0));
   const bake::AlignedFrame found = aligned(rig);
+  ASSERT_FALSE(HasFailure());
   for (const glm::vec2& d : found.displacement_m) ASSERT_LT(glm::length(d), 1e-5);
   EXPECT_GT(found.detail_correlation, 0.999f);
 }
@@ -64,6 +66,7 @@ TEST_F(BakeAlignment, DifferingShadingIsNotMotion) {
   options.wrinkles = 0.15;
   AlignmentRig rig(*device, options);
   const bake::AlignedFrame found = aligned(rig);
+  ASSERT_FALSE(HasFailure());
   EXPECT_LT(alignmentError_m(rig.scene, found.displacement_m), 0.12 * options.drift_m);
 }
 
@@ -73,6 +76,7 @@ TEST_F(BakeAlignment, PlainPlacesTakeASmoothFieldAndLittleConfidence) {
   options.plain_to = 0.55;
   AlignmentRig rig(*device, options);
   const bake::AlignedFrame found = aligned(rig);
+  ASSERT_FALSE(HasFailure());
   const auto truth = rig.scene.truth();
   float plain = 0, textured = 0;
   int plain_count = 0, textured_count = 0;
@@ -97,6 +101,7 @@ TEST_F(BakeAlignment, ThreeMembersEachFindTheirOwnWay) {
   options.members = 3;
   AlignmentRig rig(*device, options);
   const std::vector<glm::vec2> found = aligned(rig).displacement_m;
+  ASSERT_FALSE(HasFailure());
   const size_t vertices = rig.scene.mesh.topology.vertex_count;
   ASSERT_EQ(found.size(), 2 * vertices);
   EXPECT_LT(alignmentError_m(rig.scene, std::span(found).subspan(vertices)), 0.05 * options.drift_m);

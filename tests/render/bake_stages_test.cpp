@@ -149,7 +149,7 @@ struct MatteEdge : BakeStages {
   Image draw(const ResampleOptions& options) {
     const Wall wall(false);
     GpuCapture on_gpu = capture(wall, {gradient(), gradient()});
-    PictureCrop crop{0, 0, kPictureSide, kPictureSide, 1, 6, redBesideVeil().pixels};
+    PictureCrop crop{{0, 0, kPictureSide, kPictureSide, 1, 6}, redBesideVeil().pixels};
     on_gpu.setFrame(*device, wall.positions, {crop, crop});
     Resampler resampler = Resampler::create(*device, on_gpu, {256}, options, {}).take();
     return resampler.resample(*device, on_gpu, {0, 0}).take()[0];

@@ -41,16 +41,23 @@ export function launch() {
 
 /** The site in a browser, its first picture shown: {server, browser, page}; close with closeSite. */
 export async function openSite(viewport) {
-  const site = { server: await serve(environment('SITE')), browser: await launch() };
-  site.page = await openPage(site.browser, { viewport });
-  await site.page.goto(site.server.url);
-  await waitForEvent(site.page, 'canplay');
-  return site;
+  const site = {};
+  try {
+    site.server = await serve(environment('SITE'));
+    site.browser = await launch();
+    site.page = await openPage(site.browser, { viewport });
+    await site.page.goto(site.server.url);
+    await waitForEvent(site.page, 'canplay');
+    return site;
+  } catch (error) {
+    await closeSite(site);
+    throw error;
+  }
 }
 
 export async function closeSite(site) {
-  await site?.browser.close();
-  await site?.server.close();
+  await site?.browser?.close();
+  await site?.server?.close();
 }
 
 /**

@@ -75,7 +75,7 @@ std::vector<FlowObservation> observeFlow(const cv::Mat& first, const cv::Mat& ot
   std::vector<FlowObservation> observations;
   observations.reserve(seen.size());
   for (const SeenVertex& vertex : seen) {
-    // The place of one look point in both pictures when the vertex lies half way between them.
+    // Where the first picture shows the surface point that both pictures show half the flow away from the vertex.
     const glm::vec2 start = vertex.pixel - 0.5f * sampleFlow(forward, vertex.pixel);
     const glm::vec2 there = sampleFlow(forward, start);
     const glm::vec2 back = sampleFlow(backward, start + there);

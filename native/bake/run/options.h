@@ -19,8 +19,8 @@ struct MotionClassOptions {
   double alignment_step_m = 0.0001;  // quantisation of the alignment
 };
 
-// The command line sets texture, layers, codec, crf and preset from quality.cpp; these defaults are those of its "web",
-// which a test compares.
+// The command line sets texture, layers, crf and preset from quality.cpp, for the codec of --codec. The defaults here
+// equal its "web" for H.264, which quality_test.cpp checks.
 struct BakeOptions {
   std::string capture_folder, character_folder;
   std::vector<std::string> sequences;  // empty: all

@@ -189,15 +189,20 @@ std::string captureKey(const Job& job, const capture::CaptureSequence& sequence)
 }
 
 std::string labelKey(const BakeOptions& o) {
-  const LabelOptions weights;
-  std::string all =
-      std::to_string(weights.eta) + " " + std::to_string(weights.tau) + " " + std::to_string(weights.empty_penalty);
-  for (const auto* by_rank : {&weights.theta, &weights.omega})
-    for (const float weight : *by_rank) all += " " + std::to_string(weight);
+  const LabelOptions chosen;
+  std::string all;
+  for (const auto* by_rank : {&chosen.theta, &chosen.omega}) {
+    for (const float weight : *by_rank) all += std::to_string(weight) + " ";
+    all += "| ";
+  }
+  for (const float weight : {chosen.eta, chosen.tau, chosen.empty_penalty}) all += std::to_string(weight) + " ";
+  for (const int number :
+       {int(chosen.use_partial), int(chosen.label_unseen), chosen.window_frames, chosen.hop_frames, chosen.sweeps})
+    all += std::to_string(number) + " ";
   char hash[20];
   std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(fnv1a(all, kFnv1aStart)));
   return std::string(" labels ") + labelModeName(o.labels) + " penalty " + std::to_string(static_cast<int>(o.penalty)) +
-         " layers " + std::to_string(o.layers) + " weights " + hash;
+         " layers " + std::to_string(o.layers) + " chosen " + hash;
 }
 
 std::string settingsKey(const Job& job) {

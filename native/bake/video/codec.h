@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The video codecs that the bake knows. A new one needs: an entry here; its encoder in encode_setup.cpp; its codec
-// string in mp4.cpp (describeCodec); CRF and preset of every --quality in quality.cpp; a decoder in
-// platform/ffmpeg_decoder.cpp; and a line in FORMAT.md. Everything else asks this table.
+// The video codecs that the bake knows. A new one needs: an entry here; its encoder in encode_setup.cpp (the compiler
+// names the switches); its parameter sets in encode.cpp and its codec string in mp4.cpp (describeCodec); CRF and preset
+// of every
+// --quality in quality.cpp; a decoder in platform/ffmpeg_decoder.cpp; a rate curve in study/steps/rate.cpp; the help
+// text of
+// --codec in tools/bake_command.cpp; and its place in encode_test.cpp and quality_test.cpp.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <string>
 
 namespace fourdvt::bake {

@@ -143,10 +143,15 @@ bool parseCodec(const std::string& name, Codec& codec) {
 
 bool knowsPreset(Codec codec, const std::string& preset) {
   if (preset.empty()) return true;
-  if (codec == Codec::H264)
-    return std::any_of(std::begin(kX264Presets), std::end(kX264Presets), [&](const char* p) { return preset == p; });
-  if (codec == Codec::Vp9) return speed(preset, 5) >= 0;
-  return isAom(preset) ? speed(preset.substr(std::strlen(kAom)), 8) >= 0 : speed(preset, kFastestSvt) >= 0;
+  switch (codec) {
+    case Codec::H264:
+      return std::any_of(std::begin(kX264Presets), std::end(kX264Presets), [&](const char* p) { return preset == p; });
+    case Codec::Vp9:
+      return speed(preset, 5) >= 0;
+    case Codec::Av1:
+      return isAom(preset) ? speed(preset.substr(std::strlen(kAom)), 8) >= 0 : speed(preset, kFastestSvt) >= 0;
+  }
+  return false;
 }
 
 Result<const AVCodec*> findEncoder(const EncodeSettings& s) {

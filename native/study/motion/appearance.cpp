@@ -5,8 +5,8 @@
 #include <cmath>
 #include <map>
 
+#include "measure/picture_score.h"
 #include "study/motion/motion.h"
-#include "study/run/ring.h"
 #include "study/run/row_writer.h"
 #include "study/run/rows.h"
 #include "study/run/run_steps.h"

@@ -20,7 +20,7 @@ void tell(const StudyContext& context, const std::string& detail, double share) 
   if (context.progress) context.progress({"motion", detail, share});
 }
 
-// A bake with default settings of the class's members; unless `quick`, also of the study's other sequences, for
+// A bake of the class's members with default settings; unless `quick`, also of the study's other sequences, for
 // transitions.
 bake::BakeOptions motionBake(const StudyContext& context, const capture::CaptureClass& motion_class) {
   bake::BakeOptions options;

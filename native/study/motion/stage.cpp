@@ -49,7 +49,8 @@ void putBackDetail(Image& rgba, double lost) {
     }
 }
 
-// As in the renderer: the share of contrast that a mean of these weights loses, for detail of this correlation.
+// As in the renderer: by what share the contrast that is left in a mean of these weights is raised, so that detail of
+// this correlation keeps its own.
 double lostDetail(const std::vector<float>& weights, double correlation) {
   double squares = 0;
   for (float w : weights) squares += w * w;

@@ -9,7 +9,7 @@
 #include <future>
 #include <map>
 
-#include "measure/metrics.h"
+#include "measure/picture_score.h"
 #include "platform/files.h"
 #include "study/run/row_writer.h"
 #include "study/run/rows.h"
@@ -303,8 +303,8 @@ Result<Rows> LayerStudy::measureSize(int size, double before, double share) {
   Rows out;
   for (const Variant& variant : variants) {
     const Shown& shown = shown_[keyOf(variant)];
-    writeScores({out, rows::kLayers, sequence_.name, variant.method, variant.setting(size)}, shown.scores);
     const RowWriter row(out, rows::kLayers, sequence_.name, variant.method, variant.setting(size));
+    writeScores(row, shown.scores);
     row.add(rows::kGpuBytes, shown.gpu_bytes, "bytes");
     if (!variant.stored) continue;
     const Stored& stored = shown.stored;

@@ -11,6 +11,7 @@
 
 #include "bake/run/job.h"
 #include "measure/metrics.h"
+#include "measure/picture_score.h"
 #include "platform/files.h"
 #include "platform/folders.h"
 #include "study/run/row_writer.h"

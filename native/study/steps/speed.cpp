@@ -59,7 +59,7 @@ struct SpeedRows {
   }
 };
 
-// "closest=M", or "" for all cameras.
+// " closest=M", to be appended to a setting; "" for all cameras.
 std::string closestSetting(const FvvrRate& fvvr) {
   return fvvr.closest ? " closest=" + std::to_string(fvvr.closest) : "";
 }

@@ -21,8 +21,8 @@ std::string fixed(double value) {
 }
 inline std::string times(double ratio) { return std::isnan(ratio) ? "–" : fixedText(ratio, 2) + " ×"; }
 
-// What a row or a column fixes about its cells. Both are joined: texts are concatenated; of everything else only one of
-// the two may be set.
+// What a cell takes from GridOptions::all, its row and its column, joined in this order: method, filter and sequence
+// are put together; of everything else the last one that is set counts.
 struct Cell {
   std::vector<std::string> title;  // a row's may have several cells
   std::string method, filter;      // as StudyValues

@@ -8,8 +8,8 @@
 namespace fourdvt::study {
 namespace {
 
-// The part of a setting that names a rate curve, or without the number of layers a family of curves; crf varies along a
-// curve.
+// The name of a rate curve: the method and its setting without crf, which varies along the curve. Without the number of
+// layers it names a family of curves.
 std::string curveName(const Row& row, bool with_layers = true) {
   std::string name = row.method;
   for (const char* key : {"preset", "size", "layers", "layout"}) {

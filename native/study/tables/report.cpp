@@ -126,7 +126,7 @@ const SectionPlan kSections[] = {
     {"trends",
      "The papers' trends",
      "What the papers report, and whether this capture shows it. Reasons that begin with “Likely” are an "
-     "interpretation; the others are figures of this run.",
+     "interpretation; the others are values of this run.",
      fillTrends,
      {}},
 };
@@ -135,7 +135,7 @@ const SectionPlan kSections[] = {
 Table constantsTable() {
   return {
       "What the constants were chosen on",
-      "Rows of a motion that constants were chosen on flatter them; those of the other motions do not. All "
+      "The values of a motion that constants were chosen on flatter them; those of the other motions do not. All "
       "motions are of one performer under one rig, so that no figure here shows another performer or another rig.",
       {"constants", "chosen on", "by"},
       {{"quality presets: CRF and encoder preset (bake/quality.cpp)", "walk of the sample",

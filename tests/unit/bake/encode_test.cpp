@@ -210,6 +210,9 @@ TEST(Codecs, NamesRoundTrip) {
     EXPECT_TRUE(parseCodec(infoOf(codec).name, parsed));
     EXPECT_EQ(parsed, codec);
   }
+  EXPECT_STREQ(infoOf(Codec::H264).name, "h264");
+  EXPECT_STREQ(infoOf(Codec::Vp9).name, "vp9");
+  EXPECT_STREQ(infoOf(Codec::Av1).name, "av1");
   Codec unchanged = Codec::Vp9;
   EXPECT_FALSE(parseCodec("hevc", unchanged));
   EXPECT_EQ(unchanged, Codec::Vp9);

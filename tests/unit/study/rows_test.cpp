@@ -12,6 +12,7 @@
 #include <set>
 
 #include "measure/metrics.h"
+#include "measure/picture_score.h"
 #include "platform/files.h"
 #include "study/run/ring.h"
 #include "study/run/row_writer.h"
