@@ -14,6 +14,7 @@ const std::vector<Quality>& qualities() {
   // 50 gives 0.762 at 4.75 Mbit/s.
   static const std::vector<Quality> table{
       {"draft", "small and fast to bake, about 2 Mbit/s", 1024, 3, {36, 52, 52}, {"veryfast", "5", "7"}},
+      // The default: BakeOptions repeats its values for H.264, and quality_test.cpp compares them.
       {"web", "for pages, about 5 Mbit/s of video", 1024, 3, {28, 46, 40}, {"slow", "3", "6"}},
       {"high", "close to the uncompressed layers, about 10 Mbit/s", 1024, 3, {23, 34, 34}, {"slow", "3", "6"}},
   };

@@ -9,8 +9,9 @@ namespace {
 
 constexpr float kMargin_m = 0.5f;       // of the map round the frame's bounds
 constexpr float kExtentStep_m = 0.25f;  // the map's extent changes in steps, so that its texels rarely do
+// Softness; kGain in shadow_ground.frag makes up for the darkness that blurring takes away.
 constexpr float kContactSigma_m = 0.035f, kBodySigma_m = 0.13f;
-constexpr float kTapsOfBodySigma = 5.0f;  // the kernel's 12 taps on each side reach 2.4 sigma
+constexpr float kTapsOfBodySigma = 5.0f;  // the 12 taps on each side (kTaps in shadow_blur.frag) reach 2.4 sigma
 
 glm::vec4 shadowArea(const CharacterModel& model, float ground_y_m) {
   const glm::vec3 low = model.frame_bounds.min, high = model.frame_bounds.max;

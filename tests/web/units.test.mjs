@@ -26,6 +26,7 @@ before(() => {
   folder = mkdtempSync(join(tmpdir(), 'fourdvt-units-'));
   bytes = Uint8Array.from({ length: 5000 }, (_, i) => (i * 7) & 255);
   writeFileSync(join(folder, 'data.bin'), bytes);
+  writeFileSync(join(folder, 'package.json'), '{"type": "module"}');  // .js files here are modules, also for Node 18
 });
 after(() => rmSync(folder, { recursive: true, force: true }));
 

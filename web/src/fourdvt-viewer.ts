@@ -48,6 +48,9 @@ const DEFAULT_RENDER: RenderOptions = {
 };
 
 export class FourdvtViewer extends HTMLElement {
+  // A new one needs: an entry here, unless it is read only when needed, as autoplay and zoom are; a case in
+  // attributeChangedCallback; reading when the element connects (#load, #applyCamera or #applyLabels); a property, if
+  // scripts set it; and a row in web/README.md.
   static readonly observedAttributes = [
     'src', 'poster', 'alt', 'loop', 'auto-rotate', 'camera-controls', 'camera-orbit', 'camera-target', 'field-of-view',
     'sequence', 'touch-action', 'motion-controls', 'camera-follow', 'travel', 'align',

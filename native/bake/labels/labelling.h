@@ -30,8 +30,9 @@ struct LabelOptions {
   LabelMode mode = LabelMode::Joint;
   int layers = 3;
   // Joint: weights of ALGORITHMS 1.3. θ: penalty by rank, ω: rank term by rank (the last entry repeats), η: set term,
-  // τ: time, empty: penalty of an empty rank. Tuned with bench_labels for few flips and seams at a layer-1 penalty
-  // within 10 % of Naive's. Kept labels and GOPs of other weights are not reused (labelKey in stages/validate.cpp).
+  // τ: time (label flips), empty: penalty of an empty rank. Tuned with bench_labels for few flips and seams at a
+  // layer-1 penalty within 10 % of Naive's. Kept labels and GOPs of other weights are not reused (labelKey in
+  // stages/validate.cpp).
   std::vector<float> theta{1.4f, 0.2f, 0.1f}, omega{1.2f, 0.3f, 0.25f};
   float eta = 0.1f, tau = 0.75f, empty_penalty = 2.0f;
   // Joint: may take a camera that sees a face in part (FaceCosts::partial); labels a face that no camera sees, so that

@@ -31,7 +31,7 @@ struct BakeOptions {
   int jobs = 0;                      // worker threads; 0: as many as cores
   bool resume = false;               // reuse GOPs that an interrupted run with the same settings finished
   double position_step_m = 0.00025;  // quantisation of streamed vertices
-  int gutter_texels = 10;            // width of the gutter round every chart, texels of layer 1
+  int gutter_texels = 10;            // width of the gutter round every chart, texels of layer 1; limits in check()
   LabelMode labels = LabelMode::Joint;
   Penalty penalty = Penalty::Axis;
   bool equal_layers = false;  // all layers have the size of layer 1, as in the papers

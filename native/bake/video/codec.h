@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The video codecs that the bake knows. A new one needs: an entry here; its encoder in encode_setup.cpp (the compiler
-// names the switches); its parameter sets in encode.cpp and its codec string in mp4.cpp (describeCodec); CRF and preset
-// of every
-// --quality in quality.cpp; a decoder in platform/ffmpeg_decoder.cpp; a rate curve in study/steps/rate.cpp; the help
-// text of
-// --codec in tools/bake_command.cpp; and its place in encode_test.cpp and quality_test.cpp.
+// The video codecs that the bake knows. A new one needs an entry here (and in kCodecs), and:
+//   encode_setup.cpp, encode.cpp   its encoder, whether it takes two passes, its parameter sets
+//   mp4.cpp                        its codec string (describeCodec)
+//   bake/quality.cpp               CRF and preset of every --quality
+//   platform/ffmpeg_decoder.cpp    its decoder
+//   tools/bake_command.cpp         the help texts of --codec and --crf
+//   study/steps/rate.cpp           its rate curve
+//   the lists of codecs in encode_test.cpp, quality_test.cpp and cli_bake_test.cpp
 #pragma once
 
 #include <array>

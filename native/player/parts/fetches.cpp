@@ -6,7 +6,7 @@
 namespace fourdvt {
 
 namespace {
-constexpr int kTries = 3;
+constexpr int kTries = 3;  // per range, in all
 }  // namespace
 
 void Fetches::request(const FetchPurpose& purpose, const std::string& uri, uint64_t offset, uint64_t bytes) {

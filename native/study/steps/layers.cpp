@@ -264,7 +264,8 @@ Result<Rows> LayerStudy::measureSize(int size, double before, double share) {
   const bake::Job& plan = job();
   bake::FrameBakerOptions options;
   options.layer_sizes.assign(plan_.max_layers, size);
-  options.gutter_texels = std::max(2.0f, 10.0f * static_cast<float>(size) / 1024);
+  options.gutter_texels =
+      std::max(2.0f, static_cast<float>(bake::BakeOptions().gutter_texels * size) / bake::BakeOptions().texture);
   options.colour_maps = naive_->survey->colourMaps();
   FOURDVT_ASSIGN(auto baker, makeBaker(context_, plan, options));
   FOURDVT_ASSIGN(drawing_, LayerDrawing::create(*context_.device, plan, size, plan_.max_layers));
