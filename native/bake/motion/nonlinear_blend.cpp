@@ -29,7 +29,7 @@ struct Face {
   std::array<double, 3> half_cotangents{};  // [i] of the edge from corner i to the next
   std::array<Vector3d, 3> edges;            // [i] the same edge in the reference pose
   Matrix3d inverse;                         // inverse of the edge frame in the reference pose
-  bool flat = false;                        // it has a gradient; otherwise its edges follow the linear blend
+  bool has_gradient = false;                // otherwise its edges follow the linear blend
   int parent = -1;  // the neighbour visited before it, which chooses the branch of the logarithm
 };
 
@@ -87,7 +87,7 @@ class Blend : public NonlinearBlend {
   Status prepare(const MeshTopology& topology, const Positions& reference) {
     vertex_count_ = topology.vertex_count;
     makeFaces(topology, reference);
-    if (std::none_of(faces_.begin(), faces_.end(), [](const Face& f) { return f.flat; }))
+    if (std::none_of(faces_.begin(), faces_.end(), [](const Face& f) { return f.has_gradient; }))
       return Error{ErrorId::MeshTopology, "mesh: no face has an area; check the capture's units and positions"};
     orderFaces();
     findParts();
@@ -125,13 +125,13 @@ class Blend : public NonlinearBlend {
       face.vertices = vertices;
       std::array<Vector3d, 3> corners;
       for (int i = 0; i < 3; ++i) corners[i] = toEigen(reference[vertices[i]]);
-      const Matrix3d frame = edgeFrame(corners[0], corners[1], corners[2], face.flat);
+      const Matrix3d frame = edgeFrame(corners[0], corners[1], corners[2], face.has_gradient);
       for (int i = 0; i < 3; ++i) {
         face.edges[i] = corners[(i + 1) % 3] - corners[i];
         const Vector3d a = corners[i] - corners[(i + 2) % 3], b = corners[(i + 1) % 3] - corners[(i + 2) % 3];
-        face.half_cotangents[i] = face.flat ? 0.5 * a.dot(b) / a.cross(b).norm() : 0.5;
+        face.half_cotangents[i] = face.has_gradient ? 0.5 * a.dot(b) / a.cross(b).norm() : 0.5;
       }
-      if (face.flat) face.inverse = frame.inverse();
+      if (face.has_gradient) face.inverse = frame.inverse();
       faces_.push_back(face);
     }
   }
@@ -150,7 +150,7 @@ class Blend : public NonlinearBlend {
         const uint32_t f = next.front();
         next.pop();
         order_.push_back(f);
-        if (!faces_[f].flat) continue;
+        if (!faces_[f].has_gradient) continue;
         for (int i = 0; i < 3; ++i) {
           for (uint32_t g : around[faces_[f].vertices[i]]) {
             if (seen[g]) continue;
@@ -209,11 +209,11 @@ class Blend : public NonlinearBlend {
   void addFace(size_t index, const Blending& blending, std::vector<Turns>& turns, Eigen::MatrixX3d& right) const {
     const Face& face = faces_[index];
     Matrix3d gradient = Matrix3d::Zero();
-    if (face.flat) gradient = blendedGradient(face, blending, turns, turns[index]);
+    if (face.has_gradient) gradient = blendedGradient(face, blending, turns, turns[index]);
     for (int i = 0; i < 3; ++i) {
       const uint32_t a = face.vertices[i], b = face.vertices[(i + 1) % 3];
       const Vector3d edge =
-          face.flat ? Vector3d(gradient * face.edges[i]) : toEigen(blending.linear[b] - blending.linear[a]);
+          face.has_gradient ? Vector3d(gradient * face.edges[i]) : toEigen(blending.linear[b] - blending.linear[a]);
       right.row(b) += face.half_cotangents[i] * edge.transpose();
       right.row(a) -= face.half_cotangents[i] * edge.transpose();
     }
@@ -252,7 +252,7 @@ class Blend : public NonlinearBlend {
     for (size_t m : used) pairs += weights[m] * (1 - weights[m]);
     std::vector<double> steady(vertex_count_, 1e-12);
     for (size_t f = 0; f < faces_.size(); ++f) {
-      if (!faces_[f].flat) continue;
+      if (!faces_[f].has_gradient) continue;
       Vector3d mean = Vector3d::Zero();
       double square = 0;
       for (size_t k = 1; k < used.size(); ++k) {
