@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The recipe: validate → warp → survey → every missing GOP, frame by frame → align → graph → assemble.
+// The recipe: validate → refine → warp → survey → every missing GOP, frame by frame → align → graph → assemble.
 #include "bake/bake.h"
 
 #include <algorithm>
@@ -9,6 +9,7 @@
 #include "bake/stages/assemble.h"
 #include "bake/stages/gop_stage.h"
 #include "bake/stages/graph_stage.h"
+#include "bake/stages/refine_stage.h"
 #include "bake/stages/stream_plan.h"
 #include "bake/stages/survey.h"
 #include "bake/stages/validate.h"
@@ -28,6 +29,7 @@ void expectWork(BakeRun& run) {
   }
   run.progress.frames_total = job.total_frames + phases;
   const auto expect = [&](Stage stage, uint32_t units) { run.progress.expect(infoOf(stage).work_s * units); };
+  if (job.options.refine.any()) expect(Stage::Refine, job.total_frames);
   expect(Stage::Warp, member_phases);
   expect(Stage::Visibility, job.total_frames);
   expect(Stage::Encode, job.total_frames + member_phases);
@@ -48,6 +50,7 @@ void addFigures(const BakeRun& run, const Survey& survey, ReportInput& report) {
   BakeReport& figures = report.figures;
   figures.seconds_by_stage = run.clock.seconds();
   figures.labels_by_sequence = survey.statistics();
+  figures.refinement = run.job.refinement;
   figures.frames = run.job.streamFrames();
   figures.notes = notesOf(run.job);
   figures.peak_rss_bytes = peakResidentBytes();
@@ -57,8 +60,10 @@ void addFigures(const BakeRun& run, const Survey& survey, ReportInput& report) {
 Result<BakeReport> runStages(BakeRun& run) {
   const Job& job = run.job;
   expectWork(run);
+  FOURDVT_TRY(refineJob(run));
   FOURDVT_TRY(planStreams(run));
   FOURDVT_ASSIGN(run.work, WorkFolder::open(job.workFolder(), settingsKey(job), job.options.resume));
+  FOURDVT_TRY(keepRefinement(run));
   FOURDVT_ASSIGN(const Survey survey, Survey::make(run));
   GopStage gops(run, survey);
   FOURDVT_TRY(gops.run());

@@ -17,6 +17,7 @@
 #include "base/mesh.h"
 #include "base/result.h"
 #include "base/video.h"
+#include "capture/surface_offsets.h"
 
 namespace fourdvt::capture {
 
@@ -61,9 +62,10 @@ struct Capture {
   double ground_y_m = 0;
   std::vector<CaptureCamera> cameras;  // ring, in images.txt order
   std::vector<CaptureSequence> sequences;
-  std::vector<CaptureClass> classes;  // those whose members are all among `sequences`
-  std::string background_folder;      // plates for chroma key, may be empty
-  MeshTopology topology;              // constant over all sequences
+  std::vector<CaptureClass> classes;              // those whose members are all among `sequences`
+  std::string background_folder;                  // plates for chroma key, may be empty
+  MeshTopology topology;                          // constant over all sequences
+  std::shared_ptr<const SurfaceOffsets> offsets;  // added to every mesh frame that is read; null: none
   const CaptureSequence* find(const std::string& name) const;
 };
 
@@ -75,6 +77,11 @@ Result<std::vector<CaptureCamera>> readColmapCameras(const std::string& folder);
 Result<std::vector<CaptureCamera>> parseColmapText(std::string_view cameras_text, std::string_view images_text,
                                                    const std::string& path);
 void scaleToMetres(std::vector<CaptureCamera>& cameras, double metres_per_unit);
+// The texts of cameras.txt and images.txt for cameras in metres: what readColmapCameras reads.
+struct ColmapText {
+  std::string cameras, images;
+};
+ColmapText colmapText(const std::vector<CaptureCamera>& cameras, double metres_per_unit);
 
 // The held-out cameras, folder cameras_test: test pictures exist of them, and no bake sees them. In metres.
 // Errors: those of readColmapCameras.
@@ -96,11 +103,14 @@ class FrameReader {
   static Result<std::unique_ptr<FrameReader>> open(const Capture& capture, const CaptureSequence& sequence,
                                                    const OpenVideo& open_video, uint32_t first_frame = 0);
   virtual ~FrameReader() = default;
+  // The next frame will be this one, which must not lie before it.
+  virtual void skipTo(uint32_t frame) = 0;
   // The next frame. Errors: VideoTooShort, FrameSize, FileUnreadable, MeshTopology, MeshNotFinite …
   virtual Result<CaptureFrame> next() = 0;
 };
 
-// Positions of one frame. Errors: FileMissing, MeshTopology (file named), MeshNotFinite, MeshIndex.
+// Positions of one frame, with the capture's offsets. Errors: FileMissing, MeshTopology (file named), MeshNotFinite,
+// MeshIndex.
 Result<Positions> readMeshFrame(const Capture& capture, const CaptureSequence& sequence, uint32_t frame);
 
 // Parses OBJ text: splits polygons into triangle fans and flips the UVs to a top-left origin. `path` is for messages.

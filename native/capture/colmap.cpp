@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <glm/gtc/quaternion.hpp>
 #include <map>
 #include <set>
@@ -187,6 +188,30 @@ void scaleToMetres(std::vector<CaptureCamera>& cameras, double metres_per_unit) 
     glm::dvec4& translation = camera.pinhole.cam_from_world[3];
     translation = glm::dvec4(glm::dvec3(translation) * metres_per_unit, 1);
   }
+}
+
+ColmapText colmapText(const std::vector<CaptureCamera>& cameras, double metres_per_unit) {
+  ColmapText out{"# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[] (PINHOLE: fx fy cx cy; OPENCV: and k1 k2 p1 p2)\n",
+                 "# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME / POINTS2D[] (empty)\n"};
+  char line[400];
+  for (size_t c = 0; c < cameras.size(); ++c) {
+    const PinholeCamera& p = cameras[c].pinhole;
+    const Distortion& d = cameras[c].distortion;
+    const glm::dquat q = glm::normalize(glm::quat_cast(glm::dmat3(p.cam_from_world)));
+    const glm::dvec3 t = glm::dvec3(p.cam_from_world[3]) / metres_per_unit;
+    std::snprintf(line, sizeof line, "%zu %s %d %d %.9f %.9f %.9f %.9f", c + 1, d.any() ? "OPENCV" : "PINHOLE", p.width,
+                  p.height, p.fx, p.fy, p.cx, p.cy);
+    out.cameras += line;
+    if (d.any()) {
+      std::snprintf(line, sizeof line, " %.12g %.12g %.12g %.12g", d.k1, d.k2, d.p1, d.p2);
+      out.cameras += line;
+    }
+    out.cameras += "\n";
+    std::snprintf(line, sizeof line, "%zu %.15f %.15f %.15f %.15f %.12f %.12f %.12f %zu ", c + 1, q.w, q.x, q.y, q.z,
+                  t.x, t.y, t.z, c + 1);
+    out.images += line + p.name + "\n\n";
+  }
+  return out;
 }
 
 }  // namespace fourdvt::capture

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // FrameReader: keeps all cameras in step and one frame in memory. Cameras are decoded in parallel on OpenCV's threads.
+#include <cassert>
 #include <opencv2/core/utility.hpp>
 
 #include "capture/matte.h"
@@ -99,6 +100,11 @@ class Reader final : public FrameReader {
       cameras_.push_back(std::move(reader));
     }
     return {};
+  }
+
+  void skipTo(uint32_t frame) override {
+    assert(frame >= next_frame_);
+    next_frame_ = frame;
   }
 
   Result<CaptureFrame> next() override {

@@ -70,6 +70,26 @@ Result<Positions> readPacked(const Capture& capture, const CaptureSequence& sequ
   return positions;
 }
 
+Result<Positions> readGivenFrame(const Capture& capture, const CaptureSequence& sequence, uint32_t frame) {
+  if (frame >= sequence.frame_count) {
+    return Error{ErrorId::InvalidArgument, sequence.name + " has no frame " + std::to_string(frame) + "; it has " +
+                                               std::to_string(sequence.frame_count)};
+  }
+  if (!sequence.packed_positions.empty()) return readPacked(capture, sequence, frame);
+  const std::string path = framePath(sequence.mesh_pattern, frame);
+  FOURDVT_ASSIGN(auto mesh, readObj(path));
+  const MeshTopology& topology = mesh.topology;
+  if (!sameTopology(topology, capture.topology)) {
+    return otherTopology(path, std::to_string(topology.vertex_count) + " vertices and " +
+                                   std::to_string(topology.faceCount()) + " triangles differ from the first frame's " +
+                                   std::to_string(capture.topology.vertex_count) + " and " +
+                                   std::to_string(capture.topology.faceCount()) + " in number, order or UVs");
+  }
+  Positions positions = std::move(mesh.positions);
+  for (glm::vec3& p : positions) p *= static_cast<float>(capture.metres_per_unit);
+  return positions;
+}
+
 }  // namespace
 
 std::optional<std::string> readText(const std::string& path) {
@@ -125,22 +145,9 @@ Status checkMeshSequence(const Capture& capture, const CaptureSequence& sequence
 }
 
 Result<Positions> readMeshFrame(const Capture& capture, const CaptureSequence& sequence, uint32_t frame) {
-  if (frame >= sequence.frame_count) {
-    return Error{ErrorId::InvalidArgument, sequence.name + " has no frame " + std::to_string(frame) + "; it has " +
-                                               std::to_string(sequence.frame_count)};
-  }
-  if (!sequence.packed_positions.empty()) return readPacked(capture, sequence, frame);
-  const std::string path = framePath(sequence.mesh_pattern, frame);
-  FOURDVT_ASSIGN(auto mesh, readObj(path));
-  const MeshTopology& topology = mesh.topology;
-  if (!sameTopology(topology, capture.topology)) {
-    return otherTopology(path, std::to_string(topology.vertex_count) + " vertices and " +
-                                   std::to_string(topology.faceCount()) + " triangles differ from the first frame's " +
-                                   std::to_string(capture.topology.vertex_count) + " and " +
-                                   std::to_string(capture.topology.faceCount()) + " in number, order or UVs");
-  }
-  Positions positions = std::move(mesh.positions);
-  for (glm::vec3& p : positions) p *= static_cast<float>(capture.metres_per_unit);
+  FOURDVT_ASSIGN(auto positions, readGivenFrame(capture, sequence, frame));
+  if (capture.offsets)
+    addOffsets(*capture.offsets, capture.topology, offsetsAt(*capture.offsets, sequence.name, frame), positions);
   return positions;
 }
 

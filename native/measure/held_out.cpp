@@ -71,10 +71,15 @@ class Evaluation {
     return {};
   }
 
+  // Through the character's cameras: the bake may have refined them.
   Status inputViews(const capture::CaptureSequence& sequence, const capture::CaptureFrame& input) {
-    for (size_t c = 0; c < cameras_.size(); ++c)
-      FOURDVT_TRY(score({sequence.name, cameras_[c].name, input.index, false}, cameras_[c],
+    const auto& baked = character_.player().character()->cameras;
+    for (size_t c = 0; c < cameras_.size(); ++c) {
+      const auto own = std::find_if(baked.begin(), baked.end(),
+                                    [&](const PinholeCamera& camera) { return camera.name == cameras_[c].name; });
+      FOURDVT_TRY(score({sequence.name, cameras_[c].name, input.index, false}, own == baked.end() ? cameras_[c] : *own,
                         withoutBackdrop(input.pictures[c], plates_[c]), {}));
+    }
     return {};
   }
 

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <glm/gtc/quaternion.hpp>
 
+#include "capture/capture.h"
 #include "platform/files.h"
 #include "platform/folders.h"
 #include "studio/random.h"
@@ -91,22 +92,11 @@ std::vector<PinholeCamera> miscalibrated(const std::vector<PinholeCamera>& truth
 
 Status writeColmap(const std::string& folder, std::span<const PinholeCamera> cameras) {
   FOURDVT_TRY(platform::makeFolder(folder));
-  std::string models = "# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[] (fx fy cx cy)\n";
-  std::string images = "# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME / POINTS2D[] (empty)\n";
-  char line[400];
-  for (size_t c = 0; c < cameras.size(); ++c) {
-    const PinholeCamera& p = cameras[c];
-    const glm::dquat q = glm::normalize(glm::quat_cast(glm::dmat3(p.cam_from_world)));
-    const glm::dvec3 t(p.cam_from_world[3]);
-    std::snprintf(line, sizeof line, "%zu PINHOLE %d %d %.9f %.9f %.9f %.9f\n", c + 1, p.width, p.height, p.fx, p.fy,
-                  p.cx, p.cy);
-    models += line;
-    std::snprintf(line, sizeof line, "%zu %.15f %.15f %.15f %.15f %.12f %.12f %.12f %zu %s\n\n", c + 1, q.w, q.x, q.y,
-                  q.z, t.x, t.y, t.z, c + 1, p.name.c_str());
-    images += line;
-  }
-  FOURDVT_TRY(platform::writeFileAtomic(folder + "/cameras.txt", models));
-  return platform::writeFileAtomic(folder + "/images.txt", images);
+  std::vector<capture::CaptureCamera> pinholes;
+  for (const PinholeCamera& camera : cameras) pinholes.push_back({camera, {}});
+  const capture::ColmapText text = capture::colmapText(pinholes, 1);
+  FOURDVT_TRY(platform::writeFileAtomic(folder + "/cameras.txt", text.cameras));
+  return platform::writeFileAtomic(folder + "/images.txt", text.images);
 }
 
 }  // namespace fourdvt::studio

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "study/study.h"
 
+#include <algorithm>
+
+#include "bake/stages/refine_stage.h"
 #include "platform/files.h"
+#include "platform/folders.h"
 #include "report/document.h"
 #include "study/motion/motion.h"
 #include "study/run/row_writer.h"
@@ -13,7 +17,7 @@
 namespace fourdvt::study {
 namespace {
 
-constexpr const char* kStudyVersion = "study 3";  // change it whenever kept rows of older builds must not be reused
+constexpr const char* kStudyVersion = "study 4";  // change it whenever kept rows of older builds must not be reused
 
 StudyContext resolved(const StudyContext& given) {
   StudyContext context = given;
@@ -28,6 +32,25 @@ StudyContext resolved(const StudyContext& given) {
   return context;
 }
 
+// Of the study's sequences; all its bakes share it. Kept, so that a study that was stopped goes on with the same.
+Result<refine::Refinement> refineStudied(const StudyContext& context) {
+  capture::Capture studied = *context.capture;
+  std::erase_if(studied.sequences, [&](const capture::CaptureSequence& sequence) {
+    const auto& names = context.options.sequences;
+    return std::find(names.begin(), names.end(), sequence.name) == names.end();
+  });
+  const std::string folder = context.work() + "/survey";
+  const std::string path = bake::refinementPath(folder, studied, context.options.refine);
+  FOURDVT_ASSIGN(auto refinement, bake::loadOrRefine(path, studied, context.options.refine, context.open_video,
+                                                     [&](const std::string& what, double) {
+                                                       if (context.progress) context.progress({"refine", what, 0});
+                                                       return !(context.stop && *context.stop);
+                                                     }));
+  FOURDVT_TRY(platform::makeFolder(folder));
+  FOURDVT_TRY(bake::keepRefinement(path, refinement));
+  return refinement;
+}
+
 }  // namespace
 
 std::vector<StudyStep> studySteps() {
@@ -37,9 +60,19 @@ std::vector<StudyStep> studySteps() {
 }
 
 Result<Rows> runStudy(const StudyContext& given) {
-  const StudyContext context = resolved(given);
+  StudyContext context = resolved(given);
   const std::string& folder = context.options.report_folder;
   FOURDVT_TRY(openReportFolder(folder, studyKey(context.options, kStudyVersion)));
+  const capture::Capture as_given = *context.capture;
+  capture::Capture refined = as_given;
+  refine::Refinement refinement;
+  if (context.options.refine.any()) {
+    FOURDVT_ASSIGN(refinement, refineStudied(context));
+    refine::applyRefinement(refinement, refined);
+    context.refinement = &refinement;
+  }
+  context.given = &as_given;
+  context.capture = &refined;
   Rows published;
   const auto publish = [&](const Rows& rows) -> Status {
     published = rows;

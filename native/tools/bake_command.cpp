@@ -10,6 +10,7 @@
 #include "bake/quality.h"
 #include "tools/args.h"
 #include "tools/commands.h"
+#include "tools/refine_arguments.h"
 #include "tools/session.h"
 #include "tools/stop_signal.h"
 
@@ -58,6 +59,9 @@ const CommandHelp& help() {
        {"--penalty", "NAME",
         "what makes a camera worse for a face: axis (optical axis, as in the papers; default),\n"
         "                          ray (to the face's centre) or resolution (fewer pixels)"},
+       kRefineOption,
+       kRefineCamerasOption,
+       kMatteBiasOption,
        {"--no-colour-calibration", nullptr, "leave the cameras' colours as they are"},
        {"--filter", "NAME", "how camera pictures are sampled: bilinear (default), mipmap or bicubic"},
        {"--no-classes", nullptr, "leave out the capture's motion classes"},
@@ -171,6 +175,7 @@ bake::BakeOptions readOptions(Args& args) {
   o.classes.bake = !args.has("--no-classes");
   o.classes.align = choice(args, "--align", o.classes.align, {{"baked", true}, {"none", false}});
   o.classes.blend_error_m = args.number("--blend-error", o.classes.blend_error_m * 1e3, 0.01, 1000) / 1e3;
+  o.refine = readRefineOptions(args);
   o.colour_calibration = !args.has("--no-colour-calibration");
   return o;
 }

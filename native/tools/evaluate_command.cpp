@@ -11,6 +11,7 @@
 #include "study/study.h"
 #include "tools/args.h"
 #include "tools/commands.h"
+#include "tools/refine_arguments.h"
 #include "tools/session.h"
 #include "tools/stop_signal.h"
 
@@ -32,9 +33,12 @@ const CommandHelp& help() {
        {"--sequences", "A,B", "only these sequences (default: all)"},
        {"--quick", nullptr, "the shortest sequence, few views and settings: for a first look"},
        {"--jobs", "N", "worker threads of the bakes; 0: one per core (default 0)"},
+       kRefineOption,
+       kRefineCamerasOption,
+       kMatteBiasOption,
        {"--character", "CHARACTER", "score this character folder, baked from CAPTURE"},
        {"--input-every", "N", "with --character: input cameras, every Nth frame, 0: none (default 4)"},
-       {"--yardstick", nullptr, "with --character: also plain projective texturing, no layers, no codec"}}};
+       {"--yardstick", nullptr, "with --character: also plain projective texturing of the mesh as given, no layers, no codec"}}};
   return text;
 }
 
@@ -43,6 +47,7 @@ struct Arguments {
   std::vector<std::string> sequences;
   bool quick = false;
   int jobs = 0;
+  refine::RefineOptions refine;
   measure::HeldOutOptions held_out;
 };
 
@@ -56,12 +61,16 @@ Arguments readArguments(Args& args) {
   a.jobs = args.integer("--jobs", 0, 0, 1024);
   a.held_out.input_every = static_cast<uint32_t>(args.integer("--input-every", 4, 0, 1'000'000));
   a.held_out.yardstick = args.has("--yardstick");
+  a.refine = readRefineOptions(args);
   if (a.character.empty() && a.output.empty())
     args.complain("-o FOLDER is missing: where the report goes; or score one character with --character");
   if (a.character.empty() && (args.has("--input-every") || args.has("--yardstick")))
     args.complain("--input-every and --yardstick belong to --character");
   if (!a.character.empty() && (args.has("--quick") || args.has("--jobs")))
     args.complain("--quick and --jobs do not go with --character");
+  if (!a.character.empty() && (args.has("--refine") || args.has("--refine-cameras") || args.has("--matte-bias-px")))
+    args.complain(
+        "--refine, --refine-cameras and --matte-bias-px do not go with --character: it was baked with its own");
   return a;
 }
 
@@ -113,8 +122,8 @@ int runWholeStudy(const Arguments& arguments) {
   if (!gpu.ok()) return fail(gpu.error());
   ProgressLine line;
   study::StudyContext context;
-  context.options = {arguments.capture, arguments.output, arguments.sequences,
-                     arguments.quick,   arguments.jobs,   "fourdvt " FOURDVT_VERSION};
+  context.options = {arguments.capture, arguments.output, arguments.sequences,       arguments.quick,
+                     arguments.jobs,    arguments.refine, "fourdvt " FOURDVT_VERSION};
   context.capture = &capture.value();
   context.open_video = videoOpener();
   context.device = gpu.value().device.get();

@@ -51,11 +51,14 @@ void readMethod(Args& args, RenderArguments& a) {
   if (!a.fvvr.wanted && method != "layered") args.complain("--method must be layered or fvvr, not \"" + method + "\"");
   a.fvvr.capture_folder = args.text("--capture");
   a.fvvr.options.closest = args.integer("--closest", 0, 1, package::kMaxCameras);
+  a.fvvr.refine = readRefineOptions(args);
   a.fvvr.options.background = a.recipe.background;
   if (a.fvvr.wanted && a.fvvr.capture_folder.empty())
     args.complain("--method fvvr needs --capture CAPTURE with the videos");
   if (!a.fvvr.wanted && (args.has("--capture") || args.has("--closest")))
     args.complain("--capture and --closest belong to --method fvvr");
+  if (!a.fvvr.wanted && (args.has("--refine") || args.has("--refine-cameras") || args.has("--matte-bias-px")))
+    args.complain("--refine, --refine-cameras and --matte-bias-px belong to --method fvvr");
   if (a.fvvr.wanted && (!a.turntable.empty() || !a.debug.empty()))
     args.complain("--method fvvr is for stills and takes no --debug");
 }
@@ -171,7 +174,10 @@ const CommandHelp& renderHelp() {
        {"--no-shadow", nullptr, "without the ground shadow"},
        {"--method", "WHAT", "layered (default), or fvvr: projective texturing from all camera videos, no shadow"},
        {"--capture", "CAPTURE", "fvvr: the capture folder that CHARACTER was baked from"},
-       {"--closest", "M", "fvvr: only the M cameras closest to the view (default: all)"}},
+       {"--closest", "M", "fvvr: only the M cameras closest to the view (default: all)"},
+       kRefineOption,
+       kRefineCamerasOption,
+       kMatteBiasOption},
       "--scene"};
   return text;
 }

@@ -10,6 +10,7 @@
 #include "render/recipe.h"
 #include "tools/args.h"
 #include "tools/motion_arguments.h"
+#include "tools/refine_arguments.h"
 
 namespace fourdvt::tools {
 
@@ -24,6 +25,7 @@ struct ViewArguments {
 struct FvvrArguments {
   bool wanted = false;
   std::string capture_folder;
+  refine::RefineOptions refine;
   render::FvvrOptions options;
 };
 

@@ -13,6 +13,7 @@
 #include "tools/render_arguments.h"
 #include "tools/render_motion.h"
 #include "tools/session.h"
+#include "tools/stop_signal.h"
 
 namespace fourdvt::tools {
 namespace {
@@ -30,12 +31,30 @@ Image besideEachOther(const std::vector<Image>& pictures) {
 // Renders a captured frame by free-viewpoint video rendering (ALGORITHMS 7).
 Status renderFvvr(CharacterSession& session, const RenderArguments& arguments, const std::string& sequence) {
   FOURDVT_ASSIGN(auto view, chooseCamera(arguments, session.character()));
-  auto capture = capture::openCapture(arguments.fvvr.capture_folder, videoOpener(), {sequence});
+  // All sequences, so that the mesh is refined as in a bake.
+  const bool refines = arguments.fvvr.refine.any();
+  const std::vector<std::string> only = refines ? std::vector<std::string>() : std::vector{sequence};
+  auto capture = capture::openCapture(arguments.fvvr.capture_folder, videoOpener(), only);
   if (!capture.ok()) return capture.error();
-  const capture::CaptureSequence& filmed = *capture.value().find(sequence);
+  const capture::CaptureSequence* found = capture.value().find(sequence);
+  if (!found)
+    return Error{ErrorId::InvalidArgument, arguments.fvvr.capture_folder + ": has no sequence \"" + sequence + "\""};
+  const capture::CaptureSequence& filmed = *found;
   if (static_cast<uint32_t>(arguments.frame) >= filmed.frame_count)
     return Error{ErrorId::InvalidArgument, arguments.fvvr.capture_folder + ": " + sequence + " has frames 0 to " +
                                                std::to_string(filmed.frame_count - 1)};
+  if (refines) {
+    const bool tty = isatty(STDERR_FILENO) != 0;
+    const std::atomic<bool>* stop = listenForStop();
+    const auto refinement = refine::refineCapture(capture.value(), videoOpener(), arguments.fvvr.refine,
+                                                  [&](const std::string& what, double) {
+                                                    if (tty) std::fprintf(stderr, "\r\033[Krefine %s", what.c_str());
+                                                    return !*stop;
+                                                  });
+    if (tty) std::fputs("\r\033[K", stderr);
+    if (!refinement) return refinement.error();
+    refine::applyRefinement(refinement.value(), capture.value());
+  }
   FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(capture.value(), filmed, videoOpener(), arguments.frame));
   FOURDVT_ASSIGN(auto frame, reader->next());
   for (Image& picture : frame.pictures) bake::replaceEdgeColours(picture);

@@ -31,6 +31,35 @@ TEST(Studio, ProceduralCaptureBakes) {
   EXPECT_EQ(evaluate.code, 0) << evaluate.output;
 }
 
+// The refinement as a user meets it: turned cameras come back as a COLMAP text model with which nothing is left to
+// turn.
+TEST(Studio, TurnedCamerasAreWrittenRefined) {
+  const std::string out = scratch("studio-turned");
+  const std::string size = " --size 240x320 --sequences walk --fps 6 --no-truth --mesh-cell-mm 45";
+  const std::string bake = " --texture 128 --layers 2 --no-classes";
+  ASSERT_EQ(fourdvt("studio procedural -o " + out + "/capture --rotation-deg 0.4" + size).code, 0);
+  const Outcome refined = fourdvt("bake " + out + "/capture -o " + out + "/refined" + bake);
+  ASSERT_EQ(refined.code, 0) << refined.output;
+  for (const char* file : {"/cameras_refined/cameras.txt", "/cameras_refined/images.txt"})
+    EXPECT_TRUE(exists(out + "/refined" + file)) << file;
+  EXPECT_NE(readText(out + "/refined/report.html").find("cameras_refined"), std::string::npos);
+  EXPECT_NE(readText(out + "/refined/report.json").find("\"changed\": true"), std::string::npos);
+
+  const Outcome as_given =
+      fourdvt("bake " + out + "/capture -o " + out + "/given --refine none --refine-cameras off" + bake);
+  ASSERT_EQ(as_given.code, 0) << as_given.output;
+  EXPECT_FALSE(exists(out + "/given/cameras_refined"));
+  EXPECT_EQ(readText(out + "/given/report.json").find("\"refinement\""), std::string::npos);
+
+  for (const char* file : {"cameras.txt", "images.txt"})
+    std::filesystem::copy_file(out + "/refined/cameras_refined/" + file, out + "/capture/cameras/" + file,
+                               std::filesystem::copy_options::overwrite_existing);
+  const Outcome again = fourdvt("bake " + out + "/capture -o " + out + "/again" + bake);
+  ASSERT_EQ(again.code, 0) << again.output;
+  EXPECT_FALSE(exists(out + "/again/cameras_refined"));
+  EXPECT_EQ(readText(out + "/again/report.json").find("\"changed\": true"), std::string::npos);
+}
+
 TEST(Studio, ModelIsCapturedByItsAnimationsNames) {
   const std::string out = scratch("studio-model");
   const std::string model = fourdvt::testing::StudioModel().write(out + "/tube.glb");

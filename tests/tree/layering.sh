@@ -26,7 +26,8 @@ layer player base gpu package motion render render/flow stream player/parts
 layer platform $core
 layer capture base
 layer studio/actors base platform
-layer studio base gpu platform studio/actors
+layer refine base capture
+layer studio base gpu platform capture studio/actors
 layer report base platform
 layer measure base package player platform capture report render
 layer bake/labels base package
@@ -34,16 +35,16 @@ layer bake/texels base gpu package
 layer bake/motion base package motion capture
 layer bake/align base gpu package render
 layer bake/video base package
-layer bake/run base gpu package motion platform capture bake/labels bake/texels bake/motion bake/video
-layer bake/stages base gpu package motion render platform capture report bake/labels bake/texels bake/motion bake/align bake/video bake/run
+layer bake/run base gpu package motion platform capture refine bake/labels bake/texels bake/motion bake/video
+layer bake/stages base gpu package motion render platform capture refine report bake/labels bake/texels bake/motion bake/align bake/video bake/run
 layer bake base platform report bake/labels bake/texels bake/video bake/run bake/stages
 bake_all="bake bake/labels bake/texels bake/motion bake/align bake/video bake/run bake/stages"
-layer study/run $core platform capture report measure $bake_all
+layer study/run $core platform capture refine report measure $bake_all
 layer study/tables base report study/run
 layer study/steps $core platform capture report measure $bake_all study/run study/tables
 layer study/motion $core platform capture report measure $bake_all study/run study/tables
-layer study base platform report study/run study/tables study/steps study/motion
-layer tools $core platform capture studio studio/actors report measure $bake_all study study/run
+layer study base platform capture refine report $bake_all study/run study/tables study/steps study/motion
+layer tools $core platform capture refine studio studio/actors report measure $bake_all study study/run
 
 declare -A seen
 for folder in "${order[@]}"; do

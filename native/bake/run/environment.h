@@ -8,6 +8,7 @@
 
 #include "base/video.h"
 #include "gpu/device.h"
+#include "refine/refine.h"
 
 namespace fourdvt::bake {
 
@@ -21,6 +22,7 @@ struct Progress {
 struct BakeEnvironment {
   gpu::Device* device = nullptr;  // GLES; current on this thread
   OpenVideo open_video;
+  const refine::Refinement* refinement = nullptr;  // already known for this capture; null: the bake makes it
   std::function<void(const Progress&)> progress;
   const std::atomic<bool>* stop = nullptr;  // set by Ctrl-C: finish the frame, keep finished GOPs, return Interrupted
 };

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "bake/labels/labelling.h"
+#include "refine/refine.h"
 
 namespace fourdvt::bake {
 
@@ -29,7 +31,8 @@ struct BakeReport {
   std::map<std::string, uint64_t> bytes_by_part;
   std::map<std::string, LabelStatistics> labels_by_sequence;
   std::map<std::string, ClassSummary> classes;
-  std::vector<std::string> notes;  // what the user should know, one sentence each
+  std::optional<refine::Refinement> refinement;  // none: not asked for
+  std::vector<std::string> notes;                // what the user should know, one sentence each
 };
 
 }  // namespace fourdvt::bake

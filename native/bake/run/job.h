@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The resolved plan of one bake: options, capture, mesh order, streams. validate makes it and planStreams completes it;
-// after that only the align stage sets what it measures.
+// The resolved plan of one bake: options, capture, mesh order, streams. validate makes it and refineJob corrects meshes
+// and cameras, and planStreams completes it; after that only the align stage sets what it measures.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,15 +38,21 @@ struct Job {
   BakeOptions options;       // resolved: jobs > 0, sequences listed, folders without a trailing slash
   capture::Capture capture;  // its sequences are surveyed and labelled; streams borrow them
   std::vector<PinholeCamera> cameras;
-  std::vector<StreamPlan> streams;  // in the manifest's order: the sequences, then the classes
-  package::EncodedBaseMesh mesh;    // its decoded order of vertices and faces is the order everywhere in the bake
-  BoundingBox bounds;               // over all frames
-  TileLayout layout;                // of one member
-  EncodeSettings encode;            // of a captured sequence
-  uint32_t total_frames = 0;        // number of captured frames
-  uint32_t streamFrames() const;    // number of frames of all streams
+  std::vector<StreamPlan> streams;               // in the manifest's order: the sequences, then the classes
+  std::optional<refine::Refinement> refinement;  // applied to the capture and the cameras
+  std::string refinement_path;                   // where it is kept between bakes
+  package::EncodedBaseMesh mesh;  // its decoded order of vertices and faces is the order everywhere in the bake
+  BoundingBox bounds;             // over all frames
+  TileLayout layout;              // of one member
+  EncodeSettings encode;          // of a captured sequence
+  uint32_t total_frames = 0;      // number of captured frames
+  uint32_t streamFrames() const;  // number of frames of all streams
   // Beside the character folder and on its file system: finished GOPs, and the result until it is renamed into place.
   std::string workFolder() const { return options.character_folder + ".work"; }
+  // Where visibility, colour maps, labels and the refinement are kept.
+  std::string surveyFolder() const {
+    return options.survey_folder.empty() ? workFolder() + "/survey" : options.survey_folder;
+  }
   std::string resultFolder() const { return workFolder() + "/result"; }
 };
 

@@ -8,6 +8,7 @@
 #include "bake/labels/labelling.h"
 #include "bake/texels/resample.h"
 #include "bake/video/encode.h"
+#include "refine/refine.h"
 
 namespace fourdvt::bake {
 
@@ -32,6 +33,7 @@ struct BakeOptions {
   bool resume = false;               // reuse GOPs that an interrupted run with the same settings finished
   double position_step_m = 0.00025;  // quantisation of streamed vertices
   int gutter_texels = 10;            // width of the gutter round every chart, texels of layer 1; limits in check()
+  refine::RefineOptions refine;      // of the mesh and the cameras, before anything is drawn
   LabelMode labels = LabelMode::Joint;
   Penalty penalty = Penalty::Axis;
   bool equal_layers = false;  // all layers have the size of layer 1, as in the papers

@@ -13,6 +13,7 @@ namespace fourdvt::bake {
 
 enum class Stage {
   Validate,
+  Refine,
   Warp,
   Decode,
   Visibility,
@@ -36,8 +37,10 @@ struct StageInfo {
   const char* unit;
 };
 
-inline constexpr std::array<StageInfo, 14> kStages{{
+inline constexpr std::array<StageInfo, 15> kStages{{
     {"validate", "checks that the capture can be read and the output written", 0, ""},
+    {"refine", "moves the mesh's outlines onto the mattes', turns cameras that the pictures contradict", 0.15,
+     "captured frame"},
     {"warp", "puts a class's members on common time; root motion, corrections of the mesh blend", 0.1,
      "phase and member"},
     {"decode", "reads pictures and meshes; survey and layers each do so once", 0, ""},

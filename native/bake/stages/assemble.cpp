@@ -25,6 +25,7 @@ namespace {
 constexpr const char* kGenerator = "fourdvt 0.1.0";
 constexpr const char* kTexture = "texture.jpg";
 constexpr const char* kTiles = "report_tiles.jpg";
+constexpr const char* kRefinedCameras = "cameras_refined";
 constexpr const char* kGraph = "motion.bin";
 
 struct ChunkBytes {
@@ -243,6 +244,27 @@ Status describeClasses(const BakeRun& run, const package::Character& character, 
   return {};
 }
 
+// Writes what the refinement found: views whose outlines were far off, and the cameras if one of them changed.
+Status describeRefinement(const Job& job, ReportInput& report) {
+  if (!job.refinement) return {};
+  const std::string folder = job.resultFolder() + "/";
+  for (const refine::WorstPicture& view : job.refinement->worst) {
+    const std::string& camera = job.cameras[view.camera].name;
+    const std::string file = "report_outline_" + camera + ".jpg";
+    FOURDVT_ASSIGN(auto jpeg, encodePicture(view.picture, ".jpg", 90));
+    FOURDVT_TRY(platform::writeFileAtomic(folder + file, jpeg));
+    report.outlines.push_back({file, view.sequence + ", frame " + std::to_string(view.frame) + ", " + camera +
+                                         ", as given and refined. Green: the outlines agree; red: the mesh is too "
+                                         "large; blue: too small (full colour from 2 pixels on)."});
+  }
+  if (!job.refinement->changedCameras()) return {};
+  report.refined_cameras = kRefinedCameras;
+  FOURDVT_TRY(platform::makeFolder(folder + kRefinedCameras));
+  const capture::ColmapText text = capture::colmapText(job.capture.cameras, job.capture.metres_per_unit);
+  FOURDVT_TRY(platform::writeFileAtomic(folder + kRefinedCameras + "/cameras.txt", text.cameras));
+  return platform::writeFileAtomic(folder + kRefinedCameras + "/images.txt", text.images);
+}
+
 Status writeGraph(const Job& job, const std::vector<uint8_t>& graph, package::Character& character,
                   ReportInput& report) {
   if (graph.empty()) return {};
@@ -272,6 +294,7 @@ Status assemble(BakeRun& run, const std::vector<uint8_t>& graph, ReportInput& re
                  package::writeManifest({character, &job.mesh, kTexture, kGenerator, job.capture.credit}));
   FOURDVT_TRY(platform::writeFileAtomic(job.resultFolder() + "/character.gltf", manifest));
   describe(job, character, report);
+  FOURDVT_TRY(describeRefinement(job, report));
   return describeClasses(run, character, report);
 }
 

@@ -58,6 +58,8 @@ Json optionsJson(const BakeOptions& o) {
           {"jobs", o.jobs},
           {"position_step_m", o.position_step_m},
           {"gutter_texels", o.gutter_texels},
+          {"refine", o.refine.outline ? "outline" : "none"},
+          {"refine_cameras", o.refine.cameras},
           {"labels", labelModeName(o.labels)},
           {"penalty", penaltyName(o.penalty)},
           {"filter", filterName(o.resample.filter)},
@@ -199,6 +201,8 @@ report::Table factsTable(const ReportInput& in) {
        {"layers", std::to_string(o.layers)},
        {"texture",
         std::to_string(o.texture) + (o.equal_layers ? " texels, all layers" : " texels, further layers half of it")},
+       {"mesh and cameras", std::string(o.refine.outline ? "mesh moved to the mattes' outlines" : "mesh as given") +
+                                (o.refine.cameras ? ", cameras where they are contradicted" : ", cameras as given")},
        {"labels", labelModeName(o.labels)},
        {"penalty", penaltyName(o.penalty)},
        {"resampling filter", filterName(o.resample.filter)},
@@ -213,6 +217,109 @@ report::Table factsTable(const ReportInput& in) {
 
 report::Section section(const char* id, const char* title, std::string text, std::vector<report::Table> tables) {
   return {id, title, std::move(text), std::move(tables), {}, {}, {}, {}};
+}
+
+std::string residualText(const refine::Residuals& r) {
+  return fixedText(r.median_pixels, 2) + " / " + fixedText(r.p95_pixels, 2);
+}
+
+report::Table refinedCamerasTable(const refine::Refinement& r) {
+  report::Table table{
+      "",
+      "px: pixels of the camera's picture. Median and 95 % of the distances' sizes. Bias: how far the "
+      "matte's edge lies outside the one that the picture shows; corrected from a quarter of a pixel on.",
+      {"camera", "points", "bias, px", "before, px", "after, px", "fits best, px", "turned, °", "moved, mm",
+       "zoomed, %"},
+      {}};
+  for (const refine::CameraRefinement& c : r.by_camera) {
+    std::string bias = c.measured_bias_pixels ? fixedText(*c.measured_bias_pixels, 2) : "no contrast";
+    if (c.used_bias_pixels != 0) bias += ", corrected by " + fixedText(c.used_bias_pixels, 2);
+    const auto changed = [&](double value, int digits) { return c.changed ? fixedText(value, digits) : "–"; };
+    table.rows.push_back({c.name, std::to_string(c.before.points), bias, residualText(c.before), residualText(c.after),
+                          c.best ? fixedText(c.best->pixels, 2) + " ± " + fixedText(c.best->deviation_pixels, 2) : "–",
+                          changed(glm::length(c.turn_deg), 3), changed(c.move_m * 1e3, 1), changed(c.zoom_percent, 3)});
+  }
+  return table;
+}
+
+report::Plot residualPlot(const refine::Refinement& r) {
+  report::Plot plot;
+  plot.title = "Distances between outlines";
+  plot.x_label = "pixels; left: the mesh is too large";
+  plot.y_label = "% of the points";
+  for (const auto& [name, histogram] : {std::pair{"as given", &r.before}, {"refined", &r.after}}) {
+    report::Curve curve{name, {}};
+    for (size_t i = 0; i < histogram->size(); ++i)
+      curve.points.push_back({(double(i) + 0.5) * refine::kBinPixels - refine::kReachPixels, 100 * (*histogram)[i]});
+    plot.curves.push_back(std::move(curve));
+  }
+  return plot;
+}
+
+std::string refinementText(const ReportInput& in, const refine::Refinement& r) {
+  std::string text = "The outlines of the mesh against those of the mattes, in " + std::to_string(r.frames) +
+                     " frames of every camera. ";
+  if (r.offsets)
+    text += "Every vertex moved along its normal by an offset of its own: half of them by " +
+            fixedText(r.offset_median_m * 1e3, 2) + " mm or less, 5 % by less than " +
+            fixedText(r.offset_low_m * 1e3, 2) + " mm, 5 % by more than " + fixedText(r.offset_high_m * 1e3, 2) +
+            " mm (negative: inwards).";
+  if (!r.note.empty()) text += "\n\n" + r.note;
+  if (r.offsets && r.slow.empty()) text += " The offsets are the same in all frames.";
+  for (size_t i = 0; i < r.slow.size(); ++i)
+    text += (i == 0 ? " They also vary slowly with time in " : ", ") + r.slow[i] + (i + 1 == r.slow.size() ? "." : "");
+  if (!in.refined_cameras.empty())
+    text += "\n\nThe changed cameras are in `" + in.refined_cameras +
+            "` as a COLMAP text model in the capture's unit. Copy it over the capture's own to keep it.";
+  return text;
+}
+
+report::Section refinementSection(const ReportInput& in) {
+  const refine::Refinement& r = *in.figures.refinement;
+  report::Section out =
+      section("refinement", "Mesh and cameras against the pictures", refinementText(in, r), {refinedCamerasTable(r)});
+  out.plots = {residualPlot(r)};
+  for (const ReportPicture& p : in.outlines) out.pictures.push_back({p.file, p.caption});
+  return out;
+}
+
+Json residualJson(const refine::Residuals& r) {
+  return {{"points", r.points},
+          {"bias_pixels", r.bias_pixels},
+          {"median_pixels", r.median_pixels},
+          {"p95_pixels", r.p95_pixels}};
+}
+
+Json refinementJson(const refine::Refinement& r) {
+  Json json;
+  json["outline"] = r.options.outline;
+  json["cameras"] = r.options.cameras;
+  json["frames"] = r.frames;
+  json["rounds"] = r.rounds;
+  json["moved"] = bool(r.offsets);
+  json["offset_mm"] = {
+      {"p5", r.offset_low_m * 1e3}, {"median", r.offset_median_m * 1e3}, {"p95", r.offset_high_m * 1e3}};
+  json["varying_sequences"] = r.slow;
+  json["note"] = r.note;
+  json["by_camera"] = Json::array();
+  for (const refine::CameraRefinement& c : r.by_camera) {
+    Json camera{{"name", c.name},
+                {"before", residualJson(c.before)},
+                {"after", residualJson(c.after)},
+                {"matte_bias_pixels", c.used_bias_pixels},
+                {"changed", c.changed},
+                {"turn_deg", {c.turn_deg.x, c.turn_deg.y, c.turn_deg.z}},
+                {"turn_deviation_deg", {c.turn_deviation_deg.x, c.turn_deviation_deg.y, c.turn_deviation_deg.z}},
+                {"move_mm", c.move_m * 1e3},
+                {"zoom_percent", c.zoom_percent}};
+    if (c.best) {
+      camera["shift_pixels"] = c.best->pixels;
+      camera["shift_deviation_pixels"] = c.best->deviation_pixels;
+    }
+    if (c.measured_bias_pixels) camera["measured_matte_bias_pixels"] = *c.measured_bias_pixels;
+    json["by_camera"].push_back(std::move(camera));
+  }
+  return json;
 }
 
 std::string notesText(const ReportInput& in) {
@@ -258,6 +365,7 @@ std::string reportJson(const ReportInput& in) {
                             {"seconds", l.seconds}};
   root["classes"] = Json::object();
   for (const auto& [name, c] : in.figures.classes) root["classes"][name] = classJson(c);
+  if (in.figures.refinement) root["refinement"] = refinementJson(*in.figures.refinement);
   root["notes"] = in.figures.notes;
   root["sequences"] = Json::array();
   for (const ReportSequence& s : in.sequences) root["sequences"].push_back(sequenceJson(s));
@@ -291,6 +399,7 @@ std::string reportHtml(const ReportInput& in) {
                 "Members of a class share one video and common time. Meshes are blended linearly, and corrected at the "
                 "references towards the non-linear blend; errors are largest vertex distances to it.",
                 {classTable(in)}));
+  if (in.figures.refinement) page.sections.push_back(refinementSection(in));
   if (!in.figures.labels_by_sequence.empty())
     page.sections.push_back(section("labels", "Labels", "", {labelTable(in)}));
   if (in.pictures.size() > 1) page.sections.push_back(section("pictures", "Pictures", "", {}));

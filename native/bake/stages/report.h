@@ -41,6 +41,8 @@ struct ReportInput {
   std::vector<ReportSequence> sequences;
   std::vector<std::pair<std::string, std::string>> versions;  // library → version, e.g. libavcodec → 59.37.100
   std::vector<ReportPicture> pictures;                        // the first is shown large (the poster)
+  std::vector<ReportPicture> outlines;                        // views whose outlines were far off, before and after
+  std::string refined_cameras;                                // folder of the COLMAP text model; empty: none changed
 };
 
 std::string reportJson(const ReportInput& input);

@@ -50,9 +50,7 @@ Status checkVisible(const Job& job, const capture::CaptureSequence& sequence, co
 
 }  // namespace
 
-Survey::Survey(const Job& job)
-    : job_(&job),
-      folder_(job.options.survey_folder.empty() ? job.workFolder() + "/survey" : job.options.survey_folder) {
+Survey::Survey(const Job& job) : job_(&job), folder_(job.surveyFolder()) {
   std::string all;
   for (const capture::CaptureSequence& sequence : job.capture.sequences) {
     const std::string& name = sequence.name;

@@ -12,6 +12,7 @@
 #include "base/hash.h"
 #include "platform/files.h"
 #include "platform/folders.h"
+#include "refine/refinement_bytes.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -171,21 +172,31 @@ Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environm
   FOURDVT_TRY(platform::makeFolder(job.workFolder()));
   if (access(job.workFolder().c_str(), W_OK) != 0)
     return Error{ErrorId::WriteFailed, job.workFolder() + ": not writable; choose another output folder"};
-  FOURDVT_TRY(planMesh(job));
+  FOURDVT_TRY(planSurface(job, environment));
   FOURDVT_TRY(checkSpace(job));
-  FOURDVT_TRY(findBounds(job, environment));
   return job;
 }
 
-std::string captureKey(const Job& job, const capture::CaptureSequence& sequence) {
-  const fs::path folder(job.capture.folder);
+Status planSurface(Job& job, const BakeEnvironment& environment) {
+  FOURDVT_TRY(planMesh(job));
+  return findBounds(job, environment);
+}
+
+std::string filesKey(const capture::Capture& capture, const capture::CaptureSequence& sequence) {
+  const fs::path folder(capture.folder);
   std::string key = kSurveyVersion;
   for (const fs::path& part : {folder / "cameras", folder / "background", fs::path(sequence.folder)})
     for (const std::string& line : fingerprints(part)) key += line + "\n";
   if (auto json = platform::readFile((folder / "capture.json").string()); json.ok())
     key.append(json.value().begin(), json.value().end());
-  key.append(job.mesh.bytes.begin(), job.mesh.bytes.end());
   return key;
+}
+
+std::string captureKey(const Job& job, const capture::CaptureSequence& sequence) {
+  std::string key = filesKey(job.capture, sequence);
+  key.append(job.mesh.bytes.begin(), job.mesh.bytes.end());
+  if (!job.refinement) return key;
+  return key + " refined " + std::to_string(refine::changeHash(*job.refinement));
 }
 
 std::string labelKey(const BakeOptions& o) {

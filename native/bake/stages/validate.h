@@ -12,7 +12,13 @@ namespace fourdvt::bake {
 // Interrupted.
 Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environment);
 
-// What visibility depends on: the sequence's files, the cameras, the plates, capture.json, the mesh's order.
+// Encodes the base mesh and finds the bounds of all frames, from the meshes as the job's capture reads them now.
+// Errors: those of capture, Interrupted, InvalidArgument.
+Status planSurface(Job& job, const BakeEnvironment& environment);
+
+// The files of a sequence, the cameras, the plates (path, size, time), and capture.json.
+std::string filesKey(const capture::Capture& capture, const capture::CaptureSequence& sequence);
+// What visibility depends on: those files, the mesh's order, the refinement.
 std::string captureKey(const Job& job, const capture::CaptureSequence& sequence);
 // What labels depend on in addition.
 std::string labelKey(const BakeOptions& options);

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "bake/run/mesh_reader.h"
+#include "bake/stages/refine_stage.h"
 #include "bake/stages/validate.h"
 #include "platform/folders.h"
 #include "study/run/rows.h"
@@ -23,9 +24,7 @@ void tell(const StudyContext& context, const std::string& detail, double share) 
 // A bake of the class's members with default settings; unless `quick`, also of the study's other sequences, for
 // transitions.
 bake::BakeOptions motionBake(const StudyContext& context, const capture::CaptureClass& motion_class) {
-  bake::BakeOptions options;
-  options.capture_folder = context.options.capture_folder;
-  options.character_folder = context.work() + "/motion/character";
+  bake::BakeOptions options = defaultBake(context, context.work() + "/motion/character");
   for (const capture::CaptureSequence& sequence : context.capture->sequences) {
     const auto is_member = [&](const auto& member) { return member.sequence == sequence.name; };
     const auto& wanted = context.options.sequences;
@@ -33,8 +32,6 @@ bake::BakeOptions motionBake(const StudyContext& context, const capture::Capture
     if (asked || std::any_of(motion_class.members.begin(), motion_class.members.end(), is_member))
       options.sequences.push_back(sequence.name);
   }
-  options.jobs = context.options.jobs;
-  options.resume = true;
   options.survey_folder = context.work() + "/survey";
   return options;
 }
@@ -42,9 +39,13 @@ bake::BakeOptions motionBake(const StudyContext& context, const capture::Capture
 // The order of vertices and the class's common time, as the bake found them.
 Result<MotionTruth::Baked> asBaked(const StudyContext& context, const bake::BakeOptions& options,
                                    const capture::CaptureClass& motion_class) {
-  auto validated = bake::validate(options, bakeEnvironment(context));
+  const bake::BakeEnvironment environment = bakeEnvironment(context);
+  auto validated = bake::validate(options, environment);
   platform::removeIfEmpty(options.character_folder + ".work");  // only if empty: no bake is under way there
-  FOURDVT_ASSIGN(auto job, std::move(validated));
+  if (!validated) return validated.error();
+  bake::BakeRun run(validated.take(), environment);
+  FOURDVT_TRY(bake::refineJob(run));
+  bake::Job& job = run.job;
   bake::MeshReader meshes(job);
   const capture::Capture& capture = job.capture;
   FOURDVT_ASSIGN(auto members, bake::classMembers(capture, motion_class, meshes.function()));

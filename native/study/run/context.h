@@ -12,6 +12,7 @@
 #include "base/video.h"
 #include "capture/capture.h"
 #include "gpu/device.h"
+#include "refine/refine.h"
 
 namespace fourdvt::study {
 
@@ -31,7 +32,8 @@ struct StudyOptions {
   std::vector<std::string> sequences;  // empty: all
   bool quick = false;                  // two minutes on the sample: one sequence, few views, few settings
   int jobs = 0;
-  std::string generator;  // "fourdvt X.Y.Z", for evaluate.json
+  refine::RefineOptions refine;  // of the mesh and the cameras, for everything but the rows of the mesh as given
+  std::string generator;         // "fourdvt X.Y.Z", for evaluate.json
 };
 
 struct StudyProgress {
@@ -40,8 +42,10 @@ struct StudyProgress {
 };
 
 struct StudyContext {
-  StudyOptions options;  // sequences listed, folders without a trailing slash
-  const capture::Capture* capture = nullptr;
+  StudyOptions options;                            // sequences listed, folders without a trailing slash
+  const capture::Capture* capture = nullptr;       // refined, once runStudy has begun
+  const capture::Capture* given = nullptr;         // the same as given; set by runStudy
+  const refine::Refinement* refinement = nullptr;  // that of `capture`, for the study's bakes; null: none
   OpenVideo open_video;
   gpu::Device* device = nullptr;  // GLES, current on this thread
   std::function<void(const StudyProgress&)> progress;

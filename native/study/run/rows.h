@@ -121,6 +121,7 @@ inline constexpr const char* kMotionSkate = "motion-skate";
 
 // Methods. The labelling modes are bake::labelModeName's.
 inline constexpr const char* kFvvr = "fvvr";
+inline constexpr const char* kFvvrGiven = "fvvr-as-given";   // on mesh and cameras before refinement
 inline constexpr const char* kFvvrClosest = "fvvr-closest";  // from the kClosestCameras nearest to the view
 inline constexpr int kClosestCameras = 3;                    // M: as many cameras as layers
 inline constexpr const char* kNaive = "naive";

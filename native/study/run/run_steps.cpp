@@ -72,6 +72,8 @@ std::string studyKey(const StudyOptions& options, const std::string& version) {
   std::sort(lines.begin(), lines.end());
   std::string text = version + (options.quick ? " quick" : " full");
   for (const std::string& name : options.sequences) text += "\nsequence " + name;
+  text += "\nrefine " + std::to_string(options.refine.outline) + std::to_string(options.refine.cameras) +
+          (options.refine.matte_bias_pixels ? std::to_string(*options.refine.matte_bias_pixels) : "");
   for (const std::string& line : lines) text += "\n" + line;
   char key[24];
   std::snprintf(key, sizeof key, "%016llx", static_cast<unsigned long long>(fnv1a(text)));

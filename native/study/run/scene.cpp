@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <future>
 
+#include "bake/stages/refine_stage.h"
 #include "bake/stages/validate.h"
 #include "platform/files.h"
 #include "platform/folders.h"
@@ -88,17 +89,23 @@ Result<std::unique_ptr<render::Fvvr>> makeFvvr(const StudyContext& context) {
   return render::Fvvr::create(*context.device, captureCameras(context), context.capture->topology);
 }
 
-bake::BakeOptions studyBake(const StudyContext& context, const std::string& name) {
+bake::BakeOptions defaultBake(const StudyContext& context, const std::string& character_folder) {
   bake::BakeOptions options;
   options.capture_folder = context.options.capture_folder;
-  options.character_folder = context.work() + "/methods/" + name;
-  for (const auto* sequence : studySequences(context)) options.sequences.push_back(sequence->name);
+  options.character_folder = character_folder;
   options.jobs = context.options.jobs;
+  options.refine = context.options.refine;
+  options.resume = true;
+  return options;
+}
+
+bake::BakeOptions studyBake(const StudyContext& context, const std::string& name) {
+  bake::BakeOptions options = defaultBake(context, context.work() + "/methods/" + name);
+  for (const auto* sequence : studySequences(context)) options.sequences.push_back(sequence->name);
   options.gop = kStudyGop;
   options.crf = kStudyCrf;
   options.layers = kPaperLayers;
   options.classes.bake = false;
-  options.resume = true;
   options.survey_folder = context.work() + "/survey";
   return options;
 }
@@ -108,6 +115,7 @@ bake::BakeEnvironment bakeEnvironment(const StudyContext& context) {
   environment.device = context.device;
   environment.open_video = context.open_video;
   environment.stop = context.stop;
+  environment.refinement = context.refinement;
   return environment;
 }
 
@@ -134,7 +142,8 @@ Result<std::unique_ptr<SurveyedJob>> surveyOnly(const StudyContext& context, con
   FOURDVT_TRY(platform::makeFolder(context.work() + "/methods"));
   FOURDVT_ASSIGN(auto job, bake::validate(options, environment));
   auto out = std::make_unique<SurveyedJob>(std::move(job), environment);
-  auto survey = bake::Survey::make(out->run);
+  const Status refined = bake::refineJob(out->run);
+  auto survey = refined.ok() ? bake::Survey::make(out->run) : Result<bake::Survey>(refined.error());
   platform::removeIfEmpty(out->job.workFolder());  // only if empty: no bake is under way there
   if (!survey) return survey.error();
   out->survey = std::make_unique<bake::Survey>(survey.take());

@@ -48,6 +48,8 @@ Result<std::unique_ptr<render::Fvvr>> makeFvvr(const StudyContext& context);
 // LVDT's own size, as in the tables.
 constexpr int kPaperTexture = 512, kPaperLayers = 3, kStudyCrf = 23, kStudyGop = 20;
 
+// Default settings for a bake of the study's capture into `character_folder`, with the study's refinement.
+bake::BakeOptions defaultBake(const StudyContext& context, const std::string& character_folder);
 // Options of a bake into work()/methods/NAME that shares its survey with the study's other bakes.
 bake::BakeOptions studyBake(const StudyContext& context, const std::string& name);
 bake::BakeEnvironment bakeEnvironment(const StudyContext& context);

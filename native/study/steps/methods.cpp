@@ -43,13 +43,11 @@ double secondsSince(Clock::time_point start) { return std::chrono::duration<doub
 
 // The default comes first: its time counts from nothing, and the others share its survey.
 std::vector<Method> studyMethods(const StudyContext& context) {
-  bake::BakeOptions plain;
-  bake::BakeOptions shared = studyBake(context, rows::kJointDefault);
-  plain.capture_folder = shared.capture_folder;
-  plain.character_folder = shared.character_folder;
+  const bake::BakeOptions shared = studyBake(context, rows::kJointDefault);
+  bake::BakeOptions plain = defaultBake(context, shared.character_folder);
   plain.survey_folder = shared.survey_folder;
   plain.sequences = shared.sequences;
-  plain.jobs = shared.jobs;
+  plain.resume = false;
   std::vector<Method> out{{rows::kJointDefault, plain}};
   for (bake::LabelMode mode : {bake::LabelMode::Naive, bake::LabelMode::Spatial, bake::LabelMode::TemporalPaper,
                                bake::LabelMode::PerTexel, bake::LabelMode::Joint}) {

@@ -58,7 +58,9 @@ class Reference {
 
  private:
   Status drawFrame(const capture::CaptureFrame& frame, render::Fvvr& fvvr);
-  Status heldOut(uint32_t frame, render::Fvvr& fvvr);
+  Status heldOut(const capture::CaptureFrame& frame, render::Fvvr& fvvr);
+  // The same with mesh and cameras as given, if there are others.
+  Status heldOutAsGiven(const capture::CaptureFrame& frame);
   bool isHeldOut(uint32_t frame) const;
   bool isDrawn(uint32_t frame) const;
   // Bytes and error of one camera's foreground video at every rate factor.
@@ -96,7 +98,8 @@ class Reference {
   double before_, share_;
   std::vector<RingView> ring_;
   std::vector<PinholeCamera> held_out_;
-  measure::MeanScores held_out_scores_, held_out_closest_;
+  measure::MeanScores held_out_scores_, held_out_closest_, held_out_given_;
+  std::unique_ptr<render::Fvvr> given_fvvr_;  // on mesh and cameras as given
   std::map<std::string, measure::MeanScores> held_out_by_camera_;
   uint64_t masked_png_bytes_ = 0, whole_png_bytes_ = 0, raw_bytes_ = 0;
   uint32_t whole_pngs_ = 0;
@@ -112,8 +115,27 @@ bool Reference::isDrawn(uint32_t frame) const {
          std::any_of(ring_.begin(), ring_.end(), [&](const RingView& view) { return view.frame == frame; });
 }
 
-Status Reference::heldOut(uint32_t frame, render::Fvvr& fvvr) {
+Status Reference::heldOutAsGiven(const capture::CaptureFrame& frame) {
+  if (!context_.options.refine.any()) return {};
+  if (!given_fvvr_) {
+    std::vector<PinholeCamera> cameras;
+    for (const auto& camera : context_.given->cameras) cameras.push_back(camera.pinhole);
+    FOURDVT_ASSIGN(given_fvvr_, render::Fvvr::create(*context_.device, cameras, context_.given->topology));
+  }
+  FOURDVT_ASSIGN(const auto positions, capture::readMeshFrame(*context_.given, sequence_, frame.index));
+  FOURDVT_TRY(given_fvvr_->setFrame(positions, frame.pictures));
+  for (const PinholeCamera& camera : held_out_) {
+    FOURDVT_ASSIGN(auto truth, measure::heldOutTruth(sequence_, camera, frame.index));
+    FOURDVT_ASSIGN(auto picture, given_fvvr_->renderStill(render::viewFromCamera(camera), {}));
+    held_out_given_.add(measure::scorePicture(truth, picture));
+  }
+  return {};
+}
+
+Status Reference::heldOut(const capture::CaptureFrame& captured, render::Fvvr& fvvr) {
+  const uint32_t frame = captured.index;
   if (!isHeldOut(frame)) return {};
+  FOURDVT_TRY(heldOutAsGiven(captured));
   for (const PinholeCamera& camera : held_out_) {
     FOURDVT_ASSIGN(auto truth, measure::heldOutTruth(sequence_, camera, frame));
     FOURDVT_ASSIGN(auto picture, fvvr.renderStill(render::viewFromCamera(camera), {}));
@@ -133,7 +155,7 @@ Status Reference::drawFrame(const capture::CaptureFrame& frame, render::Fvvr& fv
     FOURDVT_ASSIGN(auto picture, fvvr.renderStill(render::viewFromCamera(view.camera), {}));
     FOURDVT_TRY(platform::writeImage(referencePath(context_, sequence_.name, view), picture));
   }
-  FOURDVT_TRY(heldOut(frame.index, fvvr));
+  FOURDVT_TRY(heldOut(frame, fvvr));
   FOURDVT_ASSIGN(auto masked, pngBytes(frame.pictures, measure::compositedOnBlack));
   masked_png_bytes_ += masked;
   for (const Image& p : frame.pictures) raw_bytes_ += 3ull * p.width * p.height;
@@ -191,6 +213,10 @@ Result<Rows> Reference::draw() {
   }
   writeScores({out, rows::kHeldOut, sequence_.name, rows::kFvvr, "views=" + std::to_string(held_out_scores_.count())},
               held_out_scores_);
+  if (held_out_given_.count() > 0)
+    writeScores(
+        {out, rows::kHeldOut, sequence_.name, rows::kFvvrGiven, "views=" + std::to_string(held_out_given_.count())},
+        held_out_given_);
   writeScores(
       {out, rows::kHeldOut, sequence_.name, rows::kFvvrClosest, "views=" + std::to_string(held_out_closest_.count())},
       held_out_closest_);

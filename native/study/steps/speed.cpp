@@ -20,13 +20,9 @@ void tell(const StudyContext& context, const std::string& detail, double share) 
 
 // One sequence with default settings.
 Result<std::string> bakeOwn(const StudyContext& context) {
-  bake::BakeOptions options;
-  options.capture_folder = context.options.capture_folder;
-  options.character_folder = context.work() + "/speed";
+  bake::BakeOptions options = defaultBake(context, context.work() + "/speed");
   options.sequences = {context.options.sequences.empty() ? context.capture->sequences.front().name
                                                          : context.options.sequences.front()};
-  options.jobs = context.options.jobs;
-  options.resume = true;
   FOURDVT_TRY(bakeOnce(context, options,
                        [&](const std::string& stage, double share) { tell(context, "bake " + stage, 0.5 * share); }));
   return options.character_folder;

@@ -12,10 +12,10 @@ namespace fourdvt::study {
 namespace {
 
 constexpr const char* kMethodOrder[] = {
-    rows::kFvvr,          rows::kFvvrClosest, rows::kNaive,        rows::kSpatial,        rows::kTemporalPaper,
-    rows::kPerTexel,      rows::kJoint,       rows::kJointDefault, rows::kJointNoUnseen,  rows::kJointNoPartial,
-    rows::kJointNeither,  rows::kAlignNone,   rows::kAlignBaked,   rows::kAlignBakedMean, rows::kFlowGpu,
-    rows::kFlowGpuDetail, rows::kFlowDis,     rows::kFlowOpencv,   rows::kOpencvDis};
+    rows::kFvvr,           rows::kFvvrGiven,     rows::kFvvrClosest, rows::kNaive,        rows::kSpatial,
+    rows::kTemporalPaper,  rows::kPerTexel,      rows::kJoint,       rows::kJointDefault, rows::kJointNoUnseen,
+    rows::kJointNoPartial, rows::kJointNeither,  rows::kAlignNone,   rows::kAlignBaked,   rows::kAlignBakedMean,
+    rows::kFlowGpu,        rows::kFlowGpuDetail, rows::kFlowDis,     rows::kFlowOpencv,   rows::kOpencvDis};
 
 size_t methodRank(const std::string& method) {
   return static_cast<size_t>(std::find(std::begin(kMethodOrder), std::end(kMethodOrder), method) -
@@ -124,6 +124,7 @@ std::vector<double> StudyValues::numbers(const std::string& table, const std::st
 
 std::string methodTitle(const std::string& method) {
   if (method == rows::kFvvr) return "FVVR";
+  if (method == rows::kFvvrGiven) return "FVVR, mesh and cameras as given";
   if (method == rows::kFvvrClosest) return "FVVR, M = " + std::to_string(rows::kClosestCameras);
   if (method == rows::kNaive) return "NO (naive)";
   if (method == rows::kSpatial) return "SO (spatial)";

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "refine/camera_fit.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <map>
+
+#include "refine/robust.h"
+
+namespace fourdvt::refine {
+namespace {
+
+// 0–2 rotation, 3–5 translation, 6 focal length, 7 uniform offset of the surface.
+constexpr int kUnknowns = 8;
+using Vector = Eigen::Matrix<double, kUnknowns, 1>;
+using Matrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+
+// How far rigs are usually off; in the unknowns' units.
+constexpr double kMoveSigma_m = 0.003, kZoomSigma = 0.002, kOffsetSigma_m = 0.005;
+constexpr int kRounds = 5;
+constexpr size_t kFewestPoints = 60, kFewestBlocks = 6;
+
+// How far a point of the picture moves along `direction` per unit of every unknown but the last.
+Vector derivativesOf(const PinholeCamera& camera, const glm::dvec3& p, const glm::dvec2& direction) {
+  const glm::dvec2 d(direction.x * camera.fx, direction.y * camera.fy);
+  const double zoom = (d.x * p.x + d.y * p.y) / p.z;
+  const glm::dvec3 move(d.x / p.z, d.y / p.z, -zoom / p.z);
+  const glm::dvec3 turn = glm::cross(p, move);  // a rotation vector ω moves p by ω × p
+  Vector row;
+  row << turn.x, turn.y, turn.z, move.x, move.y, move.z, zoom, 0;
+  return row;
+}
+
+struct Normal {
+  Matrix left = Matrix::Zero();
+  Vector right = Vector::Zero();
+};
+
+}  // namespace
+
+PinholeCamera changed(const PinholeCamera& camera, const CameraChange& change) {
+  PinholeCamera out = camera;
+  const double angle = glm::length(change.turn_rad);
+  glm::dmat4 motion(1.0);
+  if (angle > 0) motion = glm::rotate(motion, angle, change.turn_rad / angle);
+  motion[3] = glm::dvec4(change.move_m, 1);
+  out.cam_from_world = motion * camera.cam_from_world;
+  out.fx *= std::exp(change.zoom_log);
+  out.fy *= std::exp(change.zoom_log);
+  return out;
+}
+
+CameraStep fitCamera(const PinholeCamera& camera, const PinholeCamera& given, std::span<const BlockedPoint> points,
+                     Freedom freedom) {
+  CameraStep out;
+  std::map<uint32_t, Normal> blocks;
+  for (const BlockedPoint& s : points) blocks[s.block];
+  if (points.size() < kFewestPoints || blocks.size() < kFewestBlocks) return out;
+  std::vector<Vector> rows;
+  rows.reserve(points.size());
+  for (const BlockedPoint& s : points) {
+    rows.push_back(derivativesOf(camera, glm::dvec3(s.point.point_in_cam), glm::dvec2(s.point.outward)));
+    rows.back()[kUnknowns - 1] = s.point.pixels_per_metre;
+  }
+  const bool all = freedom == Freedom::All;
+  // The change since `given`, which the prior holds near zero.
+  Vector since = Vector::Zero();
+  const glm::dvec3 moved = glm::dmat3(camera.cam_from_world) * (given.centreInWorld() - camera.centreInWorld());
+  if (all) since << 0, 0, 0, moved.x, moved.y, moved.z, std::log(camera.fx / given.fx), 0;
+  Vector x = Vector::Zero();
+  Normal whole;
+  std::vector<double> misfit(points.size());
+  double scale = 1;
+  Matrix prior = Matrix::Zero();
+  for (int round = 0; round < kRounds; ++round) {
+    for (size_t i = 0; i < points.size(); ++i) misfit[i] = points[i].point.residual_pixels - rows[i].dot(x);
+    scale = std::max(0.05, robustScale(misfit));
+    for (auto& [block, normal] : blocks) normal = {};
+    for (size_t i = 0; i < points.size(); ++i) {
+      const double w = tukeyWeight(misfit[i] / scale);
+      Normal& normal = blocks[points[i].block];
+      normal.left += w * rows[i] * rows[i].transpose();
+      normal.right += w * points[i].point.residual_pixels * rows[i];
+    }
+    whole = {};
+    for (const auto& [block, normal] : blocks) {
+      whole.left += normal.left;
+      whole.right += normal.right;
+    }
+    // Points within a block say the same: a block counts as about one independent measurement of the scale's size.
+    const double per_block = double(points.size()) / double(blocks.size()) * scale * scale;
+    const auto hold = [&](int i, double sigma) { prior(i, i) = per_block / (sigma * sigma); };
+    prior = Matrix::Zero();
+    for (int i = 3; i < 6; ++i) hold(i, all ? kMoveSigma_m : 1e-9);
+    hold(6, all ? kZoomSigma : 1e-9);
+    hold(7, kOffsetSigma_m);
+    whole.right -= prior * since;
+    x = (whole.left + prior).ldlt().solve(whole.right);
+  }
+  out.solvable = x.allFinite();
+  if (!out.solvable) return out;
+  out.change = {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}, x[6]};
+  Matrix covariance = Matrix::Zero();
+  for (const auto& [block, normal] : blocks) {
+    const Vector without = (whole.left - normal.left + prior).ldlt().solve(whole.right - normal.right) - x;
+    covariance += without * without.transpose();
+  }
+  covariance *= double(blocks.size() - 1) / double(blocks.size());
+  for (int i = 0; i < 3; ++i) out.turn_deviation_rad[i] = std::sqrt(covariance(i, i));
+  double squares = 0;
+  for (const BlockedPoint& s : points)
+    for (const glm::dvec2 axis : {glm::dvec2(1, 0), glm::dvec2(0, 1)}) {
+      Vector row = derivativesOf(camera, glm::dvec3(s.point.point_in_cam), axis);
+      squares += row.dot(covariance * row);
+    }
+  out.shift_deviation_pixels = std::sqrt(squares / double(points.size()));
+  return out;
+}
+
+double shiftPixels(const PinholeCamera& a, const PinholeCamera& b, std::span<const BlockedPoint> points) {
+  const glm::dmat4 b_from_a = b.cam_from_world * glm::inverse(a.cam_from_world);
+  double squares = 0;
+  for (const BlockedPoint& s : points) {
+    const glm::dvec3 p(s.point.point_in_cam), q(b_from_a * glm::dvec4(p, 1));
+    const glm::dvec2 shift(b.fx * q.x / q.z + b.cx - a.fx * p.x / p.z - a.cx,
+                           b.fy * q.y / q.z + b.cy - a.fy * p.y / p.z - a.cy);
+    squares += glm::dot(shift, shift);
+  }
+  return points.empty() ? 0 : std::sqrt(squares / double(points.size()));
+}
+
+}  // namespace fourdvt::refine

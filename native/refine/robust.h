@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Robust statistics that the fits share.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace fourdvt::refine {
+
+// The value below which this share of the values lies, interpolated; 0 of none.
+inline double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  const double at = share * double(values.size() - 1);
+  const auto lower = values.begin() + static_cast<std::ptrdiff_t>(at);
+  std::nth_element(values.begin(), lower, values.end());
+  const auto next = std::min_element(lower + 1, values.end());
+  if (next == values.end()) return *lower;
+  return *lower + (at - std::floor(at)) * (*next - *lower);
+}
+
+// Standard deviation of a normal distribution whose median absolute value is that of the values.
+inline double robustScale(const std::vector<double>& values) {
+  std::vector<double> sizes;
+  sizes.reserve(values.size());
+  for (const double v : values) sizes.push_back(std::abs(v));
+  return 1.4826 * quantile(std::move(sizes), 0.5);
+}
+
+// Tukey's biweight of a residual in standard deviations: 1 at 0, 0 from 4.685 on.
+inline double tukeyWeight(double deviations) {
+  const double x = deviations / 4.685;
+  return std::abs(x) < 1 ? (1 - x * x) * (1 - x * x) : 0;
+}
+
+}  // namespace fourdvt::refine
