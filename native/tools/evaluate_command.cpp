@@ -38,7 +38,8 @@ const CommandHelp& help() {
        kMatteBiasOption,
        {"--character", "CHARACTER", "score this character folder, baked from CAPTURE"},
        {"--input-every", "N", "with --character: input cameras, every Nth frame, 0: none (default 4)"},
-       {"--yardstick", nullptr, "with --character: also plain projective texturing of the mesh as given, no layers, no codec"}}};
+       {"--yardstick", nullptr,
+        "with --character: also plain projective texturing of the mesh as given, no layers, no codec"}}};
   return text;
 }
 
