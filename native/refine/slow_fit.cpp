@@ -19,7 +19,7 @@ uint32_t distance(uint32_t a, uint32_t b, uint32_t loop_frames) {
   return loop_frames > 0 ? std::min(straight, loop_frames - straight) : straight;
 }
 
-// [frame][vertex], from every `step`-th camera from `first` on.
+// [frame][vertex] offsets from the claims of every `step`-th camera, beginning with the first.
 std::vector<std::vector<float>> fitFrom(std::span<const SlowFrame> frames, std::span<const InnerEdge> edges,
                                         size_t vertices, uint32_t loop_frames, size_t step) {
   const std::vector<float> none(vertices);

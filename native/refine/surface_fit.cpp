@@ -25,7 +25,7 @@ std::vector<float> fitOffsets(std::span<const OffsetClaim> claims, std::span<con
   Eigen::VectorXd offset(count);
   for (Eigen::Index v = 0; v < count; ++v) offset[v] = current[size_t(v)];
   if (claims.empty()) return {current.begin(), current.end()};
-  // What each claim says about the whole offset of its edge.
+  // What each claim asks of its edge in all: what the edge lacks, and the offset that it has already.
   std::vector<double> wanted(claims.size());
   for (size_t i = 0; i < claims.size(); ++i) {
     const OffsetClaim& c = claims[i];

@@ -31,7 +31,7 @@ Image besideEachOther(const std::vector<Image>& pictures) {
 // Renders a captured frame by free-viewpoint video rendering (ALGORITHMS 7).
 Status renderFvvr(CharacterSession& session, const RenderArguments& arguments, const std::string& sequence) {
   FOURDVT_ASSIGN(auto view, chooseCamera(arguments, session.character()));
-  // All sequences, so that the mesh is refined as in a bake.
+  // All sequences, so that the mesh is refined as in a bake of all of them.
   const bool refines = arguments.fvvr.refine.any();
   const std::vector<std::string> only = refines ? std::vector<std::string>() : std::vector{sequence};
   auto capture = capture::openCapture(arguments.fvvr.capture_folder, videoOpener(), only);
