@@ -4,14 +4,15 @@
 namespace fourdvt::bake {
 
 const std::vector<Quality>& qualities() {
-  // Measured on the sample's walk (28 frames, joint labels, 12 held-out views; video only; SSIM-FG and PSNR-FG of the
-  // rendered view against the truth; `fourdvt evaluate`, section "Rate and distortion"). Uncompressed 0.773, 22.50 dB.
-  //   draft  H.264 1.79 Mbit/s 0.702 21.87 dB · VP9 2.09 0.734 22.14 dB · AV1 1.65 0.728 22.13 dB
-  //   web    H.264 4.82 Mbit/s 0.747 22.30 dB · VP9 3.19 0.746 22.26 dB · AV1 3.73 0.748 22.28 dB
-  //   high   H.264 9.71 Mbit/s 0.761 22.40 dB · VP9 7.58 0.762 22.40 dB · AV1 5.92 0.756 22.35 dB
-  // (VP9 and AV1 of draft with the presets of web.) H.264 at CRF 32: 2.73 Mbit/s 0.730 22.17 dB. At every bitrate 1024
-  // texels beat 512 (2.69 Mbit/s 0.687), and 1536 or 2048 gain nothing below 10 Mbit/s with H.264; with AV1 2048 at CRF
-  // 50 gives 0.762 at 4.75 Mbit/s.
+  // Measured on the sample's run (19 frames, joint labels, 12 held-out views, mesh refined; video only; SSIM-FG and
+  // PSNR-FG of the rendered view against the truth; `fourdvt evaluate`, section "Rate and distortion"). Uncompressed
+  // 0.834, 24.60 dB.
+  //   draft  H.264 1.72 Mbit/s 0.749 23.50 dB · VP9 2.00 0.786 23.96 dB · AV1 1.60 0.779 23.94 dB
+  //   web    H.264 4.60 Mbit/s 0.800 24.22 dB · VP9 3.01 0.799 24.15 dB · AV1 3.52 0.802 24.21 dB
+  //   high   H.264 8.07 Mbit/s 0.815 24.38 dB · VP9 7.22 0.819 24.41 dB · AV1 5.59 0.812 24.33 dB
+  // (VP9 and AV1 of draft with the presets of web; H.264 of high at CRF 24.) H.264 at CRF 32: 2.60 Mbit/s 0.779 24.00
+  // dB. At every bitrate 1024 texels beat 512 (2.67 Mbit/s 0.729), and 1536 or 2048 gain nothing below 10 Mbit/s with
+  // H.264; with AV1 2048 at CRF 50 gives 0.819 at 4.51 Mbit/s.
   static const std::vector<Quality> table{
       {"draft", "small and fast to bake, about 2 Mbit/s", 1024, 3, {36, 52, 52}, {"veryfast", "5", "7"}},
       // The default: BakeOptions repeats its values for H.264, and quality_test.cpp compares them.
