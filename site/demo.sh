@@ -9,17 +9,20 @@ bash site/demo.sh [options]
   --capture DIR   bake and show your own capture folder instead of the sample
   --opencv        build OpenCV for wasm too (10 minutes, once), so that the page offers its optical flow
   --port N        first port to try (default 8080); the next free one is taken
+  --lan           serve to the local network, for a phone: over https with a certificate made here, because browsers
+                  decode video only for https pages; prints address and QR code. The phone warns of the certificate
   --prepare       install, build and bake only
   --no-install    do not touch the system's packages
 TXT
 }
-check='' capture='' opencv=--only-if-built port=8080 prepare='' install=1
+check='' capture='' opencv=--only-if-built port=8080 prepare='' install=1 lan=''
 while [ $# -gt 0 ]; do
   case $1 in
     --check) check=1 ;;
     --capture) capture=${2:?"--capture needs a folder"}; shift ;;
     --opencv) opencv='' ;;
     --port) port=${2:?"--port needs a number"}; shift ;;
+    --lan) lan=1 ;;
     --prepare) prepare=1 ;;
     --no-install) install='' ;;
     -h|--help) usage; exit 0 ;;
@@ -33,7 +36,7 @@ root=$PWD
 . site/steps.sh
 mkdir -p build
 
-[ -z "$install" ] || install_packages "${page_packages[@]}" ${check:+"${browser_packages[@]}"}
+[ -z "$install" ] || install_packages "${page_packages[@]}" ${check:+"${browser_packages[@]}"} ${lan:+"${lan_packages[@]}"}
 
 # A library for wasm: prints its folder. Built on the first run, in the cache of all clones after that.
 wasm_library() { bash "wasm/build_$1.sh" "${@:2}" 2> >(tee "build/$1.log" | grep --line-buffered "^build_$1:" >&2) || fail_with_log "$1" "wasm/build_$1.sh"; }
@@ -87,5 +90,21 @@ if [ -n "$check" ]; then
   exec node tests/web/check.mjs "$site_folder" "$root/build/check" "$root/build/release/native/tools/fourdvt" "$character"
 fi
 [ -z "$prepare" ] || exit 0
+if [ -n "$lan" ]; then
+  # The key stays in build/ and is made once: the phone's consent lasts.
+  certificate=build/lan
+  if [ ! -e "$certificate.crt" ]; then
+    (umask 077 && quiet certificate openssl req -x509 -newkey rsa:2048 -nodes -days 365 -subj "/CN=fourdvt demo" \
+      -keyout "$certificate.key" -out "$certificate.part")
+    mv "$certificate.part" "$certificate.crt"
+  fi
+  step "Serving to the local network; Ctrl-C stops"
+  node tests/web/server.mjs "$site_folder" "$port" "$certificate.key" "$certificate.crt" | while read -r url; do
+    echo "$url"
+    qrencode -t UTF8 "$url"
+    echo "Open it on the phone, and let the browser go on in spite of the certificate that it does not know."
+  done
+  exit 0
+fi
 step "Serving; Ctrl-C stops"
 exec node tests/web/server.mjs "$site_folder" "$port"

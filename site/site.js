@@ -152,6 +152,12 @@ byId('parameter').addEventListener('input', () => {
   writeParameter();
   viewer.setParameter(slider.dataset.name, Number(slider.value));
 });
+viewer.addEventListener('parameterchange', ({ detail }) => {
+  const slider = byId('parameter');
+  if (detail.name !== slider.dataset.name || Number(slider.value) === detail.value) return;
+  slider.value = String(detail.value);
+  writeParameter();
+});
 byId('align').addEventListener('change', () => { viewer.align = byId('align').value; });
 
 // The page opens with a class of motions if there is one, because it has a slider.
@@ -164,12 +170,16 @@ for (const type of ['transitionstart', 'transitionend']) viewer.addEventListener
 viewer.addEventListener('sequencechange', showSequence);
 for (const type of ['timeupdate', 'seeked', 'ended']) viewer.addEventListener(type, showTime);
 for (const type of ['play', 'playing', 'pause', 'ended']) viewer.addEventListener(type, showPlaying);
+// The viewer says in its own panel that something went wrong; the notice has the details until it is over.
 viewer.addEventListener('error', (event) => {
   const { id, message } = event.detail ?? {};
   const notice = byId('notice');
-  notice.textContent = `The character cannot be shown: ${message ?? 'unknown reason'}${id ? ` (${id})` : ''}`;
+  notice.textContent = `The viewer reports: ${message ?? 'unknown reason'}${id ? ` (${id})` : ''}`;
   notice.hidden = false;
 });
+for (const type of ['loadstart', 'canplay', 'playing', 'seeked', 'sequencechange']) {
+  viewer.addEventListener(type, () => { byId('notice').hidden = true; });
+}
 if (viewer.sequences.length) buildMotions();
 showPlaying();
 

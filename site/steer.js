@@ -99,3 +99,6 @@ viewer.addEventListener('error', (event) => {
   byId('notice').textContent = event.detail?.message ?? 'The character cannot be shown.';
   byId('notice').hidden = false;
 });
+for (const type of ['loadstart', 'canplay', 'playing', 'seeked', 'sequencechange']) {
+  viewer.addEventListener(type, () => { byId('notice').hidden = true; });
+}

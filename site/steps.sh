@@ -12,7 +12,9 @@ page_packages=(build-essential pkg-config cmake ninja-build ca-certificates dpkg
 command -v node >/dev/null || page_packages+=(nodejs)
 command -v npm >/dev/null || page_packages+=(npm)
 browser_packages=(chromium fonts-dejavu-core)  # site/demo.sh --check
-test_packages=(libgtest-dev "${browser_packages[@]}")
+lan_packages=(openssl qrencode)                # site/demo.sh --lan
+# The sanitizers' build has Clang, which compiles it in two thirds of GCC's time; Emscripten brings the compiler.
+test_packages=(libgtest-dev libclang-rt-14-dev "${browser_packages[@]}")
 
 step() { printf '\n== %s\n' "$*"; }
 

@@ -9,7 +9,7 @@
 set -euo pipefail
 
 cache=${FOURDVT_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/fourdvt}
-flags="${DRACO_WASM_FLAGS:--Oz -msimd128} -fno-exceptions -fno-rtti -DNDEBUG"
+flags="${DRACO_WASM_FLAGS:--Oz -flto -msimd128} -fno-exceptions -fno-rtti -DNDEBUG"
 options=(-DDRACO_JS_GLUE=OFF -DDRACO_TESTS=OFF -DDRACO_BACKWARDS_COMPATIBILITY=OFF
   -DDRACO_POINT_CLOUD_COMPRESSION=OFF -DDRACO_PREDICTIVE_EDGEBREAKER=OFF)
 # A decoder that no option of Draco leaves out. A character has positions and texture coordinates only.

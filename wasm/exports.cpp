@@ -84,6 +84,10 @@ static_assert(static_cast<int>(abi::DebugView::Labels) == static_cast<int>(rende
               static_cast<int>(abi::DebugView::Weights) == static_cast<int>(render::DebugView::Weights) &&
               static_cast<int>(abi::DebugView::Normals) == static_cast<int>(render::DebugView::Normals));
 
+// Likewise why a decoder failed.
+static_assert(static_cast<int>(abi::DecoderFault::Unsupported) == static_cast<int>(DecoderFault::Unsupported) &&
+              static_cast<int>(abi::DecoderFault::TakenAway) == static_cast<int>(DecoderFault::TakenAway));
+
 // Makes planes of an NV12 picture's interleaved u and v; they belong to the handle.
 void separateChroma(Instance* h, const uint8_t* interleaved, int32_t stride, I420View& view) {
   const size_t w = view.width / 2, rows = view.height / 2, plane = w * rows;
@@ -187,9 +191,13 @@ void fdvt_range_failed(Instance* h, uint32_t id, const char* reason, uint32_t si
   makeCurrent(h);
   h->player->onRangeFailed(id, {reason, size});
 }
-void fdvt_decoder_failed(Instance* h, int32_t decoder, const char* reason, uint32_t size) {
+void fdvt_decoder_failed(Instance* h, int32_t decoder, abi::DecoderFault fault, const char* reason, uint32_t size) {
   makeCurrent(h);
-  h->player->onDecoderFailed(decoder, {reason, size});
+  h->player->onDecoderFailed(decoder, static_cast<DecoderFault>(fault), {reason, size});
+}
+void fdvt_set_in_sight(Instance* h, int32_t in_sight) {
+  makeCurrent(h);
+  h->player->setInSight(in_sight != 0);
 }
 
 int32_t fdvt_acquire_slot(Instance* h, int32_t decoder, double timestamp_us) {
@@ -246,6 +254,7 @@ const abi::State* fdvt_state(Instance* h) {
   out.has_frame = p.hasFrame();
   out.paused = p.paused();
   out.seeking = p.seeking();
+  out.failed = p.failed();
   out.in_transition = p.inTransition();
   out.frame = static_cast<int32_t>(p.frame());
   out.sequence =

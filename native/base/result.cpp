@@ -57,6 +57,8 @@ const char* errorName(ErrorId id) {
       return "unsupported";
     case ErrorId::Interrupted:
       return "interrupted";
+    case ErrorId::DecoderLost:
+      return "decoder-lost";
     case ErrorId::Internal:
       return "internal";
   }

@@ -39,6 +39,7 @@ enum class ErrorId : int {
   Unsupported,         // valid, but newer than this reader or not supported here
   Interrupted,         // the user asked to stop
   Internal,
+  DecoderLost,  // the decoder was taken away again and again
 };
 
 // Short stable name, e.g. "capture-json"; what the element's error event carries.

@@ -4,7 +4,7 @@
 // agree on what is legal.
 #pragma once
 
-#include <unordered_map>
+#include <map>
 
 #include "gpu/device.h"
 
@@ -78,9 +78,9 @@ class CheckedDevice : public Device {
   std::string whyNotDraw(const Draw& draw) const;
   std::string whyNotBlit(TargetId from, TargetId to, const Region& region) const;
 
-  std::unordered_map<TextureId, TextureRecord> textures_;
-  std::unordered_map<ProgramId, std::string> programs_;  // labels
-  std::unordered_map<TargetId, TargetRecord> targets_;
+  std::map<TextureId, TextureRecord> textures_;
+  std::map<ProgramId, std::string> programs_;  // labels
+  std::map<TargetId, TargetRecord> targets_;
   uint32_t next_id_ = 1;
   bool in_pass_ = false;
   TargetId pass_target_ = kDefaultTarget;

@@ -454,7 +454,7 @@ class GlesDevice final : public CheckedDevice {
     has_state_ = true;
   }
 
-  std::unordered_map<ProgramId, GlProgram> programs_;
+  std::map<ProgramId, GlProgram> programs_;
   std::array<Unit, kMaxUnits> units_{};
   GLuint program_ = 0;
   bool has_state_ = false;

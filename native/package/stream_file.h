@@ -66,6 +66,11 @@ struct ChunkFrames {
   // [frame][member]: metres along x and z, radians about y since frame 0 of the whole sequence, in the character frame
   // of frame 0.
   std::vector<glm::vec3> root;
+
+  uint64_t bytes() const {  // held in memory
+    return positions.size() * sizeof(positions[0]) + labels.size() + offsets.size() * sizeof(offsets[0]) +
+           alignment.size() * sizeof(alignment[0]) + root.size() * sizeof(root[0]);
+  }
 };
 
 struct ChunkMesh;  // chunk_mesh.h

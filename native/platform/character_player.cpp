@@ -135,7 +135,8 @@ void FilePlayer::answer(const ResetDecoder& reset) {
 void FilePlayer::report(int decoder, const Status& status) {
   if (status.ok()) return;
   const bool unsupported = status.error().id == ErrorId::DecoderUnsupported;
-  player_->onDecoderFailed(decoder, (unsupported ? "unsupported: " : "") + status.error().message);
+  player_->onDecoderFailed(decoder, unsupported ? DecoderFault::Unsupported : DecoderFault::Samples,
+                           status.error().message);
 }
 
 bool FilePlayer::offer(int decoder, const I420View& picture, int64_t timestamp_us) {

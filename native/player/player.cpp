@@ -61,7 +61,10 @@ uint32_t PlayerImpl::shownFrameOf(const Track& t) const {
 void PlayerImpl::play() {
   if (!playback_.play() || !main().head.used()) return;
   if (main().head.ended()) startAt(main(), 0);
-  for (Track& t : tracks_) t.head.setRunning(runs(t));
+  for (Track& t : tracks_) {
+    t.head.setRunning(runs(t));
+    if (t.head.used()) feedAgain(t);
+  }
   if (!seeking()) playback_.emitPlaying();
 }
 
@@ -92,7 +95,7 @@ Status PlayerImpl::selectSequence(const std::string& name) {
   cancelTransition();
   transitions_.forgetReturn();
   transitions_.setGoal(sequence);
-  if (sequence != main().head.sequence()) select(sequence);
+  if (loading_.revive(sequence) || sequence != main().head.sequence()) select(sequence);
   return {};
 }
 
@@ -115,7 +118,7 @@ void PlayerImpl::startAt(Track& t, int64_t frame) {
 void PlayerImpl::setLoop(int loop) {
   playback_.setLoop(loop);
   for (Track& t : tracks_) {
-    if (!isReady(t) || !t.feeding.active() || !t.feeding.done() || !loops(t)) continue;
+    if (!isReady(t) || !(t.feeding.done() || t.feeding.lost()) || !loops(t)) continue;
     if (!t.head.hasPicture() || t.head.seeking()) continue;
     t.head.seekShown();
     restartFeed(t);

@@ -93,7 +93,10 @@ class Player {
   virtual void uploadI420(int slot, const I420View& picture) = 0;  // also checks the barcode
   virtual gpu::TextureId slotTexture(int slot) const = 0;          // Rgba kind: the edge fills it itself
   virtual void commitSlot(int slot) = 0;
-  virtual void onDecoderFailed(int decoder, const std::string& reason) = 0;
+  // The decoder gives nothing any more. It is configured anew at the GOP's key sample, a few times in a row.
+  virtual void onDecoderFailed(int decoder, DecoderFault fault, const std::string& reason) = 0;
+  // Out of sight no decoder is held and nothing is decoded; back in sight playing goes on from the shown frame.
+  virtual void setInSight(bool in_sight) = 0;
 
   // True once a complete frame (picture + geometry) has been shown by tick.
   virtual bool hasFrame() const = 0;
@@ -109,6 +112,7 @@ class Player {
   virtual double currentTime() const = 0;  // seconds in the sequence
   virtual bool paused() const = 0;
   virtual bool seeking() const = 0;  // the wanted sequence and frame are not on screen yet
+  virtual bool failed() const = 0;   // the wanted sequence cannot be played; an Error event has said why
   virtual PlayerStats stats() const = 0;
 };
 

@@ -73,6 +73,18 @@ void PlayerImpl::restartFeed(Track& t) {
   t.feeding.restart(fedBy(t), t.head.wantedK(), outbox_);
 }
 
+// Goes on without its decoder's pictures: what is on screen stays. A pause waits for `play`, so that a decoder that is
+// not needed is not taken away again.
+void PlayerImpl::feedAgain(Track& t) {
+  if (!t.feeding.lost() || !isReady(t)) return;
+  if (t.head.seeking() || !t.head.hasPicture()) return restartFeed(t);
+  if (!playback_.playing()) return;
+  const int64_t next = t.head.shown().k + 1;
+  if (!loops(t) && next >= wantedOf(t).frame_count) return;
+  stopFeed(t);
+  t.feeding.restart(fedBy(t), next, outbox_);
+}
+
 // Frees decoder and pictures; pictures that are being filled go when they are committed.
 void PlayerImpl::closeTrack(Track& t) {
   if (!t.head.used()) return;
@@ -85,6 +97,7 @@ void PlayerImpl::closeTrack(Track& t) {
 
 bool PlayerImpl::nextRequest(Request& out) {
   if (outbox_.nextRequest(out)) return true;
+  if (!in_sight_) return false;
   for (Track* t : {&main(), &other()}) {
     if (!isReady(*t)) continue;
     const std::vector<uint8_t>* video = loading_.video(t->head.sequence(), t->feeding.gop());
@@ -156,18 +169,35 @@ void PlayerImpl::commitSlot(int slot) {
   if (Track* t = trackOf(slot)) t->slots.commit(slot, t->head.used());
 }
 
-void PlayerImpl::onDecoderFailed(int decoder, const std::string& reason) {
+void PlayerImpl::onDecoderFailed(int decoder, DecoderFault fault, const std::string& reason) {
   if (decoder < 0 || decoder >= kDecoders) return;
   Track& t = tracks_[static_cast<size_t>(decoder)];
   if (!t.head.used()) return;
-  t.feeding.loseDecoder();
+  stopFeed(t);
+  t.feeding.loseDecoder(fault);
+  if (fault != DecoderFault::Unsupported && !t.feeding.hopeless()) return feedAgain(t);
   if (!isMain(t)) {
     outbox_.request(CloseDecoder{decoder});
     selectInstead();
     return;
   }
-  const ErrorId id = reason.rfind("unsupported", 0) == 0 ? ErrorId::DecoderUnsupported : ErrorId::VideoInvalid;
-  fail({id, wantedOf(t).renditions[0].video_uri + ": the video does not decode (" + reason + ")"}, t.head.sequence());
+  constexpr ErrorId kIds[] = {ErrorId::VideoInvalid, ErrorId::DecoderUnsupported, ErrorId::DecoderLost};
+  fail({kIds[static_cast<size_t>(fault)],
+        wantedOf(t).renditions[0].video_uri + ": the video does not decode (" + reason + ")"},
+       t.head.sequence());
+}
+
+void PlayerImpl::setInSight(bool in_sight) {
+  in_sight_ = in_sight;
+  for (Track& t : tracks_) {
+    if (!t.head.used()) continue;
+    if (in_sight) {
+      feedAgain(t);
+    } else {
+      stopFeed(t);
+      t.feeding.close(outbox_);
+    }
+  }
 }
 
 }  // namespace fourdvt

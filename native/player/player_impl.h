@@ -47,7 +47,8 @@ class PlayerImpl final : public Player {
   void uploadI420(int slot, const I420View& picture) override;
   gpu::TextureId slotTexture(int slot) const override;
   void commitSlot(int slot) override;
-  void onDecoderFailed(int decoder, const std::string& reason) override;
+  void onDecoderFailed(int decoder, DecoderFault fault, const std::string& reason) override;
+  void setInSight(bool in_sight) override;
   bool hasFrame() const override { return main().head.hasPicture(); }
   Result<render::Figure> figure() const override;
   render::Align align() const override { return align_; }
@@ -58,6 +59,7 @@ class PlayerImpl final : public Player {
   double currentTime() const override;
   bool paused() const override { return !playback_.playing(); }
   bool seeking() const override { return main().head.seeking(); }
+  bool failed() const override { return main().head.used() && loading_.broken(main().head.sequence()); }
   PlayerStats stats() const override;
 
  private:
@@ -100,6 +102,7 @@ class PlayerImpl final : public Player {
   void requestMissing();
   void stopFeed(Track& track);
   void restartFeed(Track& track);
+  void feedAgain(Track& track);
   void closeTrack(Track& track);
   FedSequence fedBy(const Track& track) const;
   Track* trackOf(int& slot);
@@ -126,7 +129,8 @@ class PlayerImpl final : public Player {
   FigureComposer composer_;
   render::Align align_ = render::Align::Baked;
   std::string wanted_name_;  // selected before the manifest arrived
-  PlayerStats stats_;        // without what Loading counts
+  bool in_sight_ = true;
+  PlayerStats stats_;  // without what Loading counts
 };
 
 }  // namespace fourdvt

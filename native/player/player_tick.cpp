@@ -15,6 +15,8 @@ void PlayerImpl::tick(double now_s) {
   requestMissing();
   for (Track* t : {&main(), &other()})
     if (isReady(*t)) choosePicture(*t);
+  // A motion that was asked for and does not come makes the player wait as a picture that does not come does.
+  if (playback_.playing() && hasFrame() && seeking()) playback_.noteStarvation(true);
   stepTransition();
   composeMesh();
   playback_.finishTick(seeking());
@@ -54,7 +56,7 @@ bool PlayerImpl::showPicture(Track& t, int slot, const FrameGeometry& geometry) 
   t.slots.show(slot);
   t.head.show(slot, k);
   ++stats_.frames_shown;
-  if (isMain(t)) playback_.noteStarvation(false);
+  if (isMain(t) && !t.head.seeking()) playback_.noteStarvation(false);
   if (t.head.seeking()) finishSeek(t, previous_sequence);
   return true;
 }

@@ -8,9 +8,8 @@ namespace fourdvt {
 Status PlayerImpl::goTo(const std::string& state) {
   const int target = loading_.find(state);
   const bool by_graph = !paused() && hasFrame() && !loading_.lacksGraph();
-  if (target < 0 || !by_graph) return selectSequence(state);
-  if (loading_.broken(target))
-    return Error{ErrorId::InvalidArgument, state + " cannot be played: its files are damaged"};
+  if (target < 0 || !by_graph || loading_.broken(main().head.sequence())) return selectSequence(state);
+  loading_.revive(target);
   if (transitions_.ask(target, playback_.now_s())) return {};
   if (target != transitions_.target()) cancelTransition();
   transitions_.setGoal(target);
@@ -35,7 +34,8 @@ TransitionView PlayerImpl::transitionView() const {
   view.graph = loading_.graph();
   view.graph_failed = loading_.graphFailed();
   view.target_has_header = target >= 0 && loading_.hasHeader(target);
-  view.target_prepared = !other().head.seeking();
+  view.target_fetched = isReady(other()) && loading_.video(other().head.sequence(), other().feeding.gop());
+  view.target_prepared = other().head.used() && !other().head.seeking();
   return view;
 }
 

@@ -69,7 +69,7 @@ void visit(A& a, std::optional<T>& value) {
   uint8_t has = value.has_value();
   a.raw(has);
   if (!has) return value.reset();
-  if (!value) value.emplace();
+  if (!value) value = T();
   visit(a, *value);
 }
 template <class A>

@@ -11,27 +11,40 @@ Gop& GopCache::touch(GopKey key) {
   return gop;
 }
 
+const Gop* GopCache::find(GopKey key) const {
+  const auto it = gops_.find(key);
+  return it == gops_.end() ? nullptr : &it->second;
+}
+
 Gop* GopCache::find(GopKey key) {
   auto it = gops_.find(key);
   return it == gops_.end() ? nullptr : &it->second;
 }
 
+template <class MayGo>
+GopCache::Entry GopCache::oldest(const MayGo& may_go) {
+  Entry found = gops_.end();
+  for (Entry it = gops_.begin(); it != gops_.end(); ++it)
+    if (may_go(*it) && (found == gops_.end() || it->second.last_use < found->second.last_use)) found = it;
+  return found;
+}
+
 void GopCache::trim(const std::vector<GopKey>& keep) {
-  auto kept = [&](const GopKey& key) { return std::find(keep.begin(), keep.end(), key) != keep.end(); };
-  for (auto& [key, gop] : gops_)
-    if (!kept(key)) gop.geometry.reset();
-  uint64_t total = encodedBytes();
-  while (total > budget_bytes_) {
-    auto oldest = gops_.end();
-    for (auto it = gops_.begin(); it != gops_.end(); ++it) {
-      const bool fetching =
-          it->second.video_state == PartState::Fetching || it->second.chunk_state == PartState::Fetching;
-      if (kept(it->first) || fetching) continue;
-      if (oldest == gops_.end() || it->second.last_use < oldest->second.last_use) oldest = it;
-    }
-    if (oldest == gops_.end()) return;
-    total -= oldest->second.encodedBytes();
-    gops_.erase(oldest);
+  const auto kept = [&](const GopKey& key) { return std::find(keep.begin(), keep.end(), key) != keep.end(); };
+  for (uint64_t total = decodedBytes(); total > decoded_budget_bytes_;) {
+    const Entry it = oldest([&](const auto& entry) { return entry.second.geometry && !kept(entry.first); });
+    if (it == gops_.end()) break;
+    total -= it->second.decodedBytes();
+    it->second.geometry.reset();
+  }
+  for (uint64_t total = encodedBytes(); total > encoded_budget_bytes_;) {
+    const Entry it = oldest([&](const auto& entry) {
+      const Gop& gop = entry.second;
+      return !kept(entry.first) && gop.video_state != PartState::Fetching && gop.chunk_state != PartState::Fetching;
+    });
+    if (it == gops_.end()) break;
+    total -= it->second.encodedBytes();
+    gops_.erase(it);
   }
 }
 
@@ -42,6 +55,12 @@ void GopCache::dropSequence(int sequence) {
 uint64_t GopCache::encodedBytes() const {
   uint64_t total = 0;
   for (const auto& [key, gop] : gops_) total += gop.encodedBytes();
+  return total;
+}
+
+uint64_t GopCache::decodedBytes() const {
+  uint64_t total = 0;
+  for (const auto& [key, gop] : gops_) total += gop.decodedBytes();
   return total;
 }
 

@@ -28,22 +28,31 @@ struct Gop {
   std::unique_ptr<package::ChunkDecoder> geometry;  // of `chunk`, decoded as far as was asked for
   uint64_t last_use = 0;
   uint64_t encodedBytes() const { return video.size() + chunk.size(); }
+  uint64_t decodedBytes() const { return geometry ? geometry->frames().bytes() : 0; }
 };
 
 class GopCache {
  public:
-  explicit GopCache(uint64_t budget_bytes) : budget_bytes_(budget_bytes) {}
+  explicit GopCache(uint64_t encoded_budget_bytes, uint64_t decoded_budget_bytes = 32u << 20)
+      : encoded_budget_bytes_(encoded_budget_bytes), decoded_budget_bytes_(decoded_budget_bytes) {}
   Gop& touch(GopKey key);  // creates it; marks it used
   Gop* find(GopKey key);   // null if not held
-  // Drops least recently used GOPs that are neither kept nor being fetched until the budget holds, and the decoded
-  // geometry of all but the kept ones.
+  const Gop* find(GopKey key) const;
+  // Drops least recently used GOPs that are neither kept nor being fetched until the budget of encoded bytes holds, and
+  // the decoded geometry of those that are not kept until its budget holds: a short loop is decoded once.
   void trim(const std::vector<GopKey>& keep);
   void dropSequence(int sequence);
   uint64_t encodedBytes() const;
+  uint64_t decodedBytes() const;
   size_t decodedCount() const;
 
  private:
-  uint64_t budget_bytes_, uses_ = 0;
+  using Entry = std::map<GopKey, Gop>::iterator;
+  // The least recently used of those that `may_go`; the end if none may.
+  template <class MayGo>
+  Entry oldest(const MayGo& may_go);
+
+  uint64_t encoded_budget_bytes_, decoded_budget_bytes_, uses_ = 0;
   std::map<GopKey, Gop> gops_;
 };
 

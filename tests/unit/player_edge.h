@@ -43,6 +43,7 @@ class SimulatedEdge {
   double now_s = 0;
   int max_slots_busy = 0, requests_after_error = 0, flushes = 0, stale_answers = 0, closes = 0;
   bool second_decoder_fails = false;
+  bool offline = false;  // fetches wait until it is over
   uint64_t max_bytes_held = 0;
 
   void step(double dt_s) {
@@ -88,6 +89,14 @@ class SimulatedEdge {
       EXPECT_EQ(sequence.name, player->sequence()->name);
     }
   }
+  // The browser closes a decoder, and what it held is lost.
+  void loseDecoder(int number, DecoderFault fault) {
+    reset(decoders_[size_t(number)]);
+    decoders_[size_t(number)].open = false;
+    player->onDecoderFailed(number, fault, "simulated");
+  }
+  void replaceFile(const std::string& uri, std::vector<uint8_t> bytes) { character_.files[uri] = std::move(bytes); }
+  bool isOpen(int number) const { return decoders_[size_t(number)].open; }
   int openDecoders() const {
     return int(std::count_if(decoders_.begin(), decoders_.end(), [](const Decoder& d) { return d.open; }));
   }
@@ -129,7 +138,7 @@ class SimulatedEdge {
       EXPECT_EQ(configure->description.size(), 2u);
       decoder.sequence = configure->description[1];
       if (second_decoder_fails && openDecoders() == 1 && !decoder.open) {
-        player->onDecoderFailed(configure->decoder, "unsupported: only one decoder");
+        player->onDecoderFailed(configure->decoder, DecoderFault::Unsupported, "only one decoder");
         return;
       }
       decoder.open = true;
@@ -187,11 +196,15 @@ class SimulatedEdge {
         ++i;
         continue;
       }
+      if (offline || uniform(1) < options.fetch_failure) {  // it passes: the edge asks again
+        fetches_[i++].due_s = now_s + 0.2;
+        continue;
+      }
       const FetchRange range = fetches_[i].range;
       fetches_.erase(fetches_.begin() + long(i));
       const auto file = character_.files.find(range.uri);
       const bool there = file != character_.files.end() && range.offset + range.bytes <= file->second.size();
-      if (!there || uniform(1) < options.fetch_failure) {
+      if (!there) {
         player->onRangeFailed(range.id, "simulated");
       } else {
         player->onRangeReceived(range.id, std::span(file->second).subspan(range.offset, range.bytes));

@@ -189,6 +189,7 @@ test('removal gives everything back, however far loading came', async () => {
       await new Promise((next) => setTimeout(next, ms));
       const canvas = viewer.shadowRoot.querySelector('canvas');
       viewer.remove();
+      await Promise.resolve(); // it might be a move
       const left = viewer.shadowRoot.querySelectorAll('canvas').length;
       return { left, lost: ms < 300 || canvas.getContext('webgl2').isContextLost() };
     }, wait);

@@ -35,8 +35,9 @@ export function outputFolder(name) {
   return folder;
 }
 
-export function launch() {
-  return chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: kFlags });
+/** `more`: further flags. */
+export function launch(more = []) {
+  return chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: [...kFlags, ...more] });
 }
 
 /** The site in a browser, its first picture shown: {server, browser, page}; close with closeSite. */

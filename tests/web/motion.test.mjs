@@ -227,6 +227,7 @@ test('steering with keys: it turns, speeds up, travels over the ground and picks
     const companion = document.querySelector('fourdvt-character');
     const viewer = companion.parentElement;
     companion.remove();
+    await Promise.resolve(); // it might be a move
     const { present } = companion;
     viewer.append(companion);
     return { present, framesShown: viewer.stats.framesShown };

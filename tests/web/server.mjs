@@ -2,9 +2,12 @@
 // Static files with byte ranges, for tests and the demo. Not a public web server: one folder, GET and HEAD only.
 //   import { serve } from './server.mjs';  const { url, close, requests } = await serve(folder);
 //   node server.mjs FOLDER [PORT]          takes the next free port, prints the address
-import { createReadStream } from 'node:fs';
+//   node server.mjs FOLDER PORT KEY CERT   https for the local network; prints an address that other devices reach
+import { createReadStream, readFileSync } from 'node:fs';
 import { stat } from 'node:fs/promises';
 import { createServer } from 'node:http';
+import { createServer as createSecureServer } from 'node:https';
+import { networkInterfaces } from 'node:os';
 import { extname, join, resolve, sep } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
@@ -44,6 +47,11 @@ async function answer(root, options, request, response, entry) {
     response.end(request.method === 'HEAD' ? undefined : body);
   };
   if (request.method !== 'GET' && request.method !== 'HEAD') return finish(405, { Allow: 'GET, HEAD' });
+  const page = options.pages?.[request.url];
+  if (page) return finish(200, { 'Content-Type': TYPES['.html'], ...page.headers }, page.html);
+  const fault = options.misbehave?.(request) ?? {};
+  if (fault.away) return request.socket.destroy();
+  if (fault.status) return finish(fault.status, { 'Cache-Control': 'no-store' });
   let file = locate(root, request.url);
   let info = file ? await stat(file).catch(() => null) : null;
   if (info?.isDirectory()) {
@@ -67,20 +75,31 @@ async function answer(root, options, request, response, entry) {
   entry.bytes = last - first + 1;
   response.writeHead(entry.status, headers);
   if (request.method === 'HEAD' || info.size === 0) return response.end();
-  const stream = createReadStream(file, { start: first, end: last });
+  const stream = createReadStream(file, { start: first, end: last, highWaterMark: fault.bytesPerS ? fault.bytesPerS / 10 : undefined });
   stream.on('error', () => response.destroy());
   response.on('close', () => stream.destroy());
-  stream.pipe(response);
+  if (fault.stallAfter === undefined && !fault.bytesPerS) return stream.pipe(response);
+  let sent = 0;
+  for await (const part of stream) {
+    if (fault.stallAfter !== undefined && sent + part.length > fault.stallAfter) return response.write(part.subarray(0, fault.stallAfter - sent));
+    response.write(part);
+    sent += part.length;
+    if (fault.bytesPerS) await new Promise((next) => setTimeout(next, 100));
+  }
+  response.end();
 }
 
 /**
  * Serves `root` on 127.0.0.1. options: ranges (false: answer 200 to range requests), headers (added to every file),
- * host. `requests` grows by { method, path, range, status, bytes } for every request.
+ * host, pages (by path: { html, headers }, beside those of the folder), tls ({ key, cert }: https), misbehave(request): what goes wrong with this request, if anything: { away: true } (the connection breaks),
+ * { status }, { stallAfter: bytes } (no more bytes follow, and no end), { bytesPerS }.
+ * `requests` grows by { method, path, range, status, bytes } for every request.
  */
 export function serve(root, port = 0, options = {}) {
   const folder = resolve(root);
   const requests = [];
-  const server = createServer((request, response) => {
+  const create = options.tls ? (listener) => createSecureServer(options.tls, listener) : createServer;
+  const server = create((request, response) => {
     const entry = { method: request.method, path: request.url, range: request.headers.range ?? null, status: 0, bytes: 0 };
     requests.push(entry);
     answer(folder, options, request, response, entry).catch(() => response.destroy());
@@ -92,15 +111,22 @@ export function serve(root, port = 0, options = {}) {
         server.close(closed);
         server.closeAllConnections?.();
       });
-      done({ url: `http://127.0.0.1:${server.address().port}/`, close, requests });
+      const { port: taken } = server.address();
+      done({ url: options.tls ? `https://${addressInNetwork()}:${taken}/` : `http://127.0.0.1:${taken}/`, close, requests });
     });
   });
 }
 
-async function serveOnNextFreePort(root, wanted) {
+// The first address under which other devices of the local network reach this machine.
+function addressInNetwork() {
+  const all = Object.values(networkInterfaces()).flat();
+  return all.find((entry) => entry.family === 'IPv4' && !entry.internal)?.address ?? '127.0.0.1';
+}
+
+async function serveOnNextFreePort(root, wanted, options) {
   for (let port = wanted; port < wanted + 100; ++port) {
     try {
-      return await serve(root, port);
+      return await serve(root, port, options);
     } catch (reason) {
       if (reason.code !== 'EADDRINUSE' && reason.code !== 'EACCES') throw reason;
     }
@@ -109,15 +135,16 @@ async function serveOnNextFreePort(root, wanted) {
 }
 
 if (process.argv[1] && resolve(process.argv[1]) === fileURLToPath(import.meta.url)) {
-  const [root, port = '8080'] = process.argv.slice(2);
+  const [root, port = '8080', key, cert] = process.argv.slice(2);
   if (!root || !(Number(port) >= 0)) {
-    console.error('usage: node server.mjs FOLDER [PORT]');
+    console.error('usage: node server.mjs FOLDER [PORT [KEY CERT]]');
     process.exit(2);
   }
   if (!(await stat(root).catch(() => null))?.isDirectory()) {
     console.error(`server.mjs: ${root} is not a folder`);
     process.exit(2);
   }
-  const { url } = await serveOnNextFreePort(root, Number(port));
+  const options = cert ? { host: '0.0.0.0', tls: { key: readFileSync(key), cert: readFileSync(cert) } } : {};
+  const { url } = await serveOnNextFreePort(root, Number(port), options);
   console.log(url);
 }

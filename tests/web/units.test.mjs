@@ -2,8 +2,10 @@
 // Parts of the element that need no browser: byte ranges, manifest flattening, orbit camera, commands, frame loop, the
 // flow module. Executed from source.
 import assert from 'node:assert/strict';
-import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { execFileSync } from 'node:child_process';
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { createServer } from 'node:http';
+import { get } from 'node:https';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
@@ -66,6 +68,20 @@ test('a transient failure is tried again, a cancelled range answers nothing', as
   transport.dispose();
   server.closeAllConnections?.();
   await new Promise((done) => server.close(done));
+});
+
+test('the server of demo.sh --lan: https under an address that other devices reach', async () => {
+  const [key, cert] = ['lan.key', 'lan.crt'].map((name) => join(folder, name));
+  execFileSync('openssl', ['req', '-x509', '-newkey', 'rsa:2048', '-nodes', '-days', '1', '-subj', '/CN=test', '-keyout', key, '-out', cert],
+    { stdio: 'ignore' });
+  const tls = { key: readFileSync(key), cert: readFileSync(cert) };
+  const server = await serve(folder, 0, { host: '0.0.0.0', tls });
+  assert.match(server.url, /^https:\/\/\d+\.\d+\.\d+\.\d+:\d+\/$/);
+  const status = await new Promise((done, fail) => {
+    get(`${server.url}data.bin`, { rejectUnauthorized: false }, (answer) => done(answer.resume().statusCode)).on('error', fail);
+  });
+  assert.equal(status, 200);
+  await server.close();
 });
 
 test('JSON is flattened to pointers with escapes', async () => {
@@ -173,7 +189,7 @@ test('commands: wishes until the character is there, then it does them; a new on
   commands.attach(performer);
   assert.deepEqual(performer.told.splice(0), [
     ['setParameter', 'speed_mps', 2, true], ['setLoop', 1], ['place', { x: 0, z: 0, heading: 90 }],
-    ['selectSequence', 'walk'], ['play']]);
+    ['selectSequence', 'walk'], ['seek', 1], ['play']]);
   commands.setParameter('speed_mps', 3, false);
   commands.set('playing', false);
   commands.setParameter('speed_mps', 4, false);

@@ -3,6 +3,7 @@
 // owns no canvas: session.ts does. After dispose() nothing of it runs any more.
 import type { Commands, Performer } from './commands.js';
 import { asViewerError, ViewerError, type ErrorDetail } from './errors.js';
+import type { DecoderFault } from './generated/abi.js';
 import { FrameDecoder, type Picture } from './frame-decoder.js';
 import type { Transport } from './transport.js';
 import { uploadVideoFrame } from './upload-path.js';
@@ -114,6 +115,12 @@ export class Actor implements Performer {
     this.pump();
   }
 
+  /** Out of sight no decoder is held. */
+  setInSight(inSight: boolean): void {
+    this.#guard((p) => p.setInSight(inSight));
+    this.pump();
+  }
+
   pump(): void {
     this.#guard((player) => {
       this.#offerPictures(player);
@@ -156,7 +163,7 @@ export class Actor implements Performer {
         this.#host.wake();
       },
       onNoPlanes: () => this.#host.onNoPlanes(),
-      onError: (error) => this.#onDecoderError(index, error),
+      onFault: (fault, reason) => this.#onDecoderFault(index, fault, reason),
       ...this.#measuring(),
     }));
   }
@@ -205,10 +212,15 @@ export class Actor implements Performer {
     player.commitSlot(slot);
   }
 
-  #onDecoderError(index: number, error: ViewerError): void {
-    const reason = error.id === 'decoder-unsupported' ? `unsupported: ${error.message}` : error.message;
-    this.#guard((p) => p.decoderFailed(index, reason));
-    this.pump();
+  // Not at once: a decoder may report it from within a request of the pump.
+  #onDecoderFault(index: number, fault: DecoderFault, reason: string): void {
+    const decoder = this.#decoders[index];
+    queueMicrotask(() => {
+      if (!decoder || this.#decoders[index] !== decoder) return;
+      this.#guard((p) => p.decoderFailed(index, fault, reason));
+      this.pump();
+      this.#host.wake();
+    });
   }
 
   // Runs the action if there still is a player. A trap in wasm ends the session, not the page.

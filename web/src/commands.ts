@@ -19,6 +19,8 @@ export interface Wishes {
   /** Null: the first sequence of the character. */
   sequence: string | null;
   frame: number;
+  /** Seconds; null: the frame says where. */
+  time: number | null;
   playing: boolean;
 }
 
@@ -35,7 +37,7 @@ export interface Performer {
 // What a player does that has just read its manifest: these wishes need not be told to it.
 const NEW_PLAYER: Wishes = {
   loop: -1, rate: 1, placement: { x: 0, z: 0, heading: 0 }, travel: false, align: 'baked', options: null, scene: null,
-  sequence: null, frame: 0, playing: false,
+  sequence: null, frame: 0, time: null, playing: false,
 };
 // How a player fulfils each wish, in the order in which a new player is told them.
 const FULFIL: { [K in keyof Wishes]: (player: WasmPlayer, wish: NonNullable<Wishes[K]>) => void } = {
@@ -48,6 +50,7 @@ const FULFIL: { [K in keyof Wishes]: (player: WasmPlayer, wish: NonNullable<Wish
   scene: (player, meshes) => player.setScene(meshes),
   sequence: (player, name) => player.selectSequence(name),
   frame: (player, frame) => player.seekFrame(frame),
+  time: (player, time) => player.seek(time),
   playing: (player, on) => (on ? player.play() : player.pause()),
 };
 const WISHES = Object.keys(FULFIL) as (keyof Wishes)[];
@@ -70,11 +73,11 @@ export class Commands {
     return this.#ask({ [name]: wish }, (player) => fulfil(player, name, wish));
   }
   /** Shows a motion at once, from its first frame. */
-  select(sequence: string): void { this.#ask({ sequence, frame: 0 }, (player) => player.selectSequence(sequence)); }
+  select(sequence: string): void { this.#ask({ sequence, frame: 0, time: null }, (player) => player.selectSequence(sequence)); }
   /** Goes over to a motion by the best transition. */
-  goTo(sequence: string): void { this.#ask({ sequence, frame: 0 }, (player) => player.goTo(sequence)); }
-  /** Seeks by time; without a character there is nothing to seek in, and nothing is remembered. */
-  seek(timeS: number): void { this.#performer?.run((player) => player.seek(timeS)); }
+  goTo(sequence: string): void { this.#ask({ sequence, frame: 0, time: null }, (player) => player.goTo(sequence)); }
+  seekFrame(frame: number): void { this.#ask({ frame, time: null }, (player) => player.seekFrame(frame)); }
+  seek(timeS: number): void { this.#ask({ frame: 0, time: timeS }, (player) => player.seek(timeS)); }
   setParameter(name: string, value: number, atOnce: boolean): void {
     this.#parameters.set(name, value);
     const still = !this.#wishes.playing; // a still picture does not glide
@@ -102,7 +105,7 @@ export class Commands {
   /** Prepares for another source: its performer begins as last asked for, not where the last performer was. */
   begin(asked: Partial<Wishes> = {}): void {
     this.#left = {};
-    Object.assign(this.#wishes, { frame: 0 }, asked);
+    Object.assign(this.#wishes, { frame: 0, time: null }, asked);
   }
   /** Tells a new performer all wishes, and from now on every command. */
   attach(performer: Performer): void {
@@ -139,6 +142,6 @@ export class Commands {
     if (state.seeking) return;
     const shown = performer.character?.sequences[state.sequence]?.name ?? null;
     const arrived = !goal || goal === shown;
-    Object.assign(this.#left, arrived ? { sequence: shown, frame } : { sequence: goal, frame: 0 });
+    Object.assign(this.#left, arrived ? { sequence: shown, frame, time: null } : { sequence: goal, frame: 0, time: null });
   }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the element's `error` event carries. The ids are those of native/base/result.h. Compare ids, never
-// messages.
+// What the element's `error` event carries. The ids are those of native/base/result.h, and three that only a page
+// meets: insecure-context, wasm-refused, out-of-memory. Compare ids, never messages.
 
 export interface ErrorDetail {
   id: string;
@@ -20,5 +20,8 @@ export class ViewerError extends Error {
 
 export function asViewerError(reason: unknown): ViewerError {
   if (reason instanceof ViewerError) return reason;
-  return new ViewerError('internal', reason instanceof Error ? `${reason.name}: ${reason.message}` : String(reason));
+  const text = reason instanceof Error ? `${reason.name}: ${reason.message}` : String(reason);
+  return /\bOOM\b|enlarge memory|allocation failed/i.test(text) // as Emscripten and the browsers put it
+    ? new ViewerError('out-of-memory', `the browser has no memory left for the character (${text}); close other tabs`)
+    : new ViewerError('internal', text);
 }

@@ -10,8 +10,10 @@ export class FourdvtCharacter extends HTMLElement {
   static readonly observedAttributes = ['src', 'sequence', 'position', 'heading', 'travel'];
   readonly #commands = new Commands();
   #membership: AbortController | null = null; // while the element is in a document
+  #viewer: Element | null = null;
 
   connectedCallback(): void {
+    if (this.#membership) return; // moved within the page: it stays
     this.#commands.begin({
       sequence: this.getAttribute('sequence'),
       travel: this.hasAttribute('travel'),
@@ -20,8 +22,12 @@ export class FourdvtCharacter extends HTMLElement {
     this.#join();
   }
   disconnectedCallback(): void {
-    this.#membership?.abort();
-    this.#membership = null;
+    queueMicrotask(() => {
+      if (this.isConnected && this.closest('fourdvt-viewer') === this.#viewer) return;
+      this.#membership?.abort();
+      this.#membership = null;
+      if (this.isConnected) this.connectedCallback();
+    });
   }
   attributeChangedCallback(name: string, before: string | null, value: string | null): void {
     if (before === value || !this.#membership) return;
@@ -44,14 +50,18 @@ export class FourdvtCharacter extends HTMLElement {
 
   #join(): void {
     const { signal } = (this.#membership = new AbortController());
+    this.#viewer = this.closest('fourdvt-viewer');
     const src = this.getAttribute('src');
     if (src === '') return;
-    const companion: Companion = {
-      commands: this.#commands,
-      src: src === null ? null : new URL(src, this.baseURI).href,
-      left: signal,
-      emit: (name, detail) => this.dispatchEvent(new CustomEvent(name, { detail })),
-    };
+    const emit = (name: string, detail?: unknown): void => void this.dispatchEvent(new CustomEvent(name, { detail }));
+    let address: string | null = null;
+    try {
+      if (src !== null) address = new URL(src, this.baseURI).href;
+    } catch {
+      const detail = { id: 'invalid-argument', message: `src="${src}" is no address: it must name a character.gltf` };
+      return queueMicrotask(() => emit('error', detail)); // whoever has just set it wants to listen first
+    }
+    const companion: Companion = { commands: this.#commands, src: address, left: signal, emit };
     this.dispatchEvent(new CustomEvent(JOIN_EVENT, { bubbles: true, detail: companion }));
   }
 

@@ -3,7 +3,7 @@
 // Attributes and events follow <model-viewer> and the media element; web/README.md lists them.
 import { Commands } from './commands.js';
 import { JOIN_EVENT, type Companion } from './companion.js';
-import type { ErrorDetail } from './errors.js';
+import { ViewerError, type ErrorDetail } from './errors.js';
 import { FourdvtCharacter } from './fourdvt-character.js';
 import { MotionControls } from './motion-controls.js';
 import { OrbitCamera, parseOrbit, parseTarget, type Follow } from './orbit-camera.js';
@@ -43,9 +43,29 @@ const MAX_PIXEL_RATIO = 2;
 const MIN_TOTAL_BYTES = 300_000;
 const AUTO_ROTATE_DEG_S = 14;
 const AUTO_ROTATE_RESUME_S = 4;
+const CONTEXT_PATIENCE_MS = 5000; // browsers that give a GL context back do so within a second
+// What the panel says; the event has the details.
+const FAILURES: Record<string, string> = {
+  'insecure-context': 'This page must come over https to show the character.',
+  'decoder-unsupported': 'This browser cannot decode this character.',
+  'decoder-lost': 'The browser has taken the video decoder away.',
+  'out-of-memory': 'The browser has no memory left for this character.',
+};
 const DEFAULT_RENDER: RenderOptions = {
   background: [0, 0, 0, 0], groundShadow: true, shadowStrength: 0.45, samples: 4, debug: 'none', debugLayer: 0,
 };
+
+interface Deferred {
+  promise: Promise<void>;
+  resolve(): void;
+  reject(reason: Error): void;
+}
+function deferred(): Deferred {
+  let [resolve, reject]: [() => void, (reason: Error) => void] = [() => undefined, () => undefined];
+  const promise = new Promise<void>((yes, no) => { [resolve, reject] = [yes, no]; });
+  promise.catch(() => undefined); // who does not wait need not handle it
+  return { promise, resolve, reject };
+}
 
 export class FourdvtViewer extends HTMLElement {
   // A new one needs: an entry here, unless it is read only when needed, as autoplay and zoom are; a case in
@@ -77,10 +97,15 @@ export class FourdvtViewer extends HTMLElement {
   #uploadPath: UploadPath = 'auto';
   #error: ErrorDetail | null = null;
   #loading = false;
+  #loaded: string | null = null; // src of what is shown, or was shown when the element left the page
+  #stopped = false;              // somebody has paused it
+  #sought: { time?: number; frame?: number } = {}; // before there was a source
+  #played: Deferred | null = null;
+  #contextTimer = 0;
 
   constructor() {
     super();
-    this.#overlay = new Overlay(this.attachShadow({ mode: 'open' }), () => this.play());
+    this.#overlay = new Overlay(this.attachShadow({ mode: 'open' }), () => this.play(), () => this.#load(true));
     this.#host = {
       camera: this.#camera,
       commands: this.#commands,
@@ -88,6 +113,7 @@ export class FourdvtViewer extends HTMLElement {
       animate: (dt) => this.#animate(dt),
       emit: (name, detail) => this.#onSessionEvent(name, detail),
       firstPicture: () => this.#overlay.ready(),
+      network: (waiting) => this.#onNetwork(waiting),
     };
     this.#commands.set('options', DEFAULT_RENDER);
     this.addEventListener(JOIN_EVENT, (e) => this.#onJoin(e as CustomEvent<Companion>));
@@ -106,9 +132,11 @@ export class FourdvtViewer extends HTMLElement {
   get paused(): boolean { return !this.#commands.wishes.playing; }
   get error(): ErrorDetail | null { return this.#error; }
   get duration(): number { return this.#current()?.duration ?? NaN; }
-  get currentTime(): number { return this.#commands.state()?.currentTimeS ?? 0; }
+  get currentTime(): number { return this.#commands.state()?.currentTimeS ?? this.#commands.wishes.time ?? 0; }
   set currentTime(value: number) {
+    if (!Number.isFinite(Number(value))) throw new TypeError('currentTime must be a number of seconds');
     this.#emit('seeking');
+    if (!this.#session) this.#sought = { time: Number(value) };
     this.#commands.seek(Number(value));
   }
   get playbackRate(): number { return this.#commands.wishes.rate; }
@@ -117,19 +145,32 @@ export class FourdvtViewer extends HTMLElement {
     this.#commands.set('rate', value);
     this.#emit('ratechange');
   }
+  /** Resolves when it plays; rejects if it is paused, reloaded or removed before, or if an error comes instead. */
   play(): Promise<void> {
+    this.#stopped = false;
     this.#overlay.offerPlay(false);
+    const state = this.#commands.state();
+    if (state?.hasFrame && !state.paused && !state.seeking) return Promise.resolve();
+    const { promise } = (this.#played ??= deferred());
+    if (this.#error && this.#standsStill) this.#settlePlay(new ViewerError(this.#error.id, this.#error.message));
     if (this.paused) {
       this.#commands.remember('playing', true);
       this.#emit('play');
       this.#commands.set('playing', true);
     }
-    return Promise.resolve();
+    return promise;
   }
   pause(): void {
+    this.#stopped = true;
+    this.#settlePlay(new DOMException('paused before it played', 'AbortError'));
     if (this.paused) return;
     this.#commands.set('playing', false);
     if (!this.#session?.character) this.#emit('pause');
+  }
+
+  /** Loads the character again, from the start. Any error before is forgotten. */
+  load(): void {
+    if (this.#observers) this.#load();
   }
 
   // --- what a character has beyond a video ---
@@ -137,7 +178,8 @@ export class FourdvtViewer extends HTMLElement {
   get frame(): number { return this.#commands.state()?.frame ?? 0; }
   seekFrame(frame: number): void {
     this.#emit('seeking');
-    this.#commands.set('frame', frame);
+    if (!this.#session) this.#sought = { frame };
+    this.#commands.seekFrame(frame);
   }
   get sequence(): string { return this.#current()?.name ?? this.getAttribute('sequence') ?? ''; }
   set sequence(name: string) { this.setAttribute('sequence', name); }
@@ -151,6 +193,7 @@ export class FourdvtViewer extends HTMLElement {
   setParameter(name: string, value: number, immediate = false): void {
     if (!Number.isFinite(value)) throw new TypeError(`${name} must be a number`);
     this.#commands.setParameter(name, value, immediate);
+    this.#emit('parameterchange', { name, value });
   }
   /** The value as shown now; NaN if the character has no such parameter. */
   getParameter(name: string): number { return this.#commands.parameter(name); }
@@ -225,10 +268,11 @@ export class FourdvtViewer extends HTMLElement {
   // --- life in the document ---
 
   connectedCallback(): void {
+    if (this.#observers) return; // moved within the page: it goes on
     this.#observe();
     this.#controls = new OrbitControls(this.#overlay.stage, this.#camera, {
       orbits: () => this.hasAttribute('camera-controls'),
-      wheelZooms: () => this.hasAttribute('zoom') || this.matches(':focus-within'),
+      wheelZooms: () => this.hasAttribute('zoom'),
       onInteract: () => this.#interacted(),
       togglePlay: () => (this.paused ? void this.play() : this.pause()),
     });
@@ -237,12 +281,17 @@ export class FourdvtViewer extends HTMLElement {
       act: () => this.#act(),
       onInteract: () => this.#session?.wake(),
     });
-    this.#applyCamera();
+    const back = this.#loaded !== null && this.#loaded === this.src;
+    if (!back) this.#applyCamera();
     this.#applyLabels();
-    this.#load();
+    this.#load(back);
   }
 
+  // A move within the page takes the element out and puts it back at once.
   disconnectedCallback(): void {
+    queueMicrotask(() => { if (!this.isConnected) this.#leave(); });
+  }
+  #leave(): void {
     this.#observers?.abort();
     this.#observers = null;
     this.#controls?.dispose();
@@ -254,8 +303,12 @@ export class FourdvtViewer extends HTMLElement {
   }
 
   attributeChangedCallback(name: string, before: string | null, value: string | null): void {
-    if (!this.#observers) return; // connectedCallback will read all attributes
-    if (before === value && name !== 'sequence') return; // since the last assignment goTo may have left that sequence
+    if (!this.#observers) { // connectedCallback will read all attributes
+      this.#loaded = null;
+      return;
+    }
+    // The same motion or source again: another try, or back from where goTo has led.
+    if (before === value && name !== 'sequence' && name !== 'src') return;
     switch (name) {
       case 'src': this.#load(); break;
       case 'poster': this.#overlay.setPoster(value); break;
@@ -269,19 +322,24 @@ export class FourdvtViewer extends HTMLElement {
     this.#session?.wake();
   }
 
-  #load(): void {
+  // `on`: goes on where it was.
+  #load(on = false): void {
     this.#unload();
     this.#error = null;
+    this.#loaded = this.src || null;
+    this.#overlay.idle();
     if (!this.src) return;
     this.#loading = true;
     this.#overlay.setPoster(this.poster || null);
     this.#overlay.loading();
-    this.#commands.begin({ sequence: this.getAttribute('sequence'), loop: this.#loopMode(), travel: this.travel });
-    for (const { src, commands } of this.#companions) if (src === null) commands.begin();
-    if (this.autoplay) {
-      this.#commands.remember('playing', !this.#reducedMotion.matches);
-      this.#overlay.offerPlay(this.paused);
+    if (!on) {
+      this.#commands.begin({ sequence: this.getAttribute('sequence'), loop: this.#loopMode(), travel: this.travel,
+        ...this.#sought });
+      this.#sought = {};
+      for (const { src, commands } of this.#companions) if (src === null) commands.begin();
+      if (this.autoplay && !this.#stopped) this.#commands.remember('playing', !this.#reducedMotion.matches);
     }
+    this.#overlay.offerPlay(this.paused);
     this.#emit('loadstart');
     const canvas = (this.#canvas = this.#overlay.newCanvas());
     canvas.addEventListener('webglcontextlost', this.#onContextLost);
@@ -290,26 +348,36 @@ export class FourdvtViewer extends HTMLElement {
   }
 
   #startSession(canvas: HTMLCanvasElement): void {
+    let src: string;
+    try {
+      src = new URL(this.src, this.baseURI).href;
+    } catch {
+      // Not at once: whoever has just set it wants to listen first.
+      const detail = { id: 'invalid-argument', message: `src="${this.src}" is no address: it must name a character.gltf` };
+      return queueMicrotask(() => { if (canvas === this.#canvas) this.#onSessionEvent('error', detail); });
+    }
     const session = (this.#session = new Session(canvas, {
-      src: new URL(this.src, this.ownerDocument.baseURI).href,
+      src,
       wasmUrl: FourdvtViewer.wasmUrl,
       opencvUrl: FourdvtViewer.opencvUrl,
       uploadPath: this.#uploadPath,
       align: this.align,
     }, this.#host));
     session.resize(this.#size.width, this.#size.height);
-    session.setActive(this.#visible);
+    this.#updateActive();
     void session.start();
   }
 
   #unload(): void {
     this.#canvas?.removeEventListener('webglcontextlost', this.#onContextLost);
     this.#canvas?.removeEventListener('webglcontextrestored', this.#onContextRestored);
+    clearTimeout(this.#contextTimer);
     const session = this.#session;
     this.#session = null;
     session?.dispose();
     session?.loseContext();
     this.#overlay.dropCanvas();
+    this.#settlePlay(new DOMException('another character was loaded, or the viewer was removed', 'AbortError'));
     this.#canvas = null;
   }
 
@@ -319,10 +387,20 @@ export class FourdvtViewer extends HTMLElement {
     this.#session = null;
     session?.dispose();
     this.#emit('waiting');
+    this.#awaitContext();
   };
   readonly #onContextRestored = (): void => {
+    clearTimeout(this.#contextTimer);
+    this.#forgetError();
     if (this.#canvas) this.#startSession(this.#canvas);
   };
+  // A hidden page may get its context back when it is shown again.
+  #awaitContext(): void {
+    this.#contextTimer = setTimeout(() => {
+      if (document.hidden) this.#awaitContext();
+      else this.#onSessionEvent('error', { id: 'gpu-failure', message: 'the browser took the GPU away and did not give it back; try again, or reload the page' });
+    }, CONTEXT_PATIENCE_MS);
+  }
 
   #observe(): void {
     const stop = (this.#observers = new AbortController());
@@ -330,16 +408,17 @@ export class FourdvtViewer extends HTMLElement {
     resize.observe(this);
     const intersection = new IntersectionObserver((entries) => {
       this.#visible = entries[entries.length - 1]!.isIntersecting;
-      this.#session?.setActive(this.#visible);
+      this.#updateActive();
     });
     intersection.observe(this);
     stop.signal.addEventListener('abort', () => {
       resize.disconnect();
       intersection.disconnect();
     });
-    document.addEventListener('visibilitychange', () => {
-      this.#session?.setActive(this.#visible && !document.hidden);
-    }, { signal: stop.signal });
+    document.addEventListener('visibilitychange', () => this.#updateActive(), { signal: stop.signal });
+  }
+  #updateActive(): void {
+    this.#session?.setActive(this.#visible, document.hidden);
   }
 
   #onResize(entry: ResizeObserverEntry): void {
@@ -388,7 +467,6 @@ export class FourdvtViewer extends HTMLElement {
       const value = Math.min(max, Math.max(min, wanted));
       if (value !== now) {
         this.setParameter(name, value);
-        this.#emit('parameterchange', { name, value });
       }
     }
     return wish.turn !== 0 || wish.change !== 0 || wish.level !== null;
@@ -422,14 +500,44 @@ export class FourdvtViewer extends HTMLElement {
       this.#onMetadata();
     } else if (name === 'canplay') {
       this.#loading = false;
+      this.#forgetError();
+    } else if (name === 'playing') {
+      this.#forgetError();
+      this.#played?.resolve();
+      this.#played = null;
+    } else if (name === 'seeked' || name === 'sequencechange') {
+      this.#forgetError();
     } else if (name === 'ended') {
       this.#commands.remember('playing', false);
     } else if (name === 'error') {
-      this.#error = detail as ErrorDetail;
-      if (this.#loading) this.#overlay.fail('This character cannot be shown.');
-      this.#loading = false;
+      this.#onError(detail as ErrorDetail);
     }
     this.#emit(name, detail);
+  }
+
+  // The panel is for errors that leave nothing to look at, or the wanted motion standing still.
+  #onError(error: ErrorDetail): void {
+    this.#error = error;
+    this.#settlePlay(new ViewerError(error.id, error.message));
+    const over = this.#loading || (this.#session?.ended ?? true);
+    if (over || this.#standsStill) this.#overlay.fail(FAILURES[error.id] ?? 'This character cannot be shown.', over);
+    this.#loading = false;
+  }
+  // Nothing will come of what is wanted.
+  get #standsStill(): boolean { return (this.#session?.ended ?? true) || (this.#commands.state()?.failed ?? false); }
+  #forgetError(): void {
+    this.#error = null;
+    this.#overlay.recover();
+  }
+
+  #onNetwork(waiting: boolean): void {
+    this.#overlay.note(waiting ? 'Waiting for the network …' : null);
+    if (waiting) this.#emit('stalled');
+  }
+
+  #settlePlay(reason: Error): void {
+    this.#played?.reject(reason);
+    this.#played = null;
   }
 
   #onMetadata(): void {

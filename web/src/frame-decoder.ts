@@ -2,7 +2,7 @@
 // Carries out the player's decode requests with WebCodecs. Holds a bounded number of pictures, in presentation order,
 // until the player has a slot for them, and closes a VideoFrame as soon as its pixels are copied.
 // Upload path 'i420' copies the pixels out (I420 or NV12 planes); on path 'rgba' the VideoFrame itself is held.
-import { ViewerError } from './errors.js';
+import type { DecoderFault } from './generated/abi.js';
 import type { PictureKind, Planes } from './wasm-player.js';
 
 const MAX_HELD = 3;   // pictures that wait for a slot; the decoder is not fed while there are as many
@@ -16,7 +16,8 @@ export interface DecoderCallbacks {
   onPicture(): void;
   /** Reports that the picture's planes cannot be read (opaque GPU frame): only path 'rgba' can show it. */
   onNoPlanes(): void;
-  onError(error: ViewerError): void;
+  /** Reports that nothing comes any more: the decoder is closed until it is configured again. */
+  onFault(fault: DecoderFault, reason: string): void;
   /** Gets the first picture, once, to measure with; closes it. */
   onFirstFrame?(frame: VideoFrame): void;
 }
@@ -172,13 +173,15 @@ export class FrameDecoder {
   }
   #fail(reason: unknown): void {
     this.#forget();
+    if (this.#decoder && this.#decoder.state !== 'closed') this.#decoder.close();
     const name = reason instanceof Error ? reason.name : '';
     const codec = this.#config?.codec ?? 'video';
-    const unsupported = name === 'NotSupportedError';
-    const message = reason instanceof Error ? reason.message : String(reason);
-    this.#callbacks.onError(unsupported
-      ? new ViewerError('decoder-unsupported', `this browser cannot decode ${codec}: bake a rendition with another codec`)
-      : new ViewerError('video-invalid', `${codec}: ${message}`));
+    if (name === 'NotSupportedError') {
+      this.#callbacks.onFault('unsupported', `this browser cannot decode ${codec}: bake a rendition with another codec`);
+    } else {
+      const message = `${codec}: ${reason instanceof Error ? reason.message : String(reason)}`;
+      this.#callbacks.onFault(name === 'QuotaExceededError' ? 'taken-away' : 'samples', message); // as WebCodecs says it
+    }
   }
   #forget(): void {
     ++this.#generation;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Turns the orbit by pointer, wheel and keys. Vertical swipes still scroll the page (touch-action: pan-y). The wheel
-// zooms only with Ctrl (which a trackpad's pinch sends), or if the element has the focus or the `zoom` attribute.
+// zooms only with Ctrl (which a trackpad's pinch sends), with the `zoom` attribute, or after a click until the pointer
+// leaves the element.
 import type { OrbitCamera } from './orbit-camera.js';
 
 const KEY_STEP_DEG = 10;
@@ -22,6 +23,7 @@ export class OrbitControls {
   readonly #abort = new AbortController();
   readonly #pointers = new Map<number, { x: number; y: number }>();
   #pinch = 0;
+  #engaged = false; // clicked into, until the pointer leaves it
 
   constructor(stage: HTMLElement, camera: OrbitCamera, host: ControlsHost) {
     this.#stage = stage;
@@ -33,6 +35,7 @@ export class OrbitControls {
     for (const type of ['pointerup', 'pointercancel', 'lostpointercapture'] as const) {
       stage.addEventListener(type, (e) => this.#up(e), { signal });
     }
+    stage.addEventListener('pointerleave', () => { this.#engaged = false; }, { signal });
     stage.addEventListener('wheel', (e) => this.#wheel(e), { signal, passive: false });
     stage.addEventListener('keydown', (e) => this.#key(e), { signal });
   }
@@ -48,6 +51,7 @@ export class OrbitControls {
   #down(e: PointerEvent): void {
     if (!this.#host.orbits() || (e.pointerType === 'mouse' && e.button !== 0) || this.#pointers.size >= 2) return;
     this.#pointers.set(e.pointerId, { x: e.clientX, y: e.clientY });
+    this.#engaged = true;
     try {
       this.#stage.setPointerCapture(e.pointerId);
     } catch {
@@ -86,7 +90,7 @@ export class OrbitControls {
   }
 
   #wheel(e: WheelEvent): void {
-    if (!this.#host.orbits() || !(e.ctrlKey || this.#host.wheelZooms())) return;
+    if (!this.#host.orbits() || !(e.ctrlKey || this.#engaged || this.#host.wheelZooms())) return;
     e.preventDefault();
     const pixels = e.deltaY * (e.deltaMode === WheelEvent.DOM_DELTA_LINE ? 16 : 1);
     this.#camera.zoom(Math.exp(Math.max(-200, Math.min(200, pixels)) * (e.ctrlKey ? 0.008 : 0.0015)));

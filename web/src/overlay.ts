@@ -17,9 +17,13 @@ canvas { position: absolute; inset: 0; width: 100%; height: 100%; display: block
   background: var(--fourdvt-progress-color, currentColor); transition: transform .15s; }
 .play { position: absolute; left: 50%; top: 50%; width: 64px; height: 64px; margin: -32px; border: 0; border-radius: 50%;
   background: rgba(20,20,24,.6); color: #fff; font: 26px/64px system-ui, sans-serif; padding: 0 0 0 5px; cursor: pointer; }
-.error { position: absolute; left: 0; right: 0; bottom: 12px; text-align: center; margin: 0 auto; padding: 6px 12px;
-  width: fit-content; max-width: 90%; border-radius: 6px; font: 14px/1.4 system-ui, sans-serif; color: #fff;
+.error { position: absolute; left: 0; right: 0; top: 50%; transform: translateY(-50%); text-align: center; margin: 0 auto;
+  padding: 6px 12px; width: fit-content; max-width: 90%; border-radius: 6px; font: 14px/1.4 system-ui, sans-serif; color: #fff;
   background: rgba(20,20,24,.75); }
+.error > button { margin-left: 10px; padding: 2px 10px; border: 1px solid currentColor; border-radius: 4px; background: none;
+  color: inherit; font: inherit; cursor: pointer; }
+.note { position: absolute; left: 0; right: 0; top: 10px; width: fit-content; margin: 0 auto; padding: 3px 10px;
+  border-radius: 6px; font: 12px/1.4 system-ui, sans-serif; color: #fff; background: rgba(20,20,24,.55); pointer-events: none; }
 .joystick { position: absolute; left: 16px; bottom: 16px; width: 112px; height: 112px; border-radius: 50%; touch-action: none;
   background: rgba(127,127,127,.18); border: 1px solid rgba(127,127,127,.35); box-sizing: border-box; }
 .joystick > div { position: absolute; left: 32px; top: 32px; width: 46px; height: 46px; border-radius: 50%;
@@ -47,9 +51,11 @@ export class Overlay {
   readonly #fill: HTMLDivElement;
   readonly #play: HTMLButtonElement;
   readonly #error: HTMLParagraphElement;
+  readonly #message: HTMLSpanElement;
+  readonly #note: HTMLParagraphElement;
   #canvas: HTMLCanvasElement | null = null;
 
-  constructor(root: ShadowRoot, onPlay: () => void) {
+  constructor(root: ShadowRoot, onPlay: () => void, onRetry: () => void) {
     if (!sheet) {
       sheet = new CSSStyleSheet();
       sheet.replaceSync(CSS);
@@ -77,6 +83,13 @@ export class Overlay {
     this.#play.addEventListener('click', onPlay);
     this.#error = add(root, 'p', 'error');
     this.#error.setAttribute('role', 'alert');
+    this.#message = add(this.#error, 'span', 'message');
+    const retry = add(this.#error, 'button', 'retry');
+    retry.type = 'button';
+    retry.textContent = 'Try again';
+    retry.addEventListener('click', onRetry);
+    this.#note = add(root, 'p', 'note');
+    this.#note.setAttribute('role', 'status');
     this.idle();
   }
 
@@ -114,7 +127,7 @@ export class Overlay {
   }
 
   idle(): void {
-    this.#bar.hidden = this.#play.hidden = this.#error.hidden = true;
+    this.#bar.hidden = this.#play.hidden = this.#error.hidden = this.#note.hidden = true;
     this.#poster.classList.remove('gone');
   }
   loading(): void {
@@ -137,9 +150,19 @@ export class Overlay {
   offerPlay(offer: boolean): void {
     this.#play.hidden = !offer;
   }
-  fail(message: string): void {
+  /** Says what went wrong and offers to try again. `over`: there is nothing else to look at than the poster. */
+  fail(message: string, over: boolean): void {
     this.#bar.hidden = this.#play.hidden = true;
-    this.#error.textContent = message;
+    this.#message.textContent = message;
     this.#error.hidden = false;
+    if (over) this.#poster.classList.remove('gone');
+  }
+  recover(): void {
+    this.#error.hidden = true;
+  }
+  /** A quiet line about something that passes; null: it is over. */
+  note(text: string | null): void {
+    this.#note.textContent = text;
+    this.#note.hidden = text === null;
   }
 }

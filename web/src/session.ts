@@ -8,7 +8,7 @@ import { asViewerError, ViewerError } from './errors.js';
 import { FrameLoop } from './frame-loop.js';
 import { loadOpenCvFlow } from './opencv-flow.js';
 import type { OrbitCamera } from './orbit-camera.js';
-import { fetchManifest, Transport } from './transport.js';
+import { Transport } from './transport.js';
 import { measurePath, rememberedPath, rememberPath, type UploadPath } from './upload-path.js';
 import { instantiate, instantiateWithFlow } from './wasm-module.js';
 import type { WasmModule } from './wasm-abi.js';
@@ -36,6 +36,8 @@ export interface SessionHost {
   animate(stepS: number): boolean;
   emit(name: string, detail?: unknown): void;
   firstPicture(): void;
+  /** Called when waiting for the network begins, and when it ends. */
+  network(waiting: boolean): void;
 }
 
 export interface Snapshot {
@@ -69,6 +71,8 @@ export class Session {
   #shown = false;
   #deciding = false; // the upload path is being measured
   #redraw = true;
+  #hidden = false;
+  #waiting = 0; // for the network: the character, its companions, the player itself
   #drawn = '';
   #size = { width: 1, height: 1 };
 
@@ -78,17 +82,19 @@ export class Session {
     this.#host = host;
     this.#align = options.align;
     this.#commands.set('align', needsFlow(options.align) ? 'baked' : options.align); // until flow is loaded
-    this.#transport = new Transport(options.src);
+    this.#transport = new Transport(options.src, this.#network);
   }
 
   /** Loads the character. Never rejects: what goes wrong becomes an error event. */
   async start(): Promise<void> {
     try {
+      if (!globalThis.isSecureContext) {
+        throw new ViewerError('insecure-context', `${location.origin}: browsers decode video for pages that come over https (or from localhost) only; serve this page over https`);
+      }
       if (typeof VideoDecoder === 'undefined') {
         throw new ViewerError('decoder-unsupported', 'this browser has no WebCodecs VideoDecoder: open the page in a newer one');
       }
-      const [manifest, module] = await Promise.all([
-        fetchManifest(this.#options.src, this.#abort.signal), this.#firstModule()]);
+      const [manifest, module] = await Promise.all([this.#transport.manifest(), this.#firstModule()]);
       if (this.#abort.signal.aborted) return;
       this.#manifest = manifest;
       this.#module = module;
@@ -119,6 +125,8 @@ export class Session {
     this.#gl = null;
   }
 
+  /** It was disposed of, or an error has ended it. */
+  get ended(): boolean { return this.#abort.signal.aborted; }
   get character(): CharacterInfo | null { return this.#main?.character ?? null; }
   get path(): PictureKind { return this.#path; }
   get #commands(): Commands { return this.#host.commands; }
@@ -134,10 +142,12 @@ export class Session {
   async add(companion: Companion): Promise<void> {
     if (!this.#main || this.#coming.has(companion) || this.#others.has(companion)) return;
     this.#coming.add(companion);
-    const transport = new Transport(companion.src ?? this.#options.src);
+    const transport = new Transport(companion.src ?? this.#options.src, this.#network);
     transport.stopReplay();
+    const leave = (): void => transport.dispose();
+    for (const signal of [companion.left, this.#abort.signal]) signal.addEventListener('abort', leave);
     try {
-      const manifest = await fetchManifest(companion.src ?? this.#options.src, this.#abort.signal);
+      const manifest = await transport.manifest();
       if (this.#main && !companion.left.aborted) this.#addActor(companion, transport, manifest);
     } catch (reason) {
       if (!this.#abort.signal.aborted && !companion.left.aborted) companion.emit('error', asViewerError(reason).detail);
@@ -156,8 +166,13 @@ export class Session {
     this.wake();
   }
 
-  /** False: the element is off-screen. The clock stands still, and nothing is drawn or decoded. */
-  setActive(active: boolean): void {
+  /** Off-screen the clock stands still and nothing is drawn; in a hidden page no decoder is held either. */
+  setActive(onScreen: boolean, pageHidden: boolean): void {
+    if (pageHidden !== this.#hidden) {
+      this.#hidden = pageHidden;
+      for (const actor of this.#actors) actor.setInSight(!pageHidden);
+    }
+    const active = onScreen && !pageHidden;
     this.#loop.setActive(active);
     if (active) this.wake();
   }
@@ -179,11 +194,16 @@ export class Session {
     return blob;
   }
 
+  readonly #network = (waiting: boolean): void => {
+    this.#waiting += waiting ? 1 : -1;
+    if (!this.#abort.signal.aborted && this.#waiting === (waiting ? 1 : 0)) this.#host.network(waiting);
+  };
+
   // --- optical flow ---
 
   #flowModule(): Promise<WasmModule> {
     if (!this.#flow) {
-      this.#flow = instantiateWithFlow(this.#options.wasmUrl);
+      this.#flow = instantiateWithFlow(this.#options.wasmUrl, this.#network);
       this.#flow.catch(() => { this.#flow = null; });
     }
     return this.#flow;
@@ -192,7 +212,7 @@ export class Session {
   // If the flow module does not load, the character begins with 'baked'; #show tries again and reports the error.
   async #firstModule(): Promise<WasmModule> {
     const flow = needsFlow(this.#align) ? await this.#flowModule().catch(() => null) : null;
-    return flow ?? instantiate(this.#options.wasmUrl);
+    return flow ?? instantiate(this.#options.wasmUrl, this.#network);
   }
 
   async #useFlow(align: Align): Promise<void> {
@@ -232,6 +252,7 @@ export class Session {
     });
     if (this.#abort.signal.aborted) return main.dispose(); // an error during its creation has ended the session
     this.#main = main;
+    if (this.#hidden) main.setInSight(false);
     if (main.character) this.#host.camera.setCharacter(main.character);
     if (!this.#shown) this.#host.camera.jump();
     this.wake();
@@ -250,6 +271,7 @@ export class Session {
     };
     const actor = new Actor(this.#context(this.#main), { transport, manifest }, commands, host);
     this.#others.set(companion, { actor, transport });
+    if (this.#hidden) actor.setInSight(false);
     // A listener of its first events may have removed it.
     if (companion.left.aborted || this.#abort.signal.aborted) this.remove(companion);
     this.wake();
@@ -315,6 +337,7 @@ export class Session {
 
   // --- drawing ---
 
+  get #actors(): Actor[] { return this.#main ? [this.#main, ...this.#otherActors] : []; }
   get #otherActors(): Actor[] { return Array.from(this.#others.values(), ({ actor }) => actor); }
 
   #turn(clockS: number, stepS: number): boolean {

@@ -1,25 +1,169 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fetches byte ranges of files. If a server ignores Range and answers with the whole file (200), the file is kept and
-// cut up here. Transient failures are tried again twice.
+// Fetches files and byte ranges of files. Faults that pass are waited out, with growing pauses, for as long as somebody
+// wants the bytes: no network, 5xx, 408 and 429, an answer that stalls. Faults that stay end the fetch with an error: any
+// other status, a file that is too short, a server that does not allow this page. If a server ignores Range and answers
+// with the whole file (200), the file is kept and cut up here.
 import { ViewerError } from './errors.js';
 
-const RETRY_DELAYS_MS = [250, 1000];
-const wait = (ms: number, signal: AbortSignal): Promise<void> =>
+const FIRST_PAUSE_MS = 300;
+const LONGEST_PAUSE_MS = 15_000;
+const STALL_MS = 10_000; // without a byte
+
+type Report = (waiting: boolean) => void;
+
+class PassingFault extends Error {
+  readonly pauseMs: number;
+  constructor(pauseMs = 0) {
+    super();
+    this.pauseMs = pauseMs;
+  }
+}
+
+// Ends early if the browser finds a network again.
+const pause = (ms: number, signal?: AbortSignal): Promise<void> =>
   new Promise((resolve) => {
-    const timer = setTimeout(resolve, ms);
-    signal.addEventListener('abort', () => (clearTimeout(timer), resolve()), { once: true });
+    const end = (): void => {
+      clearTimeout(timer);
+      globalThis.removeEventListener?.('online', end);
+      signal?.removeEventListener('abort', end);
+      resolve();
+    };
+    const timer = setTimeout(end, ms);
+    globalThis.addEventListener?.('online', end);
+    signal?.addEventListener('abort', end);
   });
+
+// Half of each pause is random, so that the visitors of a server that comes back do not all ask at once.
+async function patiently<T>(attempt: () => Promise<T>, report: Report, signal?: AbortSignal): Promise<T> {
+  let waiting = false;
+  const tell = (now: boolean): void => {
+    if (waiting !== now) report((waiting = now));
+  };
+  try {
+    for (let ms = FIRST_PAUSE_MS; ; ms = Math.min(2 * ms, LONGEST_PAUSE_MS)) {
+      try {
+        return await attempt();
+      } catch (reason) {
+        if (signal?.aborted || !(reason instanceof PassingFault)) throw reason;
+        tell(true);
+        await pause(Math.max(reason.pauseMs, ms * (0.5 + Math.random() / 2)), signal);
+        signal?.throwIfAborted();
+      }
+    }
+  } finally {
+    tell(false);
+  }
+}
+
+interface Answer {
+  status: number;
+  read(): Promise<Uint8Array<ArrayBuffer>>;
+  drop(): void;
+}
+
+// One request. Errors: PassingFault; ViewerError 'fetch-failed'.
+async function ask(url: string, init: RequestInit, signal?: AbortSignal): Promise<Answer> {
+  const abort = new AbortController();
+  const stop = (): void => abort.abort();
+  signal?.addEventListener('abort', stop);
+  let timer = setTimeout(stop, STALL_MS);
+  const done = (): void => {
+    clearTimeout(timer);
+    signal?.removeEventListener('abort', stop);
+  };
+  const failed = (): never => {
+    done();
+    throw new PassingFault();
+  };
+  const response = await fetch(url, { credentials: 'same-origin', ...init, signal: abort.signal }).catch(() => null);
+  if (!response) {
+    done();
+    if (!abort.signal.aborted && (await refusesThisPage(url, init, signal))) {
+      throw new ViewerError('fetch-failed', `${url}: the server answers, but does not allow this page to read it; let it send Access-Control-Allow-Origin, and allow the header Range`);
+    }
+    throw new PassingFault();
+  }
+  const { status } = response;
+  if (status >= 500 || status === 429 || status === 408) {
+    done();
+    abort.abort();
+    throw new PassingFault(Math.min(1000 * (Number(response.headers.get('Retry-After')) || 0), 4 * LONGEST_PAUSE_MS));
+  }
+  if (!response.ok) {
+    done();
+    throw new ViewerError('fetch-failed', `${url}: HTTP ${status}`);
+  }
+  return {
+    status,
+    drop() {
+      done();
+      stop();
+    },
+    async read() {
+      const parts: Uint8Array[] = [];
+      const reader = response.body?.getReader();
+      for (let part = await reader?.read().catch(failed); part?.value; part = await reader!.read().catch(failed)) {
+        clearTimeout(timer);
+        timer = setTimeout(stop, STALL_MS);
+        parts.push(part.value);
+      }
+      done();
+      return new Uint8Array(await new Blob(parts as BlobPart[]).arrayBuffer());
+    },
+  };
+}
+
+// A browser does not say why a request failed. If the same address answers a request whose answer nobody may read, and
+// refuses the readable one again, it is the server's word and not the network.
+async function refusesThisPage(url: string, init: RequestInit, signal?: AbortSignal): Promise<boolean> {
+  if (new URL(url).origin === globalThis.location?.origin) return false;
+  const answers = (more: RequestInit): Promise<boolean> => {
+    const abort = new AbortController();
+    const limit = AbortSignal.timeout(STALL_MS);
+    for (const end of [limit, signal]) end?.addEventListener('abort', () => abort.abort());
+    return fetch(url, { ...more, signal: abort.signal }).then(() => true, () => false).finally(() => abort.abort());
+  };
+  return (await answers({ mode: 'no-cors' })) && !(await answers({ ...init, credentials: 'same-origin' }));
+}
+
+/** A whole file. `report` hears when waiting for the network begins and ends. Errors: ViewerError 'fetch-failed'. */
+export function fetchFile(url: string, report: Report = () => undefined, signal?: AbortSignal): Promise<Uint8Array<ArrayBuffer>> {
+  return patiently(async () => (await ask(url, {}, signal)).read(), report, signal);
+}
 
 export class Transport {
   readonly #base: string;
+  readonly #report: Report;
   readonly #running = new Map<number, AbortController>();
   readonly #whole = new Map<string, Promise<Uint8Array>>();
+  readonly #abort = new AbortController();
+  #waiting = 0; // fetches that wait for the network
   // The ranges of the first seconds: a second player on another upload path gets them without downloading them again.
   #replay: Map<string, Uint8Array> | null = new Map();
   bytesReceived = 0;
 
-  constructor(manifestUrl: string) {
+  /** `report` hears when waiting for the network begins, and when nothing waits any more. */
+  constructor(manifestUrl: string, report: Report = () => undefined) {
     this.#base = manifestUrl;
+    this.#report = report;
+  }
+
+  /** The manifest as JSON. Errors: ViewerError 'fetch-failed', 'manifest-invalid'. */
+  async manifest(): Promise<unknown> {
+    const bytes = await fetchFile(this.#base, this.#count, this.#abort.signal).catch((reason: unknown) => {
+      if (reason instanceof ViewerError) throw new ViewerError(reason.id, `${reason.message}; src must name a character.gltf`);
+      throw reason;
+    });
+    try {
+      return JSON.parse(new TextDecoder().decode(bytes)) as unknown;
+    } catch {
+      throw new ViewerError('manifest-invalid', `${this.#base}: not JSON; src must name a character.gltf`);
+    }
+  }
+
+  /** Another file that the character needs. Errors: ViewerError 'fetch-failed'. */
+  file(url: string): Promise<Uint8Array> {
+    return fetchFile(url, this.#count, this.#abort.signal);
   }
 
   /** Resolves to null if the range was cancelled. Errors: ViewerError 'fetch-failed'. */
@@ -31,7 +175,7 @@ export class Transport {
     const abort = new AbortController();
     this.#running.set(id, abort);
     try {
-      const part = await this.#withRetries(url, offset, bytes, abort.signal);
+      const part = await patiently(() => this.#fetchRange(url, offset, bytes, abort.signal), this.#count, abort.signal);
       this.#replay?.set(key, part);
       return part;
     } catch (reason) {
@@ -53,54 +197,43 @@ export class Transport {
     this.#replay = null;
   }
   dispose(): void {
+    if (this.#waiting && !this.#abort.signal.aborted) this.#report(false);
+    this.#abort.abort();
     this.cancelAll();
     this.#whole.clear();
     this.#replay = null;
   }
 
-  async #withRetries(url: string, offset: number, bytes: number, signal: AbortSignal): Promise<Uint8Array> {
-    for (let attempt = 0; ; ++attempt) {
-      try {
-        return await this.#fetchRange(url, offset, bytes, signal);
-      } catch (reason) {
-        const delay = RETRY_DELAYS_MS[attempt];
-        if (signal.aborted || delay === undefined || reason instanceof ViewerError) {
-          throw reason instanceof ViewerError ? reason : new ViewerError('fetch-failed', `${url}: network error`);
-        }
-        await wait(delay, signal);
-      }
-    }
-  }
+  readonly #count = (waiting: boolean): void => {
+    this.#waiting += waiting ? 1 : -1;
+    if (!this.#abort.signal.aborted && this.#waiting === (waiting ? 1 : 0)) this.#report(waiting);
+  };
 
   async #fetchRange(url: string, offset: number, bytes: number, signal: AbortSignal): Promise<Uint8Array> {
-    const whole = this.#whole.get(url);
-    if (whole) return slice(url, await whole, offset, bytes);
-    const headers = { Range: `bytes=${offset}-${offset + bytes - 1}` };
-    const response = await fetch(url, { headers, signal, credentials: 'same-origin' });
-    if (response.status >= 500 || response.status === 429) throw new Error(`HTTP ${response.status}`);
-    if (!response.ok) throw new ViewerError('fetch-failed', `${url}: HTTP ${response.status}`);
-    if (response.status === 206) {
-      const part = new Uint8Array(await response.arrayBuffer());
-      this.bytesReceived += part.length;
-      return slice(url, part, 0, bytes);
-    }
-    return this.#keepWhole(url, response, offset, bytes);
-  }
-
-  // Several answers may bring the same file at the same time; only the first is read to its end.
-  async #keepWhole(url: string, response: Response, offset: number, bytes: number): Promise<Uint8Array> {
     let whole = this.#whole.get(url);
-    if (whole) {
-      await response.body?.cancel();
-    } else {
-      whole = response.arrayBuffer().then((buffer) => {
-        this.bytesReceived += buffer.byteLength;
-        return new Uint8Array(buffer);
-      });
-      this.#whole.set(url, whole);
-      whole.catch(() => this.#whole.delete(url));
+    if (!whole) {
+      const answer = await ask(url, { headers: { Range: `bytes=${offset}-${offset + bytes - 1}` } }, signal);
+      if (answer.status === 206) {
+        const part = await answer.read();
+        this.bytesReceived += part.length;
+        return slice(url, part, 0, bytes);
+      }
+      // Several answers may bring the same file at the same time; only the first is read to its end.
+      whole = this.#whole.get(url);
+      if (whole) answer.drop();
+      else whole = this.#keepWhole(url, answer);
     }
     return slice(url, await whole, offset, bytes);
+  }
+
+  #keepWhole(url: string, answer: Answer): Promise<Uint8Array> {
+    const whole = answer.read().then((file) => {
+      this.bytesReceived += file.length;
+      return file;
+    });
+    this.#whole.set(url, whole);
+    whole.catch(() => this.#whole.delete(url));
+    return whole;
   }
 }
 
@@ -109,18 +242,4 @@ function slice(url: string, from: Uint8Array, offset: number, bytes: number): Ui
     throw new ViewerError('fetch-failed', `${url}: the file has less than ${offset + bytes} bytes; upload it again`);
   }
   return from.subarray(offset, offset + bytes);
-}
-
-/** Fetches the manifest as JSON. Errors: ViewerError 'fetch-failed', 'manifest-invalid'. */
-export async function fetchManifest(url: string, signal: AbortSignal): Promise<unknown> {
-  const response = await fetch(url, { signal, credentials: 'same-origin' }).catch(() => null);
-  if (!response?.ok) {
-    throw new ViewerError('fetch-failed', `${url}: ${response ? `HTTP ${response.status}` : 'network error'}; src must name a character.gltf`);
-  }
-  const text = await response.text();
-  try {
-    return JSON.parse(text) as unknown;
-  } catch {
-    throw new ViewerError('manifest-invalid', `${url}: not JSON; src must name a character.gltf`);
-  }
 }

@@ -5,45 +5,64 @@
 import createPlayer from 'fourdvt-wasm';
 
 import type { ModuleOptions, WasmModule } from './wasm-abi.js';
-import { ViewerError } from './errors.js';
+import { asViewerError, ViewerError } from './errors.js';
+import { fetchFile } from './transport.js';
 
 type CreateModule = (options: ModuleOptions) => Promise<WasmModule>;
+type Report = (waiting: boolean) => void;
 
 const compiled = new Map<string, Promise<WebAssembly.Module>>();
 
-async function compile(url: string): Promise<WebAssembly.Module> {
-  const response = await fetch(url, { credentials: 'same-origin' }).catch(() => undefined);
-  if (!response?.ok) {
-    throw new ViewerError('fetch-failed', `${url}: ${response ? `HTTP ${response.status}` : 'network error'}; the player's wasm file must lie beside its script`);
-  }
-  return WebAssembly.compile(await response.arrayBuffer());
+// Whoever asks first hears of waiting for the network; all wait for the same download.
+async function compile(url: string, report: Report): Promise<WebAssembly.Module> {
+  const bytes = await fetchFile(url, report).catch((reason: unknown) => {
+    throw new ViewerError('fetch-failed', `${asViewerError(reason).message}; the player's wasm file must lie beside its script`);
+  });
+  return WebAssembly.compile(bytes);
 }
 
-async function create(createModule: CreateModule, url: string): Promise<WasmModule> {
+// A browser's refusal: by the page's policy, for want of memory, or of a file that is no wasm.
+function refusal(url: string, reason: unknown): ViewerError {
+  const text = String(reason);
+  return reason instanceof RangeError || /memory/i.test(text)
+    ? new ViewerError('out-of-memory', `${url}: the browser has no memory for the player (${text}); close other tabs`)
+    : new ViewerError('wasm-refused', `${url}: the browser refuses the player's wasm (${text}); allow 'wasm-unsafe-eval' in the page's policy, and serve the file as it was built`);
+}
+
+async function create(createModule: CreateModule, url: string, report: Report): Promise<WasmModule> {
   let module = compiled.get(url);
   if (!module) {
-    module = compile(url);
+    module = compile(url, report);
     compiled.set(url, module);
     module.catch(() => compiled.delete(url));
   }
-  const ready = await module;
-  return createModule({
-    instantiateWasm(imports, done) {
-      void WebAssembly.instantiate(ready, imports).then(done);
-      return {};
-    },
-    printErr: (line) => console.warn(`fourdvt-viewer: ${line}`),
-  });
+  try {
+    const ready = await module;
+    return await new Promise((resolve, reject) => {
+      createModule({
+        instantiateWasm(imports, done) {
+          WebAssembly.instantiate(ready, imports).then(done).catch(reject);
+          return {};
+        },
+        printErr: (line) => console.warn(`fourdvt-viewer: ${line}`),
+      }).then(resolve, reject);
+    });
+  } catch (reason) {
+    throw reason instanceof ViewerError ? reason : refusal(url, reason);
+  }
 }
 
-export const instantiate = (url: string): Promise<WasmModule> => create(createPlayer, url);
+/**
+ * `report` hears of waiting for the network. Errors: ViewerError 'fetch-failed', 'out-of-memory', 'wasm-refused'.
+ */
+export const instantiate = (url: string, report: Report): Promise<WasmModule> => create(createPlayer, url, report);
 
-/** Loads fourdvt-flow.js and its .wasm from beside the player's wasm file. Errors: ViewerError 'fetch-failed'. */
-export async function instantiateWithFlow(playerUrl: string): Promise<WasmModule> {
+/** Loads fourdvt-flow.js and its .wasm from beside the player's wasm file. Errors: as of `instantiate`. */
+export async function instantiateWithFlow(playerUrl: string, report: Report): Promise<WasmModule> {
   const script = new URL('fourdvt-flow.js', playerUrl).href;
   try {
     const { default: createModule } = (await import(script)) as { default: CreateModule };
-    return await create(createModule, new URL('fourdvt-flow.wasm', playerUrl).href);
+    return await create(createModule, new URL('fourdvt-flow.wasm', playerUrl).href, report);
   } catch (reason) {
     if (reason instanceof ViewerError) throw reason;
     throw new ViewerError('fetch-failed', `${script}: the optical-flow module does not load (${String(reason)}); put it and its .wasm beside the player's`);

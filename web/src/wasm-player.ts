@@ -4,9 +4,9 @@
 import { ViewerError } from './errors.js';
 import { flattenJson } from './flat-json.js';
 import {
-  ALIGN_MODES, bytesOfOptions, bytesOfPlanes, bytesOfView, PICTURE_KINDS, readCharacter, readError, readEvent,
-  readParameter, readRequest, readSequence, readState, type AlignMode, type DebugView, type EventRecord,
-  type ParameterRecord, type PictureKind, type RequestRecord, type StateRecord,
+  ALIGN_MODES, bytesOfOptions, bytesOfPlanes, bytesOfView, DECODER_FAULTS, PICTURE_KINDS, readCharacter, readError,
+  readEvent, readParameter, readRequest, readSequence, readState, type AlignMode, type DebugView, type DecoderFault,
+  type EventRecord, type ParameterRecord, type PictureKind, type RequestRecord, type StateRecord,
 } from './generated/abi.js';
 import { Reader } from './records.js';
 import type { WasmModule } from './wasm-abi.js';
@@ -160,9 +160,10 @@ export class WasmPlayer {
     this.#m._fdvt_free(at);
   }
   rangeFailed(id: number, reason: string): void { this.#m._fdvt_range_failed(this.#h, id, ...this.#text(reason)); }
-  decoderFailed(decoder: number, reason: string): void {
-    this.#m._fdvt_decoder_failed(this.#h, decoder, ...this.#text(reason));
+  decoderFailed(decoder: number, fault: DecoderFault, reason: string): void {
+    this.#m._fdvt_decoder_failed(this.#h, decoder, DECODER_FAULTS.indexOf(fault), ...this.#text(reason));
   }
+  setInSight(inSight: boolean): void { this.#m._fdvt_set_in_sight(this.#h, inSight ? 1 : 0); }
 
   /** A slot for the picture; -1 if none is free now, -2 if the player does not wait for this picture. */
   acquireSlot(decoder: number, timestampUs: number): number {

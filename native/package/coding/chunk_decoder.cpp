@@ -103,6 +103,7 @@ class FrameByFrame final : public ChunkDecoder {
       decoded_ += !broken_;
     }
     if (broken_) return invalid("positions, labels or fields do not decode");
+    if (decoded_ == frames_.frame_count) parts_.clear();  // their models are larger than the frames
     return {};
   }
   uint32_t decodedCount() const override { return decoded_; }

@@ -21,11 +21,13 @@ void Feeding::restart(const FedSequence& fed, int64_t k, Outbox& outbox) {
   const auto frame = static_cast<uint32_t>(k % fed.sequence->frame_count);
   gop_ = fed.index->chunkOfFrame(frame);
   gop_k_ = k - (frame - fed.index->chunks[gop_].first_frame);
+  gop_end_k_ = gop_k_ + fed.index->chunks[gop_].frame_count;
   sample_ = 0;
   drop_before_k_ = k;
   serial_base_ = next_serial_ - gop_k_;
-  done_ = flushed_ = false;
+  done_ = flushed_ = lost_ = false;
   active_ = true;
+  if (fed.number != configured_sequence_) losses_ = 0;
   if (configured_ && configured_sequence_ == fed.number)
     outbox.request(ResetDecoder{decoder_});
   else
@@ -73,8 +75,9 @@ void Feeding::finishGop(const FedSequence& fed) {
     done_ = true;
     return;
   }
-  gop_k_ += chunks[gop_].frame_count;
+  gop_k_ = gop_end_k_;
   gop_ = last ? 0 : gop_ + 1;
+  gop_end_k_ += chunks[gop_].frame_count;
   sample_ = 0;
 }
 
@@ -89,6 +92,7 @@ std::optional<int64_t> Feeding::presentationOf(int64_t timestamp_us) {
   if (std::find(in_flight_.begin(), in_flight_.end(), timestamp_us) == in_flight_.end()) return std::nullopt;
   idle_polls_ = 0;
   const int64_t k = timestamp_us / kTimestampStep_us - serial_base_;
+  if (k >= suspect_until_k_) losses_ = 0;
   if (k >= drop_before_k_) return k;
   take(timestamp_us);
   return std::nullopt;
@@ -101,9 +105,18 @@ void Feeding::take(int64_t timestamp_us) {
   in_flight_.pop_back();
 }
 
+void Feeding::loseDecoder(DecoderFault fault) {
+  stop();
+  configured_ = false;
+  lost_ = true;
+  ++losses_;
+  suspect_until_k_ = fault == DecoderFault::Samples ? gop_end_k_ : INT64_MIN;
+}
+
 void Feeding::close(Outbox& outbox) {
   if (configured_) outbox.request(CloseDecoder{decoder_});
   configured_ = false;
+  lost_ = true;
 }
 
 }  // namespace fourdvt

@@ -43,14 +43,20 @@ class Feeding {
   std::optional<int64_t> presentationOf(int64_t timestamp_us);
   void take(int64_t timestamp_us);  // nobody waits for it any more
 
-  void loseDecoder() { configured_ = false; }  // it failed; configured anew if feeding goes on
-  void close(Outbox& outbox);                  // after stop()
+  // The decoder is gone, and with it what it held: stops until `restart`.
+  void loseDecoder(DecoderFault fault);
+  // The decoder has been lost too often in a row for another try to be of use. A picture ends the row; if the samples
+  // were at fault, one that comes after those.
+  bool hopeless() const { return losses_ > kMaxLosses; }
+  void close(Outbox& outbox);  // after stop(); frees the decoder until `restart`
 
   bool active() const { return active_; }
+  bool lost() const { return lost_; }    // stopped by a loss, or closed; `restart` goes on
   bool done() const { return done_; }    // a sequence that does not loop is fed to its end
   uint32_t gop() const { return gop_; }  // the one being fed
 
  private:
+  static constexpr int kMaxLosses = 3;
   DecodeSample nextSample(const FedSequence& fed, std::span<const uint8_t> video);
   void finishGop(const FedSequence& fed);
 
@@ -59,13 +65,16 @@ class Feeding {
   bool configured_ = false;
   int configured_sequence_ = -1;
   uint32_t gop_ = 0, sample_ = 0;
-  int64_t gop_k_ = 0;  // presentation of the GOP's first frame
+  int64_t gop_k_ = 0, gop_end_k_ = 0;  // presentations of the GOP's first frame, and of the one after its last
   int64_t drop_before_k_ = 0;
   int64_t serial_base_ = 0;  // serial = serial_base_ + k
   int64_t next_serial_ = 0;
   std::vector<int64_t> in_flight_;  // timestamps, in any order
   size_t reorder_allowance_ = 4;    // samples the decoder may hold beyond the slots; grows if it holds more
   int idle_polls_ = 0;              // since a picture came back
+  bool lost_ = false;
+  int losses_ = 0;               // of the decoder, in a row
+  int64_t suspect_until_k_ = 0;  // pictures before this one do not end the row
 };
 
 }  // namespace fourdvt

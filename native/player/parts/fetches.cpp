@@ -5,10 +5,6 @@
 
 namespace fourdvt {
 
-namespace {
-constexpr int kTries = 3;  // per range, in all
-}  // namespace
-
 void Fetches::request(const FetchPurpose& purpose, const std::string& uri, uint64_t offset, uint64_t bytes) {
   if (!progress_ended_ && purpose.sequence >= 0) progress_total_ += bytes;
   Fetch& fetch = fetches_.emplace_back();
@@ -38,17 +34,11 @@ FetchPurpose Fetches::finish(uint32_t id) {
   return purpose;
 }
 
-bool Fetches::retry(uint32_t id, Fetch& failed) {
+Fetch Fetches::drop(uint32_t id) {
   const auto fetch = locate(id);
-  if (fetch == fetches_.end()) return true;
-  if (fetch->tries < kTries) {
-    ++fetch->tries;
-    outbox_.request(fetch->range);
-    return true;
-  }
-  failed = std::move(*fetch);
+  Fetch dropped = std::move(*fetch);
   fetches_.erase(fetch);
-  return false;
+  return dropped;
 }
 
 }  // namespace fourdvt

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Byte ranges on their way: what each one is for, how often it was tried, and how far loading towards the first picture
-// has come. Asks for each range up to three times; in the browser, web/src/transport.ts itself tries each of
-// these requests up to three times. Does NOT look into the bytes and does NOT decide what to fetch (loading.h).
+// Byte ranges on their way: what each one is for, and how far loading towards the first picture has come. Each range is
+// asked for once: the edge waits out faults that pass (web/src/transport.ts), so that a refusal is final. Does NOT look
+// into the bytes and does NOT decide what to fetch (loading.h).
 #pragma once
 
 #include <vector>
@@ -20,7 +20,6 @@ struct FetchPurpose {
 struct Fetch {
   FetchPurpose purpose;
   FetchRange range;
-  int tries = 1;
 };
 
 class Fetches {
@@ -32,9 +31,8 @@ class Fetches {
   const Fetch* find(uint32_t id) const;
   // All bytes of a fetch that `find` knows are there: settles it and reports progress.
   FetchPurpose finish(uint32_t id);
-  // Asks again; false: it was tried often enough, and is settled. `failed` is then what was asked for. An id that
-  // nobody asked for counts as asked again.
-  bool retry(uint32_t id, Fetch& failed);
+  // A fetch that `find` knows has failed: settles it.
+  Fetch drop(uint32_t id);
   bool empty() const { return fetches_.empty(); }  // nothing is on its way
   uint64_t bytesFetched() const { return bytes_fetched_; }
 

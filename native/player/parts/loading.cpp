@@ -104,6 +104,7 @@ Arrival Loading::receive(uint32_t id, std::span<const uint8_t> bytes) {
   if (bytes.size() != pending->range.bytes)
     return refuse(id, "got " + std::to_string(bytes.size()) + " bytes of " + std::to_string(pending->range.bytes));
   const FetchPurpose purpose = fetches_.finish(id);
+  if (PartState* state = stateOf(purpose)) *state = PartState::Failed;  // until the bytes turn out to be good
   switch (purpose.kind) {
     case Kind::Mesh:
       return {Arrival::What::Mesh, -1, receiveMesh(bytes)};
@@ -119,22 +120,26 @@ Arrival Loading::receive(uint32_t id, std::span<const uint8_t> bytes) {
 }
 
 Arrival Loading::refuse(uint32_t id, const std::string& reason) {
-  Fetch failed;
-  if (fetches_.retry(id, failed)) return {};
+  if (!fetches_.find(id)) return {};
+  const Fetch failed = fetches_.drop(id);
+  if (PartState* state = stateOf(failed.purpose)) *state = PartState::Failed;
   const FetchPurpose& purpose = failed.purpose;
-  if (purpose.kind == Kind::Graph) {
-    graph_state_ = PartState::Failed;
-    return {};
-  }
-  const bool video = purpose.kind == Kind::Video;
-  if (video || purpose.kind == Kind::Chunk)
-    if (stream::Gop* gop = cache_.find({purpose.sequence, purpose.gop}))
-      (video ? gop->video_state : gop->chunk_state) = PartState::Failed;
+  if (purpose.kind == Kind::Graph) return {};
   const FetchRange& range = failed.range;
   return {Arrival::What::Nothing, purpose.sequence,
           Error{ErrorId::FetchFailed, range.uri + ": bytes " + std::to_string(range.offset) + "+" +
                                           std::to_string(range.bytes) + " could not be fetched (" + reason +
                                           "); check that the file is complete on the server"}};
+}
+
+// Null: nobody needs it any more.
+PartState* Loading::stateOf(const FetchPurpose& purpose) {
+  if (purpose.kind == Kind::Mesh) return &mesh_state_;
+  if (purpose.kind == Kind::Graph) return &graph_state_;
+  if (purpose.kind == Kind::Header) return &stream(purpose.sequence).header;
+  stream::Gop* gop = cache_.find({purpose.sequence, purpose.gop});
+  if (!gop) return nullptr;
+  return purpose.kind == Kind::Video ? &gop->video_state : &gop->chunk_state;
 }
 
 Status Loading::receiveMesh(std::span<const uint8_t> bytes) {
@@ -201,7 +206,16 @@ bool Loading::markBroken(int sequence) {
   return news;
 }
 
-const std::vector<uint8_t>* Loading::video(int sequence, uint32_t gop_index) {
+bool Loading::revive(int sequence) {
+  Stream& s = stream(sequence);
+  if (!s.broken) return false;
+  s.broken = false;
+  for (PartState* state : {&s.header, &mesh_state_})
+    if (*state == PartState::Failed) *state = PartState::Absent;
+  return true;
+}
+
+const std::vector<uint8_t>* Loading::video(int sequence, uint32_t gop_index) const {
   const stream::Gop* gop = cache_.find({sequence, gop_index});
   return gop && gop->video_state == PartState::Present ? &gop->video : nullptr;
 }

@@ -60,11 +60,13 @@ class Loading {
   void onFirstPicture() { fetches_.endProgress(); }  // the motion graph may be fetched now
   Arrival receive(uint32_t id, std::span<const uint8_t> bytes);
   Arrival refuse(uint32_t id, const std::string& reason);
-  // Nothing more is asked for of a sequence, or with -1 of any. False: that was known.
+  // Nothing more is asked for of a sequence, or with -1 of any, until it is revived. False: that was known.
   bool markBroken(int sequence);
+  // What failed of a sequence, and of what all need, is asked for again. False: the sequence was not broken.
+  bool revive(int sequence);
 
   // The GOP's samples, contiguous as in the file; null: not there.
-  const std::vector<uint8_t>* video(int sequence, uint32_t gop);
+  const std::vector<uint8_t>* video(int sequence, uint32_t gop) const;
   // Decodes as far as this frame; `out` stays empty while that is not there. Errors: StreamInvalid.
   Status geometry(int sequence, uint32_t frame, FrameGeometry& out);
   uint64_t bytesFetched() const { return fetches_.bytesFetched(); }
@@ -83,6 +85,7 @@ class Loading {
   void requestHeader(int sequence);
   void requestGop(stream::GopKey key);
   void addNeededGops(const Need& need, std::vector<stream::GopKey>& keys) const;
+  stream::PartState* stateOf(const FetchPurpose& purpose);
   Status receiveMesh(std::span<const uint8_t> bytes);
   Status receiveHeader(int sequence, std::span<const uint8_t> bytes);
   Status checkHeader(int sequence, const package::StreamIndex& index) const;

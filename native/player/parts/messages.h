@@ -44,6 +44,12 @@ struct ResetDecoder {
 struct CloseDecoder {
   int decoder = 0;
 };  // not needed any more: free it
+// Why a decoder gives no pictures any more.
+enum class DecoderFault {
+  Samples,      // it did not like what it was fed
+  Unsupported,  // there is none for this codec
+  TakenAway     // the browser or the system wanted it back
+};
 using Request =
     std::variant<FetchRange, CancelFetch, ConfigureDecoder, DecodeSample, FlushDecoder, ResetDecoder, CloseDecoder>;
 

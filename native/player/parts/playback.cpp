@@ -51,6 +51,8 @@ void Playback::finishTick(bool seeking) {
 }
 
 void Playback::finishSeek(bool sequence_changed) {
+  forgetStarvation();
+  waiting_ = false;
   if (!can_play_) {
     can_play_ = true;
     outbox_.emit(EventKind::CanPlay);

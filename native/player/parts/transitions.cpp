@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kMaxLatency_s = 0.4;     // from the request until the fade begins, if the target is prepared in time
 constexpr double kReturnChoice_s = 0.12;  // room for a good exit before the end of a state that does not loop
-constexpr double kPatience_s = 5;         // then the target is simply selected
+constexpr double kPatience_s = 5;         // with a decoder that gives nothing; then the target is simply selected
 constexpr double kMinLead_s = 0.05, kMaxLead_s = 2;
 
 }  // namespace
@@ -31,13 +31,15 @@ void Transitions::begin(int target, double now_s) {
   run_ = {};
   run_.phase = Phase::Wanted;
   run_.target = target;
-  run_.wanted_since_s = now_s;
+  run_.patient_since_s = now_s;
 }
 
 Transitions::Step Transitions::step(const TransitionView& view) {
-  if (view.held) asked_s_ = run_.wanted_since_s = view.now_s;
+  if (view.held) asked_s_ = view.now_s;
+  // While the network owes something the source plays on, however long that takes.
+  if (view.held || !(view.target_fetched || view.target_prepared)) run_.patient_since_s = view.now_s;
   if (view.held || (run_.phase != Phase::Wanted && run_.phase != Phase::Preparing)) return Step::Nothing;
-  if (view.graph_failed || view.now_s - run_.wanted_since_s > kPatience_s) return Step::Select;
+  if (view.graph_failed || view.now_s - run_.patient_since_s > kPatience_s) return Step::Select;
   if (!view.graph || !view.target_has_header) return Step::Nothing;
   if (run_.phase == Phase::Wanted) return Step::Plan;
   if (view.target_prepared && !run_.measured) {

@@ -32,6 +32,7 @@ struct TransitionView {
   const motion::MotionGraph* graph = nullptr;  // null: not there
   bool graph_failed = false;
   bool target_has_header = false;
+  bool target_fetched = false;   // what the second track is fed next is there
   bool target_prepared = false;  // the second track shows the target's first frame
 
   uint32_t frame() const { return static_cast<uint32_t>(k % sequence->frame_count); }
@@ -85,7 +86,7 @@ class Transitions {
     int64_t entry_k = 0;       // the target's then
     uint32_t fade_frames = 0;  // of the target
     float fade = 0;
-    double wanted_since_s = 0, prepared_since_s = 0;
+    double patient_since_s = 0, prepared_since_s = 0;
     bool measured = false;  // lead_s_ knows how long this preparation took
   };
 

@@ -71,20 +71,108 @@ TEST(PlayerErrors, PicturesOfAnotherSize) {
                    ErrorId::VideoInvalid);
 }
 
-TEST(PlayerErrors, DecoderFailureBreaksOneSequence) {
-  for (const auto& [reason, id] :
-       {std::pair{"unsupported: avc1", ErrorId::DecoderUnsupported}, {"bad sample", ErrorId::VideoInvalid}}) {
+TEST(PlayerErrors, ADecoderThatKeepsFailingBreaksOneSequence) {
+  struct Case {
+    DecoderFault fault;
+    int failures;  // in a row, until it is given up
+    ErrorId id;
+  };
+  for (const Case& c : {Case{DecoderFault::Unsupported, 1, ErrorId::DecoderUnsupported},
+                        {DecoderFault::Samples, 4, ErrorId::VideoInvalid},
+                        {DecoderFault::TakenAway, 4, ErrorId::DecoderLost}}) {
     const FakeCharacter character = twoSequences();
     SimulatedEdge edge(character, {});
     ASSERT_TRUE(edge.load());
-    edge.player->onDecoderFailed(0, reason);
+    edge.player->play();
+    for (int i = 0; i < c.failures; ++i) {
+      EXPECT_TRUE(edge.errors.empty()) << i;
+      edge.loseDecoder(0, c.fault);
+    }
     edge.step(0.01);
     ASSERT_EQ(edge.errors.size(), 1u);
-    EXPECT_EQ(edge.errors[0].id, id);
+    EXPECT_EQ(edge.errors[0].id, c.id);
+    EXPECT_TRUE(edge.player->failed());
     ASSERT_TRUE(edge.player->selectSequence("pickup").ok());
     EXPECT_TRUE(edge.runUntilShown());
+    EXPECT_FALSE(edge.player->failed());
     edge.expectPaired();
   }
+}
+
+TEST(PlayerErrors, ADecoderThatIsLostNowAndThenIsFedAgainFromItsKeySample) {
+  for (DecoderFault fault : {DecoderFault::Samples, DecoderFault::TakenAway}) {
+    const FakeCharacter character = twoSequences();
+    SimulatedEdge edge(character, {});
+    ASSERT_TRUE(edge.load());
+    edge.player->play();
+    for (int i = 0; i < 12; ++i) {
+      const uint64_t shown = edge.player->stats().frames_shown;
+      edge.loseDecoder(0, fault);
+      // A picture of a later GOP proves that the samples were good.
+      ASSERT_TRUE(edge.runUntil([&] { return edge.player->stats().frames_shown > shown + 25; })) << i;
+      edge.expectPaired();
+    }
+    EXPECT_TRUE(edge.errors.empty());
+    EXPECT_EQ(edge.player->stats().frames_late, 0u) << "the clock waits";
+  }
+}
+
+TEST(PlayerErrors, APausedDecoderIsNotAskedForAgainBeforeItIsNeeded) {
+  const FakeCharacter character = twoSequences();
+  SimulatedEdge edge(character, {});
+  ASSERT_TRUE(edge.load());
+  edge.player->play();
+  ASSERT_TRUE(edge.runUntil([&] { return edge.player->frame() == 7; }));
+  edge.player->pause();
+  edge.loseDecoder(0, DecoderFault::TakenAway);
+  edge.runUntil([] { return false; }, 1);
+  EXPECT_FALSE(edge.isOpen(0));
+  EXPECT_EQ(edge.player->frame(), 7u);
+  edge.player->seekFrame(12);
+  ASSERT_TRUE(edge.runUntilShown());
+  EXPECT_EQ(edge.player->frame(), 12u);
+  edge.loseDecoder(0, DecoderFault::TakenAway);
+  edge.player->play();
+  ASSERT_TRUE(edge.runUntil([&] { return edge.player->frame() > 14; }));
+  edge.expectPaired();
+  EXPECT_TRUE(edge.errors.empty());
+}
+
+TEST(PlayerErrors, OutOfSightNoDecoderIsHeldAndPlayingGoesOn) {
+  const FakeCharacter character = twoSequences();
+  SimulatedEdge edge(character, {});
+  ASSERT_TRUE(edge.load());
+  edge.player->play();
+  ASSERT_TRUE(edge.runUntil([&] { return edge.player->frame() == 11; }));
+  edge.player->setInSight(false);
+  edge.runUntil([] { return false; }, 0.2);
+  EXPECT_EQ(edge.openDecoders(), 0);
+  EXPECT_EQ(edge.player->frame(), 11u);
+  edge.player->setInSight(true);
+  ASSERT_TRUE(edge.runUntil([&] { return edge.player->frame() == 13; }, 1));
+  EXPECT_EQ(edge.openDecoders(), 1);
+  edge.expectPaired();
+  // A motion that is chosen out of sight is there when the page is seen again.
+  edge.player->setInSight(false);
+  ASSERT_TRUE(edge.player->selectSequence("pickup").ok());
+  edge.runUntil([] { return false; }, 1);
+  EXPECT_EQ(edge.openDecoders(), 0);
+  EXPECT_TRUE(edge.player->seeking());
+  edge.player->setInSight(true);
+  EXPECT_TRUE(edge.runUntilShown());
+  edge.expectPaired();
+}
+
+TEST(PlayerErrors, ASequenceThatHasEndedLosesItsDecoderAndLoops) {
+  const FakeCharacter character = twoSequences();
+  SimulatedEdge edge(character, {});
+  ASSERT_TRUE(edge.load());
+  ASSERT_TRUE(edge.player->selectSequence("pickup").ok());
+  edge.player->play();
+  ASSERT_TRUE(edge.runUntil([&] { return edge.player->frame() == 22; }));
+  edge.loseDecoder(0, DecoderFault::TakenAway);
+  edge.player->setLoop(1);
+  EXPECT_TRUE(edge.runUntil([&] { return edge.player->frame() == 3; }));
 }
 
 TEST(PlayerErrors, WrongPicturesAreCountedAndNeverShown) {
@@ -102,20 +190,66 @@ TEST(PlayerErrors, WrongPicturesAreCountedAndNeverShown) {
   EXPECT_GT(edge.player->stats().frames_shown, 200u);
 }
 
-TEST(PlayerErrors, FetchesAreRetriedTwice) {
-  const FakeCharacter character = twoSequences();
-  int broken = 0;
-  for (uint32_t seed = 1; seed <= 20; ++seed) {
-    EdgeOptions options;
-    options.seed = seed;
-    options.fetch_failure = 0.1;  // three failures in a row: one in a thousand
-    SimulatedEdge edge(character, options);
-    ASSERT_TRUE(edge.player->loadManifest(character.manifest).ok());
+TEST(PlayerErrors, AMotionWhoseFilesAreBackIsPlayedWhenItIsChosenAgain) {
+  for (bool by_graph : {false, true}) {
+    FakeCharacter character = twoSequences();
+    FakeBuilder::addGraph(character, [](uint32_t, uint32_t frame, uint32_t) { return motion::Entry{frame % 3, 0, 2}; });
+    const std::vector<uint8_t> video = std::exchange(character.files["pickup.mp4"], {});
+    SimulatedEdge edge(character, {});
+    ASSERT_TRUE(edge.load());
     edge.player->play();
-    edge.runUntil([&] { return edge.player->stats().frames_shown > 60 || !edge.errors.empty(); });
-    broken += !edge.errors.empty();
+    ASSERT_TRUE(edge.runUntil([&] { return edge.player->stats().frames_shown > 20; }));
+    const auto choose = [&] { return by_graph ? edge.player->goTo("pickup") : edge.player->selectSequence("pickup"); };
+    for (size_t tries = 1; tries < 3; ++tries) {
+      ASSERT_TRUE(choose().ok());
+      ASSERT_TRUE(edge.runUntil([&] { return edge.errors.size() == tries; })) << "each try reports";
+      EXPECT_EQ(edge.errors.back().id, ErrorId::FetchFailed);
+    }
+    edge.replaceFile("pickup.mp4", video);
+    ASSERT_TRUE(choose().ok());
+    ASSERT_TRUE(edge.runUntil([&] { return edge.player->sequence()->name == "pickup" && !edge.player->seeking(); }));
+    edge.expectPaired();
+    EXPECT_EQ(edge.errors.size(), 2u);
   }
-  EXPECT_LE(broken, 2);
+}
+
+TEST(PlayerErrors, TheNetworkMayBeAwayForAnyTime) {
+  FakeCharacter character = twoSequences();
+  FakeBuilder::addGraph(character, [](uint32_t, uint32_t frame, uint32_t) { return motion::Entry{frame % 3, 0, 2}; });
+  SimulatedEdge edge(character, {});
+  ASSERT_TRUE(edge.load());
+  edge.player->play();
+  ASSERT_TRUE(edge.runUntil([&] { return edge.player->stats().frames_shown > 60; }));
+  edge.offline = true;
+  ASSERT_TRUE(edge.player->goTo("pickup").ok());
+  const uint64_t shown = edge.player->stats().frames_shown;
+  edge.runUntil([] { return false; }, 60);
+  EXPECT_EQ(edge.player->sequence()->name, "walk") << "what is there plays on";
+  EXPECT_GT(edge.player->stats().frames_shown, shown + 60 * 24);
+  edge.offline = false;
+  ASSERT_TRUE(
+      edge.runUntil([&] { return edge.player->sequence()->name == "pickup" && !edge.player->inTransition(); }, 5));
+  EXPECT_TRUE(edge.errors.empty());
+  edge.expectPaired();
+}
+
+TEST(PlayerErrors, AMotionThatIsCutToAndDoesNotComeMakesThePlayerWait) {
+  const FakeCharacter character = twoSequences();
+  SimulatedEdge edge(character, {});
+  ASSERT_TRUE(edge.load());
+  edge.player->play();
+  ASSERT_TRUE(edge.runUntil([&] { return edge.player->frame() > 3; }));
+  edge.offline = true;
+  const int playing = edge.events[EventKind::Playing];
+  ASSERT_TRUE(edge.player->selectSequence("pickup").ok());
+  edge.runUntil([] { return false; }, 1);
+  EXPECT_EQ(edge.events[EventKind::Waiting], 1);
+  EXPECT_EQ(edge.events[EventKind::Playing], playing);
+  edge.offline = false;
+  ASSERT_TRUE(edge.runUntilShown());
+  edge.runUntil([] { return false; }, 1);
+  EXPECT_EQ(edge.events[EventKind::Playing], playing + 1) << "once";
+  EXPECT_EQ(edge.events[EventKind::Waiting], 1);
 }
 
 TEST(PlayerErrors, BaseMeshDamagedOrOfAnotherCharacter) {
@@ -161,8 +295,10 @@ TEST(PlayerErrors, AnswersNobodyAskedForAreIgnored) {
   const std::vector<uint8_t> bytes(10);
   edge.player->onRangeReceived(77, bytes);
   edge.player->onRangeFailed(78, "x");
-  edge.player->onDecoderFailed(0, "early");
-  edge.player->onDecoderFailed(7, "unknown");
+  edge.player->onDecoderFailed(0, DecoderFault::Samples, "early");
+  edge.player->onDecoderFailed(7, DecoderFault::Samples, "unknown");
+  edge.player->setInSight(false);
+  edge.player->setInSight(true);
   EXPECT_EQ(edge.player->acquireSlot(0, 0), -2);
   edge.player->commitSlot(0);
   edge.player->commitSlot(-1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loading alone: what is asked for and in which order, retries, damage, progress, and the budget.
+// Loading alone: what is asked for and in which order, refusals, damage, progress, and the budget.
 #include "player/parts/loading.h"
 
 #include <gtest/gtest.h>
@@ -77,37 +77,57 @@ TEST(PlayerLoading, AsksForTheMostUrgentFirstAndOnlyOnce) {
   EXPECT_EQ(ranges[2].offset, index.chunks[2].offset);
 }
 
-TEST(PlayerLoading, AsksThreeTimesThenReportsTheFile) {
+TEST(PlayerLoading, ARefusalIsFinalAndNamesTheFile) {
   Shelf shelf;
   const Need need{0, 0, true, {}};
   shelf.loading.requestMissing({&need, 1}, -1);
   const FetchRange header = shelf.asked()[1];
-  for (int retry = 0; retry < 2; ++retry) {
-    EXPECT_TRUE(shelf.loading.refuse(header.id, "offline").status.ok());
-    const std::vector<FetchRange> again = shelf.asked();
-    ASSERT_EQ(again.size(), 1u);
-    EXPECT_EQ(again[0].id, header.id);
-  }
-  const Arrival failed = shelf.loading.refuse(header.id, "offline");
+  const Arrival failed = shelf.loading.refuse(header.id, "HTTP 404");
   ASSERT_FALSE(failed.status.ok());
   EXPECT_EQ(failed.status.error().id, ErrorId::FetchFailed);
   EXPECT_EQ(failed.sequence, 0);
   EXPECT_NE(failed.status.error().message.find("walk.bin"), std::string::npos);
-  EXPECT_TRUE(shelf.loading.refuse(header.id, "offline").status.ok()) << "it is settled";
+  EXPECT_TRUE(shelf.loading.refuse(header.id, "HTTP 404").status.ok()) << "it is settled";
   EXPECT_EQ(shelf.answer(header).what, Arrival::What::Nothing);
 }
 
-TEST(PlayerLoading, AnAnswerThatSucceedsAfterAFailureCounts) {
+TEST(PlayerLoading, WhatFailedIsAskedForAgainWhenItIsRevived) {
+  const Need need{0, 0, true, {}};
+  const auto spoil = [](std::vector<uint8_t> bytes) { return bytes[0] ^= 1, bytes; };
+  for (int part = 0; part < 2; ++part) {  // mesh, header
+    for (bool refused : {true, false}) {
+      Shelf shelf;
+      EXPECT_FALSE(shelf.loading.revive(0)) << "it is well";
+      shelf.loading.requestMissing({&need, 1}, -1);
+      const FetchRange range = shelf.asked()[size_t(part)];
+      const std::vector<uint8_t> damaged = spoil(shelf.character.files.at(range.uri));
+      const Arrival failed = refused ? shelf.loading.refuse(range.id, "HTTP 404")
+                                     : shelf.loading.receive(range.id, std::span(damaged).first(range.bytes));
+      ASSERT_FALSE(failed.status.ok());
+      EXPECT_TRUE(shelf.loading.markBroken(failed.sequence));
+      shelf.loading.requestMissing({&need, 1}, -1);
+      EXPECT_TRUE(shelf.asked().empty()) << "not by itself";
+      EXPECT_TRUE(shelf.loading.revive(0));
+      shelf.loading.requestMissing({&need, 1}, -1);
+      const std::vector<FetchRange> again = shelf.asked();
+      ASSERT_EQ(again.size(), 1u) << "what is on its way is not asked for twice";
+      EXPECT_EQ(again[0].uri, range.uri);
+      EXPECT_TRUE(shelf.answer(again[0]).status.ok());
+      EXPECT_EQ(shelf.loading.hasHeader(0), part == 1);
+    }
+  }
+}
+
+TEST(PlayerLoading, ARevivedSequenceFetchesItsPicturesAgain) {
   Shelf shelf;
   const Need need{0, 0, true, {}};
-  shelf.loading.requestMissing({&need, 1}, -1);
-  const FetchRange header = shelf.asked()[1];
-  EXPECT_TRUE(shelf.loading.refuse(header.id, "offline").status.ok());
-  const std::vector<uint8_t> too_short(header.bytes - 1);
-  EXPECT_EQ(shelf.loading.receive(header.id, too_short).what, Arrival::What::Nothing) << "counts as a failure";
-  EXPECT_EQ(shelf.asked().size(), 2u);
-  EXPECT_EQ(shelf.answer(header).what, Arrival::What::Header);
-  EXPECT_TRUE(shelf.loading.hasHeader(0));
+  shelf.fill(need);
+  EXPECT_TRUE(shelf.loading.markBroken(0));
+  EXPECT_TRUE(shelf.loading.revive(0));
+  EXPECT_EQ(shelf.loading.video(0, 0), nullptr);
+  shelf.fill(need);
+  EXPECT_NE(shelf.loading.video(0, 0), nullptr);
+  EXPECT_TRUE(shelf.geometry(0, 3));
 }
 
 TEST(PlayerLoading, ABrokenSequenceIsNotAskedForAndTheOtherStays) {

@@ -105,20 +105,22 @@ TEST(PlayerPhases, ATargetThatIsLateIsPlannedForAgainWithALongerLead) {
   EXPECT_EQ(w.step(0.5), Step::Nothing);
 }
 
-TEST(PlayerPhases, SelectsWithoutAGraphOrAfterFiveSecondsButNotWhileHeld) {
+TEST(PlayerPhases, SelectsWithoutAGraphOrIfADecoderGivesNothingForFiveSeconds) {
   World w;
   w.transitions.begin(1, 0);
   w.view.graph_failed = true;
   EXPECT_EQ(w.step(0.1), Step::Select);
   w.view.graph_failed = false;
   w.view.target_has_header = false;
-  EXPECT_EQ(w.step(4.9), Step::Nothing);
-  EXPECT_EQ(w.step(5.1), Step::Select);
+  EXPECT_EQ(w.step(60), Step::Nothing) << "the network is waited for";
+  w.view.target_fetched = true;
+  EXPECT_EQ(w.step(64.9), Step::Nothing);
+  EXPECT_EQ(w.step(65.1), Step::Select);
   w.view.held = true;
-  EXPECT_EQ(w.step(60), Step::Nothing);
+  EXPECT_EQ(w.step(80), Step::Nothing);
   w.view.held = false;
-  EXPECT_EQ(w.step(64), Step::Nothing) << "the pause does not count";
-  EXPECT_EQ(w.step(66), Step::Select);
+  EXPECT_EQ(w.step(84), Step::Nothing) << "the pause does not count";
+  EXPECT_EQ(w.step(86), Step::Select);
 }
 
 TEST(PlayerPhases, TheGraphMayHaveNoWay) {

@@ -26,8 +26,10 @@ void fill(GopCache& cache, GopKey key, size_t bytes) {
 
 }  // namespace
 
-class NoFrames final : public package::ChunkDecoder {
+// A decoded GOP of 100 bytes.
+class SomeFrames final : public package::ChunkDecoder {
  public:
+  SomeFrames() { frames_.labels.resize(100); }
   Status decodeTo(uint32_t) override { return {}; }
   uint32_t decodedCount() const override { return 0; }
   const package::ChunkFrames& frames() const override { return frames_; }
@@ -116,14 +118,29 @@ TEST(GopCache, NeverEvictsWhatIsKeptOrBeingFetched) {
   EXPECT_EQ(cache.encodedBytes(), 0u);
 }
 
-TEST(GopCache, DecodedGeometryIsHeldForKeptGopsOnly) {
-  GopCache cache(1000);
+TEST(GopCache, DecodedGeometryIsKeptWithinItsBudget) {
+  GopCache cache(1000, 300);
   for (uint32_t g = 0; g < 5; ++g) {
     fill(cache, {0, g}, 10);
-    cache.find({0, g})->geometry = std::make_unique<NoFrames>();
+    cache.find({0, g})->geometry = std::make_unique<SomeFrames>();
   }
-  cache.trim({{0, 1}, {0, 2}, {0, 3}});
+  cache.touch({0, 0});
+  cache.trim({{0, 1}, {0, 2}});
+  EXPECT_EQ(cache.decodedBytes(), 300u);
+  EXPECT_NE(cache.find({0, 0})->geometry, nullptr) << "used last";
+  EXPECT_EQ(cache.find({0, 3})->geometry, nullptr);
+  cache.trim({{0, 1}, {0, 2}, {0, 3}, {0, 4}});
   EXPECT_EQ(cache.decodedCount(), 3u);
-  EXPECT_EQ(cache.find({0, 0})->geometry, nullptr);
-  EXPECT_EQ(cache.encodedBytes(), 50u);
+  EXPECT_EQ(cache.encodedBytes(), 50u) << "its bytes stay";
+}
+
+TEST(GopCache, KeptGeometryMayExceedItsBudget) {
+  GopCache cache(1000, 100);
+  for (uint32_t g = 0; g < 3; ++g) {
+    fill(cache, {0, g}, 10);
+    cache.find({0, g})->geometry = std::make_unique<SomeFrames>();
+  }
+  cache.trim({{0, 0}, {0, 1}});
+  EXPECT_EQ(cache.decodedCount(), 2u);
+  EXPECT_EQ(cache.find({0, 2})->geometry, nullptr);
 }
