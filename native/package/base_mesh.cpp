@@ -41,8 +41,8 @@ bool mappingInRange(const draco::PointAttribute& attribute, uint32_t point_count
 
 }  // namespace
 
-std::unique_ptr<draco::Mesh> decodeDracoMesh(std::span<const uint8_t> bytes) {
-  if (!looksLikeMesh(bytes)) return nullptr;
+std::unique_ptr<draco::Mesh> decodeDracoMesh(std::span<const uint8_t> bytes, uint32_t max_faces) {
+  if (!looksLikeMesh(bytes, max_faces)) return nullptr;
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   auto mesh = std::make_unique<draco::Mesh>();
@@ -78,9 +78,9 @@ Result<BaseMesh> baseMeshFromDraco(const draco::Mesh& mesh) {
   return out;
 }
 
-Result<BaseMesh> decodeBaseMesh(std::span<const uint8_t> bytes) {
-  const auto mesh = decodeDracoMesh(bytes);
-  if (!mesh) return invalid("Draco cannot decode it");
+Result<BaseMesh> decodeBaseMesh(std::span<const uint8_t> bytes, uint32_t max_faces) {
+  const auto mesh = decodeDracoMesh(bytes, max_faces);
+  if (!mesh) return invalid("Draco cannot decode it, or it has other counts than the manifest says");
   return baseMeshFromDraco(*mesh);
 }
 

@@ -28,7 +28,8 @@ struct EncodedBaseMesh {
 // position_bits/uv_bits: Draco quantisation. Errors: Internal.
 Result<EncodedBaseMesh> encodeBaseMesh(const MeshTopology& topology, const Positions& positions, int position_bits = 14,
                                        int uv_bits = 13);
-// Errors: MeshDataInvalid. Never allocates more than the counts that Draco has already checked against the bytes.
-Result<BaseMesh> decodeBaseMesh(std::span<const uint8_t> bytes);
+constexpr uint32_t kMaxFaces = 1u << 22;
+// Errors: MeshDataInvalid. `max_faces`: what the manifest says; more are refused before Draco allocates for them.
+Result<BaseMesh> decodeBaseMesh(std::span<const uint8_t> bytes, uint32_t max_faces = kMaxFaces);
 
 }  // namespace fourdvt::package

@@ -10,7 +10,7 @@
 namespace fourdvt::package {
 
 // Null if the bytes are not an edgebreaker mesh that decodes.
-std::unique_ptr<draco::Mesh> decodeDracoMesh(std::span<const uint8_t> bytes);
+std::unique_ptr<draco::Mesh> decodeDracoMesh(std::span<const uint8_t> bytes, uint32_t max_faces = kMaxFaces);
 // Checks attributes, mappings and finiteness. Errors: MeshDataInvalid.
 Result<BaseMesh> baseMeshFromDraco(const draco::Mesh& mesh);
 

@@ -25,6 +25,15 @@ uint32_t partCount(const Counts& counts) {
   return 2 * counts.member_count + counts.reference_count + counts.alignment_count;
 }
 
+// What one decoded frame takes: ChunkFrames::bytes() of a chunk, by its counts.
+template <class Counts>
+uint64_t decodedFrameBytes(const Counts& counts) {
+  const uint64_t vertices = counts.vertex_count, faces = counts.face_count;
+  return counts.member_count * (vertices * sizeof(glm::ivec3) + counts.layer_count * faces + sizeof(glm::vec3)) +
+         counts.reference_count * vertices * sizeof(glm::ivec3) +
+         counts.alignment_count * vertices * sizeof(glm::ivec2);
+}
+
 // StreamIndex → ChunkFrames or back; all counts but that of the frames, which differ.
 template <class From, class To>
 void copyCounts(const From& from, To& to) {

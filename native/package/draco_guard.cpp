@@ -28,8 +28,7 @@ bool headerIs(ByteReader& in, uint8_t minor, uint8_t type, uint8_t method) {
 
 }  // namespace
 
-bool looksLikeMesh(std::span<const uint8_t> bytes) {
-  constexpr uint32_t kMaxCount = 1u << 22;
+bool looksLikeMesh(std::span<const uint8_t> bytes, uint32_t max_faces) {
   constexpr uint64_t kMaxFacesPerByte = 64;
   ByteReader in(bytes);
   if (!headerIs(in, draco::kDracoMeshBitstreamVersionMinor, draco::TRIANGULAR_MESH, draco::MESH_EDGEBREAKER_ENCODING)) {
@@ -39,7 +38,7 @@ bool looksLikeMesh(std::span<const uint8_t> bytes) {
   const uint32_t vertices = varint(in), faces = varint(in);
   const uint8_t attribute_tables = in.u8();
   const uint32_t symbols = varint(in), splits = varint(in);
-  if (!in.ok() || vertices < 3 || vertices > kMaxCount || faces < 1 || faces > kMaxCount) return false;
+  if (!in.ok() || vertices < 3 || faces < 1 || faces > max_faces) return false;
   return faces <= kMaxFacesPerByte * bytes.size() && vertices <= 3ull * faces && attribute_tables <= 8 &&
          symbols <= faces && splits <= symbols;
 }

@@ -8,7 +8,7 @@
 
 namespace fourdvt::package {
 
-// True for an edgebreaker mesh whose counts are within limits that the bytes can plausibly hold.
-bool looksLikeMesh(std::span<const uint8_t> bytes);
+// True for an edgebreaker mesh of at most `max_faces` whose counts the bytes can plausibly hold.
+bool looksLikeMesh(std::span<const uint8_t> bytes, uint32_t max_faces);
 
 }  // namespace fourdvt::package

@@ -125,6 +125,20 @@ Status readCounts(ByteReader& in, StreamIndex& index, size_t span_bytes) {
 
 }  // namespace
 
+bool keepsMemoryLimits(const StreamIndex& index) {
+  const uint64_t frame_bytes = decodedFrameBytes(index);
+  for (const ChunkEntry& chunk : index.chunks)
+    if (chunk.bytes > kMaxChunkBytes || chunk.frame_count * frame_bytes > kMaxDecodedChunkBytes) return false;
+  for (const SampleTable& table : index.renditions) {
+    for (size_t c = 0; c < index.chunks.size(); ++c) {
+      const VideoSample& first = table.samples[table.chunk_first_sample[c]];
+      const VideoSample& last = table.samples[table.chunk_first_sample[c + 1] - 1];
+      if (last.offset + last.bytes - first.offset > kMaxGopVideoBytes) return false;
+    }
+  }
+  return true;
+}
+
 uint32_t StreamIndex::chunkOfFrame(uint32_t frame) const {
   auto it = std::upper_bound(chunks.begin(), chunks.end(), frame,
                              [](uint32_t f, const ChunkEntry& c) { return f < c.first_frame; });
@@ -169,6 +183,7 @@ Result<StreamIndex> readStreamHeader(std::span<const uint8_t> bytes) {
   if (!in.ok() || renditions == 0 || renditions > kMaxRenditions) return invalid("bad rendition count");
   for (uint32_t r = 0; r < renditions; ++r) FOURDVT_TRY(readRendition(in, index));
   if (!in.ok() || in.remaining() != 0) return invalid("trailing bytes");
+  if (!keepsMemoryLimits(index)) return invalid("a GOP would take more memory than any should");
   return index;
 }
 

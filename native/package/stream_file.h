@@ -46,10 +46,17 @@ struct StreamIndex {
   uint32_t chunkOfFrame(uint32_t frame) const;
 };
 
+// The most memory that one GOP may take in a reader, in bytes: its chunk as it is in the file and decoded, and its
+// video samples. Few bytes can say a great deal: frames that do not move take next to none.
+constexpr uint64_t kMaxChunkBytes = 64u << 20, kMaxDecodedChunkBytes = 256u << 20, kMaxGopVideoBytes = 64u << 20;
+// Whether every GOP keeps to them.
+bool keepsMemoryLimits(const StreamIndex& index);
+
 // Header bytes with offsets already final. `stream_header_bytes` in the manifest is the size of the result.
 std::vector<uint8_t> writeStreamHeader(const StreamIndex& index);
 // Checks magic, version, counts against each other and against the span; frames covered exactly once; every chunk
-// starts on a key sample, samples of a chunk are contiguous and cover its frames once. Errors: StreamInvalid.
+// starts on a key sample, samples of a chunk are contiguous and cover its frames once; keepsMemoryLimits. Errors:
+// StreamInvalid.
 Result<StreamIndex> readStreamHeader(std::span<const uint8_t> bytes);
 
 // One chunk's contents: positions quantised to int32 (position = origin + step * q), labels planar.

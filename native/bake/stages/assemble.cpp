@@ -93,7 +93,10 @@ Result<std::vector<uint8_t>> finalHeader(package::StreamIndex& index) {
     std::vector<uint8_t> next = package::writeStreamHeader(index);
     const bool stable = next.size() == header.size();
     header = std::move(next);
-    if (stable) return header;
+    if (!stable) continue;
+    if (package::keepsMemoryLimits(index)) return header;
+    return Error{ErrorId::InvalidArgument,
+                 "a group of pictures takes more memory than players allow; bake again with a smaller --gop"};
   }
   return Error{ErrorId::Internal, "the stream header's size does not settle"};
 }

@@ -143,7 +143,7 @@ PartState* Loading::stateOf(const FetchPurpose& purpose) {
 }
 
 Status Loading::receiveMesh(std::span<const uint8_t> bytes) {
-  auto mesh = package::decodeBaseMesh(bytes);
+  auto mesh = package::decodeBaseMesh(bytes, character_->face_count);
   if (!mesh.ok()) return named(character_->mesh_uri, mesh.error());
   const MeshTopology& topology = mesh.value().topology;
   if (topology.vertex_count != character_->vertex_count || topology.faceCount() != character_->face_count)
@@ -175,10 +175,11 @@ Status Loading::checkHeader(int sequence_index, const package::StreamIndex& i) c
   for (const package::ChunkEntry& chunk : i.chunks)
     if (!liesWithin(chunk.offset, chunk.bytes, q.stream_bytes))
       return Error{ErrorId::StreamInvalid, q.stream_uri + ": a chunk lies beyond the end of the file"};
-  const package::Rendition& rendition = q.renditions[0];
-  for (const package::VideoSample& sample : i.renditions[0].samples)
-    if (!liesWithin(sample.offset, sample.bytes, rendition.video_bytes))
-      return Error{ErrorId::StreamInvalid, rendition.video_uri + ": a video sample lies beyond the end of the file"};
+  for (size_t r = 0; r < q.renditions.size(); ++r)
+    for (const package::VideoSample& sample : i.renditions[r].samples)
+      if (!liesWithin(sample.offset, sample.bytes, q.renditions[r].video_bytes))
+        return Error{ErrorId::StreamInvalid,
+                     q.renditions[r].video_uri + ": a video sample lies beyond the end of the file"};
   return {};
 }
 

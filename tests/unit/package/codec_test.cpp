@@ -14,6 +14,7 @@
 #include "package/barcode.h"
 #include "package/base_mesh.h"
 #include "package/character.h"
+#include "package/chunk_counts.h"
 #include "package/stream_file.h"
 
 using namespace fourdvt;
@@ -184,6 +185,38 @@ TEST(StreamHeader, RefusesMembersReferencesAndAlignmentThatCannotBe) {
   StreamIndex plain = smallIndex();
   plain.member_count = 1, plain.reference_count = plain.alignment_count = 0, plain.alignment_step_m = 0;
   EXPECT_TRUE(readStreamHeader(writeStreamHeader(plain)).ok());
+}
+
+TEST(StreamHeader, RefusesGopsThatTakeTooMuchMemory) {
+  const auto read = [](const StreamIndex& index) { return readStreamHeader(writeStreamHeader(index)); };
+  StreamIndex index = smallIndex();
+  index.chunks[1].bytes = kMaxChunkBytes;
+  EXPECT_TRUE(read(index).ok());
+  ++index.chunks[1].bytes;
+  EXPECT_EQ(read(index).error().id, ErrorId::StreamInvalid);
+  index = smallIndex();
+  // The second GOP's two samples follow each other.
+  for (SampleTable& table : index.renditions) {
+    table.samples[4].offset = table.samples[3].offset + (kMaxGopVideoBytes - 10);
+    table.samples[3].bytes = kMaxGopVideoBytes - 10, table.samples[4].bytes = 10;
+  }
+  EXPECT_TRUE(read(index).ok());
+  ++index.renditions[1].samples[4].bytes;
+  EXPECT_EQ(read(index).error().id, ErrorId::StreamInvalid) << "of any rendition";
+  // Few bytes, but a great deal of geometry: 3 members, 4 corrections and 2 alignment fields of 3 frames.
+  index = smallIndex();
+  const uint64_t vertex_bytes = 3 * (3 * 12 + 4 * 12 + 2 * 8);
+  index.vertex_count = uint32_t(kMaxDecodedChunkBytes / vertex_bytes) - 1;
+  EXPECT_TRUE(read(index).ok());
+  index.vertex_count += 2;
+  EXPECT_EQ(read(index).error().id, ErrorId::StreamInvalid);
+}
+
+TEST(ChunkFrames, SayWhatTheyTakeInMemory) {
+  const ChunkFrames frames = randomFrames(3, 20, 30, 2, 1, {3, 4, true});
+  StreamIndex index;
+  copyCounts(frames, index);
+  EXPECT_EQ(frames.bytes(), 3 * decodedFrameBytes(index));
 }
 
 TEST(StreamHeader, SurvivesEveryByteFlip) {
@@ -455,6 +488,15 @@ TEST(BaseMesh, RefusesTruncationAndSurvivesDamage) {
     damaged[n] ^= 0x5a;
     (void)decodeBaseMesh(damaged);
   }
+}
+
+TEST(BaseMesh, RefusesMoreFacesThanItShouldHave) {
+  MeshTopology topology;
+  Positions positions;
+  makeGrid(6, topology, positions);
+  const std::vector<uint8_t> bytes = encodeBaseMesh(topology, positions).take().bytes;
+  EXPECT_TRUE(decodeBaseMesh(bytes, topology.faceCount()).ok());
+  EXPECT_FALSE(decodeBaseMesh(bytes, topology.faceCount() - 1).ok());
 }
 
 TEST(Barcode, AllIndicesRoundTripAndSingleBitErrorsAreSeen) {

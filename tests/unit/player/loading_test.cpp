@@ -164,6 +164,37 @@ TEST(PlayerLoading, AHeaderThatTheManifestContradictsIsRefused) {
   }
 }
 
+TEST(PlayerLoading, TheSampleTableOfEveryRenditionIsChecked) {
+  for (bool beyond : {false, true}) {
+    FakeCharacter character = twoSequences();
+    std::vector<uint8_t>& file = character.files["walk.bin"];
+    const std::string walk = std::string("/extensions/") + package::kExtensionName + "/sequences/0";
+    const auto header_bytes = size_t(*character.manifest.number(walk + "/stream/headerLength"));
+    package::StreamIndex index = package::readStreamHeader(std::span(file).first(header_bytes)).take();
+    index.renditions.push_back(index.renditions[0]);
+    if (beyond) index.renditions[1].samples.back().bytes += 1;
+    const size_t grown = package::writeStreamHeader(index).size() - header_bytes;
+    for (package::ChunkEntry& chunk : index.chunks) chunk.offset += grown;
+    std::vector<uint8_t> stream = package::writeStreamHeader(index);
+    stream.insert(stream.end(), file.begin() + long(header_bytes), file.end());
+    character.manifest.set(walk + "/stream/headerLength", double(header_bytes + grown));
+    character.manifest.set(walk + "/stream/byteLength", double(stream.size()));
+    file = std::move(stream);
+    for (const char* field : {"/uri", "/codec"})
+      character.manifest.set(walk + "/renditions/1" + field,
+                             *character.manifest.string(walk + "/renditions/0" + field));
+    for (const char* field :
+         {"/byteLength", "/width", "/height", "/layers/0/0", "/layers/0/1", "/layers/0/2", "/layers/0/3",
+          "/barcode/rect/0", "/barcode/rect/1", "/barcode/rect/2", "/barcode/rect/3", "/barcode/cellSize"})
+      character.manifest.set(walk + "/renditions/1" + field,
+                             *character.manifest.number(walk + "/renditions/0" + field));
+    Shelf shelf(std::move(character));
+    const Need need{0, 0, true, {}};
+    shelf.loading.requestMissing({&need, 1}, -1);
+    EXPECT_EQ(shelf.answer(shelf.asked()[1]).status.ok(), !beyond);
+  }
+}
+
 TEST(PlayerLoading, GeometryIsThatOfItsFrame) {
   Shelf shelf;
   EXPECT_FALSE(shelf.geometry(0, 0)) << "nothing there yet";
