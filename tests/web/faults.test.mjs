@@ -485,6 +485,14 @@ test('promises that an element makes to its page', async () => {
     return globalThis.seen.filter((e) => e.type === 'parameterchange').map((e) => e.value === parameter.max);
   });
   assert.deepEqual(told, [true], 'whoever shows the value hears of it');
+  const refused = await get(scene, async () => {
+    globalThis.viewer.pause();
+    globalThis.viewer.sequence = globalThis.viewer.sequences.at(-1).name; // it has to be fetched
+    const promise = globalThis.viewer.play();
+    globalThis.viewer.goTo('no such motion');
+    return promise.then(() => 'played', (reason) => reason.id);
+  });
+  assert.equal(refused, 'played', 'a command that is refused changes nothing');
   const outcome = await get(scene, async () => {
     globalThis.viewer.load();
     const promise = globalThis.viewer.play();

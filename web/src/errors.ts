@@ -18,6 +18,15 @@ export class ViewerError extends Error {
   }
 }
 
+/** The whole address that `src` names. Errors: ViewerError 'invalid-argument'. */
+export function characterAddress(src: string, base: string): string {
+  try {
+    return new URL(src, base).href;
+  } catch {
+    throw new ViewerError('invalid-argument', `src="${src}" is no address: it must name a character.gltf`);
+  }
+}
+
 export function asViewerError(reason: unknown): ViewerError {
   if (reason instanceof ViewerError) return reason;
   const text = reason instanceof Error ? `${reason.name}: ${reason.message}` : String(reason);

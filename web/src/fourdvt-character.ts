@@ -4,6 +4,7 @@
 // and pauses with it, and comes back as it was after a lost GL context.
 import { Commands } from './commands.js';
 import { JOIN_EVENT, type Companion } from './companion.js';
+import { asViewerError, characterAddress } from './errors.js';
 import type { Placement } from './wasm-player.js';
 
 export class FourdvtCharacter extends HTMLElement {
@@ -56,10 +57,9 @@ export class FourdvtCharacter extends HTMLElement {
     const emit = (name: string, detail?: unknown): void => void this.dispatchEvent(new CustomEvent(name, { detail }));
     let address: string | null = null;
     try {
-      if (src !== null) address = new URL(src, this.baseURI).href;
-    } catch {
-      const detail = { id: 'invalid-argument', message: `src="${src}" is no address: it must name a character.gltf` };
-      return queueMicrotask(() => emit('error', detail)); // whoever has just set it wants to listen first
+      if (src !== null) address = characterAddress(src, this.baseURI);
+    } catch (reason) {
+      return queueMicrotask(() => emit('error', asViewerError(reason).detail)); // whoever has set it wants to listen first
     }
     const companion: Companion = { commands: this.#commands, src: address, left: signal, emit };
     this.dispatchEvent(new CustomEvent(JOIN_EVENT, { bubbles: true, detail: companion }));

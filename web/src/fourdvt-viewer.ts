@@ -3,7 +3,7 @@
 // Attributes and events follow <model-viewer> and the media element; web/README.md lists them.
 import { Commands } from './commands.js';
 import { JOIN_EVENT, type Companion } from './companion.js';
-import { ViewerError, type ErrorDetail } from './errors.js';
+import { asViewerError, characterAddress, ViewerError, type ErrorDetail } from './errors.js';
 import { FourdvtCharacter } from './fourdvt-character.js';
 import { MotionControls } from './motion-controls.js';
 import { OrbitCamera, parseOrbit, parseTarget, type Follow } from './orbit-camera.js';
@@ -350,11 +350,10 @@ export class FourdvtViewer extends HTMLElement {
   #startSession(canvas: HTMLCanvasElement): void {
     let src: string;
     try {
-      src = new URL(this.src, this.baseURI).href;
-    } catch {
+      src = characterAddress(this.src, this.baseURI);
+    } catch (reason) {
       // Not at once: whoever has just set it wants to listen first.
-      const detail = { id: 'invalid-argument', message: `src="${this.src}" is no address: it must name a character.gltf` };
-      return queueMicrotask(() => { if (canvas === this.#canvas) this.#onSessionEvent('error', detail); });
+      return queueMicrotask(() => { if (canvas === this.#canvas) this.#onSessionEvent('error', asViewerError(reason).detail); });
     }
     const session = (this.#session = new Session(canvas, {
       src,
@@ -515,13 +514,15 @@ export class FourdvtViewer extends HTMLElement {
     this.#emit(name, detail);
   }
 
-  // The panel is for errors that leave nothing to look at, or the wanted motion standing still.
+  // The panel is for errors that leave nothing to look at, or the wanted motion standing still; a command that was
+  // refused changes nothing.
   #onError(error: ErrorDetail): void {
     this.#error = error;
-    this.#settlePlay(new ViewerError(error.id, error.message));
     const over = this.#loading || (this.#session?.ended ?? true);
-    if (over || this.#standsStill) this.#overlay.fail(FAILURES[error.id] ?? 'This character cannot be shown.', over);
     this.#loading = false;
+    if (!over && !this.#standsStill) return;
+    this.#settlePlay(new ViewerError(error.id, error.message));
+    this.#overlay.fail(FAILURES[error.id] ?? 'This character cannot be shown.', over);
   }
   // Nothing will come of what is wanted.
   get #standsStill(): boolean { return (this.#session?.ended ?? true) || (this.#commands.state()?.failed ?? false); }

@@ -9,7 +9,8 @@ const FIRST_PAUSE_MS = 300;
 const LONGEST_PAUSE_MS = 15_000;
 const STALL_MS = 10_000; // without a byte
 
-type Report = (waiting: boolean) => void;
+/** Hears when waiting for the network begins, and when it ends. */
+export type Report = (waiting: boolean) => void;
 
 class PassingFault extends Error {
   readonly pauseMs: number;
@@ -47,7 +48,7 @@ async function patiently<T>(attempt: () => Promise<T>, report: Report, signal?: 
         if (signal?.aborted || !(reason instanceof PassingFault)) throw reason;
         tell(true);
         await pause(Math.max(reason.pauseMs, ms * (0.5 + Math.random() / 2)), signal);
-        signal?.throwIfAborted();
+        if (signal?.aborted) throw reason;
       }
     }
   } finally {
@@ -65,6 +66,7 @@ interface Answer {
 async function ask(url: string, init: RequestInit, signal?: AbortSignal): Promise<Answer> {
   const abort = new AbortController();
   const stop = (): void => abort.abort();
+  if (signal?.aborted) stop();
   signal?.addEventListener('abort', stop);
   let timer = setTimeout(stop, STALL_MS);
   const done = (): void => {
@@ -119,9 +121,14 @@ async function refusesThisPage(url: string, init: RequestInit, signal?: AbortSig
   if (new URL(url).origin === globalThis.location?.origin) return false;
   const answers = (more: RequestInit): Promise<boolean> => {
     const abort = new AbortController();
-    const limit = AbortSignal.timeout(STALL_MS);
-    for (const end of [limit, signal]) end?.addEventListener('abort', () => abort.abort());
-    return fetch(url, { ...more, signal: abort.signal }).then(() => true, () => false).finally(() => abort.abort());
+    const stop = (): void => abort.abort();
+    const timer = setTimeout(stop, STALL_MS);
+    signal?.addEventListener('abort', stop);
+    return fetch(url, { ...more, signal: abort.signal }).then(() => true, () => false).finally(() => {
+      clearTimeout(timer);
+      signal?.removeEventListener('abort', stop);
+      stop(); // nobody reads the body
+    });
   };
   return (await answers({ mode: 'no-cors' })) && !(await answers({ ...init, credentials: 'same-origin' }));
 }

@@ -6,10 +6,9 @@ import createPlayer from 'fourdvt-wasm';
 
 import type { ModuleOptions, WasmModule } from './wasm-abi.js';
 import { asViewerError, ViewerError } from './errors.js';
-import { fetchFile } from './transport.js';
+import { fetchFile, type Report } from './transport.js';
 
 type CreateModule = (options: ModuleOptions) => Promise<WasmModule>;
-type Report = (waiting: boolean) => void;
 
 const compiled = new Map<string, Promise<WebAssembly.Module>>();
 
