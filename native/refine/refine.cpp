@@ -18,6 +18,9 @@ namespace {
 
 // A measured bias of the mattes below this is not corrected: keyers, codecs and textures are worth as much.
 constexpr double kLeastBiasPixels = 0.25;
+// A mesh whose outlines lie as close to the mattes' in the median, and nowhere far from them, stays as given: a bias of
+// the mattes below kLeastBiasPixels cannot be told from the mesh's.
+constexpr double kExactPixels = kLeastBiasPixels, kExactP95Pixels = 1;
 constexpr size_t kFewestMatteEdges = 200;
 // A camera changes if its outline shifts by more than three standard deviations, to which this is added for what
 // leaving out blocks cannot tell (the mesh's errors all round).
@@ -88,6 +91,7 @@ class Refiner {
   bool fitCameras(bool with_position);                  // whether any of them did
   // Whether what half of the cameras say brings the outlines closer in the other half.
   bool supported(const AllPoints& points) const;
+  bool alreadyExact(const AllPoints& points) const;
   void fitSurface();
   std::map<std::string, capture::SlowOffsets> fitSlow();
   void record(const AllPoints& points, bool after);
@@ -106,7 +110,8 @@ class Refiner {
   std::vector<RefineFrame> frames_;
   std::vector<size_t> camera_frames_;  // of frames_, to which cameras are fitted
   Offsets offsets_;
-  bool moved_any_ = false;     // the outlines supported offsets
+  bool moved_any_ = false;     // offsets were fitted
+  bool exact_ = false;         // they serve only to judge the cameras by: the mesh stays as given
   std::vector<Offsets> slow_;  // [frame] departures, or empty
   struct Moved {
     Positions positions;
@@ -272,6 +277,15 @@ bool Refiner::supported(const AllPoints& points) const {
   return !half.empty() && !with.empty() && robustScale(with) < robustScale(without);
 }
 
+bool Refiner::alreadyExact(const AllPoints& points) const {
+  std::vector<double> residuals;
+  for (const auto& frame : points)
+    for (const auto& of_camera : frame)
+      for (const OutlinePoint& point : of_camera) residuals.push_back(point.residual_pixels);
+  const Residuals all = summary(residuals);
+  return all.points > 0 && all.median_pixels < kExactPixels && all.p95_pixels < kExactP95Pixels;
+}
+
 void Refiner::fitSurface() {
   double before = 1e9;
   Offsets offsets_before = offsets_;
@@ -280,7 +294,8 @@ void Refiner::fitSurface() {
     std::vector<OffsetClaim> claims;
     std::vector<double> residuals;
     const AllPoints points = measureAll();
-    if (!moved_any_ && !supported(points)) return;
+    if (!moved_any_) exact_ = alreadyExact(points);
+    if (!moved_any_ && !exact_ && !supported(points)) return;
     moved_any_ = true;
     for (const auto& frame : points)
       for (const auto& of_camera : frame)
@@ -412,13 +427,15 @@ Result<Refinement> Refiner::run(const OpenVideo& open_video) {
     fitSurface();
   }
   auto offsets = std::make_shared<capture::SurfaceOffsets>();
-  if (options_.outline && !moved_any_)
-    out_.note = noPointsAtAll()
-                    ? "The mesh stays as given: no camera shows an edge of its matte near the mesh's outline. "
-                      "Check the mattes, the calibration and the axes."
-                    : "The mesh stays as given: what half of the cameras say about its outline does not "
-                      "help the other half. Check the calibration and the mattes.";
-  const bool moves = options_.outline && moved_any_;
+  if (options_.outline && (!moved_any_ || exact_))
+    out_.note =
+        noPointsAtAll() ? "The mesh stays as given: no camera shows an edge of its matte near the mesh's outline. "
+                          "Check the mattes, the calibration and the axes."
+        : exact_ ? "The mesh stays as given: in the median its outlines lie within a quarter pixel of the mattes', "
+                   "which are not known better."
+                 : "The mesh stays as given: what half of the cameras say about its outline does not "
+                   "help the other half. Check the calibration and the mattes.";
+  const bool moves = options_.outline && moved_any_ && !exact_;
   if (moves) {
     FOURDVT_TRY(tell("surface", 0.95));
     offsets->slow = fitSlow();

@@ -14,13 +14,15 @@ namespace {
 
 constexpr int kCameras = 6, kFrames = 3;
 constexpr double kTooLarge_m = 0.004;
+constexpr double kFacets_m = 0.0012;  // how far the ball's corners lie outside, where its faces agree with the pictures
 
 bool goOn(const std::string&, double) { return true; }
 
 // A red ball before green, and its matte, which may be too large by some pixels, or missing.
 class BallCapture : public capture::TempFolder {
  public:
-  explicit BallCapture(double matte_grown = 0, bool mattes = true, int cameras = kCameras) {
+  explicit BallCapture(double matte_grown = 0, bool mattes = true, int cameras = kCameras,
+                       double too_large_m = kTooLarge_m, double bump_m = 0) {
     write("capture.json", R"({"fps": 25, "sequences": [{"name": "still", "frames": 3, "loop": true}]})");
     std::vector<capture::CaptureCamera> ring;
     for (int c = 0; c < cameras; ++c) ring.push_back({ballCamera(c, kCameras), {}});
@@ -43,7 +45,7 @@ class BallCapture : public capture::TempFolder {
         write("still/cam" + number + "/" + capture::numbered(frame, ".png"), picture);
         write("still/mask" + number + "/" + capture::numbered(frame, ".png"), matte);
       }
-      write("still/mesh/" + capture::numbered(frame, ".obj"), objText());
+      write("still/mesh/" + capture::numbered(frame, ".obj"), objText(too_large_m, bump_m));
     }
   }
   capture::Capture open() const {
@@ -53,9 +55,12 @@ class BallCapture : public capture::TempFolder {
   }
 
  private:
-  static std::string objText() {
-    const BallMesh mesh = ballMesh(kBallRadius_m + kTooLarge_m, 3);
+  // The bump covers a quarter of the ball.
+  static std::string objText(double too_large_m, double bump_m) {
+    BallMesh mesh = ballMesh(kBallRadius_m + too_large_m, 3);
     std::string text;
+    for (glm::vec3& p : mesh.positions)
+      if (glm::normalize(p).z > 0.5f) p += static_cast<float>(bump_m) * glm::normalize(p);
     for (const glm::vec3& p : mesh.positions)
       text += "v " + std::to_string(p.x) + " " + std::to_string(p.y) + " " + std::to_string(p.z) + "\n";
     text += "vt 0 0\nvt 1 0\nvt 1 1\n";
@@ -89,6 +94,27 @@ TEST(Refine, BallTakesItsTrueSize) {
   EXPECT_EQ(refinement.frames, uint32_t(kFrames));
   EXPECT_FALSE(refinement.changedCameras());
   EXPECT_TRUE(refinement.slow.empty());
+}
+
+TEST(Refine, AMeshThatCannotBeToldFromExactStaysAsGiven) {
+  const BallCapture files(0, true, kCameras, kFacets_m);
+  const capture::Capture capture = files.open();
+  const Refinement refinement = refine(capture, {});
+  for (const CameraRefinement& camera : refinement.by_camera) {
+    EXPECT_LT(camera.before.median_pixels, 0.25);
+    EXPECT_EQ(camera.after.median_pixels, camera.before.median_pixels);
+  }
+  EXPECT_NEAR(radiusAfter(refinement, capture), kBallRadius_m + kFacets_m, 1e-6);
+  EXPECT_NE(refinement.note.find("quarter pixel"), std::string::npos);
+  EXPECT_FALSE(refinement.changedCameras());
+}
+
+TEST(Refine, AMeshThatIsFarOffInPlacesIsNotCalledExact) {
+  const BallCapture files(0, true, kCameras, kFacets_m, 0.005);
+  const capture::Capture capture = files.open();
+  const Refinement refinement = refine(capture, {});
+  EXPECT_GT(refinement.by_camera[1].before.p95_pixels, 1);
+  EXPECT_EQ(refinement.note.find("quarter pixel"), std::string::npos);
 }
 
 TEST(Refine, ErodedMattesAreCorrectedByThePictures) {
