@@ -14,7 +14,7 @@ command -v npm >/dev/null || page_packages+=(npm)
 browser_packages=(chromium fonts-dejavu-core)  # site/demo.sh --check
 lan_packages=(openssl qrencode)                # site/demo.sh --lan
 # The sanitizers' build has Clang, which compiles it in two thirds of GCC's time; Emscripten brings the compiler.
-test_packages=(libgtest-dev libclang-rt-14-dev "${browser_packages[@]}")
+test_packages=(libgtest-dev libclang-rt-14-dev "${browser_packages[@]}" firefox-esr xvfb)
 
 step() { printf '\n== %s\n' "$*"; }
 

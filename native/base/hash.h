@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// FNV-1a, 64 bit: keys and checksums of files that this program writes for itself. Does NOT detect forgery.
+// FNV-1a, 64 bit: keys and checksums of files that this program writes, and the content hashes of a character
+// (package/FORMAT.md). Does NOT detect forgery.
 #pragma once
 
 #include <cstdint>

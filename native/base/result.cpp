@@ -59,6 +59,8 @@ const char* errorName(ErrorId id) {
       return "interrupted";
     case ErrorId::DecoderLost:
       return "decoder-lost";
+    case ErrorId::FilesDiffer:
+      return "files-differ";
     case ErrorId::Internal:
       return "internal";
   }

@@ -40,6 +40,7 @@ enum class ErrorId : int {
   Interrupted,         // the user asked to stop
   Internal,
   DecoderLost,  // the decoder was taken away again and again
+  FilesDiffer,  // a character's files are not of one bake: a part has another content hash than it should
 };
 
 // Short stable name, e.g. "capture-json"; what the element's error event carries.

@@ -77,6 +77,7 @@ struct Sequence {
   std::string stream_uri;  // .bin
   uint64_t stream_bytes = 0;
   uint32_t stream_header_bytes = 0;   // header + index: fetch this much first
+  uint64_t stream_header_hash = 0;    // of these bytes, which hold the hashes of all others (base/hash.h)
   std::vector<Rendition> renditions;  // lowest bitrate first
   std::vector<Member> members;        // 1…kMaxMembers; exactly 1 for a plain sequence
   ParameterSpace space;
@@ -97,9 +98,10 @@ struct Character {
   double ground_y_m = 0;
   std::string mesh_uri;  // file that holds the Draco base mesh
   uint64_t mesh_offset = 0, mesh_bytes = 0;
+  uint64_t mesh_hash = 0;  // of these bytes (base/hash.h)
   std::string poster_uri;
   std::string graph_uri;  // motion graph (motion/motion_graph.h); empty: none
-  uint64_t graph_bytes = 0;
+  uint64_t graph_bytes = 0, graph_hash = 0;
   std::vector<Sequence> sequences;
 
   const Sequence* find(const std::string& sequence_name) const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "package/field_reader.h"
 
+#include <charconv>
 #include <cmath>
 
 namespace fourdvt::package {
@@ -52,6 +53,15 @@ std::string FieldReader::text(const std::string& pointer, size_t max_length) {
 std::string FieldReader::uri(const std::string& pointer) {
   std::string value = text(pointer, 512);
   if (ok() && !isSafeUri(value)) fail(pointer, "must be a relative path inside the character folder");
+  return value;
+}
+
+uint64_t FieldReader::hash(const std::string& pointer) {
+  const std::string digits = text(pointer, 16);
+  uint64_t value = 0;
+  const auto [end, failed] = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
+  if (ok() && (digits.size() != 16 || failed != std::errc() || end != digits.data() + 16))
+    fail(pointer, "is not a hash of 16 hexadecimal digits");
   return value;
 }
 

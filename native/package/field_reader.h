@@ -24,6 +24,7 @@ class FieldReader {
   double integer(const std::string& pointer, double low, double high);
   std::string text(const std::string& pointer, size_t max_length);
   std::string uri(const std::string& pointer);
+  uint64_t hash(const std::string& pointer);  // 16 hexadecimal digits
   bool flag(const std::string& pointer);
   // A list of exactly `count`.
   std::vector<double> numbers(const std::string& pointer, size_t count, double low, double high);

@@ -79,6 +79,7 @@ Sequence readSequence(FieldReader& in, const std::string& at, int layer_count) {
   s.stream_uri = in.uri(at + "/stream/uri");
   s.stream_bytes = uint64_t(in.integer(at + "/stream/byteLength", 1, kMaxBytes));
   s.stream_header_bytes = uint32_t(in.integer(at + "/stream/headerLength", 1, kMaxHeaderBytes));
+  s.stream_header_hash = in.hash(at + "/stream/headerHash");
   if (s.stream_header_bytes > s.stream_bytes) in.fail(at + "/stream/headerLength", "exceeds the stream");
   readMembers(in, at, s);
   const int squares = int(s.members.size()) * layer_count;
@@ -97,10 +98,12 @@ void readCharacter(FieldReader& in, const std::string& at, Character& c) {
   c.mesh_uri = in.uri(at + "/mesh/uri");
   c.mesh_offset = uint64_t(in.integer(at + "/mesh/byteOffset", 0, kMaxBytes));
   c.mesh_bytes = uint64_t(in.integer(at + "/mesh/byteLength", 1, 1 << 28));
+  c.mesh_hash = in.hash(at + "/mesh/hash");
   c.poster_uri = in.uri(at + "/poster/uri");
   if (in.has(at + "/graph")) {
     c.graph_uri = in.uri(at + "/graph/uri");
     c.graph_bytes = uint64_t(in.integer(at + "/graph/byteLength", 1, kMaxGraphBytes));
+    c.graph_hash = in.hash(at + "/graph/hash");
   }
   c.bounds.min = glm::vec3(in.vec3(at + "/bounds/min"));
   c.bounds.max = glm::vec3(in.vec3(at + "/bounds/max"));

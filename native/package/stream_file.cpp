@@ -11,7 +11,7 @@ namespace fourdvt::package {
 namespace {
 
 constexpr uint32_t kMagic = 0x53564434;  // "4DVS"
-constexpr uint16_t kVersion = 3;
+constexpr uint16_t kVersion = 4;
 constexpr uint32_t kKeyBit = 0x80000000u;
 constexpr uint32_t kMaxFrames = 1u << 20, kMaxCount = 1u << 22, kMaxChunkFrames = 65535, kMaxRenditions = 16;
 constexpr uint64_t kMaxOffset = 1ull << 53;
@@ -26,6 +26,7 @@ void writeRendition(ByteWriter& out, const SampleTable& table, const std::vector
   for (size_t c = 0; c < chunks.size(); ++c) {
     const uint32_t first = table.chunk_first_sample[c];
     out.u64(table.samples[first].offset);
+    out.u64(table.chunk_hash[c]);
     for (uint32_t s = first; s < table.chunk_first_sample[c + 1]; ++s) {
       const VideoSample& sample = table.samples[s];
       out.u32(sample.bytes | (sample.key ? kKeyBit : 0));
@@ -38,6 +39,7 @@ void writeRendition(ByteWriter& out, const SampleTable& table, const std::vector
 bool readChunkSamples(ByteReader& in, const ChunkEntry& chunk, SampleTable& table) {
   std::vector<bool> seen(chunk.frame_count, false);
   uint64_t offset = in.u64();
+  table.chunk_hash.push_back(in.u64());
   for (uint32_t i = 0; i < chunk.frame_count; ++i) {
     const uint32_t bytes_and_key = in.u32();
     const uint32_t frame = in.u16();
@@ -69,7 +71,7 @@ Status readRendition(ByteReader& in, StreamIndex& index) {
 
 Status readChunks(ByteReader& in, StreamIndex& index, size_t header_bytes) {
   const uint32_t count = in.u32();
-  if (!in.ok() || count == 0 || count > index.frame_count || in.remaining() / 16 < count)
+  if (!in.ok() || count == 0 || count > index.frame_count || in.remaining() / 24 < count)
     return invalid("bad GOP count");
   uint64_t next_frame = 0;
   for (uint32_t c = 0; c < count; ++c) {
@@ -78,6 +80,7 @@ Status readChunks(ByteReader& in, StreamIndex& index, size_t header_bytes) {
     chunk.frame_count = in.u32();
     chunk.bytes = in.u32();
     chunk.offset = in.u64();
+    chunk.hash = in.u64();
     next_frame += chunk.frame_count;
     if (chunk.frame_count == 0 || chunk.frame_count > kMaxChunkFrames || next_frame > index.frame_count) {
       return invalid("GOPs do not match the frame count");
@@ -130,13 +133,16 @@ bool keepsMemoryLimits(const StreamIndex& index) {
   for (const ChunkEntry& chunk : index.chunks)
     if (chunk.bytes > kMaxChunkBytes || chunk.frame_count * frame_bytes > kMaxDecodedChunkBytes) return false;
   for (const SampleTable& table : index.renditions) {
-    for (size_t c = 0; c < index.chunks.size(); ++c) {
-      const VideoSample& first = table.samples[table.chunk_first_sample[c]];
-      const VideoSample& last = table.samples[table.chunk_first_sample[c + 1] - 1];
-      if (last.offset + last.bytes - first.offset > kMaxGopVideoBytes) return false;
-    }
+    for (uint32_t c = 0; c < index.chunks.size(); ++c)
+      if (table.videoOf(c).bytes > kMaxGopVideoBytes) return false;
   }
   return true;
+}
+
+ByteSpan SampleTable::videoOf(uint32_t chunk) const {
+  const VideoSample& first = samples[chunk_first_sample[chunk]];
+  const VideoSample& last = samples[chunk_first_sample[chunk + 1] - 1];
+  return {first.offset, last.offset + last.bytes - first.offset};
 }
 
 uint32_t StreamIndex::chunkOfFrame(uint32_t frame) const {
@@ -162,6 +168,7 @@ std::vector<uint8_t> writeStreamHeader(const StreamIndex& index) {
     body.u32(chunk.frame_count);
     body.u32(chunk.bytes);
     body.u64(chunk.offset);
+    body.u64(chunk.hash);
   }
   body.u32(static_cast<uint32_t>(index.renditions.size()));
   for (const SampleTable& table : index.renditions) writeRendition(body, table, index.chunks);

@@ -18,6 +18,7 @@ struct ChunkEntry {  // one GOP
   uint32_t first_frame = 0, frame_count = 0;
   uint64_t offset = 0;  // in the .bin
   uint32_t bytes = 0;
+  uint64_t hash = 0;  // of the chunk (base/hash.h)
 };
 
 struct VideoSample {    // in decoding order
@@ -27,10 +28,17 @@ struct VideoSample {    // in decoding order
   bool key = false;
 };
 
+struct ByteSpan {
+  uint64_t offset = 0, bytes = 0;
+};
+
 struct SampleTable {                         // one rendition
   std::vector<uint8_t> decoder_description;  // avcC / empty for codecs that need none
   std::vector<VideoSample> samples;          // grouped by chunk: a chunk's samples are contiguous in file and list
   std::vector<uint32_t> chunk_first_sample;  // size chunks+1
+  std::vector<uint64_t> chunk_hash;          // of the bytes of videoOf(chunk)
+  // Where a chunk's samples lie in the .mp4.
+  ByteSpan videoOf(uint32_t chunk) const;
 };
 
 struct StreamIndex {

@@ -2,6 +2,7 @@
 #include "package/writer.h"
 
 #include <cmath>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -26,6 +27,12 @@ Value numbers(const Range& values) {
   Value::Array out;
   for (double v : values) out.push_back(number(v));
   return Value(out);
+}
+
+Value hashValue(uint64_t hash) {
+  char digits[17];
+  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(hash));
+  return Value(std::string(digits));
 }
 
 Value vec3(const glm::dvec3& v) { return numbers(std::initializer_list<double>{v.x, v.y, v.z}); }
@@ -94,7 +101,8 @@ Value sequenceValue(const Sequence& s) {
   for (const Rendition& r : s.renditions) renditions.push_back(renditionValue(r));
   const Value stream(Value::Object{{"uri", Value(s.stream_uri)},
                                    {"byteLength", number(double(s.stream_bytes))},
-                                   {"headerLength", number(s.stream_header_bytes)}});
+                                   {"headerLength", number(s.stream_header_bytes)},
+                                   {"headerHash", hashValue(s.stream_header_hash)}});
   Value::Object out{
       {"name", Value(s.name)},          {"frameCount", number(s.frame_count)},       {"fps", number(s.fps)},
       {"loop", Value(s.loop)},          {"rootVelocity", vec3(s.root_velocity_mps)}, {"stream", stream},
@@ -109,7 +117,8 @@ Value extensionValue(const Character& c) {
   for (const Sequence& s : c.sequences) sequences.push_back(sequenceValue(s));
   const Value mesh(Value::Object{{"uri", Value(c.mesh_uri)},
                                  {"byteOffset", number(double(c.mesh_offset))},
-                                 {"byteLength", number(double(c.mesh_bytes))}});
+                                 {"byteLength", number(double(c.mesh_bytes))},
+                                 {"hash", hashValue(c.mesh_hash)}});
   const Value bounds(Value::Object{{"min", vec3(c.bounds.min)}, {"max", vec3(c.bounds.max)}});
   Value::Object out{{"version", number(c.version)},
                     {"name", Value(c.name)},
@@ -123,7 +132,8 @@ Value extensionValue(const Character& c) {
                     {"cameras", Value(cameras)},
                     {"sequences", Value(sequences)}};
   if (!c.graph_uri.empty()) {
-    out["graph"] = Value(Value::Object{{"uri", Value(c.graph_uri)}, {"byteLength", number(double(c.graph_bytes))}});
+    out["graph"] = Value(Value::Object{
+        {"uri", Value(c.graph_uri)}, {"byteLength", number(double(c.graph_bytes))}, {"hash", hashValue(c.graph_hash)}});
   }
   return Value(out);
 }

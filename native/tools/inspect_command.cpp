@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "base/bytes.h"
+#include "base/hash.h"
 #include "motion/motion_graph.h"
 #include "motion/parameter_space.h"
 #include "package/barcode.h"
@@ -27,7 +28,8 @@ const CommandHelp& help() {
   static const CommandHelp text{
       "inspect CHARACTER",
       "Lists sequences, motion classes, renditions and sizes of a character folder (or of its character.gltf) and\n"
-      "checks that every chunk, every video frame and the motion graph decode. Exit code 1 if anything is broken.",
+      "checks content hashes and that every chunk, every video frame and the motion graph decode. Exit code 1 if "
+      "anything is broken.",
       {}};
   return text;
 }
@@ -106,6 +108,7 @@ class Inspection {
   Status baseMesh() {
     const std::string file = path(character_.mesh_uri);
     FOURDVT_ASSIGN(auto bytes, platform::readFileRange(file, character_.mesh_offset, character_.mesh_bytes));
+    FOURDVT_TRY(checkHash(file, bytes, character_.mesh_hash));
     auto mesh = package::decodeBaseMesh(bytes);
     if (!mesh.ok()) return inFile(file, mesh.error());
     const MeshTopology& t = mesh.value().topology;
@@ -124,10 +127,17 @@ class Inspection {
                          "; the file is truncated or not this character's, copy or bake it again"};
   }
 
+  static Status checkHash(const std::string& file, std::span<const uint8_t> bytes, uint64_t expected) {
+    if (fnv1a(bytes) == expected) return {};
+    return Error{ErrorId::FilesDiffer,
+                 file + ": its bytes are not those that were baked with character.gltf; copy or bake it again"};
+  }
+
   Status inspectSequence(const package::Sequence& sequence) {
     const std::string file = path(sequence.stream_uri);
     FOURDVT_TRY(checkSize(file, sequence.stream_bytes, ErrorId::StreamInvalid));
     FOURDVT_ASSIGN(auto header, platform::readFileRange(file, 0, sequence.stream_header_bytes));
+    FOURDVT_TRY(checkHash(file, header, sequence.stream_header_hash));
     auto index = package::readStreamHeader(header);
     if (!index.ok()) return inFile(file, index.error());
     SequenceSizes sizes;
@@ -161,6 +171,7 @@ class Inspection {
   Status chunks(const package::StreamIndex& index, const std::string& file, SequenceSizes& sizes) const {
     for (uint32_t c = 0; c < index.chunks.size(); ++c) {
       FOURDVT_ASSIGN(auto bytes, platform::readFileRange(file, index.chunks[c].offset, index.chunks[c].bytes));
+      FOURDVT_TRY(checkHash(file, bytes, index.chunks[c].hash));
       auto frames = package::decodeChunk(bytes, index, c, chunk_mesh_);
       if (!frames.ok()) return inFile(file, frames.error());
       addChunk(bytes, index, sizes);
@@ -173,6 +184,11 @@ class Inspection {
                const package::SampleTable& table) const {
     const std::string file = path(rendition.video_uri);
     FOURDVT_TRY(checkSize(file, rendition.video_bytes, ErrorId::VideoInvalid));
+    for (uint32_t c = 0; c < table.chunk_hash.size(); ++c) {
+      const package::ByteSpan span = table.videoOf(c);
+      FOURDVT_ASSIGN(auto bytes, platform::readFileRange(file, span.offset, span.bytes));
+      FOURDVT_TRY(checkHash(file, bytes, table.chunk_hash[c]));
+    }
     uint32_t shown = 0;
     std::string wrong;
     auto decoder = platform::SampleDecoder::create(
@@ -202,6 +218,7 @@ class Inspection {
     const std::string file = path(character_.graph_uri);
     FOURDVT_TRY(checkSize(file, character_.graph_bytes, ErrorId::StreamInvalid));
     FOURDVT_ASSIGN(auto bytes, platform::readFileRange(file, 0, character_.graph_bytes));
+    FOURDVT_TRY(checkHash(file, bytes, character_.graph_hash));
     auto graph = motion::MotionGraph::read(bytes, character_);
     if (!graph.ok()) return inFile(file, graph.error());
     graph_ = graph.take();

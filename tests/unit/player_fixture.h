@@ -5,12 +5,14 @@
 #pragma once
 
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <functional>
 #include <map>
 #include <string>
 #include <vector>
 
+#include "base/hash.h"
 #include "gpu/device.h"
 #include "motion/motion_graph.h"
 #include "package/barcode.h"
@@ -46,6 +48,13 @@ struct FakeCharacter {
   FlatJson manifest;
   std::vector<FakeSequence> sequences;
 };
+
+// As manifests have it.
+inline std::string hashText(std::span<const uint8_t> bytes) {
+  char digits[17];
+  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(fnv1a(bytes)));
+  return digits;
+}
 
 inline package::EncodedBaseMesh fakeMesh() {
   MeshTopology t;
@@ -95,7 +104,7 @@ class FakeBuilder {
     set("/version", 1.0), set("/name", std::string("fake")), set("/layerCount", 1.0);
     set("/vertexCount", double(vertices_)), set("/faceCount", double(faces_));
     set("/mesh/uri", std::string("mesh.bin")), set("/mesh/byteOffset", 0.0),
-        set("/mesh/byteLength", double(mesh.bytes.size()));
+        set("/mesh/byteLength", double(mesh.bytes.size())), set("/mesh/hash", hashText(mesh.bytes));
     set("/poster/uri", std::string("poster.webp")), set("/groundY", 0.0);
     for (int i = 0; i < 3; ++i)
       set("/bounds/min/" + std::to_string(i), -1.0), set("/bounds/max/" + std::to_string(i), 2.0);
@@ -128,6 +137,7 @@ class FakeBuilder {
     const std::string at = std::string("/extensions/") + package::kExtensionName + "/graph";
     character.manifest.set(at + "/uri", std::string("graph.bin"));
     character.manifest.set(at + "/byteLength", double(bytes.size()));
+    character.manifest.set(at + "/hash", hashText(bytes));
     character.files["graph.bin"] = std::move(bytes);
   }
 
@@ -156,7 +166,7 @@ class FakeBuilder {
     for (uint32_t first = 0; first < q.frames; first += q.gop) {
       const uint32_t count = std::min(q.gop, q.frames - first);
       chunks.push_back(chunk(s, first, count));
-      index.chunks.push_back({first, count, 0, uint32_t(chunks.back().size())});
+      index.chunks.push_back({first, count, 0, uint32_t(chunks.back().size()), fnv1a(chunks.back())});
       package::SampleTable& table = index.renditions[0];
       table.decoder_description = {9, uint8_t(s)};
       table.chunk_first_sample.push_back(uint32_t(table.samples.size()));
@@ -165,6 +175,8 @@ class FakeBuilder {
         table.samples.push_back({video.size(), uint32_t(bytes.size()), first + i, i == 0});
         video.insert(video.end(), bytes.begin(), bytes.end());
       }
+      const uint64_t start = table.samples[table.chunk_first_sample.back()].offset;
+      table.chunk_hash.push_back(fnv1a(std::span(video).subspan(start)));
     }
     index.renditions[0].chunk_first_sample.push_back(q.frames);
     uint64_t offset = package::writeStreamHeader(index).size();
@@ -173,6 +185,8 @@ class FakeBuilder {
     std::vector<uint8_t> stream = package::writeStreamHeader(index);
     for (const auto& bytes : chunks) stream.insert(stream.end(), bytes.begin(), bytes.end());
     describe(s, q, double(stream.size()), header_bytes, double(video.size()));
+    set("/sequences/" + std::to_string(s) + "/stream/headerHash",
+        hashText(std::span(stream).first(size_t(header_bytes))));
     out_.files[q.name + ".bin"] = std::move(stream);
     out_.files[q.name + ".mp4"] = std::move(video);
   }
@@ -242,6 +256,34 @@ class FakeBuilder {
   uint32_t vertices_ = 0, faces_ = 0;
   package::ChunkMesh chunk_mesh_;
 };
+
+// Makes the hashes agree with files that were changed, so that a test reaches what lies behind them. Those in a header
+// that cannot be read stay.
+inline void rehash(FakeCharacter& character) {
+  const std::string at = std::string("/extensions/") + package::kExtensionName;
+  const auto number = [&](const std::string& field) { return *character.manifest.number(at + field); };
+  character.manifest.set(at + "/mesh/hash",
+                         hashText(std::span(character.files["mesh.bin"]).first(size_t(number("/mesh/byteLength")))));
+  for (size_t s = 0; s < character.sequences.size(); ++s) {
+    const std::string stream = "/sequences/" + std::to_string(s) + "/stream";
+    std::vector<uint8_t>& file = character.files[character.sequences[s].name + ".bin"];
+    const std::span header = std::span(file).first(size_t(number(stream + "/headerLength")));
+    if (auto read = package::readStreamHeader(header)) {
+      package::StreamIndex index = read.take();
+      package::SampleTable& table = index.renditions[0];
+      for (uint32_t c = 0; c < index.chunks.size(); ++c) {
+        package::ChunkEntry& chunk = index.chunks[c];
+        chunk.hash = fnv1a(std::span(file).subspan(chunk.offset, chunk.bytes));
+        const package::ByteSpan video = table.videoOf(c);
+        table.chunk_hash[c] =
+            fnv1a(std::span(character.files[character.sequences[s].name + ".mp4"]).subspan(video.offset, video.bytes));
+      }
+      const std::vector<uint8_t> again = package::writeStreamHeader(index);
+      std::copy(again.begin(), again.end(), file.begin());
+    }
+    character.manifest.set(at + stream + "/headerHash", hashText(header));
+  }
+}
 
 inline package::BarcodeStrip fakeStrip() { return {{0, 4, 128, 4}, 4}; }
 

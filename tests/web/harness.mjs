@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the browser tests share: environment, headless Chromium, posing the viewer, reading its canvas, native stills.
+// What the browser tests share: environment, Chromium and Firefox, posing the viewer, reading its canvas, native stills.
 import assert from 'node:assert/strict';
-import { execFile } from 'node:child_process';
+import { execFile, spawn } from 'node:child_process';
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join } from 'node:path';
@@ -38,6 +38,48 @@ export function outputFolder(name) {
 /** `more`: further flags. */
 export function launch(more = []) {
   return chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: [...kFlags, ...more] });
+}
+
+// A Firefox page with those calls of Playwright's that the tests make.
+class FirefoxPage {
+  #page;
+  constructor(page) {
+    this.#page = page;
+  }
+  on(type, listener) { this.#page.on(type, listener); }
+  setDefaultTimeout(ms) { this.#page.setDefaultTimeout(ms); }
+  addInitScript(script, argument) { return this.#page.evaluateOnNewDocument(script, argument); }
+  goto(url) { return this.#page.goto(url); }
+  evaluate(script, argument) { return this.#page.evaluate(script, argument); }
+  waitForFunction(script, argument, options) { return this.#page.waitForFunction(script, options, argument); }
+  close() { return this.#page.close(); }
+}
+
+/** Firefox on a screen of its own, because it has no WebGL without one. Pages are FirefoxPages. */
+export async function launchFirefox() {
+  const screen = spawn('Xvfb', ['-displayfd', '1', '-screen', '0', '1024x768x24', '-nolisten', 'tcp'],
+    { stdio: ['ignore', 'pipe', 'ignore'] });
+  const display = await new Promise((done, fail) => {
+    screen.once('error', fail);
+    screen.once('exit', (code) => fail(new Error(`Xvfb ended with ${code}`)));
+    screen.stdout.once('data', (number) => done(`:${String(number).trim()}`));
+  });
+  const firefox = await requireFromWeb('puppeteer-core').launch({
+    browser: 'firefox', executablePath: process.env.FIREFOX ?? '/usr/bin/firefox-esr', headless: false,
+    env: { ...process.env, DISPLAY: display },
+    extraPrefsFirefox: { 'webgl.force-enabled': true, 'media.autoplay.default': 0 },
+  });
+  return {
+    async newPage({ viewport }) {
+      const page = await firefox.newPage({ type: 'window' }); // a tab behind another one is hidden
+      await page.setViewport(viewport);
+      return new FirefoxPage(page);
+    },
+    async close() {
+      await firefox.close();
+      screen.kill();
+    },
+  };
 }
 
 /** The site in a browser, its first picture shown: {server, browser, page}; close with closeSite. */

@@ -52,7 +52,8 @@ async function answer(root, options, request, response, entry) {
   const fault = options.misbehave?.(request) ?? {};
   if (fault.away) return request.socket.destroy();
   if (fault.status) return finish(fault.status, { 'Cache-Control': 'no-store' });
-  let file = locate(root, request.url);
+  if (fault.text !== undefined) return finish(200, { 'Cache-Control': 'no-store' }, fault.text);
+  let file = locate(root, fault.url ?? request.url);
   let info = file ? await stat(file).catch(() => null) : null;
   if (info?.isDirectory()) {
     const url = new URL(request.url, 'http://x');
@@ -92,7 +93,7 @@ async function answer(root, options, request, response, entry) {
 /**
  * Serves `root` on 127.0.0.1. options: ranges (false: answer 200 to range requests), headers (added to every file),
  * host, pages (by path: { html, headers }, beside those of the folder), tls ({ key, cert }: https), misbehave(request): what goes wrong with this request, if anything: { away: true } (the connection breaks),
- * { status }, { stallAfter: bytes } (no more bytes follow, and no end), { bytesPerS }.
+ * { status }, { text } (this instead of the file), { url } (another file), { stallAfter: bytes } (no more bytes follow, and no end), { bytesPerS }.
  * `requests` grows by { method, path, range, status, bytes } for every request.
  */
 export function serve(root, port = 0, options = {}) {

@@ -49,6 +49,7 @@ const FAILURES: Record<string, string> = {
   'insecure-context': 'This page must come over https to show the character.',
   'decoder-unsupported': 'This browser cannot decode this character.',
   'decoder-lost': 'The browser has taken the video decoder away.',
+  'files-differ': 'The files of this character do not belong together.',
   'out-of-memory': 'The browser has no memory left for this character.',
 };
 const DEFAULT_RENDER: RenderOptions = {

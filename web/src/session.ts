@@ -4,7 +4,7 @@
 import { Actor, type ActorContext, type ActorHost } from './actor.js';
 import type { Commands } from './commands.js';
 import type { Companion } from './companion.js';
-import { asViewerError, ViewerError } from './errors.js';
+import { asViewerError, ViewerError, type ErrorDetail } from './errors.js';
 import { FrameLoop } from './frame-loop.js';
 import { loadOpenCvFlow } from './opencv-flow.js';
 import type { OrbitCamera } from './orbit-camera.js';
@@ -15,6 +15,9 @@ import type { WasmModule } from './wasm-abi.js';
 import type { Align, CharacterInfo, OrbitPose, PictureKind } from './wasm-player.js';
 
 const MAX_CANVAS_SIDE = 4096;
+
+// What the files of two bakes bring when a new one was put in place of the one that is playing.
+const mayBeOfTwoBakes = ({ id }: ErrorDetail): boolean => id === 'files-differ' || id === 'fetch-failed';
 
 const needsFlow = (align: Align): boolean => align.startsWith('flow');
 
@@ -56,7 +59,7 @@ export class Session {
   readonly #canvas: HTMLCanvasElement;
   readonly #options: SessionOptions;
   readonly #host: SessionHost;
-  readonly #transport: Transport;
+  #transport: Transport;
   readonly #abort = new AbortController();
   readonly #loop = new FrameLoop((clockS, stepS) => this.#turn(clockS, stepS));
   #gl: WebGL2RenderingContext | null = null;
@@ -67,6 +70,10 @@ export class Session {
   #main: Actor | null = null;
   readonly #others = new Map<Companion, Other>();
   readonly #coming = new Set<Companion>();
+  // Loaded again because of files of two bakes. The next such error is reported, unless it was a new bake that plays.
+  #renewal: 'none' | 'same' | 'new' = 'none';
+  #held: ErrorDetail[] | null = null; // errors that wait for what #renew finds
+  readonly #renewedOthers = new WeakSet<Companion>();
   #path: PictureKind = 'i420';
   #shown = false;
   #deciding = false; // the upload path is being measured
@@ -142,7 +149,8 @@ export class Session {
   async add(companion: Companion): Promise<void> {
     if (!this.#main || this.#coming.has(companion) || this.#others.has(companion)) return;
     this.#coming.add(companion);
-    const transport = new Transport(companion.src ?? this.#options.src, this.#network);
+    const cache = this.#renewedOthers.has(companion) ? 'reload' : 'default';
+    const transport = new Transport(companion.src ?? this.#options.src, this.#network, cache);
     transport.stopReplay();
     const leave = (): void => transport.dispose();
     for (const signal of [companion.left, this.#abort.signal]) signal.addEventListener('abort', leave);
@@ -263,7 +271,9 @@ export class Session {
     commands.set('playing', this.#commands.wishes.playing);
     commands.set('align', this.#align === 'none' ? 'none' : 'baked');
     const host: ActorHost = {
-      emit: (name, detail) => companion.emit(name, detail),
+      emit: (name, detail) => {
+        if (name !== 'error' || !this.#addAgain(companion, detail as ErrorDetail)) companion.emit(name, detail);
+      },
       wake: () => this.wake(),
       fatal: (reason) => this.#fatal(reason),
       onNoPlanes: () => companion.emit('error',
@@ -277,8 +287,49 @@ export class Session {
     this.wake();
   }
 
+  // True if the companion is being loaded anew, once, instead of reporting the error.
+  #addAgain(companion: Companion, error: ErrorDetail): boolean {
+    if (!mayBeOfTwoBakes(error) || this.#renewedOthers.has(companion)) return false;
+    this.#renewedOthers.add(companion);
+    queueMicrotask(() => {
+      if (!this.#others.has(companion)) return;
+      this.#drop(companion);
+      void this.add(companion);
+    });
+    return true;
+  }
+
+  // Looks whether there is a new bake where the character was loaded from, and goes on with that. Files that differ
+  // from their manifest without one may be leftovers in the browser's cache: they are loaded again, once.
+  async #renew(error: ErrorDetail): Promise<void> {
+    this.#held = [error];
+    const transport = new Transport(this.#options.src, this.#network, 'reload');
+    const leave = (): void => transport.dispose();
+    this.#abort.signal.addEventListener('abort', leave);
+    const manifest = await transport.manifest().catch(() => null);
+    const errors = this.#held;
+    this.#held = null;
+    if (this.#abort.signal.aborted || !this.#main) return leave();
+    const isNew = manifest !== null && JSON.stringify(manifest) !== JSON.stringify(this.#manifest);
+    if (!isNew && (manifest === null || errors.every(({ id }) => id !== 'files-differ'))) {
+      leave();
+      for (const detail of errors) this.#host.emit('error', detail);
+      return;
+    }
+    this.#renewal = isNew ? 'new' : 'same';
+    this.#transport.dispose();
+    this.#transport = transport;
+    this.#manifest = manifest;
+    this.#reopen(this.#path);
+  }
+
   #onMainEvent(name: string, detail?: unknown): void {
+    if (name === 'error' && this.#main && mayBeOfTwoBakes(detail as ErrorDetail)) {
+      if (this.#held) return void this.#held.push(detail as ErrorDetail);
+      if (this.#renewal === 'none') return void this.#renew(detail as ErrorDetail);
+    }
     if (name === 'canplay') {
+      if (this.#renewal === 'new') this.#renewal = 'none';
       if (!this.#deciding) this.#transport.stopReplay();
       for (const companion of this.#host.companions) void this.add(companion);
     } else if (name === 'playing' || name === 'pause') {

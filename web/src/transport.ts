@@ -6,7 +6,8 @@
 import { ViewerError } from './errors.js';
 
 const FIRST_PAUSE_MS = 300;
-const LONGEST_PAUSE_MS = 15_000;
+const LONGEST_PAUSE_MS = 6000;
+const LONGEST_ASKED_PAUSE_MS = 60_000; // by Retry-After
 const STALL_MS = 10_000; // without a byte
 
 /** Hears when waiting for the network begins, and when it ends. */
@@ -89,7 +90,7 @@ async function ask(url: string, init: RequestInit, signal?: AbortSignal): Promis
   if (status >= 500 || status === 429 || status === 408) {
     done();
     abort.abort();
-    throw new PassingFault(Math.min(1000 * (Number(response.headers.get('Retry-After')) || 0), 4 * LONGEST_PAUSE_MS));
+    throw new PassingFault(Math.min(1000 * (Number(response.headers.get('Retry-After')) || 0), LONGEST_ASKED_PAUSE_MS));
   }
   if (!response.ok) {
     done();
@@ -134,13 +135,14 @@ async function refusesThisPage(url: string, init: RequestInit, signal?: AbortSig
 }
 
 /** A whole file. `report` hears when waiting for the network begins and ends. Errors: ViewerError 'fetch-failed'. */
-export function fetchFile(url: string, report: Report = () => undefined, signal?: AbortSignal): Promise<Uint8Array<ArrayBuffer>> {
-  return patiently(async () => (await ask(url, {}, signal)).read(), report, signal);
+export function fetchFile(url: string, report: Report = () => undefined, signal?: AbortSignal, cache: RequestCache = 'default'): Promise<Uint8Array<ArrayBuffer>> {
+  return patiently(async () => (await ask(url, { cache }, signal)).read(), report, signal);
 }
 
 export class Transport {
   readonly #base: string;
   readonly #report: Report;
+  readonly #cache: RequestCache;
   readonly #running = new Map<number, AbortController>();
   readonly #whole = new Map<string, Promise<Uint8Array>>();
   readonly #abort = new AbortController();
@@ -149,15 +151,19 @@ export class Transport {
   #replay: Map<string, Uint8Array> | null = new Map();
   bytesReceived = 0;
 
-  /** `report` hears when waiting for the network begins, and when nothing waits any more. */
-  constructor(manifestUrl: string, report: Report = () => undefined) {
+  /**
+   * `report` hears when waiting for the network begins, and when nothing waits any more. `cache` is 'reload' to take
+   * nothing from the browser's cache, which may hold files of an earlier bake.
+   */
+  constructor(manifestUrl: string, report: Report = () => undefined, cache: RequestCache = 'default') {
     this.#base = manifestUrl;
     this.#report = report;
+    this.#cache = cache;
   }
 
   /** The manifest as JSON. Errors: ViewerError 'fetch-failed', 'manifest-invalid'. */
   async manifest(): Promise<unknown> {
-    const bytes = await fetchFile(this.#base, this.#count, this.#abort.signal).catch((reason: unknown) => {
+    const bytes = await fetchFile(this.#base, this.#count, this.#abort.signal, this.#cache).catch((reason: unknown) => {
       if (reason instanceof ViewerError) throw new ViewerError(reason.id, `${reason.message}; src must name a character.gltf`);
       throw reason;
     });
@@ -219,7 +225,7 @@ export class Transport {
   async #fetchRange(url: string, offset: number, bytes: number, signal: AbortSignal): Promise<Uint8Array> {
     let whole = this.#whole.get(url);
     if (!whole) {
-      const answer = await ask(url, { headers: { Range: `bytes=${offset}-${offset + bytes - 1}` } }, signal);
+      const answer = await ask(url, { headers: { Range: `bytes=${offset}-${offset + bytes - 1}` }, cache: this.#cache }, signal);
       if (answer.status === 206) {
         const part = await answer.read();
         this.bytesReceived += part.length;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bake/run/describe.h"
 
+#include "base/hash.h"
+
 namespace fourdvt::bake {
 
 package::Character describeCharacter(const Job& job) {
@@ -14,6 +16,7 @@ package::Character describeCharacter(const Job& job) {
   character.ground_y_m = job.capture.ground_y_m;
   character.mesh_uri = kMeshFile;
   character.mesh_bytes = job.mesh.bytes.size();
+  character.mesh_hash = fnv1a(job.mesh.bytes);
   character.poster_uri = kPosterFile;
   return character;
 }

@@ -14,6 +14,7 @@ extern "C" {
 #include "bake/stages/poster.h"
 #include "bake/video/mp4.h"
 #include "base/bytes.h"
+#include "base/hash.h"
 #include "motion/parameter_space.h"
 #include "package/writer.h"
 #include "platform/files.h"
@@ -30,6 +31,7 @@ constexpr const char* kGraph = "motion.bin";
 
 struct ChunkBytes {
   uint32_t total = 0, positions = 0, labels = 0, offsets = 0, alignment = 0;
+  uint64_t hash = 0;
 };
 
 // A chunk begins with the lengths of its parts (native/package/FORMAT.md).
@@ -37,6 +39,7 @@ ChunkBytes measure(const StreamPlan& plan, const std::vector<uint8_t>& chunk, bo
   ByteReader lengths(chunk);
   ChunkBytes bytes;
   bytes.total = static_cast<uint32_t>(chunk.size());
+  bytes.hash = fnv1a(chunk);
   const size_t members = plan.motion.members.size();
   for (size_t m = 0; m < members; ++m) {
     bytes.positions += lengths.u32();
@@ -76,7 +79,7 @@ package::StreamIndex makeIndex(const Job& job, const StreamPlan& plan, const std
   index.renditions.push_back(std::move(table));
   for (size_t g = 0; g < chunk_bytes.size(); ++g) {
     const uint32_t first = plan.gop_first_frames[g];
-    index.chunks.push_back({first, plan.gopEnd(g) - first, 0, chunk_bytes[g].total});
+    index.chunks.push_back({first, plan.gopEnd(g) - first, 0, chunk_bytes[g].total, chunk_bytes[g].hash});
   }
   return index;
 }
@@ -136,7 +139,14 @@ Result<Mp4Samples> packVideo(const StreamPlan& plan, const WorkFolder& work, con
                          FOURDVT_ASSIGN(auto artefact, work.loadGop(plan.name, g));
                          return std::move(artefact.video);
                        }));
-  return readMp4Samples(path, plan.encode.fps, plan.gop_first_frames, plan.frameCount());
+  FOURDVT_ASSIGN(auto packed, readMp4Samples(path, plan.encode.fps, plan.gop_first_frames, plan.frameCount()));
+  package::SampleTable& table = packed.table;
+  for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
+    const package::ByteSpan span = table.videoOf(g);
+    FOURDVT_ASSIGN(auto bytes, platform::readFileRange(path, span.offset, span.bytes));
+    table.chunk_hash.push_back(fnv1a(bytes));
+  }
+  return packed;
 }
 
 ReportSequence reportSequence(const package::Sequence& s, const std::vector<ChunkBytes>& chunk_bytes) {
@@ -175,6 +185,7 @@ Result<PackedSequence> packSequence(const BakeRun& run, const StreamPlan& plan) 
   FOURDVT_TRY(writeStream(folder + s.stream_uri, header, run.work, plan));
   s.stream_bytes = platform::fileBytes(folder + s.stream_uri);
   s.stream_header_bytes = static_cast<uint32_t>(header.size());
+  s.stream_header_hash = fnv1a(header);
   out.report = reportSequence(s, chunk_bytes);
   return out;
 }
@@ -273,6 +284,7 @@ Status writeGraph(const Job& job, const std::vector<uint8_t>& graph, package::Ch
   if (graph.empty()) return {};
   character.graph_uri = kGraph;
   character.graph_bytes = graph.size();
+  character.graph_hash = fnv1a(graph);
   report.figures.bytes_by_part[kGraph] = graph.size();
   return platform::writeFileAtomic(job.resultFolder() + "/" + kGraph, graph);
 }

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "base/hash.h"
+
 namespace fourdvt {
 
 using Kind = FetchPurpose::Kind;
@@ -90,11 +92,8 @@ void Loading::requestGop(GopKey key) {
   }
   if (gop.video_state == PartState::Absent) {
     gop.video_state = PartState::Fetching;
-    const package::SampleTable& table = index(key.sequence).renditions[0];
-    const package::VideoSample& first = table.samples[table.chunk_first_sample[key.gop]];
-    const package::VideoSample& last = table.samples[table.chunk_first_sample[key.gop + 1] - 1];
-    const uint64_t bytes = last.offset + last.bytes - first.offset;
-    fetches_.request({Kind::Video, key.sequence, key.gop}, q.renditions[0].video_uri, first.offset, bytes);
+    const package::ByteSpan span = index(key.sequence).renditions[0].videoOf(key.gop);
+    fetches_.request({Kind::Video, key.sequence, key.gop}, q.renditions[0].video_uri, span.offset, span.bytes);
   }
 }
 
@@ -103,8 +102,17 @@ Arrival Loading::receive(uint32_t id, std::span<const uint8_t> bytes) {
   if (!pending) return {};
   if (bytes.size() != pending->range.bytes)
     return refuse(id, "got " + std::to_string(bytes.size()) + " bytes of " + std::to_string(pending->range.bytes));
+  const FetchRange range = pending->range;
   const FetchPurpose purpose = fetches_.finish(id);
   if (PartState* state = stateOf(purpose)) *state = PartState::Failed;  // until the bytes turn out to be good
+  if (fnv1a(bytes) != hashOf(purpose)) {
+    if (purpose.kind == Kind::Graph) return {};
+    return {Arrival::What::Nothing, purpose.sequence,
+            Error{ErrorId::FilesDiffer, range.uri + ": bytes " + std::to_string(range.offset) + "+" +
+                                            std::to_string(range.bytes) +
+                                            " are not those that were baked with character.gltf; if loading it again "
+                                            "does not help, upload all files of one bake"}};
+  }
   switch (purpose.kind) {
     case Kind::Mesh:
       return {Arrival::What::Mesh, -1, receiveMesh(bytes)};
@@ -130,6 +138,22 @@ Arrival Loading::refuse(uint32_t id, const std::string& reason) {
           Error{ErrorId::FetchFailed, range.uri + ": bytes " + std::to_string(range.offset) + "+" +
                                           std::to_string(range.bytes) + " could not be fetched (" + reason +
                                           "); check that the file is complete on the server"}};
+}
+
+// Of the bytes that a fetch should bring. Each comes from bytes that were checked before, the first from the manifest.
+uint64_t Loading::hashOf(const FetchPurpose& purpose) const {
+  switch (purpose.kind) {
+    case Kind::Mesh:
+      return character_->mesh_hash;
+    case Kind::Graph:
+      return character_->graph_hash;
+    case Kind::Header:
+      return sequence(purpose.sequence).stream_header_hash;
+    case Kind::Video:
+      return index(purpose.sequence).renditions[0].chunk_hash[purpose.gop];
+    default:
+      return index(purpose.sequence).chunks[purpose.gop].hash;
+  }
 }
 
 // Null: nobody needs it any more.

@@ -85,6 +85,7 @@ class Loading {
   void requestHeader(int sequence);
   void requestGop(stream::GopKey key);
   void addNeededGops(const Need& need, std::vector<stream::GopKey>& keys) const;
+  uint64_t hashOf(const FetchPurpose& purpose) const;
   stream::PartState* stateOf(const FetchPurpose& purpose);
   Status receiveMesh(std::span<const uint8_t> bytes);
   Status receiveHeader(int sequence, std::span<const uint8_t> bytes);

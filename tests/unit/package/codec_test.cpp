@@ -39,11 +39,12 @@ StreamIndex smallIndex() {
   index.position_origin = {0.5f, -1, 2};
   index.position_step_m = 0.00025f;
   index.alignment_step_m = 0.0005f;
-  index.chunks = {{0, 3, 500, 40}, {3, 2, 540, 30}};
+  index.chunks = {{0, 3, 600, 40, 11}, {3, 2, 640, 30, 0xfedcba9876543210}};
   SampleTable table;
   table.decoder_description = {1, 2, 3};
   table.samples = {{100, 50, 0, true}, {150, 9, 2, false}, {159, 4, 1, false}, {400, 60, 3, true}, {460, 7, 4, false}};
   table.chunk_first_sample = {0, 3, 5};
+  table.chunk_hash = {0x0123456789abcdef, 17};
   index.renditions = {table, table};
   return index;
 }
@@ -122,6 +123,10 @@ TEST(StreamHeader, RoundTrips) {
   ASSERT_EQ(r.renditions.size(), 2u);
   EXPECT_EQ(r.renditions[1].decoder_description, index.renditions[1].decoder_description);
   EXPECT_EQ(r.renditions[1].chunk_first_sample, index.renditions[1].chunk_first_sample);
+  EXPECT_EQ(r.renditions[1].chunk_hash, index.renditions[1].chunk_hash);
+  EXPECT_EQ(r.chunks[1].hash, 0xfedcba9876543210);
+  EXPECT_EQ(r.renditions[0].videoOf(1).offset, 400u);
+  EXPECT_EQ(r.renditions[0].videoOf(1).bytes, 67u);
   for (size_t s = 0; s < 5; ++s) {
     EXPECT_EQ(r.renditions[0].samples[s].offset, index.renditions[0].samples[s].offset);
     EXPECT_EQ(r.renditions[0].samples[s].frame, index.renditions[0].samples[s].frame);
@@ -232,15 +237,15 @@ TEST(StreamHeader, SurvivesEveryByteFlip) {
 
 TEST(StreamHeader, AsksForANewBakeOfOlderVersionsAndANewPlayerForLater) {
   std::vector<uint8_t> bytes = writeStreamHeader(smallIndex());
-  ASSERT_EQ(bytes[4], 3);
-  for (uint8_t version : {1, 2}) {
+  ASSERT_EQ(bytes[4], 4);
+  for (uint8_t version : {1, 2, 3}) {
     bytes[4] = version;
     auto old = readStreamHeader(bytes);
     ASSERT_FALSE(old.ok());
     EXPECT_EQ(old.error().id, ErrorId::Unsupported);
     EXPECT_NE(old.error().message.find("bake the character again"), std::string::npos);
   }
-  bytes[4] = 4;
+  bytes[4] = 5;
   auto later = readStreamHeader(bytes);
   ASSERT_FALSE(later.ok());
   EXPECT_EQ(later.error().id, ErrorId::Unsupported);

@@ -56,6 +56,7 @@ Character smallCharacter(const EncodedBaseMesh& mesh) {
   c.bounds = {{-1, 0, -1}, {1, 2.125f, 1}};
   c.mesh_uri = "mesh.bin";
   c.mesh_bytes = mesh.bytes.size();
+  c.mesh_hash = 0xfedcba9876543210;
   c.poster_uri = "poster.webp";
   Sequence s;
   s.name = "walk";
@@ -67,6 +68,7 @@ Character smallCharacter(const EncodedBaseMesh& mesh) {
   s.stream_uri = "walk.bin";
   s.stream_bytes = 5000000000ull;  // above 32 bits
   s.stream_header_bytes = 900;
+  s.stream_header_hash = 0x12;
   s.renditions = {{"walk.mp4", 123456, "avc1.640028", 1536, 1056, {{0, 0, 1024, 1024}, {1024, 0, 512, 512}}, {}}};
   s.renditions[0].barcode.rect = {0, 1032, 512, 16};
   c.sequences = {s};
@@ -104,6 +106,7 @@ json writtenManifest() {
   Character character = smallCharacter(mesh);
   character.graph_uri = "graph.bin";
   character.graph_bytes = 4321;
+  character.graph_hash = 0x0123456789abcdef;
   character.sequences.push_back(locomotion(character.sequences[0]));
   character.sequences.push_back(steering(character.sequences[0]));
   auto text = writeManifest({character, &mesh, "still.jpg", "fourdvt test", "nobody"});
@@ -136,6 +139,7 @@ TEST(Manifest, RoundTrips) {
   EXPECT_EQ(got.name, want.name);
   EXPECT_EQ(got.layer_count, 2);
   EXPECT_EQ(got.mesh_bytes, want.mesh_bytes);
+  EXPECT_EQ(got.mesh_hash, want.mesh_hash);
   EXPECT_EQ(got.poster_uri, "poster.webp");
   EXPECT_EQ(got.bounds.max, want.bounds.max);
   ASSERT_EQ(got.cameras.size(), 3u);
@@ -148,6 +152,7 @@ TEST(Manifest, RoundTrips) {
   ASSERT_EQ(got.sequences.size(), 3u);
   const Sequence& s = got.sequences[0];
   EXPECT_EQ(s.stream_bytes, 5000000000ull);
+  EXPECT_EQ(s.stream_header_hash, 0x12u);
   EXPECT_TRUE(s.loop);
   EXPECT_EQ(s.root_velocity_mps, want.sequences[0].root_velocity_mps);
   EXPECT_EQ(s.renditions[0].codec, "avc1.640028");
@@ -182,6 +187,7 @@ TEST(Manifest, ClassesAndTheGraphRoundTrip) {
   ASSERT_TRUE(read.ok()) << read.error().message;
   EXPECT_EQ(read.value().graph_uri, "graph.bin");
   EXPECT_EQ(read.value().graph_bytes, 4321u);
+  EXPECT_EQ(read.value().graph_hash, 0x0123456789abcdefu);
   const Sequence walk = smallCharacter(smallMesh()).sequences[0];
   ASSERT_EQ(read.value().sequences.size(), 3u);
   expectSame(read.value().sequences[0], walk);
@@ -246,6 +252,7 @@ TEST(Manifest, RefusesClassesThatCannotBe) {
   expectRefused(one + "/renditions/0/layers", {{0, 0, 512, 512}, {512, 0, 256, 256}});  // one member's only
   expectRefused("/graph/uri", "../graph.bin");
   expectRefused("/graph/byteLength", 0);
+  expectRefused("/graph/hash", 0);
   json five = writtenManifest();
   json& members = five[json::json_pointer(kAt + one + "/members")];
   for (int m = 2; m < 5; ++m)
@@ -285,6 +292,10 @@ TEST(Manifest, RefusesDamagedFields) {
   expectRefused("/vertexCount", 1e12);
   expectRefused("/faceCount", -1);
   expectRefused("/faceCount", "8000");
+  for (const char* hash : {"0123456789abcde", "0123456789abcdef0", "0123456789abcdeg", "0x23456789abcdef"}) {
+    expectRefused("/mesh/hash", hash);
+    expectRefused("/sequences/0/stream/headerHash", hash);
+  }
   expectRefused("/version", 0);
   expectRefused("/cameras", json::array());
   expectRefused("/cameras/1/fx", 0);

@@ -41,17 +41,28 @@ void expectBrokenWalk(const std::function<void(FakeCharacter&)>& damage, ErrorId
 }  // namespace
 
 TEST(PlayerErrors, DamagedStreamHeader) {
-  expectBrokenWalk([](FakeCharacter& c) { c.files["walk.bin"][0] ^= 1; }, ErrorId::StreamInvalid);
-  expectBrokenWalk([](FakeCharacter& c) { c.files["walk.bin"][13] = 200; }, ErrorId::StreamInvalid);
+  for (size_t place : {0, 13}) {
+    for (bool forged : {false, true}) {
+      expectBrokenWalk(
+          [&](FakeCharacter& c) {
+            c.files["walk.bin"][place] ^= 0xc1;
+            if (forged) rehash(c);
+          },
+          forged ? ErrorId::StreamInvalid : ErrorId::FilesDiffer);
+    }
+  }
 }
 
 TEST(PlayerErrors, DamagedChunk) {
-  expectBrokenWalk(
-      [](FakeCharacter& c) {
-        c.files["walk.bin"].back() ^= 0xff, c.files["walk.bin"].resize(c.files["walk.bin"].size() - 200),
-            c.files["walk.bin"].resize(c.files["walk.bin"].size() + 200);
-      },
-      ErrorId::StreamInvalid);
+  for (bool forged : {false, true}) {
+    expectBrokenWalk(
+        [&](FakeCharacter& c) {
+          const size_t bytes = c.files["walk.bin"].size();
+          c.files["walk.bin"].resize(bytes - 200), c.files["walk.bin"].resize(bytes);
+          if (forged) rehash(c);
+        },
+        forged ? ErrorId::StreamInvalid : ErrorId::FilesDiffer);
+  }
 }
 
 TEST(PlayerErrors, TruncatedFiles) {
@@ -253,9 +264,10 @@ TEST(PlayerErrors, AMotionThatIsCutToAndDoesNotComeMakesThePlayerWait) {
 }
 
 TEST(PlayerErrors, BaseMeshDamagedOrOfAnotherCharacter) {
-  for (int kind = 0; kind < 3; ++kind) {
+  for (int kind = 0; kind < 4; ++kind) {
     FakeCharacter character = twoSequences();
-    if (kind == 0) character.files["mesh.bin"][3] ^= 1;
+    if (kind == 0 || kind == 3) character.files["mesh.bin"][3] ^= 1;
+    if (kind == 0) rehash(character);
     if (kind == 1) character.manifest.set(field("/vertexCount"), 9.0);
     if (kind == 2) character.files.erase("mesh.bin");
     SimulatedEdge edge(character, {});
@@ -263,7 +275,9 @@ TEST(PlayerErrors, BaseMeshDamagedOrOfAnotherCharacter) {
     ASSERT_TRUE(edge.runUntil([&] { return !edge.errors.empty(); }));
     const ErrorId id = edge.errors[0].id;
     // With wrong counts in the manifest either the mesh or the stream is compared with it first.
-    EXPECT_TRUE(id == (kind == 2 ? ErrorId::FetchFailed : ErrorId::MeshDataInvalid) ||
+    EXPECT_TRUE(id == (kind == 2   ? ErrorId::FetchFailed
+                       : kind == 3 ? ErrorId::FilesDiffer
+                                   : ErrorId::MeshDataInvalid) ||
                 (kind == 1 && id == ErrorId::StreamInvalid))
         << edge.errors[0].message;
     edge.player->play();

@@ -91,6 +91,33 @@ TEST(PlayerLoading, ARefusalIsFinalAndNamesTheFile) {
   EXPECT_EQ(shelf.answer(header).what, Arrival::What::Nothing);
 }
 
+TEST(PlayerLoading, BytesOfAnotherBakeAreRefusedWhateverTheyAre) {
+  const Need need{0, 0, true, {}};
+  for (const std::string part : {"mesh", "header", "chunk", "video"}) {
+    FakeCharacter character = twoSequences();
+    const bool of_gop = part == "chunk" || part == "video";
+    Shelf shelf(std::move(character));
+    shelf.loading.requestMissing({&need, 1}, -1);
+    std::vector<FetchRange> ranges = shelf.asked();
+    if (of_gop) {
+      for (const FetchRange& range : ranges) ASSERT_TRUE(shelf.answer(range).status.ok());
+      shelf.loading.requestMissing({&need, 1}, -1);
+      ranges = shelf.asked();
+    }
+    const FetchRange& range = ranges[part == "mesh" || part == "chunk" ? 0 : 1];
+    std::vector<uint8_t> bytes(range.bytes);
+    std::copy_n(shelf.character.files.at(range.uri).begin() + long(range.offset), range.bytes, bytes.begin());
+    bytes.back() ^= 0x40;
+    const Arrival arrival = shelf.loading.receive(range.id, bytes);
+    ASSERT_FALSE(arrival.status.ok()) << part;
+    EXPECT_EQ(arrival.status.error().id, ErrorId::FilesDiffer) << part;
+    EXPECT_NE(arrival.status.error().message.find(range.uri), std::string::npos);
+    EXPECT_EQ(arrival.sequence, part == "mesh" ? -1 : 0);
+    EXPECT_FALSE(shelf.geometry(0, 0));
+    EXPECT_EQ(shelf.loading.video(0, 0), nullptr);
+  }
+}
+
 TEST(PlayerLoading, WhatFailedIsAskedForAgainWhenItIsRevived) {
   const Need need{0, 0, true, {}};
   const auto spoil = [](std::vector<uint8_t> bytes) { return bytes[0] ^= 1, bytes; };
@@ -178,6 +205,7 @@ TEST(PlayerLoading, TheSampleTableOfEveryRenditionIsChecked) {
     std::vector<uint8_t> stream = package::writeStreamHeader(index);
     stream.insert(stream.end(), file.begin() + long(header_bytes), file.end());
     character.manifest.set(walk + "/stream/headerLength", double(header_bytes + grown));
+    character.manifest.set(walk + "/stream/headerHash", hashText(std::span(stream).first(header_bytes + grown)));
     character.manifest.set(walk + "/stream/byteLength", double(stream.size()));
     file = std::move(stream);
     for (const char* field : {"/uri", "/codec"})
