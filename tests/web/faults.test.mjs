@@ -18,7 +18,7 @@ const kElsewhere = 'visitor.test'; // a name of this machine that is neither loc
 let minute;
 before(async () => {
   stage.browser = await launch([`--host-resolver-rules=MAP ${kElsewhere} 127.0.0.1`]);
-  minute = outage(60_000); // beside the other tests; the last one waits for it
+  minute = Promise.all([outage(60_000), hiddenForAMinute()]); // beside the other tests; the last one waits for it
   minute.catch(() => undefined);
 });
 after(async () => {
@@ -42,17 +42,32 @@ test('files of two bakes that stay mixed: loaded again once, then one error', mi
 
 test('the browser takes the decoder away', decoderTaken);
 
+// Runs in the page before its scripts.
+function makeHideable() {
+  globalThis.pageHidden = false;
+  Object.defineProperty(document, 'hidden', { get: () => globalThis.pageHidden });
+  globalThis.setHidden = (hidden) => {
+    globalThis.pageHidden = hidden;
+    document.dispatchEvent(new Event('visibilitychange'));
+  };
+}
+
+async function hiddenForAMinute() {
+  const scene = await open('page hidden for a minute', { before: makeHideable });
+  await plays(scene);
+  await get(scene, () => globalThis.setHidden(true));
+  await wait(60_000);
+  assert.deepEqual(await get(scene, () => [globalThis.live.decoders, globalThis.live.pictures]), [0, 0]);
+  const back = Date.now();
+  await get(scene, () => globalThis.setHidden(false));
+  assert.ok(await advances(scene));
+  row(scene.name, 'nothing', `plays ${seconds(Date.now() - back)} after it is seen again`);
+  assert.deepEqual(await errors(scene), []);
+  await finish(scene);
+}
+
 test('a hidden page holds no decoder, and a paused viewer stays paused', async () => {
-  const scene = await open('page hidden', {
-    before: () => {
-      globalThis.pageHidden = false;
-      Object.defineProperty(document, 'hidden', { get: () => globalThis.pageHidden });
-      globalThis.setHidden = (hidden) => {
-        globalThis.pageHidden = hidden;
-        document.dispatchEvent(new Event('visibilitychange'));
-      };
-    },
-  });
+  const scene = await open('page hidden', { before: makeHideable });
   await plays(scene);
   await get(scene, () => globalThis.setHidden(true));
   const shown = await framesShown(scene);
@@ -77,6 +92,25 @@ test('a hidden page holds no decoder, and a paused viewer stays paused', async (
   await until(scene, () => globalThis.seen.filter((e) => e.type === 'canplay').length === 2);
   assert.equal(await get(scene, () => globalThis.viewer.paused), true);
   assert.equal((await panel(scene)).play, true, 'a button offers to play');
+  assert.deepEqual(await errors(scene), []);
+  await finish(scene);
+});
+
+test('a GL context that is given back', async () => {
+  const scene = await open('GL context lost and given back');
+  await plays(scene);
+  const lost = Date.now();
+  await get(scene, async () => {
+    const gl = globalThis.viewer.shadowRoot.querySelector('canvas').getContext('webgl2');
+    const extension = gl.getExtension('WEBGL_lose_context');
+    extension.loseContext();
+    await new Promise((next) => setTimeout(next, 500));
+    extension.restoreContext();
+  });
+  await until(scene, () => globalThis.seen.filter((e) => e.type === 'canplay').length === 2);
+  assert.ok(await advances(scene));
+  assert.ok(coverage(await readCanvas(scene.page)) > 0.02);
+  row(scene.name, 'the poster for a moment', `plays ${seconds(Date.now() - lost - 500)} after it is back`);
   assert.deepEqual(await errors(scene), []);
   await finish(scene);
 });
@@ -159,6 +193,26 @@ test('another src while loading, removal while loading', async () => {
   row(scene.name, 'poster', 'the last one plays');
   assert.deepEqual(await errors(scene), []);
   await finish(scene);
+});
+
+test('files that are damaged, and a server that knows no ranges', async () => {
+  for (const [name, file, fault, id] of [
+    ['a video that ends too early', '.mp4', { truncate: 2000 }, 'fetch-failed'],
+    ['wrong bytes', '.mp4', { spoil: true }, 'files-differ'],
+    ['a manifest that ends too early', '.gltf', { truncate: 3000 }, 'manifest-invalid'],
+    ['200 for a range', '', { whole: true }, null],
+  ]) {
+    const scene = await open(name, { faults: (r) => (ofCharacter(r) && r.url.endsWith(file) ? fault : null) });
+    if (id) {
+      assert.equal((await firstError(scene)).id, id);
+      assert.equal((await panel(scene)).error, true);
+    } else {
+      await plays(scene);
+      assert.deepEqual(await errors(scene), []);
+    }
+    row(name, id ? 'poster, panel' : 'nothing', id ? `\`${id}\`` : 'plays; whole files are downloaded');
+    await finish(scene);
+  }
 });
 
 test('what cannot work is one error with its own ID', async () => {
@@ -260,4 +314,4 @@ test('after a click the wheel zooms until the pointer leaves, and then scrolls t
   await finish(scene);
 });
 
-test('the server comes back after a minute', () => minute);
+test('after a minute: the server comes back, the page is seen again', () => minute);

@@ -66,16 +66,18 @@ async function answer(root, options, request, response, entry) {
     'Content-Type': TYPES[extname(file).toLowerCase()] ?? 'application/octet-stream',
     'Cache-Control': 'no-cache', 'Last-Modified': info.mtime.toUTCString(), ...options.headers,
   };
-  if (options.ranges !== false) headers['Accept-Ranges'] = 'bytes';
-  const range = options.ranges === false ? 'none' : parseRange(request.headers.range, info.size);
-  if (range === 'bad') return finish(416, { 'Content-Range': `bytes */${info.size}` });
-  const [first, last] = range === 'none' ? [0, info.size - 1] : range;
-  if (range !== 'none') headers['Content-Range'] = `bytes ${first}-${last}/${info.size}`;
+  const ranges = options.ranges !== false && !fault.whole, size = Math.min(info.size, fault.truncate ?? info.size);
+  if (ranges) headers['Accept-Ranges'] = 'bytes';
+  const range = ranges ? parseRange(request.headers.range, size) : 'none';
+  if (range === 'bad') return finish(416, { 'Content-Range': `bytes */${size}` });
+  const [first, last] = range === 'none' ? [0, size - 1] : range;
+  if (range !== 'none') headers['Content-Range'] = `bytes ${first}-${last}/${size}`;
   headers['Content-Length'] = last - first + 1;
   entry.status = range === 'none' ? 200 : 206;
   entry.bytes = last - first + 1;
   response.writeHead(entry.status, headers);
-  if (request.method === 'HEAD' || info.size === 0) return response.end();
+  if (request.method === 'HEAD' || size === 0) return response.end();
+  if (fault.spoil) return response.end(readFileSync(file).subarray(first, last + 1).map((byte) => byte ^ 0x55));
   const stream = createReadStream(file, { start: first, end: last, highWaterMark: fault.bytesPerS ? fault.bytesPerS / 10 : undefined });
   stream.on('error', () => response.destroy());
   response.on('close', () => stream.destroy());
@@ -91,9 +93,11 @@ async function answer(root, options, request, response, entry) {
 }
 
 /**
- * Serves `root` on 127.0.0.1. options: ranges (false: answer 200 to range requests), headers (added to every file),
- * host, pages (by path: { html, headers }, beside those of the folder), tls ({ key, cert }: https), misbehave(request): what goes wrong with this request, if anything: { away: true } (the connection breaks),
- * { status }, { text } (this instead of the file), { url } (another file), { stallAfter: bytes } (no more bytes follow, and no end), { bytesPerS }.
+ * Serves `root` on 127.0.0.1. options: ranges (false: answer 200 to range requests), headers (added to every file), host,
+ * pages (by path: { html, headers }, beside those of the folder), tls ({ key, cert }: https), misbehave(request): what
+ * goes wrong with this request, if anything: { away: true } (the connection breaks), { status }, { text } (this instead of
+ * the file), { url } (another file), { truncate: bytes } (the file ends there), { spoil: true } (wrong bytes), { whole: true }
+ * (200 for a range), { stallAfter: bytes } (no more bytes follow, and no end), { bytesPerS }.
  * `requests` grows by { method, path, range, status, bytes } for every request.
  */
 export function serve(root, port = 0, options = {}) {

@@ -320,6 +320,23 @@ TEST(PlayerTransition, ADamagedTargetLeavesTheSourcePlaying) {
   }
 }
 
+TEST(PlayerTransition, AfterTheirMakingAheadNoPictureWaitsForAProgram) {
+  for (bool ahead : {false, true}) {
+    Scene s(threeStates());
+    s.edge.draw();
+    while (ahead && s.player().makeNextProgram({})) continue;
+    const uint64_t programs = s.edge.device.counters().live_programs;
+    ASSERT_TRUE(s.player().setParameter("speed_mps", 2, true).ok());
+    s.run(0.2);
+    s.edge.draw();
+    ASSERT_TRUE(s.player().goTo("pickup").ok());
+    ASSERT_TRUE(s.fades());
+    s.edge.draw();
+    EXPECT_EQ(s.edge.device.counters().live_programs == programs, ahead);
+    EXPECT_FALSE(ahead && s.player().makeNextProgram({}));
+  }
+}
+
 TEST(PlayerTransition, SeeksAndSelectionsEndIt) {
   for (bool fading : {false, true}) {
     for (bool travel : {false, true}) {
