@@ -246,6 +246,11 @@ int32_t fdvt_draw(Instance* const* characters, uint32_t count, const abi::View* 
   return keep(h, drawTogether(characters, count, render::viewFromCamera(camera)));
 }
 
+int32_t fdvt_make_next_program(Instance* h) {
+  makeCurrent(h);
+  return h->player->makeNextProgram(h->options) ? 1 : 0;
+}
+
 const abi::State* fdvt_state(Instance* h) {
   const Player& p = *h->player;
   const PlayerStats s = p.stats();

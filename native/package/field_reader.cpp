@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "package/field_reader.h"
 
-#include <charconv>
 #include <cmath>
 
 namespace fourdvt::package {
@@ -59,9 +58,13 @@ std::string FieldReader::uri(const std::string& pointer) {
 uint64_t FieldReader::hash(const std::string& pointer) {
   const std::string digits = text(pointer, 16);
   uint64_t value = 0;
-  const auto [end, failed] = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
-  if (ok() && (digits.size() != 16 || failed != std::errc() || end != digits.data() + 16))
-    fail(pointer, "is not a hash of 16 hexadecimal digits");
+  bool good = digits.size() == 16;
+  for (const char c : digits) {
+    const int digit = c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
+    good = good && digit >= 0;
+    value = 16 * value + uint64_t(digit);
+  }
+  if (!good) fail(pointer, "is not a hash of 16 hexadecimal digits");
   return value;
 }
 

@@ -103,6 +103,9 @@ class Player {
   // What to hand to a recipe, to draw it with others; valid until the next tick. Errors: InvalidArgument: no frame yet.
   virtual Result<render::Figure> figure() const = 0;
   virtual render::Align align() const = 0;
+  // Makes one of the programs that this character's motions will need, before one of them does; false: none is missing.
+  // For moments when nothing else is to be done.
+  virtual bool makeNextProgram(const render::RecipeOptions& options) = 0;
   // This character alone.
   virtual Status draw(const render::View& view, const render::RecipeOptions& options, gpu::TargetId target) = 0;
 

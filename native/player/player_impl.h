@@ -52,6 +52,7 @@ class PlayerImpl final : public Player {
   bool hasFrame() const override { return main().head.hasPicture(); }
   Result<render::Figure> figure() const override;
   render::Align align() const override { return align_; }
+  bool makeNextProgram(const render::RecipeOptions& options) override;
   Status draw(const render::View& view, const render::RecipeOptions& options, gpu::TargetId target) override;
   const package::Character* character() const override { return loading_.character(); }
   const package::Sequence* sequence() const override;

@@ -6,8 +6,6 @@
 namespace fourdvt::render {
 namespace {
 
-bool isSharpened(const RecipeOptions& options) { return options.view_exponent != 1.0f; }
-
 bool isAligned(const Part& part, const DrawOptions& options) {
   return options.align == Align::Baked && part.look->appearance->aligned && part.members.size() > 1;
 }
@@ -50,35 +48,35 @@ float lostDetail(const Part& part) {
   return 1 / std::sqrt(squares + part.look->appearance->detail_correlation * (1 - squares)) - 1;
 }
 
-uint32_t programKey(const CharacterModel& model, const Part& part, const DrawOptions& options) {
-  uint32_t key = static_cast<uint32_t>(model.layer_count);
-  key = key * 8 + static_cast<uint32_t>(part.members.size());
-  key = key * 2 + static_cast<uint32_t>(part.look->picture->kind);
-  key = key * 8 + static_cast<uint32_t>(options.recipe.debug);
-  for (bool flag : {isSharpened(options.recipe), isAligned(part, options)}) key = key * 2 + flag;
-  return key;
+LayeredVariant variantOf(const CharacterModel& model, const Part& part, const DrawOptions& options) {
+  return {model.layer_count,    static_cast<int>(part.members.size()), part.look->picture->kind,
+          options.recipe.debug, isSharpened(options.recipe),           isAligned(part, options)};
 }
 
-std::string definesOf(const CharacterModel& model, const Part& part, const DrawOptions& options) {
-  const RecipeOptions& recipe = options.recipe;
-  std::string defines = "LAYERS " + std::to_string(model.layer_count) + "\n";
-  defines += "MEMBERS " + std::to_string(part.members.size()) + "\n";
+std::string definesOf(const LayeredVariant& variant) {
+  std::string defines = "LAYERS " + std::to_string(variant.layers) + "\n";
+  defines += "MEMBERS " + std::to_string(variant.members) + "\n";
   defines += "MAX_CAMERAS " + std::to_string(package::kMaxCameras) + "\n";
-  if (part.look->picture->kind == PictureTextures::Kind::I420) defines += "PICTURE_I420\n";
-  if (isAligned(part, options)) defines += "ALIGNED\n";
-  if (isSharpened(recipe)) defines += "SHARPENED\n";
-  if (recipe.debug != DebugView::None) defines += "DEBUG_VIEW " + std::to_string(static_cast<int>(recipe.debug)) + "\n";
+  if (variant.kind == PictureTextures::Kind::I420) defines += "PICTURE_I420\n";
+  if (variant.aligned) defines += "ALIGNED\n";
+  if (variant.sharpened) defines += "SHARPENED\n";
+  if (variant.debug != DebugView::None)
+    defines += "DEBUG_VIEW " + std::to_string(static_cast<int>(variant.debug)) + "\n";
   return defines;
 }
 
 }  // namespace
 
+Status LayeredPass::prepare(gpu::Device& device, const LayeredVariant& variant) {
+  if (has(variant)) return {};
+  FOURDVT_ASSIGN(auto program, makeEmbeddedProgram(device, "layered.vert", "layered.frag", definesOf(variant)));
+  programs_.emplace(variant, std::move(program));
+  return {};
+}
+
 Status LayeredPass::prepare(gpu::Device& device, const CharacterModel& model, const Part& part,
                             const DrawOptions& options) {
-  gpu::Program& program = programs_[programKey(model, part, options)];
-  if (program) return {};
-  FOURDVT_ASSIGN(program, makeEmbeddedProgram(device, "layered.vert", "layered.frag", definesOf(model, part, options)));
-  return {};
+  return prepare(device, variantOf(model, part, options));
 }
 
 void LayeredPass::draw(gpu::Device& device, const CharacterModel& model, const Part& part, const CharacterView& view,
@@ -87,7 +85,7 @@ void LayeredPass::draw(gpu::Device& device, const CharacterModel& model, const P
   const std::vector<glm::vec4> rects = layerRects(part);
   std::vector<glm::vec4> members;
   for (const WeightedMember& member : part.members) members.emplace_back(member.member, member.weight, 0, 0);
-  device.draw({.program = programs_.at(programKey(model, part, options)).id(),
+  device.draw({.program = programs_.at(variantOf(model, part, options)).id(),
                .textures = bindings(model, part, isAligned(part, options)),
                .uniforms = {gpu::uniform("u_clip_from_character", view.clip_from_character),
                             gpu::uniform("u_eye", view.eye_in_character),

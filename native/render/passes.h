@@ -35,6 +35,8 @@ std::vector<Part> partsOf(const Figure& figure, const DrawOptions& options);
 // Errors: InvalidArgument.
 Status checkFigure(const Figure& figure, const RecipeOptions& options);
 
+inline bool isSharpened(const RecipeOptions& options) { return options.view_exponent != 1.0f; }
+
 // The view in the frame of the figure's character.
 CharacterView viewOfFigure(const View& view, const Figure& figure);
 
@@ -62,23 +64,34 @@ class ShadowPass {
   std::vector<Map> maps_;
 };
 
-// A character with layered view-dependent texture (LVDT Eq. 3-4), up to four members of a look blended. Programs are
-// made on first use, one per layer count, number of members, picture kind, debug view and kind of weights.
+// What a program of LayeredPass is made for.
+struct LayeredVariant {
+  int layers = 1, members = 1;
+  PictureTextures::Kind kind = PictureTextures::Kind::I420;
+  DebugView debug = DebugView::None;
+  bool sharpened = false, aligned = false;
+  auto operator<=>(const LayeredVariant&) const = default;
+};
+
+// A character with layered view-dependent texture (LVDT Eq. 3-4), up to four members of a look blended.
 class LayeredPass {
  public:
-  // Makes the program. Errors: GpuFailure.
+  bool has(const LayeredVariant& variant) const { return programs_.contains(variant); }
+  // Makes the program, unless it is there. Errors: GpuFailure.
+  Status prepare(gpu::Device& device, const LayeredVariant& variant);
   Status prepare(gpu::Device& device, const CharacterModel& model, const Part& part, const DrawOptions& options);
   // One draw inside the caller's pass, after prepare with the same arguments.
   void draw(gpu::Device& device, const CharacterModel& model, const Part& part, const CharacterView& view,
             const DrawOptions& options) const;
 
  private:
-  std::map<uint32_t, gpu::Program> programs_;
+  std::map<LayeredVariant, gpu::Program> programs_;
 };
 
 // Mixes two pictures of one mesh and view, and draws the mesh with a mixed picture.
 class MixPass {
  public:
+  bool ready() const { return mix_ && mesh_; }  // without flow
   // Makes the programs. Errors: GpuFailure.
   Status prepare(gpu::Device& device, bool with_flow);
   // One draw that covers the caller's target. flow: displacements from `first` to `second`; 0: none.

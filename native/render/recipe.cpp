@@ -61,6 +61,21 @@ class RecipeOnDevice final : public Recipe {
     return {};
   }
 
+  Result<bool> makeNextProgram(int layer_count, int most_members, bool aligned, PictureTextures::Kind kind,
+                               const DrawOptions& options) override {
+    LayeredVariant variant{
+        .layers = layer_count, .kind = kind, .debug = options.recipe.debug, .sharpened = isSharpened(options.recipe)};
+    for (; variant.members <= most_members; ++variant.members) {
+      variant.aligned = aligned && variant.members > 1 && options.align == Align::Baked;
+      if (layered_.has(variant)) continue;
+      FOURDVT_TRY(layered_.prepare(device_, variant));
+      return true;
+    }
+    if (mix_.ready()) return false;
+    FOURDVT_TRY(mix_.prepare(device_, false));
+    return true;
+  }
+
  private:
   Status check(std::span<const Figure> figures, const View& view, const DrawOptions& options) const {
     const auto invalid = [](const char* message) { return Error{ErrorId::InvalidArgument, message}; };

@@ -60,6 +60,12 @@ class Recipe {
   // resized on demand. scene: null: none. Errors: InvalidArgument, GpuFailure; Unsupported: Align::Flow without a flow.
   virtual Status draw(std::span<const Figure> figures, const Scene* scene, const View& view, const DrawOptions& options,
                       gpu::TargetId target) = 0;
+  // Makes one of the programs that pictures of a character will need and that are not there yet: of blends of up to
+  // `most_members` members (`aligned`: their appearance says how they are aligned), and of cross-fades. False: all are
+  // there. Without this a program is made when a picture needs it first, which a visitor notices. Those of Align::Flow
+  // are left to that. Errors: GpuFailure.
+  virtual Result<bool> makeNextProgram(int layer_count, int most_members, bool aligned, PictureTextures::Kind kind,
+                                       const DrawOptions& options) = 0;
   // What Align::Flow uses; null: none. See flow.h.
   virtual void setFlow(std::unique_ptr<FlowSource> flow) = 0;
 };

@@ -115,6 +115,9 @@ export class Actor implements Performer {
     this.pump();
   }
 
+  /** Compiles one shader program that later pictures will need; false when none is missing. */
+  makeNextProgram(): boolean { return this.#guard((p) => p.makeNextProgram()) ?? false; }
+
   /** Out of sight no decoder is held. */
   setInSight(inSight: boolean): void {
     this.#guard((p) => p.setInSight(inSight));

@@ -70,14 +70,15 @@ export class Session {
   #main: Actor | null = null;
   readonly #others = new Map<Companion, Other>();
   readonly #coming = new Set<Companion>();
-  // Loaded again because of files of two bakes. The next such error is reported, unless it was a new bake that plays.
-  #renewal: 'none' | 'same' | 'new' = 'none';
+  #fresh = false; // the character is loaded past the browser's cache
+  #unproven = false; // it was loaded anew and could not play yet
   #held: ErrorDetail[] | null = null; // errors that wait for what #renew finds
   readonly #renewedOthers = new WeakSet<Companion>();
   #path: PictureKind = 'i420';
   #shown = false;
   #deciding = false; // the upload path is being measured
   #redraw = true;
+  #programsMissing = true; // shader programs that later pictures will need
   #hidden = false;
   #waiting = 0; // for the network: the character, its companions, the player itself
   #drawn = '';
@@ -249,6 +250,7 @@ export class Session {
 
   #open(path: PictureKind): void {
     this.#path = path;
+    this.#programsMissing = true;
     const decide = (this.#deciding = this.#options.uploadPath === 'auto' && !rememberedPath());
     const source = { transport: this.#transport, manifest: this.#manifest };
     const main = new Actor(this.#context(null), source, this.#commands, {
@@ -300,7 +302,7 @@ export class Session {
   }
 
   // Looks whether there is a new bake where the character was loaded from, and goes on with that. Files that differ
-  // from their manifest without one may be leftovers in the browser's cache: they are loaded again, once.
+  // from their manifest without one may be leftovers in the browser's cache: they are loaded again, past it.
   async #renew(error: ErrorDetail): Promise<void> {
     this.#held = [error];
     const transport = new Transport(this.#options.src, this.#network, 'reload');
@@ -311,12 +313,13 @@ export class Session {
     this.#held = null;
     if (this.#abort.signal.aborted || !this.#main) return leave();
     const isNew = manifest !== null && JSON.stringify(manifest) !== JSON.stringify(this.#manifest);
-    if (!isNew && (manifest === null || errors.every(({ id }) => id !== 'files-differ'))) {
+    const mayBeCached = manifest !== null && !this.#fresh && errors.some(({ id }) => id === 'files-differ');
+    if (!isNew && !mayBeCached) {
       leave();
       for (const detail of errors) this.#host.emit('error', detail);
       return;
     }
-    this.#renewal = isNew ? 'new' : 'same';
+    this.#fresh = this.#unproven = true;
     this.#transport.dispose();
     this.#transport = transport;
     this.#manifest = manifest;
@@ -326,10 +329,10 @@ export class Session {
   #onMainEvent(name: string, detail?: unknown): void {
     if (name === 'error' && this.#main && mayBeOfTwoBakes(detail as ErrorDetail)) {
       if (this.#held) return void this.#held.push(detail as ErrorDetail);
-      if (this.#renewal === 'none') return void this.#renew(detail as ErrorDetail);
+      if (!this.#unproven) return void this.#renew(detail as ErrorDetail);
     }
     if (name === 'canplay') {
-      if (this.#renewal === 'new') this.#renewal = 'none';
+      this.#unproven = false;
       if (!this.#deciding) this.#transport.stopReplay();
       for (const companion of this.#host.companions) void this.add(companion);
     } else if (name === 'playing' || name === 'pause') {
@@ -402,6 +405,8 @@ export class Session {
     const otherStates = others.map((actor) => actor.state());
     const serial = [state, ...otherStates].map((s) => s && [s.framesShown, s.frame, s.x, s.z, s.heading]).join();
     const changed = moved || this.#redraw || serial !== this.#drawn;
+    // One a turn, after the first picture: neither that nor the first use of a slider has to wait for them.
+    if (this.#shown && this.#programsMissing) this.#programsMissing = main.makeNextProgram();
     if (changed && state.hasFrame) this.#show(serial, others.filter((_, i) => otherStates[i]?.hasFrame));
     this.#redraw = false;
     return moved || main.busy(state) || others.some((actor, i) => otherStates[i] && actor.busy(otherStates[i]!));

@@ -199,6 +199,9 @@ export class WasmPlayer {
     this.#check(this.#m._fdvt_draw(at + view.length, handles.length, at));
   }
 
+  /** Compiles one shader program that later pictures will need; false when none is missing. */
+  makeNextProgram(): boolean { return this.#m._fdvt_make_next_program(this.#h) !== 0; }
+
   // --- motion ---
 
   setParameter(name: string, value: number, atOnce: boolean): void {

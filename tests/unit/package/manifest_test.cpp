@@ -292,7 +292,8 @@ TEST(Manifest, RefusesDamagedFields) {
   expectRefused("/vertexCount", 1e12);
   expectRefused("/faceCount", -1);
   expectRefused("/faceCount", "8000");
-  for (const char* hash : {"0123456789abcde", "0123456789abcdef0", "0123456789abcdeg", "0x23456789abcdef"}) {
+  for (const char* hash :
+       {"0123456789abcde", "0123456789abcdef0", "0123456789abcdeg", "0x23456789abcdef", "0123456789ABCDEF"}) {
     expectRefused("/mesh/hash", hash);
     expectRefused("/sequences/0/stream/headerHash", hash);
   }
