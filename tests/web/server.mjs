@@ -78,16 +78,14 @@ async function answer(root, options, request, response, entry) {
   response.writeHead(entry.status, headers);
   if (request.method === 'HEAD' || size === 0) return response.end();
   if (fault.spoil) return response.end(readFileSync(file).subarray(first, last + 1).map((byte) => byte ^ 0x55));
+  if (fault.stallAfter !== undefined) return response.write(readFileSync(file).subarray(first, Math.min(first + fault.stallAfter, last + 1)));
   const stream = createReadStream(file, { start: first, end: last, highWaterMark: fault.bytesPerS ? fault.bytesPerS / 10 : undefined });
   stream.on('error', () => response.destroy());
   response.on('close', () => stream.destroy());
-  if (fault.stallAfter === undefined && !fault.bytesPerS) return stream.pipe(response);
-  let sent = 0;
+  if (!fault.bytesPerS) return stream.pipe(response);
   for await (const part of stream) {
-    if (fault.stallAfter !== undefined && sent + part.length > fault.stallAfter) return response.write(part.subarray(0, fault.stallAfter - sent));
     response.write(part);
-    sent += part.length;
-    if (fault.bytesPerS) await new Promise((next) => setTimeout(next, 100));
+    await new Promise((next) => setTimeout(next, 100));
   }
   response.end();
 }
