@@ -120,13 +120,16 @@ TEST_F(DamagedPackage, MissingPosterIsFoundByInspect) {
 }
 
 TEST_F(DamagedPackage, MotionGraphThatIsMissingOrNone) {
-  const std::string graph = folder + "/graph.bin", named = R"("graph": {"uri": "graph.bin", "byteLength": 100}, )";
+  const std::string graph = folder + "/graph.bin", hash = "052c9e7cec411035";  // of 100 times "x"
+  const std::string named = R"("graph": {"uri": "graph.bin", "byteLength": 100, "hash": ")" + hash + "\"}, ";
   ASSERT_EQ(shell("sed -i 's/\"groundY\"/" + named + "\"groundY\"/' " + manifest).code, 0);
   expectBroken(graph, false);
   writeText(graph, std::string(99, 'x'));
   expectBroken(graph, false);
-  writeText(graph, std::string(100, 'x'));
-  expectBroken(graph, false);
+  for (const char text : {'y', 'x'}) {  // another one's, and none at all
+    writeText(graph, std::string(100, text));
+    expectBroken(graph, false);
+  }
 }
 
 TEST_F(DamagedPackage, UnknownSequenceFrameAndCamera) {

@@ -30,10 +30,10 @@ function goodManifest() {
   };
   const sequence = {
     name: 'walk', frameCount: 28, fps: 25, loop: true, rootVelocity: [0, 0, 1],
-    stream: { uri: 'walk.bin', byteLength: 4096, headerLength: 512 }, renditions: [rendition],
+    stream: { uri: 'walk.bin', byteLength: 4096, headerLength: 512, headerHash: '0123456789abcdef' }, renditions: [rendition],
   };
   const extension = {
-    version: 1, name: 'nobody', layerCount: 1, vertexCount: 100, faceCount: 180, mesh: { uri: 'mesh.bin', byteOffset: 0, byteLength: 2000 },
+    version: 1, name: 'nobody', layerCount: 1, vertexCount: 100, faceCount: 180, mesh: { uri: 'mesh.bin', byteOffset: 0, byteLength: 2000, hash: '0123456789abcdef' },
     poster: { uri: 'poster.webp' }, bounds: { min: [-0.5, 0, -0.3], max: [0.5, 1.8, 0.3] }, groundY: 0,
     cameras: [camera], sequences: [sequence],
   };
