@@ -184,11 +184,6 @@ class Inspection {
                const package::SampleTable& table) const {
     const std::string file = path(rendition.video_uri);
     FOURDVT_TRY(checkSize(file, rendition.video_bytes, ErrorId::VideoInvalid));
-    for (uint32_t c = 0; c < table.chunk_hash.size(); ++c) {
-      const package::ByteSpan span = table.videoOf(c);
-      FOURDVT_ASSIGN(auto bytes, platform::readFileRange(file, span.offset, span.bytes));
-      FOURDVT_TRY(checkHash(file, bytes, table.chunk_hash[c]));
-    }
     uint32_t shown = 0;
     std::string wrong;
     auto decoder = platform::SampleDecoder::create(
@@ -201,10 +196,16 @@ class Inspection {
             wrong = "barcode of frame " + std::to_string(frame) + " does not say so";
         });
     if (!decoder.ok()) return inFile(file, decoder.error());
-    for (const package::VideoSample& sample : table.samples) {
-      FOURDVT_ASSIGN(auto bytes, platform::readFileRange(file, sample.offset, sample.bytes));
-      Status decoded = decoder.value()->decode(bytes, sample.frame, sample.key);
-      if (!decoded.ok()) return inFile(file, decoded.error());
+    for (uint32_t c = 0; c < table.chunk_hash.size(); ++c) {
+      const package::ByteSpan span = table.videoOf(c);
+      FOURDVT_ASSIGN(auto bytes, platform::readFileRange(file, span.offset, span.bytes));
+      FOURDVT_TRY(checkHash(file, bytes, table.chunk_hash[c]));
+      for (uint32_t s = table.chunk_first_sample[c]; s < table.chunk_first_sample[c + 1]; ++s) {
+        const package::VideoSample& sample = table.samples[s];
+        const auto part = std::span(bytes).subspan(sample.offset - span.offset, sample.bytes);
+        Status decoded = decoder.value()->decode(part, sample.frame, sample.key);
+        if (!decoded.ok()) return inFile(file, decoded.error());
+      }
     }
     Status flushed = decoder.value()->flush();
     if (!flushed.ok()) return inFile(file, flushed.error());

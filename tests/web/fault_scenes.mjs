@@ -234,7 +234,7 @@ function secondBake() {
   };
 }
 
-export async function missingMotion() {
+async function missingMotion() {
   const scene = await open('404 for one motion');
   await plays(scene);
   const other = await get(scene, () => globalThis.viewer.sequences.at(-1).name);
@@ -254,7 +254,7 @@ export async function missingMotion() {
   await finish(scene);
 }
 
-export async function missingCharacter() {
+async function missingCharacter() {
   const scene = await open('404 for the character', { faults: (r) => (r.url.endsWith('.mp4') ? { status: 404 } : null) });
   assert.equal((await firstError(scene)).id, 'fetch-failed');
   assert.equal((await panel(scene)).error, true);
@@ -274,7 +274,7 @@ export async function missingCharacter() {
   await finish(scene);
 }
 
-export async function otherOrigin() {
+async function otherOrigin() {
   const refused = await open('no permission from the other origin', { elsewhere: {} });
   const error = await firstError(refused);
   assert.equal(error.id, 'fetch-failed');
@@ -287,7 +287,7 @@ export async function otherOrigin() {
   await finish(allowed);
 }
 
-export async function newBake() {
+async function newBake() {
   const scene = await open('a new bake in between', { attributes: { autoplay: '', 'camera-controls': '' } });
   await plays(scene);
   const names = await get(scene, () => globalThis.viewer.sequences.map((s) => s.name));
@@ -313,7 +313,7 @@ export async function newBake() {
   await finish(scene);
 }
 
-export async function mixedBakes() {
+async function mixedBakes() {
   const bake = secondBake();
   const scene = await open('files of two bakes', { faults: (request) => bake(request, false) });
   const error = await firstError(scene);
@@ -330,7 +330,7 @@ export async function mixedBakes() {
   await finish(scene);
 }
 
-export async function decoderTaken() {
+async function decoderTaken() {
   const scene = await open('decoder taken away');
   await plays(scene);
   for (let i = 0; i < 6; ++i) {
@@ -358,3 +358,13 @@ export async function decoderTaken() {
   row('decoder taken away again and again', 'the last picture, panel', '`decoder-lost`; the button loads it');
   await finish(scene);
 }
+
+/** [title, scene]: one test each in every browser. */
+export const everywhere = [
+  ['a motion that is not there is an error, and is played once it is there', missingMotion],
+  ['the shown motion fails: a panel with a button that tries again', missingCharacter],
+  ['another origin: its permission is needed, and a refusal is told from a lost network', otherOrigin],
+  ['a new bake in place of the one that plays: it is loaded, and nothing is mixed', newBake],
+  ['files of two bakes that stay mixed: loaded again once, then one error', mixedBakes],
+  ['the browser takes the decoder away', decoderTaken],
+];

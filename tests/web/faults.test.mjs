@@ -7,9 +7,8 @@ import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 
 import {
-  advances, browserOffline, decoderTaken, errors, finish, firstError, framesShown, get, missingCharacter, missingMotion,
-  mixedBakes, newBake, ofCharacter, open, otherOrigin, outage, outageWhileLoading, panel, plays, row, seconds,
-  serverErrors, slowServer, stage, stalls, until, wait, writeTable,
+  advances, browserOffline, errors, everywhere, finish, firstError, framesShown, get, ofCharacter, open, outage,
+  outageWhileLoading, panel, plays, row, seconds, serverErrors, slowServer, stage, stalls, until, wait, writeTable,
 } from './fault_scenes.mjs';
 import { launch, readCanvas, waitForEvent } from './harness.mjs';
 import { coverage } from './ssim.mjs';
@@ -30,17 +29,7 @@ test('the network and the server come back', () => Promise.all([
   outage(2000), outage(10_000), outageWhileLoading(), browserOffline(), serverErrors(), slowServer(), stalls(),
 ]));
 
-test('a motion that is not there is an error, and is played once it is there', missingMotion);
-
-test('the shown motion fails: a panel with a button that tries again', missingCharacter);
-
-test('another origin: its permission is needed, and a refusal is told from a lost network', otherOrigin);
-
-test('a new bake in place of the one that plays: it is loaded, and nothing is mixed', newBake);
-
-test('files of two bakes that stay mixed: loaded again once, then one error', mixedBakes);
-
-test('the browser takes the decoder away', decoderTaken);
+for (const [title, scene] of everywhere) test(title, scene);
 
 // Runs in the page before its scripts.
 function makeHideable() {

@@ -4,8 +4,7 @@
 import { after, before, test } from 'node:test';
 
 import {
-  decoderTaken, missingCharacter, missingMotion, mixedBakes, newBake, otherOrigin, outage, outageWhileLoading,
-  serverErrors, slowServer, stage, stalls, writeTable,
+  everywhere, outage, outageWhileLoading, serverErrors, slowServer, stage, stalls, writeTable,
 } from './fault_scenes.mjs';
 import { launchFirefox } from './harness.mjs';
 
@@ -24,10 +23,5 @@ after(async () => {
 test('the network and the server come back', () => Promise.all([
   outage(2000), outage(10_000), outageWhileLoading(), serverErrors(), slowServer(), stalls(),
 ]));
-test('a motion that is not there is an error, and is played once it is there', missingMotion);
-test('the shown motion fails: a panel with a button that tries again', missingCharacter);
-test('another origin: its permission is needed, and a refusal is told from a lost network', otherOrigin);
-test('a new bake in place of the one that plays: it is loaded, and nothing is mixed', newBake);
-test('files of two bakes that stay mixed: loaded again once, then one error', mixedBakes);
-test('the browser takes the decoder away', decoderTaken);
+for (const [title, scene] of everywhere) test(title, scene);
 test('the server comes back after a minute', () => minute);

@@ -142,6 +142,7 @@ export class Session {
   /** Optical flow takes effect when its module is loaded; if it does not load, an error event says why. */
   setAlign(align: Align): void {
     this.#align = align;
+    this.#programsMissing = true;
     if (!needsFlow(align)) this.#commands.set('align', align);
     else if (this.#shown) void this.#useFlow(align); // else it is loaded after the first picture
   }
@@ -291,7 +292,7 @@ export class Session {
 
   // True if the companion is being loaded anew, once, instead of reporting the error.
   #addAgain(companion: Companion, error: ErrorDetail): boolean {
-    if (!mayBeOfTwoBakes(error) || this.#renewedOthers.has(companion)) return false;
+    if (error.id !== 'files-differ' || this.#renewedOthers.has(companion)) return false;
     this.#renewedOthers.add(companion);
     queueMicrotask(() => {
       if (!this.#others.has(companion)) return;
@@ -406,7 +407,7 @@ export class Session {
     const serial = [state, ...otherStates].map((s) => s && [s.framesShown, s.frame, s.x, s.z, s.heading]).join();
     const changed = moved || this.#redraw || serial !== this.#drawn;
     // One a turn, after the first picture: neither that nor the first use of a slider has to wait for them.
-    if (this.#shown && this.#programsMissing) this.#programsMissing = main.makeNextProgram();
+    if (this.#shown && state.hasFrame && this.#programsMissing) this.#programsMissing = main.makeNextProgram();
     if (changed && state.hasFrame) this.#show(serial, others.filter((_, i) => otherStates[i]?.hasFrame));
     this.#redraw = false;
     return moved || main.busy(state) || others.some((actor, i) => otherStates[i] && actor.busy(otherStates[i]!));
