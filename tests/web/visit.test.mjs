@@ -56,6 +56,8 @@ test('dragging turns the character', async () => {
 
 test('keys turn, zoom and pause', async () => {
   await page.locator('fourdvt-viewer').locator('css=.stage').focus();
+  // The drag of the test before may still glide on, against the keys.
+  await page.evaluate(() => document.querySelector('fourdvt-viewer').jumpCameraToGoal());
   const { orbit } = await viewerState();
   for (let i = 0; i < 3; ++i) await page.keyboard.press('ArrowRight');
   await until((from) => document.querySelector('fourdvt-viewer').getCameraOrbit().azimuth > from + 20, orbit.azimuth);
