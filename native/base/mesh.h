@@ -19,6 +19,12 @@ struct MeshTopology {
 
 using Positions = std::vector<glm::vec3>;  // vertex_count points in world, metres
 
+// A surface of one frame, of any topology: indices < positions.size(), counter-clockwise seen from outside.
+struct TriangleMesh {
+  Positions positions;  // world, metres
+  std::vector<glm::uvec3> faces;
+};
+
 struct BoundingBox {
   glm::vec3 min{0}, max{0};
 };

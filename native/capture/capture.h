@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads a capture folder: capture.json, COLMAP text cameras, videos or image sequences, mattes, mesh sequences.
+// Reads a capture folder: capture.json, COLMAP text cameras, videos or image sequences, mattes, mesh sequences. Meshes
+// have one topology in all frames, or another one in every frame ("topology": "per-frame"), or there are none.
 //
 // openCapture checks everything that can be checked without decoding whole videos, before any long work starts.
 // FrameReader then decodes all cameras in step, one frame at a time, so that memory does not grow with the length.
@@ -31,14 +32,29 @@ struct CaptureCamera {
   Distortion distortion;  // what the reader removes
 };
 
+// What surface a capture has, in all its sequences alike.
+enum class CaptureMeshes {
+  ConstantTopology,  // one mesh with UVs that moves
+  PerFrame,          // every frame has vertices and faces of its own; UVs are not read
+  None,
+};
+
+// What a caller of openCapture can work with.
+enum class MeshNeed {
+  ConstantTopology,  // refuses the others, and says what helps
+  AnySurface,        // refuses captures without meshes
+  Nothing,           // accepts all, and looks at no mesh: what it opens has none, so that broken files do no harm
+};
+
 struct CaptureSequence {
   std::string name;
   uint32_t frame_count = 0;
   bool loop = false;
   glm::dvec3 root_velocity_mps{0};
   std::string folder;  // absolute
-  // Its meshes are either OBJ files or one packed int16 file with a declared scale.
-  std::string mesh_pattern;      // absolute, with one %d or %0Nd for the frame; empty if packed
+  // Its meshes are either one file a frame or one packed int16 file with a declared scale; neither if it has none.
+  std::string mesh_pattern;  // absolute, one %d or %0Nd for the number; none where one frame is all; empty if packed
+  uint32_t first_mesh = 0;   // number in the name of frame 0's file; 0 for constant topology
   std::string packed_positions;  // absolute path or empty
   double packed_units_per_metre = 0;
   std::vector<uint32_t> test_frames;  // held-out frames, may be empty
@@ -55,6 +71,13 @@ struct CaptureClass {
   std::vector<MemberOf> members;        // 2…4; all loops, or none
 };
 
+// What stands behind the object where it is keyed against plates of the empty studio.
+enum class BackgroundKind {
+  FromPlate,  // told from each camera's plate: a saturated backdrop of one hue is a chroma key's
+  Chroma,     // a backdrop of one colour that the object has not
+  Natural,    // anything that stands still
+};
+
 struct Capture {
   std::string folder, name, credit;
   double fps = 0;
@@ -62,9 +85,11 @@ struct Capture {
   double ground_y_m = 0;
   std::vector<CaptureCamera> cameras;  // ring, in images.txt order
   std::vector<CaptureSequence> sequences;
-  std::vector<CaptureClass> classes;              // those whose members are all among `sequences`
-  std::string background_folder;                  // plates for chroma key, may be empty
-  MeshTopology topology;                          // constant over all sequences
+  std::vector<CaptureClass> classes;  // those whose members are all among `sequences`
+  std::string background_folder;      // plates of the empty studio, for cameras without mattes
+  BackgroundKind background_kind = BackgroundKind::FromPlate;
+  CaptureMeshes meshes = CaptureMeshes::ConstantTopology;
+  MeshTopology topology;                          // constant over all sequences; empty without constant topology
   std::shared_ptr<const SurfaceOffsets> offsets;  // added to every mesh frame that is read; null: none
   const CaptureSequence* find(const std::string& name) const;
 };
@@ -87,14 +112,17 @@ ColmapText colmapText(const std::vector<CaptureCamera>& cameras, double metres_p
 // Errors: those of readColmapCameras.
 Result<std::vector<PinholeCamera>> readTestCameras(const Capture& capture);
 
-// `only` limits the sequences that are checked and returned (empty: all).
+// `only` limits the sequences that are checked and returned (empty: all). Of meshes of per-frame topology it checks
+// that every file is there, and reads the first. Errors of a need that is not met: FileMissing (no meshes),
+// MeshTopology.
 Result<Capture> openCapture(const std::string& folder, const OpenVideo& open_video,
-                            const std::vector<std::string>& only = {});
+                            const std::vector<std::string>& only = {}, MeshNeed need = MeshNeed::ConstantTopology);
 
 struct CaptureFrame {
   uint32_t index = 0;
-  std::vector<Image> pictures;  // RGBA per camera: sRGB colour, alpha = matte
-  Positions positions;          // metres
+  std::vector<Image> pictures;    // RGBA per camera: sRGB colour, alpha = matte
+  Positions positions;            // metres; empty if the capture has no meshes
+  std::vector<glm::uvec3> faces;  // of per-frame topology; else empty: constant faces are in the capture's topology
 };
 
 class FrameReader {
@@ -109,9 +137,13 @@ class FrameReader {
   virtual Result<CaptureFrame> next() = 0;
 };
 
-// Positions of one frame, with the capture's offsets. Errors: FileMissing, MeshTopology (file named), MeshNotFinite,
-// MeshIndex.
+// Positions of one frame of a capture of constant topology, with the capture's offsets. Errors: FileMissing,
+// MeshTopology (file named, or the capture has no constant topology), MeshNotFinite, MeshIndex.
 Result<Positions> readMeshFrame(const Capture& capture, const CaptureSequence& sequence, uint32_t frame);
+
+// The surface of one frame, whatever meshes the capture has. Errors: those of readMeshFrame and readMeshFile
+// (mesh_file.h); FileMissing if the capture has none.
+Result<TriangleMesh> readSurfaceFrame(const Capture& capture, const CaptureSequence& sequence, uint32_t frame);
 
 // Parses OBJ text: splits polygons into triangle fans and flips the UVs to a top-left origin. `path` is for messages.
 // Errors: MeshNoUvs, MeshNotFinite, MeshIndex, MeshUvRange.

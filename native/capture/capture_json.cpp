@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/capture_json.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -38,9 +39,9 @@ class Parser {
     capture.name = text(member(root, "name"), std::filesystem::path(folder_).filename().string());
     capture.credit = text(member(member(root, "licence"), "credit"));
     out_.cameras_folder = folder_ + "/" + text(member(member(root, "calibration"), "ring"), "cameras");
-    const std::string plates = text(member(root, "background"), "background/camNN.png");
-    capture.background_folder = (std::filesystem::path(folder_) / plates).parent_path().string();
+    FOURDVT_TRY(background(member(root, "background")));
     FOURDVT_TRY(scale(root));
+    FOURDVT_TRY(topology(root));
     const Json& sequences = member(root, "sequences");
     if (!sequences.is_array() || sequences.empty()) return error("needs \"sequences\", a list with at least one entry");
     for (const Json& entry : sequences) FOURDVT_TRY(sequence(entry));
@@ -51,6 +52,28 @@ class Parser {
  private:
   Error error(const std::string& what) const {
     return {ErrorId::CaptureJson, file_ + ": " + what + "; see the sample capture's capture.json"};
+  }
+
+  // A path, or {"plates": path, "kind": "chroma" | "natural"}. The path is "FOLDER/camNN.png", or
+  // "FOLDER/camNN/%06d.png" for several plates; only the folder counts.
+  Status background(const Json& node) {
+    const Json& given = node.is_object() ? member(node, "plates") : node;
+    const Json& kind = member(node, "kind");
+    const auto valid = [](const Json& j) { return j.is_null() || j.is_string(); };
+    const std::string name = text(kind);
+    if (!valid(given) || !valid(kind) || !(kind.is_null() || name == "chroma" || name == "natural")) {
+      return error(
+          "\"background\" must be a path like \"background/camNN.png\", or {\"plates\": that path, \"kind\": "
+          "\"chroma\" or \"natural\"}");
+    }
+    if (!kind.is_null()) {
+      out_.capture.background_kind = name == "natural" ? BackgroundKind::Natural : BackgroundKind::Chroma;
+    }
+    const std::string plates = text(given, "background/camNN.png");
+    const size_t camera = plates.find("/camNN/");
+    const std::filesystem::path path = camera == std::string::npos ? plates : plates.substr(0, camera + 6);
+    out_.capture.background_folder = (std::filesystem::path(folder_) / path).parent_path().string();
+    return {};
   }
 
   Status scale(const Json& root) {
@@ -74,6 +97,14 @@ class Parser {
     return {};
   }
 
+  Status topology(const Json& root) {
+    const Json& node = member(root, "topology");
+    const std::string kind = node.is_null() ? "constant" : text(node);
+    out_.per_frame = kind == "per-frame";
+    if (kind == "constant" || kind == "per-frame") return {};
+    return error("\"topology\" must be \"constant\" (one mesh that moves, with UVs) or \"per-frame\"");
+  }
+
   Status sequence(const Json& node) {
     DeclaredSequence declared;
     CaptureSequence& sequence = declared.sequence;
@@ -93,7 +124,7 @@ class Parser {
     sequence.folder = folder_ + "/" + sequence.name;
     FOURDVT_TRY(rootVelocity(node, sequence));
     FOURDVT_TRY(testFrames(node, sequence));
-    FOURDVT_TRY(mesh(member(node, "mesh"), declared));
+    if (node.contains("mesh")) FOURDVT_TRY(mesh(node["mesh"], declared));
     out_.sequences.push_back(std::move(declared));
     return {};
   }
@@ -119,6 +150,7 @@ class Parser {
       valid = frames[i].is_number_unsigned() && frames[i].get<uint64_t>() < sequence.frame_count;
       if (valid) sequence.test_frames.push_back(frames[i].get<uint32_t>());
     }
+    std::sort(sequence.test_frames.begin(), sequence.test_frames.end());  // videos are read forwards
     if (!valid) return error("\"test_frames\" of \"" + sequence.name + "\" must be frame numbers of the sequence");
     return {};
   }
@@ -126,11 +158,16 @@ class Parser {
   Status mesh(const Json& node, DeclaredSequence& declared) const {
     CaptureSequence& sequence = declared.sequence;
     const std::string where = "\"mesh\" of \"" + sequence.name + "\" ";
+    declared.without_meshes = node.is_null();
+    if (node.is_null()) return {};
     if (!node.is_object()) {
-      sequence.mesh_pattern = folder_ + "/" + text(node, sequence.name + "/mesh/%06d.obj");
-      if (!framePath(sequence.mesh_pattern, 0).empty()) return {};
+      const std::string pattern = text(node);
+      sequence.mesh_pattern = folder_ + "/" + pattern;
+      const bool one_file = sequence.frame_count == 1 && !pattern.empty() && pattern.find('%') == std::string::npos;
+      if (one_file || !framePath(sequence.mesh_pattern, 0).empty()) return {};
       return error(where + "must be a path with one %06d for the frame number");
     }
+    if (out_.per_frame) return error(where + "must be a path: packed positions belong to constant topology");
     const std::string topology = text(member(node, "topology")), positions = text(member(node, "positions"));
     const Json& units = member(node, "units_per_metre");
     if (topology.empty() || positions.empty() || !units.is_number() || !(units.get<double>() > 0)) {

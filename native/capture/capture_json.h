@@ -12,13 +12,14 @@ namespace fourdvt::capture {
 
 // All paths are absolute.
 struct DeclaredSequence {
-  CaptureSequence sequence;
-  std::string
-      packed_topology;  // the OBJ with faces and UVs that goes with packed positions; empty if every frame is an OBJ
+  CaptureSequence sequence;     // its mesh_pattern is empty where there is no "mesh" that gives one
+  bool without_meshes = false;  // "mesh": null
+  std::string packed_topology;  // the OBJ with faces and UVs that goes with packed positions; else empty
 };
 
 struct DeclaredCapture {
-  Capture capture;  // without cameras, sequences and topology; with all classes
+  Capture capture;         // without cameras, sequences, topology and kind of meshes; with all classes
+  bool per_frame = false;  // "topology": "per-frame"
   std::string cameras_folder;
   std::vector<DeclaredSequence> sequences;
 };

@@ -2,16 +2,17 @@
 // FrameReader: keeps all cameras in step and one frame in memory. Cameras are decoded in parallel on OpenCV's threads.
 #include <cassert>
 #include <opencv2/core/utility.hpp>
+#include <utility>
 
-#include "capture/matte.h"
 #include "capture/mesh_sequence.h"
 #include "capture/pictures.h"
+#include "capture/plate_key.h"
 #include "capture/undistort.h"
 
 namespace fourdvt::capture {
 namespace {
 
-// One camera: its colour pictures, and either its mattes or a plate to key against.
+// One camera: its colour pictures, and either its mattes or plates to key against.
 class CameraReader {
  public:
   static Result<CameraReader> open(const Capture& capture, const CaptureSequence& sequence, const CaptureCamera& camera,
@@ -28,7 +29,7 @@ class CameraReader {
     if (matte_place) {
       FOURDVT_TRY(openStream(*matte_place, sequence, 1, open_video, reader.matte_));
     } else {
-      FOURDVT_TRY(reader.loadPlate(capture.background_folder + "/" + camera.pinhole.name + ".png"));
+      FOURDVT_ASSIGN(reader.key_, PlateKey::open(capture, camera));
     }
     return reader;
   }
@@ -43,8 +44,9 @@ class CameraReader {
       FOURDVT_TRY(checkSize(matte, camera_, matte_->path()));
       alpha = std::move(matte);
     } else {
-      alpha = chromaKey(colour, plate_);
+      alpha = key_->matte(colour);
     }
+    FOURDVT_TRY(checkFirst(alpha));
     out = joined(undistorter_.apply(std::move(colour)), undistorter_.apply(std::move(alpha)));
     return {};
   }
@@ -58,15 +60,20 @@ class CameraReader {
     return {};
   }
 
-  Status loadPlate(const std::string& path) {
-    auto plate = readPicture(path, 3);
-    if (!plate.ok()) {
-      return Error{plate.error().id, path + ": no readable plate of the empty studio, and camera \"" +
-                                         camera_.pinhole.name + "\" has no mattes; add " +
-                                         matteStem(camera_.pinhole.name) + ".mkv or the plate"};
+  // The first matte tells whether mattes are the wrong way round or plates do not fit. An empty one is fine.
+  Status checkFirst(const Image& alpha) {
+    if (std::exchange(checked_, true)) return {};
+    if (matte_ && looksInverted(alpha)) {
+      return Error{ErrorId::FileUnreadable,
+                   matte_->path() + ": the matte keeps the picture's border and leaves out what is within, as if " +
+                       "object and background were swapped; invert the mattes: white is the object"};
     }
-    FOURDVT_TRY(checkSize(plate.value(), camera_, path));
-    plate_ = plate.take();
+    if (key_ && keepsTheBorder(alpha)) {
+      return Error{ErrorId::FileUnreadable,
+                   key_->path() + ": the plate does not fit the pictures of " + colour_->path() +
+                       ", which differ from it nearly everywhere; take it again with the camera, the light and the " +
+                       "exposure of the recording, or add " + matteStem(camera_.pinhole.name) + ".mkv"};
+    }
     return {};
   }
 
@@ -86,7 +93,8 @@ class CameraReader {
   CaptureCamera camera_;
   Undistorter undistorter_;
   std::optional<PictureStream> colour_, matte_;
-  Image plate_;  // empty if there are mattes
+  std::optional<PlateKey> key_;  // if there are no mattes
+  bool checked_ = false;
 };
 
 class Reader final : public FrameReader {
@@ -110,7 +118,7 @@ class Reader final : public FrameReader {
   Result<CaptureFrame> next() override {
     CaptureFrame frame;
     frame.index = next_frame_;
-    FOURDVT_ASSIGN(frame.positions, readMeshFrame(capture_, sequence_, frame.index));
+    FOURDVT_TRY(readSurface(frame));
     frame.pictures.resize(cameras_.size());
     std::vector<Status> done(cameras_.size());
     cv::parallel_for_(cv::Range(0, static_cast<int>(cameras_.size())), [&](const cv::Range& range) {
@@ -126,6 +134,19 @@ class Reader final : public FrameReader {
   }
 
  private:
+  // The faces of constant topology are in the capture.
+  Status readSurface(CaptureFrame& frame) const {
+    if (capture_.meshes == CaptureMeshes::None) return checkFrame(sequence_, frame.index);
+    if (capture_.meshes == CaptureMeshes::ConstantTopology) {
+      FOURDVT_ASSIGN(frame.positions, readMeshFrame(capture_, sequence_, frame.index));
+      return {};
+    }
+    FOURDVT_ASSIGN(auto mesh, readSurfaceFrame(capture_, sequence_, frame.index));
+    frame.positions = std::move(mesh.positions);
+    frame.faces = std::move(mesh.faces);
+    return {};
+  }
+
   const Capture capture_;
   const CaptureSequence sequence_;
   uint32_t next_frame_;

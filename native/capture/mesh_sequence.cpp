@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "base/hash.h"
+#include "capture/mesh_file.h"
 #include "capture/text.h"
 
 namespace fourdvt::capture {
@@ -37,7 +38,8 @@ ObjOutline outlineOf(std::string_view text) {
 }
 
 Error missing(const std::string& path) {
-  return {ErrorId::FileMissing, path + ": mesh file cannot be read; check \"mesh\" and \"frames\" in capture.json"};
+  return {ErrorId::FileMissing,
+          path + ": mesh file cannot be read; check \"mesh\", \"topology\" and \"frames\" in capture.json"};
 }
 
 Error otherTopology(const std::string& path, const std::string& what) {
@@ -70,13 +72,14 @@ Result<Positions> readPacked(const Capture& capture, const CaptureSequence& sequ
   return positions;
 }
 
+void scaleBy(double factor, Positions& positions) {
+  for (glm::vec3& p : positions) p *= static_cast<float>(factor);
+}
+
 Result<Positions> readGivenFrame(const Capture& capture, const CaptureSequence& sequence, uint32_t frame) {
-  if (frame >= sequence.frame_count) {
-    return Error{ErrorId::InvalidArgument, sequence.name + " has no frame " + std::to_string(frame) + "; it has " +
-                                               std::to_string(sequence.frame_count)};
-  }
+  FOURDVT_TRY(checkFrame(sequence, frame));
   if (!sequence.packed_positions.empty()) return readPacked(capture, sequence, frame);
-  const std::string path = framePath(sequence.mesh_pattern, frame);
+  const std::string path = meshPath(sequence, frame);
   FOURDVT_ASSIGN(auto mesh, readObj(path));
   const MeshTopology& topology = mesh.topology;
   if (!sameTopology(topology, capture.topology)) {
@@ -86,7 +89,7 @@ Result<Positions> readGivenFrame(const Capture& capture, const CaptureSequence& 
                                    std::to_string(capture.topology.faceCount()) + " in number, order or UVs");
   }
   Positions positions = std::move(mesh.positions);
-  for (glm::vec3& p : positions) p *= static_cast<float>(capture.metres_per_unit);
+  scaleBy(capture.metres_per_unit, positions);
   return positions;
 }
 
@@ -104,6 +107,12 @@ std::optional<std::string> readText(const std::string& path) {
   return text;
 }
 
+Status checkFrame(const CaptureSequence& sequence, uint32_t frame) {
+  if (frame < sequence.frame_count) return {};
+  return Error{ErrorId::InvalidArgument, sequence.name + " has no frame " + std::to_string(frame) + "; it has " +
+                                             std::to_string(sequence.frame_count)};
+}
+
 std::string framePath(const std::string& pattern, uint32_t frame) {
   const size_t begin = pattern.find('%');
   if (begin == std::string::npos || pattern.find('%', begin + 1) != std::string::npos) return {};
@@ -115,6 +124,11 @@ std::string framePath(const std::string& pattern, uint32_t frame) {
   std::string digits = std::to_string(frame);
   if (digits.size() < width) digits.insert(0, width - digits.size(), '0');
   return pattern.substr(0, begin) + digits + pattern.substr(end + 1);
+}
+
+std::string meshPath(const CaptureSequence& sequence, uint32_t frame) {
+  const std::string numbered = framePath(sequence.mesh_pattern, sequence.first_mesh + frame);
+  return numbered.empty() ? sequence.mesh_pattern : numbered;
 }
 
 Result<ObjMesh> readObj(const std::string& path) {
@@ -132,7 +146,7 @@ Status checkMeshSequence(const Capture& capture, const CaptureSequence& sequence
   if (!sequence.packed_positions.empty()) return checkPacked(capture, sequence);
   ObjOutline first;
   for (uint32_t frame = 0; frame < sequence.frame_count; ++frame) {
-    const std::string path = framePath(sequence.mesh_pattern, frame);
+    const std::string path = meshPath(sequence, frame);
     const auto text = readText(path);
     if (!text) return missing(path);
     const ObjOutline outline = outlineOf(*text);
@@ -145,10 +159,32 @@ Status checkMeshSequence(const Capture& capture, const CaptureSequence& sequence
 }
 
 Result<Positions> readMeshFrame(const Capture& capture, const CaptureSequence& sequence, uint32_t frame) {
+  if (capture.meshes != CaptureMeshes::ConstantTopology) {
+    return Error{ErrorId::MeshTopology,
+                 capture.folder + ": its meshes have no constant topology; this needs one mesh for all frames"};
+  }
   FOURDVT_ASSIGN(auto positions, readGivenFrame(capture, sequence, frame));
   if (capture.offsets)
     addOffsets(*capture.offsets, capture.topology, offsetsAt(*capture.offsets, sequence.name, frame), positions);
   return positions;
+}
+
+Result<TriangleMesh> readSurfaceFrame(const Capture& capture, const CaptureSequence& sequence, uint32_t frame) {
+  FOURDVT_TRY(checkFrame(sequence, frame));
+  switch (capture.meshes) {
+    case CaptureMeshes::ConstantTopology: {
+      FOURDVT_ASSIGN(auto positions, readMeshFrame(capture, sequence, frame));
+      return TriangleMesh{std::move(positions), capture.topology.face_vertices};
+    }
+    case CaptureMeshes::PerFrame: {
+      FOURDVT_ASSIGN(auto mesh, readMeshFile(meshPath(sequence, frame)));
+      scaleBy(capture.metres_per_unit, mesh.positions);
+      return mesh;
+    }
+    case CaptureMeshes::None:
+      break;
+  }
+  return Error{ErrorId::FileMissing, capture.folder + ": the capture has no meshes; " + kRunReconstruct};
 }
 
 }  // namespace fourdvt::capture

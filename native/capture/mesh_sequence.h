@@ -8,8 +8,17 @@
 
 namespace fourdvt::capture {
 
+// The remedy where meshes are needed and there are none.
+inline constexpr const char* kRunReconstruct = "run `fourdvt reconstruct CAPTURE -o CAPTURE2` first, and use CAPTURE2";
+
+// Error InvalidArgument if the sequence has no such frame.
+Status checkFrame(const CaptureSequence& sequence, uint32_t frame);
+
 // Path of one frame, from a pattern with exactly one %d or %0Nd; empty if `pattern` is no such pattern.
 std::string framePath(const std::string& pattern, uint32_t frame);
+
+// Path of a frame's mesh file; the sequence has one file a frame.
+std::string meshPath(const CaptureSequence& sequence, uint32_t frame);
 
 // Reads the whole OBJ at `path`. Errors: FileMissing and those of parseObj.
 Result<ObjMesh> readObj(const std::string& path);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Wavefront OBJ: positions, wedge UVs, polygons. Everything else in the file is skipped.
+// Wavefront OBJ: positions, wedge UVs if they are wanted, polygons. Everything else in the file is skipped.
 #include <cmath>
 
 #include "capture/capture.h"
+#include "capture/mesh_file.h"
 #include "capture/text.h"
 
 namespace fourdvt::capture {
@@ -16,12 +17,13 @@ struct Corner {
 
 class ObjParser {
  public:
-  ObjParser(std::string_view text, const std::string& path) : text_(text), path_(path) {}
+  ObjParser(std::string_view text, const std::string& path, bool with_uvs)
+      : text_(text), path_(path), with_uvs_(with_uvs) {}
 
   Result<ObjMesh> parse() {
     FOURDVT_TRY(forEachLine(&ObjParser::pointLine));
     if (mesh_.positions.empty()) return error(ErrorId::MeshIndex, "no vertices in it; export the mesh as OBJ again");
-    if (mesh_.topology.uvs.empty()) return error(ErrorId::MeshNoUvs, kNoUvs);
+    if (with_uvs_ && mesh_.topology.uvs.empty()) return error(ErrorId::MeshNoUvs, kNoUvs);
     vertices_so_far_ = uvs_so_far_ = 0;
     FOURDVT_TRY(forEachLine(&ObjParser::faceLine));
     line_ = 0;
@@ -59,7 +61,7 @@ class ObjParser {
         return error(ErrorId::MeshNotFinite, "a vertex needs three finite numbers; repair this frame of the mesh");
       }
       mesh_.positions.emplace_back(*x, *y, *z);
-    } else if (keyword == "vt") {
+    } else if (keyword == "vt" && with_uvs_) {
       return uvLine(rest);
     }
     return {};
@@ -90,7 +92,7 @@ class ObjParser {
       if (count == 0) first = corner;
       if (count >= 2) {
         mesh_.topology.face_vertices.emplace_back(first.vertex, previous.vertex, corner.vertex);
-        mesh_.topology.face_uvs.emplace_back(first.uv, previous.uv, corner.uv);
+        if (with_uvs_) mesh_.topology.face_uvs.emplace_back(first.uv, previous.uv, corner.uv);
       }
       previous = corner;
     }
@@ -98,14 +100,14 @@ class ObjParser {
     return {};
   }
 
-  // "vertex/uv" or "vertex/uv/normal".
+  // "vertex/uv" or "vertex/uv/normal"; without UVs also "vertex" and "vertex//normal".
   Status parseCorner(std::string_view word, Corner& out) const {
     const size_t slash = word.find('/');
     const std::string_view tail = slash == std::string_view::npos ? std::string_view() : word.substr(slash + 1);
     const std::string_view uv = tail.substr(0, tail.find('/'));
-    if (uv.empty()) return error(ErrorId::MeshNoUvs, kNoUvs);
+    if (with_uvs_ && uv.empty()) return error(ErrorId::MeshNoUvs, kNoUvs);
     if (!resolve(word.substr(0, slash), vertices_so_far_, mesh_.positions.size(), out.vertex) ||
-        !resolve(uv, uvs_so_far_, mesh_.topology.uvs.size(), out.uv)) {
+        (with_uvs_ && !resolve(uv, uvs_so_far_, mesh_.topology.uvs.size(), out.uv))) {
       return error(ErrorId::MeshIndex, "a face index is out of range; export the mesh again");
     }
     return {};
@@ -122,6 +124,7 @@ class ObjParser {
 
   std::string_view text_;
   const std::string& path_;
+  const bool with_uvs_;
   int line_ = 0;  // named in messages; 0: the whole file
   size_t vertices_so_far_ = 0, uvs_so_far_ = 0;
   ObjMesh mesh_;
@@ -129,6 +132,11 @@ class ObjParser {
 
 }  // namespace
 
-Result<ObjMesh> parseObj(std::string_view text, const std::string& path) { return ObjParser(text, path).parse(); }
+Result<ObjMesh> parseObj(std::string_view text, const std::string& path) { return ObjParser(text, path, true).parse(); }
+
+Result<TriangleMesh> parseObjSurface(std::string_view text, const std::string& path) {
+  FOURDVT_ASSIGN(auto mesh, ObjParser(text, path, false).parse());
+  return TriangleMesh{std::move(mesh.positions), std::move(mesh.topology.face_vertices)};
+}
 
 }  // namespace fourdvt::capture

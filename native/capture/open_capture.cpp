@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "capture/capture_json.h"
+#include "capture/mesh_folder.h"
 #include "capture/mesh_sequence.h"
 #include "capture/text.h"
 
@@ -14,7 +15,10 @@ Result<DeclaredCapture> readDeclaration(const std::string& folder) {
   const std::string path = folder + "/capture.json";
   const auto text = readText(path);
   if (!text) {
-    return Error{ErrorId::FileMissing, path + ": cannot be read; a capture folder needs capture.json, check the path"};
+    return Error{ErrorId::FileMissing,
+                 path +
+                     ": cannot be read; check the path, or write one, at least {\"fps\": 25, \"sequences\": "
+                     "[{\"name\": \"walk\", \"frames\": 120}]}"};
   }
   return parseCaptureJson(*text, folder);
 }
@@ -34,6 +38,7 @@ Status keepOnly(const std::vector<std::string>& only, DeclaredCapture& declared)
   for (const auto& s : declared.sequences) known += (known.empty() ? "" : ", ") + s.sequence.name;
   std::vector<DeclaredSequence> kept;
   for (const std::string& name : only) {
+    if (std::any_of(kept.begin(), kept.end(), [&](const auto& s) { return s.sequence.name == name; })) continue;
     const auto it = std::find_if(declared.sequences.begin(), declared.sequences.end(),
                                  [&](const DeclaredSequence& s) { return s.sequence.name == name; });
     if (it == declared.sequences.end()) {
@@ -47,25 +52,84 @@ Status keepOnly(const std::vector<std::string>& only, DeclaredCapture& declared)
   return {};
 }
 
-Result<MeshTopology> topologyOf(const DeclaredSequence& declared) {
-  const bool packed = !declared.packed_topology.empty();
-  FOURDVT_ASSIGN(auto mesh, readObj(packed ? declared.packed_topology : framePath(declared.sequence.mesh_pattern, 0)));
-  return std::move(mesh.topology);
+// Finds out what meshes a sequence has, and completes its mesh_pattern if that is of use.
+Result<CaptureMeshes> resolveMeshes(bool per_frame, MeshNeed need, DeclaredSequence& declared) {
+  if (declared.without_meshes) return CaptureMeshes::None;
+  CaptureSequence& sequence = declared.sequence;
+  const std::string folder = sequence.folder + "/mesh";
+  if (per_frame && need == MeshNeed::ConstantTopology) return CaptureMeshes::PerFrame;
+  if (per_frame) {
+    if (!sequence.mesh_pattern.empty())
+      findFirstMesh(sequence);
+    else
+      FOURDVT_TRY(findMeshFiles(folder, sequence));
+    return CaptureMeshes::PerFrame;
+  }
+  if (!sequence.mesh_pattern.empty() || !declared.packed_topology.empty()) return CaptureMeshes::ConstantTopology;
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(folder, ignored)) return CaptureMeshes::None;
+  sequence.mesh_pattern = folder + "/%06d.obj";
+  return CaptureMeshes::ConstantTopology;
+}
+
+Status refuse(const std::string& folder, CaptureMeshes meshes, MeshNeed need) {
+  const std::string path = folder + "/capture.json: ";
+  if (meshes == CaptureMeshes::None && need != MeshNeed::Nothing)
+    return Error{ErrorId::FileMissing, path + "the capture has no meshes; " + kRunReconstruct};
+  if (meshes == CaptureMeshes::PerFrame && need == MeshNeed::ConstantTopology) {
+    return Error{ErrorId::MeshTopology,
+                 path + "the meshes are of \"per-frame\" topology, but layers need meshes of constant topology with " +
+                     "UVs; fit one mesh with UVs to all frames first"};
+  }
+  return {};
+}
+
+// Sets capture.meshes, and the files of the sequences' meshes.
+Status resolveAllMeshes(MeshNeed need, DeclaredCapture& declared) {
+  Capture& capture = declared.capture;
+  capture.meshes = CaptureMeshes::None;
+  for (DeclaredSequence& d : declared.sequences) {
+    CaptureMeshes meshes = CaptureMeshes::None;
+    if (need == MeshNeed::Nothing) {
+      d.sequence.mesh_pattern = d.sequence.packed_positions = {};
+    } else {
+      FOURDVT_ASSIGN(meshes, resolveMeshes(declared.per_frame, need, d));
+    }
+    if (&d == &declared.sequences.front()) capture.meshes = meshes;
+    if (meshes == capture.meshes) continue;
+    const std::string& without = meshes == CaptureMeshes::None ? d.sequence.name : declared.sequences[0].sequence.name;
+    return Error{ErrorId::FileMissing, capture.folder + "/" + without + "/mesh: sequence \"" + without +
+                                           "\" has no meshes, but others have; add them, or choose other sequences"};
+  }
+  return refuse(capture.folder, capture.meshes, need);
+}
+
+std::string topologyFile(const DeclaredSequence& declared) {
+  return declared.packed_topology.empty() ? meshPath(declared.sequence, 0) : declared.packed_topology;
 }
 
 // Sets capture.topology from the first sequence and checks that all others have the same.
-Status checkMeshes(const std::vector<DeclaredSequence>& declared, Capture& capture) {
+Status checkTopology(const std::vector<DeclaredSequence>& declared, Capture& capture) {
   for (const DeclaredSequence& d : declared) {
-    FOURDVT_ASSIGN(auto topology, topologyOf(d));
+    const std::string path = topologyFile(d);
+    FOURDVT_ASSIGN(auto mesh, readObj(path));
     const bool first = &d == &declared.front();
-    if (first) capture.topology = std::move(topology);
-    if (!first && !sameTopology(topology, capture.topology)) {
-      const std::string path = d.packed_topology.empty() ? framePath(d.sequence.mesh_pattern, 0) : d.packed_topology;
+    if (first) capture.topology = std::move(mesh.topology);
+    if (!first && !sameTopology(mesh.topology, capture.topology)) {
       return Error{ErrorId::MeshTopology, path + ": faces or UVs differ from sequence \"" +
                                               declared.front().sequence.name +
                                               "\"; all sequences need one aligned mesh"};
     }
     FOURDVT_TRY(checkMeshSequence(capture, d.sequence));
+  }
+  return {};
+}
+
+// Checks of meshes of per-frame topology that the files are there: reading the first frame parses the first one.
+Status checkMeshes(const std::vector<DeclaredSequence>& declared, Capture& capture) {
+  if (capture.meshes == CaptureMeshes::ConstantTopology) return checkTopology(declared, capture);
+  if (capture.meshes == CaptureMeshes::PerFrame) {
+    for (const DeclaredSequence& d : declared) FOURDVT_TRY(checkMeshFiles(d.sequence));
   }
   return {};
 }
@@ -95,11 +159,14 @@ Result<std::vector<PinholeCamera>> readTestCameras(const Capture& capture) {
 }
 
 Result<Capture> openCapture(const std::string& folder, const OpenVideo& open_video,
-                            const std::vector<std::string>& only) {
+                            const std::vector<std::string>& only, MeshNeed need) {
   std::error_code failed;
-  const std::string absolute = std::filesystem::absolute(folder, failed).lexically_normal().string();
+  std::filesystem::path path = std::filesystem::absolute(folder, failed).lexically_normal();
+  if (!path.has_filename()) path = path.parent_path();  // a slash at the end
+  const std::string absolute = path.string();
   FOURDVT_ASSIGN(auto declared, readDeclaration(failed ? folder : absolute));
   FOURDVT_TRY(keepOnly(only, declared));
+  FOURDVT_TRY(resolveAllMeshes(need, declared));
   Capture capture = std::move(declared.capture);
   FOURDVT_ASSIGN(capture.cameras, readColmapCameras(declared.cameras_folder));
   scaleToMetres(capture.cameras, capture.metres_per_unit);

@@ -13,25 +13,38 @@ namespace {
 
 constexpr double kGreen[3] = {46, 168, 82};
 
+constexpr uint64_t kFirstPlateShot = 0x80000000;  // above every frame's
+
 uint8_t level(double value) { return static_cast<uint8_t>(std::clamp(std::lround(value), 0l, 255l)); }
+
+Image greenBackdrop(int camera, int width, int height) {
+  Image out(width, height, 3);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const double light = 1.04 - 0.12 * y / height + 0.05 * std::cos(3.0 * x / width + camera);
+      for (int c = 0; c < 3; ++c) out.at(x, y)[c] = level(kGreen[c] * light);
+    }
+  return out;
+}
 
 }  // namespace
 
 Sensor::Sensor(const StudioKnobs& knobs, int camera, int width, int height)
-    : knobs_(knobs), camera_(camera), backdrop_(width, height, 3), plate_(width, height, 3) {
+    : Sensor(knobs, camera, greenBackdrop(camera, width, height)) {}
+
+Sensor::Sensor(const StudioKnobs& knobs, int camera, Image backdrop)
+    : knobs_(knobs), camera_(camera), backdrop_(std::move(backdrop)), plate_(backdrop_) {
   for (int c = 0; c < 3; ++c)
     gain_[c] = 1 + 0.01 * knobs.gain_percent * randomNormal(knobs.seed, 0x6a1e0000 + 4 * camera + c);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      const double light = 1.04 - 0.12 * y / height + 0.05 * std::cos(3.0 * x / width + camera);
-      for (int c = 0; c < 3; ++c) {
-        backdrop_.at(x, y)[c] = level(kGreen[c] * light);
-        plate_.at(x, y)[c] = level(gain_[c] * backdrop_.at(x, y)[c]);
-      }
-    }
+  for (size_t i = 0; i < plate_.pixels.size(); ++i) plate_.pixels[i] = level(gain_[i % 3] * backdrop_.pixels[i]);
 }
 
-Image Sensor::expose(const Image& picture, uint64_t shot) const {
+Image Sensor::recordedPlate(uint32_t take) const {
+  return expose(Image(plate_.width, plate_.height, 4), kFirstPlateShot + take);
+}
+
+Image Sensor::expose(const Image& picture, uint64_t shot, const Image* backdrop) const {
+  const Image& background = backdrop ? *backdrop : backdrop_;
   Image out(picture.width, picture.height, 3);
   const uint64_t stream = (uint64_t(camera_) << 32) + shot;
   for (size_t i = 0; i < size_t(out.width) * out.height; ++i) {
@@ -40,7 +53,7 @@ Image Sensor::expose(const Image& picture, uint64_t shot) const {
       const double noise =
           knobs_.noise_levels > 0 ? knobs_.noise_levels * randomNormal(knobs_.seed + stream, 3 * i + c) : 0;
       out.pixels[3 * i + c] =
-          level(gain_[c] * (picture.pixels[4 * i + c] + behind * backdrop_.pixels[3 * i + c]) + noise);
+          level(gain_[c] * (picture.pixels[4 * i + c] + behind * background.pixels[3 * i + c]) + noise);
     }
   }
   return out;

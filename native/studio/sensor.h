@@ -10,12 +10,18 @@ namespace fourdvt::studio {
 
 class Sensor {
  public:
+  // In front of the green backdrop.
   Sensor(const StudioKnobs& knobs, int camera, int width, int height);
+  // In front of this backdrop, RGB.
+  Sensor(const StudioKnobs& knobs, int camera, Image backdrop);
   // The empty studio, RGB, with this camera's gain and without noise.
   const Image& plate() const { return plate_; }
   // Makes RGB from a premultiplied RGBA picture. `shot` seeds the noise: a number that no other picture of this camera
-  // has.
-  Image expose(const Image& picture, uint64_t shot) const;
+  // has. `backdrop`: what is behind, RGB, in place of the constructor's, e.g. with a shadow on it; null: the
+  // constructor's.
+  Image expose(const Image& picture, uint64_t shot, const Image* backdrop = nullptr) const;
+  // The empty studio as it is recorded, with noise; `take` counts such recordings of one camera.
+  Image recordedPlate(uint32_t take) const;
   // Returns one channel.
   Image matte(const Image& picture) const;
 

@@ -26,7 +26,9 @@ class StudioSet {
   const Rig& rig() const { return rig_; }
   const std::vector<StudioClass>& classes() const { return classes_; }
   const BoundingBox& bounds() const { return bounds_; }
-  double unitsPerMetre() const { return units_per_metre_; }  // of packed positions
+  double groundY_m() const { return bounds_.min.y; }
+  const Positions& surfacePose() const { return surface_pose_; }  // of the actor's surface, since pose()
+  double unitsPerMetre() const { return units_per_metre_; }       // of packed positions
   size_t motionIndex(const std::string& name) const;
   // Shares of all motions at a position between the members of a class: 0 is the first, 1 the last, linear between
   // neighbours.

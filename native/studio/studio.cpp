@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "platform/files.h"
+#include "platform/folders.h"
+#include "studio/room.h"
 #include "studio/sensor.h"
 #include "studio/truth.h"
 #include "studio/video.h"
@@ -68,6 +70,7 @@ class Run {
 
   Status plates() {
     FOURDVT_TRY(out_.makeFolder("background"));
+    if (options_.room) return roomPlates();
     for (size_t c = 0; c < set_.rig().ring.size(); ++c) {
       sensors_.emplace_back(options_.knobs, int(c), options_.width, options_.height);
       FOURDVT_TRY(platform::writeImage(out_.path() + "/background/" + set_.rig().ring[c].name + ".png",
@@ -76,14 +79,33 @@ class Run {
     return {};
   }
 
-  Status openFiles(const std::string& folder) {
+  // background/camNN.png, or background/camNN/000000.png … of several.
+  Status roomPlates() {
+    room_ = std::make_unique<Room>(options_.knobs.seed, set_.rig(), set_.groundY_m(), set_.actor());
+    for (size_t c = 0; c < set_.rig().ring.size(); ++c) {
+      sensors_.emplace_back(options_.knobs, int(c), room_->empty(c));
+      const std::string stem = out_.path() + "/background/" + set_.rig().ring[c].name;
+      const bool several = options_.plates > 1;
+      if (several) FOURDVT_TRY(platform::makeFolder(stem));
+      for (uint32_t take = 0; take < uint32_t(options_.plates); ++take)
+        FOURDVT_TRY(platform::writeImage(several ? stem + numberedName("/%06u.png", take) : stem + ".png",
+                                         sensors_.back().recordedPlate(take)));
+    }
+    return {};
+  }
+
+  Status openFiles(const std::string& name) {
+    const std::string folder = out_.path() + "/" + name;
+    const std::string matte_folder = options_.room ? out_.path() + "/mattes_true/" + name : folder;
+    if (options_.room) FOURDVT_TRY(out_.makeFolder("mattes_true/" + name));
     colour_.clear();
     mattes_.clear();
     for (const PinholeCamera& camera : set_.rig().ring)
       for (const int channels : {3, 1}) {
         const std::string stem = channels == 3 ? camera.name : "mask" + camera.name.substr(3);
-        FOURDVT_ASSIGN(auto file, PictureFile::create(folder + "/" + stem, {options_.width, options_.height, channels,
-                                                                            options_.fps, options_.images}));
+        const std::string& in = channels == 3 ? folder : matte_folder;
+        FOURDVT_ASSIGN(auto file, PictureFile::create(in + "/" + stem, {options_.width, options_.height, channels,
+                                                                        options_.fps, options_.images}));
         (channels == 3 ? colour_ : mattes_).push_back(std::move(file));
       }
     return {};
@@ -96,7 +118,7 @@ class Run {
     const std::string folder = out_.path() + "/" + motion.name;
     FOURDVT_TRY(out_.makeFolder(motion.name + "/mesh"));
     for (const PinholeCamera& camera : set_.rig().test) FOURDVT_TRY(out_.makeFolder(motion.name + "/" + camera.name));
-    FOURDVT_TRY(openFiles(folder));
+    FOURDVT_TRY(openFiles(motion.name));
     std::vector<double> shares(set_.actor().motions().size(), 0);
     shares[index] = 1;
     std::vector<uint8_t> packed;
@@ -117,9 +139,11 @@ class Run {
   }
 
   Status photograph() {
+    if (room_) room_->setShadow(set_.surfacePose());
     for (size_t c = 0; c < sensors_.size(); ++c) {
       FOURDVT_ASSIGN(auto picture, set_.draw(set_.rig().ring[c]));
-      FOURDVT_TRY(colour_[c]->write(sensors_[c].expose(picture, frames_)));
+      const Image backdrop = room_ ? room_->withShadow(c) : Image();
+      FOURDVT_TRY(colour_[c]->write(sensors_[c].expose(picture, frames_, room_ ? &backdrop : nullptr)));
       FOURDVT_TRY(mattes_[c]->write(sensors_[c].matte(picture)));
       FOURDVT_TRY(ticker_.tick());
     }
@@ -143,7 +167,8 @@ class Run {
     node["duration_s"] = motion.duration_s;
     node["root_velocity"] = {v.x, v.y, v.z};
     node["video"] = motion.name + "/camNN" + (options_.images ? "/%06d.png" : ".mp4");
-    node["mask"] = motion.name + "/maskNN" + (options_.images ? "/%06d.png" : ".mkv");
+    node[options_.room ? "mask_without_error" : "mask"] =
+        (options_.room ? "mattes_true/" : "") + motion.name + "/maskNN" + (options_.images ? "/%06d.png" : ".mkv");
     node["mesh"] = {{"topology", "mesh_topology.obj"},
                     {"positions", motion.name + "/mesh/positions.i16"},
                     {"units_per_metre", set_.unitsPerMetre()}};
@@ -169,12 +194,13 @@ class Run {
                            {"ring", "cameras/"},
                            {"ring_without_error", "cameras_true/"},
                            {"held_out", "cameras_test/"}};
-    root["background"] = "background/camNN.png";
+    root["background"] = options_.plates > 1 ? "background/camNN/%06d.png" : "background/camNN.png";
     for (const StudioClass& c : set_.classes())
       root["classes"].push_back({{"name", c.name}, {"parameter", c.parameter}, {"members", c.members}});
     root["studio"] = {{"actor", std::filesystem::path(options_.actor).filename().string()},
                       {"knobs", knobsJson(options_.knobs)},
                       {"samples_a_pixel", 4}};
+    if (options_.room) root["studio"]["room"] = {{"plates", options_.plates}};
     if (options_.truth_at.empty()) return root;
     for (const StudioClass& c : set_.classes()) root["studio"]["truth"].push_back("truth/" + c.name + "/truth.json");
     return root;
@@ -184,6 +210,7 @@ class Run {
   StudioSet& set_;
   const OutputFolder& out_;
   Ticker& ticker_;
+  std::unique_ptr<Room> room_;  // null: the green studio
   std::vector<Sensor> sensors_;
   std::vector<std::unique_ptr<PictureFile>> colour_, mattes_;  // open files of the sequence that is being written
   uint32_t frames_ = 0;
@@ -208,6 +235,9 @@ std::string StudioOptions::check() const {
     return "pictures need even sides from 16 to 4096";
   if (!(fps >= 1 && fps <= 1000)) return "fps must be 1 to 1000";
   if (test_every < 1 || truth_phases < 1 || truth_ring < 0) return "counts must not be negative";
+  if (plates < 1 || plates > 99) return "plates must be 1 to 99";
+  if (plates > 1 && !room) return "only the room has several plates; choose --room as well";
+  if (room && knobs.erosion_pixels > 0) return "a capture in the room has no mattes that could be too small";
   if (!(knobs.mesh_cell_mm >= 8 && knobs.mesh_cell_mm <= 45)) return "the mesh's cell must be 8 to 45 mm";
   if (actor != "procedural" && knobs.mesh_cell_mm != StudioKnobs().mesh_cell_mm)
     return "only the procedural actor can be meshed anew; a model keeps its own faces";

@@ -3,7 +3,11 @@
 // pictures, and for a motion class with the truth between its members (truth.h). Every imperfection of a real capture
 // is a knob, and one seed drives all randomness: the same options give the same bytes.
 //
-// Order of calls: options.check() → runStudio. Does NOT model motion blur, lens distortion, shadows or rolling shutter.
+// In place of a green studio there may be a furnished room (room.h): then the actor throws a shadow, the plates are
+// recorded with noise, and the capture has no mattes of its own; the true ones lie in mattes_true/SEQUENCE/maskNN.
+//
+// Order of calls: options.check() → runStudio. Does NOT model motion blur, lens distortion, shadows on the actor or
+// rolling shutter.
 #pragma once
 
 #include <atomic>
@@ -55,6 +59,8 @@ struct StudioOptions {
   int truth_phases = 8;
   int truth_ring = 2;   // how many ring cameras the truth is rendered from, besides the held-out ones
   bool images = false;  // PNG pictures and mattes instead of videos
+  bool room = false;    // a furnished room instead of the green studio
+  int plates = 1;       // pictures of the empty room per camera
   StudioKnobs knobs;
   std::string check() const;  // what is wrong; empty if nothing is
 };

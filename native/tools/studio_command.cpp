@@ -31,6 +31,9 @@ const CommandHelp& help() {
        {"--size", "WxH", "pixels of a picture, even (default 480x640)"},
        {"--fps", "N", "frames a second (default 25)"},
        {"--images", nullptr, "PNG pictures and mattes instead of videos"},
+       {"--room", nullptr,
+        "a furnished room instead of the green studio, with the actor's shadow; no mattes but in mattes_true/"},
+       {"--plates", "N", "pictures of the empty room per camera (default 1)"},
        {"--test-every", "N", "held-out pictures of every Nth frame (default 8)"},
        {"--truth", "A,B",
         "positions between a class's first (0) and last (1) member to render (default 0,0.2,0.4,0.6,0.8,1)"},
@@ -109,6 +112,8 @@ studio::StudioOptions readOptions(Args& args) {
   if (const auto size = args.size("--size", 4096)) std::tie(o.width, o.height) = *size;
   o.fps = args.number("--fps", o.fps, 1, 1000);
   o.images = args.has("--images");
+  o.room = args.has("--room");
+  o.plates = args.integer("--plates", o.plates, 1, 99);
   o.test_every = args.integer("--test-every", o.test_every, 1, 1000000);
   readTruth(args, o);
   readKnobs(args, o.knobs);

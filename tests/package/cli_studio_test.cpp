@@ -73,6 +73,21 @@ TEST(Studio, ModelIsCapturedByItsAnimationsNames) {
   EXPECT_EQ(bake.code, 0) << bake.output;
 }
 
+// No mattes: the bake keys against the plates.
+TEST(Studio, RoomBakesFromItsPlates) {
+  const std::string out = scratch("studio-room");
+  const std::string studio = "studio procedural --room --sequences walk --no-truth --mesh-cell-mm 45 -o " + out;
+  const Outcome made = fourdvt(studio + "/capture --plates 3 --noise 5.1 --cameras 4 --size 192x256 --fps 4");
+  ASSERT_EQ(made.code, 0) << made.output;
+  EXPECT_TRUE(exists(out + "/capture/background/cam03/000002.png"));
+  EXPECT_TRUE(exists(out + "/capture/mattes_true/walk/mask03.mkv"));
+  EXPECT_FALSE(exists(out + "/capture/walk/mask03.mkv"));
+  const Outcome bake = fourdvt("bake " + out + "/capture -o " + out + "/character" + kBake);
+  EXPECT_EQ(bake.code, 0) << bake.output;
+  EXPECT_EQ(fourdvt(studio + "/c --erosion 2").code, 2);
+  EXPECT_EQ(fourdvt("studio procedural --plates 2 -o " + out + "/c").code, 2);
+}
+
 TEST(Studio, WrongCommandsAndModelsAreOneLine) {
   const std::string out = scratch("studio-wrong");
   EXPECT_EQ(fourdvt("studio procedural").code, 2);

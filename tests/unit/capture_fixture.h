@@ -86,6 +86,21 @@ class SmallCapture : public TempFolder {
   Result<Capture> open() const { return openCapture(path(), platform::openVideoFile); }
 };
 
+// The same without meshes; a test adds files and lines to capture.json.
+class BareCapture : public SmallCapture {
+ public:
+  explicit BareCapture(const std::string& topology = "per-frame", const std::string& sequence_extra = "",
+                       const std::string& units = "metre") {
+    remove("walk/mesh");
+    declare(topology, sequence_extra, units);
+  }
+  void declare(const std::string& topology, const std::string& sequence_extra = "",
+               const std::string& units = "metre") const {
+    write("capture.json", "{\"topology\": \"" + topology + "\", " + json(sequence_extra, units).substr(1));
+  }
+  Result<Capture> openAs(MeshNeed need) const { return openCapture(path(), platform::openVideoFile, {}, need); }
+};
+
 // One clear line with this identifier that names the file.
 template <class T>
 void expectError(const Result<T>& result, ErrorId id, const std::string& file) {

@@ -455,6 +455,13 @@ TEST(StudioOptions, AreChecked) {
   o.classes.clear();
   o.sequences = {"a/b"};
   EXPECT_NE(o.check(), "");
+  o.sequences.clear();
+  o.plates = 3;
+  EXPECT_NE(o.check().find("--room"), std::string::npos);
+  o.room = true;
+  EXPECT_EQ(o.check(), "");
+  o.knobs.erosion_pixels = 1;
+  EXPECT_NE(o.check(), "");
 }
 
 }  // namespace

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// The empty studio as its plates show it: the mean of every pixel, and how far a picture may stray from it. Does NOT
+// read files.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "base/image.h"
+
+namespace fourdvt::capture {
+
+struct BackgroundModel {
+  int width = 0, height = 0;
+  int plates = 0;           // how many were averaged
+  std::vector<float> mean;  // [pixel][RGB] levels of 255, sRGB-encoded
+  // [pixel] variance per channel, in levels², that comes on top of sensor noise: from several plates, what moves and
+  // flickers; and at the plates' own edges, what a shift of a fraction of a pixel changes.
+  std::vector<float> extra;
+};
+
+// `plates`: at least one, all of one size, 3 channels.
+BackgroundModel makeBackgroundModel(std::span<const Image> plates);
+
+// Whether a plate is a chroma key backdrop: most of it has one saturated colour.
+bool isChromaPlate(const Image& plate);
+
+}  // namespace fourdvt::capture

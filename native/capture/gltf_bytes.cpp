@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/gltf_bytes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+
+#include "capture/text.h"
+
+namespace fourdvt::capture {
+namespace {
+
+constexpr uint64_t kMaxBytes = uint64_t{1} << 30;  // 1 GiB, of one buffer
+constexpr uint64_t kInt8 = 5120, kUInt8 = 5121, kInt16 = 5122, kUInt16 = 5123, kUInt32 = 5125, kFloat = 5126;
+
+uint64_t componentBytes(uint64_t type) {
+  switch (type) {
+    case kInt8:
+    case kUInt8:
+      return 1;
+    case kInt16:
+    case kUInt16:
+      return 2;
+    case kUInt32:
+    case kFloat:
+      return 4;
+  }
+  return 0;
+}
+
+template <class T>
+double numberAt(const uint8_t* bytes, bool normalized) {
+  T value;
+  std::memcpy(&value, bytes, sizeof value);
+  return normalized ? std::max(-1.0, double(value) / double(std::numeric_limits<T>::max())) : double(value);
+}
+
+int hexDigit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  c = static_cast<char>(c | 0x20);
+  return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
+}
+
+// "a%20b" → "a b".
+std::string percentDecoded(std::string_view text) {
+  std::string out;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const bool escape =
+        text[i] == '%' && i + 2 < text.size() && hexDigit(text[i + 1]) >= 0 && hexDigit(text[i + 2]) >= 0;
+    out.push_back(escape ? static_cast<char>(hexDigit(text[i + 1]) * 16 + hexDigit(text[i + 2])) : text[i]);
+    if (escape) i += 2;
+  }
+  return out;
+}
+
+// False if the text is no base64.
+bool base64Decoded(std::string_view text, std::string& out) {
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  while (text.ends_with('=')) text.remove_suffix(1);
+  uint32_t bits = 0;
+  int held = 0;
+  for (const char c : text) {
+    const size_t digit = kDigits.find(c);
+    if (digit == std::string_view::npos) return false;
+    bits = (bits << 6 | static_cast<uint32_t>(digit)) & 0xffff;
+    held += 6;
+    if (held < 8) continue;
+    held -= 8;
+    out.push_back(static_cast<char>(bits >> held & 0xff));
+  }
+  return true;
+}
+
+}  // namespace
+
+const Json& gltfMember(const Json& node, const char* key) {
+  static const Json null;
+  if (!node.is_object()) return null;
+  const auto it = node.find(key);
+  return it == node.end() ? null : *it;
+}
+
+const Json& gltfEntry(const Json& root, const char* key, std::optional<uint64_t> index) {
+  static const Json null;
+  const Json& list = gltfMember(root, key);
+  return index && list.is_array() && *index < list.size() ? list[*index] : null;
+}
+
+std::optional<uint64_t> gltfNumber(const Json& node, const char* key) {
+  const Json& value = gltfMember(node, key);
+  if (!value.is_number()) return std::nullopt;
+  const double number = value.get<double>();
+  if (!(number >= 0) || number > 9e15 || number != std::floor(number)) return std::nullopt;
+  return static_cast<uint64_t>(number);
+}
+
+bool gltfNumbers(const Json& node, size_t count, double* out) {
+  if (!node.is_array() || node.size() != count) return false;
+  for (size_t i = 0; i < count; ++i) {
+    if (!node[i].is_number() || !std::isfinite(node[i].get<double>())) return false;
+    out[i] = node[i].get<double>();
+  }
+  return true;
+}
+
+double GltfNumbers::at(uint64_t i, int c) const {
+  const uint8_t* bytes = data_ + i * stride_ + static_cast<uint64_t>(c) * componentBytes(type_);
+  switch (type_) {
+    case kInt8:
+      return numberAt<int8_t>(bytes, normalized_);
+    case kUInt8:
+      return numberAt<uint8_t>(bytes, normalized_);
+    case kInt16:
+      return numberAt<int16_t>(bytes, normalized_);
+    case kUInt16:
+      return numberAt<uint16_t>(bytes, normalized_);
+    case kUInt32:
+      return numberAt<uint32_t>(bytes, false);
+    default:
+      return numberAt<float>(bytes, false);
+  }
+}
+
+Error GltfBytes::error(const std::string& what) const {
+  return {ErrorId::FileUnreadable, path_ + ": " + what + "; export the mesh again"};
+}
+
+Error GltfBytes::unsupported(const std::string& what) const { return {ErrorId::Unsupported, path_ + ": " + what}; }
+
+Result<GltfBytes> GltfBytes::open(std::string_view json, std::string_view glb_buffer, const std::string& path) {
+  GltfBytes bytes(path);
+  bytes.glb_buffer_ = glb_buffer;
+  bytes.size_ = json.size() + glb_buffer.size();
+  bytes.root_ = Json::parse(json.begin(), json.end(), nullptr, false);
+  if (!bytes.root_.is_object()) return bytes.error("its JSON cannot be read (truncated or damaged)");
+  const Json& version = gltfMember(gltfMember(bytes.root_, "asset"), "version");
+  if (!version.is_string() || !version.get_ref<const std::string&>().starts_with("2."))
+    return bytes.unsupported("is no glTF 2.0; export the mesh as glTF 2.0");
+  const Json& buffers = gltfMember(bytes.root_, "buffers");
+  if (buffers.is_array()) bytes.buffers_.resize(buffers.size());
+  return bytes;
+}
+
+Status GltfBytes::checkExtensions(const Json& node) const {
+  const Json& extensions = gltfMember(node, "extensions");
+  struct Refused {
+    const char *name, *why;
+  };
+  for (const Refused& refused :
+       {Refused{"KHR_draco_mesh_compression", "is compressed with Draco; export without compression"},
+        Refused{"EXT_meshopt_compression", "is compressed with meshopt; export without compression"},
+        Refused{"KHR_meshopt_compression", "is compressed with meshopt; export without compression"},
+        Refused{"EXT_mesh_gpu_instancing", "repeats meshes as instances; export them as one mesh"}}) {
+    if (!gltfMember(extensions, refused.name).is_null()) return unsupported(refused.why);
+  }
+  return {};
+}
+
+Result<GltfNumbers> GltfBytes::accessor(std::optional<uint64_t> index, const char* type, const char* what) {
+  const Json& a = gltfEntry(root_, "accessors", index);
+  const Json& view = gltfEntry(root_, "bufferViews", gltfNumber(a, "bufferView"));
+  if (!gltfMember(a, "sparse").is_null())
+    return unsupported(std::string(what) + " are stored sparsely; export without sparse accessors");
+  const Error broken = error(std::string(what) + " cannot be read (damaged or truncated)");
+  if (!view.is_object()) return broken;
+  FOURDVT_TRY(checkExtensions(view));
+  FOURDVT_ASSIGN(const std::string_view data, buffer(gltfNumber(view, "buffer")));
+  GltfNumbers out;
+  out.type_ = gltfNumber(a, "componentType").value_or(0);
+  out.count_ = gltfNumber(a, "count").value_or(0);
+  const Json& normalized = gltfMember(a, "normalized");
+  out.normalized_ = normalized.is_boolean() && normalized.get<bool>();
+  const uint64_t element = componentBytes(out.type_) * (std::string_view(type) == "VEC3" ? 3 : 1);
+  const uint64_t stride = gltfNumber(view, "byteStride").value_or(0);
+  out.stride_ = stride > 0 ? stride : element;
+  const uint64_t view_at = gltfNumber(view, "byteOffset").value_or(0), at = gltfNumber(a, "byteOffset").value_or(0);
+  const uint64_t view_bytes = gltfNumber(view, "byteLength").value_or(0);
+  if (gltfMember(a, "type") != type || element == 0 || out.stride_ < element || out.stride_ > 252 || out.count_ == 0 ||
+      view_at > data.size() || view_bytes > data.size() - view_at || at > view_bytes ||
+      (out.count_ - 1) * out.stride_ + element > view_bytes - at)
+    return broken;
+  out.data_ = reinterpret_cast<const uint8_t*>(data.data()) + view_at + at;
+  return out;
+}
+
+Result<std::string_view> GltfBytes::buffer(std::optional<uint64_t> index) {
+  const Json& node = gltfEntry(root_, "buffers", index);
+  if (!node.is_object()) return error("a buffer is missing (damaged or truncated)");
+  const uint64_t length = gltfNumber(node, "byteLength").value_or(0);
+  const Json& uri = gltfMember(node, "uri");
+  std::string_view data = glb_buffer_;
+  if (uri.is_string()) {
+    std::optional<std::string>& loaded = buffers_[*index];
+    if (!loaded) {
+      loaded.emplace();
+      FOURDVT_TRY(load(uri.get<std::string>(), *loaded));
+    }
+    data = *loaded;
+  }
+  if (length > data.size()) return error("a buffer is shorter than it says (truncated)");
+  return data.substr(0, length);
+}
+
+Status GltfBytes::load(const std::string& uri, std::string& out) {
+  if (uri.starts_with("data:")) {
+    const size_t comma = uri.find(";base64,");
+    if (comma == std::string::npos || !base64Decoded(std::string_view(uri).substr(comma + 8), out))
+      return error("a buffer's data cannot be decoded");
+  } else {
+    const std::filesystem::path name = percentDecoded(uri);
+    const bool leaves = std::find(name.begin(), name.end(), "..") != name.end();
+    if (name.empty() || name.is_absolute() || leaves || uri.find("://") != std::string::npos)
+      return unsupported("names a buffer outside its folder; export it as .glb");
+    const std::filesystem::path file = std::filesystem::path(path_).parent_path() / name;
+    std::error_code failed;
+    const uint64_t bytes = std::filesystem::file_size(file, failed);
+    if (!failed && bytes > kMaxBytes) return unsupported("has a buffer larger than 1 GiB; reduce the mesh's triangles");
+    auto text = failed ? std::nullopt : readText(file.string());
+    if (!text) {
+      return Error{ErrorId::FileMissing,
+                   file.string() + ": cannot be read, but " + path_ + " names it; add it, or export as .glb"};
+    }
+    out = std::move(*text);
+  }
+  size_ += out.size();
+  if (size_ > 2 * kMaxBytes) return unsupported("has buffers of more than 2 GiB; reduce the mesh's triangles");
+  return {};
+}
+
+}  // namespace fourdvt::capture

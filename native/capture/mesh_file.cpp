@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tells mesh files apart by their first bytes, checks what all kinds have in common, and writes PLY.
+#include "capture/mesh_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+
+#include "capture/mesh_readers.h"
+#include "capture/text.h"
+
+namespace fourdvt::capture {
+namespace {
+
+constexpr uint64_t kMaxFileBytes = uint64_t{1} << 30;  // 1 GiB; a frame of 10 million triangles has a fifth of it
+
+struct Kind {
+  const char* name;
+  std::string_view extension;
+  Result<TriangleMesh> (*parse)(std::string_view bytes, const std::string& path);
+};
+
+constexpr Kind kObj{"OBJ", ".obj", parseObjSurface};
+constexpr Kind kPly{"PLY", ".ply", parsePly};
+constexpr Kind kGlb{"GLB", ".glb", parseGlb};
+constexpr Kind kGltf{"glTF", ".gltf", parseGltf};
+constexpr const Kind* kKinds[] = {&kObj, &kPly, &kGlb, &kGltf};
+
+std::string lowerExtension(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+// What the bytes are, as far as their beginning tells; null if it does not. An OBJ begins with anything.
+const Kind* kindOfBytes(std::string_view bytes) {
+  if (bytes.starts_with("ply\n") || bytes.starts_with("ply\r")) return &kPly;
+  if (bytes.starts_with("glTF")) return &kGlb;
+  const size_t text = bytes.find_first_not_of(" \t\r\n");
+  return text != std::string_view::npos && bytes[text] == '{' ? &kGltf : nullptr;
+}
+
+Status checkMesh(const TriangleMesh& mesh, const std::string& path) {
+  for (const glm::vec3& p : mesh.positions) {
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+      return Error{ErrorId::MeshNotFinite, path + ": a vertex is not finite (NaN or infinity); repair this mesh"};
+  }
+  if (mesh.faces.empty())
+    return Error{ErrorId::MeshIndex, path + ": no faces in it; export the mesh with its faces, not as points"};
+  for (const glm::uvec3& face : mesh.faces) {
+    for (int k = 0; k < 3; ++k) {
+      if (face[k] >= mesh.positions.size())
+        return Error{ErrorId::MeshIndex, path + ": a face index is out of range; export the mesh again"};
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<TriangleMesh> parseMesh(std::string_view bytes, const std::string& path) {
+  if (bytes.empty()) return Error{ErrorId::FileUnreadable, path + ": the file is empty; export the mesh again"};
+  const std::string extension = lowerExtension(path);
+  const auto named = std::find_if(std::begin(kKinds), std::end(kKinds),
+                                  [&](const Kind* kind) { return kind->extension == extension; });
+  if (named == std::end(kKinds)) {
+    return Error{ErrorId::Unsupported, path + ": meshes are read from .obj, .ply, .glb and .gltf; export one of these"};
+  }
+  const Kind* held = kindOfBytes(bytes);
+  if (held && held != *named) {
+    return Error{ErrorId::FileUnreadable, path + ": holds " + held->name + ", not " + (*named)->name +
+                                              "; rename it to end in " + std::string(held->extension)};
+  }
+  if (!held && *named != &kObj) {
+    return Error{ErrorId::FileUnreadable,
+                 path + ": does not begin as " + (*named)->name + " does; export the mesh again, or correct its name"};
+  }
+  FOURDVT_ASSIGN(auto mesh, (*named)->parse(bytes, path));
+  FOURDVT_TRY(checkMesh(mesh, path));
+  return mesh;
+}
+
+Result<TriangleMesh> readMeshFile(const std::string& path) {
+  std::error_code failed;
+  const uint64_t size = std::filesystem::file_size(path, failed);
+  if (!failed && size > kMaxFileBytes)
+    return Error{ErrorId::Unsupported, path + ": larger than 1 GiB; reduce the mesh's triangles"};
+  const auto bytes = failed ? std::nullopt : readText(path);
+  if (!bytes) return Error{ErrorId::FileMissing, path + ": mesh file cannot be read; check that it is there"};
+  return parseMesh(*bytes, path);
+}
+
+std::string plyBytes(const TriangleMesh& mesh) {
+  std::string out = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.positions.size()) +
+                    "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
+                    std::to_string(mesh.faces.size()) + "\nproperty list uchar int vertex_indices\nend_header\n";
+  out.reserve(out.size() + mesh.positions.size() * 12 + mesh.faces.size() * 13);
+  const auto add = [&](const auto& value) { out.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  for (const glm::vec3& p : mesh.positions) add(p);
+  for (const glm::uvec3& face : mesh.faces) {
+    out.push_back(3);
+    add(face);
+  }
+  return out;
+}
+
+}  // namespace fourdvt::capture

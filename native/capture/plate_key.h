@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Mattes of a camera that has none of its own, from the plates of the empty studio in the capture's background folder:
+// chroma key (matte.h) or key against a natural background (background_key.h).
+#pragma once
+
+#include <string>
+
+#include "base/result.h"
+#include "capture/background_model.h"
+#include "capture/capture.h"
+
+namespace fourdvt::capture {
+
+class PlateKey {
+ public:
+  // Reads background/CAMERA.png, or else background/CAMERA/000000.png (or .jpg) and what follows it without a gap.
+  // Errors: FileMissing, FileUnreadable, FrameSize.
+  static Result<PlateKey> open(const Capture& capture, const CaptureCamera& camera);
+  // One channel. `picture`: RGB, as distorted as the plates.
+  Image matte(const Image& picture) const;
+  bool natural() const { return natural_; }
+  const std::string& path() const { return path_; }  // of the first plate
+
+ private:
+  std::string path_;
+  bool natural_ = false;
+  Image plate_;            // chroma key
+  BackgroundModel model_;  // natural background
+};
+
+// Whether a matte shows the background in place of the object: what it keeps goes all round the picture's border and is
+// most of the picture, and what it does not keep lies within. False for a matte that keeps everything or nothing.
+bool looksInverted(const Image& matte);
+// Whether a matte keeps most of the picture and nearly all of its border, as it does where a plate does not fit.
+bool keepsTheBorder(const Image& matte);
+
+}  // namespace fourdvt::capture

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+// The furnished room: a texture that differs from place to place, a shadow where the lamp's rays meet the actor first,
+// and plates that show the same room with other noise.
+#include "studio/room.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "capture/background_model.h"
+#include "studio/sensor.h"
+
+namespace fourdvt::studio {
+namespace {
+
+struct SmallRoom {
+  explicit SmallRoom(uint32_t seed)
+      : actor(createProceduralActor({"walk"}, 0.045).take()),
+        rig(makeRig({{-0.45f, 0, -0.5f}, {0.45f, 1.8f, 0.5f}}, 4, 120, 160)),
+        room(seed, rig, 0, *actor) {
+    actor->pose(std::vector<double>{1}, 0.1, pose);
+  }
+  std::unique_ptr<Actor> actor;
+  Rig rig;
+  Room room;
+  Positions pose;
+};
+
+SmallRoom& shared() {
+  static SmallRoom made(3);
+  return made;
+}
+
+TEST(StudioRoom, IsTexturedEverywhereAndOfTheSeed) {
+  const Room& room = shared().room;
+  const Image& view = room.empty(0);
+  int flat = 0, tiles = 0;
+  for (int y = 0; y + 16 <= view.height; y += 16)
+    for (int x = 0; x + 16 <= view.width; x += 16, ++tiles) {
+      double sum = 0, square = 0;
+      for (int j = 0; j < 16; ++j)
+        for (int i = 0; i < 16; ++i) {
+          const double v = view.at(x + i, y + j)[1];
+          sum += v / 256;
+          square += v * v / 256;
+        }
+      flat += square - sum * sum < 2 * 2;
+    }
+  EXPECT_EQ(flat, 0) << "of " << tiles;
+  EXPECT_EQ(view.pixels, SmallRoom(3).room.empty(0).pixels);
+  EXPECT_NE(view.pixels, SmallRoom(4).room.empty(0).pixels);
+  EXPECT_NE(view.pixels, room.empty(1).pixels);
+}
+
+// A vertex moved along the light onto the floor lies in the shadow; a place that no ray from the actor reaches does
+// not.
+TEST(StudioRoom, ShadowLiesWhereTheActorStandsInTheLight) {
+  SmallRoom& s = shared();
+  s.room.setShadow(s.pose);
+  const glm::dvec3 light = s.room.light();
+  ASSERT_NEAR(glm::length(light), 1, 1e-9);
+  glm::dvec2 low(1e9), high(-1e9);
+  std::vector<glm::dvec3> thrown;
+  for (const glm::vec3& p : s.pose) {
+    thrown.push_back(glm::dvec3(p) - light * (double(p.y) / light.y));
+    low = glm::min(low, glm::dvec2(thrown.back().x, thrown.back().z));
+    high = glm::max(high, glm::dvec2(thrown.back().x, thrown.back().z));
+  }
+  for (size_t c = 0; c < s.rig.ring.size(); ++c) {
+    const PinholeCamera& camera = s.rig.ring[c];
+    const Image share = s.room.shadow(c);
+    int inside = 0, dark = 0, outside = 0;
+    for (const glm::dvec3& p : thrown) {
+      const glm::dvec3 pixel = camera.project(p);
+      if (pixel.x < 0 || pixel.y < 0 || pixel.x >= camera.width || pixel.y >= camera.height) continue;
+      ++inside;
+      dark += *share.at(int(pixel.x), int(pixel.y)) > 0;
+    }
+    EXPECT_GT(inside, 100);
+    EXPECT_GT(dark, 0.99 * inside);
+    for (int y = 0; y < camera.height; ++y)
+      for (int x = 0; x < camera.width; ++x) {
+        if (*share.at(x, y) == 0) continue;
+        const glm::dvec3 ray = glm::transpose(glm::dmat3(camera.cam_from_world)) *
+                               glm::dvec3((x + 0.5 - camera.cx) / camera.fx, (y + 0.5 - camera.cy) / camera.fy, 1);
+        const glm::dvec3 eye = camera.centreInWorld(), floor = eye - ray * (eye.y / ray.y);
+        if (ray.y >= 0 || glm::any(glm::greaterThan(glm::abs(glm::dvec2(floor.x, floor.z)), glm::dvec2(4)))) continue;
+        outside +=
+            floor.x < low.x - 0.05 || floor.x > high.x + 0.05 || floor.z < low.y - 0.05 || floor.z > high.y + 0.05;
+      }
+    EXPECT_EQ(outside, 0) << camera.name;
+  }
+}
+
+double linear(double level) {
+  const double v = level / 255;
+  return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+}
+
+TEST(StudioRoom, ShadowScalesLinearLightAndLeavesTheRestAlone) {
+  SmallRoom& s = shared();
+  s.room.setShadow(s.pose);
+  for (size_t c = 0; c < s.rig.ring.size(); ++c) {
+    const Image share = s.room.shadow(c), dark = s.room.withShadow(c), &lit = s.room.empty(c);
+    double sum_dark = 0, sum_lit = 0;
+    for (size_t i = 0; i < lit.pixels.size(); ++i) {
+      if (share.pixels[i / 3] == 0) {
+        ASSERT_EQ(dark.pixels[i], lit.pixels[i]);
+      }
+      if (share.pixels[i / 3] < 255) continue;
+      sum_dark += linear(dark.pixels[i]);
+      sum_lit += linear(lit.pixels[i]);
+    }
+    ASSERT_GT(sum_lit, 1);
+    EXPECT_NEAR(sum_dark / sum_lit, Room::kShadowLight, 0.01);
+  }
+}
+
+// Which key a camera's plate gets is told from the plate: a capture of the green studio is keyed as it always was.
+TEST(StudioRoom, IsNoBackdropAndTheGreenStudioIsOne) {
+  StudioKnobs knobs;
+  knobs.gain_percent = 5;
+  for (int camera = 0; camera < 4; ++camera) {
+    EXPECT_TRUE(capture::isChromaPlate(Sensor(knobs, camera, 96, 128).plate())) << camera;
+    EXPECT_FALSE(capture::isChromaPlate(shared().room.empty(size_t(camera)))) << camera;
+  }
+}
+
+TEST(StudioRoom, PlatesShowTheRoomWithNoiseOfTheirOwn) {
+  const Room& room = shared().room;
+  StudioKnobs knobs;
+  const Sensor plain(knobs, 1, room.empty(1));
+  EXPECT_EQ(plain.recordedPlate(0).pixels, room.empty(1).pixels);
+  const Image nobody(room.empty(1).width, room.empty(1).height, 4);
+  EXPECT_EQ(plain.expose(nobody, 7).pixels, room.empty(1).pixels);
+  knobs.noise_levels = 5.1;
+  const Sensor noisy(knobs, 1, room.empty(1));
+  const Image first = noisy.recordedPlate(0), second = noisy.recordedPlate(1), shot = noisy.expose(nobody, 0);
+  EXPECT_NE(first.pixels, second.pixels);
+  EXPECT_NE(first.pixels, shot.pixels);
+  double square = 0;
+  int count = 0;
+  for (size_t i = 0; i < first.pixels.size(); ++i) {
+    const int v = room.empty(1).pixels[i];
+    if (v < 20 || v > 235) continue;
+    square += std::pow(first.pixels[i] - v, 2);
+    ++count;
+  }
+  EXPECT_NEAR(std::sqrt(square / count), 5.1, 0.1);
+}
+
+}  // namespace
+}  // namespace fourdvt::studio
