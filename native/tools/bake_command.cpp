@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <unistd.h>
-
 #include <chrono>
 #include <cstdio>
-#include <initializer_list>
-#include <utility>
 
 #include "bake/bake.h"
 #include "bake/quality.h"
 #include "tools/args.h"
+#include "tools/choice.h"
 #include "tools/commands.h"
+#include "tools/progress_line.h"
 #include "tools/refine_arguments.h"
 #include "tools/session.h"
 #include "tools/stop_signal.h"
@@ -73,64 +71,6 @@ const CommandHelp& help() {
        {"--jobs", "N", "worker threads; 0: one per core (default 0)"},
        {"--resume", nullptr, "continue an interrupted run with the same settings"}}};
   return text;
-}
-
-std::string timeLeft(double seconds) {
-  char text[32];
-  const int s = static_cast<int>(seconds + 0.5);
-  if (s < 60)
-    std::snprintf(text, sizeof text, "%d s", s);
-  else
-    std::snprintf(text, sizeof text, "%d min %02d s", s / 60, s % 60);
-  return text;
-}
-
-// Prints one line, rewritten in place, on a terminal; elsewhere a line every 5 s, and one when all frames are encoded.
-class ProgressLine {
- public:
-  void show(const bake::Progress& p) {
-    const auto now = std::chrono::steady_clock::now();
-    const bool all_frames = p.done == p.total && !all_frames_;
-    const auto pause = tty_ ? std::chrono::milliseconds(100) : std::chrono::seconds(5);
-    if (!all_frames && shown_ && now - last_ < pause) return;
-    if (!tty_ && line_ == p.stage) return;
-    last_ = now;
-    shown_ = true;
-    all_frames_ |= all_frames;
-    line_ = p.stage;
-    char numbers[120] = "";
-    if (p.total > 0) std::snprintf(numbers, sizeof numbers, "  %u of %u frames", p.done, p.total);
-    std::string line = p.stage + numbers;
-    if (p.frames_per_s > 0) {
-      std::snprintf(numbers, sizeof numbers, "  %.2f frames/s", p.frames_per_s);
-      line += numbers;
-    }
-    if (p.left_s > 0) line += "  " + timeLeft(p.left_s) + " left";
-    std::fprintf(stderr, tty_ ? "\r\033[K%s" : "%s\n", line.c_str());
-    std::fflush(stderr);
-  }
-  void end() {
-    if (tty_ && shown_) std::fputs("\r\033[K", stderr);
-  }
-
- private:
-  const bool tty_ = isatty(STDERR_FILENO) != 0;
-  bool shown_ = false, all_frames_ = false;
-  std::string line_;
-  std::chrono::steady_clock::time_point last_;
-};
-
-// The value of option `name`, which must be one of `known`; `otherwise` if it is not given or is none of them.
-template <class T>
-T choice(Args& args, const char* name, T otherwise, std::initializer_list<std::pair<const char*, T>> known) {
-  if (!args.has(name)) return otherwise;
-  std::string list;
-  for (const auto& [text, value] : known) {
-    if (args.text(name) == text) return value;
-    list += (list.empty() ? "" : ", ") + std::string(text);
-  }
-  args.complain(std::string(name) + " must be one of " + list + ", not \"" + args.text(name) + "\"");
-  return otherwise;
 }
 
 // Applies quality and codec first, so that options that are given explicitly win.
@@ -208,7 +148,9 @@ int bakeCommand(int argc, char** argv) {
   bake::BakeEnvironment environment;
   environment.device = gpu.value().device.get();
   environment.open_video = videoOpener();
-  environment.progress = [&](const bake::Progress& p) { line.show(p); };
+  environment.progress = [&](const bake::Progress& p) {
+    line.show({p.stage, p.done, p.total, p.frames_per_s, p.left_s});
+  };
   environment.stop = stop;
   const auto start = std::chrono::steady_clock::now();
   auto report = bake::bake(options, environment);

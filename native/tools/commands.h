@@ -4,6 +4,7 @@
 
 namespace fourdvt::tools {
 
+int reconstructCommand(int argc, char** argv);
 int bakeCommand(int argc, char** argv);
 int inspectCommand(int argc, char** argv);
 int renderCommand(int argc, char** argv);

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "measure/held_out.h"
+#include "measure/surface_score.h"
 #include "platform/files.h"
 #include "platform/folders.h"
 #include "study/study.h"
@@ -20,7 +21,8 @@ namespace {
 
 const CommandHelp& help() {
   static const CommandHelp text{
-      "evaluate CAPTURE -o REPORT [--quick]  or  evaluate CAPTURE --character CHARACTER [options]",
+      "evaluate CAPTURE -o REPORT [--quick]  or  evaluate CAPTURE --character CHARACTER [options]  or\n"
+      "       evaluate CAPTURE --surface [--reference CAPTURE2]",
       "The first form bakes the capture in every way that is compared and writes the papers' tables and curves as\n"
       "REPORT/evaluate.csv, evaluate.json (the same rows) and report.html. Stop it with Ctrl-C; the same command goes "
       "on\n"
@@ -28,7 +30,10 @@ const CommandHelp& help() {
       "The second form scores one baked character: PSNR (RGB) and SSIM (luma, 11x11 Gaussian) over the union of both\n"
       "silhouettes, on black, at the capture's held-out cameras and at its input cameras: per sequence, camera and "
       "mean.\n"
-      "\"common dB\" is the PSNR where both silhouettes are, without the outline's error.",
+      "\"common dB\" is the PSNR where both silhouettes are, without the outline's error.\n"
+      "The third form scores the capture's surfaces, of whatever topology: plain projective texturing from its videos "
+      "at\n"
+      "the held-out cameras, and distances to the surfaces of a reference capture.",
       {{"-o", "FOLDER", "report folder (required without --character; with it: evaluate.csv, .txt and worst.png)"},
        {"--sequences", "A,B", "only these sequences (default: all)"},
        {"--quick", nullptr, "the shortest sequence, few views and settings: for a first look"},
@@ -39,12 +44,15 @@ const CommandHelp& help() {
        {"--character", "CHARACTER", "score this character folder, baked from CAPTURE"},
        {"--input-every", "N", "with --character: input cameras, every Nth frame, 0: none (default 4)"},
        {"--yardstick", nullptr,
-        "with --character: also plain projective texturing of the mesh as given, no layers, no codec"}}};
+        "with --character: also plain projective texturing of the mesh as given, no layers, no codec"},
+       {"--surface", nullptr, "score the capture's surfaces"},
+       {"--reference", "CAPTURE2", "with --surface: the same motions with the surfaces that are taken for true"}}};
   return text;
 }
 
 struct Arguments {
-  std::string capture, character, output;
+  std::string capture, character, output, reference;
+  bool surface = false;
   std::vector<std::string> sequences;
   bool quick = false;
   int jobs = 0;
@@ -63,7 +71,13 @@ Arguments readArguments(Args& args) {
   a.held_out.input_every = static_cast<uint32_t>(args.integer("--input-every", 4, 0, 1'000'000));
   a.held_out.yardstick = args.has("--yardstick");
   a.refine = readRefineOptions(args);
-  if (a.character.empty() && a.output.empty())
+  a.surface = args.has("--surface");
+  a.reference = args.text("--reference");
+  if (!a.reference.empty() && !a.surface) args.complain("--reference belongs to --surface");
+  if (a.surface && (!a.character.empty() || !a.output.empty() || a.quick || args.has("--jobs") ||
+                    args.has("--refine") || args.has("--refine-cameras") || args.has("--matte-bias-px")))
+    args.complain("--surface goes with --sequences and --reference only");
+  if (a.character.empty() && a.output.empty() && !a.surface)
     args.complain("-o FOLDER is missing: where the report goes; or score one character with --character");
   if (a.character.empty() && (args.has("--input-every") || args.has("--yardstick")))
     args.complain("--input-every and --yardstick belong to --character");
@@ -169,12 +183,36 @@ int scoreCharacter(const Arguments& arguments) {
   return written.ok() ? kOk : fail(written.error());
 }
 
+int scoreSurface(const Arguments& arguments) {
+  auto capture =
+      capture::openCapture(arguments.capture, videoOpener(), arguments.sequences, capture::MeshNeed::AnySurface);
+  if (!capture.ok()) return fail(capture.error());
+  std::optional<capture::Capture> reference;
+  if (!arguments.reference.empty()) {
+    auto opened =
+        capture::openCapture(arguments.reference, videoOpener(), arguments.sequences, capture::MeshNeed::AnySurface);
+    if (!opened.ok()) return fail(opened.error());
+    reference = opened.take();
+  }
+  const bool tty = isatty(STDERR_FILENO) != 0;
+  const auto scores = measure::scoreSurfaces(capture.value(), reference ? &*reference : nullptr, videoOpener(),
+                                             [&](const std::string& sequence, uint32_t frame) {
+                                               if (tty)
+                                                 std::fprintf(stderr, "\r\033[K%s frame %u", sequence.c_str(), frame);
+                                             });
+  if (tty) std::fputs("\r\033[K", stderr);
+  if (!scores.ok()) return fail(scores.error());
+  std::fputs(measure::surfaceTable(scores.value()).c_str(), stdout);
+  return kOk;
+}
+
 }  // namespace
 
 int evaluateCommand(int argc, char** argv) {
   Args args(help(), argc, argv);
   const Arguments arguments = readArguments(args);
   if (const auto code = helpOrProblem(help(), args)) return *code;
+  if (arguments.surface) return scoreSurface(arguments);
   return arguments.character.empty() ? runWholeStudy(arguments) : scoreCharacter(arguments);
 }
 

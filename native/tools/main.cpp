@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 #include <cstring>
+#include <exception>
+#include <new>
 
 #include "tools/args.h"
 #include "tools/commands.h"
@@ -14,6 +16,7 @@ struct Command {
 };
 
 constexpr Command kCommands[] = {
+    {"reconstruct", "make surfaces for a capture that has cameras alone", fourdvt::tools::reconstructCommand},
     {"bake", "turn a capture folder into a character folder", fourdvt::tools::bakeCommand},
     {"inspect", "list what is inside a character and check every byte of it", fourdvt::tools::inspectCommand},
     {"render", "draw one frame, or a turntable movie, of a character", fourdvt::tools::renderCommand},
@@ -23,7 +26,19 @@ constexpr Command kCommands[] = {
 
 void printUsage(std::FILE* out) {
   std::fputs("usage: fourdvt COMMAND …   (fourdvt COMMAND --help)\n\n", out);
-  for (const Command& command : kCommands) std::fprintf(out, "  %-10s %s\n", command.name, command.summary);
+  for (const Command& command : kCommands) std::fprintf(out, "  %-12s %s\n", command.name, command.summary);
+}
+
+// Libraries throw where memory runs out, or on input that nothing before them refused.
+int runGuarded(const Command& command, int argc, char** argv) {
+  try {
+    return command.run(argc - 2, argv + 2);
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "fourdvt: %s: out of memory; ask for less detail, or fewer --jobs\n", command.name);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "fourdvt: %s: unexpected: %s\n", command.name, e.what());
+  }
+  return fourdvt::tools::kFailed;
 }
 
 }  // namespace
@@ -31,7 +46,7 @@ void printUsage(std::FILE* out) {
 int main(int argc, char** argv) {
   const char* name = argc > 1 ? argv[1] : "";
   for (const Command& command : kCommands)
-    if (std::strcmp(name, command.name) == 0) return command.run(argc - 2, argv + 2);
+    if (std::strcmp(name, command.name) == 0) return runGuarded(command, argc, argv);
   if (std::strcmp(name, "--help") == 0 || std::strcmp(name, "-h") == 0) {
     printUsage(stdout);
     return fourdvt::tools::kOk;

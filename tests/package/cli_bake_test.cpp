@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Baking: a good capture, an interrupted bake, places that cannot be written, captures that are wrong.
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <chrono>
 #include <filesystem>
-#include <thread>
 
 #include "command.h"
 #include "platform/files.h"
@@ -100,22 +95,11 @@ TEST(Bake, InterruptedResumesToTheSameBytes) {
   ASSERT_EQ(fourdvt("bake " + capture + " -o " + out + "/straight" + options).code, 0);
 
   const std::string stopped = out + "/stopped";
-  const pid_t child = fork();
-  if (child == 0) {
-    const std::string command =
-        "exec " + std::string(FOURDVT_BIN) + " bake " + capture + " -o " + stopped + options + " 2>" + out + "/log";
-    execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
-    _exit(127);
-  }
-  for (int i = 0; i < 6000 && !exists(stopped + ".work/turn.0.gop"); ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  kill(child, SIGINT);
-  int status = 0;
-  waitpid(child, &status, 0);
-  ASSERT_TRUE(WIFEXITED(status));
-  ASSERT_EQ(WEXITSTATUS(status), 130) << readText(out + "/log");
+  const Outcome stop =
+      interrupted("bake " + capture + " -o " + stopped + options, stopped + ".work/turn.0.gop", out + "/log");
+  ASSERT_EQ(stop.code, 130) << stop.output;
   EXPECT_FALSE(exists(stopped));
-  EXPECT_NE(readText(out + "/log").find("--resume"), std::string::npos);
+  EXPECT_NE(stop.output.find("--resume"), std::string::npos);
 
   const Outcome resumed = fourdvt("bake " + capture + " -o " + stopped + options + " --resume");
   ASSERT_EQ(resumed.code, 0) << resumed.output;
@@ -202,6 +186,17 @@ TEST_F(WrongCapture, UnknownCameraModel) {
 TEST_F(WrongCapture, OtherTopologyInALaterFrame) {
   ASSERT_EQ(shell("sed -i '$d' " + capture + "/turn/mesh/000002.obj").code, 0);
   expectNamed("turn/mesh/000002.obj");
+}
+
+TEST_F(WrongCapture, NoMeshes) {
+  fs::remove_all(capture + "/turn/mesh");
+  expectNamed(capture +
+              "/capture.json: the capture has no meshes; run `fourdvt reconstruct CAPTURE -o CAPTURE2` first");
+}
+
+TEST_F(WrongCapture, MeshesOfPerFrameTopology) {
+  ASSERT_EQ(shell("sed -i '0,/{/s//{\"topology\": \"per-frame\", /' " + capture + "/capture.json").code, 0);
+  expectNamed("layers need meshes of constant topology with UVs");
 }
 
 TEST_F(WrongCapture, NothingVisibleNamesAxesAndUnits) {

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.h"
 
+#include <signal.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <set>
 #include <sstream>
+#include <thread>
 
 namespace fourdvt::test {
 
@@ -80,6 +84,20 @@ void damage(const std::string& path, uint64_t offset, uint64_t count) {
 }
 
 bool exists(const std::string& path) { return fs::exists(path); }
+
+Outcome interrupted(const std::string& arguments, const std::string& once_there, const std::string& log) {
+  const pid_t child = fork();
+  if (child == 0) {
+    const std::string command = "exec " + std::string(FOURDVT_BIN) + " " + arguments + " >" + log + " 2>&1";
+    execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+    _exit(127);
+  }
+  for (int i = 0; i < 6000 && !exists(once_there); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  kill(child, SIGINT);
+  int status = 0;
+  waitpid(child, &status, 0);
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), readText(log)};
+}
 
 std::vector<std::string> differences(const std::string& a, const std::string& b) {
   std::set<std::string> names;

@@ -27,9 +27,12 @@ layer platform $core
 layer capture base
 layer studio/actors base platform
 layer refine base capture
+layer reconstruct base capture
+layer reconstruct/stereo base gpu reconstruct
 layer studio base gpu platform capture studio/actors
 layer report base platform
 layer measure base package player platform capture report render
+layer reconstruct/run base gpu platform capture report measure reconstruct reconstruct/stereo
 layer bake/labels base package
 layer bake/texels base gpu package
 layer bake/motion base package motion capture
@@ -44,7 +47,7 @@ layer study/tables base report study/run
 layer study/steps $core platform capture report measure $bake_all study/run study/tables
 layer study/motion $core platform capture report measure $bake_all study/run study/tables
 layer study base platform capture refine report $bake_all study/run study/tables study/steps study/motion
-layer tools $core platform capture refine studio studio/actors report measure $bake_all study study/run
+layer tools $core platform capture refine reconstruct/run studio studio/actors report measure $bake_all study study/run
 
 declare -A seen
 for folder in "${order[@]}"; do

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruct/carve.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core/utility.hpp>
+
+namespace fourdvt::reconstruct {
+namespace {
+
+constexpr double kBandVoxels = 3;
+constexpr int kMaxLevels = 14;                     // 2^14 blocks of 8 voxels along each side: 650 m at 5 mm
+constexpr double kCoarse_m = 0.08, kSeen_m = 0.3;  // cells in which a message's figures are counted
+constexpr double kLeastReach_m = 16;  // where axes are parallel, nothing tells how far away the performer is
+constexpr double kEverywhere = 1e9;   // pixels
+constexpr size_t kNone = SIZE_MAX;
+
+enum class Share : uint8_t { Outside, Mixed, Inside };
+
+class Carver {
+ public:
+  // The camera `without` is not asked.
+  explicit Carver(std::span<const CarvingView> views, size_t without = kNone)
+      : views_(views), without_(without), needed_(views.size() / 2 + 1) {}
+
+  // What is certain of a sphere: outside as a whole, inside as a whole, or neither.
+  Share judge(const glm::dvec3& centre, double radius) const {
+    size_t seen = 0;
+    bool inside = true;
+    for (size_t i = 0; i < views_.size(); ++i) {
+      if (i == without_) continue;
+      const PinholeCamera& camera = views_[i].silhouette->camera;
+      const glm::dvec3 p = camera.project(centre);
+      if (p.z <= -radius) continue;
+      if (p.z <= 1.5 * radius) {  // the camera may stand in it
+        ++seen;
+        inside = false;
+        continue;
+      }
+      const double reach = 1.2 * std::max(camera.fx, camera.fy) * radius / (p.z - radius) + 1;
+      const double beside = std::max({-p.x, p.x - camera.width, -p.y, p.y - camera.height});
+      if (beside > reach) continue;
+      ++seen;
+      if (beside > -reach) {
+        inside = false;  // some of it may lie beyond the picture's edge
+        continue;
+      }
+      const float distance = views_[i].distance.at(p.x, p.y);
+      if (distance < -reach) return Share::Outside;
+      inside &= distance > reach;
+    }
+    if (seen < needed_) return Share::Outside;
+    return inside ? Share::Inside : Share::Mixed;
+  }
+
+  float distanceAt(const glm::dvec3& point, float band) const {
+    size_t seen = 0;
+    float nearest = band;
+    for (const CarvingView& view : views_) {
+      const PinholeCamera& camera = view.silhouette->camera;
+      const glm::dvec3 p = camera.project(point);
+      if (p.z <= 0) continue;
+      const float pixels = view.distance.at(p.x, p.y);
+      if (pixels == SilhouetteDistance::kOutside) continue;
+      ++seen;
+      nearest = std::min(nearest, pixels * float(p.z * 2 / (camera.fx + camera.fy)));
+      if (nearest <= -band) return -band;
+    }
+    return seen >= needed_ ? nearest : -band;
+  }
+
+  // Whether enough cameras see the sphere or part of it.
+  bool seen(const glm::dvec3& centre, double radius) const {
+    size_t count = 0;
+    for (const CarvingView& view : views_) {
+      const PinholeCamera& camera = view.silhouette->camera;
+      const glm::dvec3 p = camera.project(centre);
+      if (p.z <= -radius) continue;
+      const double reach = p.z > 1.5 * radius ? std::max(camera.fx, camera.fy) * radius / (p.z - radius) : kEverywhere;
+      count += p.x > -reach && p.y > -reach && p.x < camera.width + reach && p.y < camera.height + reach;
+    }
+    return count >= needed_;
+  }
+
+ private:
+  std::span<const CarvingView> views_;
+  size_t without_, needed_;
+};
+
+// The point that lies closest to all optical axes.
+glm::dvec3 middleOf(std::span<const CarvingView> views) {
+  glm::dmat3 a(0);
+  glm::dvec3 b(0);
+  for (const CarvingView& view : views) {
+    const glm::dvec3 axis = view.silhouette->camera.forwardInWorld(), c = view.silhouette->camera.centreInWorld();
+    const glm::dmat3 across = glm::dmat3(1) - glm::outerProduct(axis, axis) * 0.999;
+    a += across;
+    b += across * c;
+  }
+  return glm::inverse(a) * b;
+}
+
+// Cubes of blocks, halved again and again.
+struct Cells {
+  glm::dvec3 origin{0};  // of the grid
+  double block_m = 0;
+  int blocks_along = 0;            // of one cell
+  std::vector<glm::ivec3> at;      // in blocks
+  std::vector<glm::ivec3> inside;  // blocks that need no look any more
+};
+
+double radiusOf(const Cells& cells) { return std::sqrt(0.75) * cells.block_m * cells.blocks_along; }
+glm::dvec3 centreOf(const Cells& cells, const glm::ivec3& at) {
+  return cells.origin + (glm::dvec3(at) + 0.5 * cells.blocks_along) * cells.block_m;
+}
+
+void halve(const Carver& carver, Cells& cells) {
+  cells.blocks_along /= 2;
+  std::vector<glm::ivec3> parts;
+  parts.reserve(cells.at.size() * 8);
+  for (const glm::ivec3& at : cells.at)
+    for (int k = 0; k < 8; ++k) parts.push_back(at + cells.blocks_along * glm::ivec3(k & 1, k >> 1 & 1, k >> 2));
+  std::vector<Share> shares(parts.size());
+  const double radius = radiusOf(cells);
+  cv::parallel_for_(cv::Range(0, int(parts.size())), [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i) shares[i] = carver.judge(centreOf(cells, parts[i]), radius);
+  });
+  cells.at.clear();
+  for (size_t i = 0; i < parts.size(); ++i) {
+    if (shares[i] == Share::Outside) continue;
+    if (shares[i] == Share::Inside && cells.blocks_along == 1) {
+      cells.inside.push_back(parts[i]);
+    } else {
+      cells.at.push_back(parts[i]);
+    }
+  }
+}
+
+// One cell round everything that the cameras may see, aligned to the grid of blocks.
+Cells wholeSpace(std::span<const CarvingView> views, double voxel_m) {
+  const glm::dvec3 middle = middleOf(views);
+  double reach = kLeastReach_m;
+  for (const CarvingView& view : views)
+    reach = std::max(reach, 2 * glm::distance(middle, view.silhouette->camera.centreInWorld()));
+  Cells cells;
+  cells.block_m = voxel_m * kBlock;
+  cells.blocks_along = 1;
+  for (int level = 0; level < kMaxLevels && cells.blocks_along * cells.block_m < 2 * reach; ++level)
+    cells.blocks_along *= 2;
+  const glm::dvec3 first = glm::floor(middle / cells.block_m) - 0.5 * cells.blocks_along;
+  cells.at.push_back(glm::ivec3(first));
+  return cells;
+}
+
+Error nothingLeft(std::span<const CarvingView> views, double voxel_m) {
+  // How much is left on a coarse grid without one camera.
+  const auto left = [&](size_t without) {
+    const Carver carver(views, without);
+    Cells cells = wholeSpace(views, voxel_m);
+    while (cells.blocks_along > 1 && cells.blocks_along * cells.block_m > kCoarse_m) halve(carver, cells);
+    // A cell that is left because it is large says nothing: ask its middle.
+    return std::count_if(cells.at.begin(), cells.at.end(), [&](const glm::ivec3& at) {
+      return carver.judge(centreOf(cells, at), radiusOf(cells) / 8) != Share::Outside;
+    });
+  };
+  Cells cells = wholeSpace(views, voxel_m);
+  const Carver all(views);
+  size_t common = 0;
+  while (cells.blocks_along > 1 && cells.blocks_along * cells.block_m > kSeen_m) {
+    std::vector<glm::ivec3> parts;
+    cells.blocks_along /= 2;
+    for (const glm::ivec3& at : cells.at)
+      for (int k = 0; k < 8; ++k) {
+        const glm::ivec3 part = at + cells.blocks_along * glm::ivec3(k & 1, k >> 1 & 1, k >> 2);
+        if (all.seen(centreOf(cells, part), radiusOf(cells))) parts.push_back(part);
+      }
+    cells.at = std::move(parts);
+    common = size_t(std::count_if(cells.at.begin(), cells.at.end(),
+                                  [&](const glm::ivec3& at) { return all.seen(centreOf(cells, at), 0.01); }));
+  }
+  if (common == 0) {
+    return {ErrorId::NothingVisible,
+            "no place in space is seen by more than half of the cameras; check the poses in images.txt "
+            "(world-to-camera) and "
+            "that cameras look at the performer"};
+  }
+  long most = 0;
+  size_t odd = kNone;
+  for (size_t i = 0; i < views.size(); ++i) {
+    const long count = left(i);
+    if (count > most) most = count, odd = i;
+  }
+  const std::string what = "the silhouettes leave no place in space for the performer; ";
+  if (odd == kNone) {
+    return {ErrorId::NothingVisible,
+            what + "no single camera is to blame: check units, poses and synchronisation of all cameras"};
+  }
+  return {ErrorId::NothingVisible, what + "camera \"" + views[odd].silhouette->camera.name +
+                                       "\" disagrees most with the others: check its pose, its matte and its "
+                                       "synchronisation, or remove it from images.txt"};
+}
+
+}  // namespace
+
+Result<SparseDistance> carve(std::span<const CarvingView> views, double voxel_m) {
+  const Carver carver(views);
+  Cells cells = wholeSpace(views, voxel_m);
+  while (cells.blocks_along > 1 && !cells.at.empty()) halve(carver, cells);
+
+  SparseDistance out;
+  out.voxel_m = voxel_m;
+  out.band_m = float(kBandVoxels * voxel_m);
+  for (const glm::ivec3& at : cells.inside) out.inside.push_back(at * kBlock);
+  out.blocks.resize(cells.at.size());
+  std::vector<uint8_t> holds(cells.at.size());
+  cv::parallel_for_(cv::Range(0, int(cells.at.size())), [&](const cv::Range& range) {
+    for (int b = range.start; b < range.end; ++b) {
+      SparseDistance::Block& block = out.blocks[b];
+      block.at = cells.at[b] * kBlock;
+      for (size_t i = 0; i < block.values.size(); ++i) {
+        const glm::ivec3 voxel = block.at + glm::ivec3(int(i >> 6), int(i >> 3 & 7), int(i & 7));
+        block.values[i] = carver.distanceAt(glm::dvec3(voxel) * voxel_m, out.band_m);
+        holds[b] |= block.values[i] > -out.band_m;
+      }
+    }
+  });
+  size_t kept = 0;
+  bool any = !out.inside.empty();
+  for (size_t b = 0; b < out.blocks.size(); ++b) {
+    if (!holds[b]) continue;
+    for (float v : out.blocks[b].values) any |= v > 0;
+    if (kept != b) out.blocks[kept] = out.blocks[b];
+    ++kept;
+  }
+  out.blocks.resize(kept);
+  if (!any) return nothingLeft(views, voxel_m);
+  return out;
+}
+
+}  // namespace fourdvt::reconstruct

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruct/components.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <opencv2/imgproc.hpp>
+
+namespace fourdvt::reconstruct {
+namespace {
+
+constexpr double kSpeckShare = 1e-3, kNeededShare = 0.1;
+
+struct Component {
+  double volume_m3 = 0;
+  std::vector<uint32_t> faces;
+};
+
+uint32_t rootOf(std::vector<uint32_t>& parent, uint32_t v) {
+  while (parent[v] != v) v = parent[v] = parent[parent[v]];
+  return v;
+}
+
+// Largest volume first.
+std::vector<Component> componentsOf(const TriangleMesh& mesh) {
+  std::vector<uint32_t> parent(mesh.positions.size()), index(mesh.positions.size(), UINT32_MAX);
+  std::iota(parent.begin(), parent.end(), 0u);
+  for (const glm::uvec3& face : mesh.faces)
+    for (int k = 1; k < 3; ++k) parent[rootOf(parent, face[k])] = rootOf(parent, face[0]);
+  std::vector<Component> out;
+  for (uint32_t f = 0; f < mesh.faces.size(); ++f) {
+    const glm::uvec3& face = mesh.faces[f];
+    uint32_t& at = index[rootOf(parent, face.x)];
+    if (at == UINT32_MAX) {
+      at = uint32_t(out.size());
+      out.emplace_back();
+    }
+    const glm::dvec3 near(mesh.positions[mesh.faces.front().x]);
+    const glm::dvec3 a = glm::dvec3(mesh.positions[face.x]) - near, b = glm::dvec3(mesh.positions[face.y]) - near,
+                     c = glm::dvec3(mesh.positions[face.z]) - near;
+    out[at].volume_m3 += glm::dot(a, glm::cross(b, c)) / 6;
+    out[at].faces.push_back(f);
+  }
+  std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.volume_m3 > b.volume_m3; });
+  return out;
+}
+
+// 255 where the component is in the camera's picture.
+cv::Mat drawn(const PinholeCamera& camera, const TriangleMesh& mesh, const Component& component) {
+  cv::Mat out(camera.height, camera.width, CV_8U, cv::Scalar(0));
+  for (const uint32_t f : component.faces) {
+    cv::Point corners[3];
+    bool before = true;
+    for (int k = 0; k < 3 && before; ++k) {
+      const glm::dvec3 p = camera.project(glm::dvec3(mesh.positions[mesh.faces[f][k]]));
+      before = p.z > 0 && std::abs(p.x) < 1e5 && std::abs(p.y) < 1e5;
+      if (before) corners[k] = {int(std::floor(p.x)), int(std::floor(p.y))};
+    }
+    if (before) cv::fillConvexPoly(out, corners, 3, cv::Scalar(255));
+  }
+  return out;
+}
+
+void keepOnly(TriangleMesh& mesh, const std::vector<Component>& components, const std::vector<bool>& keep) {
+  std::vector<uint8_t> stays(mesh.faces.size(), 0);
+  for (size_t i = 0; i < components.size(); ++i)
+    for (const uint32_t f : components[i].faces) stays[f] = keep[i];
+  std::vector<uint32_t> index(mesh.positions.size(), UINT32_MAX);
+  TriangleMesh kept;
+  for (uint32_t f = 0; f < mesh.faces.size(); ++f) {
+    if (!stays[f]) continue;
+    glm::uvec3 corners;
+    for (int k = 0; k < 3; ++k) {
+      uint32_t& at = index[mesh.faces[f][k]];
+      if (at == UINT32_MAX) {
+        at = uint32_t(kept.positions.size());
+        kept.positions.push_back(mesh.positions[mesh.faces[f][k]]);
+      }
+      corners[k] = at;
+    }
+    kept.faces.push_back(corners);
+  }
+  mesh = std::move(kept);
+}
+
+double leastVolume(const std::vector<Component>& components, double least_volume_m3) {
+  return std::max(components.front().volume_m3 * kSpeckShare, least_volume_m3);
+}
+
+// The largest component stays; `choose` says which of the others. Returns how many were left out.
+template <class Choose>
+size_t dropOthers(TriangleMesh& mesh, const Choose& choose) {
+  if (mesh.faces.empty()) return 0;
+  const std::vector<Component> components = componentsOf(mesh);
+  std::vector<bool> keep(components.size(), false);
+  keep[0] = true;
+  choose(components, keep);
+  const auto dropped = size_t(std::count(keep.begin(), keep.end(), false));
+  if (dropped > 0) keepOnly(mesh, components, keep);
+  return dropped;
+}
+
+}  // namespace
+
+size_t dropSpecks(TriangleMesh& mesh, double least_volume_m3) {
+  return dropOthers(mesh, [&](const std::vector<Component>& components, std::vector<bool>& keep) {
+    const double least = leastVolume(components, least_volume_m3);
+    for (size_t i = 1; i < components.size(); ++i) keep[i] = std::abs(components[i].volume_m3) >= least;
+  });
+}
+
+size_t dropNeedless(TriangleMesh& mesh, std::span<const Silhouette* const> silhouettes, double least_volume_m3) {
+  return dropOthers(mesh, [&](const std::vector<Component>& components, std::vector<bool>& keep) {
+    const double least = leastVolume(components, least_volume_m3);
+    std::vector<cv::Mat> explained;  // per camera, by the components that are kept
+    for (size_t i = 1; i < components.size(); ++i) {
+      const double volume = components[i].volume_m3;
+      if (volume < 0) keep[i] = -volume >= least;
+      if (volume < least) continue;
+      if (explained.empty())
+        for (const Silhouette* s : silhouettes) explained.push_back(drawn(s->camera, mesh, components[0]));
+      std::vector<cv::Mat> own;
+      for (size_t c = 0; c < silhouettes.size(); ++c) {
+        own.push_back(drawn(silhouettes[c]->camera, mesh, components[i]));
+        const int area = cv::countNonZero(own[c]), needed = cv::countNonZero(own[c] & ~explained[c]);
+        if (area > 0 && needed > kNeededShare * area) keep[i] = true;
+      }
+      if (keep[i])
+        for (size_t c = 0; c < own.size(); ++c) explained[c] |= own[c];
+    }
+  });
+}
+
+size_t dropHollows(TriangleMesh& mesh) {
+  return dropOthers(mesh, [](const std::vector<Component>& components, std::vector<bool>& keep) {
+    for (size_t i = 1; i < components.size(); ++i) keep[i] = components[i].volume_m3 >= 0;
+  });
+}
+
+}  // namespace fourdvt::reconstruct

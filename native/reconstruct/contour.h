@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// The outline of a silhouette as polygons (OVH03, section 4).
+//
+// A pixel outside a camera's picture carves nothing, so what is outlined is the background that the camera sees: where
+// background meets the picture's border there is an edge, where the performer meets it there is none. Does NOT judge
+// or repair the coverage beyond leaving out specks.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "base/image.h"
+
+namespace fourdvt::reconstruct {
+
+// A closed ring of at least three points, pixels (centres at + 0.5), the last joined to the first.
+using Ring = std::vector<glm::dvec2>;
+
+// Rings that do not touch each other or themselves. By even-odd rule the points inside are seen background; all others
+// may hold the performer. Along every edge from p to q the background has cross(q - p, x - p) > 0: in the picture, with
+// y down, it lies on the right. No rings: nothing is carved.
+struct Outline {
+  std::vector<Ring> rings;
+};
+
+struct OutlineRules {
+  double tolerance_px = 1;  // no point of the iso-contour lies farther than this from the ring; 0: all points stay
+  double min_area_px2 = 4;  // rings round less than this are specks and left out, whether performer or background
+};
+
+// The iso-contour of `coverage` (1 channel: 0 background … 255 performer) at level 127.5, with as few points as the
+// tolerance allows. Points stay where leaving them out would make rings cross. An empty picture has no rings.
+Outline outlineOf(const Image& coverage, const OutlineRules& rules = {});
+
+}  // namespace fourdvt::reconstruct

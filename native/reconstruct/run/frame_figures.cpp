@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruct/run/frame_figures.h"
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+namespace fourdvt::reconstruct {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+}  // namespace
+
+std::string figuresText(const FrameFigures& f) {
+  Json overlap = Json::array();
+  for (double v : f.overlap) overlap.push_back(std::isnan(v) ? Json() : Json(v));
+  return Json{{"vertices", f.vertices},
+              {"triangles", f.triangles},
+              {"parts_left_out", f.parts_left_out},
+              {"fallback", f.fallback},
+              {"overlap", overlap},
+              {"read_ms", f.read_ms},
+              {"silhouettes_ms", f.silhouettes_ms},
+              {"hull_ms", f.hull_ms},
+              {"stereo_ms", f.stereo_ms},
+              {"fairing_ms", f.fairing_ms},
+              {"check_ms", f.check_ms}}
+      .dump();
+}
+
+Result<FrameFigures> parseFigures(const std::string& text, const std::string& path) {
+  const Json json = Json::parse(text, nullptr, false);
+  const Error damaged{ErrorId::FileUnreadable, path + ": damaged; run the command without --resume"};
+  if (!json.is_object() || !json.contains("overlap") || !json["overlap"].is_array()) return damaged;
+  FrameFigures f;
+  const auto number = [&](const char* key) {
+    const auto it = json.find(key);
+    return it != json.end() && it->is_number() ? it->get<double>() : 0.0;
+  };
+  f.vertices = uint32_t(number("vertices"));
+  f.triangles = uint32_t(number("triangles"));
+  f.parts_left_out = uint32_t(number("parts_left_out"));
+  f.fallback = json.value("fallback", "");
+  for (const Json& v : json["overlap"])
+    f.overlap.push_back(v.is_number() ? v.get<double>() : std::numeric_limits<double>::quiet_NaN());
+  f.read_ms = number("read_ms");
+  f.silhouettes_ms = number("silhouettes_ms");
+  f.hull_ms = number("hull_ms");
+  f.stereo_ms = number("stereo_ms");
+  f.fairing_ms = number("fairing_ms");
+  f.check_ms = number("check_ms");
+  return f;
+}
+
+}  // namespace fourdvt::reconstruct

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is known of one reconstructed frame, kept beside its mesh until the report is written.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+
+namespace fourdvt::reconstruct {
+
+struct FrameFigures {
+  uint32_t vertices = 0, triangles = 0;
+  uint32_t parts_left_out = 0;  // components that were left out
+  std::string fallback;         // why the polyhedral hull was not taken; empty: it was, or was not asked for
+  std::vector<double> overlap;  // per camera: intersection over union of mesh and silhouette; NaN: no silhouette
+  double read_ms = 0, silhouettes_ms = 0, hull_ms = 0, stereo_ms = 0, fairing_ms = 0, check_ms = 0;
+};
+
+std::string figuresText(const FrameFigures& figures);
+// Error FileUnreadable for text that figuresText did not write.
+Result<FrameFigures> parseFigures(const std::string& text, const std::string& path);
+
+}  // namespace fourdvt::reconstruct

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruct/run/frame_surface.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <opencv2/core/utility.hpp>
+
+#include "capture/undistort.h"
+#include "reconstruct/components.h"
+#include "reconstruct/fairing.h"
+#include "reconstruct/mesh_checks.h"
+#include "reconstruct/polyhedral_hull.h"
+#include "reconstruct/run/silhouette_match.h"
+#include "reconstruct/volumetric_hull.h"
+
+namespace fourdvt::reconstruct {
+namespace {
+
+constexpr double kFairingLoss = 0.002;  // of a camera's overlap that smoothing may cost
+constexpr double kRoughVoxel_m = 0.02, kSpeck_m3 = 3e-6;
+constexpr size_t kFewestPixels = 16;  // of a silhouette that says anything
+
+class Watch {
+ public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
+    last_ = now;
+    return ms;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+Silhouette silhouetteOf(const PinholeCamera& camera, const Image& rgba) {
+  Silhouette out{camera, Image(rgba.width, rgba.height, 1)};
+  for (size_t i = 0; i < out.coverage.pixels.size(); ++i) out.coverage.pixels[i] = rgba.pixels[4 * i + 3];
+  return out;
+}
+
+bool saysNothing(const Silhouette& silhouette) {
+  size_t inside = 0;
+  for (uint8_t v : silhouette.coverage.pixels) inside += v > 127;
+  return inside < kFewestPixels;
+}
+
+void inParallel(size_t count, const std::function<void(size_t)>& work) {
+  cv::parallel_for_(cv::Range(0, int(count)), [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i) work(size_t(i));
+  });
+}
+
+// A box round everything that the cameras may see of the performer, from a coarse carving.
+Result<BoundingBox> roughBounds(std::span<const CarvingView> views) {
+  FOURDVT_ASSIGN(const SparseDistance coarse, carve(views, kRoughVoxel_m));
+  glm::dvec3 low(1e9), high(-1e9);
+  const auto add = [&](const glm::ivec3& block) {
+    low = glm::min(low, coarse.origin_in_world + glm::dvec3(block) * kRoughVoxel_m);
+    high = glm::max(high, coarse.origin_in_world + glm::dvec3(block + kBlock) * kRoughVoxel_m);
+  };
+  for (const SparseDistance::Block& block : coarse.blocks) add(block.at);
+  for (const glm::ivec3& block : coarse.inside) add(block);
+  return BoundingBox{glm::vec3(low), glm::vec3(high)};
+}
+
+// Errors say why the volumetric hull has to stand in.
+Result<TriangleMesh> checkedPolyhedron(const ReconstructOptions& options, std::span<const CarvingView> views,
+                                       FrameFigures& figures) {
+  std::vector<SilhouetteCone> cones(views.size());
+  inParallel(views.size(), [&](size_t i) {
+    const Silhouette& silhouette = *views[i].silhouette;
+    cones[i] = {silhouette.camera, outlineOf(silhouette.coverage, {options.contour_tolerance_px})};
+  });
+  FOURDVT_ASSIGN(const BoundingBox bounds, roughBounds(views));
+  FOURDVT_ASSIGN(auto hull, polyhedralHull(cones, bounds));
+  std::vector<const Silhouette*> silhouettes;
+  for (const CarvingView& view : views) silhouettes.push_back(view.silhouette);
+  figures.parts_left_out = uint32_t(dropNeedless(hull.mesh, silhouettes, kSpeck_m3));
+  const MeshReport report = checkMesh(hull.mesh);
+  if (hull.touches_bounds)
+    return Error{ErrorId::Internal, "the polyhedral hull reaches where fewer than half of the cameras see"};
+  if (hull.mesh.faces.empty()) return Error{ErrorId::Internal, "the polyhedral hull is empty"};
+  if (!report.solid()) return Error{ErrorId::Internal, "the polyhedral hull fails its checks: " + describe(report)};
+  return std::move(hull.mesh);
+}
+
+// A camera without a silhouette knows nothing of the performer's outline: stereo may look anywhere in its picture.
+std::vector<Image> withUnknownMattes(std::span<const Image> pictures, const std::vector<bool>& knows) {
+  std::vector<Image> out(pictures.begin(), pictures.end());
+  for (size_t i = 0; i < out.size(); ++i)
+    for (size_t a = 3; !knows[i] && a < out[i].pixels.size(); a += 4) out[i].pixels[a] = 255;
+  return out;
+}
+
+}  // namespace
+
+std::vector<Silhouette> silhouettesOf(std::span<const PinholeCamera> cameras, std::span<const Image> pictures) {
+  std::vector<Silhouette> out(cameras.size());
+  inParallel(cameras.size(), [&](size_t i) { out[i] = silhouetteOf(cameras[i], pictures[i]); });
+  return out;
+}
+
+SurfaceMaker::SurfaceMaker(const ReconstructOptions& options, const std::vector<capture::CaptureCamera>& cameras)
+    : options_(options), captured_(cameras.size()) {
+  for (size_t i = 0; i < cameras.size(); ++i) {
+    const PinholeCamera& pinhole = cameras_.emplace_back(cameras[i].pinhole);
+    if (cameras[i].distortion.any())
+      captured_[i] = capture::Undistorter(cameras[i]).apply(Image(pinhole.width, pinhole.height, 1, 255));
+  }
+}
+
+Result<SurfaceMaker> SurfaceMaker::create(const ReconstructOptions& options,
+                                          const std::vector<capture::CaptureCamera>& cameras, gpu::Device* device) {
+  SurfaceMaker maker(options, cameras);
+  if (options.stereo) {
+    StereoOptions stereo;
+    stereo.adaptivity = options.adaptivity;
+    FOURDVT_ASSIGN(maker.stereo_, StereoRefiner::create(*device, maker.cameras_, stereo));
+  }
+  return maker;
+}
+
+void SurfaceMaker::forget() {
+  if (stereo_) stereo_->forget();
+}
+
+Status SurfaceMaker::makeHull(std::span<const CarvingView> views, const std::vector<bool>& sees,
+                              std::span<const Image> pictures, FrameSurface& out) {
+  Watch watch;
+  if (options_.hull == HullKind::Polyhedral && !stereo_) {
+    auto hull = checkedPolyhedron(options_, views, out.figures);
+    if (hull.ok()) {
+      out.mesh = hull.take();
+      out.figures.hull_ms = watch.lap();
+      return {};
+    }
+    out.figures.fallback = hull.error().message;
+  }
+  FOURDVT_ASSIGN(auto hull, volumetricHull(views, {options_.voxel_m, options_.adaptivity}));
+  out.mesh = std::move(hull.mesh);
+  out.figures.parts_left_out = uint32_t(hull.dropped);
+  out.figures.hull_ms = watch.lap();
+  if (!stereo_) return {};
+  if (views.size() == cameras_.size()) {
+    FOURDVT_ASSIGN(out.mesh, stereo_->refine(hull.distance, out.mesh, pictures));
+  } else {
+    FOURDVT_ASSIGN(out.mesh, stereo_->refine(hull.distance, out.mesh, withUnknownMattes(pictures, sees)));
+  }
+  out.figures.stereo_ms = watch.lap();
+  return {};
+}
+
+Result<FrameSurface> SurfaceMaker::make(std::span<const Image> pictures) {
+  const std::vector<PinholeCamera>& cameras = cameras_;
+  FrameSurface out;
+  Watch watch;
+  out.silhouettes = silhouettesOf(cameras, pictures);
+  std::vector<Silhouette> carving = out.silhouettes;
+  std::vector<std::unique_ptr<SilhouetteDistance>> distances(cameras.size());
+  inParallel(cameras.size(), [&](size_t i) {
+    if (saysNothing(carving[i])) return;
+    for (size_t k = 0; k < captured_[i].pixels.size(); ++k)
+      if (captured_[i].pixels[k] < 128) carving[i].coverage.pixels[k] = 255;  // not seen is not carved
+    distances[i] = std::make_unique<SilhouetteDistance>(carving[i].coverage);
+  });
+  std::vector<CarvingView> views;
+  std::vector<bool> sees;
+  for (size_t i = 0; i < cameras.size(); ++i) {
+    sees.push_back(distances[i] != nullptr);
+    if (distances[i]) views.push_back({&carving[i], *distances[i]});
+  }
+  out.figures.silhouettes_ms = watch.lap();
+  if (views.size() < 2) {
+    return Error{ErrorId::NothingVisible,
+                 "fewer than two cameras see anything of the performer; check the mattes, or the plates that the "
+                 "pictures are keyed against; frames in which nobody is on stage must be cut off"};
+  }
+
+  FOURDVT_TRY(makeHull(views, sees, pictures, out));
+  watch.lap();
+
+  const auto overlapIn = [&](size_t i, const TriangleMesh& mesh) {
+    return silhouetteOverlap(out.silhouettes[i], mesh);
+  };
+  if (options_.fairing > 0) {
+    std::vector<double> least(cameras.size(), 0);
+    inParallel(cameras.size(), [&](size_t i) {
+      if (distances[i]) least[i] = overlapIn(i, out.mesh) - kFairingLoss;
+    });
+    fairSurface(out.mesh, views, options_.fairing, [&](const TriangleMesh& mesh) {
+      std::atomic<bool> good = true;
+      inParallel(cameras.size(), [&](size_t i) {
+        if (distances[i] && overlapIn(i, mesh) < least[i]) good = false;
+      });
+      return good.load();
+    });
+    out.figures.fairing_ms = watch.lap();
+  }
+
+  out.figures.vertices = uint32_t(out.mesh.positions.size());
+  out.figures.triangles = uint32_t(out.mesh.faces.size());
+  out.figures.overlap.assign(cameras.size(), std::numeric_limits<double>::quiet_NaN());
+  inParallel(cameras.size(), [&](size_t i) {
+    if (distances[i]) out.figures.overlap[i] = overlapIn(i, out.mesh);
+  });
+  out.figures.check_ms = watch.lap();
+  return out;
+}
+
+}  // namespace fourdvt::reconstruct

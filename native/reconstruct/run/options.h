@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// What `fourdvt reconstruct` is asked for, and what it needs from the program that runs it.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "base/video.h"
+#include "gpu/device.h"
+
+namespace fourdvt::reconstruct {
+
+enum class HullKind { Polyhedral, Volumetric };
+
+struct ReconstructOptions {
+  std::string capture_folder, folder;  // read, written
+  std::vector<std::string> sequences;  // empty: all
+  HullKind hull = HullKind::Volumetric;
+  double contour_tolerance_px = 1;  // polyhedral: how far a polygon may be from the outline, 0.25 to 8
+  double voxel_m = 0.005;           // volumetric hull and stereo
+  double adaptivity = 0.1;          // 0 … 1, see VolumetricOptions
+  bool stereo = true;               // inside the volumetric hull only
+  int fairing = 0;                  // rounds, see fairing.h
+  int jobs = 0;                     // threads; 0: one per core
+  bool resume = false;
+  // Empty, or what is wrong with the options, in one line.
+  std::string check() const;
+};
+
+struct ReconstructProgress {
+  std::string stage;  // "run 12/28"
+  uint32_t done = 0, total = 0;
+  double frames_per_s = 0, left_s = 0;
+};
+
+struct ReconstructEnvironment {
+  gpu::Device* device = nullptr;  // current on this thread; may be null without stereo
+  OpenVideo open_video;
+  std::function<void(const ReconstructProgress&)> progress;
+  const std::atomic<bool>* stop = nullptr;  // set by Ctrl-C: finish the frame, keep what is finished
+};
+
+}  // namespace fourdvt::reconstruct

@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruct/run/report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "platform/files.h"
+#include "platform/folders.h"
+#include "reconstruct/run/silhouette_match.h"
+#include "report/document.h"
+#include "report/picture_sheets.h"
+#include "report/text.h"
+
+namespace fourdvt::reconstruct {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using report::fixedText;
+
+constexpr size_t kColumns = 8;     // cameras side by side
+constexpr int kSheetHeight = 420;  // pixels of one picture
+constexpr double kLowOverlap = 0.95;
+
+struct Stage {
+  const char* name;
+  double FrameFigures::*ms;
+};
+constexpr Stage kStages[] = {{"read", &FrameFigures::read_ms},       {"silhouettes", &FrameFigures::silhouettes_ms},
+                             {"hull", &FrameFigures::hull_ms},       {"stereo", &FrameFigures::stereo_ms},
+                             {"fairing", &FrameFigures::fairing_ms}, {"overlap", &FrameFigures::check_ms}};
+
+template <class F>
+double meanOver(const std::vector<ReconstructedSequence>& sequences, F value) {
+  double sum = 0;
+  size_t count = 0;
+  for (const auto& s : sequences)
+    for (const auto& f : s.frames) sum += value(f), ++count;
+  return count ? sum / double(count) : 0;
+}
+
+struct Overlap {
+  double mean = 0, lowest = 1;
+  uint32_t lowest_frame = 0;
+  size_t frames = 0, empty = 0;
+  uint32_t first_empty = 0;
+};
+
+Overlap overlapOf(const ReconstructedSequence& sequence, size_t camera) {
+  Overlap out;
+  for (uint32_t frame = 0; frame < sequence.frames.size(); ++frame) {
+    const double value = sequence.frames[frame].overlap.at(camera);
+    if (std::isnan(value)) {
+      if (out.empty++ == 0) out.first_empty = frame;
+      continue;
+    }
+    out.mean += value;
+    ++out.frames;
+    if (value < out.lowest) out.lowest = value, out.lowest_frame = frame;
+  }
+  if (out.frames) out.mean /= double(out.frames);
+  return out;
+}
+
+report::Table overlapTable(const capture::Capture& capture, const std::vector<ReconstructedSequence>& sequences) {
+  report::Table table{"Overlap of surface and silhouette",
+                      "Intersection over union of the drawn surface and the silhouette: mean over the frames, and the "
+                      "lowest with its frame. 1 is perfect; a camera that stands out is calibrated, keyed or "
+                      "synchronised worse than the others.",
+                      {"camera"},
+                      {}};
+  for (const auto& s : sequences) {
+    table.columns.push_back(s.name + ", mean");
+    table.columns.push_back("lowest");
+  }
+  for (size_t camera = 0; camera < capture.cameras.size(); ++camera) {
+    std::vector<std::string> row{capture.cameras[camera].pinhole.name};
+    for (const auto& s : sequences) {
+      const Overlap o = overlapOf(s, camera);
+      row.push_back(o.frames ? fixedText(o.mean, 4) : "–");
+      row.push_back(o.frames ? fixedText(o.lowest, 4) + " (" + std::to_string(o.lowest_frame) + ")" : "–");
+    }
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+report::Table sequenceTable(const std::vector<ReconstructedSequence>& sequences) {
+  report::Table table{"", "", {"sequence", "frames", "triangles", "vertices", "parts left out", "fallbacks"}, {}};
+  for (const auto& s : sequences) {
+    const std::vector<ReconstructedSequence> one{s};
+    size_t fallbacks = 0, left_out = 0;
+    for (const auto& f : s.frames) fallbacks += !f.fallback.empty(), left_out += f.parts_left_out;
+    table.rows.push_back({s.name, std::to_string(s.frames.size()),
+                          fixedText(meanOver(one, [](const FrameFigures& f) { return double(f.triangles); }), 0),
+                          fixedText(meanOver(one, [](const FrameFigures& f) { return double(f.vertices); }), 0),
+                          std::to_string(left_out), std::to_string(fallbacks)});
+  }
+  return table;
+}
+
+report::BarChart stageChart(const std::vector<ReconstructedSequence>& sequences) {
+  report::BarChart chart{"Milliseconds a frame", {}};
+  for (const Stage& stage : kStages) {
+    const double ms = meanOver(sequences, [&](const FrameFigures& f) { return f.*stage.ms; });
+    if (ms > 0) chart.bars.push_back({stage.name, fixedText(ms, 0) + " ms", ms});
+  }
+  return chart;
+}
+
+report::Plot trianglePlot(const std::vector<ReconstructedSequence>& sequences) {
+  report::Plot plot{"Triangles", "frame", "triangles", false, false, {}};
+  for (const auto& s : sequences) {
+    report::Curve curve{s.name, {}};
+    for (size_t i = 0; i < s.frames.size(); ++i) curve.points.push_back({double(i), double(s.frames[i].triangles)});
+    plot.curves.push_back(std::move(curve));
+  }
+  return plot;
+}
+
+report::Plot overlapPlot(const std::vector<ReconstructedSequence>& sequences) {
+  report::Plot plot{"Lowest overlap of the cameras", "frame", "intersection over union", false, false, {}};
+  for (const auto& s : sequences) {
+    report::Curve curve{s.name, {}};
+    for (size_t i = 0; i < s.frames.size(); ++i) {
+      double lowest = 1;
+      for (double v : s.frames[i].overlap) lowest = v < lowest ? v : lowest;
+      curve.points.push_back({double(i), lowest});
+    }
+    plot.curves.push_back(std::move(curve));
+  }
+  return plot;
+}
+
+std::string hullText(const ReconstructOptions& o) {
+  if (o.hull == HullKind::Polyhedral)
+    return "polyhedral hull, outlines within " + fixedText(o.contour_tolerance_px, 2) + " pixels";
+  return "volumetric hull, voxels of " + fixedText(o.voxel_m * 1e3, 1) + " mm";
+}
+
+Json frameJson(const FrameFigures& f) { return Json::parse(figuresText(f)); }
+
+}  // namespace
+
+void ReportPictures::add(const std::string& sequence, uint32_t frame, std::span<const Image> pictures,
+                         const FrameSurface& surface) {
+  for (size_t first = 0; first < pictures.size(); first += kColumns) {
+    report::Sheet sheet;
+    sheet.title = sequence + ", frame " + std::to_string(frame);
+    sheet.cells.resize(2);
+    for (size_t i = first; i < std::min(pictures.size(), first + kColumns); ++i) {
+      const SurfacePictures drawn = surfacePictures(surface.silhouettes[i], pictures[i], surface.mesh);
+      sheet.columns.push_back(surface.silhouettes[i].camera.name);
+      const int width = drawn.shaded.width * kSheetHeight / std::max(1, drawn.shaded.height);
+      sheet.cells[0].push_back(report::scaledTo(drawn.over_picture, std::max(1, width), kSheetHeight));
+      sheet.cells[1].push_back(report::scaledTo(drawn.shaded, std::max(1, width), kSheetHeight));
+    }
+    sheets_.push_back({sequence, frame, report::drawSheet(sheet)});
+  }
+}
+
+ReconstructSummary summarise(const capture::Capture& capture, const std::vector<ReconstructedSequence>& sequences) {
+  ReconstructSummary out;
+  double sum = 0;
+  size_t count = 0;
+  for (const auto& s : sequences) {
+    out.frames += uint32_t(s.frames.size());
+    size_t fallbacks = 0;
+    std::string reason;  // of the first one
+    for (const auto& f : s.frames) {
+      if (!f.fallback.empty() && fallbacks++ == 0) reason = f.fallback;
+    }
+    if (fallbacks > 0) {
+      out.warnings.push_back(s.name + ": the polyhedral hull failed its checks in " + std::to_string(fallbacks) +
+                             " of " + std::to_string(s.frames.size()) + " frames (" + reason +
+                             "); they have the volumetric one");
+    }
+    for (size_t camera = 0; camera < capture.cameras.size(); ++camera) {
+      const Overlap o = overlapOf(s, camera);
+      const std::string& name = capture.cameras[camera].pinhole.name;
+      sum += o.mean * double(o.frames);
+      count += o.frames;
+      if (o.frames) out.lowest_overlap = std::min(out.lowest_overlap, o.lowest);
+      if (o.empty > 0) {
+        out.warnings.push_back(s.name + ": camera \"" + name + "\" sees nothing of the performer in " +
+                               std::to_string(o.empty) + " of " + std::to_string(s.frames.size()) + " frames (first " +
+                               std::to_string(o.first_empty) + ") and is left out there; check " + "its matte");
+      }
+      if (o.frames && o.mean < kLowOverlap) {
+        out.warnings.push_back(s.name + ": camera \"" + name + "\" agrees with the surface in only " +
+                               fixedText(100 * o.mean, 1) +
+                               " % of its silhouette; check its calibration, matte and synchronisation");
+      }
+    }
+  }
+  if (count) out.mean_overlap = sum / double(count);
+  return out;
+}
+
+Status writeReport(const std::string& folder, const ReconstructOptions& options, const capture::Capture& capture,
+                   const std::vector<ReconstructedSequence>& sequences, const ReportPictures& pictures,
+                   const ReconstructSummary& summary) {
+  report::Document document;
+  document.title = capture.name + ", reconstructed";
+  document.subtitle = hullText(options) + (options.stereo ? ", refined by stereo" : "");
+  document.credit = capture.credit;
+  report::Section overview;
+  overview.id = "overview";
+  overview.title = "Overview";
+  for (const std::string& warning : summary.warnings) overview.text += warning + ".\n\n";
+  const double triangles = meanOver(sequences, [](const FrameFigures& f) { return double(f.triangles); });
+  overview.tiles = {{fixedText(summary.mean_overlap, 4), "mean overlap of surface and silhouettes"},
+                    {fixedText(summary.lowest_overlap, 4), "lowest overlap, any camera and frame"},
+                    {fixedText(triangles, 0), "triangles a frame"},
+                    {std::to_string(summary.frames), "frames"}};
+  overview.tables = {sequenceTable(sequences), overlapTable(capture, sequences)};
+  overview.bar_charts = {stageChart(sequences)};
+  overview.plots = {overlapPlot(sequences), trianglePlot(sequences)};
+  document.sections.push_back(std::move(overview));
+
+  report::Section section;
+  section.id = "pictures";
+  section.title = "The surface over the pictures";
+  section.text =
+      "Green: the outline of the surface. Red: the outline of the silhouette, where the two are apart. "
+      "Below it the surface alone, as the camera sees it.";
+  for (size_t i = 0; i < pictures.sheets().size(); ++i) {
+    const auto& sheet = pictures.sheets()[i];
+    const std::string file = "reconstruct-" + std::to_string(i + 1) + ".jpg";
+    FOURDVT_TRY(platform::writeImage(folder + "/" + file, sheet.picture));
+    section.pictures.push_back(
+        {file, sheet.sequence + ", frame " + std::to_string(sheet.frame), sheet.picture.width, sheet.picture.height});
+  }
+  document.sections.push_back(std::move(section));
+  FOURDVT_TRY(platform::writeFileAtomic(folder + "/" + kReportHtml, report::documentHtml(document)));
+
+  Json json;
+  json["generator"] = "fourdvt reconstruct";
+  json["options"] = {{"hull", options.hull == HullKind::Polyhedral ? "polyhedral" : "volumetric"},
+                     {"contour_tolerance_px", options.contour_tolerance_px},
+                     {"voxel_mm", options.voxel_m * 1e3},
+                     {"adaptivity", options.adaptivity},
+                     {"refine", options.stereo ? "stereo" : "none"},
+                     {"fairing", options.fairing}};
+  json["frames"] = summary.frames;
+  json["frames_of_an_earlier_run"] = summary.frames_kept;
+  json["wall_s"] = summary.wall_s;
+  json["mean_overlap"] = summary.mean_overlap;
+  json["lowest_overlap"] = summary.lowest_overlap;
+  json["warnings"] = summary.warnings;
+  for (const auto& s : sequences) {
+    Json frames = Json::array();
+    for (const auto& f : s.frames) frames.push_back(frameJson(f));
+    json["sequences"][s.name] = std::move(frames);
+  }
+  return platform::writeFileAtomic(folder + "/" + kReportJson, json.dump(1) + "\n");
+}
+
+}  // namespace fourdvt::reconstruct

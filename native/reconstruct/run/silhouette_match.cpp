@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruct/run/silhouette_match.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "measure/projective.h"
+#include "report/picture_sheets.h"
+
+namespace fourdvt::reconstruct {
+namespace {
+
+constexpr int kSamples = 2, kMargin = 12;
+constexpr uint32_t kNoFace = 0xffffffff;
+
+// Coverage at a sample's centre, between the pixels' centres.
+bool insideAt(const Image& coverage, int sample_x, int sample_y) {
+  const float x = (float(sample_x) + 0.5f) / kSamples - 0.5f, y = (float(sample_y) + 0.5f) / kSamples - 0.5f;
+  const int left = int(std::floor(x)), top = int(std::floor(y));
+  const float s = x - float(left), t = y - float(top);
+  const auto at = [&](int u, int v) {
+    return float(*coverage.at(std::clamp(u, 0, coverage.width - 1), std::clamp(v, 0, coverage.height - 1)));
+  };
+  return (at(left, top) * (1 - s) + at(left + 1, top) * s) * (1 - t) +
+             (at(left, top + 1) * (1 - s) + at(left + 1, top + 1) * s) * t >
+         127.5f;
+}
+
+std::array<uint8_t, 3> shade(const PinholeCamera& camera, const TriangleMesh& surface, uint32_t face) {
+  const glm::uvec3 f = surface.faces[face];
+  const glm::dvec3 a(surface.positions[f.x]), b(surface.positions[f.y]), c(surface.positions[f.z]);
+  const glm::dvec3 across = glm::cross(b - a, c - a);
+  const double length = glm::length(across);
+  if (!(length > 0)) return {128, 128, 128};
+  const glm::dvec3 in_cam = glm::dmat3(camera.cam_from_world) * (across / length);
+  const double light = std::max(0.0, glm::dot(in_cam, glm::normalize(glm::dvec3(-0.35, -0.5, -0.8))));
+  const auto grey = uint8_t(50 + 190 * light);
+  return {grey, grey, uint8_t(std::min(255, grey + 12))};
+}
+
+}  // namespace
+
+double silhouetteOverlap(const Silhouette& silhouette, const TriangleMesh& surface) {
+  const auto drawn = measure::rasterise(silhouette.camera, surface.faces, surface.positions, kSamples);
+  size_t both = 0, either = 0;
+  for (int y = 0; y < drawn.height; ++y)
+    for (int x = 0; x < drawn.width; ++x) {
+      const bool a = drawn.face[size_t(y) * drawn.width + x] != kNoFace, b = insideAt(silhouette.coverage, x, y);
+      both += a && b;
+      either += a || b;
+    }
+  return either ? double(both) / double(either) : 1;
+}
+
+SurfacePictures surfacePictures(const Silhouette& silhouette, const Image& rgba, const TriangleMesh& surface) {
+  const auto drawn = measure::rasterise(silhouette.camera, surface.faces, surface.positions, 1);
+  const auto hit = [&](int x, int y) {
+    return x >= 0 && y >= 0 && x < drawn.width && y < drawn.height &&
+           drawn.face[size_t(y) * drawn.width + x] != kNoFace;
+  };
+  const auto matte = [&](int x, int y) {
+    return x >= 0 && y >= 0 && x < rgba.width && y<rgba.height&& * silhouette.coverage.at(x, y)> 127;
+  };
+  const auto edge = [](const auto& in, int x, int y) {
+    return in(x, y) && !(in(x - 1, y) && in(x + 1, y) && in(x, y - 1) && in(x, y + 1));
+  };
+  SurfacePictures out{Image(rgba.width, rgba.height, 3), Image(rgba.width, rgba.height, 3, 24)};
+  for (int y = 0; y < rgba.height; ++y)
+    for (int x = 0; x < rgba.width; ++x) {
+      const uint8_t* from = rgba.at(x, y);
+      uint8_t* to = out.over_picture.at(x, y);
+      for (int k = 0; k < 3; ++k) to[k] = uint8_t(from[k] * (matte(x, y) ? 0.8 : 0.45));
+      if (edge(hit, x, y)) {
+        to[0] = 40, to[1] = 230, to[2] = 70;
+      } else if (edge(matte, x, y)) {
+        to[0] = 250, to[1] = 60, to[2] = 50;
+      }
+      if (!hit(x, y)) continue;
+      const auto colour = shade(silhouette.camera, surface, drawn.face[size_t(y) * drawn.width + x]);
+      std::copy(colour.begin(), colour.end(), out.shaded.at(x, y));
+    }
+  const auto box = report::shownBox(rgba, kMargin);
+  out.over_picture = report::cropped(out.over_picture, box[0], box[1], box[2], box[3]);
+  out.shaded = report::cropped(out.shaded, box[0], box[1], box[2], box[3]);
+  return out;
+}
+
+}  // namespace fourdvt::reconstruct

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruct/stereo/steady.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace fourdvt::reconstruct {
+namespace {
+
+constexpr float kNoise = 2.5f, kClear = 6.0f;  // mean difference in a window, levels of 255
+constexpr int kWindow = 7;                     // pixels of the reduced picture
+constexpr float kSeen_m = 0.03f;               // a camera sees what lies no deeper behind the surface than this
+
+uint64_t keyOf(const glm::ivec3& at) {
+  constexpr uint64_t kMask = (1u << 21) - 1;
+  return (uint64_t(at.x) & kMask) << 42 | (uint64_t(at.y) & kMask) << 21 | (uint64_t(at.z) & kMask);
+}
+
+struct Changed {
+  std::vector<float> change;
+  const DepthMap* map;
+  glm::mat4 pixel_from_world;  // of the map's part of the picture
+  int picture_width;
+};
+
+// The largest change that a camera sees at a place; 1 if none sees it.
+float changeAt(const std::vector<Changed>& cameras, const glm::vec3& point) {
+  float most = 0;
+  bool seen = false;
+  for (const Changed& c : cameras) {
+    const glm::vec3 p(c.pixel_from_world * glm::vec4(point, 1));
+    if (p.z <= 0) continue;
+    const float x = p.x / p.z, y = p.y / p.z;
+    if (!(x >= 0 && y >= 0 && x < c.map->width && y < c.map->height)) continue;
+    const size_t i = size_t(y) * c.map->width + size_t(x);
+    const float surface = c.map->depth_m[i] > 0 ? c.map->depth_m[i] : c.map->front_m[i];
+    if (surface > 0 && p.z > surface + kSeen_m) continue;
+    seen = true;
+    most = std::max(most, c.change[size_t(c.map->y + int(y)) * c.picture_width + c.map->x + int(x)]);
+  }
+  return seen ? most : 1;
+}
+
+}  // namespace
+
+std::vector<float> changeOf(const Image& before, const Image& now) {
+  const cv::Mat a(before.height, before.width, CV_8UC4, const_cast<uint8_t*>(before.pixels.data()));
+  const cv::Mat b(now.height, now.width, CV_8UC4, const_cast<uint8_t*>(now.pixels.data()));
+  cv::Mat difference, mean;
+  cv::absdiff(a, b, difference);
+  cv::boxFilter(difference, mean, CV_32F, {kWindow, kWindow});
+  std::vector<float> out(size_t(now.width) * now.height);
+  for (size_t i = 0; i < out.size(); ++i) {
+    const auto& m = mean.at<cv::Vec4f>(int(i / now.width), int(i % now.width));
+    const float most = std::max(std::max(m[0], m[1]), std::max(m[2], m[3]));
+    out[i] = std::clamp((most - kNoise) / (kClear - kNoise), 0.0f, 1.0f);
+  }
+  return out;
+}
+
+void SteadyDistance::forget() {
+  pictures_.clear();
+  before_ = {};
+}
+
+void SteadyDistance::blend(std::span<const Image> pictures, std::span<const DepthMap> maps, SparseDistance& distance) {
+  if (pictures_.size() == pictures.size() && before_.voxel_m == distance.voxel_m) {
+    std::vector<Changed> cameras;
+    for (size_t c = 0; c < maps.size(); ++c) {
+      const DepthMap& map = maps[c];
+      if (map.width == 0) continue;
+      glm::dmat4 k(1.0);
+      k[0][0] = map.camera.fx, k[1][1] = map.camera.fy;
+      k[2][0] = map.camera.cx - map.x, k[2][1] = map.camera.cy - map.y;
+      cameras.push_back(
+          {changeOf(pictures_[c], pictures[c]), &map, glm::mat4(k * map.camera.cam_from_world), pictures[c].width});
+    }
+    std::unordered_map<uint64_t, const SparseDistance::Block*> known;
+    for (const SparseDistance::Block& block : before_.blocks) known[keyOf(block.at)] = &block;
+    for (const glm::ivec3& at : before_.inside) known[keyOf(at)] = nullptr;
+    cv::parallel_for_(cv::Range(0, int(distance.blocks.size())), [&](const cv::Range& range) {
+      for (int b = range.start; b < range.end; ++b) {
+        SparseDistance::Block& block = distance.blocks[b];
+        const auto found = known.find(keyOf(block.at));
+        for (size_t i = 0; i < block.values.size(); ++i) {
+          const float before = found == known.end() ? -distance.band_m
+                               : found->second      ? found->second->values[i]
+                                                    : distance.band_m;
+          if (before == block.values[i]) continue;
+          const glm::vec3 point(distance.origin_in_world +
+                                glm::dvec3(block.at + glm::ivec3(int(i >> 6), int(i >> 3 & 7), int(i & 7))) *
+                                    distance.voxel_m);
+          const float kept = kept_ * (1 - changeAt(cameras, point));
+          block.values[i] += kept * (before - block.values[i]);
+        }
+      }
+    });
+  }
+  pictures_.assign(pictures.begin(), pictures.end());
+  before_ = distance;
+}
+
+}  // namespace fourdvt::reconstruct

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruct/stereo/stereo_refiner.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "reconstruct/components.h"
+#include "reconstruct/stereo/consistency.h"
+#include "reconstruct/stereo/steady.h"
+
+namespace fourdvt::reconstruct {
+namespace {
+
+constexpr double kSpeckVoxels = 27;
+constexpr double kSameAngle_deg = 1e-6;
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+double angleBetween_deg(const PinholeCamera& a, const PinholeCamera& b) {
+  return glm::degrees(std::acos(std::clamp(glm::dot(a.forwardInWorld(), b.forwardInWorld()), -1.0, 1.0)));
+}
+
+// Every camera with its nearest ones; those that have none are left without any source but themselves.
+std::vector<StereoReference> referencesOf(const std::vector<PinholeCamera>& cameras, const StereoOptions& options) {
+  std::vector<StereoReference> out;
+  for (size_t c = 0; c < cameras.size(); ++c) {
+    std::vector<std::pair<double, size_t>> near;
+    for (size_t o = 0; o < cameras.size(); ++o) {
+      const double angle = angleBetween_deg(cameras[c], cameras[o]);
+      if (o != c && angle < options.widest_deg) near.emplace_back(std::round(angle / kSameAngle_deg), o);
+    }
+    std::sort(near.begin(), near.end());
+    near.resize(std::min(near.size(), options.neighbours));
+    StereoReference reference{cameras[c], {c}};
+    for (const auto& [angle, o] : near) reference.sources.push_back(o);
+    out.push_back(std::move(reference));
+  }
+  return out;
+}
+
+PinholeCamera reducedCamera(const PinholeCamera& camera, int reduction) {
+  PinholeCamera out = camera;
+  out.width = std::max(1, camera.width / reduction), out.height = std::max(1, camera.height / reduction);
+  const double across = double(out.width) / camera.width, down = double(out.height) / camera.height;
+  out.fx *= across, out.cx *= across;
+  out.fy *= down, out.cy *= down;
+  return out;
+}
+
+Image reducedPicture(const Image& picture, const PinholeCamera& camera) {
+  Image out(camera.width, camera.height, 4);
+  const cv::Mat from(picture.height, picture.width, CV_8UC4, const_cast<uint8_t*>(picture.pixels.data()));
+  cv::Mat to(out.height, out.width, CV_8UC4, out.pixels.data());
+  cv::resize(from, to, to.size(), 0, 0, cv::INTER_AREA);
+  return out;
+}
+
+class Refiner final : public StereoRefiner {
+ public:
+  Refiner(std::vector<PinholeCamera> cameras, const StereoOptions& options)
+      : full_(std::move(cameras)), options_(options), steady_(options.kept) {
+    for (const PinholeCamera& camera : full_) cameras_.push_back(reducedCamera(camera, options.reduction));
+    references_ = referencesOf(cameras_, options);
+  }
+  Status prepare(gpu::Device& device) {
+    FOURDVT_ASSIGN(sweep_, PlaneSweep::create(device, cameras_, options_.sweep));
+    return {};
+  }
+  Result<TriangleMesh> refine(const SparseDistance& hull_distance, const TriangleMesh& hull,
+                              std::span<const Image> rgba_pictures) override;
+  void forget() override { steady_.forget(); }
+  const StereoTimes& times() const override { return times_; }
+
+ private:
+  Result<std::vector<Image>> reduced(std::span<const Image> pictures) const;
+  Result<std::vector<DepthMap>> depthMaps();
+  // Adds the time since the last call to `to`.
+  void lap(double& to) {
+    const double t = now();
+    to += t - since_;
+    since_ = t;
+  }
+
+  std::vector<PinholeCamera> full_, cameras_;  // cameras_: of the reduced pictures
+  StereoOptions options_;
+  std::vector<StereoReference> references_;
+  PlaneSweep sweep_;
+  SteadyDistance steady_;
+  StereoTimes times_;
+  double since_ = 0;
+};
+
+Result<std::vector<Image>> Refiner::reduced(std::span<const Image> pictures) const {
+  if (pictures.size() != full_.size()) return Error{ErrorId::InvalidArgument, "stereo needs one picture per camera"};
+  std::vector<Image> out;
+  for (size_t c = 0; c < pictures.size(); ++c) {
+    if (pictures[c].channels != 4 || pictures[c].width != full_[c].width || pictures[c].height != full_[c].height) {
+      return Error{ErrorId::InvalidArgument, "stereo needs an RGBA picture of camera \"" + full_[c].name + "\" of " +
+                                                 std::to_string(full_[c].width) + "x" +
+                                                 std::to_string(full_[c].height) + " pixels"};
+    }
+    out.push_back(reducedPicture(pictures[c], cameras_[c]));
+  }
+  return out;
+}
+
+Result<std::vector<DepthMap>> Refiner::depthMaps() {
+  std::vector<DepthMap> maps;
+  for (const StereoReference& reference : references_) {
+    CostVolume volume;
+    if (reference.sources.size() > 1) {
+      FOURDVT_ASSIGN(volume, sweep_.costs(reference));
+    }
+    lap(times_.sweep);
+    maps.push_back(semiGlobalDepth(reference, volume, options_.smoothing));
+    lap(times_.smoothing);
+  }
+  for (DepthMap& map : maps) weighByAngle(map);
+  keepConsistent(maps, options_.agreement_m);
+  lap(times_.agreement);
+  return maps;
+}
+
+Result<TriangleMesh> Refiner::refine(const SparseDistance& hull_distance, const TriangleMesh& hull,
+                                     std::span<const Image> rgba_pictures) {
+  since_ = now();
+  times_ = {};
+  FOURDVT_ASSIGN(const std::vector<Image> pictures, reduced(rgba_pictures));
+  FOURDVT_TRY(sweep_.setFrame(pictures, hull));
+  FOURDVT_ASSIGN(const std::vector<DepthMap> maps, depthMaps());
+  SparseDistance fused = fuseDepths(hull_distance, maps, options_.fusion);
+  steady_.blend(pictures, maps, fused);
+  lap(times_.fusion);
+  TriangleMesh mesh = zeroSurface(fused, options_.adaptivity);
+  dropSpecks(mesh, kSpeckVoxels * std::pow(fused.voxel_m, 3));
+  dropHollows(mesh);
+  lap(times_.mesh);
+  return mesh;
+}
+
+}  // namespace
+
+std::string StereoOptions::check() const {
+  if (reduction < 1) return "the reduction must be at least 1";
+  if (neighbours < 1 || neighbours > 4) return "stereo needs 1 to 4 neighbours";
+  if (kept < 0 || kept > 1) return "the share of the frame before must be from 0 to 1";
+  if (!(agreement_m > 0 && fusion.truncation_m > 0 && sweep.step_m > 0)) return "stereo's distances must be above 0";
+  if (sweep.labels < 4 || sweep.labels > kMaxLabels || sweep.labels % 4 != 0)
+    return "the number of planes must be a multiple of 4, at most " + std::to_string(kMaxLabels);
+  return {};
+}
+
+Result<std::unique_ptr<StereoRefiner>> StereoRefiner::create(gpu::Device& device, std::vector<PinholeCamera> cameras,
+                                                             const StereoOptions& options) {
+  if (const std::string wrong = options.check(); !wrong.empty()) return Error{ErrorId::InvalidArgument, wrong};
+  if (cameras.size() < 2) return Error{ErrorId::InvalidArgument, "stereo needs two cameras"};
+  auto out = std::make_unique<Refiner>(std::move(cameras), options);
+  FOURDVT_TRY(out->prepare(device));
+  return std::unique_ptr<StereoRefiner>(std::move(out));
+}
+
+}  // namespace fourdvt::reconstruct

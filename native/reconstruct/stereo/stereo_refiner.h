@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stereo refinement of the visual hull: the hull says where the surface may be, the pictures' agreement says where it
+// is. Does NOT move anything out of the hull, needs no mesh of the performer and corrects no calibration.
+// Stages in order of execution: plane_sweep.h, semi_global.h, consistency.h, depth_fusion.h, steady.h.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/camera.h"
+#include "base/image.h"
+#include "base/result.h"
+#include "gpu/device.h"
+#include "reconstruct/level_set.h"
+#include "reconstruct/stereo/depth_fusion.h"
+#include "reconstruct/stereo/plane_sweep.h"
+#include "reconstruct/stereo/semi_global.h"
+
+namespace fourdvt::reconstruct {
+
+struct StereoOptions {
+  int reduction = 2;           // pictures are reduced by this factor along each side first
+  size_t neighbours = 2;       // cameras that each camera is compared with, the nearest in angle
+  double widest_deg = 100;     // beyond this angle between optical axes cameras are not compared
+  double agreement_m = 0.010;  // between depth maps of two cameras
+  float kept = 0.8f;           // share of the frame before where the pictures stand still, 0 … 1
+  double adaptivity = 0.3;     // of the mesh, 0 … 1: fewer faces where the surface is flat
+  PlaneSweepOptions sweep;
+  SemiGlobalOptions smoothing;
+  FusionOptions fusion;
+  std::string check() const;  // what is wrong, or nothing
+};
+
+struct StereoTimes {  // of one frame, seconds
+  double sweep = 0, smoothing = 0, agreement = 0, fusion = 0, mesh = 0;
+};
+
+class StereoRefiner {
+ public:
+  // At least two cameras. `device` is borrowed and must outlive this. Errors: InvalidArgument, GpuFailure.
+  static Result<std::unique_ptr<StereoRefiner>> create(gpu::Device& device, std::vector<PinholeCamera> cameras,
+                                                       const StereoOptions& options = {});
+  virtual ~StereoRefiner() = default;
+  // Frames in order of time; the same frames in the same order give the same surfaces. `hull`: the zero surface of
+  // `hull_distance`. `rgba_pictures`: one per camera, of its size, alpha = matte. Keeps one frame. Errors:
+  // InvalidArgument (a picture's size), GpuFailure.
+  virtual Result<TriangleMesh> refine(const SparseDistance& hull_distance, const TriangleMesh& hull,
+                                      std::span<const Image> rgba_pictures) = 0;
+  // The next frame follows no other: a cut.
+  virtual void forget() = 0;
+  virtual const StereoTimes& times() const = 0;  // of the last frame
+};
+
+}  // namespace fourdvt::reconstruct

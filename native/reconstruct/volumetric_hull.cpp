@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruct/volumetric_hull.h"
+
+#include <cmath>
+
+#include "reconstruct/components.h"
+#include "reconstruct/mesh_checks.h"
+
+namespace fourdvt::reconstruct {
+namespace {
+
+constexpr double kSpeckVoxels = 27;
+// Merged faces may cross their neighbours; then fewer are merged.
+constexpr size_t kMostChecked = 500'000;
+constexpr double kAdaptivityShares[] = {1, 0.25, 0};
+
+}  // namespace
+
+Result<VolumetricHull> volumetricHull(std::span<const CarvingView> views, const VolumetricOptions& options) {
+  VolumetricHull out;
+  FOURDVT_ASSIGN(out.distance, carve(views, options.voxel_m));
+  std::vector<const Silhouette*> silhouettes;
+  for (const CarvingView& view : views) silhouettes.push_back(view.silhouette);
+  for (const double share : kAdaptivityShares) {
+    out.mesh = zeroSurface(out.distance, share * options.adaptivity);
+    out.dropped = dropNeedless(out.mesh, silhouettes, kSpeckVoxels * std::pow(options.voxel_m, 3));
+    if (share * options.adaptivity == 0) break;
+    if (out.mesh.faces.size() > kMostChecked) continue;  // comparing all faces would take minutes
+    if (checkMesh(out.mesh).solid()) break;
+  }
+  return out;
+}
+
+}  // namespace fourdvt::reconstruct

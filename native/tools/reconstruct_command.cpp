@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+
+#include "reconstruct/run/reconstruct.h"
+#include "tools/args.h"
+#include "tools/choice.h"
+#include "tools/commands.h"
+#include "tools/progress_line.h"
+#include "tools/session.h"
+#include "tools/stop_signal.h"
+
+namespace fourdvt::tools {
+namespace {
+
+using reconstruct::HullKind, reconstruct::ReconstructOptions;
+
+const CommandHelp& help() {
+  static const CommandHelp text{
+      "reconstruct CAPTURE -o CAPTURE2 [options]",
+      "Makes a surface for every frame from nothing but calibrated cameras and their pictures, and writes a capture\n"
+      "folder that has it: pictures are links into CAPTURE, meshes are PLY files. Meshes of CAPTURE are not looked "
+      "at.\n"
+      "Nothing is written into place before everything is finished; after Ctrl-C, the same command with --resume goes\n"
+      "on. Open CAPTURE2/reconstruct.html for pictures and figures.",
+      {{"-o", "CAPTURE2", "folder to write (required)"},
+       {"--sequences", "A,B", "only these sequences (default: all)"},
+       {"--hull", "KIND",
+        "volumetric (voxels; default), or polyhedral (exact cut of the silhouettes' cones, few triangles;\n"
+        "                          a frame whose polyhedron fails its checks gets the volumetric hull)"},
+       {"--contour-tolerance", "PX", "polyhedral: how far polygons may be from the outlines, 0.25 to 8 (default 1)"},
+       {"--voxel-mm", "X", "side of a voxel, 0.5 to 100 (default 5)"},
+       {"--adaptivity", "X", "0 to 1: fewer triangles where the surface is flat (default 0.1)"},
+       {"--refine", "MODE",
+        "stereo (the surface inside the volumetric hull that the pictures agree on; default) or none (the\n"
+        "                          default with --hull polyhedral)"},
+       {"--fairing", "N", "rounds of smoothing that keep to the silhouettes, 0 to 100 (default 0)"},
+       {"--jobs", "N", "worker threads; 0: one per core (default 0)"},
+       {"--resume", nullptr, "continue an interrupted run with the same settings"}}};
+  return text;
+}
+
+ReconstructOptions readOptions(Args& args) {
+  ReconstructOptions o;
+  o.capture_folder = args.positional();
+  o.folder = args.required("-o");
+  o.sequences = args.list("--sequences");
+  o.hull = choice(args, "--hull", o.hull, {{"polyhedral", HullKind::Polyhedral}, {"volumetric", HullKind::Volumetric}});
+  o.contour_tolerance_px = args.number("--contour-tolerance", o.contour_tolerance_px, 0.25, 8);
+  o.voxel_m = args.number("--voxel-mm", o.voxel_m * 1e3, 0.5, 100) / 1e3;
+  o.adaptivity = args.number("--adaptivity", o.adaptivity, 0, 1);
+  o.stereo = choice(args, "--refine", o.hull == HullKind::Volumetric, {{"stereo", true}, {"none", false}});
+  o.fairing = args.integer("--fairing", o.fairing, 0, 100);
+  o.jobs = args.integer("--jobs", o.jobs, 0, 1024);
+  o.resume = args.has("--resume");
+  return o;
+}
+
+}  // namespace
+
+int reconstructCommand(int argc, char** argv) {
+  Args args(help(), argc, argv);
+  const ReconstructOptions options = readOptions(args);
+  if (const std::string wrong = options.check(); args.problem().empty() && !args.wantsHelp() && !wrong.empty())
+    args.complain(wrong);
+  if (const auto code = helpOrProblem(help(), args)) return *code;
+
+  const std::atomic<bool>* stop = listenForStop();
+  ProgressLine line;
+  reconstruct::ReconstructEnvironment environment;
+  GpuSession gpu;
+  if (options.stereo) {
+    auto opened = openGpu();
+    if (!opened.ok()) return fail(opened.error());
+    gpu = opened.take();
+    environment.device = gpu.device.get();
+  }
+  environment.open_video = videoOpener();
+  environment.progress = [&](const reconstruct::ReconstructProgress& p) {
+    line.show({p.stage, p.done, p.total, p.frames_per_s, p.left_s});
+  };
+  environment.stop = stop;
+  const auto summary = reconstruct::reconstruct(options, environment);
+  line.end();
+  if (!summary.ok()) return fail(summary.error());
+  const auto& s = summary.value();
+  for (const std::string& warning : s.warnings) std::fprintf(stderr, "fourdvt: warning: %s\n", warning.c_str());
+  const uint32_t made = s.frames - s.frames_kept;
+  std::printf("%s: %u frames, %.1f s (%.2f s per frame), overlap with the silhouettes %.4f (lowest %.4f)\n",
+              options.folder.c_str(), s.frames, s.wall_s, made ? s.wall_s / made : 0.0, s.mean_overlap,
+              s.lowest_overlap);
+  std::printf("figures: %s/reconstruct.html\n", options.folder.c_str());
+  return kOk;
+}
+
+}  // namespace fourdvt::tools

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reconstruction: surfaces from cameras alone, an interrupted run, and captures that are wrong.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <sstream>
+
+#include "capture/mesh_file.h"
+#include "command.h"
+#include "platform/files.h"
+
+namespace fourdvt::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kCoarse = " --voxel-mm 20 --refine none";
+
+// A capture that has pictures and mattes, and neither meshes nor a word about them.
+std::string withoutMeshes(const std::string& name, int frames = 3) {
+  const std::string capture = smallCapture(name, frames);
+  for (const auto& entry : fs::directory_iterator(capture))
+    if (entry.is_directory()) fs::remove_all(entry.path() / "mesh");
+  return capture;
+}
+
+void expectFailure(const Outcome& outcome, const std::string& named, const std::string& folder) {
+  EXPECT_EQ(outcome.code, 1) << outcome.output;
+  const size_t at = outcome.output.find("fourdvt: ");
+  ASSERT_NE(at, std::string::npos) << outcome.output;
+  EXPECT_NE(outcome.output.find(named, at), std::string::npos) << outcome.output;
+  EXPECT_EQ(outcome.output.find('\n', at), outcome.output.size() - 1) << outcome.output;
+  EXPECT_FALSE(exists(folder));
+}
+
+// The matte of one camera and frame, as a picture of one value.
+void fillMatte(const std::string& capture, const std::string& camera, const std::string& frame, uint8_t value) {
+  const std::string path = capture + "/turn/mask" + camera + "/" + frame + ".png";
+  const auto matte = platform::readImage(path);
+  ASSERT_TRUE(matte.ok());
+  ASSERT_TRUE(platform::writeImage(path, Image(matte.value().width, matte.value().height, 3, value)).ok());
+}
+
+TEST(Reconstruct, MakesACaptureThatCanBeScored) {
+  const std::string capture = withoutMeshes("meshless-capture"), out = scratch("reconstructed");
+  const Outcome made = fourdvt("reconstruct " + capture + " -o " + out + "/hull" + kCoarse);
+  ASSERT_EQ(made.code, 0) << made.output;
+  EXPECT_FALSE(exists(out + "/hull.work") || exists(out + "/hull.part"));
+  for (const char* file : {"/capture.json", "/reconstruct.json", "/reconstruct.html", "/reconstruct-1.jpg",
+                           "/turn/mesh/000000.ply", "/turn/mesh/000002.ply", "/cameras/images.txt"})
+    EXPECT_TRUE(exists(out + "/hull" + file)) << file;
+  EXPECT_FALSE(exists(out + "/hull/turn/mesh/000003.ply"));
+  EXPECT_TRUE(fs::is_symlink(out + "/hull/cameras"));
+  EXPECT_NE(readText(out + "/hull/capture.json").find("\"topology\": \"per-frame\""), std::string::npos);
+
+  const std::string given = smallCapture("meshed-capture", 3);
+  const Outcome score = fourdvt("evaluate " + out + "/hull --surface --reference " + given);
+  EXPECT_EQ(score.code, 0) << score.output;
+  EXPECT_NE(score.output.find("turn"), std::string::npos) << score.output;
+
+  const Outcome again = fourdvt("reconstruct " + out + "/hull -o " + out + "/again" + kCoarse);
+  EXPECT_EQ(again.code, 0) << again.output;
+  for (const char* file : {"/reconstruct.json", "/reconstruct.html", "/reconstruct-1.jpg"})
+    EXPECT_FALSE(fs::is_symlink(out + "/again" + file)) << file << " would be written into the other folder";
+  EXPECT_EQ(readText(out + "/again/turn/mesh/000001.ply"), readText(out + "/hull/turn/mesh/000001.ply"));
+}
+
+TEST(Reconstruct, PolyhedralHullsHaveFarFewerTriangles) {
+  const std::string capture = withoutMeshes("polyhedral-capture", 1), out = scratch("polyhedral");
+  const Outcome made = fourdvt("reconstruct " + capture + " -o " + out + "/hull --hull polyhedral");
+  ASSERT_EQ(made.code, 0) << made.output;
+  EXPECT_NE(readText(out + "/hull/reconstruct.json").find("\"fallback\": \"\""), std::string::npos);
+  EXPECT_LT(fs::file_size(out + "/hull/turn/mesh/000000.ply"), 20000u);
+}
+
+TEST(Reconstruct, StereoRefinesTheHullUnlessAskedNotTo) {
+  const std::string capture = withoutMeshes("stereo-capture", 2), out = scratch("stereo");
+  const Outcome made = fourdvt("reconstruct " + capture + " -o " + out + "/refined --voxel-mm 20");
+  ASSERT_EQ(made.code, 0) << made.output;
+  EXPECT_NE(readText(out + "/refined/reconstruct.json").find("\"refine\": \"stereo\""), std::string::npos);
+  ASSERT_EQ(fourdvt("reconstruct " + capture + " -o " + out + "/hull" + kCoarse).code, 0);
+  const auto refined = capture::readMeshFile(out + "/refined/turn/mesh/000001.ply");
+  const auto hull = capture::readMeshFile(out + "/hull/turn/mesh/000001.ply");
+  ASSERT_TRUE(refined.ok() && hull.ok());
+  EXPECT_GT(refined.value().faces.size(), 100u);
+  EXPECT_NE(refined.value().positions, hull.value().positions);
+
+  const Outcome both = fourdvt("reconstruct " + capture + " -o " + out + "/both --hull polyhedral --refine stereo");
+  EXPECT_EQ(both.code, 2);
+  EXPECT_NE(both.output.find("--hull polyhedral"), std::string::npos) << both.output;
+}
+
+TEST(Reconstruct, ResumeWithOtherOptionsIsRefusedAndKeepsTheFrames) {
+  const std::string capture = withoutMeshes("resume-capture", 24), out = scratch("resume-other");
+  const std::string target = out + "/hull";
+  const Outcome stop = interrupted("reconstruct " + capture + " -o " + target + " --voxel-mm 8 --refine none",
+                                   target + ".part/turn/mesh/000001.ply", out + "/log");
+  ASSERT_EQ(stop.code, 130) << stop.output;
+  const Outcome other = fourdvt("reconstruct " + capture + " -o " + target + " --voxel-mm 9 --refine none --resume");
+  expectFailure(other, "other options", target);
+  EXPECT_TRUE(exists(target + ".part/turn/mesh/000000.ply"));
+}
+
+TEST(Reconstruct, MeshesAreInTheCapturesUnit) {
+  const std::string capture = withoutMeshes("unit-capture", 1), out = scratch("units");
+  ASSERT_EQ(fourdvt("reconstruct " + capture + " -o " + out + "/metres" + kCoarse).code, 0);
+  std::string json = readText(capture + "/capture.json");
+  const size_t at = json.find("\"metre\"");
+  ASSERT_NE(at, std::string::npos) << json;
+  writeText(capture + "/capture.json", json.replace(at, 7, "\"centimetre\""));
+  // The same rig, told in centimetres.
+  std::istringstream lines(readText(capture + "/cameras/images.txt"));
+  std::string line, scaled;
+  while (std::getline(lines, line)) {
+    std::istringstream fields(line);
+    std::string id, q[4], camera, name;
+    double t[3];
+    if (line.starts_with("#") ||
+        !(fields >> id >> q[0] >> q[1] >> q[2] >> q[3] >> t[0] >> t[1] >> t[2] >> camera >> name)) {
+      scaled += line + "\n";
+      continue;
+    }
+    std::ostringstream text;
+    text.precision(17);
+    text << id << ' ' << q[0] << ' ' << q[1] << ' ' << q[2] << ' ' << q[3] << ' ' << 100 * t[0] << ' ' << 100 * t[1]
+         << ' ' << 100 * t[2] << ' ' << camera << ' ' << name << '\n';
+    scaled += text.str();
+  }
+  writeText(capture + "/cameras/images.txt", scaled);
+  const Outcome made = fourdvt("reconstruct " + capture + " -o " + out + "/centimetres" + kCoarse);
+  ASSERT_EQ(made.code, 0) << made.output;
+  const auto metres = capture::readMeshFile(out + "/metres/turn/mesh/000000.ply");
+  const auto centimetres = capture::readMeshFile(out + "/centimetres/turn/mesh/000000.ply");
+  ASSERT_TRUE(metres.ok() && centimetres.ok());
+  ASSERT_EQ(metres.value().positions.size(), centimetres.value().positions.size());
+  for (size_t v = 0; v < metres.value().positions.size(); ++v)
+    EXPECT_LT(glm::distance(100.0f * metres.value().positions[v], centimetres.value().positions[v]), 0.01f);
+}
+
+TEST(Reconstruct, BakeSaysWhatToRunFirst) {
+  const std::string capture = withoutMeshes("unbakeable-capture"), out = scratch("unbakeable");
+  expectFailure(fourdvt("bake " + capture + " -o " + out + "/box"), "fourdvt reconstruct", out + "/box");
+}
+
+TEST(Reconstruct, InterruptedResumesToTheSameBytes) {
+  const std::string capture = withoutMeshes("long-meshless", 24), out = scratch("reconstruct-resume");
+  const std::string options = " --voxel-mm 8 --refine none";
+  ASSERT_EQ(fourdvt("reconstruct " + capture + " -o " + out + "/straight" + options).code, 0);
+  const std::string stopped = out + "/stopped";
+  const Outcome stop = interrupted("reconstruct " + capture + " -o " + stopped + options,
+                                   stopped + ".part/turn/mesh/000001.ply", out + "/log");
+  ASSERT_EQ(stop.code, 130) << stop.output;
+  EXPECT_FALSE(exists(stopped));
+  EXPECT_NE(stop.output.find("--resume"), std::string::npos);
+
+  const Outcome resumed = fourdvt("reconstruct " + capture + " -o " + stopped + options + " --resume");
+  ASSERT_EQ(resumed.code, 0) << resumed.output;
+  EXPECT_EQ(readText(stopped + "/reconstruct.json").find("\"frames_of_an_earlier_run\": 0"), std::string::npos);
+  EXPECT_EQ(differences(out + "/straight/turn/mesh", stopped + "/turn/mesh"), std::vector<std::string>{});
+}
+
+TEST(Reconstruct, AnEmptySilhouetteIsLeftOutWithAWarning) {
+  const std::string capture = withoutMeshes("empty-matte"), out = scratch("empty-matte-out");
+  fillMatte(capture, "01", "000001", 0);
+  const Outcome made = fourdvt("reconstruct " + capture + " -o " + out + "/hull" + kCoarse);
+  ASSERT_EQ(made.code, 0) << made.output;
+  EXPECT_NE(made.output.find("\"cam01\" sees nothing of the performer in 1 of 3 frames (first 1)"), std::string::npos)
+      << made.output;
+  EXPECT_GT(fs::file_size(out + "/hull/turn/mesh/000001.ply"), 5000u);
+}
+
+TEST(Reconstruct, AMatteThatContradictsTheOthersIsNamed) {
+  const std::string capture = withoutMeshes("odd-matte"), out = scratch("odd-matte-out");
+  const std::string path = capture + "/turn/mask02/000001.png";
+  auto matte = platform::readImage(path);
+  ASSERT_TRUE(matte.ok());
+  Image odd(matte.value().width, matte.value().height, 3, 0);
+  for (int y = 2; y < 8; ++y)
+    for (int x = 2; x < 8; ++x) odd.at(x, y)[0] = odd.at(x, y)[1] = odd.at(x, y)[2] = 255;
+  ASSERT_TRUE(platform::writeImage(path, odd).ok());
+  const Outcome made = fourdvt("reconstruct " + capture + " -o " + out + "/hull" + kCoarse);
+  expectFailure(made, "\"cam02\" disagrees most", out + "/hull");
+  EXPECT_NE(made.output.find("frame 1"), std::string::npos) << made.output;
+}
+
+TEST(Reconstruct, OutputsThatWouldHarmAreRefused) {
+  const std::string capture = withoutMeshes("kept-capture", 1), out = scratch("kept");
+  EXPECT_EQ(fourdvt("reconstruct " + capture + " -o " + capture + "/hull" + kCoarse).code, 1);
+  EXPECT_FALSE(exists(capture + "/hull"));
+  EXPECT_EQ(fourdvt("reconstruct " + capture + " -o " + capture + kCoarse).code, 1);
+  EXPECT_TRUE(exists(capture + "/capture.json"));
+  writeText(out + "/notes.txt", "somebody's work");
+  EXPECT_EQ(fourdvt("reconstruct " + capture + " -o " + out + kCoarse).code, 1);
+  EXPECT_EQ(readText(out + "/notes.txt"), "somebody's work");
+}
+
+}  // namespace
+}  // namespace fourdvt::test

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+// Ideal shapes, cameras round them and what these see: silhouettes with exact coverage, and the truth about hulls.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <glm/gtc/matrix_transform.hpp>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "reconstruct/contour.h"
+#include "reconstruct/polyhedral_hull.h"
+#include "reconstruct/silhouette.h"
+
+namespace fourdvt::reconstruct {
+
+// Whether a ray from a point in a unit direction meets the shape.
+using Shape = std::function<bool(const glm::dvec3& from, const glm::dvec3& along)>;
+
+inline Shape ballShape(const glm::dvec3& centre, double radius_m) {
+  return [=](const glm::dvec3& from, const glm::dvec3& along) {
+    const glm::dvec3 to = centre - from;
+    const double ahead = glm::dot(to, along);
+    return ahead > 0 && glm::dot(to, to) - ahead * ahead <= radius_m * radius_m;
+  };
+}
+
+inline Shape boxShape(const glm::dvec3& low, const glm::dvec3& high) {
+  return [=](const glm::dvec3& from, const glm::dvec3& along) {
+    double enter = 0, leave = 1e9;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double a = (low[axis] - from[axis]) / along[axis], b = (high[axis] - from[axis]) / along[axis];
+      enter = std::max(enter, std::min(a, b));
+      leave = std::min(leave, std::max(a, b));
+    }
+    return enter <= leave;
+  };
+}
+
+// Lies in the plane y = 0 round the origin.
+inline Shape torusShape(double ring_m, double tube_m) {
+  return [=](const glm::dvec3& from, const glm::dvec3& along) {
+    double gone = 0;
+    for (int step = 0; step < 200 && gone < 10; ++step) {  // by its distance field
+      const glm::dvec3 p = from + gone * along;
+      const double distance = std::hypot(std::hypot(p.x, p.z) - ring_m, p.y) - tube_m;
+      if (distance < 1e-5) return true;
+      gone += distance;
+    }
+    return false;
+  };
+}
+
+inline Shape either(Shape a, Shape b) {
+  return [=](const glm::dvec3& from, const glm::dvec3& along) { return a(from, along) || b(from, along); };
+}
+
+inline PinholeCamera lookingAt(const glm::dvec3& target, const glm::dvec3& from, int width = 320, int height = 240,
+                               double focal_px = 300) {
+  PinholeCamera camera;
+  camera.width = width;
+  camera.height = height;
+  camera.fx = camera.fy = focal_px;
+  camera.cx = width / 2.0;
+  camera.cy = height / 2.0;
+  const glm::dvec3 forward = glm::normalize(target - from);
+  const glm::dvec3 up = std::abs(forward.y) > 0.99 ? glm::dvec3(0, 0, 1) : glm::dvec3(0, 1, 0);
+  const glm::dvec3 right = glm::normalize(glm::cross(forward, up)), down = glm::cross(forward, right);
+  const glm::dmat3 cam_from_world = glm::transpose(glm::dmat3(right, down, forward));
+  camera.cam_from_world = glm::dmat4(cam_from_world);
+  camera.cam_from_world[3] = glm::dvec4(-(cam_from_world * from), 1);
+  return camera;
+}
+
+inline glm::dvec3 rayInWorld(const PinholeCamera& camera, const glm::dvec2& pixel) {
+  const glm::dvec3 ray((pixel.x - camera.cx) / camera.fx, (pixel.y - camera.cy) / camera.fy, 1);
+  return glm::normalize(glm::transpose(glm::dmat3(camera.cam_from_world)) * ray);
+}
+
+// Share of each pixel that the shape covers, from 8 × 8 samples where the corners differ.
+inline Image coverageOf(const PinholeCamera& camera, const Shape& shape) {
+  constexpr int kSamples = 8;
+  Image coverage(camera.width, camera.height, 1);
+  const glm::dvec3 from = camera.centreInWorld();
+  const auto hit = [&](double x, double y) { return shape(from, rayInWorld(camera, {x, y})); };
+  std::vector<uint8_t> corners;
+  for (int y = 0; y <= camera.height; ++y)
+    for (int x = 0; x <= camera.width; ++x) corners.push_back(hit(x, y));
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x) {
+      const uint8_t* corner = corners.data() + size_t(y) * (camera.width + 1) + x;
+      const int at_corners = corner[0] + corner[1] + corner[camera.width + 1] + corner[camera.width + 2];
+      int hits = at_corners == 0 ? 0 : kSamples * kSamples;
+      if (at_corners != 0 && at_corners != 4) {
+        hits = 0;
+        for (int k = 0; k < kSamples * kSamples; ++k)
+          hits += hit(x + (k % kSamples + 0.5) / kSamples, y + (k / kSamples + 0.5) / kSamples);
+      }
+      *coverage.at(x, y) = uint8_t(255 * hits / (kSamples * kSamples));
+    }
+  return coverage;
+}
+
+struct Rig {
+  std::vector<PinholeCamera> cameras;
+  std::vector<Image> coverages;
+
+  Rig(std::vector<PinholeCamera> cameras_of_rig, const Shape& shape) : cameras(std::move(cameras_of_rig)) {
+    for (const PinholeCamera& camera : cameras) coverages.push_back(coverageOf(camera, shape));
+  }
+
+  std::vector<Silhouette> silhouettes() const {
+    std::vector<Silhouette> out;
+    for (size_t k = 0; k < cameras.size(); ++k) out.push_back({cameras[k], coverages[k]});
+    return out;
+  }
+
+  std::vector<SilhouetteCone> cones(double tolerance_px) const {
+    std::vector<SilhouetteCone> out;
+    for (size_t k = 0; k < cameras.size(); ++k) out.push_back({cameras[k], outlineOf(coverages[k], {tolerance_px})});
+    return out;
+  }
+};
+
+// Six cameras 3 m from the origin in no particular order of directions.
+inline std::vector<PinholeCamera> sixCameras(int width = 320, int height = 240, double focal_px = 300) {
+  std::vector<PinholeCamera> cameras;
+  for (int k = 0; k < 6; ++k) {
+    const double azimuth = k * 1.047 + 0.1, elevation = 0.25 + 0.15 * (k % 3);
+    const glm::dvec3 direction(std::cos(elevation) * std::sin(azimuth), std::sin(elevation),
+                               std::cos(elevation) * std::cos(azimuth));
+    cameras.push_back(lookingAt(glm::dvec3(0), 3.0 * direction, width, height, focal_px));
+  }
+  return cameras;
+}
+
+// On a circle 2 m round the origin, .6 m above it; names cam00, cam01 …
+inline std::vector<PinholeCamera> ringCameras(int count) {
+  std::vector<PinholeCamera> cameras;
+  for (int k = 0; k < count; ++k) {
+    const double azimuth = 2 * 3.14159265358979 * k / count + 0.1;
+    cameras.push_back(lookingAt(glm::dvec3(0), {2 * std::sin(azimuth), 0.6, 2 * std::cos(azimuth)}, 240, 240));
+    cameras.back().name = "cam0" + std::to_string(k);
+  }
+  return cameras;
+}
+
+// Six cameras on the axes: the planes through edges of an upright box are parallel, or meet in common points.
+inline std::vector<PinholeCamera> axisCameras() {
+  std::vector<PinholeCamera> cameras;
+  for (int axis = 0; axis < 3; ++axis)
+    for (double sign : {-1.0, 1.0}) {
+      glm::dvec3 from(0);
+      from[axis] = 3 * sign;
+      cameras.push_back(lookingAt(glm::dvec3(0), from));
+    }
+  return cameras;
+}
+
+inline bool evenOddInside(const Outline& outline, const glm::dvec2& p) {
+  bool inside = false;
+  for (const Ring& ring : outline.rings)
+    for (size_t i = 0; i < ring.size(); ++i) {
+      const glm::dvec2 &a = ring[i], &b = ring[(i + 1) % ring.size()];
+      if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)) inside = !inside;
+    }
+  return inside;
+}
+
+// Whether all cameras let the performer be at the point, by their polygons.
+inline bool conesHold(const std::vector<SilhouetteCone>& cones, const glm::dvec3& point_in_world) {
+  return std::all_of(cones.begin(), cones.end(), [&](const SilhouetteCone& cone) {
+    const glm::dvec3 pixel = cone.camera.project(point_in_world);
+    return pixel.z <= 0 || !evenOddInside(cone.outline, glm::dvec2(pixel));
+  });
+}
+
+// Whether all cameras that see the point see the shape there, by the shape.
+inline bool shapeHolds(const Rig& rig, const Shape& shape, const glm::dvec3& point_in_world) {
+  return std::all_of(rig.cameras.begin(), rig.cameras.end(), [&](const PinholeCamera& camera) {
+    const glm::dvec3 pixel = camera.project(point_in_world), from = camera.centreInWorld();
+    const bool seen =
+        pixel.z > 0 && pixel.x >= 0 && pixel.y >= 0 && pixel.x <= camera.width && pixel.y <= camera.height;
+    return !seen || shape(from, glm::normalize(point_in_world - from));
+  });
+}
+
+// Volume of the points within `half_m` of the origin along each axis that the rig holds, by the midpoint rule.
+inline double hullVolume(const Rig& rig, const Shape& shape, double half_m, int steps = 60) {
+  const double step = 2 * half_m / steps;
+  size_t inside = 0;
+  for (int i = 0; i < steps * steps * steps; ++i) {
+    const glm::dvec3 index(i % steps, i / steps % steps, i / (steps * steps));
+    inside += shapeHolds(rig, shape, (index + 0.5) * step - half_m);
+  }
+  return double(inside) * step * step * step;
+}
+
+// Whether the closed mesh surrounds the point: the solid angle of its faces.
+inline bool meshHolds(const TriangleMesh& mesh, const glm::dvec3& p) {
+  double angle = 0;
+  for (const glm::uvec3& f : mesh.faces) {
+    const glm::dvec3 a = glm::dvec3(mesh.positions[f.x]) - p, b = glm::dvec3(mesh.positions[f.y]) - p,
+                     c = glm::dvec3(mesh.positions[f.z]) - p;
+    const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
+    angle += std::atan2(glm::dot(a, glm::cross(b, c)),
+                        la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb);
+  }
+  return angle > 3.14159265;  // of 2π, as each term is half of a face's angle
+}
+
+}  // namespace fourdvt::reconstruct
