@@ -161,6 +161,20 @@ Status writeReport(const std::string& folder, const measure::HeldOutReport& repo
   return platform::writeImage(folder + "/worst.png", measure::contactSheet(report.worst));
 }
 
+// On a terminal, one line that is rewritten.
+class FrameLine {
+ public:
+  void operator()(const std::string& sequence, uint32_t frame) const {
+    if (tty_) std::fprintf(stderr, "\r\033[K%s frame %u", sequence.c_str(), frame);
+  }
+  void end() const {
+    if (tty_) std::fputs("\r\033[K", stderr);
+  }
+
+ private:
+  const bool tty_ = isatty(STDERR_FILENO) != 0;
+};
+
 int scoreCharacter(const Arguments& arguments) {
   const std::string& output = arguments.output;
   if (!output.empty())
@@ -169,13 +183,10 @@ int scoreCharacter(const Arguments& arguments) {
   if (!session.ok()) return fail(session.error());
   auto capture = capture::openCapture(arguments.capture, videoOpener(), arguments.sequences);
   if (!capture.ok()) return fail(capture.error());
-  const bool tty = isatty(STDERR_FILENO) != 0;
-  auto report = measure::evaluateHeldOut(capture.value(), videoOpener(), *session.value().player, arguments.held_out,
-                                         [&](const std::string& sequence, uint32_t frame) {
-                                           if (tty)
-                                             std::fprintf(stderr, "\r\033[K%s frame %u", sequence.c_str(), frame);
-                                         });
-  if (tty) std::fputs("\r\033[K", stderr);
+  const FrameLine line;
+  auto report =
+      measure::evaluateHeldOut(capture.value(), videoOpener(), *session.value().player, arguments.held_out, line);
+  line.end();
   if (!report.ok()) return fail(report.error());
   std::fputs(measure::scoreTable(report.value()).c_str(), stdout);
   if (output.empty()) return kOk;
@@ -194,13 +205,9 @@ int scoreSurface(const Arguments& arguments) {
     if (!opened.ok()) return fail(opened.error());
     reference = opened.take();
   }
-  const bool tty = isatty(STDERR_FILENO) != 0;
-  const auto scores = measure::scoreSurfaces(capture.value(), reference ? &*reference : nullptr, videoOpener(),
-                                             [&](const std::string& sequence, uint32_t frame) {
-                                               if (tty)
-                                                 std::fprintf(stderr, "\r\033[K%s frame %u", sequence.c_str(), frame);
-                                             });
-  if (tty) std::fputs("\r\033[K", stderr);
+  const FrameLine line;
+  const auto scores = measure::scoreSurfaces(capture.value(), reference ? &*reference : nullptr, videoOpener(), line);
+  line.end();
   if (!scores.ok()) return fail(scores.error());
   std::fputs(measure::surfaceTable(scores.value()).c_str(), stdout);
   return kOk;

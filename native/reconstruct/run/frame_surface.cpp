@@ -81,19 +81,22 @@ Result<TriangleMesh> checkedPolyhedron(const ReconstructOptions& options, std::s
   std::vector<const Silhouette*> silhouettes;
   for (const CarvingView& view : views) silhouettes.push_back(view.silhouette);
   figures.parts_left_out = uint32_t(dropNeedless(hull.mesh, silhouettes, kSpeck_m3));
-  const MeshReport report = checkMesh(hull.mesh);
   if (hull.touches_bounds)
-    return Error{ErrorId::Internal, "the polyhedral hull reaches where fewer than half of the cameras see"};
+    return Error{ErrorId::Internal, "the polyhedral hull reaches where no more than half of the cameras see"};
   if (hull.mesh.faces.empty()) return Error{ErrorId::Internal, "the polyhedral hull is empty"};
+  const MeshReport report = checkMesh(hull.mesh);
   if (!report.solid()) return Error{ErrorId::Internal, "the polyhedral hull fails its checks: " + describe(report)};
   return std::move(hull.mesh);
 }
 
-// A camera without a silhouette knows nothing of the performer's outline: stereo may look anywhere in its picture.
-std::vector<Image> withUnknownMattes(std::span<const Image> pictures, const std::vector<bool>& knows) {
+// The pictures with the mattes that the hull was carved with; 255 all over where a camera has no silhouette: stereo may
+// look anywhere in its picture.
+std::vector<Image> withMattes(std::span<const Image> pictures, std::span<const Silhouette> carving,
+                              const std::vector<bool>& sees) {
   std::vector<Image> out(pictures.begin(), pictures.end());
   for (size_t i = 0; i < out.size(); ++i)
-    for (size_t a = 3; !knows[i] && a < out[i].pixels.size(); a += 4) out[i].pixels[a] = 255;
+    for (size_t k = 0; k < carving[i].coverage.pixels.size(); ++k)
+      out[i].pixels[4 * k + 3] = sees[i] ? carving[i].coverage.pixels[k] : 255;
   return out;
 }
 
@@ -129,8 +132,8 @@ void SurfaceMaker::forget() {
   if (stereo_) stereo_->forget();
 }
 
-Status SurfaceMaker::makeHull(std::span<const CarvingView> views, const std::vector<bool>& sees,
-                              std::span<const Image> pictures, FrameSurface& out) {
+Status SurfaceMaker::makeHull(std::span<const CarvingView> views, const std::function<std::vector<Image>()>& pictures,
+                              FrameSurface& out) {
   Watch watch;
   if (options_.hull == HullKind::Polyhedral && !stereo_) {
     auto hull = checkedPolyhedron(options_, views, out.figures);
@@ -146,11 +149,7 @@ Status SurfaceMaker::makeHull(std::span<const CarvingView> views, const std::vec
   out.figures.parts_left_out = uint32_t(hull.dropped);
   out.figures.hull_ms = watch.lap();
   if (!stereo_) return {};
-  if (views.size() == cameras_.size()) {
-    FOURDVT_ASSIGN(out.mesh, stereo_->refine(hull.distance, out.mesh, pictures));
-  } else {
-    FOURDVT_ASSIGN(out.mesh, stereo_->refine(hull.distance, out.mesh, withUnknownMattes(pictures, sees)));
-  }
+  FOURDVT_ASSIGN(out.mesh, stereo_->refine(hull.distance, out.mesh, pictures()));
   out.figures.stereo_ms = watch.lap();
   return {};
 }
@@ -181,7 +180,8 @@ Result<FrameSurface> SurfaceMaker::make(std::span<const Image> pictures) {
                  "pictures are keyed against; frames in which nobody is on stage must be cut off"};
   }
 
-  FOURDVT_TRY(makeHull(views, sees, pictures, out));
+  FOURDVT_TRY(makeHull(
+      views, [&] { return withMattes(pictures, carving, sees); }, out));
   watch.lap();
 
   const auto overlapIn = [&](size_t i, const TriangleMesh& mesh) {

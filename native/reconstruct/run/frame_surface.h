@@ -3,6 +3,7 @@
 // files.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 
@@ -37,8 +38,8 @@ class SurfaceMaker {
 
  private:
   SurfaceMaker(const ReconstructOptions& options, const std::vector<capture::CaptureCamera>& cameras);
-  // `sees`: by camera, whether it has a silhouette.
-  Status makeHull(std::span<const CarvingView> views, const std::vector<bool>& sees, std::span<const Image> pictures,
+  // `pictures`: those for stereo, asked for if it is used.
+  Status makeHull(std::span<const CarvingView> views, const std::function<std::vector<Image>()>& pictures,
                   FrameSurface& out);
 
   ReconstructOptions options_;
