@@ -13,6 +13,22 @@ const kPatienceMs = 60_000;
 const table = [];
 /** The browser that the faults happen in, and the viewer's upload path. */
 export const stage = { browser: null, uploadPath: 'i420' };
+const servers = new Set();
+
+/** Closes the browser, and the servers of scenes that failed: they would keep the process, and the test would time out. */
+export async function closeStage() {
+  await stage.browser?.close();
+  await Promise.all([...servers].map((server) => server.close()));
+}
+
+async function serveSite(options) {
+  const server = await serve(environment('SITE'), 0, options);
+  servers.add(server);
+  return server;
+}
+async function closeServer(server) {
+  if (servers.delete(server)) await server.close();
+}
 
 /** The table: fault, what the visitor sees, recovery time or error. */
 export function writeTable(name) {
@@ -71,8 +87,8 @@ export async function open(name, options = {}) {
   const misbehave = (request) => scene.faults?.(request);
   const html = `<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,"><style>fourdvt-viewer { width: 160px; height: 220px; }</style><main></main><aside></aside>`;
   const headers = policy ? { 'Content-Security-Policy': policy } : {};
-  scene.server = await serve(environment('SITE'), 0, { ...serving, misbehave, pages: { '/blank.html': { html, headers } } });
-  if (options.elsewhere) scene.elsewhere = await serve(environment('SITE'), 0, { headers: options.elsewhere, misbehave });
+  scene.server = await serveSite({ ...serving, misbehave, pages: { '/blank.html': { html, headers } } });
+  if (options.elsewhere) scene.elsewhere = await serveSite({ headers: options.elsewhere, misbehave });
   scene.page = await openPage(stage.browser, { viewport: { width: 200, height: 260 } }, stage.uploadPath);
   await scene.page.addInitScript(countResources);
   if (options.before) await scene.page.addInitScript(options.before);
@@ -129,8 +145,8 @@ export async function finish(scene, expectedConsole = () => false) {
     !/^console: (Failed to load resource|.*net::ERR_)/.test(line) && !line.includes('CONTEXT_LOST') && !expectedConsole(line));
   assert.deepEqual(troubles, [], scene.name);
   await scene.page.close();
-  await scene.server.close();
-  await scene.elsewhere?.close();
+  await closeServer(scene.server);
+  await closeServer(scene.elsewhere);
 }
 
 export async function outage(ms) {

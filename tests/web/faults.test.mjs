@@ -7,7 +7,7 @@ import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 
 import {
-  advances, browserOffline, errors, everywhere, finish, firstError, framesShown, get, ofCharacter, open, outage,
+  advances, browserOffline, closeStage, errors, everywhere, finish, firstError, framesShown, get, ofCharacter, open, outage,
   outageWhileLoading, panel, plays, row, seconds, serverErrors, slowServer, stage, stalls, until, wait, writeTable,
 } from './fault_scenes.mjs';
 import { launch, readCanvas, waitForEvent } from './harness.mjs';
@@ -21,7 +21,7 @@ before(async () => {
   minute.catch(() => undefined);
 });
 after(async () => {
-  await stage.browser?.close();
+  await closeStage();
   writeTable('faults');
 });
 

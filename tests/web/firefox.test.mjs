@@ -4,7 +4,7 @@
 import { after, before, test } from 'node:test';
 
 import {
-  everywhere, outage, outageWhileLoading, serverErrors, slowServer, stage, stalls, writeTable,
+  closeStage, everywhere, outage, outageWhileLoading, serverErrors, slowServer, stage, stalls, writeTable,
 } from './fault_scenes.mjs';
 import { launchFirefox } from './harness.mjs';
 
@@ -16,7 +16,7 @@ before(async () => {
   minute.catch(() => undefined);
 });
 after(async () => {
-  await stage.browser?.close();
+  await closeStage();
   writeTable('firefox');
 });
 

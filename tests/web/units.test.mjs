@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parts of the element that need no browser: byte ranges, manifest flattening, orbit camera, commands, frame loop, the
-// flow module. Executed from source.
+// Parts of the element that need no browser: byte ranges, late decoders, manifest flattening, orbit camera, commands,
+// frame loop, the flow module. Executed from source.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
@@ -82,6 +82,37 @@ test('the server of demo.sh --lan: https under an address that other devices rea
   });
   assert.equal(status, 200);
   await server.close();
+});
+
+test('a decoder that calls back after it was closed: its pictures are closed, its errors are nobody\'s', async () => {
+  const { FrameDecoder } = await load('frame-decoder');
+  const made = [];
+  globalThis.VideoDecoder = class {
+    state = 'unconfigured';
+    decodeQueueSize = 0;
+    constructor(init) { made.push(Object.assign(this, init)); }
+    configure() { this.state = 'configured'; }
+    close() { this.state = 'closed'; }
+  };
+  let open = 0;
+  const picture = () => (++open, { timestamp: 0, close: () => --open });
+  const faults = [];
+  const decoder = new FrameDecoder('rgba', { onPicture() {}, onNoPlanes() {}, onFault: (fault) => faults.push(fault) });
+  const configure = () => decoder.configure('avc1.640028', new Uint8Array(), 64, 64);
+  configure();
+  made[0].output(picture());
+  configure();
+  made[0].output(picture());
+  made[0].error(new Error('late'));
+  assert.deepEqual([open, made[1].state, faults.length], [0, 'configured', 0], 'the decoder before');
+  made[1].error(new Error('wrong bytes'));
+  made[1].output(picture());
+  assert.deepEqual([open, faults], [0, ['samples']], 'a decoder that failed');
+  configure();
+  decoder.dispose();
+  made[2].output(picture());
+  assert.equal(open, 0, 'a decoder after its time');
+  delete globalThis.VideoDecoder;
 });
 
 test('JSON is flattened to pointers with escapes', async () => {

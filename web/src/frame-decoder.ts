@@ -46,13 +46,17 @@ export class FrameDecoder {
     this.#forget();
     this.#config = { codec, codedWidth: width, codedHeight: height, optimizeForLatency: true };
     if (description.length) this.#config.description = description.slice();
-    if (this.#decoder?.state !== 'closed') this.#decoder?.close();
-    this.#decoder = new VideoDecoder({
-      output: (frame) => this.#onFrame(frame),
-      error: (reason) => this.#fail(reason),
+    if (this.#decoder && this.#decoder.state !== 'closed') this.#decoder.close();
+    // Firefox can still call back a decoder that is closed: nobody waits for what it says, and its pictures are closed.
+    const decoder: VideoDecoder = new VideoDecoder({
+      output: (frame) => (this.#decoder === decoder ? this.#onFrame(frame) : frame.close()),
+      error: (reason) => {
+        if (this.#decoder === decoder) this.#fail(reason);
+      },
     });
+    this.#decoder = decoder;
     try {
-      this.#decoder.configure(this.#config);
+      decoder.configure(this.#config);
     } catch (reason) {
       this.#fail(new DOMException(String(reason), 'NotSupportedError'));
     }
@@ -174,6 +178,7 @@ export class FrameDecoder {
   #fail(reason: unknown): void {
     this.#forget();
     if (this.#decoder && this.#decoder.state !== 'closed') this.#decoder.close();
+    this.#decoder = null;
     const name = reason instanceof Error ? reason.name : '';
     const codec = this.#config?.codec ?? 'video';
     if (name === 'NotSupportedError') {
