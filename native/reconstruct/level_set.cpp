@@ -48,4 +48,27 @@ TriangleMesh zeroSurface(const SparseDistance& distance, double adaptivity) {
   return mesh;
 }
 
+SparseDistance withValuesInside(const SparseDistance& distance) {
+  SparseDistance out = distance;
+  for (const glm::ivec3& at : distance.inside) {
+    SparseDistance::Block& block = out.blocks.emplace_back();
+    block.at = at;
+    block.values.fill(distance.band_m);
+  }
+  out.inside.clear();
+  return out;
+}
+
+void compact(SparseDistance& distance) {
+  std::vector<SparseDistance::Block> crossed;
+  for (const SparseDistance::Block& block : distance.blocks) {
+    const auto [low, high] = std::minmax_element(block.values.begin(), block.values.end());
+    if (*low >= distance.band_m)
+      distance.inside.push_back(block.at);
+    else if (*high > -distance.band_m)
+      crossed.push_back(block);
+  }
+  distance.blocks = std::move(crossed);
+}
+
 }  // namespace fourdvt::reconstruct

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>
 
@@ -24,6 +25,18 @@ struct SparseDistance {
   std::vector<Block> blocks;       // those that the surface may cross
   std::vector<glm::ivec3> inside;  // blocks that lie inside as a whole
 };
+using BlockValues = decltype(SparseDistance::Block::values);
+
+// Different for different blocks within a million voxels of the origin.
+inline uint64_t blockKey(const glm::ivec3& at) {
+  constexpr uint64_t kMask = (1u << 21) - 1;
+  return (uint64_t(at.x) & kMask) << 42 | (uint64_t(at.y) & kMask) << 21 | (uint64_t(at.z) & kMask);
+}
+
+// The same distance with values in all blocks: those inside follow the others, `band_m` deep everywhere.
+SparseDistance withValuesInside(const SparseDistance& distance);
+// Leaves out the blocks that lie outside as a whole, and keeps no values of those inside.
+void compact(SparseDistance& distance);
 
 // Closed wherever the distance is negative on the border of what is given. `adaptivity`: 0 one vertex per crossed
 // voxel, up to 1 fewer and larger faces where the surface is flat. One component may touch another in a point.

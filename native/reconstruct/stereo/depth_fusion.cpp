@@ -66,9 +66,10 @@ float median(Evidence* e, int n, float total) {
   return e[n - 1].distance;
 }
 
-// What the hull says of a place, `hull_m`, and the maps: the mean of those that lie near their median.
+// What the hull says of a place, `hull_m`, and the maps: the mean of those that lie near their median. `trust`: their
+// weight, 0 if it is too little.
 float fused(const std::vector<MapAtPoint>& maps, const glm::vec3& point, float hull_m, const FusionOptions& options,
-            std::vector<Evidence>& evidence) {
+            std::vector<Evidence>& evidence, float& trust) {
   const float truncation = float(options.truncation_m), stays = float(options.hull_stays_m);
   int n = 0;
   float total = 0;
@@ -81,64 +82,33 @@ float fused(const std::vector<MapAtPoint>& maps, const glm::vec3& point, float h
     if (std::abs(evidence[k].distance - middle) > 0.5f * truncation) continue;
     sum += evidence[k].weight * evidence[k].distance, weight += evidence[k].weight;
   }
+  trust = total;
   const float deeper = std::max(hull_m - sum / weight, 0.0f);
   return hull_m - deeper * std::clamp((deeper - stays) / (2 * stays), 0.0f, 1.0f);
 }
 
-// The hull with values in all of its blocks.
-SparseDistance opened(const SparseDistance& hull) {
-  SparseDistance out = hull;
-  for (const glm::ivec3& at : hull.inside) {
-    SparseDistance::Block& block = out.blocks.emplace_back();
-    block.at = at;
-    block.values.fill(hull.band_m);
-  }
-  out.inside.clear();
-  return out;
-}
-
-enum class Share : uint8_t { Outside, Mixed, Inside };
-
-// Leaves out the blocks outside, and keeps no values of those inside.
-void sort(const std::vector<Share>& shares, SparseDistance& distance) {
-  size_t kept = 0;
-  for (size_t b = 0; b < shares.size(); ++b) {
-    if (shares[b] == Share::Inside) distance.inside.push_back(distance.blocks[b].at);
-    if (shares[b] != Share::Mixed) continue;
-    if (kept != b) distance.blocks[kept] = distance.blocks[b];
-    ++kept;
-  }
-  distance.blocks.resize(kept);
-}
-
 }  // namespace
 
-SparseDistance fuseDepths(const SparseDistance& hull, std::span<const DepthMap> maps, const FusionOptions& options) {
+FusedDistance fuseDepths(const SparseDistance& hull, std::span<const DepthMap> maps, const FusionOptions& options) {
   std::vector<MapAtPoint> at;
   for (const DepthMap& map : maps)
     if (map.width > 0) at.emplace_back(map);
-  SparseDistance out = opened(hull);
-  std::vector<Share> shares(out.blocks.size(), Share::Mixed);
-  cv::parallel_for_(cv::Range(0, int(out.blocks.size())), [&](const cv::Range& range) {
+  FusedDistance out{withValuesInside(hull), {}};
+  out.trust.resize(out.distance.blocks.size());
+  cv::parallel_for_(cv::Range(0, int(out.distance.blocks.size())), [&](const cv::Range& range) {
     std::vector<Evidence> evidence(at.size());
     for (int b = range.start; b < range.end; ++b) {
-      SparseDistance::Block& block = out.blocks[b];
-      float low = hull.band_m, high = -hull.band_m;
+      SparseDistance::Block& block = out.distance.blocks[b];
       for (int i = 0; i < int(block.values.size()); ++i) {
         float& value = block.values[i];
-        if (value > -hull.band_m) {
-          const glm::ivec3 voxel = block.at + glm::ivec3(i >> 6, i >> 3 & 7, i & 7);
-          value =
-              fused(at, glm::vec3(hull.origin_in_world + glm::dvec3(voxel) * hull.voxel_m), value, options, evidence);
-          value = std::clamp(value, -hull.band_m, hull.band_m);
-        }
-        low = std::min(low, value), high = std::max(high, value);
+        out.trust[b][i] = 0;
+        if (value <= -hull.band_m) continue;
+        const glm::ivec3 voxel = block.at + glm::ivec3(i >> 6, i >> 3 & 7, i & 7);
+        const glm::vec3 point(hull.origin_in_world + glm::dvec3(voxel) * hull.voxel_m);
+        value = std::clamp(fused(at, point, value, options, evidence, out.trust[b][i]), -hull.band_m, hull.band_m);
       }
-      if (low >= hull.band_m) shares[b] = Share::Inside;
-      if (high <= -hull.band_m) shares[b] = Share::Outside;
     }
   });
-  sort(shares, out);
   return out;
 }
 

@@ -16,6 +16,11 @@ struct FusionOptions {
 };
 
 // On the hull's grid.
-SparseDistance fuseDepths(const SparseDistance& hull, std::span<const DepthMap> maps, const FusionOptions& options);
+struct FusedDistance {
+  SparseDistance distance;         // with values in all blocks of the hull
+  std::vector<BlockValues> trust;  // by block: weight of the maps; 0: they know nothing and the hull stays
+};
+
+FusedDistance fuseDepths(const SparseDistance& hull, std::span<const DepthMap> maps, const FusionOptions& options);
 
 }  // namespace fourdvt::reconstruct

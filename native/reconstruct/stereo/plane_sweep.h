@@ -16,7 +16,7 @@ struct PlaneSweepOptions {
   int radius = 1;                  // of a patch: 2 radius + 1 samples along each side
   float spacing = 1.5f;            // of its samples, pixels of the reduced picture
   float step_m = 0.004f;           // between planes, along the optical axis
-  int labels = 48;                 // planes per pixel, from the hull's front; a multiple of 4, at most kMaxLabels
+  int labels = 64;                 // planes per pixel, from the hull's front; a multiple of 4, at most kMaxLabels
   float correlation_share = 0.6f;  // of the cost; the rest is the difference of mean colours
 };
 

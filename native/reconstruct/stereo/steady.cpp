@@ -13,11 +13,6 @@ constexpr float kNoise = 2.5f, kClear = 6.0f;  // mean difference in a window, l
 constexpr int kWindow = 7;                     // pixels of the reduced picture
 constexpr float kSeen_m = 0.03f;               // a camera sees what lies no deeper behind the surface than this
 
-uint64_t keyOf(const glm::ivec3& at) {
-  constexpr uint64_t kMask = (1u << 21) - 1;
-  return (uint64_t(at.x) & kMask) << 42 | (uint64_t(at.y) & kMask) << 21 | (uint64_t(at.z) & kMask);
-}
-
 struct Changed {
   std::vector<float> change;
   const DepthMap* map;
@@ -78,12 +73,12 @@ void SteadyDistance::blend(std::span<const Image> pictures, std::span<const Dept
           {changeOf(pictures_[c], pictures[c]), &map, glm::mat4(k * map.camera.cam_from_world), pictures[c].width});
     }
     std::unordered_map<uint64_t, const SparseDistance::Block*> known;
-    for (const SparseDistance::Block& block : before_.blocks) known[keyOf(block.at)] = &block;
-    for (const glm::ivec3& at : before_.inside) known[keyOf(at)] = nullptr;
+    for (const SparseDistance::Block& block : before_.blocks) known[blockKey(block.at)] = &block;
+    for (const glm::ivec3& at : before_.inside) known[blockKey(at)] = nullptr;
     cv::parallel_for_(cv::Range(0, int(distance.blocks.size())), [&](const cv::Range& range) {
       for (int b = range.start; b < range.end; ++b) {
         SparseDistance::Block& block = distance.blocks[b];
-        const auto found = known.find(keyOf(block.at));
+        const auto found = known.find(blockKey(block.at));
         for (size_t i = 0; i < block.values.size(); ++i) {
           const float before = found == known.end() ? -distance.band_m
                                : found->second      ? found->second->values[i]

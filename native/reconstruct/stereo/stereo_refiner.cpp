@@ -130,7 +130,9 @@ Result<TriangleMesh> Refiner::refine(const SparseDistance& hull_distance, const 
   FOURDVT_ASSIGN(const std::vector<Image> pictures, reduced(rgba_pictures));
   FOURDVT_TRY(sweep_.setFrame(pictures, hull));
   FOURDVT_ASSIGN(const std::vector<DepthMap> maps, depthMaps());
-  SparseDistance fused = fuseDepths(hull_distance, maps, options_.fusion);
+  auto [fused, trust] = fuseDepths(hull_distance, maps, options_.fusion);
+  spanMembrane(withValuesInside(hull_distance), trust, options_.membrane, fused);
+  compact(fused);
   steady_.blend(pictures, maps, fused);
   lap(times_.fusion);
   TriangleMesh mesh = zeroSurface(fused, options_.adaptivity);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stereo refinement of the visual hull: the hull says where the surface may be, the pictures' agreement says where it
 // is. Does NOT move anything out of the hull, needs no mesh of the performer and corrects no calibration.
-// Stages in order of execution: plane_sweep.h, semi_global.h, consistency.h, depth_fusion.h, steady.h.
+// Stages in order of execution: plane_sweep.h, semi_global.h, consistency.h, depth_fusion.h,
+// membrane.h, steady.h.
 #pragma once
 
 #include <memory>
@@ -15,6 +16,7 @@
 #include "gpu/device.h"
 #include "reconstruct/level_set.h"
 #include "reconstruct/stereo/depth_fusion.h"
+#include "reconstruct/stereo/membrane.h"
 #include "reconstruct/stereo/plane_sweep.h"
 #include "reconstruct/stereo/semi_global.h"
 
@@ -30,6 +32,7 @@ struct StereoOptions {
   PlaneSweepOptions sweep;
   SemiGlobalOptions smoothing;
   FusionOptions fusion;
+  MembraneOptions membrane;
   std::string check() const;  // what is wrong, or nothing
 };
 
