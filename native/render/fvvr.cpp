@@ -12,7 +12,9 @@
 namespace fourdvt::render {
 namespace {
 
-constexpr int kDepthCopies = 5;  // of the offset multi-draw, as in fvvr_depth.vert
+constexpr int kOffsetCopies = 5;                       // of the offset multi-draw, as in fvvr_depth.vert
+constexpr int kVerticesOfEdges = 18;                   // per face, as in fvvr_edges.vert
+constexpr float kRounding = 0.71f, kDiagonal = 1.42f;  // texels: of a place to a texel, and of the offset multi-draw
 
 Error invalid(const std::string& message) { return Error{ErrorId::InvalidArgument, message}; }
 
@@ -60,15 +62,20 @@ Status keep(Result<T> made, T& out) {
 
 class FvvrOnDevice final : public Fvvr {
  public:
-  FvvrOnDevice(gpu::Device& device, std::span<const PinholeCamera> cameras, const MeshTopology& topology)
+  FvvrOnDevice(gpu::Device& device, std::span<const PinholeCamera> cameras, const MeshTopology& topology,
+               const FvvrDepthMaps& maps)
       : device_(device),
+        maps_(maps),
         face_vertices_(topology.face_vertices),
         vertex_count_(topology.vertex_count),
         closed_surface_(isClosedSurface(topology.face_vertices)) {
     for (const PinholeCamera& camera : cameras) {
-      cameras_.push_back({.pinhole = camera});
-      map_width_ = std::max(map_width_, camera.width);
-      map_height_ = std::max(map_height_, camera.height);
+      const auto texels = [&](int pixels) { return std::max(1, int(std::lround(pixels * maps.texels_per_pixel))); };
+      cameras_.push_back({.pinhole = camera, .map_columns = texels(camera.width), .map_rows = texels(camera.height)});
+      picture_width_ = std::max(picture_width_, camera.width);
+      picture_height_ = std::max(picture_height_, camera.height);
+      map_width_ = std::max(map_width_, cameras_.back().map_columns);
+      map_height_ = std::max(map_height_, cameras_.back().map_rows);
     }
   }
 
@@ -90,7 +97,8 @@ class FvvrOnDevice final : public Fvvr {
  private:
   struct Camera {
     PinholeCamera pinhole;
-    PictureRegion crop;  // what the mesh of the frame shown needs
+    PictureRegion crop;                 // what the mesh of the frame shown needs
+    int map_columns = 0, map_rows = 0;  // texels of the depth map for the whole picture
     gpu::Target depth_map;
     bool is_used = true;       // in the frame shown
     bool has_picture = false;  // uploaded since the camera is in use
@@ -106,19 +114,22 @@ class FvvrOnDevice final : public Fvvr {
   Status checkPicture(const PinholeCamera& camera, const Image& picture) const;
   Status checkDraw(const View& view, const FvvrOptions& options, const std::vector<size_t>& chosen) const;
   void drawDepthMap(const Camera& camera);
+  void drawEdges(const Camera& camera, const glm::mat4& clip_from_world, const glm::vec2& clip_per_texel);
   void drawMesh(const View& view, const FvvrOptions& options, const std::vector<size_t>& chosen) const;
   Status prepareProgram(size_t camera_count);
   Status resizeScene(const Size& size);
   Status resizeStill(int width, int height);
 
   gpu::Device& device_;
+  const FvvrDepthMaps maps_;
   std::vector<Camera> cameras_;
   std::vector<glm::uvec3> face_vertices_;
   uint32_t vertex_count_ = 0;
   bool closed_surface_ = false, has_geometry_ = false;
-  int map_width_ = 0, map_height_ = 0;  // the largest camera's; smaller ones leave the rest of their layer unused
+  // The largest camera's; smaller ones leave the rest of their layers unused.
+  int picture_width_ = 0, picture_height_ = 0, map_width_ = 0, map_height_ = 0;
   gpu::Texture corner_vertices_, positions_normals_, pictures_, depth_maps_;
-  gpu::Program depth_program_;
+  gpu::Program depth_program_, edges_program_;
   std::map<size_t, gpu::Program> programs_;  // by number of cameras blended
   gpu::Target scene_;
   Size scene_size_;
@@ -138,13 +149,14 @@ Status FvvrOnDevice::prepare() {
   FOURDVT_TRY(table(gpu::PixelFormat::R32UI, cornerCount(), "fvvr corners", corner_vertices_));
   FOURDVT_TRY(table(gpu::PixelFormat::RGBA32F, 2ull * vertex_count_, "fvvr positions", positions_normals_));
   gpu::TextureDesc map{.format = gpu::PixelFormat::RGBA8,
-                       .width = map_width_,
-                       .height = map_height_,
+                       .width = picture_width_,
+                       .height = picture_height_,
                        .layers = layers,
                        .filter = gpu::Filter::Linear,
                        .label = "fvvr pictures"};
   FOURDVT_TRY(keep(gpu::makeTexture(device_, map), pictures_));
   map.format = gpu::PixelFormat::Depth24;
+  map.width = map_width_, map.height = map_height_;
   map.filter = gpu::Filter::Nearest;
   map.label = "fvvr depth maps";
   FOURDVT_TRY(keep(gpu::makeTexture(device_, map), depth_maps_));
@@ -152,6 +164,8 @@ Status FvvrOnDevice::prepare() {
     FOURDVT_TRY(keep(gpu::makeTarget(device_, {.depth = depth_maps_.id(), .depth_layer = c, .label = "fvvr depth map"}),
                      cameras_[c].depth_map));
   FOURDVT_TRY(keep(makeEmbeddedProgram(device_, "fvvr_depth.vert", "fvvr_depth.frag"), depth_program_));
+  if (maps_.visibility == Visibility::Fattened)
+    FOURDVT_TRY(keep(makeEmbeddedProgram(device_, "fvvr_edges.vert", "fvvr_depth.frag"), edges_program_));
   std::vector<uint32_t> corners;
   resizeToRows(corners, 3 * face_vertices_.size(), 0u);
   for (size_t f = 0; f < face_vertices_.size(); ++f)
@@ -221,28 +235,52 @@ gpu::Draw FvvrOnDevice::meshDraw(gpu::ProgramId program, int copies) const {
 }
 
 void FvvrOnDevice::drawDepthMaps() {
+  if (maps_.visibility == Visibility::None) return;
   for (const Camera& camera : cameras_)
     if (camera.is_used && !camera.crop.empty()) drawDepthMap(camera);
 }
 
 void FvvrOnDevice::drawDepthMap(const Camera& camera) {
-  const PictureRegion& crop = camera.crop;
-  const PinholeCamera cropped = croppedCamera(camera.pinhole, crop);
-  const glm::mat4 clip_from_world(clipFromWorld(cropped, crop.near_m, crop.far_m));
-  const glm::vec2 clip_per_pixel(2.0f / crop.width, 2.0f / crop.height);
-  const int corner_count = cornerCount();
+  // Texels are pixels, or the whole picture is drawn, because the crop's border may lie within a texel.
+  const bool same = camera.map_columns == camera.pinhole.width && camera.map_rows == camera.pinhole.height;
+  PictureRegion part = camera.crop;
+  if (!same) part.x = part.y = 0, part.width = camera.pinhole.width, part.height = camera.pinhole.height;
+  const int columns = same ? part.width : camera.map_columns, rows = same ? part.height : camera.map_rows;
+  const glm::mat4 clip_from_world(clipFromWorld(croppedCamera(camera.pinhole, part), part.near_m, part.far_m));
+  const glm::vec2 clip_per_texel(2.0f / columns, 2.0f / rows);
   device_.beginPass({.target = camera.depth_map.id(),
-                     .x = crop.x,
-                     .y = map_height_ - crop.y - crop.height,
-                     .width = crop.width,
-                     .height = crop.height,
+                     .x = part.x,
+                     .y = map_height_ - part.y - rows,
+                     .width = columns,
+                     .height = rows,
                      .clear_depth = true,
                      .label = "fvvr depth map"});
-  gpu::Draw draw = meshDraw(depth_program_.id(), kDepthCopies);
+  if (maps_.visibility == Visibility::Fattened) drawEdges(camera, clip_from_world, clip_per_texel);
+  const int corner_count = cornerCount();
+  gpu::Draw draw = meshDraw(depth_program_.id(), maps_.visibility == Visibility::Offset ? kOffsetCopies : 1);
   draw.uniforms = {gpu::uniform("u_clip_from_world", clip_from_world), gpu::uniform("u_corner_count", corner_count),
-                   gpu::uniform("u_clip_per_pixel", clip_per_pixel)};
+                   gpu::uniform("u_clip_per_texel", clip_per_texel)};
   device_.draw(draw);
   device_.endPass();
+}
+
+void FvvrOnDevice::drawEdges(const Camera& camera, const glm::mat4& clip_from_world, const glm::vec2& clip_per_texel) {
+  const glm::vec3 centre(camera.pinhole.centreInWorld());
+  const glm::vec2 near_far(camera.crop.near_m, camera.crop.far_m);
+  const float half_width = float(maps_.line_texels / 2);
+  const float texel_span = float(camera.pinhole.width / (camera.pinhole.fx * camera.map_columns));
+  const int closed = closed_surface_;
+  gpu::Draw draw = meshDraw(edges_program_.id(), 1);
+  draw.vertex_count = kVerticesOfEdges * static_cast<int>(face_vertices_.size());
+  draw.cull = gpu::Cull::None;
+  draw.uniforms = {gpu::uniform("u_clip_from_world", clip_from_world),
+                   gpu::uniform("u_centre", centre),
+                   gpu::uniform("u_clip_per_texel", clip_per_texel),
+                   gpu::uniform("u_near_far", near_far),
+                   gpu::uniform("u_half_width", half_width),
+                   gpu::uniform("u_texel_span", texel_span),
+                   gpu::uniform("u_closed", closed)};
+  device_.draw(draw);
 }
 
 std::vector<size_t> FvvrOnDevice::camerasOf(const View& view, const FvvrOptions& options) const {
@@ -270,16 +308,24 @@ void FvvrOnDevice::drawMesh(const View& view, const FvvrOptions& options, const 
     const PictureRegion& crop = cameras_[c].crop;
     pixel_from_world.push_back(pixelFromWorld(camera));
     centres.emplace_back(glm::vec3(camera.centreInWorld()), c);
-    pixel_spans.emplace_back(1 / camera.fx, 0, 0, 0);
+    pixel_spans.emplace_back(1 / camera.fx, double(cameras_[c].map_columns) / camera.width,
+                             double(cameras_[c].map_rows) / camera.height, 0);
     sizes.emplace_back(camera.width, camera.height, crop.near_m, crop.far_m);
   }
-  const glm::vec2 map_size(map_width_, map_height_);
+  const glm::vec2 picture_size(picture_width_, picture_height_);
+  const float reach = maps_.visibility == Visibility::None     ? -1
+                      : maps_.visibility == Visibility::Offset ? kRounding + kDiagonal
+                                                               : kRounding;
+  const int fills = options.fills;
   gpu::Draw draw = meshDraw(programs_.at(chosen.size()).id(), 1);
   draw.textures.push_back({"u_pictures", pictures_.id()});
   draw.textures.push_back({"u_depth_maps", depth_maps_.id()});
   draw.uniforms = {gpu::uniform("u_clip_from_world", view.clip_from_world),
                    gpu::uniform("u_eye_in_world", view.eye_in_world),
-                   gpu::uniform("u_map_size", map_size),
+                   gpu::uniform("u_picture_size", picture_size),
+                   gpu::uniform("u_depth_rows", map_height_),
+                   gpu::uniform("u_reach", reach),
+                   gpu::uniform("u_fills", fills),
                    gpu::uniform("u_pixel_from_world", std::span<const glm::mat4>(pixel_from_world)),
                    gpu::uniform("u_centres", std::span<const glm::vec4>(centres)),
                    gpu::uniform("u_pixel_spans", std::span<const glm::vec4>(pixel_spans)),
@@ -356,12 +402,14 @@ Result<Image> FvvrOnDevice::renderStill(const View& view, const FvvrOptions& opt
 }  // namespace
 
 Result<std::unique_ptr<Fvvr>> Fvvr::create(gpu::Device& device, std::span<const PinholeCamera> cameras,
-                                           const MeshTopology& topology) {
+                                           const MeshTopology& topology, const FvvrDepthMaps& maps) {
+  if (!(maps.texels_per_pixel > 0 && maps.texels_per_pixel <= 4 && maps.line_texels >= 0))
+    return invalid("a depth map takes up to 4 texels per pixel, and its lines have a width of 0 or more texels");
   if (cameras.empty() || cameras.size() > static_cast<size_t>(package::kMaxCameras))
     return invalid("free-viewpoint rendering takes 1 to " + std::to_string(package::kMaxCameras) + " cameras, not " +
                    std::to_string(cameras.size()));
   if (topology.faceCount() == 0) return invalid("the mesh has no faces");
-  auto fvvr = std::make_unique<FvvrOnDevice>(device, cameras, topology);
+  auto fvvr = std::make_unique<FvvrOnDevice>(device, cameras, topology, maps);
   FOURDVT_TRY(fvvr->prepare());
   return std::unique_ptr<Fvvr>(std::move(fvvr));
 }

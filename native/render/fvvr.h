@@ -2,13 +2,14 @@
 // The papers' benchmark: free-viewpoint video rendering (LVDT 2, 4; "FVVR"). The mesh is textured at render time from
 // all camera pictures, each with a depth map of the mesh drawn from that camera; the M cameras closest to the view are
 // blended by LVDT Eq. 3-4. Native evaluation only: not part of the wasm player.
-// Offset multi-draw (LVDT 2, step 2) is read as: the mesh goes into a camera's depth buffer five times, unmoved and
-// moved by one pixel along the four diagonals, so that occluders grow by a pixel and a surface beside their outline is
-// not textured from them; the depth test's tolerance grows with the slope by as much, so that nothing hides itself.
-// Does NOT read captures, does NOT clean the matte's edge, and needs every camera's picture of the frame in GPU memory:
-// that is the point of the layers. With M < N cameras per frame, only their pictures are uploaded
-// and their depth maps drawn; textures for all N stay allocated, because the next view takes other cameras.
-// Order of calls: setFrame (or its three parts) → draw….
+// A depth map that is too coarse lets an occluder's texture fall onto what lies behind its outline ("shadow leak",
+// OVH03 5.2.2). Offset multi-draw (LVDT 2, step 2) is read as: the mesh goes into a camera's depth buffer five times,
+// unmoved and moved by one texel along the four diagonals, so that occluders grow by a texel and a surface beside their
+// outline is not textured from them; the depth test's tolerance grows with the slope by as much, so that nothing hides
+// itself. Does NOT read captures, does NOT clean the matte's edge, and needs every camera's picture of the frame in GPU
+// memory: that is the point of the layers. With M < N cameras per frame, only their pictures are uploaded and their
+// depth maps drawn; textures for all N stay allocated, because the next view takes other cameras. Order of calls:
+// setFrame (or its three parts) → draw….
 #pragma once
 
 #include <memory>
@@ -22,17 +23,31 @@
 
 namespace fourdvt::render {
 
+enum class Visibility {
+  None,      // every camera textures what faces it
+  Plain,     // the mesh as it is
+  Offset,    // offset multi-draw
+  Fattened,  // edges as wide lines that lie further back, and then the faces (OVH03 5.2.2)
+};
+
+struct FvvrDepthMaps {
+  Visibility visibility = Visibility::Offset;
+  double texels_per_pixel = 1;  // along each side of a camera's picture, up to 4
+  double line_texels = 3;       // width of the lines of fattened maps
+};
+
 struct FvvrOptions {
   int closest = 0;          // M of N: cameras whose optical axes are nearest in angle to the view's; 0: all
   glm::vec4 background{0};  // premultiplied
   int samples = 4;
+  bool fills = true;  // surface that no camera sees; else it is left transparent
 };
 
 class Fvvr {
  public:
   // 1 to 31 cameras, of any sizes. Errors: InvalidArgument, GpuFailure.
   static Result<std::unique_ptr<Fvvr>> create(gpu::Device& device, std::span<const PinholeCamera> cameras,
-                                              const MeshTopology& topology);
+                                              const MeshTopology& topology, const FvvrDepthMaps& maps = {});
   virtual ~Fvvr() = default;
   // The cameras that a draw of this view uses, nearest first: `options.closest` of them.
   virtual std::vector<size_t> camerasOf(const View& view, const FvvrOptions& options) const = 0;

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/render_arguments.h"
 
+#include <algorithm>
 #include <cctype>
 #include <filesystem>
+#include <iterator>
+#include <string_view>
 
 #include "capture/capture.h"
 
 namespace fourdvt::tools {
 namespace {
+
+constexpr std::string_view kVisibility[] = {"none", "plain", "offset", "fattened"};  // as render::Visibility
 
 constexpr int kMaxSide = 8192;
 
@@ -51,12 +56,18 @@ void readMethod(Args& args, RenderArguments& a) {
   if (!a.fvvr.wanted && method != "layered") args.complain("--method must be layered or fvvr, not \"" + method + "\"");
   a.fvvr.capture_folder = args.text("--capture");
   a.fvvr.options.closest = args.integer("--closest", 0, 1, package::kMaxCameras);
+  const std::string visibility = args.text("--visibility", "offset");
+  const auto kind = std::find(std::begin(kVisibility), std::end(kVisibility), visibility);
+  if (kind == std::end(kVisibility))
+    args.complain("--visibility must be none, plain, offset or fattened, not \"" + visibility + "\"");
+  else
+    a.fvvr.depth_maps.visibility = render::Visibility(kind - std::begin(kVisibility));
   a.fvvr.refine = readRefineOptions(args);
   a.fvvr.options.background = a.recipe.background;
   if (a.fvvr.wanted && a.fvvr.capture_folder.empty())
     args.complain("--method fvvr needs --capture CAPTURE with the videos");
-  if (!a.fvvr.wanted && (args.has("--capture") || args.has("--closest")))
-    args.complain("--capture and --closest belong to --method fvvr");
+  if (!a.fvvr.wanted && (args.has("--capture") || args.has("--closest") || args.has("--visibility")))
+    args.complain("--capture, --closest and --visibility belong to --method fvvr");
   if (!a.fvvr.wanted && (args.has("--refine") || args.has("--refine-cameras") || args.has("--matte-bias-px")))
     args.complain("--refine, --refine-cameras and --matte-bias-px belong to --method fvvr");
   if (a.fvvr.wanted && (!a.turntable.empty() || !a.debug.empty()))
@@ -175,6 +186,10 @@ const CommandHelp& renderHelp() {
        {"--method", "WHAT", "layered (default), or fvvr: projective texturing from all camera videos, no shadow"},
        {"--capture", "CAPTURE", "fvvr: the capture folder that CHARACTER was baked from"},
        {"--closest", "M", "fvvr: only the M cameras closest to the view (default: all)"},
+       {"--visibility", "WHAT",
+        "fvvr: what a camera does not texture: offset (default) and fattened keep clear of occluders' outlines, plain "
+        "is a "
+        "depth map as it is, none textures through occluders"},
        kRefineOption,
        kRefineCamerasOption,
        kMatteBiasOption},

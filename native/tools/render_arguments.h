@@ -27,6 +27,7 @@ struct FvvrArguments {
   std::string capture_folder;
   refine::RefineOptions refine;
   render::FvvrOptions options;
+  render::FvvrDepthMaps depth_maps;
 };
 
 struct RenderArguments {

@@ -60,7 +60,8 @@ Status renderFvvr(CharacterSession& session, const RenderArguments& arguments, c
   for (Image& picture : frame.pictures) bake::replaceEdgeColours(picture);
   std::vector<PinholeCamera> cameras;
   for (const auto& camera : capture.value().cameras) cameras.push_back(camera.pinhole);
-  FOURDVT_ASSIGN(auto fvvr, render::Fvvr::create(*session.gpu.device, cameras, capture.value().topology));
+  FOURDVT_ASSIGN(auto fvvr, render::Fvvr::create(*session.gpu.device, cameras, capture.value().topology,
+                                                 arguments.fvvr.depth_maps));
   const render::View seen = render::viewFromCamera(view);
   FOURDVT_TRY(fvvr->setFrame(frame.positions, frame.pictures, fvvr->camerasOf(seen, arguments.fvvr.options)));
   FOURDVT_ASSIGN(auto picture, fvvr->renderStill(seen, arguments.fvvr.options));

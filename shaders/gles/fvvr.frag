@@ -7,20 +7,22 @@ out vec4 o_color;
 
 uniform highp sampler2DArray u_pictures;    // premultiplied, alpha = matte; row 0 is the top row
 uniform highp sampler2DArray u_depth_maps;  // drawn y up: row 0 is the bottom row
-uniform vec2 u_map_size;                    // texels of both
+uniform vec2 u_picture_size;                // texels of a layer
+uniform int u_depth_rows;                   // of a layer of the depth maps
+uniform float u_reach;                      // texels of a depth map that its depth may be off by; negative: no depth test
+uniform bool u_fills;                       // what no camera sees takes the best-facing one; else it is left transparent
 uniform mat4 u_pixel_from_world[CAMERAS];   // → (pixel · depth, depth along the optical axis, unused)
 uniform vec4 u_centres[CAMERAS];            // xyz world; w layer
-uniform vec4 u_pixel_spans[CAMERAS];        // x: metres that a pixel spans at a depth of 1 m
+uniform vec4 u_pixel_spans[CAMERAS];        // x: metres that a pixel spans at 1 m; yz: texels of the depth map per pixel
 uniform vec4 u_sizes_near_far[CAMERAS];     // pixels, pixels, metres, metres
 uniform vec3 u_eye_in_world;
 
 const float kDepthBias = 0.01;    // metres
-const float kReachPixels = 2.1;   // of the offset multi-draw along its diagonals, and the rounding to a texel
 const float kMinSum = 1e-6;
 
 float mappedDepth(vec2 pixel, int i) {
-  ivec2 at = ivec2(pixel);
-  float z = texelFetch(u_depth_maps, ivec3(at.x, int(u_map_size.y) - 1 - at.y, int(u_centres[i].w)), 0).r * 2.0 - 1.0;
+  ivec2 at = ivec2(pixel * u_pixel_spans[i].yz);
+  float z = texelFetch(u_depth_maps, ivec3(at.x, u_depth_rows - 1 - at.y, int(u_centres[i].w)), 0).r * 2.0 - 1.0;
   float near = u_sizes_near_far[i].z, far = u_sizes_near_far[i].w;
   return 2.0 * near * far / (far + near - z * (far - near));
 }
@@ -35,12 +37,13 @@ vec3 projected(int i) {
 
 bool isHidden(vec3 at, float cosine, int i) {
   float slope = sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, 0.05);
-  return at.z > mappedDepth(at.xy, i) + kDepthBias + kReachPixels * slope * at.z * u_pixel_spans[i].x;
+  float reach = u_reach / u_pixel_spans[i].y;
+  return u_reach >= 0.0 && at.z > mappedDepth(at.xy, i) + kDepthBias + reach * slope * at.z * u_pixel_spans[i].x;
 }
 
 // Straight colour; alpha 0 where the matte says background.
 vec4 pictureColor(vec2 pixel, int i) {
-  vec4 texel = textureLod(u_pictures, vec3(pixel / u_map_size, u_centres[i].w), 0.0);
+  vec4 texel = textureLod(u_pictures, vec3(pixel / u_picture_size, u_centres[i].w), 0.0);
   return texel.a > 0.5 ? vec4(texel.rgb / texel.a, 1.0) : vec4(0.0);
 }
 
@@ -76,5 +79,8 @@ void main() {
     color += weight * texel.a * texel.rgb;
     sum += weight * texel.a;
   }
-  o_color = vec4(sum > kMinSum ? color / sum : bestFacingColor(normal), 1.0);
+  if (sum > kMinSum)
+    o_color = vec4(color / sum, 1.0);
+  else
+    o_color = u_fills ? vec4(bestFacingColor(normal), 1.0) : vec4(0.0);
 }

@@ -55,6 +55,8 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"render a -o b.png --method fvvr", "--capture"}, Mistake{"render a -o b.png --method x", "--method"},
         Mistake{"render a -o b.png --capture c", "fvvr"}, Mistake{"render a -o b.png --closest 3", "fvvr"},
         Mistake{"render a -o b.png --method fvvr --capture c --closest 0", "--closest"},
+        Mistake{"render a -o b.png --method fvvr --capture c --visibility thick", "fattened"},
+        Mistake{"render a -o b.png --visibility plain", "fvvr"},
         Mistake{"render a --turntable b.mp4 --method fvvr --capture c", "stills"},
         Mistake{"render a -o b.png --method fvvr --capture c --debug labels", "--debug"},
         Mistake{"render a --scene b.json -o c.png", "--scene"},

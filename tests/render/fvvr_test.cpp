@@ -10,6 +10,7 @@
 #include "measure/metrics.h"
 #include "measure/projective.h"
 #include "platform/ffmpeg_video.h"
+#include "shadow_leak.h"
 
 namespace fourdvt::testing {
 namespace {
@@ -275,6 +276,41 @@ TEST_F(FvvrTest, FragmentThatNoCameraSeesTakesTheBestFacingOne) {
   // Seen from behind, no camera faces it at all.
   const PinholeCamera behind = lookAt({0, 1, -3}, {0, 1, 0}, kSide, kSide, 60);
   EXPECT_EQ(still(behind, pictures).at(32, 32)[3], 255);
+}
+
+// OVH03 5.2.2: a coarse depth map lets the arm's texture fall onto the body beside its outline, a fattened one does
+// not.
+TEST_F(FvvrTest, FattenedDepthMapsLeakNothing) {
+  const ArmScene arm;
+  const OrbitView from_front{.azimuth_deg = 0, .elevation_deg = 10, .target_in_world = {0, 1, 0}};
+  const PinholeCamera camera = cameraFromOrbit(from_front, 720, 960);
+  OrbitView aside = from_front;
+  aside.azimuth_deg = 25, aside.elevation_deg = 35;
+  const PinholeCamera view = cameraFromOrbit(aside, 720, 960);
+  const ViewTruth truth = truthOf(view, camera, arm.topology, arm.positions);
+  const auto leak = [&](render::Visibility visibility, double texels_per_pixel) {
+    auto out = leakOf(*device, view, camera, arm.topology, arm.positions, truth,
+                      {.visibility = visibility, .texels_per_pixel = texels_per_pixel});
+    EXPECT_TRUE(out) << out.error().message;
+    return out.take();
+  };
+  constexpr double kSmall = 1.0 / 3;
+  const Leak none = leak(render::Visibility::None, 1), plain = leak(render::Visibility::Plain, kSmall),
+             offset = leak(render::Visibility::Offset, 1), fattened = leak(render::Visibility::Fattened, 1),
+             small = leak(render::Visibility::Fattened, kSmall);
+  ASSERT_GT(none.hidden, 2000u);
+  ASSERT_GT(none.seen, 20000u);
+  EXPECT_EQ(none.leaked, none.hidden);
+  EXPECT_GT(plain.leaked, plain.hidden / 200);
+  EXPECT_EQ(offset.leaked, 0u);
+  EXPECT_EQ(fattened.leaked, 0u);
+  EXPECT_EQ(small.leaked, 0u);
+  // Only what lies beside the arm's outline and the contours is lost.
+  EXPECT_LT(double(none.lost), 0.01 * double(none.seen));
+  EXPECT_LT(double(fattened.lost), 0.015 * double(fattened.seen));
+  EXPECT_LT(double(small.lost), 0.04 * double(small.seen));
+  EXPECT_EQ(render::Fvvr::create(*device, {&camera, 1}, arm.topology, {.texels_per_pixel = 0}).error().id,
+            ErrorId::InvalidArgument);
 }
 
 TEST_F(FvvrTest, MisuseIsOneError) {
