@@ -134,8 +134,9 @@ export async function firstError(scene) {
 export async function finish(scene, expectedConsole = () => false) {
   const left = await get(scene, async () => {
     globalThis.viewer?.remove();
-    await new Promise((next) => setTimeout(next, 300));
-    return { decoders: globalThis.live.decoders, pictures: globalThis.live.pictures };
+    const { live } = globalThis;
+    for (let i = 0; i < 20 && (i < 1 || live.decoders || live.pictures); ++i) await new Promise((next) => setTimeout(next, 300));
+    return { decoders: live.decoders, pictures: live.pictures };
   });
   assert.deepEqual(left, { decoders: 0, pictures: 0 }, `${scene.name}: everything is closed`);
   const requests = scene.server.requests.length;
