@@ -18,6 +18,7 @@ namespace fourdvt::tools {
 namespace {
 
 constexpr double kSweep_s = 8, kAfterLastCue_s = 4, kScene_s = 6;
+constexpr double kShapeTolerance_px = 2;  // movies have even sizes
 
 // Camera of frame i; called in order, after the ensemble has advanced to it.
 using CameraOf = std::function<PinholeCamera(int frame)>;
@@ -68,15 +69,12 @@ Status writeMovie(const Show& show, const RenderArguments& arguments) {
 
 // Writes frame `arguments.frame` of the show.
 Status writePicture(const Show& show, const RenderArguments& arguments) {
-  Result<Image> picture = Image();
-  for (int i = 0; i <= arguments.frame; ++i) {
-    if (i == arguments.frame)
-      picture = drawFrame(show, i, arguments.recipe);
-    else if (i > 0)
-      FOURDVT_TRY(show.ensemble.advance(1 / show.fps));
-    if (!picture.ok()) return picture.error();
+  for (int i = 0; i < arguments.frame; ++i) {
+    if (i > 0) FOURDVT_TRY(show.ensemble.advance(1 / show.fps));
+    FOURDVT_TRY(show.prepare(i));
   }
-  return platform::writeImage(arguments.output, picture.value(), 95);
+  FOURDVT_ASSIGN(const Image picture, drawFrame(show, arguments.frame, arguments.recipe));
+  return platform::writeImage(arguments.output, picture, 95);
 }
 
 int frameCount(double seconds, double fps) { return std::max(1, static_cast<int>(std::lround(seconds * fps))); }
@@ -161,6 +159,19 @@ std::pair<int, int> sceneSize(const RenderArguments& arguments, const SceneFile&
   return {std::max(2, size.first & ~1), std::max(2, size.second & ~1)};
 }
 
+// The background is stretched over the output, the character is not: their shapes must agree.
+Status checkShape(const SceneFile& file, int width, int height) {
+  for (const PinholeCamera& camera : file.cameras) {
+    if (std::abs(double(width) * camera.height / camera.width - height) <= kShapeTolerance_px) continue;
+    const auto size = [](int w, int h) { return std::to_string(w) + "x" + std::to_string(h); };
+    return Error{ErrorId::InvalidArgument, file.path + ": an output of " + size(width, height) +
+                                               " pixels has another shape than the camera's picture of " +
+                                               size(camera.width, camera.height) +
+                                               ", so that the background would not fit; choose a size of that shape"};
+  }
+  return {};
+}
+
 }  // namespace
 
 Status renderMotion(const RenderArguments& arguments) {
@@ -206,6 +217,7 @@ Status renderScene(const RenderArguments& arguments) {
   FOURDVT_TRY(addMeshes(device, file.occluders, true, scene));
   FOURDVT_TRY(addMeshes(device, file.meshes, false, scene));
   const auto [width, height] = sceneSize(arguments, file, background);
+  if (background.texture()) FOURDVT_TRY(checkShape(file, width, height));
   const double track_s = file.cameras.size() > 1 ? static_cast<double>(file.cameras.size()) / file.fps : kScene_s;
   const double seconds = arguments.seconds > 0 ? arguments.seconds : file.seconds > 0 ? file.seconds : track_s;
   const int frames = arguments.movie() ? frameCount(seconds, file.fps) : arguments.frame + 1;

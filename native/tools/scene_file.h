@@ -2,14 +2,18 @@
 // scene.json: characters composited with a background and its camera track (4DVT step 6). Reads and checks; does NOT
 // draw. Paths in it are relative to the file. World: metres, y up, ground at ground_y.
 //
-//   {"background": "street.jpg" or .mp4,   picture or video that the camera took, undistorted; optional
-//    "camera": "street",                   COLMAP text model with one image per frame, sorted by name, or one image;
-//    else the orbit options "camera_name": "0007",                that image only (without extension), for every frame;
-//    optional "metres_per_unit": 1,                 of the COLMAP model "occluders": ["car.obj"],             hide
-//    characters and show the background; OBJ in metres "meshes": ["floor.obj"],              are drawn: colours "v x y
-//    z r g b", else grey "ground_y": 0, "size": [1280, 720], "fps": 25, "seconds": 6, "characters": [{"src":
-//    "../character", "state": "locomotion", "parameter": {"speed_mps": 2}, "position": [x, z],
+// clang-format off
+//   {"background": "street.jpg",     picture or video (.mp4) that the camera took, undistorted; optional
+//    "camera": "street",             COLMAP text model with one image per frame, sorted by name, or one image; else the orbit options
+//    "camera_name": "0007",          that image only (without extension), for every frame; optional
+//    "metres_per_unit": 1,           of the COLMAP model
+//    "occluders": ["car.obj"],       hide characters and show the background; OBJ in metres
+//    "meshes": ["floor.obj"],        are drawn: colours "v x y z r g b", else grey
+//    "ground_y": 0, "fps": 25, "seconds": 6,
+//    "size": [1280, 720],            with a background, of the shape of the camera's picture
+//    "characters": [{"src": "../character", "state": "locomotion", "parameter": {"speed_mps": 2}, "position": [x, z],
 //                    "heading_deg": 90, "travel": true, "play": ["pickup@1.5"]}]}
+// clang-format on
 #pragma once
 
 #include <optional>

@@ -124,8 +124,8 @@ TEST_F(SceneRendering, MessagesNameTheFile) {
   for (const Wrong& wrong :
        {Wrong{R"(, "background": "none.png")", "", "none.png"}, Wrong{R"(, "occluders": ["none.obj"])", "", "none.obj"},
         Wrong{R"(, "ocluders": [])", "", "ocluders"}, Wrong{R"(, "size": [64])", "", "size"},
-        Wrong{R"(, "fps": "fast")", "", "fps"}, Wrong{"", R"(, "state": "fly")", "turn"},
-        Wrong{"", R"(, "play": ["turn@soon"])", "turn@soon"},
+        Wrong{R"(, "background": "sky.png", "size": [64, 32])", "", "64x32"}, Wrong{R"(, "fps": "fast")", "", "fps"},
+        Wrong{"", R"(, "state": "fly")", "turn"}, Wrong{"", R"(, "play": ["turn@soon"])", "turn@soon"},
         Wrong{"", R"(, "parameter": {"speed_mps": 2})", "speed_mps"}, Wrong{"", R"(, "position": [1])", "position"}}) {
     const Outcome outcome =
         fourdvt("render --scene " + scene(wrong.members, wrong.character) + " -o " + folder_ + "/x.png");
