@@ -95,6 +95,7 @@ export class FourdvtViewer extends HTMLElement {
   #size = { width: 1, height: 1 };
   #visible = true;
   #sinceInteraction = Infinity;
+  #turns = false; // by keys or joystick
   #uploadPath: UploadPath = 'auto';
   #error: ErrorDetail | null = null;
   #loading = false;
@@ -280,7 +281,10 @@ export class FourdvtViewer extends HTMLElement {
     this.#motion = new MotionControls(this.#overlay.stage, this.#overlay.joystick, {
       steers: () => this.hasAttribute('motion-controls'),
       act: () => this.#act(),
-      onInteract: () => this.#session?.wake(),
+      onInteract: () => {
+        this.#steer(0); // at once: a frame later the character has turned on by some degrees
+        this.#session?.wake();
+      },
     });
     const back = this.#loaded !== null && this.#loaded === this.src;
     if (!back) this.#applyCamera();
@@ -458,7 +462,10 @@ export class FourdvtViewer extends HTMLElement {
   #steer(dtS: number): boolean {
     const wish = this.#motion?.steering;
     if (!wish || this.paused) return false;
-    if (wish.turn) this.heading = this.heading - STEER_DEG * wish.turn;
+    const { heading } = this;
+    if (wish.turn) this.heading = heading - STEER_DEG * wish.turn;
+    else if (this.#turns) this.heading = heading; // let go: no further
+    this.#turns = wish.turn !== 0;
     const parameter = this.parameters[0];
     if (parameter && (wish.change || wish.level !== null)) {
       const { name, min, max } = parameter;

@@ -50,6 +50,7 @@ export class MotionControls {
     this.#abort.abort();
     this.#held.clear();
     this.#stick = null;
+    this.#knob.style.transform = '';
   }
 
   get steering(): Steering | null {
