@@ -46,7 +46,7 @@ class GltfBytes {
   static Result<GltfBytes> open(std::string_view json, std::string_view glb_buffer, const std::string& path);
 
   const Json& root() const { return root_; }
-  // What the file and the buffers that were used so far take, in bytes.
+  // Bytes of the file and of the buffers that were used so far.
   uint64_t size() const { return size_; }
   Error error(const std::string& what) const;        // FileUnreadable
   Error unsupported(const std::string& what) const;  // Unsupported

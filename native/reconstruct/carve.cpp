@@ -218,8 +218,7 @@ Result<SparseDistance> carve(std::span<const CarvingView> views, double voxel_m)
       SparseDistance::Block& block = out.blocks[b];
       block.at = cells.at[b] * kBlock;
       for (size_t i = 0; i < block.values.size(); ++i) {
-        const glm::ivec3 voxel = block.at + glm::ivec3(int(i >> 6), int(i >> 3 & 7), int(i & 7));
-        block.values[i] = carver.distanceAt(glm::dvec3(voxel) * voxel_m, out.band_m);
+        block.values[i] = carver.distanceAt(glm::dvec3(voxelOf(block, i)) * voxel_m, out.band_m);
         holds[b] |= block.values[i] > -out.band_m;
       }
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fewer points for rings that do not cross.
+// Leaves out points of rings, so that no ring comes to cross itself or another.
 #pragma once
 
 #include "reconstruct/contour.h"

@@ -27,6 +27,11 @@ struct SparseDistance {
 };
 using BlockValues = decltype(SparseDistance::Block::values);
 
+// The voxel of value `i` of a block.
+inline glm::ivec3 voxelOf(const SparseDistance::Block& block, size_t i) {
+  return block.at + glm::ivec3(int(i >> 6), int(i >> 3 & 7), int(i & 7));
+}
+
 // Different for different blocks within a million voxels of the origin.
 inline uint64_t blockKey(const glm::ivec3& at) {
   constexpr uint64_t kMask = (1u << 21) - 1;

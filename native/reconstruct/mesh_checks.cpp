@@ -19,7 +19,7 @@ Triangle corners(const TriangleMesh& mesh, uint32_t face) {
   return {glm::dvec3(mesh.positions[f.x]), glm::dvec3(mesh.positions[f.y]), glm::dvec3(mesh.positions[f.z])};
 }
 
-// Directed edges from lower to higher vertex and back must pair up.
+// Each edge must have two faces, which pass it in opposite directions.
 void checkEdges(const TriangleMesh& mesh, MeshReport& report) {
   struct Directed {
     uint64_t ends;  // the lower vertex in the upper half

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "look_at.h"
 #include "reconstruct/contour.h"
 #include "reconstruct/polyhedral_hull.h"
 #include "reconstruct/silhouette.h"
@@ -60,19 +61,7 @@ inline Shape either(Shape a, Shape b) {
 
 inline PinholeCamera lookingAt(const glm::dvec3& target, const glm::dvec3& from, int width = 320, int height = 240,
                                double focal_px = 300) {
-  PinholeCamera camera;
-  camera.width = width;
-  camera.height = height;
-  camera.fx = camera.fy = focal_px;
-  camera.cx = width / 2.0;
-  camera.cy = height / 2.0;
-  const glm::dvec3 forward = glm::normalize(target - from);
-  const glm::dvec3 up = std::abs(forward.y) > 0.99 ? glm::dvec3(0, 0, 1) : glm::dvec3(0, 1, 0);
-  const glm::dvec3 right = glm::normalize(glm::cross(forward, up)), down = glm::cross(forward, right);
-  const glm::dmat3 cam_from_world = glm::transpose(glm::dmat3(right, down, forward));
-  camera.cam_from_world = glm::dmat4(cam_from_world);
-  camera.cam_from_world[3] = glm::dvec4(-(cam_from_world * from), 1);
-  return camera;
+  return testing::lookAt(from, target, width, height, focal_px);
 }
 
 inline glm::dvec3 rayInWorld(const PinholeCamera& camera, const glm::dvec2& pixel) {

@@ -282,7 +282,7 @@ export class FourdvtViewer extends HTMLElement {
       steers: () => this.hasAttribute('motion-controls'),
       act: () => this.#act(),
       onInteract: () => {
-        this.#steer(0); // at once: a frame later the character has turned on by some degrees
+        this.#stopTurning(); // at once: a frame later the character has turned on by some degrees
         this.#session?.wake();
       },
     });
@@ -462,10 +462,12 @@ export class FourdvtViewer extends HTMLElement {
   #steer(dtS: number): boolean {
     const wish = this.#motion?.steering;
     if (!wish || this.paused) return false;
-    const { heading } = this;
-    if (wish.turn) this.heading = heading - STEER_DEG * wish.turn;
-    else if (this.#turns) this.heading = heading; // let go: no further
-    this.#turns = wish.turn !== 0;
+    if (wish.turn) {
+      this.heading = this.heading - STEER_DEG * wish.turn;
+      this.#turns = true;
+    } else {
+      this.#stopTurning();
+    }
     const parameter = this.parameters[0];
     if (parameter && (wish.change || wish.level !== null)) {
       const { name, min, max } = parameter;
@@ -477,6 +479,14 @@ export class FourdvtViewer extends HTMLElement {
       }
     }
     return wish.turn !== 0 || wish.change !== 0 || wish.level !== null;
+  }
+
+  // The heading that was wanted lies ahead: once keys and joystick are let go, it is the present one.
+  #stopTurning(): void {
+    if (!this.#turns || this.#motion?.steering?.turn) return;
+    this.#turns = false;
+    const { heading } = this;
+    this.heading = heading;
   }
 
   // Space plays the motion named by the attribute `action`, or else the first one that does not loop.

@@ -103,8 +103,7 @@ FusedDistance fuseDepths(const SparseDistance& hull, std::span<const DepthMap> m
         float& value = block.values[i];
         out.trust[b][i] = 0;
         if (value <= -hull.band_m) continue;
-        const glm::ivec3 voxel = block.at + glm::ivec3(i >> 6, i >> 3 & 7, i & 7);
-        const glm::vec3 point(hull.origin_in_world + glm::dvec3(voxel) * hull.voxel_m);
+        const glm::vec3 point(hull.origin_in_world + glm::dvec3(voxelOf(block, i)) * hull.voxel_m);
         value = std::clamp(fused(at, point, value, options, evidence, out.trust[b][i]), -hull.band_m, hull.band_m);
       }
     }

@@ -84,9 +84,7 @@ void SteadyDistance::blend(std::span<const Image> pictures, std::span<const Dept
                                : found->second      ? found->second->values[i]
                                                     : distance.band_m;
           if (before == block.values[i]) continue;
-          const glm::vec3 point(distance.origin_in_world +
-                                glm::dvec3(block.at + glm::ivec3(int(i >> 6), int(i >> 3 & 7), int(i & 7))) *
-                                    distance.voxel_m);
+          const glm::vec3 point(distance.origin_in_world + glm::dvec3(voxelOf(block, i)) * distance.voxel_m);
           const float kept = kept_ * (1 - changeAt(cameras, point));
           block.values[i] += kept * (before - block.values[i]);
         }
