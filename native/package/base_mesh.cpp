@@ -31,6 +31,8 @@ bool attributeValues(const draco::PointAttribute& attribute, std::vector<Vec>& o
   return true;
 }
 
+}  // namespace
+
 bool mappingInRange(const draco::PointAttribute& attribute, uint32_t point_count) {
   if (!attribute.is_mapping_identity() && attribute.indices_map_size() < point_count) return false;
   for (uint32_t p = 0; p < point_count; ++p) {
@@ -38,8 +40,6 @@ bool mappingInRange(const draco::PointAttribute& attribute, uint32_t point_count
   }
   return true;
 }
-
-}  // namespace
 
 std::unique_ptr<draco::Mesh> decodeDracoMesh(std::span<const uint8_t> bytes, uint32_t max_faces) {
   if (!looksLikeMesh(bytes, max_faces)) return nullptr;

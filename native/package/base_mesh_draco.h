@@ -11,6 +11,8 @@ namespace fourdvt::package {
 
 // Null if the bytes are not an edgebreaker mesh that decodes.
 std::unique_ptr<draco::Mesh> decodeDracoMesh(std::span<const uint8_t> bytes, uint32_t max_faces = kMaxFaces);
+// Whether every point has a value of the attribute.
+bool mappingInRange(const draco::PointAttribute& attribute, uint32_t point_count);
 // Checks attributes, mappings and finiteness. Errors: MeshDataInvalid.
 Result<BaseMesh> baseMeshFromDraco(const draco::Mesh& mesh);
 

@@ -16,14 +16,21 @@
 namespace fourdvt::package {
 
 constexpr const char* kExtensionName = "FOURDVT_layered_video_texture";
-constexpr int kFormatVersion = 1;
+constexpr int kFormatVersion = 1;        // of a character from layers
+constexpr int kCameraFormatVersion = 2;  // of a character from cameras
 constexpr int kMaxLayers = 6;
 constexpr int kMaxCameras = 31;  // a face's camera set is a 32-bit mask
 constexpr int kMaxPictureSide = 4096;
+constexpr int kMaxLayoutSide = 8192;
 constexpr uint8_t kNoCamera = 255;  // label: no camera at this rank
 constexpr int kMaxMembers = 4;      // motions of a class
 constexpr int kMaxReferences = 32;  // corrections of a class's mesh blend
 constexpr int kMaxParameters = 2;
+
+// What a character's surface is textured from. Layers: pictures in the UV space of a mesh of constant topology, baked
+// from the cameras that the labels name. Cameras: the cameras' own pictures, chosen and blended while it plays; every
+// frame may have another topology.
+enum class AppearanceKind { Layers, Cameras };
 
 struct Rect {
   int x = 0, y = 0, width = 0, height = 0;  // texels of the tiled picture, origin top left
@@ -41,8 +48,9 @@ struct Rendition {
   uint64_t video_bytes = 0;   // length of the file
   std::string codec;          // RFC 6381, e.g. "avc1.640028"
   int width = 0, height = 0;  // tiled picture, even
-  std::vector<Rect> layers;   // [member][layer], squares; a plain sequence has one member
+  std::vector<Rect> layers;   // [member][layer], squares; a plain sequence has one member; empty: from cameras
   BarcodeStrip barcode;
+  Rect tiles;  // from cameras: where the sequence's layout lies, scaled
 };
 
 // One motion of a class, warped to the class's common time. The member of a plain sequence is the sequence itself.
@@ -84,24 +92,36 @@ struct Sequence {
   uint32_t reference_count = 0;  // corrections of the mesh blend per frame
   // Correlation of the aligned members' detail, 0..1. It tells how much contrast their blend loses; 1: none.
   float detail_correlation = 1;
+  int layout_width = 0, layout_height = 0;  // from cameras: texels of the layout that tiles are placed in
   bool isClass() const { return members.size() > 1; }
   double duration_s() const { return frame_count / fps; }
+};
+
+// The room that the performer was filmed in, as a box that is seen from inside, and one picture of its faces.
+struct Room {
+  BoundingBox box;          // metres, world of the cameras
+  std::string picture_uri;  // PNG or JPEG; empty: there is no room
+  uint64_t picture_bytes = 0, picture_hash = 0;
+  int width = 0, height = 0;  // of the picture
+  std::array<Rect, 6> faces;  // in the picture, in the order of roomPoint (package/room_faces.h)
 };
 
 struct Character {
   std::string name;
   int version = kFormatVersion;
-  int layer_count = 0;
-  uint32_t vertex_count = 0, face_count = 0;  // of the decoded base mesh
-  std::vector<PinholeCamera> cameras;         // label k is cameras[k]
+  AppearanceKind appearance = AppearanceKind::Layers;
+  int layer_count = 0;                        // from cameras: 0
+  uint32_t vertex_count = 0, face_count = 0;  // of the decoded base mesh; from cameras: the most that any frame has
+  std::vector<PinholeCamera> cameras;         // label k is cameras[k], and so is tile k
   BoundingBox bounds;                         // over all frames of all sequences
   double ground_y_m = 0;
-  std::string mesh_uri;  // file that holds the Draco base mesh
+  std::string mesh_uri;  // file that holds the Draco base mesh; from cameras: the first surface, which no player needs
   uint64_t mesh_offset = 0, mesh_bytes = 0;
   uint64_t mesh_hash = 0;  // of these bytes (base/hash.h)
   std::string poster_uri;
   std::string graph_uri;  // motion graph (motion/motion_graph.h); empty: none
   uint64_t graph_bytes = 0, graph_hash = 0;
+  Room room;
   std::vector<Sequence> sequences;
 
   const Sequence* find(const std::string& sequence_name) const;

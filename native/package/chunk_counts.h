@@ -18,6 +18,11 @@ bool validCounts(const Counts& counts) {
          (counts.alignment_count == 0 || counts.alignment_count == counts.member_count - 1);
 }
 
+// Of a camera stream (surface_chunk.h): its chunks hold surfaces, which have no layers and no members to blend.
+inline bool isCameraStream(const StreamIndex& index) {
+  return index.layer_count == 0 && index.member_count == 1 && index.reference_count == 0 && index.alignment_count == 0;
+}
+
 // Coded parts of a chunk, each with its length at the chunk's beginning (FORMAT.md): a member's positions, its labels,
 // the next member's …, offsets, alignment.
 template <class Counts>
@@ -25,10 +30,12 @@ uint32_t partCount(const Counts& counts) {
   return 2 * counts.member_count + counts.reference_count + counts.alignment_count;
 }
 
-// What one decoded frame takes: ChunkFrames::bytes() of a chunk, by its counts.
+// What one decoded frame takes: ChunkFrames::bytes() of a chunk, by its counts; of a camera stream, positions and
+// faces, as if every frame had its own.
 template <class Counts>
 uint64_t decodedFrameBytes(const Counts& counts) {
   const uint64_t vertices = counts.vertex_count, faces = counts.face_count;
+  if (counts.layer_count == 0) return 12 * (vertices + faces);
   return counts.member_count * (vertices * sizeof(glm::ivec3) + counts.layer_count * faces + sizeof(glm::vec3)) +
          counts.reference_count * vertices * sizeof(glm::ivec3) +
          counts.alignment_count * vertices * sizeof(glm::ivec2);

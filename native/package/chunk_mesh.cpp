@@ -107,10 +107,14 @@ std::vector<glm::ivec3> lattice(const Positions& positions) {
 }  // namespace
 
 ChunkMesh makeChunkMesh(const BaseMesh& mesh) {
+  return makeChunkMesh(mesh.topology.face_vertices, lattice(mesh.positions));
+}
+
+ChunkMesh makeChunkMesh(const std::vector<glm::uvec3>& faces, std::vector<glm::ivec3> base) {
   ChunkMesh out;
-  out.face_neighbours.assign(mesh.topology.face_vertices.size(), {kNoFace, kNoFace, kNoFace});
-  out.base = lattice(mesh.positions);
-  const std::vector<Edge> edges = sortedEdges(mesh.topology.face_vertices);
+  out.face_neighbours.assign(faces.size(), {kNoFace, kNoFace, kNoFace});
+  out.base = std::move(base);
+  const std::vector<Edge> edges = sortedEdges(faces);
   linkFaces(edges, out);
   const Adjacency adjacency = vertexAdjacency(edges, out.vertexCount());
   out.earlier_first.push_back(0);

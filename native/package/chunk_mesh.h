@@ -32,5 +32,7 @@ struct ChunkMesh {
 
 // Time and memory are linear in the counts whatever the topology.
 ChunkMesh makeChunkMesh(const BaseMesh& mesh);
+// The same of any faces; base: [vertex] as ChunkMesh::base, of any scale.
+ChunkMesh makeChunkMesh(const std::vector<glm::uvec3>& faces, std::vector<glm::ivec3> base);
 
 }  // namespace fourdvt::package

@@ -12,7 +12,7 @@ constexpr double kMaxFrames = 1 << 20;
 constexpr double kMaxBytes = 9007199254740992.0;  // 2^53, exact in JSON
 constexpr double kMaxHeaderBytes = 64 << 20;
 constexpr int kMaxSequences = 256, kMaxRenditions = 16;
-constexpr double kMaxGraphBytes = 64 << 20;
+constexpr double kMaxMeshBytes = 1 << 28, kMaxGraphBytes = 64 << 20, kMaxRoomBytes = 16 << 20;
 
 bool isRigid(const glm::dmat4& m) {
   const glm::dmat3 r(m);
@@ -44,7 +44,20 @@ bool inside(const Rect& r, int width, int height) {
   return r.width > 0 && r.height > 0 && r.x + r.width <= width && r.y + r.height <= height;
 }
 
-Rendition readRendition(FieldReader& in, const std::string& at, int square_count) {
+std::vector<Rect> readLayers(FieldReader& in, const std::string& at, int count, const Rendition& rendition) {
+  std::vector<Rect> layers;
+  const int squares = in.arraySize(at, count, count);
+  for (int l = 0; l < squares; ++l) {
+    const Rect r = in.rect(item(at, l));
+    if (!inside(r, rendition.width, rendition.height) || r.width != r.height)
+      in.fail(at, "must be squares inside the picture");
+    layers.push_back(r);
+  }
+  return layers;
+}
+
+// layer_count: of all members; 0: from cameras.
+Rendition readRendition(FieldReader& in, const std::string& at, int layer_count) {
   Rendition rendition;
   rendition.video_uri = in.uri(at + "/uri");
   rendition.video_bytes = uint64_t(in.integer(at + "/byteLength", 1, kMaxBytes));
@@ -52,13 +65,12 @@ Rendition readRendition(FieldReader& in, const std::string& at, int square_count
   rendition.width = int(in.integer(at + "/width", 2, kMaxPictureSide));
   rendition.height = int(in.integer(at + "/height", 2, kMaxPictureSide));
   if (rendition.width % 2 || rendition.height % 2) in.fail(at, "width and height must be even");
-  const int squares = in.arraySize(at + "/layers", square_count, square_count);
-  for (int l = 0; l < squares; ++l) {
-    const Rect r = in.rect(item(at + "/layers", l));
-    if (!inside(r, rendition.width, rendition.height) || r.width != r.height) {
-      in.fail(at + "/layers", "must be squares inside the picture");
-    }
-    rendition.layers.push_back(r);
+  if (layer_count > 0) {
+    rendition.layers = readLayers(in, at + "/layers", layer_count, rendition);
+  } else {
+    rendition.tiles = in.rect(at + "/tiles");
+    if (!inside(rendition.tiles, rendition.width, rendition.height))
+      in.fail(at + "/tiles", "must lie inside the picture");
   }
   rendition.barcode.rect = in.rect(at + "/barcode/rect");
   rendition.barcode.cell_size = int(in.integer(at + "/barcode/cellSize", 2, 64));
@@ -69,6 +81,41 @@ Rendition readRendition(FieldReader& in, const std::string& at, int square_count
   return rendition;
 }
 
+// What a file, or a part of one, is named, how long it is, and what its bytes hash to.
+void readFileOf(FieldReader& in, const std::string& at, double max_bytes, std::string& uri, uint64_t& bytes,
+                uint64_t& hash) {
+  uri = in.uri(at + "/uri");
+  bytes = uint64_t(in.integer(at + "/byteLength", 1, max_bytes));
+  hash = in.hash(at + "/hash");
+}
+
+BoundingBox readBox(FieldReader& in, const std::string& at) {
+  const BoundingBox box{glm::vec3(in.vec3(at + "/min")), glm::vec3(in.vec3(at + "/max"))};
+  if (!glm::all(glm::lessThanEqual(box.min, box.max))) in.fail(at, "has min above max");
+  return box;
+}
+
+void readRoom(FieldReader& in, const std::string& at, Room& room) {
+  readFileOf(in, at, kMaxRoomBytes, room.picture_uri, room.picture_bytes, room.picture_hash);
+  room.width = int(in.integer(at + "/width", 1, kMaxPictureSide));
+  room.height = int(in.integer(at + "/height", 1, kMaxPictureSide));
+  room.box = readBox(in, at);
+  in.arraySize(at + "/faces", 6, 6);
+  for (int f = 0; f < 6; ++f) {
+    Rect& face = room.faces[size_t(f)] = in.rect(item(at + "/faces", f));
+    if (!inside(face, room.width, room.height)) in.fail(at + "/faces", "must lie inside the picture");
+  }
+}
+
+// What a sequence from cameras has instead of members.
+void readLayout(FieldReader& in, const std::string& at, Sequence& s) {
+  if (in.has(at + "/members")) in.fail(at + "/members", "cannot be: a character from cameras has no classes");
+  in.arraySize(at + "/layout", 2, 2);
+  s.layout_width = int(in.integer(at + "/layout/0", 1, kMaxLayoutSide));
+  s.layout_height = int(in.integer(at + "/layout/1", 1, kMaxLayoutSide));
+}
+
+// layer_count: 0: from cameras.
 Sequence readSequence(FieldReader& in, const std::string& at, int layer_count) {
   Sequence s;
   s.name = in.text(at + "/name", 128);
@@ -81,6 +128,7 @@ Sequence readSequence(FieldReader& in, const std::string& at, int layer_count) {
   s.stream_header_bytes = uint32_t(in.integer(at + "/stream/headerLength", 1, kMaxHeaderBytes));
   s.stream_header_hash = in.hash(at + "/stream/headerHash");
   if (s.stream_header_bytes > s.stream_bytes) in.fail(at + "/stream/headerLength", "exceeds the stream");
+  if (layer_count == 0) readLayout(in, at, s);
   readMembers(in, at, s);
   const int squares = int(s.members.size()) * layer_count;
   const int renditions = in.arraySize(at + "/renditions", 1, kMaxRenditions);
@@ -92,22 +140,21 @@ Sequence readSequence(FieldReader& in, const std::string& at, int layer_count) {
 
 void readCharacter(FieldReader& in, const std::string& at, Character& c) {
   c.name = in.text(at + "/name", 128);
-  c.layer_count = int(in.integer(at + "/layerCount", 1, kMaxLayers));
+  if (c.version == kCameraFormatVersion) {
+    c.appearance = AppearanceKind::Cameras;
+    if (in.text(at + "/appearance", 64) != "cameras") in.fail(at + "/appearance", "must be \"cameras\" in version 2");
+    if (in.has(at + "/graph")) in.fail(at + "/graph", "cannot be: a character from cameras has no motion graph");
+  } else {
+    c.layer_count = int(in.integer(at + "/layerCount", 1, kMaxLayers));
+  }
   c.vertex_count = uint32_t(in.integer(at + "/vertexCount", 3, kMaxCount));
   c.face_count = uint32_t(in.integer(at + "/faceCount", 1, kMaxCount));
-  c.mesh_uri = in.uri(at + "/mesh/uri");
+  readFileOf(in, at + "/mesh", kMaxMeshBytes, c.mesh_uri, c.mesh_bytes, c.mesh_hash);
   c.mesh_offset = uint64_t(in.integer(at + "/mesh/byteOffset", 0, kMaxBytes));
-  c.mesh_bytes = uint64_t(in.integer(at + "/mesh/byteLength", 1, 1 << 28));
-  c.mesh_hash = in.hash(at + "/mesh/hash");
   c.poster_uri = in.uri(at + "/poster/uri");
-  if (in.has(at + "/graph")) {
-    c.graph_uri = in.uri(at + "/graph/uri");
-    c.graph_bytes = uint64_t(in.integer(at + "/graph/byteLength", 1, kMaxGraphBytes));
-    c.graph_hash = in.hash(at + "/graph/hash");
-  }
-  c.bounds.min = glm::vec3(in.vec3(at + "/bounds/min"));
-  c.bounds.max = glm::vec3(in.vec3(at + "/bounds/max"));
-  if (!glm::all(glm::lessThanEqual(c.bounds.min, c.bounds.max))) in.fail(at + "/bounds", "has min above max");
+  if (in.has(at + "/graph")) readFileOf(in, at + "/graph", kMaxGraphBytes, c.graph_uri, c.graph_bytes, c.graph_hash);
+  if (in.has(at + "/room")) readRoom(in, at + "/room", c.room);
+  c.bounds = readBox(in, at + "/bounds");
   c.ground_y_m = in.number(at + "/groundY", -kMaxMetres, kMaxMetres);
   const int cameras = in.arraySize(at + "/cameras", 1, kMaxCameras);
   for (int k = 0; k < cameras; ++k) c.cameras.push_back(readCamera(in, item(at + "/cameras", k)));
@@ -141,7 +188,7 @@ Result<Character> readManifest(const FlatJson& gltf) {
   FieldReader in(gltf);
   Character character;
   character.version = int(in.integer(at + "/version", 1, 1 << 20));
-  if (in.ok() && character.version > kFormatVersion) {
+  if (in.ok() && character.version > kCameraFormatVersion) {
     return Error{ErrorId::Unsupported, "character.gltf: format version " + std::to_string(character.version) +
                                            " is newer than this player; update the player"};
   }

@@ -11,7 +11,7 @@ namespace fourdvt::package {
 namespace {
 
 constexpr uint32_t kMagic = 0x53564434;  // "4DVS"
-constexpr uint16_t kVersion = 4;
+constexpr uint16_t kVersion = 4, kCameraVersion = 5;
 constexpr uint32_t kKeyBit = 0x80000000u;
 constexpr uint32_t kMaxFrames = 1u << 20, kMaxCount = 1u << 22, kMaxChunkFrames = 65535, kMaxRenditions = 16;
 constexpr uint64_t kMaxOffset = 1ull << 53;
@@ -100,7 +100,7 @@ Status readCounts(ByteReader& in, StreamIndex& index, size_t span_bytes) {
     return Error{ErrorId::Unsupported, "stream header: version " + std::to_string(version) +
                                            " of an earlier fourdvt; bake the character again"};
   }
-  if (version > kVersion) return Error{ErrorId::Unsupported, "stream header: unknown version; update the player"};
+  if (version > kCameraVersion) return Error{ErrorId::Unsupported, "stream header: unknown version; update the player"};
   if (in.u32() != span_bytes) return invalid("length differs from the manifest's");
   index.frame_count = in.u32();
   index.vertex_count = in.u32();
@@ -115,7 +115,7 @@ Status readCounts(ByteReader& in, StreamIndex& index, size_t span_bytes) {
   if (!in.ok()) return invalid("truncated");
   const bool counts_ok = index.frame_count >= 1 && index.frame_count <= kMaxFrames && index.vertex_count >= 3 &&
                          index.vertex_count <= kMaxCount && index.face_count >= 1 && index.face_count <= kMaxCount &&
-                         validCounts(index);
+                         (version == kCameraVersion ? isCameraStream(index) : validCounts(index));
   if (!counts_ok) return invalid("counts out of range");
   const glm::vec3& o = index.position_origin;
   if (!std::isfinite(o.x) || !std::isfinite(o.y) || !std::isfinite(o.z) || !(index.position_step_m > 0) ||
@@ -174,7 +174,7 @@ std::vector<uint8_t> writeStreamHeader(const StreamIndex& index) {
   for (const SampleTable& table : index.renditions) writeRendition(body, table, index.chunks);
   ByteWriter out;
   out.u32(kMagic);
-  out.u16(kVersion);
+  out.u16(index.layer_count == 0 ? kCameraVersion : kVersion);
   out.u16(0);
   out.u32(static_cast<uint32_t>(12 + body.size()));
   out.bytes(body.data());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The per-motion stream (.bin): header, index of chunks, sample tables of every rendition; then one chunk per GOP
-// with vertex positions and labels. Byte layout: FORMAT.md. The reader takes only what the header span holds; the
-// chunks are fetched by range.
+// with vertex positions and labels, or, of a character from cameras, with surfaces (surface_chunk.h). Byte layout:
+// FORMAT.md. The reader takes only what the header span holds; the chunks are fetched by range.
 #pragma once
 
 #include <cstdint>
@@ -42,6 +42,7 @@ struct SampleTable {                         // one rendition
 };
 
 struct StreamIndex {
+  // layer_count 0: a camera stream, whose vertex and face counts are the most that any frame has.
   uint32_t frame_count = 0, vertex_count = 0, face_count = 0, layer_count = 0;
   uint32_t member_count = 1, reference_count = 0;
   uint32_t alignment_count = 0;  // member_count - 1, or 0: not aligned

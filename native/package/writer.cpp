@@ -54,17 +54,18 @@ Value cameraValue(const PinholeCamera& camera) {
 }
 
 Value renditionValue(const Rendition& rendition) {
-  Value::Array layers;
-  for (const Rect& r : rendition.layers) layers.push_back(rect(r));
   const Value barcode(
       Value::Object{{"rect", rect(rendition.barcode.rect)}, {"cellSize", number(rendition.barcode.cell_size)}});
-  return Value(Value::Object{{"uri", Value(rendition.video_uri)},
-                             {"byteLength", number(double(rendition.video_bytes))},
-                             {"codec", Value(rendition.codec)},
-                             {"width", number(rendition.width)},
-                             {"height", number(rendition.height)},
-                             {"layers", Value(layers)},
-                             {"barcode", barcode}});
+  Value::Object out{{"uri", Value(rendition.video_uri)},  {"byteLength", number(double(rendition.video_bytes))},
+                    {"codec", Value(rendition.codec)},    {"width", number(rendition.width)},
+                    {"height", number(rendition.height)}, {"barcode", barcode}};
+  Value::Array layers;
+  for (const Rect& r : rendition.layers) layers.push_back(rect(r));
+  if (layers.empty())
+    out["tiles"] = rect(rendition.tiles);
+  else
+    out["layers"] = Value(layers);
+  return Value(out);
 }
 
 Value memberValue(const Member& member) {
@@ -107,8 +108,24 @@ Value sequenceValue(const Sequence& s) {
       {"name", Value(s.name)},          {"frameCount", number(s.frame_count)},       {"fps", number(s.fps)},
       {"loop", Value(s.loop)},          {"rootVelocity", vec3(s.root_velocity_mps)}, {"stream", stream},
       {"renditions", Value(renditions)}};
-  addMembers(s, out);
+  if (s.layout_width > 0)
+    out["layout"] = numbers(std::initializer_list<double>{double(s.layout_width), double(s.layout_height)});
+  else
+    addMembers(s, out);
   return Value(out);
+}
+
+Value roomValue(const Room& room) {
+  Value::Array faces;
+  for (const Rect& face : room.faces) faces.push_back(rect(face));
+  return Value(Value::Object{{"min", vec3(room.box.min)},
+                             {"max", vec3(room.box.max)},
+                             {"uri", Value(room.picture_uri)},
+                             {"byteLength", number(double(room.picture_bytes))},
+                             {"hash", hashValue(room.picture_hash)},
+                             {"width", number(room.width)},
+                             {"height", number(room.height)},
+                             {"faces", Value(faces)}});
 }
 
 Value extensionValue(const Character& c) {
@@ -122,7 +139,6 @@ Value extensionValue(const Character& c) {
   const Value bounds(Value::Object{{"min", vec3(c.bounds.min)}, {"max", vec3(c.bounds.max)}});
   Value::Object out{{"version", number(c.version)},
                     {"name", Value(c.name)},
-                    {"layerCount", number(c.layer_count)},
                     {"vertexCount", number(c.vertex_count)},
                     {"faceCount", number(c.face_count)},
                     {"mesh", mesh},
@@ -131,10 +147,15 @@ Value extensionValue(const Character& c) {
                     {"groundY", number(c.ground_y_m)},
                     {"cameras", Value(cameras)},
                     {"sequences", Value(sequences)}};
+  if (c.appearance == AppearanceKind::Cameras)
+    out["appearance"] = Value(std::string("cameras"));
+  else
+    out["layerCount"] = number(c.layer_count);
   if (!c.graph_uri.empty()) {
     out["graph"] = Value(Value::Object{
         {"uri", Value(c.graph_uri)}, {"byteLength", number(double(c.graph_bytes))}, {"hash", hashValue(c.graph_hash)}});
   }
+  if (!c.room.picture_uri.empty()) out["room"] = roomValue(c.room);
   return Value(out);
 }
 
@@ -165,19 +186,32 @@ void addMesh(tinygltf::Model& model, const ManifestInput& in) {
     model.accessors[position].maxValues.push_back(mesh.point_bounds.max[i]);
   }
   primitive.attributes["POSITION"] = position;
-  primitive.attributes["TEXCOORD_0"] =
-      addAccessor(model, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2, mesh.point_count);
-  const Value attributes(
-      Value::Object{{"POSITION", Value(mesh.position_attribute)}, {"TEXCOORD_0", Value(mesh.uv_attribute)}});
+  Value::Object attributes{{"POSITION", Value(mesh.position_attribute)}};
+  if (mesh.uv_attribute >= 0) {
+    primitive.attributes["TEXCOORD_0"] =
+        addAccessor(model, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2, mesh.point_count);
+    attributes["TEXCOORD_0"] = Value(mesh.uv_attribute);
+  }
   primitive.extensions["KHR_draco_mesh_compression"] =
-      Value(Value::Object{{"bufferView", Value(0)}, {"attributes", attributes}});
+      Value(Value::Object{{"bufferView", Value(0)}, {"attributes", Value(attributes)}});
   tinygltf::Mesh gltf_mesh;
   gltf_mesh.name = in.character.name;
   gltf_mesh.primitives.push_back(primitive);
   model.meshes.push_back(gltf_mesh);
 }
 
+// The still; without one the mesh has no texture coordinates and is plain grey.
 void addMaterial(tinygltf::Model& model, const std::string& texture_uri) {
+  tinygltf::Material material;
+  material.name = "still";
+  material.pbrMetallicRoughness.metallicFactor = 0;
+  material.pbrMetallicRoughness.roughnessFactor = 1;
+  material.extensions["KHR_materials_unlit"] = Value(Value::Object{});
+  if (texture_uri.empty()) {
+    material.pbrMetallicRoughness.baseColorFactor = {0.5, 0.5, 0.5, 1};
+    model.materials.push_back(material);
+    return;
+  }
   tinygltf::Image image;
   image.uri = texture_uri;
   model.images.push_back(image);
@@ -190,12 +224,7 @@ void addMaterial(tinygltf::Model& model, const std::string& texture_uri) {
   texture.source = 0;
   texture.sampler = 0;
   model.textures.push_back(texture);
-  tinygltf::Material material;
-  material.name = "still";
   material.pbrMetallicRoughness.baseColorTexture.index = 0;
-  material.pbrMetallicRoughness.metallicFactor = 0;
-  material.pbrMetallicRoughness.roughnessFactor = 1;
-  material.extensions["KHR_materials_unlit"] = Value(Value::Object{});
   model.materials.push_back(material);
 }
 

@@ -11,7 +11,8 @@ namespace fourdvt::package {
 struct ManifestInput {
   Character character;  // all fields set; mesh_uri names the .bin file that will hold `mesh.bytes`
   const EncodedBaseMesh* mesh = nullptr;
-  std::string texture_uri;  // UV-space still (JPEG) for plain glTF viewers; layer 1 of the first frame
+  std::string texture_uri;  // UV-space still (JPEG) for plain glTF viewers; layer 1 of the first frame; empty: a mesh
+                            // without UVs
   std::string generator;    // "fourdvt X.Y"
   std::string copyright;    // credits, may be empty
 };

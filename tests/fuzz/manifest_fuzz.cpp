@@ -36,6 +36,16 @@ void checkUri(const std::string& uri) {
   require(!uri.empty() && uri[0] != '/' && uri.find(':') == std::string::npos && uri.find("../") == std::string::npos);
 }
 
+void checkRoom(const Room& room) {
+  checkUri(room.picture_uri);
+  require(room.width >= 1 && room.width <= kMaxPictureSide && room.height >= 1 && room.height <= kMaxPictureSide);
+  for (const Rect& face : room.faces) {
+    require(face.x >= 0 && face.y >= 0 && face.width > 0 && face.x + face.width <= room.width && face.height > 0 &&
+            face.y + face.height <= room.height);
+  }
+  for (int k = 0; k < 3; ++k) require(std::isfinite(room.box.min[k]) && room.box.min[k] <= room.box.max[k]);
+}
+
 void checkSpace(const Sequence& s) {
   require(!s.members.empty() && s.members.size() <= size_t(kMaxMembers) &&
           s.reference_count <= uint32_t(kMaxReferences));
@@ -63,11 +73,17 @@ void checkSequence(const Sequence& s, int layers) {
   require(s.stream_header_bytes <= s.stream_bytes);
   checkUri(s.stream_uri);
   checkSpace(s);
+  if (layers == 0) {
+    require(!s.isClass() && s.layout_width >= 1 && s.layout_width <= kMaxLayoutSide && s.layout_height >= 1 &&
+            s.layout_height <= kMaxLayoutSide);
+  }
   for (const Rendition& r : s.renditions) {
     checkUri(r.video_uri);
     require(int(r.layers.size()) == layers * int(s.members.size()) && r.width <= kMaxPictureSide &&
             r.height <= kMaxPictureSide);
-    for (const Rect& rect : r.layers) {
+    std::vector<Rect> rects = r.layers;
+    if (layers == 0) rects.push_back(r.tiles);
+    for (const Rect& rect : rects) {
       require(rect.x >= 0 && rect.y >= 0 && rect.width > 0 && rect.x + rect.width <= r.width &&
               rect.y + rect.height <= r.height);
     }
@@ -81,9 +97,12 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const auto read = readManifest(parse({reinterpret_cast<const char*>(data), size}));
   if (!read.ok()) return 0;
   const Character& c = read.value();
-  require(c.layer_count >= 1 && c.layer_count <= kMaxLayers && c.cameras.size() <= size_t(kMaxCameras));
+  const bool from_cameras = c.appearance == AppearanceKind::Cameras;
+  require(from_cameras == (c.version == kCameraFormatVersion) && from_cameras == (c.layer_count == 0));
+  require(c.layer_count >= 0 && c.layer_count <= kMaxLayers && c.cameras.size() <= size_t(kMaxCameras));
   checkUri(c.mesh_uri);
   if (!c.graph_uri.empty()) checkUri(c.graph_uri);
+  if (!c.room.picture_uri.empty()) checkRoom(c.room);
   for (const PinholeCamera& camera : c.cameras) require(std::isfinite(camera.centreInWorld().x) && camera.fx > 0);
   for (const Sequence& s : c.sequences) checkSequence(s, c.layer_count);
   return 0;

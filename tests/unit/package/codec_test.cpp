@@ -245,7 +245,7 @@ TEST(StreamHeader, AsksForANewBakeOfOlderVersionsAndANewPlayerForLater) {
     EXPECT_EQ(old.error().id, ErrorId::Unsupported);
     EXPECT_NE(old.error().message.find("bake the character again"), std::string::npos);
   }
-  bytes[4] = 5;
+  bytes[4] = 6;
   auto later = readStreamHeader(bytes);
   ASSERT_FALSE(later.ok());
   EXPECT_EQ(later.error().id, ErrorId::Unsupported);

@@ -9,9 +9,11 @@
 #include <nlohmann/json.hpp>
 
 #include "package/writer.h"
+#include "surface_fixture.h"
 
 using namespace fourdvt;
 using namespace fourdvt::package;
+using fourdvt::testing::surfaceCharacter;
 using nlohmann::json;
 
 namespace {
@@ -101,12 +103,19 @@ Sequence steering(const Sequence& walk) {
   return s;
 }
 
+Room smallRoom() {
+  Room room{{{-3, 0, -2.5f}, {3, 2.75f, 2.5f}}, "room.jpg", 98765, 0xfedcba9876543210, 640, 400, {}};
+  for (int f = 0; f < 6; ++f) room.faces[size_t(f)] = {16 + 100 * f, 8, 90, 80 + f};
+  return room;
+}
+
 json writtenManifest() {
   const EncodedBaseMesh mesh = smallMesh();
   Character character = smallCharacter(mesh);
   character.graph_uri = "graph.bin";
   character.graph_bytes = 4321;
   character.graph_hash = 0x0123456789abcdef;
+  character.room = smallRoom();
   character.sequences.push_back(locomotion(character.sequences[0]));
   character.sequences.push_back(steering(character.sequences[0]));
   auto text = writeManifest({character, &mesh, "still.jpg", "fourdvt test", "nobody"});
@@ -199,6 +208,28 @@ TEST(Manifest, ClassesAndTheGraphRoundTrip) {
 }
 
 // Manifests of before there were classes.
+TEST(Manifest, TheRoomRoundTripsAndIsOptional) {
+  auto read = readManifest(flatten(writtenManifest()));
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  const Room &got = read.value().room, want = smallRoom();
+  EXPECT_EQ(got.box.min, want.box.min);
+  EXPECT_EQ(got.box.max, want.box.max);
+  EXPECT_EQ(got.picture_uri, "room.jpg");
+  EXPECT_EQ(got.picture_bytes, 98765u);
+  EXPECT_EQ(got.picture_hash, want.picture_hash);
+  EXPECT_EQ(got.width, 640);
+  EXPECT_EQ(got.height, 400);
+  EXPECT_EQ(got.faces[5].x, 516);
+  EXPECT_EQ(got.faces[5].height, 85);
+  const EncodedBaseMesh mesh = smallMesh();
+  auto without = writeManifest({smallCharacter(mesh), &mesh, "still.jpg", "fourdvt test", "nobody"});
+  ASSERT_TRUE(without.ok());
+  EXPECT_EQ(without.value().find("room"), std::string::npos);
+  read = readManifest(flatten(json::parse(without.value())));
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_TRUE(read.value().room.picture_uri.empty());
+}
+
 TEST(Manifest, ASequenceWithoutMembersIsItsOwn) {
   json old = writtenManifest();
   json& fields = old[json::json_pointer(kAt)];
@@ -283,6 +314,7 @@ TEST(Manifest, RefusesDamagedFields) {
   for (const char* uri : {"../walk.bin", "/walk.bin", "https://x.org/walk.bin", "a/../../b", "", "a\\b", "data:,x"}) {
     expectRefused("/sequences/0/stream/uri", uri);
     expectRefused("/mesh/uri", uri);
+    expectRefused("/room/uri", uri);
     expectRefused("/sequences/0/renditions/0/uri", uri);
   }
   expectRefused("/layerCount", 0);
@@ -297,6 +329,16 @@ TEST(Manifest, RefusesDamagedFields) {
     expectRefused("/mesh/hash", hash);
     expectRefused("/sequences/0/stream/headerHash", hash);
   }
+  expectRefused("/room/hash", "0123");
+  expectRefused("/room/byteLength", 0);
+  expectRefused("/room/byteLength", 17 << 20);
+  expectRefused("/room/width", 4097);
+  expectRefused("/room/height", 84);  // faces end at 93
+  expectRefused("/room/faces/2/0", 600);
+  expectRefused("/room/faces/2/2", 0);
+  expectRefused("/room/faces/6", json::array({0, 0, 1, 1}));
+  expectRefused("/room/min/1", 2.875);
+  expectRefused("/room/max/2", "far");
   expectRefused("/version", 0);
   expectRefused("/cameras", json::array());
   expectRefused("/cameras/1/fx", 0);
@@ -348,7 +390,7 @@ TEST(Manifest, EveryMissingFieldIsRefused) {
 
 // A corpus that is refused at once would let the fuzzing test nothing.
 TEST(FuzzCorpus, ManifestsAreAccepted) {
-  for (const char* name : {"whole.txt", "classes.txt"}) {
+  for (const char* name : {"whole.txt", "classes.txt", "cameras.txt"}) {
     std::ifstream file(std::string(FOURDVT_SOURCE_DIR "/tests/fuzz/corpus/manifest_fuzz/") + name);
     FlatJson flat;
     flat.set("/asset/version", std::string("2.0"));
@@ -365,9 +407,106 @@ TEST(FuzzCorpus, ManifestsAreAccepted) {
   }
 }
 
+Character cameraCharacter() {
+  Character c = surfaceCharacter();
+  c.vertex_count = 12345;
+  c.face_count = 24686;
+  c.mesh_uri = "mesh.bin";
+  c.mesh_hash = 5;
+  c.poster_uri = "poster.webp";
+  Sequence& s = c.sequences[0];
+  s.stream_uri = "turn.bin";
+  s.stream_bytes = 5000;
+  s.stream_header_bytes = 900;
+  s.root_velocity_mps = {0, 0, 0.5};
+  s.renditions = {{"turn.mp4", 4000, "avc1.640028", 64, 56, {}, {{0, 48, 64, 2}, 2}, {0, 0, 32, 24}}};
+  return c;
+}
+
+json cameraManifest() {
+  const QuantisedSurface surface = fourdvt::testing::roundSurface(12, 10, 0);
+  TriangleMesh floats{{}, surface.faces};
+  for (const glm::ivec3& q : surface.positions) floats.positions.push_back(0.001f * glm::vec3(q));
+  const EncodedBaseMesh mesh = encodePlainMesh(floats).take();
+  Character character = cameraCharacter();
+  character.mesh_bytes = mesh.bytes.size();
+  auto text = writeManifest({character, &mesh, "", "fourdvt test", "nobody"});
+  EXPECT_TRUE(text.ok());
+  if (const char* folder = std::getenv("FOURDVT_SAMPLE_OUT")) {
+    std::ofstream(std::string(folder) + "/cameras.gltf") << text.value();
+    std::ofstream(std::string(folder) + "/mesh.bin", std::ios::binary)
+        .write(reinterpret_cast<const char*>(mesh.bytes.data()), std::streamsize(mesh.bytes.size()));
+  }
+  return json::parse(text.value());
+}
+
+TEST(CameraManifest, RoundTrips) {
+  const json gltf = cameraManifest();
+  const json& fields = gltf[json::json_pointer(kAt)];
+  EXPECT_EQ(fields["version"], 2);
+  EXPECT_EQ(fields["appearance"], "cameras");
+  EXPECT_FALSE(fields.contains("layerCount"));
+  EXPECT_FALSE(fields["sequences"][0].contains("members"));
+  EXPECT_FALSE(fields["sequences"][0]["renditions"][0].contains("layers"));
+  EXPECT_FALSE(gltf.contains("textures"));
+  EXPECT_FALSE(gltf["meshes"][0]["primitives"][0]["attributes"].contains("TEXCOORD_0"));
+  auto read = readManifest(flatten(gltf));
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  const Character& got = read.value();
+  EXPECT_EQ(got.appearance, AppearanceKind::Cameras);
+  EXPECT_EQ(got.version, 2);
+  EXPECT_EQ(got.layer_count, 0);
+  EXPECT_EQ(got.face_count, 24686u);
+  const Sequence& s = got.sequences[0];
+  EXPECT_EQ(s.layout_width, 64);
+  EXPECT_EQ(s.layout_height, 48);
+  EXPECT_TRUE(s.renditions[0].layers.empty());
+  EXPECT_EQ(s.renditions[0].tiles.width, 32);
+  EXPECT_EQ(s.renditions[0].tiles.height, 24);
+  ASSERT_EQ(s.members.size(), 1u);
+  EXPECT_DOUBLE_EQ(s.members[0].travel.y, 0.5 * 8 / 25);
+}
+
+TEST(CameraManifest, RefusesWhatCannotBe) {
+  const auto refuse = [](const std::string& pointer, const json& value) {
+    json damaged = cameraManifest();
+    damaged[json::json_pointer(kAt + pointer)] = value;
+    auto read = readManifest(flatten(damaged));
+    ASSERT_FALSE(read.ok()) << pointer << " = " << value;
+    EXPECT_EQ(read.error().id, ErrorId::ManifestInvalid) << pointer;
+  };
+  refuse("/appearance", "layers");
+  refuse("/appearance", 1);
+  refuse("/version", 1);  // without layers
+  refuse("/graph", {{"uri", "graph.bin"}, {"byteLength", 4}, {"hash", "0123456789abcdef"}});
+  refuse("/sequences/0/members", json::array({{{"name", "turn"}, {"duration", 1}, {"travel", {0, 0, 0}}}}));
+  refuse("/sequences/0/layout", {64});
+  refuse("/sequences/0/layout", {64, 48, 1});
+  refuse("/sequences/0/layout/0", 0);
+  refuse("/sequences/0/layout/1", 8193);
+  refuse("/sequences/0/layout/1", 1.5);
+  refuse("/sequences/0/renditions/0/tiles/0", 33);
+  refuse("/sequences/0/renditions/0/tiles/3", 57);
+  refuse("/sequences/0/renditions/0/tiles/2", 0);
+  refuse("/sequences/0/renditions/0/tiles", json::array());
+}
+
+// A reader of version 1 sees neither.
+TEST(CameraManifest, LayeredManifestsDoNotAskForItsFields) {
+  json layered = writtenManifest();
+  json& fields = layered[json::json_pointer(kAt)];
+  EXPECT_EQ(fields["version"], 1);
+  EXPECT_FALSE(fields.contains("appearance"));
+  EXPECT_FALSE(fields["sequences"][0].contains("layout"));
+  fields["appearance"] = "cameras";  // unknown to version 1
+  auto read = readManifest(flatten(layered));
+  ASSERT_TRUE(read.ok());
+  EXPECT_EQ(read.value().appearance, AppearanceKind::Layers);
+}
+
 TEST(Manifest, NewerVersionIsUnsupported) {
   json newer = writtenManifest();
-  newer[json::json_pointer(kAt + "/version")] = 2;
+  newer[json::json_pointer(kAt + "/version")] = 3;
   auto read = readManifest(flatten(newer));
   ASSERT_FALSE(read.ok());
   EXPECT_EQ(read.error().id, ErrorId::Unsupported);
