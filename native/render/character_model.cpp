@@ -29,13 +29,18 @@ std::vector<glm::vec4> cornerTable(const package::BaseMesh& mesh) {
   return table;
 }
 
+Status checkSize(const gpu::Device& device, uint32_t vertices, uint32_t faces, uint64_t corner_texels) {
+  if (faces == 0) return Error{ErrorId::GpuFailure, "the character has no faces; bake it again"};
+  if (vertices >= 1u << 24 || tableRows(std::max<uint64_t>(corner_texels, 2ull * vertices)) >
+                                  static_cast<uint32_t>(device.caps().max_texture_size))
+    return Error{ErrorId::GpuFailure, "the character's mesh is too large for this GPU: " + std::to_string(faces) +
+                                          " faces; bake a coarser mesh"};
+  return {};
+}
+
 Status checkMesh(const gpu::Device& device, const package::Character& character, const package::BaseMesh& mesh) {
-  const uint64_t corners = 6ull * mesh.topology.faceCount(), halves = 2ull * mesh.topology.vertex_count;
-  if (corners == 0) return Error{ErrorId::GpuFailure, "the character has no faces; bake it again"};
-  if (mesh.topology.vertex_count >= 1u << 24 ||
-      tableRows(std::max(corners, halves)) > static_cast<uint32_t>(device.caps().max_texture_size))
-    return Error{ErrorId::GpuFailure, "the character's mesh is too large for this GPU: " +
-                                          std::to_string(mesh.topology.faceCount()) + " faces; bake a coarser mesh"};
+  FOURDVT_TRY(
+      checkSize(device, mesh.topology.vertex_count, mesh.topology.faceCount(), 6ull * mesh.topology.faceCount()));
   if (character.layer_count < 1 || character.layer_count > package::kMaxLayers ||
       character.cameras.size() > static_cast<size_t>(package::kMaxCameras))
     return Error{ErrorId::InvalidArgument, "layer or camera count of the character is out of range"};
@@ -105,26 +110,57 @@ void packLabels(const std::vector<glm::uvec3>& face_vertices, std::span<const ui
   }
 }
 
-Result<CharacterModel> CharacterModel::create(gpu::Device& device, const package::Character& character,
-                                              const package::BaseMesh& mesh) {
-  FOURDVT_TRY(checkMesh(device, character, mesh));
+CharacterModel CharacterModel::emptyModel(const package::Character& character) {
   CharacterModel model;
   model.layer_count = character.layer_count;
   model.camera_count = static_cast<int>(character.cameras.size());
-  model.vertex_count = mesh.topology.vertex_count;
-  model.face_count = mesh.topology.faceCount();
   model.bounds = model.frame_bounds = character.bounds;
   model.ground_y_m = character.ground_y_m;
+  for (const PinholeCamera& camera : character.cameras)
+    model.camera_centres.emplace_back(glm::vec3(camera.centreInWorld()), 0);
+  return model;
+}
+
+Result<CharacterModel> CharacterModel::create(gpu::Device& device, const package::Character& character,
+                                              const package::BaseMesh& mesh) {
+  FOURDVT_TRY(checkMesh(device, character, mesh));
+  CharacterModel model = emptyModel(character);
+  model.vertex_count = mesh.topology.vertex_count;
+  model.face_count = mesh.topology.faceCount();
   model.face_vertices_ = mesh.topology.face_vertices;
   model.closed_surface = isClosedSurface(model.face_vertices_);
-  for (const PinholeCamera& camera : character.cameras) {
-    model.camera_centres.emplace_back(glm::vec3(camera.centreInWorld()), 0);
-  }
   FOURDVT_ASSIGN(model.corners, makeTable(device, gpu::PixelFormat::RGBA32F, 6ull * model.face_count, "corners"));
   FOURDVT_ASSIGN(model.positions_normals,
                  makeTable(device, gpu::PixelFormat::RGBA32F, 2ull * model.vertex_count, "positions and normals"));
   uploadTable(device, model.corners, cornerTable(mesh));
   return model;
+}
+
+Result<CharacterModel> CharacterModel::createForSurfaces(gpu::Device& device, const package::Character& character) {
+  const uint32_t vertices = character.vertex_count, faces = character.face_count;
+  FOURDVT_TRY(checkSize(device, vertices, faces, 3ull * faces));
+  CharacterModel model = emptyModel(character);
+  model.most_vertices_ = vertices;
+  model.most_faces_ = faces;
+  FOURDVT_ASSIGN(model.corner_vertices, makeTable(device, gpu::PixelFormat::R32UI, 3ull * faces, "corners' vertices"));
+  FOURDVT_ASSIGN(model.positions_normals,
+                 makeTable(device, gpu::PixelFormat::RGBA32F, 2ull * vertices, "positions and normals"));
+  return model;
+}
+
+Status CharacterModel::setTopology(gpu::Device& device, std::span<const glm::uvec3> faces, uint32_t vertices) {
+  if (faces.empty() || faces.size() > most_faces_ || vertices > most_vertices_)
+    return Error{ErrorId::InvalidArgument, "the surface has no faces, or more than the character says"};
+  face_vertices_.assign(faces.begin(), faces.end());
+  vertex_count = vertices;
+  face_count = static_cast<uint32_t>(faces.size());
+  closed_surface = isClosedSurface(face_vertices_);
+  resizeToRows(corner_table_, 3 * faces.size(), 0u);
+  for (size_t f = 0; f < faces.size(); ++f)
+    for (int k = 0; k < 3; ++k) corner_table_[3 * f + k] = faces[f][k];
+  uploadTable(device, corner_vertices, corner_table_);
+  topology_serial = nextSerial();
+  return {};
 }
 
 void CharacterModel::setPositions(gpu::Device& device, std::span<const glm::vec3> positions) {

@@ -38,6 +38,11 @@ class CharacterModel {
   // Cameras, UVs and faces are fixed from here on. Errors: GpuFailure.
   static Result<CharacterModel> create(gpu::Device& device, const package::Character& character,
                                        const package::BaseMesh& mesh);
+  // For a character from cameras: a surface of up to its vertices and faces, whose topology may change. Call
+  // setTopology before setPositions. Errors: GpuFailure.
+  static Result<CharacterModel> createForSurfaces(gpu::Device& device, const package::Character& character);
+  // Every face's corners are below `vertices`. Errors: InvalidArgument: more than it was made for.
+  Status setTopology(gpu::Device& device, std::span<const glm::uvec3> faces, uint32_t vertices);
   // The mesh to draw: vertex_count points in the character's frame, metres. Uploads positions and vertex normals.
   void setPositions(gpu::Device& device, std::span<const glm::vec3> positions);
 
@@ -45,7 +50,8 @@ class CharacterModel {
   static constexpr int kTableWidth = 256;
   // RGBA32F, 2 texels per corner: uv.x, uv.y, vertex index (exact below 2^24), unused; then uv_from_tangents, column by
   // column (base/surface_frame.h).
-  gpu::Texture corners;
+  gpu::Texture corners;                   // none for surfaces
+  gpu::Texture corner_vertices;           // R32UI, the vertex of every corner; surfaces only
   gpu::Texture positions_normals;         // RGBA32F, 2 texels per vertex: position, normal
   std::vector<glm::vec4> camera_centres;  // xyz, w unused
   int layer_count = 0, camera_count = 0;
@@ -54,14 +60,19 @@ class CharacterModel {
   double ground_y_m = 0;
   BoundingBox frame_bounds;      // of the positions shown
   uint64_t geometry_serial = 0;  // 0: none yet; unique over all models and calls of setPositions
+  uint64_t topology_serial = 0;  // likewise, of setTopology
   bool closed_surface = false;   // isClosedSurface: back faces are never seen
 
   const std::vector<glm::uvec3>& faces() const { return face_vertices_; }
 
  private:
+  static CharacterModel emptyModel(const package::Character& character);
+
   std::vector<glm::uvec3> face_vertices_;
-  std::vector<glm::vec3> normals_;  // scratch
-  std::vector<glm::vec4> table_;    // scratch
+  uint32_t most_vertices_ = 0, most_faces_ = 0;  // of a surface
+  std::vector<glm::vec3> normals_;               // scratch
+  std::vector<glm::vec4> table_;                 // scratch
+  std::vector<uint32_t> corner_table_;           // scratch
 };
 
 }  // namespace fourdvt::render

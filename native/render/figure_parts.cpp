@@ -11,6 +11,10 @@ constexpr float kMinShare = 1.0f / 512;  // below half a level of eight bits
 
 Error invalid(const char* message) { return Error{ErrorId::InvalidArgument, message}; }
 
+bool isMade(const PictureTextures& picture) {
+  return picture.kind == PictureTextures::Kind::I420 ? picture.y && picture.u && picture.v : bool(picture.rgba);
+}
+
 Status checkLook(const Look& look, const CharacterModel& model) {
   if (!look.appearance || !look.picture) return invalid("a look needs an appearance and a picture");
   const Appearance& appearance = *look.appearance;
@@ -19,8 +23,7 @@ Status checkLook(const Look& look, const CharacterModel& model) {
     return invalid(
         "the appearance needs setFrame, and setLayout with a rendition of as many layers as the character's members "
         "have");
-  if (picture.kind == PictureTextures::Kind::I420 ? !picture.y || !picture.u || !picture.v : !picture.rgba)
-    return invalid("the picture's textures are missing; call createPicture");
+  if (!isMade(picture)) return invalid("the picture's textures are missing; call createPicture");
   if (look.weights.size() != static_cast<size_t>(appearance.member_count))
     return invalid("a look needs one weight for each member of its appearance");
   float sum = 0;
@@ -29,6 +32,11 @@ Status checkLook(const Look& look, const CharacterModel& model) {
     sum += weight;
   }
   return std::abs(sum - 1) < 0.01f ? Status() : invalid("the members' weights must sum to 1");
+}
+
+Status checkCameras(const CameraLook& look) {
+  if (!look.picture || !isMade(*look.picture)) return invalid("the picture's textures are missing; call createPicture");
+  return look.sources.size() == look.cameras.size() ? Status() : invalid("there is one source for each camera");
 }
 
 std::vector<WeightedMember> weightedMembersOf(const Look& look) {
@@ -62,10 +70,11 @@ Status checkFigure(const Figure& figure, const RecipeOptions& options) {
     return invalid("a figure needs a model; call its setPositions before drawing");
   const CharacterModel& model = *figure.model;
   if (model.camera_count < 1) return invalid("the character has no cameras");
-  if (figure.looks.empty() || figure.looks.size() > 2) return invalid("a figure has one look, two in a transition");
-  if (!(figure.fade >= 0 && figure.fade <= 1)) return invalid("fade must be between 0 and 1");
   const float size = glm::determinant(figure.world_from_character);
   if (!(size > 0) || !std::isfinite(size)) return invalid("world_from_character cannot be inverted or mirrors");
+  if (figure.cameras) return checkCameras(*figure.cameras);
+  if (figure.looks.empty() || figure.looks.size() > 2) return invalid("a figure has one look, two in a transition");
+  if (!(figure.fade >= 0 && figure.fade <= 1)) return invalid("fade must be between 0 and 1");
   if (options.debug_layer < 0 || options.debug_layer >= model.layer_count) return invalid("no such debug layer");
   for (const Look& look : figure.looks) FOURDVT_TRY(checkLook(look, model));
   return {};

@@ -60,6 +60,7 @@ class ShadowPass {
   static Result<Map> makeMap(gpu::Device& device, bool with_depth);
 
   gpu::Program cast_, blur_, ground_;
+  gpu::Program cast_surface_;  // of figures from cameras; made when one is there
   Map scratch_;
   std::vector<Map> maps_;
 };

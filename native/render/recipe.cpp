@@ -16,6 +16,7 @@ struct Canvas {
 
 struct PlannedFigure {
   const CharacterModel* model;
+  const CameraLook* cameras;
   CharacterView view;
   std::vector<Part> parts;
   gpu::TextureId mixed = 0;  // the mixed picture; 0: one part, which is drawn directly
@@ -31,6 +32,7 @@ class RecipeOnDevice final : public Recipe {
   RecipeOnDevice(gpu::Device& device, ShadowPass shadow) : device_(device), shadow_(std::move(shadow)) {}
 
   void setFlow(std::unique_ptr<FlowSource> flow) override { flow_ = std::move(flow); }
+  void setMethod(std::unique_ptr<Method> method) override { method_ = std::move(method); }
 
   Status draw(std::span<const Figure> figures, const Scene* scene, const View& view, const DrawOptions& options,
               gpu::TargetId target) override {
@@ -40,7 +42,8 @@ class RecipeOnDevice final : public Recipe {
     if (scene) FOURDVT_TRY(scene_pass_.prepare(device_));
     std::vector<PlannedFigure> plan;
     for (const Figure& figure : figures) {
-      plan.push_back({figure.model, viewOfFigure(view, figure), partsOf(figure, options)});
+      plan.push_back({figure.model, figure.cameras, viewOfFigure(view, figure), {}});
+      if (!figure.cameras) plan.back().parts = partsOf(figure, options);
       FOURDVT_TRY(prepareFigure(plan.back(), plan.size() - 1, options));
       if (recipe.ground_shadow)
         FOURDVT_TRY(shadow_.cast(device_, plan.size() - 1, *figure.model, groundOf(figure, scene)));
@@ -55,7 +58,7 @@ class RecipeOnDevice final : public Recipe {
     if (scene) scene_pass_.draw(device_, *scene, view);
     for (size_t i = 0; recipe.ground_shadow && i < plan.size(); ++i)
       shadow_.drawGround(device_, i, plan[i].view, recipe.shadow_strength);
-    for (const PlannedFigure& figure : plan) drawFigure(figure, options);
+    for (size_t i = 0; i < plan.size(); ++i) drawFigure(plan[i], i, options);
     device_.endPass();
     device_.blit(main_.id(), target, {.width = view.width, .height = view.height});
     return {};
@@ -83,7 +86,11 @@ class RecipeOnDevice final : public Recipe {
     if (!(options.recipe.view_exponent > 0)) return invalid("view_exponent must be positive");
     if (options.align == Align::Flow && !flow_)
       return Error{ErrorId::Unsupported, "alignment by flow needs a flow; call setFlow or choose another alignment"};
-    for (const Figure& figure : figures) FOURDVT_TRY(checkFigure(figure, options.recipe));
+    for (const Figure& figure : figures) {
+      FOURDVT_TRY(checkFigure(figure, options.recipe));
+      if (figure.cameras && !method_)
+        return Error{ErrorId::Unsupported, "a character from cameras needs a method; call setMethod"};
+    }
     return {};
   }
 
@@ -96,6 +103,8 @@ class RecipeOnDevice final : public Recipe {
 
   // Everything that is drawn before the main pass.
   Status prepareFigure(PlannedFigure& figure, size_t number, const DrawOptions& options) {
+    if (figure.cameras)
+      return method_->prepare(device_, number, *figure.model, *figure.cameras, figure.view, options.method);
     for (const Part& part : figure.parts) FOURDVT_TRY(layered_.prepare(device_, *figure.model, part, options));
     if (figure.parts.size() == 1) return {};
     while (mixed_.size() <= number) mixed_.emplace_back();
@@ -134,8 +143,10 @@ class RecipeOnDevice final : public Recipe {
     device_.blit(main_.id(), out.target.id(), {.width = size_.width, .height = size_.height});
   }
 
-  void drawFigure(const PlannedFigure& figure, const DrawOptions& options) {
-    if (figure.mixed)
+  void drawFigure(const PlannedFigure& figure, size_t number, const DrawOptions& options) {
+    if (figure.cameras)
+      method_->draw(device_, number, *figure.model, *figure.cameras, figure.view, options.method);
+    else if (figure.mixed)
       mix_.drawMesh(device_, *figure.model, figure.mixed, figure.view);
     else
       layered_.draw(device_, *figure.model, figure.parts[0], figure.view, options);
@@ -174,6 +185,7 @@ class RecipeOnDevice final : public Recipe {
   MixPass mix_;
   ScenePass scene_pass_;
   std::unique_ptr<FlowSource> flow_;
+  std::unique_ptr<Method> method_;
   gpu::Target main_;
   Canvas parts_[2];            // scratch
   std::vector<Canvas> mixed_;  // by number of the figure

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The frame recipe: background → scene → ground shadows → layered characters → resolve. Same calls natively and in the
+// The frame recipe: background → scene → ground shadows → characters → resolve. Same calls natively and in the
 // browser. Several figures share programs and targets.
 #pragma once
 
@@ -8,6 +8,7 @@
 #include "gpu/device.h"
 #include "render/appearance.h"
 #include "render/flow/flow.h"
+#include "render/method.h"
 #include "render/scene.h"
 #include "render/view.h"
 
@@ -44,11 +45,13 @@ struct Figure {
   std::span<const Look> looks;  // one; two during a transition
   float fade = 0;               // 0: the first look, 1: the second
   glm::mat4 world_from_character{1};
+  const CameraLook* cameras = nullptr;  // of a character from cameras, in place of looks
 };
 
 struct DrawOptions {
   RecipeOptions recipe;
   Align align = Align::Baked;
+  MethodOptions method;
 };
 
 class Recipe {
@@ -57,7 +60,8 @@ class Recipe {
   virtual ~Recipe() = default;
   // Draws one picture of the figures, nearest surface first by depth. Output is premultiplied, sRGB-encoded,
   // view.width × view.height at (0,0) of `target` (gpu::kDefaultTarget: the canvas). Intermediate targets are kept and
-  // resized on demand. scene: null: none. Errors: InvalidArgument, GpuFailure; Unsupported: Align::Flow without a flow.
+  // resized on demand. scene: null: none. Errors: InvalidArgument, GpuFailure; Unsupported: Align::Flow without a flow,
+  // a figure from cameras without a method.
   virtual Status draw(std::span<const Figure> figures, const Scene* scene, const View& view, const DrawOptions& options,
                       gpu::TargetId target) = 0;
   // Makes one of the programs that pictures of a character will need and that are not there yet: of blends of up to
@@ -68,6 +72,8 @@ class Recipe {
                                        const DrawOptions& options) = 0;
   // What Align::Flow uses; null: none. See flow.h.
   virtual void setFlow(std::unique_ptr<FlowSource> flow) = 0;
+  // What draws figures from cameras; null: none.
+  virtual void setMethod(std::unique_ptr<Method> method) = 0;
 };
 
 }  // namespace fourdvt::render

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gpu/device.h"
+#include "package/character.h"
 
 namespace fourdvt::render {
 
@@ -27,8 +28,16 @@ Result<SceneMesh> makeSceneMesh(gpu::Device& device, std::span<const SceneCorner
 struct Scene {
   // RGBA8, premultiplied, memory row 0 = top; stretched over the view, in place of RecipeOptions::background. 0: none.
   gpu::TextureId background = 0;
+  // The faces of a box, of which only the inside is seen; without corners: none. Their colours are places in the
+  // picture (x, y of 0…1 from the top left), which is RGBA8, memory row 0 = top, with mipmaps.
+  SceneMesh room;
+  gpu::Texture room_picture;
   std::vector<SceneMesh> meshes;
   float ground_y_m = 0;  // plane that receives the figures' contact shadows
 };
+
+// Sets the scene's room. The caller fills the picture, which has the size that the room says, and its mipmaps. Errors:
+// GpuFailure, InvalidArgument.
+Status setRoom(gpu::Device& device, const package::Room& room, Scene& scene);
 
 }  // namespace fourdvt::render

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "package/room_faces.h"
 #include "render/passes.h"
 #include "render/table.h"
 
@@ -26,6 +27,24 @@ Result<SceneMesh> makeSceneMesh(gpu::Device& device, std::span<const SceneCorner
   return mesh;
 }
 
+Status setRoom(gpu::Device& device, const package::Room& room, Scene& scene) {
+  SceneCorner corners[36];
+  for (int i = 0; i < 36; ++i) {
+    constexpr int kQuad[6] = {0, 2, 3, 0, 3, 1};  // counter-clockwise seen from inside
+    const int face = i / 6, right = kQuad[i % 6] & 1, down = kQuad[i % 6] >> 1;
+    const package::Rect& r = room.faces[size_t(face)];
+    corners[i] = {
+        package::roomPoint(room.box, face, float(right), float(down)),
+        {float(r.x + right * r.width) / float(room.width), float(r.y + down * r.height) / float(room.height), 0}};
+  }
+  FOURDVT_ASSIGN(
+      scene.room_picture,
+      gpu::makeTexture(
+          device, {.width = room.width, .height = room.height, .filter = gpu::Filter::LinearMipmap, .label = "room"}));
+  FOURDVT_ASSIGN(scene.room, makeSceneMesh(device, corners, false));
+  return {};
+}
+
 Status ScenePass::prepare(gpu::Device& device) {
   if (mesh_) return {};
   auto background = makeEmbeddedProgram(device, "fullscreen.vert", "background.frag");
@@ -40,18 +59,20 @@ Status ScenePass::prepare(gpu::Device& device) {
 void ScenePass::draw(gpu::Device& device, const Scene& scene, const View& view) const {
   if (scene.background)
     device.draw({.program = background_.id(), .textures = {{"u_background", scene.background}}, .vertex_count = 3});
-  for (const SceneMesh& mesh : scene.meshes) {
-    if (!mesh.corners) continue;
-    const float opacity = mesh.occluder_only ? 0.0f : 1.0f;
-    device.draw(
-        {.program = mesh_.id(),
-         .textures = {{"u_corners", mesh.corners.id()}},
-         .uniforms = {gpu::uniform("u_clip_from_world", view.clip_from_world), gpu::uniform("u_opacity", opacity)},
-         .vertex_count = mesh.corner_count,
-         .depth_test = true,
-         .depth_write = true,
-         .blend = gpu::Blend::PremultipliedOver});
-  }
+  const auto draw = [&](const SceneMesh& mesh, float mode, gpu::TextureId picture) {
+    if (!mesh.corners) return;
+    device.draw({.program = mesh_.id(),
+                 .textures = {{"u_corners", mesh.corners.id()}, {"u_picture", picture}},
+                 .uniforms = {gpu::uniform("u_clip_from_world", view.clip_from_world), gpu::uniform("u_mode", mode)},
+                 .vertex_count = mesh.corner_count,
+                 .depth_test = true,
+                 .depth_write = true,
+                 .blend = gpu::Blend::PremultipliedOver,
+                 .cull = mode > 1 ? gpu::Cull::Back : gpu::Cull::None});
+  };
+  draw(scene.room, 2, scene.room_picture.id());
+  // They show no picture, but a sampler needs some texture.
+  for (const SceneMesh& mesh : scene.meshes) draw(mesh, mesh.occluder_only ? 0.0f : 1.0f, mesh.corners.id());
 }
 
 }  // namespace fourdvt::render

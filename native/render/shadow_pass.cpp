@@ -60,14 +60,20 @@ Status ShadowPass::cast(gpu::Device& device, size_t i, const CharacterModel& mod
     if (!made) return made.error();
     maps_.push_back(made.take());
   }
+  const bool surface = bool(model.corner_vertices);
+  if (surface && !cast_surface_) {
+    FOURDVT_ASSIGN(cast_surface_, makeEmbeddedProgram(device, "shadow_cast.vert", "shadow_cast.frag", "INDEXED\n"));
+  }
   Map& map = maps_[i];
   if (map.serial == model.geometry_serial && map.area.w == ground_y_m) return {};
   map.serial = model.geometry_serial;
   map.area = shadowArea(model, ground_y_m);
   const float height_m = std::max(model.frame_bounds.max.y - ground_y_m, 0.1f) + 0.1f;
   device.beginPass({.target = map.target.id(), .clear_color = true, .clear_depth = true, .label = "shadow cast"});
-  device.draw({.program = cast_.id(),
-               .textures = {{"u_corners", model.corners.id()}, {"u_positions_normals", model.positions_normals.id()}},
+  const gpu::TextureBinding corners = surface ? gpu::TextureBinding{"u_corner_vertices", model.corner_vertices.id()}
+                                              : gpu::TextureBinding{"u_corners", model.corners.id()};
+  device.draw({.program = (surface ? cast_surface_ : cast_).id(),
+               .textures = {corners, {"u_positions_normals", model.positions_normals.id()}},
                .uniforms = {gpu::uniform("u_ground", map.area), gpu::uniform("u_height_m", height_m)},
                .vertex_count = static_cast<int>(3 * model.face_count),
                .depth_test = true,

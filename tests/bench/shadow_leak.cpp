@@ -21,14 +21,14 @@ namespace {
 
 using namespace fourdvt;
 using namespace fourdvt::testing;
-using render::FvvrDepthMaps;
+using render::DepthMapOptions;
 using render::Visibility;
 
 constexpr int kRepeats = 20;
 
 struct Case {
   const char* name;
-  FvvrDepthMaps maps;
+  DepthMapOptions maps;
 };
 
 struct Scene {
@@ -45,7 +45,7 @@ std::vector<Case> casesFor(double small) {
           {"fattened", {Visibility::Fattened, 1}}};
 }
 
-double depthMap_ms(gpu::Device& device, const Scene& scene, const FvvrDepthMaps& maps) {
+double depthMap_ms(gpu::Device& device, const Scene& scene, const DepthMapOptions& maps) {
   const auto fvvr = orStop(render::Fvvr::create(device, scene.cameras, scene.topology, maps));
   const std::vector<Image> pictures = [&] {
     std::vector<Image> out;
@@ -131,9 +131,9 @@ Image contactSheet(gpu::Device& device, const CaptureScene& scene) {
   const double small = 240.0 / scene.cameras[0].width;
   Image sheet;
   int column = 0;
-  for (const FvvrDepthMaps& maps :
-       {FvvrDepthMaps{Visibility::None, small}, FvvrDepthMaps{Visibility::Plain, small},
-        FvvrDepthMaps{Visibility::Offset, small}, FvvrDepthMaps{Visibility::Fattened, small}}) {
+  for (const DepthMapOptions& maps :
+       {DepthMapOptions{Visibility::None, small}, DepthMapOptions{Visibility::Plain, small},
+        DepthMapOptions{Visibility::Offset, small}, DepthMapOptions{Visibility::Fattened, small}}) {
     const auto fvvr = orStop(render::Fvvr::create(device, {&scene.cameras[0], 1}, scene.topology, maps));
     orStop(fvvr->setFrame(scene.positions, {&scene.pictures[0], 1}));
     const Image image = orStop(fvvr->renderStill(render::viewFromCamera(view), {.fills = false}));

@@ -12,7 +12,7 @@
 #include "refine/camera_fit.h"
 #include "refine/refine.h"
 #include "refine/refinement_bytes.h"
-#include "render/fvvr.h"
+#include "render/cameras/fvvr.h"
 
 namespace fourdvt::refine {
 namespace {

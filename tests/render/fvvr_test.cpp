@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The free-viewpoint baseline: exact blends of two cameras, occlusion, choice of cameras, matte, and the CPU yardstick.
-#include "render/fvvr.h"
+#include "render/cameras/fvvr.h"
 
 #include <cmath>
 

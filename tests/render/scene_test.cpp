@@ -179,5 +179,77 @@ TEST_F(Stage, aFloorOfTheSceneCarriesTheShadow) {
   }
 }
 
+// Faces of 64 x 64 texels beside each other: -x red, +x green, floor grey, ceiling white, +z yellow; the one at -z is
+// blue on the left and black on the right, as it is seen from inside.
+Scene paintedRoom(gpu::Device& device) {
+  package::Room room;
+  room.box = {{-2, 0, -2}, {2, 3, 2}};
+  room.width = 6 * 64;
+  room.height = 64;
+  for (int f = 0; f < 6; ++f) room.faces[size_t(f)] = {64 * f, 0, 64, 64};
+  const glm::u8vec3 colours[] = {{200, 0, 0},     {0, 200, 0}, {120, 120, 120},
+                                 {255, 255, 255}, {0, 0, 220}, {220, 220, 0}};
+  Image picture(room.width, room.height, 4, 255);
+  for (int y = 0; y < room.height; ++y)
+    for (int x = 0; x < room.width; ++x) {
+      const bool right = x >= 4 * 64 + 32 && x < 5 * 64;
+      for (int c = 0; c < 3; ++c) picture.at(x, y)[c] = right ? 0 : colours[x / 64][c];
+    }
+  Scene scene;
+  EXPECT_TRUE(setRoom(device, room, scene).ok());
+  device.updateTexture(scene.room_picture.id(), {.width = room.width, .height = room.height}, picture.pixels.data());
+  device.generateMipmaps(scene.room_picture.id());
+  return scene;
+}
+
+TEST_F(Stage, aRoomIsSeenFromItsInsideOnly) {
+  const auto recipe = Recipe::create(*device).take();
+  const Scene scene = paintedRoom(*device);
+  const auto seen = [&](const glm::dvec3& from, const glm::dvec3& to, const glm::dvec3& color, int x = 48, int y = 48) {
+    const Image picture = draw(*recipe, {}, &scene, testing::lookAt(from, to, 96, 96, 60), plainOptions());
+    expectColor(picture, x, y, color, 1);
+    EXPECT_EQ(picture.at(x, y)[3], 255);
+  };
+  const glm::dvec3 middle(0, 1.5, 0), blue(0, 0, 220), black(0, 0, 0);
+  seen(middle, {-2, 1.5, 0}, {200, 0, 0});
+  seen(middle, {2, 1.5, 0}, {0, 200, 0});
+  seen(middle, {0.01, 0, 0}, {120, 120, 120});
+  seen(middle, {0.01, 3, 0}, {255, 255, 255});
+  seen(middle, {0, 1.5, 2}, {220, 220, 0});
+  seen(middle, {0, 1.5, -2}, blue, 30);
+  seen(middle, {0, 1.5, -2}, black, 66);
+  // From outside the walls before it are not there.
+  seen({0, 1.5, 6}, middle, blue, 40);
+  seen({0, 1.5, 6}, middle, black, 56);
+  const Image outside = draw(*recipe, {}, &scene, testing::lookAt({0, 1.5, 6}, middle, 96, 96, 60), plainOptions());
+  EXPECT_EQ(outside.at(2, 48)[3], 0);
+}
+
+TEST_F(Stage, theShadowFallsOnTheRoomsFloorAndOneDrawIsAdded) {
+  const auto box = still(testing::boxScene(0.15f, 1.6f), {200, 160, 120});
+  const PinholeCamera camera = cameraFromOrbit({0, 30, 3.4, {0, 0.5, 0}, 40}, 240, 240);
+  const Scene scene = paintedRoom(*device), nothing;
+  const auto draws = [&](const Scene* what, const RecipeOptions& options, Image& out) {
+    device->resetCounters();
+    out = draw(*box->recipe, {placed(*box, glm::mat4(1))}, what, camera, options);
+    return device->counters().draws;
+  };
+  RecipeOptions options, unshaded;
+  unshaded.ground_shadow = false;
+  Image with, without, plain;
+  const uint64_t first = draws(&scene, options, with);  // casts the shadow
+  EXPECT_GT(first, 1u);
+  const uint64_t again = draws(&scene, options, with);
+  EXPECT_EQ(again, draws(&nothing, options, plain) + 1);
+  draws(&scene, unshaded, without);
+  const auto level = [&](const Image& picture, const glm::dvec3& point) {
+    const glm::dvec3 pixel = camera.project(point);
+    return int(picture.at(int(pixel.x), int(pixel.y))[0]);
+  };
+  EXPECT_EQ(level(without, {0.2, 0, 0.1}), 120);
+  EXPECT_LT(level(with, {0.2, 0, 0.1}), 105);
+  EXPECT_NEAR(level(with, {1.2, 0, 0.6}), 120, 1);
+}
+
 }  // namespace
 }  // namespace fourdvt::render

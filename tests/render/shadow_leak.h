@@ -9,7 +9,7 @@
 
 #include "base/camera.h"
 #include "measure/projective.h"
-#include "render/fvvr.h"
+#include "render/cameras/fvvr.h"
 
 namespace fourdvt::testing {
 
@@ -107,7 +107,7 @@ struct Leak {
 // The picture is opaque all over, so that a fragment is shown where the camera textures it.
 inline Result<Leak> leakOf(gpu::Device& device, const PinholeCamera& view, const PinholeCamera& camera,
                            const MeshTopology& topology, const Positions& positions, const ViewTruth& truth,
-                           const render::FvvrDepthMaps& maps) {
+                           const render::DepthMapOptions& maps) {
   FOURDVT_ASSIGN(const auto fvvr, render::Fvvr::create(device, {&camera, 1}, topology, maps));
   Image white(camera.width, camera.height, 4, 255);
   FOURDVT_TRY(fvvr->setFrame(positions, {&white, 1}));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The edges of a camera's depth map as wide lines (OVH03 5.2.2), which reach over the contour. They lie behind the faces
 // beside them by what the face's slope gains across half the line. Draw 18 * face_count vertices.
-#include "fvvr_mesh.glsl"
-uniform mat4 u_clip_from_world;
+#include "character_vertex.glsl"
+uniform mat4 u_clip_from_character;
 uniform vec3 u_centre;          // of the camera, world
 uniform vec2 u_clip_per_texel;
 uniform vec2 u_near_far;        // metres
@@ -18,7 +18,7 @@ void main() {
   int face = gl_VertexID / 18, edge = gl_VertexID / 6 % 3;
   ivec2 corner = kCorners[gl_VertexID % 6];
   vec3 points[3];
-  for (int k = 0; k < 3; ++k) points[k] = positionOf(vertexOf(3 * face + k));
+  for (int k = 0; k < 3; ++k) points[k] = fetchPosition(vertexOf(3 * face + k));
   vec3 normal = cross(points[1] - points[0], points[2] - points[0]);
   vec3 from = points[edge], to = points[(edge + 1) % 3];
   float facing = dot(normalize(normal), normalize(u_centre - from));
@@ -26,7 +26,7 @@ void main() {
     gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
     return;
   }
-  vec4 first = u_clip_from_world * vec4(from, 1.0), last = u_clip_from_world * vec4(to, 1.0);
+  vec4 first = u_clip_from_character * vec4(from, 1.0), last = u_clip_from_character * vec4(to, 1.0);
   vec2 along = (last.xy / last.w - first.xy / first.w) / u_clip_per_texel;
   along = length(along) > 1e-4 ? normalize(along) : vec2(1.0, 0.0);
   vec2 aside = float(corner.y) * vec2(-along.y, along.x) + float(2 * corner.x - 1) * along;

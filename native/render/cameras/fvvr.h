@@ -3,13 +3,11 @@
 // all camera pictures, each with a depth map of the mesh drawn from that camera; the M cameras closest to the view are
 // blended by LVDT Eq. 3-4. Native evaluation only: not part of the wasm player.
 // A depth map that is too coarse lets an occluder's texture fall onto what lies behind its outline ("shadow leak",
-// OVH03 5.2.2). Offset multi-draw (LVDT 2, step 2) is read as: the mesh goes into a camera's depth buffer five times,
-// unmoved and moved by one texel along the four diagonals, so that occluders grow by a texel and a surface beside their
-// outline is not textured from them; the depth test's tolerance grows with the slope by as much, so that nothing hides
-// itself. Does NOT read captures, does NOT clean the matte's edge, and needs every camera's picture of the frame in GPU
-// memory: that is the point of the layers. With M < N cameras per frame, only their pictures are uploaded and their
-// depth maps drawn; textures for all N stay allocated, because the next view takes other cameras. Order of calls:
-// setFrame (or its three parts) → draw….
+// OVH03 5.2.2; depth_maps.h). Does NOT read captures, does NOT clean the matte's edge, and needs every camera's picture
+// of the frame in GPU memory: that is the point of the layers. With M < N cameras per frame, only their pictures are
+// uploaded and their depth maps drawn; textures for all N stay allocated, because the next view takes other cameras.
+// Characters from cameras are drawn by a Method (camera_method.h). Order of calls: setFrame (or its three parts) →
+// draw….
 #pragma once
 
 #include <memory>
@@ -19,22 +17,10 @@
 #include "base/image.h"
 #include "base/mesh.h"
 #include "gpu/device.h"
+#include "render/cameras/depth_maps.h"
 #include "render/view.h"
 
 namespace fourdvt::render {
-
-enum class Visibility {
-  None,      // every camera textures what faces it
-  Plain,     // the mesh as it is
-  Offset,    // offset multi-draw
-  Fattened,  // edges as wide lines that lie further back, and then the faces (OVH03 5.2.2)
-};
-
-struct FvvrDepthMaps {
-  Visibility visibility = Visibility::Offset;
-  double texels_per_pixel = 1;  // along each side of a camera's picture, up to 4
-  double line_texels = 3;       // width of the lines of fattened maps
-};
 
 struct FvvrOptions {
   int closest = 0;          // M of N: cameras whose optical axes are nearest in angle to the view's; 0: all
@@ -47,7 +33,7 @@ class Fvvr {
  public:
   // 1 to 31 cameras, of any sizes. Errors: InvalidArgument, GpuFailure.
   static Result<std::unique_ptr<Fvvr>> create(gpu::Device& device, std::span<const PinholeCamera> cameras,
-                                              const MeshTopology& topology, const FvvrDepthMaps& maps = {});
+                                              const MeshTopology& topology, const DepthMapOptions& maps = {});
   virtual ~Fvvr() = default;
   // The cameras that a draw of this view uses, nearest first: `options.closest` of them.
   virtual std::vector<size_t> camerasOf(const View& view, const FvvrOptions& options) const = 0;

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/cameras/camera_blend.h"
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+
+namespace fourdvt::render {
+namespace {
+
+glm::mat4 pixelFromCharacter(const PinholeCamera& camera) {
+  glm::dmat4 pixel_from_cam(1.0);
+  pixel_from_cam[0][0] = camera.fx;
+  pixel_from_cam[1][1] = camera.fy;
+  pixel_from_cam[2][0] = camera.cx;
+  pixel_from_cam[2][1] = camera.cy;
+  return glm::mat4(pixel_from_cam * camera.cam_from_world);
+}
+
+}  // namespace
+
+std::vector<size_t> camerasTowards(std::span<const PinholeCamera> cameras, const glm::vec3& view_axis, int closest) {
+  std::vector<size_t> order(cameras.size());
+  std::iota(order.begin(), order.end(), size_t(0));
+  const glm::dvec3 axis(view_axis);
+  const auto cosine = [&](size_t c) { return glm::dot(cameras[c].forwardInWorld(), axis); };
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return cosine(a) > cosine(b); });
+  if (closest > 0) order.resize(std::min(order.size(), static_cast<size_t>(closest)));
+  return order;
+}
+
+CameraUniforms::CameraUniforms(std::span<const PinholeCamera> cameras, std::span<const size_t> chosen,
+                               const DepthMaps& maps, const BlendPictures& pictures, float least_cosine)
+    : maps_(maps), pictures_(pictures), least_cosine_(least_cosine), reach_(maps.reach()), depth_rows_(maps.rows()) {
+  for (size_t c : chosen) {
+    const PinholeCamera& camera = cameras[c];
+    const glm::vec2 texels = maps.texelsPerPixel(c), near_far = maps.nearFar(c);
+    pixel_from_character_.push_back(pixelFromCharacter(camera));
+    centres_.emplace_back(glm::vec3(camera.centreInWorld()), maps.layerOf(c));
+    pixel_spans_.emplace_back(1 / camera.fx, texels.x, texels.y, c);
+    sizes_near_far_.emplace_back(camera.width, camera.height, near_far.x, near_far.y);
+    if (!pictures.tiled) continue;
+    sources_.push_back(pictures.tiled->sources[c].source);
+    tiles_.push_back(pictures.tiled->sources[c].tile);
+  }
+}
+
+void CameraUniforms::addTo(gpu::Draw& draw) const {
+  draw.textures.push_back({"u_depth_maps", maps_.texture()});
+  if (!pictures_.tiled) {
+    draw.textures.push_back({"u_pictures", pictures_.array});
+  } else if (const PictureTextures& picture = *pictures_.tiled->picture; picture.kind == PictureTextures::Kind::Rgba) {
+    draw.textures.push_back({"u_picture_rgba", picture.rgba.id()});
+  } else {
+    draw.textures.push_back({"u_picture_y", picture.y.id()});
+    draw.textures.push_back({"u_picture_u", picture.u.id()});
+    draw.textures.push_back({"u_picture_v", picture.v.id()});
+  }
+  for (const gpu::Uniform& uniform :
+       {gpu::uniform("u_picture_size", pictures_.size), gpu::uniform("u_depth_rows", depth_rows_),
+        gpu::uniform("u_reach", reach_), gpu::uniform("u_least_cosine", least_cosine_),
+        gpu::uniform("u_pixel_from_character", std::span<const glm::mat4>(pixel_from_character_)),
+        gpu::uniform("u_centres", std::span<const glm::vec4>(centres_)),
+        gpu::uniform("u_pixel_spans", std::span<const glm::vec4>(pixel_spans_)),
+        gpu::uniform("u_sizes_near_far", std::span<const glm::vec4>(sizes_near_far_))})
+    draw.uniforms.push_back(uniform);
+  if (!pictures_.tiled) return;
+  draw.uniforms.push_back(gpu::uniform("u_sources", std::span<const glm::vec4>(sources_)));
+  draw.uniforms.push_back(gpu::uniform("u_tiles", std::span<const glm::vec4>(tiles_)));
+}
+
+std::string CameraUniforms::defines(size_t camera_count, const BlendPictures& pictures) {
+  std::string defines = "CAMERAS " + std::to_string(camera_count) + "\n";
+  if (!pictures.tiled) return defines;
+  defines += "TILED\n";
+  if (pictures.tiled->picture->kind == PictureTextures::Kind::I420) defines += "PICTURE_I420\n";
+  return defines;
+}
+
+}  // namespace fourdvt::render

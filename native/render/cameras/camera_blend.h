@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// What draws with camera_blend.glsl have in common: which cameras, where they are, where their pictures and depth maps
+// lie. Does NOT own pictures or programs.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "render/cameras/depth_maps.h"
+#include "render/method.h"
+
+namespace fourdvt::render {
+
+// How many cameras one draw blends at most: WebGL2 promises 224 uniform vectors.
+constexpr int kMaxBlendedCameras = 20;
+
+// The `closest` cameras whose optical axes are nearest in angle to the view's axis, nearest first; 0: all.
+std::vector<size_t> camerasTowards(std::span<const PinholeCamera> cameras, const glm::vec3& view_axis, int closest);
+
+// The cameras' pictures: layers of an array texture, by the cameras' numbers, or tiles of a decoded picture.
+struct BlendPictures {
+  gpu::TextureId array = 0;
+  const CameraLook* tiled = nullptr;
+  glm::vec2 size{1};  // texels of a layer, or of the decoded picture
+};
+
+// The uniforms of one draw; keep it until the draw is made.
+class CameraUniforms {
+ public:
+  // The depth maps of the chosen cameras are up to date.
+  CameraUniforms(std::span<const PinholeCamera> cameras, std::span<const size_t> chosen, const DepthMaps& maps,
+                 const BlendPictures& pictures, float least_cosine);
+  void addTo(gpu::Draw& draw) const;
+  // What a program that makes such draws is made with.
+  static std::string defines(size_t camera_count, const BlendPictures& pictures);
+
+ private:
+  const DepthMaps& maps_;
+  const BlendPictures pictures_;
+  float least_cosine_, reach_;
+  int depth_rows_;
+  std::vector<glm::mat4> pixel_from_character_;
+  std::vector<glm::vec4> centres_, pixel_spans_, sizes_near_far_, sources_, tiles_;
+};
+
+}  // namespace fourdvt::render

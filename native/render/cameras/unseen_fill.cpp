@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/cameras/unseen_fill.h"
+
+#include <string>
+
+#include "render/table.h"
+
+namespace fourdvt::render {
+
+Status UnseenFill::makeTables(gpu::Device& device, const CharacterModel& model) {
+  if (model.vertex_count <= table_vertices_ && model.face_count <= table_faces_) return {};
+  table_vertices_ = model.vertex_count + model.vertex_count / 4;  // the next frame's surface is about as large
+  table_faces_ = model.face_count + model.face_count / 4;
+  topology_serial_ = 0;
+  for (Table* table : {&seen_, &colors_[0], &colors_[1]}) {
+    *table = {};
+    FOURDVT_ASSIGN(table->texture, makeTable(device, gpu::PixelFormat::RGBA8, table_vertices_, "vertices' colours"));
+    FOURDVT_ASSIGN(table->target,
+                   gpu::makeTarget(device, {.colors = {table->texture.id()}, .label = "vertices' colours"}));
+  }
+  FOURDVT_ASSIGN(neighbours_, makeTable(device, gpu::PixelFormat::R32UI, table_vertices_ + 1 + 6ull * table_faces_,
+                                        "vertices' neighbours"));
+  return {};
+}
+
+// A neighbour stands in a list once for each face that has both; where faces meet in pairs all weigh the same.
+void UnseenFill::uploadNeighbours(gpu::Device& device, const CharacterModel& model) {
+  const uint32_t vertices = model.vertex_count;
+  resizeToRows(lists_, vertices + 1 + 6ull * model.face_count, 0u);
+  for (const glm::uvec3& face : model.faces())
+    for (int k = 0; k < 3; ++k) lists_[face[k]] += 2;
+  uint32_t end = vertices + 1;
+  for (uint32_t v = 0; v <= vertices; ++v) {
+    const uint32_t count = v < vertices ? lists_[v] : 0;
+    lists_[v] = end;
+    end += count;
+  }
+  std::vector<uint32_t> next(lists_.begin(), lists_.begin() + vertices);
+  for (const glm::uvec3& face : model.faces())
+    for (int k = 0; k < 3; ++k) {
+      lists_[next[face[k]]++] = face[(k + 1) % 3];
+      lists_[next[face[k]]++] = face[(k + 2) % 3];
+    }
+  uploadTable(device, neighbours_, lists_);
+  topology_serial_ = model.topology_serial;
+}
+
+Status UnseenFill::update(gpu::Device& device, const CharacterModel& model, size_t camera_count,
+                          const BlendPictures& pictures, const CameraUniforms& cameras) {
+  FOURDVT_TRY(makeTables(device, model));
+  if (topology_serial_ != model.topology_serial) uploadNeighbours(device, model);
+  const std::string defines = CameraUniforms::defines(camera_count, pictures);
+  gpu::Program& seen_program = seen_programs_[defines];
+  if (!seen_program) {
+    FOURDVT_ASSIGN(seen_program, makeCameraProgram(device, "camera_fullscreen.vert", "camera_fill_seen.frag", defines));
+  }
+  if (!spread_program_) {
+    FOURDVT_ASSIGN(spread_program_, makeCameraProgram(device, "camera_fullscreen.vert", "camera_fill_spread.frag"));
+  }
+  const int vertex_count = static_cast<int>(model.vertex_count), rows = static_cast<int>(tableRows(model.vertex_count));
+  const auto draw = [&](const Table& to, const gpu::Draw& what) {
+    device.beginPass({.target = to.target.id(), .width = CharacterModel::kTableWidth, .height = rows, .label = "fill"});
+    device.draw(what);
+    device.endPass();
+  };
+  gpu::Draw seen{.program = seen_program.id(),
+                 .textures = {{"u_positions_normals", model.positions_normals.id()}},
+                 .uniforms = {gpu::uniform("u_vertex_count", vertex_count)},
+                 .vertex_count = 3};
+  cameras.addTo(seen);
+  draw(seen_, seen);
+  static_assert(kSteps % 2 == 0);  // the last step lands in the first table
+  for (int step = 0; step < kSteps; ++step) {
+    const gpu::TextureId before = step == 0 ? seen_.texture.id() : colors_[step % 2].texture.id();
+    draw(colors_[(step + 1) % 2],
+         {.program = spread_program_.id(),
+          .textures = {{"u_seen", seen_.texture.id()}, {"u_before", before}, {"u_neighbours", neighbours_.id()}},
+          .uniforms = {gpu::uniform("u_vertex_count", vertex_count)},
+          .vertex_count = 3});
+  }
+  return {};
+}
+
+}  // namespace fourdvt::render

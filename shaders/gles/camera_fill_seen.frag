@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// Each vertex's colour from the cameras that see it, whatever the view: a texel per vertex; alpha 0: none sees it.
+#include "character_vertex.glsl"
+#include "camera_blend.glsl"
+uniform int u_vertex_count;
+out vec4 o_color;
+
+float cameraWeight(vec3 to_camera, float cosine, vec3 to_eye) { return cosine * cosine; }
+
+void main() {
+  int vertex = int(gl_FragCoord.y) * TABLE_WIDTH + int(gl_FragCoord.x);
+  if (vertex >= u_vertex_count) {
+    o_color = vec4(0.0);
+    return;
+  }
+  o_color = blendCameras(fetchPosition(vertex), normalize(fetchNormal(vertex)), vec3(0.0));
+}

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// A surface that is textured from cameras, as the view sees it. Draw 3 * face_count vertices.
+#include "character_vertex.glsl"
+uniform mat4 u_clip_from_character;
+centroid out vec3 v_point;   // character's frame, metres
+centroid out vec3 v_normal;
+centroid out vec3 v_corner;  // barycentric
+#ifdef FILLED
+uniform sampler2D u_fill;    // a texel per vertex: colour, 1 if it is known
+centroid out vec4 v_fill;    // premultiplied
+#endif
+
+void main() {
+  int vertex = vertexOf(gl_VertexID);
+  v_point = fetchPosition(vertex);
+  v_normal = fetchNormal(vertex);
+  v_corner = vec3(equal(ivec3(gl_VertexID % 3), ivec3(0, 1, 2)));
+#ifdef FILLED
+  vec4 fill = texelFetch(u_fill, tableTexel(vertex), 0);
+  v_fill = vec4(fill.rgb * fill.a, fill.a);
+#endif
+  gl_Position = u_clip_from_character * vec4(v_point, 1.0);
+}

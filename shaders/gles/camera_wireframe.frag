@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// The surface's edges, a pixel wide, on its plain shape.
+centroid in vec3 v_point;
+centroid in vec3 v_normal;
+centroid in vec3 v_corner;  // barycentric
+uniform vec3 u_eye;
+out vec4 o_color;
+
+void main() {
+  vec3 pixels = v_corner / max(fwidth(v_corner), vec3(1e-6));
+  float line = 1.0 - smoothstep(0.3, 1.0, min(pixels.x, min(pixels.y, pixels.z)));
+  float facing = abs(dot(normalize(v_normal), normalize(u_eye - v_point)));
+  o_color = vec4(mix(vec3(0.55 + 0.4 * facing), vec3(0.1, 0.2, 0.35), line), 1.0);
+}
