@@ -9,6 +9,7 @@
 #include "platform/ffmpeg_video.h"
 #include "platform/files.h"
 #include "platform/still_target.h"
+#include "render/cameras/camera_method.h"
 
 namespace fourdvt::platform {
 namespace {
@@ -51,8 +52,12 @@ class FilePlayer final : public CharacterPlayer {
 
   Status load(gpu::Device& device, const std::string& manifest_path) {
     FOURDVT_ASSIGN(auto json, readJsonFlat(manifest_path));
-    FOURDVT_ASSIGN(player_, Player::create(device, recipe_, {}));
-    return player_->loadManifest(json);
+    FOURDVT_ASSIGN(player_, Player::create(device, recipe_, {.cameras = &cameraParts()}));
+    FOURDVT_TRY(player_->loadManifest(json));
+    if (player_->character()->appearance == package::AppearanceKind::Layers) return {};
+    FOURDVT_ASSIGN(auto method, render::makeCameraMethod("fvvr"));
+    recipe_->setMethod(std::move(method));
+    return {};
   }
 
   Player& player() override { return *player_; }
@@ -60,7 +65,8 @@ class FilePlayer final : public CharacterPlayer {
   Status showFrame(const std::string& sequence, uint32_t frame) override;
   Status advance(double seconds) override;
   Status pump() override;
-  Result<Image> renderStill(const render::View& view, const render::RecipeOptions& options) override;
+  Result<Image> renderStill(const render::View& view, const render::RecipeOptions& options,
+                            const render::Scene* scene) override;
 
  private:
   bool shows(const std::string& sequence, uint32_t frame) const {
@@ -217,8 +223,12 @@ Status FilePlayer::advance(double seconds) {
   return {};
 }
 
-Result<Image> FilePlayer::renderStill(const render::View& view, const render::RecipeOptions& options) {
-  return still_.render(view, [&](gpu::TargetId target) { return player_->draw(view, options, target); });
+Result<Image> FilePlayer::renderStill(const render::View& view, const render::RecipeOptions& options,
+                                      const render::Scene* scene) {
+  return still_.render(view, [&](gpu::TargetId target) -> Status {
+    FOURDVT_ASSIGN(const render::Figure figure, player_->figure());
+    return recipe_->draw({&figure, 1}, scene, view, {options, player_->align(), player_->method()}, target);
+  });
 }
 
 }  // namespace

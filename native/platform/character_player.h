@@ -29,8 +29,9 @@ class CharacterPlayer {
   virtual Status advance(double seconds) = 0;
   // Answers every pending request once.
   virtual Status pump() = 0;
-  // RGBA straight alpha, top row first, of what is shown.
-  virtual Result<Image> renderStill(const render::View& view, const render::RecipeOptions& options) = 0;
+  // RGBA straight alpha, top row first, of what is shown. scene: null: none.
+  virtual Result<Image> renderStill(const render::View& view, const render::RecipeOptions& options,
+                                    const render::Scene* scene = nullptr) = 0;
 };
 
 }  // namespace fourdvt::platform

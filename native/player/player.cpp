@@ -23,17 +23,26 @@ PlayerImpl::PlayerImpl(gpu::Device& device, const PlayerOptions& options, std::s
     : device_(device),
       options_(options),
       recipe_(std::move(recipe)),
-      loading_(outbox_, options.encoded_budget_bytes),
+      loading_(outbox_, options.encoded_budget_bytes, options.cameras),
       playback_(outbox_),
-      tracks_{Track(0, options.picture_slots, options.picture_kind),
-              Track(1, options.picture_slots, options.picture_kind)},
+      tracks_{Track(0, options.picture_slots, options.picture_kind, options.cameras),
+              Track(1, options.picture_slots, options.picture_kind, options.cameras)},
       root_motion_(options.turn_rate_rad_s),
-      parameters_(options.parameter_rate) {}
+      parameters_(options.parameter_rate),
+      composer_(options.cameras) {}
 
 Status PlayerImpl::loadManifest(const FlatJson& gltf) {
   if (Status read = loading_.readManifest(gltf); !read.ok()) {
     fail(read.error(), -1);
     return read;
+  }
+  if (fromCameras()) {
+    auto model = options_.cameras->makeModel(device_, *character());
+    if (!model.ok()) {
+      fail(model.error(), -1);
+      return model.error();
+    }
+    composer_.setModel(model.take());
   }
   const int first = wanted_name_.empty() ? 0 : loading_.find(wanted_name_);
   outbox_.emit(EventKind::LoadedMetadata);

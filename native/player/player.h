@@ -24,6 +24,7 @@
 #include "gpu/device.h"
 #include "motion/placement.h"
 #include "package/character.h"
+#include "player/parts/loading.h"
 #include "player/parts/messages.h"
 #include "render/recipe.h"
 
@@ -33,8 +34,9 @@ struct PlayerOptions {
   int picture_slots = 4;                      // decoded pictures kept on the GPU
   uint64_t encoded_budget_bytes = 16u << 20;  // fetched GOPs kept for loops
   render::PictureTextures::Kind picture_kind = render::PictureTextures::Kind::I420;
-  double turn_rate_rad_s = 2.1;  // heading follows the wanted one at most this fast
-  double parameter_rate = 1.5;   // a class's parameter crosses its whole range at most this often a second
+  double turn_rate_rad_s = 2.1;          // heading follows the wanted one at most this fast
+  double parameter_rate = 1.5;           // a class's parameter crosses its whole range at most this often a second
+  const CameraParts* cameras = nullptr;  // null: characters from cameras are refused
 };
 
 struct PlayerStats {
@@ -78,6 +80,7 @@ class Player {
   virtual motion::Placement placement() const = 0;
   virtual void steer(double heading_rad) = 0;      // wanted heading, reached at turn_rate_rad_s while playing
   virtual void setAlign(render::Align align) = 0;  // default Baked; a stream without alignment is blended plainly
+  virtual void setMethod(const render::MethodOptions& options) = 0;  // of characters from cameras
 
   // Advances the clock to the edge's monotonic time and chooses the frame to show.
   virtual void tick(double now_s) = 0;
@@ -103,6 +106,7 @@ class Player {
   // What to hand to a recipe, to draw it with others; valid until the next tick. Errors: InvalidArgument: no frame yet.
   virtual Result<render::Figure> figure() const = 0;
   virtual render::Align align() const = 0;
+  virtual const render::MethodOptions& method() const = 0;
   // Makes one of the programs that this character's motions will need, before one of them does; false: none is missing.
   // For moments when nothing else is to be done.
   virtual bool makeNextProgram(const render::RecipeOptions& options) = 0;

@@ -38,6 +38,7 @@ class PlayerImpl final : public Player {
   motion::Placement placement() const override { return root_motion_.placement(); }
   void steer(double heading_rad) override { root_motion_.steer(heading_rad); }
   void setAlign(render::Align align) override { align_ = align; }
+  void setMethod(const render::MethodOptions& options) override { method_ = options; }
   void tick(double now_s) override;
   bool nextRequest(Request& out) override;
   bool nextEvent(Event& out) override { return outbox_.nextEvent(out); }
@@ -52,6 +53,7 @@ class PlayerImpl final : public Player {
   bool hasFrame() const override { return main().head.hasPicture(); }
   Result<render::Figure> figure() const override;
   render::Align align() const override { return align_; }
+  const render::MethodOptions& method() const override { return method_; }
   bool makeNextProgram(const render::RecipeOptions& options) override;
   Status draw(const render::View& view, const render::RecipeOptions& options, gpu::TargetId target) override;
   const package::Character* character() const override { return loading_.character(); }
@@ -68,6 +70,7 @@ class PlayerImpl final : public Player {
   void select(int sequence);
   void startAt(Track& track, int64_t frame);
   void glideParameters(double dt_s);
+  bool fromCameras() const { return character()->appearance == package::AppearanceKind::Cameras; }
   bool loops(int sequence) const { return playback_.loops(loading_.sequence(sequence)); }
   bool loops(const Track& track) const { return loops(track.head.sequence()); }
   bool runs(const Track& track) const;     // its clock should
@@ -129,6 +132,7 @@ class PlayerImpl final : public Player {
   Parameters parameters_;
   FigureComposer composer_;
   render::Align align_ = render::Align::Baked;
+  render::MethodOptions method_;
   std::string wanted_name_;  // selected before the manifest arrived
   bool in_sight_ = true;
   PlayerStats stats_;  // without what Loading counts

@@ -66,12 +66,13 @@ bool PlayerImpl::showPicture(Track& t, int slot, const FrameGeometry& geometry) 
 // character moves along if the presentation continues the shown motion.
 bool PlayerImpl::present(Track& t, int64_t k, const FrameGeometry& geometry) {
   const package::Sequence& sequence = wantedOf(t);
-  if (Status status = t.frame.present(device_, composer_.model(), sequence, geometry); !status.ok()) {
+  if (Status status = t.frame.present(device_, composer_.model(), *character(), sequence, geometry); !status.ok()) {
     giveUp(t, status.error());
     return false;
   }
   const Presentation& shown = t.head.shown();
   if (shown.sequence != t.head.sequence() || t.parameters.hasEntry()) t.parameters.enter(sequence, parameters_);
+  if (geometry.surfaces) return true;  // it stays where it was captured
   const RootFrame root{sequence, t.parameters.weights().members, geometry};
   const int64_t count = sequence.frame_count;
   if (!t.head.seeking())
@@ -120,19 +121,22 @@ void PlayerImpl::composeMesh() {
 
 Result<render::Figure> PlayerImpl::figure() const {
   if (!hasFrame()) return Error{ErrorId::InvalidArgument, "nothing to draw yet: wait for canplay"};
+  const glm::mat4 world_from_character = motion::worldFromCharacter(root_motion_.sourcePlacement());
+  if (fromCameras())
+    return composer_.cameraFigure(main().frame, main().slots.picture(main().head.shown().slot), world_from_character);
   const auto look = [](const Track& t) {
     return render::Look{&t.frame.appearance(), &t.slots.picture(t.head.shown().slot), t.parameters.weights().members};
   };
   std::array<render::Look, 2> looks{look(main())};
   if (transitions_.fading()) looks[1] = look(other());
   return composer_.figure(std::span(looks.data(), transitions_.fading() ? 2 : 1), transitions_.fade(),
-                          motion::worldFromCharacter(root_motion_.sourcePlacement()));
+                          world_from_character);
 }
 
 // A blend has at most one member more than the space has parameters, and is aligned as far as is known. An error comes
 // up again in the picture's draw.
 bool PlayerImpl::makeNextProgram(const render::RecipeOptions& options) {
-  if (!hasFrame()) return false;
+  if (!hasFrame() || fromCameras()) return false;
   size_t most_members = 1;
   bool aligned = true;
   for (int i = 0; i < loading_.sequenceCount(); ++i) {
@@ -148,7 +152,7 @@ bool PlayerImpl::makeNextProgram(const render::RecipeOptions& options) {
 Status PlayerImpl::draw(const render::View& view, const render::RecipeOptions& options, gpu::TargetId target) {
   auto drawn = figure();
   if (!drawn.ok()) return drawn.error();
-  return recipe_->draw({&drawn.value(), 1}, nullptr, view, {options, align_}, target);
+  return recipe_->draw({&drawn.value(), 1}, nullptr, view, {options, align_, method_}, target);
 }
 
 }  // namespace fourdvt

@@ -13,8 +13,8 @@
 namespace fourdvt {
 
 struct Track {
-  Track(int decoder, int picture_slots, render::PictureTextures::Kind kind)
-      : feeding(decoder), slots(picture_slots, kind) {}
+  Track(int decoder, int picture_slots, render::PictureTextures::Kind kind, const CameraParts* cameras)
+      : feeding(decoder), slots(picture_slots, kind), frame(cameras) {}
 
   Playhead head;
   Feeding feeding;

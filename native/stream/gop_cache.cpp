@@ -32,10 +32,11 @@ GopCache::Entry GopCache::oldest(const MayGo& may_go) {
 void GopCache::trim(const std::vector<GopKey>& keep) {
   const auto kept = [&](const GopKey& key) { return std::find(keep.begin(), keep.end(), key) != keep.end(); };
   for (uint64_t total = decodedBytes(); total > decoded_budget_bytes_;) {
-    const Entry it = oldest([&](const auto& entry) { return entry.second.geometry && !kept(entry.first); });
+    const Entry it = oldest([&](const auto& entry) { return entry.second.decoded() && !kept(entry.first); });
     if (it == gops_.end()) break;
     total -= it->second.decodedBytes();
     it->second.geometry.reset();
+    it->second.surfaces.reset();
   }
   for (uint64_t total = encodedBytes(); total > encoded_budget_bytes_;) {
     const Entry it = oldest([&](const auto& entry) {
@@ -66,7 +67,7 @@ uint64_t GopCache::decodedBytes() const {
 
 size_t GopCache::decodedCount() const {
   return static_cast<size_t>(
-      std::count_if(gops_.begin(), gops_.end(), [](const auto& entry) { return entry.second.geometry != nullptr; }));
+      std::count_if(gops_.begin(), gops_.end(), [](const auto& entry) { return entry.second.decoded(); }));
 }
 
 std::vector<uint32_t> neededGops(const package::StreamIndex& index, uint32_t frame, bool loop, uint32_t ahead) {

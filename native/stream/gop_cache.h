@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "package/coding/chunk_decoder.h"
+#include "package/surface_chunk.h"
 
 namespace fourdvt::stream {
 
@@ -26,9 +27,11 @@ struct Gop {
   std::vector<uint8_t> video;                       // the GOP's samples, contiguous as in the file
   std::vector<uint8_t> chunk;                       // encoded geometry
   std::unique_ptr<package::ChunkDecoder> geometry;  // of `chunk`, decoded as far as was asked for
+  std::unique_ptr<package::SurfaceChunk> surfaces;  // likewise, of a character from cameras
   uint64_t last_use = 0;
   uint64_t encodedBytes() const { return video.size() + chunk.size(); }
-  uint64_t decodedBytes() const { return geometry ? geometry->frames().bytes() : 0; }
+  bool decoded() const { return geometry || surfaces; }
+  uint64_t decodedBytes() const { return geometry ? geometry->frames().bytes() : surfaces ? surfaces->bytes() : 0; }
 };
 
 class GopCache {

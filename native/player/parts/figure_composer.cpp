@@ -8,8 +8,14 @@
 
 namespace fourdvt {
 
-Status ShownFrame::present(gpu::Device& device, const render::CharacterModel& model, const package::Sequence& sequence,
+Status ShownFrame::present(gpu::Device& device, const render::CharacterModel& model,
+                           const package::Character& character, const package::Sequence& sequence,
                            const FrameGeometry& geometry) {
+  if (geometry.surfaces) {
+    cameras_->placePictures(character, sequence, *geometry.surfaces, surface_);
+    stale_ = true;
+    return {};
+  }
   const int members = static_cast<int>(sequence.members.size());
   if (!appearance_ || appearance_->member_count != members) {
     auto made = render::Appearance::create(device, model, members);
@@ -27,7 +33,10 @@ Status ShownFrame::present(gpu::Device& device, const render::CharacterModel& mo
 }
 
 void ShownFrame::blend(const FrameGeometry& geometry, const motion::BlendWeights& weights) {
-  motion::blendFrame(*geometry.frames, geometry.row, *geometry.index, weights, positions_);
+  if (geometry.surfaces)
+    cameras_->takeSurface(geometry, positions_, surface_);
+  else
+    motion::blendFrame(*geometry.frames, geometry.row, *geometry.index, weights, positions_);
   stale_ = false;
 }
 
@@ -43,6 +52,10 @@ void FigureComposer::compose(gpu::Device& device, const ShownFrame& first, const
                              const MeshFade& fade) {
   if (!stale_) return;
   stale_ = false;
+  if (first.surface().topology_serial != topology_serial_) {
+    topology_serial_ = first.surface().topology_serial;
+    cameras_->setTopology(device, first.surface(), first.positions().size(), *model_);
+  }
   if (!second) {
     model_->setPositions(device, first.positions());
     return;
@@ -51,6 +64,17 @@ void FigureComposer::compose(gpu::Device& device, const ShownFrame& first, const
   const glm::mat4 first_from_second = motion::worldFromCharacter(motion::moved({}, fade.shift));
   motion::crossFade(faded_, second->positions(), first_from_second, fade.share);
   model_->setPositions(device, faded_);
+}
+
+render::Figure FigureComposer::cameraFigure(const ShownFrame& frame, const render::PictureTextures& picture,
+                                            const glm::mat4& world_from_character) const {
+  camera_look_ = frame.surface().look;
+  camera_look_.picture = &picture;
+  render::Figure figure;
+  figure.model = &*model_;
+  figure.cameras = &camera_look_;
+  figure.world_from_character = world_from_character;
+  return figure;
 }
 
 render::Figure FigureComposer::figure(std::span<const render::Look> looks, float fade,

@@ -11,7 +11,7 @@
 
 #include "base/mesh.h"
 #include "motion/parameter_space.h"
-#include "player/parts/frame_geometry.h"
+#include "player/parts/camera_parts.h"
 #include "render/recipe.h"
 
 namespace fourdvt {
@@ -20,9 +20,12 @@ namespace fourdvt {
 // the present weights. Does not upload the mesh: that is FigureComposer's.
 class ShownFrame {
  public:
-  // Labels and alignment of the frame go on screen; its mesh is stale until it is blended. Errors: GpuFailure.
-  Status present(gpu::Device& device, const render::CharacterModel& model, const package::Sequence& sequence,
-                 const FrameGeometry& geometry);
+  // cameras: null where characters from cameras are not played.
+  explicit ShownFrame(const CameraParts* cameras = nullptr) : cameras_(cameras) {}
+  // Labels and alignment of the frame, or where its cameras' pictures lie, go on screen; its mesh is stale until it is
+  // blended. Errors: GpuFailure.
+  Status present(gpu::Device& device, const render::CharacterModel& model, const package::Character& character,
+                 const package::Sequence& sequence, const FrameGeometry& geometry);
   bool stale() const { return stale_; }  // the mesh is not that of the presented frame at the present weights
   void markStale() { stale_ = true; }
   void blend(const FrameGeometry& geometry, const motion::BlendWeights& weights);
@@ -30,10 +33,13 @@ class ShownFrame {
 
   const render::Appearance& appearance() const { return *appearance_; }  // of a frame that was presented
   const Positions& positions() const { return positions_; }              // as blended last
+  const SurfaceFrame& surface() const { return surface_; }               // of a character from cameras
 
  private:
+  const CameraParts* cameras_;
   std::optional<render::Appearance> appearance_;
   Positions positions_;
+  SurfaceFrame surface_;
   bool stale_ = false;
   std::vector<glm::vec2> alignment_;  // scratch
 };
@@ -46,22 +52,30 @@ struct MeshFade {
 
 class FigureComposer {
  public:
+  explicit FigureComposer(const CameraParts* cameras = nullptr) : cameras_(cameras) {}  // as of ShownFrame
   // Errors: GpuFailure.
   Status setMesh(gpu::Device& device, const package::Character& character, const package::BaseMesh& mesh);
+  void setModel(render::CharacterModel model) { model_ = std::move(model); }  // of a character from cameras
   bool hasMesh() const { return model_.has_value(); }
   const render::CharacterModel& model() const { return *model_; }  // if hasMesh()
 
   void markStale() { stale_ = true; }  // the model's mesh is not that of the tracks
   // Uploads the mesh if it is stale. second: null without a fade.
   void compose(gpu::Device& device, const ShownFrame& first, const ShownFrame* second, const MeshFade& fade);
+  // Of a character from cameras; valid until the next call.
+  render::Figure cameraFigure(const ShownFrame& frame, const render::PictureTextures& picture,
+                              const glm::mat4& world_from_character) const;
   // looks: one or two. The figure is valid until the next call.
   render::Figure figure(std::span<const render::Look> looks, float fade, const glm::mat4& world_from_character) const;
 
  private:
+  const CameraParts* cameras_;
   std::optional<render::CharacterModel> model_;
   bool stale_ = false;
-  Positions faded_;  // scratch
+  uint64_t topology_serial_ = 0;  // of the surface that the model has
+  Positions faded_;               // scratch
   mutable std::array<render::Look, 2> looks_;
+  mutable render::CameraLook camera_look_;
 };
 
 }  // namespace fourdvt

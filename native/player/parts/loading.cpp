@@ -26,10 +26,13 @@ Error named(const std::string& uri, const Error& error) { return {error.id, uri 
 Status Loading::readManifest(const FlatJson& gltf) {
   auto read = package::readManifest(gltf);
   if (!read.ok()) return read.error();
+  if (read.value().appearance == package::AppearanceKind::Cameras && !cameras_)
+    return Error{ErrorId::Unsupported, "this player does not play characters from cameras; use fourdvt-full.wasm"};
   character_ = read.take();
   streams_.clear();
   streams_.resize(character_->sequences.size());
-  fetches_.startProgress(character_->mesh_bytes);
+  if (fromCameras()) mesh_state_ = PartState::Present;  // every GOP brings its own
+  fetches_.startProgress(fromCameras() ? 0 : character_->mesh_bytes);
   return {};
 }
 
@@ -190,8 +193,9 @@ Status Loading::receiveHeader(int sequence_index, std::span<const uint8_t> bytes
 
 Status Loading::checkHeader(int sequence_index, const package::StreamIndex& i) const {
   const package::Sequence& q = sequence(sequence_index);
-  if (i.frame_count != q.frame_count || i.vertex_count != character_->vertex_count ||
-      i.face_count != character_->face_count || i.layer_count != static_cast<uint32_t>(character_->layer_count) ||
+  const auto isOf = [&](uint32_t count, uint32_t whole) { return fromCameras() ? count <= whole : count == whole; };
+  if (i.frame_count != q.frame_count || !isOf(i.vertex_count, character_->vertex_count) ||
+      !isOf(i.face_count, character_->face_count) || i.layer_count != static_cast<uint32_t>(character_->layer_count) ||
       i.renditions.size() != q.renditions.size() || i.member_count != q.members.size() ||
       i.reference_count != q.reference_count)
     return Error{ErrorId::StreamInvalid,
@@ -245,24 +249,33 @@ const std::vector<uint8_t>* Loading::video(int sequence, uint32_t gop_index) con
   return gop && gop->video_state == PartState::Present ? &gop->video : nullptr;
 }
 
+// Opens the decoder if that is yet to be done.
+template <class Decoder, class Open>
+Status Loading::decodeTo(std::unique_ptr<Decoder>& decoder, uint32_t row, const Open& open) {
+  if (!decoder) {
+    auto opened = open();
+    if (!opened.ok()) return opened.error();
+    decoder = opened.take();
+  }
+  return decoder->decodeTo(row);
+}
+
 Status Loading::geometry(int sequence_index, uint32_t frame, FrameGeometry& out) {
   if (mesh_state_ != PartState::Present || !playable(sequence_index)) return {};
   const package::StreamIndex& streamed = index(sequence_index);
   const uint32_t gop_index = streamed.chunkOfFrame(frame);
   stream::Gop* gop = cache_.find({sequence_index, gop_index});
   if (!gop || gop->chunk_state != PartState::Present) return {};
-  Status status;
-  if (!gop->geometry) {
-    auto opened = package::ChunkDecoder::open(gop->chunk, streamed, gop_index, chunk_mesh_);
-    if (opened.ok())
-      gop->geometry = opened.take();
-    else
-      status = opened.error();
-  }
   const uint32_t row = frame - streamed.chunks[gop_index].first_frame;
-  if (status.ok()) status = gop->geometry->decodeTo(row);
-  if (!status.ok()) return named(sequence(sequence_index).stream_uri, status.error());
-  out = {&gop->geometry->frames(), &streamed, row};
+  const package::Sequence& q = sequence(sequence_index);
+  const Status status = fromCameras()
+                            ? decodeTo(gop->surfaces, row,
+                                       [&] { return cameras_->open(gop->chunk, streamed, gop_index, *character_, q); })
+                            : decodeTo(gop->geometry, row, [&] {
+                                return package::ChunkDecoder::open(gop->chunk, streamed, gop_index, chunk_mesh_);
+                              });
+  if (!status.ok()) return named(q.stream_uri, status.error());
+  out = {gop->geometry ? &gop->geometry->frames() : nullptr, &streamed, row, gop->surfaces.get(), gop_index};
   return {};
 }
 

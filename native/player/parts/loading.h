@@ -12,8 +12,8 @@
 
 #include "motion/motion_graph.h"
 #include "package/chunk_mesh.h"
+#include "player/parts/camera_parts.h"
 #include "player/parts/fetches.h"
-#include "player/parts/frame_geometry.h"
 #include "stream/gop_cache.h"
 
 namespace fourdvt {
@@ -35,9 +35,10 @@ struct Arrival {
 
 class Loading {
  public:
-  Loading(Outbox& outbox, uint64_t encoded_budget_bytes) : cache_(encoded_budget_bytes), fetches_(outbox) {}
+  Loading(Outbox& outbox, uint64_t encoded_budget_bytes, const CameraParts* cameras = nullptr)
+      : cameras_(cameras), cache_(encoded_budget_bytes), fetches_(outbox) {}
 
-  // Errors: as of package::readManifest; what was there stays.
+  // Errors: as of package::readManifest; Unsupported: from cameras, without CameraParts. What was there stays.
   Status readManifest(const FlatJson& gltf);
   const package::Character* character() const { return character_ ? &*character_ : nullptr; }  // null: no manifest yet
   int sequenceCount() const { return static_cast<int>(streams_.size()); }
@@ -93,6 +94,11 @@ class Loading {
   void receiveGraph(std::span<const uint8_t> bytes);
   void receiveGop(const FetchPurpose& purpose, std::span<const uint8_t> bytes);
 
+  bool fromCameras() const { return character_->appearance == package::AppearanceKind::Cameras; }
+  template <class Decoder, class Open>
+  Status decodeTo(std::unique_ptr<Decoder>& decoder, uint32_t row, const Open& open);
+
+  const CameraParts* cameras_;
   std::optional<package::Character> character_;
   std::optional<package::BaseMesh> mesh_;
   package::ChunkMesh chunk_mesh_;
