@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The recipe: validate → refine → warp → survey → every missing GOP, frame by frame → align → graph → assemble.
+// The recipe: validate → refine → warp → survey → every missing GOP, frame by frame → align → graph → room →
+// assemble. From cameras: validate → refine → regions → colours → every missing GOP → room → assemble.
 #include "bake/bake.h"
 
 #include <algorithm>
@@ -7,9 +8,14 @@
 #include "bake/run/bake_run.h"
 #include "bake/stages/align_stage.h"
 #include "bake/stages/assemble.h"
+#include "bake/stages/camera_assembly.h"
+#include "bake/stages/camera_colours.h"
+#include "bake/stages/camera_gops.h"
+#include "bake/stages/camera_plan.h"
 #include "bake/stages/gop_stage.h"
 #include "bake/stages/graph_stage.h"
 #include "bake/stages/refine_stage.h"
+#include "bake/stages/room_stage.h"
 #include "bake/stages/stream_plan.h"
 #include "bake/stages/survey.h"
 #include "bake/stages/validate.h"
@@ -30,6 +36,12 @@ void expectWork(BakeRun& run) {
   run.progress.frames_total = job.total_frames + phases;
   const auto expect = [&](Stage stage, uint32_t units) { run.progress.expect(infoOf(stage).work_s * units); };
   if (job.options.refine.any()) expect(Stage::Refine, job.total_frames);
+  if (job.capture.room) expect(Stage::Room, 1);
+  if (job.fromCameras()) {
+    expect(Stage::Regions, job.total_frames);
+    expect(Stage::Encode, job.total_frames);
+    return;
+  }
   expect(Stage::Warp, member_phases);
   expect(Stage::Visibility, job.total_frames);
   expect(Stage::Encode, job.total_frames + member_phases);
@@ -39,17 +51,16 @@ void expectWork(BakeRun& run) {
 
 // Drops duplicates: classes repeat their members' notes.
 std::vector<std::string> notesOf(const Job& job) {
-  std::vector<std::string> notes;
+  std::vector<std::string> notes = job.notes;
   for (const StreamPlan& plan : job.streams)
     for (const std::string& note : plan.motion.notes)
       if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
   return notes;
 }
 
-void addFigures(const BakeRun& run, const Survey& survey, ReportInput& report) {
+void addFigures(const BakeRun& run, ReportInput& report) {
   BakeReport& figures = report.figures;
   figures.seconds_by_stage = run.clock.seconds();
-  figures.labels_by_sequence = survey.statistics();
   figures.refinement = run.job.refinement;
   figures.frames = run.job.streamFrames();
   figures.notes = notesOf(run.job);
@@ -57,22 +68,37 @@ void addFigures(const BakeRun& run, const Survey& survey, ReportInput& report) {
   report.wall_s = run.progress.seconds() + figures.seconds_by_stage[infoOf(Stage::Validate).name];
 }
 
-Result<BakeReport> runStages(BakeRun& run) {
-  const Job& job = run.job;
-  expectWork(run);
-  FOURDVT_TRY(refineJob(run));
-  FOURDVT_TRY(planStreams(run));
-  FOURDVT_ASSIGN(run.work, WorkFolder::open(job.workFolder(), settingsKey(job), job.options.resume));
-  FOURDVT_TRY(keepRefinement(run));
+Status bakeLayers(BakeRun& run, ReportInput& report) {
   FOURDVT_ASSIGN(const Survey survey, Survey::make(run));
   GopStage gops(run, survey);
   FOURDVT_TRY(gops.run());
   FOURDVT_TRY(alignClasses(run));
   FOURDVT_ASSIGN(const auto graph, makeGraph(run));
+  report.resumed = gops.framesBaked() < run.job.streamFrames();
+  report.figures.labels_by_sequence = survey.statistics();
+  FOURDVT_ASSIGN(const auto room, makeRoom(run, survey.colourMaps()));
+  return assemble(run, graph, room, report);
+}
+
+Status bakeCameras(BakeRun& run, ReportInput& report) {
+  FOURDVT_ASSIGN(const auto maps, calibrateColours(run));
+  CameraGops gops(run, maps);
+  FOURDVT_TRY(gops.run());
+  report.resumed = gops.framesBaked() < run.job.streamFrames();
+  FOURDVT_ASSIGN(const auto room, makeRoom(run, maps));
+  return assembleCameras(run, maps, room, report);
+}
+
+Result<BakeReport> runStages(BakeRun& run) {
+  const Job& job = run.job;
+  expectWork(run);
+  FOURDVT_TRY(refineJob(run));
+  FOURDVT_TRY(job.fromCameras() ? planCameraStreams(run) : planStreams(run));
+  FOURDVT_ASSIGN(run.work, WorkFolder::open(job.workFolder(), settingsKey(job), job.options.resume));
+  FOURDVT_TRY(keepRefinement(run));
   ReportInput report;
-  report.resumed = gops.framesBaked() < job.streamFrames();
-  FOURDVT_TRY(assemble(run, graph, report));
-  addFigures(run, survey, report);
+  FOURDVT_TRY(job.fromCameras() ? bakeCameras(run, report) : bakeLayers(run, report));
+  addFigures(run, report);
   FOURDVT_TRY(writeReportFiles(job, report));
   FOURDVT_TRY(
       platform::replaceFolder(job.resultFolder(), job.options.character_folder, job.workFolder() + "/previous"));

@@ -84,6 +84,12 @@ BackgroundModel makeBackgroundModel(std::span<const Image> plates) {
   return model;
 }
 
+Image meanPicture(const BackgroundModel& model) {
+  Image out(model.width, model.height, 3);
+  for (size_t i = 0; i < out.pixels.size(); ++i) out.pixels[i] = static_cast<uint8_t>(std::lround(model.mean[i]));
+  return out;
+}
+
 bool isChromaPlate(const Image& plate) {
   const size_t pixels = size_t(plate.width) * plate.height;
   std::vector<float> blue, red;

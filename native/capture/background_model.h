@@ -21,6 +21,8 @@ struct BackgroundModel {
 
 // `plates`: at least one, all of one size, 3 channels.
 BackgroundModel makeBackgroundModel(std::span<const Image> plates);
+// The mean as a picture, RGB.
+Image meanPicture(const BackgroundModel& model);
 
 // Whether a plate is a chroma key backdrop: most of it has one saturated colour.
 bool isChromaPlate(const Image& plate);

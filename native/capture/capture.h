@@ -9,6 +9,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -88,6 +89,7 @@ struct Capture {
   std::vector<CaptureClass> classes;  // those whose members are all among `sequences`
   std::string background_folder;      // plates of the empty studio, for cameras without mattes
   BackgroundKind background_kind = BackgroundKind::FromPlate;
+  std::optional<BoundingBox> room;  // metres; the plates show its inside
   CaptureMeshes meshes = CaptureMeshes::ConstantTopology;
   MeshTopology topology;                          // constant over all sequences; empty without constant topology
   std::shared_ptr<const SurfaceOffsets> offsets;  // added to every mesh frame that is read; null: none

@@ -14,7 +14,7 @@ namespace fourdvt::capture {
 namespace {
 
 using Json = nlohmann::json;
-constexpr double kMaxFrames = 10'000'000;
+constexpr double kMaxFrames = 10'000'000, kMaxRoomUnits = 1e6;
 
 // The value of `key`; null if there is none or if `node` is no object.
 const Json& member(const Json& node, const char* key) {
@@ -41,6 +41,7 @@ class Parser {
     out_.cameras_folder = folder_ + "/" + text(member(member(root, "calibration"), "ring"), "cameras");
     FOURDVT_TRY(background(member(root, "background")));
     FOURDVT_TRY(scale(root));
+    FOURDVT_TRY(room(member(root, "room")));
     FOURDVT_TRY(topology(root));
     const Json& sequences = member(root, "sequences");
     if (!sequences.is_array() || sequences.empty()) return error("needs \"sequences\", a list with at least one entry");
@@ -94,6 +95,26 @@ class Parser {
     if (text(member(root, "up_axis"), "Y") != "Y") return error("\"up_axis\" must be Y: turn the cameras and meshes");
     const Json& ground = member(root, "ground_y");
     if (ground.is_number()) out_.capture.ground_y_m = ground.get<double>() * out_.capture.metres_per_unit;
+    return {};
+  }
+
+  // {"min": [x, y, z], "max": [x, y, z]}; after the units are known.
+  Status room(const Json& node) {
+    if (node.is_null()) return {};
+    BoundingBox box;
+    const auto corner = [&](const char* key, glm::vec3& out) {
+      const Json& values = member(node, key);
+      bool valid = values.is_array() && values.size() == 3;
+      for (size_t i = 0; valid && i < 3; ++i) {
+        valid = values[i].is_number() && std::abs(values[i].get<double>()) <= kMaxRoomUnits;
+        if (valid) out[static_cast<int>(i)] = float(values[i].get<double>() * out_.capture.metres_per_unit);
+      }
+      return valid;
+    };
+    if (!corner("min", box.min) || !corner("max", box.max))
+      return error("\"room\" must be {\"min\": [x, y, z], \"max\": [x, y, z]}, in the unit of \"units\"");
+    if (!glm::all(glm::lessThan(box.min, box.max))) return error("\"room\" needs \"min\" below \"max\" on every axis");
+    out_.capture.room = box;
     return {};
   }
 

@@ -35,7 +35,9 @@ class ObjParser {
   }
 
  private:
-  static constexpr const char* kNoUvs = "the mesh has no texture coordinates; unwrap it and export with UVs";
+  static constexpr const char* kNoUvs =
+      "the mesh has no texture coordinates; unwrap it and export with UVs, or give capture.json "
+      "\"topology\": \"per-frame\" and bake with --appearance cameras";
 
   Error error(ErrorId id, const std::string& what) const {
     std::string message = path_;

@@ -79,7 +79,7 @@ Status refuse(const std::string& folder, CaptureMeshes meshes, MeshNeed need) {
   if (meshes == CaptureMeshes::PerFrame && need == MeshNeed::ConstantTopology) {
     return Error{ErrorId::MeshTopology,
                  path + "the meshes are of \"per-frame\" topology, but layers need meshes of constant topology with " +
-                     "UVs; fit one mesh with UVs to all frames first"};
+                     "UVs; fit one mesh with UVs to all frames first, or bake with --appearance cameras"};
   }
   return {};
 }

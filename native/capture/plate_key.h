@@ -13,8 +13,7 @@ namespace fourdvt::capture {
 
 class PlateKey {
  public:
-  // Reads background/CAMERA.png, or else background/CAMERA/000000.png (or .jpg) and what follows it without a gap.
-  // Errors: FileMissing, FileUnreadable, FrameSize.
+  // Reads the camera's plates. Errors: FileMissing, FileUnreadable, FrameSize.
   static Result<PlateKey> open(const Capture& capture, const CaptureCamera& camera);
   // One channel. `picture`: RGB, as distorted as the plates.
   Image matte(const Image& picture) const;

@@ -8,6 +8,7 @@
 
 #include "measure/held_out_truth.h"
 #include "measure/projective.h"
+#include "render/cameras/fvvr.h"
 
 namespace fourdvt::measure {
 namespace {
@@ -46,10 +47,25 @@ Status compareFrame(const capture::Capture& capture, const capture::CaptureSeque
   return {};
 }
 
+Result<Image> textured(const PinholeCamera& view, const std::vector<PinholeCamera>& cameras,
+                       std::span<const Image> pictures, const TriangleMesh& surface,
+                       const SurfaceTexturing& texturing) {
+  if (!texturing.device) return renderProjective(view, cameras, pictures, surface.faces, surface.positions);
+  MeshTopology topology;
+  topology.vertex_count = static_cast<uint32_t>(surface.positions.size());
+  topology.face_vertices = surface.faces;
+  FOURDVT_ASSIGN(auto fvvr, render::Fvvr::create(*texturing.device, cameras, topology));
+  const render::View seen = render::viewFromCamera(view);
+  const render::FvvrOptions options{.closest = texturing.closest};
+  FOURDVT_TRY(fvvr->setFrame(surface.positions, pictures, fvvr->camerasOf(seen, options)));
+  return fvvr->renderStill(seen, options);
+}
+
 }  // namespace
 
 Result<std::vector<SurfaceScore>> scoreSurfaces(
     const capture::Capture& capture, const capture::Capture* reference, const OpenVideo& open_video,
+    const SurfaceTexturing& texturing,
     const std::function<void(const std::string& sequence, uint32_t frame)>& on_frame) {
   FOURDVT_ASSIGN(const auto test_cameras, capture::readTestCameras(capture));
   std::vector<PinholeCamera> cameras;
@@ -68,8 +84,8 @@ Result<std::vector<SurfaceScore>> scoreSurfaces(
       triangles += double(surface.faces.size());
       for (const PinholeCamera& camera : test_cameras) {
         FOURDVT_ASSIGN(auto truth, heldOutTruth(sequence, camera, frame));
-        lane.add(std::move(truth),
-                 renderProjective(camera, cameras, captured.pictures, surface.faces, surface.positions));
+        FOURDVT_ASSIGN(auto picture, textured(camera, cameras, captured.pictures, surface, texturing));
+        lane.add(std::move(truth), std::move(picture));
       }
       if (reference) FOURDVT_TRY(compareFrame(capture, sequence, *reference, surface, frame, distances));
       if (on_frame) on_frame(sequence.name, frame);

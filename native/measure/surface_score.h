@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A capture's surfaces, whatever their topology, judged by what they are for: plain projective texturing from the
-// camera videos (projective.h) at the held-out cameras; and against the surfaces of a reference capture. Does NOT bake.
+// A capture's surfaces, whatever their topology, judged by what they are for: texturing from the camera videos at the
+// held-out cameras, plainly on the CPU (projective.h) or on the GPU from the cameras nearest to the view
+// (render/cameras/fvvr.h); and against the surfaces of a reference capture. Does NOT bake.
 #pragma once
 
 #include <functional>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "capture/capture.h"
+#include "gpu/device.h"
 #include "measure/picture_score.h"
 #include "measure/surface_distance.h"
 
@@ -29,10 +31,16 @@ struct SurfaceScore {
 };
 inline constexpr double kStill_m = 0.0005;
 
+struct SurfaceTexturing {
+  gpu::Device* device = nullptr;  // null: on the CPU, from all cameras
+  int closest = 0;                // on the GPU: from this many cameras, the nearest to the view; 0: all
+};
+
 // `reference`: the same sequences and frames with meshes of constant topology; null: none. `on_frame` hears of each
 // finished test frame. Errors: those of captures and pictures; FileMissing where a sequence has no held-out pictures.
 Result<std::vector<SurfaceScore>> scoreSurfaces(
     const capture::Capture& capture, const capture::Capture* reference, const OpenVideo& open_video,
+    const SurfaceTexturing& texturing,
     const std::function<void(const std::string& sequence, uint32_t frame)>& on_frame = {});
 
 // Fixed width, with units.

@@ -96,9 +96,12 @@ Room::Hit Room::hit(const glm::dvec3& eye, const glm::dvec3& direction) const {
     out.side = wall;
   }
   out.point = eye + nearest * direction;
-  const glm::dvec3& p = out.point;
-  out.on_side = out.side == 0 ? glm::dvec2(p.x, p.z) : glm::dvec2(out.side <= 2 ? p.z : p.x, p.y - ground_m_);
+  out.on_side = sidePlace(out.side, out.point);
   return out;
+}
+
+glm::dvec2 Room::sidePlace(int side, const glm::dvec3& p) const {
+  return side == 0 ? glm::dvec2(p.x, p.z) : glm::dvec2(side <= 2 ? p.z : p.x, p.y - ground_m_);
 }
 
 // Planks with grain and joints, on them a striped rug, and boards in the actor's colours.
@@ -147,6 +150,27 @@ glm::dvec3 Room::colour(const Hit& at) const {
   const glm::dvec3 paint = at.side == 0 ? floorColour(at.on_side) : wallColour(at.side, at.on_side);
   const double fall = at.side == 0 ? 1.05 - 0.06 * glm::length(at.on_side) / half_m_ : 0.95 + 0.03 * (at.side - 2);
   return glm::clamp(fall * paint, 0.02, 1.0);
+}
+
+BoundingBox Room::box() const {
+  double top = ground_m_;
+  for (const View& view : views_) {
+    const PinholeCamera& c = view.camera;
+    const glm::dmat3 world_from_cam = glm::transpose(glm::dmat3(c.cam_from_world));
+    for (int x = 0; x <= c.width; ++x)
+      top = std::max(top,
+                     hit(c.centreInWorld(), world_from_cam * glm::dvec3((x - c.cx) / c.fx, -c.cy / c.fy, 1)).point.y);
+  }
+  return {glm::vec3(-half_m_, ground_m_, -half_m_), glm::vec3(half_m_, top, half_m_)};
+}
+
+glm::dvec3 Room::colourAt(const glm::dvec3& point) const {
+  const double distances[5] = {std::abs(point.y - ground_m_), std::abs(point.x - half_m_), std::abs(point.x + half_m_),
+                               std::abs(point.z - half_m_), std::abs(point.z + half_m_)};
+  Hit at;
+  at.side = int(std::min_element(distances, distances + 5) - distances);
+  at.on_side = sidePlace(at.side, point);
+  return colour(at);
 }
 
 Room::View Room::makeView(const PinholeCamera& camera) const {

@@ -26,6 +26,10 @@ class Room {
   const Image& empty(size_t camera) const { return views_[camera].lit; }
   Image withShadow(size_t camera) const;
   const glm::dvec3& light() const { return light_; }  // its direction, unit, downwards
+  // The room as a box: from the floor up to the highest point of a wall that a ring camera sees.
+  BoundingBox box() const;
+  // The colour without a shadow, RGB, sRGB-encoded, 0…1, at a point of the box's floor or of one of its walls.
+  glm::dvec3 colourAt(const glm::dvec3& point) const;
   // The share of each pixel that lies in the shadow, 0…255, one channel.
   Image shadow(size_t camera) const;
 
@@ -42,6 +46,7 @@ class Room {
     glm::dvec3 point{0};
   };
   Hit hit(const glm::dvec3& eye, const glm::dvec3& direction) const;
+  glm::dvec2 sidePlace(int side, const glm::dvec3& point) const;
   glm::dvec3 colour(const Hit& at) const;  // encoded, 0…1
   glm::dvec3 floorColour(const glm::dvec2& at) const;
   glm::dvec3 wallColour(int wall, const glm::dvec2& at) const;

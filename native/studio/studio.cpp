@@ -47,6 +47,13 @@ Json knobsJson(const StudioKnobs& k) {
           {"erosion_pixels", k.erosion_pixels}};
 }
 
+// Metres, rounded.
+Json millimetres(const glm::dvec3& v) {
+  Json out;
+  for (int i = 0; i < 3; ++i) out.push_back(std::round(1e3 * v[i]) / 1e3 + 0.0);  // no negative zero
+  return out;
+}
+
 class Run {
  public:
   Run(const StudioOptions& options, StudioSet& set, const OutputFolder& out, Ticker& ticker)
@@ -200,7 +207,11 @@ class Run {
     root["studio"] = {{"actor", std::filesystem::path(options_.actor).filename().string()},
                       {"knobs", knobsJson(options_.knobs)},
                       {"samples_a_pixel", 4}};
-    if (options_.room) root["studio"]["room"] = {{"plates", options_.plates}};
+    if (room_) {
+      const BoundingBox box = room_->box();
+      root["room"] = {{"min", millimetres(box.min)}, {"max", millimetres(box.max)}};
+      root["studio"]["room"] = {{"plates", options_.plates}};
+    }
     if (options_.truth_at.empty()) return root;
     for (const StudioClass& c : set_.classes()) root["studio"]["truth"].push_back("truth/" + c.name + "/truth.json");
     return root;

@@ -43,6 +43,9 @@ const CommandHelp& help() {
       "before everything is finished; after Ctrl-C, the same command with --resume goes on.",
       {{"-o", "CHARACTER", "folder to write (required)"},
        {"--sequences", "A,B", "only these sequences (default: all)"},
+       {"--appearance", "KIND",
+        "layers (texture layers on a mesh that moves), or cameras (the cameras' own pictures, for surfaces of any\n"
+        "                          topology); default: layers where the meshes allow it"},
        {"--quality", "NAME", qualityHelp()},
        {"--codec", "NAME", "h264 (plays everywhere, the default), vp9 or av1 (smaller, slower to bake)"},
        {"--layers", "N", "texture layers, 1 to 6 (default: of the quality)"},
@@ -67,6 +70,14 @@ const CommandHelp& help() {
         "classes: baked (what the members show is aligned on the surface; default) or none (quicker)"},
        {"--blend-error", "MM",
         "classes: how far the blended mesh may be from the non-linear blend, millimetres (default 3)"},
+       {"--tile-scale", "X", "cameras: texels per pixel of their pictures, 0.01 to 1 (default 1)"},
+       {"--faces", "N",
+        "cameras: surfaces whose topology changes from frame to frame get at most about N faces, 100 to 1000000, or 0: "
+        "as "
+        "many as they have (default 10000)"},
+       {"--tile-texels", "N", "cameras: largest tiled picture, million texels (default 9.4, what phones decode)"},
+       {"--position-step", "MM",
+        "how finely vertices are quantised, millimetres (default 0.25 for layers, 1 for cameras)"},
        {"--gop", "N", "largest number of frames per group of pictures (default 20)"},
        {"--jobs", "N", "worker threads; 0: one per core (default 0)"},
        {"--resume", nullptr, "continue an interrupted run with the same settings"}}};
@@ -93,6 +104,19 @@ void readEncoding(Args& args, bake::BakeOptions& o) {
                   ", not \"" + o.preset + "\"");
 }
 
+void readAppearance(Args& args, bake::BakeOptions& o) {
+  using package::AppearanceKind;
+  if (args.has("--appearance"))
+    o.appearance = choice(args, "--appearance", AppearanceKind::Layers,
+                          {{"layers", AppearanceKind::Layers}, {"cameras", AppearanceKind::Cameras}});
+  o.cameras.faces = args.integer("--faces", o.cameras.faces, 0, 1'000'000);
+  if (o.cameras.faces > 0 && o.cameras.faces < 100) args.complain("--faces must be 0, or 100 to 1000000");
+  o.cameras.tile_scale = args.number("--tile-scale", o.cameras.tile_scale, 0.01, 1);
+  o.cameras.max_texels = args.number("--tile-texels", o.cameras.max_texels / 1e6, 0.01, 16.8) * 1e6;
+  if (!args.has("--position-step")) return;
+  o.position_step_m = o.cameras.position_step_m = args.number("--position-step", 0.5, 0.001, 100) / 1e3;
+}
+
 bake::BakeOptions readOptions(Args& args) {
   bake::BakeOptions o;
   o.capture_folder = args.positional();
@@ -115,6 +139,7 @@ bake::BakeOptions readOptions(Args& args) {
   o.classes.bake = !args.has("--no-classes");
   o.classes.align = choice(args, "--align", o.classes.align, {{"baked", true}, {"none", false}});
   o.classes.blend_error_m = args.number("--blend-error", o.classes.blend_error_m * 1e3, 0.01, 1000) / 1e3;
+  readAppearance(args, o);
   o.refine = readRefineOptions(args);
   o.colour_calibration = !args.has("--no-colour-calibration");
   return o;
@@ -151,6 +176,7 @@ int bakeCommand(int argc, char** argv) {
   environment.progress = [&](const bake::Progress& p) {
     line.show({p.stage, p.done, p.total, p.frames_per_s, p.left_s});
   };
+  environment.note = [](const std::string& note) { std::printf("%s\n", note.c_str()), std::fflush(stdout); };
   environment.stop = stop;
   const auto start = std::chrono::steady_clock::now();
   auto report = bake::bake(options, environment);

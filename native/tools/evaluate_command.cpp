@@ -45,6 +45,9 @@ const CommandHelp& help() {
        {"--input-every", "N", "with --character: input cameras, every Nth frame, 0: none (default 4)"},
        {"--yardstick", nullptr,
         "with --character: also plain projective texturing of the mesh as given, no layers, no codec"},
+       {"--closest", "M",
+        "with --surface: textured on the GPU from the M cameras nearest to the view, 0: all (default: on the CPU from "
+        "all); with --character: of a character from cameras (default 4)"},
        {"--surface", nullptr, "score the capture's surfaces"},
        {"--reference", "CAPTURE2", "with --surface: the same motions with the surfaces that are taken for true"}}};
   return text;
@@ -53,6 +56,7 @@ const CommandHelp& help() {
 struct Arguments {
   std::string capture, character, output, reference;
   bool surface = false;
+  std::optional<int> closest;
   std::vector<std::string> sequences;
   bool quick = false;
   int jobs = 0;
@@ -73,10 +77,12 @@ Arguments readArguments(Args& args) {
   a.refine = readRefineOptions(args);
   a.surface = args.has("--surface");
   a.reference = args.text("--reference");
+  if (args.has("--closest")) a.closest = args.integer("--closest", 0, 0, package::kMaxCameras);
+  if (a.closest && !a.surface && a.character.empty()) args.complain("--closest belongs to --surface and --character");
   if (!a.reference.empty() && !a.surface) args.complain("--reference belongs to --surface");
   if (a.surface && (!a.character.empty() || !a.output.empty() || a.quick || args.has("--jobs") ||
                     args.has("--refine") || args.has("--refine-cameras") || args.has("--matte-bias-px")))
-    args.complain("--surface goes with --sequences and --reference only");
+    args.complain("--surface goes with --sequences, --reference and --closest only");
   if (a.character.empty() && a.output.empty() && !a.surface)
     args.complain("-o FOLDER is missing: where the report goes; or score one character with --character");
   if (a.character.empty() && (args.has("--input-every") || args.has("--yardstick")))
@@ -181,6 +187,7 @@ int scoreCharacter(const Arguments& arguments) {
     if (const Status made = platform::makeFolder(output); !made.ok()) return fail(made.error());
   auto session = openCharacter(arguments.character);
   if (!session.ok()) return fail(session.error());
+  if (arguments.closest) session.value().player->player().setMethod({.closest = *arguments.closest});
   auto capture = capture::openCapture(arguments.capture, videoOpener(), arguments.sequences);
   if (!capture.ok()) return fail(capture.error());
   const FrameLine line;
@@ -205,8 +212,15 @@ int scoreSurface(const Arguments& arguments) {
     if (!opened.ok()) return fail(opened.error());
     reference = opened.take();
   }
+  std::optional<GpuSession> gpu;
+  if (arguments.closest) {
+    auto opened = openGpu();
+    if (!opened.ok()) return fail(opened.error());
+    gpu = opened.take();
+  }
   const FrameLine line;
-  const auto scores = measure::scoreSurfaces(capture.value(), reference ? &*reference : nullptr, videoOpener(), line);
+  const auto scores = measure::scoreSurfaces(capture.value(), reference ? &*reference : nullptr, videoOpener(),
+                                             {gpu ? gpu->device.get() : nullptr, arguments.closest.value_or(0)}, line);
   line.end();
   if (!scores.ok()) return fail(scores.error());
   std::fputs(measure::surfaceTable(scores.value()).c_str(), stdout);

@@ -13,10 +13,12 @@
 #include "package/character.h"
 #include "package/chunk_mesh.h"
 #include "package/stream_file.h"
+#include "package/surface_chunk.h"
 #include "platform/ffmpeg_video.h"
 #include "platform/files.h"
 #include "tools/args.h"
 #include "tools/commands.h"
+#include "tools/room_file.h"
 #include "tools/session.h"
 
 namespace fourdvt::tools {
@@ -28,7 +30,8 @@ const CommandHelp& help() {
   static const CommandHelp text{
       "inspect CHARACTER",
       "Lists sequences, motion classes, renditions and sizes of a character folder (or of its character.gltf) and\n"
-      "checks content hashes and that every chunk, every video frame and the motion graph decode. Exit code 1 if "
+      "checks content hashes and that every chunk, every video frame, the motion graph and the room decode. Exit code "
+      "1 if "
       "anything is broken.",
       {}};
   return text;
@@ -45,6 +48,9 @@ struct SequenceSizes {
   size_t chunks = 0;
   bool aligned = false;
   std::string pictures;  // "1536x1024 avc1.640028"
+  // From cameras: surfaces are counted as positions.
+  uint32_t runs = 0, most_vertices = 0, most_faces = 0;
+  std::vector<double> kept_pixels;  // [camera], mean over the GOPs
   uint64_t withoutVideo() const { return positions + labels + offsets + alignment + index; }
 };
 
@@ -61,6 +67,31 @@ void addChunk(std::span<const uint8_t> bytes, const package::StreamIndex& index,
   for (uint32_t r = 0; r < index.reference_count; ++r) add(sizes.offsets);
   for (uint32_t a = 0; a < index.alignment_count; ++a) add(sizes.alignment);
   sizes.index += bytes.size() - parts;
+}
+
+// A chunk begins with tiles and runs; every run has the lengths of its mesh and its motion.
+void addSurfaceChunk(std::span<const uint8_t> bytes, const package::SurfaceChunk& chunk, double share,
+                     SequenceSizes& sizes) {
+  ByteReader in(bytes);
+  in.bytes(size_t(16) * in.u32());
+  const uint32_t runs = in.u32();
+  uint64_t surfaces = 0;
+  for (uint32_t r = 0; r < runs; ++r) {
+    in.u32();
+    surfaces += in.u32();
+    surfaces += in.u32();
+  }
+  sizes.runs += runs;
+  sizes.positions += surfaces;
+  sizes.index += bytes.size() - surfaces;
+  sizes.kept_pixels.resize(chunk.tiles().size());
+  for (size_t c = 0; c < chunk.tiles().size(); ++c)
+    sizes.kept_pixels[c] += share * chunk.tiles()[c].source.width * chunk.tiles()[c].source.height;
+  for (uint32_t f = 0; f < chunk.decodedCount(); ++f) {
+    const package::Surface surface = chunk.surface(f);
+    sizes.most_vertices = std::max(sizes.most_vertices, static_cast<uint32_t>(surface.positions.size()));
+    sizes.most_faces = std::max(sizes.most_faces, static_cast<uint32_t>(surface.faces.size()));
+  }
 }
 
 class Inspection {
@@ -80,16 +111,23 @@ class Inspection {
       if (!poster.ok()) return inFile(path(character_.poster_uri), poster.error());
       poster_bytes_ = fs::file_size(path(character_.poster_uri));
     }
+    if (!character_.room.picture_uri.empty()) FOURDVT_TRY(readRoomPicture(folder_.string(), character_.room));
     return {};
   }
 
   void print() const {
     const package::Character& c = character_;
     std::printf("%s: %s, format %d\n", manifest_.c_str(), c.name.c_str(), c.version);
-    std::printf("mesh       %u vertices, %u faces\nlayers     %d from %zu cameras\n", c.vertex_count, c.face_count,
-                c.layer_count, c.cameras.size());
-    std::printf("bounds     x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f m, ground at %.2f m\n\n", c.bounds.min.x,
+    if (fromCameras()) {
+      std::printf("surfaces   up to %u vertices, %u faces\ntextured   from the pictures of %zu cameras\n",
+                  c.vertex_count, c.face_count, c.cameras.size());
+    } else {
+      std::printf("mesh       %u vertices, %u faces\nlayers     %d from %zu cameras\n", c.vertex_count, c.face_count,
+                  c.layer_count, c.cameras.size());
+    }
+    std::printf("bounds     x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f m, ground at %.2f m\n", c.bounds.min.x,
                 c.bounds.max.x, c.bounds.min.y, c.bounds.max.y, c.bounds.min.z, c.bounds.max.z, c.ground_y_m);
+    printRoom();
     std::printf("%-12s %6s %6s %8s %5s %5s  %s\n", "sequence", "frames", "fps", "seconds", "loop", "GOPs",
                 "renditions");
     for (size_t i = 0; i < sizes_.size(); ++i) {
@@ -97,18 +135,21 @@ class Inspection {
       std::printf("%-12s %6u %6.2f %8.2f %5s %5zu  %s\n", s.name.c_str(), s.frame_count, s.fps, s.duration_s(),
                   s.loop ? "yes" : "no", sizes_[i].chunks, sizes_[i].pictures.c_str());
     }
+    if (fromCameras()) printTiles();
     printClasses();
     printGraph();
     printSizes();
   }
 
  private:
+  bool fromCameras() const { return character_.appearance == package::AppearanceKind::Cameras; }
   std::string path(const std::string& uri) const { return (folder_ / uri).string(); }
 
   Status baseMesh() {
     const std::string file = path(character_.mesh_uri);
     FOURDVT_ASSIGN(auto bytes, platform::readFileRange(file, character_.mesh_offset, character_.mesh_bytes));
     FOURDVT_TRY(checkHash(file, bytes, character_.mesh_hash));
+    if (fromCameras()) return {};  // players take the surfaces from the streams
     auto mesh = package::decodeBaseMesh(bytes);
     if (!mesh.ok()) return inFile(file, mesh.error());
     const MeshTopology& t = mesh.value().topology;
@@ -145,7 +186,11 @@ class Inspection {
     sizes.chunks = index.value().chunks.size();
     sizes.aligned = index.value().alignment_count > 0;
     FOURDVT_TRY(matchesManifest(sequence, index.value(), file));
-    FOURDVT_TRY(chunks(index.value(), file, sizes));
+    if (fromCameras()) {
+      FOURDVT_TRY(surfaceChunks(sequence, index.value(), file, sizes));
+    } else {
+      FOURDVT_TRY(chunks(index.value(), file, sizes));
+    }
     for (size_t r = 0; r < sequence.renditions.size(); ++r) {
       FOURDVT_TRY(video(sequence, sequence.renditions[r], index.value().renditions[r]));
       const package::Rendition& rendition = sequence.renditions[r];
@@ -159,11 +204,14 @@ class Inspection {
 
   Status matchesManifest(const package::Sequence& sequence, const package::StreamIndex& index,
                          const std::string& file) const {
-    const bool same =
-        index.frame_count == sequence.frame_count && index.vertex_count == character_.vertex_count &&
-        index.face_count == character_.face_count && static_cast<int>(index.layer_count) == character_.layer_count &&
-        index.member_count == sequence.members.size() && index.reference_count == sequence.reference_count &&
-        index.renditions.size() == sequence.renditions.size();
+    const bool counts =
+        fromCameras() ? index.vertex_count <= character_.vertex_count && index.face_count <= character_.face_count
+                      : index.vertex_count == character_.vertex_count && index.face_count == character_.face_count;
+    const bool same = index.frame_count == sequence.frame_count && counts &&
+                      static_cast<int>(index.layer_count) == character_.layer_count &&
+                      index.member_count == sequence.members.size() &&
+                      index.reference_count == sequence.reference_count &&
+                      index.renditions.size() == sequence.renditions.size();
     if (same) return {};
     return Error{ErrorId::StreamInvalid, file + ": counts differ from the manifest's; bake the character again"};
   }
@@ -175,6 +223,20 @@ class Inspection {
       auto frames = package::decodeChunk(bytes, index, c, chunk_mesh_);
       if (!frames.ok()) return inFile(file, frames.error());
       addChunk(bytes, index, sizes);
+    }
+    return {};
+  }
+
+  Status surfaceChunks(const package::Sequence& sequence, const package::StreamIndex& index, const std::string& file,
+                       SequenceSizes& sizes) const {
+    for (uint32_t c = 0; c < index.chunks.size(); ++c) {
+      FOURDVT_ASSIGN(auto bytes, platform::readFileRange(file, index.chunks[c].offset, index.chunks[c].bytes));
+      FOURDVT_TRY(checkHash(file, bytes, index.chunks[c].hash));
+      auto chunk = package::SurfaceChunk::open(bytes, index, c, character_, sequence);
+      if (!chunk.ok()) return inFile(file, chunk.error());
+      const Status decoded = chunk.value()->decodeTo(index.chunks[c].frame_count);
+      if (!decoded.ok()) return inFile(file, decoded.error());
+      addSurfaceChunk(bytes, *chunk.value(), 1.0 / double(index.chunks.size()), sizes);
     }
     return {};
   }
@@ -226,6 +288,30 @@ class Inspection {
     return {};
   }
 
+  void printTiles() const {
+    for (size_t i = 0; i < sizes_.size(); ++i) {
+      const package::Sequence& s = character_.sequences[i];
+      std::printf("\n%s: layout %d x %d; %u frames in %u runs of one topology, up to %u vertices, %u faces\n",
+                  s.name.c_str(), s.layout_width, s.layout_height, s.frame_count, sizes_[i].runs,
+                  sizes_[i].most_vertices, sizes_[i].most_faces);
+      for (size_t c = 0; c < character_.cameras.size(); ++c) {
+        const PinholeCamera& camera = character_.cameras[c];
+        std::printf("  %-10s %4.1f %% of its picture\n", camera.name.c_str(),
+                    100 * sizes_[i].kept_pixels[c] / (double(camera.width) * camera.height));
+      }
+    }
+  }
+
+  void printRoom() const {
+    const package::Room& r = character_.room;
+    if (!r.picture_uri.empty()) {
+      std::printf("room       x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f m, %s of %dx%d\n", r.box.min.x,
+                  r.box.max.x, r.box.min.y, r.box.max.y, r.box.min.z, r.box.max.z, r.picture_uri.c_str(), r.width,
+                  r.height);
+    }
+    std::printf("\n");
+  }
+
   void printClasses() const {
     for (size_t i = 0; i < sizes_.size(); ++i) {
       const package::Sequence& s = character_.sequences[i];
@@ -259,9 +345,11 @@ class Inspection {
   }
 
   void printSizes() const {
-    std::printf("\n%-12s %9s %9s %9s %9s %9s %9s %10s  %s\n", "bytes", "video", "positions", "labels", "offsets",
-                "alignment", "index", "total", "Mbit/s (video + rest)");
-    uint64_t all = character_.mesh_bytes + poster_bytes_ + character_.graph_bytes + fs::file_size(manifest_);
+    std::printf("\n%-12s %9s %9s %9s %9s %9s %9s %10s  %s\n", "bytes", "video",
+                fromCameras() ? "surfaces" : "positions", "labels", "offsets", "alignment", "index", "total",
+                "Mbit/s (video + rest)");
+    uint64_t all = character_.mesh_bytes + poster_bytes_ + character_.graph_bytes + character_.room.picture_bytes +
+                   fs::file_size(manifest_);
     for (size_t i = 0; i < sizes_.size(); ++i) {
       const SequenceSizes& s = sizes_[i];
       const uint64_t rest = s.withoutVideo();

@@ -33,6 +33,8 @@ const CommandHelp& help() {
        {"--refine", "MODE",
         "stereo (the surface inside the volumetric hull that the pictures agree on; default) or none (the\n"
         "                          default with --hull polyhedral)"},
+       {"--planes", "N",
+        "stereo: depths tried within its band, 16 to 128 in steps of 4 (default 64; fewer are quicker)"},
        {"--fairing", "N", "rounds of smoothing that keep to the silhouettes, 0 to 100 (default 0)"},
        {"--jobs", "N", "worker threads; 0: one per core (default 0)"},
        {"--resume", nullptr, "continue an interrupted run with the same settings"}}};
@@ -49,6 +51,8 @@ ReconstructOptions readOptions(Args& args) {
   o.voxel_m = args.number("--voxel-mm", o.voxel_m * 1e3, 0.5, 100) / 1e3;
   o.adaptivity = args.number("--adaptivity", o.adaptivity, 0, 1);
   o.stereo = choice(args, "--refine", o.hull == HullKind::Volumetric, {{"stereo", true}, {"none", false}});
+  o.planes = args.integer("--planes", o.planes, 16, 128);
+  if (o.planes % 4 != 0) args.complain("--planes must be a multiple of 4");
   o.fairing = args.integer("--fairing", o.fairing, 0, 100);
   o.jobs = args.integer("--jobs", o.jobs, 0, 1024);
   o.resume = args.has("--resume");

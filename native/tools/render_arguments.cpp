@@ -14,19 +14,22 @@ namespace {
 
 constexpr std::string_view kVisibility[] = {"none", "plain", "offset", "fattened"};  // as render::Visibility
 
+// "": what the character is decides.
+constexpr std::string_view kMethods[] = {"", "layered", "fvvr", "wireframe", "silhouette"};
+
 constexpr int kMaxSide = 8192;
 
-// Premultiplied background from RRGGBB or "none".
+// Premultiplied background from RRGGBB, "room" or "none"; the room is drawn over a background of none.
 glm::vec4 background(Args& args) {
   const std::string text = args.text("--background", "none");
-  if (text == "none") return glm::vec4(0);
+  if (text == "none" || text == "room") return glm::vec4(0);
   unsigned value = 0;
   bool hexadecimal = text.size() == 6;
   for (char c : text) hexadecimal = hexadecimal && std::isxdigit(static_cast<unsigned char>(c));
   if (hexadecimal)
     value = static_cast<unsigned>(std::stoul(text, nullptr, 16));
   else
-    args.complain("--background must be RRGGBB or none, not \"" + text + "\"");
+    args.complain("--background must be RRGGBB, room or none, not \"" + text + "\"");
   return glm::vec4(value >> 16 & 255, value >> 8 & 255, value & 255, 255) / 255.0f;
 }
 
@@ -51,27 +54,29 @@ std::optional<double> optionalNumber(Args& args, const char* name, double low, d
 }
 
 void readMethod(Args& args, RenderArguments& a) {
-  const std::string method = args.text("--method", "layered");
-  a.fvvr.wanted = method == "fvvr";
-  if (!a.fvvr.wanted && method != "layered") args.complain("--method must be layered or fvvr, not \"" + method + "\"");
+  a.method_name = args.text("--method");
+  if (std::find(std::begin(kMethods), std::end(kMethods), a.method_name) == std::end(kMethods))
+    args.complain("--method must be layered, fvvr, wireframe or silhouette, not \"" + a.method_name + "\"");
   a.fvvr.capture_folder = args.text("--capture");
-  a.fvvr.options.closest = args.integer("--closest", 0, 1, package::kMaxCameras);
+  a.fvvr.wanted = !a.fvvr.capture_folder.empty();
+  a.method.closest = a.fvvr.options.closest = args.integer("--closest", 0, 1, package::kMaxCameras);
+  if (!args.has("--closest")) a.method.closest = render::MethodOptions().closest;
   const std::string visibility = args.text("--visibility", "offset");
   const auto kind = std::find(std::begin(kVisibility), std::end(kVisibility), visibility);
   if (kind == std::end(kVisibility))
     args.complain("--visibility must be none, plain, offset or fattened, not \"" + visibility + "\"");
   else
-    a.fvvr.depth_maps.visibility = render::Visibility(kind - std::begin(kVisibility));
+    a.method.visibility = a.fvvr.depth_maps.visibility = render::Visibility(kind - std::begin(kVisibility));
   a.fvvr.refine = readRefineOptions(args);
   a.fvvr.options.background = a.recipe.background;
-  if (a.fvvr.wanted && a.fvvr.capture_folder.empty())
-    args.complain("--method fvvr needs --capture CAPTURE with the videos");
-  if (!a.fvvr.wanted && (args.has("--capture") || args.has("--closest") || args.has("--visibility")))
+  a.chooses_cameras = args.has("--closest") || args.has("--visibility");
+  if (!a.method_name.empty() && a.method_name != "fvvr" && (a.fvvr.wanted || a.chooses_cameras))
     args.complain("--capture, --closest and --visibility belong to --method fvvr");
+  if (a.fvvr.wanted && a.method_name.empty()) args.complain("--capture belongs to --method fvvr");
   if (!a.fvvr.wanted && (args.has("--refine") || args.has("--refine-cameras") || args.has("--matte-bias-px")))
-    args.complain("--refine, --refine-cameras and --matte-bias-px belong to --method fvvr");
+    args.complain("--refine, --refine-cameras and --matte-bias-px belong to --method fvvr --capture");
   if (a.fvvr.wanted && (!a.turntable.empty() || !a.debug.empty()))
-    args.complain("--method fvvr is for stills and takes no --debug");
+    args.complain("--method fvvr --capture is for stills and takes no --debug");
 }
 
 void readMotion(Args& args, RenderArguments& a) {
@@ -112,7 +117,7 @@ void checkMotion(Args& args, const RenderArguments& a) {
   if (int(a.sweep.has_value()) + int(!a.cues.empty()) + int(!a.scene.empty()) + int(!a.turntable.empty()) +
           int(a.fvvr.wanted) >
       1)
-    args.complain("--sweep, --play, --scene, --turntable and --method fvvr exclude each other");
+    args.complain("--sweep, --play, --scene, --turntable and --capture exclude each other");
   if (a.movie() && !playing && a.scene.empty()) args.complain("a movie needs --sweep, --play, --scene or --turntable");
   if (playing && !a.movie() && !a.output.empty()) args.complain("--sweep and --play make a movie: -o must end in .mp4");
   if (!playing && args.has("--travel")) args.complain("--travel belongs to --sweep and --play");
@@ -124,7 +129,7 @@ void checkMotion(Args& args, const RenderArguments& a) {
   if (!a.scene.empty() && (!a.sequence.empty() || !a.parameters.empty() || a.phase))
     args.complain("the scene's file says which state and parameter; give them there");
   if (a.fvvr.wanted && (a.wants_class || !a.parameters.empty() || a.phase))
-    args.complain("--method fvvr renders captured frames: neither --class nor --parameter nor --phase");
+    args.complain("--method fvvr --capture renders captured frames: neither --class nor --parameter nor --phase");
 }
 
 void checkCombination(Args& args, const RenderArguments& a) {
@@ -142,6 +147,8 @@ void checkCombination(Args& args, const RenderArguments& a) {
     args.complain("--debug " + a.debug + " is for stills");
   if (movie && a.view.size && (a.view.size->first % 2 || a.view.size->second % 2))
     args.complain("--size of a movie must be even");
+  if (a.room && (!a.scene.empty() || a.fvvr.wanted))
+    args.complain("--background room belongs neither to --scene nor to --method fvvr");
   if (a.output.empty()) return;
   const std::string extension = std::filesystem::path(a.output).extension().string();
   if (!a.movie() && extension != ".png" && extension != ".jpg" && extension != ".webp")
@@ -180,16 +187,20 @@ const CommandHelp& renderHelp() {
        {"--camera", "NAME", "a capture camera instead of an orbit position"},
        {"--cameras", "FOLDER", "cameras.txt and images.txt that --camera is looked up in"},
        {"--size", "WxH", "pixels (default 720x960, or the camera's)"},
-       {"--background", "RRGGBB", "or none (default; black in movies)"},
+       {"--background", "RRGGBB", "or room (the character's own), or none (default; black in movies)"},
        {"--debug", "WHAT", "labels, layers (side by side), weights or normals"},
        {"--no-shadow", nullptr, "without the ground shadow"},
-       {"--method", "WHAT", "layered (default), or fvvr: projective texturing from all camera videos, no shadow"},
-       {"--capture", "CAPTURE", "fvvr: the capture folder that CHARACTER was baked from"},
-       {"--closest", "M", "fvvr: only the M cameras closest to the view (default: all)"},
+       {"--method", "WHAT",
+        "layered; or of a character from cameras fvvr, wireframe or silhouette; what the character is decides the "
+        "default"},
+       {"--capture", "CAPTURE",
+        "with --method fvvr: textures a captured frame from all camera videos of this folder, which CHARACTER was "
+        "baked "
+        "from; no shadow"},
+       {"--closest", "M", "fvvr: the M cameras closest to the view (default: 4; with --capture all)"},
        {"--visibility", "WHAT",
         "fvvr: what a camera does not texture: offset (default) and fattened keep clear of occluders' outlines, plain "
-        "is a "
-        "depth map as it is, none textures through occluders"},
+        "is a depth map as it is, none textures through occluders"},
        kRefineOption,
        kRefineCamerasOption,
        kMatteBiasOption},
@@ -215,6 +226,7 @@ RenderArguments readRenderArguments(Args& args) {
   a.view.vertical_fov_deg = optionalNumber(args, "--fov", 1, 150);
   a.seconds = args.number("--seconds", 0, 0.1, 3600);
   a.recipe.background = background(args);
+  a.room = args.text("--background") == "room";
   a.recipe.ground_shadow = !args.has("--no-shadow");
   a.debug = debugView(args, a.recipe);
   readMethod(args, a);
@@ -222,6 +234,21 @@ RenderArguments readRenderArguments(Args& args) {
   checkMotion(args, a);
   checkCombination(args, a);
   return a;
+}
+
+Status checkMethod(const RenderArguments& a, const package::Character& character) {
+  const auto invalid = [&](const std::string& what) {
+    return Error{ErrorId::InvalidArgument, a.character + ": " + what};
+  };
+  if (character.appearance == package::AppearanceKind::Layers) {
+    if (!a.fvvr.wanted && ((!a.method_name.empty() && a.method_name != "layered") || a.chooses_cameras))
+      return invalid(
+          "is a layered character; only --method fvvr with --capture CAPTURE, which has the videos, goes with it");
+    return {};
+  }
+  if (a.method_name == "layered") return invalid("is a character from cameras and has no layers; leave --method out");
+  if (!a.debug.empty()) return invalid("is a character from cameras; --debug belongs to layered ones");
+  return {};
 }
 
 OrbitView chooseOrbit(const RenderArguments& a, const package::Character& character, int width, int height) {

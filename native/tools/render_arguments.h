@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "package/character.h"
-#include "render/fvvr.h"
+#include "render/cameras/fvvr.h"
 #include "render/recipe.h"
 #include "tools/args.h"
 #include "tools/motion_arguments.h"
@@ -21,13 +21,13 @@ struct ViewArguments {
   std::optional<double> azimuth_deg, elevation_deg, distance_m, vertical_fov_deg;
 };
 
-// The free-viewpoint baseline instead of the layers.
+// The free-viewpoint baseline from a capture's videos.
 struct FvvrArguments {
   bool wanted = false;
   std::string capture_folder;
   refine::RefineOptions refine;
   render::FvvrOptions options;
-  render::FvvrDepthMaps depth_maps;
+  render::DepthMapOptions depth_maps;
 };
 
 struct RenderArguments {
@@ -47,12 +47,18 @@ struct RenderArguments {
   double seconds = 0;  // length of a movie; 0: what its kind takes
   std::string debug;   // "", labels, layers, weights, normals
   render::RecipeOptions recipe;
+  std::string method_name;  // empty: what the character is decides
+  render::MethodOptions method;
+  bool chooses_cameras = false;  // some of `method` was asked for
+  bool room = false;             // the character's room as background
   FvvrArguments fvvr;
   bool movie() const;  // whether the output is a movie
 };
 
 const CommandHelp& renderHelp();
 RenderArguments readRenderArguments(Args& args);
+// Whether the character can be drawn so. Errors: InvalidArgument.
+Status checkMethod(const RenderArguments& arguments, const package::Character& character);
 // The camera asked for. Errors: InvalidArgument, and those of reading the cameras.
 Result<PinholeCamera> chooseCamera(const RenderArguments& arguments, const package::Character& character);
 // The orbit asked for, for a picture of this size.

@@ -9,9 +9,11 @@
 #include "capture/capture.h"
 #include "platform/files.h"
 #include "platform/video_writer.h"
+#include "render/cameras/camera_method.h"
 #include "tools/commands.h"
 #include "tools/render_arguments.h"
 #include "tools/render_motion.h"
+#include "tools/room_file.h"
 #include "tools/session.h"
 #include "tools/stop_signal.h"
 
@@ -68,17 +70,26 @@ Status renderFvvr(CharacterSession& session, const RenderArguments& arguments, c
   return platform::writeImage(arguments.output, picture, 95);
 }
 
+// None unless the character's room is wanted.
+Result<std::optional<render::Scene>> wantedRoom(CharacterSession& session, const RenderArguments& arguments) {
+  if (!arguments.room) return std::optional<render::Scene>();
+  FOURDVT_ASSIGN(auto room, openRoom(*session.gpu.device, manifestPath(arguments.character), session.character()));
+  return std::optional(std::move(room));
+}
+
 Status renderStill(CharacterSession& session, const RenderArguments& arguments, const package::Sequence& sequence) {
   FOURDVT_ASSIGN(auto camera, chooseCamera(arguments, session.character()));
   const auto phase = static_cast<uint32_t>(std::lround(arguments.phase.value_or(0) * sequence.frame_count));
   const uint32_t frame = arguments.phase ? phase % sequence.frame_count : static_cast<uint32_t>(arguments.frame);
   FOURDVT_TRY(session.player->showFrame(sequence.name, frame));
+  FOURDVT_ASSIGN(const auto room, wantedRoom(session, arguments));
   render::RecipeOptions recipe = arguments.recipe;
   std::vector<Image> pictures;
   const int count = arguments.debug == "layers" || arguments.debug == "labels" ? session.character().layer_count : 1;
   for (int layer = 0; layer < count; ++layer) {
     recipe.debug_layer = layer;
-    FOURDVT_ASSIGN(auto picture, session.player->renderStill(render::viewFromCamera(camera), recipe));
+    FOURDVT_ASSIGN(auto picture,
+                   session.player->renderStill(render::viewFromCamera(camera), recipe, room ? &*room : nullptr));
     pictures.push_back(std::move(picture));
   }
   return platform::writeImage(arguments.output, besideEachOther(pictures), 95);
@@ -92,13 +103,15 @@ Status renderTurntable(CharacterSession& session, const RenderArguments& argumen
   const int frames = std::max(1, static_cast<int>(std::lround(seconds * sequence.fps)));
   FOURDVT_ASSIGN(auto writer, platform::VideoWriter::create(arguments.turntable,
                                                             {.width = width, .height = height, .fps = sequence.fps}));
+  FOURDVT_ASSIGN(const auto room, wantedRoom(session, arguments));
   OrbitView view = chooseOrbit(arguments, session.character(), width, height);
   const double start_deg = view.azimuth_deg;
   for (int i = 0; i < frames; ++i) {
     FOURDVT_TRY(session.player->showFrame(sequence.name, static_cast<uint32_t>(i) % sequence.frame_count));
     view.azimuth_deg = start_deg + 360.0 * i / frames;
-    FOURDVT_ASSIGN(auto picture, session.player->renderStill(
-                                     render::viewFromCamera(cameraFromOrbit(view, width, height)), arguments.recipe));
+    FOURDVT_ASSIGN(auto picture,
+                   session.player->renderStill(render::viewFromCamera(cameraFromOrbit(view, width, height)),
+                                               arguments.recipe, room ? &*room : nullptr));
     FOURDVT_TRY(writer->write(picture));
     if (isatty(STDERR_FILENO)) std::fprintf(stderr, "\r\033[K%d of %d frames", i + 1, frames);
   }
@@ -111,6 +124,11 @@ Status prepareMotion(CharacterSession& session, const RenderArguments& arguments
   FOURDVT_TRY(setParameters(player, arguments.parameters, arguments.character));
   FOURDVT_ASSIGN(auto align, prepareAlign(arguments.align, *session.gpu.device, session.player->recipe()));
   player.setAlign(align);
+  player.setMethod(arguments.method);
+  if (session.character().appearance == package::AppearanceKind::Cameras && !arguments.method_name.empty()) {
+    FOURDVT_ASSIGN(auto method, render::makeCameraMethod(arguments.method_name));
+    session.player->recipe().setMethod(std::move(method));
+  }
   return {};
 }
 
@@ -127,6 +145,7 @@ int renderCommand(int argc, char** argv) {
   auto session = openCharacter(arguments.character);
   if (!session.ok()) return fail(session.error());
   const package::Character& character = session.value().character();
+  if (const Status fits = checkMethod(arguments, character); !fits.ok()) return fail(fits.error());
   const std::string name = arguments.sequence.empty() ? character.sequences.front().name : arguments.sequence;
   auto found = findState(character, name, arguments.character);
   if (!found.ok()) return fail(found.error());

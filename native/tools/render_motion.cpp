@@ -12,6 +12,7 @@
 #include "motion/parameter_space.h"
 #include "platform/files.h"
 #include "platform/video_writer.h"
+#include "tools/room_file.h"
 #include "tools/scene_file.h"
 
 namespace fourdvt::tools {
@@ -199,7 +200,13 @@ Status renderMotion(const RenderArguments& arguments) {
     const double share = frames > 1 ? double(frame) / (frames - 1) : 0;
     return player.setParameter(sweep->parameter, sweep->from + share * (sweep->to - sweep->from), true);
   };
-  const Show show{*ensemble, orbitCamera(arguments, player, width, height), arguments.fps, frames, sweepTo};
+  render::Scene room;
+  if (arguments.room) {
+    FOURDVT_ASSIGN(room, openRoom(*gpu.device, manifestPath(arguments.character), *player.character()));
+  }
+  const Show show{*ensemble,     orbitCamera(arguments, player, width, height),
+                  arguments.fps, frames,
+                  sweepTo,       arguments.room ? &room : nullptr};
   return writeMovie(show, arguments);
 }
 

@@ -196,7 +196,9 @@ TEST_F(WrongCapture, NoMeshes) {
 
 TEST_F(WrongCapture, MeshesOfPerFrameTopology) {
   ASSERT_EQ(shell("sed -i '0,/{/s//{\"topology\": \"per-frame\", /' " + capture + "/capture.json").code, 0);
-  expectNamed("layers need meshes of constant topology with UVs");
+  const Outcome bake = fourdvt("bake " + capture + " -o " + character + kSmall + " --appearance layers");
+  expectFailure(bake, capture + "/capture.json: the meshes are of \"per-frame\" topology", character);
+  EXPECT_NE(bake.output.find("bake with --appearance cameras"), std::string::npos) << bake.output;
 }
 
 TEST_F(WrongCapture, NothingVisibleNamesAxesAndUnits) {

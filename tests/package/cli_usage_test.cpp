@@ -52,7 +52,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"render a -o b.png --background red", "--background"},
         Mistake{"render a -o b.png --debug x", "--debug"}, Mistake{"render a -o b.png --azimuth 1e9", "--azimuth"},
         Mistake{"render a --turntable b.mp4 --size 101x100", "even"},
-        Mistake{"render a -o b.png --method fvvr", "--capture"}, Mistake{"render a -o b.png --method x", "--method"},
+        Mistake{"render a -o b.png --capture c", "--method fvvr"}, Mistake{"render a -o b.png --method x", "--method"},
         Mistake{"render a -o b.png --capture c", "fvvr"}, Mistake{"render a -o b.png --closest 3", "fvvr"},
         Mistake{"render a -o b.png --method fvvr --capture c --closest 0", "--closest"},
         Mistake{"render a -o b.png --method fvvr --capture c --visibility thick", "fattened"},

@@ -8,9 +8,14 @@ namespace fourdvt::bake {
 package::Character describeCharacter(const Job& job) {
   package::Character character;
   character.name = job.capture.name;
-  character.layer_count = job.options.layers;
-  character.vertex_count = job.mesh.decoded.topology.vertex_count;
-  character.face_count = job.mesh.decoded.topology.faceCount();
+  if (job.fromCameras()) {
+    character.appearance = package::AppearanceKind::Cameras;
+    character.version = package::kCameraFormatVersion;
+  } else {
+    character.layer_count = job.options.layers;
+    character.vertex_count = job.mesh.decoded.topology.vertex_count;
+    character.face_count = job.mesh.decoded.topology.faceCount();
+  }
   character.cameras = job.cameras;
   character.bounds = job.bounds;
   character.ground_y_m = job.capture.ground_y_m;
@@ -40,6 +45,9 @@ package::Sequence describeStream(const StreamPlan& plan) {
   rendition.height = plan.layout.height;
   rendition.layers = plan.layout.layers;
   rendition.barcode = plan.layout.barcode;
+  s.layout_width = plan.cameras.width;
+  s.layout_height = plan.cameras.height;
+  rendition.tiles = {0, 0, s.layout_width, s.layout_height};
   s.renditions.push_back(std::move(rendition));
   return s;
 }

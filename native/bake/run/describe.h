@@ -10,7 +10,7 @@ namespace fourdvt::bake {
 constexpr const char* kMeshFile = "mesh.bin";
 constexpr const char* kPosterFile = "poster.webp";
 
-// Everything but sequences and graph.
+// Everything but sequences and graph; from cameras, also but the counts of vertices and faces.
 package::Character describeCharacter(const Job& job);
 // Everything but the sizes of the files and the codec string; with one rendition.
 package::Sequence describeStream(const StreamPlan& plan);

@@ -24,6 +24,7 @@ struct BakeEnvironment {
   OpenVideo open_video;
   const refine::Refinement* refinement = nullptr;  // already known for this capture; null: the bake makes it
   std::function<void(const Progress&)> progress;
+  std::function<void(const std::string&)> note;  // one line that the user should read before the work begins
   const std::atomic<bool>* stop = nullptr;  // set by Ctrl-C: finish the frame, keep finished GOPs, return Interrupted
 };
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "bake/cameras/camera_layout.h"
 #include "bake/motion/class_plan.h"
 #include "bake/run/options.h"
 #include "bake/video/encode.h"
@@ -21,7 +22,8 @@ struct StreamPlan {
   std::string name;
   // A captured sequence is a plan with one member, itself, at its own frames, without references and parameters.
   ClassPlan motion;
-  TileLayout layout;
+  TileLayout layout;     // from cameras: without layers
+  CameraLayout cameras;  // from cameras
   EncodeSettings encode;
   std::vector<uint32_t> gop_first_frames;  // ascending, starts with 0
   float detail_correlation = 1;  // how much the details of a class's aligned members correlate; set by the align stage
@@ -35,17 +37,23 @@ struct StreamPlan {
 };
 
 struct Job {
-  BakeOptions options;       // resolved: jobs > 0, sequences listed, folders without a trailing slash
+  BakeOptions options;       // resolved: jobs > 0, sequences listed, the appearance, folders without a trailing slash
   capture::Capture capture;  // its sequences are surveyed and labelled; streams borrow them
   std::vector<PinholeCamera> cameras;
   std::vector<StreamPlan> streams;               // in the manifest's order: the sequences, then the classes
   std::optional<refine::Refinement> refinement;  // applied to the capture and the cameras
   std::string refinement_path;                   // where it is kept between bakes
-  package::EncodedBaseMesh mesh;  // its decoded order of vertices and faces is the order everywhere in the bake
-  BoundingBox bounds;             // over all frames
-  TileLayout layout;              // of one member
-  EncodeSettings encode;          // of a captured sequence
-  uint32_t total_frames = 0;      // number of captured frames
+  // Its decoded order of vertices and faces is the order everywhere in the bake. From cameras: the first surface
+  // alone, for glTF viewers.
+  package::EncodedBaseMesh mesh;
+  BoundingBox bounds;              // over all frames
+  TileLayout layout;               // of one member
+  EncodeSettings encode;           // of a captured sequence
+  uint32_t total_frames = 0;       // number of captured frames
+  std::vector<std::string> notes;  // what the user should know about the plan
+  // [sequence][frame][camera], from cameras: what each camera shows of the surface.
+  std::vector<std::vector<std::vector<package::Rect>>> regions;
+  bool fromCameras() const { return options.appearance == package::AppearanceKind::Cameras; }
   uint32_t streamFrames() const;  // number of frames of all streams
   // Beside the character folder and on its file system: finished GOPs, and the result until it is renamed into place.
   std::string workFolder() const { return options.character_folder + ".work"; }

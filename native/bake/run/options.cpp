@@ -22,6 +22,12 @@ std::string BakeOptions::check() const {
   if (!(classes.blend_error_m >= 1e-5 && classes.blend_error_m <= 1)) return "blend error must be 0.01..1000 mm";
   if (!(classes.alignment_step_m >= 1e-6 && classes.alignment_step_m <= 0.1))
     return "alignment step must be 0.000001..0.1 m";
+  if (!(cameras.position_step_m >= 1e-6 && cameras.position_step_m <= 0.1))
+    return "position step must be 0.001..100 mm";
+  if (cameras.faces != 0 && (cameras.faces < 100 || cameras.faces > 1'000'000))
+    return "faces must be 0, or 100..1000000";
+  if (!(cameras.tile_scale >= 0.01 && cameras.tile_scale <= 1)) return "tile scale must be 0.01..1";
+  if (!(cameras.max_texels >= 1e4)) return "tile texels must be 0.01 million or more";
   if (gutter_texels < 0 || gutter_texels > 64) return "gutter must be 0..64 texels";
   return {};
 }

@@ -2,12 +2,14 @@
 // What a bake can be asked for. Named sets of these are in bake/quality.h.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "bake/labels/labelling.h"
 #include "bake/texels/resample.h"
 #include "bake/video/encode.h"
+#include "package/character.h"
 #include "refine/refine.h"
 
 namespace fourdvt::bake {
@@ -20,14 +22,23 @@ struct MotionClassOptions {
   double alignment_step_m = 0.0001;  // quantisation of the alignment
 };
 
+// What a character from cameras is made with; layers take no notice of it.
+struct CameraOptions {
+  double tile_scale = 1;           // texels per pixel of the cameras' pictures, 0.01..1
+  double max_texels = 9.4e6;       // of the tiled picture: what H.264's level 5.1 allows, as decoders of phones do
+  double position_step_m = 0.001;  // quantisation of the surfaces' vertices
+  int faces = 10'000;              // most of a frame whose topology is its own; 0: as many as it has
+};
+
 // The command line sets texture, layers, crf and preset from quality.cpp, for the codec of --codec. The defaults here
 // equal its "web" for H.264, which quality_test.cpp checks.
 struct BakeOptions {
   std::string capture_folder, character_folder;
-  std::vector<std::string> sequences;  // empty: all
-  int layers = 3;                      // texture layers, 1..6
-  int texture = 1024;                  // texels, side of layer 1; further layers: see equal_layers
-  int crf = 28;                        // constant rate factor on the codec's own scale, lower is better
+  std::vector<std::string> sequences;                 // empty: all
+  std::optional<package::AppearanceKind> appearance;  // none: layers where the meshes allow it, else cameras
+  int layers = 3;                                     // texture layers, 1..6
+  int texture = 1024;                                 // texels, side of layer 1; further layers: see equal_layers
+  int crf = 28;                                       // constant rate factor on the codec's own scale, lower is better
   int gop = 20;                      // the largest number of frames per GOP; lengths in a sequence differ by at most 1
   int jobs = 0;                      // worker threads; 0: as many as cores
   bool resume = false;               // reuse GOPs that an interrupted run with the same settings finished
@@ -42,6 +53,7 @@ struct BakeOptions {
   Codec codec = Codec::H264;
   std::string preset;  // in the encoder's own terms; empty: its default
   MotionClassOptions classes;
+  CameraOptions cameras;
   // Where visibility, colour maps and labels are kept between bakes of the same capture; empty: in the work folder.
   std::string survey_folder;
   std::string check() const;  // empty, or what is wrong

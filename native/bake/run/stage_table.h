@@ -14,6 +14,7 @@ namespace fourdvt::bake {
 enum class Stage {
   Validate,
   Refine,
+  Regions,
   Warp,
   Decode,
   Visibility,
@@ -26,6 +27,7 @@ enum class Stage {
   Align,
   Geometry,
   Graph,
+  Room,
   Assemble,
 };
 
@@ -37,9 +39,11 @@ struct StageInfo {
   const char* unit;
 };
 
-inline constexpr std::array<StageInfo, 15> kStages{{
+inline constexpr std::array<StageInfo, 17> kStages{{
     {"validate", "checks that the capture can be read and the output written", 0, ""},
     {"refine", "moves the mesh's outlines onto the mattes', turns cameras that the pictures contradict", 0.15,
+     "captured frame"},
+    {"regions", "from cameras: finds what every camera shows of the performer, and packs these parts", 0.02,
      "captured frame"},
     {"warp", "puts a class's members on common time; root motion, corrections of the mesh blend", 0.1,
      "phase and member"},
@@ -48,14 +52,15 @@ inline constexpr std::array<StageInfo, 15> kStages{{
      "captured frame, with decoding, colours and labels"},
     {"colours", "makes the cameras' colours agree", 0, ""},
     {"labels", "chooses the cameras of every face for whole sequences", 0, ""},
-    {"resample", "draws the cameras' pictures into texture layers", 0, ""},
-    {"fill", "fills empty texels and gutters", 0, ""},
+    {"resample", "draws the cameras' pictures into texture layers, or crops them", 0, ""},
+    {"fill", "fills empty texels, gutters and what lies round the performer", 0, ""},
     {"tile", "puts layers and barcode into one 4:2:0 picture", 0, ""},
     {"encode", "codes the pictures, one closed GOP at a time", 0.55,
      "frame and member, with decoding, resampling, filling and tiling"},
     {"align", "aligns on the surface what a class's members show", 1.2, "phase and member but the first"},
-    {"geometry", "codes positions, labels, corrections and alignment as chunks", 0, ""},
+    {"geometry", "codes positions, labels, corrections and alignment, or surfaces, as chunks", 0, ""},
     {"graph", "finds where every motion may lead into every other one", 0.01, "frame of a stream"},
+    {"room", "textures the faces of the capture's room from its plates", 4, "room"},
     {"assemble", "writes the character's files and renames them into place", 0, ""},
 }};
 

@@ -1,18 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bake/stages/assemble.h"
 
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
-
-extern "C" {
-#include <libavcodec/avcodec.h>
-#include <libavformat/avformat.h>
-}
-
 #include "bake/run/describe.h"
 #include "bake/stages/poster.h"
-#include "bake/video/mp4.h"
+#include "bake/stages/stream_files.h"
 #include "base/bytes.h"
 #include "base/hash.h"
 #include "motion/parameter_space.h"
@@ -23,7 +14,6 @@ extern "C" {
 namespace fourdvt::bake {
 namespace {
 
-constexpr const char* kGenerator = "fourdvt 0.1.0";
 constexpr const char* kTexture = "texture.jpg";
 constexpr const char* kTiles = "report_tiles.jpg";
 constexpr const char* kRefinedCameras = "cameras_refined";
@@ -57,10 +47,6 @@ struct PackedSequence {
   ReportSequence report;
 };
 
-std::string ffmpegVersion(unsigned v) {
-  return std::to_string(v >> 16) + "." + std::to_string((v >> 8) & 255) + "." + std::to_string(v & 255);
-}
-
 package::StreamIndex makeIndex(const Job& job, const StreamPlan& plan, const std::vector<ChunkBytes>& chunk_bytes,
                                package::SampleTable table) {
   package::StreamIndex index;
@@ -84,46 +70,6 @@ package::StreamIndex makeIndex(const Job& job, const StreamPlan& plan, const std
   return index;
 }
 
-// Offsets are counted from behind the header, whose size they must not change.
-Result<std::vector<uint8_t>> finalHeader(package::StreamIndex& index) {
-  std::vector<uint8_t> header = package::writeStreamHeader(index);
-  for (int attempt = 0; attempt < 4; ++attempt) {
-    uint64_t offset = header.size();
-    for (package::ChunkEntry& chunk : index.chunks) {
-      chunk.offset = offset;
-      offset += chunk.bytes;
-    }
-    std::vector<uint8_t> next = package::writeStreamHeader(index);
-    const bool stable = next.size() == header.size();
-    header = std::move(next);
-    if (!stable) continue;
-    if (package::keepsMemoryLimits(index)) return header;
-    return Error{ErrorId::InvalidArgument,
-                 "a group of pictures takes more memory than players allow; bake again with a smaller --gop"};
-  }
-  return Error{ErrorId::Internal, "the stream header's size does not settle"};
-}
-
-// Writes header and chunks into one file, with one chunk in memory at a time.
-Status writeStream(const std::string& path, const std::vector<uint8_t>& header, const WorkFolder& work,
-                   const StreamPlan& plan) {
-  std::FILE* file = std::fopen(path.c_str(), "wb");
-  bool ok = file && std::fwrite(header.data(), 1, header.size(), file) == header.size();
-  for (uint32_t g = 0; ok && g < plan.gop_first_frames.size(); ++g) {
-    auto chunk = work.loadChunk(plan.name, g);
-    if (!chunk) {
-      std::fclose(file);
-      return chunk.error();
-    }
-    ok = std::fwrite(chunk.value().data(), 1, chunk.value().size(), file) == chunk.value().size();
-  }
-  int code = ok ? 0 : errno;
-  if (file && std::fclose(file) != 0 && ok) code = errno, ok = false;
-  if (ok) return {};
-  return Error{ErrorId::WriteFailed,
-               path + ": cannot write: " + std::strerror(code) + "; free disk space or choose another output folder"};
-}
-
 Result<std::vector<ChunkBytes>> measureChunks(const BakeRun& run, const StreamPlan& plan) {
   std::vector<ChunkBytes> bytes;
   for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
@@ -131,22 +77,6 @@ Result<std::vector<ChunkBytes>> measureChunks(const BakeRun& run, const StreamPl
     bytes.push_back(measure(plan, chunk, isAligned(run.job, plan)));
   }
   return bytes;
-}
-
-Result<Mp4Samples> packVideo(const StreamPlan& plan, const WorkFolder& work, const std::string& path) {
-  FOURDVT_TRY(writeMp4(path, plan.encode, static_cast<uint32_t>(plan.gop_first_frames.size()),
-                       [&](uint32_t g) -> Result<EncodedGop> {
-                         FOURDVT_ASSIGN(auto artefact, work.loadGop(plan.name, g));
-                         return std::move(artefact.video);
-                       }));
-  FOURDVT_ASSIGN(auto packed, readMp4Samples(path, plan.encode.fps, plan.gop_first_frames, plan.frameCount()));
-  package::SampleTable& table = packed.table;
-  for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
-    const package::ByteSpan span = table.videoOf(g);
-    FOURDVT_ASSIGN(auto bytes, platform::readFileRange(path, span.offset, span.bytes));
-    table.chunk_hash.push_back(fnv1a(bytes));
-  }
-  return packed;
 }
 
 ReportSequence reportSequence(const package::Sequence& s, const std::vector<ChunkBytes>& chunk_bytes) {
@@ -180,12 +110,7 @@ Result<PackedSequence> packSequence(const BakeRun& run, const StreamPlan& plan) 
   FOURDVT_ASSIGN(auto packed, packVideo(plan, run.work, folder + rendition.video_uri));
   rendition.video_bytes = packed.file_bytes;
   rendition.codec = packed.codec;
-  package::StreamIndex index = makeIndex(job, plan, chunk_bytes, std::move(packed.table));
-  FOURDVT_ASSIGN(auto header, finalHeader(index));
-  FOURDVT_TRY(writeStream(folder + s.stream_uri, header, run.work, plan));
-  s.stream_bytes = platform::fileBytes(folder + s.stream_uri);
-  s.stream_header_bytes = static_cast<uint32_t>(header.size());
-  s.stream_header_hash = fnv1a(header);
+  FOURDVT_TRY(writeStream(makeIndex(job, plan, chunk_bytes, std::move(packed.table)), run, plan, s));
   out.report = reportSequence(s, chunk_bytes);
   return out;
 }
@@ -204,29 +129,13 @@ Status writeStills(const BakeRun& run, const package::Character& character) {
 }
 
 void describe(const Job& job, const package::Character& character, ReportInput& report) {
-  const std::string folder = job.resultFolder() + "/";
-  report.options = job.options;
-  report.capture_name = job.capture.name;
-  report.credit = job.capture.credit;
-  report.generator = kGenerator;
-  report.codec = character.sequences.front().renditions.front().codec;
-  report.cameras = static_cast<uint32_t>(job.cameras.size());
-  report.vertices = character.vertex_count;
-  report.faces = character.face_count;
   report.picture_width = job.layout.width;
   report.picture_height = job.layout.height;
-  report.versions = {{"libavcodec", ffmpegVersion(avcodec_version())},
-                     {"libavformat", ffmpegVersion(avformat_version())}};
   const std::string first = job.streams[0].name + ", frame 0";
   report.pictures = {{kPosterFile, "The character, " + first + ", as the page shows it first."},
                      {kTiles, "The video picture of " + first + ": all layers and the barcode."}};
-  auto& bytes = report.figures.bytes_by_part;
-  for (const char* name : {kMeshFile, kTexture, kPosterFile, "character.gltf"})
-    bytes[name] = platform::fileBytes(folder + name);
-  for (const package::Sequence& s : character.sequences) {
-    bytes[s.stream_uri] = s.stream_bytes;
-    bytes[s.renditions.front().video_uri] = s.renditions.front().video_bytes;
-  }
+  describeCommon(job, character, report);
+  report.figures.bytes_by_part[kTexture] = platform::fileBytes(job.resultFolder() + "/" + kTexture);
 }
 
 ClassSummary figuresOf(const Job& job, const StreamPlan& plan, const package::Sequence& sequence) {
@@ -258,7 +167,37 @@ Status describeClasses(const BakeRun& run, const package::Character& character, 
   return {};
 }
 
-// Writes what the refinement found: views whose outlines were far off, and the cameras if one of them changed.
+Status writeGraph(const Job& job, const std::vector<uint8_t>& graph, package::Character& character,
+                  ReportInput& report) {
+  if (graph.empty()) return {};
+  character.graph_uri = kGraph;
+  character.graph_bytes = graph.size();
+  character.graph_hash = fnv1a(graph);
+  report.figures.bytes_by_part[kGraph] = graph.size();
+  return platform::writeFileAtomic(job.resultFolder() + "/" + kGraph, graph);
+}
+
+}  // namespace
+
+void describeCommon(const Job& job, const package::Character& character, ReportInput& report) {
+  report.options = job.options;
+  report.capture_name = job.capture.name;
+  report.credit = job.capture.credit;
+  report.generator = kGenerator;
+  report.codec = character.sequences.front().renditions.front().codec;
+  report.cameras = static_cast<uint32_t>(job.cameras.size());
+  report.vertices = character.vertex_count;
+  report.faces = character.face_count;
+  report.versions = encoderVersions();
+  auto& bytes = report.figures.bytes_by_part;
+  for (const char* name : {kMeshFile, kPosterFile, "character.gltf"})
+    bytes[name] = platform::fileBytes(job.resultFolder() + "/" + name);
+  for (const package::Sequence& s : character.sequences) {
+    bytes[s.stream_uri] = s.stream_bytes;
+    bytes[s.renditions.front().video_uri] = s.renditions.front().video_bytes;
+  }
+}
+
 Status describeRefinement(const Job& job, ReportInput& report) {
   if (!job.refinement) return {};
   const std::string folder = job.resultFolder() + "/";
@@ -279,19 +218,19 @@ Status describeRefinement(const Job& job, ReportInput& report) {
   return platform::writeFileAtomic(folder + kRefinedCameras + "/images.txt", text.images);
 }
 
-Status writeGraph(const Job& job, const std::vector<uint8_t>& graph, package::Character& character,
-                  ReportInput& report) {
-  if (graph.empty()) return {};
-  character.graph_uri = kGraph;
-  character.graph_bytes = graph.size();
-  character.graph_hash = fnv1a(graph);
-  report.figures.bytes_by_part[kGraph] = graph.size();
-  return platform::writeFileAtomic(job.resultFolder() + "/" + kGraph, graph);
+Status writeRoom(const Job& job, const std::optional<BakedRoom>& room, package::Character& character,
+                 ReportInput& report) {
+  if (!room) return {};
+  character.room = room->room;
+  const std::string& file = room->room.picture_uri;
+  report.figures.bytes_by_part[file] = room->picture.size();
+  report.pictures.push_back(
+      {file, "The room's faces, from the plates: floor and ceiling, walls along z, walls along x."});
+  return platform::writeFileAtomic(job.resultFolder() + "/" + file, room->picture);
 }
 
-}  // namespace
-
-Status assemble(BakeRun& run, const std::vector<uint8_t>& graph, ReportInput& report) {
+Status assemble(BakeRun& run, const std::vector<uint8_t>& graph, const std::optional<BakedRoom>& room,
+                ReportInput& report) {
   StageClock::Span span(run.clock, Stage::Assemble);
   const Job& job = run.job;
   platform::removeFolder(job.resultFolder());
@@ -305,6 +244,7 @@ Status assemble(BakeRun& run, const std::vector<uint8_t>& graph, ReportInput& re
   FOURDVT_TRY(platform::writeFileAtomic(job.resultFolder() + "/" + kMeshFile, job.mesh.bytes));
   FOURDVT_TRY(writeStills(run, character));
   FOURDVT_TRY(writeGraph(job, graph, character, report));
+  FOURDVT_TRY(writeRoom(job, room, character, report));
   FOURDVT_ASSIGN(auto manifest,
                  package::writeManifest({character, &job.mesh, kTexture, kGenerator, job.capture.credit}));
   FOURDVT_TRY(platform::writeFileAtomic(job.resultFolder() + "/character.gltf", manifest));

@@ -4,13 +4,22 @@
 
 #include "bake/run/bake_run.h"
 #include "bake/stages/report.h"
+#include "bake/stages/room_stage.h"
 
 namespace fourdvt::bake {
 
 // Writes every file but the report's into job.resultFolder() and completes `report` (sequences, codec, pictures, bytes
 // by part). `graph`: bytes of the motion graph's file; empty if there is none. Errors: WriteFailed,
 // Internal, GpuFailure.
-Status assemble(BakeRun& run, const std::vector<uint8_t>& graph, ReportInput& report);
+Status assemble(BakeRun& run, const std::vector<uint8_t>& graph, const std::optional<BakedRoom>& room,
+                ReportInput& report);
+// Writes the room's picture and names it in the manifest. No room: nothing.
+Status writeRoom(const Job& job, const std::optional<BakedRoom>& room, package::Character& character,
+                 ReportInput& report);
+// What the report says of characters of either kind.
+void describeCommon(const Job& job, const package::Character& character, ReportInput& report);
+// Writes what the refinement found: views whose outlines were far off, and the cameras if one of them changed.
+Status describeRefinement(const Job& job, ReportInput& report);
 // Writes report.json and report.html into job.resultFolder().
 Status writeReportFiles(const Job& job, const ReportInput& report);
 

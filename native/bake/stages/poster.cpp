@@ -11,8 +11,6 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr int kPosterWidth = 720, kPosterHeight = 960;
-
 void unpremultiply(Image& image) {
   for (size_t i = 0; i < image.pixels.size(); i += 4) {
     uint8_t* p = &image.pixels[i];

@@ -8,6 +8,8 @@
 
 namespace fourdvt::bake {
 
+constexpr int kPosterWidth = 720, kPosterHeight = 960;
+
 // Renders the still from the view that the page starts with, 720 × 960, as RGBA with straight alpha. `positions` are in
 // the decoded mesh's order. Errors: GpuFailure.
 Result<Image> renderPoster(gpu::Device& device, const package::Character& character, const package::BaseMesh& mesh,

@@ -49,7 +49,26 @@ uint64_t totalBytes(const ReportInput& in) {
   return sum;
 }
 
+bool fromCameras(const ReportInput& in) { return in.options.appearance == package::AppearanceKind::Cameras; }
+
+Json cameraOptionsJson(const BakeOptions& o) {
+  return {{"sequences", o.sequences},
+          {"appearance", "cameras"},
+          {"tile_scale", o.cameras.tile_scale},
+          {"max_texels", o.cameras.max_texels},
+          {"faces", o.cameras.faces},
+          {"crf", o.crf},
+          {"gop", o.gop},
+          {"jobs", o.jobs},
+          {"position_step_m", o.position_step_m},
+          {"refine", o.refine.outline ? "outline" : "none"},
+          {"refine_cameras", o.refine.cameras},
+          {"colour_calibration", o.colour_calibration},
+          {"preset", o.preset}};
+}
+
 Json optionsJson(const BakeOptions& o) {
+  if (o.appearance == package::AppearanceKind::Cameras) return cameraOptionsJson(o);
   return {{"sequences", o.sequences},
           {"layers", o.layers},
           {"texture", o.texture},
@@ -73,20 +92,30 @@ Json optionsJson(const BakeOptions& o) {
 }
 
 Json sequenceJson(const ReportSequence& s) {
-  return {{"name", s.name},
-          {"frames", s.frames},
-          {"gops", s.gops},
-          {"fps", s.fps},
-          {"loop", s.loop},
-          {"members", s.members},
-          {"video_bytes", s.video_bytes},
-          {"geometry_bytes", s.geometry_bytes},
-          {"label_bytes", s.label_bytes},
-          {"offset_bytes", s.offset_bytes},
-          {"alignment_bytes", s.alignment_bytes},
-          {"index_bytes", s.index_bytes},
-          {"video_mbit_per_s", megabitsPerSecond(s, s.video_bytes)},
-          {"total_mbit_per_s", megabitsPerSecond(s, streamedBytes(s))}};
+  Json json = {{"name", s.name},
+               {"frames", s.frames},
+               {"gops", s.gops},
+               {"fps", s.fps},
+               {"loop", s.loop},
+               {"members", s.members},
+               {"video_bytes", s.video_bytes},
+               {"geometry_bytes", s.geometry_bytes},
+               {"label_bytes", s.label_bytes},
+               {"offset_bytes", s.offset_bytes},
+               {"alignment_bytes", s.alignment_bytes},
+               {"index_bytes", s.index_bytes},
+               {"video_mbit_per_s", megabitsPerSecond(s, s.video_bytes)},
+               {"total_mbit_per_s", megabitsPerSecond(s, streamedBytes(s))}};
+  if (!s.tiles) return json;
+  json["geometry_mbit_per_s"] = megabitsPerSecond(s, s.geometry_bytes);
+  json["tiles"] = {{"width", s.tiles->width},
+                   {"height", s.tiles->height},
+                   {"kept_share", s.tiles->kept_share},
+                   {"used_share", s.tiles->used_share},
+                   {"runs", s.tiles->runs},
+                   {"vertices", s.tiles->vertices},
+                   {"faces", s.tiles->faces}};
+  return json;
 }
 
 Json classJson(const ClassSummary& c) {
@@ -134,7 +163,29 @@ std::vector<report::Tile> tilesOf(const ReportInput& in) {
 
 std::string playedSeconds(const ReportSequence& s) { return fixedText(s.fps > 0 ? s.frames / s.fps : 0, 2); }
 
+report::Table cameraSequenceTable(const ReportInput& in) {
+  report::Table table{
+      "",
+      "Kept: the share of the cameras' whole pictures that is in the tiled picture. Used: the share of the "
+      "tiled picture that shows them. Runs: frames of one topology that follow each other.",
+      {"sequence", "frames", "seconds", "GOPs", "layout", "kept", "used", "runs", "most faces", "pictures", "surfaces",
+       "index", "pictures, Mbit/s", "surfaces, Mbit/s", "Mbit/s"},
+      {}};
+  for (const ReportSequence& s : in.sequences) {
+    const ReportTiles tiles = s.tiles.value_or(ReportTiles{});
+    table.rows.push_back(
+        {s.name + (s.loop ? " ↻" : ""), std::to_string(s.frames), playedSeconds(s), std::to_string(s.gops),
+         std::to_string(tiles.width) + " × " + std::to_string(tiles.height), percentText(100 * tiles.kept_share),
+         percentText(100 * tiles.used_share), std::to_string(tiles.runs), std::to_string(tiles.faces),
+         bytesText(s.video_bytes), bytesText(s.geometry_bytes), bytesText(s.index_bytes),
+         fixedText(megabitsPerSecond(s, s.video_bytes), 2), fixedText(megabitsPerSecond(s, s.geometry_bytes), 2),
+         fixedText(megabitsPerSecond(s, streamedBytes(s)), 2)});
+  }
+  return table;
+}
+
 report::Table sequenceTable(const ReportInput& in) {
+  if (fromCameras(in)) return cameraSequenceTable(in);
   report::Table table{"",
                       "",
                       {"sequence", "frames", "seconds", "GOPs", "video", "geometry", "labels", "corrections",
@@ -189,7 +240,25 @@ report::Table labelTable(const ReportInput& in) {
   return table;
 }
 
+report::Table cameraFactsTable(const ReportInput& in) {
+  const BakeOptions& o = in.options;
+  report::Table table{
+      "",
+      "",
+      {"", "value"},
+      {{"cameras", std::to_string(in.cameras)},
+       {"surfaces", "up to " + std::to_string(in.faces) + " faces, " + std::to_string(in.vertices) + " vertices"},
+       {"tile scale", fixedText(o.cameras.tile_scale, 2) + " texels per pixel"},
+       {"colour calibration", o.colour_calibration ? "on" : "off"},
+       {"codec", in.codec + ", CRF " + std::to_string(o.crf) + ", GOP ≤ " + std::to_string(o.gop) + " frames"},
+       {"vertex step", fixedText(o.position_step_m * 1e3, 3) + " mm"},
+       {"jobs", std::to_string(o.jobs)}}};
+  for (const auto& [library, version] : in.versions) table.rows.push_back({library, version});
+  return table;
+}
+
 report::Table factsTable(const ReportInput& in) {
+  if (fromCameras(in)) return cameraFactsTable(in);
   const BakeOptions& o = in.options;
   report::Table table{
       "",
@@ -380,7 +449,8 @@ std::string reportHtml(const ReportInput& in) {
   report::Document page;
   page.title = in.capture_name;
   page.subtitle = "Baked by " + in.generator + " from " + std::to_string(in.cameras) + " cameras into " +
-                  std::to_string(in.options.layers) + " view-dependent texture layers.";
+                  (fromCameras(in) ? "one tiled picture of what they show."
+                                   : std::to_string(in.options.layers) + " view-dependent texture layers.");
   page.credit = in.credit;
   report::Section summary = section("summary", "Summary", "", {});
   summary.tiles = tilesOf(in);

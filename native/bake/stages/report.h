@@ -3,6 +3,7 @@
 // by relative file name). Does NOT write files or encode pictures: the caller does.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +12,15 @@
 #include "bake/run/options.h"
 
 namespace fourdvt::bake {
+
+// What a sequence from cameras has besides.
+struct ReportTiles {
+  int width = 0, height = 0;         // of the layout
+  double kept_share = 0;             // of the cameras' whole pictures: the pixels that tiles show, mean over the GOPs
+  double used_share = 0;             // of the layout's texels: those that tiles take, mean over the GOPs
+  uint32_t runs = 0;                 // of one topology
+  uint32_t vertices = 0, faces = 0;  // the most that any frame has
+};
 
 struct ReportSequence {
   std::string name;
@@ -22,6 +32,7 @@ struct ReportSequence {
   uint64_t geometry_bytes = 0, label_bytes = 0;    // in the chunks of the .bin: positions, labels
   uint64_t offset_bytes = 0, alignment_bytes = 0;  // in a class's chunks: corrections of the mesh blend, alignment
   uint64_t index_bytes = 0;                        // the rest of the .bin: header, index, sample tables, root motion
+  std::optional<ReportTiles> tiles;                // from cameras; geometry_bytes are then those of the surfaces
 };
 
 struct ReportPicture {

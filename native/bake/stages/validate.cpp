@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <thread>
 
+#include "bake/stages/camera_plan.h"
+#include "bake/stages/room_stage.h"
 #include "bake/stages/stream_plan.h"
 #include "base/hash.h"
 #include "platform/files.h"
@@ -44,21 +46,11 @@ Status checkWorkFolder(const std::string& path) {
   return bad(path + ": exists and is not a bake's work folder; move it away or choose another output folder");
 }
 
-Status checkSpace(const Job& job) {
-  constexpr double kVideoBytesPerTexel = 0.05,
-                   kCopies = 2;  // work folder and result; generous: crf 23 needs a fifth of it
+double layeredBytes(const Job& job) {
   const double frame = job.layout.width * job.layout.height * kVideoBytesPerTexel + 8.0 * job.mesh.source_vertex.size();
   double frames = job.total_frames;
   for (const capture::CaptureClass* c : bakedClasses(job)) frames += c->members.size() * expectedPhases(job, *c);
-  const double needed = kCopies * frame * frames + (8 << 20);
-  std::error_code error;
-  const fs::space_info space = fs::space(job.workFolder(), error);
-  if (error || double(space.available) >= needed) return {};
-  char text[160];
-  std::snprintf(text, sizeof text,
-                ": %.0f MB free, about %.0f MB needed; free disk space or choose another output folder",
-                space.available / 1e6, needed / 1e6);
-  return Error{ErrorId::WriteFailed, job.options.character_folder + text};
+  return frame * frames;
 }
 
 bool isFileName(const std::string& name) {
@@ -104,6 +96,36 @@ Status checkCameras(const capture::Capture& capture) {
   return {};
 }
 
+const char* nameOf(package::AppearanceKind kind) {
+  return kind == package::AppearanceKind::Layers ? "layers" : "cameras";
+}
+
+// Opens the capture as the appearance needs it, and chooses the appearance if none was asked for.
+Status openCapture(Job& job, const BakeEnvironment& environment) {
+  BakeOptions& o = job.options;
+  const bool any = o.appearance != package::AppearanceKind::Layers;
+  FOURDVT_ASSIGN(job.capture,
+                 capture::openCapture(o.capture_folder, environment.open_video, o.sequences,
+                                      any ? capture::MeshNeed::AnySurface : capture::MeshNeed::ConstantTopology));
+  const bool constant = job.capture.meshes == capture::CaptureMeshes::ConstantTopology;
+  const bool chosen = !o.appearance;
+  if (chosen) o.appearance = constant ? package::AppearanceKind::Layers : package::AppearanceKind::Cameras;
+  if (!job.fromCameras()) return {};
+  o.position_step_m = o.cameras.position_step_m;
+  if (!constant) o.refine = {.outline = false, .cameras = false};
+  if (!chosen) return {};
+  job.notes.push_back("The character is textured from " + std::string(nameOf(*o.appearance)) + ": the meshes of " +
+                      job.capture.folder + " have another topology in every frame.");
+  if (environment.note) environment.note(job.notes.back());
+  return {};
+}
+
+Status checkClasses(const Job& job) {
+  if (!job.fromCameras() || bakedClasses(job).empty()) return {};
+  return bad(job.capture.folder + "/capture.json: class '" + bakedClasses(job)[0]->name +
+             "': classes need layers; leave them out with --no-classes");
+}
+
 Status findBounds(Job& job, const BakeEnvironment& environment) {
   bool first = true;
   for (const capture::CaptureSequence& sequence : job.capture.sequences) {
@@ -118,12 +140,7 @@ Status findBounds(Job& job, const BakeEnvironment& environment) {
       }
     }
   }
-  const glm::vec3 cells = (job.bounds.max - job.bounds.min) / float(job.options.position_step_m);
-  if (std::max({cells.x, cells.y, cells.z}) > float(1 << 24))
-    return Error{ErrorId::InvalidArgument, job.capture.folder +
-                                               ": the mesh spans more than 2^24 position steps; wrong units "
-                                               "in capture.json, or the position step is too small"};
-  return {};
+  return checkSteps(job);
 }
 
 Status planMesh(Job& job) {
@@ -154,12 +171,11 @@ Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environm
   if (job.options.jobs == 0) job.options.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   FOURDVT_TRY(checkOutput(job.options));
   FOURDVT_TRY(checkEncoder(job.options.codec, job.options.preset));
-  auto capture = capture::openCapture(options.capture_folder, environment.open_video, options.sequences);
-  if (!capture) return capture.error();
-  job.capture = capture.take();
+  FOURDVT_TRY(openCapture(job, environment));
+  FOURDVT_TRY(checkClasses(job));
   FOURDVT_TRY(checkCameras(job.capture));
   FOURDVT_TRY(checkNames(job));
-  FOURDVT_TRY(checkClassPictures(job));
+  if (!job.fromCameras()) FOURDVT_TRY(checkClassPictures(job));
   job.options.sequences.clear();
   for (const capture::CaptureCamera& camera : job.capture.cameras) job.cameras.push_back(camera.pinhole);
   for (const capture::CaptureSequence& sequence : job.capture.sequences) {
@@ -173,13 +189,37 @@ Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environm
   if (access(job.workFolder().c_str(), W_OK) != 0)
     return Error{ErrorId::WriteFailed, job.workFolder() + ": not writable; choose another output folder"};
   FOURDVT_TRY(planSurface(job, environment));
-  FOURDVT_TRY(checkSpace(job));
+  FOURDVT_TRY(checkRoom(job));
+  if (!job.fromCameras()) FOURDVT_TRY(checkSpace(job, layeredBytes(job)));
   return job;
 }
 
 Status planSurface(Job& job, const BakeEnvironment& environment) {
+  if (job.fromCameras()) return planCameraSurfaces(job, environment);
   FOURDVT_TRY(planMesh(job));
   return findBounds(job, environment);
+}
+
+Status checkSpace(const Job& job, double character_bytes) {
+  constexpr double kCopies = 2;  // work folder and result
+  const double needed = kCopies * character_bytes + (8 << 20);
+  std::error_code error;
+  const fs::space_info space = fs::space(job.workFolder(), error);
+  if (error || double(space.available) >= needed) return {};
+  char text[160];
+  std::snprintf(text, sizeof text,
+                ": %.0f MB free, about %.0f MB needed; free disk space or choose another output folder",
+                space.available / 1e6, needed / 1e6);
+  return Error{ErrorId::WriteFailed, job.options.character_folder + text};
+}
+
+Status checkSteps(const Job& job) {
+  const glm::vec3 cells = (job.bounds.max - job.bounds.min) / float(job.options.position_step_m);
+  if (std::max({cells.x, cells.y, cells.z}) > float(1 << 24))
+    return Error{ErrorId::InvalidArgument, job.capture.folder +
+                                               ": the mesh spans more than 2^24 position steps; wrong units "
+                                               "in capture.json, or the position step is too small"};
+  return {};
 }
 
 std::string filesKey(const capture::Capture& capture, const capture::CaptureSequence& sequence) {
@@ -236,7 +276,9 @@ std::string settingsKey(const Job& job) {
   }
   char text[480];
   std::snprintf(text, sizeof text, "%016llx%s\n", static_cast<unsigned long long>(hash), line);
-  return text;
+  if (!job.fromCameras()) return text;
+  return text + ("cameras scale " + std::to_string(o.cameras.tile_scale)) + " faces " +
+         std::to_string(o.cameras.faces) + "\n";
 }
 
 }  // namespace fourdvt::bake

@@ -12,9 +12,16 @@ namespace fourdvt::bake {
 // Interrupted.
 Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environment);
 
-// Encodes the base mesh and finds the bounds of all frames, from the meshes as the job's capture reads them now.
+// Encodes the base mesh and finds the bounds of all frames, from the meshes as the job's capture reads them now; from
+// cameras, planCameraSurfaces.
 // Errors: those of capture, Interrupted, InvalidArgument.
 Status planSurface(Job& job, const BakeEnvironment& environment);
+
+constexpr double kVideoBytesPerTexel = 0.05;  // generous: crf 23 needs a fifth of it
+// Errors: WriteFailed if the disk has no room for a character of this size and for the work folder.
+Status checkSpace(const Job& job, double character_bytes);
+// Errors: InvalidArgument if the bounds are too many position steps wide.
+Status checkSteps(const Job& job);
 
 // The files of a sequence, the cameras, the plates (path, size, time), and capture.json.
 std::string filesKey(const capture::Capture& capture, const capture::CaptureSequence& sequence);

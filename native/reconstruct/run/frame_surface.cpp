@@ -123,6 +123,9 @@ Result<SurfaceMaker> SurfaceMaker::create(const ReconstructOptions& options,
   if (options.stereo) {
     StereoOptions stereo;
     stereo.adaptivity = options.adaptivity;
+    const float band_m = stereo.sweep.step_m * float(stereo.sweep.labels);
+    stereo.sweep.labels = options.planes;
+    stereo.sweep.step_m = band_m / float(options.planes);
     FOURDVT_ASSIGN(maker.stereo_, StereoRefiner::create(*device, maker.cameras_, stereo));
   }
   return maker;

@@ -22,6 +22,7 @@ struct ReconstructOptions {
   double voxel_m = 0.005;           // volumetric hull and stereo
   double adaptivity = 0.1;          // 0 … 1, see VolumetricOptions
   bool stereo = true;               // inside the volumetric hull only
+  int planes = 64;                  // of stereo: depths tried in its band, a multiple of 4, 16 to 128
   int fairing = 0;                  // rounds, see fairing.h
   int jobs = 0;                     // threads; 0: one per core
   bool resume = false;

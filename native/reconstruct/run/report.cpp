@@ -241,6 +241,7 @@ Status writeReport(const std::string& folder, const ReconstructOptions& options,
                      {"voxel_mm", options.voxel_m * 1e3},
                      {"adaptivity", options.adaptivity},
                      {"refine", options.stereo ? "stereo" : "none"},
+                     {"planes", options.planes},
                      {"fairing", options.fairing}};
   json["frames"] = summary.frames;
   json["frames_of_an_earlier_run"] = summary.frames_kept;

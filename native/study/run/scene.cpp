@@ -93,6 +93,7 @@ bake::BakeOptions defaultBake(const StudyContext& context, const std::string& ch
   bake::BakeOptions options;
   options.capture_folder = context.options.capture_folder;
   options.character_folder = character_folder;
+  options.appearance = package::AppearanceKind::Layers;
   options.jobs = context.options.jobs;
   options.refine = context.options.refine;
   options.resume = true;

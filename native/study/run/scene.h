@@ -13,7 +13,7 @@
 #include "measure/held_out_truth.h"
 #include "measure/picture_score.h"
 #include "platform/character_player.h"
-#include "render/fvvr.h"
+#include "render/cameras/fvvr.h"
 #include "study/run/context.h"
 #include "study/run/ring.h"
 

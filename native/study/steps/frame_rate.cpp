@@ -13,7 +13,7 @@
 #include "package/stream_file.h"
 #include "platform/ffmpeg_video.h"
 #include "platform/files.h"
-#include "render/fvvr.h"
+#include "render/cameras/fvvr.h"
 #include "render/plain_figure.h"
 
 namespace fourdvt::study {

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/stages/camera_assembly.h"
+
+#include <algorithm>
+
+#include "bake/run/describe.h"
+#include "bake/stages/assemble.h"
+#include "bake/stages/camera_colours.h"
+#include "bake/stages/poster.h"
+#include "bake/stages/stream_files.h"
+#include "base/bytes.h"
+#include "base/hash.h"
+#include "package/writer.h"
+#include "platform/files.h"
+#include "platform/folders.h"
+#include "render/cameras/fvvr.h"
+
+namespace fourdvt::bake {
+namespace {
+
+struct ChunkBytes {
+  uint32_t total = 0, surfaces = 0, runs = 0;
+  uint64_t hash = 0;
+};
+
+// What the tables at a chunk's beginning say (native/package/FORMAT.md).
+ChunkBytes measure(const std::vector<uint8_t>& chunk) {
+  ByteReader in(chunk);
+  ChunkBytes out;
+  out.total = static_cast<uint32_t>(chunk.size());
+  out.hash = fnv1a(chunk);
+  in.bytes(size_t(16) * in.u32());
+  out.runs = in.u32();
+  for (uint32_t r = 0; r < out.runs && in.ok(); ++r) {
+    in.u32();
+    out.surfaces += in.u32();
+    out.surfaces += in.u32();
+  }
+  return out;
+}
+
+ReportTiles describeTiles(const Job& job, const StreamPlan& plan) {
+  ReportTiles out;
+  out.width = plan.cameras.width;
+  out.height = plan.cameras.height;
+  double pictures = 0;
+  for (const PinholeCamera& camera : job.cameras) pictures += double(camera.width) * camera.height;
+  for (const auto& gop : plan.cameras.gops) {
+    double kept = 0, used = 0;
+    for (const package::CameraTile& tile : gop) {
+      kept += double(tile.source.width) * tile.source.height;
+      used += double(tile.tile.width) * tile.tile.height;
+    }
+    out.kept_share += kept / pictures / double(plan.cameras.gops.size());
+    out.used_share += used / (double(out.width) * out.height) / double(plan.cameras.gops.size());
+  }
+  return out;
+}
+
+// Writes the sequence's two files and describes it.
+Status packSequence(const BakeRun& run, const StreamPlan& plan, package::Character& character, ReportInput& report) {
+  const Job& job = run.job;
+  package::Sequence s = describeStream(plan);
+  package::Rendition& rendition = s.renditions.front();
+  FOURDVT_ASSIGN(auto packed, packVideo(plan, run.work, job.resultFolder() + "/" + rendition.video_uri));
+  rendition.video_bytes = packed.file_bytes;
+  rendition.codec = packed.codec;
+  ReportTiles tiles = describeTiles(job, plan);
+  ReportSequence r;
+  package::StreamIndex index;
+  index.frame_count = plan.frameCount();
+  index.position_origin = job.bounds.min;
+  index.position_step_m = static_cast<float>(job.options.position_step_m);
+  index.renditions.push_back(std::move(packed.table));
+  for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
+    FOURDVT_ASSIGN(const auto chunk, run.work.loadChunk(plan.name, g));
+    FOURDVT_ASSIGN(const auto artefact, run.work.loadGop(plan.name, g));
+    const ChunkBytes bytes = measure(chunk);
+    index.vertex_count = std::max(index.vertex_count, artefact.frames.vertex_count);
+    index.face_count = std::max(index.face_count, artefact.frames.face_count);
+    const uint32_t first = plan.gop_first_frames[g];
+    index.chunks.push_back({first, plan.gopEnd(g) - first, 0, bytes.total, bytes.hash});
+    r.geometry_bytes += bytes.surfaces;
+    r.index_bytes += bytes.total - bytes.surfaces;
+    tiles.runs += bytes.runs;
+    if (g > 0) continue;
+    const std::string file = "report_" + plan.name + ".jpg";
+    FOURDVT_TRY(platform::writeFileAtomic(job.resultFolder() + "/" + file, artefact.picture_jpeg));
+    report.pictures.push_back({file, "The video picture of " + plan.name +
+                                         ", frame 0: what each camera shows of the performer, and the barcode."});
+  }
+  tiles.vertices = index.vertex_count;
+  tiles.faces = index.face_count;
+  character.vertex_count = std::max(character.vertex_count, index.vertex_count);
+  character.face_count = std::max(character.face_count, index.face_count);
+  FOURDVT_TRY(writeStream(std::move(index), run, plan, s));
+  r.name = s.name;
+  r.frames = s.frame_count;
+  r.gops = static_cast<uint32_t>(plan.gop_first_frames.size());
+  r.fps = s.fps;
+  r.loop = s.loop;
+  r.video_bytes = rendition.video_bytes;
+  r.index_bytes += s.stream_header_bytes;
+  r.tiles = tiles;
+  report.sequences.push_back(std::move(r));
+  character.sequences.push_back(std::move(s));
+  return {};
+}
+
+// The first frame from the view that the page starts with, textured from the cameras' whole pictures.
+Result<Image> drawPoster(const BakeRun& run, const std::vector<ColourMap>& maps) {
+  const Job& job = run.job;
+  FOURDVT_ASSIGN(const auto reader,
+                 capture::FrameReader::open(job.capture, job.capture.sequences[0], run.environment.open_video));
+  FOURDVT_ASSIGN(auto frame, reader->next());
+  MeshTopology topology;
+  topology.vertex_count = static_cast<uint32_t>(frame.positions.size());
+  topology.face_vertices = frame.faces.empty() ? job.capture.topology.face_vertices : frame.faces;
+  for (size_t c = 0; c < maps.size(); ++c) applyColours(maps[c], frame.pictures[c]);
+  FOURDVT_ASSIGN(const auto fvvr, render::Fvvr::create(run.device(), job.cameras, topology));
+  FOURDVT_TRY(fvvr->setFrame(frame.positions, frame.pictures));
+  render::FvvrOptions options;
+  options.closest = static_cast<int>(std::min<size_t>(3, job.cameras.size()));
+  const OrbitView orbit = defaultOrbit(job.bounds, double(kPosterWidth) / kPosterHeight);
+  return fvvr->renderStill(render::viewFromCamera(cameraFromOrbit(orbit, kPosterWidth, kPosterHeight)), options);
+}
+
+}  // namespace
+
+Status assembleCameras(BakeRun& run, const std::vector<ColourMap>& maps, const std::optional<BakedRoom>& room,
+                       ReportInput& report) {
+  StageClock::Span span(run.clock, Stage::Assemble);
+  const Job& job = run.job;
+  const std::string folder = job.resultFolder() + "/";
+  platform::removeFolder(job.resultFolder());
+  FOURDVT_TRY(platform::makeFolder(job.resultFolder()));
+  FOURDVT_ASSIGN(const auto poster, drawPoster(run, maps));
+  FOURDVT_ASSIGN(const auto webp, encodePicture(poster, ".webp", 85));
+  FOURDVT_TRY(platform::writeFileAtomic(folder + kPosterFile, webp));
+  report.pictures = {{kPosterFile, "The character, " + job.streams[0].name +
+                                       ", frame 0, as the page shows it first, from the three nearest cameras."}};
+  package::Character character = describeCharacter(job);
+  for (const StreamPlan& plan : job.streams) FOURDVT_TRY(packSequence(run, plan, character, report));
+  FOURDVT_TRY(platform::writeFileAtomic(folder + kMeshFile, job.mesh.bytes));
+  FOURDVT_TRY(writeRoom(job, room, character, report));
+  FOURDVT_ASSIGN(const auto manifest,
+                 package::writeManifest({character, &job.mesh, "", kGenerator, job.capture.credit}));
+  FOURDVT_TRY(platform::writeFileAtomic(folder + "character.gltf", manifest));
+  report.picture_width = job.streams[0].layout.width;
+  report.picture_height = job.streams[0].layout.height;
+  describeCommon(job, character, report);
+  return describeRefinement(job, report);
+}
+
+}  // namespace fourdvt::bake

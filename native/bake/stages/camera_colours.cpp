@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/stages/camera_colours.h"
+
+#include <algorithm>
+
+#include "bake/run/survey_files.h"
+#include "bake/stages/frame_baker.h"
+#include "bake/stages/validate.h"
+#include "platform/files.h"
+#include "platform/folders.h"
+
+namespace fourdvt::bake {
+namespace {
+
+// Compares colours in every kEvery-th of the first kFrames frames of a sequence.
+constexpr uint32_t kEvery = 4, kFrames = 32;
+
+MeshTopology topologyOf(const Job& job, const capture::CaptureFrame& frame) {
+  MeshTopology t;
+  t.vertex_count = static_cast<uint32_t>(frame.positions.size());
+  t.uvs = {{0, 0}};  // visibility asks for none
+  t.face_vertices = frame.faces.empty() ? job.capture.topology.face_vertices : frame.faces;
+  t.face_uvs.assign(t.face_vertices.size(), glm::uvec3(0));
+  return t;
+}
+
+Status addFrame(BakeRun& run, const capture::CaptureFrame& frame, ColourCalibrator& calibrator) {
+  const Job& job = run.job;
+  const MeshTopology topology = topologyOf(job, frame);
+  std::vector<PictureCrop> crops;
+  for (size_t c = 0; c < job.cameras.size(); ++c)
+    crops.push_back(cropPicture(job.cameras[c], frame.positions, frame.pictures[c]));
+  FOURDVT_ASSIGN(const auto baker, FrameBaker::create(run.device(), job.cameras, topology, frame.positions, {}));
+  baker->setFrame(frame.positions, crops);
+  FOURDVT_ASSIGN(const auto fractions, baker->measureVisibility());
+  calibrator.add(job.cameras, topology, frame.positions, fractions, frame.pictures);
+  return {};
+}
+
+Result<std::vector<ColourMap>> measure(BakeRun& run, StageProgress& progress) {
+  const Job& job = run.job;
+  ColourCalibrator calibrator(job.cameras.size());
+  double before = 0;
+  for (const capture::CaptureSequence& sequence : job.capture.sequences) {
+    FOURDVT_ASSIGN(const auto reader, capture::FrameReader::open(job.capture, sequence, run.environment.open_video));
+    const uint32_t end = std::min(sequence.frame_count, kFrames);
+    for (uint32_t f = 0; f < end; f += kEvery) {
+      if (run.stopped()) return Error{ErrorId::Interrupted, "stopped; nothing was written"};
+      reader->skipTo(f);
+      FOURDVT_ASSIGN(const auto frame, reader->next());
+      FOURDVT_TRY(addFrame(run, frame, calibrator));
+      progress.done((before + double(f) / end) / job.capture.sequences.size(), "colours " + sequence.name);
+    }
+    before += 1;
+  }
+  return calibrator.solve();
+}
+
+}  // namespace
+
+Result<std::vector<ColourMap>> calibrateColours(BakeRun& run) {
+  const Job& job = run.job;
+  std::vector<ColourMap> maps;
+  if (!job.options.colour_calibration || job.cameras.size() < 2) return maps;
+  StageProgress progress(run.progress,
+                         infoOf(Stage::Visibility).work_s * job.capture.sequences.size() * kFrames / kEvery);
+  StageClock::Span span(run.clock, Stage::Colours);
+  std::string key = "camera colours";
+  for (const capture::CaptureSequence& sequence : job.capture.sequences) key += captureKey(job, sequence);
+  const std::string path = keyedPath(job.surveyFolder(), "camera_colours", key);
+  maps.resize(job.cameras.size());
+  if (auto bytes = platform::readFile(path); bytes && coloursFrom(bytes.value(), maps)) return maps;
+  FOURDVT_ASSIGN(maps, measure(run, progress));
+  FOURDVT_TRY(platform::makeFolder(job.surveyFolder()));
+  FOURDVT_TRY(platform::writeFileAtomic(path, coloursBytes(maps)));
+  return maps;
+}
+
+void applyColours(const ColourMap& map, Image& rgba) {
+  const glm::vec3 offset = 255.0f * map.offset + 0.5f;
+  for (size_t i = 0; i < rgba.pixels.size(); i += 4) {
+    uint8_t* p = &rgba.pixels[i];
+    if (p[3] == 0) continue;
+    const glm::vec3 colour = glm::clamp(map.matrix * glm::vec3(p[0], p[1], p[2]) + offset, 0.0f, 255.0f);
+    for (int c = 0; c < 3; ++c) p[c] = static_cast<uint8_t>(colour[c]);
+  }
+}
+
+}  // namespace fourdvt::bake

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/stages/camera_gops.h"
+
+#include <algorithm>
+#include <atomic>
+
+#include "bake/cameras/surfaces.h"
+#include "bake/cameras/tile_fill.h"
+#include "bake/stages/camera_colours.h"
+#include "bake/stages/poster.h"
+#include "bake/texels/picture_crop.h"
+#include "package/barcode.h"
+
+namespace fourdvt::bake {
+namespace {
+
+Image cropped(const Image& picture, const package::Rect& region) {
+  Image out(region.width, region.height, 4);
+  for (int y = 0; y < region.height; ++y)
+    std::copy_n(picture.at(region.x, region.y + y), size_t(region.width) * 4, out.at(0, y));
+  return out;
+}
+
+}  // namespace
+
+struct CameraGops::OpenGop {
+  uint32_t number = 0;
+  I420Picture picture;
+  std::unique_ptr<GopEncoder> encoder;  // made with the first frame
+  std::vector<package::QuantisedSurface> surfaces;
+  GopArtefact artefact;
+  std::future<Status> encoding;  // of the frame before; the last field: it ends before the others are destroyed
+};
+
+Status CameraGops::run() {
+  started_s_ = run_.progress.seconds();
+  for (const StreamPlan& plan : job_.streams) FOURDVT_TRY(bakeStream(plan));
+  return {};
+}
+
+Status CameraGops::bakeStream(const StreamPlan& plan) {
+  std::unique_ptr<capture::FrameReader> reader;
+  for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
+    const uint32_t first = plan.gop_first_frames[g];
+    if (run_.work.hasGop(plan.name, g) && run_.work.hasChunk(plan.name, g)) {
+      run_.progress.frames_done += plan.gopEnd(g) - first;
+      run_.progress.skip((plan.gopEnd(g) - first) * infoOf(Stage::Encode).work_s);
+      continue;
+    }
+    if (!reader) {
+      FOURDVT_ASSIGN(reader, capture::FrameReader::open(job_.capture, *plan.motion.members[0].source,
+                                                        run_.environment.open_video, first));
+    } else {
+      reader->skipTo(first);
+    }
+    FOURDVT_ASSIGN(const auto open, drawGop(plan, g, *reader));
+    FOURDVT_TRY(saveGop(*open, plan, g));
+    FOURDVT_TRY(run_.checkStop());
+  }
+  return {};
+}
+
+Result<std::unique_ptr<CameraGops::OpenGop>> CameraGops::drawGop(const StreamPlan& plan, uint32_t gop,
+                                                                 capture::FrameReader& reader) {
+  auto open = std::make_unique<OpenGop>();
+  open->number = gop;
+  const auto read = [&] {
+    StageClock::Span span(run_.clock, Stage::Decode);
+    return reader.next();
+  };
+  const uint32_t first = plan.gop_first_frames[gop], end = plan.gopEnd(gop);
+  std::future<Result<capture::CaptureFrame>> next = std::async(lane(), read);  // futures join on every way out
+  for (uint32_t f = first; f < end; ++f) {
+    FOURDVT_ASSIGN(const auto frame, next.get());
+    if (f + 1 < end) next = std::async(lane(), read);
+    FOURDVT_TRY(drawFrame(*open, plan, frame));
+    tellFrame(plan, f + 1);
+    if (f + 1 < end) FOURDVT_TRY(run_.checkStop());
+  }
+  FOURDVT_TRY(open->encoding.get());
+  return open;
+}
+
+Status CameraGops::drawFrame(OpenGop& open, const StreamPlan& plan, const capture::CaptureFrame& frame) {
+  const auto& tiles = plan.cameras.gops[open.number];
+  std::vector<Image> drawn(tiles.size());
+  std::atomic<size_t> next = 0;
+  const auto drawSome = [&] {
+    for (size_t c = next++; c < tiles.size(); c = next++)
+      if (!tiles[c].empty()) drawn[c] = drawCamera(tiles[c], c, frame.pictures[c]);
+  };
+  {
+    StageClock::Span span(run_.clock, Stage::Fill);
+    std::vector<std::future<void>> others;
+    for (int job = 1; job < job_.options.jobs; ++job) others.push_back(std::async(std::launch::async, drawSome));
+    drawSome();
+  }
+  I420Picture picture(plan.layout.width, plan.layout.height);
+  {
+    StageClock::Span span(run_.clock, Stage::Tile);
+    for (size_t c = 0; c < tiles.size(); ++c)
+      if (!tiles[c].empty()) drawLayer(drawn[c], cellsOf(tiles[c].tile), picture);
+    package::drawBarcode(plan.layout.barcode, frame.index, picture.y.data(), picture.width);
+  }
+  const bool constant = job_.capture.meshes == capture::CaptureMeshes::ConstantTopology;
+  TriangleMesh surface{frame.positions, constant ? job_.capture.topology.face_vertices : frame.faces};
+  if (!constant) surface = simplified(std::move(surface), static_cast<size_t>(job_.options.cameras.faces));
+  open.surfaces.push_back(quantisedSurface({glm::dvec3(job_.bounds.min), double(float(job_.options.position_step_m))},
+                                           surface.positions, surface.faces, !constant));
+  if (open.encoding.valid()) FOURDVT_TRY(open.encoding.get());
+  open.encoding = std::async(lane(), [this, &open, &plan, index = frame.index, picture = std::move(picture)] {
+    return encode(open, plan, index, picture);
+  });
+  return {};
+}
+
+Image CameraGops::drawCamera(const package::CameraTile& tile, size_t camera, const Image& picture) const {
+  Image crop = cropped(picture, tile.source);
+  replaceEdgeColours(crop);
+  if (!maps_.empty()) applyColours(maps_[camera], crop);
+  const package::Rect cells = cellsOf(tile.tile);
+  return drawTile(crop, {tile.tile.width, tile.tile.height}, {cells.width, cells.height});
+}
+
+Status CameraGops::encode(OpenGop& open, const StreamPlan& plan, uint32_t index, const I420Picture& picture) {
+  StageClock::Span span(run_.clock, Stage::Encode);
+  if (!open.encoder) {
+    FOURDVT_ASSIGN(open.encoder, GopEncoder::create(plan.encode));
+    if (index == 0) {
+      FOURDVT_ASSIGN(open.artefact.picture_jpeg,
+                     encodePicture(rgbFromTile(picture.view(), {0, 0, picture.width, picture.height}), ".jpg", 80));
+    }
+  }
+  return open.encoder->push(picture.view());
+}
+
+Status CameraGops::saveGop(OpenGop& open, const StreamPlan& plan, uint32_t gop) {
+  {
+    StageClock::Span span(run_.clock, Stage::Encode);
+    FOURDVT_ASSIGN(open.artefact.video, open.encoder->finish());
+    open.encoder.reset();
+  }
+  StageClock::Span span(run_.clock, Stage::Geometry);
+  auto chunk = package::encodeSurfaceChunk(plan.cameras.gops[gop], open.surfaces);
+  if (!chunk)
+    return Error{chunk.error().id, plan.name + ", frames " + std::to_string(plan.gop_first_frames[gop]) + " to " +
+                                       std::to_string(plan.gopEnd(gop) - 1) + ": " + chunk.error().message};
+  open.artefact.frames.vertex_count = chunk.value().vertex_count;
+  open.artefact.frames.face_count = chunk.value().face_count;
+  FOURDVT_TRY(run_.work.saveChunk(plan.name, gop, chunk.value().bytes));
+  return run_.work.saveGop(plan.name, gop, open.artefact);
+}
+
+void CameraGops::tellFrame(const StreamPlan& plan, uint32_t frame) {
+  ++run_.progress.frames_done;
+  ++baked_;
+  run_.progress.worked(infoOf(Stage::Encode).work_s);
+  const double elapsed = run_.progress.seconds() - started_s_;
+  run_.progress.tell(plan.name + " " + std::to_string(frame) + "/" + std::to_string(plan.frameCount()),
+                     elapsed > 0 ? baked_ / elapsed : 0);
+}
+
+}  // namespace fourdvt::bake

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/stages/camera_plan.h"
+
+#include <algorithm>
+
+#include "bake/cameras/surfaces.h"
+#include "bake/stages/validate.h"
+
+namespace fourdvt::bake {
+namespace {
+
+using package::Rect;
+
+struct Surfaces {
+  BoundingBox bounds;
+  bool any = false;
+  size_t largest = 0;  // vertices and faces of one frame
+};
+
+void add(Surfaces& all, const TriangleMesh& surface) {
+  if (!all.any) all.bounds = {surface.positions[0], surface.positions[0]};
+  all.any = true;
+  all.largest = std::max(all.largest, surface.positions.size() + surface.faces.size());
+  for (const glm::vec3& p : surface.positions) {
+    all.bounds.min = glm::min(all.bounds.min, p);
+    all.bounds.max = glm::max(all.bounds.max, p);
+  }
+}
+
+// A GOP that would take more memory than players allow gets fewer frames.
+void shortenGops(Job& job, size_t largest) {
+  const uint64_t frames =
+      package::kMaxDecodedChunkBytes / (uint64_t(largest) * 14);  // 12 bytes each, and some to spare
+  job.options.gop = static_cast<int>(std::clamp<uint64_t>(frames, 1, uint64_t(job.options.gop)));
+}
+
+std::vector<std::vector<Rect>> regionsOfGops(const Job& job, size_t sequence, const std::vector<uint32_t>& first) {
+  const auto& frames = job.regions[sequence];
+  std::vector<std::vector<Rect>> out;
+  for (size_t g = 0; g < first.size(); ++g) {
+    const size_t end = g + 1 < first.size() ? first[g + 1] : frames.size();
+    std::vector<Rect>& gop = out.emplace_back(job.cameras.size());
+    for (size_t f = first[g]; f < end; ++f)
+      for (size_t c = 0; c < gop.size(); ++c) gop[c] = united(gop[c], frames[f][c]);
+  }
+  return out;
+}
+
+StreamPlan planStream(const Job& job, size_t number) {
+  const capture::CaptureSequence& source = job.capture.sequences[number];
+  StreamPlan stream;
+  stream.name = source.name;
+  stream.motion.frame_count = source.frame_count;
+  stream.motion.fps = job.capture.fps;
+  stream.motion.loop = source.loop;
+  stream.motion.members.emplace_back().source = &source;
+  stream.gop_first_frames = planGops(source.frame_count, job.options.gop);
+  stream.cameras = planCameraLayout(job.cameras, regionsOfGops(job, number, stream.gop_first_frames),
+                                    job.options.cameras.tile_scale);
+  stream.layout = {stream.cameras.picture_width, stream.cameras.picture_height, {}, stream.cameras.barcode};
+  stream.encode = job.encode;
+  stream.encode.width = stream.layout.width;
+  stream.encode.height = stream.layout.height;
+  return stream;
+}
+
+}  // namespace
+
+Status planCameraSurfaces(Job& job, const BakeEnvironment& environment) {
+  Surfaces all;
+  bool seen = false;
+  job.regions.assign(job.capture.sequences.size(), {});
+  for (size_t s = 0; s < job.capture.sequences.size(); ++s) {
+    const capture::CaptureSequence& sequence = job.capture.sequences[s];
+    for (uint32_t f = 0; f < sequence.frame_count; ++f) {
+      if (environment.stop && *environment.stop) return Error{ErrorId::Interrupted, "stopped; nothing was written"};
+      FOURDVT_ASSIGN(const auto surface, capture::readSurfaceFrame(job.capture, sequence, f));
+      if (s == 0 && f == 0) {
+        FOURDVT_ASSIGN(job.mesh, package::encodePlainMesh(simplified(surface, size_t(job.options.cameras.faces))));
+      }
+      add(all, surface);
+      std::vector<Rect>& regions = job.regions[s].emplace_back();
+      for (const PinholeCamera& camera : job.cameras) {
+        regions.push_back(regionOfInterest(camera, surface.positions));
+        seen |= regions.back().width > 0;
+      }
+    }
+  }
+  job.bounds = all.bounds;
+  if (!seen)
+    return Error{ErrorId::NothingVisible, job.capture.folder +
+                                              ": no camera sees any surface: check the axes and units of meshes and "
+                                              "cameras"};
+  shortenGops(job, all.largest);
+  return checkSteps(job);
+}
+
+Status planCameraStreams(BakeRun& run) {
+  StageClock::Span span(run.clock, Stage::Regions);
+  Job& job = run.job;
+  StageProgress progress(run.progress, infoOf(Stage::Regions).work_s * job.total_frames);
+  job.streams.clear();
+  double bytes = 0;
+  for (size_t s = 0; s < job.capture.sequences.size(); ++s) {
+    progress.done(double(s) / job.capture.sequences.size(), "regions " + job.capture.sequences[s].name);
+    job.streams.push_back(planStream(job, s));
+    const std::string wrong =
+        checkCameraLayout(job.streams.back().cameras, job.options.cameras.tile_scale, job.options.cameras.max_texels);
+    if (!wrong.empty())
+      return Error{ErrorId::InvalidArgument, "sequence '" + job.capture.sequences[s].name + "': " + wrong};
+    bytes += job.streams.back().cameras.pictureTexels() * kVideoBytesPerTexel * job.streams.back().frameCount();
+  }
+  return checkSpace(job, bytes);
+}
+
+}  // namespace fourdvt::bake

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/plates.h"
+
+#include <filesystem>
+
+#include "capture/background_model.h"
+#include "capture/mesh_sequence.h"
+#include "capture/pictures.h"
+#include "capture/undistort.h"
+
+namespace fourdvt::capture {
+namespace {
+
+constexpr uint32_t kMaxPlates = 100;  // more do not make the mean better, and each costs memory while it is read
+
+bool exists(const std::string& path) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path, ignored);
+}
+
+// One file, or the numbered ones; the one that is missed if there are none.
+std::vector<std::string> platePaths(const std::string& stem) {
+  if (exists(stem + ".png")) return {stem + ".png"};
+  for (const char* extension : {".png", ".jpg"}) {
+    std::vector<std::string> paths;
+    while (paths.size() < kMaxPlates) {
+      const std::string path = framePath(stem + "/%06d" + extension, static_cast<uint32_t>(paths.size()));
+      if (!exists(path)) break;
+      paths.push_back(path);
+    }
+    if (!paths.empty()) return paths;
+  }
+  return {stem + ".png"};
+}
+
+}  // namespace
+
+Result<Plates> readPlates(const Capture& capture, const CaptureCamera& camera, const std::string& otherwise) {
+  Plates out;
+  for (const std::string& path : platePaths(capture.background_folder + "/" + camera.pinhole.name)) {
+    if (out.path.empty()) out.path = path;
+    auto plate = readPicture(path, 3);
+    if (!plate.ok()) return Error{plate.error().id, path + ": " + otherwise};
+    FOURDVT_TRY(checkSize(plate.value(), camera, path));
+    out.pictures.push_back(plate.take());
+  }
+  return out;
+}
+
+Result<Image> readRoomPlate(const Capture& capture, const CaptureCamera& camera) {
+  FOURDVT_ASSIGN(auto plates, readPlates(capture, camera,
+                                         "no readable plate of the empty room, but " + capture.folder +
+                                             "/capture.json gives a \"room\", which is textured from the plates of "
+                                             "all cameras; add the plate, or take \"room\" out"));
+  const Undistorter undistorter(camera);
+  const Image colour = undistorter.apply(meanPicture(makeBackgroundModel(plates.pictures)));
+  const Image reach = undistorter.apply(Image(colour.width, colour.height, 1, 255));
+  Image out(colour.width, colour.height, 4);
+  for (size_t i = 0; i < reach.pixels.size(); ++i) {
+    for (size_t c = 0; c < 3; ++c) out.pixels[4 * i + c] = colour.pixels[3 * i + c];
+    out.pixels[4 * i + 3] = reach.pixels[i];
+  }
+  return out;
+}
+
+}  // namespace fourdvt::capture

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// The room of a character folder, as a picture and as a scene.
+#pragma once
+
+#include <string>
+
+#include "base/image.h"
+#include "gpu/device.h"
+#include "package/character.h"
+#include "render/scene.h"
+
+namespace fourdvt::tools {
+
+// RGBA. `folder` holds the character, which has a room. Errors: FileMissing, FileUnreadable, FilesDiffer.
+Result<Image> readRoomPicture(const std::string& folder, const package::Room& room);
+// The scene that the character's room is. `manifest`: its character.gltf. Errors: those of readRoomPicture, GpuFailure,
+// InvalidArgument if the character has no room.
+Result<render::Scene> openRoom(gpu::Device& device, const std::string& manifest, const package::Character& character);
+
+}  // namespace fourdvt::tools

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+// Characters from cameras: meshes that differ in every frame, an interrupted bake, what cannot be.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "command.h"
+#include "platform/files.h"
+
+namespace fourdvt::test {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+const std::string kSmall = " --gop 4 --jobs 2";
+
+// Says that the box's meshes have a topology of their own in every frame; they go on to be the same.
+std::string perFrame(const std::string& name, int frames = 6) {
+  const std::string capture = smallCapture(name, frames);
+  EXPECT_EQ(shell("sed -i '0,/{/s//{\"topology\": \"per-frame\", /' " + capture + "/capture.json").code, 0);
+  return capture;
+}
+
+json reportOf(const std::string& character) { return json::parse(readText(character + "/report.json")); }
+
+TEST(CameraBake, IsChosenForMeshesOfPerFrameTopologyAndSaysSo) {
+  const std::string capture = perFrame("scanned-capture"), out = scratch("scanned");
+  // One frame loses a face.
+  ASSERT_EQ(shell("sed -i '$d' " + capture + "/turn/mesh/000002.obj").code, 0);
+  const Outcome bake = fourdvt("bake " + capture + " -o " + out + "/box" + kSmall);
+  ASSERT_EQ(bake.code, 0) << bake.output;
+  EXPECT_NE(bake.output.find("The character is textured from cameras: the meshes of " + capture), std::string::npos)
+      << bake.output;
+  EXPECT_FALSE(exists(out + "/box.work"));
+  const Outcome inspect = fourdvt("inspect " + out + "/box");
+  EXPECT_EQ(inspect.code, 0) << inspect.output;
+  EXPECT_NE(inspect.output.find("from the pictures of 4 cameras"), std::string::npos) << inspect.output;
+  EXPECT_NE(inspect.output.find("everything decodes"), std::string::npos) << inspect.output;
+
+  const json report = reportOf(out + "/box");
+  EXPECT_EQ(report["options"]["appearance"], "cameras");
+  EXPECT_EQ(report["options"]["refine"], "none");
+  EXPECT_EQ(report["notes"].size(), 1u);
+  const json& turn = report["sequences"][0];
+  EXPECT_EQ(turn["tiles"]["runs"], 3) << "two frames, the odd one, and the second GOP";
+  EXPECT_GT(turn["geometry_bytes"], 100);
+  EXPECT_GT(turn["tiles"]["kept_share"], 0.05);
+  EXPECT_LT(turn["tiles"]["kept_share"], 0.9);
+  EXPECT_TRUE(exists(out + "/box/report_turn.jpg"));
+  auto poster = platform::readImage(out + "/box/poster.webp");
+  ASSERT_TRUE(poster.ok());
+  int covered = 0;
+  for (size_t i = 3; i < poster.value().pixels.size(); i += 4) covered += poster.value().pixels[i] > 128;
+  EXPECT_GT(covered, 10000);
+  const json gltf = json::parse(readText(out + "/box/character.gltf"));
+  EXPECT_EQ(gltf["extensions"]["FOURDVT_layered_video_texture"]["version"], 2);
+  EXPECT_FALSE(gltf.contains("images"));
+}
+
+TEST(CameraBake, CanBeAskedForWhereLayersWouldDo) {
+  const std::string capture = smallCapture("tracked-capture"), out = scratch("tracked");
+  const Outcome bake =
+      fourdvt("bake " + capture + " -o " + out + "/box --appearance cameras --tile-scale 0.5" + kSmall);
+  ASSERT_EQ(bake.code, 0) << bake.output;
+  EXPECT_EQ(bake.output.find("The character is textured"), std::string::npos) << "it was asked for";
+  const json report = reportOf(out + "/box");
+  EXPECT_EQ(report["options"]["refine"], "outline");
+  EXPECT_EQ(report["sequences"][0]["tiles"]["runs"], report["sequences"][0]["gops"]);
+  const Outcome inspect = fourdvt("inspect " + out + "/box");
+  EXPECT_EQ(inspect.code, 0) << inspect.output;
+}
+
+TEST(CameraBake, IsDrawnAsAskedFor) {
+  const std::string capture = perFrame("drawn-capture", 2), out = scratch("drawn");
+  ASSERT_EQ(fourdvt("bake " + capture + " -o " + out + "/box" + kSmall).code, 0);
+  const auto still = [&](const std::string& options) {
+    const std::string file = out + "/still.png";
+    const Outcome drawn = fourdvt("render " + out + "/box -o " + file + " --size 160x200 --azimuth 40 " + options);
+    EXPECT_EQ(drawn.code, 0) << drawn.output;
+    return readText(file);
+  };
+  const std::string textured = still("");
+  EXPECT_EQ(still("--method fvvr --closest 4 --visibility offset"), textured) << "the defaults";
+  EXPECT_NE(still("--closest 1"), textured);
+  EXPECT_NE(still("--method silhouette"), textured);
+  EXPECT_NE(still("--method wireframe"), still("--method silhouette"));
+  const Outcome layered = fourdvt("render " + out + "/box -o " + out + "/no.png --method layered");
+  EXPECT_NE(layered.code, 0);
+  EXPECT_NE(layered.output.find("is a character from cameras"), std::string::npos) << layered.output;
+}
+
+TEST(CameraBake, InterruptedResumesToTheSameBytes) {
+  const std::string capture = perFrame("long-scan", 32), out = scratch("camera-resume");
+  const std::string options = kSmall + " --sequences turn";
+  ASSERT_EQ(fourdvt("bake " + capture + " -o " + out + "/straight" + options).code, 0);
+  const std::string stopped = out + "/stopped";
+  const Outcome stop =
+      interrupted("bake " + capture + " -o " + stopped + options, stopped + ".work/turn.0.gop", out + "/log");
+  ASSERT_EQ(stop.code, 130) << stop.output;
+  EXPECT_FALSE(exists(stopped));
+  const Outcome resumed = fourdvt("bake " + capture + " -o " + stopped + options + " --resume");
+  ASSERT_EQ(resumed.code, 0) << resumed.output;
+  EXPECT_NE(readText(stopped + "/report.json").find("\"resumed\": true"), std::string::npos);
+  EXPECT_EQ(differences(out + "/straight", stopped), std::vector<std::string>{});
+  // One job gives what two do.
+  ASSERT_EQ(fourdvt("bake " + capture + " -o " + out + "/alone --gop 4 --jobs 1 --sequences turn").code, 0);
+  EXPECT_EQ(differences(out + "/straight", out + "/alone"), std::vector<std::string>{});
+}
+
+struct WrongCameraBake : ::testing::Test {
+  void SetUp() override {
+    capture = perFrame("wrong-scan", 3);
+    character = scratch("wrong-scan-out") + "/box";
+  }
+  void expectRefused(const std::string& options, const std::string& named) {
+    const Outcome bake = fourdvt("bake " + capture + " -o " + character + kSmall + options);
+    EXPECT_EQ(bake.code, 1) << bake.output;
+    EXPECT_NE(bake.output.find(named, bake.output.find("fourdvt: ")), std::string::npos) << bake.output;
+    EXPECT_FALSE(exists(character));
+    EXPECT_FALSE(exists(character + ".work"));
+  }
+  std::string capture, character;
+};
+
+TEST_F(WrongCameraBake, PicturesThatDoNotFitSayWhichScaleDoes) {
+  expectRefused(" --tile-texels 0.02", "use --tile-scale 0.");
+}
+
+TEST_F(WrongCameraBake, ClassesNeedLayers) {
+  json j = json::parse(readText(capture + "/capture.json"));
+  j["sequences"].push_back(j["sequences"][0]);
+  j["sequences"].back()["name"] = "again";
+  fs::copy(capture + "/turn", capture + "/again", fs::copy_options::recursive);
+  const auto member = [](const char* name, double value) { return json{{"sequence", name}, {"value", value}}; };
+  j["classes"] = json::array({{{"name", "both"},
+                               {"parameter", "speed_mps"},
+                               {"members", json::array({member("turn", 1), member("again", 2)})}}});
+  writeText(capture + "/capture.json", j.dump());
+  expectRefused("", "class 'both': classes need layers; leave them out with --no-classes");
+  const Outcome without = fourdvt("bake " + capture + " -o " + character + kSmall + " --no-classes");
+  EXPECT_EQ(without.code, 0) << without.output;
+}
+
+TEST_F(WrongCameraBake, AMeshThatIsBrokenIsNamed) {
+  truncateTo(capture + "/turn/mesh/000001.obj", 0.1);
+  writeText(capture + "/turn/mesh/000001.obj", "v 0 0 0\nv 1 0 0\nf 1 2 9\n");
+  expectRefused("", "turn/mesh/000001.obj");
+}
+
+TEST_F(WrongCameraBake, CamerasThatSeeNothingNameAxesAndUnits) {
+  ASSERT_EQ(shell("sed -i -E 's/^v ([^ ]+) ([^ ]+) ([^ ]+)$/v \\1 \\2e6 \\3/' " + capture + "/turn/mesh/*.obj").code,
+            0);
+  expectRefused("", "units");
+}
+
+}  // namespace
+}  // namespace fourdvt::test
