@@ -169,7 +169,7 @@ export function exportList(abi, module) {
 
 // --- TypeScript ---
 
-const listName = (enumeration) => `${enumeration.toUpperCase()}S`;
+const listName = (enumeration) => `${enumeration.toUpperCase()}S`.replace(/YS$/, 'IES');
 
 /** The page's half; it imports web/src/records.ts from the folder above its own. */
 export function typeScript(abi) {

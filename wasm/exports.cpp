@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "extras.h"
 #include "instance.h"
 
 using namespace fourdvt;
@@ -61,6 +62,7 @@ void openPlayer(Instance* h, abi::PictureKind kind, int32_t slots) {
   using render::PictureTextures;
   options.picture_kind = kind == abi::PictureKind::Rgba ? PictureTextures::Kind::Rgba : PictureTextures::Kind::I420;
   options.picture_slots = slots;
+  options.cameras = cameraPartsOfModule();
   auto player = Player::create(*h->canvas->device, h->canvas->recipe, options);
   if (player.ok()) h->player = player.take();
   if (!player.ok()) h->error = player.error();
@@ -74,8 +76,10 @@ Status drawTogether(Instance* const* handles, uint32_t count, const render::View
     figures.push_back(figure.value());
   }
   Canvas& canvas = *handles[0]->canvas;
-  return canvas.recipe->draw(figures, canvas.scene.meshes.empty() ? nullptr : &canvas.scene, view,
-                             {handles[0]->options, handles[0]->player->align()}, gpu::kDefaultTarget);
+  const bool has_scene = canvas.scene.room.corners || !canvas.scene.meshes.empty();
+  return canvas.recipe->draw(figures, has_scene ? &canvas.scene : nullptr, view,
+                             {handles[0]->options, handles[0]->player->align(), handles[0]->player->method()},
+                             gpu::kDefaultTarget);
 }
 
 // The page's numbers of the debug views are the renderer's.
@@ -83,6 +87,10 @@ static_assert(static_cast<int>(abi::DebugView::Labels) == static_cast<int>(rende
               static_cast<int>(abi::DebugView::Layer) == static_cast<int>(render::DebugView::Layer) &&
               static_cast<int>(abi::DebugView::Weights) == static_cast<int>(render::DebugView::Weights) &&
               static_cast<int>(abi::DebugView::Normals) == static_cast<int>(render::DebugView::Normals));
+
+static_assert(static_cast<int>(abi::Visibility::Plain) == static_cast<int>(render::Visibility::Plain) &&
+              static_cast<int>(abi::Visibility::Offset) == static_cast<int>(render::Visibility::Offset) &&
+              static_cast<int>(abi::Visibility::Fattened) == static_cast<int>(render::Visibility::Fattened));
 
 // Likewise why a decoder failed.
 static_assert(static_cast<int>(abi::DecoderFault::Unsupported) == static_cast<int>(DecoderFault::Unsupported) &&
@@ -143,7 +151,9 @@ void fdvt_manifest_bool(Instance* h, const char* pointer, uint32_t size, int32_t
 }
 int32_t fdvt_load(Instance* h) {
   makeCurrent(h);
-  const int ok = keep(h, h->player->loadManifest(h->manifest));
+  int ok = keep(h, h->player->loadManifest(h->manifest));
+  if (ok && h->canvas->method.empty() && h->player->character()->appearance == package::AppearanceKind::Cameras)
+    ok = fdvt_set_method(h, "fvvr", 4, h->player->method().closest, abi::Visibility::Offset);
   h->manifest = {};
   return ok;
 }
@@ -287,8 +297,11 @@ const abi::Character* fdvt_character(Instance* h) {
   for (int i = 0; i < 3; ++i) out.bounds_min[i] = c->bounds.min[i], out.bounds_max[i] = c->bounds.max[i];
   out.ground_y_m = c->ground_y_m;
   out.sequences = static_cast<int32_t>(c->sequences.size());
+  out.from_cameras = c->appearance == package::AppearanceKind::Cameras;
   out.name = text(c->name);
   out.poster_uri = text(c->poster_uri);
+  out.room_uri = text(c->room.picture_uri);
+  out.room_bytes = static_cast<double>(c->room.picture_bytes);
   return &out;
 }
 const abi::Sequence* fdvt_sequence(Instance* h, uint32_t index) {

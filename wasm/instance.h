@@ -21,6 +21,7 @@ struct Canvas {
   std::unique_ptr<gpu::Device> device;
   std::shared_ptr<render::Recipe> recipe;
   render::Scene scene;
+  std::string method;  // by which the recipe draws characters from cameras; empty: none
 };
 
 // The records that the page was given last; each function overwrites its own.

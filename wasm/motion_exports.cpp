@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The C ABI's functions for motion: parameters, transitions, placement, alignment, scene. exports.cpp says who owns
 // what.
-#include "flow_modes.h"
+#include "base/hash.h"
+#include "extras.h"
 #include "instance.h"
 #include "motion/parameter_space.h"
 
@@ -46,23 +47,45 @@ int32_t fdvt_set_align(Instance* h, abi::AlignMode mode) {
   return 1;
 }
 
+int32_t fdvt_set_method(Instance* h, const char* name, uint32_t size, int32_t closest, abi::Visibility visibility) {
+  makeCurrent(h);
+  Canvas& canvas = *h->canvas;
+  if (canvas.method != std::string_view(name, size)) {
+    auto method = makeMethod({name, size});
+    if (!method.ok()) return keep(h, method.error());
+    canvas.recipe->setMethod(method.take());
+    canvas.method.assign(name, size);
+  }
+  h->player->setMethod({.closest = closest, .visibility = static_cast<render::Visibility>(visibility)});
+  return 1;
+}
+
 void fdvt_clear_scene(Instance* h) {
   makeCurrent(h);
   h->canvas->scene.meshes.clear();
 }
 int32_t fdvt_add_scene_mesh(Instance* h, const float* corners, uint32_t count, int32_t occluder_only) {
   makeCurrent(h);
-  std::vector<render::SceneCorner> list(count);
-  for (uint32_t i = 0; i < count; ++i) {
-    const float* c = corners + 6 * size_t(i);
-    list[i] = {{c[0], c[1], c[2]}, {c[3], c[4], c[5]}};
-  }
+  static_assert(sizeof(render::SceneCorner) == 6 * sizeof(float));
+  const std::span list(reinterpret_cast<const render::SceneCorner*>(corners), count);
   auto mesh = render::makeSceneMesh(*h->canvas->device, list, occluder_only != 0);
   if (!mesh.ok()) return keep(h, mesh.error());
   h->canvas->scene.meshes.push_back(mesh.take());
   if (const package::Character* c = h->player->character())
     h->canvas->scene.ground_y_m = static_cast<float>(c->ground_y_m);
   return 1;
+}
+uint32_t fdvt_show_room(Instance* h, const uint8_t* picture, uint32_t size) {
+  makeCurrent(h);
+  render::Scene& scene = h->canvas->scene;
+  scene.room.corners.reset();
+  const package::Character* c = h->player->character();
+  if (!size || !c) return 0;
+  if (fnv1a({picture, size}) != c->room.picture_hash)
+    return fail(h, ErrorId::FilesDiffer, "the room's picture is not of this bake");
+  if (!keep(h, render::setRoom(*h->canvas->device, c->room, scene))) return 0;
+  scene.ground_y_m = static_cast<float>(c->ground_y_m);
+  return h->canvas->device->nativeTexture(scene.room_picture.id());
 }
 
 const abi::Parameter* fdvt_sequence_parameter(Instance* h, uint32_t sequence, uint32_t index) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Builds dist/ from src/, the list of the ABI (wasm/abi.txt) and the wasm modules: the player (an ES module, its .wasm
-// and its types), and what a page fetches only when it asks for optical flow. Prints the sizes; the budget is for what
+// and its types), and what a page fetches only when it needs optical flow or characters from cameras. Prints the sizes; the budget is for what
 // every visitor downloads.
 //   node build.mjs [--wasm FOLDER: the build of wasm/, default build/wasm/wasm]
 //                  [--opencv FOLDER with fourdvt-opencv.js and .wasm, default opencv/ in there] [--out FOLDER]
@@ -29,7 +29,7 @@ function fail(message) {
   console.error(`build.mjs: ${message}`);
   process.exit(1);
 }
-for (const name of ['abi.ts', 'fourdvt.js', 'fourdvt.wasm', 'fourdvt-flow.js', 'fourdvt-flow.wasm']) {
+for (const name of ['abi.ts', 'fourdvt.js', 'fourdvt.wasm', 'fourdvt-full.js', 'fourdvt-full.wasm']) {
   if (existsSync(join(wasmFolder, name))) continue;
   fail(`${join(wasmFolder, name)} is missing: build the CMake preset wasm first, or name its folder with --wasm`);
 }
@@ -61,7 +61,7 @@ rmSync(out, { recursive: true, force: true });
 mkdirSync(out, { recursive: true });
 await bundle(join(here, 'src/fourdvt-viewer.ts'), 'fourdvt-viewer.js', { alias: { 'fourdvt-wasm': join(wasmFolder, 'fourdvt.js') } });
 copyFileSync(join(wasmFolder, 'fourdvt.wasm'), join(out, 'fourdvt-viewer.wasm'));
-const extras = [[wasmFolder, 'fourdvt-flow'], ...(hasOpencv ? [[opencvFolder, 'fourdvt-opencv']] : [])];
+const extras = [[wasmFolder, 'fourdvt-full'], ...(hasOpencv ? [[opencvFolder, 'fourdvt-opencv']] : [])];
 for (const [folder, name] of extras) {
   await bundle(join(folder, `${name}.js`), `${name}.js`);
   copyFileSync(join(folder, `${name}.wasm`), join(out, `${name}.wasm`));

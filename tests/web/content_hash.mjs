@@ -13,7 +13,8 @@ export function fnv1a(bytes) {
   for (const byte of bytes) hash = ((hash ^ BigInt(byte)) * kPrime) & kMask;
   return hash;
 }
-const digits = (hash) => hash.toString(16).padStart(16, '0');
+/** As the manifest has it. */
+export const digits = (hash) => hash.toString(16).padStart(16, '0');
 
 function rehashStream(folder, { stream, renditions }) {
   const file = join(folder, stream.uri);

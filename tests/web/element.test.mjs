@@ -52,6 +52,10 @@ const MANIFESTS = {
   'bare.gltf': '{"asset":{"version":"2.0"}}',
   'fields.gltf': changed((e) => { delete e.sequences[0].stream.headerLength; }),
   'range.gltf': changed((e) => { e.layerCount = 1e9; }),
+  'room.gltf': changed((e) => {
+    e.room = { min: [-3, 0, -3], max: [3, 3, 3], uri: 'room.jpg', byteLength: 100, hash: '0123456789abcdef', width: 64, height: 64,
+      faces: Array(6).fill([0, 0, 65, 64]) };
+  }),
   'newer.gltf': changed((e) => { e.version = 99; }),
   'nofiles.gltf': changed(() => undefined),
 };
@@ -131,6 +135,7 @@ const CASES = [
   ['glTF without our extension', 'bare.gltf', 'manifest-invalid'],
   ['a field is missing', 'fields.gltf', 'manifest-invalid'],
   ['a field is out of range', 'range.gltf', 'manifest-invalid'],
+  ['a room with a face outside of its picture', 'room.gltf', 'manifest-invalid'],
   ['a newer format version', 'newer.gltf', 'unsupported'],
   ['a good manifest whose files are missing', 'nofiles.gltf', 'fetch-failed'],
 ];

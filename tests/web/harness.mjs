@@ -195,11 +195,11 @@ export function writePicture(file, picture) {
   writeFileSync(file, encodePng(picture));
 }
 
-/** The same pose by `fourdvt render`, without shadow. */
-export async function renderNative(binary, character, pose, width, height, file) {
+/** The same pose by `fourdvt render`, without shadow. `more`: further options. */
+export async function renderNative(binary, character, pose, width, height, file, more = []) {
   const { sequence, frame, azimuth, elevation, distance } = pose;
   await run(binary, ['render', character, '--sequence', sequence, '--frame', String(frame), '--azimuth', String(azimuth),
     '--elevation', String(elevation), '--distance', String(distance), '--size', `${width}x${height}`, '--no-shadow',
-    '-o', file], { timeout: kPatienceMs });
+    ...more, '-o', file], { timeout: kPatienceMs });
   return decodePng(readFileSync(file));
 }

@@ -160,7 +160,7 @@ test('the flow module comes from beside the wasm file; one that is missing is on
     entryPoints: [fileURLToPath(new URL('../../web/src/wasm-module.ts', import.meta.url))], outfile, bundle: true,
     format: 'esm', logLevel: 'silent', alias: { 'fourdvt-wasm': player },
   });
-  const { instantiateWithFlow } = await import(pathToFileURL(outfile).href);
+  const { instantiateFull } = await import(pathToFileURL(outfile).href);
   const url = pathToFileURL(join(folder, 'somewhere/fourdvt-viewer.wasm')).href;
   const fetched = [], realFetch = globalThis.fetch;
   globalThis.fetch = async (address) => {
@@ -168,15 +168,15 @@ test('the flow module comes from beside the wasm file; one that is missing is on
     return new Response(Uint8Array.of(0, 0x61, 0x73, 0x6d, 1, 0, 0, 0)); // an empty module
   };
   try {
-    await assert.rejects(instantiateWithFlow(url), { id: 'fetch-failed', message: /somewhere\/fourdvt-flow\.js: .*beside/ });
+    await assert.rejects(instantiateFull(url), { id: 'fetch-failed', message: /somewhere\/fourdvt-full\.js: .*beside/ });
     assert.equal(fetched.length, 0, 'nothing is fetched for a script that is not there');
     const beside = pathToFileURL(join(folder, 'fourdvt-viewer.wasm')).href;
-    writeFileSync(join(folder, 'fourdvt-flow.js'), `export default (options) => new Promise((done) => {
+    writeFileSync(join(folder, 'fourdvt-full.js'), `export default (options) => new Promise((done) => {
       options.instantiateWasm({}, (instance) => done({ flow: true, instance }));
     });`);
-    const module = await instantiateWithFlow(beside);
+    const module = await instantiateFull(beside);
     assert.ok(module.flow && module.instance instanceof WebAssembly.Instance);
-    assert.deepEqual(fetched, [pathToFileURL(join(folder, 'fourdvt-flow.wasm')).href]);
+    assert.deepEqual(fetched, [pathToFileURL(join(folder, 'fourdvt-full.wasm')).href]);
   } finally {
     globalThis.fetch = realFetch;
   }

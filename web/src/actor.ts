@@ -6,7 +6,7 @@ import { asViewerError, ViewerError, type ErrorDetail } from './errors.js';
 import type { DecoderFault } from './generated/abi.js';
 import { FrameDecoder, type Picture } from './frame-decoder.js';
 import type { Transport } from './transport.js';
-import { uploadVideoFrame } from './upload-path.js';
+import { uploadPicture } from './upload-path.js';
 import type { WasmModule } from './wasm-abi.js';
 import {
   WasmPlayer, type CharacterInfo, type PictureKind, type PlayerRequest, type PlayerState,
@@ -211,7 +211,7 @@ export class Actor implements Performer {
       return;
     }
     const texture = player.slotTexture(slot);
-    if (texture) uploadVideoFrame(this.#context.gl, texture, picture.frame);
+    if (texture) uploadPicture(this.#context.gl, texture, picture.frame);
     player.commitSlot(slot);
   }
 

@@ -3,7 +3,7 @@
 // remembered as a wish. A character that is loaded fulfils it at once; one that comes later begins with all wishes.
 // Does not load or draw anything.
 import type {
-  Align, CharacterInfo, Placement, PlayerState, RenderOptions, SceneMesh, WasmPlayer,
+  Align, CharacterInfo, Method, Placement, PlayerState, RenderOptions, SceneMesh, WasmPlayer,
 } from './wasm-player.js';
 
 export interface Wishes {
@@ -13,6 +13,7 @@ export interface Wishes {
   placement: Placement;
   travel: boolean;
   align: Align;
+  method: Method;
   /** Options and scene belong to the canvas, so only its main character is given any. */
   options: RenderOptions | null;
   scene: SceneMesh[] | null;
@@ -34,9 +35,12 @@ export interface Performer {
   run(action: (player: WasmPlayer) => void): boolean;
 }
 
+/** As render::MethodOptions begins. */
+export const DEFAULT_METHOD: Method = { name: 'fvvr', closest: 4, visibility: 'offset' };
 // What a player does that has just read its manifest: these wishes need not be told to it.
 const NEW_PLAYER: Wishes = {
-  loop: -1, rate: 1, placement: { x: 0, z: 0, heading: 0 }, travel: false, align: 'baked', options: null, scene: null,
+  loop: -1, rate: 1, placement: { x: 0, z: 0, heading: 0 }, travel: false, align: 'baked',
+  method: DEFAULT_METHOD, options: null, scene: null,
   sequence: null, frame: 0, time: null, playing: false,
 };
 // How a player fulfils each wish, in the order in which a new player is told them.
@@ -46,6 +50,7 @@ const FULFIL: { [K in keyof Wishes]: (player: WasmPlayer, wish: NonNullable<Wish
   placement: (player, placement) => player.place(placement),
   travel: (player, on) => player.setTravel(on),
   align: (player, align) => player.setAlign(align),
+  method: (player, method) => player.setMethod(method),
   options: (player, options) => player.setOptions(options),
   scene: (player, meshes) => player.setScene(meshes),
   sequence: (player, name) => player.selectSequence(name),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // <fourdvt-viewer>: composes session (loading and playing), commands, orbit camera, controls and overlay.
 // Attributes and events follow <model-viewer> and the media element; web/README.md lists them.
-import { Commands } from './commands.js';
+import { Commands, DEFAULT_METHOD } from './commands.js';
 import { JOIN_EVENT, type Companion } from './companion.js';
 import { asViewerError, characterAddress, ViewerError, type ErrorDetail } from './errors.js';
 import { FourdvtCharacter } from './fourdvt-character.js';
@@ -12,8 +12,8 @@ import { Overlay } from './overlay.js';
 import { Session, type SessionHost, type Snapshot } from './session.js';
 import type { UploadPath } from './upload-path.js';
 import {
-  ALIGN_MODES, type Align, type ParameterInfo, type PictureKind, type Placement, type RenderOptions, type SceneMesh,
-  type SequenceInfo,
+  ALIGN_MODES, VISIBILITIES, type Align, type Method, type ParameterInfo, type PictureKind, type Placement,
+  type RenderOptions, type SceneMesh, type SequenceInfo, type Visibility,
 } from './wasm-player.js';
 
 export { FourdvtCharacter };
@@ -74,7 +74,8 @@ export class FourdvtViewer extends HTMLElement {
   // scripts set it; and a row in web/README.md.
   static readonly observedAttributes = [
     'src', 'poster', 'alt', 'loop', 'auto-rotate', 'camera-controls', 'camera-orbit', 'camera-target', 'field-of-view',
-    'sequence', 'touch-action', 'motion-controls', 'camera-follow', 'travel', 'align',
+    'sequence', 'touch-action', 'motion-controls', 'camera-follow', 'travel', 'align', 'method', 'cameras', 'visibility',
+    'background',
   ];
   /** Address of the player's wasm file: beside the script, unless it is set before the first element loads. */
   static wasmUrl = new URL('fourdvt-viewer.wasm', import.meta.url).href;
@@ -225,6 +226,18 @@ export class FourdvtViewer extends HTMLElement {
     return wish && ALIGN_MODES.includes(wish) ? wish : 'baked';
   }
   set align(value: Align) { this.setAttribute('align', value); }
+  /** How a character from cameras is drawn; web/README.md lists the methods. */
+  get method(): string { return this.getAttribute('method') || DEFAULT_METHOD.name; }
+  set method(name: string) { this.setAttribute('method', name); }
+  #wishedMethod(): Method {
+    const cameras = Number(this.getAttribute('cameras') ?? NaN);
+    const visibility = this.getAttribute('visibility') as Visibility | null;
+    return {
+      name: this.method,
+      closest: Number.isInteger(cameras) && cameras >= 0 ? cameras : DEFAULT_METHOD.closest,
+      visibility: visibility && VISIBILITIES.includes(visibility) ? visibility : DEFAULT_METHOD.visibility,
+    };
+  }
   /** Meshes that the characters stand among; web/README.md says what they consist of. */
   get scene(): SceneMesh[] { return this.#commands.wishes.scene ?? []; }
   set scene(meshes: SceneMesh[]) {
@@ -320,12 +333,16 @@ export class FourdvtViewer extends HTMLElement {
       case 'loop': this.#commands.set('loop', this.#loopMode()); break;
       case 'sequence': if (value) this.#commands.select(value); break;
       case 'align': this.#session?.setAlign(this.align); break;
+      case 'method': case 'cameras': case 'visibility': this.#commands.set('method', this.#wishedMethod()); break;
+      case 'background': this.#session?.setRoom(this.#room); break;
       case 'travel': this.#commands.set('travel', this.travel); break;
       case 'camera-orbit': case 'camera-target': case 'camera-follow': case 'field-of-view': this.#applyCamera(); break;
       default: this.#applyLabels();
     }
     this.#session?.wake();
   }
+
+  get #room(): boolean { return this.getAttribute('background') === 'room'; }
 
   // `on`: goes on where it was.
   #load(on = false): void {
@@ -339,7 +356,7 @@ export class FourdvtViewer extends HTMLElement {
     this.#overlay.loading();
     if (!on) {
       this.#commands.begin({ sequence: this.getAttribute('sequence'), loop: this.#loopMode(), travel: this.travel,
-        ...this.#sought });
+        method: this.#wishedMethod(), ...this.#sought });
       this.#sought = {};
       for (const { src, commands } of this.#companions) if (src === null) commands.begin();
       if (this.autoplay && !this.#stopped) this.#commands.remember('playing', !this.#reducedMotion.matches);
@@ -366,6 +383,7 @@ export class FourdvtViewer extends HTMLElement {
       opencvUrl: FourdvtViewer.opencvUrl,
       uploadPath: this.#uploadPath,
       align: this.align,
+      room: this.#room,
     }, this.#host));
     session.resize(this.#size.width, this.#size.height);
     this.#updateActive();

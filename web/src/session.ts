@@ -9,8 +9,8 @@ import { FrameLoop } from './frame-loop.js';
 import { loadOpenCvFlow } from './opencv-flow.js';
 import type { OrbitCamera } from './orbit-camera.js';
 import { Transport } from './transport.js';
-import { measurePath, rememberedPath, rememberPath, type UploadPath } from './upload-path.js';
-import { instantiate, instantiateWithFlow } from './wasm-module.js';
+import { measurePath, rememberedPath, rememberPath, uploadPicture, type UploadPath } from './upload-path.js';
+import { instantiate, instantiateFull } from './wasm-module.js';
 import type { WasmModule } from './wasm-abi.js';
 import type { Align, CharacterInfo, OrbitPose, PictureKind } from './wasm-player.js';
 
@@ -19,7 +19,14 @@ const MAX_CANVAS_SIDE = 4096;
 // What the files of two bakes bring when a new one was put in place of the one that is playing.
 const mayBeOfTwoBakes = ({ id }: ErrorDetail): boolean => id === 'files-differ' || id === 'fetch-failed';
 
+const ROOM_FETCH = -1; // the player numbers its requests from 0
+
 const needsFlow = (align: Align): boolean => align.startsWith('flow');
+
+type Extensions = { extensions?: { FOURDVT_layered_video_texture?: { appearance?: unknown } } } | null;
+// Of a manifest that nobody has checked yet.
+const isFromCameras = (manifest: unknown): boolean =>
+  (manifest as Extensions)?.extensions?.FOURDVT_layered_video_texture?.appearance === 'cameras';
 
 export interface SessionOptions {
   src: string;
@@ -27,6 +34,7 @@ export interface SessionOptions {
   opencvUrl: string;
   uploadPath: UploadPath;
   align: Align;
+  room: boolean;
 }
 
 export interface SessionHost {
@@ -64,8 +72,10 @@ export class Session {
   readonly #loop = new FrameLoop((clockS, stepS) => this.#turn(clockS, stepS));
   #gl: WebGL2RenderingContext | null = null;
   #module: WasmModule | null = null;
-  #flow: Promise<WasmModule> | null = null; // the module with optical flow, once it has been asked for
+  #full: Promise<WasmModule> | null = null; // the full player, once it has been needed
   #align: Align; // as the page asked for it; the commands hold what the player does until flow is loaded
+  #room: boolean; // whether the character's room is to be drawn
+  #roomTurn = 0; // counts the attempts to show it: only the last one counts
   #manifest: unknown = null;
   #main: Actor | null = null;
   readonly #others = new Map<Companion, Other>();
@@ -89,6 +99,7 @@ export class Session {
     this.#options = options;
     this.#host = host;
     this.#align = options.align;
+    this.#room = options.room;
     this.#commands.set('align', needsFlow(options.align) ? 'baked' : options.align); // until flow is loaded
     this.#transport = new Transport(options.src, this.#network);
   }
@@ -102,7 +113,8 @@ export class Session {
       if (typeof VideoDecoder === 'undefined') {
         throw new ViewerError('decoder-unsupported', 'this browser has no WebCodecs VideoDecoder: open the page in a newer one');
       }
-      const [manifest, module] = await Promise.all([this.#transport.manifest(), this.#firstModule()]);
+      const [manifest, first] = await Promise.all([this.#transport.manifest(), this.#firstModule()]);
+      const module = isFromCameras(manifest) ? await this.#fullModule() : first;
       if (this.#abort.signal.aborted) return;
       this.#manifest = manifest;
       this.#module = module;
@@ -147,6 +159,13 @@ export class Session {
     else if (this.#shown) void this.#useFlow(align); // else it is loaded after the first picture
   }
 
+  /** The room takes effect when its picture is loaded; if it does not load, an error event says why. */
+  setRoom(on: boolean): void {
+    this.#room = on;
+    this.#main?.player?.hideRoom();
+    void this.#useRoom();
+  }
+
   /** Loads another character into the same canvas, unless it is there. If it cannot be, its error event says why. */
   async add(companion: Companion): Promise<void> {
     if (!this.#main || this.#coming.has(companion) || this.#others.has(companion)) return;
@@ -158,7 +177,9 @@ export class Session {
     for (const signal of [companion.left, this.#abort.signal]) signal.addEventListener('abort', leave);
     try {
       const manifest = await transport.manifest();
-      if (this.#main && !companion.left.aborted) this.#addActor(companion, transport, manifest);
+      // In another module everything is opened again, and asks for its companions when it can play.
+      const goesOn = !isFromCameras(manifest) || (await this.#enterFull());
+      if (goesOn && this.#main && !companion.left.aborted) this.#addActor(companion, transport, manifest);
     } catch (reason) {
       if (!this.#abort.signal.aborted && !companion.left.aborted) companion.emit('error', asViewerError(reason).detail);
     }
@@ -209,37 +230,67 @@ export class Session {
     if (!this.#abort.signal.aborted && this.#waiting === (waiting ? 1 : 0)) this.#host.network(waiting);
   };
 
-  // --- optical flow ---
+  // --- the full player ---
 
-  #flowModule(): Promise<WasmModule> {
-    if (!this.#flow) {
-      this.#flow = instantiateWithFlow(this.#options.wasmUrl, this.#network);
-      this.#flow.catch(() => { this.#flow = null; });
+  #fullModule(): Promise<WasmModule> {
+    if (!this.#full) {
+      this.#full = instantiateFull(this.#options.wasmUrl, this.#network);
+      this.#full.catch(() => { this.#full = null; });
     }
-    return this.#flow;
+    return this.#full;
   }
 
-  // If the flow module does not load, the character begins with 'baked'; #show tries again and reports the error.
+  // False: it was not in use, and everything has been opened again in it.
+  async #enterFull(): Promise<boolean> {
+    const module = await this.#fullModule();
+    if (!this.#main || this.#module === module) return true;
+    this.#module = module;
+    this.#reopen(this.#path);
+    return false;
+  }
+
+  // If the full player does not load, the character begins with 'baked'; #show tries again and reports the error.
   async #firstModule(): Promise<WasmModule> {
-    const flow = needsFlow(this.#align) ? await this.#flowModule().catch(() => null) : null;
-    return flow ?? instantiate(this.#options.wasmUrl, this.#network);
+    const full = needsFlow(this.#align) ? await this.#fullModule().catch(() => null) : null;
+    return full ?? instantiate(this.#options.wasmUrl, this.#network);
   }
 
   async #useFlow(align: Align): Promise<void> {
     try {
-      const module = await this.#flowModule();
+      const module = await this.#fullModule();
       if (align === 'flow-opencv') await loadOpenCvFlow(this.#options.opencvUrl, module);
       if (!this.#main || this.#align !== align) return;
-      if (this.#module !== module) {
-        this.#module = module;
-        this.#reopen(this.#path);
-      }
+      await this.#enterFull();
+      if (!this.#main || this.#align !== align) return;
       if (!this.#commands.set('align', align)) this.#align = this.#commands.wishes.align;
     } catch (reason) {
       if (this.#abort.signal.aborted) return;
       if (this.#align === align) this.#align = this.#commands.wishes.align;
       if (reason instanceof ViewerError) this.#host.emit('error', reason.detail);
       else this.#fatal(reason);
+    }
+  }
+
+  // --- the room ---
+
+  async #useRoom(): Promise<void> {
+    const turn = ++this.#roomTurn;
+    const player = this.#main?.player;
+    const info = this.#main?.character;
+    if (!this.#room || !player || !info) return;
+    if (!info.roomUri) return console.warn('fourdvt-viewer: this character has no room, so none is drawn');
+    try {
+      const bytes = await this.#transport.range(ROOM_FETCH, info.roomUri, 0, info.roomBytes);
+      if (!bytes || turn !== this.#roomTurn) return;
+      const texture = player.showRoom(bytes); // nothing is seen of it until it is filled
+      const picture = await createImageBitmap(new Blob([bytes as BlobPart]), { colorSpaceConversion: 'none' });
+      if (turn !== this.#roomTurn) return;
+      uploadPicture(this.#gl!, texture, picture);
+      this.#gl!.generateMipmap(this.#gl!.TEXTURE_2D);
+      player.invalidateState();
+      this.wake();
+    } catch (reason) {
+      if (turn === this.#roomTurn) this.#onMainEvent('error', asViewerError(reason).detail);
     }
   }
 
@@ -266,6 +317,7 @@ export class Session {
     if (this.#hidden) main.setInSight(false);
     if (main.character) this.#host.camera.setCharacter(main.character);
     if (!this.#shown) this.#host.camera.jump();
+    void this.#useRoom();
     this.wake();
   }
 
@@ -310,6 +362,7 @@ export class Session {
     const leave = (): void => transport.dispose();
     this.#abort.signal.addEventListener('abort', leave);
     const manifest = await transport.manifest().catch(() => null);
+    if (isFromCameras(manifest)) this.#module = await this.#fullModule().catch(() => this.#module);
     const errors = this.#held;
     this.#held = null;
     if (this.#abort.signal.aborted || !this.#main) return leave();
@@ -354,6 +407,7 @@ export class Session {
   // The companions are loaded again when the next main character can play.
   #close(): void {
     for (const companion of [...this.#others.keys()]) this.#drop(companion);
+    ++this.#roomTurn;
     this.#main?.dispose();
     this.#main = null;
   }

@@ -27,12 +27,12 @@ export function rememberPath(path: PictureKind): void {
   }
 }
 
-/** Uploads a VideoFrame into an existing RGBA8 texture. Leaves the default unpack state behind. */
-export function uploadVideoFrame(gl: WebGL2RenderingContext, texture: WebGLTexture, frame: VideoFrame): void {
+/** Uploads a picture into an existing RGBA8 texture of its size. Leaves it bound, and the default unpack state behind. */
+export function uploadPicture(gl: WebGL2RenderingContext, texture: WebGLTexture, picture: VideoFrame | ImageBitmap): void {
   gl.activeTexture(gl.TEXTURE0);
   gl.bindTexture(gl.TEXTURE_2D, texture);
   defaultUnpack(gl);
-  gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, gl.RGBA, gl.UNSIGNED_BYTE, frame);
+  gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, gl.RGBA, gl.UNSIGNED_BYTE, picture);
 }
 
 function defaultUnpack(gl: WebGL2RenderingContext): void {
@@ -85,7 +85,7 @@ function timeVideoFrame(gl: WebGL2RenderingContext, frame: VideoFrame): number {
   const { width, height } = frame.visibleRect!;
   const texture = makeTexture(gl, gl.RGBA8, width, height);
   const start = performance.now();
-  uploadVideoFrame(gl, texture, frame);
+  uploadPicture(gl, texture, frame);
   force(gl, texture);
   const total = performance.now() - start;
   gl.deleteTexture(texture);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compiles a wasm file once per page. Every viewer makes its own instance of it, so that removing a viewer frees all of
-// its memory. Two modules have the same functions: the player, and the player with optical flow, which is fetched only
-// when it is asked for.
+// its memory. Two modules have the same functions: the player, and the full player, which also has optical flow and
+// characters from cameras and is fetched only when these are needed.
 import createPlayer from 'fourdvt-wasm';
 
 import type { ModuleOptions, WasmModule } from './wasm-abi.js';
@@ -56,14 +56,14 @@ async function create(createModule: CreateModule, url: string, report: Report): 
  */
 export const instantiate = (url: string, report: Report): Promise<WasmModule> => create(createPlayer, url, report);
 
-/** Loads fourdvt-flow.js and its .wasm from beside the player's wasm file. Errors: as of `instantiate`. */
-export async function instantiateWithFlow(playerUrl: string, report: Report): Promise<WasmModule> {
-  const script = new URL('fourdvt-flow.js', playerUrl).href;
+/** Loads fourdvt-full.js and its .wasm from beside the player's wasm file. Errors: as of `instantiate`. */
+export async function instantiateFull(playerUrl: string, report: Report): Promise<WasmModule> {
+  const script = new URL('fourdvt-full.js', playerUrl).href;
   try {
     const { default: createModule } = (await import(script)) as { default: CreateModule };
-    return await create(createModule, new URL('fourdvt-flow.wasm', playerUrl).href, report);
+    return await create(createModule, new URL('fourdvt-full.wasm', playerUrl).href, report);
   } catch (reason) {
     if (reason instanceof ViewerError) throw reason;
-    throw new ViewerError('fetch-failed', `${script}: the optical-flow module does not load (${String(reason)}); put it and its .wasm beside the player's`);
+    throw new ViewerError('fetch-failed', `${script}: the full player does not load (${String(reason)}); put it and its .wasm beside the player's`);
   }
 }

@@ -5,14 +5,14 @@ import { ViewerError } from './errors.js';
 import { flattenJson } from './flat-json.js';
 import {
   ALIGN_MODES, bytesOfOptions, bytesOfPlanes, bytesOfView, DECODER_FAULTS, PICTURE_KINDS, readCharacter, readError,
-  readEvent, readParameter, readRequest, readSequence, readState, type AlignMode, type DebugView, type DecoderFault,
-  type EventRecord, type ParameterRecord, type PictureKind, type RequestRecord, type StateRecord,
+  readEvent, readParameter, readRequest, readSequence, readState, VISIBILITIES, type AlignMode, type DebugView, type DecoderFault,
+  type EventRecord, type ParameterRecord, type PictureKind, type RequestRecord, type StateRecord, type Visibility,
 } from './generated/abi.js';
 import { Reader } from './records.js';
 import type { WasmModule } from './wasm-abi.js';
 
-export { ALIGN_MODES };
-export type { PictureKind };
+export { ALIGN_MODES, VISIBILITIES };
+export type { PictureKind, Visibility };
 /** Only the fields that its kind needs are filled in; see wasm/abi.txt. */
 export type PlayerRequest = RequestRecord;
 export type PlayerEvent = EventRecord;
@@ -48,9 +48,22 @@ export interface SceneMesh {
   occluderOnly?: boolean;
 }
 
+/** How a character from cameras is drawn. */
+export interface Method {
+  name: string;
+  /** From how many cameras, the nearest to the view; 0: as many as can be. */
+  closest: number;
+  visibility: Visibility;
+}
+
 export interface CharacterInfo {
   name: string;
+  /** Textured from the cameras' own pictures, not from layers. */
+  fromCameras: boolean;
   posterUri: string;
+  /** The picture of its room; empty if it has none. */
+  roomUri: string;
+  roomBytes: number;
   min: [number, number, number];
   max: [number, number, number];
   groundY: number;
@@ -214,6 +227,11 @@ export class WasmPlayer {
   place({ x, z, heading }: Placement): void { this.#m._fdvt_place(this.#h, x, z, heading * RADIANS); }
   steer(headingDeg: number): void { this.#m._fdvt_steer(this.#h, headingDeg * RADIANS); }
   setAlign(align: Align): void { this.#check(this.#m._fdvt_set_align(this.#h, ALIGN_MODES.indexOf(align))); }
+  /** Layered characters have no method. */
+  setMethod({ name, closest, visibility }: Method): void {
+    if (!this.character()?.fromCameras) return;
+    this.#check(this.#m._fdvt_set_method(this.#h, ...this.#text(name), closest, VISIBILITIES.indexOf(visibility)));
+  }
   setScene(meshes: SceneMesh[]): void {
     this.#m._fdvt_clear_scene(this.#h);
     for (const { corners, occluderOnly } of meshes) {
@@ -221,6 +239,17 @@ export class WasmPlayer {
       this.#check(this.#m._fdvt_add_scene_mesh(this.#h, at, corners.length / 6, occluderOnly ? 1 : 0));
     }
   }
+
+  /**
+   * Draws the character's room from now on, in place of any before. The page fills the texture with what the bytes show,
+   * and its mipmaps.
+   */
+  showRoom(bytes: Uint8Array): WebGLTexture {
+    const name = this.#m._fdvt_show_room(this.#h, this.#put(bytes), bytes.length);
+    this.#check(name);
+    return this.#m.GL.textures[name]!;
+  }
+  hideRoom(): void { this.#m._fdvt_show_room(this.#h, 0, 0); }
 
   state(): PlayerState {
     const state = readState(this.#m.HEAPU8, this.#m._fdvt_state(this.#h));

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "flow_modes.h"
+#include "extras.h"
 
 #include <emscripten.h>
 
+#include "render/cameras/camera_method.h"
 #include "render/flow/read_back.h"
 
 namespace fourdvt {
@@ -25,5 +26,8 @@ Result<std::unique_ptr<render::FlowSource>> makeFlow(gpu::Device& device, abi::A
   options.method = mode == abi::AlignMode::FlowDis ? render::FlowMethod::Dis : render::FlowMethod::Farneback;
   return render::createGpuFlow(device, options);
 }
+
+Result<std::unique_ptr<render::Method>> makeMethod(std::string_view name) { return render::makeCameraMethod(name); }
+const CameraParts* cameraPartsOfModule() { return &cameraParts(); }
 
 }  // namespace fourdvt

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+// Characters from cameras in the page: native against browser, the module that only they fetch, the attributes that
+// choose how they are drawn, damaged files, and the page that shows them beside the layered character.
+import assert from 'node:assert/strict';
+import { cpSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+
+import { environment, kPatienceMs, launch, openPage, outputFolder, readCanvas, renderNative, showPose, waitForEvent, writePicture } from './harness.mjs';
+import { serve } from './server.mjs';
+import { coverage, ssim } from './ssim.mjs';
+
+const kSsim = 0.99;
+const kPoses = [
+  { sequence: 'run', frame: 5, azimuth: 25, elevation: 8, distance: 4.2 },
+  { sequence: 'run', frame: 12, azimuth: 165, elevation: 25, distance: 4.2 },
+];
+
+let site, server, browser;
+before(async () => {
+  // A copy, because files are damaged in it.
+  site = mkdtempSync(join(tmpdir(), 'fourdvt-cameras-'));
+  cpSync(environment('SITE'), site, { recursive: true });
+  server = await serve(site);
+  browser = await launch();
+});
+after(async () => {
+  await browser?.close();
+  await server?.close();
+  if (site) rmSync(site, { recursive: true, force: true });
+});
+
+const fetchedFull = (since) => server.requests.slice(since).filter(({ path }) => path.includes('fourdvt-full')).length;
+
+/** The front page with the viewer alone, on another character. Waits for its first picture, or for its error. */
+async function openCharacter(src, attributes = {}) {
+  const page = await openPage(browser);
+  await page.goto(server.url);
+  await waitForEvent(page, 'canplay');
+  const outcome = await page.evaluate(async ({ src, attributes }) => {
+    const viewer = document.querySelector('fourdvt-viewer');
+    Object.assign(viewer.style, { position: 'fixed', inset: 'auto', left: '0', top: '0', width: '720px', height: '960px' });
+    viewer.removeAttribute('sequence');
+    for (const [name, value] of Object.entries(attributes)) viewer.setAttribute(name, value);
+    const end = new Promise((done) => {
+      viewer.addEventListener('canplay', () => done('canplay'), { once: true });
+      viewer.addEventListener('error', (e) => done(e.detail), { once: true });
+    });
+    viewer.src = src;
+    return end;
+  }, { src, attributes });
+  return { page, outcome };
+}
+
+for (const surface of ['hull', 'refined']) {
+  test(`native and browser agree on the ${surface} character, and it plays`, async () => {
+    const out = outputFolder('cameras');
+    const { page, outcome } = await openCharacter(`cameras/${surface}/character.gltf`);
+    assert.equal(outcome, 'canplay');
+    await page.waitForFunction(() => {
+      const canvas = document.querySelector('fourdvt-viewer').shadowRoot.querySelector('canvas');
+      return canvas.width === 720 && canvas.height === 960;
+    });
+    for (const pose of kPoses) {
+      await showPose(page, pose);
+      const shown = await readCanvas(page);
+      const name = join(out, `${surface}-${pose.frame}`);
+      writePicture(`${name}-browser.png`, shown);
+      const native = await renderNative(environment('BIN'), join(site, 'cameras', surface), pose, shown.width, shown.height, `${name}-native.png`);
+      const { foreground } = ssim(shown, native);
+      console.log(`${surface} frame ${pose.frame}: SSIM ${foreground.toFixed(4)} on the silhouettes`);
+      assert.ok(foreground >= kSsim, `SSIM ${foreground.toFixed(4)} on the silhouettes is below ${kSsim}; pictures in ${out}`);
+    }
+    const before = await page.evaluate(() => {
+      const viewer = document.querySelector('fourdvt-viewer');
+      void viewer.play();
+      return viewer.stats.framesShown;
+    });
+    await page.waitForFunction((n) => document.querySelector('fourdvt-viewer').stats.framesShown >= n + 5, before, { timeout: kPatienceMs });
+    assert.equal(await page.evaluate(() => document.querySelector('fourdvt-viewer').stats.barcodeMismatches), 0);
+    assert.deepEqual(page.troubles, []);
+    await page.close();
+  });
+}
+
+test('only characters from cameras fetch the full player', async () => {
+  const since = server.requests.length;
+  const page = await openPage(browser);
+  await page.goto(server.url);
+  await waitForEvent(page, 'canplay');
+  assert.equal(fetchedFull(since), 0);
+  await page.close();
+  const { page: other, outcome } = await openCharacter('cameras/hull/character.gltf');
+  assert.equal(outcome, 'canplay');
+  assert.ok(fetchedFull(since) >= 2, 'script and wasm');
+  await other.close();
+});
+
+test('method, cameras and visibility choose how it is drawn; an unknown method is refused', async () => {
+  const { page } = await openCharacter('cameras/hull/character.gltf');
+  await showPose(page, kPoses[0]);
+  const set = async (name, value) => {
+    await page.evaluate(async ([name, value]) => {
+      document.querySelector('fourdvt-viewer').setAttribute(name, value);
+      for (let i = 0; i < 3; ++i) await new Promise((next) => requestAnimationFrame(next));
+    }, [name, value]);
+    return readCanvas(page);
+  };
+  const textured = await readCanvas(page);
+  const isWhite = ({ data }) => {
+    for (let i = 0; i < data.length; i += 4) if (data[i + 3] === 255 && data[i] + data[i + 1] + data[i + 2] < 750) return false;
+    return true;
+  };
+  const silhouette = await set('method', 'silhouette');
+  assert.ok(isWhite(silhouette));
+  assert.ok(Math.abs(coverage(silhouette) - coverage(textured)) < 0.002);
+  assert.ok(!isWhite(await set('method', 'wireframe')));
+  const again = await set('method', 'fvvr');
+  assert.deepEqual(again.data, textured.data);
+  assert.notDeepEqual((await set('cameras', '1')).data, textured.data);
+  await set('cameras', '4');
+  assert.notDeepEqual((await set('visibility', 'none')).data, textured.data);
+  assert.deepEqual((await set('visibility', 'offset')).data, textured.data);
+  const refused = await page.evaluate(async () => {
+    const viewer = document.querySelector('fourdvt-viewer');
+    const error = new Promise((done) => viewer.addEventListener('error', (e) => done(e.detail), { once: true }));
+    viewer.method = 'no-such-method';
+    return error;
+  });
+  assert.equal(refused.id, 'invalid-argument');
+  await page.close();
+});
+
+test('a full player that does not load, and a chunk that is damaged, are one error each', async () => {
+  const full = join(site, 'fourdvt-viewer', 'fourdvt-full.wasm');
+  const kept = readFileSync(full);
+  rmSync(full);
+  const { page, outcome } = await openCharacter('cameras/hull/character.gltf');
+  assert.equal(outcome.id, 'fetch-failed');
+  assert.match(outcome.message, /fourdvt-full/);
+  await page.close();
+  writeFileSync(full, kept);
+
+  cpSync(join(site, 'cameras', 'hull'), join(site, 'cameras', 'damaged'), { recursive: true });
+  const stream = join(site, 'cameras', 'damaged', 'run.bin');
+  const bytes = readFileSync(stream);
+  bytes[bytes.length - 100] ^= 255;
+  writeFileSync(stream, bytes);
+  const { page: other, outcome: error } = await openCharacter('cameras/damaged/character.gltf');
+  assert.equal(error.id, 'files-differ');
+  assert.match(error.message, /run\.bin/);
+  await other.close();
+});
+
+test('the page beside the layered character: surfaces and methods are switched, both viewers turn together', async () => {
+  const out = outputFolder('cameras');
+  const page = await openPage(browser, { viewport: { width: 1280, height: 1000 } });
+  await page.goto(`${server.url}cameras.html`);
+  const bothPlay = () => page.waitForFunction(() =>
+    [...document.querySelectorAll('fourdvt-viewer')].every((v) => v.stats?.framesShown > 1), null, { timeout: kPatienceMs });
+  await bothPlay();
+  await page.screenshot({ path: join(out, 'page-hull.png') });
+  await page.click('input[value=refined]');
+  await page.waitForFunction(() => document.getElementById('cameras').src.includes('refined'));
+  await bothPlay();
+  await page.click('input[value=wireframe]');
+  await page.evaluate(() => document.getElementById('cameras').setAttribute('camera-orbit', '70deg 10deg 4m'));
+  await page.waitForFunction(() => Math.abs(document.getElementById('layers').getCameraOrbit().azimuth - 70) < 1, null, { timeout: kPatienceMs });
+  await page.screenshot({ path: join(out, 'page-refined.png') });
+  assert.deepEqual(page.troubles, []);
+  await page.close();
+});
