@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// node site/assemble.mjs OUT DIST CHARACTER: the folder that is served.
+// node site/assemble.mjs OUT DIST CHARACTER [CAMERAS]: the folder that is served.
 // OUT/{index,steer}.html, their scripts, styles and pictures, OUT/measured (the page of figures), OUT/fourdvt-viewer (DIST,
-// the built web package), OUT/character (a baked one).
-// An element of a page with data-needs="FILE", on a line of its own, is left out where DIST has no such file.
+// the built web package), OUT/character (a baked one), OUT/cameras.html and OUT/cameras (characters from cameras: hull,
+// refined, tracked).
+// An element of a page with data-needs="FILE", on a line of its own, is left out where DIST has no such file; with
+// data-needs="cameras", where CAMERAS is not given.
 // Replaces only what it makes.
 import { copyFileSync, cpSync, existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { dirname, join, resolve } from 'node:path';
@@ -11,13 +13,15 @@ import { fileURLToPath } from 'node:url';
 const kPageFiles = ['index.html', 'site.css', 'site.js', 'steer.html', 'steer.js', 'layers.jpg',
   'measured/index.html', 'measured/measured.css', 'measured/figures.json'];
 
+const kCameraFiles = ['cameras.html', 'cameras.js'];
+
 function fail(message) {
   console.error(`assemble: ${message}`);
   process.exit(1);
 }
 
-const [out, dist, character] = process.argv.slice(2).map((path) => resolve(path));
-if (!out || !dist || !character) fail('usage: node site/assemble.mjs OUT DIST CHARACTER');
+const [out, dist, character, cameras] = process.argv.slice(2).map((path) => resolve(path));
+if (!out || !dist || !character) fail('usage: node site/assemble.mjs OUT DIST CHARACTER [CAMERAS]');
 const needed = [
   [join(dist, 'fourdvt-viewer.js'), 'build the web package first: npm run build in web/'],
   [join(character, 'character.gltf'), 'bake a character first: fourdvt bake CAPTURE -o CHARACTER'],
@@ -28,18 +32,18 @@ for (const [path, remedy] of needed) if (!existsSync(path)) fail(`${path} is mis
 function onlyWhatWorks(html) {
   const works = (line) => {
     const needed = line.match(/ data-needs="([^"]+)"/);
-    return !needed || existsSync(join(dist, needed[1]));
+    return !needed || (needed[1] === 'cameras' ? Boolean(cameras) : existsSync(join(dist, needed[1])));
   };
   return html.split('\n').filter(works).join('\n');
 }
 
 const here = dirname(fileURLToPath(import.meta.url));
 mkdirSync(join(out, 'measured'), { recursive: true });
-for (const name of kPageFiles) {
+for (const name of [...kPageFiles, ...(cameras ? kCameraFiles : [])]) {
   if (!name.endsWith('.html')) copyFileSync(join(here, name), join(out, name));
   else writeFileSync(join(out, name), onlyWhatWorks(readFileSync(join(here, name), 'utf8')));
 }
-for (const [name, folder] of [['fourdvt-viewer', dist], ['character', character]]) {
+for (const [name, folder] of [['fourdvt-viewer', dist], ['character', character], ...(cameras ? [['cameras', cameras]] : [])]) {
   rmSync(join(out, name), { recursive: true, force: true });
   cpSync(folder, join(out, name), { recursive: true, dereference: true });
 }

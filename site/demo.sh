@@ -80,11 +80,19 @@ else
   echo "$stamp" >"$character.stamp"
 fi
 
+# The sample's run from cameras alone: its hull, the hull refined by stereo, and the tracked mesh, for cameras.html.
+cameras=''
+if [ -z "$capture" ]; then
+  step "Making characters from cameras"
+  cameras=$root/build/cameras
+  bash site/cameras.sh build/release/native/tools/fourdvt "$source_capture" "$cameras" "$stamp"
+fi
+
 step "Finishing the player (wasm and JavaScript)"
 finish_beside
 
 site_folder=$root/build/site; [ -z "$capture" ] || site_folder=$root/build/site-$name
-node site/assemble.mjs "$site_folder" "$root/web/dist" "$character"
+node site/assemble.mjs "$site_folder" "$root/web/dist" "$character" ${cameras:+"$cameras"}
 if [ -n "$check" ]; then
   step "Checking the page in Chromium"
   exec node tests/web/check.mjs "$site_folder" "$root/build/check" "$root/build/release/native/tools/fourdvt" "$character"

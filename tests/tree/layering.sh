@@ -12,7 +12,7 @@ complain() { echo "$*"; bad=1; }
 declare -A allowed
 order=()
 layer() { order+=("$1"); allowed[$1]="${*:2}"; }
-core="base gpu package package/coding motion render render/flow stream player player/parts"
+core="base gpu package package/coding motion render render/flow render/cameras stream player player/parts"
 layer base
 layer gpu base
 layer package base
@@ -20,6 +20,7 @@ layer package/coding base package
 layer motion base package
 layer render/flow base gpu
 layer render base gpu package render/flow
+layer render/cameras base gpu package render
 layer stream base package package/coding
 layer player/parts base gpu package package/coding motion render render/flow stream
 layer player base gpu package motion render render/flow stream player/parts
@@ -31,17 +32,19 @@ layer reconstruct base capture
 layer reconstruct/stereo base gpu reconstruct
 layer studio base gpu platform capture studio/actors
 layer report base platform
-layer measure base package player platform capture report render
+layer measure base gpu package render render/cameras player platform capture report
 layer reconstruct/run base gpu platform capture report measure reconstruct reconstruct/stereo
 layer bake/labels base package
 layer bake/texels base gpu package
+layer bake/room base package
 layer bake/motion base package motion capture
 layer bake/align base gpu package render
+layer bake/cameras base package
 layer bake/video base package
-layer bake/run base gpu package motion platform capture refine bake/labels bake/texels bake/motion bake/video
-layer bake/stages base gpu package motion render platform capture refine report bake/labels bake/texels bake/motion bake/align bake/video bake/run
+layer bake/run base gpu package motion platform capture refine bake/labels bake/texels bake/motion bake/cameras bake/video
+layer bake/stages base gpu package motion render render/cameras platform capture refine report bake/labels bake/texels bake/room bake/motion bake/align bake/cameras bake/video bake/run
 layer bake base platform report bake/labels bake/texels bake/video bake/run bake/stages
-bake_all="bake bake/labels bake/texels bake/motion bake/align bake/video bake/run bake/stages"
+bake_all="bake bake/labels bake/texels bake/room bake/motion bake/align bake/cameras bake/video bake/run bake/stages"
 layer study/run $core platform capture refine report measure $bake_all
 layer study/tables base report study/run
 layer study/steps $core platform capture report measure $bake_all study/run study/tables

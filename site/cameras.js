@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// Characters from cameras beside the layered one: which surface, how it is drawn, from how many cameras. Both viewers
+// look from where the visitor has turned either.
+import './fourdvt-viewer/fourdvt-viewer.js';
+
+const byId = (id) => document.getElementById(id);
+const cameras = byId('cameras');
+const layers = byId('layers');
+const TEXTS = {
+  hull: 'What the silhouettes leave: the visual hull',
+  refined: 'The hull, carved by what the pictures agree on',
+  tracked: 'The layered character’s own mesh',
+};
+
+function choose(surface) {
+  byId('cameras-text').textContent = TEXTS[surface];
+  const folder = `cameras/${surface}`;
+  if (cameras.getAttribute('src') === `${folder}/character.gltf`) return;
+  cameras.poster = `${folder}/poster.webp`;
+  cameras.src = `${folder}/character.gltf`;
+}
+
+byId('surface').addEventListener('change', (e) => choose(e.target.value));
+byId('method').addEventListener('change', (e) => { cameras.method = e.target.value; });
+byId('count').addEventListener('input', (e) => {
+  byId('count-text').value = e.target.value;
+  cameras.setAttribute('cameras', e.target.value);
+});
+choose(byId('surface').querySelector(':checked').value);
+
+// Whoever is turned leads; the other follows. What follows does not lead back: its orbit is the one it was given.
+const shown = new Map();
+function follow(leader, follower) {
+  const { azimuth, elevation, distance } = leader.getCameraOrbit();
+  const orbit = `${azimuth}deg ${elevation}deg ${distance}m`;
+  if (shown.get(leader) === orbit) return false;
+  shown.set(leader, orbit).set(follower, orbit);
+  follower.setAttribute('camera-orbit', orbit);
+  follower.jumpCameraToGoal();
+  return true;
+}
+function turn() {
+  if (!follow(cameras, layers)) follow(layers, cameras);
+  requestAnimationFrame(turn);
+}
+let ready = 0;
+for (const viewer of [cameras, layers]) {
+  viewer.addEventListener('canplay', () => {
+    byId('notice').hidden = true;
+    if (++ready === 2) turn();
+  }, { once: true });
+  viewer.addEventListener('error', (e) => {
+    byId('notice').textContent = e.detail.message;
+    byId('notice').hidden = false;
+  });
+}
