@@ -48,6 +48,7 @@ int32_t fdvt_set_align(Instance* h, abi::AlignMode mode) {
 }
 
 int32_t fdvt_set_method(Instance* h, const char* name, uint32_t size, int32_t closest, abi::Visibility visibility) {
+  if (closest < 0) return fail(h, ErrorId::InvalidArgument, "closest must be 0 (all cameras) or more");
   makeCurrent(h);
   Canvas& canvas = *h->canvas;
   if (canvas.method != std::string_view(name, size)) {

@@ -64,6 +64,9 @@ class CharacterModel {
   bool closed_surface = false;   // isClosedSurface: back faces are never seen
 
   const std::vector<glm::uvec3>& faces() const { return face_vertices_; }
+  // What a surface may have.
+  uint32_t mostVertices() const { return most_vertices_; }
+  uint32_t mostFaces() const { return most_faces_; }
 
  private:
   static CharacterModel emptyModel(const package::Character& character);

@@ -238,6 +238,56 @@ TEST_F(CamerasTest, UnseenSurfaceTakesItsNeighbourhoodsColour) {
   for (int k = 0; k < 4; ++k) EXPECT_NEAR(color[k], kRed[k], 8);
 }
 
+// A part of the surface lies behind a camera: its box reaches round it, and the map still shows what hides what.
+TEST_F(CamerasTest, SurfaceBehindACameraChangesNothingInFrontOfIt) {
+  addQuad({0, 1, 0}, 0.5, 3);
+  addQuad({-0.3, 1.1, 0.8}, 0.2);
+  cameras_ = {lookAt({-0.8, 1.2, 1.6}, {0, 1, 0}, 96, 96, 60), lookAt({1.2, 0.8, 3}, {0, 1, 0}, 96, 96, 90)};
+  const std::vector<Image> pictures = {gradient(cameras_[0], 1), gradient(cameras_[1], 2)};
+  const PinholeCamera view = lookAt({-0.2, 1.1, 2.6}, {0, 1, 0}, 96, 96, 100);
+  options_.method.unseen = render::Unseen::Transparent;
+  makeModel();
+  tile(pictures, {{10, 4}, {120, 120}});
+  const Image before = still(view);
+  addQuad({-1, 1.2, 4}, 0.1);
+  makeModel();
+  EXPECT_LE(largestDifference(still(view), before), 2);
+}
+
+TEST_F(CamerasTest, TwoFiguresOfOnePictureKeepTheirOwnMaps) {
+  cameras_ = {lookAt({-1.2, 1.2, 3}, {0, 1, 0}, kSide, kSide, 60), lookAt({1.2, 0.8, 3}, {0, 1, 0}, kSide, kSide, 60)};
+  addQuad({-0.25, 1, 0}, 0.2, 4);
+  makeModel();
+  render::CharacterModel left = std::move(model_);
+  positions_.clear(), faces_.clear();
+  addQuad({0.25, 1, 0.3}, 0.2, 2);
+  makeModel();
+  tile({gradient(cameras_[0], 1), gradient(cameras_[1], 2)}, {{10, 4}, {120, 120}});
+  const PinholeCamera view = lookAt({0.1, 1.1, 2.6}, {0, 1, 0}, 96, 96, 100);
+  const render::CameraLook look{cameras_, sources_, &picture_, glm::vec2(kPicture), serial_};
+  const auto drawn = [&](std::vector<const render::CharacterModel*> models) {
+    std::vector<render::Figure> figures(models.size());
+    for (size_t i = 0; i < models.size(); ++i) figures[i].model = models[i], figures[i].cameras = &look;
+    return drawnImage(*device, render::viewFromCamera(view), [&](gpu::TargetId target) {
+      return recipe_->draw(figures, nullptr, render::viewFromCamera(view), options_, target);
+    });
+  };
+  for (int round = 0; round < 2; ++round) {
+    const Image both = drawn({&left, &model_}), swapped = drawn({&model_, &left}), one = drawn({&left}),
+                other = drawn({&model_});
+    EXPECT_EQ(both.pixels, swapped.pixels);
+    int covered = 0;
+    for (size_t i = 0; i < both.pixels.size(); i += 4) {
+      const Image& alone = other.pixels[i + 3] == 255 ? other : one;
+      if (alone.pixels[i + 3] < 255) continue;
+      ++covered;
+      for (int k = 0; k < 3; ++k) EXPECT_NEAR(both.pixels[i + k], alone.pixels[i + k], 1);
+    }
+    EXPECT_GT(covered, 400);
+  }
+  left = {};
+}
+
 TEST_F(CamerasTest, ATopologyMayChangeFromFrameToFrame) {
   addQuad({0, 1, 0}, 0.4, 8);
   cameras_ = {lookAt({0.3, 1.2, 3}, {0, 1, 0}, kSide, kSide, 60)};

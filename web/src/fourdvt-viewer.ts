@@ -234,7 +234,7 @@ export class FourdvtViewer extends HTMLElement {
     const visibility = this.getAttribute('visibility') as Visibility | null;
     return {
       name: this.method,
-      closest: Number.isInteger(cameras) && cameras >= 0 ? cameras : DEFAULT_METHOD.closest,
+      closest: Number.isInteger(cameras) && cameras >= 0 && cameras < 100 ? cameras : DEFAULT_METHOD.closest,
       visibility: visibility && VISIBILITIES.includes(visibility) ? visibility : DEFAULT_METHOD.visibility,
     };
   }

@@ -27,7 +27,7 @@ struct CameraOptions {
   double tile_scale = 1;           // texels per pixel of the cameras' pictures, 0.01..1
   double max_texels = 9.4e6;       // of the tiled picture: what H.264's level 5.1 allows, as decoders of phones do
   double position_step_m = 0.001;  // quantisation of the surfaces' vertices
-  int faces = 10'000;              // most of a frame whose topology is its own; 0: as many as it has
+  int faces = 10'000;              // most of a frame whose topology is its own (one topology for all stays); 0: all
 };
 
 // The command line sets texture, layers, crf and preset from quality.cpp, for the codec of --codec. The defaults here

@@ -14,13 +14,14 @@ using package::Rect;
 struct Surfaces {
   BoundingBox bounds;
   bool any = false;
-  size_t largest = 0;  // vertices and faces of one frame
+  size_t vertices = 0, faces = 0;  // the most of any frame
 };
 
 void add(Surfaces& all, const TriangleMesh& surface) {
   if (!all.any) all.bounds = {surface.positions[0], surface.positions[0]};
   all.any = true;
-  all.largest = std::max(all.largest, surface.positions.size() + surface.faces.size());
+  all.vertices = std::max(all.vertices, surface.positions.size());
+  all.faces = std::max(all.faces, surface.faces.size());
   for (const glm::vec3& p : surface.positions) {
     all.bounds.min = glm::min(all.bounds.min, p);
     all.bounds.max = glm::max(all.bounds.max, p);
@@ -28,9 +29,14 @@ void add(Surfaces& all, const TriangleMesh& surface) {
 }
 
 // A GOP that would take more memory than players allow gets fewer frames.
-void shortenGops(Job& job, size_t largest) {
+void shortenGops(Job& job, const Surfaces& all) {
+  uint64_t vertices = all.vertices, faces = all.faces;
+  if (job.capture.meshes != capture::CaptureMeshes::ConstantTopology && job.options.cameras.faces > 0) {
+    faces = std::min<uint64_t>(faces, uint64_t(job.options.cameras.faces));
+    vertices = std::min(vertices, faces);  // a closed surface has half as many
+  }
   const uint64_t frames =
-      package::kMaxDecodedChunkBytes / (uint64_t(largest) * 14);  // 12 bytes each, and some to spare
+      package::kMaxDecodedChunkBytes / ((vertices + faces) * 14);  // 12 bytes each, and some to spare
   job.options.gop = static_cast<int>(std::clamp<uint64_t>(frames, 1, uint64_t(job.options.gop)));
 }
 
@@ -91,7 +97,7 @@ Status planCameraSurfaces(Job& job, const BakeEnvironment& environment) {
     return Error{ErrorId::NothingVisible, job.capture.folder +
                                               ": no camera sees any surface: check the axes and units of meshes and "
                                               "cameras"};
-  shortenGops(job, all.largest);
+  shortenGops(job, all);
   return checkSteps(job);
 }
 

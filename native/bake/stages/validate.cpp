@@ -277,8 +277,13 @@ std::string settingsKey(const Job& job) {
   char text[480];
   std::snprintf(text, sizeof text, "%016llx%s\n", static_cast<unsigned long long>(hash), line);
   if (!job.fromCameras()) return text;
-  return text + ("cameras scale " + std::to_string(o.cameras.tile_scale)) + " faces " +
-         std::to_string(o.cameras.faces) + "\n";
+  // What the surfaces give: their box is the origin of positions, their regions are the tiles.
+  uint64_t surfaces = fnv1a({reinterpret_cast<const uint8_t*>(&job.bounds), sizeof job.bounds});
+  for (const auto& sequence : job.regions)
+    for (const auto& frame : sequence)
+      surfaces = fnv1a({reinterpret_cast<const uint8_t*>(frame.data()), frame.size() * sizeof(frame[0])}, surfaces);
+  return text + ("surfaces " + std::to_string(surfaces) + " ") +
+         ("cameras scale " + std::to_string(o.cameras.tile_scale)) + " faces " + std::to_string(o.cameras.faces) + "\n";
 }
 
 }  // namespace fourdvt::bake

@@ -106,7 +106,7 @@ class RunByRun final : public SurfaceChunk {
 
   Status readRuns(ByteReader& in) {
     const uint32_t count = in.u32();
-    if (!in.ok() || count == 0 || in.remaining() / 12 < count) return invalid("bad run count");
+    if (!in.ok() || count == 0 || count > frame_count_ || in.remaining() / 12 < count) return invalid("bad run count");
     ByteReader lengths(in.bytes(size_t(12) * count));
     uint64_t first = 0;
     for (uint32_t r = 0; r < count; ++r) {

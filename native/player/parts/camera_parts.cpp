@@ -41,8 +41,10 @@ class CameraPartsOfPlayer final : public CameraParts {
 
   void takeSurface(const FrameGeometry& geometry, Positions& positions, SurfaceFrame& frame) const override {
     const package::Surface surface = geometry.surfaces->surface(geometry.row);
+    const bool as_many = positions.size() == surface.positions.size();
     positions.assign(surface.positions.begin(), surface.positions.end());
-    if (std::equal(frame.faces.begin(), frame.faces.end(), surface.faces.begin(), surface.faces.end())) return;
+    if (as_many && std::equal(frame.faces.begin(), frame.faces.end(), surface.faces.begin(), surface.faces.end()))
+      return;
     frame.faces.assign(surface.faces.begin(), surface.faces.end());
     frame.topology_serial = nextSerial();
   }

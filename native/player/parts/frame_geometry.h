@@ -13,7 +13,6 @@ struct FrameGeometry {
   const package::StreamIndex* index = nullptr;
   uint32_t row = 0;                                 // of the frame in its GOP
   const package::SurfaceChunk* surfaces = nullptr;  // of a character from cameras; null: not there yet
-  uint32_t gop = 0;
   explicit operator bool() const { return frames || surfaces; }
 };
 

@@ -275,7 +275,7 @@ Status Loading::geometry(int sequence_index, uint32_t frame, FrameGeometry& out)
                                 return package::ChunkDecoder::open(gop->chunk, streamed, gop_index, chunk_mesh_);
                               });
   if (!status.ok()) return named(q.stream_uri, status.error());
-  out = {gop->geometry ? &gop->geometry->frames() : nullptr, &streamed, row, gop->surfaces.get(), gop_index};
+  out = {gop->geometry ? &gop->geometry->frames() : nullptr, &streamed, row, gop->surfaces.get()};
   return {};
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/cameras/unseen_fill.h"
 
+#include <algorithm>
 #include <string>
 
 #include "render/table.h"
@@ -9,17 +10,21 @@ namespace fourdvt::render {
 
 Status UnseenFill::makeTables(gpu::Device& device, const CharacterModel& model) {
   if (model.vertex_count <= table_vertices_ && model.face_count <= table_faces_) return {};
-  table_vertices_ = model.vertex_count + model.vertex_count / 4;  // the next frame's surface is about as large
-  table_faces_ = model.face_count + model.face_count / 4;
+  const uint32_t vertices = std::min(model.vertex_count + model.vertex_count / 4, model.mostVertices()),
+                 faces = std::min(model.face_count + model.face_count / 4,
+                                  model.mostFaces());  // the next is about as large
+  table_vertices_ = table_faces_ = 0;
   topology_serial_ = 0;
   for (Table* table : {&seen_, &colors_[0], &colors_[1]}) {
     *table = {};
-    FOURDVT_ASSIGN(table->texture, makeTable(device, gpu::PixelFormat::RGBA8, table_vertices_, "vertices' colours"));
+    FOURDVT_ASSIGN(table->texture, makeTable(device, gpu::PixelFormat::RGBA8, vertices, "vertices' colours"));
     FOURDVT_ASSIGN(table->target,
                    gpu::makeTarget(device, {.colors = {table->texture.id()}, .label = "vertices' colours"}));
   }
-  FOURDVT_ASSIGN(neighbours_, makeTable(device, gpu::PixelFormat::R32UI, table_vertices_ + 1 + 6ull * table_faces_,
-                                        "vertices' neighbours"));
+  FOURDVT_ASSIGN(neighbours_,
+                 makeTable(device, gpu::PixelFormat::R32UI, vertices + 1 + 6ull * faces, "vertices' neighbours"));
+  table_vertices_ = vertices;
+  table_faces_ = faces;
   return {};
 }
 

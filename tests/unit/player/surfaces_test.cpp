@@ -31,7 +31,7 @@ struct OneGop {
     composer.setModel(cameraParts().makeModel(device, character).take());
   }
   void show(uint32_t frame) {
-    const FrameGeometry geometry{nullptr, &index, frame, chunk.get(), 0};
+    const FrameGeometry geometry{nullptr, &index, frame, chunk.get()};
     EXPECT_TRUE(shown.present(device, composer.model(), character, character.sequences[0], geometry).ok());
     EXPECT_TRUE(shown.stale());
     shown.blend(geometry, {});
