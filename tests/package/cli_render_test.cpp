@@ -142,6 +142,11 @@ TEST_F(SceneRendering, MessagesNameTheFile) {
   const Outcome no_class = fourdvt("render " + folder_ + "/box --class turn -o " + folder_ + "/x.png");
   EXPECT_EQ(no_class.code, 1);
   EXPECT_TRUE(isOneLineWith(no_class, "--sequence")) << no_class.output;
+  for (const char* options : {"--closest 3", "--visibility plain", "--method fvvr", "--method wireframe"}) {
+    const Outcome layered = fourdvt("render " + folder_ + "/box " + options + " -o " + folder_ + "/x.png");
+    EXPECT_EQ(layered.code, 1);
+    EXPECT_TRUE(isOneLineWith(layered, "is a layered character")) << layered.output;
+  }
 }
 
 }  // namespace
