@@ -2,7 +2,7 @@
 // The assembled page offers a choice only where the module that it needs was built.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
@@ -12,16 +12,17 @@ let folder;
 before(() => { folder = mkdtempSync(join(tmpdir(), 'fourdvt-assemble-')); });
 after(() => rmSync(folder, { recursive: true, force: true }));
 
-// The index page as it is served with these files in the built web package.
-function indexWith(modules) {
-  const [out, dist, character] = ['out', 'dist', 'character'].map((name) => join(folder, name));
-  for (const made of [dist, character]) {
+// The index page as it is served with these files in the built web package, and with characters from cameras or without.
+function indexWith(modules, hasCameras = true) {
+  const [out, dist, character, cameras] = ['out', 'dist', 'character', 'cameras'].map((name) => join(folder, name));
+  for (const made of [out, dist, character, cameras]) {
     rmSync(made, { recursive: true, force: true });
     mkdirSync(made);
   }
   for (const name of ['fourdvt-viewer.js', ...modules]) writeFileSync(join(dist, name), '');
   writeFileSync(join(character, 'character.gltf'), '{}');
-  execFileSync(process.execPath, [fileURLToPath(new URL('../../site/assemble.mjs', import.meta.url)), out, dist, character]);
+  execFileSync(process.execPath, [fileURLToPath(new URL('../../site/assemble.mjs', import.meta.url)), out, dist, character,
+    ...(hasCameras ? [cameras] : [])]);
   return readFileSync(join(out, 'index.html'), 'utf8');
 }
 
@@ -32,4 +33,11 @@ test('OpenCV\'s optical flow is offered where its module lies, and only there', 
   assert.doesNotMatch(without, /flow-opencv/);
   assert.match(without, /value="flow-dis"/);
   assert.equal(without.split('\n').length, source.split('\n').length - 1, 'nothing else is left out');
+});
+
+test('the page with characters from cameras is linked where there are any', () => {
+  assert.match(indexWith([]), /href="cameras\.html"/);
+  assert.ok(existsSync(join(folder, 'out', 'cameras.html')));
+  assert.doesNotMatch(indexWith([], false), /cameras\.html/);
+  assert.ok(!existsSync(join(folder, 'out', 'cameras.html')));
 });
