@@ -92,7 +92,7 @@ ${quality}
 
 ${bytes}
 
-Layers (3 of them) against cameras (M = 4) on the given mesh, refined in both, over the rate factor:
+Layers (3 of them) against cameras (M = 4) on the given mesh, refined in both, over the rate factor (the layers' size and the tiles' scale are the defaults throughout):
 
 ${against}
 `);

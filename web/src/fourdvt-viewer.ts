@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // <fourdvt-viewer>: composes session (loading and playing), commands, orbit camera, controls and overlay.
 // Attributes and events follow <model-viewer> and the media element; web/README.md lists them.
-import { Commands, DEFAULT_METHOD } from './commands.js';
+import { Commands } from './commands.js';
 import { JOIN_EVENT, type Companion } from './companion.js';
+import { deferred, type Deferred } from './deferred.js';
 import { asViewerError, characterAddress, ViewerError, type ErrorDetail } from './errors.js';
 import { FourdvtCharacter } from './fourdvt-character.js';
+import { methodOf } from './method-attributes.js';
 import { MotionControls } from './motion-controls.js';
 import { OrbitCamera, parseOrbit, parseTarget, type Follow } from './orbit-camera.js';
 import { OrbitControls } from './orbit-controls.js';
@@ -12,8 +14,8 @@ import { Overlay } from './overlay.js';
 import { Session, type SessionHost, type Snapshot } from './session.js';
 import type { UploadPath } from './upload-path.js';
 import {
-  ALIGN_MODES, VISIBILITIES, type Align, type Method, type ParameterInfo, type PictureKind, type Placement,
-  type RenderOptions, type SceneMesh, type SequenceInfo, type Visibility,
+  ALIGN_MODES, type Align, type ParameterInfo, type PictureKind, type Placement, type RenderOptions, type SceneMesh,
+  type SequenceInfo,
 } from './wasm-player.js';
 
 export { FourdvtCharacter };
@@ -55,18 +57,6 @@ const FAILURES: Record<string, string> = {
 const DEFAULT_RENDER: RenderOptions = {
   background: [0, 0, 0, 0], groundShadow: true, shadowStrength: 0.45, samples: 4, debug: 'none', debugLayer: 0,
 };
-
-interface Deferred {
-  promise: Promise<void>;
-  resolve(): void;
-  reject(reason: Error): void;
-}
-function deferred(): Deferred {
-  let [resolve, reject]: [() => void, (reason: Error) => void] = [() => undefined, () => undefined];
-  const promise = new Promise<void>((yes, no) => { [resolve, reject] = [yes, no]; });
-  promise.catch(() => undefined); // who does not wait need not handle it
-  return { promise, resolve, reject };
-}
 
 export class FourdvtViewer extends HTMLElement {
   // A new one needs: an entry here, unless it is read only when needed, as autoplay and zoom are; a case in
@@ -227,17 +217,8 @@ export class FourdvtViewer extends HTMLElement {
   }
   set align(value: Align) { this.setAttribute('align', value); }
   /** How a character from cameras is drawn; web/README.md lists the methods. */
-  get method(): string { return this.getAttribute('method') || DEFAULT_METHOD.name; }
+  get method(): string { return methodOf(this).name; }
   set method(name: string) { this.setAttribute('method', name); }
-  #wishedMethod(): Method {
-    const cameras = Number(this.getAttribute('cameras') ?? NaN);
-    const visibility = this.getAttribute('visibility') as Visibility | null;
-    return {
-      name: this.method,
-      closest: Number.isInteger(cameras) && cameras >= 0 && cameras < 100 ? cameras : DEFAULT_METHOD.closest,
-      visibility: visibility && VISIBILITIES.includes(visibility) ? visibility : DEFAULT_METHOD.visibility,
-    };
-  }
   /** Meshes that the characters stand among; web/README.md says what they consist of. */
   get scene(): SceneMesh[] { return this.#commands.wishes.scene ?? []; }
   set scene(meshes: SceneMesh[]) {
@@ -333,7 +314,7 @@ export class FourdvtViewer extends HTMLElement {
       case 'loop': this.#commands.set('loop', this.#loopMode()); break;
       case 'sequence': if (value) this.#commands.select(value); break;
       case 'align': this.#session?.setAlign(this.align); break;
-      case 'method': case 'cameras': case 'visibility': this.#commands.set('method', this.#wishedMethod()); break;
+      case 'method': case 'cameras': case 'visibility': this.#commands.set('method', methodOf(this)); break;
       case 'background': this.#session?.setRoom(this.#room); break;
       case 'travel': this.#commands.set('travel', this.travel); break;
       case 'camera-orbit': case 'camera-target': case 'camera-follow': case 'field-of-view': this.#applyCamera(); break;
@@ -356,7 +337,7 @@ export class FourdvtViewer extends HTMLElement {
     this.#overlay.loading();
     if (!on) {
       this.#commands.begin({ sequence: this.getAttribute('sequence'), loop: this.#loopMode(), travel: this.travel,
-        method: this.#wishedMethod(), ...this.#sought });
+        method: methodOf(this), ...this.#sought });
       this.#sought = {};
       for (const { src, commands } of this.#companions) if (src === null) commands.begin();
       if (this.autoplay && !this.#stopped) this.#commands.remember('playing', !this.#reducedMotion.matches);

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// How a character from cameras is drawn, as an element's attributes say: method, cameras, visibility. What they do not
+// say, or say wrongly, is the default; only the player knows which methods there are.
+import { DEFAULT_METHOD } from './commands.js';
+import { VISIBILITIES, type Method, type Visibility } from './wasm-player.js';
+
+const MOST_CAMERAS = 31; // of a character
+
+export function methodOf(element: Element): Method {
+  const cameras = Number(element.getAttribute('cameras') ?? NaN);
+  const visibility = element.getAttribute('visibility') as Visibility | null;
+  return {
+    name: element.getAttribute('method') || DEFAULT_METHOD.name,
+    closest: Number.isInteger(cameras) && cameras >= 0 && cameras <= MOST_CAMERAS ? cameras : DEFAULT_METHOD.closest,
+    visibility: visibility && VISIBILITIES.includes(visibility) ? visibility : DEFAULT_METHOD.visibility,
+  };
+}
