@@ -27,7 +27,9 @@ Result<std::unique_ptr<render::FlowSource>> makeFlow(gpu::Device& device, abi::A
   return render::createGpuFlow(device, options);
 }
 
-Result<std::unique_ptr<render::Method>> makeMethod(std::string_view name) { return render::makeCameraMethod(name); }
+Result<std::unique_ptr<render::Method>> makeMethod(gpu::Device& device, std::string_view name) {
+  return render::makeCameraMethod(device, name);
+}
 const CameraParts* cameraPartsOfModule() { return &cameraParts(); }
 
 }  // namespace fourdvt

@@ -52,7 +52,7 @@ int32_t fdvt_set_method(Instance* h, const char* name, uint32_t size, int32_t cl
   makeCurrent(h);
   Canvas& canvas = *h->canvas;
   if (canvas.method != std::string_view(name, size)) {
-    auto method = makeMethod({name, size});
+    auto method = makeMethod(*canvas.device, {name, size});
     if (!method.ok()) return keep(h, method.error());
     canvas.recipe->setMethod(method.take());
     canvas.method.assign(name, size);

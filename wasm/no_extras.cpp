@@ -9,7 +9,7 @@ Error absent() { return {ErrorId::Unsupported, "not in this module: use fourdvt-
 }  // namespace
 
 Result<std::unique_ptr<render::FlowSource>> makeFlow(gpu::Device&, abi::AlignMode) { return absent(); }
-Result<std::unique_ptr<render::Method>> makeMethod(std::string_view) { return absent(); }
+Result<std::unique_ptr<render::Method>> makeMethod(gpu::Device&, std::string_view) { return absent(); }
 const CameraParts* cameraPartsOfModule() { return nullptr; }
 
 }  // namespace fourdvt

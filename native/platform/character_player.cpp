@@ -55,7 +55,7 @@ class FilePlayer final : public CharacterPlayer {
     FOURDVT_ASSIGN(player_, Player::create(device, recipe_, {.cameras = &cameraParts()}));
     FOURDVT_TRY(player_->loadManifest(json));
     if (player_->character()->appearance == package::AppearanceKind::Layers) return {};
-    FOURDVT_ASSIGN(auto method, render::makeCameraMethod("fvvr"));
+    FOURDVT_ASSIGN(auto method, render::makeCameraMethod(device, "fvvr"));
     recipe_->setMethod(std::move(method));
     return {};
   }
@@ -227,7 +227,9 @@ Result<Image> FilePlayer::renderStill(const render::View& view, const render::Re
                                       const render::Scene* scene) {
   return still_.render(view, [&](gpu::TargetId target) -> Status {
     FOURDVT_ASSIGN(const render::Figure figure, player_->figure());
-    return recipe_->draw({&figure, 1}, scene, view, {options, player_->align(), player_->method()}, target);
+    render::MethodOptions method = player_->method();
+    method.elapsed_s = render::MethodOptions().elapsed_s;  // it has no picture before it
+    return recipe_->draw({&figure, 1}, scene, view, {options, player_->align(), method}, target);
   });
 }
 

@@ -101,7 +101,8 @@ std::vector<Part> partsOf(const Figure& figure, const DrawOptions& options) {
 
 CharacterView viewOfFigure(const View& view, const Figure& figure) {
   return {view.clip_from_world * figure.world_from_character,
-          glm::vec3(glm::inverse(figure.world_from_character) * glm::vec4(view.eye_in_world, 1))};
+          glm::vec3(glm::inverse(figure.world_from_character) * glm::vec4(view.eye_in_world, 1)), view.width,
+          view.height};
 }
 
 }  // namespace fourdvt::render

@@ -4,6 +4,7 @@
 // method that it was given (Recipe::setMethod); without one it refuses. Implementations: render/cameras/.
 #pragma once
 
+#include <limits>
 #include <span>
 
 #include "base/camera.h"
@@ -43,11 +44,35 @@ enum class Unseen {
   Neighbourhood,  // takes the colours round it on the surface; where there are none: BestFacing
 };
 
+struct FloatingOptions {
+  enum class Form { Star, Pairs } form = Form::Star;  // pictures to their mean, or every picture to every other
+  float radius_px = 12;                               // of the soft visibility (FT Eq. 8)
+};
+
+struct SweepOptions {
+  int planes = 8;         // depths tried at each pixel
+  float band_m = 0.016f;  // before and behind the surface
+};
+
+struct MontageOptions {
+  float exponent = 2;            // α of M4D Eq. 2 and 4
+  float discontinuity_px = 4;    // ε: how far occlusions reach over depth discontinuities
+  float vote_threshold = 0.15f;  // δ of M4D Eq. 3
+  bool votes = true;
+  float clamp_m = 0.15f;     // distance from the seams at which γ is 1
+  float settling_s = 0.17f;  // time constant of the temporal fields; 0: none
+};
+
 struct MethodOptions {
   int closest = 4;  // M of N: cameras whose optical axes are nearest in angle to the view's; 0: as many as can be
   Visibility visibility = Visibility::Offset;
   Unseen unseen = Unseen::Neighbourhood;
   float least_cosine = 0.1f;  // of surface and ray; cameras that see a point more from aside are not used
+  // Seconds from the figure's last picture to this one, for what follows with time; infinite: a still.
+  float elapsed_s = std::numeric_limits<float>::infinity();
+  FloatingOptions floating;
+  SweepOptions sweep;
+  MontageOptions montage;
 };
 
 class Method {

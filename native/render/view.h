@@ -18,6 +18,7 @@ struct View {
 struct CharacterView {
   glm::mat4 clip_from_character{1};
   glm::vec3 eye_in_character{0};
+  int width = 0, height = 0;  // pixels
 };
 
 // Unit optical axis in the frame that the matrix starts from: the gradient of clip w.

@@ -9,6 +9,7 @@
 #include "measure/surface_score.h"
 #include "platform/files.h"
 #include "platform/folders.h"
+#include "study/projective/method_scores.h"
 #include "study/study.h"
 #include "tools/args.h"
 #include "tools/commands.h"
@@ -48,6 +49,8 @@ const CommandHelp& help() {
        {"--closest", "M",
         "with --surface: textured on the GPU from the M cameras nearest to the view, 0: all (default: on the CPU from "
         "all); with --character: of a character from cameras (default 4)"},
+       {"--projective", nullptr, "compare the methods of characters from cameras on the capture's surfaces"},
+       {"--methods", "A,B", "with --projective: these methods (default: all)"},
        {"--surface", nullptr, "score the capture's surfaces"},
        {"--reference", "CAPTURE2", "with --surface: the same motions with the surfaces that are taken for true"}}};
   return text;
@@ -55,7 +58,8 @@ const CommandHelp& help() {
 
 struct Arguments {
   std::string capture, character, output, reference;
-  bool surface = false;
+  bool surface = false, projective = false;
+  std::vector<std::string> methods;
   std::optional<int> closest;
   std::vector<std::string> sequences;
   bool quick = false;
@@ -76,14 +80,18 @@ Arguments readArguments(Args& args) {
   a.held_out.yardstick = args.has("--yardstick");
   a.refine = readRefineOptions(args);
   a.surface = args.has("--surface");
+  a.projective = args.has("--projective");
+  a.methods = args.list("--methods");
+  if (!a.methods.empty() && !a.projective) args.complain("--methods belongs to --projective");
   a.reference = args.text("--reference");
   if (args.has("--closest")) a.closest = args.integer("--closest", 0, 0, package::kMaxCameras);
-  if (a.closest && !a.surface && a.character.empty()) args.complain("--closest belongs to --surface and --character");
+  if (a.closest && !a.surface && !a.projective && a.character.empty())
+    args.complain("--closest belongs to --surface and --character");
   if (!a.reference.empty() && !a.surface) args.complain("--reference belongs to --surface");
   if (a.surface && (!a.character.empty() || !a.output.empty() || a.quick || args.has("--jobs") ||
                     args.has("--refine") || args.has("--refine-cameras") || args.has("--matte-bias-px")))
     args.complain("--surface goes with --sequences, --reference and --closest only");
-  if (a.character.empty() && a.output.empty() && !a.surface)
+  if (a.character.empty() && a.output.empty() && !a.surface && !a.projective)
     args.complain("-o FOLDER is missing: where the report goes; or score one character with --character");
   if (a.character.empty() && (args.has("--input-every") || args.has("--yardstick")))
     args.complain("--input-every and --yardstick belong to --character");
@@ -227,6 +235,23 @@ int scoreSurface(const Arguments& arguments) {
   return kOk;
 }
 
+int compareMethods(const Arguments& arguments) {
+  auto capture =
+      capture::openCapture(arguments.capture, videoOpener(), arguments.sequences, capture::MeshNeed::AnySurface);
+  if (!capture.ok()) return fail(capture.error());
+  auto gpu = openGpu();
+  if (!gpu.ok()) return fail(gpu.error());
+  study::MethodScoreOptions options{.methods = arguments.methods, .quick = arguments.quick};
+  if (options.methods.empty()) options.methods = {"fvvr"};
+  if (arguments.closest) options.method.closest = *arguments.closest;
+  const FrameLine line;
+  const auto scores = study::scoreMethods(*gpu.value().device, capture.value(), videoOpener(), options, line);
+  line.end();
+  if (!scores.ok()) return fail(scores.error());
+  std::fputs(study::methodTable(scores.value()).c_str(), stdout);
+  return kOk;
+}
+
 }  // namespace
 
 int evaluateCommand(int argc, char** argv) {
@@ -234,6 +259,7 @@ int evaluateCommand(int argc, char** argv) {
   const Arguments arguments = readArguments(args);
   if (const auto code = helpOrProblem(help(), args)) return *code;
   if (arguments.surface) return scoreSurface(arguments);
+  if (arguments.projective) return compareMethods(arguments);
   return arguments.character.empty() ? runWholeStudy(arguments) : scoreCharacter(arguments);
 }
 

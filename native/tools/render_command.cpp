@@ -126,7 +126,7 @@ Status prepareMotion(CharacterSession& session, const RenderArguments& arguments
   player.setAlign(align);
   player.setMethod(arguments.method);
   if (session.character().appearance == package::AppearanceKind::Cameras && !arguments.method_name.empty()) {
-    FOURDVT_ASSIGN(auto method, render::makeCameraMethod(arguments.method_name));
+    FOURDVT_ASSIGN(auto method, render::makeCameraMethod(*session.gpu.device, arguments.method_name));
     session.player->recipe().setMethod(std::move(method));
   }
   return {};

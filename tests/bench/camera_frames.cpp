@@ -124,7 +124,8 @@ int main(int argc, char** argv) {
   std::printf("  M  upload: packed  unpacked  depth maps  unseen  shading  layered  frames/s packed  unpacked\n");
   for (const int m : {2, 3, 4, 5, 6, 8}) {
     if (size_t(m) > all) break;
-    const auto maps_alone = orStop(render::makeCameraMethod("fvvr")), method = orStop(render::makeCameraMethod("fvvr"));
+    const auto maps_alone = orStop(render::makeCameraMethod(device, "fvvr")),
+               method = orStop(render::makeCameraMethod(device, "fvvr"));
     render::MethodOptions options{.closest = m}, without = options;
     without.unseen = render::Unseen::BestFacing;
     const render::CameraLook& look = *figure.cameras;

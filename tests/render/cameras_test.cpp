@@ -21,7 +21,7 @@ class CamerasTest : public GlFixture {
     GlFixture::SetUp();
     picture_ = render::createPicture(*device, kPicture, kPicture, render::PictureTextures::Kind::Rgba).take();
     recipe_ = render::Recipe::create(*device).take();
-    recipe_->setMethod(render::makeCameraMethod("fvvr").take());
+    recipe_->setMethod(render::makeCameraMethod(*device, "fvvr").take());
     options_.recipe = {.background = {0, 0, 0, 0}, .ground_shadow = false};
     options_.method = {.closest = 0, .unseen = render::Unseen::BestFacing, .least_cosine = 0};
   }
@@ -314,7 +314,7 @@ TEST_F(CamerasTest, SaysWhatIsMissing) {
   EXPECT_NE(drawTo(view, gpu::kDefaultTarget).error().message.find("no camera has a picture"), std::string::npos);
   recipe_->setMethod(nullptr);
   EXPECT_EQ(drawTo(view, gpu::kDefaultTarget).error().id, ErrorId::Unsupported);
-  EXPECT_FALSE(render::makeCameraMethod("no-such-method"));
+  EXPECT_FALSE(render::makeCameraMethod(*device, "no-such-method"));
 }
 
 }  // namespace

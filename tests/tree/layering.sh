@@ -49,8 +49,9 @@ layer study/run $core platform capture refine report measure $bake_all
 layer study/tables base report study/run
 layer study/steps $core platform capture report measure $bake_all study/run study/tables
 layer study/motion $core platform capture report measure $bake_all study/run study/tables
-layer study base platform capture refine report $bake_all study/run study/tables study/steps study/motion
-layer tools $core platform capture refine reconstruct/run studio studio/actors report measure $bake_all study study/run
+layer study/projective $core platform capture report measure bake/texels bake/cameras study/run study/tables
+layer study base platform capture refine report $bake_all study/run study/tables study/steps study/motion study/projective
+layer tools $core platform capture refine reconstruct/run studio studio/actors report measure $bake_all study study/run study/projective
 
 declare -A seen
 for folder in "${order[@]}"; do
