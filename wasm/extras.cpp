@@ -13,6 +13,14 @@ namespace {
 EM_JS(int, fdvt_page_flow, (const uint8_t* a, const uint8_t* b, int width, int height, float* out),
       { return Module['fourdvtFlow'] ? Module['fourdvtFlow'](a, b, width, height, out) : 0; });
 
+// Tells the page, as fdvt_set_method of abi.txt says, once the player has returned to it.
+EM_JS(void, fdvt_tell_fallback, (const char* wanted, const char* drawn, const char* message), {
+  const canvas = GL.currentContext.GLctx.canvas;
+  const detail = {wanted : UTF8ToString(wanted), drawn : UTF8ToString(drawn), message : UTF8ToString(message)};
+  const event = new CustomEvent('methodfallback', {detail : detail, composed : true});
+  queueMicrotask(function() { canvas.dispatchEvent(event); });
+});
+
 Status solveOnPage(const uint8_t* a, const uint8_t* b, int width, int height, float* flow) {
   if (fdvt_page_flow(a, b, width, height, flow)) return {};
   return Error{ErrorId::Unsupported, "the page has no optical flow: load the OpenCV module first"};
@@ -28,7 +36,9 @@ Result<std::unique_ptr<render::FlowSource>> makeFlow(gpu::Device& device, abi::A
 }
 
 Result<std::unique_ptr<render::Method>> makeMethod(gpu::Device& device, std::string_view name) {
-  return render::makeCameraMethod(device, name);
+  FOURDVT_ASSIGN(auto made, render::makeMethodThatServes(device, name));
+  if (!made.notice.empty()) fdvt_tell_fallback(std::string(name).c_str(), made.name.c_str(), made.notice.c_str());
+  return std::move(made.method);
 }
 const CameraParts* cameraPartsOfModule() { return &cameraParts(); }
 

@@ -68,6 +68,9 @@ struct MethodOptions {
   Visibility visibility = Visibility::Offset;
   Unseen unseen = Unseen::Neighbourhood;
   float least_cosine = 0.1f;  // of surface and ray; cameras that see a point more from aside are not used
+  // Of the surface along a view's ray, to either side: what "filtered" and "band-limited" blur for. About the mean
+  // distance between a visual hull and the surface inside it.
+  float depth_uncertainty_m = 0.01f;
   // Seconds from the figure's last picture to this one, for what follows with time; infinite: a still.
   float elapsed_s = std::numeric_limits<float>::infinity();
   FloatingOptions floating;

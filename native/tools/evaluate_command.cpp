@@ -9,6 +9,7 @@
 #include "measure/surface_score.h"
 #include "platform/files.h"
 #include "platform/folders.h"
+#include "render/cameras/camera_method.h"
 #include "study/projective/method_scores.h"
 #include "study/study.h"
 #include "tools/args.h"
@@ -242,7 +243,7 @@ int compareMethods(const Arguments& arguments) {
   auto gpu = openGpu();
   if (!gpu.ok()) return fail(gpu.error());
   study::MethodScoreOptions options{.methods = arguments.methods, .quick = arguments.quick};
-  if (options.methods.empty()) options.methods = {"fvvr"};
+  if (options.methods.empty()) options.methods = render::cameraMethodNames(render::MethodGroup::Textured);
   if (arguments.closest) options.method.closest = *arguments.closest;
   const FrameLine line;
   const auto scores = study::scoreMethods(*gpu.value().device, capture.value(), videoOpener(), options, line);

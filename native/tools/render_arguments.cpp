@@ -8,14 +8,33 @@
 #include <string_view>
 
 #include "capture/capture.h"
+#include "render/cameras/camera_method.h"
 
 namespace fourdvt::tools {
 namespace {
 
 constexpr std::string_view kVisibility[] = {"none", "plain", "offset", "fattened"};  // as render::Visibility
 
-// "": what the character is decides.
-constexpr std::string_view kMethods[] = {"", "layered", "fvvr", "wireframe", "silhouette"};
+using render::MethodGroup;
+
+bool isMethod(const std::string& name, MethodGroup group) {
+  const std::vector<std::string> names = render::cameraMethodNames(group);
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+std::string listed(MethodGroup group) {
+  std::string out;
+  for (const std::string& name : render::cameraMethodNames(group)) out += (out.empty() ? "" : ", ") + name;
+  return out;
+}
+
+const std::string& methodMeaning() {
+  static const std::string text = "of a character from cameras: " + listed(MethodGroup::Textured) + " (default " +
+                                  render::cameraMethodNames(MethodGroup::Textured).front() +
+                                  "); to look at what is behind them: " + listed(MethodGroup::Inspection) +
+                                  "; of a layered one: layered";
+  return text;
+}
 
 constexpr int kMaxSide = 8192;
 
@@ -55,8 +74,10 @@ std::optional<double> optionalNumber(Args& args, const char* name, double low, d
 
 void readMethod(Args& args, RenderArguments& a) {
   a.method_name = args.text("--method");
-  if (std::find(std::begin(kMethods), std::end(kMethods), a.method_name) == std::end(kMethods))
-    args.complain("--method must be layered, fvvr, wireframe or silhouette, not \"" + a.method_name + "\"");
+  const bool textured = a.method_name.empty() || isMethod(a.method_name, MethodGroup::Textured);
+  if (!textured && a.method_name != "layered" && !isMethod(a.method_name, MethodGroup::Inspection))
+    args.complain("--method must be " + listed(MethodGroup::Textured) + ", " + listed(MethodGroup::Inspection) +
+                  " or layered, not \"" + a.method_name + "\"");
   a.fvvr.capture_folder = args.text("--capture");
   a.fvvr.wanted = !a.fvvr.capture_folder.empty();
   a.method.closest = a.fvvr.options.closest = args.integer("--closest", 0, 1, package::kMaxCameras);
@@ -70,9 +91,10 @@ void readMethod(Args& args, RenderArguments& a) {
   a.fvvr.refine = readRefineOptions(args);
   a.fvvr.options.background = a.recipe.background;
   a.chooses_cameras = args.has("--closest") || args.has("--visibility");
-  if (!a.method_name.empty() && a.method_name != "fvvr" && (a.fvvr.wanted || a.chooses_cameras))
-    args.complain("--capture, --closest and --visibility belong to --method fvvr");
-  if (a.fvvr.wanted && a.method_name.empty()) args.complain("--capture belongs to --method fvvr");
+  if (!textured && a.chooses_cameras)
+    args.complain("--closest and --visibility belong to methods that use camera pictures: " +
+                  listed(MethodGroup::Textured));
+  if (a.fvvr.wanted && a.method_name != "fvvr") args.complain("--capture belongs to --method fvvr");
   if (!a.fvvr.wanted && (args.has("--refine") || args.has("--refine-cameras") || args.has("--matte-bias-px")))
     args.complain("--refine, --refine-cameras and --matte-bias-px belong to --method fvvr --capture");
   if (a.fvvr.wanted && (!a.turntable.empty() || !a.debug.empty()))
@@ -190,16 +212,14 @@ const CommandHelp& renderHelp() {
        {"--background", "RRGGBB", "or room (the character's own), or none (default; black in movies)"},
        {"--debug", "WHAT", "labels, layers (side by side), weights or normals"},
        {"--no-shadow", nullptr, "without the ground shadow"},
-       {"--method", "WHAT",
-        "layered; or of a character from cameras fvvr, wireframe or silhouette; what the character is decides the "
-        "default"},
+       {"--method", "WHAT", methodMeaning().c_str()},
        {"--capture", "CAPTURE",
         "with --method fvvr: textures a captured frame from all camera videos of this folder, which CHARACTER was "
         "baked "
         "from; no shadow"},
-       {"--closest", "M", "fvvr: the M cameras closest to the view (default: 4; with --capture all)"},
+       {"--closest", "M", "the M cameras closest to the view (default: 4; with --capture all)"},
        {"--visibility", "WHAT",
-        "fvvr: what a camera does not texture: offset (default) and fattened keep clear of occluders' outlines, plain "
+        "what a camera does not texture: offset (default) and fattened keep clear of occluders' outlines, plain "
         "is a depth map as it is, none textures through occluders"},
        kRefineOption,
        kRefineCamerasOption,

@@ -126,8 +126,9 @@ Status prepareMotion(CharacterSession& session, const RenderArguments& arguments
   player.setAlign(align);
   player.setMethod(arguments.method);
   if (session.character().appearance == package::AppearanceKind::Cameras && !arguments.method_name.empty()) {
-    FOURDVT_ASSIGN(auto method, render::makeCameraMethod(*session.gpu.device, arguments.method_name));
-    session.player->recipe().setMethod(std::move(method));
+    FOURDVT_ASSIGN(auto made, render::makeMethodThatServes(*session.gpu.device, arguments.method_name));
+    if (!made.notice.empty()) std::fprintf(stderr, "fourdvt: %s\n", made.notice.c_str());
+    session.player->recipe().setMethod(std::move(made.method));
   }
   return {};
 }

@@ -1,6 +1,6 @@
 // What the methods of texturing a surface from CAMERAS pictures share: where a point lies in each camera's picture,
 // whether the camera sees it (depth maps), and the blend. A method's .frag gives cameraWeight, includes this file, and
-// calls blendCameras. TILED: the pictures are tiles of one decoded picture; else layers of an array, with mattes.
+// calls blendCameras. If it defines COMPARES_CAMERAS, it also gives compareCameras; if OWN_COLOR, also cameraColor. TILED: the pictures are tiles of one decoded picture; else layers of an array, with mattes.
 // Blends encoded values, as the papers do.
 #ifdef TILED
 #include "decoded_picture.glsl"
@@ -24,6 +24,9 @@ const float kDepthBias = 0.01;    // metres
 const float kMinSum = 1e-6;
 
 float cameraWeight(vec3 to_camera, float cosine, vec3 to_eye);  // of the method; 0: not used
+void compareCameras(vec3 point, vec3 to_eye);  // comes before the weights of a point, for what depends on all cameras
+// at: what projected gives of the point. Straight colour; alpha 0: the camera has none.
+vec4 cameraColor(vec3 point, vec3 to_eye, vec3 at, int i);
 
 float mappedDepth(vec2 pixel, int i) {
   ivec2 at = ivec2(pixel * u_pixel_spans[i].yz);
@@ -60,6 +63,13 @@ vec4 pictureColor(vec2 pixel, int i) {
 #endif
 }
 
+#ifndef COMPARES_CAMERAS
+void compareCameras(vec3 point, vec3 to_eye) {}
+#endif
+#ifndef OWN_COLOR
+vec4 cameraColor(vec3 point, vec3 to_eye, vec3 at, int i) { return pictureColor(at.xy, i); }
+#endif
+
 // The camera that faces the point best in spite of occlusion; black where no picture has it.
 vec3 bestFacingColor(vec3 point, vec3 normal) {
   vec3 color = vec3(0.0);
@@ -78,6 +88,7 @@ vec3 bestFacingColor(vec3 point, vec3 normal) {
 
 // Straight colour; alpha 0: no camera sees the point.
 vec4 blendCameras(vec3 point, vec3 normal, vec3 to_eye) {
+  compareCameras(point, to_eye);
   vec3 color = vec3(0.0);
   float sum = 0.0;
   for (int i = 0; i < CAMERAS; ++i) {
@@ -88,7 +99,7 @@ vec4 blendCameras(vec3 point, vec3 normal, vec3 to_eye) {
     if (weight <= 0.0) continue;
     vec3 at = projected(point, i);
     if (at.z <= 0.0 || isHidden(at, cosine, i)) continue;
-    vec4 texel = pictureColor(at.xy, i);
+    vec4 texel = cameraColor(point, to_eye, at, i);
     color += weight * texel.a * texel.rgb;
     sum += weight * texel.a;
   }

@@ -1,70 +1,71 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/cameras/camera_method.h"
 
-#include <map>
-#include <string>
-
-#include "render/cameras/figure_cameras.h"
+#include "render/cameras/shader_method.h"
 
 namespace fourdvt::render {
 namespace {
 
-struct ShaderOf {
-  std::string_view method;
-  const char* fragment;
-  bool textured;  // from the cameras' pictures
+using Made = Result<std::unique_ptr<Method>>;
+
+template <ShaderCameras cameras>
+Made ofShader(gpu::Device&, const char* fragment_file) {
+  return makeShaderMethod(fragment_file, cameras);
+}
+
+struct Row {
+  const char* name;
+  MethodGroup group;
+  bool needs_half_float_targets;
+  Made (*make)(gpu::Device&, const char* fragment_file);
+  const char* fragment_file;  // of methods that are one shader
 };
-constexpr ShaderOf kShaders[] = {{"fvvr", "camera_fvvr.frag", true},
-                                 {"wireframe", "camera_wireframe.frag", false},
-                                 {"silhouette", "camera_silhouette.frag", false}};
 
-// A method that is one draw of the surface with its own fragment shader.
-class MethodOfShader final : public Method {
- public:
-  explicit MethodOfShader(const ShaderOf& shader) : shader_(shader) {}
+constexpr MethodGroup kTextured = MethodGroup::Textured, kInspection = MethodGroup::Inspection;
 
-  Status prepare(gpu::Device& device, size_t number, const CharacterModel& model, const CameraLook& look,
-                 const CharacterView& view, const MethodOptions& options) override {
-    while (figures_.size() <= number) figures_.emplace_back();
-    if (shader_.textured) FOURDVT_TRY(figures_[number].prepare(device, model, look, view, options));
-    const std::string defines = definesOf(number, look, options);
-    gpu::Program& program = programs_[defines];
-    if (!program) {
-      FOURDVT_ASSIGN(program, makeCameraProgram(device, "camera_surface.vert", shader_.fragment, defines));
-    }
-    return {};
-  }
-
-  void draw(gpu::Device& device, size_t number, const CharacterModel& model, const CameraLook& look,
-            const CharacterView& view, const MethodOptions& options) const override {
-    gpu::Draw draw = surfaceDraw(model, programs_.at(definesOf(number, look, options)).id());
-    if (!shader_.textured) {
-      draw.uniforms = {gpu::uniform("u_clip_from_character", view.clip_from_character),
-                       gpu::uniform("u_eye", view.eye_in_character)};
-      return device.draw(draw);
-    }
-    const CameraUniforms cameras = figures_[number].uniforms(look, options);
-    cameras.addTo(draw);
-    figures_[number].addTo(draw, view, options);
-    device.draw(draw);
-  }
-
- private:
-  std::string definesOf(size_t number, const CameraLook& look, const MethodOptions& options) const {
-    return shader_.textured ? figures_[number].defines(look, options) : "";
-  }
-
-  const ShaderOf shader_;
-  std::vector<FigureCameras> figures_;            // by number
-  std::map<std::string, gpu::Program> programs_;  // by their defines
+// A method's only registration.
+constexpr Row kRows[] = {
+    {"fvvr", kTextured, false, ofShader<ShaderCameras::Chosen>, "camera_fvvr.frag"},
+    {"lumigraph", kTextured, false, ofShader<ShaderCameras::Bounded>, "camera_lumigraph.frag"},
+    {"filtered", kTextured, false, ofShader<ShaderCameras::Bounded>, "camera_filtered.frag"},
+    {"band-limited", kTextured, false, ofShader<ShaderCameras::Bounded>, "camera_band_limited.frag"},
+    {"wireframe", kInspection, false, ofShader<ShaderCameras::None>, "camera_wireframe.frag"},
+    {"silhouette", kInspection, false, ofShader<ShaderCameras::None>, "camera_silhouette.frag"},
 };
+
+constexpr const char* kMethodOfEveryDevice = "lumigraph";
 
 }  // namespace
 
-Result<std::unique_ptr<Method>> makeCameraMethod(gpu::Device&, std::string_view name) {
-  for (const ShaderOf& shader : kShaders)
-    if (shader.method == name) return std::unique_ptr<Method>(std::make_unique<MethodOfShader>(shader));
+std::vector<std::string> cameraMethodNames(MethodGroup group) {
+  std::vector<std::string> names;
+  for (const Row& row : kRows)
+    if (row.group == group) names.emplace_back(row.name);
+  return names;
+}
+
+Result<std::unique_ptr<Method>> makeCameraMethod(gpu::Device& device, std::string_view name) {
+  for (const Row& row : kRows) {
+    if (row.name != name) continue;
+    if (row.needs_half_float_targets && !device.caps().half_float_targets)
+      return Error{ErrorId::Unsupported, "this device cannot draw into half-float textures"};
+    return row.make(device, row.fragment_file);
+  }
   return Error{ErrorId::InvalidArgument, "there is no method " + std::string(name)};
+}
+
+Result<MethodThatServes> makeMethodThatServes(gpu::Device& device, std::string_view name) {
+  MethodThatServes out{nullptr, std::string(name), ""};
+  auto made = makeCameraMethod(device, name);
+  if (made.ok()) {
+    out.method = made.take();
+    return out;
+  }
+  if (made.error().id != ErrorId::Unsupported) return made.error();
+  out.notice = made.error().message + ": " + kMethodOfEveryDevice + " is drawn in place of " + out.name;
+  out.name = kMethodOfEveryDevice;
+  FOURDVT_ASSIGN(out.method, makeCameraMethod(device, kMethodOfEveryDevice));
+  return out;
 }
 
 }  // namespace fourdvt::render
