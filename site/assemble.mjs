@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // node site/assemble.mjs OUT DIST CHARACTER [CAMERAS]: the folder that is served.
 // OUT/{index,steer}.html, their scripts, styles and pictures, OUT/measured (the page of figures), OUT/fourdvt-viewer (DIST,
-// the built web package), OUT/character (a baked one), OUT/cameras.html and OUT/cameras (characters from cameras: hull,
-// refined, tracked).
+// the built web package), OUT/character (a baked one), OUT/{cameras,methods}.html and OUT/cameras (characters from cameras:
+// hull, refined, tracked).
 // An element of a page with data-needs="FILE", on a line of its own, is left out where DIST has no such file; with
 // data-needs="cameras", where CAMERAS is not given.
 // Replaces only what it makes.
@@ -13,7 +13,7 @@ import { fileURLToPath } from 'node:url';
 const kPageFiles = ['index.html', 'site.css', 'site.js', 'steer.html', 'steer.js', 'layers.jpg',
   'measured/index.html', 'measured/measured.css', 'measured/figures.json'];
 
-const kCameraFiles = ['cameras.html', 'cameras.js'];
+const kCameraFiles = ['cameras.html', 'cameras.js', 'methods.html', 'methods.js', 'together.js'];
 
 function fail(message) {
   console.error(`assemble: ${message}`);

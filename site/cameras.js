@@ -2,6 +2,7 @@
 // Characters from cameras beside the layered one: which surface, how it is drawn, from how many cameras. Both viewers
 // look from where the visitor has turned either.
 import './fourdvt-viewer/fourdvt-viewer.js';
+import { turnTogether } from './together.js';
 
 const byId = (id) => document.getElementById(id);
 const cameras = byId('cameras');
@@ -28,26 +29,11 @@ byId('count').addEventListener('input', (e) => {
 });
 choose(byId('surface').querySelector(':checked').value);
 
-// Whoever is turned leads; the other follows. What follows does not lead back: its orbit is the one it was given.
-const shown = new Map();
-function follow(leader, follower) {
-  const { azimuth, elevation, distance } = leader.getCameraOrbit();
-  const orbit = `${azimuth}deg ${elevation}deg ${distance}m`;
-  if (shown.get(leader) === orbit) return false;
-  shown.set(leader, orbit).set(follower, orbit);
-  follower.setAttribute('camera-orbit', orbit);
-  follower.jumpCameraToGoal();
-  return true;
-}
-function turn() {
-  if (!follow(cameras, layers)) follow(layers, cameras);
-  requestAnimationFrame(turn);
-}
 let ready = 0;
 for (const viewer of [cameras, layers]) {
   viewer.addEventListener('canplay', () => {
     byId('notice').hidden = true;
-    if (++ready === 2) turn();
+    if (++ready === 2) turnTogether(cameras, layers);
   }, { once: true });
   viewer.addEventListener('error', (e) => {
     byId('notice').textContent = e.detail.message;

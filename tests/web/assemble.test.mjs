@@ -35,9 +35,12 @@ test('OpenCV\'s optical flow is offered where its module lies, and only there', 
   assert.equal(without.split('\n').length, source.split('\n').length - 1, 'nothing else is left out');
 });
 
-test('the page with characters from cameras is linked where there are any', () => {
-  assert.match(indexWith([]), /href="cameras\.html"/);
-  assert.ok(existsSync(join(folder, 'out', 'cameras.html')));
-  assert.doesNotMatch(indexWith([], false), /cameras\.html/);
+test('the pages with characters from cameras are linked where there are any', () => {
+  const withCameras = indexWith([]);
+  for (const page of ['cameras.html', 'methods.html']) {
+    assert.ok(withCameras.includes(`href="${page}"`), page);
+    assert.ok(existsSync(join(folder, 'out', page)), page);
+  }
+  assert.doesNotMatch(indexWith([], false), /(cameras|methods)\.html/);
   assert.ok(!existsSync(join(folder, 'out', 'cameras.html')));
 });

@@ -7,7 +7,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 
-import { environment, kPatienceMs, launch, openPage, outputFolder, readCanvas, renderNative, showPose, waitForEvent, writePicture } from './harness.mjs';
+import { environment, kPatienceMs, launch, openCharacter, openPage, outputFolder, readCanvas, renderNative, showPose, waitForEvent, writePicture } from './harness.mjs';
 import { serve } from './server.mjs';
 import { coverage, ssim } from './ssim.mjs';
 
@@ -33,30 +33,10 @@ after(async () => {
 
 const fetchedFull = (since) => server.requests.slice(since).filter(({ path }) => path.includes('fourdvt-full')).length;
 
-/** The front page with the viewer alone, on another character. Waits for its first picture, or for its error. */
-async function openCharacter(src, attributes = {}) {
-  const page = await openPage(browser);
-  await page.goto(server.url);
-  await waitForEvent(page, 'canplay');
-  const outcome = await page.evaluate(async ({ src, attributes }) => {
-    const viewer = document.querySelector('fourdvt-viewer');
-    Object.assign(viewer.style, { position: 'fixed', inset: 'auto', left: '0', top: '0', width: '720px', height: '960px' });
-    viewer.removeAttribute('sequence');
-    for (const [name, value] of Object.entries(attributes)) viewer.setAttribute(name, value);
-    const end = new Promise((done) => {
-      viewer.addEventListener('canplay', () => done('canplay'), { once: true });
-      viewer.addEventListener('error', (e) => done(e.detail), { once: true });
-    });
-    viewer.src = src;
-    return end;
-  }, { src, attributes });
-  return { page, outcome };
-}
-
 for (const surface of ['hull', 'refined']) {
   test(`native and browser agree on the ${surface} character, and it plays`, async () => {
     const out = outputFolder('cameras');
-    const { page, outcome } = await openCharacter(`cameras/${surface}/character.gltf`);
+    const { page, outcome } = await openCharacter(browser, server.url, `cameras/${surface}/character.gltf`);
     assert.equal(outcome, 'canplay');
     await page.waitForFunction(() => {
       const canvas = document.querySelector('fourdvt-viewer').shadowRoot.querySelector('canvas');
@@ -91,14 +71,14 @@ test('only characters from cameras fetch the full player', async () => {
   await waitForEvent(page, 'canplay');
   assert.equal(fetchedFull(since), 0);
   await page.close();
-  const { page: other, outcome } = await openCharacter('cameras/hull/character.gltf');
+  const { page: other, outcome } = await openCharacter(browser, server.url, 'cameras/hull/character.gltf');
   assert.equal(outcome, 'canplay');
   assert.ok(fetchedFull(since) >= 2, 'script and wasm');
   await other.close();
 });
 
 test('method, cameras and visibility choose how it is drawn; an unknown method is refused', async () => {
-  const { page } = await openCharacter('cameras/hull/character.gltf');
+  const { page } = await openCharacter(browser, server.url, 'cameras/hull/character.gltf');
   await showPose(page, kPoses[0]);
   const set = async (name, value) => {
     await page.evaluate(async ([name, value]) => {
@@ -136,7 +116,7 @@ test('a full player that does not load, and a chunk that is damaged, are one err
   const full = join(site, 'fourdvt-viewer', 'fourdvt-full.wasm');
   const kept = readFileSync(full);
   rmSync(full);
-  const { page, outcome } = await openCharacter('cameras/hull/character.gltf');
+  const { page, outcome } = await openCharacter(browser, server.url, 'cameras/hull/character.gltf');
   assert.equal(outcome.id, 'fetch-failed');
   assert.match(outcome.message, /fourdvt-full/);
   await page.close();
@@ -147,7 +127,7 @@ test('a full player that does not load, and a chunk that is damaged, are one err
   const bytes = readFileSync(stream);
   bytes[bytes.length - 100] ^= 255;
   writeFileSync(stream, bytes);
-  const { page: other, outcome: error } = await openCharacter('cameras/damaged/character.gltf');
+  const { page: other, outcome: error } = await openCharacter(browser, server.url, 'cameras/damaged/character.gltf');
   assert.equal(error.id, 'files-differ');
   assert.match(error.message, /run\.bin/);
   await other.close();

@@ -139,6 +139,29 @@ export async function openPage(browser, options = {}, uploadPath = 'i420') {
   return page;
 }
 
+/**
+ * The front page with the viewer alone, on another character: { page, outcome }. Waits for its first picture, or for its
+ * error: outcome is 'canplay' or the error's detail. prepare: given the page before it loads anything.
+ */
+export async function openCharacter(browser, url, src, { width = 720, height = 960, prepare } = {}) {
+  const page = await openPage(browser);
+  await prepare?.(page);
+  await page.goto(url);
+  await waitForEvent(page, 'canplay');
+  const outcome = await page.evaluate(async ({ src, width, height }) => {
+    const viewer = document.querySelector('fourdvt-viewer');
+    Object.assign(viewer.style, { position: 'fixed', inset: 'auto', left: '0', top: '0', width: `${width}px`, height: `${height}px` });
+    viewer.removeAttribute('sequence');
+    const end = new Promise((done) => {
+      viewer.addEventListener('canplay', () => done('canplay'), { once: true });
+      viewer.addEventListener('error', (e) => done(e.detail), { once: true });
+    });
+    viewer.src = src;
+    return end;
+  }, { src, width, height });
+  return { page, outcome };
+}
+
 /** Milliseconds from navigation to the event of the first viewer; fails at once if an error event came before. */
 export async function waitForEvent(page, type) {
   const handle = await page.waitForFunction((wanted) => {

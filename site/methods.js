@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// Two methods on one view with a line between them: which method each side shows, on which surface, and where the line
+// is. Both viewers look from where the visitor has turned either, and play the same moment.
+import './fourdvt-viewer/fourdvt-viewer.js';
+import { playTogether, turnTogether } from './together.js';
+
+// The methods that `fourdvt render --help` lists, in its order. group: how the choice is divided.
+const METHODS = {
+  fvvr: { title: 'FVVR', text: 'The cameras that see a point, weighted by angle' },
+  lumigraph: { title: 'Lumigraph', text: 'Nearer cameras count for more; none enters or leaves with a jump' },
+  filtered: { title: 'Filtered', text: 'Blurred along the view’s ray, as far as the surface is uncertain' },
+  'band-limited': { title: 'Band-limited', text: 'Blurred as much as the cameras’ spacing demands, from everywhere' },
+  wireframe: { title: 'Wireframe', text: 'The triangles of this frame', group: 'Look behind it' },
+  silhouette: { title: 'Silhouette', text: 'Where the surface is', group: 'Look behind it' },
+};
+// Two methods to begin with, and pairs worth seeing.
+const FIRST = ['band-limited', 'lumigraph'];
+const PAIRS = [
+  { title: 'Blur', methods: ['filtered', 'lumigraph'] },
+  { title: 'Triangles', methods: ['wireframe', 'fvvr'] },
+];
+const KEY_STEPS = { ArrowLeft: -2, ArrowDown: -2, ArrowRight: 2, ArrowUp: 2, PageDown: -10, PageUp: 10, Home: -100, End: 100 };
+
+const byId = (id) => document.getElementById(id);
+const left = byId('left'), right = byId('right'), viewers = [left, right];
+const handle = byId('handle'), wipe = byId('wipe'), scrub = byId('scrub'), transport = byId('transport');
+
+// --- methods ---
+
+function fill(select) {
+  const groups = new Map();
+  for (const [name, { title, group }] of Object.entries(METHODS)) {
+    if (group && !groups.has(group)) {
+      groups.set(group, document.createElement('optgroup'));
+      groups.get(group).label = group;
+      select.append(groups.get(group));
+    }
+    (groups.get(group) ?? select).append(new Option(title, name));
+  }
+}
+function show(side, name) {
+  byId(side).method = name;
+  byId(`${side}-method`).value = name;
+  byId(`${side}-title`).textContent = METHODS[name].title;
+  byId(`${side}-text`).textContent = METHODS[name].text;
+  describeLine();
+}
+for (const side of ['left', 'right']) {
+  const select = byId(`${side}-method`);
+  fill(select);
+  select.addEventListener('change', () => show(side, select.value));
+}
+for (const { title, methods: [a, b] } of PAIRS) {
+  const button = Object.assign(document.createElement('button'), { type: 'button', textContent: title });
+  button.addEventListener('click', () => {
+    show('left', a);
+    show('right', b);
+  });
+  byId('pairs').append(button);
+}
+
+// --- the line ---
+
+let line = 50; // percent of the width
+function moveLine(percent) {
+  line = Math.min(100, Math.max(0, percent));
+  wipe.style.setProperty('--split', `${line}%`);
+  describeLine();
+}
+function describeLine() {
+  handle.setAttribute('aria-valuenow', String(Math.round(line)));
+  handle.setAttribute('aria-valuetext', `${Math.round(line)} % ${byId('left-title').textContent}, the rest ${byId('right-title').textContent}`);
+}
+handle.addEventListener('pointerdown', (e) => {
+  if (e.button !== 0) return;
+  handle.setPointerCapture(e.pointerId);
+  handle.focus({ preventScroll: true });
+  e.preventDefault();
+});
+handle.addEventListener('pointermove', (e) => {
+  if (!handle.hasPointerCapture(e.pointerId)) return;
+  const { left: from, width } = wipe.getBoundingClientRect();
+  moveLine((100 * (e.clientX - from)) / width);
+});
+handle.addEventListener('keydown', (e) => {
+  const step = KEY_STEPS[e.key];
+  if (!step || e.ctrlKey || e.metaKey || e.altKey) return;
+  e.preventDefault();
+  moveLine(line + step);
+});
+
+// --- surface, playing, messages ---
+
+function notice(text) {
+  byId('notice').textContent = text;
+  byId('notice').hidden = !text;
+}
+function choose(surface) {
+  notice('');
+  for (const viewer of viewers) {
+    viewer.poster = `cameras/${surface}/poster.webp`;
+    viewer.src = `cameras/${surface}/character.gltf`;
+  }
+}
+byId('surface').addEventListener('change', (e) => choose(e.target.value));
+
+function showPlaying() {
+  transport.classList.toggle('playing', !left.paused);
+  byId('play').setAttribute('aria-label', left.paused ? 'Play' : 'Pause');
+}
+byId('play').addEventListener('click', () => {
+  if (left.paused) void left.play().catch(() => {});
+  else left.pause();
+});
+scrub.addEventListener('input', () => {
+  left.pause();
+  left.seekFrame(Number(scrub.value));
+});
+function showFrame() {
+  requestAnimationFrame(showFrame);
+  const frames = left.sequences.find(({ name }) => name === left.sequence)?.frames;
+  if (!frames) return;
+  scrub.max = String(frames - 1);
+  if (!left.paused) scrub.value = String(left.frame);
+  byId('frame').value = `frame ${left.frame} of ${frames}`;
+}
+for (const type of ['play', 'pause']) left.addEventListener(type, showPlaying);
+
+for (const viewer of viewers) {
+  viewer.addEventListener('error', (e) => notice(e.detail.message));
+  viewer.addEventListener('methodfallback', (e) => notice(e.detail.message));
+}
+const playable = (viewer) => new Promise((done) => viewer.addEventListener('canplay', done, { once: true }));
+void Promise.all(viewers.map(playable)).then(() => {
+  turnTogether(left, right);
+  playTogether(left, right);
+  showPlaying();
+  showFrame();
+});
+['left', 'right'].forEach((side, i) => show(side, FIRST[i]));
+const { value } = byId('surface').querySelector(':checked'); // a browser keeps it over a reload
+if (value !== 'hull') choose(value);
+moveLine(50);
