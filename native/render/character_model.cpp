@@ -138,7 +138,7 @@ Result<CharacterModel> CharacterModel::create(gpu::Device& device, const package
 
 Result<CharacterModel> CharacterModel::createForSurfaces(gpu::Device& device, const package::Character& character) {
   const uint32_t vertices = character.vertex_count, faces = character.face_count;
-  FOURDVT_TRY(checkSize(device, vertices, faces, vertices + 1 + 6ull * faces));  // UnseenFill's table is the largest
+  FOURDVT_TRY(checkSize(device, vertices, faces, vertices + 1 + 6ull * faces));  // the neighbours' table is the largest
   CharacterModel model = emptyModel(character);
   model.most_vertices_ = vertices;
   model.most_faces_ = faces;

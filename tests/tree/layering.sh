@@ -12,7 +12,7 @@ complain() { echo "$*"; bad=1; }
 declare -A allowed
 order=()
 layer() { order+=("$1"); allowed[$1]="${*:2}"; }
-core="base gpu package package/coding motion render render/flow render/cameras stream player player/parts"
+core="base gpu package package/coding motion render render/flow render/fields render/cameras stream player player/parts"
 layer base
 layer gpu base
 layer package base
@@ -20,7 +20,8 @@ layer package/coding base package
 layer motion base package
 layer render/flow base gpu
 layer render base gpu package render/flow
-layer render/cameras base gpu package render
+layer render/fields base gpu package render
+layer render/cameras base gpu package render render/fields
 layer stream base package package/coding
 layer player/parts base gpu package package/coding motion render render/flow stream
 layer player base gpu package motion render render/flow stream player/parts

@@ -9,51 +9,24 @@
 namespace fourdvt::render {
 
 Status UnseenFill::makeTables(gpu::Device& device, const CharacterModel& model) {
-  if (model.vertex_count <= table_vertices_ && model.face_count <= table_faces_) return {};
-  const uint32_t vertices = std::min(model.vertex_count + model.vertex_count / 4, model.mostVertices()),
-                 faces = std::min(model.face_count + model.face_count / 4,
-                                  model.mostFaces());  // the next is about as large
-  table_vertices_ = table_faces_ = 0;
-  topology_serial_ = 0;
+  if (model.vertex_count <= table_vertices_) return {};
+  // The next surface is about as large.
+  const uint32_t vertices = std::min(model.vertex_count + model.vertex_count / 4, model.mostVertices());
+  table_vertices_ = 0;
   for (Table* table : {&seen_, &colors_[0], &colors_[1]}) {
     *table = {};
     FOURDVT_ASSIGN(table->texture, makeTable(device, gpu::PixelFormat::RGBA8, vertices, "vertices' colours"));
     FOURDVT_ASSIGN(table->target,
                    gpu::makeTarget(device, {.colors = {table->texture.id()}, .label = "vertices' colours"}));
   }
-  FOURDVT_ASSIGN(neighbours_,
-                 makeTable(device, gpu::PixelFormat::R32UI, vertices + 1 + 6ull * faces, "vertices' neighbours"));
   table_vertices_ = vertices;
-  table_faces_ = faces;
   return {};
-}
-
-// A neighbour stands in a list once for each face that has both; where faces meet in pairs all weigh the same.
-void UnseenFill::uploadNeighbours(gpu::Device& device, const CharacterModel& model) {
-  const uint32_t vertices = model.vertex_count;
-  resizeToRows(lists_, vertices + 1 + 6ull * model.face_count, 0u);
-  for (const glm::uvec3& face : model.faces())
-    for (int k = 0; k < 3; ++k) lists_[face[k]] += 2;
-  uint32_t end = vertices + 1;
-  for (uint32_t v = 0; v <= vertices; ++v) {
-    const uint32_t count = v < vertices ? lists_[v] : 0;
-    lists_[v] = end;
-    end += count;
-  }
-  std::vector<uint32_t> next(lists_.begin(), lists_.begin() + vertices);
-  for (const glm::uvec3& face : model.faces())
-    for (int k = 0; k < 3; ++k) {
-      lists_[next[face[k]]++] = face[(k + 1) % 3];
-      lists_[next[face[k]]++] = face[(k + 2) % 3];
-    }
-  uploadTable(device, neighbours_, lists_);
-  topology_serial_ = model.topology_serial;
 }
 
 Status UnseenFill::update(gpu::Device& device, const CharacterModel& model, size_t camera_count,
                           const BlendPictures& pictures, const CameraUniforms& cameras) {
   FOURDVT_TRY(makeTables(device, model));
-  if (topology_serial_ != model.topology_serial) uploadNeighbours(device, model);
+  FOURDVT_TRY(neighbours_.update(device, model));
   const std::string defines = CameraUniforms::defines(camera_count, pictures);
   gpu::Program& seen_program = seen_programs_[defines];
   if (!seen_program) {
@@ -79,7 +52,7 @@ Status UnseenFill::update(gpu::Device& device, const CharacterModel& model, size
     const gpu::TextureId before = step == 0 ? seen_.texture.id() : colors_[step % 2].texture.id();
     draw(colors_[(step + 1) % 2],
          {.program = spread_program_.id(),
-          .textures = {{"u_seen", seen_.texture.id()}, {"u_before", before}, {"u_neighbours", neighbours_.id()}},
+          .textures = {{"u_seen", seen_.texture.id()}, {"u_before", before}, {"u_neighbours", neighbours_.texture()}},
           .uniforms = {gpu::uniform("u_vertex_count", vertex_count)},
           .vertex_count = 3});
   }

@@ -6,9 +6,10 @@
 
 #include <array>
 #include <map>
-#include <vector>
+#include <string>
 
 #include "render/cameras/camera_blend.h"
+#include "render/fields/surface_neighbours.h"
 
 namespace fourdvt::render {
 
@@ -28,16 +29,13 @@ class UnseenFill {
     gpu::Target target;
   };
   Status makeTables(gpu::Device& device, const CharacterModel& model);
-  void uploadNeighbours(gpu::Device& device, const CharacterModel& model);
 
   std::map<std::string, gpu::Program> seen_programs_;  // by their defines
   gpu::Program spread_program_;
   Table seen_;
   std::array<Table, 2> colors_;  // the result is in the first
-  gpu::Texture neighbours_;
-  uint32_t table_vertices_ = 0, table_faces_ = 0;  // that the tables have room for
-  uint64_t topology_serial_ = 0;
-  std::vector<uint32_t> lists_;  // scratch
+  SurfaceNeighbours neighbours_;
+  uint32_t table_vertices_ = 0;  // that the tables have room for
 };
 
 }  // namespace fourdvt::render

@@ -1,0 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
+// The cell's vertex, counted from 1.
+flat in uint v_vertex;
+out uint o_vertex;
+
+void main() { o_vertex = v_vertex + 1u; }

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// Fields come nearer to what they should be, a texel per vertex (M4D Eq. 5).
+uniform sampler2D u_before_low;
+uniform sampler2D u_before_high;
+uniform sampler2D u_aims_low;
+uniform sampler2D u_aims_high;
+uniform vec4 u_keeps_low;   // per slot: 1, or 0 where its field starts from 0
+uniform vec4 u_keeps_high;
+uniform float u_share;      // of the way
+layout(location = 0) out vec4 o_low;
+layout(location = 1) out vec4 o_high;
+
+void main() {
+  ivec2 here = ivec2(gl_FragCoord.xy);
+  o_low = mix(u_keeps_low * texelFetch(u_before_low, here, 0), texelFetch(u_aims_low, here, 0), u_share);
+  o_high = mix(u_keeps_high * texelFetch(u_before_high, here, 0), texelFetch(u_aims_high, here, 0), u_share);
+}

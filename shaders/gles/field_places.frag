@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where each vertex is: from the box's least corner, metres, a texel per vertex.
+#include "field_neighbours.glsl"
+uniform vec3 u_box_min;
+out vec4 o_place;
+
+void main() {
+  int vertex = vertexHere();
+  o_place = vertex < u_vertex_count ? vec4(fetchPosition(vertex) - u_box_min, 1.0) : vec4(0.0);
+}
