@@ -1,3 +1,3 @@
 // SPDX-License-Identifier: Apache-2.0
-// Unstructured lumigraph rendering (BBMGC01), by the angular penalty alone.
+// Unstructured lumigraph rendering (BBMGC01).
 #include "camera_lumigraph.glsl"

@@ -3,11 +3,13 @@
 // BOUNDED: the bound is the angle of the farthest camera of this draw, whether or not it sees the point, so that a camera
 // that enters or leaves the choice has no weight then, and what hides a camera moves no bound. Else all cameras are in
 // use, none enters or leaves, and the bound is the opposite direction.
+// In place of the paper's penalty of resolution, a camera fades out towards the cosine at which it is not used any more.
 #define COMPARES_CAMERAS
 #include "camera_shade.glsl"
 
 const float kLeastAngle = 1e-3;  // radians: a camera in the view's direction has a finite weight
 const float kLeastShare = 1e-3;  // where only the camera at the bound sees the point, it is shown all the same
+const float kFade = 0.3;         // of the cosine
 const float kOpposite = 3.14159265;
 
 float angle_bound;
@@ -26,5 +28,6 @@ void compareCameras(vec3 point, vec3 to_eye) {
 
 float cameraWeight(vec3 to_camera, float cosine, vec3 to_eye) {
   float angle = max(angleBetween(to_camera, to_eye), kLeastAngle);
-  return max(1.0 - angle / angle_bound, kLeastShare) / angle;
+  float resolution = smoothstep(u_least_cosine, u_least_cosine + kFade, cosine);
+  return resolution * max(1.0 - angle / angle_bound, kLeastShare) / angle;
 }

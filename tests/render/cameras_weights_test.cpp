@@ -160,5 +160,23 @@ TEST_F(CamerasWeightsTest, EveryNameMakesAMethod) {
       EXPECT_TRUE(render::makeCameraMethod(*device, name)) << name;
 }
 
+TEST(CameraMethods, WhereADeviceCannotRunOneTheLumigraphServesAndANoticeSaysSo) {
+  const auto able = gpu::createNullDevice(true), unable = gpu::createNullDevice(false);
+  for (const render::MethodGroup group : {render::MethodGroup::Textured, render::MethodGroup::Inspection})
+    for (const std::string& name : render::cameraMethodNames(group)) {
+      const auto wanted = render::makeMethodThatServes(*able, name).take();
+      EXPECT_EQ(wanted.name, name);
+      EXPECT_EQ(wanted.notice, "");
+      const auto served = render::makeMethodThatServes(*unable, name).take();
+      ASSERT_TRUE(served.method) << name;
+      if (served.name == name) continue;
+      EXPECT_EQ(served.name, "lumigraph");
+      EXPECT_EQ(served.notice,
+                "this device cannot draw into half-float textures: lumigraph is drawn in place of " + name);
+      EXPECT_EQ(render::makeCameraMethod(*unable, name).error().id, ErrorId::Unsupported);
+    }
+  EXPECT_EQ(render::makeMethodThatServes(*unable, "no-such-method").error().id, ErrorId::InvalidArgument);
+}
+
 }  // namespace
 }  // namespace fourdvt::testing
