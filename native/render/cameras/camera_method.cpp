@@ -8,18 +8,18 @@ namespace {
 
 using Made = Result<std::unique_ptr<Method>>;
 
-template <ShaderCameras cameras>
-Made ofShader(gpu::Device&, const char* fragment_file) {
-  return makeShaderMethod(fragment_file, cameras);
-}
-
 struct Row {
   const char* name;
   MethodGroup group;
   bool needs_half_float_targets;
-  Made (*make)(gpu::Device&, const char* fragment_file);
-  const char* fragment_file;  // of methods that are one shader
+  Made (*make)(gpu::Device&, const Row&);
+  const char* fragment_file = nullptr;  // of methods that are one shader
 };
+
+template <ShaderCameras cameras>
+Made ofShader(gpu::Device&, const Row& row) {
+  return makeShaderMethod(row.fragment_file, cameras);
+}
 
 constexpr MethodGroup kTextured = MethodGroup::Textured, kInspection = MethodGroup::Inspection;
 
@@ -49,7 +49,7 @@ Result<std::unique_ptr<Method>> makeCameraMethod(gpu::Device& device, std::strin
     if (row.name != name) continue;
     if (row.needs_half_float_targets && !device.caps().half_float_targets)
       return Error{ErrorId::Unsupported, "this device cannot draw into half-float textures"};
-    return row.make(device, row.fragment_file);
+    return row.make(device, row);
   }
   return Error{ErrorId::InvalidArgument, "there is no method " + std::string(name)};
 }
