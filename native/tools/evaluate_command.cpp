@@ -11,6 +11,7 @@
 #include "platform/folders.h"
 #include "render/cameras/camera_method.h"
 #include "study/projective/method_scores.h"
+#include "study/projective/projective_study.h"
 #include "study/study.h"
 #include "tools/args.h"
 #include "tools/commands.h"
@@ -24,7 +25,8 @@ namespace {
 const CommandHelp& help() {
   static const CommandHelp text{
       "evaluate CAPTURE -o REPORT [--quick]  or  evaluate CAPTURE --character CHARACTER [options]  or\n"
-      "       evaluate CAPTURE --surface [--reference CAPTURE2]",
+      "       evaluate CAPTURE --surface [--reference CAPTURE2]  or\n"
+      "       evaluate CAPTURE --projective [-o REPORT] [--methods A,B] [--quick]",
       "The first form bakes the capture in every way that is compared and writes the papers' tables and curves as\n"
       "REPORT/evaluate.csv, evaluate.json (the same rows) and report.html. Stop it with Ctrl-C; the same command goes "
       "on\n"
@@ -35,8 +37,17 @@ const CommandHelp& help() {
       "\"common dB\" is the PSNR where both silhouettes are, without the outline's error.\n"
       "The third form scores the capture's surfaces, of whatever topology: plain projective texturing from its videos "
       "at\n"
-      "the held-out cameras, and distances to the surfaces of a reference capture.",
-      {{"-o", "FOLDER", "report folder (required without --character; with it: evaluate.csv, .txt and worst.png)"},
+      "the held-out cameras, and distances to the surfaces of a reference capture.\n"
+      "The fourth form compares the methods of characters from cameras (`fourdvt render --method`), drawn from the "
+      "raw\n"
+      "videos. With -o: on the capture's surfaces, coarser ones, hulls and a plane, by number of cameras and with "
+      "errors "
+      "of\n"
+      "calibration, into REPORT/projective.csv, projective.json (the same rows) and report.html; the same command goes "
+      "on\n"
+      "after Ctrl-C. Without: one table on the capture's surfaces.",
+      {{"-o", "FOLDER",
+        "report folder (required by the first form; with --character: evaluate.csv, .txt and worst.png)"},
        {"--sequences", "A,B", "only these sequences (default: all)"},
        {"--quick", nullptr, "the shortest sequence, few views and settings: for a first look"},
        {"--jobs", "N", "worker threads of the bakes; 0: one per core (default 0)"},
@@ -51,7 +62,8 @@ const CommandHelp& help() {
         "with --surface: textured on the GPU from the M cameras nearest to the view, 0: all (default: on the CPU from "
         "all); with --character: of a character from cameras (default 4)"},
        {"--projective", nullptr, "compare the methods of characters from cameras on the capture's surfaces"},
-       {"--methods", "A,B", "with --projective: these methods (default: all)"},
+       {"--methods", "A,B", "with --projective: these methods (default: all; of the table: fvvr)"},
+       {"--frames", "N", "with --projective -o: test frames of each sequence, spread over it (default 1)"},
        {"--surface", nullptr, "score the capture's surfaces"},
        {"--reference", "CAPTURE2", "with --surface: the same motions with the surfaces that are taken for true"}}};
   return text;
@@ -61,6 +73,7 @@ struct Arguments {
   std::string capture, character, output, reference;
   bool surface = false, projective = false;
   std::vector<std::string> methods;
+  uint32_t test_frames = 1;
   std::optional<int> closest;
   std::vector<std::string> sequences;
   bool quick = false;
@@ -84,8 +97,15 @@ Arguments readArguments(Args& args) {
   a.projective = args.has("--projective");
   a.methods = args.list("--methods");
   if (!a.methods.empty() && !a.projective) args.complain("--methods belongs to --projective");
+  a.test_frames = static_cast<uint32_t>(args.integer("--frames", 1, 1, 10'000));
+  if (args.has("--frames") && (!a.projective || a.output.empty())) args.complain("--frames belongs to --projective -o");
+  if (a.projective && (a.surface || !a.character.empty() || args.has("--jobs") || args.has("--reference") ||
+                       args.has("--refine") || args.has("--refine-cameras") || args.has("--matte-bias-px")))
+    args.complain("--projective goes with -o, --sequences, --methods, --frames, --closest and --quick only");
   a.reference = args.text("--reference");
   if (args.has("--closest")) a.closest = args.integer("--closest", 0, 0, package::kMaxCameras);
+  if (a.closest && a.projective && !a.output.empty())
+    args.complain("--closest does not go with --projective -o, which measures numbers of cameras itself");
   if (a.closest && !a.surface && !a.projective && a.character.empty())
     args.complain("--closest belongs to --surface and --character");
   if (!a.reference.empty() && !a.surface) args.complain("--reference belongs to --surface");
@@ -144,8 +164,18 @@ class ProgressLine {
   Clock::time_point last_;
 };
 
+std::string furtherOptions(const Arguments& arguments) {
+  if (!arguments.projective) return "";
+  std::string out = " --projective";
+  for (const std::string& method : arguments.methods)
+    out += (&method == &arguments.methods.front() ? " --methods " : ",") + method;
+  return out + (arguments.test_frames > 1 ? " --frames " + std::to_string(arguments.test_frames) : "");
+}
+
 int runWholeStudy(const Arguments& arguments) {
-  auto capture = capture::openCapture(arguments.capture, videoOpener(), arguments.sequences);
+  using capture::MeshNeed;
+  auto capture = capture::openCapture(arguments.capture, videoOpener(), arguments.sequences,
+                                      arguments.projective ? MeshNeed::AnySurface : MeshNeed::ConstantTopology);
   if (!capture.ok()) return fail(capture.error());
   const std::atomic<bool>* stop = listenForStop();
   auto gpu = openGpu();
@@ -154,18 +184,22 @@ int runWholeStudy(const Arguments& arguments) {
   study::StudyContext context;
   context.options = {arguments.capture, arguments.output, arguments.sequences,       arguments.quick,
                      arguments.jobs,    arguments.refine, "fourdvt " FOURDVT_VERSION};
+  context.options.methods = arguments.methods;
+  context.options.test_frames = arguments.test_frames;
+  if (arguments.projective) context.options.stem = "projective";
+  context.options.further = furtherOptions(arguments);
   context.capture = &capture.value();
   context.open_video = videoOpener();
   context.device = gpu.value().device.get();
   context.progress = [&](const study::StudyProgress& p) { line.show(p); };
   context.stop = stop;
   const auto start = std::chrono::steady_clock::now();
-  auto rows = study::runStudy(context);
+  auto rows = arguments.projective ? study::runProjectiveStudy(context) : study::runStudy(context);
   line.end();
   if (!rows.ok()) return fail(rows.error());
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  std::printf("%zu rows in %.0f s\nrows: %s/evaluate.csv\nreport: %s/report.html\n", rows.value().size(),
-              seconds.count(), arguments.output.c_str(), arguments.output.c_str());
+  std::printf("%zu rows in %.0f s\nrows: %s/%s.csv\nreport: %s/report.html\n", rows.value().size(), seconds.count(),
+              arguments.output.c_str(), context.options.stem.c_str(), arguments.output.c_str());
   return kOk;
 }
 
@@ -260,7 +294,7 @@ int evaluateCommand(int argc, char** argv) {
   const Arguments arguments = readArguments(args);
   if (const auto code = helpOrProblem(help(), args)) return *code;
   if (arguments.surface) return scoreSurface(arguments);
-  if (arguments.projective) return compareMethods(arguments);
+  if (arguments.projective && arguments.output.empty()) return compareMethods(arguments);
   return arguments.character.empty() ? runWholeStudy(arguments) : scoreCharacter(arguments);
 }
 

@@ -192,5 +192,55 @@ TEST(CliEvaluate, WrongInputIsOneClearLine) {
   EXPECT_TRUE(isOneLineWith(unwritable, "/proc/report")) << unwritable.output;
 }
 
+TEST(CliEvaluate, MethodsFromCamerasAreComparedAndGoOn) {
+  const std::string report = scratch("methods") + "/report";
+  const std::string command = "evaluate " + capture() + " --projective -o " + report + " --quick";
+  const Outcome stopped = interrupted(command, report + "/steps/proxies.csv", scratch("methods_log") + "/log");
+  EXPECT_EQ(stopped.code, 130) << stopped.output;
+  EXPECT_NE(stopped.output.find("--projective"), std::string::npos) << stopped.output;  // the command to go on with
+  EXPECT_FALSE(exists(report + "/steps/pictures.csv"));
+  const std::string proxies = readText(report + "/steps/proxies.csv");
+  ASSERT_FALSE(proxies.empty());
+
+  const Outcome run = fourdvt(command);
+  ASSERT_EQ(run.code, 0) << run.output;
+  EXPECT_EQ(readText(report + "/steps/proxies.csv"), proxies);
+  for (const char* file :
+       {"/report.html", "/projective.json", "/pictures/methods-turn.jpg", "/pictures/close-ups-turn.jpg",
+        "/pictures/worst-given-turn.jpg", "/work/surfaces/hull/turn/000000.ply"})
+    EXPECT_TRUE(exists(report + file)) << file;
+  const Csv csv = readCsv(report + "/projective.csv");
+  for (const std::string table : {"condition", "view", "cross", "stage", "pictures", "about"})
+    EXPECT_TRUE(csv.tables.count(table)) << table;
+  const auto value = [&](const std::string& condition, const std::string& quantity) {
+    for (const auto& [key, value] : csv.values)
+      if (key.rfind("condition,turn,fvvr," + condition + " ", 0) == 0 &&
+          key.substr(key.size() - quantity.size() - 1) == "," + quantity)
+        return value;
+    ADD_FAILURE() << condition << " " << quantity;
+    return -1.0;
+  };
+  // A checkered box: the true surface is sharper, and cameras that are out of place cost sharpness and more.
+  EXPECT_GT(value("axis=proxy at=given", "psnr_fg_db"), 24);
+  EXPECT_GT(value("axis=proxy at=given", "ssim_fg"), 0.9);
+  EXPECT_GT(value("axis=proxy at=given", "psnr_fg_db"), value("axis=proxy at=hull", "psnr_fg_db") + 1);
+  EXPECT_GT(value("axis=proxy at=given", "ssim_fg"), value("axis=rotation at=0.1", "ssim_fg"));
+  EXPECT_GE(value("axis=proxy at=hull", "shift_tolerant_db"), value("axis=proxy at=hull", "psnr_fg_db"));
+  EXPECT_LT(value("axis=proxy at=given", "flicker_levels"), value("axis=proxy at=hull", "flicker_levels"));
+  EXPECT_EQ(value("axis=proxy at=given", "ratio_to_fvvr"), 1);
+  EXPECT_GT(csv.values.at("cross,turn,fvvr,proxy=given own=1,psnr_fg_db"),
+            csv.values.at("cross,turn,fvvr,proxy=given own=0,psnr_fg_db"));
+
+  // Another kind's report is not overwritten, and methods that do not exist are refused.
+  const Outcome other = fourdvt("evaluate " + capture() + " -o " + report + " --quick");
+  EXPECT_EQ(other.code, 1);
+  EXPECT_TRUE(isOneLineWith(other, "study of other settings")) << other.output;
+  const Outcome unknown =
+      fourdvt("evaluate " + capture() + " --projective -o " + report + "2 --methods fvvr,holography");
+  EXPECT_EQ(unknown.code, 1);
+  EXPECT_TRUE(isOneLineWith(unknown, "holography")) << unknown.output;
+  EXPECT_FALSE(exists(report + "2"));
+}
+
 }  // namespace
 }  // namespace fourdvt::test

@@ -50,7 +50,7 @@ layer study/run $core platform capture refine report measure $bake_all
 layer study/tables base report study/run
 layer study/steps $core platform capture report measure $bake_all study/run study/tables
 layer study/motion $core platform capture report measure $bake_all study/run study/tables
-layer study/projective $core platform capture report measure bake/texels bake/cameras study/run study/tables
+layer study/projective $core platform capture studio report measure reconstruct/run bake/texels bake/cameras study/run study/tables
 layer study base platform capture refine report $bake_all study/run study/tables study/steps study/motion study/projective
 layer tools $core platform capture refine reconstruct/run studio studio/actors report measure $bake_all study study/run study/projective
 

@@ -34,6 +34,12 @@ struct StudyOptions {
   int jobs = 0;
   refine::RefineOptions refine;  // of the mesh and the cameras, for everything but the rows of the mesh as given
   std::string generator;         // "fourdvt X.Y.Z", for evaluate.json
+  // Of `--projective`.
+  std::vector<std::string> methods;  // empty: all
+  uint32_t test_frames = 1;          // of each sequence, at the held-out cameras
+  // The study's kind: rows are in REPORT/<stem>.csv and .json. Another kind's report folder is refused.
+  std::string stem = "evaluate";
+  std::string further;  // options as they are typed, besides folders, --sequences and --quick; " --projective"
 };
 
 struct StudyProgress {

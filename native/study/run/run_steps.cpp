@@ -15,6 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kStems[] = {"evaluate", "projective"};  // StudyOptions::stem of every kind of study
+
 std::string keyPath(const std::string& folder) { return folder + "/steps/key.txt"; }
 
 std::string readText(const std::string& path) {
@@ -41,8 +43,8 @@ void listFiles(const fs::path& folder, const fs::path& except, std::vector<std::
 std::string commandLine(const StudyOptions& options) {
   std::string sequences;
   for (const std::string& name : options.sequences) sequences += (sequences.empty() ? " --sequences " : ",") + name;
-  return "fourdvt evaluate '" + options.capture_folder + "' -o '" + options.report_folder + "'" + sequences +
-         (options.quick ? " --quick" : "");
+  return "fourdvt evaluate '" + options.capture_folder + "' -o '" + options.report_folder + "'" + options.further +
+         sequences + (options.quick ? " --quick" : "");
 }
 
 // Kept rows, or nullopt if there are none or the file is damaged.
@@ -70,7 +72,7 @@ std::string studyKey(const StudyOptions& options, const std::string& version) {
   std::vector<std::string> lines;
   listFiles(options.capture_folder, options.report_folder, lines);
   std::sort(lines.begin(), lines.end());
-  std::string text = version + (options.quick ? " quick" : " full");
+  std::string text = version + (options.quick ? " quick" : " full") + options.further;
   for (const std::string& name : options.sequences) text += "\nsequence " + name;
   text += "\nrefine " + std::to_string(options.refine.outline) + std::to_string(options.refine.cameras) +
           (options.refine.matte_bias_pixels ? std::to_string(*options.refine.matte_bias_pixels) : "");
@@ -89,13 +91,19 @@ Status openReportFolder(const std::string& folder, const std::string& key) {
     return Error{ErrorId::InvalidArgument, folder +
                                                ": exists and is not a study's report (no steps/key.txt inside); "
                                                "choose another report folder"};
-  if (!old.empty() && old != key + "\n" && fs::exists(folder + "/evaluate.csv", ignored))
+  const bool measured = std::any_of(std::begin(kStems), std::end(kStems), [&](const char* stem) {
+    std::error_code unread;
+    return fs::exists(folder + "/" + stem + ".csv", unread);
+  });
+  if (!old.empty() && old != key + "\n" && measured)
     return Error{ErrorId::InvalidArgument, folder +
                                                ": holds a study of other settings, or of a capture that has changed "
                                                "since; delete it or choose another report folder"};
   if (old != key + "\n") {
     for (const char* part : {"/steps", "/work", "/pictures"}) platform::removeFolder(folder + part);
-    for (const char* part : {"/evaluate.csv", "/evaluate.json", "/report.html"}) fs::remove(folder + part, ignored);
+    for (const std::string stem : kStems)
+      for (const char* end : {".csv", ".json"}) fs::remove(folder + "/" + stem + end, ignored);
+    fs::remove(folder + "/report.html", ignored);
   }
   for (const char* part : {"/steps", "/work", "/pictures"}) FOURDVT_TRY(platform::makeFolder(folder + part));
   return platform::writeFileAtomic(keyPath(folder), key + "\n");

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "study/run/rows.h"
+#include "study/run/projective_rows.h"
 #include "study/tables/sections.h"
 
 namespace fourdvt::study {
@@ -216,14 +216,17 @@ std::vector<Picture> picturesOf(const StudyValues& values, const std::vector<std
         {rows::kPictureWorst, "Worst held-out view: truth, ours, FVVR where kept, differences × 4"},
         {rows::kPictureMotionColumns, "From one member (w = 0) to the other (w = 1)"},
         {rows::kPictureMotionCrops, "Half way between the members"},
-        {rows::kPictureTransition, "A transition"}};
+        {rows::kPictureTransition, "A transition"},
+        {rows::kPictureMethods, "Methods on surfaces and calibrations that are more and more off"},
+        {rows::kPictureCloseUps, "The same, close up"},
+        {rows::kPictureWorstViews, "Every method's worst held-out view by SSIM-FG: truth, drawn, difference × 4"}};
     for (const auto& [key, caption] : kKinds)
       if (row.quantity == key) picture.caption = caption;
     for (const std::string& part : {row.sequence, row.method.empty() ? "" : methodTitle(row.method)})
       if (!part.empty()) picture.caption += ", " + part;
     static const std::pair<const char*, const char*> kParts[] = {
-        {"layers", "L = "}, {"size", "size "}, {"frame", "frame "},  {"view", ""},
-        {"from", "from "},  {"to", "to "},     {"score", "SSIM-FG "}};
+        {"layers", "L = "}, {"size", "size "}, {"frame", "frame "},   {"view", ""},
+        {"from", "from "},  {"to", "to "},     {"score", "SSIM-FG "}, {"at", "on "}};
     for (const auto& [key, prefix] : kParts)
       if (const std::string text = rows::settingText(row.setting, key); !text.empty())
         picture.caption += std::string(", ") + prefix + text;
