@@ -123,7 +123,7 @@ TEST(Flicker, CountsOnlyWhereMotionIsKnownAndThePerformerIsShown) {
                           opaque([](int x, int y) { return noise(x, y); })};
   TrueAndDrawn half = good;  // wrong on the left, and nothing there in the truth
   for (int y = 0; y < kSide; ++y)
-    for (int x = 0; x < 40; ++x) std::fill_n(half.picture.at(x, y), 3, uint8_t(0)), half.truth.at(x, y)[3] = 0;
+    for (int x = 0; x < 40; ++x) std::fill_n(half.picture.at(x, y), 3, uint8_t(250)), half.truth.at(x, y)[3] = 0;
   EXPECT_EQ(flickerLevels(good, half, still()), 0);
   FlowField unknown = still();
   std::fill(unknown.displacement.begin(), unknown.displacement.end(), glm::vec2(std::nanf("")));
