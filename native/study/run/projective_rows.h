@@ -11,8 +11,8 @@
 //                             closest=M views=N             kPsnrFgDb, kSsimFg, kPsnrCommonDb, kRmse, kGradientRatio,
 //                                                           kShiftTolerantDb; of a run of consecutive frames at an
 //                                                           input camera that is left out: kFlickerLevels (with meshes
-//                                                           of constant topology), kFrameS (all that a new frame
-//                                                           needs, read-back included), kRatioToFvvr
+//                                                           of constant topology), kFrameS (median: all that a new
+//                                                           frame needs, read-back included), kRatioToFvvr
 // view        likewise        axis= at= view=CAM frame=F    kPsnrFgDb, kSsimFg of one view
 // cross       likewise        proxy=P own=0|1               M4D Table 2: means at the input cameras; own=1: with the
 //                                                           camera's own picture among those that are drawn from, as
