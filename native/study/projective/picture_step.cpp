@@ -115,8 +115,10 @@ Status MethodSheets::figure8(FrameWindow& frames) {
 
 Status MethodSheets::worst(FrameWindow& frames, const Condition& condition, const Rows& views) {
   const std::string& sequence = frames.sequence().name;
-  report::Sheet sheet{
-      sequence + ", " + condition.at + ": worst views by SSIM-FG", {"truth", "drawn", "difference x 4"}, {}, {}};
+  report::Sheet sheet{sequence + ", " + condition.at + ": worst views by SSIM-FG",
+                      {},
+                      {"truth", "drawn", "difference x 4"},
+                      std::vector<std::vector<Image>>(3)};
   for (const std::string& name : setup_.methods()) {
     const Row* least = nullptr;
     for (const Row& row : views)
@@ -142,10 +144,11 @@ Status MethodSheets::worst(FrameWindow& frames, const Condition& condition, cons
     for (size_t i = 0; i < a.pixels.size(); ++i)
       difference.pixels[i] = uint8_t(std::min(255, 4 * std::abs(int(a.pixels[i]) - int(b.pixels[i]))));
     const auto box = report::shownBox(truth, kMargin_px);
-    sheet.rows.push_back(name + " " + report::fixedText(least->value, 3));
-    sheet.cells.push_back({wholeCell(truth, box), wholeCell(drawn, box), wholeCell(difference, box)});
+    sheet.columns.push_back(name + " " + report::fixedText(least->value, 3));
+    const Image* shown[] = {&truth, &drawn, &difference};
+    for (size_t row = 0; row < 3; ++row) sheet.cells[row].push_back(wholeCell(*shown[row], box));
   }
-  if (sheet.rows.empty()) return {};
+  if (sheet.columns.empty()) return {};
   return save("worst-" + condition.at + "-" + sequence + ".jpg", sheet, sequence, "at=" + condition.at,
               rows::kPictureWorstViews);
 }

@@ -87,7 +87,9 @@ Result<FrameScene> ProjectiveSetup::scene(const Condition& condition, FrameWindo
 }
 
 Status ProjectiveSetup::show(const Condition& condition, const FrameScene& scene, const PinholeCamera& view) {
-  stage_->setCameras(miscalibrated(cameras_, condition));
+  // A surface that keeps its topology stays the same model, as it does while a character plays.
+  if (shown_ != condition.name()) stage_->setCameras(miscalibrated(cameras_, condition));
+  shown_ = condition.name();
   return stage_->setFrame(scene.plane ? facingPlane(scene.surface.positions, view) : scene.surface, scene.pictures);
 }
 

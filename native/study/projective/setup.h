@@ -53,6 +53,7 @@ class ProjectiveSetup {
   std::vector<PinholeCamera> cameras_, test_cameras_;
   std::vector<std::string> methods_;
   std::unique_ptr<MethodStage> stage_;
+  std::string shown_;  // condition on the stage
   Proxies proxies_;
 };
 
