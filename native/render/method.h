@@ -55,12 +55,13 @@ struct SweepOptions {
 };
 
 struct MontageOptions {
-  float exponent = 2;            // α of M4D Eq. 2 and 4
-  float discontinuity_px = 4;    // ε: how far occlusions reach over depth discontinuities
-  float vote_threshold = 0.15f;  // δ of M4D Eq. 3
-  bool votes = true;
-  float clamp_m = 0.15f;     // distance from the seams at which γ is 1
-  float settling_s = 0.17f;  // time constant of the temporal fields; 0: none
+  float exponent = 2;            // α of M4D Eq. 2
+  float view_exponent = 8;       // α of M4D Eq. 4
+  float discontinuity_px = 4;    // ε: how far occlusions reach over depth discontinuities, at most 8
+  float vote_threshold = 0.15f;  // δ of M4D Eq. 3; 0: there is no vote
+  float vote_reach_px = 8;       // montage4d holds votes so near to depth discontinuities only; at most 8
+  float clamp_m = 0.15f;         // distance from the seams at which γ is 1
+  float settling_s = 0.17f;      // time constant of the temporal fields; 0: none
 };
 
 struct MethodOptions {

@@ -9,6 +9,12 @@ centroid out vec3 v_corner;  // barycentric
 uniform sampler2D u_fill;    // a texel per vertex: colour, 1 if it is known
 centroid out vec4 v_fill;    // premultiplied
 #endif
+#ifdef FIELDS
+uniform sampler2D u_field_low;   // a texel per vertex: values of the cameras in slots 0-3
+uniform sampler2D u_field_high;  // 4-7
+centroid out vec4 v_low;
+centroid out vec4 v_high;
+#endif
 
 void main() {
   int vertex = vertexOf(gl_VertexID);
@@ -18,6 +24,10 @@ void main() {
 #ifdef FILLED
   vec4 fill = texelFetch(u_fill, tableTexel(vertex), 0);
   v_fill = vec4(fill.rgb * fill.a, fill.a);
+#endif
+#ifdef FIELDS
+  v_low = texelFetch(u_field_low, tableTexel(vertex), 0);
+  v_high = texelFetch(u_field_high, tableTexel(vertex), 0);
 #endif
   gl_Position = u_clip_from_character * vec4(v_point, 1.0);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/cameras/camera_method.h"
 
+#include "render/cameras/montage.h"
 #include "render/cameras/shader_method.h"
 
 namespace fourdvt::render {
@@ -21,6 +22,8 @@ Made ofShader(gpu::Device&, const Row& row) {
   return makeShaderMethod(row.fragment_file, cameras);
 }
 
+Made ofMontage(gpu::Device& device, const Row& row) { return makeMontage(device, row.name); }
+
 constexpr MethodGroup kTextured = MethodGroup::Textured, kInspection = MethodGroup::Inspection;
 
 // A method's only registration.
@@ -29,6 +32,10 @@ constexpr Row kRows[] = {
     {"lumigraph", kTextured, false, ofShader<ShaderCameras::Bounded>, "camera_lumigraph.frag"},
     {"filtered", kTextured, false, ofShader<ShaderCameras::Bounded>, "camera_filtered.frag"},
     {"band-limited", kTextured, false, ofShader<ShaderCameras::Bounded>, "camera_band_limited.frag"},
+    {"holoportation", kTextured, false, ofMontage},
+    {"montage4d", kTextured, true, ofMontage},
+    {"montage4d-seams", kInspection, true, ofMontage},
+    {"montage4d-weights", kInspection, true, ofMontage},
     {"wireframe", kInspection, false, ofShader<ShaderCameras::None>, "camera_wireframe.frag"},
     {"silhouette", kInspection, false, ofShader<ShaderCameras::None>, "camera_silhouette.frag"},
 };

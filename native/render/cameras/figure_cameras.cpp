@@ -22,10 +22,11 @@ bool sameCameras(std::span<const PinholeCamera> a, std::span<const PinholeCamera
 BlendPictures picturesOf(const CameraLook& look) { return {.tiled = &look, .size = look.picture_size}; }
 
 Status FigureCameras::prepare(gpu::Device& device, const CharacterModel& model, const CameraLook& look,
-                              const CharacterView& view, const MethodOptions& options, int most) {
+                              const CharacterView& view, const MethodOptions& options, int most,
+                              std::span<const size_t> also) {
   if (options.closest < kAllCameras) return Error{ErrorId::InvalidArgument, "closest must be 0 (all cameras) or more"};
   if (regions_serial_ != model.geometry_serial) setRegions(model, look);
-  choose(look, view, options, std::min(most, kMaxBlendedCameras));
+  choose(look, view, options, std::min(most, kMaxBlendedCameras), also);
   if (chosen_.empty()) return Error{ErrorId::InvalidArgument, "no camera has a picture of this frame"};
   FOURDVT_TRY(makeMaps(device, look, options));
   maps_->update(device, model, chosen_, regions_);
@@ -49,11 +50,18 @@ void FigureCameras::addTo(gpu::Draw& draw, const CharacterView& view, const Meth
   if (options.unseen == Unseen::Neighbourhood) draw.textures.push_back({"u_fill", fill_.texture()});
 }
 
-void FigureCameras::choose(const CameraLook& look, const CharacterView& view, const MethodOptions& options, int most) {
-  if (options.closest != kAllCameras) most = std::min(options.closest, most);
+void FigureCameras::choose(const CameraLook& look, const CharacterView& view, const MethodOptions& options, int most,
+                           std::span<const size_t> also) {
+  const size_t room = static_cast<size_t>(most);
+  const auto isUseless = [&](size_t c) { return look.sources[c].source.z <= 0 || regions_[c].empty(); };
   chosen_ = camerasTowards(look.cameras, viewAxis(view.clip_from_character), kAllCameras);
-  std::erase_if(chosen_, [&](size_t c) { return look.sources[c].source.z <= 0 || regions_[c].empty(); });
-  if (chosen_.size() > static_cast<size_t>(most)) chosen_.resize(static_cast<size_t>(most));
+  std::erase_if(chosen_, isUseless);
+  const size_t nearest = options.closest == kAllCameras ? room : std::min(static_cast<size_t>(options.closest), room);
+  if (chosen_.size() > nearest) chosen_.resize(nearest);
+  nearest_ = chosen_.size();
+  for (size_t c : also)
+    if (chosen_.size() < room && !isUseless(c) && std::find(chosen_.begin(), chosen_.end(), c) == chosen_.end())
+      chosen_.push_back(c);
 }
 
 Status FigureCameras::makeMaps(gpu::Device& device, const CameraLook& look, const MethodOptions& options) {

@@ -15,12 +15,14 @@ namespace fourdvt::render {
 class FigureCameras {
  public:
   // Chooses the `options.closest` cameras that have a picture and see something of the surface, at most `most`; draws
-  // their depth maps and fills what they do not see. Errors: GpuFailure, InvalidArgument (no camera has a picture).
+  // their depth maps and fills what they do not see. `also`: cameras that are added as far as they have a picture and
+  // there is room. Errors: GpuFailure, InvalidArgument (no camera has a picture).
   Status prepare(gpu::Device& device, const CharacterModel& model, const CameraLook& look, const CharacterView& view,
-                 const MethodOptions& options, int most = kMaxBlendedCameras);
+                 const MethodOptions& options, int most = kMaxBlendedCameras, std::span<const size_t> also = {});
 
   // After prepare with the same arguments.
-  const std::vector<size_t>& chosen() const { return chosen_; }  // nearest first
+  const std::vector<size_t>& chosen() const { return chosen_; }  // nearest first, then those of `also`
+  size_t nearestCount() const { return nearest_; }               // of `chosen`: without those of `also`
   const DepthMaps& maps() const { return *maps_; }
   CameraUniforms uniforms(const CameraLook& look, const MethodOptions& options) const;
   // What a program is made with that includes camera_blend.glsl (with camera_shade.glsl: FILLED too).
@@ -30,7 +32,8 @@ class FigureCameras {
 
  private:
   void setRegions(const CharacterModel& model, const CameraLook& look);
-  void choose(const CameraLook& look, const CharacterView& view, const MethodOptions& options, int most);
+  void choose(const CameraLook& look, const CharacterView& view, const MethodOptions& options, int most,
+              std::span<const size_t> also);
   Status makeMaps(gpu::Device& device, const CameraLook& look, const MethodOptions& options);
   Status fill(gpu::Device& device, const CharacterModel& model, const CameraLook& look, const MethodOptions& options);
 
@@ -45,6 +48,7 @@ class FigureCameras {
   std::vector<size_t> fill_cameras_;
   float fill_least_cosine_ = 0;
   std::vector<size_t> chosen_;
+  size_t nearest_ = 0;
   int fills_ = 0;
 };
 

@@ -1,0 +1,15 @@
+// Dilated depth discontinuities (M4D 4.2): what lies behind an occluder's outline in a camera's picture, and within a
+// few pixels of it, is not textured from the camera. Include camera_blend.glsl first.
+uniform float u_discontinuity;  // pixels: how far beyond the outline; at most the 8 that depth maps have to spare
+
+const vec2 kRound[8] = vec2[8](vec2(1, 0), vec2(0.7071), vec2(0, 1), vec2(-0.7071, 0.7071), vec2(-1, 0), vec2(-0.7071),
+                               vec2(0, -1), vec2(0.7071, -0.7071));
+
+bool isNearOccluder(vec3 at, float cosine, int i, float reach) {
+  if (u_reach < 0.0 || reach <= 0.0) return false;
+  float slope = sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, 0.05);
+  float near = at.z - kDepthBias - (reach + u_reach / u_pixel_spans[i].y) * slope * at.z * u_pixel_spans[i].x;
+  for (int k = 0; k < 8; ++k)
+    if (mappedDepth(clamp(at.xy + reach * kRound[k], vec2(0.5), u_sizes_near_far[i].xy - 0.5), i) < near) return true;
+  return false;
+}
