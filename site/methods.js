@@ -10,6 +10,7 @@ const METHODS = {
   lumigraph: { title: 'Lumigraph', text: 'Nearer cameras count for more; none enters or leaves with a jump' },
   filtered: { title: 'Filtered', text: 'Blurred along the view’s ray, as far as the surface is uncertain' },
   'band-limited': { title: 'Band-limited', text: 'Blurred as much as the cameras’ spacing demands, from everywhere' },
+  sweep: { title: 'Sweep', text: 'Every pixel at the depth where the cameras agree' },
   wireframe: { title: 'Wireframe', text: 'The triangles of this frame', group: 'Look behind it' },
   silhouette: { title: 'Silhouette', text: 'Where the surface is', group: 'Look behind it' },
 };
@@ -17,6 +18,7 @@ const METHODS = {
 const FIRST = ['band-limited', 'lumigraph'];
 const PAIRS = [
   { title: 'Blur', methods: ['filtered', 'lumigraph'] },
+  { title: 'Depth', methods: ['fvvr', 'sweep'] },
   { title: 'Triangles', methods: ['wireframe', 'fvvr'] },
 ];
 const KEY_STEPS = { ArrowLeft: -2, ArrowDown: -2, ArrowRight: 2, ArrowUp: 2, PageDown: -10, PageUp: 10, Home: -100, End: 100 };

@@ -50,8 +50,8 @@ struct FloatingOptions {
 };
 
 struct SweepOptions {
-  int planes = 8;         // depths tried at each pixel
-  float band_m = 0.016f;  // before and behind the surface
+  int planes = 12;        // depths tried at each pixel; a multiple of 4, at most 32
+  float band_m = 0.032f;  // behind the surface; before it less (sweep.h)
 };
 
 struct MontageOptions {

@@ -64,6 +64,9 @@ const CommandHelp& help() {
        {"--projective", nullptr, "compare the methods of characters from cameras on the capture's surfaces"},
        {"--methods", "A,B", "with --projective: these methods (default: all; of the table: fvvr)"},
        {"--frames", "N", "with --projective -o: test frames of each sequence, spread over it (default 1)"},
+       {"--sweep-planes", "N",
+        "with --projective, method sweep: depths tried at each pixel, 4 to 32 in steps of 4 (default 12)"},
+       {"--sweep-band-mm", "X", "likewise: how far behind the surface it looks (default 32)"},
        {"--surface", nullptr, "score the capture's surfaces"},
        {"--reference", "CAPTURE2", "with --surface: the same motions with the surfaces that are taken for true"}}};
   return text;
@@ -75,6 +78,7 @@ struct Arguments {
   std::vector<std::string> methods;
   uint32_t test_frames = 1;
   std::optional<int> closest;
+  render::SweepOptions sweep;
   std::vector<std::string> sequences;
   bool quick = false;
   int jobs = 0;
@@ -102,6 +106,10 @@ Arguments readArguments(Args& args) {
   if (a.projective && (a.surface || !a.character.empty() || args.has("--jobs") || args.has("--reference") ||
                        args.has("--refine") || args.has("--refine-cameras") || args.has("--matte-bias-px")))
     args.complain("--projective goes with -o, --sequences, --methods, --frames, --closest and --quick only");
+  a.sweep.planes = args.integer("--sweep-planes", a.sweep.planes, 4, 32);
+  a.sweep.band_m = static_cast<float>(args.number("--sweep-band-mm", 1000 * a.sweep.band_m, 0.1, 1000) / 1000);
+  if ((args.has("--sweep-planes") || args.has("--sweep-band-mm")) && !a.projective)
+    args.complain("--sweep-planes and --sweep-band-mm belong to --projective");
   a.reference = args.text("--reference");
   if (args.has("--closest")) a.closest = args.integer("--closest", 0, 0, package::kMaxCameras);
   if (a.closest && a.projective && !a.output.empty())
@@ -279,6 +287,7 @@ int compareMethods(const Arguments& arguments) {
   study::MethodScoreOptions options{.methods = arguments.methods, .quick = arguments.quick};
   if (options.methods.empty()) options.methods = render::cameraMethodNames(render::MethodGroup::Textured);
   if (arguments.closest) options.method.closest = *arguments.closest;
+  options.method.sweep = arguments.sweep;
   const FrameLine line;
   const auto scores = study::scoreMethods(*gpu.value().device, capture.value(), videoOpener(), options, line);
   line.end();

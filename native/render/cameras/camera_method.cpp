@@ -3,6 +3,7 @@
 
 #include "render/cameras/montage.h"
 #include "render/cameras/shader_method.h"
+#include "render/cameras/sweep.h"
 
 namespace fourdvt::render {
 namespace {
@@ -23,6 +24,10 @@ Made ofShader(gpu::Device&, const Row& row) {
 }
 
 Made ofMontage(gpu::Device& device, const Row& row) { return makeMontage(device, row.name); }
+template <class Class>
+Made ofClass(gpu::Device&, const Row&) {
+  return std::unique_ptr<Method>(std::make_unique<Class>());
+}
 
 constexpr MethodGroup kTextured = MethodGroup::Textured, kInspection = MethodGroup::Inspection;
 
@@ -36,6 +41,7 @@ constexpr Row kRows[] = {
     {"montage4d", kTextured, true, ofMontage},
     {"montage4d-seams", kInspection, true, ofMontage},
     {"montage4d-weights", kInspection, true, ofMontage},
+    {"sweep", kTextured, false, ofClass<Sweep>},
     {"wireframe", kInspection, false, ofShader<ShaderCameras::None>, "camera_wireframe.frag"},
     {"silhouette", kInspection, false, ofShader<ShaderCameras::None>, "camera_silhouette.frag"},
 };

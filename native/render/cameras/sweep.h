@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// A method that looks for the surface along every ray of the view, in a band about the one it is given: a plane sweep
+// over the chosen cameras, semi-global matching on short paths, then the cameras' blend at the points so found. It
+// moves no outline: a ray that misses the given surface shows nothing. Needs no float targets.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "render/cameras/figure_cameras.h"
+#include "render/cameras/surface_picture.h"
+#include "render/method.h"
+
+namespace fourdvt::render {
+
+class Sweep final : public Method {
+ public:
+  // Of the band before the surface, at most: hulls and outset meshes have the performer behind them.
+  static constexpr float kBefore_m = 0.004f;
+  static constexpr int kMostPlanes = 32, kPlanesPerBlock = 4;
+
+  // Errors besides Method's: InvalidArgument for planes or a band that it cannot do (SweepOptions).
+  Status prepare(gpu::Device& device, size_t number, const CharacterModel& model, const CameraLook& look,
+                 const CharacterView& view, const MethodOptions& options) override;
+  void draw(gpu::Device& device, size_t number, const CharacterModel& model, const CameraLook& look,
+            const CharacterView& view, const MethodOptions& options) const override;
+
+  // To look at, after prepare: how far behind the surface each ray's point was found, metres; NaN: no surface. Rows
+  // from the top, of half the view's size. Errors: those of readPixels.
+  Result<std::vector<float>> readShifts(gpu::Device& device, size_t number) const;
+
+ private:
+  struct SweptFigure {
+    FigureCameras cameras;
+    gpu::Texture depths;  // of the surface, of the size of the sweep
+    ViewPicture normals, shifts;
+    float reach_m = 0;  // that a shift of 1 stands for
+  };
+  // Of the planes, four to a layer. Shared by all figures.
+  struct Costs {
+    gpu::Texture texture;
+    std::vector<gpu::Target> targets;  // by layer
+  };
+  // The picture that is being prepared.
+  struct Job {
+    const CameraLook& look;
+    const CharacterView& view;
+    const MethodOptions& options;
+    const glm::mat4 character_from_clip;
+    const std::string defines;
+  };
+
+  Status resize(gpu::Device& device, int width, int height, int blocks, SweptFigure& figure);
+  Status makePrograms(gpu::Device& device, const std::string& defines, int planes);
+  Status make(gpu::Device& device, const std::string& name, const char* vertex, const char* fragment,
+              const std::string& defines);
+  void drawCosts(gpu::Device& device, const Job& job, const SweptFigure& figure, const glm::vec2& band_m);
+  void drawSupport(gpu::Device& device, const Job& job, const SweptFigure& figure);
+  void drawShifts(gpu::Device& device, const Job& job, const SweptFigure& figure, const glm::vec2& band_m);
+  void drawSurface(gpu::Device& device, const CharacterModel& model, const CharacterView& view,
+                   const SweptFigure& figure) const;
+
+  std::vector<SweptFigure> figures_;              // by number
+  std::map<std::string, gpu::Program> programs_;  // by name and defines
+  Costs costs_[2];
+  int width_ = 0, height_ = 0, blocks_ = 0;  // of the costs
+};
+
+}  // namespace fourdvt::render

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+// The method "sweep" where the truth is known: a textured wall that stands behind the surface that is given, walls that
+// show nothing to match, cameras that a screen hides, and views of changing size.
+#include "render/cameras/sweep.h"
+
+#include <cmath>
+
+#include "camera_figure.h"
+
+namespace fourdvt::testing {
+namespace {
+
+constexpr double kBehind_m = 0.01;
+
+// Waves of several directions, of a wavelength of 6 cm and more, about the middle grey.
+glm::dvec3 patternAt(double x, double y) {
+  const double a = std::sin(95 * x + 20 * y), b = std::sin(-40 * x + 80 * y + 1), c = std::sin(60 * x - 55 * y + 2);
+  return glm::dvec3(128) + glm::dvec3(45 * a + 45 * b, 45 * b + 45 * c, 45 * c - 45 * a);
+}
+
+// What a camera sees of the wall z = depth.
+Image wall(const PinholeCamera& camera, double depth_m) {
+  Image image(camera.width, camera.height, 4, 255);
+  const glm::dvec3 centre = camera.centreInWorld();
+  const glm::dmat3 world_from_cam = glm::transpose(glm::dmat3(camera.cam_from_world));
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x) {
+      const glm::dvec3 ray =
+          world_from_cam * glm::dvec3((x + 0.5 - camera.cx) / camera.fx, (y + 0.5 - camera.cy) / camera.fy, 1);
+      const glm::dvec3 at = centre + (depth_m - centre.z) / ray.z * ray, color = patternAt(at.x, at.y);
+      for (int k = 0; k < 3; ++k) image.at(x, y)[k] = static_cast<uint8_t>(std::lround(color[k]));
+    }
+  return image;
+}
+
+class SweepTest : public CameraFigure {
+ protected:
+  void SetUp() override {
+    CameraFigure::SetUp();
+    auto made = std::make_unique<render::Sweep>();
+    sweep_ = made.get();
+    recipe_->setMethod(std::move(made));
+    options_.method.sweep = {.planes = 16, .band_m = 0.03f};
+  }
+
+  // Three cameras before the wall, the outer ones a metre to the side, and the surface 1 cm before the wall.
+  void wallBehindItsSurface() {
+    addQuad({0, 1, 0}, 0.25, 4);
+    for (double x : {-1.0, 0.2, 1.0}) cameras_.push_back(lookAt({x, 1.1, 2}, {0, 1, 0}, 120, 120, 360));
+    makeModel();
+    std::vector<Image> pictures;
+    for (const PinholeCamera& camera : cameras_) pictures.push_back(wall(camera, -kBehind_m));
+    tile(pictures, {{4, 4}, {130, 4}, {4, 130}});
+  }
+
+  double meanError(const Image& image, const Image& truth) const {
+    double sum = 0;
+    int count = 0;
+    for (size_t i = 0; i < image.pixels.size(); i += 4)
+      for (int k = 0; k < 3 && image.pixels[i + 3] == 255; ++k, ++count)
+        sum += std::abs(int(image.pixels[i + size_t(k)]) - int(truth.pixels[i + size_t(k)]));
+    EXPECT_GT(count, 3000);
+    return sum / count;
+  }
+
+  // Shifts of the last picture where there is surface, metres behind it along the rays.
+  std::vector<float> shifts() const {
+    auto read = sweep_->readShifts(*device, 0);
+    EXPECT_TRUE(read);
+    std::vector<float> out;
+    for (float shift : read.value())
+      if (!std::isnan(shift)) out.push_back(shift);
+    EXPECT_GT(out.size(), 500u);
+    return out;
+  }
+
+  render::Sweep* sweep_ = nullptr;
+  const PinholeCamera view_ = lookAt({-0.3, 1.05, 2.1}, {0, 1, 0}, 112, 112, 360);
+};
+
+TEST_F(SweepTest, FindsAWallBehindItsSurfaceAndShowsItWhereItIs) {
+  wallBehindItsSurface();
+  const Image truth = wall(view_, -kBehind_m);
+  const double error = meanError(still(view_), truth);
+  const float half_step = 0.5f * (options_.method.sweep.band_m + render::Sweep::kBefore_m) / 15;
+  const std::vector<float> found = shifts();
+  const auto near = std::count_if(found.begin(), found.end(),
+                                  [&](float shift) { return std::abs(shift - kBehind_m) < half_step + 2e-4; });
+  EXPECT_GT(double(near), 0.95 * double(found.size()));
+  recipe_->setMethod(render::makeCameraMethod(*device, "fvvr").take());
+  const double before = meanError(still(view_), truth);
+  EXPECT_GT(before, 4) << "what there is to repair";
+  EXPECT_LT(error, before / 3);
+}
+
+TEST_F(SweepTest, StaysOnTheSurfaceWhereThePicturesShowNothingToMatch) {
+  wallBehindItsSurface();
+  tile({filled(cameras_[0], kRed), filled(cameras_[1], kRed), filled(cameras_[2], kRed)}, {{4, 4}, {130, 4}, {4, 130}});
+  const Image image = still(view_);
+  for (float shift : shifts()) ASSERT_NEAR(shift, 0, 5e-4);
+  for (size_t i = 0; i < image.pixels.size(); i += 4) {
+    if (image.pixels[i + 3] < 255) continue;
+    for (int k = 0; k < 3; ++k) ASSERT_NEAR(image.pixels[i + size_t(k)], kRed[k], 1);
+  }
+}
+
+// A screen before the right camera, which the view looks past: that camera shows the screen, and has no vote behind it.
+TEST_F(SweepTest, ACameraThatIsHiddenHasNoVote) {
+  addQuad({0.45, 1.05, 1.2}, 0.14, 2);
+  wallBehindItsSurface();
+  std::vector<Image> pictures;
+  for (const PinholeCamera& camera : cameras_) {
+    pictures.push_back(wall(camera, -kBehind_m));
+    const dvec3 low = camera.project({0.31, 0.91, 1.2}), high = camera.project({0.59, 1.19, 1.2});
+    for (int y = 0; y < camera.height; ++y)
+      for (int x = 0; x < camera.width; ++x)
+        if (x + 0.5 > low.x && x + 0.5 < high.x && y + 0.5 < low.y && y + 0.5 > high.y)
+          for (int k = 0; k < 3; ++k) pictures.back().at(x, y)[k] = kBlue[k];
+  }
+  tile(pictures, {{4, 4}, {130, 4}, {4, 130}});
+  const PinholeCamera left = lookAt({-0.5, 1.05, 2.1}, {-0.05, 1, 0}, 112, 112, 400);
+  EXPECT_LT(meanError(still(left), wall(left, -kBehind_m)), 3.5);
+}
+
+TEST_F(SweepTest, ViewsMayChangeTheirSize) {
+  wallBehindItsSurface();
+  const PinholeCamera small = lookAt({-0.3, 1.05, 2.1}, {0, 1, 0}, 77, 91, 280);
+  const Image first = still(small);
+  still(view_);
+  EXPECT_EQ(still(small).pixels, first.pixels);
+  options_.method.sweep.planes = 8;
+  EXPECT_LT(meanError(still(view_), wall(view_, -kBehind_m)), 3);
+}
+
+TEST_F(SweepTest, SaysWhichOptionsItCannotUse) {
+  wallBehindItsSurface();
+  for (const render::SweepOptions& wrong :
+       {render::SweepOptions{.planes = 6}, render::SweepOptions{.planes = 36}, render::SweepOptions{.band_m = 0}}) {
+    options_.method.sweep = wrong;
+    EXPECT_EQ(drawTo(view_, gpu::kDefaultTarget).error().id, ErrorId::InvalidArgument);
+  }
+}
+
+}  // namespace
+}  // namespace fourdvt::testing
