@@ -12,6 +12,7 @@
 #include "platform/character_player.h"
 #include "platform/egl_context.h"
 #include "render/cameras/camera_method.h"
+#include "render/passes.h"
 
 namespace {
 

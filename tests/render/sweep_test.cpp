@@ -132,6 +132,24 @@ TEST_F(SweepTest, ViewsMayChangeTheirSize) {
   EXPECT_LT(meanError(still(view_), wall(view_, -kBehind_m)), 3);
 }
 
+TEST_F(SweepTest, IsKeptWhileNothingChanges) {
+  wallBehindItsSurface();
+  options_.method.sweep.planes = 8;
+  const auto passes = [&](const PinholeCamera& view) {
+    device->resetCounters();
+    still(view);
+    return device->counters().passes;
+  };
+  const uint64_t sweep = 1 + 2 + 2 * 2 + 1, maps = 3;  // surface, costs, means, shifts
+  EXPECT_EQ(passes(view_), maps + sweep + 1);
+  EXPECT_EQ(passes(view_), 1u);
+  EXPECT_EQ(passes(lookAt({-0.3, 1.05, 2.2}, {0, 1, 0}, 112, 112, 360)), sweep + 1) << "another view";
+  ++serial_;
+  EXPECT_EQ(passes(view_), sweep + 1) << "another picture";
+  model_.setPositions(*device, positions_);
+  EXPECT_EQ(passes(view_), maps + sweep + 1) << "another frame";
+}
+
 TEST_F(SweepTest, SaysWhichOptionsItCannotUse) {
   wallBehindItsSurface();
   for (const render::SweepOptions& wrong :

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace fourdvt::render {
 namespace {
@@ -45,6 +46,11 @@ Status Sweep::prepare(gpu::Device& device, size_t number, const CharacterModel& 
                      sweep.planes / kPlanesPerBlock, figure));
   const Job job{look, view, options, characterFromClip(view), figure.cameras.defines(look, options)};
   FOURDVT_TRY(makePrograms(device, job.defines, sweep.planes));
+  Cause cause{
+      model.geometry_serial, look.serial,  view.clip_from_character, view.width,         view.height,
+      sweep.planes,          sweep.band_m, options.least_cosine,     options.visibility, figure.cameras.chosen()};
+  if (figure.cause == cause) return {};
+  figure.cause = std::move(cause);
   drawSurface(device, model, view, figure);
   const glm::vec2 band_m(-std::min(sweep.band_m, kBefore_m), sweep.band_m);
   figure.reach_m = band_m.y;

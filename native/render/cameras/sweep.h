@@ -31,11 +31,22 @@ class Sweep final : public Method {
   Result<std::vector<float>> readShifts(gpu::Device& device, size_t number) const;
 
  private:
+  // What the shifts follow from: while it stays, they are kept.
+  struct Cause {
+    uint64_t geometry = 0, picture = 0;
+    glm::mat4 clip_from_character{0};
+    int width = 0, height = 0, planes = 0;
+    float band_m = 0, least_cosine = 0;
+    Visibility visibility = Visibility::None;
+    std::vector<size_t> cameras;
+    bool operator==(const Cause&) const = default;
+  };
   struct SweptFigure {
     FigureCameras cameras;
     gpu::Texture depths;  // of the surface, of the size of the sweep
     ViewPicture normals, shifts;
     float reach_m = 0;  // that a shift of 1 stands for
+    Cause cause;
   };
   // Of the planes, four to a layer. Shared by all figures.
   struct Costs {
