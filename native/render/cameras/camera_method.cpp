@@ -24,6 +24,7 @@ Made ofShader(gpu::Device&, const Row& row) {
 }
 
 Made ofMontage(gpu::Device& device, const Row& row) { return makeMontage(device, row.name); }
+
 template <class Class>
 Made ofClass(gpu::Device&, const Row&) {
   return std::unique_ptr<Method>(std::make_unique<Class>());
