@@ -180,6 +180,25 @@ viewer.addEventListener('error', (event) => {
 for (const type of ['loadstart', 'canplay', 'playing', 'seeked', 'sequencechange']) {
   viewer.addEventListener(type, () => { byId('notice').hidden = true; });
 }
+// The viewer fetches what a look needs when one is chosen first.
+for (const radio of byId('looks').querySelectorAll('input')) {
+  radio.addEventListener('change', () => {
+    byId('look-dials').hidden = !radio.value;
+    byId('light-dial').hidden = radio.value !== 'relit';
+    if (radio.value) viewer.setAttribute('look', radio.value);
+    else viewer.removeAttribute('look');
+  });
+}
+for (const [name, textOf] of [['look-strength', (v) => `${Math.round(100 * v)} %`], ['light-turn', (v) => `${v}°`]]) {
+  const slider = byId(name);
+  slider.addEventListener('input', () => {
+    const text = textOf(Number(slider.value));
+    byId(`${name}-value`).value = text;
+    slider.setAttribute('aria-valuetext', text);
+    viewer.setAttribute(name, slider.value);
+  });
+}
+
 if (viewer.sequences.length) buildMotions();
 showPlaying();
 

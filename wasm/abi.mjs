@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Makes code from the list of the C ABI (abi.txt, which explains its own format):
 //   node abi.mjs header FILE            C++: enumerations, structs, checks of their layout, declarations
-//   node abi.mjs exports MODULE FILE    what Emscripten exports, one symbol per line
+//   node abi.mjs exports MODULES FILE   what Emscripten exports, one symbol per line; MODULES: NAME,NAME
 //   node abi.mjs typescript FILE        declarations of functions, names of enumerations, access to records
 // What is made is never committed.
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
@@ -245,8 +245,8 @@ export function writeTypeScript(file) {
 
 function main([kind, ...rest]) {
   const file = rest.at(-1);
-  const make = { header: cppHeader, typescript: typeScript, exports: (abi) => exportList(abi, rest[0]) }[kind];
-  if (!make || !file) throw new Error('usage: node abi.mjs header|typescript|exports MODULE FILE');
+  const make = { header: cppHeader, typescript: typeScript, exports: (abi) => rest[0].split(',').map((name) => exportList(abi, name)).join('') }[kind];
+  if (!make || !file) throw new Error('usage: node abi.mjs header|typescript|exports MODULES FILE');
   write(file, make);
 }
 

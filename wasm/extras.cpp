@@ -3,8 +3,12 @@
 
 #include <emscripten.h>
 
+#include <cmath>
+
+#include "instance.h"
 #include "render/cameras/camera_method.h"
 #include "render/flow/read_back.h"
+#include "render/styles/styles.h"
 
 namespace fourdvt {
 namespace {
@@ -43,3 +47,30 @@ Result<std::unique_ptr<render::Method>> makeMethod(gpu::Device& device, std::str
 const CameraParts* cameraPartsOfModule() { return &cameraParts(); }
 
 }  // namespace fourdvt
+
+using namespace fourdvt;
+
+int32_t fdvt_set_look(Instance* h, abi::Look look, double strength, double light_turn_deg, const uint8_t* light,
+                      int32_t width, int32_t height) {
+  makeCurrent(h);
+  render::Recipe& recipe = *h->canvas->recipe;
+  if (look == abi::Look::None) {
+    recipe.setStyle(nullptr);
+    return 1;
+  }
+  if (look != abi::Look::Sketch && look != abi::Look::Relit)
+    return fail(h, ErrorId::InvalidArgument, "look must be none, sketch or relit");
+  if (!std::isfinite(light_turn_deg))
+    return fail(h, ErrorId::InvalidArgument, "light-turn must be a number of degrees");
+  render::StyleOptions style;
+  style.kind = look == abi::Look::Relit ? render::StyleKind::Relit : render::StyleKind::Sketch;
+  style.strength = static_cast<float>(strength);
+  style.light_turn_rad = static_cast<float>(glm::radians(light_turn_deg));
+  if (light) {
+    const std::span pixels(light, static_cast<size_t>(4 * width * height));
+    auto read = render::lightFromPicture(pixels, width, height, 4);
+    if (!read.ok()) return keep(h, read.error());
+    style.light = read.value();
+  }
+  return keep(h, render::setStyle(*h->canvas->device, recipe, style));
+}

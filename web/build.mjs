@@ -63,7 +63,9 @@ await bundle(join(here, 'src/fourdvt-viewer.ts'), 'fourdvt-viewer.js', { alias: 
 copyFileSync(join(wasmFolder, 'fourdvt.wasm'), join(out, 'fourdvt-viewer.wasm'));
 const extras = [[wasmFolder, 'fourdvt-full'], ...(hasOpencv ? [[opencvFolder, 'fourdvt-opencv']] : [])];
 for (const [folder, name] of extras) {
-  await bundle(join(folder, `${name}.js`), `${name}.js`);
+  const script = join(folder, `${name}.js`);
+  const full = name === 'fourdvt-full';
+  await bundle(full ? join(here, 'src/full.ts') : script, `${name}.js`, full ? { alias: { 'fourdvt-wasm': script } } : {});
   copyFileSync(join(folder, `${name}.wasm`), join(out, `${name}.wasm`));
 }
 execFileSync(process.execPath, [join(here, 'node_modules/typescript/bin/tsc'), '-p', here, '--emitDeclarationOnly',

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The passes of the recipe, in order of execution: shadow cast → [parts → mix, for figures of several parts] → [target
-// cleared] → background, scene meshes → shadow ground → layered, or the mesh with its mixed picture.
-// What belongs to a figure is in its character's frame (CharacterView). Does NOT own the target that the passes draw
-// into (recipe.cpp does).
+// The passes of the recipe, in order of execution: shadow cast → [parts → mix, for figures of several parts; the
+// figure, if there is a style] → [target cleared] → background, scene meshes → shadow ground → layered, or the mesh
+// with its picture. What belongs to a figure is in its character's frame (CharacterView). Does NOT own the target that
+// the passes draw into (recipe.cpp does).
 #pragma once
 
 #include <map>

@@ -19,7 +19,7 @@ struct PlannedFigure {
   const CameraLook* cameras;
   CharacterView view;
   std::vector<Part> parts;
-  gpu::TextureId mixed = 0;  // the mixed picture; 0: one part, which is drawn directly
+  gpu::TextureId picture = 0;  // the figure's finished picture; 0: it is drawn directly
 };
 
 struct Size {
@@ -104,26 +104,32 @@ class RecipeOnDevice final : public Recipe {
   // Everything that is drawn before the main pass.
   Status prepareFigure(PlannedFigure& figure, size_t number, const DrawOptions& options) {
     if (figure.cameras)
-      return method_->prepare(device_, number, *figure.model, *figure.cameras, figure.view, options.method);
+      FOURDVT_TRY(method_->prepare(device_, number, *figure.model, *figure.cameras, figure.view, options.method));
     for (const Part& part : figure.parts) FOURDVT_TRY(layered_.prepare(device_, *figure.model, part, options));
-    if (figure.parts.size() == 1) return {};
-    while (mixed_.size() <= number) mixed_.emplace_back();
-    FOURDVT_TRY(mix_.prepare(device_, options.align == Align::Flow));
-    for (Canvas* canvas : {&parts_[0], &parts_[1], &mixed_[number]}) FOURDVT_TRY(makeCanvas(*canvas));
-    FOURDVT_TRY(mixParts(figure, mixed_[number], options));
-    figure.mixed = mixed_[number].color.id();
+    const bool mixes = figure.parts.size() > 1;
+    if (!mixes && !style_) return {};
+    while (pictures_.size() <= number) pictures_.emplace_back();
+    Canvas& picture = pictures_[number];
+    FOURDVT_TRY(makeCanvas(picture));
+    if (mixes)
+      FOURDVT_TRY(mixParts(figure, picture, options));
+    else
+      drawAlone(figure, number, figure.parts.data(), picture, options);
+    figure.picture = picture.color.id();
     return {};
   }
 
   // Mixes each part into the mixture of the parts before it. The order is that of looks and members, so that the
   // picture changes smoothly with their shares.
   Status mixParts(const PlannedFigure& figure, Canvas& out, const DrawOptions& options) {
-    drawPart(figure, figure.parts[0], parts_[0], options);
+    FOURDVT_TRY(mix_.prepare(device_, options.align == Align::Flow));
+    for (Canvas& part : parts_) FOURDVT_TRY(makeCanvas(part));
+    drawAlone(figure, 0, &figure.parts[0], parts_[0], options);
     float before = figure.parts[0].share;
     for (size_t i = 1; i < figure.parts.size(); ++i) {
       if (i > 1) std::swap(parts_[0], out);
       const Part& part = figure.parts[i];
-      drawPart(figure, part, parts_[1], options);
+      drawAlone(figure, 0, &part, parts_[1], options);
       if (options.align == Align::Flow)
         FOURDVT_TRY(flow_->compute(parts_[0].color.id(), parts_[1].color.id(), size_.width, size_.height));
       device_.beginPass({.target = out.target.id(), .label = "mix"});
@@ -136,20 +142,29 @@ class RecipeOnDevice final : public Recipe {
   }
 
   // Multisamples the part as the figure will be, so that both cover the same pixels.
-  void drawPart(const PlannedFigure& figure, const Part& part, const Canvas& out, const DrawOptions& options) {
+  void drawAlone(const PlannedFigure& figure, size_t number, const Part* part, const Canvas& out,
+                 const DrawOptions& options) {
     device_.beginPass({.target = main_.id(), .clear_color = true, .clear_depth = true, .label = "part"});
-    layered_.draw(device_, *figure.model, part, figure.view, options);
+    drawPart(figure, number, part, options);
     device_.endPass();
     device_.blit(main_.id(), out.target.id(), {.width = size_.width, .height = size_.height});
   }
 
-  void drawFigure(const PlannedFigure& figure, size_t number, const DrawOptions& options) {
+  // part: not of a figure from cameras, which has none.
+  void drawPart(const PlannedFigure& figure, size_t number, const Part* part, const DrawOptions& options) {
     if (figure.cameras)
       method_->draw(device_, number, *figure.model, *figure.cameras, figure.view, options.method);
-    else if (figure.mixed)
-      mix_.drawMesh(device_, *figure.model, figure.mixed, figure.view);
     else
-      layered_.draw(device_, *figure.model, figure.parts[0], figure.view, options);
+      layered_.draw(device_, *figure.model, *part, figure.view, options);
+  }
+
+  void drawFigure(const PlannedFigure& figure, size_t number, const DrawOptions& options) {
+    if (!figure.picture)
+      drawPart(figure, number, figure.parts.data(), options);
+    else if (style_)
+      style_->draw(device_, *figure.model, figure.picture, figure.view);
+    else
+      mix_.drawMesh(device_, *figure.model, figure.picture, figure.view);
   }
 
   Status makeCanvas(Canvas& canvas) const {
@@ -169,7 +184,7 @@ class RecipeOnDevice final : public Recipe {
     if (main_ && size == size_) return {};
     main_.reset();
     for (Canvas& part : parts_) part = {};
-    mixed_.clear();
+    pictures_.clear();
     FOURDVT_ASSIGN(main_, gpu::makeTarget(device_, {.width = size.width,
                                                     .height = size.height,
                                                     .samples = size.samples,
@@ -187,8 +202,8 @@ class RecipeOnDevice final : public Recipe {
   std::unique_ptr<FlowSource> flow_;
   std::unique_ptr<Method> method_;
   gpu::Target main_;
-  Canvas parts_[2];            // scratch
-  std::vector<Canvas> mixed_;  // by number of the figure
+  Canvas parts_[2];               // scratch
+  std::vector<Canvas> pictures_;  // by number of the figure
   Size size_;
 };
 

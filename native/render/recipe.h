@@ -10,6 +10,7 @@
 #include "render/flow/flow.h"
 #include "render/method.h"
 #include "render/scene.h"
+#include "render/style.h"
 #include "render/view.h"
 
 namespace fourdvt::render {
@@ -74,6 +75,12 @@ class Recipe {
   virtual void setFlow(std::unique_ptr<FlowSource> flow) = 0;
   // What draws figures from cameras; null: none.
   virtual void setMethod(std::unique_ptr<Method> method) = 0;
+  // In what style the figures are drawn; null: as they are.
+  void setStyle(std::unique_ptr<FigureStyle> style) { style_ = std::move(style); }
+  FigureStyle* style() { return style_.get(); }
+
+ protected:
+  std::unique_ptr<FigureStyle> style_;
 };
 
 }  // namespace fourdvt::render

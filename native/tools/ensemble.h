@@ -32,6 +32,7 @@ class Ensemble {
   Status advance(double seconds);
   // `scene` may be null.
   Result<Image> draw(const render::View& view, const render::Scene* scene, const render::RecipeOptions& recipe);
+  render::Recipe& recipe() { return *recipe_; }
   Player& player(size_t actor) { return actors_[actor].character->player(); }
   size_t count() const { return actors_.size(); }
 

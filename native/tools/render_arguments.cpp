@@ -171,6 +171,8 @@ void checkCombination(Args& args, const RenderArguments& a) {
     args.complain("--size of a movie must be even");
   if (a.room && (!a.scene.empty() || a.fvvr.wanted))
     args.complain("--background room belongs neither to --scene nor to --method fvvr");
+  if (a.look.style && (a.fvvr.wanted || !a.debug.empty()))
+    args.complain("--look goes with neither --capture nor --debug");
   if (a.output.empty()) return;
   const std::string extension = std::filesystem::path(a.output).extension().string();
   if (!a.movie() && extension != ".png" && extension != ".jpg" && extension != ".webp")
@@ -212,6 +214,10 @@ const CommandHelp& renderHelp() {
        {"--background", "RRGGBB", "or room (the character's own), or none (default; black in movies)"},
        {"--debug", "WHAT", "labels, layers (side by side), weights or normals"},
        {"--no-shadow", nullptr, "without the ground shadow"},
+       kLookOption,
+       kLookStrengthOption,
+       kLightOption,
+       kLightTurnOption,
        {"--method", "WHAT", methodMeaning().c_str()},
        {"--capture", "CAPTURE",
         "with --method fvvr: textures a captured frame from all camera videos of this folder, which CHARACTER was "
@@ -249,6 +255,7 @@ RenderArguments readRenderArguments(Args& args) {
   a.room = args.text("--background") == "room";
   a.recipe.ground_shadow = !args.has("--no-shadow");
   a.debug = debugView(args, a.recipe);
+  a.look = readLookArguments(args);
   readMethod(args, a);
   readMotion(args, a);
   checkMotion(args, a);

@@ -9,6 +9,7 @@
 #include "render/cameras/fvvr.h"
 #include "render/recipe.h"
 #include "tools/args.h"
+#include "tools/look_arguments.h"
 #include "tools/motion_arguments.h"
 #include "tools/refine_arguments.h"
 
@@ -50,6 +51,7 @@ struct RenderArguments {
   std::string method_name;  // empty: what the character is decides
   render::MethodOptions method;
   bool chooses_cameras = false;  // some of `method` was asked for
+  LookArguments look;
   bool room = false;             // the character's room as background
   FvvrArguments fvvr;
   bool movie() const;  // whether the output is a movie

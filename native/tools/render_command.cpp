@@ -130,7 +130,7 @@ Status prepareMotion(CharacterSession& session, const RenderArguments& arguments
     if (!made.notice.empty()) std::fprintf(stderr, "fourdvt: %s\n", made.notice.c_str());
     session.player->recipe().setMethod(std::move(made.method));
   }
-  return {};
+  return setLook(arguments.look, *session.gpu.device, session.player->recipe());
 }
 
 }  // namespace

@@ -178,6 +178,7 @@ Status checkShape(const SceneFile& file, int width, int height) {
 Status renderMotion(const RenderArguments& arguments) {
   FOURDVT_ASSIGN(auto gpu, openGpu());
   FOURDVT_ASSIGN(auto ensemble, Ensemble::create(gpu, arguments.align));
+  FOURDVT_TRY(setLook(arguments.look, *gpu.device, ensemble->recipe()));
   ActorOptions actor{arguments.character, arguments.sequence, arguments.parameters, {}, arguments.travel, {}};
   actor.cues = arguments.cues;
   if (actor.state.empty() && !actor.cues.empty() && actor.cues[0].at_s == 0) actor.state = actor.cues[0].state;
@@ -216,6 +217,7 @@ Status renderScene(const RenderArguments& arguments) {
   if (!gpu.ok()) return gpu.error();
   gpu::Device& device = *gpu.value().device;
   FOURDVT_ASSIGN(auto ensemble, Ensemble::create(gpu.value(), arguments.align));
+  FOURDVT_TRY(setLook(arguments.look, device, ensemble->recipe()));
   for (const ActorOptions& actor : file.characters) FOURDVT_TRY(ensemble->add(actor));
   FOURDVT_ASSIGN(auto background, Background::open(device, file.background));
   render::Scene scene;

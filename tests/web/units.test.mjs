@@ -174,7 +174,7 @@ test('the flow module comes from beside the wasm file; one that is missing is on
     writeFileSync(join(folder, 'fourdvt-full.js'), `export default (options) => new Promise((done) => {
       options.instantiateWasm({}, (instance) => done({ flow: true, instance }));
     });`);
-    const module = await instantiateFull(beside);
+    const { module } = await instantiateFull(beside);
     assert.ok(module.flow && module.instance instanceof WebAssembly.Instance);
     assert.deepEqual(fetched, [pathToFileURL(join(folder, 'fourdvt-full.wasm')).href]);
   } finally {

@@ -46,14 +46,6 @@ const MIN_TOTAL_BYTES = 300_000;
 const AUTO_ROTATE_DEG_S = 14;
 const AUTO_ROTATE_RESUME_S = 4;
 const CONTEXT_PATIENCE_MS = 5000; // browsers that give a GL context back do so within a second
-// What the panel says; the event has the details.
-const FAILURES: Record<string, string> = {
-  'insecure-context': 'This page must come over https to show the character.',
-  'decoder-unsupported': 'This browser cannot decode this character.',
-  'decoder-lost': 'The browser has taken the video decoder away.',
-  'files-differ': 'The files of this character do not belong together.',
-  'out-of-memory': 'The browser has no memory left for this character.',
-};
 const DEFAULT_RENDER: RenderOptions = {
   background: [0, 0, 0, 0], groundShadow: true, shadowStrength: 0.45, samples: 4, debug: 'none', debugLayer: 0,
 };
@@ -65,7 +57,7 @@ export class FourdvtViewer extends HTMLElement {
   static readonly observedAttributes = [
     'src', 'poster', 'alt', 'loop', 'auto-rotate', 'camera-controls', 'camera-orbit', 'camera-target', 'field-of-view',
     'sequence', 'touch-action', 'motion-controls', 'camera-follow', 'travel', 'align', 'method', 'cameras', 'visibility',
-    'background',
+    'background', 'look', 'look-strength', 'light', 'light-turn',
   ];
   /** Address of the player's wasm file: beside the script, unless it is set before the first element loads. */
   static wasmUrl = new URL('fourdvt-viewer.wasm', import.meta.url).href;
@@ -100,6 +92,7 @@ export class FourdvtViewer extends HTMLElement {
     super();
     this.#overlay = new Overlay(this.attachShadow({ mode: 'open' }), () => this.play(), () => this.#load(true));
     this.#host = {
+      element: this,
       camera: this.#camera,
       commands: this.#commands,
       companions: this.#companions,
@@ -315,6 +308,7 @@ export class FourdvtViewer extends HTMLElement {
       case 'sequence': if (value) this.#commands.select(value); break;
       case 'align': this.#session?.setAlign(this.align); break;
       case 'method': case 'cameras': case 'visibility': this.#commands.set('method', methodOf(this)); break;
+      case 'look': case 'look-strength': case 'light': case 'light-turn': void this.#session?.useLook(); break;
       case 'background': this.#session?.setRoom(this.#room); break;
       case 'travel': this.#commands.set('travel', this.travel); break;
       case 'camera-orbit': case 'camera-target': case 'camera-follow': case 'field-of-view': this.#applyCamera(); break;
@@ -539,7 +533,7 @@ export class FourdvtViewer extends HTMLElement {
     this.#loading = false;
     if (!over && !this.#standsStill) return;
     this.#settlePlay(new ViewerError(error.id, error.message));
-    this.#overlay.fail(FAILURES[error.id] ?? 'This character cannot be shown.', over);
+    this.#overlay.fail(error.id, over);
   }
   // Nothing will come of what is wanted.
   get #standsStill(): boolean { return (this.#session?.ended ?? true) || (this.#commands.state()?.failed ?? false); }

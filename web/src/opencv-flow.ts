@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Connects the player to OpenCV's optical flow, a second wasm module that is loaded only when it is asked for: the
 // reference for the GPU's flow, and the fallback where the GPU has no float render targets. Copies the pictures from
-// one module's memory to the other's.
-import { ViewerError } from './errors.js';
+// one module's memory to the other's. Part of fourdvt-full.js.
 import type { OpencvModule, WasmModule } from './wasm-abi.js';
 
 type CreateModule = (options: object) => Promise<OpencvModule>;
@@ -16,12 +15,11 @@ async function load(url: string): Promise<OpencvModule> {
     return await create({ printErr: (line: string) => console.warn(`fourdvt-viewer: ${line}`) });
   } catch (reason) {
     loading.delete(url);
-    throw new ViewerError('fetch-failed',
-      `${url}: the OpenCV module does not load (${String(reason)}); put it and its .wasm beside the player`);
+    throw new Error(`${url}: the OpenCV module does not load (${String(reason)}); put it and its .wasm beside the player`);
   }
 }
 
-/** Loads the module; afterwards the player can align with 'flow-opencv'. Errors: ViewerError 'fetch-failed'. */
+/** Loads the module; afterwards the player can align with 'flow-opencv'. Errors: an Error that says what to do. */
 export async function loadOpenCvFlow(url: string, player: WasmModule): Promise<void> {
   let module = loading.get(url);
   if (!module) loading.set(url, (module = load(url)));

@@ -1,6 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // The element's shadow tree: the part that holds the canvas, poster, progress bar, play button, joystick, error line.
 // Its style is a constructable style sheet, so that the page can have a strict style-src policy.
+
+// What the panel says by the error's id; the event has the details.
+const FAILURES: Record<string, string> = {
+  'insecure-context': 'This page must come over https to show the character.',
+  'decoder-unsupported': 'This browser cannot decode this character.',
+  'decoder-lost': 'The browser has taken the video decoder away.',
+  'files-differ': 'The files of this character do not belong together.',
+  'out-of-memory': 'The browser has no memory left for this character.',
+};
+
 const CSS = `
 :host { display: block; position: relative; overflow: hidden; contain: strict; width: 300px; height: 400px; }
 :host([hidden]) { display: none; }
@@ -150,10 +160,10 @@ export class Overlay {
   offerPlay(offer: boolean): void {
     this.#play.hidden = !offer;
   }
-  /** Says what went wrong and offers to try again. `over`: there is nothing else to look at than the poster. */
-  fail(message: string, over: boolean): void {
+  /** Says what went wrong, by an error's id, and offers to try again. `over`: there is nothing else to look at than the poster. */
+  fail(id: string, over: boolean): void {
     this.#bar.hidden = this.#play.hidden = true;
-    this.#message.textContent = message;
+    this.#message.textContent = FAILURES[id] ?? 'This character cannot be shown.';
     this.#error.hidden = false;
     if (over) this.#poster.classList.remove('gone');
   }

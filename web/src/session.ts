@@ -6,12 +6,11 @@ import type { Commands } from './commands.js';
 import type { Companion } from './companion.js';
 import { asViewerError, ViewerError, type ErrorDetail } from './errors.js';
 import { FrameLoop } from './frame-loop.js';
-import { loadOpenCvFlow } from './opencv-flow.js';
 import type { OrbitCamera } from './orbit-camera.js';
 import { Transport } from './transport.js';
 import { measurePath, rememberedPath, rememberPath, uploadPicture, type UploadPath } from './upload-path.js';
-import { instantiate, instantiateFull } from './wasm-module.js';
-import type { WasmModule } from './wasm-abi.js';
+import type { FullModule, WasmModule } from './wasm-abi.js';
+import { instantiate, instantiateFull, type Full } from './wasm-module.js';
 import type { Align, CharacterInfo, OrbitPose, PictureKind } from './wasm-player.js';
 
 const MAX_CANVAS_SIDE = 4096;
@@ -22,6 +21,9 @@ const mayBeOfTwoBakes = ({ id }: ErrorDetail): boolean => id === 'files-differ' 
 const ROOM_FETCH = -1; // the player numbers its requests from 0
 
 const needsFlow = (align: Align): boolean => align.startsWith('flow');
+
+// Of what the full player's side of the page could not load.
+const fetchFailed = (reason: unknown): never => { throw new ViewerError('fetch-failed', (reason as Error).message); };
 
 type Extensions = { extensions?: { FOURDVT_layered_video_texture?: { appearance?: unknown } } } | null;
 // Of a manifest that nobody has checked yet.
@@ -38,6 +40,8 @@ export interface SessionOptions {
 }
 
 export interface SessionHost {
+  /** Its attributes say how the characters look. */
+  readonly element: Element;
   readonly camera: OrbitCamera;
   /** The main character's. */
   readonly commands: Commands;
@@ -72,9 +76,10 @@ export class Session {
   readonly #loop = new FrameLoop((clockS, stepS) => this.#turn(clockS, stepS));
   #gl: WebGL2RenderingContext | null = null;
   #module: WasmModule | null = null;
-  #full: Promise<WasmModule> | null = null; // the full player, once it has been needed
+  #full: Promise<Full> | null = null; // once it has been needed
   #align: Align; // as the page asked for it; the commands hold what the player does until flow is loaded
   #room: boolean; // whether the character's room is to be drawn
+  #lookTurn = 0; // counts the attempts to set the look: only the last one counts
   #roomTurn = 0; // counts the attempts to show it: only the last one counts
   #manifest: unknown = null;
   #main: Actor | null = null;
@@ -114,7 +119,7 @@ export class Session {
         throw new ViewerError('decoder-unsupported', 'this browser has no WebCodecs VideoDecoder: open the page in a newer one');
       }
       const [manifest, first] = await Promise.all([this.#transport.manifest(), this.#firstModule()]);
-      const module = isFromCameras(manifest) ? await this.#fullModule() : first;
+      const module = isFromCameras(manifest) ? (await this.#fullPlayer()).module : first;
       if (this.#abort.signal.aborted) return;
       this.#manifest = manifest;
       this.#module = module;
@@ -232,7 +237,7 @@ export class Session {
 
   // --- the full player ---
 
-  #fullModule(): Promise<WasmModule> {
+  #fullPlayer(): Promise<Full> {
     if (!this.#full) {
       this.#full = instantiateFull(this.#options.wasmUrl, this.#network);
       this.#full.catch(() => { this.#full = null; });
@@ -242,23 +247,41 @@ export class Session {
 
   // False: it was not in use, and everything has been opened again in it.
   async #enterFull(): Promise<boolean> {
-    const module = await this.#fullModule();
+    const { module } = await this.#fullPlayer();
     if (!this.#main || this.#module === module) return true;
     this.#module = module;
     this.#reopen(this.#path);
     return false;
   }
 
-  // If the full player does not load, the character begins with 'baked'; #show tries again and reports the error.
+  get #hasLook(): boolean { return this.#host.element.hasAttribute('look'); }
+
+  // If the full player does not load, the character begins with 'baked' and as filmed; #show and useLook try again and
+  // report the error.
   async #firstModule(): Promise<WasmModule> {
-    const full = needsFlow(this.#align) ? await this.#fullModule().catch(() => null) : null;
-    return full ?? instantiate(this.#options.wasmUrl, this.#network);
+    const full = needsFlow(this.#align) || this.#hasLook ? await this.#fullPlayer().catch(() => null) : null;
+    return full?.module ?? instantiate(this.#options.wasmUrl, this.#network);
+  }
+
+  /** The element's look takes effect when it is loaded; if it does not load, an error event says why. */
+  async useLook(): Promise<void> {
+    const turn = ++this.#lookTurn;
+    if (!this.#main || !(this.#full || this.#hasLook)) return; // as filmed, in a player without looks
+    try {
+      const { readLook } = await this.#fullPlayer();
+      const tell = await readLook(this.#host.element).catch(fetchFailed);
+      if (turn !== this.#lookTurn || !this.#main) return;
+      // What is opened again is told by #open.
+      if (await this.#enterFull()) this.#main?.run((player) => player.tell((module, h) => tell(module as FullModule, h)));
+    } catch (reason) {
+      if (turn === this.#lookTurn && !this.#abort.signal.aborted) this.#host.emit('error', asViewerError(reason).detail);
+    }
   }
 
   async #useFlow(align: Align): Promise<void> {
     try {
-      const module = await this.#fullModule();
-      if (align === 'flow-opencv') await loadOpenCvFlow(this.#options.opencvUrl, module);
+      const { module, loadOpenCvFlow } = await this.#fullPlayer();
+      if (align === 'flow-opencv') await loadOpenCvFlow(this.#options.opencvUrl, module).catch(fetchFailed);
       if (!this.#main || this.#align !== align) return;
       await this.#enterFull();
       if (!this.#main || this.#align !== align) return;
@@ -318,6 +341,7 @@ export class Session {
     if (main.character) this.#host.camera.setCharacter(main.character);
     if (!this.#shown) this.#host.camera.jump();
     void this.#useRoom();
+    void this.useLook();
     this.wake();
   }
 
@@ -362,7 +386,7 @@ export class Session {
     const leave = (): void => transport.dispose();
     this.#abort.signal.addEventListener('abort', leave);
     const manifest = await transport.manifest().catch(() => null);
-    if (isFromCameras(manifest)) this.#module = await this.#fullModule().catch(() => this.#module);
+    if (isFromCameras(manifest)) this.#module = await this.#fullPlayer().then((full) => full.module, () => this.#module);
     const errors = this.#held;
     this.#held = null;
     if (this.#abort.signal.aborted || !this.#main) return leave();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The wasm modules as Emscripten makes them: the functions of wasm/abi.txt and what its runtime adds. Addresses and
 // handles are numbers.
-import type { OpencvExports, PlayerExports } from './generated/abi.js';
+import type { FullExports, OpencvExports, PlayerExports } from './generated/abi.js';
 
 export interface WasmModule extends PlayerExports {
   HEAPU8: Uint8Array;
@@ -13,6 +13,8 @@ export interface WasmModule extends PlayerExports {
     textures: (WebGLTexture | null)[];
   };
 }
+
+export interface FullModule extends WasmModule, FullExports {}
 
 export interface OpencvModule extends OpencvExports {
   HEAPU8: Uint8Array;

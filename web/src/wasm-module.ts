@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compiles a wasm file once per page. Every viewer makes its own instance of it, so that removing a viewer frees all of
 // its memory. Two modules have the same functions: the player, and the full player, which also has optical flow and
-// characters from cameras and is fetched only when these are needed.
+// characters from cameras and looks, and is fetched only when these are needed.
 import createPlayer from 'fourdvt-wasm';
 
-import type { ModuleOptions, WasmModule } from './wasm-abi.js';
+import type { FullModule, ModuleOptions, WasmModule } from './wasm-abi.js';
 import { asViewerError, ViewerError } from './errors.js';
 import { fetchFile, type Report } from './transport.js';
 
 type CreateModule = (options: ModuleOptions) => Promise<WasmModule>;
+type FullScript = typeof import('./full.js');
+
+/** The full player, and the page's side of what only that has. */
+export interface Full extends Omit<FullScript, 'default'> {
+  module: FullModule;
+}
 
 const compiled = new Map<string, Promise<WebAssembly.Module>>();
 
@@ -57,11 +63,12 @@ async function create(createModule: CreateModule, url: string, report: Report): 
 export const instantiate = (url: string, report: Report): Promise<WasmModule> => create(createPlayer, url, report);
 
 /** Loads fourdvt-full.js and its .wasm from beside the player's wasm file. Errors: as of `instantiate`. */
-export async function instantiateFull(playerUrl: string, report: Report): Promise<WasmModule> {
+export async function instantiateFull(playerUrl: string, report: Report): Promise<Full> {
   const script = new URL('fourdvt-full.js', playerUrl).href;
   try {
-    const { default: createModule } = (await import(script)) as { default: CreateModule };
-    return await create(createModule, new URL('fourdvt-full.wasm', playerUrl).href, report);
+    const { default: createModule, ...page } = (await import(script)) as FullScript;
+    const module = await create(createModule, new URL('fourdvt-full.wasm', playerUrl).href, report);
+    return { ...page, module: module as FullModule };
   } catch (reason) {
     if (reason instanceof ViewerError) throw reason;
     throw new ViewerError('fetch-failed', `${script}: the full player does not load (${String(reason)}); put it and its .wasm beside the player's`);

@@ -232,6 +232,8 @@ export class WasmPlayer {
     if (!this.character()?.fromCameras) return;
     this.#check(this.#m._fdvt_set_method(this.#h, ...this.#text(name), closest, VISIBILITIES.indexOf(visibility)));
   }
+  /** Runs one of the functions that only the full player has. */
+  tell(action: (module: WasmModule, handle: number) => number): void { this.#check(action(this.#m, this.#h)); }
   setScene(meshes: SceneMesh[]): void {
     this.#m._fdvt_clear_scene(this.#h);
     for (const { corners, occluderOnly } of meshes) {
