@@ -8,6 +8,7 @@
 #include "instance.h"
 #include "render/cameras/camera_method.h"
 #include "render/flow/read_back.h"
+#include "render/montage/layered_montage.h"
 #include "render/styles/styles.h"
 
 namespace fourdvt {
@@ -73,4 +74,18 @@ int32_t fdvt_set_look(Instance* h, abi::Look look, double strength, double light
     style.light = read.value();
   }
   return keep(h, render::setStyle(*h->canvas->device, recipe, style));
+}
+
+int32_t fdvt_use_montage(Instance* h, int32_t on) {
+  makeCurrent(h);
+  render::Recipe& recipe = *h->canvas->recipe;
+  const package::Character* character = h->player->character();
+  if (!on || !character || character->appearance == package::AppearanceKind::Cameras)
+    recipe.setLayered(nullptr);
+  else if (!recipe.hasLayered()) {
+    auto made = render::makeLayeredMontage(*h->canvas->device);
+    if (!made.ok()) return 0;
+    recipe.setLayered(made.take());
+  }
+  return 1;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What not every visitor needs: the optical flow of some alignments, characters from cameras, and looks (fdvt_set_look
-// of abi.txt). Implemented by extras.cpp in fourdvt-full.wasm; refused by no_extras.cpp in the player that every visitor
-// downloads, which has no looks at all.
+// of abi.txt). Implemented by extras.cpp in fourdvt-full.wasm; refused by no_extras.cpp in the player that every
+// visitor downloads, which has no looks at all.
 #pragma once
 
 #include <memory>

@@ -69,12 +69,17 @@ std::string definesOf(const LayeredVariant& variant) {
 
 Status LayeredPass::prepare(gpu::Device& device, const LayeredVariant& variant) {
   if (has(variant)) return {};
-  FOURDVT_ASSIGN(auto program, makeEmbeddedProgram(device, "layered.vert", "layered.frag", definesOf(variant)));
+  FOURDVT_ASSIGN(auto program, makeProgram(device, variant, definesOf(variant)));
   programs_.emplace(variant, std::move(program));
   return {};
 }
 
-Status LayeredPass::prepare(gpu::Device& device, const CharacterModel& model, const Part& part,
+Result<gpu::Program> LayeredPass::makeProgram(gpu::Device& device, const LayeredVariant&,
+                                              const std::string& defines) const {
+  return makeEmbeddedProgram(device, "layered.vert", "layered.frag", defines);
+}
+
+Status LayeredPass::prepare(gpu::Device& device, const CharacterModel& model, const Part& part, const CharacterView&,
                             const DrawOptions& options) {
   return prepare(device, variantOf(model, part, options));
 }
@@ -85,22 +90,25 @@ void LayeredPass::draw(gpu::Device& device, const CharacterModel& model, const P
   const std::vector<glm::vec4> rects = layerRects(part);
   std::vector<glm::vec4> members;
   for (const WeightedMember& member : part.members) members.emplace_back(member.member, member.weight, 0, 0);
-  device.draw({.program = programs_.at(variantOf(model, part, options)).id(),
-               .textures = bindings(model, part, isAligned(part, options)),
-               .uniforms = {gpu::uniform("u_clip_from_character", view.clip_from_character),
-                            gpu::uniform("u_eye", view.eye_in_character),
-                            gpu::uniform("u_camera_centres", std::span<const glm::vec4>(model.camera_centres)),
-                            gpu::uniform("u_view_exponent", options.recipe.view_exponent),
-                            gpu::uniform("u_members", std::span<const glm::vec4>(members)),
-                            gpu::uniform("u_detail", options.recipe.keep_detail ? lostDetail(part) : 0.0f),
-                            gpu::uniform("u_vertex_count", vertex_count), gpu::uniform("u_face_count", face_count),
-                            gpu::uniform("u_layer_rects", std::span<const glm::vec4>(rects)),
-                            gpu::uniform("u_picture_size", part.look->appearance->picture_size),
-                            gpu::uniform("u_debug_layer", options.recipe.debug_layer)},
-               .vertex_count = 3 * face_count,
-               .depth_test = true,
-               .depth_write = true,
-               .cull = model.closed_surface ? gpu::Cull::Back : gpu::Cull::None});
+  const float detail = options.recipe.keep_detail ? lostDetail(part) : 0.0f;
+  gpu::Draw draw{
+      .program = programs_.at(variantOf(model, part, options)).id(),
+      .textures = bindings(model, part, isAligned(part, options)),
+      .uniforms = {gpu::uniform("u_clip_from_character", view.clip_from_character),
+                   gpu::uniform("u_eye", view.eye_in_character),
+                   gpu::uniform("u_camera_centres", std::span<const glm::vec4>(model.camera_centres)),
+                   gpu::uniform("u_view_exponent", options.recipe.view_exponent),
+                   gpu::uniform("u_members", std::span<const glm::vec4>(members)), gpu::uniform("u_detail", detail),
+                   gpu::uniform("u_vertex_count", vertex_count), gpu::uniform("u_face_count", face_count),
+                   gpu::uniform("u_layer_rects", std::span<const glm::vec4>(rects)),
+                   gpu::uniform("u_picture_size", part.look->appearance->picture_size),
+                   gpu::uniform("u_debug_layer", options.recipe.debug_layer)},
+      .vertex_count = 3 * face_count,
+      .depth_test = true,
+      .depth_write = true,
+      .cull = model.closed_surface ? gpu::Cull::Back : gpu::Cull::None};
+  addTo(draw, part);
+  device.draw(draw);
 }
 
 }  // namespace fourdvt::render

@@ -77,13 +77,23 @@ struct LayeredVariant {
 // A character with layered view-dependent texture (LVDT Eq. 3-4), up to four members of a look blended.
 class LayeredPass {
  public:
+  virtual ~LayeredPass() = default;
   bool has(const LayeredVariant& variant) const { return programs_.contains(variant); }
   // Makes the program, unless it is there. Errors: GpuFailure.
   Status prepare(gpu::Device& device, const LayeredVariant& variant);
-  Status prepare(gpu::Device& device, const CharacterModel& model, const Part& part, const DrawOptions& options);
+  // Everything before the pass that draws the part.
+  virtual Status prepare(gpu::Device& device, const CharacterModel& model, const Part& part, const CharacterView& view,
+                         const DrawOptions& options);
   // One draw inside the caller's pass, after prepare with the same arguments.
   void draw(gpu::Device& device, const CharacterModel& model, const Part& part, const CharacterView& view,
             const DrawOptions& options) const;
+
+ protected:
+  // Of layered.vert and layered.frag, or what takes their place.
+  virtual Result<gpu::Program> makeProgram(gpu::Device& device, const LayeredVariant& variant,
+                                           const std::string& defines) const;
+  // What such a program needs beyond theirs; the data of uniforms must last.
+  virtual void addTo(gpu::Draw& draw, const Part& part) const {}
 
  private:
   std::map<LayeredVariant, gpu::Program> programs_;

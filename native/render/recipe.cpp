@@ -70,8 +70,8 @@ class RecipeOnDevice final : public Recipe {
         .layers = layer_count, .kind = kind, .debug = options.recipe.debug, .sharpened = isSharpened(options.recipe)};
     for (; variant.members <= most_members; ++variant.members) {
       variant.aligned = aligned && variant.members > 1 && options.align == Align::Baked;
-      if (layered_.has(variant)) continue;
-      FOURDVT_TRY(layered_.prepare(device_, variant));
+      if (layered().has(variant)) continue;
+      FOURDVT_TRY(layered().prepare(device_, variant));
       return true;
     }
     if (mix_.ready()) return false;
@@ -80,6 +80,8 @@ class RecipeOnDevice final : public Recipe {
   }
 
  private:
+  LayeredPass& layered() { return layered_ ? *layered_ : plain_; }
+
   Status check(std::span<const Figure> figures, const View& view, const DrawOptions& options) const {
     const auto invalid = [](const char* message) { return Error{ErrorId::InvalidArgument, message}; };
     if (view.width < 1 || view.height < 1) return invalid("the view is empty; give it a width and a height");
@@ -105,7 +107,8 @@ class RecipeOnDevice final : public Recipe {
   Status prepareFigure(PlannedFigure& figure, size_t number, const DrawOptions& options) {
     if (figure.cameras)
       FOURDVT_TRY(method_->prepare(device_, number, *figure.model, *figure.cameras, figure.view, options.method));
-    for (const Part& part : figure.parts) FOURDVT_TRY(layered_.prepare(device_, *figure.model, part, options));
+    for (const Part& part : figure.parts)
+      FOURDVT_TRY(layered().prepare(device_, *figure.model, part, figure.view, options));
     const bool mixes = figure.parts.size() > 1;
     if (!mixes && !style_) return {};
     while (pictures_.size() <= number) pictures_.emplace_back();
@@ -155,7 +158,7 @@ class RecipeOnDevice final : public Recipe {
     if (figure.cameras)
       method_->draw(device_, number, *figure.model, *figure.cameras, figure.view, options.method);
     else
-      layered_.draw(device_, *figure.model, *part, figure.view, options);
+      layered().draw(device_, *figure.model, *part, figure.view, options);
   }
 
   void drawFigure(const PlannedFigure& figure, size_t number, const DrawOptions& options) {
@@ -196,7 +199,7 @@ class RecipeOnDevice final : public Recipe {
 
   gpu::Device& device_;
   ShadowPass shadow_;
-  LayeredPass layered_;
+  LayeredPass plain_;
   MixPass mix_;
   ScenePass scene_pass_;
   std::unique_ptr<FlowSource> flow_;

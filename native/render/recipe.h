@@ -55,6 +55,8 @@ struct DrawOptions {
   MethodOptions method;
 };
 
+class LayeredPass;  // render/passes.h
+
 class Recipe {
  public:
   static Result<std::unique_ptr<Recipe>> create(gpu::Device& device);
@@ -78,8 +80,12 @@ class Recipe {
   // In what style the figures are drawn; null: as they are.
   void setStyle(std::unique_ptr<FigureStyle> style) { style_ = std::move(style); }
   FigureStyle* style() { return style_.get(); }
+  // What draws layered figures; null: the plain blend.
+  void setLayered(std::shared_ptr<LayeredPass> layered) { layered_ = std::move(layered); }
+  bool hasLayered() const { return layered_ != nullptr; }
 
  protected:
+  std::shared_ptr<LayeredPass> layered_;
   std::unique_ptr<FigureStyle> style_;
 };
 

@@ -55,6 +55,8 @@ const CommandHelp& help() {
        kRefineCamerasOption,
        kMatteBiasOption,
        {"--character", "CHARACTER", "score this character folder, baked from CAPTURE"},
+       {"--method", "NAME",
+        "with --character: how it is drawn; of a layered one: montage4d (default: the plain blend)"},
        {"--input-every", "N", "with --character: input cameras, every Nth frame, 0: none (default 4)"},
        {"--yardstick", nullptr,
         "with --character: also plain projective texturing of the mesh as given, no layers, no codec"},
@@ -73,7 +75,7 @@ const CommandHelp& help() {
 }
 
 struct Arguments {
-  std::string capture, character, output, reference;
+  std::string capture, character, output, reference, method;
   bool surface = false, projective = false;
   std::vector<std::string> methods;
   uint32_t test_frames = 1;
@@ -90,6 +92,8 @@ Arguments readArguments(Args& args) {
   Arguments a;
   a.capture = args.positional();
   a.character = args.text("--character");
+  a.method = args.text("--method");
+  if (!a.method.empty() && a.character.empty()) args.complain("--method belongs to --character");
   a.output = args.text("-o");
   a.sequences = a.held_out.sequences = args.list("--sequences");
   a.quick = args.has("--quick");
@@ -238,6 +242,8 @@ int scoreCharacter(const Arguments& arguments) {
     if (const Status made = platform::makeFolder(output); !made.ok()) return fail(made.error());
   auto session = openCharacter(arguments.character);
   if (!session.ok()) return fail(session.error());
+  if (!arguments.method.empty())
+    if (const Status used = useMethod(session.value(), arguments.method); !used.ok()) return fail(used.error());
   if (arguments.closest) session.value().player->player().setMethod({.closest = *arguments.closest});
   auto capture = capture::openCapture(arguments.capture, videoOpener(), arguments.sequences);
   if (!capture.ok()) return fail(capture.error());

@@ -32,7 +32,7 @@ const std::string& methodMeaning() {
   static const std::string text = "of a character from cameras: " + listed(MethodGroup::Textured) + " (default " +
                                   render::cameraMethodNames(MethodGroup::Textured).front() +
                                   "); to look at what is behind them: " + listed(MethodGroup::Inspection) +
-                                  "; of a layered one: layered";
+                                  "; of a layered one: layered, montage4d";
   return text;
 }
 
@@ -268,7 +268,8 @@ Status checkMethod(const RenderArguments& a, const package::Character& character
     return Error{ErrorId::InvalidArgument, a.character + ": " + what};
   };
   if (character.appearance == package::AppearanceKind::Layers) {
-    if (!a.fvvr.wanted && ((!a.method_name.empty() && a.method_name != "layered") || a.chooses_cameras))
+    const bool fits = a.method_name.empty() || a.method_name == "layered" || a.method_name == "montage4d";
+    if (!a.fvvr.wanted && (!fits || a.chooses_cameras))
       return invalid(
           "is a layered character; only --method fvvr with --capture CAPTURE, which has the videos, goes with it");
     return {};

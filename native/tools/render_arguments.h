@@ -52,7 +52,7 @@ struct RenderArguments {
   render::MethodOptions method;
   bool chooses_cameras = false;  // some of `method` was asked for
   LookArguments look;
-  bool room = false;             // the character's room as background
+  bool room = false;  // the character's room as background
   FvvrArguments fvvr;
   bool movie() const;  // whether the output is a movie
 };

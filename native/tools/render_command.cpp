@@ -9,7 +9,6 @@
 #include "capture/capture.h"
 #include "platform/files.h"
 #include "platform/video_writer.h"
-#include "render/cameras/camera_method.h"
 #include "tools/commands.h"
 #include "tools/render_arguments.h"
 #include "tools/render_motion.h"
@@ -125,11 +124,8 @@ Status prepareMotion(CharacterSession& session, const RenderArguments& arguments
   FOURDVT_ASSIGN(auto align, prepareAlign(arguments.align, *session.gpu.device, session.player->recipe()));
   player.setAlign(align);
   player.setMethod(arguments.method);
-  if (session.character().appearance == package::AppearanceKind::Cameras && !arguments.method_name.empty()) {
-    FOURDVT_ASSIGN(auto made, render::makeMethodThatServes(*session.gpu.device, arguments.method_name));
-    if (!made.notice.empty()) std::fprintf(stderr, "fourdvt: %s\n", made.notice.c_str());
-    session.player->recipe().setMethod(std::move(made.method));
-  }
+  if (!arguments.method_name.empty() && arguments.method_name != "layered" && !arguments.fvvr.wanted)
+    FOURDVT_TRY(useMethod(session, arguments.method_name));
   return setLook(arguments.look, *session.gpu.device, session.player->recipe());
 }
 

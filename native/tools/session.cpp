@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/session.h"
 
+#include <cstdio>
 #include <filesystem>
 
 #include "platform/ffmpeg_video.h"
+#include "render/cameras/camera_method.h"
+#include "render/montage/layered_montage.h"
 
 namespace fourdvt::tools {
 
@@ -36,6 +39,26 @@ std::string manifestPath(const std::string& character) {
   std::error_code ignored;
   if (!std::filesystem::is_directory(character, ignored)) return character;
   return (std::filesystem::path(character) / "character.gltf").string();
+}
+
+Status useMethod(CharacterSession& session, const std::string& name) {
+  gpu::Device& device = *session.gpu.device;
+  render::Recipe& recipe = session.player->recipe();
+  if (session.character().appearance == package::AppearanceKind::Cameras) {
+    FOURDVT_ASSIGN(auto made, render::makeMethodThatServes(device, name));
+    if (!made.notice.empty()) std::fprintf(stderr, "fourdvt: %s\n", made.notice.c_str());
+    recipe.setMethod(std::move(made.method));
+    return {};
+  }
+  if (name != "montage4d") return Error{ErrorId::InvalidArgument, "layered characters have no method " + name};
+  auto montage = render::makeLayeredMontage(device);
+  if (!montage && montage.error().id == ErrorId::Unsupported)
+    std::fprintf(stderr, "fourdvt: %s; drawn by the plain blend\n", montage.error().message.c_str());
+  else if (!montage)
+    return montage.error();
+  else
+    recipe.setLayered(montage.take());
+  return {};
 }
 
 OpenVideo videoOpener() {

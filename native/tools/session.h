@@ -31,6 +31,10 @@ Result<std::unique_ptr<platform::CharacterPlayer>> openCharacterOn(GpuSession& g
                                                                    std::shared_ptr<render::Recipe> recipe);
 // <folder>/character.gltf for a folder, else the path itself.
 std::string manifestPath(const std::string& character);
+// How its figures are drawn, by name: of layered characters "montage4d", which a device that cannot run it replaces by
+// the plain blend after a line on stderr; of others a method of render/cameras/camera_method.h. Errors:
+// InvalidArgument, GpuFailure, Unsupported.
+Status useMethod(CharacterSession& session, const std::string& name);
 // The platform's FFmpeg reader.
 OpenVideo videoOpener();
 

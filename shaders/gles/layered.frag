@@ -1,35 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // LVDT Eq. 3-4 with the corrected sign, per-fragment rays and seam feathering, for each drawn member; the members
 // are blended by their weights. Blends encoded values, as the paper does.
-#define VARYING in
-#include "layered_varyings.glsl"
-#include "picture.glsl"
-out vec4 o_color;
-
-uniform vec4 u_members[MEMBERS];  // per drawn member m: its number in the appearance, its weight
-uniform vec3 u_eye;
-uniform vec4 u_camera_centres[MAX_CAMERAS];
-#ifdef SHARPENED
-uniform float u_view_exponent;  // RecipeOptions::view_exponent, which sharpens the view term; not SHARPENED: 1
-#endif
-
-// Below this sum of weights the first rank takes over.
-const float kMinSum = 1e-4;
-
-uint labelOf(int m, int rank) { return (v_labels[m] >> uint(5 * rank)) & kEmpty; }
-
-float rankWeight(int m, int rank, vec3 normal, vec3 to_eye) {
-  int i = m * LAYERS + rank;
-  float mask = v_masks[i / 4][i % 4];
-  if (mask <= 0.0) return 0.0;
-  vec3 direction = normalize(u_camera_centres[labelOf(m, rank)].xyz - v_point);
-  float facing = max(dot(normal, direction), 0.0);
-  float viewing = max(dot(direction, to_eye), 0.0);
-#ifdef SHARPENED
-  viewing = pow(viewing, u_view_exponent);
-#endif
-  return mask * facing * viewing;
-}
+#include "layered_weights.glsl"
 
 // Weights of the ranks of drawn member m, scaled to sum 1.
 void rankShares(int m, vec3 normal, vec3 to_eye, out float shares[LAYERS]) {
@@ -44,73 +16,4 @@ void rankShares(int m, vec3 normal, vec3 to_eye, out float shares[LAYERS]) {
   for (int rank = 0; rank < LAYERS; ++rank) shares[rank] /= sum;
 }
 
-#ifdef ALIGNED
-uniform float u_detail;  // how much contrast of detail to restore, which the mean of several looks loses
-const float kReach = 3.0;
-#endif
-
-// Colour of drawn member m. ALIGNED: detail is restored against both neighbours on a diagonal, which turns
-// from member to member.
-vec3 memberColor(int m, vec3 normal, vec3 to_eye) {
-  float shares[LAYERS];
-  rankShares(m, normal, to_eye, shares);
-  vec3 color = vec3(0.0);
-#ifdef ALIGNED
-  int main_rank = 0;
-  vec3 main_color = vec3(0.0);
-#endif
-  for (int rank = 0; rank < LAYERS; ++rank) {
-    if (shares[rank] <= 0.0) continue;
-    vec3 layer = sampleLayer(m * LAYERS + rank, v_uv[m]);
-    color += shares[rank] * layer;
-#ifdef ALIGNED
-    if (shares[rank] >= shares[main_rank]) {
-      main_rank = rank;
-      main_color = layer;
-    }
-#endif
-  }
-#ifdef ALIGNED
-  vec2 diagonal = vec2(kReach, m % 2 == 0 ? kReach : -kReach);
-  color += u_detail * (dot(main_color, kLuma) - lumaBeside(m * LAYERS + main_rank, v_uv[m], diagonal));
-#endif
-  return color;
-}
-
-#ifdef DEBUG_VIEW
-uniform int u_debug_layer;
-
-vec3 labelColor(uint label) {
-  if (label == kEmpty) return vec3(0.25);
-  vec3 hue = fract(float(label) * 0.618034 + vec3(0.0, 2.0, 1.0) / 3.0);
-  return 0.15 + 0.85 * clamp(abs(hue * 6.0 - 3.0) - 1.0, 0.0, 1.0);
-}
-
-vec3 debugColor(vec3 normal, vec3 to_eye) {
-#if DEBUG_VIEW == 1
-  return labelColor(labelOf(0, u_debug_layer));
-#elif DEBUG_VIEW == 2
-  return sampleLayer(u_debug_layer, v_uv[0]);
-#elif DEBUG_VIEW == 3
-  float shares[LAYERS];
-  rankShares(0, normal, to_eye, shares);
-  vec3 shown = vec3(0.0);
-  for (int rank = 0; rank < min(LAYERS, 3); ++rank) shown[rank] = shares[rank];
-  return shown;
-#else
-  return normal * 0.5 + 0.5;
-#endif
-}
-#endif
-
-void main() {
-  vec3 normal = normalize(v_normal);
-  vec3 to_eye = normalize(u_eye - v_point);
-#ifdef DEBUG_VIEW
-  o_color = vec4(debugColor(normal, to_eye), 1.0);
-#else
-  vec3 color = vec3(0.0);
-  for (int m = 0; m < MEMBERS; ++m) color += u_members[m].y * memberColor(m, normal, to_eye);
-  o_color = vec4(color, 1.0);
-#endif
-}
+#include "layered_shade.glsl"

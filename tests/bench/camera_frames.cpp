@@ -113,7 +113,7 @@ int main(int argc, char** argv) {
 
   render::LayeredPass pass;
   const std::vector<render::Part> parts = render::partsOf(other, {});
-  orStop(pass.prepare(*device, *other.model, parts[0], {}));
+  orStop(pass.prepare(*device, *other.model, parts[0], view, {}));
   const Planes tiled(rendition.width, rendition.height), whole(character.cameras[0].width, character.cameras[0].height);
   auto packed = orStop(render::createPicture(*device, tiled.width, tiled.height, render::PictureTextures::Kind::I420));
   std::vector<render::PictureTextures> unpacked;
@@ -124,8 +124,8 @@ int main(int argc, char** argv) {
   std::printf("  M  upload: packed  unpacked  depth maps  unseen  shading  layered  frames/s packed  unpacked\n");
   for (const int m : {2, 3, 4, 5, 6, 8}) {
     if (size_t(m) > all) break;
-    const auto maps_alone = orStop(render::makeCameraMethod(device, "fvvr")),
-               method = orStop(render::makeCameraMethod(device, "fvvr"));
+    const auto maps_alone = orStop(render::makeCameraMethod(*device, "fvvr")),
+               method = orStop(render::makeCameraMethod(*device, "fvvr"));
     render::MethodOptions options{.closest = m}, without = options;
     without.unseen = render::Unseen::BestFacing;
     const render::CameraLook& look = *figure.cameras;

@@ -123,7 +123,8 @@ int main(int argc, char** argv) {
   const render::CharacterModel& model = scene.figure.model;
   const render::Look look{&scene.figure.appearance, &scene.picture};
   const render::Part part{&look, {{0, 1}}};
-  orStop(layered.prepare(*device, model, part, {}));
+  const render::CharacterView own{view.clip_from_world, view.eye_in_world};  // it stands in the origin
+  orStop(layered.prepare(*device, model, part, own, {}));
 
   const auto timed = [&](const auto& draw) {
     const auto start = std::chrono::steady_clock::now();
@@ -137,7 +138,7 @@ int main(int argc, char** argv) {
                               {.x = kWidth / 2, .y = kHeight / 2, .width = 1, .height = 1}, pixel));
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   };
-  const auto drawLayered = [&] { layered.draw(*device, model, part, {view.clip_from_world, view.eye_in_world}, {}); };
+  const auto drawLayered = [&] { layered.draw(*device, model, part, own, {}); };
   const auto drawPlain = [&] {
     device->draw({.program = plain.id(),
                   .textures = {{"u_corners", model.corners.id()},

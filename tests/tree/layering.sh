@@ -12,7 +12,7 @@ complain() { echo "$*"; bad=1; }
 declare -A allowed
 order=()
 layer() { order+=("$1"); allowed[$1]="${*:2}"; }
-core="base gpu package package/coding motion render render/flow render/fields render/cameras render/styles stream player player/parts"
+core="base gpu package package/coding motion render render/flow render/fields render/cameras render/styles render/montage stream player player/parts"
 layer base
 layer gpu base
 layer package base
@@ -23,6 +23,7 @@ layer render base gpu package render/flow
 layer render/fields base gpu package render
 layer render/cameras base gpu package render render/fields
 layer render/styles base gpu render
+layer render/montage base gpu render render/fields
 layer stream base package package/coding
 layer player/parts base gpu package package/coding motion render render/flow stream
 layer player base gpu package motion render render/flow stream player/parts

@@ -307,7 +307,10 @@ export class FourdvtViewer extends HTMLElement {
       case 'loop': this.#commands.set('loop', this.#loopMode()); break;
       case 'sequence': if (value) this.#commands.select(value); break;
       case 'align': this.#session?.setAlign(this.align); break;
-      case 'method': case 'cameras': case 'visibility': this.#commands.set('method', methodOf(this)); break;
+      case 'method': case 'cameras': case 'visibility':
+        this.#commands.set('method', methodOf(this));
+        void this.#session?.useLook();
+        break;
       case 'look': case 'look-strength': case 'light': case 'light-turn': void this.#session?.useLook(); break;
       case 'background': this.#session?.setRoom(this.#room); break;
       case 'travel': this.#commands.set('travel', this.travel); break;

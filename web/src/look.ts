@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the characters of an element look, as its attributes say: look, look-strength, light, light-turn. Part of
-// fourdvt-full.js, so that pages without looks do not fetch it. The player checks names and numbers; a picture that does
+// How the characters of an element look, as its attributes say: look, look-strength, light, light-turn, and method if it
+// is montage4d, which layered characters have too. Part of fourdvt-full.js, so that pages without these do not fetch it. The player checks names and numbers; a picture that does
 // not load is an Error here.
 import { LOOKS, type Look } from './generated/abi.js';
 import type { FullModule } from './wasm-abi.js';
@@ -16,6 +16,8 @@ interface Light {
   width: number;
   height: number;
 }
+
+const told = new WeakSet<Element>(); // that the device cannot run their method
 
 const lights = new Map<string, Promise<Light>>();
 
@@ -45,13 +47,24 @@ async function loadLight(address: string, base: string): Promise<Light> {
   }
 }
 
+// As characters from cameras do it (wasm/abi.txt).
+function tellFallback(element: Element): void {
+  if (told.has(element)) return;
+  told.add(element);
+  const message = 'montage4d needs half-float render targets, which this GPU does not have';
+  element.dispatchEvent(new CustomEvent('methodfallback', { detail: { wanted: 'montage4d', drawn: 'layered', message } }));
+}
+
 export async function readLook(element: Element): Promise<TellLook> {
   const look = LOOKS.indexOf((element.getAttribute('look') ?? 'none') as Look);
   const number = (name: string, otherwise: number): number => Number(element.getAttribute(name) ?? otherwise);
   const strength = number('look-strength', 1), turnDeg = number('light-turn', 0);
   const address = element.getAttribute('light');
   const light = address && LOOKS[look] === 'relit' ? await loadLight(address, element.baseURI) : null;
+  const montage = element.getAttribute('method') === 'montage4d';
   return (module, handle) => {
+    if (!montage) told.delete(element);
+    if (!module._fdvt_use_montage(handle, montage ? 1 : 0)) tellFallback(element);
     const at = light ? module._fdvt_alloc(light.pixels.length) : 0;
     if (light) module.HEAPU8.set(light.pixels, at);
     const ok = module._fdvt_set_look(handle, look, strength, turnDeg, at, light?.width ?? 0, light?.height ?? 0);

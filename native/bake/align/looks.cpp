@@ -85,10 +85,10 @@ class Drawer final : public LookDrawer {
     const render::Look look{&appearance, &picture, weights};
     FOURDVT_TRY(render::checkFigure({&model_, std::span(&look, 1)}, options_.recipe));
     const render::Part part{&look, {{static_cast<int>(member), 1.0f}}};
-    FOURDVT_TRY(layered_.prepare(device_, model_, part, options_));
+    const render::CharacterView unmoved{view.clip_from_world, view.eye_in_world};  // the character stands in the origin
+    FOURDVT_TRY(layered_.prepare(device_, model_, part, unmoved, options_));
     device_.beginPass({.target = target_.id(), .label = "look"});
     std::swap(model_.corners, corners_[member]);
-    const render::CharacterView unmoved{view.clip_from_world, view.eye_in_world};  // the character stands in the origin
     layered_.draw(device_, model_, part, unmoved, options_);
     std::swap(model_.corners, corners_[member]);
     device_.endPass();

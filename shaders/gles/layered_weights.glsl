@@ -1,0 +1,30 @@
+// What layered.frag knows of a fragment before it weighs the ranks: their weights one by one.
+#define VARYING in
+#include "layered_varyings.glsl"
+#include "picture.glsl"
+out vec4 o_color;
+
+uniform vec4 u_members[MEMBERS];  // per drawn member m: its number in the appearance, its weight
+uniform vec3 u_eye;
+uniform vec4 u_camera_centres[MAX_CAMERAS];
+#ifdef SHARPENED
+uniform float u_view_exponent;  // RecipeOptions::view_exponent, which sharpens the view term; not SHARPENED: 1
+#endif
+
+// Below this sum of weights the first rank takes over.
+const float kMinSum = 1e-4;
+
+uint labelOf(int m, int rank) { return (v_labels[m] >> uint(5 * rank)) & kEmpty; }
+
+float rankWeight(int m, int rank, vec3 normal, vec3 to_eye) {
+  int i = m * LAYERS + rank;
+  float mask = v_masks[i / 4][i % 4];
+  if (mask <= 0.0) return 0.0;
+  vec3 direction = normalize(u_camera_centres[labelOf(m, rank)].xyz - v_point);
+  float facing = max(dot(normal, direction), 0.0);
+  float viewing = max(dot(direction, to_eye), 0.0);
+#ifdef SHARPENED
+  viewing = pow(viewing, u_view_exponent);
+#endif
+  return mask * facing * viewing;
+}

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// As layered.frag, but the ranks weigh what their cameras' fields say (M4D Eq. 1, 4, 5). Where the fields are small all
+// together the plain weights take over smoothly, as M4D keeps the normal-weighted blend where all γ are small.
+#include "layered_weights.glsl"
+in vec4 v_fields[(LAYERS + 3) / 4];  // of the member that has them, by rank
+uniform int u_field_member;
+uniform float u_field_share;         // of the fields in that member's weights, 0..1
+
+const float kWhole = 0.25;  // fields that are this part of the plain weights have their whole share
+
+// Weights of the ranks of drawn member m, scaled to sum 1.
+void rankShares(int m, vec3 normal, vec3 to_eye, out float shares[LAYERS]) {
+  float fields[LAYERS];
+  float sum = 0.0, field_sum = 0.0;
+  for (int rank = 0; rank < LAYERS; ++rank) {
+    int i = m * LAYERS + rank;
+    shares[rank] = rankWeight(m, rank, normal, to_eye);
+    fields[rank] = shares[rank] > 0.0 ? v_masks[i / 4][i % 4] * v_fields[rank / 4][rank % 4] : 0.0;
+    sum += shares[rank];
+    field_sum += fields[rank];
+  }
+  float share = m == u_field_member ? u_field_share * smoothstep(0.0, kWhole, field_sum / max(sum, kMinSum)) : 0.0;
+  float missing = max(kMinSum - sum, 0.0);
+  shares[0] += missing;
+  sum += missing;
+  for (int rank = 0; rank < LAYERS; ++rank)
+    shares[rank] = mix(shares[rank] / sum, fields[rank] / max(field_sum, 1e-6), share);
+}
+
+#include "layered_shade.glsl"

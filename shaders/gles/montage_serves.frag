@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+// A slot's camera serves a vertex that has it in the label set of every face there. A texel per vertex.
+#include "montage_slots.glsl"
+layout(location = 0) out vec4 o_low;
+layout(location = 1) out vec4 o_high;
+
+void main() {
+  int vertex = vertexHere();
+  uint mask = vertex < u_vertex_count ? maskAt(vertex) : 0u;
+  o_low = serves(mask, u_slot_cameras[0]);
+  o_high = serves(mask, u_slot_cameras[1]);
+}
