@@ -45,9 +45,10 @@ const choices = Object.keys(names).filter((at) => places('proxy').includes(at)).
     const [refused] = matching('choice', method, { proxy: at }, 'refused');
     return refused ? setting(refused, 'text') : '';
   };
-  return `On a ${names[at]}:\n\n${table(['method', 'dB / SSIM', 'flicker, levels', 'cost against FVVR', 'bytes', ''], methods.map((method) => [
+  return `On a ${names[at]}:\n\n${table(['method', 'dB / SSIM', 'flicker, levels', 'new frame against FVVR', 'new view against FVVR', 'bytes', ''], methods.map((method) => [
     method, quality(method, onProxy(at)), fixed(value('condition', method, onProxy(at), 'flicker_levels'), 2),
-    `${fixed(value('condition', method, onProxy(at), 'ratio_to_fvvr'), 2)} ×`, '0', remark(method)]))}`;
+    `${fixed(value('condition', method, onProxy(at), 'ratio_to_fvvr'), 2)} ×`,
+    `${fixed(value('condition', method, onProxy(at), 'view_s') / value('condition', 'fvvr', onProxy(at), 'view_s'), 2)} ×`, '0', remark(method)]))}`;
 }).join('\n\n');
 
 const surfaces = table(['method', ...places('proxy')], methods.map((method) => [method, ...places('proxy').map((at) => quality(method, onProxy(at)))]));

@@ -12,7 +12,8 @@
 //                                                           kShiftTolerantDb; of a run of consecutive frames at an
 //                                                           input camera that is left out: kFlickerLevels (with meshes
 //                                                           of constant topology), kFrameS (median: all that a new
-//                                                           frame needs, read-back included), kRatioToFvvr
+//                                                           frame needs, read-back included), kRatioToFvvr, kViewS
+//                                                           (axis proxy: of another view of the same frame)
 // view        likewise        axis= at= view=CAM frame=F    kPsnrFgDb, kSsimFg of one view
 // cross       likewise        proxy=P own=0|1               M4D Table 2: means at the input cameras; own=1: with the
 //                                                           camera's own picture among those that are drawn from, as
@@ -69,6 +70,7 @@ inline constexpr const char* kRmse = "rmse";
 inline constexpr const char* kShiftTolerantDb = "shift_tolerant_db";
 inline constexpr const char* kFlickerLevels = "flicker_levels";
 inline constexpr const char* kFrameS = "frame_s";
+inline constexpr const char* kViewS = "view_s";
 inline constexpr const char* kTaken = "taken";
 inline constexpr const char* kRefused = "refused";
 inline constexpr const char* kHolds = "holds";
