@@ -45,8 +45,8 @@ enum class Unseen {
 };
 
 struct FloatingOptions {
-  enum class Form { Star, Pairs } form = Form::Star;  // pictures to their mean, or every picture to every other
-  float radius_px = 12;                               // of the soft visibility (FT Eq. 8)
+  float radius_px = 12;  // of the soft visibility (FT Eq. 8), 1 to 128
+  int rounds = 1;        // of the star form: pictures to their mean; again to the mean of what came out
 };
 
 struct SweepOptions {

@@ -21,7 +21,7 @@ layer motion base package
 layer render/flow base gpu
 layer render base gpu package render/flow
 layer render/fields base gpu package render
-layer render/cameras base gpu package render render/fields
+layer render/cameras base gpu package render render/fields render/flow
 layer render/styles base gpu render
 layer render/montage base gpu render render/fields
 layer stream base package package/coding

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/cameras/camera_method.h"
 
+#include "render/cameras/floating.h"
+#include "render/cameras/floating_static.h"
 #include "render/cameras/montage.h"
 #include "render/cameras/shader_method.h"
 #include "render/cameras/sweep.h"
@@ -30,6 +32,13 @@ Made ofClass(gpu::Device&, const Row&) {
   return std::unique_ptr<Method>(std::make_unique<Class>());
 }
 
+template <FloatingForm form>
+Made floating(gpu::Device& device, const Row&) {
+  return makeFloating(device, form);
+}
+
+Made floatingStatic(gpu::Device& device, const Row&) { return makeFloatingStatic(device); }
+
 constexpr MethodGroup kTextured = MethodGroup::Textured, kInspection = MethodGroup::Inspection;
 
 // A method's only registration.
@@ -38,6 +47,10 @@ constexpr Row kRows[] = {
     {"lumigraph", kTextured, false, ofShader<ShaderCameras::Bounded>, "camera_lumigraph.frag"},
     {"filtered", kTextured, false, ofShader<ShaderCameras::Bounded>, "camera_filtered.frag"},
     {"band-limited", kTextured, false, ofShader<ShaderCameras::Bounded>, "camera_band_limited.frag"},
+    {"linear", kTextured, true, floating<FloatingForm::Linear>},
+    {"floating", kTextured, true, floating<FloatingForm::Star>},
+    {"floating-pairs", kTextured, true, floating<FloatingForm::Pairs>},
+    {"floating-static", kTextured, true, floatingStatic},
     {"holoportation", kTextured, false, ofMontage},
     {"montage4d", kTextured, true, ofMontage},
     {"montage4d-seams", kInspection, true, ofMontage},

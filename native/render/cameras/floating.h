@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// Floating Textures (FT): the cameras' pictures of the view are brought together by optical flow between them before
+// they are blended. Up to FloatingPictures::kMost cameras.
+#pragma once
+
+#include <memory>
+
+#include "render/method.h"
+
+namespace fourdvt::render {
+
+enum class FloatingForm {
+  Linear,  // no flow: the same weights and pictures; what FT compares with
+  Pairs,   // every picture to every other: n (n - 1) flows (FT Eq. 5-6)
+  Star,    // every picture to their mean: n flows a round
+};
+
+// Errors: Unsupported: the device has no half-float targets.
+Result<std::unique_ptr<Method>> makeFloating(gpu::Device& device, FloatingForm form);
+
+}  // namespace fourdvt::render

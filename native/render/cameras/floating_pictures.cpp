@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/cameras/floating_pictures.h"
+
+#include <algorithm>
+
+namespace fourdvt::render {
+namespace {
+
+using gpu::PixelFormat;
+
+// The camera nearest to the view that would be chosen next; w 0: there is none.
+glm::vec4 nextCentre(const CameraLook& look, const CharacterView& view, const std::vector<size_t>& chosen) {
+  for (size_t c : camerasTowards(look.cameras, viewAxis(view.clip_from_character), 0))
+    if (look.sources[c].source.z > 0 && std::find(chosen.begin(), chosen.end(), c) == chosen.end())
+      return glm::vec4(glm::vec3(look.cameras[c].centreInWorld()), 1);
+  return glm::vec4(0);
+}
+
+Status drawFullscreen(gpu::Device& device, const gpu::Program& program, gpu::TargetId target,
+                      std::vector<gpu::TextureBinding> textures, std::vector<gpu::Uniform> uniforms) {
+  device.beginPass({.target = target, .label = "floating textures"});
+  device.draw(
+      {.program = program.id(), .textures = std::move(textures), .uniforms = std::move(uniforms), .vertex_count = 3});
+  device.endPass();
+  return {};
+}
+
+}  // namespace
+
+Status resizeGroup(gpu::Device& device, int width, int height, const std::vector<PixelFormat>& formats, bool has_depth,
+                   PictureGroup& out) {
+  if (out.width == width && out.height == height && out.textures.size() == formats.size()) return {};
+  out = {};
+  gpu::TargetDesc desc{.own_depth = has_depth, .label = "floating textures"};
+  for (PixelFormat format : formats) {
+    FOURDVT_ASSIGN(gpu::Texture texture, gpu::makeTexture(device, {.format = format,
+                                                                   .width = width,
+                                                                   .height = height,
+                                                                   .filter = gpu::Filter::Linear,
+                                                                   .label = "floating textures"}));
+    desc.colors.push_back(texture.id());
+    out.textures.push_back(std::move(texture));
+  }
+  FOURDVT_ASSIGN(out.target, gpu::makeTarget(device, desc));
+  out.width = width;
+  out.height = height;
+  return {};
+}
+
+Status SoftVisibility::update(gpu::Device& device, gpu::TextureId hidden, gpu::TextureId weights, int width, int height,
+                              float radius_px) {
+  if (!across_program_) {
+    FOURDVT_ASSIGN(across_program_, makeCameraProgram(device, "camera_fullscreen.vert", "camera_soft_across.frag"));
+    FOURDVT_ASSIGN(down_program_, makeCameraProgram(device, "camera_fullscreen.vert", "camera_soft_down.frag"));
+  }
+  FOURDVT_TRY(resizeGroup(device, width, height, {PixelFormat::RGBA8}, false, across_));
+  FOURDVT_TRY(resizeGroup(device, width, height, {PixelFormat::RGBA16F}, false, soft_));
+  const float radius = std::clamp(radius_px, 1.0f, kMostRadius_px);
+  FOURDVT_TRY(drawFullscreen(device, across_program_, across_.target.id(), {{"u_hidden", hidden}},
+                             {gpu::uniform("u_radius", radius)}));
+  return drawFullscreen(device, down_program_, soft_.target.id(),
+                        {{"u_across", across_.textures[0].id()}, {"u_weights", weights}},
+                        {gpu::uniform("u_radius", radius)});
+}
+
+FlowOptions floatingFlow() {
+  FlowOptions options;
+  options.method = FlowMethod::Dis;
+  return options;
+}
+
+Status FlowSum::draw(gpu::Device& device, const Term& term, gpu::TargetId target) {
+  if (!program_) {
+    FOURDVT_ASSIGN(program_, makeCameraProgram(device, "camera_fullscreen.vert", "camera_floating_add.frag"));
+  }
+  const float keeps = term.before ? 1 : 0;
+  return drawFullscreen(
+      device, program_, target,
+      {{"u_before", term.before ? term.before : term.flow}, {"u_flow", term.flow}, {"u_weights", term.weights}},
+      {gpu::uniform("u_camera", term.rank), gpu::uniform("u_keeps", keeps)});
+}
+
+Status FloatingPictures::drawSight(gpu::Device& device, const CharacterModel& model, const CameraLook& look,
+                                   const CharacterView& view, const MethodOptions& options,
+                                   const FigureCameras& cameras) {
+  gpu::Program& program = sight_programs_[cameras.defines(look, options)];
+  if (!program) {
+    FOURDVT_ASSIGN(program, makeCameraProgram(device, "camera_surface.vert", "camera_floating_sight.frag",
+                                              cameras.defines(look, options)));
+  }
+  const CameraUniforms uniforms = cameras.uniforms(look, options);
+  const glm::vec4 next = nextCentre(look, view, cameras.chosen());
+  gpu::Draw draw = surfaceDraw(model, program.id());
+  uniforms.addTo(draw);
+  cameras.addTo(draw, view, options);
+  draw.uniforms.push_back(gpu::uniform("u_next", next));
+  device.beginPass({.target = sight_.target.id(), .clear_color = true, .clear_depth = true, .label = "sight"});
+  device.draw(draw);
+  device.endPass();
+  return {};
+}
+
+Status FloatingPictures::updateWeights(gpu::Device& device, const CharacterModel& model, const CameraLook& look,
+                                       const CharacterView& view, const MethodOptions& options,
+                                       const FigureCameras& cameras) {
+  FOURDVT_TRY(resizeGroup(device, view.width, view.height, {PixelFormat::RGBA8, PixelFormat::RGBA16F}, true, sight_));
+  FOURDVT_TRY(drawSight(device, model, look, view, options, cameras));
+  return soft_.update(device, sight_.textures[0].id(), sight_.textures[1].id(), view.width, view.height,
+                      options.floating.radius_px);
+}
+
+Status FloatingPictures::update(gpu::Device& device, const CharacterModel& model, const CameraLook& look,
+                                const CharacterView& view, const MethodOptions& options, const FigureCameras& cameras) {
+  FOURDVT_TRY(updateWeights(device, model, look, view, options, cameras));
+  FOURDVT_TRY(resizeGroup(device, view.width, view.height,
+                          std::vector<PixelFormat>(cameras.chosen().size(), PixelFormat::RGBA8), true, pictures_));
+  gpu::Program& program = project_programs_[cameras.defines(look, options)];
+  if (!program) {
+    FOURDVT_ASSIGN(program, makeCameraProgram(device, "camera_surface.vert", "camera_floating_project.frag",
+                                              cameras.defines(look, options)));
+  }
+  const CameraUniforms uniforms = cameras.uniforms(look, options);
+  gpu::Draw draw = surfaceDraw(model, program.id());
+  uniforms.addTo(draw);
+  cameras.addTo(draw, view, options);
+  draw.textures.push_back({"u_weights", soft_.texture()});
+  device.beginPass({.target = pictures_.target.id(), .clear_color = true, .clear_depth = true, .label = "project"});
+  device.draw(draw);
+  device.endPass();
+  return {};
+}
+
+}  // namespace fourdvt::render

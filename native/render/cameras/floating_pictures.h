@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// What Floating Textures blends and warps: the picture of each camera on the surface as a view sees it, and each
+// camera's weight per pixel with soft visibility (FT 4.2). Works at the view's size. Does NOT compute flow.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "render/cameras/figure_cameras.h"
+#include "render/flow/flow.h"
+
+namespace fourdvt::render {
+
+// Textures of one size that are drawn together.
+struct PictureGroup {
+  std::vector<gpu::Texture> textures;
+  gpu::Target target;
+  int width = 0, height = 0;
+};
+
+// Makes it anew unless it has this size and number of textures; drawn with a depth buffer of its own or without.
+// Errors: GpuFailure.
+Status resizeGroup(gpu::Device& device, int width, int height, const std::vector<gpu::PixelFormat>& formats,
+                   bool has_depth, PictureGroup& out);
+
+// FT Eq. 8 with exact distances, for four cameras at a time.
+class SoftVisibility {
+ public:
+  static constexpr float kMostRadius_px = 128;
+  // hidden: RGBA8, a channel per camera, 1 where the camera does not see the surface; weights: likewise, RGBA16F.
+  // Draws weights × min(distance to the nearest hidden pixel / radius, 1). Errors: GpuFailure.
+  Status update(gpu::Device& device, gpu::TextureId hidden, gpu::TextureId weights, int width, int height,
+                float radius_px);
+  gpu::TextureId texture() const { return soft_.textures[0].id(); }  // RGBA16F, of this size
+  gpu::TargetId target() const { return soft_.target.id(); }         // to read it back
+
+ private:
+  gpu::Program across_program_, down_program_;
+  PictureGroup across_, soft_;
+};
+
+class FloatingPictures {
+ public:
+  static constexpr int kMost = 4;  // cameras: as many channels as a texture has, and as many targets as a draw
+
+  // `cameras` were prepared with the same arguments and at most kMost cameras; the view may be another one.
+  // Errors: GpuFailure.
+  Status update(gpu::Device& device, const CharacterModel& model, const CameraLook& look, const CharacterView& view,
+                const MethodOptions& options, const FigureCameras& cameras);
+  // The weights alone.
+  Status updateWeights(gpu::Device& device, const CharacterModel& model, const CameraLook& look,
+                       const CharacterView& view, const MethodOptions& options, const FigureCameras& cameras);
+  // RGBA8, premultiplied, y up, by rank in FigureCameras::chosen; alpha 1 on the surface.
+  gpu::TextureId picture(size_t rank) const { return pictures_.textures[rank].id(); }
+  size_t count() const { return pictures_.textures.size(); }
+  // RGBA16F, a channel per rank: w Ω, not normalised; all 0 where no camera sees the surface.
+  gpu::TextureId weights() const { return soft_.texture(); }
+
+ private:
+  Status drawSight(gpu::Device& device, const CharacterModel& model, const CameraLook& look, const CharacterView& view,
+                   const MethodOptions& options, const FigureCameras& cameras);
+
+  std::map<std::string, gpu::Program> sight_programs_, project_programs_;  // by their defines
+  PictureGroup sight_, pictures_;
+  SoftVisibility soft_;
+};
+
+// The flow between such pictures: the method and settings that scored best (ALGORITHMS 12).
+FlowOptions floatingFlow();
+
+// Sums of flow fields, each weighted by one camera's share of the pixel (FT Eq. 6).
+class FlowSum {
+ public:
+  struct Term {
+    gpu::TextureId flow = 0;
+    gpu::TextureId weights = 0;  // of FloatingPictures
+    int rank = -1;               // whose share; -1: 1
+    gpu::TextureId before = 0;   // the sum so far; 0: none
+  };
+  Status draw(gpu::Device& device, const Term& term, gpu::TargetId target);  // RG16F. Errors: GpuFailure
+
+ private:
+  gpu::Program program_;
+};
+
+}  // namespace fourdvt::render

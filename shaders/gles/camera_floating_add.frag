@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// Adds a flow field, weighted by one camera's share of the pixel, to the sum of those before it (FT Eq. 6).
+uniform sampler2D u_before;
+uniform sampler2D u_flow;
+uniform sampler2D u_weights;
+uniform int u_camera;   // whose share; negative: 1
+uniform float u_keeps;  // of the sum before: 0 or 1
+out vec2 o_flow;
+
+void main() {
+  ivec2 here = ivec2(gl_FragCoord.xy);
+  vec4 weights = texelFetch(u_weights, here, 0);
+  float sum = dot(weights, vec4(1.0));
+  float share = u_camera < 0 ? 1.0 : sum > 0.0 ? weights[u_camera] / sum : 0.0;
+  o_flow = u_keeps * texelFetch(u_before, here, 0).xy + share * texelFetch(u_flow, here, 0).xy;
+}

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Per pixel of a view, for up to four cameras: whether each is hidden from the surface there, and its weight by angle,
+// times the cosine at which it sees the surface. (FT takes the angle alone; see ALGORITHMS 12.)
+#include "camera_blend.glsl"
+centroid in vec3 v_point;  // character's frame, metres
+centroid in vec3 v_normal;
+uniform vec3 u_eye;
+uniform vec4 u_next;       // xyz centre of the nearest camera that is not used, at which weights end; w 0: there is none
+layout(location = 0) out vec4 o_hidden;   // 1 on the surface where the camera does not see it; background 0
+layout(location = 1) out vec4 o_weights;
+
+const float kLeastAngle = 0.01;  // radians
+const float kLeastShare = 0.01;  // of a camera that lies further off than the next one: it serves where no other sees
+
+// BBMGC01's weight of a camera by the angle between its ray and the view's: 0 at `end`, without bound at 0.
+float angularWeight(float angle, float end) {
+  return max(1.0 - angle / end, kLeastShare) / max(angle, kLeastAngle);
+}
+
+float angleBetween(vec3 a, vec3 b) { return acos(clamp(dot(a, b), -1.0, 1.0)); }
+
+float cameraWeight(vec3 to_camera, float cosine, vec3 to_eye) { return cosine; }
+
+void main() {
+  vec3 normal = normalize(v_normal), to_eye = normalize(u_eye - v_point);
+  float end = u_next.w > 0.0 ? angleBetween(normalize(u_next.xyz - v_point), to_eye) : 3.15;
+  o_hidden = vec4(0.0);
+  o_weights = vec4(0.0);
+  for (int i = 0; i < CAMERAS; ++i) {
+    vec3 ray = normalize(u_centres[i].xyz - v_point);
+    float cosine = dot(normal, ray);
+    vec3 at = projected(v_point, i);
+    bool hidden = cosine <= u_least_cosine || at.z <= 0.0 || isHidden(at, cosine, i);
+    o_hidden[i] = float(hidden);
+    o_weights[i] = hidden ? 0.0 : cosine * angularWeight(angleBetween(ray, to_eye), end);
+  }
+}

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// bench_floating_cost CAPTURE [SEQUENCE [REPEATS]]: milliseconds of a view of a capture's first frame by Floating
+// Textures in its forms, by their blend without flow and by FVVR, from three and from four cameras, and their ratios. A
+// still scene: no depth map is drawn again. Alternating in one run, medians; a time ends when the GPU is done.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include "capture/capture.h"
+#include "or_stop.h"
+#include "platform/egl_context.h"
+#include "platform/ffmpeg_video.h"
+#include "render/cameras/camera_method.h"
+#include "study/projective/method_stage.h"
+
+namespace {
+
+using namespace fourdvt;
+using fourdvt::testing::orStop;
+
+constexpr int kWidth = 720, kHeight = 960;
+
+struct Lane {
+  const char* name;
+  const char* method;
+  bool new_picture;  // before each view, as while it plays
+  std::unique_ptr<study::MethodStage> stage = nullptr;
+  std::vector<double> times_ms = {};
+};
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+  return values[values.size() / 2];
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2) return std::fprintf(stderr, "usage: bench_floating_cost CAPTURE [SEQUENCE [REPEATS]]\n"), 2;
+  const std::string sequence_name = argc > 2 ? argv[2] : "run";
+  const int repeats = argc > 3 ? std::max(1, std::atoi(argv[3])) : 5;
+  const OpenVideo open_video = [](const std::string& path, int channels) {
+    return platform::openVideoFile(path, channels);
+  };
+  const auto capture =
+      orStop(capture::openCapture(argv[1], open_video, {sequence_name}, capture::MeshNeed::AnySurface));
+  const capture::CaptureSequence& sequence = capture.sequences.at(0);
+  const auto reader = orStop(capture::FrameReader::open(capture, sequence, open_video));
+  const auto captured = orStop(reader->next());
+  const TriangleMesh surface = orStop(capture::readSurfaceFrame(capture, sequence, 0));
+  std::vector<PinholeCamera> cameras;
+  for (const capture::CaptureCamera& camera : capture.cameras) cameras.push_back(camera.pinhole);
+
+  const auto context = orStop(platform::EglContext::create());
+  const auto device = orStop(gpu::createGlesDevice());
+  Lane lanes[] = {{"fvvr", "fvvr", false},
+                  {"linear", "linear", false},
+                  {"star", "floating", false},
+                  {"pairs", "floating-pairs", false},
+                  {"static, a view", "floating-static", false},
+                  {"static, a frame", "floating-static", true}};
+  for (Lane& lane : lanes) {
+    lane.stage = orStop(study::MethodStage::create(*device, cameras));
+    orStop(lane.stage->setFrame(surface, captured.pictures));
+  }
+  const auto color = orStop(gpu::makeTexture(*device, {.width = kWidth, .height = kHeight, .label = "view"}));
+  const auto target = orStop(gpu::makeTarget(*device, {.colors = {color.id()}, .label = "view"}));
+  const auto wait = [&] {
+    uint8_t pixel[4];
+    orStop(device->readPixels(target.id(), gpu::PixelFormat::RGBA8, {.width = 1, .height = 1}, pixel));
+  };
+  BoundingBox bounds{surface.positions[0], surface.positions[0]};
+  for (const glm::vec3& position : surface.positions) {
+    bounds.min = glm::min(bounds.min, position);
+    bounds.max = glm::max(bounds.max, position);
+  }
+  const render::View view =
+      render::viewFromCamera(cameraFromOrbit(defaultOrbit(bounds, double(kWidth) / kHeight), kWidth, kHeight));
+  std::printf("%s, %zu faces, view of %d x %d, medians of %d\n", device->caps().renderer.c_str(), surface.faces.size(),
+              kWidth, kHeight, repeats);
+  for (const int cameras_used : {3, 4}) {
+    for (Lane& lane : lanes) {
+      lane.times_ms.clear();
+      lane.stage->setMethod(orStop(render::makeCameraMethod(*device, lane.method)));
+    }
+    for (int i = 0; i <= repeats; ++i)
+      for (Lane& lane : lanes) {
+        if (lane.new_picture) lane.stage->leaveOut({});
+        wait();
+        const auto start = std::chrono::steady_clock::now();
+        orStop(lane.stage->draw(view, {.closest = cameras_used}, target.id()));
+        wait();
+        const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
+        if (i > 0) lane.times_ms.push_back(time.count());  // the first one makes programs
+      }
+    double ms[std::size(lanes)];
+    for (size_t l = 0; l < std::size(lanes); ++l) ms[l] = median(lanes[l].times_ms);
+    std::printf("%d cameras\n", cameras_used);
+    for (size_t l = 0; l < std::size(lanes); ++l)
+      std::printf("  %-16s %8.1f ms  %6.2f of fvvr  %5.2f of pairs\n", lanes[l].name, ms[l], ms[l] / ms[0],
+                  ms[l] / ms[3]);
+  }
+  return 0;
+}

@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: Apache-2.0
+// Floating Textures: soft visibility against brute force, what fills a hole, pictures that are off by a known shift,
+// and what is kept while the scene stands still.
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "gl_fixture.h"
+#include "render/cameras/camera_method.h"
+#include "render/cameras/floating_pictures.h"
+#include "render/recipe.h"
+
+namespace fourdvt::testing {
+namespace {
+
+using glm::dvec2, glm::dvec3;
+
+constexpr int kSide = 128, kPicture = 512;
+constexpr double kFocal = 300, kDistance_m = 3, kMetresPerPixel = kDistance_m / kFocal;
+
+PinholeCamera cameraAt(double x) { return lookAt({x, 1, kDistance_m}, {0, 1, 0}, kSide, kSide, kFocal); }
+
+// Waves of 7 to 60 pixels in many directions, 0…1.
+double texture(dvec2 at_px) {
+  constexpr int kWaves = 14;
+  double sum = 0;
+  for (int i = 0; i < kWaves; ++i) {
+    const double wavelength = 7 * std::pow(60.0 / 7, i / (kWaves - 1.0)), angle = 2.4 * i;
+    sum += std::sin(2 * M_PI / wavelength * (at_px.x * std::cos(angle) + at_px.y * std::sin(angle)) + i * i);
+  }
+  return glm::clamp(0.5 + 0.09 * sum, 0.0, 1.0);
+}
+
+// What a pixel of the camera sees of the plane z = 0 with the texture moved by `shift_px` to the right, 0…255.
+double levelAt(const PinholeCamera& camera, int x, int y, double shift_px) {
+  const dvec3 in_cam((x + 0.5 - camera.cx) / camera.fx, (y + 0.5 - camera.cy) / camera.fy, 1);
+  const dvec3 ray = glm::transpose(glm::dmat3(camera.cam_from_world)) * in_cam, eye = camera.centreInWorld();
+  return 255 * texture(dvec2(eye - eye.z / ray.z * ray) / kMetresPerPixel - dvec2(shift_px, 0));
+}
+
+Image textured(const PinholeCamera& camera, double shift_px) {
+  Image image(camera.width, camera.height, 4, 255);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      for (int k = 0; k < 3; ++k)
+        image.at(x, y)[k] =
+            static_cast<uint8_t>(k == 0 ? std::lrint(levelAt(camera, x, y, shift_px)) : image.at(x, y)[0]);
+  return image;
+}
+
+class FloatingTest : public GlFixture {
+ protected:
+  void SetUp() override {
+    GlFixture::SetUp();
+    picture_ = render::createPicture(*device, kPicture, kPicture, render::PictureTextures::Kind::Rgba).take();
+    recipe_ = render::Recipe::create(*device).take();
+    options_.recipe = {.background = {0, 0, 0, 0}, .ground_shadow = false};
+    options_.method = {.closest = 0, .unseen = render::Unseen::BestFacing};
+  }
+
+  void TearDown() override {
+    recipe_.reset();
+    model_ = {};
+    picture_ = {};
+    GlFixture::TearDown();
+  }
+
+  void addQuad(dvec3 centre, double half) {
+    const uint32_t first = static_cast<uint32_t>(positions_.size());
+    for (const dvec2 corner : {dvec2(-1, 1), dvec2(1, 1), dvec2(-1, -1), dvec2(1, -1)})
+      positions_.emplace_back(centre + half * dvec3(corner, 0));
+    faces_.push_back({first, first + 2, first + 3});
+    faces_.push_back({first, first + 3, first + 1});
+  }
+
+  void show(const std::vector<Image>& pictures) {
+    package::Character character;
+    character.cameras = cameras_;
+    character.vertex_count = static_cast<uint32_t>(positions_.size());
+    character.face_count = static_cast<uint32_t>(faces_.size());
+    model_ = render::CharacterModel::createForSurfaces(*device, character).take();
+    ASSERT_TRUE(model_.setTopology(*device, faces_, character.vertex_count));
+    model_.setPositions(*device, positions_);
+    setPictures(pictures);
+  }
+
+  void setPictures(const std::vector<Image>& pictures) {
+    Image whole(kPicture, kPicture, 4, 77);
+    sources_.clear();
+    for (size_t c = 0; c < pictures.size(); ++c) {
+      const glm::ivec2 at(int(c % 3) * (kSide + 8), int(c / 3) * (kSide + 8));
+      for (int y = 0; y < kSide; ++y) std::copy_n(pictures[c].at(0, y), 4 * kSide, whole.at(at.x, at.y + y));
+      sources_.push_back({{0, 0, kSide, kSide}, glm::vec4(at, kSide, kSide) / float(kPicture)});
+    }
+    device->updateTexture(picture_.rgba.id(), {.width = kPicture, .height = kPicture}, whole.pixels.data());
+    ++serial_;
+  }
+
+  render::CameraLook look() const { return {cameras_, sources_, &picture_, glm::vec2(kPicture), serial_}; }
+
+  Image still(const PinholeCamera& view) {
+    const render::CameraLook shown = look();
+    render::Figure figure;
+    figure.model = &model_;
+    figure.cameras = &shown;
+    const render::View seen = render::viewFromCamera(view);
+    Image image = drawnImage(*device, seen, [&](gpu::TargetId target) {
+      return recipe_->draw({&figure, 1}, nullptr, seen, options_, target);
+    });
+    remember(image);
+    return image;
+  }
+
+  Image stillBy(const char* method, const PinholeCamera& view) {
+    recipe_->setMethod(render::makeCameraMethod(*device, method).take());
+    return still(view);
+  }
+
+  // Two cameras, the left one's picture moved by -shift and the right one's by +shift.
+  void shiftedPair(double shift_px) {
+    addQuad({0, 1, 0}, 0.5);
+    cameras_ = {cameraAt(-0.5), cameraAt(0.5)};
+    show({textured(cameras_[0], -shift_px), textured(cameras_[1], shift_px)});
+  }
+
+  std::vector<glm::uvec3> faces_;
+  Positions positions_;
+  std::vector<PinholeCamera> cameras_;
+  std::vector<render::CameraSource> sources_;
+  render::CharacterModel model_;
+  render::PictureTextures picture_;
+  std::unique_ptr<render::Recipe> recipe_;
+  render::DrawOptions options_;
+  uint64_t serial_ = 0;
+};
+
+// Mean difference in levels, away from the quad's edge.
+double meanDifference(const Image& a, const Image& b) {
+  double sum = 0;
+  int count = 0;
+  for (int y = 30; y < kSide - 30; ++y)
+    for (int x = 30; x < kSide - 30; ++x, ++count) sum += std::abs(int(a.at(x, y)[0]) - int(b.at(x, y)[0]));
+  return sum / count;
+}
+
+// The shift of the texture that resembles the picture most, pixels.
+double shiftOf(const Image& picture, const PinholeCamera& view) {
+  double best = 0, least = HUGE_VAL;
+  for (double shift = -3; shift <= 3; shift += 0.125) {
+    double difference = 0;
+    for (int y = 30; y < kSide - 30; y += 4)
+      for (int x = 30; x < kSide - 30; x += 2) difference += std::abs(picture.at(x, y)[0] - levelAt(view, x, y, shift));
+    if (difference < least) least = difference, best = shift;
+  }
+  return best;
+}
+
+TEST_F(FloatingTest, SoftVisibilityIsTheDistanceByBruteForce) {
+  constexpr int kWidth = 53, kHeight = 41;
+  std::mt19937 random(3);
+  std::vector<uint8_t> hidden(4 * kWidth * kHeight, 0);
+  for (int k = 0; k < 120; ++k)
+    hidden[4 * (random() % (kWidth * kHeight)) + (k < 8 ? 0 : k < 20 ? 1 : 2)] = 255;  // none in the last channel
+  auto mask = gpu::makeTexture(*device, {.width = kWidth, .height = kHeight, .label = "hidden"}).take();
+  device->updateTexture(mask.id(), {.width = kWidth, .height = kHeight}, hidden.data());
+  render::PictureGroup ones;
+  ASSERT_TRUE(render::resizeGroup(*device, kWidth, kHeight, {gpu::PixelFormat::RGBA16F}, false, ones));
+  device->beginPass({.target = ones.target.id(), .clear_color = true, .color = glm::vec4(1)});
+  device->endPass();
+  render::SoftVisibility soft;
+  for (const float radius : {1.0f, 5.5f, 12.0f}) {
+    ASSERT_TRUE(soft.update(*device, mask.id(), ones.textures[0].id(), kWidth, kHeight, radius));
+    std::vector<glm::vec4> drawn(kWidth * kHeight);
+    ASSERT_TRUE(device->readPixels(soft.target(), gpu::PixelFormat::RGBA16F, {.width = kWidth, .height = kHeight},
+                                   drawn.data()));
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        for (int c = 0; c < 4; ++c) {
+          double least = radius;
+          for (int v = 0; v < kHeight; ++v)
+            for (int u = 0; u < kWidth; ++u)
+              if (hidden[4 * (v * kWidth + u) + c]) least = std::min(least, std::hypot(u - x, v - y));
+          ASSERT_NEAR(drawn[(kHeight - 1 - y) * kWidth + x][c], least / radius, 2e-3)
+              << x << ", " << y << ", channel " << c << ", radius " << radius;
+        }
+  }
+}
+
+// A screen hides a part of the wall from the camera nearest to the view. Background hides nothing.
+TEST_F(FloatingTest, AHoleShowsTheCameraOfTheLargestWeight) {
+  addQuad({0, 1, 0}, 0.5);
+  addQuad({0.05, 1, 0.6}, 0.1);
+  cameras_ = {cameraAt(1.1), cameraAt(-0.9), cameraAt(0.3)};
+  const glm::u8vec4 colors[] = {{230, 20, 10, 255}, {10, 220, 30, 255}, {30, 10, 240, 255}};
+  std::vector<Image> pictures;
+  for (const glm::u8vec4& color : colors) {
+    pictures.emplace_back(kSide, kSide, 4);
+    for (size_t i = 0; i < pictures.back().pixels.size(); ++i) pictures.back().pixels[i] = color[int(i % 4)];
+  }
+  show(pictures);
+  const PinholeCamera at = lookAt({-0.1, 1, kDistance_m}, {0, 1, 0}, kSide, kSide, kFocal);
+  const render::View seen = render::viewFromCamera(at);
+  const render::CharacterView view{seen.clip_from_world, seen.eye_in_world, seen.width, seen.height};
+  render::FigureCameras chosen;
+  render::FloatingPictures floating;
+  const render::CameraLook shown = look();
+  ASSERT_TRUE(chosen.prepare(*device, model_, shown, view, options_.method, render::FloatingPictures::kMost));
+  ASSERT_TRUE(floating.update(*device, model_, shown, view, options_.method, chosen));
+  ASSERT_EQ(chosen.chosen(), (std::vector<size_t>{2, 1, 0}));
+  const auto read = [&](gpu::TextureId texture, gpu::PixelFormat format, void* out) {
+    auto target = gpu::makeTarget(*device, {.colors = {texture}, .label = "read"}).take();
+    ASSERT_TRUE(device->readPixels(target.id(), format, {.width = kSide, .height = kSide}, out));
+  };
+  std::vector<glm::vec4> weights(kSide * kSide);
+  read(floating.weights(), gpu::PixelFormat::RGBA16F, weights.data());
+  int holes = 0;
+  std::vector<glm::u8vec4> drawn(kSide * kSide);
+  for (int rank = 0; rank < 3; ++rank) {
+    read(floating.picture(rank), gpu::PixelFormat::RGBA8, drawn.data());
+    for (int i = 0; i < kSide * kSide; ++i) {
+      if (drawn[i].a == 0) continue;
+      int best = 0;
+      for (int k = 1; k < 3; ++k)
+        if (weights[i][k] > weights[i][best]) best = k;
+      ASSERT_GT(weights[i][best], 0);
+      holes += weights[i][rank] == 0;
+      ASSERT_EQ(drawn[i], colors[chosen.chosen()[weights[i][rank] > 0 ? rank : best]]) << "rank " << rank;
+    }
+  }
+  EXPECT_GT(holes, 300);
+  // Behind the screen, seen past its edge, the next camera by angle fills in; at the quad's own edge weights do not
+  // fade.
+  const dvec3 behind = at.project({-0.09, 1, 0}), edge = at.project({0.49, 1.3, 0}), inside = at.project({0.3, 1.3, 0});
+  const auto weightsAt = [&](const dvec3& pixel) { return weights[int(pixel.y) * kSide + int(pixel.x)]; };
+  read(floating.picture(0), gpu::PixelFormat::RGBA8, drawn.data());
+  EXPECT_EQ(weightsAt(behind)[0], 0);
+  EXPECT_EQ(drawn[int(behind.y) * kSide + int(behind.x)], colors[1]);
+  EXPECT_GT(weightsAt(edge)[1], 0.8 * weightsAt(inside)[1]);
+}
+
+TEST_F(FloatingTest, PicturesThatAreOffByAKnownShiftMeetBetween) {
+  shiftedPair(1.75);
+  const PinholeCamera middle = cameraAt(0), left = cameraAt(-0.3);
+  const Image truth = textured(middle, 0);
+  const double linear = meanDifference(stillBy("linear", middle), truth);
+  EXPECT_GT(linear, 8);
+  for (const char* method : {"floating", "floating-pairs", "floating-static"}) {
+    const Image picture = stillBy(method, middle);
+    EXPECT_LT(meanDifference(picture, truth), 0.4 * linear) << method;
+    EXPECT_NEAR(shiftOf(picture, middle), 0, 0.2) << method;
+    const double from_left = shiftOf(stillBy(method, left), left);
+    EXPECT_LT(from_left, -0.5) << method << ": the nearer picture moves less";
+    EXPECT_GT(from_left, -1.75) << method;
+  }
+}
+
+TEST_F(FloatingTest, PicturesThatAgreeAreLeftAlone) {
+  shiftedPair(0);
+  const PinholeCamera view = cameraAt(0.1);
+  const Image linear = stillBy("linear", view);
+  for (const char* method : {"floating", "floating-pairs", "floating-static"})
+    EXPECT_LT(meanDifference(stillBy(method, view), linear), 1.5) << method;
+}
+
+TEST_F(FloatingTest, AStillSceneIsALookUp) {
+  shiftedPair(1.5);
+  const auto passes = [&](const PinholeCamera& view) {
+    device->resetCounters();
+    still(view);
+    return device->counters().passes;
+  };
+  stillBy("floating-static", cameraAt(0));
+  EXPECT_LE(passes(cameraAt(0.1)), 4u) << "sight, soft visibility and the picture";
+  setPictures({textured(cameras_[0], 0), textured(cameras_[1], 0)});
+  EXPECT_GT(passes(cameraAt(0.1)), 20u);
+  model_.setPositions(*device, positions_);
+  EXPECT_GT(passes(cameraAt(0.1)), 20u);
+  EXPECT_LE(passes(cameraAt(0)), 4u);
+}
+
+TEST_F(FloatingTest, TexturesShrinkWithTheView) {
+  shiftedPair(0);
+  for (const char* method : {"floating", "floating-pairs", "floating-static"}) {
+    stillBy(method, cameraAt(0));
+    const uint64_t large = device->counters().live_texture_bytes;
+    still(lookAt({0, 1, kDistance_m}, {0, 1, 0}, kSide / 2, kSide / 2, kFocal / 2));
+    EXPECT_LT(device->counters().live_texture_bytes, large) << method;
+  }
+}
+
+TEST(FloatingUnsupported, WithoutHalfFloatTargets) {
+  const auto device = gpu::createNullDevice(false);
+  for (const char* method : {"linear", "floating", "floating-pairs", "floating-static"}) {
+    const auto made = render::makeCameraMethod(*device, method);
+    ASSERT_FALSE(made) << method;
+    EXPECT_EQ(made.error().id, ErrorId::Unsupported) << method;
+  }
+}
+
+}  // namespace
+}  // namespace fourdvt::testing
