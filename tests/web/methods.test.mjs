@@ -42,11 +42,14 @@ const openRefined = (prepare) => openCharacter(browser, server.url, 'cameras/ref
 async function show(page, name) {
   await page.evaluate(async ({ name, settles }) => {
     const viewer = document.querySelector('fourdvt-viewer');
+    let problem = '';
+    viewer.addEventListener('error', (e) => { problem ||= e.detail.message; });
     viewer.method = name;
     for (let i = 0; i < settles; ++i) {
       viewer.renderOptions = {}; // asks for another picture
       await new Promise((next) => setTimeout(() => requestAnimationFrame(next), 50));
     }
+    if (problem) throw new Error(`${name}: ${problem}`);
   }, { name, settles: name.startsWith('montage4d') ? 2 * kSettles : 3 });
   return readCanvas(page);
 }
