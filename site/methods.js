@@ -26,7 +26,6 @@ const METHODS = {
 const FIRST = ['fvvr', 'montage4d'];
 const PAIRS = [
   { title: 'Blur', methods: ['filtered', 'lumigraph'] },
-  { title: 'Depth', methods: ['fvvr', 'sweep'] },
   { title: 'Flow', methods: ['linear', 'floating'] },
   { title: 'Depth', methods: ['fvvr', 'sweep'] },
   { title: 'Seams', methods: ['montage4d-seams', 'montage4d'] },

@@ -24,14 +24,15 @@ float cameraWeight(vec3 to_camera, float cosine, vec3 to_eye) { return cosine; }
 void main() {
   vec3 normal = normalize(v_normal), to_eye = normalize(u_eye - v_point);
   float end = u_next.w > 0.0 ? angleBetween(normalize(u_next.xyz - v_point), to_eye) : 3.15;
-  o_hidden = vec4(0.0);
-  o_weights = vec4(0.0);
+  vec4 are_hidden = vec4(0.0), weights = vec4(0.0);  // WebGL takes no index that varies for an output
   for (int i = 0; i < CAMERAS; ++i) {
     vec3 ray = normalize(u_centres[i].xyz - v_point);
     float cosine = dot(normal, ray);
     vec3 at = projected(v_point, i);
     bool hidden = cosine <= u_least_cosine || at.z <= 0.0 || isHidden(at, cosine, i);
-    o_hidden[i] = float(hidden);
-    o_weights[i] = hidden ? 0.0 : cosine * angularWeight(angleBetween(ray, to_eye), end);
+    are_hidden[i] = float(hidden);
+    weights[i] = hidden ? 0.0 : cosine * angularWeight(angleBetween(ray, to_eye), end);
   }
+  o_hidden = are_hidden;
+  o_weights = weights;
 }

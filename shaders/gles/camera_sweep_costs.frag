@@ -44,8 +44,10 @@ void main() {
     ++voters;
   }
   if (voters < 2) return;
+  vec4 costs;  // WebGL takes no index that varies for an output
   for (int k = 0; k < 4; ++k) {
     vec3 mean = means[k] / sum;
-    o_costs[k] = sqrt(sqrt(max(squares[k] / sum - dot(mean, mean), 0.0)) / kMostDeviation);
+    costs[k] = sqrt(sqrt(max(squares[k] / sum - dot(mean, mean), 0.0)) / kMostDeviation);
   }
+  o_costs = costs;
 }
