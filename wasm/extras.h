@@ -15,8 +15,8 @@ namespace fourdvt {
 
 // mode: one of the flows. Errors: Unsupported where this module or the device has no such flow; GpuFailure.
 Result<std::unique_ptr<render::FlowSource>> makeFlow(gpu::Device& device, abi::AlignMode mode);
-// How characters from cameras are drawn. Where the device cannot run the method, another one serves in its place and the
-// page gets an event. Errors: InvalidArgument: no such method; Unsupported in this module.
+// How characters from cameras are drawn. Where the device cannot run the method, another one serves in its place and
+// the page gets an event. Errors: InvalidArgument: no such method; Unsupported in this module.
 Result<std::unique_ptr<render::Method>> makeMethod(gpu::Device& device, std::string_view name);
 const CameraParts* cameraPartsOfModule();  // null: characters from cameras are refused
 

@@ -18,6 +18,7 @@ const kChecked = [...kFilled, 'site/steer.html'];
 
 // Numbers with a unit that were not measured: each with the reason why it may stand there.
 export const allowedNumbers = [
+  { file: 'site/index.html', text: '100 %', reason: 'the slider of a look where it begins' },
   { file: 'site/index.html', text: '0.00 s', reason: 'the clock of the player before it plays' },
 ];
 

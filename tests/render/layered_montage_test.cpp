@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Montage4D over layers: a camera fades out over the clamp distance to where its label set ends, the plain blend where
 // no field is left, and fields that follow the view.
+#include "render/montage/layered_montage.h"
+
 #include <cmath>
 
 #include "expected.h"
 #include "gl_fixture.h"
-#include "render/montage/layered_montage.h"
 
 namespace fourdvt::testing {
 namespace {

@@ -65,7 +65,7 @@ class FloatingPictures {
   SoftVisibility soft_;
 };
 
-// The flow between such pictures: the method and settings that scored best (ALGORITHMS 12).
+// The flow between such pictures: the method and settings that scored best (ALGORITHMS 14.2).
 FlowOptions floatingFlow();
 
 // Sums of flow fields, each weighted by one camera's share of the pixel (FT Eq. 6).
