@@ -27,7 +27,7 @@ Result<Rows> runAbout(const StudyContext& context) {
   for (const auto* sequence : projectiveSequences(context)) {
     frames += (frames.empty() ? "" : "; ") + sequence->name;
     for (const uint32_t frame : spreadTestFrames(*sequence, context.options.test_frames))
-      frames += " " + std::to_string(frame);
+      frames.append(" ").append(std::to_string(frame));
   }
   fact("test frames", frames);
   fact("frames of a run", std::to_string(runFrames(context.options)) + ", from the first test frame, at input camera " +

@@ -43,8 +43,7 @@ Result<MethodChoice> chooseMethods(gpu::Device& device, const std::vector<std::s
       continue;
     }
     const Error& error = method.error();
-    const bool missing = asked.empty() && error.id == ErrorId::InvalidArgument;  // not registered yet
-    if (error.id != ErrorId::Unsupported && !missing) return error;
+    if (error.id != ErrorId::Unsupported) return error;
     out.left_out.push_back(name + ": " + error.message);
   }
   return out;
