@@ -7,7 +7,7 @@ import { playTogether, turnTogether } from './together.js';
 // The methods that `fourdvt render --help` lists, in its order. group: how the choice is divided.
 const METHODS = {
   fvvr: { title: 'FVVR', text: 'The cameras that see a point, weighted by angle' },
-  lumigraph: { title: 'Lumigraph', text: 'Nearer cameras count for more; none enters or leaves with a jump' },
+  lumigraph: { title: 'Lumigraph', text: 'Nearer cameras count for more, and enter and leave smoothly' },
   filtered: { title: 'Filtered', text: 'Blurred along the view’s ray, as far as the surface is uncertain' },
   'band-limited': { title: 'Band-limited', text: 'Blurred as much as the cameras’ spacing demands, from everywhere' },
   linear: { title: 'Linear', text: 'Floating Textures’ pictures and weights, without the flow' },

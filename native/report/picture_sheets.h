@@ -23,7 +23,7 @@ struct Sheet {
 };
 Image drawSheet(const Sheet& sheet);
 
-// The colour of a camera in `--debug labels` (shaders/gles/layered.frag); dark grey for an empty slot.
+// The colour of a camera in `--debug labels` (shaders/gles/layered_shade.glsl); dark grey for an empty slot.
 std::array<uint8_t, 3> labelColour(uint8_t camera);
 // Faces in texture space in their cameras' colours. labels: one a face. `side` pixels square.
 Image cameraMap(const MeshTopology& topology, std::span<const uint8_t> labels, int side);

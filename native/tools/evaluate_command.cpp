@@ -67,7 +67,7 @@ const CommandHelp& help() {
        {"--methods", "A,B", "with --projective: these methods (default: all; of the table: fvvr)"},
        {"--frames", "N", "with --projective -o: test frames of each sequence, spread over it (default 1)"},
        {"--sweep-planes", "N",
-        "with --projective, method sweep: depths tried at each pixel, 4 to 32 in steps of 4 (default 12)"},
+        "with --projective without -o, method sweep: depths tried at each pixel, 4 to 32 in steps of 4 (default 12)"},
        {"--sweep-band-mm", "X", "likewise: how far behind the surface it looks (default 32)"},
        {"--surface", nullptr, "score the capture's surfaces"},
        {"--reference", "CAPTURE2", "with --surface: the same motions with the surfaces that are taken for true"}}};
@@ -109,11 +109,13 @@ Arguments readArguments(Args& args) {
   if (args.has("--frames") && (!a.projective || a.output.empty())) args.complain("--frames belongs to --projective -o");
   if (a.projective && (a.surface || !a.character.empty() || args.has("--jobs") || args.has("--reference") ||
                        args.has("--refine") || args.has("--refine-cameras") || args.has("--matte-bias-px")))
-    args.complain("--projective goes with -o, --sequences, --methods, --frames, --closest and --quick only");
+    args.complain(
+        "--projective goes with -o, --sequences, --methods, --frames, --closest, --quick, --sweep-planes and "
+        "--sweep-band-mm only");
   a.sweep.planes = args.integer("--sweep-planes", a.sweep.planes, 4, 32);
   a.sweep.band_m = static_cast<float>(args.number("--sweep-band-mm", 1000 * a.sweep.band_m, 0.1, 1000) / 1000);
-  if ((args.has("--sweep-planes") || args.has("--sweep-band-mm")) && !a.projective)
-    args.complain("--sweep-planes and --sweep-band-mm belong to --projective");
+  if ((args.has("--sweep-planes") || args.has("--sweep-band-mm")) && (!a.projective || !a.output.empty()))
+    args.complain("--sweep-planes and --sweep-band-mm belong to --projective without -o");
   a.reference = args.text("--reference");
   if (args.has("--closest")) a.closest = args.integer("--closest", 0, 0, package::kMaxCameras);
   if (a.closest && a.projective && !a.output.empty())

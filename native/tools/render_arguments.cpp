@@ -271,7 +271,8 @@ Status checkMethod(const RenderArguments& a, const package::Character& character
     const bool fits = a.method_name.empty() || a.method_name == "layered" || a.method_name == "montage4d";
     if (!a.fvvr.wanted && (!fits || a.chooses_cameras))
       return invalid(
-          "is a layered character; only --method fvvr with --capture CAPTURE, which has the videos, goes with it");
+          "is a layered character; --method montage4d goes with it, or fvvr with --capture CAPTURE, which has the "
+          "videos");
     return {};
   }
   if (a.method_name == "layered") return invalid("is a character from cameras and has no layers; leave --method out");

@@ -74,7 +74,7 @@ void main() {
   }
   for (int i = 0; i < CAMERAS; ++i) {
 #ifdef VOTES_ONLY
-    setSlot(o_low, o_high, i, float(agrees[i]));
+    setSlot(o_low, o_high, i, float(agrees[i] && slotOf(u_used_low, u_used_high, i) > 0.5));
 #else
     setSlot(o_low, o_high, i, float(sees[i] && agrees[i]));
 #endif

@@ -9,5 +9,5 @@ void main() {
   vec4 shown = texelFetch(u_shown, here, 0);
   if (shown.a == 0.0)
     for (int i = 0; i < 9; ++i) shown += texelFetch(u_shown, clamp(here + ivec2(i % 3, i / 3) - 1, ivec2(0), last), 0);
-  o_color = vec4(shown.rgb / max(shown.a, 1.0 / 255.0), 1.0);
+  o_color = shown.a > 0.0 ? vec4(shown.rgb / shown.a, 1.0) : vec4(0.0);
 }

@@ -46,6 +46,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"evaluate a --projective --frames 2", "--frames belongs to --projective -o"},
         Mistake{"evaluate a --projective -o b --frames 0", "--frames"},
         Mistake{"evaluate a --projective -o b --closest 3", "--closest does not go with --projective -o"},
+        Mistake{"evaluate a --projective -o b --sweep-planes 8", "belong to --projective without -o"},
         Mistake{"evaluate a --projective --refine none", "--projective goes with"},
         Mistake{"evaluate a --projective --character b", "--projective goes with"},
         Mistake{"render a -o b.png --refine none", "belong to --method fvvr"},

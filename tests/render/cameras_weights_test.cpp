@@ -162,6 +162,7 @@ TEST_F(CamerasWeightsTest, EveryNameMakesAMethod) {
 
 TEST(CameraMethods, WhereADeviceCannotRunOneTheLumigraphServesAndANoticeSaysSo) {
   const auto able = gpu::createNullDevice(true), unable = gpu::createNullDevice(false);
+  std::vector<std::string> replaced;
   for (const render::MethodGroup group : {render::MethodGroup::Textured, render::MethodGroup::Inspection})
     for (const std::string& name : render::cameraMethodNames(group)) {
       const auto wanted = render::makeMethodThatServes(*able, name).take();
@@ -170,11 +171,14 @@ TEST(CameraMethods, WhereADeviceCannotRunOneTheLumigraphServesAndANoticeSaysSo) 
       const auto served = render::makeMethodThatServes(*unable, name).take();
       ASSERT_TRUE(served.method) << name;
       if (served.name == name) continue;
+      replaced.push_back(name);
       EXPECT_EQ(served.name, "lumigraph");
       EXPECT_EQ(served.notice,
                 "this device cannot draw into half-float textures: lumigraph is drawn in place of " + name);
       EXPECT_EQ(render::makeCameraMethod(*unable, name).error().id, ErrorId::Unsupported);
     }
+  EXPECT_EQ(replaced, (std::vector<std::string>{"linear", "floating", "floating-pairs", "floating-static", "montage4d",
+                                                "montage4d-seams", "montage4d-weights"}));
   EXPECT_EQ(render::makeMethodThatServes(*unable, "no-such-method").error().id, ErrorId::InvalidArgument);
 }
 

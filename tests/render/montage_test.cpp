@@ -133,6 +133,25 @@ TEST_F(MontageTest, TwoCamerasRoundACylinderHaveSeamsWhereTheyLoseIt) {
   EXPECT_GT(back.g, back.r + 60);
 }
 
+// The last two cameras stand in slots behind one that is empty then.
+TEST_F(MontageTest, ASlotWithoutACameraCountsForNone) {
+  makePaintedWall({kRed, kRed, kBlue});
+  options_.method.montage.vote_threshold = 0;
+  const PinholeCamera left = lookAt({-0.8, 1, 2.6}, {0, 1, 0}, 96, 96, 100),
+                      right = lookAt({0.7, 1, 2.6}, {0, 1, 0}, 96, 96, 100);
+  for (const char* name : {"holoportation", "montage4d"}) {
+    use(name);
+    options_.method.closest = 2;
+    const glm::ivec3 alone = shown(right, {0, 1, 0});
+    use(name);
+    options_.method.closest = 3;
+    still(left);
+    options_.method.closest = 2;
+    const glm::ivec3 later = shown(right, {0, 1, 0});
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(later[k], alone[k], 1) << name;
+  }
+}
+
 TEST_F(MontageTest, AnAbruptTurnFadesFromCameraToCamera) {
   makePaintedWall({kRed, kBlue});
   use("montage4d");

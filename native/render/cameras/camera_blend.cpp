@@ -32,13 +32,15 @@ std::vector<size_t> camerasTowards(std::span<const PinholeCamera> cameras, const
 CameraUniforms::CameraUniforms(std::span<const PinholeCamera> cameras, std::span<const size_t> chosen,
                                const DepthMaps& maps, const BlendPictures& pictures, float least_cosine)
     : maps_(maps), pictures_(pictures), least_cosine_(least_cosine), reach_(maps.reach()), depth_rows_(maps.rows()) {
-  for (size_t c : chosen) {
+  for (const size_t chosen_camera : chosen) {
+    const bool is_blind = chosen_camera >= cameras.size();
+    const size_t c = is_blind ? *std::min_element(chosen.begin(), chosen.end()) : chosen_camera;
     const PinholeCamera& camera = cameras[c];
     const glm::vec2 texels = maps.texelsPerPixel(c), near_far = maps.nearFar(c);
     pixel_from_character_.push_back(pixelFromCharacter(camera));
     centres_.emplace_back(glm::vec3(camera.centreInWorld()), maps.layerOf(c));
     pixel_spans_.emplace_back(1 / camera.fx, texels.x, texels.y, c);
-    sizes_near_far_.emplace_back(camera.width, camera.height, near_far.x, near_far.y);
+    sizes_near_far_.emplace_back(is_blind ? 0 : camera.width, is_blind ? 0 : camera.height, near_far.x, near_far.y);
     if (!pictures.tiled) continue;
     sources_.push_back(pictures.tiled->sources[c].source);
     tiles_.push_back(pictures.tiled->sources[c].tile);

@@ -27,7 +27,8 @@ struct BlendPictures {
 // The uniforms of one draw; keep it until the draw is made.
 class CameraUniforms {
  public:
-  // The depth maps of the chosen cameras are up to date.
+  // The depth maps of the chosen cameras are up to date. A number that is no camera's stands for one that sees nothing;
+  // not all are such.
   CameraUniforms(std::span<const PinholeCamera> cameras, std::span<const size_t> chosen, const DepthMaps& maps,
                  const BlendPictures& pictures, float least_cosine);
   void addTo(gpu::Draw& draw) const;

@@ -28,6 +28,7 @@ struct PairFlows {
   double texels_per_pixel = 1;
   std::vector<glm::vec4> places;  // by camera: what its layers show, pixels
   uint64_t geometry = 0, picture = 0;
+  MethodOptions options;  // of the pictures that the flow is between
 
   int layerOf(size_t from, size_t to) const {
     for (size_t l = 0; l < pairs.size(); ++l)
@@ -35,6 +36,11 @@ struct PairFlows {
     return -1;
   }
 };
+
+bool showsAlike(const MethodOptions& a, const MethodOptions& b) {
+  return a.visibility == b.visibility && a.unseen == b.unseen && a.least_cosine == b.least_cosine &&
+         a.floating.radius_px == b.floating.radius_px;
+}
 
 class FloatingStatic final : public Method {
  public:
@@ -45,7 +51,7 @@ class FloatingStatic final : public Method {
     while (figures_.size() <= number) figures_.push_back(std::make_unique<Figure>());
     Figure& figure = *figures_[number];
     FOURDVT_TRY(figure.cameras.prepare(device, model, look, view, options, kMost));
-    FOURDVT_TRY(resize(device, model, look, figure));
+    FOURDVT_TRY(resize(device, model, look, options, figure));
     FOURDVT_TRY(computeMissing(device, model, look, options, figure));
     const std::string defines = figure.cameras.defines(look, options);
     gpu::Program& program = programs_[defines];
@@ -85,11 +91,14 @@ class FloatingStatic final : public Method {
   };
 
   // Every camera's field shows the box of the surface; all have one size and scale.
-  static Status resize(gpu::Device& device, const CharacterModel& model, const CameraLook& look, Figure& figure) {
+  static Status resize(gpu::Device& device, const CharacterModel& model, const CameraLook& look,
+                       const MethodOptions& options, Figure& figure) {
     PairFlows& flows = figure.flows;
     const size_t n = figure.cameras.chosen().size(), layers = std::max<size_t>(n * (n - 1), 1);
-    if (flows.geometry == model.geometry_serial && flows.picture == look.serial && flows.pairs.size() >= layers)
+    if (flows.geometry == model.geometry_serial && flows.picture == look.serial && flows.pairs.size() >= layers &&
+        showsAlike(flows.options, options))
       return {};
+    flows.options = options;
     flows.geometry = model.geometry_serial;
     flows.picture = look.serial;
     for (PairFlows::Pair& pair : flows.pairs) pair.known = false;

@@ -75,7 +75,7 @@ struct Figure4D {
   FieldCameras slots = kNoFieldCameras;
   std::array<float, kFieldSlots> left_s{};  // since when the view has not chosen the slot's camera
   std::vector<size_t> chosen;               // by the view
-  std::vector<size_t> in_slots;             // up to the last slot in use; slots without a camera name any
+  std::vector<size_t> in_slots;             // up to the last slot in use; kNoCamera: sees nothing
   TablePair serves, row_sums, sums, aims;
   // What `serves` was made from.
   uint64_t geometry = 0, picture = 0;
@@ -151,7 +151,7 @@ class Montage final : public Method {
       const bool is_chosen = std::find(figure.chosen.begin(), figure.chosen.end(), camera) != figure.chosen.end();
       figure.left_s[slot] = is_chosen ? 0 : figure.left_s[slot] + options.elapsed_s;
       if (camera == kNoCamera) continue;
-      figure.in_slots.resize(slot, active[0]);
+      figure.in_slots.resize(slot, kNoCamera);
       figure.in_slots.push_back(camera);
     }
     return {};
@@ -221,7 +221,8 @@ class Montage final : public Method {
     const int vertex_count = static_cast<int>(model.vertex_count);
     const SlotFlags chosen = flagsOf(figure.slots, figure.chosen);
     std::vector<glm::vec4> centres;
-    for (size_t c : figure.in_slots) centres.emplace_back(glm::vec3(look.cameras[c].centreInWorld()), 0);
+    for (size_t c : figure.in_slots)
+      centres.push_back(c == kNoCamera ? glm::vec4(0) : glm::vec4(glm::vec3(look.cameras[c].centreInWorld()), 0));
     const FieldTables serves = figure.serves.tables(), distances = figure.fields.distances(),
                       counts = figure.sums.tables();
     runPass(device, figure.aims, CharacterModel::kTableWidth, static_cast<int>(tableRows(model.vertex_count)),

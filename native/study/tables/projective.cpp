@@ -224,7 +224,12 @@ const SectionPlan kSections[] = {
      "view, as for light fields; it is cut by the true outline, having none of its own.",
      fillProxies,
      {}},
-    {"cameras", "Number of cameras", "On the given mesh; the cameras nearest to the view.", fillCameras, {}},
+    {"cameras",
+     "Number of cameras",
+     "On the given mesh; the cameras nearest to the view. Linear and floating draw from four at most, Montage4D from "
+     "eight.",
+     fillCameras,
+     {}},
     {"calibration",
      "Calibration, gain and surface",
      "One error at a time, on the given mesh, drawn once from a fixed seed: the cameras are thought to be elsewhere, "
