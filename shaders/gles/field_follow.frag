@@ -12,6 +12,10 @@ layout(location = 1) out vec4 o_high;
 
 void main() {
   ivec2 here = ivec2(gl_FragCoord.xy);
-  o_low = mix(u_keeps_low * texelFetch(u_before_low, here, 0), texelFetch(u_aims_low, here, 0), u_share);
-  o_high = mix(u_keeps_high * texelFetch(u_before_high, here, 0), texelFetch(u_aims_high, here, 0), u_share);
+  vec4 aims_low = texelFetch(u_aims_low, here, 0), aims_high = texelFetch(u_aims_high, here, 0);
+  o_low = aims_low;
+  o_high = aims_high;
+  if (u_share >= 1.0) return;  // before the first time the tables may hold NaN, which mix would keep for ever
+  o_low = mix(u_keeps_low * texelFetch(u_before_low, here, 0), aims_low, u_share);
+  o_high = mix(u_keeps_high * texelFetch(u_before_high, here, 0), aims_high, u_share);
 }

@@ -199,6 +199,24 @@ TEST_F(FollowTest, AnAbruptTurnIsNoJumpAndAStillIsAtOnce) {
   EXPECT_NEAR(at(fields, 0)[5], 0.8, 0.002);
 }
 
+// As tables that nobody has written may hold.
+TEST_F(FollowTest, WhatIsNoNumberDoesNotLastWhereFieldsAreTheAims) {
+  ValueTables broken;
+  for (gpu::Texture* texture : {&broken.low, &broken.high}) {
+    *texture = render::makeTable(*device, gpu::PixelFormat::RGBA32F, surface_.positions.size(), "values").take();
+    std::vector<glm::vec4> table;
+    const glm::vec4 nothing(std::numeric_limits<float>::quiet_NaN());
+    render::resizeToRows(table, surface_.positions.size(), nothing);
+    std::fill(table.begin(), table.end(), nothing);
+    render::uploadTable(*device, *texture, table);
+  }
+  render::SurfaceFields fields;
+  follow(fields, broken, kStill);
+  ASSERT_TRUE(std::isnan(at(fields, 3)[1]));
+  follow(fields, high_, kStill);
+  for (float value : at(fields, 3)) EXPECT_NEAR(value, 0.8, 0.002);
+}
+
 TEST_F(FollowTest, ACameraThatComesIntoASlotStartsFromNothing) {
   render::SurfaceFields fields;
   follow(fields, low_, kStill);
