@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Members of a look and looks of a figure against blends worked out by hand: weights, baked alignment, four sources,
 // transitions, and optical flow that a test makes up.
+#include "made_up_flow.h"
 #include "member_quad.h"
 
 namespace fourdvt::render {
@@ -8,6 +9,7 @@ namespace {
 
 using testing::expectColor;
 using testing::kTolerance;
+using testing::MadeUpFlow;
 using testing::MemberQuad;
 using testing::plainOptions;
 
@@ -180,26 +182,6 @@ TEST_F(Transition, itsEdgesAreThoseOfAPlainDraw) {
   }
   EXPECT_GT(partial, 40);
 }
-
-// Says the same displacement everywhere.
-class MadeUpFlow final : public FlowSource {
- public:
-  MadeUpFlow(gpu::Device& device, const glm::vec2& flow, int& calls) : device_(device), value_(flow), calls_(calls) {}
-  Status compute(gpu::TextureId, gpu::TextureId, int width, int height) override {
-    ++calls_;
-    texture_ = gpu::makeTexture(device_, {.format = gpu::PixelFormat::RG32F, .width = width, .height = height}).take();
-    const std::vector<glm::vec2> all(size_t(width) * height, value_);
-    device_.updateTexture(texture_.id(), {.width = width, .height = height}, all.data());
-    return {};
-  }
-  gpu::TextureId flow() const override { return texture_.id(); }
-
- private:
-  gpu::Device& device_;
-  glm::vec2 value_;
-  int& calls_;
-  gpu::Texture texture_;
-};
 
 struct Flow : Transition {
   int calls = 0;
