@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Montage4D over layers: a camera fades out over the clamp distance to where its label set ends, the plain blend where
-// no field is left, and fields that follow the view.
+// no field is left, fields that follow the view, and whose they are where there are many looks and members.
 #include "render/montage/layered_montage.h"
 
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "expected.h"
 #include "gl_fixture.h"
+#include "made_up_flow.h"
+#include "member_quad.h"
 
 namespace fourdvt::testing {
 namespace {
@@ -141,6 +144,136 @@ TEST_F(LayeredMontageTest, FieldsFollowAnAbruptTurnWithTime) {
   EXPECT_GT(later, start + 0.05);
   EXPECT_LT(later, goal - 0.05);
   EXPECT_NEAR(darkness(draw(right, 3), 160), goal, 0.01);
+}
+
+constexpr uint8_t kLabels[2][2] = {{0, 1}, {1, 2}};  // [member][rank]
+
+class MontageOfMany : public GlFixture {
+ protected:
+  void SetUp() override {
+    GlFixture::SetUp();
+    renew();
+  }
+  void TearDown() override {
+    recipe_.reset();
+    quads_.clear();
+    GlFixture::TearDown();
+  }
+  // A recipe that knows no fields yet.
+  void renew() {
+    recipe_ = render::Recipe::create(*device).take();
+    recipe_->setFlow(std::make_unique<MadeUpFlow>(*device, glm::vec2(0), flow_calls_));
+    recipe_->setLayered(render::makeLayeredMontage(*device).take());
+  }
+  // first: the member of kLabels that its first one is as.
+  MemberQuad& addQuad(int members, int first = 0) {
+    quads_.push_back(std::make_unique<MemberQuad>(*device, members, 2,
+                                                  [&](int member, int rank) { return kLabels[first + member][rank]; }));
+    quads_.back()->paintTiles(
+        *device, std::vector<glm::dvec3>(kTiles.begin() + 2 * first, kTiles.begin() + 2 * (first + members)));
+    return *quads_.back();
+  }
+  Image draw(std::span<const render::Figure> figures, const PinholeCamera& view, float elapsed_s,
+             render::Align align = render::Align::None) {
+    const render::View seen = render::viewFromCamera(view);
+    render::DrawOptions options{.recipe = plainOptions(), .align = align};
+    options.method.elapsed_s = elapsed_s;
+    const Image image = drawnImage(
+        *device, seen, [&](gpu::TargetId target) { return recipe_->draw(figures, nullptr, seen, options, target); });
+    remember(image);
+    return image;
+  }
+  Image drawLook(const MemberQuad& quad, std::vector<float> weights, const PinholeCamera& view, float elapsed_s,
+                 render::Align align = render::Align::None) {
+    const render::Look look = quad.look(weights);
+    const render::Figure figure{&quad.model, {&look, 1}};
+    return draw({&figure, 1}, view, elapsed_s, align);
+  }
+  // As many quads of one look in a row, each as small as that.
+  Image drawRow(size_t first, size_t count) {
+    const float whole[] = {1};
+    std::vector<render::Look> looks;
+    std::vector<render::Figure> figures;
+    for (size_t i = first; i < first + count; ++i) looks.push_back(quads_[i]->look(whole));
+    for (size_t i = 0; i < count; ++i) {
+      figures.push_back({&quads_[first + i]->model, {&looks[i], 1}});
+      figures.back().world_from_character = placeInRow(first + i);
+    }
+    return draw(figures, kRow, kStill);
+  }
+  static glm::mat4 placeInRow(size_t i) {
+    return glm::scale(glm::translate(glm::mat4(1), glm::vec3(0.1f * (float(i) - 8), 0, 0)), glm::vec3(0.04f));
+  }
+  static glm::ivec2 pixelInRow(size_t i) {
+    const glm::dvec3 at = kRow.cam_from_world * glm::dvec4(placeInRow(i) * glm::vec4(0, 1, 0, 1));
+    return glm::ivec2(kRow.fx * at.x / at.z + kRow.cx, kRow.fy * at.y / at.z + kRow.cy);
+  }
+
+  static constexpr float kStill = std::numeric_limits<float>::infinity();
+  static inline const std::vector<glm::dvec3> kTiles = {{250, 250, 0}, {10, 10, 0}, {0, 250, 250}, {0, 10, 10}};
+  static inline const PinholeCamera kRow = lookAt({0.2, 0.04, 2.5}, {0, 0.04, 0}, 340, 40, 450),
+                                    kLeft = lookAt({-1.8, 1, 1.7}, {0, 1, 0}, 40, 40, 100),
+                                    kRight = lookAt({1.8, 1, 1.7}, {0, 1, 0}, 40, 40, 100);
+  int flow_calls_ = 0;
+  std::vector<std::unique_ptr<MemberQuad>> quads_;
+  std::unique_ptr<render::Recipe> recipe_;
+};
+
+TEST_F(MontageOfMany, MoreLooksThanFieldsAreKeptForAreDrawnInOnePicture) {
+  for (int i = 0; i < 17; ++i) addQuad(1, i % 2);
+  const Image together = drawRow(0, 17);
+  for (size_t i : {0, 7, 16}) {
+    renew();
+    const Image alone = drawRow(i, 1);
+    const glm::ivec2 at = pixelInRow(i);
+    ASSERT_EQ(alone.at(at.x, at.y)[3], 255);
+    for (int c = 0; c < 4; ++c) EXPECT_NEAR(together.at(at.x, at.y)[c], alone.at(at.x, at.y)[c], 1) << i;
+  }
+}
+
+TEST_F(MontageOfMany, FieldsAreForgottenAfterLongDisuseOnly) {
+  const MemberQuad& quad = addQuad(1);
+  for (int i = 0; i < 17; ++i) addQuad(1);
+  const auto brightness = [&](const PinholeCamera& view, float elapsed_s) {
+    return double(drawLook(quad, {1}, view, elapsed_s).at(20, 20)[0]);
+  };
+  const double goal = brightness(kRight, kStill), start = brightness(kLeft, kStill);
+  ASSERT_GT(start, goal + 40);
+  drawRow(1, 17);
+  EXPECT_NEAR(brightness(kRight, 0), start, 3);
+  for (int i = 0; i < 16; ++i) drawRow(1, 17);
+  EXPECT_NEAR(brightness(kRight, 0), goal, 3) << "as at the first time";
+}
+
+TEST_F(MontageOfMany, MembersMixedByFlowHaveFieldsOfTheirOwn) {
+  const MemberQuad& quad = addQuad(2);
+  const auto turn = [&](std::vector<float> weights) {
+    renew();
+    drawLook(quad, weights, kLeft, kStill, render::Align::Flow);
+    return drawLook(quad, weights, kRight, 0.1f, render::Align::Flow);
+  };
+  const Image first = turn({1, 0}), second = turn({0, 1}), mixed = turn({0.5f, 0.5f});
+  EXPECT_GT(flow_calls_, 0);
+  for (const glm::ivec2 at : {glm::ivec2(20, 20), glm::ivec2(10, 28)})
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(mixed.at(at.x, at.y)[c], 0.5 * (first.at(at.x, at.y)[c] + second.at(at.x, at.y)[c]), 2) << c;
+}
+
+// The target is the second look while it fades in, and the only one from then on.
+TEST_F(MontageOfMany, NothingPopsWhereATransitionEnds) {
+  const MemberQuad &source = addQuad(1, 0), &target = addQuad(1, 1);
+  const float whole[] = {1};
+  std::array<render::Look, 2> looks = {source.look(whole), target.look(whole)};
+  render::Figure figure{&source.model, looks, 0.5f};
+  draw({&figure, 1}, kLeft, kStill);
+  figure.fade = 1;
+  const Image last = draw({&figure, 1}, kRight, 0.05f);
+  looks[0] = looks[1];
+  figure = {&source.model, {looks.data(), 1}};
+  const Image after = draw({&figure, 1}, kRight, 0);
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 40; ++x)
+      for (int c = 0; c < 4; ++c) ASSERT_NEAR(after.at(x, y)[c], last.at(x, y)[c], 1) << x << "," << y;
 }
 
 TEST(LayeredMontageDevices, WithoutHalfFloatTargetsIsRefused) {

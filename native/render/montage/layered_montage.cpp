@@ -2,6 +2,7 @@
 #include "render/montage/layered_montage.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "render/fields/surface_fields.h"
 #include "render/table.h"
@@ -16,8 +17,11 @@ namespace {
 // own aims, which know no surface, with (0, 2) and 5 cm: 24.33 / .8131.
 constexpr float kClamp_m = 0.1f;
 constexpr glm::vec2 kPowers(2, 4);     // of the aims: surface and ray, view and ray
-constexpr size_t kMostStates = 16;     // looks that have fields at a time
 constexpr int kVaryingsOfDevice = 15;  // WebGL2 promises no more
+// Fields are forgotten when there are more than kMostFields and they have not been prepared for kKept prepares. No
+// picture has as many parts: all of them are prepared before the first is drawn.
+constexpr size_t kMostFields = 16;
+constexpr uint64_t kKept = 256;
 
 // Both tables of eight slots and what draws them.
 struct SlotTables {
@@ -33,14 +37,14 @@ Status makeTables(gpu::Device& device, gpu::PixelFormat format, uint32_t vertice
   return {};
 }
 
-// The fields of one member of a look.
-struct LookFields {
+// The fields of one member of an appearance.
+struct MemberFields {
   SurfaceFields fields;
   SlotTables serves, aims;
   gpu::TextureId mesh = 0;  // CharacterModel::corners of the mesh that the tables are for; 0: there are none
   FieldCameras cameras = kNoFieldCameras;
   uint64_t geometry_serial = 0;  // that the distances are of
-  int member = -1;
+  uint64_t used = 0;             // the prepare that was the last with them
   // Uniforms, which are read when the draw is made.
   glm::vec4 slot_cameras[2], slot_centres[kFieldSlots];
   int drawn_member = 0;
@@ -53,6 +57,12 @@ size_t heaviestOf(const Part& part) {
     if (part.members[i].weight > part.members[heaviest].weight) heaviest = i;
   return heaviest;
 }
+
+// Whose fields a part has, from picture to picture: looks are made anew for every picture, and with Align::Flow the
+// members of one look are parts of their own.
+using FieldsKey = std::pair<const Appearance*, int>;  // and its member
+
+FieldsKey fieldsKeyOf(const Part& part) { return {part.look->appearance, part.members[heaviestOf(part)].member}; }
 
 // The cameras nearest to the view in angle, seen from the middle of the surface.
 std::vector<size_t> nearestCameras(const CharacterModel& model, const CharacterView& view) {
@@ -73,18 +83,20 @@ class LayeredMontage final : public LayeredPass {
   Status prepare(gpu::Device& device, const CharacterModel& model, const Part& part, const CharacterView& view,
                  const DrawOptions& options) override {
     FOURDVT_TRY(LayeredPass::prepare(device, model, part, view, options));
-    if (looks_.size() >= kMostStates && !looks_.contains(part.look)) looks_.clear();
-    LookFields& look = looks_[part.look];
-    const size_t drawn = heaviestOf(part);
-    look.drawn_member = static_cast<int>(drawn);
-    look.share = std::clamp(2 * part.members[drawn].weight - 1, 0.0f, 1.0f);
-    if (look.mesh != model.corners.id()) {
-      look = {.drawn_member = look.drawn_member, .share = look.share};
-      FOURDVT_TRY(makeTables(device, gpu::PixelFormat::RGBA8, model.vertex_count, "cameras of vertices", look.serves));
-      FOURDVT_TRY(makeTables(device, gpu::PixelFormat::RGBA16F, model.vertex_count, "aims of fields", look.aims));
-      look.mesh = model.corners.id();
+    MemberFields& own = members_[fieldsKeyOf(part)];
+    if (own.mesh != model.corners.id()) {
+      own = {};
+      FOURDVT_TRY(makeTables(device, gpu::PixelFormat::RGBA8, model.vertex_count, "cameras of vertices", own.serves));
+      FOURDVT_TRY(makeTables(device, gpu::PixelFormat::RGBA16F, model.vertex_count, "aims of fields", own.aims));
+      own.mesh = model.corners.id();
     }
-    FOURDVT_TRY(updateFields(device, model, part, view, options, look));
+    const size_t drawn = heaviestOf(part);
+    own.drawn_member = static_cast<int>(drawn);
+    own.share = std::clamp(2 * part.members[drawn].weight - 1, 0.0f, 1.0f);
+    own.used = ++clock_;
+    FOURDVT_TRY(updateFields(device, model, part, view, options, own));
+    if (members_.size() > kMostFields)
+      std::erase_if(members_, [&](const auto& entry) { return entry.second.used + kKept < clock_; });
     return {};
   }
 
@@ -98,13 +110,13 @@ class LayeredMontage final : public LayeredPass {
   }
 
   void addTo(gpu::Draw& draw, const Part& part) const override {
-    const LookFields& look = looks_.at(part.look);
-    const FieldTables fields = look.fields.fields();
+    const MemberFields& own = members_.at(fieldsKeyOf(part));
+    const FieldTables fields = own.fields.fields();
     draw.textures.push_back({"u_fields_low", fields.low});
     draw.textures.push_back({"u_fields_high", fields.high});
-    draw.uniforms.push_back(gpu::uniform("u_slot_cameras", std::span<const glm::vec4>(look.slot_cameras)));
-    draw.uniforms.push_back(gpu::uniform("u_field_member", look.drawn_member));
-    draw.uniforms.push_back(gpu::uniform("u_field_share", look.share));
+    draw.uniforms.push_back(gpu::uniform("u_slot_cameras", std::span<const glm::vec4>(own.slot_cameras)));
+    draw.uniforms.push_back(gpu::uniform("u_field_member", own.drawn_member));
+    draw.uniforms.push_back(gpu::uniform("u_field_share", own.share));
   }
 
  private:
@@ -121,15 +133,15 @@ class LayeredMontage final : public LayeredPass {
   }
 
   Status updateFields(gpu::Device& device, const CharacterModel& model, const Part& part, const CharacterView& view,
-                      const DrawOptions& options, LookFields& look) {
+                      const DrawOptions& options, MemberFields& own) {
     FOURDVT_TRY(makePass(device, "montage_serves.frag", serves_program_));
     FOURDVT_TRY(makePass(device, "montage_aims.frag", aims_program_));
-    const int member = part.members[size_t(look.drawn_member)].member;
-    const FieldCameras cameras = keepSlots(look.cameras, nearestCameras(model, view));
+    const int member = part.members[size_t(own.drawn_member)].member;
+    const FieldCameras cameras = keepSlots(own.cameras, nearestCameras(model, view));
     for (size_t slot = 0; slot < kFieldSlots; ++slot) {
       const bool held = cameras[slot] != kNoCamera;
-      look.slot_cameras[slot / 4][int(slot % 4)] = held ? float(cameras[slot]) : -1;
-      look.slot_centres[slot] = held ? model.camera_centres[cameras[slot]] : glm::vec4(0);
+      own.slot_cameras[slot / 4][int(slot % 4)] = held ? float(cameras[slot]) : -1;
+      own.slot_centres[slot] = held ? model.camera_centres[cameras[slot]] : glm::vec4(0);
     }
     const int vertices = static_cast<int>(model.vertex_count), first = member * vertices;
     const auto pass = [&](const SlotTables& to, const gpu::Program& program, FieldTables distances) {
@@ -137,8 +149,8 @@ class LayeredMontage final : public LayeredPass {
                      .textures = {{"u_vertex_masks", part.look->appearance->vertex_masks.id()},
                                   {"u_positions_normals", model.positions_normals.id()}},
                      .uniforms = {gpu::uniform("u_first", first), gpu::uniform("u_vertex_count", vertices),
-                                  gpu::uniform("u_slot_cameras", std::span<const glm::vec4>(look.slot_cameras)),
-                                  gpu::uniform("u_slot_centres", std::span<const glm::vec4>(look.slot_centres)),
+                                  gpu::uniform("u_slot_cameras", std::span<const glm::vec4>(own.slot_cameras)),
+                                  gpu::uniform("u_slot_centres", std::span<const glm::vec4>(own.slot_centres)),
                                   gpu::uniform("u_eye", view.eye_in_character), gpu::uniform("u_powers", kPowers)},
                      .vertex_count = 3};
       if (distances.low) {
@@ -153,20 +165,20 @@ class LayeredMontage final : public LayeredPass {
       device.endPass();
     };
     // A frame's labels come with its mesh.
-    if (look.geometry_serial != model.geometry_serial || look.member != member || look.cameras != cameras) {
-      pass(look.serves, serves_program_, {});
-      FOURDVT_TRY(look.fields.updateDistances(device, model, look.serves.tables(), kClamp_m));
-      look.geometry_serial = model.geometry_serial;
-      look.member = member;
-      look.cameras = cameras;
+    if (own.geometry_serial != model.geometry_serial || own.cameras != cameras) {
+      pass(own.serves, serves_program_, {});
+      FOURDVT_TRY(own.fields.updateDistances(device, model, own.serves.tables(), kClamp_m));
+      own.geometry_serial = model.geometry_serial;
+      own.cameras = cameras;
     }
-    pass(look.aims, aims_program_, look.fields.distances());
-    return look.fields.follow(device, model, look.aims.tables(), look.cameras, options.method.elapsed_s,
-                              options.method.montage.settling_s);
+    pass(own.aims, aims_program_, own.fields.distances());
+    return own.fields.follow(device, model, own.aims.tables(), own.cameras, options.method.elapsed_s,
+                             options.method.montage.settling_s);
   }
 
   gpu::Program serves_program_, aims_program_;
-  std::map<const Look*, LookFields> looks_;  // callers keep their looks where they are from picture to picture
+  std::map<FieldsKey, MemberFields> members_;
+  uint64_t clock_ = 0;  // counts prepares
 };
 
 }  // namespace

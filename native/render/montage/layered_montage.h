@@ -4,7 +4,9 @@
 // it fades out towards where that ends (M4D Eq. 4) and follows the view with time (Eq. 5). Streams and bakes are the
 // same as for the plain blend, which takes over where all fields are small.
 // Of a blend of members the heaviest one has fields; they count as far as it outweighs the others together, so that
-// nothing jumps where two are even. Cameras that find no slot of the eight are weighted as if they had no seam.
+// nothing jumps where two are even. Fields belong to a member of an appearance, which stays where it is from picture to
+// picture; looks need not, and with Align::Flow all members have fields at once. Fields that are long unused are
+// forgotten. Cameras that find no slot of the eight are weighted as if they had no seam.
 #pragma once
 
 #include <memory>
