@@ -52,6 +52,7 @@ function fill(select) {
   }
 }
 function show(side, name) {
+  notice('');
   byId(side).method = name;
   byId(`${side}-method`).value = name;
   byId(`${side}-title`).textContent = METHODS[name].title;
