@@ -68,7 +68,8 @@ int32_t fdvt_set_look(Instance* h, abi::Look look, double strength, double light
   style.strength = static_cast<float>(strength);
   style.light_turn_rad = static_cast<float>(glm::radians(light_turn_deg));
   if (light) {
-    const std::span pixels(light, static_cast<size_t>(4 * width * height));
+    if (width <= 0 || height <= 0) return fail(h, ErrorId::InvalidArgument, "light must have width and height");
+    const std::span pixels(light, size_t{4} * static_cast<size_t>(width) * static_cast<size_t>(height));
     auto read = render::lightFromPicture(pixels, width, height, 4);
     if (!read.ok()) return keep(h, read.error());
     style.light = read.value();
