@@ -18,6 +18,8 @@ const MAX_CANVAS_SIDE = 4096;
 // What the files of two bakes bring when a new one was put in place of the one that is playing.
 const mayBeOfTwoBakes = ({ id }: ErrorDetail): boolean => id === 'files-differ' || id === 'fetch-failed';
 
+const FOLLOW_S = 1; // after the last change; six times the settling time of montage4d (native/render/method.h)
+
 const ROOM_FETCH = -1; // the player numbers its requests from 0
 
 const needsFlow = (align: Align): boolean => align.startsWith('flow');
@@ -97,6 +99,7 @@ export class Session {
   #hidden = false;
   #waiting = 0; // for the network: the character, its companions, the player itself
   #drawn = '';
+  #changedS = 0; // by the loop's clock: when what is drawn changed last
   #size = { width: 1, height: 1 };
 
   constructor(canvas: HTMLCanvasElement, options: SessionOptions, host: SessionHost) {
@@ -470,30 +473,34 @@ export class Session {
 
   // --- drawing ---
 
-  get #actors(): Actor[] { return this.#main ? [this.#main, ...this.#otherActors] : []; }
-  get #otherActors(): Actor[] { return Array.from(this.#others.values(), ({ actor }) => actor); }
-
-  #turn(clockS: number, stepS: number): boolean {
-    const others = this.#otherActors;
-    for (const actor of [this.#main, ...others]) actor?.tick(clockS);
-    const moved = this.#host.animate(stepS);
-    const main = this.#main;
-    const state = main?.state();
-    if (!main || !state) return false;
-    this.#host.camera.follow(state);
-    const otherStates = others.map((actor) => actor.state());
-    const serial = [state, ...otherStates].map((s) => s && [s.framesShown, s.frame, s.x, s.z, s.heading]).join();
-    const changed = moved || this.#redraw || serial !== this.#drawn;
-    // One a turn, after the first picture: neither that nor the first use of a slider has to wait for them.
-    if (this.#shown && state.hasFrame && this.#programsMissing) this.#programsMissing = main.makeNextProgram();
-    if (changed && state.hasFrame) this.#show(serial, others.filter((_, i) => otherStates[i]?.hasFrame));
-    this.#redraw = false;
-    return moved || main.busy(state) || others.some((actor, i) => otherStates[i] && actor.busy(otherStates[i]!));
+  // The main character first, if there is one.
+  get #actors(): Actor[] {
+    return this.#main ? [this.#main, ...Array.from(this.#others.values(), ({ actor }) => actor)] : [];
   }
 
-  #show(serial: string, others: Actor[]): void {
+  #turn(clockS: number, stepS: number): boolean {
+    for (const actor of this.#actors) actor.tick(clockS);
+    const moved = this.#host.animate(stepS);
+    const actors = this.#actors;
+    const states = actors.map((actor) => actor.state());
+    const [state] = states; // the main character's
+    if (!state) return false;
+    this.#host.camera.follow(state);
+    const serial = states.map((s) => s && [s.framesShown, s.frame, s.x, s.z, s.heading]).join();
+    const changed = moved || this.#redraw || serial !== this.#drawn;
+    if (changed) this.#changedS = clockS;
+    // What follows with time takes the time since the last tick for that since the last picture: it is drawn every turn.
+    const following = this.#host.element.matches('[method^=montage4d]') && clockS - this.#changedS < FOLLOW_S;
+    // One a turn, after the first picture: neither that nor the first use of a slider has to wait for them.
+    if (this.#shown && state.hasFrame && this.#programsMissing) this.#programsMissing = actors[0]!.makeNextProgram();
+    if ((changed || following) && state.hasFrame) this.#show(serial);
+    this.#redraw = false;
+    return moved || following || actors.some((actor, i) => states[i] && actor.busy(states[i]!));
+  }
+
+  #show(serial: string): void {
     this.#fit(this.#size.width, this.#size.height);
-    if (!this.#draw(this.#host.camera.pose, others)) return;
+    if (!this.#draw(this.#host.camera.pose)) return;
     this.#drawn = serial;
     if (this.#shown) return;
     this.#shown = true;
@@ -506,11 +513,12 @@ export class Session {
     if (this.#canvas.height !== height) this.#canvas.height = height;
   }
 
-  /** `others`: the companions that have a frame. */
-  #draw(pose: OrbitPose, others = this.#otherActors.filter((actor) => actor.state()?.hasFrame)): boolean {
+  // Once the main character has a frame.
+  #draw(pose: OrbitPose): boolean {
     try {
-      this.#main?.player?.draw(pose, this.#canvas.width, this.#canvas.height, others.map((actor) => actor.player!));
-      return this.#main !== null;
+      const [main, ...others] = this.#actors.filter((actor) => actor.state()?.hasFrame);
+      main?.player?.draw(pose, this.#canvas.width, this.#canvas.height, others.map((actor) => actor.player!));
+      return !!this.#main;
     } catch (reason) {
       if (!this.#gl?.isContextLost()) this.#fatal(reason);
       return false;
