@@ -94,6 +94,9 @@ test('native and browser agree on the looks of a layered character, and on Monta
   assert.equal(fullRequests(), 0, 'nobody has asked for a look');
   const character = environment('CHARACTER');
   await showPose(page, kWalk);
+  for (const look of ['', 'none']) await set({ look });
+  await page.evaluate(() => new Promise((next) => setTimeout(next, 300)));
+  assert.equal(fullRequests(), 0, 'these ask for none');
   await set({ look: 'sketch' });
   await expectNative('layered-sketch', character, kWalk, ['--look', 'sketch']);
   assert.equal(fullRequests(), 2, 'script and wasm');
@@ -102,7 +105,7 @@ test('native and browser agree on the looks of a layered character, and on Monta
   await set({ look: 'relit', light: 'lights/wide.png', 'light-turn': '70', 'look-strength': '0.8' });
   await expectNative('layered-relit', character, kWalk,
     ['--look', 'relit', '--light', light, '--light-turn', '70', '--look-strength', '0.8']);
-  await set({ look: null, light: null, 'light-turn': null, 'look-strength': null });
+  await set({ look: '', light: null, 'light-turn': null, 'look-strength': null });
   await expectNative('layered-as-filmed', character, kWalk, []);
   await set({ method: 'montage4d' });
   await expectNative('layered-montage4d', character, kWalk, ['--method', 'montage4d']);

@@ -56,7 +56,7 @@ function tellFallback(element: Element): void {
 }
 
 export async function readLook(element: Element): Promise<TellLook> {
-  const look = LOOKS.indexOf((element.getAttribute('look') ?? 'none') as Look);
+  const look = LOOKS.indexOf((element.getAttribute('look') || 'none') as Look);
   const number = (name: string, otherwise: number): number => Number(element.getAttribute(name) ?? otherwise);
   const strength = number('look-strength', 1), turnDeg = number('light-turn', 0);
   const address = element.getAttribute('light');

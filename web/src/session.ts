@@ -257,7 +257,7 @@ export class Session {
     return false;
   }
 
-  get #hasLook(): boolean { return this.#host.element.matches('[look],[method=montage4d]'); }
+  get #hasLook(): boolean { return this.#host.element.matches('[look]:not([look=""],[look=none]),[method=montage4d]'); }
 
   // If the full player does not load, the character begins with 'baked' and as filmed; #show and useLook try again and
   // report the error.
