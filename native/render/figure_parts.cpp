@@ -20,9 +20,7 @@ Status checkLook(const Look& look, const CharacterModel& model) {
   const Appearance& appearance = *look.appearance;
   const PictureTextures& picture = *look.picture;
   if (!appearance.ready() || appearance.layer_count != model.layer_count)
-    return invalid(
-        "the appearance needs setFrame, and setLayout with a rendition of as many layers as the character's members "
-        "have");
+    return invalid("the appearance needs setFrame and setLayout for the character's layers");
   if (!isMade(picture)) return invalid("the picture's textures are missing; call createPicture");
   if (look.weights.size() != static_cast<size_t>(appearance.member_count))
     return invalid("a look needs one weight for each member of its appearance");

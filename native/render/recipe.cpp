@@ -87,7 +87,7 @@ class RecipeOnDevice final : public Recipe {
     if (view.width < 1 || view.height < 1) return invalid("the view is empty; give it a width and a height");
     if (!(options.recipe.view_exponent > 0)) return invalid("view_exponent must be positive");
     if (options.align == Align::Flow && !flow_)
-      return Error{ErrorId::Unsupported, "alignment by flow needs a flow; call setFlow or choose another alignment"};
+      return Error{ErrorId::Unsupported, "alignment by flow needs a flow; call setFlow"};
     for (const Figure& figure : figures) {
       FOURDVT_TRY(checkFigure(figure, options.recipe));
       if (figure.cameras && !method_)
