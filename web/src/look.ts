@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // How the characters of an element look, as its attributes say: look, look-strength, light, light-turn, and method if it
-// is montage4d, which layered characters have too. Part of fourdvt-full.js, so that pages without these do not fetch it. The player checks names and numbers; a picture that does
-// not load is an Error here.
+// is montage4d, which layered characters have too. Part of fourdvt-full.js, so that pages without these do not fetch it.
+// The player checks names and numbers; a picture that does not load is an Error here.
 import { LOOKS, type Look } from './generated/abi.js';
 import type { FullModule } from './wasm-abi.js';
 
