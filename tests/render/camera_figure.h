@@ -10,13 +10,15 @@ namespace fourdvt::testing {
 
 using glm::dvec3;
 
-constexpr int kSide = 64, kPicture = 256;  // pixels of a camera, texels of the decoded picture
+constexpr int kSide = 64, kPicture = 256;  // pixels of a camera, texels of the decoded picture: by default
 
 class CameraFigure : public GlFixture {
  protected:
+  explicit CameraFigure(int picture_side = kPicture) : picture_side_(picture_side) {}
+
   void SetUp() override {
     GlFixture::SetUp();
-    picture_ = render::createPicture(*device, kPicture, kPicture, render::PictureTextures::Kind::Rgba).take();
+    picture_ = render::createPicture(*device, picture_side_, picture_side_, render::PictureTextures::Kind::Rgba).take();
     recipe_ = render::Recipe::create(*device).take();
     recipe_->setMethod(render::makeCameraMethod(*device, "fvvr").take());
     options_.recipe = {.background = {0, 0, 0, 0}, .ground_shadow = false};
@@ -55,24 +57,26 @@ class CameraFigure : public GlFixture {
 
   // Camera pictures into the decoded picture, each at `at` with its whole area.
   void tile(const std::vector<Image>& pictures, const std::vector<glm::ivec2>& at) {
-    Image whole(kPicture, kPicture, 4, 77);
+    Image whole(picture_side_, picture_side_, 4, 77);
     sources_.clear();
     for (size_t c = 0; c < pictures.size(); ++c) {
       for (int y = 0; y < pictures[c].height; ++y)
         for (int x = 0; x < pictures[c].width; ++x)
           for (int k = 0; k < 4; ++k) whole.at(at[c].x + x, at[c].y + y)[k] = pictures[c].at(x, y)[k];
       const glm::vec2 size(pictures[c].width, pictures[c].height);
-      sources_.push_back({{0, 0, size}, glm::vec4(at[c], size) / float(kPicture)});
+      sources_.push_back({{0, 0, size}, glm::vec4(at[c], size) / float(picture_side_)});
     }
-    device->updateTexture(picture_.rgba.id(), {.width = kPicture, .height = kPicture}, whole.pixels.data());
+    device->updateTexture(picture_.rgba.id(), {.width = picture_side_, .height = picture_side_}, whole.pixels.data());
     ++serial_;
   }
 
+  render::CameraLook look() const { return {cameras_, sources_, &picture_, glm::vec2(picture_side_), serial_}; }
+
   Status drawTo(const PinholeCamera& view, gpu::TargetId target) {
-    const render::CameraLook look{cameras_, sources_, &picture_, glm::vec2(kPicture), serial_};
+    const render::CameraLook shown = look();
     render::Figure figure;
     figure.model = &model_;
-    figure.cameras = &look;
+    figure.cameras = &shown;
     return recipe_->draw({&figure, 1}, nullptr, render::viewFromCamera(view), options_, target);
   }
 
@@ -83,6 +87,7 @@ class CameraFigure : public GlFixture {
     return image;
   }
 
+  const int picture_side_;  // texels of the decoded picture
   std::vector<glm::uvec3> faces_;
   Positions positions_;
   std::vector<PinholeCamera> cameras_;

@@ -5,20 +5,18 @@
 #include <cmath>
 #include <random>
 
-#include "gl_fixture.h"
-#include "render/cameras/camera_method.h"
+#include "camera_figure.h"
 #include "render/cameras/floating_pictures.h"
-#include "render/recipe.h"
 
 namespace fourdvt::testing {
 namespace {
 
-using glm::dvec2, glm::dvec3;
+using glm::dvec2;
 
-constexpr int kSide = 128, kPicture = 512;
+constexpr int kPixels = 128;  // along each side of a camera's picture
 constexpr double kFocal = 300, kDistance_m = 3, kMetresPerPixel = kDistance_m / kFocal;
 
-PinholeCamera cameraAt(double x) { return lookAt({x, 1, kDistance_m}, {0, 1, 0}, kSide, kSide, kFocal); }
+PinholeCamera cameraAt(double x) { return lookAt({x, 1, kDistance_m}, {0, 1, 0}, kPixels, kPixels, kFocal); }
 
 // Waves of 7 to 60 pixels in many directions, 0…1.
 double texture(dvec2 at_px) {
@@ -48,67 +46,23 @@ Image textured(const PinholeCamera& camera, double shift_px) {
   return image;
 }
 
-class FloatingTest : public GlFixture {
+class FloatingTest : public CameraFigure {
  protected:
+  FloatingTest() : CameraFigure(512) {}
   void SetUp() override {
-    GlFixture::SetUp();
-    picture_ = render::createPicture(*device, kPicture, kPicture, render::PictureTextures::Kind::Rgba).take();
-    recipe_ = render::Recipe::create(*device).take();
-    options_.recipe = {.background = {0, 0, 0, 0}, .ground_shadow = false};
-    options_.method = {.closest = 0, .unseen = render::Unseen::BestFacing};
-  }
-
-  void TearDown() override {
-    recipe_.reset();
-    model_ = {};
-    picture_ = {};
-    GlFixture::TearDown();
-  }
-
-  void addQuad(dvec3 centre, double half) {
-    const uint32_t first = static_cast<uint32_t>(positions_.size());
-    for (const dvec2 corner : {dvec2(-1, 1), dvec2(1, 1), dvec2(-1, -1), dvec2(1, -1)})
-      positions_.emplace_back(centre + half * dvec3(corner, 0));
-    faces_.push_back({first, first + 2, first + 3});
-    faces_.push_back({first, first + 3, first + 1});
+    CameraFigure::SetUp();
+    options_.method.least_cosine = render::MethodOptions().least_cosine;
   }
 
   void show(const std::vector<Image>& pictures) {
-    package::Character character;
-    character.cameras = cameras_;
-    character.vertex_count = static_cast<uint32_t>(positions_.size());
-    character.face_count = static_cast<uint32_t>(faces_.size());
-    model_ = render::CharacterModel::createForSurfaces(*device, character).take();
-    ASSERT_TRUE(model_.setTopology(*device, faces_, character.vertex_count));
-    model_.setPositions(*device, positions_);
+    makeModel();
     setPictures(pictures);
   }
 
   void setPictures(const std::vector<Image>& pictures) {
-    Image whole(kPicture, kPicture, 4, 77);
-    sources_.clear();
-    for (size_t c = 0; c < pictures.size(); ++c) {
-      const glm::ivec2 at(int(c % 3) * (kSide + 8), int(c / 3) * (kSide + 8));
-      for (int y = 0; y < kSide; ++y) std::copy_n(pictures[c].at(0, y), 4 * kSide, whole.at(at.x, at.y + y));
-      sources_.push_back({{0, 0, kSide, kSide}, glm::vec4(at, kSide, kSide) / float(kPicture)});
-    }
-    device->updateTexture(picture_.rgba.id(), {.width = kPicture, .height = kPicture}, whole.pixels.data());
-    ++serial_;
-  }
-
-  render::CameraLook look() const { return {cameras_, sources_, &picture_, glm::vec2(kPicture), serial_}; }
-
-  Image still(const PinholeCamera& view) {
-    const render::CameraLook shown = look();
-    render::Figure figure;
-    figure.model = &model_;
-    figure.cameras = &shown;
-    const render::View seen = render::viewFromCamera(view);
-    Image image = drawnImage(*device, seen, [&](gpu::TargetId target) {
-      return recipe_->draw({&figure, 1}, nullptr, seen, options_, target);
-    });
-    remember(image);
-    return image;
+    std::vector<glm::ivec2> at;
+    for (int c = 0; c < int(pictures.size()); ++c) at.emplace_back(c % 3 * (kPixels + 8), c / 3 * (kPixels + 8));
+    tile(pictures, at);
   }
 
   Image stillBy(const char* method, const PinholeCamera& view) {
@@ -122,24 +76,14 @@ class FloatingTest : public GlFixture {
     cameras_ = {cameraAt(-0.5), cameraAt(0.5)};
     show({textured(cameras_[0], -shift_px), textured(cameras_[1], shift_px)});
   }
-
-  std::vector<glm::uvec3> faces_;
-  Positions positions_;
-  std::vector<PinholeCamera> cameras_;
-  std::vector<render::CameraSource> sources_;
-  render::CharacterModel model_;
-  render::PictureTextures picture_;
-  std::unique_ptr<render::Recipe> recipe_;
-  render::DrawOptions options_;
-  uint64_t serial_ = 0;
 };
 
 // Mean difference in levels, away from the quad's edge.
 double meanDifference(const Image& a, const Image& b) {
   double sum = 0;
   int count = 0;
-  for (int y = 30; y < kSide - 30; ++y)
-    for (int x = 30; x < kSide - 30; ++x, ++count) sum += std::abs(int(a.at(x, y)[0]) - int(b.at(x, y)[0]));
+  for (int y = 30; y < kPixels - 30; ++y)
+    for (int x = 30; x < kPixels - 30; ++x, ++count) sum += std::abs(int(a.at(x, y)[0]) - int(b.at(x, y)[0]));
   return sum / count;
 }
 
@@ -148,8 +92,9 @@ double shiftOf(const Image& picture, const PinholeCamera& view) {
   double best = 0, least = HUGE_VAL;
   for (double shift = -3; shift <= 3; shift += 0.125) {
     double difference = 0;
-    for (int y = 30; y < kSide - 30; y += 4)
-      for (int x = 30; x < kSide - 30; x += 2) difference += std::abs(picture.at(x, y)[0] - levelAt(view, x, y, shift));
+    for (int y = 30; y < kPixels - 30; y += 4)
+      for (int x = 30; x < kPixels - 30; x += 2)
+        difference += std::abs(picture.at(x, y)[0] - levelAt(view, x, y, shift));
     if (difference < least) least = difference, best = shift;
   }
   return best;
@@ -194,11 +139,11 @@ TEST_F(FloatingTest, AHoleShowsTheCameraOfTheLargestWeight) {
   const glm::u8vec4 colors[] = {{230, 20, 10, 255}, {10, 220, 30, 255}, {30, 10, 240, 255}};
   std::vector<Image> pictures;
   for (const glm::u8vec4& color : colors) {
-    pictures.emplace_back(kSide, kSide, 4);
+    pictures.emplace_back(kPixels, kPixels, 4);
     for (size_t i = 0; i < pictures.back().pixels.size(); ++i) pictures.back().pixels[i] = color[int(i % 4)];
   }
   show(pictures);
-  const PinholeCamera at = lookAt({-0.1, 1, kDistance_m}, {0, 1, 0}, kSide, kSide, kFocal);
+  const PinholeCamera at = lookAt({-0.1, 1, kDistance_m}, {0, 1, 0}, kPixels, kPixels, kFocal);
   const render::View seen = render::viewFromCamera(at);
   const render::CharacterView view{seen.clip_from_world, seen.eye_in_world, seen.width, seen.height};
   render::FigureCameras chosen;
@@ -209,15 +154,15 @@ TEST_F(FloatingTest, AHoleShowsTheCameraOfTheLargestWeight) {
   ASSERT_EQ(chosen.chosen(), (std::vector<size_t>{2, 1, 0}));
   const auto read = [&](gpu::TextureId texture, gpu::PixelFormat format, void* out) {
     auto target = gpu::makeTarget(*device, {.colors = {texture}, .label = "read"}).take();
-    ASSERT_TRUE(device->readPixels(target.id(), format, {.width = kSide, .height = kSide}, out));
+    ASSERT_TRUE(device->readPixels(target.id(), format, {.width = kPixels, .height = kPixels}, out));
   };
-  std::vector<glm::vec4> weights(kSide * kSide);
+  std::vector<glm::vec4> weights(kPixels * kPixels);
   read(floating.weights(), gpu::PixelFormat::RGBA16F, weights.data());
   int holes = 0;
-  std::vector<glm::u8vec4> drawn(kSide * kSide);
+  std::vector<glm::u8vec4> drawn(kPixels * kPixels);
   for (int rank = 0; rank < 3; ++rank) {
     read(floating.picture(rank), gpu::PixelFormat::RGBA8, drawn.data());
-    for (int i = 0; i < kSide * kSide; ++i) {
+    for (int i = 0; i < kPixels * kPixels; ++i) {
       if (drawn[i].a == 0) continue;
       int best = 0;
       for (int k = 1; k < 3; ++k)
@@ -231,10 +176,10 @@ TEST_F(FloatingTest, AHoleShowsTheCameraOfTheLargestWeight) {
   // Behind the screen, seen past its edge, the next camera by angle fills in; at the quad's own edge weights do not
   // fade.
   const dvec3 behind = at.project({-0.09, 1, 0}), edge = at.project({0.49, 1.3, 0}), inside = at.project({0.3, 1.3, 0});
-  const auto weightsAt = [&](const dvec3& pixel) { return weights[int(pixel.y) * kSide + int(pixel.x)]; };
+  const auto weightsAt = [&](const dvec3& pixel) { return weights[int(pixel.y) * kPixels + int(pixel.x)]; };
   read(floating.picture(0), gpu::PixelFormat::RGBA8, drawn.data());
   EXPECT_EQ(weightsAt(behind)[0], 0);
-  EXPECT_EQ(drawn[int(behind.y) * kSide + int(behind.x)], colors[1]);
+  EXPECT_EQ(drawn[int(behind.y) * kPixels + int(behind.x)], colors[1]);
   EXPECT_GT(weightsAt(edge)[1], 0.8 * weightsAt(inside)[1]);
 }
 
@@ -283,7 +228,7 @@ TEST_F(FloatingTest, TexturesShrinkWithTheView) {
   for (const char* method : {"floating", "floating-pairs", "floating-static"}) {
     stillBy(method, cameraAt(0));
     const uint64_t large = device->counters().live_texture_bytes;
-    still(lookAt({0, 1, kDistance_m}, {0, 1, 0}, kSide / 2, kSide / 2, kFocal / 2));
+    still(lookAt({0, 1, kDistance_m}, {0, 1, 0}, kPixels / 2, kPixels / 2, kFocal / 2));
     EXPECT_LT(device->counters().live_texture_bytes, large) << method;
   }
 }
