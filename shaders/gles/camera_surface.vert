@@ -4,7 +4,7 @@
 uniform mat4 u_clip_from_character;
 centroid out vec3 v_point;   // character's frame, metres
 centroid out vec3 v_normal;
-centroid out vec3 v_corner;  // barycentric
+out vec3 v_corner;           // barycentric; at the pixel, for its derivatives
 invariant gl_Position;       // style_mesh.vert covers the same pixels
 #ifdef FILLED
 uniform sampler2D u_fill;    // a texel per vertex: colour, 1 if it is known

@@ -2,7 +2,7 @@
 // The surface's edges, a pixel wide, on its plain shape.
 centroid in vec3 v_point;
 centroid in vec3 v_normal;
-centroid in vec3 v_corner;  // barycentric
+in vec3 v_corner;  // barycentric
 uniform vec3 u_eye;
 out vec4 o_color;
 

@@ -11,8 +11,6 @@ import { serve } from './server.mjs';
 import { coverage, ssim } from './ssim.mjs';
 
 const kSsim = 0.98;
-// Lines a pixel wide: where two triangles meet, the rasterisers differ in the derivatives that the width comes from.
-const kFloors = { wireframe: 0.8 };
 const kPose = { sequence: 'run', frame: 5, azimuth: 25, elevation: 8, distance: 4.2 };
 const kSize = { width: 360, height: 480 };
 const kAside = 60;             // degrees by which the view turns before a picture of what follows it with time
@@ -110,7 +108,7 @@ test('native and browser agree by every method', async () => {
     writePicture(join(out, `${name}-browser.png`), shown);
     const { foreground } = ssim(shown, native);
     console.log(`${name}: SSIM ${foreground.toFixed(4)} on the silhouettes`);
-    if (!(foreground >= (kFloors[name] ?? kSsim))) below.push(name);
+    if (!(foreground >= kSsim)) below.push(name);
   }
   assert.deepEqual(below, [], `too different; pictures in ${out}`);
   assert.deepEqual(page.troubles, []);
