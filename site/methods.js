@@ -6,6 +6,7 @@ import { playTogether, turnTogether } from './together.js';
 
 // The methods that `fourdvt render --help` lists, in its order. group: how the choice is divided.
 const METHODS = {
+  sweep: { title: 'Sweep', text: 'Every pixel at the depth where the cameras agree' },
   fvvr: { title: 'FVVR', text: 'The cameras that see a point, weighted by angle' },
   lumigraph: { title: 'Lumigraph', text: 'Nearer cameras count for more, and enter and leave smoothly' },
   filtered: { title: 'Filtered', text: 'Blurred along the view’s ray, as far as the surface is uncertain' },
@@ -16,21 +17,20 @@ const METHODS = {
   'floating-static': { title: 'Floating, kept flow', text: 'Flow once a frame in the cameras’ own views; to turn is a look-up' },
   holoportation: { title: 'Holoportation', text: 'The cameras that a surface faces, without those that the others outvote' },
   montage4d: { title: 'Montage4D', text: 'Weights that change smoothly over the surface and with time' },
-  sweep: { title: 'Sweep', text: 'Every pixel at the depth where the cameras agree' },
   'montage4d-seams': { title: 'Montage4D’s seams', text: 'How far a place is from where each camera’s picture ends', group: 'Look behind it' },
   'montage4d-weights': { title: 'Montage4D’s weights', text: 'Which camera a place is taken from, a colour for each', group: 'Look behind it' },
   wireframe: { title: 'Wireframe', text: 'The triangles of this frame', group: 'Look behind it' },
   silhouette: { title: 'Silhouette', text: 'Where the surface is', group: 'Look behind it' },
 };
 // Two methods to begin with, and pairs worth seeing.
-const FIRST = ['fvvr', 'montage4d'];
+const FIRST = ['fvvr', 'sweep'];
 const PAIRS = [
   { title: 'Blur', methods: ['filtered', 'lumigraph'] },
   { title: 'Flow', methods: ['linear', 'floating'] },
   { title: 'Depth', methods: ['fvvr', 'sweep'] },
   { title: 'Seams', methods: ['montage4d-seams', 'montage4d'] },
   { title: 'Weights', methods: ['montage4d-weights', 'montage4d'] },
-  { title: 'Triangles', methods: ['wireframe', 'fvvr'] },
+  { title: 'Triangles', methods: ['wireframe', 'sweep'] },
 ];
 const KEY_STEPS = { ArrowLeft: -2, ArrowDown: -2, ArrowRight: 2, ArrowUp: 2, PageDown: -10, PageUp: 10, Home: -100, End: 100 };
 

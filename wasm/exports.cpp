@@ -153,7 +153,8 @@ int32_t fdvt_load(Instance* h) {
   makeCurrent(h);
   int ok = keep(h, h->player->loadManifest(h->manifest));
   if (ok && h->canvas->method.empty() && h->player->character()->appearance == package::AppearanceKind::Cameras)
-    ok = fdvt_set_method(h, "fvvr", 4, h->player->method().closest, abi::Visibility::Offset);
+    ok = fdvt_set_method(h, render::kDefaultMethod.data(), uint32_t(render::kDefaultMethod.size()),
+                         h->player->method().closest, abi::Visibility::Offset);
   h->manifest = {};
   return ok;
 }

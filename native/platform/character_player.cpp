@@ -55,7 +55,7 @@ class FilePlayer final : public CharacterPlayer {
     FOURDVT_ASSIGN(player_, Player::create(device, recipe_, {.cameras = &cameraParts()}));
     FOURDVT_TRY(player_->loadManifest(json));
     if (player_->character()->appearance == package::AppearanceKind::Layers) return {};
-    FOURDVT_ASSIGN(auto method, render::makeCameraMethod(device, "fvvr"));
+    FOURDVT_ASSIGN(auto method, render::makeCameraMethod(device, render::kDefaultMethod));
     recipe_->setMethod(std::move(method));
     return {};
   }

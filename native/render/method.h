@@ -6,6 +6,7 @@
 
 #include <limits>
 #include <span>
+#include <string_view>
 
 #include "base/camera.h"
 #include "package/character.h"
@@ -13,6 +14,10 @@
 #include "render/view.h"
 
 namespace fourdvt::render {
+
+// The name of the method of a character from cameras that nothing was said about: what `fourdvt evaluate --projective`
+// says to take (ALGORITHMS 14.4).
+inline constexpr std::string_view kDefaultMethod = "sweep";
 
 // Where one camera's picture lies in a decoded one.
 struct CameraSource {

@@ -37,7 +37,7 @@ void main() {
     if (serves == 0.0) continue;
     setSlot(plain_low, plain_high, i, pow(max(dot(ray, normal), 1e-3), u_exponent));
     setSlot(o_low, o_high, i, slotOf(gamma_low, gamma_high, i) * slotOf(global_low, global_high, i) *
-                                  pow(max(dot(ray, to_eye), 0.0), u_view_exponent));
+                                  pow(max(dot(ray, to_eye), 0.0), u_view_exponent) * max(dot(ray, normal), 0.05));
   }
   const vec4 one = vec4(1.0);
   float sum = dot(o_low, one) + dot(o_high, one), plain = dot(plain_low, one) + dot(plain_high, one);

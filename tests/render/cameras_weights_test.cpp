@@ -154,7 +154,7 @@ TEST_F(CamerasWeightsTest, FilteredDoesNotBlurAcrossTheViewsRay) {
 }
 
 TEST_F(CamerasWeightsTest, EveryNameMakesAMethod) {
-  EXPECT_EQ(render::cameraMethodNames(render::MethodGroup::Textured).front(), "fvvr");
+  EXPECT_EQ(render::cameraMethodNames(render::MethodGroup::Textured).front(), render::kDefaultMethod);
   for (const render::MethodGroup group : {render::MethodGroup::Textured, render::MethodGroup::Inspection})
     for (const std::string& name : render::cameraMethodNames(group))
       EXPECT_TRUE(render::makeCameraMethod(*device, name)) << name;

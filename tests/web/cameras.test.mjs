@@ -96,8 +96,10 @@ test('method, cameras and visibility choose how it is drawn; an unknown method i
   assert.ok(isWhite(silhouette));
   assert.ok(Math.abs(coverage(silhouette) - coverage(textured)) < 0.002);
   assert.ok(!isWhite(await set('method', 'wireframe')));
-  const again = await set('method', 'fvvr');
+  const again = await set('method', 'sweep');
   assert.deepEqual(again.data, textured.data);
+  assert.notDeepEqual((await set('method', 'fvvr')).data, textured.data);
+  await set('method', 'sweep');
   assert.notDeepEqual((await set('cameras', '1')).data, textured.data);
   await set('cameras', '4');
   assert.notDeepEqual((await set('visibility', 'none')).data, textured.data);

@@ -36,7 +36,7 @@ export interface Performer {
 }
 
 /** As render::MethodOptions begins. */
-export const DEFAULT_METHOD: Method = { name: 'fvvr', closest: 4, visibility: 'offset' };
+export const DEFAULT_METHOD: Method = { name: 'sweep', closest: 4, visibility: 'offset' };
 // What a player does that has just read its manifest: these wishes need not be told to it.
 const NEW_PLAYER: Wishes = {
   loop: -1, rate: 1, placement: { x: 0, z: 0, heading: 0 }, travel: false, align: 'baked',

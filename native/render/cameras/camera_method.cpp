@@ -43,6 +43,7 @@ constexpr MethodGroup kTextured = MethodGroup::Textured, kInspection = MethodGro
 
 // A method's only registration.
 constexpr Row kRows[] = {
+    {kDefaultMethod.data(), kTextured, false, ofClass<Sweep>},
     {"fvvr", kTextured, false, ofShader<ShaderCameras::Chosen>, "camera_fvvr.frag"},
     {"lumigraph", kTextured, false, ofShader<ShaderCameras::Bounded>, "camera_lumigraph.frag"},
     {"filtered", kTextured, false, ofShader<ShaderCameras::Bounded>, "camera_filtered.frag"},
@@ -55,7 +56,6 @@ constexpr Row kRows[] = {
     {"montage4d", kTextured, true, ofMontage},
     {"montage4d-seams", kInspection, true, ofMontage},
     {"montage4d-weights", kInspection, true, ofMontage},
-    {"sweep", kTextured, false, ofClass<Sweep>},
     {"wireframe", kInspection, false, ofShader<ShaderCameras::None>, "camera_wireframe.frag"},
     {"silhouette", kInspection, false, ofShader<ShaderCameras::None>, "camera_silhouette.frag"},
 };

@@ -13,6 +13,8 @@
 namespace fourdvt::study {
 namespace {
 
+constexpr uint32_t kTestFrames =
+    3;  // of a sequence, at most; one alone decides by chance between methods that are close
 constexpr const char* kCompared[] = {rows::kFvvr, rows::kMethodHoloportation, rows::kMethodMontage};
 
 Condition onProxy(const char* proxy) {
@@ -21,13 +23,12 @@ Condition onProxy(const char* proxy) {
   return out;
 }
 
-// One test frame.
-Result<Rows> crossValidate(ProjectiveSetup& setup, const Condition& condition, FrameWindow& frames,
-                           const std::vector<std::string>& names) {
-  const uint32_t frame = spreadTestFrames(frames.sequence(), 1).front();
+using Lanes = std::map<std::pair<std::string, int>, measure::AppearanceLane>;  // by method, and 1: with its own picture
+
+Status addFrame(ProjectiveSetup& setup, const Condition& condition, FrameWindow& frames, uint32_t frame,
+                const std::vector<std::string>& names, Lanes& lanes) {
   FOURDVT_ASSIGN(auto methods, setup.make(names));
   FOURDVT_ASSIGN(const FrameScene scene, setup.scene(condition, frames, frame));
-  std::map<std::pair<std::string, int>, measure::AppearanceLane> lanes;
   FOURDVT_TRY(setup.show(condition, scene, setup.cameras()[0]));
   for (size_t c = 0; c < setup.cameras().size(); ++c) {
     FOURDVT_TRY(checkStop(setup.context()));
@@ -42,6 +43,14 @@ Result<Rows> crossValidate(ProjectiveSetup& setup, const Condition& condition, F
       }
     }
   }
+  return {};
+}
+
+Result<Rows> crossValidate(ProjectiveSetup& setup, const Condition& condition, FrameWindow& frames,
+                           const std::vector<std::string>& names) {
+  Lanes lanes;
+  for (const uint32_t frame : spreadTestFrames(frames.sequence(), setup.context().options.quick ? 1 : kTestFrames))
+    FOURDVT_TRY(addFrame(setup, condition, frames, frame, names, lanes));
   Rows out;
   for (auto& [key, lane] : lanes) {
     std::vector<measure::AppearanceScore> scores;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Contact sheets: methods side by side on the given mesh, on hulls and with cameras out of place, whole and close up
-// (FT Fig. 8); and every method's worst held-out view.
+// (FT Fig. 8); every method's worst held-out view; and what Montage4D's cross-validation compares.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -44,6 +44,14 @@ Image closeUpCell(const Image& rgba, const std::array<int, 4>& box) {
   return report::scaledTo(part, kCloseUp_px, kCloseUp_px);
 }
 
+Image differenceTimes4(const Image& truth, const Image& drawn) {
+  const Image a = report::overGrey(truth, 0), b = report::overGrey(drawn, 0);
+  Image out(a.width, a.height, 3);
+  for (size_t i = 0; i < a.pixels.size(); ++i)
+    out.pixels[i] = uint8_t(std::min(255, 4 * std::abs(int(a.pixels[i]) - int(b.pixels[i]))));
+  return out;
+}
+
 class MethodSheets {
  public:
   MethodSheets(const StudyContext& context, ProjectiveSetup& setup) : context_(context), setup_(setup) {}
@@ -53,6 +61,7 @@ class MethodSheets {
   std::vector<Condition> shownConditions() const;
   Status figure8(FrameWindow& frames);
   Status worst(FrameWindow& frames, const Condition& condition, const Rows& views);
+  Status crossValidation(FrameWindow& frames);
   Status save(const std::string& file, const report::Sheet& sheet, const std::string& sequence,
               const std::string& setting, const char* caption);
 
@@ -139,10 +148,7 @@ Status MethodSheets::worst(FrameWindow& frames, const Condition& condition, cons
     setup_.stage().leaveOut({});
     FOURDVT_ASSIGN(const Image truth, measure::heldOutTruth(frames.sequence(), *view, frame));
     FOURDVT_ASSIGN(const Image drawn, setup_.draw(methods[name], condition, scene, *view, truth, kStill));
-    const Image a = report::overGrey(truth, 0), b = report::overGrey(drawn, 0);
-    Image difference(a.width, a.height, 3);
-    for (size_t i = 0; i < a.pixels.size(); ++i)
-      difference.pixels[i] = uint8_t(std::min(255, 4 * std::abs(int(a.pixels[i]) - int(b.pixels[i]))));
+    const Image difference = differenceTimes4(truth, drawn);
     const auto box = report::shownBox(truth, kMargin_px);
     sheet.columns.push_back(name + " " + report::fixedText(least->value, 3));
     const Image* shown[] = {&truth, &drawn, &difference};
@@ -153,6 +159,47 @@ Status MethodSheets::worst(FrameWindow& frames, const Condition& condition, cons
               rows::kPictureWorstViews);
 }
 
+// The first input camera's view, drawn without its picture and with it.
+Status MethodSheets::crossValidation(FrameWindow& frames) {
+  std::vector<std::string> names;
+  for (const char* name : {rows::kMethodHoloportation, rows::kMethodMontage})
+    for (const std::string& known : setup_.methods())
+      if (known == name) names.push_back(known);
+  if (names.empty()) return {};
+  constexpr size_t kCamera = 0;
+  const uint32_t frame = spreadTestFrames(frames.sequence(), 1).front();
+  const PinholeCamera& view = setup_.cameras()[kCamera];
+  FOURDVT_ASSIGN(const auto* captured, frames.at(frame));
+  const Image truth = inputTruth(captured->pictures[kCamera]);
+  const auto box = report::shownBox(truth, kMargin_px);
+  report::Sheet sheet{
+      frames.sequence().name + ", frame " + std::to_string(frame) + ", " + view.name, {"truth"}, {}, {}};
+  for (const char* own : {"left out", "own picture"})
+    for (const std::string& name : names) sheet.columns.push_back(name + ", " + own);
+  for (const Condition& condition : proxyConditions(context_.options.quick)) {
+    if (condition.at != rows::kProxyGiven && condition.at != rows::kProxyHull) continue;
+    FOURDVT_TRY(checkStop(context_));
+    FOURDVT_ASSIGN(auto methods, setup_.make(names));
+    FOURDVT_ASSIGN(const FrameScene scene, setup_.scene(condition, frames, frame));
+    FOURDVT_TRY(setup_.show(condition, scene, view));
+    sheet.rows.insert(sheet.rows.end(), {condition.at, "difference x 4"});
+    std::vector<Image> drawn_cells{wholeCell(truth, box)}, difference_cells{Image()};
+    for (const bool own : {false, true}) {
+      setup_.stage().leaveOut(own ? std::span<const size_t>() : std::span<const size_t>(&kCamera, 1));
+      for (const std::string& name : names) {
+        FOURDVT_ASSIGN(const Image drawn, setup_.draw(methods[name], condition, scene, view, truth, kStill));
+        drawn_cells.push_back(wholeCell(drawn, box));
+        difference_cells.push_back(wholeCell(differenceTimes4(truth, drawn), box));
+      }
+    }
+    sheet.cells.push_back(std::move(drawn_cells));
+    sheet.cells.push_back(std::move(difference_cells));
+  }
+  setup_.stage().leaveOut({});
+  return save("cross-" + frames.sequence().name + ".jpg", sheet, frames.sequence().name, "view=" + view.name,
+              rows::kPictureCross);
+}
+
 Result<Rows> MethodSheets::run() {
   FOURDVT_ASSIGN(const Rows views, rowsOfStep(context_, "proxies"));
   const auto sequences = projectiveSequences(context_);
@@ -161,6 +208,7 @@ Result<Rows> MethodSheets::run() {
     FrameWindow frames(*context_.capture, *sequence, context_.open_video);
     if (context_.progress) context_.progress({"", sequence->name, done++ / double(sequences.size())});
     FOURDVT_TRY(figure8(frames));
+    FOURDVT_TRY(crossValidation(frames));
     for (const Condition& condition : proxyConditions(context_.options.quick))
       if (condition.at == rows::kProxyGiven || condition.at == rows::kProxyHull)
         FOURDVT_TRY(worst(frames, condition, views));

@@ -79,6 +79,7 @@ inline constexpr const char* kNotMeasured = "not measured";
 
 inline constexpr const char* kPictureMethods = "methods_sheet";  // FT Fig. 8; axis= at= view= frame=
 inline constexpr const char* kPictureCloseUps = "methods_close_ups";
+inline constexpr const char* kPictureCross = "methods_cross";  // view=
 inline constexpr const char* kPictureWorstViews = "methods_worst";
 
 }  // namespace fourdvt::study::rows

@@ -242,7 +242,7 @@ const SectionPlan kSections[] = {
      "be read, with it. Hulls are made from all mattes, the left-out one's included. Frames a second: of a run of new "
      "frames on this machine, with reading back.",
      fillCross,
-     {}},
+     {kPictureCross}},
     {"stages",
      "Montage4D Table 3",
      "Passes timed apart, with the GPU drained after each, so that they add up to more than an undisturbed frame. "

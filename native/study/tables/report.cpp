@@ -219,6 +219,7 @@ std::vector<Picture> picturesOf(const StudyValues& values, const std::vector<std
         {rows::kPictureTransition, "A transition"},
         {rows::kPictureMethods, "Methods on surfaces and calibrations that are more and more off"},
         {rows::kPictureCloseUps, "The same, close up"},
+        {rows::kPictureCross, "An input camera's view without its own picture and with it, differences × 4"},
         {rows::kPictureWorstViews, "Every method's worst held-out view by SSIM-FG: truth, drawn, difference × 4"}};
     for (const auto& [key, caption] : kKinds)
       if (row.quantity == key) picture.caption = caption;
