@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 
+#include "measure/appearance_score.h"
 #include "measure/held_out_truth.h"
 #include "measure/metrics.h"
 #include "measure/projective.h"
@@ -28,6 +30,8 @@ Image withoutBackdrop(const Image& rgba, const Image& plate) {
   }
   return out;
 }
+
+constexpr float kStill = std::numeric_limits<float>::infinity();
 
 class Evaluation {
  public:
@@ -56,9 +60,64 @@ class Evaluation {
     return {};
   }
 
+  // After the scores: another view between two pictures would disturb what follows with time.
+  Status flicker(const capture::CaptureSequence& sequence, const OpenVideo& open_video) {
+    const size_t count = std::min<size_t>(options_.flicker_cameras, cameras_.size());
+    if (count == 0 || capture_.meshes != capture::CaptureMeshes::ConstantTopology) return {};
+    for (size_t c = 0; c < count; ++c) {
+      FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(capture_, sequence, open_video));
+      FOURDVT_TRY(flickerAt(sequence, c, *reader));
+    }
+    FOURDVT_ASSIGN(const Positions mesh, capture::readMeshFrame(capture_, sequence, 0));
+    return flickerOnOrbit(sequence, mesh);
+  }
+
   HeldOutReport take() { return std::move(report_); }
 
  private:
+  Status flickerAt(const capture::CaptureSequence& sequence, size_t camera, capture::FrameReader& reader) {
+    const uint32_t count = std::min(sequence.frame_count, kMostFlickerFrames);
+    const PinholeCamera& view = bakedCamera(camera);
+    TrueAndDrawn before;
+    Positions mesh_before;
+    for (uint32_t f = 0; f < count; ++f) {
+      FOURDVT_ASSIGN(auto input, reader.next());
+      FOURDVT_ASSIGN(auto drawn, draw(sequence.name, f, view, f == 0 ? kStill : float(1 / capture_.fps)));
+      TrueAndDrawn now{withoutBackdrop(input.pictures[camera], plates_[camera]), std::move(drawn)};
+      if (f > 0) addFlicker(sequence.name, view, view.name, f, before, now, mesh_before, input.positions);
+      before = std::move(now);
+      mesh_before = std::move(input.positions);
+    }
+    return {};
+  }
+
+  // Turning the camera round the mesh is turning the mesh before the camera.
+  Status flickerOnOrbit(const capture::CaptureSequence& sequence, const Positions& mesh) {
+    const PinholeCamera& start = bakedCamera(0);
+    glm::dvec3 least(1e9), most(-1e9);
+    for (const glm::vec3& p : mesh) least = glm::min(least, glm::dvec3(p)), most = glm::max(most, glm::dvec3(p));
+    const glm::dvec3 middle = 0.5 * (least + most);
+    TrueAndDrawn before;
+    Positions turned_before;
+    for (uint32_t i = 0; i < kOrbitPictures; ++i) {
+      const glm::dmat4 turn = glm::translate(
+          glm::rotate(glm::translate(glm::dmat4(1), middle), glm::radians(double(i)), {0, 1, 0}), -middle);
+      PinholeCamera view = start;
+      view.cam_from_world = start.cam_from_world * turn;
+      FOURDVT_ASSIGN(auto drawn, draw(sequence.name, 0, view, i == 0 ? kStill : float(1 / capture_.fps)));
+      Positions turned;
+      for (const glm::vec3& p : mesh) turned.emplace_back(turn * glm::dvec4(p, 1));
+      Image black = drawn;  // where the performer is, so that the error is the colour
+      for (size_t p = 0; p < black.pixels.size(); ++p)
+        if (p % 4 < 3) black.pixels[p] = 0;
+      TrueAndDrawn now{std::move(black), std::move(drawn)};
+      if (i > 0) addFlicker(sequence.name, start, kOrbit, i, before, now, turned_before, turned);
+      before = std::move(now);
+      turned_before = std::move(turned);
+    }
+    return {};
+  }
+
   Status heldOutViews(const capture::CaptureSequence& sequence, const capture::CaptureFrame& input) {
     for (const PinholeCamera& camera : test_cameras_) {
       FOURDVT_ASSIGN(auto truth, heldOutTruth(sequence, camera, input.index));
@@ -73,22 +132,36 @@ class Evaluation {
 
   // Through the character's cameras: the bake may have refined them.
   Status inputViews(const capture::CaptureSequence& sequence, const capture::CaptureFrame& input) {
-    const auto& baked = character_.player().character()->cameras;
-    for (size_t c = 0; c < cameras_.size(); ++c) {
-      const auto own = std::find_if(baked.begin(), baked.end(),
-                                    [&](const PinholeCamera& camera) { return camera.name == cameras_[c].name; });
-      FOURDVT_TRY(score({sequence.name, cameras_[c].name, input.index, false}, own == baked.end() ? cameras_[c] : *own,
+    for (size_t c = 0; c < cameras_.size(); ++c)
+      FOURDVT_TRY(score({sequence.name, cameras_[c].name, input.index, false}, bakedCamera(c),
                         withoutBackdrop(input.pictures[c], plates_[c]), {}));
-    }
     return {};
+  }
+
+  const PinholeCamera& bakedCamera(size_t c) const {
+    const auto& baked = character_.player().character()->cameras;
+    const auto own = std::find_if(baked.begin(), baked.end(),
+                                  [&](const PinholeCamera& camera) { return camera.name == cameras_[c].name; });
+    return own == baked.end() ? cameras_[c] : *own;
+  }
+
+  Result<Image> draw(const std::string& sequence, uint32_t frame, const PinholeCamera& camera, float elapsed_s) {
+    FOURDVT_TRY(character_.showFrame(sequence, frame));
+    render::RecipeOptions recipe;
+    recipe.ground_shadow = false;
+    return character_.renderStill(render::viewFromCamera(camera), recipe, nullptr, elapsed_s);
+  }
+
+  void addFlicker(const std::string& sequence, const PinholeCamera& view, const std::string& camera, uint32_t frame,
+                  const TrueAndDrawn& before, const TrueAndDrawn& now, const Positions& mesh_before,
+                  const Positions& mesh) {
+    const FlowField motion = visibleMotion(view, capture_.topology.face_vertices, mesh_before, mesh);
+    report_.flicker.push_back({sequence, camera, frame, flickerLevels(before, now, motion)});
   }
 
   // Fills in the score, whose first four fields say what is drawn.
   Status score(ViewScore score, const PinholeCamera& camera, const Image& truth, const Image& yardstick) {
-    FOURDVT_TRY(character_.showFrame(score.sequence, score.frame));
-    render::RecipeOptions recipe;
-    recipe.ground_shadow = false;
-    FOURDVT_ASSIGN(auto drawn, character_.renderStill(render::viewFromCamera(camera), recipe));
+    FOURDVT_ASSIGN(auto drawn, draw(score.sequence, score.frame, camera, kStill));
     WorstView view{std::move(score), compositedOnBlack(truth), compositedOnBlack(drawn), {}};
     const Mask inside = unionOfSilhouettes(truth, drawn);
     view.score.psnr_db = psnr(view.truth, view.character, inside);
@@ -163,6 +236,7 @@ Result<HeldOutReport> evaluateHeldOut(const capture::Capture& capture, const Ope
       FOURDVT_TRY(evaluation.frame(sequence, input));
       if (on_frame) on_frame(name, frame);
     }
+    FOURDVT_TRY(evaluation.flicker(sequence, open_video));
   }
   return evaluation.take();
 }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A baked character against its capture: at the held-out cameras (straight-alpha ground truth pictures) and at the
 // input cameras (video frames, with the backdrop taken out of their matte's soft edges). Both pictures over black; the
-// region is the union of both silhouettes (alpha >= 128). PSNR on RGB, SSIM on luma, see metrics.h. Memory: one frame
-// of capture pictures and three pictures per sequence for the contact sheet.
+// region is the union of both silhouettes (alpha >= 128). PSNR on RGB, SSIM on luma, see metrics.h. And how the
+// character flickers, see FlickerScore. Memory: one frame of capture pictures and three pictures per sequence for the
+// contact sheet.
 #pragma once
 
 #include <functional>
@@ -20,6 +21,7 @@ struct HeldOutOptions {
   std::vector<std::string> sequences;  // empty: all of the character
   uint32_t input_every = 4;            // input cameras: every Nth frame from 0; 0: not at all
   bool yardstick = false;              // also plain projective texturing at the held-out cameras, see projective.h
+  uint32_t flicker_cameras = 0;        // flicker at the first N input cameras, and on the orbit; 0: not at all
 };
 
 inline constexpr double kNotAsked = std::numeric_limits<double>::quiet_NaN();
@@ -39,8 +41,25 @@ struct WorstView {
   Image truth, character, yardstick;  // yardstick may be empty
 };
 
+// Between two consecutive pictures that are drawn a frame period apart, so that what follows with time does. Of one
+// sequence, at an input camera: what changes of the error against that camera's pictures on the surface
+// (flickerLevels). The same picture is in the layers, at both ends. On the orbit, whose camera is kOrbit: what changes
+// of the colours on the surface while frame 0 is looked at from 1 degree further each time, kOrbitPictures of them from
+// the first input camera on; no camera has pictures there. NaN where the surface is not seen in both.
+inline constexpr const char* kOrbit = "orbit";
+inline constexpr uint32_t kOrbitPictures = 46;      // past a camera of a ring of eight
+inline constexpr uint32_t kMostFlickerFrames = 64;  // of a sequence, from frame 0
+struct FlickerScore {
+  std::string sequence, camera;
+  uint32_t frame = 0;  // or picture of the orbit: the later of the two
+  double levels = 0;
+};
+// Mean over those of the sequence and camera, NaN left out; NaN: none.
+double meanFlicker(const std::vector<FlickerScore>& scores, const std::string& sequence, const std::string& camera);
+
 struct HeldOutReport {
   std::vector<ViewScore> scores;
+  std::vector<FlickerScore> flicker;
   std::vector<WorstView> worst;  // one per sequence that has held-out views
 };
 

@@ -98,7 +98,33 @@ cv::Mat sheetRow(const WorstView& view, const std::string& baseline) {
   return out;
 }
 
+std::string flickerSection(const std::vector<FlickerScore>& scores) {
+  if (scores.empty()) return {};
+  std::string out = "Flicker: mean change between consecutive pictures\nsequence     camera      pairs   levels\n";
+  std::string sequence, camera;
+  for (const FlickerScore& s : scores) {
+    if (s.sequence == sequence && s.camera == camera) continue;
+    sequence = s.sequence, camera = s.camera;
+    const auto pairs = std::count_if(scores.begin(), scores.end(), [&](const FlickerScore& other) {
+      return other.sequence == sequence && other.camera == camera;
+    });
+    char text[160];
+    std::snprintf(text, sizeof text, "%-12s %-10s %6d %8.3f\n", sequence.c_str(), camera.c_str(), int(pairs),
+                  meanFlicker(scores, sequence, camera));
+    out += text;
+  }
+  return out;
+}
+
 }  // namespace
+
+double meanFlicker(const std::vector<FlickerScore>& scores, const std::string& sequence, const std::string& camera) {
+  double sum = 0;
+  size_t count = 0;
+  for (const FlickerScore& s : scores)
+    if (s.sequence == sequence && s.camera == camera && !std::isnan(s.levels)) sum += s.levels, ++count;
+  return count ? sum / double(count) : kNotAsked;
+}
 
 MeanViewScore meanViewScore(const std::vector<ViewScore>& scores, bool held_out, const std::string& sequence,
                             const std::string& camera) {
@@ -126,7 +152,7 @@ MeanViewScore meanViewScore(const std::vector<ViewScore>& scores, bool held_out,
 }
 
 std::string scoreTable(const HeldOutReport& report) {
-  std::string out = section(report, true) + section(report, false);
+  std::string out = section(report, true) + section(report, false) + flickerSection(report.flicker);
   for (const WorstView& worst : report.worst) {
     char text[160];
     std::snprintf(text, sizeof text, "worst of %s: %s frame %u, %.2f dB / %.4f\n", worst.score.sequence.c_str(),
@@ -139,7 +165,7 @@ std::string scoreTable(const HeldOutReport& report) {
 std::string scoreCsv(const HeldOutReport& report) {
   std::string out =
       "kind,sequence,camera,frame,psnr_db,ssim,common_psnr_db,yardstick_psnr_db,yardstick_ssim,yardstick_common_psnr_"
-      "db\n";
+      "db,flicker_levels\n";
   for (const ViewScore& s : report.scores) {
     char text[240];
     std::snprintf(text, sizeof text, "%s,%s,%s,%u,%.4f,%.6f,%.4f,", s.held_out ? "held-out" : "input",
@@ -152,7 +178,13 @@ std::string scoreCsv(const HeldOutReport& report) {
     } else {
       out += ",,";
     }
-    out += "\n";
+    out += ",\n";
+  }
+  for (const FlickerScore& s : report.flicker) {
+    char text[160];
+    std::snprintf(text, sizeof text, "flicker,%s,%s,%u,,,,,,,%.4f\n", s.sequence.c_str(), s.camera.c_str(), s.frame,
+                  s.levels);
+    out += text;
   }
   return out;
 }

@@ -65,8 +65,8 @@ class FilePlayer final : public CharacterPlayer {
   Status showFrame(const std::string& sequence, uint32_t frame) override;
   Status advance(double seconds) override;
   Status pump() override;
-  Result<Image> renderStill(const render::View& view, const render::RecipeOptions& options,
-                            const render::Scene* scene) override;
+  Result<Image> renderStill(const render::View& view, const render::RecipeOptions& options, const render::Scene* scene,
+                            float elapsed_s) override;
 
  private:
   bool shows(const std::string& sequence, uint32_t frame) const {
@@ -224,11 +224,11 @@ Status FilePlayer::advance(double seconds) {
 }
 
 Result<Image> FilePlayer::renderStill(const render::View& view, const render::RecipeOptions& options,
-                                      const render::Scene* scene) {
+                                      const render::Scene* scene, float elapsed_s) {
   return still_.render(view, [&](gpu::TargetId target) -> Status {
     FOURDVT_ASSIGN(const render::Figure figure, player_->figure());
     render::MethodOptions method = player_->method();
-    method.elapsed_s = render::MethodOptions().elapsed_s;  // it has no picture before it
+    method.elapsed_s = elapsed_s;
     return recipe_->draw({&figure, 1}, scene, view, {options, player_->align(), method}, target);
   });
 }

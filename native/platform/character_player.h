@@ -29,9 +29,11 @@ class CharacterPlayer {
   virtual Status advance(double seconds) = 0;
   // Answers every pending request once.
   virtual Status pump() = 0;
-  // RGBA straight alpha, top row first, of what is shown. scene: null: none.
+  // RGBA straight alpha, top row first, of what is shown. scene: null: none. elapsed_s: since the picture before it,
+  // for methods that follow with time; infinite: it has none.
   virtual Result<Image> renderStill(const render::View& view, const render::RecipeOptions& options,
-                                    const render::Scene* scene = nullptr) = 0;
+                                    const render::Scene* scene = nullptr,
+                                    float elapsed_s = render::MethodOptions().elapsed_s) = 0;
 };
 
 }  // namespace fourdvt::platform

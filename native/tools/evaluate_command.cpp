@@ -34,7 +34,9 @@ const CommandHelp& help() {
       "The second form scores one baked character: PSNR (RGB) and SSIM (luma, 11x11 Gaussian) over the union of both\n"
       "silhouettes, on black, at the capture's held-out cameras and at its input cameras: per sequence, camera and "
       "mean.\n"
-      "\"common dB\" is the PSNR where both silhouettes are, without the outline's error.\n"
+      "\"common dB\" is the PSNR where both silhouettes are, without the outline's error. Flicker is what changes on "
+      "the\n"
+      "surface from one picture to the next: of the error at an input camera, of the colours on the orbit.\n"
       "The third form scores the capture's surfaces, of whatever topology: plain projective texturing from its videos "
       "at\n"
       "the held-out cameras, and distances to the surfaces of a reference capture.\n"
@@ -58,6 +60,10 @@ const CommandHelp& help() {
        {"--method", "NAME",
         "with --character: how it is drawn; of a layered one: montage4d (default: the plain blend)"},
        {"--input-every", "N", "with --character: input cameras, every Nth frame, 0: none (default 4)"},
+       {"--flicker", "N",
+        "with --character: also flicker between consecutive frames, at the first N input cameras and on a slow orbit "
+        "of "
+        "frame 0, in levels of 255; 0: none (default 1)"},
        {"--yardstick", nullptr,
         "with --character: also plain projective texturing of the mesh as given, no layers, no codec"},
        {"--closest", "M",
@@ -100,6 +106,7 @@ Arguments readArguments(Args& args) {
   a.jobs = args.integer("--jobs", 0, 0, 1024);
   a.held_out.input_every = static_cast<uint32_t>(args.integer("--input-every", 4, 0, 1'000'000));
   a.held_out.yardstick = args.has("--yardstick");
+  a.held_out.flicker_cameras = static_cast<uint32_t>(args.integer("--flicker", 1, 0, package::kMaxCameras));
   a.refine = readRefineOptions(args);
   a.surface = args.has("--surface");
   a.projective = args.has("--projective");
@@ -128,8 +135,8 @@ Arguments readArguments(Args& args) {
     args.complain("--surface goes with --sequences, --reference and --closest only");
   if (a.character.empty() && a.output.empty() && !a.surface && !a.projective)
     args.complain("-o FOLDER is missing: where the report goes; or score one character with --character");
-  if (a.character.empty() && (args.has("--input-every") || args.has("--yardstick")))
-    args.complain("--input-every and --yardstick belong to --character");
+  if (a.character.empty() && (args.has("--input-every") || args.has("--yardstick") || args.has("--flicker")))
+    args.complain("--input-every, --yardstick and --flicker belong to --character");
   if (!a.character.empty() && (args.has("--quick") || args.has("--jobs")))
     args.complain("--quick and --jobs do not go with --character");
   if (!a.character.empty() && (args.has("--refine") || args.has("--refine-cameras") || args.has("--matte-bias-px")))

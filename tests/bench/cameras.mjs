@@ -40,7 +40,7 @@ function rawScore(folder, closest) {
   return { psnr: Number(row[2]), ssim: Number(row[3]) };
 }
 function bakedScore(character, more = []) {
-  const text = run('evaluate', capture, '--character', character, ...only, '--input-every', '0', ...more);
+  const text = run('evaluate', capture, '--character', character, ...only, '--input-every', '0', '--flicker', '0', ...more);
   const row = text.split('\n').find((line) => line.trim().startsWith('mean')).trim().split(/\s+/);
   return { psnr: Number(row[2]), ssim: Number(row[3]) };
 }

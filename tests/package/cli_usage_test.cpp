@@ -75,7 +75,8 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"render a --parameter s -o b.png", "--parameter"}, Mistake{"render a --align x -o b.png", "--align"},
         Mistake{"render a --class c --sequence s -o b.png", "--class"},
         Mistake{"render a --phase 2 -o b.png", "--phase"}, Mistake{"render a --travel -o b.png", "--travel"},
-        Mistake{"evaluate a", "--character"}, Mistake{"evaluate a --character b --input-every -1", "--input-every"}));
+        Mistake{"evaluate a", "--character"}, Mistake{"evaluate a --character b --input-every -1", "--input-every"},
+        Mistake{"evaluate a -o b --flicker 2", "--flicker"}));
 
 TEST(Usage, UnknownCommandListsThoseThatExist) {
   for (const char* arguments : {"", "fly"}) {

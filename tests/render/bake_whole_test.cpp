@@ -9,9 +9,12 @@
 #include "bake/bake.h"
 #include "bake_environment.h"
 #include "gl_fixture.h"
+#include "measure/held_out.h"
 #include "package/chunk_mesh.h"
 #include "package/stream_file.h"
+#include "platform/character_player.h"
 #include "platform/ffmpeg_video.h"
+#include "render/passes.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -87,6 +90,54 @@ TEST_F(WholeBake, WritesACharacterThatReadsBack) {
   for (const char* name : {"poster.webp", "texture.jpg", "report.json", "report.html", "mesh.bin"})
     EXPECT_TRUE(fs::exists(options.character_folder + "/" + name)) << name;
   EXPECT_FALSE(fs::exists(options.character_folder + ".work"));
+}
+
+// What the passes of a player's pictures are told.
+struct Told {
+  float elapsed_s = 0;
+  uint64_t geometry = 0;
+  glm::vec3 eye{0};
+};
+class TellingPass : public render::LayeredPass {
+ public:
+  Status prepare(gpu::Device& device, const render::CharacterModel& model, const render::Part& part,
+                 const render::CharacterView& view, const render::DrawOptions& options) override {
+    pictures.push_back({options.method.elapsed_s, model.geometry_serial, view.eye_in_character});
+    return LayeredPass::prepare(device, model, part, view, options);
+  }
+  std::vector<Told> pictures;
+};
+
+TEST_F(WholeBake, FlickerIsOfFramesInOrderAFramePeriodApart) {
+  ASSERT_TRUE(run());
+  auto player = platform::CharacterPlayer::open(*device, options.character_folder).take();
+  const auto told = std::make_shared<TellingPass>();
+  player->recipe().setLayered(told);
+  const auto capture = input.open().take();
+  const auto report =
+      measure::evaluateHeldOut(capture, platform::openVideoFile, *player, {.input_every = 0, .flicker_cameras = 2});
+  ASSERT_TRUE(report) << report.error().message;
+  constexpr size_t kFrames = capture::SmallCapture::kFrames, kOrbit = measure::kOrbitPictures;
+  ASSERT_EQ(told->pictures.size(), 2 * kFrames + kOrbit);
+  for (size_t i = 0; i < told->pictures.size(); ++i) {
+    const Told& now = told->pictures[i];
+    const bool on_orbit = i >= 2 * kFrames;
+    if (i == 0 || i == kFrames || i == 2 * kFrames) {
+      EXPECT_TRUE(std::isinf(now.elapsed_s)) << i << ": nothing went before";
+      continue;
+    }
+    const Told& before = told->pictures[i - 1];
+    EXPECT_FLOAT_EQ(now.elapsed_s, 1 / 25.0f) << i;
+    EXPECT_EQ(now.geometry != before.geometry, !on_orbit) << i;
+    EXPECT_EQ(now.eye != before.eye, on_orbit) << i;
+  }
+  const auto& flicker = report.value().flicker;
+  ASSERT_EQ(flicker.size(), 2 * (kFrames - 1) + kOrbit - 1);
+  EXPECT_EQ(flicker[1].camera, "cam00");
+  EXPECT_EQ(flicker[1].frame, 2u);
+  EXPECT_EQ(flicker[2].camera, "cam01");
+  EXPECT_EQ(flicker.back().camera, measure::kOrbit);
+  EXPECT_EQ(flicker.back().frame, kOrbit - 1);
 }
 
 TEST_F(WholeBake, ResumedBakeGivesTheSameBytes) {
