@@ -15,21 +15,19 @@ layout(location = 1) out vec4 o_high;
 const vec4 kNone = vec4(4.0);
 
 // a, b: distances at two corners that are `base` apart; `at`: the third in the frame of the first, x along the base.
+// Feet of the shortest ways must lie on the base; the conditions are multiplied out, since divisions are dear.
 vec4 across(vec4 a, vec4 b, float base, vec2 at) {
-  vec4 growth = (b - a) / base;
-  vec4 rise = sqrt(max(1.0 - growth * growth, 0.0));
-  vec4 foot = at.x - at.y * growth / max(rise, 1e-4);
-  bvec4 even = bvec4(vec4(lessThan(abs(growth), vec4(1.0))) * vec4(greaterThanEqual(foot, vec4(0.0))) *
-                     vec4(lessThanEqual(foot, vec4(base))));
+  float per_base = 1.0 / base;
+  vec4 growth = (b - a) * per_base, steep = 1.0 - growth * growth;
+  vec4 rise = sqrt(max(steep, 0.0)), along = at.x * rise - at.y * growth;  // the foot, times rise
+  vec4 even = step(1e-6, steep) * step(0.0, along) * step(along, base * rise);
   vec4 straight = mix(kNone, a + growth * at.x + rise * at.y, even);
-  vec4 source_x = (a * a - b * b + base * base) / (2.0 * base), square = a * a - source_x * source_x;
+  vec4 source_x = 0.5 * (base - growth * (a + b)), square = a * a - source_x * source_x;
   vec4 source_y = sqrt(max(square, 0.0)), x = at.x - source_x, y = at.y + source_y;
-  foot = source_x + x * source_y / max(y, 1e-6);
-  bvec4 meets = bvec4(vec4(greaterThanEqual(square, vec4(0.0))) * vec4(greaterThanEqual(foot, vec4(0.0))) *
-                      vec4(lessThanEqual(foot, vec4(base))));
+  along = source_x * y + x * source_y;  // likewise, times y
+  vec4 meets = step(0.0, square) * step(0.0, along) * step(along, base * y);
   vec4 round = mix(kNone, sqrt(x * x + y * y), meets);
-  vec4 both = vec4(even) * vec4(meets);
-  return mix(min(straight, round), 0.5 * (straight + round), both);
+  return mix(min(straight, round), 0.5 * (straight + round), even * meets);
 }
 
 void main() {

@@ -13,11 +13,10 @@ std::string_view fieldShaderText(std::string_view name);  // embedded; see CMake
 
 namespace {
 
-constexpr int kSteps = 20;        // of the distances (M4D 4.4); even, so that the last lands in the first pair
-constexpr float kSides = 17;      // of triangles from the seam to the clamp, at most: that the steps reach it
-constexpr int kCells = 64;        // along each axis of the box
-constexpr int kCellTexels = 512;  // along each side of their texture
-static_assert(kSteps % 2 == 0 && kCells * kCells * kCells == kCellTexels * kCellTexels);
+constexpr float kSidesPerStep = 0.85f;  // of triangles from the seam to the clamp, at most: that the steps reach it
+constexpr int kCells = 64;              // along each axis of the box
+constexpr int kCellTexels = 512;        // along each side of their texture
+static_assert(kCells * kCells * kCells == kCellTexels * kCellTexels);
 
 Status makeProgram(gpu::Device& device, const char* vertex, const char* fragment, gpu::Program& out) {
   if (out) return {};
@@ -70,13 +69,14 @@ Status SurfaceFields::makePair(gpu::Device& device, const CharacterModel& model,
 }
 
 Status SurfaceFields::updateDistances(gpu::Device& device, const CharacterModel& model, FieldTables serves,
-                                      float clamp_m) {
+                                      float clamp_m, int steps) {
+  steps += steps % 2;  // so that the last lands in the first pair
   for (Pair& pair : distances_) FOURDVT_TRY(makePair(device, model, "distances from seams", pair));
   FOURDVT_TRY(makeProgram(device, "field_seams.frag", seams_program_));
   FOURDVT_TRY(makeProgram(device, "field_spread.frag", spread_program_));
   FOURDVT_TRY(neighbours_.update(device, model));
   const int vertex_count = static_cast<int>(model.vertex_count);
-  const float per_metre = 1 / std::max(clamp_m, 1e-4f), least_side = 1 / kSides;
+  const float per_metre = 1 / std::max(clamp_m, 1e-4f), least_side = 1 / (kSidesPerStep * float(steps));
   const auto draw = [&](const Pair& to, const gpu::Program& program, const char* low, const char* high,
                         FieldTables from) {
     runPass(device, to.target.id(), model.vertex_count,
@@ -90,7 +90,7 @@ Status SurfaceFields::updateDistances(gpu::Device& device, const CharacterModel&
              .vertex_count = 3});
   };
   draw(distances_[0], seams_program_, "u_serves_low", "u_serves_high", serves);
-  for (int step = 0; step < kSteps; ++step)
+  for (int step = 0; step < steps; ++step)
     draw(distances_[(step + 1) % 2], spread_program_, "u_before_low", "u_before_high", distances_[step % 2].tables());
   return {};
 }

@@ -14,6 +14,7 @@ namespace fourdvt::render {
 
 constexpr int kFieldSlots = 8;  // cameras that fields have room for
 constexpr size_t kNoCamera = ~size_t(0);
+constexpr int kFieldSteps = 20;  // of distances (M4D 4.4)
 
 // Values per vertex and slot: two textures addressed as CharacterModel's tables, a texel per vertex, a channel per
 // slot.
@@ -33,9 +34,12 @@ FieldCameras keepSlots(const FieldCameras& before, std::span<const size_t> chose
 class SurfaceFields {
  public:
   // γ of M4D Eq. 4. serves: RGBA8, 1 where the slot's camera serves the vertex, 0 where not. A distance runs on the
-  // surface, from the slot's seam, in units of `clamp_m` and at most 1; without a seam it is 1 everywhere. Where
-  // triangles are so small that the steps would not reach the clamp they count as larger. Errors: GpuFailure.
-  Status updateDistances(gpu::Device& device, const CharacterModel& model, FieldTables serves, float clamp_m);
+  // surface, from the slot's seam, in units of `clamp_m` and at most 1; without a seam it is 1 everywhere. Each of the
+  // `steps` (rounded up to even, at least 2) costs a pass and reaches an edge further; where triangles are so small
+  // that they would not reach the clamp, mean side below clamp_m / (0.85 steps), they count as that large. Errors:
+  // GpuFailure.
+  Status updateDistances(gpu::Device& device, const CharacterModel& model, FieldTables serves, float clamp_m,
+                         int steps = kFieldSteps);
   FieldTables distances() const { return distances_[0].tables(); }  // RGBA16F
 
   // M4D Eq. 5, whatever the frame rate: the fields come nearer to `aims` (RGBA16F) by the share 1 - exp(-elapsed_s /
