@@ -16,6 +16,7 @@ if (!out) {
 mkdirSync(out, { recursive: true });
 const counts = [2, 3, 4, 6, 8];
 const rates = [24, 28, 32, 36, 40];
+const methods = ['fvvr', 'sweep'];  // the raw videos are drawn by the first, characters by default by the last
 const only = ['--sequences', sequence];
 const run = (...words) => execFileSync(tool, words, { encoding: 'utf8', stdio: ['ignore', 'pipe', 'inherit'] });
 
@@ -56,11 +57,11 @@ const surfaces = [
 const results = { sequence, surfaces: [], rates: [] };
 for (const [name, folder] of surfaces) {
   const baked = bake(`${name.replace(' ', '-')}-baked`, folder, ['--appearance', 'cameras']);
-  const row = { name, ...baked, raw: [], scores: [] };
+  const row = { name, ...baked, raw: [], scores: Object.fromEntries(methods.map((method) => [method, []])) };
   for (const m of counts) {
     row.raw.push(rawScore(folder, m));
-    row.scores.push(bakedScore(baked.character, ['--closest', `${m}`]));
-    console.log(`${name}, ${m} cameras: raw ${text(row.raw.at(-1))}, baked ${text(row.scores.at(-1))}`);
+    for (const method of methods) row.scores[method].push(bakedScore(baked.character, ['--closest', `${m}`, '--method', method]));
+    console.log(`${name}, ${m} cameras: raw ${text(row.raw.at(-1))}, baked ${methods.map((method) => `${method} ${text(row.scores[method].at(-1))}`).join(', ')}`);
   }
   results.surfaces.push(row);
 }
@@ -76,7 +77,7 @@ for (const crf of rates) {
 writeFileSync(join(out, 'cameras.json'), `${JSON.stringify(results, null, 1)}\n`);
 const quality = table(['surface', 'textured from', ...counts.map((m) => `M = ${m}`)],
   results.surfaces.flatMap(({ name, raw, scores }) => [
-    [name, 'raw videos', ...raw.map(text)], [name, 'baked', ...scores.map(text)]]));
+    [name, `raw videos, ${methods[0]}`, ...raw.map(text)], ...methods.map((method) => [name, `baked, ${method}`, ...scores[method].map(text)])]));
 const bytes = table(['surface', 'pictures, Mbit/s', 'surfaces, Mbit/s', 'all'],
   results.surfaces.map(({ name, video, rest, all }) => [name, video.toFixed(2), rest.toFixed(2), all.toFixed(2)]));
 const against = table(['CRF', 'layers, Mbit/s', 'dB / SSIM', 'cameras, Mbit/s', 'dB / SSIM'],
@@ -92,7 +93,7 @@ ${quality}
 
 ${bytes}
 
-Layers (3 of them) against cameras (M = 4) on the given mesh, refined in both, over the rate factor (the layers' size and the tiles' scale are the defaults throughout):
+Layers (3 of them) against cameras (M = 4, drawn by default, by ${methods.at(-1)}) on the given mesh, refined in both, over the rate factor (the layers' size and the tiles' scale are the defaults throughout):
 
 ${against}
 `);
