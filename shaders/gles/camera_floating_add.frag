@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Adds a flow field, weighted by one camera's share of the pixel, to the sum of those before it (FT Eq. 6).
 uniform sampler2D u_before;
-uniform sampler2D u_flow;
+uniform sampler2D u_flow;     // in its own pixels, of the weights' size or smaller
 uniform sampler2D u_weights;
 uniform int u_camera;   // whose share; negative: 1
 uniform float u_keeps;  // of the sum before: 0 or 1
@@ -12,5 +12,6 @@ void main() {
   vec4 weights = texelFetch(u_weights, here, 0);
   float sum = dot(weights, vec4(1.0));
   float share = u_camera < 0 ? 1.0 : sum > 0.0 ? weights[u_camera] / sum : 0.0;
-  o_flow = u_keeps * texelFetch(u_before, here, 0).xy + share * texelFetch(u_flow, here, 0).xy;
+  vec2 size = vec2(textureSize(u_weights, 0)), gain = size / vec2(textureSize(u_flow, 0));
+  o_flow = u_keeps * texelFetch(u_before, here, 0).xy + share * gain * texture(u_flow, gl_FragCoord.xy / size).xy;
 }

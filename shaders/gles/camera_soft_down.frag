@@ -8,6 +8,11 @@ out vec4 o_weights;
 
 void main() {
   ivec2 here = ivec2(gl_FragCoord.xy);
+  vec4 weights = texelFetch(u_weights, here, 0);
+  if (weights == vec4(0.0)) {
+    o_weights = weights;
+    return;
+  }
   int reach = int(u_radius), last = textureSize(u_across, 0).y - 1;
   vec4 square = vec4(u_radius * u_radius);
   for (int y = max(here.y - reach, 0); y <= min(here.y + reach, last); ++y) {
@@ -15,5 +20,5 @@ void main() {
     float down = float(y - here.y);
     square = min(square, mix(across * across + down * down, vec4(u_radius * u_radius), step(254.5, across)));
   }
-  o_weights = texelFetch(u_weights, here, 0) * sqrt(square) / u_radius;
+  o_weights = weights * sqrt(square) / u_radius;
 }

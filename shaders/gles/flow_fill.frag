@@ -4,6 +4,7 @@ in vec2 v_uv;
 out vec4 o_filled;  // luma of a, luma of b, unused, confidence
 uniform sampler2D u_luma;
 const float kNoise = 2.0 / 255.0;  // luma that compression alone makes, standard deviation
+const int kEmptyLevel = 5;         // whose four texels round a pixel cover all that finer levels and confidence look at
 
 // From the character within 10 pixels: fades where it covers less than 0.4 of them, and where a's luma is constant.
 float confidence() {
@@ -19,14 +20,27 @@ float confidence() {
   return smoothstep(0.0, 0.4, sum.x / 25.0) * variance / (variance + kNoise * kNoise);
 }
 
+// No character in the four texels of kEmptyLevel that lie nearest. (A few single pixels round to none.)
+bool isFarOutside(ivec2 size) {
+  if (max(size.x, size.y) >> kEmptyLevel == 0) return false;
+  ivec2 coarse = textureSize(u_luma, kEmptyLevel), low = ivec2(floor(v_uv * vec2(coarse) - 0.5)), last = coarse - 1;
+  vec4 sum = vec4(0.0);
+  for (int i = 0; i < 4; ++i) sum += texelFetch(u_luma, clamp(low + ivec2(i % 2, i / 2), ivec2(0), last), kEmptyLevel);
+  return sum.z + sum.w == 0.0;
+}
+
 void main() {
   vec4 own = textureLod(u_luma, v_uv, 0.0);
-  vec2 fill = vec2(0.0);  // premultiplied luma, weight
   ivec2 size = textureSize(u_luma, 0);
-  for (int level = 0; max(size.x, size.y) >> level > 0; ++level) {
-    vec4 luma = textureLod(u_luma, v_uv, float(level));
-    fill += (1.0 - fill.y) * 0.5 * vec2(luma.x + luma.y, luma.z + luma.w);
+  bool is_covered = own.z == 1.0 && own.w == 1.0, is_far = !is_covered && isFarOutside(size);
+  float outside = 0.0;
+  if (!is_covered) {
+    vec2 fill = vec2(0.0);  // premultiplied luma, weight
+    for (int level = is_far ? kEmptyLevel + 1 : 0; max(size.x, size.y) >> level > 0 && fill.y < 0.999; ++level) {
+      vec4 luma = textureLod(u_luma, v_uv, float(level));
+      fill += (1.0 - fill.y) * 0.5 * vec2(luma.x + luma.y, luma.z + luma.w);
+    }
+    outside = fill.x / max(fill.y, 1e-3);
   }
-  float outside = fill.x / max(fill.y, 1e-3);
-  o_filled = vec4(own.xy + (1.0 - own.zw) * outside, 0.0, confidence());
+  o_filled = vec4(own.xy + (1.0 - own.zw) * outside, 0.0, is_far ? 0.0 : confidence());
 }

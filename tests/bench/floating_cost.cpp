@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // bench_floating_cost CAPTURE [SEQUENCE [REPEATS]]: milliseconds of a view of a capture's first frame by Floating
-// Textures in its forms, by their blend without flow and by FVVR, from three and from four cameras, and their ratios. A
-// still scene: no depth map is drawn again. Alternating in one run, medians; a time ends when the GPU is done.
+// Textures in its forms, by their blend without flow and by FVVR, from three and from four cameras, and their ratios;
+// one flow of the pairs and one of the star, what share of each form its flows are, and what the pairs would take with
+// the star's flows. A still scene: no depth map is drawn again. Alternating in one run, medians; a time ends when the
+// GPU is done.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -13,6 +15,7 @@
 #include "platform/egl_context.h"
 #include "platform/ffmpeg_video.h"
 #include "render/cameras/camera_method.h"
+#include "render/cameras/floating_pictures.h"
 #include "study/projective/method_stage.h"
 
 namespace {
@@ -29,6 +32,20 @@ struct Lane {
   std::unique_ptr<study::MethodStage> stage = nullptr;
   std::vector<double> times_ms = {};
 };
+
+struct Flow {
+  const char* name;
+  int octaves;  // of size below the view's
+  std::unique_ptr<render::FlowSource> source;
+  std::vector<double> times_ms = {};
+};
+
+// Reads one texel of a flow back.
+void waitFor(gpu::Device& device, gpu::TextureId flow) {
+  const auto target = orStop(gpu::makeTarget(device, {.colors = {flow}, .label = "flow"}));
+  glm::vec2 value;
+  orStop(device.readPixels(target.id(), gpu::PixelFormat::RG16F, {.width = 1, .height = 1}, &value));
+}
 
 double median(std::vector<double> values) {
   std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
@@ -65,8 +82,14 @@ int main(int argc, char** argv) {
     lane.stage = orStop(study::MethodStage::create(*device, cameras));
     orStop(lane.stage->setFrame(surface, captured.pictures));
   }
-  const auto color = orStop(gpu::makeTexture(*device, {.width = kWidth, .height = kHeight, .label = "view"}));
-  const auto target = orStop(gpu::makeTarget(*device, {.colors = {color.id()}, .label = "view"}));
+  gpu::Texture colors[2];
+  gpu::Target targets[2];
+  for (int k = 0; k < 2; ++k) {
+    colors[k] = orStop(gpu::makeTexture(
+        *device, {.width = kWidth, .height = kHeight, .filter = gpu::Filter::Linear, .label = "view"}));
+    targets[k] = orStop(gpu::makeTarget(*device, {.colors = {colors[k].id()}, .label = "view"}));
+  }
+  const gpu::Target& target = targets[0];
   const auto wait = [&] {
     uint8_t pixel[4];
     orStop(device->readPixels(target.id(), gpu::PixelFormat::RGBA8, {.width = 1, .height = 1}, pixel));
@@ -80,6 +103,27 @@ int main(int argc, char** argv) {
       render::viewFromCamera(cameraFromOrbit(defaultOrbit(bounds, double(kWidth) / kHeight), kWidth, kHeight));
   std::printf("%s, %zu faces, view of %d x %d, medians of %d\n", device->caps().renderer.c_str(), surface.faces.size(),
               kWidth, kHeight, repeats);
+  // Two pictures of the view that differ as the methods' do.
+  for (int k = 0; k < 2; ++k) {
+    lanes[k].stage->setMethod(orStop(render::makeCameraMethod(*device, lanes[k].method)));
+    orStop(lanes[k].stage->draw(view, {.closest = 3 - 2 * k}, targets[k].id()));
+  }
+  Flow flows[] = {{"of the pairs", 0, orStop(render::createGpuFlow(*device, render::floatingFlow(0)))},
+                  {"of the star", 1, orStop(render::createGpuFlow(*device, render::floatingFlow(1)))}};
+  for (int i = 0; i <= repeats; ++i)
+    for (Flow& flow : flows) {
+      wait();
+      const auto start = std::chrono::steady_clock::now();
+      orStop(flow.source->compute(colors[0].id(), colors[1].id(), kWidth >> flow.octaves, kHeight >> flow.octaves));
+      waitFor(*device, flow.source->flow());
+      const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
+      if (i > 0) flow.times_ms.push_back(time.count());
+    }
+  double flow_ms[2];
+  for (int k = 0; k < 2; ++k) {
+    flow_ms[k] = median(flows[k].times_ms);
+    std::printf("one flow %-13s %7.1f ms\n", flows[k].name, flow_ms[k]);
+  }
   for (const int cameras_used : {3, 4}) {
     for (Lane& lane : lanes) {
       lane.times_ms.clear();
@@ -101,6 +145,11 @@ int main(int argc, char** argv) {
     for (size_t l = 0; l < std::size(lanes); ++l)
       std::printf("  %-16s %8.1f ms  %6.2f of fvvr  %5.2f of pairs\n", lanes[l].name, ms[l], ms[l] / ms[0],
                   ms[l] / ms[3]);
+    const int n = cameras_used, pairs = n * (n - 1);
+    const double short_pairs = ms[3] - pairs * (flow_ms[0] - flow_ms[1]);
+    std::printf("  flows: %.2f of the star, %.2f of the pairs\n", n * flow_ms[1] / ms[2], pairs * flow_ms[0] / ms[3]);
+    std::printf("  pairs with the star's flows, computed: %.1f ms, of which the star is %.2f\n", short_pairs,
+                ms[2] / short_pairs);
   }
   return 0;
 }

@@ -5,6 +5,7 @@
 
 #include "gl_fixture.h"
 #include "platform/opencv_flow.h"
+#include "render/flow/pictures.h"
 
 namespace fourdvt::render {
 namespace {
@@ -57,8 +58,7 @@ class Flow : public testing::GlFixture {
     device->updateTexture(texture.id(), {.width = image.width, .height = image.height}, image.pixels.data());
     return texture;
   }
-  std::unique_ptr<FlowSource> gpuFlow(FlowMethod method) {
-    FlowOptions options;
+  std::unique_ptr<FlowSource> gpuFlow(FlowMethod method, FlowOptions options = {}) {
     options.method = method;
     auto made = createGpuFlow(*device, options);
     EXPECT_TRUE(made) << (made ? "" : made.error().message);
@@ -129,6 +129,65 @@ TEST_F(Flow, agreesWithOpencvFarneback) {
     EXPECT_GT(size_of_flow / count, 1.5);
     EXPECT_LT(sum / count, 0.05) << size.x << " x " << size.y;
   }
+}
+
+// Half the size, an octave less: the same patches, hence nearly the same flow, in pixels twice as large.
+TEST_F(Flow, ofHalfTheSizeIsHalfAsLong) {
+  const glm::dvec2 shift(5.3, -3.6);
+  const Pair pair = disc(256, 320, [&](glm::dvec2 p) { return p - shift; });
+  const auto small = gpuFlow(FlowMethod::Dis, {.finest = 1});
+  const gpu::Texture a = upload(pair.a), b = upload(pair.b);
+  ASSERT_TRUE(small->compute(a.id(), b.id(), 128, 160));
+  std::vector<glm::vec2> found(128 * 160);
+  auto target = gpu::makeTarget(*device, {.colors = {small->flow()}, .label = "flow"}).take();
+  ASSERT_TRUE(device->readPixels(target.id(), gpu::PixelFormat::RG16F, {.width = 128, .height = 160}, found.data()));
+  const auto full = flow(*gpuFlow(FlowMethod::Dis), pair);
+  double error = 0, difference = 0, count = 0;
+  for (int y = 0; y < 160; ++y)
+    for (int x = 0; x < 128; ++x) {
+      if (glm::length(glm::dvec2(2 * x + 1, 2 * y + 1) - centre(pair.a)) > radius(pair.a) - 30) continue;
+      const glm::dvec2 f = 2.0 * glm::dvec2(found[(159 - y) * 128 + x]);
+      error += glm::length(f - shift);
+      difference += glm::length(f - glm::dvec2(full[2 * y * 256 + 2 * x]));
+      count += 1;
+    }
+  EXPECT_GT(count, 1000);
+  EXPECT_LT(error / count, 0.2);
+  EXPECT_LT(difference / count, 0.2);
+}
+
+// The fill starts where a coarse level is no longer empty and ends where nothing is left open: it stays the smooth
+// extension of both.
+TEST_F(Flow, fillsOutsideSmoothlyWithTheSameLuma) {
+  constexpr int kSide = 320;
+  const Pair pair = disc(kSide, kSide, [](glm::dvec2 p) { return p - glm::dvec2(4, 0); });
+  const gpu::Texture a = upload(pair.a), b = upload(pair.b);
+  FlowPictures pictures;
+  ASSERT_TRUE(pictures.prepare(*device, a.id(), b.id(), kSide, kSide));
+  std::vector<glm::u8vec4> filled(kSide * kSide);
+  ASSERT_TRUE(
+      device->readPixels(pictures.target(), gpu::PixelFormat::RGBA8, {.width = kSide, .height = kSide}, filled.data()));
+  double confident = 0, inside = 0, near = 0, confident_near = 0;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      const size_t i = (kSide - 1 - y) * kSide + x, here = y * kSide + x;
+      const double outside = glm::length(glm::dvec2(x + 0.5, y + 0.5) - centre(pair.a)) - radius(pair.a);
+      if (pair.inside[here]) {
+        EXPECT_NEAR(filled[i][0], pair.a.at(x, y)[0], 1);
+        EXPECT_NEAR(filled[i][1], pair.b.at(x, y)[0], 1);
+        inside += 1, confident += filled[i].a > 128;
+      }
+      if (outside > 0 && outside < 3) near += 1, confident_near += filled[i].a > 64;
+      if (outside < 2) continue;
+      ASSERT_EQ(filled[i][0], filled[i][1]);
+      ASSERT_GT(filled[i][0], 40) << x << ", " << y << ": the character's mean is about 128";
+      if (outside > 14) {
+        ASSERT_EQ(filled[i].a, 0);
+        if (x > 0) ASSERT_LE(std::abs(filled[i][0] - filled[i - 1][0]), 12) << x << ", " << y;
+      }
+    }
+  EXPECT_GT(confident, 0.9 * inside);
+  EXPECT_GT(confident_near, 0.9 * near) << "confidence reaches beyond the outline";
 }
 
 TEST_F(Flow, isZeroForEqualPictures) {

@@ -11,7 +11,8 @@ namespace fourdvt::render {
 namespace {
 
 using gpu::PixelFormat;
-constexpr int kLeastSide = 16;  // pixels of a view; flow needs more than a patch
+constexpr int kLeastSide = 32;   // pixels of a view; flow needs more than a patch
+constexpr int kStarOctaves = 1;  // the star's flow has half the view's size
 constexpr const char* kPictureNames[] = {"u_picture_0", "u_picture_1", "u_picture_2", "u_picture_3"};
 constexpr const char* kFlowNames[] = {"u_flow_0", "u_flow_1", "u_flow_2", "u_flow_3"};
 
@@ -47,8 +48,8 @@ class Floating final : public Method {
     PictureGroup shown;
   };
 
-  Status compute(gpu::Device& device, gpu::TextureId a, gpu::TextureId b) {
-    return flow_->compute(a, b, flows_[0].width, flows_[0].height);
+  Status compute(gpu::TextureId a, gpu::TextureId b, int octaves) {
+    return flow_->compute(a, b, flows_[0].width >> octaves, flows_[0].height >> octaves);
   }
 
   Status floatPairs(gpu::Device& device) {
@@ -59,7 +60,7 @@ class Floating final : public Method {
       gpu::TextureId before = 0;
       for (size_t j = 0; j < n; ++j) {
         if (j == i) continue;
-        FOURDVT_TRY(compute(device, pictures_.picture(i), pictures_.picture(j)));
+        FOURDVT_TRY(compute(pictures_.picture(i), pictures_.picture(j), 0));
         FOURDVT_TRY(sum_.draw(device, {flow_->flow(), pictures_.weights(), int(j), before}, to->target.id()));
         before = to->textures[0].id();
         to = to == &flows_[i] ? &flows_[kScratch] : &flows_[i];
@@ -72,7 +73,7 @@ class Floating final : public Method {
     for (int round = 0; round < std::max(options.floating.rounds, 1); ++round) {
       FOURDVT_TRY(blend(device, round > 0, mean));
       for (size_t i = 0; i < pictures_.count(); ++i) {
-        FOURDVT_TRY(compute(device, mean.textures[0].id(), pictures_.picture(i)));
+        FOURDVT_TRY(compute(mean.textures[0].id(), pictures_.picture(i), kStarOctaves));
         FOURDVT_TRY(sum_.draw(device, {flow_->flow(), pictures_.weights()}, flows_[i].target.id()));
       }
     }
@@ -113,7 +114,7 @@ class Floating final : public Method {
 }  // namespace
 
 Result<std::unique_ptr<Method>> makeFloating(gpu::Device& device, FloatingForm form) {
-  FOURDVT_ASSIGN(auto flow, createGpuFlow(device, floatingFlow()));
+  FOURDVT_ASSIGN(auto flow, createGpuFlow(device, floatingFlow(form == FloatingForm::Star ? kStarOctaves : 0)));
   return std::unique_ptr<Method>(std::make_unique<Floating>(form, std::move(flow)));
 }
 

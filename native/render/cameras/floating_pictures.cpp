@@ -63,9 +63,10 @@ Status SoftVisibility::update(gpu::Device& device, gpu::TextureId hidden, gpu::T
                         {gpu::uniform("u_radius", radius)});
 }
 
-FlowOptions floatingFlow() {
+FlowOptions floatingFlow(int octaves) {
   FlowOptions options;
   options.method = FlowMethod::Dis;
+  options.finest -= octaves;
   return options;
 }
 

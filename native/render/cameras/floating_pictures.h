@@ -65,10 +65,12 @@ class FloatingPictures {
   SoftVisibility soft_;
 };
 
-// The flow between such pictures: the method and settings that scored best (ALGORITHMS 14.2).
-FlowOptions floatingFlow();
+// The flow between such pictures: the method and settings that scored best (ALGORITHMS 14.2). `octaves`: how many times
+// its size is halved against the pictures'; its finest patches stay the same.
+FlowOptions floatingFlow(int octaves);
 
-// Sums of flow fields, each weighted by one camera's share of the pixel (FT Eq. 6).
+// Sums of flow fields, each weighted by one camera's share of the pixel (FT Eq. 6), in pixels of the weights. A flow of
+// another size is sampled.
 class FlowSum {
  public:
   struct Term {

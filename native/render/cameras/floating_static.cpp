@@ -14,6 +14,7 @@ namespace {
 constexpr int kMost = FloatingPictures::kMost;
 constexpr int kLongestSide = 1024;  // texels of a flow field, at most
 constexpr int kSideStep = 64;       // sizes are multiples, so that they seldom change from frame to frame
+constexpr int kOctaves = 1;         // flow is computed at half that size
 
 // The flow fields of one figure: a layer for every ordered pair of the cameras in use.
 struct PairFlows {
@@ -155,7 +156,8 @@ class FloatingStatic final : public Method {
         if (!has_pictures)
           FOURDVT_TRY(pictures_.update(device, model, look, viewOf(look, flows, chosen[i]), options, figure.cameras));
         has_pictures = true;
-        FOURDVT_TRY(flow_->compute(pictures_.picture(i), pictures_.picture(j), flows.width, flows.height));
+        FOURDVT_TRY(flow_->compute(pictures_.picture(i), pictures_.picture(j), flows.width >> kOctaves,
+                                   flows.height >> kOctaves));
         const size_t layer = static_cast<size_t>(
             std::find_if(flows.pairs.begin(), flows.pairs.end(), [](const auto& p) { return !p.known; }) -
             flows.pairs.begin());
@@ -190,7 +192,7 @@ class FloatingStatic final : public Method {
 }  // namespace
 
 Result<std::unique_ptr<Method>> makeFloatingStatic(gpu::Device& device) {
-  FOURDVT_ASSIGN(auto flow, createGpuFlow(device, floatingFlow()));
+  FOURDVT_ASSIGN(auto flow, createGpuFlow(device, floatingFlow(kOctaves)));
   return std::unique_ptr<Method>(std::make_unique<FloatingStatic>(std::move(flow)));
 }
 

@@ -11,7 +11,6 @@ namespace {
 
 using gpu::PixelFormat;
 constexpr int kPatch = 8, kStride = 4;  // pixels, as in the shaders
-constexpr int kFinest = 2;              // octaves below the full size
 constexpr int kIterations = 5;          // per search, at most
 
 struct Level {
@@ -28,6 +27,8 @@ struct Start {
 
 class Dis final : public FlowMethodPasses {
  public:
+  explicit Dis(const FlowOptions& options) : options_(options), finest_(options.finest) {}
+
   Status makePrograms(gpu::Device& device) {
     FOURDVT_TRY(makeFlowProgram(device, "flow_shrink.frag", shrink_));
     FOURDVT_TRY(makeFlowProgram(device, "flow_dis_slopes.frag", slopes_));
@@ -41,7 +42,7 @@ class Dis final : public FlowMethodPasses {
     int coarsest = 0;
     while (longest * M_SQRT1_2 >= (4 * kPatch << coarsest) && shortest >= (2 * kPatch << coarsest)) ++coarsest;
     if (shortest < kPatch) return Error{ErrorId::InvalidArgument, "flow: pictures of at least 8 x 8 pixels"};
-    finest_ = std::min(kFinest, coarsest);
+    finest_ = std::min(options_.finest, coarsest);
     count_ = coarsest - finest_ + 1;
     levels_ = std::make_unique<Level[]>(count_);
     for (int k = 0; k < count_; ++k)
@@ -88,8 +89,9 @@ class Dis final : public FlowMethodPasses {
                 {{"u_slopes", level.slopes[0]}, {"u_patches", level.second[0]}}, {});
   }
 
+  const FlowOptions options_;
   gpu::Program shrink_, slopes_, search_, densify_;
-  int finest_ = kFinest;
+  int finest_;
   std::unique_ptr<Level[]> levels_;  // count_; finest first
   int count_ = 0;
   FlowBuffer still_;  // no flow
@@ -97,8 +99,8 @@ class Dis final : public FlowMethodPasses {
 
 }  // namespace
 
-Result<std::unique_ptr<FlowMethodPasses>> createDis(gpu::Device& device) {
-  auto dis = std::make_unique<Dis>();
+Result<std::unique_ptr<FlowMethodPasses>> createDis(gpu::Device& device, const FlowOptions& options) {
+  auto dis = std::make_unique<Dis>(options);
   FOURDVT_TRY(dis->makePrograms(device));
   return std::unique_ptr<FlowMethodPasses>(std::move(dis));
 }

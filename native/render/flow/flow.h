@@ -13,8 +13,9 @@ namespace fourdvt::render {
 class FlowSource {
  public:
   virtual ~FlowSource() = default;
-  // a, b: RGBA8, premultiplied, width × height, GL rows (bottom first); alpha 0: no character. Displacement f with
-  // a(p) ~ b(p + f), in pixels, y along GL rows; found in flow(), a texture of width × height whose .xy it is.
+  // a, b: RGBA8, premultiplied, GL rows (bottom first), of one size; alpha 0: no character. Displacement f with
+  // a(p) ~ b(p + f), in pixels of the flow, y along GL rows; found in flow(), a texture of width × height whose .xy it
+  // is. Pictures of another size are sampled with their filter: at twice the size a linear one averages 2 x 2 pixels.
   // Where nothing can be known, the displacement falls smoothly to 0. Errors: GpuFailure, Unsupported.
   virtual Status compute(gpu::TextureId a, gpu::TextureId b, int width, int height) = 0;
   virtual gpu::TextureId flow() const = 0;  // valid until the next compute
@@ -24,7 +25,8 @@ enum class FlowMethod { Farneback, Dis };
 
 struct FlowOptions {
   FlowMethod method = FlowMethod::Farneback;
-  int levels = 4;           // pyramid, factor 2
+  int finest = 2;           // Dis: its finest patches lie so many octaves below width × height
+  int levels = 4;           // Farneback: pyramid, factor 2
   int window = 13;          // Farneback: averaging window, pixels; odd
   int iterations = 3;       // per level
   int poly_n = 5;           // Farneback: neighbourhood of the polynomial expansion; 5 or 7

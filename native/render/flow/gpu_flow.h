@@ -22,9 +22,8 @@ class FlowMethodPasses {
 
 // As cv::calcOpticalFlowFarneback (box window): levels below the full size, none with a side under 32 pixels.
 Result<std::unique_ptr<FlowMethodPasses>> createFarneback(gpu::Device& device, const FlowOptions& options);
-// As cv::DISOpticalFlow, ultrafast: patches of 8 every 4 pixels from a quarter of the size down, no variational
-// refinement; but whole Gauss-Newton steps, and candidates from all neighbours instead of sweeps. Takes
-// no options: its levels follow from the size.
-Result<std::unique_ptr<FlowMethodPasses>> createDis(gpu::Device& device);
+// As cv::DISOpticalFlow, ultrafast: patches of 8 every 4 pixels from `finest` octaves below the size down (OpenCV's:
+// 2), no variational refinement; but whole Gauss-Newton steps, and candidates from all neighbours instead of sweeps.
+Result<std::unique_ptr<FlowMethodPasses>> createDis(gpu::Device& device, const FlowOptions& options);
 
 }  // namespace fourdvt::render

@@ -63,7 +63,8 @@ Status FlowPictures::resize(gpu::Device& device, int width, int height) {
 
 Status FlowPictures::prepare(gpu::Device& device, gpu::TextureId a, gpu::TextureId b, int width, int height) {
   FOURDVT_TRY(resize(device, width, height));
-  runFlowPass(device, luma_.id(), premultiplied_target_.id(), {{"u_a", a}, {"u_b", b}}, {});
+  runFlowPass(device, luma_.id(), premultiplied_target_.id(), {{"u_a", a}, {"u_b", b}},
+              {gpu::uniform("u_size", glm::vec2(width, height))});
   device.generateMipmaps(premultiplied_.id());
   runFlowPass(device, fill_.id(), filled_target_.id(), {{"u_luma", premultiplied_.id()}}, {});
   return {};
