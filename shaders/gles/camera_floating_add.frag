@@ -5,6 +5,8 @@ uniform sampler2D u_flow;     // in its own pixels, of the weights' size or smal
 uniform sampler2D u_weights;
 uniform int u_camera;   // whose share; negative: 1
 uniform float u_keeps;  // of the sum before: 0 or 1
+uniform float u_most;   // of a displacement that counts in full, heights of the picture; at twice it, none does
+const float kLeastMost = 4.0;  // pixels, of what u_most bounds
 out vec2 o_flow;
 
 void main() {
@@ -13,5 +15,8 @@ void main() {
   float sum = dot(weights, vec4(1.0));
   float share = u_camera < 0 ? 1.0 : sum > 0.0 ? weights[u_camera] / sum : 0.0;
   vec2 size = vec2(textureSize(u_weights, 0)), gain = size / vec2(textureSize(u_flow, 0));
-  o_flow = u_keeps * texelFetch(u_before, here, 0).xy + share * gain * texture(u_flow, gl_FragCoord.xy / size).xy;
+  vec2 flow = gain * texture(u_flow, gl_FragCoord.xy / size).xy;
+  float most = max(u_most * size.y, kLeastMost);
+  share *= 1.0 - smoothstep(most, 2.0 * most, length(flow));
+  o_flow = u_keeps * texelFetch(u_before, here, 0).xy + share * flow;
 }

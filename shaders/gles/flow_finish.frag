@@ -1,8 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
-// Flow at the pictures' size, faded where it cannot be known.
+// Flow at the pictures' size, faded where it cannot be known. EXPLAINS: also where it does not bring the pictures
+// together.
 in vec2 v_uv;
 out vec2 o_flow;
 uniform sampler2D u_flow, u_pictures;
 uniform float u_gain;
 
-void main() { o_flow = texture(u_flow, v_uv).xy * u_gain * texelFetch(u_pictures, ivec2(gl_FragCoord.xy), 0).a; }
+#ifdef EXPLAINS
+const float kStep = 4.0;           // pixels between 5 x 5 samples
+const float kNoise = 1.0 / 255.0;  // luma
+const float kSteepness = 4.0;      // a displacement counts in full that removes a quarter of the difference's variance
+
+// Of the displacement: by how much it lowers the variance of b - a round the pixel.
+float explained(vec2 flow) {
+  vec2 size = vec2(textureSize(u_pictures, 0)), sums = vec2(0.0), squares = vec2(0.0);
+  for (int i = 0; i < 25; ++i) {
+    vec2 at = gl_FragCoord.xy + kStep * vec2(i % 5 - 2, i / 5 - 2);
+    vec2 still = texture(u_pictures, at / size).xy;
+    vec2 difference = vec2(still.y, texture(u_pictures, (at + flow) / size).y) - still.x;
+    sums += difference;
+    squares += difference * difference;
+  }
+  vec2 variance = squares / 25.0 - sums * sums / 625.0;
+  return clamp(kSteepness * (variance.x - variance.y) / (variance.x + kNoise * kNoise), 0.0, 1.0);
+}
+#else
+float explained(vec2 flow) { return 1.0; }
+#endif
+
+void main() {
+  vec2 flow = texture(u_flow, v_uv).xy * u_gain;
+  float confidence = texelFetch(u_pictures, ivec2(gl_FragCoord.xy), 0).a;
+  o_flow = confidence > 0.0 ? flow * confidence * explained(flow) : vec2(0.0);
+}

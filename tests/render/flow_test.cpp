@@ -156,6 +156,26 @@ TEST_F(Flow, ofHalfTheSizeIsHalfAsLong) {
   EXPECT_LT(difference / count, 0.2);
 }
 
+// Of pictures that show different things no displacement brings together; a true one is taken in full.
+TEST_F(Flow, takesADisplacementAsFarAsItExplains) {
+  FlowOptions options;
+  options.must_explain = true;
+  const auto size = [](const std::vector<glm::vec2>& flow, const Pair& pair) {
+    double sum = 0, count = 0;
+    for (size_t i = 0; i < flow.size(); ++i)
+      if (pair.inside[i]) sum += glm::length(flow[i]), count += 1;
+    return sum / count;
+  };
+  const Pair moved = disc(256, 256, [](glm::dvec2 p) { return p - glm::dvec2(3, -2); });
+  const Motion motion = [](glm::dvec2 p) { return p + glm::dvec2(3, -2); };
+  const Pair strange = disc(256, 256, [](glm::dvec2 p) { return glm::dvec2(700 + p.y, 300 - p.x); });
+  for (const FlowMethod method : {FlowMethod::Farneback, FlowMethod::Dis}) {
+    EXPECT_LT(error(flow(*gpuFlow(method, options), moved), moved, motion), 0.2);
+    EXPECT_LT(size(flow(*gpuFlow(method, options), strange), strange),
+              0.8 * size(flow(*gpuFlow(method), strange), strange));
+  }
+}
+
 // The fill starts where a coarse level is no longer empty and ends where nothing is left open: it stays the smooth
 // extension of both.
 TEST_F(Flow, fillsOutsideSmoothlyWithTheSameLuma) {

@@ -61,7 +61,8 @@ class Floating final : public Method {
       for (size_t j = 0; j < n; ++j) {
         if (j == i) continue;
         FOURDVT_TRY(compute(pictures_.picture(i), pictures_.picture(j), 0));
-        FOURDVT_TRY(sum_.draw(device, {flow_->flow(), pictures_.weights(), int(j), before}, to->target.id()));
+        FOURDVT_TRY(sum_.draw(device, {flow_->flow(), pictures_.weights(), int(j), before, kMostBetweenPictures},
+                              to->target.id()));
         before = to->textures[0].id();
         to = to == &flows_[i] ? &flows_[kScratch] : &flows_[i];
       }
@@ -74,7 +75,8 @@ class Floating final : public Method {
       FOURDVT_TRY(blend(device, round > 0, mean));
       for (size_t i = 0; i < pictures_.count(); ++i) {
         FOURDVT_TRY(compute(mean.textures[0].id(), pictures_.picture(i), kStarOctaves));
-        FOURDVT_TRY(sum_.draw(device, {flow_->flow(), pictures_.weights()}, flows_[i].target.id()));
+        FOURDVT_TRY(sum_.draw(device, {.flow = flow_->flow(), .weights = pictures_.weights(), .most = kMostFromMean},
+                              flows_[i].target.id()));
       }
     }
     return {};
@@ -114,7 +116,8 @@ class Floating final : public Method {
 }  // namespace
 
 Result<std::unique_ptr<Method>> makeFloating(gpu::Device& device, FloatingForm form) {
-  FOURDVT_ASSIGN(auto flow, createGpuFlow(device, floatingFlow(form == FloatingForm::Star ? kStarOctaves : 0)));
+  FOURDVT_ASSIGN(auto flow, createGpuFlow(device, form == FloatingForm::Star ? floatingFlow(kStarOctaves, false)
+                                                                             : floatingFlow(0, true)));
   return std::unique_ptr<Method>(std::make_unique<Floating>(form, std::move(flow)));
 }
 

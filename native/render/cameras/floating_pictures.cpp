@@ -63,10 +63,11 @@ Status SoftVisibility::update(gpu::Device& device, gpu::TextureId hidden, gpu::T
                         {gpu::uniform("u_radius", radius)});
 }
 
-FlowOptions floatingFlow(int octaves) {
+FlowOptions floatingFlow(int octaves, bool is_pairwise) {
   FlowOptions options;
   options.method = FlowMethod::Dis;
   options.finest -= octaves;
+  options.must_explain = is_pairwise;
   return options;
 }
 
@@ -78,7 +79,7 @@ Status FlowSum::draw(gpu::Device& device, const Term& term, gpu::TargetId target
   return drawFullscreen(
       device, program_, target,
       {{"u_before", term.before ? term.before : term.flow}, {"u_flow", term.flow}, {"u_weights", term.weights}},
-      {gpu::uniform("u_camera", term.rank), gpu::uniform("u_keeps", keeps)});
+      {gpu::uniform("u_camera", term.rank), gpu::uniform("u_keeps", keeps), gpu::uniform("u_most", term.most)});
 }
 
 Status FloatingPictures::drawSight(gpu::Device& device, const CharacterModel& model, const CameraLook& look,

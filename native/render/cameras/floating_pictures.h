@@ -66,8 +66,13 @@ class FloatingPictures {
 };
 
 // The flow between such pictures: the method and settings that scored best (ALGORITHMS 14.2). `octaves`: how many times
-// its size is halved against the pictures'; its finest patches stay the same.
-FlowOptions floatingFlow(int octaves);
+// its size is halved against the pictures'; its finest patches stay the same. Between two cameras' pictures
+// (is_pairwise) a displacement must explain what it moves; towards their mean, which is calm, that costs more than it
+// mends.
+FlowOptions floatingFlow(int octaves, bool is_pairwise);
+
+// FlowSum's `most`: between two pictures; from their mean, which lies between them (ALGORITHMS 14.2).
+constexpr float kMostBetweenPictures = 0.01f, kMostFromMean = 0.008f;
 
 // Sums of flow fields, each weighted by one camera's share of the pixel (FT Eq. 6), in pixels of the weights. A flow of
 // another size is sampled.
@@ -78,6 +83,7 @@ class FlowSum {
     gpu::TextureId weights = 0;  // of FloatingPictures
     int rank = -1;               // whose share; -1: 1
     gpu::TextureId before = 0;   // the sum so far; 0: none
+    float most = 1;  // of a displacement that counts in full, heights of the picture; at twice it, none does
   };
   Status draw(gpu::Device& device, const Term& term, gpu::TargetId target);  // RG16F. Errors: GpuFailure
 

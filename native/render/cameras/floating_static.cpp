@@ -161,8 +161,9 @@ class FloatingStatic final : public Method {
         const size_t layer = static_cast<size_t>(
             std::find_if(flows.pairs.begin(), flows.pairs.end(), [](const auto& p) { return !p.known; }) -
             flows.pairs.begin());
-        FOURDVT_TRY(
-            add_.draw(device, {.flow = flow_->flow(), .weights = pictures_.weights()}, flows.targets[layer].id()));
+        FOURDVT_TRY(add_.draw(device,
+                              {.flow = flow_->flow(), .weights = pictures_.weights(), .most = kMostBetweenPictures},
+                              flows.targets[layer].id()));
         flows.pairs[layer] = {chosen[i], chosen[j], true};
       }
     }
@@ -192,7 +193,7 @@ class FloatingStatic final : public Method {
 }  // namespace
 
 Result<std::unique_ptr<Method>> makeFloatingStatic(gpu::Device& device) {
-  FOURDVT_ASSIGN(auto flow, createGpuFlow(device, floatingFlow(kOctaves)));
+  FOURDVT_ASSIGN(auto flow, createGpuFlow(device, floatingFlow(kOctaves, true)));
   return std::unique_ptr<Method>(std::make_unique<FloatingStatic>(std::move(flow)));
 }
 

@@ -25,12 +25,13 @@ enum class FlowMethod { Farneback, Dis };
 
 struct FlowOptions {
   FlowMethod method = FlowMethod::Farneback;
-  int finest = 2;           // Dis: its finest patches lie so many octaves below width × height
-  int levels = 4;           // Farneback: pyramid, factor 2
-  int window = 13;          // Farneback: averaging window, pixels; odd
-  int iterations = 3;       // per level
-  int poly_n = 5;           // Farneback: neighbourhood of the polynomial expansion; 5 or 7
-  double poly_sigma = 1.1;  // of the expansion's weights, pixels
+  int finest = 2;             // Dis: its finest patches lie so many octaves below width × height
+  bool must_explain = false;  // a displacement is taken only as far as it lowers the difference round the pixel
+  int levels = 4;             // Farneback: pyramid, factor 2
+  int window = 13;            // Farneback: averaging window, pixels; odd
+  int iterations = 3;         // per level
+  int poly_n = 5;             // Farneback: neighbourhood of the polynomial expansion; 5 or 7
+  double poly_sigma = 1.1;    // of the expansion's weights, pixels
 };
 
 // Farnebäck 2003 as fragment passes, or the fast DIS (Kroeger 2016). Needs float render targets (Caps); programs and

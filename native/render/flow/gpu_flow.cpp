@@ -24,7 +24,7 @@ class GpuFlow final : public FlowSource {
       auto made =
           options_.method == FlowMethod::Dis ? createDis(device_, options_) : createFarneback(device_, options_);
       if (!made) return made.error();
-      FOURDVT_TRY(makeFlowProgram(device_, "flow_finish.frag", finish_));
+      FOURDVT_TRY(makeFlowProgram(device_, "flow_finish.frag", finish_, options_.must_explain ? "EXPLAINS\n" : ""));
       method_ = made.take();
     }
     if (flow_.width == width && flow_.height == height) return {};

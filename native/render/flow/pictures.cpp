@@ -55,7 +55,7 @@ Status FlowPictures::resize(gpu::Device& device, int width, int height) {
     return {};
   };
   FOURDVT_TRY(make(gpu::Filter::LinearMipmap, premultiplied_, premultiplied_target_));
-  FOURDVT_TRY(make(gpu::Filter::Nearest, filled_, filled_target_));
+  FOURDVT_TRY(make(gpu::Filter::Linear, filled_, filled_target_));
   width_ = width;
   height_ = height;
   return {};

@@ -92,8 +92,9 @@ const std::vector<std::string>& allMethods() {
 }
 
 const std::vector<std::string>& axisMethods() {
-  static const std::vector<std::string> methods{rows::kMethodLinear, rows::kFvvr, rows::kMethodFloating,
-                                                rows::kMethodMontage, rows::kMethodSweep};
+  static const std::vector<std::string> methods{
+      rows::kMethodLinear,         rows::kFvvr,          rows::kMethodFloating, rows::kMethodFloatingPairs,
+      rows::kMethodFloatingStatic, rows::kMethodMontage, rows::kMethodSweep};
   return methods;
 }
 
