@@ -9,7 +9,7 @@ uniform float u_gain;
 #ifdef EXPLAINS
 const float kStep = 4.0;           // pixels between 5 x 5 samples
 const float kNoise = 1.0 / 255.0;  // luma
-const float kSteepness = 4.0;      // a displacement counts in full that removes a quarter of the difference's variance
+uniform float u_must_explain;      // share of the difference's variance, see FlowOptions
 
 // Of the displacement: by how much it lowers the variance of b - a round the pixel.
 float explained(vec2 flow) {
@@ -22,7 +22,7 @@ float explained(vec2 flow) {
     squares += difference * difference;
   }
   vec2 variance = squares / 25.0 - sums * sums / 625.0;
-  return clamp(kSteepness * (variance.x - variance.y) / (variance.x + kNoise * kNoise), 0.0, 1.0);
+  return clamp((variance.x - variance.y) / (u_must_explain * (variance.x + kNoise * kNoise)), 0.0, 1.0);
 }
 #else
 float explained(vec2 flow) { return 1.0; }

@@ -108,8 +108,10 @@ int main(int argc, char** argv) {
     lanes[k].stage->setMethod(orStop(render::makeCameraMethod(*device, lanes[k].method)));
     orStop(lanes[k].stage->draw(view, {.closest = 3 - 2 * k}, targets[k].id()));
   }
-  Flow flows[] = {{"of the pairs", 0, orStop(render::createGpuFlow(*device, render::floatingFlow(0, true)))},
-                  {"of the star", 1, orStop(render::createGpuFlow(*device, render::floatingFlow(1, false)))}};
+  Flow flows[] = {
+      {"of the pairs", 0,
+       orStop(render::createGpuFlow(*device, render::floatingFlow(0, render::kExplainsBetweenPictures)))},
+      {"of the star", 1, orStop(render::createGpuFlow(*device, render::floatingFlow(1, render::kExplainsFromMean)))}};
   for (int i = 0; i <= repeats; ++i)
     for (Flow& flow : flows) {
       wait();

@@ -159,7 +159,7 @@ TEST_F(Flow, ofHalfTheSizeIsHalfAsLong) {
 // Of pictures that show different things no displacement brings together; a true one is taken in full.
 TEST_F(Flow, takesADisplacementAsFarAsItExplains) {
   FlowOptions options;
-  options.must_explain = true;
+  options.must_explain = 0.25;
   const auto size = [](const std::vector<glm::vec2>& flow, const Pair& pair) {
     double sum = 0, count = 0;
     for (size_t i = 0; i < flow.size(); ++i)

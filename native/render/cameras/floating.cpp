@@ -116,8 +116,9 @@ class Floating final : public Method {
 }  // namespace
 
 Result<std::unique_ptr<Method>> makeFloating(gpu::Device& device, FloatingForm form) {
-  FOURDVT_ASSIGN(auto flow, createGpuFlow(device, form == FloatingForm::Star ? floatingFlow(kStarOctaves, false)
-                                                                             : floatingFlow(0, true)));
+  FOURDVT_ASSIGN(auto flow,
+                 createGpuFlow(device, form == FloatingForm::Star ? floatingFlow(kStarOctaves, kExplainsFromMean)
+                                                                  : floatingFlow(0, kExplainsBetweenPictures)));
   return std::unique_ptr<Method>(std::make_unique<Floating>(form, std::move(flow)));
 }
 

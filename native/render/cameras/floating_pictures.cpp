@@ -63,11 +63,11 @@ Status SoftVisibility::update(gpu::Device& device, gpu::TextureId hidden, gpu::T
                         {gpu::uniform("u_radius", radius)});
 }
 
-FlowOptions floatingFlow(int octaves, bool is_pairwise) {
+FlowOptions floatingFlow(int octaves, double must_explain) {
   FlowOptions options;
   options.method = FlowMethod::Dis;
   options.finest -= octaves;
-  options.must_explain = is_pairwise;
+  options.must_explain = must_explain;
   return options;
 }
 

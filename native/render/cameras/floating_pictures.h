@@ -66,12 +66,12 @@ class FloatingPictures {
 };
 
 // The flow between such pictures: the method and settings that scored best (ALGORITHMS 14.2). `octaves`: how many times
-// its size is halved against the pictures'; its finest patches stay the same. Between two cameras' pictures
-// (is_pairwise) a displacement must explain what it moves; towards their mean, which is calm, that costs more than it
-// mends.
-FlowOptions floatingFlow(int octaves, bool is_pairwise);
+// its size is halved against the pictures'; its finest patches stay the same. must_explain: as in FlowOptions.
+FlowOptions floatingFlow(int octaves, double must_explain);
 
-// FlowSum's `most`: between two pictures; from their mean, which lies between them (ALGORITHMS 14.2).
+// What a displacement must explain and how long it may be (FlowSum's `most`): between two pictures; from their mean,
+// which is calmer and lies between them (ALGORITHMS 14.2).
+constexpr double kExplainsBetweenPictures = 0.25, kExplainsFromMean = 0.04;
 constexpr float kMostBetweenPictures = 0.01f, kMostFromMean = 0.008f;
 
 // Sums of flow fields, each weighted by one camera's share of the pixel (FT Eq. 6), in pixels of the weights. A flow of

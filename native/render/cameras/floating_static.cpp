@@ -193,7 +193,7 @@ class FloatingStatic final : public Method {
 }  // namespace
 
 Result<std::unique_ptr<Method>> makeFloatingStatic(gpu::Device& device) {
-  FOURDVT_ASSIGN(auto flow, createGpuFlow(device, floatingFlow(kOctaves, true)));
+  FOURDVT_ASSIGN(auto flow, createGpuFlow(device, floatingFlow(kOctaves, kExplainsBetweenPictures)));
   return std::unique_ptr<Method>(std::make_unique<FloatingStatic>(std::move(flow)));
 }
 

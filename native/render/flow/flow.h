@@ -26,7 +26,9 @@ enum class FlowMethod { Farneback, Dis };
 struct FlowOptions {
   FlowMethod method = FlowMethod::Farneback;
   int finest = 2;             // Dis: its finest patches lie so many octaves below width × height
-  bool must_explain = false;  // a displacement is taken only as far as it lowers the difference round the pixel
+  // A displacement is taken in full that removes this share of the difference's variance round the pixel, one that
+  // removes less in proportion; 0: whatever it removes.
+  double must_explain = 0;
   int levels = 4;             // Farneback: pyramid, factor 2
   int window = 13;            // Farneback: averaging window, pixels; odd
   int iterations = 3;         // per level

@@ -12,8 +12,10 @@ class GpuFlow final : public FlowSource {
     FOURDVT_TRY(resize(width, height));
     FOURDVT_TRY(pictures_.prepare(device_, a, b, width, height));
     const RawFlow raw = method_->run(device_, pictures_.texture());
+    const float must_explain = static_cast<float>(options_.must_explain);
     runFlowPass(device_, finish_.id(), flow_.target.id(),
-                {{"u_flow", raw.texture}, {"u_pictures", pictures_.texture()}}, {gpu::uniform("u_gain", raw.gain)});
+                {{"u_flow", raw.texture}, {"u_pictures", pictures_.texture()}},
+                {gpu::uniform("u_gain", raw.gain), gpu::uniform("u_must_explain", must_explain)});
     return {};
   }
   gpu::TextureId flow() const override { return flow_[0]; }
@@ -24,7 +26,7 @@ class GpuFlow final : public FlowSource {
       auto made =
           options_.method == FlowMethod::Dis ? createDis(device_, options_) : createFarneback(device_, options_);
       if (!made) return made.error();
-      FOURDVT_TRY(makeFlowProgram(device_, "flow_finish.frag", finish_, options_.must_explain ? "EXPLAINS\n" : ""));
+      FOURDVT_TRY(makeFlowProgram(device_, "flow_finish.frag", finish_, options_.must_explain > 0 ? "EXPLAINS\n" : ""));
       method_ = made.take();
     }
     if (flow_.width == width && flow_.height == height) return {};
