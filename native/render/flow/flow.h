@@ -25,15 +25,15 @@ enum class FlowMethod { Farneback, Dis };
 
 struct FlowOptions {
   FlowMethod method = FlowMethod::Farneback;
-  int finest = 2;             // Dis: its finest patches lie so many octaves below width × height
+  int finest = 2;  // Dis: its finest patches lie so many octaves below width × height
   // A displacement is taken in full that removes this share of the difference's variance round the pixel, one that
   // removes less in proportion; 0: whatever it removes.
   double must_explain = 0;
-  int levels = 4;             // Farneback: pyramid, factor 2
-  int window = 13;            // Farneback: averaging window, pixels; odd
-  int iterations = 3;         // per level
-  int poly_n = 5;             // Farneback: neighbourhood of the polynomial expansion; 5 or 7
-  double poly_sigma = 1.1;    // of the expansion's weights, pixels
+  int levels = 4;           // Farneback: pyramid, factor 2
+  int window = 13;          // Farneback: averaging window, pixels; odd
+  int iterations = 3;       // per level
+  int poly_n = 5;           // Farneback: neighbourhood of the polynomial expansion; 5 or 7
+  double poly_sigma = 1.1;  // of the expansion's weights, pixels
 };
 
 // Farnebäck 2003 as fragment passes, or the fast DIS (Kroeger 2016). Needs float render targets (Caps); programs and
