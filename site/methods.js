@@ -23,7 +23,7 @@ const METHODS = {
   silhouette: { title: 'Silhouette', text: 'Where the surface is', group: 'Look behind it' },
 };
 // Two methods to begin with, and pairs worth seeing.
-const FIRST = ['fvvr', 'sweep'];
+const FIRST = ['fvvr', 'montage4d'];
 const PAIRS = [
   { title: 'Blur', methods: ['filtered', 'lumigraph'] },
   { title: 'Flow', methods: ['linear', 'floating'] },

@@ -106,7 +106,7 @@ std::string flickerSection(const std::vector<FlickerScore>& scores) {
     if (s.sequence == sequence && s.camera == camera) continue;
     sequence = s.sequence, camera = s.camera;
     const auto pairs = std::count_if(scores.begin(), scores.end(), [&](const FlickerScore& other) {
-      return other.sequence == sequence && other.camera == camera;
+      return other.sequence == sequence && other.camera == camera && !std::isnan(other.levels);
     });
     char text[160];
     std::snprintf(text, sizeof text, "%-12s %-10s %6d %8.3f\n", sequence.c_str(), camera.c_str(), int(pairs),
@@ -182,6 +182,7 @@ std::string scoreCsv(const HeldOutReport& report) {
   }
   for (const FlickerScore& s : report.flicker) {
     char text[160];
+    if (std::isnan(s.levels)) continue;
     std::snprintf(text, sizeof text, "flicker,%s,%s,%u,,,,,,,%.4f\n", s.sequence.c_str(), s.camera.c_str(), s.frame,
                   s.levels);
     out += text;

@@ -61,9 +61,8 @@ const CommandHelp& help() {
         "with --character: how it is drawn; of a layered one: montage4d (default: the plain blend)"},
        {"--input-every", "N", "with --character: input cameras, every Nth frame, 0: none (default 4)"},
        {"--flicker", "N",
-        "with --character: also flicker between consecutive frames, at the first N input cameras and on a slow orbit "
-        "of "
-        "frame 0, in levels of 255; 0: none (default 1)"},
+        "with --character, if the capture's meshes keep their topology: flicker between consecutive frames, at the "
+        "first N input cameras and on a slow orbit of frame 0, in levels of 255; 0: none (default 1)"},
        {"--yardstick", nullptr,
         "with --character: also plain projective texturing of the mesh as given, no layers, no codec"},
        {"--closest", "M",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shares that the view wants of each slot's camera at each vertex (M4D Eq. 4), 1 in all; where Σγ < 1 the
-// normal-weighted ones (M4D Eq. 2) come in. 0 where no camera serves the vertex. A texel per vertex.
+// The shares that the view wants of each slot's camera at each vertex (M4D Eq. 4, times the cosine of surface and ray),
+// 1 in all; where Σγ < 1 the normal-weighted ones (M4D Eq. 2) come in. 0 where no camera serves the vertex. A texel per
+// vertex.
 #include "character_vertex.glsl"
 #include "camera_slots.glsl"
 uniform int u_vertex_count;
@@ -16,6 +17,7 @@ uniform sampler2D u_distances_low;
 uniform sampler2D u_distances_high;
 uniform sampler2D u_counts_low;   // one texel: of served vertices
 uniform sampler2D u_counts_high;
+const float kLeastCosine = 0.05;  // of surface and ray, by which shares are weighted
 layout(location = 0) out vec4 o_low;
 layout(location = 1) out vec4 o_high;
 
@@ -37,7 +39,7 @@ void main() {
     if (serves == 0.0) continue;
     setSlot(plain_low, plain_high, i, pow(max(dot(ray, normal), 1e-3), u_exponent));
     setSlot(o_low, o_high, i, slotOf(gamma_low, gamma_high, i) * slotOf(global_low, global_high, i) *
-                                  pow(max(dot(ray, to_eye), 0.0), u_view_exponent) * max(dot(ray, normal), 0.05));
+                                  pow(max(dot(ray, to_eye), 0.0), u_view_exponent) * max(dot(ray, normal), kLeastCosine));
   }
   const vec4 one = vec4(1.0);
   float sum = dot(o_low, one) + dot(o_high, one), plain = dot(plain_low, one) + dot(plain_high, one);

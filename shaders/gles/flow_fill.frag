@@ -4,7 +4,7 @@ in vec2 v_uv;
 out vec4 o_filled;  // luma of a, luma of b, unused, confidence
 uniform sampler2D u_luma;
 const float kNoise = 2.0 / 255.0;  // luma that compression alone makes, standard deviation
-const int kEmptyLevel = 5;         // whose four texels round a pixel cover all that finer levels and confidence look at
+const int kEmptyLevel = 4;         // whose nine texels round a pixel cover all that finer levels and confidence look at
 
 // From the character within 10 pixels: fades where it covers less than 0.4 of them, and where a's luma is constant.
 float confidence() {
@@ -20,19 +20,23 @@ float confidence() {
   return smoothstep(0.0, 0.4, sum.x / 25.0) * variance / (variance + kNoise * kNoise);
 }
 
-// No character in the four texels of kEmptyLevel that lie nearest. (A few single pixels round to none.)
+// No character in the nine texels of kEmptyLevel round the pixel. Mipmaps of odd sizes leave columns and rows out, and
+// single pixels round to none: what shows something is not asked.
 bool isFarOutside(ivec2 size) {
   if (max(size.x, size.y) >> kEmptyLevel == 0) return false;
-  ivec2 coarse = textureSize(u_luma, kEmptyLevel), low = ivec2(floor(v_uv * vec2(coarse) - 0.5)), last = coarse - 1;
-  vec4 sum = vec4(0.0);
-  for (int i = 0; i < 4; ++i) sum += texelFetch(u_luma, clamp(low + ivec2(i % 2, i / 2), ivec2(0), last), kEmptyLevel);
-  return sum.z + sum.w == 0.0;
+  ivec2 coarse = textureSize(u_luma, kEmptyLevel), here = ivec2(v_uv * vec2(coarse)), last = coarse - 1;
+  float sum = 0.0;
+  for (int i = 0; i < 9; ++i) {
+    vec4 luma = texelFetch(u_luma, clamp(here + ivec2(i % 3, i / 3) - 1, ivec2(0), last), kEmptyLevel);
+    sum += luma.z + luma.w;
+  }
+  return sum == 0.0;
 }
 
 void main() {
-  vec4 own = textureLod(u_luma, v_uv, 0.0);
+  vec4 own = texelFetch(u_luma, ivec2(gl_FragCoord.xy), 0);
   ivec2 size = textureSize(u_luma, 0);
-  bool is_covered = own.z == 1.0 && own.w == 1.0, is_far = !is_covered && isFarOutside(size);
+  bool is_covered = own.z == 1.0 && own.w == 1.0, is_far = own.z + own.w == 0.0 && isFarOutside(size);
   float outside = 0.0;
   if (!is_covered) {
     vec2 fill = vec2(0.0);  // premultiplied luma, weight

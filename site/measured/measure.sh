@@ -42,7 +42,7 @@ variant() {
   [ -e "$folder/scores/evaluate.csv" ] && return
   step "Variant $*"
   "$tool" bake "$sample" -o "$folder/character" --no-classes "$@"
-  "$tool" evaluate "$sample" --character "$folder/character" -o "$folder/scores"
+  "$tool" evaluate "$sample" --character "$folder/character" --flicker 0 -o "$folder/scores"
 }
 
 mkdir -p build

@@ -3,7 +3,8 @@
 // methods.mjs FOURDVT CAPTURE OUT [SEQUENCES [FRAMES [CHARACTERS]]]: the methods of characters from cameras against each
 // other, by `fourdvt evaluate --projective`; prints tables and writes OUT/methods.md beside the report
 // OUT/methods/report.html. SEQUENCES: by default run,pickup; constants were chosen on the sample's walk, which has rows
-// of its own in the cross-validation alone. FRAMES: test frames of each, by default 1. CHARACTERS: a folder of characters from
+// of its own in the cross-validation alone. FRAMES: test frames of each, by default 1; of the
+// cross-validation three. CHARACTERS: a folder of characters from
 // cameras that were baked from CAPTURE, as the demo's build/cameras: their scores after the codec. A run that was
 // stopped goes on.
 import { execFileSync } from 'node:child_process';
@@ -89,16 +90,16 @@ const stages = table(['pass, ms', ...stageMethods], passes.map((pass) => [pass, 
 // dB / SSIM over all held-out views of what was streamed, by character and method.
 function streamedScore(character, method) {
   const text = execFileSync(tool, ['evaluate', capture, '--character', join(characters, character), '--method', method, '--input-every', '0', '--flicker', '0'], { encoding: 'utf8' });
-  const means = text.split('\n').filter((line) => line.trim().startsWith('mean')).map((line) => line.trim().split(/\s+/));
-  const mean = (column) => means.reduce((sum, words) => sum + Number(words[column]), 0) / means.length;
-  return `${fixed(mean(2), 2)} / ${fixed(mean(3), 3)}`;
+  const words = text.split('\n').filter((line) => line.trim().startsWith('mean')).at(-1).trim().split(/\s+/);
+  return `${fixed(Number(words[2]), 2)} / ${fixed(Number(words[3]), 3)}`;
 }
 const streamed = characters ? readdirSync(characters, { withFileTypes: true }).filter((entry) => entry.isDirectory()).map(({ name }) => name) : [];
 const streamedSection = !streamed.length ? '' : `
 ## After the codec
 
-The demo's characters from cameras (\`site/cameras.sh\`: H.264 with CRF 30), all held-out views, PSNR-FG in dB / SSIM-FG. \`tracked\`
-is the capture's mesh with its outlines refined, as the bake does by default; above it is as given.
+The demo's characters from cameras (\`site/cameras.sh\`: H.264 with CRF 30, the refined hull coarser than by default), all held-out
+views of the run, PSNR-FG in dB / SSIM-FG. \`tracked\` is the capture's mesh with its outlines refined, as the bake does by default, and
+with cameras as given; above the mesh is as given, too.
 
 ${table(['method', ...streamed], methods.map((method) => [method, ...streamed.map((character) => streamedScore(character, method))]))}
 `;
@@ -147,7 +148,7 @@ ${stages}
 `;
 writeFileSync(join(out, 'methods.md'), `# Methods of texturing from cameras
 
-Made by \`node tests/bench/methods.mjs\` with \`fourdvt evaluate --projective\`, from the raw videos before any codec, at the sample's
+Made by \`node tests/bench/methods.mjs\` with \`fourdvt evaluate --projective\`, from the raw videos before any codec unless it says otherwise, at the sample's
 held-out cameras, which are three for every test frame. What was measured:
 
 ${about}

@@ -82,7 +82,8 @@ TEST(CameraBake, IsDrawnAsAskedFor) {
     return readText(file);
   };
   const std::string textured = still("");
-  EXPECT_EQ(still("--method fvvr --closest 4 --visibility offset"), textured) << "the defaults";
+  EXPECT_EQ(still("--method sweep --closest 4 --visibility offset"), textured) << "the defaults";
+  EXPECT_NE(still("--method fvvr"), textured);
   EXPECT_NE(still("--closest 1"), textured);
   EXPECT_NE(still("--method silhouette"), textured);
   EXPECT_NE(still("--method wireframe"), still("--method silhouette"));

@@ -207,7 +207,7 @@ TEST(CliEvaluate, MethodsFromCamerasAreComparedAndGoOn) {
   EXPECT_EQ(readText(report + "/steps/proxies.csv"), proxies);
   for (const char* file :
        {"/report.html", "/projective.json", "/pictures/methods-turn.jpg", "/pictures/close-ups-turn.jpg",
-        "/pictures/worst-given-turn.jpg", "/work/surfaces/hull/turn/000000.ply"})
+        "/pictures/worst-given-turn.jpg", "/pictures/cross-turn.jpg", "/work/surfaces/hull/turn/000000.ply"})
     EXPECT_TRUE(exists(report + file)) << file;
   const Csv csv = readCsv(report + "/projective.csv");
   for (const std::string table : {"condition", "view", "cross", "stage", "pictures", "about"})

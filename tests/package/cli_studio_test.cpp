@@ -26,8 +26,8 @@ TEST(Studio, ProceduralCaptureBakes) {
   ASSERT_EQ(bake.code, 0) << bake.output;
   const Outcome inspect = fourdvt("inspect " + out + "/character");
   EXPECT_EQ(inspect.code, 0) << inspect.output;
-  const Outcome evaluate =
-      fourdvt("evaluate " + out + "/capture --character " + out + "/character --input-every 0 -o " + out + "/figures");
+  const Outcome evaluate = fourdvt("evaluate " + out + "/capture --character " + out +
+                                   "/character --input-every 0 --flicker 0 -o " + out + "/figures");
   EXPECT_EQ(evaluate.code, 0) << evaluate.output;
 }
 

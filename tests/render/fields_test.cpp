@@ -4,6 +4,7 @@
 #include <functional>
 #include <set>
 
+#include "render/montage/layered_montage.h"
 #include "surface_rig.h"
 
 namespace fourdvt::testing {
@@ -79,7 +80,8 @@ TEST_F(FieldsTest, DistancesOnAPlaneAreExactWithinFivePercent) {
                          [](dvec2 p) { return std::abs(p.x) > 0.05 || p.y > 0.02; }, [](dvec2) { return true; },
                          [](dvec2) { return false; }});
   // As characters from cameras and as layered ones (layered_montage.cpp) have them.
-  for (const auto& [clamp_m, steps] : {std::pair{kClamp_m, render::kFieldSteps}, std::pair{0.1f, 12}}) {
+  for (const auto& [clamp_m, steps] :
+       {std::pair{kClamp_m, render::kFieldSteps}, std::pair{render::kLayeredClamp_m, render::kLayeredSteps}}) {
     const VertexValues got = distances(surface, serves, clamp_m, steps);
     for (int slot = 0; slot < 6; ++slot) {
       const auto exact = exactDistances(surface, serves, slot, 0, clamp_m);
@@ -107,7 +109,8 @@ TEST_F(FieldsTest, DistancesOnACylinderOfTwoCamerasRunRoundIt) {
   const auto never = [](dvec2) { return false; };
   const VertexValues serves =
       servesOf(surface, {facing(0), facing(M_PI), facing(1), facing(2.5), never, never, never, facing(-1.3)});
-  for (const auto& [clamp_m, steps] : {std::pair{kClamp_m, render::kFieldSteps}, std::pair{0.1f, 12}}) {
+  for (const auto& [clamp_m, steps] :
+       {std::pair{kClamp_m, render::kFieldSteps}, std::pair{render::kLayeredClamp_m, render::kLayeredSteps}}) {
     const VertexValues got = distances(surface, serves, clamp_m, steps);
     for (int slot : {0, 1, 2, 3, 7})
       EXPECT_LT(largestError(exactDistances(surface, serves, slot, around, clamp_m), got, slot), 0.05)
@@ -123,7 +126,8 @@ TEST_F(FieldsTest, FineMeshesReachTheClampSooner) {
     slots.fill([](dvec2 p) { return p.y > 0; });
     return servesOf(surface, slots);
   }();
-  for (const auto& [clamp_m, steps] : {std::pair{kClamp_m, render::kFieldSteps}, std::pair{0.1f, 12}}) {
+  for (const auto& [clamp_m, steps] :
+       {std::pair{kClamp_m, render::kFieldSteps}, std::pair{render::kLayeredClamp_m, render::kLayeredSteps}}) {
     const VertexValues got = distances(surface, serves, clamp_m, steps);
     const double reach = steps * 0.85;  // rows that fade: of faces that count as larger
     float before = 0;

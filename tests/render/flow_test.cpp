@@ -158,8 +158,6 @@ TEST_F(Flow, ofHalfTheSizeIsHalfAsLong) {
 
 // Of pictures that show different things no displacement brings together; a true one is taken in full.
 TEST_F(Flow, takesADisplacementAsFarAsItExplains) {
-  FlowOptions options;
-  options.must_explain = 0.25;
   const auto size = [](const std::vector<glm::vec2>& flow, const Pair& pair) {
     double sum = 0, count = 0;
     for (size_t i = 0; i < flow.size(); ++i)
@@ -170,9 +168,15 @@ TEST_F(Flow, takesADisplacementAsFarAsItExplains) {
   const Motion motion = [](glm::dvec2 p) { return p + glm::dvec2(3, -2); };
   const Pair strange = disc(256, 256, [](glm::dvec2 p) { return glm::dvec2(700 + p.y, 300 - p.x); });
   for (const FlowMethod method : {FlowMethod::Farneback, FlowMethod::Dis}) {
-    EXPECT_LT(error(flow(*gpuFlow(method, options), moved), moved, motion), 0.2);
-    EXPECT_LT(size(flow(*gpuFlow(method, options), strange), strange),
-              0.8 * size(flow(*gpuFlow(method), strange), strange));
+    double before = size(flow(*gpuFlow(method), strange), strange);
+    for (const double must_explain : {0.04, 0.25}) {
+      FlowOptions options;
+      options.must_explain = must_explain;
+      EXPECT_LT(error(flow(*gpuFlow(method, options), moved), moved, motion), 0.2) << must_explain;
+      const double now = size(flow(*gpuFlow(method, options), strange), strange);
+      EXPECT_LT(now, 0.95 * before) << must_explain;
+      before = now;
+    }
   }
 }
 
@@ -208,6 +212,35 @@ TEST_F(Flow, fillsOutsideSmoothlyWithTheSameLuma) {
     }
   EXPECT_GT(confident, 0.9 * inside);
   EXPECT_GT(confident_near, 0.9 * near) << "confidence reaches beyond the outline";
+}
+
+// Mipmaps of such sizes leave columns out; what lies in them must not be taken for empty.
+TEST_F(Flow, seesANarrowBarWhereverItStands) {
+  constexpr int kWidth = 180, kHeight = 240, kBar = 8;
+  FlowPictures pictures;
+  std::vector<glm::u8vec4> filled(kWidth * kHeight);
+  for (int start = 2; start + kBar + 2 < kWidth; start += 3) {
+    Image picture(kWidth, kHeight, 4);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = start; x < start + kBar; ++x) {
+        const auto luma = static_cast<uint8_t>(40 + 53 * ((x / 2 + y / 2) % 4));
+        for (int c = 0; c < 3; ++c) picture.at(x, y)[c] = luma;
+        picture.at(x, y)[3] = 255;
+      }
+    const gpu::Texture texture = upload(picture);
+    ASSERT_TRUE(pictures.prepare(*device, texture.id(), texture.id(), kWidth, kHeight));
+    ASSERT_TRUE(device->readPixels(pictures.target(), gpu::PixelFormat::RGBA8, {.width = kWidth, .height = kHeight},
+                                   filled.data()));
+    for (int y = 20; y < kHeight - 20; ++y)
+      for (int x = start - 2; x < start + kBar + 2; ++x) {
+        const glm::u8vec4& here = filled[(kHeight - 1 - y) * kWidth + x];
+        ASSERT_GT(here.a, 60) << "bar at " << start << ", column " << x << ", row " << y;
+        if (x >= start && x < start + kBar)
+          ASSERT_NEAR(here[0], picture.at(x, y)[0], 1) << start;
+        else
+          ASSERT_GT(here[0], 30) << "bar at " << start << ", column " << x << ", row " << y;
+      }
+  }
 }
 
 TEST_F(Flow, isZeroForEqualPictures) {
@@ -275,6 +308,8 @@ TEST(FlowOptions, areChecked) {
     ASSERT_FALSE(made);
     EXPECT_EQ(made.error().id, ErrorId::InvalidArgument);
   }
+  EXPECT_FALSE(createGpuFlow(*device, {.finest = -1}));
+  for (const double share : {-0.1, std::nan("")}) EXPECT_FALSE(createGpuFlow(*device, {.must_explain = share}));
 }
 
 }  // namespace

@@ -107,7 +107,8 @@ Status packSequence(const BakeRun& run, const StreamPlan& plan, package::Charact
   return {};
 }
 
-// The first frame from the view that the page starts with, textured from the cameras' whole pictures.
+// The first frame from the view that the page starts with, textured by FVVR, which reads the
+// cameras' whole pictures.
 Result<Image> drawPoster(const BakeRun& run, const std::vector<ColourMap>& maps) {
   const Job& job = run.job;
   FOURDVT_ASSIGN(const auto reader,

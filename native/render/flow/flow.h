@@ -27,7 +27,7 @@ struct FlowOptions {
   FlowMethod method = FlowMethod::Farneback;
   int finest = 2;  // Dis: its finest patches lie so many octaves below width × height
   // A displacement is taken in full that removes this share of the difference's variance round the pixel, one that
-  // removes less in proportion; 0: whatever it removes.
+  // removes less in proportion; 0: whatever it removes. OpenCV's flow has neither this nor `finest`.
   double must_explain = 0;
   int levels = 4;           // Farneback: pyramid, factor 2
   int window = 13;          // Farneback: averaging window, pixels; odd

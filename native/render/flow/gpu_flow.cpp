@@ -50,9 +50,11 @@ Result<std::unique_ptr<FlowSource>> createGpuFlow(gpu::Device& device, const Flo
     return Error{ErrorId::Unsupported,
                  "this GPU cannot draw into half-float textures: align with baked alignment or another flow source"};
   if ((options.poly_n != 5 && options.poly_n != 7) || options.window < 3 || options.window % 2 == 0 ||
-      options.levels < 0 || options.finest < 0 || options.iterations < 1 || !(options.poly_sigma > 0))
+      options.levels < 0 || options.finest < 0 || !(options.must_explain >= 0) || options.iterations < 1 ||
+      !(options.poly_sigma > 0))
     return Error{ErrorId::InvalidArgument,
-                 "flow: poly_n is 5 or 7, the window odd and at least 3, one iteration or more, finest 0 or more"};
+                 "flow: poly_n is 5 or 7, the window odd and at least 3, one iteration or more, finest and "
+                 "must_explain 0 or more"};
   return std::unique_ptr<FlowSource>(std::make_unique<GpuFlow>(device, options));
 }
 

@@ -16,8 +16,6 @@ namespace {
 // Tuned on the walk of the sample, held-out cameras: 24.41 dB / .8145 against 24.38 / .8110 of the plain blend, and
 // 24.42 / .8148 of the plain blend with the same powers (ALGORITHMS 15.5); M4D's own aims, which know no surface, with
 // (0, 2) and 5 cm: 24.33 / .8131.
-constexpr float kClamp_m = 0.1f;
-constexpr int kSteps = 12;             // of distances: triangles below 1 cm count as 1 cm, 8 % of the sample's 8,000
 constexpr glm::vec2 kPowers(2, 4);     // of the aims: surface and ray, view and ray
 constexpr int kVaryingsOfDevice = 15;  // WebGL2 promises no more
 // Fields are forgotten when there are more than kMostFields and they have not been prepared for kKept prepares. No
@@ -169,7 +167,7 @@ class LayeredMontage final : public LayeredPass {
     // A frame's labels come with its mesh.
     if (own.geometry_serial != model.geometry_serial || own.cameras != cameras) {
       pass(own.serves, serves_program_, {});
-      FOURDVT_TRY(own.fields.updateDistances(device, model, own.serves.tables(), kClamp_m, kSteps));
+      FOURDVT_TRY(own.fields.updateDistances(device, model, own.serves.tables(), kLayeredClamp_m, kLayeredSteps));
       own.geometry_serial = model.geometry_serial;
       own.cameras = cameras;
     }

@@ -15,6 +15,10 @@
 
 namespace fourdvt::render {
 
+// Of SurfaceFields' distances: triangles below 1 cm count as 1 cm, 8 % of the sample's 8,000.
+constexpr float kLayeredClamp_m = 0.1f;
+constexpr int kLayeredSteps = 12;
+
 // For Recipe::setLayered. Errors: Unsupported: the device has no half-float targets, and the plain blend is what
 // serves.
 Result<std::shared_ptr<LayeredPass>> makeLayeredMontage(gpu::Device& device);

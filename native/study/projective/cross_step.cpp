@@ -13,8 +13,8 @@
 namespace fourdvt::study {
 namespace {
 
-constexpr uint32_t kTestFrames =
-    3;  // of a sequence, at most; one alone decides by chance between methods that are close
+// Of a sequence, at most. One alone decides by chance between methods that are close.
+constexpr uint32_t kTestFrames = 3;
 constexpr const char* kCompared[] = {rows::kFvvr, rows::kMethodHoloportation, rows::kMethodMontage};
 
 Condition onProxy(const char* proxy) {
