@@ -51,7 +51,6 @@ enum class Unseen {
 
 struct FloatingOptions {
   float radius_px = 12;  // of the soft visibility (FT Eq. 8), 1 to 128
-  int rounds = 1;        // of the star form: pictures to their mean; again to the mean of what came out
 };
 
 struct SweepOptions {

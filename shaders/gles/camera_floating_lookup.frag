@@ -17,11 +17,12 @@ vec2 towardsMean(vec2 pixel, int i, vec4 shares) {
   return sum * vec2(1.0, -1.0) * u_places[i].zw / vec2(textureSize(u_flows, 0).xy);
 }
 
-// The weights were drawn with one sample a pixel: where the surface misses its middle, the pixels round it answer.
+// The weights were drawn with one sample a pixel. Where the surface misses its middle, as where no camera sees it, the
+// unseen surface's colour is shown, or else what the pixels round it have.
 vec4 weightsHere() {
   ivec2 here = ivec2(gl_FragCoord.xy), last = textureSize(u_weights, 0) - 1;
   vec4 weights = texelFetch(u_weights, here, 0);
-  if (weights == vec4(0.0))
+  if (!u_fills && weights == vec4(0.0))
     for (int i = 0; i < 9; ++i) weights += texelFetch(u_weights, clamp(here + ivec2(i % 3, i / 3) - 1, ivec2(0), last), 0);
   return weights;
 }

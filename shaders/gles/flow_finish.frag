@@ -10,8 +10,9 @@ uniform float u_gain;
 const float kStep = 4.0;           // pixels between 5 x 5 samples
 const float kNoise = 1.0 / 255.0;  // luma
 uniform float u_must_explain;      // share of the difference's variance, see FlowOptions
+uniform float u_sure;              // pixels: of which displacement that is not asked
 
-// Of the displacement: by how much it lowers the variance of b - a round the pixel.
+// Of the displacement: by how much it lowers the variance of b - a round the pixel, or how long it is.
 float explained(vec2 flow) {
   vec2 size = vec2(textureSize(u_pictures, 0)), sums = vec2(0.0), squares = vec2(0.0);
   for (int i = 0; i < 25; ++i) {
@@ -22,7 +23,8 @@ float explained(vec2 flow) {
     squares += difference * difference;
   }
   vec2 variance = squares / 25.0 - sums * sums / 625.0;
-  return clamp((variance.x - variance.y) / (u_must_explain * (variance.x + kNoise * kNoise)), 0.0, 1.0);
+  float share = (variance.x - variance.y) / (u_must_explain * (variance.x + kNoise * kNoise));
+  return max(clamp(share, 0.0, 1.0), smoothstep(0.5 * u_sure, u_sure, length(flow)));
 }
 #else
 float explained(vec2 flow) { return 1.0; }

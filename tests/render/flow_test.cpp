@@ -177,6 +177,13 @@ TEST_F(Flow, takesADisplacementAsFarAsItExplains) {
       EXPECT_LT(now, 0.95 * before) << must_explain;
       before = now;
     }
+    // What is long enough is taken unasked, what is shorter than half of that is not.
+    const double unasked = size(flow(*gpuFlow(method), strange), strange),
+                 all_sure = size(flow(*gpuFlow(method, {.must_explain = 0.25, .sure_px = 0.1}), strange), strange),
+                 long_sure = size(flow(*gpuFlow(method, {.must_explain = 0.25, .sure_px = 20}), strange), strange);
+    EXPECT_NEAR(all_sure, unasked, 0.01 * unasked);
+    EXPECT_GT(long_sure, 1.02 * before);
+    EXPECT_LT(long_sure, 0.98 * unasked);
   }
 }
 
@@ -309,7 +316,10 @@ TEST(FlowOptions, areChecked) {
     EXPECT_EQ(made.error().id, ErrorId::InvalidArgument);
   }
   EXPECT_FALSE(createGpuFlow(*device, {.finest = -1}));
-  for (const double share : {-0.1, std::nan("")}) EXPECT_FALSE(createGpuFlow(*device, {.must_explain = share}));
+  for (const double value : {-0.1, std::nan("")}) {
+    EXPECT_FALSE(createGpuFlow(*device, {.must_explain = value}));
+    EXPECT_FALSE(createGpuFlow(*device, {.sure_px = value}));
+  }
 }
 
 }  // namespace

@@ -63,11 +63,15 @@ Status SoftVisibility::update(gpu::Device& device, gpu::TextureId hidden, gpu::T
                         {gpu::uniform("u_radius", radius)});
 }
 
-FlowOptions floatingFlow(int octaves, double must_explain) {
+FlowOptions floatingFlow(FloatingFlow between, int octaves) {
+  const double sure_picture_px = between == FloatingFlow::MeanCoarsely   ? 6
+                                 : between == FloatingFlow::KeptPictures ? 4
+                                                                         : 0;
   FlowOptions options;
   options.method = FlowMethod::Dis;
   options.finest -= octaves;
-  options.must_explain = must_explain;
+  options.must_explain = between == FloatingFlow::Mean ? 0.04 : 0.25;
+  options.sure_px = sure_picture_px / (1 << octaves);
   return options;
 }
 

@@ -53,6 +53,8 @@ class FloatingPictures {
   // RGBA8, premultiplied, y up, by rank in FigureCameras::chosen; alpha 1 on the surface.
   gpu::TextureId picture(size_t rank) const { return pictures_.textures[rank].id(); }
   size_t count() const { return pictures_.textures.size(); }
+  int width() const { return pictures_.width; }
+  int height() const { return pictures_.height; }
   // RGBA16F, a channel per rank: w Ω, not normalised; all 0 where no camera sees the surface.
   gpu::TextureId weights() const { return soft_.texture(); }
 
@@ -65,14 +67,16 @@ class FloatingPictures {
   SoftVisibility soft_;
 };
 
-// The flow between such pictures: the method and settings that scored best (ALGORITHMS 14.2). `octaves`: how many times
-// its size is halved against the pictures'; its finest patches stay the same. must_explain: as in FlowOptions.
-FlowOptions floatingFlow(int octaves, double must_explain);
+// What flow is found between: two such pictures; two that are kept for other views (floating_static.h); the pictures'
+// mean, which is calmer and lies between them, and a picture, in the star's early rounds and in its last one.
+enum class FloatingFlow { Pictures, KeptPictures, MeanCoarsely, Mean };
 
-// What a displacement must explain and how long it may be (FlowSum's `most`): between two pictures; from their mean,
-// which is calmer and lies between them (ALGORITHMS 14.2).
-constexpr double kExplainsBetweenPictures = 0.25, kExplainsFromMean = 0.04;
-constexpr float kMostBetweenPictures = 0.01f, kMostFromMean = 0.008f;
+// The method and settings that scored best (ALGORITHMS 14.2). `octaves`: how many times the flow's size is halved
+// against the pictures'; its finest patches stay the same.
+FlowOptions floatingFlow(FloatingFlow between, int octaves);
+
+// How long a displacement may be (FlowSum's `most`), between two pictures and from their mean.
+constexpr float kMostBetweenPictures = 0.0125f, kMostFromMean = 0.006f;
 
 // Sums of flow fields, each weighted by one camera's share of the pixel (FT Eq. 6), in pixels of the weights. A flow of
 // another size is sampled.

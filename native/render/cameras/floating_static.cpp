@@ -161,8 +161,11 @@ class FloatingStatic final : public Method {
         const size_t layer = static_cast<size_t>(
             std::find_if(flows.pairs.begin(), flows.pairs.end(), [](const auto& p) { return !p.known; }) -
             flows.pairs.begin());
+        const double height = look.cameras[chosen[i]].height * flows.texels_per_pixel / flows.height;
         FOURDVT_TRY(add_.draw(device,
-                              {.flow = flow_->flow(), .weights = pictures_.weights(), .most = kMostBetweenPictures},
+                              {.flow = flow_->flow(),
+                               .weights = pictures_.weights(),
+                               .most = static_cast<float>(kMostBetweenPictures * height)},
                               flows.targets[layer].id()));
         flows.pairs[layer] = {chosen[i], chosen[j], true};
       }
@@ -193,7 +196,7 @@ class FloatingStatic final : public Method {
 }  // namespace
 
 Result<std::unique_ptr<Method>> makeFloatingStatic(gpu::Device& device) {
-  FOURDVT_ASSIGN(auto flow, createGpuFlow(device, floatingFlow(kOctaves, kExplainsBetweenPictures)));
+  FOURDVT_ASSIGN(auto flow, createGpuFlow(device, floatingFlow(FloatingFlow::KeptPictures, kOctaves)));
   return std::unique_ptr<Method>(std::make_unique<FloatingStatic>(std::move(flow)));
 }
 
