@@ -111,7 +111,7 @@ int main(int argc, char** argv) {
   Flow flows[] = {{"of the view's size", 0,
                    orStop(render::createGpuFlow(*device, render::floatingFlow(render::FloatingFlow::Pictures, 0)))},
                   {"of half of it", 1,
-                   orStop(render::createGpuFlow(*device, render::floatingFlow(render::FloatingFlow::Mean, 1)))}};
+                   orStop(render::createGpuFlow(*device, render::floatingFlow(render::FloatingFlow::LastMean, 1)))}};
   for (int i = 0; i <= repeats; ++i)
     for (Flow& flow : flows) {
       wait();

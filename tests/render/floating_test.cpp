@@ -208,9 +208,9 @@ TEST_F(FloatingTest, TheStarFindsWhatItsFirstMeanBlurs) {
   EXPECT_LT(meanDifference(stillBy("floating", middle), truth), 0.25 * linear);
 }
 
-// Of a wall behind a red screen the cameras miss a part. None of the screen's colour falls on it, not even at its
-// border.
-TEST_F(FloatingTest, WhatNoCameraSeesShowsNothingOfWhatHidesIt) {
+// Of a wall behind a red screen the cameras miss a part. Still mode shows there what the blend without flow shows, at
+// the part's border, too.
+TEST_F(FloatingTest, StillModeShowsWhatNoCameraSeesAsWithoutFlow) {
   addQuad({0, 1, 0}, 0.5);
   addQuad({0, 1, 0.6}, 0.1);
   cameras_ = {cameraAt(-0.1), cameraAt(0.1)};

@@ -11,7 +11,7 @@ namespace fourdvt::render {
 namespace {
 
 using gpu::PixelFormat;
-constexpr int kLeastSide = 64;  // pixels of a view; flow of a quarter of the size needs more than a patch
+constexpr int kLeastSide = 64;  // pixels of a view; below, flow at a quarter of its size has too little to go by
 
 class Floating final : public Method {
  public:

@@ -64,13 +64,11 @@ Status SoftVisibility::update(gpu::Device& device, gpu::TextureId hidden, gpu::T
 }
 
 FlowOptions floatingFlow(FloatingFlow between, int octaves) {
-  const double sure_picture_px = between == FloatingFlow::MeanCoarsely   ? 6
-                                 : between == FloatingFlow::KeptPictures ? 4
-                                                                         : 0;
+  const double sure_picture_px = between == FloatingFlow::EarlyMean ? 6 : between == FloatingFlow::KeptPictures ? 4 : 0;
   FlowOptions options;
   options.method = FlowMethod::Dis;
   options.finest -= octaves;
-  options.must_explain = between == FloatingFlow::Mean ? 0.04 : 0.25;
+  options.must_explain = between == FloatingFlow::LastMean ? 0.04 : 0.25;
   options.sure_px = sure_picture_px / (1 << octaves);
   return options;
 }

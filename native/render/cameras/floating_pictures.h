@@ -69,13 +69,14 @@ class FloatingPictures {
 
 // What flow is found between: two such pictures; two that are kept for other views (floating_static.h); the pictures'
 // mean, which is calmer and lies between them, and a picture, in the star's early rounds and in its last one.
-enum class FloatingFlow { Pictures, KeptPictures, MeanCoarsely, Mean };
+enum class FloatingFlow { Pictures, KeptPictures, EarlyMean, LastMean };
 
 // The method and settings that scored best (ALGORITHMS 14.2). `octaves`: how many times the flow's size is halved
 // against the pictures'; its finest patches stay the same.
 FlowOptions floatingFlow(FloatingFlow between, int octaves);
 
-// How long a displacement may be (FlowSum's `most`), between two pictures and from their mean.
+// How long a displacement may be (FlowSum's `most`), between two pictures and from their mean: shares of the view's
+// height, in still mode of the camera picture's.
 constexpr float kMostBetweenPictures = 0.0125f, kMostFromMean = 0.006f;
 
 // Sums of flow fields, each weighted by one camera's share of the pixel (FT Eq. 6), in pixels of the weights. A flow of

@@ -11,7 +11,7 @@ struct Round {
   int patch_octaves;  // its finest patches against those of flow at the view's size
 };
 constexpr Round kRounds[] = {
-    {FloatingFlow::MeanCoarsely, 2, 1}, {FloatingFlow::MeanCoarsely, 2, 0}, {FloatingFlow::Mean, 1, 0}};
+    {FloatingFlow::EarlyMean, 2, 1}, {FloatingFlow::EarlyMean, 2, 0}, {FloatingFlow::LastMean, 1, 0}};
 constexpr const char* kPictureNames[] = {"u_picture_0", "u_picture_1", "u_picture_2", "u_picture_3"};
 constexpr const char* kFlowNames[] = {"u_flow_0", "u_flow_1", "u_flow_2", "u_flow_3"};
 

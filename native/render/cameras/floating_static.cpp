@@ -161,11 +161,12 @@ class FloatingStatic final : public Method {
         const size_t layer = static_cast<size_t>(
             std::find_if(flows.pairs.begin(), flows.pairs.end(), [](const auto& p) { return !p.known; }) -
             flows.pairs.begin());
-        const double height = look.cameras[chosen[i]].height * flows.texels_per_pixel / flows.height;
+        // A field is as high as the surface, which bends.
+        const double camera_heights = look.cameras[chosen[i]].height * flows.texels_per_pixel / flows.height;
         FOURDVT_TRY(add_.draw(device,
                               {.flow = flow_->flow(),
                                .weights = pictures_.weights(),
-                               .most = static_cast<float>(kMostBetweenPictures * height)},
+                               .most = static_cast<float>(kMostBetweenPictures * camera_heights)},
                               flows.targets[layer].id()));
         flows.pairs[layer] = {chosen[i], chosen[j], true};
       }

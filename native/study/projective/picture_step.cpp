@@ -172,10 +172,13 @@ Status MethodSheets::crossValidation(FrameWindow& frames) {
   FOURDVT_ASSIGN(const auto* captured, frames.at(frame));
   const Image truth = inputTruth(captured->pictures[kCamera]);
   const auto box = report::shownBox(truth, kMargin_px);
-  report::Sheet sheet{
-      frames.sequence().name + ", frame " + std::to_string(frame) + ", " + view.name, {"truth"}, {}, {}};
-  for (const char* own : {"left out", "own picture"})
-    for (const std::string& name : names) sheet.columns.push_back(name + ", " + own);
+  report::Sheet sheet{frames.sequence().name + ", frame " + std::to_string(frame) + ", " + view.name +
+                          ", drawn without its picture and with it (+)",
+                      {"truth"},
+                      {},
+                      {}};
+  for (const char* own : {"", " +"})
+    for (const std::string& name : names) sheet.columns.push_back(name + own);
   for (const Condition& condition : proxyConditions(context_.options.quick)) {
     if (condition.at != rows::kProxyGiven && condition.at != rows::kProxyHull) continue;
     FOURDVT_TRY(checkStop(context_));
