@@ -17,8 +17,8 @@ vec2 towardsMean(vec2 pixel, int i, vec4 shares) {
   return sum * vec2(1.0, -1.0) * u_places[i].zw / vec2(textureSize(u_flows, 0).xy);
 }
 
-// The weights were drawn with one sample a pixel. Where the surface misses its middle, as where no camera sees it, the
-// unseen surface's colour is shown, or else what the pixels round it have.
+// The weights were drawn with one sample a pixel. They are 0 where no camera sees the surface, and where it misses the
+// pixel's middle. Both show the unseen surface's colour; without one, the weights of the pixels round it are taken.
 vec4 weightsHere() {
   ivec2 here = ivec2(gl_FragCoord.xy), last = textureSize(u_weights, 0) - 1;
   vec4 weights = texelFetch(u_weights, here, 0);

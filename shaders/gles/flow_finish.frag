@@ -10,9 +10,10 @@ uniform float u_gain;
 const float kStep = 4.0;           // pixels between 5 x 5 samples
 const float kNoise = 1.0 / 255.0;  // luma
 uniform float u_must_explain;      // share of the difference's variance, see FlowOptions
-uniform float u_sure;              // pixels: of which displacement that is not asked
+uniform float u_sure;              // pixels of a displacement that need not explain anything
 
-// Of the displacement: by how much it lowers the variance of b - a round the pixel, or how long it is.
+// The share of the displacement that is taken: as much as it lowers the variance of b - a round the pixel; all of a long
+// one.
 float explained(vec2 flow) {
   vec2 size = vec2(textureSize(u_pictures, 0)), sums = vec2(0.0), squares = vec2(0.0);
   for (int i = 0; i < 25; ++i) {

@@ -19,7 +19,7 @@ class Floating final : public Method {
   Status create(gpu::Device& device) {
     if (form_ == FloatingForm::Star) {
       FOURDVT_ASSIGN(star_, FloatingStar::create(device));
-    } else {
+    } else if (form_ == FloatingForm::Pairs) {
       FOURDVT_ASSIGN(pairs_, createGpuFlow(device, floatingFlow(FloatingFlow::Pictures, 0)));
     }
     return {};
@@ -37,7 +37,7 @@ class Floating final : public Method {
     if (form_ == FloatingForm::Linear || pictures_.count() == 1 || std::min(view.width, view.height) < kLeastSide)
       return blend_.draw(device, pictures_, {}, Warp::None, figure.shown.target.id());
     const bool is_star = form_ == FloatingForm::Star;
-    FOURDVT_TRY(is_star ? star_.update(device, pictures_) : floatPairs(device));
+    FOURDVT_TRY(is_star ? star_.update(device, pictures_, blend_, figure.shown) : floatPairs(device));
     return blend_.draw(device, pictures_, is_star ? star_.flows() : pairFlows(), is_star ? Warp::Star : Warp::Pairs,
                        figure.shown.target.id());
   }
@@ -83,7 +83,7 @@ class Floating final : public Method {
   static constexpr size_t kScratch = FloatingPictures::kMost;
   const FloatingForm form_;
   FloatingStar star_;                  // of the star form
-  std::unique_ptr<FlowSource> pairs_;  // of the pairs; says for linear that the device can hold weights
+  std::unique_ptr<FlowSource> pairs_;  // of the pairs
   std::vector<Figure> figures_;        // by number
   FloatingPictures pictures_;
   PictureGroup flows_[FloatingPictures::kMost + 1];  // of the pairs by rank, and scratch

@@ -67,9 +67,13 @@ class FloatingPictures {
   SoftVisibility soft_;
 };
 
-// What flow is found between: two such pictures; two that are kept for other views (floating_static.h); the pictures'
-// mean, which is calmer and lies between them, and a picture, in the star's early rounds and in its last one.
-enum class FloatingFlow { Pictures, KeptPictures, EarlyMean, LastMean };
+// What a flow is found between.
+enum class FloatingFlow {
+  Pictures,      // two cameras' pictures of the view
+  KeptPictures,  // two cameras' pictures in one's own view, kept for other views (floating_static.h)
+  EarlyMean,     // the mean of the pictures, still blurred, and one of them: the star's first rounds
+  LastMean,      // the same in its last round: the mean is nearly sharp and lies between the pictures
+};
 
 // The method and settings that scored best (ALGORITHMS 14.2). `octaves`: how many times the flow's size is halved
 // against the pictures'; its finest patches stay the same.

@@ -4,7 +4,7 @@
 namespace fourdvt::render {
 namespace {
 
-// What the rounds cost is mostly their finest patches, so that the first one has coarser ones.
+// A round costs mostly what its finest patches cost, so the first round has coarser ones.
 struct Round {
   FloatingFlow between;
   int octaves;        // its size against the view's
@@ -47,17 +47,17 @@ Result<FloatingStar> FloatingStar::create(gpu::Device& device) {
   return out;
 }
 
-Status FloatingStar::update(gpu::Device& device, const FloatingPictures& pictures) {
+Status FloatingStar::update(gpu::Device& device, const FloatingPictures& pictures, PictureBlend& blend,
+                            const PictureGroup& mean) {
   const int width = pictures.width(), height = pictures.height();
-  FOURDVT_TRY(resizeGroup(device, width, height, {gpu::PixelFormat::RGBA8}, false, mean_));
   flows_.resize(pictures.count());
   for (PictureGroup& flow : flows_)
     FOURDVT_TRY(resizeGroup(device, width, height, {gpu::PixelFormat::RG16F}, false, flow));
   for (size_t r = 0; r < rounds_.size(); ++r) {
     const PictureBlend::Warp warp = r > 0 ? PictureBlend::Warp::Star : PictureBlend::Warp::None;
-    FOURDVT_TRY(blend_.draw(device, pictures, flows(), warp, mean_.target.id()));
+    FOURDVT_TRY(blend.draw(device, pictures, flows(), warp, mean.target.id()));
     for (size_t i = 0; i < flows_.size(); ++i) {
-      FOURDVT_TRY(rounds_[r]->compute(mean_.textures[0].id(), pictures.picture(i), width >> kRounds[r].octaves,
+      FOURDVT_TRY(rounds_[r]->compute(mean.textures[0].id(), pictures.picture(i), width >> kRounds[r].octaves,
                                       height >> kRounds[r].octaves));
       FOURDVT_TRY(sum_.draw(device, {.flow = rounds_[r]->flow(), .weights = pictures.weights(), .most = kMostFromMean},
                             flows_[i].target.id()));

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The star form of Floating Textures: flow from the mean of a view's pictures to each of them, n flows a round. A round
-// displaces the pictures, which sharpens the mean that the next one starts from; early rounds have a quarter of the
-// view's size. Does NOT choose cameras and does NOT draw the surface.
+// displaces the pictures by what it found; their new mean is sharper, and the next round starts from it. The early
+// rounds have a quarter of the view's size, the last one half of it. Does NOT choose cameras and does NOT draw the
+// surface.
 #pragma once
 
 #include <map>
@@ -29,15 +30,14 @@ class FloatingStar {
  public:
   // Errors: Unsupported: the device has no half-float targets.
   static Result<FloatingStar> create(gpu::Device& device);
-  Status update(gpu::Device& device, const FloatingPictures& pictures);  // Errors: GpuFailure
+  // mean: RGBA8 of the pictures' size, overwritten. Errors: GpuFailure.
+  Status update(gpu::Device& device, const FloatingPictures& pictures, PictureBlend& blend, const PictureGroup& mean);
   // By rank, RG16F, of the pictures' size and in their pixels: the mean at p resembles picture i at p + flow i.
   std::vector<gpu::TextureId> flows() const;
 
  private:
   std::vector<std::unique_ptr<FlowSource>> rounds_;
-  PictureGroup mean_;
   std::vector<PictureGroup> flows_;  // by rank
-  PictureBlend blend_;
   FlowSum sum_;
 };
 

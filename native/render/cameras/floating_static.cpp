@@ -161,7 +161,7 @@ class FloatingStatic final : public Method {
         const size_t layer = static_cast<size_t>(
             std::find_if(flows.pairs.begin(), flows.pairs.end(), [](const auto& p) { return !p.known; }) -
             flows.pairs.begin());
-        // A field is as high as the surface, which bends.
+        // Of the camera picture's height: the field is only as high as the performer, and lower when he bends.
         const double camera_heights = look.cameras[chosen[i]].height * flows.texels_per_pixel / flows.height;
         FOURDVT_TRY(add_.draw(device,
                               {.flow = flow_->flow(),

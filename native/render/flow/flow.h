@@ -29,8 +29,8 @@ struct FlowOptions {
   // A displacement is taken in full that removes this share of the difference's variance round the pixel, one that
   // removes less in proportion; 0: whatever it removes. OpenCV's flow has neither this nor `finest`.
   double must_explain = 0;
-  // Of must_explain: nothing is asked of a displacement of this many pixels of the flow or more, and less and less from
-  // half of it on: what is short is mostly what sampling leaves. 0: it is asked of all. OpenCV's flow does not have it.
+  // A displacement of this many pixels of the flow or more need not explain anything, one from half as long on less and
+  // less: short ones are mostly noise of sampling. 0: all must explain. OpenCV's flow does not have it.
   double sure_px = 0;
   int levels = 4;           // Farneback: pyramid, factor 2
   int window = 13;          // Farneback: averaging window, pixels; odd
