@@ -70,6 +70,37 @@ test('a transient failure is tried again, a cancelled range answers nothing', as
   await new Promise((done) => server.close(done));
 });
 
+test('a page that was busy itself does not take that time for a stall; a server that is silent is asked again', async () => {
+  const { Transport } = await load('transport');
+  const { setTimeout: later, setInterval: every } = globalThis;
+  globalThis.setTimeout = (run, ms, ...more) => later(run, ms / 100, ...more); // the transport's seconds last 10 ms
+  globalThis.setInterval = (run, ms, ...more) => every(run, ms / 100, ...more);
+  const asked = [];
+  const server = createServer((request, response) => {
+    asked.push(request.url);
+    response.writeHead(206, { 'Content-Length': 4 });
+    response.write('ab');
+    if (request.url === '/silent.bin' && asked.length === 2) return;
+    later(() => setImmediate(() => {
+      response.end('cd');
+      for (const until = Date.now() + 300; asked.length === 1 && Date.now() < until;); // what came waits; timers are next
+    }), 20);
+  });
+  try {
+    await new Promise((done) => server.listen(0, '127.0.0.1', done));
+    const transport = new Transport(`http://127.0.0.1:${server.address().port}/character.gltf`);
+    assert.equal(new TextDecoder().decode(await transport.range(1, 'busy.bin', 0, 4)), 'abcd');
+    assert.deepEqual(asked, ['/busy.bin']);
+    assert.equal(new TextDecoder().decode(await transport.range(2, 'silent.bin', 0, 4)), 'abcd');
+    assert.deepEqual(asked, ['/busy.bin', '/silent.bin', '/silent.bin']);
+    transport.dispose();
+  } finally {
+    Object.assign(globalThis, { setTimeout: later, setInterval: every });
+    server.closeAllConnections?.();
+    await new Promise((done) => server.close(done));
+  }
+});
+
 test('the server of demo.sh --lan: https under an address that other devices reach', async () => {
   const [key, cert] = ['lan.key', 'lan.crt'].map((name) => join(folder, name));
   execFileSync('openssl', ['req', '-x509', '-newkey', 'rsa:2048', '-nodes', '-days', '1', '-subj', '/CN=test', '-keyout', key, '-out', cert],

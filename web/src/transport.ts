@@ -8,7 +8,7 @@ import { ViewerError } from './errors.js';
 const FIRST_PAUSE_MS = 300;
 const LONGEST_PAUSE_MS = 6000;
 const LONGEST_ASKED_PAUSE_MS = 60_000; // by Retry-After
-const STALL_MS = 10_000; // without a byte
+const STALL_S = 10; // without a byte
 
 /** Hears when waiting for the network begins, and when it ends. */
 export type Report = (waiting: boolean) => void;
@@ -34,6 +34,14 @@ const pause = (ms: number, signal?: AbortSignal): Promise<void> =>
     globalThis.addEventListener?.('online', end);
     signal?.addEventListener('abort', end);
   });
+
+// Calls `stop` after STALL_S seconds without heard(). They are counted one by one, so that a page that was busy itself for
+// all that time hears first what came meanwhile.
+function watchForStall(stop: () => void): { heard(): void; end(): void } {
+  let quiet = 0;
+  const timer = setInterval(() => ++quiet >= STALL_S && stop(), 1000);
+  return { heard: () => (quiet = 0), end: () => clearInterval(timer) };
+}
 
 // Half of each pause is random, so that the visitors of a server that comes back do not all ask at once.
 async function patiently<T>(attempt: () => Promise<T>, report: Report, signal?: AbortSignal): Promise<T> {
@@ -69,9 +77,9 @@ async function ask(url: string, init: RequestInit, signal?: AbortSignal): Promis
   const stop = (): void => abort.abort();
   if (signal?.aborted) stop();
   signal?.addEventListener('abort', stop);
-  let timer = setTimeout(stop, STALL_MS);
+  const watch = watchForStall(stop);
   const done = (): void => {
-    clearTimeout(timer);
+    watch.end();
     signal?.removeEventListener('abort', stop);
   };
   const failed = (): never => {
@@ -106,8 +114,7 @@ async function ask(url: string, init: RequestInit, signal?: AbortSignal): Promis
       const parts: Uint8Array[] = [];
       const reader = response.body?.getReader();
       for (let part = await reader?.read().catch(failed); part?.value; part = await reader!.read().catch(failed)) {
-        clearTimeout(timer);
-        timer = setTimeout(stop, STALL_MS);
+        watch.heard();
         parts.push(part.value);
       }
       done();
@@ -123,10 +130,10 @@ async function refusesThisPage(url: string, init: RequestInit, signal?: AbortSig
   const answers = (more: RequestInit): Promise<boolean> => {
     const abort = new AbortController();
     const stop = (): void => abort.abort();
-    const timer = setTimeout(stop, STALL_MS);
+    const watch = watchForStall(stop);
     signal?.addEventListener('abort', stop);
     return fetch(url, { ...more, signal: abort.signal }).then(() => true, () => false).finally(() => {
-      clearTimeout(timer);
+      watch.end();
       signal?.removeEventListener('abort', stop);
       stop(); // nobody reads the body
     });
