@@ -1,38 +1,41 @@
 // SPDX-License-Identifier: Apache-2.0
 // The cameras' pictures of a view, blended by their weights (FT Eq. 1); WARPED: each is displaced first (FT Eq. 5).
-// Displacements are in pixels. Star form: the mean at p resembles picture i at p + u_flow_i(p). PAIRS: picture i at p
-// resembles the mean at p + u_flow_i(p), so that it is asked for where that leads to the pixel.
+// Star form: the mean at p resembles picture i at p + u_flow_i(p). PAIRS: picture i at p resembles the mean at
+// p + u_flow_i(p), so that it is asked for where that leads to the pixel. Displacements are in pixels of the weights,
+// which have the view's size; everything else may be smaller.
 uniform sampler2D u_weights;
 uniform sampler2D u_picture_0, u_picture_1, u_picture_2, u_picture_3;
+uniform vec2 u_size;  // of the target
 out vec4 o_color;
+
+vec2 here() { return gl_FragCoord.xy / u_size; }
 
 #ifdef WARPED
 uniform sampler2D u_flow_0, u_flow_1, u_flow_2, u_flow_3;
 
 vec2 displacement(sampler2D flow, vec2 size) {
-  vec2 first = texelFetch(flow, ivec2(gl_FragCoord.xy), 0).xy;
+  vec2 first = texture(flow, here()).xy / size;
 #ifdef PAIRS
-  return -texture(flow, (gl_FragCoord.xy - first) / size).xy;
+  return -texture(flow, here() - first).xy / size;
 #else
   return first;
 #endif
 }
 
 vec4 shown(sampler2D picture, sampler2D flow) {
-  vec2 size = vec2(textureSize(picture, 0)), at = gl_FragCoord.xy + displacement(flow, size);
-  vec4 warped = texture(picture, at / size);
-  return warped.a > 0.99 ? warped : texelFetch(picture, ivec2(gl_FragCoord.xy), 0);
+  vec4 warped = texture(picture, here() + displacement(flow, vec2(textureSize(u_weights, 0))));
+  return warped.a > 0.99 ? warped : texture(picture, here());
 }
 #define SHOWN(picture, flow) shown(picture, flow)
 #else
-#define SHOWN(picture, flow) texelFetch(picture, ivec2(gl_FragCoord.xy), 0)
+#define SHOWN(picture, flow) texture(picture, here())
 #endif
 
 void main() {
-  vec4 weights = texelFetch(u_weights, ivec2(gl_FragCoord.xy), 0);
+  vec4 weights = texture(u_weights, here());
   float sum = dot(weights, vec4(1.0));
   if (sum <= 0.0) {
-    o_color = texelFetch(u_picture_0, ivec2(gl_FragCoord.xy), 0);
+    o_color = texture(u_picture_0, here());
     return;
   }
   weights /= sum;

@@ -4,6 +4,7 @@
 uniform mat4 u_clip_from_character;
 centroid out vec3 v_point;   // character's frame, metres
 centroid out vec3 v_normal;
+out vec3 v_pixel_point;      // as v_point, but at the pixel, for its derivatives
 out vec3 v_corner;           // barycentric; at the pixel, for its derivatives
 invariant gl_Position;       // style_mesh.vert covers the same pixels
 #ifdef FILLED
@@ -21,6 +22,7 @@ void main() {
   int vertex = vertexOf(gl_VertexID);
   v_point = fetchPosition(vertex);
   v_normal = fetchNormal(vertex);
+  v_pixel_point = v_point;
   v_corner = vec3(equal(ivec3(gl_VertexID % 3), ivec3(0, 1, 2)));
 #ifdef FILLED
   vec4 fill = texelFetch(u_fill, tableTexel(vertex), 0);

@@ -35,11 +35,11 @@ class Floating final : public Method {
     FOURDVT_TRY(resizeGroup(device, view.width, view.height, {PixelFormat::RGBA8}, false, figure.shown));
     using Warp = PictureBlend::Warp;
     if (form_ == FloatingForm::Linear || pictures_.count() == 1 || std::min(view.width, view.height) < kLeastSide)
-      return blend_.draw(device, pictures_, {}, Warp::None, figure.shown.target.id());
+      return blend_.draw(device, {pictures_.weights(), pictures_.all()}, Warp::None, figure.shown);
     const bool is_star = form_ == FloatingForm::Star;
-    FOURDVT_TRY(is_star ? star_.update(device, pictures_, blend_, figure.shown) : floatPairs(device));
-    return blend_.draw(device, pictures_, is_star ? star_.flows() : pairFlows(), is_star ? Warp::Star : Warp::Pairs,
-                       figure.shown.target.id());
+    FOURDVT_TRY(is_star ? star_.update(device, pictures_, blend_) : floatPairs(device));
+    return blend_.draw(device, {pictures_.weights(), pictures_.all(), is_star ? star_.flows() : pairFlows()},
+                       is_star ? Warp::Star : Warp::Pairs, figure.shown);
   }
 
   void draw(gpu::Device& device, size_t number, const CharacterModel& model, const CameraLook& look,

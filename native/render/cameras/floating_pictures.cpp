@@ -64,11 +64,11 @@ Status SoftVisibility::update(gpu::Device& device, gpu::TextureId hidden, gpu::T
 }
 
 FlowOptions floatingFlow(FloatingFlow between, int octaves) {
-  const double sure_picture_px = between == FloatingFlow::EarlyMean ? 6 : between == FloatingFlow::KeptPictures ? 4 : 0;
+  const double sure_picture_px = between == FloatingFlow::EarlyMean ? 6 : between == FloatingFlow::KeptPictures ? 2 : 0;
   FlowOptions options;
   options.method = FlowMethod::Dis;
   options.finest -= octaves;
-  options.must_explain = between == FloatingFlow::LastMean ? 0.04 : 0.25;
+  options.must_explain = between == FloatingFlow::LastMean ? 0.08 : 0.25;
   options.sure_px = sure_picture_px / (1 << octaves);
   return options;
 }
@@ -81,7 +81,8 @@ Status FlowSum::draw(gpu::Device& device, const Term& term, gpu::TargetId target
   return drawFullscreen(
       device, program_, target,
       {{"u_before", term.before ? term.before : term.flow}, {"u_flow", term.flow}, {"u_weights", term.weights}},
-      {gpu::uniform("u_camera", term.rank), gpu::uniform("u_keeps", keeps), gpu::uniform("u_most", term.most)});
+      {gpu::uniform("u_camera", term.rank), gpu::uniform("u_keeps", keeps), gpu::uniform("u_scale", term.scale),
+       gpu::uniform("u_most", term.most)});
 }
 
 Status FloatingPictures::drawSight(gpu::Device& device, const CharacterModel& model, const CameraLook& look,
@@ -132,6 +133,12 @@ Status FloatingPictures::update(gpu::Device& device, const CharacterModel& model
   device.draw(draw);
   device.endPass();
   return {};
+}
+
+std::vector<gpu::TextureId> FloatingPictures::all() const {
+  std::vector<gpu::TextureId> out;
+  for (const gpu::Texture& picture : pictures_.textures) out.push_back(picture.id());
+  return out;
 }
 
 }  // namespace fourdvt::render

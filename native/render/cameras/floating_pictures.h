@@ -52,6 +52,7 @@ class FloatingPictures {
                        const CharacterView& view, const MethodOptions& options, const FigureCameras& cameras);
   // RGBA8, premultiplied, y up, by rank in FigureCameras::chosen; alpha 1 on the surface.
   gpu::TextureId picture(size_t rank) const { return pictures_.textures[rank].id(); }
+  std::vector<gpu::TextureId> all() const;  // by rank
   size_t count() const { return pictures_.textures.size(); }
   int width() const { return pictures_.width; }
   int height() const { return pictures_.height; }
@@ -71,8 +72,8 @@ class FloatingPictures {
 enum class FloatingFlow {
   Pictures,      // two cameras' pictures of the view
   KeptPictures,  // two cameras' pictures in one's own view, kept for other views (floating_static.h)
-  EarlyMean,     // the mean of the pictures, still blurred, and one of them: the star's first rounds
-  LastMean,      // the same in its last round: the mean is nearly sharp and lies between the pictures
+  EarlyMean,     // the mean of the pictures, still blurred, and one of them: the star's first round
+  LastMean,      // the same in its second round: the mean is nearly sharp and lies between the pictures
 };
 
 // The method and settings that scored best (ALGORITHMS 14.2). `octaves`: how many times the flow's size is halved
@@ -84,15 +85,16 @@ FlowOptions floatingFlow(FloatingFlow between, int octaves);
 constexpr float kMostBetweenPictures = 0.0125f, kMostFromMean = 0.006f;
 
 // Sums of flow fields, each weighted by one camera's share of the pixel (FT Eq. 6), in pixels of the weights. A flow of
-// another size is sampled.
+// another size is sampled, and the target may have another size, too.
 class FlowSum {
  public:
   struct Term {
     gpu::TextureId flow = 0;
     gpu::TextureId weights = 0;  // of FloatingPictures
     int rank = -1;               // whose share; -1: 1
-    gpu::TextureId before = 0;   // the sum so far; 0: none
-    float most = 1;  // of a displacement that counts in full, heights of the picture; at twice it, none does
+    gpu::TextureId before = 0;   // the sum so far, of the target's size; 0: none
+    float most = 1;      // of a displacement that counts in full, heights of the picture; at twice it, none does
+    glm::vec2 scale{1};  // pixels of the weights per pixel of the target
   };
   Status draw(gpu::Device& device, const Term& term, gpu::TargetId target);  // RG16F. Errors: GpuFailure
 

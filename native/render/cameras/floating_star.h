@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The star form of Floating Textures: flow from the mean of a view's pictures to each of them, n flows a round. A round
-// displaces the pictures by what it found; their new mean is sharper, and the next round starts from it. The early
-// rounds have a quarter of the view's size, the last one half of it. Does NOT choose cameras and does NOT draw the
-// surface.
+// The star form of Floating Textures: flow from the mean of a view's pictures to each of them, n flows a round. The
+// first round, at a quarter of the view's size, displaces the pictures by what it found; their new mean is sharper, and
+// the second round starts from it, at half the size. Does NOT choose cameras and does NOT draw the surface.
 #pragma once
 
 #include <map>
@@ -18,9 +17,12 @@ namespace fourdvt::render {
 class PictureBlend {
  public:
   enum class Warp { None, Star, Pairs };  // how flows displace; camera_floating_blend.frag
-  // flows: RG16F by rank, of the pictures' size; none for Warp::None. Errors: GpuFailure.
-  Status draw(gpu::Device& device, const FloatingPictures& pictures, std::span<const gpu::TextureId> flows, Warp warp,
-              gpu::TargetId target);
+  struct Sources {
+    gpu::TextureId weights = 0;                        // of FloatingPictures
+    std::vector<gpu::TextureId> pictures, flows = {};  // by rank; flows RG16F, in pixels of the weights; none for None
+  };
+  // Pictures, flows and target may be smaller than the weights. Errors: GpuFailure.
+  Status draw(gpu::Device& device, const Sources& sources, Warp warp, const PictureGroup& target);
 
  private:
   std::map<std::string, gpu::Program> programs_;  // by their defines
@@ -30,14 +32,20 @@ class FloatingStar {
  public:
   // Errors: Unsupported: the device has no half-float targets.
   static Result<FloatingStar> create(gpu::Device& device);
-  // mean: RGBA8 of the pictures' size, overwritten. Errors: GpuFailure.
-  Status update(gpu::Device& device, const FloatingPictures& pictures, PictureBlend& blend, const PictureGroup& mean);
-  // By rank, RG16F, of the pictures' size and in their pixels: the mean at p resembles picture i at p + flow i.
-  std::vector<gpu::TextureId> flows() const;
+  // Errors: GpuFailure.
+  Status update(gpu::Device& device, const FloatingPictures& pictures, PictureBlend& blend);
+  // By rank, RG16F, of the last round's size, in the pictures' pixels: the mean at p resembles picture i at p + flow i.
+  std::vector<gpu::TextureId> flows() const { return texturesOf(rounds_.back().flows); }
 
  private:
-  std::vector<std::unique_ptr<FlowSource>> rounds_;
-  std::vector<PictureGroup> flows_;  // by rank
+  struct Round {
+    std::unique_ptr<FlowSource> source;
+    std::vector<PictureGroup> flows;  // by rank, of the round's size
+  };
+  static std::vector<gpu::TextureId> texturesOf(const std::vector<PictureGroup>& groups);
+
+  std::vector<Round> rounds_;
+  PictureGroup mean_;  // where a round starts; half of the view's size
   FlowSum sum_;
 };
 

@@ -79,6 +79,7 @@ class FloatingStatic final : public Method {
     figure.cameras.addTo(draw, view, options);
     draw.textures.push_back({"u_weights", figure.seen.weights()});
     draw.textures.push_back({"u_flows", figure.flows.texture.id()});
+    draw.uniforms.push_back(gpu::uniform("u_most", kMostBetweenPictures));
     draw.uniforms.push_back(gpu::uniform("u_places", std::span<const glm::vec4>(places)));
     draw.uniforms.push_back(gpu::uniform("u_layers", std::span<const glm::vec4>(layers)));
     device.draw(draw);

@@ -13,7 +13,7 @@
 namespace fourdvt::study {
 namespace {
 
-constexpr const char* kVersion = "projective 3";  // change it whenever kept rows of older builds must not be reused
+constexpr const char* kVersion = "projective 4";  // change it whenever kept rows of older builds must not be reused
 
 // Facts for the report's last section.
 Result<Rows> runAbout(const StudyContext& context) {

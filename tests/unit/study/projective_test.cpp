@@ -95,6 +95,20 @@ TEST(ProjectiveGoals, OneRowBelowIsEnoughAndIsNamed) {
   EXPECT_EQ(judgement(all, "star form is within").verdict, Verdict::Holds);
 }
 
+TEST(ProjectiveGoals, ThePairsAndTheStillModeHaveGoalsOfTheirOwn) {
+  Rows rows;
+  add(rows, "proxy", "given", {"linear", 20, 0.700, 4, 12});
+  add(rows, "proxy", "given", {"floating", 20.5, 0.720, 4, 20});
+  add(rows, "proxy", "given", {"floating-pairs", 20.3, 0.698, 4, 40});
+  add(rows, "proxy", "given", {"floating-static", 20.2, 0.6995, 4, 12});
+  const auto all = judgeProjective(StudyValues(rows));
+  using Verdict = Judgement::Verdict;
+  EXPECT_EQ(judgement(all, "dynamic one, the star").verdict, Verdict::Fails);  // −.3 dB
+  EXPECT_EQ(judgement(all, "the paper's dynamic one").verdict, Verdict::Holds);
+  EXPECT_EQ(judgement(all, "other is not worse than linear").verdict, Verdict::Fails);  // −.002 SSIM
+  EXPECT_EQ(judgement(all, "static mode is not worse than linear").verdict, Verdict::Holds);
+}
+
 void addCross(Rows& rows, const char* method, const char* own, double rmse, double db, double ssim) {
   const std::string setting = std::string("proxy=given own=") + own;
   rows.push_back({rows::kCross, "run", method, setting, rows::kRmse, rmse, ""});
