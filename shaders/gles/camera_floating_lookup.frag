@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Floating Textures of a still scene (FT Eq. 7): the surface blended from the cameras' pictures, each looked up where the
-// flow between the pictures leads. Flow was found in the view of every camera. Each of these views tells how far along
-// the surface every picture is displaced, and their mean is taken, so that an error in one view's flow counts only with
-// that view's share.
+// flow between the pictures leads. The flow was computed in every camera's own view. Each of these views tells how far
+// every picture is displaced along the surface. The mean of what they tell is taken, so that an error in one view's flow
+// counts only with that view's share.
 #include "camera_unseen.glsl"
 in vec3 v_pixel_point;                   // as v_point, but at the pixel: for derivatives
 uniform sampler2D u_weights;             // of the view's size, a channel per camera
@@ -17,7 +17,8 @@ const float kMostTap_px = 4.0;           // pixels of a camera
 
 float cameraWeight(vec3 to_camera, float cosine, vec3 to_eye) { return cosine; }
 
-// From what camera i's picture shows at the pixel to where j's, as i sees it on the surface, shows it; pixels of i's.
+// How far camera j's picture, seen from camera i, shows what camera i's picture shows at `pixel` away from there; pixels
+// of camera i.
 vec2 flowTo(vec2 pixel, int i, int j) {
   vec2 at = (pixel - u_places[i].xy) / u_places[i].zw;
   vec2 flow = textureLod(u_flows, vec3(at.x, 1.0 - at.y, u_layers[i][j]), 0.0).xy;
@@ -71,7 +72,7 @@ vec4 weightsHere() {
   return weights;
 }
 
-// at: what projected gives of the point. Long displacements do not count, nor do those that leave the picture.
+// at: projected(v_point, i). A long displacement does not count, nor does one that leaves the picture.
 vec2 displaced(vec3 at, vec3 along, int i) {
   vec3 to = projected(v_point + along, i);
   float most = u_most * u_sizes_near_far[i].y;

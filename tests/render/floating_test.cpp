@@ -284,8 +284,8 @@ TEST_F(FloatingTest, StillModeShowsWhatNoCameraSeesAsWithoutFlow) {
   EXPECT_LE(beside, 2);
 }
 
-// A flow of half the size counts twice, in full up to the bound and not at all from twice that; so it does in a sum of
-// a quarter of the size.
+// The displacements of a flow of half the size are doubled. They count in full up to the bound, and not at all from
+// twice the bound on. So they do in a sum of a quarter of the size.
 TEST_F(FloatingTest, LongDisplacementsAreNotTaken) {
   constexpr int kSide = 200;
   render::PictureGroup weights, flow, sum, small;
@@ -354,7 +354,8 @@ TEST_F(FloatingTest, TexturesShrinkWithTheView) {
   }
 }
 
-// A quarter of the view's size, where the star starts, is seldom whole; below 64 pixels there is no flow.
+// The star starts at a quarter of the view's size, which is seldom a whole number of pixels. Views of less than 64
+// pixels have no flow.
 TEST_F(FloatingTest, ViewsOfAnySize) {
   shiftedPair(1.5);
   for (const glm::ivec2 size : {glm::ivec2(77, 109), glm::ivec2(131, 101), glm::ivec2(64, 64), glm::ivec2(63, 90)}) {

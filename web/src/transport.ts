@@ -35,8 +35,8 @@ const pause = (ms: number, signal?: AbortSignal): Promise<void> =>
     signal?.addEventListener('abort', end);
   });
 
-// Calls `stop` after STALL_S seconds without heard(). They are counted one by one, so that a page that was busy itself for
-// all that time hears first what came meanwhile.
+// Calls `stop` after STALL_S seconds without heard(). The seconds are counted one by one: a page that was itself busy for
+// that long first hears the bytes that came meanwhile.
 function watchForStall(stop: () => void): { heard(): void; end(): void } {
   let quiet = 0;
   const timer = setInterval(() => ++quiet >= STALL_S && stop(), 1000);

@@ -13,7 +13,7 @@ namespace fourdvt::render {
 class FlowSource {
  public:
   virtual ~FlowSource() = default;
-  // a, b: RGBA8, premultiplied, GL rows (bottom first), of the same area; alpha 0: no character. Displacement f with
+  // a, b: RGBA8, premultiplied, GL rows (bottom first), that show one area; alpha 0: no character. Displacement f with
   // a(p) ~ b(p + f), in pixels of the flow, y along GL rows; found in flow(), a texture of width × height whose .xy it
   // is. Pictures of another size are sampled with their filter: at twice the size a linear one averages 2 x 2 pixels.
   // Where nothing can be known, the displacement falls smoothly to 0. Errors: GpuFailure, Unsupported.
