@@ -115,7 +115,9 @@ std::vector<HybridSimplex> makeHybrid(const std::vector<BlendSimplex>& simplices
   references.clear();
   std::vector<HybridSimplex> out;
   for (size_t s = 0; s < simplices.size(); ++s) {
-    HybridSimplex hybrid{simplices[s], segments[s], hybridNodes(simplices[s].interval(), segments[s], checks), {}};
+    const BlendSimplex& simplex = simplices[s];
+    HybridSimplex hybrid{
+        simplex, segments[s], hybridNodes(simplex.interval(), segments[s], checks, mixOf(simplex)), {}};
     for (const Shares& node : hybrid.nodes)
       hybrid.references.push_back(referenceOf(references, simplexWeights(simplices[s], node, member_count)));
     out.push_back(std::move(hybrid));
@@ -131,7 +133,9 @@ class ReferenceChooser {
       : simplices_(std::move(simplices)), options_(options), member_count_(member_count) {
     const bool intervals = simplices_[0].interval();
     const int max_segments = intervals ? options.max_references + 1 : kTriangleSegments;
-    checks_ = intervals ? std::max(options.check_weights - 1, 2 * max_segments) : kTriangleChecks;
+    // The outermost nodes of n segments lie about 4.9 / (n + 1)² from the ends: on a grid this fine they stay apart.
+    const int least_checks = std::max(2 * max_segments, (max_segments + 1) * (max_segments + 1) / 8);
+    checks_ = intervals ? std::max(options.check_weights - 1, least_checks) : kTriangleChecks;
     for (const BlendSimplex& simplex : simplices_) errors_.emplace_back(simplex, mixOf(simplex), checks_, max_segments);
   }
 

@@ -17,9 +17,9 @@
 namespace fourdvt::bake {
 
 struct ClassOptions {
-  double blend_error_m = 0.003;  // largest vertex distance of the hybrid from the full non-linear blend
+  double blend_error_m = 0.001;  // largest vertex distance of the hybrid from the full non-linear blend
   int max_references = 8;        // largest number of corrections per frame; the report says what error is left
-  int check_weights = 17;        // weights per interval at which the bound is checked
+  int check_weights = 25;        // weights per interval at which the bound is checked
 };
 
 // All meshes of a capture, in one order of vertices.

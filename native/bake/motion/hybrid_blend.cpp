@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace fourdvt::bake {
 namespace {
@@ -29,6 +30,12 @@ double polynomial(std::span<const Shares> nodes, size_t node, const Shares& at) 
   return value;
 }
 
+// Chebyshev's point in place of the one at `share` of an evenly spaced row of `segments`.
+double stretched(double share, int segments) {
+  const double angle = std::numbers::pi / (2 * segments + 2);
+  return (1 - std::cos((2 * segments * share + 1) * angle) / std::cos(angle)) / 2;
+}
+
 Positions difference(const Positions& a, const Positions& b) {
   Positions out(a.size());
   for (size_t v = 0; v < a.size(); ++v) out[v] = a[v] - b[v];
@@ -52,11 +59,12 @@ std::vector<Shares> simplexGrid(bool interval, int segments) {
   return points;
 }
 
-std::vector<Shares> hybridNodes(bool interval, int segments, int check_segments) {
+std::vector<Shares> hybridNodes(bool interval, int segments, int check_segments, HybridMix mix) {
   std::vector<Shares> nodes;
   for (Shares node : simplexGrid(interval, segments)) {
     if (isCorner(node)) continue;
     if (interval) {
+      if (mix == HybridMix::Polynomial) node.y = stretched(node.y, segments);
       node.y = std::round(node.y * check_segments) / check_segments;
       node.x = 1 - node.y;
     }
@@ -77,7 +85,7 @@ HybridErrors::HybridErrors(const BlendSimplex& simplex, HybridMix mix, int check
     : simplex_(simplex), points_(simplexGrid(simplex.interval(), check_segments)) {
   for (int segments = 1; segments <= max_segments; ++segments) {
     Level level;
-    const auto nodes = hybridNodes(simplex.interval(), segments, check_segments);
+    const auto nodes = hybridNodes(simplex.interval(), segments, check_segments, mix);
     for (const Shares& node : nodes) {
       const auto near = [&](const Shares& a, const Shares& b) { return glm::length(a - node) < glm::length(b - node); };
       level.nodes.push_back(size_t(std::min_element(points_.begin(), points_.end(), near) - points_.begin()));

@@ -2,9 +2,9 @@
 // Decides at which weights of a class corrections towards the non-linear blend are stored, how they mix, and what error
 // they leave (ALGORITHMS 4.4). The weights lie on simplices of members: intervals (one parameter) or triangles (two).
 //
-// A simplex of `segments` n has its references on the grid of n-ths. Intervals mix them by the polynomial through all
-// references and both ends, which needs fewer than straight pieces do; triangles by straight pieces, so that neighbours
-// fit together.
+// An interval of `segments` n mixes n − 1 references by the polynomial through them and both ends, which needs fewer
+// than straight pieces do; they lie where such polynomials stray least. A triangle has its references on the grid of
+// n-ths and mixes them by straight pieces, so that neighbours fit together.
 #pragma once
 
 #include <span>
@@ -24,9 +24,11 @@ std::vector<float> simplexWeights(const BlendSimplex& simplex, const Shares& sha
 // All points of a simplex's grid of `segments`-ths, corners included.
 std::vector<Shares> simplexGrid(bool interval, int segments);
 
-// The references of a simplex, each rounded to the grid of `check_segments`-ths.
-std::vector<Shares> hybridNodes(bool interval, int segments, int check_segments);
 enum class HybridMix { Straight, Polynomial };
+// The references of a simplex. Those that a polynomial mixes are Chebyshev's points, stretched so that the outermost
+// two are the ends: of all nodes that include both ends, they keep the product of the distances to all nodes smallest,
+// which bounds a polynomial's error. An interval's are rounded to the grid of `check_segments`-ths.
+std::vector<Shares> hybridNodes(bool interval, int segments, int check_segments, HybridMix mix);
 // Coefficient of every node at a point.
 std::vector<double> hybridCoefficients(std::span<const Shares> nodes, int segments, HybridMix mix, const Shares& at);
 

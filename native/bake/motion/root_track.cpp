@@ -4,7 +4,9 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
+#include <set>
 
 namespace fourdvt::bake {
 namespace {
@@ -20,8 +22,14 @@ constexpr double kFewStand = 0.3;    // share of the most weight that ever stand
 constexpr double kSmoothness = 0.1;  // weight of smooth steps against contacts of certainty 1
 constexpr double kDeclared = 0.05;   // certainty of the declared velocity, which decides where there is no contact
 constexpr double kAgreement = 0.2;   // share of the declared speed within which the measured one agrees
+constexpr double kLeastStand = 0.1;  // weight below which a vertex does not stand
+constexpr int kLongestStand = 32;    // steps after which a contact counts as another one
+// steadySteps: rounds, and the weight of contacts that stay in place, where most stands, in the first and the last.
+constexpr int kRounds = 8;
+constexpr double kLeastSteadiness = 1, kMostSteadiness = 10;
 
 struct Candidate {  // a vertex near the ground, from one frame to the next
+  uint32_t vertex = 0;
   float height = 0;
   glm::vec3 moved{0};
 };
@@ -63,7 +71,7 @@ Result<std::vector<std::vector<Candidate>>> findCandidates(const capture::Captur
     const Positions& after = next;
     for (size_t v = 0; v < before.size(); ++v) {
       const float height = 0.5f * (before[v].y + after[v].y) - ground;
-      if (height < kLow) candidates[t].push_back({std::max(height, 0.f), after[v] - before[v]});
+      if (height < kLow) candidates[t].push_back({uint32_t(v), std::max(height, 0.f), after[v] - before[v]});
     }
     before = std::move(next);
   }
@@ -140,6 +148,152 @@ void smoothSteps(std::vector<Step>& steps, bool loop, const glm::dvec2* declared
   for (int t = 0; t < count; ++t) steps[t].metres = {solved(t, 0), solved(t, 1)};
 }
 
+// How far the character must travel between frames so that the vertices that stand in all of them do not slide.
+class Contacts {
+ public:
+  Contacts(const std::vector<std::vector<Candidate>>& candidates, const std::vector<Step>& steps, bool loop, double fps)
+      : count_(int(candidates.size())), pairs_(candidates.size() * kLongestStand), weight_at_(candidates.size()) {
+    const auto standingAt = [&](int t) {
+      std::vector<Stand> stands;
+      for (const Candidate& c : candidates[size_t(t)]) {
+        const glm::dvec2 moved(c.moved.x, c.moved.z), slide = moved + steps[size_t(t)].metres;
+        const double weight = standing(c, fps) * std::exp(-glm::dot(slide, slide) / square(kSlow_mps / fps));
+        if (weight > kLeastStand) stands.push_back({c.vertex, weight, moved});
+      }
+      return stands;
+    };
+    std::map<uint32_t, int> steps_of;  // [vertex] in how many steps it stands
+    std::set<uint32_t> at_end;         // what stands in the last step
+    for (int t = 0; loop && t < count_; ++t)
+      for (const Stand& stand : standingAt(t)) {
+        ++steps_of[stand.vertex];
+        if (t + 1 == count_) at_end.insert(stand.vertex);
+      }
+    const auto alwaysStands = [&](uint32_t vertex) { return steps_of[vertex] == count_; };
+    // A loop is gone through twice. A contact across its end is found whole, where it begins in the first pass; what
+    // always stands is one contact as long as the loop.
+    std::map<uint32_t, Contact> open;
+    for (int t = 0; t < (loop ? 2 : 1) * count_; ++t) {
+      std::map<uint32_t, Contact> still;
+      for (const Stand& now : standingAt(t % count_)) {
+        if (t >= count_ && (!open.contains(now.vertex) || alwaysStands(now.vertex))) continue;
+        const bool began_before = loop && t == 0 && at_end.contains(now.vertex) && !alwaysStands(now.vertex);
+        Contact contact{t, began_before, {glm::dvec2(0)}, {now.weight}};
+        if (auto known = open.extract(now.vertex); !known.empty()) contact = std::move(known.mapped());
+        contact.weight.back() = (contact.weight.back() + now.weight) / 2;
+        contact.moved.push_back(contact.moved.back() + now.moved);
+        contact.weight.push_back(now.weight);
+        if (contact.moved.size() > kLongestStand) {
+          add(contact);
+          contact = {t + 1, contact.began_before, {glm::dvec2(0)}, {now.weight}};
+        }
+        still.emplace(now.vertex, std::move(contact));
+      }
+      for (const auto& [vertex, contact] : open) add(contact);
+      open = std::move(still);
+    }
+    for (const auto& [vertex, contact] : open) add(contact);
+  }
+
+  // Calls use(frame, later frame, metres to travel, weight); at the frame where most stands, the weights of the
+  // vertices sum to 1.
+  template <typename Use>
+  void forEachPair(const Use& use) const {
+    const double most = std::max(1e-9, *std::max_element(weight_at_.begin(), weight_at_.end()));
+    for (int t = 0; t < count_; ++t)
+      for (int later = 1; later <= kLongestStand; ++later) {
+        const Pair& pair = pairs_[size_t(t * kLongestStand + later - 1)];
+        if (pair.weight > 0) use(t, t + later, -pair.moved / pair.weight, pair.weight / most);
+      }
+  }
+
+ private:
+  struct Stand {  // of a vertex, from one frame to the next
+    uint32_t vertex = 0;
+    double weight = 0;
+    glm::dvec2 moved{0};
+  };
+  struct Contact {
+    int first = 0;                  // frame; of a loop's second pass too
+    bool began_before = false;      // frame 0: the second pass finds it whole
+    std::vector<glm::dvec2> moved;  // [frame] since the first
+    std::vector<double> weight;     // [frame]
+  };
+  struct Pair {
+    double weight = 0;
+    glm::dvec2 moved{0};  // times the weight
+  };
+
+  // Σ ω_i |q_i − mean|² = Σ_{i<j} ω_i ω_j / Σω |q_i − q_j|²: a contact is as many pairs of its frames.
+  void add(const Contact& contact) {
+    if (contact.began_before) return;
+    const double sum = std::accumulate(contact.weight.begin(), contact.weight.end(), 0.0);
+    for (size_t i = 0; i < contact.weight.size(); ++i) {
+      weight_at_[size_t(contact.first + int(i)) % weight_at_.size()] += contact.weight[i];
+      for (size_t j = i + 1; j < contact.weight.size(); ++j) {
+        const double weight = contact.weight[i] * contact.weight[j] / sum;
+        Pair& pair = pairs_[(size_t(contact.first) + i) % weight_at_.size() * kLongestStand + (j - i - 1)];
+        pair.weight += weight;
+        pair.moved += weight * (contact.moved[j] - contact.moved[i]);
+      }
+    }
+  }
+
+  int count_;
+  std::vector<Pair> pairs_;        // [frame][later]
+  std::vector<double> weight_at_;  // [frame] sum of the vertices' weights
+};
+
+// Steps that keep each contact in one place as a whole. The steps of single frames, which it starts from, drift: their
+// errors add up.
+void steadySteps(std::vector<Step>& steps, const std::vector<std::vector<Candidate>>& candidates, bool loop, double fps,
+                 const glm::dvec2* declared) {
+  const int count = int(steps.size());
+  for (int round = 0; round < kRounds; ++round) {
+    const double steadiness =
+        kLeastSteadiness * std::pow(kMostSteadiness / kLeastSteadiness, double(round) / (kRounds - 1));
+    std::vector<Eigen::Triplet<double>> entries;
+    Eigen::MatrixX2d right = Eigen::MatrixX2d::Zero(count, 2);
+    // Unknown t is the place at frame t + 1; frame 0 is at 0, and after a loop's end places go on from there.
+    using Form = std::vector<std::pair<int, double>>;
+    const auto place = [&](int frame, double factor, Form& form) {
+      const int passes = frame / count, rest = frame % count;
+      if (passes > 0) form.emplace_back(count - 1, passes * factor);
+      if (rest > 0) form.emplace_back(rest - 1, factor);
+    };
+    const auto travel = [&](int from, int to) {
+      Form form;
+      place(to, 1, form);
+      place(from, -1, form);
+      return form;
+    };
+    const auto want = [&](const Form& form, const glm::dvec2& metres, double weight) {  // weight |form − metres|²
+      for (const auto& [i, a] : form) {
+        for (const auto& [j, b] : form) entries.emplace_back(i, j, weight * a * b);
+        right.row(i) += weight * a * Eigen::RowVector2d(metres.x, metres.y);
+      }
+    };
+    for (int t = 0; t < count; ++t) {
+      want(travel(t, t + 1), declared ? *declared : glm::dvec2(0), declared ? kDeclared : 1e-9);
+      if (t + 1 == count && !loop) continue;
+      Form bend = travel(t + 1, t + 2);
+      for (const auto& [i, factor] : travel(t, t + 1)) bend.emplace_back(i, -factor);
+      want(bend, glm::dvec2(0), kSmoothness);
+    }
+    Contacts(candidates, steps, loop, fps).forEachPair([&](int from, int to, const glm::dvec2& metres, double weight) {
+      want(travel(from, to), metres, steadiness * weight);
+    });
+    Eigen::SparseMatrix<double> matrix(count, count);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    const Eigen::MatrixX2d places = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(matrix).solve(right);
+    for (int t = 0; t < count; ++t) {
+      Eigen::RowVector2d step = places.row(t);
+      if (t > 0) step -= places.row(t - 1);
+      steps[size_t(t)].metres = {step.x(), step.y()};
+    }
+  }
+}
+
 }  // namespace
 
 Result<std::vector<glm::vec3>> rootTrack(const capture::Capture& capture, const capture::CaptureSequence& sequence,
@@ -153,6 +307,7 @@ Result<std::vector<glm::vec3>> rootTrack(const capture::Capture& capture, const 
   glm::dvec2 travel(0);
   for (const auto& frame : candidates) steps.push_back(solveStep(frame, capture.fps, usual));
   smoothSteps(steps, sequence.loop, is_declared ? &declared : nullptr);
+  steadySteps(steps, candidates, sequence.loop, capture.fps, is_declared ? &declared : nullptr);
   for (const Step& step : steps) travel += step.metres;
   const double count = double(steps.size());
   if (is_declared && glm::length(travel / count - declared) > kAgreement * glm::length(declared)) {

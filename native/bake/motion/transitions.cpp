@@ -267,10 +267,11 @@ Result<std::vector<uint8_t>> buildMotionGraph(const std::vector<TransitionState>
   std::vector<std::vector<motion::Entry>> tables(states.size() * states.size());
   if (states.empty()) return motion::writeMotionGraph(described, tables);
   FOURDVT_ASSIGN(auto pose, states[0].positions(0, 0));
-  const std::vector<uint32_t> vertices =
-      spreadVertices(pose, size_t(std::max(options.features, options.step_features)));
   size_t samples = 0, done = 0;
   for (const TransitionState& state : states) samples += state.weight_rows.size() * state.frame_count;
+  const int64_t affordable = options.step_bytes / int64_t(std::max<size_t>(samples, 1) * sizeof(glm::vec3));
+  const std::vector<uint32_t> vertices = spreadVertices(
+      pose, size_t(std::max(int64_t(options.features), std::min(int64_t(options.step_features), affordable))));
   // Every sample is measured once and then compared with every other state.
   const KeepOn keep_on = [&] { return progress(double(done++) / double(samples * states.size())); };
   std::vector<Features> features;

@@ -38,14 +38,16 @@ struct TransitionOptions {
   double fade_cost_mm_per_s = 20;   // per second beyond the shortest fade: a longer one must be worth it
   double hold_cost_mm_per_s = 100;  // per second that a source that does not loop stands on its last frame
   PopOptions pop;
-  double max_pop = 1;          // the ratio to the motions' own steps up to which a pop costs nothing
-  double pop_cost_mm = 10000;  // per ratio of 1 beyond max_pop: pops are the last resort
-  int features = 400;          // vertices that the fit compares, spread over the surface
-  int step_features = 4000;    // vertices whose steps are compared
+  double max_pop = 1;           // the ratio to the motions' own steps up to which a pop costs nothing
+  double pop_cost_mm = 100000;  // per ratio of 1 beyond max_pop: pops are the last resort
+  int features = 400;           // vertices that the fit compares, spread over the surface
+  // Most vertices whose steps are compared; fewer where those of all frames and rows would take more than `step_bytes`.
+  int step_features = 20000;
+  int64_t step_bytes = 256 << 20;
 };
 
-// Returns the bytes of the graph's file (motion/motion_graph.h). Memory: features per frame and row, but no meshes.
-// Errors: those of the callbacks, Interrupted (progress returned false).
+// Returns the bytes of the graph's file (motion/motion_graph.h). Memory: per frame and row the features and the
+// vertices whose steps are compared. Errors: those of the callbacks, Interrupted (progress returned false).
 Result<std::vector<uint8_t>> buildMotionGraph(const std::vector<TransitionState>& states,
                                               const TransitionOptions& options,
                                               const std::function<bool(double)>& progress);

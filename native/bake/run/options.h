@@ -18,7 +18,7 @@ namespace fourdvt::bake {
 struct MotionClassOptions {
   bool bake = true;                  // each class becomes one more sequence of the character
   bool align = true;                 // what the members show is aligned on the surface, at bake time
-  double blend_error_m = 0.003;      // largest vertex distance of the hybrid mesh blend from the non-linear one
+  double blend_error_m = 0.001;      // largest vertex distance of the hybrid mesh blend from the non-linear one
   double alignment_step_m = 0.0001;  // quantisation of the alignment
 };
 
@@ -38,7 +38,7 @@ struct BakeOptions {
   std::optional<package::AppearanceKind> appearance;  // none: layers where the meshes allow it, else cameras
   int layers = 3;                                     // texture layers, 1..6
   int texture = 1024;                                 // texels, side of layer 1; further layers: see equal_layers
-  int crf = 28;                                       // constant rate factor on the codec's own scale, lower is better
+  int crf = 29;                                       // constant rate factor on the codec's own scale, lower is better
   int gop = 20;                      // the largest number of frames per GOP; lengths in a sequence differ by at most 1
   int jobs = 0;                      // worker threads; 0: as many as cores
   bool resume = false;               // reuse GOPs that an interrupted run with the same settings finished

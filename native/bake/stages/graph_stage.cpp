@@ -30,15 +30,21 @@ std::vector<std::pair<size_t, size_t>> neighbours(const ClassPlan& plan) {
 // Presents one stream as a state of the graph.
 class State {
  public:
-  State(const StreamPlan& plan, std::vector<std::vector<float>> weights, const ReadPositions& read,
+  State(const Job& job, const StreamPlan& plan, std::vector<std::vector<float>> weights, const ReadPositions& read,
         const NonlinearBlend* blend)
-      : plan_(plan), weights_(std::move(weights)), read_(read), blend_(blend) {}
+      : plan_(plan),
+        weights_(std::move(weights)),
+        read_(read),
+        blend_(blend),
+        origin_(job.bounds.min),
+        step_m_(double(float(job.options.position_step_m))) {}
 
   Status loadAtlases(const WorkFolder& work);
   TransitionState description() const;
 
  private:
   Result<Positions> positions(uint32_t row, uint32_t frame) const;
+  Positions asStreamed(Positions positions) const;
   glm::vec3 root(uint32_t row, uint32_t frame) const;
   Image atlas(uint32_t row, uint32_t frame) const;
 
@@ -46,6 +52,8 @@ class State {
   const std::vector<std::vector<float>> weights_;  // [row][member]
   const ReadPositions& read_;
   const NonlinearBlend* blend_;
+  const glm::dvec3 origin_;  // of the grid that streamed vertices lie on
+  const double step_m_;
   std::vector<Image> atlases_;  // [frame][member]
 };
 
@@ -77,15 +85,23 @@ TransitionState State::description() const {
 
 Result<Positions> State::positions(uint32_t row, uint32_t frame) const {
   const auto& members = plan_.motion.members;
-  if (!plan_.isClass()) return read_(*members[0].source, frame);
+  if (!plan_.isClass()) {
+    FOURDVT_ASSIGN(auto mesh, read_(*members[0].source, frame));
+    return asStreamed(std::move(mesh));
+  }
   const std::vector<float>& weights = weights_[row];
   std::vector<Positions> meshes;
   for (size_t m = 0; m < members.size(); ++m) {
-    auto mesh = memberPositions(members[m], frame, read_);
-    if (!mesh || weights[m] == 1) return mesh;
-    meshes.push_back(mesh.take());
+    FOURDVT_ASSIGN(auto mesh, memberPositions(members[m], frame, read_));
+    meshes.push_back(asStreamed(std::move(mesh)));
+    if (weights[m] == 1) return std::move(meshes.back());
   }
   return blend_->blend(meshes, weights);
+}
+
+Positions State::asStreamed(Positions positions) const {
+  for (glm::vec3& p : positions) p = origin_ + step_m_ * glm::round((glm::dvec3(p) - origin_) / step_m_);
+  return positions;
 }
 
 glm::vec3 State::root(uint32_t row, uint32_t frame) const {
@@ -132,7 +148,7 @@ Result<std::vector<uint8_t>> makeGraph(BakeRun& run) {
   states.reserve(job.streams.size());  // the descriptions point into it
   std::vector<TransitionState> descriptions;
   for (const StreamPlan& plan : job.streams) {
-    states.emplace_back(plan, graphWeights(plan.motion), read, blend.get());
+    states.emplace_back(job, plan, graphWeights(plan.motion), read, blend.get());
     FOURDVT_TRY(states.back().loadAtlases(run.work));
     descriptions.push_back(states.back().description());
   }

@@ -11,7 +11,7 @@ namespace fourdvt::study {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kMostBlendMm = 3, kMostFlowPx = 0.3, kLeastGradient = 0.95, kMostCost = 1.3, kMostLatency_s = 0.4;
+constexpr double kMostBlendMm = 1, kMostFlowPx = 0.3, kLeastGradient = 0.95, kMostCost = 1.3, kMostLatency_s = 0.4;
 // Pictures have whole levels: this share of a mean change of 40, a tenth of a level, is rounding.
 constexpr double kChangeRounding = 0.0025;
 
@@ -28,7 +28,7 @@ double largest(const StudyValues& v, const char* table, const char* quantity, co
 
 Judgement blendGoal(const StudyValues& v) {
   const double error = v.mean(rows::kMotionBlend, rows::kHybrid, "baked=1", rows::kErrorMaxMm);
-  return judged("Hybrid mesh blend, as baked: at most 3 mm from the non-linear one", error, error <= kMostBlendMm,
+  return judged("Hybrid mesh blend, as baked: at most 1 mm from the non-linear one", error, error <= kMostBlendMm,
                 fixed<2>(error) + " mm", "See the table for what more corrections would leave.");
 }
 

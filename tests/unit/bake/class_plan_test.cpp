@@ -259,10 +259,10 @@ TEST(ClassPlan, ReferencesKeepTheBlendsBound) {
   const Tubes tubes({0.1, 2.2});
   const ClassPlan plan = tubes.plan({});
   EXPECT_GT(plan.linear_error_m, 0.05);
-  EXPECT_LT(plan.hybrid_error_m, 0.003);
+  EXPECT_LT(plan.hybrid_error_m, ClassOptions().blend_error_m);
   EXPECT_GE(plan.reference_weights.size(), 1u);
   EXPECT_LE(plan.reference_weights.size(), 4u);
-  EXPECT_LT(shownError(tubes, plan, {{0.33}, {0.777}, {1.2}, {1.61}, {2.02}}), 0.0036);
+  EXPECT_LT(shownError(tubes, plan, {{0.33}, {0.777}, {1.2}, {1.61}, {2.02}}), 1.2 * ClassOptions().blend_error_m);
   ClassOptions few;
   few.max_references = 1;
   few.blend_error_m = 1e-6;
@@ -278,11 +278,11 @@ TEST(ClassPlan, ThreeMembersFollowOneAnother) {
   const Tubes tubes({0.1, 2.2, 1.0});
   const ClassPlan plan = tubes.plan({});
   EXPECT_EQ(plan.manifest[1].name, "c");
-  EXPECT_LT(plan.hybrid_error_m, 0.003);
+  EXPECT_LT(plan.hybrid_error_m, ClassOptions().blend_error_m);
   const auto weights = motion::weightsAt(manifestOf(plan), std::vector<double>{1.6});
   EXPECT_NEAR(weights.members[0], 0, 1e-6);
   EXPECT_NEAR(weights.members[1], 0.5, 1e-5);
-  EXPECT_LT(shownError(tubes, plan, {{0.4}, {0.9}, {1.3}, {1.9}}), 0.0036);
+  EXPECT_LT(shownError(tubes, plan, {{0.4}, {0.9}, {1.3}, {1.9}}), 1.2 * ClassOptions().blend_error_m);
 }
 
 TEST(ClassPlan, TwoParametersMakeTriangles) {

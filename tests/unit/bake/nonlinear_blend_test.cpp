@@ -150,7 +150,7 @@ TEST(HybridBlend, ReferencesAreJoinedAndMoreLeaveLess) {
     EXPECT_GT(errors.of(1).max_m, 0.05);
     for (int segments = 2; segments <= 4; ++segments)
       EXPECT_LT(errors.of(segments).max_m, 0.6 * errors.of(segments - 1).max_m) << segments;
-    const auto nodes = hybridNodes(true, 4, 16);
+    const auto nodes = hybridNodes(true, 4, 16, mix);
     ASSERT_EQ(nodes.size(), 3u);
     for (size_t n = 0; n < 3; ++n) {
       const auto at_node = hybridCoefficients(nodes, 4, mix, nodes[n]);
@@ -160,8 +160,33 @@ TEST(HybridBlend, ReferencesAreJoinedAndMoreLeaveLess) {
   }
 }
 
+// The product of the distances to all nodes bounds the error of the polynomial through them.
+TEST(HybridBlend, PolynomialsStrayLeastWithStretchedChebyshevPoints) {
+  const auto largestProduct = [](std::span<const Shares> nodes) {
+    double largest = 0;
+    for (int i = 0; i <= 1000; ++i) {
+      double product = 1e-3 * i * (1 - 1e-3 * i);
+      for (const Shares& node : nodes) product *= 1e-3 * i - node.y;
+      largest = std::max(largest, std::abs(product));
+    }
+    return largest;
+  };
+  for (int segments = 3; segments <= 6; ++segments) {
+    const auto even = hybridNodes(true, segments, 10'000, HybridMix::Straight);
+    auto stretched = hybridNodes(true, segments, 10'000, HybridMix::Polynomial);
+    const double least = largestProduct(stretched);
+    EXPECT_LT(least, 0.9 * largestProduct(even)) << segments;
+    for (Shares& node : stretched)
+      for (const double moved : {-0.01, 0.01}) {
+        node.y += moved;
+        EXPECT_GT(largestProduct(stretched), least) << segments;
+        node.y -= moved;
+      }
+  }
+}
+
 TEST(HybridBlend, TrianglesMixTheReferencesRoundAPoint) {
-  const auto nodes = hybridNodes(false, 2, 12);
+  const auto nodes = hybridNodes(false, 2, 12, HybridMix::Straight);
   ASSERT_EQ(nodes.size(), 3u);
   double sum = 0;  // amid the three edges' middles, they share everything
   for (double c : hybridCoefficients(nodes, 2, HybridMix::Straight, Shares(1) / 3.0)) sum += c;

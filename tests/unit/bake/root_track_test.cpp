@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+#include <random>
+
 #include "motion_shapes.h"
 
 namespace fourdvt::bake {
@@ -53,6 +56,69 @@ TEST(RootTrack, FollowsASpeedThatVariesWithinThePass) {
     constant.emplace_back(0, 1.2 * t / 25, 0);
   }
   EXPECT_LT(skate(walker, found).max_m, 0.3 * skate(walker, constant).max_m);
+}
+
+// How far the track is from `travelled`, metres along z, in the mean over frames and 20 runs, if every vertex of
+// `frame` jitters by up to 6 mm in every frame.
+double jitteredError(const Walker& walker, const std::function<Positions(uint32_t)>& frame,
+                     const std::function<double(uint32_t)>& travelled) {
+  constexpr int kRuns = 20;
+  double sum = 0;
+  uint32_t count = 0;
+  for (uint32_t seed = 1; seed <= kRuns; ++seed) {
+    std::vector<Positions> frames;
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<float> jitter_m(-0.006f, 0.006f);
+    for (uint32_t t = 0; t < walker.sequence.frame_count; ++t) {
+      frames.push_back(frame(t));
+      for (glm::vec3& p : frames.back()) p += glm::vec3(jitter_m(random), 0, jitter_m(random));
+    }
+    const ReadPositions read = [&](const capture::CaptureSequence&, uint32_t t) {
+      return Result<Positions>(frames[t]);
+    };
+    const auto found = rootTrack(walker.capture, walker.sequence, read).value();
+    for (uint32_t t = 0; t < found.size(); ++t) sum += std::abs(found[t].y - travelled(t));
+    count = uint32_t(found.size());
+  }
+  return sum / (kRuns * count);
+}
+
+// The errors of steps that are measured frame by frame add up; a contact as a whole averages them. `first_share` 0.2:
+// what stands at the pass's end stands at its beginning.
+TEST(RootTrack, JitterDoesNotAddUpToADrift) {
+  for (const double first_share : {0.0, 0.2}) {
+    Walker walker("walk", 1.2, 28);
+    walker.first_share = first_share;
+    const double error_m = jitteredError(
+        walker, [&](uint32_t t) { return walker.frame(t); },
+        [&](uint32_t t) { return walker.travelled(first_share + t / 28.0) - walker.travelled(first_share); });
+    EXPECT_LT(error_m, first_share == 0 ? 0.003 : 0.0035) << first_share;
+  }
+}
+
+// Both feet stay where they are while the body, and with it the character's frame, sways: contacts as long as the loop
+// and longer than the longest that are followed in one piece, and without a loop.
+TEST(RootTrack, FeetThatAlwaysStandShowHowTheBodySways) {
+  for (const uint32_t frames : {20u, 60u, 400u}) {
+    Walker walker("sway", 0, frames);
+    walker.sequence.loop = frames < 400;
+    const double passes = walker.sequence.loop ? 1 : 8;
+    const auto sway = [&](uint32_t t) { return 0.05 * std::sin(kTau * passes * t / frames); };
+    const double error_m = jitteredError(
+        walker,
+        [&](uint32_t t) {
+          Positions standing = walker.pose(0);
+          for (glm::vec3& p : standing) p.z -= float(sway(t));
+          return standing;
+        },
+        sway);
+    EXPECT_LT(error_m, 0.003) << frames;
+  }
+}
+
+TEST(RootTrack, AShortLoopStands) {
+  const Walker walker("stand", 0, 3);
+  EXPECT_LT(glm::length(track(walker).back()), 1e-4);
 }
 
 TEST(RootTrack, ADeclaredVelocityFarFromTheFeetWins) {
