@@ -14,10 +14,10 @@ const std::vector<Quality>& qualities() {
   // dB. At every bitrate 1024 texels beat 512 (2.67 Mbit/s 0.729), and 1536 or 2048 gain nothing below 10 Mbit/s with
   // H.264; with AV1 2048 at CRF 50 gives 0.819 at 4.51 Mbit/s.
   static const std::vector<Quality> table{
-      {"draft", "small and fast to bake, about 2 Mbit/s", 1024, 3, {36, 52, 52}, {"veryfast", "5", "7"}},
+      {"draft", "small and fast to bake, about 2 Mbit/s", 1024, 3, {37, 52, 52}, {"veryfast", "5", "7"}},
       // The default: BakeOptions repeats its values for H.264, and quality_test.cpp compares them.
-      {"web", "for pages, about 5 Mbit/s of video", 1024, 3, {28, 46, 40}, {"slow", "3", "6"}},
-      {"high", "close to the uncompressed layers, about 10 Mbit/s", 1024, 3, {23, 34, 34}, {"slow", "3", "6"}},
+      {"web", "for pages, about 5 Mbit/s of video", 1024, 3, {29, 46, 40}, {"slower", "3", "6"}},
+      {"high", "close to the uncompressed layers, about 10 Mbit/s", 1024, 3, {24, 34, 34}, {"slower", "3", "6"}},
   };
   return table;
 }

@@ -49,8 +49,8 @@ float lostDetail(const Part& part) {
 }
 
 LayeredVariant variantOf(const CharacterModel& model, const Part& part, const DrawOptions& options) {
-  return {model.layer_count,    static_cast<int>(part.members.size()), part.look->picture->kind,
-          options.recipe.debug, isSharpened(options.recipe),           isAligned(part, options)};
+  return {model.layer_count, static_cast<int>(part.members.size()), part.look->picture->kind, options.recipe.debug,
+          isAligned(part, options)};
 }
 
 std::string definesOf(const LayeredVariant& variant) {
@@ -59,7 +59,6 @@ std::string definesOf(const LayeredVariant& variant) {
   defines += "MAX_CAMERAS " + std::to_string(package::kMaxCameras) + "\n";
   if (variant.kind == PictureTextures::Kind::I420) defines += "PICTURE_I420\n";
   if (variant.aligned) defines += "ALIGNED\n";
-  if (variant.sharpened) defines += "SHARPENED\n";
   if (variant.debug != DebugView::None)
     defines += "DEBUG_VIEW " + std::to_string(static_cast<int>(variant.debug)) + "\n";
   return defines;
@@ -90,6 +89,7 @@ void LayeredPass::draw(gpu::Device& device, const CharacterModel& model, const P
   const std::vector<glm::vec4> rects = layerRects(part);
   std::vector<glm::vec4> members;
   for (const WeightedMember& member : part.members) members.emplace_back(member.member, member.weight, 0, 0);
+  const glm::vec2 exponents(options.recipe.facing_exponent, options.recipe.view_exponent);
   const float detail = options.recipe.keep_detail ? lostDetail(part) : 0.0f;
   gpu::Draw draw{
       .program = programs_.at(variantOf(model, part, options)).id(),
@@ -97,7 +97,7 @@ void LayeredPass::draw(gpu::Device& device, const CharacterModel& model, const P
       .uniforms = {gpu::uniform("u_clip_from_character", view.clip_from_character),
                    gpu::uniform("u_eye", view.eye_in_character),
                    gpu::uniform("u_camera_centres", std::span<const glm::vec4>(model.camera_centres)),
-                   gpu::uniform("u_view_exponent", options.recipe.view_exponent),
+                   gpu::uniform("u_exponents", exponents),
                    gpu::uniform("u_members", std::span<const glm::vec4>(members)), gpu::uniform("u_detail", detail),
                    gpu::uniform("u_vertex_count", vertex_count), gpu::uniform("u_face_count", face_count),
                    gpu::uniform("u_layer_rects", std::span<const glm::vec4>(rects)),

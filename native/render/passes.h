@@ -35,8 +35,6 @@ std::vector<Part> partsOf(const Figure& figure, const DrawOptions& options);
 // Errors: InvalidArgument.
 Status checkFigure(const Figure& figure, const RecipeOptions& options);
 
-inline bool isSharpened(const RecipeOptions& options) { return options.view_exponent != 1.0f; }
-
 // The view in the frame of the figure's character.
 CharacterView viewOfFigure(const View& view, const Figure& figure);
 
@@ -70,7 +68,7 @@ struct LayeredVariant {
   int layers = 1, members = 1;
   PictureTextures::Kind kind = PictureTextures::Kind::I420;
   DebugView debug = DebugView::None;
-  bool sharpened = false, aligned = false;
+  bool aligned = false;
   auto operator<=>(const LayeredVariant&) const = default;
 };
 

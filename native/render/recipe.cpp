@@ -66,8 +66,7 @@ class RecipeOnDevice final : public Recipe {
 
   Result<bool> makeNextProgram(int layer_count, int most_members, bool aligned, PictureTextures::Kind kind,
                                const DrawOptions& options) override {
-    LayeredVariant variant{
-        .layers = layer_count, .kind = kind, .debug = options.recipe.debug, .sharpened = isSharpened(options.recipe)};
+    LayeredVariant variant{.layers = layer_count, .kind = kind, .debug = options.recipe.debug};
     for (; variant.members <= most_members; ++variant.members) {
       variant.aligned = aligned && variant.members > 1 && options.align == Align::Baked;
       if (layered().has(variant)) continue;
@@ -85,7 +84,8 @@ class RecipeOnDevice final : public Recipe {
   Status check(std::span<const Figure> figures, const View& view, const DrawOptions& options) const {
     const auto invalid = [](const char* message) { return Error{ErrorId::InvalidArgument, message}; };
     if (view.width < 1 || view.height < 1) return invalid("the view is empty; give it a width and a height");
-    if (!(options.recipe.view_exponent > 0)) return invalid("view_exponent must be positive");
+    if (!(options.recipe.facing_exponent > 0 && options.recipe.view_exponent > 0))
+      return invalid("facing_exponent and view_exponent must be positive");
     if (options.align == Align::Flow && !flow_)
       return Error{ErrorId::Unsupported, "alignment by flow needs a flow; call setFlow"};
     for (const Figure& figure : figures) {

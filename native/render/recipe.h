@@ -25,7 +25,8 @@ struct RecipeOptions {
   DebugView debug = DebugView::None;
   int debug_layer = 0;
   bool keep_detail = true;  // gives aligned blends back the contrast that their mean loses
-  float view_exponent = 1;  // sharpens the blend towards the cameras nearest to the view; 1: LVDT Eq. 3
+  // Of the blend's two cosines: how squarely a camera sees the surface, and how near it is to the view. 1: LVDT Eq. 3.
+  float facing_exponent = 2, view_exponent = 2;
 };
 
 // How the members' appearance is brought together (4DVT 5). None: plain blend. Baked: texture coordinates move by the

@@ -7,12 +7,10 @@ out vec4 o_color;
 uniform vec4 u_members[MEMBERS];  // per drawn member m: its number in the appearance, its weight
 uniform vec3 u_eye;
 uniform vec4 u_camera_centres[MAX_CAMERAS];
-#ifdef SHARPENED
-uniform float u_view_exponent;  // RecipeOptions::view_exponent, which sharpens the view term; not SHARPENED: 1
-#endif
+uniform vec2 u_exponents;  // RecipeOptions::facing_exponent, view_exponent
 
 // Below this sum of weights the first rank takes over.
-const float kMinSum = 1e-4;
+const float kMinSum = 1e-8;
 
 uint labelOf(int m, int rank) { return (v_labels[m] >> uint(5 * rank)) & kEmpty; }
 
@@ -23,8 +21,5 @@ float rankWeight(int m, int rank, vec3 normal, vec3 to_eye) {
   vec3 direction = normalize(u_camera_centres[labelOf(m, rank)].xyz - v_point);
   float facing = max(dot(normal, direction), 0.0);
   float viewing = max(dot(direction, to_eye), 0.0);
-#ifdef SHARPENED
-  viewing = pow(viewing, u_view_exponent);
-#endif
-  return mask * facing * viewing;
+  return mask * pow(facing, u_exponents.x) * pow(viewing, u_exponents.y);
 }

@@ -24,7 +24,7 @@ void rankShares(int m, vec3 normal, vec3 to_eye, out float shares[LAYERS]) {
   shares[0] += missing;
   sum += missing;
   for (int rank = 0; rank < LAYERS; ++rank)
-    shares[rank] = mix(shares[rank] / sum, fields[rank] / max(field_sum, 1e-6), share);
+    shares[rank] = mix(shares[rank] / sum, fields[rank] / max(field_sum, kMinSum * kMinSum), share);
 }
 
 #include "layered_shade.glsl"

@@ -56,7 +56,8 @@ TEST_F(Blend, membersHaveLabelsAndTilesOfTheirOwn) {
         glm::dvec3 color(0);
         double sum = 0;
         for (int rank = 0; rank < 2; ++rank) {
-          const double weight = testing::eq3(quad.scene.character.cameras[labels[member][rank]], front, point, 1);
+          const double weight =
+              testing::eq3(quad.scene.character.cameras[labels[member][rank]], front, point, plainOptions());
           color += weight * colors[2 * member + rank];
           sum += weight;
         }

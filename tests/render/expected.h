@@ -40,11 +40,13 @@ inline glm::dvec3 pointOnPlane(const PinholeCamera& camera, int x, int y) {
   return eye - ray * (eye.z / ray.z);
 }
 
-// LVDT Eq. 3 with the corrected sign for the normal +Z.
-inline double eq3(const PinholeCamera& camera, const PinholeCamera& view, const glm::dvec3& point, double exponent) {
+// LVDT Eq. 3 with the corrected sign for the normal +Z, to the options' powers.
+inline double eq3(const PinholeCamera& camera, const PinholeCamera& view, const glm::dvec3& point,
+                  const render::RecipeOptions& options) {
   const glm::dvec3 d = glm::normalize(camera.centreInWorld() - point);
   const glm::dvec3 v = glm::normalize(view.centreInWorld() - point);
-  return std::max(d.z, 0.0) * std::pow(std::max(glm::dot(d, v), 0.0), exponent);
+  return std::pow(std::max(d.z, 0.0), options.facing_exponent) *
+         std::pow(std::max(glm::dot(d, v), 0.0), options.view_exponent);
 }
 
 inline void expectColor(const Image& picture, int x, int y, const glm::dvec3& expected, double tolerance) {

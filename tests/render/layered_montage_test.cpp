@@ -48,6 +48,7 @@ Scene squareScene(std::array<uint8_t, 2> left, std::array<uint8_t, 2> right) {
 class LayeredMontageTest : public GlFixture {
  protected:
   const PinholeCamera view_ = lookAt({0.2, 1, 2.5}, {0, 1, 0}, 320, 40, 900);
+  float exponent_ = 1;  // both powers of the plain blend; by 1 camera 1 is seen right up to the seam
 
   void show(const Scene& scene) {
     scene_ = scene;
@@ -69,6 +70,7 @@ class LayeredMontageTest : public GlFixture {
     const render::Figure figure{&still_->figure.model, {&look, 1}};
     const render::View seen = render::viewFromCamera(view);
     render::DrawOptions options{.recipe = plainOptions()};
+    options.recipe.facing_exponent = options.recipe.view_exponent = exponent_;
     options.method.elapsed_s = elapsed_s;
     const Image image = drawnImage(*device, seen, [&](gpu::TargetId target) {
       return still_->recipe->draw({&figure, 1}, nullptr, seen, options, target);
@@ -125,6 +127,7 @@ TEST_F(LayeredMontageTest, TheSameSetEverywhereHasNoSeam) {
 
 // One camera on each side: at the seam no field is left.
 TEST_F(LayeredMontageTest, ThePlainBlendTakesOverWhereNoFieldIsLeft) {
+  exponent_ = 2;
   show(squareScene({0, package::kNoCamera}, {package::kNoCamera, 1}));
   const Image plain = draw(view_);
   useMontage();

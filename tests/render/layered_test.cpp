@@ -24,13 +24,14 @@ using testing::pointOnPlane;
 
 const std::vector<glm::dvec3> kColors = {{230, 30, 60}, {20, 200, 90}, {70, 40, 250}};
 
-void checkBlend(const Image& picture, const Scene& scene, const PinholeCamera& view, int layers, double exponent) {
+void checkBlend(const Image& picture, const Scene& scene, const PinholeCamera& view, int layers,
+                const RecipeOptions& options) {
   for (const auto& [x, y] : {std::pair(40, 50), {100, 100}, {150, 60}, {60, 160}, {130, 140}, {99, 35}}) {
     const glm::dvec3 point = pointOnPlane(view, x, y);
     glm::dvec3 color(0);
     double sum = 0;
     for (int rank = 0; rank < layers; ++rank) {
-      const double weight = eq3(scene.character.cameras[scene.labels[rank * 2]], view, point, exponent);
+      const double weight = eq3(scene.character.cameras[scene.labels[rank * 2]], view, point, options);
       color += weight * kColors[rank];
       sum += weight;
     }
@@ -47,14 +48,15 @@ TEST_F(Layered, blendsAsEquation3And4) {
       for (uint32_t face = 0; face < 2; ++face) scene.setLabel(rank, face, static_cast<uint8_t>(2 - rank));
     Still still(*device, scene, PictureTextures::Kind::Rgba);
     still.uploadRgba(constantLayers(scene, {kColors.begin(), kColors.begin() + layers}));
-    for (const double exponent : {1.0, 8.0}) {
+    for (const auto& [facing, viewing] : {std::pair(1.0f, 1.0f), {4.0f, 3.0f}, {1.0f, 8.0f}, {6.0f, 1.0f}}) {
       RecipeOptions options = plainOptions();
-      options.view_exponent = static_cast<float>(exponent);
+      options.facing_exponent = facing;
+      options.view_exponent = viewing;
       for (int samples : {0, 4}) {
         options.samples = samples;
         const Image picture = still.draw(viewFromCamera(view), options);
         remember(picture);
-        checkBlend(picture, scene, view, layers, exponent);
+        checkBlend(picture, scene, view, layers, options);
       }
     }
   }
@@ -102,8 +104,8 @@ TEST_F(Layered, feathersACameraLinearlyOverOneTriangle) {
     const int x = i, y = 299 - i;  // from bottom left to top right
     const glm::dvec3 p = pointOnPlane(view, x, y);
     const double mask = std::clamp(-(p.x + p.y - 1) / 2, 0.0, 1.0);  // 1 at (-1, 0), 0 on the diagonal
-    const double w0 = eq3(scene.character.cameras[0], view, p, 1);
-    const double w1 = mask * eq3(scene.character.cameras[1], view, p, 1);
+    const double w0 = eq3(scene.character.cameras[0], view, p, plainOptions());
+    const double w1 = mask * eq3(scene.character.cameras[1], view, p, plainOptions());
     expectColor(picture, x, y, glm::dvec3((250 * w0 + 10 * w1) / (w0 + w1)), kTolerance);
     least = std::min(least, mask);
     most = std::max(most, mask);
@@ -340,8 +342,8 @@ TEST_F(Layered, debugViewsShowWhatTheyName) {
   expectColor(still.draw(viewFromCamera(view), options), 30, 30, {127.5, 127.5, 255}, 1.0);
   options.debug = DebugView::Weights;
   const glm::dvec3 point = pointOnPlane(view, 30, 30);
-  const double w0 = eq3(scene.character.cameras[0], view, point, 1);
-  const double w1 = eq3(scene.character.cameras[1], view, point, 1);
+  const double w0 = eq3(scene.character.cameras[0], view, point, plainOptions());
+  const double w1 = eq3(scene.character.cameras[1], view, point, plainOptions());
   const glm::dvec3 shares = 255.0 * glm::dvec3(w0, w1, 0) / (w0 + w1);
   expectColor(still.draw(viewFromCamera(view), options), 30, 30, shares, 1.0);
   options.debug = DebugView::Labels;

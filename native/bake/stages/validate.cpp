@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 // Change these whenever what older builds kept must not be reused.
 constexpr const char* kSurveyVersion = "bake 2";
-constexpr const char* kGopVersion = "gops 4";
+constexpr const char* kGopVersion = "gops 5";
 
 Error bad(const std::string& message) { return {ErrorId::InvalidArgument, message}; }
 

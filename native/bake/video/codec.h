@@ -30,7 +30,7 @@ struct CodecInfo {
 };
 
 inline constexpr std::array<CodecInfo, kCodecs> kCodecInfos{{
-    {"h264", "avc1", 51, "slow", "ultrafast, superfast, veryfast, faster, fast, medium, slow, slower or veryslow", 1},
+    {"h264", "avc1", 51, "slower", "ultrafast, superfast, veryfast, faster, fast, medium, slow, slower or veryslow", 1},
     {"vp9", "vp09", 63, "3", "0 (slow) to 5", 0},
     {"av1", "av01", 63, "6", "0 (slow) to 7 for SVT-AV1, aom-0 to aom-8 for libaom", 0},
 }};

@@ -43,7 +43,7 @@ std::vector<Group> plannedGroups(bool quick) {
   if (quick) return {{{512, 3, false}, few}, {{512, 1, false}, {{Codec::H264, "veryfast", {20, 26, 34}}}}};
   const std::vector<CodecSetting> all{{Codec::H264, "veryfast", {24, 28, 32, 36}},
                                       {Codec::H264, "medium", {20, 24, 28, 32, 36}},
-                                      {Codec::H264, "slow", {20, 24, 28, 32, 36}},
+                                      {Codec::H264, "slower", {20, 24, 29, 32, 36}},
                                       {Codec::Vp9, "3", {34, 40, 46, 52}},
                                       {Codec::Av1, "6", {34, 40, 46, 52}}};
   // L = 1, 2, 3 over the same bitrates: fewer layers take fewer bits, and reach as far with a lower rate factor.
