@@ -6,13 +6,12 @@ namespace fourdvt::bake {
 const std::vector<Quality>& qualities() {
   // Measured on the sample's run (19 frames, joint labels, 12 held-out views, mesh refined; video only; SSIM-FG and
   // PSNR-FG of the rendered view against the truth; `fourdvt evaluate`, section "Rate and distortion"). Uncompressed
-  // 0.834, 24.60 dB.
-  //   draft  H.264 1.72 Mbit/s 0.749 23.50 dB · VP9 2.00 0.786 23.96 dB · AV1 1.60 0.779 23.94 dB
-  //   web    H.264 4.60 Mbit/s 0.800 24.22 dB · VP9 3.01 0.799 24.15 dB · AV1 3.52 0.802 24.21 dB
-  //   high   H.264 8.07 Mbit/s 0.815 24.38 dB · VP9 7.22 0.819 24.41 dB · AV1 5.59 0.812 24.33 dB
-  // (VP9 and AV1 of draft with the presets of web; H.264 of high at CRF 24.) H.264 at CRF 32: 2.60 Mbit/s 0.779 24.00
-  // dB. At every bitrate 1024 texels beat 512 (2.67 Mbit/s 0.729), and 1536 or 2048 gain nothing below 10 Mbit/s with
-  // H.264; with AV1 2048 at CRF 50 gives 0.819 at 4.51 Mbit/s.
+  // 0.842, 24.64 dB.
+  //   draft  H.264 1.90 Mbit/s 0.767 23.65 dB · VP9 2.17 0.796 24.02 dB · AV1 1.69 0.790 24.00 dB
+  //   web    H.264 4.49 Mbit/s 0.808 24.23 dB · VP9 3.32 0.810 24.21 dB · AV1 3.83 0.813 24.28 dB
+  //   high   H.264 9.39 Mbit/s 0.826 24.43 dB · VP9 8.15 0.829 24.47 dB · AV1 6.23 0.823 24.39 dB
+  // (VP9 and AV1 of draft with the presets of web; H.264 of draft at CRF 36.) H.264 at CRF 32: 2.90 Mbit/s 0.791 24.03
+  // dB. At every bitrate 1024 texels beat 512 (3.14 Mbit/s 0.762); with AV1 2048 at CRF 50 gives 0.829 at 4.97 Mbit/s.
   static const std::vector<Quality> table{
       {"draft", "small and fast to bake, about 2 Mbit/s", 1024, 3, {37, 52, 52}, {"veryfast", "5", "7"}},
       // The default: BakeOptions repeats its values for H.264, and quality_test.cpp compares them.

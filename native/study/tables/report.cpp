@@ -138,7 +138,7 @@ Table constantsTable() {
           "motions are of one performer under one rig, so that no figure here shows another performer or another rig.",
           {"constants", "chosen on", "by"},
           {{"quality presets: CRF and encoder preset (bake/quality.cpp)",
-            "all motions of the sample; of VP9 and AV1: its walk", "rate and held-out quality of rendered views"},
+            "all motions of the sample; of VP9 and AV1: its run", "rate and held-out quality of rendered views"},
            {"encoder parameters (bake/video/encode_setup.cpp)",
             "deblocking and qcomp: all motions of the sample; the others: not recorded",
             "bitrate and SSIM of rendered views"},
