@@ -285,7 +285,7 @@ TEST_F(FloatingTest, StillModeShowsWhatNoCameraSeesAsWithoutFlow) {
 }
 
 // The displacements of a flow of half the size are doubled. They count in full up to the bound, and not at all from
-// twice the bound on. So they do in a sum of a quarter of the size.
+// twice the bound on. A sum of a quarter of the size shows the same.
 TEST_F(FloatingTest, LongDisplacementsAreNotTaken) {
   constexpr int kSide = 200;
   render::PictureGroup weights, flow, sum, small;

@@ -30,7 +30,7 @@ double polynomial(std::span<const Shares> nodes, size_t node, const Shares& at) 
   return value;
 }
 
-// Chebyshev's point in place of the one at `share` of an evenly spaced row of `segments`.
+// Where the node at `share` of an interval goes, evenly spaced by `segments`-ths, so that all are Chebyshev's points.
 double stretched(double share, int segments) {
   const double angle = std::numbers::pi / (2 * segments + 2);
   return (1 - std::cos((2 * segments * share + 1) * angle) / std::cos(angle)) / 2;

@@ -26,8 +26,8 @@ std::vector<Shares> simplexGrid(bool interval, int segments);
 
 enum class HybridMix { Straight, Polynomial };
 // The references of a simplex. Those that a polynomial mixes are Chebyshev's points, stretched so that the outermost
-// two are the ends: of all nodes that include both ends, they keep the product of the distances to all nodes smallest,
-// which bounds a polynomial's error. An interval's are rounded to the grid of `check_segments`-ths.
+// two are the ends: of all nodes that include both ends, these keep the product of the distances to all nodes smallest,
+// and with it the bound on a polynomial's error. An interval's are rounded to the grid of `check_segments`-ths.
 std::vector<Shares> hybridNodes(bool interval, int segments, int check_segments, HybridMix mix);
 // Coefficient of every node at a point.
 std::vector<double> hybridCoefficients(std::span<const Shares> nodes, int segments, HybridMix mix, const Shares& at);

@@ -17,7 +17,7 @@ ChunkBuilder::ChunkBuilder(const Job& job, const StreamPlan& plan)
 }
 
 void ChunkBuilder::quantise(const Positions& positions, const glm::dvec3& origin, std::vector<glm::ivec3>& out) const {
-  for (const glm::vec3& p : positions) out.emplace_back(glm::round((glm::dvec3(p) - origin) / step_m_));
+  for (const glm::vec3& p : positions) out.emplace_back(gridPlace(p, origin, step_m_));
 }
 
 void ChunkBuilder::add(const FrameGeometry& geometry, const std::vector<uint8_t>& labels) {

@@ -10,6 +10,11 @@
 
 namespace fourdvt::bake {
 
+// Whole steps from the origin to the place of the grid that a point is streamed at.
+inline glm::dvec3 gridPlace(const glm::vec3& point, const glm::dvec3& origin, double step_m) {
+  return glm::round((glm::dvec3(point) - origin) / step_m);
+}
+
 // The meshes of one frame, in the decoded mesh's order.
 struct FrameGeometry {
   std::vector<Positions> members;  // [member]

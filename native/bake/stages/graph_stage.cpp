@@ -6,6 +6,7 @@
 
 #include "bake/motion/transitions.h"
 #include "bake/run/mesh_reader.h"
+#include "bake/stages/geometry.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -100,7 +101,7 @@ Result<Positions> State::positions(uint32_t row, uint32_t frame) const {
 }
 
 Positions State::asStreamed(Positions positions) const {
-  for (glm::vec3& p : positions) p = origin_ + step_m_ * glm::round((glm::dvec3(p) - origin_) / step_m_);
+  for (glm::vec3& p : positions) p = origin_ + step_m_ * gridPlace(p, origin_, step_m_);
   return positions;
 }
 
