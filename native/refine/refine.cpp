@@ -31,9 +31,10 @@ constexpr int kCameraSteps = 10, kWideSteps = 4;
 constexpr double kWideRad = 0.026;       // the first steps search the matte's edge up to 1.5° away
 constexpr double kSettledPixels = 0.02;  // a smaller step ends the fit
 constexpr int kSurfaceRounds = 5;
-constexpr double kLeastGain = 0.01;  // another round must lower the residual by this share
-constexpr int kCameraRounds = 2;     // of fitting the cameras to the corrected mesh
-constexpr double kBlock_m = 0.2;     // side of a block of the surface
+constexpr float kFurthest_m = 0.015f;  // no vertex moves further, offsets that vary with time included
+constexpr double kLeastGain = 0.01;    // another round must lower the residual by this share
+constexpr int kCameraRounds = 2;       // of fitting the cameras to the corrected mesh
+constexpr double kBlock_m = 0.2;       // side of a block of the surface
 constexpr size_t kWorstPictures = 3;
 constexpr uint32_t kFewestOfPicture = 50;  // points, for a picture to count among the worst
 constexpr double kDegrees = 180 / 3.14159265358979323846;
@@ -80,6 +81,7 @@ class Refiner {
 
   Status read(const OpenVideo& open_video);
   Status tell(const std::string& what, double share) const;
+  void findClearances();
   void useMatteBias(const std::vector<std::vector<double>>& edges);
   void moveMeshes();  // to offsets_
   AllPoints measureAll() const;
@@ -109,6 +111,7 @@ class Refiner {
   std::vector<InnerEdge> edges_;
   std::vector<RefineFrame> frames_;
   std::vector<size_t> camera_frames_;  // of frames_, to which cameras are fitted
+  std::vector<Clearance> clearances_;  // in most of these
   Offsets offsets_;
   bool moved_any_ = false;     // offsets were fitted
   bool exact_ = false;         // they serve only to judge the cameras by: the mesh stays as given
@@ -145,7 +148,21 @@ Status Refiner::read(const OpenVideo& open_video) {
     out_.by_camera.push_back({.name = camera.pinhole.name});
   }
   useMatteBias(read.matte_edges);
+  findClearances();
   return {};
+}
+
+void Refiner::findClearances() {
+  std::vector<std::vector<Clearance>> all(camera_frames_.size());
+  cv::parallel_for_(cv::Range(0, static_cast<int>(all.size())), [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i) {
+      const RefineFrame& frame = frames_[camera_frames_[i]];
+      all[i] = clearancesOf(faces_, frame.positions, frame.normals, kFurthest_m);
+    }
+  });
+  std::vector<Clearance> together;
+  for (const auto& of_frame : all) together.insert(together.end(), of_frame.begin(), of_frame.end());
+  clearances_ = usualClearances(std::move(together), all.size());
 }
 
 void Refiner::useMatteBias(const std::vector<std::vector<double>>& edges) {
@@ -265,7 +282,7 @@ bool Refiner::supported(const AllPoints& points) const {
   for (const auto& frame : points)
     for (size_t c = 0; c < frame.size(); c += 2)
       for (const OutlinePoint& point : frame[c]) half.push_back(claimOf(point));
-  const Offsets offsets = fitOffsets(half, edges_, offsets_, {});
+  const Offsets offsets = fitOffsets(half, edges_, offsets_, clearances_, {});
   std::vector<double> without, with;
   for (const auto& frame : points)
     for (size_t c = 1; c < frame.size(); c += 2)
@@ -308,7 +325,7 @@ void Refiner::fitSurface() {
     if (now > (1 - kLeastGain) * before) break;
     before = now;
     offsets_before = offsets_;
-    offsets_ = fitOffsets(claims, edges_, offsets_, {});
+    offsets_ = fitOffsets(claims, edges_, offsets_, clearances_, {});
     ++out_.rounds;
   }
 }
@@ -334,6 +351,11 @@ std::map<std::string, capture::SlowOffsets> Refiner::fitSlow() {
     const uint32_t loop = sequence.loop ? sequence.frame_count : 0;
     auto fit = fitSlowOffsets(mine, edges_, offsets_.size(), loop);
     if (!fit) continue;
+    for (Offsets& slow : fit->offset_m) {
+      for (size_t v = 0; v < slow.size(); ++v) slow[v] += offsets_[v];
+      keepClear(clearances_, slow);
+      for (size_t v = 0; v < slow.size(); ++v) slow[v] -= offsets_[v];
+    }
     for (size_t i = 0; i < places.size(); ++i) slow_[places[i]] = fit->offset_m[i];
     out_.slow.push_back(sequence.name);
     out.emplace(sequence.name, std::move(*fit));

@@ -29,7 +29,7 @@ std::vector<std::vector<float>> fitFrom(std::span<const SlowFrame> frames, std::
     for (const SlowFrame& near : frames)
       for (size_t c = 0; c < near.claims.size() && distance(near.index, frame.index, loop_frames) <= kWindow; c += step)
         claims.insert(claims.end(), near.claims[c].begin(), near.claims[c].end());
-    out.push_back(fitOffsets(claims, edges, none, kOptions));
+    out.push_back(fitOffsets(claims, edges, none, {}, kOptions));
   }
   return out;
 }

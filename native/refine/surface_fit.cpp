@@ -20,7 +20,8 @@ OffsetClaim claimOf(const OutlinePoint& s) {
 }
 
 std::vector<float> fitOffsets(std::span<const OffsetClaim> claims, std::span<const InnerEdge> edges,
-                              std::span<const float> current, const SurfaceFitOptions& options) {
+                              std::span<const float> current, std::span<const Clearance> clearances,
+                              const SurfaceFitOptions& options) {
   const Eigen::Index count = Eigen::Index(current.size());
   Eigen::VectorXd offset(count);
   for (Eigen::Index v = 0; v < count; ++v) offset[v] = current[size_t(v)];
@@ -71,6 +72,7 @@ std::vector<float> fitOffsets(std::span<const OffsetClaim> claims, std::span<con
   std::vector<float> out(current.size());
   for (size_t v = 0; v < out.size(); ++v)
     out[v] = float(std::clamp(offset[Eigen::Index(v)], -options.bound_m, options.bound_m));
+  keepClear(clearances, out);
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "refine/clearance.h"
 #include "refine/outline.h"
 
 namespace fourdvt::refine {
@@ -30,8 +31,9 @@ OffsetClaim claimOf(const OutlinePoint& point);
 // [vertex] offsets that agree with most claims, smooth on the surface where there are few: least squares with Tukey's
 // weights about their own scale. `current`: the offsets that the mesh has already; the result includes them. A claim
 // that departs further than others do counts little, and one that lies beyond about five times the usual spread
-// nothing.
+// nothing. `clearances` are kept, whatever is claimed.
 std::vector<float> fitOffsets(std::span<const OffsetClaim> claims, std::span<const InnerEdge> edges,
-                              std::span<const float> current, const SurfaceFitOptions& options);
+                              std::span<const float> current, std::span<const Clearance> clearances,
+                              const SurfaceFitOptions& options);
 
 }  // namespace fourdvt::refine

@@ -17,7 +17,7 @@
 namespace fourdvt::study {
 namespace {
 
-constexpr const char* kStudyVersion = "study 5";  // change it whenever kept rows of older builds must not be reused
+constexpr const char* kStudyVersion = "study 6";  // change it whenever kept rows of older builds must not be reused
 
 StudyContext resolved(const StudyContext& given) {
   StudyContext context = given;

@@ -13,7 +13,7 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr const char* kRefineVersion = "refine 1";  // change it whenever what older builds kept must not be reused
+constexpr const char* kRefineVersion = "refine 2";  // change it whenever what older builds kept must not be reused
 
 }  // namespace
 

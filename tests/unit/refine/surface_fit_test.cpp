@@ -26,7 +26,7 @@ std::vector<float> fit(double radius, const Spoil& spoil) {
            outlinePoints(ballCamera(c, kCameras), mesh.faces, mesh.edges, mesh.positions, mesh.normals, matte, {}))
         claims.push_back(claimOf(s));
     }
-    offsets = fitOffsets(claims, mesh.edges, offsets, {});
+    offsets = fitOffsets(claims, mesh.edges, offsets, {}, {});
   }
   return offsets;
 }
@@ -69,13 +69,13 @@ TEST(SurfaceFit, VerticesWithoutClaimsTakeTheUsualOffset) {
   std::vector<OffsetClaim> claims;
   for (uint32_t v = 0; v < mesh.positions.size(); ++v)
     if (mesh.positions[v].y > 0.3f) claims.push_back({v, v, 0, -0.002f});
-  expectAll(fitOffsets(claims, mesh.edges, std::vector<float>(mesh.positions.size()), {}), -0.002, 1e-4);
+  expectAll(fitOffsets(claims, mesh.edges, std::vector<float>(mesh.positions.size()), {}, {}), -0.002, 1e-4);
 }
 
 TEST(SurfaceFit, NoClaimsChangeNothing) {
   const BallMesh mesh = ballMesh(1, 1);
   const std::vector<float> current(mesh.positions.size(), 0.003f);
-  EXPECT_EQ(fitOffsets({}, mesh.edges, current, {}), current);
+  EXPECT_EQ(fitOffsets({}, mesh.edges, current, {}, {}), current);
 }
 
 }  // namespace
