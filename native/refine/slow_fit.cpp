@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core.hpp>
 
 #include "refine/robust.h"
 
@@ -23,14 +24,18 @@ uint32_t distance(uint32_t a, uint32_t b, uint32_t loop_frames) {
 std::vector<std::vector<float>> fitFrom(std::span<const SlowFrame> frames, std::span<const InnerEdge> edges,
                                         size_t vertices, uint32_t loop_frames, size_t step) {
   const std::vector<float> none(vertices);
-  std::vector<std::vector<float>> out;
-  for (const SlowFrame& frame : frames) {
-    std::vector<OffsetClaim> claims;
-    for (const SlowFrame& near : frames)
-      for (size_t c = 0; c < near.claims.size() && distance(near.index, frame.index, loop_frames) <= kWindow; c += step)
-        claims.insert(claims.end(), near.claims[c].begin(), near.claims[c].end());
-    out.push_back(fitOffsets(claims, edges, none, {}, kOptions));
-  }
+  std::vector<std::vector<float>> out(frames.size());
+  cv::parallel_for_(cv::Range(0, int(frames.size())), [&](const cv::Range& range) {
+    for (int f = range.start; f < range.end; ++f) {
+      std::vector<OffsetClaim> claims;
+      for (const SlowFrame& near : frames) {
+        if (distance(near.index, frames[size_t(f)].index, loop_frames) > kWindow) continue;
+        for (size_t c = 0; c < near.claims.size(); c += step)
+          claims.insert(claims.end(), near.claims[c].begin(), near.claims[c].end());
+      }
+      out[size_t(f)] = fitOffsets(claims, edges, none, {}, kOptions);
+    }
+  });
   return out;
 }
 

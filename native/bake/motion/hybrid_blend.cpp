@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <opencv2/core.hpp>
 
 namespace fourdvt::bake {
 namespace {
@@ -100,11 +101,13 @@ HybridErrors::HybridErrors(const BlendSimplex& simplex, HybridMix mix, int check
 
 void HybridErrors::add(const NonlinearBlend& blend, std::span<const Positions> members) {
   std::vector<Positions> corrections(points_.size());
-  for (size_t c = 0; c < points_.size(); ++c) {
-    if (isCorner(points_[c])) continue;
-    const std::vector<float> weights = simplexWeights(simplex_, points_[c], members.size());
-    corrections[c] = difference(blend.blend(members, weights), linearBlend(members, weights));
-  }
+  cv::parallel_for_(cv::Range(0, int(points_.size())), [&](const cv::Range& range) {
+    for (size_t c = size_t(range.start); c < size_t(range.end); ++c) {
+      if (isCorner(points_[c])) continue;
+      const std::vector<float> weights = simplexWeights(simplex_, points_[c], members.size());
+      corrections[c] = difference(blend.blend(members, weights), linearBlend(members, weights));
+    }
+  });
   for (Level& level : levels_) {
     for (size_t c = 0; c < points_.size(); ++c) {
       Positions left = corrections[c];

@@ -7,6 +7,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core.hpp>
 
 #include "bake/motion/time_warp.h"
 #include "motion/motion_graph.h"
@@ -249,12 +250,15 @@ motion::Entry Pair::best(uint32_t row, uint32_t frame) const {
 }
 
 Result<std::vector<motion::Entry>> Pair::entries(const KeepOn& keep_on) const {
-  std::vector<motion::Entry> out;
-  for (uint32_t row = 0; row < source_.paths.size(); ++row)
-    for (uint32_t frame = 0; frame < from_.frame_count; ++frame) {
+  std::vector<motion::Entry> out(source_.paths.size() * from_.frame_count);
+  for (uint32_t row = 0; row < source_.paths.size(); ++row) {
+    for (uint32_t frame = 0; frame < from_.frame_count; ++frame)
       if (!keep_on()) return interrupted();
-      out.push_back(best(row, frame));
-    }
+    cv::parallel_for_(cv::Range(0, int(from_.frame_count)), [&](const cv::Range& range) {
+      for (uint32_t frame = uint32_t(range.start); frame < uint32_t(range.end); ++frame)
+        out[row * from_.frame_count + frame] = best(row, frame);
+    });
+  }
   return out;
 }
 
