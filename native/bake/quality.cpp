@@ -5,7 +5,7 @@ namespace fourdvt::bake {
 
 const std::vector<Quality>& qualities() {
   // Measured on the sample's run (19 frames, joint labels, 12 held-out views, mesh refined; video only; SSIM-FG and
-  // PSNR-FG of the rendered view against the truth; `fourdvt evaluate`, section "Rate and distortion"). Uncompressed
+  // PSNR-FG of the rendered view against the truth; `fourdvt-lab study`, section "Rate and distortion"). Uncompressed
   // 0.842, 24.64 dB.
   //   draft  H.264 1.90 Mbit/s 0.767 23.65 dB · VP9 2.17 0.796 24.02 dB · AV1 1.69 0.790 24.00 dB
   //   web    H.264 4.49 Mbit/s 0.808 24.23 dB · VP9 3.32 0.810 24.21 dB · AV1 3.83 0.813 24.28 dB

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Named settings: what `fourdvt bake --quality` sets together. quality.cpp states the measurements that each entry
-// rests on; `fourdvt evaluate` repeats them.
+// rests on; `fourdvt-lab study` repeats them.
 #pragma once
 
 #include <string>

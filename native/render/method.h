@@ -15,7 +15,7 @@
 
 namespace fourdvt::render {
 
-// The name of the method of a character from cameras that nothing was said about: what `fourdvt evaluate --projective`
+// The name of the method of a character from cameras that nothing was said about: what `fourdvt-lab methods`
 // says to take (ALGORITHMS 14.4).
 inline constexpr std::string_view kDefaultMethod = "sweep";
 

@@ -23,7 +23,12 @@ std::string shortNumber(double value) {
   return text;
 }
 
+const char* program_name = "fourdvt";
+
 }  // namespace
+
+const char* programName() { return program_name; }
+void setProgramName(const char* name) { program_name = name; }
 
 Args::Args(const CommandHelp& help, int argc, char** argv) {
   for (int i = 0; i < argc; ++i) {
@@ -67,7 +72,7 @@ Args::Args(const CommandHelp& help, int argc, char** argv) {
   const bool replaced = help.instead && has(help.instead);
   if (replaced && !positional_.empty()) complain("unexpected argument \"" + positional_ + "\" beside " + help.instead);
   if (positional_.empty() && !replaced && !help_asked_)
-    complain("missing argument; usage: fourdvt " + std::string(help.usage));
+    complain("missing argument; usage: " + std::string(programName()) + " " + help.usage);
 }
 
 void Args::complain(const std::string& problem) {
@@ -127,7 +132,7 @@ std::optional<std::pair<int, int>> Args::size(const char* name, int high) {
 }
 
 std::string helpText(const CommandHelp& help) {
-  std::string out = "usage: fourdvt " + std::string(help.usage) + "\n\n" + help.summary + "\n\n";
+  std::string out = "usage: " + std::string(programName()) + " " + help.usage + "\n\n" + help.summary + "\n\n";
   for (const Option& option : help.options) {
     std::string left = std::string("  ") + option.name + (option.value ? std::string(" ") + option.value : "");
     left.resize(std::max<size_t>(left.size() + 2, 26), ' ');
@@ -142,12 +147,12 @@ std::optional<int> helpOrProblem(const CommandHelp& help, const Args& args) {
     return kOk;
   }
   if (args.problem().empty()) return std::nullopt;
-  std::fprintf(stderr, "fourdvt: %s (--help shows the options)\n", args.problem().c_str());
+  std::fprintf(stderr, "%s: %s (--help shows the options)\n", programName(), args.problem().c_str());
   return kUsage;
 }
 
 int fail(const Error& error) {
-  std::fprintf(stderr, "fourdvt: %s\n", error.message.c_str());
+  std::fprintf(stderr, "%s: %s\n", programName(), error.message.c_str());
   return error.id == ErrorId::Interrupted ? kInterrupted : kFailed;
 }
 

@@ -12,6 +12,10 @@
 
 namespace fourdvt::tools {
 
+// The program that messages name; "fourdvt" until it is set.
+const char* programName();
+void setProgramName(const char* name);
+
 constexpr int kOk = 0, kFailed = 1, kUsage = 2, kInterrupted = 130;
 
 struct Option {
@@ -55,7 +59,7 @@ class Args {
 std::string helpText(const CommandHelp& help);
 // Prints the help or the problem and returns kOk or kUsage; nullopt if the command may run.
 std::optional<int> helpOrProblem(const CommandHelp& help, const Args& args);
-// Prints "fourdvt: MESSAGE" and returns the exit code of the error.
+// Prints "PROGRAM: MESSAGE" and returns the exit code of the error.
 int fail(const Error& error);
 
 }  // namespace fourdvt::tools

@@ -54,9 +54,6 @@ const CommandHelp& help() {
        {"--crf", "N",
         "rate factor, lower is better: 0 to 51 for h264, 0 to 63 for vp9 and av1 (default: of the quality)"},
        {"--preset", "NAME", presetHelp()},
-       {"--labels", "MODE",
-        "how faces choose their cameras: joint (default), or as in the papers naive, spatial,\n"
-        "                          temporal-paper or per-texel"},
        {"--penalty", "NAME",
         "what makes a camera worse for a face: axis (optical axis, as in the papers; default),\n"
         "                          ray (to the face's centre) or resolution (fewer pixels)"},
@@ -126,9 +123,6 @@ bake::BakeOptions readOptions(Args& args) {
   o.gop = args.integer("--gop", o.gop, 1, 1000);
   o.jobs = args.integer("--jobs", o.jobs, 0, 1024);
   o.resume = args.has("--resume");
-  if (args.has("--labels") && !bake::parseLabelMode(args.text("--labels"), o.labels))
-    args.complain("--labels must be one of naive, spatial, temporal-paper, joint, per-texel, not \"" +
-                  args.text("--labels") + "\"");
   o.penalty =
       choice(args, "--penalty", o.penalty,
              {{"axis", bake::Penalty::Axis}, {"ray", bake::Penalty::Ray}, {"resolution", bake::Penalty::Resolution}});
@@ -156,14 +150,17 @@ void printSummary(const bake::BakeOptions& options, const bake::BakeReport& repo
 
 }  // namespace
 
-int bakeCommand(int argc, char** argv) {
-  Args args(help(), argc, argv);
-  const bake::BakeOptions options = readOptions(args);
+int bakeCommand(int argc, char** argv, const BakeExtension* extension) {
+  CommandHelp known = help();
+  if (extension) known.options.push_back(extension->option);
+  Args args(known, argc, argv);
+  bake::BakeOptions options = readOptions(args);
+  if (extension) extension->read(args, options);
   if (args.problem().empty() && !args.wantsHelp()) {
     const std::string wrong = options.check();
     if (!wrong.empty()) args.complain(wrong);
   }
-  if (const auto code = helpOrProblem(help(), args)) return *code;
+  if (const auto code = helpOrProblem(known, args)) return *code;
 
   if (const Status found = bake::checkEncoder(options.codec, options.preset); !found.ok()) return fail(found.error());
   const std::atomic<bool>* stop = listenForStop();

@@ -2,13 +2,25 @@
 // The subcommands of `fourdvt`; each parses, checks, calls the library and returns the exit code (args.h).
 #pragma once
 
+#include <functional>
+
+#include "tools/args.h"
+
+namespace fourdvt::bake {
+struct BakeOptions;
+}
+
 namespace fourdvt::tools {
 
+// An option that another program adds to `bake`.
+struct BakeExtension {
+  Option option;
+  std::function<void(Args&, bake::BakeOptions&)> read;
+};
+
 int reconstructCommand(int argc, char** argv);
-int bakeCommand(int argc, char** argv);
+int bakeCommand(int argc, char** argv, const BakeExtension* extension = nullptr);
 int inspectCommand(int argc, char** argv);
 int renderCommand(int argc, char** argv);
-int studioCommand(int argc, char** argv);
-int evaluateCommand(int argc, char** argv);
 
 }  // namespace fourdvt::tools

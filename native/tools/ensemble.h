@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "platform/still_target.h"
+#include "edge/still_target.h"
 #include "tools/motion_arguments.h"
 #include "tools/session.h"
 
@@ -38,7 +38,7 @@ class Ensemble {
 
  private:
   struct Actor {
-    std::unique_ptr<platform::CharacterPlayer> character;
+    std::unique_ptr<edge::CharacterPlayer> character;
     std::vector<Cue> cues;  // in order of time
     size_t next_cue = 0;
   };
@@ -49,7 +49,7 @@ class Ensemble {
   GpuSession& gpu_;
   std::shared_ptr<render::Recipe> recipe_;
   render::Align align_;
-  platform::StillTarget still_;
+  edge::StillTarget still_;
   std::vector<Actor> actors_;
   double now_s_ = 0;
 };

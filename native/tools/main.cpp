@@ -1,61 +1,40 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdio>
 #include <cstring>
-#include <exception>
-#include <new>
 
-#include "tools/args.h"
 #include "tools/commands.h"
+#include "tools/program.h"
 
 namespace {
 
-struct Command {
-  const char* name;
-  const char* summary;
-  int (*run)(int argc, char** argv);
-};
+using namespace fourdvt::tools;
+
+constexpr const char* kBuildLab = "   (built by tests/run.sh, or with cmake -DFOURDVT_LAB=ON)";
+
+std::string presentStudio(int, char**) { return std::string("fourdvt-lab studio MODEL -o CAPTURE") + kBuildLab; }
+
+std::string presentEvaluate(int argc, char** argv) {
+  const auto has = [&](const char* option) {
+    for (int i = 0; i < argc; ++i)
+      if (std::strncmp(argv[i], option, std::strlen(option)) == 0) return true;
+    return false;
+  };
+  const char* present = has("--character")    ? "fourdvt-lab score CHARACTER --capture CAPTURE"
+                        : has("--surface")    ? "fourdvt-lab surfaces CAPTURE"
+                        : has("--projective") ? "fourdvt-lab methods CAPTURE"
+                                              : "fourdvt-lab study CAPTURE -o REPORT";
+  return std::string(present) + kBuildLab;
+}
 
 constexpr Command kCommands[] = {
-    {"reconstruct", "make surfaces for a capture that has cameras alone", fourdvt::tools::reconstructCommand},
-    {"bake", "turn a capture folder into a character folder", fourdvt::tools::bakeCommand},
-    {"inspect", "list what is inside a character and check every byte of it", fourdvt::tools::inspectCommand},
-    {"render", "draw one frame, or a turntable movie, of a character", fourdvt::tools::renderCommand},
-    {"studio", "render a model, or a built-in actor, as a capture folder", fourdvt::tools::studioCommand},
-    {"evaluate", "measure a character against its capture's pictures", fourdvt::tools::evaluateCommand},
+    {"reconstruct", "make surfaces for a capture that has cameras alone", reconstructCommand},
+    {"bake", "turn a capture folder into a character folder",
+     [](int argc, char** argv) { return bakeCommand(argc, argv); }},
+    {"inspect", "list what is inside a character and check every byte of it", inspectCommand},
+    {"render", "draw one frame, or a turntable movie, of a character", renderCommand},
 };
 
-void printUsage(std::FILE* out) {
-  std::fputs("usage: fourdvt COMMAND …   (fourdvt COMMAND --help)\n\n", out);
-  for (const Command& command : kCommands) std::fprintf(out, "  %-12s %s\n", command.name, command.summary);
-}
-
-// Libraries throw where memory runs out, or on input that nothing before them refused.
-int runGuarded(const Command& command, int argc, char** argv) {
-  try {
-    return command.run(argc - 2, argv + 2);
-  } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "fourdvt: %s: out of memory; ask for less detail, or fewer --jobs\n", command.name);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "fourdvt: %s: unexpected: %s\n", command.name, e.what());
-  }
-  return fourdvt::tools::kFailed;
-}
+constexpr FormerCommand kFormer[] = {{"studio", presentStudio}, {"evaluate", presentEvaluate}};
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  const char* name = argc > 1 ? argv[1] : "";
-  for (const Command& command : kCommands)
-    if (std::strcmp(name, command.name) == 0) return runGuarded(command, argc, argv);
-  if (std::strcmp(name, "--help") == 0 || std::strcmp(name, "-h") == 0) {
-    printUsage(stdout);
-    return fourdvt::tools::kOk;
-  }
-  if (std::strcmp(name, "--version") == 0) {
-    std::puts("fourdvt " FOURDVT_VERSION);
-    return fourdvt::tools::kOk;
-  }
-  if (*name) std::fprintf(stderr, "fourdvt: unknown command \"%s\"\n", name);
-  printUsage(stderr);
-  return fourdvt::tools::kUsage;
-}
+int main(int argc, char** argv) { return runProgram("fourdvt", kCommands, kFormer, argc, argv); }

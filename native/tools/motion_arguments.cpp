@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "platform/opencv_flow.h"
+#include "edge/opencv_flow.h"
 
 namespace fourdvt::tools {
 namespace {
@@ -36,7 +36,7 @@ Result<render::Align> prepareAlign(AlignMethod method, gpu::Device& device, rend
   render::FlowOptions options;
   if (method == AlignMethod::FlowDis || method == AlignMethod::FlowOpencvDis) options.method = render::FlowMethod::Dis;
   if (method == AlignMethod::FlowOpencv || method == AlignMethod::FlowOpencvDis) {
-    recipe.setFlow(platform::createOpencvFlow(device, options));
+    recipe.setFlow(edge::createOpencvFlow(device, options));
   } else {
     FOURDVT_ASSIGN(auto flow, render::createGpuFlow(device, options));
     recipe.setFlow(std::move(flow));

@@ -7,6 +7,7 @@
 #include "platform/ffmpeg_video.h"
 #include "render/cameras/camera_method.h"
 #include "render/montage/layered_montage.h"
+#include "tools/args.h"
 
 namespace fourdvt::tools {
 
@@ -25,10 +26,10 @@ Result<CharacterSession> openCharacter(const std::string& character) {
   return session;
 }
 
-Result<std::unique_ptr<platform::CharacterPlayer>> openCharacterOn(GpuSession& gpu, const std::string& character,
-                                                                   std::shared_ptr<render::Recipe> recipe) {
+Result<std::unique_ptr<edge::CharacterPlayer>> openCharacterOn(GpuSession& gpu, const std::string& character,
+                                                               std::shared_ptr<render::Recipe> recipe) {
   const std::string path = manifestPath(character);
-  FOURDVT_ASSIGN(auto player, platform::CharacterPlayer::open(*gpu.device, path, std::move(recipe)));
+  FOURDVT_ASSIGN(auto player, edge::CharacterPlayer::open(*gpu.device, path, std::move(recipe)));
   const package::Character* read = player->player().character();
   if (!read) return Error{ErrorId::ManifestInvalid, path + ": manifest did not load"};
   if (read->sequences.empty()) return Error{ErrorId::ManifestInvalid, path + ": has no sequences; bake it again"};
@@ -46,14 +47,14 @@ Status useMethod(CharacterSession& session, const std::string& name) {
   render::Recipe& recipe = session.player->recipe();
   if (session.character().appearance == package::AppearanceKind::Cameras) {
     FOURDVT_ASSIGN(auto made, render::makeMethodThatServes(device, name));
-    if (!made.notice.empty()) std::fprintf(stderr, "fourdvt: %s\n", made.notice.c_str());
+    if (!made.notice.empty()) std::fprintf(stderr, "%s: %s\n", programName(), made.notice.c_str());
     recipe.setMethod(std::move(made.method));
     return {};
   }
   if (name != "montage4d") return Error{ErrorId::InvalidArgument, "layered characters have no method " + name};
   auto montage = render::makeLayeredMontage(device);
   if (!montage && montage.error().id == ErrorId::Unsupported)
-    std::fprintf(stderr, "fourdvt: %s; drawn by the plain blend\n", montage.error().message.c_str());
+    std::fprintf(stderr, "%s: %s; drawn by the plain blend\n", programName(), montage.error().message.c_str());
   else if (!montage)
     return montage.error();
   else

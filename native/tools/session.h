@@ -6,8 +6,8 @@
 #include <string>
 
 #include "base/video.h"
+#include "edge/character_player.h"
 #include "gpu/device.h"
-#include "platform/character_player.h"
 #include "platform/egl_context.h"
 
 namespace fourdvt::tools {
@@ -19,7 +19,7 @@ struct GpuSession {
 
 struct CharacterSession {
   GpuSession gpu;
-  std::unique_ptr<platform::CharacterPlayer> player;
+  std::unique_ptr<edge::CharacterPlayer> player;
   const package::Character& character() const { return *player->player().character(); }
 };
 
@@ -27,8 +27,8 @@ Result<GpuSession> openGpu();
 // `character`: a folder or its character.gltf. Opened far enough that the manifest is read.
 Result<CharacterSession> openCharacter(const std::string& character);
 // Opens a further character on the same context, to draw several together.
-Result<std::unique_ptr<platform::CharacterPlayer>> openCharacterOn(GpuSession& gpu, const std::string& character,
-                                                                   std::shared_ptr<render::Recipe> recipe);
+Result<std::unique_ptr<edge::CharacterPlayer>> openCharacterOn(GpuSession& gpu, const std::string& character,
+                                                               std::shared_ptr<render::Recipe> recipe);
 // <folder>/character.gltf for a folder, else the path itself.
 std::string manifestPath(const std::string& character);
 // How its figures are drawn, by name: of layered characters "montage4d", which a device that cannot run it replaces by

@@ -10,8 +10,8 @@
 #include <functional>
 #include <string>
 
+#include "edge/character_player.h"
 #include "or_stop.h"
-#include "platform/character_player.h"
 #include "platform/egl_context.h"
 #include "render/cameras/camera_method.h"
 #include "render/passes.h"
@@ -96,8 +96,8 @@ int main(int argc, char** argv) {
   const auto context = orStop(platform::EglContext::create());
   const auto device = orStop(gpu::createGlesDevice());
   Bench bench(*device, argc > 4 ? std::max(1, std::atoi(argv[4])) : 15);
-  const auto cameras = orStop(platform::CharacterPlayer::open(*device, argv[1]));
-  const auto layered = orStop(platform::CharacterPlayer::open(*device, argv[2]));
+  const auto cameras = orStop(edge::CharacterPlayer::open(*device, argv[1]));
+  const auto layered = orStop(edge::CharacterPlayer::open(*device, argv[2]));
   for (const auto& player : {cameras.get(), layered.get()}) orStop(player->showFrame(sequence, 5));
   const package::Character& character = *cameras->player().character();
   const package::Rendition& rendition = character.find(sequence)->renditions[0];

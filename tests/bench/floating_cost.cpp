@@ -11,12 +11,12 @@
 #include <string>
 
 #include "capture/capture.h"
+#include "lab/study/projective/method_stage.h"
 #include "or_stop.h"
 #include "platform/egl_context.h"
 #include "platform/ffmpeg_video.h"
 #include "render/cameras/camera_method.h"
 #include "render/cameras/floating_pictures.h"
-#include "study/projective/method_stage.h"
 
 namespace {
 

@@ -11,6 +11,7 @@
 #include <filesystem>
 
 #include "base/camera.h"
+#include "edge/opencv_flow.h"
 #include "or_stop.h"
 #include "package/base_mesh.h"
 #include "package/chunk_mesh.h"
@@ -18,7 +19,6 @@
 #include "platform/egl_context.h"
 #include "platform/ffmpeg_video.h"
 #include "platform/files.h"
-#include "platform/opencv_flow.h"
 #include "render/plain_figure.h"
 
 namespace {
@@ -187,9 +187,9 @@ void measure(gpu::Device& device, const package::Character& character, const pac
   render::FlowOptions dis;
   dis.method = FlowMethod::Dis;
   Method methods[] = {{"farneback gpu", orStop(render::createGpuFlow(device)), gpu::PixelFormat::RG16F, {}, {}, {}},
-                      {"farneback opencv", platform::createOpencvFlow(device), gpu::PixelFormat::RG32F, {}, {}, {}},
+                      {"farneback opencv", edge::createOpencvFlow(device), gpu::PixelFormat::RG32F, {}, {}, {}},
                       {"dis gpu", orStop(render::createGpuFlow(device, dis)), gpu::PixelFormat::RG16F, {}, {}, {}},
-                      {"dis opencv", platform::createOpencvFlow(device, dis), gpu::PixelFormat::RG32F, {}, {}, {}}};
+                      {"dis opencv", edge::createOpencvFlow(device, dis), gpu::PixelFormat::RG32F, {}, {}, {}}};
   const render::View view =
       render::viewFromCamera(cameraFromOrbit(defaultOrbit(character.bounds, double(width) / height), width, height));
   Picture pair[] = {Picture(device, width, height), Picture(device, width, height)};

@@ -5,10 +5,10 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "lab/study/steps/frame_rate.h"
 #include "or_stop.h"
 #include "platform/egl_context.h"
 #include "platform/ffmpeg_video.h"
-#include "study/steps/frame_rate.h"
 
 namespace {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// bench_labels CAPTURE SEQUENCE [--dump FILE] [--joint WEIGHTS]: every label mode on a captured sequence: seams, flips
+// bench_labels CAPTURE SEQUENCE [--dump FILE] [--joint WEIGHTS]: every labelling on a captured sequence: seams, flips
 // and penalties per layer, energy, milliseconds a frame with one and two jobs, and the windowed solve's energy against
 // one solve of the whole sequence. --dump FILE: the joint labels as raw bytes [frame][layer][face], faces in the
 // character's order.
-// --joint: only this mode beside spatial, once for each list of weights θ1,θ2,θ3,ω1,ω2,ω3,η,τ (lists separated by ':').
+// --joint: only this one beside spatial, once for each list of weights θ1,θ2,θ3,ω1,ω2,ω3,η,τ (lists separated by ':').
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -16,6 +16,7 @@
 #include "bake/texels/gpu_capture.h"
 #include "bake/texels/visibility.h"
 #include "capture/capture.h"
+#include "lab/labels/paper_labellings.h"
 #include "or_stop.h"
 #include "package/base_mesh.h"
 #include "platform/egl_context.h"
@@ -24,7 +25,7 @@
 namespace {
 
 using namespace fourdvt;
-using bake::LabelMode;
+using bake::Labelling;
 using fourdvt::testing::orStop;
 
 constexpr size_t kHysteresisFrames = 2;  // to each side, as the bake's survey
@@ -147,9 +148,9 @@ bake::LabelOptions jointOptions(const char* list) {
 
 void compareWeights(const Measured& input, const char* lists) {
   bake::LabelOptions options;
-  options.mode = LabelMode::Naive;
+  options.rule = &lab::kNaive;
   const bake::LabelStatistics naive = solve(input, options).statistics;
-  options.mode = LabelMode::Spatial;
+  options.rule = &lab::kSpatial;
   const bake::LabelStatistics spatial = solve(input, options).statistics;
   for (const char* at = lists; at; at = std::strchr(at, ':')) {
     if (*at == ':') ++at;
@@ -183,24 +184,23 @@ int main(int argc, char** argv) {
   if (weights) return compareWeights(input, weights), 0;
   std::printf("%s: %zu frames, %u faces, %zu edges\n", argv[2], input.frames.size(), input.graph.face_count,
               input.graph.edges.size());
-  std::printf("%-16s %-18s %-18s %-18s %10s %8s %8s\n", "mode", "seam %", "flip %", "penalty", "energy", "ms j1",
+  std::printf("%-16s %-18s %-18s %-18s %10s %8s %8s\n", "labels", "seam %", "flip %", "penalty", "energy", "ms j1",
               "ms j2");
   bake::LabelStatistics naive, spatial, joint;
-  for (LabelMode mode : {LabelMode::Naive, LabelMode::Spatial, LabelMode::TemporalPaper, LabelMode::Joint}) {
+  for (const Labelling* rule : {&lab::kNaive, &lab::kSpatial, &lab::kTemporalPaper, &bake::kJoint}) {
     bake::LabelOptions options;
-    options.mode = mode;
+    options.rule = rule;
     const Solved one = solve(input, options);
     options.jobs = 2;
     const Solved two = solve(input, options);
     const bake::LabelStatistics& s = one.statistics;
-    std::printf("%-16s %-18s %-18s %-18s %10.0f %8.1f %8.1f%s\n", labelModeName(mode),
-                list(s.seam_percent, "%.2f").c_str(), list(s.flip_percent, "%.2f").c_str(),
-                list(s.mean_penalty, "%.3f").c_str(), s.energy, msPerFrame(s), msPerFrame(two.statistics),
-                one.labels == two.labels ? "" : "  LABELS DEPEND ON THE JOB COUNT");
-    if (mode == LabelMode::Naive) naive = s;
-    if (mode == LabelMode::Spatial) spatial = s;
-    if (mode == LabelMode::Joint) joint = s;
-    if (mode == LabelMode::Joint && dump) writeDump(dump, one.labels);
+    std::printf("%-16s %-18s %-18s %-18s %10.0f %8.1f %8.1f%s\n", rule->name, list(s.seam_percent, "%.2f").c_str(),
+                list(s.flip_percent, "%.2f").c_str(), list(s.mean_penalty, "%.3f").c_str(), s.energy, msPerFrame(s),
+                msPerFrame(two.statistics), one.labels == two.labels ? "" : "  LABELS DEPEND ON THE JOB COUNT");
+    if (rule == &lab::kNaive) naive = s;
+    if (rule == &lab::kSpatial) spatial = s;
+    if (rule == &bake::kJoint) joint = s;
+    if (rule == &bake::kJoint && dump) writeDump(dump, one.labels);
   }
   printComparison("all", joint.flip_percent, spatial.flip_percent, joint.seam_percent, spatial.seam_percent);
   printComparison("between cameras", joint.camera_flip_percent, spatial.camera_flip_percent, joint.camera_seam_percent,

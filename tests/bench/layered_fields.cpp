@@ -8,8 +8,8 @@
 #include <cstdlib>
 #include <ctime>
 
+#include "edge/character_player.h"
 #include "or_stop.h"
-#include "platform/character_player.h"
 #include "platform/egl_context.h"
 #include "render/montage/layered_montage.h"
 
@@ -32,7 +32,7 @@ int main(int argc, char** argv) {
   const int pictures = argc > 2 ? std::max(1, std::atoi(argv[2])) : 40;
   const auto context = orStop(platform::EglContext::create());
   const auto device = orStop(gpu::createGlesDevice());
-  const auto player = orStop(platform::CharacterPlayer::open(*device, std::string(argv[1]) + "/character.gltf"));
+  const auto player = orStop(edge::CharacterPlayer::open(*device, std::string(argv[1]) + "/character.gltf"));
   const package::Character& character = *player->player().character();
   orStop(player->showFrame(character.sequences.front().name, 0));
   const auto plain = orStop(render::Recipe::create(*device)), montage = orStop(render::Recipe::create(*device));

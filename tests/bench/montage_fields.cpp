@@ -10,8 +10,8 @@
 #include <functional>
 #include <string>
 
+#include "edge/character_player.h"
 #include "or_stop.h"
-#include "platform/character_player.h"
 #include "platform/egl_context.h"
 #include "render/cameras/camera_method.h"
 #include "render/passes.h"
@@ -38,7 +38,7 @@ int main(int argc, char** argv) {
   const int rounds = argc > 3 ? std::max(1, std::atoi(argv[3])) : 15;
   const auto context = orStop(platform::EglContext::create());
   const auto device = orStop(gpu::createGlesDevice());
-  const auto player = orStop(platform::CharacterPlayer::open(*device, argv[1]));
+  const auto player = orStop(edge::CharacterPlayer::open(*device, argv[1]));
   orStop(player->showFrame(sequence, 5));
   const render::Figure figure = orStop(player->player().figure());
   auto& model = *const_cast<render::CharacterModel*>(figure.model);

@@ -9,14 +9,14 @@
 #include <map>
 #include <string>
 
+#include "lab/studio/room.h"
+#include "lab/studio/sensor.h"
+#include "lab/studio/set.h"
 #include "or_stop.h"
 #include "package/room_faces.h"
 #include "platform/egl_context.h"
 #include "platform/files.h"
 #include "platform/folders.h"
-#include "studio/room.h"
-#include "studio/sensor.h"
-#include "studio/set.h"
 
 namespace {
 

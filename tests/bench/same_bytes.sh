@@ -3,15 +3,24 @@
 # Shows whether two builds of the tool give the same bytes: bakes a capture and renders pictures with both, and compares
 # SHA-256 of every file apart from report.*. Prints a table; the exit code is 1 where a file differs or is missing.
 # Bakes and pictures that the same tool made before with the same options stay in OUT and are not made again.
-#   bash tests/bench/same_bytes.sh TOOL_BEFORE TOOL_AFTER CAPTURE OUT [CASE...]     cases: see below; default: all
+#   bash tests/bench/same_bytes.sh BEFORE AFTER CAPTURE OUT [CASE...]     cases: see below; default: all
+# BEFORE, AFTER: FOURDVT,FOURDVT_LAB, two programs; or one that also has the lab's commands.
 # FOURDVT_AFTER_OPTIONS: further options of `bake`, for the second tool only, to see that a difference is found.
 set -euo pipefail
-usage() { sed -n '3,7s/^# //p' "$0" >&2; exit 2; }
+usage() { sed -n '3,8s/^# //p' "$0" >&2; exit 2; }
 [ $# -ge 4 ] || usage
-before=$(realpath -e "$1") after=$(realpath -e "$2") capture=$(realpath -e "$3")
-mkdir -p "$4"
-out=$(realpath "$4")
-shift 4
+declare -A tools labs
+for side in before after; do
+  IFS=, read -r tool lab <<<"$1"
+  tools[$side]=$(realpath -e "$tool")
+  labs[$side]=$(realpath -e "${lab:-$tool}")
+  shift
+done
+capture=$(realpath -e "$1")
+shift
+mkdir -p "$1"
+out=$(realpath "$1")
+shift
 
 # Facts of the capture: its first class and the members, its shortest sequence.
 describe='const c = JSON.parse(require("fs").readFileSync(process.argv[1]));
@@ -32,9 +41,9 @@ declare -A bakes=(
 [ "$class" = - ] || bakes[class]="--sequences $members"
 [ "$class" = - ] && shown=labels-joint || shown=class  # the character that is rendered
 names=("$@")
-[ ${#names[@]} -gt 0 ] || readarray -t names < <(printf '%s\n' "${!bakes[@]}" pictures | sort)
+[ ${#names[@]} -gt 0 ] || readarray -t names < <(printf '%s\n' "${!bakes[@]}" pictures studio | sort)
 for name in "${names[@]}"; do
-  [ "$name" = pictures ] || [[ -v bakes[$name] ]] || { echo "same_bytes: no case \"$name\" for this capture: ${!bakes[*]} pictures" >&2; exit 2; }
+  [[ $name =~ ^(pictures|studio)$ ]] || [[ -v bakes[$name] ]] || { echo "same_bytes: no case \"$name\" for this capture: ${!bakes[*]} pictures studio" >&2; exit 2; }
 done
 
 # What a result depends on. A tool is known by its contents.
@@ -49,10 +58,16 @@ once() {  # $1: folder, $2: fingerprint, rest: command
   echo "$2" >"$1.made"
 }
 
-bake() {  # $1: side, $2: tool, $3: case, rest: further options
-  local folder=$out/$1/$3
+bake() {  # $1: side, $2: case, rest: further options
+  local folder=$out/$1/$2 tool=${tools[$1]}
+  [[ ${bakes[$2]} != *--labels* ]] || tool=${labs[$1]}
   # shellcheck disable=SC2086  # options are words
-  once "$folder" "$(fingerprint "$2" "${bakes[$3]}" "${@:4}")" "$2" bake "$capture" -o "$folder" ${bakes[$3]} "${@:4}"
+  once "$folder" "$(fingerprint "$tool" "${bakes[$2]}" "${@:3}")" "$tool" bake "$capture" -o "$folder" ${bakes[$2]} "${@:3}"
+}
+
+studio() {  # $1: side
+  local options=(procedural --sequences walk --no-truth --size 240x320 --fps 8 --noise 2 --drift-mm 4 --proxy-mm 2)
+  once "$out/$1/studio" "$(fingerprint "${labs[$1]}" "${options[@]}")" "${labs[$1]}" studio "${options[@]}" -o "$out/$1/studio"
 }
 
 # The class's parameter, in the middle of its members, as --parameter takes it.
@@ -80,9 +95,10 @@ render_all() {  # $1: tool, $2: character, $3: folder
   return $bad
 }
 
-pictures() {  # $1: side, $2: tool, rest: as bake
-  bake "$1" "$2" "$shown" "${@:3}"
-  once "$out/$1/pictures" "$(fingerprint "$2" "$(sha256sum <"$0")" "${@:3}")" render_all "$2" "$out/$1/$shown" "$out/$1/pictures"
+pictures() {  # $1: side, rest: as bake
+  local tool=${tools[$1]}
+  bake "$1" "$shown" "${@:2}"
+  once "$out/$1/pictures" "$(fingerprint "$tool" "$(sha256sum <"$0")" "${@:2}")" render_all "$tool" "$out/$1/$shown" "$out/$1/pictures"
 }
 
 # "FILE<tab>SHA-256" per file.
@@ -93,11 +109,11 @@ read -ra further <<<"${FOURDVT_AFTER_OPTIONS:-}"
 failed=0
 printf '%-24s %6s %10s  %s\n' case files different "SHA-256 of all, before"
 for name in "${names[@]}"; do
-  if [ "$name" = pictures ]; then
-    pictures before "$before"; pictures after "$after" "${further[@]}"
-  else
-    bake before "$before" "$name"; bake after "$after" "$name" "${further[@]}"
-  fi
+  case $name in
+    pictures) pictures before; pictures after "${further[@]}" ;;
+    studio) studio before; studio after ;;
+    *) bake before "$name"; bake after "$name" "${further[@]}" ;;
+  esac
   sums "$out/before/$name" >"$out/before/$name.sums"
   sums "$out/after/$name" >"$out/after/$name.sums"
   files=$(wc -l <"$out/before/$name.sums")

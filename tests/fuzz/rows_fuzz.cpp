@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "study/run/row_writer.h"
+#include "lab/study/run/row_writer.h"
 
 using namespace fourdvt::study;
 

@@ -73,10 +73,9 @@ TEST(Bake, MakesACharacterThatInspectsAndRenders) {
   EXPECT_EQ(movie.code, 0) << movie.output;
   EXPECT_GT(fs::file_size(out + "/turn.mp4"), 1000u);
 
-  const Outcome evaluate =
-      fourdvt("evaluate " + capture + " --character " + out + "/box --yardstick -o " + out + "/figures");
-  EXPECT_EQ(evaluate.code, 0) << evaluate.output;
-  EXPECT_NE(evaluate.output.find("test00"), std::string::npos) << evaluate.output;
+  const Outcome score = lab("score " + out + "/box --capture " + capture + " --yardstick -o " + out + "/figures");
+  EXPECT_EQ(score.code, 0) << score.output;
+  EXPECT_NE(score.output.find("test00"), std::string::npos) << score.output;
   EXPECT_TRUE(exists(out + "/figures/worst.png"));
   // A box turning by 6 degrees a frame, without noise: what changes is the codec's and the blend's, some levels. The
   // orbit shows colours that do not change, pixels aside.
@@ -85,15 +84,15 @@ TEST(Bake, MakesACharacterThatInspectsAndRenders) {
   EXPECT_EQ(rows.at("turn,cam00").size() + 1, 6u) << "of all frames, each against the one before";
   for (const auto& [place, levels] : rows)
     for (double value : levels) EXPECT_TRUE(value > 0.02 && value < 25) << place << " " << value;
-  EXPECT_NE(evaluate.output.find("Flicker"), std::string::npos) << evaluate.output;
+  EXPECT_NE(score.output.find("Flicker"), std::string::npos) << score.output;
 
-  const Outcome montage = fourdvt("evaluate " + capture + " --character " + out +
-                                  "/box --method montage4d --input-every 0 --flicker 2 -o " + out + "/montage");
+  const Outcome montage = lab("score " + out + "/box --capture " + capture +
+                              " --method montage4d --input-every 0 --flicker 2 -o " + out + "/montage");
   EXPECT_EQ(montage.code, 0) << montage.output;
   const auto with_fields = flickerRows(out + "/montage/evaluate.csv");
   EXPECT_EQ(with_fields.at("turn,cam01").size(), rows.at("turn,cam00").size());
   const Outcome none =
-      fourdvt("evaluate " + capture + " --character " + out + "/box --input-every 0 --flicker 0 -o " + out + "/none");
+      lab("score " + out + "/box --capture " + capture + " --input-every 0 --flicker 0 -o " + out + "/none");
   EXPECT_EQ(none.output.find("Flicker"), std::string::npos) << none.output;
 }
 
@@ -128,8 +127,8 @@ TEST(Bake, InterruptedResumesToTheSameBytes) {
   ASSERT_EQ(fourdvt("bake " + capture + " -o " + out + "/straight" + options).code, 0);
 
   const std::string stopped = out + "/stopped";
-  const Outcome stop =
-      interrupted("bake " + capture + " -o " + stopped + options, stopped + ".work/turn.0.gop", out + "/log");
+  const Outcome stop = interrupted(FOURDVT_BIN, "bake " + capture + " -o " + stopped + options,
+                                   stopped + ".work/turn.0.gop", out + "/log");
   ASSERT_EQ(stop.code, 130) << stop.output;
   EXPECT_FALSE(exists(stopped));
   EXPECT_NE(stop.output.find("--resume"), std::string::npos);

@@ -97,8 +97,8 @@ TEST(CameraBake, InterruptedResumesToTheSameBytes) {
   const std::string options = kSmall + " --sequences turn";
   ASSERT_EQ(fourdvt("bake " + capture + " -o " + out + "/straight" + options).code, 0);
   const std::string stopped = out + "/stopped";
-  const Outcome stop =
-      interrupted("bake " + capture + " -o " + stopped + options, stopped + ".work/turn.0.gop", out + "/log");
+  const Outcome stop = interrupted(FOURDVT_BIN, "bake " + capture + " -o " + stopped + options,
+                                   stopped + ".work/turn.0.gop", out + "/log");
   ASSERT_EQ(stop.code, 130) << stop.output;
   EXPECT_FALSE(exists(stopped));
   const Outcome resumed = fourdvt("bake " + capture + " -o " + stopped + options + " --resume");

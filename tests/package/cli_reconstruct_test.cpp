@@ -54,7 +54,7 @@ TEST(Reconstruct, MakesACaptureThatCanBeScored) {
   EXPECT_NE(readText(out + "/hull/capture.json").find("\"topology\": \"per-frame\""), std::string::npos);
 
   const std::string given = smallCapture("meshed-capture", 3);
-  const Outcome score = fourdvt("evaluate " + out + "/hull --surface --reference " + given);
+  const Outcome score = lab("surfaces " + out + "/hull --reference " + given);
   EXPECT_EQ(score.code, 0) << score.output;
   EXPECT_NE(score.output.find("turn"), std::string::npos) << score.output;
 
@@ -93,8 +93,9 @@ TEST(Reconstruct, StereoRefinesTheHullUnlessAskedNotTo) {
 TEST(Reconstruct, ResumeWithOtherOptionsIsRefusedAndKeepsTheFrames) {
   const std::string capture = withoutMeshes("resume-capture", 24), out = scratch("resume-other");
   const std::string target = out + "/hull";
-  const Outcome stop = interrupted("reconstruct " + capture + " -o " + target + " --voxel-mm 8 --refine none",
-                                   target + ".part/turn/mesh/000001.ply", out + "/log");
+  const Outcome stop =
+      interrupted(FOURDVT_BIN, "reconstruct " + capture + " -o " + target + " --voxel-mm 8 --refine none",
+                  target + ".part/turn/mesh/000001.ply", out + "/log");
   ASSERT_EQ(stop.code, 130) << stop.output;
   const Outcome other = fourdvt("reconstruct " + capture + " -o " + target + " --voxel-mm 9 --refine none --resume");
   expectFailure(other, "other options", target);
@@ -147,7 +148,7 @@ TEST(Reconstruct, InterruptedResumesToTheSameBytes) {
   const std::string options = " --voxel-mm 8 --refine none";
   ASSERT_EQ(fourdvt("reconstruct " + capture + " -o " + out + "/straight" + options).code, 0);
   const std::string stopped = out + "/stopped";
-  const Outcome stop = interrupted("reconstruct " + capture + " -o " + stopped + options,
+  const Outcome stop = interrupted(FOURDVT_BIN, "reconstruct " + capture + " -o " + stopped + options,
                                    stopped + ".part/turn/mesh/000001.ply", out + "/log");
   ASSERT_EQ(stop.code, 130) << stop.output;
   EXPECT_FALSE(exists(stopped));

@@ -14,8 +14,8 @@ const std::string kBake = " --texture 128 --layers 2 --gop 4 --jobs 2 --align no
 
 TEST(Studio, ProceduralCaptureBakes) {
   const std::string out = scratch("studio");
-  const Outcome studio = fourdvt("studio --actor procedural -o " + out + "/capture --mesh-cell-mm 45 --drift-mm 12" +
-                                 kTiny + " --truth 0,0.5,1");
+  const Outcome studio = lab("studio --actor procedural -o " + out + "/capture --mesh-cell-mm 45 --drift-mm 12" +
+                             kTiny + " --truth 0,0.5,1");
   ASSERT_EQ(studio.code, 0) << studio.output;
   EXPECT_FALSE(exists(out + "/capture.work"));
   for (const char* file : {"/capture.json", "/cameras_test/images.txt", "/walk/mask03.mkv", "/run/test02/0003.png",
@@ -26,9 +26,9 @@ TEST(Studio, ProceduralCaptureBakes) {
   ASSERT_EQ(bake.code, 0) << bake.output;
   const Outcome inspect = fourdvt("inspect " + out + "/character");
   EXPECT_EQ(inspect.code, 0) << inspect.output;
-  const Outcome evaluate = fourdvt("evaluate " + out + "/capture --character " + out +
-                                   "/character --input-every 0 --flicker 0 -o " + out + "/figures");
-  EXPECT_EQ(evaluate.code, 0) << evaluate.output;
+  const Outcome score = lab("score " + out + "/character --capture " + out +
+                            "/capture --input-every 0 --flicker 0 -o " + out + "/figures");
+  EXPECT_EQ(score.code, 0) << score.output;
 }
 
 // The refinement as a user meets it: turned cameras come back as a COLMAP text model with which nothing is left to
@@ -37,7 +37,7 @@ TEST(Studio, TurnedCamerasAreWrittenRefined) {
   const std::string out = scratch("studio-turned");
   const std::string size = " --size 240x320 --sequences walk --fps 6 --no-truth --mesh-cell-mm 45";
   const std::string bake = " --texture 128 --layers 2 --no-classes";
-  ASSERT_EQ(fourdvt("studio procedural -o " + out + "/capture --rotation-deg 0.4" + size).code, 0);
+  ASSERT_EQ(lab("studio procedural -o " + out + "/capture --rotation-deg 0.4" + size).code, 0);
   const Outcome refined = fourdvt("bake " + out + "/capture -o " + out + "/refined" + bake);
   ASSERT_EQ(refined.code, 0) << refined.output;
   for (const char* file : {"/cameras_refined/cameras.txt", "/cameras_refined/images.txt"})
@@ -63,8 +63,8 @@ TEST(Studio, TurnedCamerasAreWrittenRefined) {
 TEST(Studio, ModelIsCapturedByItsAnimationsNames) {
   const std::string out = scratch("studio-model");
   const std::string model = fourdvt::testing::StudioModel().write(out + "/tube.glb");
-  const Outcome studio = fourdvt("studio " + model + " -o " + out + "/capture --sequences still,bend,fall" + kTiny +
-                                 " --class bow=angle:still,bend");
+  const Outcome studio = lab("studio " + model + " -o " + out + "/capture --sequences still,bend,fall" + kTiny +
+                             " --class bow=angle:still,bend");
   ASSERT_EQ(studio.code, 0) << studio.output;
   const std::string json = readText(out + "/capture/capture.json");
   EXPECT_NE(json.find("\"parameter\": \"angle\""), std::string::npos);
@@ -77,31 +77,31 @@ TEST(Studio, ModelIsCapturedByItsAnimationsNames) {
 TEST(Studio, RoomBakesFromItsPlates) {
   const std::string out = scratch("studio-room");
   const std::string studio = "studio procedural --room --sequences walk --no-truth --mesh-cell-mm 45 -o " + out;
-  const Outcome made = fourdvt(studio + "/capture --plates 3 --noise 5.1 --cameras 4 --size 192x256 --fps 4");
+  const Outcome made = lab(studio + "/capture --plates 3 --noise 5.1 --cameras 4 --size 192x256 --fps 4");
   ASSERT_EQ(made.code, 0) << made.output;
   EXPECT_TRUE(exists(out + "/capture/background/cam03/000002.png"));
   EXPECT_TRUE(exists(out + "/capture/mattes_true/walk/mask03.mkv"));
   EXPECT_FALSE(exists(out + "/capture/walk/mask03.mkv"));
   const Outcome bake = fourdvt("bake " + out + "/capture -o " + out + "/character" + kBake);
   EXPECT_EQ(bake.code, 0) << bake.output;
-  EXPECT_EQ(fourdvt(studio + "/c --erosion 2").code, 2);
-  EXPECT_EQ(fourdvt("studio procedural --plates 2 -o " + out + "/c").code, 2);
+  EXPECT_EQ(lab(studio + "/c --erosion 2").code, 2);
+  EXPECT_EQ(lab("studio procedural --plates 2 -o " + out + "/c").code, 2);
 }
 
 TEST(Studio, WrongCommandsAndModelsAreOneLine) {
   const std::string out = scratch("studio-wrong");
-  EXPECT_EQ(fourdvt("studio procedural").code, 2);
-  EXPECT_EQ(fourdvt("studio procedural -o " + out + "/c --class locomotion").code, 2);
-  EXPECT_EQ(fourdvt("studio procedural -o " + out + "/c --size 97x128").code, 2);
-  EXPECT_EQ(fourdvt("studio procedural -o " + out + "/c --truth 0,2").code, 2);
-  const Outcome unknown = fourdvt("studio procedural -o " + out + "/c --sequences walk,fly");
+  EXPECT_EQ(lab("studio procedural").code, 2);
+  EXPECT_EQ(lab("studio procedural -o " + out + "/c --class locomotion").code, 2);
+  EXPECT_EQ(lab("studio procedural -o " + out + "/c --size 97x128").code, 2);
+  EXPECT_EQ(lab("studio procedural -o " + out + "/c --truth 0,2").code, 2);
+  const Outcome unknown = lab("studio procedural -o " + out + "/c --sequences walk,fly");
   EXPECT_EQ(unknown.code, 1);
   EXPECT_TRUE(isOneLineWith(unknown, "choose among walk, jog and run")) << unknown.output;
-  const Outcome missing = fourdvt("studio " + out + "/none.glb -o " + out + "/c");
+  const Outcome missing = lab("studio " + out + "/none.glb -o " + out + "/c");
   EXPECT_EQ(missing.code, 1);
   EXPECT_TRUE(isOneLineWith(missing, out + "/none.glb")) << missing.output;
   writeText(out + "/mine.txt", "somebody's work");
-  const Outcome taken = fourdvt("studio procedural -o " + out + "/mine.txt" + kTiny);
+  const Outcome taken = lab("studio procedural -o " + out + "/mine.txt" + kTiny);
   EXPECT_EQ(taken.code, 1);
   EXPECT_TRUE(isOneLineWith(taken, "not a studio capture")) << taken.output;
   EXPECT_EQ(readText(out + "/mine.txt"), "somebody's work");

@@ -2,6 +2,8 @@
 // Command-line mistakes: one line that names the option, exit code 2, nothing written.
 #include <gtest/gtest.h>
 
+#include <sstream>
+
 #include "command.h"
 
 namespace fourdvt::test {
@@ -32,7 +34,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"bake a -o b --codec hevc", "h264, vp9, av1"}, Mistake{"bake a -o b --crf 52", "--crf"},
         Mistake{"bake a -o b --codec vp9 --crf 64", "0 to 63"}, Mistake{"bake a -o b --preset 6", "veryslow"},
         Mistake{"bake a -o b --codec av1 --preset medium", "SVT-AV1"},
-        Mistake{"bake a -o b --quality best", "draft, web, high"}, Mistake{"bake a -o b --labels best", "per-texel"},
+        Mistake{"bake a -o b --quality best", "draft, web, high"},
         Mistake{"bake a -o b --penalty angle", "axis, ray, resolution"},
         Mistake{"bake a -o b --filter nearest", "bilinear, mipmap, bicubic"},
         Mistake{"bake a -o b --texture 2048 --layers 4 --equal-layers", "4096"},
@@ -41,14 +43,6 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"bake a -o b --refine-cameras yes", "--refine-cameras must be on or off"},
         Mistake{"bake a -o b --matte-bias-px 20", "--matte-bias-px"},
         Mistake{"bake a -o b --refine none --refine-cameras off --matte-bias-px 1", "nothing to correct"},
-        Mistake{"evaluate a --character b --refine none", "do not go with --character"},
-        Mistake{"evaluate a -o b --methods fvvr", "--methods belongs to --projective"},
-        Mistake{"evaluate a --projective --frames 2", "--frames belongs to --projective -o"},
-        Mistake{"evaluate a --projective -o b --frames 0", "--frames"},
-        Mistake{"evaluate a --projective -o b --closest 3", "--closest does not go with --projective -o"},
-        Mistake{"evaluate a --projective -o b --sweep-planes 8", "belong to --projective without -o"},
-        Mistake{"evaluate a --projective --refine none", "--projective goes with"},
-        Mistake{"evaluate a --projective --character b", "--projective goes with"},
         Mistake{"render a -o b.png --refine none", "belong to --method fvvr"},
         Mistake{"bake a -o b --resume=1", "--resume"}, Mistake{"bake a -o b -o c", "twice"},
         Mistake{"inspect", "missing argument"}, Mistake{"inspect a --verbose", "--verbose"},
@@ -75,24 +69,75 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"render a --parameter s -o b.png", "--parameter"}, Mistake{"render a --align x -o b.png", "--align"},
         Mistake{"render a --class c --sequence s -o b.png", "--class"},
         Mistake{"render a --phase 2 -o b.png", "--phase"}, Mistake{"render a --travel -o b.png", "--travel"},
-        Mistake{"evaluate a", "--character"}, Mistake{"evaluate a --character b --input-every -1", "--input-every"},
-        Mistake{"evaluate a -o b --flicker 2", "--flicker"}));
+        Mistake{"evaluate a -o b --quick", "fourdvt-lab study CAPTURE -o REPORT"},
+        Mistake{"evaluate a --character b", "fourdvt-lab score CHARACTER --capture CAPTURE"},
+        Mistake{"evaluate a --character=b", "fourdvt-lab score"},
+        Mistake{"evaluate a --surface", "fourdvt-lab surfaces"},
+        Mistake{"evaluate a --projective -o b", "fourdvt-lab methods"},
+        Mistake{"studio procedural -o b", "fourdvt-lab studio"}, Mistake{"bake a -o b --labels naive", "--labels"}));
+
+class LabUsage : public testing::TestWithParam<Mistake> {};
+
+TEST_P(LabUsage, IsOneLineAndExitCode2) {
+  const Outcome outcome = lab(GetParam().arguments);
+  EXPECT_EQ(outcome.code, 2) << outcome.output;
+  EXPECT_TRUE(isOneLineWith(outcome, GetParam().named)) << outcome.output;
+  EXPECT_EQ(outcome.output.rfind("fourdvt-lab: ", 0), 0u) << outcome.output;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Mistakes, LabUsage,
+    testing::Values(
+        Mistake{"bake a -o b --labels best", "naive, spatial, temporal-paper, joint, per-texel"},
+        Mistake{"bake a -o b --layers 7", "--layers"}, Mistake{"study a", "-o is required"},
+        Mistake{"study a -o b --methods fvvr", "unknown option --methods"},
+        Mistake{"study a -o b --flicker 2", "unknown option --flicker"}, Mistake{"score a", "--capture is required"},
+        Mistake{"score a --capture b --refine none", "unknown option --refine"},
+        Mistake{"score a --capture b --input-every -1", "--input-every"},
+        Mistake{"score a --capture b --quick", "unknown option --quick"},
+        Mistake{"methods a --frames 2", "--frames needs -o"}, Mistake{"methods a -o b --frames 0", "--frames"},
+        Mistake{"methods a -o b --closest 3", "--closest does not go with -o"},
+        Mistake{"methods a -o b --sweep-planes 8", "--sweep-planes does not go with -o"},
+        Mistake{"methods a --refine none", "unknown option --refine"},
+        Mistake{"methods a --character b", "unknown option --character"},
+        Mistake{"surfaces a --method fvvr", "unknown option --method"}, Mistake{"surfaces", "missing argument"}));
 
 TEST(Usage, UnknownCommandListsThoseThatExist) {
   for (const char* arguments : {"", "fly"}) {
     const Outcome outcome = fourdvt(arguments);
     EXPECT_EQ(outcome.code, 2);
-    EXPECT_NE(outcome.output.find("evaluate"), std::string::npos);
+    EXPECT_NE(outcome.output.find("reconstruct"), std::string::npos);
+    const Outcome of_lab = lab(arguments);
+    EXPECT_EQ(of_lab.code, 2);
+    EXPECT_NE(of_lab.output.find("surfaces"), std::string::npos);
   }
 }
 
 TEST(Usage, EveryCommandHasHelp) {
   EXPECT_EQ(fourdvt("--help").code, 0);
   EXPECT_EQ(fourdvt("--version").code, 0);
-  for (const std::string command : {"bake", "inspect", "render", "evaluate"}) {
+  EXPECT_EQ(lab("--version").output.rfind("fourdvt-lab ", 0), 0u);
+  for (const std::string command : {"reconstruct", "bake", "inspect", "render"}) {
     const Outcome outcome = fourdvt(command + " --help");
     EXPECT_EQ(outcome.code, 0);
     EXPECT_EQ(outcome.output.rfind("usage: fourdvt " + command, 0), 0u) << outcome.output;
+  }
+  for (const std::string command : {"studio", "study", "score", "methods", "surfaces"}) {
+    const Outcome outcome = lab(command + " --help");
+    EXPECT_EQ(outcome.code, 0);
+    EXPECT_EQ(outcome.output.rfind("usage: fourdvt-lab " + command, 0), 0u) << outcome.output;
+  }
+  EXPECT_NE(lab("bake --help").output.find("--labels"), std::string::npos);
+}
+
+// One screen: 24 lines of 120 characters.
+TEST(Usage, HelpOfTheJudgingCommandsFitsAScreen) {
+  for (const std::string command : {"study", "score", "methods", "surfaces"}) {
+    std::istringstream lines(lab(command + " --help").output);
+    std::string line;
+    int count = 0;
+    for (; std::getline(lines, line); ++count) EXPECT_LE(line.size(), 140u) << command << ": " << line;
+    EXPECT_LE(count, 24) << command;
   }
 }
 

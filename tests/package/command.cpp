@@ -31,6 +31,8 @@ Outcome shell(const std::string& command) {
 
 Outcome fourdvt(const std::string& arguments) { return shell(std::string(FOURDVT_BIN) + " " + arguments); }
 
+Outcome lab(const std::string& arguments) { return shell(std::string(FOURDVT_LAB_BIN) + " " + arguments); }
+
 bool isOneLineWith(const Outcome& outcome, const std::string& part) {
   const std::string& text = outcome.output;
   return std::count(text.begin(), text.end(), '\n') == 1 && text.back() == '\n' && text.find(part) != std::string::npos;
@@ -85,10 +87,11 @@ void damage(const std::string& path, uint64_t offset, uint64_t count) {
 
 bool exists(const std::string& path) { return fs::exists(path); }
 
-Outcome interrupted(const std::string& arguments, const std::string& once_there, const std::string& log) {
+Outcome interrupted(const std::string& program, const std::string& arguments, const std::string& once_there,
+                    const std::string& log) {
   const pid_t child = fork();
   if (child == 0) {
-    const std::string command = "exec " + std::string(FOURDVT_BIN) + " " + arguments + " >" + log + " 2>&1";
+    const std::string command = "exec " + program + " " + arguments + " >" + log + " 2>&1";
     execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
     _exit(127);
   }

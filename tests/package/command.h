@@ -17,8 +17,12 @@ struct Outcome {
 Outcome shell(const std::string& command);
 // fourdvt with these arguments.
 Outcome fourdvt(const std::string& arguments);
-// fourdvt with these arguments, sent Ctrl-C once the file `once_there` exists. Its output goes through the file `log`.
-Outcome interrupted(const std::string& arguments, const std::string& once_there, const std::string& log);
+// fourdvt-lab with these arguments.
+Outcome lab(const std::string& arguments);
+// The program with these arguments, sent Ctrl-C once the file `once_there` exists. Its output goes through the file
+// `log`.
+Outcome interrupted(const std::string& program, const std::string& arguments, const std::string& once_there,
+                    const std::string& log);
 // One line of text that ends in a newline and contains `part`.
 bool isOneLineWith(const Outcome& outcome, const std::string& part);
 

@@ -8,11 +8,12 @@
 #include "../unit/capture_fixture.h"
 #include "bake/bake.h"
 #include "bake_environment.h"
+#include "edge/character_player.h"
 #include "gl_fixture.h"
-#include "measure/held_out.h"
+#include "lab/labels/paper_labellings.h"
+#include "lab/measure/held_out.h"
 #include "package/chunk_mesh.h"
 #include "package/stream_file.h"
-#include "platform/character_player.h"
 #include "platform/ffmpeg_video.h"
 #include "render/passes.h"
 
@@ -110,7 +111,7 @@ class TellingPass : public render::LayeredPass {
 
 TEST_F(WholeBake, FlickerIsOfFramesInOrderAFramePeriodApart) {
   ASSERT_TRUE(run());
-  auto player = platform::CharacterPlayer::open(*device, options.character_folder).take();
+  auto player = edge::CharacterPlayer::open(*device, options.character_folder).take();
   const auto told = std::make_shared<TellingPass>();
   player->recipe().setLayered(told);
   const auto capture = input.open().take();
@@ -194,14 +195,13 @@ TEST_F(WholeBake, SurveyFolderIsSharedBetweenBakes) {
   EXPECT_TRUE(fs::exists(options.survey_folder));
 }
 
-TEST_F(WholeBake, EveryLabelModeBakes) {
-  for (LabelMode mode :
-       {LabelMode::Naive, LabelMode::Spatial, LabelMode::TemporalPaper, LabelMode::Joint, LabelMode::PerTexel}) {
-    options.labels = mode;
+TEST_F(WholeBake, EveryLabellingBakes) {
+  for (const Labelling* rule : lab::allLabellings()) {
+    lab::useLabelling(*rule, options);
     auto report = run();
-    ASSERT_TRUE(report) << labelModeName(mode) << ": " << report.error().message;
+    ASSERT_TRUE(report) << rule->name << ": " << report.error().message;
     ASSERT_EQ(report.value().labels_by_sequence.count("walk"), 1u);
-    EXPECT_EQ(report.value().labels_by_sequence["walk"].frames, 3u) << labelModeName(mode);
+    EXPECT_EQ(report.value().labels_by_sequence["walk"].frames, 3u) << rule->name;
   }
 }
 

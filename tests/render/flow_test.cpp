@@ -3,8 +3,8 @@
 #include <cmath>
 #include <functional>
 
+#include "edge/opencv_flow.h"
 #include "gl_fixture.h"
-#include "platform/opencv_flow.h"
 #include "render/flow/pictures.h"
 
 namespace fourdvt::render {
@@ -113,7 +113,7 @@ TEST_F(Flow, findsARotationWithScaleInAnUnevenSize) {
 }
 
 TEST_F(Flow, agreesWithOpencvFarneback) {
-  const auto source = gpuFlow(FlowMethod::Farneback), reference = platform::createOpencvFlow(*device);
+  const auto source = gpuFlow(FlowMethod::Farneback), reference = edge::createOpencvFlow(*device);
   for (const glm::ivec2 size : {glm::ivec2(256, 256), glm::ivec2(333, 251), glm::ivec2(70, 190)}) {
     const Pair pair = disc(size.x, size.y, [&](glm::dvec2 p) {
       return p - glm::dvec2(4 * std::sin(p.y / 40) + 1, 3 * std::cos(p.x / 50));
@@ -303,7 +303,7 @@ TEST(FlowWithoutFloatTargets, isUnsupportedAndOpencvStillWorks) {
   ASSERT_FALSE(made);
   EXPECT_EQ(made.error().id, ErrorId::Unsupported);
   const auto picture = gpu::makeTexture(*device, {.width = 40, .height = 36, .label = "picture"}).take();
-  const auto opencv = platform::createOpencvFlow(*device);
+  const auto opencv = edge::createOpencvFlow(*device);
   EXPECT_TRUE(opencv->compute(picture.id(), picture.id(), 40, 36));
   EXPECT_EQ(device->takeErrors(), "");
 }

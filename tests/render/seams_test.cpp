@@ -11,7 +11,7 @@
 #include "bake/video/tile.h"
 #include "capture/capture.h"
 #include "gl_fixture.h"
-#include "measure/seam_contrast.h"
+#include "lab/measure/seam_contrast.h"
 #include "platform/ffmpeg_video.h"
 #include "seam_scene.h"
 

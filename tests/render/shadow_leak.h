@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/camera.h"
-#include "measure/projective.h"
+#include "base/face_buffer.h"
 #include "render/cameras/fvvr.h"
 
 namespace fourdvt::testing {
@@ -76,7 +76,7 @@ constexpr double kOccluder_m = 0.05, kFacing = 0.3;
 inline ViewTruth truthOf(const PinholeCamera& view, const PinholeCamera& camera, const MeshTopology& topology,
                          const Positions& positions) {
   const FaceTiles tiles(camera, topology, positions);
-  const measure::FaceBuffer faces = measure::rasterise(view, topology.face_vertices, positions, 1);
+  const FaceBuffer faces = rasterise(view, topology.face_vertices, positions, 1);
   const glm::dmat4 world_from_view = glm::inverse(view.cam_from_world);
   ViewTruth out{std::vector(faces.face.size(), ViewTruth::Nothing)};
   for (size_t i = 0; i < faces.face.size(); ++i) {

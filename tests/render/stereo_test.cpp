@@ -6,8 +6,8 @@
 #include <limits>
 #include <random>
 
+#include "base/face_buffer.h"
 #include "gl_fixture.h"
-#include "measure/projective.h"
 #include "reconstruct/components.h"
 #include "reconstruct/stereo/steady.h"
 #include "reconstruct/stereo/stereo_refiner.h"
@@ -143,8 +143,7 @@ const auto kEverywhere = [](const dvec3&) { return true; };
 
 // Mean difference of the depths that a camera sees of two surfaces, metres.
 double meanMotion_m(const PinholeCamera& camera, const TriangleMesh& a, const TriangleMesh& b) {
-  const auto in_a = measure::rasterise(camera, a.faces, a.positions, 1),
-             in_b = measure::rasterise(camera, b.faces, b.positions, 1);
+  const auto in_a = rasterise(camera, a.faces, a.positions, 1), in_b = rasterise(camera, b.faces, b.positions, 1);
   double sum = 0;
   size_t count = 0;
   for (size_t i = 0; i < in_a.depth_m.size(); ++i) {

@@ -10,8 +10,8 @@
 #include "capture/capture.h"
 #include "capture/pictures.h"
 #include "gl_fixture.h"
+#include "lab/studio/studio.h"
 #include "platform/ffmpeg_video.h"
-#include "studio/studio.h"
 
 namespace fourdvt::studio {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "capture/capture.h"
 #include "gl_fixture.h"
+#include "lab/studio/set.h"
 #include "platform/ffmpeg_video.h"
-#include "studio/set.h"
 
 namespace fourdvt::studio {
 namespace {

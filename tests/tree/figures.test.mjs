@@ -65,8 +65,8 @@ test('every text of the page names figures and runs that exist', () => {
 });
 
 test('the study writes every table, method and quantity that figures are taken from', () => {
-  const sources = readdirSync(join(kRoot, 'native/study'), { recursive: true }).filter((file) => /\.(h|cpp)$/.test(file));
-  const study = sources.map((file) => readFileSync(join(kRoot, 'native/study', file), 'utf8')).join('');
+  const sources = readdirSync(join(kRoot, 'native/lab/study'), { recursive: true }).filter((file) => /\.(h|cpp)$/.test(file));
+  const study = sources.map((file) => readFileSync(join(kRoot, 'native/lab/study', file), 'utf8')).join('');
   const names = catalogue.map(({ from }) => from).filter((from) => from.study || from.truth || from.curve)
     .flatMap((from) => [from.study ?? from.truth, from.curve, from.method, from.quantity, from.against, from.less, from.beyond]).filter(Boolean);
   assert.ok(names.length > 100);

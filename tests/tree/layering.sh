@@ -27,16 +27,14 @@ layer render/montage base gpu render render/fields
 layer stream base package package/coding
 layer player/parts base gpu package package/coding motion render render/flow stream
 layer player base gpu package motion render render/flow stream player/parts
-layer platform $core
+layer platform base
+layer edge $core platform
 layer capture base
-layer studio/actors base platform
 layer refine base capture
 layer reconstruct base capture
 layer reconstruct/stereo base gpu reconstruct
-layer studio base gpu platform capture studio/actors
 layer report base platform
-layer measure base gpu package render render/cameras player platform capture report
-layer reconstruct/run base gpu platform capture report measure reconstruct reconstruct/stereo
+layer reconstruct/run base gpu platform capture report reconstruct reconstruct/stereo
 layer bake/labels base package
 layer bake/texels base gpu package
 layer bake/room base package
@@ -48,13 +46,19 @@ layer bake/run base gpu package motion platform capture refine bake/labels bake/
 layer bake/stages base gpu package motion render render/cameras platform capture refine report bake/labels bake/texels bake/room bake/motion bake/align bake/cameras bake/video bake/run
 layer bake base platform report bake/labels bake/texels bake/video bake/run bake/stages
 bake_all="bake bake/labels bake/texels bake/room bake/motion bake/align bake/cameras bake/video bake/run bake/stages"
-layer study/run $core platform capture refine report measure $bake_all
-layer study/tables base report study/run
-layer study/steps $core platform capture report measure $bake_all study/run study/tables
-layer study/motion $core platform capture report measure $bake_all study/run study/tables
-layer study/projective $core platform capture studio report measure reconstruct/run bake/texels bake/cameras study/run study/tables
-layer study base platform capture refine report $bake_all study/run study/tables study/steps study/motion study/projective
-layer tools $core platform capture refine reconstruct/run studio studio/actors report measure $bake_all study study/run study/projective
+layer tools $core platform edge capture refine reconstruct/run report $bake_all
+# The lab stands above the product; nothing of the product includes it.
+layer lab/labels base gpu bake/labels bake/texels bake/run
+layer lab/measure base gpu package render render/cameras player platform edge capture report
+layer lab/studio/actors base platform
+layer lab/studio base gpu platform capture lab/studio/actors
+layer lab/study/run $core platform edge capture refine report $bake_all lab/measure
+layer lab/study/tables base report lab/study/run
+layer lab/study/steps $core platform edge capture report $bake_all lab/labels lab/measure lab/study/run lab/study/tables
+layer lab/study/motion $core platform edge capture report $bake_all lab/measure lab/study/run lab/study/tables
+layer lab/study/projective $core platform edge capture report reconstruct/run bake/texels bake/cameras lab/measure lab/studio lab/study/run lab/study/tables
+layer lab/study base platform capture refine report $bake_all lab/study/run lab/study/tables lab/study/steps lab/study/motion lab/study/projective
+layer lab/tools base package player render render/cameras platform edge capture bake/labels bake/run tools lab/labels lab/measure lab/studio lab/study lab/study/run lab/study/projective
 
 declare -A seen
 for folder in "${order[@]}"; do

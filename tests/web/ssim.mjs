@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Comparison of pictures { width, height, data: straight-alpha RGBA }.
-// SSIM: Wang et al. 2004 on BT.601 luma (as native/measure), 11×11 Gaussian window (sigma 1.5), K1 = 0.01, K2 = 0.03, range 255.
+// SSIM: Wang et al. 2004 on BT.601 luma (as native/lab/measure), 11×11 Gaussian window (sigma 1.5), K1 = 0.01, K2 = 0.03, range 255.
 const kWindow = Float64Array.from({ length: 11 }, (_, i) => Math.exp(-((i - 5) ** 2) / (2 * 1.5 ** 2)));
 const kSum = kWindow.reduce((a, b) => a + b);
 const kGrey = 128;

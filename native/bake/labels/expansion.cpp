@@ -74,16 +74,6 @@ LabelWeights LabelWeights::joint(const LabelOptions& options, const FaceLinks& l
   return out;
 }
 
-LabelWeights LabelWeights::singleLayer(float tau, float empty_penalty, const FaceLinks& links) {
-  LabelOptions options;
-  options.layers = 1;
-  options.theta = options.omega = {1.0f};
-  options.eta = 0;
-  options.tau = tau;
-  options.empty_penalty = empty_penalty;
-  return joint(options, links);
-}
-
 ExpansionBlock::ExpansionBlock(const LabelWeights& weights, const FaceLinks& links, std::vector<BlockFrame> frames)
     : weights_(weights), links_(links), frames_(std::move(frames)), faces_(links.faceCount()) {
   const size_t nodes = frames_.size() * faces_;

@@ -37,7 +37,6 @@ struct LabelWeights {
   float empty_penalty = 0;
   double units = 1;  // energy units in 1
   static LabelWeights joint(const LabelOptions& options, const FaceLinks& links);
-  static LabelWeights singleLayer(float tau, float empty_penalty, const FaceLinks& links);
 };
 
 struct BlockFrame {

@@ -13,8 +13,6 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr const char* kModeNames[] = {"naive", "spatial", "temporal-paper", "joint", "per-texel"};
-
 std::string complaint(const LabelOptions& o) {
   if (o.layers < 1 || o.layers > package::kMaxLayers) return "layers must be 1 to 6";
   if (o.window_frames < 1 || o.hop_frames < 1 || o.hop_frames > o.window_frames)
@@ -61,7 +59,7 @@ class Solver {
         frames.push_back({&frame.costs, &frame.labels, frozen, !frozen && !fresh});
       }
     }
-    solveWindow(options_, links_, frames);
+    options_.rule->solve(options_, links_, frames);
   }
 
   Status finish(uint32_t t) {
@@ -104,17 +102,6 @@ class Solver {
 };
 
 }  // namespace
-
-const char* labelModeName(LabelMode mode) { return kModeNames[static_cast<int>(mode)]; }
-
-bool parseLabelMode(const std::string& name, LabelMode& mode) {
-  for (int m = 0; m < 5; ++m) {
-    if (name != kModeNames[m]) continue;
-    mode = static_cast<LabelMode>(m);
-    return true;
-  }
-  return false;
-}
 
 float weightOfRank(const std::vector<float>& weights, int rank) {
   return weights.empty() ? 0 : weights[std::min<size_t>(rank, weights.size() - 1)];

@@ -7,7 +7,6 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
-#include <string>
 #include <vector>
 
 #include "bake/labels/face_costs.h"
@@ -15,24 +14,27 @@
 
 namespace fourdvt::bake {
 
-enum class LabelMode {
-  Naive,          // "NO": cameras by penalty, each face and frame by itself
-  Spatial,        // "SO", 4DVT Eq. 2-4: each frame by itself, layer after layer without the cameras already taken
-  TemporalPaper,  // "TO", 4DVT Eq. 5 literally: the temporal term carries the weight 1/|M|
-  Joint,          // ours: ordered tuples of distinct cameras, space and time, windowed
-  PerTexel,  // labels as Naive, but each texel from the next camera that sees it; weights stay per face, unlike LVDT's
+struct FaceLinks;
+struct LabelOptions;
+struct WindowFrame;
+
+// Rule by which faces take their cameras, a constant that lives as long as the program.
+struct Labelling {
+  const char* name;  // part of the key under which labels and GOPs are kept
+  bool windowed;     // neighbouring frames are solved together; false: each by itself
+  // Solves the frames of one window (window.h). Called from several threads.
+  void (*solve)(const LabelOptions& options, const FaceLinks& links, std::vector<WindowFrame>& frames);
 };
-const char* labelModeName(LabelMode mode);  // "naive", "spatial", "temporal-paper", "joint", "per-texel"
-// False: there is no such name.
-bool parseLabelMode(const std::string& name, LabelMode& mode);
+// Ordered tuples of distinct cameras, over space and time. The papers' rules, for comparison: lab/labels.
+extern const Labelling kJoint;
 
 struct LabelOptions {
-  LabelMode mode = LabelMode::Joint;
+  const Labelling* rule = &kJoint;
   int layers = 3;
   // Joint: weights of ALGORITHMS 1.3. θ: penalty by rank, ω: rank term by rank (the last entry repeats), η: set term,
   // τ: time (label flips), empty: penalty of an empty rank. Tuned with bench_labels for few flips and seams at a
-  // layer-1 penalty within 10 % of Naive's. Kept labels and GOPs of other weights are not reused (labelKey in
-  // stages/validate.cpp).
+  // layer-1 penalty within 10 % of the cheapest cameras'. Kept labels and GOPs of other weights are not reused
+  // (labelKey in stages/validate.cpp).
   std::vector<float> theta{1.4f, 0.2f, 0.1f}, omega{1.2f, 0.3f, 0.25f};
   float eta = 0.1f, tau = 0.75f, empty_penalty = 2.0f;
   // Joint: may take a camera that sees a face in part (FaceCosts::partial); labels a face that no camera sees, so that
@@ -61,7 +63,7 @@ struct LabelStatistics {
   // between two such faces, and faces that are seen in both frames.
   std::vector<double> seen_seam_percent, seen_flip_percent;
   std::vector<double> mean_penalty;  // per layer, over filled ranks of faces that a camera sees
-  double energy = 0;                 // of the joint formulation with the options' weights, whatever the mode
+  double energy = 0;                 // of the joint formulation with the options' weights, whatever the rule
   double empty_percent = 0;          // of all ranks
   double seconds = 0;                // wall clock of the solve
 };

@@ -53,7 +53,7 @@ std::vector<LabelWindow> framesAlone(uint32_t frame_count) {
 }  // namespace
 
 std::vector<LabelWindow> planWindows(const LabelOptions& options, uint32_t frame_count) {
-  if (options.mode != LabelMode::Joint && options.mode != LabelMode::TemporalPaper) return framesAlone(frame_count);
+  if (!options.rule->windowed) return framesAlone(frame_count);
   const uint32_t window = static_cast<uint32_t>(options.window_frames), hop = static_cast<uint32_t>(options.hop_frames);
   const uint32_t gap = 2 * hop > window ? 2 * hop - window : 1;
   const uint32_t evens = frame_count <= window ? 1 : (frame_count + gap + window + gap - 1) / (window + gap);

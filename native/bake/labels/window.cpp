@@ -5,12 +5,12 @@
 #include <utility>
 
 namespace fourdvt::bake {
-namespace {
-
 void labelByPenalty(const FaceCosts& costs, int layers, std::vector<LabelTuple>& labels) {
   labels.resize(costs.feasible.size());
   for (size_t f = 0; f < labels.size(); ++f) labels[f] = cheapestCameras(costs, f, costs.feasible[f], layers);
 }
+
+namespace {
 
 std::vector<uint32_t> usableCameras(const LabelOptions& options, const FaceCosts& costs) {
   std::vector<uint32_t> out = costs.feasible;
@@ -69,56 +69,8 @@ void solveJoint(const LabelOptions& options, const FaceLinks& links, std::vector
   ExpansionBlock(weights, links, std::move(block)).solve(options.sweeps);
 }
 
-// 4DVT 4.1: solves layer after layer; a camera that a face has taken is not allowed in its further layers.
-void solveLayers(const LabelOptions& options, float tau, const FaceLinks& links, std::vector<WindowFrame>& frames) {
-  const LabelWeights weights = LabelWeights::singleLayer(tau, options.empty_penalty, links);
-  std::vector<std::vector<uint32_t>> allowed(frames.size());
-  std::vector<std::vector<LabelTuple>> layer(frames.size());
-  for (size_t k = 0; k < frames.size(); ++k) {
-    layer[k].resize(links.faceCount());
-    if (frames[k].frozen) continue;
-    allowed[k] = frames[k].costs->feasible;
-    frames[k].labels->resize(links.faceCount());
-  }
-  for (int l = 0; l < options.layers; ++l) {
-    std::vector<BlockFrame> block;
-    for (size_t k = 0; k < frames.size(); ++k) {
-      const WindowFrame& frame = frames[k];
-      for (uint32_t f = 0; f < links.faceCount(); ++f) {
-        uint8_t camera = (*frame.labels)[f].ranks[l];
-        if (!frame.frozen && (camera == package::kNoCamera || !(allowed[k][f] >> camera & 1)))
-          camera = cheapestCameras(*frame.costs, f, allowed[k][f], 1).ranks[0];
-        layer[k][f].ranks[0] = camera;
-      }
-      block.push_back({frame.costs, frame.frozen ? nullptr : &allowed[k], &layer[k], frame.frozen, false});
-    }
-    ExpansionBlock(weights, links, std::move(block)).solve(options.sweeps);
-    for (size_t k = 0; k < frames.size(); ++k) {
-      if (frames[k].frozen) continue;
-      for (uint32_t f = 0; f < links.faceCount(); ++f) {
-        const uint8_t camera = layer[k][f].ranks[0];
-        (*frames[k].labels)[f].ranks[l] = camera;
-        if (camera != package::kNoCamera) allowed[k][f] &= ~(1u << camera);
-      }
-    }
-  }
-}
-
 }  // namespace
 
-void solveWindow(const LabelOptions& options, const FaceLinks& links, std::vector<WindowFrame>& frames) {
-  switch (options.mode) {
-    case LabelMode::Naive:
-    case LabelMode::PerTexel:
-      for (WindowFrame& frame : frames) labelByPenalty(*frame.costs, options.layers, *frame.labels);
-      return;
-    case LabelMode::Spatial:
-      return solveLayers(options, 0, links, frames);
-    case LabelMode::TemporalPaper:
-      return solveLayers(options, 1.0f / links.faceCount(), links, frames);
-    case LabelMode::Joint:
-      return solveJoint(options, links, frames);
-  }
-}
+const Labelling kJoint{"joint", true, solveJoint};
 
 }  // namespace fourdvt::bake

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Solves the labels of neighbouring frames together, as the mode asks.
+// Frames whose labels a rule (Labelling::solve) solves together.
 #pragma once
 
 #include <vector>
@@ -15,6 +15,7 @@ struct WindowFrame {
   bool solved = false;                        // its labels come from another window and are to be improved
 };
 
-void solveWindow(const LabelOptions& options, const FaceLinks& links, std::vector<WindowFrame>& frames);
+// Labels every face with its cheapest cameras that see it.
+void labelByPenalty(const FaceCosts& costs, int layers, std::vector<LabelTuple>& labels);
 
 }  // namespace fourdvt::bake

@@ -45,7 +45,8 @@ struct BakeOptions {
   double position_step_m = 0.00025;  // quantisation of streamed vertices
   int gutter_texels = 10;            // width of the gutter round every chart, texels of layer 1; limits in check()
   refine::RefineOptions refine;      // of the mesh and the cameras, before anything is drawn
-  LabelMode labels = LabelMode::Joint;
+  const Labelling* labels = &kJoint;
+  TexelRule texel_rule = nullptr;  // null: a texel takes the camera that its face's label names
   Penalty penalty = Penalty::Axis;
   bool equal_layers = false;  // all layers have the size of layer 1, as in the papers
   bool colour_calibration = true;

@@ -56,8 +56,8 @@ Result<std::vector<Image>> FrameBaker::resample(const std::vector<uint8_t>& labe
   return resampler_.resample(*device_, capture_, labels);
 }
 
-Result<std::vector<Image>> FrameBaker::resamplePerTexel(const std::vector<uint8_t>& order) {
-  return resampler_.resamplePerTexel(*device_, capture_, order);
+Result<std::vector<Image>> FrameBaker::resample(TexelRule rule, const std::vector<uint8_t>& order) {
+  return rule(resampler_, *device_, capture_, order);
 }
 
 void FrameBaker::fill(std::vector<Image>& layers) const { fillLayers(maps_, layers); }

@@ -36,9 +36,8 @@ class FrameBaker {
   Result<std::vector<float>> measureVisibility();
   // Layers of the current frame, not filled. labels: [layer][face].
   Result<std::vector<Image>> resample(const std::vector<uint8_t>& labels);
-  // The same with LVDT's choice of cameras texel by texel. order: [rank][face], all cameras by penalty, then
-  // package::kNoCamera.
-  Result<std::vector<Image>> resamplePerTexel(const std::vector<uint8_t>& order);
+  // The same by another rule than the faces' labels.
+  Result<std::vector<Image>> resample(TexelRule rule, const std::vector<uint8_t>& order);
   // Fills holes, gutters and the rest. Runs on the CPU only; any thread may call it.
   void fill(std::vector<Image>& layers) const;
 

@@ -136,9 +136,9 @@ Result<GopStage::MemberLook> GopStage::drawMember(const capture::CaptureSequence
   FOURDVT_ASSIGN(out.labels, survey_.labels(sequence, source_frame));
   StageClock::Span span(run_.clock, Stage::Resample);
   frames_->setFrame(source.pose, source.crops);
-  if (job_.options.labels == LabelMode::PerTexel) {
+  if (const TexelRule rule = job_.options.texel_rule) {
     FOURDVT_ASSIGN(auto order, survey_.penaltyOrder(sequence, source_frame));
-    FOURDVT_ASSIGN(out.layers, frames_->resamplePerTexel(order));
+    FOURDVT_ASSIGN(out.layers, frames_->resample(rule, order));
   } else {
     FOURDVT_ASSIGN(out.layers, frames_->resample(out.labels));
   }

@@ -79,7 +79,7 @@ Json optionsJson(const BakeOptions& o) {
           {"gutter_texels", o.gutter_texels},
           {"refine", o.refine.outline ? "outline" : "none"},
           {"refine_cameras", o.refine.cameras},
-          {"labels", labelModeName(o.labels)},
+          {"labels", o.labels->name},
           {"penalty", penaltyName(o.penalty)},
           {"filter", filterName(o.resample.filter)},
           {"equal_layers", o.equal_layers},
@@ -272,7 +272,7 @@ report::Table factsTable(const ReportInput& in) {
         std::to_string(o.texture) + (o.equal_layers ? " texels, all layers" : " texels, further layers half of it")},
        {"mesh and cameras", std::string(o.refine.outline ? "mesh moved to the mattes' outlines" : "mesh as given") +
                                 (o.refine.cameras ? ", cameras where they are contradicted" : ", cameras as given")},
-       {"labels", labelModeName(o.labels)},
+       {"labels", o.labels->name},
        {"penalty", penaltyName(o.penalty)},
        {"resampling filter", filterName(o.resample.filter)},
        {"colour calibration", o.colour_calibration ? "on" : "off"},

@@ -160,7 +160,7 @@ Status Survey::label(BakeRun& run, const capture::CaptureSequence& sequence, con
   platform::removeFolder(path + ".part");
   FOURDVT_ASSIGN(auto file, RecordFile::resume(path, labelBytes(), sequence.frame_count));
   LabelOptions options;
-  options.mode = job_->options.labels;
+  options.rule = job_->options.labels;
   options.layers = job_->options.layers;
   options.jobs = job_->options.jobs;
   auto statistics = solveLabels(options, makeFaceGraph(job_->mesh.decoded.topology), sequence.frame_count,

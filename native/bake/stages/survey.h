@@ -22,7 +22,7 @@ class Survey {
   const std::vector<ColourMap>& colourMaps() const { return colour_maps_; }  // empty if colours are not calibrated
   // [layer][face]. Errors: FileUnreadable.
   Result<std::vector<uint8_t>> labels(const capture::CaptureSequence& sequence, uint32_t frame) const;
-  // [rank][face]: all cameras that qualify, in order of their penalties; for LabelMode::PerTexel.
+  // [rank][face]: all cameras that qualify, in order of their penalties; for BakeOptions::texel_rule.
   Result<std::vector<uint8_t>> penaltyOrder(const capture::CaptureSequence& sequence, uint32_t frame) const;
   const std::map<std::string, LabelStatistics>& statistics() const { return statistics_; }  // by sequence
 

@@ -252,7 +252,7 @@ std::string labelKey(const BakeOptions& o) {
     all += std::to_string(number) + " ";
   char hash[20];
   std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(fnv1a(all, kFnv1aStart)));
-  return std::string(" labels ") + labelModeName(o.labels) + " penalty " + std::to_string(static_cast<int>(o.penalty)) +
+  return std::string(" labels ") + o.labels->name + " penalty " + std::to_string(static_cast<int>(o.penalty)) +
          " layers " + std::to_string(o.layers) + " chosen " + hash;
 }
 

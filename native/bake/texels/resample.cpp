@@ -19,23 +19,6 @@ glm::mat4 affine(const ColourMap& map) {
   return m;
 }
 
-// Finds, per texel, the cameras that see it in the order of their ranks (alpha = rank + 1); the l-th camera gives the
-// texel of layer l.
-Image pickRanked(const std::vector<Image>& cameras, size_t l) {
-  Image out(cameras[0].width, cameras[0].height, 4);
-  std::vector<std::pair<uint8_t, const uint8_t*>> seen;
-  for (size_t i = 0; i < out.pixels.size(); i += 4) {
-    seen.clear();
-    for (const Image& camera : cameras)
-      if (camera.pixels[i + 3]) seen.emplace_back(camera.pixels[i + 3], &camera.pixels[i]);
-    if (seen.size() <= l) continue;
-    std::nth_element(seen.begin(), seen.begin() + l, seen.end());
-    std::copy_n(seen[l].second, 3, &out.pixels[i]);
-    out.pixels[i + 3] = 255;
-  }
-  return out;
-}
-
 }  // namespace
 
 Result<Resampler> Resampler::create(gpu::Device& device, const GpuCapture& capture, const std::vector<int>& sizes,
@@ -134,8 +117,9 @@ Result<std::vector<Image>> Resampler::resample(gpu::Device& device, const GpuCap
   return out;
 }
 
-Result<std::vector<Image>> Resampler::drawCameras(gpu::Device& device, const GpuCapture& capture, const Layer& layer,
-                                                  const std::vector<uint8_t>& order) {
+Result<std::vector<Image>> Resampler::resampleByRank(gpu::Device& device, const GpuCapture& capture, size_t l,
+                                                     const std::vector<uint8_t>& order) {
+  const Layer& layer = layers_[l];
   const size_t faces = capture.faceCount();
   std::vector<Image> out;
   for (size_t c = 0; c < capture.cameraCount(); ++c) {
@@ -149,18 +133,6 @@ Result<std::vector<Image>> Resampler::drawCameras(gpu::Device& device, const Gpu
     drawBatches(device, capture, layer, batches);
     FOURDVT_ASSIGN(auto image, readLayer(device, layer));
     out.push_back(std::move(image));
-  }
-  return out;
-}
-
-Result<std::vector<Image>> Resampler::resamplePerTexel(gpu::Device& device, const GpuCapture& capture,
-                                                       const std::vector<uint8_t>& order) {
-  std::vector<Image> cameras, out;
-  for (size_t l = 0; l < layers_.size(); ++l) {
-    if (cameras.empty() || cameras[0].width != layers_[l].size) {
-      FOURDVT_ASSIGN(cameras, drawCameras(device, capture, layers_[l], order));
-    }
-    out.push_back(pickRanked(cameras, l));
   }
   return out;
 }

@@ -35,10 +35,12 @@ class Resampler {
   // UVs.
   Result<std::vector<Image>> resample(gpu::Device& device, const GpuCapture& capture,
                                       const std::vector<uint8_t>& labels);
-  // LVDT's choice of texels: layer l of a texel is the l-th camera of the face's order that sees this texel. order:
-  // [rank][face], all cameras by penalty, package::kNoCamera after the last. For reproduction only: slow.
-  Result<std::vector<Image>> resamplePerTexel(gpu::Device& device, const GpuCapture& capture,
-                                              const std::vector<uint8_t>& order);
+  // Pictures of single cameras: [camera], RGBA of layer `l`'s size, with alpha rank + 1 where the camera shows the
+  // texel, else 0. order: [rank][face], at most 254 ranks; package::kNoCamera: no camera.
+  Result<std::vector<Image>> resampleByRank(gpu::Device& device, const GpuCapture& capture, size_t l,
+                                            const std::vector<uint8_t>& order);
+  size_t layerCount() const { return layers_.size(); }
+  int layerSize(size_t l) const { return layers_[l].size; }
 
  private:
   struct Layer {
@@ -57,8 +59,6 @@ class Resampler {
   void drawBatches(gpu::Device& device, const GpuCapture& capture, const Layer& layer,
                    const std::vector<Batch>& batches) const;
   Result<Image> readLayer(gpu::Device& device, const Layer& layer) const;
-  Result<std::vector<Image>> drawCameras(gpu::Device& device, const GpuCapture& capture, const Layer& layer,
-                                         const std::vector<uint8_t>& order);
 
   ResampleOptions options_;
   std::vector<glm::mat4> colour_maps_;  // [camera]
@@ -67,5 +67,10 @@ class Resampler {
   std::vector<Layer> layers_;
   std::vector<uint32_t> list_;
 };
+
+// Resamples the layers of one frame by a rule of its own. order: [rank][face], all cameras by penalty,
+// package::kNoCamera after the last.
+using TexelRule = Result<std::vector<Image>> (*)(Resampler& resampler, gpu::Device& device, const GpuCapture& capture,
+                                                 const std::vector<uint8_t>& order);
 
 }  // namespace fourdvt::bake

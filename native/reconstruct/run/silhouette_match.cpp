@@ -5,14 +5,13 @@
 #include <array>
 #include <cmath>
 
-#include "measure/projective.h"
+#include "base/face_buffer.h"
 #include "report/picture_sheets.h"
 
 namespace fourdvt::reconstruct {
 namespace {
 
 constexpr int kSamples = 2, kMargin = 12;
-constexpr uint32_t kNoFace = 0xffffffff;
 
 // Coverage at a sample's centre, between the pixels' centres.
 bool insideAt(const Image& coverage, int sample_x, int sample_y) {
@@ -42,11 +41,12 @@ std::array<uint8_t, 3> shade(const PinholeCamera& camera, const TriangleMesh& su
 }  // namespace
 
 double silhouetteOverlap(const Silhouette& silhouette, const TriangleMesh& surface) {
-  const auto drawn = measure::rasterise(silhouette.camera, surface.faces, surface.positions, kSamples);
+  const auto drawn = rasterise(silhouette.camera, surface.faces, surface.positions, kSamples);
   size_t both = 0, either = 0;
   for (int y = 0; y < drawn.height; ++y)
     for (int x = 0; x < drawn.width; ++x) {
-      const bool a = drawn.face[size_t(y) * drawn.width + x] != kNoFace, b = insideAt(silhouette.coverage, x, y);
+      const bool a = drawn.face[size_t(y) * drawn.width + x] != FaceBuffer::kNoFace,
+                 b = insideAt(silhouette.coverage, x, y);
       both += a && b;
       either += a || b;
     }
@@ -54,10 +54,10 @@ double silhouetteOverlap(const Silhouette& silhouette, const TriangleMesh& surfa
 }
 
 SurfacePictures surfacePictures(const Silhouette& silhouette, const Image& rgba, const TriangleMesh& surface) {
-  const auto drawn = measure::rasterise(silhouette.camera, surface.faces, surface.positions, 1);
+  const auto drawn = rasterise(silhouette.camera, surface.faces, surface.positions, 1);
   const auto hit = [&](int x, int y) {
     return x >= 0 && y >= 0 && x < drawn.width && y < drawn.height &&
-           drawn.face[size_t(y) * drawn.width + x] != kNoFace;
+           drawn.face[size_t(y) * drawn.width + x] != FaceBuffer::kNoFace;
   };
   const auto matte = [&](int x, int y) {
     return x >= 0 && y >= 0 && x < rgba.width && y<rgba.height&& * silhouette.coverage.at(x, y)> 127;

@@ -46,11 +46,12 @@ TEST(Quality, LeavesTheRestAlone) {
   BakeOptions options = named();
   options.gop = 7;
   options.equal_layers = true;
-  options.labels = LabelMode::Naive;
+  const Labelling other{"other", false, nullptr};
+  options.labels = &other;
   applyQuality(*findQuality("draft"), Codec::Vp9, options);
   EXPECT_EQ(options.gop, 7);
   EXPECT_TRUE(options.equal_layers);
-  EXPECT_EQ(options.labels, LabelMode::Naive);
+  EXPECT_EQ(options.labels, &other);
   EXPECT_EQ(options.capture_folder, "capture");
 }
 

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "bake/motion/class_plan.h"
-#include "studio/actors/actor.h"
-#include "studio/tracker.h"
+#include "lab/studio/actors/actor.h"
+#include "lab/studio/tracker.h"
 
 namespace fourdvt::bake {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Blur, misplacement and flicker of pictures whose answers are known.
-#include "measure/appearance_score.h"
+#include "lab/measure/appearance_score.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "measure/motion_metrics.h"
+#include "lab/measure/motion_metrics.h"
 
 namespace fourdvt::measure {
 namespace {

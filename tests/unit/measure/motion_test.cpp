@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-#include "measure/motion_metrics.h"
+#include "lab/measure/motion_metrics.h"
 
 namespace fourdvt::measure {
 namespace {

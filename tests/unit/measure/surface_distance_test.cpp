@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "measure/surface_distance.h"
+#include "lab/measure/surface_distance.h"
 
 #include <gtest/gtest.h>
 

@@ -5,11 +5,11 @@
 #include <map>
 
 #include "capture_fixture.h"
-#include "studio/actors/actor.h"
-#include "studio/actors/body.h"
-#include "studio/rig.h"
-#include "studio/sensor.h"
-#include "studio/tracker.h"
+#include "lab/studio/actors/actor.h"
+#include "lab/studio/actors/body.h"
+#include "lab/studio/rig.h"
+#include "lab/studio/sensor.h"
+#include "lab/studio/tracker.h"
 #include "studio_model.h"
 
 namespace fourdvt::studio {

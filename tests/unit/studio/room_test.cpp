@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The furnished room: a texture that differs from place to place, a shadow where the lamp's rays meet the actor first,
 // and plates that show the same room with other noise.
-#include "studio/room.h"
+#include "lab/studio/room.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "capture/background_model.h"
-#include "studio/sensor.h"
+#include "lab/studio/sensor.h"
 
 namespace fourdvt::studio {
 namespace {

@@ -2,8 +2,8 @@
 // The report's section on motion from made-up rows.
 #include <gtest/gtest.h>
 
-#include "study/run/rows.h"
-#include "study/tables/report.h"
+#include "lab/study/run/rows.h"
+#include "lab/study/tables/report.h"
 
 namespace fourdvt::study {
 namespace {

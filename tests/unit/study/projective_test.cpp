@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The report of methods from cameras, from made-up rows: which method is to be taken, and what is judged.
-#include "study/tables/projective.h"
+#include "lab/study/tables/projective.h"
 
 #include <gtest/gtest.h>
 
-#include "study/run/projective_rows.h"
+#include "lab/study/run/projective_rows.h"
 
 namespace fourdvt::study {
 namespace {

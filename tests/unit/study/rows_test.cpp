@@ -11,12 +11,12 @@
 #include <map>
 #include <set>
 
-#include "measure/metrics.h"
-#include "measure/picture_score.h"
+#include "lab/measure/metrics.h"
+#include "lab/measure/picture_score.h"
+#include "lab/study/run/ring.h"
+#include "lab/study/run/row_writer.h"
+#include "lab/study/run/run_steps.h"
 #include "platform/files.h"
-#include "study/run/ring.h"
-#include "study/run/row_writer.h"
-#include "study/run/run_steps.h"
 
 namespace fourdvt::study {
 namespace {
@@ -198,7 +198,7 @@ TEST_F(StudySteps, StoppingSaysHowToGoOn) {
   auto stopped = run("key");
   ASSERT_FALSE(stopped);
   EXPECT_EQ(stopped.error().id, ErrorId::Interrupted);
-  EXPECT_NE(stopped.error().message.find("fourdvt evaluate 'capture' -o '" + folder_ + "' --sequences walk,run"),
+  EXPECT_NE(stopped.error().message.find("fourdvt-lab study 'capture' -o '" + folder_ + "' --sequences walk,run"),
             std::string::npos);
   EXPECT_TRUE(g_runs.empty());
   stop = false;

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "study/run/rows.h"
-#include "study/tables/report.h"
+#include "lab/study/run/rows.h"
+#include "lab/study/tables/report.h"
 
 namespace fourdvt::study {
 namespace {

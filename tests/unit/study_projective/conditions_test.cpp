@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the study of methods varies: errors of the size that was asked for, surfaces where they should be, test frames.
-#include "study/projective/conditions.h"
+#include "lab/study/projective/conditions.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "study/projective/pass_clock.h"
-#include "study/projective/proxies.h"
+#include "lab/study/projective/pass_clock.h"
+#include "lab/study/projective/proxies.h"
 
 namespace fourdvt::study {
 namespace {

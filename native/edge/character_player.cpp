@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "edge/character_player.h"
+
+#include <array>
+#include <deque>
+#include <filesystem>
+#include <map>
+
+#include "edge/still_target.h"
+#include "platform/ffmpeg_video.h"
+#include "platform/files.h"
+#include "render/cameras/camera_method.h"
+
+namespace fourdvt::edge {
+namespace {
+
+using platform::readFileRange, platform::readJsonFlat, platform::SampleDecoder;
+
+constexpr double kTick_s = 0.01;
+constexpr int kMaxTicksPerFrame = 4000;  // far above what a seek needs; a character that never answers is an error
+
+// A picture that waits for a slot, copied out of the decoder.
+struct HeldPicture {
+  int64_t timestamp_us = 0;
+  int width = 0, height = 0;
+  std::vector<uint8_t> planes;  // y, u, v, tightly packed
+
+  HeldPicture(const I420View& view, int64_t timestamp)
+      : timestamp_us(timestamp), width(view.width), height(view.height) {
+    append(view.y, view.stride_y, width, height);
+    append(view.u, view.stride_u, width / 2, height / 2);
+    append(view.v, view.stride_v, width / 2, height / 2);
+  }
+  I420View view() const {
+    const uint8_t* y = planes.data();
+    const uint8_t* u = y + size_t(width) * height;
+    const uint8_t* v = u + size_t(width / 2) * (height / 2);
+    return {width, height, y, u, v, width, width / 2, width / 2};
+  }
+
+ private:
+  void append(const uint8_t* plane, int stride, int plane_width, int plane_height) {
+    for (int row = 0; row < plane_height; ++row) {
+      const uint8_t* start = plane + ptrdiff_t(row) * stride;
+      planes.insert(planes.end(), start, start + plane_width);
+    }
+  }
+};
+
+class FilePlayer final : public CharacterPlayer {
+ public:
+  FilePlayer(gpu::Device& device, std::shared_ptr<render::Recipe> recipe, std::string folder)
+      : recipe_(std::move(recipe)), folder_(std::move(folder)), still_(device) {}
+
+  Status load(gpu::Device& device, const std::string& manifest_path) {
+    FOURDVT_ASSIGN(auto json, readJsonFlat(manifest_path));
+    FOURDVT_ASSIGN(player_, Player::create(device, recipe_, {.cameras = &cameraParts()}));
+    FOURDVT_TRY(player_->loadManifest(json));
+    if (player_->character()->appearance == package::AppearanceKind::Layers) return {};
+    FOURDVT_ASSIGN(auto method, render::makeCameraMethod(device, render::kDefaultMethod));
+    recipe_->setMethod(std::move(method));
+    return {};
+  }
+
+  Player& player() override { return *player_; }
+  render::Recipe& recipe() override { return *recipe_; }
+  Status showFrame(const std::string& sequence, uint32_t frame) override;
+  Status advance(double seconds) override;
+  Status pump() override;
+  Result<Image> renderStill(const render::View& view, const render::RecipeOptions& options, const render::Scene* scene,
+                            float elapsed_s) override;
+
+ private:
+  bool shows(const std::string& sequence, uint32_t frame) const {
+    const package::Sequence* current = player_->sequence();
+    return player_->hasFrame() && !player_->seeking() && current && current->name == sequence &&
+           player_->frame() == frame;
+  }
+  struct Decoding {
+    std::unique_ptr<SampleDecoder> decoder;
+    std::deque<HeldPicture> held;
+  };
+  Decoding& decoding(int decoder) { return decoding_[static_cast<size_t>(decoder)]; }
+  // One overload per kind of request.
+  void answer(const FetchRange& fetch);
+  void answer(const CancelFetch&) {}  // files answer at once: nothing is ever under way
+  void answer(const ConfigureDecoder& configure);
+  void answer(const DecodeSample& sample);
+  void answer(const FlushDecoder& flush);
+  void answer(const ResetDecoder& reset);
+  void answer(const CloseDecoder& close) { decoding(close.decoder) = {}; }
+  void report(int decoder, const Status& status);
+  void onPicture(int decoder, const I420View& picture, int64_t timestamp_us);
+  void offerHeldPictures();
+  // False if no slot is free now.
+  bool offer(int decoder, const I420View& picture, int64_t timestamp_us);
+  Status takeEvents();
+
+  std::shared_ptr<render::Recipe> recipe_;
+  std::string folder_;
+  std::unique_ptr<Player> player_;
+  std::array<Decoding, kDecoders> decoding_;
+  std::map<std::string, Error> errors_;  // by sequence: the player reports a broken one only once
+  double now_s_ = 0;
+  StillTarget still_;
+};
+
+void FilePlayer::answer(const FetchRange& fetch) {
+  auto bytes = readFileRange(folder_ + "/" + fetch.uri, fetch.offset, fetch.bytes);
+  if (bytes.ok()) {
+    player_->onRangeReceived(fetch.id, bytes.value());
+  } else {
+    player_->onRangeFailed(fetch.id, bytes.error().message);
+  }
+}
+
+void FilePlayer::answer(const ConfigureDecoder& configure) {
+  const int number = configure.decoder;
+  decoding(number) = {};
+  auto decoder = SampleDecoder::create(
+      configure.codec, configure.description,
+      [this, number](const I420View& picture, int64_t timestamp_us) { onPicture(number, picture, timestamp_us); });
+  if (decoder.ok())
+    decoding(number).decoder = decoder.take();
+  else
+    report(number, decoder.error());
+}
+
+void FilePlayer::answer(const DecodeSample& sample) {
+  if (SampleDecoder* decoder = decoding(sample.decoder).decoder.get())
+    report(sample.decoder, decoder->decode(sample.bytes, sample.timestamp_us, sample.key));
+}
+
+void FilePlayer::answer(const FlushDecoder& flush) {
+  if (SampleDecoder* decoder = decoding(flush.decoder).decoder.get()) report(flush.decoder, decoder->flush());
+}
+
+void FilePlayer::answer(const ResetDecoder& reset) {
+  decoding(reset.decoder).held.clear();
+  if (SampleDecoder* decoder = decoding(reset.decoder).decoder.get()) decoder->reset();
+}
+
+void FilePlayer::report(int decoder, const Status& status) {
+  if (status.ok()) return;
+  const bool unsupported = status.error().id == ErrorId::DecoderUnsupported;
+  player_->onDecoderFailed(decoder, unsupported ? DecoderFault::Unsupported : DecoderFault::Samples,
+                           status.error().message);
+}
+
+bool FilePlayer::offer(int decoder, const I420View& picture, int64_t timestamp_us) {
+  const int slot = player_->acquireSlot(decoder, timestamp_us);
+  if (slot == -1) return false;
+  if (slot < 0) return true;
+  player_->uploadI420(slot, picture);
+  player_->commitSlot(slot);
+  return true;
+}
+
+void FilePlayer::onPicture(int decoder, const I420View& picture, int64_t timestamp_us) {
+  std::deque<HeldPicture>& held = decoding(decoder).held;
+  if (held.empty() && offer(decoder, picture, timestamp_us)) return;
+  held.emplace_back(picture, timestamp_us);
+}
+
+void FilePlayer::offerHeldPictures() {
+  for (int d = 0; d < kDecoders; ++d) {
+    std::deque<HeldPicture>& held = decoding(d).held;
+    while (!held.empty() && offer(d, held.front().view(), held.front().timestamp_us)) held.pop_front();
+  }
+}
+
+// Remembers errors and returns the first one.
+Status FilePlayer::takeEvents() {
+  Status first;
+  for (Event event; player_->nextEvent(event);) {
+    if (event.kind != EventKind::Error) continue;
+    if (const package::Sequence* current = player_->sequence()) errors_.emplace(current->name, event.error);
+    if (first.ok()) first = event.error;
+  }
+  return first;
+}
+
+Status FilePlayer::pump() {
+  offerHeldPictures();
+  for (Request request; player_->nextRequest(request);) {
+    std::visit([this](const auto& r) { answer(r); }, request);
+  }
+  return takeEvents();
+}
+
+Status FilePlayer::showFrame(const std::string& sequence, uint32_t frame) {
+  const package::Character* character = player_->character();
+  const package::Sequence* wanted = character ? character->find(sequence) : nullptr;
+  if (!wanted) {
+    return Error{ErrorId::InvalidArgument,
+                 folder_ + ": no sequence named " + sequence + "; `fourdvt inspect` lists the sequences"};
+  }
+  if (frame >= wanted->frame_count) {
+    return Error{ErrorId::InvalidArgument, folder_ + ": " + sequence + " has no frame " + std::to_string(frame) +
+                                               "; its frames are 0 to " + std::to_string(wanted->frame_count - 1)};
+  }
+  if (auto broken = errors_.find(sequence); broken != errors_.end()) return broken->second;
+  player_->pause();
+  if (!shows(sequence, frame)) {
+    FOURDVT_TRY(player_->selectSequence(sequence));
+    player_->seekFrame(frame);
+  }
+  for (int tick = 0; tick < kMaxTicksPerFrame; ++tick) {
+    player_->tick(now_s_ += kTick_s);
+    if (shows(sequence, frame)) return {};
+    FOURDVT_TRY(pump());
+  }
+  return Error{ErrorId::VideoInvalid, folder_ + "/" + wanted->renditions[0].video_uri + ": frame " +
+                                          std::to_string(frame) + " never came out of the decoder; bake again"};
+}
+
+Status FilePlayer::advance(double seconds) {
+  FOURDVT_TRY(pump());  // fills every slot, so that the step meets decoded pictures
+  player_->tick(now_s_ += seconds);
+  FOURDVT_TRY(pump());
+  for (int tick = 0; player_->seeking() && tick < kMaxTicksPerFrame; ++tick) {
+    player_->tick(now_s_);
+    FOURDVT_TRY(pump());
+  }
+  return {};
+}
+
+Result<Image> FilePlayer::renderStill(const render::View& view, const render::RecipeOptions& options,
+                                      const render::Scene* scene, float elapsed_s) {
+  return still_.render(view, [&](gpu::TargetId target) -> Status {
+    FOURDVT_ASSIGN(const render::Figure figure, player_->figure());
+    render::MethodOptions method = player_->method();
+    method.elapsed_s = elapsed_s;
+    return recipe_->draw({&figure, 1}, scene, view, {options, player_->align(), method}, target);
+  });
+}
+
+}  // namespace
+
+Result<std::unique_ptr<CharacterPlayer>> CharacterPlayer::open(gpu::Device& device, const std::string& manifest_path) {
+  FOURDVT_ASSIGN(auto recipe, render::Recipe::create(device));
+  return open(device, manifest_path, std::move(recipe));
+}
+
+Result<std::unique_ptr<CharacterPlayer>> CharacterPlayer::open(gpu::Device& device, const std::string& manifest_path,
+                                                               std::shared_ptr<render::Recipe> recipe) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  fs::path manifest(manifest_path);
+  if (fs::is_directory(manifest, ignored)) manifest /= "character.gltf";
+  fs::path folder = manifest.parent_path();
+  if (folder.empty()) folder = ".";
+  auto player = std::make_unique<FilePlayer>(device, std::move(recipe), folder.string());
+  FOURDVT_TRY(player->load(device, manifest.string()));
+  return std::unique_ptr<CharacterPlayer>(std::move(player));
+}
+
+}  // namespace fourdvt::edge

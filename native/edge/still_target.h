@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// A picture of any size that is drawn and read back. One target is kept and remade when the size changes.
+#pragma once
+
+#include <functional>
+
+#include "base/image.h"
+#include "gpu/device.h"
+#include "render/view.h"
+
+namespace fourdvt::edge {
+
+class StillTarget {
+ public:
+  explicit StillTarget(gpu::Device& device) : device_(device) {}
+  // RGBA straight alpha, top row first, of what `draw` puts into the target: view.width × view.height, premultiplied.
+  // Errors: those of draw, InvalidArgument (size beyond the device's), GpuFailure.
+  Result<Image> render(const render::View& view, const std::function<Status(gpu::TargetId)>& draw);
+
+ private:
+  Status prepare(int width, int height);
+
+  gpu::Device& device_;
+  gpu::Texture color_;
+  gpu::Target target_;
+  int width_ = 0, height_ = 0;
+};
+
+}  // namespace fourdvt::edge

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// The studio's cameras: a ring, held-out views between them, calibration errors, COLMAP text.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/camera.h"
+#include "base/result.h"
+#include "lab/studio/studio.h"
+
+namespace fourdvt::studio {
+
+struct Rig {
+  std::vector<PinholeCamera> ring;  // cam00 …, the true cameras that take the pictures
+  std::vector<PinholeCamera> test;  // test00 … test02: between ring cameras, and from other heights
+  double near_m = 0.1, far_m = 100;
+};
+
+// Places the cameras as close as they can be while `bounds` stays inside every picture, with a margin.
+Rig makeRig(const BoundingBox& bounds, int cameras, int width, int height);
+// The cameras that a calibration with the errors of `knobs` would have found.
+std::vector<PinholeCamera> miscalibrated(const std::vector<PinholeCamera>& truth, const StudioKnobs& knobs);
+// Writes cameras.txt and images.txt into `folder`, which is created. Errors: WriteFailed.
+Status writeColmap(const std::string& folder, std::span<const PinholeCamera> cameras);
+
+}  // namespace fourdvt::studio

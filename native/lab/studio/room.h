@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// A furnished room round the actor, in place of the green studio: textured floor and walls, partly in the actor's own
+// colours, and the hard shadow that the actor throws on them under one lamp at infinity. Drawn on the CPU, four samples
+// a pixel. Does NOT throw shadows on the actor, and has no reflections and no ceiling.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "base/image.h"
+#include "base/mesh.h"
+#include "lab/studio/actors/actor.h"
+#include "lab/studio/rig.h"
+
+namespace fourdvt::studio {
+
+class Room {
+ public:
+  // Walls stand behind the ring's cameras; `seed` chooses textures, furniture and the lamp's direction.
+  Room(uint32_t seed, const Rig& rig, double ground_y_m, const Actor& actor);
+
+  // The pose, world coordinates, whose shadow lies in the room from now on. Faces are the actor's surface.
+  void setShadow(const Positions& pose);
+  // What a ring camera sees of the room, RGB, sRGB-encoded: without a shadow, and with the one that was set. Where the
+  // lamp does not reach, linear light is kShadowLight of what it is elsewhere.
+  const Image& empty(size_t camera) const { return views_[camera].lit; }
+  Image withShadow(size_t camera) const;
+  const glm::dvec3& light() const { return light_; }  // its direction, unit, downwards
+  // The room as a box: from the floor up to the highest point of a wall that a ring camera sees.
+  BoundingBox box() const;
+  // The colour without a shadow, RGB, sRGB-encoded, 0…1, at a point of the box's floor or of one of its walls.
+  glm::dvec3 colourAt(const glm::dvec3& point) const;
+  // The share of each pixel that lies in the shadow, 0…255, one channel.
+  Image shadow(size_t camera) const;
+
+  static constexpr double kShadowLight = 0.33;
+
+ private:
+  struct View {
+    PinholeCamera camera;
+    Image lit, shaded;
+  };
+  struct Hit {
+    int side = 0;           // 0: floor, 1…4: walls
+    glm::dvec2 on_side{0};  // metres
+    glm::dvec3 point{0};
+  };
+  Hit hit(const glm::dvec3& eye, const glm::dvec3& direction) const;
+  glm::dvec2 sidePlace(int side, const glm::dvec3& point) const;
+  glm::dvec3 colour(const Hit& at) const;  // encoded, 0…1
+  glm::dvec3 floorColour(const glm::dvec2& at) const;
+  glm::dvec3 wallColour(int wall, const glm::dvec2& at) const;
+  View makeView(const PinholeCamera& camera) const;
+  bool shaded(const glm::dvec3& point) const;
+
+  const uint32_t seed_;
+  const double ground_m_;
+  double half_m_ = 0;                           // of the room's floor
+  glm::dvec3 light_{0}, across_{0}, along_{0};  // the light's direction, downwards, and axes of the plane across it
+  std::vector<glm::uvec3> faces_;
+  std::vector<glm::dvec3> palette_;  // colours of the actor
+  std::vector<View> views_;          // [ring camera]
+  // The actor's outline as the lamp sees it; 255 inside. Texel (0, 0) has its corner at map_origin_m_.
+  Image map_;
+  glm::dvec2 map_origin_m_{0};
+  double actor_depth_m_ = 0;  // of the pose's middle, along the light
+};
+
+}  // namespace fourdvt::studio

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Turns a rendered picture into what a studio camera records: with backdrop, gain and noise, and with a matte that may
+// be too small.
+#pragma once
+
+#include "base/image.h"
+#include "lab/studio/studio.h"
+
+namespace fourdvt::studio {
+
+class Sensor {
+ public:
+  // In front of the green backdrop.
+  Sensor(const StudioKnobs& knobs, int camera, int width, int height);
+  // In front of this backdrop, RGB.
+  Sensor(const StudioKnobs& knobs, int camera, Image backdrop);
+  // The empty studio, RGB, with this camera's gain and without noise.
+  const Image& plate() const { return plate_; }
+  // Makes RGB from a premultiplied RGBA picture. `shot` seeds the noise: a number that no other picture of this camera
+  // has. `backdrop`: what is behind, RGB, in place of the constructor's, e.g. with a shadow on it; null: the
+  // constructor's.
+  Image expose(const Image& picture, uint64_t shot, const Image* backdrop = nullptr) const;
+  // The empty studio as it is recorded, with noise; `take` counts such recordings of one camera.
+  Image recordedPlate(uint32_t take) const;
+  // Returns one channel.
+  Image matte(const Image& picture) const;
+
+ private:
+  const StudioKnobs knobs_;
+  const int camera_;
+  double gain_[3];
+  Image backdrop_, plate_;
+};
+
+}  // namespace fourdvt::studio

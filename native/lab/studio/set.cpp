@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/studio/set.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fourdvt::studio {
+namespace {
+
+constexpr int kBoundsPhases = 16;
+constexpr float kBoundsSlack_m = 0.02f;  // added because the surface may bulge between the phases that are measured
+
+std::vector<std::string> namesOf(const StudioOptions& options) {
+  if (options.sequences.empty() && options.actor == "procedural") return {"walk", "run"};
+  return options.sequences;
+}
+
+Result<std::unique_ptr<Actor>> openActor(const StudioOptions& options) {
+  if (options.actor == "procedural") return createProceduralActor(namesOf(options), 1e-3 * options.knobs.mesh_cell_mm);
+  return openGltfActor(options.actor, options.sequences);
+}
+
+}  // namespace
+
+uint32_t frameCount(const Motion& motion, double fps) {
+  return std::max(1u, static_cast<uint32_t>(std::lround(motion.duration_s * fps)) + (motion.loop ? 0 : 1));
+}
+
+double framePhase(const Motion& motion, uint32_t frame, uint32_t count) {
+  return double(frame) / std::max(1u, motion.loop ? count : count - 1);
+}
+
+StudioSet::StudioSet(const StudioOptions& options, std::unique_ptr<Actor> actor)
+    : actor_(std::move(actor)),
+      tracker_(*actor_, options.knobs),
+      shading_{float(options.knobs.wrinkles), float(options.knobs.specular), float(options.knobs.shading)} {}
+
+Result<std::unique_ptr<StudioSet>> StudioSet::open(const StudioOptions& options, gpu::Device& device) {
+  FOURDVT_ASSIGN(auto actor, openActor(options));
+  std::unique_ptr<StudioSet> set(new StudioSet(options, std::move(actor)));
+  FOURDVT_TRY(set->chooseClasses(options));
+  set->measure();
+  set->rig_ = makeRig(set->bounds_, options.cameras, options.width, options.height);
+  FOURDVT_ASSIGN(auto renderer, Renderer::create(device, set->actor().surface(), set->actor().texture(), options.width,
+                                                 options.height));
+  set->renderer_ = std::make_unique<Renderer>(std::move(renderer));
+  return set;
+}
+
+Status StudioSet::chooseClasses(const StudioOptions& options) {
+  const auto& motions = actor_->motions();
+  classes_ = options.classes;
+  if (classes_.empty() && options.actor == "procedural" && motions.size() > 1) {
+    classes_.push_back({"locomotion", "speed_mps", {}});
+    for (const Motion& motion : motions) classes_[0].members.push_back(motion.name);
+  }
+  places_.assign(motions.size(), 0);
+  for (const StudioClass& c : classes_)
+    for (size_t m = 0; m < c.members.size(); ++m) {
+      const size_t index = motionIndex(c.members[m]);
+      if (index == motions.size())
+        return Error{ErrorId::InvalidArgument,
+                     "class \"" + c.name + "\": \"" + c.members[m] + "\" is not among the sequences; add it to them"};
+      if (motions[index].loop != motions[motionIndex(c.members[0])].loop)
+        return Error{ErrorId::InvalidArgument,
+                     "class \"" + c.name + "\": loops and motions with an end cannot be mixed"};
+      places_[index] = double(m) / double(c.members.size() - 1);
+    }
+  return {};
+}
+
+void StudioSet::measure() {
+  bounds_ = {glm::vec3(1e9f), glm::vec3(-1e9f)};
+  Positions pose;
+  std::vector<double> shares(actor_->motions().size(), 0);
+  for (double& share : shares) {
+    share = 1;
+    for (int i = 0; i < kBoundsPhases; ++i) {
+      actor_->pose(shares, double(i) / kBoundsPhases, pose);
+      for (const glm::vec3& p : pose) bounds_ = {glm::min(bounds_.min, p), glm::max(bounds_.max, p)};
+    }
+    share = 0;
+  }
+  const glm::vec3 far = glm::max(glm::abs(bounds_.min), glm::abs(bounds_.max)) + 2 * kBoundsSlack_m;
+  units_per_metre_ = std::min(10000.0, std::floor(32000 / double(std::max({far.x, far.y, far.z}))));
+  bounds_.min -= kBoundsSlack_m * glm::vec3(1, 0, 1);
+  bounds_.max += kBoundsSlack_m;
+}
+
+size_t StudioSet::motionIndex(const std::string& name) const {
+  const auto& motions = actor_->motions();
+  return size_t(std::find_if(motions.begin(), motions.end(), [&](const Motion& m) { return m.name == name; }) -
+                motions.begin());
+}
+
+std::vector<double> StudioSet::sharesAt(const StudioClass& motion_class, double position) const {
+  std::vector<double> shares(actor_->motions().size(), 0);
+  const double along = position * double(motion_class.members.size() - 1);
+  const size_t first = std::min(size_t(along), motion_class.members.size() - 2);
+  shares[motionIndex(motion_class.members[first])] = 1 - (along - double(first));
+  shares[motionIndex(motion_class.members[first + 1])] = along - double(first);
+  return shares;
+}
+
+double StudioSet::placeOf(const std::vector<double>& shares) const {
+  double place = 0;
+  for (size_t i = 0; i < shares.size(); ++i) place += shares[i] * places_[i];
+  return place;
+}
+
+void StudioSet::pose(const std::vector<double>& shares, double phase) {
+  actor_->pose(shares, phase, surface_pose_);
+  points_ = tracker_.points(placeOf(shares), phase);
+  renderer_->setPose(surface_pose_, placeOf(shares), phase);
+}
+
+Result<Image> StudioSet::draw(const PinholeCamera& camera) {
+  return renderer_->draw(camera, rig_.near_m, rig_.far_m, shading_);
+}
+
+}  // namespace fourdvt::studio

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// The studio set up for one run: actor, mesh tracker, cameras and renderer, posed together.
+#pragma once
+
+#include <memory>
+
+#include "lab/studio/actors/actor.h"
+#include "lab/studio/renderer.h"
+#include "lab/studio/rig.h"
+#include "lab/studio/tracker.h"
+
+namespace fourdvt::studio {
+
+// Number of frames of a motion at this rate. The last frame of a loop lies one step before its first; the last frame of
+// any other motion is its end.
+uint32_t frameCount(const Motion& motion, double fps);
+// Phase of one of these frames, 0…1.
+double framePhase(const Motion& motion, uint32_t frame, uint32_t count);
+
+class StudioSet {
+ public:
+  static Result<std::unique_ptr<StudioSet>> open(const StudioOptions& options, gpu::Device& device);
+
+  const Actor& actor() const { return *actor_; }
+  const Tracker& tracker() const { return tracker_; }
+  const Rig& rig() const { return rig_; }
+  const std::vector<StudioClass>& classes() const { return classes_; }
+  const BoundingBox& bounds() const { return bounds_; }
+  double groundY_m() const { return bounds_.min.y; }
+  const Positions& surfacePose() const { return surface_pose_; }  // of the actor's surface, since pose()
+  double unitsPerMetre() const { return units_per_metre_; }       // of packed positions
+  size_t motionIndex(const std::string& name) const;
+  // Shares of all motions at a position between the members of a class: 0 is the first, 1 the last, linear between
+  // neighbours.
+  std::vector<double> sharesAt(const StudioClass& motion_class, double position) const;
+
+  // Sets the instant that everything below shows.
+  void pose(const std::vector<double>& shares, double phase);
+  Result<Image> draw(const PinholeCamera& camera);  // premultiplied RGBA
+  Positions truth() const { return tracker_.truth(points_, surface_pose_); }
+  Positions captured() const { return tracker_.captured(points_, surface_pose_); }
+  double placeOf(const std::vector<double>& shares) const;
+
+ private:
+  StudioSet(const StudioOptions& options, std::unique_ptr<Actor> actor);
+  Status chooseClasses(const StudioOptions& options);
+  void measure();
+
+  std::unique_ptr<Actor> actor_;
+  const Tracker tracker_;
+  const Shading shading_;
+  std::vector<StudioClass> classes_;
+  std::vector<double> places_;  // [motion] the place that drift and folds depend on, 0…1
+  Rig rig_;
+  BoundingBox bounds_;
+  double units_per_metre_ = 0;
+  std::unique_ptr<Renderer> renderer_;
+  Positions surface_pose_;
+  std::vector<SurfacePoint> points_;
+};
+
+}  // namespace fourdvt::studio

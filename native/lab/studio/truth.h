@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// The truth about a motion class, in truth/CLASS of a studio capture: the exact intermediate motions, and how the
+// members' appearance lies on the tracked mesh.
+//
+//   truth.json            names everything below; holds the members' captured frame of every phase
+//   cameras/              COLMAP text, exact: the held-out cameras and some of the ring
+//   wNNN/CAMERA/%04d.png  straight alpha, no noise, no gain; NNN: 100 × position among the members (000 the first, 100
+//                         the last); the file's number: the phase
+//   wNNN/mesh/positions.i16   the exact tracked mesh, packed as a sequence's, one frame per phase
+//   alignment/MEMBER/%04d.bin at that phase, per vertex of mesh_topology.obj: face (uint32), shares of the
+//                         face's second and third corner (2 × float32), little-endian: the point of the mesh where
+//                         MEMBER shows what the first member shows at the vertex. Independent of the pose: on a mesh P
+//                         the displacement is Σ share_k P[corner_k] - P[vertex].
+#pragma once
+
+#include "lab/studio/set.h"
+#include "lab/studio/writer.h"
+
+namespace fourdvt::studio {
+
+// The number of pictures that writeTruth will draw.
+uint32_t truthPictures(const StudioSet& set, const StudioOptions& options);
+// Writes the truth about every class of the set. Errors: WriteFailed, GpuFailure, Interrupted.
+Status writeTruth(StudioSet& set, const StudioOptions& options, const OutputFolder& out, Ticker& ticker);
+
+}  // namespace fourdvt::studio

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Writing a studio capture: progress and stop, packed meshes, and the folder that appears only when it is complete.
+#pragma once
+
+#include <string>
+
+#include "lab/studio/actors/actor.h"
+#include "lab/studio/studio.h"
+
+namespace fourdvt::studio {
+
+// FOLDER.work, which keep() renames to FOLDER; without keep() the destructor removes it and all it holds.
+class OutputFolder {
+ public:
+  // Errors: InvalidArgument (FOLDER exists and is no studio capture, or FOLDER.work exists and is not ours),
+  // WriteFailed.
+  static Result<OutputFolder> open(const std::string& folder);
+  OutputFolder(OutputFolder&& other) noexcept;
+  OutputFolder& operator=(OutputFolder&&) = delete;
+  ~OutputFolder();
+  const std::string& path() const { return work_; }
+  Status makeFolder(const std::string& name) const;
+  Status keep();
+
+ private:
+  OutputFolder(std::string folder, std::string work) : folder_(std::move(folder)), work_(std::move(work)) {}
+  std::string folder_, work_;
+};
+
+class Ticker {
+ public:
+  Ticker(const StudioEnvironment& environment, uint32_t total) : environment_(environment) { progress_.total = total; }
+  void begin(const std::string& step) { progress_.step = step; }
+  Status tick();  // counts one finished picture. Errors: Interrupted
+  uint32_t done() const { return progress_.done; }
+
+ private:
+  const StudioEnvironment& environment_;
+  StudioProgress progress_;
+};
+
+// The text of mesh_topology.obj: positions, UVs with the origin at the bottom left, faces as "v/vt" counted from 1.
+std::string objText(const MeshTopology& topology, const Positions& positions);
+// Appends little-endian int16 [vertex][xyz].
+void appendPacked(const Positions& positions, double units_per_metre, std::vector<uint8_t>& out);
+std::string numberedName(const char* format, uint32_t number);  // `format` has one %u
+
+}  // namespace fourdvt::studio

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// Milliseconds of drawing a blend of two members, by alignment, the variants taking turns; and how many characters with
+// baked alignment take as long as one with run-time flow.
+#include <chrono>
+
+#include "lab/study/motion/motion.h"
+#include "lab/study/run/row_writer.h"
+#include "lab/study/run/rows.h"
+#include "lab/study/run/run_steps.h"
+
+namespace fourdvt::study {
+namespace {
+
+constexpr int kSizes[][2] = {{512, 512}, {720, 960}};
+constexpr int kWarmUp = 1;
+constexpr double kFirstAzimuth_deg = 25;
+
+struct Variant {
+  AlignMethod method;
+  int characters = 1;
+  std::vector<double> times_ms;
+};
+
+Status drawOnce(const MotionSubject& subject, const render::View& view, Variant& variant, gpu::TargetId target,
+                bool counts) {
+  const auto start = std::chrono::steady_clock::now();
+  FOURDVT_TRY(subject.stage.drawMany(view, variant.characters, variant.method, target));
+  uint8_t pixel[4];  // waits until everything is drawn
+  FOURDVT_TRY(subject.context.device->readPixels(
+      target, gpu::PixelFormat::RGBA8, {.x = view.width / 2, .y = view.height / 2, .width = 1, .height = 1}, pixel));
+  const auto time = std::chrono::steady_clock::now() - start;
+  if (counts) variant.times_ms.push_back(std::chrono::duration<double, std::milli>(time).count());
+  return {};
+}
+
+Status race(const MotionSubject& subject, int width, int height, int frames, std::vector<Variant>& variants) {
+  gpu::Device& device = *subject.context.device;
+  const render::View view = render::viewFromCamera(subject.stage.orbit(kFirstAzimuth_deg, width, height));
+  FOURDVT_ASSIGN(auto color, gpu::makeTexture(device, {.width = width, .height = height, .label = "motion cost"}));
+  FOURDVT_ASSIGN(auto target, gpu::makeTarget(device, {.colors = {color.id()}, .label = "motion cost"}));
+  for (int i = -kWarmUp; i < frames; ++i) {
+    FOURDVT_TRY(checkStop(subject.context));
+    for (Variant& variant : variants) FOURDVT_TRY(drawOnce(subject, view, variant, target.id(), i >= 0));
+  }
+  return {};
+}
+
+// How many characters take `limit_ms`: interpolated between the counts drawn, extrapolated from the last two beyond
+// them. `times`: ascending.
+double charactersWithin(const std::vector<std::pair<int, double>>& times, double limit_ms) {
+  size_t i = 1;
+  while (i + 1 < times.size() && times[i].second < limit_ms) ++i;
+  const auto [n0, t0] = times[i - 1];
+  const auto [n1, t1] = times[i];
+  return t1 > t0 ? n0 + (limit_ms - t0) / (t1 - t0) * (n1 - n0) : n0;
+}
+
+}  // namespace
+
+Result<Rows> measureCost(const MotionSubject& subject) {
+  FOURDVT_TRY(subject.stage.show(subject.motion().frame_count / 3));
+  Rows out;
+  const int frames = subject.quick() ? 3 : 15;
+  for (const auto [width, height] : kSizes) {
+    if (subject.quick() && width != kSizes[0][0]) break;
+    std::vector<Variant> variants;
+    for (const AlignMethod& method :
+         subject.methods({rows::kAlignNone, rows::kAlignBaked, rows::kFlowGpu, rows::kFlowDis, rows::kFlowOpencv}))
+      variants.push_back({method, 1, {}});
+    const size_t singles = variants.size();
+    if (subject.stage.aligned())
+      for (const int characters : {3, 6, 12}) {
+        if (subject.quick() && characters != 6) continue;
+        variants.push_back({rows::kAlignBaked, characters, {}});
+      }
+    FOURDVT_TRY(race(subject, width, height, frames, variants));
+    const double none = median(variants[0].times_ms);
+    std::vector<std::pair<int, double>> baked;
+    double flow = 0;
+    for (size_t i = 0; i < variants.size(); ++i) {
+      const double ms = median(variants[i].times_ms);
+      const std::string size = "size=" + std::to_string(width) + "x" + std::to_string(height);
+      const RowWriter row(out, rows::kMotionCost, subject.motion().name, variants[i].method,
+                          i < singles ? size : size + " characters=" + std::to_string(variants[i].characters));
+      row.add(rows::kFrameMs, ms, "ms");
+      if (i < singles) row.add(rows::kRatioToNone, ms / none, "ratio");
+      if (variants[i].method == rows::kAlignBaked) baked.emplace_back(variants[i].characters, ms);
+      if (variants[i].method == rows::kFlowGpu) flow = ms;
+    }
+    if (baked.size() > 1)
+      RowWriter(out, rows::kMotionCost, subject.motion().name, rows::kAlignBaked,
+                "size=" + std::to_string(width) + "x" + std::to_string(height))
+          .add(rows::kCharactersPerFlow, charactersWithin(baked, flow), "characters");
+  }
+  return out;
+}
+
+}  // namespace fourdvt::study

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// The step "motion": blend, alignment and transitions of motion classes (4DVT 5-6), and the parts that it consists of.
+#pragma once
+
+#include "lab/study/motion/stage.h"
+#include "lab/study/motion/truth.h"
+#include "lab/study/run/context.h"
+
+namespace fourdvt::study {
+
+// The step. Sequences without a class have no rows.
+Result<Rows> runMotion(const StudyContext& context);
+
+struct MotionSubject {
+  const StudyContext& context;
+  std::string folder;  // the baked character
+  MotionStage& stage;
+  const MotionTruth* truth = nullptr;  // null: none
+  const package::Sequence& motion() const { return stage.motion(); }
+  bool quick() const { return context.options.quick; }
+  // Evenly spread phases of the class.
+  std::vector<uint32_t> phases(size_t count) const;
+  // kAlign… of the product, in the tables' order; baked only where the stream is aligned.
+  std::vector<AlignMethod> methods(const std::vector<AlignMethod>& wanted) const;
+};
+
+Result<Rows> measureBlend(const MotionSubject& subject);        // blend.cpp: mm and ms of the mesh blend
+Result<Rows> measureFlow(const MotionSubject& subject);         // flow.cpp: against OpenCV, against truth
+Result<Rows> measureAppearance(const MotionSubject& subject);   // appearance.cpp: 4DVT Fig. 8, sharpness
+Result<Rows> measureCost(const MotionSubject& subject);         // cost.cpp: ms a frame, characters
+Result<Rows> measureTransitions(const MotionSubject& subject);  // transitions.cpp: with the real player
+Result<Rows> measureSkate(const MotionSubject& subject);        // the same file
+Result<Rows> drawMotionPictures(const MotionSubject& subject);  // pictures.cpp: 4DVT Fig. 7-8
+
+// Azimuths of a ring, between the cameras rather than on them.
+std::vector<double> motionAzimuths_deg(size_t count);
+double median(std::vector<double> values);
+
+}  // namespace fourdvt::study

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// One motion class of a baked character, held still: any phase, any share of its first two members, any mesh, drawn
+// with every way of bringing the members' appearance together. Does NOT play and does NOT measure.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "edge/character_player.h"
+#include "edge/still_target.h"
+#include "lab/measure/character_frame.h"
+#include "lab/measure/motion_metrics.h"
+#include "motion/parameter_space.h"
+#include "render/flow/flow.h"
+
+namespace fourdvt::study {
+
+// As a row of the tables names it (rows.h: kAlign…). kOpencvDis is no product setting, only a baseline of flow-dis.
+using AlignMethod = std::string;
+render::Align alignOf(const AlignMethod& method);
+
+class MotionStage {
+ public:
+  // Errors: those of the character's files, InvalidArgument (no such class).
+  static Result<std::unique_ptr<MotionStage>> open(gpu::Device& device, const std::string& folder,
+                                                   const std::string& class_name);
+  const package::Sequence& motion() const { return *stream_.sequence; }
+  const package::Character& character() const { return stream_.character; }
+  const package::BaseMesh& mesh() const { return stream_.mesh; }
+  bool aligned() const { return stream_.index.alignment_count > 0; }
+
+  // Chooses the phase whose pictures, labels and meshes are used from now on, and sets its mesh at equal weights.
+  Status show(uint32_t phase);
+  std::vector<Positions> members() const;  // meshes of the phase
+  Positions blended(double w) const;       // as the player blends: w of the second member
+  // The same between two phases, as a class of more frames would have it; a loop goes on at its start.
+  Result<Positions> blendedAt(double w, double phase);
+  const std::vector<glm::vec2>& alignment() const { return alignment_; }  // [member - 1][vertex], metres
+  void setMesh(Positions positions);
+  const Positions& positions() const { return positions_; }
+
+  // Premultiplied, into a target of the view's size.
+  Status drawInto(const render::View& view, double w, const AlignMethod& method, gpu::TargetId target);
+  // `count` figures in the same place, each a little nearer than the one before: every one is shaded.
+  Status drawMany(const render::View& view, int count, const AlignMethod& method, gpu::TargetId target);
+  // RGBA straight alpha, top row first. w: 0 and 1 show one member's own look. Knows kFlowGpuDetail too: the flow's
+  // picture with as much contrast put back as a baked blend of the same weights gets.
+  Result<Image> draw(const PinholeCamera& camera, double w, const AlignMethod& method);
+  // From the first member's look to the second's, on the mesh set; one of the flow methods.
+  Result<measure::FlowField> flow(const PinholeCamera& camera, const AlignMethod& method);
+
+  // The distance from which the whole motion is in the picture on every side.
+  PinholeCamera orbit(double azimuth_deg, int width, int height) const;
+
+ private:
+  explicit MotionStage(gpu::Device& device) : device_(device), still_(device) {}
+  Status loadChunk(uint32_t phase);
+  Result<render::Recipe*> recipeFor(const AlignMethod& method);
+  Result<render::FlowSource*> sourceFor(const AlignMethod& method);
+  Status drawLook(const PinholeCamera& camera, double w, gpu::Texture& out);
+  std::vector<float> weightsOf(double w) const;
+
+  gpu::Device& device_;
+  edge::StillTarget still_;
+  measure::CharacterStream stream_;
+  std::unique_ptr<edge::CharacterPlayer> player_;
+  std::optional<render::CharacterModel> model_;
+  std::map<AlignMethod, std::unique_ptr<render::Recipe>> recipes_;
+  std::map<AlignMethod, std::unique_ptr<render::FlowSource>> sources_;
+  std::optional<package::ChunkFrames> chunk_;
+  uint32_t chunk_number_ = 0, row_ = 0;
+  Positions positions_;
+  std::vector<glm::vec2> alignment_;
+  render::Look look_;
+};
+
+}  // namespace fourdvt::study

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every condition with its methods: at the held-out cameras, and on a run of frames at an input camera that is left
+// out.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "lab/measure/appearance_score.h"
+#include "lab/measure/held_out_truth.h"
+#include "lab/study/projective/projective_study.h"
+#include "lab/study/projective/setup.h"
+#include "lab/study/run/row_writer.h"
+#include "lab/study/run/run_steps.h"
+
+namespace fourdvt::study {
+namespace {
+
+constexpr size_t kRunCamera = 0;  // of the capture's; the run is seen from it
+constexpr float kStill = std::numeric_limits<float>::infinity();
+
+struct RunValues {
+  std::vector<double> flicker, seconds;
+  double view_s = std::nan("");
+};
+
+// Where a visitor looks from a moment later.
+PinholeCamera movedABit(PinholeCamera view) {
+  view.cam_from_world[3].x -= 0.02;
+  return view;
+}
+
+double secondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+double mean(const std::vector<double>& values) {
+  double sum = 0;
+  size_t count = 0;
+  for (const double v : values)
+    if (!std::isnan(v)) sum += v, ++count;
+  return count ? sum / double(count) : std::nan("");
+}
+
+// Other work of the machine lengthens single frames.
+double median(std::vector<double> values) {
+  if (values.empty()) return std::nan("");
+  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+class ConditionPart {
+ public:
+  ConditionPart(ProjectiveSetup& setup, const Condition& condition, FrameWindow& frames)
+      : setup_(setup), condition_(condition), frames_(frames), names_(setup.methodsOf(condition)) {}
+
+  Result<Rows> run() {
+    FOURDVT_ASSIGN(methods_, setup_.make(names_));
+    FOURDVT_TRY(heldOut());
+    FOURDVT_TRY(consecutive());
+    return write();
+  }
+
+ private:
+  Status heldOut();
+  Status consecutive();
+  Rows write();
+
+  ProjectiveSetup& setup_;
+  const Condition& condition_;
+  FrameWindow& frames_;
+  const std::vector<std::string> names_;
+  std::map<std::string, ProjectiveSetup::Shared> methods_;
+  std::map<std::string, std::vector<std::pair<std::string, measure::AppearanceScore>>> scores_;
+  std::map<std::string, RunValues> runs_;
+};
+
+Status ConditionPart::heldOut() {
+  const StudyContext& context = setup_.context();
+  std::map<std::string, measure::AppearanceLane> lanes;
+  for (const uint32_t frame : spreadTestFrames(frames_.sequence(), context.options.test_frames)) {
+    FOURDVT_ASSIGN(const FrameScene scene, setup_.scene(condition_, frames_, frame));
+    bool shown = false;
+    for (const PinholeCamera& camera : setup_.testCameras()) {
+      FOURDVT_TRY(checkStop(context));
+      if (!shown || scene.plane) FOURDVT_TRY(setup_.show(condition_, scene, camera));
+      shown = true;
+      setup_.stage().leaveOut({});
+      FOURDVT_ASSIGN(const Image truth, measure::heldOutTruth(frames_.sequence(), camera, frame));
+      for (const std::string& name : names_) {
+        FOURDVT_ASSIGN(auto picture, setup_.draw(methods_[name], condition_, scene, camera, truth, kStill));
+        lanes[name].add(truth, std::move(picture), "view=" + camera.name + " frame=" + std::to_string(frame));
+      }
+    }
+  }
+  for (auto& [name, lane] : lanes) scores_[name] = lane.finish();
+  return {};
+}
+
+Status ConditionPart::consecutive() {
+  const StudyContext& context = setup_.context();
+  const capture::CaptureSequence& sequence = frames_.sequence();
+  const uint32_t count = std::min(sequence.frame_count, runFrames(context.options));
+  const uint32_t middle = spreadTestFrames(sequence, context.options.test_frames).front();
+  const uint32_t first = std::min(middle, sequence.frame_count - count);
+  const PinholeCamera& view = setup_.cameras()[kRunCamera];
+  const bool tracked = context.capture->meshes == capture::CaptureMeshes::ConstantTopology;
+  std::map<std::string, measure::TrueAndDrawn> before;
+  Positions mesh_before;
+  for (uint32_t f = first; f < first + count; ++f) {
+    FOURDVT_TRY(checkStop(context));
+    FOURDVT_ASSIGN(const FrameScene scene, setup_.scene(condition_, frames_, f));
+    FOURDVT_ASSIGN(const auto* captured, frames_.at(f));
+    const Image truth = inputTruth(captured->pictures[kRunCamera]);
+    FOURDVT_TRY(setup_.show(condition_, scene, view));
+    measure::FlowField motion;
+    if (tracked) {
+      FOURDVT_ASSIGN(auto mesh, capture::readMeshFrame(*context.capture, sequence, f));
+      if (f > first) motion = measure::visibleMotion(view, context.capture->topology.face_vertices, mesh_before, mesh);
+      mesh_before = std::move(mesh);
+    }
+    for (const std::string& name : names_) {
+      setup_.stage().leaveOut({&kRunCamera, 1});  // as a new frame: what methods keep of the last one is not reused
+      const float elapsed_s = f == first ? kStill : float(1 / context.capture->fps);
+      const auto start = std::chrono::steady_clock::now();
+      FOURDVT_ASSIGN(auto picture, setup_.draw(methods_[name], condition_, scene, view, truth, elapsed_s));
+      const double seconds = secondsSince(start);
+      measure::TrueAndDrawn now{truth, std::move(picture)};
+      if (f > first) {
+        runs_[name].seconds.push_back(seconds);
+        if (tracked) runs_[name].flicker.push_back(measure::flickerLevels(before[name], now, motion));
+      }
+      before[name] = std::move(now);
+      if (f + 1 < first + count || !condition_.all_methods || scene.plane) continue;
+      const auto again = std::chrono::steady_clock::now();
+      FOURDVT_ASSIGN(picture, setup_.draw(methods_[name], condition_, scene, movedABit(view), truth, elapsed_s));
+      runs_[name].view_s = secondsSince(again);
+    }
+  }
+  return {};
+}
+
+Rows ConditionPart::write() {
+  Rows out;
+  const double fvvr_s = median(runs_[rows::kFvvr].seconds);
+  for (const std::string& name : names_) {
+    std::vector<measure::AppearanceScore> scores;
+    for (const auto& [view, score] : scores_[name]) {
+      scores.push_back(score);
+      const std::string place = "axis=" + condition_.axis + " at=" + condition_.at + " " + view;
+      const RowWriter row(out, rows::kConditionView, frames_.sequence().name, name, place);
+      row.add(rows::kPsnrFgDb, score.picture.psnr_fg_db, "dB");
+      row.add(rows::kSsimFg, score.picture.ssim_fg, "");
+    }
+    const measure::AppearanceScore m = measure::meanAppearance(scores);
+    const std::string setting = condition_.setting() + " views=" + std::to_string(scores.size());
+    const RowWriter row(out, rows::kCondition, frames_.sequence().name, name, setting);
+    row.add(rows::kPsnrFgDb, m.picture.psnr_fg_db, "dB");
+    row.add(rows::kSsimFg, m.picture.ssim_fg, "");
+    row.add(rows::kPsnrCommonDb, m.picture.psnr_common_db, "dB");
+    row.add(rows::kRmse, m.rmse, "");
+    row.add(rows::kGradientRatio, m.gradient_ratio, "ratio");
+    row.add(rows::kShiftTolerantDb, m.shift_tolerant_db, "dB");
+    const RunValues& run = runs_[name];
+    if (const double flicker = mean(run.flicker); !std::isnan(flicker))
+      row.add(rows::kFlickerLevels, flicker, "levels");
+    const double frame_s = median(run.seconds);
+    if (std::isnan(frame_s)) continue;
+    row.add(rows::kFrameS, frame_s, "s");
+    if (!std::isnan(fvvr_s)) row.add(rows::kRatioToFvvr, frame_s / fvvr_s, "ratio");
+    if (!std::isnan(run.view_s)) row.add(rows::kViewS, run.view_s, "s");
+  }
+  return out;
+}
+
+Result<Rows> measureAll(const StudyContext& context, const std::vector<Condition>& conditions) {
+  FOURDVT_ASSIGN(auto setup, ProjectiveSetup::create(context, *context.device));
+  const auto sequences = projectiveSequences(context);
+  Rows out;
+  double done = 0;
+  for (const auto* sequence : sequences) {
+    FrameWindow frames(*context.capture, *sequence, context.open_video);
+    for (const Condition& condition : conditions) {
+      if (context.progress)
+        context.progress(
+            {"", sequence->name + ", " + condition.name(), done / double(sequences.size() * conditions.size())});
+      FOURDVT_ASSIGN(auto rows, keptPart(context, condition.name() + "-" + sequence->name,
+                                         [&] { return ConditionPart(*setup, condition, frames).run(); }));
+      out.insert(out.end(), rows.begin(), rows.end());
+      done += 1;
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+Result<Rows> runProxyConditions(const StudyContext& context) {
+  return measureAll(context, proxyConditions(context.options.quick));
+}
+Result<Rows> runCameraConditions(const StudyContext& context) {
+  return measureAll(context, cameraConditions(context.options.quick));
+}
+Result<Rows> runCalibrationConditions(const StudyContext& context) {
+  return measureAll(context, calibrationConditions(context.options.quick));
+}
+
+}  // namespace fourdvt::study

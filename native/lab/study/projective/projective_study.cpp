@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/study/projective/projective_study.h"
+
+#include <algorithm>
+
+#include "lab/study/projective/setup.h"
+#include "lab/study/run/row_writer.h"
+#include "lab/study/run/run_steps.h"
+#include "lab/study/tables/projective.h"
+#include "platform/files.h"
+#include "report/document.h"
+
+namespace fourdvt::study {
+namespace {
+
+constexpr const char* kVersion = "projective 4";  // change it whenever kept rows of older builds must not be reused
+
+// Facts for the report's last section.
+Result<Rows> runAbout(const StudyContext& context) {
+  FOURDVT_ASSIGN(const auto choice, chooseMethods(*context.device, context.options.methods));
+  Rows out;
+  const auto fact = [&](const char* name, const std::string& text) {
+    RowWriter(out, rows::kAbout, "", "", "text=" + text).add(name, 0, "");
+  };
+  fact(rows::kAboutDevice, context.device->caps().renderer);
+  std::string frames;
+  for (const auto* sequence : projectiveSequences(context)) {
+    frames += (frames.empty() ? "" : "; ") + sequence->name;
+    for (const uint32_t frame : spreadTestFrames(*sequence, context.options.test_frames))
+      frames.append(" ").append(std::to_string(frame));
+  }
+  fact("test frames", frames);
+  fact("frames of a run", std::to_string(runFrames(context.options)) + ", from the first test frame, at input camera " +
+                              context.capture->cameras[0].pinhole.name);
+  for (const std::string& left_out : choice.left_out) fact("method left out", left_out);
+  return out;
+}
+
+StudyContext resolved(const StudyContext& given) {
+  StudyContext context = given;
+  for (std::string* folder : {&context.options.capture_folder, &context.options.report_folder})
+    while (folder->size() > 1 && folder->back() == '/') folder->pop_back();
+  auto sequences = projectiveSequences(context);
+  if (context.options.quick && context.options.sequences.empty() && !sequences.empty())
+    sequences = {*std::min_element(sequences.begin(), sequences.end(),
+                                   [](const auto* a, const auto* b) { return a->frame_count < b->frame_count; })};
+  context.options.sequences.clear();
+  for (const auto* sequence : sequences) context.options.sequences.push_back(sequence->name);
+  return context;
+}
+
+}  // namespace
+
+std::vector<const capture::CaptureSequence*> projectiveSequences(const StudyContext& context) {
+  std::vector<const capture::CaptureSequence*> out;
+  const auto& names = context.options.sequences;
+  for (const capture::CaptureSequence& sequence : context.capture->sequences)
+    if (!sequence.test_frames.empty() &&
+        (names.empty() || std::find(names.begin(), names.end(), sequence.name) != names.end()))
+      out.push_back(&sequence);
+  return out;
+}
+
+uint32_t runFrames(const StudyOptions& options) { return options.quick ? 3 : 4; }
+
+Result<Rows> runProjectiveStudy(const StudyContext& given) {
+  const StudyContext context = resolved(given);
+  const std::string& folder = context.options.report_folder;
+  if (context.options.sequences.empty())
+    return Error{ErrorId::FileMissing, context.options.capture_folder +
+                                           "/capture.json: no sequence has \"test_frames\", frames with held-out "
+                                           "pictures"};
+  FOURDVT_ASSIGN(const auto choice, chooseMethods(*context.device, context.options.methods));
+  FOURDVT_TRY(openReportFolder(folder, studyKey(context.options, kVersion)));
+  static const StudyStep kSteps[] = {{"about", 0.1, runAbout},
+                                     {"proxies", 55, runProxyConditions},
+                                     {"cameras", 12, runCameraConditions},
+                                     {"calibration", 30, runCalibrationConditions},
+                                     {"cross-validation", 12, runCrossValidation},
+                                     {"stages", 3, runMethodStages},
+                                     {"pictures", 12, runMethodPictures}};
+  const std::string& stem = context.options.stem;
+  const std::string& name = context.capture->name;
+  Rows published;
+  const auto publish = [&](const Rows& rows) -> Status {
+    published = rows;
+    const Rows conclusions = projectiveConclusions(rows);
+    published.insert(published.end(), conclusions.begin(), conclusions.end());
+    FOURDVT_TRY(platform::writeFileAtomic(folder + "/" + stem + ".csv", rowsCsv(published)));
+    FOURDVT_TRY(platform::writeFileAtomic(folder + "/" + stem + ".json", rowsJson(published, context.options, name)));
+    return platform::writeFileAtomic(folder + "/report.html",
+                                     report::documentHtml(makeProjectiveDocument(rows, context.options, name)));
+  };
+  FOURDVT_ASSIGN(const auto rows, runSteps(context, kSteps, publish));
+  return published;
+}
+
+}  // namespace fourdvt::study

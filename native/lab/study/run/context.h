@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every part of a study shares: its options, what it runs with, and the rows that its steps return. Does NOT
+// measure and does NOT know which steps there are.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "base/video.h"
+#include "capture/capture.h"
+#include "gpu/device.h"
+#include "refine/refine.h"
+
+namespace fourdvt::study {
+
+// One row of evaluate.csv.
+struct Row {
+  std::string table;     // e.g. "table1", "layers", "storage", "rate", "speed", "labels", "held-out"
+  std::string sequence;  // empty: all
+  std::string method;    // "fvvr", "naive", "spatial", "temporal-paper", "joint", codec names …
+  std::string setting;   // "key=value key=value", e.g. "layers=3 size=512"; empty where there is none
+  std::string quantity;  // e.g. "ssim_fg", "psnr_full_db", "video_bytes"
+  double value = 0;
+  std::string unit;  // "dB", "bytes", "ratio", …
+};
+
+struct StudyOptions {
+  std::string capture_folder, report_folder;
+  std::vector<std::string> sequences;  // empty: all
+  bool quick = false;                  // two minutes on the sample: one sequence, few views, few settings
+  int jobs = 0;
+  refine::RefineOptions refine;  // of the mesh and the cameras, for everything but the rows of the mesh as given
+  std::string generator;         // "fourdvt-lab X.Y.Z", for evaluate.json
+  // Of `fourdvt-lab methods`.
+  std::vector<std::string> methods;  // empty: all
+  uint32_t test_frames = 1;          // of each sequence, at the held-out cameras
+  const char* command = "study";     // of fourdvt-lab
+  // The study's kind: rows are in REPORT/<stem>.csv and .json. Another kind's report folder is refused.
+  std::string stem = "evaluate";
+  std::string further;  // options as they are typed, besides folders, --sequences and --quick; " --frames 2"
+};
+
+struct StudyProgress {
+  std::string step, detail;  // "storage", "run 12/19"
+  double share = 0;          // 0..1: of the step where a step reports it, of the whole study where runSteps does
+};
+
+struct StudyContext {
+  StudyOptions options;                            // sequences listed, folders without a trailing slash
+  const capture::Capture* capture = nullptr;       // refined, once runStudy has begun
+  const capture::Capture* given = nullptr;         // the same as given; set by runStudy
+  const refine::Refinement* refinement = nullptr;  // that of `capture`, for the study's bakes; null: none
+  OpenVideo open_video;
+  gpu::Device* device = nullptr;  // GLES, current on this thread
+  std::function<void(const StudyProgress&)> progress;
+  const std::atomic<bool>* stop = nullptr;  // a step returns Interrupted soon after
+  std::string pictures() const { return options.report_folder + "/pictures"; }
+  std::string work() const { return options.report_folder + "/work"; }  // baked characters, references; kept for resume
+};
+
+using Rows = std::vector<Row>;
+struct StudyStep {
+  const char* name;
+  double weight;  // share of the time, relative
+  Result<Rows> (*run)(const StudyContext& context);
+};
+
+}  // namespace fourdvt::study

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/study/steps/codec.h"
+
+#include <cmath>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "platform/ffmpeg_video.h"
+
+namespace fourdvt::study {
+namespace {
+
+Result<std::vector<uint8_t>> encoded(const Image& image, const char* extension, const std::vector<int>& parameters) {
+  const cv::Mat rgb(image.height, image.width, CV_8UC(image.channels), const_cast<uint8_t*>(image.pixels.data()));
+  cv::Mat bgr;
+  cv::cvtColor(rgb, bgr, image.channels == 4 ? cv::COLOR_RGBA2BGR : cv::COLOR_RGB2BGR);
+  std::vector<uint8_t> bytes;
+  if (!cv::imencode(extension, bgr, bytes, parameters))
+    return Error{ErrorId::Internal, std::string("OpenCV did not encode a ") + extension + " picture"};
+  return bytes;
+}
+
+}  // namespace
+
+Result<std::vector<uint8_t>> encodePng(const Image& image) {
+  return encoded(image, ".png", {cv::IMWRITE_PNG_COMPRESSION, 6, cv::IMWRITE_PNG_STRATEGY, 0});
+}
+
+Result<std::vector<uint8_t>> encodeJpeg(const Image& image, int quality) {
+  return encoded(image, ".jpg", {cv::IMWRITE_JPEG_QUALITY, quality});
+}
+
+void fillI420(const Image& image, bake::I420Picture& out) {
+  bake::drawLayer(image, {0, 0, image.width, image.height}, out);
+}
+
+uint64_t gopBytes(const bake::EncodedGop& gop) {
+  uint64_t bytes = gop.parameter_sets.size();
+  for (const bake::EncodedPacket& packet : gop.packets) bytes += packet.bytes.size();
+  return bytes;
+}
+
+Status decodeGop(const bake::EncodedGop& gop,
+                 const std::function<Status(uint32_t frame, const I420View&)>& on_picture) {
+  Status first;
+  uint32_t pictures = 0;
+  FOURDVT_ASSIGN(auto decoder,
+                 platform::SampleDecoder::create("avc1.640028", {}, [&](const I420View& picture, int64_t timestamp_us) {
+                   ++pictures;
+                   if (first.ok()) first = on_picture(static_cast<uint32_t>(timestamp_us), picture);
+                 }));
+  std::vector<uint8_t> bytes = gop.parameter_sets;
+  for (const bake::EncodedPacket& packet : gop.packets) {
+    bytes.insert(bytes.end(), packet.bytes.begin(), packet.bytes.end());
+    FOURDVT_TRY(decoder->decode(bytes, packet.frame, packet.key));
+    bytes.clear();
+  }
+  FOURDVT_TRY(decoder->flush());
+  FOURDVT_TRY(first);
+  if (pictures != gop.packets.size())
+    return Error{ErrorId::VideoInvalid, "the decoder returned " + std::to_string(pictures) + " of " +
+                                            std::to_string(gop.packets.size()) + " pictures that were encoded"};
+  return {};
+}
+
+void SquaredError::add(const Image& a, const Image& b, const std::vector<uint8_t>& inside) {
+  uint64_t sum = 0, count = 0;
+  for (size_t i = 0; i < inside.size(); ++i) {
+    if (!inside[i]) continue;
+    const uint8_t *p = &a.pixels[i * a.channels], *q = &b.pixels[i * b.channels];
+    for (int c = 0; c < 3; ++c) sum += static_cast<uint64_t>((p[c] - q[c]) * (p[c] - q[c]));
+    count += 3;
+  }
+  squares += static_cast<double>(sum);
+  samples += count;
+}
+
+double SquaredError::psnr_db() const {
+  if (samples == 0) return std::numeric_limits<double>::quiet_NaN();
+  if (squares == 0) return std::numeric_limits<double>::infinity();
+  return 10 * std::log10(255.0 * 255.0 * static_cast<double>(samples) / squares);
+}
+
+}  // namespace fourdvt::study

@@ -1,0 +1,375 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/study/steps/frame_rate.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdarg>
+#include <cstdio>
+#include <filesystem>
+
+#include "bake/texels/picture_crop.h"
+#include "package/base_mesh.h"
+#include "package/chunk_mesh.h"
+#include "package/stream_file.h"
+#include "platform/ffmpeg_video.h"
+#include "platform/files.h"
+#include "render/cameras/fvvr.h"
+#include "render/plain_figure.h"
+
+namespace fourdvt::study {
+namespace {
+
+constexpr uint32_t kDistinctFrames = 4;  // kept in memory; the measured frames go through them in turn
+constexpr int kWarmUp = 3;
+
+// A decoded frame of the character.
+struct LayeredFrame {
+  Positions positions;
+  std::vector<uint8_t> labels;
+  std::vector<uint8_t> planes;  // y, u, v, tightly packed
+
+  I420View picture(const package::Rendition& rendition) const {
+    const int width = rendition.width, height = rendition.height;
+    const uint8_t* y = planes.data();
+    const uint8_t* u = y + size_t(width) * height;
+    return {width, height, y, u, u + size_t(width / 2) * (height / 2), width, width / 2, width / 2};
+  }
+};
+
+struct LoadedCharacter {
+  package::Character character;
+  package::BaseMesh mesh;
+  package::Sequence sequence;
+  package::Rendition rendition;
+  std::vector<LayeredFrame> frames;  // 0, 1, …
+};
+
+void appendPlane(std::vector<uint8_t>& out, const uint8_t* plane, int stride, int width, int height) {
+  for (int y = 0; y < height; ++y)
+    out.insert(out.end(), plane + ptrdiff_t(y) * stride, plane + ptrdiff_t(y) * stride + width);
+}
+
+// Reads positions, labels and pictures of the chunk's first frames.
+Status readFirstChunk(const std::filesystem::path& folder, LoadedCharacter& out) {
+  const std::string stream = (folder / out.sequence.stream_uri).string();
+  FOURDVT_ASSIGN(auto header, platform::readFileRange(stream, 0, out.sequence.stream_header_bytes));
+  FOURDVT_ASSIGN(auto index, package::readStreamHeader(header));
+  const package::ChunkEntry& entry = index.chunks[0];
+  FOURDVT_ASSIGN(auto bytes, platform::readFileRange(stream, entry.offset, entry.bytes));
+  FOURDVT_ASSIGN(auto chunk, package::decodeChunk(bytes, index, 0, package::makeChunkMesh(out.mesh)));
+  const package::ChunkFrames& c = chunk;
+  out.frames.resize(std::min(kDistinctFrames, c.frame_count));
+  const size_t label_count = size_t(c.layer_count) * c.face_count;
+  for (size_t f = 0; f < out.frames.size(); ++f) {
+    for (uint32_t v = 0; v < c.vertex_count; ++v)
+      out.frames[f].positions.push_back(index.position_origin +
+                                        index.position_step_m * glm::vec3(c.positions[f * c.vertex_count + v]));
+    out.frames[f].labels.assign(c.labels.begin() + f * label_count, c.labels.begin() + (f + 1) * label_count);
+  }
+  const package::SampleTable& table = index.renditions.back();
+  FOURDVT_ASSIGN(auto decoder,
+                 platform::SampleDecoder::create(
+                     out.rendition.codec, table.decoder_description, [&](const I420View& picture, int64_t number) {
+                       if (number < 0 || number >= int64_t(out.frames.size())) return;
+                       std::vector<uint8_t>& planes = out.frames[number].planes;
+                       appendPlane(planes, picture.y, picture.stride_y, picture.width, picture.height);
+                       appendPlane(planes, picture.u, picture.stride_u, picture.width / 2, picture.height / 2);
+                       appendPlane(planes, picture.v, picture.stride_v, picture.width / 2, picture.height / 2);
+                     }));
+  const std::string video = (folder / out.rendition.video_uri).string();
+  for (uint32_t s = table.chunk_first_sample[0]; s < table.chunk_first_sample[1]; ++s) {
+    const package::VideoSample& sample = table.samples[s];
+    FOURDVT_ASSIGN(auto coded, platform::readFileRange(video, sample.offset, sample.bytes));
+    FOURDVT_TRY(decoder->decode(coded, sample.frame, sample.key));
+  }
+  FOURDVT_TRY(decoder->flush());
+  const size_t picture_bytes = size_t(out.rendition.width) * out.rendition.height * 3 / 2;
+  for (const LayeredFrame& frame : out.frames)
+    if (frame.planes.size() != picture_bytes)
+      return Error{ErrorId::VideoInvalid, video + ": does not decode to its first frames; bake it again"};
+  return {};
+}
+
+Result<LoadedCharacter> loadCharacter(const std::filesystem::path& folder, const std::string& sequence_name) {
+  LoadedCharacter out;
+  const std::string manifest = (folder / "character.gltf").string();
+  FOURDVT_ASSIGN(auto json, platform::readJsonFlat(manifest));
+  FOURDVT_ASSIGN(auto character, package::readManifest(json));
+  out.character = std::move(character);
+  const package::Character& c = out.character;
+  const package::Sequence* sequence =
+      sequence_name.empty() && !c.sequences.empty() ? &c.sequences[0] : c.find(sequence_name);
+  if (!sequence)
+    return Error{ErrorId::InvalidArgument, manifest + ": has no sequence \"" + sequence_name + "\"; bake it"};
+  out.sequence = *sequence;
+  out.rendition = sequence->renditions.back();
+  FOURDVT_ASSIGN(auto bytes, platform::readFileRange((folder / c.mesh_uri).string(), c.mesh_offset, c.mesh_bytes));
+  FOURDVT_ASSIGN(out.mesh, package::decodeBaseMesh(bytes));
+  FOURDVT_TRY(readFirstChunk(folder, out));
+  return out;
+}
+
+// The same frames of the capture, with clean matte edges.
+Result<std::vector<capture::CaptureFrame>> readCapturedFrames(const capture::Capture& capture,
+                                                              const OpenVideo& open_video,
+                                                              const LoadedCharacter& character) {
+  const capture::CaptureSequence* sequence = capture.find(character.sequence.name);
+  if (!sequence)
+    return Error{ErrorId::InvalidArgument, capture.folder + ": has no sequence \"" + character.sequence.name +
+                                               "\"; name the capture that the character was baked from"};
+  FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(capture, *sequence, open_video));
+  std::vector<capture::CaptureFrame> frames;
+  while (frames.size() < character.frames.size()) {
+    FOURDVT_ASSIGN(auto frame, reader->next());
+    for (Image& picture : frame.pictures) bake::replaceEdgeColours(picture);
+    frames.push_back(std::move(frame));
+  }
+  return frames;
+}
+
+using Clock = std::chrono::steady_clock;
+double millisecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+// Waits until all GPU work so far is done: the GPU works in order, and this is the last piece.
+class Drain {
+ public:
+  Status prepare(gpu::Device& device) {
+    FOURDVT_ASSIGN(color_, gpu::makeTexture(device, {.width = 1, .height = 1, .label = "drain"}));
+    FOURDVT_ASSIGN(target_, gpu::makeTarget(device, {.colors = {color_.id()}, .label = "drain"}));
+    return {};
+  }
+  Status wait(gpu::Device& device) const {
+    device.beginPass({.target = target_.id(), .clear_color = true, .label = "drain"});
+    device.endPass();
+    uint8_t pixel[4];
+    return device.readPixels(target_.id(), gpu::PixelFormat::RGBA8, {.width = 1, .height = 1}, pixel);
+  }
+
+ private:
+  gpu::Texture color_;
+  gpu::Target target_;
+};
+
+struct Samples {
+  std::vector<double> frame, upload, geometry, depth_maps, shading, readback;
+};
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+  return values[values.size() / 2];
+}
+
+PassTimes medians(const Samples& s) {
+  return {median(s.frame),      median(s.upload),  median(s.geometry),
+          median(s.depth_maps), median(s.shading), median(s.readback)};
+}
+
+// Both renderers on one device, with the frames they show.
+class Race {
+ public:
+  Race(gpu::Device& device, const LoadedCharacter& loaded, const std::vector<capture::CaptureFrame>& captured,
+       const FrameRateOptions& options)
+      : device_(device), loaded_(loaded), captured_(captured) {
+    recipe_options_.ground_shadow = false;
+    const int cameras = static_cast<int>(captured[0].pictures.size());
+    for (int closest : options.closest) {
+      if (closest >= cameras) closest = 0;
+      const bool is_known =
+          std::any_of(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.options.closest == closest; });
+      if (!is_known) entries_.push_back({{.closest = closest}, {}});
+    }
+  }
+
+  Status prepare(const capture::Capture& capture, FrameRates& rates) {
+    FOURDVT_TRY(drain_.prepare(device_));
+    const uint64_t before = device_.counters().live_texture_bytes;
+    FOURDVT_ASSIGN(figure_, render::PlainFigure::create(device_, loaded_.character, loaded_.mesh));
+    figure_.setLayout(loaded_.rendition);
+    FOURDVT_ASSIGN(picture_, render::createPicture(device_, loaded_.rendition.width, loaded_.rendition.height,
+                                                   render::PictureTextures::Kind::I420));
+    FOURDVT_ASSIGN(recipe_, render::Recipe::create(device_));
+    const uint64_t between = device_.counters().live_texture_bytes;
+    std::vector<PinholeCamera> cameras;
+    for (const auto& camera : capture.cameras) cameras.push_back(camera.pinhole);
+    FOURDVT_ASSIGN(fvvr_, render::Fvvr::create(device_, cameras, capture.topology));
+    rates.layered_bytes = between - before;
+    rates.fvvr_bytes = device_.counters().live_texture_bytes - between;
+    return {};
+  }
+
+  Result<FrameRate> run(int width, int height, int frames, const std::atomic<bool>* stop) {
+    FOURDVT_TRY(resize(width, height));
+    Samples layered;
+    for (int i = -kWarmUp; i < frames; ++i) {
+      if (stop && *stop) return Error{ErrorId::Interrupted, "interrupted"};
+      if (i <= 0) {
+        layered = {};
+        for (Entry& entry : entries_) entry.samples = {};
+      }
+      OrbitView orbit = defaultOrbit(loaded_.character.bounds, double(width) / height);
+      orbit.azimuth_deg += 360.0 * i / frames;
+      const render::View view = render::viewFromCamera(cameraFromOrbit(orbit, width, height));
+      const size_t frame = static_cast<size_t>(i + kWarmUp) % loaded_.frames.size();
+      FOURDVT_TRY(layeredFrame(frame, view, layered));
+      for (Entry& entry : entries_) FOURDVT_TRY(fvvrFrame(frame, view, entry));
+      FOURDVT_TRY(layeredParts(frame, view, layered));
+      for (Entry& entry : entries_) FOURDVT_TRY(fvvrParts(frame, view, entry));
+    }
+    FrameRate rate{width, height, medians(layered), {}};
+    for (const Entry& entry : entries_) rate.fvvr.push_back({entry.options.closest, medians(entry.samples)});
+    return rate;
+  }
+
+ private:
+  struct Entry {  // FVVR with one M
+    render::FvvrOptions options;
+    Samples samples;
+  };
+
+  Status resize(int width, int height) {
+    FOURDVT_ASSIGN(auto color, gpu::makeTexture(device_, {.width = width, .height = height, .label = "race"}));
+    FOURDVT_ASSIGN(target_, gpu::makeTarget(device_, {.colors = {color.id()}, .label = "race"}));
+    color_ = std::move(color);
+    read_.resize(size_t(width) * height * 4);
+    return {};
+  }
+
+  void uploadLayers(size_t frame) {
+    render::uploadPicture(device_, picture_, loaded_.frames[frame].picture(loaded_.rendition));
+  }
+  void setGeometry(size_t frame) {
+    figure_.setFrame(device_, loaded_.frames[frame].positions, loaded_.frames[frame].labels);
+  }
+  Status drawLayers(const render::View& view) {
+    return figure_.draw(*recipe_, picture_, view, recipe_options_, target_.id());
+  }
+
+  Status layeredFrame(size_t frame, const render::View& view, Samples& out) {
+    const auto start = Clock::now();
+    uploadLayers(frame);
+    setGeometry(frame);
+    FOURDVT_TRY(drawLayers(view));
+    FOURDVT_TRY(drain_.wait(device_));
+    out.frame.push_back(millisecondsSince(start));
+    return {};
+  }
+
+  Status fvvrFrame(size_t frame, const render::View& view, Entry& entry) {
+    const auto start = Clock::now();
+    const std::vector<size_t> used = fvvr_->camerasOf(view, entry.options);
+    FOURDVT_TRY(fvvr_->setFrame(captured_[frame].positions, captured_[frame].pictures, used));
+    FOURDVT_TRY(fvvr_->draw(view, entry.options, target_.id()));
+    FOURDVT_TRY(drain_.wait(device_));
+    entry.samples.frame.push_back(millisecondsSince(start));
+    return {};
+  }
+
+  // Runs one part on a drained GPU.
+  template <class Part>
+  Status timed(std::vector<double>& out, const Part& part) {
+    const auto start = Clock::now();
+    FOURDVT_TRY(part());
+    FOURDVT_TRY(drain_.wait(device_));
+    out.push_back(millisecondsSince(start));
+    return {};
+  }
+
+  Status readBack(const render::View& view, Samples& out) {
+    return timed(out.readback, [&] {
+      return device_.readPixels(target_.id(), gpu::PixelFormat::RGBA8, {.width = view.width, .height = view.height},
+                                read_.data());
+    });
+  }
+
+  Status layeredParts(size_t frame, const render::View& view, Samples& out) {
+    FOURDVT_TRY(timed(out.upload, [&] { return uploadLayers(frame), Status(); }));
+    FOURDVT_TRY(timed(out.geometry, [&] { return setGeometry(frame), Status(); }));
+    FOURDVT_TRY(timed(out.shading, [&] { return drawLayers(view); }));
+    return readBack(view, out);
+  }
+
+  Status fvvrParts(size_t frame, const render::View& view, Entry& entry) {
+    Samples& out = entry.samples;
+    const std::vector<size_t> used = fvvr_->camerasOf(view, entry.options);
+    FOURDVT_TRY(timed(out.geometry, [&] { return fvvr_->setGeometry(captured_[frame].positions, used); }));
+    FOURDVT_TRY(timed(out.upload, [&] { return fvvr_->uploadPictures(captured_[frame].pictures); }));
+    FOURDVT_TRY(timed(out.depth_maps, [&] { return fvvr_->drawDepthMaps(), Status(); }));
+    FOURDVT_TRY(timed(out.shading, [&] { return fvvr_->draw(view, entry.options, target_.id()); }));
+    return readBack(view, out);
+  }
+
+  gpu::Device& device_;
+  const LoadedCharacter& loaded_;
+  const std::vector<capture::CaptureFrame>& captured_;
+  std::vector<Entry> entries_;
+  render::RecipeOptions recipe_options_;
+  Drain drain_;
+  render::PlainFigure figure_;
+  render::PictureTextures picture_;
+  std::unique_ptr<render::Recipe> recipe_;
+  std::unique_ptr<render::Fvvr> fvvr_;
+  gpu::Texture color_;
+  gpu::Target target_;
+  std::vector<uint8_t> read_;
+};
+
+std::string line(const char* format, ...) __attribute__((format(printf, 1, 2)));
+std::string line(const char* format, ...) {
+  char text[256];
+  va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  return text;
+}
+
+}  // namespace
+
+Result<FrameRates> measureFrameRates(gpu::Device& device, const capture::Capture& capture, const OpenVideo& open_video,
+                                     const std::string& character_folder, const FrameRateOptions& options) {
+  FOURDVT_ASSIGN(auto loaded, loadCharacter(character_folder, options.sequence));
+  FOURDVT_ASSIGN(auto captured, readCapturedFrames(capture, open_video, loaded));
+  const package::Character& character = loaded.character;
+  FrameRates rates;
+  rates.renderer = device.caps().renderer;
+  rates.sequence = loaded.sequence.name;
+  rates.layers = character.layer_count;
+  rates.layer_side = loaded.rendition.layers[0].width;
+  rates.cameras = static_cast<int>(capture.cameras.size());
+  rates.frames = options.frames;
+  rates.faces = character.face_count;
+  Race race(device, loaded, captured, options);
+  FOURDVT_TRY(race.prepare(capture, rates));
+  for (const auto& [width, height] : options.sizes) {
+    FOURDVT_ASSIGN(auto rate, race.run(width, height, options.frames, options.stop));
+    rates.sizes.push_back(rate);
+  }
+  return rates;
+}
+
+std::string frameRateTable(const FrameRates& r) {
+  std::string text = line("%s; %s, %u faces, %d layers of %d, %d cameras, %d frames\n", r.renderer.c_str(),
+                          r.sequence.c_str(), r.faces, r.layers, r.layer_side, r.cameras, r.frames);
+  text += line("GPU textures: layered %.1f MB, FVVR %.1f MB\n", r.layered_bytes / 1e6, r.fvvr_bytes / 1e6);
+  text += line("%-9s %-12s %8s %8s | %8s %8s %8s %8s | %8s\n", "picture", "method", "frames/s", "frame ms", "upload",
+               "geometry", "depth", "shading", "readback");
+  for (const FrameRate& rate : r.sizes) {
+    const auto row = [&](const char* method, const PassTimes& t) {
+      return line("%-9s %-12s %8.1f %8.2f | %8.2f %8.2f %8.2f %8.2f | %8.2f\n",
+                  line("%dx%d", rate.width, rate.height).c_str(), method, t.framesPerSecond(), t.frame_ms, t.upload_ms,
+                  t.geometry_ms, t.depth_maps_ms, t.shading_ms, t.readback_ms);
+    };
+    text += row("layered", rate.layered);
+    for (const auto& [closest, times] : rate.fvvr) {
+      text += row(line("fvvr, M = %d", closest ? closest : r.cameras).c_str(), times);
+      text += line("          frame rate ratio %.2f, draw only (with depth maps) %.2f, shading only %.2f\n",
+                   rate.ratio(times), rate.drawRatio(times), rate.shadingRatio(times));
+    }
+  }
+  return text;
+}
+
+}  // namespace fourdvt::study

@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: Apache-2.0
+// 4DVT Table 1: the same capture baked with every labelling mode at the papers' size, and as this project bakes by
+// default. Measures storage, loading, fidelity to FVVR on the ring and to ground truth at the held-out cameras, and
+// label statistics.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "bake/bake.h"
+#include "lab/labels/paper_labellings.h"
+#include "lab/measure/held_out.h"
+#include "lab/measure/metrics.h"
+#include "lab/measure/picture_score.h"
+#include "lab/study/run/row_writer.h"
+#include "lab/study/run/rows.h"
+#include "lab/study/run/run_steps.h"
+#include "lab/study/run/scene.h"
+#include "lab/study/steps/labels.h"
+#include "lab/study/steps/steps.h"
+#include "lab/study/tables/report.h"
+#include "platform/files.h"
+#include "platform/folders.h"
+
+namespace fourdvt::study {
+namespace {
+
+// One way of baking the capture.
+struct Method {
+  std::string name;  // as in the rows
+  bake::BakeOptions options;
+  std::string setting() const {
+    return "layers=" + std::to_string(options.layers) + " size=" + std::to_string(options.texture) +
+           " codec=" + bake::infoOf(options.codec).name + " crf=" + std::to_string(options.crf) +
+           " layout=" + (options.equal_layers ? "equal" : "default");
+  }
+};
+
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+// The default comes first: its time counts from nothing, and the others share its survey.
+std::vector<Method> studyMethods(const StudyContext& context) {
+  const bake::BakeOptions shared = studyBake(context, rows::kJointDefault);
+  bake::BakeOptions plain = defaultBake(context, shared.character_folder);
+  plain.survey_folder = shared.survey_folder;
+  plain.sequences = shared.sequences;
+  plain.resume = false;
+  std::vector<Method> out{{rows::kJointDefault, plain}};
+  for (const bake::Labelling* rule :
+       {&lab::kNaive, &lab::kSpatial, &lab::kTemporalPaper, &lab::kPerTexel, &bake::kJoint}) {
+    if (rule == &lab::kPerTexel && context.options.quick) continue;
+    Method method{rule->name, studyBake(context, std::string(rule->name) + "-512")};
+    lab::useLabelling(*rule, method.options);
+    method.options.texture = kPaperTexture;
+    method.options.equal_layers = true;
+    out.push_back(std::move(method));
+  }
+  return out;
+}
+
+// One method: bakes, then measures everything that needs only its character.
+class MethodStudy {
+ public:
+  MethodStudy(const StudyContext& context, const Method& method, double before, double share)
+      : context_(context), method_(method), before_(before), share_(share) {}
+  Result<Rows> run();
+
+ private:
+  Status bakeCharacter();
+  Status storage(const capture::CaptureSequence& sequence);
+  Status loading(const capture::CaptureSequence& sequence);
+  Status ring(const capture::CaptureSequence& sequence);
+  Status heldOut(const capture::CaptureSequence& sequence);
+  Status worstPicture(const capture::CaptureSequence& sequence, const PinholeCamera& camera, uint32_t frame,
+                      double ssim);
+  void labels(const capture::CaptureSequence& sequence);
+  Result<Image> picture(const PinholeCamera& camera, const std::string& sequence, uint32_t frame) {
+    FOURDVT_TRY(checkStop(context_));
+    FOURDVT_TRY(player_->showFrame(sequence, frame));
+    return player_->renderStill(render::viewFromCamera(camera), studyRecipe());
+  }
+  void tell(const std::string& what, double share) const {
+    if (context_.progress) context_.progress({"methods", method_.name + " " + what, before_ + share_ * share});
+  }
+
+  const StudyContext& context_;
+  const Method& method_;
+  double before_, share_;
+  bake::BakeReport baked_;
+  FlatJson report_;
+  std::unique_ptr<edge::CharacterPlayer> player_;
+  std::vector<PinholeCamera> held_out_;
+  Rows out_;
+};
+
+Status MethodStudy::bakeCharacter() {
+  const bool timed = method_.name == rows::kJointDefault;
+  if (timed) platform::removeFolder(method_.options.survey_folder);
+  FOURDVT_ASSIGN(baked_, runBake(context_, method_.options,
+                                 [this](const std::string& stage, double share) { tell(stage, 0.6 * share); }));
+  FOURDVT_ASSIGN(report_, platform::readJsonFlat(method_.options.character_folder + "/report.json"));
+  if (!timed) return {};
+  RowWriter(out_, rows::kBake, "", rows::kJointDefault, "")
+      .add(rows::kSecondsFrame, report_.number("/wall_s_per_frame").value_or(0), "s");
+  for (const auto& [stage, seconds] : baked_.seconds_by_stage)
+    RowWriter(out_, rows::kBake, "", rows::kJointDefault, "stage=" + stage)
+        .add(rows::kSecondsFrame, seconds / baked_.frames, "s");
+  std::string encoder = std::string(bake::infoOf(method_.options.codec).name);
+  if (const auto version = report_.string("/versions/libavcodec")) encoder += ", libavcodec " + *version;
+  RowWriter(out_, rows::kAbout, "", "", "text=" + encoder + ", crf " + std::to_string(method_.options.crf))
+      .add(rows::kAboutEncoder, 0, "");
+  return {};
+}
+
+Status MethodStudy::storage(const capture::CaptureSequence& sequence) {
+  std::string at;
+  for (int i = 0; at.empty() && report_.has("/sequences/" + std::to_string(i)); ++i)
+    if (report_.string("/sequences/" + std::to_string(i) + "/name") == sequence.name)
+      at = "/sequences/" + std::to_string(i) + "/";
+  const auto bytes = [&](const char* key) { return report_.number(at + key).value_or(0); };
+  const double shared = report_.number("/bytes_by_part/mesh.bin").value_or(0) +
+                        report_.number("/bytes_by_part/character.gltf").value_or(0);
+  const double video = bytes("video_bytes"), geometry = bytes("geometry_bytes"), labels = bytes("label_bytes"),
+               other = bytes("index_bytes") + shared;
+  if (at.empty() || video <= 0 || geometry <= 0)
+    return Error{ErrorId::Internal, method_.options.character_folder + "/report.json: no sizes of " + sequence.name};
+  const RowWriter row(out_, rows::kTable1, sequence.name, method_.name, method_.setting());
+  row.add(rows::kTotalBytes, video + geometry + labels + other, "bytes");
+  row.add(rows::kVideoBytes, video, "bytes");
+  row.add(rows::kGeometryBytes, geometry, "bytes");
+  row.add(rows::kLabelBytes, labels, "bytes");
+  row.add(rows::kOtherBytes, other, "bytes");
+  const double seconds = sequence.frame_count / context_.capture->fps;
+  row.add(rows::kVideoBps, 8 * video / seconds, "bit/s");
+  RowWriter(out_, rows::kLabels, sequence.name, method_.name, "").add(rows::kLabelBps, 8 * labels / seconds, "bit/s");
+  return {};
+}
+
+// Times opening, decoding, uploading and drawing: until the first picture and, unless `quick`, until every picture of
+// the sequence has been loaded.
+Status MethodStudy::loading(const capture::CaptureSequence& sequence) {
+  player_.reset();
+  const auto start = Clock::now();
+  FOURDVT_ASSIGN(player_, edge::CharacterPlayer::open(*context_.device, method_.options.character_folder));
+  FOURDVT_ASSIGN(auto first, picture(captureCameras(context_)[0], sequence.name, 0));
+  const double first_s = secondsSince(start);
+  const RowWriter row(out_, rows::kTable1, sequence.name, method_.name, method_.setting());
+  row.add(rows::kLoadingS, first_s, "s");
+  if (context_.options.quick) return {};
+  for (uint32_t f = 1; f < sequence.frame_count; ++f) FOURDVT_TRY(player_->showFrame(sequence.name, f));
+  row.add(rows::kLoadingAllS, secondsSince(start), "s");
+  return {};
+}
+
+Status MethodStudy::ring(const capture::CaptureSequence& sequence) {
+  FOURDVT_ASSIGN(auto views, studyRing(context_, sequence));
+  measure::ScoreLane lane;
+  for (const RingView& view : views) {
+    FOURDVT_ASSIGN(auto reference, readReference(referencePath(context_, sequence.name, view)));
+    FOURDVT_ASSIGN(auto drawn, picture(view.camera, sequence.name, view.frame));
+    lane.add(std::move(reference), std::move(drawn));
+  }
+  writeScores({out_, rows::kTable1, sequence.name, method_.name, method_.setting()}, lane.finishMean());
+  return {};
+}
+
+Status MethodStudy::heldOut(const capture::CaptureSequence& sequence) {
+  measure::ScoreLane lane;
+  std::vector<std::pair<const PinholeCamera*, uint32_t>> views;
+  for (uint32_t frame : sequence.test_frames)
+    for (const PinholeCamera& camera : held_out_) {
+      FOURDVT_ASSIGN(auto truth, measure::heldOutTruth(sequence, camera, frame));
+      FOURDVT_ASSIGN(auto drawn, picture(camera, sequence.name, frame));
+      lane.add(std::move(truth), std::move(drawn), camera.name);
+      views.emplace_back(&camera, frame);
+    }
+  if (views.empty()) return {};
+  measure::MeanScores mean;
+  std::map<std::string, measure::MeanScores> by_camera;
+  const auto scores = lane.finish();
+  size_t worst = 0;
+  for (size_t i = 0; i < scores.size(); ++i) {
+    mean.add(scores[i].second);
+    by_camera[scores[i].first].add(scores[i].second);
+    if (scores[i].second.ssim_fg < scores[worst].second.ssim_fg) worst = i;
+  }
+  writeScores({out_, rows::kHeldOut, sequence.name, method_.name, "views=" + std::to_string(views.size())}, mean);
+  for (const auto& [camera, part] : by_camera)
+    writeScores({out_, "held-out-views", sequence.name, method_.name, "view=" + camera}, part);
+  if (method_.name != rows::kJointDefault) return {};
+  return worstPicture(sequence, *views[worst].first, views[worst].second, scores[worst].second.ssim_fg);
+}
+
+Status MethodStudy::worstPicture(const capture::CaptureSequence& sequence, const PinholeCamera& camera, uint32_t frame,
+                                 double ssim) {
+  FOURDVT_ASSIGN(auto truth, measure::heldOutTruth(sequence, camera, frame));
+  FOURDVT_ASSIGN(auto drawn, picture(camera, sequence.name, frame));
+  FOURDVT_ASSIGN(auto fvvr, readReference(referencePath(context_, sequence.name, camera.name, frame)));
+  const auto scored = [&](const Image& picture) { return measure::scorePicture(truth, picture); };
+  const measure::PictureScore ours = scored(drawn), theirs = scored(fvvr);
+  measure::WorstView view;
+  view.score = {sequence.name,
+                camera.name,
+                frame,
+                true,
+                ours.psnr_fg_db,
+                ours.ssim_fg,
+                ours.psnr_common_db,
+                theirs.psnr_fg_db,
+                theirs.ssim_fg,
+                theirs.psnr_common_db};
+  view.truth = measure::compositedOnBlack(truth);
+  view.character = measure::compositedOnBlack(drawn);
+  view.yardstick = measure::compositedOnBlack(fvvr);
+  const std::string file = "worst-held-out-" + sequence.name + ".jpg";
+  FOURDVT_TRY(platform::writeImage(context_.pictures() + "/" + file, measure::contactSheet({view}, "FVVR"), 90));
+  RowWriter(
+      out_, rows::kPictures, sequence.name, rows::kJointDefault,
+      "file=" + file + " frame=" + std::to_string(frame) + " view=" + camera.name + " score=" + std::to_string(ssim))
+      .add(rows::kPictureWorst, ssim, "");
+  return {};
+}
+
+void MethodStudy::labels(const capture::CaptureSequence& sequence) {
+  const auto it = baked_.labels_by_sequence.find(sequence.name);
+  if (it == baked_.labels_by_sequence.end()) return;
+  const bake::LabelStatistics& s = it->second;
+  writeLabelRows(s, rows::kLabels, sequence.name, method_.name, out_);
+  const RowWriter row(out_, rows::kLabels, sequence.name, method_.name, "");
+  row.add(rows::kEnergy, s.energy, "");
+  row.add(rows::kEmptyPercent, s.empty_percent, "percent");
+  row.add(rows::kLabelMsFrame, s.frames ? 1000 * s.seconds / s.frames : 0, "ms");
+}
+
+Result<Rows> MethodStudy::run() {
+  FOURDVT_ASSIGN(held_out_, heldOutCameras(context_));
+  FOURDVT_TRY(bakeCharacter());
+  double done = 0;
+  const auto sequences = studySequences(context_);
+  for (const auto* sequence : sequences) {
+    tell(sequence->name + " pictures", 0.6 + 0.4 * done++ / sequences.size());
+    FOURDVT_TRY(storage(*sequence));
+    FOURDVT_TRY(loading(*sequence));
+    FOURDVT_TRY(ring(*sequence));
+    FOURDVT_TRY(heldOut(*sequence));
+    labels(*sequence);
+  }
+  return std::move(out_);
+}
+
+// A quality at the held-out cameras: how many bytes it costs FVVR, and the rows for a method's share of them.
+struct EqualQuality {
+  const char *theirs, *ours;     // quantities: of the multi-view's videos, of the held-out table
+  const char *percent, *beyond;  // of table1
+};
+constexpr EqualQuality kEqualQualities[] = {
+    {rows::kHeldOutPsnrDb, rows::kPsnrFgDb, rows::kPercentAtPsnr, rows::kBeyondAtPsnr},
+    {rows::kHeldOutSsim, rows::kSsimFg, rows::kPercentAtSsim, rows::kBeyondAtSsim}};
+
+std::vector<RatePoint> multiviewLadder(const Rows& reference, const std::string& sequence, const char* quality) {
+  std::vector<RatePoint> ladder;
+  for (const Row& row : reference) {
+    if (row.table != rows::kMultiviewCodec || row.sequence != sequence || row.quantity != rows::kVideoBytes) continue;
+    const double value = StudyValues(reference).of(row.table, sequence, row.method, row.setting, quality);
+    if (!std::isnan(value)) ladder.push_back({row.value, value});
+  }
+  return ladder;
+}
+
+// Compares all that a method loads with the foreground-only multi-view: as pictures, and as the videos from which FVVR
+// shows the held-out cameras equally well. Nothing is extrapolated beyond the rates measured.
+void compareStorage(const Rows& reference, const std::string& sequence, const std::vector<Method>& methods, Rows& out) {
+  const StudyValues measured(out);
+  const double masked =
+      StudyValues(reference).of(rows::kMultiview, sequence, rows::kMethodMultiview, "", rows::kMaskedBytes);
+  for (const Method& method : methods) {
+    const double total = measured.of(rows::kTable1, sequence, method.name, "", rows::kTotalBytes);
+    if (std::isnan(total)) continue;
+    const RowWriter row(out, rows::kTable1, sequence, method.name, method.setting());
+    if (!std::isnan(masked)) row.add(rows::kPercentOfMasked, 100 * total / masked, "percent");
+    for (const EqualQuality& equal : kEqualQualities) {
+      const double quality = measured.of(rows::kHeldOut, sequence, method.name, "", equal.ours);
+      const auto [bytes, beyond] = bytesAtQuality(multiviewLadder(reference, sequence, equal.theirs), quality);
+      if (bytes) row.add(equal.percent, 100 * total / *bytes, "percent");
+      if (beyond) row.add(equal.beyond, beyond, "");
+    }
+  }
+}
+
+}  // namespace
+
+Result<Rows> runMethods(const StudyContext& context) {
+  const std::vector<Method> methods = studyMethods(context);
+  const auto sequences = studySequences(context);
+  constexpr double kBakingShare = 0.97;  // the rest: labels
+  Rows out;
+  const auto take = [&](Result<Rows> part) -> Status {
+    if (!part) return part.error();
+    out.insert(out.end(), part.value().begin(), part.value().end());
+    return {};
+  };
+  const double share = kBakingShare / static_cast<double>(methods.size());
+  for (size_t m = 0; m < methods.size(); ++m)
+    FOURDVT_TRY(take(keptPart(context, "method-" + methods[m].name, [&] {
+      return MethodStudy(context, methods[m], share * static_cast<double>(m), share).run();
+    })));
+  FOURDVT_TRY(take(keptPart(context, "labels", [&] { return measureLabels(context); })));
+  FOURDVT_ASSIGN(auto reference, rowsOfStep(context, "reference"));
+  for (const auto* sequence : sequences) compareStorage(reference, sequence->name, methods, out);
+  for (const Method& method : methods)
+    if (method.name != rows::kJointDefault && method.name != rows::kJoint)
+      platform::removeFolder(method.options.character_folder);
+  return out;
+}
+
+}  // namespace fourdvt::study

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rate-distortion of codecs, presets, layouts and layer sizes. Layers are baked once per size and layout; every
+// point then encodes, decodes and renders the same pictures (rate_point.h).
+#include <cmath>
+#include <filesystem>
+
+#include "bake/quality.h"
+#include "bake/run/describe.h"
+#include "bake/stages/frame_baker.h"
+#include "lab/study/run/row_writer.h"
+#include "lab/study/run/rows.h"
+#include "lab/study/run/run_steps.h"
+#include "lab/study/run/scene.h"
+#include "lab/study/steps/rate_point.h"
+#include "lab/study/steps/steps.h"
+
+namespace fourdvt::study {
+namespace {
+
+struct LayerSetting {
+  int texture, layers;
+  bool equal;
+};
+
+struct CodecSetting {
+  bake::Codec codec;
+  const char* preset;
+  std::vector<int> crfs;
+};
+
+struct Group {
+  LayerSetting layers;
+  std::vector<CodecSetting> codecs;
+};
+
+constexpr uint32_t kQuickFrames = 9;
+constexpr int kFallbackCameras = 3;  // views without held-out cameras
+
+using bake::Codec;
+
+std::vector<Group> plannedGroups(bool quick) {
+  const std::vector<CodecSetting> few{{Codec::H264, "veryfast", {26, 34}}, {Codec::Av1, "7", {46}}};
+  if (quick) return {{{512, 3, false}, few}, {{512, 1, false}, {{Codec::H264, "veryfast", {20, 26, 34}}}}};
+  const std::vector<CodecSetting> all{{Codec::H264, "veryfast", {24, 28, 32, 36}},
+                                      {Codec::H264, "medium", {20, 24, 28, 32, 36}},
+                                      {Codec::H264, "slower", {20, 24, 29, 32, 36}},
+                                      {Codec::Vp9, "3", {34, 40, 46, 52}},
+                                      {Codec::Av1, "6", {34, 40, 46, 52}}};
+  // L = 1, 2, 3 over the same bitrates: fewer layers take fewer bits, and reach as far with a lower rate factor.
+  const std::vector<CodecSetting> one{{Codec::H264, "medium", {14, 18, 22, 26, 30, 34}}},
+      two{{Codec::H264, "medium", {16, 20, 24, 28, 32, 36}}, {Codec::Av1, "6", {40, 50}}};
+  const std::vector<CodecSetting> some{{Codec::H264, "medium", {24, 30, 36}}, {Codec::Av1, "6", {40, 50}}};
+  return {{{1024, 3, false}, all},  {{1024, 3, true}, some},  {{1024, 2, false}, two},
+          {{1024, 1, false}, one},  {{512, 3, false}, some},  {{512, 3, true}, some},
+          {{1536, 3, false}, some}, {{2048, 2, false}, some}, {{2048, 3, false}, some}};
+}
+
+std::string settingOf(const LayerSetting& layers, const bake::EncodeSettings& encode) {
+  return "preset=" + encode.preset + " crf=" + std::to_string(encode.crf) + " size=" + std::to_string(layers.texture) +
+         " layers=" + std::to_string(layers.layers) + " layout=" + (layers.equal ? "equal" : "default");
+}
+
+// Deletes the pictures when the group is done: they are large.
+struct PicturesFile {
+  std::string path;
+  ~PicturesFile() {
+    std::error_code ignored;
+    std::filesystem::remove(path, ignored);
+  }
+};
+
+class RateStudy {
+ public:
+  explicit RateStudy(const StudyContext& context) : context_(context), sequence_(shortestSequence(context)) {}
+  Result<Rows> run();
+
+ private:
+  Status measureGroup(const Group& group);
+  Status bakeLayers(SurveyedJob& surveyed, RateClip& clip) const;
+  Result<std::vector<RateView>> makeViews(uint32_t frame_count) const;
+  Status measurePoint(RateMeter& meter, const LayerSetting& layers, const bake::EncodeSettings& encode, bool chosen,
+                      const std::vector<RateView>& views);
+  void write(const std::string& method, const std::string& setting, const RateScore& score);
+  void tell(const std::string& detail) const;
+
+  const StudyContext& context_;
+  const capture::CaptureSequence& sequence_;
+  size_t points_ = 0, done_ = 0;
+  Rows rows_;
+};
+
+void RateStudy::tell(const std::string& detail) const {
+  if (context_.progress) context_.progress({"rate", detail, points_ ? double(done_) / double(points_) : 0});
+}
+
+// Pictures into clip.pictures_path; geometry and labels of every frame.
+Status RateStudy::bakeLayers(SurveyedJob& surveyed, RateClip& clip) const {
+  const bake::Job& job = surveyed.job;
+  FOURDVT_ASSIGN(auto baker, makeBaker(context_, job, bakerOptions(surveyed)));
+  FOURDVT_ASSIGN(auto reader,
+                 capture::FrameReader::open(job.capture, *job.capture.find(sequence_.name), context_.open_video));
+  bake::I420Picture picture(job.layout.width, job.layout.height);
+  for (uint32_t f = 0; f < clip.frame_count; ++f) {
+    FOURDVT_TRY(checkStop(context_));
+    tell("layers of " + std::to_string(job.options.texture) + ", frame " + std::to_string(f + 1));
+    FOURDVT_ASSIGN(auto frame, reader->next());
+    setBakerFrame(*baker, job, frame);
+    FOURDVT_ASSIGN(auto labels, surveyed.survey->labels(*job.capture.find(sequence_.name), f));
+    FOURDVT_ASSIGN(auto layers, baker->resample(labels));
+    baker->fill(layers);
+    bake::tileFrame(job.layout, layers, f, picture);
+    FOURDVT_TRY(appendPicture(clip.pictures_path, picture, f == 0));
+    clip.positions.push_back(bake::reordered(job.mesh, frame.positions));
+    clip.labels.push_back(std::move(labels));
+  }
+  return {};
+}
+
+// Held-out cameras at held-out frames; where there are none, three cameras of the ring without a truth.
+Result<std::vector<RateView>> RateStudy::makeViews(uint32_t frame_count) const {
+  std::vector<RateView> views;
+  FOURDVT_ASSIGN(auto held_out, heldOutCameras(context_));
+  for (const uint32_t frame : sequence_.test_frames) {
+    for (const PinholeCamera& camera : held_out) {
+      if (frame >= frame_count) continue;
+      FOURDVT_ASSIGN(auto truth, measure::heldOutTruth(sequence_, camera, frame));
+      views.push_back({frame, camera, std::move(truth), {}});
+    }
+  }
+  if (!views.empty()) return views;
+  const std::vector<PinholeCamera> ring = captureCameras(context_);
+  for (const uint32_t frame : {0u, frame_count / 2})
+    for (int k = 0; k < kFallbackCameras; ++k)
+      views.push_back({frame, ring[ring.size() * size_t(k) / kFallbackCameras], {}, {}});
+  return views;
+}
+
+void RateStudy::write(const std::string& method, const std::string& setting, const RateScore& score) {
+  const RowWriter out(rows_, rows::kRate, sequence_.name, method, setting);
+  if (score.video_bps > 0) {
+    out.add(rows::kVideoBps, score.video_bps, "bit/s");
+    out.add(rows::kEncodeMsFrame, score.encode_ms_frame, "ms");
+    out.add("unreadable_barcodes", score.unreadable_barcodes, "frames");
+    out.add("ssim_fg_vs_uncompressed", score.ssim_fg_vs_uncompressed, "");
+    out.add("psnr_fg_vs_uncompressed_db", score.psnr_fg_vs_uncompressed_db, "dB");
+  }
+  if (std::isnan(score.ssim_fg)) return;
+  out.add(rows::kSsimFg, score.ssim_fg, "");
+  out.add(rows::kPsnrFgDb, score.psnr_fg_db, "dB");
+}
+
+Status RateStudy::measurePoint(RateMeter& meter, const LayerSetting& layers, const bake::EncodeSettings& encode,
+                               bool chosen, const std::vector<RateView>& views) {
+  FOURDVT_TRY(checkStop(context_));
+  const std::string setting = (chosen ? "chosen=1 " : "") + settingOf(layers, encode);
+  tell(std::string(bake::infoOf(encode.codec).name) + " " + setting);
+  FOURDVT_ASSIGN(auto score, meter.measure(encode, views));
+  write(bake::infoOf(encode.codec).name, setting, score);
+  ++done_;
+  return {};
+}
+
+Status RateStudy::measureGroup(const Group& group) {
+  bake::BakeOptions options = studyBake(context_, "rate");
+  options.sequences = {sequence_.name};
+  options.texture = group.layers.texture;
+  options.layers = group.layers.layers;
+  options.equal_layers = group.layers.equal;
+  FOURDVT_ASSIGN(auto surveyed, surveyOnly(context_, options));
+  const bake::Job& job = surveyed->job;
+  RateClip clip;
+  const PicturesFile pictures{context_.work() + "/rate_pictures.yuv"};
+  clip.layout = job.layout;
+  clip.fps = job.capture.fps;
+  clip.frame_count = context_.options.quick ? std::min(kQuickFrames, sequence_.frame_count) : sequence_.frame_count;
+  clip.pictures_path = pictures.path;
+  clip.gop_first_frames = bake::planGops(clip.frame_count, bake::BakeOptions().gop);
+  clip.character = bake::describeCharacter(job);
+  clip.mesh = &job.mesh.decoded;
+  FOURDVT_TRY(bakeLayers(*surveyed, clip));
+  FOURDVT_ASSIGN(auto views, makeViews(clip.frame_count));
+  FOURDVT_ASSIGN(auto meter, RateMeter::create(*context_.device, clip));
+  FOURDVT_TRY(meter->drawUncompressed(views));
+  const std::string plain = "size=" + std::to_string(options.texture) + " layers=" + std::to_string(options.layers) +
+                            " layout=" + (options.equal_layers ? "equal" : "default");
+  write("uncompressed", plain, meter->scoreUncompressed(views));
+  for (const CodecSetting& codec : group.codecs) {
+    bake::EncodeSettings encode;
+    encode.codec = codec.codec;
+    encode.preset = codec.preset;
+    for (const int crf : codec.crfs) {
+      encode.crf = crf;
+      FOURDVT_TRY(measurePoint(*meter, group.layers, encode, false, views));
+    }
+  }
+  const bake::BakeOptions chosen;  // the default
+  if (chosen.texture != options.texture || chosen.layers != options.layers ||
+      chosen.equal_layers != options.equal_layers)
+    return {};
+  bake::EncodeSettings encode;
+  encode.codec = chosen.codec;
+  encode.crf = chosen.crf;
+  encode.preset = chosen.preset.empty() ? bake::infoOf(chosen.codec).default_preset : chosen.preset;
+  return measurePoint(*meter, group.layers, encode, true, views);
+}
+
+Result<Rows> RateStudy::run() {
+  const std::vector<Group> groups = plannedGroups(context_.options.quick);
+  for (const Group& group : groups)
+    for (const CodecSetting& codec : group.codecs) points_ += codec.crfs.size();
+  Rows all;
+  for (const Group& group : groups) {
+    const std::string name = "rate-" + std::to_string(group.layers.texture) + "-" +
+                             std::to_string(group.layers.layers) + (group.layers.equal ? "-equal" : "");
+    FOURDVT_ASSIGN(auto part, keptPart(context_, name, [&]() -> Result<Rows> {
+                     rows_.clear();
+                     FOURDVT_TRY(measureGroup(group));
+                     return std::move(rows_);
+                   }));
+    all.insert(all.end(), part.begin(), part.end());
+  }
+  return all;
+}
+
+}  // namespace
+
+Result<Rows> runRate(const StudyContext& context) { return RateStudy(context).run(); }
+
+}  // namespace fourdvt::study

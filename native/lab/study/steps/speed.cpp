@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// LVDT 4.4: frame rate of the layered character against FVVR, with the passes of a frame and the textures held.
+#include <filesystem>
+
+#include "bake/bake.h"
+#include "lab/study/run/row_writer.h"
+#include "lab/study/run/rows.h"
+#include "lab/study/run/scene.h"
+#include "lab/study/steps/frame_rate.h"
+#include "lab/study/steps/steps.h"
+
+namespace fourdvt::study {
+namespace {
+
+constexpr int kFrames = 24, kQuickFrames = 10;
+
+void tell(const StudyContext& context, const std::string& detail, double share) {
+  if (context.progress) context.progress({"speed", detail, share});
+}
+
+// One sequence with default settings.
+Result<std::string> bakeOwn(const StudyContext& context) {
+  bake::BakeOptions options = defaultBake(context, context.work() + "/speed");
+  options.sequences = {context.options.sequences.empty() ? context.capture->sequences.front().name
+                                                         : context.options.sequences.front()};
+  FOURDVT_TRY(bakeOnce(context, options,
+                       [&](const std::string& stage, double share) { tell(context, "bake " + stage, 0.5 * share); }));
+  return options.character_folder;
+}
+
+std::string sizeText(const FrameRate& rate) { return std::to_string(rate.width) + "x" + std::to_string(rate.height); }
+
+// The rows of one renderer at one picture size.
+struct SpeedRows {
+  Rows& out;
+  const FrameRates& rates;
+  std::string method, setting;
+
+  RowWriter writer() const { return {out, rows::kSpeed, rates.sequence, method, setting}; }
+  void addTimes(const PassTimes& times, uint64_t gpu_bytes) const {
+    writer().add(rows::kFramesPerS, times.framesPerSecond(), "1/s");
+    writer().add(rows::kFrameMs, times.frame_ms, "ms");
+    writer().add(rows::kGpuBytes, static_cast<double>(gpu_bytes), "bytes");
+  }
+  void addPasses(const PassTimes& times, const std::string& size) const {
+    const auto pass = [&](const char* name, double ms) {
+      RowWriter(out, rows::kSpeed, rates.sequence, method, setting + " pass=" + size + " " + name)
+          .add(rows::kFrameMs, ms, "ms");
+    };
+    pass("upload", times.upload_ms);
+    pass("geometry", times.geometry_ms);
+    if (method == rows::kFvvr) pass("depth maps", times.depth_maps_ms);
+    pass("shading", times.shading_ms);
+    pass("readback", times.readback_ms);
+  }
+};
+
+// " closest=M", to be appended to a setting; "" for all cameras.
+std::string closestSetting(const FvvrRate& fvvr) {
+  return fvvr.closest ? " closest=" + std::to_string(fvvr.closest) : "";
+}
+
+void addSize(Rows& out, const FrameRates& rates, const FrameRate& rate, bool with_passes) {
+  const std::string setting = "layers=" + std::to_string(rates.layers) + " size=" + std::to_string(rates.layer_side) +
+                              " view=" + sizeText(rate);
+  const SpeedRows ours{out, rates, rows::kMethodLayered, setting};
+  ours.addTimes(rate.layered, rates.layered_bytes);
+  if (with_passes) ours.addPasses(rate.layered, sizeText(rate));
+  for (const FvvrRate& fvvr : rate.fvvr) {
+    const SpeedRows theirs{out, rates, rows::kFvvr, setting + closestSetting(fvvr)};
+    theirs.addTimes(fvvr.times, rates.fvvr_bytes);
+    if (with_passes) theirs.addPasses(fvvr.times, sizeText(rate));
+    const RowWriter ratios = SpeedRows{out, rates, rows::kMethodLayered, theirs.setting}.writer();
+    ratios.add(rows::kRatioToFvvr, rate.ratio(fvvr.times), "ratio");
+    ratios.add(rows::kDrawRatioToFvvr, rate.drawRatio(fvvr.times), "ratio");
+    ratios.add("shading_ratio_to_fvvr", rate.shadingRatio(fvvr.times), "ratio");  // as if depth maps were free
+  }
+}
+
+}  // namespace
+
+Result<Rows> runSpeed(const StudyContext& context) {
+  std::vector<std::string> characters;
+  const std::string as_baked = context.work() + "/methods/" + rows::kJointDefault,
+                    papers_size = context.work() + "/methods/joint-512";
+  if (isCharacter(as_baked)) {
+    characters.push_back(as_baked);
+  } else {
+    FOURDVT_ASSIGN(auto own, bakeOwn(context));
+    characters.push_back(std::move(own));
+  }
+  if (!context.options.quick && isCharacter(papers_size)) characters.push_back(papers_size);
+  FrameRateOptions options;
+  options.frames = context.options.quick ? kQuickFrames : kFrames;
+  options.stop = context.stop;
+  Rows out;
+  for (size_t i = 0; i < characters.size(); ++i) {
+    tell(context, std::filesystem::path(characters[i]).filename().string(), 0.5 + 0.5 * double(i) / characters.size());
+    FOURDVT_ASSIGN(auto rates,
+                   measureFrameRates(*context.device, *context.capture, context.open_video, characters[i], options));
+    for (const FrameRate& rate : rates.sizes) addSize(out, rates, rate, i == 0);
+  }
+  return out;
+}
+
+}  // namespace fourdvt::study

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// The comparisons of layered characters, as steps of a study; each is defined in the file that its comment names. They
+// may use what earlier steps left in StudyContext::work().
+#pragma once
+
+#include "lab/study/run/context.h"
+
+namespace fourdvt::study {
+
+Result<Rows> runReference(
+    const StudyContext& context);                       // reference.cpp: FVVR's pictures of the ring, masked multi-view
+Result<Rows> runMethods(const StudyContext& context);   // methods.cpp: 4DVT Table 1, held-out truth, labels
+Result<Rows> runLayers(const StudyContext& context);    // layers.cpp: LVDT Fig. 5-7, Table 1; 4DVT Fig. 9
+Result<Rows> runRate(const StudyContext& context);      // rate.cpp: rate-distortion of codecs and layouts
+Result<Rows> runSpeed(const StudyContext& context);     // speed.cpp: LVDT 4.4, the time of every pass
+Result<Rows> runPictures(const StudyContext& context);  // pictures.cpp: layers with camera maps, grazing views
+
+}  // namespace fourdvt::study

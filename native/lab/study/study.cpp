@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/study/study.h"
+
+#include <algorithm>
+
+#include "bake/stages/refine_stage.h"
+#include "lab/study/motion/motion.h"
+#include "lab/study/run/row_writer.h"
+#include "lab/study/run/run_steps.h"
+#include "lab/study/run/scene.h"
+#include "lab/study/steps/steps.h"
+#include "lab/study/tables/report.h"
+#include "platform/files.h"
+#include "platform/folders.h"
+#include "report/document.h"
+
+namespace fourdvt::study {
+namespace {
+
+constexpr const char* kStudyVersion = "study 6";  // change it whenever kept rows of older builds must not be reused
+
+StudyContext resolved(const StudyContext& given) {
+  StudyContext context = given;
+  for (std::string* folder : {&context.options.capture_folder, &context.options.report_folder})
+    while (folder->size() > 1 && folder->back() == '/') folder->pop_back();
+  if (context.options.sequences.empty()) {
+    if (context.options.quick)
+      context.options.sequences = {shortestSequence(context).name};
+    else
+      for (const auto& sequence : context.capture->sequences) context.options.sequences.push_back(sequence.name);
+  }
+  return context;
+}
+
+// Of the study's sequences; all its bakes share it. Kept, so that a study that was stopped goes on with the same.
+Result<refine::Refinement> refineStudied(const StudyContext& context) {
+  capture::Capture studied = *context.capture;
+  std::erase_if(studied.sequences, [&](const capture::CaptureSequence& sequence) {
+    const auto& names = context.options.sequences;
+    return std::find(names.begin(), names.end(), sequence.name) == names.end();
+  });
+  const std::string folder = context.work() + "/survey";
+  const std::string path = bake::refinementPath(folder, studied, context.options.refine);
+  FOURDVT_ASSIGN(auto refinement, bake::loadOrRefine(path, studied, context.options.refine, context.open_video,
+                                                     [&](const std::string& what, double) {
+                                                       if (context.progress) context.progress({"refine", what, 0});
+                                                       return !(context.stop && *context.stop);
+                                                     }));
+  FOURDVT_TRY(platform::makeFolder(folder));
+  FOURDVT_TRY(bake::keepRefinement(path, refinement));
+  return refinement;
+}
+
+}  // namespace
+
+std::vector<StudyStep> studySteps() {
+  return {{"reference", 18, runReference}, {"methods", 55, runMethods}, {"layers", 40, runLayers},
+          {"rate", 30, runRate},           {"speed", 6, runSpeed},      {"pictures", 5, runPictures},
+          {"motion", 40, runMotion}};
+}
+
+Result<Rows> runStudy(const StudyContext& given) {
+  StudyContext context = resolved(given);
+  const std::string& folder = context.options.report_folder;
+  FOURDVT_TRY(openReportFolder(folder, studyKey(context.options, kStudyVersion)));
+  const capture::Capture as_given = *context.capture;
+  capture::Capture refined = as_given;
+  refine::Refinement refinement;
+  if (context.options.refine.any()) {
+    FOURDVT_ASSIGN(refinement, refineStudied(context));
+    refine::applyRefinement(refinement, refined);
+    context.refinement = &refinement;
+  }
+  context.given = &as_given;
+  context.capture = &refined;
+  Rows published;
+  const auto publish = [&](const Rows& rows) -> Status {
+    published = rows;
+    FOURDVT_TRY(platform::writeFileAtomic(folder + "/evaluate.csv", rowsCsv(published)));
+    FOURDVT_TRY(platform::writeFileAtomic(folder + "/evaluate.json",
+                                          rowsJson(published, context.options, context.capture->name)));
+    return platform::writeFileAtomic(
+        folder + "/report.html", report::documentHtml(makeStudyDocument(rows, context.options, context.capture->name)));
+  };
+  FOURDVT_ASSIGN(auto rows, runSteps(context, studySteps(), publish));
+  return published;
+}
+
+}  // namespace fourdvt::study

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/study/tables/projective.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lab/study/run/projective_rows.h"
+#include "lab/study/tables/sections.h"
+
+namespace fourdvt::study {
+namespace {
+
+using namespace rows;
+
+constexpr std::pair<const char*, const char*> kProxyTitles[] = {
+    {kProxyGiven, "given mesh"},     {"given-2000", "2,000 faces"}, {"given-500", "500 faces"},
+    {kProxyRefined, "refined hull"}, {kProxyHull, "hull"},          {"hull-2px", "hull, 2 px"},
+    {"hull-4px", "hull, 4 px"},      {kProxyPlane, "plane"}};
+constexpr std::pair<const char*, const char*> kDecided[] = {
+    {kProxyGiven, "tracked mesh"}, {kProxyRefined, "refined hull"}, {kProxyHull, "hull"}};
+
+Cells proxyColumns(const StudyValues& v) {
+  const auto measured = v.settings(kCondition, "", "at");
+  Cells out;
+  for (const auto& [name, title] : kProxyTitles)
+    if (std::find(measured.begin(), measured.end(), name) != measured.end())
+      out.push_back({{title}, "", std::string("axis=proxy at=") + name});
+  return out;
+}
+
+std::string byAxis(const std::string& axis, const std::string& place) {
+  if (axis == kAxisRotation) return "rotation " + place + "°";
+  if (axis == kAxisTranslation) return "position " + place + " mm";
+  if (axis == kAxisFocal) return "focal length " + place + " %";
+  if (axis == kAxisGain) return "gain " + place + " %";
+  if (axis == kAxisStandoff) return "surface off by up to " + place + " mm";
+  if (axis == kAxisMixed) return "mixed";
+  return axis + " " + place;
+}
+
+// The base and every condition of these axes.
+Cells axisRows(const StudyValues& v, const std::vector<const char*>& axes) {
+  Cells out{{{"none"}, "", "axis=proxy at=given"}};
+  for (const char* axis : axes)
+    for (const Row& row : v.rows()) {
+      if (row.table != kCondition || settingText(row.setting, "axis") != axis) continue;
+      const std::string place = settingText(row.setting, "at");
+      const std::string filter = std::string("axis=") + axis + " at=" + place;
+      bool known = false;
+      for (const Cell& cell : out) known |= cell.filter == filter;
+      if (!known) out.push_back({{byAxis(axis, place)}, "", filter});
+    }
+  return out;
+}
+
+Cells columnsOf(const StudyValues& v, std::initializer_list<const char*> methods) {
+  Cells out;
+  for (const char* method : methods)
+    for (const std::string& known : v.methods(kCondition))
+      if (known == method) out.push_back({{methodTitle(known)}, known});
+  return out;
+}
+Cells axisColumns(const StudyValues& v) {
+  return columnsOf(v, {kMethodLinear, kFvvr, kMethodFloating, kMethodMontage, kMethodSweep});
+}
+
+const Cell kQuality{.quantity = kPsnrFgDb, .text = fixed<2>, .beside = kSsimFg, .beside_text = fixed<4>};
+
+void fillGoals(Section& section, const StudyValues& v) {
+  for (const auto& [proxy, title] : kDecided)
+    if (const std::string method = pickMethod(v, proxy).method; !method.empty())
+      section.tiles.push_back({methodTitle(method), std::string("to take on a ") + title});
+  section.tables.push_back(judgementTable(judgeProjective(v), "What the papers promise"));
+}
+
+void fillChoice(Section& section, const StudyValues& v) {
+  for (const auto& [proxy, title] : kDecided) {
+    const std::string filter = std::string("axis=proxy at=") + proxy;
+    const MethodPick pick = pickMethod(v, proxy);
+    Table table{
+        std::string("On a ") + title,
+        "",
+        {"method", "dB", "SSIM", "flicker, levels", "new frame against FVVR", "new view against FVVR", "bytes", ""},
+        {}};
+    for (const std::string& method : v.methods(kCondition)) {
+      const auto value = [&](const char* quantity) { return v.mean(kCondition, method, filter, quantity); };
+      if (std::isnan(value(kSsimFg))) continue;
+      std::string remark = method == pick.method ? "✓ take this" : "";
+      for (const auto& [refused, why] : pick.refused)
+        if (refused == method) remark = why;
+      table.rows.push_back({methodTitle(method), fixedText(value(kPsnrFgDb), 2), fixedText(value(kSsimFg), 4),
+                            fixedText(value(kFlickerLevels), 2), times(value(kRatioToFvvr)),
+                            times(value(kViewS) / v.mean(kCondition, kFvvr, filter, kViewS)), "0", remark});
+    }
+    if (!table.rows.empty()) section.tables.push_back(std::move(table));
+  }
+}
+
+void fillProxies(Section& section, const StudyValues& v) {
+  const Cells methods = methodsOf(v, kCondition), proxies = proxyColumns(v);
+  struct Shown {
+    const char *title, *note;
+    Cell cell;
+  };
+  const Shown shown[] = {
+      {"PSNR-FG, dB / SSIM-FG at the held-out cameras", "", kQuality},
+      {"Shift-tolerant PSNR, dB",
+       "Blocks of 16 × 16 pixels may each lie up to 3 pixels off.",
+       {.quantity = kShiftTolerantDb, .text = fixed<2>}},
+      {"Gradient energy against the truth's",
+       "Below 1: blurred. Above: ghosts, seams, noise.",
+       {.quantity = kGradientRatio, .text = fixed<2>}},
+      {"Flicker, levels",
+       "What the error changes from frame to frame under a point of the surface, at an input camera that is left out.",
+       {.quantity = kFlickerLevels, .text = fixed<2>}},
+      {"Cost of a new frame against FVVR's in the same run", "", {.quantity = kRatioToFvvr, .text = times}}};
+  for (const Shown& s : shown) addGrid(section, v, {kCondition, s.title, s.note, {"method"}, s.cell}, methods, proxies);
+}
+
+void addAxisPlots(Section& section, const StudyValues& v, const char* axis, const std::string& label, int decimals,
+                  double base) {
+  for (const auto& [quantity, title] : {std::pair{kSsimFg, "SSIM-FG"}, {kPsnrFgDb, "PSNR-FG, dB"}}) {
+    Plot plot{std::string(title) + " over " + label, label, title, false, false, {}};
+    for (const Cell& method : axisColumns(v)) {
+      Curve curve{method.title.front(), {}};
+      curve.points.emplace_back(base, v.mean(kCondition, method.method, "axis=proxy at=given", quantity));
+      for (const Row& row : v.rows()) {
+        if (row.table != kCondition || row.method != method.method || row.quantity != quantity ||
+            settingText(row.setting, "axis") != axis)
+          continue;
+        const double x = settingNumber(row.setting, "at");
+        const std::string filter = std::string("axis=") + axis + " at=" + fixedText(x, decimals);
+        const std::pair<double, double> point{x, v.mean(kCondition, method.method, filter, quantity)};
+        if (std::find(curve.points.begin(), curve.points.end(), point) == curve.points.end())
+          curve.points.push_back(point);
+      }
+      std::erase_if(curve.points, [](const auto& point) { return std::isnan(point.second); });
+      std::sort(curve.points.begin(), curve.points.end());
+      if (curve.points.size() > 1) plot.curves.push_back(std::move(curve));
+    }
+    if (!plot.curves.empty()) section.plots.push_back(std::move(plot));
+  }
+}
+
+void fillCameras(Section& section, const StudyValues& v) {
+  addAxisPlots(section, v, kAxisCameras, "cameras a picture is drawn from", 0, kClosest);
+}
+
+void fillCalibration(Section& section, const StudyValues& v) {
+  addGrid(section, v,
+          {kCondition,
+           "PSNR-FG, dB / SSIM-FG",
+           "Mixed: .1°, 2 mm, .2 % of focal length, 3 % of gain, 5 mm of surface.",
+           {"error, σ"},
+           kQuality},
+          axisRows(v, {kAxisRotation, kAxisTranslation, kAxisFocal, kAxisGain, kAxisStandoff, kAxisMixed}),
+          axisColumns(v));
+  addAxisPlots(section, v, kAxisRotation, "rotation, σ in degrees", 2, 0);
+}
+
+void fillCross(Section& section, const StudyValues& v) {
+  for (const auto& [own, title] : {std::pair{"0", "Each camera left out"}, {"1", "With the camera's own picture"}}) {
+    Table table{title, "", {"motion, surface", "method", "RMSE", "dB", "SSIM", "frames/s"}, {}};
+    for (const std::string& sequence : v.sequences(kCross))
+      for (const std::string& proxy : v.settings(kCross, "", "proxy"))
+        for (const std::string& method : v.methods(kCross)) {
+          const std::string filter = "proxy=" + proxy + " own=" + own;
+          const auto value = [&](const char* quantity) { return v.of(kCross, sequence, method, filter, quantity); };
+          if (std::isnan(value(kRmse))) continue;
+          const double frame_s = v.of(kCondition, sequence, method, "axis=proxy at=" + proxy, kFrameS);
+          table.rows.push_back({sequence + ", " + proxy, methodTitle(method), fixedText(100 * value(kRmse), 2) + " %",
+                                fixedText(value(kPsnrFgDb), 2), fixedText(value(kSsimFg), 4),
+                                fixedText(1 / frame_s, 1)});
+        }
+    if (!table.rows.empty()) section.tables.push_back(std::move(table));
+  }
+}
+
+void fillStages(Section& section, const StudyValues& v) {
+  const Cells methods = methodsOf(v, kStage);
+  Cells passes;
+  for (const std::string& label : v.settings(kStage, "", "pass")) {
+    Cell cell{{label}};
+    cell.value = [label](const StudyValues& values, const Cell& at) {
+      for (const Row& row : values.rows())
+        if (row.table == kStage && row.method == at.method && settingText(row.setting, "pass") == label)
+          return row.value;
+      return std::nan("");
+    };
+    passes.push_back(std::move(cell));
+  }
+  addGrid(section, v, {kStage, "Milliseconds of a new frame, by pass", "", {"pass"}, {.text = fixed<2>}}, passes,
+          methods);
+}
+
+struct SectionPlan {
+  const char *id, *title, *text;
+  void (*fill)(Section& section, const StudyValues& values);
+  std::vector<std::string> pictures;
+};
+
+const SectionPlan kSections[] = {
+    {"summary", "Summary", "", fillGoals, {}},
+    {"choice",
+     "Which method to take",
+     "A method may not be below linear blending by more than .05 dB, not cost more than twice FVVR's frame, and not "
+     "flicker by more than a tenth more than FVVR. Of those left, the one with the best SSIM-FG is to be taken; of "
+     "those within .002 of it, the one that costs least. All methods draw from the same files: none costs a byte. A "
+     "new view: of a frame that stands.",
+     fillChoice,
+     {}},
+    {"side-by-side",
+     "Side by side",
+     "FT Fig. 8: the held-out camera that is farthest in angle from the input cameras. Down: surfaces and calibrations "
+     "that are more and more off.",
+     nullptr,
+     {kPictureMethods, kPictureCloseUps}},
+    {"surfaces",
+     "Methods and surfaces",
+     "Drawn from the raw videos of the 4 cameras nearest to the view, before any codec, against held-out cameras; over "
+     "the union of both silhouettes, on black. Hulls are polyhedral, from outlines that are true to 1, 2 and 4 pixels; "
+     "the refined "
+     "hull is what `fourdvt reconstruct` makes by default. The plane stands through the body's middle and faces the "
+     "view, as for light fields; it is cut by the true outline, having none of its own.",
+     fillProxies,
+     {}},
+    {"cameras",
+     "Number of cameras",
+     "On the given mesh; the cameras nearest to the view. Linear and floating draw from four at most, Montage4D from "
+     "eight.",
+     fillCameras,
+     {}},
+    {"calibration",
+     "Calibration, gain and surface",
+     "One error at a time, on the given mesh, drawn once from a fixed seed: the cameras are thought to be elsewhere, "
+     "their colours have other gains, or the surface stands off smoothly along its normals. The truth stays.",
+     fillCalibration,
+     {}},
+    {"cross-validation",
+     "Montage4D Table 2",
+     "The picture of every input camera against what is drawn for it: without its own picture, and, as the paper can "
+     "be read, with it. Hulls are made from all mattes, the left-out one's included. Frames a second: of a run of new "
+     "frames on this machine, with reading back.",
+     fillCross,
+     {kPictureCross}},
+    {"stages",
+     "Montage4D Table 3",
+     "Passes timed apart, with the GPU drained after each, so that they add up to more than an undisturbed frame. "
+     "“upload”: updates of textures, the new pictures and surface included.",
+     fillStages,
+     {}},
+    {"worst", "Worst views", "", nullptr, {kPictureWorstViews}}};
+
+Section settingsSection(const StudyValues& v, const StudyOptions& options) {
+  Section section{
+      "settings", "Settings", "Every figure of this page, and more, is in `projective.csv` beside it.", {}, {}, {}, {}};
+  Table table{"", "", {"", "value"}, {}};
+  table.rows.push_back({"mode", options.quick ? "quick" : "full"});
+  for (const Row& row : v.rows())
+    if (row.table == kAbout) table.rows.push_back({row.quantity, settingText(row.setting, "text")});
+  section.tables.push_back(std::move(table));
+  return section;
+}
+
+bool measured(const Section& s) {
+  return !s.tables.empty() || !s.plots.empty() || !s.pictures.empty() || !s.tiles.empty();
+}
+
+}  // namespace
+
+Document makeProjectiveDocument(const Rows& rows, const StudyOptions& options, const std::string& capture_name) {
+  const StudyValues values(rows);
+  Document document{capture_name + ": methods of texturing from cameras", "", {}};
+  document.subtitle = "Floating Textures, Montage4D and the blends that they are measured against, on " + capture_name +
+                      ". Made by `fourdvt-lab methods" + std::string(options.quick ? " --quick`." : "`.");
+  for (const SectionPlan& plan : kSections) {
+    Section section{plan.id, plan.title, plan.text, {}, {}, {}, {}};
+    if (plan.fill) plan.fill(section, values);
+    section.pictures = picturesOf(values, plan.pictures);
+    if (measured(section)) document.sections.push_back(std::move(section));
+  }
+  document.sections.push_back(settingsSection(values, options));
+  return document;
+}
+
+}  // namespace fourdvt::study

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// What fills the sections of the study's report from its rows; the list of sections is in report.cpp. A section without
+// tables, plots, pictures and tiles was not measured. Internal to tables/.
+#pragma once
+
+#include "lab/study/tables/grid.h"
+
+namespace fourdvt::study {
+
+void fillTable1(Section& section, const StudyValues& values);
+void fillLayers(Section& section, const StudyValues& values);
+void fillStorage(Section& section, const StudyValues& values);
+void fillSpeed(Section& section, const StudyValues& values);
+void fillLabels(Section& section, const StudyValues& values);
+void fillHeldOut(Section& section, const StudyValues& values);
+void fillRate(Section& section, const StudyValues& values);
+void fillGrazing(Section& section, const StudyValues& values);
+void fillMotion(Section& section, const StudyValues& values);
+
+// `decisive` is NaN where it was not measured; `reason` counts where the claim does not hold.
+Judgement judged(const std::string& claim, double decisive, bool holds, const std::string& measured,
+                 const std::string& reason = {});
+std::vector<Judgement> judgeMotion(const StudyValues& values);
+Table judgementTable(const std::vector<Judgement>& judgements, const std::string& title);
+
+// Pictures of these caption keys, in the rows' order.
+std::vector<Picture> picturesOf(const StudyValues& values, const std::vector<std::string>& keys);
+
+}  // namespace fourdvt::study

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// `fourdvt-lab`: makes captures whose truth is known and judges methods. Nothing that a character needs.
+#include "lab/tools/commands.h"
+#include "tools/program.h"
+
+namespace {
+
+using namespace fourdvt;
+
+constexpr tools::Command kCommands[] = {
+    {"studio", "render a model, or a built-in actor, as a capture folder", lab::studioCommand},
+    {"bake", "bake as fourdvt does, or with the papers' labels", lab::bakeCommand},
+    {"study", "measure the papers' tables on a capture", lab::studyCommand},
+    {"score", "score a character against its capture's pictures", lab::scoreCommand},
+    {"methods", "compare the methods of characters from cameras", lab::methodsCommand},
+    {"surfaces", "score a capture's surfaces", lab::surfacesCommand},
+};
+
+}  // namespace
+
+int main(int argc, char** argv) { return tools::runProgram("fourdvt-lab", kCommands, {}, argc, argv); }

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+
+#include "lab/study/projective/method_scores.h"
+#include "lab/study/projective/projective_study.h"
+#include "lab/tools/commands.h"
+#include "lab/tools/progress.h"
+#include "lab/tools/run_study.h"
+#include "package/character.h"
+#include "render/cameras/camera_method.h"
+#include "tools/args.h"
+#include "tools/session.h"
+
+namespace fourdvt::lab {
+namespace {
+
+const tools::CommandHelp& help() {
+  static const tools::CommandHelp text{
+      "methods CAPTURE [-o REPORT] [--methods A,B] [--quick]",
+      "Compares the methods of characters from cameras (fourdvt render --method), drawn from the raw videos.\n"
+      "With -o: on the capture's surfaces, coarser ones, hulls and a plane, by number of cameras and with errors of\n"
+      "calibration, into REPORT/projective.csv, projective.json (the same rows) and report.html; after Ctrl-C, the "
+      "same\n"
+      "command resumes. Without -o: one table, on the capture's surfaces.",
+      {{"-o", "REPORT", "folder to write"},
+       {"--sequences", "A,B", "only these sequences (default: all)"},
+       {"--methods", "A,B", "only these methods (default: all)"},
+       {"--frames", "N", "with -o: test frames of each sequence, spread over it (default 1)"},
+       {"--quick", nullptr, "few views and conditions: for a first look"},
+       {"--closest", "M", "without -o: cameras that a view takes, 0: all (default 4)"},
+       {"--sweep-planes", "N",
+        "without -o, method sweep: depths tried at each pixel, 4 to 32 in steps of 4 (default 12)"},
+       {"--sweep-band-mm", "X", "without -o, method sweep: how far behind the surface it looks (default 32)"}}};
+  return text;
+}
+
+struct Arguments {
+  study::StudyOptions study;
+  study::MethodScoreOptions table;
+};
+
+std::string optionsAsTyped(const study::StudyOptions& options) {
+  std::string out;
+  for (const std::string& method : options.methods)
+    out += (&method == &options.methods.front() ? " --methods " : ",") + method;
+  return out + (options.test_frames > 1 ? " --frames " + std::to_string(options.test_frames) : "");
+}
+
+Arguments readArguments(tools::Args& args) {
+  Arguments a;
+  study::StudyOptions& study = a.study;
+  study.capture_folder = args.positional();
+  study.report_folder = args.text("-o");
+  study.sequences = args.list("--sequences");
+  study.quick = a.table.quick = args.has("--quick");
+  study.methods = a.table.methods = args.list("--methods");
+  study.test_frames = static_cast<uint32_t>(args.integer("--frames", 1, 1, 10'000));
+  study.command = "methods";
+  study.stem = "projective";
+  study.further = optionsAsTyped(study);
+  if (args.has("--closest")) a.table.method.closest = args.integer("--closest", 0, 0, package::kMaxCameras);
+  render::SweepOptions& sweep = a.table.method.sweep;
+  sweep.planes = args.integer("--sweep-planes", sweep.planes, 4, 32);
+  sweep.band_m = static_cast<float>(args.number("--sweep-band-mm", 1000 * sweep.band_m, 0.1, 1000) / 1000);
+  if (study.report_folder.empty()) {
+    if (args.has("--frames")) args.complain("--frames needs -o REPORT");
+  } else {
+    for (const char* name : {"--closest", "--sweep-planes", "--sweep-band-mm"})
+      if (args.has(name))
+        args.complain(std::string(name) + " does not go with -o: the report has conditions of its own");
+  }
+  return a;
+}
+
+Status printTable(Arguments& arguments) {
+  FOURDVT_ASSIGN(auto capture, capture::openCapture(arguments.study.capture_folder, tools::videoOpener(),
+                                                    arguments.study.sequences, capture::MeshNeed::AnySurface));
+  FOURDVT_ASSIGN(auto gpu, tools::openGpu());
+  study::MethodScoreOptions& options = arguments.table;
+  if (options.methods.empty()) options.methods = render::cameraMethodNames(render::MethodGroup::Textured);
+  const FrameLine line;
+  const auto scores = study::scoreMethods(*gpu.device, capture, tools::videoOpener(), options, line);
+  line.end();
+  if (!scores) return scores.error();
+  std::fputs(study::methodTable(scores.value()).c_str(), stdout);
+  return {};
+}
+
+}  // namespace
+
+int methodsCommand(int argc, char** argv) {
+  tools::Args args(help(), argc, argv);
+  Arguments arguments = readArguments(args);
+  if (const auto code = tools::helpOrProblem(help(), args)) return *code;
+  if (!arguments.study.report_folder.empty())
+    return runStudyCommand(arguments.study, capture::MeshNeed::AnySurface, study::runProjectiveStudy);
+  const Status printed = printTable(arguments);
+  return printed.ok() ? tools::kOk : tools::fail(printed.error());
+}
+
+}  // namespace fourdvt::lab

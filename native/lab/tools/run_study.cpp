@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/tools/run_study.h"
+
+#include <chrono>
+#include <cstdio>
+
+#include "lab/tools/progress.h"
+#include "tools/args.h"
+#include "tools/session.h"
+#include "tools/stop_signal.h"
+
+namespace fourdvt::lab {
+
+int runStudyCommand(const study::StudyOptions& options, capture::MeshNeed need, StudyRunner run) {
+  auto capture = capture::openCapture(options.capture_folder, tools::videoOpener(), options.sequences, need);
+  if (!capture.ok()) return tools::fail(capture.error());
+  const std::atomic<bool>* stop = tools::listenForStop();
+  auto gpu = tools::openGpu();
+  if (!gpu.ok()) return tools::fail(gpu.error());
+  StudyLine line;
+  study::StudyContext context;
+  context.options = options;
+  context.options.generator = "fourdvt-lab " FOURDVT_VERSION;
+  context.capture = &capture.value();
+  context.open_video = tools::videoOpener();
+  context.device = gpu.value().device.get();
+  context.progress = [&](const study::StudyProgress& p) { line.show(p); };
+  context.stop = stop;
+  const auto start = std::chrono::steady_clock::now();
+  auto rows = run(context);
+  line.end();
+  if (!rows.ok()) return tools::fail(rows.error());
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  const char* folder = options.report_folder.c_str();
+  std::printf("%zu rows in %.0f s\nrows: %s/%s.csv\nreport: %s/report.html\n", rows.value().size(), seconds.count(),
+              folder, options.stem.c_str(), folder);
+  return tools::kOk;
+}
+
+}  // namespace fourdvt::lab

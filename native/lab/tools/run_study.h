@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// What `study` and `methods -o` share: capture, GPU, progress and the closing lines.
+#pragma once
+
+#include "lab/study/run/context.h"
+
+namespace fourdvt::lab {
+
+using StudyRunner = Result<study::Rows> (*)(const study::StudyContext& context);
+// Returns the exit code.
+int runStudyCommand(const study::StudyOptions& options, capture::MeshNeed need, StudyRunner run);
+
+}  // namespace fourdvt::lab

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+
+#include "lab/measure/held_out.h"
+#include "lab/tools/commands.h"
+#include "lab/tools/progress.h"
+#include "platform/files.h"
+#include "platform/folders.h"
+#include "tools/args.h"
+#include "tools/session.h"
+
+namespace fourdvt::lab {
+namespace {
+
+const tools::CommandHelp& help() {
+  static const tools::CommandHelp text{
+      "score CHARACTER --capture CAPTURE [options]",
+      "Scores a baked character against its capture: PSNR (RGB) and SSIM (luma, 11x11 Gaussian) over the union of "
+      "both\n"
+      "silhouettes, on black, at held-out and at input cameras: per sequence, camera and mean. \"common dB\" is the "
+      "PSNR\n"
+      "where both silhouettes are, without the outline's error. Flicker is the change on the surface from one picture "
+      "to\n"
+      "the next: of the error at an input camera, of the colours on a slow orbit.",
+      {{"--capture", "CAPTURE", "the capture that CHARACTER was baked from (required)"},
+       {"-o", "FOLDER", "also write evaluate.csv, evaluate.txt and worst.png"},
+       {"--sequences", "A,B", "only these sequences (default: all)"},
+       {"--method", "NAME", "how it is drawn; of a layered one: montage4d (default: the plain blend)"},
+       {"--closest", "M", "of a character from cameras: cameras that a view takes, 0: all (default 4)"},
+       {"--input-every", "N", "input cameras, every Nth frame, 0: none (default 4)"},
+       {"--flicker", "N",
+        "cameras that flicker is measured at, in levels of 255, 0: none (default 1); needs constant topology"},
+       {"--yardstick", nullptr, "also plain projective texturing of the mesh as given, no layers, no codec"}}};
+  return text;
+}
+
+struct Arguments {
+  std::string character, capture, output, method;
+  std::optional<int> closest;
+  measure::HeldOutOptions held_out;
+};
+
+Arguments readArguments(tools::Args& args) {
+  Arguments a;
+  a.character = args.positional();
+  a.capture = args.required("--capture");
+  a.output = args.text("-o");
+  a.method = args.text("--method");
+  if (args.has("--closest")) a.closest = args.integer("--closest", 0, 0, package::kMaxCameras);
+  a.held_out.sequences = args.list("--sequences");
+  a.held_out.input_every = static_cast<uint32_t>(args.integer("--input-every", 4, 0, 1'000'000));
+  a.held_out.yardstick = args.has("--yardstick");
+  a.held_out.flicker_cameras = static_cast<uint32_t>(args.integer("--flicker", 1, 0, package::kMaxCameras));
+  return a;
+}
+
+Status writeReport(const std::string& folder, const measure::HeldOutReport& report) {
+  FOURDVT_TRY(platform::writeFileAtomic(folder + "/evaluate.csv", measure::scoreCsv(report)));
+  FOURDVT_TRY(platform::writeFileAtomic(folder + "/evaluate.txt", measure::scoreTable(report)));
+  if (report.worst.empty()) return {};
+  return platform::writeImage(folder + "/worst.png", measure::contactSheet(report.worst));
+}
+
+Status score(const Arguments& arguments) {
+  if (!arguments.output.empty()) FOURDVT_TRY(platform::makeFolder(arguments.output));
+  FOURDVT_ASSIGN(auto session, tools::openCharacter(arguments.character));
+  if (!arguments.method.empty()) FOURDVT_TRY(tools::useMethod(session, arguments.method));
+  if (arguments.closest) session.player->player().setMethod({.closest = *arguments.closest});
+  FOURDVT_ASSIGN(auto capture,
+                 capture::openCapture(arguments.capture, tools::videoOpener(), arguments.held_out.sequences));
+  const FrameLine line;
+  auto report = measure::evaluateHeldOut(capture, tools::videoOpener(), *session.player, arguments.held_out, line);
+  line.end();
+  if (!report) return report.error();
+  std::fputs(measure::scoreTable(report.value()).c_str(), stdout);
+  return arguments.output.empty() ? Status() : writeReport(arguments.output, report.value());
+}
+
+}  // namespace
+
+int scoreCommand(int argc, char** argv) {
+  tools::Args args(help(), argc, argv);
+  const Arguments arguments = readArguments(args);
+  if (const auto code = tools::helpOrProblem(help(), args)) return *code;
+  const Status scored = score(arguments);
+  return scored.ok() ? tools::kOk : tools::fail(scored.error());
+}
+
+}  // namespace fourdvt::lab

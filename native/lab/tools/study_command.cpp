@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/study/study.h"
+#include "lab/tools/commands.h"
+#include "lab/tools/run_study.h"
+#include "tools/args.h"
+#include "tools/refine_arguments.h"
+
+namespace fourdvt::lab {
+namespace {
+
+const tools::CommandHelp& help() {
+  static const tools::CommandHelp text{
+      "study CAPTURE -o REPORT [--quick]",
+      "Bakes the capture in every way that is compared and writes the papers' tables and curves as "
+      "REPORT/evaluate.csv,\n"
+      "evaluate.json (the same rows) and report.html. After Ctrl-C, the same command resumes.",
+      {{"-o", "REPORT", "folder to write (required)"},
+       {"--sequences", "A,B", "only these sequences (default: all)"},
+       {"--quick", nullptr, "the shortest sequence, few views and settings: for a first look"},
+       {"--jobs", "N", "worker threads of the bakes; 0: one per core (default 0)"},
+       tools::kRefineOption,
+       tools::kRefineCamerasOption,
+       tools::kMatteBiasOption}};
+  return text;
+}
+
+}  // namespace
+
+int studyCommand(int argc, char** argv) {
+  tools::Args args(help(), argc, argv);
+  study::StudyOptions options;
+  options.capture_folder = args.positional();
+  options.report_folder = args.required("-o");
+  options.sequences = args.list("--sequences");
+  options.quick = args.has("--quick");
+  options.jobs = args.integer("--jobs", 0, 0, 1024);
+  options.refine = tools::readRefineOptions(args);
+  if (const auto code = tools::helpOrProblem(help(), args)) return *code;
+  return runStudyCommand(options, capture::MeshNeed::ConstantTopology, study::runStudy);
+}
+
+}  // namespace fourdvt::lab

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/face_buffer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace fourdvt {
+namespace {
+
+// A square of side 1 m in the plane z = 0 facing +Z, centred on the origin.
+const std::vector<glm::uvec3> kSquareFaces{{0, 1, 2}, {0, 2, 3}};
+const Positions kSquare{{-0.5f, -0.5f, 0}, {0.5f, -0.5f, 0}, {0.5f, 0.5f, 0}, {-0.5f, 0.5f, 0}};
+
+PinholeCamera orbit(double azimuth_deg, int side = 64) {
+  OrbitView view;
+  view.azimuth_deg = azimuth_deg;
+  view.target_in_world = glm::dvec3(0);
+  view.distance_m = 2;
+  view.vertical_fov_deg = 2 * 180 / 3.14159265358979323846 * std::atan(0.5);  // 2 m across at the square
+  return cameraFromOrbit(view, side, side);
+}
+
+TEST(Rasterise, SquareCoversItsAreaAtItsDepth) {
+  const FaceBuffer buffer = rasterise(orbit(0), kSquareFaces, kSquare, 1);
+  int covered = 0;
+  for (float depth : buffer.depth_m) {
+    if (!std::isfinite(depth)) continue;
+    EXPECT_NEAR(depth, 2.0f, 1e-5f);
+    ++covered;
+  }
+  EXPECT_EQ(covered, 32 * 32);
+}
+
+// Of two squares, one 0.2 m in front of the other and half as wide, each covers what it hides or leaves.
+TEST(Rasterise, TheNearerFaceWins) {
+  Positions positions = kSquare;
+  for (const glm::vec3& p : kSquare) positions.push_back(glm::vec3(0.5f * p.x, 0.5f * p.y, 0.2f));
+  std::vector<glm::uvec3> faces = kSquareFaces;
+  for (const glm::uvec3& f : kSquareFaces) faces.push_back(f + 4u);
+  const FaceBuffer buffer = rasterise(orbit(0), faces, positions, 1);
+  const size_t centre = 32 * 64 + 32, edge = 32 * 64 + 18;
+  EXPECT_GE(buffer.face[centre], 2u);
+  EXPECT_NEAR(buffer.depth_m[centre], 1.8f, 1e-5f);
+  EXPECT_LT(buffer.face[edge], 2u);
+  EXPECT_EQ(buffer.face[0], FaceBuffer::kNoFace);
+}
+
+}  // namespace
+}  // namespace fourdvt
