@@ -181,7 +181,7 @@ INSTANTIATE_TEST_SUITE_P(Labels, AllLabellings, testing::ValuesIn(lab::allLabell
 
 TEST_P(AllLabellings, TuplesHoldDistinctFeasibleCameras) {
   const Problem problem = randomProblem(1, sheetOf(9, 7), 19, 5);
-  const Solution solution = solve(problem, withRule(GetParam()));
+  const Solution solution = solve(problem, withRule(*GetParam()));
   const size_t faces = problem.graph.face_count;
   for (size_t t = 0; t < problem.frames.size(); ++t) {
     for (size_t f = 0; f < faces; ++f) {
@@ -202,7 +202,7 @@ TEST_P(AllLabellings, TuplesHoldDistinctFeasibleCameras) {
 
 TEST_P(AllLabellings, LabelsDoNotDependOnTheJobCount) {
   const Problem problem = randomProblem(2, sheetOf(8, 8), 45, 5);
-  LabelOptions options = withRule(GetParam());
+  LabelOptions options = withRule(*GetParam());
   const Labels one = solve(problem, options).labels;
   for (int jobs : {2, 5}) {
     options.jobs = jobs;
