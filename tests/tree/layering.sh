@@ -1,76 +1,44 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# layering.sh ROOT: a file may include only folders at or below its own; every folder of native/ has its place here.
+# layering.sh ROOT: a file may include only folders that native/layering.txt allows its folder; every folder of native/
+# has a line there. The product may not include the lab.
 # Also: only one file calls gl*, and platform #ifdefs stay in wasm/ and native/platform/.
 set -u
 cd "$1" || exit 2
 bad=0
 complain() { echo "$*"; bad=1; }
 
-# Folder: what it may include besides itself. Bottom → top; a folder may name only folders that stand above it in this
-# list, so that there are no circles.
-declare -A allowed
+# native/layering.txt: "folder: what it may include", bottom → top; groups as "@name: folders"; the line "flow:" is for the
+# picture of the documents alone.
+declare -A allowed groups
 order=()
-layer() { order+=("$1"); allowed[$1]="${*:2}"; }
-core="base gpu package package/coding motion render render/flow render/fields render/cameras render/styles render/montage stream player player/parts"
-layer base
-layer gpu base
-layer package base
-layer package/coding base package
-layer motion base package
-layer render/flow base gpu
-layer render base gpu package render/flow
-layer render/fields base gpu package render
-layer render/cameras base gpu package render render/fields render/flow
-layer render/styles base gpu render
-layer render/montage base gpu render render/fields
-layer stream base package package/coding
-layer player/parts base gpu package package/coding motion render render/flow stream
-layer player base gpu package motion render render/flow stream player/parts
-layer platform base
-layer edge $core platform
-layer capture base
-layer refine base capture
-layer reconstruct base capture
-layer reconstruct/stereo base gpu reconstruct
-layer report base platform
-layer reconstruct/run base gpu platform capture report reconstruct reconstruct/stereo
-layer bake/labels base package
-layer bake/texels base gpu package
-layer bake/room base package
-layer bake/motion base package motion capture
-layer bake/align base gpu package render
-layer bake/cameras base package
-layer bake/video base package
-layer bake/run base gpu package motion platform capture refine bake/labels bake/texels bake/motion bake/cameras bake/video
-layer bake/stages base gpu package motion render render/cameras platform capture refine report bake/labels bake/texels bake/room bake/motion bake/align bake/cameras bake/video bake/run
-layer bake base platform report bake/labels bake/texels bake/video bake/run bake/stages
-bake_all="bake bake/labels bake/texels bake/room bake/motion bake/align bake/cameras bake/video bake/run bake/stages"
-layer tools $core platform edge capture refine reconstruct/run report $bake_all
-# The lab stands above the product; nothing of the product includes it.
-layer lab/labels base gpu bake/labels bake/texels bake/run
-layer lab/measure base gpu package render render/cameras player platform edge capture report
-layer lab/studio/actors base platform
-layer lab/studio base gpu platform capture lab/studio/actors
-layer lab/study/run $core platform edge capture refine report $bake_all lab/measure
-layer lab/study/tables base report lab/study/run
-layer lab/study/steps $core platform edge capture report $bake_all lab/labels lab/measure lab/study/run lab/study/tables
-layer lab/study/motion $core platform edge capture report $bake_all lab/measure lab/study/run lab/study/tables
-layer lab/study/projective $core platform edge capture report reconstruct/run bake/texels bake/cameras lab/measure lab/studio lab/study/run lab/study/tables
-layer lab/study base platform capture refine report $bake_all lab/study/run lab/study/tables lab/study/steps lab/study/motion lab/study/projective
-layer lab/tools base package player render render/cameras platform edge capture bake/labels bake/run tools lab/labels lab/measure lab/studio lab/study lab/study/run lab/study/projective
+while IFS=: read -r name rest; do
+  case $name in '' | '#'* | flow) continue ;; esac
+  words=()
+  for word in $rest; do
+    if [[ $word != @* ]]; then words+=("$word")
+    elif [ -n "${groups[$word]+x}" ]; then words+=(${groups[$word]})
+    else complain "native/layering.txt: $name names the group $word, which no line above defines"
+    fi
+  done
+  if [[ $name == @* ]]; then groups[$name]="${words[*]}"
+  elif [ -n "${allowed[$name]+x}" ]; then complain "native/layering.txt has two lines for $name"
+  else order+=("$name") allowed[$name]="${words[*]}"
+  fi
+done < native/layering.txt
 
 declare -A seen
 for folder in "${order[@]}"; do
-  [ -d "native/$folder" ] || complain "this list names native/$folder, which does not exist"
+  [ -d "native/$folder" ] || complain "native/layering.txt names native/$folder, which does not exist"
   for below in ${allowed[$folder]}; do
-    [ -n "${allowed[$below]+x}" ] || complain "$folder may include $below, which has no place in this list"
-    [ -n "${seen[$below]+x}" ] || complain "$folder may include $below, which stands above it: a circle"
+    [ -n "${allowed[$below]+x}" ] || complain "$folder may include $below, which has no line in native/layering.txt"
+    [[ $folder == lab/* || $below != lab/* ]] || complain "$folder is of the product and may not include $below"
+    [ -n "${seen[$below]+x}" ] || complain "$folder may include $below, whose line stands below: a circle"
   done
   seen[$folder]=1
 done
 while read -r folder; do
-  [ -n "${allowed[$folder]+x}" ] || complain "native/$folder has no place in the layering: name it in tests/tree/layering.sh"
+  [ -n "${allowed[$folder]+x}" ] || complain "native/$folder has no line in native/layering.txt: add one"
 done < <(find native -name '*.cpp' -o -name '*.h' | sed -E 's,^native/,,; s,/[^/]*$,,' | sort -u)
 
 includes=0
