@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // node site/assemble.mjs OUT DIST CHARACTER [CAMERAS]: the folder that is served.
-// OUT/{index,steer}.html, their scripts, styles and pictures, OUT/measured (the page of figures), OUT/fourdvt-viewer (DIST,
-// the built web package), OUT/character (a baked one), OUT/{cameras,methods}.html and OUT/cameras (characters from cameras:
-// hull, refined, tracked).
+// OUT/{index,steer}.html, their scripts, styles and pictures, OUT/measured (the page of figures), OUT/docs (the documents),
+// OUT/examples, OUT/fourdvt-viewer (DIST, the built web package), OUT/character (a baked one), OUT/{cameras,methods}.html and
+// OUT/cameras (characters from cameras: hull, refined, tracked).
 // An element of a page with data-needs="FILE", on a line of its own, is left out where DIST has no such file; with
 // data-needs="cameras", where CAMERAS is not given.
 // Replaces only what it makes.
 import { copyFileSync, cpSync, existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
+
+import { renderDocs } from './docs/render.mjs';
 
 const kPageFiles = ['index.html', 'site.css', 'site.js', 'steer.html', 'steer.js', 'layers.jpg',
   'measured/index.html', 'measured/measured.css', 'measured/figures.json'];
@@ -43,7 +45,9 @@ for (const name of [...kPageFiles, ...(cameras ? kCameraFiles : [])]) {
   if (!name.endsWith('.html')) copyFileSync(join(here, name), join(out, name));
   else writeFileSync(join(out, name), onlyWhatWorks(readFileSync(join(here, name), 'utf8')));
 }
-for (const [name, folder] of [['fourdvt-viewer', dist], ['character', character], ...(cameras ? [['cameras', cameras]] : [])]) {
+renderDocs(join(here, '..'), join(out, 'docs'));
+for (const [name, folder] of [['examples', join(here, '../web/examples')], ['fourdvt-viewer', dist], ['character', character], 
+  ...(cameras ? [['cameras', cameras]] : [])]) {
   rmSync(join(out, name), { recursive: true, force: true });
   cpSync(folder, join(out, name), { recursive: true, dereference: true });
 }

@@ -10,37 +10,45 @@
 
 namespace fourdvt {
 
-// Stable identifiers. Tests and page scripts compare these, never the wording. Append only.
+// Stable identifiers. Tests and page scripts compare these, never the wording. Append only. Beside each: "meaning;
+// remedy", from which site/docs/errors.mjs makes the documents' table.
 enum class ErrorId : int {
   None = 0,
-  InvalidArgument,     // a caller's option or command-line argument
-  FileMissing,         // a named file or folder does not exist or cannot be opened
-  FileUnreadable,      // exists, but its bytes cannot be read or are not what the name says
-  WriteFailed,         // output not writable, disk full
-  CaptureJson,         // capture.json missing a field, unparsable, wrong type
-  CameraModel,         // COLMAP model we do not know
-  CameraPose,          // non-finite or singular pose or intrinsics
-  CameraMissingVideo,  // a camera has no video or images in a sequence
-  VideoTooShort,       // fewer frames than the sequence declares
-  FrameSize,           // picture size differs from the calibration's or between frames
-  MeshTopology,        // faces or UVs differ from the first frame's
-  MeshNoUvs,
-  MeshNotFinite,
-  MeshIndex,           // an index out of range, or a face that is not a triangle/polygon
-  MeshUvRange,         // UVs outside [0,1]
-  NothingVisible,      // no face seen by any camera: wrong axes or units
-  ManifestInvalid,     // character.gltf: missing or out-of-range field
-  StreamInvalid,       // .bin stream: bad magic, version, counts, truncation
-  MeshDataInvalid,     // base mesh (Draco) corrupt or not matching the manifest
-  VideoInvalid,        // video samples do not decode or have another size
-  FetchFailed,         // transport: the byte range could not be had
-  DecoderUnsupported,  // no decoder for the stream's codec
-  GpuFailure,          // context, shader or resource creation failed
-  Unsupported,         // valid, but newer than this reader or not supported here
-  Interrupted,         // the user asked to stop
-  Internal,
-  DecoderLost,  // the decoder was taken away again and again
-  FilesDiffer,  // a character's files are not of one bake: a part has another content hash than it should
+  InvalidArgument,  // an option or argument is unknown or out of range; read the command's --help
+  FileMissing,      // a named file or folder does not exist or cannot be opened; check the path and its permissions
+  FileUnreadable,   // a file's bytes cannot be read, or are not what its name says; export or download it again
+  WriteFailed,      // the output cannot be written; free space on the disk, or choose a folder that you may write to
+  CaptureJson,  // capture.json cannot be parsed, lacks a field or has one of the wrong type; correct the key that is
+                // named
+  CameraModel,  // cameras.txt uses a COLMAP model that is not read; convert it to one that CAPTURE.md lists
+  CameraPose,   // a pose or the intrinsics are singular or not finite; check that camera's lines of cameras.txt and
+                // images.txt
+  CameraMissingVideo,  // a camera has no video and no pictures in a sequence; add them, or remove the camera from
+                       // images.txt
+  VideoTooShort,  // a video has fewer frames than its sequence declares; lower "frames" in capture.json or export the
+                  // video again
+  FrameSize,  // a picture's size differs from the calibration's; use the pictures that were calibrated, neither cropped
+              // nor scaled
+  MeshTopology,     // faces or UVs differ from those of the first frame; export one mesh that moves, or set "topology":
+                    // "per-frame"
+  MeshNoUvs,        // a mesh has no UVs, which layers need; unwrap it, or bake with --appearance cameras
+  MeshNotFinite,    // a vertex is not a finite number; export that frame again
+  MeshIndex,        // a face names a vertex that does not exist, or has fewer than three; export that frame again
+  MeshUvRange,      // UVs lie outside 0 to 1; pack the atlas into one tile
+  NothingVisible,   // no camera sees the surface; check axes, units and poses
+  ManifestInvalid,  // character.gltf lacks a field or has one out of range; bake again, and check that src names a
+                    // character.gltf
+  StreamInvalid,    // a .bin stream is damaged or cut off; upload the character again
+  MeshDataInvalid,  // the base mesh is damaged or does not match the manifest; upload the character again
+  VideoInvalid,     // video samples do not decode, or have another size; upload the character again
+  FetchFailed,      // a file could not be fetched; check its address, and the server's headers for other origins
+  DecoderUnsupported,  // there is no decoder for this codec; open the page in a newer browser, or bake H.264
+  GpuFailure,          // a context, a shader or a GPU resource could not be made; update the browser or its GPU driver
+  Unsupported,         // the data is valid, but newer than this reader; update the player
+  Interrupted,         // the command was stopped; run it again, with --resume to keep what is finished
+  Internal,            // the program met a state that it does not expect; report it with the message
+  DecoderLost,  // the browser took the video decoder away several times in a row; close other players, then retry
+  FilesDiffer,  // the files of a character come from different bakes; upload all files of one bake, and clear caches
 };
 
 // Short stable name, e.g. "capture-json"; what the element's error event carries.

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// node site/measured/fill.mjs [--check]: writes site/measured/index.html from figures.json, and the figures of README.md
-// and site/index.html between their markers:
+// node site/measured/fill.mjs [--check]: writes site/measured/index.html from figures.json, and the figures of README.md,
+// site/docs/measured.md and site/index.html between their markers:
 //   <!-- figure:ID -->22.32 dB<!-- /figure -->        one figure of catalogue.mjs, or one per motion
 //   <!-- figures:headlines --> … <!-- /figures -->    the headline rows of the catalogue as a Markdown table
-// --check writes nothing and exits with 1 if one of these files would change, or if README.md, site/index.html or
-// site/steer.html hold a number with a unit outside of the markers.
+//   <!-- figures:summary --> … <!-- /figures -->      the rows of summary.mjs as a Markdown table
+// --check writes nothing and exits with 1 if one of these files would change, or if one of kChecked holds a number with a
+// unit outside of the markers.
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { fileURLToPath, pathToFileURL } from 'node:url';
@@ -12,9 +13,10 @@ import { fileURLToPath, pathToFileURL } from 'node:url';
 import { sections } from './catalogue.mjs';
 import { makePage } from './page.mjs';
 import { Shown, kNotMeasured } from './shown.mjs';
+import { summary } from './summary.mjs';
 
-const kFilled = ['README.md', 'site/index.html'];
-const kChecked = [...kFilled, 'site/steer.html'];
+const kFilled = ['README.md', 'site/docs/measured.md', 'site/index.html'];
+const kChecked = [...kFilled, 'site/docs/README.md', 'site/steer.html'];
 
 // Numbers with a unit that were not measured: each with the reason why it may stand there.
 export const allowedNumbers = [
@@ -40,9 +42,15 @@ function headlines(shown) {
   return [caption, '', '| what | measured | goal |', '|---|---|---|', ...lines].join('\n').replaceAll('\u00a0', ' ');
 }
 
+// The few rows of README.
+function summaryTable(shown) {
+  const rows = summary.map(({ what, ours, other }) => `| ${what} | ${shown.fill(ours) ?? kNotMeasured} | ${shown.fill(other) ?? kNotMeasured} |`);
+  return ['| | fourdvt | compared with |', '|---|---|---|', ...rows].join('\n').replaceAll('\u00a0', ' ');
+}
+
 export function fillText(text, shown, path) {
   const html = path.endsWith('.html');
-  const blocks = { headlines: () => headlines(shown) };
+  const blocks = { headlines: () => headlines(shown), summary: () => summaryTable(shown) };
   return text.replace(kBlock, (_, name) => {
     if (!blocks[name]) throw new Error(`${path}: no block is named ${name}`);
     return `<!-- figures:${name} -->\n${blocks[name]()}\n<!-- /figures -->`;
@@ -106,6 +114,6 @@ if (import.meta.url === pathToFileURL(process.argv[1]).href) {
   }
   const problems = run(fileURLToPath(new URL('../..', import.meta.url)), option === '--check');
   for (const problem of problems) console.error(problem);
-  if (!problems.length) console.log(option ? 'every figure is the one of site/measured/figures.json' : 'filled README.md, site/index.html, site/measured/index.html');
+  if (!problems.length) console.log(option ? 'every figure is the one of site/measured/figures.json' : `filled ${kFilled.join(', ')}, site/measured/index.html`);
   process.exit(problems.length ? 1 : 0);
 }

@@ -15,8 +15,8 @@ import { dirname, extname, join, normalize } from 'node:path';
 
 const kAlgorithms = 'native/ALGORITHMS.md';
 const kThis = 'tests/tree/references.mjs';
-const kFolders = ['native', 'web', 'wasm', 'shaders', 'tests', 'site'];
-const kSkipped = /(^|\/)(node_modules|dist|build|corpus|\.[^/]+)(\/|$)/;
+const kFolders = ['native', 'web', 'wasm', 'shaders', 'tests', 'site', '.github'];
+const kSkipped = /(^|\/)(node_modules|dist|build|corpus|\.(?!github)[^/]+)(\/|$)/;
 const kSlashed = new Set(['.h', '.cpp', '.ts', '.mjs', '.js', '.frag', '.vert', '.glsl', '.css']);
 const kHashed = new Set(['.sh', '.cmake', '.txt']);
 const kProse = new Set(['.md', '.html']);

@@ -44,3 +44,9 @@ test('the pages with characters from cameras are linked where there are any', ()
   assert.doesNotMatch(indexWith([], false), /(cameras|methods)\.html/);
   assert.ok(!existsSync(join(folder, 'out', 'cameras.html')));
 });
+
+test('documents and examples are served', () => {
+  indexWith([], false);
+  for (const path of ['docs/index.html', 'docs/algorithms.html', 'docs/cameras.html', 'docs/docs.css', 'examples/embed.html'])
+    assert.ok(existsSync(join(folder, 'out', path)), path);
+});

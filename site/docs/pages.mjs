@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// The documents that the site shows: { source: path in the repository, name: page in docs/, title: in the navigation }.
+// A link to a source becomes a link to its page; a link to another file of the repository loses its address.
+
+export const groups = [
+  { title: 'Use it', pages: [
+    { source: 'site/docs/README.md', name: 'index', title: 'Overview' },
+    { source: 'web/README.md', name: 'element', title: 'The element' },
+    { source: 'native/capture/CAPTURE.md', name: 'capture', title: 'Your own capture' },
+    { source: 'site/docs/errors.md', name: 'errors', title: 'Errors' },
+  ] },
+  { title: 'Measured', pages: [
+    { source: 'site/docs/measured.md', name: 'measured', title: 'Against the papers' },
+    { source: 'site/measured/cameras.md', name: 'cameras', title: 'Layers and cameras' },
+    { source: 'site/measured/methods.md', name: 'methods', title: 'Methods from cameras' },
+    { source: 'site/measured/hulls.md', name: 'hulls', title: 'Surfaces from cameras' },
+    { source: 'site/sample/actor_a/README.md', name: 'sample', title: 'The sample capture' },
+  ] },
+  { title: 'Inside', pages: [
+    { source: 'native/README.md', name: 'native', title: 'Folders and words' },
+    { source: 'site/docs/where.md', name: 'where', title: 'Where to change what' },
+    { source: 'native/ALGORITHMS.md', name: 'algorithms', title: 'Algorithms' },
+    { source: 'native/package/FORMAT.md', name: 'format', title: 'File format' },
+    { source: 'shaders/README.md', name: 'shaders', title: 'Shaders' },
+    { source: '.github/CONTRIBUTING.md', name: 'contributing', title: 'Contributing' },
+    { source: 'CHANGELOG.md', name: 'changelog', title: 'Changelog' },
+  ] },
+];
+
+export const pages = groups.flatMap((group) => group.pages);
+
+/** Files of the repository that the assembled site has, too: path → path from docs/. */
+export const served = new Map([
+  ['README.md', 'index.html'],
+  ['site/index.html', '../index.html'],
+  ['site/steer.html', '../steer.html'],
+  ['site/layers.jpg', '../layers.jpg'],
+  ['site/measured/index.html', '../measured/index.html'],
+  ['site/measured/figures.json', '../measured/figures.json'],
+  ['site/docs/layering.svg', 'layering.svg'],
+  ...['embed', 'steer', 'gallery', 'own-controls'].map((name) => [`web/examples/${name}.html`, `../examples/${name}.html`]),
+]);
