@@ -14,7 +14,7 @@ import { Shown, fixed } from '../../site/measured/shown.mjs';
 import { SourceError, Study, parseCsv } from '../../site/measured/sources.mjs';
 
 const kRoot = fileURLToPath(new URL('../..', import.meta.url));
-const kFiles = ['README.md', 'site/index.html', 'site/steer.html', 'site/measured/figures.json', 'site/measured/index.html'];
+const kFiles = ['README.md', 'site/docs/README.md', 'site/docs/measured.md', 'site/index.html', 'site/steer.html', 'site/measured/figures.json', 'site/measured/index.html'];
 
 const scratch = mkdtempSync(join(tmpdir(), 'figures-'));
 after(() => rmSync(scratch, { recursive: true }));
@@ -34,7 +34,8 @@ function changed(path, change) {
 test('README and the site say what figures.json says', () => assert.deepEqual(run(kRoot, true), []));
 
 test('a figure that is not the one of figures.json is found', () => {
-  assert.match(changed('README.md', (text) => text.replace(/(\| what \| measured \| goal \|\n.*\n\|[^|]*\|)[^|]*/, '$1 99.99 dB '))[0], /README\.md is not what/);
+  assert.match(changed('README.md', (text) => text.replace(/(\| \| fourdvt \| compared with \|\n.*\n\|[^|]*\|)[^|]*/, '$1 99.99 dB '))[0], /README\.md is not what/);
+  assert.match(changed('site/docs/measured.md', (text) => text.replace(/(\| what \| measured \| goal \|\n.*\n\|[^|]*\|)[^|]*/, '$1 99.99 dB '))[0], /measured\.md is not what/);
   assert.match(changed('site/index.html', (text) => text.replace(/(figure:mean\.psnr\.fvvr -->)[^<]*/, '$199.99&nbsp;dB'))[0], /site\/index\.html is not what/);
   assert.match(changed('site/measured/index.html', (text) => text.replace(/\d\.\d/, '9.9'))[0], /measured\/index\.html is not what/);
   assert.ok(changed('site/measured/figures.json', (text) => text.replace(/"mean\.psnr\.fvvr","value":[\d.]+/, '"mean.psnr.fvvr","value":31.4159')).length >= 3);
