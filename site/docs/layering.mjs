@@ -49,7 +49,7 @@ function reachOf(boxes) {
   return reach;
 }
 
-const kWidth = 720, kRow = 84, kBox = { width: 104, height: 38 };
+const kColumn = 118, kLeastWidth = 480, kRow = 76, kBox = { width: 104, height: 36 };
 
 // Rows of names, bottom first: a box stands one row above the highest box that it may include.
 function rowsOf(boxes) {
@@ -79,9 +79,10 @@ const kStyle = `
 export function layeringPicture(text) {
   const { flow, folders } = parseLayering(text);
   const boxes = boxesOf(folders), reach = reachOf(boxes), rows = rowsOf(boxes);
-  const height = rows.length * kRow + 12, place = new Map();
+  const width = Math.max(kLeastWidth, ...rows.map((names) => names.length * kColumn));
+  const height = rows.length * kRow, place = new Map();
   rows.forEach((names, row) => names.forEach((name, i) => place.set(name, {
-    x: Math.round((kWidth * (i + 0.5)) / names.length + (names.length === 1 ? ((row % 3) - 1) * 150 : 0)),
+    x: Math.round((width * (i + 0.5)) / names.length + (names.length === 1 ? ((row % 3) - 1) * kColumn : 0)),
     y: Math.round(height - kRow * (row + 0.5)),
   })));
   const lines = [...boxes].flatMap(([name, below]) => [...below]
@@ -92,14 +93,14 @@ export function layeringPicture(text) {
   const arrows = way.slice(1).map((to, i) => arrow(way[i], to));
   const box = ([name, { x, y }]) => `<rect x="${x - kBox.width / 2}" y="${y - kBox.height / 2}" width="${kBox.width}" height="${kBox.height}" rx="8"` +
     `${flow.includes(name) ? ' class="onflow"' : ''}/><text x="${x}" y="${y + 5}">${name}</text>`;
-  return `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${kWidth} ${height}" role="img" aria-label="Folders of native/, bottom to top, and the way of a capture: ${flow.join(', ')}">
+  return `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}" role="img" aria-label="Folders of native/, bottom to top, and the way of a capture: ${flow.join(', ')}">
 <!-- Made by site/docs/make.mjs from native/layering.txt. -->
 <style>${kStyle}
 </style>
 <defs><marker id="head" viewBox="0 0 10 10" refX="8" refY="5" markerWidth="4" markerHeight="4" orient="auto"><path d="M0 0L10 5L0 10z"/></marker></defs>
 ${lines.map(line).join('\n')}
-${[...place].map(box).join('\n')}
 ${arrows.join('\n')}
+${[...place].map(box).join('\n')}
 </svg>
 `;
 }

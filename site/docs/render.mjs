@@ -65,7 +65,7 @@ function rewriteLinks(children, source) {
       if (open.pop() === null) Object.assign(token, { type: 'text', content: '', hidden: true });
     } else if (token.type === 'image') {
       token.attrSet('src', rewritten(token.attrGet('src'), source) ?? '');
-      token.attrSet('loading', 'lazy');
+      if (!token.attrGet('src').endsWith('.svg')) token.attrSet('loading', 'lazy');
     } else if (token.type === 'code_inline' && !open.length) {
       token.meta = { href: pageOf.get(token.content) ?? null };
     }
