@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // node site/assemble.mjs OUT DIST CHARACTER [CAMERAS]: the folder that is served.
+// node site/assemble.mjs --add-cameras OUT DIST CHARACTER CAMERAS: the same into a folder that is being served: adds the
+// characters from cameras, then the pages that show them; the rest stays.
 // OUT/{index,steer}.html, their scripts, styles and pictures, OUT/measured (the page of figures), OUT/docs (the documents),
 // OUT/examples, OUT/fourdvt-viewer (DIST, the built web package), OUT/character (a baked one), OUT/{cameras,methods}.html and
 // OUT/cameras (characters from cameras: hull, refined, tracked).
 // An element of a page with data-needs="FILE", on a line of its own, is left out where DIST has no such file; with
 // data-needs="cameras", where CAMERAS is not given.
 // Replaces only what it makes.
-import { copyFileSync, cpSync, existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { copyFileSync, cpSync, existsSync, mkdirSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';
 import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
@@ -22,8 +24,9 @@ function fail(message) {
   process.exit(1);
 }
 
-const [out, dist, character, cameras] = process.argv.slice(2).map((path) => resolve(path));
-if (!out || !dist || !character) fail('usage: node site/assemble.mjs OUT DIST CHARACTER [CAMERAS]');
+const paths = process.argv.slice(2).filter((word) => word !== '--add-cameras'), adds = paths.length < process.argv.length - 2;
+const [out, dist, character, cameras] = paths.map((path) => resolve(path));
+if (!out || !dist || !character || (adds && !cameras)) fail('usage: node site/assemble.mjs [--add-cameras] OUT DIST CHARACTER [CAMERAS]');
 const needed = [
   [join(dist, 'fourdvt-viewer.js'), 'build the web package first: npm run build in web/'],
   [join(character, 'character.gltf'), 'bake a character first: fourdvt bake CAPTURE -o CHARACTER'],
@@ -40,15 +43,27 @@ function onlyWhatWorks(html) {
 }
 
 const here = dirname(fileURLToPath(import.meta.url));
-mkdirSync(join(out, 'measured'), { recursive: true });
-for (const name of [...kPageFiles, ...(cameras ? kCameraFiles : [])]) {
-  if (!name.endsWith('.html')) copyFileSync(join(here, name), join(out, name));
-  else writeFileSync(join(out, name), onlyWhatWorks(readFileSync(join(here, name), 'utf8')));
-}
-renderDocs(join(here, '..'), join(out, 'docs'));
-for (const [name, folder] of [['examples', join(here, '../web/examples')], ['fourdvt-viewer', dist], ['character', character], 
-  ...(cameras ? [['cameras', cameras]] : [])]) {
+
+// Readers see the old folder or the new one.
+function replaceFolder(name, folder) {
+  cpSync(folder, join(out, `${name}.part`), { recursive: true, dereference: true });
   rmSync(join(out, name), { recursive: true, force: true });
-  cpSync(folder, join(out, name), { recursive: true, dereference: true });
+  renameSync(join(out, `${name}.part`), join(out, name));
 }
+
+function writePages() {
+  for (const name of [...kPageFiles, ...(cameras ? kCameraFiles : [])]) {
+    const target = join(out, name);
+    if (!name.endsWith('.html')) copyFileSync(join(here, name), `${target}.part`);
+    else writeFileSync(`${target}.part`, onlyWhatWorks(readFileSync(join(here, name), 'utf8')));
+    renameSync(`${target}.part`, target);
+  }
+}
+
+mkdirSync(join(out, 'measured'), { recursive: true });
+const folders = { examples: join(here, '../web/examples'), 'fourdvt-viewer': dist, character };
+for (const [name, folder] of adds ? [] : Object.entries(folders)) replaceFolder(name, folder);
+if (cameras) replaceFolder('cameras', cameras);
+if (!adds) renderDocs(join(here, '..'), join(out, 'docs'));
+writePages();
 console.log(`site assembled in ${out}`);

@@ -3,11 +3,15 @@
 # cameras.sh FOURDVT CAPTURE OUT STAMP: characters from cameras of the sample's run, OUT/{hull,refined,tracked}: on its
 # visual hull, on the hull refined by stereo (quicker and coarser than by default), and on its own tracked mesh. Does
 # nothing if OUT was made with this STAMP by this script.
+# cameras.sh --is-made OUT STAMP: succeeds if there is nothing to do.
 set -euo pipefail
+is_made() { [ "$(cat "$1.stamp" 2>/dev/null)" = "$2 $(sha256sum <"$0" | cut -d' ' -f1)" ] && [ -d "$1" ]; }
+if [ "$1" = --is-made ]; then
+  is_made "$2" "$3"
+  exit
+fi
 tool=$1 capture=$2 out=$3
-stamp="$4 $(sha256sum <"$0" | cut -d' ' -f1)"
-
-if [ "$(cat "$out.stamp" 2>/dev/null)" = "$stamp" ] && [ -d "$out" ]; then
+if is_made "$out" "$4"; then
   echo "unchanged: $out"
   exit 0
 fi
@@ -21,4 +25,4 @@ for surface in hull refined; do "$tool" bake "$work/$surface" -o "$work/made/$su
   --refine-cameras off --crf 30
 mv "$work/made" "$out"
 rm -rf "$work"
-echo "$stamp" >"$out.stamp"
+echo "$4 $(sha256sum <"$0" | cut -d' ' -f1)" >"$out.stamp"

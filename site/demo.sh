@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The whole way from a clean clone to a page: installs what is missing, builds the tool and the player, bakes a capture,
-# serves the page. Safe to run again: finished steps are skipped or incremental. Builds no tests: tests/run.sh does.
+# serves the page. Characters from cameras are made while it is served. Safe to run again: finished steps are skipped or
+# incremental. Builds neither tests nor the lab: tests/run.sh does.
 set -euo pipefail
 usage() {
   cat <<'TXT'
@@ -11,7 +12,7 @@ bash site/demo.sh [options]
   --port N        first port to try (default 8080); the next free one is taken
   --lan           serve to the local network, for a phone: over https with a certificate made here, because browsers
                   decode video only for https pages; prints address and QR code. The phone warns of the certificate
-  --prepare       install, build and bake only
+  --prepare       install, build and bake only, characters from cameras included
   --no-install    do not touch the system's packages
 TXT
 }
@@ -61,7 +62,7 @@ start_beside player build_player  # its downloads and links leave a core idle
 
 step "Building the tool (the player is built beside it: build/player.log)"
 tests=()
-[ -e build/release/CMakeCache.txt ] || tests=(-DFOURDVT_TESTS=OFF)  # tests/run.sh turns them on
+[ -e build/release/CMakeCache.txt ] || tests=(-DFOURDVT_TESTS=OFF -DFOURDVT_LAB=OFF)  # tests/run.sh turns them on
 quiet cmake-release cmake --preset release "${tests[@]}"
 build build-release build/release fourdvt
 check_beside
@@ -80,24 +81,40 @@ else
   echo "$stamp" >"$character.stamp"
 fi
 
-# The sample's run from cameras alone: its hull, the hull refined by stereo, and the tracked mesh, for cameras.html.
-cameras=''
-if [ -z "$capture" ]; then
-  step "Making characters from cameras"
-  cameras=$root/build/cameras
-  bash site/cameras.sh build/release/native/tools/fourdvt "$source_capture" "$cameras" "$stamp"
-fi
-
 step "Finishing the player (wasm and JavaScript)"
 finish_beside
 
+# The sample's run from cameras alone: its hull, the hull refined by stereo, and the tracked mesh, for cameras.html.
+cameras=$root/build/cameras
+make_cameras() { bash site/cameras.sh build/release/native/tools/fourdvt "$source_capture" "$cameras" "$stamp"; }
+cameras_made() { bash site/cameras.sh --is-made "$cameras" "$stamp"; }
+
 site_folder=$root/build/site; [ -z "$capture" ] || site_folder=$root/build/site-$name
-node site/assemble.mjs "$site_folder" "$root/web/dist" "$character" ${cameras:+"$cameras"}
+if [ -n "$prepare" ] && [ -z "$capture" ]; then
+  step "Making characters from cameras"
+  make_cameras
+fi
+shown=()
+[ -n "$capture" ] || ! cameras_made || shown=("$cameras")
+node site/assemble.mjs "$site_folder" "$root/web/dist" "$character" "${shown[@]}"
 if [ -n "$check" ]; then
   step "Checking the page in Chromium"
   exec node tests/web/check.mjs "$site_folder" "$root/build/check" "$root/build/release/native/tools/fourdvt" "$character"
 fi
 [ -z "$prepare" ] || exit 0
+
+add_cameras() {
+  if make_cameras && node site/assemble.mjs --add-cameras "$site_folder" "$root/web/dist" "$character" "$cameras"; then
+    echo "Characters from cameras are ready: reload the page" >&3
+  else
+    echo "Characters from cameras could not be made; whole log: $root/build/cameras.log" >&3
+  fi
+}
+if [ -z "$capture" ] && [ ${#shown[@]} = 0 ]; then
+  echo "Characters from cameras are made while the page is served: reload it in about 2 minutes (build/cameras.log)"
+  exec 3>&2
+  start_beside cameras add_cameras
+fi
 if [ -n "$lan" ]; then
   # The key stays in build/ and is made once: the phone's consent lasts.
   certificate=build/lan
@@ -115,4 +132,4 @@ if [ -n "$lan" ]; then
   exit 0
 fi
 step "Serving; Ctrl-C stops"
-exec node tests/web/server.mjs "$site_folder" "$port"
+node tests/web/server.mjs "$site_folder" "$port"

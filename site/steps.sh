@@ -17,7 +17,8 @@ lan_packages=(openssl qrencode)                # site/demo.sh --lan
 # The sanitizers' build has Clang, which compiles it in two thirds of GCC's time; Emscripten brings the compiler.
 test_packages=(libgtest-dev libclang-rt-14-dev "${browser_packages[@]}" firefox-esr xvfb)
 
-step() { printf '\n== %s\n' "$*"; }
+# Says what is done, and at which minute of the script.
+step() { printf '\n== %s (at %d:%02d)\n' "$*" $((SECONDS / 60)) $((SECONDS % 60)); }
 
 # Ends the script with the last lines of build/NAME.log.
 fail_with_log() {  # $1: name, rest: what failed

@@ -1,17 +1,23 @@
 #!/usr/bin/env bash
-# Runs every test. Installs, builds and bakes first what site/demo.sh does, with OpenCV for wasm; then builds the tests,
-# and the unit tests once more with sanitizers; ends with ctest's summary. Arguments go to ctest (-R REGEX, -L LABEL).
+# Runs every test. Installs, builds and bakes first what site/demo.sh does, with characters from cameras and OpenCV for
+# wasm; then builds the lab and the tests, unit tests with sanitizers; ends with ctest's summary.
+#   bash tests/run.sh [ARGUMENT...]         arguments go to ctest (-R REGEX, -L LABEL)
+#   bash tests/run.sh --changed [BASE]      builds and runs what the difference from the commit BASE can touch, after one whole
+#                                           run; BASE: HEAD where the tree has changes, else HEAD~1 (tests/changed.mjs)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . site/steps.sh
+if [ "${1:-}" = --changed ]; then
+  exec node tests/changed.mjs "${@:2}"
+fi
 mkdir -p build
 install_packages "${page_packages[@]}" "${test_packages[@]}"
 start_beside opencv env NODE_PATH=/usr/share/nodejs bash wasm/build_opencv.sh
-step "Building the tests (OpenCV for wasm is built beside them: build/opencv.log)"
-quiet cmake-tests cmake --preset release -DFOURDVT_TESTS=ON
+step "Building the lab and the tests (OpenCV for wasm is built beside them: build/opencv.log)"
+quiet cmake-tests cmake --preset release -DFOURDVT_LAB=ON -DFOURDVT_TESTS=ON
 build build-tests build/release
 check_beside
-step "Building the unit tests with sanitizers"
+step "Building the unit tests, with sanitizers"
 quiet cmake-asan cmake --preset asan
 build build-asan build/asan unit_tests fuzz_smoke
 step "Finishing OpenCV for wasm"

@@ -4,6 +4,7 @@
 #include "bake/texels/resample.h"
 #include "bake/texels/visibility.h"
 #include "gl_fixture.h"
+#include "lab/labels/per_texel.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -214,7 +215,7 @@ TEST_F(BakeStages, PerTexelTakesTheNextCameraThatSeesTheTexel) {
   auto resampler = Resampler::create(*device, on_gpu, {64, 64}, {}, {});
   ASSERT_TRUE(resampler) << resampler.error().message;
   constexpr uint8_t kNone = package::kNoCamera;
-  auto layers = resampler.value().resamplePerTexel(*device, on_gpu, {0, 0, kNone, 1, 1, kNone});
+  auto layers = lab::resamplePerTexel(resampler.value(), *device, on_gpu, {0, 0, kNone, 1, 1, kNone});
   ASSERT_TRUE(layers) << layers.error().message;
   for (int x = 1; x < 63; ++x) {
     const double wall_x = 2 * (x + 0.5) / 64 - 1;
@@ -235,7 +236,7 @@ TEST_F(BakeStages, PerTexelFollowsTheRanksNotTheCamerasNumbers) {
   const GpuCapture on_gpu = capture(wall, {gradient(), gradient()});
   Resampler resampler = Resampler::create(*device, on_gpu, {64, 64}, {}, {}).take();
   constexpr uint8_t kNone = package::kNoCamera;
-  const auto layers = resampler.resamplePerTexel(*device, on_gpu, {1, 1, kNone, 0, 0, kNone}).take();
+  const auto layers = lab::resamplePerTexel(resampler, *device, on_gpu, {1, 1, kNone, 0, 0, kNone}).take();
   for (int l = 0; l < 2; ++l)
     for (int x = 2; x < 24; x += 3) {
       const glm::dvec3 point(2 * (x + 0.5) / 64 - 1, 1 - 2 * 32.5 / 64, 0);
