@@ -49,7 +49,7 @@ function reachOf(boxes) {
   return reach;
 }
 
-const kColumn = 118, kLeastWidth = 480, kRow = 76, kBox = { width: 104, height: 36 };
+const kColumn = 110, kLeastWidth = 440, kRow = 76, kBox = { width: 98, height: 36 };
 
 // Rows of names, bottom first: a box stands one row above the highest box that it may include.
 function rowsOf(boxes) {
