@@ -1,6 +1,6 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: Apache-2.0
-// sweep_curve.mjs FOURDVT OUT CAPTURE [CAPTURE2 …] [--sequences A,B] [--quick]: held-out PSNR-FG and SSIM-FG of the method
+// sweep_curve.mjs FOURDVT_LAB OUT CAPTURE [CAPTURE2 …] [--sequences A,B] [--quick]: held-out PSNR-FG and SSIM-FG of the method
 // "sweep" against its number of planes and its band, beside "fvvr", on the surfaces of each capture. Prints a table and
 // writes OUT/sweep_curve.json and OUT/sweep_curve.md. The defaults of SweepOptions follow from it.
 import { execFileSync } from 'node:child_process';
@@ -13,16 +13,16 @@ const kPlanesOfBands = 12, kBandOfPlanes_mm = 32;  // what is held while the oth
 const args = process.argv.slice(2), further = [];
 if (args.includes('--quick')) further.push(...args.splice(args.indexOf('--quick'), 1));
 if (args.includes('--sequences')) further.push(...args.splice(args.indexOf('--sequences'), 2));
-const [tool, out, ...captures] = args;
+const [lab, out, ...captures] = args;
 if (!captures.length) {
-  console.error('usage: sweep_curve.mjs FOURDVT OUT CAPTURE [CAPTURE2 …] [--sequences A,B] [--quick]');
+  console.error('usage: sweep_curve.mjs FOURDVT_LAB OUT CAPTURE [CAPTURE2 …] [--sequences A,B] [--quick]');
   process.exit(2);
 }
 mkdirSync(out, { recursive: true });
 
-// Means over the sequences' views of the columns that `fourdvt evaluate --projective` prints.
+// Means over the sequences' views of the columns that `fourdvt-lab methods` prints.
 function scores(capture, method, options) {
-  const text = execFileSync(tool, ['evaluate', capture, '--projective', '--methods', method, ...options, ...further],
+  const text = execFileSync(lab, ['methods', capture, '--methods', method, ...options, ...further],
     { encoding: 'utf8' });
   const rows = text.trim().split('\n').slice(1).map((line) => line.trim().split(/\s+/).slice(2).map(Number));
   const views = rows.reduce((sum, row) => sum + row[0], 0);

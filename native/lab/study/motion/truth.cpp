@@ -28,7 +28,7 @@ std::string numbered(std::string pattern, uint32_t number) {
 }
 
 Error damaged(const std::string& path) {
-  return {ErrorId::FileUnreadable, path + ": is damaged; make the capture again with `fourdvt studio`"};
+  return {ErrorId::FileUnreadable, path + ": is damaged; make the capture again with `fourdvt-lab studio`"};
 }
 
 }  // namespace
