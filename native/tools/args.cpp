@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <string_view>
 
 namespace fourdvt::tools {
 namespace {
@@ -15,6 +16,31 @@ const Option* find(const CommandHelp& help, const std::string& name) {
   for (const Option& option : help.options)
     if (name == option.name) return &option;
   return nullptr;
+}
+
+constexpr size_t kHelpColumns = 120, kMeaningColumn = 26;
+
+// Appends the text, broken at spaces into lines of at most kHelpColumns bytes; lines after the first are indented.
+// Newlines of the text stay.
+void appendWrapped(std::string& out, std::string_view text, size_t indent) {
+  size_t column = indent;
+  for (size_t at = 0; at < text.size();) {
+    const size_t end = std::min(text.find_first_of(" \n", at), text.size());
+    if (column > indent && column + end - at > kHelpColumns) {
+      out.back() = '\n';  // in place of the space
+      out.append(indent, ' ');
+      column = indent;
+    }
+    out += text.substr(at, end - at);
+    column += end - at + 1;
+    if (end < text.size()) out += text[end];
+    if (end < text.size() && text[end] == '\n') {
+      out.append(indent, ' ');
+      column = indent;
+    }
+    at = end + 1;
+  }
+  out += '\n';
 }
 
 std::string shortNumber(double value) {
@@ -132,11 +158,14 @@ std::optional<std::pair<int, int>> Args::size(const char* name, int high) {
 }
 
 std::string helpText(const CommandHelp& help) {
-  std::string out = "usage: " + std::string(programName()) + " " + help.usage + "\n\n" + help.summary + "\n\n";
+  std::string out = "usage: " + std::string(programName()) + " " + help.usage + "\n\n";
+  appendWrapped(out, help.summary, 0);
+  out += '\n';
   for (const Option& option : help.options) {
     std::string left = std::string("  ") + option.name + (option.value ? std::string(" ") + option.value : "");
-    left.resize(std::max<size_t>(left.size() + 2, 26), ' ');
-    out += left + option.meaning + "\n";
+    left.resize(std::max(left.size() + 2, kMeaningColumn), ' ');
+    out += left;
+    appendWrapped(out, option.meaning, kMeaningColumn);
   }
   return out;
 }

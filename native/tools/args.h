@@ -21,12 +21,12 @@ constexpr int kOk = 0, kFailed = 1, kUsage = 2, kInterrupted = 130;
 struct Option {
   const char* name;     // "--layers", or a short one such as "-o"
   const char* value;    // how the help calls the value; nullptr: the option is a flag
-  const char* meaning;  // one line that gives default and unit
+  const char* meaning;  // with default and unit; the help breaks it into lines
 };
 
 struct CommandHelp {
   const char* usage;    // "bake CAPTURE -o CHARACTER [options]"
-  const char* summary;  // one or two sentences
+  const char* summary;  // one or two sentences; the help breaks them into lines
   std::vector<Option> options;
   const char* instead = nullptr;  // an option that takes the positional argument's place
 };

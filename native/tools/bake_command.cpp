@@ -18,9 +18,8 @@ namespace {
 // Help texts live as long as the process.
 const char* qualityHelp() {
   static const std::string text = [] {
-    std::string t = "sets texture, layers, crf and preset; options that are given win (default web):";
-    for (const bake::Quality& q : bake::qualities())
-      t += std::string("\n                          ") + q.name + ": " + q.meaning;
+    std::string t = "sets texture, layers, crf and preset; explicit options override it (default web):";
+    for (const bake::Quality& q : bake::qualities()) t += std::string("\n") + q.name + ": " + q.meaning;
     return t;
   }();
   return text.c_str();
@@ -28,9 +27,8 @@ const char* qualityHelp() {
 
 const char* presetHelp() {
   static const std::string text = [] {
-    std::string t = "the encoder's own name of a speed (default: of the quality):";
-    for (const bake::CodecInfo& info : bake::kCodecInfos)
-      t += std::string("\n                          ") + info.name + ": " + info.presets;
+    std::string t = "speed preset of the encoder, by its own name (default: of the quality):";
+    for (const bake::CodecInfo& info : bake::kCodecInfos) t += std::string("\n") + info.name + ": " + info.presets;
     return t;
   }();
   return text.c_str();
@@ -39,43 +37,40 @@ const char* presetHelp() {
 const CommandHelp& help() {
   static const CommandHelp text{
       "bake CAPTURE -o CHARACTER [options]",
-      "Turns a capture folder into a character folder that any web server can host. Nothing is written into place\n"
-      "before everything is finished; after Ctrl-C, the same command with --resume goes on.",
+      "Turns a capture folder into a character folder that any web server can host. The folder appears when it is "
+      "complete. After Ctrl-C, the same command with --resume continues.",
       {{"-o", "CHARACTER", "folder to write (required)"},
        {"--sequences", "A,B", "only these sequences (default: all)"},
        {"--appearance", "KIND",
-        "layers (texture layers on a mesh that moves), or cameras (the cameras' own pictures, for surfaces of any\n"
-        "                          topology); default: layers where the meshes allow it"},
+        "layers (texture layers on a mesh of constant topology) or cameras (camera pictures on surfaces of any "
+        "topology); default: layers if the meshes allow it"},
        {"--quality", "NAME", qualityHelp()},
        {"--codec", "NAME", "h264 (plays everywhere, the default), vp9 or av1 (smaller, slower to bake)"},
        {"--layers", "N", "texture layers, 1 to 6 (default: of the quality)"},
        {"--texture", "N", "texels, side of layer 1 (default: of the quality)"},
-       {"--equal-layers", nullptr, "give all layers the size of layer 1 (default: further layers have half of it)"},
+       {"--equal-layers", nullptr, "all layers have the size of layer 1 (default: the others have half of it)"},
        {"--crf", "N",
         "rate factor, lower is better: 0 to 51 for h264, 0 to 63 for vp9 and av1 (default: of the quality)"},
        {"--preset", "NAME", presetHelp()},
        {"--penalty", "NAME",
-        "what makes a camera worse for a face: axis (optical axis, as in the papers; default),\n"
-        "                          ray (to the face's centre) or resolution (fewer pixels)"},
+        "penalty of a camera for a face, by its optical axis (axis; default, as in the papers), its ray to the face's "
+        "centre (ray) or its number of pixels (resolution)"},
        kRefineOption,
        kRefineCamerasOption,
        kMatteBiasOption,
-       {"--no-colour-calibration", nullptr, "leave the cameras' colours as they are"},
-       {"--filter", "NAME", "how camera pictures are sampled: bicubic (default), bilinear or mipmap"},
+       {"--no-colour-calibration", nullptr, "do not match the cameras' colours"},
+       {"--filter", "NAME", "filter for sampling camera pictures: bicubic (default), bilinear or mipmap"},
        {"--no-classes", nullptr, "leave out the capture's motion classes"},
-       {"--align", "MODE",
-        "classes: baked (what the members show is aligned on the surface; default) or none (quicker)"},
+       {"--align", "MODE", "classes: baked (align the members' textures on the surface; default) or none (faster)"},
        {"--blend-error", "MM",
-        "classes: how far the blended mesh may be from the non-linear blend, millimetres (default 1)"},
+        "classes: largest distance of the blended mesh from the non-linear blend, millimetres (default 1)"},
        {"--tile-scale", "X", "cameras: texels per pixel of their pictures, 0.01 to 1 (default 1)"},
        {"--faces", "N",
-        "cameras: surfaces whose topology changes from frame to frame get at most about N faces, 100 to 1000000, or 0: "
-        "as "
-        "many as they have (default 10000)"},
+        "cameras: simplify surfaces of changing topology to about N faces, 100 to 1000000; 0: keep all (default "
+        "10000)"},
        {"--tile-texels", "N", "cameras: largest tiled picture, million texels (default 9.4, what phones decode)"},
-       {"--position-step", "MM",
-        "how finely vertices are quantised, millimetres (default 0.25 for layers, 1 for cameras)"},
-       {"--gop", "N", "largest number of frames per group of pictures (default 20)"},
+       {"--position-step", "MM", "quantisation step of vertices, millimetres (default 0.25 for layers, 1 for cameras)"},
+       {"--gop", "N", "most frames of a group of pictures (default 20)"},
        {"--jobs", "N", "worker threads; 0: one per core (default 0)"},
        {"--resume", nullptr, "continue an interrupted run with the same settings"}}};
   return text;

@@ -27,13 +27,11 @@ namespace {
 namespace fs = std::filesystem;
 
 const CommandHelp& help() {
-  static const CommandHelp text{
-      "inspect CHARACTER",
-      "Lists sequences, motion classes, renditions and sizes of a character folder (or of its character.gltf) and\n"
-      "checks content hashes and that every chunk, every video frame, the motion graph and the room decode. Exit code "
-      "1 if "
-      "anything is broken.",
-      {}};
+  static const CommandHelp text{"inspect CHARACTER",
+                                "Lists sequences, motion classes, renditions and sizes of a character folder (or of "
+                                "its character.gltf). Checks content hashes and decodes every chunk, every video "
+                                "frame, the motion graph and the room. Exits with 1 if anything is damaged.",
+                                {}};
   return text;
 }
 

@@ -12,13 +12,12 @@ struct LookArguments {
   std::string light_picture;                  // equirectangular; empty: the light of StyleOptions
 };
 
-inline constexpr Option kLookOption{"--look", "WHAT", "sketch (grey dots) or relit (lit anew); default: as filmed"};
-inline constexpr Option kLookStrengthOption{"--look-strength", "X", "of the look, 0 to 1 (default 1)"};
+inline constexpr Option kLookOption{"--look", "WHAT", "sketch (grey dots) or relit (new light); default: as filmed"};
+inline constexpr Option kLookStrengthOption{"--look-strength", "X", "strength of the look, 0 to 1 (default 1)"};
 inline constexpr Option kLightOption{
-    "--light", "PICTURE",
-    "relit: the light from all sides, equirectangular; its middle lies straight ahead of the view"};
+    "--light", "PICTURE", "relit: equirectangular picture of the light; its centre is straight ahead of the view"};
 inline constexpr Option kLightTurnOption{"--light-turn", "DEG",
-                                         "relit: turns the light, clockwise seen from above (default 0)"};
+                                         "relit: rotation of the light, clockwise seen from above (default 0)"};
 
 LookArguments readLookArguments(Args& args);
 // Errors: those of reading the picture, with its path; GpuFailure.

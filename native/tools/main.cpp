@@ -26,11 +26,11 @@ std::string presentEvaluate(int argc, char** argv) {
 }
 
 constexpr Command kCommands[] = {
-    {"reconstruct", "make surfaces for a capture that has cameras alone", reconstructCommand},
+    {"reconstruct", "make surfaces for a capture without meshes", reconstructCommand},
     {"bake", "turn a capture folder into a character folder",
      [](int argc, char** argv) { return bakeCommand(argc, argv); }},
-    {"inspect", "list what is inside a character and check every byte of it", inspectCommand},
-    {"render", "draw one frame, or a turntable movie, of a character", renderCommand},
+    {"inspect", "list the contents of a character and check every byte", inspectCommand},
+    {"render", "draw a frame or a movie of a character", renderCommand},
 };
 
 constexpr FormerCommand kFormer[] = {{"studio", presentStudio}, {"evaluate", presentEvaluate}};

@@ -17,25 +17,24 @@ using reconstruct::HullKind, reconstruct::ReconstructOptions;
 const CommandHelp& help() {
   static const CommandHelp text{
       "reconstruct CAPTURE -o CAPTURE2 [options]",
-      "Makes a surface for every frame from nothing but calibrated cameras and their pictures, and writes a capture\n"
-      "folder that has it: pictures are links into CAPTURE, meshes are PLY files. Meshes of CAPTURE are not looked "
-      "at.\n"
-      "Nothing is written into place before everything is finished; after Ctrl-C, the same command with --resume goes\n"
-      "on. Open CAPTURE2/reconstruct.html for pictures and figures.",
+      "Makes a surface for every frame from calibrated cameras and their pictures alone, and writes a capture folder "
+      "with it: pictures are links into CAPTURE, meshes are PLY files. Meshes of CAPTURE are ignored. The folder "
+      "appears when it is complete. After Ctrl-C, the same command with --resume continues. The report is "
+      "CAPTURE2/reconstruct.html.",
       {{"-o", "CAPTURE2", "folder to write (required)"},
        {"--sequences", "A,B", "only these sequences (default: all)"},
        {"--hull", "KIND",
-        "volumetric (voxels; default), or polyhedral (exact cut of the silhouettes' cones, few triangles;\n"
-        "                          a frame whose polyhedron fails its checks gets the volumetric hull)"},
-       {"--contour-tolerance", "PX", "polyhedral: how far polygons may be from the outlines, 0.25 to 8 (default 1)"},
+        "volumetric (voxels; default), or polyhedral (exact intersection of the silhouettes' cones, few triangles; "
+        "volumetric in frames where the polyhedron fails its checks)"},
+       {"--contour-tolerance", "PX",
+        "polyhedral: largest distance of polygons from the outlines, pixels, 0.25 to 8 (default 1)"},
        {"--voxel-mm", "X", "side of a voxel, 0.5 to 100 (default 5)"},
        {"--adaptivity", "X", "0 to 1: fewer triangles where the surface is flat (default 0.1)"},
        {"--refine", "MODE",
-        "stereo (the surface inside the volumetric hull that the pictures agree on; default) or none (the\n"
-        "                          default with --hull polyhedral)"},
-       {"--planes", "N",
-        "stereo: depths tried within its band, 16 to 128 in steps of 4 (default 64; fewer are quicker)"},
-       {"--fairing", "N", "rounds of smoothing that keep to the silhouettes, 0 to 100 (default 0)"},
+        "stereo (find the photo-consistent surface inside the volumetric hull; default) or none (default with --hull "
+        "polyhedral)"},
+       {"--planes", "N", "stereo: number of depth hypotheses, 16 to 128 in steps of 4 (default 64; fewer are faster)"},
+       {"--fairing", "N", "rounds of smoothing that preserve the silhouettes, 0 to 100 (default 0)"},
        {"--jobs", "N", "worker threads; 0: one per core (default 0)"},
        {"--resume", nullptr, "continue an interrupted run with the same settings"}}};
   return text;

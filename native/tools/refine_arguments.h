@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The options of every command that reads a capture's meshes and cameras: whether both are made to fit the pictures.
+// Options of every command that reads a capture's meshes and cameras: refinement of both against the pictures.
 #pragma once
 
 #include "refine/refine.h"
@@ -9,13 +9,12 @@ namespace fourdvt::tools {
 
 inline constexpr Option kRefineOption{
     "--refine", "MODE",
-    "outline (default): the mesh moves along its normals until its outlines lie on the mattes'; none: as given"};
+    "outline (default): move the mesh along its normals until its outlines match the mattes; none: as given"};
 inline constexpr Option kRefineCamerasOption{
-    "--refine-cameras", "MODE",
-    "on (default): cameras that the mattes clearly contradict are turned, moved and zoomed; off: as given"};
+    "--refine-cameras", "MODE", "on (default): correct cameras that the mattes clearly contradict; off: as given"};
 inline constexpr Option kMatteBiasOption{
     "--matte-bias-px", "PX",
-    "how far the mattes' edges lie outside the figure's, negative: too small (default: measured in the pictures)"};
+    "margin of the mattes beyond the performer's outline, pixels; negative if they are too small (default: measured)"};
 
 refine::RefineOptions readRefineOptions(Args& args);
 

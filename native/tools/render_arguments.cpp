@@ -29,10 +29,10 @@ std::string listed(MethodGroup group) {
 }
 
 const std::string& methodMeaning() {
-  static const std::string text = "of a character from cameras: " + listed(MethodGroup::Textured) + " (default " +
+  static const std::string text = "for characters from cameras: " + listed(MethodGroup::Textured) + " (default " +
                                   render::cameraMethodNames(MethodGroup::Textured).front() +
-                                  "); to look at what is behind them: " + listed(MethodGroup::Inspection) +
-                                  "; of a layered one: layered, montage4d";
+                                  "); to inspect them: " + listed(MethodGroup::Inspection) +
+                                  "; for characters from layers: layered, montage4d";
   return text;
 }
 
@@ -184,49 +184,49 @@ void checkCombination(Args& args, const RenderArguments& a) {
 const CommandHelp& renderHelp() {
   static const CommandHelp text{
       "render (CHARACTER | --scene SCENE.json) (-o PICTURE | -o MOVIE.mp4 | --turntable MOVIE.mp4) [options]",
-      "Draws one frame of a character from an orbit position, from one of its capture cameras, or from a camera of a\n"
-      "COLMAP text model; or a movie: the camera turns once round it, a class's parameter is swept, transitions are\n"
-      "played; or characters composited with a background, its camera track and occluders.",
+      "Draws one frame of a character, seen from an orbit position, a capture camera or a camera of a COLMAP text "
+      "model. With --turntable, --sweep, --play or --scene it writes a movie: the camera orbits the character, a "
+      "parameter changes, transitions play, or characters are composited with a background, its camera track and "
+      "occluders.",
       {{"-o", "PICTURE", ".png (with transparency), .jpg or .webp"},
        {"--turntable", "MOVIE", "H.264 .mp4 instead of a picture"},
        {"--seconds", "S", "length of a movie (default: whole loops, at least 8 s)"},
        {"--sequence", "NAME", "sequence (default: the first)"},
        {"--frame", "N", "frame, from 0 (default 0)"},
        {"--class", "NAME", "motion class instead of a sequence"},
-       {"--phase", "U", "of one pass, 0 to 1, instead of a frame"},
-       {"--parameter", "NAME=VALUE", "of the class, e.g. speed_mps=2.1; several: commas"},
+       {"--phase", "U", "position in the motion, 0 to 1, instead of a frame"},
+       {"--parameter", "NAME=VALUE", "parameter of the class, e.g. speed_mps=2.1; separate several by commas"},
        {"--align", "HOW",
-        "motions of a class: none, baked (default), flow-gpu, flow-dis, flow-opencv, flow-opencv-dis"},
-       {"--sweep", "NAME=A:B", "movie: the parameter goes from A to B (default 8 s)"},
+        "alignment of a class's motions: none, baked (default), flow-gpu, flow-dis, flow-opencv, flow-opencv-dis"},
+       {"--sweep", "NAME=A:B", "movie in which the parameter goes from A to B (default 8 s)"},
        {"--play", "STATE@S,...",
-        "movie: at S seconds on to STATE through the motion graph; STATE alone: from the start"},
-       {"--travel", nullptr, "--sweep, --play: the character moves over the ground"},
-       {"--follow", nullptr, "the camera moves along with the (first) character"},
-       {"--fps", "N", "of --sweep and --play (default 25)"},
+        "movie that goes to STATE of the motion graph at S seconds; STATE without @S: at the start"},
+       {"--travel", nullptr, "with --sweep, --play: the character moves over the ground"},
+       {"--follow", nullptr, "the camera follows the (first) character"},
+       {"--fps", "N", "frames per second of --sweep and --play (default 25)"},
        {"--scene", "SCENE", "scene.json: characters with a background, camera track and occluders"},
-       {"--azimuth", "DEG", "0: in front of the performer, positive: towards +X (default 25)"},
-       {"--elevation", "DEG", "positive: from above (default 8)"},
-       {"--distance", "M", "metres from the centre of the bounds (default: all in view)"},
+       {"--azimuth", "DEG", "0 is in front of the performer, positive towards +X (default 25)"},
+       {"--elevation", "DEG", "positive is from above (default 8)"},
+       {"--distance", "M", "metres from the centre of the bounds (default: the whole character fits)"},
        {"--fov", "DEG", "vertical field of view (default 30)"},
        {"--camera", "NAME", "a capture camera instead of an orbit position"},
-       {"--cameras", "FOLDER", "cameras.txt and images.txt that --camera is looked up in"},
+       {"--cameras", "FOLDER", "folder of cameras.txt and images.txt with the camera of --camera"},
        {"--size", "WxH", "pixels (default 720x960, or the camera's)"},
-       {"--background", "RRGGBB", "or room (the character's own), or none (default; black in movies)"},
+       {"--background", "RRGGBB", "colour, or room (the character's own), or none (default; black in movies)"},
        {"--debug", "WHAT", "labels, layers (side by side), weights or normals"},
-       {"--no-shadow", nullptr, "without the ground shadow"},
+       {"--no-shadow", nullptr, "draw no ground shadow"},
        kLookOption,
        kLookStrengthOption,
        kLightOption,
        kLightTurnOption,
        {"--method", "WHAT", methodMeaning().c_str()},
        {"--capture", "CAPTURE",
-        "with --method fvvr: textures a captured frame from all camera videos of this folder, which CHARACTER was "
-        "baked "
-        "from; no shadow"},
-       {"--closest", "M", "the M cameras closest to the view (default: 4; with --capture all)"},
+        "with --method fvvr: texture a captured frame from all camera videos of the folder that CHARACTER was baked "
+        "from, without a shadow"},
+       {"--closest", "M", "use the M cameras closest to the view (default 4; with --capture: all)"},
        {"--visibility", "WHAT",
-        "what a camera does not texture: offset (default) and fattened keep clear of occluders' outlines, plain "
-        "is a depth map as it is, none textures through occluders"},
+        "visibility test: offset (default) and fattened leave a margin around occluders, plain uses depth maps without "
+        "a margin, none textures through occluders"},
        kRefineOption,
        kRefineCamerasOption,
        kMatteBiasOption},

@@ -19,7 +19,8 @@ void readLabels(tools::Args& args, bake::BakeOptions& options) {
 
 int bakeCommand(int argc, char** argv) {
   const tools::BakeExtension labels{
-      {"--labels", "RULE", "how faces take their cameras: joint (default); naive, spatial, temporal-paper, per-texel"},
+      {"--labels", "RULE",
+       "labelling: joint (default), or one of the papers': naive, spatial, temporal-paper, per-texel"},
       readLabels};
   return tools::bakeCommand(argc, argv, &labels);
 }

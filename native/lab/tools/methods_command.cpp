@@ -18,19 +18,18 @@ const tools::CommandHelp& help() {
   static const tools::CommandHelp text{
       "methods CAPTURE [-o REPORT] [--methods A,B] [--quick]",
       "Compares the methods of characters from cameras (fourdvt render --method), drawn from the raw videos.\n"
-      "With -o: on the capture's surfaces, coarser ones, hulls and a plane, by number of cameras and with errors of\n"
-      "calibration, into REPORT/projective.csv, projective.json (the same rows) and report.html; after Ctrl-C, the "
-      "same\n"
-      "command resumes. Without -o: one table, on the capture's surfaces.",
+      "With -o: on the capture's surfaces, coarser ones, hulls and a plane, by number of cameras and with calibration "
+      "errors; writes REPORT/projective.csv, projective.json (the same rows) and report.html. After Ctrl-C, the same "
+      "command continues. Without -o: prints one table for the capture's surfaces.",
       {{"-o", "REPORT", "folder to write"},
        {"--sequences", "A,B", "only these sequences (default: all)"},
        {"--methods", "A,B", "only these methods (default: all)"},
        {"--frames", "N", "with -o: test frames of each sequence, spread over it (default 1)"},
-       {"--quick", nullptr, "few views and conditions: for a first look"},
-       {"--closest", "M", "without -o: cameras that a view takes, 0: all (default 4)"},
+       {"--quick", nullptr, "a first look: few views and conditions"},
+       {"--closest", "M", "without -o: number of cameras that a view uses, 0: all (default 4)"},
        {"--sweep-planes", "N",
-        "without -o, method sweep: depths tried at each pixel, 4 to 32 in steps of 4 (default 12)"},
-       {"--sweep-band-mm", "X", "without -o, method sweep: how far behind the surface it looks (default 32)"}}};
+        "without -o, method sweep: depth hypotheses for each pixel, 4 to 32 in steps of 4 (default 12)"},
+       {"--sweep-band-mm", "X", "without -o, method sweep: depth range behind the surface (default 32)"}}};
   return text;
 }
 

@@ -15,22 +15,19 @@ namespace {
 const tools::CommandHelp& help() {
   static const tools::CommandHelp text{
       "score CHARACTER --capture CAPTURE [options]",
-      "Scores a baked character against its capture: PSNR (RGB) and SSIM (luma, 11x11 Gaussian) over the union of "
-      "both\n"
-      "silhouettes, on black, at held-out and at input cameras: per sequence, camera and mean. \"common dB\" is the "
-      "PSNR\n"
-      "where both silhouettes are, without the outline's error. Flicker is the change on the surface from one picture "
-      "to\n"
-      "the next: of the error at an input camera, of the colours on a slow orbit.",
+      "Scores a baked character against its capture: PSNR (RGB) and SSIM (luma, 11x11 Gaussian) over the union of both "
+      "silhouettes, on black, at held-out and input cameras; by sequence, by camera, and the mean. \"common dB\" is "
+      "the PSNR over the intersection of both silhouettes, which excludes errors of the outline. Flicker is the change "
+      "on the surface from one picture to the next: of the error at an input camera, and of the colours on a slow "
+      "orbit.",
       {{"--capture", "CAPTURE", "the capture that CHARACTER was baked from (required)"},
        {"-o", "FOLDER", "also write evaluate.csv, evaluate.txt and worst.png"},
        {"--sequences", "A,B", "only these sequences (default: all)"},
-       {"--method", "NAME", "how it is drawn; of a layered one: montage4d (default: the plain blend)"},
-       {"--closest", "M", "of a character from cameras: cameras that a view takes, 0: all (default 4)"},
-       {"--input-every", "N", "input cameras, every Nth frame, 0: none (default 4)"},
-       {"--flicker", "N",
-        "cameras that flicker is measured at, in levels of 255, 0: none (default 1); needs constant topology"},
-       {"--yardstick", nullptr, "also plain projective texturing of the mesh as given, no layers, no codec"}}};
+       {"--method", "NAME", "drawing method; for characters from layers: montage4d (default: the plain blend)"},
+       {"--closest", "M", "for characters from cameras: number of cameras that a view uses, 0: all (default 4)"},
+       {"--input-every", "N", "score input cameras at every Nth frame, 0: never (default 4)"},
+       {"--flicker", "N", "measure flicker at N input cameras, in levels of 255, 0: none (default 1); needs constant topology"},
+       {"--yardstick", nullptr, "also score plain projective texturing of the given mesh, without layers or codec"}}};
   return text;
 }
 

@@ -21,15 +21,14 @@ using tools::Args;
 const tools::CommandHelp& help() {
   static const tools::CommandHelp text{
       "studio MODEL.glb|procedural -o CAPTURE [options]",
-      "Renders an actor from a ring of cameras as a capture folder with held-out pictures and, for a motion class, "
-      "the\n"
-      "truth between its members. MODEL: a rigged, textured glTF with animations; \"procedural\" (also --actor\n"
-      "procedural): a built-in one with the motions walk, jog and run. The same options give the same bytes.",
+      "Renders an actor from a ring of cameras as a capture folder with held-out pictures and, for a motion class, the "
+      "truth between its members. MODEL is a rigged, textured glTF with animations, or \"procedural\" (also --actor "
+      "procedural), a built-in actor with the motions walk, jog and run. The same options give the same bytes.",
       {{"-o", "CAPTURE", "folder to write (required)"},
        {"--sequences", "A,B", "animations to capture (default: all; procedural: walk,run)"},
        {"--class", "C=P:A,B",
         "sequences A, B … are class C with parameter P (procedural: locomotion=speed_mps: all sequences)"},
-       {"--cameras", "N", "on the ring, 2 to 99 (default 8); there are three held-out ones besides"},
+       {"--cameras", "N", "cameras on the ring, 2 to 99 (default 8); three held-out cameras are added"},
        {"--size", "WxH", "pixels of a picture, even (default 480x640)"},
        {"--fps", "N", "frames a second (default 25)"},
        {"--images", nullptr, "PNG pictures and mattes instead of videos"},
@@ -42,15 +41,15 @@ const tools::CommandHelp& help() {
        {"--truth-phases", "N", "phases of the truth (default 8)"},
        {"--truth-ring", "N", "ring cameras that the truth is rendered from, besides the held-out ones (default 2)"},
        {"--no-truth", nullptr, "no truth between the members"},
-       {"--seed", "N", "of everything random (default 1)"},
+       {"--seed", "N", "seed of all random numbers (default 1)"},
        {"--drift-mm", "X", "appearance slides over the mesh by up to X between first and last member (default 0)"},
-       {"--wrinkles", "X", "0 to 1: folds whose place depends on the motion (default 0)"},
+       {"--wrinkles", "X", "0 to 1: folds that depend on the motion (default 0)"},
        {"--specular", "X", "0 to 1: highlights (default 0)"},
-       {"--shading", "X", "0 to 1: of the fixed lights (default 0.5)"},
+       {"--shading", "X", "0 to 1: shading by fixed lights (default 0.5)"},
        {"--rotation-deg", "X", "calibration error, deviation of the rotation (default 0)"},
        {"--translation-mm", "X", "calibration error, deviation of the position (default 0)"},
        {"--focal-percent", "X", "calibration error, deviation of the focal length (default 0)"},
-       {"--proxy-mm", "X", "the mesh stands off the surface by up to X (default 0)"},
+       {"--proxy-mm", "X", "largest distance of the mesh from the true surface (default 0)"},
        {"--mesh-cell-mm", "X", "procedural: size of the mesh's faces, 8 to 45 (default 25: about 4000 vertices)"},
        {"--gain-percent", "X", "deviation of the cameras' colour gains (default 0)"},
        {"--noise", "X", "sensor noise, deviation in levels of 255 (default 0)"},

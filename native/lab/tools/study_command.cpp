@@ -11,12 +11,11 @@ namespace {
 const tools::CommandHelp& help() {
   static const tools::CommandHelp text{
       "study CAPTURE -o REPORT [--quick]",
-      "Bakes the capture in every way that is compared and writes the papers' tables and curves as "
-      "REPORT/evaluate.csv,\n"
-      "evaluate.json (the same rows) and report.html. After Ctrl-C, the same command resumes.",
+      "Bakes the capture by every method that is compared and writes the papers' tables and curves: "
+      "REPORT/evaluate.csv, evaluate.json (the same rows) and report.html. After Ctrl-C, the same command continues.",
       {{"-o", "REPORT", "folder to write (required)"},
        {"--sequences", "A,B", "only these sequences (default: all)"},
-       {"--quick", nullptr, "the shortest sequence, few views and settings: for a first look"},
+       {"--quick", nullptr, "a first look: the shortest sequence, few views and settings"},
        {"--jobs", "N", "worker threads of the bakes; 0: one per core (default 0)"},
        tools::kRefineOption,
        tools::kRefineCamerasOption,

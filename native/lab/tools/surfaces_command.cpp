@@ -15,10 +15,10 @@ namespace {
 const tools::CommandHelp& help() {
   static const tools::CommandHelp text{
       "surfaces CAPTURE [--reference CAPTURE2]",
-      "Scores the capture's surfaces, of any topology: plain projective texturing from its videos at the held-out\n"
-      "cameras, and distances to the surfaces of a reference capture.",
+      "Scores the capture's surfaces, of any topology: by plain projective texturing from its videos at the held-out "
+      "cameras, and by distance to the surfaces of a reference capture.",
       {{"--sequences", "A,B", "only these sequences (default: all)"},
-       {"--reference", "CAPTURE2", "the same motions with the surfaces that are taken for true"},
+       {"--reference", "CAPTURE2", "the same motions with the true surfaces"},
        {"--closest", "M",
         "texture on the GPU from the M cameras nearest to the view, 0: all (default: on the CPU from all)"}}};
   return text;
