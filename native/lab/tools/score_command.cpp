@@ -26,7 +26,8 @@ const tools::CommandHelp& help() {
        {"--method", "NAME", "drawing method; for characters from layers: montage4d (default: the plain blend)"},
        {"--closest", "M", "for characters from cameras: number of cameras that a view uses, 0: all (default 4)"},
        {"--input-every", "N", "score input cameras at every Nth frame, 0: never (default 4)"},
-       {"--flicker", "N", "measure flicker at N input cameras, in levels of 255, 0: none (default 1); needs constant topology"},
+       {"--flicker", "N",
+        "measure flicker at N input cameras, in levels of 255, 0: none (default 1); needs constant topology"},
        {"--yardstick", nullptr, "also score plain projective texturing of the given mesh, without layers or codec"}}};
   return text;
 }
