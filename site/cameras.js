@@ -8,9 +8,9 @@ const byId = (id) => document.getElementById(id);
 const cameras = byId('cameras');
 const layers = byId('layers');
 const TEXTS = {
-  hull: 'What the silhouettes leave: the visual hull',
-  refined: 'The hull, carved by what the pictures agree on',
-  tracked: 'The layered character’s own mesh',
+  hull: 'Visual hull: the intersection of the silhouettes',
+  refined: 'Hull refined by stereo matching',
+  tracked: 'Mesh of the layered character',
 };
 
 function choose(surface) {

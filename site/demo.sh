@@ -127,7 +127,7 @@ if [ -n "$lan" ]; then
   node tests/web/server.mjs "$site_folder" "$port" "$certificate.key" "$certificate.crt" | while read -r url; do
     echo "$url"
     qrencode -t UTF8 "$url"
-    echo "Open it on the phone, and let the browser go on in spite of the certificate that it does not know."
+    echo "Open it on the phone, and accept the warning: the certificate is self-signed."
   done
   exit 0
 fi

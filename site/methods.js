@@ -6,21 +6,21 @@ import { playTogether, turnTogether } from './together.js';
 
 // The methods that `fourdvt render --help` lists, in its order. group: how the choice is divided.
 const METHODS = {
-  sweep: { title: 'Sweep', text: 'Every pixel at the depth where the cameras agree' },
-  fvvr: { title: 'FVVR', text: 'The cameras that see a point, weighted by angle' },
-  lumigraph: { title: 'Lumigraph', text: 'Nearer cameras count for more, and enter and leave smoothly' },
-  filtered: { title: 'Filtered', text: 'Blurred along the view’s ray, as far as the surface is uncertain' },
-  'band-limited': { title: 'Band-limited', text: 'Blurred as much as the cameras’ spacing demands, from everywhere' },
-  linear: { title: 'Linear', text: 'Floating Textures’ pictures and weights, without the flow' },
-  floating: { title: 'Floating Textures', text: 'Optical flow brings the pictures together before they are blended' },
-  'floating-pairs': { title: 'Floating, all pairs', text: 'Flow from every picture to every other, as in the paper' },
-  'floating-static': { title: 'Floating, kept flow', text: 'Flow once a frame in the cameras’ own views; to turn is a look-up' },
-  holoportation: { title: 'Holoportation', text: 'The cameras that a surface faces, without those that the others outvote' },
+  sweep: { title: 'Sweep', text: 'Each pixel at the depth where the cameras agree best' },
+  fvvr: { title: 'FVVR', text: 'Cameras that see the point, weighted by angle' },
+  lumigraph: { title: 'Lumigraph', text: 'Nearer cameras have larger weights, which fade in and out' },
+  filtered: { title: 'Filtered', text: 'Blurred along the view ray by the uncertainty of the surface' },
+  'band-limited': { title: 'Band-limited', text: 'Blurred everywhere by the spacing of the cameras' },
+  linear: { title: 'Linear', text: 'As Floating Textures, without optical flow' },
+  floating: { title: 'Floating Textures', text: 'Optical flow aligns the pictures before blending' },
+  'floating-pairs': { title: 'Floating, all pairs', text: 'Optical flow between all pairs of pictures, as in the paper' },
+  'floating-static': { title: 'Floating, kept flow', text: 'Optical flow once a frame, in the cameras’ views; turning costs a look-up' },
+  holoportation: { title: 'Holoportation', text: 'Cameras that the surface faces, without outliers' },
   montage4d: { title: 'Montage4D', text: 'Weights that change smoothly over the surface and with time' },
-  'montage4d-seams': { title: 'Montage4D’s seams', text: 'How far a place is from where each camera’s picture ends', group: 'Look behind it' },
-  'montage4d-weights': { title: 'Montage4D’s weights', text: 'Which camera a place is taken from, a colour for each', group: 'Look behind it' },
-  wireframe: { title: 'Wireframe', text: 'The triangles of this frame', group: 'Look behind it' },
-  silhouette: { title: 'Silhouette', text: 'Where the surface is', group: 'Look behind it' },
+  'montage4d-seams': { title: 'Montage4D’s seams', text: 'Distance of each point from the seams of each camera', group: 'Inspect' },
+  'montage4d-weights': { title: 'Montage4D’s weights', text: 'Cameras at each point, one colour a camera', group: 'Inspect' },
+  wireframe: { title: 'Wireframe', text: 'The triangles of this frame', group: 'Inspect' },
+  silhouette: { title: 'Silhouette', text: 'Where the surface is', group: 'Inspect' },
 };
 // Two methods to begin with, and pairs worth seeing.
 const FIRST = ['fvvr', 'montage4d'];

@@ -59,7 +59,7 @@ Result<RefineFrames> readRefineFrames(const capture::Capture& capture, const Ope
     FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(capture, sequence, open_video));
     for (uint32_t f = 0; f < sequence.frame_count; f += stride) {
       if (!on_frame((read + f) / all))
-        return Error{ErrorId::Interrupted, "stopped; nothing of the refinement is kept, run the same command again"};
+        return Error{ErrorId::Interrupted, "stopped; the refinement was not saved, run the same command again"};
       reader->skipTo(f);
       FOURDVT_ASSIGN(auto captured, reader->next());
       RefineFrame frame;

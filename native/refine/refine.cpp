@@ -126,7 +126,7 @@ class Refiner {
 
 Status Refiner::tell(const std::string& what, double share) const {
   if (progress_(what, share)) return {};
-  return Error{ErrorId::Interrupted, "stopped; nothing of the refinement is kept, run the same command again"};
+  return Error{ErrorId::Interrupted, "stopped; the refinement was not saved, run the same command again"};
 }
 
 Status Refiner::read(const OpenVideo& open_video) {
@@ -451,12 +451,11 @@ Result<Refinement> Refiner::run(const OpenVideo& open_video) {
   auto offsets = std::make_shared<capture::SurfaceOffsets>();
   if (options_.outline && (!moved_any_ || exact_))
     out_.note =
-        noPointsAtAll() ? "The mesh stays as given: no camera shows an edge of its matte near the mesh's outline. "
-                          "Check the mattes, the calibration and the axes."
-        : exact_ ? "The mesh stays as given: in the median its outlines lie within a quarter pixel of the mattes', "
-                   "which are not known better."
-                 : "The mesh stays as given: what half of the cameras say about its outline does not "
-                   "help the other half. Check the calibration and the mattes.";
+        noPointsAtAll() ? "Mesh unchanged: no camera has a matte edge near the mesh's outline. Check the mattes, the "
+                          "calibration and the axes."
+        : exact_        ? "Mesh unchanged: already within 0.25 px, the accuracy of the mattes."
+                 : "Mesh unchanged: the correction from one half of the cameras does not fit the other half. Check the "
+                   "calibration and the mattes.";
   const bool moves = options_.outline && moved_any_ && !exact_;
   if (moves) {
     FOURDVT_TRY(tell("surface", 0.95));

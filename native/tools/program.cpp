@@ -21,7 +21,7 @@ int runGuarded(const Command& command, int argc, char** argv) {
   try {
     return command.run(argc - 2, argv + 2);
   } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "%s: %s: out of memory; ask for less detail, or fewer --jobs\n", programName(), command.name);
+    std::fprintf(stderr, "%s: %s: out of memory; reduce the detail or --jobs\n", programName(), command.name);
   } catch (const std::exception& e) {
     std::fprintf(stderr, "%s: %s: unexpected: %s\n", programName(), command.name, e.what());
   }

@@ -270,8 +270,9 @@ report::Table factsTable(const ReportInput& in) {
        {"layers", std::to_string(o.layers)},
        {"texture",
         std::to_string(o.texture) + (o.equal_layers ? " texels, all layers" : " texels, further layers half of it")},
-       {"mesh and cameras", std::string(o.refine.outline ? "mesh moved to the mattes' outlines" : "mesh as given") +
-                                (o.refine.cameras ? ", cameras where they are contradicted" : ", cameras as given")},
+       {"mesh and cameras",
+        std::string(o.refine.outline ? "mesh moved to the mattes' outlines" : "mesh as given") +
+            (o.refine.cameras ? ", cameras corrected where the mattes contradict them" : ", cameras as given")},
        {"labels", o.labels->name},
        {"penalty", penaltyName(o.penalty)},
        {"resampling filter", filterName(o.resample.filter)},
@@ -293,13 +294,12 @@ std::string residualText(const refine::Residuals& r) {
 }
 
 report::Table refinedCamerasTable(const refine::Refinement& r) {
-  report::Table table{
-      "",
-      "px: pixels of the camera's picture. Median and 95 % of the distances' sizes. Bias: how far the "
-      "matte's edge lies outside the one that the picture shows; corrected from a quarter of a pixel on.",
-      {"camera", "points", "bias, px", "before, px", "after, px", "fits best, px", "turned, °", "moved, mm",
-       "zoomed, %"},
-      {}};
+  report::Table table{"",
+                      "px: pixels of the camera's picture. Median and 95 % of the distances' sizes. Bias: how far the "
+                      "matte's edge lies outside the edge in the picture; corrected if it is 0.25 px or more.",
+                      {"camera", "points", "bias, px", "before, px", "after, px", "fits best, px", "turned, °",
+                       "moved, mm", "zoomed, %"},
+                      {}};
   for (const refine::CameraRefinement& c : r.by_camera) {
     std::string bias = c.measured_bias_pixels ? fixedText(*c.measured_bias_pixels, 2) : "no contrast";
     if (c.used_bias_pixels != 0) bias += ", corrected by " + fixedText(c.used_bias_pixels, 2);
@@ -449,14 +449,13 @@ std::string reportHtml(const ReportInput& in) {
   report::Document page;
   page.title = in.capture_name;
   page.subtitle = "Baked by " + in.generator + " from " + std::to_string(in.cameras) + " cameras into " +
-                  (fromCameras(in) ? "one tiled picture of what they show."
+                  (fromCameras(in) ? "one tiled picture of the performer."
                                    : std::to_string(in.options.layers) + " view-dependent texture layers.");
   page.credit = in.credit;
   report::Section summary = section("summary", "Summary", "", {});
   summary.tiles = tilesOf(in);
   report::Section stages = section("stages", "Seconds per frame, by stage", "", {});
-  if (in.resumed)
-    stages.text = "This run continued an interrupted one and measured only the GOPs that it baked itself.\n\n";
+  if (in.resumed) stages.text = "This run continued an interrupted one; times are of the GOPs that it baked.\n\n";
   stages.text += "Stages overlap on " + std::to_string(in.options.jobs) +
                  " jobs, so that their sum may exceed the time of the whole bake.";
   stages.bar_charts = {stageChart(in)};

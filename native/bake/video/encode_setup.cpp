@@ -121,7 +121,7 @@ void configureSvt(const EncodeSettings& s, AVCodecContext& c) {
 Status setExtra(const EncodeSettings& s, AVCodecContext& c) {
   if (s.codec == Codec::H264 || encoderName(s).name == std::string("libsvtav1") || s.extra.empty()) return {};
   if (av_set_options_string(c.priv_data, s.extra.c_str(), "=", ":") >= 0) return {};
-  return Error{ErrorId::InvalidArgument, std::string(encoderName(s).name) + " does not know \"" + s.extra + "\""};
+  return Error{ErrorId::InvalidArgument, std::string(encoderName(s).name) + " has no option \"" + s.extra + "\""};
 }
 
 }  // namespace

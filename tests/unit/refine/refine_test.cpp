@@ -105,7 +105,7 @@ TEST(Refine, AMeshThatCannotBeToldFromExactStaysAsGiven) {
     EXPECT_EQ(camera.after.median_pixels, camera.before.median_pixels);
   }
   EXPECT_NEAR(radiusAfter(refinement, capture), kBallRadius_m + kFacets_m, 1e-6);
-  EXPECT_NE(refinement.note.find("quarter pixel"), std::string::npos);
+  EXPECT_NE(refinement.note.find("0.25 px"), std::string::npos);
   EXPECT_FALSE(refinement.changedCameras());
 }
 
@@ -114,7 +114,7 @@ TEST(Refine, AMeshThatIsFarOffInPlacesIsNotCalledExact) {
   const capture::Capture capture = files.open();
   const Refinement refinement = refine(capture, {});
   EXPECT_GT(refinement.by_camera[1].before.p95_pixels, 1);
-  EXPECT_EQ(refinement.note.find("quarter pixel"), std::string::npos);
+  EXPECT_EQ(refinement.note.find("0.25 px"), std::string::npos);
 }
 
 TEST(Refine, ErodedMattesAreCorrectedByThePictures) {

@@ -233,7 +233,7 @@ const SectionPlan kSections[] = {
     {"calibration",
      "Calibration, gain and surface",
      "One error at a time, on the given mesh, drawn once from a fixed seed: the cameras are thought to be elsewhere, "
-     "their colours have other gains, or the surface stands off smoothly along its normals. The truth stays.",
+     "their colours have other gains, or the surface is displaced smoothly along its normals. The truth is unchanged.",
      fillCalibration,
      {}},
     {"cross-validation",

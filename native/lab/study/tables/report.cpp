@@ -90,7 +90,7 @@ const SectionPlan kSections[] = {
      {}},
     {"held-out",
      "Held-out cameras",
-     "Against pictures of cameras that no method has seen: the truth. Foreground: the union of both silhouettes; "
+     "Against pictures of cameras that no method uses: the truth. Foreground: the union of both silhouettes; "
      "“common”: where both are, without the outline's error.",
      fillHeldOut,
      {rows::kPictureWorst}},
@@ -104,9 +104,8 @@ const SectionPlan kSections[] = {
     {"camera-maps",
      "Layers and camera maps",
      "LVDT Fig. 3–4, 4DVT Fig. 4–5. One column per layer: the texture in UV space, its camera map (one colour per "
-     "camera), the same two on the body, and the share of the layer in the blend. Large patches of one colour are what "
-     "the codec "
-     "and the seams want.",
+     "camera), the same two on the body, and the share of the layer in the blend. Large patches of one colour "
+     "compress better and have fewer seams.",
      nullptr,
      {rows::kPictureLayers, rows::kPictureChanges}},
     {"grazing",
