@@ -1,22 +1,41 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the tests of faults share: a page with a viewer on a server that misbehaves on request, and the faults of network,
-// server and decoder that every browser must get over. Each test file sets the stage first.
+// server and decoder that every browser must get over. Each test file lists its scenes and then runs them.
 import assert from 'node:assert/strict';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
+import { after, before, describe, test } from 'node:test';
 
+import { installClock } from './clock.mjs';
 import { environment, openPage, outputFolder, readCanvas } from './harness.mjs';
 import { serve } from './server.mjs';
 import { coverage } from './ssim.mjs';
 
 const kPatienceMs = 60_000;
+const kBeside = 2;       // scenes that run at a time: each has a page and a server of its own and waits for both
+const kLongestPauseMs = 6000;  // between two requests for the same bytes
 const table = [];
 /** The browser that the faults happen in, and the viewer's upload path. */
 export const stage = { browser: null, uploadPath: 'i420' };
 const servers = new Set();
 
-/** Closes the browser, and the servers of scenes that failed: they would keep the process, and the test would time out. */
-export async function closeStage() {
+const scenes = [];
+/** Like node's test. */
+export const sceneTest = (title, scene) => scenes.push([title, scene]);
+/** Runs the scenes in the browser that `start` gives, some at a time, and writes the table. */
+export function runScenes(name, start) {
+  describe(name, { concurrency: kBeside }, () => {
+    before(async () => { stage.browser = await start(); });
+    after(async () => {
+      await closeStage();
+      writeTable(name);
+    });
+    for (const [title, scene] of scenes) test(title, scene);
+  });
+}
+
+// Closes the browser, and the servers of scenes that failed: they would keep the process, and the test would time out.
+async function closeStage() {
   await stage.browser?.close();
   await Promise.all([...servers].map((server) => server.close()));
 }
@@ -30,14 +49,15 @@ async function closeServer(server) {
   if (servers.delete(server)) await server.close();
 }
 
-/** The table: fault, what the visitor sees, recovery time or error. */
-export function writeTable(name) {
+// Fault, what the visitor sees, recovery time or error.
+function writeTable(name) {
   table.sort();
   writeFileSync(join(outputFolder(name), 'faults.md'), ['| fault | seen | recovery or error |', '|---|---|---|', ...table, ''].join('\n'));
 }
 
 export const row = (fault, seen, end) => table.push(`| ${fault} | ${seen} | ${end} |`);
 export const seconds = (ms) => `${(ms / 1000).toFixed(1)} s`;
+/** Real time. */
 export const wait = (ms) => new Promise((done) => setTimeout(done, ms));
 export const ofCharacter = (request) => request.url.includes('/character/');
 
@@ -90,6 +110,7 @@ export async function open(name, options = {}) {
   scene.server = await serveSite({ ...serving, misbehave, pages: { '/blank.html': { html, headers } } });
   if (options.elsewhere) scene.elsewhere = await serveSite({ headers: options.elsewhere, misbehave });
   scene.page = await openPage(stage.browser, { viewport: { width: 200, height: 260 } }, stage.uploadPath);
+  await scene.page.addInitScript(installClock);
   await scene.page.addInitScript(countResources);
   if (options.before) await scene.page.addInitScript(options.before);
   scene.url = scene.server.url.replace('127.0.0.1', host);
@@ -112,6 +133,19 @@ export async function open(name, options = {}) {
 export const get = (scene, what, argument) => scene.page.evaluate(what, argument);
 export const until = (scene, condition, argument = null) =>
   scene.page.waitForFunction(condition, argument, { timeout: kPatienceMs, polling: 50 });
+/** Turns the page's clock: no real time passes, except for what the page does meanwhile. */
+export const pass = (scene, ms) => get(scene, (ms) => globalThis.testClock.turn(ms), ms);
+export const pageTime = (scene) => get(scene, () => globalThis.testClock.now());
+// Turns the page's clock until the condition holds; returns how far, in ms. Not for what has to be drawn: no machine draws
+// as fast as the clock is turned.
+export async function passUntil(scene, condition, argument = null) {
+  const began = await pageTime(scene);
+  for (const end = Date.now() + kPatienceMs; !(await get(scene, condition, argument));) {
+    assert.ok(Date.now() < end, `${scene.name}: ${condition} does not come true`);
+    await pass(scene, 100);
+  }
+  return (await pageTime(scene)) - began;
+}
 export const errors = (scene) => get(scene, () => globalThis.seen.filter((e) => e.type === 'error').map((e) => e.id));
 export const seenCount = (scene, type) => get(scene, (type) => globalThis.seen.filter((e) => e.type === type).length, type);
 export const framesShown = (scene) => get(scene, () => globalThis.viewer.stats?.framesShown ?? 0);
@@ -135,12 +169,13 @@ export async function finish(scene, expectedConsole = () => false) {
   const left = await get(scene, async () => {
     globalThis.viewer?.remove();
     const { live } = globalThis;
-    for (let i = 0; i < 20 && (i < 1 || live.decoders || live.pictures); ++i) await new Promise((next) => setTimeout(next, 300));
+    for (let i = 0; i < 60 && (i < 1 || live.decoders || live.pictures); ++i) await new Promise((next) => setTimeout(next, 100));
     return { decoders: live.decoders, pictures: live.pictures };
   });
   assert.deepEqual(left, { decoders: 0, pictures: 0 }, `${scene.name}: everything is closed`);
   const requests = scene.server.requests.length;
-  await wait(600);
+  await pass(scene, kLongestPauseMs);
+  await wait(100);
   assert.equal(scene.server.requests.length, requests, `${scene.name}: nothing more is fetched`);
   const troubles = scene.page.troubles.filter((line) =>
     !/^console: (Failed to load resource|.*net::ERR_)/.test(line) && !line.includes('CONTEXT_LOST') && !expectedConsole(line));
@@ -150,7 +185,16 @@ export async function finish(scene, expectedConsole = () => false) {
   await closeServer(scene.elsewhere);
 }
 
-export async function outage(ms) {
+// Turns the page's clock until nothing waits for the network any more; returns how far, in ms.
+async function recovers(scene) {
+  const ms = await passUntil(scene, () => globalThis.viewer.shadowRoot.querySelector('.note').hidden);
+  assert.ok(ms < 2 * kLongestPauseMs, `${scene.name}: ${seconds(ms)}`);
+  return ms;
+}
+// The page has noticed that the network is away.
+const stalled = (scene) => until(scene, () => globalThis.seen.some((e) => e.type === 'stalled'));
+
+async function outage(ms) {
   const scene = await open(`server away for ${seconds(ms)}`);
   await plays(scene);
   scene.faults = (request) => (ofCharacter(request) ? { away: true } : null);
@@ -159,29 +203,31 @@ export async function outage(ms) {
     globalThis.viewer.goTo(other);
     return other;
   });
-  await wait(ms);
+  await stalled(scene);
+  const asked = scene.server.requests.length;
+  await pass(scene, ms);
+  assert.ok(scene.server.requests.length > asked, 'it is asked for again');
+  assert.ok(scene.server.requests.length - asked <= 2 * (4 + ms / kLongestPauseMs * 2), 'with pauses that grow');
   assert.ok(await advances(scene), 'what is there plays on');
-  assert.ok((await seenCount(scene, 'stalled')) > 0);
   assert.deepEqual(await panel(scene), { error: false, note: true, play: false }, 'a quiet sign, no error');
-  const back = Date.now();
   scene.faults = null;
+  const recovery = await recovers(scene);
   await until(scene, (other) => globalThis.viewer.sequence === other && !globalThis.viewer.inTransition, other);
-  const recovery = Date.now() - back;
   assert.ok(await advances(scene));
-  await until(scene, () => globalThis.viewer.shadowRoot.querySelector('.note').hidden);
+  assert.equal((await panel(scene)).note, false);
   assert.deepEqual(await errors(scene), []);
   row(`${scene.name} while another motion is asked for`, 'the motion goes on, "Waiting for the network"', `${seconds(recovery)} after it is back`);
   await finish(scene);
 }
 
-export async function outageWhileLoading() {
+async function outageWhileLoading() {
   const scene = await open('server away before anything is loaded', { faults: (r) => (ofCharacter(r) ? { away: true } : null) });
-  await wait(4000);
+  await stalled(scene);
+  await pass(scene, 4000);
   assert.deepEqual(await panel(scene), { error: false, note: true, play: false });
   scene.faults = null;
-  const back = Date.now();
+  row(scene.name, 'poster, "Waiting for the network"', `${seconds(await recovers(scene))} after it is back`);
   await plays(scene);
-  row(scene.name, 'poster, "Waiting for the network"', `${seconds(Date.now() - back)} until it plays`);
   assert.deepEqual(await errors(scene), []);
   await finish(scene);
 }
@@ -191,8 +237,9 @@ export async function browserOffline() {
   await plays(scene);
   await scene.page.context().setOffline(true);
   const other = await get(scene, () => (globalThis.viewer.sequence = globalThis.viewer.sequences.at(-1).name));
-  await wait(10_000);
-  assert.ok((await seenCount(scene, 'waiting')) > 0, 'a cut to a motion that does not come waits');
+  await stalled(scene);
+  await pass(scene, 10_000);
+  await until(scene, () => globalThis.seen.some((e) => e.type === 'waiting')); // a cut to a motion that does not come
   const back = Date.now();
   await scene.page.context().setOffline(false);
   await until(scene, (other) => globalThis.viewer.sequence === other && globalThis.seen.at(-1).type === 'playing', other);
@@ -201,20 +248,25 @@ export async function browserOffline() {
   await finish(scene);
 }
 
-export async function serverErrors() {
-  const until5 = Date.now() + 5000;
-  const scene = await open('503 for 5 s', { faults: (r) => (ofCharacter(r) && Date.now() < until5 ? { status: 503 } : null) });
+async function serverErrors() {
+  const scene = await open('503 for 5 s', { faults: (r) => (ofCharacter(r) ? { status: 503 } : null) });
+  await stalled(scene);
+  await pass(scene, 5000);
+  scene.faults = null;
+  row(scene.name, 'poster, "Waiting for the network"', `${seconds(await recovers(scene))} after it is back`);
   await plays(scene);
-  row(scene.name, 'poster, "Waiting for the network"', `${seconds(Date.now() - until5)} until it plays`);
   assert.deepEqual(await errors(scene), []);
   await finish(scene);
 }
 
-export async function slowServer() {
-  const began = Date.now();
-  const scene = await open('50 kB/s', { faults: (r) => (ofCharacter(r) ? { bytesPerS: 50_000 } : null) });
+// The page's clock and the server are ten times as fast as said.
+async function slowServer() {
+  const scene = await open('50 kB/s', {
+    before: () => globalThis.testClock.setRate(10), faults: (r) => (ofCharacter(r) ? { bytesPerS: 500_000 } : null),
+  });
+  const began = await pageTime(scene);
   await until(scene, () => globalThis.viewer.stats?.framesShown > 0);
-  const first = Date.now() - began;
+  const first = (await pageTime(scene)) - began;
   assert.ok(await advances(scene));
   assert.equal(await seenCount(scene, 'stalled'), 0, 'slow is not away');
   assert.deepEqual(await errors(scene), []);
@@ -222,16 +274,17 @@ export async function slowServer() {
   await finish(scene);
 }
 
-export async function stalls() {
+async function stalls() {
   const asked = [];
-  const began = Date.now();
   const scene = await open('an answer that never ends', {
     faults: (r) => (r.url.endsWith('.mp4') && asked.push(r.headers.range) === 1 ? { stallAfter: 2000 } : null),
   });
+  for (const end = Date.now() + kPatienceMs; !asked.length && Date.now() < end;) await wait(20);
+  const ms = await passUntil(scene, () => globalThis.seen.some((e) => e.type === 'stalled')) + await recovers(scene);
   await plays(scene);
   assert.ok(asked.filter((range) => range === asked[0]).length > 1, 'it was asked for again');
   assert.ok((await seenCount(scene, 'stalled')) > 0);
-  row(scene.name, 'poster and progress', `plays after ${seconds(Date.now() - began)}`);
+  row(scene.name, 'poster and progress', `goes on after ${seconds(ms)}`);
   assert.deepEqual(await errors(scene), []);
   await finish(scene);
 }
@@ -337,7 +390,8 @@ async function mixedBakes() {
   assert.equal(error.id, 'files-differ');
   assert.match(error.message, /\.bin/);
   assert.equal(scene.server.requests.filter((r) => r.path.endsWith('character.gltf')).length, 2);
-  await wait(500);
+  await pass(scene, kLongestPauseMs);
+  await wait(100);
   assert.equal((await errors(scene)).length, 1);
   assert.equal((await panel(scene)).error, true);
   scene.faults = null;
@@ -361,7 +415,8 @@ async function decoderTaken() {
     globalThis.viewer.pause();
     for (const lose of [...globalThis.live.lose]) lose();
   });
-  await wait(500);
+  await pass(scene, 500);
+  await wait(100);
   assert.equal(await get(scene, () => globalThis.live.decoders), 0);
   await get(scene, () => globalThis.viewer.play());
   assert.ok(await advances(scene));
@@ -378,6 +433,11 @@ async function decoderTaken() {
 
 /** [title, scene]: one test each in every browser. */
 export const everywhere = [
+  ...[2000, 10_000, 60_000].map((ms) => [`the server is away for ${seconds(ms)} and comes back`, () => outage(ms)]),
+  ['the server is away while the character loads', outageWhileLoading],
+  ['the server answers 503 for a while', serverErrors],
+  ['a slow server is not one that is away', slowServer],
+  ['an answer that never ends is asked for again', stalls],
   ['a motion that is not there is an error, and is played once it is there', missingMotion],
   ['the shown motion fails: a panel with a button that tries again', missingCharacter],
   ['another origin: its permission is needed, and a refusal is told from a lost network', otherOrigin],

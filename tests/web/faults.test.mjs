@@ -4,32 +4,18 @@
 // uncaught exception, and after the element has gone every decoder and picture is closed. Writes a table: fault, what
 // the visitor sees, recovery time or error.
 import assert from 'node:assert/strict';
-import { after, before, test } from 'node:test';
 
 import {
-  advances, browserOffline, closeStage, errors, everywhere, finish, firstError, framesShown, get, ofCharacter, open, outage,
-  outageWhileLoading, panel, plays, row, seconds, serverErrors, slowServer, stage, stalls, until, wait, writeTable,
+  advances, browserOffline, errors, everywhere, finish, firstError, framesShown, get, ofCharacter, open, panel, pass,
+  passUntil, plays, row, runScenes, sceneTest, seconds, until, wait,
 } from './fault_scenes.mjs';
 import { launch, readCanvas, waitForEvent } from './harness.mjs';
 import { coverage } from './ssim.mjs';
 
 const kElsewhere = 'visitor.test'; // a name of this machine that is neither localhost nor https
-let minute;
-before(async () => {
-  stage.browser = await launch([`--host-resolver-rules=MAP ${kElsewhere} 127.0.0.1`]);
-  minute = Promise.all([outage(60_000), hiddenForAMinute()]); // beside the other tests; the last one waits for it
-  minute.catch(() => undefined);
-});
-after(async () => {
-  await closeStage();
-  writeTable('faults');
-});
 
-test('the network and the server come back', () => Promise.all([
-  outage(2000), outage(10_000), outageWhileLoading(), browserOffline(), serverErrors(), slowServer(), stalls(),
-]));
-
-for (const [title, scene] of everywhere) test(title, scene);
+for (const [title, scene] of everywhere) sceneTest(title, scene);
+sceneTest('the browser is offline for 10 s', browserOffline);
 
 // Runs in the page before its scripts.
 function makeHideable() {
@@ -45,7 +31,7 @@ async function hiddenForAMinute() {
   const scene = await open('page hidden for a minute', { before: makeHideable });
   await plays(scene);
   await get(scene, () => globalThis.setHidden(true));
-  await wait(60_000);
+  await pass(scene, 60_000);
   assert.deepEqual(await get(scene, () => [globalThis.live.decoders, globalThis.live.pictures]), [0, 0]);
   const back = Date.now();
   await get(scene, () => globalThis.setHidden(false));
@@ -55,12 +41,13 @@ async function hiddenForAMinute() {
   await finish(scene);
 }
 
-test('a hidden page holds no decoder, and a paused viewer stays paused', async () => {
+sceneTest('a hidden page holds no decoder, and a paused viewer stays paused', async () => {
   const scene = await open('page hidden', { before: makeHideable });
   await plays(scene);
   await get(scene, () => globalThis.setHidden(true));
   const shown = await framesShown(scene);
-  await wait(2000);
+  await pass(scene, 2000);
+  await wait(500);
   assert.equal(await framesShown(scene), shown, 'the clock stands still');
   assert.equal(await get(scene, () => globalThis.live.decoders), 0);
   const back = Date.now();
@@ -73,7 +60,8 @@ test('a hidden page holds no decoder, and a paused viewer stays paused', async (
     globalThis.setHidden(false);
   });
   const still = await framesShown(scene);
-  await wait(700);
+  await pass(scene, 700);
+  await wait(300);
   assert.equal(await framesShown(scene), still);
   assert.equal(await get(scene, () => globalThis.viewer.paused), true);
   // Another source does not start what somebody has paused, although the element says autoplay.
@@ -85,7 +73,7 @@ test('a hidden page holds no decoder, and a paused viewer stays paused', async (
   await finish(scene);
 });
 
-test('a GL context that is given back', async () => {
+sceneTest('a GL context that is given back', async () => {
   const scene = await open('GL context lost and given back');
   await plays(scene);
   const lost = Date.now();
@@ -93,27 +81,26 @@ test('a GL context that is given back', async () => {
     const gl = globalThis.viewer.shadowRoot.querySelector('canvas').getContext('webgl2');
     const extension = gl.getExtension('WEBGL_lose_context');
     extension.loseContext();
-    await new Promise((next) => setTimeout(next, 500));
+    await globalThis.testClock.turn(500);
     extension.restoreContext();
   });
   await until(scene, () => globalThis.seen.filter((e) => e.type === 'canplay').length === 2);
   assert.ok(await advances(scene));
   assert.ok(coverage(await readCanvas(scene.page)) > 0.02);
-  row(scene.name, 'the poster for a moment', `plays ${seconds(Date.now() - lost - 500)} after it is back`);
+  row(scene.name, 'the poster for a moment', `plays ${seconds(Date.now() - lost)} after it is back`);
   assert.deepEqual(await errors(scene), []);
   await finish(scene);
 });
 
-test('a GL context that is never given back: the poster, and a button', async () => {
+sceneTest('a GL context that is never given back: the poster, and a button', async () => {
   const scene = await open('GL context lost for good');
   await plays(scene);
-  const lost = Date.now();
   await get(scene, () => {
     const canvas = globalThis.viewer.shadowRoot.querySelector('canvas');
     canvas.getContext('webgl2').getExtension('WEBGL_lose_context').loseContext();
   });
+  const told = await passUntil(scene, () => globalThis.seen.some((e) => e.type === 'error'));
   assert.equal((await firstError(scene)).id, 'gpu-failure');
-  const told = Date.now() - lost;
   const poster = () => get(scene, () => getComputedStyle(globalThis.viewer.shadowRoot.querySelector('.poster')).opacity);
   await until(scene, () => getComputedStyle(globalThis.viewer.shadowRoot.querySelector('.poster')).opacity === '1');
   assert.equal(await poster(), '1');
@@ -125,7 +112,7 @@ test('a GL context that is never given back: the poster, and a button', async ()
   await finish(scene);
 });
 
-test('an element that is moved goes on; one that comes back is where it was', async () => {
+sceneTest('an element that is moved goes on; one that comes back is where it was', async () => {
   const scene = await open('element moved');
   await plays(scene);
   const other = await get(scene, () => (globalThis.viewer.sequence = globalThis.viewer.sequences.at(-1).name));
@@ -163,7 +150,7 @@ test('an element that is moved goes on; one that comes back is where it was', as
   await finish(scene);
 });
 
-test('another src while loading, removal while loading', async () => {
+sceneTest('another src while loading, removal while loading', async () => {
   const scene = await open('src changed while loading', { faults: (r) => (ofCharacter(r) ? { bytesPerS: 200_000 } : null) });
   for (const ms of [0, 100, 400, 900]) {
     await wait(ms);
@@ -184,7 +171,7 @@ test('another src while loading, removal while loading', async () => {
   await finish(scene);
 });
 
-test('files that are damaged, and a server that knows no ranges', async () => {
+sceneTest('files that are damaged, and a server that knows no ranges', async () => {
   for (const [name, file, fault, id] of [
     ['a video that ends too early', '.mp4', { truncate: 2000 }, 'fetch-failed'],
     ['wrong bytes', '.mp4', { spoil: true }, 'files-differ'],
@@ -204,7 +191,7 @@ test('files that are damaged, and a server that knows no ranges', async () => {
   }
 });
 
-test('what cannot work is one error with its own ID', async () => {
+sceneTest('what cannot work is one error with its own ID', async () => {
   const cases = [
     ['wasm refused by the page\'s policy', 'wasm-refused',
       { policy: "script-src 'self' 'unsafe-inline'" }, (line) => /Content Security Policy|wasm/i.test(line)],
@@ -225,7 +212,8 @@ test('what cannot work is one error with its own ID', async () => {
     const error = await firstError(scene);
     assert.equal(error.id, id, `${name}: ${error.message}`);
     assert.ok(error.message.length > 20 && !error.message.includes('\n'), error.message);
-    await wait(300);
+    await pass(scene, 1000);
+    await wait(100);
     assert.equal((await errors(scene)).length, 1, `${name}: one error`);
     assert.equal((await panel(scene)).error, true);
     const refusal = await get(scene, () => globalThis.viewer.play().then(() => 'plays', (reason) => reason.id));
@@ -235,7 +223,7 @@ test('what cannot work is one error with its own ID', async () => {
   }
 });
 
-test('promises that an element makes to its page', async () => {
+sceneTest('promises that an element makes to its page', async () => {
   const scene = await open('promises', { attributes: { 'camera-controls': '' }, src: null });
   await get(scene, () => {
     globalThis.viewer.currentTime = 0.4;
@@ -277,7 +265,7 @@ test('promises that an element makes to its page', async () => {
   await finish(scene);
 });
 
-test('after a click the wheel zooms until the pointer leaves, and then scrolls the page again', async () => {
+sceneTest('after a click the wheel zooms until the pointer leaves, and then scrolls the page again', async () => {
   const scene = await open('wheel', { attributes: { 'camera-controls': '' } });
   await waitForEvent(scene.page, 'canplay');
   const zooms = async () => {
@@ -303,4 +291,6 @@ test('after a click the wheel zooms until the pointer leaves, and then scrolls t
   await finish(scene);
 });
 
-test('after a minute: the server comes back, the page is seen again', () => minute);
+sceneTest('a page that is hidden for a minute is seen again', hiddenForAMinute);
+
+runScenes('faults', () => launch([`--host-resolver-rules=MAP ${kElsewhere} 127.0.0.1`]));
