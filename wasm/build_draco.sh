@@ -10,8 +10,9 @@ set -euo pipefail
 
 cache=${FOURDVT_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/fourdvt}
 flags="${DRACO_WASM_FLAGS:--Oz -flto -msimd128} -fno-exceptions -fno-rtti -DNDEBUG"
-options=(-DDRACO_JS_GLUE=OFF -DDRACO_TESTS=OFF -DDRACO_BACKWARDS_COMPATIBILITY=OFF
-  -DDRACO_POINT_CLOUD_COMPRESSION=OFF -DDRACO_PREDICTIVE_EDGEBREAKER=OFF)
+# One unit per part: most of the time goes to headers. LTO makes the player 0.2 % smaller from it, not larger.
+options=(-DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=0 -DDRACO_JS_GLUE=OFF -DDRACO_TESTS=OFF
+  -DDRACO_BACKWARDS_COMPATIBILITY=OFF -DDRACO_POINT_CLOUD_COMPRESSION=OFF -DDRACO_PREDICTIVE_EDGEBREAKER=OFF)
 # A decoder that no option of Draco leaves out. A character has positions and texture coordinates only.
 no_features=NORMAL_ENCODING_SUPPORTED
 # The parts of Draco that decode a mesh; the encoders are most of the rest.
@@ -44,7 +45,7 @@ fi
 version=$(version_of "$source_dir")
 [ -n "$version" ] || fail "no version in $source_dir/src/draco/core/draco_version.h: is it Draco?"
 
-echo "build_draco: building Draco $version for wasm (1-2 minutes)" >&2
+echo "build_draco: building Draco $version for wasm (about 20 seconds)" >&2
 export NODE_PATH=${NODE_PATH:-/usr/share/nodejs}
 EMSCRIPTEN=${EMSCRIPTEN:-$(dirname "$(readlink -f "$(command -v emcc)")")}
 export EMSCRIPTEN
