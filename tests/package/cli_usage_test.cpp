@@ -87,20 +87,24 @@ TEST_P(LabUsage, IsOneLineAndExitCode2) {
 
 INSTANTIATE_TEST_SUITE_P(
     Mistakes, LabUsage,
-    testing::Values(
-        Mistake{"bake a -o b --labels best", "naive, spatial, temporal-paper, joint, per-texel"},
-        Mistake{"bake a -o b --layers 7", "--layers"}, Mistake{"study a", "-o is required"},
-        Mistake{"study a -o b --methods fvvr", "unknown option --methods"},
-        Mistake{"study a -o b --flicker 2", "unknown option --flicker"}, Mistake{"score a", "--capture is required"},
-        Mistake{"score a --capture b --refine none", "unknown option --refine"},
-        Mistake{"score a --capture b --input-every -1", "--input-every"},
-        Mistake{"score a --capture b --quick", "unknown option --quick"},
-        Mistake{"methods a --frames 2", "--frames needs -o"}, Mistake{"methods a -o b --frames 0", "--frames"},
-        Mistake{"methods a -o b --closest 3", "--closest does not go with -o"},
-        Mistake{"methods a -o b --sweep-planes 8", "--sweep-planes does not go with -o"},
-        Mistake{"methods a --refine none", "unknown option --refine"},
-        Mistake{"methods a --character b", "unknown option --character"},
-        Mistake{"surfaces a --method fvvr", "unknown option --method"}, Mistake{"surfaces", "missing argument"}));
+    testing::Values(Mistake{"bake a -o b --labels best", "naive, spatial, temporal-paper, joint, per-texel"},
+                    Mistake{"bake a -o b --layers 7", "--layers"}, Mistake{"study a", "-o is required"},
+                    Mistake{"study a -o b --methods fvvr", "unknown option --methods"},
+                    Mistake{"study a -o b --flicker 2", "unknown option --flicker"},
+                    Mistake{"score a", "--capture is required"},
+                    Mistake{"score a --capture b --refine none", "unknown option --refine"},
+                    Mistake{"score a --capture b --input-every -1", "--input-every"},
+                    Mistake{"score a --capture b --quick", "unknown option --quick"},
+                    Mistake{"methods a --frames 2", "--frames needs -o"},
+                    Mistake{"methods a --axis-frames 2", "--axis-frames needs -o"},
+                    Mistake{"methods a --steps proxies", "--steps needs -o"},
+                    Mistake{"study a -o b --views 3", "--views"}, Mistake{"methods a -o b --frames 0", "--frames"},
+                    Mistake{"methods a -o b --closest 3", "--closest does not go with -o"},
+                    Mistake{"methods a -o b --sweep-planes 8", "--sweep-planes does not go with -o"},
+                    Mistake{"methods a --refine none", "unknown option --refine"},
+                    Mistake{"methods a --character b", "unknown option --character"},
+                    Mistake{"surfaces a --method fvvr", "unknown option --method"},
+                    Mistake{"surfaces", "missing argument"}));
 
 TEST(Usage, UnknownCommandListsThoseThatExist) {
   for (const char* arguments : {"", "fly"}) {

@@ -87,7 +87,10 @@ PictureScore scorePicture(const Image& reference, const Image& picture) {
 }
 
 void MeanScores::add(const PictureScore& score) {
-  for (const auto measure : kMeasures) sum_.*measure += score.*measure;
+  for (const auto measure : kMeasures) {
+    sum_.*measure += score.*measure;
+    squares_.*measure += score.*measure * (score.*measure);
+  }
   ++count_;
 }
 
@@ -95,6 +98,16 @@ PictureScore MeanScores::mean() const {
   PictureScore mean = sum_;
   for (const auto measure : kMeasures) mean.*measure /= static_cast<double>(count_);
   return mean;
+}
+
+PictureScore MeanScores::standardError() const {
+  const double n = static_cast<double>(count_);
+  PictureScore error;
+  for (const auto measure : kMeasures) {
+    const double mean = sum_.*measure / n, variance = std::max(0.0, squares_.*measure / n - mean * mean);
+    error.*measure = count_ < 2 ? std::nan("") : std::sqrt(variance / (n - 1));
+  }
+  return error;
 }
 
 void ScoreLane::collect(size_t keep) {

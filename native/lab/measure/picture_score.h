@@ -29,10 +29,11 @@ class MeanScores {
  public:
   void add(const PictureScore& score);
   size_t count() const { return count_; }
-  PictureScore mean() const;  // NaN if nothing was added
+  PictureScore mean() const;           // NaN if nothing was added
+  PictureScore standardError() const;  // of the mean; NaN below two scores
 
  private:
-  PictureScore sum_;
+  PictureScore sum_, squares_;
   size_t count_ = 0;
 };
 

@@ -17,7 +17,7 @@
 namespace fourdvt::study {
 namespace {
 
-constexpr const char* kStudyVersion = "study 6";  // change it whenever kept rows of older builds must not be reused
+constexpr const char* kStudyVersion = "study 7";  // change it whenever kept rows of older builds must not be reused
 
 StudyContext resolved(const StudyContext& given) {
   StudyContext context = given;
@@ -54,13 +54,21 @@ Result<refine::Refinement> refineStudied(const StudyContext& context) {
 }  // namespace
 
 std::vector<StudyStep> studySteps() {
-  return {{"reference", 18, runReference}, {"methods", 55, runMethods}, {"layers", 40, runLayers},
-          {"rate", 30, runRate},           {"speed", 6, runSpeed},      {"pictures", 5, runPictures},
+  return {{"reference", 18, runReference},
+          {"methods", 53, runMethods},
+          {"labels", 2, runLabels},
+          {"layers", 12, runLayers},
+          {"layer-videos", 28, runLayerVideos},
+          {"rate", 10, runRate},
+          {"codecs", 20, runCodecs},
+          {"speed", 6, runSpeed},
+          {"pictures", 5, runPictures},
           {"motion", 40, runMotion}};
 }
 
 Result<Rows> runStudy(const StudyContext& given) {
   StudyContext context = resolved(given);
+  FOURDVT_ASSIGN(const auto steps, askedSteps(studySteps(), context.options.steps));
   const std::string& folder = context.options.report_folder;
   FOURDVT_TRY(openReportFolder(folder, studyKey(context.options, kStudyVersion)));
   const capture::Capture as_given = *context.capture;
@@ -82,7 +90,7 @@ Result<Rows> runStudy(const StudyContext& given) {
     return platform::writeFileAtomic(
         folder + "/report.html", report::documentHtml(makeStudyDocument(rows, context.options, context.capture->name)));
   };
-  FOURDVT_ASSIGN(auto rows, runSteps(context, studySteps(), publish));
+  FOURDVT_ASSIGN(auto rows, runSteps(context, steps, publish));
   return published;
 }
 

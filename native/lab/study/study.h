@@ -14,7 +14,7 @@ namespace fourdvt::study {
 std::vector<StudyStep> studySteps();
 // Checks the report folder, runs what is missing and writes evaluate.csv, evaluate.json and report.html after every
 // step. The context needs folders, capture, device and open_video. Errors: those of the steps; Interrupted;
-// InvalidArgument (the report folder holds something else); WriteFailed.
+// InvalidArgument (the report folder holds something else; no such step); WriteFailed.
 Result<Rows> runStudy(const StudyContext& context);
 
 }  // namespace fourdvt::study

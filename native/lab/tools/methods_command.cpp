@@ -25,6 +25,8 @@ const tools::CommandHelp& help() {
        {"--sequences", "A,B", "only these sequences (default: all)"},
        {"--methods", "A,B", "only these methods (default: all)"},
        {"--frames", "N", "with -o: test frames of each sequence, spread over it (default 1)"},
+       {"--axis-frames", "N", "with -o: the same where cameras and calibration vary (default: as --frames)"},
+       {"--steps", "A,B", "with -o: only these steps of the report (default: all)"},
        {"--quick", nullptr, "a first look: few views and conditions"},
        {"--closest", "M", "without -o: number of cameras that a view uses, 0: all (default 4)"},
        {"--sweep-planes", "N",
@@ -42,7 +44,8 @@ std::string optionsAsTyped(const study::StudyOptions& options) {
   std::string out;
   for (const std::string& method : options.methods)
     out += (&method == &options.methods.front() ? " --methods " : ",") + method;
-  return out + (options.test_frames > 1 ? " --frames " + std::to_string(options.test_frames) : "");
+  if (options.test_frames > 1) out += " --frames " + std::to_string(options.test_frames);
+  return out + (options.axis_frames > 0 ? " --axis-frames " + std::to_string(options.axis_frames) : "");
 }
 
 Arguments readArguments(tools::Args& args) {
@@ -54,6 +57,8 @@ Arguments readArguments(tools::Args& args) {
   study.quick = a.table.quick = args.has("--quick");
   study.methods = a.table.methods = args.list("--methods");
   study.test_frames = static_cast<uint32_t>(args.integer("--frames", 1, 1, 10'000));
+  study.axis_frames = static_cast<uint32_t>(args.integer("--axis-frames", 0, 1, 10'000));
+  study.steps = args.list("--steps");
   study.command = "methods";
   study.stem = "projective";
   study.further = optionsAsTyped(study);
@@ -62,7 +67,8 @@ Arguments readArguments(tools::Args& args) {
   sweep.planes = args.integer("--sweep-planes", sweep.planes, 4, 32);
   sweep.band_m = static_cast<float>(args.number("--sweep-band-mm", 1000 * sweep.band_m, 0.1, 1000) / 1000);
   if (study.report_folder.empty()) {
-    if (args.has("--frames")) args.complain("--frames needs -o REPORT");
+    for (const char* name : {"--frames", "--axis-frames", "--steps"})
+      if (args.has(name)) args.complain(std::string(name) + " needs -o REPORT");
   } else {
     for (const char* name : {"--closest", "--sweep-planes", "--sweep-band-mm"})
       if (args.has(name))

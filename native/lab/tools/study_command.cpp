@@ -16,6 +16,8 @@ const tools::CommandHelp& help() {
       {{"-o", "REPORT", "folder to write (required)"},
        {"--sequences", "A,B", "only these sequences (default: all)"},
        {"--quick", nullptr, "a first look: the shortest sequence, few views and settings"},
+       {"--steps", "A,B", "only these steps of the study (default: all)"},
+       {"--views", "N", "views of the ring, 4 to 360 (default 36)"},
        {"--jobs", "N", "worker threads of the bakes; 0: one per core (default 0)"},
        tools::kRefineOption,
        tools::kRefineCamerasOption,
@@ -32,6 +34,9 @@ int studyCommand(int argc, char** argv) {
   options.report_folder = args.required("-o");
   options.sequences = args.list("--sequences");
   options.quick = args.has("--quick");
+  options.steps = args.list("--steps");
+  options.ring_views = args.integer("--views", options.ring_views, 4, 360);
+  if (args.has("--views")) options.further = " --views " + std::to_string(options.ring_views);
   options.jobs = args.integer("--jobs", 0, 0, 1024);
   options.refine = tools::readRefineOptions(args);
   if (const auto code = tools::helpOrProblem(help(), args)) return *code;

@@ -133,8 +133,9 @@ class StudySteps : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
   Result<Rows> run(const std::string& key) {
+    FOURDVT_ASSIGN(const auto steps, askedSteps(kSteps, context_.options.steps));
     FOURDVT_TRY(openReportFolder(folder_, key));
-    return runSteps(context_, kSteps, [&](const Rows& rows) -> Status {
+    return runSteps(context_, steps, [&](const Rows& rows) -> Status {
       published_.push_back(rows.size());
       return {};
     });
@@ -153,6 +154,26 @@ TEST_F(StudySteps, FinishedStepsAreKept) {
   ASSERT_TRUE(again);
   EXPECT_EQ(rowsCsv(again.value()), rowsCsv(first.value()));
   EXPECT_EQ(g_runs, (std::map<std::string, int>{{"first", 1}, {"second", 1}, {"part", 1}}));
+}
+
+TEST_F(StudySteps, OnlyTheStepsAskedForRunAndTheirRowsStay) {
+  context_.options.steps = {"two"};
+  auto second = run("key");
+  ASSERT_TRUE(second);
+  EXPECT_EQ(g_runs, (std::map<std::string, int>{{"second", 1}, {"part", 1}}));
+  ASSERT_EQ(second.value().size(), 1u);
+  EXPECT_EQ(second.value()[0].method, "second");
+  context_.options.steps = {"two", "one"};
+  auto both = run("key");
+  ASSERT_TRUE(both);
+  ASSERT_EQ(both.value().size(), 2u);
+  EXPECT_EQ(both.value()[0].method, "first") << "in the study's order";
+  EXPECT_EQ(g_runs, (std::map<std::string, int>{{"first", 1}, {"second", 1}, {"part", 1}}));
+  context_.options.steps = {"three"};
+  auto unknown = run("key");
+  ASSERT_FALSE(unknown);
+  EXPECT_EQ(unknown.error().id, ErrorId::InvalidArgument);
+  EXPECT_NE(unknown.error().message.find("\"three\"; the steps are one, two"), std::string::npos);
 }
 
 TEST_F(StudySteps, AnotherKeyRunsEverythingAgain) {
@@ -330,6 +351,25 @@ TEST(StudyScore, SsimEqualsThatOfTheWholePicture) {
     EXPECT_NEAR(score.ssim_fg, measure::ssim(ca, cb, measure::unionOfSilhouettes(a, b)), 1e-9);
     EXPECT_LT(score.ssim_fg, score.ssim_full);
   }
+}
+
+TEST(StudyScore, MeansHaveAStandardError) {
+  measure::MeanScores scores;
+  const auto add = [&](double psnr_db) {
+    measure::PictureScore score;
+    score.psnr_fg_db = psnr_db;
+    scores.add(score);
+  };
+  add(20);
+  EXPECT_TRUE(std::isnan(scores.standardError().psnr_fg_db));
+  for (const double psnr_db : {23.0, 26.0}) add(psnr_db);
+  EXPECT_DOUBLE_EQ(scores.mean().psnr_fg_db, 23);
+  EXPECT_NEAR(scores.standardError().psnr_fg_db, std::sqrt(3.0), 1e-9);
+  Rows out;
+  writeScores({out, "t", "s", "m", ""}, scores);
+  const auto error = std::find_if(out.begin(), out.end(), [](const Row& r) { return r.quantity == "psnr_fg_se_db"; });
+  ASSERT_NE(error, out.end());
+  EXPECT_NEAR(error->value, std::sqrt(3.0), 1e-9);
 }
 
 TEST(StudyScore, LaneKeepsTheOrder) {

@@ -33,6 +33,9 @@ bake::BakeOptions motionBake(const StudyContext& context, const capture::Capture
       options.sequences.push_back(sequence.name);
   }
   options.survey_folder = context.work() + "/survey";
+  // The step "methods" has baked all sequences with the same settings.
+  const std::string baked = context.work() + "/methods/" + rows::kJointDefault;
+  if (options.sequences == context.options.sequences && isCharacter(baked)) options.character_folder = baked;
   return options;
 }
 

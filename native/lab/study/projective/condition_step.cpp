@@ -78,7 +78,10 @@ class ConditionPart {
 Status ConditionPart::heldOut() {
   const StudyContext& context = setup_.context();
   std::map<std::string, measure::AppearanceLane> lanes;
-  for (const uint32_t frame : spreadTestFrames(frames_.sequence(), context.options.test_frames)) {
+  const StudyOptions& options = context.options;
+  const bool on_axis = !condition_.all_methods && options.axis_frames > 0;
+  for (const uint32_t frame :
+       spreadTestFrames(frames_.sequence(), on_axis ? options.axis_frames : options.test_frames)) {
     FOURDVT_ASSIGN(const FrameScene scene, setup_.scene(condition_, frames_, frame));
     bool shown = false;
     for (const PinholeCamera& camera : setup_.testCameras()) {

@@ -30,6 +30,8 @@ Result<Rows> runAbout(const StudyContext& context) {
       frames.append(" ").append(std::to_string(frame));
   }
   fact("test frames", frames);
+  if (context.options.axis_frames > 0)
+    fact("test frames of cameras and calibration", std::to_string(context.options.axis_frames) + " of each motion");
   fact("frames of a run", std::to_string(runFrames(context.options)) + ", from the first test frame, at input camera " +
                               context.capture->cameras[0].pinhole.name);
   for (const std::string& left_out : choice.left_out) fact("method left out", left_out);
@@ -71,7 +73,6 @@ Result<Rows> runProjectiveStudy(const StudyContext& given) {
                                            "/capture.json: no sequence has \"test_frames\", frames with held-out "
                                            "pictures"};
   FOURDVT_ASSIGN(const auto choice, chooseMethods(*context.device, context.options.methods));
-  FOURDVT_TRY(openReportFolder(folder, studyKey(context.options, kVersion)));
   static const StudyStep kSteps[] = {{"about", 0.1, runAbout},
                                      {"proxies", 55, runProxyConditions},
                                      {"cameras", 12, runCameraConditions},
@@ -79,6 +80,8 @@ Result<Rows> runProjectiveStudy(const StudyContext& given) {
                                      {"cross-validation", 12, runCrossValidation},
                                      {"stages", 3, runMethodStages},
                                      {"pictures", 12, runMethodPictures}};
+  FOURDVT_ASSIGN(const auto steps, askedSteps(kSteps, context.options.steps));
+  FOURDVT_TRY(openReportFolder(folder, studyKey(context.options, kVersion)));
   const std::string& stem = context.options.stem;
   const std::string& name = context.capture->name;
   Rows published;
@@ -91,7 +94,7 @@ Result<Rows> runProjectiveStudy(const StudyContext& given) {
     return platform::writeFileAtomic(folder + "/report.html",
                                      report::documentHtml(makeProjectiveDocument(rows, context.options, name)));
   };
-  FOURDVT_ASSIGN(const auto rows, runSteps(context, kSteps, publish));
+  FOURDVT_ASSIGN(const auto rows, runSteps(context, steps, publish));
   return published;
 }
 

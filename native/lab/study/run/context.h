@@ -32,11 +32,14 @@ struct StudyOptions {
   std::vector<std::string> sequences;  // empty: all
   bool quick = false;                  // two minutes on the sample: one sequence, few views, few settings
   int jobs = 0;
-  refine::RefineOptions refine;  // of the mesh and the cameras, for everything but the rows of the mesh as given
-  std::string generator;         // "fourdvt-lab X.Y.Z", for evaluate.json
+  refine::RefineOptions refine;    // of the mesh and the cameras, for everything but the rows of the mesh as given
+  std::string generator;           // "fourdvt-lab X.Y.Z", for evaluate.json
+  std::vector<std::string> steps;  // these only, in the study's order; empty: all
+  int ring_views = 36;             // views of a sequence's ring; a quick study has 8
   // Of `fourdvt-lab methods`.
   std::vector<std::string> methods;  // empty: all
   uint32_t test_frames = 1;          // of each sequence, at the held-out cameras
+  uint32_t axis_frames = 0;          // the same where cameras and calibration vary; 0: test_frames
   const char* command = "study";     // of fourdvt-lab
   // The study's kind: rows are in REPORT/<stem>.csv and .json. Another kind's report folder is refused.
   std::string stem = "evaluate";

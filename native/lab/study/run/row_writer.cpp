@@ -104,6 +104,10 @@ void writeScores(const RowWriter& row, const measure::MeanScores& scores) {
   row.add(rows::kPsnrFullDb, m.psnr_full_db, "dB");
   row.add("psnr_box_db", m.psnr_box_db, "dB");
   row.add(rows::kPsnrCommonDb, m.psnr_common_db, "dB");
+  if (scores.count() < 2) return;
+  const measure::PictureScore error = scores.standardError();
+  row.add(rows::kPsnrFgSeDb, error.psnr_fg_db, "dB");
+  row.add(rows::kSsimFgSe, error.ssim_fg, "");
 }
 
 Result<Rows> parseRowsCsv(const std::string& text, const std::string& path) {

@@ -37,7 +37,8 @@ class RowWriter {
   Row row_;
 };
 
-// Rows ssim_fg, ssim_full, ssim_box, psnr_fg_db, psnr_full_db, psnr_box_db, psnr_common_db; none without scores.
+// Rows ssim_fg, ssim_full, ssim_box, psnr_fg_db, psnr_full_db, psnr_box_db, psnr_common_db, none without scores; from
+// two scores on also the standard errors of the means psnr_fg_db and ssim_fg.
 void writeScores(const RowWriter& row, const measure::MeanScores& scores);
 
 struct RatePoint {

@@ -51,6 +51,8 @@
 // held-out      fvvr, fvvr-       views=N                          against held-out cameras: kPsnrFgDb, kSsimFg,
 //               closest, naive …, (joint-default as baked)         kPsnrCommonDb (common part of the silhouettes),
 //               joint-default                                      kPsnrFullDb, kSsimFull
+// held-out-     as held-out       view=CAMERA frame=N              the same, view by view, for paired differences
+// views
 // rate          codec name        preset=medium crf=23 size=1024   one point per setting: kVideoBps, kSsimFg,
 //               (h264, vp9, av1)  layers=3 layout=default          kPsnrFgDb, kEncodeMsFrame. layout: "default"
 //                                 (or layout=equal)                (layer 1 large) or "equal". A curve: same method,
@@ -106,6 +108,7 @@ inline constexpr const char* kSpeed = "speed";
 inline constexpr const char* kLabels = "labels";
 inline constexpr const char* kLabelParts = "label-parts";
 inline constexpr const char* kHeldOut = "held-out";
+inline constexpr const char* kHeldOutViews = "held-out-views";
 inline constexpr const char* kRate = "rate";
 inline constexpr const char* kBake = "bake";
 inline constexpr const char* kSeams = "seams";
@@ -168,6 +171,8 @@ inline constexpr const char* kHeldOutSsim = "held_out_ssim_fg";
 inline constexpr const char* kSsimFg = "ssim_fg";
 inline constexpr const char* kSsimFull = "ssim_full";
 inline constexpr const char* kPsnrFgDb = "psnr_fg_db";
+inline constexpr const char* kPsnrFgSeDb = "psnr_fg_se_db";  // standard error of the mean over views
+inline constexpr const char* kSsimFgSe = "ssim_fg_se";
 inline constexpr const char* kPsnrFullDb = "psnr_full_db";
 inline constexpr const char* kPsnrCommonDb = "psnr_common_db";
 inline constexpr const char* kRawBytes = "raw_bytes";

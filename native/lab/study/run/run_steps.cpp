@@ -43,8 +43,10 @@ void listFiles(const fs::path& folder, const fs::path& except, std::vector<std::
 std::string commandLine(const StudyOptions& options) {
   std::string sequences;
   for (const std::string& name : options.sequences) sequences += (sequences.empty() ? " --sequences " : ",") + name;
+  std::string steps;
+  for (const std::string& name : options.steps) steps += (steps.empty() ? " --steps " : ",") + name;
   return "fourdvt-lab " + std::string(options.command) + " '" + options.capture_folder + "' -o '" +
-         options.report_folder + "'" + options.further + sequences + (options.quick ? " --quick" : "");
+         options.report_folder + "'" + options.further + sequences + steps + (options.quick ? " --quick" : "");
 }
 
 // Kept rows, or nullopt if there are none or the file is damaged.
@@ -128,7 +130,22 @@ Result<Rows> keptPart(const StudyContext& context, const std::string& name,
 Result<Rows> rowsOfStep(const StudyContext& context, const std::string& step) {
   const std::string path = context.options.report_folder + "/steps/" + step + ".csv";
   if (auto kept = keptRows(path)) return std::move(*kept);
-  return Error{ErrorId::Internal, path + ": not there; delete the report folder and run the study again"};
+  return Error{ErrorId::Internal, path + ": not there; run the step \"" + step + "\" first"};
+}
+
+Result<std::vector<StudyStep>> askedSteps(std::span<const StudyStep> all, const std::vector<std::string>& names) {
+  const auto isAsked = [&](const StudyStep& step) {
+    return names.empty() || std::find(names.begin(), names.end(), step.name) != names.end();
+  };
+  for (const std::string& name : names) {
+    if (std::any_of(all.begin(), all.end(), [&](const StudyStep& step) { return name == step.name; })) continue;
+    std::string known;
+    for (const StudyStep& step : all) known.append(known.empty() ? "" : ", ").append(step.name);
+    return Error{ErrorId::InvalidArgument, "no step is named \"" + name + "\"; the steps are " + known};
+  }
+  std::vector<StudyStep> out;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(out), isAsked);
+  return out;
 }
 
 Result<Rows> runSteps(const StudyContext& context, std::span<const StudyStep> steps,

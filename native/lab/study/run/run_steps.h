@@ -18,6 +18,9 @@ std::string studyKey(const StudyOptions& options, const std::string& version);
 // holds something else), WriteFailed.
 Status openReportFolder(const std::string& folder, const std::string& key);
 
+// The steps of these names in their own order; all where none is named. Errors: InvalidArgument (no such step).
+Result<std::vector<StudyStep>> askedSteps(std::span<const StudyStep> all, const std::vector<std::string>& names);
+
 // Runs the steps whose rows are not kept yet, in order, and keeps each one's rows. After every step `publish` gets all
 // rows so far. Progress of a step (share: of the step) becomes progress of the study.
 // Errors: those of the steps and of `publish`; Interrupted with how to go on.

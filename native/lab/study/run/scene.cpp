@@ -14,6 +14,10 @@
 
 namespace fourdvt::study {
 
+std::string viewSetting(const PinholeCamera& camera, uint32_t frame) {
+  return "view=" + camera.name + " frame=" + std::to_string(frame);
+}
+
 std::vector<PinholeCamera> captureCameras(const StudyContext& context) {
   std::vector<PinholeCamera> cameras;
   for (const auto& camera : context.capture->cameras) cameras.push_back(camera.pinhole);
@@ -45,7 +49,8 @@ Result<std::vector<RingView>> studyRing(const StudyContext& context, const captu
       bounds.max = glm::max(bounds.max, p);
     }
   }
-  return ringViews(captureCameras(context), bounds, sequence.frame_count, context.options.quick ? 8 : 36);
+  return ringViews(captureCameras(context), bounds, sequence.frame_count,
+                   context.options.quick ? 8 : context.options.ring_views);
 }
 
 std::string referencePath(const StudyContext& context, const std::string& sequence, const RingView& view) {

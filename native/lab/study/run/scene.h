@@ -19,6 +19,8 @@
 
 namespace fourdvt::study {
 
+// "view=CAMERA frame=N"
+std::string viewSetting(const PinholeCamera& camera, uint32_t frame);
 std::vector<PinholeCamera> captureCameras(const StudyContext& context);
 // The sequences of this study, in the capture's order.
 std::vector<const capture::CaptureSequence*> studySequences(const StudyContext& context);

@@ -35,13 +35,15 @@ struct Variant {
 };
 
 struct Plan {
-  int frames = 6, views = 6;  // frames that are drawn, views of each
-  uint32_t video_frames = 0;  // frames encoded as video
+  int frames = 6, views = 6;  // frames that are drawn, views of each; 0 frames: only encodes
+  uint32_t video_frames = 0;  // frames encoded as video; 0: only draws
   int max_layers = 6;
   std::vector<int> sizes{256, 512, 1024, 2048};
 };
 
-Plan planFor(const StudyContext& context, uint32_t frame_count) {
+enum class LayerOutput { Drawn, Encoded };
+
+Plan planFor(const StudyContext& context, uint32_t frame_count, LayerOutput output) {
   Plan plan;
   plan.video_frames = frame_count;
   const int cameras = static_cast<int>(context.capture->cameras.size());
@@ -50,6 +52,10 @@ Plan planFor(const StudyContext& context, uint32_t frame_count) {
   }
   plan.max_layers = std::min(plan.max_layers, cameras);
   plan.frames = std::min<int>(plan.frames, static_cast<int>(frame_count));
+  if (output == LayerOutput::Drawn)
+    plan.video_frames = 0;
+  else
+    plan.frames = 0;
   return plan;
 }
 
@@ -67,8 +73,11 @@ struct Shown {
 
 class LayerStudy {
  public:
-  LayerStudy(const StudyContext& context, const capture::CaptureSequence& sequence)
-      : context_(context), sequence_(sequence), plan_(planFor(context, sequence.frame_count)) {}
+  LayerStudy(const StudyContext& context, LayerOutput output)
+      : context_(context),
+        sequence_(shortestSequence(context)),
+        plan_(planFor(context, sequence_.frame_count, output)),
+        name_(output == LayerOutput::Drawn ? "layers" : "layer-videos") {}
   Result<Rows> run();
 
  private:
@@ -88,6 +97,7 @@ class LayerStudy {
   const StudyContext& context_;
   const capture::CaptureSequence& sequence_;
   Plan plan_;
+  const std::string name_;  // of the step
   std::unique_ptr<SurveyedJob> naive_;
   std::map<int, std::unique_ptr<SurveyedJob>> joint_;     // by number of layers
   std::map<uint32_t, std::vector<PinholeCamera>> views_;  // by frame
@@ -116,7 +126,7 @@ Status LayerStudy::survey() {
     options.layers = l;
     FOURDVT_ASSIGN(joint_[l], surveyOnly(context_, options));
     if (context_.progress)
-      context_.progress({"layers", "labels of " + std::to_string(l) + " layers", 0.1 * l / plan_.max_layers});
+      context_.progress({name_, "labels of " + std::to_string(l) + " layers", 0.1 * l / plan_.max_layers});
   }
   return {};
 }
@@ -276,7 +286,7 @@ Result<Rows> LayerStudy::measureSize(int size, double before, double share) {
   }
   FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(*context_.capture, sequence_, context_.open_video));
   const std::vector<uint32_t> gops = bake::planGops(sequence_.frame_count, kStudyGop);
-  const uint32_t frames = std::max(plan_.video_frames, views_.rbegin()->first + 1);
+  const uint32_t frames = std::max(plan_.video_frames, views_.empty() ? 0 : views_.rbegin()->first + 1);
   for (uint32_t f = 0; f < frames; ++f) {
     FOURDVT_TRY(checkStop(context_));
     if (f > 0 && std::find(gops.begin(), gops.end(), f) != gops.end()) FOURDVT_TRY(encodeGop(variants, size));
@@ -295,7 +305,7 @@ Result<Rows> LayerStudy::measureSize(int size, double before, double share) {
       FOURDVT_TRY(addFrame(variant, size, f, std::move(layers)));
     }
     if (context_.progress)
-      context_.progress({"layers",
+      context_.progress({name_,
                          std::to_string(size) + " texels " + std::to_string(f + 1) + "/" + std::to_string(frames),
                          before + share * (f + 1) / frames});
   }
@@ -306,12 +316,16 @@ Result<Rows> LayerStudy::measureSize(int size, double before, double share) {
   for (const Variant& variant : variants) {
     const Shown& shown = shown_[keyOf(variant)];
     const RowWriter row(out, rows::kLayers, sequence_.name, variant.method, variant.setting(size));
-    writeScores(row, shown.scores);
-    row.add(rows::kGpuBytes, shown.gpu_bytes, "bytes");
-    if (!variant.stored) continue;
     const Stored& stored = shown.stored;
-    row.add(rows::kImageBytes, static_cast<double>(stored.png) / stored.pictures_of, "bytes");
-    row.add("jpeg_bytes_frame", static_cast<double>(stored.jpeg) / stored.pictures_of, "bytes");
+    if (plan_.frames > 0) {
+      writeScores(row, shown.scores);
+      row.add(rows::kGpuBytes, shown.gpu_bytes, "bytes");
+    }
+    if (stored.pictures_of > 0) {
+      row.add(rows::kImageBytes, static_cast<double>(stored.png) / stored.pictures_of, "bytes");
+      row.add("jpeg_bytes_frame", static_cast<double>(stored.jpeg) / stored.pictures_of, "bytes");
+    }
+    if (!variant.stored || plan_.video_frames == 0) continue;
     const double a_frame = static_cast<double>(stored.video) / plan_.video_frames;
     row.add(rows::kVideoBytes, a_frame * sequence_.frame_count, "bytes");
     row.add(rows::kVideoBps, 8 * a_frame * context_.capture->fps, "bit/s");
@@ -322,13 +336,13 @@ Result<Rows> LayerStudy::measureSize(int size, double before, double share) {
 
 Result<Rows> LayerStudy::run() {
   FOURDVT_TRY(survey());
-  FOURDVT_TRY(drawReferences());
+  if (plan_.frames > 0) FOURDVT_TRY(drawReferences());
   double total = 0, before = 0.15;
   for (int size : plan_.sizes) total += std::pow(size, 1.5);
   Rows out;
   for (int size : plan_.sizes) {
     const double share = 0.85 * std::pow(size, 1.5) / total;
-    FOURDVT_ASSIGN(auto part, keptPart(context_, "layers-" + std::to_string(size),
+    FOURDVT_ASSIGN(auto part, keptPart(context_, name_ + "-" + std::to_string(size),
                                        [&] { return measureSize(size, before, share); }));
     out.insert(out.end(), part.begin(), part.end());
     before += share;
@@ -338,6 +352,7 @@ Result<Rows> LayerStudy::run() {
 
 }  // namespace
 
-Result<Rows> runLayers(const StudyContext& context) { return LayerStudy(context, shortestSequence(context)).run(); }
+Result<Rows> runLayers(const StudyContext& context) { return LayerStudy(context, LayerOutput::Drawn).run(); }
+Result<Rows> runLayerVideos(const StudyContext& context) { return LayerStudy(context, LayerOutput::Encoded).run(); }
 
 }  // namespace fourdvt::study

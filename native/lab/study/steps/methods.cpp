@@ -175,22 +175,21 @@ Status MethodStudy::heldOut(const capture::CaptureSequence& sequence) {
     for (const PinholeCamera& camera : held_out_) {
       FOURDVT_ASSIGN(auto truth, measure::heldOutTruth(sequence, camera, frame));
       FOURDVT_ASSIGN(auto drawn, picture(camera, sequence.name, frame));
-      lane.add(std::move(truth), std::move(drawn), camera.name);
+      lane.add(std::move(truth), std::move(drawn), viewSetting(camera, frame));
       views.emplace_back(&camera, frame);
     }
   if (views.empty()) return {};
   measure::MeanScores mean;
-  std::map<std::string, measure::MeanScores> by_camera;
   const auto scores = lane.finish();
   size_t worst = 0;
   for (size_t i = 0; i < scores.size(); ++i) {
     mean.add(scores[i].second);
-    by_camera[scores[i].first].add(scores[i].second);
+    measure::MeanScores one;
+    one.add(scores[i].second);
+    writeScores({out_, rows::kHeldOutViews, sequence.name, method_.name, scores[i].first}, one);
     if (scores[i].second.ssim_fg < scores[worst].second.ssim_fg) worst = i;
   }
   writeScores({out_, rows::kHeldOut, sequence.name, method_.name, "views=" + std::to_string(views.size())}, mean);
-  for (const auto& [camera, part] : by_camera)
-    writeScores({out_, "held-out-views", sequence.name, method_.name, "view=" + camera}, part);
   if (method_.name != rows::kJointDefault) return {};
   return worstPicture(sequence, *views[worst].first, views[worst].second, scores[worst].second.ssim_fg);
 }
@@ -296,19 +295,14 @@ void compareStorage(const Rows& reference, const std::string& sequence, const st
 Result<Rows> runMethods(const StudyContext& context) {
   const std::vector<Method> methods = studyMethods(context);
   const auto sequences = studySequences(context);
-  constexpr double kBakingShare = 0.97;  // the rest: labels
   Rows out;
-  const auto take = [&](Result<Rows> part) -> Status {
-    if (!part) return part.error();
-    out.insert(out.end(), part.value().begin(), part.value().end());
-    return {};
-  };
-  const double share = kBakingShare / static_cast<double>(methods.size());
-  for (size_t m = 0; m < methods.size(); ++m)
-    FOURDVT_TRY(take(keptPart(context, "method-" + methods[m].name, [&] {
-      return MethodStudy(context, methods[m], share * static_cast<double>(m), share).run();
-    })));
-  FOURDVT_TRY(take(keptPart(context, "labels", [&] { return measureLabels(context); })));
+  const double share = 1 / static_cast<double>(methods.size());
+  for (size_t m = 0; m < methods.size(); ++m) {
+    FOURDVT_ASSIGN(auto part, keptPart(context, "method-" + methods[m].name, [&] {
+                     return MethodStudy(context, methods[m], share * static_cast<double>(m), share).run();
+                   }));
+    out.insert(out.end(), part.begin(), part.end());
+  }
   FOURDVT_ASSIGN(auto reference, rowsOfStep(context, "reference"));
   for (const auto* sequence : sequences) compareStorage(reference, sequence->name, methods, out);
   for (const Method& method : methods)
@@ -316,5 +310,7 @@ Result<Rows> runMethods(const StudyContext& context) {
       platform::removeFolder(method.options.character_folder);
   return out;
 }
+
+Result<Rows> runLabels(const StudyContext& context) { return measureLabels(context); }
 
 }  // namespace fourdvt::study

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rate-distortion of codecs, presets, layouts and layer sizes. Layers are baked once per size and layout; every
-// point then encodes, decodes and renders the same pictures (rate_point.h).
+// Rate-distortion, in two steps: "rate" has the default codec for one, two and three layers, "codecs" has codecs,
+// presets, layouts and sizes of layers. Layers are baked once per size and layout; every point then encodes, decodes
+// and renders the same pictures (rate_point.h).
 #include <cmath>
 #include <filesystem>
 
@@ -31,6 +32,8 @@ struct CodecSetting {
 struct Group {
   LayerSetting layers;
   std::vector<CodecSetting> codecs;
+  // The step "rate" has a group of the same layers, with their points without a codec and as chosen.
+  bool again = false;
 };
 
 constexpr uint32_t kQuickFrames = 9;
@@ -38,21 +41,29 @@ constexpr int kFallbackCameras = 3;  // views without held-out cameras
 
 using bake::Codec;
 
-std::vector<Group> plannedGroups(bool quick) {
+// L = 1, 2, 3 over the same bitrates: fewer layers take fewer bits, and reach as far with a lower rate factor.
+std::vector<Group> layerGroups(bool quick) {
   const std::vector<CodecSetting> few{{Codec::H264, "veryfast", {26, 34}}, {Codec::Av1, "7", {46}}};
   if (quick) return {{{512, 3, false}, few}, {{512, 1, false}, {{Codec::H264, "veryfast", {20, 26, 34}}}}};
-  const std::vector<CodecSetting> all{{Codec::H264, "veryfast", {24, 28, 32, 36}},
-                                      {Codec::H264, "medium", {20, 24, 28, 32, 36}},
-                                      {Codec::H264, "slower", {20, 24, 29, 32, 36}},
-                                      {Codec::Vp9, "3", {34, 40, 46, 52}},
-                                      {Codec::Av1, "6", {34, 40, 46, 52}}};
-  // L = 1, 2, 3 over the same bitrates: fewer layers take fewer bits, and reach as far with a lower rate factor.
-  const std::vector<CodecSetting> one{{Codec::H264, "medium", {14, 18, 22, 26, 30, 34}}},
-      two{{Codec::H264, "medium", {16, 20, 24, 28, 32, 36}}, {Codec::Av1, "6", {40, 50}}};
+  return {{{1024, 3, false}, {{Codec::H264, "medium", {20, 24, 28, 32, 36}}}},
+          {{1024, 2, false}, {{Codec::H264, "medium", {16, 20, 24, 28, 32, 36}}}},
+          {{1024, 1, false}, {{Codec::H264, "medium", {14, 18, 22, 26, 30, 34}}}}};
+}
+
+std::vector<Group> codecGroups() {
+  const std::vector<CodecSetting> others{{Codec::H264, "veryfast", {24, 28, 32, 36}},
+                                         {Codec::H264, "slower", {20, 24, 29, 32, 36}},
+                                         {Codec::Vp9, "3", {34, 40, 46, 52}},
+                                         {Codec::Av1, "6", {34, 40, 46, 52}}};
   const std::vector<CodecSetting> some{{Codec::H264, "medium", {24, 30, 36}}, {Codec::Av1, "6", {40, 50}}};
-  return {{{1024, 3, false}, all},  {{1024, 3, true}, some},  {{1024, 2, false}, two},
-          {{1024, 1, false}, one},  {{512, 3, false}, some},  {{512, 3, true}, some},
-          {{1536, 3, false}, some}, {{2048, 2, false}, some}, {{2048, 3, false}, some}};
+  return {{{1024, 3, false}, others, true},
+          {{1024, 3, true}, some},
+          {{1024, 2, false}, {{Codec::Av1, "6", {40, 50}}}, true},
+          {{512, 3, false}, some},
+          {{512, 3, true}, some},
+          {{1536, 3, false}, some},
+          {{2048, 2, false}, some},
+          {{2048, 3, false}, some}};
 }
 
 std::string settingOf(const LayerSetting& layers, const bake::EncodeSettings& encode) {
@@ -71,8 +82,10 @@ struct PicturesFile {
 
 class RateStudy {
  public:
-  explicit RateStudy(const StudyContext& context) : context_(context), sequence_(shortestSequence(context)) {}
-  Result<Rows> run();
+  // `name`: of the step.
+  RateStudy(const StudyContext& context, std::string name)
+      : context_(context), sequence_(shortestSequence(context)), name_(std::move(name)) {}
+  Result<Rows> run(const std::vector<Group>& groups);
 
  private:
   Status measureGroup(const Group& group);
@@ -85,12 +98,13 @@ class RateStudy {
 
   const StudyContext& context_;
   const capture::CaptureSequence& sequence_;
+  const std::string name_;
   size_t points_ = 0, done_ = 0;
   Rows rows_;
 };
 
 void RateStudy::tell(const std::string& detail) const {
-  if (context_.progress) context_.progress({"rate", detail, points_ ? double(done_) / double(points_) : 0});
+  if (context_.progress) context_.progress({name_, detail, points_ ? double(done_) / double(points_) : 0});
 }
 
 // Pictures into clip.pictures_path; geometry and labels of every frame.
@@ -183,7 +197,7 @@ Status RateStudy::measureGroup(const Group& group) {
   FOURDVT_TRY(meter->drawUncompressed(views));
   const std::string plain = "size=" + std::to_string(options.texture) + " layers=" + std::to_string(options.layers) +
                             " layout=" + (options.equal_layers ? "equal" : "default");
-  write("uncompressed", plain, meter->scoreUncompressed(views));
+  if (!group.again) write("uncompressed", plain, meter->scoreUncompressed(views));
   for (const CodecSetting& codec : group.codecs) {
     bake::EncodeSettings encode;
     encode.codec = codec.codec;
@@ -194,7 +208,7 @@ Status RateStudy::measureGroup(const Group& group) {
     }
   }
   const bake::BakeOptions chosen;  // the default
-  if (chosen.texture != options.texture || chosen.layers != options.layers ||
+  if (group.again || chosen.texture != options.texture || chosen.layers != options.layers ||
       chosen.equal_layers != options.equal_layers)
     return {};
   bake::EncodeSettings encode;
@@ -204,13 +218,12 @@ Status RateStudy::measureGroup(const Group& group) {
   return measurePoint(*meter, group.layers, encode, true, views);
 }
 
-Result<Rows> RateStudy::run() {
-  const std::vector<Group> groups = plannedGroups(context_.options.quick);
+Result<Rows> RateStudy::run(const std::vector<Group>& groups) {
   for (const Group& group : groups)
     for (const CodecSetting& codec : group.codecs) points_ += codec.crfs.size();
   Rows all;
   for (const Group& group : groups) {
-    const std::string name = "rate-" + std::to_string(group.layers.texture) + "-" +
+    const std::string name = name_ + "-" + std::to_string(group.layers.texture) + "-" +
                              std::to_string(group.layers.layers) + (group.layers.equal ? "-equal" : "");
     FOURDVT_ASSIGN(auto part, keptPart(context_, name, [&]() -> Result<Rows> {
                      rows_.clear();
@@ -224,6 +237,11 @@ Result<Rows> RateStudy::run() {
 
 }  // namespace
 
-Result<Rows> runRate(const StudyContext& context) { return RateStudy(context).run(); }
+Result<Rows> runRate(const StudyContext& context) {
+  return RateStudy(context, "rate").run(layerGroups(context.options.quick));
+}
+Result<Rows> runCodecs(const StudyContext& context) {
+  return RateStudy(context, "codecs").run(context.options.quick ? std::vector<Group>() : codecGroups());
+}
 
 }  // namespace fourdvt::study

@@ -100,7 +100,7 @@ class Reference {
   std::vector<PinholeCamera> held_out_;
   measure::MeanScores held_out_scores_, held_out_closest_, held_out_given_;
   std::unique_ptr<render::Fvvr> given_fvvr_;  // on mesh and cameras as given
-  std::map<std::string, measure::MeanScores> held_out_by_camera_;
+  std::map<std::string, measure::MeanScores> held_out_by_view_;
   uint64_t masked_png_bytes_ = 0, whole_png_bytes_ = 0, raw_bytes_ = 0;
   uint32_t whole_pngs_ = 0;
 };
@@ -143,7 +143,7 @@ Status Reference::heldOut(const capture::CaptureFrame& captured, render::Fvvr& f
     FOURDVT_ASSIGN(auto fewer, fvvr.renderStill(render::viewFromCamera(camera), {.closest = rows::kClosestCameras}));
     held_out_closest_.add(measure::scorePicture(truth, fewer));
     held_out_scores_.add(score);
-    held_out_by_camera_[camera.name].add(score);
+    held_out_by_view_[viewSetting(camera, frame)].add(score);
     FOURDVT_TRY(platform::writeImage(referencePath(context_, sequence_.name, camera.name, frame), picture));
   }
   return {};
@@ -220,8 +220,8 @@ Result<Rows> Reference::draw() {
   writeScores(
       {out, rows::kHeldOut, sequence_.name, rows::kFvvrClosest, "views=" + std::to_string(held_out_closest_.count())},
       held_out_closest_);
-  for (const auto& [camera, scores] : held_out_by_camera_)
-    writeScores({out, "held-out-views", sequence_.name, rows::kFvvr, "view=" + camera}, scores);
+  for (const auto& [view, scores] : held_out_by_view_)
+    writeScores({out, rows::kHeldOutViews, sequence_.name, rows::kFvvr, view}, scores);
   return out;
 }
 
