@@ -2,11 +2,13 @@
 // What is measured and shown, as data: commands, figures, and the tables of the page site/measured/index.html. A new
 // figure is a line in `figures`; a table shows it as {id}. Does NOT hold any value: collect.mjs takes them from the runs.
 //
-// A figure: { id, what, unit, digits, scale, from, each, better }
+// A figure: { id, what, unit, digits, scale, from, each, better, spread }
 //   value      taken by `from`, times `scale` (default 1), shown with `digits` decimals and `unit`
 //   each       "sequence" or a key of the setting ("w", "view" …): one figure per value of it, named id.VALUE; `only`
 //              lists the values that are wanted
 //   better     "more" or "less": the page lists what moved the other way since an earlier run
+//   spread     the standard error over views: { quantity }, rows of the study beside those of `from`, or { paired: [A, B],
+//              quantity }, of the differences of two methods view by view
 // `from` is one of
 //   { study | truth: table, method, setting, quantity, over }   rows of a study; "truth" is that of the virtual studio.
 //              over: "mean" (default), "sum", "max", "min", "first"; a row over all sequences wins over those of one.
@@ -22,30 +24,33 @@
 //   { ratio | percent | difference | percent_less | percent_more: [a, b] }   of two figures: a/b, 100 a/b, a − b,
 //              100 (1 − a/b), 100 (a/b − 1)
 
-const kSample = 'site/sample/actor_a', kTool = 'build/release/native/tools/fourdvt', kOut = 'build/measured';
+const kSample = 'site/sample/actor_a', kTool = 'build/release/native/tools/fourdvt', kOut = 'build/measured', kBench = `${kOut}/bench`;
 
 // The runs. `what` says on which capture and with which settings.
 export const runs = {
-  study: { what: 'the sample capture', command: `fourdvt evaluate ${kSample} -o ${kOut}/study` },
+  study: {
+    what: 'the sample capture',
+    command: `fourdvt-lab study ${kSample} -o ${kOut}/study/report --views 12 --steps reference,methods,labels,layers,rate,speed,pictures,motion`,
+  },
   truth: {
     what: 'the virtual studio, where the appearance drifts by 12 mm over the mesh and the truth between the motions is known',
-    command: `fourdvt studio --actor procedural --drift-mm 12 -o ${kOut}/studio && fourdvt evaluate ${kOut}/studio -o ${kOut}/truth`,
+    command: `fourdvt-lab studio --actor procedural --drift-mm 12 -o ${kOut}/truth/studio && fourdvt-lab study ${kOut}/truth/studio -o ${kOut}/truth/report --steps labels,motion`,
   },
-  character: { what: 'the sample capture, default settings', command: `fourdvt bake ${kSample} -o ${kOut}/character` },
+  character: { what: 'the sample capture, default settings', command: `fourdvt bake ${kSample} -o ${kBench}/character` },
   high: {
     what: 'the sample capture, --quality high, without the class',
-    command: `fourdvt bake ${kSample} -o ${kOut}/high/character --quality high --no-classes && fourdvt evaluate ${kSample} --character ${kOut}/high/character -o ${kOut}/high/scores`,
+    command: `fourdvt bake ${kSample} -o ${kBench}/high/character --quality high --no-classes && fourdvt-lab score ${kBench}/high/character --capture ${kSample} -o ${kBench}/high/scores`,
   },
   crf31: {
     what: 'the sample capture, default settings but --crf 31, without the class',
-    command: `fourdvt bake ${kSample} -o ${kOut}/crf31/character --crf 31 --no-classes && fourdvt evaluate ${kSample} --character ${kOut}/crf31/character -o ${kOut}/crf31/scores`,
+    command: `fourdvt bake ${kSample} -o ${kBench}/crf31/character --crf 31 --no-classes && fourdvt-lab score ${kBench}/crf31/character --capture ${kSample} -o ${kBench}/crf31/scores`,
   },
   player: { what: 'the built web package', command: 'bash site/demo.sh --prepare' },
-  draw_ratio: { what: 'the sample character, software rasteriser', command: 'build/release/tests/bench/bench_draw_ratio build/measured/character' },
+  draw_ratio: { what: 'the sample character, software rasteriser', command: `build/release/tests/bench/bench_draw_ratio ${kBench}/character` },
   blend_ratio: { what: 'a made-up character of 8,000 faces and 3 layers, software rasteriser', command: 'build/release/tests/bench/bench_blend_ratio' },
   class_frame: {
     what: "the sample's class, wasm in node",
-    command: 'NODE_PATH=/usr/share/nodejs ninja -C build/wasm bench_class_frame && node build/wasm/tests/bench/wasm/bench_class_frame.js build/measured/character',
+    command: `NODE_PATH=/usr/share/nodejs ninja -C build/wasm bench_class_frame && node build/wasm/tests/bench/wasm/bench_class_frame.js ${kBench}/character`,
   },
   bake_memory: {
     what: "the sample's walk once and five times in a row",
@@ -71,9 +76,9 @@ const tableFigures = perMethod((method, title) => [
   { id: `percent_of_masked.${method}`, what: `storage against the masked PNG multi-view, ${title}`, unit: '%', digits: 1, each, better: 'less', from: row('table1', method, 'percent_of_masked') },
   { id: `equal_psnr.${method}`, what: `storage against H.264 videos of all cameras from which FVVR has the same PSNR-FG at the held-out cameras, ${title}`, unit: '%', digits: 0, each, better: 'less', from: row('table1', method, 'percent_at_equal_held_out_psnr', { beyond: 'beyond_range_at_held_out_psnr' }) },
   { id: `equal_ssim.${method}`, what: `storage against H.264 videos of all cameras from which FVVR has the same SSIM-FG at the held-out cameras, ${title}`, unit: '%', digits: 0, each, better: 'less', from: row('table1', method, 'percent_at_equal_held_out_ssim', { beyond: 'beyond_range_at_held_out_ssim' }) },
-  { id: `ssim_against_fvvr.${method}`, what: `SSIM-FG against FVVR over the ring of views, ${title}`, unit: '', digits: 3, each, better: 'more', from: row('table1', method, 'ssim_fg') },
-  { id: `held_out.psnr.${method}`, what: `PSNR-FG at the held-out cameras, ${title}`, unit: 'dB', digits: 2, each, better: 'more', from: row('held-out', method, 'psnr_fg_db') },
-  { id: `held_out.ssim.${method}`, what: `SSIM-FG at the held-out cameras, ${title}`, unit: '', digits: 3, each, better: 'more', from: row('held-out', method, 'ssim_fg') },
+  { id: `ssim_against_fvvr.${method}`, what: `SSIM-FG against FVVR over the ring of views, ${title}`, unit: '', digits: 3, each, better: 'more', from: row('table1', method, 'ssim_fg'), spread: { quantity: 'ssim_fg_se' } },
+  { id: `held_out.psnr.${method}`, what: `PSNR-FG at the held-out cameras, ${title}`, unit: 'dB', digits: 2, each, better: 'more', from: row('held-out', method, 'psnr_fg_db'), spread: { quantity: 'psnr_fg_se_db' } },
+  { id: `held_out.ssim.${method}`, what: `SSIM-FG at the held-out cameras, ${title}`, unit: '', digits: 3, each, better: 'more', from: row('held-out', method, 'ssim_fg'), spread: { quantity: 'ssim_fg_se' } },
   { id: `flips.${method}`, what: `faces whose layer-1 label changes per frame, ${title}`, unit: '%', digits: 1, each, better: 'less', from: row('labels', method, 'flip_percent', { setting: 'layer=1' }) },
   { id: `seams.${method}`, what: `edges between different layer-1 labels, ${title}`, unit: '%', digits: 1, each, better: 'less', from: row('labels', method, 'seam_percent', { setting: 'layer=1' }) },
   { id: `seen_flips.${method}`, what: `layer-1 label changes per frame on faces that a camera sees, ${title}`, unit: '%', digits: 1, each, better: 'less', from: row('labels', method, 'seen_flip_percent', { setting: 'layer=1' }) },
@@ -205,8 +210,8 @@ const otherFigures = [
 ];
 
 const derivedFigures = [
-  { id: 'gap.default', what: 'PSNR-FG at the held-out cameras, ours by default less FVVR, mean over the motions', unit: 'dB', digits: 2, better: 'more', from: { difference: ['mean.psnr.joint-default', 'mean.psnr.fvvr'] } },
-  { id: 'gap.motion', what: 'PSNR-FG at the held-out cameras, ours by default less FVVR', unit: 'dB', digits: 2, each: 'sequence', better: 'more', from: { difference: ['held_out.psnr.joint-default', 'held_out.psnr.fvvr'] } },
+  { id: 'gap.default', what: 'PSNR-FG at the held-out cameras, ours by default less FVVR, mean over the motions', unit: 'dB', digits: 2, better: 'more', from: { difference: ['mean.psnr.joint-default', 'mean.psnr.fvvr'] }, spread: { paired: ['joint-default', 'fvvr'], quantity: 'psnr_fg_db' } },
+  { id: 'gap.motion', what: 'PSNR-FG at the held-out cameras, ours by default less FVVR', unit: 'dB', digits: 2, each: 'sequence', better: 'more', from: { difference: ['held_out.psnr.joint-default', 'held_out.psnr.fvvr'] }, spread: { paired: ['joint-default', 'fvvr'], quantity: 'psnr_fg_db' } },
   { id: 'gap.high', what: 'PSNR-FG at the held-out cameras, --quality high less FVVR', unit: 'dB', digits: 2, better: 'more', from: { difference: ['high.psnr', 'mean.psnr.fvvr'] } },
   { id: 'storage.percent', what: 'storage of all motions against the masked PNG multi-view, ours by default', unit: '%', digits: 1, better: 'less', from: { percent: ['sum.storage.joint-default', 'sum.storage.fvvr'] } },
   { id: 'storage.percent_512', what: 'storage of all motions against the masked PNG multi-view, ours at 512²', unit: '%', digits: 1, better: 'less', from: { percent: ['sum.storage.joint', 'sum.storage.fvvr'] } },
@@ -226,7 +231,7 @@ export const figures = [tableFigures, partFigures, meanFigures, layerFigures, wo
 // out in silence.
 export const leftToTheReport = {
   about: '*', bake: '*', 'held-out-views': '*', layers: '*', multiview: '*', 'multiview-codec': '*', pictures: '*', rate: '*',
-  table1: ['video_bytes', 'geometry_bytes', 'label_bytes', 'other_bytes', 'video_bps', 'multiview_codec_bytes', 'ssim_full', 'ssim_box', 'psnr_fg_db', 'psnr_full_db', 'psnr_box_db', 'psnr_common_db'],
+  table1: ['video_bytes', 'geometry_bytes', 'label_bytes', 'other_bytes', 'video_bps', 'multiview_codec_bytes', 'ssim_full', 'ssim_box', 'psnr_fg_db', 'psnr_fg_se_db', 'psnr_full_db', 'psnr_box_db', 'psnr_common_db'],
   'held-out': ['ssim_full', 'ssim_box', 'psnr_full_db', 'psnr_box_db', 'psnr_common_db'],
   labels: ['empty_percent', 'label_bps', 'energy', 'label_ms_frame'],
   speed: ['frames_per_s', 'frame_ms', 'gpu_bytes', 'shading_ratio_to_fvvr'],

@@ -1,22 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// node site/measured/collect.mjs --study REPORT --character CHARACTER [options]: writes site/measured/figures.json, the
-// figures that README and the site show, from what the runs wrote. Nothing in it is typed by hand; a figure whose run is
-// not given is left out, and the pages say "not measured in this run".
-//   --study REPORT        of fourdvt evaluate CAPTURE -o REPORT
-//   --truth REPORT        the same of the virtual studio's capture
-//   --character FOLDER    a baked character: its report.json
-//   --variant NAME=DIR    DIR/character and DIR/scores (fourdvt evaluate CAPTURE --character …), NAME: high or crf31
-//   --player DIST         the built web package
-//   --bench DIR           NAME.txt: what the bench of that name printed
-//   --before FILE         an earlier figures.json, so that the page lists what got worse
-//   --out FILE            default: site/measured/figures.json
-import { readFileSync, writeFileSync } from 'node:fs';
+// node site/measured/collect.mjs --from DIR [options] PART…: takes the figures of these parts from what their runs wrote in
+// DIR/PART, and keeps those of the other parts as they are, with the hash of their inputs and their date. Nothing is typed
+// by hand; a figure that was never measured is left out, and the pages say "not measured in this run".
+// Writes site/measured/figures.json, and PART.json of a part that has tables of its own (cameras, hulls, methods).
+//   DIR/PART/part.json    { inputs, date, commit, minutes } of the measurement
+//   DIR/study/report      of fourdvt-lab study CAPTURE -o REPORT; DIR/truth/report: the same of the virtual studio
+//   DIR/bench             character/ (its report.json), {high,crf31}/{character,scores}, NAME.txt (what a bench printed)
+//   DIR/PART/rows.json    { facts, rows } that the part's script in tests/bench wrote
+//   --player DIST         the built web package (default: that of web/)
+//   --before FILE         an earlier figures.json: the page lists what got worse since (default: the figures replaced)
+//   --to FOLDER           where the files are written and kept figures are read (default: site/measured)
+import { existsSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { pathToFileURL } from 'node:url';
+import { fileURLToPath, pathToFileURL } from 'node:url';
 import { parseArgs } from 'node:util';
 
 import { figures as catalogue, leftToTheReport, runs } from './catalogue.mjs';
-import { SourceError, mean, playerBytes, readBench, readCharacter, readScores, readStudy } from './sources.mjs';
+import { partOfRun, parts } from './parts.mjs';
+import { SourceError, mean, readRecord, readTables, standardError, playerBytes, readBench, readCharacter, readScores, readStudy } from './sources.mjs';
 
 const kOver = {
   mean,
@@ -76,6 +77,32 @@ function beyondRange(study, table, figure) {
   const { method, setting, beyond } = figure.from;
   if (!beyond) return [];
   return study.select({ table, method, setting, quantity: beyond }).map((row) => [keyOf(row, figure.each), row.value > 0 ? 'above all rates' : 'below all rates']);
+}
+
+// Standard error of a mean of means.
+const ofMeans = (errors) => Math.hypot(...errors) / errors.length;
+
+// Values of two methods at the same views, as differences.
+function pairedDifferences(study, [method, other], quantity) {
+  return study.select({ table: 'held-out-views', method, quantity }).flatMap((row) => {
+    const partner = study.rows.find((one) => one.table === row.table && one.quantity === quantity && one.method === other &&
+      one.sequence === row.sequence && one.setting === row.setting);
+    return partner ? [{ sequence: row.sequence, value: row.value - partner.value }] : [];
+  });
+}
+
+// Standard errors of a figure over the views that it is a mean of: a number, or one per key; NaN where there are none.
+function spreadOf(figure, sources) {
+  const { spread } = figure, study = spread && sources.study;
+  if (!study) return NaN;
+  const rows = spread.paired ? pairedDifferences(study, spread.paired, spread.quantity)
+    : study.select({ table: figure.from.study, method: figure.from.method, setting: figure.from.setting, quantity: spread.quantity });
+  const bySequence = distinct(rows.map((row) => row.sequence)).map((name) => {
+    const values = rows.filter((row) => row.sequence === name).map((row) => row.value);
+    return [name, spread.paired ? standardError(values) : ofMeans(values)];
+  });
+  if (figure.each) return Object.fromEntries(bySequence);
+  return bySequence.length ? ofMeans(bySequence.map(([, error]) => error)) : NaN;
 }
 
 function fromReport(report, take, figure) {
@@ -163,14 +190,25 @@ function origin({ from }) {
   return { run: 'figures', row: `${kind} of ${ids.join(', ')}` };
 }
 
+const byId = new Map(catalogue.map((figure) => [figure.id, figure]));
+const derivedFrom = ({ from }) => Object.entries(from).find(([name]) => kDerived[name])?.[1] ?? [];
+
+// The parts that a figure of the catalogue is measured in.
+export function partsOf(figure) {
+  const own = partOfRun[origin(figure).run];
+  return own ? [own] : [...new Set(derivedFrom(figure).flatMap((id) => partsOf(byId.get(id))))].sort();
+}
+
 // A hundredth of what is shown is kept.
 function kept(value, digits) {
   return Number(value.toFixed(digits + 2));
 }
 
-function entries(figure, value) {
-  const base = { unit: figure.unit, digits: figure.digits, what: figure.what, ...origin(figure), ...(figure.better && { better: figure.better }) };
-  const make = (id, number, key) => ({ id, value: kept(number * (figure.scale ?? 1), figure.digits), ...(key !== undefined && { of: figure.id, key }), ...base });
+function entries(figure, value, spread) {
+  const base = { unit: figure.unit, digits: figure.digits, what: figure.what, ...origin(figure), parts: partsOf(figure), ...(figure.better && { better: figure.better }) };
+  const scaled = (number) => kept(number * (figure.scale ?? 1), figure.digits);
+  const error = (key) => (key === undefined ? spread : spread?.[key]);
+  const make = (id, number, key) => ({ id, value: scaled(number), ...(Number.isFinite(error(key)) && { se: scaled(error(key)) }), ...(key !== undefined && { of: figure.id, key }), ...base });
   if (typeof value === 'number') return Number.isFinite(value) ? [make(figure.id, value)] : [];
   return Object.entries(value).map(([key, number]) => {
     const id = `${figure.id}.${key.replaceAll(' ', '_')}`;
@@ -178,10 +216,10 @@ function entries(figure, value) {
   });
 }
 
-// Whether a figure takes this table and quantity for this method, be it as a partner of another quantity.
+// True where a figure takes this table and quantity for this method, be it as a partner of another quantity.
 function isTaken(row) {
-  return catalogue.some(({ from }) => (from.study ?? from.truth) === row.table && (from.method === undefined || from.method === row.method) &&
-    [from.quantity, from.against, from.less, from.beyond].includes(row.quantity));
+  return catalogue.some(({ from, spread }) => (from.study ?? from.truth) === row.table && (from.method === undefined || from.method === row.method) &&
+    [from.quantity, from.against, from.less, from.beyond, spread?.quantity].includes(row.quantity));
 }
 
 function isLeft(row) {
@@ -193,20 +231,33 @@ function isLeft(row) {
 function otherRows(study, run) {
   return study.rows.filter((row) => !isLeft(row) && !isTaken(row)).map((row) => ({
     id: [`${run}:${row.table}`, row.sequence, row.method, (row.setting ?? '').replaceAll(' ', '+'), row.quantity].join('/'),
-    value: Number(row.value.toPrecision(6)), unit: row.unit ?? '', what: row.quantity, run, row: row.table,
+    value: Number(row.value.toPrecision(6)), unit: row.unit ?? '', what: row.quantity, run, row: row.table, parts: [partOfRun[run]],
     cells: { sequence: row.sequence, method: row.method, setting: row.setting ?? '' },
   }));
 }
 
-export function collect(sources) {
+// What a kept figure is for figures that are derived from it.
+function valueOfEntries(list) {
+  if (list.length === 1 && list[0].key === undefined) return list[0].value;
+  return list.length ? Object.fromEntries(list.filter(({ value }) => value !== null).map(({ key, value }) => [key, value])) : NaN;
+}
+
+// Figures of the sources, and those of `old` that only parts which are not `measured` have a share in.
+export function collect(sources, { old = [], measured = Object.keys(parts) } = {}) {
+  const isMeasured = (list) => list.some((part) => measured.includes(part));
   const known = new Map(), out = [];
   for (const figure of catalogue) {
-    const value = valueOf(figure, sources, known);
+    const isNew = isMeasured(partsOf(figure));
+    const kept = isNew ? [] : old.filter((one) => one.id === figure.id || one.of === figure.id);
+    const value = isNew ? valueOf(figure, sources, known) : NaN;
     const scaled = (number) => number * (figure.scale ?? 1);
-    known.set(figure.id, typeof value === 'number' ? scaled(value) : Object.fromEntries(Object.entries(value).map(([key, number]) => [key, scaled(number)])));
-    out.push(...entries(figure, value));
+    known.set(figure.id, !isNew ? valueOfEntries(kept) : typeof value === 'number' ? scaled(value) : Object.fromEntries(Object.entries(value).map(([key, number]) => [key, scaled(number)])));
+    out.push(...(isNew ? entries(figure, value, spreadOf(figure, sources)) : kept));
   }
-  for (const run of ['study', 'truth']) if (sources[run]) out.push(...otherRows(sources[run], run));
+  for (const run of ['study', 'truth']) {
+    if (sources[run]) out.push(...otherRows(sources[run], run));
+    else if (!measured.includes(partOfRun[run])) out.push(...old.filter((figure) => figure.cells && figure.run === run));
+  }
   return out;
 }
 
@@ -215,8 +266,10 @@ export function withBefore(figures, before) {
   return figures.map((figure) => (old.has(figure.id) ? { ...figure, before: old.get(figure.id) } : figure));
 }
 
-function describeRuns(sources, used) {
-  const out = Object.fromEntries(Object.entries(runs).filter(([name]) => used.has(name)).map(([name, run]) => [name, { ...run }]));
+// The runs used; one of a part that was not measured as it was described then.
+function describeRuns(sources, used, old, measured) {
+  const out = Object.fromEntries(Object.entries(runs).filter(([name]) => used.has(name))
+    .map(([name, run]) => [name, measured.includes(partOfRun[name]) ? { ...run } : { ...(old[name] ?? run) }]));
   for (const name of ['study', 'truth']) {
     if (!out[name] || !sources[name]) continue;
     if (sources[name].isQuick) Object.assign(out[name], { what: `${out[name].what}; the study was a quick run of one motion`, quick: true, command: `${out[name].command} --quick` });
@@ -227,35 +280,60 @@ function describeRuns(sources, used) {
 }
 
 // One figure a line, so that a change of one is a change of one line.
-export function printed({ runs: used, figures }) {
+export function printed({ parts: records, runs: used, figures }) {
   const lines = figures.map((figure) => `  ${JSON.stringify(figure)}`);
-  return `{\n "made_by": "node site/measured/collect.mjs",\n "runs": ${JSON.stringify(used, null, 2).replaceAll('\n', '\n ')},\n "figures": [\n${lines.join(',\n')}\n ]\n}\n`;
+  const block = (value) => JSON.stringify(value, null, 2).replaceAll('\n', '\n ');
+  return `{\n "made_by": "node site/measured/collect.mjs",\n "parts": ${block(records)},\n "runs": ${block(used)},\n "figures": [\n${lines.join(',\n')}\n ]\n}\n`;
 }
 
-function readSources(values) {
-  const variants = Object.fromEntries((values.variant ?? []).map((text) => {
-    const [name, folder] = text.split(/=(.*)/s);
-    if (!runs[name] || !folder) throw new SourceError(`--variant ${text}: give NAME=FOLDER with a name of site/measured/catalogue.mjs, e.g. high=build/measured/high`);
-    return [name, { report: readCharacter(join(folder, 'character')), score: readScores(join(folder, 'scores')) }];
-  }));
+// The same of a part with tables of its own.
+export function printedTables(part, { record, facts, rows }) {
+  const lines = rows.map((row) => `  ${JSON.stringify(row)}`);
+  return `{\n "made_by": "node site/measured/collect.mjs",\n "parts": ${JSON.stringify({ [part]: record })},\n "facts": ${JSON.stringify(facts)},\n "rows": [\n${lines.join(',\n')}\n ]\n}\n`;
+}
+
+function readSources(folder, measured, player) {
+  const of = (part, read) => (measured.includes(part) ? read(join(folder, part)) : undefined);
+  const variant = (name) => ({ report: readCharacter(join(folder, 'bench', name, 'character')), score: readScores(join(folder, 'bench', name, 'scores')) });
   return {
-    study: values.study && readStudy(values.study), truth: values.truth && readStudy(values.truth),
-    character: values.character && readCharacter(values.character), bench: values.bench, player: values.player, variants,
+    study: of('study', (path) => readStudy(join(path, 'report'))), truth: of('truth', (path) => readStudy(join(path, 'report'))),
+    character: of('bench', (path) => readCharacter(join(path, 'character'))), bench: of('bench', (path) => path),
+    player: of('bench', () => player), variants: of('bench', () => ({ high: variant('high'), crf31: variant('crf31') })) ?? {},
   };
 }
 
+const readFigures = (path) => (existsSync(path) ? JSON.parse(readFileSync(path, 'utf8')) : { parts: {}, runs: {}, figures: [] });
+
+function writeFigures(folder, to, measured, { player, before }) {
+  const path = join(to, 'figures.json'), old = readFigures(path), sources = readSources(folder, measured, player);
+  const collected = collect(sources, { old: old.figures, measured });
+  const isNew = ({ parts: list }) => list.some((part) => measured.includes(part));
+  const compared = withBefore(collected, before ? readFigures(before) : old);
+  const list = compared.map((figure, i) => (before || isNew(figure) ? figure : collected[i]));
+  const records = { ...old.parts, ...Object.fromEntries(measured.map((part) => [part, readRecord(join(folder, part))])) };
+  writeFileSync(path, printed({ parts: records, runs: describeRuns(sources, new Set(list.map((figure) => figure.run)), old.runs, measured), figures: list }));
+  console.log(`${list.length} figures in ${path}, new ones of ${measured.join(', ')}`);
+}
+
 const text = { type: 'string' };
-const kOptions = { study: text, truth: text, character: text, variant: { type: 'string', multiple: true }, player: text, bench: text, before: text, out: text };
+const kOptions = { from: text, player: text, before: text, to: text };
+const kUsage = 'usage: node site/measured/collect.mjs --from DIR [--player DIST] [--before FILE] [--to FOLDER] PART…';
 
 function main() {
-  const { values } = parseArgs({ options: kOptions });
-  if (!values.study || !values.character) throw new SourceError('usage: node site/measured/collect.mjs --study REPORT --character CHARACTER [--truth REPORT] [--variant NAME=DIR] [--player DIST] [--bench DIR] [--before FILE] [--out FILE]');
-  const sources = readSources(values);
-  let figures = collect(sources);
-  if (values.before) figures = withBefore(figures, JSON.parse(readFileSync(values.before, 'utf8')));
-  const out = values.out ?? new URL('figures.json', import.meta.url).pathname;
-  writeFileSync(out, printed({ runs: describeRuns(sources, new Set(figures.map((figure) => figure.run))), figures }));
-  console.log(`${figures.length} figures in ${out}; now: node site/measured/fill.mjs`);
+  const { values, positionals } = parseArgs({ options: kOptions, allowPositionals: true });
+  if (!values.from || !positionals.length) throw new SourceError(kUsage);
+  const unknown = positionals.find((part) => !parts[part]);
+  if (unknown) throw new SourceError(`no part is named "${unknown}"; the parts are ${Object.keys(parts).join(', ')}`);
+  const to = values.to ?? fileURLToPath(new URL('.', import.meta.url));
+  const player = values.player ?? fileURLToPath(new URL('../../web/dist', import.meta.url));
+  const ofFigures = positionals.filter((part) => parts[part].runs.length);
+  if (ofFigures.length) writeFigures(values.from, to, ofFigures, { player, before: values.before });
+  for (const part of positionals.filter((one) => !parts[one].runs.length)) {
+    const path = join(to, `${part}.json`), folder = join(values.from, part);
+    writeFileSync(path, printedTables(part, { record: readRecord(folder), ...readTables(folder) }));
+    console.log(`tables of ${part} in ${path}`);
+  }
+  console.log('now: node site/measured/fill.mjs');
 }
 
 if (import.meta.url === pathToFileURL(process.argv[1]).href) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// node site/measured/fill.mjs [--check]: writes site/measured/index.html from figures.json, and the figures of README.md,
-// site/docs/measured.md and site/index.html between their markers:
+// node site/measured/fill.mjs [--check]: writes site/measured/index.html from figures.json, cameras.md, hulls.md and
+// methods.md from the tables beside them, and the figures of README.md, site/docs/measured.md and site/index.html between
+// their markers:
 //   <!-- figure:ID -->22.32 dB<!-- /figure -->        one figure of catalogue.mjs, or one per motion
 //   <!-- figures:headlines --> … <!-- /figures -->    the headline rows of the catalogue as a Markdown table
 //   <!-- figures:summary --> … <!-- /figures -->      the rows of summary.mjs as a Markdown table
@@ -11,6 +12,7 @@ import { join } from 'node:path';
 import { fileURLToPath, pathToFileURL } from 'node:url';
 
 import { sections } from './catalogue.mjs';
+import { documentParts, makeDocument } from './documents.mjs';
 import { makePage } from './page.mjs';
 import { Shown, kNotMeasured } from './shown.mjs';
 import { summary } from './summary.mjs';
@@ -87,8 +89,11 @@ export function unmarked(text, path, allowed = allowedNumbers) {
 
 function outputs(root, data) {
   const shown = new Shown(data);
+  const tables = documentParts.map((part) => [part, JSON.parse(readFileSync(join(root, `site/measured/${part}.json`), 'utf8'))]);
+  const documents = tables.map(([part, own]) => [`site/measured/${part}.md`, makeDocument(part, own)]);
+  const records = { ...data.parts, ...Object.assign({}, ...tables.map(([, own]) => own.parts)) };
   const filled = kFilled.map((path) => [path, fillText(readFileSync(join(root, path), 'utf8'), shown, path)]);
-  return [...filled, ['site/measured/index.html', makePage(shown)]];
+  return [...filled, ...documents, ['site/measured/index.html', makePage(shown, records)]];
 }
 
 // Returns what is wrong with the tree; writes what differs unless only checking.
@@ -99,7 +104,7 @@ export function run(root, check) {
     let old = '';
     try { old = readFileSync(join(root, path), 'utf8'); } catch { /* made for the first time */ }
     if (old === text) continue;
-    if (check) problems.push(`${path} is not what site/measured/figures.json says; run: node site/measured/fill.mjs`);
+    if (check) problems.push(`${path} is not what the figures of site/measured say; run: node site/measured/fill.mjs`);
     else writeFileSync(join(root, path), text);
   }
   for (const path of kChecked) problems.push(...unmarked(readFileSync(join(root, path), 'utf8'), path));
@@ -114,6 +119,6 @@ if (import.meta.url === pathToFileURL(process.argv[1]).href) {
   }
   const problems = run(fileURLToPath(new URL('../..', import.meta.url)), option === '--check');
   for (const problem of problems) console.error(problem);
-  if (!problems.length) console.log(option ? 'every figure is the one of site/measured/figures.json' : `filled ${kFilled.join(', ')}, site/measured/index.html`);
+  if (!problems.length) console.log(option ? 'every figure is the one of site/measured' : `filled ${kFilled.join(', ')}, site/measured/index.html and the documents beside it`);
   process.exit(problems.length ? 1 : 0);
 }

@@ -1,89 +1,117 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Measures everything that README.md and the site say, and writes it there: studies, variants of the character, benches,
-# then collect.mjs and fill.mjs. Keep the machine quiet meanwhile, for the sake of the times.
-# Run it again to go on where it was stopped; remove build/measured to measure anew.
+# Measures what README.md and the site show, in parts, and writes the figures there. Keep the machine quiet meanwhile, for
+# the sake of the times.
+#   Parts    study, truth, cameras, hulls, methods, bench; what belongs to each is in parts.mjs and parts/NAME.sh
+#   State    a part carries the hash of its inputs (sources, capture, scripts) and the date; unchanged inputs: not
+#            measured again. The figures of the parts that do not run stay as they are, with their hash and date
+#   Resume   run the same command again after a kill: finished steps are in build/measured/PART, each written as a whole.
+#            Changed inputs empty that folder
 set -euo pipefail
 usage() {
   cat <<'TXT'
-bash site/measured/measure.sh [options]
-  --quick         the sample's study in its quick form, neither the virtual studio nor variants: for a first look
-  --before FILE   an earlier figures.json: the page then lists what got worse
+bash site/measured/measure.sh [options] [PART…]
+  PART            study, truth, cameras, hulls, methods or bench (default: all that are out of date)
+  --list          print each part's state, date and minutes, and exit
+  --anew          measure the parts named even if they are up to date, from the start
+  --before FILE   an earlier figures.json: the page lists what got worse since then (default: since the last figures)
+  --no-build      use what is built
 TXT
 }
-quick='' before=()
+anew='' build=1 before=() wanted=()
 while [ $# -gt 0 ]; do
   case $1 in
-    --quick) quick=--quick ;;
+    --list) exec node "$(dirname "$0")/parts.mjs" --list ;;
+    --anew) anew=1 ;;
     --before) before=(--before "$(realpath -e "${2:?"--before needs a file"}")"); shift ;;
+    --no-build) build='' ;;
     -h|--help) usage; exit 0 ;;
-    *) echo "site/measured/measure.sh: unknown option $1" >&2; usage >&2; exit 2 ;;
+    -*) echo "site/measured/measure.sh: unknown option $1" >&2; usage >&2; exit 2 ;;
+    *) wanted+=("$1") ;;
   esac
   shift
 done
 cd "$(dirname "$0")/../.."
-tool=build/release/native/tools/fourdvt sample=site/sample/actor_a out=build/measured
-bench=$out/bench character=$out/character
 . site/steps.sh
 
-# What NAME prints, kept as NAME.txt; a bench that was run is not run again. A bench that misses its own goal fails, and
-# is still shown; collect.mjs refuses the text of one that printed no figure.
-bench() {
+# What the parts' scripts use.
+tool=${FOURDVT_BIN:-$PWD/build/release/native/tools/fourdvt}
+lab=${FOURDVT_LAB_BIN:-$PWD/build/release/native/lab/tools/fourdvt-lab}
+sample=site/sample/actor_a out=build/measured
+figures=site/measured/parts.mjs
+
+stale=$(node "$figures" --stale)
+if [ ${#wanted[@]} -eq 0 ]; then mapfile -t wanted < <(printf '%s' "$stale"); fi
+chosen=()
+for name in ${wanted[@]+"${wanted[@]}"}; do
+  node "$figures" --hash "$name" >/dev/null
+  if [ -z "$anew" ] && ! grep -qx "$name" <<<"$stale"; then echo "$name: up to date"; else chosen+=("$name"); fi
+done
+if [ ${#chosen[@]} -eq 0 ]; then echo "every part asked for is up to date"; exit 0; fi
+needs() { [[ " ${chosen[*]} " == *" $1 "* ]]; }
+
+if [ -n "$build" ]; then
+  mkdir -p build
+  install_packages "${page_packages[@]}" "${test_packages[@]}"
+  step "Building the programs"
+  quiet cmake-tests cmake --preset release -DFOURDVT_TESTS=ON -DFOURDVT_LAB=ON
+  build build-measured build/release fourdvt fourdvt-lab bench_draw_ratio bench_blend_ratio repeat_capture
+  if needs bench; then
+    bash site/demo.sh --prepare
+    quiet build-class-frame env NODE_PATH=/usr/share/nodejs cmake --build build/wasm --target bench_class_frame
+  fi
+fi
+
+# Seconds that a part has taken over all its runs; at most those since its last finished step are lost in a kill.
+note_time() {
+  local before=0
+  [ ! -e "$folder/seconds" ] || before=$(cat "$folder/seconds")
+  echo $((before + SECONDS - noted)) >"$folder/seconds.part"
+  mv "$folder/seconds.part" "$folder/seconds"
+  noted=$SECONDS
+}
+
+# Runs a command unless the file or folder that it leaves as its last one is there: once FILE COMMAND…
+once() {
+  local made=$1; shift
+  [ ! -e "$made" ] || return 0
+  step "$part: $*"
+  "$@"
+  note_time
+}
+
+# Keeps what a command prints as FOLDER/NAME.txt: printed NAME COMMAND… A bench that misses its own goal fails, and is
+# still shown; collect.mjs refuses the text of one that printed no figure.
+printed() {
   local name=$1; shift
-  [ -e "$bench/$name.txt" ] && return
-  step "Bench $name"
-  "$@" | tee "$bench/$name.part" || echo "bench $name failed"
-  mv "$bench/$name.part" "$bench/$name.txt"
+  [ ! -e "$folder/$name.txt" ] || return 0
+  step "$part: $name"
+  "$@" | tee "$folder/$name.part" || echo "bench $name failed"
+  mv "$folder/$name.part" "$folder/$name.txt"
+  note_time
 }
 
-# A character with other settings, without the class, and its scores at the held-out cameras.
-variant() {
-  local folder=$out/$1; shift
-  [ -e "$folder/scores/evaluate.csv" ] && return
-  step "Variant $*"
-  "$tool" bake "$sample" -o "$folder/character" --no-classes "$@"
-  "$tool" evaluate "$sample" --character "$folder/character" --flicker 0 -o "$folder/scores"
+# The folder of a part, emptied where it was begun with other inputs.
+begin_part() {
+  part=$1 folder=$out/$1 noted=$SECONDS
+  inputs=$(node "$figures" --hash "$part")
+  if [ -n "$anew" ] || [ "$(cat "$folder/inputs" 2>/dev/null)" != "$inputs" ]; then rm -rf "$folder"; fi
+  mkdir -p "$folder"
+  echo "$inputs" >"$folder/inputs"
 }
 
-mkdir -p build
-install_packages "${page_packages[@]}" "${test_packages[@]}"
-bash site/demo.sh --prepare
-step "Building the benches"
-quiet cmake-tests cmake --preset release -DFOURDVT_TESTS=ON
-build build-benches build/release bench_draw_ratio bench_blend_ratio repeat_capture fourdvt
-quiet build-class-frame env NODE_PATH=/usr/share/nodejs cmake --build build/wasm --target bench_class_frame
-build=$(sha256sum "$tool" | cut -d' ' -f1)
-if [ "$(cat "$out/build" 2>/dev/null)" != "$build" ]; then  # another build's figures; a study looks after its own
-  rm -rf "$bench" "$character" "$out/high" "$out/crf31" "$out/studio"
-fi
-mkdir -p "$bench"
-echo "$build" >"$out/build"
-
-# The page's character is baked beside other builds; this one's time is a figure.
-step "Baking the character on a quiet machine"
-[ -e "$character/character.gltf" ] || "$tool" bake "$sample" -o "$character"
-
-bench draw_ratio build/release/tests/bench/bench_draw_ratio "$character"
-bench blend_ratio build/release/tests/bench/bench_blend_ratio
-bench class_frame node build/wasm/tests/bench/wasm/bench_class_frame.js "$character"
-bench bake_memory bash tests/bench/bake_memory.sh "$tool" build/release/tests/package/repeat_capture "$sample" 5
-bench parity env FOURDVT_SITE="$PWD/build/site" FOURDVT_CHARACTER="$PWD/build/character" FOURDVT_BIN="$PWD/$tool" \
-  FOURDVT_OUT="$PWD/build/web-tests" node --test tests/web/parity.test.mjs
-
-more=()
-if [ -z "$quick" ]; then
-  variant high --quality high
-  variant crf31 --crf 31
-  step "The virtual studio"
-  [ -e "$out/studio/capture.json" ] || "$tool" studio --actor procedural --drift-mm 12 -o "$out/studio"
-  "$tool" evaluate "$out/studio" -o "$out/truth"
-  more=(--truth "$out/truth" --variant "high=$out/high" --variant "crf31=$out/crf31")
-fi
-study=$out/study${quick:+-quick}
-step "The sample"
-"$tool" evaluate "$sample" -o "$study" $quick
-
-step "Writing the figures"
-node site/measured/collect.mjs --study "$study" --character "$character" --player web/dist --bench "$bench" \
-  ${more[@]+"${more[@]}"} ${before[@]+"${before[@]}"}
-node site/measured/fill.mjs
+for part in "${chosen[@]}"; do
+  begin_part "$part"
+  trap note_time EXIT
+  . "site/measured/parts/$part.sh"
+  note_time
+  trap - EXIT
+  if [ "$(node "$figures" --hash "$part")" != "$inputs" ]; then
+    echo "site/measured/measure.sh: inputs of $part changed while it was measured; run it again" >&2
+    exit 1
+  fi
+  node "$figures" --record "$part" --seconds "$(cat "$folder/seconds")" --out "$folder/part.json"
+  step "Writing the figures of $part ($(duration "$(cat "$folder/seconds")"))"
+  node site/measured/collect.mjs --from "$out" ${before[@]+"${before[@]}"} "$part"
+  node site/measured/fill.mjs
+done

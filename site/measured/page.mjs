@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page of all figures, site/measured/index.html, as text.
 import { constants, sections } from './catalogue.mjs';
+import { partOfRun, parts } from './parts.mjs';
 import { fixed, kNotMeasured } from './shown.mjs';
 
 const escaped = (text) => String(text).replaceAll('&', '&amp;').replaceAll('<', '&lt;').replaceAll('>', '&gt;').replaceAll('"', '&quot;').replaceAll('\u00a0', '&nbsp;');
@@ -87,9 +88,19 @@ function constantsTable() {
   return `<section aria-labelledby="constants">\n<h2 id="constants">What the constants were chosen on</h2>\n<p>The values of a motion that constants were chosen on flatter them; those of the other motions do not. All motions are of one performer under one rig: no figure here shows another performer or another rig.</p>\n${table('Constants', ['constants', 'file', 'chosen on', 'by'], rows)}\n</section>`;
 }
 
+// The commit is where the measurement began; the hash names its inputs whatever the history is.
+function partTable(records) {
+  const rows = Object.entries(parts).map(([name, { what }]) => {
+    const record = records[name];
+    const facts = record ? [record.date, `<code>${escaped(record.inputs)}</code>`, `<code>${escaped(record.commit ?? '–')}</code>`, record.minutes === undefined ? '–' : escaped(`${fixed(record.minutes, 1)}\u00a0min`)] : [kNotMeasured, '–', '–', '–'];
+    return cells('td', [`<span id="part-${name}">${name}</span>`, escaped(what), ...facts]);
+  });
+  return `<section aria-labelledby="parts">\n<h2 id="parts">When it was measured</h2>\n<p>Figures are measured in parts. A part is measured again when its inputs change: sources, capture, scripts. The hash names those that its figures are of; <code>node site/measured/parts.mjs --hash PART</code> prints today’s.</p>\n${table('Parts', ['part', 'what', 'date', 'hash of the inputs', 'commit', 'took'], rows)}\n</section>`;
+}
+
 function runList(runs) {
-  const items = Object.entries(runs).map(([name, run]) => `<dt id="run-${name}">${name}</dt>\n<dd>${escaped(run.what)}${[run.device, run.generator].filter(Boolean).map((fact) => `; ${escaped(fact)}`).join('')}<br><code>${escaped(run.command)}</code></dd>`);
-  return `<section aria-labelledby="runs">\n<h2 id="runs">How to measure it again</h2>\n<p>All of it, README and these pages: <code>bash site/measured/measure.sh</code></p>\n<dl>\n${items.join('\n')}\n</dl>\n</section>`;
+  const items = Object.entries(runs).map(([name, run]) => `<dt id="run-${name}">${name} (part <a href="#part-${partOfRun[name]}">${partOfRun[name]}</a>)</dt>\n<dd>${escaped(run.what)}${[run.device, run.generator].filter(Boolean).map((fact) => `; ${escaped(fact)}`).join('')}<br><code>${escaped(run.command)}</code></dd>`);
+  return `<section aria-labelledby="runs">\n<h2 id="runs">How to measure it again</h2>\n<p>What is out of date: <code>bash site/measured/measure.sh</code>; one part: <code>bash site/measured/measure.sh PART</code></p>\n<dl>\n${items.join('\n')}\n</dl>\n</section>`;
 }
 
 const meta = (name, content) => `<meta name="${name}" content="${content}">`;
@@ -103,12 +114,13 @@ const head = ['<meta charset="utf-8">', meta('viewport', 'width=device-width, in
 const introduction = `<header>
 <p><a href="../index.html">fourdvt</a></p>
 <h1>Measured</h1>
-<p>Every figure of this page, of the README and of the front page comes from one file, <a href="figures.json">figures.json</a>, which is made from what the tool itself wrote. “FG” counts the silhouettes only. Several values in one cell are those of the motions.</p>
+<p>Every figure of this page, of the README and of the front page comes from one file, <a href="figures.json">figures.json</a>, which is made from what the tool itself wrote. “FG” counts the silhouettes only; ± is the standard error over the views. Several values in one cell are those of the motions.</p>
 </header>`;
 
-export function makePage(shown) {
+// records: of the parts, by name.
+export function makePage(shown, records) {
   const { runs } = shown;
-  const body = [missed(shown), ...sections.map((data) => section(shown, data, runs)), worse(shown), constantsTable(), others(shown), runList(runs)].filter(Boolean);
+  const body = [missed(shown), ...sections.map((data) => section(shown, data, runs)), worse(shown), constantsTable(), others(shown), partTable(records), runList(runs)].filter(Boolean);
   return `<!doctype html>
 <!-- SPDX-License-Identifier: Apache-2.0 -->
 <!-- Made by site/measured/fill.mjs from figures.json: change site/measured/catalogue.mjs or measure again. -->

@@ -38,7 +38,7 @@ export class Shown {
     const group = this.group(id);
     if (!group.length) return null;
     const { unit, digits } = group[0];
-    const values = group.map((figure) => figure.text ?? fixed(figure.value, digits));
+    const values = group.map((figure) => figure.text ?? fixed(figure.value, digits) + (figure.se === undefined ? '' : ` ± ${fixed(figure.se, digits)}`));
     if (group.every((figure) => figure.text)) return values.join(' / ');
     if (group.some((figure) => figure.text)) return group.map((figure, i) => figure.text ?? `${values[i]}\u00a0${unit}`).join(' / ');
     if (unit === '×') return values.map((value) => `×\u00a0${value}`).join(' / ');

@@ -38,9 +38,9 @@ export function parseCsv(text) {
   return rows.map((row) => Object.fromEntries(header.map((name, i) => [name, row[i] ?? ''])));
 }
 
-// Rows of `fourdvt evaluate CAPTURE -o FOLDER`: { table, sequence, method, setting, quantity, value, unit }.
+// Rows of `fourdvt-lab study CAPTURE -o FOLDER`: { table, sequence, method, setting, quantity, value, unit }.
 export function readStudy(folder) {
-  const json = join(folder, 'evaluate.json'), csv = join(folder, 'evaluate.csv'), remedy = `run fourdvt evaluate CAPTURE -o ${folder}`;
+  const json = join(folder, 'evaluate.json'), csv = join(folder, 'evaluate.csv'), remedy = `run fourdvt-lab study CAPTURE -o ${folder}`;
   const study = existsSync(json) ? readJson(json, remedy) : { rows: parseCsv(readText(csv, remedy)) };
   const numbers = (study.rows ?? []).map((row) => ({ ...row, value: row.value === null ? NaN : Number(row.value) })).filter((row) => row.table && row.quantity);
   if (!numbers.length) throw new SourceError(`${folder}: holds no rows of a study; ${remedy}`);
@@ -88,14 +88,28 @@ export class Study {
 
 export const readCharacter = (folder) => readJson(join(folder, 'report.json'), `bake the character again: fourdvt bake CAPTURE -o ${folder}`);
 
-// Scores of `fourdvt evaluate CAPTURE --character CHARACTER -o FOLDER` at the held-out cameras: per sequence the mean
+// Scores of `fourdvt-lab score CHARACTER --capture CAPTURE -o FOLDER` at the held-out cameras: per sequence the mean
 // over its views, then the mean over the sequences, as the study's own mean.
 export function readScores(folder) {
-  const remedy = `run fourdvt evaluate CAPTURE --character CHARACTER -o ${folder}`;
+  const remedy = `run fourdvt-lab score CHARACTER --capture CAPTURE -o ${folder}`;
   const rows = parseCsv(readText(join(folder, 'evaluate.csv'), remedy)).filter((row) => row.kind === 'held-out');
   if (!rows.length) throw new SourceError(`${folder}: holds no scores of held-out cameras; ${remedy}`);
   const sequences = [...new Set(rows.map((row) => row.sequence))];
   return (quantity) => mean(sequences.map((name) => mean(rows.filter((row) => row.sequence === name).map((row) => Number(row[quantity])))));
+}
+
+// What parts.mjs recorded of a part's measurement.
+export function readRecord(folder) {
+  const record = readJson(join(folder, 'part.json'), 'run bash site/measured/measure.sh');
+  if (!record.inputs || !record.date) throw new SourceError(`${folder}/part.json: lacks inputs or date; run bash site/measured/measure.sh`);
+  return record;
+}
+
+// { facts, rows } of a part with tables of its own.
+export function readTables(folder) {
+  const { facts = {}, rows } = readJson(join(folder, 'rows.json'), 'run bash site/measured/measure.sh');
+  if (!rows?.length) throw new SourceError(`${folder}/rows.json: holds no rows; run bash site/measured/measure.sh`);
+  return { facts, rows };
 }
 
 // The text that a bench printed, or null where it did not run.
@@ -109,6 +123,12 @@ export function playerBytes(dist) {
   if (!existsSync(join(dist, 'fourdvt-viewer.js'))) throw new SourceError(`${dist}/fourdvt-viewer.js is missing; build the web package first`);
   const files = readdirSync(dist).filter((name) => /^fourdvt-viewer\.(js|wasm)$/.test(name));
   return files.reduce((sum, name) => sum + gzipSync(readFileSync(join(dist, name)), { level: 9 }).length, 0);
+}
+
+// Of the mean of these values; NaN below two.
+export function standardError(values) {
+  const middle = mean(values);
+  return Math.sqrt(values.reduce((sum, value) => sum + (value - middle) ** 2, 0) / (values.length * (values.length - 1)));
 }
 
 export const mean = (values) => values.reduce((a, b) => a + b, 0) / values.length;

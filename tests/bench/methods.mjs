@@ -1,157 +1,95 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: Apache-2.0
-// methods.mjs FOURDVT CAPTURE OUT [SEQUENCES [FRAMES [CHARACTERS]]]: the methods of characters from cameras against each
-// other, by `fourdvt evaluate --projective`; prints tables and writes OUT/methods.md beside the report
-// OUT/methods/report.html. SEQUENCES: by default run,pickup; constants were chosen on the sample's walk, which has rows
-// of its own in the cross-validation alone. FRAMES: test frames of each, by default 1; of the
-// cross-validation three. CHARACTERS: a folder of characters from
-// cameras that were baked from CAPTURE, as the demo's build/cameras: their scores after the codec. A run that was
-// stopped goes on.
-import { execFileSync } from 'node:child_process';
-import { mkdirSync, readdirSync, readFileSync, writeFileSync } from 'node:fs';
+// methods.mjs FOURDVT_LAB CAPTURE OUT [SEQUENCES [FRAMES [AXIS_FRAMES [CHARACTERS]]]]: the methods of characters from
+// cameras against each other, by `fourdvt-lab methods`. Writes OUT/rows.json, of which site/measured/documents.mjs makes
+// methods.md, beside the report OUT/methods/report.html.
+//   SEQUENCES    default run,pickup; constants were chosen on the sample's walk, which has rows of its own in the
+//                cross-validation alone
+//   FRAMES       test frames of each (default 3); AXIS_FRAMES: the same where cameras and calibration vary (default 1)
+//   CHARACTERS   a folder of characters from cameras that were baked from CAPTURE, as the demo's build/cameras: their
+//                scores after the codec
+// A run that was killed goes on after what is finished.
+import { mkdirSync, readFileSync, readdirSync } from 'node:fs';
 import { join } from 'node:path';
 
-const [tool, capture, out, sequences = 'run,pickup', frames = '1', characters] = process.argv.slice(2);
-const TUNED_ON = 'walk';
+import { mean, settingOf, standardError } from '../../site/measured/sources.mjs';
+import { characterScores, kept, rounded, run, writeRows } from './kept.mjs';
+
+const [lab, capture, out, sequences = 'run,pickup', frames = '3', axisFrames = '1', characters] = process.argv.slice(2);
+const kTunedOn = 'walk', kBaseline = 'linear';
+const kSteps = 'about,proxies,cameras,calibration,cross-validation,stages';  // the report's pictures are left out
 if (!out) {
-  console.error('usage: methods.mjs FOURDVT CAPTURE OUT [SEQUENCES [FRAMES [CHARACTERS]]]');
+  console.error('usage: methods.mjs FOURDVT_LAB CAPTURE OUT [SEQUENCES [FRAMES [AXIS_FRAMES [CHARACTERS]]]]');
   process.exit(2);
 }
 mkdirSync(out, { recursive: true });
-const { sequences: captured } = JSON.parse(readFileSync(join(capture, 'capture.json'), 'utf8'));
-// Rows of the study of these sequences.
-function study(name, of, more = []) {
+
+// Rows of the study of these sequences, with their settings as maps.
+function study(name, of, steps, more = []) {
   const report = join(out, name);
-  execFileSync(tool, ['evaluate', capture, '--projective', '-o', report, '--sequences', of, '--frames', frames, ...more], { stdio: 'inherit' });
-  return JSON.parse(readFileSync(join(report, 'projective.json'), 'utf8')).rows;
+  run(lab, 'methods', capture, '-o', report, '--sequences', of, '--frames', frames, '--axis-frames', axisFrames, '--steps', steps, ...more);
+  return JSON.parse(readFileSync(join(report, 'projective.json'), 'utf8')).rows.map((row) => ({ ...row, keys: settingOf(row.setting) }));
 }
-const rows = study('methods', sequences);
-const isTunedOn = captured.some(({ name }) => name === TUNED_ON) && !sequences.split(',').includes(TUNED_ON);
-const tunedOn = isTunedOn ? study(TUNED_ON, TUNED_ON, ['--methods', 'fvvr,holoportation,montage4d']) : [];
+const { sequences: captured } = JSON.parse(readFileSync(join(capture, 'capture.json'), 'utf8'));
+const all = study('methods', sequences, kSteps);
+const isTunedOn = captured.some(({ name }) => name === kTunedOn) && !sequences.split(',').includes(kTunedOn);
+const tunedOn = isTunedOn ? study(kTunedOn, kTunedOn, 'cross-validation', ['--methods', 'fvvr,holoportation,montage4d']) : [];
 
-const setting = (row, key) => (key === 'text' || key === 'pass'
-  ? new RegExp(`(?:^| )${key}=(.*)$`).exec(row.setting)?.[1]
-  : new RegExp(`(?:^| )${key}=(\\S+)`).exec(row.setting)?.[1]);
-const matching = (table, method, settings, quantity) => rows.filter((row) => row.table === table && row.method === method
-  && row.quantity === quantity && Object.entries(settings).every(([key, value]) => setting(row, key) === value) && row.value !== null);
-// Mean over the sequences; NaN where nothing was measured.
-function value(table, method, settings, quantity) {
-  const found = matching(table, method, settings, quantity);
-  return found.reduce((sum, row) => sum + row.value, 0) / found.length;
-}
-const fixed = (number, digits) => (Number.isFinite(number) ? number.toFixed(digits) : '–');
-const quality = (method, settings) => `${fixed(value('condition', method, settings, 'psnr_fg_db'), 2)} / ${fixed(value('condition', method, settings, 'ssim_fg'), 3)}`;
 const distinct = (list) => [...new Set(list)];
-const table = (head, body) => [head, head.map(() => '---'), ...body].map((row) => `| ${row.join(' | ')} |`).join('\n');
+const ofTable = (table, rows = all) => rows.filter((row) => row.table === table && row.value !== null);
+const isAt = (row, { axis, at, method }) => row.method === method && row.keys.get('axis') === axis && row.keys.get('at') === at;
+const conditions = ofTable('condition'), views = ofTable('view');
 
-const conditions = rows.filter((row) => row.table === 'condition');
-const methods = distinct(conditions.map((row) => row.method));
-const places = (axis) => distinct(conditions.filter((row) => setting(row, 'axis') === axis).map((row) => setting(row, 'at')));
-const onProxy = (at) => ({ axis: 'proxy', at });
-
-const names = { given: 'tracked mesh', refined: 'refined hull', hull: 'hull' };
-const choices = Object.keys(names).filter((at) => places('proxy').includes(at)).map((at) => {
-  const remark = (method) => {
-    if (matching('choice', method, { proxy: at }, 'taken').length) return '**take this**';
-    const [refused] = matching('choice', method, { proxy: at }, 'refused');
-    return refused ? setting(refused, 'text') : '';
-  };
-  return `On a ${names[at]}:\n\n${table(['method', 'dB / SSIM', 'flicker, levels', 'new frame against FVVR', 'new view against FVVR', 'bytes', ''], methods.map((method) => [
-    method, quality(method, onProxy(at)), fixed(value('condition', method, onProxy(at), 'flicker_levels'), 2),
-    `${fixed(value('condition', method, onProxy(at), 'ratio_to_fvvr'), 2)} ×`,
-    `${fixed(value('condition', method, onProxy(at), 'view_s') / value('condition', 'fvvr', onProxy(at), 'view_s'), 2)} ×`, '0', remark(method)]))}`;
-}).join('\n\n');
-
-const surfaces = table(['method', ...places('proxy')], methods.map((method) => [method, ...places('proxy').map((at) => quality(method, onProxy(at)))]));
-const sharpness = table(['method', ...places('proxy')], methods.map((method) => [method, ...places('proxy').map((at) => (
-  `${fixed(value('condition', method, onProxy(at), 'gradient_ratio'), 2)} / ${fixed(value('condition', method, onProxy(at), 'shift_tolerant_db'), 2)}`))]));
-
-const axisMethods = distinct(conditions.filter((row) => setting(row, 'axis') !== 'proxy').map((row) => row.method));
-const units = { cameras: 'cameras', rotation: '° of rotation', translation: 'mm of position', focal: '% of focal length', gain: '% of gain', standoff: 'mm of surface', mixed: '' };
-const axes = table(['error', ...axisMethods], [
-  ['none, 4 cameras', ...axisMethods.map((method) => quality(method, onProxy('given')))],
-  ...Object.keys(units).flatMap((axis) => places(axis).map((at) => [axis === 'mixed' ? 'mixed' : `${at} ${units[axis]}`.replace(' °', '°'),
-    ...axisMethods.map((method) => quality(method, { axis, at }))]))]);
-
-const crossRows = [...rows, ...tunedOn].filter((row) => row.table === 'cross');
-const cross = table(['motion, surface', 'method', 'left out: RMSE, %', 'dB / SSIM', 'with its own picture: RMSE, %', 'dB / SSIM'],
-  distinct(crossRows.map((row) => `${row.sequence} ${setting(row, 'proxy')} ${row.method}`)).map((key) => {
-    const [sequence, proxy, method] = key.split(' ');
-    const one = (own, quantity) => crossRows.find((row) => row.sequence === sequence && row.method === method
-      && row.quantity === quantity && setting(row, 'proxy') === proxy && setting(row, 'own') === own)?.value;
-    const cells = ['0', '1'].flatMap((own) => [fixed(100 * one(own, 'rmse'), 2), `${fixed(one(own, 'psnr_fg_db'), 2)} / ${fixed(one(own, 'ssim_fg'), 3)}`]);
-    return [`${sequence}, ${proxy}`, method, ...cells];
-  }));
-
-const stageMethods = distinct(rows.filter((row) => row.table === 'stage').map((row) => row.method));
-const passes = distinct(rows.filter((row) => row.table === 'stage').map((row) => setting(row, 'pass')));
-const stages = table(['pass, ms', ...stageMethods], passes.map((pass) => [pass, ...stageMethods.map((method) => fixed(value('stage', method, { pass }, 'frame_ms'), 1))]));
-
-// dB / SSIM over all held-out views of what was streamed, by character and method.
-function streamedScore(character, method) {
-  const text = execFileSync(tool, ['evaluate', capture, '--character', join(characters, character), '--method', method, '--input-every', '0', '--flicker', '0'], { encoding: 'utf8' });
-  const words = text.split('\n').filter((line) => line.trim().startsWith('mean')).at(-1).trim().split(/\s+/);
-  return `${fixed(Number(words[2]), 2)} / ${fixed(Number(words[3]), 3)}`;
+// Mean over the sequences; undefined where nothing was measured.
+function meanOf(place, quantity) {
+  const found = conditions.filter((row) => isAt(row, place) && row.quantity === quantity).map((row) => row.value);
+  return found.length ? mean(found) : undefined;
 }
-const streamed = characters ? readdirSync(characters, { withFileTypes: true }).filter((entry) => entry.isDirectory()).map(({ name }) => name) : [];
-const streamedSection = !streamed.length ? '' : `
-## After the codec
 
-The demo's characters from cameras (\`site/cameras.sh\`: H.264 with CRF 30, the refined hull coarser than by default), all held-out
-views of the run, PSNR-FG in dB / SSIM-FG. \`tracked\` is the capture's mesh with its outlines refined, as the bake does by default, and
-with cameras as given; above the mesh is as given, too.
+// Mean over the views with its standard error, and the same of the difference to linear blending, view by view.
+function overViews(place, quantity) {
+  const of = (method) => new Map(views.filter((row) => isAt(row, { ...place, method }) && row.quantity === quantity)
+    .map((row) => [`${row.sequence} ${row.keys.get('view')} ${row.keys.get('frame')}`, row.value]));
+  const own = of(place.method), base = of(kBaseline);
+  const differences = [...own].filter(([view]) => base.has(view)).map(([view, value]) => value - base.get(view));
+  return { count: own.size, mean: mean([...own.values()]), se: standardError([...own.values()]), gain: mean(differences), gainSe: standardError(differences) };
+}
 
-${table(['method', ...streamed], methods.map((method) => [method, ...streamed.map((character) => streamedScore(character, method))]))}
-`;
+function conditionRow(place) {
+  const psnr = overViews(place, 'psnr_fg_db'), ssim = overViews(place, 'ssim_fg');
+  const fvvr_s = meanOf({ ...place, method: 'fvvr' }, 'view_s'), view_s = meanOf(place, 'view_s');
+  return rounded({
+    table: 'condition', ...place, views: psnr.count, psnr_db: psnr.mean, psnr_se_db: psnr.se, ssim: ssim.mean, ssim_se: ssim.se,
+    gain_db: psnr.gain, gain_se_db: psnr.gainSe, gain_ssim: ssim.gain, gain_se_ssim: ssim.gainSe,
+    flicker_levels: meanOf(place, 'flicker_levels'), frame_ratio: meanOf(place, 'ratio_to_fvvr'), view_ratio: view_s / fvvr_s,
+    gradient_ratio: meanOf(place, 'gradient_ratio'), shift_tolerant_db: meanOf(place, 'shift_tolerant_db'),
+  });
+}
+const places = distinct(conditions.map((row) => JSON.stringify({ axis: row.keys.get('axis'), at: row.keys.get('at'), method: row.method }))).map((text) => JSON.parse(text));
 
-const promises = rows.filter((row) => row.table === 'promise').map((row) => `- ${row.quantity}: ${setting(row, 'text')}`).join('\n');
-const about = rows.filter((row) => row.table === 'about').map((row) => `- ${row.quantity}: ${setting(row, 'text')}`).join('\n');
+const choices = all.filter((row) => row.table === 'choice' && ['taken', 'refused'].includes(row.quantity)).map((row) => ({
+  table: 'choice', proxy: row.keys.get('proxy'), method: row.method,
+  ...(row.quantity === 'taken' ? { taken: 1 } : { refused: row.keys.get('text') }),
+}));
+const promises = all.filter((row) => row.table === 'promise').map((row) => ({ table: 'promise', verdict: row.quantity, text: row.keys.get('text') }));
 
-const tables = `## Which method to take
+const cross = [...ofTable('cross'), ...ofTable('cross', tunedOn)];
+const crossKeys = distinct(cross.map((row) => JSON.stringify({ sequence: row.sequence, proxy: row.keys.get('proxy'), method: row.method, own: Number(row.keys.get('own')) })));
+const crossRows = crossKeys.map((text) => {
+  const key = JSON.parse(text);
+  const value = (quantity) => cross.find((row) => row.quantity === quantity && row.sequence === key.sequence && row.method === key.method &&
+    row.keys.get('proxy') === key.proxy && Number(row.keys.get('own')) === key.own)?.value;
+  return rounded({ table: 'cross', ...key, rmse_percent: 100 * value('rmse'), psnr_db: value('psnr_fg_db'), ssim: value('ssim_fg') });
+});
+const passes = ofTable('stage').map((row) => rounded({ table: 'pass', pass: row.keys.get('pass'), method: row.method, frame_ms: row.value }));
 
-A method may not be below linear blending by more than .05 dB, not cost more than twice FVVR's frame, and not flicker by more than
-a tenth more than FVVR. Of those left, the one with the best SSIM-FG; of those within .002 of it, the one that costs least. All
-methods draw from the same files. Costs are of a new frame, in software rendering: only ratios count.
+// Over all held-out views of what was streamed, by character and method.
+const names = characters ? readdirSync(characters, { withFileTypes: true }).filter((entry) => entry.isDirectory()).map(({ name }) => name) : [];
+const methods = distinct(places.map(({ method }) => method));
+const streamed = methods.flatMap((method) => names.map((character) => ({
+  table: 'streamed', character, method,
+  ...kept(out, `streamed ${character} ${method}`, () => characterScores(lab, capture, join(characters, character), join(out, 'scores'), ['--method', method])),
+})));
 
-${choices}
-
-## What the papers promise
-
-${promises}
-
-## Surfaces
-
-PSNR-FG in dB / SSIM-FG:
-
-${surfaces}
-
-Gradient energy against the truth's (below 1: blurred) / shift-tolerant PSNR in dB (blocks of 16 × 16 pixels, ±3 pixels):
-
-${sharpness}
-
-${streamedSection}
-## Cameras and calibration, on the given mesh
-
-${axes}
-
-## Montage4D Table 2
-
-Every input camera's picture against what is drawn for it, at three test frames. Constants were chosen on the walk.
-
-${cross}
-
-## Montage4D Table 3
-
-Passes of a new frame, the GPU drained after each.
-
-${stages}
-`;
-writeFileSync(join(out, 'methods.md'), `# Methods of texturing from cameras
-
-Made by \`node tests/bench/methods.mjs\` with \`fourdvt evaluate --projective\`, from the raw videos before any codec unless it says otherwise, at the sample's
-held-out cameras, which are three for every test frame. What was measured:
-
-${about}
-
-${tables}`);
-console.log(tables);
+const facts = Object.fromEntries(all.filter((row) => row.table === 'about').map((row) => [row.quantity, row.keys.get('text')]));
+writeRows(out, facts, [...places.map(conditionRow), ...choices, ...promises, ...crossRows, ...passes, ...streamed]);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every figure of README.md and the site comes from site/measured/figures.json, and figures.json from the runs' rows.
 import assert from 'node:assert/strict';
-import { copyFileSync, existsSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
+import { execFileSync, spawn } from 'node:child_process';
+import { copyFileSync, cpSync, existsSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
 import { after, test } from 'node:test';
@@ -9,12 +10,15 @@ import { fileURLToPath } from 'node:url';
 
 import { constants, figures as catalogue, runs, sections } from '../../site/measured/catalogue.mjs';
 import { collect, withBefore } from '../../site/measured/collect.mjs';
+import { documentParts, makeDocument } from '../../site/measured/documents.mjs';
 import { fillText, run, unmarked } from '../../site/measured/fill.mjs';
+import { fileOf, inputHash, isInput, partOfRun, parts, recordOf, stateOf } from '../../site/measured/parts.mjs';
 import { Shown, fixed } from '../../site/measured/shown.mjs';
 import { SourceError, Study, parseCsv } from '../../site/measured/sources.mjs';
 
 const kRoot = fileURLToPath(new URL('../..', import.meta.url));
-const kFiles = ['README.md', 'site/docs/README.md', 'site/docs/measured.md', 'site/index.html', 'site/steer.html', 'site/measured/figures.json', 'site/measured/index.html'];
+const kFiles = ['README.md', 'site/docs/README.md', 'site/docs/measured.md', 'site/index.html', 'site/steer.html', 'site/measured/figures.json', 'site/measured/index.html',
+  ...documentParts.flatMap((part) => [`site/measured/${part}.json`, `site/measured/${part}.md`])];
 
 const scratch = mkdtempSync(join(tmpdir(), 'figures-'));
 after(() => rmSync(scratch, { recursive: true }));
@@ -38,6 +42,9 @@ test('a figure that is not the one of figures.json is found', () => {
   assert.match(changed('site/docs/measured.md', (text) => text.replace(/(\| what \| measured \| goal \|\n.*\n\|[^|]*\|)[^|]*/, '$1 99.99 dB '))[0], /measured\.md is not what/);
   assert.match(changed('site/index.html', (text) => text.replace(/(figure:mean\.psnr\.fvvr -->)[^<]*/, '$199.99&nbsp;dB'))[0], /site\/index\.html is not what/);
   assert.match(changed('site/measured/index.html', (text) => text.replace(/\d\.\d/, '9.9'))[0], /measured\/index\.html is not what/);
+  assert.match(changed('site/measured/cameras.json', (text) => text.replace(/"psnr_db":[\d.]+/, '"psnr_db":99.99'))[0], /cameras\.md is not what/);
+  assert.match(changed('site/measured/hulls.md', (text) => text.replace(/\d\.\d/, '9.9'))[0], /hulls\.md is not what/);
+  assert.match(changed('site/measured/methods.json', (text) => text.replace(/"date":"[^"]*"/, '"date":"1999-01-01"')).join(), /methods\.md is not what.*index\.html is not what/);
   assert.ok(changed('site/measured/figures.json', (text) => text.replace(/"mean\.psnr\.fvvr","value":[\d.]+/, '"mean.psnr.fvvr","value":31.4159')).length >= 3);
 });
 
@@ -149,4 +156,220 @@ test('figures are shown with unit, rounding, goal and change', () => {
   assert.equal(new Shown({ figures: [], runs: { study: { quick: true } } }).scope('study'), ' on the one motion of a quick run');
   assert.equal(shown.scope('study'), '', 'a whole run speaks for all motions');
   assert.deepEqual(shown.worse().map((figure) => figure.id), ['mean.psnr.joint-default']);
+});
+
+test('a part that was not measured keeps its figures, its hash and its date', () => {
+  const old = collect(sources()).concat({ id: 'truth:t/a///q', value: 1, run: 'truth', row: 't', parts: ['truth'], cells: {} });
+  const rows = parseCsv(kCsv.replace('joint-default,views=9,psnr_fg_db,24', 'joint-default,views=9,psnr_fg_db,25')).map((row) => ({ ...row, value: Number(row.value) }));
+  const character = { cameras: 8, faces: 10, frames: 25, bytes: 3e6, options: {}, resumed: false, peak_rss_bytes: 1e9, seconds_per_frame_by_stage: {}, sequences: [] };
+  const byId = (list) => new Map(list.map((figure) => [figure.id, figure]));
+
+  const bench = byId(collect({ variants: {}, character: { ...character, options: { layers: 3, texture: 1, crf: 2 } } }, { old, measured: ['bench'] }));
+  assert.equal(bench.get('character.all').value, 3, 'the part that was measured');
+  assert.deepEqual(bench.get('held_out.psnr.joint-default.run'), byId(old).get('held_out.psnr.joint-default.run'), 'another part');
+  assert.deepEqual(bench.get('gap.default'), byId(old).get('gap.default'), 'derived from another part');
+  assert.equal(bench.get('study:new-table/walk/joint/a=1+text=one,+"two"/thing').value, 3, 'a table that the catalogue does not know');
+  assert.equal(bench.get('truth:t/a///q').value, 1);
+
+  const study = byId(collect({ variants: {}, study: new Study(rows) }, { old: [...bench.values()], measured: ['study'] }));
+  assert.equal(study.get('character.all').value, 3);
+  assert.equal(study.get('held_out.psnr.joint-default.run').value, 25);
+  assert.equal(study.get('gap.default').value, -0.1, 'derived anew');
+  const withHigh = old.concat({ id: 'high.psnr', value: 24.2, run: 'high', parts: ['bench'] });
+  const mixed = byId(collect({ variants: {}, study: new Study(rows) }, { old: withHigh, measured: ['study'] })).get('gap.high');
+  assert.equal(mixed.value, 0.6, 'a new figure and a kept one');
+  assert.deepEqual(mixed.parts, ['bench', 'study']);
+
+  const fewer = rows.filter((row) => row.table !== 'speed');
+  assert.ok(!byId(collect({ variants: {}, study: new Study(fewer) }, { old, measured: ['study'] })).has('speed.frame.512x512'), 'what a part no longer has goes');
+});
+
+test('collect.mjs merges the parts that ran into the files', () => {
+  const from = join(scratch, 'from'), to = join(scratch, 'to');
+  const collectParts = (...names) => execFileSync('node', [join(kRoot, 'site/measured/collect.mjs'), '--from', from, '--to', to, ...names], { encoding: 'utf8', stdio: 'pipe' });
+  const read = (name) => JSON.parse(readFileSync(join(to, name), 'utf8'));
+  const write = (path, text) => { mkdirSync(dirname(join(from, path)), { recursive: true }); writeFileSync(join(from, path), text); };
+  mkdirSync(to, { recursive: true });
+  write('study/report/evaluate.csv', kCsv);
+  write('study/part.json', '{"inputs":"aaaa","date":"2026-01-02","minutes":3}');
+  collectParts('study');
+  write('truth/report/evaluate.csv', 'table,sequence,method,setting,quantity,value,unit\nmotion-appearance,both,baked,w=0.50 mesh=truth region=common,psnr_fg_db,28,dB\n');
+  write('truth/part.json', '{"inputs":"bbbb","date":"2026-03-04","minutes":5}');
+  collectParts('truth');
+  const { parts: records, figures } = read('figures.json');
+  assert.deepEqual(records, { study: { inputs: 'aaaa', date: '2026-01-02', minutes: 3 }, truth: { inputs: 'bbbb', date: '2026-03-04', minutes: 5 } });
+  assert.equal(figures.find(({ id }) => id === 'mean.psnr.joint-default').value, 23);
+  assert.equal(figures.find(({ id }) => id === 'truth.mean.baked').value, 28);
+  write('study/report/evaluate.csv', kCsv.replaceAll(',22,dB', ',20,dB'));
+  collectParts('study');
+  const again = read('figures.json').figures;
+  assert.deepEqual([again.find(({ id }) => id === 'mean.psnr.joint-default')].map(({ value, before }) => [value, before])[0], [22, 23], 'what was replaced');
+  assert.equal(again.find(({ id }) => id === 'truth.mean.baked').before, undefined);
+  write('hulls/rows.json', '{"facts":{"frames":19},"rows":[{"table":"surfaces","surface":"stereo","setting":"5 mm","psnr_db":22.66}]}');
+  assert.throws(() => collectParts('hulls'), /part\.json is missing/);
+  write('hulls/part.json', '{"inputs":"cccc","date":"2026-05-06"}');
+  collectParts('hulls');
+  assert.match(makeDocument('hulls', read('hulls.json')), /2026-05-06.*`cccc`[\s\S]*\| stereo \| 5 mm \|.* 22\.66 \|/);
+  assert.throws(() => collectParts('nonsense'), /no part is named "nonsense"/);
+});
+
+test('every figure has the hash of its inputs and a date', () => {
+  for (const [name, { runs: own }] of Object.entries(parts)) {
+    const record = recordOf(name);
+    assert.match(record.inputs, /^[0-9a-f]{16}$/, name);
+    assert.match(record.date, /^20\d\d-\d\d-\d\d$/, name);
+    assert.equal(own.length > 0, fileOf(name).endsWith('figures.json'));
+  }
+  const { figures, parts: records } = JSON.parse(readFileSync(join(kRoot, 'site/measured/figures.json'), 'utf8'));
+  for (const figure of figures) assert.ok(figure.parts.length && figure.parts.every((part) => records[part]), figure.id);
+  assert.deepEqual(Object.keys(runs).filter((run) => !partOfRun[run]), [], 'every run belongs to a part');
+});
+
+test('a part is out of date when one of its inputs changes, and only then', () => {
+  const root = join(scratch, 'tree');
+  const git = (...words) => execFileSync('git', ['-C', root, '-c', 'user.name=t', '-c', 'user.email=t@example.org', ...words], { stdio: 'pipe' });
+  const write = (path, text) => { mkdirSync(dirname(join(root, path)), { recursive: true }); writeFileSync(join(root, path), text); };
+  mkdirSync(root, { recursive: true });
+  git('init', '-q');
+  for (const path of ['native/bake/bake.cpp', 'native/reconstruct/hull.cpp', 'native/base/mesh.h', 'tests/bench/hulls.mjs', 'web/viewer.ts', 'README.md', 'site/sample/actor_a/README.md']) write(path, path);
+  git('add', '-A');
+  git('commit', '-q', '-m', 'tree');
+  const hashes = () => Object.fromEntries(Object.keys(parts).map((part) => [part, inputHash(part, { root })]));
+  const before = hashes();
+  assert.equal(inputHash('hulls', { root, commit: 'HEAD' }), before.hulls, 'a clean tree is its commit');
+  const touched = (path, text) => {
+    write(path, text);
+    const now = hashes();
+    const out = Object.keys(parts).filter((part) => stateOf({ inputs: before[part] }, now[part]) === 'out of date');
+    git('checkout', '-q', '--', '.');
+    git('clean', '-q', '-f', '-d');
+    return out;
+  };
+  assert.deepEqual(touched('native/base/mesh.h', 'new'), Object.keys(parts));
+  assert.deepEqual(touched('native/reconstruct/hull.cpp', 'new'), ['cameras', 'hulls', 'methods']);
+  assert.deepEqual(touched('tests/bench/hulls.mjs', 'new'), ['hulls']);
+  assert.deepEqual(touched('web/viewer.ts', 'new'), ['bench']);
+  assert.deepEqual(touched('native/bake/added.cpp', 'a new file'), Object.keys(parts));
+  for (const path of ['README.md', 'site/sample/actor_a/README.md', 'site/index.html']) assert.deepEqual(touched(path, 'new'), [], path);
+  assert.equal(stateOf(null, before.study), 'never');
+  rmSync(join(root, 'native/bake/bake.cpp'));
+  assert.notEqual(inputHash('study', { root }), before.study, 'a file that goes');
+  git('checkout', '-q', '--', '.');
+  write('native/base/mesh.h', 'committed');
+  const changedHash = inputHash('study', { root });
+  git('commit', '-q', '-a', '-m', 'change');
+  assert.equal(inputHash('study', { root, commit: 'HEAD' }), changedHash, 'a changed tree has the hash that its commit will have');
+});
+
+// Folders of the CMake targets that a target links, itself included.
+function linkedFolders(target) {
+  const folders = new Map(), links = new Map();
+  const lists = readdirSync(join(kRoot, 'native'), { recursive: true }).filter((file) => file.endsWith('CMakeLists.txt')).map((file) => join('native', file));
+  for (const list of lists) {
+    const text = readFileSync(join(kRoot, list), 'utf8').replace(/#.*/g, '');
+    for (const [, name] of text.matchAll(/add_library\(\s*(\w+)/g)) folders.set(name, dirname(list));
+    for (const [, name, rest] of text.matchAll(/target_link_libraries\(\s*(\w+)([^)]*)\)/g)) links.set(name, [...(links.get(name) ?? []), ...rest.split(/\s+/)]);
+  }
+  assert.ok(folders.has(target), `a part names the target ${target}, which native/ lacks`);
+  const seen = new Set();
+  for (const queue = [target]; queue.length;) {
+    const name = queue.pop();
+    if (!folders.has(name) || seen.has(name)) continue;
+    seen.add(name);
+    queue.push(...(links.get(name) ?? []));
+  }
+  return [...seen].map((name) => folders.get(name));
+}
+
+test('the inputs of a part hold every folder that its programs link', () => {
+  for (const [name, { targets, inputs }] of Object.entries(parts)) {
+    for (const target of targets) {
+      const folders = linkedFolders(target);
+      assert.ok(folders.length > 5, target);
+      assert.deepEqual(folders.filter((folder) => !isInput(name, `${folder}/file.cpp`)), [], `${name}, ${target}`);
+    }
+    assert.ok(inputs.includes(`site/measured/parts/${name}.sh`) && existsSync(join(kRoot, `site/measured/parts/${name}.sh`)), name);
+    for (const input of inputs.filter((path) => /\.(mjs|sh|cpp|h|txt)$/.test(path))) assert.ok(existsSync(join(kRoot, input)), input);
+  }
+});
+
+test('a figure has the standard error of its mean', () => {
+  const text = `table,sequence,method,setting,quantity,value,unit
+held-out,walk,joint-default,views=3,psnr_fg_db,23,dB
+held-out,walk,joint-default,views=3,psnr_fg_se_db,0.4,dB
+held-out,run,joint-default,views=3,psnr_fg_db,25,dB
+held-out,run,joint-default,views=3,psnr_fg_se_db,0.3,dB
+held-out,walk,fvvr,views=3,psnr_fg_db,22,dB
+held-out,run,fvvr,views=3,psnr_fg_db,24,dB
+${[['walk', [20, 23, 26], [19, 22, 25.3]], ['run', [21, 25, 29], [20, 23.7, 28]]].flatMap(([sequence, ours, theirs]) => ours.map((value, i) => `held-out-views,${sequence},joint-default,view=v frame=${i},psnr_fg_db,${value},dB\nheld-out-views,${sequence},fvvr,view=v frame=${i},psnr_fg_db,${theirs[i]},dB`)).join('\n')}
+`;
+  const found = collect({ variants: {}, study: new Study(parseCsv(text).map((row) => ({ ...row, value: Number(row.value) }))) });
+  const shown = new Shown({ figures: found });
+  assert.equal(shown.text('held_out.psnr.joint-default'), '23.00 ± 0.40 / 25.00 ± 0.30\u00a0dB');
+  const { se } = found.find(({ id }) => id === 'gap.default');
+  assert.ok(Math.abs(se - 0.0707) < 1e-3, `differences of 1, 1, 0.7 and 1, 1.3, 1 vary far less than the views: ${se}`);
+  assert.ok(found.every(({ row }) => !row.includes('_se')), 'errors are no figures of their own');
+});
+
+// A tree with what measure.sh and the part hulls need, and programs that only write what the part's script reads.
+// `reconstruct` notes its output folder in calls.txt, and waits for a minute where `block` is its number of calls.
+function measuringTree() {
+  const root = join(scratch, 'measured');
+  const write = (path, text, mode) => { mkdirSync(dirname(join(root, path)), { recursive: true }); writeFileSync(join(root, path), text, { mode }); };
+  for (const path of ['site/measured', 'site/steps.sh', 'site/index.html', 'site/steer.html', 'site/docs/README.md', 'site/docs/measured.md', 'README.md', 'tests/bench/hulls.mjs', 'tests/bench/kept.mjs'])
+    cpSync(join(kRoot, path), join(root, path), { recursive: true });
+  write('.gitignore', 'build/\nprograms/\n');
+  write('site/sample/actor_a/capture.json', '{}');
+  write('programs/fourdvt', `#!/usr/bin/env bash
+root=$(dirname "$0")/..
+echo "$4" >>"$root/programs/calls.txt"
+if [ "$(wc -l <"$root/programs/calls.txt")" = "$(cat "$root/programs/block" 2>/dev/null)" ]; then sleep 60; fi
+mkdir -p "$root/$4"
+echo '{"mean_overlap": 0.5, "lowest_overlap": 0.4, "sequences": {"run": [{"triangles": 9, "silhouettes_ms": 1, "hull_ms": 2, "stereo_ms": 3}]}}' >"$root/$4/reconstruct.json"
+`, 0o755);
+  write('programs/fourdvt-lab', '#!/usr/bin/env bash\necho "sequence views"\necho "run 3 21.25 0.75 9 1 1 1 1 1 1"\n', 0o755);
+  const git = (...words) => execFileSync('git', ['-C', root, '-c', 'user.name=t', '-c', 'user.email=t@example.org', ...words], { encoding: 'utf8', stdio: 'pipe' });
+  git('init', '-q');
+  git('add', '-A');
+  git('commit', '-q', '-m', 'tree');
+  const env = { ...process.env, FOURDVT_BIN: join(root, 'programs/fourdvt'), FOURDVT_LAB_BIN: join(root, 'programs/fourdvt-lab') };
+  const words = [join(root, 'site/measured/measure.sh')];
+  return {
+    root, write,
+    measure: (...more) => execFileSync('bash', [...words, ...more], { env, encoding: 'utf8', stdio: 'pipe' }),
+    start: (...more) => spawn('bash', [...words, ...more], { env, stdio: 'ignore', detached: true }),
+    calls: () => (existsSync(join(root, 'programs/calls.txt')) ? readFileSync(join(root, 'programs/calls.txt'), 'utf8').trim().split('\n') : []),
+  };
+}
+
+test('a part that is killed in the middle goes on after its finished steps', async () => {
+  const tree = measuringTree();
+  const state = () => /^hulls +(up to date|out of date|never)/m.exec(tree.measure('--list'))[1];
+  assert.equal(state(), 'out of date');
+  tree.write('programs/block', '3');
+  const measuring = tree.start('--no-build', 'hulls');
+  const ended = new Promise((resolve) => { measuring.on('exit', resolve); });
+  for (let i = 0; tree.calls().length < 3 && i < 300; ++i) await new Promise((resolve) => { setTimeout(resolve, 100); });
+  process.kill(-measuring.pid, 'SIGKILL');
+  await ended;
+  assert.equal(tree.calls().length, 3);
+  assert.equal(state(), 'out of date');
+  rmSync(join(tree.root, 'programs/block'));
+  tree.measure('--no-build', 'hulls');
+  const calls = tree.calls(), cases = new Set(calls);
+  assert.equal(calls.length, cases.size + 1, 'only the case that was killed ran twice');
+  assert.equal(calls[3], calls[2]);
+  assert.equal(state(), 'up to date');
+  const { parts: records, rows } = JSON.parse(readFileSync(join(tree.root, 'site/measured/hulls.json'), 'utf8'));
+  assert.equal(rows.length, cases.size + 1, 'and the given mesh');
+  assert.equal(records.hulls.inputs, inputHash('hulls', { root: tree.root }));
+  assert.ok(records.hulls.minutes >= 0);
+  assert.match(readFileSync(join(tree.root, 'site/measured/hulls.md'), 'utf8'), /21\.25 \| 0\.750/);
+  assert.match(readFileSync(join(tree.root, 'site/measured/index.html'), 'utf8'), new RegExp(records.hulls.inputs));
+  assert.match(tree.measure('--no-build', 'hulls'), /hulls: up to date/);
+  assert.equal(tree.calls().length, calls.length, 'what is up to date is not measured again');
+  tree.write('site/sample/actor_a/capture.json', '{"fps": 30}');
+  assert.equal(state(), 'out of date');
+  tree.measure('--no-build', 'hulls');
+  assert.equal(tree.calls().length, calls.length + cases.size, 'with other inputs it begins anew');
 });
