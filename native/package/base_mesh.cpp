@@ -12,7 +12,7 @@ namespace {
 
 using draco::GeometryAttribute;
 
-Error invalid(const char* what) {
+Error invalidMesh(const char* what) {
   return {ErrorId::MeshDataInvalid, std::string("base mesh: ") + what + "; the mesh file is damaged, upload it again"};
 }
 
@@ -53,12 +53,12 @@ std::unique_ptr<draco::Mesh> decodeDracoMesh(std::span<const uint8_t> bytes, uin
 Result<BaseMesh> baseMeshFromDraco(const draco::Mesh& mesh) {
   const auto* position = mesh.GetNamedAttribute(GeometryAttribute::POSITION);
   const auto* uv = mesh.GetNamedAttribute(GeometryAttribute::TEX_COORD);
-  if (!position || !uv) return invalid("positions or texture coordinates are missing");
+  if (!position || !uv) return invalidMesh("positions or texture coordinates are missing");
   const uint32_t points = mesh.num_points();
-  if (!mappingInRange(*position, points) || !mappingInRange(*uv, points)) return invalid("bad attribute mapping");
+  if (!mappingInRange(*position, points) || !mappingInRange(*uv, points)) return invalidMesh("bad attribute mapping");
   BaseMesh out;
   std::vector<glm::vec2> uv_values;
-  if (!attributeValues(*position, out.positions) || !attributeValues(*uv, uv_values)) return invalid("bad values");
+  if (!attributeValues(*position, out.positions) || !attributeValues(*uv, uv_values)) return invalidMesh("bad values");
   MeshTopology& topology = out.topology;
   topology.vertex_count = static_cast<uint32_t>(out.positions.size());
   for (uint32_t p = 0; p < points; ++p)
@@ -67,20 +67,20 @@ Result<BaseMesh> baseMeshFromDraco(const draco::Mesh& mesh) {
     glm::uvec3 face_points, face_vertices;
     for (int c = 0; c < 3; ++c) {
       const draco::PointIndex point = mesh.face(draco::FaceIndex(f))[c];
-      if (point.value() >= points) return invalid("face index out of range");
+      if (point.value() >= points) return invalidMesh("face index out of range");
       face_points[c] = point.value();
       face_vertices[c] = position->mapped_index(point).value();
     }
     topology.face_uvs.push_back(face_points);
     topology.face_vertices.push_back(face_vertices);
   }
-  if (topology.face_vertices.empty() || topology.vertex_count < 3) return invalid("empty");
+  if (topology.face_vertices.empty() || topology.vertex_count < 3) return invalidMesh("empty");
   return out;
 }
 
 Result<BaseMesh> decodeBaseMesh(std::span<const uint8_t> bytes, uint32_t max_faces) {
   const auto mesh = decodeDracoMesh(bytes, max_faces);
-  if (!mesh) return invalid("Draco cannot decode it, or it has other counts than the manifest says");
+  if (!mesh) return invalidMesh("Draco cannot decode it, or it has other counts than the manifest says");
   return baseMeshFromDraco(*mesh);
 }
 

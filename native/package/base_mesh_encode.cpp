@@ -22,7 +22,7 @@ struct Quantisation {
   int position = 14, uv = 13;  // bits
 };
 
-Error failed(const std::string& what) { return {ErrorId::Internal, "base mesh: " + what}; }
+Error meshFailed(const std::string& what) { return {ErrorId::Internal, "base mesh: " + what}; }
 
 template <class Vec>
 int addFloats(draco::Mesh& mesh, GeometryAttribute::Type type, const std::vector<Vec>& values) {
@@ -89,31 +89,32 @@ Result<std::vector<uint8_t>> encode(const draco::Mesh& mesh, const Quantisation&
   encoder.SetAttributeQuantization(1, bits.uv);
   draco::EncoderBuffer buffer;
   const draco::Status status = encoder.EncodeToBuffer(&buffer);
-  if (!status.ok()) return failed("Draco: " + status.error_msg_string());
+  if (!status.ok()) return meshFailed("Draco: " + status.error_msg_string());
   return std::vector<uint8_t>(buffer.data(), buffer.data() + buffer.size());
 }
 
 // Fills source_vertex and source_face from the identifiers of pass 1.
 Status readOrder(const draco::Mesh& mesh, const BaseMesh& base, const MeshTopology& source, EncodedBaseMesh& out) {
   const auto* ids = mesh.GetNamedAttribute(GeometryAttribute::GENERIC);
-  if (!ids || ids->data_type() != draco::DT_INT32) return failed("identifiers were lost");
+  if (!ids || ids->data_type() != draco::DT_INT32) return meshFailed("identifiers were lost");
   out.source_vertex.assign(base.topology.vertex_count, UINT32_MAX);
   out.source_face.assign(base.topology.faceCount(), UINT32_MAX);
   for (uint32_t f = 0; f < base.topology.faceCount(); ++f) {
     for (int c = 0; c < 3; ++c) {
       int32_t corner = -1;
       ids->GetMappedValue(mesh.face(draco::FaceIndex(f))[c], &corner);
-      if (corner < 0 || uint32_t(corner) >= 3 * source.faceCount()) return failed("identifiers were damaged");
+      if (corner < 0 || uint32_t(corner) >= 3 * source.faceCount()) return meshFailed("identifiers were damaged");
       const uint32_t source_face = uint32_t(corner) / 3;
-      if (c > 0 && out.source_face[f] != source_face) return failed("a face mixes corners of two source faces");
+      if (c > 0 && out.source_face[f] != source_face) return meshFailed("a face mixes corners of two source faces");
       out.source_face[f] = source_face;
       uint32_t& vertex = out.source_vertex[base.topology.face_vertices[f][c]];
       const uint32_t source_vertex = source.face_vertices[source_face][uint32_t(corner) % 3];
-      if (vertex != UINT32_MAX && vertex != source_vertex) return failed("a vertex merges two source vertices");
+      if (vertex != UINT32_MAX && vertex != source_vertex) return meshFailed("a vertex merges two source vertices");
       vertex = source_vertex;
     }
   }
-  if (std::count(out.source_vertex.begin(), out.source_vertex.end(), UINT32_MAX)) return failed("a vertex has no face");
+  if (std::count(out.source_vertex.begin(), out.source_vertex.end(), UINT32_MAX))
+    return meshFailed("a vertex has no face");
   return {};
 }
 
@@ -159,9 +160,10 @@ Status encodeFinal(const MeshTopology& topology, const Positions& positions, con
   draco::Mesh plain;
   FOURDVT_ASSIGN(out.bytes, encode(*buildMesh(plain, topology, positions, false), bits));
   const auto mesh = decodeDracoMesh(out.bytes);
-  if (!mesh) return failed("own bytes do not decode");
+  if (!mesh) return meshFailed("own bytes do not decode");
   FOURDVT_ASSIGN(out.decoded, baseMeshFromDraco(*mesh));
-  if (out.decoded.topology.face_vertices != ordered.topology.face_vertices) return failed("Draco changed the order");
+  if (out.decoded.topology.face_vertices != ordered.topology.face_vertices)
+    return meshFailed("Draco changed the order");
   out.point_count = mesh->num_points();
   out.position_attribute = static_cast<int>(mesh->GetNamedAttribute(GeometryAttribute::POSITION)->unique_id());
   out.uv_attribute = static_cast<int>(mesh->GetNamedAttribute(GeometryAttribute::TEX_COORD)->unique_id());
@@ -173,13 +175,13 @@ Status encodeFinal(const MeshTopology& topology, const Positions& positions, con
 Result<EncodedBaseMesh> encodeBaseMesh(const MeshTopology& topology, const Positions& positions, int position_bits,
                                        int uv_bits) {
   if (positions.size() != topology.vertex_count || topology.face_vertices.size() != topology.face_uvs.size()) {
-    return failed("positions or face UVs do not match the topology");
+    return meshFailed("positions or face UVs do not match the topology");
   }
   draco::Mesh with_ids;
   auto first = encode(*buildMesh(with_ids, topology, positions, true), {position_bits, uv_bits});
   if (!first) return first.error();
   const auto ordered_mesh = decodeDracoMesh(first.value());
-  if (!ordered_mesh) return failed("own bytes do not decode");
+  if (!ordered_mesh) return meshFailed("own bytes do not decode");
   auto ordered = baseMeshFromDraco(*ordered_mesh);
   if (!ordered) return ordered.error();
   EncodedBaseMesh out;
@@ -188,9 +190,9 @@ Result<EncodedBaseMesh> encodeBaseMesh(const MeshTopology& topology, const Posit
   do {
     FOURDVT_TRY(encodeFinal(topology, positions, ordered.value(), {position_bits, uv_bits}, out));
     uv_error = verify(out, topology, positions, position_bits);
-    if (uv_error < 0) return failed("decoded mesh differs from the source");
+    if (uv_error < 0) return meshFailed("decoded mesh differs from the source");
   } while (uv_error >= kMaxUvErrorTexels && ++uv_bits <= kMaxUvBits);
-  if (uv_error >= kMaxUvErrorTexels) return failed("texture coordinates cannot be quantised finely enough");
+  if (uv_error >= kMaxUvErrorTexels) return meshFailed("texture coordinates cannot be quantised finely enough");
   out.point_bounds = {out.decoded.positions[0], out.decoded.positions[0]};
   for (const glm::vec3& p : out.decoded.positions) {
     out.point_bounds.min = glm::min(out.point_bounds.min, p);

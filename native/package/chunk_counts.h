@@ -9,6 +9,11 @@
 
 namespace fourdvt::package {
 
+// Limits of a sequence, in the manifest and in its stream's header alike.
+constexpr uint32_t kMaxFrames = 1u << 20;
+constexpr uint32_t kMaxCount = 1u << 22;  // vertices, faces
+constexpr uint32_t kMaxRenditions = 16;
+
 // counts: StreamIndex or ChunkFrames. A plain sequence has no blend to correct and nothing to align.
 template <class Counts>
 bool validCounts(const Counts& counts) {

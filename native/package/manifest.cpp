@@ -2,16 +2,15 @@
 #include <cmath>
 #include <set>
 
+#include "package/chunk_counts.h"
 #include "package/class_manifest.h"
 
 namespace fourdvt::package {
 namespace {
 
-constexpr double kMaxCount = 1 << 22;  // vertices, faces
-constexpr double kMaxFrames = 1 << 20;
 constexpr double kMaxBytes = 9007199254740992.0;  // 2^53, exact in JSON
 constexpr double kMaxHeaderBytes = 64 << 20;
-constexpr int kMaxSequences = 256, kMaxRenditions = 16;
+constexpr int kMaxSequences = 256;
 constexpr double kMaxMeshBytes = 1 << 28, kMaxGraphBytes = 64 << 20, kMaxRoomBytes = 16 << 20;
 
 bool isRigid(const glm::dmat4& m) {
@@ -167,7 +166,7 @@ void readCharacter(FieldReader& in, const std::string& at, Character& c) {
   }
 }
 
-Error invalid(const std::string& problem) {
+Error invalidManifest(const std::string& problem) {
   return {ErrorId::ManifestInvalid,
           "character.gltf: " + problem + "; bake the character again or upload all its files"};
 }
@@ -183,8 +182,9 @@ const Sequence* Character::find(const std::string& sequence_name) const {
 
 Result<Character> readManifest(const FlatJson& gltf) {
   const std::string at = std::string("/extensions/") + kExtensionName;
-  if (gltf.string("/asset/version").value_or("") != "2.0") return invalid("is not glTF 2.0");
-  if (!gltf.has(at)) return invalid(std::string("has no extension ") + kExtensionName + ": not a fourdvt character");
+  if (gltf.string("/asset/version").value_or("") != "2.0") return invalidManifest("is not glTF 2.0");
+  if (!gltf.has(at))
+    return invalidManifest(std::string("has no extension ") + kExtensionName + ": not a fourdvt character");
   FieldReader in(gltf);
   Character character;
   character.version = int(in.integer(at + "/version", 1, 1 << 20));
@@ -193,7 +193,7 @@ Result<Character> readManifest(const FlatJson& gltf) {
                                            " is newer than this player; update the player"};
   }
   if (in.ok()) readCharacter(in, at, character);
-  if (!in.ok()) return invalid(in.problem());
+  if (!in.ok()) return invalidManifest(in.problem());
   return character;
 }
 

@@ -13,10 +13,10 @@ namespace {
 constexpr uint32_t kMagic = 0x53564434;  // "4DVS"
 constexpr uint16_t kVersion = 4, kCameraVersion = 5;
 constexpr uint32_t kKeyBit = 0x80000000u;
-constexpr uint32_t kMaxFrames = 1u << 20, kMaxCount = 1u << 22, kMaxChunkFrames = 65535, kMaxRenditions = 16;
+constexpr uint32_t kMaxChunkFrames = 65535;
 constexpr uint64_t kMaxOffset = 1ull << 53;
 
-Error invalid(const char* what) {
+Error invalidHeader(const char* what) {
   return {ErrorId::StreamInvalid, std::string("stream header: ") + what + "; the .bin file is damaged or incomplete"};
 }
 
@@ -61,8 +61,8 @@ Status readRendition(ByteReader& in, StreamIndex& index) {
   for (const ChunkEntry& chunk : index.chunks) {
     table.chunk_first_sample.push_back(static_cast<uint32_t>(table.samples.size()));
     // A sample takes 6 bytes: counts that the span cannot hold are refused before memory grows.
-    if (!in.ok() || in.remaining() / 6 < chunk.frame_count) return invalid("truncated sample table");
-    if (!readChunkSamples(in, chunk, table)) return invalid("sample table does not match the frames");
+    if (!in.ok() || in.remaining() / 6 < chunk.frame_count) return invalidHeader("truncated sample table");
+    if (!readChunkSamples(in, chunk, table)) return invalidHeader("sample table does not match the frames");
   }
   table.chunk_first_sample.push_back(static_cast<uint32_t>(table.samples.size()));
   index.renditions.push_back(std::move(table));
@@ -72,7 +72,7 @@ Status readRendition(ByteReader& in, StreamIndex& index) {
 Status readChunks(ByteReader& in, StreamIndex& index, size_t header_bytes) {
   const uint32_t count = in.u32();
   if (!in.ok() || count == 0 || count > index.frame_count || in.remaining() / 24 < count)
-    return invalid("bad GOP count");
+    return invalidHeader("bad GOP count");
   uint64_t next_frame = 0;
   for (uint32_t c = 0; c < count; ++c) {
     ChunkEntry chunk;
@@ -83,17 +83,18 @@ Status readChunks(ByteReader& in, StreamIndex& index, size_t header_bytes) {
     chunk.hash = in.u64();
     next_frame += chunk.frame_count;
     if (chunk.frame_count == 0 || chunk.frame_count > kMaxChunkFrames || next_frame > index.frame_count) {
-      return invalid("GOPs do not match the frame count");
+      return invalidHeader("GOPs do not match the frame count");
     }
-    if (chunk.bytes == 0 || chunk.offset < header_bytes || chunk.offset > kMaxOffset) return invalid("bad GOP range");
+    if (chunk.bytes == 0 || chunk.offset < header_bytes || chunk.offset > kMaxOffset)
+      return invalidHeader("bad GOP range");
     index.chunks.push_back(chunk);
   }
-  if (next_frame != index.frame_count) return invalid("GOPs do not cover all frames");
+  if (next_frame != index.frame_count) return invalidHeader("GOPs do not cover all frames");
   return {};
 }
 
 Status readCounts(ByteReader& in, StreamIndex& index, size_t span_bytes) {
-  if (in.u32() != kMagic) return invalid("not a fourdvt stream");
+  if (in.u32() != kMagic) return invalidHeader("not a fourdvt stream");
   const uint16_t version = in.u16();
   in.u16();
   if (version < kVersion) {
@@ -101,7 +102,7 @@ Status readCounts(ByteReader& in, StreamIndex& index, size_t span_bytes) {
                                            " of an earlier fourdvt; bake the character again"};
   }
   if (version > kCameraVersion) return Error{ErrorId::Unsupported, "stream header: unknown version; update the player"};
-  if (in.u32() != span_bytes) return invalid("length differs from the manifest's");
+  if (in.u32() != span_bytes) return invalidHeader("length differs from the manifest's");
   index.frame_count = in.u32();
   index.vertex_count = in.u32();
   index.face_count = in.u32();
@@ -112,16 +113,16 @@ Status readCounts(ByteReader& in, StreamIndex& index, size_t span_bytes) {
   for (int i = 0; i < 3; ++i) index.position_origin[i] = in.f32();
   index.position_step_m = in.f32();
   index.alignment_step_m = in.f32();
-  if (!in.ok()) return invalid("truncated");
+  if (!in.ok()) return invalidHeader("truncated");
   const bool counts_ok = index.frame_count >= 1 && index.frame_count <= kMaxFrames && index.vertex_count >= 3 &&
                          index.vertex_count <= kMaxCount && index.face_count >= 1 && index.face_count <= kMaxCount &&
                          (version == kCameraVersion ? isCameraStream(index) : validCounts(index));
-  if (!counts_ok) return invalid("counts out of range");
+  if (!counts_ok) return invalidHeader("counts out of range");
   const glm::vec3& o = index.position_origin;
   if (!std::isfinite(o.x) || !std::isfinite(o.y) || !std::isfinite(o.z) || !(index.position_step_m > 0) ||
       !std::isfinite(index.position_step_m) || !std::isfinite(index.alignment_step_m) ||
       (index.alignment_count > 0 && !(index.alignment_step_m > 0))) {
-    return invalid("bad quantisation");
+    return invalidHeader("bad quantisation");
   }
   return {};
 }
@@ -187,10 +188,10 @@ Result<StreamIndex> readStreamHeader(std::span<const uint8_t> bytes) {
   FOURDVT_TRY(readCounts(in, index, bytes.size()));
   FOURDVT_TRY(readChunks(in, index, bytes.size()));
   const uint32_t renditions = in.u32();
-  if (!in.ok() || renditions == 0 || renditions > kMaxRenditions) return invalid("bad rendition count");
+  if (!in.ok() || renditions == 0 || renditions > kMaxRenditions) return invalidHeader("bad rendition count");
   for (uint32_t r = 0; r < renditions; ++r) FOURDVT_TRY(readRendition(in, index));
-  if (!in.ok() || in.remaining() != 0) return invalid("trailing bytes");
-  if (!keepsMemoryLimits(index)) return invalid("a GOP would take more memory than any should");
+  if (!in.ok() || in.remaining() != 0) return invalidHeader("trailing bytes");
+  if (!keepsMemoryLimits(index)) return invalidHeader("a GOP would take more memory than any should");
   return index;
 }
 

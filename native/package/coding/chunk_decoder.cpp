@@ -5,16 +5,13 @@
 
 #include "base/bytes.h"
 #include "package/chunk_counts.h"
+#include "package/coding/chunk_error.h"
 #include "package/coding/field_model.h"
 #include "package/coding/label_model.h"
 #include "package/coding/position_model.h"
 
 namespace fourdvt::package {
 namespace {
-
-Error invalid(const char* what) {
-  return {ErrorId::StreamInvalid, std::string("GOP chunk: ") + what + "; the .bin file is damaged, upload it again"};
-}
 
 // One coded part of a chunk; its frames are decoded in order.
 class Part {
@@ -102,7 +99,7 @@ class FrameByFrame final : public ChunkDecoder {
       broken_ = !decodeNext();
       decoded_ += !broken_;
     }
-    if (broken_) return invalid("positions, labels or fields do not decode");
+    if (broken_) return invalidChunk("positions, labels or fields do not decode");
     if (decoded_ == frames_.frame_count) parts_.clear();  // their models are larger than the frames
     return {};
   }
@@ -137,15 +134,15 @@ class FrameByFrame final : public ChunkDecoder {
 
 Result<std::unique_ptr<ChunkDecoder>> ChunkDecoder::open(std::span<const uint8_t> bytes, const StreamIndex& index,
                                                          uint32_t chunk, const ChunkMesh& mesh) {
-  if (chunk >= index.chunks.size()) return invalid("no such GOP");
+  if (chunk >= index.chunks.size()) return invalidChunk("no such GOP");
   ChunkFrames counts;
   counts.frame_count = index.chunks[chunk].frame_count;
   copyCounts(index, counts);
   if (counts.vertex_count != mesh.vertexCount() || counts.face_count != mesh.faceCount() || counts.frame_count == 0 ||
       !validCounts(counts))
-    return invalid("frame, vertex, face, layer or member count is not the mesh's");
+    return invalidChunk("frame, vertex, face, layer or member count is not the mesh's");
   auto decoder = std::make_unique<FrameByFrame>(counts, mesh);
-  if (!decoder->open(bytes)) return invalid("length differs from its header");
+  if (!decoder->open(bytes)) return invalidChunk("length differs from its header");
   return std::unique_ptr<ChunkDecoder>(std::move(decoder));
 }
 

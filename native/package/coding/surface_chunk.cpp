@@ -6,15 +6,12 @@
 
 #include "base/bytes.h"
 #include "package/chunk_counts.h"
+#include "package/coding/chunk_error.h"
 #include "package/coding/position_model.h"
 #include "package/coding/surface_mesh.h"
 
 namespace fourdvt::package {
 namespace {
-
-Error invalid(const char* what) {
-  return {ErrorId::StreamInvalid, std::string("GOP chunk: ") + what + "; the .bin file is damaged, upload it again"};
-}
 
 // Positions of a run's frames, in order; see coding/position_model.h.
 class Motion {
@@ -63,7 +60,7 @@ class RunByRun final : public SurfaceChunk {
   Status decodeTo(uint32_t frame) override {
     const uint32_t end = std::min(frame, frame_count_ - 1) + 1;
     while (!broken_ && decodedCount() < end) broken_ = !decodeNext();
-    if (broken_) return invalid("a surface does not decode");
+    if (broken_) return invalidChunk("a surface does not decode");
     return {};
   }
   uint32_t decodedCount() const override { return static_cast<uint32_t>(frames_.size()); }
@@ -87,7 +84,7 @@ class RunByRun final : public SurfaceChunk {
   }
 
   Status readTiles(ByteReader& in, const Character& character, const Sequence& sequence) {
-    if (in.u32() != character.cameras.size()) return invalid("camera count is not the manifest's");
+    if (in.u32() != character.cameras.size()) return invalidChunk("camera count is not the manifest's");
     for (const PinholeCamera& camera : character.cameras) {
       CameraTile& t = tiles_.emplace_back();
       t.source = readRect(in);
@@ -97,16 +94,17 @@ class RunByRun final : public SurfaceChunk {
       const auto inside = [](const Rect& r, int width, int height) {
         return r.width > 0 && r.height > 0 && r.x + r.width <= width && r.y + r.height <= height;
       };
-      if (!inside(t.source, camera.width, camera.height)) return invalid("a tile's source is outside the picture");
+      if (!inside(t.source, camera.width, camera.height)) return invalidChunk("a tile's source is outside the picture");
       if (!inside(t.tile, sequence.layout_width, sequence.layout_height))
-        return invalid("a tile is outside the layout");
+        return invalidChunk("a tile is outside the layout");
     }
     return {};
   }
 
   Status readRuns(ByteReader& in) {
     const uint32_t count = in.u32();
-    if (!in.ok() || count == 0 || count > frame_count_ || in.remaining() / 12 < count) return invalid("bad run count");
+    if (!in.ok() || count == 0 || count > frame_count_ || in.remaining() / 12 < count)
+      return invalidChunk("bad run count");
     ByteReader lengths(in.bytes(size_t(12) * count));
     uint64_t first = 0;
     for (uint32_t r = 0; r < count; ++r) {
@@ -116,11 +114,11 @@ class RunByRun final : public SurfaceChunk {
       run.mesh = in.bytes(lengths.u32());
       run.motion = in.bytes(lengths.u32());
       first += run.frame_count;
-      if (run.frame_count == 0) return invalid("a run has no frames");
-      if ((run.frame_count == 1) != run.motion.empty()) return invalid("a run's motion does not match its frames");
+      if (run.frame_count == 0) return invalidChunk("a run has no frames");
+      if ((run.frame_count == 1) != run.motion.empty()) return invalidChunk("a run's motion does not match its frames");
     }
-    if (first != frame_count_) return invalid("runs do not cover all frames");
-    if (!in.ok() || in.remaining() != 0) return invalid("length differs from its header");
+    if (first != frame_count_) return invalidChunk("runs do not cover all frames");
+    if (!in.ok() || in.remaining() != 0) return invalidChunk("length differs from its header");
     frames_.reserve(frame_count_);  // surfaces stay where they are
     return {};
   }
@@ -180,9 +178,9 @@ class RunByRun final : public SurfaceChunk {
 Result<std::unique_ptr<SurfaceChunk>> SurfaceChunk::open(std::span<const uint8_t> bytes, const StreamIndex& index,
                                                          uint32_t chunk, const Character& character,
                                                          const Sequence& sequence) {
-  if (chunk >= index.chunks.size() || index.chunks[chunk].frame_count == 0) return invalid("no such GOP");
+  if (chunk >= index.chunks.size() || index.chunks[chunk].frame_count == 0) return invalidChunk("no such GOP");
   if (!isCameraStream(index) || character.appearance != AppearanceKind::Cameras)
-    return invalid("the character is not from cameras");
+    return invalidChunk("the character is not from cameras");
   auto runs = std::make_unique<RunByRun>(index, chunk);
   FOURDVT_TRY(runs->open(bytes, character, sequence));
   return std::unique_ptr<SurfaceChunk>(std::move(runs));

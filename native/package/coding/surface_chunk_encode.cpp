@@ -9,7 +9,7 @@
 namespace fourdvt::package {
 namespace {
 
-Error failed(const std::string& what) { return {ErrorId::Internal, "surfaces: " + what}; }
+Error chunkFailed(const std::string& what) { return {ErrorId::Internal, "surfaces: " + what}; }
 
 struct EncodedRun {
   uint32_t frame_count = 1, vertex_count = 0, face_count = 0;
@@ -23,12 +23,12 @@ bool hasArea(const glm::uvec3& f) { return f.x != f.y && f.y != f.z && f.z != f.
 Result<QuantisedSurface> checked(const QuantisedSurface& frame) {
   QuantisedSurface out{{}, frame.positions};
   std::copy_if(frame.faces.begin(), frame.faces.end(), std::back_inserter(out.faces), hasArea);
-  if (out.faces.empty()) return failed("a frame has no faces");
+  if (out.faces.empty()) return chunkFailed("a frame has no faces");
   for (const glm::uvec3& f : out.faces) {
-    if (std::max({f.x, f.y, f.z}) >= out.positions.size()) return failed("a face's vertex does not exist");
+    if (std::max({f.x, f.y, f.z}) >= out.positions.size()) return chunkFailed("a face's vertex does not exist");
   }
   if (!std::all_of(out.positions.begin(), out.positions.end(), inRange))
-    return failed("a position is out of range; the position step is too small");
+    return chunkFailed("a position is out of range; the position step is too small");
   return out;
 }
 

@@ -12,7 +12,7 @@ namespace {
 using draco::AttributeValueIndex;
 using draco::GeometryAttribute;
 
-Error failed(const std::string& what) { return {ErrorId::Internal, "surface: " + what}; }
+Error surfaceFailed(const std::string& what) { return {ErrorId::Internal, "surface: " + what}; }
 
 // One point per vertex; `values` has components 32-bit values for each.
 int addAttribute(draco::Mesh& mesh, GeometryAttribute::Type type, draco::DataType data, int components,
@@ -44,7 +44,7 @@ Result<std::vector<uint8_t>> encode(const draco::Mesh& mesh, int position_bits) 
   if (position_bits > 0) encoder.SetAttributeQuantization(0, position_bits);
   draco::EncoderBuffer buffer;
   const draco::Status status = encoder.EncodeToBuffer(&buffer);
-  if (!status.ok()) return failed("Draco: " + status.error_msg_string());
+  if (!status.ok()) return surfaceFailed("Draco: " + status.error_msg_string());
   return std::vector<uint8_t>(buffer.data(), buffer.data() + buffer.size());
 }
 
@@ -71,10 +71,10 @@ Result<EncodedSurfaceMesh> encodeSurfaceMesh(const QuantisedSurface& surface) {
   EncodedSurfaceMesh out;
   FOURDVT_ASSIGN(out.bytes, encode(mesh, 0));
   auto decoded = decodeSurfaceMesh(out.bytes, UINT32_MAX, kMaxFaces);
-  if (!decoded) return failed("own bytes do not decode");
+  if (!decoded) return surfaceFailed("own bytes do not decode");
   out.decoded = std::move(*decoded);
   if (out.decoded.faces.size() != surface.faces.size() || shapeOf(out.decoded) != shapeOf(surface))
-    return failed("Draco changed the surface");
+    return surfaceFailed("Draco changed the surface");
   return out;
 }
 
@@ -90,19 +90,22 @@ Result<std::vector<uint32_t>> sourceVertices(const QuantisedSurface& surface, co
   const auto numbered = decodeDracoMesh(bytes);
   const auto* ids = numbered ? numbered->GetNamedAttribute(GeometryAttribute::GENERIC) : nullptr;
   const auto* positions = numbered ? numbered->GetNamedAttribute(GeometryAttribute::POSITION) : nullptr;
-  if (!ids || !positions || numbered->num_faces() != decoded.faces.size()) return failed("own bytes do not decode");
+  if (!ids || !positions || numbered->num_faces() != decoded.faces.size())
+    return surfaceFailed("own bytes do not decode");
   std::vector<uint32_t> source(decoded.positions.size(), UINT32_MAX);
   for (uint32_t f = 0; f < numbered->num_faces(); ++f) {
     for (int c = 0; c < 3; ++c) {
       const draco::PointIndex point = numbered->face(draco::FaceIndex(f))[c];
-      if (positions->mapped_index(point).value() != decoded.faces[f][c]) return failed("Draco changed the order");
+      if (positions->mapped_index(point).value() != decoded.faces[f][c])
+        return surfaceFailed("Draco changed the order");
       int32_t number = -1;
       ids->GetMappedValue(point, &number);
-      if (number < 0 || size_t(number) >= surface.positions.size()) return failed("a vertex's number was damaged");
+      if (number < 0 || size_t(number) >= surface.positions.size())
+        return surfaceFailed("a vertex's number was damaged");
       source[decoded.faces[f][c]] = static_cast<uint32_t>(number);
     }
   }
-  if (std::count(source.begin(), source.end(), UINT32_MAX)) return failed("a vertex has no face");
+  if (std::count(source.begin(), source.end(), UINT32_MAX)) return surfaceFailed("a vertex has no face");
   return source;
 }
 
@@ -114,7 +117,7 @@ Result<EncodedBaseMesh> encodePlainMesh(const TriangleMesh& surface, int positio
   FOURDVT_ASSIGN(out.bytes, encode(mesh, position_bits));
   const auto decoded = decodeDracoMesh(out.bytes);
   const auto* positions = decoded ? decoded->GetNamedAttribute(GeometryAttribute::POSITION) : nullptr;
-  if (!positions || positions->size() == 0) return failed("own bytes do not decode");
+  if (!positions || positions->size() == 0) return surfaceFailed("own bytes do not decode");
   for (uint32_t i = 0; i < positions->size(); ++i)
     positions->GetValue(AttributeValueIndex(i), &out.decoded.positions.emplace_back()[0]);
   out.decoded.topology.vertex_count = static_cast<uint32_t>(out.decoded.positions.size());
