@@ -2,6 +2,7 @@
 // Plain pictures in memory. Row 0 is the top row everywhere in fourdvt. Does NOT read or write files.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -20,6 +21,15 @@ struct Image {
   uint8_t* at(int x, int y) { return pixels.data() + (static_cast<size_t>(y) * width + x) * channels; }
   const uint8_t* at(int x, int y) const { return pixels.data() + (static_cast<size_t>(y) * width + x) * channels; }
 };
+
+// RGBA with premultiplied alpha → straight alpha, in the encoded values. Pixels with alpha 0 stay.
+inline void unpremultiply(Image& rgba) {
+  for (size_t i = 0; i + 3 < rgba.pixels.size(); i += 4) {
+    uint8_t* p = &rgba.pixels[i];
+    if (p[3] == 0 || p[3] == 255) continue;
+    for (int c = 0; c < 3; ++c) p[c] = static_cast<uint8_t>(std::min(255, (p[c] * 255 + p[3] / 2) / p[3]));
+  }
+}
 
 // Borrowed 4:2:0 picture, BT.709 limited range (the only colour description a character uses).
 // width and height are even; chroma planes are (width/2) × (height/2).

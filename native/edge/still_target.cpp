@@ -4,18 +4,6 @@
 #include <algorithm>
 
 namespace fourdvt::edge {
-namespace {
-
-void unpremultiply(Image& image) {
-  for (size_t i = 0; i + 3 < image.pixels.size(); i += 4) {
-    uint8_t* p = &image.pixels[i];
-    if (p[3] == 0 || p[3] == 255) continue;
-    for (int c = 0; c < 3; ++c) p[c] = static_cast<uint8_t>(std::min(255, (p[c] * 255 + p[3] / 2) / p[3]));
-  }
-}
-
-}  // namespace
-
 Status StillTarget::prepare(int width, int height) {
   if (target_ && width == width_ && height == height_) return {};
   FOURDVT_ASSIGN(auto color, gpu::makeTexture(device_, {.width = width, .height = height, .label = "still"}));

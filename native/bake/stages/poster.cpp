@@ -9,17 +9,6 @@
 #include "render/plain_figure.h"
 
 namespace fourdvt::bake {
-namespace {
-
-void unpremultiply(Image& image) {
-  for (size_t i = 0; i < image.pixels.size(); i += 4) {
-    uint8_t* p = &image.pixels[i];
-    for (int c = 0; c < 3 && p[3] > 0; ++c) p[c] = static_cast<uint8_t>(std::min(255, (p[c] * 255 + p[3] / 2) / p[3]));
-  }
-}
-
-}  // namespace
-
 Result<Image> renderPoster(gpu::Device& device, const package::Character& character, const package::BaseMesh& mesh,
                            const StillArtefact& still, const Positions& positions) {
   FOURDVT_ASSIGN(auto figure, render::PlainFigure::create(device, character, mesh));

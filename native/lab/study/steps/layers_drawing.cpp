@@ -12,14 +12,6 @@ namespace {
 
 constexpr int kGain = 4, kMargin = 8;
 
-void unpremultiply(Image& image) {
-  for (size_t i = 0; i + 3 < image.pixels.size(); i += 4) {
-    uint8_t* p = &image.pixels[i];
-    if (p[3] == 0 || p[3] == 255) continue;
-    for (int c = 0; c < 3; ++c) p[c] = static_cast<uint8_t>(std::min(255, (p[c] * 255 + p[3] / 2) / p[3]));
-  }
-}
-
 // Black, red, yellow, white.
 void heat(double value, uint8_t* rgb) {
   for (int c = 0; c < 3; ++c) rgb[c] = static_cast<uint8_t>(std::clamp(3 * value - 255.0 * c, 0.0, 255.0));
@@ -31,15 +23,17 @@ package::Character characterOf(const bake::Job& job, int layers) {
   return character;
 }
 
-constexpr int kColumns = 3;
+constexpr int kLayerColumns = 3;
 
-package::Rect rectOf(int layer, int size) { return {layer % kColumns * size, layer / kColumns * size, size, size}; }
+package::Rect rectOf(int layer, int size) {
+  return {layer % kLayerColumns * size, layer / kLayerColumns * size, size, size};
+}
 
 // A grid of three columns.
 package::Rendition gridOf(int size, int max_layers, int layers) {
   package::Rendition rendition;
-  rendition.width = std::min(kColumns, max_layers) * size;
-  rendition.height = (max_layers + kColumns - 1) / kColumns * size;
+  rendition.width = std::min(kLayerColumns, max_layers) * size;
+  rendition.height = (max_layers + kLayerColumns - 1) / kLayerColumns * size;
   for (int l = 0; l < layers; ++l) rendition.layers.push_back(rectOf(l, size));
   return rendition;
 }

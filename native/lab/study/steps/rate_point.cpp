@@ -19,13 +19,6 @@ struct FileCloser {
 };
 using File = std::unique_ptr<std::FILE, FileCloser>;
 
-void unpremultiply(Image& image) {
-  for (size_t i = 0; i < image.pixels.size(); i += 4) {
-    uint8_t* p = &image.pixels[i];
-    for (int c = 0; c < 3 && p[3] > 0; ++c) p[c] = static_cast<uint8_t>(std::min(255, (p[c] * 255 + p[3] / 2) / p[3]));
-  }
-}
-
 struct PairScore {
   double ssim = std::numeric_limits<double>::quiet_NaN(), psnr_db = ssim;
 };
