@@ -7,6 +7,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "capture/median.h"
+
 namespace fourdvt::capture {
 namespace {
 
@@ -14,12 +16,6 @@ constexpr float kShift_pixels = 0.1f;  // what a studio's cameras may shake
 // A chroma key backdrop: its median colour's distance from grey in the CbCr plane of BT.709, levels of 255; the share
 // of the plate that is that colour; and how far that share may stray from it, as a share of the distance.
 constexpr float kBackdropChroma = 36, kBackdropShare = 0.7f, kBackdropSpread = 0.4f;
-
-float median(std::vector<float> values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // The variance between plates, averaged over 5 × 5 pixels, beyond what all pixels have (their median: sensor noise).
 cv::Mat flicker(const std::vector<cv::Mat>& plates, const cv::Mat& mean) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "capture/median.h"
+
 namespace fourdvt::capture {
 namespace {
 
@@ -38,12 +40,6 @@ float deviationOfNeighbours(const cv::Mat& x, int channel, float spacing) {
   for (const float s : steps) below += s < value - 1e-3f, equal += std::abs(s - value) <= 1e-3f;
   const float next = value - spacing / 2 + spacing * (float(steps.size()) / 2 - float(below)) / float(equal);
   return std::max(0.0f, next) / 0.6745f / std::sqrt(2.0f);
-}
-
-float median(std::vector<float> values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 cv::Mat sumOfChannels(const cv::Mat& m) {

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "capture/mesh_sequence.h"
+#include "capture/pictures.h"
 #include "capture/text.h"
 
 namespace fourdvt::capture {
@@ -62,11 +63,6 @@ void addName(const std::string& name, NumberedFiles& out) {
 // Numbers that all fit the frames are the frames' own: then a missing first file is a missing frame 0.
 uint32_t firstNumber(const Numbered& files, uint32_t frame_count) {
   return files.files == 0 || files.largest < frame_count ? 0 : files.smallest;
-}
-
-bool isFile(const std::string& path) {
-  std::error_code ignored;
-  return std::filesystem::is_regular_file(path, ignored);
 }
 
 }  // namespace

@@ -11,14 +11,10 @@
 #include "capture/text.h"
 
 namespace fourdvt::capture {
-namespace {
-
 bool isFile(const std::string& path) {
   std::error_code ignored;
   return std::filesystem::is_regular_file(path, ignored);
 }
-
-}  // namespace
 
 std::optional<PicturePlace> findPictures(const std::string& folder, const std::string& stem) {
   const std::string base = folder + "/" + stem;

@@ -21,6 +21,9 @@ struct PicturePlace {
 // Looks for <folder>/<stem>.mp4, .mkv, .webm, .mov and <folder>/<stem>/000000.png, .jpg; nullopt if there is none.
 std::optional<PicturePlace> findPictures(const std::string& folder, const std::string& stem);
 
+// Returns true for an existing file that is no folder.
+bool isFile(const std::string& path);
+
 // Name of a camera's matte: cam03 → mask03, other → maskother.
 std::string matteStem(const std::string& camera_name);
 
