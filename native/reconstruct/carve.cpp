@@ -9,18 +9,18 @@ namespace fourdvt::reconstruct {
 namespace {
 
 constexpr double kBandVoxels = 3;
-constexpr int kMaxLevels = 14;                     // 2^14 blocks of 8 voxels along each side: 650 m at 5 mm
-constexpr double kCoarse_m = 0.08, kSeen_m = 0.3;  // cells in which a message's figures are counted
+constexpr int kMaxLevels = 14;                       // 2^14 blocks of 8 voxels along each side: 650 m at 5 mm
+constexpr double kCoarse_m = 0.08, kCommon_m = 0.3;  // cells in which a message's figures are counted
 constexpr double kLeastReach_m = 16;  // where axes are parallel, nothing tells how far away the performer is
 constexpr double kEverywhere = 1e9;   // pixels
-constexpr size_t kNone = SIZE_MAX;
+constexpr size_t kNoView = SIZE_MAX;
 
 enum class Share : uint8_t { Outside, Mixed, Inside };
 
 class Carver {
  public:
   // The camera `without` is not asked.
-  explicit Carver(std::span<const CarvingView> views, size_t without = kNone)
+  explicit Carver(std::span<const CarvingView> views, size_t without = kNoView)
       : views_(views), without_(without), needed_(views.size() / 2 + 1) {}
 
   // What is certain of a sphere: outside as a whole, inside as a whole, or neither.
@@ -166,7 +166,7 @@ Error nothingLeft(std::span<const CarvingView> views, double voxel_m) {
   Cells cells = wholeSpace(views, voxel_m);
   const Carver all(views);
   size_t common = 0;
-  while (cells.blocks_along > 1 && cells.blocks_along * cells.block_m > kSeen_m) {
+  while (cells.blocks_along > 1 && cells.blocks_along * cells.block_m > kCommon_m) {
     std::vector<glm::ivec3> parts;
     cells.blocks_along /= 2;
     for (const glm::ivec3& at : cells.at)
@@ -185,13 +185,13 @@ Error nothingLeft(std::span<const CarvingView> views, double voxel_m) {
             "that cameras look at the performer"};
   }
   long most = 0;
-  size_t odd = kNone;
+  size_t odd = kNoView;
   for (size_t i = 0; i < views.size(); ++i) {
     const long count = left(i);
     if (count > most) most = count, odd = i;
   }
   const std::string what = "the silhouettes leave no place in space for the performer; ";
-  if (odd == kNone) {
+  if (odd == kNoView) {
     return {ErrorId::NothingVisible,
             what + "no single camera is to blame: check units, poses and synchronisation of all cameras"};
   }

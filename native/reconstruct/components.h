@@ -9,6 +9,8 @@
 
 namespace fourdvt::reconstruct {
 
+constexpr double kSpeckVoxels = 27;  // no larger: noise of the grid that a surface was made with
+
 // Leaves out specks: components below a thousandth of the largest one's volume, or below `least_volume_m3`. Hollows,
 // whose volume is negative, are judged by its size. Returns the number of components that were left out.
 size_t dropSpecks(TriangleMesh& mesh, double least_volume_m3);

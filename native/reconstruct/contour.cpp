@@ -14,7 +14,7 @@
 namespace fourdvt::reconstruct {
 namespace {
 
-constexpr double kLevel = 127.5;
+constexpr double kContourLevel = 127.5;
 constexpr uint8_t kPerformer = 128;   // the least value above the level
 constexpr double kLeastShare = 0.02;  // of a cell's side, between a ring and a sample: keeps rings apart
 constexpr int kCornerX[4] = {0, 1, 1, 0}, kCornerY[4] = {0, 0, 1, 1};
@@ -93,7 +93,7 @@ class Tracer {
     const auto inside = [&](int k) { return value[k % 4] >= kPerformer; };
     const bool saddle = !inside(entry + 2) && inside(entry + 3);
     // At a saddle the cell's mean says which of the two is connected.
-    if (saddle && value[0] + value[1] + value[2] + value[3] > 4 * kLevel) return (entry + 3) % 4;
+    if (saddle && value[0] + value[1] + value[2] + value[3] > 4 * kContourLevel) return (entry + 3) % 4;
     int exit = entry + 1;
     while (inside(exit + 1)) ++exit;
     return exit % 4;
@@ -103,7 +103,7 @@ class Tracer {
     const int next = (side + 1) % 4;
     const int x0 = x + kCornerX[side], y0 = y + kCornerY[side], x1 = x + kCornerX[next], y1 = y + kCornerY[next];
     const double v0 = sample(x0, y0), v1 = sample(x1, y1);
-    const double share = std::clamp((kLevel - v0) / (v1 - v0), kLeastShare, 1 - kLeastShare);
+    const double share = std::clamp((kContourLevel - v0) / (v1 - v0), kLeastShare, 1 - kLeastShare);
     return {x0 + 0.5 + share * (x1 - x0), y0 + 0.5 + share * (y1 - y0)};
   }
 

@@ -5,14 +5,14 @@
 #include <cmath>
 #include <queue>
 
+#include "reconstruct/planar.h"
+
 namespace fourdvt::reconstruct {
 namespace {
 
 constexpr double kClearance_px = 0.01;  // between an edge and the points that it passes
 constexpr double kStraight_px2 = 1e-9;  // twice the area that a point on a straight line spans
 constexpr double kCell_px = 8;          // of the grid that finds points
-
-double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
 
 double distanceSquared(const glm::dvec2& point, const glm::dvec2& from, const glm::dvec2& to) {
   const glm::dvec2 along = to - from, away = point - from;

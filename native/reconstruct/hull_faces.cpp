@@ -11,7 +11,7 @@
 namespace fourdvt::reconstruct {
 namespace {
 
-constexpr uint32_t kNone = ~0u;
+constexpr uint32_t kNoPlace = ~0u;
 
 struct NameHash {
   size_t operator()(VertexName name) const { return size_t((name ^ (name >> 31)) * 0x9E3779B97F4A7C15ull >> 7); }
@@ -27,7 +27,7 @@ class FaceLinker {
       if (count != 6) return open("a vertex has " + std::to_string(count) + " half edges in place of 6");
     std::stable_sort(edges_.begin(), edges_.end(),
                      [](const HalfEdge& a, const HalfEdge& b) { return a.plane < b.plane; });
-    next_.assign(places_.size(), kNone);
+    next_.assign(places_.size(), kNoPlace);
     for (size_t begin = 0, end = 0; begin < edges_.size(); begin = end) {
       while (end < edges_.size() && edges_[end].plane == edges_[begin].plane) ++end;
       FOURDVT_TRY(addFaces(std::span(edges_).subspan(begin, end - begin)));
@@ -67,20 +67,20 @@ class FaceLinker {
     const glm::dvec3 across = glm::normalize(glm::cross(axis, normal)), up = glm::cross(normal, across);
     for (const HalfEdge& edge : edges) {
       uint32_t& next = next_[numbers_.at(edge.from)];
-      if (next != kNone) return open("two edges of a face leave a vertex");
+      if (next != kNoPlace) return open("two edges of a face leave a vertex");
       next = numbers_.at(edge.to);
     }
     std::vector<FlatLoop> loops;
     for (const HalfEdge& edge : edges) {
       const uint32_t first = numbers_.at(edge.from);
-      if (next_[first] == kNone) continue;  // in a loop already
+      if (next_[first] == kNoPlace) continue;  // in a loop already
       FlatLoop loop;
       uint32_t at = first;
       do {
         loop.push_back({{glm::dot(places_[at], across), glm::dot(places_[at], up)}, at});
-        at = std::exchange(next_[at], kNone);
-      } while (at != first && at != kNone);
-      if (at == kNone || loop.size() < 3) return open("edges of a face make no loop");
+        at = std::exchange(next_[at], kNoPlace);
+      } while (at != first && at != kNoPlace);
+      if (at == kNoPlace || loop.size() < 3) return open("edges of a face make no loop");
       loops.push_back(std::move(loop));
     }
     triangulate(std::move(loops), mesh_.faces);

@@ -11,7 +11,7 @@ namespace fourdvt::reconstruct {
 namespace {
 
 constexpr double kNearest = 1e-3;           // between a camera and the bounds, and between cameras; scaled
-constexpr double kReach = 1e-4;             // how far from the bounds a wedge still counts as reaching them; scaled
+constexpr double kBoundsReach = 1e-4;       // how far from the bounds a wedge still counts as reaching them; scaled
 constexpr uint32_t kMostPlanes = 1u << 21;  // three of their numbers fit into 64 bits
 
 Error invalid(const std::string& message) { return {ErrorId::InvalidArgument, "polyhedral hull: " + message}; }
@@ -107,7 +107,7 @@ class Builder {
   bool reachesBounds(const HullPlane& p) const {
     if (p.camera == kBounds) return true;
     const glm::dvec3& centre = out_.centres[p.camera];
-    const auto reach = [&](const glm::dvec3& normal) { return glm::dot(glm::abs(normal), half_) + kReach; };
+    const auto reach = [&](const glm::dvec3& normal) { return glm::dot(glm::abs(normal), half_) + kBoundsReach; };
     const auto ahead = [&](uint32_t neighbour, int side) {
       const glm::dvec3& normal = out_.planes[neighbour].normal;
       return -side * glm::dot(normal, centre) + reach(normal) > 0;

@@ -12,13 +12,14 @@ namespace fourdvt::reconstruct {
 namespace {
 
 constexpr int kMargin = 24;  // pixels
-constexpr float kLevel = 127.5f, kStraight = 2.5f;
+constexpr float kOutlineLevel = 127.5f, kStraight = 2.5f;
 constexpr float kNowhereNear = 1e5f;  // there is no outline; less than kOutside
 
-// Where between two neighbouring centres the coverage is kLevel, as a share of the way from `here`; 2 if nowhere.
+// Where between two neighbouring centres the coverage is kOutlineLevel, as a share of the way from `here`; 2 if
+// nowhere.
 float crossing(float here, float there) {
-  if ((here > kLevel) == (there > kLevel)) return 2;
-  return (kLevel - here) / (there - here);
+  if ((here > kOutlineLevel) == (there > kOutlineLevel)) return 2;
+  return (kOutlineLevel - here) / (there - here);
 }
 
 // Coverage grows along this, by Sobel's operator; beyond the picture it goes on as at its border.
@@ -55,7 +56,7 @@ std::optional<Foot> footBeside(const Image& coverage, int x, int y) {
     const glm::vec2 to = share * glm::vec2(dx, dy);
     if (nearest && glm::length(to) >= glm::length(*nearest)) continue;
     nearest = to;
-    normal = glm::vec2(dx, dy) * (here > kLevel ? -1.0f : 1.0f);
+    normal = glm::vec2(dx, dy) * (here > kOutlineLevel ? -1.0f : 1.0f);
   }
   if (!nearest) return std::nullopt;
   const glm::vec2 slope = gradient(coverage, x, y);
@@ -68,7 +69,7 @@ cv::Rect boundsOf(const Image& coverage, size_t& inside) {
   inside = 0;
   for (int y = 0; y < coverage.height; ++y)
     for (int x = 0; x < coverage.width; ++x) {
-      if (*coverage.at(x, y) <= kLevel) continue;
+      if (*coverage.at(x, y) <= kOutlineLevel) continue;
       ++inside;
       left = std::min(left, x);
       right = std::max(right, x);
@@ -119,7 +120,7 @@ SilhouetteDistance::SilhouetteDistance(const Image& coverage) : width_(coverage.
       const glm::vec2 to = foot.at - glm::vec2(x, y);
       // Near the outline it is a straight line, farther away the point is what counts.
       const float distance = way.at<float>(y, x) <= kStraight ? std::abs(glm::dot(to, foot.normal)) : glm::length(to);
-      pixels_[size_t(y) * columns_ + x] = *coverage.at(x + left_, y + top_) > kLevel ? distance : -distance;
+      pixels_[size_t(y) * columns_ + x] = *coverage.at(x + left_, y + top_) > kOutlineLevel ? distance : -distance;
     }
 }
 

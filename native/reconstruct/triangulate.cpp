@@ -6,10 +6,11 @@
 #include <cmath>
 #include <limits>
 
+#include "reconstruct/planar.h"
+
 namespace fourdvt::reconstruct {
 namespace {
 
-double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
 // Twice the signed area; > 0: counter-clockwise.
 double area(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) { return cross(b - a, c - a); }
 

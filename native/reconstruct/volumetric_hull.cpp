@@ -9,7 +9,6 @@
 namespace fourdvt::reconstruct {
 namespace {
 
-constexpr double kSpeckVoxels = 27;
 // Merged faces may cross their neighbours; then fewer are merged.
 constexpr size_t kMostChecked = 500'000;
 constexpr double kAdaptivityShares[] = {1, 0.25, 0};

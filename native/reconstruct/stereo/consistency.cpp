@@ -15,20 +15,20 @@ float depthAt(const DepthMap& map, double x, double y) {
 
 namespace {
 
-constexpr float kReach = 2;            // pixels over which a slope is taken
-constexpr float kOneSurface_m = 0.1f;  // depths that far apart are not of one surface
-constexpr float kEdgeCosine = 0.2f;    // beside such a step
+constexpr float kSlopeReach = 2;         // pixels over which a slope is taken
+constexpr float kOtherSurface_m = 0.1f;  // depths that far apart are not of one surface
+constexpr float kEdgeCosine = 0.2f;      // beside such a step
 
 // Squared cosine between the surface and the ray at a pixel, from the depths round it.
 float facing(const DepthMap& map, int x, int y) {
-  const int reach = int(kReach);
+  const int reach = int(kSlopeReach);
   if (x < reach || y < reach || x + reach >= map.width || y + reach >= map.height) return kEdgeCosine * kEdgeCosine;
   const float* at = &map.depth_m[size_t(y) * map.width + x];
   const float left = at[-reach], right = at[reach], up = at[-reach * map.width], down = at[reach * map.width];
   const float low = std::min(std::min(left, right), std::min(up, down)),
               high = std::max(std::max(left, right), std::max(up, down));
-  if (low <= 0 || high - low > kOneSurface_m) return kEdgeCosine * kEdgeCosine;
-  const float pixel_m = 2 * kReach * *at / float(map.camera.fx);
+  if (low <= 0 || high - low > kOtherSurface_m) return kEdgeCosine * kEdgeCosine;
+  const float pixel_m = 2 * kSlopeReach * *at / float(map.camera.fx);
   const float across = (right - left) / pixel_m, along = (down - up) / pixel_m;
   return 1 / (1 + across * across + along * along);
 }

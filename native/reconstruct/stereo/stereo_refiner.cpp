@@ -13,7 +13,6 @@
 namespace fourdvt::reconstruct {
 namespace {
 
-constexpr double kSpeckVoxels = 27;
 constexpr double kSameAngle_deg = 1e-6;
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
