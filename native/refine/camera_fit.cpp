@@ -20,7 +20,7 @@ using Matrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
 // How far rigs are usually off; in the unknowns' units.
 constexpr double kMoveSigma_m = 0.003, kZoomSigma = 0.002, kOffsetSigma_m = 0.005;
-constexpr int kRounds = 5;
+constexpr int kFitRounds = 5;
 constexpr size_t kFewestPoints = 60, kFewestBlocks = 6;
 
 // How far a point of the picture moves along `direction` per unit of every unknown but the last.
@@ -75,7 +75,7 @@ CameraStep fitCamera(const PinholeCamera& camera, const PinholeCamera& given, st
   std::vector<double> misfit(points.size());
   double scale = 1;
   Matrix prior = Matrix::Zero();
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kFitRounds; ++round) {
     for (size_t i = 0; i < points.size(); ++i) misfit[i] = points[i].point.residual_pixels - rows[i].dot(x);
     scale = std::max(0.05, robustScale(misfit));
     for (auto& [block, normal] : blocks) normal = {};

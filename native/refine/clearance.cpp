@@ -15,7 +15,7 @@ namespace {
 constexpr float kShare = 0.8f;          // of the thickness may be used up
 constexpr float kLeastOpposite = 0.5f;  // cosine between two sides, one of them turned round
 constexpr float kCovered_m = 0.05f;     // what covers a place is looked for up to here
-constexpr int kRounds = 200;
+constexpr int kPushRounds = 200;
 constexpr float kSettled_m = 2e-6f;                 // a smaller step of every vertex ends it
 constexpr float kCell_m = 0.02f, kMostCells = 200;  // side; along the mesh's longest side
 constexpr glm::vec3 kPlaces[] = {
@@ -153,7 +153,7 @@ std::vector<Clearance> usualClearances(std::vector<Clearance> of_all_frames, siz
 
 void keepClear(std::span<const Clearance> clearances, std::span<float> offsets_m) {
   std::vector<float> pushed(clearances.size(), 0);  // so far, never below 0
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kPushRounds; ++round) {
     float furthest_m = 0;
     for (size_t i = 0; i < clearances.size(); ++i) {
       const Clearance& c = clearances[i];

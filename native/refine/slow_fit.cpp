@@ -12,7 +12,7 @@ namespace {
 
 constexpr uint32_t kLargestGap = 8;  // frames between two that are looked at
 constexpr uint32_t kWindow = 3;      // frames before and after that count for one
-constexpr double kLeastGain = 0.05;  // share by which the other cameras' misfit must fall
+constexpr double kLeastFall = 0.05;  // share by which the other cameras' misfit must fall
 constexpr SurfaceFitOptions kOptions{.bound_m = 0.005, .stiffness = 3, .keep = 4, .keep_at_median = false};
 
 uint32_t distance(uint32_t a, uint32_t b, uint32_t loop_frames) {
@@ -55,7 +55,7 @@ std::optional<capture::SlowOffsets> fitSlowOffsets(std::span<const SlowFrame> fr
         with.push_back(claim.offset_m - (1 - claim.to_share) * half[f][claim.from] -
                        claim.to_share * half[f][claim.to]);
       }
-  if (!(robustScale(with) < (1 - kLeastGain) * robustScale(without))) return std::nullopt;
+  if (!(robustScale(with) < (1 - kLeastFall) * robustScale(without))) return std::nullopt;
   capture::SlowOffsets out;
   for (const SlowFrame& frame : frames) out.frames.push_back(frame.index);
   out.offset_m = fitFrom(frames, edges, vertices, loop_frames, 1);

@@ -10,8 +10,8 @@
 namespace fourdvt::refine {
 namespace {
 
-constexpr int kRounds = 6;
-using Matrix = Eigen::SparseMatrix<double>;
+constexpr int kReweightings = 6;
+using SparseMatrix = Eigen::SparseMatrix<double>;
 
 }  // namespace
 
@@ -32,9 +32,9 @@ std::vector<float> fitOffsets(std::span<const OffsetClaim> claims, std::span<con
     const OffsetClaim& c = claims[i];
     wanted[i] = c.offset_m + (1 - c.to_share) * offset[c.from] + c.to_share * offset[c.to];
   }
-  Eigen::SimplicialLDLT<Matrix> solver;
+  Eigen::SimplicialLDLT<SparseMatrix> solver;
   std::vector<double> misfit(claims.size());
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kReweightings; ++round) {
     for (size_t i = 0; i < claims.size(); ++i) {
       const OffsetClaim& c = claims[i];
       misfit[i] = wanted[i] - (1 - c.to_share) * offset[c.from] - c.to_share * offset[c.to];
@@ -63,7 +63,7 @@ std::vector<float> fitOffsets(std::span<const OffsetClaim> claims, std::span<con
       right[c.from] += w * a * wanted[i];
       right[c.to] += w * b * wanted[i];
     }
-    Matrix matrix(count, count);
+    SparseMatrix matrix(count, count);
     matrix.setFromTriplets(entries.begin(), entries.end());
     if (round == 0) solver.analyzePattern(matrix);
     solver.factorize(matrix);
