@@ -25,16 +25,16 @@ constexpr double kAgreement = 0.2;   // share of the declared speed within which
 constexpr double kLeastStand = 0.1;  // weight below which a vertex does not stand
 constexpr int kLongestStand = 32;    // steps after which a contact counts as another one
 // steadySteps: rounds, and the weight of contacts that stay in place, where most stands, in the first and the last.
-constexpr int kRounds = 8;
+constexpr int kSteadyingRounds = 8;
 constexpr double kLeastSteadiness = 1, kMostSteadiness = 10;
 
-struct Candidate {  // a vertex near the ground, from one frame to the next
+struct ContactCandidate {  // a vertex near the ground, from one frame to the next
   uint32_t vertex = 0;
   float height = 0;
   glm::vec3 moved{0};
 };
 
-struct Step {  // travel over the ground between two frames
+struct GroundStep {  // travel over the ground between two frames
   glm::dvec2 metres{0};
   double weight = 0;
 };
@@ -58,9 +58,9 @@ Result<float> findGround(const capture::CaptureSequence& sequence, const ReadPos
 }
 
 // [frame] the vertices near the ground and how they move until the next frame; a loop's last frame leads to its first.
-Result<std::vector<std::vector<Candidate>>> findCandidates(const capture::CaptureSequence& sequence, float ground,
-                                                           const ReadPositions& read) {
-  std::vector<std::vector<Candidate>> candidates(sequence.frame_count);
+Result<std::vector<std::vector<ContactCandidate>>> findCandidates(const capture::CaptureSequence& sequence,
+                                                                  float ground, const ReadPositions& read) {
+  std::vector<std::vector<ContactCandidate>> candidates(sequence.frame_count);
   auto first = read(sequence, 0);
   if (!first) return first.error();
   Positions before = first.value();
@@ -81,15 +81,15 @@ Result<std::vector<std::vector<Candidate>>> findCandidates(const capture::Captur
 double square(double x) { return x * x; }
 
 // Weight by which a vertex stands: it is low and neither rises nor falls.
-double standing(const Candidate& c, double fps) {
+double standing(const ContactCandidate& c, double fps) {
   return std::exp(-square(c.height / kStanding) - square(c.moved.y * fps / kSoleRise_mps));
 }
 
 // The usual step over the ground if none is declared: the median over the vertices that stand.
-glm::dvec2 usualStep(const std::vector<std::vector<Candidate>>& candidates, double fps) {
+glm::dvec2 usualStep(const std::vector<std::vector<ContactCandidate>>& candidates, double fps) {
   std::vector<double> x, z;
   for (const auto& frame : candidates) {
-    for (const Candidate& c : frame) {
+    for (const ContactCandidate& c : frame) {
       if (standing(c, fps) < 0.3) continue;
       x.push_back(-c.moved.x);
       z.push_back(-c.moved.z);
@@ -104,14 +104,14 @@ glm::dvec2 usualStep(const std::vector<std::vector<Candidate>>& candidates, doub
 }
 
 // Finds the step by which standing vertices slide least; fast-sliding vertices count less and less.
-Step solveStep(const std::vector<Candidate>& candidates, double fps, const glm::dvec2& usual) {
-  Step step{usual, 0};
+GroundStep solveStep(const std::vector<ContactCandidate>& candidates, double fps, const glm::dvec2& usual) {
+  GroundStep step{usual, 0};
   for (int search = 0; search < kSearches; ++search) {
     const double share = double(search) / (kSearches - 1);
     const double slow = kSlowAtFirst_mps * std::pow(kSlow_mps / kSlowAtFirst_mps, share) / fps;
     glm::dvec2 sum(0);
     double weight = 0;
-    for (const Candidate& c : candidates) {
+    for (const ContactCandidate& c : candidates) {
       const glm::dvec2 wanted(-c.moved.x, -c.moved.z);
       const glm::dvec2 slide = wanted - step.metres;
       const double w = standing(c, fps) * std::exp(-glm::dot(slide, slide) / square(slow));
@@ -125,9 +125,9 @@ Step solveStep(const std::vector<Candidate>& candidates, double fps, const glm::
 }
 
 // Keeps certain steps and lets the others follow their neighbours' velocity. `declared` may be null.
-void smoothSteps(std::vector<Step>& steps, bool loop, const glm::dvec2* declared) {
+void smoothSteps(std::vector<GroundStep>& steps, bool loop, const glm::dvec2* declared) {
   double max_weight = 0;
-  for (const Step& step : steps) max_weight = std::max(max_weight, step.weight);
+  for (const GroundStep& step : steps) max_weight = std::max(max_weight, step.weight);
   const int count = int(steps.size());
   std::vector<Eigen::Triplet<double>> entries;
   Eigen::MatrixX2d right(count, 2);
@@ -151,11 +151,12 @@ void smoothSteps(std::vector<Step>& steps, bool loop, const glm::dvec2* declared
 // How far the character must travel between frames so that the vertices that stand in all of them do not slide.
 class Contacts {
  public:
-  Contacts(const std::vector<std::vector<Candidate>>& candidates, const std::vector<Step>& steps, bool loop, double fps)
+  Contacts(const std::vector<std::vector<ContactCandidate>>& candidates, const std::vector<GroundStep>& steps,
+           bool loop, double fps)
       : count_(int(candidates.size())), pairs_(candidates.size() * kLongestStand), weight_at_(candidates.size()) {
     const auto standingAt = [&](int t) {
       std::vector<Stand> stands;
-      for (const Candidate& c : candidates[size_t(t)]) {
+      for (const ContactCandidate& c : candidates[size_t(t)]) {
         const glm::dvec2 moved(c.moved.x, c.moved.z), slide = moved + steps[size_t(t)].metres;
         const double weight = standing(c, fps) * std::exp(-glm::dot(slide, slide) / square(kSlow_mps / fps));
         if (weight > kLeastStand) stands.push_back({c.vertex, weight, moved});
@@ -246,12 +247,12 @@ class Contacts {
 
 // Steps that keep each contact in one place as a whole. The steps of single frames, which it starts from, drift: their
 // errors add up.
-void steadySteps(std::vector<Step>& steps, const std::vector<std::vector<Candidate>>& candidates, bool loop, double fps,
-                 const glm::dvec2* declared) {
+void steadySteps(std::vector<GroundStep>& steps, const std::vector<std::vector<ContactCandidate>>& candidates,
+                 bool loop, double fps, const glm::dvec2* declared) {
   const int count = int(steps.size());
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kSteadyingRounds; ++round) {
     const double steadiness =
-        kLeastSteadiness * std::pow(kMostSteadiness / kLeastSteadiness, double(round) / (kRounds - 1));
+        kLeastSteadiness * std::pow(kMostSteadiness / kLeastSteadiness, double(round) / (kSteadyingRounds - 1));
     std::vector<Eigen::Triplet<double>> entries;
     Eigen::MatrixX2d right = Eigen::MatrixX2d::Zero(count, 2);
     // Unknown t is the place at frame t + 1; frame 0 is at 0, and after a loop's end places go on from there.
@@ -303,12 +304,12 @@ Result<std::vector<glm::vec3>> rootTrack(const capture::Capture& capture, const 
   const glm::dvec2 declared = glm::dvec2(sequence.root_velocity_mps.x, sequence.root_velocity_mps.z) / capture.fps;
   const bool is_declared = glm::length(declared) > 0;
   const glm::dvec2 usual = is_declared ? declared : usualStep(candidates, capture.fps);
-  std::vector<Step> steps;
+  std::vector<GroundStep> steps;
   glm::dvec2 travel(0);
   for (const auto& frame : candidates) steps.push_back(solveStep(frame, capture.fps, usual));
   smoothSteps(steps, sequence.loop, is_declared ? &declared : nullptr);
   steadySteps(steps, candidates, sequence.loop, capture.fps, is_declared ? &declared : nullptr);
-  for (const Step& step : steps) travel += step.metres;
+  for (const GroundStep& step : steps) travel += step.metres;
   const double count = double(steps.size());
   if (is_declared && glm::length(travel / count - declared) > kAgreement * glm::length(declared)) {
     if (note) {
@@ -316,11 +317,11 @@ Result<std::vector<glm::vec3>> rootTrack(const capture::Capture& capture, const 
               std::to_string(glm::length(travel) / count * capture.fps) + " m/s, root_velocity says " +
               std::to_string(glm::length(declared) * capture.fps) + " m/s; the latter is used";
     }
-    for (Step& step : steps) step.metres = declared;
+    for (GroundStep& step : steps) step.metres = declared;
   }
   std::vector<glm::vec3> track = {glm::vec3(0)};
   glm::dvec2 at(0);
-  for (const Step& step : steps) {
+  for (const GroundStep& step : steps) {
     at += step.metres;
     track.emplace_back(at.x, at.y, 0);
   }

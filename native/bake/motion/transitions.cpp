@@ -146,7 +146,7 @@ glm::vec3 shiftOf(double c, double s, const glm::dvec2& source, const glm::dvec2
 }
 
 // Where the source is left and the target is entered, as rows of their features.
-struct Candidate {
+struct TransitionCandidate {
   motion::Entry entry;                            // without its shift and the cost of its pop
   Eigen::Index source_half = 0, target_half = 0;  // rows half way through the fade
 };
@@ -160,9 +160,9 @@ class Pair {
 
  private:
   void addCandidates(uint32_t row, uint32_t frame, uint32_t target_row, double fade_s,
-                     std::vector<Candidate>& out) const;
+                     std::vector<TransitionCandidate>& out) const;
   motion::Entry best(uint32_t row, uint32_t frame) const;
-  glm::vec3 shift(const Candidate& candidate) const;
+  glm::vec3 shift(const TransitionCandidate& candidate) const;
 
   const TransitionState &from_, &to_;
   const Features &source_, &target_;
@@ -198,7 +198,7 @@ Pair::Pair(const TransitionState& from, const Features& source, const Transition
 }
 
 void Pair::addCandidates(uint32_t row, uint32_t frame, uint32_t target_row, double fade_s,
-                         std::vector<Candidate>& out) const {
+                         std::vector<TransitionCandidate>& out) const {
   const double rate = source_.paths[row].frames_per_s, target_rate = target_.paths[target_row].frames_per_s;
   const uint32_t last = to_.frame_count - 1, source_last = from_.frame_count - 1;
   uint32_t fade = std::max(1u, uint32_t(std::lround(fade_s * target_rate)));
@@ -210,7 +210,7 @@ void Pair::addCandidates(uint32_t row, uint32_t frame, uint32_t target_row, doub
   const double over = from_.loop ? 0 : frame + fade * rate / target_rate - source_last;
   const double price = options_.fade_cost_mm_per_s * std::max(0.0, fade / target_rate - options_.fades_s.front()) +
                        options_.hold_cost_mm_per_s * std::max(0.0, over) / rate;
-  Candidate candidate;
+  TransitionCandidate candidate;
   const uint32_t source_frame = from_.loop ? source_half % from_.frame_count : std::min(source_half, source_last);
   candidate.source_half = row * from_.frame_count + source_frame;
   for (uint32_t entered = 0; entered <= newest; ++entered) {
@@ -222,21 +222,22 @@ void Pair::addCandidates(uint32_t row, uint32_t frame, uint32_t target_row, doub
   }
 }
 
-glm::vec3 Pair::shift(const Candidate& candidate) const {
+glm::vec3 Pair::shift(const TransitionCandidate& candidate) const {
   const Eigen::Index a = candidate.source_half, b = candidate.target_half;
   return shiftOf(c_(a, b), s_(a, b), source_.centre[size_t(a)], target_.centre[size_t(b)]);
 }
 
 // The entry of least cost. Pops are computed only for candidates that may still be the best.
 motion::Entry Pair::best(uint32_t row, uint32_t frame) const {
-  std::vector<Candidate> all;
+  std::vector<TransitionCandidate> all;
   for (uint32_t target_row = 0; target_row < target_.paths.size(); ++target_row)
     for (const double fade_s : options_.fades_s) addCandidates(row, frame, target_row, fade_s, all);
-  std::stable_sort(all.begin(), all.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.entry.cost < b.entry.cost; });
+  std::stable_sort(all.begin(), all.end(), [](const TransitionCandidate& a, const TransitionCandidate& b) {
+    return a.entry.cost < b.entry.cost;
+  });
   motion::Entry best;
   best.cost = 1e30f;
-  for (const Candidate& candidate : all) {
+  for (const TransitionCandidate& candidate : all) {
     if (candidate.entry.cost >= best.cost) break;
     motion::Entry entry = candidate.entry;
     entry.shift = shift(candidate);

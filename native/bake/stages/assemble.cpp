@@ -19,15 +19,15 @@ constexpr const char* kTiles = "report_tiles.jpg";
 constexpr const char* kRefinedCameras = "cameras_refined";
 constexpr const char* kGraph = "motion.bin";
 
-struct ChunkBytes {
+struct LayeredChunkBytes {
   uint32_t total = 0, positions = 0, labels = 0, offsets = 0, alignment = 0;
   uint64_t hash = 0;
 };
 
 // A chunk begins with the lengths of its parts (native/package/FORMAT.md).
-ChunkBytes measure(const StreamPlan& plan, const std::vector<uint8_t>& chunk, bool aligned) {
+LayeredChunkBytes measure(const StreamPlan& plan, const std::vector<uint8_t>& chunk, bool aligned) {
   ByteReader lengths(chunk);
-  ChunkBytes bytes;
+  LayeredChunkBytes bytes;
   bytes.total = static_cast<uint32_t>(chunk.size());
   bytes.hash = fnv1a(chunk);
   const size_t members = plan.motion.members.size();
@@ -47,8 +47,8 @@ struct PackedSequence {
   ReportSequence report;
 };
 
-package::StreamIndex makeIndex(const Job& job, const StreamPlan& plan, const std::vector<ChunkBytes>& chunk_bytes,
-                               package::SampleTable table) {
+package::StreamIndex makeIndex(const Job& job, const StreamPlan& plan,
+                               const std::vector<LayeredChunkBytes>& chunk_bytes, package::SampleTable table) {
   package::StreamIndex index;
   index.frame_count = plan.frameCount();
   index.vertex_count = job.mesh.decoded.topology.vertex_count;
@@ -70,8 +70,8 @@ package::StreamIndex makeIndex(const Job& job, const StreamPlan& plan, const std
   return index;
 }
 
-Result<std::vector<ChunkBytes>> measureChunks(const BakeRun& run, const StreamPlan& plan) {
-  std::vector<ChunkBytes> bytes;
+Result<std::vector<LayeredChunkBytes>> measureChunks(const BakeRun& run, const StreamPlan& plan) {
+  std::vector<LayeredChunkBytes> bytes;
   for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
     FOURDVT_ASSIGN(auto chunk, run.work.loadChunk(plan.name, g));
     bytes.push_back(measure(plan, chunk, isAligned(run.job, plan)));
@@ -79,7 +79,7 @@ Result<std::vector<ChunkBytes>> measureChunks(const BakeRun& run, const StreamPl
   return bytes;
 }
 
-ReportSequence reportSequence(const package::Sequence& s, const std::vector<ChunkBytes>& chunk_bytes) {
+ReportSequence reportSequence(const package::Sequence& s, const std::vector<LayeredChunkBytes>& chunk_bytes) {
   ReportSequence r;
   r.name = s.name;
   r.frames = s.frame_count;
@@ -89,7 +89,7 @@ ReportSequence reportSequence(const package::Sequence& s, const std::vector<Chun
   r.members = static_cast<uint32_t>(s.members.size());
   r.video_bytes = s.renditions.front().video_bytes;
   r.index_bytes = s.stream_header_bytes;
-  for (const ChunkBytes& bytes : chunk_bytes) {
+  for (const LayeredChunkBytes& bytes : chunk_bytes) {
     r.geometry_bytes += bytes.positions;
     r.offset_bytes += bytes.offsets;
     r.alignment_bytes += bytes.alignment;

@@ -18,15 +18,15 @@
 namespace fourdvt::bake {
 namespace {
 
-struct ChunkBytes {
+struct CameraChunkBytes {
   uint32_t total = 0, surfaces = 0, runs = 0;
   uint64_t hash = 0;
 };
 
 // What the tables at a chunk's beginning say (native/package/FORMAT.md).
-ChunkBytes measure(const std::vector<uint8_t>& chunk) {
+CameraChunkBytes measure(const std::vector<uint8_t>& chunk) {
   ByteReader in(chunk);
-  ChunkBytes out;
+  CameraChunkBytes out;
   out.total = static_cast<uint32_t>(chunk.size());
   out.hash = fnv1a(chunk);
   in.bytes(size_t(16) * in.u32());
@@ -75,7 +75,7 @@ Status packSequence(const BakeRun& run, const StreamPlan& plan, package::Charact
   for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
     FOURDVT_ASSIGN(const auto chunk, run.work.loadChunk(plan.name, g));
     FOURDVT_ASSIGN(const auto artefact, run.work.loadGop(plan.name, g));
-    const ChunkBytes bytes = measure(chunk);
+    const CameraChunkBytes bytes = measure(chunk);
     index.vertex_count = std::max(index.vertex_count, artefact.frames.vertex_count);
     index.face_count = std::max(index.face_count, artefact.frames.face_count);
     const uint32_t first = plan.gop_first_frames[g];

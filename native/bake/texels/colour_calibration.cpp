@@ -6,17 +6,18 @@
 #include <cmath>
 #include <optional>
 
+#include "bake/texels/picture_crop.h"
+
 namespace fourdvt::bake {
 namespace {
 
 constexpr size_t kMaxObservations = 60000;
 constexpr size_t kMinObservations = 50;  // that a camera needs
 constexpr float kMinFraction = 0.99f;    // of a face, which a camera must see at least
-constexpr double kMinCosine = 0.5;       // between face normal and ray
+constexpr double kFaceOnCosine = 0.5;    // between face normal and ray
 constexpr double kScale = 0.02;          // residual beyond which an observation counts less, in colour units
 constexpr double kPriorShare = 4e-3;     // weight of the identity, as a share of a camera's mean number of observations
 constexpr int kHuberIterations = 6, kIterations = 16;
-constexpr uint8_t kOpaque = 250;
 constexpr uint8_t kClipped = 250;  // from this value on, a channel may have been brighter
 
 struct Sight {  // what one camera sees of a face
@@ -108,7 +109,7 @@ void ColourCalibrator::add(std::span<const PinholeCamera> cameras, const MeshTop
     sights.clear();
     for (size_t c = 0; c < cameras.size(); ++c) {
       const double cosine = glm::dot(area_normal / length, glm::normalize(centres[c] - centre));
-      if (fractions[c * faces + f] < kMinFraction || cosine < kMinCosine) continue;
+      if (fractions[c * faces + f] < kMinFraction || cosine < kFaceOnCosine) continue;
       Sight sight{static_cast<uint16_t>(c), float(cosine), {}};
       if (observe(cameras[c], pictures[c], corners, sight)) sights.push_back(sight);
     }

@@ -6,8 +6,7 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr int kEdgePixels = 2;    // how far the backdrop's colour reaches inwards
-constexpr uint8_t kOpaque = 250;  // alpha
+constexpr int kEdgePixels = 2;  // how far the backdrop's colour reaches inwards
 constexpr int kReach[] = {3,
                           7};  // distances in pixels within which inside colour is looked for; corners need the second
 
