@@ -13,7 +13,7 @@ using gpu::PixelFormat;
 constexpr int kPatch = 8, kStride = 4;  // pixels, as in the shaders
 constexpr int kIterations = 5;          // per search, at most
 
-struct Level {
+struct SearchLevel {
   FlowBuffer slopes, first, second, flow;
   ShrunkPair luma;
 };
@@ -44,7 +44,7 @@ class Dis final : public FlowMethodPasses {
     if (shortest < kPatch) return Error{ErrorId::InvalidArgument, "flow: pictures of at least 8 x 8 pixels"};
     finest_ = std::min(options_.finest, coarsest);
     count_ = coarsest - finest_ + 1;
-    levels_ = std::make_unique<Level[]>(count_);
+    levels_ = std::make_unique<SearchLevel[]>(count_);
     for (int k = 0; k < count_; ++k)
       FOURDVT_TRY(makeLevel(device, width, height, std::ldexp(1.0, -finest_ - k), levels_[k]));
     return makeFlowBuffer(device, 1, 1, {PixelFormat::RG16F}, still_);
@@ -59,7 +59,7 @@ class Dis final : public FlowMethodPasses {
   }
 
  private:
-  static Status makeLevel(gpu::Device& device, int width, int height, double scale, Level& level) {
+  static Status makeLevel(gpu::Device& device, int width, int height, double scale, SearchLevel& level) {
     const int w = static_cast<int>(width * scale), h = static_cast<int>(height * scale);
     const int columns = 1 + (w - kPatch) / kStride, rows = 1 + (h - kPatch) / kStride;
     constexpr auto kTwo = PixelFormat::RG16F;
@@ -70,13 +70,13 @@ class Dis final : public FlowMethodPasses {
     return makeFlowBuffer(device, w, h, {kTwo}, level.flow);
   }
 
-  void search(gpu::Device& device, const Level& level, const Start& start, const FlowBuffer& to) const {
+  void search(gpu::Device& device, const SearchLevel& level, const Start& start, const FlowBuffer& to) const {
     runFlowPass(device, search_.id(), to.target.id(), {{"u_slopes", level.slopes[0]}, {"u_start", start.flow}},
                 {gpu::uniform("u_place", start.place), gpu::uniform("u_gain", start.gain),
                  gpu::uniform("u_iterations", kIterations)});
   }
 
-  void refine(gpu::Device& device, const Level& level, gpu::TextureId pictures, gpu::TextureId start) const {
+  void refine(gpu::Device& device, const SearchLevel& level, gpu::TextureId pictures, gpu::TextureId start) const {
     level.luma.draw(device, shrink_, pictures);
     runFlowPass(device, slopes_.id(), level.slopes.target.id(), {{"u_luma", level.luma.texture()}}, {});
     // The first search starts from the coarser flow at the middle of the patch, the second from the patch's own flow.
@@ -92,7 +92,7 @@ class Dis final : public FlowMethodPasses {
   const FlowOptions options_;
   gpu::Program shrink_, slopes_, search_, densify_;
   int finest_;
-  std::unique_ptr<Level[]> levels_;  // count_; finest first
+  std::unique_ptr<SearchLevel[]> levels_;  // count_; finest first
   int count_ = 0;
   FlowBuffer still_;  // no flow
 };

@@ -37,7 +37,7 @@ Expansion makeExpansion(int side, double sigma) {
   return out;
 }
 
-struct Level {
+struct ExpansionLevel {
   FlowBuffer wide, expansion, average, flow;
   ShrunkPair luma;
 };
@@ -59,7 +59,7 @@ class Farneback final : public FlowMethodPasses {
   Status resize(gpu::Device& device, int width, int height) override {
     count_ = 1;
     while (count_ <= options_.levels && std::ldexp(std::min(width, height), -count_) >= kMinSide) ++count_;
-    levels_ = std::make_unique<Level[]>(count_);
+    levels_ = std::make_unique<ExpansionLevel[]>(count_);
     for (int k = 0; k < count_; ++k) FOURDVT_TRY(makeLevel(device, width, height, std::ldexp(1.0, -k), levels_[k]));
     return makeFlowBuffer(device, 1, 1, {PixelFormat::RG16F}, still_);
   }
@@ -69,7 +69,7 @@ class Farneback final : public FlowMethodPasses {
     device.endPass();
     gpu::TextureId flow = still_[0];
     for (int k = count_; k-- > 0; flow = levels_[k].flow[0]) {
-      const Level& level = levels_[k];
+      const ExpansionLevel& level = levels_[k];
       expand(device, level, pictures);
       for (int i = 0; i < options_.iterations; ++i)
         iterate(device, level, i == 0 ? flow : level.flow[0], i == 0 ? 2.0f : 1.0f);
@@ -78,7 +78,7 @@ class Farneback final : public FlowMethodPasses {
   }
 
  private:
-  static Status makeLevel(gpu::Device& device, int width, int height, double scale, Level& level) {
+  static Status makeLevel(gpu::Device& device, int width, int height, double scale, ExpansionLevel& level) {
     const int w = static_cast<int>(std::lrint(width * scale)), h = static_cast<int>(std::lrint(height * scale));
     constexpr auto kTwo = PixelFormat::RG16F, kFour = PixelFormat::RGBA16F;
     FOURDVT_TRY(level.luma.resize(device, {width, height}, {w, h}, scale));
@@ -88,7 +88,7 @@ class Farneback final : public FlowMethodPasses {
     return makeFlowBuffer(device, w, h, {kTwo}, level.flow);
   }
 
-  void expand(gpu::Device& device, const Level& level, gpu::TextureId pictures) const {
+  void expand(gpu::Device& device, const ExpansionLevel& level, gpu::TextureId pictures) const {
     level.luma.draw(device, shrink_, pictures);
     const gpu::Uniform taps = gpu::uniform("u_taps", std::span<const glm::vec4>(expansion_.taps));
     const gpu::Uniform side = gpu::uniform("u_side", options_.poly_n);
@@ -98,7 +98,7 @@ class Farneback final : public FlowMethodPasses {
                 {taps, side, gpu::uniform("u_inverse", expansion_.inverse)});
   }
 
-  void iterate(gpu::Device& device, const Level& level, gpu::TextureId flow, float gain) const {
+  void iterate(gpu::Device& device, const ExpansionLevel& level, gpu::TextureId flow, float gain) const {
     runFlowPass(
         device, matrices_.id(), level.wide.target.id(),
         {{"u_a", level.expansion[0]}, {"u_b", level.expansion[1]}, {"u_mixed", level.expansion[2]}, {"u_flow", flow}},
@@ -115,7 +115,7 @@ class Farneback final : public FlowMethodPasses {
   const FlowOptions options_;
   const Expansion expansion_;
   gpu::Program shrink_, expand_down_, expand_across_, matrices_, average_, solve_;
-  std::unique_ptr<Level[]> levels_;  // count_; [0]: the full size
+  std::unique_ptr<ExpansionLevel[]> levels_;  // count_; [0]: the full size
   int count_ = 0;
   FlowBuffer still_;  // no flow
 };
