@@ -7,12 +7,11 @@
 #include <limits>
 
 #include "base/face_buffer.h"
+#include "lab/measure/metrics.h"
 
 namespace fourdvt::measure {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kEqual_db = 100;
 constexpr int kOutline_px = 2;      // where the outlines' mismatch ends
 constexpr double kHidden_m = 0.02;  // behind the nearest surface
 

@@ -10,7 +10,6 @@ namespace fourdvt::measure {
 namespace {
 
 constexpr int kRadius = kSsimWindow / 2;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 using Plane = std::vector<double>;
 
 std::array<double, kSsimWindow> gaussianTaps() {

@@ -7,11 +7,15 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "base/image.h"
 
 namespace fourdvt::measure {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();  // nothing to measure
+constexpr double kEqual_db = 100;  // PSNR of equal pictures in a mean, which infinity would spoil
 
 using Mask = std::vector<uint8_t>;  // width × height, non-zero: inside the region
 

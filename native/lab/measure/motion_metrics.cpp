@@ -12,7 +12,6 @@
 namespace fourdvt::measure {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr float kNaNf = std::numeric_limits<float>::quiet_NaN();
 constexpr uint32_t kNoFace = 0xffffffffu;
 

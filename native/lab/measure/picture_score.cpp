@@ -9,8 +9,6 @@
 namespace fourdvt::measure {
 namespace {
 
-constexpr double kEqual_db = 100;
-
 double capped(double psnr_db) { return std::isinf(psnr_db) ? kEqual_db : psnr_db; }
 
 struct Box {

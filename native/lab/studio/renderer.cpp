@@ -6,7 +6,7 @@
 namespace fourdvt::studio {
 namespace {
 
-constexpr int kTableWidth = 1024, kSamples = 4;
+constexpr int kTableWidth = 1024, kMultisamples = 4;
 constexpr const char* kDefines = "TABLE_WIDTH 1024\n";
 
 Image withAlpha(const Image& rgb) {
@@ -65,7 +65,7 @@ Status Renderer::makeTargets(int width, int height) {
   FOURDVT_ASSIGN(picture_, gpu::makeTarget(*device_, {.colors = {resolved_.id()}, .label = "studio picture"}));
   FOURDVT_ASSIGN(samples_, gpu::makeTarget(*device_, {.width = width,
                                                       .height = height,
-                                                      .samples = std::min(kSamples, device_->caps().max_samples),
+                                                      .samples = std::min(kMultisamples, device_->caps().max_samples),
                                                       .own_depth = true,
                                                       .label = "studio samples"}));
   return {};

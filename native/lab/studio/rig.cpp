@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <glm/gtc/quaternion.hpp>
+#include <numbers>
 
 #include "capture/capture.h"
 #include "lab/studio/random.h"
@@ -13,7 +14,6 @@
 namespace fourdvt::studio {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kElevation_deg = 12, kFieldOfView_deg = 30, kMargin = 0.04;
 
 struct Direction {
@@ -76,7 +76,7 @@ std::vector<PinholeCamera> miscalibrated(const std::vector<PinholeCamera>& truth
   for (size_t c = 0; c < out.size(); ++c) {
     PinholeCamera& camera = out[c];
     const auto normal = [&](int k) { return randomNormal(knobs.seed, 0x0ca0000 + 16 * c + k); };
-    const glm::dvec3 turn = knobs.rotation_deg * kPi / 180 * glm::dvec3(normal(0), normal(1), normal(2));
+    const glm::dvec3 turn = knobs.rotation_deg * std::numbers::pi / 180 * glm::dvec3(normal(0), normal(1), normal(2));
     const glm::dvec3 centre =
         camera.centreInWorld() + 1e-3 * knobs.translation_mm * glm::dvec3(normal(3), normal(4), normal(5));
     const double angle = glm::length(turn);

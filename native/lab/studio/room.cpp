@@ -42,7 +42,7 @@ double grain(uint32_t seed, glm::dvec2 p) {
 
 double decoded(double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4); }
 double encoded(double v) { return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055; }
-uint8_t level(double v) { return static_cast<uint8_t>(std::clamp(std::lround(255 * v), 0l, 255l)); }
+uint8_t levelOf(double v) { return static_cast<uint8_t>(std::clamp(std::lround(255 * v), 0l, 255l)); }
 
 // Mean colours of the actor's texture at random places of its surface.
 std::vector<glm::dvec3> paletteOf(const Actor& actor, uint32_t seed) {
@@ -185,8 +185,8 @@ Room::View Room::makeView(const PinholeCamera& camera) const {
           sum += colour(hit(eye, world_from_cam * glm::dvec3((x + s[0] - camera.cx) / camera.fx,
                                                              (y + s[1] - camera.cy) / camera.fy, 1)));
         for (int c = 0; c < 3; ++c) {
-          view.lit.at(x, y)[c] = level(sum[c] / 4);
-          view.shaded.at(x, y)[c] = level(encoded(kShadowLight * decoded(sum[c] / 4)));
+          view.lit.at(x, y)[c] = levelOf(sum[c] / 4);
+          view.shaded.at(x, y)[c] = levelOf(encoded(kShadowLight * decoded(sum[c] / 4)));
         }
       }
   });
