@@ -12,16 +12,15 @@ namespace fourdvt::study {
 namespace {
 
 constexpr int kSizes[][2] = {{512, 512}, {720, 960}};
-constexpr int kWarmUp = 1;
-constexpr double kFirstAzimuth_deg = 25;
+constexpr int kWarmUpDraws = 1;
 
-struct Variant {
+struct AlignVariant {
   AlignMethod method;
   int characters = 1;
   std::vector<double> times_ms;
 };
 
-Status drawOnce(const MotionSubject& subject, const render::View& view, Variant& variant, gpu::TargetId target,
+Status drawOnce(const MotionSubject& subject, const render::View& view, AlignVariant& variant, gpu::TargetId target,
                 bool counts) {
   const auto start = std::chrono::steady_clock::now();
   FOURDVT_TRY(subject.stage.drawMany(view, variant.characters, variant.method, target));
@@ -33,14 +32,14 @@ Status drawOnce(const MotionSubject& subject, const render::View& view, Variant&
   return {};
 }
 
-Status race(const MotionSubject& subject, int width, int height, int frames, std::vector<Variant>& variants) {
+Status race(const MotionSubject& subject, int width, int height, int frames, std::vector<AlignVariant>& variants) {
   gpu::Device& device = *subject.context.device;
   const render::View view = render::viewFromCamera(subject.stage.orbit(kFirstAzimuth_deg, width, height));
   FOURDVT_ASSIGN(auto color, gpu::makeTexture(device, {.width = width, .height = height, .label = "motion cost"}));
   FOURDVT_ASSIGN(auto target, gpu::makeTarget(device, {.colors = {color.id()}, .label = "motion cost"}));
-  for (int i = -kWarmUp; i < frames; ++i) {
+  for (int i = -kWarmUpDraws; i < frames; ++i) {
     FOURDVT_TRY(checkStop(subject.context));
-    for (Variant& variant : variants) FOURDVT_TRY(drawOnce(subject, view, variant, target.id(), i >= 0));
+    for (AlignVariant& variant : variants) FOURDVT_TRY(drawOnce(subject, view, variant, target.id(), i >= 0));
   }
   return {};
 }
@@ -63,7 +62,7 @@ Result<Rows> measureCost(const MotionSubject& subject) {
   const int frames = subject.quick() ? 3 : 15;
   for (const auto [width, height] : kSizes) {
     if (subject.quick() && width != kSizes[0][0]) break;
-    std::vector<Variant> variants;
+    std::vector<AlignVariant> variants;
     for (const AlignMethod& method :
          subject.methods({rows::kAlignNone, rows::kAlignBaked, rows::kFlowGpu, rows::kFlowDis, rows::kFlowOpencv}))
       variants.push_back({method, 1, {}});

@@ -15,11 +15,7 @@
 namespace fourdvt::study {
 namespace {
 
-constexpr double kBakeShare = 0.4, kFirstAzimuth_deg = 25;
-
-void tell(const StudyContext& context, const std::string& detail, double share) {
-  if (context.progress) context.progress({"motion", detail, share});
-}
+constexpr double kBakeShare = 0.4;
 
 // A bake of the class's members with default settings; unless `quick`, also of the study's other sequences, for
 // transitions.
@@ -107,7 +103,7 @@ Result<Rows> runMotion(const StudyContext& context) {
   const capture::CaptureClass& motion_class = context.capture->classes.front();
   const bake::BakeOptions options = motionBake(context, motion_class);
   FOURDVT_TRY(bakeOnce(context, options, [&](const std::string& stage, double share) {
-    tell(context, "bake " + stage, kBakeShare * share);
+    reportProgress(context, "motion", "bake " + stage, kBakeShare * share);
   }));
   FOURDVT_ASSIGN(auto stage, MotionStage::open(*context.device, options.character_folder, motion_class.name));
   FOURDVT_ASSIGN(auto baked, asBaked(context, options, motion_class));
@@ -117,7 +113,8 @@ Result<Rows> runMotion(const StudyContext& context) {
   Rows out;
   double done = 0;
   for (const Part& part : kParts) {
-    tell(context, std::string(part.name).substr(7), kBakeShare + (1 - kBakeShare) * done++ / std::size(kParts));
+    reportProgress(context, "motion", std::string(part.name).substr(7),
+                   kBakeShare + (1 - kBakeShare) * done++ / std::size(kParts));
     FOURDVT_ASSIGN(auto rows, keptPart(context, part.name, [&] { return part.measure(subject); }));
     out.insert(out.end(), rows.begin(), rows.end());
   }

@@ -13,8 +13,8 @@
 namespace fourdvt::study {
 namespace {
 
-constexpr int kWidth = 720, kHeight = 960, kMargin = 12, kShownWidth = 200;
-constexpr double kColumns[] = {0, 0.2, 0.4, 0.5, 0.6, 0.8, 1};
+constexpr int kPictureWidth = 720, kPictureHeight = 960, kCropMargin = 12, kShownWidth = 200;
+constexpr double kColumnWeights[] = {0, 0.2, 0.4, 0.5, 0.6, 0.8, 1};
 constexpr int kTransitionCells = 9;
 
 Image narrowed(const Image& rgba, const std::array<int, 4>& box) {
@@ -66,22 +66,22 @@ Status PicturePart::save(const std::string& file, const Image& sheet, const std:
 
 Status PicturePart::columns(uint32_t phase, double azimuth, int number) {
   FOURDVT_TRY(stage_.show(phase));
-  const PinholeCamera camera = stage_.orbit(azimuth, kWidth, kHeight);
+  const PinholeCamera camera = stage_.orbit(azimuth, kPictureWidth, kPictureHeight);
   FOURDVT_ASSIGN(auto middle, stage_.draw(camera, 0.5, rows::kAlignNone));
-  const auto box = report::shownBox(middle, 4 * kMargin);
+  const auto box = report::shownBox(middle, 4 * kCropMargin);
   report::Sheet sheet{subject_.motion().name + ", phase " + std::to_string(phase), {}, {}, {}};
   report::Sheet crops{sheet.title + ", w = 0.5", {"view", "crop", "crop", "crop"}, {}, {}};
-  for (const double w : kColumns) sheet.columns.push_back(columnTitle(w));
+  for (const double w : kColumnWeights) sheet.columns.push_back(columnTitle(w));
   for (const AlignMethod& method : methods()) {
     sheet.rows.push_back(method);
     crops.rows.push_back(method);
     std::vector<Image> row;
-    for (const double w : kColumns) {
+    for (const double w : kColumnWeights) {
       FOURDVT_TRY(checkStop(subject_.context));
       stage_.setMesh(stage_.blended(w));
       FOURDVT_ASSIGN(auto picture, stage_.draw(camera, w, method));
       row.push_back(narrowed(picture, box));
-      if (w == 0.5) crops.cells.push_back(viewWithCrops(picture, report::shownBox(picture, kMargin)));
+      if (w == 0.5) crops.cells.push_back(viewWithCrops(picture, report::shownBox(picture, kCropMargin)));
     }
     sheet.cells.push_back(std::move(row));
   }
@@ -104,7 +104,7 @@ Status PicturePart::truthCrops() {
   FOURDVT_ASSIGN(auto mesh, truth.mesh(step, instant));
   stage_.setMesh(std::move(mesh));
   FOURDVT_ASSIGN(auto exact, truth.picture(step, camera, instant));
-  const auto box = report::shownBox(exact, kMargin);
+  const auto box = report::shownBox(exact, kCropMargin);
   report::Sheet crops{subject_.motion().name + ", " + columnTitle(step.w) + ", on the true mesh",
                       {"view", "crop", "crop", "crop"},
                       {},

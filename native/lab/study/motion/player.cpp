@@ -9,7 +9,7 @@
 namespace fourdvt::study {
 namespace {
 
-constexpr int kWidth = 240, kHeight = 320;  // of the pictures compared
+constexpr int kComparedWidth = 240, kComparedHeight = 320;  // of the pictures compared
 
 // The mesh that is drawn, from the table on the GPU: two texels a vertex.
 Result<Positions> shownPositions(gpu::Device& device, const render::CharacterModel& model) {
@@ -61,9 +61,10 @@ Status WatchedPlayer::look() {
   FOURDVT_ASSIGN(world_, shownPositions(device_, *figure.model));
   for (glm::vec3& p : world_) p = glm::vec3(figure.world_from_character * glm::vec4(p, 1));
   if (travel_) return {};
-  OrbitView orbit = defaultOrbit(player().character()->bounds, double(kWidth) / kHeight);
+  OrbitView orbit = defaultOrbit(player().character()->bounds, double(kComparedWidth) / kComparedHeight);
   FOURDVT_ASSIGN(picture_,
-                 player_->renderStill(render::viewFromCamera(cameraFromOrbit(orbit, kWidth, kHeight)), studyRecipe()));
+                 player_->renderStill(render::viewFromCamera(cameraFromOrbit(orbit, kComparedWidth, kComparedHeight)),
+                                      studyRecipe()));
   return {};
 }
 

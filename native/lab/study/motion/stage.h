@@ -22,6 +22,8 @@ namespace fourdvt::study {
 using AlignMethod = std::string;
 render::Align alignOf(const AlignMethod& method);
 
+constexpr double kFirstAzimuth_deg = 25;  // of the views around a motion
+
 class MotionStage {
  public:
   // Errors: those of the character's files, InvalidArgument (no such class).

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 
 #include "lab/measure/appearance_score.h"
 #include "lab/measure/held_out_truth.h"
 #include "lab/study/projective/projective_study.h"
 #include "lab/study/projective/setup.h"
+#include "lab/study/run/elapsed.h"
 #include "lab/study/run/row_writer.h"
 #include "lab/study/run/run_steps.h"
 
@@ -17,7 +17,6 @@ namespace fourdvt::study {
 namespace {
 
 constexpr size_t kRunCamera = 0;  // of the capture's; the run is seen from it
-constexpr float kStill = std::numeric_limits<float>::infinity();
 
 struct RunValues {
   std::vector<double> flicker, seconds;
@@ -28,10 +27,6 @@ struct RunValues {
 PinholeCamera movedABit(PinholeCamera view) {
   view.cam_from_world[3].x -= 0.02;
   return view;
-}
-
-double secondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 double mean(const std::vector<double>& values) {

@@ -23,10 +23,11 @@ Condition onProxy(const char* proxy) {
   return out;
 }
 
-using Lanes = std::map<std::pair<std::string, int>, measure::AppearanceLane>;  // by method, and 1: with its own picture
+using CrossLanes =
+    std::map<std::pair<std::string, int>, measure::AppearanceLane>;  // by method, and 1: with its own picture
 
 Status addFrame(ProjectiveSetup& setup, const Condition& condition, FrameWindow& frames, uint32_t frame,
-                const std::vector<std::string>& names, Lanes& lanes) {
+                const std::vector<std::string>& names, CrossLanes& lanes) {
   FOURDVT_ASSIGN(auto methods, setup.make(names));
   FOURDVT_ASSIGN(const FrameScene scene, setup.scene(condition, frames, frame));
   FOURDVT_TRY(setup.show(condition, scene, setup.cameras()[0]));
@@ -48,7 +49,7 @@ Status addFrame(ProjectiveSetup& setup, const Condition& condition, FrameWindow&
 
 Result<Rows> crossValidate(ProjectiveSetup& setup, const Condition& condition, FrameWindow& frames,
                            const std::vector<std::string>& names) {
-  Lanes lanes;
+  CrossLanes lanes;
   for (const uint32_t frame : spreadTestFrames(frames.sequence(), setup.context().options.quick ? 1 : kTestFrames))
     FOURDVT_TRY(addFrame(setup, condition, frames, frame, names, lanes));
   Rows out;

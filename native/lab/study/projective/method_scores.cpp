@@ -13,7 +13,7 @@ namespace fourdvt::study {
 namespace {
 
 // Of one method on one sequence.
-struct Lanes {
+struct SequenceLanes {
   measure::ScoreLane held_out, left_one_out;
   double seconds = 0;
 };
@@ -31,7 +31,7 @@ Result<std::vector<MethodScore>> scoreMethods(gpu::Device& device, const capture
   for (const capture::CaptureSequence& sequence : capture.sequences) {
     if (sequence.test_frames.empty()) continue;
     FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(capture, sequence, open_video));
-    std::vector<Lanes> lanes(options.methods.size());
+    std::vector<SequenceLanes> lanes(options.methods.size());
     for (const uint32_t frame : sequence.test_frames) {
       reader->skipTo(frame);
       FOURDVT_ASSIGN(const auto captured, reader->next());

@@ -3,7 +3,6 @@
 // (FT Fig. 8); every method's worst held-out view; and what Montage4D's cross-validation compares.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "lab/measure/held_out_truth.h"
 #include "lab/study/projective/projective_study.h"
@@ -17,7 +16,6 @@ namespace fourdvt::study {
 namespace {
 
 constexpr int kBody_px = 400, kCloseUp_px = 300, kMargin_px = 12;
-constexpr float kStill = std::numeric_limits<float>::infinity();
 
 // The held-out camera farthest in angle from the input cameras, as FT chose its viewpoints.
 const PinholeCamera& farthestView(const std::vector<PinholeCamera>& test, const std::vector<PinholeCamera>& inputs) {
@@ -209,7 +207,7 @@ Result<Rows> MethodSheets::run() {
   double done = 0;
   for (const auto* sequence : sequences) {
     FrameWindow frames(*context_.capture, *sequence, context_.open_video);
-    if (context_.progress) context_.progress({"", sequence->name, done++ / double(sequences.size())});
+    reportProgress(context_, "", sequence->name, done++ / double(sequences.size()));
     FOURDVT_TRY(figure8(frames));
     FOURDVT_TRY(crossValidation(frames));
     for (const Condition& condition : proxyConditions(context_.options.quick))

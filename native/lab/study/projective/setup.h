@@ -3,6 +3,7 @@
 // what a condition shows of a frame. Does NOT measure.
 #pragma once
 
+#include <limits>
 #include <map>
 #include <memory>
 
@@ -12,6 +13,8 @@
 #include "lab/study/run/context.h"
 
 namespace fourdvt::study {
+
+constexpr float kStill = std::numeric_limits<float>::infinity();  // elapsed seconds: no earlier frame counts
 
 // One frame under a condition.
 struct FrameScene {

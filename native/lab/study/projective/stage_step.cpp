@@ -49,7 +49,7 @@ Result<Rows> runMethodStages(const StudyContext& context) {
   double done = 0;
   for (const char* name : kTimed) {
     if (std::find(choice.methods.begin(), choice.methods.end(), name) == choice.methods.end()) continue;
-    if (context.progress) context.progress({"", name, done++ / double(std::size(kTimed))});
+    reportProgress(context, "", name, done++ / double(std::size(kTimed)));
     FOURDVT_ASSIGN(auto rows,
                    keptPart(context, std::string("stages-") + name, [&] { return timeStages(context, name); }));
     out.insert(out.end(), rows.begin(), rows.end());

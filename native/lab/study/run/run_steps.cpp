@@ -111,6 +111,10 @@ Status openReportFolder(const std::string& folder, const std::string& key) {
   return platform::writeFileAtomic(keyPath(folder), key + "\n");
 }
 
+void reportProgress(const StudyContext& context, const std::string& step, const std::string& detail, double share) {
+  if (context.progress) context.progress({step, detail, share});
+}
+
 Status checkStop(const StudyContext& context) {
   if (!context.stop || !*context.stop) return {};
   return Error{ErrorId::Interrupted, "stopped"};

@@ -34,6 +34,9 @@ Result<Rows> keptPart(const StudyContext& context, const std::string& name,
 // The rows that an earlier step measured. Errors: Internal if it has not run.
 Result<Rows> rowsOfStep(const StudyContext& context, const std::string& step);
 
+// Calls the progress callback, where the study has one; share: of the step.
+void reportProgress(const StudyContext& context, const std::string& step, const std::string& detail, double share);
+
 // Returns Interrupted once the user has asked to stop.
 Status checkStop(const StudyContext& context);
 

@@ -156,15 +156,15 @@ struct Samples {
   std::vector<double> frame, upload, geometry, depth_maps, shading, readback;
 };
 
-double median(std::vector<double> values) {
+double medianOrZero(std::vector<double> values) {
   if (values.empty()) return 0;
   std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
   return values[values.size() / 2];
 }
 
 PassTimes medians(const Samples& s) {
-  return {median(s.frame),      median(s.upload),  median(s.geometry),
-          median(s.depth_maps), median(s.shading), median(s.readback)};
+  return {medianOrZero(s.frame),      medianOrZero(s.upload),  medianOrZero(s.geometry),
+          medianOrZero(s.depth_maps), medianOrZero(s.shading), medianOrZero(s.readback)};
 }
 
 // Both renderers on one device, with the frames they show.

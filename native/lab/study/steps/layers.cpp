@@ -26,7 +26,7 @@ namespace {
 constexpr int kJpegQuality = 95, kErrorMapLayers = 3;
 
 // A point of a curve: labels of one method for one number of layers.
-struct Variant {
+struct LayerVariant {
   std::string method;
   int layers = 0;
   const SurveyedJob* labels = nullptr;
@@ -84,13 +84,14 @@ class LayerStudy {
   Status survey();
   Status drawReferences();
   Result<Rows> measureSize(int size, double before, double share);
-  std::vector<Variant> variantsOf(int size) const;
-  Status addFrame(const Variant& variant, int size, uint32_t frame, std::vector<Image> layers);
-  Status drawViews(const Variant& variant, int size, uint32_t frame, const std::vector<Image>& layers);
-  Status saveErrorMap(const Variant& variant, int size, uint32_t frame, const Image& reference, const Image& picture);
+  std::vector<LayerVariant> variantsOf(int size) const;
+  Status addFrame(const LayerVariant& variant, int size, uint32_t frame, std::vector<Image> layers);
+  Status drawViews(const LayerVariant& variant, int size, uint32_t frame, const std::vector<Image>& layers);
+  Status saveErrorMap(const LayerVariant& variant, int size, uint32_t frame, const Image& reference,
+                      const Image& picture);
   Status addPictures(const std::vector<Image>& layers, Stored& stored);
-  Status encodeGop(const std::vector<Variant>& variants, int size);
-  Result<std::vector<uint8_t>> labelsOf(const Variant& variant, uint32_t frame) const;
+  Status encodeGop(const std::vector<LayerVariant>& variants, int size);
+  Result<std::vector<uint8_t>> labelsOf(const LayerVariant& variant, uint32_t frame) const;
   bool isDrawn(uint32_t frame) const { return views_.count(frame) > 0; }
   const bake::Job& job() const { return naive_->job; }
 
@@ -111,7 +112,7 @@ class LayerStudy {
   Rows pictures_;
 };
 
-std::string keyOf(const Variant& variant) { return variant.method + " " + std::to_string(variant.layers); }
+std::string keyOf(const LayerVariant& variant) { return variant.method + " " + std::to_string(variant.layers); }
 
 Status LayerStudy::survey() {
   bake::BakeOptions options = studyBake(context_, "layers");
@@ -153,9 +154,9 @@ Status LayerStudy::drawReferences() {
   return {};
 }
 
-std::vector<Variant> LayerStudy::variantsOf(int size) const {
+std::vector<LayerVariant> LayerStudy::variantsOf(int size) const {
   const bool large = size > 1024;
-  std::vector<Variant> out;
+  std::vector<LayerVariant> out;
   for (const auto& [layers, labels] : joint_) out.push_back({rows::kJoint, layers, labels.get(), true});
   if (!context_.options.quick && !large)
     for (int layers = 1; layers <= plan_.max_layers; ++layers)
@@ -164,7 +165,7 @@ std::vector<Variant> LayerStudy::variantsOf(int size) const {
 }
 
 // As many layers as the baker has; those that the variant lacks are empty.
-Result<std::vector<uint8_t>> LayerStudy::labelsOf(const Variant& variant, uint32_t frame) const {
+Result<std::vector<uint8_t>> LayerStudy::labelsOf(const LayerVariant& variant, uint32_t frame) const {
   const bake::Job& own = variant.labels->job;
   FOURDVT_ASSIGN(auto labels, variant.labels->survey->labels(*own.capture.find(sequence_.name), frame));
   const size_t faces = own.mesh.decoded.topology.faceCount();
@@ -193,7 +194,7 @@ Status LayerStudy::addPictures(const std::vector<Image>& layers, Stored& stored)
   return first;
 }
 
-Status LayerStudy::saveErrorMap(const Variant& variant, int size, uint32_t frame, const Image& reference,
+Status LayerStudy::saveErrorMap(const LayerVariant& variant, int size, uint32_t frame, const Image& reference,
                                 const Image& picture) {
   has_error_map_ = true;
   const std::string file = "error-map-" + std::to_string(size) + ".jpg";
@@ -206,7 +207,7 @@ Status LayerStudy::saveErrorMap(const Variant& variant, int size, uint32_t frame
   return {};
 }
 
-Status LayerStudy::drawViews(const Variant& variant, int size, uint32_t frame, const std::vector<Image>& layers) {
+Status LayerStudy::drawViews(const LayerVariant& variant, int size, uint32_t frame, const std::vector<Image>& layers) {
   FOURDVT_TRY(drawing_->show(layers));
   const auto& cameras = views_.at(frame);
   for (size_t v = 0; v < cameras.size(); ++v) {
@@ -219,7 +220,7 @@ Status LayerStudy::drawViews(const Variant& variant, int size, uint32_t frame, c
   return {};
 }
 
-Status LayerStudy::addFrame(const Variant& variant, int size, uint32_t frame, std::vector<Image> layers) {
+Status LayerStudy::addFrame(const LayerVariant& variant, int size, uint32_t frame, std::vector<Image> layers) {
   Stored& stored = shown_[keyOf(variant)].stored;
   if (variant.stored && frame < plan_.video_frames) {
     auto& queue = gop_[keyOf(variant)];
@@ -234,13 +235,13 @@ Status LayerStudy::addFrame(const Variant& variant, int size, uint32_t frame, st
   return drawViews(variant, size, frame, layers);
 }
 
-Status LayerStudy::encodeGop(const std::vector<Variant>& variants, int size) {
+Status LayerStudy::encodeGop(const std::vector<LayerVariant>& variants, int size) {
   struct Stream {
     Stored* stored;
     const std::vector<bake::I420Picture>* pictures;
   };
   std::vector<Stream> streams;
-  for (const Variant& variant : variants)
+  for (const LayerVariant& variant : variants)
     if (auto queue = gop_.find(keyOf(variant)); queue != gop_.end())
       for (const auto& pictures : queue->second) streams.push_back({&shown_[keyOf(variant)].stored, &pictures});
   const auto encode = [&](const Stream& stream) -> Result<uint64_t> {
@@ -271,7 +272,7 @@ Result<Rows> LayerStudy::measureSize(int size, double before, double share) {
   shown_.clear();
   pictures_.clear();
   has_error_map_ = false;
-  const std::vector<Variant> variants = variantsOf(size);
+  const std::vector<LayerVariant> variants = variantsOf(size);
   const bake::Job& plan = job();
   bake::FrameBakerOptions options;
   options.layer_sizes.assign(plan_.max_layers, size);
@@ -280,7 +281,7 @@ Result<Rows> LayerStudy::measureSize(int size, double before, double share) {
   options.colour_maps = naive_->survey->colourMaps();
   FOURDVT_ASSIGN(auto baker, makeBaker(context_, plan, options));
   FOURDVT_ASSIGN(drawing_, LayerDrawing::create(*context_.device, plan, size, plan_.max_layers));
-  for (const Variant& variant : variants) {
+  for (const LayerVariant& variant : variants) {
     FOURDVT_ASSIGN(auto bytes, drawing_->gpuBytes(variant.layers));
     shown_[keyOf(variant)].gpu_bytes = static_cast<double>(bytes);
   }
@@ -294,7 +295,7 @@ Result<Rows> LayerStudy::measureSize(int size, double before, double share) {
     if (!isDrawn(f) && f >= plan_.video_frames) continue;
     setBakerFrame(*baker, plan, frame);
     const Positions positions = bake::reordered(plan.mesh, frame.positions);
-    for (const Variant& variant : variants) {
+    for (const LayerVariant& variant : variants) {
       if (!isDrawn(f) && (!variant.stored || f >= plan_.video_frames)) continue;
       FOURDVT_ASSIGN(auto labels, labelsOf(variant, f));
       FOURDVT_ASSIGN(auto layers, baker->resample(labels));
@@ -313,7 +314,7 @@ Result<Rows> LayerStudy::measureSize(int size, double before, double share) {
   for (const auto& [key, score] : lane_.finish()) shown_[key].scores.add(score);
   drawing_.reset();
   Rows out;
-  for (const Variant& variant : variants) {
+  for (const LayerVariant& variant : variants) {
     const Shown& shown = shown_[keyOf(variant)];
     const RowWriter row(out, rows::kLayers, sequence_.name, variant.method, variant.setting(size));
     const Stored& stored = shown.stored;

@@ -14,6 +14,7 @@
 #include "lab/measure/held_out.h"
 #include "lab/measure/metrics.h"
 #include "lab/measure/picture_score.h"
+#include "lab/study/run/elapsed.h"
 #include "lab/study/run/row_writer.h"
 #include "lab/study/run/rows.h"
 #include "lab/study/run/run_steps.h"
@@ -39,8 +40,6 @@ struct Method {
 };
 
 using Clock = std::chrono::steady_clock;
-
-double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 // The default comes first: its time counts from nothing, and the others share its survey.
 std::vector<Method> studyMethods(const StudyContext& context) {
@@ -84,7 +83,7 @@ class MethodStudy {
     return player_->renderStill(render::viewFromCamera(camera), studyRecipe());
   }
   void tell(const std::string& what, double share) const {
-    if (context_.progress) context_.progress({"methods", method_.name + " " + what, before_ + share_ * share});
+    reportProgress(context_, "methods", method_.name + " " + what, before_ + share_ * share);
   }
 
   const StudyContext& context_;

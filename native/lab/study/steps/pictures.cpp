@@ -36,9 +36,7 @@ class PictureStep {
   Result<Rows> run();
 
  private:
-  void tell(const std::string& what, double share) const {
-    if (context_.progress) context_.progress({"pictures", what, share});
-  }
+  void tell(const std::string& what, double share) const { reportProgress(context_, "pictures", what, share); }
   Status findSubjects();
   Status bakeSheetCharacter(const bake::Labelling& rule, double from);
   Status layersSheet(const Subject& subject);

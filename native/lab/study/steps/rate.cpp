@@ -36,7 +36,7 @@ struct Group {
   bool again = false;
 };
 
-constexpr uint32_t kQuickFrames = 9;
+constexpr uint32_t kQuickClipFrames = 9;
 constexpr int kFallbackCameras = 3;  // views without held-out cameras
 
 using bake::Codec;
@@ -104,7 +104,7 @@ class RateStudy {
 };
 
 void RateStudy::tell(const std::string& detail) const {
-  if (context_.progress) context_.progress({name_, detail, points_ ? double(done_) / double(points_) : 0});
+  reportProgress(context_, name_, detail, points_ ? double(done_) / double(points_) : 0);
 }
 
 // Pictures into clip.pictures_path; geometry and labels of every frame.
@@ -186,7 +186,7 @@ Status RateStudy::measureGroup(const Group& group) {
   const PicturesFile pictures{context_.work() + "/rate_pictures.yuv"};
   clip.layout = job.layout;
   clip.fps = job.capture.fps;
-  clip.frame_count = context_.options.quick ? std::min(kQuickFrames, sequence_.frame_count) : sequence_.frame_count;
+  clip.frame_count = context_.options.quick ? std::min(kQuickClipFrames, sequence_.frame_count) : sequence_.frame_count;
   clip.pictures_path = pictures.path;
   clip.gop_first_frames = bake::planGops(clip.frame_count, bake::BakeOptions().gop);
   clip.character = bake::describeCharacter(job);

@@ -12,6 +12,7 @@
 #include "bake/run/job.h"
 #include "lab/measure/metrics.h"
 #include "lab/measure/picture_score.h"
+#include "lab/study/run/elapsed.h"
 #include "lab/study/run/row_writer.h"
 #include "lab/study/run/rows.h"
 #include "lab/study/run/run_steps.h"
@@ -26,8 +27,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr uint32_t kWholePictureEvery = 8;  // unmasked PNGs cost time and vary little
-
-double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 // PNG bytes of pictures, side by side on all cores.
 Result<uint64_t> pngBytes(const std::vector<Image>& pictures, const std::function<Image(const Image&)>& prepare) {
@@ -90,7 +89,7 @@ class Reference {
     return context_.options.quick ? std::vector{20, 36} : std::vector{18, 24, 30, 36, 42};
   }
   void tell(const std::string& what, double share) const {
-    if (context_.progress) context_.progress({"reference", sequence_.name + " " + what, before_ + share_ * share});
+    reportProgress(context_, "reference", sequence_.name + " " + what, before_ + share_ * share);
   }
 
   const StudyContext& context_;

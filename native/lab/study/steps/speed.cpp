@@ -12,19 +12,16 @@
 namespace fourdvt::study {
 namespace {
 
-constexpr int kFrames = 24, kQuickFrames = 10;
-
-void tell(const StudyContext& context, const std::string& detail, double share) {
-  if (context.progress) context.progress({"speed", detail, share});
-}
+constexpr int kSpeedFrames = 24, kQuickSpeedFrames = 10;
 
 // One sequence with default settings.
 Result<std::string> bakeOwn(const StudyContext& context) {
   bake::BakeOptions options = defaultBake(context, context.work() + "/speed");
   options.sequences = {context.options.sequences.empty() ? context.capture->sequences.front().name
                                                          : context.options.sequences.front()};
-  FOURDVT_TRY(bakeOnce(context, options,
-                       [&](const std::string& stage, double share) { tell(context, "bake " + stage, 0.5 * share); }));
+  FOURDVT_TRY(bakeOnce(context, options, [&](const std::string& stage, double share) {
+    reportProgress(context, "speed", "bake " + stage, 0.5 * share);
+  }));
   return options.character_folder;
 }
 
@@ -91,11 +88,12 @@ Result<Rows> runSpeed(const StudyContext& context) {
   }
   if (!context.options.quick && isCharacter(papers_size)) characters.push_back(papers_size);
   FrameRateOptions options;
-  options.frames = context.options.quick ? kQuickFrames : kFrames;
+  options.frames = context.options.quick ? kQuickSpeedFrames : kSpeedFrames;
   options.stop = context.stop;
   Rows out;
   for (size_t i = 0; i < characters.size(); ++i) {
-    tell(context, std::filesystem::path(characters[i]).filename().string(), 0.5 + 0.5 * double(i) / characters.size());
+    reportProgress(context, "speed", std::filesystem::path(characters[i]).filename().string(),
+                   0.5 + 0.5 * double(i) / characters.size());
     FOURDVT_ASSIGN(auto rates,
                    measureFrameRates(*context.device, *context.capture, context.open_video, characters[i], options));
     for (const FrameRate& rate : rates.sizes) addSize(out, rates, rate, i == 0);

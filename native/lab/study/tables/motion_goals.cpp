@@ -2,7 +2,6 @@
 // Goals of motion: each is a claim, what the rows say, and, where it fails, where to look.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "lab/study/run/rows.h"
 #include "lab/study/tables/sections.h"
@@ -10,7 +9,6 @@
 namespace fourdvt::study {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMostBlendMm = 1, kMostFlowPx = 0.3, kLeastGradient = 0.95, kMostCost = 1.3, kMostLatency_s = 0.4;
 // Pictures have whole levels: this share of a mean change of 40, a tenth of a level, is rounding.
 constexpr double kChangeRounding = 0.0025;

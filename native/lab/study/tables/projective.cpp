@@ -193,13 +193,7 @@ void fillStages(Section& section, const StudyValues& v) {
           methods);
 }
 
-struct SectionPlan {
-  const char *id, *title, *text;
-  void (*fill)(Section& section, const StudyValues& values);
-  std::vector<std::string> pictures;
-};
-
-const SectionPlan kSections[] = {
+const SectionPlan kMethodsSections[] = {
     {"summary", "Summary", "", fillGoals, {}},
     {"choice",
      "Which method to take",
@@ -262,10 +256,6 @@ Section settingsSection(const StudyValues& v, const StudyOptions& options) {
   return section;
 }
 
-bool measured(const Section& s) {
-  return !s.tables.empty() || !s.plots.empty() || !s.pictures.empty() || !s.tiles.empty();
-}
-
 }  // namespace
 
 Document makeProjectiveDocument(const Rows& rows, const StudyOptions& options, const std::string& capture_name) {
@@ -273,7 +263,7 @@ Document makeProjectiveDocument(const Rows& rows, const StudyOptions& options, c
   Document document{capture_name + ": methods of texturing from cameras", "", {}};
   document.subtitle = "Floating Textures, Montage4D and the blends that they are measured against, on " + capture_name +
                       ". Made by `fourdvt-lab methods" + std::string(options.quick ? " --quick`." : "`.");
-  for (const SectionPlan& plan : kSections) {
+  for (const SectionPlan& plan : kMethodsSections) {
     Section section{plan.id, plan.title, plan.text, {}, {}, {}, {}};
     if (plan.fill) plan.fill(section, values);
     section.pictures = picturesOf(values, plan.pictures);

@@ -20,12 +20,12 @@ std::string curveName(const Row& row, bool with_layers = true) {
   return name;
 }
 
-struct RatePoint {
+struct CurvePoint {
   double bits_per_s, quality;
 };
 struct RateCurve {
   std::string name, family, layers;
-  std::vector<RatePoint> ssim, psnr;
+  std::vector<CurvePoint> ssim, psnr;
   double encode_ms = 0;
   int encode_count = 0;
 };
@@ -33,7 +33,7 @@ struct RateCurve {
 void sortByRate(RateCurve& curve) {
   for (auto* points : {&curve.ssim, &curve.psnr})
     std::sort(points->begin(), points->end(),
-              [](const RatePoint& a, const RatePoint& b) { return a.bits_per_s < b.bits_per_s; });
+              [](const CurvePoint& a, const CurvePoint& b) { return a.bits_per_s < b.bits_per_s; });
 }
 
 std::vector<RateCurve> rateCurves(const StudyValues& v) {
@@ -63,9 +63,9 @@ std::vector<RateCurve> rateCurves(const StudyValues& v) {
 }
 
 // Where the curve crosses a quality, interpolated in log rate; NaN outside it.
-double rateAtQuality(const std::vector<RatePoint>& points, double quality) {
+double rateAtQuality(const std::vector<CurvePoint>& points, double quality) {
   for (size_t i = 1; i < points.size(); ++i) {
-    const RatePoint &a = points[i - 1], &b = points[i];
+    const CurvePoint &a = points[i - 1], &b = points[i];
     if ((a.quality - quality) * (b.quality - quality) > 0 || a.quality == b.quality) continue;
     const double share = (quality - a.quality) / (b.quality - a.quality);
     return std::exp(std::log(a.bits_per_s) + share * std::log(b.bits_per_s / a.bits_per_s));
@@ -74,9 +74,9 @@ double rateAtQuality(const std::vector<RatePoint>& points, double quality) {
 }
 
 // The quality that the curve gives at a rate, interpolated in log rate; NaN outside of it. Points by rate.
-double qualityAtRate(const std::vector<RatePoint>& points, double bits_per_s) {
+double qualityAtRate(const std::vector<CurvePoint>& points, double bits_per_s) {
   for (size_t i = 1; i < points.size(); ++i) {
-    const RatePoint &a = points[i - 1], &b = points[i];
+    const CurvePoint &a = points[i - 1], &b = points[i];
     if (bits_per_s < a.bits_per_s || bits_per_s > b.bits_per_s || a.bits_per_s == b.bits_per_s) continue;
     const double share = std::log(bits_per_s / a.bits_per_s) / std::log(b.bits_per_s / a.bits_per_s);
     return a.quality + share * (b.quality - a.quality);
@@ -99,7 +99,7 @@ Table equalRateTable(const std::vector<RateCurve>& curves, const std::string& fa
               {}};
   for (const char* what : {"PSNR-FG, dB, L = ", "SSIM-FG, L = "})
     for (const RateCurve* curve : members) table.columns.push_back(what + curve->layers);
-  for (const RatePoint& point : members.back()->psnr) {
+  for (const CurvePoint& point : members.back()->psnr) {
     std::vector<std::string> row{bitrateText(point.bits_per_s)};
     for (const RateCurve* curve : members) row.push_back(fixedText(qualityAtRate(curve->psnr, point.bits_per_s), 2));
     for (const RateCurve* curve : members) row.push_back(fixedText(qualityAtRate(curve->ssim, point.bits_per_s), 4));
@@ -124,9 +124,9 @@ RateCurve multiviewCurve(const StudyValues& v) {
   return out;
 }
 
-Curve plotCurve(const std::string& name, const std::vector<RatePoint>& points) {
+Curve plotCurve(const std::string& name, const std::vector<CurvePoint>& points) {
   Curve curve{name, {}};
-  for (const RatePoint& p : points) curve.points.emplace_back(p.bits_per_s / 1e6, p.quality);
+  for (const CurvePoint& p : points) curve.points.emplace_back(p.bits_per_s / 1e6, p.quality);
   return curve;
 }
 

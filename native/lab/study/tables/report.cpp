@@ -10,10 +10,6 @@
 namespace fourdvt::study {
 namespace {
 
-bool measured(const Section& section) {
-  return !section.tables.empty() || !section.plots.empty() || !section.pictures.empty() || !section.tiles.empty();
-}
-
 void addTile(Section& section, double value, const std::string& text, const std::string& meaning) {
   if (!std::isnan(value)) section.tiles.push_back({text, meaning});
 }
@@ -38,14 +34,8 @@ void fillTrends(Section& section, const StudyValues& v) {
   section.tables.push_back(judgementTable(judgeTrends(v), ""));
 }
 
-struct SectionPlan {
-  const char *id, *title, *text;
-  void (*fill)(Section& section, const StudyValues& values);  // may be null: pictures only
-  std::vector<std::string> pictures;                          // caption keys
-};
-
 // The report from top to bottom.
-const SectionPlan kSections[] = {
+const SectionPlan kStudySections[] = {
     {"summary", "Summary", "", fillSummary, {}},
     {"table1",
      "4DVT Table 1",
@@ -250,7 +240,7 @@ Document makeStudyDocument(const Rows& rows, const StudyOptions& options, const 
                       "papers on this capture. Made by `fourdvt-lab study" +
                       std::string(options.quick ? " --quick`." : "`.");
   std::vector<std::string> missing;
-  for (const SectionPlan& plan : kSections) {
+  for (const SectionPlan& plan : kStudySections) {
     Section section{plan.id, plan.title, plan.text, {}, {}, {}, {}};
     if (plan.fill) plan.fill(section, values);
     section.pictures = picturesOf(values, plan.pictures);

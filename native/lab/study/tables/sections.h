@@ -3,9 +3,24 @@
 // tables, plots, pictures and tiles was not measured. Internal to tables/.
 #pragma once
 
+#include <limits>
+
 #include "lab/study/tables/grid.h"
 
 namespace fourdvt::study {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();  // not measured
+
+// A section of a report, in the report's list.
+struct SectionPlan {
+  const char *id, *title, *text;
+  void (*fill)(Section& section, const StudyValues& values);  // may be null: pictures only
+  std::vector<std::string> pictures;                          // caption keys
+};
+
+inline bool measured(const Section& section) {
+  return !section.tables.empty() || !section.plots.empty() || !section.pictures.empty() || !section.tiles.empty();
+}
 
 void fillTable1(Section& section, const StudyValues& values);
 void fillLayers(Section& section, const StudyValues& values);

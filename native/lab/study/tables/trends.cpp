@@ -10,7 +10,6 @@ namespace fourdvt::study {
 namespace {
 
 using Verdict = Judgement::Verdict;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Sums of a quantity for each of two methods, over the sequences that have both; {NaN, NaN}: none has.
 struct Pair {
