@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-# fourdvt_precompile(TARGET...) and fourdvt_precompile_folder(FOLDER) compile the sources of targets with the standard
-# library's and GLM's headers parsed beforehand, once for all targets. A source still includes whatever it uses: with the option off, and in the wasm
-# build, nothing is precompiled.
+# fourdvt_quick_build_folder(FOLDER) halves the compiler's work on the libraries and programs of a folder: headers of the
+# standard library and GLM are parsed once for all targets, and sources of a target are compiled together. A source still
+# includes whatever it uses, and its names are its target's only ones: with both options off, and in the wasm build,
+# every source is compiled on its own.
 #
-# Off by default where ccache compiles: it keeps objects between builds, and keeps none that used a precompiled header.
+# FOURDVT_PRECOMPILE is off by default where ccache compiles: it keeps objects between builds, and keeps none that used a
+# precompiled header.
 set(precompile_by_default ON)
 if(EMSCRIPTEN OR CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache")
   set(precompile_by_default OFF)
@@ -22,25 +24,35 @@ if(FOURDVT_PRECOMPILE)
   target_precompile_headers(fourdvt_precompiled PRIVATE ${FOURDVT_COMMON_HEADERS})
 endif()
 
-function(fourdvt_precompile)
+set(unity_by_default OFF)
+if(NOT EMSCRIPTEN AND CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
+  set(unity_by_default ON)
+endif()
+option(FOURDVT_UNITY "Compile sources of a target together" ${unity_by_default})
+set(FOURDVT_UNITY_FILES 16 CACHE STRING "Most sources that are compiled together")
+# Every command's file has its own help() and readOptions().
+set(FOURDVT_UNITY_LEAVE_OUT fourdvt_tools fourdvt-lab)
+
+function(fourdvt_quick_build target)
   if(FOURDVT_PRECOMPILE)
-    foreach(target ${ARGN})
-      target_precompile_headers(${target} REUSE_FROM fourdvt_precompiled)
-    endforeach()
+    target_precompile_headers(${target} REUSE_FROM fourdvt_precompiled)
+  endif()
+  if(FOURDVT_UNITY AND NOT target IN_LIST FOURDVT_UNITY_LEAVE_OUT)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${FOURDVT_UNITY_FILES})
   endif()
 endfunction()
 
 # The same for every library and program that the folder and the folders below it have defined.
-function(fourdvt_precompile_folder folder)
+function(fourdvt_quick_build_folder folder)
   get_property(targets DIRECTORY ${folder} PROPERTY BUILDSYSTEM_TARGETS)
   foreach(target ${targets})
     get_target_property(type ${target} TYPE)
     if(type MATCHES "^(STATIC_LIBRARY|EXECUTABLE)$")
-      fourdvt_precompile(${target})
+      fourdvt_quick_build(${target})
     endif()
   endforeach()
   get_property(folders DIRECTORY ${folder} PROPERTY SUBDIRECTORIES)
   foreach(below ${folders})
-    fourdvt_precompile_folder(${below})
+    fourdvt_quick_build_folder(${below})
   endforeach()
 endfunction()
