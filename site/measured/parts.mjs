@@ -15,7 +15,7 @@ import { parseArgs } from 'node:util';
 const kRoot = fileURLToPath(new URL('../..', import.meta.url));
 const native = (...folders) => folders.map((folder) => `native/${folder}`);
 
-const kBuild = ['CMakeLists.txt', 'native/precompiled.cmake', 'shaders'];
+const kBuild = ['CMakeLists.txt', 'native/precompiled.cmake', 'native/quick_build.cmake', 'shaders'];
 const kSample = ['site/sample/actor_a'];
 // From capture to drawn character. A folder has every place that it was in: one that a tree lacks adds nothing, so that
 // the rule holds for older commits, too.
