@@ -87,8 +87,8 @@ std::string meshNote(const StudyValues& v) {
     const auto millimetres = [&](const char* quantity) {
       return fixedText(v.mean(rows::kMotionAppearance, "", "w=" + fixedText(w, 2) + " !mesh", quantity), 1);
     };
-    note += " " + millimetres(rows::kMeshMeanMm) + " / " + millimetres(rows::kMeshTailMm) +
-            " mm at w = " + fixedText(w, 2) + ",";
+    note.append(" ").append(millimetres(rows::kMeshMeanMm)).append(" / ").append(millimetres(rows::kMeshTailMm));
+    note.append(" mm at w = ").append(fixedText(w, 2)).append(",");
   }
   note.back() = '.';
   return note +

@@ -30,7 +30,10 @@ std::string placeOf(const std::string& sequence, const std::string& setting) {
   return sequence + " " + settingText(setting, "axis") + " " + settingText(setting, "at");
 }
 
-std::string signedText(double value, int decimals) { return (value > 0 ? "+" : "") + fixedText(value, decimals); }
+std::string signedText(double value, int decimals) {
+  std::string text = value > 0 ? "+" : "";
+  return text += fixedText(value, decimals);
+}
 
 // `method` may be below `other` by so much at most, on every row.
 Judgement neverBelow(const StudyValues& v, const std::string& claim, const std::string& method,
