@@ -5,7 +5,7 @@
 
 /**
  * Runs in the page before its scripts. globalThis.testClock: turn(ms) adds time, in steps, with what the timers do in
- * between; setRate(rate) makes the clock run faster than the real one; now() in ms.
+ * between; setRate(rate) makes the clock run faster than the real one; now() in ms; requests(): calls of fetch so far.
  */
 export function installClock() {
   const kStepMs = 250;     // half of the longest step that the frame loop catches up
@@ -15,7 +15,7 @@ export function installClock() {
     setTimeout: setTimeout.bind(globalThis), clearTimeout: clearTimeout.bind(globalThis), fetch: fetch.bind(globalThis),
     requestAnimationFrame: requestAnimationFrame.bind(globalThis), now: performance.now.bind(performance), Date,
   };
-  let base = 0, since = 0, rate = 1, lastId = 0, unanswered = 0;
+  let base = 0, since = 0, rate = 1, lastId = 0, requests = 0, unanswered = 0;
   const timers = new Map(); // by id: { due, period, run, native }
   const at = (realMs) => base + (realMs - since) * rate;
   const now = () => at(real.now());
@@ -57,6 +57,7 @@ export function installClock() {
     static now() { return date(); }
   };
   globalThis.fetch = (...request) => {
+    ++requests;
     ++unanswered;
     return real.fetch(...request).finally(() => { --unanswered; });
   };
@@ -84,5 +85,5 @@ export function installClock() {
     [base, since, rate] = [now(), real.now(), wanted];
     for (const [id, timer] of timers) arm(id, timer);
   }
-  globalThis.testClock = { turn, setRate, now };
+  globalThis.testClock = { turn, setRate, now, requests: () => requests };
 }
