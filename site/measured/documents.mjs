@@ -113,14 +113,15 @@ function methodsDocument({ record, facts, rows }) {
   const proxies = distinct(conditions.filter((row) => row.axis === 'proxy').map((row) => row.at));
   const at = (method, axis, place) => one(rows, 'condition', { axis, at: place, method });
   const axisMethods = distinct(conditions.filter((row) => row.axis !== 'proxy').map((row) => row.method));
-  const views = (list) => distinct(list.map((row) => row.views)).join(' or ');
+  const judged = (row) => row.axis === 'proxy' && row.at in kSurfaces;
+  const views = (list) => distinct(list.map((row) => row.views)).join(' or ') || 'no';
   const passMethods = distinct(found(rows, 'pass').map((row) => row.method));
   return `# Methods of texturing from cameras
 
 ${provenance(record)} Command: \`bash site/measured/measure.sh methods\`.
 
 Drawn from the raw videos before any codec unless stated otherwise, at the sample's held-out cameras. Cells: PSNR-FG in dB / SSIM-FG, mean
-over ${views(conditions.filter((row) => row.axis === 'proxy'))} views (cameras and calibration: ${views(conditions.filter((row) => row.axis !== 'proxy'))}), ± its standard error where it was measured. Differences to linear blending
+over ${views(conditions.filter(judged))} views where a method is chosen and ${views(conditions.filter((row) => !judged(row)))} elsewhere, ± its standard error where it was measured. Differences to linear blending
 are taken view by view, so that their error is smaller than that of the means.
 
 ${Object.entries(facts).map(([name, text]) => `- ${name}: ${text}`).join('\n')}

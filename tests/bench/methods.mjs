@@ -5,7 +5,7 @@
 // methods.md, beside the report OUT/methods/report.html.
 //   SEQUENCES    default run,pickup; constants were chosen on the sample's walk, which has rows of its own in the
 //                cross-validation alone
-//   FRAMES       test frames of each (default 3); AXIS_FRAMES: the same where cameras and calibration vary (default 1)
+//   FRAMES       test frames of each (default 3); AXIS_FRAMES: the same where no choice is made (default 1)
 //   CHARACTERS   a folder of characters from cameras that were baked from CAPTURE, as the demo's build/cameras: their
 //                scores after the codec
 // A run that was killed goes on after what is finished.

@@ -373,3 +373,63 @@ test('a part that is killed in the middle goes on after its finished steps', asy
   tree.measure('--no-build', 'hulls');
   assert.equal(tree.calls().length, calls.length + cases.size, 'with other inputs it begins anew');
 });
+
+// A program that answers like fourdvt and fourdvt-lab, from rows that are given.
+function answering(name, projective) {
+  const path = join(scratch, name);
+  writeFileSync(path, `#!/usr/bin/env node
+const { mkdirSync, writeFileSync } = require('node:fs');
+const words = process.argv.slice(2), of = (option) => words[words.indexOf(option) + 1];
+const csv = 'kind,sequence,camera,frame,psnr_db,ssim\\nheld-out,run,a,0,20,0.5\\nheld-out,run,b,0,24,0.7\\ninput,run,c,0,99,0.9\\n';
+if (words.includes('-o')) mkdirSync(of('-o'), { recursive: true });
+if (words[0] === 'reconstruct') writeFileSync(of('-o') + '/reconstruct.json', '{}');
+if (words[0] === 'bake') for (const file of ['character.gltf', 'report.json']) writeFileSync(of('-o') + '/' + file, '{"options":{"crf":29}}');
+if (words[0] === 'inspect') console.log('run  1 2 3  7.15 (6.48 + 0.68)');
+if (words[0] === 'surfaces') console.log('sequence views\\nrun 9 18.50 0.627 1 2 3 4 5 6 7');
+if (words[0] === 'score') writeFileSync(of('-o') + '/evaluate.csv', csv);
+if (words[0] === 'methods') writeFileSync(of('-o') + '/projective.json', JSON.stringify({ rows: ${JSON.stringify(projective)}.filter((row) => words[words.indexOf('--sequences') + 1].split(',').includes(row.sequence || 'run')) }));
+`, { mode: 0o755 });
+  return path;
+}
+
+const documentOf = (part, folder) => makeDocument(part, { parts: { [part]: { inputs: 'dddd', date: '2026-07-08' } }, ...JSON.parse(readFileSync(join(folder, 'rows.json'), 'utf8')) });
+
+test('cameras.md shows what its script measured', () => {
+  const program = answering('program', []), out = join(scratch, 'cameras');
+  execFileSync('node', [join(kRoot, 'tests/bench/cameras.mjs'), program, program, 'capture', out], { stdio: 'pipe' });
+  const text = documentOf('cameras', out);
+  assert.match(text, /\| hull \| raw videos, fvvr \| 18\.50 \/ 0\.627 \|/);
+  assert.match(text, /\| given mesh \| baked, sweep \|( 22\.00 ± 2\.00 \/ 0\.600 ± 0\.100 \|){5}/, 'held-out views only');
+  assert.match(text, /\| hull \| 6\.48 \| 0\.68 \| 7\.15 \|/);
+  assert.match(text, /\| 40 \| 7\.15 \| 22\.00/);
+  assert.match(text, /CRF 29/);
+  assert.ok(!text.includes('NaN') && !text.includes('undefined'));
+});
+
+test('methods.md shows means over views and differences view by view', () => {
+  const row = (table, sequence, method, setting, quantity, value) => ({ table, sequence, method, setting, quantity, value, unit: '' });
+  const view = (sequence, method, frame, db) => row('view', sequence, method, `axis=proxy at=given view=t frame=${frame}`, 'psnr_fg_db', db);
+  const rows = [
+    ...[['run', 0, 20, 20.5], ['run', 8, 24, 24.6], ['pickup', 0, 22, 22.4]].flatMap(([sequence, frame, linear, sweep]) => [view(sequence, 'linear', frame, linear), view(sequence, 'fvvr', frame, linear), view(sequence, 'sweep', frame, sweep)]),
+    ...['run', 'pickup'].flatMap((sequence) => ['linear', 'fvvr', 'sweep'].map((method) => row('condition', sequence, method, 'axis=proxy at=given proxy=given closest=4 views=2', 'view_s', method === 'sweep' ? 0.3 : 0.2))),
+    row('choice', '', 'sweep', 'proxy=given', 'taken', 1), row('choice', '', 'linear', 'proxy=given text=costs 4 × FVVR', 'refused', 1),
+    row('promise', '', '', 'text=Montage4D: 6 rows', 'holds', 0), row('about', '', '', 'text=run 0 8; pickup 0', 'test frames', 0),
+    ...['run', 'walk'].map((sequence) => row('cross', sequence, 'montage4d', 'proxy=given own=0', 'rmse', sequence === 'run' ? 0.081 : 0.072)),
+    row('stage', 'run', 'sweep', 'proxy=given pass=sweep: costs', 'frame_ms', 21.8),
+  ];
+  const capture = join(scratch, 'capture'), characters = join(scratch, 'characters'), out = join(scratch, 'methods');
+  mkdirSync(join(characters, 'tracked'), { recursive: true });
+  mkdirSync(capture, { recursive: true });
+  writeFileSync(join(capture, 'capture.json'), '{"sequences":[{"name":"walk"},{"name":"run"},{"name":"pickup"}]}');
+  execFileSync('node', [join(kRoot, 'tests/bench/methods.mjs'), answering('lab', rows), capture, out, 'run,pickup', '2', '1', characters], { stdio: 'pipe' });
+  const text = documentOf('methods', out);
+  assert.match(text, /\| linear \| 22\.00 ± 1\.15 \/ – \| \+0\.00 ± 0\.00 \/ – \| – \| – \| 1\.00 × \| costs 4 × FVVR \|/);
+  assert.match(text, /\| sweep \| 22\.50 ± 1\.18 \/ – \| \+0\.50 ± 0\.06 \/ – \| – \| – \| 1\.50 × \| \*\*take this\*\* \|/);
+  assert.match(text, /mean\nover 3 views/);
+  assert.match(text, /- test frames: run 0 8; pickup 0/);
+  assert.match(text, /- holds: Montage4D: 6 rows/);
+  assert.match(text, /\| walk, given \| montage4d \| 7\.20 \|/, 'the motion that constants were chosen on, cross-validated');
+  assert.match(text, /\| sweep: costs \| 21\.8 \|/);
+  assert.match(text, /\| sweep \| 22\.00 \/ 0\.600 \|/, 'after the codec');
+  assert.ok(!text.includes('NaN') && !text.includes('undefined'));
+});
