@@ -8,7 +8,7 @@ usage() {
 bash site/demo.sh [options]
   --check         open the page in headless Chromium, orbit, compare with native renders, print figures, exit
   --capture DIR   bake and show your own capture folder instead of the sample
-  --opencv        build OpenCV for wasm too (10 minutes, once), so that the page offers its optical flow
+  --opencv        build OpenCV for wasm too (a minute, once), so that the page offers its optical flow
   --port N        first port to try (default 8080); the next free one is taken
   --lan           serve to the local network, for a phone: over https with a certificate made here, because browsers
                   decode video only for https pages; prints address and QR code. The phone warns of the certificate

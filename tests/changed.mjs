@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// node tests/changed.mjs [BASE] [--list]: builds and runs the tests that a change can touch; tests/run.sh --changed calls it.
+// node tests/changed.mjs [BASE] [--list] [-- CTEST…]: builds and runs the tests that a change can touch; tests/run.sh --changed calls it.
 // BASE: a commit; the change is what differs from it in the working tree. Default: HEAD where the tree has changes, else
-// HEAD~1. --list prints the plan only. Needs one whole run of tests/run.sh before it, whose builds it goes on with.
+// HEAD~1. --list prints the plan only; CTEST: arguments of ctest. Needs one whole run of tests/run.sh before it, whose builds it goes on with.
 //
 // How a file touches a test: by Ninja's graph of the three builds (sources and headers → objects → libraries →
 // programs), by the files that a test declares (ctest's REQUIRED_FILES), by the imports of web/src and tests/web, and by
@@ -145,7 +145,8 @@ function build(reached, tests) {
 }
 
 function main() {
-  const words = process.argv.slice(2), list = words.includes('--list');
+  const all = process.argv.slice(2), words = all.includes('--') ? all.slice(0, all.indexOf('--')) : all;
+  const list = words.includes('--list'), further = all.slice(words.length + 1);
   const dirty = git('status', '--porcelain').length > 0;
   const base = words.find((word) => !word.startsWith('-')) ?? (dirty ? 'HEAD' : 'HEAD~1');
   const edges = readEdges();
@@ -157,7 +158,7 @@ function main() {
   build(reached, tests);
   console.log(`== Built in ${((Date.now() - began) / 1000).toFixed(0)} s`);
   const names = tests.map((test) => test.name.replace(/[.*+?^${}()|[\]\\]/g, '\\$&'));
-  run('ctest', ['--preset', 'release', '-j', String(cpus().length), '-R', `^(${names.join('|')})$`]);
+  run('ctest', ['--preset', 'release', '-j', String(cpus().length), '-R', `^(${names.join('|')})$`, ...further]);
 }
 
 if (process.argv[1] === fileURLToPath(import.meta.url)) main();

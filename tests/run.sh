@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Runs every test. Installs, builds and bakes first what site/demo.sh does, with characters from cameras and OpenCV for
 # wasm; then builds the lab and the tests, unit tests with sanitizers; ends with ctest's summary.
-#   bash tests/run.sh [ARGUMENT...]         arguments go to ctest (-R REGEX, -L LABEL)
-#   bash tests/run.sh --changed [BASE]      builds and runs what the difference from the commit BASE can touch, after one whole
-#                                           run; BASE: HEAD where the tree has changes, else HEAD~1 (tests/changed.mjs)
+#   bash tests/run.sh [ARGUMENT...]    arguments go to ctest (-R REGEX, -L LABEL)
+#   bash tests/run.sh --changed [BASE] [-- ARGUMENT...]
+#     builds and runs what the difference from the commit BASE can touch (tests/changed.mjs), after one whole run.
+#     BASE: HEAD where the tree has changes, else HEAD~1
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . site/steps.sh
