@@ -9,10 +9,8 @@ import {
   advances, browserOffline, errors, everywhere, finish, firstError, framesShown, get, ofCharacter, open, panel, pass,
   passUntil, plays, row, runScenes, sceneTest, seconds, until, wait,
 } from './fault_scenes.mjs';
-import { launch, readCanvas, waitForEvent } from './harness.mjs';
+import { kElsewhere, launch, readCanvas, waitForEvent } from './harness.mjs';
 import { coverage } from './ssim.mjs';
-
-const kElsewhere = 'visitor.test'; // a name of this machine that is neither localhost nor https
 
 for (const [title, scene] of everywhere) sceneTest(title, scene);
 sceneTest('the browser is offline for 10 s', browserOffline);
@@ -293,4 +291,4 @@ sceneTest('after a click the wheel zooms until the pointer leaves, and then scro
 
 sceneTest('a page that is hidden for a minute is seen again', hiddenForAMinute);
 
-runScenes('faults', () => launch([`--host-resolver-rules=MAP ${kElsewhere} 127.0.0.1`]));
+runScenes('faults', launch);

@@ -2,7 +2,7 @@
 // What the browser tests share: environment, Chromium and Firefox, posing the viewer, reading its canvas, native stills.
 import assert from 'node:assert/strict';
 import { execFile, spawn } from 'node:child_process';
-import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { existsSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join } from 'node:path';
 import { promisify } from 'node:util';
@@ -18,9 +18,12 @@ const run = promisify(execFile);
 export const kPatienceMs = 120_000;  // software GL on a busy machine
 export const kFovDeg = 30;           // vertical, native and page
 
+/** A name of this machine that is neither localhost nor https. */
+export const kElsewhere = 'visitor.test';
 const kFlags = ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking',
   '--disable-component-update', '--disable-sync', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
-  '--autoplay-policy=no-user-gesture-required'];
+  '--autoplay-policy=no-user-gesture-required', `--host-resolver-rules=MAP ${kElsewhere} 127.0.0.1`];
+const launchOptions = () => ({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: kFlags });
 
 /** The value of FOURDVT_<name>; a test without its environment fails rather than skips. */
 export function environment(name) {
@@ -35,9 +38,14 @@ export function outputFolder(name) {
   return folder;
 }
 
-/** `more`: further flags. */
-export function launch(more = []) {
-  return chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: [...kFlags, ...more] });
+/** A browser that other processes connect to; see browser.mjs. */
+export const launchServer = () => chromium.launchServer(launchOptions());
+
+/** The run's browser where FOURDVT_BROWSER names the file with its address, else one of its own. Closing the first only disconnects. */
+export async function launch() {
+  const file = process.env.FOURDVT_BROWSER;
+  if (!file || !existsSync(file)) return chromium.launch(launchOptions());
+  return chromium.connect(JSON.parse(readFileSync(file, 'utf8')).address);
 }
 
 // A Firefox page with those calls of Playwright's that the tests make.
