@@ -25,7 +25,9 @@ const tools::CommandHelp& help() {
        {"--sequences", "A,B", "only these sequences (default: all)"},
        {"--methods", "A,B", "only these methods (default: all)"},
        {"--frames", "N", "with -o: test frames of each sequence, spread over it (default 1)"},
-       {"--axis-frames", "N", "with -o: the same where cameras and calibration vary (default: as --frames)"},
+       {"--axis-frames", "N",
+        "with -o: the same of conditions that no choice is made on, then without flicker and times (default: as "
+        "--frames)"},
        {"--steps", "A,B", "with -o: only these steps of the report (default: all)"},
        {"--quick", nullptr, "a first look: few views and conditions"},
        {"--closest", "M", "without -o: number of cameras that a view uses, 0: all (default 4)"},

@@ -12,6 +12,7 @@
 #include "lab/study/run/elapsed.h"
 #include "lab/study/run/row_writer.h"
 #include "lab/study/run/run_steps.h"
+#include "lab/study/tables/projective.h"
 
 namespace fourdvt::study {
 namespace {
@@ -52,11 +53,21 @@ class ConditionPart {
   Result<Rows> run() {
     FOURDVT_ASSIGN(methods_, setup_.make(names_));
     FOURDVT_TRY(heldOut());
-    FOURDVT_TRY(consecutive());
+    if (isJudged() || setup_.context().options.axis_frames == 0) FOURDVT_TRY(consecutive());
     return write();
   }
 
  private:
+  // A choice of the method is made on it.
+  bool isJudged() const {
+    const auto& judged = judgedProxies();
+    return condition_.axis == rows::kAxisProxy &&
+           std::find(judged.begin(), judged.end(), condition_.at) != judged.end();
+  }
+  uint32_t testFrames() const {
+    const StudyOptions& options = setup_.context().options;
+    return isJudged() || options.axis_frames == 0 ? options.test_frames : options.axis_frames;
+  }
   Status heldOut();
   Status consecutive();
   Rows write();
@@ -73,10 +84,7 @@ class ConditionPart {
 Status ConditionPart::heldOut() {
   const StudyContext& context = setup_.context();
   std::map<std::string, measure::AppearanceLane> lanes;
-  const StudyOptions& options = context.options;
-  const bool on_axis = !condition_.all_methods && options.axis_frames > 0;
-  for (const uint32_t frame :
-       spreadTestFrames(frames_.sequence(), on_axis ? options.axis_frames : options.test_frames)) {
+  for (const uint32_t frame : spreadTestFrames(frames_.sequence(), testFrames())) {
     FOURDVT_ASSIGN(const FrameScene scene, setup_.scene(condition_, frames_, frame));
     bool shown = false;
     for (const PinholeCamera& camera : setup_.testCameras()) {
@@ -179,6 +187,8 @@ Result<Rows> measureAll(const StudyContext& context, const std::vector<Condition
   for (const auto* sequence : sequences) {
     FrameWindow frames(*context.capture, *sequence, context.open_video);
     for (const Condition& condition : conditions) {
+      // Cameras and calibration take most of the time, and no choice is made on them.
+      if (context.options.axis_frames > 0 && !condition.all_methods && sequence != sequences.front()) continue;
       if (context.progress)
         context.progress(
             {"", sequence->name + ", " + condition.name(), done / double(sequences.size() * conditions.size())});

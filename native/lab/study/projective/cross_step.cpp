@@ -13,8 +13,6 @@
 namespace fourdvt::study {
 namespace {
 
-// Of a sequence, at most. One alone decides by chance between methods that are close.
-constexpr uint32_t kTestFrames = 3;
 constexpr const char* kCompared[] = {rows::kFvvr, rows::kMethodHoloportation, rows::kMethodMontage};
 
 Condition onProxy(const char* proxy) {
@@ -50,7 +48,7 @@ Status addFrame(ProjectiveSetup& setup, const Condition& condition, FrameWindow&
 Result<Rows> crossValidate(ProjectiveSetup& setup, const Condition& condition, FrameWindow& frames,
                            const std::vector<std::string>& names) {
   CrossLanes lanes;
-  for (const uint32_t frame : spreadTestFrames(frames.sequence(), setup.context().options.quick ? 1 : kTestFrames))
+  for (const uint32_t frame : spreadTestFrames(frames.sequence(), crossFrames(setup.context().options)))
     FOURDVT_TRY(addFrame(setup, condition, frames, frame, names, lanes));
   Rows out;
   for (auto& [key, lane] : lanes) {

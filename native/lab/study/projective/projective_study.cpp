@@ -30,8 +30,12 @@ Result<Rows> runAbout(const StudyContext& context) {
       frames.append(" ").append(std::to_string(frame));
   }
   fact("test frames", frames);
-  if (context.options.axis_frames > 0)
-    fact("test frames of cameras and calibration", std::to_string(context.options.axis_frames) + " of each motion");
+  if (context.options.axis_frames > 0) {
+    const std::string count = std::to_string(context.options.axis_frames);
+    fact("test frames of surfaces that no choice is made on", count + " of each motion");
+    fact("test frames where cameras and calibration vary", count + " of the first motion");
+  }
+  fact("test frames of the cross-validation", std::to_string(crossFrames(context.options)) + " of each motion");
   fact("frames of a run", std::to_string(runFrames(context.options)) + ", from the first test frame, at input camera " +
                               context.capture->cameras[0].pinhole.name);
   for (const std::string& left_out : choice.left_out) fact("method left out", left_out);
@@ -64,6 +68,12 @@ std::vector<const capture::CaptureSequence*> projectiveSequences(const StudyCont
 }
 
 uint32_t runFrames(const StudyOptions& options) { return options.quick ? 3 : 4; }
+
+uint32_t crossFrames(const StudyOptions& options) {
+  constexpr uint32_t kTestFrames = 3;  // one alone decides by chance between methods that are close
+  if (options.quick) return 1;
+  return options.axis_frames > 0 ? std::min(kTestFrames, options.test_frames) : kTestFrames;
+}
 
 Result<Rows> runProjectiveStudy(const StudyContext& given) {
   const StudyContext context = resolved(given);

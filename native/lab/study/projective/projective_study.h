@@ -23,6 +23,8 @@ Result<Rows> runMethodPictures(const StudyContext& context);   // FT Fig. 8, wor
 std::vector<const capture::CaptureSequence*> projectiveSequences(const StudyContext& context);
 // Consecutive frames that flicker and times are measured on; the first one is not timed.
 uint32_t runFrames(const StudyOptions& options);
+// Test frames of a sequence that the cross-validation has at most.
+uint32_t crossFrames(const StudyOptions& options);
 
 // The whole study. The context needs folders, capture, device and open_video. Errors: those of the steps;
 // InvalidArgument (no such method; the folder holds something else); FileMissing (no sequence has test frames);

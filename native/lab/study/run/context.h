@@ -39,8 +39,10 @@ struct StudyOptions {
   // Of `fourdvt-lab methods`.
   std::vector<std::string> methods;  // empty: all
   uint32_t test_frames = 1;          // of each sequence, at the held-out cameras
-  uint32_t axis_frames = 0;          // the same where cameras and calibration vary; 0: test_frames
-  const char* command = "study";     // of fourdvt-lab
+  // The same of conditions that no choice is made on, then without flicker, and of cameras and calibration on the first
+  // sequence only; 0: test_frames, on all.
+  uint32_t axis_frames = 0;
+  const char* command = "study";  // of fourdvt-lab
   // The study's kind: rows are in REPORT/<stem>.csv and .json. Another kind's report folder is refused.
   std::string stem = "evaluate";
   std::string further;  // options as they are typed, besides folders, --sequences and --quick; " --frames 2"

@@ -20,6 +20,8 @@ struct MethodPick {
   std::string method;                                        // empty: nothing was measured
   std::vector<std::pair<std::string, std::string>> refused;  // method, why
 };
+// The surfaces that a choice is made on.
+const std::vector<std::string>& judgedProxies();
 MethodPick pickMethod(const StudyValues& values, const std::string& proxy);
 
 // What the papers promise, on every row.

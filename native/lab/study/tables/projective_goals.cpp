@@ -117,6 +117,11 @@ std::vector<Judgement> judgeProjective(const StudyValues& v) {
           costAtMost(v, "A frame of the sweep costs at most 2 × FVVR's", kMethodSweep, kFvvr, 2)};
 }
 
+const std::vector<std::string>& judgedProxies() {
+  static const std::vector<std::string> proxies{kProxyGiven, kProxyRefined, kProxyHull};
+  return proxies;
+}
+
 MethodPick pickMethod(const StudyValues& v, const std::string& proxy) {
   const std::string filter = "axis=proxy at=" + proxy;
   const auto value = [&](const std::string& method, const char* quantity) {
@@ -155,8 +160,8 @@ MethodPick pickMethod(const StudyValues& v, const std::string& proxy) {
 Rows projectiveConclusions(const Rows& rows) {
   const StudyValues v(rows);
   Rows out;
-  for (const char* proxy : {kProxyGiven, kProxyRefined, kProxyHull}) {
-    const std::string setting = std::string("proxy=") + proxy;
+  for (const std::string& proxy : judgedProxies()) {
+    const std::string setting = "proxy=" + proxy;
     const MethodPick pick = pickMethod(v, proxy);
     if (pick.method.empty()) continue;
     out.push_back({kChoice, "", pick.method, setting, kTaken, 1, ""});
