@@ -155,7 +155,7 @@ ${table(['error', ...axisMethods], [
 
 ## Montage4D Table 2
 
-Each input camera's picture against what is drawn for it, at three test frames. Constants were chosen on the walk.
+Each input camera's picture against what is drawn for it, at test frames. Constants were chosen on the walk.
 
 ${crossTable(rows)}
 

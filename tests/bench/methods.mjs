@@ -5,7 +5,7 @@
 // methods.md, beside the report OUT/methods/report.html.
 //   SEQUENCES    default run,pickup; constants were chosen on the sample's walk, which has rows of its own in the
 //                cross-validation alone
-//   FRAMES       test frames of each (default 3); AXIS_FRAMES: the same where no choice is made (default 1)
+//   FRAMES       test frames of each (default 2); AXIS_FRAMES: the same where no choice is made (default 1)
 //   CHARACTERS   a folder of characters from cameras that were baked from CAPTURE, as the demo's build/cameras: their
 //                scores after the codec
 // A run that was killed goes on after what is finished.
@@ -15,7 +15,7 @@ import { join } from 'node:path';
 import { mean, settingOf, standardError } from '../../site/measured/sources.mjs';
 import { characterScores, kept, rounded, run, writeRows } from './kept.mjs';
 
-const [lab, capture, out, sequences = 'run,pickup', frames = '3', axisFrames = '1', characters] = process.argv.slice(2);
+const [lab, capture, out, sequences = 'run,pickup', frames = '2', axisFrames = '1', characters] = process.argv.slice(2);
 const kTunedOn = 'walk', kBaseline = 'linear';
 const kSteps = 'about,proxies,cameras,calibration,cross-validation,stages';  // the report's pictures are left out
 if (!out) {
