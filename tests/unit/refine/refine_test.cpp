@@ -158,7 +158,7 @@ TEST(Refine, EmptyMattesAndASingleCameraLeaveTheMeshAndSaySo) {
     const BallCapture files(0, false);
     const Refinement refinement = refine(files.open(), {});
     EXPECT_EQ(refinement.offsets, nullptr);
-    EXPECT_NE(refinement.note.find("no camera shows an edge"), std::string::npos) << refinement.note;
+    EXPECT_NE(refinement.note.find("no camera has a matte edge"), std::string::npos) << refinement.note;
   }
   const BallCapture files(0, true, 1);
   const capture::Capture capture = files.open();
