@@ -15,7 +15,7 @@ import { fileURLToPath } from 'node:url';
 const kRoot = fileURLToPath(new URL('..', import.meta.url));
 const kBuilds = ['build/release', 'build/asan', 'build/wasm'];
 
-// What is made from what outside of Ninja: [regular expression of a path, result].
+// Results that are made outside of Ninja: [regular expression of an input, result].
 const kDerived = [
   [/^web\/(src\/|build\.mjs|package)/, 'web/dist'],
   [/^build\/wasm\/wasm\/fourdvt[^/]*\.wasm$/, 'web/dist'],

@@ -236,7 +236,7 @@ function otherRows(study, run) {
   }));
 }
 
-// What a kept figure is for figures that are derived from it.
+// Value of a kept figure, for figures that are derived from it.
 function valueOfEntries(list) {
   if (list.length === 1 && list[0].key === undefined) return list[0].value;
   return list.length ? Object.fromEntries(list.filter(({ value }) => value !== null).map(({ key, value }) => [key, value])) : NaN;

@@ -34,7 +34,7 @@ done
 cd "$(dirname "$0")/../.."
 . site/steps.sh
 
-# What the parts' scripts use.
+# Functions of the parts' scripts.
 tool=${FOURDVT_BIN:-$PWD/build/release/native/tools/fourdvt}
 lab=${FOURDVT_LAB_BIN:-$PWD/build/release/native/lab/tools/fourdvt-lab}
 sample=site/sample/actor_a out=build/measured

@@ -98,7 +98,7 @@ export function readScores(folder) {
   return (quantity) => mean(sequences.map((name) => mean(rows.filter((row) => row.sequence === name).map((row) => Number(row[quantity])))));
 }
 
-// What parts.mjs recorded of a part's measurement.
+// Record of a part's measurement, by parts.mjs.
 export function readRecord(folder) {
   const record = readJson(join(folder, 'part.json'), 'run bash site/measured/measure.sh');
   if (!record.inputs || !record.date) throw new SourceError(`${folder}/part.json: lacks inputs or date; run bash site/measured/measure.sh`);
@@ -125,7 +125,7 @@ export function playerBytes(dist) {
   return files.reduce((sum, name) => sum + gzipSync(readFileSync(join(dist, name)), { level: 9 }).length, 0);
 }
 
-// Of the mean of these values; NaN below two.
+// Standard error of the mean of these values; NaN below two.
 export function standardError(values) {
   const middle = mean(values);
   return Math.sqrt(values.reduce((sum, value) => sum + (value - middle) ** 2, 0) / (values.length * (values.length - 1)));

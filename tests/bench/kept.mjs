@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What cameras.mjs, hulls.mjs and methods.mjs share: finished results are kept in OUT/kept, each written as a whole, so
+// Shared by cameras.mjs, hulls.mjs and methods.mjs: finished results are kept in OUT/kept, each written as a whole, so
 // that a run that was killed goes on after them; scores of a character; OUT/rows.json.
 import { execFileSync } from 'node:child_process';
 import { existsSync, mkdirSync, readFileSync, renameSync, writeFileSync } from 'node:fs';

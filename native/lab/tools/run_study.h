@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `study` and `methods -o` share: capture, GPU, progress and the closing lines.
+// Runs a study for `study` and `methods -o`: capture, GPU, progress and the closing lines.
 #pragma once
 
 #include "lab/study/run/context.h"

@@ -32,7 +32,7 @@ TEST(Rasterise, SquareCoversItsAreaAtItsDepth) {
   EXPECT_EQ(covered, 32 * 32);
 }
 
-// Of two squares, one 0.2 m in front of the other and half as wide, each covers what it hides or leaves.
+// Two squares, one 0.2 m in front of the other and half as wide: the small one hides the middle of the large one.
 TEST(Rasterise, TheNearerFaceWins) {
   Positions positions = kSquare;
   for (const glm::vec3& p : kSquare) positions.push_back(glm::vec3(0.5f * p.x, 0.5f * p.y, 0.2f));

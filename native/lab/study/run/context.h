@@ -36,7 +36,7 @@ struct StudyOptions {
   std::string generator;           // "fourdvt-lab X.Y.Z", for evaluate.json
   std::vector<std::string> steps;  // these only, in the study's order; empty: all
   int ring_views = 36;             // views of a sequence's ring; a quick study has 8
-  // Of `fourdvt-lab methods`.
+  // Options of `fourdvt-lab methods`.
   std::vector<std::string> methods;  // empty: all
   uint32_t test_frames = 1;          // of each sequence, at the held-out cameras
   // The same of conditions that no choice is made on, then without flicker, and of cameras and calibration on the first
