@@ -4,8 +4,9 @@
 // HEAD~1. --list prints the plan only; CTEST: arguments of ctest. Needs one whole run of tests/run.sh before it, whose builds it goes on with.
 //
 // How a file touches a test: by Ninja's graph of the three builds (sources and headers → objects → libraries →
-// programs), by the files that a test declares (ctest's REQUIRED_FILES), by the imports of web/src and tests/web, and by
-// kDerived. Tests of the tree always run. Left to the whole run: that pages play characters of a changed bake.
+// programs), by the files and folders that a test declares (ctest's REQUIRED_FILES), by the imports of tests/web, and by
+// kDerived. Tests of the tree always run. Left to the whole run: what pages and commands do with characters of a changed
+// bake, apart from the tests of the bake.
 import { execFileSync, spawnSync } from 'node:child_process';
 import { existsSync, readFileSync } from 'node:fs';
 import { cpus } from 'node:os';
@@ -18,7 +19,7 @@ const kBuilds = ['build/release', 'build/asan', 'build/wasm'];
 // Results that are made outside of Ninja: [regular expression of an input, result].
 const kDerived = [
   [/^web\/(src\/|build\.mjs|package)/, 'web/dist'],
-  [/^build\/wasm\/wasm\/fourdvt[^/]*\.wasm$/, 'web/dist'],
+  [/^build\/wasm\/wasm\/(opencv\/)?fourdvt[^/]*\.(js|wasm)$/, 'web/dist'],
   [/^web\/dist$/, 'build/site'],
   [/^site\/(?!sample\/|measured\/|docs\/)[^/]+\.(html|js|css|mjs)$/, 'build/site'],
   [/^web\/examples\//, 'build/site'],
@@ -103,7 +104,7 @@ function inputsOf(test) {
 export function touchedTests(tests, reached) {
   return tests.filter((test) => {
     const labels = [property(test, 'LABELS') ?? []].flat();
-    return labels.includes('tree') || inputsOf(test).some((path) => reached.has(path));
+    return labels.includes('tree') || inputsOf(test).some((path) => reached.has(path) || [...reached].some((file) => file.startsWith(`${path}/`)));
   });
 }
 
@@ -128,20 +129,19 @@ function readEdges() {
 
 const ctestJson = () => JSON.parse(execFileSync('ctest', ['--test-dir', join(kRoot, 'build/release'), '--show-only=json-v1'], { encoding: 'utf8', maxBuffer: 1 << 28 })).tests;
 
-function build(reached, tests) {
+// Also brings up to date what an earlier change left behind in the programs and the site of these tests.
+function build(tests) {
   const needed = new Set(tests.flatMap(inputsOf));
-  for (const folder of kBuilds) {
-    const inside = [...reached].filter((path) => path.startsWith(`${folder}/`) && (needed.has(path) || /\.wasm$|wasm\/fourdvt[^/]*\.js$/.test(path)))
-      .map((path) => relative(join(kRoot, folder), join(kRoot, path)));
-    if (!inside.length) continue;
-    console.log(`== Building ${inside.length} programs in ${folder}`);
-    run('cmake', ['--build', folder, '--target', ...inside], { env: { ...process.env, NODE_PATH: '/usr/share/nodejs' } });
+  const env = { ...process.env, NODE_PATH: '/usr/share/nodejs' };
+  for (const folder of ['build/release', 'build/asan']) {
+    const programs = [...needed].filter((path) => path.startsWith(`${folder}/`)).map((path) => path.slice(folder.length + 1));
+    if (programs.length) run('cmake', ['--build', folder, '--target', ...programs]);
   }
-  if (reached.has('web/dist')) run('node', ['web/build.mjs', '--wasm', join(kRoot, 'build/wasm/wasm')]);
-  if (reached.has('build/site')) {
-    const cameras = existsSync(join(kRoot, 'build/cameras')) ? ['build/cameras'] : [];
-    run('node', ['site/assemble.mjs', 'build/site', 'web/dist', 'build/character', ...cameras]);
-  }
+  if (!needed.has('build/site')) return;
+  run('cmake', ['--build', 'build/wasm'], { env });
+  run('node', ['web/build.mjs', '--wasm', join(kRoot, 'build/wasm/wasm')]);
+  const cameras = existsSync(join(kRoot, 'build/cameras')) ? ['build/cameras'] : [];
+  run('node', ['site/assemble.mjs', 'build/site', 'web/dist', 'build/character', ...cameras]);
 }
 
 function main() {
@@ -155,7 +155,7 @@ function main() {
   console.log(`${files.length} files differ from ${base}; ${tests.length} tests can be touched`);
   if (list) return tests.forEach((test) => console.log(`  ${test.name}`));
   const began = Date.now();
-  build(reached, tests);
+  build(tests);
   console.log(`== Built in ${((Date.now() - began) / 1000).toFixed(0)} s`);
   const names = tests.map((test) => test.name.replace(/[.*+?^${}()|[\]\\]/g, '\\$&'));
   run('ctest', ['--preset', 'release', '-j', String(cpus().length), '-R', `^(${names.join('|')})$`, ...further]);
