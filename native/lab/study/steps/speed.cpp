@@ -5,6 +5,7 @@
 #include "bake/bake.h"
 #include "lab/study/run/row_writer.h"
 #include "lab/study/run/rows.h"
+#include "lab/study/run/run_steps.h"
 #include "lab/study/run/scene.h"
 #include "lab/study/steps/frame_rate.h"
 #include "lab/study/steps/steps.h"

@@ -12,7 +12,7 @@ Cells weightsOf(const StudyValues& v) { return numbersOf(v, {rows::kMotionAppear
 
 // Curves over w, one per method.
 void addOverW(Section& section, const StudyValues& v, CurvesOptions options) {
-  options.x_key = "w";
+  options.x_key = 'w';
   options.x_decimals = 2;
   options.x_label = "w, share of the second member";
   addCurves(section, v, options, methodsOf(v, options.table));
