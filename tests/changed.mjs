@@ -4,9 +4,9 @@
 // HEAD~1. --list prints the plan only; CTEST: arguments of ctest. Needs one whole run of tests/run.sh before it, whose builds it goes on with.
 //
 // How a file touches a test: by Ninja's graph of the three builds (sources and headers → objects → libraries →
-// programs), by the files and folders that a test declares (ctest's REQUIRED_FILES), by the imports of tests/web, and by
-// kDerived. Tests of the tree always run. Left to the whole run: what pages and commands do with characters of a changed
-// bake, apart from the tests of the bake.
+// programs), by the files and folders that a test declares to be for (ctest's REQUIRED_FILES), by the imports of tests/web,
+// and by kDerived. Tests of the tree always run. Left to the whole run: what pages and commands do with characters of a
+// changed bake, and long tests where a change lies outside of what they are for.
 import { execFileSync, spawnSync } from 'node:child_process';
 import { existsSync, readFileSync } from 'node:fs';
 import { cpus } from 'node:os';
@@ -137,7 +137,7 @@ function build(tests) {
     const programs = [...needed].filter((path) => path.startsWith(`${folder}/`)).map((path) => path.slice(folder.length + 1));
     if (programs.length) run('cmake', ['--build', folder, '--target', ...programs]);
   }
-  if (!needed.has('build/site')) return;
+  if (!tests.some((test) => [property(test, 'LABELS') ?? []].flat().includes('web'))) return;
   run('cmake', ['--build', 'build/wasm'], { env });
   run('node', ['web/build.mjs', '--wasm', join(kRoot, 'build/wasm/wasm')]);
   const cameras = existsSync(join(kRoot, 'build/cameras')) ? ['build/cameras'] : [];
