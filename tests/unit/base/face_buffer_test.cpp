@@ -5,21 +5,12 @@
 
 #include <cmath>
 
+#include "square_fixture.h"
+
 namespace fourdvt {
 namespace {
 
-// A square of side 1 m in the plane z = 0 facing +Z, centred on the origin.
-const std::vector<glm::uvec3> kSquareFaces{{0, 1, 2}, {0, 2, 3}};
-const Positions kSquare{{-0.5f, -0.5f, 0}, {0.5f, -0.5f, 0}, {0.5f, 0.5f, 0}, {-0.5f, 0.5f, 0}};
-
-PinholeCamera orbit(double azimuth_deg, int side = 64) {
-  OrbitView view;
-  view.azimuth_deg = azimuth_deg;
-  view.target_in_world = glm::dvec3(0);
-  view.distance_m = 2;
-  view.vertical_fov_deg = 2 * 180 / 3.14159265358979323846 * std::atan(0.5);  // 2 m across at the square
-  return cameraFromOrbit(view, side, side);
-}
+using testing::kSquare, testing::kSquareFaces, testing::orbit;
 
 TEST(Rasterise, SquareCoversItsAreaAtItsDepth) {
   const FaceBuffer buffer = rasterise(orbit(0), kSquareFaces, kSquare, 1);

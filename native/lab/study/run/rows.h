@@ -122,7 +122,7 @@ inline constexpr const char* kMotionCost = "motion-cost";
 inline constexpr const char* kMotionTransitions = "motion-transitions";
 inline constexpr const char* kMotionSkate = "motion-skate";
 
-// Methods. Those of labellings are bake::Labelling::name.
+// Names of methods; those of labellings are bake::Labelling::name.
 inline constexpr const char* kFvvr = "fvvr";
 inline constexpr const char* kFvvrGiven = "fvvr-as-given";   // on mesh and cameras before refinement
 inline constexpr const char* kFvvrClosest = "fvvr-closest";  // from the kClosestCameras nearest to the view
