@@ -5,6 +5,7 @@ add_library(fourdvt_draco INTERFACE)
 if(EMSCRIPTEN)
   # Small rather than fast code: the download has a budget, and the GPU does the work per pixel.
   set(FOURDVT_WASM_FLAGS -Oz -flto -msimd128 -fno-exceptions -fno-rtti)
+  set(FOURDVT_MORE_MARK fourdvt-more)  # first line of the shaders that go into the second part (wasm/split.mjs)
   add_compile_options(${FOURDVT_WASM_FLAGS})
   set(private_include ${CMAKE_BINARY_DIR}/include)
   file(MAKE_DIRECTORY ${private_include})

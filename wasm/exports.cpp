@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "extras.h"
 #include "instance.h"
+#include "more.h"
 
 using namespace fourdvt;
 
@@ -62,7 +62,7 @@ void openPlayer(Instance* h, abi::PictureKind kind, int32_t slots) {
   using render::PictureTextures;
   options.picture_kind = kind == abi::PictureKind::Rgba ? PictureTextures::Kind::Rgba : PictureTextures::Kind::I420;
   options.picture_slots = slots;
-  options.cameras = cameraPartsOfModule();
+  options.cameras = &cameraParts();
   auto player = Player::create(*h->canvas->device, h->canvas->recipe, options);
   if (player.ok()) h->player = player.take();
   if (!player.ok()) h->error = player.error();

@@ -2,8 +2,8 @@
 // The C ABI's functions for motion: parameters, transitions, placement, alignment, scene. exports.cpp says who owns
 // what.
 #include "base/hash.h"
-#include "extras.h"
 #include "instance.h"
+#include "more.h"
 #include "motion/parameter_space.h"
 
 using namespace fourdvt;

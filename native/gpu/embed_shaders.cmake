@@ -1,8 +1,9 @@
-# cmake -DSHADER_DIR=… -DOUTPUT=… -DFUNCTION=NAMESPACE::NAME [-DONLY=REGEX] [-DLEAVE_OUT=REGEX] -P embed_shaders.cmake
+# cmake -DSHADER_DIR=… -DOUTPUT=… -DFUNCTION=NAMESPACE::NAME [-DONLY=REGEX] [-DLEAVE_OUT=REGEX] [-DMARK=TEXT] -P embed_shaders.cmake
 # Writes a C++ file that defines fourdvt::NAMESPACE::NAME, shader source by file name, empty for a name that it does not
 # have. ONLY and LEAVE_OUT meet the beginnings of the names in SHADER_DIR. Lines `#include "x.glsl"` are replaced
 # by that file's text, once a shader; a further include of the same file becomes empty. Comments and
-# most spaces are left out.
+# most spaces are left out. MARK is a first line of every source, for wasm/split.mjs to find it by;
+# the last line keeps the linker from using its end as another string.
 file(GLOB paths ${SHADER_DIR}/*.vert ${SHADER_DIR}/*.frag)
 if(ONLY)
   list(FILTER paths INCLUDE REGEX "/(${ONLY})[^/]*$")
@@ -37,6 +38,9 @@ foreach(path ${paths})
   string(REGEX REPLACE "\n[ \t]+" "\n" source "${source}")
   string(REGEX REPLACE " ([=+*/<>?:&|]+) " "\\1" source "${source}")
   string(REGEX REPLACE ", " "," source "${source}")
+  if(MARK)
+    set(source "${MARK}\n${source}//~")
+  endif()
   string(APPEND entries "    {\"${name}\", R\"__glsl__(${source})__glsl__\"},\n")
 endforeach()
 string(REPLACE "::" ";" function ${FUNCTION})

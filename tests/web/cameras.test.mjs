@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Characters from cameras in the page: native against browser, the module that only they fetch, the attributes that
+// Characters from cameras in the page: native against browser, the second part of the player, the attributes that
 // choose how they are drawn, damaged files, and the page that shows them beside the layered character.
 import assert from 'node:assert/strict';
-import { cpSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { cpSync, mkdtempSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
@@ -31,7 +31,7 @@ after(async () => {
   if (site) rmSync(site, { recursive: true, force: true });
 });
 
-const fetchedFull = (since) => server.requests.slice(since).filter(({ path }) => path.includes('fourdvt-full')).length;
+const secondPart = () => server.requests.filter(({ path }) => path.includes('fourdvt-more')).length;
 
 for (const surface of ['hull', 'refined']) {
   test(`native and browser agree on the ${surface} character, and it plays`, async () => {
@@ -64,17 +64,54 @@ for (const surface of ['hull', 'refined']) {
   });
 }
 
-test('only characters from cameras fetch the full player', async () => {
-  const since = server.requests.length;
+test('layered characters play and move on without the second part of the player, and fetch it after the first picture', async () => {
+  const files = ['fourdvt-more.js', 'fourdvt-more.wasm'].map((name) => join(site, 'fourdvt-viewer', name));
+  for (const file of files) renameSync(file, `${file}.away`);
   const page = await openPage(browser);
+  await page.goto(`${server.url}steer.html`);
+  await waitForEvent(page, 'canplay');
+  await page.evaluate(() => document.querySelector('fourdvt-viewer').play());
+  const names = await page.evaluate(() => document.querySelector('fourdvt-viewer').sequences.map(({ name }) => name));
+  for (const name of names) {
+    await page.evaluate((name) => { document.querySelector('fourdvt-viewer').sequence = name; }, name);
+    await page.waitForFunction((name) => {
+      const viewer = document.querySelector('fourdvt-viewer');
+      return viewer.sequence === name && viewer.frame > 2;
+    }, name, { timeout: kPatienceMs });
+  }
+  const state = await page.evaluate(() => {
+    const viewer = document.querySelector('fourdvt-viewer');
+    for (const { name, max } of viewer.parameters) viewer.setParameter(name, max, true);
+    return { shown: viewer.stats.framesShown, error: viewer.error };
+  });
+  for (const file of files) renameSync(`${file}.away`, file);
+  assert.equal(state.error, null);
+  assert.ok(state.shown >= 4);
+  assert.ok(secondPart() > 0, 'it was asked for');
+  await page.close();
+});
+
+test('a scene that comes before the second part is drawn once that is there', async () => {
+  const page = await openPage(browser);
+  await page.route('**/fourdvt-more.wasm*', async (route) => {
+    await new Promise((next) => setTimeout(next, 5000));
+    await route.continue();
+  });
   await page.goto(server.url);
   await waitForEvent(page, 'canplay');
-  assert.equal(fetchedFull(since), 0);
+  const bytes = () => page.evaluate(async () => (await document.querySelector('fourdvt-viewer').toBlob({ width: 64, height: 64 })).size);
+  await page.evaluate(() => document.querySelector('fourdvt-viewer').pause());
+  const plain = await bytes();
+  await page.evaluate(() => {
+    const corner = (x, y) => [x, y, 0, 1, 0, 0], sides = [[-1, 0], [1, 0], [0, 2], [-1, 0], [0, 2], [1, 0]];
+    document.querySelector('fourdvt-viewer').scene = [{ corners: Float32Array.from(sides.flatMap(([x, y]) => corner(x, y))) }];
+  });
+  assert.equal(await bytes(), plain, 'it waits');
+  for (const until = Date.now() + kPatienceMs; (await bytes()) === plain; await new Promise((next) => setTimeout(next, 200))) {
+    assert.ok(Date.now() < until, 'the scene is never drawn');
+  }
+  assert.deepEqual(page.troubles, []);
   await page.close();
-  const { page: other, outcome } = await openCharacter(browser, server.url, 'cameras/hull/character.gltf');
-  assert.equal(outcome, 'canplay');
-  assert.ok(fetchedFull(since) >= 2, 'script and wasm');
-  await other.close();
 });
 
 test('method, cameras and visibility choose how it is drawn; an unknown method is refused', async () => {
@@ -114,15 +151,15 @@ test('method, cameras and visibility choose how it is drawn; an unknown method i
   await page.close();
 });
 
-test('a full player that does not load, and a chunk that is damaged, are one error each', async () => {
-  const full = join(site, 'fourdvt-viewer', 'fourdvt-full.wasm');
-  const kept = readFileSync(full);
-  rmSync(full);
+test('a second part that does not load, and a chunk that is damaged, are one error each', async () => {
+  const more = join(site, 'fourdvt-viewer', 'fourdvt-more.wasm');
+  const kept = readFileSync(more);
+  rmSync(more);
   const { page, outcome } = await openCharacter(browser, server.url, 'cameras/hull/character.gltf');
   assert.equal(outcome.id, 'fetch-failed');
-  assert.match(outcome.message, /fourdvt-full/);
+  assert.match(outcome.message, /fourdvt-more/);
   await page.close();
-  writeFileSync(full, kept);
+  writeFileSync(more, kept);
 
   cpSync(join(site, 'cameras', 'hull'), join(site, 'cameras', 'damaged'), { recursive: true });
   const stream = join(site, 'cameras', 'damaged', 'run.bin');

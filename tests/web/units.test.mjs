@@ -183,31 +183,35 @@ test('orbit: text, limits from the box, damping at any rate, the whole box is in
   assert.ok(Math.abs(angles[0] - angles[1]) < 0.5 && angles[0] > 45, `${angles}`);
 });
 
-test('the flow module comes from beside the wasm file; one that is missing is one clear error', async () => {
-  const outfile = join(folder, 'wasm-module.mjs');
-  const player = join(folder, 'player.mjs');
-  writeFileSync(player, 'export default () => { throw new Error("not the player"); };');
+test('the second part comes from beside the wasm file and gets the exports of the first; one that is missing is one clear error', async () => {
+  const outfile = join(folder, 'wasm-module.mjs'), player = join(folder, 'player.mjs');
+  writeFileSync(player, `export default (options) => new Promise((done) => {
+    options.instantiateWasm({}, (instance) => done({ instance }));
+  });`);
   buildSync({
     entryPoints: [fileURLToPath(new URL('../../web/src/wasm-module.ts', import.meta.url))], outfile, bundle: true,
     format: 'esm', logLevel: 'silent', alias: { 'fourdvt-wasm': player },
   });
-  const { instantiateFull } = await import(pathToFileURL(outfile).href);
-  const url = pathToFileURL(join(folder, 'somewhere/fourdvt-viewer.wasm')).href;
+  const { instantiate, loadMore, hasMore } = await import(pathToFileURL(outfile).href);
+  // first: (func (export "f") call placeholder.0); second: imports f.
+  const kFirst = Uint8Array.from([0, 97, 115, 109, 1, 0, 0, 0, 1, 4, 1, 96, 0, 0, 2, 17, 1, 11, ...Buffer.from('placeholder'), 1, 48, 0, 0, 3, 2, 1, 0, 7, 5, 1, 1, 102, 0, 1, 10, 6, 1, 4, 0, 16, 0, 11]);
+  const kSecond = Uint8Array.from([0, 97, 115, 109, 1, 0, 0, 0, 1, 4, 1, 96, 0, 0, 2, 11, 1, 5, ...Buffer.from('first'), 1, 102, 0, 0]);
   const fetched = [], realFetch = globalThis.fetch;
   globalThis.fetch = async (address) => {
     fetched.push(address);
-    return new Response(Uint8Array.of(0, 0x61, 0x73, 0x6d, 1, 0, 0, 0)); // an empty module
+    return new Response(address.includes('more') ? kSecond : kFirst, { headers: { 'Content-Type': 'text/plain' } });
   };
   try {
-    await assert.rejects(instantiateFull(url), { id: 'fetch-failed', message: /somewhere\/fourdvt-full\.js: .*beside/ });
-    assert.equal(fetched.length, 0, 'nothing is fetched for a script that is not there');
-    const beside = pathToFileURL(join(folder, 'fourdvt-viewer.wasm')).href;
-    writeFileSync(join(folder, 'fourdvt-full.js'), `export default (options) => new Promise((done) => {
-      options.instantiateWasm({}, (instance) => done({ flow: true, instance }));
-    });`);
-    const { module } = await instantiateFull(beside);
-    assert.ok(module.flow && module.instance instanceof WebAssembly.Instance);
-    assert.deepEqual(fetched, [pathToFileURL(join(folder, 'fourdvt-full.wasm')).href]);
+    const url = pathToFileURL(join(folder, 'fourdvt-viewer.wasm')).href;
+    const module = await instantiate(url, () => undefined);
+    assert.throws(() => module.instance.exports.f(), /second part/);
+    await assert.rejects(loadMore(module, url, () => undefined), { id: 'fetch-failed', message: /fourdvt-more\.js: .*beside/ });
+    assert.equal(hasMore(module), false);
+    writeFileSync(join(folder, 'fourdvt-more.js'), 'export const readLook = 1;');
+    const tryAgain = `${pathToFileURL(folder).href}/./fourdvt-viewer.wasm`;
+    const { readLook } = await loadMore(await instantiate(tryAgain, () => undefined), `${tryAgain}`, () => undefined);
+    assert.equal(readLook, 1);
+    assert.ok(fetched.some((address) => address === pathToFileURL(join(folder, 'fourdvt-more.wasm')).href));
   } finally {
     globalThis.fetch = realFetch;
   }

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // How the characters of an element look, as its attributes say: look, look-strength, light, light-turn, and method if it
-// is montage4d, which layered characters have too. Part of fourdvt-full.js, so that pages without these do not fetch it.
+// is montage4d, which layered characters have too. Part of fourdvt-more.js.
 // The player checks names and numbers; a picture that does not load is an Error here.
 import { LOOKS, type Look } from './generated/abi.js';
-import type { FullModule } from './wasm-abi.js';
+import type { WasmModule } from './wasm-abi.js';
 
 // Of the picture handed to the player; nine coefficients need no more.
 const LIGHT_WIDTH = 128;
 
 /** Tells the look to a player; 0 if it refuses, as the functions of wasm/abi.txt do. */
-export type TellLook = (module: FullModule, handle: number) => number;
+export type TellLook = (module: WasmModule, handle: number) => number;
 
 interface Light {
   pixels: Uint8ClampedArray;
@@ -17,7 +17,7 @@ interface Light {
   height: number;
 }
 
-const told = new WeakSet<FullModule>(); // whose element knows that the device cannot run its method; a session has one
+const told = new WeakSet<WasmModule>(); // whose element knows that the device cannot run its method; a session has one
 
 const lights = new Map<string, Promise<Light>>();
 
@@ -48,7 +48,7 @@ async function loadLight(address: string, base: string): Promise<Light> {
 }
 
 // As characters from cameras do it (wasm/abi.txt).
-function tellFallback(element: Element, module: FullModule): void {
+function tellFallback(element: Element, module: WasmModule): void {
   if (told.has(module)) return;
   told.add(module);
   const message = 'montage4d needs half-float render targets, which this GPU does not have';

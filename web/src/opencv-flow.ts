@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Connects the player to OpenCV's optical flow, a second wasm module that is loaded only when it is asked for: the
 // reference for the GPU's flow, and the fallback where the GPU has no float render targets. Copies the pictures from
-// one module's memory to the other's. Part of fourdvt-full.js.
+// one module's memory to the other's. Part of fourdvt-more.js.
 import type { OpencvModule, WasmModule } from './wasm-abi.js';
 
 type CreateModule = (options: object) => Promise<OpencvModule>;

@@ -9,8 +9,8 @@ import { FrameLoop } from './frame-loop.js';
 import type { OrbitCamera } from './orbit-camera.js';
 import { Transport } from './transport.js';
 import { measurePath, rememberedPath, rememberPath, uploadPicture, type UploadPath } from './upload-path.js';
-import type { FullModule, WasmModule } from './wasm-abi.js';
-import { instantiate, instantiateFull, type Full } from './wasm-module.js';
+import type { WasmModule } from './wasm-abi.js';
+import { expectMore, instantiate, loadMore, type More } from './wasm-module.js';
 import type { Align, CharacterInfo, OrbitPose, PictureKind } from './wasm-player.js';
 
 const MAX_CANVAS_SIDE = 4096;
@@ -24,7 +24,7 @@ const ROOM_FETCH = -1; // the player numbers its requests from 0
 
 const needsFlow = (align: Align): boolean => align.startsWith('flow');
 
-// Of what the full player's side of the page could not load.
+// Of what the page's side of the second part could not load.
 const fetchFailed = (reason: unknown): never => { throw new ViewerError('fetch-failed', (reason as Error).message); };
 
 type Extensions = { extensions?: { FOURDVT_layered_video_texture?: { appearance?: unknown } } } | null;
@@ -77,10 +77,10 @@ export class Session {
   readonly #abort = new AbortController();
   readonly #loop = new FrameLoop((clockS, stepS) => this.#turn(clockS, stepS));
   #gl: WebGL2RenderingContext | null = null;
-  #module: WasmModule | null = null;
-  #full: Promise<Full> | null = null; // once it has been needed
+  #module: WasmModule | null = null; // with its second part once #more has resolved
   #align: Align; // as the page asked for it; the commands hold what the player does until flow is loaded
   #room: boolean; // whether the character's room is to be drawn
+  #looked = false; // a look has been set
   #lookTurn = 0; // counts the attempts to set the look: only the last one counts
   #roomTurn = 0; // counts the attempts to show it: only the last one counts
   #manifest: unknown = null;
@@ -121,11 +121,17 @@ export class Session {
       if (typeof VideoDecoder === 'undefined') {
         throw new ViewerError('decoder-unsupported', 'this browser has no WebCodecs VideoDecoder: open the page in a newer one');
       }
-      const [manifest, first] = await Promise.all([this.#transport.manifest(), this.#firstModule()]);
-      const module = isFromCameras(manifest) ? (await this.#fullPlayer()).module : first;
+      const { wasmUrl } = this.#options;
+      const early = needsFlow(this.#align) || this.#hasLook;
+      if (early) expectMore(wasmUrl, this.#network);
+      const [manifest, module] = await Promise.all([this.#transport.manifest(), instantiate(wasmUrl, this.#network)]);
+      if (this.#abort.signal.aborted) return;
+      this.#module = module;
+      if (isFromCameras(manifest)) await this.#more();
+      // If it does not load, the character begins with 'baked' and as filmed; #show and useLook try again and report it.
+      else if (early) await this.#more().catch(() => undefined);
       if (this.#abort.signal.aborted) return;
       this.#manifest = manifest;
-      this.#module = module;
       this.#gl = this.#canvas.getContext('webgl2', {
         alpha: true, premultipliedAlpha: true, antialias: false, depth: false, stencil: false,
         powerPreference: 'high-performance',
@@ -185,9 +191,8 @@ export class Session {
     for (const signal of [companion.left, this.#abort.signal]) signal.addEventListener('abort', leave);
     try {
       const manifest = await transport.manifest();
-      // In another module everything is opened again, and asks for its companions when it can play.
-      const goesOn = !isFromCameras(manifest) || (await this.#enterFull());
-      if (goesOn && this.#main && !companion.left.aborted) this.#addActor(companion, transport, manifest);
+      if (isFromCameras(manifest)) await this.#more();
+      if (this.#main && !companion.left.aborted) this.#addActor(companion, transport, manifest);
     } catch (reason) {
       if (!this.#abort.signal.aborted && !companion.left.aborted) companion.emit('error', asViewerError(reason).detail);
     }
@@ -238,44 +243,29 @@ export class Session {
     if (!this.#abort.signal.aborted && this.#waiting === (waiting ? 1 : 0)) this.#host.network(waiting);
   };
 
-  // --- the full player ---
+  // --- the second part of the player ---
 
-  #fullPlayer(): Promise<Full> {
-    if (!this.#full) {
-      this.#full = instantiateFull(this.#options.wasmUrl, this.#network);
-      this.#full.catch(() => { this.#full = null; });
-    }
-    return this.#full;
-  }
+  #more(): Promise<More> { return loadMore(this.#module!, this.#options.wasmUrl, this.#network); }
 
-  // False: it was not in use, and everything has been opened again in it.
-  async #enterFull(): Promise<boolean> {
-    const { module } = await this.#fullPlayer();
-    if (!this.#main || this.#module === module) return true;
-    this.#module = module;
-    this.#reopen(this.#path);
-    return false;
+  // After the first picture, when nothing of the page waits for it. What fails is tried again when it is needed.
+  async #loadRest(): Promise<void> {
+    if (!(await this.#more().catch(() => null))) return;
+    for (const actor of this.#actors) actor.run((player) => player.moreCame());
+    this.#programsMissing = true;
   }
 
   get #hasLook(): boolean { return this.#host.element.matches('[look]:not([look=""],[look=none]),[method=montage4d]'); }
 
-  // If the full player does not load, the character begins with 'baked' and as filmed; #show and useLook try again and
-  // report the error.
-  async #firstModule(): Promise<WasmModule> {
-    const full = needsFlow(this.#align) || this.#hasLook ? await this.#fullPlayer().catch(() => null) : null;
-    return full?.module ?? instantiate(this.#options.wasmUrl, this.#network);
-  }
-
   /** The element's look takes effect when it is loaded; if it does not load, an error event says why. */
   async useLook(): Promise<void> {
     const turn = ++this.#lookTurn;
-    if (!this.#main || !(this.#full || this.#hasLook)) return; // as filmed, in a player without looks
+    if (!this.#main || !(this.#looked || this.#hasLook)) return; // as filmed
     try {
-      const { readLook } = await this.#fullPlayer();
+      const { readLook } = await this.#more();
       const tell = await readLook(this.#host.element).catch(fetchFailed);
       if (turn !== this.#lookTurn || !this.#main) return;
-      // What is opened again is told by #open.
-      if (await this.#enterFull()) this.#main?.run((player) => player.tell((module, h) => tell(module as FullModule, h)));
+      this.#looked = true;
+      this.#main.run((player) => player.tell(tell));
     } catch (reason) {
       if (turn === this.#lookTurn && !this.#abort.signal.aborted) this.#host.emit('error', asViewerError(reason).detail);
     }
@@ -283,10 +273,8 @@ export class Session {
 
   async #useFlow(align: Align): Promise<void> {
     try {
-      const { module, loadOpenCvFlow } = await this.#fullPlayer();
-      if (align === 'flow-opencv') await loadOpenCvFlow(this.#options.opencvUrl, module).catch(fetchFailed);
-      if (!this.#main || this.#align !== align) return;
-      await this.#enterFull();
+      const { loadOpenCvFlow } = await this.#more();
+      if (align === 'flow-opencv') await loadOpenCvFlow(this.#options.opencvUrl, this.#module!).catch(fetchFailed);
       if (!this.#main || this.#align !== align) return;
       if (!this.#commands.set('align', align)) this.#align = this.#commands.wishes.align;
     } catch (reason) {
@@ -306,6 +294,7 @@ export class Session {
     if (!this.#room || !player || !info) return;
     if (!info.roomUri) return console.warn('fourdvt-viewer: this character has no room, so none is drawn');
     try {
+      await this.#more();
       const bytes = await this.#transport.range(ROOM_FETCH, info.roomUri, 0, info.roomBytes);
       if (!bytes || turn !== this.#roomTurn) return;
       const texture = player.showRoom(bytes); // nothing is seen of it until it is filled
@@ -389,7 +378,7 @@ export class Session {
     const leave = (): void => transport.dispose();
     this.#abort.signal.addEventListener('abort', leave);
     const manifest = await transport.manifest().catch(() => null);
-    if (isFromCameras(manifest)) this.#module = await this.#fullPlayer().then((full) => full.module, () => this.#module);
+    if (isFromCameras(manifest)) await this.#more().catch(() => undefined);
     const errors = this.#held;
     this.#held = null;
     if (this.#abort.signal.aborted || !this.#main) return leave();
@@ -439,7 +428,7 @@ export class Session {
     this.#main = null;
   }
 
-  // Opens the same character on another upload path or in another module; it goes on from where it is.
+  // Opens the same character on another upload path; it goes on from where it is.
   #reopen(path: PictureKind): void {
     if (!this.#main) return;
     this.#drawn = '';
@@ -505,6 +494,7 @@ export class Session {
     if (this.#shown) return;
     this.#shown = true;
     this.#host.firstPicture();
+    void this.#loadRest();
     if (needsFlow(this.#align)) void this.#useFlow(this.#align);
   }
 

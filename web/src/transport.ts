@@ -68,6 +68,8 @@ async function patiently<T>(attempt: () => Promise<T>, report: Report, signal?: 
 interface Answer {
   status: number;
   read(): Promise<Uint8Array<ArrayBuffer>>;
+  /** The body as it comes, instead of `read`. A fault ends it, and is reported: a reader may get another error. */
+  stream(report: (fault: unknown) => void): ReadableStream<Uint8Array>;
   drop(): void;
 }
 
@@ -104,20 +106,32 @@ async function ask(url: string, init: RequestInit, signal?: AbortSignal): Promis
     done();
     throw new ViewerError('fetch-failed', `${url}: HTTP ${status}`);
   }
+  const reader = response.body?.getReader();
+  const next = async (): Promise<Uint8Array | undefined> => {
+    const part = await reader?.read().catch(failed);
+    watch.heard();
+    if (!part?.value) done();
+    return part?.value;
+  };
   return {
     status,
     drop() {
       done();
       stop();
     },
+    stream: (report) => new ReadableStream({
+      async pull(to) {
+        const part = await next().catch((fault: unknown) => {
+          report(fault);
+          throw fault;
+        });
+        if (part) to.enqueue(part);
+        else to.close();
+      },
+    }),
     async read() {
       const parts: Uint8Array[] = [];
-      const reader = response.body?.getReader();
-      for (let part = await reader?.read().catch(failed); part?.value; part = await reader!.read().catch(failed)) {
-        watch.heard();
-        parts.push(part.value);
-      }
-      done();
+      for (let part = await next(); part; part = await next()) parts.push(part);
       return new Uint8Array(await new Blob(parts as BlobPart[]).arrayBuffer());
     },
   };
@@ -144,6 +158,17 @@ async function refusesThisPage(url: string, init: RequestInit, signal?: AbortSig
 /** A whole file. `report` hears when waiting for the network begins and ends. Errors: ViewerError 'fetch-failed'. */
 export function fetchFile(url: string, report: Report = () => undefined, signal?: AbortSignal, cache: RequestCache = 'default'): Promise<Uint8Array<ArrayBuffer>> {
   return patiently(async () => (await ask(url, { cache }, signal)).read(), report, signal);
+}
+
+/** A wasm file, compiled while it comes. Errors: ViewerError 'fetch-failed'; what the browser says of the file. */
+export function compileFile(url: string, report: Report): Promise<WebAssembly.Module> {
+  return patiently(async () => {
+    let fault: unknown;
+    const body = (await ask(url, {})).stream((reason) => (fault = reason));
+    // The type is given here: no server needs to have it.
+    const wasm = new Response(body, { headers: { 'Content-Type': 'application/wasm' } });
+    return WebAssembly.compileStreaming(wasm).catch((reason: unknown) => { throw fault ?? reason; });
+  }, report);
 }
 
 export class Transport {

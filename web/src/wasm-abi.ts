@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The wasm modules as Emscripten makes them: the functions of wasm/abi.txt and what its runtime adds. Addresses and
+// The wasm modules as Emscripten makes them: the functions of wasm/abi.txt and what its runtime adds. Those of the second
+// part are there from the start and must not be called before it is (wasm-module.ts). Addresses and
 // handles are numbers.
-import type { FullExports, OpencvExports, PlayerExports } from './generated/abi.js';
+import type { OpencvExports, PlayerExports } from './generated/abi.js';
 
 export interface WasmModule extends PlayerExports {
   HEAPU8: Uint8Array;
@@ -13,8 +14,6 @@ export interface WasmModule extends PlayerExports {
     textures: (WebGLTexture | null)[];
   };
 }
-
-export interface FullModule extends WasmModule, FullExports {}
 
 export interface OpencvModule extends OpencvExports {
   HEAPU8: Uint8Array;

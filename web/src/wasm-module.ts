@@ -1,30 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compiles a wasm file once per page. Every viewer makes its own instance of it, so that removing a viewer frees all of
-// its memory. Two modules have the same functions: the player, and the full player, which also has optical flow and
-// characters from cameras and looks, and is fetched only when these are needed.
+// Compiles each wasm file once per page. Every viewer makes its own instance, so that removing a viewer frees all of its
+// memory. The module comes in two parts (wasm/more.txt): the first is all that a first picture of a layered character
+// needs; the second, with optical flow, characters from cameras, scenes and looks, is put into it afterwards.
 import createPlayer from 'fourdvt-wasm';
 
-import type { FullModule, ModuleOptions, WasmModule } from './wasm-abi.js';
+import type { WasmModule } from './wasm-abi.js';
 import { asViewerError, ViewerError } from './errors.js';
-import { fetchFile, type Report } from './transport.js';
+import { compileFile, type Report } from './transport.js';
 
-type CreateModule = (options: ModuleOptions) => Promise<WasmModule>;
-type FullScript = typeof import('./full.js');
-
-/** The full player, and the page's side of what only that has. */
-export interface Full extends Omit<FullScript, 'default'> {
-  module: FullModule;
-}
+/** The page's side of what only the second part has. */
+export type More = typeof import('./more.js');
 
 const compiled = new Map<string, Promise<WebAssembly.Module>>();
-
-// Whoever asks first hears of waiting for the network; all wait for the same download.
-async function compile(url: string, report: Report): Promise<WebAssembly.Module> {
-  const bytes = await fetchFile(url, report).catch((reason: unknown) => {
-    throw new ViewerError('fetch-failed', `${asViewerError(reason).message}; the player's wasm file must lie beside its script`);
-  });
-  return WebAssembly.compile(bytes);
-}
+const firstParts = new WeakMap<WasmModule, WebAssembly.Exports>();
+const secondParts = new WeakMap<WasmModule, Promise<More>>();
+const complete = new WeakSet<WasmModule>();
 
 // A browser's refusal: by the page's policy, for want of memory, or of a file that is no wasm.
 function refusal(url: string, reason: unknown): ViewerError {
@@ -34,43 +24,83 @@ function refusal(url: string, reason: unknown): ViewerError {
     : new ViewerError('wasm-refused', `${url}: the browser refuses the player's wasm (${text}); allow 'wasm-unsafe-eval' in the page's policy, and serve the file as it was built`);
 }
 
-async function create(createModule: CreateModule, url: string, report: Report): Promise<WasmModule> {
+// `report` of the first caller hears of waiting for the network; all wait for the same download.
+function compile(url: string, report: Report): Promise<WebAssembly.Module> {
   let module = compiled.get(url);
   if (!module) {
-    module = compile(url, report);
+    module = compileFile(url, report).catch((reason: unknown) => {
+      compiled.delete(url);
+      if (!(reason instanceof ViewerError)) throw refusal(url, reason);
+      throw new ViewerError('fetch-failed', `${asViewerError(reason).message}; the player's wasm files must lie beside its script`);
+    });
     compiled.set(url, module);
-    module.catch(() => compiled.delete(url));
   }
+  return module;
+}
+
+// In place of the second part's functions until it is there: a number each (fourdvt-more.map of the build).
+const ABSENT = new Proxy({}, {
+  get: (_, number) => () => { throw new Error(`function ${String(number)} of the player's second part is not there yet`); },
+});
+
+/** The first part. `report` hears of waiting for the network. Errors: ViewerError 'fetch-failed', 'out-of-memory', 'wasm-refused'. */
+export async function instantiate(url: string, report: Report): Promise<WasmModule> {
+  const first = await compile(url, report);
+  let exports: WebAssembly.Exports;
   try {
-    const ready = await module;
-    return await new Promise((resolve, reject) => {
-      createModule({
+    const module = await new Promise<WasmModule>((resolve, reject) => {
+      createPlayer({
         instantiateWasm(imports, done) {
-          WebAssembly.instantiate(ready, imports).then(done).catch(reject);
+          const all = { ...imports, placeholder: ABSENT };
+          WebAssembly.instantiate(first, all).then((instance) => {
+            exports = instance.exports;
+            done(instance);
+          }, reject);
           return {};
         },
         printErr: (line) => console.warn(`fourdvt-viewer: ${line}`),
       }).then(resolve, reject);
     });
+    firstParts.set(module, exports!);
+    return module;
   } catch (reason) {
-    throw reason instanceof ViewerError ? reason : refusal(url, reason);
+    throw refusal(url, reason);
   }
 }
 
-/**
- * `report` hears of waiting for the network. Errors: ViewerError 'fetch-failed', 'out-of-memory', 'wasm-refused'.
- */
-export const instantiate = (url: string, report: Report): Promise<WasmModule> => create(createPlayer, url, report);
+/** Begins to download the second part. */
+export const expectMore = (url: string, report: Report): void => void compile(secondUrl(url), report).catch(() => undefined);
 
-/** Loads fourdvt-full.js and its .wasm from beside the player's wasm file. Errors: as of `instantiate`. */
-export async function instantiateFull(playerUrl: string, report: Report): Promise<Full> {
-  const script = new URL('fourdvt-full.js', playerUrl).href;
-  try {
-    const { default: createModule, ...page } = (await import(script)) as FullScript;
-    const module = await create(createModule, new URL('fourdvt-full.wasm', playerUrl).href, report);
-    return { ...page, module: module as FullModule };
-  } catch (reason) {
-    if (reason instanceof ViewerError) throw reason;
-    throw new ViewerError('fetch-failed', `${script}: the full player does not load (${String(reason)}); put it and its .wasm beside the player's`);
+/** The second part is in this instance. */
+export const hasMore = (module: WasmModule): boolean => complete.has(module);
+
+/**
+ * Puts the second part into an instance of the first: fourdvt-more.wasm, and fourdvt-more.js with the page's side, from
+ * beside the first part's file. Errors: as of `instantiate`; after one the next call tries again.
+ */
+export function loadMore(module: WasmModule, url: string, report: Report): Promise<More> {
+  let more = secondParts.get(module);
+  if (!more) {
+    more = addSecond(module, url, report);
+    secondParts.set(module, more);
+    more.catch(() => secondParts.delete(module));
   }
+  return more;
+}
+
+const secondUrl = (url: string): string => new URL('fourdvt-more.wasm', url).href;
+
+async function addSecond(module: WasmModule, url: string, report: Report): Promise<More> {
+  const script = new URL('fourdvt-more.js', url).href;
+  const page = (import(script) as Promise<More>).catch((reason: unknown) => {
+    throw new ViewerError('fetch-failed', `${script}: the player's second part does not load (${String(reason)}); put it and its .wasm beside the player's`);
+  });
+  const [more, second] = await Promise.all([page, compile(secondUrl(url), report)]);
+  if (!complete.has(module)) {
+    await WebAssembly.instantiate(second, { first: firstParts.get(module)! }).catch((reason: unknown) => {
+      throw refusal(secondUrl(url), reason);
+    });
+    complete.add(module);
+  }
+  return more;
 }

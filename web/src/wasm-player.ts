@@ -10,6 +10,7 @@ import {
 } from './generated/abi.js';
 import { Reader } from './records.js';
 import type { WasmModule } from './wasm-abi.js';
+import { hasMore } from './wasm-module.js';
 
 export { ALIGN_MODES, VISIBILITIES };
 export type { PictureKind, Visibility };
@@ -105,6 +106,7 @@ export class WasmPlayer {
   #context = 0;
   #scratch = 0;
   #scratchBytes = 0;
+  #scene: SceneMesh[] | null = null; // that waits for the second part
 
   /** `on`: the canvas's context, or another character of the same canvas, which must outlive this one. */
   constructor(module: WasmModule, on: WebGL2RenderingContext | WasmPlayer, kind: PictureKind, slots: number) {
@@ -232,9 +234,12 @@ export class WasmPlayer {
     if (!this.character()?.fromCameras) return;
     this.#check(this.#m._fdvt_set_method(this.#h, ...this.#text(name), closest, VISIBILITIES.indexOf(visibility)));
   }
-  /** Runs one of the functions that only the full player has. */
+  /** Runs one of the functions of the second part, when that is there. */
   tell(action: (module: WasmModule, handle: number) => number): void { this.#check(action(this.#m, this.#h)); }
+  /** Takes effect when the second part is there (`moreCame`). */
   setScene(meshes: SceneMesh[]): void {
+    this.#scene = hasMore(this.#m) ? null : meshes;
+    if (this.#scene) return;
     this.#m._fdvt_clear_scene(this.#h);
     for (const { corners, occluderOnly } of meshes) {
       const at = this.#put(new Uint8Array(corners.buffer, corners.byteOffset, corners.byteLength));
@@ -242,9 +247,11 @@ export class WasmPlayer {
     }
   }
 
+  moreCame(): void { if (this.#scene) this.setScene(this.#scene); }
+
   /**
    * Draws the character's room from now on, in place of any before. The page fills the texture with what the bytes show,
-   * and its mipmaps.
+   * and its mipmaps. Needs the second part.
    */
   showRoom(bytes: Uint8Array): WebGLTexture {
     const name = this.#m._fdvt_show_room(this.#h, this.#put(bytes), bytes.length);

@@ -27,7 +27,7 @@ Status Loading::readManifest(const FlatJson& gltf) {
   auto read = package::readManifest(gltf);
   if (!read.ok()) return read.error();
   if (read.value().appearance == package::AppearanceKind::Cameras && !cameras_)
-    return Error{ErrorId::Unsupported, "this player does not play characters from cameras; use fourdvt-full.wasm"};
+    return Error{ErrorId::Unsupported, "this player does not play characters from cameras"};
   character_ = read.take();
   streams_.clear();
   streams_.resize(character_->sequences.size());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "extras.h"
+#include "more.h"
 
 #include <emscripten.h>
 
@@ -45,7 +45,6 @@ Result<std::unique_ptr<render::Method>> makeMethod(gpu::Device& device, std::str
   if (!made.notice.empty()) fdvt_tell_fallback(std::string(name).c_str(), made.name.c_str(), made.notice.c_str());
   return std::move(made.method);
 }
-const CameraParts* cameraPartsOfModule() { return &cameraParts(); }
 
 }  // namespace fourdvt
 

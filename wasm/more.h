@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// What comes with the module's second part (more.txt): the optical flow of some alignments, characters from cameras, and
+// looks (fdvt_set_look of abi.txt).
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "abi.h"
+#include "player/player.h"
+#include "render/flow/flow.h"
+
+namespace fourdvt {
+
+// mode: one of the flows. Errors: Unsupported where the device has no such flow; GpuFailure.
+Result<std::unique_ptr<render::FlowSource>> makeFlow(gpu::Device& device, abi::AlignMode mode);
+// How characters from cameras are drawn. Where the device cannot run the method, another one serves in its place and
+// the page gets an event. Errors: InvalidArgument: no such method.
+Result<std::unique_ptr<render::Method>> makeMethod(gpu::Device& device, std::string_view name);
+
+}  // namespace fourdvt

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Apache-2.0
+// Splits the linked module in two: a first part with what every first picture needs, and a second part with the rest.
+// The second part is instantiated with the exports of the first, the same memory and the same table, and puts its
+// functions into that table; until then a call of one of them ends in a function that the page gives ("placeholder").
+//   node split.mjs --module FILE.wasm --objects FOLDER --list more.txt --mark TEXT --nm emnm --wasm-split wasm-split --wasm-dis wasm-dis
+//                  --more FILE.wasm
+// --module is replaced by the first part. It must have its name section with mangled names (--profiling-funcs,
+// --no-demangle). Functions: by the objects that define them, see more.txt. Data: texts whose first line is //MARK.
+import { execFileSync } from 'node:child_process';
+import { copyFileSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { pathToFileURL } from 'node:url';
+import { parseArgs } from 'node:util';
+
+const FEATURES = ['simd', 'bulk-memory', 'sign-ext', 'mutable-globals', 'nontrapping-float-to-int'].map((f) => `--enable-${f}`);
+const SECTION = { names: 0, code: 10, data: 11, dataCount: 12 };
+const FUNCTION_NAMES = 1;
+
+// --- wasm's binary format ---
+
+class Cursor {
+  constructor(bytes, at = 0) {
+    this.bytes = bytes;
+    this.at = at;
+  }
+  u32() {
+    let value = 0;
+    for (let shift = 0; ; shift += 7) {
+      const byte = this.bytes[this.at++];
+      value += (byte & 127) * 2 ** shift;
+      if (byte < 128) return value;
+    }
+  }
+  i32() {
+    let value = 0;
+    for (let shift = 0; ; ) {
+      const byte = this.bytes[this.at++];
+      value |= (byte & 127) << shift;
+      shift += 7;
+      if (byte < 128) return shift < 32 && byte & 64 ? value | (-1 << shift) : value;
+    }
+  }
+  take(length) { return this.bytes.subarray(this.at, (this.at += length)); }
+  text() { return this.take(this.u32()).toString('utf8'); }
+}
+
+function u32(value) {
+  const out = [];
+  do out.push((value & 127) | (value > 127 ? 128 : 0)); while ((value >>>= 7));
+  return Buffer.from(out);
+}
+function i32(value) {
+  const out = [];
+  for (let more = true; more; value >>= 7) {
+    more = !((value >> 7 === 0 && !(value & 64)) || (value >> 7 === -1 && value & 64));
+    out.push((value & 127) | (more ? 128 : 0));
+  }
+  return Buffer.from(out);
+}
+
+/** Sections of a module in their order: { id, bytes }. */
+export function sectionsOf(wasm) {
+  const cursor = new Cursor(wasm, 8), sections = [];
+  while (cursor.at < wasm.length) {
+    const id = cursor.bytes[cursor.at++];
+    sections.push({ id, bytes: cursor.take(cursor.u32()) });
+  }
+  return sections;
+}
+const moduleOf = (sections) => Buffer.concat([Buffer.from('\0asm\x01\0\0\0', 'latin1'),
+  ...sections.flatMap(({ id, bytes }) => [Buffer.from([id]), u32(bytes.length), bytes])]);
+
+// Names of functions by index, imported ones first.
+function functionNames(sections) {
+  for (const { id, bytes } of sections) {
+    const cursor = new Cursor(bytes);
+    if (id !== SECTION.names || cursor.text() !== 'name') continue;
+    while (cursor.at < bytes.length) {
+      const kind = bytes[cursor.at++], part = new Cursor(cursor.take(cursor.u32()));
+      if (kind === FUNCTION_NAMES) return Array.from({ length: part.u32() }, () => (part.u32(), part.text()));
+    }
+  }
+  throw new Error('the module has no names of functions: link it with --profiling-funcs');
+}
+
+// Length in bytes of the functions that the module defines, by name.
+function functionBytes(wasm) {
+  const sections = sectionsOf(wasm), names = functionNames(sections);
+  const code = new Cursor(sections.find(({ id }) => id === SECTION.code).bytes);
+  const lengths = Array.from({ length: code.u32() }, () => code.take(code.u32()).length);
+  return new Map(lengths.map((length, i) => [names[names.length - lengths.length + i], length]));
+}
+
+// Segments that are copied to a fixed address: { address, bytes }.
+function readSegments(bytes) {
+  const cursor = new Cursor(bytes);
+  return Array.from({ length: cursor.u32() }, () => {
+    if (cursor.u32() !== 0 || cursor.bytes[cursor.at++] !== 0x41) throw new Error('a data segment has no fixed address');
+    const address = cursor.i32();
+    if (cursor.bytes[cursor.at++] !== 0x0b) throw new Error('a data segment has no fixed address');
+    return { address, bytes: cursor.take(cursor.u32()) };
+  });
+}
+const writeSegments = (segments) => Buffer.concat([u32(segments.length), ...segments.flatMap(({ address, bytes }) =>
+  [Buffer.from([0, 0x41]), i32(address), Buffer.from([0x0b]), u32(bytes.length), bytes])]);
+
+/** Cuts the texts that begin with the mark, up to their closing 0, out of the segments: { kept, moved }. */
+export function cutTexts(segments, mark) {
+  const kept = [], moved = [];
+  const piece = ({ address, bytes }, from, to) => ({ address: address + from, bytes: bytes.subarray(from, to) });
+  for (const segment of segments) {
+    let done = 0;
+    for (let from = segment.bytes.indexOf(mark); from >= 0; from = segment.bytes.indexOf(mark, done)) {
+      const end = segment.bytes.indexOf(0, from), to = end < 0 ? segment.bytes.length : end + 1;
+      if (from > done) kept.push(piece(segment, done, from));
+      const last = moved.at(-1);
+      const adjoins = last && last.from === segment && last.address + last.bytes.length === segment.address + from;
+      if (adjoins) last.bytes = segment.bytes.subarray(last.address - segment.address, to);
+      else moved.push({ ...piece(segment, from, to), from: segment });
+      done = to;
+    }
+    if (done < segment.bytes.length) kept.push(piece(segment, done));
+  }
+  return { kept, moved };
+}
+
+// --- which functions go ---
+
+function readList(path) {
+  const lines = readFileSync(path, 'utf8').split('\n').map((line) => line.replace(/#.*/, '').trim()).filter(Boolean);
+  const keep = lines.filter((line) => line.startsWith('keep ')).map((line) => line.slice('keep '.length));
+  return { keep: new Set(keep), sources: lines.filter((line) => !line.startsWith('keep ')) };
+}
+
+// Path of the source that an object of CMake was made from: "native/render/recipe" of
+// "native/render/CMakeFiles/fourdvt_render.dir/recipe.cpp.o".
+const sourceOf = (object) => object.replace(/CMakeFiles\/[^/]+\.dir\//, '').replace(/\.cpp\.o$/, '');
+
+const kMergedBytes = 100; // functions shorter than this may have been merged with others of the same code
+
+// Symbols by kind: "plain" functions, which have one definition, and "shared", instances of templates and the like.
+function symbolsOf(nm, files) {
+  const list = (...more) => execFileSync(nm, ['--defined-only', '--format=posix', ...more, ...files],
+    { encoding: 'utf8', maxBuffer: 1 << 28, stdio: ['ignore', 'pipe', 'ignore'] }).split('\n');
+  const found = { plain: new Set(), shared: new Set() };
+  const readable = list('--demangle');
+  list().forEach((line, i) => {
+    const [name, type] = line.split(' ');
+    const isTemplate = readable[i].replaceAll('(anonymous namespace)', '').split('(')[0].includes('<');
+    if (type) (type === 'W' || isTemplate ? found.shared : found.plain).add(name);
+  });
+  return found;
+}
+
+/** Functions of a module in WebAssembly's text form: callers by name, and those that something else than a call reaches. */
+export function callGraph(text) {
+  const callers = new Map(), pinned = new Set();
+  let current = null;
+  for (const line of text.split('\n')) {
+    const opened = /^ \(func \$(\S+)/.exec(line);
+    if (opened) {
+      current = opened[1];
+      callers.set(current, callers.get(current) ?? new Set());
+    } else if (/^ \((elem|export|start)/.test(line)) {
+      for (const [, name] of line.matchAll(/\$([^\s()]+)/g)) pinned.add(name);
+    } else {
+      for (const [, kind, name] of line.matchAll(/\((call|return_call|ref\.func) \$([^\s()]+)/g)) {
+        if (kind === 'ref.func') pinned.add(name);
+        else callers.set(name, (callers.get(name) ?? new Set()).add(current));
+      }
+    }
+  }
+  return { callers, pinned };
+}
+
+/**
+ * Names of the functions for the second part: those that only its sources define, and what only these call. A short one or
+ * an instance of a template may stand for an equal one of the first part: it goes only if it is called by such functions
+ * alone. bytes: length by name. first, more: symbolsOf their objects.
+ */
+export function chooseFunctions({ bytes, callers, pinned }, first, more, keep) {
+  // Link-time optimisation appends ".1" to local names that several objects have.
+  const symbol = (name) => name.replace(/(\.\d+)+$/, '');
+  const isFirst = (name) => first.plain.has(name) || first.shared.has(name) || keep.has(name);
+  const goes = (name) => bytes.get(name) >= kMergedBytes && more.plain.has(symbol(name)) && !isFirst(symbol(name));
+  const names = [...bytes.keys()], chosen = new Set(names.filter((name) => goes(name) || !(pinned.has(name) || keep.has(symbol(name)))));
+  for (let changed = true; changed; ) {
+    changed = false;
+    for (const name of chosen) {
+      if (goes(name) || [...(callers.get(name) ?? [])].every((caller) => chosen.has(caller))) continue;
+      changed = chosen.delete(name);
+    }
+  }
+  return [...chosen];
+}
+
+function chosen(wasm, options) {
+  const { keep, sources } = readList(options.list);
+  const files = readdirSync(options.objects, { recursive: true }).filter((path) => path.endsWith('.cpp.o') && !path.startsWith('tests/'));
+  const isMore = (file) => sources.some((source) => (source.endsWith('/') ? sourceOf(file).startsWith(source) : sourceOf(file) === source));
+  const unused = sources.filter((source) => !files.some((file) => sourceOf(file).startsWith(source)));
+  if (unused.length) throw new Error(`${options.list}: nothing is built from ${unused.join(', ')}`);
+  const symbols = (wanted) => symbolsOf(options.nm, files.filter((file) => isMore(file) === wanted).map((file) => join(options.objects, file)));
+  const text = execFileSync(options['wasm-dis'], [options.module], { encoding: 'utf8', maxBuffer: 1 << 28 });
+  return chooseFunctions({ bytes: functionBytes(wasm), ...callGraph(text) }, symbols(false), symbols(true), keep);
+}
+
+// --- the two parts ---
+
+function moveData(first, second, mark) {
+  const sections = sectionsOf(first), data = sections.find(({ id }) => id === SECTION.data);
+  const { kept, moved } = cutTexts(readSegments(data.bytes), `//${mark}\n`);
+  if (!moved.length) throw new Error(`the module has no text that begins with //${mark}`);
+  data.bytes = writeSegments(kept);
+  const more = sectionsOf(second);
+  if (more.some(({ id }) => id === SECTION.data)) throw new Error('the second part has data already');
+  more.splice(more.findIndex(({ id }) => id === SECTION.code) + 1, 0, { id: SECTION.data, bytes: writeSegments(moved) });
+  const counted = sections.find(({ id }) => id === SECTION.dataCount);
+  if (counted) counted.bytes = u32(kept.length);
+  return [moduleOf(sections), moduleOf(more)];
+}
+
+export function split(options) {
+  const folder = mkdtempSync(join(tmpdir(), 'fourdvt-split-'));
+  try {
+    const [list, first, second] = ['functions.txt', 'first.wasm', 'second.wasm'].map((name) => join(folder, name));
+    const functions = chosen(readFileSync(options.module), options);
+    writeFileSync(list, functions.map((name) => `${name}\n`).join(''));
+    execFileSync(options['wasm-split'], [...FEATURES, options.module, `--split-funcs=@${list}`, '-o1', first, '-o2', second,
+      '--export-prefix=%', '--import-namespace=first', '--placeholder-namespace=placeholder', '--placeholdermap'], { stdio: 'inherit' });
+    const parts = moveData(readFileSync(first), readFileSync(second), options.mark);
+    writeFileSync(options.module, parts[0]);
+    writeFileSync(options.more, parts[1]);
+    copyFileSync(`${first}.placeholders`, options.more.replace('.wasm', '.map')); // names of the placeholders' numbers
+    console.log(`${functions.length} functions in the second part`);
+  } finally {
+    rmSync(folder, { recursive: true });
+  }
+}
+
+if (process.argv[1] && import.meta.url === pathToFileURL(process.argv[1]).href) {
+  const names = ['module', 'objects', 'list', 'mark', 'nm', 'wasm-split', 'wasm-dis', 'more'];
+  const { values } = parseArgs({ options: Object.fromEntries(names.map((name) => [name, { type: 'string' }])) });
+  try {
+    for (const name of names) if (!values[name]) throw new Error(`--${name} is missing`);
+    split(values);
+  } catch (problem) {
+    console.error(`split.mjs: ${problem.message}`);
+    process.exit(1);
+  }
+}
