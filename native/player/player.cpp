@@ -23,7 +23,7 @@ PlayerImpl::PlayerImpl(gpu::Device& device, const PlayerOptions& options, std::s
     : device_(device),
       options_(options),
       recipe_(std::move(recipe)),
-      loading_(outbox_, options.encoded_budget_bytes, options.cameras),
+      loading_(outbox_, options.encoded_budget_bytes, options.cameras, options.rendition),
       playback_(outbox_),
       tracks_{Track(0, options.picture_slots, options.picture_kind, options.cameras),
               Track(1, options.picture_slots, options.picture_kind, options.cameras)},

@@ -34,9 +34,10 @@ struct PlayerOptions {
   int picture_slots = 4;                      // decoded pictures kept on the GPU
   uint64_t encoded_budget_bytes = 16u << 20;  // fetched GOPs kept for loops
   render::PictureTextures::Kind picture_kind = render::PictureTextures::Kind::I420;
-  double turn_rate_rad_s = 2.1;          // heading follows the wanted one at most this fast
-  double parameter_rate = 1.5;           // a class's parameter crosses its whole range at most this often a second
-  const CameraParts* cameras = nullptr;  // null: characters from cameras are refused
+  double turn_rate_rad_s = 2.1;            // heading follows the wanted one at most this fast
+  double parameter_rate = 1.5;             // a class's parameter crosses its whole range at most this often a second
+  const CameraParts* cameras = nullptr;    // null: characters from cameras are refused
+  uint32_t rendition = kHighestRendition;  // the one that is played; the highest of a sequence that has fewer
 };
 
 struct PlayerStats {

@@ -60,7 +60,8 @@ void PlayerImpl::giveUp(const Track& t, const Error& error) {
 
 FedSequence PlayerImpl::fedBy(const Track& t) const {
   const int sequence = t.head.sequence();
-  return {sequence, &loading_.sequence(sequence), &loading_.index(sequence), loops(sequence)};
+  return {sequence, &loading_.sequence(sequence), &loading_.index(sequence), loops(sequence),
+          loading_.renditionOf(sequence)};
 }
 
 void PlayerImpl::stopFeed(Track& t) {
@@ -124,7 +125,7 @@ int PlayerImpl::acquireSlot(int decoder, int64_t timestamp_us) {
   const int slot = t.slots.findFree();
   if (slot < 0) return kNoSlotNow;
   t.feeding.take(timestamp_us);
-  if (Status status = t.slots.prepare(device_, slot, wantedOf(t).renditions[0]); !status.ok()) {
+  if (Status status = t.slots.prepare(device_, slot, renditionOf(t)); !status.ok()) {
     giveUp(t, status.error());
     return kNotAwaited;
   }
@@ -135,7 +136,7 @@ int PlayerImpl::acquireSlot(int decoder, int64_t timestamp_us) {
 void PlayerImpl::uploadI420(int slot, const I420View& picture) {
   Track* t = trackOf(slot);
   if (!t || !t->slots.awaits(slot)) return;
-  const package::Rendition& rendition = wantedOf(*t).renditions[0];
+  const package::Rendition& rendition = renditionOf(*t);
   if (picture.width != rendition.width || picture.height != rendition.height) {
     t->slots.reject(slot);
     fail({ErrorId::VideoInvalid, rendition.video_uri + ": pictures are " + std::to_string(picture.width) + "x" +
@@ -182,8 +183,7 @@ void PlayerImpl::onDecoderFailed(int decoder, DecoderFault fault, const std::str
     return;
   }
   constexpr ErrorId kIds[] = {ErrorId::VideoInvalid, ErrorId::DecoderUnsupported, ErrorId::DecoderLost};
-  fail({kIds[static_cast<size_t>(fault)],
-        wantedOf(t).renditions[0].video_uri + ": the video does not decode (" + reason + ")"},
+  fail({kIds[static_cast<size_t>(fault)], renditionOf(t).video_uri + ": the video does not decode (" + reason + ")"},
        t.head.sequence());
 }
 

@@ -76,6 +76,9 @@ class PlayerImpl final : public Player {
   bool runs(const Track& track) const;     // its clock should
   bool isReady(const Track& track) const;  // mesh and header of its sequence are there
   const package::Sequence& wantedOf(const Track& track) const { return loading_.sequence(track.head.sequence()); }
+  const package::Rendition& renditionOf(const Track& track) const {  // of the wanted sequence
+    return wantedOf(track).renditions[loading_.renditionOf(track.head.sequence())];
+  }
   const package::Sequence& shownOf(const Track& track) const { return loading_.sequence(track.head.shown().sequence); }
   uint32_t frameOf(const Track& track, int64_t k) const;  // of the wanted sequence
   uint32_t shownFrameOf(const Track& track) const;

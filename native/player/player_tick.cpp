@@ -68,7 +68,8 @@ bool PlayerImpl::showPicture(Track& t, int slot, const FrameGeometry& geometry) 
 // character moves along if the presentation continues the shown motion.
 bool PlayerImpl::present(Track& t, int64_t k, const FrameGeometry& geometry) {
   const package::Sequence& sequence = wantedOf(t);
-  if (Status status = t.frame.present(device_, composer_.model(), *character(), sequence, geometry); !status.ok()) {
+  Status status = t.frame.present(device_, composer_.model(), *character(), sequence, renditionOf(t), geometry);
+  if (!status.ok()) {
     giveUp(t, status.error());
     return false;
   }

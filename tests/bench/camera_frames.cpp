@@ -100,7 +100,7 @@ int main(int argc, char** argv) {
   const auto layered = orStop(edge::CharacterPlayer::open(*device, argv[2]));
   for (const auto& player : {cameras.get(), layered.get()}) orStop(player->showFrame(sequence, 5));
   const package::Character& character = *cameras->player().character();
-  const package::Rendition& rendition = character.find(sequence)->renditions[0];
+  const package::Rendition& rendition = character.find(sequence)->renditions.back();
   const render::Figure figure = orStop(cameras->player().figure()), other = orStop(layered->player().figure());
   auto& model = *const_cast<render::CharacterModel*>(figure.model);
   const render::View seen = render::viewFromCamera(

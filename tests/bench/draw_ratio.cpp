@@ -64,7 +64,7 @@ Scene load(gpu::Device& device, const std::filesystem::path& folder) {
   scene.character = orStop(package::readManifest(orStop(platform::readJsonFlat((folder / "character.gltf").string()))));
   const package::Character& c = scene.character;
   const package::Sequence& sequence = c.sequences.at(0);
-  const package::Rendition& rendition = sequence.renditions.at(0);
+  const package::Rendition& rendition = sequence.renditions.back();
   const auto mesh = orStop(package::decodeBaseMesh(
       orStop(platform::readFileRange((folder / c.mesh_uri).string(), c.mesh_offset, c.mesh_bytes))));
   const std::string stream = (folder / sequence.stream_uri).string(), video = (folder / rendition.video_uri).string();
@@ -82,12 +82,12 @@ Scene load(gpu::Device& device, const std::filesystem::path& folder) {
                         std::span<const uint8_t>(chunk.labels).first(size_t(c.layer_count) * c.face_count));
   scene.picture =
       orStop(render::createPicture(device, rendition.width, rendition.height, render::PictureTextures::Kind::I420));
-  auto decoder = orStop(platform::SampleDecoder::create(rendition.codec, index.renditions[0].decoder_description,
+  auto decoder = orStop(platform::SampleDecoder::create(rendition.codec, index.renditions.back().decoder_description,
                                                         [&](const I420View& frame, int64_t number) {
                                                           if (number == 0)
                                                             render::uploadPicture(device, scene.picture, frame);
                                                         }));
-  for (const package::VideoSample& sample : index.renditions[0].samples)
+  for (const package::VideoSample& sample : index.renditions.back().samples)
     orStop(
         decoder->decode(orStop(platform::readFileRange(video, sample.offset, sample.bytes)), sample.frame, sample.key));
   orStop(decoder->flush());

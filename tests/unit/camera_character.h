@@ -20,7 +20,7 @@ inline FakeCharacter fakeCameraCharacter() {
   std::vector<std::vector<uint8_t>> chunks;
   std::vector<uint8_t> video(500, 0);  // an mp4 has something in front
   package::SampleTable& table = index.renditions.emplace_back();
-  table.decoder_description = {9, 0};
+  table.decoder_description = {0, 0};
   for (uint32_t g = 0; g < 2; ++g) {
     package::EncodedSurfaces surfaces =
         package::encodeSurfaceChunk(tilesOfAGop(g), surfacesOfAGop(g == 1, 0.16f * g)).take();

@@ -84,7 +84,7 @@ class SimulatedEdge {
     EXPECT_EQ(drawn.picture_frame, drawn.geometry_frame);
     EXPECT_EQ(drawn.picture_frame, int(player->frame()));
     const FakeSequence& sequence = character_.sequences[size_t(std::max(0, drawn.geometry_sequence))];
-    EXPECT_EQ(drawn.picture_width, sequence.width);
+    EXPECT_EQ(drawn.picture_width, sequence.widthOf(options.player.rendition));
     if (!player->seeking()) {
       EXPECT_EQ(sequence.name, player->sequence()->name);
     }
@@ -110,12 +110,12 @@ class SimulatedEdge {
   };
   struct Decoded {
     int64_t timestamp_us;
-    uint32_t sequence, frame;
+    uint32_t sequence, rendition, frame;
     double due_s;
   };
   struct Decoder {
     bool open = false, needs_key = true;
-    uint32_t sequence = 99;
+    uint32_t sequence = 99, rendition = 99;
     std::map<int64_t, std::pair<uint32_t, uint32_t>> reorder;
     std::deque<Decoded> decoded;
     size_t stale_from = 0;
@@ -136,6 +136,7 @@ class SimulatedEdge {
       Decoder& decoder = decoders_[size_t(configure->decoder)];
       reset(decoder);
       EXPECT_EQ(configure->description.size(), 2u);
+      decoder.rendition = configure->description[0];
       decoder.sequence = configure->description[1];
       if (second_decoder_fails && openDecoders() == 1 && !decoder.open) {
         player->onDecoderFailed(configure->decoder, DecoderFault::Unsupported, "only one decoder");
@@ -172,6 +173,7 @@ class SimulatedEdge {
     if (!decoder.open) return;  // failed: what was on its way is lost
     EXPECT_EQ(sequence, decoder.sequence);
     EXPECT_EQ(sample.bytes[8] == 1, sample.key);
+    EXPECT_EQ(sample.bytes[9], decoder.rendition);
     if (decoder.needs_key) {
       EXPECT_TRUE(sample.key) << "decoding must start at a key";
     }
@@ -185,8 +187,8 @@ class SimulatedEdge {
     auto [sequence, frame] = first->second;
     if (options.wrong_picture_every && ++pictures_ % options.wrong_picture_every == 0) frame ^= 1;
     const double after_s = decoder.decoded.empty() ? now_s : decoder.decoded.back().due_s;
-    decoder.decoded.push_back(
-        {first->first, sequence, frame, std::max(now_s, after_s) + uniform(options.decode_latency_s)});
+    decoder.decoded.push_back({first->first, sequence, decoder.rendition, frame,
+                               std::max(now_s, after_s) + uniform(options.decode_latency_s)});
     decoder.reorder.erase(first);
   }
   void answerFetches() {
@@ -234,9 +236,9 @@ class SimulatedEdge {
       const Copy copy = copies_.front();
       copies_.pop_front();
       const FakeSequence& sequence = character_.sequences[copy.picture.sequence];
-      std::vector<uint8_t> y(size_t(sequence.width) * sequence.height, 80);
-      package::drawBarcode(fakeStrip(), copy.picture.frame, y.data(), sequence.width);
-      const int w = sequence.width, h = sequence.height;
+      const int w = sequence.widthOf(copy.picture.rendition), h = sequence.height;
+      std::vector<uint8_t> y(size_t(w) * h, 80);
+      package::drawBarcode(fakeStrip(), copy.picture.frame, y.data(), w);
       player->uploadI420(copy.slot, {w, h, y.data(), y.data(), y.data(), w, w / 2, w / 2});
       player->commitSlot(copy.slot);
     }

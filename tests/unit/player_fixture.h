@@ -39,6 +39,12 @@ struct FakeSequence {
   bool loop;
   int width, height;                // of the picture; at least 192 × 8
   std::vector<FakeMember> members;  // a class by "speed_mps" if there are several
+  uint32_t renditions = 1;          // the lower ones are 16 texels narrower, each
+  uint32_t chosen(uint32_t rendition) const { return std::min(rendition, renditions - 1); }
+  int widthOf(uint32_t rendition) const { return width - 16 * int(renditions - 1 - chosen(rendition)); }
+  std::string videoOf(uint32_t rendition) const {
+    return rendition + 1 < renditions ? name + "." + std::to_string(rendition) + ".mp4" : name + ".mp4";
+  }
   glm::dvec3 travel(size_t member) const { return members.empty() ? glm::dvec3(0) : members[member].travel; }
   size_t memberCount() const { return std::max<size_t>(1, members.size()); }
 };
@@ -82,12 +88,13 @@ inline std::vector<uint32_t> decodingOrder(uint32_t count) {
   return order;
 }
 
-// A sample's first bytes: sequence, frame, key.
-inline std::vector<uint8_t> fakeSample(uint32_t sequence, uint32_t frame, bool key) {
+// A sample's first bytes: sequence, frame, key, rendition.
+inline std::vector<uint8_t> fakeSample(uint32_t sequence, uint32_t frame, bool key, uint32_t rendition = 0) {
   std::vector<uint8_t> bytes(key ? 900 : 120 + frame % 50, 0xee);
   std::memcpy(bytes.data(), &sequence, 4);
   std::memcpy(bytes.data() + 4, &frame, 4);
   bytes[8] = key;
+  bytes[9] = uint8_t(rendition);
   return bytes;
 }
 
@@ -160,35 +167,41 @@ class FakeBuilder {
     index.layer_count = 1;
     index.member_count = uint32_t(q.memberCount());
     index.position_step_m = kStep_m;
-    index.renditions.resize(1);
     std::vector<std::vector<uint8_t>> chunks;
-    std::vector<uint8_t> video(500, 0);  // an mp4 has something in front
     for (uint32_t first = 0; first < q.frames; first += q.gop) {
       const uint32_t count = std::min(q.gop, q.frames - first);
       chunks.push_back(chunk(s, first, count));
       index.chunks.push_back({first, count, 0, uint32_t(chunks.back().size()), fnv1a(chunks.back())});
-      package::SampleTable& table = index.renditions[0];
-      table.decoder_description = {9, uint8_t(s)};
+    }
+    for (uint32_t r = 0; r < q.renditions; ++r) index.renditions.push_back(rendition(s, r));
+    uint64_t offset = package::writeStreamHeader(index).size();
+    const double header_bytes = double(offset);
+    for (package::ChunkEntry& entry : index.chunks) entry.offset = offset, offset += entry.bytes;
+    std::vector<uint8_t> stream = package::writeStreamHeader(index);
+    for (const auto& bytes : chunks) stream.insert(stream.end(), bytes.begin(), bytes.end());
+    describe(s, q, double(stream.size()), header_bytes);
+    set("/sequences/" + std::to_string(s) + "/stream/headerHash",
+        hashText(std::span(stream).first(size_t(header_bytes))));
+    out_.files[q.name + ".bin"] = std::move(stream);
+  }
+  package::SampleTable rendition(uint32_t s, uint32_t r) {
+    const FakeSequence& q = out_.sequences[s];
+    std::vector<uint8_t> video(500 + 100 * r, 0);  // an mp4 has something in front
+    package::SampleTable table;
+    table.decoder_description = {uint8_t(r), uint8_t(s)};
+    for (uint32_t first = 0; first < q.frames; first += q.gop) {
       table.chunk_first_sample.push_back(uint32_t(table.samples.size()));
-      for (uint32_t i : decodingOrder(count)) {
-        const std::vector<uint8_t> bytes = fakeSample(s, first + i, i == 0);
+      for (uint32_t i : decodingOrder(std::min(q.gop, q.frames - first))) {
+        const std::vector<uint8_t> bytes = fakeSample(s, first + i, i == 0, r);
         table.samples.push_back({video.size(), uint32_t(bytes.size()), first + i, i == 0});
         video.insert(video.end(), bytes.begin(), bytes.end());
       }
       const uint64_t start = table.samples[table.chunk_first_sample.back()].offset;
       table.chunk_hash.push_back(fnv1a(std::span(video).subspan(start)));
     }
-    index.renditions[0].chunk_first_sample.push_back(q.frames);
-    uint64_t offset = package::writeStreamHeader(index).size();
-    const double header_bytes = double(offset);
-    for (package::ChunkEntry& entry : index.chunks) entry.offset = offset, offset += entry.bytes;
-    std::vector<uint8_t> stream = package::writeStreamHeader(index);
-    for (const auto& bytes : chunks) stream.insert(stream.end(), bytes.begin(), bytes.end());
-    describe(s, q, double(stream.size()), header_bytes, double(video.size()));
-    set("/sequences/" + std::to_string(s) + "/stream/headerHash",
-        hashText(std::span(stream).first(size_t(header_bytes))));
-    out_.files[q.name + ".bin"] = std::move(stream);
-    out_.files[q.name + ".mp4"] = std::move(video);
+    table.chunk_first_sample.push_back(q.frames);
+    out_.files[q.videoOf(r)] = std::move(video);
+    return table;
   }
   std::vector<uint8_t> chunk(uint32_t s, uint32_t first, uint32_t count) {
     const FakeSequence& q = out_.sequences[s];
@@ -210,16 +223,21 @@ class FakeBuilder {
     }
     return package::encodeChunk(frames, chunk_mesh_).take();
   }
-  void describe(uint32_t s, const FakeSequence& q, double stream_bytes, double header_bytes, double video_bytes) {
-    const std::string at = "/sequences/" + std::to_string(s), r = at + "/renditions/0";
+  void describe(uint32_t s, const FakeSequence& q, double stream_bytes, double header_bytes) {
+    const std::string at = "/sequences/" + std::to_string(s);
     set(at + "/name", q.name), set(at + "/frameCount", double(q.frames)), set(at + "/fps", q.fps),
         set(at + "/loop", q.loop);
     for (int i = 0; i < 3; ++i) set(at + "/rootVelocity/" + std::to_string(i), 0.0);
     set(at + "/stream/uri", q.name + ".bin"), set(at + "/stream/byteLength", stream_bytes);
     set(at + "/stream/headerLength", header_bytes);
-    set(r + "/uri", q.name + ".mp4"), set(r + "/byteLength", video_bytes),
+    for (uint32_t r = 0; r < q.renditions; ++r) describeRendition(at + "/renditions/" + std::to_string(r), q, r);
+    if (!q.members.empty()) describeMembers(at, q);
+  }
+  void describeRendition(const std::string& r, const FakeSequence& q, uint32_t number) {
+    const std::string uri = q.videoOf(number);
+    set(r + "/uri", uri), set(r + "/byteLength", double(out_.files.at(uri).size())),
         set(r + "/codec", std::string("avc1.640028"));
-    set(r + "/width", double(q.width)), set(r + "/height", double(q.height));
+    set(r + "/width", double(q.widthOf(number))), set(r + "/height", double(q.height));
     const double layer[4] = {0, 0, 4, 4}, strip[4] = {0, 4, 128, 4};
     for (int i = 0; i < 4; ++i) {
       for (size_t m = 0; m < q.memberCount(); ++m)
@@ -227,7 +245,6 @@ class FakeBuilder {
       set(r + "/barcode/rect/" + std::to_string(i), strip[i]);
     }
     set(r + "/barcode/cellSize", 4.0);
-    if (!q.members.empty()) describeMembers(at, q);
   }
   // Speed mixes as the weights do, so two samples say it all.
   void describeMembers(const std::string& at, const FakeSequence& q) {

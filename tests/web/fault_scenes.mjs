@@ -295,9 +295,12 @@ async function stalls() {
 function secondBake() {
   const gltf = JSON.parse(readFileSync(join(environment('SITE'), 'character', 'character.gltf'), 'utf8'));
   const [first, second] = gltf.extensions.FOURDVT_layered_video_texture.sequences;
-  const uris = (s) => [s.stream.uri, s.renditions[0].uri];
+  const uris = (s) => [s.stream.uri, ...s.renditions.map((r) => r.uri)];
   const swapped = new Map([...uris(first).entries()].flatMap(([i, uri]) => [[uri, uris(second)[i]], [uris(second)[i], uri]]));
-  for (const s of [first, second]) [s.stream.uri, s.renditions[0].uri] = uris(s).map((uri) => swapped.get(uri));
+  for (const s of [first, second]) {
+    s.stream.uri = swapped.get(s.stream.uri);
+    for (const r of s.renditions) r.uri = swapped.get(r.uri);
+  }
   const manifest = JSON.stringify(gltf);
   return (request, withManifest = true) => {
     const [, folder, name] = /^(.*\/)([^/?]*)/.exec(request.url);

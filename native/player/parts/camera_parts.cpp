@@ -26,8 +26,8 @@ class CameraPartsOfPlayer final : public CameraParts {
   }
 
   void placePictures(const package::Character& character, const package::Sequence& sequence,
-                     const package::SurfaceChunk& chunk, SurfaceFrame& frame) const override {
-    const package::Rendition& rendition = sequence.renditions[0];
+                     const package::Rendition& rendition, const package::SurfaceChunk& chunk,
+                     SurfaceFrame& frame) const override {
     const package::Rect& area = rendition.tiles;
     const glm::vec2 size(rendition.width, rendition.height);
     const glm::vec2 scale(float(area.width) / sequence.layout_width, float(area.height) / sequence.layout_height);

@@ -30,9 +30,10 @@ class CameraParts {
                                                               const package::Sequence& sequence) const = 0;
   // Errors: GpuFailure.
   virtual Result<render::CharacterModel> makeModel(gpu::Device& device, const package::Character& character) const = 0;
-  // Where the cameras' pictures of this GOP lie in the sequence's decoded pictures.
+  // Where the cameras' pictures of this GOP lie in the decoded pictures of this rendition of the sequence.
   virtual void placePictures(const package::Character& character, const package::Sequence& sequence,
-                             const package::SurfaceChunk& chunk, SurfaceFrame& frame) const = 0;
+                             const package::Rendition& rendition, const package::SurfaceChunk& chunk,
+                             SurfaceFrame& frame) const = 0;
   // The decoded surface of the frame.
   virtual void takeSurface(const FrameGeometry& geometry, Positions& positions, SurfaceFrame& frame) const = 0;
   // The model gets the frame's faces, which `vertices` belong to.

@@ -39,9 +39,9 @@ bool Feeding::next(const FedSequence& fed, const std::vector<uint8_t>* video, in
   if (!configured_) {
     configured_ = true;
     configured_sequence_ = fed.number;
-    const package::Rendition& rendition = fed.sequence->renditions[0];
-    out = ConfigureDecoder{decoder_, rendition.codec, fed.index->renditions[0].decoder_description, rendition.width,
-                           rendition.height};
+    const package::Rendition& rendition = fed.sequence->renditions[fed.rendition];
+    out = ConfigureDecoder{decoder_, rendition.codec, fed.index->renditions[fed.rendition].decoder_description,
+                           rendition.width, rendition.height};
     return true;
   }
   if (done_) {
@@ -56,7 +56,7 @@ bool Feeding::next(const FedSequence& fed, const std::vector<uint8_t>* video, in
 }
 
 DecodeSample Feeding::nextSample(const FedSequence& fed, std::span<const uint8_t> video) {
-  const package::SampleTable& table = fed.index->renditions[0];
+  const package::SampleTable& table = fed.index->renditions[fed.rendition];
   const uint32_t first = table.chunk_first_sample[gop_];
   const package::VideoSample& sample = table.samples[first + sample_];
   const int64_t k = gop_k_ + (sample.frame - fed.index->chunks[gop_].first_frame);

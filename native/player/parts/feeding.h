@@ -22,6 +22,7 @@ struct FedSequence {
   const package::Sequence* sequence = nullptr;
   const package::StreamIndex* index = nullptr;
   bool loops = false;
+  uint32_t rendition = 0;  // among those of the sequence
 };
 
 class Feeding {

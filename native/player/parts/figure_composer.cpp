@@ -10,9 +10,9 @@ namespace fourdvt {
 
 Status ShownFrame::present(gpu::Device& device, const render::CharacterModel& model,
                            const package::Character& character, const package::Sequence& sequence,
-                           const FrameGeometry& geometry) {
+                           const package::Rendition& rendition, const FrameGeometry& geometry) {
   if (geometry.surfaces) {
-    cameras_->placePictures(character, sequence, *geometry.surfaces, surface_);
+    cameras_->placePictures(character, sequence, rendition, *geometry.surfaces, surface_);
     stale_ = true;
     return {};
   }
@@ -26,7 +26,7 @@ Status ShownFrame::present(gpu::Device& device, const render::CharacterModel& mo
   const size_t labels = static_cast<size_t>(frames.member_count) * frames.layer_count * frames.face_count;
   motion::alignmentOf(frames, geometry.row, *geometry.index, alignment_);
   appearance_->setFrame(device, model, {std::span(frames.labels).subspan(geometry.row * labels, labels), alignment_});
-  appearance_->setLayout(sequence.renditions[0]);
+  appearance_->setLayout(rendition);
   appearance_->detail_correlation = sequence.detail_correlation;
   stale_ = true;
   return {};

@@ -22,10 +22,10 @@ class ShownFrame {
  public:
   // cameras: null where characters from cameras are not played.
   explicit ShownFrame(const CameraParts* cameras = nullptr) : cameras_(cameras) {}
-  // Labels and alignment of the frame, or where its cameras' pictures lie, go on screen; its mesh is stale until it is
-  // blended. Errors: GpuFailure.
+  // Labels and alignment of the frame, or where its cameras' pictures lie in the rendition's, go on screen; its mesh
+  // is stale until it is blended. Errors: GpuFailure.
   Status present(gpu::Device& device, const render::CharacterModel& model, const package::Character& character,
-                 const package::Sequence& sequence, const FrameGeometry& geometry);
+                 const package::Sequence& sequence, const package::Rendition& rendition, const FrameGeometry& geometry);
   bool stale() const { return stale_; }  // the mesh is not that of the presented frame at the present weights
   void markStale() { stale_ = true; }
   void blend(const FrameGeometry& geometry, const motion::BlendWeights& weights);

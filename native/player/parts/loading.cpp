@@ -36,6 +36,10 @@ Status Loading::readManifest(const FlatJson& gltf) {
   return {};
 }
 
+uint32_t Loading::renditionOf(int index) const {
+  return std::min(rendition_, static_cast<uint32_t>(sequence(index).renditions.size()) - 1);
+}
+
 int Loading::find(const std::string& name) const {
   for (int i = 0; i < sequenceCount(); ++i)
     if (sequence(i).name == name) return i;
@@ -95,8 +99,9 @@ void Loading::requestGop(GopKey key) {
   }
   if (gop.video_state == PartState::Absent) {
     gop.video_state = PartState::Fetching;
-    const package::ByteSpan span = index(key.sequence).renditions[0].videoOf(key.gop);
-    fetches_.request({Kind::Video, key.sequence, key.gop}, q.renditions[0].video_uri, span.offset, span.bytes);
+    const uint32_t rendition = renditionOf(key.sequence);
+    const package::ByteSpan span = index(key.sequence).renditions[rendition].videoOf(key.gop);
+    fetches_.request({Kind::Video, key.sequence, key.gop}, q.renditions[rendition].video_uri, span.offset, span.bytes);
   }
 }
 
@@ -153,7 +158,7 @@ uint64_t Loading::hashOf(const FetchPurpose& purpose) const {
     case Kind::Header:
       return sequence(purpose.sequence).stream_header_hash;
     case Kind::Video:
-      return index(purpose.sequence).renditions[0].chunk_hash[purpose.gop];
+      return index(purpose.sequence).renditions[renditionOf(purpose.sequence)].chunk_hash[purpose.gop];
     default:
       return index(purpose.sequence).chunks[purpose.gop].hash;
   }

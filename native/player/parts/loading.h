@@ -5,6 +5,7 @@
 // report errors as events: a call returns them, and the player marks the sequence as broken.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -17,6 +18,8 @@
 #include "stream/gop_cache.h"
 
 namespace fourdvt {
+
+constexpr uint32_t kHighestRendition = UINT32_MAX;
 
 // What a track needs to play on.
 struct Need {
@@ -35,15 +38,18 @@ struct Arrival {
 
 class Loading {
  public:
-  Loading(Outbox& outbox, uint64_t encoded_budget_bytes, const CameraParts* cameras = nullptr)
-      : cameras_(cameras), cache_(encoded_budget_bytes), fetches_(outbox) {}
+  // rendition: as of PlayerOptions.
+  Loading(Outbox& outbox, uint64_t encoded_budget_bytes, const CameraParts* cameras = nullptr,
+          uint32_t rendition = kHighestRendition)
+      : cameras_(cameras), rendition_(rendition), cache_(encoded_budget_bytes), fetches_(outbox) {}
 
   // Errors: as of package::readManifest; Unsupported: from cameras, without CameraParts. What was there stays.
   Status readManifest(const FlatJson& gltf);
   const package::Character* character() const { return character_ ? &*character_ : nullptr; }  // null: no manifest yet
   int sequenceCount() const { return static_cast<int>(streams_.size()); }
   const package::Sequence& sequence(int index) const { return character_->sequences[static_cast<size_t>(index)]; }
-  int find(const std::string& name) const;                  // -1: there is no sequence of that name
+  uint32_t renditionOf(int index) const;    // that is fetched and decoded, among the sequence's renditions
+  int find(const std::string& name) const;  // -1: there is no sequence of that name
   const package::BaseMesh& mesh() const { return *mesh_; }  // after Arrival::What::Mesh
   bool hasHeader(int sequence) const { return stream(sequence).header == stream::PartState::Present; }
   bool broken(int sequence) const { return stream(sequence).broken; }
@@ -99,6 +105,7 @@ class Loading {
   Status decodeTo(std::unique_ptr<Decoder>& decoder, uint32_t row, const Open& open);
 
   const CameraParts* cameras_;
+  const uint32_t rendition_;
   std::optional<package::Character> character_;
   std::optional<package::BaseMesh> mesh_;
   package::ChunkMesh chunk_mesh_;

@@ -68,7 +68,8 @@ TEST(PlayerFigure, APresentedFrameIsStaleUntilItIsBlended) {
   const package::Sequence& sequence = s.character.sequences[0];
   const FrameGeometry geometry{&s.frames, &s.index, 3};
   EXPECT_FALSE(s.first.stale());
-  ASSERT_TRUE(s.first.present(s.device, s.composer.model(), s.character, sequence, geometry).ok());
+  ASSERT_TRUE(
+      s.first.present(s.device, s.composer.model(), s.character, sequence, sequence.renditions[0], geometry).ok());
   EXPECT_TRUE(s.first.stale());
   EXPECT_TRUE(s.first.appearance().ready());
   EXPECT_NEAR(s.first.positions()[0].x, tagOf(2), 1e-6) << "the mesh of the frame before";
@@ -81,7 +82,10 @@ TEST(PlayerFigure, AFigureHasALookOfEachTrackAndStaysValid) {
   TwoTracks s;
   const package::Sequence& sequence = s.character.sequences[0];
   for (ShownFrame* frame : {&s.first, &s.second})
-    ASSERT_TRUE(frame->present(s.device, s.composer.model(), s.character, sequence, {&s.frames, &s.index, 1}).ok());
+    ASSERT_TRUE(frame
+                    ->present(s.device, s.composer.model(), s.character, sequence, sequence.renditions[0],
+                              {&s.frames, &s.index, 1})
+                    .ok());
   const float weight = 1;
   render::Figure figure;
   {

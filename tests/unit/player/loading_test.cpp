@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "player_fixture.h"
 
 using namespace fourdvt;
@@ -17,8 +19,9 @@ FakeCharacter twoSequences() {
 
 // Loading with files that answer when the test says so.
 struct Shelf {
-  explicit Shelf(FakeCharacter made = twoSequences(), uint64_t budget_bytes = 1 << 20)
-      : character(std::move(made)), loading(outbox, budget_bytes) {
+  explicit Shelf(FakeCharacter made = twoSequences(), uint64_t budget_bytes = 1 << 20,
+                 uint32_t rendition = kHighestRendition)
+      : character(std::move(made)), loading(outbox, budget_bytes, nullptr, rendition) {
     EXPECT_TRUE(loading.readManifest(character.manifest).ok());
   }
   std::vector<FetchRange> asked() {
@@ -31,11 +34,14 @@ struct Shelf {
     return loading.receive(range.id, std::span(file).subspan(range.offset, range.bytes));
   }
   // Answers everything until nothing more is asked for.
-  void fill(const Need& need) {
+  void fill(const Need& need, const std::function<void(const FetchRange&)>& on_range = {}) {
     for (loading.requestMissing({&need, 1}, -1);; loading.requestMissing({&need, 1}, -1)) {
       const std::vector<FetchRange> ranges = asked();
       if (ranges.empty()) return;
-      for (const FetchRange& range : ranges) EXPECT_TRUE(answer(range).status.ok());
+      for (const FetchRange& range : ranges) {
+        if (on_range) on_range(range);
+        EXPECT_TRUE(answer(range).status.ok());
+      }
     }
   }
   FrameGeometry geometry(int sequence, uint32_t frame) {
@@ -75,6 +81,27 @@ TEST(PlayerLoading, AsksForTheMostUrgentFirstAndOnlyOnce) {
   const package::StreamIndex& index = shelf.loading.index(0);
   EXPECT_EQ(ranges[0].offset, index.chunks[1].offset) << "frame 12 lies in the second";
   EXPECT_EQ(ranges[2].offset, index.chunks[2].offset);
+}
+
+TEST(PlayerLoading, FetchesTheChosenRenditionOrTheHighestThereIs) {
+  const std::pair<uint32_t, Uris> cases[] = {{0, {"walk.0.mp4", "pickup.mp4"}},
+                                             {1, {"walk.1.mp4", "pickup.mp4"}},
+                                             {2, {"walk.mp4", "pickup.mp4"}},
+                                             {kHighestRendition, {"walk.mp4", "pickup.mp4"}}};
+  for (const auto& [rendition, uris] : cases) {
+    Shelf shelf(
+        FakeBuilder().build({{"walk", 28, 10, 25, true, 192, 16, {}, 3}, {"pickup", 23, 9, 30, false, 128, 32}}),
+        1 << 20, rendition);
+    for (int sequence : {0, 1}) {
+      const Need need{sequence, 12, true, {}};
+      std::set<std::string> videos;
+      shelf.fill(need, [&](const FetchRange& range) {
+        if (range.uri.ends_with(".mp4")) videos.insert(range.uri);
+      });
+      EXPECT_EQ(videos, std::set<std::string>{uris[size_t(sequence)]});
+      EXPECT_EQ((*shelf.loading.video(sequence, 1))[9], shelf.loading.renditionOf(sequence));
+    }
+  }
 }
 
 TEST(PlayerLoading, ARefusalIsFinalAndNamesTheFile) {

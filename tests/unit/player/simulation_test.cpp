@@ -57,6 +57,25 @@ TEST(PlayerSimulation, PlaysEveryFrameInOrderOverLoops) {
   EXPECT_LE(edge.events[EventKind::TimeUpdate], int(edge.now_s * 4) + 1);
 }
 
+TEST(PlayerSimulation, PlaysTheChosenRenditionOfEverySequence) {
+  const FakeCharacter character =
+      FakeBuilder().build({{"walk", 28, 10, 25, true, 192, 16, {}, 3}, {"pickup", 23, 9, 30, false, 144, 32, {}, 2}});
+  for (uint32_t rendition : {0u, 1u, 2u, kHighestRendition}) {
+    SimulatedEdge edge(character, {.player = {.rendition = rendition}});
+    ASSERT_TRUE(edge.load());
+    edge.expectPaired();
+    edge.player->play();
+    for (const char* sequence : {"pickup", "walk"}) {
+      ASSERT_TRUE(edge.player->selectSequence(sequence).ok());
+      ASSERT_TRUE(edge.runUntilShown());
+      for (int i = 0; i < 30; ++i) edge.step(0.02);
+      edge.expectPaired();
+    }
+    EXPECT_TRUE(edge.errors.empty());
+    EXPECT_EQ(edge.player->stats().barcode_mismatches, 0u);
+  }
+}
+
 TEST(PlayerSimulation, RunsAtTheSequencesRate) {
   const FakeCharacter character = twoSequences();
   for (double rate : {0.5, 1.0, 2.0, 4.0}) {

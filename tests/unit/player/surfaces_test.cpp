@@ -32,7 +32,8 @@ struct OneGop {
   }
   void show(uint32_t frame) {
     const FrameGeometry geometry{nullptr, &index, frame, chunk.get()};
-    EXPECT_TRUE(shown.present(device, composer.model(), character, character.sequences[0], geometry).ok());
+    const package::Sequence& s = character.sequences[0];
+    EXPECT_TRUE(shown.present(device, composer.model(), character, s, s.renditions[0], geometry).ok());
     EXPECT_TRUE(shown.stale());
     shown.blend(geometry, {});
     composer.markStale();
