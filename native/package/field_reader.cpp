@@ -6,16 +6,21 @@
 namespace fourdvt::package {
 namespace {
 
-// Relative, inside the character folder: no scheme, no leading slash, no ".." segment, no control characters.
+bool isPlain(char c) {
+  const char lower = static_cast<char>(c | 32);
+  return (lower >= 'a' && lower <= 'z') || (c >= '0' && c <= '9') || c == '.' || c == '_' || c == '-';
+}
+
+// Segments of plain characters, none of them empty, "." or "..": no URL parser leads it out of the character folder.
 bool isSafeUri(const std::string& uri) {
-  if (uri.empty() || uri.size() > 512 || uri[0] == '/') return false;
   size_t segment = 0;
   for (size_t i = 0; i <= uri.size(); ++i) {
-    const char c = i < uri.size() ? uri[i] : '/';
-    if (c == ':' || c == '\\' || static_cast<unsigned char>(c) < 0x20) return false;
-    if (c == '?' || c == '#') return false;
-    if (c != '/') continue;
-    if (uri.compare(segment, i - segment, "..") == 0) return false;
+    if (i < uri.size() && uri[i] != '/') {
+      if (!isPlain(uri[i])) return false;
+      continue;
+    }
+    const size_t length = i - segment;
+    if (length == 0 || (length < 3 && uri.find_first_not_of('.', segment) >= i)) return false;
     segment = i + 1;
   }
   return true;
@@ -51,7 +56,8 @@ std::string FieldReader::text(const std::string& pointer, size_t max_length) {
 
 std::string FieldReader::uri(const std::string& pointer) {
   std::string value = text(pointer, 512);
-  if (ok() && !isSafeUri(value)) fail(pointer, "must be a relative path inside the character folder");
+  if (ok() && !isSafeUri(value))
+    fail(pointer, "must be a relative path of letters, digits and . _ - / inside the character folder");
   return value;
 }
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Manifests as lines "POINTER=nNUMBER", "POINTER=sTEXT" or "POINTER=bT" below the extension: whatever is accepted is
 // safe to allocate and index by.
+#include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 
 #include "package/character.h"
 
@@ -33,7 +35,10 @@ void require(bool condition) {
 }
 
 void checkUri(const std::string& uri) {
-  require(!uri.empty() && uri[0] != '/' && uri.find(':') == std::string::npos && uri.find("../") == std::string::npos);
+  require(!uri.empty() && uri[0] != '/' && uri.back() != '/' && uri.find("//") == std::string::npos);
+  for (const char c : uri) require(std::isalnum(static_cast<unsigned char>(c)) || std::strchr("._-/", c));
+  const std::string path = "/" + uri + "/";
+  require(path.find("/./") == std::string::npos && path.find("/../") == std::string::npos);
 }
 
 void checkRoom(const Room& room) {

@@ -311,7 +311,27 @@ TEST(Manifest, CameraNodesLookWhereTheCamerasDo) {
 }
 
 TEST(Manifest, RefusesDamagedFields) {
-  for (const char* uri : {"../walk.bin", "/walk.bin", "https://x.org/walk.bin", "a/../../b", "", "a\\b", "data:,x"}) {
+  for (const char* uri : {"../walk.bin",
+                          "/walk.bin",
+                          "https://x.org/walk.bin",
+                          "a/../../b",
+                          "",
+                          "a\\b",
+                          "data:,x",
+                          "%2e%2e/%2e%2e/x",
+                          ".%2E/x",
+                          " //other.example/x",
+                          "\t//other.example/x",
+                          "./walk.bin",
+                          "a//b",
+                          "a/.",
+                          "a/",
+                          "walk bin",
+                          "w\u00e4lk.bin",
+                          "walk.bin?x",
+                          "walk.bin#x",
+                          "~/x",
+                          "a%2f..%2fb"}) {
     expectRefused("/sequences/0/stream/uri", uri);
     expectRefused("/mesh/uri", uri);
     expectRefused("/room/uri", uri);
@@ -355,6 +375,15 @@ TEST(Manifest, RefusesDamagedFields) {
   expectRefused("/sequences/0/renditions/0/barcode/cellSize", 8);
   expectRefused("/bounds/min/0", 5);
   expectRefused("/bounds/min/0", nullptr);
+}
+
+TEST(Manifest, AcceptsPathsBelowTheFolder) {
+  for (const char* uri : {"walk.bin", "parts/walk_2.bin", "a/b/c-d.E9.bin", "...", "a/..b", ".hidden"}) {
+    json manifest = writtenManifest();
+    manifest[json::json_pointer(kAt + "/sequences/0/stream/uri")] = uri;
+    auto read = readManifest(flatten(manifest));
+    EXPECT_TRUE(read.ok()) << uri;
+  }
 }
 
 TEST(Manifest, RefusesNonFiniteNumbersAndTooManyCameras) {
