@@ -29,18 +29,17 @@ std::vector<glm::vec4> cornerTable(const package::BaseMesh& mesh) {
   return table;
 }
 
-Status checkSize(const gpu::Device& device, uint32_t vertices, uint32_t faces, uint64_t corner_texels) {
+Status checkSize(const gpu::Device& device, uint32_t vertices, uint32_t faces, uint64_t table_texels) {
   if (faces == 0) return Error{ErrorId::GpuFailure, "the character has no faces; bake it again"};
-  if (vertices >= 1u << 24 || tableRows(std::max<uint64_t>(corner_texels, 2ull * vertices)) >
-                                  static_cast<uint32_t>(device.caps().max_texture_size))
+  if (vertices >= 1u << 24 || tableRows(table_texels) > static_cast<uint32_t>(device.caps().max_texture_size))
     return Error{ErrorId::GpuFailure, "the character's mesh is too large for this GPU: " + std::to_string(faces) +
                                           " faces; bake a coarser mesh"};
   return {};
 }
 
 Status checkMesh(const gpu::Device& device, const package::Character& character, const package::BaseMesh& mesh) {
-  FOURDVT_TRY(
-      checkSize(device, mesh.topology.vertex_count, mesh.topology.faceCount(), 6ull * mesh.topology.faceCount()));
+  const uint32_t vertices = mesh.topology.vertex_count, faces = mesh.topology.faceCount();
+  FOURDVT_TRY(checkSize(device, vertices, faces, layeredTableTexels(vertices, faces)));
   if (character.layer_count < 1 || character.layer_count > package::kMaxLayers ||
       character.cameras.size() > static_cast<size_t>(package::kMaxCameras))
     return Error{ErrorId::InvalidArgument, "layer or camera count of the character is out of range"};
@@ -138,7 +137,7 @@ Result<CharacterModel> CharacterModel::create(gpu::Device& device, const package
 
 Result<CharacterModel> CharacterModel::createForSurfaces(gpu::Device& device, const package::Character& character) {
   const uint32_t vertices = character.vertex_count, faces = character.face_count;
-  FOURDVT_TRY(checkSize(device, vertices, faces, vertices + 1 + 6ull * faces));  // the neighbours' table is the largest
+  FOURDVT_TRY(checkSize(device, vertices, faces, surfaceTableTexels(vertices, faces)));
   CharacterModel model = emptyModel(character);
   model.most_vertices_ = vertices;
   model.most_faces_ = faces;

@@ -30,6 +30,15 @@ void uploadPicture(gpu::Device& device, PictureTextures& picture, const I420View
 void packLabels(const std::vector<glm::uvec3>& face_vertices, std::span<const uint8_t> labels, int camera_count,
                 std::span<uint32_t> packed, std::span<uint32_t> masks);
 
+// Texels of the largest table that a mesh needs. A texture of side n holds n · CharacterModel::kTableWidth of them.
+constexpr uint64_t layeredTableTexels(uint64_t vertices, uint64_t faces) {
+  return 2 * (vertices > 3 * faces ? vertices : 3 * faces);
+}
+constexpr uint64_t surfaceTableTexels(uint64_t vertices, uint64_t faces) {
+  const uint64_t neighbours = vertices + 1 + 6 * faces;
+  return neighbours > 2 * vertices ? neighbours : 2 * vertices;
+}
+
 // True if every edge belongs to two faces, which run along it in opposite directions.
 bool isClosedSurface(const std::vector<glm::uvec3>& face_vertices);
 

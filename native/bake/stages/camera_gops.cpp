@@ -7,6 +7,7 @@
 #include "bake/cameras/surfaces.h"
 #include "bake/cameras/tile_fill.h"
 #include "bake/stages/camera_colours.h"
+#include "bake/stages/mesh_limit.h"
 #include "bake/stages/poster.h"
 #include "bake/texels/picture_crop.h"
 #include "package/barcode.h"
@@ -105,6 +106,8 @@ Status CameraGops::drawFrame(OpenGop& open, const StreamPlan& plan, const captur
   const bool constant = job_.capture.meshes == capture::CaptureMeshes::ConstantTopology;
   TriangleMesh surface{frame.positions, constant ? job_.capture.topology.face_vertices : frame.faces};
   if (!constant) surface = simplified(std::move(surface), static_cast<size_t>(job_.options.cameras.faces));
+  const size_t used = std::min(surface.positions.size(), 3 * surface.faces.size());
+  FOURDVT_TRY(checkSurface(meshFile(*plan.motion.members[0].source, frame.index), used, surface.faces.size()));
   open.surfaces.push_back(quantisedSurface({glm::dvec3(job_.bounds.min), double(float(job_.options.position_step_m))},
                                            surface.positions, surface.faces, !constant));
   if (open.encoding.valid()) FOURDVT_TRY(open.encoding.get());

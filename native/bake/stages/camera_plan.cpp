@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "bake/cameras/surfaces.h"
+#include "bake/stages/mesh_limit.h"
 #include "bake/stages/validate.h"
 
 namespace fourdvt::bake {
@@ -28,11 +29,24 @@ void add(Surfaces& all, const TriangleMesh& surface) {
   }
 }
 
+// The most faces of a streamed surface; 0: all.
+uint64_t mostFaces(const Job& job) {
+  const bool constant = job.capture.meshes == capture::CaptureMeshes::ConstantTopology;
+  return constant ? 0 : uint64_t(job.options.cameras.faces);
+}
+
+// A surface that is simplified has as many vertices as faces at most, unless its faces share none.
+Status checkLimit(const Job& job, const std::string& file, const TriangleMesh& surface) {
+  uint64_t vertices = surface.positions.size(), faces = surface.faces.size();
+  if (const uint64_t most = mostFaces(job); most > 0 && most < faces) vertices = std::min(vertices, faces = most);
+  return checkSurface(file, vertices, faces);
+}
+
 // A GOP that would take more memory than players allow gets fewer frames.
 void shortenGops(Job& job, const Surfaces& all) {
   uint64_t vertices = all.vertices, faces = all.faces;
-  if (job.capture.meshes != capture::CaptureMeshes::ConstantTopology && job.options.cameras.faces > 0) {
-    faces = std::min<uint64_t>(faces, uint64_t(job.options.cameras.faces));
+  if (const uint64_t most = mostFaces(job); most > 0) {
+    faces = std::min(faces, most);
     vertices = std::min(vertices, faces);  // a closed surface has half as many
   }
   const uint64_t frames =
@@ -81,6 +95,7 @@ Status planCameraSurfaces(Job& job, const BakeEnvironment& environment) {
     for (uint32_t f = 0; f < sequence.frame_count; ++f) {
       if (environment.stop && *environment.stop) return Error{ErrorId::Interrupted, "stopped; nothing was written"};
       FOURDVT_ASSIGN(const auto surface, capture::readSurfaceFrame(job.capture, sequence, f));
+      FOURDVT_TRY(checkLimit(job, meshFile(sequence, f), surface));
       if (s == 0 && f == 0) {
         FOURDVT_ASSIGN(job.mesh, package::encodePlainMesh(simplified(surface, size_t(job.options.cameras.faces))));
       }

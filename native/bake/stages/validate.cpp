@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "bake/stages/camera_plan.h"
+#include "bake/stages/mesh_limit.h"
 #include "bake/stages/room_stage.h"
 #include "bake/stages/stream_plan.h"
 #include "base/hash.h"
@@ -144,6 +145,8 @@ Status findBounds(Job& job, const BakeEnvironment& environment) {
 }
 
 Status planMesh(Job& job) {
+  const MeshTopology& topology = job.capture.topology;
+  FOURDVT_TRY(checkLayeredMesh(meshFile(job.capture.sequences[0], 0), topology.vertex_count, topology.faceCount()));
   FOURDVT_ASSIGN(auto positions, capture::readMeshFrame(job.capture, job.capture.sequences[0], 0));
   FOURDVT_ASSIGN(job.mesh, package::encodeBaseMesh(job.capture.topology, positions));
   return {};
