@@ -7,8 +7,8 @@
 // OUT/cameras (characters from cameras: hull, refined, tracked).
 // An element of a page with data-needs="FILE", on a line of its own, is left out where DIST has no such file; with
 // data-needs="cameras", where CAMERAS is not given.
-// Replaces only what it makes.
-import { copyFileSync, cpSync, existsSync, mkdirSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';
+// Replaces only what it makes. Refuses links inside CHARACTER and CAMERAS, which may come from elsewhere.
+import { copyFileSync, cpSync, existsSync, mkdirSync, readdirSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';
 import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
@@ -32,6 +32,16 @@ const needed = [
   [join(character, 'character.gltf'), 'bake a character first: fourdvt bake CAPTURE -o CHARACTER'],
 ];
 for (const [path, remedy] of needed) if (!existsSync(path)) fail(`${path} is missing; ${remedy}`);
+
+function refuseLinks(folder) {
+  for (const entry of readdirSync(folder, { withFileTypes: true })) {
+    const path = join(folder, entry.name);
+    if (entry.isSymbolicLink()) fail(`${path} is a link, which would serve a file from elsewhere; if it is meant, assemble a copy of the folder made with cp -RL`);
+    if (entry.isDirectory()) refuseLinks(path);
+  }
+}
+
+for (const folder of [character, cameras]) if (folder) refuseLinks(folder);
 
 // The page without the choices whose module was not built.
 function onlyWhatWorks(html) {

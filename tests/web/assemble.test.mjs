@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The assembled page offers a choice only where the module that it needs was built.
 import assert from 'node:assert/strict';
-import { execFileSync } from 'node:child_process';
-import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { execFileSync, spawnSync } from 'node:child_process';
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, symlinkSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
@@ -12,8 +12,10 @@ let folder;
 before(() => { folder = mkdtempSync(join(tmpdir(), 'fourdvt-assemble-')); });
 after(() => rmSync(folder, { recursive: true, force: true }));
 
-// The index page as it is served with these files in the built web package, and with characters from cameras or without.
-function indexWith(modules, hasCameras = true) {
+const assemble = fileURLToPath(new URL('../../site/assemble.mjs', import.meta.url));
+
+// Makes the folders that a site is assembled from; the web package has these files.
+function inputs(modules) {
   const [out, dist, character, cameras] = ['out', 'dist', 'character', 'cameras'].map((name) => join(folder, name));
   for (const made of [out, dist, character, cameras]) {
     rmSync(made, { recursive: true, force: true });
@@ -21,8 +23,13 @@ function indexWith(modules, hasCameras = true) {
   }
   for (const name of ['fourdvt-viewer.js', ...modules]) writeFileSync(join(dist, name), '');
   writeFileSync(join(character, 'character.gltf'), '{}');
-  execFileSync(process.execPath, [fileURLToPath(new URL('../../site/assemble.mjs', import.meta.url)), out, dist, character,
-    ...(hasCameras ? [cameras] : [])]);
+  return [out, dist, character, cameras];
+}
+
+// The index page as it is served with these files in the built web package, and with characters from cameras or without.
+function indexWith(modules, hasCameras = true) {
+  const [out, dist, character, cameras] = inputs(modules);
+  execFileSync(process.execPath, [assemble, out, dist, character, ...(hasCameras ? [cameras] : [])]);
   return readFileSync(join(out, 'index.html'), 'utf8');
 }
 
@@ -49,4 +56,26 @@ test('documents and examples are served', () => {
   indexWith([], false);
   for (const path of ['docs/index.html', 'docs/algorithms.html', 'docs/cameras.html', 'docs/docs.css', 'examples/embed.html'])
     assert.ok(existsSync(join(folder, 'out', path)), path);
+});
+
+test('links in a folder of characters are refused by name, so that no file from elsewhere is served', () => {
+  for (const [inside, target] of [['character/poster.webp', join(folder, 'secret')], ['character/parts', folder],
+    ['cameras/hull/mesh.bin', join(folder, 'secret')], ['character/lost.bin', 'nowhere']]) {
+    const paths = inputs([]), link = join(folder, inside);
+    writeFileSync(join(folder, 'secret'), 'secret');
+    mkdirSync(join(folder, 'cameras', 'hull'));
+    symlinkSync(target, link);
+    const { status, stderr } = spawnSync(process.execPath, [assemble, ...paths], { encoding: 'utf8' });
+    assert.equal(status, 1, inside);
+    assert.ok(stderr.startsWith(`assemble: ${link} is a link`), stderr);
+    assert.match(stderr, /cp -RL/);
+    assert.ok(!existsSync(join(folder, 'out', 'index.html')), 'nothing is assembled');
+  }
+});
+
+test('a folder of characters may be a link itself', () => {
+  const [out, dist, character, cameras] = inputs([]), link = join(folder, 'linked');
+  symlinkSync(character, link);
+  execFileSync(process.execPath, [assemble, out, dist, link, cameras]);
+  assert.ok(existsSync(join(out, 'character', 'character.gltf')));
 });
