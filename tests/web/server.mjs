@@ -95,8 +95,8 @@ async function answer(root, options, request, response, entry) {
  * pages (by path: { html, headers }, beside those of the folder), tls ({ key, cert }: https), misbehave(request): what
  * goes wrong with this request, if anything: { away: true } (the connection breaks), { status }, { text } (this instead of
  * the file), { url } (another file), { truncate: bytes } (the file ends there), { spoil: true } (wrong bytes), { whole: true }
- * (200 for a range), { stallAfter: bytes } (no more bytes follow, and no end), { bytesPerS }.
- * `requests` grows by { method, path, range, status, bytes } for every request.
+ * (200 for a range), { stallAfter: bytes } (no more bytes follow, and no end), { bytesPerS }; forgets (true: keep no
+ * requests). `requests` grows by { method, path, range, status, bytes } for every request.
  */
 export function serve(root, port = 0, options = {}) {
   const folder = resolve(root);
@@ -104,7 +104,7 @@ export function serve(root, port = 0, options = {}) {
   const create = options.tls ? (listener) => createSecureServer(options.tls, listener) : createServer;
   const server = create((request, response) => {
     const entry = { method: request.method, path: request.url, range: request.headers.range ?? null, status: 0, bytes: 0 };
-    requests.push(entry);
+    if (!options.forgets) requests.push(entry);
     answer(folder, options, request, response, entry).catch(() => response.destroy());
   });
   return new Promise((done, fail) => {
@@ -126,10 +126,11 @@ function addressInNetwork() {
   return all.find((entry) => entry.family === 'IPv4' && !entry.internal)?.address ?? '127.0.0.1';
 }
 
-async function serveOnNextFreePort(root, wanted, options) {
+/** For the demo, which may run for days: `requests` stays empty. */
+export async function serveOnNextFreePort(root, wanted, options) {
   for (let port = wanted; port < wanted + 100; ++port) {
     try {
-      return await serve(root, port, options);
+      return await serve(root, port, { ...options, forgets: true });
     } catch (reason) {
       if (reason.code !== 'EADDRINUSE' && reason.code !== 'EACCES') throw reason;
     }

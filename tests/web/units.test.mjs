@@ -12,7 +12,7 @@ import { after, before, test } from 'node:test';
 import { fileURLToPath, pathToFileURL } from 'node:url';
 
 import { requireFromWeb } from './harness.mjs';
-import { serve } from './server.mjs';
+import { serve, serveOnNextFreePort } from './server.mjs';
 
 const { buildSync } = requireFromWeb('esbuild');
 let folder, bytes;
@@ -49,6 +49,13 @@ for (const ranges of [true, false]) {
     await server.close();
   });
 }
+
+test('the server of the demo, which runs for days, keeps no list of requests', async () => {
+  const demo = await serveOnNextFreePort(folder, 18080), recorded = await serve(folder);
+  for (const { url } of [demo, recorded]) assert.equal((await fetch(`${url}data.bin`)).status, 200);
+  await Promise.all([demo.close(), recorded.close()]);
+  assert.deepEqual([demo.requests.length, recorded.requests.length], [0, 1]);
+});
 
 test('a transient failure is tried again, a cancelled range answers nothing', async () => {
   const { Transport } = await load('transport');
