@@ -160,6 +160,13 @@ test('JSON is flattened to pointers with escapes', async () => {
   assert.deepEqual(seen, { '/a/0': 1, '/a/1/b~1c~0': 'x', '/t': true });
 });
 
+test('JSON that is nested deeper than a manifest is refused, however deep', async () => {
+  const { flattenJson } = await load('flat-json');
+  const nested = (depth) => JSON.parse('[1,'.repeat(depth) + '2' + ']'.repeat(depth));
+  flattenJson(nested(64), () => undefined);
+  for (const depth of [65, 5000, 200000]) assert.throws(() => flattenJson(nested(depth), () => undefined), { id: 'manifest-invalid' });
+});
+
 test('orbit: text, limits from the box, damping at any rate, the whole box is in the picture', async () => {
   const { OrbitCamera, parseOrbit } = await load('orbit-camera');
   assert.deepEqual(parseOrbit('30deg -5deg 3.5m'), { azimuth: 30, elevation: -5, distance: 3.5 });
