@@ -7,7 +7,7 @@ import assert from 'node:assert/strict';
 
 import {
   advances, browserOffline, errors, everywhere, finish, firstError, framesShown, get, ofCharacter, open, panel, pass,
-  passUntil, plays, row, runScenes, sceneTest, seconds, until, wait,
+  passUntil, plays, row, runScenes, sceneTest, seconds, seenCount, until, wait,
 } from './fault_scenes.mjs';
 import { kElsewhere, launch, readCanvas, waitForEvent } from './harness.mjs';
 import { coverage } from './ssim.mjs';
@@ -204,6 +204,7 @@ sceneTest('what cannot work is one error with its own ID', async () => {
     } }],
     ['page without https', 'insecure-context', { host: kElsewhere }],
     ['src that is no address', 'invalid-argument', { src: 'http://[' }],
+    ['src of an unknown scheme', 'fetch-failed', { src: 'gopher://somewhere/character.gltf' }, (line) => /gopher/.test(line)],
   ];
   for (const [name, id, options, expected] of cases) {
     const scene = await open(name, options);
@@ -219,6 +220,36 @@ sceneTest('what cannot work is one error with its own ID', async () => {
     row(name, 'poster, panel', `\`${id}\``);
     await finish(scene, expected);
   }
+});
+
+// What web/README.md lists; style and icon are the test page's own.
+const kPolicy = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; connect-src 'self'; img-src 'self' data:; style-src 'unsafe-inline'";
+
+sceneTest('the policy that the documents list is enough; another origin that it blocks is an error at once', async () => {
+  const allowed = await open('page with a policy', { policy: kPolicy });
+  await plays(allowed);
+  assert.deepEqual(await errors(allowed), []);
+  await finish(allowed);
+  const blocked = await open('origin blocked by connect-src', { policy: kPolicy, elsewhere: { 'Access-Control-Allow-Origin': '*' } });
+  const { id, message } = await firstError(blocked);
+  assert.equal(id, 'fetch-failed');
+  assert.match(message, /character\.gltf: .*connect-src/);
+  assert.equal(await seenCount(blocked, 'stalled'), 0);
+  assert.equal((await panel(blocked)).error, true);
+  row(blocked.name, 'poster, panel', '`fetch-failed`, which names the directive');
+  await finish(blocked, (line) => /violates the following Content Security Policy|Content Security Policy.*connect-src|Fetch API cannot load/.test(line));
+});
+
+sceneTest('a host that does not exist is an error after a while', async () => {
+  const scene = await open('unknown host', { src: 'http://nowhere.invalid/character/character.gltf' });
+  const ms = await passUntil(scene, () => globalThis.seen.some((e) => e.type === 'error'));
+  assert.ok(ms < 30_000, seconds(ms));
+  const { id, message } = await firstError(scene);
+  assert.equal(id, 'fetch-failed');
+  assert.match(message, /http:\/\/nowhere\.invalid has never answered/);
+  assert.deepEqual(await panel(scene), { error: true, note: false, play: false });
+  row(scene.name, 'poster, "Waiting for the network", panel', `\`fetch-failed\` after ${seconds(ms)}`);
+  await finish(scene);
 });
 
 sceneTest('promises that an element makes to its page', async () => {

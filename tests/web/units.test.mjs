@@ -17,8 +17,10 @@ import { serve, serveOnNextFreePort } from './server.mjs';
 const { buildSync } = requireFromWeb('esbuild');
 let folder, bytes;
 
-async function load(name) {
-  const outfile = join(folder, `${name}.mjs`);
+// name?WORD: a copy of its own.
+async function load(source) {
+  const [name] = source.split('?');
+  const outfile = join(folder, `${encodeURIComponent(source)}.mjs`);
   const entry = fileURLToPath(new URL(`../../web/src/${name}.ts`, import.meta.url));
   buildSync({ entryPoints: [entry], outfile, bundle: true, format: 'esm', logLevel: 'silent' });
   return import(pathToFileURL(outfile).href);
@@ -107,6 +109,61 @@ test('a page that was busy itself does not take that time for a stall; a server 
     await new Promise((done) => server.close(done));
   }
 });
+
+// Runs with timers that are a hundred times as fast, and with these globals.
+async function hurried(globals, run) {
+  const before = { setTimeout: globalThis.setTimeout, ...Object.fromEntries(Object.keys(globals).map((name) => [name, globalThis[name]])) };
+  Object.assign(globalThis, globals, { setTimeout: (call, ms, ...more) => before.setTimeout(call, ms / 100, ...more) });
+  try {
+    return await run();
+  } finally {
+    Object.assign(globalThis, before);
+  }
+}
+
+test('a server that has never answered is given up, one that has answered is waited for', async () => {
+  const server = await serve(folder);
+  const { url } = server;
+  const asked = [];
+  const fetch = (address, init) => (asked.push(address), globalThis.realFetch(address, init));
+  globalThis.realFetch = globalThis.fetch;
+  await hurried({ fetch }, async () => {
+    const { fetchFile } = await load('transport');
+    const heard = [];
+    await assert.rejects(fetchFile('http://127.0.0.1:1/x.gltf', (waiting) => heard.push(waiting)),
+      { id: 'fetch-failed', message: 'http://127.0.0.1:1/x.gltf: http://127.0.0.1:1 has never answered; correct the address, or start its server' });
+    assert.deepEqual(heard, [true, false]);
+    assert.equal(asked.length, 14, 'seven times, each with a look at its permission');
+    assert.deepEqual(new Uint8Array(await fetchFile(`${url}data.bin`)), bytes);
+    await server.close();
+    asked.length = 0;
+    const stop = new AbortController();
+    const later = fetchFile(`${url}data.bin`, undefined, stop.signal).then(() => 'came', () => 'stopped');
+    while (asked.length < 24) await new Promise((next) => setTimeout(next, 100));
+    stop.abort();
+    assert.equal(await later, 'stopped', 'no error before');
+  });
+});
+
+for (const [what, address, reason] of [
+  ['an unknown scheme', 'gopher://somewhere/character.gltf', /^gopher:.*https/],
+  ['a password', 'https://me:secret@page.example/character.gltf', /password/],
+  ['mixed content', 'http://elsewhere.example/character.gltf', /over https cannot load over http/],
+  ['an address that the policy blocks', 'https://blocked.example/character.gltf', /connect-src/],
+]) {
+  test(`${what} is an error at once`, async () => {
+    let asked = 0, listener;
+    const fetch = async () => { ++asked; throw new TypeError('Failed to fetch'); };
+    const location = { protocol: 'https:', origin: 'https://page.example' };
+    await hurried({ fetch, location, addEventListener: (_, call) => { listener ??= call; }, removeEventListener() {} }, async () => {
+      const { fetchFile } = await load(`transport?${what}`);
+      listener({ disposition: 'report', blockedURI: 'https://page.example/character.gltf' });
+      listener({ disposition: 'enforce', blockedURI: 'https://blocked.example/character.gltf' });
+      await assert.rejects(fetchFile(`${address}#part`), { id: 'fetch-failed', message: reason });
+      assert.equal(asked, 1);
+    });
+  });
+}
 
 test('the server of demo.sh --lan: https under an address that other devices reach', async () => {
   const [key, cert] = ['lan.key', 'lan.crt'].map((name) => join(folder, name));

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fetches files and byte ranges of files. Faults that pass are waited out, with growing pauses, for as long as somebody
 // wants the bytes: no network, 5xx, 408 and 429, an answer that stalls. Faults that stay end the fetch with an error: any
-// other status, a file that is too short, a server that does not allow this page. If a server ignores Range and answers
-// with the whole file (200), the file is kept and cut up here.
+// other status, a file that is too short, an address that the browser refuses, a server that does not allow this page or
+// has never answered it. If a server ignores Range and answers with the whole file (200), the file is kept and cut up here.
 import { ViewerError } from './errors.js';
 
 const FIRST_PAUSE_MS = 300;
 const LONGEST_PAUSE_MS = 6000;
 const LONGEST_ASKED_PAUSE_MS = 60_000; // by Retry-After
 const STALL_S = 10; // without a byte
+const MOST_TRIES = 7; // of a server that has never answered: about 10 s, if no request stalls
 
 /** Hears when waiting for the network begins, and when it ends. */
 export type Report = (waiting: boolean) => void;
@@ -18,6 +19,28 @@ class PassingFault extends Error {
   constructor(pauseMs = 0) {
     super();
     this.pauseMs = pauseMs;
+  }
+}
+
+// Origins that exist: any outage of theirs passes.
+const answered = new Set([globalThis.location?.origin]);
+
+// Addresses that the page's policy blocks, as the browser reports them.
+const blocked = new Set<string>();
+globalThis.addEventListener?.('securitypolicyviolation', (e) => {
+  if (e.disposition === 'enforce') blocked.add(e.blockedURI);
+});
+
+const parse = (url: string): URL => new URL(url, globalThis.document?.baseURI);
+const cannotLoad = (url: string, why: string): ViewerError => new ViewerError('fetch-failed', `${url}: ${why}`);
+
+// Throws if the browser refuses the address itself, so that no attempt can succeed.
+function checkRefused(url: string): void {
+  const { protocol, username, hostname, href, hash } = parse(url);
+  if (!/^https?:$/.test(protocol) || username) throw cannotLoad(url, 'browsers load https addresses without a password; correct the address');
+  if (blocked.has(href.slice(0, href.length - hash.length))) throw cannotLoad(url, "the page's content-security policy blocks it; add its origin to connect-src");
+  if (protocol === 'http:' && globalThis.location?.protocol === 'https:' && !/^(localhost|127\..*|\[::1])$/.test(hostname)) {
+    throw cannotLoad(url, 'a page that comes over https cannot load over http; use an https address');
   }
 }
 
@@ -44,8 +67,9 @@ function watchForStall(stop: () => void): { heard(): void; end(): void } {
 }
 
 // Half of each pause is random, so that the visitors of a server that comes back do not all ask at once.
-async function patiently<T>(attempt: () => Promise<T>, report: Report, signal?: AbortSignal): Promise<T> {
-  let waiting = false;
+async function patiently<T>(url: string, attempt: () => Promise<T>, report: Report, signal?: AbortSignal): Promise<T> {
+  const { origin } = parse(url);
+  let waiting = false, tries = 0;
   const tell = (now: boolean): void => {
     if (waiting !== now) report((waiting = now));
   };
@@ -55,6 +79,9 @@ async function patiently<T>(attempt: () => Promise<T>, report: Report, signal?: 
         return await attempt();
       } catch (reason) {
         if (signal?.aborted || !(reason instanceof PassingFault)) throw reason;
+        if (globalThis.navigator?.onLine !== false && !answered.has(origin) && ++tries === MOST_TRIES) {
+          throw cannotLoad(url, `${origin} has never answered; correct the address, or start its server`);
+        }
         tell(true);
         await pause(Math.max(reason.pauseMs, ms * (0.5 + Math.random() / 2)), signal);
         if (signal?.aborted) throw reason;
@@ -91,11 +118,15 @@ async function ask(url: string, init: RequestInit, signal?: AbortSignal): Promis
   const response = await fetch(url, { credentials: 'same-origin', ...init, signal: abort.signal }).catch(() => null);
   if (!response) {
     done();
-    if (!abort.signal.aborted && (await refusesThisPage(url, init, signal))) {
-      throw new ViewerError('fetch-failed', `${url}: the server answers, but does not allow this page to read it; let it send Access-Control-Allow-Origin, and allow the header Range`);
+    if (abort.signal.aborted) throw new PassingFault();
+    await pause(0); // the browser reports what the policy blocks in a task of its own
+    checkRefused(url);
+    if (await refusesThisPage(url, init, signal)) {
+      throw cannotLoad(url, 'the server answers, but does not allow this page to read it; let it send Access-Control-Allow-Origin, and allow the header Range');
     }
     throw new PassingFault();
   }
+  answered.add(parse(url).origin);
   const { status } = response;
   if (status >= 500 || status === 429 || status === 408) {
     done();
@@ -104,7 +135,7 @@ async function ask(url: string, init: RequestInit, signal?: AbortSignal): Promis
   }
   if (!response.ok) {
     done();
-    throw new ViewerError('fetch-failed', `${url}: HTTP ${status}`);
+    throw cannotLoad(url, `HTTP ${status}`);
   }
   const reader = response.body?.getReader();
   const next = async (): Promise<Uint8Array | undefined> => {
@@ -140,7 +171,7 @@ async function ask(url: string, init: RequestInit, signal?: AbortSignal): Promis
 // A browser does not say why a request failed. If the same address answers a request whose answer nobody may read, and
 // refuses the readable one again, it is the server's word and not the network.
 async function refusesThisPage(url: string, init: RequestInit, signal?: AbortSignal): Promise<boolean> {
-  if (new URL(url).origin === globalThis.location?.origin) return false;
+  if (parse(url).origin === globalThis.location?.origin) return false;
   const answers = (more: RequestInit): Promise<boolean> => {
     const abort = new AbortController();
     const stop = (): void => abort.abort();
@@ -157,7 +188,7 @@ async function refusesThisPage(url: string, init: RequestInit, signal?: AbortSig
 
 /** A whole file. `report` hears when waiting for the network begins and ends. Errors: ViewerError 'fetch-failed'. */
 export function fetchFile(url: string, report: Report = () => undefined, signal?: AbortSignal, cache: RequestCache = 'default'): Promise<Uint8Array<ArrayBuffer>> {
-  return patiently(async () => (await ask(url, { cache }, signal)).read(), report, signal);
+  return patiently(url, async () => (await ask(url, { cache }, signal)).read(), report, signal);
 }
 
 /** A wasm file, compiled while it comes. Errors: ViewerError 'fetch-failed'; what the browser says of the file. */
@@ -220,7 +251,7 @@ export class Transport {
     const abort = new AbortController();
     this.#running.set(id, abort);
     try {
-      const part = await patiently(() => this.#fetchRange(url, offset, bytes, abort.signal), this.#count, abort.signal);
+      const part = await patiently(url, () => this.#fetchRange(url, offset, bytes, abort.signal), this.#count, abort.signal);
       this.#replay?.set(key, part);
       return part;
     } catch (reason) {
@@ -284,7 +315,7 @@ export class Transport {
 
 function slice(url: string, from: Uint8Array, offset: number, bytes: number): Uint8Array {
   if (offset + bytes > from.length) {
-    throw new ViewerError('fetch-failed', `${url}: the file has less than ${offset + bytes} bytes; upload it again`);
+    throw cannotLoad(url, `the file has less than ${offset + bytes} bytes; upload it again`);
   }
   return from.subarray(offset, offset + bytes);
 }
