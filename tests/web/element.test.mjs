@@ -61,7 +61,7 @@ const MANIFESTS = {
 };
 
 let folder, server, browser, page;
-const troubles = [];
+const troubles = [], reported = [];
 before(async () => {
   folder = mkdtempSync(join(tmpdir(), 'fourdvt-element-'));
   cpSync(dist, join(folder, 'fourdvt-viewer'), { recursive: true });
@@ -76,7 +76,8 @@ before(async () => {
   page.setDefaultTimeout(PATIENCE_MS);
   page.on('pageerror', (error) => troubles.push(error.message));
   page.on('console', (line) => {
-    if (line.type() === 'error' && !line.text().startsWith('Failed to load resource')) troubles.push(line.text());
+    if (line.type() !== 'error' || line.text().startsWith('Failed to load resource')) return;
+    (line.text().startsWith('fourdvt-viewer: ') ? reported : troubles).push(line.text());
   });
   await page.addInitScript(countLiveObjects);
   await page.goto(server.url);
@@ -147,7 +148,9 @@ for (const [name, src, id] of CASES) {
     assert.ok(seen.message.length > 10 && !seen.message.includes('\n'), seen.message);
     assert.equal(seen.events[0], 'loadstart');
     assert.ok(!seen.events.includes('canplay'));
-    assert.ok(seen.alert, 'the element says that it cannot show the character');
+    const text = `${id}: ${seen.message}`;
+    assert.equal(seen.alert, `${text}Try again`, 'the panel has the text on the developer\'s own machine');
+    assert.deepEqual(reported.splice(0), [`fourdvt-viewer: ${text}`], 'one line on the console');
     assert.equal(seen.bar, false, 'no progress bar stays behind');
   });
 }

@@ -154,6 +154,7 @@ export const panel = (scene) => get(scene, () => {
   const shown = (name) => !globalThis.viewer.shadowRoot.querySelector(name).hidden;
   return { error: shown('.error'), note: shown('.note'), play: shown('.play') };
 });
+export const panelText = (scene) => get(scene, () => globalThis.viewer.shadowRoot.querySelector('.message').textContent);
 // True if new frames come within a while.
 export async function advances(scene) {
   const from = await framesShown(scene);
@@ -173,6 +174,8 @@ export async function finish(scene, expectedConsole = () => false) {
     return { decoders: live.decoders, pictures: live.pictures };
   });
   assert.deepEqual(left, { decoders: 0, pictures: 0 }, `${scene.name}: everything is closed`);
+  const lines = (await get(scene, () => globalThis.seen)).flatMap(({ type, id, message }) => (type === 'error' ? [`fourdvt-viewer: ${id}: ${message}`] : []));
+  assert.deepEqual(scene.page.reported, lines, `${scene.name}: the console has every error once`);
   const requests = scene.server.requests.length;
   await pass(scene, kLongestPauseMs);
   await wait(100);
@@ -345,7 +348,7 @@ async function missingCharacter() {
     await get(scene, again);
     await until(scene, (before) => globalThis.seen.filter((e) => e.type === 'canplay').length > before, before);
   }
-  row(scene.name, 'poster, "This character cannot be shown", "Try again"', '`fetch-failed`; the button loads it');
+  row(scene.name, 'poster, panel with the error, "Try again"', '`fetch-failed`; the button loads it');
   await finish(scene);
 }
 

@@ -6,7 +6,7 @@
 import assert from 'node:assert/strict';
 
 import {
-  advances, browserOffline, errors, everywhere, finish, firstError, framesShown, get, ofCharacter, open, panel, pass,
+  advances, browserOffline, errors, everywhere, finish, firstError, framesShown, get, ofCharacter, open, panel, panelText, pass,
   passUntil, plays, row, runScenes, sceneTest, seconds, seenCount, until, wait,
 } from './fault_scenes.mjs';
 import { kElsewhere, launch, readCanvas, waitForEvent } from './harness.mjs';
@@ -215,6 +215,7 @@ sceneTest('what cannot work is one error with its own ID', async () => {
     await wait(100);
     assert.equal((await errors(scene)).length, 1, `${name}: one error`);
     assert.equal((await panel(scene)).error, true);
+    assert.equal(await panelText(scene), options.host ? 'This page must come over https to show the character.' : `${id}: ${error.message}`);
     const refusal = await get(scene, () => globalThis.viewer.play().then(() => 'plays', (reason) => reason.id));
     assert.equal(refusal, id, `${name}: play() says why not`);
     row(name, 'poster, panel', `\`${id}\``);

@@ -112,7 +112,7 @@ export async function closeSite(site) {
 }
 
 /**
- * A page that keeps everything that went wrong in `page.troubles`. Canvases keep their last picture for reading back.
+ * A page that keeps everything that went wrong in `page.troubles`, and the viewer's own lines in `page.reported`. Canvases keep their last picture for reading back.
  * options: playwright's newPage options. uploadPath: 'i420' (native's own path: same colours, barcode checked), 'rgba',
  * or 'auto' for what a visitor gets: measured, so it may differ from run to run.
  */
@@ -120,9 +120,12 @@ export async function openPage(browser, options = {}, uploadPath = 'i420') {
   const page = await browser.newPage({ deviceScaleFactor: 1, viewport: { width: 720, height: 1100 }, ...options });
   page.setDefaultTimeout(kPatienceMs);
   page.troubles = [];
+  page.reported = [];
   page.on('pageerror', (error) => page.troubles.push(`uncaught: ${error.message}`));
   page.on('console', (line) => {
-    if (line.type() === 'error') page.troubles.push(`console: ${line.text()}`);
+    if (line.type() !== 'error') return;
+    if (line.text().startsWith('fourdvt-viewer: ')) page.reported.push(line.text());
+    else page.troubles.push(`console: ${line.text()}`);
   });
   if (uploadPath !== 'auto') {
     await page.addInitScript((path) => {

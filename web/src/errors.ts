@@ -22,6 +22,15 @@ export class ViewerError extends Error {
   }
 }
 
+/** Dispatches an event of an element; an error is written to the console, too, for pages that listen to none. */
+export function dispatch(element: Element, name: string, detail?: unknown): void {
+  if (name === 'error') {
+    const { id, message } = detail as ErrorDetail;
+    console.error(`fourdvt-viewer: ${id}: ${message}`);
+  }
+  element.dispatchEvent(new CustomEvent(name, { detail }));
+}
+
 /** The whole address that `src` names. Errors: ViewerError 'invalid-argument'. */
 export function characterAddress(src: string, base: string): string {
   try {

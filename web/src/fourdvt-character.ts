@@ -4,7 +4,7 @@
 // and pauses with it, and comes back as it was after a lost GL context.
 import { Commands } from './commands.js';
 import { JOIN_EVENT, type Companion } from './companion.js';
-import { asViewerError, characterAddress } from './errors.js';
+import { asViewerError, characterAddress, dispatch } from './errors.js';
 import type { Placement } from './wasm-player.js';
 
 export class FourdvtCharacter extends HTMLElement {
@@ -54,7 +54,7 @@ export class FourdvtCharacter extends HTMLElement {
     this.#viewer = this.closest('fourdvt-viewer');
     const src = this.getAttribute('src');
     if (src === '') return;
-    const emit = (name: string, detail?: unknown): void => void this.dispatchEvent(new CustomEvent(name, { detail }));
+    const emit = (name: string, detail?: unknown): void => dispatch(this, name, detail);
     let address: string | null = null;
     try {
       if (src !== null) address = characterAddress(src, this.baseURI);

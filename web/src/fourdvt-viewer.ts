@@ -4,7 +4,7 @@
 import { Commands } from './commands.js';
 import { JOIN_EVENT, type Companion } from './companion.js';
 import { deferred, type Deferred } from './deferred.js';
-import { asViewerError, characterAddress, ViewerError, type ErrorDetail } from './errors.js';
+import { asViewerError, characterAddress, dispatch, ViewerError, type ErrorDetail } from './errors.js';
 import { FourdvtCharacter } from './fourdvt-character.js';
 import { methodOf } from './method-attributes.js';
 import { MotionControls } from './motion-controls.js';
@@ -536,7 +536,7 @@ export class FourdvtViewer extends HTMLElement {
     this.#loading = false;
     if (!over && !this.#standsStill) return;
     this.#settlePlay(new ViewerError(error.id, error.message));
-    this.#overlay.fail(error.id, over);
+    this.#overlay.fail(error, over);
   }
   // Nothing will come of what is wanted.
   get #standsStill(): boolean { return (this.#session?.ended ?? true) || (this.#commands.state()?.failed ?? false); }
@@ -572,7 +572,7 @@ export class FourdvtViewer extends HTMLElement {
   }
 
   #emit(name: string, detail?: unknown): void {
-    this.dispatchEvent(new CustomEvent(name, { detail }));
+    dispatch(this, name, detail);
   }
 
   #current(): SequenceInfo | null {

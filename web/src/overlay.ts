@@ -2,7 +2,7 @@
 // The element's shadow tree: the part that holds the canvas, poster, progress bar, play button, joystick, error line.
 // Its style is a constructable style sheet, so that the page can have a strict style-src policy.
 
-// What the panel says by the error's id; the event has the details.
+// What the panel says to visitors by the error's id; the event and the console have the details.
 const FAILURES: Record<string, string> = {
   'insecure-context': 'This page must come over https to show the character.',
   'decoder-unsupported': 'This browser cannot decode this character.',
@@ -10,6 +10,7 @@ const FAILURES: Record<string, string> = {
   'files-differ': 'The files of this character do not belong together.',
   'out-of-memory': 'The browser has no memory left for this character.',
 };
+const ON_DEVELOPERS_MACHINE = /^(file:|https?:\/\/(localhost|127\.0\.0\.1|\[::1])[:/])/;
 
 const CSS = `
 :host { display: block; position: relative; overflow: hidden; contain: strict; width: 300px; height: 400px; }
@@ -29,7 +30,7 @@ canvas { position: absolute; inset: 0; width: 100%; height: 100%; display: block
   background: rgba(20,20,24,.6); color: #fff; font: 26px/64px system-ui, sans-serif; padding: 0 0 0 5px; cursor: pointer; }
 .error { position: absolute; left: 0; right: 0; top: 50%; transform: translateY(-50%); text-align: center; margin: 0 auto;
   padding: 6px 12px; width: fit-content; max-width: 90%; border-radius: 6px; font: 14px/1.4 system-ui, sans-serif; color: #fff;
-  background: rgba(20,20,24,.75); }
+  background: rgba(20,20,24,.75); box-sizing: border-box; max-height: 100%; overflow: auto; overflow-wrap: anywhere; }
 .error > button { margin-left: 10px; padding: 2px 10px; border: 1px solid currentColor; border-radius: 4px; background: none;
   color: inherit; font: inherit; cursor: pointer; }
 .note { position: absolute; left: 0; right: 0; top: 10px; width: fit-content; margin: 0 auto; padding: 3px 10px;
@@ -160,10 +161,10 @@ export class Overlay {
   offerPlay(offer: boolean): void {
     this.#play.hidden = !offer;
   }
-  /** Says what went wrong, by an error's id, and offers to try again. `over`: there is nothing else to look at than the poster. */
-  fail(id: string, over: boolean): void {
+  /** Says what went wrong and offers to try again. `over`: there is nothing else to look at than the poster. */
+  fail({ id, message }: { id: string; message: string }, over: boolean): void {
     this.#bar.hidden = this.#play.hidden = true;
-    this.#message.textContent = FAILURES[id] ?? 'This character cannot be shown.';
+    this.#message.textContent = ON_DEVELOPERS_MACHINE.test(location.href) ? `${id}: ${message}` : FAILURES[id] ?? 'This character cannot be shown.';
     this.#error.hidden = false;
     if (over) this.#poster.classList.remove('gone');
   }
