@@ -73,7 +73,7 @@ Status checkFigure(const Figure& figure, const RecipeOptions& options) {
   if (figure.cameras) return checkCameras(*figure.cameras);
   if (figure.looks.empty() || figure.looks.size() > 2) return invalid("a figure has one look, two in a transition");
   if (!(figure.fade >= 0 && figure.fade <= 1)) return invalid("fade must be between 0 and 1");
-  if (options.debug_layer < 0 || options.debug_layer >= model.layer_count) return invalid("no such debug layer");
+  if (options.debug_layer < 0) return invalid("no such debug layer");
   for (const Look& look : figure.looks) FOURDVT_TRY(checkLook(look, model));
   return {};
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 
 #include "render/passes.h"
@@ -102,7 +103,7 @@ void LayeredPass::draw(gpu::Device& device, const CharacterModel& model, const P
                    gpu::uniform("u_vertex_count", vertex_count), gpu::uniform("u_face_count", face_count),
                    gpu::uniform("u_layer_rects", std::span<const glm::vec4>(rects)),
                    gpu::uniform("u_picture_size", part.look->appearance->picture_size),
-                   gpu::uniform("u_debug_layer", options.recipe.debug_layer)},
+                   gpu::uniform("u_debug_layer", std::min(options.recipe.debug_layer, model.layer_count - 1))},
       .vertex_count = 3 * face_count,
       .depth_test = true,
       .depth_write = true,

@@ -23,7 +23,7 @@ struct RecipeOptions {
   float shadow_strength = 0.45f;     // opacity directly under the feet, 0..1
   int samples = 4;                   // multisampling of the character; clamped to the device's maximum
   DebugView debug = DebugView::None;
-  int debug_layer = 0;
+  int debug_layer = 0;      // of DebugView::Layer and Labels; the last one where a figure has fewer
   bool keep_detail = true;  // gives aligned blends back the contrast that their mean loses
   // Of the blend's two cosines: how squarely a camera sees the surface, and how near it is to the view. 1: LVDT Eq. 3.
   float facing_exponent = 2, view_exponent = 2;

@@ -253,6 +253,38 @@ sceneTest('a host that does not exist is an error after a while', async () => {
   await finish(scene);
 });
 
+sceneTest('options and snapshots that cannot be drawn are refused, and the picture stays', async () => {
+  const scene = await open('wrong options', { src: null });
+  const refused = await get(scene, async () => {
+    const { viewer } = globalThis;
+    const nameOf = (set) => { try { set(); return 'taken'; } catch (reason) { return reason.name; } };
+    viewer.renderOptions = { debug: 'layer', debugLayer: 200 }; // no character yet: its last layer
+    viewer.src = 'character/character.gltf';
+    await new Promise((done) => viewer.addEventListener('canplay', done, { once: true }));
+    const { extensions } = await (await fetch(viewer.src)).json();
+    const { layerCount } = extensions.FOURDVT_layered_video_texture;
+    const names = [
+      nameOf(() => { viewer.renderOptions = { debugLayer: layerCount }; }),
+      nameOf(() => { viewer.renderOptions = { debugLayer: layerCount - 1 }; }),
+      nameOf(() => { viewer.renderOptions = { background: [0, 0, 0] }; }),
+      nameOf(() => { viewer.renderOptions = { samples: NaN }; }),
+    ];
+    for (const snapshot of [{ width: 0, height: 10 }, { width: 10, height: 5000 }, { width: 10, height: 10, pose: { distance: NaN } }]) {
+      names.push(await viewer.toBlob(snapshot).then(() => 'taken', (reason) => reason.name));
+    }
+    const { width, height } = await createImageBitmap(await viewer.toBlob({ width: 33, height: 44 }));
+    const { samples, debugLayer } = viewer.renderOptions;
+    return { names, width, height, samples, last: debugLayer === layerCount - 1 };
+  });
+  assert.deepEqual(refused, {
+    names: ['RangeError', 'taken', 'TypeError', 'RangeError', 'RangeError', 'RangeError', 'RangeError'], width: 33, height: 44, samples: 4, last: true,
+  });
+  assert.ok(await advances(scene));
+  assert.ok(coverage(await readCanvas(scene.page)) > 0.02);
+  assert.deepEqual(await errors(scene), []);
+  await finish(scene);
+});
+
 sceneTest('promises that an element makes to its page', async () => {
   const scene = await open('promises', { attributes: { 'camera-controls': '' }, src: null });
   await get(scene, () => {

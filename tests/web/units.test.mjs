@@ -224,6 +224,31 @@ test('JSON that is nested deeper than a manifest is refused, however deep', asyn
   for (const depth of [65, 5000, 200000]) assert.throws(() => flattenJson(nested(depth), () => undefined), { id: 'manifest-invalid' });
 });
 
+test('what a page sets by hand is refused before it reaches the player', async () => {
+  const { checkRenderOptions, checkSnapshot } = await load('input-checks');
+  const options = { background: [0, 0, 0, 0], groundShadow: true, shadowStrength: 0.45, samples: 4, debug: 'none', debugLayer: 0 };
+  checkRenderOptions(options);
+  checkRenderOptions({ ...options, debug: 'layer', debugLayer: 2, samples: 0, background: Float32Array.of(1, 1, 1, 1) }, 3);
+  checkRenderOptions({ ...options, debugLayer: 7 });
+  for (const [part, name, layers] of [
+    [{ debugLayer: 3 }, 'RangeError', 3], [{ debugLayer: -1 }, 'RangeError'], [{ debugLayer: 0.5 }, 'RangeError'], [{ debugLayer: NaN }, 'RangeError'],
+    [{ debugLayer: 1e10 }, 'RangeError'], [{ samples: -1 }, 'RangeError'], [{ samples: 1.5 }, 'RangeError'], [{ samples: Infinity }, 'RangeError'],
+    [{ samples: undefined }, 'RangeError'], [{ shadowStrength: NaN }, 'RangeError'], [{ shadowStrength: 2 }, 'RangeError'],
+    [{ debug: 'layers' }, 'TypeError'], [{ background: [0, 0, 0] }, 'TypeError'], [{ background: null }, 'TypeError'],
+    [{ background: [0, 0, NaN, 0] }, 'TypeError'], [{ background: 'none' }, 'TypeError'],
+  ]) {
+    assert.throws(() => checkRenderOptions({ ...options, ...part }, layers), { name, message: new RegExp(Object.keys(part)[0]) });
+  }
+  const pose = { azimuth: 0, elevation: 0, distance: 3, target: [0, 1, 0], fov: 35 };
+  checkSnapshot(1, 4096, pose);
+  for (const [width, height, part] of [
+    [0, 100, {}], [100, 4097, {}], [undefined, 100, {}], [10.5, 10, {}], [9, 9, { azimuth: NaN }], [9, 9, { elevation: undefined }],
+    [9, 9, { distance: 0 }], [9, 9, { fov: 180 }], [9, 9, { target: [0, 0] }], [9, 9, { target: [0, 0, Infinity] }], [9, 9, { target: null }],
+  ]) {
+    assert.throws(() => checkSnapshot(width, height, { ...pose, ...part }), ({ name }) => /^(Range|Type)Error$/.test(name));
+  }
+});
+
 test('orbit: text, limits from the box, damping at any rate, the whole box is in the picture', async () => {
   const { OrbitCamera, parseOrbit } = await load('orbit-camera');
   assert.deepEqual(parseOrbit('30deg -5deg 3.5m'), { azimuth: 30, elevation: -5, distance: 3.5 });

@@ -6,6 +6,7 @@ import { JOIN_EVENT, type Companion } from './companion.js';
 import { deferred, type Deferred } from './deferred.js';
 import { asViewerError, characterAddress, dispatch, ViewerError, type ErrorDetail } from './errors.js';
 import { FourdvtCharacter } from './fourdvt-character.js';
+import { checkRenderOptions } from './input-checks.js';
 import { methodOf } from './method-attributes.js';
 import { MotionControls } from './motion-controls.js';
 import { OrbitCamera, parseOrbit, parseTarget, type Follow } from './orbit-camera.js';
@@ -233,7 +234,9 @@ export class FourdvtViewer extends HTMLElement {
   /** Background, ground shadow, multisampling, debug views. Assigning some of the options keeps the others. */
   get renderOptions(): RenderOptions { return { ...this.#commands.wishes.options! }; }
   set renderOptions(options: Partial<RenderOptions>) {
-    this.#commands.set('options', { ...this.renderOptions, ...options });
+    const all = { ...this.renderOptions, ...options };
+    checkRenderOptions(all, this.#session?.layers);
+    this.#commands.set('options', all);
   }
   /** How decoded pictures reach the GPU; 'auto' measures what is faster. Takes effect at the next load. */
   get uploadPath(): UploadPath { return this.#uploadPath; }

@@ -5,6 +5,7 @@ import { Actor, type ActorContext, type ActorHost } from './actor.js';
 import type { Commands } from './commands.js';
 import type { Companion } from './companion.js';
 import { asViewerError, ViewerError, type ErrorDetail } from './errors.js';
+import { checkSnapshot, MAX_CANVAS_SIDE } from './input-checks.js';
 import { FrameLoop } from './frame-loop.js';
 import type { OrbitCamera } from './orbit-camera.js';
 import { Transport } from './transport.js';
@@ -12,8 +13,6 @@ import { measurePath, rememberedPath, rememberPath, uploadPicture, type UploadPa
 import type { WasmModule } from './wasm-abi.js';
 import { expectMore, instantiate, loadMore, type More } from './wasm-module.js';
 import type { Align, CharacterInfo, OrbitPose, PictureKind } from './wasm-player.js';
-
-const MAX_CANVAS_SIDE = 4096;
 
 // What the files of two bakes bring when a new one was put in place of the one that is playing.
 const mayBeOfTwoBakes = ({ id }: ErrorDetail): boolean => id === 'files-differ' || id === 'fetch-failed';
@@ -27,10 +26,14 @@ const needsFlow = (align: Align): boolean => align.startsWith('flow');
 // Of what the page's side of the second part could not load.
 const fetchFailed = (reason: unknown): never => { throw new ViewerError('fetch-failed', (reason as Error).message); };
 
-type Extensions = { extensions?: { FOURDVT_layered_video_texture?: { appearance?: unknown } } } | null;
-// Of a manifest that nobody has checked yet.
-const isFromCameras = (manifest: unknown): boolean =>
-  (manifest as Extensions)?.extensions?.FOURDVT_layered_video_texture?.appearance === 'cameras';
+interface Extension {
+  appearance?: unknown;
+  layerCount?: number;
+}
+// Of a manifest that may not be checked yet.
+const extensionOf = (manifest: unknown): Extension | undefined =>
+  (manifest as { extensions?: { FOURDVT_layered_video_texture?: Extension } } | null)?.extensions?.FOURDVT_layered_video_texture;
+const isFromCameras = (manifest: unknown): boolean => extensionOf(manifest)?.appearance === 'cameras';
 
 export interface SessionOptions {
   src: string;
@@ -162,6 +165,8 @@ export class Session {
   /** It was disposed of, or an error has ended it. */
   get ended(): boolean { return this.#abort.signal.aborted; }
   get character(): CharacterInfo | null { return this.#main?.character ?? null; }
+  /** Of the loaded character; undefined before, and for one from cameras. */
+  get layers(): number | undefined { return this.#main ? extensionOf(this.#manifest)?.layerCount : undefined; }
   get path(): PictureKind { return this.#path; }
   get #commands(): Commands { return this.#host.commands; }
 
@@ -226,16 +231,23 @@ export class Session {
     if (this.#main) this.#loop.wake();
   }
 
-  /** A PNG of what is shown, at the size and pose of the snapshot if there is one. Null before the first picture. */
+  /**
+   * A PNG of what is shown, at the size and pose of the snapshot if there is one. Null before the first picture. Rejects
+   * with a TypeError, a RangeError or what the player says if there can be no such picture; the one that is shown stays.
+   */
   async toBlob(snapshot?: Snapshot): Promise<Blob | null> {
-    if (!this.#main?.state()?.hasFrame) return null;
     const { width, height } = snapshot ?? this.#size;
-    this.#fit(width, height);
-    this.#draw({ ...this.#host.camera.pose, ...snapshot?.pose });
-    const blob = new Promise<Blob | null>((resolve) => this.#canvas.toBlob(resolve, 'image/png'));
-    this.#fit(this.#size.width, this.#size.height);
-    this.#draw(this.#host.camera.pose);
-    return blob;
+    const pose = { ...this.#host.camera.pose, ...snapshot?.pose };
+    if (snapshot) checkSnapshot(width, height, pose);
+    if (!this.#main?.state()?.hasFrame) return null;
+    try {
+      this.#fit(width, height);
+      this.#paint(pose);
+      return new Promise((resolve) => this.#canvas.toBlob(resolve, 'image/png')); // of what the canvas shows now
+    } finally {
+      this.#fit(this.#size.width, this.#size.height);
+      this.#draw(this.#host.camera.pose);
+    }
   }
 
   readonly #network = (waiting: boolean): void => {
@@ -504,10 +516,14 @@ export class Session {
   }
 
   // Once the main character has a frame.
+  #paint(pose: OrbitPose): void {
+    const [main, ...others] = this.#actors.filter((actor) => actor.state()?.hasFrame);
+    main?.player?.draw(pose, this.#canvas.width, this.#canvas.height, others.map((actor) => actor.player!));
+  }
+  // False, after an error event, if the player cannot.
   #draw(pose: OrbitPose): boolean {
     try {
-      const [main, ...others] = this.#actors.filter((actor) => actor.state()?.hasFrame);
-      main?.player?.draw(pose, this.#canvas.width, this.#canvas.height, others.map((actor) => actor.player!));
+      this.#paint(pose);
       return !!this.#main;
     } catch (reason) {
       if (!this.#gl?.isContextLost()) this.#fatal(reason);

@@ -193,7 +193,7 @@ export function fetchFile(url: string, report: Report = () => undefined, signal?
 
 /** A wasm file, compiled while it comes. Errors: ViewerError 'fetch-failed'; what the browser says of the file. */
 export function compileFile(url: string, report: Report): Promise<WebAssembly.Module> {
-  return patiently(async () => {
+  return patiently(url, async () => {
     let fault: unknown;
     const body = (await ask(url, {})).stream((reason) => (fault = reason));
     // The type is given here: no server needs to have it.

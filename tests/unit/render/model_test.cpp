@@ -118,8 +118,19 @@ TEST(Recipe, refusesAModelThatIsNotReady) {
   drawn.figure.setLayout(scene.rendition);
   EXPECT_EQ(drawn.draw().error().id, ErrorId::InvalidArgument);  // one layer short
   RecipeOptions options;
-  options.debug_layer = 2;
+  options.debug_layer = -1;
   EXPECT_EQ(drawn.draw(options).error().id, ErrorId::InvalidArgument);
+}
+
+TEST(Recipe, drawsTheLastLayerOfAFigureThatHasNotTheWantedOne) {
+  Scene scene = quadScene({0, 1}, 0.5f);
+  scene.setLayers(2, 32);
+  Drawn drawn(scene, PictureTextures::Kind::Rgba);
+  drawn.figure.setFrame(*drawn.device, scene.mesh.positions, scene.labels);
+  RecipeOptions options;
+  options.debug = DebugView::Layer;
+  options.debug_layer = 3;
+  EXPECT_TRUE(drawn.draw(options));
 }
 
 // A class of two members on the null device, drawn as any figures.
