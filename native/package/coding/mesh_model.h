@@ -44,8 +44,8 @@ inline std::vector<uint32_t> depthFirst(const MeshLinks& m) {
       stack.pop_back();
       while (!isDone(c)) {
         done[c / 3] = true;
-        meet(nextCorner(c)), meet(previousCorner(c));
-        const bool inside = meet(c);
+        bool inside = false;
+        for (uint32_t corner : {nextCorner(c), previousCorner(c), c}) inside = meet(corner);
         const uint32_t right = m.oppositeCorner(nextCorner(c));
         if (!inside) stack.push_back(m.oppositeCorner(previousCorner(c)));
         c = right;
@@ -149,17 +149,18 @@ inline ChunkMesh earlierItems(const std::vector<uint32_t>& item, const CornersOf
   constexpr size_t kMaxEarlier = 24;
   ChunkMesh out;
   out.base.resize(count);
+  out.ring_count.resize(count);
+  out.earlier_first.resize(size_t(count) + 1);
+  out.earlier.resize(2 * item.size());
+  uint32_t end = 0;
   for (uint32_t i = 0; i < count; ++i) {
-    const size_t first = out.earlier.size();
-    out.earlier_first.push_back(static_cast<uint32_t>(first));
     for (uint32_t c : corners.of(i)) {
-      for (uint32_t other : {item[nextCorner(c)], item[previousCorner(c)]}) {
-        if (other < i && out.earlier.size() - first < kMaxEarlier) out.earlier.push_back(other);
+      for (uint32_t at : {nextCorner(c), previousCorner(c)}) {
+        if (item[at] < i && out.ring_count[i] < kMaxEarlier) out.earlier[end++] = item[at], ++out.ring_count[i];
       }
     }
-    out.ring_count.push_back(static_cast<uint8_t>(out.earlier.size() - first));
+    out.earlier_first[i + 1] = end;
   }
-  out.earlier_first.push_back(static_cast<uint32_t>(out.earlier.size()));
   return out;
 }
 
@@ -307,16 +308,16 @@ class MeshModel {
   // Ranks UVs by the first vertex that has them. Gives the first of each vertex, and the end.
   std::vector<uint32_t> rankUvs() {
     const CornersOf corners(links_.vertex, links_.vertex_count);
-    std::vector<uint32_t> order, first;
+    std::vector<uint32_t> order(links_.uv_count), first(size_t(links_.vertex_count) + 1);
     std::vector<uint8_t> met(links_.uv_count);
+    uint32_t end = 0;
     for (uint32_t v = 0; v < links_.vertex_count; ++v) {
-      first.push_back(static_cast<uint32_t>(order.size()));
       for (uint32_t c : corners.of(v)) {
-        if (!met[links_.uv[c]]) order.push_back(links_.uv[c]);
+        if (!met[links_.uv[c]]) order[end++] = links_.uv[c];
         met[links_.uv[c]] = true;
       }
+      first[v + 1] = end;
     }
-    first.push_back(static_cast<uint32_t>(order.size()));
     rank(links_.uv, order);
     return first;
   }

@@ -90,7 +90,8 @@ class MeshWalk {
         max_vertices_(max_vertices),
         max_uvs_(max_uvs),
         next_(links.vertex.size()),
-        previous_(next_) {}
+        previous_(next_),
+        at_(max_vertices) {}
 
   // Codes one face; false: the bytes are damaged.
   bool face(uint32_t f) {
@@ -199,7 +200,6 @@ class MeshWalk {
 
   uint32_t addVertex(uint32_t c) {
     if (links_.vertex_count == max_vertices_) return kNone;
-    at_.push_back({});
     known_.addVertex(c, links_.vertex_count);
     return links_.vertex_count++;
   }
