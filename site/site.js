@@ -63,11 +63,10 @@ function showSequence() {
   showTime();
 }
 
-// The slider is for the class shown; it stays while a motion without parameters plays.
+// The slider is for the first class, also while another motion plays.
 function showParameter() {
-  const sequence = currentSequence();
-  const [parameter] = viewer.parameters;
-  if (!sequence || !parameter) return;
+  const [parameter] = viewer.sequences.flatMap((s) => s.parameters);
+  if (!parameter) return;
   const { label, unit } = describeParameter(parameter.name);
   const slider = byId('parameter');
   const known = slider.dataset.name === parameter.name; // then the slider shows what the visitor asked for
@@ -160,12 +159,13 @@ viewer.addEventListener('parameterchange', ({ detail }) => {
 });
 byId('align').addEventListener('change', () => { viewer.align = byId('align').value; });
 
-// The page opens with a class of motions if there is one, because it has a slider.
-viewer.addEventListener('loadedmetadata', () => {
-  const first = viewer.sequences.find((s) => s.parameters.length > 0);
-  if (first && !viewer.hasAttribute('sequence')) viewer.sequence = first.name;
-  buildMotions();
-});
+viewer.addEventListener('loadedmetadata', buildMotions);
+// The page goes on to a class of motions if there is one, because it has a slider: the first sequence is on screen sooner.
+viewer.addEventListener('canplay', () => {
+  const motion = viewer.sequences.find((s) => s.parameters.length > 0);
+  if (motion && !viewer.hasAttribute('sequence')) viewer.goTo(motion.name);
+  for (const image of document.querySelectorAll('img[data-late]')) image.src = image.dataset.late;
+}, { once: true });
 for (const type of ['transitionstart', 'transitionend']) viewer.addEventListener(type, showSequence);
 viewer.addEventListener('sequencechange', showSequence);
 for (const type of ['timeupdate', 'seeked', 'ended']) viewer.addEventListener(type, showTime);

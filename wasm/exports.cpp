@@ -149,9 +149,9 @@ void fdvt_manifest_string(Instance* h, const char* pointer, uint32_t size, const
 void fdvt_manifest_bool(Instance* h, const char* pointer, uint32_t size, int32_t value) {
   h->manifest.set({pointer, size}, value != 0);
 }
-int32_t fdvt_load(Instance* h) {
+int32_t fdvt_load(Instance* h, const uint8_t* start, uint32_t size) {
   makeCurrent(h);
-  int ok = keep(h, h->player->loadManifest(h->manifest));
+  int ok = keep(h, h->player->loadManifest(h->manifest, {start, size}));
   if (ok && h->canvas->method.empty() && h->player->character()->appearance == package::AppearanceKind::Cameras)
     ok = fdvt_set_method(h, render::kDefaultMethod.data(), uint32_t(render::kDefaultMethod.size()),
                          h->player->method().closest, abi::Visibility::Offset);
@@ -299,6 +299,7 @@ const abi::Character* fdvt_character(Instance* h) {
   out.ground_y_m = c->ground_y_m;
   out.sequences = static_cast<int32_t>(c->sequences.size());
   out.from_cameras = c->appearance == package::AppearanceKind::Cameras;
+  out.has_mesh = h->player->hasMesh();
   out.name = text(c->name);
   out.poster_uri = text(c->poster_uri);
   out.room_uri = text(c->room.picture_uri);

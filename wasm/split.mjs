@@ -3,9 +3,9 @@
 // The second part is instantiated with the exports of the first, the same memory and the same table, and puts its
 // functions into that table; until then a call of one of them ends in a function that the page gives ("placeholder").
 //   node split.mjs --module FILE.wasm --objects FOLDER --list more.txt --mark TEXT --nm emnm --wasm-split wasm-split --wasm-dis wasm-dis
-//                  --more FILE.wasm
+//                  --archive FILE.a --more FILE.wasm
 // --module is replaced by the first part. It must have its name section with mangled names (--profiling-funcs,
-// --no-demangle). Functions: by the objects that define them, see more.txt. Data: texts whose first line is //MARK.
+// --no-demangle). Functions: by the objects that define them, see more.txt; those of the archive go. Data: texts whose first line is //MARK.
 import { execFileSync } from 'node:child_process';
 import { copyFileSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -139,7 +139,7 @@ const sourceOf = (object) => object.replace(/CMakeFiles\/[^/]+\.dir\//, '').repl
 
 const kMergedBytes = 100; // functions shorter than this may have been merged with others of the same code
 
-// Symbols by kind: "plain" functions, which have one definition, and "shared", instances of templates and the like.
+// Symbols by kind: "plain" functions, and "shared", those of libraries' templates that every source may have.
 function symbolsOf(nm, files) {
   const list = (...more) => execFileSync(nm, ['--defined-only', '--format=posix', ...more, ...files],
     { encoding: 'utf8', maxBuffer: 1 << 28, stdio: ['ignore', 'pipe', 'ignore'] }).split('\n');
@@ -147,8 +147,7 @@ function symbolsOf(nm, files) {
   const readable = list('--demangle');
   list().forEach((line, i) => {
     const [name, type] = line.split(' ');
-    const isTemplate = readable[i].replaceAll('(anonymous namespace)', '').split('(')[0].includes('<');
-    if (type) (type === 'W' || isTemplate ? found.shared : found.plain).add(name);
+    if (type) (/^(void |unsigned |bool |int |auto )?(std|glm|fourdvt::Result)\b/.test(readable[i]) ? found.shared : found.plain).add(name);
   });
   return found;
 }
@@ -176,7 +175,7 @@ export function callGraph(text) {
 
 /**
  * Names of the functions for the second part: those that only its sources define, and what only these call. A short one or
- * an instance of a template may stand for an equal one of the first part: it goes only if it is called by such functions
+ * one of a library's templates may stand for an equal one of the first part: it goes only if it is called by such functions
  * alone. bytes: length by name. first, more: symbolsOf their objects.
  */
 export function chooseFunctions({ bytes, callers, pinned }, first, more, keep) {
@@ -201,9 +200,9 @@ function chosen(wasm, options) {
   const isMore = (file) => sources.some((source) => (source.endsWith('/') ? sourceOf(file).startsWith(source) : sourceOf(file) === source));
   const unused = sources.filter((source) => !files.some((file) => sourceOf(file).startsWith(source)));
   if (unused.length) throw new Error(`${options.list}: nothing is built from ${unused.join(', ')}`);
-  const symbols = (wanted) => symbolsOf(options.nm, files.filter((file) => isMore(file) === wanted).map((file) => join(options.objects, file)));
+  const symbols = (wanted, archives) => symbolsOf(options.nm, [...files.filter((file) => isMore(file) === wanted).map((file) => join(options.objects, file)), ...archives]);
   const text = execFileSync(options['wasm-dis'], [options.module], { encoding: 'utf8', maxBuffer: 1 << 28 });
-  return chooseFunctions({ bytes: functionBytes(wasm), ...callGraph(text) }, symbols(false), symbols(true), keep);
+  return chooseFunctions({ bytes: functionBytes(wasm), ...callGraph(text) }, symbols(false, []), symbols(true, [options.archive]), keep);
 }
 
 // --- the two parts ---
@@ -240,7 +239,7 @@ export function split(options) {
 }
 
 if (process.argv[1] && import.meta.url === pathToFileURL(process.argv[1]).href) {
-  const names = ['module', 'objects', 'list', 'mark', 'nm', 'wasm-split', 'wasm-dis', 'more'];
+  const names = ['module', 'objects', 'list', 'mark', 'nm', 'wasm-split', 'wasm-dis', 'archive', 'more'];
   const { values } = parseArgs({ options: Object.fromEntries(names.map((name) => [name, { type: 'string' }])) });
   try {
     for (const name of names) if (!values[name]) throw new Error(`--${name} is missing`);

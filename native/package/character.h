@@ -106,6 +106,12 @@ struct Room {
   std::array<Rect, 6> faces;  // in the picture, in the order of roomPoint (package/room_faces.h)
 };
 
+// The first picture's own file: base mesh, and frame 0 of the first sequence in its lowest rendition (start_file.h).
+struct Start {
+  std::string uri;  // empty: there is none
+  uint64_t bytes = 0, hash = 0;
+};
+
 struct Character {
   std::string name;
   int version = kFormatVersion;
@@ -123,6 +129,7 @@ struct Character {
   uint64_t graph_bytes = 0, graph_hash = 0;
   Room room;
   std::vector<Sequence> sequences;
+  Start start;
 
   const Sequence* find(const std::string& sequence_name) const;
 };

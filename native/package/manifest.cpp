@@ -11,7 +11,7 @@ namespace {
 constexpr double kMaxBytes = 9007199254740992.0;  // 2^53, exact in JSON
 constexpr double kMaxHeaderBytes = 64 << 20;
 constexpr int kMaxSequences = 256;
-constexpr double kMaxMeshBytes = 1 << 28, kMaxGraphBytes = 64 << 20, kMaxRoomBytes = 16 << 20;
+constexpr double kMaxMeshBytes = 1 << 28, kMaxGraphBytes = 64 << 20, kMaxRoomBytes = 16 << 20, kMaxStartBytes = 16 << 20;
 
 bool isRigid(const glm::dmat4& m) {
   const glm::dmat3 r(m);
@@ -164,6 +164,7 @@ void readCharacter(FieldReader& in, const std::string& at, Character& c) {
     c.sequences.push_back(readSequence(in, here, c.layer_count));
     if (!names.insert(c.sequences.back().name).second) in.fail(here + "/name", "appears twice");
   }
+  if (in.has(at + "/start")) readFileOf(in, at + "/start", kMaxStartBytes, c.start.uri, c.start.bytes, c.start.hash);
 }
 
 Error invalidManifest(const std::string& problem) {

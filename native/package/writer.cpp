@@ -128,6 +128,12 @@ Value roomValue(const Room& room) {
                              {"faces", Value(faces)}});
 }
 
+Value startValue(const Start& start) {
+  return Value(Value::Object{{"uri", Value(start.uri)},
+                             {"byteLength", number(double(start.bytes))},
+                             {"hash", hashValue(start.hash)}});
+}
+
 Value extensionValue(const Character& c) {
   Value::Array cameras, sequences;
   for (const PinholeCamera& camera : c.cameras) cameras.push_back(cameraValue(camera));
@@ -156,6 +162,7 @@ Value extensionValue(const Character& c) {
         {"uri", Value(c.graph_uri)}, {"byteLength", number(double(c.graph_bytes))}, {"hash", hashValue(c.graph_hash)}});
   }
   if (!c.room.picture_uri.empty()) out["room"] = roomValue(c.room);
+  if (!c.start.uri.empty()) out["start"] = startValue(c.start);
   return Value(out);
 }
 

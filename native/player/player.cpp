@@ -31,8 +31,10 @@ PlayerImpl::PlayerImpl(gpu::Device& device, const PlayerOptions& options, std::s
       parameters_(options.parameter_rate),
       composer_(options.cameras) {}
 
-Status PlayerImpl::loadManifest(const FlatJson& gltf) {
-  if (Status read = loading_.readManifest(gltf); !read.ok()) {
+Status PlayerImpl::loadManifest(const FlatJson& gltf, std::span<const uint8_t> start) {
+  Status read = loading_.readManifest(gltf, start);
+  if (read.ok() && loading_.hasMesh()) read = composer_.setMesh(device_, *character(), loading_.mesh());
+  if (!read.ok()) {
     fail(read.error(), -1);
     return read;
   }
@@ -46,7 +48,7 @@ Status PlayerImpl::loadManifest(const FlatJson& gltf) {
   }
   const int first = wanted_name_.empty() ? 0 : loading_.find(wanted_name_);
   outbox_.emit(EventKind::LoadedMetadata);
-  select(std::max(first, 0));
+  selectFirst(std::max(first, 0));
   if (first < 0) return Error{ErrorId::InvalidArgument, "the character has no sequence named " + wanted_name_};
   return {};
 }
@@ -84,6 +86,7 @@ void PlayerImpl::pause() {
 
 void PlayerImpl::seekFrame(uint32_t frame) {
   if (!main().head.used()) return;
+  leaveStart();
   cancelTransition();
   playback_.requestSeek();
   startAt(main(), std::min(frame, wantedOf(main()).frame_count - 1));
@@ -91,6 +94,7 @@ void PlayerImpl::seekFrame(uint32_t frame) {
 
 void PlayerImpl::seek(double time_s) {
   if (!main().head.used() || !std::isfinite(time_s)) return;
+  leaveStart();
   const package::Sequence& sequence = wantedOf(main());
   seekFrame(static_cast<uint32_t>(
       std::clamp(time_s * sequence.fps + 1e-6, 0.0, static_cast<double>(sequence.frame_count - 1))));
@@ -104,6 +108,7 @@ Status PlayerImpl::selectSequence(const std::string& name) {
   cancelTransition();
   transitions_.forgetReturn();
   transitions_.setGoal(sequence);
+  if (starting() && sequence == 0) return {};
   if (loading_.revive(sequence) || sequence != main().head.sequence()) select(sequence);
   return {};
 }
@@ -112,6 +117,18 @@ void PlayerImpl::select(int sequence) {
   transitions_.setGoal(sequence);
   main().head.select(sequence);
   startAt(main(), 0);
+}
+
+// The start file shows frame 0 of the first sequence until that itself is there.
+void PlayerImpl::selectFirst(int sequence) {
+  if (sequence > 0 || loading_.startSequence() < 0) return select(sequence);
+  transitions_.setGoal(sequence);
+  main().head.select(loading_.startSequence());
+  startAt(main(), 0);
+}
+
+void PlayerImpl::leaveStart() {
+  if (starting()) main().head.select(0);
 }
 
 void PlayerImpl::startAt(Track& t, int64_t frame) {
@@ -168,7 +185,10 @@ std::string PlayerImpl::goal() const {
   return transitions_.goal() < 0 ? wanted_name_ : loading_.sequence(transitions_.goal()).name;
 }
 
-const package::Sequence* PlayerImpl::sequence() const { return main().head.used() ? &wantedOf(main()) : nullptr; }
+const package::Sequence* PlayerImpl::sequence() const {
+  if (!main().head.used()) return nullptr;
+  return starting() ? &loading_.sequence(0) : &wantedOf(main());
+}
 
 uint32_t PlayerImpl::frame() const {
   const Track& t = main();

@@ -56,8 +56,11 @@ class Player {
                                                 const PlayerOptions& options);
   virtual ~Player() = default;
 
-  // Starts loading; the first sequence (or `selectSequence` called before) is prepared at frame 0.
-  virtual Status loadManifest(const FlatJson& gltf) = 0;
+  // Starts loading; the first sequence (or `selectSequence` called before) is prepared at frame 0. start: the bytes of
+  // the character's start file (package/start_file.h), if the edge has them: they show frame 0 before any fetch.
+  virtual Status loadManifest(const FlatJson& gltf, std::span<const uint8_t> start = {}) = 0;
+  // The base mesh is there, or none is needed: no fetch under way brings one in Draco's coding.
+  virtual bool hasMesh() const = 0;
   virtual void play() = 0;
   virtual void pause() = 0;
   virtual void seekFrame(uint32_t frame) = 0;  // of the current sequence, clamped; stays playing/paused

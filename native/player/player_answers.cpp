@@ -12,7 +12,7 @@ constexpr int kNoSlotNow = -1, kNotAwaited = -2;
 
 void PlayerImpl::requestMissing() {
   if (!main().head.used()) return;
-  std::array<Need, kDecoders> needs;
+  std::array<Need, kDecoders + 1> needs;
   size_t count = 0;
   for (const Track* t : {&main(), &other()}) {
     if (!t->head.used()) continue;
@@ -20,6 +20,7 @@ void PlayerImpl::requestMissing() {
     need = {t->head.sequence(), frameOf(*t, t->head.position()), loops(*t), {}};
     if (t->feeding.active() && !t->feeding.done()) need.fed_gop = t->feeding.gop();
   }
+  if (starting()) needs[count++] = {0, 0, loops(0), {}};
   const bool wanted = transitions_.phase() == Transitions::Phase::Wanted;
   loading_.requestMissing(std::span(needs.data(), count), wanted ? transitions_.target() : -1);
 }

@@ -20,7 +20,8 @@ class PlayerImpl final : public Player {
  public:
   PlayerImpl(gpu::Device& device, const PlayerOptions& options, std::shared_ptr<render::Recipe> recipe);
 
-  Status loadManifest(const FlatJson& gltf) override;
+  Status loadManifest(const FlatJson& gltf, std::span<const uint8_t> start) override;
+  bool hasMesh() const override { return composer_.hasMesh(); }
   void play() override;
   void pause() override;
   void seekFrame(uint32_t frame) override;
@@ -68,6 +69,9 @@ class PlayerImpl final : public Player {
  private:
   // player.cpp
   void select(int sequence);
+  void selectFirst(int sequence);
+  bool starting() const { return main().head.used() && main().head.sequence() == loading_.startSequence(); }
+  void leaveStart();
   void startAt(Track& track, int64_t frame);
   void glideParameters(double dt_s);
   bool fromCameras() const { return character()->appearance == package::AppearanceKind::Cameras; }

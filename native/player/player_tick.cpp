@@ -19,7 +19,7 @@ void PlayerImpl::tick(double now_s) {
   for (Track* t : {&main(), &other()})
     if (isReady(*t)) choosePicture(*t);
   // A motion that was asked for and does not come makes the player wait as a picture that does not come does.
-  if (playback_.playing() && hasFrame() && seeking()) playback_.noteStarvation(true);
+  if (playback_.playing() && hasFrame() && seeking()) playback_.noteStarvation(playback_.canPlay());
   stepTransition();
   composeMesh();
   playback_.finishTick(seeking());
@@ -89,8 +89,10 @@ void PlayerImpl::finishSeek(Track& t, int previous_sequence) {
   t.head.finishSeek(wantedOf(t).fps);
   t.head.setRunning(runs(t));
   if (!isMain(t)) return;
+  if (starting()) return select(0);
   loading_.onFirstPicture();
-  playback_.finishSeek(previous_sequence >= 0 && previous_sequence != t.head.sequence());
+  const bool known = previous_sequence >= 0 && previous_sequence != loading_.startSequence();
+  playback_.finishSeek(known && previous_sequence != t.head.sequence());
 }
 
 // A state that is about to lead on stays on its last frame instead of ending.

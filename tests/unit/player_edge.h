@@ -69,7 +69,9 @@ class SimulatedEdge {
     return runUntil([&] { return player->hasFrame() && !player->seeking(); });
   }
   // Loads the manifest and runs until the first picture is shown.
-  bool load() { return player->loadManifest(character_.manifest).ok() && runUntilShown(); }
+  bool load(std::span<const uint8_t> start = {}) {
+    return player->loadManifest(character_.manifest, start).ok() && runUntilShown();
+  }
   // What the shown picture and geometry say about themselves; both through one draw.
   TaggingDevice::Drawn draw() {
     device.drawn = {};

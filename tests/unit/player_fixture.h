@@ -18,6 +18,7 @@
 #include "package/barcode.h"
 #include "package/base_mesh.h"
 #include "package/chunk_mesh.h"
+#include "package/start_file.h"
 #include "package/stream_file.h"
 
 namespace fourdvt::testing {
@@ -118,6 +119,27 @@ class FakeBuilder {
     camera();
     for (uint32_t s = 0; s < out_.sequences.size(); ++s) sequence(s);
     return std::move(out_);
+  }
+
+  // The bytes of the character's start file, which its manifest names from now on.
+  static std::vector<uint8_t> addStart(FakeCharacter& character) {
+    const FakeSequence& q = character.sequences[0];
+    const std::string at = std::string("/extensions/") + package::kExtensionName;
+    const std::vector<uint8_t>& stream = character.files[q.name + ".bin"];
+    const auto header =
+        std::span(stream).first(size_t(*character.manifest.number(at + "/sequences/0/stream/headerLength")));
+    package::StreamIndex index = package::readStreamHeader(header).take();
+    const package::ChunkEntry chunk = index.chunks[0];
+    const package::VideoSample key = index.renditions[0].samples[0];
+    std::vector<uint8_t> start =
+        package::encodeStartFile(index, std::span(stream).subspan(chunk.offset, chunk.bytes),
+                                 std::span(character.files[q.videoOf(0)]).subspan(key.offset, key.bytes),
+                                 fakeMesh().decoded)
+            .take();
+    character.manifest.set(at + "/start/uri", std::string("character.start.bin"));
+    character.manifest.set(at + "/start/byteLength", double(start.size()));
+    character.manifest.set(at + "/start/hash", hashText(start));
+    return start;
   }
 
   // `choose`: where to enter `target` from a frame of `source`. Weight rows of a class: its members alone.

@@ -10,7 +10,9 @@ import { createServer as createSecureServer } from 'node:https';
 import { networkInterfaces } from 'node:os';
 import { extname, join, resolve, sep } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { gzipSync } from 'node:zlib';
 
+const kPackable = new Set(['.html', '.css', '.js', '.json', '.gltf', '.wasm', '.svg']);
 const TYPES = {
   '.html': 'text/html; charset=utf-8', '.css': 'text/css; charset=utf-8', '.js': 'text/javascript; charset=utf-8',
   '.mjs': 'text/javascript; charset=utf-8', '.json': 'application/json', '.gltf': 'model/gltf+json',
@@ -72,11 +74,14 @@ async function answer(root, options, request, response, entry) {
   if (range === 'bad') return finish(416, { 'Content-Range': `bytes */${size}` });
   const [first, last] = range === 'none' ? [0, size - 1] : range;
   if (range !== 'none') headers['Content-Range'] = `bytes ${first}-${last}/${size}`;
-  headers['Content-Length'] = last - first + 1;
+  const packed = options.gzip && range === 'none' && kPackable.has(extname(file)) ? gzipSync(readFileSync(file), { level: 9 }) : null;
+  if (packed) headers['Content-Encoding'] = 'gzip';
+  headers['Content-Length'] = packed?.length ?? last - first + 1;
   entry.status = range === 'none' ? 200 : 206;
   entry.bytes = last - first + 1;
   response.writeHead(entry.status, headers);
   if (request.method === 'HEAD' || size === 0) return response.end();
+  if (packed) return response.end(packed);
   if (fault.spoil) return response.end(readFileSync(file).subarray(first, last + 1).map((byte) => byte ^ 0x55));
   if (fault.stallAfter !== undefined) return response.write(readFileSync(file).subarray(first, Math.min(first + fault.stallAfter, last + 1)));
   const stream = createReadStream(file, { start: first, end: last, highWaterMark: fault.bytesPerS ? fault.bytesPerS / 10 : undefined });
@@ -96,7 +101,7 @@ async function answer(root, options, request, response, entry) {
  * goes wrong with this request, if anything: { away: true } (the connection breaks), { status }, { text } (this instead of
  * the file), { url } (another file), { truncate: bytes } (the file ends there), { spoil: true } (wrong bytes), { whole: true }
  * (200 for a range), { stallAfter: bytes } (no more bytes follow, and no end), { bytesPerS }; forgets (true: keep no
- * requests). `requests` grows by { method, path, range, status, bytes } for every request.
+ * requests); gzip (true: texts and wasm are sent compressed). `requests` grows by { method, path, range, status, bytes } for every request.
  */
 export function serve(root, port = 0, options = {}) {
   const folder = resolve(root);

@@ -23,10 +23,11 @@ export interface ActorContext {
   beside: Actor | null;
 }
 
-/** What one character is loaded from. */
+/** What one character is loaded from; start: the bytes of its start file, or none. */
 export interface Source {
   transport: Transport;
   manifest: unknown;
+  start: Uint8Array;
 }
 
 export interface ActorHost {
@@ -37,6 +38,8 @@ export interface ActorHost {
   onNoPlanes(): void;
   /** Gets the first decoded picture, once, to measure with; closes it. */
   onFirstFrame?(frame: VideoFrame): void;
+  /** Loads the second part of the player. */
+  more(): Promise<unknown>;
   /** Reports a trap in wasm or another error that ends the whole session. */
   fatal(reason: unknown): void;
 }
@@ -49,6 +52,7 @@ export class Actor implements Performer {
   #decoders: (FrameDecoder | undefined)[] = [];
   #player: WasmPlayer | null;
   #character: CharacterInfo | null = null;
+  #ready: Promise<unknown> = Promise.resolve(); // what fetches bring can be decoded
   #measured = false; // a decoder has been asked to give its first picture to the host
   #stuck = false; // after an error, until the next command: what is awaited will not come
 
@@ -61,12 +65,13 @@ export class Actor implements Performer {
     const player = new WasmPlayer(context.module, context.beside?.player ?? context.gl, context.path, PICTURE_SLOTS);
     this.#player = player;
     try {
-      player.loadManifest(source.manifest);
+      player.loadManifest(source.manifest, source.start);
     } catch (reason) {
       this.dispose();
       throw reason;
     }
     this.#character = player.character();
+    if (!this.#character?.hasMesh) this.#ready = host.more();
     commands.attach(this);
     this.pump();
   }
@@ -182,7 +187,7 @@ export class Actor implements Performer {
     const player = this.#player;
     let answer: (p: WasmPlayer) => void;
     try {
-      const part = await this.#transport.range(id, uri, offset, bytes);
+      const [part] = await Promise.all([this.#transport.range(id, uri, offset, bytes), this.#ready]);
       if (!part) return;
       answer = (p) => p.rangeReceived(id, part);
     } catch (reason) {

@@ -99,7 +99,10 @@ export class FourdvtViewer extends HTMLElement {
       companions: this.#companions,
       animate: (dt) => this.#animate(dt),
       emit: (name, detail) => this.#onSessionEvent(name, detail),
-      firstPicture: () => this.#overlay.ready(),
+      firstPicture: () => {
+        this.#overlay.ready();
+        this.#emit('loadeddata');
+      },
       network: (waiting) => this.#onNetwork(waiting),
     };
     this.#commands.set('options', DEFAULT_RENDER);
@@ -560,7 +563,7 @@ export class FourdvtViewer extends HTMLElement {
 
   #onMetadata(): void {
     const poster = this.#session?.character?.posterUri;
-    if (poster && !this.#overlay.hasPoster) this.#overlay.setPoster(new URL(poster, new URL(this.src, this.baseURI)).href);
+    if (poster && !this.#session?.character?.hasMesh && !this.#overlay.hasPoster) this.#overlay.setPoster(new URL(poster, new URL(this.src, this.baseURI)).href);
   }
 
   #onJoin(event: CustomEvent<Companion>): void {

@@ -28,6 +28,7 @@ const fetchFailed = (reason: unknown): never => { throw new ViewerError('fetch-f
 
 interface Extension {
   appearance?: unknown;
+  start?: unknown;
   layerCount?: number;
 }
 // Of a manifest that may not be checked yet.
@@ -87,6 +88,7 @@ export class Session {
   #lookTurn = 0; // counts the attempts to set the look: only the last one counts
   #roomTurn = 0; // counts the attempts to show it: only the last one counts
   #manifest: unknown = null;
+  #start: Uint8Array = new Uint8Array();
   #main: Actor | null = null;
   readonly #others = new Map<Companion, Other>();
   readonly #coming = new Set<Companion>();
@@ -127,7 +129,9 @@ export class Session {
       const { wasmUrl } = this.#options;
       const early = needsFlow(this.#align) || this.#hasLook;
       if (early) expectMore(wasmUrl, this.#network);
+      const start = this.#transport.start(); // beside the others, whether the manifest names it or not
       const [manifest, module] = await Promise.all([this.#transport.manifest(), instantiate(wasmUrl, this.#network)]);
+      if (extensionOf(manifest)?.start) this.#start = await start;
       if (this.#abort.signal.aborted) return;
       this.#module = module;
       if (isFromCameras(manifest)) await this.#more();
@@ -331,11 +335,12 @@ export class Session {
     this.#path = path;
     this.#programsMissing = true;
     const decide = (this.#deciding = this.#options.uploadPath === 'auto' && !rememberedPath());
-    const source = { transport: this.#transport, manifest: this.#manifest };
+    const source = { transport: this.#transport, manifest: this.#manifest, start: this.#start };
     const main = new Actor(this.#context(null), source, this.#commands, {
       emit: (name, detail) => this.#onMainEvent(name, detail),
       wake: () => this.wake(),
       onNoPlanes: () => this.#reopen('rgba'),
+      more: () => this.#more(),
       fatal: (reason) => this.#fatal(reason),
       ...(decide ? { onFirstFrame: (frame: VideoFrame) => void this.#choosePath(frame) } : {}),
     });
@@ -359,10 +364,11 @@ export class Session {
       },
       wake: () => this.wake(),
       fatal: (reason) => this.#fatal(reason),
+      more: () => this.#more(),
       onNoPlanes: () => companion.emit('error',
         new ViewerError('video-invalid', 'the pictures of this video cannot be read here').detail),
     };
-    const actor = new Actor(this.#context(this.#main), { transport, manifest }, commands, host);
+    const actor = new Actor(this.#context(this.#main), { transport, manifest, start: new Uint8Array() }, commands, host);
     this.#others.set(companion, { actor, transport });
     if (this.#hidden) actor.setInSight(false);
     // A listener of its first events may have removed it.
@@ -405,6 +411,7 @@ export class Session {
     this.#transport.dispose();
     this.#transport = transport;
     this.#manifest = manifest;
+    this.#start = await transport.start();
     this.#reopen(this.#path);
   }
 

@@ -237,6 +237,19 @@ export class Transport {
     }
   }
 
+  /** The bytes of the start file, whose name follows from the manifest's. None if it cannot be had at once: all can do without. */
+  async start(): Promise<Uint8Array> {
+    const url = this.#base.replace(/\.gltf(?=$|[?#])/, '.start.bin');
+    if (url === this.#base) return new Uint8Array();
+    try {
+      const bytes = await (await ask(url, { cache: this.#cache }, this.#abort.signal)).read();
+      this.bytesReceived += bytes.length;
+      return bytes;
+    } catch {
+      return new Uint8Array();
+    }
+  }
+
   /** Another file that the character needs. Errors: ViewerError 'fetch-failed'. */
   file(url: string): Promise<Uint8Array> {
     return fetchFile(url, this.#count, this.#abort.signal);

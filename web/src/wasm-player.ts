@@ -61,6 +61,8 @@ export interface CharacterInfo {
   name: string;
   /** Textured from the cameras' own pictures, not from layers. */
   fromCameras: boolean;
+  /** False: a fetch brings the base mesh, which the second part of the player decodes. */
+  hasMesh: boolean;
   posterUri: string;
   /** The picture of its room; empty if it has none. */
   roomUri: string;
@@ -133,7 +135,8 @@ export class WasmPlayer {
     this.#h = this.#scratch = this.#scratchBytes = 0;
   }
 
-  loadManifest(json: unknown): void {
+  /** start: the bytes of the start file, none if the page does not have them. */
+  loadManifest(json: unknown, start: Uint8Array): void {
     flattenJson(json, (pointer, value) => {
       const key = encoder.encode(pointer);
       if (typeof value === 'string') {
@@ -146,7 +149,7 @@ export class WasmPlayer {
         this.#m._fdvt_manifest_bool(this.#h, this.#put(key), key.length, value ? 1 : 0);
       }
     });
-    this.#check(this.#m._fdvt_load(this.#h));
+    this.#check(this.#m._fdvt_load(this.#h, this.#put(start), start.length));
   }
 
   play(): void { this.#m._fdvt_play(this.#h); }

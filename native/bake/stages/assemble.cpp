@@ -3,6 +3,7 @@
 
 #include "bake/run/describe.h"
 #include "bake/stages/poster.h"
+#include "bake/stages/start_stage.h"
 #include "bake/stages/stream_files.h"
 #include "base/bytes.h"
 #include "base/hash.h"
@@ -245,6 +246,7 @@ Status assemble(BakeRun& run, const std::vector<uint8_t>& graph, const std::opti
   FOURDVT_TRY(writeStills(run, character));
   FOURDVT_TRY(writeGraph(job, graph, character, report));
   FOURDVT_TRY(writeRoom(job, room, character, report));
+  FOURDVT_TRY(writeStart(run, character, report));
   FOURDVT_ASSIGN(auto manifest,
                  package::writeManifest({character, &job.mesh, kTexture, kGenerator, job.capture.credit}));
   FOURDVT_TRY(platform::writeFileAtomic(job.resultFolder() + "/character.gltf", manifest));

@@ -4,6 +4,8 @@
 #include <algorithm>
 
 #include "base/hash.h"
+#include "package/mesh_code.h"
+#include "package/start_file.h"
 
 namespace fourdvt {
 
@@ -23,7 +25,7 @@ Error named(const std::string& uri, const Error& error) { return {error.id, uri 
 
 }  // namespace
 
-Status Loading::readManifest(const FlatJson& gltf) {
+Status Loading::readManifest(const FlatJson& gltf, std::span<const uint8_t> start) {
   auto read = package::readManifest(gltf);
   if (!read.ok()) return read.error();
   if (read.value().appearance == package::AppearanceKind::Cameras && !cameras_)
@@ -32,7 +34,29 @@ Status Loading::readManifest(const FlatJson& gltf) {
   streams_.clear();
   streams_.resize(character_->sequences.size());
   if (fromCameras()) mesh_state_ = PartState::Present;  // every GOP brings its own
-  fetches_.startProgress(fromCameras() ? 0 : character_->mesh_bytes);
+  const package::Start& s = character_->start;
+  started_ = start.size() == s.bytes && !s.uri.empty() && fnv1a(start) == s.hash && takeStart(start).ok();
+  fetches_.startProgress(mesh_state_ == PartState::Present ? 0 : character_->mesh_bytes);
+  return {};
+}
+
+// The first sequence's frame 0 becomes a sequence of its own, with everything there that its one GOP needs.
+Status Loading::takeStart(std::span<const uint8_t> bytes) {
+  FOURDVT_ASSIGN(package::StartFile file, package::readStartFile(bytes));
+  start_ = character_->sequences[0];
+  start_.frame_count = 1;
+  start_.renditions.resize(1);
+  start_.stream_bytes = start_.renditions[0].video_bytes = bytes.size();
+  FOURDVT_TRY(checkHeader(start_, file.index));
+  if (!fromCameras())
+    FOURDVT_TRY(takeMesh(package::decodeMeshCode(file.mesh, character_->vertex_count, character_->face_count)));
+  streams_.resize(streams_.size() + 1);
+  streams_.back().header = PartState::Present;
+  streams_.back().index = std::move(file.index);
+  stream::Gop& gop = cache_.touch({sequenceCount(), 0});
+  gop.chunk = std::move(file.chunk);
+  gop.video = std::move(file.video);
+  gop.chunk_state = gop.video_state = PartState::Present;
   return {};
 }
 
@@ -175,7 +199,10 @@ PartState* Loading::stateOf(const FetchPurpose& purpose) {
 }
 
 Status Loading::receiveMesh(std::span<const uint8_t> bytes) {
-  auto mesh = package::decodeBaseMesh(bytes, character_->face_count);
+  return takeMesh(package::decodeBaseMesh(bytes, character_->face_count));
+}
+
+Status Loading::takeMesh(Result<package::BaseMesh> mesh) {
   if (!mesh.ok()) return named(character_->mesh_uri, mesh.error());
   const MeshTopology& topology = mesh.value().topology;
   if (topology.vertex_count != character_->vertex_count || topology.faceCount() != character_->face_count)
@@ -190,14 +217,13 @@ Status Loading::receiveMesh(std::span<const uint8_t> bytes) {
 Status Loading::receiveHeader(int sequence_index, std::span<const uint8_t> bytes) {
   auto index = package::readStreamHeader(bytes);
   if (!index.ok()) return named(sequence(sequence_index).stream_uri, index.error());
-  FOURDVT_TRY(checkHeader(sequence_index, index.value()));
+  FOURDVT_TRY(checkHeader(sequence(sequence_index), index.value()));
   stream(sequence_index).index = index.take();
   stream(sequence_index).header = PartState::Present;
   return {};
 }
 
-Status Loading::checkHeader(int sequence_index, const package::StreamIndex& i) const {
-  const package::Sequence& q = sequence(sequence_index);
+Status Loading::checkHeader(const package::Sequence& q, const package::StreamIndex& i) const {
   const auto isOf = [&](uint32_t count, uint32_t whole) { return fromCameras() ? count <= whole : count == whole; };
   if (i.frame_count != q.frame_count || !isOf(i.vertex_count, character_->vertex_count) ||
       !isOf(i.face_count, character_->face_count) || i.layer_count != static_cast<uint32_t>(character_->layer_count) ||

@@ -43,11 +43,17 @@ class Loading {
           uint32_t rendition = kHighestRendition)
       : cameras_(cameras), rendition_(rendition), cache_(encoded_budget_bytes), fetches_(outbox) {}
 
+  // start: the bytes of the character's start file; none, or others than the manifest says: they are not used.
   // Errors: as of package::readManifest; Unsupported: from cameras, without CameraParts. What was there stays.
-  Status readManifest(const FlatJson& gltf);
+  Status readManifest(const FlatJson& gltf, std::span<const uint8_t> start = {});
   const package::Character* character() const { return character_ ? &*character_ : nullptr; }  // null: no manifest yet
-  int sequenceCount() const { return static_cast<int>(streams_.size()); }
-  const package::Sequence& sequence(int index) const { return character_->sequences[static_cast<size_t>(index)]; }
+  int sequenceCount() const { return static_cast<int>(character_ ? character_->sequences.size() : 0); }
+  // The manifest's sequences, and with a start file one more (startSequence): frame 0 of the first.
+  const package::Sequence& sequence(int index) const {
+    return index < sequenceCount() ? character_->sequences[static_cast<size_t>(index)] : start_;
+  }
+  int startSequence() const { return started_ ? sequenceCount() : -1; }
+  bool hasMesh() const { return mesh_.has_value(); }
   uint32_t renditionOf(int index) const;    // that is fetched and decoded, among the sequence's renditions
   int find(const std::string& name) const;  // -1: there is no sequence of that name
   const package::BaseMesh& mesh() const { return *mesh_; }  // after Arrival::What::Mesh
@@ -95,8 +101,10 @@ class Loading {
   uint64_t hashOf(const FetchPurpose& purpose) const;
   stream::PartState* stateOf(const FetchPurpose& purpose);
   Status receiveMesh(std::span<const uint8_t> bytes);
+  Status takeMesh(Result<package::BaseMesh> mesh);
+  Status takeStart(std::span<const uint8_t> bytes);
   Status receiveHeader(int sequence, std::span<const uint8_t> bytes);
-  Status checkHeader(int sequence, const package::StreamIndex& index) const;
+  Status checkHeader(const package::Sequence& sequence, const package::StreamIndex& index) const;
   void receiveGraph(std::span<const uint8_t> bytes);
   void receiveGop(const FetchPurpose& purpose, std::span<const uint8_t> bytes);
 
@@ -112,6 +120,8 @@ class Loading {
   std::optional<motion::MotionGraph> graph_;
   stream::PartState mesh_state_ = stream::PartState::Absent, graph_state_ = stream::PartState::Absent;
   std::vector<Stream> streams_;
+  package::Sequence start_;
+  bool started_ = false;
   stream::GopCache cache_;
   Fetches fetches_;
 };

@@ -15,6 +15,7 @@ class Playback {
   explicit Playback(Outbox& outbox) : outbox_(outbox) {}
 
   bool playing() const { return playing_; }
+  bool canPlay() const { return can_play_; }  // a picture of the streams has been shown
   bool play();   // false: it plays already
   bool pause();  // false: it is paused already. Emits Paused.
   void end();    // Emits Ended.

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/stages/start_stage.h"
+
+#include "base/hash.h"
+#include "package/start_file.h"
+#include "platform/files.h"
+
+namespace fourdvt::bake {
+
+Status writeStart(const BakeRun& run, package::Character& character, ReportInput& report) {
+  const Job& job = run.job;
+  const std::string folder = job.resultFolder() + "/";
+  const package::Sequence& s = character.sequences[0];
+  FOURDVT_ASSIGN(const auto header, platform::readFileRange(folder + s.stream_uri, 0, s.stream_header_bytes));
+  FOURDVT_ASSIGN(auto index, package::readStreamHeader(header));
+  FOURDVT_ASSIGN(const auto gop, run.work.loadChunk(job.streams[0].name, 0));
+  const package::VideoSample key = index.renditions[0].samples[0];
+  FOURDVT_ASSIGN(const auto video, platform::readFileRange(folder + s.renditions[0].video_uri, key.offset, key.bytes));
+  FOURDVT_ASSIGN(const auto file, package::encodeStartFile(std::move(index), gop, video, job.mesh.decoded));
+  character.start = {kStartFile, file.size(), fnv1a(file)};
+  report.figures.bytes_by_part[kStartFile] = file.size();
+  return platform::writeFileAtomic(folder + kStartFile, file);
+}
+
+}  // namespace fourdvt::bake

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// The start file, from which a player shows a first picture before any stream has come: the base mesh, and a stream of
+// one frame (its header, chunk and key sample). The manifest has the hash of the whole file. Byte layout: FORMAT.md.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "package/base_mesh.h"
+#include "package/stream_file.h"
+
+namespace fourdvt::package {
+
+constexpr uint32_t kStartMagic = 0x46564434;  // "4DVF"
+constexpr uint16_t kStartVersion = 1;
+
+struct StartFile {
+  std::span<const uint8_t> mesh;  // mesh_code.h; of the file's bytes
+  std::vector<uint8_t> chunk, video;
+  StreamIndex index;  // of one frame, one GOP and one rendition
+};
+
+// Native only. index: of the stream; gop: its first chunk; key: the first sample of its first rendition. Only one
+// frame's geometry is coded anew. Errors: those of ChunkDecoder; Internal.
+Result<std::vector<uint8_t>> encodeStartFile(StreamIndex index, std::span<const uint8_t> gop,
+                                             std::span<const uint8_t> key, const BaseMesh& base);
+// Errors: StreamInvalid; those of readStreamHeader.
+Result<StartFile> readStartFile(std::span<const uint8_t> bytes);
+
+}  // namespace fourdvt::package

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "base/bytes.h"
+#include "base/hash.h"
+#include "package/chunk_mesh.h"
+#include "package/coding/chunk_decoder.h"
+#include "package/mesh_code.h"
+#include "package/start_file.h"
+
+namespace fourdvt::package {
+namespace {
+
+// Cuts lists that run frame by frame down to their first frame.
+ChunkFrames firstFrame(ChunkFrames frames, uint32_t decoded) {
+  const auto cut = [&](auto& list) { list.resize(list.size() / decoded); };
+  cut(frames.positions), cut(frames.labels), cut(frames.offsets), cut(frames.alignment), cut(frames.root);
+  frames.frame_count = 1;
+  return frames;
+}
+
+// The same with its first sample alone, a key sample of these bytes.
+SampleTable firstSample(const SampleTable& table, std::span<const uint8_t> bytes) {
+  SampleTable out;
+  out.decoder_description = table.decoder_description;
+  out.samples = {table.samples[0]};
+  out.samples[0].offset = 0;
+  out.chunk_first_sample = {0, 1};
+  out.chunk_hash = {fnv1a(bytes)};
+  return out;
+}
+
+std::vector<uint8_t> join(std::span<const uint8_t> mesh, std::span<const uint8_t> header,
+                          std::span<const uint8_t> chunk, std::span<const uint8_t> video) {
+  ByteWriter out;
+  out.u32(kStartMagic);
+  out.u16(kStartVersion);
+  out.u16(0);
+  for (const auto part : {mesh, header, chunk, video}) out.u32(static_cast<uint32_t>(part.size()));
+  for (const auto part : {mesh, header, chunk, video}) out.bytes(part);
+  return out.take();
+}
+
+}  // namespace
+
+Result<std::vector<uint8_t>> encodeStartFile(StreamIndex index, std::span<const uint8_t> gop,
+                                             std::span<const uint8_t> key, const BaseMesh& base) {
+  const ChunkMesh mesh = makeChunkMesh(base);
+  FOURDVT_ASSIGN(auto decoder, ChunkDecoder::open(gop, index, 0, mesh));
+  const uint32_t frames = index.chunks[0].frame_count;
+  FOURDVT_TRY(decoder->decodeTo(frames - 1));
+  FOURDVT_ASSIGN(const auto chunk, encodeChunk(firstFrame(decoder->frames(), frames), mesh));
+  FOURDVT_ASSIGN(const auto coded, encodeMeshCode(base));
+  index.frame_count = 1;
+  index.chunks = {{0, 1, 0, static_cast<uint32_t>(chunk.size()), fnv1a(chunk)}};
+  index.renditions = {firstSample(index.renditions[0], key)};
+  index.chunks[0].offset = writeStreamHeader(index).size();  // as in a .bin, where the chunk follows the header
+  return join(coded, writeStreamHeader(index), chunk, key);
+}
+
+}  // namespace fourdvt::package

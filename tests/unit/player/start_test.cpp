@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// The start file: the first picture without a fetch, then the stream; start files that do not belong, in the player and
+// as bytes.
+#include <gtest/gtest.h>
+
+#include "player_edge.h"
+
+using namespace fourdvt;
+using namespace fourdvt::testing;
+
+namespace {
+
+FakeCharacter twoSequences() {
+  return FakeBuilder().build({{"walk", 30, 8, 25, true, 192, 8, {}, 2}, {"run", 20, 8, 25, true, 224, 8, {}, 2}});
+}
+
+// Frame 0 by the start file while nothing can be fetched.
+bool showsOffline(SimulatedEdge& edge, const FakeCharacter& character, std::span<const uint8_t> start) {
+  edge.offline = true;
+  return edge.player->loadManifest(character.manifest, start).ok() &&
+         edge.runUntil([&] { return edge.player->hasFrame(); }, 2);
+}
+
+TEST(StartFile, ShowsFrame0InTheLowestRenditionBeforeAnyFetch) {
+  FakeCharacter character = twoSequences();
+  const std::vector<uint8_t> start = FakeBuilder::addStart(character);
+  SimulatedEdge edge(character, {});
+  ASSERT_TRUE(showsOffline(edge, character, start));
+  const auto drawn = edge.draw();
+  EXPECT_EQ(drawn.picture_frame, 0);
+  EXPECT_EQ(drawn.geometry_frame, 0);
+  EXPECT_EQ(drawn.picture_width, character.sequences[0].widthOf(0));
+  EXPECT_EQ(edge.player->sequence()->name, "walk");
+  EXPECT_EQ(edge.player->sequence()->frame_count, 30u) << "the sequence itself, not the start file's";
+  EXPECT_TRUE(edge.player->seeking());
+  EXPECT_EQ(edge.events[EventKind::CanPlay], 0) << "nothing can play yet";
+}
+
+TEST(StartFile, TheStreamFollowsAndPlays) {
+  FakeCharacter character = twoSequences();
+  const std::vector<uint8_t> start = FakeBuilder::addStart(character);
+  SimulatedEdge edge(character, {});
+  ASSERT_TRUE(showsOffline(edge, character, start));
+  edge.player->play();
+  edge.offline = false;
+  ASSERT_TRUE(edge.runUntilShown());
+  EXPECT_EQ(edge.events[EventKind::CanPlay], 1);
+  EXPECT_EQ(edge.events[EventKind::SequenceChanged], 0);
+  for (int i = 0; i < 300; ++i) {
+    edge.step(0.008);
+    edge.expectPaired();
+  }
+  EXPECT_GT(edge.player->stats().frames_shown, 30u);
+  EXPECT_EQ(edge.player->stats().barcode_mismatches, 0u);
+  EXPECT_TRUE(edge.errors.empty());
+}
+
+TEST(StartFile, AnotherSequenceOrFrameLeavesItAtOnce) {
+  for (const bool other : {false, true}) {
+    FakeCharacter character = twoSequences();
+    const std::vector<uint8_t> start = FakeBuilder::addStart(character);
+    SimulatedEdge edge(character, {});
+    ASSERT_TRUE(edge.player->loadManifest(character.manifest, start).ok());
+    if (other)
+      ASSERT_TRUE(edge.player->selectSequence("run").ok());
+    else
+      edge.player->seekFrame(13);
+    ASSERT_TRUE(edge.runUntilShown());
+    EXPECT_EQ(edge.player->sequence()->name, other ? "run" : "walk");
+    EXPECT_EQ(edge.player->frame(), other ? 0u : 13u);
+    edge.expectPaired();
+  }
+}
+
+TEST(StartFile, OneThatDoesNotBelongIsNotUsed) {
+  FakeCharacter character = twoSequences();
+  const std::vector<uint8_t> start = FakeBuilder::addStart(character);
+  std::vector<uint8_t> other = start;
+  other[other.size() / 2] ^= 1;
+  for (const auto& bytes : {std::vector<uint8_t>{}, other, std::vector<uint8_t>(start.begin(), start.end() - 1)}) {
+    SimulatedEdge offline(character, {});
+    EXPECT_FALSE(showsOffline(offline, character, bytes));
+    SimulatedEdge edge(character, {});
+    EXPECT_TRUE(edge.load(bytes));
+    edge.expectPaired();
+    EXPECT_TRUE(edge.errors.empty());
+  }
+}
+
+TEST(StartFile, EveryTruncationAndWrongCountIsRefused) {
+  FakeCharacter character = twoSequences();
+  const std::vector<uint8_t> start = FakeBuilder::addStart(character);
+  ASSERT_TRUE(package::readStartFile(start).ok());
+  for (size_t size = 0; size < start.size(); ++size)
+    EXPECT_FALSE(package::readStartFile(std::span(start).first(size)).ok()) << size;
+  std::vector<uint8_t> longer = start;
+  longer.push_back(0);
+  EXPECT_FALSE(package::readStartFile(longer).ok());
+  for (const size_t at : {0, 4, 6, 8, 12, 16, 20}) {
+    std::vector<uint8_t> changed = start;
+    changed[at] ^= 1;
+    EXPECT_FALSE(package::readStartFile(changed).ok()) << at;
+  }
+}
+
+}  // namespace
