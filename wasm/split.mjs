@@ -133,8 +133,7 @@ function readList(path) {
   return { keep: new Set(keep), sources: lines.filter((line) => !line.startsWith('keep ')) };
 }
 
-// Path of the source that an object of CMake was made from: "native/render/recipe" of
-// "native/render/CMakeFiles/fourdvt_render.dir/recipe.cpp.o".
+// Path of the source, without its ending, that an object of CMake was made from: "a/b" of "a/CMakeFiles/TARGET.dir/b.cpp.o".
 const sourceOf = (object) => object.replace(/CMakeFiles\/[^/]+\.dir\//, '').replace(/\.cpp\.o$/, '');
 
 const kMergedBytes = 100; // functions shorter than this may have been merged with others of the same code
