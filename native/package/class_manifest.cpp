@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "package/class_manifest.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace fourdvt::package {
@@ -23,6 +24,7 @@ ParameterSample readSample(FieldReader& in, const std::string& at, const Sequenc
   double sum = 0;
   for (float weight : sample.weights) sum += weight;
   if (in.ok() && !(std::abs(sum - 1) <= kWeightSlack)) in.fail(at + "/weights", "must add up to 1");
+  for (float& weight : sample.weights) weight = std::clamp(weight, 0.0f, 1.0f);  // the renderer refuses negative ones
   return sample;
 }
 

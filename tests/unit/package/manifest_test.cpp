@@ -294,6 +294,17 @@ TEST(Manifest, RefusesClassesThatCannotBe) {
   EXPECT_FALSE(readManifest(flat).ok());
 }
 
+// Within the slack of their rounding, the renderer gets weights that it accepts.
+TEST(Manifest, ClampsWeights) {
+  json slack = writtenManifest();
+  json& weights = slack[json::json_pointer(kAt + "/sequences/1/parameterSpace/samples/1/weights")];
+  weights = {-0.001, 1.001};
+  auto read = readManifest(flatten(slack));
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(read.value().sequences[1].space.samples[1].weights, (std::vector<float>{0, 1}));
+  expectRefused("/sequences/1/parameterSpace/samples/1/weights", {-0.0011, 1.0011});
+}
+
 TEST(Manifest, CameraNodesLookWhereTheCamerasDo) {
   const json gltf = writtenManifest();
   const Character want = smallCharacter(smallMesh());
