@@ -119,9 +119,9 @@ Status readCounts(ByteReader& in, StreamIndex& index, size_t span_bytes) {
                          (version == kCameraVersion ? isCameraStream(index) : validCounts(index));
   if (!counts_ok) return invalidHeader("counts out of range");
   const glm::vec3& o = index.position_origin;
-  if (!std::isfinite(o.x) || !std::isfinite(o.y) || !std::isfinite(o.z) || !(index.position_step_m > 0) ||
-      !std::isfinite(index.position_step_m) || !std::isfinite(index.alignment_step_m) ||
-      (index.alignment_count > 0 && !(index.alignment_step_m > 0))) {
+  const auto fits = [](float metres) { return std::abs(metres) <= 1e6f; };  // keeps origin + step · q finite
+  if (!fits(o.x) || !fits(o.y) || !fits(o.z) || !(index.position_step_m > 0) || !fits(index.position_step_m) ||
+      !fits(index.alignment_step_m) || (index.alignment_count > 0 && !(index.alignment_step_m > 0))) {
     return invalidHeader("bad quantisation");
   }
   return {};

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
 #include "package/room_faces.h"
 #include "render/passes.h"
 #include "render/table.h"
@@ -16,6 +18,8 @@ Result<SceneMesh> makeSceneMesh(gpu::Device& device, std::span<const SceneCorner
   std::vector<glm::vec4> texels;
   resizeToRows(texels, 2 * corners.size(), glm::vec4(0));
   for (size_t i = 0; i < corners.size(); ++i) {
+    if (!std::isfinite(glm::dot(corners[i].position, glm::vec3(1)) + glm::dot(corners[i].color, glm::vec3(1))))
+      return Error{ErrorId::InvalidArgument, "a scene mesh needs finite numbers"};
     texels[2 * i] = glm::vec4(corners[i].position, 1);
     texels[2 * i + 1] = glm::vec4(corners[i].color, 1);
   }

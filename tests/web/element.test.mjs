@@ -283,6 +283,23 @@ test('a wheel without focus scrolls the page, with Ctrl it zooms', async () => {
   assert.deepEqual(await page.evaluate(() => globalThis.prevented), [false, true]);
 });
 
+test('a scene that cannot be drawn is refused where it is set, and the last one stays', async () => {
+  const answers = await page.evaluate(() => {
+    const viewer = document.createElement('fourdvt-viewer');
+    viewer.scene = [{ corners: Array(18).fill(0.5) }];
+    const tried = [[18, NaN], [18, Infinity], [18, 1e39], [17, 0]].map(([length, last]) => {
+      try {
+        viewer.scene = [{ corners: [...Array(length - 1).fill(0.5), last] }];
+        return 'accepted';
+      } catch (error) {
+        return error.name;
+      }
+    });
+    return [...tried, viewer.scene[0].corners[17]];
+  });
+  assert.deepEqual(answers, ['RangeError', 'RangeError', 'RangeError', 'RangeError', 0.5]);
+});
+
 test('labels and progress are there for assistive technology', async () => {
   const seen = await page.evaluate(() => {
     const viewer = document.createElement('fourdvt-viewer');

@@ -219,10 +219,10 @@ export class FourdvtViewer extends HTMLElement {
   /** Meshes that the characters stand among; web/README.md says what they consist of. */
   get scene(): SceneMesh[] { return this.#commands.wishes.scene ?? []; }
   set scene(meshes: SceneMesh[]) {
-    const whole = meshes.every(({ corners }) => corners.length % 18 === 0);
-    if (!whole) throw new RangeError('a scene mesh needs 18 numbers per triangle');
-    this.#commands.set('scene', meshes.filter(({ corners }) => corners.length > 0)
-      .map((mesh) => ({ ...mesh, corners: Float32Array.from(mesh.corners) })));
+    const scene = meshes.map((mesh) => ({ ...mesh, corners: Float32Array.from(mesh.corners) }));
+    const whole = scene.every(({ corners }) => corners.length % 18 === 0 && corners.every(Number.isFinite));
+    if (!whole) throw new RangeError('a scene mesh needs 18 finite numbers per triangle');
+    this.#commands.set('scene', scene.filter(({ corners }) => corners.length > 0));
   }
 
   getCameraOrbit(): Orbit {

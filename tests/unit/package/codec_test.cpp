@@ -163,7 +163,12 @@ TEST(StreamHeader, RefusesBadCounts) {
   index.renditions[0].samples[1].frame = 1;  // frame 1 twice, frame 2 never
   refuse(index);
   index = smallIndex();
-  index.position_step_m = NAN;
+  for (const float step : {NAN, INFINITY, 1e30f, -1.0f}) {  // 1e30 · q would be infinite
+    index.position_step_m = step;
+    refuse(index);
+  }
+  index = smallIndex();
+  index.position_origin.z = -1e7f;
   refuse(index);
   index = smallIndex();
   index.chunks[0].offset = 3;  // inside the header

@@ -240,6 +240,16 @@ TEST(Appearance, refusesTooManyMembers) {
     EXPECT_EQ(Appearance::create(*drawn.device, drawn.model, members).error().id, ErrorId::InvalidArgument);
 }
 
+TEST(SceneMesh, needsFiniteNumbers) {
+  auto device = gpu::createNullDevice();
+  for (const float wrong : {NAN, INFINITY, -INFINITY}) {
+    std::vector<SceneCorner> position(3), color(3);
+    position[1].position.y = color[2].color.b = wrong;
+    EXPECT_EQ(makeSceneMesh(*device, position, false).error().id, ErrorId::InvalidArgument);
+    EXPECT_EQ(makeSceneMesh(*device, color, false).error().id, ErrorId::InvalidArgument);
+  }
+}
+
 TEST(SceneMesh, needsWholeTriangles) {
   auto device = gpu::createNullDevice();
   for (size_t corners : {0, 4})
