@@ -40,6 +40,7 @@ class Decoder final : public SampleDecoder {
     codec_->thread_count = 2;
     codec_->thread_type = FF_THREAD_SLICE;  // frame threads would hold pictures back
     if (codec.id == AV_CODEC_ID_AV1) codec_->flags |= AV_CODEC_FLAG_LOW_DELAY;  // keeps dav1d from frame threads
+    codec_->max_pixels = kMaxSamplePixels;
     codec_->pkt_timebase = {1, 1000000};
     codec_->err_recognition = AV_EF_EXPLODE | AV_EF_BITSTREAM | AV_EF_BUFFER;
     if (!description.empty()) {

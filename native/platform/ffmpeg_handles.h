@@ -14,6 +14,7 @@ extern "C" {
 namespace fourdvt::platform {
 
 struct AvDeleter {
+  void operator()(AVIOContext* p) const { avio_closep(&p); }
   void operator()(AVFormatContext* p) const { avformat_close_input(&p); }
   void operator()(AVCodecContext* p) const { avcodec_free_context(&p); }
   void operator()(AVFrame* p) const { av_frame_free(&p); }
@@ -21,6 +22,7 @@ struct AvDeleter {
   void operator()(SwsContext* p) const { sws_freeContext(p); }
 };
 
+using AvIo = std::unique_ptr<AVIOContext, AvDeleter>;
 using AvFormat = std::unique_ptr<AVFormatContext, AvDeleter>;
 using AvCodec = std::unique_ptr<AVCodecContext, AvDeleter>;
 using AvFrame = std::unique_ptr<AVFrame, AvDeleter>;

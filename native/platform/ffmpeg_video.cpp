@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <vector>
 
 #include "platform/ffmpeg_handles.h"
 
@@ -87,23 +88,46 @@ Image grayFromRgb(const Image& rgb) {  // BT.709 luma
   return gray;
 }
 
+int refuseOtherFiles(AVFormatContext*, AVIOContext**, const char*, int, AVDictionary**) { return AVERROR(EPERM); }
+
+// The file alone: "file:" keeps a colon in its name from being a protocol's.
+AvIo openFileOnly(const std::string& path) {
+  AVDictionary* options = nullptr;
+  av_dict_set(&options, "protocol_whitelist", "file", 0);
+  AVIOContext* io = nullptr;
+  avio_open2(&io, ("file:" + path).c_str(), AVIO_FLAG_READ, nullptr, &options);
+  av_dict_free(&options);
+  return AvIo(io);
+}
+
+// Probing decodes pictures, with decoders of its own.
+bool findStreams(AVFormatContext& format) {
+  std::vector<AVDictionary*> options(format.nb_streams, nullptr);
+  for (AVDictionary*& o : options) av_dict_set_int(&o, "max_pixels", kMaxVideoPixels, 0);
+  const bool found = avformat_find_stream_info(&format, options.data()) >= 0;
+  for (AVDictionary*& o : options) av_dict_free(&o);
+  return found;
+}
+
 class FileSource final : public VideoSource {
  public:
   Status open(const std::string& path, int channels) {
     path_ = path;
     channels_ = channels;
-    AVFormatContext* raw = nullptr;
-    if (avformat_open_input(&raw, path.c_str(), nullptr, nullptr) < 0) return unreadable(path, "not a video file");
-    format_.reset(raw);
-    if (avformat_find_stream_info(raw, nullptr) < 0) return unreadable(path, "no readable stream");
+    FOURDVT_TRY(openFormat());
+    AVFormatContext* raw = format_.get();
     const AVCodec* codec = nullptr;
     stream_ = av_find_best_stream(raw, AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
     if (stream_ < 0 || !codec) return unreadable(path, "no video stream that this build decodes");
     for (unsigned i = 0; i < raw->nb_streams; ++i) {
       if (static_cast<int>(i) != stream_) raw->streams[i]->discard = AVDISCARD_ALL;
     }
+    const AVCodecParameters& picture = *raw->streams[stream_]->codecpar;
+    if (int64_t{picture.width} * picture.height > kMaxVideoPixels)
+      return unreadable(path, "pictures of more than 16384x8192 pixels");
     codec_.reset(avcodec_alloc_context3(codec));
-    avcodec_parameters_to_context(codec_.get(), raw->streams[stream_]->codecpar);
+    avcodec_parameters_to_context(codec_.get(), &picture);
+    codec_->max_pixels = kMaxVideoPixels;
     codec_->thread_count = 1;  // the caller decodes several files side by side
     if (avcodec_open2(codec_.get(), codec, nullptr) < 0) return unreadable(path, "the decoder does not start");
     return {};
@@ -129,6 +153,23 @@ class FileSource final : public VideoSource {
   }
 
  private:
+  Status openFormat() {
+    io_ = openFileOnly(path_);
+    if (!io_) return unreadable(path_, "cannot be opened");
+    AVFormatContext* raw = avformat_alloc_context();
+    raw->pb = io_.get();
+    raw->io_open = refuseOtherFiles;
+    AVDictionary* options = nullptr;
+    av_dict_set(&options, "protocol_whitelist", "none",
+                0);  // of what else the file names; "concat" has an io_open of its own
+    const bool opened = avformat_open_input(&raw, path_.c_str(), nullptr, &options) >= 0;  // frees raw if it fails
+    av_dict_free(&options);
+    if (!opened) return unreadable(path_, "not a video file, or one that names other files");
+    format_.reset(raw);
+    if (!findStreams(*raw)) return unreadable(path_, "no readable stream");
+    return {};
+  }
+
   Status feed() {
     while (true) {
       const int read = av_read_frame(format_.get(), packet_.get());
@@ -175,6 +216,7 @@ class FileSource final : public VideoSource {
 
   std::string path_;
   int channels_ = 3, stream_ = -1;
+  AvIo io_;  // outlives format_
   AvFormat format_;
   AvCodec codec_;
   AvFrame frame_{av_frame_alloc()};

@@ -11,7 +11,11 @@
 
 namespace fourdvt::platform {
 
-// Errors: FileMissing, FileUnreadable (no video stream, unknown codec).
+constexpr int64_t kMaxVideoPixels = int64_t{16384} * 8192;  // of a picture of a capture's video
+constexpr int64_t kMaxSamplePixels = int64_t{4096} * 4096;  // of a character's (package/FORMAT.md)
+
+// Opens no other file or address, whatever the file names: playlists are refused.
+// Errors: FileMissing, FileUnreadable (no video stream, unknown codec, pictures too large).
 Result<std::unique_ptr<VideoSource>> openVideoFile(const std::string& path, int channels);
 
 // WebCodecs' shape: configure, decode(bytes, timestamp, key), flush; pictures come back through the callback in

@@ -8,6 +8,7 @@
 
 #include "platform/ffmpeg_handles.h"
 #include "platform/ffmpeg_video.h"
+#include "platform/video_writer.h"
 
 namespace fourdvt::platform {
 namespace {
@@ -96,6 +97,56 @@ TEST(PlatformVideo, BadFilesAreErrors) {
   EXPECT_EQ(openVideoFile("/nonexistent/a.mp4", 3).error().id, ErrorId::FileMissing);
   EXPECT_EQ(openVideoFile(kSample + "/README.md", 3).error().id, ErrorId::FileUnreadable);
   EXPECT_EQ(openVideoFile(kSample + "/walk/cam00.mp4", 4).error().id, ErrorId::InvalidArgument);
+}
+
+// A file in the folder of temporary ones, removed with the object.
+class TextFile {
+ public:
+  TextFile(const std::string& name, const std::string& text)
+      : path_((std::filesystem::path(testing::TempDir()) / (std::to_string(::getpid()) + name)).string()) {
+    std::ofstream(path_, std::ios::binary) << text;
+  }
+  ~TextFile() { std::filesystem::remove(path_); }
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+// A playlist would show a file that its writer cannot read, or call at an address.
+TEST(PlatformVideo, PlaylistsAreRefused) {
+  const RawVideo other("", 120, 90, 170);
+  const std::string name = std::filesystem::path(other.path()).filename().string();
+  const TextFile copy("_secret.mp4", [] {
+    std::ifstream in(kSample + "/walk/cam00.mp4", std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  }());
+  const std::string hls = "#EXTM3U\n#EXT-X-VERSION:3\n#EXT-X-TARGETDURATION:10\n#EXTINF:1.0,\n",
+                    end = "\n#EXT-X-ENDLIST\n";
+  for (const std::string& list :
+       {"ffconcat version 1.0\nfile " + name + "\n", hls + copy.path() + end, hls + "http://127.0.0.1:9/x.mp4" + end}) {
+    const TextFile video("_list.mp4", list);
+    const auto opened = openVideoFile(video.path(), 3);
+    ASSERT_FALSE(opened.ok()) << list;
+    EXPECT_EQ(opened.error().id, ErrorId::FileUnreadable);
+    EXPECT_NE(opened.error().message.find(video.path()), std::string::npos) << opened.error().message;
+  }
+}
+
+TEST(PlatformVideo, AColonInANameIsNoProtocol) {
+  const TextFile video("_take:1.y4m", "YUV4MPEG2 W2 H2 F25:1 Ip A1:1 C420mpeg2\nFRAME\n" + std::string(6, 'x'));
+  const auto here = std::filesystem::current_path();
+  std::filesystem::current_path(testing::TempDir());
+  EXPECT_TRUE(openVideoFile(std::filesystem::path(video.path()).filename().string(), 3).ok());
+  std::filesystem::current_path(here);
+}
+
+TEST(PlatformVideo, HugePicturesAreRefused) {
+  const TextFile video("_huge.y4m", "YUV4MPEG2 W20000 H8000 F25:1 Ip A1:1 C420mpeg2\nFRAME\n" + std::string(4096, 'x'));
+  const auto opened = openVideoFile(video.path(), 3);
+  ASSERT_FALSE(opened.ok());
+  EXPECT_EQ(opened.error().id, ErrorId::FileUnreadable);
+  EXPECT_NE(opened.error().message.find("16384x8192"), std::string::npos) << opened.error().message;
 }
 
 struct Samples {
@@ -189,6 +240,23 @@ TEST(PlatformSampleDecoder, DamagedSamplesAreErrors) {
   auto scrambled = s.samples[0].bytes;
   for (size_t i = scrambled.size() / 2; i < scrambled.size(); i += 97) scrambled[i] ^= 0x5a;
   EXPECT_EQ(decode(scrambled).error().id, ErrorId::VideoInvalid);
+}
+
+TEST(PlatformSampleDecoder, PicturesLargerThanACharactersAreErrors) {
+  for (const int side : {4096, 4112}) {
+    const TextFile file("_side.mp4", "");
+    auto writer = VideoWriter::create(file.path(), {.width = side, .height = side, .crf = 40, .preset = "ultrafast"});
+    ASSERT_TRUE(writer.ok());
+    ASSERT_TRUE(writer.value()->write(Image(side, side, 3, 90)).ok() && writer.value()->finish().ok());
+    const Samples s = demux(file.path());
+    int pictures = 0;
+    auto decoder = SampleDecoder::create("avc1.640033", s.description, [&](const I420View&, int64_t) { ++pictures; });
+    ASSERT_TRUE(decoder.ok());
+    Status status = decoder.value()->decode(s.samples[0].bytes, 0, true);
+    if (status.ok()) status = decoder.value()->flush();
+    EXPECT_EQ(status.ok(), side == 4096);
+    EXPECT_EQ(pictures, side == 4096 ? 1 : 0);
+  }
 }
 
 TEST(PlatformSampleDecoder, UnknownCodecAndBadDescription) {
