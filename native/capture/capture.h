@@ -87,6 +87,7 @@ struct Capture {
   std::vector<CaptureCamera> cameras;  // ring, in images.txt order
   std::vector<CaptureSequence> sequences;
   std::vector<CaptureClass> classes;  // those whose members are all among `sequences`
+  std::string cameras_folder;         // cameras.txt and images.txt
   std::string background_folder;      // plates of the empty studio, for cameras without mattes
   BackgroundKind background_kind = BackgroundKind::FromPlate;
   std::optional<BoundingBox> room;  // metres; the plates show its inside

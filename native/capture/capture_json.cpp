@@ -38,7 +38,8 @@ class Parser {
     capture.folder = folder_;
     capture.name = text(member(root, "name"), std::filesystem::path(folder_).filename().string());
     capture.credit = text(member(member(root, "licence"), "credit"));
-    out_.cameras_folder = folder_ + "/" + text(member(member(root, "calibration"), "ring"), "cameras");
+    FOURDVT_ASSIGN(capture.cameras_folder,
+                   inside("\"calibration\"", text(member(member(root, "calibration"), "ring"), "cameras")));
     FOURDVT_TRY(background(member(root, "background")));
     FOURDVT_TRY(scale(root));
     FOURDVT_TRY(room(member(root, "room")));
@@ -53,6 +54,15 @@ class Parser {
  private:
   Error error(const std::string& what) const {
     return {ErrorId::CaptureJson, file_ + ": " + what + "; see the sample capture's capture.json"};
+  }
+
+  // A capture of foreign origin must not name other files of its reader. Links in the folder are followed: its owner
+  // made them.
+  Result<std::string> inside(const std::string& what, const std::string& given) const {
+    const std::filesystem::path path = std::filesystem::path(given).lexically_normal();
+    if (!path.is_absolute() && (path.empty() || *path.begin() != "..")) return folder_ + "/" + given;
+    return error(what + " leads out of the capture folder (" + given +
+                 "): move the files inside, or link to them there");
   }
 
   // A path, or {"plates": path, "kind": "chroma" | "natural"}. The path is "FOLDER/camNN.png", or
@@ -71,9 +81,10 @@ class Parser {
       out_.capture.background_kind = name == "natural" ? BackgroundKind::Natural : BackgroundKind::Chroma;
     }
     const std::string plates = text(given, "background/camNN.png");
-    const size_t camera = plates.find("/camNN/");
-    const std::filesystem::path path = camera == std::string::npos ? plates : plates.substr(0, camera + 6);
-    out_.capture.background_folder = (std::filesystem::path(folder_) / path).parent_path().string();
+    FOURDVT_ASSIGN(const std::string whole, inside("\"background\"", plates));
+    const size_t camera = whole.rfind("/camNN/");
+    const std::filesystem::path path = camera == std::string::npos ? whole : whole.substr(0, camera + 6);
+    out_.capture.background_folder = path.parent_path().string();
     return {};
   }
 
@@ -178,24 +189,24 @@ class Parser {
 
   Status mesh(const Json& node, DeclaredSequence& declared) const {
     CaptureSequence& sequence = declared.sequence;
-    const std::string where = "\"mesh\" of \"" + sequence.name + "\" ";
+    const std::string where = "\"mesh\" of \"" + sequence.name + "\"";
     declared.without_meshes = node.is_null();
     if (node.is_null()) return {};
     if (!node.is_object()) {
       const std::string pattern = text(node);
-      sequence.mesh_pattern = folder_ + "/" + pattern;
+      FOURDVT_ASSIGN(sequence.mesh_pattern, inside(where, pattern));
       const bool one_file = sequence.frame_count == 1 && !pattern.empty() && pattern.find('%') == std::string::npos;
       if (one_file || !framePath(sequence.mesh_pattern, 0).empty()) return {};
-      return error(where + "must be a path with one %06d for the frame number");
+      return error(where + " must be a path with one %06d for the frame number");
     }
-    if (out_.per_frame) return error(where + "must be a path: packed positions belong to constant topology");
+    if (out_.per_frame) return error(where + " must be a path: packed positions belong to constant topology");
     const std::string topology = text(member(node, "topology")), positions = text(member(node, "positions"));
     const Json& units = member(node, "units_per_metre");
     if (topology.empty() || positions.empty() || !units.is_number() || !(units.get<double>() > 0)) {
-      return error(where + "needs \"topology\", \"positions\" and \"units_per_metre\" above 0");
+      return error(where + " needs \"topology\", \"positions\" and \"units_per_metre\" above 0");
     }
-    declared.packed_topology = folder_ + "/" + topology;
-    sequence.packed_positions = folder_ + "/" + positions;
+    FOURDVT_ASSIGN(declared.packed_topology, inside(where, topology));
+    FOURDVT_ASSIGN(sequence.packed_positions, inside(where, positions));
     sequence.packed_units_per_metre = units.get<double>();
     return {};
   }

@@ -20,7 +20,6 @@ struct DeclaredSequence {
 struct DeclaredCapture {
   Capture capture;         // without cameras, sequences, topology and kind of meshes; with all classes
   bool per_frame = false;  // "topology": "per-frame"
-  std::string cameras_folder;
   std::vector<DeclaredSequence> sequences;
 };
 

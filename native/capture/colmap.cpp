@@ -130,7 +130,9 @@ Result<CaptureCamera> parseImage(std::string_view line, const std::map<int64_t, 
   camera.pinhole.cam_from_world = glm::dmat4(glm::mat3_cast(glm::normalize(rotation)));
   camera.pinhole.cam_from_world[3] = glm::dvec4(pose[4], pose[5], pose[6], 1);
   camera.distortion = k.distortion;
-  if (camera.pinhole.name.empty()) return poseError(where, "the image has no name");
+  const std::string& name = camera.pinhole.name;
+  if (name.empty()) return poseError(where, "the image has no name");
+  if (name == "." || name == "..") return poseError(where, "an image called " + name + " cannot name a camera's files");
   return camera;
 }
 

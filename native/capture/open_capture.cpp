@@ -168,7 +168,7 @@ Result<Capture> openCapture(const std::string& folder, const OpenVideo& open_vid
   FOURDVT_TRY(keepOnly(only, declared));
   FOURDVT_TRY(resolveAllMeshes(need, declared));
   Capture capture = std::move(declared.capture);
-  FOURDVT_ASSIGN(capture.cameras, readColmapCameras(declared.cameras_folder));
+  FOURDVT_ASSIGN(capture.cameras, readColmapCameras(capture.cameras_folder));
   scaleToMetres(capture.cameras, capture.metres_per_unit);
   for (const DeclaredSequence& d : declared.sequences) capture.sequences.push_back(d.sequence);
   FOURDVT_TRY(checkMeshes(declared.sequences, capture));

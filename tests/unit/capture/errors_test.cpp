@@ -30,6 +30,46 @@ TEST(CaptureErrors, BrokenCaptureJson) {
   }
 }
 
+// Paths outside the folder, with the field that gives them.
+TEST(CaptureErrors, PathsThatLeaveTheFolder) {
+  const SmallCapture capture;
+  const auto packed = [](const char* topology, const char* positions) {
+    return std::string(R"("sequences": [{"name": "walk", "frames": 3, "mesh": {"topology": ")") + topology +
+           R"(", "positions": ")" + positions + R"(", "units_per_metre": 100}}]})";
+  };
+  const std::string walk = R"("sequences": [{"name": "walk", "frames": 3)";
+  for (const auto& [fields, named] :
+       {std::pair<std::string, const char*>{R"("calibration": {"ring": "../rig"}, )" + walk + "}]}",
+                                            "\"calibration\" leads out"},
+        {R"("calibration": {"ring": "/rig"}, )" + walk + "}]}", "\"calibration\" leads out"},
+        {R"("background": "../plates/camNN.png", )" + walk + "}]}", "\"background\" leads out"},
+        {R"("background": {"plates": "/plates/camNN/%06d.png"}, )" + walk + "}]}", "\"background\" leads out"},
+        {R"("background": "a/../../camNN.png", )" + walk + "}]}", "\"background\" leads out"},
+        {walk + R"(, "mesh": "../scans/%06d.obj"}]})", "\"mesh\" of \"walk\" leads out"},
+        {walk + R"(, "mesh": "/scans/%06d.obj"}]})", "\"mesh\" of \"walk\" leads out"},
+        {packed("../quad.obj", "p.i16"), "\"mesh\" of \"walk\" leads out"},
+        {packed("quad.obj", "walk/../../p.i16"), "\"mesh\" of \"walk\" leads out"}}) {
+    capture.write("capture.json", R"({"fps": 25, )" + fields);
+    expectError(capture.open(), ErrorId::CaptureJson, capture / "capture.json: " + named);
+  }
+  capture.write("capture.json", R"({"fps": 25, "calibration": {"ring": "walk/../cameras/"}, )" + walk + "}]}");
+  EXPECT_TRUE(capture.open().ok()) << "stays inside";
+}
+
+TEST(CaptureErrors, CameraNamesThatLeaveTheFolder) {
+  const SmallCapture capture;
+  capture.write("cameras/images.txt", std::string("1 1 0 0 0 0 0 3 1 ../cam00.png\n\n"));
+  expectError(capture.open(), ErrorId::CameraPose, capture / "cameras/images.txt");
+}
+
+TEST(CaptureErrors, LinksInTheFolderAreFollowed) {
+  const SmallCapture capture;
+  std::filesystem::rename(capture / "cameras", capture.path() + "_cameras");
+  std::filesystem::create_directory_symlink(capture.path() + "_cameras", capture / "cameras");
+  EXPECT_TRUE(capture.open().ok());
+  std::filesystem::remove_all(capture.path() + "_cameras");
+}
+
 TEST(CaptureErrors, UnknownSequenceAsked) {
   SmallCapture capture;
   expectError(openCapture(capture.path(), platform::openVideoFile, {"jump"}), ErrorId::InvalidArgument,
