@@ -14,7 +14,7 @@ namespace fourdvt::capture {
 namespace {
 
 using Json = nlohmann::json;
-constexpr double kMaxFrames = 10'000'000, kMaxRoomUnits = 1e6;
+constexpr double kMaxFrames = 10'000'000, kMaxUnits = 1e6, kMinUnitsPerMetre = 1e-3;
 
 // The value of `key`; null if there is none or if `node` is no object.
 const Json& member(const Json& node, const char* key) {
@@ -105,6 +105,8 @@ class Parser {
       return error("\"units\" must be metre, centimetre or millimetre, not \"" + units + "\"");
     if (text(member(root, "up_axis"), "Y") != "Y") return error("\"up_axis\" must be Y: turn the cameras and meshes");
     const Json& ground = member(root, "ground_y");
+    if (ground.is_number() && !(std::abs(ground.get<double>()) <= kMaxUnits))
+      return error("\"ground_y\" must be at most a million");
     if (ground.is_number()) out_.capture.ground_y_m = ground.get<double>() * out_.capture.metres_per_unit;
     return {};
   }
@@ -117,7 +119,7 @@ class Parser {
       const Json& values = member(node, key);
       bool valid = values.is_array() && values.size() == 3;
       for (size_t i = 0; valid && i < 3; ++i) {
-        valid = values[i].is_number() && std::abs(values[i].get<double>()) <= kMaxRoomUnits;
+        valid = values[i].is_number() && std::abs(values[i].get<double>()) <= kMaxUnits;
         if (valid) out[static_cast<int>(i)] = float(values[i].get<double>() * out_.capture.metres_per_unit);
       }
       return valid;
@@ -166,7 +168,7 @@ class Parser {
     if (velocity.is_null()) return {};
     bool valid = velocity.is_array() && velocity.size() == 3;
     for (size_t i = 0; valid && i < 3; ++i) {
-      valid = velocity[i].is_number() && std::isfinite(velocity[i].get<double>());
+      valid = velocity[i].is_number() && std::abs(velocity[i].get<double>()) <= kMaxUnits;
       if (valid) sequence.root_velocity_mps[static_cast<int>(i)] = velocity[i].get<double>();
     }
     if (!valid) return error("\"root_velocity\" of \"" + sequence.name + "\" must be three numbers");
@@ -202,8 +204,8 @@ class Parser {
     if (out_.per_frame) return error(where + " must be a path: packed positions belong to constant topology");
     const std::string topology = text(member(node, "topology")), positions = text(member(node, "positions"));
     const Json& units = member(node, "units_per_metre");
-    if (topology.empty() || positions.empty() || !units.is_number() || !(units.get<double>() > 0)) {
-      return error(where + " needs \"topology\", \"positions\" and \"units_per_metre\" above 0");
+    if (topology.empty() || positions.empty() || !units.is_number() || !(units.get<double>() >= kMinUnitsPerMetre)) {
+      return error(where + " needs \"topology\", \"positions\" and \"units_per_metre\" of at least 0.001");
     }
     FOURDVT_ASSIGN(declared.packed_topology, inside(where, topology));
     FOURDVT_ASSIGN(sequence.packed_positions, inside(where, positions));
@@ -219,9 +221,14 @@ class Parser {
 }  // namespace
 
 Result<DeclaredCapture> parseCaptureJson(std::string_view text, const std::string& folder) {
-  const Json root = Json::parse(text.begin(), text.end(), nullptr, false);
-  if (root.is_discarded()) {
-    return Error{ErrorId::CaptureJson, folder + "/capture.json: not valid JSON; check commas, quotes and brackets"};
+  constexpr int kMaxDepth = 64;  // whoever writes it anew recurses
+  bool deep = false;
+  const auto shallow = [&](int depth, Json::parse_event_t, const Json&) { return !(deep |= depth > kMaxDepth); };
+  const Json root = Json::parse(text.begin(), text.end(), shallow, false);
+  if (deep || root.is_discarded()) {
+    return Error{ErrorId::CaptureJson, folder + "/capture.json: " +
+                                           (deep ? "nested deeper than 64; take such fields out"
+                                                 : "not valid JSON; check commas, quotes and brackets")};
   }
   return Parser(folder).parse(root);
 }

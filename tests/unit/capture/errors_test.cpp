@@ -30,6 +30,20 @@ TEST(CaptureErrors, BrokenCaptureJson) {
   }
 }
 
+// JSON has no infinity, but a division can make one.
+TEST(CaptureErrors, NumbersThatMakePositionsInfinite) {
+  const SmallCapture capture;
+  const std::string walk = R"("sequences": [{"name": "walk", "frames": 3)";
+  for (const auto& [fields, named] :
+       {std::pair<std::string, const char*>{R"("ground_y": -1e300, )" + walk + "}]}", "ground_y"},
+        {walk + R"(, "root_velocity": [0, 1e300, 0]}]})", "root_velocity"},
+        {walk + R"(, "mesh": {"topology": "q.obj", "positions": "p.i16", "units_per_metre": 1e-300}}]})",
+         "units_per_metre"}}) {
+    capture.write("capture.json", R"({"fps": 25, )" + fields);
+    expectError(capture.open(), ErrorId::CaptureJson, named);
+  }
+}
+
 // Paths outside the folder, with the field that gives them.
 TEST(CaptureErrors, PathsThatLeaveTheFolder) {
   const SmallCapture capture;
@@ -68,6 +82,17 @@ TEST(CaptureErrors, LinksInTheFolderAreFollowed) {
   std::filesystem::create_directory_symlink(capture.path() + "_cameras", capture / "cameras");
   EXPECT_TRUE(capture.open().ok());
   std::filesystem::remove_all(capture.path() + "_cameras");
+}
+
+TEST(CaptureErrors, DeepCaptureJson) {
+  const SmallCapture capture;
+  const auto nested = [](size_t depth) {
+    return "{\"note\": " + std::string(depth, '[') + std::string(depth, ']') + ", " + SmallCapture::json().substr(1);
+  };
+  capture.write("capture.json", nested(60));
+  EXPECT_TRUE(capture.open().ok());
+  capture.write("capture.json", nested(100'000));
+  expectError(capture.open(), ErrorId::CaptureJson, "nested deeper than 64");
 }
 
 TEST(CaptureErrors, UnknownSequenceAsked) {
