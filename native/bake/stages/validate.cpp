@@ -152,17 +152,41 @@ Status planMesh(Job& job) {
   return {};
 }
 
-std::vector<std::string> fingerprints(const fs::path& folder) {
+std::string fingerprint(const fs::path& file) {
+  std::error_code ignored;
+  return file.string() + " " + std::to_string(fs::file_size(file, ignored)) + " " +
+         std::to_string(fs::last_write_time(file, ignored).time_since_epoch().count()) + "\n";
+}
+
+// Of all files below the folder, links included: captures of `fourdvt reconstruct` link to their pictures.
+std::string fingerprints(const fs::path& folder) {
   std::vector<std::string> lines;
-  std::error_code error;
-  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    std::error_code ignored;
-    if (!it->is_regular_file(ignored)) continue;
-    lines.push_back(it->path().string() + " " + std::to_string(it->file_size(ignored)) + " " +
-                    std::to_string(it->last_write_time(ignored).time_since_epoch().count()));
-  }
+  std::error_code error, ignored;
+  constexpr auto kFollow = fs::directory_options::follow_directory_symlink;
+  for (fs::recursive_directory_iterator it(folder, kFollow, error), end; !error && it != end; it.increment(error))
+    if (it->is_regular_file(ignored)) lines.push_back(fingerprint(it->path()));
   std::sort(lines.begin(), lines.end());
-  return lines;
+  std::string all;
+  for (const std::string& line : lines) all += line;
+  return all;
+}
+
+// Meshes may lie outside the sequence's folder.
+std::string meshFingerprints(const capture::CaptureSequence& sequence) {
+  if (!sequence.packed_positions.empty()) return fingerprint(sequence.packed_positions);
+  std::string all;
+  for (uint32_t f = 0; f < sequence.frame_count && !sequence.mesh_pattern.empty(); ++f)
+    all += fingerprint(meshFile(sequence, f));
+  return all;
+}
+
+template <class T>
+uint64_t hashOf(const std::vector<T>& values, uint64_t hash) {
+  return fnv1a({reinterpret_cast<const uint8_t*>(values.data()), values.size() * sizeof(T)}, hash);
+}
+
+uint64_t hashOf(const MeshTopology& t) {
+  return hashOf(t.uvs, hashOf(t.face_uvs, hashOf(t.face_vertices, kFnv1aStart)));
 }
 
 }  // namespace
@@ -226,11 +250,11 @@ Status checkSteps(const Job& job) {
 }
 
 std::string filesKey(const capture::Capture& capture, const capture::CaptureSequence& sequence) {
-  const fs::path folder(capture.folder);
   std::string key = kSurveyVersion;
-  for (const fs::path& part : {folder / "cameras", folder / "background", fs::path(sequence.folder)})
-    for (const std::string& line : fingerprints(part)) key += line + "\n";
-  if (auto json = platform::readFile((folder / "capture.json").string()); json.ok())
+  for (const std::string& part : {capture.cameras_folder, capture.background_folder, sequence.folder})
+    key += fingerprints(part);
+  key += meshFingerprints(sequence) + std::to_string(hashOf(capture.topology)) + "\n";
+  if (auto json = platform::readFile(capture.folder + "/capture.json"); json.ok())
     key.append(json.value().begin(), json.value().end());
   return key;
 }

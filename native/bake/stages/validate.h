@@ -23,7 +23,8 @@ Status checkSpace(const Job& job, double character_bytes);
 // Errors: InvalidArgument if the bounds are too many position steps wide.
 Status checkSteps(const Job& job);
 
-// The files of a sequence, the cameras, the plates (path, size, time), and capture.json.
+// The files of a sequence, its meshes, the cameras, the plates (path, size, time), wherever capture.json places them;
+// the meshes' topology, and capture.json.
 std::string filesKey(const capture::Capture& capture, const capture::CaptureSequence& sequence);
 // What visibility depends on: those files, the mesh's order, the refinement.
 std::string captureKey(const Job& job, const capture::CaptureSequence& sequence);
