@@ -165,6 +165,58 @@ for (const [what, address, reason] of [
   });
 }
 
+// Serves the manifest, and for all else bytes without an end.
+async function serveEndless(t, manifest) {
+  const sent = { bytes: 0, open: 0 };
+  const part = Buffer.alloc(1 << 16);
+  const server = createServer((request, response) => {
+    if (manifest && /^\/a\/character\.gltf(\?|$)/.test(request.url)) return response.end(JSON.stringify(manifest));
+    ++sent.open;
+    response.on('close', () => --sent.open);
+    const more = () => { while (!response.destroyed && response.write(part)) sent.bytes += part.length; };
+    response.on('drain', () => { sent.bytes += part.length; more(); });
+    response.writeHead(request.headers.range && request.url.includes('part') ? 206 : 200);
+    more();
+  });
+  await new Promise((done) => server.listen(0, '127.0.0.1', done));
+  t.after(() => {
+    server.close();
+    server.closeAllConnections?.();
+  });
+  return { url: `http://127.0.0.1:${server.address().port}/a/character.gltf`, sent };
+}
+
+test('an answer without an end is given up at the length of the file', async (t) => {
+  const { Transport } = await load('transport');
+  const MIB = 1 << 20;
+  const server = await serveEndless(t, { buffers: [{ uri: 'mesh.bin', byteLength: 3 * MIB }], mesh: { uri: 'mesh.bin', byteOffset: 10, byteLength: MIB }, part: { uri: 'part.bin', byteLength: MIB } });
+  const transport = new Transport(server.url);
+  await transport.manifest();
+  await assert.rejects(transport.range(1, 'mesh.bin', 0, 10), { id: 'fetch-failed', message: /\/a\/mesh\.bin: the server sends more than 3145728 bytes/ });
+  await assert.rejects(transport.range(2, 'part.bin', 0, 10), { id: 'fetch-failed', message: /part\.bin.*1048576 bytes/ });
+  assert.ok(server.sent.bytes < 40 * MIB, `${server.sent.bytes} bytes`);
+  await assert.rejects(transport.file(`${server.url}.wasm`), { id: 'fetch-failed', message: /gltf\.wasm: .*33554432 bytes/ });
+  while (server.sent.open) await new Promise((next) => setTimeout(next, 10));
+  transport.dispose();
+  const endless = await serveEndless(t, null);
+  await assert.rejects(new Transport(endless.url).manifest(), { id: 'fetch-failed', message: /character\.gltf: .*33554432 bytes.*src must name/ });
+});
+
+test('no file of a character is outside of the manifest\'s folder', async (t) => {
+  const { Transport } = await load('transport');
+  for (const uri of [' //other.example/x', '%2e%2e/x.bin', 'b/%2E%2e/../../x.bin', '..\\x.bin', '/x.bin', 'https:x.bin/../../y', 'http://[', 'javascript:0', ' data:,x']) {
+    const server = await serveEndless(t, { deep: [{ poster: { uri } }] });
+    const transport = new Transport(server.url);
+    const refusal = { id: 'manifest-invalid', message: /is not in the character's folder/ };
+    await assert.rejects(transport.manifest(), refusal, uri);
+    await assert.rejects(transport.range(1, uri, 0, 4), refusal, uri);
+    assert.equal(server.sent.bytes, 0);
+  }
+  const server = await serveEndless(t, { images: [{ uri: 'data:,x' }], a: { uri: 'b/c.bin' }, none: null });
+  const manifest = await new Transport(`${server.url}?version=2`).manifest();
+  assert.deepEqual(manifest, { images: [{ uri: 'data:,x' }], a: { uri: 'b/c.bin' }, none: null });
+});
+
 test('the server of demo.sh --lan: https under an address that other devices reach', async () => {
   const [key, cert] = ['lan.key', 'lan.crt'].map((name) => join(folder, name));
   execFileSync('openssl', ['req', '-x509', '-newkey', 'rsa:2048', '-nodes', '-days', '1', '-subj', '/CN=test', '-keyout', key, '-out', cert],

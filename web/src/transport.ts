@@ -9,6 +9,7 @@ const FIRST_PAUSE_MS = 300;
 const LONGEST_PAUSE_MS = 6000;
 const LONGEST_ASKED_PAUSE_MS = 60_000; // by Retry-After
 const STALL_S = 10; // without a byte
+const MOST_BYTES = 2 ** 25; // of a file whose length the manifest does not say
 const MOST_TRIES = 7; // of a server that has never answered: about 10 s, if no request stalls
 
 /** Hears when waiting for the network begins, and when it ends. */
@@ -94,7 +95,8 @@ async function patiently<T>(url: string, attempt: () => Promise<T>, report: Repo
 
 interface Answer {
   status: number;
-  read(): Promise<Uint8Array<ArrayBuffer>>;
+  /** Errors: PassingFault; ViewerError 'fetch-failed' if there are more than `most` bytes. */
+  read(most?: number): Promise<Uint8Array<ArrayBuffer>>;
   /** The body as it comes, instead of `read`. A fault ends it, and is reported: a reader may get another error. */
   stream(report: (fault: unknown) => void): ReadableStream<Uint8Array>;
   drop(): void;
@@ -138,11 +140,18 @@ async function ask(url: string, init: RequestInit, signal?: AbortSignal): Promis
     throw cannotLoad(url, `HTTP ${status}`);
   }
   const reader = response.body?.getReader();
+  let bytes = 0, limit = MOST_BYTES;
   const next = async (): Promise<Uint8Array | undefined> => {
-    const part = await reader?.read().catch(failed);
+    const part = (await reader?.read().catch(failed))?.value;
     watch.heard();
-    if (!part?.value) done();
-    return part?.value;
+    if (!part) {
+      done();
+    } else if (!((bytes += part.length) <= limit)) {
+      done();
+      stop();
+      throw cannotLoad(url, `the server sends more than ${limit} bytes; upload the file again`);
+    }
+    return part;
   };
   return {
     status,
@@ -160,7 +169,8 @@ async function ask(url: string, init: RequestInit, signal?: AbortSignal): Promis
         else to.close();
       },
     }),
-    async read() {
+    async read(most = MOST_BYTES) {
+      limit = most;
       const parts: Uint8Array[] = [];
       for (let part = await next(); part; part = await next()) parts.push(part);
       return new Uint8Array(await new Blob(parts as BlobPart[]).arrayBuffer());
@@ -208,6 +218,7 @@ export class Transport {
   readonly #cache: RequestCache;
   readonly #running = new Map<number, AbortController>();
   readonly #whole = new Map<string, Promise<Uint8Array>>();
+  readonly #lengths = new Map<string, number>(); // of files, in bytes, by the manifest
   readonly #abort = new AbortController();
   #waiting = 0; // fetches that wait for the network
   // The ranges of the first seconds: a second player on another upload path gets them without downloading them again.
@@ -231,8 +242,9 @@ export class Transport {
       throw reason;
     });
     try {
-      return JSON.parse(new TextDecoder().decode(bytes)) as unknown;
-    } catch {
+      return JSON.parse(new TextDecoder().decode(bytes), (_, value) => this.#note(value)) as unknown;
+    } catch (reason) {
+      if (reason instanceof ViewerError) throw reason;
       throw new ViewerError('manifest-invalid', `${this.#base}: not JSON; src must name a character.gltf`);
     }
   }
@@ -257,7 +269,7 @@ export class Transport {
 
   /** Resolves to null if the range was cancelled. Errors: ViewerError 'fetch-failed'. */
   async range(id: number, uri: string, offset: number, bytes: number): Promise<Uint8Array | null> {
-    const url = new URL(uri, this.#base).href;
+    const url = this.#locate(uri);
     const key = `${url}#${offset}+${bytes}`;
     const known = this.#replay?.get(key);
     if (known) return known;
@@ -298,12 +310,30 @@ export class Transport {
     if (!this.#abort.signal.aborted && this.#waiting === (waiting ? 1 : 0)) this.#report(waiting);
   };
 
+  // The second check of a file's name, behind the manifest's reader.
+  #locate(uri: string): string {
+    try {
+      const { href } = new URL(uri, this.#base);
+      if (href.startsWith(new URL('.', this.#base).href)) return href;
+    } catch { /* no address */ }
+    throw new ViewerError('manifest-invalid', `${this.#base}: "${uri}" is not in the character's folder; bake it again`);
+  }
+
+  // A value of the manifest: checks where it leads if it names a file, and remembers the file's length.
+  #note(value: { uri?: string; byteOffset?: number; byteLength?: number } | null): unknown {
+    if (value?.uri && !/^data:/.test(value.uri)) {
+      const url = this.#locate(value.uri);
+      this.#lengths.set(url, Math.max(this.#lengths.get(url) ?? 0, (value.byteOffset ?? 0) + (value.byteLength ?? MOST_BYTES)));
+    }
+    return value;
+  }
+
   async #fetchRange(url: string, offset: number, bytes: number, signal: AbortSignal): Promise<Uint8Array> {
     let whole = this.#whole.get(url);
     if (!whole) {
       const answer = await ask(url, { headers: { Range: `bytes=${offset}-${offset + bytes - 1}` }, cache: this.#cache }, signal);
       if (answer.status === 206) {
-        const part = await answer.read();
+        const part = await answer.read(this.#lengths.get(url));
         this.bytesReceived += part.length;
         return slice(url, part, 0, bytes);
       }
@@ -316,7 +346,7 @@ export class Transport {
   }
 
   #keepWhole(url: string, answer: Answer): Promise<Uint8Array> {
-    const whole = answer.read().then((file) => {
+    const whole = answer.read(this.#lengths.get(url)).then((file) => {
       this.bytesReceived += file.length;
       return file;
     });
