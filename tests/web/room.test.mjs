@@ -74,9 +74,27 @@ after(async () => {
   await server?.close();
 });
 
+// Runs in the page before its scripts: counts pictures that are decoded and not closed.
+function countPictures() {
+  globalThis.openPictures = globalThis.decodedPictures = 0;
+  const decode = globalThis.createImageBitmap;
+  globalThis.createImageBitmap = async (...values) => {
+    const picture = await decode(...values);
+    ++globalThis.decodedPictures;
+    ++globalThis.openPictures;
+    return picture;
+  };
+  const { close } = ImageBitmap.prototype;
+  ImageBitmap.prototype.close = function () {
+    if (this.width) --globalThis.openPictures;
+    close.call(this);
+  };
+}
+
 async function open(name, event = 'canplay') {
   await page?.close();
   page = await openPage(browser);
+  await page.addInitScript(countPictures);
   page.warnings = [];
   page.on('console', (line) => { if (line.type() === 'warning') page.warnings.push(line.text()); });
   await page.goto(new URL(`/${name}.html`, server.url).href);
@@ -129,6 +147,7 @@ test('the attribute works at run time, and the room comes again with the charact
   await page.evaluate(() => document.querySelector('fourdvt-viewer').load());
   await cornerBecomes(false);
   await cornerBecomes(true);
+  assert.deepEqual(await page.evaluate(() => [globalThis.decodedPictures > 3, globalThis.openPictures]), [true, 0], 'every picture is closed');
   assert.deepEqual(page.troubles, []);
 });
 

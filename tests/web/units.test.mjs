@@ -262,6 +262,27 @@ test('a decoder that calls back after it was closed: its pictures are closed, it
   delete globalThis.VideoDecoder;
 });
 
+test('the picture of a light is closed when its pixels are read', async () => {
+  const { readLook } = await load('look');
+  const picture = { width: 64, height: 32, closed: 0, close() { ++this.closed; } };
+  const context = { drawImage: ({ closed }) => assert.equal(closed, 0), getImageData: () => ({ data: new Uint8ClampedArray(4) }) };
+  const attributes = { look: 'relit', light: 'light.png' };
+  const element = { getAttribute: (name) => attributes[name] ?? null, baseURI: 'http://page.example/' };
+  const before = { fetch: globalThis.fetch };
+  Object.assign(globalThis, {
+    fetch: async () => new Response(''), createImageBitmap: async () => picture,
+    document: { createElement: () => ({ getContext: () => context }) },
+  });
+  try {
+    await readLook(element);
+  } finally {
+    Object.assign(globalThis, before);
+    delete globalThis.document;
+    delete globalThis.createImageBitmap;
+  }
+  assert.equal(picture.closed, 1);
+});
+
 test('JSON is flattened to pointers with escapes', async () => {
   const { flattenJson } = await load('flat-json');
   const seen = {};

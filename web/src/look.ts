@@ -31,6 +31,7 @@ async function fetchLight(url: string): Promise<Light> {
   const context = canvas.getContext('2d', { willReadFrequently: true })!;
   context.imageSmoothingQuality = 'high';
   context.drawImage(picture, 0, 0, width, height);
+  picture.close();
   return { pixels: context.getImageData(0, 0, width, height).data, width, height };
 }
 

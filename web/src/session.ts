@@ -315,11 +315,13 @@ export class Session {
       if (!bytes || turn !== this.#roomTurn) return;
       const texture = player.showRoom(bytes); // nothing is seen of it until it is filled
       const picture = await createImageBitmap(new Blob([bytes as BlobPart]), { colorSpaceConversion: 'none' });
-      if (turn !== this.#roomTurn) return;
-      uploadPicture(this.#gl!, texture, picture);
-      this.#gl!.generateMipmap(this.#gl!.TEXTURE_2D);
-      player.invalidateState();
-      this.wake();
+      if (turn === this.#roomTurn) {
+        uploadPicture(this.#gl!, texture, picture);
+        this.#gl!.generateMipmap(this.#gl!.TEXTURE_2D);
+        player.invalidateState();
+        this.wake();
+      }
+      picture.close();
     } catch (reason) {
       if (turn === this.#roomTurn) this.#onMainEvent('error', asViewerError(reason).detail);
     }
