@@ -3,7 +3,9 @@
 //   node abi.mjs header FILE            C++: enumerations, structs, checks of their layout, declarations
 //   node abi.mjs exports MODULES FILE   what Emscripten exports, one symbol per line; MODULES: NAME,NAME
 //   node abi.mjs typescript FILE        declarations of functions, names of enumerations, access to records
+// Its exports also make the stamp that script and wasm files of one build share.
 // What is made is never committed.
+import { createHash } from 'node:crypto';
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { dirname } from 'node:path';
 import { fileURLToPath, pathToFileURL } from 'node:url';
@@ -229,6 +231,21 @@ function tsDeclaration([name, { result, parameters }]) {
   const names = parameters.flatMap(([type, parameter]) => [parameter, ...(type in PAIRS ? [`${parameter}_size`] : [])]);
   const list = names.map((parameter) => `${lowerCamel(parameter)}: number`).join(', ');
   return `  _${name}(${list}): ${result === 'void' ? 'void' : 'number'};\n`;
+}
+
+// --- stamps ---
+
+/** A hash, 8 digits, of texts or bytes. */
+export function stampOf(...parts) {
+  const hash = createHash('sha256');
+  for (const part of parts) hash.update(part);
+  return hash.digest('hex').slice(0, 8);
+}
+
+/** The wasm file with the stamp in a section of its own, by which a script recognizes what was built with it. */
+export function stampWasm(wasm, stamp) {
+  const name = Buffer.from('fourdvt'), size = 1 + name.length + stamp.length; // below 128: one byte
+  return Buffer.concat([wasm, Buffer.from([0, size, name.length]), name, Buffer.from(stamp)]);
 }
 
 // --- files ---

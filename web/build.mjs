@@ -5,13 +5,13 @@
 //   node build.mjs [--wasm FOLDER: the build of wasm/, default build/wasm/wasm]
 //                  [--opencv FOLDER with fourdvt-opencv.js and .wasm, default opencv/ in there] [--out FOLDER]
 import { execFileSync } from 'node:child_process';
-import { copyFileSync, existsSync, mkdirSync, readFileSync, rmSync } from 'node:fs';
+import { existsSync, mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { gzipSync } from 'node:zlib';
 import { build } from 'esbuild';
 
-import { writeTypeScript } from '../wasm/abi.mjs';
+import { stampOf, stampWasm, writeTypeScript } from '../wasm/abi.mjs';
 
 const FIRST_GZIP_BYTES = 165_000, MORE_GZIP_BYTES = 260_000;
 const here = dirname(fileURLToPath(import.meta.url));
@@ -59,14 +59,27 @@ function bundle(entry, outfile, more = {}) {
 
 rmSync(out, { recursive: true, force: true });
 mkdirSync(out, { recursive: true });
-await bundle(join(here, 'src/fourdvt-viewer.ts'), 'fourdvt-viewer.js', { alias: { 'fourdvt-wasm': join(wasmFolder, 'fourdvt.js') } });
-copyFileSync(join(wasmFolder, 'fourdvt.wasm'), join(out, 'fourdvt-viewer.wasm'));
+// Emscripten's script is part of the stamp: it and the module share short names, which differ from build to build.
+const stamp = stampOf(...['abi.ts', 'fourdvt.js'].map((name) => readFileSync(join(wasmFolder, name))));
+const copyWasm = (from, to) => writeFileSync(join(out, to), stampWasm(readFileSync(from), stamp));
+copyWasm(join(wasmFolder, 'fourdvt.wasm'), 'fourdvt-viewer.wasm');
+copyWasm(join(wasmFolder, 'fourdvt-more.wasm'), 'fourdvt-more.wasm');
 await bundle(join(here, 'src/more.ts'), 'fourdvt-more.js');
-copyFileSync(join(wasmFolder, 'fourdvt-more.wasm'), join(out, 'fourdvt-more.wasm'));
 if (hasOpencv) {
   await bundle(join(opencvFolder, 'fourdvt-opencv.js'), 'fourdvt-opencv.js');
-  copyFileSync(join(opencvFolder, 'fourdvt-opencv.wasm'), join(out, 'fourdvt-opencv.wasm'));
+  copyWasm(join(opencvFolder, 'fourdvt-opencv.wasm'), 'fourdvt-opencv.wasm');
 }
+const version = stampOf(...readdirSync(out).sort().map((name) => readFileSync(join(out, name))));
+await bundle(join(here, 'src/fourdvt-viewer.ts'), 'fourdvt-viewer.js', {
+  alias: { 'fourdvt-wasm': join(wasmFolder, 'fourdvt.js') },
+  define: { FOURDVT_STAMP: `"${stamp}"`, FOURDVT_VERSION: `"?v=${version}"` },
+});
+// For the page's <head>: begins the downloads before the script asks for them.
+writeFileSync(join(out, 'preload.html'), `<link rel="modulepreload" href="fourdvt-viewer/fourdvt-viewer.js">
+<link rel="preload" as="fetch" crossorigin href="fourdvt-viewer/fourdvt-viewer.wasm?v=${version}">
+<link rel="preload" as="fetch" crossorigin href="character/character.gltf">
+<link rel="preload" as="fetch" crossorigin href="character/character.start.bin">
+`);
 execFileSync(process.execPath, [join(here, 'node_modules/typescript/bin/tsc'), '-p', here, '--emitDeclarationOnly',
   '--outDir', join(out, 'types')], { stdio: 'inherit' });
 

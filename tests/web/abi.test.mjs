@@ -9,7 +9,7 @@ import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { fileURLToPath, pathToFileURL } from 'node:url';
 
-import { cppHeader, exportList, parseAbi, typeScript } from '../../wasm/abi.mjs';
+import { cppHeader, exportList, parseAbi, stampOf, stampWasm, typeScript } from '../../wasm/abi.mjs';
 import { requireFromWeb } from './harness.mjs';
 
 const kRoot = fileURLToPath(new URL('../..', import.meta.url));
@@ -140,6 +140,15 @@ test('each module exports its own functions', () => {
   assert.equal(exportList(abi, 'player'), '_fdvt_look\n');
   assert.equal(exportList(abi, 'other'), '_fdvt_run\n');
   assert.throws(() => exportList(abi, 'none'), /no module none/);
+});
+
+test('a wasm file carries the stamp of the ABI that it was built with', () => {
+  const stamp = stampOf(typeScript(parseAbi(kSmall)), 'script');
+  assert.match(stamp, /^[0-9a-f]{8}$/);
+  assert.notEqual(stampOf(typeScript(parseAbi(kSmall.replace('  bool on\n', ''))), 'script'), stamp);
+  assert.notEqual(stampOf(typeScript(parseAbi(kSmall)), 'another script'), stamp);
+  const module = new WebAssembly.Module(stampWasm(Uint8Array.of(0, 0x61, 0x73, 0x6d, 1, 0, 0, 0), stamp));
+  assert.deepEqual(WebAssembly.Module.customSections(module, 'fourdvt').map((section) => Buffer.from(section).toString()), [stamp]);
 });
 
 test('the build refuses modules that were built with another list', () => {

@@ -193,11 +193,21 @@ sceneTest('what cannot work is one error with its own ID', async () => {
   const cases = [
     ['wasm refused by the page\'s policy', 'wasm-refused',
       { policy: "script-src 'self' 'unsafe-inline'" }, (line) => /Content Security Policy|wasm/i.test(line)],
-    ['wasm file missing', 'fetch-failed', { faults: (r) => (r.url.endsWith('.wasm') ? { status: 404 } : null) }],
+    ['wasm file missing', 'fetch-failed', { faults: (r) => (/\.wasm\?v=\w{8}$/.test(r.url) ? { status: 404 } : null) }],
     ['wasm file cut short', 'wasm-refused', { before: () => {
       const native = globalThis.fetch;
-      globalThis.fetch = async (url, init) => (String(url).endsWith('.wasm')
+      globalThis.fetch = async (url, init) => (String(url).includes('.wasm')
         ? new Response((await (await native(url, init)).arrayBuffer()).slice(0, 5000)) : native(url, init));
+    } }],
+    ['wasm of another build', 'wasm-refused', { before: () => {
+      const native = globalThis.fetch;
+      globalThis.fetch = async (url, init) => {
+        const answer = await native(url, init);
+        if (!String(url).includes('.wasm')) return answer;
+        const bytes = new Uint8Array(await answer.arrayBuffer());
+        bytes[bytes.length - 1] ^= 1; // the last digit of its stamp
+        return new Response(bytes);
+      };
     } }],
     ['no memory for wasm', 'out-of-memory', { before: () => {
       WebAssembly.instantiate = () => Promise.reject(new RangeError('WebAssembly.Memory(): could not allocate memory'));

@@ -11,6 +11,7 @@ import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { fileURLToPath, pathToFileURL } from 'node:url';
 
+import { stampWasm } from '../../wasm/abi.mjs';
 import { requireFromWeb } from './harness.mjs';
 import { serve, serveOnNextFreePort } from './server.mjs';
 
@@ -359,28 +360,38 @@ test('the second part comes from beside the wasm file and gets the exports of th
   });`);
   buildSync({
     entryPoints: [fileURLToPath(new URL('../../web/src/wasm-module.ts', import.meta.url))], outfile, bundle: true,
-    format: 'esm', logLevel: 'silent', alias: { 'fourdvt-wasm': player },
+    format: 'esm', logLevel: 'silent', alias: { 'fourdvt-wasm': player }, define: { FOURDVT_STAMP: '"1234abcd"', FOURDVT_VERSION: '"?v=5"' },
   });
   const { instantiate, loadMore, hasMore } = await import(pathToFileURL(outfile).href);
   // first: (func (export "f") call placeholder.0); second: imports f.
   const kFirst = Uint8Array.from([0, 97, 115, 109, 1, 0, 0, 0, 1, 4, 1, 96, 0, 0, 2, 17, 1, 11, ...Buffer.from('placeholder'), 1, 48, 0, 0, 3, 2, 1, 0, 7, 5, 1, 1, 102, 0, 1, 10, 6, 1, 4, 0, 16, 0, 11]);
   const kSecond = Uint8Array.from([0, 97, 115, 109, 1, 0, 0, 0, 1, 4, 1, 96, 0, 0, 2, 11, 1, 5, ...Buffer.from('first'), 1, 102, 0, 0]);
   const fetched = [], realFetch = globalThis.fetch;
-  globalThis.fetch = async (address) => {
-    fetched.push(address);
-    return new Response(address.includes('more') ? kSecond : kFirst, { headers: { 'Content-Type': 'text/plain' } });
+  let cached = '1234abce', served = '00000000';
+  globalThis.fetch = async (address, { cache }) => {
+    fetched.push([address, cache]);
+    const stamped = stampWasm(address.includes('more') ? kSecond : kFirst, cache === 'reload' ? served : cached);
+    return new Response(stamped, { headers: { 'Content-Type': 'text/plain' } });
   };
   try {
     const url = pathToFileURL(join(folder, 'fourdvt-viewer.wasm')).href;
+    const twice = [[url, 'default'], [url, 'reload']];
+    await assert.rejects(instantiate(url, () => undefined), { id: 'wasm-refused', message: /another build.*reload the page, or upload/ });
+    assert.deepEqual(fetched.splice(0), twice, 'one of another build is fetched again past the cache, once');
+    served = '1234abcd';
     const module = await instantiate(url, () => undefined);
+    assert.deepEqual(fetched.splice(0), twice);
+    await instantiate(url, () => undefined);
+    assert.deepEqual(fetched, [], 'compiled once per page');
     assert.throws(() => module.instance.exports.f(), /second part/);
-    await assert.rejects(loadMore(module, url, () => undefined), { id: 'fetch-failed', message: /fourdvt-more\.js: .*beside/ });
+    await assert.rejects(loadMore(module, url, () => undefined), { id: 'fetch-failed', message: /fourdvt-more\.js\?v=5: .*beside/ });
     assert.equal(hasMore(module), false);
     writeFileSync(join(folder, 'fourdvt-more.js'), 'export const readLook = 1;');
     const tryAgain = `${pathToFileURL(folder).href}/./fourdvt-viewer.wasm`;
     const { readLook } = await loadMore(await instantiate(tryAgain, () => undefined), `${tryAgain}`, () => undefined);
     assert.equal(readLook, 1);
-    assert.ok(fetched.some((address) => address === pathToFileURL(join(folder, 'fourdvt-more.wasm')).href));
+    const more = `${pathToFileURL(join(folder, 'fourdvt-more.wasm')).href}?v=5`;
+    assert.ok(fetched.some(([address]) => address === more));
   } finally {
     globalThis.fetch = realFetch;
   }

@@ -61,9 +61,9 @@ export class FourdvtViewer extends HTMLElement {
     'background', 'look', 'look-strength', 'light', 'light-turn',
   ];
   /** Address of the player's wasm file: beside the script, unless it is set before the first element loads. */
-  static wasmUrl = new URL('fourdvt-viewer.wasm', import.meta.url).href;
+  static wasmUrl = new URL(`fourdvt-viewer.wasm${FOURDVT_VERSION}`, import.meta.url).href;
   /** Address of the OpenCV module, which is fetched only for align="flow-opencv". */
-  static opencvUrl = new URL('fourdvt-opencv.js', import.meta.url).href;
+  static opencvUrl = new URL(`fourdvt-opencv.js${FOURDVT_VERSION}`, import.meta.url).href;
 
   readonly #overlay: Overlay;
   readonly #camera = new OrbitCamera();

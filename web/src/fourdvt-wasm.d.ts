@@ -1,5 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The module that Emscripten makes. build.mjs replaces its name by the file in the folder given with --wasm.
+// The module that Emscripten makes. build.mjs replaces its name by the file in the folder given with --wasm, and the
+// constants by texts.
+
+/** The section `fourdvt` of the wasm files that were built with this script. */
+declare const FOURDVT_STAMP: string;
+/** A query that names the content of the files beside this script, so that no cache has earlier ones under it. */
+declare const FOURDVT_VERSION: string;
+
 declare module 'fourdvt-wasm' {
   const createModule: (options: import('./wasm-abi.js').ModuleOptions) => Promise<import('./wasm-abi.js').WasmModule>;
   export default createModule;

@@ -202,10 +202,10 @@ export function fetchFile(url: string, report: Report = () => undefined, signal?
 }
 
 /** A wasm file, compiled while it comes. Errors: ViewerError 'fetch-failed'; what the browser says of the file. */
-export function compileFile(url: string, report: Report): Promise<WebAssembly.Module> {
+export function compileFile(url: string, report: Report, cache: RequestCache): Promise<WebAssembly.Module> {
   return patiently(url, async () => {
     let fault: unknown;
-    const body = (await ask(url, {})).stream((reason) => (fault = reason));
+    const body = (await ask(url, { cache })).stream((reason) => (fault = reason));
     // The type is given here: no server needs to have it.
     const wasm = new Response(body, { headers: { 'Content-Type': 'application/wasm' } });
     return WebAssembly.compileStreaming(wasm).catch((reason: unknown) => { throw fault ?? reason; });

@@ -24,16 +24,23 @@ function refusal(url: string, reason: unknown): ViewerError {
     : new ViewerError('wasm-refused', `${url}: the browser refuses the player's wasm (${text}); allow 'wasm-unsafe-eval' in the page's policy, and serve the file as it was built`);
 }
 
+// A file of another build may come from a cache: it is fetched again, past it, once.
+async function compileNew(url: string, report: Report, cache: RequestCache = 'default'): Promise<WebAssembly.Module> {
+  const module = await compileFile(url, report, cache).catch((reason: unknown) => {
+    if (!(reason instanceof ViewerError)) throw refusal(url, reason);
+    throw new ViewerError('fetch-failed', `${asViewerError(reason).message}; the player's wasm files must lie beside its script`);
+  });
+  if (new TextDecoder().decode(WebAssembly.Module.customSections(module, 'fourdvt')[0]) === FOURDVT_STAMP) return module;
+  if (cache === 'default') return compileNew(url, report, 'reload');
+  throw new ViewerError('wasm-refused', `${url}: is of another build than the player's script; reload the page, or upload all files of the player again`);
+}
+
 // `report` of the first caller hears of waiting for the network; all wait for the same download.
 function compile(url: string, report: Report): Promise<WebAssembly.Module> {
   let module = compiled.get(url);
   if (!module) {
-    module = compileFile(url, report).catch((reason: unknown) => {
-      compiled.delete(url);
-      if (!(reason instanceof ViewerError)) throw refusal(url, reason);
-      throw new ViewerError('fetch-failed', `${asViewerError(reason).message}; the player's wasm files must lie beside its script`);
-    });
-    compiled.set(url, module);
+    compiled.set(url, (module = compileNew(url, report)));
+    module.catch(() => compiled.delete(url));
   }
   return module;
 }
@@ -88,10 +95,10 @@ export function loadMore(module: WasmModule, url: string, report: Report): Promi
   return more;
 }
 
-const secondUrl = (url: string): string => new URL('fourdvt-more.wasm', url).href;
+const secondUrl = (url: string): string => new URL(`fourdvt-more.wasm${FOURDVT_VERSION}`, url).href;
 
 async function addSecond(module: WasmModule, url: string, report: Report): Promise<More> {
-  const script = new URL('fourdvt-more.js', url).href;
+  const script = new URL(`fourdvt-more.js${FOURDVT_VERSION}`, url).href;
   const page = (import(script) as Promise<More>).catch((reason: unknown) => {
     throw new ViewerError('fetch-failed', `${script}: the player's second part does not load (${String(reason)}); put it and its .wasm beside the player's`);
   });
