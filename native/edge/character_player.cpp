@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "edge/character_player.h"
 
+#include <algorithm>
 #include <array>
 #include <deque>
 #include <filesystem>
@@ -49,12 +50,12 @@ struct HeldPicture {
 
 class FilePlayer final : public CharacterPlayer {
  public:
-  FilePlayer(gpu::Device& device, std::shared_ptr<render::Recipe> recipe, std::string folder)
-      : recipe_(std::move(recipe)), folder_(std::move(folder)), still_(device) {}
+  FilePlayer(gpu::Device& device, std::shared_ptr<render::Recipe> recipe, std::string folder, uint32_t rendition)
+      : recipe_(std::move(recipe)), folder_(std::move(folder)), rendition_(rendition), still_(device) {}
 
   Status load(gpu::Device& device, const std::string& manifest_path) {
     FOURDVT_ASSIGN(auto json, readJsonFlat(manifest_path));
-    FOURDVT_ASSIGN(player_, Player::create(device, recipe_, {.cameras = &cameraParts()}));
+    FOURDVT_ASSIGN(player_, Player::create(device, recipe_, {.cameras = &cameraParts(), .rendition = rendition_}));
     FOURDVT_TRY(player_->loadManifest(json));
     if (player_->character()->appearance == package::AppearanceKind::Layers) return {};
     FOURDVT_ASSIGN(auto method, render::makeCameraMethod(device, render::kDefaultMethod));
@@ -98,6 +99,7 @@ class FilePlayer final : public CharacterPlayer {
 
   std::shared_ptr<render::Recipe> recipe_;
   std::string folder_;
+  uint32_t rendition_;
   std::unique_ptr<Player> player_;
   std::array<Decoding, kDecoders> decoding_;
   std::map<std::string, Error> errors_;  // by sequence: the player reports a broken one only once
@@ -210,7 +212,8 @@ Status FilePlayer::showFrame(const std::string& sequence, uint32_t frame) {
     if (shows(sequence, frame)) return {};
     FOURDVT_TRY(pump());
   }
-  return Error{ErrorId::VideoInvalid, folder_ + "/" + wanted->renditions[0].video_uri + ": frame " +
+  const size_t rendition = std::min<size_t>(rendition_, wanted->renditions.size() - 1);
+  return Error{ErrorId::VideoInvalid, folder_ + "/" + wanted->renditions[rendition].video_uri + ": frame " +
                                           std::to_string(frame) + " never came out of the decoder; bake again"};
 }
 
@@ -243,14 +246,15 @@ Result<std::unique_ptr<CharacterPlayer>> CharacterPlayer::open(gpu::Device& devi
 }
 
 Result<std::unique_ptr<CharacterPlayer>> CharacterPlayer::open(gpu::Device& device, const std::string& manifest_path,
-                                                               std::shared_ptr<render::Recipe> recipe) {
+                                                               std::shared_ptr<render::Recipe> recipe,
+                                                               uint32_t rendition) {
   namespace fs = std::filesystem;
   std::error_code ignored;
   fs::path manifest(manifest_path);
   if (fs::is_directory(manifest, ignored)) manifest /= "character.gltf";
   fs::path folder = manifest.parent_path();
   if (folder.empty()) folder = ".";
-  auto player = std::make_unique<FilePlayer>(device, std::move(recipe), folder.string());
+  auto player = std::make_unique<FilePlayer>(device, std::move(recipe), folder.string(), rendition);
   FOURDVT_TRY(player->load(device, manifest.string()));
   return std::unique_ptr<CharacterPlayer>(std::move(player));
 }

@@ -15,9 +15,10 @@ class CharacterPlayer {
  public:
   // `manifest_path`: character.gltf or its folder. Needs a current GL context for a GLES device.
   static Result<std::unique_ptr<CharacterPlayer>> open(gpu::Device& device, const std::string& manifest_path);
-  // Several characters that are drawn into one picture share a recipe.
+  // Several characters that are drawn into one picture share a recipe. rendition: as of PlayerOptions.
   static Result<std::unique_ptr<CharacterPlayer>> open(gpu::Device& device, const std::string& manifest_path,
-                                                       std::shared_ptr<render::Recipe> recipe);
+                                                       std::shared_ptr<render::Recipe> recipe,
+                                                       uint32_t rendition = kHighestRendition);
   virtual ~CharacterPlayer() = default;
   virtual Player& player() = 0;
   virtual render::Recipe& recipe() = 0;

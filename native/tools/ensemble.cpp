@@ -12,7 +12,7 @@ Result<std::unique_ptr<Ensemble>> Ensemble::create(GpuSession& gpu, AlignMethod 
 }
 
 Status Ensemble::add(const ActorOptions& options) {
-  FOURDVT_ASSIGN(auto opened, openCharacterOn(gpu_, options.folder, recipe_));
+  FOURDVT_ASSIGN(auto opened, openCharacterOn(gpu_, options.folder, recipe_, options.rendition));
   Actor actor{std::move(opened), options.cues};
   Player& player = actor.character->player();
   const package::Character& character = *player.character();

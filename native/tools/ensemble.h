@@ -19,6 +19,7 @@ struct ActorOptions {
   motion::Placement placement;
   bool travel = false;
   std::vector<Cue> cues;
+  std::optional<int> rendition;  // as openCharacter takes it
 };
 
 class Ensemble {

@@ -27,11 +27,12 @@ namespace {
 namespace fs = std::filesystem;
 
 const CommandHelp& help() {
-  static const CommandHelp text{"inspect CHARACTER",
-                                "Lists sequences, motion classes, renditions and sizes of a character folder (or of "
-                                "its character.gltf). Checks content hashes and decodes every chunk, every video "
-                                "frame, the motion graph and the room. Exits with 1 if anything is damaged.",
-                                {}};
+  static const CommandHelp text{
+      "inspect CHARACTER",
+      "Lists sequences, motion classes, renditions (the lowest first) and sizes of a character folder (or of "
+      "its character.gltf). Checks content hashes and decodes every chunk, every video "
+      "frame, the motion graph and the room. Exits with 1 if anything is damaged.",
+      {}};
   return text;
 }
 
@@ -41,11 +42,12 @@ Error inFile(const std::string& path, const Error& error) {
 }
 
 struct SequenceSizes {
-  uint64_t video = 0, positions = 0, labels = 0, offsets = 0, alignment = 0;
+  uint64_t video = 0;             // of the highest rendition
+  uint64_t lower_renditions = 0;  // of the others
+  uint64_t positions = 0, labels = 0, offsets = 0, alignment = 0;
   uint64_t index = 0;  // header, tables of lengths, root motion
   size_t chunks = 0;
   bool aligned = false;
-  std::string pictures;  // "1536x1024 avc1.640028"
   // From cameras: surfaces are counted as positions.
   uint32_t runs = 0, most_vertices = 0, most_faces = 0;
   std::vector<double> kept_pixels;  // [camera], mean over the GOPs
@@ -126,13 +128,13 @@ class Inspection {
     std::printf("bounds     x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f m, ground at %.2f m\n", c.bounds.min.x,
                 c.bounds.max.x, c.bounds.min.y, c.bounds.max.y, c.bounds.min.z, c.bounds.max.z, c.ground_y_m);
     printRoom();
-    std::printf("%-12s %6s %6s %8s %5s %5s  %s\n", "sequence", "frames", "fps", "seconds", "loop", "GOPs",
-                "renditions");
+    std::printf("%-12s %6s %6s %8s %5s %5s\n", "sequence", "frames", "fps", "seconds", "loop", "GOPs");
     for (size_t i = 0; i < sizes_.size(); ++i) {
       const package::Sequence& s = c.sequences[i];
-      std::printf("%-12s %6u %6.2f %8.2f %5s %5zu  %s\n", s.name.c_str(), s.frame_count, s.fps, s.duration_s(),
-                  s.loop ? "yes" : "no", sizes_[i].chunks, sizes_[i].pictures.c_str());
+      std::printf("%-12s %6u %6.2f %8.2f %5s %5zu\n", s.name.c_str(), s.frame_count, s.fps, s.duration_s(),
+                  s.loop ? "yes" : "no", sizes_[i].chunks);
     }
+    printRenditions();
     if (fromCameras()) printTiles();
     printClasses();
     printGraph();
@@ -191,10 +193,8 @@ class Inspection {
     }
     for (size_t r = 0; r < sequence.renditions.size(); ++r) {
       FOURDVT_TRY(video(sequence, sequence.renditions[r], index.value().renditions[r]));
-      const package::Rendition& rendition = sequence.renditions[r];
-      sizes.video += rendition.video_bytes;
-      sizes.pictures += (r ? ", " : "") + std::to_string(rendition.width) + "x" + std::to_string(rendition.height) +
-                        " " + rendition.codec;
+      sizes.lower_renditions += sizes.video;
+      sizes.video = sequence.renditions[r].video_bytes;
     }
     sizes_.push_back(sizes);
     return {};
@@ -286,6 +286,19 @@ class Inspection {
     return {};
   }
 
+  void printRenditions() const {
+    std::printf("\n%-12s %9s %7s %10s  %-14s %10s %7s\n", "video", "rendition", "texels", "picture", "codec", "bytes",
+                "Mbit/s");
+    for (const package::Sequence& s : character_.sequences)
+      for (size_t r = 0; r < s.renditions.size(); ++r) {
+        const package::Rendition& rendition = s.renditions[r];
+        const std::string size = std::to_string(rendition.width) + "x" + std::to_string(rendition.height);
+        const std::string texels = fromCameras() ? "-" : std::to_string(rendition.layers[0].width);
+        std::printf("%-12s %9zu %7s %10s  %-14s %10lu %7.2f\n", s.name.c_str(), r, texels.c_str(), size.c_str(),
+                    rendition.codec.c_str(), rendition.video_bytes, rendition.video_bytes * 8e-6 / s.duration_s());
+      }
+  }
+
   void printTiles() const {
     for (size_t i = 0; i < sizes_.size(); ++i) {
       const package::Sequence& s = character_.sequences[i];
@@ -355,7 +368,7 @@ class Inspection {
       std::printf("%-12s %9lu %9lu %9lu %9lu %9lu %9lu %10lu  %.2f (%.2f + %.2f)\n",
                   character_.sequences[i].name.c_str(), s.video, s.positions, s.labels, s.offsets, s.alignment, s.index,
                   s.video + rest, (s.video + rest) * rate, s.video * rate, rest * rate);
-      all += s.video + rest;
+      all += s.video + s.lower_renditions + rest;
     }
     std::printf("\nmesh %lu, poster %lu, manifest %lu; all that a player may load: %lu bytes (%.2f MB)\n",
                 character_.mesh_bytes, poster_bytes_, uint64_t(fs::file_size(manifest_)), all, all / 1e6);

@@ -9,6 +9,7 @@
 
 #include "capture/capture.h"
 #include "render/cameras/camera_method.h"
+#include "tools/session.h"
 
 namespace fourdvt::tools {
 namespace {
@@ -150,6 +151,8 @@ void checkMotion(Args& args, const RenderArguments& a) {
   if (playing && (args.has("--frame") || a.phase)) args.complain("--sweep and --play take neither --frame nor --phase");
   if (!a.scene.empty() && (!a.sequence.empty() || !a.parameters.empty() || a.phase))
     args.complain("the scene's file says which state and parameter; give them there");
+  if (a.rendition && (!a.scene.empty() || a.fvvr.wanted))
+    args.complain("--rendition goes with neither --scene nor --capture");
   if (a.fvvr.wanted && (a.wants_class || !a.parameters.empty() || a.phase))
     args.complain("--method fvvr --capture renders captured frames: neither --class nor --parameter nor --phase");
 }
@@ -193,6 +196,7 @@ const CommandHelp& renderHelp() {
        {"--seconds", "S", "length of a movie (default: whole loops, at least 8 s)"},
        {"--sequence", "NAME", "sequence (default: the first)"},
        {"--frame", "N", "frame, from 0 (default 0)"},
+       kRenditionOption,
        {"--class", "NAME", "motion class instead of a sequence"},
        {"--phase", "U", "position in the motion, 0 to 1, instead of a frame"},
        {"--parameter", "NAME=VALUE", "parameter of the class, e.g. speed_mps=2.1; separate several by commas"},
@@ -242,6 +246,7 @@ RenderArguments readRenderArguments(Args& args) {
   a.output = args.text("-o");
   a.turntable = args.text("--turntable");
   a.sequence = args.text("--sequence");
+  a.rendition = readRendition(args);
   a.frame = args.integer("--frame", 0, 0, 100'000'000);
   a.view.size = args.size("--size", kMaxSide);
   a.view.camera = args.text("--camera");

@@ -35,6 +35,7 @@ struct RenderArguments {
   std::string character, output, turntable;
   std::string sequence;  // or class; empty: the first
   bool wants_class = false;
+  std::optional<int> rendition;  // as openCharacter takes it
   int frame = 0;
   std::optional<double> phase;  // position in one pass, 0…1; instead of the frame
   Parameters parameters;

@@ -139,7 +139,7 @@ int renderCommand(int argc, char** argv) {
     const Status status = arguments.scene.empty() ? renderMotion(arguments) : renderScene(arguments);
     return status.ok() ? kOk : fail(status.error());
   }
-  auto session = openCharacter(arguments.character);
+  auto session = openCharacter(arguments.character, arguments.rendition);
   if (!session.ok()) return fail(session.error());
   const package::Character& character = session.value().character();
   if (const Status fits = checkMethod(arguments, character); !fits.ok()) return fail(fits.error());

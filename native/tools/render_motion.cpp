@@ -179,7 +179,8 @@ Status renderMotion(const RenderArguments& arguments) {
   FOURDVT_ASSIGN(auto gpu, openGpu());
   FOURDVT_ASSIGN(auto ensemble, Ensemble::create(gpu, arguments.align));
   FOURDVT_TRY(setLook(arguments.look, *gpu.device, ensemble->recipe()));
-  ActorOptions actor{arguments.character, arguments.sequence, arguments.parameters, {}, arguments.travel, {}};
+  ActorOptions actor{arguments.character, arguments.sequence, arguments.parameters, {}, arguments.travel, {},
+                     arguments.rendition};
   actor.cues = arguments.cues;
   if (actor.state.empty() && !actor.cues.empty() && actor.cues[0].at_s == 0) actor.state = actor.cues[0].state;
   const std::optional<Sweep> sweep = arguments.sweep;

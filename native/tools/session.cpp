@@ -5,9 +5,9 @@
 #include <filesystem>
 
 #include "platform/ffmpeg_video.h"
+#include "platform/files.h"
 #include "render/cameras/camera_method.h"
 #include "render/montage/layered_montage.h"
-#include "tools/args.h"
 
 namespace fourdvt::tools {
 
@@ -18,22 +18,49 @@ Result<GpuSession> openGpu() {
   return session;
 }
 
-Result<CharacterSession> openCharacter(const std::string& character) {
+Result<CharacterSession> openCharacter(const std::string& character, std::optional<int> rendition) {
   FOURDVT_ASSIGN(auto gpu, openGpu());
   CharacterSession session{std::move(gpu), nullptr};
   FOURDVT_ASSIGN(auto recipe, render::Recipe::create(*session.gpu.device));
-  FOURDVT_ASSIGN(session.player, openCharacterOn(session.gpu, character, std::move(recipe)));
+  FOURDVT_ASSIGN(session.player, openCharacterOn(session.gpu, character, std::move(recipe), rendition));
   return session;
 }
 
 Result<std::unique_ptr<edge::CharacterPlayer>> openCharacterOn(GpuSession& gpu, const std::string& character,
-                                                               std::shared_ptr<render::Recipe> recipe) {
+                                                               std::shared_ptr<render::Recipe> recipe,
+                                                               std::optional<int> rendition) {
   const std::string path = manifestPath(character);
-  FOURDVT_ASSIGN(auto player, edge::CharacterPlayer::open(*gpu.device, path, std::move(recipe)));
+  uint32_t index = kHighestRendition;
+  if (rendition) {
+    FOURDVT_ASSIGN(const auto json, platform::readJsonFlat(path));
+    FOURDVT_ASSIGN(const auto manifest, package::readManifest(json));
+    FOURDVT_ASSIGN(index, findRendition(manifest, path, *rendition));
+  }
+  FOURDVT_ASSIGN(auto player, edge::CharacterPlayer::open(*gpu.device, path, std::move(recipe), index));
   const package::Character* read = player->player().character();
   if (!read) return Error{ErrorId::ManifestInvalid, path + ": manifest did not load"};
   if (read->sequences.empty()) return Error{ErrorId::ManifestInvalid, path + ": has no sequences; bake it again"};
   return player;
+}
+
+Result<uint32_t> findRendition(const package::Character& character, const std::string& path, int number) {
+  if (character.sequences.empty()) return 0u;
+  const std::vector<package::Rendition>& all = character.sequences.front().renditions;
+  if (static_cast<size_t>(number) < all.size()) return static_cast<uint32_t>(number);
+  std::string known;
+  for (size_t r = all.size(); r-- > 0;) {
+    const int texels = all[r].layers.empty() ? 0 : all[r].layers[0].width;
+    if (texels == number) return static_cast<uint32_t>(r);
+    known = std::to_string(r) + (texels ? " (" + std::to_string(texels) + " texels)" : "") +
+            (known.empty() ? "" : ", ") + known;
+  }
+  return Error{ErrorId::InvalidArgument,
+               path + ": has no rendition " + std::to_string(number) + "; --rendition takes " + known};
+}
+
+std::optional<int> readRendition(Args& args) {
+  if (!args.has(kRenditionOption.name)) return std::nullopt;
+  return args.integer(kRenditionOption.name, 0, 0, package::kMaxPictureSide);
 }
 
 std::string manifestPath(const std::string& character) {

@@ -3,14 +3,23 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "base/video.h"
 #include "edge/character_player.h"
 #include "gpu/device.h"
 #include "platform/egl_context.h"
+#include "tools/args.h"
 
 namespace fourdvt::tools {
+
+inline constexpr Option kRenditionOption{
+    "--rendition", "N",
+    "rendition: 0 for the lowest, counted as `fourdvt inspect` lists them, or the texels "
+    "of layer 1 (default: the highest)"};
+// Of --rendition; none: not given.
+std::optional<int> readRendition(Args& args);
 
 struct GpuSession {
   std::unique_ptr<platform::EglContext> context;
@@ -24,11 +33,16 @@ struct CharacterSession {
 };
 
 Result<GpuSession> openGpu();
-// `character`: a folder or its character.gltf. Opened far enough that the manifest is read.
-Result<CharacterSession> openCharacter(const std::string& character);
+// `character`: a folder or its character.gltf. Opened far enough that the manifest is read. rendition: the one that is
+// drawn, as --rendition takes it (findRendition); none: the highest.
+Result<CharacterSession> openCharacter(const std::string& character, std::optional<int> rendition = {});
 // Opens a further character on the same context, to draw several together.
 Result<std::unique_ptr<edge::CharacterPlayer>> openCharacterOn(GpuSession& gpu, const std::string& character,
-                                                               std::shared_ptr<render::Recipe> recipe);
+                                                               std::shared_ptr<render::Recipe> recipe,
+                                                               std::optional<int> rendition = {});
+// The index of a rendition of the first sequence: `number` itself, 0 for the lowest, or the highest one whose layer 1
+// has that many texels a side. Errors: InvalidArgument, with what there is.
+Result<uint32_t> findRendition(const package::Character& character, const std::string& path, int number);
 // <folder>/character.gltf for a folder, else the path itself.
 std::string manifestPath(const std::string& character);
 // How its figures are drawn, by name: of layered characters "montage4d", which a device that cannot run it replaces by

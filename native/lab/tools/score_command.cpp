@@ -23,6 +23,7 @@ const tools::CommandHelp& help() {
       {{"--capture", "CAPTURE", "the capture that CHARACTER was baked from (required)"},
        {"-o", "FOLDER", "also write evaluate.csv, evaluate.txt and worst.png"},
        {"--sequences", "A,B", "only these sequences (default: all)"},
+       tools::kRenditionOption,
        {"--method", "NAME", "drawing method; for characters from layers: montage4d (default: the plain blend)"},
        {"--closest", "M", "for characters from cameras: number of cameras that a view uses, 0: all (default 4)"},
        {"--input-every", "N", "score input cameras at every Nth frame, 0: never (default 4)"},
@@ -34,7 +35,7 @@ const tools::CommandHelp& help() {
 
 struct Arguments {
   std::string character, capture, output, method;
-  std::optional<int> closest;
+  std::optional<int> closest, rendition;
   measure::HeldOutOptions held_out;
 };
 
@@ -44,6 +45,7 @@ Arguments readArguments(tools::Args& args) {
   a.capture = args.required("--capture");
   a.output = args.text("-o");
   a.method = args.text("--method");
+  a.rendition = tools::readRendition(args);
   if (args.has("--closest")) a.closest = args.integer("--closest", 0, 0, package::kMaxCameras);
   a.held_out.sequences = args.list("--sequences");
   a.held_out.input_every = static_cast<uint32_t>(args.integer("--input-every", 4, 0, 1'000'000));
@@ -61,7 +63,7 @@ Status writeReport(const std::string& folder, const measure::HeldOutReport& repo
 
 Status score(const Arguments& arguments) {
   if (!arguments.output.empty()) FOURDVT_TRY(platform::makeFolder(arguments.output));
-  FOURDVT_ASSIGN(auto session, tools::openCharacter(arguments.character));
+  FOURDVT_ASSIGN(auto session, tools::openCharacter(arguments.character, arguments.rendition));
   if (!arguments.method.empty()) FOURDVT_TRY(tools::useMethod(session, arguments.method));
   if (arguments.closest) session.player->player().setMethod({.closest = *arguments.closest});
   FOURDVT_ASSIGN(auto capture,
