@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "bake/video/shrink.h"
 #include "package/barcode.h"
 
 namespace fourdvt::bake {
@@ -149,6 +150,13 @@ void tileFrame(const TileLayout& layout, const std::vector<Image>& layers, uint3
   std::vector<const Image*> pointers;
   for (const Image& layer : layers) pointers.push_back(&layer);
   tileFrame(layout, pointers, frame, picture);
+}
+
+void tileShrunk(const std::vector<package::Rect>& rects, const std::vector<const Image*>& images,
+                const package::BarcodeStrip& barcode, uint32_t frame, I420Picture& picture) {
+  for (size_t i = 0; i < images.size(); ++i)
+    drawLayer(shrunk(*images[i], rects[i].width, rects[i].height), rects[i], picture);
+  package::drawBarcode(barcode, frame, picture.y.data(), picture.width);
 }
 
 Image rgbFromTile(const I420View& p, const package::Rect& rect) {

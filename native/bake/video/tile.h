@@ -41,6 +41,10 @@ void drawLayer(const Image& layer, const package::Rect& rect, I420Picture& pictu
 void tileFrame(const TileLayout& layout, const std::vector<const Image*>& layers, uint32_t frame, I420Picture& picture);
 void tileFrame(const TileLayout& layout, const std::vector<Image>& layers, uint32_t frame, I420Picture& picture);
 
+// Draws every image shrunk to its rectangle on its own, and the barcode; rectangles as of drawLayer.
+void tileShrunk(const std::vector<package::Rect>& rects, const std::vector<const Image*>& images,
+                const package::BarcodeStrip& barcode, uint32_t frame, I420Picture& picture);
+
 // Reads one rectangle back as RGB, with chroma replicated, e.g. for stills.
 Image rgbFromTile(const I420View& picture, const package::Rect& rect);
 
