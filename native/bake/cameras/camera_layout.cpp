@@ -111,6 +111,22 @@ CameraLayout planCameraLayout(const std::vector<PinholeCamera>& cameras, const s
   return best;
 }
 
+Rect scaledCells(const Rect& cells, int eighths) {
+  const auto scaled = [&](int texels) { return texels * eighths / 8; };
+  return {scaled(cells.x), scaled(cells.y), scaled(cells.width), scaled(cells.height)};
+}
+
+CameraPicture scaledPicture(const CameraLayout& layout, int eighths) {
+  CameraPicture out;
+  out.tiles = scaledCells({0, 0, layout.width, layout.height}, eighths);
+  out.tiles.height = std::max(out.tiles.height, 1);
+  const int barcode_y = wholeCells(out.tiles.height);
+  out.barcode.rect = {0, barcode_y, kBarcodeWidth, out.barcode.cell_size};
+  out.width = std::max(wholeCells(out.tiles.width), kBarcodeWidth);
+  out.height = barcode_y + out.barcode.cell_size;
+  return out;
+}
+
 std::string checkCameraLayout(const CameraLayout& layout, double tile_scale, double max_texels) {
   const double allowed = std::min(max_texels, double(package::kMaxPictureSide) * package::kMaxPictureSide);
   if (accepted(layout) && layout.pictureTexels() <= allowed) return {};

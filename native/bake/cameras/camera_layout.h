@@ -37,6 +37,16 @@ package::Rect cellsOf(const package::Rect& tile);
 CameraLayout planCameraLayout(const std::vector<PinholeCamera>& cameras,
                               const std::vector<std::vector<package::Rect>>& regions, double tile_scale);
 
+// A rendition's picture of the layout, `eighths` / 8 of its sides: cells become 2 · eighths texels, so that no texel
+// and no chroma sample shows two cameras.
+struct CameraPicture {
+  int width = 0, height = 0;  // with the barcode below
+  package::Rect tiles;        // where the layout lies
+  package::BarcodeStrip barcode;
+};
+CameraPicture scaledPicture(const CameraLayout& layout, int eighths);
+package::Rect scaledCells(const package::Rect& cells, int eighths);
+
 // Why such a picture cannot be, with the remedy; empty if it can. max_texels: what the user allows.
 std::string checkCameraLayout(const CameraLayout& layout, double tile_scale, double max_texels);
 

@@ -73,6 +73,33 @@ void expectSound(const CameraLayout& layout, const std::vector<PinholeCamera>& c
   }
 }
 
+// Cells stay whole at every eighth, so that no texel of a smaller picture covers two of them.
+TEST(CameraLayout, ASmallerPictureKeepsTilesApart) {
+  const auto cameras = ring(5, 200, 160);
+  const CameraLayout layout = planCameraLayout(cameras, randomRegions(3, 2, 5, 200, 160), 1);
+  for (int eighths = 1; eighths <= 8; ++eighths) {
+    const CameraPicture picture = scaledPicture(layout, eighths);
+    EXPECT_EQ(picture.width % 16, 0);
+    EXPECT_EQ(picture.height % 16, 0);
+    EXPECT_EQ(picture.tiles.width * 8, layout.width * eighths);
+    EXPECT_EQ(picture.tiles.height * 8, layout.height * eighths);
+    EXPECT_FALSE(overlap(picture.tiles, picture.barcode.rect));
+    EXPECT_LE(picture.barcode.rect.y + picture.barcode.rect.height, picture.height);
+    EXPECT_LE(picture.barcode.rect.width, picture.width);
+    for (const CameraTile& tile : layout.gops[0]) {
+      const Rect cells = cellsOf(tile.tile), small = scaledCells(cells, eighths);
+      const int pairs[4][2] = {
+          {small.x, cells.x}, {small.y, cells.y}, {small.width, cells.width}, {small.height, cells.height}};
+      for (const auto& [side, whole] : pairs) {
+        EXPECT_EQ(side * 8, whole * eighths);
+        EXPECT_EQ(side % 2, 0) << "chroma";
+      }
+    }
+  }
+  EXPECT_EQ(scaledPicture(layout, 8).width, layout.picture_width);
+  EXPECT_EQ(scaledPicture(layout, 8).height, layout.picture_height);
+}
+
 TEST(Packing, PutsRectanglesApartAndFillsAGrid) {
   std::mt19937 random(1);
   for (int round = 0; round < 200; ++round) {
