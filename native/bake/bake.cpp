@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "bake/run/bake_run.h"
+#include "bake/run/renditions.h"
 #include "bake/stages/align_stage.h"
 #include "bake/stages/assemble.h"
 #include "bake/stages/camera_assembly.h"
@@ -39,12 +40,12 @@ void expectWork(BakeRun& run) {
   if (job.capture.room) expect(Stage::Room, 1);
   if (job.fromCameras()) {
     expect(Stage::Regions, job.total_frames);
-    expect(Stage::Encode, job.total_frames);
+    run.progress.expect(encodeWork(job.options) * job.total_frames);
     return;
   }
   expect(Stage::Warp, member_phases);
   expect(Stage::Visibility, job.total_frames);
-  expect(Stage::Encode, job.total_frames + member_phases);
+  run.progress.expect(encodeWork(job.options) * (job.total_frames + member_phases));
   expect(Stage::Graph, run.progress.frames_total);
   if (job.options.classes.align) expect(Stage::Align, member_phases - phases);
 }

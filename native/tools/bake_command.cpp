@@ -4,6 +4,7 @@
 
 #include "bake/bake.h"
 #include "bake/quality.h"
+#include "bake/run/renditions.h"
 #include "tools/args.h"
 #include "tools/choice.h"
 #include "tools/commands.h"
@@ -52,6 +53,12 @@ const CommandHelp& help() {
        {"--crf", "N",
         "rate factor, lower is better: 0 to 51 for h264, 0 to 63 for vp9 and av1 (default: of the quality)"},
        {"--preset", "NAME", presetHelp()},
+       {"--renditions", "LIST",
+        "smaller renditions beside the highest, which the options above describe: SIZE:CRF or SIZE:CRF:CODEC, "
+        "separated "
+        "by commas. SIZE: texels of layer 1, a multiple of 32 from 64; for characters from cameras the share of the "
+        "highest's sides, a multiple of 0.125. highest: none but that (default: its size at half the bitrate, and 3/8 "
+        "of it, from cameras half of it; 1024:36,384:34 for web)"},
        {"--penalty", "NAME",
         "penalty of a camera for a face, by its optical axis (axis; default, as in the papers), its ray to the face's "
         "centre (ray) or its number of pixels (resolution)"},
@@ -96,6 +103,17 @@ void readEncoding(Args& args, bake::BakeOptions& o) {
                   ", not \"" + o.preset + "\"");
 }
 
+// After readEncoding: the other codecs' presets are the quality's.
+void readRenditions(Args& args, bake::BakeOptions& o) {
+  o.standard_renditions = !args.has("--renditions");
+  if (o.standard_renditions || args.text("--renditions") == "highest") return;
+  const std::string wrong = bake::parseRenditions(args.list("--renditions"), o, o.lower_renditions);
+  if (!wrong.empty()) args.complain("--renditions: " + wrong);
+  const bake::Quality* quality = bake::findQuality(args.text("--quality", bake::kDefaultQuality));
+  for (bake::LowerRendition& r : o.lower_renditions)
+    r.preset = r.codec == o.codec || !quality ? o.preset : quality->preset[static_cast<int>(r.codec)];
+}
+
 void readAppearance(Args& args, bake::BakeOptions& o) {
   using package::AppearanceKind;
   if (args.has("--appearance"))
@@ -115,6 +133,7 @@ bake::BakeOptions readOptions(Args& args) {
   o.character_folder = args.required("-o");
   o.sequences = args.list("--sequences");
   readEncoding(args, o);
+  readRenditions(args, o);
   o.gop = args.integer("--gop", o.gop, 1, 1000);
   o.jobs = args.integer("--jobs", o.jobs, 0, 1024);
   o.resume = args.has("--resume");

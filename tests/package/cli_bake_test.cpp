@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <map>
+#include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "command.h"
@@ -13,8 +15,9 @@ namespace fourdvt::test {
 namespace {
 
 namespace fs = std::filesystem;
+using nlohmann::json;
 
-const std::string kSmall = " --texture 128 --layers 2 --gop 4 --jobs 2";
+const std::string kSmall = " --texture 128 --layers 2 --gop 4 --jobs 2 --renditions highest";
 
 // Nothing but perhaps the kept work folder may exist after a failed bake.
 void expectFailure(const Outcome& outcome, const std::string& named, const std::string& character) {
@@ -96,6 +99,66 @@ TEST(Bake, MakesACharacterThatInspectsAndRenders) {
   EXPECT_EQ(none.output.find("Flicker"), std::string::npos) << none.output;
 }
 
+// Lists all renditions, the lowest first. `inspect` decodes every frame of each and compares its barcode.
+TEST(Bake, LowerRenditionsLeaveTheHighestAsItIs) {
+  const std::string capture = smallCapture("ladder-capture", 6), out = scratch("ladder");
+  const std::string options = " --texture 256 --layers 2 --gop 4 --jobs 2 --crf 20";
+  const Outcome alone = fourdvt("bake " + capture + " -o " + out + "/alone --renditions highest" + options);
+  ASSERT_EQ(alone.code, 0) << alone.output;
+  const Outcome bake =
+      fourdvt("bake " + capture + " -o " + out + "/box --renditions 256:51:h264,64:30,96:40:av1" + options);
+  ASSERT_EQ(bake.code, 0) << bake.output;
+  const Outcome inspect = fourdvt("inspect " + out + "/box");
+  ASSERT_EQ(inspect.code, 0) << inspect.output;
+  EXPECT_NE(inspect.output.find("everything decodes"), std::string::npos) << inspect.output;
+
+  const json gltf = json::parse(readText(out + "/box/character.gltf"));
+  const json& turn = gltf["extensions"]["FOURDVT_layered_video_texture"]["sequences"][0];
+  ASSERT_EQ(turn["renditions"].size(), 4u);
+  EXPECT_EQ(turn["renditions"][3]["uri"], "turn.mp4") << "the highest";
+  uint64_t before = 0;
+  std::set<std::string> names;
+  for (const json& r : turn["renditions"]) {
+    EXPECT_GE(r["byteLength"], before);
+    before = r["byteLength"];
+    names.insert(r["uri"]);
+    EXPECT_EQ(fs::file_size(out + "/box/" + std::string(r["uri"])), before);
+  }
+  EXPECT_EQ(names, (std::set<std::string>{"turn.256-51.mp4", "turn.64-30.mp4", "turn.96-40-av1.mp4", "turn.mp4"}));
+  // What is not of the lower renditions has the same bytes.
+  for (const char* file : {"turn.mp4", "mesh.bin", "poster.webp", "texture.jpg"})
+    EXPECT_EQ(readText(out + "/box/" + file), readText(out + "/alone/" + file)) << file;
+  const json before_gltf = json::parse(readText(out + "/alone/character.gltf"));
+  const json& stream = before_gltf["extensions"]["FOURDVT_layered_video_texture"]["sequences"][0]["stream"];
+  EXPECT_EQ(readText(out + "/box/turn.bin").substr(turn["stream"]["headerLength"]),
+            readText(out + "/alone/turn.bin").substr(stream["headerLength"]));
+
+  const json report = json::parse(readText(out + "/box/report.json"));
+  EXPECT_EQ(report["sequences"][0]["renditions"].size(), 4u);
+  EXPECT_EQ(report["sequences"][0]["video_bytes"], before);
+  for (const std::string& name : names) EXPECT_GT(report["bytes_by_part"][name], 100) << name;
+
+  const auto still = [&](const std::string& choice) {
+    const Outcome drawn = fourdvt("render " + out + "/box --camera cam02 -o " + out + "/still.png" + choice);
+    EXPECT_EQ(drawn.code, 0) << drawn.output;
+    return readText(out + "/still.png");
+  };
+  const std::string highest = still("");
+  EXPECT_EQ(still(" --rendition 3"), highest);
+  EXPECT_EQ(still(" --rendition 256"), highest);
+  EXPECT_NE(still(" --rendition 64"), highest);
+  EXPECT_NE(still(" --rendition 0"), highest);
+  const Outcome none = fourdvt("render " + out + "/box --rendition 512 -o " + out + "/none.png");
+  EXPECT_EQ(none.code, 1);
+  EXPECT_NE(none.output.find("has no rendition 512; --rendition takes 0 ("), std::string::npos) << none.output;
+  const auto psnr = [&](const std::string& choice) {
+    const Outcome score = lab("score " + out + "/box --capture " + capture + " --input-every 0 --flicker 0" + choice);
+    EXPECT_EQ(score.code, 0) << score.output;
+    return score.output;
+  };
+  EXPECT_NE(psnr(" --rendition 64"), psnr(""));
+}
+
 TEST(Bake, EveryCodecInspectsAndRenders) {
   const std::string capture = smallCapture("codec-capture", 10), out = scratch("codecs");
   for (const auto& [codec, starts] : {std::pair{"vp9", "vp09.00."}, std::pair{"av1", "av01.0."}}) {
@@ -119,11 +182,14 @@ TEST(Bake, QualityIsOverriddenByOptions) {
   const Outcome inspect = fourdvt("inspect " + out + "/box");
   // draft has three layers: squares of 128 side by side, and the barcode below is 512 wide.
   EXPECT_NE(inspect.output.find("512x144"), std::string::npos) << inspect.output;
+  // The standard ladder follows: half the texels a side at least, and the same size at a coarser CRF than draft's 37.
+  EXPECT_NE(inspect.output.find("512x80"), std::string::npos) << inspect.output;
+  for (const char* file : {"turn.mp4", "turn.128-44.mp4", "turn.64-42.mp4"}) EXPECT_TRUE(exists(out + "/box/" + file));
 }
 
 TEST(Bake, InterruptedResumesToTheSameBytes) {
   const std::string capture = smallCapture("long-capture", 32), out = scratch("resume");
-  const std::string options = kSmall + " --sequences turn";
+  const std::string options = " --texture 128 --layers 2 --gop 4 --jobs 2 --renditions 128:40,64:36 --sequences turn";
   ASSERT_EQ(fourdvt("bake " + capture + " -o " + out + "/straight" + options).code, 0);
 
   const std::string stopped = out + "/stopped";
@@ -238,6 +304,21 @@ TEST_F(WrongCapture, NothingVisibleNamesAxesAndUnits) {
   ASSERT_EQ(
       shell("sed -i -E 's/^v ([^ ]+) ([^ ]+) ([^ ]+)$/v \\1e3 \\2e3 \\3e3/' " + capture + "/turn/mesh/*.obj").code, 0);
   expectNamed("units");
+}
+
+TEST_F(WrongCapture, RenditionsOfTheWrongKind) {
+  const std::string layers = " --texture 128 --layers 2 --renditions 0.5:30";
+  expectFailure(fourdvt("bake " + capture + " -o " + character + layers), "texels of layer 1", character);
+}
+
+TEST_F(WrongCapture, RenditionWithTheNameOfAnotherSequence) {
+  json j = json::parse(readText(capture + "/capture.json"));
+  j["sequences"].push_back(j["sequences"][0]);
+  j["sequences"].back()["name"] = "turn.64-30";
+  writeText(capture + "/capture.json", j.dump());
+  fs::copy(capture + "/turn", capture + "/turn.64-30", fs::copy_options::recursive);
+  expectFailure(fourdvt("bake " + capture + " -o " + character + " --texture 128 --renditions 64:30"),
+                "'turn.64-30' is also the name of a rendition of 'turn'", character);
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-const std::string kSmall = " --gop 4 --jobs 2";
+const std::string kSmall = " --gop 4 --jobs 2 --renditions highest";
 
 // Says that the box's meshes have a topology of their own in every frame; they go on to be the same.
 std::string perFrame(const std::string& name, int frames = 6) {
@@ -94,7 +94,7 @@ TEST(CameraBake, IsDrawnAsAskedFor) {
 
 TEST(CameraBake, InterruptedResumesToTheSameBytes) {
   const std::string capture = perFrame("long-scan", 32), out = scratch("camera-resume");
-  const std::string options = kSmall + " --sequences turn";
+  const std::string options = " --gop 4 --jobs 2 --renditions 1:40,0.5:30 --sequences turn";
   ASSERT_EQ(fourdvt("bake " + capture + " -o " + out + "/straight" + options).code, 0);
   const std::string stopped = out + "/stopped";
   const Outcome stop = interrupted(FOURDVT_BIN, "bake " + capture + " -o " + stopped + options,
@@ -106,8 +106,34 @@ TEST(CameraBake, InterruptedResumesToTheSameBytes) {
   EXPECT_NE(readText(stopped + "/report.json").find("\"resumed\": true"), std::string::npos);
   EXPECT_EQ(differences(out + "/straight", stopped), std::vector<std::string>{});
   // One job gives what two do.
-  ASSERT_EQ(fourdvt("bake " + capture + " -o " + out + "/alone --gop 4 --jobs 1 --sequences turn").code, 0);
+  ASSERT_EQ(
+      fourdvt("bake " + capture + " -o " + out + "/alone --gop 4 --jobs 1 --renditions 1:40,0.5:30 --sequences turn")
+          .code,
+      0);
   EXPECT_EQ(differences(out + "/straight", out + "/alone"), std::vector<std::string>{});
+  // Every frame of every rendition has its barcode; the smaller one shows the same.
+  const Outcome inspect = fourdvt("inspect " + stopped);
+  EXPECT_EQ(inspect.code, 0) << inspect.output;
+  const auto still = [&](const std::string& choice) {
+    const std::string file = out + "/still" + choice + ".png";
+    const Outcome drawn =
+        fourdvt("render " + stopped + " -o " + file + " --size 160x200 --azimuth 40 --no-shadow --rendition " + choice);
+    EXPECT_EQ(drawn.code, 0) << drawn.output;
+    auto picture = platform::readImage(file);
+    EXPECT_TRUE(picture.ok());
+    return picture.ok() ? picture.take() : Image();
+  };
+  const Image low = still("0"), high = still("2");
+  ASSERT_EQ(low.pixels.size(), high.pixels.size());
+  double difference = 0, covered = 0;
+  for (size_t i = 0; i < low.pixels.size(); i += 4) {
+    if (high.pixels[i + 3] < 255) continue;
+    difference += std::abs(int(low.pixels[i]) - int(high.pixels[i]));
+    ++covered;
+  }
+  EXPECT_GT(covered, 1000);
+  EXPECT_GT(difference, 0);
+  EXPECT_LT(difference / covered, 8);
 }
 
 struct WrongCameraBake : ::testing::Test {
@@ -127,6 +153,13 @@ struct WrongCameraBake : ::testing::Test {
 
 TEST_F(WrongCameraBake, PicturesThatDoNotFitSayWhichScaleDoes) {
   expectRefused(" --tile-texels 0.02", "use --tile-scale 0.");
+}
+
+TEST_F(WrongCameraBake, RenditionsInTexelsNeedLayers) {
+  const Outcome bake = fourdvt("bake " + capture + " -o " + character + " --renditions 384:34");
+  EXPECT_EQ(bake.code, 1) << bake.output;
+  EXPECT_NE(bake.output.find("rendition 384:34:h264: its size must be a share"), std::string::npos) << bake.output;
+  EXPECT_FALSE(exists(character));
 }
 
 TEST_F(WrongCameraBake, ClassesNeedLayers) {

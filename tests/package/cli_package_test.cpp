@@ -15,8 +15,8 @@ class DamagedPackage : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     good_ = scratch("package") + "/box";
-    baked_ =
-        fourdvt("bake " + smallCapture("package-capture", 8) + " -o " + good_ + " --texture 128 --layers 2 --gop 4");
+    baked_ = fourdvt("bake " + smallCapture("package-capture", 8) + " -o " + good_ +
+                     " --texture 128 --layers 2 --gop 4 --renditions highest");
   }
   void SetUp() override {
     ASSERT_EQ(baked_.code, 0) << baked_.output;

@@ -21,7 +21,8 @@ class SceneRendering : public testing::Test {
   static void SetUpTestSuite() {
     folder_ = scratch("render");
     const std::string capture = smallCapture("render-capture", 6);
-    baked_ = fourdvt("bake " + capture + " -o " + folder_ + "/box --texture 128 --layers 2 --gop 4");
+    baked_ =
+        fourdvt("bake " + capture + " -o " + folder_ + "/box --texture 128 --layers 2 --gop 4 --renditions highest");
     fs::copy(capture + "/cameras", folder_ + "/cameras");
     Image sky(160, 160, 3);
     for (size_t i = 0; i < sky.pixels.size(); ++i) sky.pixels[i] = kSky[i % 3];

@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kSmall = " --texture 128 --layers 2 --gop 4 --jobs 2";
+const std::string kSmall = " --texture 128 --layers 2 --gop 4 --jobs 2 --renditions highest";
 const std::string kRoom = R"({"min": [-6, 0, -6], "max": [6, 4, 6]})";
 
 void giveRoom(const std::string& capture, const std::string& room) {

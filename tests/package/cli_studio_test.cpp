@@ -10,7 +10,7 @@ namespace fourdvt::test {
 namespace {
 
 const std::string kTiny = " --cameras 4 --size 96x128 --fps 5 --test-every 3 --truth-phases 1 --truth-ring 0";
-const std::string kBake = " --texture 128 --layers 2 --gop 4 --jobs 2 --align none";
+const std::string kBake = " --texture 128 --layers 2 --gop 4 --jobs 2 --align none --renditions highest";
 
 TEST(Studio, ProceduralCaptureBakes) {
   const std::string out = scratch("studio");
@@ -36,7 +36,7 @@ TEST(Studio, ProceduralCaptureBakes) {
 TEST(Studio, TurnedCamerasAreWrittenRefined) {
   const std::string out = scratch("studio-turned");
   const std::string size = " --size 240x320 --sequences walk --fps 6 --no-truth --mesh-cell-mm 45";
-  const std::string bake = " --texture 128 --layers 2 --no-classes";
+  const std::string bake = " --texture 128 --layers 2 --no-classes --renditions highest";
   ASSERT_EQ(lab("studio procedural -o " + out + "/capture --rotation-deg 0.4" + size).code, 0);
   const Outcome refined = fourdvt("bake " + out + "/capture -o " + out + "/refined" + bake);
   ASSERT_EQ(refined.code, 0) << refined.output;

@@ -226,34 +226,43 @@ TEST_F(BakeClass, StreamHoldsMembersAtTheirPhases) {
   EXPECT_TRUE(wraps) << "the capture does not test the wrap";
 }
 
-// Every decoded picture carries its phase, and each member's layer 1 the grey of the nearest captured frame.
-TEST_F(BakeClass, VideoTilesTheNearestCapturedFrames) {
+// Every decoded picture of every rendition carries its phase, and each member's layer 1 the grey of the nearest
+// captured frame.
+TEST_F(BakeClass, VideosTileTheNearestCapturedFrames) {
+  options.lower_renditions = {{128, 12, Codec::H264, "veryfast"}, {64, 10, Codec::H264, ""}};
   ASSERT_TRUE(run());
   const Stream go = stream("go");
   auto opened = input.open();
   ASSERT_TRUE(opened);
   const ClassPlan truth = plan(opened.value());
-  const package::Rendition& rendition = go.sequence.renditions[0];
-  const std::vector<uint8_t> video = bytesOf(rendition.video_uri);
-  uint32_t shown = 0;
-  auto decoder = platform::SampleDecoder::create(
-      rendition.codec, go.index.renditions[0].decoder_description, [&](const I420View& view, int64_t phase) {
-        EXPECT_EQ(package::readBarcode(rendition.barcode, view).value_or(9999), uint32_t(phase));
-        for (size_t m = 0; m < 2; ++m) {
-          const int frames = m ? kRunFrames : kWalkFrames;
-          const int source = int(std::lround(truth.members[m].source_frame[phase])) % frames;
-          const int grey = m ? 60 + 30 * source : 40 + 20 * source;
-          const package::Rect& rect = rendition.layers[2 * m];
-          const int luma = view.y[(rect.y + rect.height / 2) * view.stride_y + rect.x + rect.width / 2];
-          EXPECT_NEAR(luma, 16 + grey * 219 / 255.0, 3) << "member " << m << " phase " << phase;
-        }
-        ++shown;
-      });
-  ASSERT_TRUE(decoder);
-  for (const package::VideoSample& s : go.index.renditions[0].samples)
-    ASSERT_TRUE(decoder.value()->decode(std::span(video).subspan(s.offset, s.bytes), s.frame, s.key).ok());
-  ASSERT_TRUE(decoder.value()->flush().ok());
-  EXPECT_EQ(shown, uint32_t(kWalkFrames));
+  ASSERT_EQ(go.sequence.renditions.size(), 3u);
+  for (size_t r = 0; r < 3; ++r) {
+    const package::Rendition& rendition = go.sequence.renditions[r];
+    EXPECT_EQ(rendition.layers[0].width, r == 0 ? 64 : 128);
+    if (r > 0) {
+      EXPECT_GE(rendition.video_bytes, go.sequence.renditions[r - 1].video_bytes);
+    }
+    const std::vector<uint8_t> video = bytesOf(rendition.video_uri);
+    uint32_t shown = 0;
+    auto decoder = platform::SampleDecoder::create(
+        rendition.codec, go.index.renditions[r].decoder_description, [&](const I420View& view, int64_t phase) {
+          EXPECT_EQ(package::readBarcode(rendition.barcode, view).value_or(9999), uint32_t(phase));
+          for (size_t m = 0; m < 2; ++m) {
+            const int frames = m ? kRunFrames : kWalkFrames;
+            const int source = int(std::lround(truth.members[m].source_frame[phase])) % frames;
+            const int grey = m ? 60 + 30 * source : 40 + 20 * source;
+            const package::Rect& rect = rendition.layers[2 * m];
+            const int luma = view.y[(rect.y + rect.height / 2) * view.stride_y + rect.x + rect.width / 2];
+            EXPECT_NEAR(luma, 16 + grey * 219 / 255.0, 3) << "member " << m << " phase " << phase << " of " << r;
+          }
+          ++shown;
+        });
+    ASSERT_TRUE(decoder);
+    for (const package::VideoSample& s : go.index.renditions[r].samples)
+      ASSERT_TRUE(decoder.value()->decode(std::span(video).subspan(s.offset, s.bytes), s.frame, s.key).ok());
+    ASSERT_TRUE(decoder.value()->flush().ok());
+    EXPECT_EQ(shown, uint32_t(kWalkFrames));
+  }
 }
 
 // Stops at every stage named in turn; each time resumed, on other threads, to the bytes of a bake in one go.

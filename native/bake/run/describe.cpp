@@ -39,16 +39,17 @@ package::Sequence describeStream(const StreamPlan& plan) {
   s.space = plan.motion.space;
   s.detail_correlation = plan.detail_correlation;
   s.reference_count = static_cast<uint32_t>(plan.motion.reference_weights.size());
-  package::Rendition rendition;
-  rendition.video_uri = plan.name + ".mp4";
-  rendition.width = plan.layout.width;
-  rendition.height = plan.layout.height;
-  rendition.layers = plan.layout.layers;
-  rendition.barcode = plan.layout.barcode;
   s.layout_width = plan.cameras.width;
   s.layout_height = plan.cameras.height;
-  rendition.tiles = {0, 0, s.layout_width, s.layout_height};
-  s.renditions.push_back(std::move(rendition));
+  for (const RenditionPlan& planned : plan.renditions) {
+    package::Rendition& rendition = s.renditions.emplace_back();
+    rendition.video_uri = plan.name + planned.suffix + ".mp4";
+    rendition.width = planned.layout.width;
+    rendition.height = planned.layout.height;
+    rendition.layers = planned.layout.layers;
+    rendition.barcode = planned.layout.barcode;
+    rendition.tiles = planned.tiles;
+  }
   return s;
 }
 

@@ -12,7 +12,7 @@ constexpr const char* kPosterFile = "poster.webp";
 
 // Everything but sequences and graph; from cameras, also but the counts of vertices and faces.
 package::Character describeCharacter(const Job& job);
-// Everything but the sizes of the files and the codec string; with one rendition.
+// Everything but the sizes of the files and the codec strings; renditions as in the plan, the highest first.
 package::Sequence describeStream(const StreamPlan& plan);
 
 }  // namespace fourdvt::bake

@@ -17,16 +17,27 @@
 
 namespace fourdvt::bake {
 
+// One encoding of a stream's tiled picture.
+struct RenditionPlan {
+  std::string suffix;   // of its file's name, before ".mp4"; empty: the highest
+  TileLayout layout;    // from cameras: without layers
+  package::Rect tiles;  // from cameras: where their layout lies in the picture
+  EncodeSettings encode;
+  bool shrunk = false;  // smaller than the highest's picture
+  int eighths = 8;      // from cameras: its sides over the highest's, times 8
+};
+
 // One sequence of the character: a captured sequence, or a class, whose members' layers are all in one picture.
 struct StreamPlan {
   std::string name;
   // A captured sequence is a plan with one member, itself, at its own frames, without references and parameters.
   ClassPlan motion;
-  TileLayout layout;     // from cameras: without layers
-  CameraLayout cameras;  // from cameras
-  EncodeSettings encode;
+  CameraLayout cameras;                    // from cameras
+  std::vector<RenditionPlan> renditions;   // the highest first; it alone is read by the stages that follow
   std::vector<uint32_t> gop_first_frames;  // ascending, starts with 0
   float detail_correlation = 1;  // how much the details of a class's aligned members correlate; set by the align stage
+  const TileLayout& layout() const { return renditions[0].layout; }  // of the highest rendition
+  const EncodeSettings& encode() const { return renditions[0].encode; }
   bool isClass() const { return motion.members.size() > 1; }
   uint32_t frameCount() const { return motion.frame_count; }
   uint32_t gopEnd(size_t gop) const {

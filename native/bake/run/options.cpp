@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bake/run/options.h"
 
+#include "bake/run/renditions.h"
 #include "bake/video/tile.h"
 
 namespace fourdvt::bake {
@@ -29,7 +30,7 @@ std::string BakeOptions::check() const {
   if (!(cameras.tile_scale >= 0.01 && cameras.tile_scale <= 1)) return "tile scale must be 0.01..1";
   if (!(cameras.max_texels >= 1e4)) return "tile texels must be 0.01 million or more";
   if (gutter_texels < 0 || gutter_texels > 64) return "gutter must be 0..64 texels";
-  return {};
+  return checkRenditions(*this);
 }
 
 }  // namespace fourdvt::bake

@@ -30,6 +30,16 @@ struct CameraOptions {
   int faces = 10'000;              // most of a frame whose topology is its own (one topology for all stays); 0: all
 };
 
+// One rendition below the highest.
+struct LowerRendition {
+  // From layers: texels, side of layer 1, a multiple of 32 from 64. From cameras: the share of the highest's sides, a
+  // multiple of 1/8.
+  double size = 0;
+  int crf = 0;  // on the codec's own scale
+  Codec codec = Codec::H264;
+  std::string preset;  // as BakeOptions::preset
+};
+
 // The command line sets texture, layers, crf and preset from quality.cpp, for the codec of --codec. The defaults here
 // equal its "web" for H.264, which quality_test.cpp checks.
 struct BakeOptions {
@@ -53,6 +63,9 @@ struct BakeOptions {
   ResampleOptions resample;
   Codec codec = Codec::H264;
   std::string preset;  // in the encoder's own terms; empty: its default
+  // Beside the highest rendition, which texture, crf, codec and preset describe (run/renditions.h).
+  std::vector<LowerRendition> lower_renditions;
+  bool standard_renditions = false;  // the bake sets lower_renditions, once it has the appearance
   MotionClassOptions classes;
   CameraOptions cameras;
   // Where visibility, colour maps and labels are kept between bakes of the same capture; empty: in the work folder.

@@ -150,7 +150,8 @@ bool WorkFolder::hasGop(const std::string& sequence, uint32_t gop) const { retur
 
 Status WorkFolder::saveGop(const std::string& sequence, uint32_t gop, const GopArtefact& artefact) const {
   ByteWriter out;
-  putVideo(out, artefact.video);
+  out.u32(static_cast<uint32_t>(artefact.videos.size()));
+  for (const EncodedGop& video : artefact.videos) putVideo(out, video);
   putFrames(out, artefact.frames);
   putAtlases(out, artefact.atlases);
   putBytes(out, artefact.picture_jpeg);
@@ -161,7 +162,7 @@ Result<GopArtefact> WorkFolder::loadGop(const std::string& sequence, uint32_t go
   FOURDVT_ASSIGN(auto bytes, load(gopPath(sequence, gop)));
   ByteReader in(bytes);
   GopArtefact artefact;
-  artefact.video = takeVideo(in);
+  for (uint32_t left = in.u32(); left > 0 && in.ok(); --left) artefact.videos.push_back(takeVideo(in));
   artefact.frames = takeFrames(in);
   artefact.atlases = takeAtlases(in);
   artefact.picture_jpeg = takeBytes(in);

@@ -17,7 +17,7 @@ namespace fourdvt::bake {
 constexpr int kAtlasSide = 32;
 
 struct GopArtefact {
-  EncodedGop video;
+  std::vector<EncodedGop> videos;     // [rendition] of the plan
   package::ChunkFrames frames;        // of a class: what its chunk is coded from once it is aligned; else empty
   std::vector<Image> atlases;         // [frame][member], RGB
   std::vector<uint8_t> picture_jpeg;  // first GOP of a class: its tiled picture

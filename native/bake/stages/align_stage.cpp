@@ -79,7 +79,7 @@ Status ClassAligner::open() {
   FOURDVT_ASSIGN(appearance_,
                  render::Appearance::create(device, *model_, static_cast<int>(plan_.motion.members.size())));
   appearance_->setLayout(character_.sequences.back().renditions.front());
-  FOURDVT_ASSIGN(picture_, render::createPicture(device, plan_.layout.width, plan_.layout.height,
+  FOURDVT_ASSIGN(picture_, render::createPicture(device, plan_.layout().width, plan_.layout().height,
                                                  render::PictureTextures::Kind::I420));
   return {};
 }
@@ -88,14 +88,14 @@ Status ClassAligner::alignGop(uint32_t gop, RecordFile& file) {
   FOURDVT_ASSIGN(const GopArtefact artefact, run_.work.loadGop(plan_.name, gop));
   const uint32_t first = plan_.gop_first_frames[gop];
   Status aligned;
-  auto decoder = platform::SampleDecoder::create(infoOf(plan_.encode.codec).kind, artefact.video.parameter_sets,
+  auto decoder = platform::SampleDecoder::create(infoOf(plan_.encode().codec).kind, artefact.videos[0].parameter_sets,
                                                  [&](const I420View& view, int64_t frame) {
                                                    const uint32_t row = static_cast<uint32_t>(frame);
                                                    if (aligned.ok() && first + row == file.count())
                                                      aligned = alignPicture(artefact.frames, row, view, file);
                                                  });
   if (!decoder) return decoder.error();
-  for (const EncodedPacket& packet : artefact.video.packets) {
+  for (const EncodedPacket& packet : artefact.videos[0].packets) {
     FOURDVT_TRY(decoder.value()->decode(packet.bytes, packet.frame, packet.key));
     FOURDVT_TRY(aligned);
   }

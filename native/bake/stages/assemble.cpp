@@ -49,7 +49,8 @@ struct PackedSequence {
 };
 
 package::StreamIndex makeIndex(const Job& job, const StreamPlan& plan,
-                               const std::vector<LayeredChunkBytes>& chunk_bytes, package::SampleTable table) {
+                               const std::vector<LayeredChunkBytes>& chunk_bytes,
+                               std::vector<package::SampleTable> tables) {
   package::StreamIndex index;
   index.frame_count = plan.frameCount();
   index.vertex_count = job.mesh.decoded.topology.vertex_count;
@@ -63,7 +64,7 @@ package::StreamIndex makeIndex(const Job& job, const StreamPlan& plan,
   }
   index.position_origin = job.bounds.min;
   index.position_step_m = static_cast<float>(job.options.position_step_m);
-  index.renditions.push_back(std::move(table));
+  index.renditions = std::move(tables);
   for (size_t g = 0; g < chunk_bytes.size(); ++g) {
     const uint32_t first = plan.gop_first_frames[g];
     index.chunks.push_back({first, plan.gopEnd(g) - first, 0, chunk_bytes[g].total, chunk_bytes[g].hash});
@@ -88,7 +89,7 @@ ReportSequence reportSequence(const package::Sequence& s, const std::vector<Laye
   r.fps = s.fps;
   r.loop = s.loop;
   r.members = static_cast<uint32_t>(s.members.size());
-  r.video_bytes = s.renditions.front().video_bytes;
+  describeRenditions(s, r);
   r.index_bytes = s.stream_header_bytes;
   for (const LayeredChunkBytes& bytes : chunk_bytes) {
     r.geometry_bytes += bytes.positions;
@@ -102,16 +103,12 @@ ReportSequence reportSequence(const package::Sequence& s, const std::vector<Laye
 
 Result<PackedSequence> packSequence(const BakeRun& run, const StreamPlan& plan) {
   const Job& job = run.job;
-  const std::string folder = job.resultFolder() + "/";
   PackedSequence out;
   package::Sequence& s = out.manifest;
   s = describeStream(plan);
-  package::Rendition& rendition = s.renditions.front();
   FOURDVT_ASSIGN(auto chunk_bytes, measureChunks(run, plan));
-  FOURDVT_ASSIGN(auto packed, packVideo(plan, run.work, folder + rendition.video_uri));
-  rendition.video_bytes = packed.file_bytes;
-  rendition.codec = packed.codec;
-  FOURDVT_TRY(writeStream(makeIndex(job, plan, chunk_bytes, std::move(packed.table)), run, plan, s));
+  FOURDVT_ASSIGN(auto tables, packVideos(plan, run, s));
+  FOURDVT_TRY(writeStream(makeIndex(job, plan, chunk_bytes, std::move(tables)), run, plan, s));
   out.report = reportSequence(s, chunk_bytes);
   return out;
 }
@@ -124,7 +121,8 @@ Status writeStills(const BakeRun& run, const package::Character& character) {
   FOURDVT_TRY(platform::writeFileAtomic(folder + kTiles, still.tile_jpeg));
   FOURDVT_ASSIGN(auto positions, capture::readMeshFrame(job.capture, job.capture.sequences[0], 0));
   FOURDVT_ASSIGN(auto poster,
-                 renderPoster(run.device(), character, job.mesh.decoded, still, reordered(job.mesh, positions)));
+                 renderPoster(run.device(), character, job.mesh.decoded, describeStream(job.streams[0]).renditions[0],
+                              still, reordered(job.mesh, positions)));
   FOURDVT_ASSIGN(auto webp, encodePicture(poster, ".webp", 85));
   return platform::writeFileAtomic(folder + kPosterFile, webp);
 }
@@ -180,12 +178,18 @@ Status writeGraph(const Job& job, const std::vector<uint8_t>& graph, package::Ch
 
 }  // namespace
 
+void describeRenditions(const package::Sequence& sequence, ReportSequence& report) {
+  for (const package::Rendition& r : sequence.renditions)
+    report.renditions.push_back({r.video_uri, r.codec, r.width, r.height, r.video_bytes});
+  report.video_bytes = sequence.renditions.back().video_bytes;
+}
+
 void describeCommon(const Job& job, const package::Character& character, ReportInput& report) {
   report.options = job.options;
   report.capture_name = job.capture.name;
   report.credit = job.capture.credit;
   report.generator = kGenerator;
-  report.codec = character.sequences.front().renditions.front().codec;
+  report.codec = character.sequences.front().renditions.back().codec;
   report.cameras = static_cast<uint32_t>(job.cameras.size());
   report.vertices = character.vertex_count;
   report.faces = character.face_count;
@@ -195,7 +199,7 @@ void describeCommon(const Job& job, const package::Character& character, ReportI
     bytes[name] = platform::fileBytes(job.resultFolder() + "/" + name);
   for (const package::Sequence& s : character.sequences) {
     bytes[s.stream_uri] = s.stream_bytes;
-    bytes[s.renditions.front().video_uri] = s.renditions.front().video_bytes;
+    for (const package::Rendition& rendition : s.renditions) bytes[rendition.video_uri] = rendition.video_bytes;
   }
 }
 

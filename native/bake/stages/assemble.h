@@ -16,6 +16,8 @@ Status assemble(BakeRun& run, const std::vector<uint8_t>& graph, const std::opti
 // Writes the room's picture and names it in the manifest. No room: nothing.
 Status writeRoom(const Job& job, const std::optional<BakedRoom>& room, package::Character& character,
                  ReportInput& report);
+// Sets the report's renditions, once their files are written.
+void describeRenditions(const package::Sequence& sequence, ReportSequence& report);
 // What the report says of characters of either kind.
 void describeCommon(const Job& job, const package::Character& character, ReportInput& report);
 // Writes what the refinement found: views whose outlines were far off, and the cameras if one of them changed.

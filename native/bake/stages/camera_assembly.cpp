@@ -61,17 +61,14 @@ ReportTiles describeTiles(const Job& job, const StreamPlan& plan) {
 Status packSequence(const BakeRun& run, const StreamPlan& plan, package::Character& character, ReportInput& report) {
   const Job& job = run.job;
   package::Sequence s = describeStream(plan);
-  package::Rendition& rendition = s.renditions.front();
-  FOURDVT_ASSIGN(auto packed, packVideo(plan, run.work, job.resultFolder() + "/" + rendition.video_uri));
-  rendition.video_bytes = packed.file_bytes;
-  rendition.codec = packed.codec;
+  FOURDVT_ASSIGN(auto tables, packVideos(plan, run, s));
   ReportTiles tiles = describeTiles(job, plan);
   ReportSequence r;
   package::StreamIndex index;
   index.frame_count = plan.frameCount();
   index.position_origin = job.bounds.min;
   index.position_step_m = static_cast<float>(job.options.position_step_m);
-  index.renditions.push_back(std::move(packed.table));
+  index.renditions = std::move(tables);
   for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
     FOURDVT_ASSIGN(const auto chunk, run.work.loadChunk(plan.name, g));
     FOURDVT_ASSIGN(const auto artefact, run.work.loadGop(plan.name, g));
@@ -99,7 +96,7 @@ Status packSequence(const BakeRun& run, const StreamPlan& plan, package::Charact
   r.gops = static_cast<uint32_t>(plan.gop_first_frames.size());
   r.fps = s.fps;
   r.loop = s.loop;
-  r.video_bytes = rendition.video_bytes;
+  describeRenditions(s, r);
   r.index_bytes += s.stream_header_bytes;
   r.tiles = tiles;
   report.sequences.push_back(std::move(r));
@@ -147,8 +144,8 @@ Status assembleCameras(BakeRun& run, const std::vector<ColourMap>& maps, const s
   FOURDVT_ASSIGN(const auto manifest,
                  package::writeManifest({character, &job.mesh, "", kGenerator, job.capture.credit}));
   FOURDVT_TRY(platform::writeFileAtomic(folder + "character.gltf", manifest));
-  report.picture_width = job.streams[0].layout.width;
-  report.picture_height = job.streams[0].layout.height;
+  report.picture_width = job.streams[0].layout().width;
+  report.picture_height = job.streams[0].layout().height;
   describeCommon(job, character, report);
   return describeRefinement(job, report);
 }

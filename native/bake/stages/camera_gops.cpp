@@ -6,7 +6,9 @@
 
 #include "bake/cameras/surfaces.h"
 #include "bake/cameras/tile_fill.h"
+#include "bake/run/renditions.h"
 #include "bake/stages/camera_colours.h"
+#include "bake/stages/ladder_encoder.h"
 #include "bake/stages/mesh_limit.h"
 #include "bake/stages/poster.h"
 #include "bake/texels/picture_crop.h"
@@ -27,7 +29,7 @@ Image cropped(const Image& picture, const package::Rect& region) {
 struct CameraGops::OpenGop {
   uint32_t number = 0;
   I420Picture picture;
-  std::unique_ptr<GopEncoder> encoder;  // made with the first frame
+  std::unique_ptr<LadderEncoder> encoder;  // made with the first frame
   std::vector<package::QuantisedSurface> surfaces;
   GopArtefact artefact;
   std::future<Status> encoding;  // of the frame before; the last field: it ends before the others are destroyed
@@ -45,7 +47,7 @@ Status CameraGops::bakeStream(const StreamPlan& plan) {
     const uint32_t first = plan.gop_first_frames[g];
     if (run_.work.hasGop(plan.name, g) && run_.work.hasChunk(plan.name, g)) {
       run_.progress.frames_done += plan.gopEnd(g) - first;
-      run_.progress.skip((plan.gopEnd(g) - first) * infoOf(Stage::Encode).work_s);
+      run_.progress.skip((plan.gopEnd(g) - first) * encodeWork(job_.options));
       continue;
     }
     if (!reader) {
@@ -96,12 +98,12 @@ Status CameraGops::drawFrame(OpenGop& open, const StreamPlan& plan, const captur
     for (int job = 1; job < job_.options.jobs; ++job) others.push_back(std::async(std::launch::async, drawSome));
     drawSome();
   }
-  I420Picture picture(plan.layout.width, plan.layout.height);
+  I420Picture picture(plan.layout().width, plan.layout().height);
   {
     StageClock::Span span(run_.clock, Stage::Tile);
     for (size_t c = 0; c < tiles.size(); ++c)
       if (!tiles[c].empty()) drawLayer(drawn[c], cellsOf(tiles[c].tile), picture);
-    package::drawBarcode(plan.layout.barcode, frame.index, picture.y.data(), picture.width);
+    package::drawBarcode(plan.layout().barcode, frame.index, picture.y.data(), picture.width);
   }
   const bool constant = job_.capture.meshes == capture::CaptureMeshes::ConstantTopology;
   TriangleMesh surface{frame.positions, constant ? job_.capture.topology.face_vertices : frame.faces};
@@ -111,9 +113,8 @@ Status CameraGops::drawFrame(OpenGop& open, const StreamPlan& plan, const captur
   open.surfaces.push_back(quantisedSurface({glm::dvec3(job_.bounds.min), double(float(job_.options.position_step_m))},
                                            surface.positions, surface.faces, !constant));
   if (open.encoding.valid()) FOURDVT_TRY(open.encoding.get());
-  open.encoding = std::async(lane(), [this, &open, &plan, index = frame.index, picture = std::move(picture)] {
-    return encode(open, plan, index, picture);
-  });
+  open.encoding = std::async(lane(), [this, &open, &plan, index = frame.index, picture = std::move(picture),
+                                      drawn = std::move(drawn)] { return encode(open, plan, index, picture, drawn); });
   return {};
 }
 
@@ -125,22 +126,26 @@ Image CameraGops::drawCamera(const package::CameraTile& tile, size_t camera, con
   return drawTile(crop, {tile.tile.width, tile.tile.height}, {cells.width, cells.height});
 }
 
-Status CameraGops::encode(OpenGop& open, const StreamPlan& plan, uint32_t index, const I420Picture& picture) {
+Status CameraGops::encode(OpenGop& open, const StreamPlan& plan, uint32_t index, const I420Picture& picture,
+                          const std::vector<Image>& drawn) {
   StageClock::Span span(run_.clock, Stage::Encode);
   if (!open.encoder) {
-    FOURDVT_ASSIGN(open.encoder, GopEncoder::create(plan.encode));
+    FOURDVT_ASSIGN(open.encoder, LadderEncoder::create(plan, open.number, lane()));
     if (index == 0) {
       FOURDVT_ASSIGN(open.artefact.picture_jpeg,
                      encodePicture(rgbFromTile(picture.view(), {0, 0, picture.width, picture.height}), ".jpg", 80));
     }
   }
-  return open.encoder->push(picture.view());
+  std::vector<const Image*> parts;
+  for (size_t c = 0; c < drawn.size(); ++c)
+    if (!plan.cameras.gops[open.number][c].empty()) parts.push_back(&drawn[c]);
+  return open.encoder->push(picture.view(), parts, index);
 }
 
 Status CameraGops::saveGop(OpenGop& open, const StreamPlan& plan, uint32_t gop) {
   {
     StageClock::Span span(run_.clock, Stage::Encode);
-    FOURDVT_ASSIGN(open.artefact.video, open.encoder->finish());
+    FOURDVT_ASSIGN(open.artefact.videos, open.encoder->finish());
     open.encoder.reset();
   }
   StageClock::Span span(run_.clock, Stage::Geometry);
@@ -157,7 +162,7 @@ Status CameraGops::saveGop(OpenGop& open, const StreamPlan& plan, uint32_t gop) 
 void CameraGops::tellFrame(const StreamPlan& plan, uint32_t frame) {
   ++run_.progress.frames_done;
   ++baked_;
-  run_.progress.worked(infoOf(Stage::Encode).work_s);
+  run_.progress.worked(encodeWork(job_.options));
   const double elapsed = run_.progress.seconds() - started_s_;
   run_.progress.tell(plan.name + " " + std::to_string(frame) + "/" + std::to_string(plan.frameCount()),
                      elapsed > 0 ? baked_ / elapsed : 0);

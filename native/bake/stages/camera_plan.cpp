@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "bake/cameras/surfaces.h"
+#include "bake/run/renditions.h"
 #include "bake/stages/mesh_limit.h"
 #include "bake/stages/validate.h"
 
@@ -77,10 +78,13 @@ StreamPlan planStream(const Job& job, size_t number) {
   stream.gop_first_frames = planGops(source.frame_count, job.options.gop);
   stream.cameras = planCameraLayout(job.cameras, regionsOfGops(job, number, stream.gop_first_frames),
                                     job.options.cameras.tile_scale);
-  stream.layout = {stream.cameras.picture_width, stream.cameras.picture_height, {}, stream.cameras.barcode};
-  stream.encode = job.encode;
-  stream.encode.width = stream.layout.width;
-  stream.encode.height = stream.layout.height;
+  RenditionPlan& highest = stream.renditions.emplace_back();
+  highest.layout = {stream.cameras.picture_width, stream.cameras.picture_height, {}, stream.cameras.barcode};
+  highest.tiles = {0, 0, stream.cameras.width, stream.cameras.height};
+  highest.encode = job.encode;
+  highest.encode.width = highest.layout.width;
+  highest.encode.height = highest.layout.height;
+  addLowerRenditions(job.options, stream);
   return stream;
 }
 
@@ -131,7 +135,7 @@ Status planCameraStreams(BakeRun& run) {
       return Error{ErrorId::InvalidArgument, "sequence '" + job.capture.sequences[s].name + "': " + wrong};
     bytes += job.streams.back().cameras.pictureTexels() * kVideoBytesPerTexel * job.streams.back().frameCount();
   }
-  return checkSpace(job, bytes);
+  return checkSpace(job, bytes * ladderTexels(job.options));
 }
 
 }  // namespace fourdvt::bake

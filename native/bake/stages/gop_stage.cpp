@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bake/stages/gop_stage.h"
 
+#include "bake/run/renditions.h"
+#include "bake/stages/ladder_encoder.h"
 #include "bake/stages/poster.h"
 
 namespace fourdvt::bake {
 namespace {
 
-double frameWork(const StreamPlan& plan) { return infoOf(Stage::Encode).work_s * plan.motion.members.size(); }
+double frameWork(const Job& job, const StreamPlan& plan) {
+  return encodeWork(job.options) * double(plan.motion.members.size());
+}
 
 // Means of equal blocks; the side of layer 1 is a multiple of kAtlasSide.
 Image atlasOf(const Image& layer) {
@@ -37,7 +41,8 @@ std::vector<bool> shownByClasses(const Job& job, const StreamPlan& plan) {
 }  // namespace
 
 struct GopStage::OpenGop {
-  std::unique_ptr<GopEncoder> encoder;  // made with the first frame
+  uint32_t number = 0;
+  std::unique_ptr<LadderEncoder> encoder;  // made with the first frame
   ChunkBuilder chunk;
   GopArtefact artefact;
 };
@@ -75,7 +80,7 @@ Status GopStage::bakeStream(const StreamPlan& plan) {
     if (isFinished(plan, g)) {
       const uint32_t frames = plan.gopEnd(g) - plan.gop_first_frames[g];
       run_.progress.frames_done += frames;
-      run_.progress.skip(frames * frameWork(plan));
+      run_.progress.skip(frames * frameWork(job_, plan));
       reader.reset();
       continue;
     }
@@ -83,7 +88,7 @@ Status GopStage::bakeStream(const StreamPlan& plan) {
       FOURDVT_ASSIGN(reader, StreamReader::create(run_, plan));
       looks_.assign(plan.motion.members.size(), {});
       kept_ = shownByClasses(job_, plan);
-      picture_ = I420Picture(plan.layout.width, plan.layout.height);
+      picture_ = I420Picture(plan.layout().width, plan.layout().height);
     }
     FOURDVT_TRY(bakeGop(plan, g, *reader));
     if (run_.stopped()) FOURDVT_TRY(waitForSave());  // on every lane: a finished GOP is kept
@@ -93,7 +98,7 @@ Status GopStage::bakeStream(const StreamPlan& plan) {
 }
 
 Status GopStage::bakeGop(const StreamPlan& plan, uint32_t gop, StreamReader& reader) {
-  auto open = std::make_unique<OpenGop>(OpenGop{nullptr, ChunkBuilder(job_, plan), {}});
+  auto open = std::make_unique<OpenGop>(OpenGop{gop, nullptr, ChunkBuilder(job_, plan), {}});
   const uint32_t first = plan.gop_first_frames[gop], end = plan.gopEnd(gop);
   const auto read = [&](uint32_t frame) { return reader.read(frame); };
   std::future<Result<PreparedFrame>> next = std::async(lane(), read, first);  // futures join on every way out
@@ -178,23 +183,24 @@ Status GopStage::finishFrame(OpenGop& open, const StreamPlan& plan, DrawnFrame f
   }
   {
     StageClock::Span span(run_.clock, Stage::Tile);
-    tileFrame(plan.layout, layers, index, picture_);
+    tileFrame(plan.layout(), layers, index, picture_);
   }
   open.chunk.add(frame.geometry, labels);
   if (index == 0 && isFirst(plan)) FOURDVT_TRY(saveStill());
-  return encode(open, plan);
+  return encode(open, plan, layers, index);
 }
 
-Status GopStage::encode(OpenGop& open, const StreamPlan& plan) {
+Status GopStage::encode(OpenGop& open, const StreamPlan& plan, const std::vector<const Image*>& layers,
+                        uint32_t index) {
   StageClock::Span span(run_.clock, Stage::Encode);
   if (!open.encoder) {
-    FOURDVT_ASSIGN(open.encoder, GopEncoder::create(plan.encode));
+    FOURDVT_ASSIGN(open.encoder, LadderEncoder::create(plan, open.number, lane()));
     if (plan.isClass()) {
       FOURDVT_ASSIGN(open.artefact.picture_jpeg,
                      encodePicture(rgbFromTile(picture_.view(), {0, 0, picture_.width, picture_.height}), ".jpg", 80));
     }
   }
-  return open.encoder->push(picture_.view());
+  return open.encoder->push(picture_.view(), layers, index);
 }
 
 Status GopStage::saveStill() {
@@ -208,7 +214,7 @@ Status GopStage::saveStill() {
 Status GopStage::saveGop(OpenGop& open, const StreamPlan& plan, uint32_t gop) {
   {
     StageClock::Span span(run_.clock, Stage::Encode);
-    FOURDVT_ASSIGN(open.artefact.video, open.encoder->finish());
+    FOURDVT_ASSIGN(open.artefact.videos, open.encoder->finish());
     open.encoder.reset();
   }
   StageClock::Span span(run_.clock, Stage::Geometry);
@@ -225,7 +231,7 @@ Status GopStage::saveGop(OpenGop& open, const StreamPlan& plan, uint32_t gop) {
 void GopStage::tellFrame(const StreamPlan& plan, uint32_t frame) {
   ++run_.progress.frames_done;
   ++baked_;
-  run_.progress.worked(frameWork(plan));
+  run_.progress.worked(frameWork(job_, plan));
   const double elapsed = run_.progress.seconds() - started_s_;
   run_.progress.tell(plan.name + " " + std::to_string(frame) + "/" + std::to_string(plan.frameCount()),
                      elapsed > 0 ? baked_ / elapsed : 0);

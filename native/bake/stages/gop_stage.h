@@ -45,7 +45,7 @@ class GopStage {
   Result<MemberLook> keptMember(const capture::CaptureSequence& sequence, PreparedMember kept) const;
   void keepForClasses(const StreamPlan& plan, uint32_t frame);
   Status finishFrame(OpenGop& open, const StreamPlan& plan, DrawnFrame frame, uint32_t index);
-  Status encode(OpenGop& open, const StreamPlan& plan);
+  Status encode(OpenGop& open, const StreamPlan& plan, const std::vector<const Image*>& layers, uint32_t index);
   Status saveStill();
   Status saveGop(OpenGop& open, const StreamPlan& plan, uint32_t gop);
   Status waitForSave();

@@ -10,7 +10,7 @@
 
 namespace fourdvt::bake {
 Result<Image> renderPoster(gpu::Device& device, const package::Character& character, const package::BaseMesh& mesh,
-                           const StillArtefact& still, const Positions& positions) {
+                           const package::Rendition& layout, const StillArtefact& still, const Positions& positions) {
   FOURDVT_ASSIGN(auto figure, render::PlainFigure::create(device, character, mesh));
   const I420View view = still.picture.view();
   FOURDVT_ASSIGN(auto picture,
@@ -22,7 +22,7 @@ Result<Image> renderPoster(gpu::Device& device, const package::Character& charac
   desc.label = "poster";
   FOURDVT_ASSIGN(auto target, gpu::makeTarget(device, desc));
   render::uploadPicture(device, picture, view);
-  figure.setLayout(character.sequences.front().renditions.front());
+  figure.setLayout(layout);
   figure.setFrame(device, positions, still.labels);
   const OrbitView orbit = defaultOrbit(character.bounds, double(kPosterWidth) / kPosterHeight);
   const PinholeCamera camera = cameraFromOrbit(orbit, kPosterWidth, kPosterHeight);

@@ -51,6 +51,13 @@ uint64_t totalBytes(const ReportInput& in) {
 
 bool fromCameras(const ReportInput& in) { return in.options.appearance == package::AppearanceKind::Cameras; }
 
+Json renditionsJson(const BakeOptions& o) {
+  Json json = Json::array();
+  for (const LowerRendition& r : o.lower_renditions)
+    json.push_back({{"size", r.size}, {"crf", r.crf}, {"codec", infoOf(r.codec).name}, {"preset", r.preset}});
+  return json;
+}
+
 Json cameraOptionsJson(const BakeOptions& o) {
   return {{"sequences", o.sequences},
           {"appearance", "cameras"},
@@ -64,7 +71,8 @@ Json cameraOptionsJson(const BakeOptions& o) {
           {"refine", o.refine.outline ? "outline" : "none"},
           {"refine_cameras", o.refine.cameras},
           {"colour_calibration", o.colour_calibration},
-          {"preset", o.preset}};
+          {"preset", o.preset},
+          {"lower_renditions", renditionsJson(o)}};
 }
 
 Json optionsJson(const BakeOptions& o) {
@@ -88,7 +96,8 @@ Json optionsJson(const BakeOptions& o) {
           {"align", o.classes.align ? "baked" : "none"},
           {"blend_error_mm", o.classes.blend_error_m * 1e3},
           {"alignment_step_m", o.classes.alignment_step_m},
-          {"preset", o.preset}};
+          {"preset", o.preset},
+          {"lower_renditions", renditionsJson(o)}};
 }
 
 Json sequenceJson(const ReportSequence& s) {
@@ -106,6 +115,14 @@ Json sequenceJson(const ReportSequence& s) {
                {"index_bytes", s.index_bytes},
                {"video_mbit_per_s", megabitsPerSecond(s, s.video_bytes)},
                {"total_mbit_per_s", megabitsPerSecond(s, streamedBytes(s))}};
+  json["renditions"] = Json::array();
+  for (const ReportRendition& r : s.renditions)
+    json["renditions"].push_back({{"file", r.file},
+                                  {"codec", r.codec},
+                                  {"width", r.width},
+                                  {"height", r.height},
+                                  {"bytes", r.bytes},
+                                  {"mbit_per_s", megabitsPerSecond(s, r.bytes)}});
   if (!s.tiles) return json;
   json["geometry_mbit_per_s"] = megabitsPerSecond(s, s.geometry_bytes);
   json["tiles"] = {{"width", s.tiles->width},
@@ -197,6 +214,21 @@ report::Table sequenceTable(const ReportInput& in) {
                           std::to_string(s.gops), bytesText(s.video_bytes), bytesText(s.geometry_bytes),
                           bytesText(s.label_bytes), ofClass(s, s.offset_bytes), ofClass(s, s.alignment_bytes),
                           bytesText(s.index_bytes), fixedText(megabitsPerSecond(s, streamedBytes(s)), 2)});
+  return table;
+}
+
+report::Table renditionTable(const ReportInput& in) {
+  report::Table table{"",
+                      "The same frames, shapes and labels with pictures of other bitrates, the lowest first; the "
+                      "tables above are of the "
+                      "highest, which poster, alignment and scores use.",
+                      {"sequence", "video", "picture", "codec", "bytes", "Mbit/s"},
+                      {}};
+  for (const ReportSequence& s : in.sequences)
+    for (const ReportRendition& r : s.renditions)
+      table.rows.push_back({&r == s.renditions.data() ? s.name : "", r.file,
+                            std::to_string(r.width) + " × " + std::to_string(r.height), r.codec, bytesText(r.bytes),
+                            fixedText(megabitsPerSecond(s, r.bytes), 2)});
   return table;
 }
 
@@ -462,6 +494,8 @@ std::string reportHtml(const ReportInput& in) {
   report::Section sizes = section("sizes", "What the bytes are", "", {});
   sizes.bar_charts = {sizeChart(in)};
   page.sections = {summary, stages, sizes, section("sequences", "Sequences", notesText(in), {sequenceTable(in)})};
+  if (!in.options.lower_renditions.empty())
+    page.sections.push_back(section("renditions", "Renditions", "", {renditionTable(in)}));
   if (!in.figures.classes.empty())
     page.sections.push_back(
         section("classes", "Motion classes",

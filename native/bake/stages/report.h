@@ -22,13 +22,20 @@ struct ReportTiles {
   uint32_t vertices = 0, faces = 0;  // the most that any frame has
 };
 
+struct ReportRendition {
+  std::string file, codec;
+  int width = 0, height = 0;  // of the tiled picture
+  uint64_t bytes = 0;
+};
+
 struct ReportSequence {
   std::string name;
   uint32_t frames = 0, gops = 0;
   double fps = 0;
   bool loop = false;
   uint32_t members = 1;
-  uint64_t video_bytes = 0;                        // .mp4
+  std::vector<ReportRendition> renditions;         // as in the manifest, the lowest first
+  uint64_t video_bytes = 0;                        // .mp4 of the highest rendition
   uint64_t geometry_bytes = 0, label_bytes = 0;    // in the chunks of the .bin: positions, labels
   uint64_t offset_bytes = 0, alignment_bytes = 0;  // in a class's chunks: corrections of the mesh blend, alignment
   uint64_t index_bytes = 0;                        // the rest of the .bin: header, index, sample tables, root motion

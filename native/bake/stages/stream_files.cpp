@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bake/stages/stream_files.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -60,15 +61,18 @@ Status writeFile(const std::string& path, const std::vector<uint8_t>& header, co
                path + ": cannot write: " + std::strerror(code) + "; free disk space or choose another output folder"};
 }
 
-}  // namespace
-
-Result<Mp4Samples> packVideo(const StreamPlan& plan, const WorkFolder& work, const std::string& path) {
-  FOURDVT_TRY(writeMp4(path, plan.encode, static_cast<uint32_t>(plan.gop_first_frames.size()),
+// Writes the video of all GOPs of one rendition.
+Result<Mp4Samples> packVideo(const StreamPlan& plan, size_t rendition, const WorkFolder& work,
+                             const std::string& path) {
+  const EncodeSettings& settings = plan.renditions[rendition].encode;
+  FOURDVT_TRY(writeMp4(path, settings, static_cast<uint32_t>(plan.gop_first_frames.size()),
                        [&](uint32_t g) -> Result<EncodedGop> {
                          FOURDVT_ASSIGN(auto artefact, work.loadGop(plan.name, g));
-                         return std::move(artefact.video);
+                         if (rendition >= artefact.videos.size())
+                           return Error{ErrorId::Internal, path + ": a GOP lacks this rendition; bake again"};
+                         return std::move(artefact.videos[rendition]);
                        }));
-  FOURDVT_ASSIGN(auto packed, readMp4Samples(path, plan.encode.fps, plan.gop_first_frames, plan.frameCount()));
+  FOURDVT_ASSIGN(auto packed, readMp4Samples(path, settings.fps, plan.gop_first_frames, plan.frameCount()));
   package::SampleTable& table = packed.table;
   for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
     const package::ByteSpan span = table.videoOf(g);
@@ -76,6 +80,33 @@ Result<Mp4Samples> packVideo(const StreamPlan& plan, const WorkFolder& work, con
     table.chunk_hash.push_back(fnv1a(bytes));
   }
   return packed;
+}
+
+}  // namespace
+
+Result<std::vector<package::SampleTable>> packVideos(const StreamPlan& plan, const BakeRun& run,
+                                                     package::Sequence& sequence) {
+  struct Packed {
+    package::Rendition rendition;
+    package::SampleTable table;
+  };
+  std::vector<Packed> all;
+  for (size_t r = plan.renditions.size(); r-- > 0;) {  // of equal size, the highest comes last
+    package::Rendition& rendition = sequence.renditions[r];
+    FOURDVT_ASSIGN(auto packed, packVideo(plan, r, run.work, run.job.resultFolder() + "/" + rendition.video_uri));
+    rendition.video_bytes = packed.file_bytes;
+    rendition.codec = packed.codec;
+    all.push_back({std::move(rendition), std::move(packed.table)});
+  }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Packed& a, const Packed& b) { return a.rendition.video_bytes < b.rendition.video_bytes; });
+  std::vector<package::SampleTable> tables;
+  sequence.renditions.clear();
+  for (Packed& packed : all) {
+    sequence.renditions.push_back(std::move(packed.rendition));
+    tables.push_back(std::move(packed.table));
+  }
+  return tables;
 }
 
 Status writeStream(package::StreamIndex index, const BakeRun& run, const StreamPlan& plan, package::Sequence& s) {

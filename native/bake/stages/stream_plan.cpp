@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "bake/run/mesh_reader.h"
+#include "bake/run/renditions.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -36,13 +37,15 @@ void addStream(Job& job, const std::string& name, ClassPlan motion) {
   StreamPlan stream;
   stream.name = name;
   const BakeOptions& o = job.options;
-  stream.layout = makeTileLayout(o.layers, o.texture, o.equal_layers, static_cast<int>(motion.members.size()));
-  stream.encode = job.encode;
-  stream.encode.width = stream.layout.width;
-  stream.encode.height = stream.layout.height;
-  stream.encode.fps = motion.fps;
+  RenditionPlan& highest = stream.renditions.emplace_back();
+  highest.layout = makeTileLayout(o.layers, o.texture, o.equal_layers, static_cast<int>(motion.members.size()));
+  highest.encode = job.encode;
+  highest.encode.width = highest.layout.width;
+  highest.encode.height = highest.layout.height;
+  highest.encode.fps = motion.fps;
   stream.gop_first_frames = planGops(motion.frame_count, o.gop);
   stream.motion = std::move(motion);
+  addLowerRenditions(o, stream);
   job.streams.push_back(std::move(stream));
 }
 

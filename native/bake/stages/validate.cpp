@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "bake/run/renditions.h"
 #include "bake/stages/camera_plan.h"
 #include "bake/stages/mesh_limit.h"
 #include "bake/stages/room_stage.h"
@@ -24,7 +25,7 @@ namespace fs = std::filesystem;
 
 // Change these whenever what older builds kept must not be reused.
 constexpr const char* kSurveyVersion = "bake 2";
-constexpr const char* kGopVersion = "gops 5";
+constexpr const char* kGopVersion = "gops 6";
 
 Error bad(const std::string& message) { return {ErrorId::InvalidArgument, message}; }
 
@@ -48,7 +49,8 @@ Status checkWorkFolder(const std::string& path) {
 }
 
 double layeredBytes(const Job& job) {
-  const double frame = job.layout.width * job.layout.height * kVideoBytesPerTexel + 8.0 * job.mesh.source_vertex.size();
+  const double texels = job.layout.width * job.layout.height * ladderTexels(job.options);
+  const double frame = texels * kVideoBytesPerTexel + 8.0 * job.mesh.source_vertex.size();
   double frames = job.total_frames;
   for (const capture::CaptureClass* c : bakedClasses(job)) frames += c->members.size() * expectedPhases(job, *c);
   return frame * frames;
@@ -78,6 +80,30 @@ Status checkNames(const Job& job) {
       return Error{ErrorId::CaptureJson,
                    json + "two sequences or classes are called '" + *name + "'; give each a name of its own"};
   }
+  return {};
+}
+
+// The file of a lower rendition carries its sequence's or class's name and more.
+Status checkRenditionNames(const Job& job) {
+  std::vector<std::string> names;
+  for (const capture::CaptureSequence& s : job.capture.sequences) names.push_back(s.name);
+  for (const capture::CaptureClass* c : bakedClasses(job)) names.push_back(c->name);
+  for (const std::string& name : names) {
+    for (const LowerRendition& r : job.options.lower_renditions) {
+      const std::string file = name + fileSuffix(r, job.options);
+      if (std::find(names.begin(), names.end(), file) == names.end()) continue;
+      return Error{ErrorId::CaptureJson, job.capture.folder + "/capture.json: '" + file +
+                                             "' is also the name of a rendition of '" + name + "'; rename one of them"};
+    }
+  }
+  return {};
+}
+
+// Chooses the standard ladder if that was asked for, now that there is an appearance.
+Status resolveRenditions(BakeOptions& o) {
+  if (o.standard_renditions) o.lower_renditions = standardRenditions(o);
+  if (const std::string wrong = checkRenditions(o); !wrong.empty()) return bad(wrong);
+  for (const LowerRendition& r : o.lower_renditions) FOURDVT_TRY(checkEncoder(r.codec, r.preset));
   return {};
 }
 
@@ -199,9 +225,11 @@ Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environm
   FOURDVT_TRY(checkOutput(job.options));
   FOURDVT_TRY(checkEncoder(job.options.codec, job.options.preset));
   FOURDVT_TRY(openCapture(job, environment));
+  FOURDVT_TRY(resolveRenditions(job.options));
   FOURDVT_TRY(checkClasses(job));
   FOURDVT_TRY(checkCameras(job.capture));
   FOURDVT_TRY(checkNames(job));
+  FOURDVT_TRY(checkRenditionNames(job));
   if (!job.fromCameras()) FOURDVT_TRY(checkClassPictures(job));
   job.options.sequences.clear();
   for (const capture::CaptureCamera& camera : job.capture.cameras) job.cameras.push_back(camera.pinhole);
@@ -301,8 +329,11 @@ std::string settingsKey(const Job& job) {
     hash = fnv1a(std::string_view(key.c_str(), key.size() + 1),
                  hash);  // hashed with its terminating zero, so that keys do not run together
   }
-  char text[480];
-  std::snprintf(text, sizeof text, "%016llx%s\n", static_cast<unsigned long long>(hash), line);
+  char digits[20];
+  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(hash));
+  std::string text = std::string(digits) + line;
+  for (const LowerRendition& r : o.lower_renditions) text += fileSuffix(r, o) + "/" + r.preset;
+  text += "\n";
   if (!job.fromCameras()) return text;
   // What the surfaces give: their box is the origin of positions, their regions are the tiles.
   uint64_t surfaces = fnv1a({reinterpret_cast<const uint8_t*>(&job.bounds), sizeof job.bounds});

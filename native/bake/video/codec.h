@@ -3,6 +3,7 @@
 //   encode_setup.cpp, encode.cpp   its encoder, whether it takes two passes, its parameter sets
 //   mp4.cpp                        its codec string (describeCodec)
 //   bake/quality.cpp               CRF and preset of every --quality
+//   bake/run/renditions.cpp        how many steps of CRF halve its bitrate
 //   platform/ffmpeg_decoder.cpp    its decoder
 //   tools/bake_command.cpp         the help texts of --codec and --crf
 //   study/steps/rate.cpp           its rate curve
