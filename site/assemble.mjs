@@ -61,11 +61,15 @@ function replaceFolder(name, folder) {
   renameSync(join(out, `${name}.part`), join(out, name));
 }
 
+// The downloads that the player's build lists, in place of a page's mark.
+const preload = existsSync(join(dist, 'preload.html')) ? readFileSync(join(dist, 'preload.html'), 'utf8').replace(/^(?=.)/gm, '    ') : '';
+const withPreload = (html) => html.replace('    <!-- preload -->\n', () => preload);
+
 function writePages() {
   for (const name of [...kPageFiles, ...(cameras ? kCameraFiles : [])]) {
     const target = join(out, name);
     if (!name.endsWith('.html')) copyFileSync(join(here, name), `${target}.part`);
-    else writeFileSync(`${target}.part`, onlyWhatWorks(readFileSync(join(here, name), 'utf8')));
+    else writeFileSync(`${target}.part`, withPreload(onlyWhatWorks(readFileSync(join(here, name), 'utf8'))));
     renameSync(`${target}.part`, target);
   }
 }

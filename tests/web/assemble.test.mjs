@@ -34,12 +34,21 @@ function indexWith(modules, hasCameras = true) {
 }
 
 test('OpenCV\'s optical flow is offered where its module lies, and only there', () => {
-  const source = readFileSync(new URL('../../site/index.html', import.meta.url), 'utf8');
+  const source = readFileSync(new URL('../../site/index.html', import.meta.url), 'utf8').replace('    <!-- preload -->\n', '');
   assert.equal(indexWith(['fourdvt-opencv.js']), source);
   const without = indexWith([]);
   assert.doesNotMatch(without, /flow-opencv/);
   assert.match(without, /value="flow-dis"/);
   assert.equal(without.split('\n').length, source.split('\n').length - 1, 'nothing else is left out');
+});
+
+test('pages begin the downloads that the player\'s build lists', () => {
+  const [out, dist, character, cameras] = inputs([]);
+  writeFileSync(join(dist, 'preload.html'), '<link rel="a">\n<link rel="b">\n');
+  execFileSync(process.execPath, [assemble, out, dist, character, cameras]);
+  for (const page of ['index.html', 'steer.html']) {
+    assert.ok(readFileSync(join(out, page), 'utf8').includes('    <link rel="a">\n    <link rel="b">\n    <script'), page);
+  }
 });
 
 test('the pages with characters from cameras are linked where there are any', () => {
