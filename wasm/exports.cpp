@@ -63,6 +63,7 @@ void openPlayer(Instance* h, abi::PictureKind kind, int32_t slots) {
   options.picture_kind = kind == abi::PictureKind::Rgba ? PictureTextures::Kind::Rgba : PictureTextures::Kind::I420;
   options.picture_slots = slots;
   options.cameras = &cameraParts();
+  options.rendition = kAutomaticRendition;
   auto player = Player::create(*h->canvas->device, h->canvas->recipe, options);
   if (player.ok()) h->player = player.take();
   if (!player.ok()) h->error = player.error();

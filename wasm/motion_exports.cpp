@@ -47,6 +47,12 @@ int32_t fdvt_set_align(Instance* h, abi::AlignMode mode) {
   return 1;
 }
 
+void fdvt_set_quality(Instance* h, int32_t rendition, uint32_t most_texels) {
+  static_assert(kHighestRendition == uint32_t(-1) && kAutomaticRendition == uint32_t(-2));
+  makeCurrent(h);
+  h->player->setQuality(static_cast<uint32_t>(rendition), most_texels);
+}
+
 int32_t fdvt_set_method(Instance* h, const char* name, uint32_t size, int32_t closest, abi::Visibility visibility) {
   if (closest < 0) return fail(h, ErrorId::InvalidArgument, "closest must be 0 (all cameras) or more");
   makeCurrent(h);

@@ -13,7 +13,7 @@ import { build } from 'esbuild';
 
 import { stampOf, stampWasm, writeTypeScript } from '../wasm/abi.mjs';
 
-const FIRST_GZIP_BYTES = 165_000, MORE_GZIP_BYTES = 260_000;
+const FIRST_GZIP_BYTES = 150_000, MORE_GZIP_BYTES = 260_000;
 const here = dirname(fileURLToPath(import.meta.url));
 
 function option(name, fallback) {

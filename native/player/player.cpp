@@ -151,6 +151,17 @@ void PlayerImpl::setLoop(int loop) {
   }
 }
 
+void PlayerImpl::setQuality(uint32_t rendition, uint32_t most_texels) {
+  loading_.ladder().setQuality(rendition, most_texels);
+  if (rendition == kAutomaticRendition || !character()) return;
+  loading_.dropOtherRenditions();
+  for (Track& t : tracks_) {
+    if (!isReady(t) || starting()) continue;
+    if (t.head.hasPicture() && !t.head.seeking()) t.head.seekShown();
+    restartFeed(t);
+  }
+}
+
 Status PlayerImpl::setParameter(const std::string& name, double value, bool at_once) {
   if (!std::isfinite(value)) return Error{ErrorId::InvalidArgument, name + " must be a number"};
   const package::Character* c = character();

@@ -37,7 +37,7 @@ struct PlayerOptions {
   double turn_rate_rad_s = 2.1;            // heading follows the wanted one at most this fast
   double parameter_rate = 1.5;             // a class's parameter crosses its whole range at most this often a second
   const CameraParts* cameras = nullptr;    // null: characters from cameras are refused
-  uint32_t rendition = kHighestRendition;  // the one that is played; the highest of a sequence that has fewer
+  uint32_t rendition = kHighestRendition;  // that is played, as Ladder::setQuality takes it
 };
 
 struct PlayerStats {
@@ -85,6 +85,8 @@ class Player {
   virtual void steer(double heading_rad) = 0;      // wanted heading, reached at turn_rate_rad_s while playing
   virtual void setAlign(render::Align align) = 0;  // default Baked; a stream without alignment is blended plainly
   virtual void setMethod(const render::MethodOptions& options) = 0;  // of characters from cameras
+  // As Ladder::setQuality. The picture on screen comes anew in a rendition that was named.
+  virtual void setQuality(uint32_t rendition, uint32_t most_texels) = 0;
 
   // Advances the clock to the edge's monotonic time and chooses the frame to show.
   virtual void tick(double now_s) = 0;

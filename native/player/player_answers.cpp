@@ -62,7 +62,7 @@ void PlayerImpl::giveUp(const Track& t, const Error& error) {
 FedSequence PlayerImpl::fedBy(const Track& t) const {
   const int sequence = t.head.sequence();
   return {sequence, &loading_.sequence(sequence), &loading_.index(sequence), loops(sequence),
-          loading_.renditionOf(sequence)};
+          loading_.renditionOf(sequence, t.feeding.gop())};
 }
 
 void PlayerImpl::stopFeed(Track& t) {
@@ -102,6 +102,7 @@ bool PlayerImpl::nextRequest(Request& out) {
   if (!in_sight_) return false;
   for (Track* t : {&main(), &other()}) {
     if (!isReady(*t)) continue;
+    if (!t->feeding.begun()) loading_.takeBetter(t->head.sequence(), t->feeding.gop());
     const std::vector<uint8_t>* video = loading_.video(t->head.sequence(), t->feeding.gop());
     if (t->feeding.next(fedBy(*t), video, t->slots.freeCount(), out)) return true;
   }
@@ -126,18 +127,18 @@ int PlayerImpl::acquireSlot(int decoder, int64_t timestamp_us) {
   const int slot = t.slots.findFree();
   if (slot < 0) return kNoSlotNow;
   t.feeding.take(timestamp_us);
-  if (Status status = t.slots.prepare(device_, slot, renditionOf(t)); !status.ok()) {
+  if (Status status = t.slots.prepare(device_, slot, renditionOf(t, t.feeding.rendition())); !status.ok()) {
     giveUp(t, status.error());
     return kNotAwaited;
   }
-  t.slots.fill(slot, *k);
+  t.slots.fill(slot, *k, t.feeding.rendition());
   return decoder * options_.picture_slots + slot;
 }
 
 void PlayerImpl::uploadI420(int slot, const I420View& picture) {
   Track* t = trackOf(slot);
   if (!t || !t->slots.awaits(slot)) return;
-  const package::Rendition& rendition = renditionOf(*t);
+  const package::Rendition& rendition = renditionOf(*t, t->slots.rendition(slot));
   if (picture.width != rendition.width || picture.height != rendition.height) {
     t->slots.reject(slot);
     fail({ErrorId::VideoInvalid, rendition.video_uri + ": pictures are " + std::to_string(picture.width) + "x" +
@@ -177,14 +178,21 @@ void PlayerImpl::onDecoderFailed(int decoder, DecoderFault fault, const std::str
   if (!t.head.used()) return;
   stopFeed(t);
   t.feeding.loseDecoder(fault);
+  const uint32_t rendition = t.feeding.rendition();
   if (fault != DecoderFault::Unsupported && !t.feeding.hopeless()) return feedAgain(t);
+  if (fault == DecoderFault::Unsupported && rendition > 0) {
+    loading_.ladder().leaveOut(rendition);
+    loading_.dropOtherRenditions();
+    return feedAgain(t);
+  }
   if (!isMain(t)) {
     outbox_.request(CloseDecoder{decoder});
     selectInstead();
     return;
   }
   constexpr ErrorId kIds[] = {ErrorId::VideoInvalid, ErrorId::DecoderUnsupported, ErrorId::DecoderLost};
-  fail({kIds[static_cast<size_t>(fault)], renditionOf(t).video_uri + ": the video does not decode (" + reason + ")"},
+  fail({kIds[static_cast<size_t>(fault)],
+        renditionOf(t, rendition).video_uri + ": the video does not decode (" + reason + ")"},
        t.head.sequence());
 }
 

@@ -39,6 +39,7 @@ class PlayerImpl final : public Player {
   motion::Placement placement() const override { return root_motion_.placement(); }
   void steer(double heading_rad) override { root_motion_.steer(heading_rad); }
   void setAlign(render::Align align) override { align_ = align; }
+  void setQuality(uint32_t rendition, uint32_t most_texels) override;
   void setMethod(const render::MethodOptions& options) override { method_ = options; }
   void tick(double now_s) override;
   bool nextRequest(Request& out) override;
@@ -80,8 +81,8 @@ class PlayerImpl final : public Player {
   bool runs(const Track& track) const;     // its clock should
   bool isReady(const Track& track) const;  // mesh and header of its sequence are there
   const package::Sequence& wantedOf(const Track& track) const { return loading_.sequence(track.head.sequence()); }
-  const package::Rendition& renditionOf(const Track& track) const {  // of the wanted sequence
-    return wantedOf(track).renditions[loading_.renditionOf(track.head.sequence())];
+  const package::Rendition& renditionOf(const Track& track, uint32_t number) const {  // of the wanted sequence
+    return wantedOf(track).renditions[number];
   }
   const package::Sequence& shownOf(const Track& track) const { return loading_.sequence(track.head.shown().sequence); }
   uint32_t frameOf(const Track& track, int64_t k) const;  // of the wanted sequence
@@ -91,7 +92,7 @@ class PlayerImpl final : public Player {
   double clockRate(const Track& track) const;
   void choosePicture(Track& track);
   bool showPicture(Track& track, int slot, const FrameGeometry& geometry);
-  bool present(Track& track, int64_t k, const FrameGeometry& geometry);
+  bool present(Track& track, int slot, const FrameGeometry& geometry);
   void finishSeek(Track& track, int previous_sequence);
   void finishAtEnd(Track& track);
   void composeMesh();

@@ -9,6 +9,7 @@ namespace fourdvt {
 
 void PlayerImpl::tick(double now_s) {
   playback_.tick(now_s);
+  loading_.tick(playback_.tick_s());
   // Right only if a picture follows every tick: web/src/session.ts draws so what follows with time.
   method_.elapsed_s = static_cast<float>(playback_.tick_s());
   for (Track& t : tracks_) t.head.advance(now_s, clockRate(t), kMaxStep_s);
@@ -55,7 +56,7 @@ bool PlayerImpl::showPicture(Track& t, int slot, const FrameGeometry& geometry) 
   const int previous_sequence = t.head.shown().sequence;
   const int64_t k = t.slots.k(slot);
   if (!t.head.seeking()) stats_.frames_late += static_cast<uint64_t>(k - t.head.shown().k - 1);
-  if (!present(t, k, geometry)) return false;
+  if (!present(t, slot, geometry)) return false;
   t.slots.show(slot);
   t.head.show(slot, k);
   ++stats_.frames_shown;
@@ -66,9 +67,11 @@ bool PlayerImpl::showPicture(Track& t, int slot, const FrameGeometry& geometry) 
 
 // Picture, labels and alignment of one presentation go on screen together; its mesh follows in composeMesh. The
 // character moves along if the presentation continues the shown motion.
-bool PlayerImpl::present(Track& t, int64_t k, const FrameGeometry& geometry) {
+bool PlayerImpl::present(Track& t, int slot, const FrameGeometry& geometry) {
   const package::Sequence& sequence = wantedOf(t);
-  Status status = t.frame.present(device_, composer_.model(), *character(), sequence, renditionOf(t), geometry);
+  const int64_t k = t.slots.k(slot);
+  Status status = t.frame.present(device_, composer_.model(), *character(), sequence,
+                                  renditionOf(t, t.slots.rendition(slot)), geometry);
   if (!status.ok()) {
     giveUp(t, status.error());
     return false;

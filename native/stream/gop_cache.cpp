@@ -41,7 +41,8 @@ void GopCache::trim(const std::vector<GopKey>& keep) {
   for (uint64_t total = encodedBytes(); total > encoded_budget_bytes_;) {
     const Entry it = oldest([&](const auto& entry) {
       const Gop& gop = entry.second;
-      return !kept(entry.first) && gop.video_state != PartState::Fetching && gop.chunk_state != PartState::Fetching;
+      return !kept(entry.first) && gop.video_state != PartState::Fetching && gop.chunk_state != PartState::Fetching &&
+             gop.better_state != PartState::Fetching;
     });
     if (it == gops_.end()) break;
     total -= it->second.encodedBytes();
@@ -73,7 +74,8 @@ size_t GopCache::decodedCount() const {
 std::vector<uint32_t> neededGops(const package::StreamIndex& index, uint32_t frame, bool loop, uint32_t ahead) {
   std::vector<uint32_t> gops{index.chunkOfFrame(frame)};
   const auto count = static_cast<uint32_t>(index.chunks.size());
-  for (uint32_t i = 0; i < ahead; ++i) {
+  const package::ChunkEntry& own = index.chunks[gops[0]];
+  for (uint32_t held = own.first_frame + own.frame_count - frame; gops.size() < 2 || held < ahead;) {
     uint32_t next = gops.back() + 1;
     if (next == count) {
       if (!loop) break;
@@ -81,6 +83,7 @@ std::vector<uint32_t> neededGops(const package::StreamIndex& index, uint32_t fra
     }
     if (std::find(gops.begin(), gops.end(), next) != gops.end()) break;
     gops.push_back(next);
+    held += index.chunks[next].frame_count;
   }
   return gops;
 }

@@ -24,12 +24,16 @@ enum class PartState { Absent, Fetching, Present, Failed };
 
 struct Gop {
   PartState video_state = PartState::Absent, chunk_state = PartState::Absent;
-  std::vector<uint8_t> video;                       // the GOP's samples, contiguous as in the file
+  uint32_t rendition = 0;                      // that `video` is, or will be, of
+  std::vector<uint8_t> video;                  // the GOP's samples, contiguous as in the file
+  PartState better_state = PartState::Absent;  // of the samples in another rendition, to take their place
+  uint32_t better_rendition = 0;
+  std::vector<uint8_t> better;
   std::vector<uint8_t> chunk;                       // encoded geometry
   std::unique_ptr<package::ChunkDecoder> geometry;  // of `chunk`, decoded as far as was asked for
   std::unique_ptr<package::SurfaceChunk> surfaces;  // likewise, of a character from cameras
   uint64_t last_use = 0;
-  uint64_t encodedBytes() const { return video.size() + chunk.size(); }
+  uint64_t encodedBytes() const { return video.size() + chunk.size() + better.size(); }
   bool decoded() const { return geometry || surfaces; }
   uint64_t decodedBytes() const { return geometry ? geometry->frames().bytes() : surfaces ? surfaces->bytes() : 0; }
 };
@@ -59,7 +63,8 @@ class GopCache {
   std::map<GopKey, Gop> gops_;
 };
 
-// The GOPs to hold for playing on from `frame`, nearest first: its own and the `ahead` next ones, wrapping if looping.
+// The GOPs to hold for playing on from `frame`, nearest first: its own and the next ones until they have `ahead` frames
+// after it, at least one, wrapping if looping.
 std::vector<uint32_t> neededGops(const package::StreamIndex& index, uint32_t frame, bool loop, uint32_t ahead);
 
 }  // namespace fourdvt::stream

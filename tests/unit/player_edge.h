@@ -18,7 +18,8 @@ namespace fourdvt::testing {
 struct EdgeOptions {
   uint32_t seed = 1;
   double fetch_latency_s = 0.05, decode_latency_s = 0.004, copy_latency_s = 0.003;  // largest, uniform from 0
-  double fetch_failure = 0;                                                         // probability
+  double bits_per_s = 0;        // shared by all fetches, one after the other; 0: without limit
+  double fetch_failure = 0;     // probability
   double stale_delivery = 0.5;  // probability that a picture survives a reset
   int reorder_delay = 2;
   int wrong_picture_every = 0;  // every n-th picture is another frame's (0: never)
@@ -106,6 +107,7 @@ class SimulatedEdge {
   uint32_t below(uint32_t n) { return random_() % n; }
 
  private:
+  double network_free_s_ = 0;
   struct PendingFetch {
     FetchRange range;
     double due_s;
@@ -131,7 +133,9 @@ class SimulatedEdge {
   void take(const Request& request) {
     if (!errors.empty()) ++requests_after_error;
     if (auto* fetch = std::get_if<FetchRange>(&request)) {
-      fetches_.push_back({*fetch, now_s + uniform(options.fetch_latency_s)});
+      const double transfer_s = options.bits_per_s > 0 ? 8 * double(fetch->bytes) / options.bits_per_s : 0;
+      network_free_s_ = std::max(network_free_s_, now_s) + transfer_s;
+      fetches_.push_back({*fetch, network_free_s_ + uniform(options.fetch_latency_s)});
     } else if (auto* cancel = std::get_if<CancelFetch>(&request)) {
       std::erase_if(fetches_, [&](const PendingFetch& f) { return f.range.id == cancel->id; });
     } else if (auto* configure = std::get_if<ConfigureDecoder>(&request)) {

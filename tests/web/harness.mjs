@@ -184,12 +184,13 @@ export async function waitForEvent(page, type) {
   return event.ms;
 }
 
-/** Shows one frame from one side, at once, without shadow, paused. pose: { sequence, frame, azimuth, elevation, distance }. */
+/** Shows one frame from one side, at once, in the highest rendition, without shadow, paused. pose: { sequence, frame, azimuth, elevation, distance }. */
 export async function showPose(page, pose) {
   await page.evaluate(async ({ sequence, frame, azimuth, elevation, distance, fov }) => {
     const viewer = document.querySelector('fourdvt-viewer');
     const event = (type) => new Promise((done) => viewer.addEventListener(type, done, { once: true }));
     viewer.pause();
+    viewer.quality = 'highest';
     viewer.renderOptions = { groundShadow: false };
     viewer.setAttribute('field-of-view', `${fov}deg`);
     viewer.setAttribute('camera-orbit', `${azimuth}deg ${elevation}deg ${distance}m`);

@@ -3,7 +3,7 @@
 // remembered as a wish. A character that is loaded fulfils it at once; one that comes later begins with all wishes.
 // Does not load or draw anything.
 import type {
-  Align, CharacterInfo, Method, Placement, PlayerState, RenderOptions, SceneMesh, WasmPlayer,
+  Align, CharacterInfo, Method, Placement, PlayerState, Quality, RenderOptions, SceneMesh, WasmPlayer,
 } from './wasm-player.js';
 
 export interface Wishes {
@@ -14,6 +14,7 @@ export interface Wishes {
   travel: boolean;
   align: Align;
   method: Method;
+  quality: Quality | null;
   /** Options and scene belong to the canvas, so only its main character is given any. */
   options: RenderOptions | null;
   scene: SceneMesh[] | null;
@@ -40,7 +41,7 @@ export const DEFAULT_METHOD: Method = { name: 'sweep', closest: 4, visibility: '
 // What a player does that has just read its manifest: these wishes need not be told to it.
 const NEW_PLAYER: Wishes = {
   loop: -1, rate: 1, placement: { x: 0, z: 0, heading: 0 }, travel: false, align: 'baked',
-  method: DEFAULT_METHOD, options: null, scene: null,
+  method: DEFAULT_METHOD, quality: null, options: null, scene: null,
   sequence: null, frame: 0, time: null, playing: false,
 };
 // How a player fulfils each wish, in the order in which a new player is told them.
@@ -51,6 +52,7 @@ const FULFIL: { [K in keyof Wishes]: (player: WasmPlayer, wish: NonNullable<Wish
   travel: (player, on) => player.setTravel(on),
   align: (player, align) => player.setAlign(align),
   method: (player, method) => player.setMethod(method),
+  quality: (player, quality) => player.setQuality(quality),
   options: (player, options) => player.setOptions(options),
   scene: (player, meshes) => player.setScene(meshes),
   sequence: (player, name) => player.selectSequence(name),

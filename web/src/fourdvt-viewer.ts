@@ -42,6 +42,8 @@ export interface Orbit {
 const STEER_DEG = 60;            // a held key asks for a heading this far from the present one
 const PARAMETER_RANGES_S = 0.7;  // share of the parameter's range that a held key crosses per second
 const MAX_PIXEL_RATIO = 2;
+const HIGHEST = -1, AUTOMATIC = -2; // renditions, as fdvt_set_quality takes them
+const TEXELS_PER_PIXEL = 4;         // of layer 1, and of the element's height: more are not seen
 // Until the stream's index has come the total is too small; this keeps the progress bar from being full too early.
 const MIN_TOTAL_BYTES = 300_000;
 const AUTO_ROTATE_DEG_S = 14;
@@ -58,7 +60,7 @@ export class FourdvtViewer extends HTMLElement {
   static readonly observedAttributes = [
     'src', 'poster', 'alt', 'loop', 'auto-rotate', 'camera-controls', 'camera-orbit', 'camera-target', 'field-of-view',
     'sequence', 'touch-action', 'motion-controls', 'camera-follow', 'travel', 'align', 'method', 'cameras', 'visibility',
-    'background', 'look', 'look-strength', 'light', 'light-turn',
+    'background', 'look', 'look-strength', 'light', 'light-turn', 'quality',
   ];
   /** Address of the player's wasm file: beside the script, unless it is set before the first element loads. */
   static wasmUrl = new URL(`fourdvt-viewer.wasm${FOURDVT_VERSION}`, import.meta.url).href;
@@ -213,6 +215,9 @@ export class FourdvtViewer extends HTMLElement {
     return wish && ALIGN_MODES.includes(wish) ? wish : 'baked';
   }
   set align(value: Align) { this.setAttribute('align', value); }
+  /** 'auto', 'highest', or a rendition's number, 0 for the lowest. */
+  get quality(): string { return this.getAttribute('quality') || 'auto'; }
+  set quality(value: string) { this.setAttribute('quality', value); }
   /** How a character from cameras is drawn; web/README.md lists the methods. */
   get method(): string { return methodOf(this).name; }
   set method(name: string) { this.setAttribute('method', name); }
@@ -317,6 +322,7 @@ export class FourdvtViewer extends HTMLElement {
         this.#commands.set('method', methodOf(this));
         void this.#session?.useLook();
         break;
+      case 'quality': this.#applyQuality(); break;
       case 'look': case 'look-strength': case 'light': case 'light-turn': void this.#session?.useLook(); break;
       case 'background': this.#session?.setRoom(this.#room); break;
       case 'travel': this.#commands.set('travel', this.travel); break;
@@ -431,6 +437,7 @@ export class FourdvtViewer extends HTMLElement {
     const ratio = Math.min(devicePixelRatio, MAX_PIXEL_RATIO);
     const { width, height } = entry.contentRect;
     this.#size = { width: Math.round(width * ratio), height: Math.round(height * ratio) };
+    this.#applyQuality();
     if (height > 0) this.#camera.setAspect(width / height);
     this.#session?.resize(this.#size.width, this.#size.height);
     if (!this.#interactedYet) this.#camera.jump();
@@ -502,6 +509,16 @@ export class FourdvtViewer extends HTMLElement {
     this.#sinceInteraction = 0;
     this.#session?.wake();
     this.#emit('camera-change');
+  }
+
+  // A thumbnail needs no fine texels, and who saves data gets the lowest rendition.
+  #applyQuality(): void {
+    const { quality } = this, number = Number(quality);
+    const saves = (navigator as { connection?: { saveData?: boolean } }).connection?.saveData;
+    const rendition = quality === 'highest' ? HIGHEST : Number.isInteger(number) && number >= 0 ? number : saves ? 0 : AUTOMATIC;
+    const mostTexels = rendition === AUTOMATIC ? TEXELS_PER_PIXEL * this.#size.height : 0;
+    const { quality: before } = this.#commands.wishes;
+    if (before?.rendition !== rendition || before.mostTexels !== mostTexels) this.#commands.set('quality', { rendition, mostTexels });
   }
 
   #applyLabels(): void {

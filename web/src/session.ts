@@ -263,7 +263,8 @@ export class Session {
 
   #more(): Promise<More> { return loadMore(this.#module!, this.#options.wasmUrl, this.#network); }
 
-  // After the first picture, when nothing of the page waits for it. What fails is tried again when it is needed.
+  // Once it can play, so that the first pictures do not share the network with it. What fails is tried again when it is
+  // needed.
   async #loadRest(): Promise<void> {
     if (!(await this.#more().catch(() => null))) return;
     for (const actor of this.#actors) actor.run((player) => player.moreCame());
@@ -425,6 +426,7 @@ export class Session {
     if (name === 'canplay') {
       this.#unproven = false;
       if (!this.#deciding) this.#transport.stopReplay();
+      void this.#loadRest();
       for (const companion of this.#host.companions) void this.add(companion);
     } else if (name === 'playing' || name === 'pause') {
       for (const { commands } of this.#others.keys()) commands.set('playing', name === 'playing');
@@ -515,7 +517,6 @@ export class Session {
     if (this.#shown) return;
     this.#shown = true;
     this.#host.firstPicture();
-    void this.#loadRest();
     if (needsFlow(this.#align)) void this.#useFlow(this.#align);
   }
 

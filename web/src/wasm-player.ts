@@ -57,6 +57,12 @@ export interface Method {
   visibility: Visibility;
 }
 
+/** Which rendition is played; see fdvt_set_quality in wasm/abi.txt. */
+export interface Quality {
+  rendition: number;
+  mostTexels: number;
+}
+
 export interface CharacterInfo {
   name: string;
   /** Textured from the cameras' own pictures, not from layers. */
@@ -232,6 +238,7 @@ export class WasmPlayer {
   place({ x, z, heading }: Placement): void { this.#m._fdvt_place(this.#h, x, z, heading * RADIANS); }
   steer(headingDeg: number): void { this.#m._fdvt_steer(this.#h, headingDeg * RADIANS); }
   setAlign(align: Align): void { this.#check(this.#m._fdvt_set_align(this.#h, ALIGN_MODES.indexOf(align))); }
+  setQuality({ rendition, mostTexels }: Quality): void { this.#m._fdvt_set_quality(this.#h, rendition, mostTexels); }
   /** Layered characters have no method. */
   setMethod({ name, closest, visibility }: Method): void {
     if (!this.character()?.fromCameras) return;

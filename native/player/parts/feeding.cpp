@@ -36,9 +36,19 @@ void Feeding::restart(const FedSequence& fed, int64_t k, Outbox& outbox) {
 
 bool Feeding::next(const FedSequence& fed, const std::vector<uint8_t>* video, int free_slots, Request& out) {
   if (!active_) return false;
+  if (configured_ && !done_ && !begun() && video && configured_rendition_ != fed.rendition) {
+    if (!in_flight_.empty()) {
+      if (flushed_) return false;
+      flushed_ = true;
+      out = FlushDecoder{decoder_};
+      return true;
+    }
+    configured_ = flushed_ = false;
+  }
   if (!configured_) {
     configured_ = true;
     configured_sequence_ = fed.number;
+    configured_rendition_ = fed.rendition;
     const package::Rendition& rendition = fed.sequence->renditions[fed.rendition];
     out = ConfigureDecoder{decoder_, rendition.codec, fed.index->renditions[fed.rendition].decoder_description,
                            rendition.width, rendition.height};

@@ -34,8 +34,10 @@ class Feeding {
   // Starts again at the GOP that holds presentation k: frames since the sequence's start, unwrapped over loops.
   // Pictures before k are decoded and dropped.
   void restart(const FedSequence& fed, int64_t k, Outbox& outbox);
-  // The decoder's next request; false: it must have none now. video: the samples of `gop()`, null while they are not
-  // there. The decoder holds at most as many samples as there are free slots, and a few that it may need to reorder.
+  // The decoder's next request; false: it must have none now. A GOP in another rendition waits until the pictures
+  // before it have been taken: the decoder gives them back, and is configured anew. video: the samples of `gop()`, null
+  // while they are not there. The decoder holds at most as many samples as there are free slots, and a few that it may
+  // need to reorder.
   bool next(const FedSequence& fed, const std::vector<uint8_t>* video, int free_slots, Request& out);
   // Call after a poll that brought nothing: a decoder that keeps more pictures back than expected must not starve.
   void noteIdlePoll(int used_slots);
@@ -52,9 +54,11 @@ class Feeding {
   void close(Outbox& outbox);  // after stop(); frees the decoder until `restart`
 
   bool active() const { return active_; }
-  bool lost() const { return lost_; }    // stopped by a loss, or closed; `restart` goes on
-  bool done() const { return done_; }    // a sequence that does not loop is fed to its end
-  uint32_t gop() const { return gop_; }  // the one being fed
+  bool lost() const { return lost_; }                           // stopped by a loss, or closed; `restart` goes on
+  bool done() const { return done_; }                           // a sequence that does not loop is fed to its end
+  uint32_t gop() const { return gop_; }                         // the one being fed
+  bool begun() const { return sample_ > 0; }                    // some of its samples have been
+  uint32_t rendition() const { return configured_rendition_; }  // of the pictures that are awaited
 
  private:
   static constexpr int kMaxLosses = 3;
@@ -65,6 +69,7 @@ class Feeding {
   bool active_ = false, done_ = false, flushed_ = false;
   bool configured_ = false;
   int configured_sequence_ = -1;
+  uint32_t configured_rendition_ = 0;
   uint32_t gop_ = 0, sample_ = 0;
   int64_t gop_k_ = 0, gop_end_k_ = 0;  // presentations of the GOP's first frame, and of the one after its last
   int64_t drop_before_k_ = 0;

@@ -12,9 +12,10 @@ namespace fourdvt {
 
 // What a byte range is for.
 struct FetchPurpose {
-  enum class Kind { Mesh, Graph, Header, Video, Chunk } kind = Kind::Mesh;
-  int sequence = -1;  // -1: it is of the whole character
-  uint32_t gop = 0;   // Video and Chunk only
+  enum class Kind { Mesh, Graph, Header, Video, Better, Chunk } kind = Kind::Mesh;  // Better: as stream::Gop::better
+  int sequence = -1;                                                                // -1: it is of the whole character
+  uint32_t gop = 0;                                                                 // Video, Better and Chunk only
+  bool ofGop() const { return kind >= Kind::Video; }
 };
 
 struct Fetch {
@@ -34,6 +35,15 @@ class Fetches {
   // A fetch that `find` knows has failed: settles it.
   Fetch drop(uint32_t id);
   bool empty() const { return fetches_.empty(); }  // nothing is on its way
+  // Calls off what nobody needs any more: `unneeded` settles each purpose that it returns true for.
+  template <class Unneeded>
+  void cancel(const Unneeded& unneeded) {
+    std::erase_if(fetches_, [&](const Fetch& fetch) {
+      if (!unneeded(fetch.purpose)) return false;
+      outbox_.request(CancelFetch{fetch.range.id});
+      return true;
+    });
+  }
   uint64_t bytesFetched() const { return bytes_fetched_; }
 
   // Progress counts a sequence's bytes from the moment they are asked for; `bytes` more are expected from the start.

@@ -15,7 +15,8 @@ using stream::PartState;
 
 namespace {
 
-constexpr uint32_t kGopsAhead = 1;
+constexpr double kAhead_s = 6;      // of what is held or on its way
+constexpr int kGopsOnTheirWay = 2;  // more would only share the network with the one that is due first
 
 bool liesWithin(uint64_t offset, uint64_t bytes, uint64_t file_bytes) {
   return offset <= file_bytes && bytes <= file_bytes - offset;
@@ -60,8 +61,16 @@ Status Loading::takeStart(std::span<const uint8_t> bytes) {
   return {};
 }
 
-uint32_t Loading::renditionOf(int index) const {
-  return std::min(rendition_, static_cast<uint32_t>(sequence(index).renditions.size()) - 1);
+uint32_t Loading::renditionOf(int sequence_index, uint32_t gop) const {
+  const stream::Gop* held = cache_.find({sequence_index, gop});
+  return held && held->video_state != PartState::Absent
+             ? held->rendition
+             : ladder_.choose(sequence(sequence_index), stream(sequence_index).rendition);
+}
+
+void Loading::tick(double step_s) {
+  ladder_.measure(bytesFetched() - bytes_before_, step_s, !fetches_.empty());
+  bytes_before_ = bytesFetched();
 }
 
 int Loading::find(const std::string& name) const {
@@ -77,10 +86,13 @@ void Loading::requestMissing(std::span<const Need> needs, int next_sequence) {
     requestHeader(need.sequence);
     const size_t first = keep.size();
     addNeededGops(need, keep);
-    for (size_t i = first; i < keep.size(); ++i) requestGop(keep[i]);
+    int under_way = 0;
+    for (size_t i = first; i < keep.size() && under_way < kGopsOnTheirWay; ++i) under_way += requestGop(keep[i]);
   }
   if (next_sequence >= 0) requestHeader(next_sequence);
+  cancelUnneeded(keep);
   if (fetches_.progressEnded() && fetches_.empty()) requestGraph();
+  if (fetches_.empty()) raise(keep);
   cache_.trim(keep);
 }
 
@@ -108,12 +120,14 @@ void Loading::requestGraph() {
 // What playing on needs, nearest first.
 void Loading::addNeededGops(const Need& need, std::vector<GopKey>& keys) const {
   if (!playable(need.sequence)) return;
-  for (uint32_t gop : stream::neededGops(index(need.sequence), need.frame, need.loops, kGopsAhead))
+  const auto ahead = static_cast<uint32_t>(kAhead_s * sequence(need.sequence).fps);
+  for (uint32_t gop : stream::neededGops(index(need.sequence), need.frame, need.loops, ahead))
     keys.push_back({need.sequence, gop});
   if (need.fed_gop) keys.push_back({need.sequence, *need.fed_gop});
 }
 
-void Loading::requestGop(GopKey key) {
+// True: some of it is on its way.
+bool Loading::requestGop(GopKey key) {
   const package::Sequence& q = sequence(key.sequence);
   stream::Gop& gop = cache_.touch(key);
   if (gop.chunk_state == PartState::Absent) {
@@ -122,10 +136,62 @@ void Loading::requestGop(GopKey key) {
     fetches_.request({Kind::Chunk, key.sequence, key.gop}, q.stream_uri, entry.offset, entry.bytes);
   }
   if (gop.video_state == PartState::Absent) {
+    uint32_t& chosen = stream(key.sequence).rendition;
+    gop.rendition = chosen = ladder_.choose(q, chosen);
     gop.video_state = PartState::Fetching;
-    const uint32_t rendition = renditionOf(key.sequence);
-    const package::ByteSpan span = index(key.sequence).renditions[rendition].videoOf(key.gop);
-    fetches_.request({Kind::Video, key.sequence, key.gop}, q.renditions[rendition].video_uri, span.offset, span.bytes);
+    requestVideo(key, Kind::Video, gop.rendition);
+  }
+  return gop.chunk_state == PartState::Fetching || gop.video_state == PartState::Fetching;
+}
+
+void Loading::requestVideo(GopKey key, Kind kind, uint32_t rendition) {
+  const package::ByteSpan span = index(key.sequence).renditions[rendition].videoOf(key.gop);
+  const std::string& uri = sequence(key.sequence).renditions[rendition].video_uri;
+  fetches_.request({kind, key.sequence, key.gop}, uri, span.offset, span.bytes);
+}
+
+// Nothing is on its way: a loop that is held whole comes again in a higher rendition, one GOP after the other.
+void Loading::raise(const std::vector<GopKey>& keys) {
+  for (const GopKey& key : keys) {
+    stream::Gop* gop = cache_.find(key);
+    const uint32_t highest = ladder_.highest(sequence(key.sequence));
+    if (!gop || gop->video_state != PartState::Present || gop->rendition >= highest) continue;
+    if (keys.size() < index(key.sequence).chunks.size() || gop->better_state != PartState::Absent) continue;
+    gop->better_rendition = highest;
+    gop->better_state = PartState::Fetching;
+    return requestVideo(key, Kind::Better, highest);
+  }
+}
+
+// A seek or another sequence has made them useless.
+void Loading::cancelUnneeded(const std::vector<GopKey>& keep) {
+  fetches_.cancel([&](const FetchPurpose& purpose) {
+    const GopKey key{purpose.sequence, purpose.gop};
+    if (!purpose.ofGop() || std::find(keep.begin(), keep.end(), key) != keep.end()) return false;
+    if (PartState* state = stateOf(purpose)) *state = PartState::Absent;
+    return true;
+  });
+}
+
+void Loading::takeBetter(int sequence, uint32_t gop_index) {
+  stream::Gop* gop = cache_.find({sequence, gop_index});
+  if (!gop || gop->better_state != PartState::Present) return;
+  gop->video = std::move(gop->better);
+  gop->better.clear();
+  gop->rendition = gop->better_rendition;
+  gop->better_state = PartState::Absent;
+}
+
+void Loading::dropOtherRenditions() {
+  for (int s = 0; s < sequenceCount(); ++s) {
+    if (!hasHeader(s)) continue;
+    stream(s).rendition = ladder_.choose(sequence(s), stream(s).rendition);
+    for (uint32_t g = 0; g < index(s).chunks.size(); ++g) {
+      stream::Gop* gop = cache_.find({s, g});
+      if (!gop || gop->video_state != PartState::Present || gop->rendition == stream(s).rendition) continue;
+      gop->video_state = PartState::Absent;
+      gop->video.clear();
+    }
   }
 }
 
@@ -182,7 +248,11 @@ uint64_t Loading::hashOf(const FetchPurpose& purpose) const {
     case Kind::Header:
       return sequence(purpose.sequence).stream_header_hash;
     case Kind::Video:
-      return index(purpose.sequence).renditions[renditionOf(purpose.sequence)].chunk_hash[purpose.gop];
+    case Kind::Better: {
+      const stream::Gop* gop = cache_.find({purpose.sequence, purpose.gop});
+      const uint32_t rendition = !gop ? 0 : purpose.kind == Kind::Video ? gop->rendition : gop->better_rendition;
+      return index(purpose.sequence).renditions[rendition].chunk_hash[purpose.gop];
+    }
     default:
       return index(purpose.sequence).chunks[purpose.gop].hash;
   }
@@ -195,6 +265,7 @@ PartState* Loading::stateOf(const FetchPurpose& purpose) {
   if (purpose.kind == Kind::Header) return &stream(purpose.sequence).header;
   stream::Gop* gop = cache_.find({purpose.sequence, purpose.gop});
   if (!gop) return nullptr;
+  if (purpose.kind == Kind::Better) return &gop->better_state;
   return purpose.kind == Kind::Video ? &gop->video_state : &gop->chunk_state;
 }
 
@@ -251,9 +322,11 @@ void Loading::receiveGraph(std::span<const uint8_t> bytes) {
 
 void Loading::receiveGop(const FetchPurpose& purpose, std::span<const uint8_t> bytes) {
   stream::Gop& gop = cache_.touch({purpose.sequence, purpose.gop});
-  const bool video = purpose.kind == Kind::Video;
-  (video ? gop.video : gop.chunk).assign(bytes.begin(), bytes.end());
-  (video ? gop.video_state : gop.chunk_state) = PartState::Present;
+  std::vector<uint8_t>& part = purpose.kind == Kind::Chunk   ? gop.chunk
+                               : purpose.kind == Kind::Video ? gop.video
+                                                             : gop.better;
+  part.assign(bytes.begin(), bytes.end());
+  *stateOf(purpose) = PartState::Present;
 }
 
 bool Loading::markBroken(int sequence) {

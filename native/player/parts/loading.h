@@ -15,11 +15,10 @@
 #include "package/chunk_mesh.h"
 #include "player/parts/camera_parts.h"
 #include "player/parts/fetches.h"
+#include "player/parts/ladder.h"
 #include "stream/gop_cache.h"
 
 namespace fourdvt {
-
-constexpr uint32_t kHighestRendition = UINT32_MAX;
 
 // What a track needs to play on.
 struct Need {
@@ -38,10 +37,10 @@ struct Arrival {
 
 class Loading {
  public:
-  // rendition: as of PlayerOptions.
+  // rendition: as Ladder::setQuality takes it.
   Loading(Outbox& outbox, uint64_t encoded_budget_bytes, const CameraParts* cameras = nullptr,
           uint32_t rendition = kHighestRendition)
-      : cameras_(cameras), rendition_(rendition), cache_(encoded_budget_bytes), fetches_(outbox) {}
+      : cameras_(cameras), ladder_(rendition), cache_(encoded_budget_bytes), fetches_(outbox) {}
 
   // start: the bytes of the character's start file; none, or others than the manifest says: they are not used.
   // Errors: as of package::readManifest; Unsupported: from cameras, without CameraParts. What was there stays.
@@ -54,8 +53,12 @@ class Loading {
   }
   int startSequence() const { return started_ ? sequenceCount() : -1; }
   bool hasMesh() const { return mesh_.has_value(); }
-  uint32_t renditionOf(int index) const;    // that is fetched and decoded, among the sequence's renditions
-  int find(const std::string& name) const;  // -1: there is no sequence of that name
+  // That the GOP's samples are of, or will be.
+  uint32_t renditionOf(int sequence, uint32_t gop) const;
+  Ladder& ladder() { return ladder_; }
+  // Samples in another rendition than the ladder chooses now are fetched anew.
+  void dropOtherRenditions();
+  int find(const std::string& name) const;                  // -1: there is no sequence of that name
   const package::BaseMesh& mesh() const { return *mesh_; }  // after Arrival::What::Mesh
   bool hasHeader(int sequence) const { return stream(sequence).header == stream::PartState::Present; }
   bool broken(int sequence) const { return stream(sequence).broken; }
@@ -80,6 +83,10 @@ class Loading {
 
   // The GOP's samples, contiguous as in the file; null: not there.
   const std::vector<uint8_t>* video(int sequence, uint32_t gop) const;
+  // Before the GOP's first sample is fed: from now on `video` is of the better rendition, if that is there.
+  void takeBetter(int sequence, uint32_t gop);
+  // Called once a tick: what came since the last one tells the throughput.
+  void tick(double step_s);
   // Decodes as far as this frame; `out` stays empty while that is not there. Errors: StreamInvalid.
   Status geometry(int sequence, uint32_t frame, FrameGeometry& out);
   uint64_t bytesFetched() const { return fetches_.bytesFetched(); }
@@ -90,13 +97,17 @@ class Loading {
     stream::PartState header = stream::PartState::Absent;
     package::StreamIndex index;
     bool broken = false;
+    uint32_t rendition = 0;  // that was chosen last
   };
 
   Stream& stream(int sequence) { return streams_[static_cast<size_t>(sequence)]; }
   const Stream& stream(int sequence) const { return streams_[static_cast<size_t>(sequence)]; }
   void requestMesh();
   void requestHeader(int sequence);
-  void requestGop(stream::GopKey key);
+  bool requestGop(stream::GopKey key);
+  void requestVideo(stream::GopKey key, FetchPurpose::Kind kind, uint32_t rendition);
+  void raise(const std::vector<stream::GopKey>& keys);
+  void cancelUnneeded(const std::vector<stream::GopKey>& keep);
   void addNeededGops(const Need& need, std::vector<stream::GopKey>& keys) const;
   uint64_t hashOf(const FetchPurpose& purpose) const;
   stream::PartState* stateOf(const FetchPurpose& purpose);
@@ -113,7 +124,8 @@ class Loading {
   Status decodeTo(std::unique_ptr<Decoder>& decoder, uint32_t row, const Open& open);
 
   const CameraParts* cameras_;
-  const uint32_t rendition_;
+  Ladder ladder_;
+  uint64_t bytes_before_ = 0;  // bytesFetched at the last tick
   std::optional<package::Character> character_;
   std::optional<package::BaseMesh> mesh_;
   package::ChunkMesh chunk_mesh_;

@@ -31,11 +31,12 @@ Status PictureSlots::prepare(gpu::Device& device, int number, const package::Ren
   return {};
 }
 
-void PictureSlots::fill(int number, int64_t k) {
+void PictureSlots::fill(int number, int64_t k, uint32_t rendition) {
   Slot& slot = at(number);
   slot.use = Slot::Use::Filling;
   slot.k = k;
   slot.epoch = epoch_;
+  slot.rendition = rendition;
   slot.rejected = false;
 }
 

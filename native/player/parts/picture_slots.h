@@ -21,7 +21,8 @@ class PictureSlots {
   int findFree() const;  // -1: none
   // Gives the slot a texture of the rendition's size. Errors: GpuFailure.
   Status prepare(gpu::Device& device, int slot, const package::Rendition& rendition);
-  void fill(int slot, int64_t k);  // k: the presentation, frames since the sequence's start, unwrapped over loops
+  // k: the presentation, frames since the sequence's start, unwrapped over loops; rendition: as of `prepare`.
+  void fill(int slot, int64_t k, uint32_t rendition);
   // It is being filled for the present epoch.
   bool awaits(int slot) const;
   void upload(gpu::Device& device, int slot, const I420View& picture);
@@ -32,6 +33,7 @@ class PictureSlots {
   void show(int slot);
 
   int64_t k(int slot) const { return at(slot).k; }
+  uint32_t rendition(int slot) const { return at(slot).rendition; }
   const render::PictureTextures& picture(int slot) const { return at(slot).picture; }
   // Ready pictures of the present epoch; -1: none.
   int findReady(int64_t k) const;
@@ -44,7 +46,7 @@ class PictureSlots {
   struct Slot {
     enum class Use { Free, Filling, Ready, Shown } use = Use::Free;
     int64_t k = 0;
-    uint32_t epoch = 0;
+    uint32_t epoch = 0, rendition = 0;
     bool rejected = false;
     int width = 0, height = 0;
     render::PictureTextures picture;

@@ -16,9 +16,9 @@ class Playback {
 
   bool playing() const { return playing_; }
   bool canPlay() const { return can_play_; }  // a picture of the streams has been shown
-  bool play();   // false: it plays already
-  bool pause();  // false: it is paused already. Emits Paused.
-  void end();    // Emits Ended.
+  bool play();                                // false: it plays already
+  bool pause();                               // false: it is paused already. Emits Paused.
+  void end();                                 // Emits Ended.
   void emitPlaying() { outbox_.emit(EventKind::Playing); }
 
   void setRate(double rate);  // 0 < rate <= 4

@@ -160,7 +160,7 @@ struct Slots {
     const int slot = slots.findFree();
     EXPECT_GE(slot, 0);
     EXPECT_TRUE(slots.prepare(*device, slot, rendition()).ok());
-    slots.fill(slot, k);
+    slots.fill(slot, k, 0);
     return slot;
   }
   int ready(int64_t k) {

@@ -99,7 +99,7 @@ TEST(PlayerLoading, FetchesTheChosenRenditionOrTheHighestThereIs) {
         if (range.uri.ends_with(".mp4")) videos.insert(range.uri);
       });
       EXPECT_EQ(videos, std::set<std::string>{uris[size_t(sequence)]});
-      EXPECT_EQ((*shelf.loading.video(sequence, 1))[9], shelf.loading.renditionOf(sequence));
+      EXPECT_EQ((*shelf.loading.video(sequence, 1))[9], shelf.loading.renditionOf(sequence, 1));
     }
   }
 }
@@ -253,7 +253,7 @@ TEST(PlayerLoading, TheSampleTableOfEveryRenditionIsChecked) {
 TEST(PlayerLoading, GeometryIsThatOfItsFrame) {
   Shelf shelf;
   EXPECT_FALSE(shelf.geometry(0, 0)) << "nothing there yet";
-  shelf.fill({0, 10, true, {}});
+  shelf.fill({0, 10, false, {}});
   for (uint32_t frame : {10u, 13u, 27u}) {
     const FrameGeometry found = shelf.geometry(0, frame);
     ASSERT_TRUE(found);
@@ -264,13 +264,13 @@ TEST(PlayerLoading, GeometryIsThatOfItsFrame) {
 
 TEST(PlayerLoading, KeepsWithinItsBudgetWhatIsNeeded) {
   Shelf shelf(twoSequences(), 1);
-  shelf.fill({0, 0, true, {}});
-  const uint64_t two_gops = shelf.loading.encodedBytesHeld();
-  EXPECT_GT(two_gops, 1u) << "what is needed is kept";
-  shelf.fill({0, 10, true, {}});
+  shelf.fill({0, 0, false, {}});
+  const uint64_t all_gops = shelf.loading.encodedBytesHeld();
+  EXPECT_GT(all_gops, 1u) << "what is needed is kept";
+  shelf.fill({0, 10, false, {}});
   EXPECT_EQ(shelf.loading.video(0, 0), nullptr);
   EXPECT_NE(shelf.loading.video(0, 2), nullptr);
-  shelf.fill({0, 10, true, {0u}});
+  shelf.fill({0, 10, false, {0u}});
   EXPECT_NE(shelf.loading.video(0, 0), nullptr) << "it is being fed";
 }
 
@@ -283,7 +283,7 @@ TEST(PlayerLoading, ProgressEndsWithTheFirstPictureAndTheGraphFollows) {
   Event last{}, event{};
   int reports = 0;
   for (; shelf.outbox.nextEvent(event); last = event) ++reports;
-  EXPECT_EQ(reports, 6) << "mesh, header, two GOPs of two parts";
+  EXPECT_EQ(reports, 8) << "mesh, header, three GOPs of two parts";
   EXPECT_EQ(last.kind, EventKind::Progress);
   EXPECT_EQ(last.loaded_bytes, last.total_bytes);
   EXPECT_EQ(last.loaded_bytes, shelf.loading.bytesFetched());
@@ -311,4 +311,51 @@ TEST(PlayerLoading, AGraphThatCannotBeHadIsNoError) {
     EXPECT_TRUE(shelf.loading.graphFailed());
     EXPECT_TRUE(shelf.loading.lacksGraph());
   }
+}
+
+TEST(PlayerLoading, HoldsSixSecondsAheadAndAsksForTwoGopsAtATime) {
+  Shelf shelf(FakeBuilder().build({{"walk", 500, 10, 25, true, 192, 16}}));
+  const Need need{0, 0, true, {}};
+  shelf.loading.requestMissing({&need, 1}, -1);
+  for (const FetchRange& range : shelf.asked()) shelf.answer(range);  // mesh and header
+  shelf.loading.requestMissing({&need, 1}, -1);
+  EXPECT_EQ(shelf.asked().size(), 4u) << "chunk and video of two GOPs";
+  Shelf other(FakeBuilder().build({{"walk", 500, 10, 25, true, 192, 16}}));
+  size_t videos = 0;
+  other.fill(need, [&](const FetchRange& range) { videos += range.uri == "walk.mp4"; });
+  EXPECT_EQ(videos, 15u) << "6 s of 10 frames each";
+}
+
+TEST(PlayerLoading, CallsOffWhatASeekMadeUseless) {
+  Shelf shelf(FakeBuilder().build({{"walk", 500, 10, 25, false, 192, 16}}));
+  Need need{0, 0, false, {}};
+  shelf.loading.requestMissing({&need, 1}, -1);
+  for (const FetchRange& range : shelf.asked()) shelf.answer(range);
+  shelf.loading.requestMissing({&need, 1}, -1);
+  const std::vector<FetchRange> useless = shelf.asked();
+  need.frame = 300;
+  shelf.loading.requestMissing({&need, 1}, -1);
+  size_t called_off = 0, asked = 0;
+  for (Request request; shelf.outbox.nextRequest(request);) {
+    called_off += std::holds_alternative<CancelFetch>(request);
+    asked += std::holds_alternative<FetchRange>(request);
+  }
+  EXPECT_EQ(called_off, useless.size());
+  EXPECT_EQ(asked, 4u);
+  EXPECT_EQ(shelf.answer(useless[0]).what, Arrival::What::Nothing) << "a late answer is dropped";
+}
+
+TEST(PlayerLoading, ALoopThatIsHeldWholeIsRaised) {
+  Shelf shelf(FakeBuilder().build({{"walk", 28, 10, 25, true, 192, 16, {}, 3}}), 1 << 20, kAutomaticRendition);
+  std::vector<std::string> videos;
+  shelf.fill({0, 0, true, {}}, [&](const FetchRange& range) {
+    if (range.uri.ends_with(".mp4")) videos.push_back(range.uri);
+  });
+  const std::string low = "walk.0.mp4", high = "walk.mp4";
+  EXPECT_EQ(videos, (std::vector<std::string>{low, low, low, high, high, high}));
+  EXPECT_EQ((*shelf.loading.video(0, 1))[9], 0) << "until its next first sample is fed";
+  shelf.loading.takeBetter(0, 1);
+  EXPECT_EQ((*shelf.loading.video(0, 1))[9], 2);
+  EXPECT_EQ(shelf.loading.renditionOf(0, 1), 2u);
+  EXPECT_EQ(shelf.loading.renditionOf(0, 0), 0u);
 }

@@ -90,7 +90,9 @@ TEST(NeededGops, NearestFirstAndWrapOnlyWhenLooping) {
   EXPECT_EQ(neededGops(index, 19, false, 1), (std::vector<uint32_t>{1, 2}));
   EXPECT_EQ(neededGops(index, 24, true, 1), (std::vector<uint32_t>{2, 0}));
   EXPECT_EQ(neededGops(index, 24, false, 1), (std::vector<uint32_t>{2}));
-  EXPECT_EQ(neededGops(index, 5, true, 9), (std::vector<uint32_t>{0, 1, 2}));
+  EXPECT_EQ(neededGops(index, 0, true, 20), (std::vector<uint32_t>{0, 1}));
+  EXPECT_EQ(neededGops(index, 0, true, 21), (std::vector<uint32_t>{0, 1, 2}));
+  EXPECT_EQ(neededGops(index, 5, true, 90), (std::vector<uint32_t>{0, 1, 2}));
 }
 
 TEST(GopCache, EvictsTheLeastRecentlyUsedWithinTheBudget) {

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "player/parts/ladder.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fourdvt {
+
+namespace {
+
+constexpr double kHalfLife_s = 3;   // of what was measured, in time spent fetching
+constexpr double kSoonest_s = 0.2;  // of fetching, before which nothing is known
+constexpr double kUp = 0.7,
+                 kKeep = 0.9;  // shares of the throughput that a rendition may take to be gone up to, and kept
+
+double bitsPerSecond(const package::Sequence& s, const package::Rendition& r) {
+  return 8 * double(r.video_bytes + s.stream_bytes) / s.duration_s();
+}
+
+uint32_t texelsOf(const package::Rendition& r) {
+  return uint32_t(r.layers.empty() ? r.tiles.width : r.layers[0].width);
+}
+
+}  // namespace
+
+void Ladder::setQuality(uint32_t quality, uint32_t most_texels) {
+  quality_ = quality;
+  most_texels_ = most_texels;
+}
+
+void Ladder::leaveOut(uint32_t rendition) { left_out_ = std::min(left_out_, std::max(1u, rendition)); }
+
+void Ladder::measure(uint64_t bytes, double step_s, bool fetching) {
+  bytes_ += double(bytes);
+  if (!fetching) return;
+  seconds_ += step_s;
+  const double kept = std::exp2(-step_s / kHalfLife_s);
+  bytes_ *= kept;
+  seconds_ *= kept;
+}
+
+uint32_t Ladder::highest(const package::Sequence& s) const {
+  const uint32_t top = std::min(uint32_t(s.renditions.size()), left_out_) - 1;
+  if (quality_ != kAutomaticRendition) return std::min(quality_, top);
+  uint32_t r = top;
+  while (r > 0 && most_texels_ > 0 && texelsOf(s.renditions[r]) > most_texels_) --r;
+  return r;
+}
+
+uint32_t Ladder::choose(const package::Sequence& s, uint32_t present) const {
+  uint32_t r = highest(s);
+  if (quality_ != kAutomaticRendition) return r;
+  const double carried_bps = seconds_ < kSoonest_s ? 0 : throughput_bps();
+  while (r > 0 && bitsPerSecond(s, s.renditions[r]) > carried_bps * (r <= present ? kKeep : kUp)) --r;
+  return r;
+}
+
+}  // namespace fourdvt

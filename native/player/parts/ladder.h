@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Chooses the rendition that a sequence's next GOPs are fetched in: the lowest at first, then the highest that the
+// network's measured throughput carries. Pure logic; knows times only as the player's ticks. Does NOT fetch and does
+// NOT switch anything (loading.h, feeding.h).
+#pragma once
+
+#include <cstdint>
+
+#include "package/character.h"
+
+namespace fourdvt {
+
+// In place of a rendition's number: the highest there is; as the network allows.
+constexpr uint32_t kHighestRendition = UINT32_MAX, kAutomaticRendition = UINT32_MAX - 1;
+
+class Ladder {
+ public:
+  explicit Ladder(uint32_t quality) : quality_(quality) {}
+
+  // quality: a rendition's number (the highest of a sequence that has fewer), or one of the constants above.
+  // most_texels: the automatic choice takes no layer 1, or layout, that is wider; 0: any.
+  void setQuality(uint32_t quality, uint32_t most_texels);
+  // This rendition, and those above it, cannot be decoded here. The lowest is never left out.
+  void leaveOut(uint32_t rendition);
+  // Of the time since the last call: bytes that came, and whether any were on their way.
+  void measure(uint64_t bytes, double step_s, bool fetching);
+
+  // present: the rendition that was chosen before; it is kept while the throughput wavers round a limit.
+  uint32_t choose(const package::Sequence& sequence, uint32_t present) const;
+  // The highest that choose can ever give: what a loop that is held whole may be raised to.
+  uint32_t highest(const package::Sequence& sequence) const;
+  double throughput_bps() const { return seconds_ > 0 ? 8 * bytes_ / seconds_ : 0; }  // 0: nothing measured yet
+
+ private:
+  uint32_t quality_, most_texels_ = 0, left_out_ = UINT32_MAX;
+  double bytes_ = 0, seconds_ = 0;  // recent ones, older ones count less
+};
+
+}  // namespace fourdvt

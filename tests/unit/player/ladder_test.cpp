@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+// The choice of a rendition, and switches between renditions on a network whose throughput changes.
+#include "player/parts/ladder.h"
+
+#include <gtest/gtest.h>
+
+#include "player_edge.h"
+
+using namespace fourdvt;
+using namespace fourdvt::testing;
+
+namespace {
+
+// 1, 2 and 5 Mbit/s with the geometry, of 256, 512 and 1024 texels.
+package::Sequence rungs() {
+  package::Sequence s;
+  s.frame_count = 250;
+  s.fps = 25;
+  s.stream_bytes = 625'000;
+  for (const auto& [bytes, texels] : {std::pair{625'000, 256}, {1'875'000, 512}, {5'625'000, 1024}}) {
+    package::Rendition r;
+    r.video_bytes = uint64_t(bytes);
+    r.layers = {{0, 0, texels, texels}};
+    s.renditions.push_back(r);
+  }
+  return s;
+}
+
+Ladder carrying(double bits_per_s, uint32_t quality = kAutomaticRendition) {
+  Ladder ladder(quality);
+  for (int i = 0; i < 500; ++i) ladder.measure(uint64_t(bits_per_s / 8 * 0.016), 0.016, true);
+  return ladder;
+}
+
+}  // namespace
+
+TEST(Ladder, BeginsLowAndTakesWhatTheNetworkCarries) {
+  EXPECT_EQ(Ladder(kAutomaticRendition).choose(rungs(), 0), 0u);
+  EXPECT_NEAR(carrying(3e6).throughput_bps(), 3e6, 3e4);
+  EXPECT_EQ(carrying(0.8e6).choose(rungs(), 0), 0u) << "the lowest, whatever";
+  EXPECT_EQ(carrying(3e6).choose(rungs(), 0), 1u);
+  EXPECT_EQ(carrying(8e6).choose(rungs(), 0), 2u);
+}
+
+TEST(Ladder, KeepsARenditionThatItWouldNotGoUpTo) {
+  EXPECT_EQ(carrying(6e6).choose(rungs(), 0), 1u);
+  EXPECT_EQ(carrying(6e6).choose(rungs(), 2), 2u);
+  EXPECT_EQ(carrying(5e6).choose(rungs(), 2), 1u);
+}
+
+TEST(Ladder, ForgetsWithTime) {
+  Ladder ladder = carrying(8e6);
+  for (int i = 0; i < 500; ++i) ladder.measure(uint64_t(2e6 / 8 * 0.016), 0.016, true);
+  EXPECT_LT(ladder.throughput_bps(), 3.2e6);
+  for (int i = 0; i < 500; ++i) ladder.measure(0, 0.016, false);
+  EXPECT_LT(ladder.throughput_bps(), 3.2e6) << "a pause says nothing";
+}
+
+TEST(Ladder, LimitsAndNamedRenditions) {
+  Ladder ladder = carrying(50e6);
+  ladder.setQuality(kAutomaticRendition, 600);
+  EXPECT_EQ(ladder.choose(rungs(), 0), 1u);
+  ladder.setQuality(kAutomaticRendition, 100);
+  EXPECT_EQ(ladder.choose(rungs(), 0), 0u);
+  ladder.setQuality(kAutomaticRendition, 0);
+  ladder.leaveOut(2);
+  EXPECT_EQ(ladder.choose(rungs(), 0), 1u);
+  ladder.leaveOut(0);
+  EXPECT_EQ(ladder.choose(rungs(), 0), 0u) << "the lowest stays";
+  EXPECT_EQ(carrying(1, 1).choose(rungs(), 0), 1u);
+  EXPECT_EQ(carrying(1, 9).choose(rungs(), 0), 2u);
+  EXPECT_EQ(carrying(1, kHighestRendition).choose(rungs(), 0), 2u);
+}
+
+// All renditions of the fake character take the same bitrate.
+TEST(Renditions, SwitchAtGopsWithoutAWrongPairOrAStall) {
+  const FakeCharacter character = FakeBuilder().build({{"walk", 900, 12, 25, true, 192, 16, {}, 3}});
+  EdgeOptions options;
+  options.player.rendition = kAutomaticRendition;
+  options.player.encoded_budget_bytes = 60'000;
+  options.bits_per_s = 600'000;
+  SimulatedEdge edge(character, options);
+  ASSERT_TRUE(edge.load());
+  const package::Sequence& s = *edge.player->sequence();
+  const double rate = 8 * double(s.renditions[0].video_bytes + s.stream_bytes) / s.duration_s();
+  edge.player->play();
+  std::vector<int> widths;
+  for (int i = 0; i < 11'000; ++i) {
+    edge.step(0.008);
+    const double at_s = i * 0.008;
+    edge.options.bits_per_s = at_s > 25 && at_s < 50 ? 1.05 * rate : 4 * rate;
+    if (i % 5) continue;
+    const auto drawn = edge.draw();
+    ASSERT_EQ(drawn.picture_frame, drawn.geometry_frame);
+    if (widths.empty() || widths.back() != drawn.picture_width) widths.push_back(drawn.picture_width);
+  }
+  EXPECT_GE(edge.player->stats().frames_shown, 2'000u);
+  EXPECT_EQ(edge.player->stats().barcode_mismatches, 0u);
+  EXPECT_EQ(edge.events[EventKind::Waiting], 0);
+  EXPECT_TRUE(edge.errors.empty());
+  EXPECT_EQ(widths, (std::vector<int>{160, 192, 160, 192})) << "lowest, highest, lowest, highest";
+  EXPECT_LT(edge.max_bytes_held, 120'000u);
+}
+
+TEST(Renditions, OneThatIsNamedReplacesThePictureOnScreen) {
+  const FakeCharacter character = FakeBuilder().build({{"walk", 30, 10, 25, true, 192, 16, {}, 3}});
+  EdgeOptions options;
+  options.player.rendition = 0;
+  SimulatedEdge edge(character, options);
+  ASSERT_TRUE(edge.load());
+  edge.player->seekFrame(13);
+  ASSERT_TRUE(edge.runUntilShown());
+  EXPECT_EQ(edge.draw().picture_width, 160);
+  edge.player->setQuality(kHighestRendition, 0);
+  ASSERT_TRUE(edge.runUntil([&] { return edge.draw().picture_width == 192; }));
+  EXPECT_EQ(edge.draw().picture_frame, 13);
+  EXPECT_EQ(edge.player->frame(), 13u);
+}
+
+TEST(Renditions, OneThatCannotBeDecodedIsLeftOut) {
+  const FakeCharacter character = FakeBuilder().build({{"walk", 30, 10, 25, true, 192, 16, {}, 3}});
+  SimulatedEdge edge(character, {});
+  ASSERT_TRUE(edge.load());
+  EXPECT_EQ(edge.draw().picture_width, 192);
+  edge.player->play();
+  for (const int width : {176, 160}) {
+    edge.loseDecoder(0, DecoderFault::Unsupported);
+    ASSERT_TRUE(edge.runUntil([&] { return edge.draw().picture_width == width; })) << width;
+  }
+  EXPECT_TRUE(edge.errors.empty());
+  edge.loseDecoder(0, DecoderFault::Unsupported);
+  edge.step(0.008);
+  ASSERT_EQ(edge.errors.size(), 1u);
+  EXPECT_EQ(edge.errors[0].id, ErrorId::DecoderUnsupported);
+}
