@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "package/base_mesh.h"
+#include "package/character.h"
 #include "package/stream_file.h"
 
 namespace fourdvt::package {
@@ -22,8 +23,12 @@ struct StartFile {
 
 // Native only. index: of the stream; gop: its first chunk; key: the first sample of its first rendition. Only one
 // frame's geometry is coded anew. Errors: those of ChunkDecoder; Internal.
-Result<std::vector<uint8_t>> encodeStartFile(StreamIndex index, std::span<const uint8_t> gop,
+Result<std::vector<uint8_t>> encodeStartFile(const StreamIndex& index, std::span<const uint8_t> gop,
                                              std::span<const uint8_t> key, const BaseMesh& base);
+// The same of a character from cameras, which has no base mesh.
+Result<std::vector<uint8_t>> encodeStartFile(const StreamIndex& index, std::span<const uint8_t> gop,
+                                             std::span<const uint8_t> key, const Character& character,
+                                             const Sequence& sequence);
 // Errors: StreamInvalid; those of readStreamHeader.
 Result<StartFile> readStartFile(std::span<const uint8_t> bytes);
 

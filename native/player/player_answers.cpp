@@ -44,6 +44,10 @@ void PlayerImpl::onRangeFailed(uint32_t id, const std::string& reason) {
 
 // Reports what is broken and stops asking for it: one sequence, or everything (-1). The player itself stays usable.
 void PlayerImpl::fail(Error error, int broken_sequence) {
+  if (broken_sequence >= 0 && broken_sequence == loading_.startSequence()) {  // all can do without
+    if (starting()) select(0);
+    return;
+  }
   if (!loading_.markBroken(broken_sequence)) return;
   for (Track& t : tracks_)
     if (broken_sequence < 0 || broken_sequence == t.head.sequence()) stopFeed(t);
@@ -179,9 +183,12 @@ void PlayerImpl::onDecoderFailed(int decoder, DecoderFault fault, const std::str
   stopFeed(t);
   t.feeding.loseDecoder(fault);
   const uint32_t rendition = t.feeding.rendition();
+  if (isMain(t) && starting()) {
+    if (fault == DecoderFault::Unsupported) loading_.ladder().leaveOut(loading_.sequence(0), rendition);
+    return select(0);
+  }
   if (fault != DecoderFault::Unsupported && !t.feeding.hopeless()) return feedAgain(t);
-  if (fault == DecoderFault::Unsupported && rendition > 0) {
-    loading_.ladder().leaveOut(rendition);
+  if (fault == DecoderFault::Unsupported && loading_.ladder().leaveOut(wantedOf(t), rendition)) {
     loading_.dropOtherRenditions();
     return feedAgain(t);
   }

@@ -7,6 +7,7 @@
 #include "bake/stages/assemble.h"
 #include "bake/stages/camera_colours.h"
 #include "bake/stages/poster.h"
+#include "bake/stages/start_stage.h"
 #include "bake/stages/stream_files.h"
 #include "base/bytes.h"
 #include "base/hash.h"
@@ -141,6 +142,7 @@ Status assembleCameras(BakeRun& run, const std::vector<ColourMap>& maps, const s
   for (const StreamPlan& plan : job.streams) FOURDVT_TRY(packSequence(run, plan, character, report));
   FOURDVT_TRY(platform::writeFileAtomic(folder + kMeshFile, job.mesh.bytes));
   FOURDVT_TRY(writeRoom(job, room, character, report));
+  FOURDVT_TRY(writeStart(run, character, report));
   FOURDVT_ASSIGN(const auto manifest,
                  package::writeManifest({character, &job.mesh, "", kGenerator, job.capture.credit}));
   FOURDVT_TRY(platform::writeFileAtomic(folder + "character.gltf", manifest));

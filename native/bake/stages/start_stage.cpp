@@ -16,7 +16,8 @@ Status writeStart(const BakeRun& run, package::Character& character, ReportInput
   FOURDVT_ASSIGN(const auto gop, run.work.loadChunk(job.streams[0].name, 0));
   const package::VideoSample key = index.renditions[0].samples[0];
   FOURDVT_ASSIGN(const auto video, platform::readFileRange(folder + s.renditions[0].video_uri, key.offset, key.bytes));
-  FOURDVT_ASSIGN(const auto file, package::encodeStartFile(std::move(index), gop, video, job.mesh.decoded));
+  FOURDVT_ASSIGN(const auto file, job.fromCameras() ? package::encodeStartFile(index, gop, video, character, s)
+                                                    : package::encodeStartFile(index, gop, video, job.mesh.decoded));
   character.start = {kStartFile, file.size(), fnv1a(file)};
   report.figures.bytes_by_part[kStartFile] = file.size();
   return platform::writeFileAtomic(folder + kStartFile, file);

@@ -7,6 +7,7 @@
 #include "package/coding/chunk_decoder.h"
 #include "package/mesh_code.h"
 #include "package/start_file.h"
+#include "package/surface_chunk.h"
 
 namespace fourdvt::package {
 namespace {
@@ -41,9 +42,28 @@ std::vector<uint8_t> join(std::span<const uint8_t> mesh, std::span<const uint8_t
   return out.take();
 }
 
+// The file of these parts: the index becomes that of one frame.
+std::vector<uint8_t> finish(StreamIndex index, std::span<const uint8_t> mesh, const std::vector<uint8_t>& chunk,
+                            std::span<const uint8_t> key) {
+  index.frame_count = 1;
+  index.chunks = {{0, 1, 0, static_cast<uint32_t>(chunk.size()), fnv1a(chunk)}};
+  index.renditions = {firstSample(index.renditions[0], key)};
+  index.chunks[0].offset = writeStreamHeader(index).size();  // as in a .bin, where the chunk follows the header
+  return join(mesh, writeStreamHeader(index), chunk, key);
+}
+
+QuantisedSurface quantised(const Surface& surface, const StreamIndex& index) {
+  QuantisedSurface out;
+  out.faces.assign(surface.faces.begin(), surface.faces.end());
+  for (const glm::vec3& p : surface.positions)
+    out.positions.emplace_back(
+        glm::round((glm::dvec3(p) - glm::dvec3(index.position_origin)) / double(index.position_step_m)));
+  return out;
+}
+
 }  // namespace
 
-Result<std::vector<uint8_t>> encodeStartFile(StreamIndex index, std::span<const uint8_t> gop,
+Result<std::vector<uint8_t>> encodeStartFile(const StreamIndex& index, std::span<const uint8_t> gop,
                                              std::span<const uint8_t> key, const BaseMesh& base) {
   const ChunkMesh mesh = makeChunkMesh(base);
   FOURDVT_ASSIGN(auto decoder, ChunkDecoder::open(gop, index, 0, mesh));
@@ -51,11 +71,17 @@ Result<std::vector<uint8_t>> encodeStartFile(StreamIndex index, std::span<const 
   FOURDVT_TRY(decoder->decodeTo(frames - 1));
   FOURDVT_ASSIGN(const auto chunk, encodeChunk(firstFrame(decoder->frames(), frames), mesh));
   FOURDVT_ASSIGN(const auto coded, encodeMeshCode(base));
-  index.frame_count = 1;
-  index.chunks = {{0, 1, 0, static_cast<uint32_t>(chunk.size()), fnv1a(chunk)}};
-  index.renditions = {firstSample(index.renditions[0], key)};
-  index.chunks[0].offset = writeStreamHeader(index).size();  // as in a .bin, where the chunk follows the header
-  return join(coded, writeStreamHeader(index), chunk, key);
+  return finish(index, coded, chunk, key);
+}
+
+Result<std::vector<uint8_t>> encodeStartFile(const StreamIndex& index, std::span<const uint8_t> gop,
+                                             std::span<const uint8_t> key, const Character& character,
+                                             const Sequence& sequence) {
+  FOURDVT_ASSIGN(auto decoder, SurfaceChunk::open(gop, index, 0, character, sequence));
+  FOURDVT_TRY(decoder->decodeTo(0));
+  const QuantisedSurface frame = quantised(decoder->surface(0), index);
+  FOURDVT_ASSIGN(const auto chunk, encodeSurfaceChunk(decoder->tiles(), {&frame, 1}));
+  return finish(index, {}, chunk.bytes, key);
 }
 
 }  // namespace fourdvt::package

@@ -16,6 +16,7 @@ struct FetchPurpose {
   int sequence = -1;                                                                // -1: it is of the whole character
   uint32_t gop = 0;                                                                 // Video, Better and Chunk only
   bool ofGop() const { return kind >= Kind::Video; }
+  bool optional() const { return kind == Kind::Graph || kind == Kind::Better; }  // playing goes on without it
 };
 
 struct Fetch {

@@ -28,7 +28,18 @@ void Ladder::setQuality(uint32_t quality, uint32_t most_texels) {
   most_texels_ = most_texels;
 }
 
-void Ladder::leaveOut(uint32_t rendition) { left_out_ = std::min(left_out_, std::max(1u, rendition)); }
+bool Ladder::leaveOut(const package::Sequence& s, uint32_t rendition) {
+  left_out_ |= 1u << rendition;
+  return (left_out_ & ((1u << s.renditions.size()) - 1)) != (1u << s.renditions.size()) - 1;
+}
+
+uint32_t Ladder::allowed(const package::Sequence& s, uint32_t r) const {
+  const auto out = [&](uint32_t n) { return (left_out_ >> n & 1) != 0; };
+  uint32_t found = r;
+  while (found > 0 && out(found)) --found;
+  while (out(found) && found + 1 < s.renditions.size()) ++found;
+  return found;
+}
 
 void Ladder::measure(uint64_t bytes, double step_s, bool fetching) {
   bytes_ += double(bytes);
@@ -40,11 +51,11 @@ void Ladder::measure(uint64_t bytes, double step_s, bool fetching) {
 }
 
 uint32_t Ladder::highest(const package::Sequence& s) const {
-  const uint32_t top = std::min(uint32_t(s.renditions.size()), left_out_) - 1;
-  if (quality_ != kAutomaticRendition) return std::min(quality_, top);
+  const uint32_t top = uint32_t(s.renditions.size()) - 1;
+  if (quality_ != kAutomaticRendition) return allowed(s, std::min(quality_, top));
   uint32_t r = top;
   while (r > 0 && most_texels_ > 0 && texelsOf(s.renditions[r]) > most_texels_) --r;
-  return r;
+  return allowed(s, r);
 }
 
 uint32_t Ladder::choose(const package::Sequence& s, uint32_t present) const {
@@ -52,7 +63,7 @@ uint32_t Ladder::choose(const package::Sequence& s, uint32_t present) const {
   if (quality_ != kAutomaticRendition) return r;
   const double carried_bps = seconds_ < kSoonest_s ? 0 : throughput_bps();
   while (r > 0 && bitsPerSecond(s, s.renditions[r]) > carried_bps * (r <= present ? kKeep : kUp)) --r;
-  return r;
+  return allowed(s, r);
 }
 
 }  // namespace fourdvt

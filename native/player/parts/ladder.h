@@ -20,8 +20,8 @@ class Ladder {
   // quality: a rendition's number (the highest of a sequence that has fewer), or one of the constants above.
   // most_texels: the automatic choice takes no layer 1, or layout, that is wider; 0: any.
   void setQuality(uint32_t quality, uint32_t most_texels);
-  // This rendition, and those above it, cannot be decoded here. The lowest is never left out.
-  void leaveOut(uint32_t rendition);
+  // This rendition cannot be decoded here. False: then none of the sequence's can.
+  bool leaveOut(const package::Sequence& sequence, uint32_t rendition);
   // Of the time since the last call: bytes that came, and whether any were on their way.
   void measure(uint64_t bytes, double step_s, bool fetching);
 
@@ -32,7 +32,11 @@ class Ladder {
   double throughput_bps() const { return seconds_ > 0 ? 8 * bytes_ / seconds_ : 0; }  // 0: nothing measured yet
 
  private:
-  uint32_t quality_, most_texels_ = 0, left_out_ = UINT32_MAX;
+  // The nearest to `r` that is not left out, below it before above it.
+  uint32_t allowed(const package::Sequence& sequence, uint32_t r) const;
+
+  uint32_t quality_, most_texels_ = 0;
+  uint32_t left_out_ = 0;           // a bit for each rendition
   double bytes_ = 0, seconds_ = 0;  // recent ones, older ones count less
 };
 

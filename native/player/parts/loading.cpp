@@ -204,7 +204,7 @@ Arrival Loading::receive(uint32_t id, std::span<const uint8_t> bytes) {
   const FetchPurpose purpose = fetches_.finish(id);
   if (PartState* state = stateOf(purpose)) *state = PartState::Failed;  // until the bytes turn out to be good
   if (fnv1a(bytes) != hashOf(purpose)) {
-    if (purpose.kind == Kind::Graph) return {};
+    if (purpose.optional()) return {};
     return {Arrival::What::Nothing, purpose.sequence,
             Error{ErrorId::FilesDiffer, range.uri + ": bytes " + std::to_string(range.offset) + "+" +
                                             std::to_string(range.bytes) +
@@ -230,7 +230,7 @@ Arrival Loading::refuse(uint32_t id, const std::string& reason) {
   const Fetch failed = fetches_.drop(id);
   if (PartState* state = stateOf(failed.purpose)) *state = PartState::Failed;
   const FetchPurpose& purpose = failed.purpose;
-  if (purpose.kind == Kind::Graph) return {};
+  if (purpose.optional()) return {};
   const FetchRange& range = failed.range;
   return {Arrival::What::Nothing, purpose.sequence,
           Error{ErrorId::FetchFailed, range.uri + ": bytes " + std::to_string(range.offset) + "+" +

@@ -63,10 +63,15 @@ TEST(Ladder, LimitsAndNamedRenditions) {
   ladder.setQuality(kAutomaticRendition, 100);
   EXPECT_EQ(ladder.choose(rungs(), 0), 0u);
   ladder.setQuality(kAutomaticRendition, 0);
-  ladder.leaveOut(2);
+  EXPECT_TRUE(ladder.leaveOut(rungs(), 2));
   EXPECT_EQ(ladder.choose(rungs(), 0), 1u);
-  ladder.leaveOut(0);
-  EXPECT_EQ(ladder.choose(rungs(), 0), 0u) << "the lowest stays";
+  EXPECT_TRUE(ladder.leaveOut(rungs(), 0));
+  EXPECT_EQ(ladder.choose(rungs(), 0), 1u);
+  EXPECT_EQ(Ladder(ladder).highest(rungs()), 1u);
+  EXPECT_FALSE(ladder.leaveOut(rungs(), 1)) << "none is left";
+  Ladder slow = carrying(1);
+  EXPECT_TRUE(slow.leaveOut(rungs(), 0));
+  EXPECT_EQ(slow.choose(rungs(), 0), 1u) << "the lowest that can be decoded";
   EXPECT_EQ(carrying(1, 1).choose(rungs(), 0), 1u);
   EXPECT_EQ(carrying(1, 9).choose(rungs(), 0), 2u);
   EXPECT_EQ(carrying(1, kHighestRendition).choose(rungs(), 0), 2u);

@@ -87,6 +87,25 @@ TEST(StartFile, OneThatDoesNotBelongIsNotUsed) {
   }
 }
 
+TEST(StartFile, OneThatCannotBeDecodedIsLeftForTheStream) {
+  FakeCharacter character = twoSequences();
+  const std::vector<uint8_t> start = FakeBuilder::addStart(character);
+  for (const DecoderFault fault : {DecoderFault::Unsupported, DecoderFault::Samples}) {
+    EdgeOptions options;
+    options.player.rendition = kAutomaticRendition;
+    SimulatedEdge edge(character, options);
+    edge.offline = true;
+    ASSERT_TRUE(edge.player->loadManifest(character.manifest, start).ok());
+    edge.step(1e-4);
+    ASSERT_FALSE(edge.player->hasFrame());
+    edge.loseDecoder(0, fault);
+    edge.offline = false;
+    ASSERT_TRUE(edge.runUntilShown());
+    EXPECT_EQ(edge.draw().picture_width, character.sequences[0].widthOf(fault == DecoderFault::Unsupported ? 1 : 0));
+    EXPECT_TRUE(edge.errors.empty());
+  }
+}
+
 TEST(StartFile, EveryTruncationAndWrongCountIsRefused) {
   FakeCharacter character = twoSequences();
   const std::vector<uint8_t> start = FakeBuilder::addStart(character);
