@@ -135,8 +135,9 @@ export class Session {
       if (this.#abort.signal.aborted) return;
       this.#module = module;
       if (isFromCameras(manifest)) await this.#more();
-      // If it does not load, the character begins with 'baked' and as filmed; #show and useLook try again and report it.
-      else if (early) await this.#more().catch(() => undefined);
+      // If it does not load, the character begins with 'baked', as filmed and without a scene; #show and useLook try again and
+      // report it.
+      else if (early || this.#commands.wishes.scene?.length) await this.#more().catch(() => undefined);
       if (this.#abort.signal.aborted) return;
       this.#manifest = manifest;
       this.#gl = this.#canvas.getContext('webgl2', {
