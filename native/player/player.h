@@ -85,7 +85,7 @@ class Player {
   virtual void steer(double heading_rad) = 0;      // wanted heading, reached at turn_rate_rad_s while playing
   virtual void setAlign(render::Align align) = 0;  // default Baked; a stream without alignment is blended plainly
   virtual void setMethod(const render::MethodOptions& options) = 0;  // of characters from cameras
-  // As Ladder::setQuality. The picture on screen comes anew in a rendition that was named.
+  // Takes what Ladder::setQuality takes. The picture on screen comes anew in a rendition that was named.
   virtual void setQuality(uint32_t rendition, uint32_t most_texels) = 0;
 
   // Advances the clock to the edge's monotonic time and chooses the frame to show.

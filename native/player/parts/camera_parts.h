@@ -30,7 +30,7 @@ class CameraParts {
                                                               const package::Sequence& sequence) const = 0;
   // Errors: GpuFailure.
   virtual Result<render::CharacterModel> makeModel(gpu::Device& device, const package::Character& character) const = 0;
-  // Where the cameras' pictures of this GOP lie in the decoded pictures of this rendition of the sequence.
+  // Places the cameras' pictures of this GOP in the decoded pictures of this rendition of the sequence.
   virtual void placePictures(const package::Character& character, const package::Sequence& sequence,
                              const package::Rendition& rendition, const package::SurfaceChunk& chunk,
                              SurfaceFrame& frame) const = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Chooses the rendition that a sequence's next GOPs are fetched in: the lowest at first, then the highest that the
-// network's measured throughput carries. Pure logic; knows times only as the player's ticks. Does NOT fetch and does
+// network's measured throughput carries. Pure logic on steps of the player's time. Does NOT fetch and does
 // NOT switch anything (loading.h, feeding.h).
 #pragma once
 
@@ -22,7 +22,7 @@ class Ladder {
   void setQuality(uint32_t quality, uint32_t most_texels);
   // This rendition cannot be decoded here. False: then none of the sequence's can.
   bool leaveOut(const package::Sequence& sequence, uint32_t rendition);
-  // Of the time since the last call: bytes that came, and whether any were on their way.
+  // Adds the time since the last call: the bytes that came in it, and whether any were on their way.
   void measure(uint64_t bytes, double step_s, bool fetching);
 
   // present: the rendition that was chosen before; it is kept while the throughput wavers round a limit.

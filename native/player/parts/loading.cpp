@@ -155,12 +155,18 @@ void Loading::raise(const std::vector<GopKey>& keys) {
   for (const GopKey& key : keys) {
     stream::Gop* gop = cache_.find(key);
     const uint32_t highest = ladder_.highest(sequence(key.sequence));
-    if (!gop || gop->video_state != PartState::Present || gop->rendition >= highest) continue;
-    if (keys.size() < index(key.sequence).chunks.size() || gop->better_state != PartState::Absent) continue;
+    if (!gop || gop->rendition >= highest || gop->better_state != PartState::Absent || !holdsWhole(key.sequence))
+      continue;
     gop->better_rendition = highest;
     gop->better_state = PartState::Fetching;
     return requestVideo(key, Kind::Better, highest);
   }
+}
+
+bool Loading::holdsWhole(int sequence) const {
+  for (uint32_t g = 0; g < index(sequence).chunks.size(); ++g)
+    if (!video(sequence, g)) return false;
+  return true;
 }
 
 // A seek or another sequence has made them useless.
@@ -183,12 +189,20 @@ void Loading::takeBetter(int sequence, uint32_t gop_index) {
 }
 
 void Loading::dropOtherRenditions() {
+  fetches_.cancel([&](const FetchPurpose& purpose) {
+    if (purpose.kind != Kind::Video && purpose.kind != Kind::Better) return false;
+    if (PartState* state = stateOf(purpose)) *state = PartState::Absent;
+    return true;
+  });
   for (int s = 0; s < sequenceCount(); ++s) {
     if (!hasHeader(s)) continue;
     stream(s).rendition = ladder_.choose(sequence(s), stream(s).rendition);
     for (uint32_t g = 0; g < index(s).chunks.size(); ++g) {
       stream::Gop* gop = cache_.find({s, g});
-      if (!gop || gop->video_state != PartState::Present || gop->rendition == stream(s).rendition) continue;
+      if (!gop) continue;
+      gop->better_state = PartState::Absent;
+      gop->better.clear();
+      if (gop->video_state != PartState::Present || gop->rendition == stream(s).rendition) continue;
       gop->video_state = PartState::Absent;
       gop->video.clear();
     }

@@ -42,7 +42,7 @@ class Loading {
           uint32_t rendition = kHighestRendition)
       : cameras_(cameras), ladder_(rendition), cache_(encoded_budget_bytes), fetches_(outbox) {}
 
-  // start: the bytes of the character's start file; none, or others than the manifest says: they are not used.
+  // start: the bytes of the character's start file; not used if they are not those that the manifest's hash is of.
   // Errors: as of package::readManifest; Unsupported: from cameras, without CameraParts. What was there stays.
   Status readManifest(const FlatJson& gltf, std::span<const uint8_t> start = {});
   const package::Character* character() const { return character_ ? &*character_ : nullptr; }  // null: no manifest yet
@@ -56,7 +56,7 @@ class Loading {
   // That the GOP's samples are of, or will be.
   uint32_t renditionOf(int sequence, uint32_t gop) const;
   Ladder& ladder() { return ladder_; }
-  // Samples in another rendition than the ladder chooses now are fetched anew.
+  // Samples in another rendition than the ladder chooses now, and those on their way, are fetched anew.
   void dropOtherRenditions();
   int find(const std::string& name) const;                  // -1: there is no sequence of that name
   const package::BaseMesh& mesh() const { return *mesh_; }  // after Arrival::What::Mesh
@@ -85,7 +85,7 @@ class Loading {
   const std::vector<uint8_t>* video(int sequence, uint32_t gop) const;
   // Before the GOP's first sample is fed: from now on `video` is of the better rendition, if that is there.
   void takeBetter(int sequence, uint32_t gop);
-  // Called once a tick: what came since the last one tells the throughput.
+  // Once a tick: measures the throughput by the bytes that came since the last one.
   void tick(double step_s);
   // Decodes as far as this frame; `out` stays empty while that is not there. Errors: StreamInvalid.
   Status geometry(int sequence, uint32_t frame, FrameGeometry& out);
@@ -107,6 +107,7 @@ class Loading {
   bool requestGop(stream::GopKey key);
   void requestVideo(stream::GopKey key, FetchPurpose::Kind kind, uint32_t rendition);
   void raise(const std::vector<stream::GopKey>& keys);
+  bool holdsWhole(int sequence) const;
   void cancelUnneeded(const std::vector<stream::GopKey>& keep);
   void addNeededGops(const Need& need, std::vector<stream::GopKey>& keys) const;
   uint64_t hashOf(const FetchPurpose& purpose) const;

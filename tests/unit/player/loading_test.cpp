@@ -359,3 +359,36 @@ TEST(PlayerLoading, ALoopThatIsHeldWholeIsRaised) {
   EXPECT_EQ(shelf.loading.renditionOf(0, 1), 2u);
   EXPECT_EQ(shelf.loading.renditionOf(0, 0), 0u);
 }
+
+TEST(PlayerLoading, ANamedRenditionReplacesWhatIsThereAndWhatIsOnItsWay) {
+  Shelf shelf(FakeBuilder().build({{"walk", 28, 10, 25, true, 192, 16, {}, 3}}), 1 << 20, kAutomaticRendition);
+  const Need need{0, 0, true, {}};
+  shelf.fill(need);  // the lowest, and the highest beside it
+  shelf.loading.ladder().setQuality(1, 0);
+  shelf.loading.dropOtherRenditions();
+  shelf.loading.takeBetter(0, 0);
+  EXPECT_EQ(shelf.loading.video(0, 0), nullptr) << "neither the lowest nor the highest";
+  shelf.loading.requestMissing({&need, 1}, -1);
+  const std::vector<FetchRange> middle = shelf.asked();
+  shelf.loading.ladder().setQuality(0, 0);
+  shelf.loading.dropOtherRenditions();
+  for (const FetchRange& range : middle) EXPECT_EQ(shelf.answer(range).what, Arrival::What::Nothing) << range.uri;
+  for (Request request; shelf.outbox.nextRequest(request);) EXPECT_TRUE(std::holds_alternative<CancelFetch>(request));
+  shelf.fill(need);
+  EXPECT_EQ((*shelf.loading.video(0, 0))[9], 0);
+}
+
+TEST(PlayerLoading, ALoopThatIsNotHeldWholeIsNotRaisedWhateverElseIsHeld) {
+  Shelf shelf(
+      FakeBuilder().build({{"walk", 500, 10, 25, true, 192, 16, {}, 3}, {"run", 400, 10, 25, true, 192, 16, {}, 3}}),
+      1 << 24, kAutomaticRendition);
+  const std::array<Need, 2> needs{Need{0, 0, true, {}}, Need{1, 0, true, {}}};
+  for (std::vector<FetchRange> ranges;;) {
+    shelf.loading.requestMissing(needs, -1);
+    if ((ranges = shelf.asked()).empty()) break;
+    for (const FetchRange& range : ranges) {
+      EXPECT_TRUE(shelf.answer(range).status.ok());
+      EXPECT_TRUE(range.uri != "walk.mp4" && range.uri != "run.mp4") << range.uri;
+    }
+  }
+}
