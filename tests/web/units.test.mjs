@@ -298,6 +298,23 @@ test('JSON that is nested deeper than a manifest is refused, however deep', asyn
   for (const depth of [65, 5000, 200000]) assert.throws(() => flattenJson(nested(depth), () => undefined), { id: 'manifest-invalid' });
 });
 
+test('quality: a name, a number, or automatic by the size on screen; the lowest for who saves data', async () => {
+  const { qualityOf } = await load('quality-attribute');
+  const of = (value, height = 100) => Object.values(qualityOf({ getAttribute: () => value }, height)).join();
+  assert.equal(of('highest'), '-1,0');
+  assert.equal(of('0'), '0,0');
+  assert.equal(of('2'), '2,0');
+  const before = Object.getOwnPropertyDescriptor(globalThis, 'navigator');
+  const visit = (value) => Object.defineProperty(globalThis, 'navigator', { value, configurable: true });
+  visit({});
+  for (const value of [null, '', 'auto', '-1', '0.5', 'best']) assert.equal(of(value, 90), '-2,360', String(value));
+  visit({ connection: { saveData: true } });
+  assert.equal(of('auto'), '0,0');
+  assert.equal(of('highest'), '-1,0');
+  delete globalThis.navigator;
+  if (before) Object.defineProperty(globalThis, 'navigator', before);
+});
+
 test('what a page sets by hand is refused before it reaches the player', async () => {
   const { checkRenderOptions, checkSnapshot } = await load('input-checks');
   const options = { background: [0, 0, 0, 0], groundShadow: true, shadowStrength: 0.45, samples: 4, debug: 'none', debugLayer: 0 };

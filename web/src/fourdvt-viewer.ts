@@ -12,26 +12,17 @@ import { MotionControls } from './motion-controls.js';
 import { OrbitCamera, parseOrbit, parseTarget, type Follow } from './orbit-camera.js';
 import { OrbitControls } from './orbit-controls.js';
 import { Overlay } from './overlay.js';
+import { qualityOf } from './quality-attribute.js';
 import { Session, type SessionHost, type Snapshot } from './session.js';
+import { statsOf, type ViewerStats } from './stats.js';
 import type { UploadPath } from './upload-path.js';
 import {
-  ALIGN_MODES, type Align, type ParameterInfo, type PictureKind, type Placement, type RenderOptions, type SceneMesh,
+  ALIGN_MODES, type Align, type ParameterInfo, type Placement, type RenderOptions, type SceneMesh,
   type SequenceInfo,
 } from './wasm-player.js';
 
 export { FourdvtCharacter };
-export type { Align, ErrorDetail, ParameterInfo, Placement, RenderOptions, SceneMesh, SequenceInfo, Snapshot, UploadPath };
-
-export interface ViewerStats {
-  framesShown: number;
-  framesLate: number;
-  barcodeChecked: number;
-  barcodeMismatches: number;
-  bytesFetched: number;
-  encodedBytesHeld: number;
-  textureBytes: number;
-  uploadPath: PictureKind;
-}
+export type { Align, ErrorDetail, ParameterInfo, Placement, RenderOptions, SceneMesh, SequenceInfo, Snapshot, UploadPath, ViewerStats };
 
 export interface Orbit {
   azimuth: number;
@@ -42,8 +33,6 @@ export interface Orbit {
 const STEER_DEG = 60;            // a held key asks for a heading this far from the present one
 const PARAMETER_RANGES_S = 0.7;  // share of the parameter's range that a held key crosses per second
 const MAX_PIXEL_RATIO = 2;
-const HIGHEST = -1, AUTOMATIC = -2; // renditions, as fdvt_set_quality takes them
-const TEXELS_PER_PIXEL = 4;         // of layer 1, and of the element's height: more are not seen
 // Until the stream's index has come the total is too small; this keeps the progress bar from being full too early.
 const MIN_TOTAL_BYTES = 300_000;
 const AUTO_ROTATE_DEG_S = 14;
@@ -251,12 +240,7 @@ export class FourdvtViewer extends HTMLElement {
   set uploadPath(value: UploadPath) { this.#uploadPath = value; }
   get stats(): ViewerStats | null {
     const state = this.#commands.state();
-    if (!state) return null;
-    const { framesShown, framesLate, barcodeChecked, barcodeMismatches, bytesFetched, encodedBytesHeld } = state;
-    return {
-      framesShown, framesLate, barcodeChecked, barcodeMismatches, bytesFetched, encodedBytesHeld,
-      textureBytes: state.liveTextureBytes, uploadPath: this.#session!.path,
-    };
+    return state && statsOf(state, this.#session!.path);
   }
   /** A PNG of the shown frame, at the size and pose of the snapshot if there is one. Null before the first picture. */
   toBlob(snapshot?: Snapshot): Promise<Blob | null> {
@@ -511,14 +495,9 @@ export class FourdvtViewer extends HTMLElement {
     this.#emit('camera-change');
   }
 
-  // A thumbnail needs no fine texels, and who saves data gets the lowest rendition.
   #applyQuality(): void {
-    const { quality } = this, number = Number(quality);
-    const saves = (navigator as { connection?: { saveData?: boolean } }).connection?.saveData;
-    const rendition = quality === 'highest' ? HIGHEST : Number.isInteger(number) && number >= 0 ? number : saves ? 0 : AUTOMATIC;
-    const mostTexels = rendition === AUTOMATIC ? TEXELS_PER_PIXEL * this.#size.height : 0;
-    const { quality: before } = this.#commands.wishes;
-    if (before?.rendition !== rendition || before.mostTexels !== mostTexels) this.#commands.set('quality', { rendition, mostTexels });
+    const wish = qualityOf(this, this.#size.height), { quality: before } = this.#commands.wishes;
+    if (before?.rendition !== wish.rendition || before.mostTexels !== wish.mostTexels) this.#commands.set('quality', wish);
   }
 
   #applyLabels(): void {
@@ -580,7 +559,7 @@ export class FourdvtViewer extends HTMLElement {
 
   #onMetadata(): void {
     const poster = this.#session?.character?.posterUri;
-    if (poster && !this.#session?.character?.hasMesh && !this.#overlay.hasPoster) this.#overlay.setPoster(new URL(poster, new URL(this.src, this.baseURI)).href);
+    if (poster && !this.#session?.started && !this.#overlay.hasPoster) this.#overlay.setPoster(new URL(poster, new URL(this.src, this.baseURI)).href);
   }
 
   #onJoin(event: CustomEvent<Companion>): void {

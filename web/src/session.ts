@@ -23,7 +23,7 @@ const ROOM_FETCH = -1; // the player numbers its requests from 0
 
 const needsFlow = (align: Align): boolean => align.startsWith('flow');
 
-// Of what the page's side of the second part could not load.
+// Error of a file that the page's side of the second part could not load.
 const fetchFailed = (reason: unknown): never => { throw new ViewerError('fetch-failed', (reason as Error).message); };
 
 interface Extension {
@@ -31,7 +31,7 @@ interface Extension {
   start?: unknown;
   layerCount?: number;
 }
-// Of a manifest that may not be checked yet.
+// Reads a manifest that may not be checked yet.
 const extensionOf = (manifest: unknown): Extension | undefined =>
   (manifest as { extensions?: { FOURDVT_layered_video_texture?: Extension } } | null)?.extensions?.FOURDVT_layered_video_texture;
 const isFromCameras = (manifest: unknown): boolean => extensionOf(manifest)?.appearance === 'cameras';
@@ -170,6 +170,8 @@ export class Session {
   /** It was disposed of, or an error has ended it. */
   get ended(): boolean { return this.#abort.signal.aborted; }
   get character(): CharacterInfo | null { return this.#main?.character ?? null; }
+  /** A start file has come: the first picture is near. */
+  get started(): boolean { return this.#start.length > 0; }
   /** Of the loaded character; undefined before, and for one from cameras. */
   get layers(): number | undefined { return this.#main ? extensionOf(this.#manifest)?.layerCount : undefined; }
   get path(): PictureKind { return this.#path; }
@@ -238,7 +240,7 @@ export class Session {
 
   /**
    * A PNG of what is shown, at the size and pose of the snapshot if there is one. Null before the first picture. Rejects
-   * with a TypeError, a RangeError or what the player says if there can be no such picture; the one that is shown stays.
+   * with a TypeError, a RangeError or the player's error if there can be no such picture; the one that is shown stays.
    */
   async toBlob(snapshot?: Snapshot): Promise<Blob | null> {
     const { width, height } = snapshot ?? this.#size;
@@ -400,6 +402,7 @@ export class Session {
     const leave = (): void => transport.dispose();
     this.#abort.signal.addEventListener('abort', leave);
     const manifest = await transport.manifest().catch(() => null);
+    const start = extensionOf(manifest)?.start ? await transport.start() : new Uint8Array();
     if (isFromCameras(manifest)) await this.#more().catch(() => undefined);
     const errors = this.#held;
     this.#held = null;
@@ -415,7 +418,7 @@ export class Session {
     this.#transport.dispose();
     this.#transport = transport;
     this.#manifest = manifest;
-    this.#start = await transport.start();
+    this.#start = start;
     this.#reopen(this.#path);
   }
 

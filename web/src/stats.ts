@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// Counters of a viewer, for its property `stats`.
+import type { PictureKind, PlayerState } from './wasm-player.js';
+
+export interface ViewerStats {
+  framesShown: number;
+  framesLate: number;
+  barcodeChecked: number;
+  barcodeMismatches: number;
+  bytesFetched: number;
+  encodedBytesHeld: number;
+  textureBytes: number;
+  uploadPath: PictureKind;
+}
+
+export function statsOf(state: PlayerState, uploadPath: PictureKind): ViewerStats {
+  const { framesShown, framesLate, barcodeChecked, barcodeMismatches, bytesFetched, encodedBytesHeld } = state;
+  return {
+    framesShown, framesLate, barcodeChecked, barcodeMismatches, bytesFetched, encodedBytesHeld,
+    textureBytes: state.liveTextureBytes, uploadPath,
+  };
+}
