@@ -1,7 +1,8 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: Apache-2.0
-// Time and bytes from navigation to the first picture, to ten pictures and until motion has gone on for ten seconds, in
-// headless Chromium with a cold cache and DevTools' throttling; texts and wasm are sent with gzip.
+// Time and bytes from navigation to the first picture, time to ten pictures and until the first sequence has come whole in
+// its highest rendition, and the share of time waited afterwards, in headless Chromium with a cold cache and DevTools'
+// throttling; texts and wasm are sent with gzip.
 //   node first_picture.mjs SITE [--runs 5] [--pages front,plain,steer,cameras] [--rates 2000/150,8000/50,700/300]
 //                          [--out FILE.json]
 // SITE: an assembled site (site/assemble.mjs). A page of its own is served for `plain`: one tag with the first sequence.
@@ -66,21 +67,27 @@ async function visit(browser, url, { kbps, latencyMs }) {
     if (encodedDataLength > 0) parts.push({ requestId, bytes: encodedDataLength, at: timestamp });
   });
   await page.addInitScript(watch);
-  const started = Date.now();
   await page.goto(url, { waitUntil: 'commit' });
   const until = (name) => page.waitForFunction((n) => globalThis.watched?.[n], name, { timeout: kPatienceMs, polling: 50 }).then((h) => h.jsonValue());
   const first = await until('first'), ten = await until('ten');
   await page.waitForTimeout(kWatchedS * 1000);
   const { waitingMs } = await page.evaluate(() => globalThis.watched);
   const [origin] = [...files.values()].map(({ at }) => at);
-  const before = new Map();
+  const before = new Map(), arrived = new Map(), highest = /\/(walk|run)\.mp4$/;
+  for (const { requestId, bytes, at } of parts) {
+    const { name } = files.get(requestId);
+    if (!highest.test(name)) continue;
+    const file = arrived.get(name) ?? { bytes: 0, at: 0 };
+    arrived.set(name, { bytes: file.bytes + bytes, at });
+  }
+  const [last] = arrived.values(), full = last ? (last.at - origin) * 1000 : NaN;
   for (const { requestId, bytes, at } of parts) {
     if ((at - origin) * 1000 > first) continue;
     const { name } = files.get(requestId);
     before.set(name, (before.get(name) ?? 0) + bytes);
   }
   await context.close();
-  return { first, ten, waiting: waitingMs / (kWatchedS * 1000 + ten - first), bytes: Object.fromEntries(before), elapsed: Date.now() - started };
+  return { first, ten, waiting: waitingMs / (kWatchedS * 1000 + ten - first), bytes: Object.fromEntries(before), full };
 }
 
 const sum = (values) => values.reduce((a, b) => a + b, 0);
@@ -98,9 +105,9 @@ try {
       for (let i = 0; i < Number(options.runs); ++i) runs.push(await visit(browser, server.url + kPages[name].path, { kbps, latencyMs }));
       const of = (get) => median(runs.map(get));
       const result = { rate, page: name, runs: runs.length, first_ms: of((r) => r.first), ten_ms: of((r) => r.ten), waiting: of((r) => r.waiting),
-        bytes: of((r) => sum(Object.values(r.bytes))), first_all_ms: runs.map((r) => Math.round(r.first)), files: runs[0].bytes };
+        full_ms: of((r) => r.full), bytes: of((r) => sum(Object.values(r.bytes))), first_all_ms: runs.map((r) => Math.round(r.first)), files: runs[0].bytes };
       results.push(result);
-      console.log(`${rate.padEnd(9)} ${name.padEnd(8)} first ${(result.first_ms / 1000).toFixed(2)} s (${result.first_all_ms.join(' ')}), ten ${(result.ten_ms / 1000).toFixed(2)} s, ${(result.bytes / 1000).toFixed(0)} kB, waiting ${(100 * result.waiting).toFixed(0)} %`);
+      console.log(`${rate.padEnd(9)} ${name.padEnd(8)} first ${(result.first_ms / 1000).toFixed(2)} s (${result.first_all_ms.join(' ')}), ten ${(result.ten_ms / 1000).toFixed(2)} s, ${(result.bytes / 1000).toFixed(0)} kB, highest whole ${(result.full_ms / 1000).toFixed(2)} s, waiting ${(100 * result.waiting).toFixed(0)} %`);
       for (const [file, bytes] of Object.entries(result.files)) console.log(`            ${String(bytes).padStart(8)}  ${file}`);
     }
   }
