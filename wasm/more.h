@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What comes with the module's second part (more.txt): the optical flow of some alignments, characters from cameras, and
+// Functions of the module's second part (more.txt): the optical flow of some alignments, characters from cameras, and
 // looks (fdvt_set_look of abi.txt).
 #pragma once
 

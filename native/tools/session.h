@@ -18,7 +18,7 @@ inline constexpr Option kRenditionOption{
     "--rendition", "N",
     "rendition: 0 for the lowest, counted as `fourdvt inspect` lists them, or the texels "
     "of layer 1 (default: the highest)"};
-// Of --rendition; none: not given.
+// Value of --rendition; none: not given.
 std::optional<int> readRendition(Args& args);
 
 struct GpuSession {

@@ -125,7 +125,7 @@ TEST(Bake, LowerRenditionsLeaveTheHighestAsItIs) {
     EXPECT_EQ(fs::file_size(out + "/box/" + std::string(r["uri"])), before);
   }
   EXPECT_EQ(names, (std::set<std::string>{"turn.256-51.mp4", "turn.64-30.mp4", "turn.96-40-av1.mp4", "turn.mp4"}));
-  // What is not of the lower renditions has the same bytes.
+  // Everything but the lower renditions has the same bytes.
   for (const char* file : {"turn.mp4", "mesh.bin", "poster.webp", "texture.jpg"})
     EXPECT_EQ(readText(out + "/box/" + file), readText(out + "/alone/" + file)) << file;
   const json before_gltf = json::parse(readText(out + "/alone/character.gltf"));

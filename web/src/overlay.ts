@@ -2,7 +2,7 @@
 // The element's shadow tree: the part that holds the canvas, poster, progress bar, play button, joystick, error line.
 // Its style is a constructable style sheet, so that the page can have a strict style-src policy.
 
-// What the panel says to visitors by the error's id; the event and the console have the details.
+// Text of the panel for visitors, by the error's id; the event and the console have the details.
 const FAILURES: Record<string, string> = {
   'insecure-context': 'This page must come over https to show the character.',
   'decoder-unsupported': 'This browser cannot decode this character.',

@@ -201,7 +201,7 @@ export function fetchFile(url: string, report: Report = () => undefined, signal?
   return patiently(url, async () => (await ask(url, { cache }, signal)).read(), report, signal);
 }
 
-/** A wasm file, compiled while it comes. Errors: ViewerError 'fetch-failed'; what the browser says of the file. */
+/** A wasm file, compiled while it comes. Errors: ViewerError 'fetch-failed'; the browser's, if it refuses the file. */
 export function compileFile(url: string, report: Report, cache: RequestCache): Promise<WebAssembly.Module> {
   return patiently(url, async () => {
     let fault: unknown;

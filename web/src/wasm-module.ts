@@ -35,7 +35,7 @@ async function compileNew(url: string, report: Report, cache: RequestCache = 'de
   throw new ViewerError('wasm-refused', `${url}: is of another build than the player's script; reload the page, or upload all files of the player again`);
 }
 
-// `report` of the first caller hears of waiting for the network; all wait for the same download.
+// The first caller's `report` is the one that is called while the network is waited for; all share the download.
 function compile(url: string, report: Report): Promise<WebAssembly.Module> {
   let module = compiled.get(url);
   if (!module) {
@@ -50,7 +50,7 @@ const ABSENT = new Proxy({}, {
   get: (_, number) => () => { throw new Error(`function ${String(number)} of the player's second part is not there yet`); },
 });
 
-/** The first part. `report` hears of waiting for the network. Errors: ViewerError 'fetch-failed', 'out-of-memory', 'wasm-refused'. */
+/** The first part. `report` is called when waiting for the network begins and ends. Errors: ViewerError 'fetch-failed', 'out-of-memory', 'wasm-refused'. */
 export async function instantiate(url: string, report: Report): Promise<WasmModule> {
   const first = await compile(url, report);
   let exports: WebAssembly.Exports;

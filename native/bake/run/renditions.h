@@ -20,7 +20,7 @@ std::string parseRenditions(const std::vector<std::string>& entries, const BakeO
 // out.
 std::vector<LowerRendition> standardRenditions(const BakeOptions& options);
 
-// What is wrong with options.lower_renditions, or nothing. Before the appearance is known, sizes may be of either kind.
+// Returns what is wrong with options.lower_renditions, or nothing. Before the appearance is known, sizes may be of either kind.
 std::string checkRenditions(const BakeOptions& options);
 
 // The last part of a lower rendition's file name: ".384-34", or ".384-34-av1" if the highest has another codec.
@@ -32,7 +32,7 @@ void addLowerRenditions(const BakeOptions& options, StreamPlan& stream);
 // Texels of all renditions over those of the highest, about.
 double ladderTexels(const BakeOptions& options);
 
-// Of one frame in the Encode stage, whose work half is encoding.
+// Work of one frame in the Encode stage; encoding is half of it with one rendition.
 double encodeWork(const BakeOptions& options);
 
 }  // namespace fourdvt::bake

@@ -184,7 +184,7 @@ std::string fingerprint(const fs::path& file) {
          std::to_string(fs::last_write_time(file, ignored).time_since_epoch().count()) + "\n";
 }
 
-// Of all files below the folder, links included: captures of `fourdvt reconstruct` link to their pictures.
+// Covers all files below the folder, links included: captures of `fourdvt reconstruct` link to their pictures.
 std::string fingerprints(const fs::path& folder) {
   std::vector<std::string> lines;
   std::error_code error, ignored;

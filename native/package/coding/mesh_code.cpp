@@ -13,7 +13,7 @@ Error invalidMesh(const char* what) {
   return {ErrorId::MeshDataInvalid, std::string("base mesh: ") + what + "; the start file is damaged, upload it again"};
 }
 
-// What a decoder has in place of the mesh; the coder ignores the answers.
+// Stands for the mesh in a decoder; the coder ignores the answers.
 struct UnknownMesh {
   const BinaryDecoder& coder;
   bool lost() const { return coder.overrun(); }

@@ -240,7 +240,7 @@ bool codeQuantised(Coder& coder, const MeshLinks& links, const BaseMesh* mesh, s
   return true;
 }
 
-// What an encoder knows and a decoder finds: both of a header's counts. [vertex] and [uv] of the mesh.
+// Orders that an encoder has and a decoder finds: both of a header's counts. [vertex] and [uv] of the mesh.
 struct MeshContents {
   BaseMesh mesh;
   std::vector<glm::ivec3> position_q, uv_q;  // of an encoder
