@@ -114,6 +114,28 @@ test('a scene that comes before the second part is drawn once that is there', as
   await page.close();
 });
 
+test('a character from cameras without a start file shows the poster of its manifest', async () => {
+  const folder = join(site, 'cameras', 'without-start');
+  cpSync(join(site, 'cameras', 'hull'), folder, { recursive: true });
+  const manifest = join(folder, 'character.gltf'), gltf = JSON.parse(readFileSync(manifest));
+  delete gltf.extensions.FOURDVT_layered_video_texture.start;
+  writeFileSync(manifest, JSON.stringify(gltf));
+  const posters = [];
+  for (const name of ['without-start', 'hull']) {
+    const { page } = await openCharacter(browser, server.url, `cameras/${name}/character.gltf`);
+    await page.evaluate((src) => new Promise((done) => {
+      const viewer = document.querySelector('fourdvt-viewer');
+      viewer.removeAttribute('poster');
+      viewer.addEventListener('canplay', done, { once: true });
+      viewer.src = src;
+    }), `cameras/${name}/character.gltf`);
+    posters.push(await page.evaluate(() => document.querySelector('fourdvt-viewer').shadowRoot.querySelector('.poster').getAttribute('src')));
+    await page.close();
+  }
+  assert.match(posters[0], /without-start\/poster\.webp$/);
+  assert.equal(posters[1], null, 'the first picture comes as soon');
+});
+
 test('method, cameras and visibility choose how it is drawn; an unknown method is refused', async () => {
   const { page } = await openCharacter(browser, server.url, 'cameras/hull/character.gltf');
   await showPose(page, kPoses[0]);
