@@ -18,6 +18,7 @@ namespace fourdvt::package {
 constexpr const char* kExtensionName = "FOURDVT_layered_video_texture";
 constexpr int kFormatVersion = 1;        // of a character from layers
 constexpr int kCameraFormatVersion = 2;  // of a character from cameras
+constexpr int kCoarseFormatVersion = 3;  // of a character from layers whose sequences may have coarse geometry
 constexpr int kMaxLayers = 6;
 constexpr int kMaxCameras = 31;  // a face's camera set is a 32-bit mask
 constexpr int kMaxPictureSide = 4096;
@@ -87,7 +88,10 @@ struct Sequence {
   uint32_t stream_header_bytes = 0;   // header + index: fetch this much first
   uint64_t stream_header_hash = 0;    // of these bytes, which hold the hashes of all others (base/hash.h)
   std::vector<Rendition> renditions;  // lowest bitrate first
-  std::vector<Member> members;        // 1…kMaxMembers; exactly 1 for a plain sequence
+  // So many of the lowest renditions go with the stream's coarse chunks, which have so many of its bytes.
+  uint32_t coarse_renditions = 0;
+  uint64_t coarse_bytes = 0;
+  std::vector<Member> members;  // 1…kMaxMembers; exactly 1 for a plain sequence
   ParameterSpace space;
   uint32_t reference_count = 0;  // corrections of the mesh blend per frame
   // Correlation of the aligned members' detail, 0..1. It tells how much contrast their blend loses; 1: none.
@@ -95,6 +99,11 @@ struct Sequence {
   int layout_width = 0, layout_height = 0;  // from cameras: texels of the layout that tiles are placed in
   bool isClass() const { return members.size() > 1; }
   double duration_s() const { return frame_count / fps; }
+  bool hasCoarseGeometry(uint32_t rendition) const { return rendition < coarse_renditions; }
+  // What is streamed beside a rendition's video.
+  uint64_t geometryBytes(uint32_t rendition) const {
+    return hasCoarseGeometry(rendition) ? stream_header_bytes + coarse_bytes : stream_bytes - coarse_bytes;
+  }
 };
 
 // The room that the performer was filmed in, as a box that is seen from inside, and one picture of its faces.

@@ -11,7 +11,8 @@ namespace {
 constexpr double kMaxBytes = 9007199254740992.0;  // 2^53, exact in JSON
 constexpr double kMaxHeaderBytes = 64 << 20;
 constexpr int kMaxSequences = 256;
-constexpr double kMaxMeshBytes = 1 << 28, kMaxGraphBytes = 64 << 20, kMaxRoomBytes = 16 << 20, kMaxStartBytes = 16 << 20;
+constexpr double kMaxMeshBytes = 1 << 28, kMaxGraphBytes = 64 << 20, kMaxRoomBytes = 16 << 20,
+                 kMaxStartBytes = 16 << 20;
 
 bool isRigid(const glm::dmat4& m) {
   const glm::dmat3 r(m);
@@ -114,8 +115,13 @@ void readLayout(FieldReader& in, const std::string& at, Sequence& s) {
   s.layout_height = int(in.integer(at + "/layout/1", 1, kMaxLayoutSide));
 }
 
+void readCoarse(FieldReader& in, const std::string& at, Sequence& s) {
+  s.coarse_renditions = uint32_t(in.integer(at + "/renditions", 1, double(s.renditions.size())));
+  s.coarse_bytes = uint64_t(in.integer(at + "/byteLength", 1, double(s.stream_bytes)));
+}
+
 // layer_count: 0: from cameras.
-Sequence readSequence(FieldReader& in, const std::string& at, int layer_count) {
+Sequence readSequence(FieldReader& in, const std::string& at, int version, int layer_count) {
   Sequence s;
   s.name = in.text(at + "/name", 128);
   s.frame_count = uint32_t(in.integer(at + "/frameCount", 1, kMaxFrames));
@@ -134,6 +140,7 @@ Sequence readSequence(FieldReader& in, const std::string& at, int layer_count) {
   for (int r = 0; r < renditions; ++r) {
     s.renditions.push_back(readRendition(in, item(at + "/renditions", r), squares));
   }
+  if (version == kCoarseFormatVersion && in.has(at + "/stream/coarse")) readCoarse(in, at + "/stream/coarse", s);
   return s;
 }
 
@@ -161,7 +168,7 @@ void readCharacter(FieldReader& in, const std::string& at, Character& c) {
   const int sequences = in.arraySize(at + "/sequences", 1, kMaxSequences);
   for (int s = 0; s < sequences && in.ok(); ++s) {
     const std::string here = item(at + "/sequences", s);
-    c.sequences.push_back(readSequence(in, here, c.layer_count));
+    c.sequences.push_back(readSequence(in, here, c.version, c.layer_count));
     if (!names.insert(c.sequences.back().name).second) in.fail(here + "/name", "appears twice");
   }
   if (in.has(at + "/start")) readFileOf(in, at + "/start", kMaxStartBytes, c.start.uri, c.start.bytes, c.start.hash);
@@ -189,7 +196,7 @@ Result<Character> readManifest(const FlatJson& gltf) {
   FieldReader in(gltf);
   Character character;
   character.version = int(in.integer(at + "/version", 1, 1 << 20));
-  if (in.ok() && character.version > kCameraFormatVersion) {
+  if (in.ok() && character.version > kCoarseFormatVersion) {
     return Error{ErrorId::Unsupported, "character.gltf: format version " + std::to_string(character.version) +
                                            " is newer than this player; update the player"};
   }

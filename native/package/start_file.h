@@ -21,8 +21,8 @@ struct StartFile {
   StreamIndex index;  // of one frame, one GOP and one rendition
 };
 
-// Native only. index: of the stream; gop: its first chunk; key: the first sample of its first rendition. Only one
-// frame's geometry is coded anew. Errors: those of ChunkDecoder; Internal.
+// Native only. index: of the stream, with the step of `gop`, its first chunk, fine or coarse; key: the first sample of
+// its first rendition. Only one frame's geometry is coded anew. Errors: those of ChunkDecoder; Internal.
 Result<std::vector<uint8_t>> encodeStartFile(const StreamIndex& index, std::span<const uint8_t> gop,
                                              std::span<const uint8_t> key, const BaseMesh& base);
 // The same of a character from cameras, which has no base mesh.

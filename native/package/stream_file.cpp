@@ -10,8 +10,8 @@
 namespace fourdvt::package {
 namespace {
 
-constexpr uint32_t kMagic = 0x53564434;  // "4DVS"
-constexpr uint16_t kVersion = 4, kCameraVersion = 5;
+constexpr uint32_t kMagic = 0x53564434;                                   // "4DVS"
+constexpr uint16_t kVersion = 4, kCameraVersion = 5, kCoarseVersion = 6;  // 6: as 4, with coarse chunks
 constexpr uint32_t kKeyBit = 0x80000000u;
 constexpr uint32_t kMaxChunkFrames = 65535;
 constexpr uint64_t kMaxOffset = 1ull << 53;
@@ -69,6 +69,22 @@ Status readRendition(ByteReader& in, StreamIndex& index) {
   return {};
 }
 
+void writePlace(ByteWriter& out, const ChunkEntry& chunk) {
+  out.u32(chunk.bytes);
+  out.u64(chunk.offset);
+  out.u64(chunk.hash);
+}
+
+void readPlace(ByteReader& in, ChunkEntry& chunk) {
+  chunk.bytes = in.u32();
+  chunk.offset = in.u64();
+  chunk.hash = in.u64();
+}
+
+bool validPlace(const ChunkEntry& chunk, size_t header_bytes) {
+  return chunk.bytes > 0 && chunk.offset >= header_bytes && chunk.offset <= kMaxOffset;
+}
+
 Status readChunks(ByteReader& in, StreamIndex& index, size_t header_bytes) {
   const uint32_t count = in.u32();
   if (!in.ok() || count == 0 || count > index.frame_count || in.remaining() / 24 < count)
@@ -78,30 +94,39 @@ Status readChunks(ByteReader& in, StreamIndex& index, size_t header_bytes) {
     ChunkEntry chunk;
     chunk.first_frame = static_cast<uint32_t>(next_frame);
     chunk.frame_count = in.u32();
-    chunk.bytes = in.u32();
-    chunk.offset = in.u64();
-    chunk.hash = in.u64();
+    readPlace(in, chunk);
     next_frame += chunk.frame_count;
     if (chunk.frame_count == 0 || chunk.frame_count > kMaxChunkFrames || next_frame > index.frame_count) {
       return invalidHeader("GOPs do not match the frame count");
     }
-    if (chunk.bytes == 0 || chunk.offset < header_bytes || chunk.offset > kMaxOffset)
-      return invalidHeader("bad GOP range");
+    if (!validPlace(chunk, header_bytes)) return invalidHeader("bad GOP range");
     index.chunks.push_back(chunk);
   }
   if (next_frame != index.frame_count) return invalidHeader("GOPs do not cover all frames");
   return {};
 }
 
-Status readCounts(ByteReader& in, StreamIndex& index, size_t span_bytes) {
+Status readCoarseChunks(ByteReader& in, StreamIndex& index, size_t header_bytes) {
+  index.coarse_step_m = in.f32();
+  if (!(index.coarse_step_m >= index.position_step_m) || !(index.coarse_step_m <= 1e6f))
+    return invalidHeader("bad coarse step");
+  index.coarse_chunks = index.chunks;
+  for (ChunkEntry& chunk : index.coarse_chunks) {
+    readPlace(in, chunk);
+    if (!in.ok() || !validPlace(chunk, header_bytes)) return invalidHeader("bad range of a coarse chunk");
+  }
+  return {};
+}
+
+Status readCounts(ByteReader& in, StreamIndex& index, size_t span_bytes, uint16_t& version) {
   if (in.u32() != kMagic) return invalidHeader("not a fourdvt stream");
-  const uint16_t version = in.u16();
+  version = in.u16();
   in.u16();
   if (version < kVersion) {
     return Error{ErrorId::Unsupported, "stream header: version " + std::to_string(version) +
                                            " of an earlier fourdvt; bake the character again"};
   }
-  if (version > kCameraVersion) return Error{ErrorId::Unsupported, "stream header: unknown version; update the player"};
+  if (version > kCoarseVersion) return Error{ErrorId::Unsupported, "stream header: unknown version; update the player"};
   if (in.u32() != span_bytes) return invalidHeader("length differs from the manifest's");
   index.frame_count = in.u32();
   index.vertex_count = in.u32();
@@ -133,11 +158,23 @@ bool keepsMemoryLimits(const StreamIndex& index) {
   const uint64_t frame_bytes = decodedFrameBytes(index);
   for (const ChunkEntry& chunk : index.chunks)
     if (chunk.bytes > kMaxChunkBytes || chunk.frame_count * frame_bytes > kMaxDecodedChunkBytes) return false;
+  for (const ChunkEntry& chunk : index.coarse_chunks)
+    if (chunk.bytes > kMaxChunkBytes) return false;
   for (const SampleTable& table : index.renditions) {
     for (uint32_t c = 0; c < index.chunks.size(); ++c)
       if (table.videoOf(c).bytes > kMaxGopVideoBytes) return false;
   }
   return true;
+}
+
+StreamIndex StreamIndex::coarse() const {
+  StreamIndex out = *this;
+  out.chunks = std::move(out.coarse_chunks);
+  out.alignment_step_m *= coarse_step_m / position_step_m;
+  out.position_step_m = coarse_step_m;
+  out.coarse_chunks.clear();
+  out.renditions.clear();
+  return out;
 }
 
 ByteSpan SampleTable::videoOf(uint32_t chunk) const {
@@ -167,15 +204,16 @@ std::vector<uint8_t> writeStreamHeader(const StreamIndex& index) {
   body.u32(static_cast<uint32_t>(index.chunks.size()));
   for (const ChunkEntry& chunk : index.chunks) {
     body.u32(chunk.frame_count);
-    body.u32(chunk.bytes);
-    body.u64(chunk.offset);
-    body.u64(chunk.hash);
+    writePlace(body, chunk);
   }
   body.u32(static_cast<uint32_t>(index.renditions.size()));
   for (const SampleTable& table : index.renditions) writeRendition(body, table, index.chunks);
+  const bool coarse = !index.coarse_chunks.empty();
+  if (coarse) body.f32(index.coarse_step_m);
+  for (const ChunkEntry& chunk : index.coarse_chunks) writePlace(body, chunk);
   ByteWriter out;
   out.u32(kMagic);
-  out.u16(index.layer_count == 0 ? kCameraVersion : kVersion);
+  out.u16(index.layer_count == 0 ? kCameraVersion : coarse ? kCoarseVersion : kVersion);
   out.u16(0);
   out.u32(static_cast<uint32_t>(12 + body.size()));
   out.bytes(body.data());
@@ -185,11 +223,13 @@ std::vector<uint8_t> writeStreamHeader(const StreamIndex& index) {
 Result<StreamIndex> readStreamHeader(std::span<const uint8_t> bytes) {
   ByteReader in(bytes);
   StreamIndex index;
-  FOURDVT_TRY(readCounts(in, index, bytes.size()));
+  uint16_t version = 0;
+  FOURDVT_TRY(readCounts(in, index, bytes.size(), version));
   FOURDVT_TRY(readChunks(in, index, bytes.size()));
   const uint32_t renditions = in.u32();
   if (!in.ok() || renditions == 0 || renditions > kMaxRenditions) return invalidHeader("bad rendition count");
   for (uint32_t r = 0; r < renditions; ++r) FOURDVT_TRY(readRendition(in, index));
+  if (version == kCoarseVersion) FOURDVT_TRY(readCoarseChunks(in, index, bytes.size()));
   if (!in.ok() || in.remaining() != 0) return invalidHeader("trailing bytes");
   if (!keepsMemoryLimits(index)) return invalidHeader("a GOP would take more memory than any should");
   return index;

@@ -51,6 +51,11 @@ struct StreamIndex {
   float alignment_step_m = 0;
   std::vector<ChunkEntry> chunks;  // contiguous frames 0..frame_count
   std::vector<SampleTable> renditions;
+  // The same GOPs with the same labels and larger steps of all else, for low renditions; empty: there are none.
+  std::vector<ChunkEntry> coarse_chunks;
+  float coarse_step_m = 0;
+  // An index of the coarse chunks in place of the others, without renditions.
+  StreamIndex coarse() const;
   // The chunk that holds a frame.
   uint32_t chunkOfFrame(uint32_t frame) const;
 };
@@ -93,6 +98,9 @@ struct ChunkMesh;  // chunk_mesh.h
 
 // Arithmetic coding with predictions along the mesh; every chunk decodes alone. Errors: Internal.
 Result<std::vector<uint8_t>> encodeChunk(const ChunkFrames& frames, const ChunkMesh& mesh);
+// The same frames with steps of positions, offsets and alignment `scale` times as large. Residuals count as 0 up to 0.8
+// steps, so that no value is further off than that along an axis. Errors: Internal.
+Result<std::vector<uint8_t>> encodeCoarseChunk(const ChunkFrames& frames, const ChunkMesh& mesh, double scale);
 // mesh: makeChunkMesh of the character's decoded base mesh. Errors: StreamInvalid if corrupt, or if the counts of index
 // and mesh differ.
 Result<ChunkFrames> decodeChunk(std::span<const uint8_t> bytes, const StreamIndex& index, uint32_t chunk,

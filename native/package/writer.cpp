@@ -100,13 +100,16 @@ void addMembers(const Sequence& s, Value::Object& out) {
 Value sequenceValue(const Sequence& s) {
   Value::Array renditions;
   for (const Rendition& r : s.renditions) renditions.push_back(renditionValue(r));
-  const Value stream(Value::Object{{"uri", Value(s.stream_uri)},
-                                   {"byteLength", number(double(s.stream_bytes))},
-                                   {"headerLength", number(s.stream_header_bytes)},
-                                   {"headerHash", hashValue(s.stream_header_hash)}});
+  Value::Object stream{{"uri", Value(s.stream_uri)},
+                       {"byteLength", number(double(s.stream_bytes))},
+                       {"headerLength", number(s.stream_header_bytes)},
+                       {"headerHash", hashValue(s.stream_header_hash)}};
+  if (s.coarse_renditions > 0)
+    stream["coarse"] = Value(
+        Value::Object{{"renditions", number(s.coarse_renditions)}, {"byteLength", number(double(s.coarse_bytes))}});
   Value::Object out{
       {"name", Value(s.name)},          {"frameCount", number(s.frame_count)},       {"fps", number(s.fps)},
-      {"loop", Value(s.loop)},          {"rootVelocity", vec3(s.root_velocity_mps)}, {"stream", stream},
+      {"loop", Value(s.loop)},          {"rootVelocity", vec3(s.root_velocity_mps)}, {"stream", Value(stream)},
       {"renditions", Value(renditions)}};
   if (s.layout_width > 0)
     out["layout"] = numbers(std::initializer_list<double>{double(s.layout_width), double(s.layout_height)});
@@ -129,9 +132,8 @@ Value roomValue(const Room& room) {
 }
 
 Value startValue(const Start& start) {
-  return Value(Value::Object{{"uri", Value(start.uri)},
-                             {"byteLength", number(double(start.bytes))},
-                             {"hash", hashValue(start.hash)}});
+  return Value(Value::Object{
+      {"uri", Value(start.uri)}, {"byteLength", number(double(start.bytes))}, {"hash", hashValue(start.hash)}});
 }
 
 Value extensionValue(const Character& c) {

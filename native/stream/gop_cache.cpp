@@ -42,7 +42,7 @@ void GopCache::trim(const std::vector<GopKey>& keep) {
     const Entry it = oldest([&](const auto& entry) {
       const Gop& gop = entry.second;
       return !kept(entry.first) && gop.video_state != PartState::Fetching && gop.chunk_state != PartState::Fetching &&
-             gop.better_state != PartState::Fetching;
+             gop.better_state != PartState::Fetching && gop.fine_state != PartState::Fetching;
     });
     if (it == gops_.end()) break;
     total -= it->second.encodedBytes();

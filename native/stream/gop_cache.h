@@ -29,11 +29,15 @@ struct Gop {
   PartState better_state = PartState::Absent;  // of the samples in another rendition, to take their place
   uint32_t better_rendition = 0;
   std::vector<uint8_t> better;
-  std::vector<uint8_t> chunk;                       // encoded geometry
+  std::vector<uint8_t> chunk;                // encoded geometry
+  bool coarse = false;                       // that `chunk` is, or will be, of the coarse ones
+  PartState fine_state = PartState::Absent;  // of the chunk that takes the place of a coarse one
+  std::vector<uint8_t> fine;
+  uint32_t row = 0;                                 // that was decoded last
   std::unique_ptr<package::ChunkDecoder> geometry;  // of `chunk`, decoded as far as was asked for
   std::unique_ptr<package::SurfaceChunk> surfaces;  // likewise, of a character from cameras
   uint64_t last_use = 0;
-  uint64_t encodedBytes() const { return video.size() + chunk.size() + better.size(); }
+  uint64_t encodedBytes() const { return video.size() + chunk.size() + better.size() + fine.size(); }
   bool decoded() const { return geometry || surfaces; }
   uint64_t decodedBytes() const { return geometry ? geometry->frames().bytes() : surfaces ? surfaces->bytes() : 0; }
 };

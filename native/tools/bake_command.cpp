@@ -77,6 +77,9 @@ const CommandHelp& help() {
         "10000)"},
        {"--tile-texels", "N", "cameras: largest tiled picture, million texels (default 9.4, what phones decode)"},
        {"--position-step", "MM", "quantisation step of vertices, millimetres (default 0.25 for layers, 1 for cameras)"},
+       {"--coarse-step", "MM",
+        "layers: likewise for renditions with fewer texels than the highest, 0.001 to 100, or 0: as for the others "
+        "(default 2); their alignment is coarser in proportion"},
        {"--gop", "N", "most frames of a group of pictures (default 20)"},
        {"--jobs", "N", "worker threads; 0: one per core (default 0)"},
        {"--resume", nullptr, "continue an interrupted run with the same settings"}}};
@@ -123,6 +126,8 @@ void readAppearance(Args& args, bake::BakeOptions& o) {
   if (o.cameras.faces > 0 && o.cameras.faces < 100) args.complain("--faces must be 0, or 100 to 1000000");
   o.cameras.tile_scale = args.number("--tile-scale", o.cameras.tile_scale, 0.01, 1);
   o.cameras.max_texels = args.number("--tile-texels", o.cameras.max_texels / 1e6, 0.01, 16.8) * 1e6;
+  if (args.has("--coarse-step")) o.coarse_step_m = args.number("--coarse-step", 2, 0, 100) / 1e3;
+  if (o.coarse_step_m != 0 && o.coarse_step_m < 1e-6) args.complain("--coarse-step must be 0, or 0.001 to 100");
   if (!args.has("--position-step")) return;
   o.position_step_m = o.cameras.position_step_m = args.number("--position-step", 0.5, 0.001, 100) / 1e3;
 }

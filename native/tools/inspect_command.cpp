@@ -189,7 +189,8 @@ class Inspection {
     if (fromCameras()) {
       FOURDVT_TRY(surfaceChunks(sequence, index.value(), file, sizes));
     } else {
-      FOURDVT_TRY(chunks(index.value(), file, sizes));
+      FOURDVT_TRY(chunks(index.value(), file, &sizes));
+      FOURDVT_TRY(chunks(index.value().coarse(), file, nullptr));
     }
     for (size_t r = 0; r < sequence.renditions.size(); ++r) {
       FOURDVT_TRY(video(sequence, sequence.renditions[r], index.value().renditions[r]));
@@ -209,18 +210,19 @@ class Inspection {
                       static_cast<int>(index.layer_count) == character_.layer_count &&
                       index.member_count == sequence.members.size() &&
                       index.reference_count == sequence.reference_count &&
-                      index.renditions.size() == sequence.renditions.size();
+                      index.renditions.size() == sequence.renditions.size() &&
+                      index.coarse_chunks.empty() == (sequence.coarse_renditions == 0);
     if (same) return {};
     return Error{ErrorId::StreamInvalid, file + ": counts differ from the manifest's; bake the character again"};
   }
 
-  Status chunks(const package::StreamIndex& index, const std::string& file, SequenceSizes& sizes) const {
+  Status chunks(const package::StreamIndex& index, const std::string& file, SequenceSizes* sizes) const {
     for (uint32_t c = 0; c < index.chunks.size(); ++c) {
       FOURDVT_ASSIGN(auto bytes, platform::readFileRange(file, index.chunks[c].offset, index.chunks[c].bytes));
       FOURDVT_TRY(checkHash(file, bytes, index.chunks[c].hash));
       auto frames = package::decodeChunk(bytes, index, c, chunk_mesh_);
       if (!frames.ok()) return inFile(file, frames.error());
-      addChunk(bytes, index, sizes);
+      if (sizes) addChunk(bytes, index, *sizes);
     }
     return {};
   }

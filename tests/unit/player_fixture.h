@@ -41,6 +41,7 @@ struct FakeSequence {
   int width, height;                // of the picture; at least 192 × 8
   std::vector<FakeMember> members;  // a class by "speed_mps" if there are several
   uint32_t renditions = 1;          // the lower ones are 16 texels narrower, each
+  uint32_t coarse = 0;              // so many of the lowest go with coarse geometry, in steps of 4: vertex 1's y is 8
   uint32_t chosen(uint32_t rendition) const { return std::min(rendition, renditions - 1); }
   int widthOf(uint32_t rendition) const { return width - 16 * int(renditions - 1 - chosen(rendition)); }
   std::string videoOf(uint32_t rendition) const {
@@ -196,15 +197,31 @@ class FakeBuilder {
       index.chunks.push_back({first, count, 0, uint32_t(chunks.back().size()), fnv1a(chunks.back())});
     }
     for (uint32_t r = 0; r < q.renditions; ++r) index.renditions.push_back(rendition(s, r));
+    if (q.coarse > 0) addCoarseChunks(s, chunks, index);
     uint64_t offset = package::writeStreamHeader(index).size();
     const double header_bytes = double(offset);
-    for (package::ChunkEntry& entry : index.chunks) entry.offset = offset, offset += entry.bytes;
+    for (auto* entries : {&index.chunks, &index.coarse_chunks})
+      for (package::ChunkEntry& entry : *entries) entry.offset = offset, offset += entry.bytes;
     std::vector<uint8_t> stream = package::writeStreamHeader(index);
     for (const auto& bytes : chunks) stream.insert(stream.end(), bytes.begin(), bytes.end());
     describe(s, q, double(stream.size()), header_bytes);
     set("/sequences/" + std::to_string(s) + "/stream/headerHash",
         hashText(std::span(stream).first(size_t(header_bytes))));
     out_.files[q.name + ".bin"] = std::move(stream);
+  }
+  void addCoarseChunks(uint32_t s, std::vector<std::vector<uint8_t>>& chunks, package::StreamIndex& index) {
+    index.coarse_step_m = 4 * kStep_m;
+    index.coarse_chunks = index.chunks;
+    double bytes = 0;
+    for (package::ChunkEntry& entry : index.coarse_chunks) {
+      chunks.push_back(
+          package::encodeCoarseChunk(framesOf(s, entry.first_frame, entry.frame_count), chunk_mesh_, 4).take());
+      entry.bytes = uint32_t(chunks.back().size());
+      entry.hash = fnv1a(chunks.back());
+      bytes += entry.bytes;
+    }
+    const std::string at = "/sequences/" + std::to_string(s) + "/stream/coarse";
+    set("/version", 3.0), set(at + "/renditions", double(out_.sequences[s].coarse)), set(at + "/byteLength", bytes);
   }
   package::SampleTable rendition(uint32_t s, uint32_t r) {
     const FakeSequence& q = out_.sequences[s];
@@ -226,6 +243,9 @@ class FakeBuilder {
     return table;
   }
   std::vector<uint8_t> chunk(uint32_t s, uint32_t first, uint32_t count) {
+    return package::encodeChunk(framesOf(s, first, count), chunk_mesh_).take();
+  }
+  package::ChunkFrames framesOf(uint32_t s, uint32_t first, uint32_t count) const {
     const FakeSequence& q = out_.sequences[s];
     package::ChunkFrames frames;
     frames.frame_count = count;
@@ -243,7 +263,7 @@ class FakeBuilder {
         frames.root.push_back(glm::vec3(q.travel(m) * (double(first + f) / q.frames)));
       }
     }
-    return package::encodeChunk(frames, chunk_mesh_).take();
+    return frames;
   }
   void describe(uint32_t s, const FakeSequence& q, double stream_bytes, double header_bytes) {
     const std::string at = "/sequences/" + std::to_string(s);

@@ -20,6 +20,8 @@ std::string BakeOptions::check() const {
   if (gop < 1 || gop > 250) return "gop must be 1..250 frames, not " + std::to_string(gop);
   if (jobs < 0) return "jobs must not be negative";
   if (!(position_step_m >= 1e-6 && position_step_m <= 0.1)) return "position step must be 0.000001..0.1 m";
+  if (coarse_step_m != 0 && !(coarse_step_m >= 1e-6 && coarse_step_m <= 0.1))
+    return "coarse step must be 0, or 0.001..100 mm";
   if (!(classes.blend_error_m >= 1e-5 && classes.blend_error_m <= 1)) return "blend error must be 0.01..1000 mm";
   if (!(classes.alignment_step_m >= 1e-6 && classes.alignment_step_m <= 0.1))
     return "alignment step must be 0.000001..0.1 m";

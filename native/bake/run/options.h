@@ -53,6 +53,7 @@ struct BakeOptions {
   int jobs = 0;                      // worker threads; 0: as many as cores
   bool resume = false;               // reuse GOPs that an interrupted run with the same settings finished
   double position_step_m = 0.00025;  // quantisation of streamed vertices
+  double coarse_step_m = 0.002;      // likewise, for renditions with fewer texels than the highest; 0: as the others
   int gutter_texels = 10;            // width of the gutter round every chart, texels of layer 1; limits in check()
   refine::RefineOptions refine;      // of the mesh and the cameras, before anything is drawn
   const Labelling* labels = &kJoint;

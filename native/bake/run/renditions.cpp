@@ -146,6 +146,12 @@ void addLowerRenditions(const BakeOptions& options, StreamPlan& stream) {
   for (const LowerRendition& r : options.lower_renditions) stream.renditions.push_back(planOf(r, options, stream));
 }
 
+bool hasCoarseGeometry(const BakeOptions& o) {
+  const auto smaller = [&](const LowerRendition& r) { return r.size < o.texture; };
+  return !fromCameras(o) && o.coarse_step_m > o.position_step_m &&
+         std::any_of(o.lower_renditions.begin(), o.lower_renditions.end(), smaller);
+}
+
 double ladderTexels(const BakeOptions& o) {
   double sum = 1;
   for (const LowerRendition& r : o.lower_renditions) {

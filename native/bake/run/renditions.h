@@ -20,7 +20,8 @@ std::string parseRenditions(const std::vector<std::string>& entries, const BakeO
 // out.
 std::vector<LowerRendition> standardRenditions(const BakeOptions& options);
 
-// Returns what is wrong with options.lower_renditions, or nothing. Before the appearance is known, sizes may be of either kind.
+// Returns what is wrong with options.lower_renditions, or nothing. Before the appearance is known, sizes may be of
+// either kind.
 std::string checkRenditions(const BakeOptions& options);
 
 // The last part of a lower rendition's file name: ".384-34", or ".384-34-av1" if the highest has another codec.
@@ -28,6 +29,9 @@ std::string fileSuffix(const LowerRendition& rendition, const BakeOptions& optio
 
 // Adds the lower renditions to a stream that has its highest.
 void addLowerRenditions(const BakeOptions& options, StreamPlan& stream);
+
+// Whether a rendition below the highest goes with coarser geometry (BakeOptions::coarse_step_m).
+bool hasCoarseGeometry(const BakeOptions& options);
 
 // Texels of all renditions over those of the highest, about.
 double ladderTexels(const BakeOptions& options);

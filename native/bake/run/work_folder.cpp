@@ -170,22 +170,24 @@ Result<GopArtefact> WorkFolder::loadGop(const std::string& sequence, uint32_t go
   return artefact;
 }
 
-std::string WorkFolder::chunkPath(const std::string& sequence, uint32_t gop) const {
-  return path_ + "/" + sequence + "." + std::to_string(gop) + ".chunk";
+std::string WorkFolder::chunkPath(const std::string& sequence, uint32_t gop, Precision precision) const {
+  return path_ + "/" + sequence + "." + std::to_string(gop) + (precision == Precision::Fine ? ".chunk" : ".coarse");
 }
 
 bool WorkFolder::hasChunk(const std::string& sequence, uint32_t gop) const {
-  return load(chunkPath(sequence, gop)).ok();
+  return load(chunkPath(sequence, gop, Precision::Fine)).ok();
 }
 
-Status WorkFolder::saveChunk(const std::string& sequence, uint32_t gop, const std::vector<uint8_t>& chunk) const {
+Status WorkFolder::saveChunk(const std::string& sequence, uint32_t gop, const std::vector<uint8_t>& chunk,
+                             Precision precision) const {
   ByteWriter out;
   out.bytes(chunk);
-  return save(chunkPath(sequence, gop), out);
+  return save(chunkPath(sequence, gop, precision), out);
 }
 
-Result<std::vector<uint8_t>> WorkFolder::loadChunk(const std::string& sequence, uint32_t gop) const {
-  return load(chunkPath(sequence, gop));
+Result<std::vector<uint8_t>> WorkFolder::loadChunk(const std::string& sequence, uint32_t gop,
+                                                   Precision precision) const {
+  return load(chunkPath(sequence, gop, precision));
 }
 
 std::string WorkFolder::layersPath(const std::string& sequence, uint32_t frame) const {

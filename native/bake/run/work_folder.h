@@ -30,6 +30,8 @@ struct StillArtefact {
   std::vector<uint8_t> texture_jpeg, tile_jpeg;
 };
 
+enum class Precision { Fine, Coarse };  // of a chunk's positions
+
 class WorkFolder {
  public:
   // `key`: settingsKey. What an earlier run left stays only if `resume` is set and the keys agree. Errors: WriteFailed.
@@ -42,10 +44,12 @@ class WorkFolder {
   bool hasStill() const;
   Status saveStill(const StillArtefact& still) const;
   Result<StillArtefact> loadStill() const;
-  // The bytes of a GOP's chunk, as package::encodeChunk returns them.
+  // The bytes of a GOP's chunk, as package::encodeChunk or encodeCoarseChunk return them.
   bool hasChunk(const std::string& sequence, uint32_t gop) const;
-  Status saveChunk(const std::string& sequence, uint32_t gop, const std::vector<uint8_t>& chunk) const;
-  Result<std::vector<uint8_t>> loadChunk(const std::string& sequence, uint32_t gop) const;  // Internal if damaged
+  Status saveChunk(const std::string& sequence, uint32_t gop, const std::vector<uint8_t>& chunk,
+                   Precision precision = Precision::Fine) const;
+  Result<std::vector<uint8_t>> loadChunk(const std::string& sequence, uint32_t gop,
+                                         Precision precision = Precision::Fine) const;  // Internal if damaged
   // Filled layers of a captured frame, kept until the classes that show it have been baked. What is absent or damaged
   // is an error, and can be drawn again.
   Status saveLayers(const std::string& sequence, uint32_t frame, const std::vector<Image>& layers) const;
@@ -55,7 +59,7 @@ class WorkFolder {
 
  private:
   std::string gopPath(const std::string& sequence, uint32_t gop) const;
-  std::string chunkPath(const std::string& sequence, uint32_t gop) const;
+  std::string chunkPath(const std::string& sequence, uint32_t gop, Precision precision) const;
   std::string layersPath(const std::string& sequence, uint32_t frame) const;
   std::string stillPath() const { return path_ + "/still.bin"; }
   std::string path_;

@@ -161,8 +161,7 @@ Status codeChunks(const BakeRun& run, const StreamPlan& plan, const std::vector<
     if (!aligned.empty())
       addAlignment(std::span(aligned).subspan(plan.gop_first_frames[g], frames.frame_count),
                    run.job.options.classes.alignment_step_m, frames);
-    FOURDVT_ASSIGN(auto chunk, package::encodeChunk(frames, mesh));
-    FOURDVT_TRY(run.work.saveChunk(plan.name, g, chunk));
+    FOURDVT_TRY(saveChunks(run, plan, g, frames, mesh));
   }
   return {};
 }

@@ -2,6 +2,7 @@
 #include "bake/stages/assemble.h"
 
 #include "bake/run/describe.h"
+#include "bake/run/renditions.h"
 #include "bake/stages/poster.h"
 #include "bake/stages/start_stage.h"
 #include "bake/stages/stream_files.h"
@@ -48,6 +49,23 @@ struct PackedSequence {
   ReportSequence report;
 };
 
+// How many of the lowest renditions have fewer texels than the highest.
+uint32_t smallerRenditions(const package::Sequence& s) {
+  const auto width = [](const package::Rendition& r) { return r.layers[0].width; };
+  uint32_t count = 0;
+  while (width(s.renditions[count]) < width(s.renditions.back())) ++count;
+  return count;
+}
+
+void addCoarseChunks(const Job& job, const std::vector<LayeredChunkBytes>& chunk_bytes, package::StreamIndex& index) {
+  index.coarse_step_m = static_cast<float>(job.options.coarse_step_m);
+  index.coarse_chunks = index.chunks;
+  for (size_t g = 0; g < chunk_bytes.size(); ++g) {
+    index.coarse_chunks[g].bytes = chunk_bytes[g].total;
+    index.coarse_chunks[g].hash = chunk_bytes[g].hash;
+  }
+}
+
 package::StreamIndex makeIndex(const Job& job, const StreamPlan& plan,
                                const std::vector<LayeredChunkBytes>& chunk_bytes,
                                std::vector<package::SampleTable> tables) {
@@ -72,10 +90,10 @@ package::StreamIndex makeIndex(const Job& job, const StreamPlan& plan,
   return index;
 }
 
-Result<std::vector<LayeredChunkBytes>> measureChunks(const BakeRun& run, const StreamPlan& plan) {
+Result<std::vector<LayeredChunkBytes>> measureChunks(const BakeRun& run, const StreamPlan& plan, Precision precision) {
   std::vector<LayeredChunkBytes> bytes;
   for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
-    FOURDVT_ASSIGN(auto chunk, run.work.loadChunk(plan.name, g));
+    FOURDVT_ASSIGN(auto chunk, run.work.loadChunk(plan.name, g, precision));
     bytes.push_back(measure(plan, chunk, isAligned(run.job, plan)));
   }
   return bytes;
@@ -106,9 +124,15 @@ Result<PackedSequence> packSequence(const BakeRun& run, const StreamPlan& plan) 
   PackedSequence out;
   package::Sequence& s = out.manifest;
   s = describeStream(plan);
-  FOURDVT_ASSIGN(auto chunk_bytes, measureChunks(run, plan));
+  FOURDVT_ASSIGN(auto chunk_bytes, measureChunks(run, plan, Precision::Fine));
   FOURDVT_ASSIGN(auto tables, packVideos(plan, run, s));
-  FOURDVT_TRY(writeStream(makeIndex(job, plan, chunk_bytes, std::move(tables)), run, plan, s));
+  package::StreamIndex index = makeIndex(job, plan, chunk_bytes, std::move(tables));
+  if (hasCoarseGeometry(job.options)) s.coarse_renditions = smallerRenditions(s);
+  if (s.coarse_renditions > 0) {
+    FOURDVT_ASSIGN(const auto coarse_bytes, measureChunks(run, plan, Precision::Coarse));
+    addCoarseChunks(job, coarse_bytes, index);
+  }
+  FOURDVT_TRY(writeStream(std::move(index), run, plan, s));
   out.report = reportSequence(s, chunk_bytes);
   return out;
 }
@@ -179,8 +203,11 @@ Status writeGraph(const Job& job, const std::vector<uint8_t>& graph, package::Ch
 }  // namespace
 
 void describeRenditions(const package::Sequence& sequence, ReportSequence& report) {
-  for (const package::Rendition& r : sequence.renditions)
-    report.renditions.push_back({r.video_uri, r.codec, r.width, r.height, r.video_bytes});
+  for (size_t r = 0; r < sequence.renditions.size(); ++r) {
+    const package::Rendition& rendition = sequence.renditions[r];
+    report.renditions.push_back({rendition.video_uri, rendition.codec, rendition.width, rendition.height,
+                                 rendition.video_bytes, sequence.geometryBytes(static_cast<uint32_t>(r))});
+  }
   report.video_bytes = sequence.renditions.back().video_bytes;
 }
 
@@ -243,6 +270,7 @@ Status assemble(BakeRun& run, const std::vector<uint8_t>& graph, const std::opti
   package::Character character = describeCharacter(job);
   for (const StreamPlan& plan : job.streams) {
     FOURDVT_ASSIGN(auto packed, packSequence(run, plan));
+    if (packed.manifest.coarse_renditions > 0) character.version = package::kCoarseFormatVersion;
     character.sequences.push_back(std::move(packed.manifest));
     report.sequences.push_back(std::move(packed.report));
   }

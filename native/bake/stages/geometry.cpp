@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "bake/run/renditions.h"
+
 namespace fourdvt::bake {
 
 ChunkBuilder::ChunkBuilder(const Job& job, const StreamPlan& plan)
@@ -35,6 +37,17 @@ void addAlignment(std::span<const AlignedFrame> aligned, double step_m, package:
   const double step = double(float(step_m));
   for (const AlignedFrame& frame : aligned)
     for (const glm::vec2& d : frame.displacement_m) frames.alignment.emplace_back(glm::round(glm::dvec2(d) / step));
+}
+
+Status saveChunks(const BakeRun& run, const StreamPlan& plan, uint32_t gop, const package::ChunkFrames& frames,
+                  const package::ChunkMesh& mesh) {
+  const BakeOptions& o = run.job.options;
+  if (hasCoarseGeometry(o)) {
+    FOURDVT_ASSIGN(const auto coarse, package::encodeCoarseChunk(frames, mesh, o.coarse_step_m / o.position_step_m));
+    FOURDVT_TRY(run.work.saveChunk(plan.name, gop, coarse, Precision::Coarse));
+  }
+  FOURDVT_ASSIGN(const auto chunk, package::encodeChunk(frames, mesh));
+  return run.work.saveChunk(plan.name, gop, chunk);
 }
 
 }  // namespace fourdvt::bake

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Quantises the frames of one GOP as the package codes them, and adds their alignment once it is measured.
+// Quantises the frames of one GOP as the package codes them, adds their alignment once it is measured, and codes them.
 #pragma once
 
 #include <span>
 
 #include "bake/align/surface_alignment.h"
-#include "bake/run/job.h"
+#include "bake/run/bake_run.h"
 #include "package/stream_file.h"
 
 namespace fourdvt::bake {
@@ -39,5 +39,10 @@ class ChunkBuilder {
 
 // Sets the alignment of `frames`, one entry per frame.
 void addAlignment(std::span<const AlignedFrame> aligned, double step_m, package::ChunkFrames& frames);
+
+// Codes a GOP's frames into the work folder: coarsely too if a rendition goes with that, and last as they are. Errors:
+// WriteFailed, Internal.
+Status saveChunks(const BakeRun& run, const StreamPlan& plan, uint32_t gop, const package::ChunkFrames& frames,
+                  const package::ChunkMesh& mesh);
 
 }  // namespace fourdvt::bake

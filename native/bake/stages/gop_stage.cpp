@@ -222,8 +222,7 @@ Status GopStage::saveGop(OpenGop& open, const StreamPlan& plan, uint32_t gop) {
   if (plan.isClass()) {
     open.artefact.frames = std::move(frames);
   } else {
-    FOURDVT_ASSIGN(auto chunk, package::encodeChunk(frames, chunk_mesh_));
-    FOURDVT_TRY(run_.work.saveChunk(plan.name, gop, chunk));
+    FOURDVT_TRY(saveChunks(run_, plan, gop, frames, chunk_mesh_));
   }
   return run_.work.saveGop(plan.name, gop, open.artefact);
 }

@@ -122,7 +122,8 @@ Json sequenceJson(const ReportSequence& s) {
                                   {"width", r.width},
                                   {"height", r.height},
                                   {"bytes", r.bytes},
-                                  {"mbit_per_s", megabitsPerSecond(s, r.bytes)}});
+                                  {"mbit_per_s", megabitsPerSecond(s, r.bytes)},
+                                  {"total_mbit_per_s", megabitsPerSecond(s, r.bytes + r.geometry_bytes)}});
   if (!s.tiles) return json;
   json["geometry_mbit_per_s"] = megabitsPerSecond(s, s.geometry_bytes);
   json["tiles"] = {{"width", s.tiles->width},
@@ -219,16 +220,17 @@ report::Table sequenceTable(const ReportInput& in) {
 
 report::Table renditionTable(const ReportInput& in) {
   report::Table table{"",
-                      "The same frames, shapes and labels with pictures of other bitrates, the lowest first; the "
-                      "tables above are of the "
-                      "highest, which poster, alignment and scores use.",
-                      {"sequence", "video", "picture", "codec", "bytes", "Mbit/s"},
+                      "The same frames and labels with pictures of other bitrates, and shapes that are coarser where "
+                      "the picture is smaller, the lowest first; the tables above are of the highest, which poster, "
+                      "alignment and scores use.",
+                      {"sequence", "video", "picture", "codec", "bytes", "Mbit/s", "with geometry"},
                       {}};
   for (const ReportSequence& s : in.sequences)
     for (const ReportRendition& r : s.renditions)
       table.rows.push_back({&r == s.renditions.data() ? s.name : "", r.file,
                             std::to_string(r.width) + " × " + std::to_string(r.height), r.codec, bytesText(r.bytes),
-                            fixedText(megabitsPerSecond(s, r.bytes), 2)});
+                            fixedText(megabitsPerSecond(s, r.bytes), 2),
+                            fixedText(megabitsPerSecond(s, r.bytes + r.geometry_bytes), 2)});
   return table;
 }
 

@@ -24,8 +24,9 @@ struct ReportTiles {
 
 struct ReportRendition {
   std::string file, codec;
-  int width = 0, height = 0;  // of the tiled picture
-  uint64_t bytes = 0;
+  int width = 0, height = 0;    // of the tiled picture
+  uint64_t bytes = 0;           // of the video
+  uint64_t geometry_bytes = 0;  // of what else of the stream is played with it, its header included
 };
 
 struct ReportSequence {

@@ -26,10 +26,11 @@ Result<std::vector<uint8_t>> finalHeader(package::StreamIndex& index) {
   std::vector<uint8_t> header = package::writeStreamHeader(index);
   for (int attempt = 0; attempt < 4; ++attempt) {
     uint64_t offset = header.size();
-    for (package::ChunkEntry& chunk : index.chunks) {
-      chunk.offset = offset;
-      offset += chunk.bytes;
-    }
+    for (std::vector<package::ChunkEntry>* chunks : {&index.chunks, &index.coarse_chunks})
+      for (package::ChunkEntry& chunk : *chunks) {
+        chunk.offset = offset;
+        offset += chunk.bytes;
+      }
     std::vector<uint8_t> next = package::writeStreamHeader(index);
     const bool stable = next.size() == header.size();
     header = std::move(next);
@@ -43,11 +44,12 @@ Result<std::vector<uint8_t>> finalHeader(package::StreamIndex& index) {
 
 // Writes header and chunks into one file, with one chunk in memory at a time.
 Status writeFile(const std::string& path, const std::vector<uint8_t>& header, const WorkFolder& work,
-                 const StreamPlan& plan) {
+                 const StreamPlan& plan, bool coarse) {
+  const auto gops = static_cast<uint32_t>(plan.gop_first_frames.size());
   std::FILE* file = std::fopen(path.c_str(), "wb");
   bool ok = file && std::fwrite(header.data(), 1, header.size(), file) == header.size();
-  for (uint32_t g = 0; ok && g < plan.gop_first_frames.size(); ++g) {
-    auto chunk = work.loadChunk(plan.name, g);
+  for (uint32_t c = 0; ok && c < (coarse ? 2 * gops : gops); ++c) {
+    auto chunk = work.loadChunk(plan.name, c % gops, c < gops ? Precision::Fine : Precision::Coarse);
     if (!chunk) {
       std::fclose(file);
       return chunk.error();
@@ -112,10 +114,11 @@ Result<std::vector<package::SampleTable>> packVideos(const StreamPlan& plan, con
 Status writeStream(package::StreamIndex index, const BakeRun& run, const StreamPlan& plan, package::Sequence& s) {
   const std::string path = run.job.resultFolder() + "/" + s.stream_uri;
   FOURDVT_ASSIGN(auto header, finalHeader(index));
-  FOURDVT_TRY(writeFile(path, header, run.work, plan));
+  FOURDVT_TRY(writeFile(path, header, run.work, plan, s.coarse_renditions > 0));
   s.stream_bytes = platform::fileBytes(path);
   s.stream_header_bytes = static_cast<uint32_t>(header.size());
   s.stream_header_hash = fnv1a(header);
+  for (const package::ChunkEntry& chunk : index.coarse_chunks) s.coarse_bytes += chunk.bytes;
   return {};
 }
 

@@ -316,13 +316,13 @@ std::string settingsKey(const Job& job) {
   char line[400];
   std::snprintf(line, sizeof line,
                 "%s %s classes %d align %d blend %.9g alignment %.9g texture %d equal %d crf %d codec %d preset %.60s "
-                "gop %d step %.9g gutter %d fps %.9g colours %d "
+                "gop %d step %.9g/%.9g gutter %d fps %.9g colours %d "
                 "filter %d contour %.9g/%.9g matte %.9g/%.9g",
                 kGopVersion, labelKey(o).c_str(), int(o.classes.bake), int(o.classes.align), o.classes.blend_error_m,
                 o.classes.alignment_step_m, o.texture, int(o.equal_layers), o.crf, static_cast<int>(o.codec),
-                o.preset.c_str(), o.gop, o.position_step_m, o.gutter_texels, job.capture.fps, int(o.colour_calibration),
-                static_cast<int>(o.resample.filter), o.resample.contour_pixels, o.resample.contour_step_m,
-                o.resample.matte_threshold, o.resample.matte_pixels);
+                o.preset.c_str(), o.gop, o.position_step_m, o.coarse_step_m, o.gutter_texels, job.capture.fps,
+                int(o.colour_calibration), static_cast<int>(o.resample.filter), o.resample.contour_pixels,
+                o.resample.contour_step_m, o.resample.matte_threshold, o.resample.matte_pixels);
   uint64_t hash = kFnv1aStart;
   for (const capture::CaptureSequence& sequence : job.capture.sequences) {
     const std::string key = captureKey(job, sequence);

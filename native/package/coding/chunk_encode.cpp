@@ -31,18 +31,17 @@ bool valuesFit(const ChunkFrames& in) {
                      [](uint8_t label) { return label < kMaxCameras || label == kNoCamera; });
 }
 
-}  // namespace
-
-Result<std::vector<uint8_t>> encodeChunk(const ChunkFrames& frames, const ChunkMesh& mesh) {
+// coarse_scale: 0: exactly the frames.
+Result<std::vector<uint8_t>> encode(const ChunkFrames& frames, const ChunkMesh& mesh, double coarse_scale) {
   if (!countsMatch(frames, mesh)) return Error{ErrorId::Internal, "GOP chunk: counts do not match its contents"};
   if (!valuesFit(frames)) return Error{ErrorId::Internal, "GOP chunk: a value is out of range"};
   std::vector<std::vector<uint8_t>> parts;
   for (uint32_t m = 0; m < frames.member_count; ++m) {
-    parts.push_back(encodePositions(frames, mesh, m));
+    parts.push_back(encodePositions(frames, mesh, m, coarse_scale));
     parts.push_back(encodeLabels(frames, mesh, m));
   }
-  for (uint32_t r = 0; r < frames.reference_count; ++r) parts.push_back(encodeOffsets(frames, mesh, r));
-  for (uint32_t a = 0; a < frames.alignment_count; ++a) parts.push_back(encodeAlignment(frames, mesh, a));
+  for (uint32_t r = 0; r < frames.reference_count; ++r) parts.push_back(encodeOffsets(frames, mesh, r, coarse_scale));
+  for (uint32_t a = 0; a < frames.alignment_count; ++a) parts.push_back(encodeAlignment(frames, mesh, a, coarse_scale));
   ByteWriter out;
   for (const auto& part : parts) out.u32(static_cast<uint32_t>(part.size()));
   for (const auto& part : parts) out.bytes(part);
@@ -50,6 +49,17 @@ Result<std::vector<uint8_t>> encodeChunk(const ChunkFrames& frames, const ChunkM
     for (int k = 0; k < 3; ++k) out.f32(root[k]);
   }
   return out.take();
+}
+
+}  // namespace
+
+Result<std::vector<uint8_t>> encodeChunk(const ChunkFrames& frames, const ChunkMesh& mesh) {
+  return encode(frames, mesh, 0);
+}
+
+Result<std::vector<uint8_t>> encodeCoarseChunk(const ChunkFrames& frames, const ChunkMesh& mesh, double scale) {
+  if (!(scale >= 1)) return Error{ErrorId::Internal, "GOP chunk: coarse steps must not be smaller"};
+  return encode(frames, mesh, scale);
 }
 
 }  // namespace fourdvt::package

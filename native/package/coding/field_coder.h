@@ -8,8 +8,11 @@
 
 namespace fourdvt::package {
 
-// Counts and ranges must have been checked.
-std::vector<uint8_t> encodeOffsets(const ChunkFrames& frames, const ChunkMesh& mesh, uint32_t reference);
-std::vector<uint8_t> encodeAlignment(const ChunkFrames& frames, const ChunkMesh& mesh, uint32_t field);
+// Counts and ranges must have been checked. coarse_scale: steps of the coded values over those of the given, with the
+// dead zone of encodeCoarseChunk; 0: exactly the values.
+std::vector<uint8_t> encodeOffsets(const ChunkFrames& frames, const ChunkMesh& mesh, uint32_t reference,
+                                   double coarse_scale = 0);
+std::vector<uint8_t> encodeAlignment(const ChunkFrames& frames, const ChunkMesh& mesh, uint32_t field,
+                                     double coarse_scale = 0);
 
 }  // namespace fourdvt::package

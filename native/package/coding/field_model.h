@@ -20,13 +20,20 @@ class FieldModel {
   // is out of range.
   template <int N>
   bool frame(glm::vec<N, int>* values) {
+    return frame(values, [&](uint32_t v, const glm::ivec3& predicted) {
+      glm::ivec3 wanted(0);
+      for (int k = 0; k < N; ++k) wanted[k] = values[v][k];
+      return wanted - predicted;
+    });
+  }
+  // residualOf(vertex, prediction): the residual to code; a decoder's has no meaning.
+  template <int N, class ResidualOf>
+  bool frame(glm::vec<N, int>* values, const ResidualOf& residualOf) {
     std::swap(before_, now_);
     residuals_.beginFrame();
     for (uint32_t v = 0; v < mesh_.vertexCount(); ++v) {
       const glm::ivec3 predicted = predict(v);
-      glm::ivec3 wanted(0);
-      for (int k = 0; k < N; ++k) wanted[k] = values[v][k];
-      now_[v] = predicted + residuals_.code(v, wanted - predicted);
+      now_[v] = predicted + residuals_.code(v, residualOf(v, predicted));
       if (!inRange(now_[v])) return false;
       for (int k = 0; k < N; ++k) values[v][k] = now_[v][k];
     }

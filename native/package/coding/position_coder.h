@@ -7,7 +7,8 @@
 
 namespace fourdvt::package {
 
-// Counts and ranges must have been checked.
-std::vector<uint8_t> encodePositions(const ChunkFrames& frames, const ChunkMesh& mesh, uint32_t member);
+// Counts and ranges must have been checked. coarse_scale: see encodeCoarseChunk; 0: exactly the positions.
+std::vector<uint8_t> encodePositions(const ChunkFrames& frames, const ChunkMesh& mesh, uint32_t member,
+                                     double coarse_scale = 0);
 
 }  // namespace fourdvt::package

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/bytes.h"
+#include "package/coding/coarse_residual.h"
 #include "package/coding/position_coder.h"
 #include "package/coding/position_model.h"
 
 namespace fourdvt::package {
 namespace {
 
-// Scale from the base pose's lattice to the stream's steps. Edges hardly change their lengths between poses, so their
-// lengths in frame 0 are compared with those of the base pose.
-uint32_t baseScale(const glm::ivec3* positions, const ChunkMesh& mesh) {
+// Scale from the base pose's lattice to the stream's steps, which are `step` of the positions'. Edges hardly change
+// their lengths between poses, so their lengths in frame 0 are compared with those of the base pose.
+uint32_t baseScale(const glm::ivec3* positions, const ChunkMesh& mesh, double step) {
   double steps = 0, lattice = 0;
   for (uint32_t v = 0; v < mesh.vertexCount(); ++v) {
     for (uint32_t u : mesh.earlierOf(v).first(mesh.ring_count[v])) {
@@ -17,19 +18,27 @@ uint32_t baseScale(const glm::ivec3* positions, const ChunkMesh& mesh) {
       lattice += glm::dot(b, b);
     }
   }
-  const double scale = lattice > 0 ? std::sqrt(steps / lattice) * 65536 : 0;
+  const double scale = lattice > 0 ? std::sqrt(steps / lattice) / step * 65536 : 0;
   return static_cast<uint32_t>(std::min(scale + 0.5, 4294967295.0));
 }
 
 }  // namespace
 
-std::vector<uint8_t> encodePositions(const ChunkFrames& frames, const ChunkMesh& mesh, uint32_t member) {
+std::vector<uint8_t> encodePositions(const ChunkFrames& frames, const ChunkMesh& mesh, uint32_t member,
+                                     double coarse_scale) {
   const size_t first = size_t(member) * frames.vertex_count, stride = size_t(frames.member_count) * frames.vertex_count;
   std::vector<glm::ivec3> positions = frames.positions;
-  const uint32_t base_scale = baseScale(&positions[first], mesh);
+  const bool coarse = coarse_scale > 0;
+  const uint32_t base_scale = baseScale(&positions[first], mesh, coarse ? coarse_scale : 1);
   BinaryEncoder encoder;
   PositionModel model(encoder, mesh, base_scale);
-  for (uint32_t f = 0; f < frames.frame_count; ++f) model.frame(&positions[f * stride + first]);
+  for (uint32_t f = 0; f < frames.frame_count; ++f) {
+    glm::ivec3* frame = &positions[f * stride + first];
+    if (!coarse)
+      model.frame(frame);
+    else
+      model.frame(frame, [&](uint32_t v, const glm::ivec3& p) { return coarseResidual(frame[v], coarse_scale, p); });
+  }
   ByteWriter out;
   out.u32(base_scale);
   out.bytes(encoder.take());

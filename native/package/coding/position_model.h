@@ -80,10 +80,15 @@ class PositionModel {
   // Codes one frame; frames come in order. positions: [vertex], read by an encoder, written by a decoder. False: a
   // position is out of range.
   bool frame(glm::ivec3* positions) {
+    return frame(positions, [&](uint32_t v, const glm::ivec3& predicted) { return positions[v] - predicted; });
+  }
+  // residualOf(vertex, prediction): the residual to code; a decoder's has no meaning.
+  template <class ResidualOf>
+  bool frame(glm::ivec3* positions, const ResidualOf& residualOf) {
     residuals_.beginFrame();
     for (uint32_t v = 0; v < mesh_.vertexCount(); ++v) {
       const glm::ivec3 predicted = predict(positions, v);
-      positions[v] = predicted + residuals_.code(v, positions[v] - predicted);
+      positions[v] = predicted + residuals_.code(v, residualOf(v, predicted));
       if (!inRange(positions[v])) return false;
     }
     for (uint32_t v = 0; v < mesh_.vertexCount(); ++v) reference_[v] = glm::dvec3(positions[v]);

@@ -46,6 +46,7 @@ std::vector<uint8_t> join(std::span<const uint8_t> mesh, std::span<const uint8_t
 std::vector<uint8_t> finish(StreamIndex index, std::span<const uint8_t> mesh, const std::vector<uint8_t>& chunk,
                             std::span<const uint8_t> key) {
   index.frame_count = 1;
+  index.coarse_chunks.clear();
   index.chunks = {{0, 1, 0, static_cast<uint32_t>(chunk.size()), fnv1a(chunk)}};
   index.renditions = {firstSample(index.renditions[0], key)};
   index.chunks[0].offset = writeStreamHeader(index).size();  // as in a .bin, where the chunk follows the header

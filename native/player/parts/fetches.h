@@ -12,11 +12,12 @@ namespace fourdvt {
 
 // What a byte range is for.
 struct FetchPurpose {
-  enum class Kind { Mesh, Graph, Header, Video, Better, Chunk } kind = Kind::Mesh;  // Better: as stream::Gop::better
-  int sequence = -1;                                                                // -1: it is of the whole character
-  uint32_t gop = 0;                                                                 // Video, Better and Chunk only
+  enum class Kind { Mesh, Graph, Header, Video, Better, Chunk, Fine } kind = Kind::Mesh;  // as of stream::Gop
+  int sequence = -1;                                                                      // -1: of the whole character
+  uint32_t gop = 0;                                                                       // from Video on
   bool ofGop() const { return kind >= Kind::Video; }
-  bool optional() const { return kind == Kind::Graph || kind == Kind::Better; }  // playing goes on without it
+  // Playing goes on without it.
+  bool optional() const { return kind == Kind::Graph || kind == Kind::Better || kind == Kind::Fine; }
 };
 
 struct Fetch {

@@ -13,8 +13,8 @@ constexpr double kSoonest_s = 0.2;  // of fetching, before which nothing is know
 constexpr double kUp = 0.7,
                  kKeep = 0.9;  // shares of the throughput that a rendition may take to be gone up to, and kept
 
-double bitsPerSecond(const package::Sequence& s, const package::Rendition& r) {
-  return 8 * double(r.video_bytes + s.stream_bytes) / s.duration_s();
+double bitsPerSecond(const package::Sequence& s, uint32_t rendition) {
+  return 8 * double(s.renditions[rendition].video_bytes + s.geometryBytes(rendition)) / s.duration_s();
 }
 
 uint32_t texelsOf(const package::Rendition& r) {
@@ -62,7 +62,7 @@ uint32_t Ladder::choose(const package::Sequence& s, uint32_t present) const {
   uint32_t r = highest(s);
   if (quality_ != kAutomaticRendition) return r;
   const double carried_bps = seconds_ < kSoonest_s ? 0 : throughput_bps();
-  while (r > 0 && bitsPerSecond(s, s.renditions[r]) > carried_bps * (r <= present ? kKeep : kUp)) --r;
+  while (r > 0 && bitsPerSecond(s, r) > carried_bps * (r <= present ? kKeep : kUp)) --r;
   return allowed(s, r);
 }
 

@@ -47,6 +47,7 @@ Status Loading::takeStart(std::span<const uint8_t> bytes) {
   start_ = character_->sequences[0];
   start_.frame_count = 1;
   start_.renditions.resize(1);
+  start_.coarse_renditions = 0;
   start_.stream_bytes = start_.renditions[0].video_bytes = bytes.size();
   FOURDVT_TRY(checkHeader(start_, file.index));
   if (!fromCameras())
@@ -130,18 +131,39 @@ void Loading::addNeededGops(const Need& need, std::vector<GopKey>& keys) const {
 bool Loading::requestGop(GopKey key) {
   const package::Sequence& q = sequence(key.sequence);
   stream::Gop& gop = cache_.touch(key);
-  if (gop.chunk_state == PartState::Absent) {
-    gop.chunk_state = PartState::Fetching;
-    const package::ChunkEntry& entry = index(key.sequence).chunks[key.gop];
-    fetches_.request({Kind::Chunk, key.sequence, key.gop}, q.stream_uri, entry.offset, entry.bytes);
-  }
-  if (gop.video_state == PartState::Absent) {
+  const bool new_video = gop.video_state == PartState::Absent;
+  if (new_video) {
     uint32_t& chosen = stream(key.sequence).rendition;
     gop.rendition = chosen = ladder_.choose(q, chosen);
+  }
+  if (gop.chunk_state == PartState::Absent) {
+    gop.chunk_state = PartState::Fetching;
+    gop.coarse = q.hasCoarseGeometry(gop.rendition);
+    requestChunk(key, Kind::Chunk, indexOf(key, gop).chunks[key.gop]);
+  } else if (!q.hasCoarseGeometry(gop.rendition)) {
+    requestFine(key, gop);
+  }
+  if (new_video) {
     gop.video_state = PartState::Fetching;
     requestVideo(key, Kind::Video, gop.rendition);
   }
   return gop.chunk_state == PartState::Fetching || gop.video_state == PartState::Fetching;
+}
+
+const package::StreamIndex& Loading::indexOf(GopKey key, const stream::Gop& gop) const {
+  return gop.coarse ? stream(key.sequence).coarse : index(key.sequence);
+}
+
+void Loading::requestChunk(GopKey key, Kind kind, const package::ChunkEntry& entry) {
+  fetches_.request({kind, key.sequence, key.gop}, sequence(key.sequence).stream_uri, entry.offset, entry.bytes);
+}
+
+// The GOP's coarse chunk is to make way for the other. False: that was asked for before, or is not needed.
+bool Loading::requestFine(GopKey key, stream::Gop& gop) {
+  if (!gop.coarse || gop.fine_state != PartState::Absent) return false;
+  gop.fine_state = PartState::Fetching;
+  requestChunk(key, Kind::Fine, index(key.sequence).chunks[key.gop]);
+  return true;
 }
 
 void Loading::requestVideo(GopKey key, Kind kind, uint32_t rendition) {
@@ -159,6 +181,7 @@ void Loading::raise(const std::vector<GopKey>& keys) {
       continue;
     gop->better_rendition = highest;
     gop->better_state = PartState::Fetching;
+    if (!sequence(key.sequence).hasCoarseGeometry(highest)) requestFine(key, *gop);
     return requestVideo(key, Kind::Better, highest);
   }
 }
@@ -179,6 +202,16 @@ void Loading::cancelUnneeded(const std::vector<GopKey>& keep) {
   });
 }
 
+// Only where decoding begins anew: within a pass all rows before would have to be decoded at once.
+void Loading::takeFine(stream::Gop& gop) {
+  if (gop.fine_state != PartState::Present) return;
+  gop.geometry.reset();
+  gop.chunk = std::move(gop.fine);
+  gop.fine.clear();
+  gop.fine_state = PartState::Absent;
+  gop.coarse = false;
+}
+
 void Loading::takeBetter(int sequence, uint32_t gop_index) {
   stream::Gop* gop = cache_.find({sequence, gop_index});
   if (!gop || gop->better_state != PartState::Present) return;
@@ -190,7 +223,7 @@ void Loading::takeBetter(int sequence, uint32_t gop_index) {
 
 void Loading::dropOtherRenditions() {
   fetches_.cancel([&](const FetchPurpose& purpose) {
-    if (purpose.kind != Kind::Video && purpose.kind != Kind::Better) return false;
+    if (!purpose.ofGop()) return false;
     if (PartState* state = stateOf(purpose)) *state = PartState::Absent;
     return true;
   });
@@ -200,8 +233,14 @@ void Loading::dropOtherRenditions() {
     for (uint32_t g = 0; g < index(s).chunks.size(); ++g) {
       stream::Gop* gop = cache_.find({s, g});
       if (!gop) continue;
-      gop->better_state = PartState::Absent;
+      gop->better_state = gop->fine_state = PartState::Absent;
       gop->better.clear();
+      gop->fine.clear();
+      if (gop->coarse && !sequence(s).hasCoarseGeometry(stream(s).rendition)) {
+        gop->chunk_state = PartState::Absent;
+        gop->geometry.reset();
+        gop->chunk.clear();
+      }
       if (gop->video_state != PartState::Present || gop->rendition == stream(s).rendition) continue;
       gop->video_state = PartState::Absent;
       gop->video.clear();
@@ -216,7 +255,9 @@ Arrival Loading::receive(uint32_t id, std::span<const uint8_t> bytes) {
     return refuse(id, "got " + std::to_string(bytes.size()) + " bytes of " + std::to_string(pending->range.bytes));
   const FetchRange range = pending->range;
   const FetchPurpose purpose = fetches_.finish(id);
-  if (PartState* state = stateOf(purpose)) *state = PartState::Failed;  // until the bytes turn out to be good
+  PartState* state = stateOf(purpose);
+  if (!state) return {};
+  *state = PartState::Failed;  // until the bytes turn out to be good
   if (fnv1a(bytes) != hashOf(purpose)) {
     if (purpose.optional()) return {};
     return {Arrival::What::Nothing, purpose.sequence,
@@ -252,7 +293,8 @@ Arrival Loading::refuse(uint32_t id, const std::string& reason) {
                                           "); check that the file is complete on the server"}};
 }
 
-// Of the bytes that a fetch should bring. Each comes from bytes that were checked before, the first from the manifest.
+// Of the bytes that a fetch should bring, where stateOf is not null. Each comes from bytes that were checked before,
+// the first from the manifest.
 uint64_t Loading::hashOf(const FetchPurpose& purpose) const {
   switch (purpose.kind) {
     case Kind::Mesh:
@@ -264,11 +306,15 @@ uint64_t Loading::hashOf(const FetchPurpose& purpose) const {
     case Kind::Video:
     case Kind::Better: {
       const stream::Gop* gop = cache_.find({purpose.sequence, purpose.gop});
-      const uint32_t rendition = !gop ? 0 : purpose.kind == Kind::Video ? gop->rendition : gop->better_rendition;
+      const uint32_t rendition = purpose.kind == Kind::Video ? gop->rendition : gop->better_rendition;
       return index(purpose.sequence).renditions[rendition].chunk_hash[purpose.gop];
     }
-    default:
+    case Kind::Fine:
       return index(purpose.sequence).chunks[purpose.gop].hash;
+    default: {
+      const GopKey key{purpose.sequence, purpose.gop};
+      return indexOf(key, *cache_.find(key)).chunks[purpose.gop].hash;
+    }
   }
 }
 
@@ -280,6 +326,7 @@ PartState* Loading::stateOf(const FetchPurpose& purpose) {
   stream::Gop* gop = cache_.find({purpose.sequence, purpose.gop});
   if (!gop) return nullptr;
   if (purpose.kind == Kind::Better) return &gop->better_state;
+  if (purpose.kind == Kind::Fine) return &gop->fine_state;
   return purpose.kind == Kind::Video ? &gop->video_state : &gop->chunk_state;
 }
 
@@ -303,6 +350,7 @@ Status Loading::receiveHeader(int sequence_index, std::span<const uint8_t> bytes
   auto index = package::readStreamHeader(bytes);
   if (!index.ok()) return named(sequence(sequence_index).stream_uri, index.error());
   FOURDVT_TRY(checkHeader(sequence(sequence_index), index.value()));
+  if (sequence(sequence_index).coarse_renditions > 0) stream(sequence_index).coarse = index.value().coarse();
   stream(sequence_index).index = index.take();
   stream(sequence_index).header = PartState::Present;
   return {};
@@ -313,12 +361,13 @@ Status Loading::checkHeader(const package::Sequence& q, const package::StreamInd
   if (i.frame_count != q.frame_count || !isOf(i.vertex_count, character_->vertex_count) ||
       !isOf(i.face_count, character_->face_count) || i.layer_count != static_cast<uint32_t>(character_->layer_count) ||
       i.renditions.size() != q.renditions.size() || i.member_count != q.members.size() ||
-      i.reference_count != q.reference_count)
+      i.reference_count != q.reference_count || i.coarse_chunks.empty() != (q.coarse_renditions == 0))
     return Error{ErrorId::StreamInvalid,
                  q.stream_uri + ": stream and manifest disagree on counts; bake the character again"};
-  for (const package::ChunkEntry& chunk : i.chunks)
-    if (!liesWithin(chunk.offset, chunk.bytes, q.stream_bytes))
-      return Error{ErrorId::StreamInvalid, q.stream_uri + ": a chunk lies beyond the end of the file"};
+  for (const std::vector<package::ChunkEntry>* chunks : {&i.chunks, &i.coarse_chunks})
+    for (const package::ChunkEntry& chunk : *chunks)
+      if (!liesWithin(chunk.offset, chunk.bytes, q.stream_bytes))
+        return Error{ErrorId::StreamInvalid, q.stream_uri + ": a chunk lies beyond the end of the file"};
   for (size_t r = 0; r < q.renditions.size(); ++r)
     for (const package::VideoSample& sample : i.renditions[r].samples)
       if (!liesWithin(sample.offset, sample.bytes, q.renditions[r].video_bytes))
@@ -337,6 +386,7 @@ void Loading::receiveGraph(std::span<const uint8_t> bytes) {
 void Loading::receiveGop(const FetchPurpose& purpose, std::span<const uint8_t> bytes) {
   stream::Gop& gop = cache_.touch({purpose.sequence, purpose.gop});
   std::vector<uint8_t>& part = purpose.kind == Kind::Chunk   ? gop.chunk
+                               : purpose.kind == Kind::Fine  ? gop.fine
                                : purpose.kind == Kind::Video ? gop.video
                                                              : gop.better;
   part.assign(bytes.begin(), bytes.end());
@@ -385,15 +435,17 @@ Status Loading::geometry(int sequence_index, uint32_t frame, FrameGeometry& out)
   stream::Gop* gop = cache_.find({sequence_index, gop_index});
   if (!gop || gop->chunk_state != PartState::Present) return {};
   const uint32_t row = frame - streamed.chunks[gop_index].first_frame;
+  if (row < gop->row || !gop->decoded()) takeFine(*gop);
+  gop->row = row;
+  const package::StreamIndex& coded = indexOf({sequence_index, gop_index}, *gop);
   const package::Sequence& q = sequence(sequence_index);
-  const Status status = fromCameras()
-                            ? decodeTo(gop->surfaces, row,
-                                       [&] { return cameras_->open(gop->chunk, streamed, gop_index, *character_, q); })
-                            : decodeTo(gop->geometry, row, [&] {
-                                return package::ChunkDecoder::open(gop->chunk, streamed, gop_index, chunk_mesh_);
-                              });
+  const Status status =
+      fromCameras()
+          ? decodeTo(gop->surfaces, row, [&] { return cameras_->open(gop->chunk, coded, gop_index, *character_, q); })
+          : decodeTo(gop->geometry, row,
+                     [&] { return package::ChunkDecoder::open(gop->chunk, coded, gop_index, chunk_mesh_); });
   if (!status.ok()) return named(q.stream_uri, status.error());
-  out = {gop->geometry ? &gop->geometry->frames() : nullptr, &streamed, row, gop->surfaces.get()};
+  out = {gop->geometry ? &gop->geometry->frames() : nullptr, &coded, row, gop->surfaces.get()};
   return {};
 }
 

@@ -95,7 +95,7 @@ class Loading {
  private:
   struct Stream {  // one of each sequence
     stream::PartState header = stream::PartState::Absent;
-    package::StreamIndex index;
+    package::StreamIndex index, coarse;  // coarse: of those chunks, if there are any
     bool broken = false;
     uint32_t rendition = 0;  // that was chosen last
   };
@@ -105,6 +105,11 @@ class Loading {
   void requestMesh();
   void requestHeader(int sequence);
   bool requestGop(stream::GopKey key);
+  void requestChunk(stream::GopKey key, FetchPurpose::Kind kind, const package::ChunkEntry& entry);
+  bool requestFine(stream::GopKey key, stream::Gop& gop);
+  void takeFine(stream::Gop& gop);
+  // That the GOP's chunk is of.
+  const package::StreamIndex& indexOf(stream::GopKey key, const stream::Gop& gop) const;
   void requestVideo(stream::GopKey key, FetchPurpose::Kind kind, uint32_t rendition);
   void raise(const std::vector<stream::GopKey>& keys);
   bool holdsWhole(int sequence) const;

@@ -250,11 +250,80 @@ TEST(StreamHeader, AsksForANewBakeOfOlderVersionsAndANewPlayerForLater) {
     EXPECT_EQ(old.error().id, ErrorId::Unsupported);
     EXPECT_NE(old.error().message.find("bake the character again"), std::string::npos);
   }
-  bytes[4] = 6;
+  bytes[4] = 7;
   auto later = readStreamHeader(bytes);
   ASSERT_FALSE(later.ok());
   EXPECT_EQ(later.error().id, ErrorId::Unsupported);
   EXPECT_NE(later.error().message.find("update the player"), std::string::npos);
+}
+
+TEST(StreamHeader, CoarseChunksAreOfTheSameGops) {
+  StreamIndex in = smallIndex();
+  in.coarse_step_m = 3 * in.position_step_m;
+  in.coarse_chunks = in.chunks;
+  for (ChunkEntry& chunk : in.coarse_chunks) chunk.offset += 1'000'000, chunk.bytes = 77, chunk.hash ^= 5;
+  const std::vector<uint8_t> bytes = writeStreamHeader(in);
+  ASSERT_EQ(bytes[4], 6);
+  const StreamIndex out = readStreamHeader(bytes).take();
+  ASSERT_EQ(out.coarse_chunks.size(), in.chunks.size());
+  const StreamIndex coarse = out.coarse();
+  EXPECT_EQ(coarse.position_step_m, 3 * in.position_step_m);
+  EXPECT_FLOAT_EQ(coarse.alignment_step_m, 3 * in.alignment_step_m);
+  for (size_t c = 0; c < in.chunks.size(); ++c) {
+    EXPECT_EQ(coarse.chunks[c].first_frame, in.chunks[c].first_frame);
+    EXPECT_EQ(coarse.chunks[c].frame_count, in.chunks[c].frame_count);
+    EXPECT_EQ(coarse.chunks[c].offset, in.coarse_chunks[c].offset);
+    EXPECT_EQ(coarse.chunks[c].bytes, 77u);
+    EXPECT_EQ(coarse.chunks[c].hash, in.coarse_chunks[c].hash);
+  }
+  for (const auto damage : {0, 1, 2}) {
+    StreamIndex bad = in;
+    if (damage == 0) bad.coarse_step_m = in.position_step_m / 2;
+    if (damage == 1) bad.coarse_chunks[0].bytes = 0;
+    if (damage == 2) bad.coarse_chunks[0].offset = 3;
+    EXPECT_FALSE(readStreamHeader(writeStreamHeader(bad)).ok()) << damage;
+  }
+}
+
+// Frames of a wavy motion, a tenth of a step of noise aside.
+ChunkFrames wavyFrames(uint32_t count, uint32_t vertices, uint32_t faces) {
+  ChunkFrames in = randomFrames(count, vertices, faces, 3, 1, {2, 1, true});
+  for (size_t i = 0; i < in.positions.size(); ++i) {
+    const double f = double(i / vertices), v = double(i % vertices);
+    in.positions[i] = {int(900 * std::sin(0.2 * v + 0.1 * f)), int(40 * v + 30 * std::sin(0.3 * f)),
+                       int(500 * std::cos(0.15 * v)) + in.positions[i].z % 3};
+  }
+  for (glm::ivec3& offset : in.offsets) offset %= 7;
+  for (glm::ivec2& along : in.alignment) along %= 9;
+  return in;
+}
+
+TEST(Chunk, CoarseOnesStayWithinTheDeadZone) {
+  const ChunkFrames in = wavyFrames(9, 40, 60);
+  const ChunkMesh mesh = strandMesh(40, 60);
+  const size_t exact = encodeChunk(in, mesh).take().size();
+  size_t before = exact;
+  for (const double scale : {2.0, 8.0}) {
+    const auto bytes = encodeCoarseChunk(in, mesh, scale).take();
+    const ChunkFrames out = decodeChunk(bytes, indexFor(in), 0, mesh).take();
+    double largest = 0;
+    for (size_t i = 0; i < in.positions.size(); ++i)
+      for (int k = 0; k < 3; ++k)
+        largest = std::max(largest, std::abs(out.positions[i][k] * scale - in.positions[i][k]) / scale);
+    for (size_t i = 0; i < in.offsets.size(); ++i)
+      for (int k = 0; k < 3; ++k)
+        largest = std::max(largest, std::abs(out.offsets[i][k] * scale - in.offsets[i][k]) / scale);
+    for (size_t i = 0; i < in.alignment.size(); ++i)
+      for (int k = 0; k < 2; ++k)
+        largest = std::max(largest, std::abs(out.alignment[i][k] * scale - in.alignment[i][k]) / scale);
+    EXPECT_LE(largest, 0.8 + 1e-9);
+    if (scale > 2) EXPECT_GT(largest, 0.5) << "rounding alone would stay below";
+    EXPECT_EQ(out.labels, in.labels);
+    EXPECT_EQ(out.root, in.root);
+    EXPECT_LT(bytes.size(), before);
+    before = bytes.size();
+  }
+  EXPECT_FALSE(encodeCoarseChunk(in, mesh, 0.5).ok());
 }
 
 TEST(Chunk, RoundTripsExactly) {

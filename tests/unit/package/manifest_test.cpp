@@ -544,9 +544,28 @@ TEST(CameraManifest, LayeredManifestsDoNotAskForItsFields) {
   EXPECT_EQ(read.value().appearance, AppearanceKind::Layers);
 }
 
+TEST(Manifest, CoarseGeometryIsOfVersion3) {
+  json manifest = writtenManifest();
+  const std::string stream = kAt + "/sequences/0/stream";
+  manifest[json::json_pointer(stream + "/coarse/renditions")] = 1;
+  manifest[json::json_pointer(stream + "/coarse/byteLength")] = 30;
+  EXPECT_EQ(readManifest(flatten(manifest)).take().sequences[0].coarse_renditions, 0u) << "unknown in version 1";
+  manifest[json::json_pointer(kAt + "/version")] = 3;
+  Character c = readManifest(flatten(manifest)).take();
+  EXPECT_EQ(c.sequences[0].coarse_renditions, 1u);
+  EXPECT_EQ(c.sequences[0].coarse_bytes, 30u);
+  EXPECT_EQ(c.sequences[0].geometryBytes(0), 30u + c.sequences[0].stream_header_bytes);
+  EXPECT_EQ(c.sequences[0].geometryBytes(1), c.sequences[0].stream_bytes - 30);
+  for (const auto& [field, value] : {std::pair{"renditions", 99.0}, {"renditions", 0.0}, {"byteLength", 1e12}}) {
+    json bad = manifest;
+    bad[json::json_pointer(stream + "/coarse/" + field)] = value;
+    EXPECT_FALSE(readManifest(flatten(bad)).ok()) << field << " " << value;
+  }
+}
+
 TEST(Manifest, NewerVersionIsUnsupported) {
   json newer = writtenManifest();
-  newer[json::json_pointer(kAt + "/version")] = 3;
+  newer[json::json_pointer(kAt + "/version")] = 4;
   auto read = readManifest(flatten(newer));
   ASSERT_FALSE(read.ok());
   EXPECT_EQ(read.error().id, ErrorId::Unsupported);

@@ -48,6 +48,16 @@ TEST(Ladder, KeepsARenditionThatItWouldNotGoUpTo) {
   EXPECT_EQ(carrying(5e6).choose(rungs(), 2), 1u);
 }
 
+TEST(Ladder, CountsTheGeometryThatGoesWithARendition) {
+  package::Sequence s = rungs();  // the lowest: 0.5 Mbit/s of video, and 0.5 of geometry
+  EXPECT_EQ(carrying(1.2e6).choose(s, 1), 0u);
+  s.coarse_renditions = 2;
+  s.coarse_bytes = 125'000;
+  s.stream_bytes += s.coarse_bytes;
+  EXPECT_EQ(carrying(1.9e6).choose(s, 1), 1u) << "1.6 Mbit/s with 0.1 of geometry";
+  EXPECT_EQ(carrying(7.3e6).choose(s, 0), 2u) << "the highest does not pay for coarse geometry";
+}
+
 TEST(Ladder, ForgetsWithTime) {
   Ladder ladder = carrying(8e6);
   for (int i = 0; i < 500; ++i) ladder.measure(uint64_t(2e6 / 8 * 0.016), 0.016, true);
@@ -105,6 +115,57 @@ TEST(Renditions, SwitchAtGopsWithoutAWrongPairOrAStall) {
   EXPECT_TRUE(edge.errors.empty());
   EXPECT_EQ(widths, (std::vector<int>{160, 192, 160, 192})) << "lowest, highest, lowest, highest";
   EXPECT_LT(edge.max_bytes_held, 120'000u);
+}
+
+TEST(Renditions, CoarseGeometryMakesWayWhereALoopIsHeldWhole) {
+  const FakeCharacter character = FakeBuilder().build({{"walk", 24, 12, 25, true, 192, 16, {}, 2, 1}});
+  EdgeOptions options;
+  options.player.rendition = kAutomaticRendition;
+  options.bits_per_s = 400'000;
+  SimulatedEdge edge(character, options);
+  ASSERT_TRUE(edge.load());
+  EXPECT_NEAR(edge.draw().member, 0.01, 1e-4) << "vertex 1 lies at 8 steps, not 7";
+  edge.player->play();
+  int coarse = 0, fine_after_coarse = 0;
+  for (int i = 0; i < 1500; ++i) {
+    edge.step(0.008);
+    const auto drawn = edge.draw();
+    ASSERT_EQ(drawn.picture_frame, drawn.geometry_frame);
+    const bool fine = std::abs(drawn.member) < 1e-4;
+    coarse += !fine;
+    fine_after_coarse += fine;
+    if (fine_after_coarse > 400) EXPECT_TRUE(fine) << i;
+  }
+  EXPECT_GT(coarse, 30);
+  EXPECT_GT(fine_after_coarse, 500);
+  EXPECT_EQ(edge.draw().picture_width, 192);
+  EXPECT_EQ(edge.events[EventKind::Waiting], 0);
+  EXPECT_TRUE(edge.errors.empty());
+}
+
+TEST(Renditions, TheHighestNeverFetchesCoarseGeometry) {
+  const FakeCharacter character = FakeBuilder().build({{"walk", 24, 12, 25, true, 192, 16, {}, 3, 2}});
+  SimulatedEdge edge(character, {});
+  ASSERT_TRUE(edge.load());
+  EXPECT_NEAR(edge.draw().member, 0, 1e-4);
+  edge.player->setQuality(1, 0);
+  ASSERT_TRUE(edge.runUntil([&] { return edge.draw().picture_width == 176; }));
+  EXPECT_NEAR(edge.draw().member, 0, 1e-4) << "what is held is played";
+}
+
+TEST(Renditions, TheHighestBringsItsGeometryWhileASeekWaits) {
+  const FakeCharacter character = FakeBuilder().build({{"walk", 30, 10, 25, true, 192, 16, {}, 3, 2}});
+  EdgeOptions options;
+  options.player.rendition = 1;
+  SimulatedEdge edge(character, options);
+  ASSERT_TRUE(edge.load());
+  edge.player->seekFrame(13);
+  ASSERT_TRUE(edge.runUntilShown());
+  EXPECT_NEAR(edge.draw().member, 0.01, 1e-4);
+  edge.player->setQuality(kHighestRendition, 0);
+  ASSERT_TRUE(edge.runUntil([&] { return edge.draw().picture_width == 192; }));
+  EXPECT_NEAR(edge.draw().member, 0, 1e-4);
+  EXPECT_EQ(edge.draw().geometry_frame, 13);
 }
 
 TEST(Renditions, OneThatIsNamedReplacesThePictureOnScreen) {
