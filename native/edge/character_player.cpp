@@ -175,7 +175,8 @@ void FilePlayer::offerHeldPictures() {
 Status FilePlayer::takeEvents() {
   Status first;
   for (Event event; player_->nextEvent(event);) {
-    if (event.kind != EventKind::Error) continue;
+    // A rendition was chosen: another one must not take its place.
+    if (event.kind != EventKind::Error && event.kind != EventKind::Warning) continue;
     if (const package::Sequence* current = player_->sequence()) errors_.emplace(current->name, event.error);
     if (first.ok()) first = event.error;
   }

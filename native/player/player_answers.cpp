@@ -33,13 +33,17 @@ void PlayerImpl::onRangeReceived(uint32_t id, std::span<const uint8_t> bytes) {
     for (Track& t : tracks_)
       if (t.head.sequence() == arrival.sequence) restartFeed(t);
   }
-  if (!arrival.status.ok()) fail(arrival.status.error(), arrival.sequence);
-  if (arrival.what != Arrival::What::Nothing) requestMissing();
+  settle(arrival);
 }
 
-void PlayerImpl::onRangeFailed(uint32_t id, const std::string& reason) {
-  const Arrival arrival = loading_.refuse(id, reason);
-  if (!arrival.status.ok()) fail(arrival.status.error(), arrival.sequence);
+void PlayerImpl::onRangeFailed(uint32_t id, const std::string& reason) { settle(loading_.refuse(id, reason)); }
+
+void PlayerImpl::settle(const Arrival& arrival) {
+  if (arrival.what == Arrival::What::LeftOut)
+    outbox_.emit({EventKind::Warning, arrival.status.error(), 0, 0});
+  else if (!arrival.status.ok())
+    fail(arrival.status.error(), arrival.sequence);
+  if (arrival.what != Arrival::What::Nothing) requestMissing();
 }
 
 // Reports what is broken and stops asking for it: one sequence, or everything (-1). The player itself stays usable.

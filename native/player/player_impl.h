@@ -112,6 +112,7 @@ class PlayerImpl final : public Player {
 
   // player_answers.cpp
   void requestMissing();
+  void settle(const Arrival& arrival);
   void stopFeed(Track& track);
   void restartFeed(Track& track);
   void feedAgain(Track& track);

@@ -39,7 +39,7 @@ class SimulatedEdge {
   TaggingDevice device;
   std::unique_ptr<Player> player;
   std::map<EventKind, int> events;
-  std::vector<Error> errors;
+  std::vector<Error> errors, warnings;
   std::vector<Event> progress;
   double now_s = 0;
   int max_slots_busy = 0, requests_after_error = 0, flushes = 0, stale_answers = 0, closes = 0;
@@ -252,6 +252,7 @@ class SimulatedEdge {
   void note(const Event& event) {
     ++events[event.kind];
     if (event.kind == EventKind::Error) errors.push_back(event.error);
+    if (event.kind == EventKind::Warning) warnings.push_back(event.error);
     if (event.kind == EventKind::Progress) progress.push_back(event);
   }
 

@@ -68,12 +68,14 @@ const kCases = [
     patch(folder, e.mesh.uri, (b) => noise(b, e.mesh.byteOffset, e.mesh.byteOffset + e.mesh.byteLength));
     delete e.start; // which has the mesh, too
   })),
-  damaged('video is missing', ['fetch-failed'], (folder, _, e) => rmSync(join(folder, e.sequences[0].renditions[0].uri))),
-  damaged('video is cut off', ['fetch-failed'], (folder, _, e) => {
-    patch(folder, e.sequences[0].renditions[0].uri, (b) => b.subarray(0, b.length / 4));
+  damaged('every video is missing', ['fetch-failed'], (folder, _, e) => {
+    for (const { uri } of e.sequences[0].renditions) rmSync(join(folder, uri));
+  }),
+  damaged('every video is cut off', ['fetch-failed'], (folder, _, e) => {
+    for (const { uri } of e.sequences[0].renditions) patch(folder, uri, (b) => b.subarray(0, b.length / 4));
   }),
   ...[damaged, forged].map((kind) => kind('video samples are noise', [kind === forged ? 'video-invalid' : 'files-differ'], (folder, _, e) => {
-    patch(folder, e.sequences[0].renditions[0].uri, (b) => noise(b));
+    for (const { uri } of e.sequences[0].renditions) patch(folder, uri, (b) => noise(b));
   })),
   manifestCase('video of an unknown codec', ['decoder-unsupported'], (e) => { for (const rendition of e.sequences[0].renditions) rendition.codec = 'xyz9.1'; }),
 ];
@@ -86,6 +88,7 @@ before(async () => {
   makeCase({ damage: (target, _, e) => {
     patch(target, e.sequences[1].stream.uri, (b) => noise(b, e.sequences[1].stream.headerLength));
   } }, 'one-motion');
+  makeCase({ damage: (target, _, e) => rmSync(join(target, e.sequences[0].renditions.at(-1).uri)) }, 'one-rendition');
   writeFileSync(join(folder, 'errors.html'), kPage);
   writeFileSync(join(folder, 'page.css'), 'fourdvt-viewer { width: 300px; height: 400px; }');
   server = await serve(folder);
@@ -157,6 +160,28 @@ test('one damaged motion does not take the others along', async () => {
   }, kPatienceMs);
   assert.equal(outcome.detail.id, 'files-differ', JSON.stringify(outcome.detail));
   assert.ok(outcome.frames >= 4, 'the undamaged motion plays on');
+});
+
+test('a rendition whose file is missing is left out, and the console names it', async () => {
+  const warnings = [];
+  const note = (message) => message.type() === 'warning' && warnings.push(message.text());
+  page.on('console', note);
+  const { type, errors } = await load('one-rendition/character.gltf');
+  assert.equal(type, 'canplay');
+  const end = Date.now() + kPatienceMs;
+  while (!warnings.length && Date.now() < end) await page.waitForTimeout(50);
+  page.off('console', note);
+  assert.match(warnings.join(), /fetch-failed: .*walk\.mp4/);
+  const later = await page.evaluate(async () => {
+    const viewer = document.querySelector('fourdvt-viewer'), frames = new Set();
+    for (let i = 0; i < 40; ++i) {
+      frames.add(viewer.frame);
+      await new Promise((next) => setTimeout(next, 50));
+    }
+    return frames.size;
+  });
+  assert.ok(later >= 4, 'it plays on');
+  assert.equal(errors, 0);
 });
 
 test('the same element still shows a good character', async () => {

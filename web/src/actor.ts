@@ -140,6 +140,8 @@ export class Actor implements Performer {
           this.#host.emit('error', event.error);
         } else if (event.name === 'progress') {
           this.#host.emit('progress', { loaded: event.loadedBytes, total: event.totalBytes });
+        } else if (event.name === 'warning') {
+          console.warn(`fourdvt-viewer: ${event.error.id}: ${event.error.message}`);
         } else {
           this.#host.emit(event.name);
         }

@@ -16,6 +16,7 @@ struct FetchPurpose {
   int sequence = -1;                                                                      // -1: of the whole character
   uint32_t gop = 0;                                                                       // from Video on
   bool ofGop() const { return kind >= Kind::Video; }
+  bool ofVideo() const { return kind == Kind::Video || kind == Kind::Better; }
   // Playing goes on without it.
   bool optional() const { return kind == Kind::Graph || kind == Kind::Better || kind == Kind::Fine; }
 };

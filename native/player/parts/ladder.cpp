@@ -30,14 +30,27 @@ void Ladder::setQuality(uint32_t quality, uint32_t most_texels) {
 
 bool Ladder::leaveOut(const package::Sequence& s, uint32_t rendition) {
   left_out_ |= 1u << rendition;
-  return (left_out_ & ((1u << s.renditions.size()) - 1)) != (1u << s.renditions.size()) - 1;
+  return !allOut(s);
+}
+
+void Ladder::seekAgain(const package::Sequence& s) {
+  for (const package::Rendition& r : s.renditions) std::erase(missing_, &r);
+}
+
+bool Ladder::isOut(const package::Sequence& s, uint32_t r) const {
+  return (left_out_ >> r & 1) != 0 || std::find(missing_.begin(), missing_.end(), &s.renditions[r]) != missing_.end();
+}
+
+bool Ladder::allOut(const package::Sequence& s) const {
+  for (uint32_t r = 0; r < s.renditions.size(); ++r)
+    if (!isOut(s, r)) return false;
+  return true;
 }
 
 uint32_t Ladder::allowed(const package::Sequence& s, uint32_t r) const {
-  const auto out = [&](uint32_t n) { return (left_out_ >> n & 1) != 0; };
   uint32_t found = r;
-  while (found > 0 && out(found)) --found;
-  while (out(found) && found + 1 < s.renditions.size()) ++found;
+  while (found > 0 && isOut(s, found)) --found;
+  while (isOut(s, found) && found + 1 < s.renditions.size()) ++found;
   return found;
 }
 

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "package/character.h"
 
@@ -22,6 +23,11 @@ class Ladder {
   void setQuality(uint32_t quality, uint32_t most_texels);
   // This rendition cannot be decoded here. False: then none of the sequence's can.
   bool leaveOut(const package::Sequence& sequence, uint32_t rendition);
+  // Its video file cannot be fetched, or is another than the manifest describes. The sequence stays where it is.
+  void miss(const package::Rendition& rendition) { missing_.push_back(&rendition); }
+  void seekAgain(const package::Sequence& sequence);  // what was missed
+  bool isOut(const package::Sequence& sequence, uint32_t rendition) const;
+  bool allOut(const package::Sequence& sequence) const;
   // Adds the time since the last call: the bytes that came in it, and whether any were on their way.
   void measure(uint64_t bytes, double step_s, bool fetching);
 
@@ -36,7 +42,8 @@ class Ladder {
   uint32_t allowed(const package::Sequence& sequence, uint32_t r) const;
 
   uint32_t quality_, most_texels_ = 0;
-  uint32_t left_out_ = 0;           // a bit for each rendition
+  uint32_t left_out_ = 0;  // a bit for each rendition
+  std::vector<const package::Rendition*> missing_;
   double bytes_ = 0, seconds_ = 0;  // recent ones, older ones count less
 };
 

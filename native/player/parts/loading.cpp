@@ -259,12 +259,10 @@ Arrival Loading::receive(uint32_t id, std::span<const uint8_t> bytes) {
   if (!state) return {};
   *state = PartState::Failed;  // until the bytes turn out to be good
   if (fnv1a(bytes) != hashOf(purpose)) {
-    if (purpose.optional()) return {};
-    return {Arrival::What::Nothing, purpose.sequence,
-            Error{ErrorId::FilesDiffer, range.uri + ": bytes " + std::to_string(range.offset) + "+" +
-                                            std::to_string(range.bytes) +
-                                            " are not those that were baked with character.gltf; if loading it again "
-                                            "does not help, upload all files of one bake"}};
+    return lose(purpose, {ErrorId::FilesDiffer, range.uri + ": bytes " + std::to_string(range.offset) + "+" +
+                                                    std::to_string(range.bytes) +
+                                                    " are not those that were baked with character.gltf; if loading it "
+                                                    "again does not help, upload all files of one bake"});
   }
   switch (purpose.kind) {
     case Kind::Mesh:
@@ -284,13 +282,26 @@ Arrival Loading::refuse(uint32_t id, const std::string& reason) {
   if (!fetches_.find(id)) return {};
   const Fetch failed = fetches_.drop(id);
   if (PartState* state = stateOf(failed.purpose)) *state = PartState::Failed;
-  const FetchPurpose& purpose = failed.purpose;
-  if (purpose.optional()) return {};
   const FetchRange& range = failed.range;
-  return {Arrival::What::Nothing, purpose.sequence,
-          Error{ErrorId::FetchFailed, range.uri + ": bytes " + std::to_string(range.offset) + "+" +
-                                          std::to_string(range.bytes) + " could not be fetched (" + reason +
-                                          "); check that the file is complete on the server"}};
+  return lose(failed.purpose, {ErrorId::FetchFailed, range.uri + ": bytes " + std::to_string(range.offset) + "+" +
+                                                         std::to_string(range.bytes) + " could not be fetched (" +
+                                                         reason + "); check that the file is complete on the server"});
+}
+
+// Samples that cannot be had leave out their rendition, while the sequence has another one.
+Arrival Loading::lose(const FetchPurpose& purpose, Error error) {
+  PartState* state = stateOf(purpose);
+  if (!purpose.ofVideo())
+    return purpose.optional() ? Arrival{} : Arrival{Arrival::What::Nothing, purpose.sequence, error};
+  if (!state) return {};
+  const package::Sequence& q = sequence(purpose.sequence);
+  const uint32_t rendition = renditionOf(purpose);
+  const bool news = !ladder_.isOut(q, rendition);
+  if (news) ladder_.miss(q.renditions[rendition]);
+  if (ladder_.allOut(q)) return {Arrival::What::Nothing, purpose.sequence, error};
+  *state = PartState::Absent;
+  return news ? Arrival{Arrival::What::LeftOut, purpose.sequence, error}
+              : Arrival{Arrival::What::Other, purpose.sequence, {}};
 }
 
 // Of the bytes that a fetch should bring, where stateOf is not null. Each comes from bytes that were checked before,
@@ -304,11 +315,8 @@ uint64_t Loading::hashOf(const FetchPurpose& purpose) const {
     case Kind::Header:
       return sequence(purpose.sequence).stream_header_hash;
     case Kind::Video:
-    case Kind::Better: {
-      const stream::Gop* gop = cache_.find({purpose.sequence, purpose.gop});
-      const uint32_t rendition = purpose.kind == Kind::Video ? gop->rendition : gop->better_rendition;
-      return index(purpose.sequence).renditions[rendition].chunk_hash[purpose.gop];
-    }
+    case Kind::Better:
+      return index(purpose.sequence).renditions[renditionOf(purpose)].chunk_hash[purpose.gop];
     case Kind::Fine:
       return index(purpose.sequence).chunks[purpose.gop].hash;
     default: {
@@ -316,6 +324,12 @@ uint64_t Loading::hashOf(const FetchPurpose& purpose) const {
       return indexOf(key, *cache_.find(key)).chunks[purpose.gop].hash;
     }
   }
+}
+
+// That samples under way are of.
+uint32_t Loading::renditionOf(const FetchPurpose& purpose) const {
+  const stream::Gop* gop = cache_.find({purpose.sequence, purpose.gop});
+  return !gop ? 0 : purpose.kind == Kind::Video ? gop->rendition : gop->better_rendition;
 }
 
 // Null: nobody needs it any more.
@@ -403,10 +417,11 @@ bool Loading::markBroken(int sequence) {
   return news;
 }
 
-bool Loading::revive(int sequence) {
-  Stream& s = stream(sequence);
+bool Loading::revive(int sequence_index) {
+  Stream& s = stream(sequence_index);
   if (!s.broken) return false;
   s.broken = false;
+  ladder_.seekAgain(sequence(sequence_index));
   for (PartState* state : {&s.header, &mesh_state_})
     if (*state == PartState::Failed) *state = PartState::Absent;
   return true;

@@ -30,9 +30,10 @@ struct Need {
 
 // What an answer to a fetch brought.
 struct Arrival {
-  enum class What { Nothing, Mesh, Header, Other } what = What::Nothing;
+  enum class What { Nothing, Mesh, Header, Other, LeftOut } what = What::Nothing;
   int sequence = -1;
-  Status status;  // not ok: the sequence is broken, or with -1 the whole character
+  // Not ok: the sequence is broken, or with -1 the whole character; LeftOut: only a rendition of it is.
+  Status status;
 };
 
 class Loading {
@@ -116,6 +117,8 @@ class Loading {
   void cancelUnneeded(const std::vector<stream::GopKey>& keep);
   void addNeededGops(const Need& need, std::vector<stream::GopKey>& keys) const;
   uint64_t hashOf(const FetchPurpose& purpose) const;
+  uint32_t renditionOf(const FetchPurpose& purpose) const;
+  Arrival lose(const FetchPurpose& purpose, Error error);
   stream::PartState* stateOf(const FetchPurpose& purpose);
   Status receiveMesh(std::span<const uint8_t> bytes);
   Status takeMesh(Result<package::BaseMesh> mesh);

@@ -27,6 +27,8 @@ const char* eventName(EventKind kind) {
       return "sequencechange";
     case EventKind::Error:
       return "error";
+    case EventKind::Warning:
+      return "warning";
     case EventKind::TransitionStarted:
       return "transitionstart";
     case EventKind::TransitionEnded:

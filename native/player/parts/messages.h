@@ -65,13 +65,14 @@ enum class EventKind {
   Progress,
   SequenceChanged,
   Error,
+  Warning,
   TransitionStarted,
   TransitionEnded
 };
 const char* eventName(EventKind kind);  // "loadedmetadata", "canplay", … as the media element names them
 struct Event {
   EventKind kind;
-  Error error;                                 // Error only
+  Error error;                                 // Error, and Warning: playing goes on without what it names
   uint64_t loaded_bytes = 0, total_bytes = 0;  // Progress only: towards the first picture
 };
 

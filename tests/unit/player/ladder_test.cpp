@@ -199,3 +199,50 @@ TEST(Renditions, OneThatCannotBeDecodedIsLeftOut) {
   ASSERT_EQ(edge.errors.size(), 1u);
   EXPECT_EQ(edge.errors[0].id, ErrorId::DecoderUnsupported);
 }
+
+// A file is not on the server, or is of another bake.
+TEST(Renditions, OneWhoseFileFailsIsLeftOutAndTheOthersPlayOn) {
+  const FakeCharacter character =
+      FakeBuilder().build({{"walk", 30, 10, 25, true, 192, 16, {}, 3}, {"run", 30, 10, 25, true, 192, 16, {}, 3}});
+  for (const bool gone : {true, false}) {
+    const auto spoilt = [&](const std::string& uri) {
+      return std::vector<uint8_t>(gone ? 0 : character.files.at(uri).size(), 0xee);
+    };
+    EdgeOptions options;
+    options.player.rendition = kAutomaticRendition;
+    SimulatedEdge edge(character, options);
+    edge.replaceFile("walk.mp4", spoilt("walk.mp4"));
+    ASSERT_TRUE(edge.load());
+    edge.player->play();
+    ASSERT_TRUE(edge.runUntil([&] { return edge.draw().picture_width == 176; })) << "the highest that is there";
+    EXPECT_FALSE(edge.runUntil([&] { return edge.events[EventKind::Error] > 0; }, 3));
+    EXPECT_EQ(edge.draw().picture_frame, edge.draw().geometry_frame);
+    ASSERT_EQ(edge.warnings.size(), 1u) << "once, not for every GOP";
+    EXPECT_EQ(edge.warnings[0].id, gone ? ErrorId::FetchFailed : ErrorId::FilesDiffer);
+    EXPECT_NE(edge.warnings[0].message.find("walk.mp4"), std::string::npos);
+    ASSERT_TRUE(edge.player->selectSequence("run").ok());
+    ASSERT_TRUE(edge.runUntil([&] { return edge.draw().picture_width == 192; })) << "its own file is there";
+    EXPECT_EQ(edge.events[EventKind::Waiting], 0);
+  }
+}
+
+TEST(Renditions, ASequenceOfWhichNoneCanBeFetchedIsBroken) {
+  const FakeCharacter character = FakeBuilder().build({{"walk", 30, 10, 25, true, 192, 16, {}, 3}});
+  EdgeOptions options;
+  options.player.rendition = kAutomaticRendition;
+  SimulatedEdge edge(character, options);
+  for (const char* uri : {"walk.0.mp4", "walk.1.mp4"}) edge.replaceFile(uri, {});
+  ASSERT_TRUE(edge.load()) << "the lowest are not there";
+  EXPECT_EQ(edge.draw().picture_width, 192);
+  EXPECT_EQ(edge.warnings.size(), 2u);
+  SimulatedEdge none(character, options);
+  for (const char* uri : {"walk.0.mp4", "walk.1.mp4", "walk.mp4"}) none.replaceFile(uri, {});
+  ASSERT_TRUE(none.player->loadManifest(character.manifest).ok());
+  ASSERT_TRUE(none.runUntil([&] { return none.player->failed(); }));
+  ASSERT_EQ(none.errors.size(), 1u);
+  EXPECT_EQ(none.errors[0].id, ErrorId::FetchFailed);
+  none.replaceFile("walk.mp4", character.files.at("walk.mp4"));
+  none.errors.clear();
+  ASSERT_TRUE(none.player->selectSequence("walk").ok());
+  ASSERT_TRUE(none.runUntilShown()) << "asked for again";
+}
