@@ -91,6 +91,7 @@ class PlayerImpl final : public Player {
   // player_tick.cpp
   double clockRate(const Track& track) const;
   void choosePicture(Track& track);
+  void measureDecoding(const Track& track, bool late);
   bool showPicture(Track& track, int slot, const FrameGeometry& geometry);
   bool present(Track& track, int slot, const FrameGeometry& geometry);
   void finishSeek(Track& track, int previous_sequence);

@@ -47,8 +47,15 @@ void PlayerImpl::choosePicture(Track& t) {
     playback_.noteStarvation(t.head.isLate(fps) && !t.feeding.done());
   }
   if (!runs(t)) return;
+  if (isMain(t) && !other().head.used()) measureDecoding(t, slot < 0 && t.head.isLate(fps));
   t.head.holdAtNewest(t.slots, fps);
   if (isMain(t)) finishAtEnd(t);
+}
+
+// The network is not at fault where the samples to feed next are there, too.
+void PlayerImpl::measureDecoding(const Track& t, bool late) {
+  late = late && t.feeding.decoding() && loading_.video(t.head.sequence(), t.feeding.gop());
+  loading_.ladder().measureDecoding(t.feeding.rendition(), playback_.tick_s(), late);
 }
 
 // False: there was no memory for it.

@@ -18,9 +18,10 @@ namespace fourdvt::testing {
 struct EdgeOptions {
   uint32_t seed = 1;
   double fetch_latency_s = 0.05, decode_latency_s = 0.004, copy_latency_s = 0.003;  // largest, uniform from 0
-  double bits_per_s = 0;        // shared by all fetches, one after the other; 0: without limit
-  double fetch_failure = 0;     // probability
-  double stale_delivery = 0.5;  // probability that a picture survives a reset
+  std::vector<double> decode_s;  // by rendition, of every picture, in place of the latency
+  double bits_per_s = 0;         // shared by all fetches, one after the other; 0: without limit
+  double fetch_failure = 0;      // probability
+  double stale_delivery = 0.5;   // probability that a picture survives a reset
   int reorder_delay = 2;
   int wrong_picture_every = 0;  // every n-th picture is another frame's (0: never)
   PlayerOptions player;
@@ -193,8 +194,10 @@ class SimulatedEdge {
     auto [sequence, frame] = first->second;
     if (options.wrong_picture_every && ++pictures_ % options.wrong_picture_every == 0) frame ^= 1;
     const double after_s = decoder.decoded.empty() ? now_s : decoder.decoded.back().due_s;
-    decoder.decoded.push_back({first->first, sequence, decoder.rendition, frame,
-                               std::max(now_s, after_s) + uniform(options.decode_latency_s)});
+    decoder.decoded.push_back(
+        {first->first, sequence, decoder.rendition, frame,
+         std::max(now_s, after_s) +
+             (options.decode_s.empty() ? uniform(options.decode_latency_s) : options.decode_s[decoder.rendition])});
     decoder.reorder.erase(first);
   }
   void answerFetches() {

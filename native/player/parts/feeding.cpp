@@ -25,7 +25,7 @@ void Feeding::restart(const FedSequence& fed, int64_t k, Outbox& outbox) {
   sample_ = 0;
   drop_before_k_ = k;
   serial_base_ = next_serial_ - gop_k_;
-  done_ = flushed_ = lost_ = false;
+  done_ = flushed_ = lost_ = gave_ = false;
   active_ = true;
   if (fed.number != configured_sequence_) losses_ = 0;
   if (configured_ && configured_sequence_ == fed.number)
@@ -103,7 +103,10 @@ std::optional<int64_t> Feeding::presentationOf(int64_t timestamp_us) {
   idle_polls_ = 0;
   const int64_t k = timestamp_us / kTimestampStep_us - serial_base_;
   if (k >= suspect_until_k_) losses_ = 0;
-  if (k >= drop_before_k_) return k;
+  if (k >= drop_before_k_) {
+    gave_ = true;
+    return k;
+  }
   take(timestamp_us);
   return std::nullopt;
 }

@@ -53,6 +53,8 @@ class Feeding {
   bool hopeless() const { return losses_ > kMaxLosses; }
   void close(Outbox& outbox);  // after stop(); frees the decoder until `restart`
 
+  // Samples are in the decoder, and it has given a picture since `restart`: the next one is only a matter of its speed.
+  bool decoding() const { return active_ && gave_ && !in_flight_.empty(); }
   bool active() const { return active_; }
   bool lost() const { return lost_; }                           // stopped by a loss, or closed; `restart` goes on
   bool done() const { return done_; }                           // a sequence that does not loop is fed to its end
@@ -66,6 +68,7 @@ class Feeding {
   void finishGop(const FedSequence& fed);
 
   int decoder_;
+  bool gave_ = false;  // a picture that was waited for
   bool active_ = false, done_ = false, flushed_ = false;
   bool configured_ = false;
   int configured_sequence_ = -1;

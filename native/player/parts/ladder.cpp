@@ -11,7 +11,11 @@ namespace {
 constexpr double kHalfLife_s = 3;   // of what was measured, in time spent fetching
 constexpr double kSoonest_s = 0.2;  // of fetching, before which nothing is known
 constexpr double kUp = 0.7,
-                 kKeep = 0.9;  // shares of the throughput that a rendition may take to be gone up to, and kept
+                 kKeep = 0.9;          // shares of the throughput that a rendition may take to be gone up to, and kept
+constexpr double kLateHalfLife_s = 3;  // of the time that pictures were late
+constexpr double kTooLate_s = 0.4;     // reached in the long run by a decoder that is late for a tenth of the time
+constexpr double kLongStep_s = 0.1;    // the page was busy, or asleep
+constexpr double kRest_s = 30;         // before a rendition that was too slow is tried again, the first time
 
 double bitsPerSecond(const package::Sequence& s, uint32_t rendition) {
   return 8 * double(s.renditions[rendition].video_bytes + s.geometryBytes(rendition)) / s.duration_s();
@@ -22,6 +26,8 @@ uint32_t texelsOf(const package::Rendition& r) {
 }
 
 }  // namespace
+
+Ladder::Ladder(uint32_t quality) : quality_(quality), slow_s_(kRest_s) {}
 
 void Ladder::setQuality(uint32_t quality, uint32_t most_texels) {
   quality_ = quality;
@@ -55,6 +61,8 @@ uint32_t Ladder::allowed(const package::Sequence& s, uint32_t r) const {
 }
 
 void Ladder::measure(uint64_t bytes, double step_s, bool fetching) {
+  slow_left_s_ -= step_s;
+  if (slow_left_s_ <= 0) too_slow_ = 0;
   bytes_ += double(bytes);
   if (!fetching) return;
   seconds_ += step_s;
@@ -63,10 +71,20 @@ void Ladder::measure(uint64_t bytes, double step_s, bool fetching) {
   seconds_ *= kept;
 }
 
+void Ladder::measureDecoding(uint32_t rendition, double step_s, bool late) {
+  if (!rendition || step_s > kLongStep_s || tooSlow(rendition)) return;
+  late_s_ = late_s_ * std::exp2(-step_s / kLateHalfLife_s) + (late ? step_s : 0);
+  if (late_s_ < kTooLate_s) return;
+  late_s_ = 0;
+  too_slow_ = rendition;
+  slow_left_s_ = slow_s_;
+  slow_s_ *= 2;
+}
+
 uint32_t Ladder::highest(const package::Sequence& s) const {
   const uint32_t top = uint32_t(s.renditions.size()) - 1;
   if (quality_ != kAutomaticRendition) return allowed(s, std::min(quality_, top));
-  uint32_t r = top;
+  uint32_t r = too_slow_ ? std::min(too_slow_ - 1, top) : top;
   while (r > 0 && most_texels_ > 0 && texelsOf(s.renditions[r]) > most_texels_) --r;
   return allowed(s, r);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Chooses the rendition that a sequence's next GOPs are fetched in: the lowest at first, then the highest that the
-// network's measured throughput carries. Pure logic on steps of the player's time. Does NOT fetch and does
-// NOT switch anything (loading.h, feeding.h).
+// network's measured throughput carries and that is decoded in time. Pure logic on steps of the player's time. Does NOT
+// fetch and does NOT switch anything (loading.h, feeding.h).
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ constexpr uint32_t kHighestRendition = UINT32_MAX, kAutomaticRendition = UINT32_
 
 class Ladder {
  public:
-  explicit Ladder(uint32_t quality) : quality_(quality) {}
+  explicit Ladder(uint32_t quality);
 
   // quality: a rendition's number (the highest of a sequence that has fewer), or one of the constants above.
   // most_texels: the automatic choice takes no layer 1, or layout, that is wider; 0: any.
@@ -30,6 +30,11 @@ class Ladder {
   bool allOut(const package::Sequence& sequence) const;
   // Adds the time since the last call: the bytes that came in it, and whether any were on their way.
   void measure(uint64_t bytes, double step_s, bool fetching);
+  // Adds a step of playing pictures of this rendition; late: one is due, and only the decoder has yet to give it.
+  // Too much of that takes the automatic choice below the rendition for a while, each time for twice as long.
+  void measureDecoding(uint32_t rendition, double step_s, bool late);
+
+  bool tooSlow(uint32_t rendition) const { return too_slow_ && rendition >= too_slow_; }
 
   // present: the rendition that was chosen before; it is kept while the throughput wavers round a limit.
   uint32_t choose(const package::Sequence& sequence, uint32_t present) const;
@@ -44,7 +49,10 @@ class Ladder {
   uint32_t quality_, most_texels_ = 0;
   uint32_t left_out_ = 0;  // a bit for each rendition
   std::vector<const package::Rendition*> missing_;
-  double bytes_ = 0, seconds_ = 0;  // recent ones, older ones count less
+  double bytes_ = 0, seconds_ = 0;   // recent ones, older ones count less
+  double late_s_ = 0;                // likewise
+  uint32_t too_slow_ = 0;            // the lowest rendition that is not decoded in time; 0: none
+  double slow_left_s_ = 0, slow_s_;  // until it may be tried again; the whole wait the next time
 };
 
 }  // namespace fourdvt

@@ -93,6 +93,7 @@ void Loading::requestMissing(std::span<const Need> needs, int next_sequence) {
   if (next_sequence >= 0) requestHeader(next_sequence);
   cancelUnneeded(keep);
   if (fetches_.progressEnded() && fetches_.empty()) requestGraph();
+  lower(keep);
   if (fetches_.empty()) raise(keep);
   cache_.trim(keep);
 }
@@ -186,6 +187,27 @@ void Loading::raise(const std::vector<GopKey>& keys) {
   }
 }
 
+// A decoder is too slow for what is held: the nearest of it comes again in a lower rendition, and what is held plays
+// until that is there.
+void Loading::lower(const std::vector<GopKey>& keys) {
+  int under_way = 0;
+  for (const GopKey& key : keys) {
+    stream::Gop* gop = cache_.find(key);
+    const package::Sequence& q = sequence(key.sequence);
+    if (!gop || gop->video_state != PartState::Present || !ladder_.tooSlow(gop->rendition)) continue;
+    const uint32_t rendition = ladder_.choose(q, 0);
+    if (ladder_.tooSlow(rendition)) continue;
+    if (gop->better_state == PartState::Absent ||
+        (gop->better_state == PartState::Present && ladder_.tooSlow(gop->better_rendition))) {
+      gop->better_rendition = rendition;
+      gop->better_state = PartState::Fetching;
+      requestVideo(key, Kind::Better, rendition);
+    }
+    under_way += gop->better_state == PartState::Fetching;
+    if (under_way == kGopsOnTheirWay) return;
+  }
+}
+
 bool Loading::holdsWhole(int sequence) const {
   for (uint32_t g = 0; g < index(sequence).chunks.size(); ++g)
     if (!video(sequence, g)) return false;
@@ -215,9 +237,11 @@ void Loading::takeFine(stream::Gop& gop) {
 void Loading::takeBetter(int sequence, uint32_t gop_index) {
   stream::Gop* gop = cache_.find({sequence, gop_index});
   if (!gop || gop->better_state != PartState::Present) return;
-  gop->video = std::move(gop->better);
+  if (!ladder_.tooSlow(gop->better_rendition)) {
+    gop->video = std::move(gop->better);
+    gop->rendition = gop->better_rendition;
+  }
   gop->better.clear();
-  gop->rendition = gop->better_rendition;
   gop->better_state = PartState::Absent;
 }
 

@@ -113,6 +113,7 @@ class Loading {
   const package::StreamIndex& indexOf(stream::GopKey key, const stream::Gop& gop) const;
   void requestVideo(stream::GopKey key, FetchPurpose::Kind kind, uint32_t rendition);
   void raise(const std::vector<stream::GopKey>& keys);
+  void lower(const std::vector<stream::GopKey>& keys);
   bool holdsWhole(int sequence) const;
   void cancelUnneeded(const std::vector<stream::GopKey>& keep);
   void addNeededGops(const Need& need, std::vector<stream::GopKey>& keys) const;

@@ -87,6 +87,41 @@ TEST(Ladder, LimitsAndNamedRenditions) {
   EXPECT_EQ(carrying(1, kHighestRendition).choose(rungs(), 0), 2u);
 }
 
+TEST(Ladder, GoesBelowWhatIsNotDecodedInTimeAndTriesAgainLater) {
+  Ladder ladder = carrying(50e6);
+  const auto play = [&](uint32_t rendition, double seconds, double late_share) {
+    double late = 0;
+    for (int i = 0; i < int(seconds / 0.016); ++i) {
+      late += late_share;
+      ladder.measure(0, 0.016, false);
+      ladder.measureDecoding(rendition, 0.016, late >= 1);
+      if (late >= 1) --late;
+    }
+  };
+  play(2, 60, 0.05);
+  EXPECT_EQ(ladder.choose(rungs(), 2), 2u) << "a picture late now and then";
+  ladder.measureDecoding(2, 0.9, true);
+  EXPECT_EQ(ladder.choose(rungs(), 2), 2u) << "the page was asleep";
+  play(2, 2.5, 0.33);
+  EXPECT_EQ(ladder.choose(rungs(), 2), 1u);
+  EXPECT_EQ(ladder.highest(rungs()), 1u);
+  play(2, 2.5, 0.33);
+  EXPECT_EQ(ladder.choose(rungs(), 1), 1u) << "what is left of the rung above says nothing about this one";
+  play(1, 20, 0);
+  EXPECT_EQ(ladder.choose(rungs(), 1), 1u);
+  play(1, 10, 0);
+  EXPECT_EQ(ladder.choose(rungs(), 1), 2u) << "after half a minute";
+  play(2, 2.5, 0.33);
+  play(1, 50, 0);
+  EXPECT_EQ(ladder.choose(rungs(), 1), 1u) << "the wait is twice as long";
+  play(1, 2.5, 0.5);
+  EXPECT_EQ(ladder.choose(rungs(), 1), 0u);
+  play(0, 20, 0.5);
+  EXPECT_EQ(ladder.choose(rungs(), 0), 0u) << "there is none below";
+  ladder.setQuality(2, 0);
+  EXPECT_EQ(ladder.choose(rungs(), 0), 2u) << "named";
+}
+
 // All renditions of the fake character take the same bitrate.
 TEST(Renditions, SwitchAtGopsWithoutAWrongPairOrAStall) {
   const FakeCharacter character = FakeBuilder().build({{"walk", 900, 12, 25, true, 192, 16, {}, 3}});
@@ -245,4 +280,50 @@ TEST(Renditions, ASequenceOfWhichNoneCanBeFetchedIsBroken) {
   none.errors.clear();
   ASSERT_TRUE(none.player->selectSequence("walk").ok());
   ASSERT_TRUE(none.runUntilShown()) << "asked for again";
+}
+
+// A decoder that takes 10, 20 or 60 ms a picture, at 25 pictures a second, of a long motion and of a loop that is held
+// whole and raised.
+TEST(Renditions, ASlowDecoderGetsALowerOneAndAFastOneNever) {
+  for (const uint32_t frames : {900u, 28u}) {
+    const FakeCharacter character = FakeBuilder().build({{"walk", frames, 14, 25, true, 192, 16, {}, 3}});
+    for (const double highest_s : {0.06, 0.02}) {
+      EdgeOptions options;
+      options.player.rendition = kAutomaticRendition;
+      options.bits_per_s = 1e6;
+      options.decode_s = {0.01, 0.02, highest_s};
+      SimulatedEdge edge(character, options);
+      ASSERT_TRUE(edge.load());
+      edge.player->play();
+      ASSERT_TRUE(edge.runUntil([&] { return edge.draw().picture_width == 192; })) << "it goes up at first";
+      edge.runUntil([] { return false; }, 8);
+      const uint64_t before = edge.player->stats().frames_shown;
+      std::vector<int> widths;
+      for (int i = 0; i < 1'250; ++i) {
+        edge.step(0.008);
+        const auto drawn = edge.draw();
+        ASSERT_EQ(drawn.picture_frame, drawn.geometry_frame);
+        if (widths.empty() || widths.back() != drawn.picture_width) widths.push_back(drawn.picture_width);
+      }
+      EXPECT_EQ(widths, std::vector<int>{highest_s > 0.04 ? 176 : 192}) << frames;
+      EXPECT_NEAR(double(edge.player->stats().frames_shown - before), 250, 3) << frames << " " << highest_s;
+      EXPECT_TRUE(edge.errors.empty());
+    }
+  }
+}
+
+TEST(Renditions, ASlowNetworkIsNotTakenForASlowDecoder) {
+  const FakeCharacter character = FakeBuilder().build({{"walk", 900, 14, 25, true, 192, 16, {}, 3}});
+  EdgeOptions options;
+  options.player.rendition = kAutomaticRendition;
+  options.player.encoded_budget_bytes = 60'000;
+  SimulatedEdge edge(character, options);
+  ASSERT_TRUE(edge.load());
+  edge.player->play();
+  for (int i = 0; i < 30; ++i) {
+    edge.offline = i % 3 == 1;
+    edge.runUntil([] { return false; }, edge.offline ? 12 : 3);
+  }
+  EXPECT_GT(edge.events[EventKind::Waiting], 3);
+  EXPECT_TRUE(edge.runUntil([&] { return edge.draw().picture_width == 192; }, 10)) << "once the network is back";
 }
