@@ -162,6 +162,12 @@ void PlayerImpl::setQuality(uint32_t rendition, uint32_t most_texels) {
   }
 }
 
+void PlayerImpl::judgeRendition(uint32_t sequence, uint32_t rendition, bool plays) {
+  if (!character() || sequence >= character()->sequences.size()) return;
+  const package::Sequence& s = character()->sequences[sequence];
+  if (rendition < s.renditions.size()) loading_.ladder().judge(s, rendition, plays);
+}
+
 Status PlayerImpl::setParameter(const std::string& name, double value, bool at_once) {
   if (!std::isfinite(value)) return Error{ErrorId::InvalidArgument, name + " must be a number"};
   const package::Character* c = character();

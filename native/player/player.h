@@ -87,6 +87,8 @@ class Player {
   virtual void setMethod(const render::MethodOptions& options) = 0;  // of characters from cameras
   // Takes what Ladder::setQuality takes. The picture on screen comes anew in a rendition that was named.
   virtual void setQuality(uint32_t rendition, uint32_t most_texels) = 0;
+  // As Ladder::judge, of a sequence's number. A number that there is none of is ignored.
+  virtual void judgeRendition(uint32_t sequence, uint32_t rendition, bool plays) = 0;
 
   // Advances the clock to the edge's monotonic time and chooses the frame to show.
   virtual void tick(double now_s) = 0;

@@ -40,6 +40,7 @@ class PlayerImpl final : public Player {
   void steer(double heading_rad) override { root_motion_.steer(heading_rad); }
   void setAlign(render::Align align) override { align_ = align; }
   void setQuality(uint32_t rendition, uint32_t most_texels) override;
+  void judgeRendition(uint32_t sequence, uint32_t rendition, bool plays) override;
   void setMethod(const render::MethodOptions& options) override { method_ = options; }
   void tick(double now_s) override;
   bool nextRequest(Request& out) override;

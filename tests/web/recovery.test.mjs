@@ -127,3 +127,31 @@ test('removal while playing closes every decoder and picture and gives the GL co
   assert.deepEqual(seen, { before: 1, after: 0, lost: true, stats: null });
   assert.deepEqual(page.troubles, []);
 });
+
+// The browser's answers about the highest rendition and the one below it: unsupported, and not smooth.
+const doubts = () => {
+  const supported = VideoDecoder.isConfigSupported.bind(VideoDecoder);
+  VideoDecoder.isConfigSupported = async (config) =>
+    (config.codedWidth > 1000 && globalThis.doubt === 'unsupported' ? { supported: false, config } : supported(config));
+  navigator.mediaCapabilities.decodingInfo = async ({ video }) =>
+    ({ supported: true, smooth: video.width < 1000 || globalThis.doubt !== 'rough', powerEfficient: false });
+};
+for (const [doubt, name] of [['none', 'every rendition is played where the browser expects all to be smooth'],
+  ['unsupported', 'renditions that the browser cannot decode are not fetched'],
+  ['rough', 'renditions that the browser does not expect to be smooth are not fetched']]) {
+  test(name, async () => {
+    await open({ before: `globalThis.doubt = '${doubt}'; (${doubts})()` });
+    await page.waitForTimeout(1500); // its answers are there; before, the first motion may have gone up
+    await page.evaluate(() => { document.querySelector('fourdvt-viewer').sequence = 'pickup'; });
+    const fetched = () => performance.getEntriesByType('resource').map(({ name }) => name.split('/').at(-1)).filter((name) => /^pickup\..*mp4/.test(name));
+    await until(() => performance.getEntriesByType('resource').some(({ name }) => /\/pickup\.384-34\.mp4/.test(name)));
+    if (doubt === 'none') {
+      await until(() => performance.getEntriesByType('resource').some(({ name }) => /\/pickup\.mp4/.test(name)));
+    } else {
+      await page.waitForTimeout(2000);
+      assert.deepEqual(new Set(await page.evaluate(fetched)), new Set(['pickup.384-34.mp4']));
+    }
+    assert.ok(await visible());
+    assert.deepEqual(page.troubles, []);
+  });
+}

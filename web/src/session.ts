@@ -270,8 +270,15 @@ export class Session {
   // needed.
   async #loadRest(): Promise<void> {
     if (!(await this.#more().catch(() => null))) return;
+    if (this.#main) this.#judge(this.#main, this.#manifest);
     for (const actor of this.#actors) actor.run((player) => player.moreCame());
     this.#programsMissing = true;
+  }
+
+  // What the browser expects of the character's renditions; without the second part all are tried.
+  #judge(actor: Actor, manifest: unknown): void {
+    this.#more().then(({ judgeRenditions }) =>
+      judgeRenditions(manifest, (...verdict) => { actor.run((player) => player.judgeRendition(...verdict)); }), () => undefined);
   }
 
   get #hasLook(): boolean { return this.#host.element.matches('[look]:not([look=""],[look=none]),[method=montage4d]'); }
@@ -377,6 +384,7 @@ export class Session {
     const actor = new Actor(this.#context(this.#main), { transport, manifest, start: new Uint8Array() }, commands, host);
     this.#others.set(companion, { actor, transport });
     if (this.#hidden) actor.setInSight(false);
+    this.#judge(actor, manifest);
     // A listener of its first events may have removed it.
     if (companion.left.aborted || this.#abort.signal.aborted) this.remove(companion);
     this.wake();

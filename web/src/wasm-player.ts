@@ -239,6 +239,9 @@ export class WasmPlayer {
   steer(headingDeg: number): void { this.#m._fdvt_steer(this.#h, headingDeg * RADIANS); }
   setAlign(align: Align): void { this.#check(this.#m._fdvt_set_align(this.#h, ALIGN_MODES.indexOf(align))); }
   setQuality({ rendition, mostTexels }: Quality): void { this.#m._fdvt_set_quality(this.#h, rendition, mostTexels); }
+  judgeRendition(sequence: number, rendition: number, plays: boolean): void {
+    this.#m._fdvt_judge_rendition(this.#h, sequence, rendition, plays ? 1 : 0);
+  }
   /** Layered characters have no method. */
   setMethod({ name, closest, visibility }: Method): void {
     if (!this.character()?.fromCameras) return;

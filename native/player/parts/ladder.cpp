@@ -43,6 +43,17 @@ void Ladder::seekAgain(const package::Sequence& s) {
   for (const package::Rendition& r : s.renditions) std::erase(missing_, &r);
 }
 
+void Ladder::judge(const package::Sequence& s, uint32_t rendition, bool plays) {
+  std::vector<const package::Rendition*>& list = plays ? rough_ : missing_;
+  list.push_back(&s.renditions[rendition]);
+  if (allOut(s)) list.pop_back();
+}
+
+bool Ladder::tooSlow(const package::Sequence& s, uint32_t r) const {
+  return quality_ == kAutomaticRendition && r > 0 &&
+         ((too_slow_ && r >= too_slow_) || std::find(rough_.begin(), rough_.end(), &s.renditions[r]) != rough_.end());
+}
+
 bool Ladder::isOut(const package::Sequence& s, uint32_t r) const {
   return (left_out_ >> r & 1) != 0 || std::find(missing_.begin(), missing_.end(), &s.renditions[r]) != missing_.end();
 }
@@ -72,7 +83,7 @@ void Ladder::measure(uint64_t bytes, double step_s, bool fetching) {
 }
 
 void Ladder::measureDecoding(uint32_t rendition, double step_s, bool late) {
-  if (!rendition || step_s > kLongStep_s || tooSlow(rendition)) return;
+  if (!rendition || step_s > kLongStep_s || (too_slow_ && rendition >= too_slow_)) return;
   late_s_ = late_s_ * std::exp2(-step_s / kLateHalfLife_s) + (late ? step_s : 0);
   if (late_s_ < kTooLate_s) return;
   late_s_ = 0;
@@ -84,8 +95,8 @@ void Ladder::measureDecoding(uint32_t rendition, double step_s, bool late) {
 uint32_t Ladder::highest(const package::Sequence& s) const {
   const uint32_t top = uint32_t(s.renditions.size()) - 1;
   if (quality_ != kAutomaticRendition) return allowed(s, std::min(quality_, top));
-  uint32_t r = too_slow_ ? std::min(too_slow_ - 1, top) : top;
-  while (r > 0 && most_texels_ > 0 && texelsOf(s.renditions[r]) > most_texels_) --r;
+  uint32_t r = top;
+  while (r > 0 && (tooSlow(s, r) || (most_texels_ > 0 && texelsOf(s.renditions[r]) > most_texels_))) --r;
   return allowed(s, r);
 }
 

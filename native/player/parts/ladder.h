@@ -26,6 +26,9 @@ class Ladder {
   // Its video file cannot be fetched, or is another than the manifest describes. The sequence stays where it is.
   void miss(const package::Rendition& rendition) { missing_.push_back(&rendition); }
   void seekAgain(const package::Sequence& sequence);  // what was missed
+  // The edge expects that this rendition cannot be decoded here, or that it plays, but not smoothly: the automatic
+  // choice then stays below it. Ignored where no other would be left.
+  void judge(const package::Sequence& sequence, uint32_t rendition, bool plays);
   bool isOut(const package::Sequence& sequence, uint32_t rendition) const;
   bool allOut(const package::Sequence& sequence) const;
   // Adds the time since the last call: the bytes that came in it, and whether any were on their way.
@@ -34,7 +37,7 @@ class Ladder {
   // Too much of that takes the automatic choice below the rendition for a while, each time for twice as long.
   void measureDecoding(uint32_t rendition, double step_s, bool late);
 
-  bool tooSlow(uint32_t rendition) const { return too_slow_ && rendition >= too_slow_; }
+  bool tooSlow(const package::Sequence& sequence, uint32_t rendition) const;
 
   // present: the rendition that was chosen before; it is kept while the throughput wavers round a limit.
   uint32_t choose(const package::Sequence& sequence, uint32_t present) const;
@@ -48,7 +51,7 @@ class Ladder {
 
   uint32_t quality_, most_texels_ = 0;
   uint32_t left_out_ = 0;  // a bit for each rendition
-  std::vector<const package::Rendition*> missing_;
+  std::vector<const package::Rendition*> missing_, rough_;
   double bytes_ = 0, seconds_ = 0;   // recent ones, older ones count less
   double late_s_ = 0;                // likewise
   uint32_t too_slow_ = 0;            // the lowest rendition that is not decoded in time; 0: none

@@ -194,11 +194,11 @@ void Loading::lower(const std::vector<GopKey>& keys) {
   for (const GopKey& key : keys) {
     stream::Gop* gop = cache_.find(key);
     const package::Sequence& q = sequence(key.sequence);
-    if (!gop || gop->video_state != PartState::Present || !ladder_.tooSlow(gop->rendition)) continue;
+    if (!gop || gop->video_state != PartState::Present || !ladder_.tooSlow(q, gop->rendition)) continue;
     const uint32_t rendition = ladder_.choose(q, 0);
-    if (ladder_.tooSlow(rendition)) continue;
+    if (ladder_.tooSlow(q, rendition)) continue;
     if (gop->better_state == PartState::Absent ||
-        (gop->better_state == PartState::Present && ladder_.tooSlow(gop->better_rendition))) {
+        (gop->better_state == PartState::Present && ladder_.tooSlow(q, gop->better_rendition))) {
       gop->better_rendition = rendition;
       gop->better_state = PartState::Fetching;
       requestVideo(key, Kind::Better, rendition);
@@ -234,10 +234,11 @@ void Loading::takeFine(stream::Gop& gop) {
   gop.coarse = false;
 }
 
-void Loading::takeBetter(int sequence, uint32_t gop_index) {
-  stream::Gop* gop = cache_.find({sequence, gop_index});
+void Loading::takeBetter(int sequence_index, uint32_t gop_index) {
+  stream::Gop* gop = cache_.find({sequence_index, gop_index});
   if (!gop || gop->better_state != PartState::Present) return;
-  if (!ladder_.tooSlow(gop->better_rendition)) {
+  const package::Sequence& q = sequence(sequence_index);
+  if (!ladder_.tooSlow(q, gop->better_rendition) || ladder_.isOut(q, gop->rendition)) {
     gop->video = std::move(gop->better);
     gop->rendition = gop->better_rendition;
   }

@@ -122,6 +122,23 @@ TEST(Ladder, GoesBelowWhatIsNotDecodedInTimeAndTriesAgainLater) {
   EXPECT_EQ(ladder.choose(rungs(), 0), 2u) << "named";
 }
 
+TEST(Ladder, LeavesOutWhatTheEdgeExpectsToFailAndStaysBelowWhatIsNotSmooth) {
+  const package::Sequence s = rungs(), other = rungs();
+  Ladder ladder = carrying(50e6);
+  ladder.judge(s, 2, true);
+  EXPECT_EQ(ladder.choose(s, 0), 1u);
+  EXPECT_EQ(ladder.choose(other, 0), 2u) << "another sequence's";
+  ladder.judge(s, 1, false);
+  EXPECT_EQ(ladder.choose(s, 0), 0u);
+  ladder.setQuality(2, 0);
+  EXPECT_EQ(ladder.choose(s, 0), 2u) << "named";
+  ladder.setQuality(1, 0);
+  EXPECT_EQ(ladder.choose(s, 0), 0u) << "it cannot be decoded";
+  ladder.judge(s, 2, false);
+  ladder.judge(s, 0, false);
+  EXPECT_FALSE(ladder.allOut(s)) << "the decoder says whether it is right";
+}
+
 // All renditions of the fake character take the same bitrate.
 TEST(Renditions, SwitchAtGopsWithoutAWrongPairOrAStall) {
   const FakeCharacter character = FakeBuilder().build({{"walk", 900, 12, 25, true, 192, 16, {}, 3}});
