@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Functions of the module's second part (more.txt): the optical flow of some alignments, characters from cameras, and
-// looks (fdvt_set_look of abi.txt).
+// Functions of the module's second part (more.txt): the optical flow of some alignments and characters from cameras. Of
+// abi.txt, looks, scene and room are there, too.
 #pragma once
 
 #include <memory>

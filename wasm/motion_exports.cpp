@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The C ABI's functions for motion: parameters, transitions, placement, alignment, scene. exports.cpp says who owns
+// The C ABI's functions for motion: parameters, transitions, placement, alignment. exports.cpp says who owns
 // what.
-#include "base/hash.h"
 #include "instance.h"
 #include "more.h"
 #include "motion/parameter_space.h"
@@ -69,34 +68,6 @@ int32_t fdvt_set_method(Instance* h, const char* name, uint32_t size, int32_t cl
   }
   h->player->setMethod({.closest = closest, .visibility = static_cast<render::Visibility>(visibility)});
   return 1;
-}
-
-void fdvt_clear_scene(Instance* h) {
-  makeCurrent(h);
-  h->canvas->scene.meshes.clear();
-}
-int32_t fdvt_add_scene_mesh(Instance* h, const float* corners, uint32_t count, int32_t occluder_only) {
-  makeCurrent(h);
-  static_assert(sizeof(render::SceneCorner) == 6 * sizeof(float));
-  const std::span list(reinterpret_cast<const render::SceneCorner*>(corners), count);
-  auto mesh = render::makeSceneMesh(*h->canvas->device, list, occluder_only != 0);
-  if (!mesh.ok()) return keep(h, mesh.error());
-  h->canvas->scene.meshes.push_back(mesh.take());
-  if (const package::Character* c = h->player->character())
-    h->canvas->scene.ground_y_m = static_cast<float>(c->ground_y_m);
-  return 1;
-}
-uint32_t fdvt_show_room(Instance* h, const uint8_t* picture, uint32_t size) {
-  makeCurrent(h);
-  render::Scene& scene = h->canvas->scene;
-  scene.room.corners.reset();
-  const package::Character* c = h->player->character();
-  if (!size || !c) return 0;
-  if (fnv1a({picture, size}) != c->room.picture_hash)
-    return fail(h, ErrorId::FilesDiffer, "the room's picture is not of this bake");
-  if (!keep(h, render::setRoom(*h->canvas->device, c->room, scene))) return 0;
-  scene.ground_y_m = static_cast<float>(c->ground_y_m);
-  return h->canvas->device->nativeTexture(scene.room_picture.id());
 }
 
 const abi::Parameter* fdvt_sequence_parameter(Instance* h, uint32_t sequence, uint32_t index) {

@@ -125,6 +125,48 @@ export function cutTexts(segments, mark) {
   return { kept, moved };
 }
 
+const kShortText = 24; // bytes; of shorter texts there is little to gain
+
+// Whole texts in the segments, from one 0 to the next: { segment, from, to }, with the closing 0.
+function* textsIn(segments) {
+  for (const segment of segments) {
+    for (let from = 0; from < segment.bytes.length; ) {
+      const end = segment.bytes.indexOf(0, from), to = end < 0 ? segment.bytes.length : end + 1;
+      const text = segment.bytes.subarray(from, to - 1);
+      if (end >= 0 && text.length >= kShortText && text.every((c) => (c >= 32 && c < 127) || c >= 194)) yield { segment, from, to };
+      from = to;
+    }
+  }
+}
+
+/**
+ * Cuts further texts out of the segments: those that only functions of the second part refer to. numbers: what stands in each
+ * function's code, by its name; chosen: the second part's functions. A number that only looks like an address keeps a text.
+ */
+export function cutTextsOf(segments, numbers, chosen) {
+  const taken = [], used = [];
+  for (const [name, values] of numbers) (chosen.has(name) ? used : taken).push(...values);
+  for (const { bytes } of segments) for (let at = 0; at + 4 <= bytes.length; at++) taken.push(bytes.readUInt32LE(at)); // pointers
+  taken.sort((a, b) => a - b), used.sort((a, b) => a - b);
+  const refers = (sorted, from, to) => {
+    let [low, high] = [0, sorted.length];
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (sorted[middle] < from) low = middle + 1;
+      else high = middle;
+    }
+    return sorted[low] < to;
+  };
+  const moved = [...textsIn(segments)].filter(({ segment: { address }, from, to }) =>
+    refers(used, address + from, address + to) && !refers(taken, address + from, address + to));
+  const kept = segments.flatMap((segment) => {
+    const cuts = moved.filter((text) => text.segment === segment);
+    const edges = [0, ...cuts.flatMap(({ from, to }) => [from, to]), segment.bytes.length];
+    return edges.flatMap((from, i) => (i % 2 || edges[i + 1] === from ? [] : [{ address: segment.address + from, bytes: segment.bytes.subarray(from, edges[i + 1]) }]));
+  });
+  return { kept, moved: moved.map(({ segment, from, to }) => ({ address: segment.address + from, bytes: segment.bytes.subarray(from, to) })) };
+}
+
 // --- which functions go ---
 
 function readList(path) {
@@ -172,6 +214,19 @@ export function callGraph(text) {
   return { callers, pinned };
 }
 
+/** Constants and offsets in each function of a module in WebAssembly's text form, by its name. */
+export function numbersOf(text) {
+  const numbers = new Map();
+  let current = null;
+  for (const line of text.split('\n')) {
+    const opened = /^ \(func \$(\S+)/.exec(line);
+    if (opened) numbers.set(opened[1], (current = []));
+    else if (/^ \(/.test(line)) current = null;
+    if (current) for (const [, number] of line.matchAll(/(?:\(i32\.const |offset=)(\d+)/g)) current.push(Number(number));
+  }
+  return numbers;
+}
+
 /**
  * Names of the functions for the second part: those that only its sources define, and what only these call. A short one or
  * one of a library's templates may stand for an equal one of the first part: it goes only if it is called by such functions
@@ -193,23 +248,24 @@ export function chooseFunctions({ bytes, callers, pinned }, first, more, keep) {
   return [...chosen];
 }
 
-function chosen(wasm, options) {
+function chosen(wasm, text, options) {
   const { keep, sources } = readList(options.list);
   const files = readdirSync(options.objects, { recursive: true }).filter((path) => path.endsWith('.cpp.o') && !path.startsWith('tests/'));
   const isMore = (file) => sources.some((source) => (source.endsWith('/') ? sourceOf(file).startsWith(source) : sourceOf(file) === source));
   const unused = sources.filter((source) => !files.some((file) => sourceOf(file).startsWith(source)));
   if (unused.length) throw new Error(`${options.list}: nothing is built from ${unused.join(', ')}`);
   const symbols = (wanted, archives) => symbolsOf(options.nm, [...files.filter((file) => isMore(file) === wanted).map((file) => join(options.objects, file)), ...archives]);
-  const text = execFileSync(options['wasm-dis'], [options.module], { encoding: 'utf8', maxBuffer: 1 << 28 });
   return chooseFunctions({ bytes: functionBytes(wasm), ...callGraph(text) }, symbols(false, []), symbols(true, [options.archive]), keep);
 }
 
 // --- the two parts ---
 
-function moveData(first, second, mark) {
+function moveData(first, second, mark, numbers, functions) {
   const sections = sectionsOf(first), data = sections.find(({ id }) => id === SECTION.data);
-  const { kept, moved } = cutTexts(readSegments(data.bytes), `//${mark}\n`);
-  if (!moved.length) throw new Error(`the module has no text that begins with //${mark}`);
+  const { kept: rest, moved: marked } = cutTexts(readSegments(data.bytes), `//${mark}\n`);
+  if (!marked.length) throw new Error(`the module has no text that begins with //${mark}`);
+  const { kept, moved: referred } = cutTextsOf(rest, numbers, functions);
+  const moved = [...marked, ...referred];
   data.bytes = writeSegments(kept);
   const more = sectionsOf(second);
   if (more.some(({ id }) => id === SECTION.data)) throw new Error('the second part has data already');
@@ -223,11 +279,12 @@ export function split(options) {
   const folder = mkdtempSync(join(tmpdir(), 'fourdvt-split-'));
   try {
     const [list, first, second] = ['functions.txt', 'first.wasm', 'second.wasm'].map((name) => join(folder, name));
-    const functions = chosen(readFileSync(options.module), options);
+    const text = execFileSync(options['wasm-dis'], [options.module], { encoding: 'utf8', maxBuffer: 1 << 28 });
+    const functions = chosen(readFileSync(options.module), text, options), numbers = numbersOf(text);
     writeFileSync(list, functions.map((name) => `${name}\n`).join(''));
     execFileSync(options['wasm-split'], [...FEATURES, options.module, `--split-funcs=@${list}`, '-o1', first, '-o2', second,
       '--export-prefix=%', '--import-namespace=first', '--placeholder-namespace=placeholder', '--placeholdermap'], { stdio: 'inherit' });
-    const parts = moveData(readFileSync(first), readFileSync(second), options.mark);
+    const parts = moveData(readFileSync(first), readFileSync(second), options.mark, numbers, new Set(functions));
     writeFileSync(options.module, parts[0]);
     writeFileSync(options.more, parts[1]);
     copyFileSync(`${first}.placeholders`, options.more.replace('.wasm', '.map')); // names of the placeholders' numbers

@@ -64,7 +64,7 @@ class MotionGraph {
 
  private:
   std::vector<GraphState> states_;
-  std::vector<bool> loops_;
+  std::vector<uint8_t> loops_;  // 0 or 1; vector<bool> takes more code
   std::vector<std::vector<Entry>> tables_;  // [source * states + target][weight_row * frames + frame]; empty: none
 };
 

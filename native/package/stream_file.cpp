@@ -37,7 +37,7 @@ void writeRendition(ByteWriter& out, const SampleTable& table, const std::vector
 
 // Reads the samples of one chunk. False unless they cover its frames exactly once and start with a key.
 bool readChunkSamples(ByteReader& in, const ChunkEntry& chunk, SampleTable& table) {
-  std::vector<bool> seen(chunk.frame_count, false);
+  std::vector<uint8_t> seen(chunk.frame_count);
   uint64_t offset = in.u64();
   table.chunk_hash.push_back(in.u64());
   for (uint32_t i = 0; i < chunk.frame_count; ++i) {
@@ -46,7 +46,7 @@ bool readChunkSamples(ByteReader& in, const ChunkEntry& chunk, SampleTable& tabl
     VideoSample sample{offset, bytes_and_key & ~kKeyBit, chunk.first_frame + frame, (bytes_and_key & kKeyBit) != 0};
     if (!in.ok() || frame >= chunk.frame_count || seen[frame] || sample.bytes == 0) return false;
     if (i == 0 && !sample.key) return false;
-    seen[frame] = true;
+    seen[frame] = 1;
     offset += sample.bytes;
     if (offset > kMaxOffset) return false;
     table.samples.push_back(sample);

@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 
-import { callGraph, chooseFunctions, cutTexts } from '../../wasm/split.mjs';
+import { callGraph, chooseFunctions, cutTexts, cutTextsOf, numbersOf } from '../../wasm/split.mjs';
 
 test('marked texts are cut out with their closing 0, and what lies between them stays at its address', () => {
   const bytes = Buffer.from('ab\0//m\nX\0//m\nYY\0cd\0//m\nZ\0', 'latin1');
@@ -11,6 +11,25 @@ test('marked texts are cut out with their closing 0, and what lies between them 
   const shown = (segments) => segments.map(({ address, bytes: part }) => [address, part.toString('latin1')]);
   assert.deepEqual(shown(kept), [[100, 'ab\0'], [116, 'cd\0'], [300, 'e']]);
   assert.deepEqual(shown(moved), [[103, '//m\nX\0//m\nYY\0'], [119, '//m\nZ\0']]);
+});
+
+test('texts go that the second part alone refers to: not by the first, nor by a pointer in the data, nor without a reference', () => {
+  const text = (name) => `${name} ${'x'.repeat(30)}\0`, step = text('a').length;
+  const pointer = Buffer.alloc(4);
+  pointer.writeUInt32LE(1000 + 3 * step);
+  const texts = ['a', 'b', 'c', 'd', 'e'].map(text).join('');
+  const segments = [{ address: 1000, bytes: Buffer.from(`${texts}short\0`, 'latin1') }, { address: 4000, bytes: pointer }];
+  const numbers = new Map([['more', [1000, 1000 + step, 1000 + 2 * step + 5, 1000 + 3 * step, 1000 + 5 * step]], ['core', [1000 + step + 7]]]);
+  const { kept, moved } = cutTextsOf(segments, numbers, new Set(['more']));
+  assert.deepEqual(moved.map(({ address, bytes }) => [address, bytes.toString('latin1')]), [[1000, text('a')], [1000 + 2 * step, text('c')]]);
+  assert.deepEqual(kept.map(({ address }) => address), [1000 + step, 1000 + 3 * step, 4000]);
+  assert.equal(kept[1].bytes.toString('latin1'), `${text('d')}${text('e')}short\0`);
+});
+
+test('numbers in the code are constants and offsets, by function', () => {
+  const numbers = numbersOf([' (memory $0 1)', ' (func $a (param $0 i32)', '  (i32.store offset=24', '   (i32.const 1000)', ' )',
+    ' (global $g i32 (i32.const 7))', ' (func $b', '  (i32.const 5)', ' )'].join('\n'));
+  assert.deepEqual([...numbers], [['a', [24, 1000]], ['b', [5]]]);
 });
 
 test('calls, table, exports and references are read from the text form', () => {

@@ -271,7 +271,7 @@ export class WasmPlayer {
     this.#check(name);
     return this.#m.GL.textures[name]!;
   }
-  hideRoom(): void { this.#m._fdvt_show_room(this.#h, 0, 0); }
+  hideRoom(): void { if (hasMore(this.#m)) this.#m._fdvt_show_room(this.#h, 0, 0); }
 
   state(): PlayerState {
     const state = readState(this.#m.HEAPU8, this.#m._fdvt_state(this.#h));
