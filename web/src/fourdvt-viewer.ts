@@ -8,7 +8,8 @@ import { asViewerError, characterAddress, dispatch, ViewerError, type ErrorDetai
 import { FourdvtCharacter } from './fourdvt-character.js';
 import { checkRenderOptions } from './input-checks.js';
 import { methodOf } from './method-attributes.js';
-import { MotionControls } from './motion-controls.js';
+import type { MotionControls } from './motion-controls.js';
+import type { More } from './wasm-module.js';
 import { OrbitCamera, parseOrbit, parseTarget, type Follow } from './orbit-camera.js';
 import { OrbitControls } from './orbit-controls.js';
 import { Overlay } from './overlay.js';
@@ -95,6 +96,7 @@ export class FourdvtViewer extends HTMLElement {
         this.#emit('loadeddata');
       },
       network: (waiting) => this.#onNetwork(waiting),
+      more: (more) => this.#addMotion(more),
     };
     this.#commands.set('options', DEFAULT_RENDER);
     this.addEventListener(JOIN_EVENT, (e) => this.#onJoin(e as CustomEvent<Companion>));
@@ -260,7 +262,15 @@ export class FourdvtViewer extends HTMLElement {
       onInteract: () => this.#interacted(),
       togglePlay: () => (this.paused ? void this.play() : this.pause()),
     });
-    this.#motion = new MotionControls(this.#overlay.stage, this.#overlay.joystick, {
+    const back = this.#loaded !== null && this.#loaded === this.src;
+    if (!back) this.#applyCamera();
+    this.#applyLabels();
+    this.#load(back);
+  }
+
+  #addMotion(more: More): void {
+    if (!this.#observers) return;
+    this.#motion ??= new more.MotionControls(this.#overlay.stage, this.#overlay.joystick, {
       steers: () => this.hasAttribute('motion-controls'),
       act: () => this.#act(),
       onInteract: () => {
@@ -268,10 +278,6 @@ export class FourdvtViewer extends HTMLElement {
         this.#session?.wake();
       },
     });
-    const back = this.#loaded !== null && this.#loaded === this.src;
-    if (!back) this.#applyCamera();
-    this.#applyLabels();
-    this.#load(back);
   }
 
   // A move within the page takes the element out and puts it back at once.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // fourdvt-more.js: the page's side of what the player's second part has.
 export { readLook } from './look.js';
+export { MotionControls } from './motion-controls.js';
 export { judgeRenditions } from './smoothness.js';
 export { loadOpenCvFlow } from './opencv-flow.js';

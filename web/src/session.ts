@@ -59,6 +59,8 @@ export interface SessionHost {
   firstPicture(): void;
   /** Called when waiting for the network begins, and when it ends. */
   network(waiting: boolean): void;
+  /** The player's second part is there. Called once or more. */
+  more(more: More): void;
 }
 
 export interface Snapshot {
@@ -264,7 +266,11 @@ export class Session {
 
   // --- the second part of the player ---
 
-  #more(): Promise<More> { return loadMore(this.#module!, this.#options.wasmUrl, this.#network); }
+  async #more(): Promise<More> {
+    const more = await loadMore(this.#module!, this.#options.wasmUrl, this.#network);
+    this.#host.more(more);
+    return more;
+  }
 
   // Once it can play, so that the first pictures do not share the network with it. What fails is tried again when it is
   // needed.
