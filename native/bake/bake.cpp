@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "bake/run/bake_run.h"
+#include "bake/run/publish.h"
 #include "bake/run/renditions.h"
 #include "bake/stages/align_stage.h"
 #include "bake/stages/assemble.h"
@@ -101,8 +102,7 @@ Result<BakeReport> runStages(BakeRun& run) {
   FOURDVT_TRY(job.fromCameras() ? bakeCameras(run, report) : bakeLayers(run, report));
   addFigures(run, report);
   FOURDVT_TRY(writeReportFiles(job, report));
-  FOURDVT_TRY(
-      platform::replaceFolder(job.resultFolder(), job.options.character_folder, job.workFolder() + "/previous"));
+  FOURDVT_TRY(publish(job.resultFolder(), job.options.character_folder));
   platform::removeFolder(job.workFolder());
   return report.figures;
 }

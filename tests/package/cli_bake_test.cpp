@@ -8,6 +8,8 @@
 #include <set>
 #include <sstream>
 
+#include "../unit/character_files.h"
+#include "base/hash.h"
 #include "command.h"
 #include "platform/files.h"
 
@@ -115,7 +117,8 @@ TEST(Bake, LowerRenditionsLeaveTheHighestAsItIs) {
   const json gltf = json::parse(readText(out + "/box/character.gltf"));
   const json& turn = gltf["extensions"]["FOURDVT_layered_video_texture"]["sequences"][0];
   ASSERT_EQ(turn["renditions"].size(), 4u);
-  EXPECT_EQ(turn["renditions"][3]["uri"], "turn.mp4") << "the highest";
+  const auto path = [&](const std::string& name) { return fileNamed(out + "/box", name); };
+  EXPECT_EQ(out + "/box/" + std::string(turn["renditions"][3]["uri"]), path("turn.mp4")) << "the highest";
   uint64_t before = 0;
   std::set<std::string> names;
   for (const json& r : turn["renditions"]) {
@@ -124,14 +127,15 @@ TEST(Bake, LowerRenditionsLeaveTheHighestAsItIs) {
     names.insert(r["uri"]);
     EXPECT_EQ(fs::file_size(out + "/box/" + std::string(r["uri"])), before);
   }
-  EXPECT_EQ(names, (std::set<std::string>{"turn.256-51.mp4", "turn.64-30.mp4", "turn.96-40-av1.mp4", "turn.mp4"}));
+  for (const char* name : {"turn.256-51.mp4", "turn.64-30.mp4", "turn.96-40-av1.mp4"})
+    EXPECT_EQ(names.count(fs::path(path(name)).filename()), 1u) << name;
   // Everything but the lower renditions has the same bytes.
   for (const char* file : {"turn.mp4", "mesh.bin", "poster.webp", "texture.jpg"})
-    EXPECT_EQ(readText(out + "/box/" + file), readText(out + "/alone/" + file)) << file;
+    EXPECT_EQ(readText(path(file)), readText(fileNamed(out + "/alone", file))) << file;
   const json before_gltf = json::parse(readText(out + "/alone/character.gltf"));
   const json& stream = before_gltf["extensions"]["FOURDVT_layered_video_texture"]["sequences"][0]["stream"];
-  EXPECT_EQ(readText(out + "/box/turn.bin").substr(turn["stream"]["headerLength"]),
-            readText(out + "/alone/turn.bin").substr(stream["headerLength"]));
+  EXPECT_EQ(readText(path("turn.bin")).substr(turn["stream"]["headerLength"]),
+            readText(fileNamed(out + "/alone", "turn.bin")).substr(stream["headerLength"]));
 
   const json report = json::parse(readText(out + "/box/report.json"));
   EXPECT_EQ(report["sequences"][0]["renditions"].size(), 4u);
@@ -174,6 +178,74 @@ TEST(Bake, EveryCodecInspectsAndRenders) {
   }
 }
 
+// Paths relative to the folder.
+std::set<std::string> filesIn(const std::string& folder) {
+  std::set<std::string> out;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file()) out.insert(fs::relative(entry.path(), folder));
+  return out;
+}
+
+// Every "uri" anywhere in the JSON.
+std::set<std::string> urisIn(const json& value) {
+  std::set<std::string> out;
+  if (value.is_object() && value.contains("uri")) out.insert(value["uri"].get<std::string>());
+  for (const json& part : value)
+    if (part.is_structured()) out.merge(urisIn(part));
+  return out;
+}
+
+TEST(Bake, NamesHoldHashesAndAnotherBakesFilesGo) {
+  const std::string capture = smallCapture("named-capture", 4), out = scratch("named"), box = out + "/box";
+  ASSERT_EQ(fourdvt("bake " + capture + " -o " + box + kSmall).code, 0);
+  const std::set<std::string> first = filesIn(box);
+  writeText(box + "/thesis.txt", "years of work");
+  ASSERT_EQ(fourdvt("bake " + capture + " -o " + box +
+                    " --texture 128 --layers 2 --gop 2 --crf 45 --position-step 0.5 --refine none --refine-cameras off "
+                    "--renditions highest")
+                .code,
+            0);
+
+  const std::set<std::string> uris = urisIn(json::parse(readText(box + "/character.gltf")));
+  std::set<std::string> expected = uris;
+  expected.insert({"thesis.txt", "character.gltf", "report.html", "report.json", "report_tiles.jpg"});
+  EXPECT_EQ(filesIn(box), expected);
+  int kept = 0, hashed = 0;
+  for (const std::string& uri : uris) {
+    kept += first.count(uri) > 0;
+    if (uri == "poster.webp" || uri == "character.start.bin") continue;
+    ++hashed;
+    char digits[11];
+    std::snprintf(digits, sizeof digits, ".%08x.", static_cast<unsigned>(fnv1a(readText(box + "/" + uri)) >> 32));
+    EXPECT_NE(uri.find(digits), std::string::npos) << uri << " " << digits;
+  }
+  EXPECT_EQ(hashed, 4) << "video, stream, mesh, texture";
+  EXPECT_LT(kept, int(uris.size())) << "the second bake is another one";
+  const json report = json::parse(readText(box + "/report.json"));
+  for (const auto& [file, bytes] : report["bytes_by_part"].items()) EXPECT_EQ(fs::file_size(box + "/" + file), bytes);
+  EXPECT_EQ(fourdvt("inspect " + box).code, 0);
+}
+
+// Readers take names from the manifest.
+TEST(Bake, CharactersOfEarlierNamesAreRead) {
+  const std::string capture = smallCapture("renamed-capture", 4), out = scratch("renamed"), box = out + "/box";
+  ASSERT_EQ(fourdvt("bake " + capture + " -o " + box + kSmall).code, 0);
+  std::string gltf = readText(box + "/character.gltf");
+  for (const std::string name : {"turn.mp4", "turn.bin", "mesh.bin", "texture.jpg"}) {
+    const std::string hashed = fs::path(fileNamed(box, name)).filename();
+    ASSERT_NE(hashed, name);
+    for (size_t at; (at = gltf.find('"' + hashed + '"')) != std::string::npos;)
+      gltf.replace(at + 1, hashed.size(), name);
+    fs::rename(box + "/" + hashed, box + "/" + name);
+  }
+  writeText(box + "/character.gltf", gltf);
+  const Outcome inspect = fourdvt("inspect " + box);
+  EXPECT_EQ(inspect.code, 0) << inspect.output;
+  EXPECT_NE(inspect.output.find("everything decodes"), std::string::npos) << inspect.output;
+  const Outcome render = fourdvt("render " + box + " --frame 2 -o " + out + "/still.png");
+  EXPECT_EQ(render.code, 0) << render.output;
+}
+
 // Explicit options win over the quality's.
 TEST(Bake, QualityIsOverriddenByOptions) {
   const std::string capture = smallCapture("quality-capture", 2), out = scratch("quality");
@@ -184,7 +256,8 @@ TEST(Bake, QualityIsOverriddenByOptions) {
   EXPECT_NE(inspect.output.find("512x144"), std::string::npos) << inspect.output;
   // The standard ladder follows: half the texels a side at least, and the same size at a coarser CRF than draft's 37.
   EXPECT_NE(inspect.output.find("512x80"), std::string::npos) << inspect.output;
-  for (const char* file : {"turn.mp4", "turn.128-44.mp4", "turn.64-42.mp4"}) EXPECT_TRUE(exists(out + "/box/" + file));
+  for (const char* file : {"turn.mp4", "turn.128-44.mp4", "turn.64-42.mp4"})
+    EXPECT_TRUE(exists(fileNamed(out + "/box", file))) << file;
 }
 
 TEST(Bake, InterruptedResumesToTheSameBytes) {

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "../unit/character_files.h"
 #include "command.h"
 
 namespace fourdvt::test {
@@ -23,8 +24,7 @@ class DamagedPackage : public testing::Test {
     folder = copyOf(good_, "damaged");
     manifest = folder + "/character.gltf";
     video = onlyFile(folder, ".mp4");
-    for (const auto& entry : fs::directory_iterator(folder))  // the sequence's stream, not the mesh
-      if (entry.path().extension() == ".bin" && entry.path().stem() == "turn") stream = entry.path().string();
+    stream = fileNamed(folder, "turn.bin");
     ASSERT_TRUE(exists(video) && exists(stream)) << video << " " << stream;
   }
   void expectBroken(const std::string& file, bool render_too = true) {

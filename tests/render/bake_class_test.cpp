@@ -7,6 +7,7 @@
 #include <map>
 
 #include "../unit/capture_fixture.h"
+#include "../unit/character_files.h"
 #include "bake/bake.h"
 #include "bake/motion/class_plan.h"
 #include "bake/stages/graph_stage.h"
@@ -118,7 +119,7 @@ struct BakeClass : testing::GlFixture {
                 }));
   }
   std::vector<uint8_t> bytesOf(const std::string& name) {
-    auto bytes = platform::readFile(options.character_folder + "/" + name);
+    auto bytes = platform::readFile(fileNamed(options.character_folder, name));
     EXPECT_TRUE(bytes) << name;
     return bytes ? bytes.take() : std::vector<uint8_t>();
   }

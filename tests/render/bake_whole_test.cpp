@@ -6,6 +6,7 @@
 #include <csignal>
 
 #include "../unit/capture_fixture.h"
+#include "../unit/character_files.h"
 #include "bake/bake.h"
 #include "bake_environment.h"
 #include "edge/character_player.h"
@@ -50,7 +51,7 @@ struct WholeBake : testing::GlFixture {
                 }));
   }
   std::string bytesOf(const std::string& name) {
-    auto bytes = platform::readFile(options.character_folder + "/" + name);
+    auto bytes = platform::readFile(fileNamed(options.character_folder, name));
     return bytes ? std::string(bytes.value().begin(), bytes.value().end()) : "absent: " + name;
   }
   // Nothing beside or in place of the character.
@@ -69,7 +70,7 @@ TEST_F(WholeBake, WritesACharacterThatReadsBack) {
   auto character = package::readManifest(json.value());
   ASSERT_TRUE(character) << character.error().message;
   ASSERT_EQ(character.value().sequences.size(), 1u);
-  auto mesh = package::decodeBaseMesh(platform::readFile(options.character_folder + "/mesh.bin").take());
+  auto mesh = package::decodeBaseMesh(platform::readFile(fileNamed(options.character_folder, "mesh.bin")).take());
   ASSERT_TRUE(mesh);
   const package::ChunkMesh chunk_mesh = package::makeChunkMesh(mesh.value());
   const package::Sequence& walk = character.value().sequences[0];
@@ -89,7 +90,7 @@ TEST_F(WholeBake, WritesACharacterThatReadsBack) {
     EXPECT_NEAR(index.value().position_origin.z + index.value().position_step_m * q.z, 0.1 * entry.first_frame, 1.3e-4);
   }
   for (const char* name : {"poster.webp", "texture.jpg", "report.json", "report.html", "mesh.bin"})
-    EXPECT_TRUE(fs::exists(options.character_folder + "/" + name)) << name;
+    EXPECT_TRUE(fs::exists(fileNamed(options.character_folder, name))) << name;
   EXPECT_FALSE(fs::exists(options.character_folder + ".work"));
 }
 

@@ -7,12 +7,16 @@
 
 namespace fourdvt::bake {
 
-constexpr const char* kMeshFile = "mesh.bin";
+constexpr const char* kManifestFile = "character.gltf";
+constexpr const char* kRefinedCameras = "cameras_refined";  // folder
+constexpr const char* kMeshFile = "mesh.bin";               // before its hash
 constexpr const char* kPosterFile = "poster.webp";
 
-// Everything but sequences and graph; from cameras, also but the counts of vertices and faces.
+// Everything but sequences and graph, the mesh's file without its hash; from cameras, also but the counts of vertices
+// and faces.
 package::Character describeCharacter(const Job& job);
-// Everything but the sizes of the files and the codec strings; renditions as in the plan, the highest first.
+// Everything but the sizes of the files, the hashes in their names and the codec strings; renditions as in the plan,
+// the highest first.
 package::Sequence describeStream(const StreamPlan& plan);
 
 }  // namespace fourdvt::bake

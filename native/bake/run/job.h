@@ -66,7 +66,7 @@ struct Job {
   std::vector<std::vector<std::vector<package::Rect>>> regions;
   bool fromCameras() const { return options.appearance == package::AppearanceKind::Cameras; }
   uint32_t streamFrames() const;  // number of frames of all streams
-  // Beside the character folder and on its file system: finished GOPs, and the result until it is renamed into place.
+  // Beside the character folder and on its file system: finished GOPs, and the result until it is published.
   std::string workFolder() const { return options.character_folder + ".work"; }
   // Where visibility, colour maps, labels and the refinement are kept.
   std::string surveyFolder() const {

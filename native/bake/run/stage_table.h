@@ -61,7 +61,7 @@ inline constexpr std::array<StageInfo, 17> kStages{{
     {"geometry", "codes positions, labels, corrections and alignment, or surfaces, as chunks", 0, ""},
     {"graph", "finds where every motion may lead into every other one", 0.01, "frame of a stream"},
     {"room", "textures the faces of the capture's room from its plates", 4, "room"},
-    {"assemble", "writes the character's files and renames them into place", 0, ""},
+    {"assemble", "writes the character's files and moves them into place", 0, ""},
 }};
 
 constexpr const StageInfo& infoOf(Stage stage) { return kStages[static_cast<size_t>(stage)]; }

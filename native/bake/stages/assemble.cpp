@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bake/stages/assemble.h"
 
+#include "bake/run/content_names.h"
 #include "bake/run/describe.h"
 #include "bake/run/renditions.h"
 #include "bake/stages/poster.h"
@@ -16,9 +17,8 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr const char* kTexture = "texture.jpg";
+constexpr const char* kTexture = "texture.jpg";  // before its hash, like the graph
 constexpr const char* kTiles = "report_tiles.jpg";
-constexpr const char* kRefinedCameras = "cameras_refined";
 constexpr const char* kGraph = "motion.bin";
 
 struct LayeredChunkBytes {
@@ -137,28 +137,29 @@ Result<PackedSequence> packSequence(const BakeRun& run, const StreamPlan& plan) 
   return out;
 }
 
-Status writeStills(const BakeRun& run, const package::Character& character) {
+// Returns the texture's name.
+Result<std::string> writeStills(const BakeRun& run, const package::Character& character) {
   const Job& job = run.job;
   const std::string folder = job.resultFolder() + "/";
   FOURDVT_ASSIGN(auto still, run.work.loadStill());
-  FOURDVT_TRY(platform::writeFileAtomic(folder + kTexture, still.texture_jpeg));
   FOURDVT_TRY(platform::writeFileAtomic(folder + kTiles, still.tile_jpeg));
   FOURDVT_ASSIGN(auto positions, capture::readMeshFrame(job.capture, job.capture.sequences[0], 0));
   FOURDVT_ASSIGN(auto poster,
                  renderPoster(run.device(), character, job.mesh.decoded, describeStream(job.streams[0]).renditions[0],
                               still, reordered(job.mesh, positions)));
   FOURDVT_ASSIGN(auto webp, encodePicture(poster, ".webp", 85));
-  return platform::writeFileAtomic(folder + kPosterFile, webp);
+  FOURDVT_TRY(platform::writeFileAtomic(folder + kPosterFile, webp));
+  return writeNamed(job.resultFolder(), kTexture, still.texture_jpeg);
 }
 
-void describe(const Job& job, const package::Character& character, ReportInput& report) {
+void describe(const Job& job, const package::Character& character, const std::string& texture, ReportInput& report) {
   report.picture_width = job.layout.width;
   report.picture_height = job.layout.height;
   const std::string first = job.streams[0].name + ", frame 0";
   report.pictures = {{kPosterFile, "The character, " + first + ", as the page shows it first."},
                      {kTiles, "The video picture of " + first + ": all layers and the barcode."}};
   describeCommon(job, character, report);
-  report.figures.bytes_by_part[kTexture] = platform::fileBytes(job.resultFolder() + "/" + kTexture);
+  report.figures.bytes_by_part[texture] = platform::fileBytes(job.resultFolder() + "/" + texture);
 }
 
 ClassSummary figuresOf(const Job& job, const StreamPlan& plan, const package::Sequence& sequence) {
@@ -193,11 +194,11 @@ Status describeClasses(const BakeRun& run, const package::Character& character, 
 Status writeGraph(const Job& job, const std::vector<uint8_t>& graph, package::Character& character,
                   ReportInput& report) {
   if (graph.empty()) return {};
-  character.graph_uri = kGraph;
+  FOURDVT_ASSIGN(character.graph_uri, writeNamed(job.resultFolder(), kGraph, graph));
   character.graph_bytes = graph.size();
   character.graph_hash = fnv1a(graph);
-  report.figures.bytes_by_part[kGraph] = graph.size();
-  return platform::writeFileAtomic(job.resultFolder() + "/" + kGraph, graph);
+  report.figures.bytes_by_part[character.graph_uri] = graph.size();
+  return {};
 }
 
 }  // namespace
@@ -222,7 +223,7 @@ void describeCommon(const Job& job, const package::Character& character, ReportI
   report.faces = character.face_count;
   report.versions = encoderVersions();
   auto& bytes = report.figures.bytes_by_part;
-  for (const char* name : {kMeshFile, kPosterFile, "character.gltf"})
+  for (const std::string& name : {character.mesh_uri, character.poster_uri, std::string(kManifestFile)})
     bytes[name] = platform::fileBytes(job.resultFolder() + "/" + name);
   for (const package::Sequence& s : character.sequences) {
     bytes[s.stream_uri] = s.stream_bytes;
@@ -254,11 +255,12 @@ Status writeRoom(const Job& job, const std::optional<BakedRoom>& room, package::
                  ReportInput& report) {
   if (!room) return {};
   character.room = room->room;
-  const std::string& file = room->room.picture_uri;
+  FOURDVT_ASSIGN(const std::string file, writeNamed(job.resultFolder(), room->room.picture_uri, room->picture));
+  character.room.picture_uri = file;
   report.figures.bytes_by_part[file] = room->picture.size();
   report.pictures.push_back(
       {file, "The room's faces, from the plates: floor and ceiling, walls along z, walls along x."});
-  return platform::writeFileAtomic(job.resultFolder() + "/" + file, room->picture);
+  return {};
 }
 
 Status assemble(BakeRun& run, const std::vector<uint8_t>& graph, const std::optional<BakedRoom>& room,
@@ -274,15 +276,15 @@ Status assemble(BakeRun& run, const std::vector<uint8_t>& graph, const std::opti
     character.sequences.push_back(std::move(packed.manifest));
     report.sequences.push_back(std::move(packed.report));
   }
-  FOURDVT_TRY(platform::writeFileAtomic(job.resultFolder() + "/" + kMeshFile, job.mesh.bytes));
-  FOURDVT_TRY(writeStills(run, character));
+  FOURDVT_ASSIGN(character.mesh_uri, writeNamed(job.resultFolder(), kMeshFile, job.mesh.bytes));
+  FOURDVT_ASSIGN(const std::string texture, writeStills(run, character));
   FOURDVT_TRY(writeGraph(job, graph, character, report));
   FOURDVT_TRY(writeRoom(job, room, character, report));
   FOURDVT_TRY(writeStart(run, character, report));
   FOURDVT_ASSIGN(auto manifest,
-                 package::writeManifest({character, &job.mesh, kTexture, kGenerator, job.capture.credit}));
-  FOURDVT_TRY(platform::writeFileAtomic(job.resultFolder() + "/character.gltf", manifest));
-  describe(job, character, report);
+                 package::writeManifest({character, &job.mesh, texture, kGenerator, job.capture.credit}));
+  FOURDVT_TRY(platform::writeFileAtomic(job.resultFolder() + "/" + kManifestFile, manifest));
+  describe(job, character, texture, report);
   FOURDVT_TRY(describeRefinement(job, report));
   return describeClasses(run, character, report);
 }

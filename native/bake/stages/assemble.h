@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the character folder from finished GOPs: complete in a sibling folder first, which bake.cpp renames into place.
+// Makes the character folder from finished GOPs: complete in a sibling folder first, which
+// bake.cpp publishes.
 #pragma once
 
 #include "bake/run/bake_run.h"

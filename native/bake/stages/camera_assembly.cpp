@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "bake/run/content_names.h"
 #include "bake/run/describe.h"
 #include "bake/stages/assemble.h"
 #include "bake/stages/camera_colours.h"
@@ -140,12 +141,12 @@ Status assembleCameras(BakeRun& run, const std::vector<ColourMap>& maps, const s
                                        ", frame 0, as the page shows it first, from the three nearest cameras."}};
   package::Character character = describeCharacter(job);
   for (const StreamPlan& plan : job.streams) FOURDVT_TRY(packSequence(run, plan, character, report));
-  FOURDVT_TRY(platform::writeFileAtomic(folder + kMeshFile, job.mesh.bytes));
+  FOURDVT_ASSIGN(character.mesh_uri, writeNamed(job.resultFolder(), kMeshFile, job.mesh.bytes));
   FOURDVT_TRY(writeRoom(job, room, character, report));
   FOURDVT_TRY(writeStart(run, character, report));
   FOURDVT_ASSIGN(const auto manifest,
                  package::writeManifest({character, &job.mesh, "", kGenerator, job.capture.credit}));
-  FOURDVT_TRY(platform::writeFileAtomic(folder + "character.gltf", manifest));
+  FOURDVT_TRY(platform::writeFileAtomic(folder + kManifestFile, manifest));
   report.picture_width = job.streams[0].layout().width;
   report.picture_height = job.streams[0].layout().height;
   describeCommon(job, character, report);

@@ -12,7 +12,7 @@
 namespace fourdvt::bake {
 
 struct BakedRoom {
-  package::Room room;            // complete
+  package::Room room;            // complete; the picture's name without its hash
   std::vector<uint8_t> picture;  // the bytes of the file that it names
 };
 

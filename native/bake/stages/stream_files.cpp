@@ -11,6 +11,7 @@ extern "C" {
 #include <libavformat/avformat.h>
 }
 
+#include "bake/run/content_names.h"
 #include "base/hash.h"
 #include "platform/files.h"
 
@@ -96,6 +97,7 @@ Result<std::vector<package::SampleTable>> packVideos(const StreamPlan& plan, con
   for (size_t r = plan.renditions.size(); r-- > 0;) {  // of equal size, the highest comes last
     package::Rendition& rendition = sequence.renditions[r];
     FOURDVT_ASSIGN(auto packed, packVideo(plan, r, run.work, run.job.resultFolder() + "/" + rendition.video_uri));
+    FOURDVT_ASSIGN(rendition.video_uri, nameByContent(run.job.resultFolder(), rendition.video_uri));
     rendition.video_bytes = packed.file_bytes;
     rendition.codec = packed.codec;
     all.push_back({std::move(rendition), std::move(packed.table)});
@@ -119,6 +121,7 @@ Status writeStream(package::StreamIndex index, const BakeRun& run, const StreamP
   s.stream_header_bytes = static_cast<uint32_t>(header.size());
   s.stream_header_hash = fnv1a(header);
   for (const package::ChunkEntry& chunk : index.coarse_chunks) s.coarse_bytes += chunk.bytes;
+  FOURDVT_ASSIGN(s.stream_uri, nameByContent(run.job.resultFolder(), s.stream_uri));
   return {};
 }
 

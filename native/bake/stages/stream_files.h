@@ -15,12 +15,12 @@ namespace fourdvt::bake {
 constexpr const char* kGenerator = "fourdvt 0.1.0";
 
 // Writes the videos of all renditions of `sequence`, which describeStream made, and sets what is now known of them:
-// bytes, codecs, and their order, the fewest bytes first. Returns their sample tables in that order. Errors:
+// names, bytes, codecs, and their order, the fewest bytes first. Returns their sample tables in that order. Errors:
 // WriteFailed, Internal.
 Result<std::vector<package::SampleTable>> packVideos(const StreamPlan& plan, const BakeRun& run,
                                                      package::Sequence& sequence);
 
-// Writes the .bin that `sequence` names, with one chunk in memory at a time, and sets the sequence's stream fields. The
+// Writes the .bin, with one chunk in memory at a time, and sets the sequence's stream fields. The
 // index's chunks have no offsets yet. Errors: InvalidArgument (memory limits), WriteFailed, Internal.
 Status writeStream(package::StreamIndex index, const BakeRun& run, const StreamPlan& plan, package::Sequence& sequence);
 

@@ -121,8 +121,9 @@ Status MethodStudy::storage(const capture::CaptureSequence& sequence) {
     if (report_.string("/sequences/" + std::to_string(i) + "/name") == sequence.name)
       at = "/sequences/" + std::to_string(i) + "/";
   const auto bytes = [&](const char* key) { return report_.number(at + key).value_or(0); };
-  const double shared = report_.number("/bytes_by_part/mesh.bin").value_or(0) +
-                        report_.number("/bytes_by_part/character.gltf").value_or(0);
+  FOURDVT_ASSIGN(const auto gltf, platform::readJsonFlat(method_.options.character_folder + "/character.gltf"));
+  const double shared =
+      gltf.number("/buffers/0/byteLength").value_or(0) + report_.number("/bytes_by_part/character.gltf").value_or(0);
   const double video = bytes("video_bytes"), geometry = bytes("geometry_bytes"), labels = bytes("label_bytes"),
                other = bytes("index_bytes") + shared;
   if (at.empty() || video <= 0 || geometry <= 0)
