@@ -39,8 +39,7 @@ const CommandHelp& help() {
   static const CommandHelp text{
       "bake CAPTURE -o CHARACTER [options]",
       "Turns a capture folder into a character folder that any web server can host. A new folder appears when it is "
-      "complete; in an old one, the files of the earlier bake are replaced. After Ctrl-C, the same command with "
-      "--resume "
+      "complete; in an old one, the earlier bake's files are replaced. After Ctrl-C, the same command with --resume "
       "continues.",
       {{"-o", "CHARACTER", "folder to write (required)"},
        {"--sequences", "A,B", "only these sequences (default: all)"},
