@@ -73,7 +73,7 @@ async function visit(browser, url, { kbps, latencyMs }) {
   await page.waitForTimeout(kWatchedS * 1000);
   const { waitingMs } = await page.evaluate(() => globalThis.watched);
   const [origin] = [...files.values()].map(({ at }) => at);
-  const before = new Map(), arrived = new Map(), highest = /\/(walk|run)\.mp4$/;
+  const before = new Map(), arrived = new Map(), highest = /\/(walk|run)(\.[0-9a-f]{8})?\.mp4$/;
   for (const { requestId, bytes, at } of parts) {
     const { name } = files.get(requestId);
     if (!highest.test(name)) continue;

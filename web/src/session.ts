@@ -398,7 +398,7 @@ export class Session {
 
   // True if the companion is being loaded anew, once, instead of reporting the error.
   #addAgain(companion: Companion, error: ErrorDetail): boolean {
-    if (error.id !== 'files-differ' || this.#renewedOthers.has(companion)) return false;
+    if (!mayBeOfTwoBakes(error) || this.#renewedOthers.has(companion)) return false;
     this.#renewedOthers.add(companion);
     queueMicrotask(() => {
       if (!this.#others.has(companion)) return;
