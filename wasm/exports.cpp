@@ -284,6 +284,7 @@ const abi::State* fdvt_state(Instance* h) {
   out.bytes_fetched = static_cast<double>(s.bytes_fetched);
   out.encoded_bytes_held = static_cast<double>(s.encoded_bytes_held);
   out.live_texture_bytes = static_cast<double>(c.live_texture_bytes);
+  out.rendition = s.rendition;
   const motion::Placement placement = p.placement();
   out.x_m = placement.ground_m.x;
   out.z_m = placement.ground_m.y;

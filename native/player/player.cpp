@@ -223,6 +223,7 @@ PlayerStats PlayerImpl::stats() const {
   PlayerStats stats = stats_;
   stats.bytes_fetched = loading_.bytesFetched();
   stats.encoded_bytes_held = loading_.encodedBytesHeld();
+  if (hasFrame()) stats.rendition = main().slots.rendition(main().head.shown().slot);
   return stats;
 }
 

@@ -46,6 +46,7 @@ struct PlayerStats {
   uint64_t barcode_checked = 0, barcode_mismatches = 0;
   uint64_t bytes_fetched = 0;
   uint64_t encoded_bytes_held = 0;
+  uint32_t rendition = 0;  // of the picture shown, 0: the lowest
 };
 
 class Player {

@@ -10,13 +10,15 @@ export interface ViewerStats {
   bytesFetched: number;
   encodedBytesHeld: number;
   textureBytes: number;
+  /** Of the picture shown, 0: the lowest. */
+  rendition: number;
   uploadPath: PictureKind;
 }
 
 export function statsOf(state: PlayerState, uploadPath: PictureKind): ViewerStats {
-  const { framesShown, framesLate, barcodeChecked, barcodeMismatches, bytesFetched, encodedBytesHeld } = state;
+  const { framesShown, framesLate, barcodeChecked, barcodeMismatches, bytesFetched, encodedBytesHeld, rendition } = state;
   return {
-    framesShown, framesLate, barcodeChecked, barcodeMismatches, bytesFetched, encodedBytesHeld,
+    framesShown, framesLate, barcodeChecked, barcodeMismatches, bytesFetched, encodedBytesHeld, rendition,
     textureBytes: state.liveTextureBytes, uploadPath,
   };
 }
