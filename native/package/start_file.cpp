@@ -8,7 +8,7 @@
 namespace fourdvt::package {
 namespace {
 
-constexpr size_t kStartParts = 4;
+constexpr size_t kStartParts = 5;
 
 Error invalidStart(const char* problem) { return {ErrorId::StreamInvalid, std::string("start file: ") + problem}; }
 
@@ -29,6 +29,7 @@ Result<StartFile> readStartFile(std::span<const uint8_t> bytes) {
       out.index.renditions[0].samples[0].bytes != parts[3].size())
     return invalidStart("has not one frame of the lengths that its header says");
   out.mesh = parts[0];
+  out.header = parts[4];
   out.chunk.assign(parts[2].begin(), parts[2].end());
   out.video.assign(parts[3].begin(), parts[3].end());
   return out;

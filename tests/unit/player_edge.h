@@ -106,6 +106,11 @@ class SimulatedEdge {
   }
   double uniform(double high) { return std::uniform_real_distribution<double>(0, high)(random_); }
   uint32_t below(uint32_t n) { return random_() % n; }
+  std::vector<FetchRange> pendingFetches() const {
+    std::vector<FetchRange> out;
+    for (const PendingFetch& fetch : fetches_) out.push_back(fetch.range);
+    return out;
+  }
 
  private:
   double network_free_s_ = 0;

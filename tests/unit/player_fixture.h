@@ -123,7 +123,7 @@ class FakeBuilder {
   }
 
   // The bytes of the character's start file, which its manifest names from now on.
-  static std::vector<uint8_t> addStart(FakeCharacter& character) {
+  static std::vector<uint8_t> addStart(FakeCharacter& character, bool with_header = false) {
     const FakeSequence& q = character.sequences[0];
     const std::string at = std::string("/extensions/") + package::kExtensionName;
     const std::vector<uint8_t>& stream = character.files[q.name + ".bin"];
@@ -135,7 +135,7 @@ class FakeBuilder {
     std::vector<uint8_t> start =
         package::encodeStartFile(index, std::span(stream).subspan(chunk.offset, chunk.bytes),
                                  std::span(character.files[q.videoOf(0)]).subspan(key.offset, key.bytes),
-                                 fakeMesh().decoded)
+                                 header.first(with_header ? header.size() : 0), fakeMesh().decoded)
             .take();
     character.manifest.set(at + "/start/uri", std::string("character.start.bin"));
     character.manifest.set(at + "/start/byteLength", double(start.size()));

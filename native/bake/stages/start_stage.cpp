@@ -6,6 +6,12 @@
 #include "platform/files.h"
 
 namespace fourdvt::bake {
+namespace {
+
+// The first picture waits for every byte of the start file; what comes after it is a round trip sooner with them.
+constexpr size_t kMostHeaderBytes = 4096;
+
+}  // namespace
 
 Status writeStart(const BakeRun& run, package::Character& character, ReportInput& report) {
   const Job& job = run.job;
@@ -19,8 +25,10 @@ Status writeStart(const BakeRun& run, package::Character& character, ReportInput
   const package::VideoSample key = index.renditions[0].samples[0];
   if (coarse) index.position_step_m = index.coarse_step_m;
   FOURDVT_ASSIGN(const auto video, platform::readFileRange(folder + s.renditions[0].video_uri, key.offset, key.bytes));
-  FOURDVT_ASSIGN(const auto file, job.fromCameras() ? package::encodeStartFile(index, gop, video, character, s)
-                                                    : package::encodeStartFile(index, gop, video, job.mesh.decoded));
+  const auto follows = std::span(header).first(header.size() <= kMostHeaderBytes ? header.size() : 0);
+  FOURDVT_ASSIGN(const auto file, job.fromCameras()
+                                      ? package::encodeStartFile(index, gop, video, follows, character, s)
+                                      : package::encodeStartFile(index, gop, video, follows, job.mesh.decoded));
   character.start = {kStartFile, file.size(), fnv1a(file)};
   report.figures.bytes_by_part[kStartFile] = file.size();
   return platform::writeFileAtomic(folder + kStartFile, file);

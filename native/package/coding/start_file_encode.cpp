@@ -32,25 +32,26 @@ SampleTable firstSample(const SampleTable& table, std::span<const uint8_t> bytes
 }
 
 std::vector<uint8_t> join(std::span<const uint8_t> mesh, std::span<const uint8_t> header,
-                          std::span<const uint8_t> chunk, std::span<const uint8_t> video) {
+                          std::span<const uint8_t> chunk, std::span<const uint8_t> video,
+                          std::span<const uint8_t> stream_header) {
   ByteWriter out;
   out.u32(kStartMagic);
   out.u16(kStartVersion);
   out.u16(0);
-  for (const auto part : {mesh, header, chunk, video}) out.u32(static_cast<uint32_t>(part.size()));
-  for (const auto part : {mesh, header, chunk, video}) out.bytes(part);
+  for (const auto part : {mesh, header, chunk, video, stream_header}) out.u32(static_cast<uint32_t>(part.size()));
+  for (const auto part : {mesh, header, chunk, video, stream_header}) out.bytes(part);
   return out.take();
 }
 
 // The file of these parts: the index becomes that of one frame.
 std::vector<uint8_t> finish(StreamIndex index, std::span<const uint8_t> mesh, const std::vector<uint8_t>& chunk,
-                            std::span<const uint8_t> key) {
+                            std::span<const uint8_t> key, std::span<const uint8_t> header) {
   index.frame_count = 1;
   index.coarse_chunks.clear();
   index.chunks = {{0, 1, 0, static_cast<uint32_t>(chunk.size()), fnv1a(chunk)}};
   index.renditions = {firstSample(index.renditions[0], key)};
   index.chunks[0].offset = writeStreamHeader(index).size();  // as in a .bin, where the chunk follows the header
-  return join(mesh, writeStreamHeader(index), chunk, key);
+  return join(mesh, writeStreamHeader(index), chunk, key, header);
 }
 
 QuantisedSurface quantised(const Surface& surface, const StreamIndex& index) {
@@ -65,24 +66,25 @@ QuantisedSurface quantised(const Surface& surface, const StreamIndex& index) {
 }  // namespace
 
 Result<std::vector<uint8_t>> encodeStartFile(const StreamIndex& index, std::span<const uint8_t> gop,
-                                             std::span<const uint8_t> key, const BaseMesh& base) {
+                                             std::span<const uint8_t> key, std::span<const uint8_t> header,
+                                             const BaseMesh& base) {
   const ChunkMesh mesh = makeChunkMesh(base);
   FOURDVT_ASSIGN(auto decoder, ChunkDecoder::open(gop, index, 0, mesh));
   const uint32_t frames = index.chunks[0].frame_count;
   FOURDVT_TRY(decoder->decodeTo(frames - 1));
   FOURDVT_ASSIGN(const auto chunk, encodeChunk(firstFrame(decoder->frames(), frames), mesh));
   FOURDVT_ASSIGN(const auto coded, encodeMeshCode(base));
-  return finish(index, coded, chunk, key);
+  return finish(index, coded, chunk, key, header);
 }
 
 Result<std::vector<uint8_t>> encodeStartFile(const StreamIndex& index, std::span<const uint8_t> gop,
-                                             std::span<const uint8_t> key, const Character& character,
-                                             const Sequence& sequence) {
+                                             std::span<const uint8_t> key, std::span<const uint8_t> header,
+                                             const Character& character, const Sequence& sequence) {
   FOURDVT_ASSIGN(auto decoder, SurfaceChunk::open(gop, index, 0, character, sequence));
   FOURDVT_TRY(decoder->decodeTo(0));
   const QuantisedSurface frame = quantised(decoder->surface(0), index);
   FOURDVT_ASSIGN(const auto chunk, encodeSurfaceChunk(decoder->tiles(), {&frame, 1}));
-  return finish(index, {}, chunk.bytes, key);
+  return finish(index, {}, chunk.bytes, key, header);
 }
 
 }  // namespace fourdvt::package

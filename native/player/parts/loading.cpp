@@ -15,8 +15,9 @@ using stream::PartState;
 
 namespace {
 
-constexpr double kAhead_s = 6;      // of what is held or on its way
-constexpr int kGopsOnTheirWay = 2;  // more would only share the network with the one that is due first
+constexpr double kAhead_s = 6;  // of what is held or on its way
+// More would only share the network with the one that is due first.
+constexpr int kGopsOnTheirWay = 2, kGopsBeforeTheFirstPicture = 1;
 
 bool liesWithin(uint64_t offset, uint64_t bytes, uint64_t file_bytes) {
   return offset <= file_bytes && bytes <= file_bytes - offset;
@@ -52,6 +53,9 @@ Status Loading::takeStart(std::span<const uint8_t> bytes) {
   FOURDVT_TRY(checkHeader(start_, file.index));
   if (!fromCameras())
     FOURDVT_TRY(takeMesh(package::decodeMeshCode(file.mesh, character_->vertex_count, character_->face_count)));
+  const package::Sequence& first = character_->sequences[0];
+  if (file.header.size() == first.stream_header_bytes && fnv1a(file.header) == first.stream_header_hash)
+    FOURDVT_TRY(receiveHeader(0, file.header));
   streams_.resize(streams_.size() + 1);
   streams_.back().header = PartState::Present;
   streams_.back().index = std::move(file.index);
@@ -82,13 +86,14 @@ int Loading::find(const std::string& name) const {
 
 void Loading::requestMissing(std::span<const Need> needs, int next_sequence) {
   requestMesh();
+  const int most = fetches_.progressEnded() ? kGopsOnTheirWay : kGopsBeforeTheFirstPicture;
   std::vector<GopKey> keep;
   for (const Need& need : needs) {
     requestHeader(need.sequence);
     const size_t first = keep.size();
     addNeededGops(need, keep);
     int under_way = 0;
-    for (size_t i = first; i < keep.size() && under_way < kGopsOnTheirWay; ++i) under_way += requestGop(keep[i]);
+    for (size_t i = first; i < keep.size() && under_way < most; ++i) under_way += requestGop(keep[i]);
   }
   if (next_sequence >= 0) requestHeader(next_sequence);
   cancelUnneeded(keep);

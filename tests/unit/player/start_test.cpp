@@ -55,6 +55,27 @@ TEST(StartFile, TheStreamFollowsAndPlays) {
   EXPECT_TRUE(edge.errors.empty());
 }
 
+TEST(StartFile, ItsStreamHeaderIsNotFetchedAgainAndTheFirstGopComesAlone) {
+  for (const bool with_header : {false, true}) {
+    FakeCharacter character = twoSequences();
+    const std::vector<uint8_t> start = FakeBuilder::addStart(character, with_header);
+    SimulatedEdge edge(character, {});
+    ASSERT_TRUE(showsOffline(edge, character, start));
+    const std::vector<FetchRange> asked = edge.pendingFetches();
+    const bool header = std::any_of(asked.begin(), asked.end(), [](const FetchRange& r) { return r.offset == 0; });
+    EXPECT_EQ(header, !with_header);
+    EXPECT_EQ(asked.size(), with_header ? 2u : 1u) << "chunk and samples of one GOP";
+    edge.offline = false;
+    edge.player->play();
+    ASSERT_TRUE(edge.runUntilShown());
+    for (int i = 0; i < 300; ++i) {
+      edge.step(0.008);
+      edge.expectPaired();
+    }
+    EXPECT_TRUE(edge.errors.empty());
+  }
+}
+
 TEST(StartFile, AnotherSequenceOrFrameLeavesItAtOnce) {
   for (const bool other : {false, true}) {
     FakeCharacter character = twoSequences();
