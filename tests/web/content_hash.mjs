@@ -22,12 +22,15 @@ function rehashStream(folder, { stream, renditions }) {
   let at = kCountsEnd;
   const u32 = () => bytes.readUInt32LE((at += 4) - 4);
   const u64 = () => bytes.readBigUInt64LE((at += 8) - 8);
-  const frames = [];
-  for (let gops = u32(); gops > 0; --gops) {
-    frames.push(u32());
+  const frames = [], coarse = bytes.readUInt16LE(4) === 6;
+  const rehashChunk = () => {
     const length = u32(), offset = Number(u64());
     bytes.writeBigUInt64LE(fnv1a(bytes.subarray(offset, offset + length)), at);
     at += 8;
+  };
+  for (let gops = u32(); gops > 0; --gops) {
+    frames.push(u32());
+    rehashChunk();
   }
   u32(); // number of renditions: the manifest has it
   for (const { uri } of renditions) {
@@ -42,6 +45,8 @@ function rehashStream(folder, { stream, renditions }) {
       bytes.writeBigUInt64LE(fnv1a(video.subarray(offset, offset + length)), place);
     }
   }
+  if (coarse) at += 4; // its step
+  for (let gop = 0; coarse && gop < frames.length; ++gop) rehashChunk();
   writeFileSync(file, bytes);
 }
 
