@@ -118,3 +118,8 @@ uint32_t fdvt_show_room(Instance* h, const uint8_t* picture, uint32_t size) {
   scene.ground_y_m = static_cast<float>(c->ground_y_m);
   return h->canvas->device->nativeTexture(scene.room_picture.id());
 }
+
+void fdvt_judge_rendition(Instance* h, uint32_t sequence, uint32_t rendition, int32_t plays) {
+  h->player->judgeRendition(sequence, rendition, plays != 0);
+}
+void fdvt_look_ahead(Instance* h, int32_t at_once) { h->player->lookAhead(at_once != 0); }

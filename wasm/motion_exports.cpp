@@ -52,10 +52,6 @@ void fdvt_set_quality(Instance* h, int32_t rendition, uint32_t most_texels) {
   h->player->setQuality(static_cast<uint32_t>(rendition), most_texels);
 }
 
-void fdvt_judge_rendition(Instance* h, uint32_t sequence, uint32_t rendition, int32_t plays) {
-  h->player->judgeRendition(sequence, rendition, plays != 0);
-}
-
 int32_t fdvt_set_method(Instance* h, const char* name, uint32_t size, int32_t closest, abi::Visibility visibility) {
   if (closest < 0) return fail(h, ErrorId::InvalidArgument, "closest must be 0 (all cameras) or more");
   makeCurrent(h);

@@ -101,6 +101,7 @@ void PlayerImpl::seek(double time_s) {
 }
 
 Status PlayerImpl::selectSequence(const std::string& name) {
+  noteCommand();
   wanted_name_ = name;
   if (!character()) return {};
   const int sequence = loading_.find(name);
@@ -160,12 +161,6 @@ void PlayerImpl::setQuality(uint32_t rendition, uint32_t most_texels) {
     if (t.head.hasPicture() && !t.head.seeking()) t.head.seekShown();
     restartFeed(t);
   }
-}
-
-void PlayerImpl::judgeRendition(uint32_t sequence, uint32_t rendition, bool plays) {
-  if (!character() || sequence >= character()->sequences.size()) return;
-  const package::Sequence& s = character()->sequences[sequence];
-  if (rendition < s.renditions.size()) loading_.ladder().judge(s, rendition, plays);
 }
 
 Status PlayerImpl::setParameter(const std::string& name, double value, bool at_once) {

@@ -90,6 +90,9 @@ class Player {
   virtual void setQuality(uint32_t rendition, uint32_t most_texels) = 0;
   // As Ladder::judge, of a sequence's number. A number that there is none of is ignored.
   virtual void judgeRendition(uint32_t sequence, uint32_t rendition, bool plays) = 0;
+  // While nothing else is on its way, the beginnings of up to three other motions are fetched: at once, or after the
+  // next goTo or selectSequence. Only with an automatic choice of renditions.
+  virtual void lookAhead(bool at_once) = 0;
 
   // Advances the clock to the edge's monotonic time and chooses the frame to show.
   virtual void tick(double now_s) = 0;

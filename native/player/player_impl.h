@@ -41,6 +41,7 @@ class PlayerImpl final : public Player {
   void setAlign(render::Align align) override { align_ = align; }
   void setQuality(uint32_t rendition, uint32_t most_texels) override;
   void judgeRendition(uint32_t sequence, uint32_t rendition, bool plays) override;
+  void lookAhead(bool at_once) override;
   void setMethod(const render::MethodOptions& options) override { method_ = options; }
   void tick(double now_s) override;
   bool nextRequest(Request& out) override;
@@ -70,6 +71,9 @@ class PlayerImpl final : public Player {
 
  private:
   // player.cpp
+  void noteCommand() {
+    if (look_ahead_ == LookAhead::AfterCommand) look_ahead_ = LookAhead::Now;
+  }
   void select(int sequence);
   void selectFirst(int sequence);
   bool starting() const { return main().head.used() && main().head.sequence() == loading_.startSequence(); }
@@ -112,6 +116,10 @@ class PlayerImpl final : public Player {
   void selectInstead();
   void returnBeforeTheEnd();
 
+  // player_look_ahead.cpp
+  void fetchAhead();
+  uint32_t landingOn(int target) const;
+
   // player_answers.cpp
   void requestMissing();
   void settle(const Arrival& arrival);
@@ -146,7 +154,9 @@ class PlayerImpl final : public Player {
   render::MethodOptions method_;
   std::string wanted_name_;  // selected before the manifest arrived
   bool in_sight_ = true;
-  PlayerStats stats_;  // without what Loading counts
+  enum class LookAhead { Off, AfterCommand, Now } look_ahead_ = LookAhead::Off;
+  void (PlayerImpl::*fetch_ahead_)() = nullptr;  // by pointer, as in Loading
+  PlayerStats stats_;                            // without what Loading counts
 };
 
 }  // namespace fourdvt

@@ -6,6 +6,7 @@
 namespace fourdvt {
 
 Status PlayerImpl::goTo(const std::string& state) {
+  noteCommand();
   const int target = loading_.find(state);
   const bool by_graph = !paused() && hasFrame() && !loading_.lacksGraph();
   if (target < 0 || !by_graph || loading_.broken(main().head.sequence())) return selectSequence(state);

@@ -9,6 +9,7 @@
 #include <deque>
 #include <optional>
 #include <random>
+#include <set>
 
 #include "player/player.h"
 #include "player_fixture.h"
@@ -46,7 +47,8 @@ class SimulatedEdge {
   int max_slots_busy = 0, requests_after_error = 0, flushes = 0, stale_answers = 0, closes = 0;
   bool second_decoder_fails = false;
   bool offline = false;  // fetches wait until it is over
-  uint64_t max_bytes_held = 0;
+  uint64_t max_bytes_held = 0, bytes_asked = 0;
+  std::multiset<std::string> uris;  // asked for
 
   void step(double dt_s) {
     now_s += dt_s;
@@ -116,7 +118,7 @@ class SimulatedEdge {
   double network_free_s_ = 0;
   struct PendingFetch {
     FetchRange range;
-    double due_s;
+    double due_s, end_s, transfer_s;  // when it is answered, its last byte leaves; how long its bytes take
   };
   struct Decoded {
     int64_t timestamp_us;
@@ -141,9 +143,11 @@ class SimulatedEdge {
     if (auto* fetch = std::get_if<FetchRange>(&request)) {
       const double transfer_s = options.bits_per_s > 0 ? 8 * double(fetch->bytes) / options.bits_per_s : 0;
       network_free_s_ = std::max(network_free_s_, now_s) + transfer_s;
-      fetches_.push_back({*fetch, network_free_s_ + uniform(options.fetch_latency_s)});
+      fetches_.push_back({*fetch, network_free_s_ + uniform(options.fetch_latency_s), network_free_s_, transfer_s});
+      bytes_asked += fetch->bytes;
+      uris.insert(fetch->uri);
     } else if (auto* cancel = std::get_if<CancelFetch>(&request)) {
-      std::erase_if(fetches_, [&](const PendingFetch& f) { return f.range.id == cancel->id; });
+      cancelFetch(cancel->id);
     } else if (auto* configure = std::get_if<ConfigureDecoder>(&request)) {
       Decoder& decoder = decoders_[size_t(configure->decoder)];
       reset(decoder);
@@ -170,6 +174,17 @@ class SimulatedEdge {
       reset(decoders_[size_t(close->decoder)]);
       decoders_[size_t(close->decoder)].open = false;
     }
+  }
+  // What has not been sent yet makes room for what was asked for later.
+  void cancelFetch(uint32_t id) {
+    const auto at =
+        std::find_if(fetches_.begin(), fetches_.end(), [&](const PendingFetch& f) { return f.range.id == id; });
+    if (at == fetches_.end()) return;
+    const double end_s = at->end_s, freed_s = std::clamp(end_s - now_s, 0.0, at->transfer_s);
+    fetches_.erase(at);
+    network_free_s_ -= freed_s;
+    for (PendingFetch& f : fetches_)
+      if (f.end_s > end_s) f.end_s -= freed_s, f.due_s -= freed_s;
   }
   void reset(Decoder& decoder) {
     decoder.reorder.clear();

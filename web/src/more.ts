@@ -2,5 +2,5 @@
 // fourdvt-more.js: the page's side of what the player's second part has.
 export { readLook } from './look.js';
 export { MotionControls } from './motion-controls.js';
-export { judgeRenditions } from './smoothness.js';
+export { advise } from './advice.js';
 export { loadOpenCvFlow } from './opencv-flow.js';

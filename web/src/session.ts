@@ -276,15 +276,15 @@ export class Session {
   // needed.
   async #loadRest(): Promise<void> {
     if (!(await this.#more().catch(() => null))) return;
-    if (this.#main) this.#judge(this.#main, this.#manifest);
+    if (this.#main) this.#advise(this.#main, this.#manifest);
     for (const actor of this.#actors) actor.run((player) => player.moreCame());
     this.#programsMissing = true;
   }
 
-  // What the browser expects of the character's renditions; without the second part all are tried.
-  #judge(actor: Actor, manifest: unknown): void {
-    this.#more().then(({ judgeRenditions }) =>
-      judgeRenditions(manifest, (...verdict) => { actor.run((player) => player.judgeRendition(...verdict)); }), () => undefined);
+  // Tells the player what the browser expects of its renditions, then lets it look ahead. Without the second part it does
+  // without.
+  #advise(actor: Actor, manifest: unknown): void {
+    this.#more().then(({ advise }) => advise(manifest, actor, actor === this.#main && this.#host.element), () => undefined);
   }
 
   get #hasLook(): boolean { return this.#host.element.matches('[look]:not([look=""],[look=none]),[method=montage4d]'); }
@@ -390,7 +390,7 @@ export class Session {
     const actor = new Actor(this.#context(this.#main), { transport, manifest, start: new Uint8Array() }, commands, host);
     this.#others.set(companion, { actor, transport });
     if (this.#hidden) actor.setInSight(false);
-    this.#judge(actor, manifest);
+    this.#advise(actor, manifest);
     // A listener of its first events may have removed it.
     if (companion.left.aborted || this.#abort.signal.aborted) this.remove(companion);
     this.wake();

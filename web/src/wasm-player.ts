@@ -242,6 +242,7 @@ export class WasmPlayer {
   judgeRendition(sequence: number, rendition: number, plays: boolean): void {
     this.#m._fdvt_judge_rendition(this.#h, sequence, rendition, plays ? 1 : 0);
   }
+  lookAhead(atOnce: boolean): void { this.#m._fdvt_look_ahead(this.#h, atOnce ? 1 : 0); }
   /** Layered characters have no method. */
   setMethod({ name, closest, visibility }: Method): void {
     if (!this.character()?.fromCameras) return;

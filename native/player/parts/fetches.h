@@ -15,6 +15,7 @@ struct FetchPurpose {
   enum class Kind { Mesh, Graph, Header, Video, Better, Chunk, Fine } kind = Kind::Mesh;  // as of stream::Gop
   int sequence = -1;                                                                      // -1: of the whole character
   uint32_t gop = 0;                                                                       // from Video on
+  bool ahead = false;                                                                     // nobody needs it yet
   bool ofGop() const { return kind >= Kind::Video; }
   bool ofVideo() const { return kind == Kind::Video || kind == Kind::Better; }
   // Playing goes on without it.
@@ -46,6 +47,10 @@ class Fetches {
       outbox_.request(CancelFetch{fetch.range.id});
       return true;
     });
+  }
+  template <class Action>
+  void forEach(const Action& action) {
+    for (Fetch& fetch : fetches_) action(fetch);
   }
   uint64_t bytesFetched() const { return bytes_fetched_; }
 

@@ -43,12 +43,6 @@ void Ladder::seekAgain(const package::Sequence& s) {
   for (const package::Rendition& r : s.renditions) std::erase(missing_, &r);
 }
 
-void Ladder::judge(const package::Sequence& s, uint32_t rendition, bool plays) {
-  std::vector<const package::Rendition*>& list = plays ? rough_ : missing_;
-  list.push_back(&s.renditions[rendition]);
-  if (allOut(s)) list.pop_back();
-}
-
 bool Ladder::tooSlow(const package::Sequence& s, uint32_t r) const {
   return quality_ == kAutomaticRendition && r > 0 &&
          ((too_slow_ && r >= too_slow_) || std::find(rough_.begin(), rough_.end(), &s.renditions[r]) != rough_.end());

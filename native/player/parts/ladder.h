@@ -41,6 +41,8 @@ class Ladder {
 
   // present: the rendition that was chosen before; it is kept while the throughput wavers round a limit.
   uint32_t choose(const package::Sequence& sequence, uint32_t present) const;
+  bool automatic() const { return quality_ == kAutomaticRendition; }
+  uint32_t lowest(const package::Sequence& sequence) const { return allowed(sequence, 0); }
   // The highest that choose can ever give: what a loop that is held whole may be raised to.
   uint32_t highest(const package::Sequence& sequence) const;
   double throughput_bps() const { return seconds_ > 0 ? 8 * bytes_ / seconds_ : 0; }  // 0: nothing measured yet

@@ -96,10 +96,12 @@ void Loading::requestMissing(std::span<const Need> needs, int next_sequence) {
     for (size_t i = first; i < keep.size() && under_way < most; ++i) under_way += requestGop(keep[i]);
   }
   if (next_sequence >= 0) requestHeader(next_sequence);
+  if (settle_ahead_) (this->*settle_ahead_)(needs, next_sequence, keep);
   cancelUnneeded(keep);
   if (fetches_.progressEnded() && fetches_.empty()) requestGraph();
   lower(keep);
   if (fetches_.empty()) raise(keep);
+  if (keep_ahead_) (this->*keep_ahead_)(keep);
   cache_.trim(keep);
 }
 
@@ -223,7 +225,7 @@ bool Loading::holdsWhole(int sequence) const {
 void Loading::cancelUnneeded(const std::vector<GopKey>& keep) {
   fetches_.cancel([&](const FetchPurpose& purpose) {
     const GopKey key{purpose.sequence, purpose.gop};
-    if (!purpose.ofGop() || std::find(keep.begin(), keep.end(), key) != keep.end()) return false;
+    if (!purpose.ofGop() || purpose.ahead || std::find(keep.begin(), keep.end(), key) != keep.end()) return false;
     if (PartState* state = stateOf(purpose)) *state = PartState::Absent;
     return true;
   });
@@ -297,8 +299,10 @@ Arrival Loading::receive(uint32_t id, std::span<const uint8_t> bytes) {
   switch (purpose.kind) {
     case Kind::Mesh:
       return {Arrival::What::Mesh, -1, receiveMesh(bytes)};
-    case Kind::Header:
-      return {Arrival::What::Header, purpose.sequence, receiveHeader(purpose.sequence, bytes)};
+    case Kind::Header: {
+      const Status read = receiveHeader(purpose.sequence, bytes);
+      return read.ok() ? Arrival{Arrival::What::Header, purpose.sequence, {}} : lose(purpose, read.error());
+    }
     case Kind::Graph:
       receiveGraph(bytes);
       break;
@@ -321,6 +325,11 @@ Arrival Loading::refuse(uint32_t id, const std::string& reason) {
 // Samples that cannot be had leave out their rendition, while the sequence has another one.
 Arrival Loading::lose(const FetchPurpose& purpose, Error error) {
   PartState* state = stateOf(purpose);
+  if (purpose.ahead) {
+    stream(purpose.sequence).failed_ahead = true;
+    if (state) *state = PartState::Absent;
+    return {};
+  }
   if (!purpose.ofVideo())
     return purpose.optional() ? Arrival{} : Arrival{Arrival::What::Nothing, purpose.sequence, error};
   if (!state) return {};

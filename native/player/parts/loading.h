@@ -41,7 +41,11 @@ class Loading {
   // rendition: as Ladder::setQuality takes it.
   Loading(Outbox& outbox, uint64_t encoded_budget_bytes, const CameraParts* cameras = nullptr,
           uint32_t rendition = kHighestRendition)
-      : cameras_(cameras), ladder_(rendition), cache_(encoded_budget_bytes), fetches_(outbox) {}
+      : cameras_(cameras),
+        ladder_(rendition),
+        budget_bytes_(encoded_budget_bytes),
+        cache_(encoded_budget_bytes),
+        fetches_(outbox) {}
 
   // start: the bytes of the character's start file; not used if they are not those that the manifest's hash is of.
   // Errors: as of package::readManifest; Unsupported: from cameras, without CameraParts. What was there stays.
@@ -73,6 +77,16 @@ class Loading {
   // Asks for what the needs lack, the most urgent first: mesh, header and GOPs of each need in turn, then the header of
   // `next_sequence` (-1: none). Frees what nobody needs when the budget is exceeded.
   void requestMissing(std::span<const Need> needs, int next_sequence);
+  // Where another sequence would be entered.
+  struct Landing {
+    int sequence = -1;
+    uint32_t frame = 0;
+  };
+  void lookAhead();  // fetchAhead may be called from now on
+  // Nothing is on its way: asks for a part of the first landing that lacks one, its header or its GOP in the lowest
+  // rendition. A need that is due soon calls it off. With an automatic choice of renditions only.
+  void fetchAhead(std::span<const Landing> landings);
+  bool idle() const { return fetches_.empty(); }
   void requestGraph();
   void onFirstPicture() { fetches_.endProgress(); }  // the motion graph may be fetched now
   Arrival receive(uint32_t id, std::span<const uint8_t> bytes);
@@ -98,7 +112,8 @@ class Loading {
     stream::PartState header = stream::PartState::Absent;
     package::StreamIndex index, coarse;  // coarse: of those chunks, if there are any
     bool broken = false;
-    uint32_t rendition = 0;  // that was chosen last
+    uint32_t rendition = 0;     // that was chosen last
+    bool failed_ahead = false;  // only a need asks for it again
   };
 
   Stream& stream(int sequence) { return streams_[static_cast<size_t>(sequence)]; }
@@ -111,6 +126,10 @@ class Loading {
   void takeFine(stream::Gop& gop);
   // That the GOP's chunk is of.
   const package::StreamIndex& indexOf(stream::GopKey key, const stream::Gop& gop) const;
+  void requestAhead(stream::GopKey key);
+  void settleAhead(std::span<const Need> needs, int next_sequence, const std::vector<stream::GopKey>& keep);
+  void keepAhead(std::vector<stream::GopKey>& keep);
+  uint64_t bytesOf(const std::vector<stream::GopKey>& keys) const;
   void requestVideo(stream::GopKey key, FetchPurpose::Kind kind, uint32_t rendition);
   void raise(const std::vector<stream::GopKey>& keys);
   void lower(const std::vector<stream::GopKey>& keys);
@@ -144,6 +163,11 @@ class Loading {
   std::vector<Stream> streams_;
   package::Sequence start_;
   bool started_ = false;
+  // Null until lookAhead: by pointer, so that no caller has a copy of what runs after the first picture only.
+  void (Loading::*settle_ahead_)(std::span<const Need>, int, const std::vector<stream::GopKey>&) = nullptr;
+  void (Loading::*keep_ahead_)(std::vector<stream::GopKey>&) = nullptr;
+  std::vector<stream::GopKey> ahead_;  // beginnings, of some sequences that may be next
+  uint64_t budget_bytes_, needed_bytes_ = 0;
   stream::GopCache cache_;
   Fetches fetches_;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Asks the browser which renditions of a character it can decode, and which of those smoothly, before one is tried. Part of
-// fourdvt-more.js.
+// Advice for a character's player once it can play: which renditions the browser can decode, and which of those smoothly,
+// before one is tried; and whether other motions are near. Part of fourdvt-more.js.
 
 interface Rendition {
   codec: string;
@@ -17,8 +17,14 @@ interface Manifest {
   extensions: { FOURDVT_layered_video_texture: { sequences: Sequence[] } };
 }
 
-/** Gets each rendition that does not play smoothly; plays: it can be decoded. */
-export type Judge = (sequence: number, rendition: number, plays: boolean) => void;
+interface Player {
+  judgeRendition(sequence: number, rendition: number, plays: boolean): void;
+  lookAhead(atOnce: boolean): void;
+}
+/** Runs actions on a player as long as there is one. */
+export interface Advised {
+  run(action: (player: Player) => void): unknown;
+}
 
 // A browser that has no answer is expected to play it.
 async function canDecode({ codec, width, height }: Rendition): Promise<boolean> {
@@ -31,11 +37,12 @@ async function isSmooth({ codec, width, height, byteLength }: Rendition, { frame
   return !info?.supported || info.smooth; // what it says of files that it does not play says nothing of their samples
 }
 
-/** manifest: one that the player has read. */
-export async function judgeRenditions(manifest: unknown, judge: Judge): Promise<void> {
+/** manifest: one that the player has read; element: the viewer, if its keys and buttons are for this character. */
+export async function advise(manifest: unknown, advised: Advised, element: Element | false): Promise<void> {
   const { sequences } = (manifest as Manifest).extensions.FOURDVT_layered_video_texture;
   await Promise.all(sequences.flatMap((sequence, s) => sequence.renditions.map(async (rendition, r) => {
     const plays = await canDecode(rendition);
-    if (!plays || !(await isSmooth(rendition, sequence))) judge(s, r, plays);
+    if (!plays || !(await isSmooth(rendition, sequence))) advised.run((player) => player.judgeRendition(s, r, plays));
   })));
+  advised.run((player) => player.lookAhead(element && element.hasAttribute('motion-controls')));
 }

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the edge says once the character can play, and which beginnings of other motions are fetched then.
+#include "player/player_impl.h"
+
+namespace fourdvt {
+
+namespace {
+constexpr size_t kMostLandings = 3;
+constexpr double kLead_s = 0.12;  // what a transition takes to prepare its target, about
+}  // namespace
+
+void PlayerImpl::judgeRendition(uint32_t sequence, uint32_t rendition, bool plays) {
+  if (!character() || sequence >= character()->sequences.size()) return;
+  const package::Sequence& s = character()->sequences[sequence];
+  if (rendition < s.renditions.size()) loading_.ladder().judge(s, rendition, plays);
+}
+
+void PlayerImpl::lookAhead(bool at_once) {
+  look_ahead_ = at_once ? LookAhead::Now : LookAhead::AfterCommand;
+  fetch_ahead_ = &PlayerImpl::fetchAhead;
+  loading_.lookAhead();
+}
+
+// The sequences after the current one, in the manifest's order.
+void PlayerImpl::fetchAhead() {
+  if (seeking() || transitions_.phase() != Transitions::Phase::None) return;
+  std::array<Loading::Landing, kMostLandings> landings;
+  const int count = loading_.sequenceCount(), source = main().head.sequence();
+  size_t found = 0;
+  for (int i = 1; i < count && found < kMostLandings; ++i) {
+    const int target = (source + i) % count;
+    if (!loading_.broken(target)) landings[found++] = {target, landingOn(target)};
+  }
+  loading_.fetchAhead({landings.data(), found});
+}
+
+// The frame that a transition would enter the target at if it were asked for now. A cut leads to the first one.
+uint32_t PlayerImpl::landingOn(int target) const {
+  const TransitionView view = transitionView();
+  if (paused() || !view.graph) return 0;
+  const auto way = view.graph->plan({view.source, view.frame(), view.weights, view.sequence->fps * view.clock_rate},
+                                    target, {.min_wait_s = kLead_s});
+  return way ? way->entry.frame : 0;
+}
+
+}  // namespace fourdvt
