@@ -155,3 +155,14 @@ for (const [doubt, name] of [['none', 'every rendition is played where the brows
     assert.deepEqual(page.troubles, []);
   });
 }
+
+test('beginnings of other motions come after the first change of motion, not before', async () => {
+  await open();
+  await page.waitForTimeout(2500);
+  const ofRun = () => performance.getEntriesByType('resource').some(({ name }) => /\/run\.384-34\.mp4/.test(name));
+  assert.equal(await page.evaluate(ofRun), false);
+  await page.evaluate(() => { document.querySelector('fourdvt-viewer').sequence = 'pickup'; });
+  await until(ofRun);
+  assert.equal(await viewer('sequence'), 'pickup');
+  assert.deepEqual(page.troubles, []);
+});
