@@ -143,11 +143,11 @@ for (const [doubt, name] of [['none', 'every rendition is played where the brows
     await open({ before: `globalThis.doubt = '${doubt}'; (${doubts})()` });
     await page.waitForTimeout(1500); // its answers are there; before, the first motion may have gone up
     await page.evaluate(() => { document.querySelector('fourdvt-viewer').sequence = 'pickup'; });
-    const fetched = () => performance.getEntriesByType('resource').map(({ name }) => name.split('/').at(-1)).filter((name) => /^pickup\..*mp4/.test(name));
-    await until(() => performance.getEntriesByType('resource').some(({ name }) => /\/pickup\.384-34\.mp4/.test(name)));
+    const fetched = () => performance.getEntriesByType('resource').map(({ name }) => name.split('/').at(-1)).filter((name) => /^pickup\..*mp4/.test(name)).map((name) => name.replace(/\.[0-9a-f]{8}\.mp4/, '.mp4'));
     if (doubt === 'none') {
-      await until(() => performance.getEntriesByType('resource').some(({ name }) => /\/pickup\.mp4/.test(name)));
+      await until(() => performance.getEntriesByType('resource').some(({ name }) => /\/pickup\.([0-9a-f]{8}\.)?mp4/.test(name)));
     } else {
+      await until(() => performance.getEntriesByType('resource').some(({ name }) => /\/pickup\.384-34\.([0-9a-f]{8}\.)?mp4/.test(name)));
       await page.waitForTimeout(2000);
       assert.deepEqual(new Set(await page.evaluate(fetched)), new Set(['pickup.384-34.mp4']));
     }
@@ -159,7 +159,7 @@ for (const [doubt, name] of [['none', 'every rendition is played where the brows
 test('beginnings of other motions come after the first change of motion, not before', async () => {
   await open();
   await page.waitForTimeout(2500);
-  const ofRun = () => performance.getEntriesByType('resource').some(({ name }) => /\/run\.384-34\.mp4/.test(name));
+  const ofRun = () => performance.getEntriesByType('resource').some(({ name }) => /\/run\.384-34\.([0-9a-f]{8}\.)?mp4/.test(name));
   assert.equal(await page.evaluate(ofRun), false);
   await page.evaluate(() => { document.querySelector('fourdvt-viewer').sequence = 'pickup'; });
   await until(ofRun);
