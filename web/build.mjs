@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Builds dist/ from src/, the list of the ABI (wasm/abi.txt) and the wasm modules: the player (an ES module, its .wasm
 // and its types), its second part, which a page loads after the first picture, and OpenCV's optical flow, which it loads
-// when it is asked for. Prints the sizes; there is a budget for what comes before the first picture and one for the rest.
+// when it is asked for. Prints the sizes and writes them to sizes.json; there is a budget for what comes before the first
+// picture and one for the rest.
 //   node build.mjs [--wasm FOLDER: the build of wasm/, default build/wasm/wasm]
 //                  [--opencv FOLDER with fourdvt-opencv.js and .wasm, default opencv/ in there] [--out FOLDER]
 import { execFileSync } from 'node:child_process';
@@ -83,22 +84,30 @@ writeFileSync(join(out, 'preload.html'), `<link rel="modulepreload" href="fourdv
 execFileSync(process.execPath, [join(here, 'node_modules/typescript/bin/tsc'), '-p', here, '--emitDeclarationOnly',
   '--outDir', join(out, 'types')], { stdio: 'inherit' });
 
-function printSizes(title, names) {
-  let total = 0;
-  for (const name of names) {
+// A part of the player: files that a page loads at the same time. No limit: null.
+function sizesOf(title, names, limit_gzip_bytes) {
+  const files = names.map((name) => {
     const bytes = readFileSync(join(out, name));
-    const gzip = gzipSync(bytes, { level: 9 }).length;
-    total += gzip;
-    console.log(`${name.padEnd(22)} ${String(bytes.length).padStart(8)} bytes, ${String(gzip).padStart(7)} gzip`);
-  }
+    return { name, bytes: bytes.length, gzip_bytes: gzipSync(bytes, { level: 9 }).length };
+  });
+  return { title, files, gzip_bytes: files.reduce((sum, { gzip_bytes }) => sum + gzip_bytes, 0), limit_gzip_bytes };
+}
+
+function printSizes({ title, files, gzip_bytes: total }) {
+  for (const { name, bytes, gzip_bytes: gzip } of files) console.log(`${name.padEnd(22)} ${String(bytes).padStart(8)} bytes, ${String(gzip).padStart(7)} gzip`);
   console.log(`${title.padEnd(22)} ${' '.repeat(8)}        ${String(total).padStart(7)} gzip`);
-  return total;
 }
 
 const pair = (name) => [`${name}.js`, `${name}.wasm`];
-if (hasOpencv) printSizes('on demand: opencv', pair('fourdvt-opencv'));
-const first = printSizes('before the first picture', pair('fourdvt-viewer')), more = printSizes('after it', pair('fourdvt-more'));
-for (const [bytes, budget, what] of [[first, FIRST_GZIP_BYTES, 'what the first picture needs'], [more, MORE_GZIP_BYTES, 'what comes after it']]) {
-  if (bytes > budget) fail(`${what} exceeds its budget of ${budget} bytes by ${bytes - budget}`);
+const sizes = {
+  ...(hasOpencv && { demand: sizesOf('on demand: opencv', pair('fourdvt-opencv'), null) }),
+  first: sizesOf('before the first picture', pair('fourdvt-viewer'), FIRST_GZIP_BYTES),
+  more: sizesOf('after it', pair('fourdvt-more'), MORE_GZIP_BYTES),
+};
+Object.values(sizes).forEach(printSizes);
+writeFileSync(join(out, 'sizes.json'), `${JSON.stringify(sizes, null, 1)}\n`);
+for (const [part, what] of [['first', 'what the first picture needs'], ['more', 'what comes after it']]) {
+  const over = sizes[part].gzip_bytes - sizes[part].limit_gzip_bytes;
+  if (over > 0) fail(`${what} exceeds its budget of ${sizes[part].limit_gzip_bytes} bytes by ${over}`);
 }
 console.log(`budgets ${FIRST_GZIP_BYTES} and ${MORE_GZIP_BYTES}: kept`);

@@ -20,7 +20,8 @@
 //   { variant: name, take }             the same from the report of a variant of the character
 //   { scores: VARIANT, quantity }       held-out scores of a variant of the character
 //   { bench: name, match, over }        the first group of `match` in what the bench printed
-//   { player: true }                    bytes of the built web package, gzip
+//   { player: [PART …], quantity }      bytes of the built web package's parts, gzip; quantity: another number of
+//              sizes.json. each "file": of their files
 //   { ratio | percent | difference | percent_less | percent_more: [a, b] }   of two figures: a/b, 100 a/b, a − b,
 //              100 (1 − a/b), 100 (a/b − 1)
 
@@ -45,7 +46,7 @@ export const runs = {
     what: 'the sample capture, default settings but --crf 31, without the class',
     command: `fourdvt bake ${kSample} -o ${kBench}/crf31/character --crf 31 --no-classes && fourdvt-lab score ${kBench}/crf31/character --capture ${kSample} -o ${kBench}/crf31/scores`,
   },
-  player: { what: 'the built web package', command: 'bash site/demo.sh --prepare' },
+  player: { what: 'the built web package', command: 'bash site/measured/measure.sh player' },
   draw_ratio: { what: 'the sample character, software rasteriser', command: `build/release/tests/bench/bench_draw_ratio ${kBench}/character` },
   blend_ratio: { what: 'a made-up character of 8,000 faces and 3 layers, software rasteriser', command: 'build/release/tests/bench/bench_blend_ratio' },
   class_frame: {
@@ -198,13 +199,26 @@ const speedFigures = [
   { id: 'speed.wasm_ratio', what: 'mesh blend with corrections against the linear blend, slowest weight', unit: '×', digits: 1, better: 'less', from: { bench: 'class_frame', match: /: x ([\d.]+)/g, over: 'max' } },
 ];
 
+// A part is what a page loads at the same time: parts of web/build.mjs, with their limits.
+export const playerParts = [['first', 'before the first picture'], ['more', 'after it'], ['demand', 'where optical flow by OpenCV is chosen']];
+const kilobytes = { unit: 'kB', digits: 1, scale: 1e-3 };
+const playerFigures = [
+  ...playerParts.map(([part, title]) => [
+    { id: `player.${part}`, what: `player ${title}, gzip`, ...kilobytes, better: 'less', from: { player: [part] } },
+    { id: `player.${part}.limit`, what: `limit of the player ${title}, gzip`, ...kilobytes, from: { player: [part], quantity: 'limit_gzip_bytes' } },
+    { id: `player.${part}.left`, what: `left of the limit of the player ${title}, gzip`, ...kilobytes, from: { difference: [`player.${part}.limit`, `player.${part}`] } },
+    { id: `player.${part}.files`, what: `files of the player ${title}, gzip`, ...kilobytes, each: 'file', from: { player: [part] } },
+    { id: `player.${part}.plain`, what: `files of the player ${title}`, ...kilobytes, each: 'file', from: { player: [part], quantity: 'bytes' } },
+  ]).flat().filter(({ id }) => !/demand\.l/.test(id)),  // what is loaded on demand has no limit
+  { id: 'player.both', what: 'player before and after the first picture, gzip', ...kilobytes, better: 'less', from: { player: ['first', 'more'] } },
+];
+
 const otherFigures = [
   { id: 'labels.time', what: 'labelling, per frame', unit: 'ms', digits: 0, each, better: 'less', from: row('labels', 'joint', 'label_ms_frame', { setting: '!layer !solve' }) },
   { id: 'labels.global', what: 'energy of one solve over the whole sequence', unit: '', digits: 0, from: row('labels', 'joint', 'energy', { setting: 'solve=global' }) },
   { id: 'labels.windowed', what: 'energy of the windowed solve', unit: '', digits: 0, from: row('labels', 'joint', 'energy', { setting: 'solve=windowed' }) },
   { id: 'seam.ours', what: 'seam contrast above the surface beside it, grazing views, ours', unit: 'levels', digits: 1, better: 'less', from: row('seams', 'joint-default', 'seam_contrast', { setting: 'view=grazing', less: 'seam_control' }) },
   { id: 'seam.fvvr', what: 'seam contrast above the surface beside it, grazing views, FVVR', unit: 'levels', digits: 1, from: row('seams', 'fvvr', 'seam_contrast', { setting: 'view=grazing', less: 'seam_control' }) },
-  { id: 'player.download', what: 'player download, gzip', unit: 'kB', digits: 1, scale: 1e-3, better: 'less', from: { player: true } },
   { id: 'bake.memory', what: 'peak memory of the bake, five times the frames against once', unit: '×', digits: 2, better: 'less', from: { bench: 'bake_memory', match: /ratio ([\d.]+)/ } },
   { id: 'parity', what: 'SSIM on the silhouettes, native against browser, lowest pose', unit: '', digits: 3, better: 'more', from: { bench: 'parity', match: /whole picture, ([\d.]+) on the silhouettes/g, over: 'min' } },
 ];
@@ -224,7 +238,7 @@ const derivedFigures = [
 ];
 
 export const figures = [tableFigures, partFigures, meanFigures, layerFigures, worthFigures, characterFigures, variantFigures, alignmentFigures,
-  motionFigures, speedFigures, otherFigures, derivedFigures].flat();
+  motionFigures, speedFigures, playerFigures, otherFigures, derivedFigures].flat();
 
 // What the page leaves to a study's own report: whole tables, or quantities of a table. Every other row whose table,
 // quantity or method no figure above takes is shown as it is at the end of the page, so that nothing measured is left
@@ -333,10 +347,18 @@ export const sections = [
       { what: 'peak memory of the bake', measured: '{bake.peak}', run: 'character' },
       { what: 'peak memory of the bake, five times the frames', measured: '{bake.memory}', goal: { text: '< × 1.15', of: 'bake.memory', max: 1.15 }, run: 'bake_memory' },
       { what: 'size of the character; of its class, fetched when shown', measured: '{character.all}; {character.class}', run: 'character', headline: true },
-      { what: 'player download, gzip', measured: '{player.download}', goal: { text: '≤ 150 kB', of: 'player.download', max: 150 }, run: 'player', headline: true },
+      { what: 'player before the first picture, gzip', measured: '{player.first} of {player.first.limit}', goal: { text: 'the limit of its build', of: 'player.first.left', min: 0 }, run: 'player', headline: true },
+      { what: 'player after the first picture, gzip', measured: '{player.more} of {player.more.limit}', goal: { text: 'the limit of its build', of: 'player.more.left', min: 0 }, run: 'player', headline: true },
       { what: 'layered drawing against one plain texture', measured: '{speed.plain}', run: 'draw_ratio' },
       { what: 'native against browser, SSIM on the silhouettes, lowest pose', measured: '{parity}', goal: { text: '≥ 0.99', of: 'parity', min: 0.99 }, run: 'parity' },
     ],
+  },
+  {
+    title: 'The player’s bytes',
+    text: 'What a page loads of the player, as its build lists it. Gzip: as a server sends it.',
+    run: 'player',
+    columns: ['', 'files', 'bytes', 'gzip', 'together', 'limit'],
+    matrix: playerParts.map(([part, title]) => [title, `{keys:player.${part}.files}`, `{player.${part}.plain}`, `{player.${part}.files}`, `{player.${part}}`, part === 'demand' ? '' : `{player.${part}.limit}`]),
   },
   {
     title: 'Between two recordings',

@@ -6,8 +6,8 @@
 //   DIR/PART/part.json    { inputs, date, commit, minutes } of the measurement
 //   DIR/study/report      of fourdvt-lab study CAPTURE -o REPORT; DIR/truth/report: the same of the virtual studio
 //   DIR/bench             character/ (its report.json), {high,crf31}/{character,scores}, NAME.txt (what a bench printed)
+//   DIR/player            sizes.json of the built web package
 //   DIR/PART/rows.json    { facts, rows } that the part's script in tests/bench wrote
-//   --player DIST         the built web package (default: that of web/)
 //   --before FILE         an earlier figures.json: the page lists what got worse since (default: the figures replaced)
 //   --to FOLDER           where the files are written and kept figures are read (default: site/measured)
 import { existsSync, readFileSync, writeFileSync } from 'node:fs';
@@ -17,7 +17,7 @@ import { parseArgs } from 'node:util';
 
 import { figures as catalogue, leftToTheReport, runs } from './catalogue.mjs';
 import { partOfRun, parts } from './parts.mjs';
-import { SourceError, mean, readRecord, readTables, standardError, playerBytes, readBench, readCharacter, readScores, readStudy } from './sources.mjs';
+import { SourceError, mean, readRecord, readTables, standardError, readBench, readCharacter, readScores, readSizes, readStudy } from './sources.mjs';
 
 const kOver = {
   mean,
@@ -121,6 +121,13 @@ function fromBench(folder, { bench, match, over }) {
   return kOver[over ?? 'first'](found);
 }
 
+// A number of some parts of the player; where it is of each file, by name.
+function fromPlayer(sizes, { from: { player, quantity = 'gzip_bytes' }, each }) {
+  const found = player.map((part) => sizes[part]).filter(Boolean);
+  if (each === 'file') return Object.fromEntries(found.flatMap(({ files }) => files.map((file) => [file.name, file[quantity]])));
+  return found.length === player.length ? found.reduce((sum, part) => sum + part[quantity], 0) : NaN;
+}
+
 // Points [bit/s, quality] of a rate curve, by bitrate.
 function curvePoints(study, method, setting, quantity) {
   return study.select({ table: 'rate', method, setting, quantity: 'video_bps' }).flatMap((row) => {
@@ -168,7 +175,7 @@ function valueOf(figure, sources, known) {
   if (from.variant) return sources.variants[from.variant] ? fromReport(sources.variants[from.variant].report, from.take, figure) : NaN;
   if (from.scores) return sources.variants[from.scores]?.score(from.quantity) ?? NaN;
   if (from.bench) return sources.bench ? fromBench(sources.bench, from) : NaN;
-  if (from.player) return sources.player ? playerBytes(sources.player) : NaN;
+  if (from.player) return sources.player ? fromPlayer(sources.player, figure) : NaN;
   const [kind] = Object.keys(kDerived).filter((name) => from[name]);
   return derived(kDerived[kind], from[kind].map((id) => known.get(id) ?? NaN));
 }
@@ -185,7 +192,7 @@ function origin({ from }) {
   if (from.variant) return { run: from.variant, row: 'character/report.json' };
   if (from.scores) return { run: from.scores, row: `scores/evaluate.csv, held-out, ${from.quantity}` };
   if (from.bench) return { run: from.bench, row: `${from.bench}.txt, ${from.match}` };
-  if (from.player) return { run: 'player', row: 'fourdvt-viewer.js, fourdvt-viewer.wasm' };
+  if (from.player) return { run: 'player', row: `sizes.json, ${from.player.join(', ')}` };
   const [kind, ids] = Object.entries(from)[0];
   return { run: 'figures', row: `${kind} of ${ids.join(', ')}` };
 }
@@ -292,20 +299,20 @@ export function printedTables(part, { record, facts, rows }) {
   return `{\n "made_by": "node site/measured/collect.mjs",\n "parts": ${JSON.stringify({ [part]: record })},\n "facts": ${JSON.stringify(facts)},\n "rows": [\n${lines.join(',\n')}\n ]\n}\n`;
 }
 
-function readSources(folder, measured, player) {
+function readSources(folder, measured) {
   const of = (part, read) => (measured.includes(part) ? read(join(folder, part)) : undefined);
   const variant = (name) => ({ report: readCharacter(join(folder, 'bench', name, 'character')), score: readScores(join(folder, 'bench', name, 'scores')) });
   return {
     study: of('study', (path) => readStudy(join(path, 'report'))), truth: of('truth', (path) => readStudy(join(path, 'report'))),
     character: of('bench', (path) => readCharacter(join(path, 'character'))), bench: of('bench', (path) => path),
-    player: of('bench', () => player), variants: of('bench', () => ({ high: variant('high'), crf31: variant('crf31') })) ?? {},
+    player: of('player', readSizes), variants: of('bench', () => ({ high: variant('high'), crf31: variant('crf31') })) ?? {},
   };
 }
 
 const readFigures = (path) => (existsSync(path) ? JSON.parse(readFileSync(path, 'utf8')) : { parts: {}, runs: {}, figures: [] });
 
-function writeFigures(folder, to, measured, { player, before }) {
-  const path = join(to, 'figures.json'), old = readFigures(path), sources = readSources(folder, measured, player);
+function writeFigures(folder, to, measured, { before }) {
+  const path = join(to, 'figures.json'), old = readFigures(path), sources = readSources(folder, measured);
   const collected = collect(sources, { old: old.figures, measured });
   const isNew = ({ parts: list }) => list.some((part) => measured.includes(part));
   const compared = withBefore(collected, before ? readFigures(before) : old);
@@ -316,8 +323,8 @@ function writeFigures(folder, to, measured, { player, before }) {
 }
 
 const text = { type: 'string' };
-const kOptions = { from: text, player: text, before: text, to: text };
-const kUsage = 'usage: node site/measured/collect.mjs --from DIR [--player DIST] [--before FILE] [--to FOLDER] PART…';
+const kOptions = { from: text, before: text, to: text };
+const kUsage = 'usage: node site/measured/collect.mjs --from DIR [--before FILE] [--to FOLDER] PART…';
 
 function main() {
   const { values, positionals } = parseArgs({ options: kOptions, allowPositionals: true });
@@ -325,9 +332,8 @@ function main() {
   const unknown = positionals.find((part) => !parts[part]);
   if (unknown) throw new SourceError(`no part is named "${unknown}"; the parts are ${Object.keys(parts).join(', ')}`);
   const to = values.to ?? fileURLToPath(new URL('.', import.meta.url));
-  const player = values.player ?? fileURLToPath(new URL('../../web/dist', import.meta.url));
   const ofFigures = positionals.filter((part) => parts[part].runs.length);
-  if (ofFigures.length) writeFigures(values.from, to, ofFigures, { player, before: values.before });
+  if (ofFigures.length) writeFigures(values.from, to, ofFigures, { before: values.before });
   for (const part of positionals.filter((one) => !parts[one].runs.length)) {
     const path = join(to, `${part}.json`), folder = join(values.from, part);
     writeFileSync(path, printedTables(part, { record: readRecord(folder), ...readTables(folder) }));

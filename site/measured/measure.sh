@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Measures what README.md and the site show, in parts, and writes the figures there. Keep the machine quiet meanwhile, for
 # the sake of the times.
-#   Parts    study, truth, cameras, hulls, methods, bench; what belongs to each is in parts.mjs and parts/NAME.sh
+#   Parts    study, truth, cameras, hulls, methods, bench, player; what belongs to each is in parts.mjs and parts/NAME.sh
 #   State    a part carries the hash of its inputs (sources, capture, scripts) and the date; unchanged inputs: not
 #            measured again. The figures of the parts that do not run stay as they are, with their hash and date
 #   Resume   run the same command again after a kill: finished steps are in build/measured/PART, each written as a whole.
@@ -11,7 +11,7 @@ set -euo pipefail
 usage() {
   cat <<'TXT'
 bash site/measured/measure.sh [options] [PART…]
-  PART            study, truth, cameras, hulls, methods or bench (default: all that are out of date)
+  PART            study, truth, cameras, hulls, methods, bench or player (default: all that are out of date)
   --list          print each part's state, date and minutes, and exit
   --anew          measure the parts named even if they are up to date, from the start
   --before FILE   an earlier figures.json: the page lists what got worse since then (default: since the last figures)
@@ -56,8 +56,8 @@ if [ -n "$build" ]; then
   step "Building the programs"
   quiet cmake-tests cmake --preset release -DFOURDVT_TESTS=ON -DFOURDVT_LAB=ON
   build build-measured build/release fourdvt fourdvt-lab bench_draw_ratio bench_blend_ratio repeat_capture
+  if needs bench || needs player; then bash site/demo.sh --prepare; fi
   if needs bench; then
-    bash site/demo.sh --prepare
     quiet build-class-frame env NODE_PATH=/usr/share/nodejs cmake --build build/wasm --target bench_class_frame
   fi
 fi

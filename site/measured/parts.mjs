@@ -59,9 +59,14 @@ export const parts = {
     targets: ['fourdvt_study_projective', 'fourdvt_bake', 'fourdvt_reconstruct_run'],
   },
   bench: {
-    what: 'the sample character, its variants, times, memory, the player’s size', runs: ['character', 'high', 'crf31', 'player', 'draw_ratio', 'blend_ratio', 'class_frame', 'bake_memory', 'parity'],
+    what: 'the sample character, its variants, times, memory', runs: ['character', 'high', 'crf31', 'draw_ratio', 'blend_ratio', 'class_frame', 'bake_memory', 'parity'],
     inputs: [...kBuild, ...kSample, ...kJudged, 'wasm', 'web', ...kBenches, 'tests/web/parity.test.mjs', 'site/measured/parts/bench.sh'],
     targets: ['fourdvt_bake', 'fourdvt_measure_character'],
+  },
+  player: {
+    what: 'the player’s bytes', runs: ['player'],
+    inputs: [...kBuild, ...kPlayed, 'wasm', 'web', 'site/measured/parts/player.sh'],
+    targets: ['fourdvt_player'],
   },
 };
 

@@ -12,6 +12,7 @@ export function fixed(value, digits) {
 }
 
 function keyText(key) {
+  if (/\.(js|wasm)$/.test(key)) return key;
   return key.replace(/^(\d+)x(\d+)$/, '$1×$2').replaceAll('-', ' ');
 }
 

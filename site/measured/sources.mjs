@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads what collect.mjs takes figures from: a study's rows, a character's report, the scores of a character, the text
-// that a bench printed. Does NOT know any figure: catalogue.mjs does.
-import { existsSync, readdirSync, readFileSync } from 'node:fs';
+// that a bench printed, the player's sizes. Does NOT know any figure: catalogue.mjs does.
+import { existsSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { gzipSync } from 'node:zlib';
 
 export class SourceError extends Error {}
 
@@ -118,11 +117,12 @@ export function readBench(folder, name) {
   return existsSync(path) ? readFileSync(path, 'utf8') : null;
 }
 
-// What a page loads before the character: the element and its wasm, as a server with gzip sends them.
-export function playerBytes(dist) {
-  if (!existsSync(join(dist, 'fourdvt-viewer.js'))) throw new SourceError(`${dist}/fourdvt-viewer.js is missing; build the web package first`);
-  const files = readdirSync(dist).filter((name) => /^fourdvt-viewer\.(js|wasm)$/.test(name));
-  return files.reduce((sum, name) => sum + gzipSync(readFileSync(join(dist, name)), { level: 9 }).length, 0);
+// Parts of the player as web/build.mjs lists them, by name: { files: [{ name, bytes, gzip_bytes }], gzip_bytes,
+// limit_gzip_bytes }.
+export function readSizes(folder) {
+  const sizes = readJson(join(folder, 'sizes.json'), 'build the web package first: node web/build.mjs');
+  if (!sizes.first?.files?.length) throw new SourceError(`${folder}/sizes.json: holds no part "first"; build the web package again: node web/build.mjs`);
+  return sizes;
 }
 
 // Standard error of the mean of these values; NaN below two.

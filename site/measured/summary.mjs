@@ -13,5 +13,5 @@ export const summary = [
   { what: 'the same, blended mesh', ours: '{truth.psnr.blend.baked}', other: 'optical flow {truth.psnr.blend.flow-gpu}' },
   { what: 'drawing time of that blend', ours: '{cost.baked}', other: 'optical flow {cost.flow-gpu}' },
   { what: 'bake, a frame', ours: '{bake.frame}', other: '' },
-  { what: 'player, gzip', ours: '{player.download}', other: '' },
+  { what: 'player, gzip', ours: '{player.both}, {player.first} of it before the first picture', other: '' },
 ];

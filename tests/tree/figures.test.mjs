@@ -14,7 +14,7 @@ import { documentParts, makeDocument } from '../../site/measured/documents.mjs';
 import { fillText, run, unmarked } from '../../site/measured/fill.mjs';
 import { fileOf, inputHash, isInput, partOfRun, parts, recordOf, stateOf } from '../../site/measured/parts.mjs';
 import { Shown, fixed } from '../../site/measured/shown.mjs';
-import { SourceError, Study, parseCsv } from '../../site/measured/sources.mjs';
+import { SourceError, Study, parseCsv, readSizes } from '../../site/measured/sources.mjs';
 
 const kRoot = fileURLToPath(new URL('../..', import.meta.url));
 const kFiles = ['README.md', 'site/docs/README.md', 'site/docs/measured.md', 'site/index.html', 'site/steer.html', 'site/measured/figures.json', 'site/measured/index.html',
@@ -141,6 +141,25 @@ test('figures are taken from a report and from what benches print', () => {
   assert.throws(() => collect(sources({ bench: folder })), SourceError);
 });
 
+test('figures are taken from the sizes that the player\'s build lists', () => {
+  const files = (...sizes) => sizes.map(([name, bytes, gzip_bytes]) => ({ name, bytes, gzip_bytes }));
+  const player = {
+    first: { files: files(['a.js', 3000, 1000], ['a.wasm', 5000, 2000]), gzip_bytes: 3000, limit_gzip_bytes: 2500 },
+    more: { files: files(['b.js', 700, 500]), gzip_bytes: 500, limit_gzip_bytes: 9000 },
+  };
+  const shown = new Shown({ figures: collect(sources({ player })) });
+  assert.deepEqual(['player.first', 'player.more', 'player.both', 'player.first.files', 'player.more.plain'].map((id) => shown.text(id)),
+    ['3.0\u00a0kB', '0.5\u00a0kB', '3.5\u00a0kB', '1.0 / 2.0\u00a0kB', '0.7\u00a0kB']);
+  assert.equal(shown.keys('player.first.files'), 'a.js / a.wasm');
+  assert.equal(shown.text('player.demand'), null, 'a build without OpenCV');
+  assert.deepEqual(['first', 'more'].map((part) => shown.met({ of: `player.${part}.left`, min: 0 })), [false, true]);
+  const folder = join(scratch, 'player');
+  mkdirSync(folder, { recursive: true });
+  assert.throws(() => readSizes(folder), /sizes\.json is missing; build the web package first/);
+  writeFileSync(join(folder, 'sizes.json'), '{}');
+  assert.throws(() => readSizes(folder), /holds no part "first"; build the web package again/);
+});
+
 test('figures are shown with unit, rounding, goal and change', () => {
   assert.deepEqual([fixed(41361.4, 0), fixed(-0.004, 2), fixed(-0.07, 2), fixed(8000, 0)], ['41,361', '0.00', '−0.07', '8000']);
   const data = { figures: withBefore(collect(sources()), { figures: [{ id: 'mean.psnr.joint-default', value: 23.4 }, { id: 'mean.psnr.fvvr', value: 23 }] }) };
@@ -248,8 +267,8 @@ test('a part is out of date when one of its inputs changes, and only then', () =
   assert.deepEqual(touched('native/base/mesh.h', 'new'), Object.keys(parts));
   assert.deepEqual(touched('native/reconstruct/hull.cpp', 'new'), ['cameras', 'hulls', 'methods']);
   assert.deepEqual(touched('tests/bench/hulls.mjs', 'new'), ['hulls']);
-  assert.deepEqual(touched('web/viewer.ts', 'new'), ['bench']);
-  assert.deepEqual(touched('native/bake/added.cpp', 'a new file'), Object.keys(parts));
+  assert.deepEqual(touched('web/viewer.ts', 'new'), ['bench', 'player']);
+  assert.deepEqual(touched('native/bake/added.cpp', 'a new file'), Object.keys(parts).filter((part) => part !== 'player'));
   for (const path of ['README.md', 'site/sample/actor_a/README.md', 'site/index.html']) assert.deepEqual(touched(path, 'new'), [], path);
   assert.equal(stateOf(null, before.study), 'never');
   rmSync(join(root, 'native/bake/bake.cpp'));

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page as a visitor uses it. Nothing may be written to the console as an error, no promise may be left rejected.
 import assert from 'node:assert/strict';
+import { readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
+import { gzipSync } from 'node:zlib';
 
 import { closeSite, environment, kPatienceMs, openPage, openSite, outputFolder, readCanvas, waitForEvent, writePicture } from './harness.mjs';
 import { coverage } from './ssim.mjs';
@@ -146,4 +148,15 @@ test('reduced motion: the page waits for the visitor', async () => {
   assert.equal(await calm.getAttribute('#play', 'aria-label'), 'Play');
   assert.deepEqual(calm.troubles, []);
   await calm.close();
+});
+
+test('sizes.json lists every script and module of the player, with the bytes that they have', () => {
+  const dist = join(environment('SITE'), 'fourdvt-viewer'), parts = Object.values(JSON.parse(readFileSync(join(dist, 'sizes.json'), 'utf8')));
+  const files = parts.flatMap((part) => part.files), read = (name) => readFileSync(join(dist, name));
+  assert.deepEqual(files.map(({ name }) => name).sort(), readdirSync(dist).filter((name) => /\.(js|wasm)$/.test(name)).sort());
+  for (const { name, bytes, gzip_bytes } of files) assert.deepEqual([bytes, gzip_bytes], [read(name).length, gzipSync(read(name), { level: 9 }).length], name);
+  for (const { title, files: own, gzip_bytes, limit_gzip_bytes } of parts) {
+    assert.equal(gzip_bytes, own.reduce((sum, file) => sum + file.gzip_bytes, 0), title);
+    assert.ok(gzip_bytes <= (limit_gzip_bytes ?? Infinity), title);
+  }
 });
