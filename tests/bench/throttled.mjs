@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// Shared by seeking.mjs and ladder.mjs: a page with one viewer, DevTools' throttling, and what came over the network by
+// the page's clock.
+import { execFileSync } from 'node:child_process';
+import { fileURLToPath } from 'node:url';
+
+/** "2000/150": kbit/s and ms. */
+export const rateOf = (text) => {
+  const [kbps, latencyMs = 50] = text.split('/').map(Number);
+  return { kbps, latencyMs };
+};
+
+export const median = (values) => values.toSorted((a, b) => a - b)[Math.floor(values.length / 2)];
+
+export const table = (head, rows) => [head, head.map(() => '---'), ...rows].map((row) => `| ${row.join(' | ')} |`).join('\n');
+
+/** The commit of this tree; with + where files differ from it. */
+export function commitOfTree() {
+  const git = (...words) => execFileSync('git', ['-C', fileURLToPath(new URL('../..', import.meta.url)), ...words], { encoding: 'utf8' }).trim();
+  return git('rev-parse', '--short', 'HEAD') + (git('status', '--porcelain', '--untracked-files=no') ? '+' : '');
+}
+
+/** A page of one tag for serve()'s option `pages`. */
+export function pageWithTag(src, attributes) {
+  const html = `<!doctype html><meta charset="utf-8"><title>one viewer</title><link rel="icon" href="data:,">
+<script type="module" src="fourdvt-viewer/fourdvt-viewer.js"></script>
+<fourdvt-viewer src="${src}" autoplay ${attributes}></fourdvt-viewer>`;
+  return { html, headers: { 'Content-Type': 'text/html' } };
+}
+
+/** Requests of a page: { name, range, atMs, parts: [{ atMs, bytes }], endMs, cancelled }, times by the page's clock. */
+class Traffic {
+  #requests = new Map();
+  #pageMs = (timestamp) => timestamp; // known from the first request on
+  #originMs;
+
+  constructor(cdp, originMs) {
+    this.#originMs = originMs;
+    cdp.on('Network.requestWillBeSent', (event) => this.#begin(event));
+    cdp.on('Network.dataReceived', ({ requestId, encodedDataLength, timestamp }) => {
+      if (encodedDataLength > 0) this.#requests.get(requestId)?.parts.push({ bytes: encodedDataLength, timestamp });
+    });
+    cdp.on('Network.loadingFinished', ({ requestId, timestamp }) => this.#end(requestId, timestamp, false));
+    cdp.on('Network.loadingFailed', ({ requestId, timestamp, canceled }) => this.#end(requestId, timestamp, canceled));
+  }
+
+  #begin({ requestId, request, timestamp, wallTime }) {
+    this.#pageMs = (seconds) => (seconds + wallTime - timestamp) * 1000 - this.#originMs();
+    const name = new URL(request.url).pathname.slice(1) || 'index.html';
+    this.#requests.set(requestId, { name, range: request.headers.Range, timestamp, parts: [] });
+  }
+  #end(requestId, timestamp, cancelled) {
+    const request = this.#requests.get(requestId);
+    if (request) Object.assign(request, { end: timestamp, cancelled });
+  }
+
+  get requests() {
+    const timed = ({ timestamp, ...rest }) => ({ ...rest, atMs: this.#pageMs(timestamp) });
+    return [...this.#requests.values()].map(({ parts, end, ...request }) => (
+      { ...timed(request), parts: parts.map(timed), endMs: end === undefined ? Infinity : this.#pageMs(end) }));
+  }
+}
+
+/** Opens `url` with a cold cache: { page, traffic, setRate, close }. Pictures take the path on which barcodes are read. */
+export async function openThrottled(browser, url, rate, { viewport, deviceScaleFactor = 1, prepare }) {
+  const context = await browser.newContext({ viewport, deviceScaleFactor });
+  const page = await context.newPage(), cdp = await context.newCDPSession(page);
+  let originMs = 0;
+  const traffic = new Traffic(cdp, () => originMs);
+  const setRate = ({ kbps, latencyMs }) => cdp.send('Network.emulateNetworkConditions',
+    { offline: false, latency: latencyMs, downloadThroughput: kbps * 125, uploadThroughput: kbps * 125 });
+  await cdp.send('Network.enable');
+  await cdp.send('Network.setCacheDisabled', { cacheDisabled: true });
+  await setRate(rate);
+  await page.addInitScript(() => sessionStorage.setItem('fourdvt-upload-path', 'i420'));
+  await prepare?.(page);
+  await page.goto(url, { waitUntil: 'commit' });
+  originMs = await page.evaluate(() => performance.timeOrigin);
+  return { page, traffic, setRate, close: () => context.close() };
+}
