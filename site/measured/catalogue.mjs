@@ -206,7 +206,7 @@ const playerFigures = [
   ...playerParts.map(([part, title]) => [
     { id: `player.${part}`, what: `player ${title}, gzip`, ...kilobytes, better: 'less', from: { player: [part] } },
     { id: `player.${part}.limit`, what: `limit of the player ${title}, gzip`, ...kilobytes, from: { player: [part], quantity: 'limit_gzip_bytes' } },
-    { id: `player.${part}.left`, what: `left of the limit of the player ${title}, gzip`, ...kilobytes, from: { difference: [`player.${part}.limit`, `player.${part}`] } },
+    { id: `player.${part}.left`, what: `left of the limit of the player ${title}, gzip`, unit: 'kB', digits: 1, from: { difference: [`player.${part}.limit`, `player.${part}`] } },
     { id: `player.${part}.files`, what: `files of the player ${title}, gzip`, ...kilobytes, each: 'file', from: { player: [part] } },
     { id: `player.${part}.plain`, what: `files of the player ${title}`, ...kilobytes, each: 'file', from: { player: [part], quantity: 'bytes' } },
   ]).flat().filter(({ id }) => !/demand\.l/.test(id)),  // what is loaded on demand has no limit

@@ -90,7 +90,7 @@ async function command({ name, motion, patienceMs }) {
   const from = performance.now(), late = wait(patienceMs), picture = seen();
   act();
   const pictureMs = await Promise.race([picture, late]);
-  return { first, from, picture: pictureMs, over: over ? await Promise.race([over(), late]) : pictureMs };
+  return { originMs: performance.timeOrigin, first, from, picture: pictureMs, over: over ? await Promise.race([over(), late]) : pictureMs };
 }
 
 // Sums the bytes that came until the picture.
@@ -126,7 +126,7 @@ async function visit(browser, server, rate, name, motion) {
     await page.waitForTimeout(afterMs);
     const times = await page.evaluate(command, { name, motion, patienceMs: kPatienceMs });
     await page.waitForTimeout(300); // DevTools' events come late
-    return { picture_ms: times.picture - times.from, end_ms: times.over - times.from, ...bytesOf(traffic.requests, times) };
+    return { picture_ms: times.picture - times.from, end_ms: times.over - times.from, ...bytesOf(traffic.requestsSince(times.originMs), times) };
   } finally {
     await opened.close();
   }

@@ -28,14 +28,12 @@ export function pageWithTag(src, attributes) {
   return { html, headers: { 'Content-Type': 'text/html' } };
 }
 
-/** Requests of a page: { name, range, atMs, parts: [{ atMs, bytes }], endMs, cancelled }, times by the page's clock. */
+/** Records the requests of a page. */
 class Traffic {
   #requests = new Map();
-  #pageMs = (timestamp) => timestamp; // known from the first request on
-  #originMs;
+  #wallS = 0; // of DevTools' clock
 
-  constructor(cdp, originMs) {
-    this.#originMs = originMs;
+  constructor(cdp) {
     cdp.on('Network.requestWillBeSent', (event) => this.#begin(event));
     cdp.on('Network.dataReceived', ({ requestId, encodedDataLength, timestamp }) => {
       if (encodedDataLength > 0) this.#requests.get(requestId)?.parts.push({ bytes: encodedDataLength, timestamp });
@@ -45,7 +43,7 @@ class Traffic {
   }
 
   #begin({ requestId, request, timestamp, wallTime }) {
-    this.#pageMs = (seconds) => (seconds + wallTime - timestamp) * 1000 - this.#originMs();
+    this.#wallS = wallTime - timestamp;
     const name = new URL(request.url).pathname.slice(1) || 'index.html';
     this.#requests.set(requestId, { name, range: request.headers.Range, timestamp, parts: [] });
   }
@@ -54,10 +52,12 @@ class Traffic {
     if (request) Object.assign(request, { end: timestamp, cancelled });
   }
 
-  get requests() {
-    const timed = ({ timestamp, ...rest }) => ({ ...rest, atMs: this.#pageMs(timestamp) });
+  /** All so far: { name, range, atMs, parts: [{ atMs, bytes }], endMs, cancelled }, times in ms since `originMs`. */
+  requestsSince(originMs) {
+    const ms = (timestamp) => (timestamp + this.#wallS) * 1000 - originMs;
+    const timed = ({ timestamp, ...rest }) => ({ ...rest, atMs: ms(timestamp) });
     return [...this.#requests.values()].map(({ parts, end, ...request }) => (
-      { ...timed(request), parts: parts.map(timed), endMs: end === undefined ? Infinity : this.#pageMs(end) }));
+      { ...timed(request), parts: parts.map(timed), endMs: end === undefined ? Infinity : ms(end) }));
   }
 }
 
@@ -65,8 +65,7 @@ class Traffic {
 export async function openThrottled(browser, url, rate, { viewport, deviceScaleFactor = 1, prepare }) {
   const context = await browser.newContext({ viewport, deviceScaleFactor });
   const page = await context.newPage(), cdp = await context.newCDPSession(page);
-  let originMs = 0;
-  const traffic = new Traffic(cdp, () => originMs);
+  const traffic = new Traffic(cdp);
   const setRate = ({ kbps, latencyMs }) => cdp.send('Network.emulateNetworkConditions',
     { offline: false, latency: latencyMs, downloadThroughput: kbps * 125, uploadThroughput: kbps * 125 });
   await cdp.send('Network.enable');
@@ -75,6 +74,5 @@ export async function openThrottled(browser, url, rate, { viewport, deviceScaleF
   await page.addInitScript(() => sessionStorage.setItem('fourdvt-upload-path', 'i420'));
   await prepare?.(page);
   await page.goto(url, { waitUntil: 'commit' });
-  originMs = await page.evaluate(() => performance.timeOrigin);
   return { page, traffic, setRate, close: () => context.close() };
 }

@@ -42,6 +42,7 @@ struct FakeSequence {
   std::vector<FakeMember> members;  // a class by "speed_mps" if there are several
   uint32_t renditions = 1;          // the lower ones are 16 texels narrower, each
   uint32_t coarse = 0;              // so many of the lowest go with coarse geometry, in steps of 4: vertex 1's y is 8
+  bool heavier = false;             // the second rendition takes twice the bytes of the first, the third three times
   uint32_t chosen(uint32_t rendition) const { return std::min(rendition, renditions - 1); }
   int widthOf(uint32_t rendition) const { return width - 16 * int(renditions - 1 - chosen(rendition)); }
   std::string videoOf(uint32_t rendition) const {
@@ -91,8 +92,9 @@ inline std::vector<uint32_t> decodingOrder(uint32_t count) {
 }
 
 // A sample's first bytes: sequence, frame, key, rendition.
-inline std::vector<uint8_t> fakeSample(uint32_t sequence, uint32_t frame, bool key, uint32_t rendition = 0) {
-  std::vector<uint8_t> bytes(key ? 900 : 120 + frame % 50, 0xee);
+inline std::vector<uint8_t> fakeSample(uint32_t sequence, uint32_t frame, bool key, uint32_t rendition = 0,
+                                       uint32_t times = 1) {
+  std::vector<uint8_t> bytes((key ? 900 : 120 + frame % 50) * times, 0xee);
   std::memcpy(bytes.data(), &sequence, 4);
   std::memcpy(bytes.data() + 4, &frame, 4);
   bytes[8] = key;
@@ -231,7 +233,7 @@ class FakeBuilder {
     for (uint32_t first = 0; first < q.frames; first += q.gop) {
       table.chunk_first_sample.push_back(uint32_t(table.samples.size()));
       for (uint32_t i : decodingOrder(std::min(q.gop, q.frames - first))) {
-        const std::vector<uint8_t> bytes = fakeSample(s, first + i, i == 0, r);
+        const std::vector<uint8_t> bytes = fakeSample(s, first + i, i == 0, r, q.heavier ? r + 1 : 1);
         table.samples.push_back({video.size(), uint32_t(bytes.size()), first + i, i == 0});
         video.insert(video.end(), bytes.begin(), bytes.end());
       }

@@ -11,11 +11,12 @@ namespace {
 constexpr double kHalfLife_s = 3;   // of what was measured, in time spent fetching
 constexpr double kSoonest_s = 0.2;  // of fetching, before which nothing is known
 constexpr double kUp = 0.7,
-                 kKeep = 0.9;          // shares of the throughput that a rendition may take to be gone up to, and kept
-constexpr double kLateHalfLife_s = 3;  // of the time that pictures were late
-constexpr double kTooLate_s = 0.4;     // reached in the long run by a decoder that is late for a tenth of the time
-constexpr double kLongStep_s = 0.1;    // the page was busy, or asleep
-constexpr double kRest_s = 30;         // before a rendition that was too slow is tried again, the first time
+                 kKeep = 0.9;  // shares of the throughput that a rendition may take to be gone up to, and kept
+constexpr double kPlenty_s = 4, kTry = 2;  // held ahead, and share of the throughput, to try a rendition
+constexpr double kLateHalfLife_s = 3;      // of the time that pictures were late
+constexpr double kTooLate_s = 0.4;         // reached in the long run by a decoder that is late for a tenth of the time
+constexpr double kLongStep_s = 0.1;        // the page was busy, or asleep
+constexpr double kRest_s = 30;             // before a rendition that was too slow is tried again, the first time
 
 double bitsPerSecond(const package::Sequence& s, uint32_t rendition) {
   return 8 * double(s.renditions[rendition].video_bytes + s.geometryBytes(rendition)) / s.duration_s();
@@ -67,6 +68,7 @@ uint32_t Ladder::allowed(const package::Sequence& s, uint32_t r) const {
 
 void Ladder::measure(uint64_t bytes, double step_s, bool fetching) {
   slow_left_s_ -= step_s;
+  rest_left_s_ -= step_s;
   if (slow_left_s_ <= 0) too_slow_ = 0;
   bytes_ += double(bytes);
   if (!fetching) return;
@@ -94,11 +96,16 @@ uint32_t Ladder::highest(const package::Sequence& s) const {
   return allowed(s, r);
 }
 
-uint32_t Ladder::choose(const package::Sequence& s, uint32_t present) const {
+uint32_t Ladder::choose(const package::Sequence& s, uint32_t present, double ahead_s) const {
   uint32_t r = highest(s);
   if (quality_ != kAutomaticRendition) return r;
   const double carried_bps = seconds_ < kSoonest_s ? 0 : throughput_bps();
-  while (r > 0 && bitsPerSecond(s, r) > carried_bps * (r <= present ? kKeep : kUp)) --r;
+  const bool plenty = ahead_s >= kPlenty_s;
+  const auto share = [&](uint32_t n) {
+    if (n <= present) return plenty ? HUGE_VAL : kKeep;
+    return plenty && n == present + 1 && rest_left_s_ <= 0 ? kTry : kUp;
+  };
+  while (r > 0 && bitsPerSecond(s, r) > carried_bps * share(r)) --r;
   return allowed(s, r);
 }
 

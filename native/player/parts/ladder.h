@@ -39,8 +39,11 @@ class Ladder {
 
   bool tooSlow(const package::Sequence& sequence, uint32_t rendition) const;
 
-  // present: the rendition that was chosen before; it is kept while the throughput wavers round a limit.
-  uint32_t choose(const package::Sequence& sequence, uint32_t present) const;
+  // present: the rendition that was chosen before; it is kept while the throughput wavers round a limit. ahead_s: what
+  // is held or on its way before that which is chosen for. With enough of it the present rendition is kept whatever was
+  // measured, and the next one is tried: small answers measure the latency more than the throughput.
+  uint32_t choose(const package::Sequence& sequence, uint32_t present, double ahead_s = 0) const;
+  void rest() { rest_left_s_ = kTryAgain_s; }  // a lower one was chosen: none is tried for a while
   bool automatic() const { return quality_ == kAutomaticRendition; }
   uint32_t lowest(const package::Sequence& sequence) const { return allowed(sequence, 0); }
   // The highest that choose can ever give: what a loop that is held whole may be raised to.
@@ -48,6 +51,7 @@ class Ladder {
   double throughput_bps() const { return seconds_ > 0 ? 8 * bytes_ / seconds_ : 0; }  // 0: nothing measured yet
 
  private:
+  static constexpr double kTryAgain_s = 20;
   // The nearest to `r` that is not left out, below it before above it.
   uint32_t allowed(const package::Sequence& sequence, uint32_t r) const;
 
@@ -58,6 +62,7 @@ class Ladder {
   double late_s_ = 0;                // likewise
   uint32_t too_slow_ = 0;            // the lowest rendition that is not decoded in time; 0: none
   double slow_left_s_ = 0, slow_s_;  // until it may be tried again; the whole wait the next time
+  double rest_left_s_ = 0;
 };
 
 }  // namespace fourdvt

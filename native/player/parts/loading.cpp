@@ -93,7 +93,11 @@ void Loading::requestMissing(std::span<const Need> needs, int next_sequence) {
     const size_t first = keep.size();
     addNeededGops(need, keep);
     int under_way = 0;
-    for (size_t i = first; i < keep.size() && under_way < most; ++i) under_way += requestGop(keep[i]);
+    double ahead_s = 0;
+    for (size_t i = first; i < keep.size() && under_way < most; ++i) {
+      under_way += requestGop(keep[i], ahead_s);
+      ahead_s += index(need.sequence).chunks[keep[i].gop].frame_count / sequence(need.sequence).fps;
+    }
   }
   if (next_sequence >= 0) requestHeader(next_sequence);
   if (settle_ahead_) (this->*settle_ahead_)(needs, next_sequence, keep);
@@ -136,13 +140,15 @@ void Loading::addNeededGops(const Need& need, std::vector<GopKey>& keys) const {
 }
 
 // True: some of it is on its way.
-bool Loading::requestGop(GopKey key) {
+bool Loading::requestGop(GopKey key, double ahead_s) {
   const package::Sequence& q = sequence(key.sequence);
   stream::Gop& gop = cache_.touch(key);
   const bool new_video = gop.video_state == PartState::Absent;
   if (new_video) {
     uint32_t& chosen = stream(key.sequence).rendition;
-    gop.rendition = chosen = ladder_.choose(q, chosen);
+    gop.rendition = ladder_.choose(q, chosen, ahead_s);
+    if (gop.rendition < chosen) ladder_.rest();
+    chosen = gop.rendition;
   }
   if (gop.chunk_state == PartState::Absent) {
     gop.chunk_state = PartState::Fetching;

@@ -120,7 +120,7 @@ class Loading {
   const Stream& stream(int sequence) const { return streams_[static_cast<size_t>(sequence)]; }
   void requestMesh();
   void requestHeader(int sequence);
-  bool requestGop(stream::GopKey key);
+  bool requestGop(stream::GopKey key, double ahead_s);
   void requestChunk(stream::GopKey key, FetchPurpose::Kind kind, const package::ChunkEntry& entry);
   bool requestFine(stream::GopKey key, stream::Gop& gop);
   void takeFine(stream::Gop& gop);

@@ -61,7 +61,7 @@ void Loading::requestAhead(GopKey key) {
     gop.video_state = PartState::Fetching;
     requestVideo(key, Kind::Video, rendition);
   }
-  requestGop(key);
+  requestGop(key, 0);
 }
 
 uint64_t Loading::bytesOf(const std::vector<GopKey>& keys) const {

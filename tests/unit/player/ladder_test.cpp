@@ -58,6 +58,21 @@ TEST(Ladder, CountsTheGeometryThatGoesWithARendition) {
   EXPECT_EQ(carrying(7.3e6).choose(s, 0), 2u) << "the highest does not pay for coarse geometry";
 }
 
+TEST(Ladder, TriesTheNextOneWhenPlentyIsHeld) {
+  Ladder ladder = carrying(1.5e6);
+  EXPECT_EQ(ladder.choose(rungs(), 0, 3), 0u);
+  EXPECT_EQ(ladder.choose(rungs(), 0, 5), 1u);
+  EXPECT_EQ(carrying(3e6).choose(rungs(), 0, 5), 1u) << "one at a time";
+  EXPECT_EQ(carrying(3e6).choose(rungs(), 1, 5), 2u);
+  EXPECT_EQ(carrying(0.9e6).choose(rungs(), 0, 5), 0u) << "not what cannot be";
+  EXPECT_EQ(carrying(0.9e6).choose(rungs(), 2, 5), 2u) << "kept as long as plenty is held";
+  EXPECT_EQ(carrying(0.9e6).choose(rungs(), 2, 3), 0u);
+  ladder.rest();
+  EXPECT_EQ(ladder.choose(rungs(), 0, 5), 0u);
+  for (int i = 0; i < 250; ++i) ladder.measure(0, 0.1, false);
+  EXPECT_EQ(ladder.choose(rungs(), 0, 5), 1u);
+}
+
 TEST(Ladder, ForgetsWithTime) {
   Ladder ladder = carrying(8e6);
   for (int i = 0; i < 500; ++i) ladder.measure(uint64_t(2e6 / 8 * 0.016), 0.016, true);
@@ -139,9 +154,8 @@ TEST(Ladder, LeavesOutWhatTheEdgeExpectsToFailAndStaysBelowWhatIsNotSmooth) {
   EXPECT_FALSE(ladder.allOut(s)) << "the decoder says whether it is right";
 }
 
-// All renditions of the fake character take the same bitrate.
 TEST(Renditions, SwitchAtGopsWithoutAWrongPairOrAStall) {
-  const FakeCharacter character = FakeBuilder().build({{"walk", 900, 12, 25, true, 192, 16, {}, 3}});
+  const FakeCharacter character = FakeBuilder().build({{"walk", 900, 12, 25, true, 192, 16, {}, 3, 0, true}});
   EdgeOptions options;
   options.player.rendition = kAutomaticRendition;
   options.player.encoded_budget_bytes = 60'000;
@@ -155,7 +169,7 @@ TEST(Renditions, SwitchAtGopsWithoutAWrongPairOrAStall) {
   for (int i = 0; i < 11'000; ++i) {
     edge.step(0.008);
     const double at_s = i * 0.008;
-    edge.options.bits_per_s = at_s > 25 && at_s < 50 ? 1.05 * rate : 4 * rate;
+    edge.options.bits_per_s = at_s > 25 && at_s < 50 ? 1.05 * rate : 6 * rate;
     if (i % 5) continue;
     const auto drawn = edge.draw();
     ASSERT_EQ(drawn.picture_frame, drawn.geometry_frame);
@@ -165,8 +179,29 @@ TEST(Renditions, SwitchAtGopsWithoutAWrongPairOrAStall) {
   EXPECT_EQ(edge.player->stats().barcode_mismatches, 0u);
   EXPECT_EQ(edge.events[EventKind::Waiting], 0);
   EXPECT_TRUE(edge.errors.empty());
-  EXPECT_EQ(widths, (std::vector<int>{160, 192, 160, 192})) << "lowest, highest, lowest, highest";
+  EXPECT_EQ(widths, (std::vector<int>{160, 192, 176, 160, 176, 192})) << "lowest, highest, lowest, highest";
   EXPECT_LT(edge.max_bytes_held, 120'000u);
+}
+
+// Ten times the highest bitrate, of which the latency leaves a little: answers are small.
+TEST(Renditions, ALatencyDoesNotHoldThemDown) {
+  const FakeCharacter character = FakeBuilder().build({{"walk", 900, 12, 25, true, 192, 16, {}, 3, 0, true}});
+  EdgeOptions options;
+  options.player.rendition = kAutomaticRendition;
+  options.player.encoded_budget_bytes = 60'000;
+  options.bits_per_s = 2'000'000;
+  options.fetch_latency_s = 0.6;
+  SimulatedEdge edge(character, options);
+  ASSERT_TRUE(edge.load());
+  edge.player->play();
+  int highest = 0, waits = 0;
+  for (int i = 0; i < 8'000; ++i) {
+    edge.step(0.008);
+    if (i == 4'000) waits = edge.events[EventKind::Waiting];
+    if (i >= 4'000 && i % 5 == 0) highest += edge.draw().picture_width == 192;
+  }
+  EXPECT_GT(highest, 700) << "of 800";
+  EXPECT_EQ(edge.events[EventKind::Waiting], waits);
 }
 
 TEST(Renditions, CoarseGeometryMakesWayWhereALoopIsHeldWhole) {
