@@ -88,6 +88,7 @@ void Loading::requestMissing(std::span<const Need> needs, int next_sequence) {
   requestMesh();
   const int most = fetches_.progressEnded() ? kGopsOnTheirWay : kGopsBeforeTheFirstPicture;
   std::vector<GopKey> keep;
+  bool waits = false;
   for (const Need& need : needs) {
     requestHeader(need.sequence);
     const size_t first = keep.size();
@@ -98,8 +99,10 @@ void Loading::requestMissing(std::span<const Need> needs, int next_sequence) {
       under_way += requestGop(keep[i], ahead_s);
       ahead_s += index(need.sequence).chunks[keep[i].gop].frame_count / sequence(need.sequence).fps;
     }
+    waits = waits || under_way > 0;
   }
   if (next_sequence >= 0) requestHeader(next_sequence);
+  if (waits || next_sequence >= 0) cancelRaises();
   if (settle_ahead_) (this->*settle_ahead_)(needs, next_sequence, keep);
   cancelUnneeded(keep);
   if (fetches_.progressEnded() && fetches_.empty()) requestGraph();
@@ -219,6 +222,19 @@ void Loading::lower(const std::vector<GopKey>& keys) {
     under_way += gop->better_state == PartState::Fetching;
     if (under_way == kGopsOnTheirWay) return;
   }
+}
+
+// They would share the network with what is due.
+void Loading::cancelRaises() {
+  fetches_.cancel([&](const FetchPurpose& purpose) {
+    const stream::Gop* gop = cache_.find({purpose.sequence, purpose.gop});
+    const bool raises =
+        gop && (purpose.kind == Kind::Better
+                    ? gop->better_rendition > gop->rendition
+                    : purpose.kind == Kind::Fine && sequence(purpose.sequence).hasCoarseGeometry(gop->rendition));
+    if (raises) *stateOf(purpose) = PartState::Absent;
+    return raises;
+  });
 }
 
 bool Loading::holdsWhole(int sequence) const {

@@ -132,6 +132,7 @@ class Loading {
   uint64_t bytesOf(const std::vector<stream::GopKey>& keys) const;
   void requestVideo(stream::GopKey key, FetchPurpose::Kind kind, uint32_t rendition);
   void raise(const std::vector<stream::GopKey>& keys);
+  void cancelRaises();
   void lower(const std::vector<stream::GopKey>& keys);
   bool holdsWhole(int sequence) const;
   void cancelUnneeded(const std::vector<stream::GopKey>& keep);

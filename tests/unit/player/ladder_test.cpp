@@ -230,6 +230,30 @@ TEST(Renditions, CoarseGeometryMakesWayWhereALoopIsHeldWhole) {
   EXPECT_TRUE(edge.errors.empty());
 }
 
+TEST(Renditions, ATransitionDoesNotWaitForARaise) {
+  FakeCharacter character = FakeBuilder().build(
+      {{"walk", 24, 12, 25, true, 192, 16, {}, 2, 1, true}, {"run", 24, 12, 25, true, 192, 16, {}, 2, 1, true}});
+  FakeBuilder::addGraph(character, [](uint32_t, uint32_t, uint32_t) { return motion::Entry{.fade_frames = 4}; });
+  EdgeOptions options;
+  options.player.rendition = kAutomaticRendition;
+  options.bits_per_s = 40'000;
+  SimulatedEdge edge(character, options);
+  ASSERT_TRUE(edge.load());
+  edge.player->play();
+  const auto fetches = [&](const std::string& uri) {
+    const std::vector<FetchRange> pending = edge.pendingFetches();
+    return std::any_of(pending.begin(), pending.end(), [&](const FetchRange& r) { return r.uri == uri; });
+  };
+  ASSERT_TRUE(edge.runUntil([&] { return fetches("walk.mp4"); }, 60));
+  ASSERT_TRUE(edge.player->goTo("run").ok());
+  ASSERT_TRUE(edge.runUntil([&] { return fetches("run.bin"); }, 5));
+  EXPECT_FALSE(fetches("walk.mp4"));
+  ASSERT_TRUE(
+      edge.runUntil([&] { return edge.player->sequence()->name == "run" && !edge.player->inTransition(); }, 60));
+  ASSERT_TRUE(edge.runUntil([&] { return edge.draw().picture_width == 192; }, 60)) << "then that is raised";
+  EXPECT_TRUE(edge.errors.empty());
+}
+
 TEST(Renditions, TheHighestNeverFetchesCoarseGeometry) {
   const FakeCharacter character = FakeBuilder().build({{"walk", 24, 12, 25, true, 192, 16, {}, 3, 2}});
   SimulatedEdge edge(character, {});
