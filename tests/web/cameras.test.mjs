@@ -79,6 +79,7 @@ test('layered characters play and move on without the second part of the player,
       return viewer.sequence === name && viewer.frame > 2;
     }, name, { timeout: kPatienceMs });
   }
+  await page.waitForFunction(() => document.querySelector('fourdvt-viewer').stats.framesShown >= 4, null, { timeout: kPatienceMs });
   const state = await page.evaluate(() => {
     const viewer = document.querySelector('fourdvt-viewer');
     for (const { name, max } of viewer.parameters) viewer.setParameter(name, max, true);
