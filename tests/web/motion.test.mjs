@@ -112,10 +112,11 @@ test('a one-off motion is entered by a transition and left by itself', async () 
   assert.ok(motions.length >= 4, `${motions}`);
 });
 
-// The class, paused, at once; returns the frame that is shown.
+// The class in its highest rendition, paused, at once; returns the frame that is shown.
 const pose = (view) => page.evaluate(async ({ speed, phase, azimuth, fov }) => {
   const viewer = document.querySelector('fourdvt-viewer');
   viewer.pause();
+  viewer.quality = 'highest';
   viewer.renderOptions = { groundShadow: false };
   viewer.setAttribute('field-of-view', `${fov}deg`);
   viewer.setAttribute('camera-orbit', `${azimuth}deg 8deg 4.4m`);
