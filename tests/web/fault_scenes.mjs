@@ -397,7 +397,7 @@ async function mixedBakes() {
   const bake = secondBake();
   const scene = await open('files of two bakes', { faults: (request) => bake(request, false) });
   const error = await firstError(scene);
-  assert.equal(error.id, 'files-differ');
+  assert.match(error.id, /^(files-differ|fetch-failed)$/); // other bytes, or fewer than the manifest says
   assert.match(error.message, /\.bin/);
   assert.equal(scene.server.requests.filter((r) => r.path.endsWith('character.gltf')).length, 2);
   await pass(scene, kLongestPauseMs);

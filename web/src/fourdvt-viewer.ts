@@ -83,7 +83,7 @@ export class FourdvtViewer extends HTMLElement {
 
   constructor() {
     super();
-    this.#overlay = new Overlay(this.attachShadow({ mode: 'open' }), () => this.play(), () => this.#load(true));
+    this.#overlay = new Overlay(this.attachShadow({ mode: 'open' }), () => this.play(), () => this.#load(true, true));
     this.#host = {
       element: this,
       camera: this.#camera,
@@ -325,7 +325,8 @@ export class FourdvtViewer extends HTMLElement {
   get #room(): boolean { return this.getAttribute('background') === 'room'; }
 
   // `on`: goes on where it was.
-  #load(on = false): void {
+  // fresh: past the browser's cache, which may hold what was not whole.
+  #load(on = false, fresh = false): void {
     this.#unload();
     this.#error = null;
     this.#loaded = this.src || null;
@@ -346,10 +347,10 @@ export class FourdvtViewer extends HTMLElement {
     const canvas = (this.#canvas = this.#overlay.newCanvas());
     canvas.addEventListener('webglcontextlost', this.#onContextLost);
     canvas.addEventListener('webglcontextrestored', this.#onContextRestored);
-    this.#startSession(canvas);
+    this.#startSession(canvas, fresh);
   }
 
-  #startSession(canvas: HTMLCanvasElement): void {
+  #startSession(canvas: HTMLCanvasElement, fresh = false): void {
     let src: string;
     try {
       src = characterAddress(this.src, this.baseURI);
@@ -364,6 +365,7 @@ export class FourdvtViewer extends HTMLElement {
       uploadPath: this.#uploadPath,
       align: this.align,
       room: this.#room,
+      fresh,
     }, this.#host));
     session.resize(this.#size.width, this.#size.height);
     this.#updateActive();

@@ -43,6 +43,8 @@ export interface SessionOptions {
   uploadPath: UploadPath;
   align: Align;
   room: boolean;
+  /** Past the browser's cache. */
+  fresh: boolean;
 }
 
 export interface SessionHost {
@@ -116,7 +118,8 @@ export class Session {
     this.#align = options.align;
     this.#room = options.room;
     this.#commands.set('align', needsFlow(options.align) ? 'baked' : options.align); // until flow is loaded
-    this.#transport = new Transport(options.src, this.#network);
+    this.#fresh = options.fresh;
+    this.#transport = new Transport(options.src, this.#network, options.fresh ? 'reload' : undefined);
   }
 
   /** Loads the character. Never rejects: what goes wrong becomes an error event. */
