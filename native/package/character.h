@@ -100,7 +100,7 @@ struct Sequence {
   bool isClass() const { return members.size() > 1; }
   double duration_s() const { return frame_count / fps; }
   bool hasCoarseGeometry(uint32_t rendition) const { return rendition < coarse_renditions; }
-  // What is streamed beside a rendition's video.
+  // Bytes streamed beside a rendition's video: the header, and the chunks that go with it.
   uint64_t geometryBytes(uint32_t rendition) const {
     return hasCoarseGeometry(rendition) ? stream_header_bytes + coarse_bytes : stream_bytes - coarse_bytes;
   }

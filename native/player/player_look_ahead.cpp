@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the edge says once the character can play, and which beginnings of other motions are fetched then.
+// Prefetches the first GOPs of other motions once the character can play, and takes the page's judgement of renditions.
 #include "player/player_impl.h"
 
 namespace fourdvt {
@@ -21,7 +21,7 @@ void PlayerImpl::lookAhead(bool at_once) {
   loading_.lookAhead();
 }
 
-// The sequences after the current one, in the manifest's order.
+// Prefetches for the sequences that follow the current one in the manifest.
 void PlayerImpl::fetchAhead() {
   if (seeking() || transitions_.phase() != Transitions::Phase::None) return;
   std::array<Loading::Landing, kMostLandings> landings;
@@ -34,7 +34,7 @@ void PlayerImpl::fetchAhead() {
   loading_.fetchAhead({landings.data(), found});
 }
 
-// The frame that a transition would enter the target at if it were asked for now. A cut leads to the first one.
+// Returns the frame at which a transition that starts now enters the target; without a motion graph, the first frame.
 uint32_t PlayerImpl::landingOn(int target) const {
   const TransitionView view = transitionView();
   if (paused() || !view.graph) return 0;

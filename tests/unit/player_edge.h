@@ -175,7 +175,7 @@ class SimulatedEdge {
       decoders_[size_t(close->decoder)].open = false;
     }
   }
-  // What has not been sent yet makes room for what was asked for later.
+  // Cancelling a fetch that has not been sent yet frees its time on the network.
   void cancelFetch(uint32_t id) {
     const auto at =
         std::find_if(fetches_.begin(), fetches_.end(), [&](const PendingFetch& f) { return f.range.id == id; });

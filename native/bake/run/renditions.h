@@ -30,7 +30,7 @@ std::string fileSuffix(const LowerRendition& rendition, const BakeOptions& optio
 // Adds the lower renditions to a stream that has its highest.
 void addLowerRenditions(const BakeOptions& options, StreamPlan& stream);
 
-// Whether a rendition below the highest goes with coarser geometry (BakeOptions::coarse_step_m).
+// Returns true if a rendition below the highest goes with coarser geometry (BakeOptions::coarse_step_m).
 bool hasCoarseGeometry(const BakeOptions& options);
 
 // Texels of all renditions over those of the highest, about.

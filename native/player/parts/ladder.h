@@ -25,7 +25,8 @@ class Ladder {
   bool leaveOut(const package::Sequence& sequence, uint32_t rendition);
   // Its video file cannot be fetched, or is another than the manifest describes. The sequence stays where it is.
   void miss(const package::Rendition& rendition) { missing_.push_back(&rendition); }
-  void seekAgain(const package::Sequence& sequence);  // what was missed
+  void seekAgain(const package::Sequence& sequence);   // what was missed
+  void forget() { missing_.clear(), rough_.clear(); }  // another manifest's renditions follow
   // The edge expects that this rendition cannot be decoded here, or that it plays, but not smoothly: the automatic
   // choice then stays below it. Ignored where no other would be left.
   void judge(const package::Sequence& sequence, uint32_t rendition, bool plays);

@@ -33,6 +33,7 @@ Status Loading::readManifest(const FlatJson& gltf, std::span<const uint8_t> star
   if (read.value().appearance == package::AppearanceKind::Cameras && !cameras_)
     return Error{ErrorId::Unsupported, "this player does not play characters from cameras"};
   character_ = read.take();
+  ladder_.forget();
   streams_.clear();
   streams_.resize(character_->sequences.size());
   if (fromCameras()) mesh_state_ = PartState::Present;  // every GOP brings its own
@@ -175,12 +176,11 @@ void Loading::requestChunk(GopKey key, Kind kind, const package::ChunkEntry& ent
   fetches_.request({kind, key.sequence, key.gop}, sequence(key.sequence).stream_uri, entry.offset, entry.bytes);
 }
 
-// The GOP's coarse chunk is to make way for the other. False: that was asked for before, or is not needed.
-bool Loading::requestFine(GopKey key, stream::Gop& gop) {
-  if (!gop.coarse || gop.fine_state != PartState::Absent) return false;
+// Requests the chunk that takes the place of a coarse one, once.
+void Loading::requestFine(GopKey key, stream::Gop& gop) {
+  if (!gop.coarse || gop.fine_state != PartState::Absent) return;
   gop.fine_state = PartState::Fetching;
   requestChunk(key, Kind::Fine, index(key.sequence).chunks[key.gop]);
-  return true;
 }
 
 void Loading::requestVideo(GopKey key, Kind kind, uint32_t rendition) {
@@ -365,8 +365,8 @@ Arrival Loading::lose(const FetchPurpose& purpose, Error error) {
               : Arrival{Arrival::What::Other, purpose.sequence, {}};
 }
 
-// Of the bytes that a fetch should bring, where stateOf is not null. Each comes from bytes that were checked before,
-// the first from the manifest.
+// Returns the hash that the fetched bytes must have; needs a stateOf that is not null. Each hash comes from bytes that
+// were checked before, the first from the manifest.
 uint64_t Loading::hashOf(const FetchPurpose& purpose) const {
   switch (purpose.kind) {
     case Kind::Mesh:

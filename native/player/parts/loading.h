@@ -83,8 +83,8 @@ class Loading {
     uint32_t frame = 0;
   };
   void lookAhead();  // fetchAhead may be called from now on
-  // Nothing is on its way: asks for a part of the first landing that lacks one, its header or its GOP in the lowest
-  // rendition. A need that is due soon calls it off. With an automatic choice of renditions only.
+  // Requests, if nothing is on its way, a part of the first landing that lacks one: its header, or its GOP in the
+  // lowest rendition. A need that is due soon calls it off. With an automatic choice of renditions only.
   void fetchAhead(std::span<const Landing> landings);
   bool idle() const { return fetches_.empty(); }
   void requestGraph();
@@ -122,7 +122,7 @@ class Loading {
   void requestHeader(int sequence);
   bool requestGop(stream::GopKey key, double ahead_s);
   void requestChunk(stream::GopKey key, FetchPurpose::Kind kind, const package::ChunkEntry& entry);
-  bool requestFine(stream::GopKey key, stream::Gop& gop);
+  void requestFine(stream::GopKey key, stream::Gop& gop);
   void takeFine(stream::Gop& gop);
   // That the GOP's chunk is of.
   const package::StreamIndex& indexOf(stream::GopKey key, const stream::Gop& gop) const;

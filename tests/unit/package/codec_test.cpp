@@ -285,47 +285,6 @@ TEST(StreamHeader, CoarseChunksAreOfTheSameGops) {
   }
 }
 
-// Frames of a wavy motion, a tenth of a step of noise aside.
-ChunkFrames wavyFrames(uint32_t count, uint32_t vertices, uint32_t faces) {
-  ChunkFrames in = randomFrames(count, vertices, faces, 3, 1, {2, 1, true});
-  for (size_t i = 0; i < in.positions.size(); ++i) {
-    const double f = double(i / vertices), v = double(i % vertices);
-    in.positions[i] = {int(900 * std::sin(0.2 * v + 0.1 * f)), int(40 * v + 30 * std::sin(0.3 * f)),
-                       int(500 * std::cos(0.15 * v)) + in.positions[i].z % 3};
-  }
-  for (glm::ivec3& offset : in.offsets) offset %= 7;
-  for (glm::ivec2& along : in.alignment) along %= 9;
-  return in;
-}
-
-TEST(Chunk, CoarseOnesStayWithinTheDeadZone) {
-  const ChunkFrames in = wavyFrames(9, 40, 60);
-  const ChunkMesh mesh = strandMesh(40, 60);
-  const size_t exact = encodeChunk(in, mesh).take().size();
-  size_t before = exact;
-  for (const double scale : {2.0, 8.0}) {
-    const auto bytes = encodeCoarseChunk(in, mesh, scale).take();
-    const ChunkFrames out = decodeChunk(bytes, indexFor(in), 0, mesh).take();
-    double largest = 0;
-    for (size_t i = 0; i < in.positions.size(); ++i)
-      for (int k = 0; k < 3; ++k)
-        largest = std::max(largest, std::abs(out.positions[i][k] * scale - in.positions[i][k]) / scale);
-    for (size_t i = 0; i < in.offsets.size(); ++i)
-      for (int k = 0; k < 3; ++k)
-        largest = std::max(largest, std::abs(out.offsets[i][k] * scale - in.offsets[i][k]) / scale);
-    for (size_t i = 0; i < in.alignment.size(); ++i)
-      for (int k = 0; k < 2; ++k)
-        largest = std::max(largest, std::abs(out.alignment[i][k] * scale - in.alignment[i][k]) / scale);
-    EXPECT_LE(largest, 0.8 + 1e-9);
-    if (scale > 2) EXPECT_GT(largest, 0.5) << "rounding alone would stay below";
-    EXPECT_EQ(out.labels, in.labels);
-    EXPECT_EQ(out.root, in.root);
-    EXPECT_LT(bytes.size(), before);
-    before = bytes.size();
-  }
-  EXPECT_FALSE(encodeCoarseChunk(in, mesh, 0.5).ok());
-}
-
 TEST(Chunk, RoundTripsExactly) {
   for (const Kind& kind : {Kind{1, 0, false}, {2, 0, false}, {2, 1, true}, {3, 5, true}, {4, 32, false}}) {
     for (uint32_t frames : {1u, 2u, 3u, 9u}) {
