@@ -109,7 +109,7 @@ Status PlayerImpl::selectSequence(const std::string& name) {
   cancelTransition();
   transitions_.forgetReturn();
   transitions_.setGoal(sequence);
-  if (starting() && sequence == 0) return {};
+  if (starting() && sequence == 0 && !loading_.broken(0)) return {};
   if (loading_.revive(sequence) || sequence != main().head.sequence()) select(sequence);
   return {};
 }

@@ -66,7 +66,9 @@ class PlayerImpl final : public Player {
   double currentTime() const override;
   bool paused() const override { return !playback_.playing(); }
   bool seeking() const override { return main().head.seeking(); }
-  bool failed() const override { return main().head.used() && loading_.broken(main().head.sequence()); }
+  bool failed() const override {
+    return main().head.used() && loading_.broken(starting() ? 0 : main().head.sequence());
+  }
   PlayerStats stats() const override;
 
  private:

@@ -12,6 +12,7 @@ import { serve } from './server.mjs';
 import { coverage } from './ssim.mjs';
 
 const kPatienceMs = 60_000;
+const kSceneMs = 240_000;  // a scene that takes longer hangs, and is named
 const kBeside = 2;       // scenes that run at a time: each has a page and a server of its own and waits for both
 const kLongestPauseMs = 6000;  // between two requests for the same bytes
 const table = [];
@@ -30,7 +31,7 @@ export function runScenes(name, start) {
       await closeStage();
       writeTable(name);
     });
-    for (const [title, scene] of scenes) test(title, scene);
+    for (const [title, scene] of scenes) test(title, { timeout: kSceneMs }, scene);
   });
 }
 

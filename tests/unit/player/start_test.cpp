@@ -93,6 +93,26 @@ TEST(StartFile, AnotherSequenceOrFrameLeavesItAtOnce) {
   }
 }
 
+TEST(StartFile, ASequenceThatBreaksBeforeItsFirstPictureHasFailedAtOnce) {
+  FakeCharacter character = twoSequences();
+  const std::vector<uint8_t> start = FakeBuilder::addStart(character);
+  SimulatedEdge edge(character, {});
+  edge.offline = true;
+  ASSERT_TRUE(edge.player->loadManifest(character.manifest, start).ok());
+  edge.step(1e-4);
+  ASSERT_FALSE(edge.player->hasFrame()) << "the start file is still being decoded";
+  for (const FetchRange& range : edge.pendingFetches()) edge.player->onRangeFailed(range.id, "HTTP 404");
+  EXPECT_TRUE(edge.player->failed());
+  ASSERT_TRUE(edge.runUntil([&] { return edge.player->hasFrame(); }, 2)) << "its first picture can be shown";
+  EXPECT_TRUE(edge.player->failed()) << "but no other one";
+  EXPECT_EQ(edge.events[EventKind::CanPlay], 0);
+  edge.offline = false;
+  ASSERT_TRUE(edge.player->selectSequence("walk").ok());
+  EXPECT_FALSE(edge.player->failed());
+  ASSERT_TRUE(edge.runUntilShown());
+  EXPECT_EQ(edge.events[EventKind::CanPlay], 1);
+}
+
 TEST(StartFile, OneThatDoesNotBelongIsNotUsed) {
   FakeCharacter character = twoSequences();
   const std::vector<uint8_t> start = FakeBuilder::addStart(character);
