@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads a capture folder: capture.json, COLMAP text cameras, videos or image sequences, mattes, mesh sequences. Meshes
+// Reads a capture folder: capture.json, COLMAP cameras, videos or image sequences, mattes, mesh sequences. Meshes
 // have one topology in all frames, or another one in every frame ("topology": "per-frame"), or there are none.
 //
 // openCapture checks everything that can be checked without decoding whole videos, before any long work starts.
 // FrameReader then decodes all cameras in step, one frame at a time, so that memory does not grow with the length.
-// Pictures are undistorted to the returned pinhole cameras (SIMPLE_RADIAL, OPENCV). Does NOT cache, does NOT touch the
+// Pictures are undistorted to the returned pinhole cameras, which have no skew. Does NOT cache, does NOT touch the
 // GPU. Errors name the file and the remedy.
 #pragma once
 
@@ -23,9 +23,18 @@
 
 namespace fourdvt::capture {
 
-struct Distortion {  // in the order of OpenCV; all zero: the camera is a pinhole already
-  double k1 = 0, k2 = 0, p1 = 0, p2 = 0;
-  bool any() const { return k1 != 0 || k2 != 0 || p1 != 0 || p2 != 0; }
+// Lens distortion in OpenCV's formulas, and skew. All zero and no fisheye: the camera is a pinhole already.
+// With normalised x = X/Z, y = Y/Z and r² = x² + y² the lens images a point at
+//   x' = x (1 + k1 r² + k2 r⁴ + k3 r⁶) / (1 + k4 r² + k5 r⁴ + k6 r⁶) + 2 p1 x y + p2 (r² + 2 x²), y' alike, or,
+//   fisheye, (x', y') = (x, y) θ (1 + k1 θ² + k2 θ⁴ + k3 θ⁶ + k4 θ⁸) / r with θ = atan r; the others are 0;
+// which is pixel (fx x' + skew y' + cx, fy y' + cy).
+struct Distortion {
+  double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0, k4 = 0, k5 = 0, k6 = 0;
+  double skew = 0;  // pixels
+  bool fisheye = false;
+  bool any() const {
+    return fisheye || k1 != 0 || k2 != 0 || p1 != 0 || p2 != 0 || k3 != 0 || k4 != 0 || k5 != 0 || k6 != 0 || skew != 0;
+  }
 };
 
 struct CaptureCamera {
@@ -97,15 +106,19 @@ struct Capture {
   const CaptureSequence* find(const std::string& name) const;
 };
 
-// Reads the COLMAP text model (cameras.txt and images.txt) in `folder`. Models: SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL,
-// RADIAL, OPENCV. Translations stay in the capture's units: scale them with scaleToMetres.
+// Reads the COLMAP model in `folder`: cameras.txt and images.txt, or else cameras.bin and images.bin. Models:
+// SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, FULL_OPENCV, OPENCV_FISHEYE, SIMPLE_RADIAL_FISHEYE,
+// RADIAL_FISHEYE; none of them has skew. Translations stay in the capture's units: scale them with scaleToMetres.
 // Errors: FileMissing, CameraModel, CameraPose.
 Result<std::vector<CaptureCamera>> readColmapCameras(const std::string& folder);
-// The same from texts in memory; messages name `path` as the folder.
+// The same from files in memory; messages name `path` as the folder.
 Result<std::vector<CaptureCamera>> parseColmapText(std::string_view cameras_text, std::string_view images_text,
                                                    const std::string& path);
+Result<std::vector<CaptureCamera>> parseColmapBinary(std::string_view cameras_bytes, std::string_view images_bytes,
+                                                     const std::string& path);
 void scaleToMetres(std::vector<CaptureCamera>& cameras, double metres_per_unit);
-// The texts of cameras.txt and images.txt for cameras in metres: what readColmapCameras reads.
+// The texts of cameras.txt and images.txt for cameras in metres: what readColmapCameras reads. COLMAP has no word for
+// skew: capture.json has ("calibration": {"skew": …}).
 struct ColmapText {
   std::string cameras, images;
 };

@@ -40,6 +40,7 @@ class Parser {
     capture.credit = text(member(member(root, "licence"), "credit"));
     FOURDVT_ASSIGN(capture.cameras_folder,
                    inside("\"calibration\"", text(member(member(root, "calibration"), "ring"), "cameras")));
+    FOURDVT_TRY(skew(member(member(root, "calibration"), "skew")));
     FOURDVT_TRY(background(member(root, "background")));
     FOURDVT_TRY(scale(root));
     FOURDVT_TRY(room(member(root, "room")));
@@ -63,6 +64,18 @@ class Parser {
     if (!path.is_absolute() && (path.empty() || *path.begin() != "..")) return folder_ + "/" + given;
     return error(what + " leads out of the capture folder (" + given +
                  "): move the files inside, or link to them there");
+  }
+
+  // {"cam00": 0.3}: what COLMAP's models cannot say.
+  Status skew(const Json& node) {
+    if (node.is_null()) return {};
+    bool valid = node.is_object();
+    for (const auto& [camera, pixels] : (valid ? node : Json::object()).items()) {
+      valid = valid && pixels.is_number() && std::abs(pixels.get<double>()) <= kMaxUnits;
+      if (valid) out_.skew[camera] = pixels.get<double>();
+    }
+    if (valid) return {};
+    return error("\"skew\" of \"calibration\" must be numbers by camera, in pixels, like {\"cam00\": 0.3}");
   }
 
   // A path, or {"plates": path, "kind": "chroma" | "natural"}. The path is "FOLDER/camNN.png", or

@@ -2,6 +2,7 @@
 // Reads what capture.json declares. Does NOT look at any other file.
 #pragma once
 
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,6 +22,7 @@ struct DeclaredCapture {
   Capture capture;         // without cameras, sequences, topology and kind of meshes; with all classes
   bool per_frame = false;  // "topology": "per-frame"
   std::vector<DeclaredSequence> sequences;
+  std::map<std::string, double> skew;  // by camera's name, pixels
 };
 
 // `folder` holds capture.json. Lengths are in the declared units, root velocities in those units per second.

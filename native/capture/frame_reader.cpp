@@ -19,9 +19,10 @@ class CameraReader {
                                    const OpenVideo& open_video) {
     const auto place = findPictures(sequence.folder, camera.pinhole.name);
     if (!place) {
-      return Error{ErrorId::CameraMissingVideo, sequence.folder + "/" + camera.pinhole.name +
-                                                    ".mp4: no video (.mp4, .mkv, .webm, .mov) and no folder with " +
-                                                    "000000.png; add it, or remove the camera from images.txt"};
+      return Error{ErrorId::CameraMissingVideo,
+                   sequence.folder + "/" + camera.pinhole.name +
+                       ".mp4: no video (.mp4, .mkv, .webm, .mov, .avi) and no folder with " +
+                       "000000.png; add it, or remove the camera from images.txt"};
     }
     CameraReader reader(camera);
     FOURDVT_TRY(openStream(*place, sequence, 3, open_video, reader.colour_));

@@ -134,6 +134,19 @@ Status checkMeshes(const std::vector<DeclaredSequence>& declared, Capture& captu
   return {};
 }
 
+Status applySkew(const std::map<std::string, double>& skew, Capture& capture) {
+  for (const auto& [name, pixels] : skew) {
+    const auto it = std::find_if(capture.cameras.begin(), capture.cameras.end(),
+                                 [&](const CaptureCamera& camera) { return camera.pinhole.name == name; });
+    if (it == capture.cameras.end()) {
+      return Error{ErrorId::CaptureJson, capture.folder + "/capture.json: \"skew\" names the camera \"" + name +
+                                             "\", which " + capture.cameras_folder + " has not; take it out"};
+    }
+    it->distortion.skew = pixels;
+  }
+  return {};
+}
+
 // Opening the reader checks that files are there and long enough; reading the first frame checks decoding and sizes.
 Status checkPictures(const Capture& capture, const CaptureSequence& sequence, const OpenVideo& open_video) {
   FOURDVT_ASSIGN(auto reader, FrameReader::open(capture, sequence, open_video));
@@ -170,6 +183,7 @@ Result<Capture> openCapture(const std::string& folder, const OpenVideo& open_vid
   Capture capture = std::move(declared.capture);
   FOURDVT_ASSIGN(capture.cameras, readColmapCameras(capture.cameras_folder));
   scaleToMetres(capture.cameras, capture.metres_per_unit);
+  FOURDVT_TRY(applySkew(declared.skew, capture));
   for (const DeclaredSequence& d : declared.sequences) capture.sequences.push_back(d.sequence);
   FOURDVT_TRY(checkMeshes(declared.sequences, capture));
   for (const CaptureSequence& sequence : capture.sequences) FOURDVT_TRY(checkPictures(capture, sequence, open_video));

@@ -18,7 +18,7 @@ bool isFile(const std::string& path) {
 
 std::optional<PicturePlace> findPictures(const std::string& folder, const std::string& stem) {
   const std::string base = folder + "/" + stem;
-  for (const char* extension : {".mp4", ".mkv", ".webm", ".mov"}) {
+  for (const char* extension : {".mp4", ".mkv", ".webm", ".mov", ".avi"}) {
     if (isFile(base + extension)) return PicturePlace{base + extension, false};
   }
   for (const char* extension : {".png", ".jpg"}) {

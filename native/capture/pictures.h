@@ -18,7 +18,8 @@ struct PicturePlace {
   bool numbered = false;  // `path` is a pattern
 };
 
-// Looks for <folder>/<stem>.mp4, .mkv, .webm, .mov and <folder>/<stem>/000000.png, .jpg; nullopt if there is none.
+// Looks for <folder>/<stem>.mp4, .mkv, .webm, .mov, .avi and <folder>/<stem>/000000.png, .jpg; nullopt if there is
+// none.
 std::optional<PicturePlace> findPictures(const std::string& folder, const std::string& stem);
 
 // Returns true for an existing file that is no folder.

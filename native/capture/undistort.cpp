@@ -1,11 +1,49 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/undistort.h"
 
+#include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace fourdvt::capture {
+
+namespace {
+
+glm::dvec2 throughFisheye(const Distortion& d, const glm::dvec2& point) {
+  const double r = glm::length(point), angle = std::atan(r), a2 = angle * angle;
+  if (r < 1e-12) return point;
+  return point * (angle * (1 + a2 * (d.k1 + a2 * (d.k2 + a2 * (d.k3 + a2 * d.k4)))) / r);
+}
+
+glm::dvec2 throughLens(const Distortion& d, const glm::dvec2& point) {
+  if (d.fisheye) return throughFisheye(d, point);
+  const double x = point.x, y = point.y, r2 = x * x + y * y;
+  const double radial = (1 + r2 * (d.k1 + r2 * (d.k2 + r2 * d.k3))) / (1 + r2 * (d.k4 + r2 * (d.k5 + r2 * d.k6)));
+  return {x * radial + 2 * d.p1 * x * y + d.p2 * (r2 + 2 * x * x),
+          y * radial + d.p1 * (r2 + 2 * y * y) + 2 * d.p2 * x * y};
+}
+
+// OpenCV's maps know neither a fisheye's skew nor any other. Beyond ±1e6 pixels nothing is read.
+cv::Mat lensMap(const CaptureCamera& camera) {
+  cv::Mat map(camera.pinhole.height, camera.pinhole.width, CV_32FC2);
+  for (int j = 0; j < map.rows; ++j) {
+    for (int i = 0; i < map.cols; ++i) {
+      const glm::dvec2 filmed = glm::clamp(filmedPixel(camera, {i + 0.5, j + 0.5}), -1e6, 1e6);
+      map.at<cv::Vec2f>(j, i) = cv::Vec2f(float(filmed.x - 0.5), float(filmed.y - 0.5));
+    }
+  }
+  return map;
+}
+
+}  // namespace
+
+glm::dvec2 filmedPixel(const CaptureCamera& camera, const glm::dvec2& pinhole_pixel) {
+  const PinholeCamera& p = camera.pinhole;
+  const glm::dvec2 ray((pinhole_pixel.x - p.cx) / p.fx, (pinhole_pixel.y - p.cy) / p.fy);
+  const glm::dvec2 bent = throughLens(camera.distortion, ray);
+  return {p.fx * bent.x + camera.distortion.skew * bent.y + p.cx, p.fy * bent.y + p.cy};
+}
 
 struct Undistorter::Maps {
   cv::Mat xy, fraction;  // OpenCV's fixed-point form
@@ -15,10 +53,14 @@ Undistorter::Undistorter(const CaptureCamera& camera) {
   if (!camera.distortion.any()) return;
   const PinholeCamera& p = camera.pinhole;
   const Distortion& d = camera.distortion;
+  maps_ = std::make_unique<Maps>();
+  if (d.fisheye || d.skew != 0) {
+    cv::convertMaps(lensMap(camera), cv::noArray(), maps_->xy, maps_->fraction, CV_16SC2);
+    return;
+  }
   // OpenCV puts the first pixel's centre at 0, COLMAP at 0.5.
   const cv::Matx33d intrinsics(p.fx, 0, p.cx - 0.5, 0, p.fy, p.cy - 0.5, 0, 0, 1);
-  const cv::Vec4d coefficients(d.k1, d.k2, d.p1, d.p2);
-  maps_ = std::make_unique<Maps>();
+  const cv::Vec<double, 8> coefficients(d.k1, d.k2, d.p1, d.p2, d.k3, d.k4, d.k5, d.k6);
   cv::initUndistortRectifyMap(intrinsics, coefficients, cv::noArray(), intrinsics, {p.width, p.height}, CV_16SC2,
                               maps_->xy, maps_->fraction);
 }

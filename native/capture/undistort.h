@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Removes lens distortion. The maps are computed once per camera.
+// Removes lens distortion and skew. The maps are computed once per camera.
 #pragma once
 
 #include <memory>
@@ -8,6 +8,9 @@
 #include "capture/capture.h"
 
 namespace fourdvt::capture {
+
+// The pixel at which the lens images what the camera's pinhole shows at `pinhole_pixel`.
+glm::dvec2 filmedPixel(const CaptureCamera& camera, const glm::dvec2& pinhole_pixel);
 
 class Undistorter {
  public:

@@ -64,6 +64,8 @@ std::string settingsKey(const ReconstructOptions& o, const capture::Capture& cap
   const capture::ColmapText cameras = capture::colmapText(capture.cameras, capture.metres_per_unit);
   add(cameras.cameras);
   add(cameras.images);
+  for (const capture::CaptureCamera& camera : capture.cameras)  // the texts cannot say it
+    if (camera.distortion.skew != 0) add(camera.pinhole.name + " " + std::to_string(camera.distortion.skew));
   add(std::to_string(int(capture.background_kind)));
   for (const std::string& file : filesOf(capture.background_folder)) add(file);
   for (const capture::CaptureSequence& sequence : capture.sequences) {
