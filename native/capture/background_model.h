@@ -10,6 +10,10 @@
 
 namespace fourdvt::capture {
 
+// sRGB encodes linear light x as 1.055 x^(1/2.4) - 0.055 (IEC 61966-2-1): with this many levels more, a shadow or an
+// exposure, which scales linear light, scales the encoded values, too.
+inline constexpr float kToe = 0.055f * 255;
+
 struct BackgroundModel {
   int width = 0, height = 0;
   int plates = 0;           // how many were averaged

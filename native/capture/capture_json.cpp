@@ -70,7 +70,8 @@ class Parser {
   Status skew(const Json& node) {
     if (node.is_null()) return {};
     bool valid = node.is_object();
-    for (const auto& [camera, pixels] : (valid ? node : Json::object()).items()) {
+    const Json entries = valid ? node : Json::object();
+    for (const auto& [camera, pixels] : entries.items()) {
       valid = valid && pixels.is_number() && std::abs(pixels.get<double>()) <= kMaxUnits;
       if (valid) out_.skew[camera] = pixels.get<double>();
     }

@@ -12,6 +12,8 @@
 namespace fourdvt::capture {
 namespace {
 
+constexpr float kMostResidual = 15;  // levels, in half of the pixels
+
 // One camera: its colour pictures, and either its mattes or plates to key against.
 class CameraReader {
  public:
@@ -40,14 +42,15 @@ class CameraReader {
     FOURDVT_ASSIGN(auto colour, colour_->read(frame));
     FOURDVT_TRY(checkSize(colour, camera_, colour_->path()));
     Image alpha;
+    float residual = 0;
     if (matte_) {
       FOURDVT_ASSIGN(auto matte, matte_->read(frame));
       FOURDVT_TRY(checkSize(matte, camera_, matte_->path()));
       alpha = std::move(matte);
     } else {
-      alpha = key_->matte(colour);
+      alpha = key_->matte(colour, &residual);
     }
-    FOURDVT_TRY(checkFirst(alpha));
+    FOURDVT_TRY(checkFirst(alpha, residual));
     out = joined(undistorter_.apply(std::move(colour)), undistorter_.apply(std::move(alpha)));
     return {};
   }
@@ -62,14 +65,14 @@ class CameraReader {
   }
 
   // The first matte tells whether mattes are the wrong way round or plates do not fit. An empty one is fine.
-  Status checkFirst(const Image& alpha) {
+  Status checkFirst(const Image& alpha, float residual_levels) {
     if (std::exchange(checked_, true)) return {};
     if (matte_ && looksInverted(alpha)) {
       return Error{ErrorId::FileUnreadable,
                    matte_->path() + ": the matte keeps the picture's border and leaves out what is within, as if " +
                        "object and background were swapped; invert the mattes: white is the object"};
     }
-    if (key_ && keepsTheBorder(alpha)) {
+    if (key_ && (keepsTheBorder(alpha) || residual_levels > kMostResidual)) {
       return Error{ErrorId::FileUnreadable,
                    key_->path() + ": the plate does not fit the pictures of " + colour_->path() +
                        ", which differ from it nearly everywhere; take it again with the camera, the light and the " +

@@ -10,17 +10,16 @@
 namespace fourdvt::capture {
 namespace {
 
-// sRGB encodes linear light x as 1.055 x^(1/2.4) - 0.055 (IEC 61966-2-1): with this many levels more, a shadow, which
-// scales linear light, scales the encoded values, too.
-constexpr float kToe = 0.055f * 255;
-constexpr float kTint = 0.08f;        // how far a shadow's channels may differ, as a share of what it takes away
-constexpr float kMostUnderrated = 4;  // of the noise's variance
-constexpr float kMinNoise = 0.8f;     // levels: rounding and compression
+constexpr float kTint = 0.08f;          // how far a shadow's channels may differ, as a share of what it takes away
+constexpr float kPerhapsShade = 0.25f;  // weight of what may be a scaled plate among the colours of the object
+constexpr float kPenumbra = 0.02f;      // how unevenly a shadow may lie, as a share of what it takes away
+constexpr float kMostUnderrated = 25;   // of the noise's variance
+constexpr float kMinNoise = 0.8f;       // levels: rounding and compression
 constexpr int kWindow = 5, kWideWindow = 11;
 // Mean squared deviations of 75 values: 1 ± 0.16 if the hypothesis holds.
 constexpr float kLooksAlike = 1.5f, kLooksOther = 3.0f;
 constexpr float kTextured = 1.5f;  // the neighbourhood's own variance, from which on agreement proves something
-constexpr float kUnknownColours = 0.15f, kUnknownRatios = 0.05f, kShadedShare = 0.3f, kOutliers = 1e-4f;
+constexpr float kUnknownColours = 0.15f, kUnknownRatios = 0.05f, kShadedShare = 0.5f, kOutliers = 1e-4f;
 constexpr float kMinWidth = 0.01f, kWidthStep = 1.5f;  // deviations of a ratio that ratioDensity tells apart
 
 // Median of |x(i) - x(i + 1)| in one channel as a standard deviation of x, whose values are `spacing` apart.
@@ -116,7 +115,8 @@ KeyEvidence::Fit KeyEvidence::fit(int window) const {
       const float channel = std::clamp(cross[c] / std::max(plate[c], 1e-6f), s - tint, s + tint);
       scaled += channel * (channel * plate[c] - 2 * cross[c]);
     }
-    out.scaled.at<float>(i) = scaled / (3 * (1 + s * s * e));
+    const float uneven = kPenumbra * (1 - s);
+    out.scaled.at<float>(i) = scaled / (3 * (1 + s * s * e) + uneven * uneven * plate_sum);
   }
   return out;
 }
@@ -146,7 +146,10 @@ void KeyEvidence::learn(const cv::Mat& object) {
   std::vector<float> counts(colours_.size(), 0);
   double total = 0;
   for (int i = 0; i < int(object.total()); ++i)
-    if (object.at<uint8_t>(i)) counts[colourBin(picture_.at<cv::Vec3f>(i))] += 1, ++total;
+    if (object.at<uint8_t>(i)) {
+      const float weight = object_.at<uint8_t>(i) ? 1.0f : kPerhapsShade;
+      counts[colourBin(picture_.at<cv::Vec3f>(i))] += weight, total += weight;
+    }
   for (const size_t step : {size_t(1), size_t(kColours), size_t(kColours) * kColours}) {
     const std::vector<float> from = counts;
     for (size_t i = 0; i < counts.size(); ++i) {
@@ -208,7 +211,8 @@ KeyEvidence::Background KeyEvidence::backgroundAt(int i) const {
   out.ratio = p.dot(b) / bb;
   const cv::Vec3f across = p - out.ratio * b;
   const float s = std::clamp(out.ratio, options_.min_shadow, options_.max_highlight);
-  const float tint = kTint * (1 - s), vs = 1 + s * s * (v - 1) + tint * tint * bb / 3;
+  const float tint = kTint * (1 - s), uneven = kPenumbra * (1 - s);
+  const float vs = 1 + s * s * (v - 1) + (tint * tint + uneven * uneven) * bb / 3;
   out.shaded = kShadedShare * shaded_share_.at<float>(i) * std::exp(-0.5f * across.dot(across) / vs) / (6.2832f * vs) *
                ratioDensity(out.ratio, std::sqrt(vs) / length) / length;
   return out;

@@ -48,9 +48,9 @@ class KeyEvidence {
   float objectDensity(const cv::Vec3f& colour) const;
   size_t colourBin(const cv::Vec3f& colour) const;
 
-  const BackgroundKeyOptions options_;
-  const float plate_noise_;  // the mean plate's variance, of the picture's
-  cv::Vec3f noise_;          // levels
+  BackgroundKeyOptions options_;
+  float plate_noise_;  // the mean plate's variance, of the picture's
+  cv::Vec3f noise_;    // levels
   cv::Mat picture_, plate_, variance_, extra_;
   cv::Mat object_, lit_, shaded_;
   cv::Mat lit_share_, shaded_share_;  // CV_32F: what the neighbourhoods leave of the two hypotheses

@@ -4,6 +4,7 @@
 #include "capture/background_key.h"
 #include "capture/matte.h"
 #include "capture/pictures.h"
+#include "capture/plate_fit.h"
 #include "capture/plates.h"
 
 namespace fourdvt::capture {
@@ -46,8 +47,12 @@ Result<PlateKey> PlateKey::open(const Capture& capture, const CaptureCamera& cam
   return key;
 }
 
-Image PlateKey::matte(const Image& picture) const {
-  return natural_ ? backgroundKey(picture, model_) : chromaKey(picture, plate_);
+Image PlateKey::matte(const Image& picture, float* residual_levels) const {
+  if (residual_levels) *residual_levels = 0;
+  if (!natural_) return chromaKey(picture, plate_);
+  const PlateFit fit = fitPlate(model_, picture);
+  if (residual_levels) *residual_levels = fit.residual_levels;
+  return backgroundKey(picture, fit.background);
 }
 
 bool keepsTheBorder(const Image& matte) {

@@ -15,8 +15,8 @@ class PlateKey {
  public:
   // Reads the camera's plates. Errors: FileMissing, FileUnreadable, FrameSize.
   static Result<PlateKey> open(const Capture& capture, const CaptureCamera& camera);
-  // One channel. `picture`: RGB, as distorted as the plates.
-  Image matte(const Image& picture) const;
+  // One channel. `picture`: RGB, as distorted as the plates. `residual_levels`: see PlateFit; 0 for a chroma key.
+  Image matte(const Image& picture, float* residual_levels = nullptr) const;
   bool natural() const { return natural_; }
   const std::string& path() const { return path_; }  // of the first plate
 

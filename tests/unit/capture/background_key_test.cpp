@@ -166,8 +166,8 @@ TEST(CaptureBackgroundKey, ADarkClothOfTheWallsHueIsNoShadow) {
     int mistaken = 0;
     for (int y = 26; y < 95; ++y)
       for (int x = 66; x < 135; ++x) mistaken += cost.at<float>(y, x) > 0;
-    // Pixel by pixel a third is no darker than the boards may be in a shadow; their neighbours tell.
-    EXPECT_LT(mistaken, (contrast > 0 ? 0.05 : 0.25) * 69 * 69) << contrast;
+    // Pixel by pixel much of it is no darker than the boards may be in a shadow; neighbours and the cut decide.
+    EXPECT_LT(mistaken, (contrast > 0 ? 0.05 : 0.45) * 69 * 69) << contrast;
     const Image alpha = backgroundKey(picture, model);
     EXPECT_GT(kept(alpha, cloth), 0.95 * 79 * 79) << contrast;
     EXPECT_LT(kept(alpha, scene.shadow), 40u) << contrast;

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/plate_fit.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
+
+#include "capture/median.h"
+
+namespace fourdvt::capture {
+namespace {
+
+constexpr float kLeastGain = 0.005f, kLeastOffset = 1;          // offset: levels of 255
+constexpr float kMostGain = 1.6f;                               // and its inverse
+constexpr double kLeastShift_pixels = 0.15, kMostShift = 0.02;  // kMostShift: share of the picture's diagonal
+constexpr double kBetter = 0.97;  // of the robust difference, or the plates stay as they are
+constexpr int kBins = 12;         // of brightness, for the noise
+constexpr size_t kFewestInBin = 400;
+constexpr int kSide = 640;  // of the picture that the homography is sought in, at most
+
+struct Gain {
+  float gain = 1, offset = 0;
+};
+
+cv::Mat wrap(const Image& picture) {
+  const cv::Mat bytes(picture.height, picture.width, CV_8UC3, const_cast<uint8_t*>(picture.pixels.data()));
+  cv::Mat out;
+  bytes.convertTo(out, CV_32F);
+  return out;
+}
+
+float medianOf(std::vector<float> values) { return values.empty() ? 0 : median(std::move(values)); }
+
+// Every n-th value of one channel, so that about 40,000 remain.
+struct Samples {
+  std::vector<float> plate, picture;
+};
+Samples samplesOf(const cv::Mat& plate, const cv::Mat& picture, int channel) {
+  Samples out;
+  const size_t step = std::max<size_t>(1, plate.total() / 40000);
+  for (size_t i = 0; i < plate.total(); i += step) {
+    const float a = plate.at<cv::Vec3f>(int(i))[channel], b = picture.at<cv::Vec3f>(int(i))[channel];
+    if (a < 3 || a > 250 || b < 3 || b > 250) continue;  // clipped: says nothing of the gain
+    out.plate.push_back(a + kToe);
+    out.picture.push_back(b + kToe);
+  }
+  return out;
+}
+
+// Iteratively reweighted least squares with Geman and McClure's weights, from the median ratio.
+Gain fitGain(const Samples& s) {
+  if (s.plate.size() < 500) return {};
+  std::vector<float> ratios(s.plate.size());
+  for (size_t i = 0; i < ratios.size(); ++i) ratios[i] = s.picture[i] / s.plate[i];
+  Gain g{medianOf(ratios), 0};
+  std::vector<float> off(s.plate.size());
+  for (int round = 0; round < 12; ++round) {
+    for (size_t i = 0; i < off.size(); ++i) off[i] = std::abs(s.picture[i] - g.gain * s.plate[i] - g.offset);
+    const float scale = std::max(1.0f, 2 * medianOf(off) / 0.6745f);
+    double w = 0, x = 0, y = 0, xx = 0, xy = 0;
+    for (size_t i = 0; i < off.size(); ++i) {
+      const double r = off[i] / scale, weight = 1 / ((1 + r * r) * (1 + r * r));
+      w += weight, x += weight * s.plate[i], y += weight * s.picture[i];
+      xx += weight * s.plate[i] * s.plate[i], xy += weight * s.plate[i] * s.picture[i];
+    }
+    const double spread = xx / w - x / w * (x / w);
+    // A plate of one brightness cannot distinguish gain and offset: the offset stays 0.
+    if (spread < 100) {
+      g = {float(xy / xx), 0};
+    } else {
+      g.gain = float((xy / w - x / w * (y / w)) / spread);
+      g.offset = float(y / w - g.gain * x / w);
+    }
+  }
+  if (!(g.gain > 1 / kMostGain && g.gain < kMostGain)) return {};
+  return g;
+}
+
+cv::Mat withGains(const cv::Mat& plate, const Gain (&gains)[3]) {
+  cv::Mat out;
+  cv::multiply(plate + cv::Scalar::all(kToe), cv::Scalar(gains[0].gain, gains[1].gain, gains[2].gain), out);
+  return out + cv::Scalar(gains[0].offset - kToe, gains[1].offset - kToe, gains[2].offset - kToe);
+}
+
+bool fitGains(const cv::Mat& plate, const cv::Mat& picture, Gain (&gains)[3]) {
+  bool clear = false;
+  for (int c = 0; c < 3; ++c) {
+    gains[c] = fitGain(samplesOf(plate, picture, c));
+    clear |= std::abs(gains[c].gain - 1) > kLeastGain || std::abs(gains[c].offset) > kLeastOffset;
+  }
+  if (!clear)
+    for (Gain& g : gains) g = {};
+  return clear;
+}
+
+// Largest channel's difference, CV_32F.
+cv::Mat difference(const cv::Mat& a, const cv::Mat& b) {
+  cv::Mat d, planes[3];
+  cv::absdiff(a, b, d);
+  cv::split(d, planes);
+  return cv::max(planes[0], cv::max(planes[1], planes[2]));
+}
+
+cv::Mat grey(const cv::Mat& picture) {
+  cv::Mat out;
+  cv::transform(picture, out, cv::Matx13f(0.2126f, 0.7152f, 0.0722f));
+  return out;
+}
+
+double meanShift(const cv::Mat& h, const cv::Size& size) {
+  const std::vector<cv::Point2d> corners{
+      {0, 0}, {double(size.width), 0}, {0, double(size.height)}, {double(size.width), double(size.height)}};
+  std::vector<cv::Point2d> moved;
+  cv::perspectiveTransform(corners, moved, h);
+  double sum = 0;
+  for (size_t i = 0; i < 4; ++i) sum += cv::norm(moved[i] - corners[i]);
+  return sum / 4;
+}
+
+// Maps pixels of the picture to pixels of the plate (enhanced correlation coefficient, EP08), centres at integers;
+// empty if none improves on the identity.
+cv::Mat fitHomography(const cv::Mat& plate, const cv::Mat& picture) {
+  const double scale = std::min(1.0, double(kSide) / std::max(plate.cols, plate.rows));
+  cv::Mat a, b, off, mask;
+  cv::resize(grey(plate), a, {}, scale, scale, cv::INTER_AREA);
+  cv::resize(grey(picture), b, {}, scale, scale, cv::INTER_AREA);
+  cv::resize(difference(plate, picture), off, {}, scale, scale, cv::INTER_AREA);
+  const float limit = std::max(12.0f, 6 * medianOf({off.begin<float>(), off.end<float>()}));
+  mask = off < limit;
+  cv::Mat h = cv::Mat::eye(3, 3, CV_32F);
+  try {
+    cv::findTransformECC(b, a, h, cv::MOTION_HOMOGRAPHY, {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 60, 1e-5},
+                         mask, 5);
+  } catch (const cv::Exception&) {
+    return {};  // no structure, or it does not converge
+  }
+  h.convertTo(h, CV_64F);
+  const cv::Mat grow = (cv::Mat_<double>(3, 3) << scale, 0, 0, 0, scale, 0, 0, 0, 1);
+  h = grow.inv() * h * grow;
+  const double shift = meanShift(h, plate.size()), diagonal = std::hypot(plate.cols, plate.rows);
+  if (!(shift > kLeastShift_pixels && shift < kMostShift * diagonal)) return {};
+  return h;
+}
+
+double robustCost(const cv::Mat& plate, const cv::Mat& picture) {
+  return cv::mean(cv::min(difference(plate, picture), 24.0))[0];
+}
+
+// Squared largest step per pixel, levels².
+cv::Mat squaredGradient(const cv::Mat& plate) {
+  cv::Mat dx, dy, planes[3];
+  cv::Sobel(plate, dx, CV_32F, 1, 0, 3, 0.125);
+  cv::Sobel(plate, dy, CV_32F, 0, 1, 3, 0.125);
+  cv::Mat squared = dx.mul(dx) + dy.mul(dy);
+  cv::split(squared, planes);
+  return cv::max(planes[0], cv::max(planes[1], planes[2]));
+}
+
+// Adds to `extra` the variance that brightness (sensor noise, compression) and edges (sharpness, what is left of a
+// shift) have beyond that of the median pixel. Medians: the object does not count.
+void addMeasuredNoise(const cv::Mat& plate, const cv::Mat& picture, cv::Mat& extra) {
+  const cv::Mat light = grey(plate), gradient = squaredGradient(plate);
+  cv::Mat d = plate - picture, squares, planes[3];
+  cv::split(d.mul(d), planes);
+  squares = (planes[0] + planes[1] + planes[2]) / 3;
+  std::vector<float> bins[kBins], edges, all;
+  for (int i = 0; i < int(squares.total()); ++i) {
+    const float value = squares.at<float>(i), slope = gradient.at<float>(i);
+    all.push_back(value);
+    if (slope > 64)
+      edges.push_back(value / slope);
+    else if (slope < 9)
+      bins[std::clamp(int(light.at<float>(i) / 256 * kBins), 0, kBins - 1)].push_back(value);
+  }
+  const float common = medianOf(all), shift2 = edges.size() < kFewestInBin ? 0 : std::min(medianOf(edges), 0.25f);
+  float noise[kBins] = {};
+  for (int b = 0; b < kBins; ++b)
+    if (bins[b].size() >= kFewestInBin) noise[b] = std::min(std::max(0.0f, medianOf(bins[b]) - common), 3 * common + 4);
+  for (int i = 0; i < int(extra.total()); ++i)
+    extra.at<float>(i) += noise[std::clamp(int(light.at<float>(i) / 256 * kBins), 0, kBins - 1)] +
+                          std::max(0.0f, shift2 - 0.01f) * gradient.at<float>(i);
+}
+
+}  // namespace
+
+PlateFit fitPlate(const BackgroundModel& plates, const Image& given) {
+  assert(given.channels == 3 && given.width == plates.width && given.height == plates.height);
+  PlateFit out{plates};
+  const cv::Size size(plates.width, plates.height);
+  cv::Mat mean(size, CV_32FC3, out.background.mean.data()), extra(size, CV_32F, out.background.extra.data());
+  const cv::Mat picture = wrap(given);
+  Gain gains[3];
+  cv::Mat fitted = mean, spread = extra.clone();
+  bool changed = false;
+  if (fitGains(fitted, picture, gains)) {
+    const cv::Mat better = withGains(mean, gains);
+    changed = robustCost(better, picture) < kBetter * robustCost(fitted, picture);
+    if (changed)
+      fitted = better;
+    else
+      std::fill(std::begin(gains), std::end(gains), Gain{});
+  }
+  if (const cv::Mat h = fitHomography(fitted, picture); !h.empty()) {
+    const int how = cv::INTER_CUBIC | cv::WARP_INVERSE_MAP;
+    cv::Mat moved, moved_spread;
+    cv::warpPerspective(mean, moved, h, size, how, cv::BORDER_REPLICATE);
+    Gain again[3];
+    fitGains(moved, picture, again);
+    const cv::Mat better = withGains(moved, again);
+    if (robustCost(better, picture) < kBetter * robustCost(fitted, picture)) {
+      cv::warpPerspective(extra, moved_spread, h, size, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
+      std::copy(std::begin(again), std::end(again), std::begin(gains));
+      fitted = better, spread = moved_spread, changed = true;
+      out.shift_pixels = float(meanShift(h, size));
+    }
+  }
+  for (size_t c = 0; c < 3; ++c) out.gain[c] = gains[c].gain;
+  const cv::Mat left = difference(fitted, picture);
+  out.residual_levels = medianOf({left.begin<float>(), left.end<float>()});
+  if (!changed) return out;
+  addMeasuredNoise(fitted, picture, spread);
+  fitted.copyTo(mean);
+  spread.copyTo(extra);
+  return out;
+}
+
+}  // namespace fourdvt::capture
