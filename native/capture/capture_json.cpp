@@ -69,14 +69,14 @@ class Parser {
   // {"cam00": 0.3}: what COLMAP's models cannot say.
   Status skew(const Json& node) {
     if (node.is_null()) return {};
-    bool valid = node.is_object();
-    const Json entries = valid ? node : Json::object();
-    for (const auto& [camera, pixels] : entries.items()) {
-      valid = valid && pixels.is_number() && std::abs(pixels.get<double>()) <= kMaxUnits;
-      if (valid) out_.skew[camera] = pixels.get<double>();
+    const Error wrong =
+        error("\"skew\" of \"calibration\" must be numbers by camera, in pixels, like {\"cam00\": 0.3}");
+    if (!node.is_object()) return wrong;
+    for (const auto& [camera, pixels] : node.items()) {
+      if (!pixels.is_number() || !(std::abs(pixels.get<double>()) <= kMaxUnits)) return wrong;
+      out_.skew[camera] = pixels.get<double>();
     }
-    if (valid) return {};
-    return error("\"skew\" of \"calibration\" must be numbers by camera, in pixels, like {\"cam00\": 0.3}");
+    return {};
   }
 
   // A path, or {"plates": path, "kind": "chroma" | "natural"}. The path is "FOLDER/camNN.png", or
