@@ -22,6 +22,8 @@ class VideoSource {
   virtual Result<std::optional<Image>> next() = 0;
   // Upper bound on the number of pictures in the whole file where the container tells it without decoding.
   virtual std::optional<uint64_t> frameCountHint() const { return std::nullopt; }
+  // Mean rate where the container tells it.
+  virtual std::optional<double> framesPerSecond() const { return std::nullopt; }
 };
 
 // Opens `path`; channels is 3 or 1.

@@ -142,6 +142,12 @@ class FileSource final : public VideoSource {
     return static_cast<uint64_t>(std::ceil(frames)) + 1;  // time stamps are rounded
   }
 
+  std::optional<double> framesPerSecond() const override {
+    const AVRational rate = format_->streams[stream_]->avg_frame_rate;
+    if (rate.num <= 0 || rate.den <= 0) return std::nullopt;
+    return av_q2d(rate);
+  }
+
   Result<std::optional<Image>> next() override {
     while (true) {
       const int received = avcodec_receive_frame(codec_.get(), frame_.get());
