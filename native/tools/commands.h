@@ -18,6 +18,7 @@ struct BakeExtension {
   std::function<void(Args&, bake::BakeOptions&)> read;
 };
 
+int importCommand(int argc, char** argv);
 int reconstructCommand(int argc, char** argv);
 int bakeCommand(int argc, char** argv, const BakeExtension* extension = nullptr);
 int inspectCommand(int argc, char** argv);

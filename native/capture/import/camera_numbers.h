@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// A camera from the numbers that calibration files give, checked: what all readers of this folder end in.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <span>
+#include <string>
+
+#include "base/result.h"
+#include "capture/capture.h"
+
+namespace fourdvt::capture {
+
+constexpr double kFirstPixelAtZero = 0.5;  // what OpenCV's principal point lacks
+
+// The rotation about `vector` by its length in radians (Rodrigues).
+glm::dmat3 rotationOf(const glm::dvec3& vector);
+// From nine numbers, row by row.
+glm::dmat3 rowByRow(std::span<const double> nine);
+
+// `values` in OpenCV's order k1 k2 p1 p2 k3 k4 k5 k6, or k1 k2 k3 k4 of a fisheye; missing ones are 0. Further ones
+// (thin prism, tilt) must be 0. `where` begins the messages. Errors: CameraModel.
+Result<Distortion> distortionOf(std::span<const double> values, bool fisheye, const std::string& where);
+
+// OpenCV's camera matrix, nine numbers row by row, with any scale: sets focal lengths, principal point (`first_pixel`
+// is added to it) and skew. Errors: CameraPose.
+Status setCameraMatrix(std::span<const double> nine, double first_pixel, CaptureCamera& camera,
+                       const std::string& where);
+
+// Refuses numbers that are not finite, focal lengths that are not positive, and rotations that are none; makes the
+// rotation exactly orthogonal. Errors: CameraPose.
+Status setPose(const glm::dmat3& rotation, const glm::dvec3& translation, CaptureCamera& camera,
+               const std::string& where);
+Status checkCameraNumbers(const CaptureCamera& camera, const std::string& where);
+
+}  // namespace fourdvt::capture

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/import/import_capture.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <set>
+
+#include "capture/import/calibration_files.h"
+#include "capture/import/layout.h"
+#include "capture/import/takes.h"
+#include "platform/folders.h"
+
+namespace fourdvt::capture {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kAssumedFps = 25;
+constexpr double kLargeRig = 50;  // metres between cameras: the unit is hardly a metre
+
+std::string shortNumber(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
+
+// Into metres, with Y up.
+void turnAndScale(const glm::dmat3& turned_from_world, double metres_per_unit, ImportedCalibration& calibration) {
+  for (ImportedCamera& imported : calibration.cameras) {
+    glm::dmat4& pose = imported.camera.pinhole.cam_from_world;
+    const glm::dvec3 translation = glm::dvec3(pose[3]) * metres_per_unit;
+    pose = glm::dmat4(glm::dmat3(pose) * glm::transpose(turned_from_world));
+    pose[3] = glm::dvec4(translation, 1);
+  }
+}
+
+double widestDistance(const ImportedCalibration& calibration) {
+  double widest = 0;
+  for (const ImportedCamera& a : calibration.cameras) {
+    for (const ImportedCamera& b : calibration.cameras) {
+      widest = std::max(widest, glm::length(a.camera.pinhole.centreInWorld() - b.camera.pinhole.centreInWorld()));
+    }
+  }
+  return widest;
+}
+
+void toMetresYUp(const ImportOptions& options, ImportedCalibration& calibration, ImportSummary& summary) {
+  const WorldAxis up = options.up.value_or(calibration.up.value_or(WorldAxis::Y));
+  const double scale = options.metres_per_unit.value_or(calibration.metres_per_unit.value_or(1));
+  turnAndScale(turnToY(up), scale, calibration);
+  const std::string by_format = calibration.kind + " defines it";
+  summary.done.push_back(up == WorldAxis::Y ? std::string("up is Y, the world is not turned")
+                                            : std::string("the world is turned: ") + axisName(up) + " becomes Y" +
+                                                  (options.up ? "" : " (" + by_format + ")"));
+  if (!options.up && !calibration.up)
+    summary.warnings.push_back(calibration.kind + " defines no axis that is up; Y is assumed: else give --up");
+  summary.done.push_back("one unit is " + shortNumber(scale) + " m" +
+                         (options.metres_per_unit || !calibration.metres_per_unit ? "" : " (" + by_format + ")"));
+  const double widest = widestDistance(calibration);
+  const std::string apart = "cameras stand up to " + shortNumber(widest) + " m apart";
+  summary.done.push_back(apart);
+  if (!options.metres_per_unit && widest > kLargeRig)
+    summary.warnings.push_back(apart + "; if the unit is a millimetre, give --scale 0.001");
+}
+
+Status checkFolder(const ImportOptions& options) {
+  std::error_code failed;
+  for (const char* ending : {"", ".part"}) {
+    const std::string path = options.folder + ending;
+    if (!fs::exists(fs::symlink_status(path, failed)) || (fs::is_directory(path, failed) && fs::is_empty(path, failed)))
+      continue;
+    return Error{ErrorId::InvalidArgument, path + ": exists already; remove it, or choose another folder"};
+  }
+  return {};
+}
+
+std::vector<Take> takesOf(const ImportOptions& options, const ImportedCalibration& calibration) {
+  std::error_code ignored;
+  const fs::path source = options.source;
+  const fs::path base = fs::is_directory(source, ignored) ? source : source.parent_path();
+  std::vector<Take> takes;
+  for (const auto& [name, folder] : options.sequences) takes.push_back({name, (base / folder).string()});
+  if (takes.empty()) takes.push_back({"take", base.empty() ? "." : base.string()});
+  for (Take& take : takes) findViews(calibration, take);
+  return takes;
+}
+
+// Plates lie beside the calibration's pictures, or in one of the takes.
+Status importPlates(const ImportedCalibration& calibration, const std::vector<Take>& takes, const std::string& base,
+                    const OpenVideo& open_video, const std::string& folder, ImportSummary& summary) {
+  size_t found = 0;
+  std::string missing;
+  for (const ImportedCamera& imported : calibration.cameras) {
+    const std::string& name = imported.camera.pinhole.name;
+    std::optional<View> plates = findPlates(base, name);
+    for (const Take& take : takes)
+      if (!plates) plates = findPlates(take.folder, name);
+    if (plates) FOURDVT_TRY(writePlates(*plates, imported.camera, open_video, folder));
+    found += plates.has_value();
+    if (!plates && !takes.front().mattes.count(name)) missing += (missing.empty() ? "" : ", ") + name;
+  }
+  summary.done.push_back("plates of " + std::to_string(found) + " cameras");
+  if (!missing.empty())
+    summary.warnings.push_back("no plates of the empty studio and no mattes for " + missing +
+                               " (looked for CAMERA/background.png, background/CAMERA.png and the like)");
+  return {};
+}
+
+Status writeAll(const ImportOptions& options, const ImportedCalibration& calibration, const std::vector<Take>& takes,
+                double fps, const OpenVideo& open_video, ImportSummary& summary) {
+  const std::string part = options.folder + ".part";
+  FOURDVT_TRY(platform::makeFolder(part));
+  for (const Take& take : takes) {
+    FOURDVT_TRY(linkTake(calibration, take, part));
+    summary.done.push_back("sequence " + take.name + ": " + std::to_string(take.frames) + " frames, " +
+                           std::to_string(take.mattes.size()) + " cameras with mattes");
+  }
+  std::error_code failed;
+  const fs::path source = options.source;
+  const std::string base = (fs::is_directory(source, failed) ? source : source.parent_path()).string();
+  FOURDVT_TRY(importPlates(calibration, takes, base.empty() ? "." : base, open_video, part, summary));
+  FOURDVT_TRY(writeDescription(calibration, takes, fps, part));
+  fs::remove(options.folder, failed);  // an empty one
+  fs::rename(part, options.folder, failed);
+  if (!failed) return {};
+  return Error{ErrorId::WriteFailed, options.folder + ": " + failed.message() + "; choose another folder"};
+}
+
+}  // namespace
+
+std::string ImportOptions::check() const {
+  std::set<std::string> names;
+  for (const auto& [name, path] : sequences) {
+    const bool plain = !name.empty() && name[0] != '.' && name.find_first_of("/\\") == std::string::npos;
+    if (!plain || path.empty()) return "--sequences must be NAME=FOLDER,…; a name is a plain folder name";
+    if (name == "cameras" || name == "background") return "--sequences: \"" + name + "\" is a folder of every capture";
+    if (!names.insert(name).second) return "--sequences names \"" + name + "\" twice";
+  }
+  return {};
+}
+
+Result<ImportSummary> importCapture(const ImportOptions& given, const OpenVideo& open_video) {
+  ImportOptions options = given;
+  while (options.folder.size() > 1 && options.folder.back() == '/') options.folder.pop_back();
+  FOURDVT_TRY(checkFolder(options));
+  FOURDVT_ASSIGN(ImportedCalibration calibration, readCalibration(options.source));
+  ImportSummary summary;
+  summary.done.push_back(calibration.path + ": " + calibration.kind + ", " +
+                         std::to_string(calibration.cameras.size()) + " cameras");
+  std::vector<Take> takes = takesOf(options, calibration);
+  FOURDVT_TRY(keepSeenCameras(takes, calibration, summary.warnings));
+  ViewMeasures measures{options.cropped, options.fps};
+  for (Take& take : takes) FOURDVT_TRY(measureViews(open_video, calibration, take, measures, summary.warnings));
+  double fps = measures.fps;
+  if (fps == 0) {
+    fps = kAssumedFps;
+    summary.warnings.push_back("pictures tell no rate; " + shortNumber(fps) +
+                               " frames a second are assumed: else "
+                               "give --fps");
+  }
+  toMetresYUp(options, calibration, summary);
+  const Status written = writeAll(options, calibration, takes, fps, open_video, summary);
+  if (!written.ok()) platform::removeFolder(options.folder + ".part");
+  FOURDVT_TRY(written);
+  return summary;
+}
+
+}  // namespace fourdvt::capture

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// fourdvt import: a capture folder from a calibration of another program and the pictures beside it. Pictures are
+// linked, never copied; clips of the empty studio are decoded to a few plates. Does NOT judge the calibration.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/video.h"
+#include "capture/import/imported.h"
+
+namespace fourdvt::capture {
+
+struct ImportOptions {
+  std::string source;                     // folder, or a calibration file with the pictures beside it
+  std::string folder;                     // to write; must not exist, or be empty
+  std::optional<WorldAxis> up;            // none: what the format defines, else Y
+  std::optional<double> metres_per_unit;  // none: what the format defines, else 1
+  bool cropped = false;                   // pictures may lack columns at the right and rows at the bottom
+  double fps = 0;                         // 0: that of the videos, else 25
+  // Name of each sequence, and its folder in `source`; none: one called "take", of `source` itself.
+  std::vector<std::pair<std::string, std::string>> sequences;
+  std::string check() const;  // what is wrong, or empty
+};
+
+struct ImportSummary {
+  std::vector<std::string> done;      // what was found and turned, a line each
+  std::vector<std::string> warnings;  // what was not found, or had to be assumed
+};
+
+// The folder appears when it is complete. Errors: those of readCalibration; CameraMissingVideo (no camera has
+// pictures), FrameSize (both sizes are named), WriteFailed, InvalidArgument (the folder is not empty), and those of
+// `open_video`.
+Result<ImportSummary> importCapture(const ImportOptions& options, const OpenVideo& open_video);
+
+}  // namespace fourdvt::capture

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/import/imported.h"
+
+#include <array>
+
+namespace fourdvt::capture {
+namespace {
+
+constexpr std::array<const char*, 6> kAxisNames{"X", "-X", "Y", "-Y", "Z", "-Z"};
+
+}  // namespace
+
+const char* axisName(WorldAxis axis) { return kAxisNames[static_cast<size_t>(axis)]; }
+
+std::optional<WorldAxis> axisNamed(std::string_view name) {
+  for (size_t i = 0; i < kAxisNames.size(); ++i)
+    if (name == kAxisNames[i]) return static_cast<WorldAxis>(i);
+  return std::nullopt;
+}
+
+glm::dmat3 turnToY(WorldAxis up) {
+  // Columns: where x, y and z go.
+  switch (up) {
+    case WorldAxis::X:
+      return {{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}};
+    case WorldAxis::MinusX:
+      return {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}};
+    case WorldAxis::MinusY:
+      return {{1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
+    case WorldAxis::Z:
+      return {{1, 0, 0}, {0, 0, -1}, {0, 1, 0}};
+    case WorldAxis::MinusZ:
+      return {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}};
+    case WorldAxis::Y:
+      break;
+  }
+  return glm::dmat3(1);
+}
+
+}  // namespace fourdvt::capture

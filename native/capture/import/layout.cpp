@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/import/layout.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "capture/mesh_sequence.h"
+#include "capture/pictures.h"
+#include "platform/files.h"
+#include "platform/folders.h"
+
+namespace fourdvt::capture {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uint64_t kMaxDecodedPlates = 25;  // more than ten hardly change what is told from them
+
+// Relative, so that both folders can be moved together.
+Status linkFile(const fs::path& from, const fs::path& to) {
+  std::error_code failed;
+  const fs::path source = fs::canonical(from, failed);
+  const fs::path folder = failed ? fs::path() : fs::canonical(to.parent_path(), failed);
+  if (!failed) fs::create_symlink(source.lexically_relative(folder), to, failed);
+  if (!failed) return {};
+  return Error{ErrorId::WriteFailed, to.string() + ": cannot be linked to " + from.string() + ": " + failed.message() +
+                                         "; choose a folder on a disk that has links"};
+}
+
+std::string lowerEnding(const std::string& path) {
+  std::string ending = fs::path(path).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  return ending;
+}
+
+// Readers look for .png and .jpg, and tell the kind by the content.
+Status linkPictures(const std::vector<std::string>& pictures, const std::string& folder) {
+  FOURDVT_TRY(platform::makeFolder(folder));
+  const std::string first = lowerEnding(pictures.front());
+  const std::string ending = first == ".jpg" || first == ".jpeg" ? ".jpg" : ".png";
+  for (size_t i = 0; i < pictures.size(); ++i)
+    FOURDVT_TRY(linkFile(pictures[i], framePath(folder + "/%06d" + ending, static_cast<uint32_t>(i))));
+  return {};
+}
+
+Status linkView(const View& view, const std::string& stem) {
+  if (view.video.empty()) return linkPictures(view.pictures, stem);
+  return linkFile(view.video, stem + lowerEnding(view.video));
+}
+
+// Every how many-th picture is a plate.
+uint64_t plateStep(const VideoSource& video) {
+  const uint64_t frames = video.frameCountHint().value_or(kMaxDecodedPlates);
+  return std::max<uint64_t>(1, (frames + kMaxDecodedPlates - 1) / kMaxDecodedPlates);
+}
+
+}  // namespace
+
+Status linkTake(const ImportedCalibration& calibration, const Take& take, const std::string& folder) {
+  const std::string own = folder + "/" + take.name;
+  FOURDVT_TRY(platform::makeFolder(own));
+  for (const ImportedCamera& imported : calibration.cameras) {
+    const std::string& name = imported.camera.pinhole.name;
+    FOURDVT_TRY(linkView(take.views.at(name), own + "/" + name));
+    if (const auto mattes = take.mattes.find(name); mattes != take.mattes.end())
+      FOURDVT_TRY(linkView(mattes->second, own + "/" + matteStem(name)));
+  }
+  return {};
+}
+
+Status writePlates(const View& plates, const CaptureCamera& camera, const OpenVideo& open_video,
+                   const std::string& folder) {
+  const std::string own = folder + "/background/" + camera.pinhole.name;
+  if (plates.video.empty()) {
+    FOURDVT_ASSIGN(const Image first, readPicture(plates.first(), 3));
+    FOURDVT_TRY(checkImportedSize(first, camera, plates.first()));
+    return linkPictures(plates.pictures, own);
+  }
+  FOURDVT_TRY(platform::makeFolder(own));
+  FOURDVT_ASSIGN(auto video, open_video(plates.video, 3));
+  const uint64_t step = plateStep(*video);
+  uint32_t written = 0;
+  for (uint64_t frame = 0; written < kMaxDecodedPlates; ++frame) {
+    FOURDVT_ASSIGN(const std::optional<Image> picture, video->next());
+    if (!picture) break;
+    if (frame % step != 0) continue;
+    FOURDVT_TRY(checkImportedSize(*picture, camera, plates.video));
+    FOURDVT_TRY(platform::writeImage(framePath(own + "/%06d.png", written++), *picture));
+  }
+  if (written > 0) return {};
+  return Error{ErrorId::FileUnreadable, plates.video + ": no picture in it; export the clip again"};
+}
+
+Status writeDescription(const ImportedCalibration& calibration, const std::vector<Take>& takes, double fps,
+                        const std::string& folder) {
+  std::vector<CaptureCamera> cameras;
+  nlohmann::ordered_json json{{"fps", fps}, {"units", "metre"}, {"up_axis", "Y"}, {"ground_y", 0}};
+  json["calibration"]["ring"] = "cameras";
+  for (const ImportedCamera& imported : calibration.cameras) {
+    cameras.push_back(imported.camera);
+    if (const double skew = imported.camera.distortion.skew; skew != 0)
+      json["calibration"]["skew"][imported.camera.pinhole.name] = skew;
+  }
+  for (const Take& take : takes) json["sequences"].push_back({{"name", take.name}, {"frames", take.frames}});
+  const ColmapText text = colmapText(cameras, 1);
+  FOURDVT_TRY(platform::makeFolder(folder + "/cameras"));
+  FOURDVT_TRY(platform::writeFileAtomic(folder + "/cameras/cameras.txt", text.cameras));
+  FOURDVT_TRY(platform::writeFileAtomic(folder + "/cameras/images.txt", text.images));
+  return platform::writeFileAtomic(folder + "/capture.json", json.dump(2) + "\n");
+}
+
+}  // namespace fourdvt::capture

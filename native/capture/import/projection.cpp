@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// A projection matrix P = K [R | t], up to scale: K is upper triangular with positive focal lengths.
+#include <cmath>
+
+#include "capture/import/camera_numbers.h"
+#include "capture/import/readers.h"
+#include "capture/text.h"
+
+namespace fourdvt::capture {
+namespace {
+
+constexpr size_t kOfProjection = 12, kOfParts = 21;
+constexpr size_t kMaxProjectionText = 4096;  // bytes
+
+Error badProjection(const std::string& path, const std::string& what) {
+  return {ErrorId::CameraPose, path + ": " + what + "; export the matrix again"};
+}
+
+// Empty where a word is no number, but for a first one "CONTOUR".
+std::vector<double> numbersOf(std::string_view text) {
+  std::vector<double> out;
+  if (text.size() > kMaxProjectionText) return {};
+  std::string_view line;
+  for (bool first = true; takeLine(text, line);) {
+    for (std::string_view word = takeWord(line); !word.empty(); word = takeWord(line)) {
+      const auto value = toNumber<double>(word);
+      if (!value && !(first && word == "CONTOUR")) return {};
+      if (value) out.push_back(*value);
+      first = false;
+    }
+  }
+  return out;
+}
+
+// The rows of K R, from the last to the first, are orthogonalised: r3 ∥ m3, r2 ∥ m2 − (m2·r3) r3, r1 what is left.
+Status decompose(const glm::dmat3& given, glm::dvec3 last, CaptureCamera& camera, const std::string& path) {
+  glm::dmat3 rows = glm::transpose(given);  // rows[i]: row i
+  const double scale = glm::length(rows[2]);
+  const double sign = glm::determinant(given) < 0 ? -1 : 1;
+  if (!(scale > 0) || !std::isfinite(scale)) return badProjection(path, "the last row of the matrix has no length");
+  for (int i = 0; i < 3; ++i) rows[i] *= sign / scale;
+  last *= sign / scale;
+  const glm::dvec3 r3 = rows[2];
+  const double cy = glm::dot(rows[1], r3);
+  const glm::dvec3 of_y = rows[1] - cy * r3;
+  const double fy = glm::length(of_y);
+  const glm::dvec3 r2 = of_y / fy, r1 = glm::cross(r2, r3);
+  const double fx = glm::dot(rows[0], r1), skew = glm::dot(rows[0], r2), cx = glm::dot(rows[0], r3);
+  if (!(fy > 0) || !(fx > 0)) return badProjection(path, "the matrix is singular");
+  const double k[] = {fx, std::abs(skew) < 1e-9 * fx ? 0 : skew, cx, 0, fy, cy, 0, 0, 1};
+  FOURDVT_TRY(setCameraMatrix(k, kFirstPixelAtZero, camera, path));
+  const glm::dvec3 t((last.x - skew * (last.y - cy * last.z) / fy - cx * last.z) / fx, (last.y - cy * last.z) / fy,
+                     last.z);
+  return setPose(glm::transpose(glm::dmat3(r1, r2, r3)), t, camera, path);
+}
+
+}  // namespace
+
+bool looksLikeProjection(const std::string& text) {
+  const size_t count = numbersOf(text).size();
+  return count == kOfProjection || count == kOfParts;
+}
+
+Result<ImportedCamera> parseProjection(const std::string& text, const std::string& name, const std::string& path) {
+  const std::vector<double> n = numbersOf(text);
+  ImportedCamera out;
+  out.camera.pinhole.name = name;
+  for (double value : n)
+    if (!std::isfinite(value)) return badProjection(path, "all numbers must be finite");
+  if (n.size() == kOfProjection) {
+    const glm::dmat3 left({n[0], n[4], n[8]}, {n[1], n[5], n[9]}, {n[2], n[6], n[10]});
+    FOURDVT_TRY(decompose(left, {n[3], n[7], n[11]}, out.camera, path));
+  } else if (n.size() == kOfParts) {
+    FOURDVT_TRY(setCameraMatrix(std::span(n).first(9), kFirstPixelAtZero, out.camera, path));
+    FOURDVT_TRY(setPose(rowByRow(std::span(n).subspan(9, 9)), {n[18], n[19], n[20]}, out.camera, path));
+  } else {
+    return badProjection(path, "must hold 12 numbers (a projection matrix) or 21 (K, R and t)");
+  }
+  FOURDVT_TRY(checkCameraNumbers(out.camera, path));
+  return out;
+}
+
+}  // namespace fourdvt::capture

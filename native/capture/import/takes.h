@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sequences that an import finds: which camera has which pictures, how many, how large and how fast.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/video.h"
+#include "capture/import/imported.h"
+#include "capture/import/views.h"
+
+namespace fourdvt::capture {
+
+struct Take {
+  std::string name, folder;
+  std::map<std::string, View> views;   // by camera's name
+  std::map<std::string, View> mattes;  // of those that have some
+  uint32_t frames = 0;                 // of the shortest view
+};
+
+// Sets take.views and mattes by the cameras' names, or by the pictures that the calibration names.
+void findViews(const ImportedCalibration& calibration, Take& take);
+
+// Removes the cameras that have no pictures in one of the takes, with a warning for each; warns of videos without a
+// camera. Errors: CameraMissingVideo (none is left).
+Status keepSeenCameras(const std::vector<Take>& takes, ImportedCalibration& calibration,
+                       std::vector<std::string>& warnings);
+
+struct ViewMeasures {
+  bool cropped =
+      false;       // smaller pictures lack columns at the right and rows at the bottom: their size is the camera's
+  double fps = 0;  // 0: that of the first video that tells
+};
+
+// Opens every view once: sets take.frames, measures.fps, and the sizes that the calibration
+// does not give. Errors: FrameSize, those of `open_video`.
+Status measureViews(const OpenVideo& open_video, ImportedCalibration& calibration, Take& take, ViewMeasures& measures,
+                    std::vector<std::string>& warnings);
+
+// Error FrameSize, naming both, unless the picture has the camera's size.
+Status checkImportedSize(const Image& picture, const CaptureCamera& camera, const std::string& path);
+
+}  // namespace fourdvt::capture

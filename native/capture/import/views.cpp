@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/import/views.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "capture/pictures.h"
+
+namespace fourdvt::capture {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::set<std::string> kVideoEndings{".mp4", ".mkv", ".mov", ".avi", ".webm"};
+const std::set<std::string> kPictureEndings{".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp"};
+const std::set<std::string> kPlateNames{"background", "backgrounds", "bg", "plate", "plates", "empty", "clean"};
+const std::set<std::string> kMatteNames{"masks", "mask", "mattes", "matte"};
+constexpr const char* kViewFolders[] = {"", "videos", "images", "video", "rgbs", "frames"};
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+std::string stemOf(const fs::path& path) { return lower(path.stem().string()); }
+bool isVideo(const fs::path& path) { return kVideoEndings.count(lower(path.extension().string())) > 0; }
+bool isPicture(const fs::path& path) { return kPictureEndings.count(lower(path.extension().string())) > 0; }
+bool isAside(const std::string& stem) { return kPlateNames.count(stem) > 0 || kMatteNames.count(stem) > 0; }
+
+std::vector<fs::path> sortedEntries(const fs::path& folder) {
+  std::vector<fs::path> out;
+  std::error_code failed;
+  for (fs::directory_iterator it(folder, failed), end; !failed && it != end; it.increment(failed))
+    out.push_back(it->path());
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+bool isFolder(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_directory(path, ignored);
+}
+
+// The last number in a name without extension; -1: none.
+long long lastNumber(const std::string& stem) {
+  const size_t end = stem.find_last_of("0123456789");
+  if (end == std::string::npos) return -1;
+  const size_t before = stem.find_last_not_of("0123456789", end);
+  const size_t begin = before == std::string::npos ? 0 : before + 1;
+  long long number = 0;
+  for (size_t i = begin; i <= end && number < 1'000'000'000'000; ++i) number = 10 * number + (stem[i] - '0');
+  return number;
+}
+
+// What a camera's folder holds; plates and mattes beside its pictures are left out unless `all`.
+std::optional<View> viewInFolder(const fs::path& folder, bool all) {
+  View view;
+  std::vector<std::pair<long long, std::string>> numbered;
+  std::vector<std::string> videos, others;
+  for (const fs::path& path : sortedEntries(folder)) {
+    if ((!all && isAside(stemOf(path))) || isFolder(path)) continue;
+    const long long number = lastNumber(path.stem().string());
+    if (isVideo(path))
+      videos.push_back(path.string());
+    else if (isPicture(path) && number >= 0)
+      numbered.emplace_back(number, path.string());
+    else if (isPicture(path))
+      others.push_back(path.string());
+  }
+  std::stable_sort(numbered.begin(), numbered.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (auto& [number, path] : numbered) view.pictures.push_back(path);
+  if (!view.pictures.empty()) return view;
+  if (videos.size() == 1) return View{videos[0], {}};
+  if (others.size() == 1) return View{{}, others};
+  return std::nullopt;
+}
+
+std::optional<View> viewNamed(const fs::path& folder, const std::string& name, bool all) {
+  std::optional<View> picture;
+  for (const fs::path& path : sortedEntries(folder)) {
+    if (isFolder(path) || path.stem().string() != name) continue;
+    if (isVideo(path)) return View{path.string(), {}};
+    if (isPicture(path) && !picture) picture = View{{}, {path.string()}};
+  }
+  if (isFolder(folder / name))
+    if (auto inside = viewInFolder(folder / name, all)) return inside;
+  return picture;
+}
+
+// "take_cam1-b" has "cam1" between other signs.
+bool standsAlone(const std::string& stem, const std::string& name) {
+  const auto other = [&](size_t at) {
+    return at >= stem.size() || !std::isalnum(static_cast<unsigned char>(stem[at]));
+  };
+  for (size_t at = stem.find(name); at != std::string::npos; at = stem.find(name, at + 1))
+    if ((at == 0 || other(at - 1)) && other(at + name.size())) return true;
+  return false;
+}
+
+std::vector<fs::path> videosWith(const fs::path& folder, const std::string& name) {
+  std::vector<fs::path> out;
+  for (const fs::path& path : sortedEntries(folder))
+    if (isVideo(path) && standsAlone(path.stem().string(), name)) out.push_back(path);
+  return out;
+}
+
+// Entries of `folder` with one of these names, whatever the case: folders, or files by their stem.
+std::vector<fs::path> entriesNamed(const fs::path& folder, const std::set<std::string>& names) {
+  std::vector<fs::path> out;
+  for (const fs::path& path : sortedEntries(folder))
+    if (names.count(isFolder(path) ? lower(path.filename().string()) : stemOf(path))) out.push_back(path);
+  return out;
+}
+
+std::optional<View> findAside(const std::string& folder, const std::string& name, const std::set<std::string>& names) {
+  for (const fs::path& path : entriesNamed(fs::path(folder) / name, names))
+    if (auto view = viewAt(path.string())) return view;
+  for (const fs::path& path : entriesNamed(folder, names))
+    if (auto view = viewNamed(path, name, true)) return view;
+  for (const std::string& aside : names)
+    for (const std::string& joined : {name + "_" + aside, name + "-" + aside, aside + "_" + name})
+      if (auto view = viewNamed(folder, joined, true)) return view;
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<View> viewAt(const std::string& path) {
+  std::error_code ignored;
+  if (isFolder(path)) return viewInFolder(path, true);
+  if (!fs::is_regular_file(path, ignored)) return std::nullopt;
+  if (isVideo(path)) return View{path, {}};
+  if (isPicture(path)) return View{{}, {path}};
+  return std::nullopt;
+}
+
+std::optional<View> findView(const std::string& folder, const std::string& name) {
+  for (const char* inner : kViewFolders)
+    if (auto view = viewNamed(fs::path(folder) / inner, name, false)) return view;
+  for (const char* inner : kViewFolders) {
+    const auto videos = videosWith(fs::path(folder) / inner, name);
+    if (videos.size() == 1) return View{videos[0].string(), {}};
+  }
+  return std::nullopt;
+}
+
+std::optional<View> findMattes(const std::string& folder, const std::string& name) {
+  if (auto named = viewNamed(folder, matteStem(name), true)) return named;
+  return findAside(folder, name, kMatteNames);
+}
+
+std::optional<View> findPlates(const std::string& folder, const std::string& name) {
+  return findAside(folder, name, kPlateNames);
+}
+
+std::vector<std::string> viewsWithoutCamera(const std::string& folder, const std::vector<std::string>& names) {
+  std::vector<std::string> out;
+  for (const char* inner : kViewFolders) {
+    for (const fs::path& path : sortedEntries(fs::path(folder) / inner)) {
+      const bool is_folder = isFolder(path);
+      const std::string stem = is_folder ? path.filename().string() : path.stem().string();
+      const bool known =
+          std::any_of(names.begin(), names.end(), [&](const std::string& name) { return standsAlone(stem, name); });
+      const bool view = is_folder ? viewInFolder(path, false).has_value() : isVideo(path);
+      const bool searched = is_folder && std::any_of(std::begin(kViewFolders), std::end(kViewFolders),
+                                                     [&](const char* searched_too) { return stem == searched_too; });
+      if (view && !known && !searched && !isAside(lower(stem))) out.push_back(path.string());
+    }
+  }
+  return out;
+}
+
+}  // namespace fourdvt::capture

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+
+#include "capture/import/calibration_files.h"
+#include "capture/import/import_capture.h"
+#include "tools/args.h"
+#include "tools/commands.h"
+#include "tools/session.h"
+
+namespace fourdvt::tools {
+namespace {
+
+const CommandHelp& help() {
+  static const std::string summary =
+      "Makes a capture folder from a calibration of another program and the videos or pictures beside it, which are "
+      "linked. SOURCE is a folder, or the calibration file. Videos are found by the cameras' names: CAMERA.mp4 (.mkv, "
+      ".mov, .avi, .webm), CAMERA/ with numbered pictures or one picture; plates as CAMERA/background.png or .avi, "
+      "background/CAMERA.png and the like; mattes in masks/. Calibrations: " +
+      capture::knownCalibrations() + ". What is not found is printed.";
+  static const CommandHelp text{
+      "import SOURCE -o CAPTURE [options]",
+      summary.c_str(),
+      {{"-o", "CAPTURE", "folder to write (required); it must not exist"},
+       {"--up", "AXIS",
+        "X, -X, Y, -Y, Z or -Z: the axis of the calibration that points up, which becomes Y (default: "
+        "what the format defines, else Y)"},
+       {"--scale", "S", "metres per unit of the calibration, 1e-6 to 1e6 (default: what the format defines, else 1)"},
+       {"--cropped", nullptr,
+        "pictures that are smaller than calibrated lack columns at the right and rows at the bottom (default: an "
+        "error)"},
+       {"--fps", "X", "frames a second (default: that of the videos, else 25)"},
+       {"--sequences", "NAME=FOLDER,...",
+        "names of the sequences, and the folders in SOURCE that hold their videos (default: one, called take, of "
+        "SOURCE itself)"}}};
+  return text;
+}
+
+capture::ImportOptions readOptions(Args& args) {
+  capture::ImportOptions o;
+  o.source = args.positional();
+  o.folder = args.required("-o");
+  if (args.has("--up")) {
+    o.up = capture::axisNamed(args.text("--up"));
+    if (!o.up) args.complain("--up must be X, -X, Y, -Y, Z or -Z");
+  }
+  if (args.has("--scale")) o.metres_per_unit = args.number("--scale", 1, 1e-6, 1e6);
+  if (args.has("--fps")) o.fps = args.number("--fps", 25, 0.01, 1000);
+  o.cropped = args.has("--cropped");
+  for (const std::string& entry : args.list("--sequences")) {
+    const size_t equals = entry.find('=');
+    o.sequences.emplace_back(entry.substr(0, equals), equals == std::string::npos ? "" : entry.substr(equals + 1));
+  }
+  return o;
+}
+
+}  // namespace
+
+int importCommand(int argc, char** argv) {
+  Args args(help(), argc, argv);
+  const capture::ImportOptions options = readOptions(args);
+  if (const std::string wrong = options.check(); args.problem().empty() && !args.wantsHelp() && !wrong.empty())
+    args.complain(wrong);
+  if (const auto code = helpOrProblem(help(), args)) return *code;
+  const auto summary = capture::importCapture(options, videoOpener());
+  if (!summary.ok()) return fail(summary.error());
+  for (const std::string& warning : summary.value().warnings)
+    std::fprintf(stderr, "fourdvt: warning: %s\n", warning.c_str());
+  for (const std::string& line : summary.value().done) std::printf("%s\n", line.c_str());
+  std::printf("%s is written\n", options.folder.c_str());
+  return kOk;
+}
+
+}  // namespace fourdvt::tools
