@@ -29,7 +29,7 @@ const CommandHelp& help() {
         "pictures that are smaller than calibrated lack columns at the right and rows at the bottom (default: an "
         "error)"},
        {"--fps", "X", "frames a second (default: that of the videos, else 25)"},
-       {"--sequences", "NAME=FOLDER,...",
+       {"--sequences", "A=DIR,...",
         "names of the sequences, and the folders in SOURCE that hold their videos (default: one, called take, of "
         "SOURCE itself)"}}};
   return text;

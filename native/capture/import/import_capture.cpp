@@ -132,7 +132,7 @@ std::string ImportOptions::check() const {
   std::set<std::string> names;
   for (const auto& [name, path] : sequences) {
     const bool plain = !name.empty() && name[0] != '.' && name.find_first_of("/\\") == std::string::npos;
-    if (!plain || path.empty()) return "--sequences must be NAME=FOLDER,…; a name is a plain folder name";
+    if (!plain || path.empty()) return "--sequences must be NAME=FOLDER,NAME=FOLDER; a name is a plain folder name";
     if (name == "cameras" || name == "background") return "--sequences: \"" + name + "\" is a folder of every capture";
     if (!names.insert(name).second) return "--sequences names \"" + name + "\" twice";
   }
@@ -154,7 +154,7 @@ Result<ImportSummary> importCapture(const ImportOptions& given, const OpenVideo&
   double fps = measures.fps;
   if (fps == 0) {
     fps = kAssumedFps;
-    summary.warnings.push_back("pictures tell no rate; " + shortNumber(fps) +
+    summary.warnings.push_back("pictures have no frame rate; " + shortNumber(fps) +
                                " frames a second are assumed: else "
                                "give --fps");
   }

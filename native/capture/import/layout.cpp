@@ -34,7 +34,7 @@ std::string lowerEnding(const std::string& path) {
   return ending;
 }
 
-// Readers look for .png and .jpg, and tell the kind by the content.
+// Readers look for .png and .jpg, and decide by the content.
 Status linkPictures(const std::vector<std::string>& pictures, const std::string& folder) {
   FOURDVT_TRY(platform::makeFolder(folder));
   const std::string first = lowerEnding(pictures.front());

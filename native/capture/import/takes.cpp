@@ -117,7 +117,7 @@ Status measureViews(const OpenVideo& open_video, ImportedCalibration& calibratio
     FOURDVT_TRY(checkImportedSize(measured.first, imported.camera, view.first()));
     if (fps == 0 && measured.fps) fps = *measured.fps;
     if (measured.fps && std::abs(*measured.fps - fps) > 0.01 * fps) {
-      warnings.push_back(view.video + ": its container tells " + std::to_string(*measured.fps) + " frames a second; " +
+      warnings.push_back(view.video + ": its container says " + std::to_string(*measured.fps) + " frames a second; " +
                          std::to_string(fps) + " are written");
     }
     if (measured.frames < fewest) fewest = measured.frames, shortest = view.first();

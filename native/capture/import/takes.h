@@ -31,7 +31,7 @@ Status keepSeenCameras(const std::vector<Take>& takes, ImportedCalibration& cali
 struct ViewMeasures {
   bool cropped =
       false;       // smaller pictures lack columns at the right and rows at the bottom: their size is the camera's
-  double fps = 0;  // 0: that of the first video that tells
+  double fps = 0;  // 0: that of the first video that has one
 };
 
 // Opens every view once: sets take.frames, measures.fps, and the sizes that the calibration

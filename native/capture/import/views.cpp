@@ -52,7 +52,7 @@ long long lastNumber(const std::string& stem) {
   return number;
 }
 
-// What a camera's folder holds; plates and mattes beside its pictures are left out unless `all`.
+// The pictures or video of a camera's folder; plates and mattes beside its pictures are left out unless `all`.
 std::optional<View> viewInFolder(const fs::path& folder, bool all) {
   View view;
   std::vector<std::pair<long long, std::string>> numbered;
