@@ -17,6 +17,11 @@ glm::dvec3 PinholeCamera::forwardInWorld() const {
   return glm::transpose(rotation) * glm::dvec3(0, 0, 1);
 }
 
+glm::dvec3 PinholeCamera::middleRayInWorld() const {
+  const glm::dvec3 in_cam((width / 2.0 - cx) / fx, (height / 2.0 - cy) / fy, 1);
+  return glm::normalize(glm::transpose(glm::dmat3(cam_from_world)) * in_cam);
+}
+
 glm::dvec3 PinholeCamera::project(const glm::dvec3& point_in_world) const {
   const glm::dvec3 p(cam_from_world * glm::dvec4(point_in_world, 1));
   return {fx * p.x / p.z + cx, fy * p.y / p.z + cy, p.z};

@@ -19,6 +19,9 @@ struct PinholeCamera {
 
   glm::dvec3 centreInWorld() const;
   glm::dvec3 forwardInWorld() const;  // unit optical axis
+  // Unit ray through the middle of the picture, which the optical axis misses where the lens is shifted or the picture
+  // cropped.
+  glm::dvec3 middleRayInWorld() const;
   // Pixel position of a world point; z of the result is the depth along the optical axis (<= 0: behind).
   glm::dvec3 project(const glm::dvec3& point_in_world) const;
 };

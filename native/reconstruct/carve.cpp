@@ -2,6 +2,7 @@
 #include "reconstruct/carve.h"
 
 #include <algorithm>
+#include <climits>
 #include <cmath>
 #include <opencv2/core/utility.hpp>
 
@@ -9,10 +10,11 @@ namespace fourdvt::reconstruct {
 namespace {
 
 constexpr double kBandVoxels = 3;
-constexpr int kMaxLevels = 14;                       // 2^14 blocks of 8 voxels along each side: 650 m at 5 mm
-constexpr double kCoarse_m = 0.08, kCommon_m = 0.3;  // cells in which a message's figures are counted
-constexpr double kLeastReach_m = 16;  // where axes are parallel, nothing tells how far away the performer is
-constexpr double kEverywhere = 1e9;   // pixels
+constexpr int kMaxLevels = 20;                       // 2^20 blocks along each side of space
+constexpr int kCoarseLevels = 9, kCommonLevels = 7;  // halvings after which a message's figures are counted
+constexpr double kNearReach = 4, kFarReach = 32;     // spreads of the cameras: rays that meet, rays side by side
+constexpr double kSideBySide = 0.94;                 // cosine between any two rays: they fix no distance
+constexpr double kEverywhere = 1e9;                  // pixels
 constexpr size_t kNoView = SIZE_MAX;
 
 enum class Share : uint8_t { Outside, Mixed, Inside };
@@ -87,17 +89,32 @@ class Carver {
   size_t without_, needed_;
 };
 
-// The point that lies closest to all optical axes.
+// The point that lies closest to the rays through the middle of all pictures.
 glm::dvec3 middleOf(std::span<const CarvingView> views) {
   glm::dmat3 a(0);
   glm::dvec3 b(0);
   for (const CarvingView& view : views) {
-    const glm::dvec3 axis = view.silhouette->camera.forwardInWorld(), c = view.silhouette->camera.centreInWorld();
+    const glm::dvec3 axis = view.silhouette->camera.middleRayInWorld(), c = view.silhouette->camera.centreInWorld();
     const glm::dmat3 across = glm::dmat3(1) - glm::outerProduct(axis, axis) * 0.999;
     a += across;
     b += across * c;
   }
   return glm::inverse(a) * b;
+}
+
+// The largest distance from the middle at which the performer may be; grows with the rig.
+double reachOf(std::span<const CarvingView> views, const glm::dvec3& middle) {
+  double spread = 0, from_middle = 0, least_cosine = 1;
+  for (const CarvingView& a : views) {
+    const glm::dvec3 centre = a.silhouette->camera.centreInWorld(), axis = a.silhouette->camera.middleRayInWorld();
+    from_middle = std::max(from_middle, glm::distance(middle, centre));
+    for (const CarvingView& b : views) {
+      spread = std::max(spread, glm::distance(centre, b.silhouette->camera.centreInWorld()));
+      least_cosine = std::min(least_cosine, glm::dot(axis, b.silhouette->camera.middleRayInWorld()));
+    }
+  }
+  const double reach = std::max(2 * from_middle, spread * (least_cosine > kSideBySide ? kFarReach : kNearReach));
+  return reach > 0 ? reach : 1;  // one centre for all: no distance is better than another
 }
 
 // Cubes of blocks, halved again and again.
@@ -107,6 +124,7 @@ struct Cells {
   int blocks_along = 0;            // of one cell
   std::vector<glm::ivec3> at;      // in blocks
   std::vector<glm::ivec3> inside;  // blocks that need no look any more
+  size_t judged = 0;               // cells so far
 };
 
 double radiusOf(const Cells& cells) { return std::sqrt(0.75) * cells.block_m * cells.blocks_along; }
@@ -121,6 +139,7 @@ void halve(const Carver& carver, Cells& cells) {
   for (const glm::ivec3& at : cells.at)
     for (int k = 0; k < 8; ++k) parts.push_back(at + cells.blocks_along * glm::ivec3(k & 1, k >> 1 & 1, k >> 2));
   std::vector<Share> shares(parts.size());
+  cells.judged += parts.size();
   const double radius = radiusOf(cells);
   cv::parallel_for_(cv::Range(0, int(parts.size())), [&](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i) shares[i] = carver.judge(centreOf(cells, parts[i]), radius);
@@ -139,9 +158,7 @@ void halve(const Carver& carver, Cells& cells) {
 // One cell round everything that the cameras may see, aligned to the grid of blocks.
 Cells wholeSpace(std::span<const CarvingView> views, double voxel_m) {
   const glm::dvec3 middle = middleOf(views);
-  double reach = kLeastReach_m;
-  for (const CarvingView& view : views)
-    reach = std::max(reach, 2 * glm::distance(middle, view.silhouette->camera.centreInWorld()));
+  const double reach = reachOf(views, middle);
   Cells cells;
   cells.block_m = voxel_m * kBlock;
   cells.blocks_along = 1;
@@ -152,21 +169,37 @@ Cells wholeSpace(std::span<const CarvingView> views, double voxel_m) {
   return cells;
 }
 
-Error nothingLeft(std::span<const CarvingView> views, double voxel_m) {
+// The same space with a grid of its own, which depends on the rig alone; `levels` halvings lead to single blocks.
+Cells rigSpace(std::span<const CarvingView> views, int levels) {
+  const glm::dvec3 middle = middleOf(views);
+  const double reach = reachOf(views, middle);
+  Cells cells;
+  cells.origin = middle - reach;
+  cells.blocks_along = 1 << levels;
+  cells.block_m = 2 * reach / cells.blocks_along;
+  cells.at.emplace_back(0);
+  return cells;
+}
+
+// A cell that is left because it is large says nothing: its middle counts.
+bool middleHeld(const Carver& carver, const Cells& cells, const glm::ivec3& at) {
+  return carver.judge(centreOf(cells, at), radiusOf(cells) / 8) != Share::Outside;
+}
+
+Error nothingLeft(std::span<const CarvingView> views) {
   // How much is left on a coarse grid without one camera.
   const auto left = [&](size_t without) {
     const Carver carver(views, without);
-    Cells cells = wholeSpace(views, voxel_m);
-    while (cells.blocks_along > 1 && cells.blocks_along * cells.block_m > kCoarse_m) halve(carver, cells);
-    // A cell that is left because it is large says nothing: ask its middle.
-    return std::count_if(cells.at.begin(), cells.at.end(), [&](const glm::ivec3& at) {
-      return carver.judge(centreOf(cells, at), radiusOf(cells) / 8) != Share::Outside;
-    });
+    Cells cells = rigSpace(views, kCoarseLevels);
+    while (cells.blocks_along > 1) halve(carver, cells);
+    cells.at.insert(cells.at.end(), cells.inside.begin(), cells.inside.end());
+    return std::count_if(cells.at.begin(), cells.at.end(),
+                         [&](const glm::ivec3& at) { return middleHeld(carver, cells, at); });
   };
-  Cells cells = wholeSpace(views, voxel_m);
+  Cells cells = rigSpace(views, kCommonLevels);
   const Carver all(views);
   size_t common = 0;
-  while (cells.blocks_along > 1 && cells.blocks_along * cells.block_m > kCommon_m) {
+  while (cells.blocks_along > 1) {
     std::vector<glm::ivec3> parts;
     cells.blocks_along /= 2;
     for (const glm::ivec3& at : cells.at)
@@ -175,8 +208,9 @@ Error nothingLeft(std::span<const CarvingView> views, double voxel_m) {
         if (all.seen(centreOf(cells, part), radiusOf(cells))) parts.push_back(part);
       }
     cells.at = std::move(parts);
-    common = size_t(std::count_if(cells.at.begin(), cells.at.end(),
-                                  [&](const glm::ivec3& at) { return all.seen(centreOf(cells, at), 0.01); }));
+    common = size_t(std::count_if(cells.at.begin(), cells.at.end(), [&](const glm::ivec3& at) {
+      return all.seen(centreOf(cells, at), radiusOf(cells) / 32);
+    }));
   }
   if (common == 0) {
     return {ErrorId::NothingVisible,
@@ -202,6 +236,26 @@ Error nothingLeft(std::span<const CarvingView> views, double voxel_m) {
 
 }  // namespace
 
+Result<CoarseBounds> coarseBounds(std::span<const CarvingView> views, int cells_along) {
+  const Carver carver(views);
+  Cells cells = rigSpace(views, kMaxLevels);
+  while (cells.blocks_along > 1 && !cells.at.empty()) {
+    halve(carver, cells);
+    glm::ivec3 low(INT_MAX), high(INT_MIN);
+    for (const glm::ivec3& at : cells.at) {
+      if (!middleHeld(carver, cells, at)) continue;
+      low = glm::min(low, at);
+      high = glm::max(high, at + cells.blocks_along);
+    }
+    if (low.x > high.x) continue;  // too coarse for the performer
+    const glm::ivec3 along = (high - low) / cells.blocks_along;
+    if (std::max({along.x, along.y, along.z}) < cells_along) continue;
+    return CoarseBounds{cells.origin + glm::dvec3(low) * cells.block_m, cells.origin + glm::dvec3(high) * cells.block_m,
+                        cells.blocks_along * cells.block_m};
+  }
+  return nothingLeft(views);
+}
+
 Result<SparseDistance> carve(std::span<const CarvingView> views, double voxel_m) {
   const Carver carver(views);
   Cells cells = wholeSpace(views, voxel_m);
@@ -210,6 +264,7 @@ Result<SparseDistance> carve(std::span<const CarvingView> views, double voxel_m)
   SparseDistance out;
   out.voxel_m = voxel_m;
   out.band_m = float(kBandVoxels * voxel_m);
+  out.cells_judged = cells.judged;
   for (const glm::ivec3& at : cells.inside) out.inside.push_back(at * kBlock);
   out.blocks.resize(cells.at.size());
   std::vector<uint8_t> holds(cells.at.size());
@@ -232,7 +287,7 @@ Result<SparseDistance> carve(std::span<const CarvingView> views, double voxel_m)
     ++kept;
   }
   out.blocks.resize(kept);
-  if (!any) return nothingLeft(views, voxel_m);
+  if (!any) return nothingLeft(views);
   return out;
 }
 

@@ -24,4 +24,12 @@ struct CarvingView {
 // names the camera that disagrees with most others, or says that the cameras see no common volume.
 Result<SparseDistance> carve(std::span<const CarvingView> views, double voxel_m);
 
+// A box round the performer, from cells that are halved until it is so many of them long: no length is given, so that a
+// rig in other units gives the same cells. World, metres. Errors: those of carve().
+struct CoarseBounds {
+  glm::dvec3 low{0}, high{0};
+  double cell_m = 0;
+};
+Result<CoarseBounds> coarseBounds(std::span<const CarvingView> views, int cells_along);
+
 }  // namespace fourdvt::reconstruct

@@ -24,6 +24,7 @@ struct SparseDistance {
   };
   std::vector<Block> blocks;       // those that the surface may cross
   std::vector<glm::ivec3> inside;  // blocks that lie inside as a whole
+  size_t cells_judged = 0;         // of all sizes, on the way to the blocks
 };
 using BlockValues = decltype(SparseDistance::Block::values);
 

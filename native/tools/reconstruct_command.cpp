@@ -28,7 +28,11 @@ const CommandHelp& help() {
         "volumetric in frames where the polyhedron fails its checks)"},
        {"--contour-tolerance", "PX",
         "polyhedral: largest distance of polygons from the outlines, pixels, 0.25 to 8 (default 1)"},
-       {"--voxel-mm", "X", "side of a voxel, 0.5 to 100 (default 5)"},
+       {"--voxel-mm", "X",
+        "side of a voxel, 0.001 to 10000 (default: the size of a pixel on the performer in the sequence's first frame, "
+        "or larger where the surface would have over four times --faces)"},
+       {"--faces", "N",
+        "most triangles of a surface, 1000 to 10000000; those beyond are simplified away (default 150000)"},
        {"--adaptivity", "X", "0 to 1: fewer triangles where the surface is flat (default 0.1)"},
        {"--refine", "MODE",
         "stereo (find the photo-consistent surface inside the volumetric hull; default) or none (default with --hull "
@@ -47,7 +51,8 @@ ReconstructOptions readOptions(Args& args) {
   o.sequences = args.list("--sequences");
   o.hull = choice(args, "--hull", o.hull, {{"polyhedral", HullKind::Polyhedral}, {"volumetric", HullKind::Volumetric}});
   o.contour_tolerance_px = args.number("--contour-tolerance", o.contour_tolerance_px, 0.25, 8);
-  o.voxel_m = args.number("--voxel-mm", o.voxel_m * 1e3, 0.5, 100) / 1e3;
+  if (args.has("--voxel-mm")) o.voxel_m = args.number("--voxel-mm", 5, 1e-3, 1e4) / 1e3;
+  o.faces = args.integer("--faces", o.faces, 1000, 10'000'000);
   o.adaptivity = args.number("--adaptivity", o.adaptivity, 0, 1);
   o.stereo = choice(args, "--refine", o.hull == HullKind::Volumetric, {{"stereo", true}, {"none", false}});
   o.planes = args.integer("--planes", o.planes, 16, 128);

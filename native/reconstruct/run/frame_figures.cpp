@@ -17,6 +17,10 @@ std::string figuresText(const FrameFigures& f) {
   for (double v : f.overlap) overlap.push_back(std::isnan(v) ? Json() : Json(v));
   return Json{{"vertices", f.vertices},
               {"triangles", f.triangles},
+              {"triangles_made", f.triangles_made},
+              {"footprint_m", f.footprint_m},
+              {"person_metre_m", f.person_metre_m},
+              {"voxel_m", f.voxel_m},
               {"parts_left_out", f.parts_left_out},
               {"fallback", f.fallback},
               {"overlap", overlap},
@@ -40,6 +44,10 @@ Result<FrameFigures> parseFigures(const std::string& text, const std::string& pa
   };
   f.vertices = uint32_t(number("vertices"));
   f.triangles = uint32_t(number("triangles"));
+  f.triangles_made = uint32_t(number("triangles_made"));
+  f.footprint_m = number("footprint_m");
+  f.person_metre_m = number("person_metre_m");
+  f.voxel_m = number("voxel_m");
   f.parts_left_out = uint32_t(number("parts_left_out"));
   f.fallback = json.value("fallback", "");
   for (const Json& v : json["overlap"])

@@ -12,6 +12,9 @@ namespace fourdvt::reconstruct {
 
 struct FrameFigures {
   uint32_t vertices = 0, triangles = 0;
+  uint32_t triangles_made = 0;  // before simplification
+  // Lengths that the surface was made with, the same for all frames of a sequence: see SequenceScale.
+  double footprint_m = 0, person_metre_m = 0, voxel_m = 0;
   uint32_t parts_left_out = 0;  // components that were left out
   std::string fallback;         // why the polyhedral hull was not taken; empty: it was, or was not asked for
   std::vector<double> overlap;  // per camera: intersection over union of mesh and silhouette; NaN: no silhouette

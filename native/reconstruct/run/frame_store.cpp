@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kVersion = "reconstruct 1";  // raise it when the same options give other meshes
+constexpr const char* kVersion = "reconstruct 2";  // raise it when the same options give other meshes
 
 std::string frameName(uint32_t frame) {
   char text[16];
@@ -55,8 +55,9 @@ bool within(const fs::path& inner, const fs::path& outer) {
 std::string settingsKey(const ReconstructOptions& o, const capture::Capture& capture) {
   char line[200];
   std::snprintf(line, sizeof line,
-                "%s hull %d tolerance %.9g voxel %.9g adaptivity %.9g stereo %d fairing %d planes %d", kVersion,
-                int(o.hull), o.contour_tolerance_px, o.voxel_m, o.adaptivity, int(o.stereo), o.fairing, o.planes);
+                "%s hull %d tolerance %.9g voxel %.9g adaptivity %.9g stereo %d fairing %d planes %d faces %d",
+                kVersion, int(o.hull), o.contour_tolerance_px, o.voxel_m, o.adaptivity, int(o.stereo), o.fairing,
+                o.planes, o.faces);
   uint64_t hash = kFnv1aStart;
   const auto add = [&](const std::string& text) {
     hash = fnv1a(std::string_view(text.c_str(), text.size() + 1), hash);

@@ -15,14 +15,16 @@
 #include "reconstruct/mesh_checks.h"
 #include "reconstruct/polyhedral_hull.h"
 #include "reconstruct/run/silhouette_match.h"
+#include "reconstruct/scale.h"
+#include "reconstruct/simplify.h"
 #include "reconstruct/volumetric_hull.h"
 
 namespace fourdvt::reconstruct {
 namespace {
 
-constexpr double kFairingLoss = 0.002;  // of a camera's overlap that smoothing may cost
-constexpr double kRoughVoxel_m = 0.02, kSpeck_m3 = 3e-6;
-constexpr size_t kFewestPixels = 16;  // of a silhouette that says anything
+constexpr double kFairingLoss = 0.002;                    // of a camera's overlap that smoothing may cost
+constexpr double kRoughVoxel_m = 0.02, kSpeck_m3 = 3e-6;  // of a person
+constexpr size_t kFewestPixels = 16;                      // of a silhouette that says anything
 
 class Watch {
  public:
@@ -120,15 +122,31 @@ SurfaceMaker::SurfaceMaker(const ReconstructOptions& options, const std::vector<
 Result<SurfaceMaker> SurfaceMaker::create(const ReconstructOptions& options,
                                           const std::vector<capture::CaptureCamera>& cameras, gpu::Device* device) {
   SurfaceMaker maker(options, cameras);
-  if (options.stereo) {
-    StereoOptions stereo;
-    stereo.adaptivity = options.adaptivity;
-    const float band_m = stereo.sweep.step_m * float(stereo.sweep.labels);
-    stereo.sweep.labels = options.planes;
-    stereo.sweep.step_m = band_m / float(options.planes);
-    FOURDVT_ASSIGN(maker.stereo_, StereoRefiner::create(*device, maker.cameras_, stereo));
-  }
+  maker.device_ = device;
+  FOURDVT_TRY(maker.useScale({}));  // a device or options that will not do are an error now
+  FOURDVT_TRY(maker.begin());
   return maker;
+}
+
+Status SurfaceMaker::begin(const FrameFigures* earlier) {
+  forget();
+  scale_.reset();
+  if (!earlier || !(earlier->voxel_m > 0 && earlier->person_metre_m > 0)) return {};
+  return useScale({earlier->footprint_m, earlier->person_metre_m, earlier->voxel_m});
+}
+
+Status SurfaceMaker::useScale(const SequenceScale& scale) {
+  scale_ = scale;
+  working_.clear();
+  for (const PinholeCamera& camera : cameras_) working_.push_back(dividedCamera(camera, scale.person_metre_m));
+  if (!options_.stereo) return {};
+  StereoOptions stereo;
+  stereo.adaptivity = options_.adaptivity;
+  const float band_m = stereo.sweep.step_m * float(stereo.sweep.labels);
+  stereo.sweep.labels = options_.planes;
+  stereo.sweep.step_m = band_m / float(options_.planes);
+  FOURDVT_ASSIGN(stereo_, StereoRefiner::create(*device_, working_, stereo));
+  return {};
 }
 
 void SurfaceMaker::forget() {
@@ -147,7 +165,7 @@ Status SurfaceMaker::makeHull(std::span<const CarvingView> views, const std::fun
     }
     out.figures.fallback = hull.error().message;
   }
-  FOURDVT_ASSIGN(auto hull, volumetricHull(views, {options_.voxel_m, options_.adaptivity}));
+  FOURDVT_ASSIGN(auto hull, volumetricHull(views, {scale_->voxel_m / scale_->person_metre_m, options_.adaptivity}));
   out.mesh = std::move(hull.mesh);
   out.figures.parts_left_out = uint32_t(hull.dropped);
   out.figures.hull_ms = watch.lap();
@@ -183,12 +201,25 @@ Result<FrameSurface> SurfaceMaker::make(std::span<const Image> pictures) {
                  "pictures are keyed against; frames in which nobody is on stage must be cut off"};
   }
 
+  if (!scale_) {
+    FOURDVT_ASSIGN(const SceneScale scene, scaleOf(views));
+    const double voxel_m = options_.voxel_m > 0 ? options_.voxel_m : voxelFor(scene, size_t(options_.faces));
+    FOURDVT_TRY(useScale({scene.footprint_m, metresPerPersonMetre(scene), voxel_m}));
+  }
+  for (size_t i = 0; i < cameras.size(); ++i) carving[i].camera = working_[i];
+  out.figures.footprint_m = scale_->footprint_m;
+  out.figures.person_metre_m = scale_->person_metre_m;
+  out.figures.voxel_m = scale_->voxel_m;
+  watch.lap();
+
   FOURDVT_TRY(makeHull(
       views, [&] { return withMattes(pictures, carving, sees); }, out));
+  out.figures.triangles_made = uint32_t(out.mesh.faces.size());
+  simplify(out.mesh, size_t(options_.faces));
   watch.lap();
 
   const auto overlapIn = [&](size_t i, const TriangleMesh& mesh) {
-    return silhouetteOverlap(out.silhouettes[i], mesh);
+    return silhouetteOverlap({working_[i], out.silhouettes[i].coverage}, mesh);
   };
   if (options_.fairing > 0) {
     std::vector<double> least(cameras.size(), 0);
@@ -211,6 +242,7 @@ Result<FrameSurface> SurfaceMaker::make(std::span<const Image> pictures) {
   inParallel(cameras.size(), [&](size_t i) {
     if (distances[i]) out.figures.overlap[i] = overlapIn(i, out.mesh);
   });
+  for (glm::vec3& p : out.mesh.positions) p = glm::vec3(glm::dvec3(p) * scale_->person_metre_m);
   out.figures.check_ms = watch.lap();
   return out;
 }

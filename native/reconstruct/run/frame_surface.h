@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "capture/capture.h"
@@ -24,7 +25,15 @@ struct FrameSurface {
 // The alpha of each camera's RGBA picture.
 std::vector<Silhouette> silhouettesOf(std::span<const PinholeCamera> cameras, std::span<const Image> pictures);
 
-// Makes surfaces of one sequence after another, frames in order of time.
+// The lengths that a sequence's surfaces are made with.
+struct SequenceScale {
+  double footprint_m = 0;     // of a pixel on the performer
+  double person_metre_m = 1;  // metres of the world per metre of a scene with a performer as thick as a person
+  double voxel_m = 0;
+};
+
+// Makes surfaces of one sequence after another, frames in order of time. Lengths follow the size of the performer in a
+// sequence's first frame, and stay.
 class SurfaceMaker {
  public:
   // `device` may be null without stereo. Errors: those of StereoRefiner::create.
@@ -35,6 +44,9 @@ class SurfaceMaker {
   Result<FrameSurface> make(std::span<const Image> pictures);
   // The next frame follows no other.
   void forget();
+  // The next frame is of another sequence, with the scale of an earlier run's figures; without them, or if they have
+  // none, the scale is taken from that frame.
+  Status begin(const FrameFigures* earlier = nullptr);
 
  private:
   SurfaceMaker(const ReconstructOptions& options, const std::vector<capture::CaptureCamera>& cameras);
@@ -42,8 +54,13 @@ class SurfaceMaker {
   Status makeHull(std::span<const CarvingView> views, const std::function<std::vector<Image>()>& pictures,
                   FrameSurface& out);
 
+  Status useScale(const SequenceScale& scale);
+
   ReconstructOptions options_;
-  std::vector<PinholeCamera> cameras_;
+  gpu::Device* device_ = nullptr;
+  std::vector<PinholeCamera> cameras_;  // of the capture
+  std::vector<PinholeCamera> working_;  // of the scene with a performer as thick as a person
+  std::optional<SequenceScale> scale_;
   std::vector<Image>
       captured_;  // by camera: 0 where undistortion shows what the lens did not; empty: it did everywhere
   std::unique_ptr<StereoRefiner> stereo_;  // null: hulls stay as they are

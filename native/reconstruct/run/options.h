@@ -19,7 +19,8 @@ struct ReconstructOptions {
   std::vector<std::string> sequences;  // empty: all
   HullKind hull = HullKind::Volumetric;
   double contour_tolerance_px = 1;  // polyhedral: how far a polygon may be from the outline, 0.25 to 8
-  double voxel_m = 0.005;           // volumetric hull and stereo
+  double voxel_m = 0;               // volumetric hull and stereo; 0: by the pictures, see scale.h
+  int faces = 150'000;              // the most of a surface; those beyond are simplified away
   double adaptivity = 0.1;          // 0 … 1, see VolumetricOptions
   bool stereo = true;               // inside the volumetric hull only
   int planes = 64;                  // of stereo: depths tried in its band, a multiple of 4, 16 to 128

@@ -91,6 +91,8 @@ class Run {
     FOURDVT_TRY(store_.makeFolders(sequence.name));
     FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(capture_, sequence, environment_.open_video));
     std::vector<FrameFigures> out;
+    const auto earliest = store_.find(sequence.name, 0);
+    FOURDVT_TRY(maker.begin(earliest ? &*earliest : nullptr));
     const uint32_t first = firstToMake(sequence), shown = sequence.frame_count / 2;
     for (uint32_t frame = 0; frame < sequence.frame_count; ++frame) {
       if (frame < first) {

@@ -85,13 +85,26 @@ report::Table overlapTable(const capture::Capture& capture, const std::vector<Re
   return table;
 }
 
+// Millimetres with two digits that count at least: a figurine's voxels are small.
+std::string millimetres(double metres) {
+  const double mm = metres * 1e3;
+  return fixedText(mm, mm >= 10 ? 0 : mm >= 1 ? 1 : mm >= 0.1 ? 2 : 3) + " mm";
+}
+
 report::Table sequenceTable(const std::vector<ReconstructedSequence>& sequences) {
-  report::Table table{"", "", {"sequence", "frames", "triangles", "vertices", "parts left out", "fallbacks"}, {}};
+  report::Table table{"",
+                      "",
+                      {"sequence", "frames", "voxel", "pixel on the performer", "triangles made", "triangles",
+                       "vertices", "parts left out", "fallbacks"},
+                      {}};
   for (const auto& s : sequences) {
     const std::vector<ReconstructedSequence> one{s};
     size_t fallbacks = 0, left_out = 0;
     for (const auto& f : s.frames) fallbacks += !f.fallback.empty(), left_out += f.parts_left_out;
-    table.rows.push_back({s.name, std::to_string(s.frames.size()),
+    const FrameFigures first = s.frames.empty() ? FrameFigures{} : s.frames.front();
+    table.rows.push_back({s.name, std::to_string(s.frames.size()), millimetres(first.voxel_m),
+                          millimetres(first.footprint_m),
+                          fixedText(meanOver(one, [](const FrameFigures& f) { return double(f.triangles_made); }), 0),
                           fixedText(meanOver(one, [](const FrameFigures& f) { return double(f.triangles); }), 0),
                           fixedText(meanOver(one, [](const FrameFigures& f) { return double(f.vertices); }), 0),
                           std::to_string(left_out), std::to_string(fallbacks)});
@@ -132,10 +145,17 @@ report::Plot overlapPlot(const std::vector<ReconstructedSequence>& sequences) {
   return plot;
 }
 
-std::string hullText(const ReconstructOptions& o) {
+std::string hullText(const ReconstructOptions& o, const std::vector<ReconstructedSequence>& sequences) {
   if (o.hull == HullKind::Polyhedral)
     return "polyhedral hull, outlines within " + fixedText(o.contour_tolerance_px, 2) + " pixels";
-  return "volumetric hull, voxels of " + fixedText(o.voxel_m * 1e3, 1) + " mm";
+  std::string text = "volumetric hull, voxels of ", last;
+  for (const ReconstructedSequence& s : sequences) {
+    if (s.frames.empty()) continue;
+    const std::string voxel = millimetres(s.frames.front().voxel_m);
+    if (voxel != last) text += (last.empty() ? "" : " and ") + voxel;
+    last = voxel;
+  }
+  return text;
 }
 
 Json frameJson(const FrameFigures& f) { return Json::parse(figuresText(f)); }
@@ -202,7 +222,7 @@ Status writeReport(const std::string& folder, const ReconstructOptions& options,
                    const ReconstructSummary& summary) {
   report::Document document;
   document.title = capture.name + ", reconstructed";
-  document.subtitle = hullText(options) + (options.stereo ? ", refined by stereo" : "");
+  document.subtitle = hullText(options, sequences) + (options.stereo ? ", refined by stereo" : "");
   document.credit = capture.credit;
   report::Section overview;
   overview.id = "overview";
@@ -238,7 +258,8 @@ Status writeReport(const std::string& folder, const ReconstructOptions& options,
   json["generator"] = "fourdvt reconstruct";
   json["options"] = {{"hull", options.hull == HullKind::Polyhedral ? "polyhedral" : "volumetric"},
                      {"contour_tolerance_px", options.contour_tolerance_px},
-                     {"voxel_mm", options.voxel_m * 1e3},
+                     {"voxel_mm", options.voxel_m > 0 ? Json(options.voxel_m * 1e3) : Json("auto")},
+                     {"faces", options.faces},
                      {"adaptivity", options.adaptivity},
                      {"refine", options.stereo ? "stereo" : "none"},
                      {"planes", options.planes},

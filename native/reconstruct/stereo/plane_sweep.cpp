@@ -9,6 +9,7 @@ namespace fourdvt::reconstruct {
 namespace {
 
 constexpr int kTableWidth = 1024;
+constexpr size_t kMostCompared = 32;  // cameras whose mattes bound the depths: what uniforms hold on every GPU
 const char kTableDefine[] = "TABLE_WIDTH 1024\n";
 
 int rowsFor(size_t texels) { return std::max(1, int((texels + kTableWidth - 1) / kTableWidth)); }
@@ -39,6 +40,16 @@ glm::mat4 pixelFromReference(const PinholeCamera& camera, const PinholeCamera& r
                    glm::inverse(intrinsics(reference)));
 }
 
+// The sources, then others: all, or some all over the list where there are too many.
+std::vector<size_t> comparedOrder(size_t cameras, const std::vector<size_t>& sources) {
+  std::vector<size_t> others, order = sources;
+  for (size_t c = 0; c < cameras; ++c)
+    if (std::find(sources.begin(), sources.end(), c) == sources.end()) others.push_back(c);
+  const size_t room = std::min(cameras, kMostCompared) - sources.size();
+  for (size_t k = 0; k < room; ++k) order.push_back(others[k * others.size() / room]);
+  return order;
+}
+
 }  // namespace
 
 Result<PlaneSweep> PlaneSweep::create(gpu::Device& device, std::span<const PinholeCamera> cameras,
@@ -66,9 +77,9 @@ Result<PlaneSweep> PlaneSweep::create(gpu::Device& device, std::span<const Pinho
 Result<gpu::ProgramId> PlaneSweep::programFor(size_t sources) {
   if (cost_programs_.size() <= sources) cost_programs_.resize(sources + 1);
   if (!cost_programs_[sources]) {
-    const std::string defines = "CAMERAS " + std::to_string(cameras_.size()) + "\nSOURCES " + std::to_string(sources) +
-                                "\nRADIUS " + std::to_string(options_.radius) + "\nSPACING float(" +
-                                std::to_string(options_.spacing) + ")\nCORRELATION_SHARE float(" +
+    const std::string defines = "CAMERAS " + std::to_string(std::min(cameras_.size(), kMostCompared)) + "\nSOURCES " +
+                                std::to_string(sources) + "\nRADIUS " + std::to_string(options_.radius) +
+                                "\nSPACING float(" + std::to_string(options_.spacing) + ")\nCORRELATION_SHARE float(" +
                                 std::to_string(options_.correlation_share) + ")\n";
     FOURDVT_ASSIGN(cost_programs_[sources],
                    gpu::makeProgram(*device_, "stereo costs", gpu::shaderText("fullscreen.vert"),
@@ -138,9 +149,7 @@ Result<CostVolume> PlaneSweep::costs(const StereoReference& reference) {
         costs_, gpu::makeTexture(*device_, {.width = costs_width_, .height = costs_height_, .label = "stereo costs"}));
     FOURDVT_ASSIGN(costs_target_, gpu::makeTarget(*device_, {.colors = {costs_.id()}, .label = "stereo costs"}));
   }
-  std::vector<size_t> order = reference.sources;
-  for (size_t c = 0; c < cameras_.size(); ++c)
-    if (std::find(order.begin(), order.end(), c) == order.end()) order.push_back(c);
+  const std::vector<size_t> order = comparedOrder(cameras_.size(), reference.sources);
   std::vector<glm::mat4> matrices;
   std::vector<glm::vec4> layers;
   for (size_t c : order) {

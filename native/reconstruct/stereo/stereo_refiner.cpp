@@ -18,7 +18,7 @@ constexpr double kSameAngle_deg = 1e-6;
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 double angleBetween_deg(const PinholeCamera& a, const PinholeCamera& b) {
-  return glm::degrees(std::acos(std::clamp(glm::dot(a.forwardInWorld(), b.forwardInWorld()), -1.0, 1.0)));
+  return glm::degrees(std::acos(std::clamp(glm::dot(a.middleRayInWorld(), b.middleRayInWorld()), -1.0, 1.0)));
 }
 
 // Every camera with its nearest ones; those that have none are left without any source but themselves.

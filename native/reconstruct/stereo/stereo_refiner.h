@@ -25,7 +25,7 @@ namespace fourdvt::reconstruct {
 struct StereoOptions {
   int reduction = 2;           // pictures are reduced by this factor along each side first
   size_t neighbours = 2;       // cameras that each camera is compared with, the nearest in angle
-  double widest_deg = 100;     // beyond this angle between optical axes cameras are not compared
+  double widest_deg = 100;     // beyond this angle between the rays through their middles cameras are not compared
   double agreement_m = 0.010;  // between depth maps of two cameras
   float kept = 0.8f;           // share of the frame before where the pictures stand still, 0 … 1
   double adaptivity = 0.3;     // of the mesh, 0 … 1: fewer faces where the surface is flat
