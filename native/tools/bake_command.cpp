@@ -43,6 +43,9 @@ const CommandHelp& help() {
       "continues.",
       {{"-o", "CHARACTER", "folder to write (required)"},
        {"--sequences", "A,B", "only these sequences (default: all)"},
+       {"--cameras", "A,B",
+        "only these cameras, by the names in images.txt, at most 31 (default: all, or of more than 31 the best in "
+        "directions, share of the surface in the picture and pixels on it)"},
        {"--appearance", "KIND",
         "layers (texture layers on a mesh of constant topology) or cameras (camera pictures on surfaces of any "
         "topology); default: layers if the meshes allow it"},
@@ -138,6 +141,7 @@ bake::BakeOptions readOptions(Args& args) {
   o.capture_folder = args.positional();
   o.character_folder = args.required("-o");
   o.sequences = args.list("--sequences");
+  o.camera_names = args.list("--cameras");
   readEncoding(args, o);
   readRenditions(args, o);
   o.gop = args.integer("--gop", o.gop, 1, 1000);

@@ -45,6 +45,7 @@ struct LowerRendition {
 struct BakeOptions {
   std::string capture_folder, character_folder;
   std::vector<std::string> sequences;                 // empty: all
+  std::vector<std::string> camera_names;              // empty: all, or the best ones where a character cannot hold all
   std::optional<package::AppearanceKind> appearance;  // none: layers where the meshes allow it, else cameras
   int layers = 3;                                     // texture layers, 1..6
   int texture = 1024;                                 // texels, side of layer 1; further layers: see equal_layers

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "bake/cameras/camera_choice.h"
 #include "bake/run/renditions.h"
 #include "bake/stages/camera_plan.h"
 #include "bake/stages/mesh_limit.h"
@@ -116,10 +117,45 @@ Status checkClassPictures(const Job& job) {
   return {};
 }
 
-Status checkCameras(const capture::Capture& capture) {
-  if (capture.cameras.empty() || capture.cameras.size() > size_t(package::kMaxCameras))
-    return Error{ErrorId::Unsupported, capture.folder + "/cameras: " + std::to_string(capture.cameras.size()) +
-                                           " cameras; a character holds 1 to " + std::to_string(package::kMaxCameras)};
+// The cameras that were asked for, or the best ones where there are more than a character holds; options.camera_names
+// names them where some are left out, else none.
+Status keepCameras(Job& job, const BakeEnvironment& environment) {
+  constexpr auto kMost = size_t(package::kMaxCameras);
+  std::vector<PinholeCamera> all;
+  for (const capture::CaptureCamera& camera : job.capture.cameras) all.push_back(camera.pinhole);
+  std::vector<std::string>& names = job.options.camera_names;
+  const bool asked = !names.empty();
+  if (all.empty())
+    return Error{ErrorId::Unsupported, job.capture.folder + "/cameras: no cameras; a character needs one"};
+  std::vector<size_t> chosen;
+  if (asked) {
+    FOURDVT_ASSIGN(chosen, camerasByName(all, names));
+  } else if (all.size() <= kMost) {
+    return {};
+  } else {
+    FOURDVT_ASSIGN(const auto surface, capture::readSurfaceFrame(job.capture, job.capture.sequences[0], 0));
+    chosen = chooseCameras(all, surface.positions, kMost);
+    if (chosen.empty())
+      return Error{ErrorId::NothingVisible, job.capture.folder +
+                                                ": no camera sees the first surface: check the axes and units of "
+                                                "meshes and cameras"};
+  }
+  if (chosen.size() > kMost)
+    return bad("--cameras: " + std::to_string(chosen.size()) + " cameras; a character holds 1 to " +
+               std::to_string(kMost) + "; leave the option out to have the best ones chosen");
+  names.clear();
+  if (chosen.size() == all.size()) return {};
+  std::vector<capture::CaptureCamera> kept;
+  for (const size_t c : chosen) {
+    kept.push_back(job.capture.cameras[c]);
+    names.push_back(all[c].name);
+  }
+  job.capture.cameras = std::move(kept);
+  std::string note = "The character has " + std::to_string(names.size()) + " of the capture's " +
+                     std::to_string(all.size()) + " cameras:";
+  for (const std::string& name : names) note += " " + name;
+  job.notes.push_back(note + ".");
+  if (environment.note) environment.note(job.notes.back());
   return {};
 }
 
@@ -227,7 +263,7 @@ Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environm
   FOURDVT_TRY(openCapture(job, environment));
   FOURDVT_TRY(resolveRenditions(job.options));
   FOURDVT_TRY(checkClasses(job));
-  FOURDVT_TRY(checkCameras(job.capture));
+  FOURDVT_TRY(keepCameras(job, environment));
   FOURDVT_TRY(checkNames(job));
   FOURDVT_TRY(checkRenditionNames(job));
   if (!job.fromCameras()) FOURDVT_TRY(checkClassPictures(job));
@@ -281,6 +317,7 @@ std::string filesKey(const capture::Capture& capture, const capture::CaptureSequ
   std::string key = kSurveyVersion;
   for (const std::string& part : {capture.cameras_folder, capture.background_folder, sequence.folder})
     key += fingerprints(part);
+  for (const capture::CaptureCamera& camera : capture.cameras) key += camera.pinhole.name + "\n";
   key += meshFingerprints(sequence) + std::to_string(hashOf(capture.topology)) + "\n";
   if (auto json = platform::readFile(capture.folder + "/capture.json"); json.ok())
     key.append(json.value().begin(), json.value().end());

@@ -12,8 +12,9 @@
 
 namespace fourdvt::bake {
 
-constexpr int kTableWidth = 256;  // texels per row of table textures
-constexpr const char* kTableDefine = "TABLE_WIDTH 256\n";
+// Texels per row of table textures: wide, since visibility has the rows of all faces once for each camera.
+constexpr int kTableWidth = 2048;
+constexpr const char* kTableDefine = "TABLE_WIDTH 2048\n";
 constexpr float kDepthBias_m = 0.004f;  // added to the depth that the surface's slope covers in one pixel
 constexpr float kMinCosine = 0.2f;      // between normal and ray; below, the depth test is too loose on this slope
 
