@@ -21,19 +21,12 @@ double angleBetween_deg(const PinholeCamera& a, const PinholeCamera& b) {
   return glm::degrees(std::acos(std::clamp(glm::dot(a.middleRayInWorld(), b.middleRayInWorld()), -1.0, 1.0)));
 }
 
-// Every camera with its nearest ones; those that have none are left without any source but themselves.
+// Every camera with those it is compared with; those that have none are left without any source but themselves.
 std::vector<StereoReference> referencesOf(const std::vector<PinholeCamera>& cameras, const StereoOptions& options) {
   std::vector<StereoReference> out;
   for (size_t c = 0; c < cameras.size(); ++c) {
-    std::vector<std::pair<double, size_t>> near;
-    for (size_t o = 0; o < cameras.size(); ++o) {
-      const double angle = angleBetween_deg(cameras[c], cameras[o]);
-      if (o != c && angle < options.widest_deg) near.emplace_back(std::round(angle / kSameAngle_deg), o);
-    }
-    std::sort(near.begin(), near.end());
-    near.resize(std::min(near.size(), options.neighbours));
     StereoReference reference{cameras[c], {c}};
-    for (const auto& [angle, o] : near) reference.sources.push_back(o);
+    for (const size_t other : comparedWith(cameras, c, options)) reference.sources.push_back(other);
     out.push_back(std::move(reference));
   }
   return out;
@@ -142,6 +135,21 @@ Result<TriangleMesh> Refiner::refine(const SparseDistance& hull_distance, const 
 }
 
 }  // namespace
+
+std::vector<size_t> comparedWith(std::span<const PinholeCamera> cameras, size_t camera, const StereoOptions& options) {
+  std::vector<std::pair<double, size_t>> near;
+  for (size_t o = 0; o < cameras.size(); ++o) {
+    const double angle = angleBetween_deg(cameras[camera], cameras[o]);
+    if (o == camera || angle >= options.widest_deg) continue;
+    const double rank = angle < options.narrowest_deg ? 2 * options.widest_deg - angle : angle;
+    near.emplace_back(std::round(rank / kSameAngle_deg), o);
+  }
+  std::sort(near.begin(), near.end());
+  near.resize(std::min(near.size(), options.neighbours));
+  std::vector<size_t> out;
+  for (const auto& [rank, o] : near) out.push_back(o);
+  return out;
+}
 
 std::string StereoOptions::check() const {
   if (reduction < 1) return "the reduction must be at least 1";

@@ -25,6 +25,7 @@ namespace fourdvt::reconstruct {
 struct StereoOptions {
   int reduction = 2;           // pictures are reduced by this factor along each side first
   size_t neighbours = 2;       // cameras that each camera is compared with, the nearest in angle
+  double narrowest_deg = 20;   // below this angle pictures say little about depth: cameras beyond it come first
   double widest_deg = 100;     // beyond this angle between the rays through their middles cameras are not compared
   double agreement_m = 0.010;  // between depth maps of two cameras
   float kept = 0.8f;           // share of the frame before where the pictures stand still, 0 … 1
@@ -35,6 +36,10 @@ struct StereoOptions {
   MembraneOptions membrane;
   std::string check() const;  // what is wrong, or nothing
 };
+
+// The cameras that one camera is compared with: the nearest in angle from `narrowest_deg` on, then those below it, the
+// widest first. Fewer than `neighbours` where the others are too far.
+std::vector<size_t> comparedWith(std::span<const PinholeCamera> cameras, size_t camera, const StereoOptions& options);
 
 struct StereoTimes {  // of one frame, seconds
   double sweep = 0, smoothing = 0, agreement = 0, fusion = 0, mesh = 0;
