@@ -25,6 +25,21 @@ std::string perFrame(const std::string& name, int frames = 6) {
 
 json reportOf(const std::string& character) { return json::parse(readText(character + "/report.json")); }
 
+TEST(CameraBake, KeepsTheCamerasThatAreNamed) {
+  const std::string capture = perFrame("named-cameras", 2), out = scratch("named");
+  const Outcome bake = fourdvt("bake " + capture + " -o " + out + "/box --cameras cam02,cam00" + kSmall);
+  ASSERT_EQ(bake.code, 0) << bake.output;
+  EXPECT_NE(bake.output.find("2 of the capture's 4 cameras: cam00 cam02."), std::string::npos) << bake.output;
+  const Outcome inspect = fourdvt("inspect " + out + "/box");
+  EXPECT_NE(inspect.output.find("from the pictures of 2 cameras"), std::string::npos) << inspect.output;
+  const Outcome none = fourdvt("bake " + capture + " -o " + out + "/none --cameras cam00,left");
+  EXPECT_EQ(none.code, 1);
+  EXPECT_NE(none.output.find("there is no camera \"left\"; the capture has cam00, cam01, cam02, cam03"),
+            std::string::npos)
+      << none.output;
+  EXPECT_FALSE(exists(out + "/none"));
+}
+
 TEST(CameraBake, IsChosenForMeshesOfPerFrameTopologyAndSaysSo) {
   const std::string capture = perFrame("scanned-capture"), out = scratch("scanned");
   // One frame loses a face.

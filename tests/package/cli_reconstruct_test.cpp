@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "capture/mesh_file.h"
@@ -182,6 +183,28 @@ TEST(Reconstruct, AMatteThatContradictsTheOthersIsNamed) {
   const Outcome made = fourdvt("reconstruct " + capture + " -o " + out + "/hull" + kCoarse);
   expectFailure(made, "\"cam02\" disagrees most", out + "/hull");
   EXPECT_NE(made.output.find("frame 1"), std::string::npos) << made.output;
+}
+
+TEST(Reconstruct, AFigurineAndAFewFacesNeedNoVoxelSize) {
+  const std::string capture = withoutMeshes("figurine-capture"), out = scratch("figurine");
+  const auto made = [&](const std::string& name, const std::string& more) {
+    const Outcome outcome = fourdvt("reconstruct " + capture + " -o " + out + "/" + name + " --refine none" + more);
+    EXPECT_EQ(outcome.code, 0) << outcome.output;
+    return nlohmann::json::parse(readText(out + "/" + name + "/reconstruct.json"));
+  };
+  const auto large = made("large", "");
+  const auto few = made("few", " --faces 1000");
+  // The same pictures of a scene a thousandth as large.
+  ASSERT_EQ(shell("sed -i 's/\"metre\"/\"millimetre\"/' " + capture + "/capture.json").code, 0);
+  const auto small = made("small", "");
+  EXPECT_EQ(small["options"]["voxel_mm"], "auto");
+  EXPECT_NEAR(small["mean_overlap"], large["mean_overlap"], 0.002);
+  const auto frame = [](const nlohmann::json& report) { return report["sequences"].begin().value()[0]; };
+  EXPECT_NEAR(frame(small)["voxel_m"].get<double>() * 1000, frame(large)["voxel_m"], 1e-6);
+  EXPECT_NEAR(frame(small)["triangles"].get<double>(), frame(large)["triangles"],
+              0.05 * frame(large)["triangles"].get<double>());
+  EXPECT_LE(frame(few)["triangles"], 1000);
+  EXPECT_GT(frame(few)["triangles_made"], 1000);
 }
 
 TEST(Reconstruct, OutputsThatWouldHarmAreRefused) {
