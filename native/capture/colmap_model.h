@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What COLMAP's text and binary models share: camera models, and cameras from their numbers. Does NOT read files.
+// Parts common to COLMAP's text and binary models: camera models, and cameras from their numbers. Does NOT read files.
 #pragma once
 
 #include <array>

@@ -10,7 +10,7 @@
 
 namespace fourdvt::reconstruct {
 
-// Of the silhouettes' hull, from a coarse carving. A rig that is scaled by s gives lengths that are scaled by s.
+// Measures of the silhouettes' hull, from a coarse carving. A rig that is scaled by s gives lengths that are scaled by s.
 struct SceneScale {
   BoundingBox bounds;             // world, metres
   glm::dvec3 centre_in_world{0};  // of the volume, metres

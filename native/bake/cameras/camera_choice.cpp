@@ -9,7 +9,7 @@ namespace {
 
 constexpr size_t kPoints = 500;  // of the surface that are looked for in each picture
 
-// What a camera shows of the surface.
+// A camera's view of the surface.
 struct Shown {
   size_t camera = 0;
   glm::dvec3 from{0};           // unit, from the surface's middle to the camera
