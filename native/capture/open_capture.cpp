@@ -135,14 +135,15 @@ Status checkMeshes(const std::vector<DeclaredSequence>& declared, Capture& captu
 }
 
 Status applySkew(const std::map<std::string, double>& skew, Capture& capture) {
-  for (const auto& [name, pixels] : skew) {
+  for (const auto& entry : skew) {
+    const std::string& name = entry.first;
     const auto it = std::find_if(capture.cameras.begin(), capture.cameras.end(),
                                  [&](const CaptureCamera& camera) { return camera.pinhole.name == name; });
     if (it == capture.cameras.end()) {
       return Error{ErrorId::CaptureJson, capture.folder + "/capture.json: \"skew\" names the camera \"" + name +
                                              "\", which " + capture.cameras_folder + " has not; take it out"};
     }
-    it->distortion.skew = pixels;
+    it->distortion.skew = entry.second;
   }
   return {};
 }

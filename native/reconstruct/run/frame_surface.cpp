@@ -57,28 +57,32 @@ void inParallel(size_t count, const std::function<void(size_t)>& work) {
   });
 }
 
-// A box round everything that the cameras may see of the performer, from a coarse carving.
-Result<BoundingBox> roughBounds(std::span<const CarvingView> views) {
+// A box round everything that the cameras may see of the performer, from a coarse carving: tight, because beyond their
+// pictures nothing is carved. `spare_m`: how far polygons may lie outside the silhouettes.
+Result<BoundingBox> roughBounds(std::span<const CarvingView> views, double spare_m) {
   FOURDVT_ASSIGN(const SparseDistance coarse, carve(views, kRoughVoxel_m));
   glm::dvec3 low(1e9), high(-1e9);
-  const auto add = [&](const glm::ivec3& block) {
-    low = glm::min(low, coarse.origin_in_world + glm::dvec3(block) * kRoughVoxel_m);
-    high = glm::max(high, coarse.origin_in_world + glm::dvec3(block + kBlock) * kRoughVoxel_m);
+  const auto add = [&](const glm::ivec3& first, const glm::ivec3& last) {
+    low = glm::min(low, coarse.origin_in_world + glm::dvec3(first) * kRoughVoxel_m);
+    high = glm::max(high, coarse.origin_in_world + glm::dvec3(last) * kRoughVoxel_m);
   };
-  for (const SparseDistance::Block& block : coarse.blocks) add(block.at);
-  for (const glm::ivec3& block : coarse.inside) add(block);
-  return BoundingBox{glm::vec3(low), glm::vec3(high)};
+  for (const SparseDistance::Block& block : coarse.blocks)
+    for (size_t i = 0; i < block.values.size(); ++i)
+      if (block.values[i] > -coarse.band_m) add(voxelOf(block, i), voxelOf(block, i));
+  for (const glm::ivec3& block : coarse.inside) add(block, block + kBlock);
+  return BoundingBox{glm::vec3(low - spare_m), glm::vec3(high + spare_m)};
 }
 
 // Errors say why the volumetric hull has to stand in.
+// `footprint_m`: of a pixel on the performer.
 Result<TriangleMesh> checkedPolyhedron(const ReconstructOptions& options, std::span<const CarvingView> views,
-                                       FrameFigures& figures) {
+                                       double footprint_m, FrameFigures& figures) {
   std::vector<SilhouetteCone> cones(views.size());
   inParallel(views.size(), [&](size_t i) {
     const Silhouette& silhouette = *views[i].silhouette;
     cones[i] = {silhouette.camera, outlineOf(silhouette.coverage, {options.contour_tolerance_px})};
   });
-  FOURDVT_ASSIGN(const BoundingBox bounds, roughBounds(views));
+  FOURDVT_ASSIGN(const BoundingBox bounds, roughBounds(views, options.contour_tolerance_px * footprint_m));
   FOURDVT_ASSIGN(auto hull, polyhedralHull(cones, bounds));
   std::vector<const Silhouette*> silhouettes;
   for (const CarvingView& view : views) silhouettes.push_back(view.silhouette);
@@ -157,7 +161,7 @@ Status SurfaceMaker::makeHull(std::span<const CarvingView> views, const std::fun
                               FrameSurface& out) {
   Watch watch;
   if (options_.hull == HullKind::Polyhedral && !stereo_) {
-    auto hull = checkedPolyhedron(options_, views, out.figures);
+    auto hull = checkedPolyhedron(options_, views, scale_->footprint_m / scale_->person_metre_m, out.figures);
     if (hull.ok()) {
       out.mesh = hull.take();
       out.figures.hull_ms = watch.lap();
