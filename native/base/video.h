@@ -18,11 +18,11 @@ class VideoSource {
  public:
   virtual ~VideoSource() = default;
   // Next picture in presentation order, or nullopt at the end. 3 channels (sRGB via the stream's matrix and range,
-  // BT.709 limited where unspecified) or 1 channel (as opened).
+  // limited where unspecified, and then BT.601 up to 576 lines, else BT.709) or 1 channel (as opened).
   virtual Result<std::optional<Image>> next() = 0;
   // Upper bound on the number of pictures in the whole file where the container tells it without decoding.
   virtual std::optional<uint64_t> frameCountHint() const { return std::nullopt; }
-  // Mean rate where the container tells it.
+  // Mean frame rate by the container's header; nothing if it has none.
   virtual std::optional<double> framesPerSecond() const { return std::nullopt; }
 };
 

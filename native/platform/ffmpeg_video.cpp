@@ -43,6 +43,8 @@ bool isFullRange(const AVFrame& frame, const AVPixFmtDescriptor& format) {
   return isGray(format) || (format.flags & AV_PIX_FMT_FLAG_RGB);
 }
 
+constexpr int kStandardDefinitionLines = 576;
+
 int swsMatrix(const AVFrame& frame) {
   switch (frame.colorspace) {
     case AVCOL_SPC_SMPTE170M:
@@ -55,6 +57,8 @@ int swsMatrix(const AVFrame& frame) {
     case AVCOL_SPC_BT2020_NCL:
     case AVCOL_SPC_BT2020_CL:
       return SWS_CS_BT2020;
+    case AVCOL_SPC_UNSPECIFIED:  // standard definition is BT.601 by custom
+      return frame.height <= kStandardDefinitionLines ? SWS_CS_ITU601 : SWS_CS_ITU709;
     default:
       return SWS_CS_ITU709;
   }

@@ -18,13 +18,15 @@ const std::string kSample = std::string(FOURDVT_SOURCE_DIR) + "/site/sample/acto
 // An uncompressed 4:2:0 video of one colour; `tags` as YUV4MPEG2 has them.
 class RawVideo {
  public:
-  RawVideo(const std::string& tags, uint8_t y, uint8_t u, uint8_t v, int frames = 1) {
+  RawVideo(const std::string& tags, uint8_t y, uint8_t u, uint8_t v, int frames = 1, int height = 16) {
     path_ =
         (std::filesystem::path(testing::TempDir()) / ("fourdvt_raw_" + std::to_string(::getpid()) + ".y4m")).string();
     std::ofstream out(path_, std::ios::binary);
-    out << "YUV4MPEG2 W32 H16 F25:1 Ip A1:1 C420mpeg2" << tags << "\n";
+    out << "YUV4MPEG2 W32 H" << height << " F25:1 Ip A1:1 C420mpeg2" << tags << "\n";
     for (int i = 0; i < frames; ++i) {
-      out << "FRAME\n" << std::string(32 * 16, char(y)) << std::string(16 * 8, char(u)) << std::string(16 * 8, char(v));
+      out << "FRAME\n"
+          << std::string(size_t(32 * height), char(y)) << std::string(size_t(8 * height), char(u))
+          << std::string(size_t(8 * height), char(v));
     }
   }
   ~RawVideo() { std::filesystem::remove(path_); }
@@ -44,23 +46,32 @@ Image first(const std::string& path, int channels) {
 
 double clamp255(double v) { return std::fmin(255, std::fmax(0, v)); }
 
-void expectBt709(const Image& image, int y, int u, int v, bool full) {
+// The weights of red and blue in luma, by the recommendation's name.
+struct Matrix {
+  double red, blue;
+};
+constexpr Matrix kBt601{0.299, 0.114}, kBt709{0.2126, 0.0722};
+
+void expectColour(const Image& image, const Matrix& m, int y, int u, int v, bool full) {
   const double luma = full ? y : (y - 16) * 255.0 / 219, scale = full ? 1 : 255.0 / 224;
-  const double cb = (u - 128) * scale, cr = (v - 128) * scale;
+  const double cb = (u - 128) * scale, cr = (v - 128) * scale, green = 1 - m.red - m.blue;
+  const double red = luma + 2 * (1 - m.red) * cr, blue = luma + 2 * (1 - m.blue) * cb;
   const uint8_t* p = image.at(10, 5);
-  EXPECT_NEAR(p[0], clamp255(luma + 1.5748 * cr), 1.5);
-  EXPECT_NEAR(p[1], clamp255(luma - 0.187324 * cb - 0.468124 * cr), 1.5);
-  EXPECT_NEAR(p[2], clamp255(luma + 1.8556 * cb), 1.5);
+  EXPECT_NEAR(p[0], clamp255(red), 1.5);
+  EXPECT_NEAR(p[1], clamp255((luma - m.red * red - m.blue * blue) / green), 1.5);
+  EXPECT_NEAR(p[2], clamp255(blue), 1.5);
 }
 
-TEST(PlatformVideo, UnspecifiedColourIsBt709Limited) {
+TEST(PlatformVideo, UnspecifiedColourIsLimitedAndOfItsDefinition) {
   for (auto [y, u, v] : {std::array{16, 128, 128}, {235, 128, 128}, {120, 90, 170}, {63, 102, 240}, {173, 42, 26}}) {
-    expectBt709(first(RawVideo("", y, u, v).path(), 3), y, u, v, false);
+    expectColour(first(RawVideo("", y, u, v).path(), 3), kBt601, y, u, v, false);
+    expectColour(first(RawVideo("", y, u, v, 1, 576).path(), 3), kBt601, y, u, v, false);
+    expectColour(first(RawVideo("", y, u, v, 1, 578).path(), 3), kBt709, y, u, v, false);
   }
 }
 
 TEST(PlatformVideo, FullRangeIsRead) {
-  expectBt709(first(RawVideo(" XCOLORRANGE=FULL", 120, 90, 170).path(), 3), 120, 90, 170, true);
+  expectColour(first(RawVideo(" XCOLORRANGE=FULL", 120, 90, 170).path(), 3), kBt601, 120, 90, 170, true);
   EXPECT_EQ(*first(RawVideo(" XCOLORRANGE=FULL", 120, 90, 170).path(), 1).at(3, 3), 120);
 }
 
