@@ -7,7 +7,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "capture/key_cut.h"
+#include "capture/key_evidence.h"
+#include "capture/matte_cut.h"
 
 namespace fourdvt::capture {
 namespace {
@@ -102,41 +103,29 @@ Image softened(const KeyEvidence& evidence, const cv::Mat& mask, float blur_pixe
 
 }  // namespace
 
-KeyCut::KeyCut(const Image& picture, const BackgroundModel& background, const BackgroundKeyOptions& options)
-    : options_(options), evidence_(picture, background, options) {
-  assert(picture.channels == 3 && picture.width == background.width && picture.height == background.height);
-  borders_ = {{},
-              borderCosts(evidence_, 1, 0, options.smoothness),
-              borderCosts(evidence_, 0, 1, options.smoothness),
-              borderCosts(evidence_, 1, 1, options.smoothness * 0.7071f),
-              borderCosts(evidence_, -1, 1, options.smoothness * 0.7071f)};
-  // Where wide surroundings look as the plate does nothing needs to be decided.
-  cv::erode(evidence_.surelyLit(), open_, disc(3), {-1, -1}, 1, cv::BORDER_REPLICATE);
-  cv::bitwise_not(open_, open_);
-}
-
-cv::Mat KeyCut::cut(const cv::Mat& more) const {
-  CutCosts costs = borders_;
-  costs.object_minus_background = evidence_.cost();
-  if (!more.empty()) costs.object_minus_background += more;
-  return cheapestCut(costs, cv::Mat::zeros(open_.size(), CV_8U), open_);
-}
-
-void KeyCut::learn(const cv::Mat& mask) {
-  cv::Mat inner;
-  cv::erode(mask, inner, disc(2));
-  evidence_.learn(inner);
-}
-
-Image KeyCut::matte(cv::Mat mask) const {
-  dropSpecks(mask, std::max(kMinSpeck, int(std::lround(options_.speck_share * float(mask.total())))));
-  return softened(evidence_, mask, options_.blur_pixels);
-}
-
 Image backgroundKey(const Image& picture, const BackgroundModel& background, const BackgroundKeyOptions& options) {
-  KeyCut key(picture, background, options);
-  for (int round = 1; round < options.rounds; ++round) key.learn(key.cut());
-  return key.matte(key.cut());
+  assert(picture.channels == 3 && picture.width == background.width && picture.height == background.height);
+  KeyEvidence evidence(picture, background, options);
+  const CutCosts borders{{},
+                         borderCosts(evidence, 1, 0, options.smoothness),
+                         borderCosts(evidence, 0, 1, options.smoothness),
+                         borderCosts(evidence, 1, 1, options.smoothness * 0.7071f),
+                         borderCosts(evidence, -1, 1, options.smoothness * 0.7071f)};
+  // Where wide surroundings look as the plate does nothing needs to be decided.
+  cv::Mat open, given = cv::Mat::zeros(picture.height, picture.width, CV_8U), mask;
+  cv::erode(evidence.surelyLit(), open, disc(3), {-1, -1}, 1, cv::BORDER_REPLICATE);
+  cv::bitwise_not(open, open);
+  for (int round = 0; round < std::max(1, options.rounds); ++round) {
+    CutCosts costs = borders;
+    costs.object_minus_background = evidence.cost();
+    mask = cheapestCut(costs, given, open);
+    if (round + 1 == options.rounds) break;
+    cv::Mat inner;
+    cv::erode(mask, inner, disc(2));
+    evidence.learn(inner);
+  }
+  dropSpecks(mask, std::max(kMinSpeck, int(std::lround(options.speck_share * float(mask.total())))));
+  return softened(evidence, mask, options.blur_pixels);
 }
 
 }  // namespace fourdvt::capture

@@ -48,8 +48,8 @@ class KeyEvidence {
   float objectDensity(const cv::Vec3f& colour) const;
   size_t colourBin(const cv::Vec3f& colour) const;
 
-  BackgroundKeyOptions options_;
-  float plate_noise_;  // the mean plate's variance, of the picture's
+  const BackgroundKeyOptions options_;
+  const float plate_noise_;  // the mean plate's variance, of the picture's
   cv::Vec3f noise_;    // levels
   cv::Mat picture_, plate_, variance_, extra_;
   cv::Mat object_, lit_, shaded_;
