@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "base/hash.h"
+#include "base/used_vertices.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -27,28 +28,13 @@ void weld(const Positions& positions, std::vector<glm::uvec3>& faces) {
   for (glm::uvec3& face : faces) face = {first[face.x], first[face.y], first[face.z]};
 }
 
-void dropUnused(TriangleMesh& surface) {
-  std::vector<uint32_t> renumbered(surface.positions.size(), UINT32_MAX);
-  Positions used;
-  for (glm::uvec3& face : surface.faces)
-    for (int k = 0; k < 3; ++k) {
-      uint32_t& number = renumbered[face[k]];
-      if (number == UINT32_MAX) {
-        number = static_cast<uint32_t>(used.size());
-        used.push_back(surface.positions[face[k]]);
-      }
-      face[k] = number;
-    }
-  surface.positions = std::move(used);
-}
-
 }  // namespace
 
 TriangleMesh simplified(TriangleMesh surface, size_t most_faces) {
   if (most_faces == 0 || surface.faces.size() <= most_faces) return surface;
   constexpr float kAnyError = 1;  // of the mesh's extent: the number of faces decides
   weld(surface.positions, surface.faces);
-  dropUnused(surface);  // the library takes vertices at one place for seams, which it leaves alone
+  dropUnusedVertices(surface);  // the library takes vertices at one place for seams, which it leaves alone
   std::vector<glm::uvec3> kept(surface.faces.size());
   const size_t indices =
       meshopt_simplify(&kept[0].x, &surface.faces[0].x, 3 * surface.faces.size(), &surface.positions[0].x,
