@@ -181,7 +181,7 @@ Cells rigSpace(std::span<const CarvingView> views, int levels) {
   return cells;
 }
 
-// A cell that is left because it is large says nothing: its middle counts.
+// Returns true if the cell's middle is left: a large cell may be left for its corners alone.
 bool middleHeld(const Carver& carver, const Cells& cells, const glm::ivec3& at) {
   return carver.judge(centreOf(cells, at), radiusOf(cells) / 8) != Share::Outside;
 }

@@ -55,7 +55,7 @@ if (!site || unknown) {
   process.exit(2);
 }
 
-// Runs in the page. Returns times in ms: of the first command, of the one that counts, of the first picture of what it wants, of
+// Measures in the page. Returns times in ms: of the first command, of the one that counts, of the first picture of what it wants, of
 // its end.
 async function command({ name, motion, patienceMs }) {
   const viewer = document.querySelector('fourdvt-viewer');

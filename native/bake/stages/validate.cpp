@@ -117,8 +117,8 @@ Status checkClassPictures(const Job& job) {
   return {};
 }
 
-// The cameras that were asked for, or the best ones where there are more than a character holds; options.camera_names
-// names them where some are left out, else none.
+// Keeps the cameras named by --cameras, or the best ones where there are more than a character holds. Afterwards
+// options.camera_names has their names if some are left out, else none.
 Status keepCameras(Job& job, const BakeEnvironment& environment) {
   constexpr auto kMost = size_t(package::kMaxCameras);
   std::vector<PinholeCamera> all;

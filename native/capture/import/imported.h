@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The contents of a calibration file: cameras in its own world and unit, and what its format says of both.
+// Contents of a calibration file: cameras in the file's own world and unit, and both by its format's definition.
 //
 // The readers of this folder parse bytes in memory and turn every convention but these two into the capture's: x right,
 // y down, z forward, the first pixel's centre at 0.5. They do NOT look for pictures or other files. They read what

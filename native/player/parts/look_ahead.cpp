@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Methods of Loading and Ladder that serve after the first picture only: judgements of renditions by the page, and
-// prefetching the first GOPs of motions that may be asked for next while the network is idle.
+// prefetching the first GOPs of motions that may come next while the network is idle.
 #include <algorithm>
 
 #include "player/parts/loading.h"
