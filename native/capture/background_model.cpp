@@ -14,8 +14,9 @@ namespace {
 
 constexpr float kShift_pixels = 0.1f;  // what a studio's cameras may shake
 // A chroma key backdrop: its median colour's distance from grey in the CbCr plane of BT.709, levels of 255; the share
-// of the plate that is that colour; and how far that share may stray from it, as a share of the distance.
-constexpr float kBackdropChroma = 36, kBackdropShare = 0.7f, kBackdropSpread = 0.4f;
+// of the plate that is that colour; and how far that share may stray from it, as shares of the distance: in hue, which
+// light does not change, and in how much light there is.
+constexpr float kBackdropChroma = 36, kBackdropShare = 0.7f, kBackdropHue = 0.1f, kBackdropLight = 0.6f;
 
 // The variance between plates, averaged over 5 × 5 pixels, beyond what all pixels have (their median: sensor noise).
 cv::Mat flicker(const std::vector<cv::Mat>& plates, const cv::Mat& mean) {
@@ -98,7 +99,10 @@ bool isChromaPlate(const Image& plate) {
   const float cb = median(blue), cr = median(red), chroma = std::hypot(cb, cr);
   if (!(chroma >= kBackdropChroma)) return false;
   size_t alike = 0;
-  for (size_t i = 0; i < pixels; ++i) alike += std::hypot(blue[i] - cb, red[i] - cr) <= kBackdropSpread * chroma;
+  for (size_t i = 0; i < pixels; ++i) {
+    const float along = (blue[i] * cb + red[i] * cr) / chroma, across = (red[i] * cb - blue[i] * cr) / chroma;
+    alike += std::abs(across) <= kBackdropHue * chroma && std::abs(along - chroma) <= kBackdropLight * chroma;
+  }
   return double(alike) >= kBackdropShare * double(pixels);
 }
 

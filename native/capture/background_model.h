@@ -21,6 +21,8 @@ struct BackgroundModel {
   // [pixel] variance per channel, in levels², that comes on top of sensor noise: from several plates, what moves and
   // flickers; and at the plates' own edges, what a shift of a fraction of a pixel changes.
   std::vector<float> extra;
+  // [pixel] 0 where no plate shows the background, so that `mean` says nothing; empty: it is shown everywhere.
+  std::vector<uint8_t> known;
 };
 
 // `plates`: at least one, all of one size, 3 channels.

@@ -37,6 +37,9 @@ struct Distortion {
   }
 };
 
+// Whether a reader needs mattes, or plates to make them from.
+enum class MatteNeed { Required, None };
+
 struct CaptureCamera {
   PinholeCamera pinhole;  // after undistortion; name as in images.txt without extension
   Distortion distortion;  // what the reader removes
@@ -80,6 +83,8 @@ struct CaptureClass {
   std::vector<std::string> parameters;  // 1 or 2 names, e.g. "speed_mps"
   std::vector<MemberOf> members;        // 2…4; all loops, or none
 };
+
+inline constexpr const char* kHintsFolder = "hints";  // of a capture: mattes' strokes painted by hand
 
 // What stands behind the object where it is keyed against plates of the empty studio.
 enum class BackgroundKind {
@@ -132,7 +137,8 @@ Result<std::vector<PinholeCamera>> readTestCameras(const Capture& capture);
 // that every file is there, and reads the first. Errors of a need that is not met: FileMissing (no meshes),
 // MeshTopology.
 Result<Capture> openCapture(const std::string& folder, const OpenVideo& open_video,
-                            const std::vector<std::string>& only = {}, MeshNeed need = MeshNeed::ConstantTopology);
+                            const std::vector<std::string>& only = {}, MeshNeed need = MeshNeed::ConstantTopology,
+                            MatteNeed mattes = MatteNeed::Required);
 
 struct CaptureFrame {
   uint32_t index = 0;
@@ -143,9 +149,11 @@ struct CaptureFrame {
 
 class FrameReader {
  public:
-  // The first call of next() returns `first_frame`. Errors: those of openCapture for pictures.
+  // The first call of next() returns `first_frame`. With MatteNeed::None, alpha is 255 all over. Errors: those of
+  // openCapture for pictures.
   static Result<std::unique_ptr<FrameReader>> open(const Capture& capture, const CaptureSequence& sequence,
-                                                   const OpenVideo& open_video, uint32_t first_frame = 0);
+                                                   const OpenVideo& open_video, uint32_t first_frame = 0,
+                                                   MatteNeed mattes = MatteNeed::Required);
   virtual ~FrameReader() = default;
   // The next frame will be this one, which must not lie before it.
   virtual void skipTo(uint32_t frame) = 0;

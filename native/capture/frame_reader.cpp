@@ -12,22 +12,15 @@
 namespace fourdvt::capture {
 namespace {
 
-constexpr float kMostResidual = 15;  // levels, in half of the pixels
-
 // One camera: its colour pictures, and either its mattes or plates to key against.
 class CameraReader {
  public:
   static Result<CameraReader> open(const Capture& capture, const CaptureSequence& sequence, const CaptureCamera& camera,
-                                   const OpenVideo& open_video) {
-    const auto place = findPictures(sequence.folder, camera.pinhole.name);
-    if (!place) {
-      return Error{ErrorId::CameraMissingVideo,
-                   sequence.folder + "/" + camera.pinhole.name +
-                       ".mp4: no video (.mp4, .mkv, .webm, .mov, .avi) and no folder with " +
-                       "000000.png; add it, or remove the camera from images.txt"};
-    }
+                                   const OpenVideo& open_video, MatteNeed mattes) {
+    FOURDVT_ASSIGN(const PicturePlace place, colourPlace(sequence, camera));
     CameraReader reader(camera);
-    FOURDVT_TRY(openStream(*place, sequence, 3, open_video, reader.colour_));
+    FOURDVT_TRY(openStream(place, sequence, 3, open_video, reader.colour_));
+    if (mattes == MatteNeed::None) return reader;
     const auto matte_place = findPictures(sequence.folder, matteStem(camera.pinhole.name));
     if (matte_place) {
       FOURDVT_TRY(openStream(*matte_place, sequence, 1, open_video, reader.matte_));
@@ -47,8 +40,10 @@ class CameraReader {
       FOURDVT_ASSIGN(auto matte, matte_->read(frame));
       FOURDVT_TRY(checkSize(matte, camera_, matte_->path()));
       alpha = std::move(matte);
-    } else {
+    } else if (key_) {
       alpha = key_->matte(colour, &residual);
+    } else {
+      alpha = Image(colour.width, colour.height, 1, 255);
     }
     FOURDVT_TRY(checkFirst(alpha, residual));
     out = joined(undistorter_.apply(std::move(colour)), undistorter_.apply(std::move(alpha)));
@@ -72,12 +67,8 @@ class CameraReader {
                    matte_->path() + ": the matte keeps the picture's border and leaves out what is within, as if " +
                        "object and background were swapped; invert the mattes: white is the object"};
     }
-    if (key_ && (keepsTheBorder(alpha) || residual_levels > kMostResidual)) {
-      return Error{ErrorId::FileUnreadable,
-                   key_->path() + ": the plate does not fit the pictures of " + colour_->path() +
-                       ", which differ from it nearly everywhere; take it again with the camera, the light and the " +
-                       "exposure of the recording, or add " + matteStem(camera_.pinhole.name) + ".mkv"};
-    }
+    if (key_ && (keepsTheBorder(alpha) || residual_levels > kMostResidual))
+      return plateDoesNotFit(key_->path(), colour_->path(), camera_.pinhole.name);
     return {};
   }
 
@@ -97,7 +88,7 @@ class CameraReader {
   CaptureCamera camera_;
   Undistorter undistorter_;
   std::optional<PictureStream> colour_, matte_;
-  std::optional<PlateKey> key_;  // if there are no mattes
+  std::optional<PlateKey> key_;  // if there are no mattes, and they are needed
   bool checked_ = false;
 };
 
@@ -106,9 +97,9 @@ class Reader final : public FrameReader {
   Reader(const Capture& capture, const CaptureSequence& sequence, uint32_t first_frame)
       : capture_(capture), sequence_(sequence), next_frame_(first_frame) {}
 
-  Status openCameras(const OpenVideo& open_video) {
+  Status openCameras(const OpenVideo& open_video, MatteNeed mattes) {
     for (const CaptureCamera& camera : capture_.cameras) {
-      FOURDVT_ASSIGN(auto reader, CameraReader::open(capture_, sequence_, camera, open_video));
+      FOURDVT_ASSIGN(auto reader, CameraReader::open(capture_, sequence_, camera, open_video, mattes));
       cameras_.push_back(std::move(reader));
     }
     return {};
@@ -160,9 +151,10 @@ class Reader final : public FrameReader {
 }  // namespace
 
 Result<std::unique_ptr<FrameReader>> FrameReader::open(const Capture& capture, const CaptureSequence& sequence,
-                                                       const OpenVideo& open_video, uint32_t first_frame) {
+                                                       const OpenVideo& open_video, uint32_t first_frame,
+                                                       MatteNeed mattes) {
   auto reader = std::make_unique<Reader>(capture, sequence, first_frame);
-  FOURDVT_TRY(reader->openCameras(open_video));
+  FOURDVT_TRY(reader->openCameras(open_video, mattes));
   return std::unique_ptr<FrameReader>(std::move(reader));
 }
 

@@ -82,6 +82,10 @@ KeyEvidence::KeyEvidence(const Image& picture, const BackgroundModel& background
   const float smallest = std::min({noise_[0], noise_[1], noise_[2]});
   extra_ = extra / (smallest * smallest);
   variance_ = extra_ + (1 + plate_noise_);
+  if (!background.known.empty()) {
+    known_ = cv::Mat(size, CV_8U);
+    for (int i = 0; i < int(known_.total()); ++i) known_.at<uint8_t>(i) = background.known[size_t(i)] ? 255 : 0;
+  }
   colours_.assign(size_t(kColours) * kColours * kColours, 0);
   ratios_.assign(size_t(kWidths) * kRatios, 1 / (options_.max_highlight - options_.min_shadow));
   lookAtNeighbourhoods();
@@ -131,6 +135,11 @@ void KeyEvidence::lookAtNeighbourhoods() {
   shaded_ = (near.lit > 2 * kLooksAlike) & (near.scaled < kLooksAlike) & (own > 3 * kTextured);
   lit_share_ = agreement(near.lit, kWindow, 4).mul(agreement(wide.lit, kWideWindow, 2));
   shaded_share_ = agreement(near.scaled, kWindow, 4).mul(agreement(wide.scaled, kWideWindow, 2));
+  if (!known_.empty()) {  // there the plates say nothing
+    lit_ &= known_;
+    object_ &= known_;
+    shaded_ &= known_;
+  }
   learn(object_);
 }
 
@@ -141,15 +150,19 @@ size_t KeyEvidence::colourBin(const cv::Vec3f& colour) const {
   return bin;
 }
 
-void KeyEvidence::learn(const cv::Mat& object) {
-  // Colours of the object: a histogram, blurred by a bin, and some of all colours.
-  std::vector<float> counts(colours_.size(), 0);
+std::vector<float> KeyEvidence::counted(const cv::Mat& mask, bool unsure_counts_less) const {
+  std::vector<float> counts(size_t(kColours) * kColours * kColours, 0);
+  for (int i = 0; i < int(mask.total()); ++i)
+    if (mask.at<uint8_t>(i))
+      counts[colourBin(picture_.at<cv::Vec3f>(i))] +=
+          !unsure_counts_less || object_.at<uint8_t>(i) ? 1.0f : kPerhapsShade;
+  return counts;
+}
+
+// A histogram, blurred by a bin, and some of all colours, as a density.
+std::vector<float> KeyEvidence::densityOf(std::vector<float> counts) const {
   double total = 0;
-  for (int i = 0; i < int(object.total()); ++i)
-    if (object.at<uint8_t>(i)) {
-      const float weight = object_.at<uint8_t>(i) ? 1.0f : kPerhapsShade;
-      counts[colourBin(picture_.at<cv::Vec3f>(i))] += weight, total += weight;
-    }
+  for (const float count : counts) total += count;
   for (const size_t step : {size_t(1), size_t(kColours), size_t(kColours) * kColours}) {
     const std::vector<float> from = counts;
     for (size_t i = 0; i < counts.size(); ++i) {
@@ -159,11 +172,35 @@ void KeyEvidence::learn(const cv::Mat& object) {
     }
   }
   const float bin_volume = std::pow(256.0f / kColours, 3.0f) / (noise_[0] * noise_[1] * noise_[2]);
-  const float everywhere = 1 / (bin_volume * float(colours_.size()));
-  for (size_t i = 0; i < counts.size(); ++i) {
-    const float known = total > 0 ? counts[i] / float(total) / bin_volume : everywhere;
-    colours_[i] = kUnknownColours * everywhere + (1 - kUnknownColours) * known;
+  const float everywhere = 1 / (bin_volume * float(counts.size()));
+  for (float& count : counts) {
+    const float seen = total > 0 ? count / float(total) / bin_volume : everywhere;
+    count = kUnknownColours * everywhere + (1 - kUnknownColours) * seen;
   }
+  return counts;
+}
+
+void KeyEvidence::learn(const cv::Mat& object) {
+  colours_ = densityOf(counted(object, known_.empty()));
+  if (!known_.empty()) others_ = densityOf(counted(object == 0, false));
+  learnRatios(object);
+}
+
+void KeyEvidence::count(const cv::Mat& object, ColourCounts& counts) const {
+  const auto add = [](std::vector<float>& to, const std::vector<float>& from) {
+    to.resize(from.size(), 0);
+    for (size_t i = 0; i < from.size(); ++i) to[i] += from[i];
+  };
+  add(counts.object, counted(object, known_.empty()));
+  add(counts.background, counted(object == 0, false));
+}
+
+void KeyEvidence::use(const ColourCounts& counts) {
+  colours_ = densityOf(counts.object);
+  others_ = densityOf(counts.background);
+}
+
+void KeyEvidence::learnRatios(const cv::Mat& object) {
   // Ratios of shadows and highlights, each at the widths that noise gives them.
   const float low = options_.min_shadow, step = (options_.max_highlight - low) / kRatios;
   std::vector<double> histogram(kRatios, 0);
@@ -203,6 +240,7 @@ float KeyEvidence::ratioDensity(float ratio, float deviation) const {
 // Densities of the picture's colour at pixel i, three-dimensional, in units of noise.
 KeyEvidence::Background KeyEvidence::backgroundAt(int i) const {
   const cv::Vec3f &p = picture_.at<cv::Vec3f>(i), b = plate_.at<cv::Vec3f>(i);
+  if (!known_.empty() && !known_.at<uint8_t>(i)) return {others_[colourBin(p)], 0, 1};
   const cv::Vec3f off = p - b;
   const float v = variance_.at<float>(i), bb = std::max(b.dot(b), 1e-6f), length = std::sqrt(bb);
   Background out;

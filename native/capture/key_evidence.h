@@ -10,6 +10,12 @@
 
 namespace fourdvt::capture {
 
+// How often colours were seen, [red][green][blue] of kColourBins bins each: of several pictures of one camera, say.
+inline constexpr int kColourBins = 24;
+struct ColourCounts {
+  std::vector<float> object, background;
+};
+
 // Everything is divided by the sensor's noise per channel: a deviation of 1 is one standard deviation.
 class KeyEvidence {
  public:
@@ -19,9 +25,16 @@ class KeyEvidence {
   const cv::Mat& surelyObject() const { return object_; }
   // CV_8U: 255 where a neighbourhood of 5 × 5 looks as the plate does.
   const cv::Mat& surelyLit() const { return lit_; }
-  // Learns the colours of the object from the pixels of `object` (CV_8U), and the shadow's ratios from textured
-  // neighbourhoods outside it.
+  // CV_8U: 255 where the plates show the background; empty: everywhere. Elsewhere the colours of the background that
+  // was learnt stand in for the plates.
+  const cv::Mat& known() const { return known_; }
+  // Learns the colours of the object from the pixels of `object` (CV_8U), those of the background and the shadow's
+  // ratios from outside it.
   void learn(const cv::Mat& object);
+  // Adds the picture's colours, those of the object where `object` is not 0.
+  void count(const cv::Mat& object, ColourCounts& counts) const;
+  // Takes the colours from these counts.
+  void use(const ColourCounts& counts);
   // CV_32F: cost of being the object less the cost of being background, in nats.
   cv::Mat cost() const;
   // CV_32F: the most likely ratio of background and plate: 1, or that of a shadow.
@@ -33,7 +46,7 @@ class KeyEvidence {
   const cv::Mat& variance() const { return variance_; }
 
  private:
-  static constexpr int kRatios = 96, kWidths = 12, kColours = 24;
+  static constexpr int kRatios = 96, kWidths = 12, kColours = kColourBins;
   void measureNoise(const cv::Mat& picture, const cv::Mat& mean);
   struct Fit {
     cv::Mat lit, scaled;  // CV_32F: mean squared deviations of a neighbourhood, 1 ± √(2 / number of values) if it fits
@@ -45,17 +58,22 @@ class KeyEvidence {
     float lit = 0, shaded = 0, ratio = 1;  // densities, and the shadow's ratio
   };
   Background backgroundAt(int i) const;
+  std::vector<float> counted(const cv::Mat& mask, bool unsure_counts_less) const;
+  std::vector<float> densityOf(std::vector<float> counts) const;
+  void learnRatios(const cv::Mat& object);
   float objectDensity(const cv::Vec3f& colour) const;
   size_t colourBin(const cv::Vec3f& colour) const;
 
   const BackgroundKeyOptions options_;
   const float plate_noise_;  // the mean plate's variance, of the picture's
-  cv::Vec3f noise_;    // levels
+  cv::Vec3f noise_;          // levels
   cv::Mat picture_, plate_, variance_, extra_;
   cv::Mat object_, lit_, shaded_;
   cv::Mat lit_share_, shaded_share_;  // CV_32F: what the neighbourhoods leave of the two hypotheses
   std::vector<float> ratios_;         // [width][ratio] density
-  std::vector<float> colours_;        // [bin] density of the object, in units of noise
+  cv::Mat known_;
+  std::vector<float> colours_;  // [bin] density of the object, in units of noise
+  std::vector<float> others_;   // [bin] density of the background, where the plates do not show it
 };
 
 }  // namespace fourdvt::capture

@@ -149,8 +149,9 @@ Status applySkew(const std::map<std::string, double>& skew, Capture& capture) {
 }
 
 // Opening the reader checks that files are there and long enough; reading the first frame checks decoding and sizes.
-Status checkPictures(const Capture& capture, const CaptureSequence& sequence, const OpenVideo& open_video) {
-  FOURDVT_ASSIGN(auto reader, FrameReader::open(capture, sequence, open_video));
+Status checkPictures(const Capture& capture, const CaptureSequence& sequence, const OpenVideo& open_video,
+                     MatteNeed mattes) {
+  FOURDVT_ASSIGN(auto reader, FrameReader::open(capture, sequence, open_video, 0, mattes));
   auto frame = reader->next();
   return frame.ok() ? Status() : Status(frame.error());
 }
@@ -173,7 +174,7 @@ Result<std::vector<PinholeCamera>> readTestCameras(const Capture& capture) {
 }
 
 Result<Capture> openCapture(const std::string& folder, const OpenVideo& open_video,
-                            const std::vector<std::string>& only, MeshNeed need) {
+                            const std::vector<std::string>& only, MeshNeed need, MatteNeed mattes) {
   std::error_code failed;
   std::filesystem::path path = std::filesystem::absolute(folder, failed).lexically_normal();
   if (!path.has_filename()) path = path.parent_path();  // a slash at the end
@@ -187,7 +188,8 @@ Result<Capture> openCapture(const std::string& folder, const OpenVideo& open_vid
   FOURDVT_TRY(applySkew(declared.skew, capture));
   for (const DeclaredSequence& d : declared.sequences) capture.sequences.push_back(d.sequence);
   FOURDVT_TRY(checkMeshes(declared.sequences, capture));
-  for (const CaptureSequence& sequence : capture.sequences) FOURDVT_TRY(checkPictures(capture, sequence, open_video));
+  for (const CaptureSequence& sequence : capture.sequences)
+    FOURDVT_TRY(checkPictures(capture, sequence, open_video, mattes));
   return capture;
 }
 

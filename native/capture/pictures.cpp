@@ -27,6 +27,13 @@ std::optional<PicturePlace> findPictures(const std::string& folder, const std::s
   return std::nullopt;
 }
 
+Result<PicturePlace> colourPlace(const CaptureSequence& sequence, const CaptureCamera& camera) {
+  if (auto place = findPictures(sequence.folder, camera.pinhole.name)) return *place;
+  return Error{ErrorId::CameraMissingVideo, sequence.folder + "/" + camera.pinhole.name +
+                                                ".mp4: no video (.mp4, .mkv, .webm, .mov, .avi) and no folder with " +
+                                                "000000.png; add it, or remove the camera from images.txt"};
+}
+
 std::string matteStem(const std::string& camera_name) {
   return "mask" + (camera_name.starts_with("cam") ? camera_name.substr(3) : camera_name);
 }
@@ -39,12 +46,20 @@ Result<Image> readPicture(const std::string& path, int channels) {
   try {
     const cv::Mat encoded(1, static_cast<int>(bytes->size()), CV_8U, const_cast<char*>(bytes->data()));
     const int mode = channels == 1 ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR;
-    cv::Mat decoded = cv::imdecode(encoded, mode | cv::IMREAD_IGNORE_ORIENTATION);
+    cv::Mat decoded =
+        cv::imdecode(encoded, channels == 4 ? int(cv::IMREAD_UNCHANGED) : mode | cv::IMREAD_IGNORE_ORIENTATION);
     if (decoded.empty()) return bad;
+    if (channels == 4) {
+      if (decoded.depth() != CV_8U) return bad;
+      if (decoded.channels() != 4)
+        cv::cvtColor(decoded, decoded, decoded.channels() == 1 ? cv::COLOR_GRAY2BGRA : cv::COLOR_BGR2BGRA);
+    }
     Image image(decoded.cols, decoded.rows, channels);
     cv::Mat out(decoded.rows, decoded.cols, CV_8UC(channels), image.pixels.data());
     if (channels == 1)
       decoded.copyTo(out);
+    else if (channels == 4)
+      cv::cvtColor(decoded, out, cv::COLOR_BGRA2RGBA);
     else
       cv::cvtColor(decoded, out, cv::COLOR_BGR2RGB);
     return image;

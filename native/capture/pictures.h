@@ -22,13 +22,17 @@ struct PicturePlace {
 // none.
 std::optional<PicturePlace> findPictures(const std::string& folder, const std::string& stem);
 
+// A camera's colour pictures in a sequence. Errors: CameraMissingVideo.
+Result<PicturePlace> colourPlace(const CaptureSequence& sequence, const CaptureCamera& camera);
+
 // Returns true for an existing file that is no folder.
 bool isFile(const std::string& path);
 
 // Name of a camera's matte: cam03 → mask03, other → maskother.
 std::string matteStem(const std::string& camera_name);
 
-// Reads a PNG or JPEG as 3 channels (RGB) or 1. Errors: FileMissing, FileUnreadable.
+// Reads a PNG or JPEG as 3 channels (RGB), 1, or 4 (RGBA; opaque where the file has no alpha). Errors: FileMissing,
+// FileUnreadable.
 Result<Image> readPicture(const std::string& path, int channels);
 
 class PictureStream {

@@ -33,9 +33,11 @@ Kept keptBy(const Image& matte) {
 Result<PlateKey> PlateKey::open(const Capture& capture, const CaptureCamera& camera) {
   const std::string& name = camera.pinhole.name;
   PlateKey key;
-  FOURDVT_ASSIGN(auto read, readPlates(capture, camera,
-                                       "no readable plate of the empty studio, and camera \"" + name +
-                                           "\" has no mattes; add " + matteStem(name) + ".mkv or the plate"));
+  FOURDVT_ASSIGN(auto read,
+                 readPlates(capture, camera,
+                            "no readable plate of the empty studio, and camera \"" + name + "\" has no mattes; add " +
+                                matteStem(name) + ".mkv or the plate, or make mattes without plates: fourdvt mattes " +
+                                capture.folder));
   std::vector<Image>& plates = read.pictures;
   key.path_ = read.path;
   key.natural_ = capture.background_kind == BackgroundKind::Natural ||
@@ -53,6 +55,13 @@ Image PlateKey::matte(const Image& picture, float* residual_levels) const {
   const PlateFit fit = fitPlate(model_, picture);
   if (residual_levels) *residual_levels = fit.residual_levels;
   return backgroundKey(picture, fit.background);
+}
+
+Error plateDoesNotFit(const std::string& plate, const std::string& pictures, const std::string& camera) {
+  return {ErrorId::FileUnreadable,
+          plate + ": the plate does not fit the pictures of " + pictures +
+              ", which differ from it nearly everywhere; take it again with the camera, the light and the " +
+              "exposure of the recording, or add " + matteStem(camera) + ".mkv"};
 }
 
 bool keepsTheBorder(const Image& matte) {

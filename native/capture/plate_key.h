@@ -18,7 +18,8 @@ class PlateKey {
   // One channel. `picture`: RGB, as distorted as the plates. `residual_levels`: see PlateFit; 0 for a chroma key.
   Image matte(const Image& picture, float* residual_levels = nullptr) const;
   bool natural() const { return natural_; }
-  const std::string& path() const { return path_; }  // of the first plate
+  const BackgroundModel& model() const { return model_; }  // of a natural background
+  const std::string& path() const { return path_; }        // of the first plate
 
  private:
   std::string path_;
@@ -32,5 +33,9 @@ class PlateKey {
 bool looksInverted(const Image& matte);
 // Whether a matte keeps most of the picture and nearly all of its border, as it does where a plate does not fit.
 bool keepsTheBorder(const Image& matte);
+
+inline constexpr float kMostResidual = 15;  // levels, in half of the pixels: a plate that fits leaves less
+// What to say of a plate that does not fit. Error: FileUnreadable.
+Error plateDoesNotFit(const std::string& plate, const std::string& pictures, const std::string& camera);
 
 }  // namespace fourdvt::capture

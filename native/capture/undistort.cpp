@@ -2,6 +2,7 @@
 #include "capture/undistort.h"
 
 #include <cmath>
+#include <limits>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -79,6 +80,21 @@ Image Undistorter::apply(Image picture) const {
   cv::remap(from, to, maps_->xy, maps_->fraction, matte ? cv::INTER_LINEAR : cv::INTER_CUBIC,
             matte ? cv::BORDER_CONSTANT : cv::BORDER_REPLICATE);
   return out;
+}
+
+glm::dvec2 pinholePixel(const CaptureCamera& camera, const glm::dvec2& filmed_pixel) {
+  if (!camera.distortion.any()) return filmed_pixel;
+  constexpr double kStep = 0.01, kEnough = 1e-4;  // pixels
+  glm::dvec2 at = filmed_pixel;
+  for (int round = 0; round < 30; ++round) {
+    const glm::dvec2 here = filmedPixel(camera, at), off = filmed_pixel - here;
+    if (glm::length(off) < kEnough) return at;
+    const glm::dmat2 slope((filmedPixel(camera, at + glm::dvec2(kStep, 0)) - here) / kStep,
+                           (filmedPixel(camera, at + glm::dvec2(0, kStep)) - here) / kStep);
+    if (!(glm::determinant(slope) > 1e-3)) break;  // the lens's formula turns back here
+    at += glm::inverse(slope) * off;
+  }
+  return glm::dvec2(std::numeric_limits<double>::quiet_NaN());
 }
 
 }  // namespace fourdvt::capture

@@ -2,6 +2,7 @@
 // Removes lens distortion and skew. The maps are computed once per camera.
 #pragma once
 
+#include <glm/glm.hpp>
 #include <memory>
 
 #include "base/image.h"
@@ -11,6 +12,9 @@ namespace fourdvt::capture {
 
 // The pixel at which the lens images what the camera's pinhole shows at `pinhole_pixel`.
 glm::dvec2 filmedPixel(const CaptureCamera& camera, const glm::dvec2& pinhole_pixel);
+
+// The inverse: the pinhole's pixel that the lens images at `filmed_pixel`. NaN where the lens's formula has none.
+glm::dvec2 pinholePixel(const CaptureCamera& camera, const glm::dvec2& filmed_pixel);
 
 class Undistorter {
  public:

@@ -269,6 +269,14 @@ TEST(CaptureBackgroundKey, PlatesOfABackdropAreTold) {
   EXPECT_TRUE(isChromaPlate(blue));
   EXPECT_FALSE(isChromaPlate(grey));
   EXPECT_FALSE(isChromaPlate(Scene().picture(0)));
+  // A green floor before bluish walls is a room, though all of it is about as saturated.
+  Image room(kWidth, kHeight, 3);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      for (uint32_t c = 0; c < 3; ++c)
+        room.at(x, y)[c] =
+            (y > kHeight / 2 ? std::array<uint8_t, 3>{60, 145, 95} : std::array<uint8_t, 3>{60, 138, 110})[c];
+  EXPECT_FALSE(isChromaPlate(room));
   for (int camera = 0; camera < 8; ++camera) {
     const auto plate = platform::readImage(kSample + "/background/cam0" + std::to_string(camera) + ".png");
     ASSERT_TRUE(plate);

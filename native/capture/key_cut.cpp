@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/key_cut.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "capture/key_evidence.h"
+#include "capture/matte_cut.h"
+
+namespace fourdvt::capture {
+namespace {
+
+constexpr float kContrast = 5;       // in units of noise: a step at which a border costs e^-½ of its price
+constexpr int kMinSpeck = 12;        // pixels
+constexpr float kLeastPart = 0.01f;  // of the largest part
+constexpr float kMinBorder = 0.15f;  // … which never falls below this share
+
+cv::Mat disc(int radius) { return cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * radius + 1, 2 * radius + 1}); }
+
+// A border of the object is a step in the picture that the plate has not: both the picture's step and its difference to
+// the plate's must be there.
+cv::Mat borderCosts(const KeyEvidence& evidence, int dx, int dy, float price) {
+  const cv::Mat &picture = evidence.picture(), &plate = evidence.plate();
+  cv::Mat out(picture.size(), CV_32F, cv::Scalar(price));
+  for (int y = 0; y + dy < picture.rows; ++y)
+    for (int x = std::max(0, -dx); x + std::max(0, dx) < picture.cols; ++x) {
+      const cv::Vec3f step = picture.at<cv::Vec3f>(y + dy, x + dx) - picture.at<cv::Vec3f>(y, x);
+      const cv::Vec3f other = step - (plate.at<cv::Vec3f>(y + dy, x + dx) - plate.at<cv::Vec3f>(y, x));
+      const bool known = evidence.known().empty() ||
+                         (evidence.known().at<uint8_t>(y, x) != 0 && evidence.known().at<uint8_t>(y + dy, x + dx) != 0);
+      // Noise alone gives 6 and 6 × (variance).
+      const float here = step.dot(step) - 6, apart = other.dot(other) - 6 * evidence.variance().at<float>(y, x);
+      const float seen = std::max(0.0f, known ? std::min(here, apart) : here);
+      out.at<float>(y, x) = price * (kMinBorder + (1 - kMinBorder) * std::exp(-0.5f * seen / (kContrast * kContrast)));
+    }
+  return out;
+}
+
+// Drops parts of the object that have fewer pixels than this or than a share of the largest part, and fills holes of
+// fewer pixels than this.
+void dropSpecks(cv::Mat& mask, int pixels) {
+  for (int pass = 0; pass < 2; ++pass) {
+    cv::Mat labels, stats, centres;
+    const int count = cv::connectedComponentsWithStats(mask, labels, stats, centres, pass == 0 ? 8 : 4, CV_32S);
+    int least = pixels;
+    for (int label = 1; pass == 0 && label < count; ++label)
+      least = std::max(least, int(kLeastPart * float(stats.at<int>(label, cv::CC_STAT_AREA))));
+    for (int i = 0; i < int(mask.total()); ++i) {
+      const int label = labels.at<int>(i);
+      if (label > 0 && label < count && stats.at<int>(label, cv::CC_STAT_AREA) < least) mask.at<uint8_t>(i) = 0;
+    }
+    cv::bitwise_not(mask, mask);
+  }
+}
+
+// The mean of `values` (CV_32FC1 or C3) over the neighbours that `mask` has, and in `weight` how many they are.
+cv::Mat meanWhere(const cv::Mat& values, const cv::Mat& mask, cv::Mat& weight) {
+  cv::Mat share, sum, masked = cv::Mat::zeros(values.size(), values.type());
+  mask.convertTo(share, CV_32F, 1 / 255.0);
+  values.copyTo(masked, mask);
+  cv::GaussianBlur(masked, sum, {13, 13}, 2.2);
+  cv::GaussianBlur(share, weight, {13, 13}, 2.2);
+  for (int i = 0; i < int(sum.total()); ++i) {
+    const float w = std::max(weight.at<float>(i), 1e-6f);
+    if (values.channels() == 3)
+      sum.at<cv::Vec3f>(i) /= w;
+    else
+      sum.at<float>(i) /= w;
+  }
+  return sum;
+}
+
+// Within a pixel or two of the outline, the share of the object that mixes plate and object to what the picture shows.
+// The outline itself, blurred, is one measurement more, the better one where plate and object look alike.
+Image softened(const KeyEvidence& evidence, const cv::Mat& mask, float blur_pixels) {
+  constexpr float kShapeVariance = 0.03f, kTextureVariance = 4;
+  cv::Mat inner, outer, beyond, shape, weight_object, weight_ratio;
+  cv::erode(mask, inner, disc(1), {-1, -1}, 1, cv::BORDER_REPLICATE);
+  cv::dilate(mask, outer, disc(1), {-1, -1}, 1, cv::BORDER_REPLICATE);
+  cv::bitwise_not(outer, beyond);
+  mask.convertTo(shape, CV_32F, 1 / 255.0);
+  cv::GaussianBlur(shape, shape, {0, 0}, blur_pixels, 0, cv::BORDER_REPLICATE);
+  const cv::Mat object = meanWhere(evidence.picture(), inner, weight_object);
+  const cv::Mat ratio = meanWhere(evidence.ratio(), beyond, weight_ratio);
+  Image out(mask.cols, mask.rows, 1);
+  for (int i = 0; i < int(mask.total()); ++i) {
+    out.pixels[size_t(i)] = mask.at<uint8_t>(i);
+    if (inner.at<uint8_t>(i) || !outer.at<uint8_t>(i)) continue;
+    float alpha = shape.at<float>(i);
+    if (weight_object.at<float>(i) > 0.01f && weight_ratio.at<float>(i) > 0.01f) {
+      const cv::Vec3f behind = ratio.at<float>(i) * evidence.plate().at<cv::Vec3f>(i);
+      const cv::Vec3f step = object.at<cv::Vec3f>(i) - behind, seen = evidence.picture().at<cv::Vec3f>(i) - behind;
+      const float contrast = std::max(step.dot(step), 1e-3f);
+      const float mixed = std::clamp(seen.dot(step) / contrast, 0.0f, 1.0f);
+      const float variance = (evidence.variance().at<float>(i) + kTextureVariance) / contrast;
+      alpha = (alpha / kShapeVariance + mixed / variance) / (1 / kShapeVariance + 1 / variance);
+    }
+    out.pixels[size_t(i)] = static_cast<uint8_t>(std::lround(255 * std::clamp(alpha, 0.0f, 1.0f)));
+  }
+  return out;
+}
+
+}  // namespace
+
+struct KeyCut::Parts {
+  KeyEvidence evidence;
+  BackgroundKeyOptions options;
+  CutCosts borders;
+  cv::Mat open;  // CV_8U: 0 where nothing needs to be decided
+};
+
+KeyCut::KeyCut(const Image& picture, const BackgroundModel& background, const BackgroundKeyOptions& options)
+    : parts_(new Parts{KeyEvidence(picture, background, options), options, {}, {}}) {
+  assert(picture.channels == 3 && picture.width == background.width && picture.height == background.height);
+  const KeyEvidence& evidence = parts_->evidence;
+  parts_->borders = {{},
+                     borderCosts(evidence, 1, 0, options.smoothness),
+                     borderCosts(evidence, 0, 1, options.smoothness),
+                     borderCosts(evidence, 1, 1, options.smoothness * 0.7071f),
+                     borderCosts(evidence, -1, 1, options.smoothness * 0.7071f)};
+  // Where wide surroundings look as the plate does nothing needs to be decided.
+  cv::erode(evidence.surelyLit(), parts_->open, disc(3), {-1, -1}, 1, cv::BORDER_REPLICATE);
+  cv::bitwise_not(parts_->open, parts_->open);
+}
+KeyCut::~KeyCut() = default;
+KeyCut::KeyCut(KeyCut&&) noexcept = default;
+KeyCut& KeyCut::operator=(KeyCut&&) noexcept = default;
+
+cv::Mat KeyCut::cut(const cv::Mat& more_cost) const {
+  CutCosts costs = parts_->borders;
+  costs.object_minus_background = parts_->evidence.cost();
+  cv::Mat open = parts_->open;
+  if (!more_cost.empty()) {
+    costs.object_minus_background += more_cost;
+    open = open | (more_cost < 0);
+  }
+  return cheapestCut(costs, cv::Mat::zeros(open.size(), CV_8U), open);
+}
+
+cv::Mat KeyCut::cutNear(const cv::Mat& given, const cv::Mat& near, const cv::Mat& more_cost) const {
+  CutCosts costs = parts_->borders;
+  costs.object_minus_background = parts_->evidence.cost();
+  if (!more_cost.empty()) costs.object_minus_background += more_cost;
+  return cheapestCut(costs, given, near);
+}
+
+void KeyCut::learn(const cv::Mat& object) {
+  cv::Mat inner;
+  cv::erode(object, inner, disc(2));
+  parts_->evidence.learn(inner);
+}
+
+void KeyCut::count(const cv::Mat& object, ColourCounts& counts) const { parts_->evidence.count(object, counts); }
+void KeyCut::use(const ColourCounts& counts) { parts_->evidence.use(counts); }
+
+Image KeyCut::matte(cv::Mat object) const {
+  const BackgroundKeyOptions& o = parts_->options;
+  object = object.clone();
+  dropSpecks(object, std::max(kMinSpeck, int(std::lround(o.speck_share * float(object.total())))));
+  return softened(parts_->evidence, object, o.blur_pixels);
+}
+
+Image backgroundKey(const Image& picture, const BackgroundModel& background, const BackgroundKeyOptions& options) {
+  KeyCut key(picture, background, options);
+  cv::Mat object = key.cut();
+  for (int round = 1; round < options.rounds; ++round) {
+    key.learn(object);
+    object = key.cut();
+  }
+  return key.matte(object);
+}
+
+}  // namespace fourdvt::capture
