@@ -23,6 +23,10 @@ const CommandHelp& help() {
       "CAPTURE2/reconstruct.html.",
       {{"-o", "CAPTURE2", "folder to write (required)"},
        {"--sequences", "A,B", "only these sequences (default: all)"},
+       {"--leave-out", "A,B", "cameras that the new capture shall not have"},
+       {"--mattes-alone", nullptr,
+        "missing mattes are made by every camera by itself (default: cameras help each other, see fourdvt mattes)"},
+       {"--any-silhouettes", nullptr, "go on although no common volume explains the silhouettes of the first frame"},
        {"--hull", "KIND",
         "volumetric (voxels; default), or polyhedral (exact intersection of the silhouettes' cones, few triangles; "
         "volumetric in frames where the polyhedron fails its checks)"},
@@ -49,6 +53,9 @@ ReconstructOptions readOptions(Args& args) {
   o.capture_folder = args.positional();
   o.folder = args.required("-o");
   o.sequences = args.list("--sequences");
+  o.leave_out = args.list("--leave-out");
+  o.mattes_alone = args.has("--mattes-alone");
+  o.any_silhouettes = args.has("--any-silhouettes");
   o.hull = choice(args, "--hull", o.hull, {{"polyhedral", HullKind::Polyhedral}, {"volumetric", HullKind::Volumetric}});
   o.contour_tolerance_px = args.number("--contour-tolerance", o.contour_tolerance_px, 0.25, 8);
   if (args.has("--voxel-mm")) o.voxel_m = args.number("--voxel-mm", 5, 1e-3, 1e4) / 1e3;

@@ -54,6 +54,8 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"import a -o b --up W", "--up must be X, -X, Y, -Y, Z or -Z"},
         Mistake{"import a -o b --scale 0", "--scale"}, Mistake{"import a -o b --fps 0", "--fps"},
         Mistake{"import a -o b --sequences walk", "NAME=FOLDER"}, Mistake{"import a -o b --sequences w=a,w=b", "twice"},
+        Mistake{"mattes", "missing argument"}, Mistake{"mattes a", "-o is required"},
+        Mistake{"mattes a -o b --preview 0", "--preview"}, Mistake{"mattes a -o b --resume=1", "--resume"},
         Mistake{"inspect", "missing argument"}, Mistake{"inspect a --verbose", "--verbose"},
         Mistake{"render a", "--turntable"}, Mistake{"render a -o b.gif", ".png"},
         Mistake{"render a -o b.png --size 720", "--size"}, Mistake{"render a -o b.png --size 0x9", "--size"},

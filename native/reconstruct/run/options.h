@@ -17,6 +17,9 @@ enum class HullKind { Polyhedral, Volumetric };
 struct ReconstructOptions {
   std::string capture_folder, folder;  // read, written
   std::vector<std::string> sequences;  // empty: all
+  std::vector<std::string> leave_out;  // cameras
+  bool mattes_alone = false;           // missing mattes: every camera by itself
+  bool any_silhouettes = false;        // go on although no common volume explains the silhouettes
   HullKind hull = HullKind::Volumetric;
   double contour_tolerance_px = 1;  // polyhedral: how far a polygon may be from the outline, 0.25 to 8
   double voxel_m = 0;               // volumetric hull and stereo; 0: by the pictures, see scale.h

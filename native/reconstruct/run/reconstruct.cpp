@@ -7,9 +7,12 @@
 #include <opencv2/core/utility.hpp>
 #include <optional>
 
+#include "capture/folder/linked_capture.h"
+#include "mattes/agreement.h"
+#include "mattes/run/matte_sources.h"
+#include "mattes/run/mattes.h"
 #include "reconstruct/run/frame_store.h"
 #include "reconstruct/run/frame_surface.h"
-#include "reconstruct/run/linked_capture.h"
 #include "reconstruct/run/report.h"
 
 namespace fourdvt::reconstruct {
@@ -17,6 +20,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+const capture::FolderWriter kWriter{"reconstruct", kReportJson};
 constexpr uint32_t kWindow = 32;  // frames after which a surface no longer depends on those before
 
 double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -27,18 +31,20 @@ class Run {
       : options_(options),
         environment_(environment),
         capture_(capture),
-        store_(options.folder, capture.metres_per_unit) {
+        folder_(options.folder, kWriter),
+        store_(folder_, capture.metres_per_unit) {
     for (const capture::CaptureCamera& camera : capture.cameras) cameras_.push_back(camera.pinhole);
     for (const capture::CaptureSequence& sequence : capture.sequences) total_ += sequence.frame_count;
   }
 
   Result<ReconstructSummary> run() {
     FOURDVT_ASSIGN(auto maker, SurfaceMaker::create(options_, capture_.cameras, environment_.device));
-    FOURDVT_TRY(store_.open(settingsKey(options_, capture_), options_.resume));
+    FOURDVT_TRY(folder_.open(settingsKey(options_, capture_), options_.resume));
     std::vector<std::string> names;
     for (const capture::CaptureSequence& sequence : capture_.sequences) names.push_back(sequence.name);
-    FOURDVT_TRY(linkCapture(capture_.folder, store_.resultFolder(), names));
-    FOURDVT_TRY(checkLinks(names));
+    FOURDVT_TRY(capture::linkCapture(capture_, folder_.partFolder(), {names, true, options_.leave_out}));
+    FOURDVT_TRY(openLinked(names, capture::MatteNeed::None));
+    FOURDVT_TRY(addMattes(names));
     std::vector<ReconstructedSequence> done;
     ReportPictures pictures;
     for (const capture::CaptureSequence& sequence : capture_.sequences) {
@@ -48,22 +54,70 @@ class Run {
     tell("report");
     ReconstructSummary summary = summarise(capture_, done);
     summary.frames_kept = kept_;
+    summary.warnings.insert(summary.warnings.begin(), matte_warnings_.begin(), matte_warnings_.end());
     summary.wall_s = since(started_);
-    FOURDVT_TRY(writeReport(store_.resultFolder(), options_, capture_, done, pictures, summary));
-    FOURDVT_TRY(store_.finish());
+    FOURDVT_TRY(writeReport(folder_.partFolder(), options_, capture_, done, pictures, summary));
+    FOURDVT_TRY(folder_.finish());
     return summary;
   }
 
  private:
-  // Everything that the new capture.json names must be found from the new folder.
-  Status checkLinks(const std::vector<std::string>& names) const {
-    const auto linked =
-        capture::openCapture(store_.resultFolder(), environment_.open_video, names, capture::MeshNeed::Nothing);
-    if (linked.ok()) return {};
+  // Everything that the new capture.json names must be found from the new folder, from which frames are read.
+  Status openLinked(const std::vector<std::string>& names, capture::MatteNeed need) {
+    auto linked =
+        capture::openCapture(folder_.partFolder(), environment_.open_video, names, capture::MeshNeed::Nothing, need);
+    if (linked.ok()) {
+      linked_ = linked.take();
+      return {};
+    }
+    if (need == capture::MatteNeed::Required) return linked.error();
     return Error{linked.error().id, capture_.folder +
                                         "/capture.json: names files outside of the capture or in a sequence that is "
                                         "left out; move them into folders of their own inside it (" +
                                         linked.error().message + ")"};
+  }
+
+  // Makes the mattes that are missing, cameras together; colour keys are made as frames are read.
+  Status addMattes(const std::vector<std::string>& names) {
+    FOURDVT_ASSIGN(const bool wanted, mattes::wantsMattes(capture_));
+    if (!wanted) return openLinked(names, capture::MatteNeed::Required);
+    mattes::MattesOptions options;
+    options.alone = options_.mattes_alone;
+    options.any_silhouettes = options_.any_silhouettes;
+    mattes::MattesEnvironment environment{environment_.open_video, {}, environment_.stop};
+    environment.progress = [&](const mattes::MattesProgress& p) {
+      if (environment_.progress) environment_.progress({p.stage, p.done, p.total, p.frames_per_s, p.left_s});
+    };
+    FOURDVT_ASSIGN(const auto summary,
+                   mattes::addMattes(capture_, folder_.partFolder(), folder_.workFolder(), options, environment));
+    matte_warnings_ = summary.warnings;
+    FOURDVT_TRY(openLinked(names, capture::MatteNeed::Required));
+    started_ = Clock::now();
+    return {};
+  }
+
+  // Silhouettes that no common volume explains make no surface: said after the first frame.
+  Status checkAgreement(const capture::CaptureSequence& sequence, uint32_t frame, const std::vector<Image>& pictures) {
+    if (options_.any_silhouettes || options_.mattes_alone || agreed_ == sequence.name) return {};
+    std::vector<capture::CaptureCamera> cameras;
+    std::vector<cv::Mat> masks;
+    size_t seeing = 0;
+    for (size_t i = 0; i < pictures.size(); ++i) {
+      cameras.push_back({cameras_[i], {}});
+      cv::Mat mask(pictures[i].height, pictures[i].width, CV_8U);
+      for (int k = 0; k < int(mask.total()); ++k)
+        mask.at<uint8_t>(k) = pictures[i].pixels[4 * size_t(k) + 3] >= 128 ? 255 : 0;
+      masks.push_back(mask);
+      seeing += cv::countNonZero(mask) > 0;
+    }
+    if (seeing < 3) return {};
+    agreed_ = sequence.name;
+    const auto why = mattes::disagreement(cameras, masks);
+    if (!why) return {};
+    return Error{ErrorId::InvalidArgument,
+                 sequence.folder + ", frame " + std::to_string(frame) + ": " + *why +
+                     "; check that camera's matte, calibration and synchronisation, leave it out (--leave-out NAME), "
+                     "or go on all the same (--any-silhouettes)"};
   }
 
   // The frame to go on with: stereo keeps surfaces steady, so that they depend on the frames before them in a window.
@@ -89,7 +143,8 @@ class Run {
   Result<std::vector<FrameFigures>> runSequence(const capture::CaptureSequence& sequence, SurfaceMaker& maker,
                                                 ReportPictures& pictures) {
     FOURDVT_TRY(store_.makeFolders(sequence.name));
-    FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(capture_, sequence, environment_.open_video));
+    FOURDVT_ASSIGN(auto reader,
+                   capture::FrameReader::open(linked_, *linked_.find(sequence.name), environment_.open_video));
     std::vector<FrameFigures> out;
     const auto earliest = store_.find(sequence.name, 0);
     FOURDVT_TRY(maker.begin(earliest ? &*earliest : nullptr));
@@ -103,12 +158,13 @@ class Run {
       }
       if (environment_.stop && *environment_.stop) {
         return Error{ErrorId::Interrupted,
-                     "stopped; finished frames are kept in " + store_.resultFolder() + " for --resume"};
+                     "stopped; finished frames are kept in " + folder_.partFolder() + " for --resume"};
       }
       const auto begun = Clock::now();
       reader->skipTo(frame);
       FOURDVT_ASSIGN(const auto captured, reader->next());
       const double read_ms = since(begun) * 1e3;
+      FOURDVT_TRY(checkAgreement(sequence, frame, captured.pictures));
       if (frame % kWindow == 0) maker.forget();
       auto surface = maker.make(captured.pictures);
       if (!surface.ok()) {
@@ -139,6 +195,10 @@ class Run {
   const ReconstructOptions& options_;
   const ReconstructEnvironment& environment_;
   const capture::Capture& capture_;
+  capture::Capture linked_;  // the new folder, where mattes are
+  std::string agreed_;       // name of the last sequence whose silhouettes were judged
+  std::vector<std::string> matte_warnings_;
+  capture::ResultFolder folder_;
   FrameStore store_;
   std::vector<PinholeCamera> cameras_;
   Clock::time_point started_ = Clock::now();
@@ -155,14 +215,15 @@ std::string ReconstructOptions::check() const {
 
 Result<ReconstructSummary> reconstruct(const ReconstructOptions& given, const ReconstructEnvironment& environment) {
   ReconstructOptions options = given;
-  FOURDVT_ASSIGN(options.folder, checkedTarget(given));
+  FOURDVT_ASSIGN(options.folder, capture::checkedTarget(given.folder, given.capture_folder, kWriter));
   std::optional<tbb::global_control> threads;  // OpenVDB's; the others are OpenCV's
   if (options.jobs > 0) {
     cv::setNumThreads(options.jobs);
     threads.emplace(tbb::global_control::max_allowed_parallelism, size_t(options.jobs));
   }
-  FOURDVT_ASSIGN(const auto capture, capture::openCapture(options.capture_folder, environment.open_video,
-                                                          options.sequences, capture::MeshNeed::Nothing));
+  FOURDVT_ASSIGN(auto capture, capture::openCapture(options.capture_folder, environment.open_video, options.sequences,
+                                                    capture::MeshNeed::Nothing, capture::MatteNeed::None));
+  FOURDVT_TRY(capture::leaveOut(options.leave_out, capture));
   return Run(options, environment, capture).run();
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruct/run/linked_capture.h"
+#include "capture/folder/linked_capture.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -9,7 +9,7 @@
 #include "platform/files.h"
 #include "platform/folders.h"
 
-namespace fourdvt::reconstruct {
+namespace fourdvt::capture {
 namespace {
 
 namespace fs = std::filesystem;
@@ -31,8 +31,14 @@ Status linkOne(const fs::path& from, const fs::path& to) {
                                          failed.message() + "; check space and permissions"};
 }
 
-// The report of an earlier reconstruction: written through a link, it would change that one's.
-bool isReport(const std::string& name) { return name.starts_with("reconstruct.") || name.starts_with("reconstruct-"); }
+constexpr const char* kKeptCameras = "cameras_kept";  // the calibration without the cameras that are left out
+
+// The report of an earlier command: written through a link, it would change that one's.
+bool isReport(const std::string& name) {
+  for (const char* start : {"reconstruct.", "reconstruct-", "mattes.", "mattes-"})
+    if (name.starts_with(start)) return true;
+  return false;
+}
 
 // Whether the entry of a sequence's folder belongs to its meshes, as capture.json names them or at their usual place.
 bool isMesh(const fs::path& entry, const fs::path& folder, const Json& sequence) {
@@ -57,18 +63,39 @@ Result<std::vector<fs::path>> entriesOf(const fs::path& folder) {
                                          "; check that it is there and may be read"};
 }
 
-Status linkSequence(const fs::path& from, const fs::path& to, const Json& sequence) {
+Status linkSequence(const fs::path& from, const fs::path& to, const Json& sequence, bool own_meshes) {
   const std::string name = sequence.value("name", "");
-  FOURDVT_TRY(platform::makeFolder((to / name / kMeshFolder).string()));
+  FOURDVT_TRY(platform::makeFolder((to / name / (own_meshes ? kMeshFolder : "")).string()));
   FOURDVT_ASSIGN(const auto entries, entriesOf(from / name));
   for (const fs::path& entry : entries)
-    if (!isMesh(entry, from, sequence)) FOURDVT_TRY(linkOne(entry, to / name / entry.filename()));
+    if (!own_meshes || !isMesh(entry, from, sequence)) FOURDVT_TRY(linkOne(entry, to / name / entry.filename()));
   return {};
+}
+
+// The calibration of the cameras that `capture` still has, and its place in capture.json.
+Status writeKept(const Capture& capture, const std::string& to, const LinkOptions& options, Json& json) {
+  if (options.leave_out.empty()) return {};
+  const std::string folder = to + "/" + kKeptCameras;
+  FOURDVT_TRY(platform::makeFolder(folder));
+  const ColmapText text = colmapText(capture.cameras, capture.metres_per_unit);
+  FOURDVT_TRY(platform::writeFileAtomic(folder + "/cameras.txt", text.cameras));
+  FOURDVT_TRY(platform::writeFileAtomic(folder + "/images.txt", text.images));
+  json["calibration"]["ring"] = kKeptCameras;
+  Json& calibration = json["calibration"];
+  if (!calibration.contains("skew") || !calibration["skew"].is_object()) return {};
+  for (const std::string& name : options.leave_out) calibration["skew"].erase(name);
+  return {};
+}
+
+Json withOwnMeshes(Json sequence) {
+  sequence["mesh"] = sequence.value("name", "") + "/" + kMeshFolder + "/%06d.ply";
+  return sequence;
 }
 
 }  // namespace
 
-Status linkCapture(const std::string& from, const std::string& to, const std::vector<std::string>& sequences) {
+Status linkCapture(const Capture& capture, const std::string& to, const LinkOptions& options) {
+  const std::string& from = capture.folder;
   std::ifstream file(from + "/capture.json");
   Json json = Json::parse(file, nullptr, false);
   if (!json.is_object() || !json.contains("sequences") || !json["sequences"].is_array())
@@ -81,24 +108,42 @@ Status linkCapture(const std::string& from, const std::string& to, const std::ve
   FOURDVT_ASSIGN(const auto entries, entriesOf(from));
   for (const fs::path& entry : entries) {
     const std::string name = entry.filename().string();
-    const bool of_meshes = std::any_of(listed.begin(), listed.end(),
-                                       [&](const Json& s) { return s.is_object() && isMesh(entry, from, s); });
+    const bool of_meshes = options.own_meshes && std::any_of(listed.begin(), listed.end(), [&](const Json& s) {
+                             return s.is_object() && isMesh(entry, from, s);
+                           });
     if (name == "capture.json" || of_meshes || isReport(name) || std::find(all.begin(), all.end(), name) != all.end())
       continue;
+    if (name == kKeptCameras && !options.leave_out.empty()) continue;
     FOURDVT_TRY(linkOne(entry, fs::path(to) / name));
   }
   Json kept = Json::array();
-  for (Json sequence : json["sequences"]) {
-    const std::string name = nameOf(sequence);
-    if (std::find(sequences.begin(), sequences.end(), name) == sequences.end()) continue;
-    FOURDVT_TRY(linkSequence(from, to, sequence));
-    sequence["mesh"] = name + "/" + kMeshFolder + "/%06d.ply";
-    kept.push_back(std::move(sequence));
+  for (const Json& sequence : json["sequences"]) {
+    if (std::find(options.sequences.begin(), options.sequences.end(), nameOf(sequence)) == options.sequences.end())
+      continue;
+    FOURDVT_TRY(linkSequence(from, to, sequence, options.own_meshes));
+    kept.push_back(options.own_meshes ? withOwnMeshes(sequence) : sequence);
   }
   json["sequences"] = std::move(kept);
-  json["topology"] = "per-frame";
-  json.erase("classes");
+  if (options.own_meshes) {
+    json["topology"] = "per-frame";
+    json.erase("classes");
+  }
+  FOURDVT_TRY(writeKept(capture, to, options, json));
   return platform::writeFileAtomic(to + "/capture.json", json.dump(2) + "\n");
 }
 
-}  // namespace fourdvt::reconstruct
+Status leaveOut(const std::vector<std::string>& names, Capture& capture) {
+  for (const std::string& name : names) {
+    const auto at = std::find_if(capture.cameras.begin(), capture.cameras.end(),
+                                 [&](const CaptureCamera& c) { return c.pinhole.name == name; });
+    if (at == capture.cameras.end())
+      return Error{ErrorId::InvalidArgument,
+                   "--leave-out " + name + ": no camera of " + capture.cameras_folder + " has this name"};
+    capture.cameras.erase(at);
+  }
+  if (!names.empty() && capture.cameras.size() < 2)
+    return Error{ErrorId::InvalidArgument, "--leave-out: fewer than two cameras would be left; name fewer"};
+  return {};
+}
+
+}  // namespace fourdvt::capture

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/folder/result_folder.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "base/hash.h"
+#include "capture/folder/linked_capture.h"
+#include "platform/files.h"
+#include "platform/folders.h"
+
+namespace fourdvt::capture {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Names relative to `folder`, sizes and times of all files below it, except meshes and held-out pictures.
+std::vector<std::string> filesOf(const std::string& folder) {
+  std::vector<std::string> files;
+  std::error_code failed, ignored;
+  constexpr auto kFollow = fs::directory_options::follow_directory_symlink;
+  for (fs::recursive_directory_iterator it(folder, kFollow, failed), end; !failed && it != end; it.increment(failed)) {
+    const std::string name = it->path().filename().string();
+    if (it.depth() == 0 && (name == kMeshFolder || name.starts_with("test"))) {
+      it.disable_recursion_pending();
+      continue;
+    }
+    if (!it->is_regular_file(ignored)) continue;
+    files.push_back(it->path().lexically_relative(folder).string() + " " + std::to_string(it->file_size(ignored)) +
+                    " " + std::to_string(it->last_write_time(ignored).time_since_epoch().count()));
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+// Whether `inner` is `outer` or lies below it; both without links.
+bool within(const fs::path& inner, const fs::path& outer) {
+  const auto [a, b] = std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end());
+  return a == outer.end();
+}
+
+}  // namespace
+
+std::string inputsKey(const Capture& capture) {
+  uint64_t hash = kFnv1aStart;
+  const auto add = [&](const std::string& text) {
+    hash = fnv1a(std::string_view(text.c_str(), text.size() + 1), hash);
+  };
+  const ColmapText cameras = colmapText(capture.cameras, capture.metres_per_unit);
+  add(cameras.cameras);
+  add(cameras.images);
+  for (const CaptureCamera& camera : capture.cameras)  // the texts cannot say it
+    if (camera.distortion.skew != 0) add(camera.pinhole.name + " " + std::to_string(camera.distortion.skew));
+  add(std::to_string(int(capture.background_kind)));
+  for (const std::string& folder : {capture.background_folder, capture.folder + "/" + kHintsFolder})
+    for (const std::string& file : filesOf(folder)) add(file);
+  for (const CaptureSequence& sequence : capture.sequences) {
+    add(sequence.name + " " + std::to_string(sequence.frame_count));
+    for (const std::string& file : filesOf(sequence.folder)) add(file);
+  }
+  char text[20];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return text;
+}
+
+Result<std::string> checkedTarget(const std::string& folder, const std::string& capture_folder,
+                                  const FolderWriter& writer) {
+  std::error_code failed;
+  fs::path target = fs::weakly_canonical(fs::absolute(folder, failed), failed);
+  if (!target.has_filename()) target = target.parent_path();
+  const auto bad = [&](const std::string& what) { return Error{ErrorId::InvalidArgument, folder + ": " + what}; };
+  if (const fs::path source = fs::canonical(capture_folder, failed); !failed) {
+    if (within(target, source)) return bad("lies inside the capture that is read; choose a folder beside it");
+    for (const char* ending : {"", ".part", ".work"})
+      if (within(source, target.string() + ending))
+        return bad("would replace the capture that is read; choose another output folder");
+  }
+  if (!fs::exists(target, failed)) return target.string();
+  if (!fs::is_directory(target, failed)) return bad("exists and is not a folder; choose another output folder");
+  if (fs::is_empty(target, failed) || fs::exists(target / writer.marker, failed)) return target.string();
+  return bad("exists and was not written by " + writer.command + " (no " + writer.marker +
+             " inside); choose another output folder");
+}
+
+Status ResultFolder::open(const std::string& key, bool resume) const {
+  std::error_code failed;
+  const auto found = platform::readFile(keyPath());
+  for (const std::string& folder : {workFolder(), partFolder()}) {
+    if (fs::exists(folder, failed) && !found.ok())
+      return Error{ErrorId::InvalidArgument, folder + ": exists and was not left by " + writer_.command +
+                                                 "; move it away or choose another output folder"};
+  }
+  const bool same = found.ok() && std::string(found.value().begin(), found.value().end()) == key;
+  if (resume && found.ok() && !same) {
+    return Error{ErrorId::InvalidArgument,
+                 workFolder() +
+                     ": was left by a run with other options, or the capture's pictures, plates or cameras "
+                     "have changed since; repeat that run's options, or leave out --resume to begin anew"};
+  }
+  if (!resume || !same) {
+    platform::removeFolder(workFolder());
+    platform::removeFolder(partFolder());
+  }
+  FOURDVT_TRY(platform::makeFolder(workFolder()));
+  FOURDVT_TRY(platform::writeFileAtomic(keyPath(), key));
+  return platform::makeFolder(partFolder());
+}
+
+Status ResultFolder::finish() const {
+  FOURDVT_TRY(platform::replaceFolder(partFolder(), target_, workFolder() + "/previous"));
+  platform::removeFolder(workFolder());
+  return {};
+}
+
+}  // namespace fourdvt::capture

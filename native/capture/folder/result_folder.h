@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where a command keeps a capture folder that it is making until all of it is there, beside the folder that is to be
+// written:
+//   CAPTURE2.part   the capture folder that is being made
+//   CAPTURE2.work   the settings it is made with, and what the command knows of finished frames
+// Nothing is put into place before finish(). Does NOT know what the command makes.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "capture/capture.h"
+
+namespace fourdvt::capture {
+
+// One of the commands that write capture folders.
+struct FolderWriter {
+  std::string command;  // "reconstruct"
+  std::string marker;   // a file that every folder of its has, "reconstruct.json"
+};
+
+// Absolute, without links. Errors: InvalidArgument if `folder` and the capture that is read lie in each other, or if
+// `folder` holds something that the command has not written.
+Result<std::string> checkedTarget(const std::string& folder, const std::string& capture_folder,
+                                  const FolderWriter& writer);
+
+// A hash of what a capture's frames are made from: calibration, and names, sizes and times of pictures, mattes, plates
+// and hints. 16 hexadecimal digits.
+std::string inputsKey(const Capture& capture);
+
+class ResultFolder {
+ public:
+  // `target`: see checkedTarget.
+  ResultFolder(std::string target, FolderWriter writer) : target_(std::move(target)), writer_(std::move(writer)) {}
+  std::string partFolder() const { return target_ + ".part"; }
+  std::string workFolder() const { return target_ + ".work"; }
+
+  // What an earlier run left stays only with `resume`. `key`: one line, what decides how frames come out. Errors:
+  // InvalidArgument (left with another key, or not left by this command), WriteFailed.
+  Status open(const std::string& key, bool resume) const;
+  // The part takes the target's place. On failure all work is still kept.
+  Status finish() const;
+
+ private:
+  std::string keyPath() const { return workFolder() + "/settings.txt"; }
+
+  std::string target_;
+  FolderWriter writer_;
+};
+
+}  // namespace fourdvt::capture

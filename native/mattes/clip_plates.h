@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Plates for captures that have none: the background as clips show it where the performer is not, found together with
+// the performer from frames spread over the take. First guess: what moves, where all cameras look. Then, in rounds:
+// colours of object and background per camera, a cut of every frame, the hull of the other cameras' masks, and the
+// median of the frames that show the background. Does NOT know the background where the performer never leaves: there
+// its colours stand in. Cameras stand still, and nothing but the performer moves where all cameras look.
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <span>
+#include <vector>
+
+#include "base/image.h"
+#include "capture/background_model.h"
+#include "capture/capture.h"
+#include "capture/key_evidence.h"
+
+namespace fourdvt::mattes {
+
+inline constexpr int kClipSamples = 20;        // frames that are looked at, at most
+inline constexpr double kClipPixels = 80'000;  // … at this size at most
+
+struct ClipCamera {
+  std::vector<cv::Mat> masks;     // [sample] CV_8U at the reduced size
+  capture::ColourCounts colours;  // of object and background
+};
+
+// `pictures`: [camera][sample] RGB of one instant per sample, all of a camera's of one size, which is its calibrated
+// one divided by reductionFor(camera, kClipPixels). At least three samples.
+std::vector<ClipCamera> separateClips(const std::vector<capture::CaptureCamera>& cameras, double ground_y_m,
+                                      const std::vector<std::vector<Image>>& pictures);
+
+// The background behind masks (CV_8U, any size) of the same samples at full size. Known where a fifth of them show it,
+// and three at least.
+capture::BackgroundModel plateBehind(std::span<const Image> pictures, std::span<const cv::Mat> masks);
+
+}  // namespace fourdvt::mattes

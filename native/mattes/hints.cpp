@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mattes/hints.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
+
+#include "capture/pictures.h"
+#include "mattes/matrices.h"
+
+namespace fourdvt::mattes {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kWhite = 250, kBlack = 5, kOpaque = 128;
+constexpr int kSpacing = 4;               // pixels between points of a stroke that travel
+constexpr int kRadius = 3;                // pixels that a travelled point speaks for
+constexpr float kTravelled = 6;           // nats: the picture may know better
+constexpr float kMostReturnError = 0.7f;  // pixels, after tracking there and back
+constexpr float kMostChange = 12;         // levels that a patch may change between two frames, mean absolute
+constexpr int kPatch = 15;
+
+cv::Mat strokesOf(const Image& rgba) {
+  cv::Mat out(rgba.height, rgba.width, CV_8U, cv::Scalar(0));
+  for (int i = 0; i < int(out.total()); ++i) {
+    const uint8_t* p = &rgba.pixels[4 * size_t(i)];
+    if (p[3] < kOpaque) continue;
+    if (std::min({p[0], p[1], p[2]}) >= kWhite) out.at<uint8_t>(i) = kObjectStroke;
+    if (std::max({p[0], p[1], p[2]}) <= kBlack) out.at<uint8_t>(i) = kBackgroundStroke;
+  }
+  return out;
+}
+
+std::vector<fs::path> entriesOf(const fs::path& folder) {
+  std::vector<fs::path> out;
+  std::error_code failed;
+  for (fs::directory_iterator it(folder, failed), end; !failed && it != end; it.increment(failed))
+    out.push_back(it->path());
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+Status readCamera(const fs::path& folder, const capture::CaptureCamera& camera,
+                  const capture::CaptureSequence& sequence, std::map<uint32_t, cv::Mat>& out) {
+  for (const fs::path& file : entriesOf(folder)) {
+    const std::string number = file.stem().string();
+    const bool is_number = !number.empty() && number.size() < 9 &&
+                           std::all_of(number.begin(), number.end(), [](char c) { return c >= '0' && c <= '9'; });
+    if (file.extension() != ".png" || !is_number || std::stoul(number) >= sequence.frame_count)
+      return Error{ErrorId::InvalidArgument,
+                   file.string() + ": hints are PNG files named after their frame, 000000.png to at most " +
+                       std::to_string(sequence.frame_count - 1) + ".png; rename it, or take it out"};
+    FOURDVT_ASSIGN(const auto picture, capture::readPicture(file.string(), 4));
+    FOURDVT_TRY(capture::checkSize(picture, camera, file.string()));
+    out[uint32_t(std::stoul(number))] = strokesOf(picture);
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<Strokes> readStrokes(const capture::Capture& capture, const capture::CaptureSequence& sequence,
+                            bool only_sequence) {
+  const fs::path all = fs::path(capture.folder) / capture::kHintsFolder;
+  Strokes out(capture.cameras.size());
+  std::error_code failed;
+  const bool by_sequence = fs::is_directory(all / sequence.name, failed);
+  if (!by_sequence && !only_sequence) {
+    for (const capture::CaptureCamera& camera : capture.cameras)
+      if (fs::exists(all / camera.pinhole.name, failed))
+        return Error{ErrorId::InvalidArgument, (all / camera.pinhole.name).string() +
+                                                   ": the capture has several sequences; move these hints to " +
+                                                   (all / sequence.name / camera.pinhole.name).string() +
+                                                   " or another sequence's folder"};
+    return out;
+  }
+  const fs::path folder = by_sequence ? all / sequence.name : all;
+  for (const fs::path& entry : entriesOf(folder)) {
+    const auto at = std::find_if(capture.cameras.begin(), capture.cameras.end(),
+                                 [&](const auto& c) { return c.pinhole.name == entry.filename().string(); });
+    if (at == capture.cameras.end())
+      return Error{ErrorId::InvalidArgument,
+                   entry.string() + ": no camera has this name; hints lie in folders named after cameras"};
+    FOURDVT_TRY(readCamera(entry, *at, sequence, out[size_t(at - capture.cameras.begin())]));
+  }
+  return out;
+}
+
+void HintTrack::advance(const Image& picture, const cv::Mat* strokes) {
+  cv::Mat now;
+  cv::cvtColor(matrixOf(picture), now, cv::COLOR_RGB2GRAY);
+  if (!points_.empty()) {
+    std::vector<cv::Point2f> from, to, back;
+    for (const Point& p : points_) from.push_back(p.at);
+    std::vector<uint8_t> found, returned;
+    std::vector<float> error, ignored;
+    const cv::Size patch(kPatch, kPatch);
+    cv::calcOpticalFlowPyrLK(grey_, now, from, to, found, error, patch);
+    cv::calcOpticalFlowPyrLK(now, grey_, to, back, returned, ignored, patch);
+    std::vector<Point> kept;
+    for (size_t i = 0; i < from.size(); ++i)
+      if (found[i] && returned[i] && error[i] <= kMostChange && cv::norm(back[i] - from[i]) <= kMostReturnError &&
+          to[i].x >= 0 && to[i].y >= 0 && to[i].x < float(now.cols) && to[i].y < float(now.rows))
+        kept.push_back({to[i], points_[i].object});
+    points_ = std::move(kept);
+  }
+  grey_ = now;
+  strokes_ = strokes ? *strokes : cv::Mat();
+  if (!strokes) return;
+  for (int y = kSpacing / 2; y < strokes->rows; y += kSpacing)
+    for (int x = kSpacing / 2; x < strokes->cols; x += kSpacing)
+      if (const uint8_t stroke = strokes->at<uint8_t>(y, x))
+        points_.push_back({{float(x), float(y)}, stroke == kObjectStroke});
+}
+
+cv::Mat HintTrack::cost() const {
+  if (points_.empty() && strokes_.empty()) return {};
+  cv::Mat out(grey_.size(), CV_32F, cv::Scalar(0));
+  for (const Point& p : points_)
+    cv::circle(out, p.at, kRadius, cv::Scalar(p.object ? -kTravelled : kTravelled), cv::FILLED);
+  for (int i = 0; i < int(strokes_.total()); ++i)
+    if (const uint8_t stroke = strokes_.at<uint8_t>(i)) out.at<float>(i) = stroke == kObjectStroke ? -kObeyed : kObeyed;
+  return out;
+}
+
+}  // namespace fourdvt::mattes

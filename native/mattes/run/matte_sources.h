@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the mattes of a capture's cameras come from: mattes that the capture has, a key against plates, or plates that
+// are made from the clips (clip_plates.h). Does NOT make mattes.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "capture/capture.h"
+#include "capture/plate_key.h"
+#include "mattes/clip_plates.h"
+#include "mattes/run/options.h"
+
+namespace fourdvt::mattes {
+
+// One camera's plates, if mattes have to be made of any sequence.
+struct MatteSource {
+  std::optional<capture::PlateKey> key;               // plates of the capture
+  std::optional<capture::BackgroundModel> from_clip;  // else
+  capture::ColourCounts colours;                      // with `from_clip`
+  const char* name() const;                           // "plates", "colour key", "clips" or "none"
+};
+
+// Whether the capture lacks a camera's mattes in a sequence.
+bool lacksMattes(const capture::CaptureSequence& sequence, const capture::CaptureCamera& camera);
+// Whether mattes must be made together: some camera has neither mattes nor a backdrop for a colour key, or there are
+// hints.
+Result<bool> wantsMattes(const capture::Capture& capture);
+
+// One source a camera. Errors: FileUnreadable, FrameSize, InvalidArgument (too few frames to find a background in),
+// those of pictures.
+Result<std::vector<MatteSource>> openSources(const capture::Capture& capture, const MattesEnvironment& environment);
+
+}  // namespace fourdvt::mattes

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mattes/run/mattes.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "capture/folder/linked_capture.h"
+#include "capture/folder/result_folder.h"
+#include "mattes/agreement.h"
+#include "mattes/matrices.h"
+#include "mattes/run/contact_sheet.h"
+#include "mattes/run/report.h"
+#include "mattes/run/sequence_mattes.h"
+#include "platform/files.h"
+#include "platform/folders.h"
+
+namespace fourdvt::mattes {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::ordered_json;
+
+constexpr uint32_t kShownFrames = 6;          // of a sequence, in its contact sheets
+constexpr const char* kVersion = "mattes 1";  // raise it when the same options give other mattes
+const capture::FolderWriter kWriter{"mattes", kReportJson};
+
+double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+std::string frameName(uint32_t frame) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%06u", frame);
+  return text;
+}
+
+// `count` frames spread evenly, all if there are fewer.
+std::vector<uint32_t> spread(uint32_t frames, uint32_t count) {
+  std::vector<uint32_t> out;
+  const uint32_t n = std::min(frames, count);
+  for (uint32_t i = 0; i < n; ++i) out.push_back(uint32_t((2ull * i + 1) * frames / (2ull * n)));
+  return out;
+}
+
+Json jsonOf(const CameraFigures& f) {
+  return {f.shift_pixels, f.gain, f.residual_levels, f.supported, f.kept, f.share};
+}
+
+std::optional<std::vector<CameraFigures>> figuresIn(const std::string& path, size_t cameras) {
+  const auto bytes = platform::readFile(path);
+  if (!bytes.ok()) return std::nullopt;
+  const Json json = Json::parse(bytes.value(), nullptr, false);
+  if (!json.is_array() || json.size() != cameras) return std::nullopt;
+  std::vector<CameraFigures> out;
+  for (const Json& row : json) {
+    if (!row.is_array() || row.size() != 6) return std::nullopt;
+    for (const Json& value : row)
+      if (!value.is_number()) return std::nullopt;
+    out.push_back({row[0], row[1], row[2], row[3], row[4], row[5]});
+  }
+  return out;
+}
+
+double shareOf(const Image& matte) {
+  size_t inside = 0;
+  for (const uint8_t v : matte.pixels) inside += v >= 128;
+  return double(inside) / double(std::max<size_t>(1, matte.pixels.size()));
+}
+
+class Run {
+ public:
+  Run(const capture::Capture& capture, std::string part, std::string work, const MattesOptions& options,
+      const MattesEnvironment& environment)
+      : capture_(capture),
+        part_(std::move(part)),
+        work_(std::move(work)),
+        options_(options),
+        environment_(environment) {
+    for (const capture::CaptureSequence& s : capture.sequences) total_ += uint32_t(framesOf(s).size());
+  }
+
+  Result<MattesSummary> run() {
+    MattesSummary out;
+    for (const capture::CaptureSequence& s : capture_.sequences) {
+      FOURDVT_ASSIGN(auto figures, runSequence(s));
+      out.sequences.push_back(std::move(figures));
+    }
+    for (size_t c = 0; c < capture_.cameras.size(); ++c) out.sources.push_back(sourceName(c));
+    out.frames = done_, out.frames_kept = kept_;
+    out.wall_s = since(started_);
+    out.warnings = warningsOf(capture_, out);
+    FOURDVT_TRY(writeReport(part_, cellsFolder(), capture_, options_, out));
+    return out;
+  }
+
+ private:
+  std::vector<uint32_t> framesOf(const capture::CaptureSequence& s) const {
+    return spread(s.frame_count, options_.preview > 0 ? uint32_t(options_.preview) : s.frame_count);
+  }
+  std::string cellsFolder() const { return work_ + "/cells"; }
+  std::string figuresPath(const capture::CaptureSequence& s, uint32_t frame) const {
+    return work_ + "/mattes/" + s.name + "/" + frameName(frame) + ".json";
+  }
+  // A preview's mattes lie apart, so that nobody takes its folder for a capture.
+  std::string mattesFolder(const capture::CaptureSequence& s, size_t camera) const {
+    const std::string stem = capture::matteStem(capture_.cameras[camera].pinhole.name);
+    return part_ + "/" + (options_.preview > 0 ? "preview/" : "") + s.name + "/" + stem;
+  }
+  std::string sourceName(size_t camera) const {
+    for (const capture::CaptureSequence& s : capture_.sequences)
+      if (lacksMattes(s, capture_.cameras[camera])) return sources_.empty() ? "earlier run" : sources_[camera].name();
+    return "the capture's mattes";
+  }
+
+  Status openSourcesOnce() {
+    if (joint_) return {};
+    FOURDVT_ASSIGN(sources_, openSources(capture_, environment_));
+    JointOptions joint;
+    joint.alone = options_.alone;
+    joint.background_unseen =
+        std::any_of(sources_.begin(), sources_.end(), [](const MatteSource& s) { return s.from_clip.has_value(); });
+    joint_ = std::make_unique<JointMattes>(capture_.cameras, capture_.ground_y_m, joint);
+    started_ = Clock::now();
+    return {};
+  }
+
+  Status makeFolders(const capture::CaptureSequence& s) const {
+    for (size_t c = 0; c < capture_.cameras.size(); ++c) {
+      FOURDVT_TRY(platform::makeFolder(cellsFolder() + "/" + s.name + "/" + capture_.cameras[c].pinhole.name));
+      if (lacksMattes(s, capture_.cameras[c])) FOURDVT_TRY(platform::makeFolder(mattesFolder(s, c)));
+    }
+    return platform::makeFolder(work_ + "/mattes/" + s.name);
+  }
+
+  Result<SequenceFigures> runSequence(const capture::CaptureSequence& s) {
+    SequenceFigures out{s.name, {}, framesOf(s)};
+    const std::vector<uint32_t> shown = spread(s.frame_count, kShownFrames);
+    FOURDVT_TRY(makeFolders(s));
+    std::optional<SequenceMattes> mattes;
+    for (const uint32_t frame : out.numbers) {
+      if (auto kept = figuresIn(figuresPath(s, frame), capture_.cameras.size())) {
+        out.frames.push_back(std::move(*kept));
+        ++kept_, ++done_;
+        continue;
+      }
+      if (environment_.stop && *environment_.stop)
+        return Error{ErrorId::Interrupted, "stopped; finished frames are kept in " + work_ + " for --resume"};
+      if (!mattes) {
+        FOURDVT_TRY(openSourcesOnce());
+        FOURDVT_ASSIGN(mattes, SequenceMattes::open(capture_, s, sources_, *joint_, environment_.open_video));
+      }
+      FOURDVT_ASSIGN(const auto made, mattes->make(frame));
+      FOURDVT_TRY(checkAgreement(s, frame, made));
+      const bool in_sheet = options_.preview > 0 || std::find(shown.begin(), shown.end(), frame) != shown.end();
+      FOURDVT_ASSIGN(auto figures, save(s, frame, *mattes, made, in_sheet));
+      out.frames.push_back(std::move(figures));
+      ++done_, ++made_;
+      tell("mattes " + s.name + " " + std::to_string(frame + 1) + "/" + std::to_string(s.frame_count));
+    }
+    return out;
+  }
+
+  // The first frame of each sequence in which enough cameras see something is judged.
+  Status checkAgreement(const capture::CaptureSequence& s, uint32_t frame, const MattesFrame& made) {
+    if (options_.alone || options_.any_silhouettes || agreed_ == s.name) return {};
+    std::vector<cv::Mat> masks;
+    size_t seeing = 0;
+    for (const CameraMatte& m : made.mattes) {
+      masks.push_back(matrixOf(m.matte) >= 128);
+      seeing += cv::countNonZero(masks.back()) > 0;
+    }
+    if (seeing < 3) return {};
+    agreed_ = s.name;
+    const auto why = disagreement(capture_.cameras, masks);
+    if (!why) return {};
+    return Error{ErrorId::InvalidArgument,
+                 s.folder + ", frame " + std::to_string(frame) + ": " + *why +
+                     "; check that camera's matte, calibration and synchronisation, leave it out (--leave-out NAME), "
+                     "or go on all the same (--any-silhouettes; --mattes-alone: cameras do not help each other)"};
+  }
+
+  Result<std::vector<CameraFigures>> save(const capture::CaptureSequence& s, uint32_t frame,
+                                          const SequenceMattes& mattes, const MattesFrame& made, bool in_sheet) const {
+    std::vector<CameraFigures> out(made.mattes.size());
+    std::vector<Status> done(made.mattes.size());
+    inParallel(out.size(), [&](size_t c) {
+      const CameraMatte& m = made.mattes[c];
+      out[c] = {m.shift_pixels, m.gain, m.residual_levels, m.supported, m.kept, shareOf(m.matte)};
+      if (mattes.made(c)) done[c] = platform::writeImage(mattesFolder(s, c) + "/" + frameName(frame) + ".png", m.matte);
+      if (done[c].ok() && in_sheet)
+        done[c] = platform::writeImage(
+            cellsFolder() + "/" + s.name + "/" + capture_.cameras[c].pinhole.name + "/" + frameName(frame) + ".png",
+            contactCell(made.pictures[c], m));
+    });
+    for (const Status& status : done)
+      if (!status.ok()) return status.error();
+    Json json = Json::array();
+    for (const CameraFigures& f : out) json.push_back(jsonOf(f));
+    FOURDVT_TRY(platform::writeFileAtomic(figuresPath(s, frame), json.dump()));
+    return out;
+  }
+
+  void tell(const std::string& stage) const {
+    if (!environment_.progress) return;
+    MattesProgress p{stage, done_, total_, 0, 0};
+    p.frames_per_s = made_ / since(started_);
+    p.left_s = (total_ - done_) / p.frames_per_s;
+    environment_.progress(p);
+  }
+
+  const capture::Capture& capture_;
+  const std::string part_, work_;
+  const MattesOptions& options_;
+  const MattesEnvironment& environment_;
+  std::vector<MatteSource> sources_;
+  std::unique_ptr<JointMattes> joint_;
+  std::string agreed_;  // name of the last sequence whose silhouettes were judged
+  Clock::time_point started_ = Clock::now();
+  uint32_t total_ = 0, done_ = 0, made_ = 0, kept_ = 0;
+};
+
+std::string settingsKey(const MattesOptions& o, const capture::Capture& capture) {
+  return capture::inputsKey(capture) + " " + kVersion + (o.alone ? " alone" : "") + " preview " +
+         std::to_string(o.preview) + "\n";
+}
+
+// Everything that the new capture.json names must be found from the new folder.
+Status checkLinks(const capture::Capture& capture, const std::string& folder, const std::vector<std::string>& names,
+                  const OpenVideo& open_video) {
+  const auto linked =
+      capture::openCapture(folder, open_video, names, capture::MeshNeed::Nothing, capture::MatteNeed::None);
+  if (linked.ok()) return {};
+  return Error{linked.error().id, capture.folder +
+                                      "/capture.json: names files outside of the capture or in a sequence that is "
+                                      "left out; move them into folders of their own inside it (" +
+                                      linked.error().message + ")"};
+}
+
+}  // namespace
+
+Result<MattesSummary> addMattes(const capture::Capture& capture, const std::string& part_folder,
+                                const std::string& work_folder, const MattesOptions& options,
+                                const MattesEnvironment& environment) {
+  return Run(capture, part_folder, work_folder, options, environment).run();
+}
+
+Result<MattesSummary> makeMattes(const MattesOptions& options, const MattesEnvironment& environment) {
+  FOURDVT_ASSIGN(const auto target, capture::checkedTarget(options.folder, options.capture_folder, kWriter));
+  if (options.jobs > 0) cv::setNumThreads(options.jobs);
+  FOURDVT_ASSIGN(auto capture, capture::openCapture(options.capture_folder, environment.open_video, options.sequences,
+                                                    capture::MeshNeed::Nothing, capture::MatteNeed::None));
+  FOURDVT_TRY(capture::leaveOut(options.leave_out, capture));
+  const capture::ResultFolder folder(target, kWriter);
+  FOURDVT_TRY(folder.open(settingsKey(options, capture), options.resume));
+  if (options.preview == 0) {
+    std::vector<std::string> names;
+    for (const capture::CaptureSequence& s : capture.sequences) names.push_back(s.name);
+    FOURDVT_TRY(capture::linkCapture(capture, folder.partFolder(), {names, false, options.leave_out}));
+    FOURDVT_TRY(checkLinks(capture, folder.partFolder(), names, environment.open_video));
+  }
+  FOURDVT_ASSIGN(auto summary, addMattes(capture, folder.partFolder(), folder.workFolder(), options, environment));
+  FOURDVT_TRY(folder.finish());
+  return summary;
+}
+
+}  // namespace fourdvt::mattes

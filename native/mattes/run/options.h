@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// What `fourdvt mattes` is asked for, and what it needs from the program that runs it.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "base/video.h"
+
+namespace fourdvt::mattes {
+
+struct MattesOptions {
+  std::string capture_folder, folder;  // read, written
+  std::vector<std::string> sequences;  // empty: all
+  std::vector<std::string> leave_out;  // cameras
+  bool alone = false;                  // every camera for itself
+  bool any_silhouettes = false;        // go on although no common volume explains the silhouettes
+  int preview = 0;                     // so many frames of every sequence, and no capture; 0: all of them
+  int jobs = 0;                        // threads; 0: one per core
+  bool resume = false;
+};
+
+struct MattesProgress {
+  std::string stage;  // "mattes run 12/28"
+  uint32_t done = 0, total = 0;
+  double frames_per_s = 0, left_s = 0;
+};
+
+struct MattesEnvironment {
+  OpenVideo open_video;
+  std::function<void(const MattesProgress&)> progress;
+  const std::atomic<bool>* stop = nullptr;  // set by Ctrl-C: finish the frame, keep what is finished
+};
+
+}  // namespace fourdvt::mattes

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mattes/run/report.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "platform/files.h"
+#include "report/document.h"
+#include "report/picture_sheets.h"
+#include "report/text.h"
+
+namespace fourdvt::mattes {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using report::fixedText;
+
+constexpr double kContradicted = 0.15;  // of a camera's own key, on average, from which on the report warns
+constexpr double kShift_pixels = 3;
+
+// A camera's figure over the frames of a sequence.
+struct Spread {
+  double mean = 0, low = 1e30, high = -1e30;
+  uint32_t low_frame = 0;
+};
+Spread spreadOf(const SequenceFigures& s, size_t camera, double CameraFigures::*figure) {
+  Spread out;
+  for (size_t i = 0; i < s.frames.size(); ++i) {
+    const double value = s.frames[i][camera].*figure;
+    out.mean += value / double(s.frames.size());
+    if (value < out.low) out.low = value, out.low_frame = s.numbers[i];
+    out.high = std::max(out.high, value);
+  }
+  return out;
+}
+
+report::Table cameraTable(const capture::Capture& capture, const SequenceFigures& s,
+                          const std::vector<std::string>& sources) {
+  report::Table table{
+      s.name,
+      "Plate shift and gain: how far plate and picture are apart, and were fitted. Explained: share of the camera's "
+      "own "
+      "key that no other camera contradicts; the rest is seen by this camera alone (somebody in the background, a "
+      "screen, a reflection), or missing in the matte of another. Kept: share of the camera's own key in the matte.",
+      {"camera", "from", "plate shift, most", "gain", "explained, mean", "lowest", "kept, mean", "of the picture"},
+      {}};
+  for (size_t c = 0; c < capture.cameras.size(); ++c) {
+    const Spread shift = spreadOf(s, c, &CameraFigures::shift_pixels), gain = spreadOf(s, c, &CameraFigures::gain);
+    const Spread supported = spreadOf(s, c, &CameraFigures::supported), kept = spreadOf(s, c, &CameraFigures::kept);
+    table.rows.push_back({capture.cameras[c].pinhole.name, sources[c], fixedText(shift.high, 2) + " px",
+                          fixedText(gain.low, 3) + " to " + fixedText(gain.high, 3), fixedText(supported.mean, 3),
+                          fixedText(supported.low, 3) + " (" + std::to_string(supported.low_frame) + ")",
+                          fixedText(kept.mean, 3),
+                          report::percentText(100 * spreadOf(s, c, &CameraFigures::share).mean)});
+  }
+  return table;
+}
+
+// The cells of one camera side by side; empty without any.
+Result<Image> sheetOf(const std::string& folder, const std::string& title) {
+  namespace fs = std::filesystem;
+  std::vector<fs::path> files;
+  std::error_code failed;
+  for (fs::directory_iterator it(folder, failed), end; !failed && it != end; it.increment(failed))
+    files.push_back(it->path());
+  std::sort(files.begin(), files.end());
+  if (files.empty()) return Image();
+  report::Sheet sheet{title, {}, {}, {{}}};
+  for (const fs::path& file : files) {
+    FOURDVT_ASSIGN(auto cell, platform::readImage(file.string()));
+    sheet.columns.push_back("frame " + std::to_string(std::stoul(file.stem().string())));
+    sheet.cells[0].push_back(std::move(cell));
+  }
+  return report::drawSheet(sheet);
+}
+
+Json jsonOf(const capture::Capture& capture, const MattesOptions& options, const MattesSummary& summary) {
+  Json json;
+  json["generator"] = "fourdvt mattes";
+  json["options"] = {
+      {"alone", options.alone}, {"any_silhouettes", options.any_silhouettes}, {"preview", options.preview}};
+  json["frames"] = summary.frames;
+  json["frames_of_an_earlier_run"] = summary.frames_kept;
+  json["wall_s"] = summary.wall_s;
+  json["warnings"] = summary.warnings;
+  for (size_t c = 0; c < capture.cameras.size(); ++c)
+    json["cameras"].push_back({{"name", capture.cameras[c].pinhole.name}, {"from", summary.sources[c]}});
+  for (const SequenceFigures& s : summary.sequences)
+    for (size_t i = 0; i < s.frames.size(); ++i) {
+      Json cameras = Json::array();
+      for (const CameraFigures& f : s.frames[i])
+        cameras.push_back({{"shift_pixels", f.shift_pixels},
+                           {"gain", f.gain},
+                           {"residual_levels", f.residual_levels},
+                           {"explained", f.supported},
+                           {"kept", f.kept},
+                           {"share", f.share}});
+      json["sequences"][s.name].push_back({{"frame", s.numbers[i]}, {"cameras", cameras}});
+    }
+  return json;
+}
+
+}  // namespace
+
+std::vector<std::string> warningsOf(const capture::Capture& capture, const MattesSummary& summary) {
+  std::vector<std::string> out;
+  for (const SequenceFigures& s : summary.sequences)
+    for (size_t c = 0; c < capture.cameras.size(); ++c) {
+      const std::string camera = s.name + ": camera \"" + capture.cameras[c].pinhole.name + "\"";
+      const Spread supported = spreadOf(s, c, &CameraFigures::supported);
+      if (1 - supported.mean > kContradicted)
+        out.push_back(camera + " had " + fixedText(100 * (1 - supported.mean), 0) +
+                      " % in its own key that the other cameras contradict (most in frame " +
+                      std::to_string(supported.low_frame) + "); look at the red in its contact sheet");
+      const Spread shift = spreadOf(s, c, &CameraFigures::shift_pixels);
+      if (shift.high > kShift_pixels)
+        out.push_back(camera + " stands up to " + fixedText(shift.high, 1) +
+                      " pixels off its plate; it was moved after its plate was taken, or after its calibration");
+      if (spreadOf(s, c, &CameraFigures::share).high == 0) out.push_back(camera + " sees nothing of the performer");
+    }
+  for (size_t c = 0; c < capture.cameras.size(); ++c)
+    if (summary.sources[c] == "clips")
+      out.push_back("camera \"" + capture.cameras[c].pinhole.name +
+                    "\" has no plate: its background was made from its clips, which is a guess; look at its contact "
+                    "sheet, and paint hints where it is wrong");
+  return out;
+}
+
+Status writeReport(const std::string& folder, const std::string& cells_folder, const capture::Capture& capture,
+                   const MattesOptions& options, const MattesSummary& summary) {
+  report::Document document;
+  document.title = capture.name + ", mattes";
+  document.subtitle = options.alone ? "every camera by itself" : "cameras together";
+  document.credit = capture.credit;
+  report::Section overview{"overview", "Overview", "", {}, {}, {}, {}, {}};
+  for (const std::string& warning : summary.warnings) overview.text += warning + ".\n\n";
+  const uint32_t made = summary.frames - summary.frames_kept;
+  overview.tiles = {{std::to_string(summary.frames), "frames"},
+                    {std::to_string(capture.cameras.size()), "cameras"},
+                    {made ? fixedText(summary.wall_s / made, 2) + " s" : "–", "a frame of all cameras"}};
+  for (const SequenceFigures& s : summary.sequences)
+    overview.tables.push_back(cameraTable(capture, s, summary.sources));
+  document.sections.push_back(std::move(overview));
+
+  report::Section sheets{
+      "sheets",
+      "Contact sheets",
+      "Above: the picture, dark outside of the matte. Green: the matte's outline. Red: this camera's "
+      "key had it, and other cameras contradict it. Blue: it lies on the floor as a whole, a shadow. "
+      "Yellow: dropped for another reason. Below: the performer alone, on a colour that shows holes "
+      "and fringes.\n\nWhere a matte is wrong, paint white on what is performer and black on what is "
+      "background in a transparent picture of the frame's size, `hints/SEQUENCE/CAMERA/000000.png` "
+      "in the capture, named after the first frame that is wrong, and make the mattes again.",
+      {},
+      {},
+      {},
+      {},
+      {}};
+  size_t number = 0;
+  for (const SequenceFigures& s : summary.sequences)
+    for (const capture::CaptureCamera& camera : capture.cameras) {
+      const std::string title = s.name + ", " + camera.pinhole.name;
+      FOURDVT_ASSIGN(const Image picture, sheetOf(cells_folder + "/" + s.name + "/" + camera.pinhole.name, title));
+      if (picture.empty()) continue;
+      const std::string file = "mattes-" + std::to_string(++number) + ".jpg";
+      FOURDVT_TRY(platform::writeImage(folder + "/" + file, picture));
+      sheets.pictures.push_back({file, title, picture.width, picture.height});
+    }
+  document.sections.push_back(std::move(sheets));
+  FOURDVT_TRY(platform::writeFileAtomic(folder + "/" + kReportHtml, report::documentHtml(document)));
+  return platform::writeFileAtomic(folder + "/" + kReportJson, jsonOf(capture, options, summary).dump(1) + "\n");
+}
+
+}  // namespace fourdvt::mattes

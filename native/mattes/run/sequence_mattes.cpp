@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mattes/run/sequence_mattes.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "mattes/matrices.h"
+
+namespace fourdvt::mattes {
+
+Result<SequenceMattes> SequenceMattes::open(const capture::Capture& capture, const capture::CaptureSequence& sequence,
+                                            const std::vector<MatteSource>& sources, const JointMattes& joint,
+                                            const OpenVideo& open_video) {
+  SequenceMattes out(capture, sequence, sources, joint);
+  for (const capture::CaptureCamera& camera : capture.cameras) {
+    FOURDVT_ASSIGN(const auto place, capture::colourPlace(sequence, camera));
+    FOURDVT_ASSIGN(auto colour, capture::PictureStream::open(place, sequence, 3, open_video));
+    out.colour_.push_back(std::move(colour));
+    out.given_.emplace_back();
+    const auto matte = capture::findPictures(sequence.folder, capture::matteStem(camera.pinhole.name));
+    if (!matte) continue;
+    FOURDVT_ASSIGN(out.given_.back(), capture::PictureStream::open(*matte, sequence, 1, open_video));
+  }
+  FOURDVT_ASSIGN(out.strokes_, readStrokes(capture, sequence, capture.sequences.size() == 1));
+  out.hints_.resize(capture.cameras.size());
+  return out;
+}
+
+// Hints travel with the picture: every frame from the last strokes before `frame` on is read.
+uint32_t SequenceMattes::firstToRead(size_t camera, uint32_t frame) const {
+  if (!hints_[camera].idle()) return next_;
+  const auto& strokes = strokes_[camera];
+  auto after = strokes.upper_bound(frame);
+  uint32_t first = frame;
+  if (after != strokes.begin() && (--after)->first >= next_) first = after->first;
+  const auto earliest = strokes.lower_bound(next_);  // strokes in between hold as long as the latest ones
+  if (earliest != strokes.end() && earliest->first < first) first = earliest->first;
+  return first;
+}
+
+Status SequenceMattes::readCamera(size_t camera, uint32_t frame, MatteView& view) {
+  const capture::CaptureCamera& calibrated = capture_->cameras[camera];
+  for (uint32_t at = firstToRead(camera, frame); at <= frame; ++at) {
+    FOURDVT_ASSIGN(view.picture, colour_[camera].read(at));
+    FOURDVT_TRY(capture::checkSize(view.picture, calibrated, colour_[camera].path()));
+    const auto stroke = strokes_[camera].find(at);
+    const bool has = stroke != strokes_[camera].end();
+    if (has || !hints_[camera].idle()) hints_[camera].advance(view.picture, has ? &stroke->second : nullptr);
+  }
+  view.hints = hints_[camera].cost();
+  if (given_[camera]) {
+    FOURDVT_ASSIGN(view.given, given_[camera]->read(frame));
+    FOURDVT_TRY(capture::checkSize(view.given, calibrated, given_[camera]->path()));
+    view.given_is_final = true;
+    return {};
+  }
+  const MatteSource& source = (*sources_)[camera];
+  if (source.from_clip) {
+    view.plates = &*source.from_clip;
+    view.fit_plates = false;
+    view.colours = &source.colours;
+  } else if (source.key->natural()) {
+    view.plates = &source.key->model();
+  } else {
+    view.given = source.key->matte(view.picture);
+  }
+  return {};
+}
+
+Status SequenceMattes::checkPlates(const MattesFrame& frame) {
+  if (std::exchange(checked_, true)) return {};
+  for (size_t i = 0; i < frame.mattes.size(); ++i) {
+    const auto& key = (*sources_)[i].key;
+    if (given_[i] || !key) continue;
+    if (capture::keepsTheBorder(frame.mattes[i].matte) || frame.mattes[i].residual_levels > capture::kMostResidual)
+      return capture::plateDoesNotFit(key->path(), colour_[i].path(), capture_->cameras[i].pinhole.name);
+  }
+  return {};
+}
+
+Result<MattesFrame> SequenceMattes::make(uint32_t frame) {
+  std::vector<MatteView> views(colour_.size());
+  std::vector<Status> done(colour_.size());
+  inParallel(views.size(), [&](size_t i) { done[i] = readCamera(i, frame, views[i]); });
+  for (const Status& status : done)
+    if (!status.ok()) return status.error();
+  next_ = frame + 1;
+  MattesFrame out;
+  out.mattes = joint_->make(views);
+  for (MatteView& view : views) out.pictures.push_back(std::move(view.picture));
+  FOURDVT_TRY(checkPlates(out));
+  return out;
+}
+
+}  // namespace fourdvt::mattes

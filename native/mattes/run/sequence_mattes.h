@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// The mattes of one sequence, frame by frame: reads pictures, hints and given mattes as filmed, and makes the mattes of
+// all cameras together. One frame is in memory. Does NOT write files.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "capture/pictures.h"
+#include "mattes/hints.h"
+#include "mattes/joint_mattes.h"
+#include "mattes/run/matte_sources.h"
+
+namespace fourdvt::mattes {
+
+struct MattesFrame {
+  std::vector<Image> pictures;  // RGB
+  std::vector<CameraMatte> mattes;
+};
+
+class SequenceMattes {
+ public:
+  // All arguments outlive it. Errors: those of pictures and of readStrokes.
+  static Result<SequenceMattes> open(const capture::Capture& capture, const capture::CaptureSequence& sequence,
+                                     const std::vector<MatteSource>& sources, const JointMattes& joint,
+                                     const OpenVideo& open_video);
+  // Frames in ascending order. Hints of the frames in between are followed. Errors: those of pictures; FileUnreadable
+  // where a plate does not fit the first picture that is keyed.
+  Result<MattesFrame> make(uint32_t frame);
+  bool made(size_t camera) const { return !given_[camera]; }  // false: the capture has this camera's mattes
+
+ private:
+  SequenceMattes(const capture::Capture& capture, const capture::CaptureSequence& sequence,
+                 const std::vector<MatteSource>& sources, const JointMattes& joint)
+      : capture_(&capture), sequence_(&sequence), sources_(&sources), joint_(&joint) {}
+  Status readCamera(size_t camera, uint32_t frame, MatteView& view);
+  Status checkPlates(const MattesFrame& frame);
+  uint32_t firstToRead(size_t camera, uint32_t frame) const;
+
+  const capture::Capture* capture_;
+  const capture::CaptureSequence* sequence_;
+  const std::vector<MatteSource>* sources_;
+  const JointMattes* joint_;
+  std::vector<capture::PictureStream> colour_;
+  std::vector<std::optional<capture::PictureStream>> given_;
+  Strokes strokes_;
+  std::vector<HintTrack> hints_;
+  uint32_t next_ = 0;
+  bool checked_ = false;
+};
+
+}  // namespace fourdvt::mattes

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+
+#include "mattes/run/mattes.h"
+#include "tools/args.h"
+#include "tools/commands.h"
+#include "tools/progress_line.h"
+#include "tools/session.h"
+#include "tools/stop_signal.h"
+
+namespace fourdvt::tools {
+namespace {
+
+const CommandHelp& help() {
+  static const CommandHelp text{
+      "mattes CAPTURE -o CAPTURE2 [options]",
+      "Makes mattes for the cameras that have none, and writes a capture folder with them: pictures are links into "
+      "CAPTURE, mattes are PNG files. Each camera is keyed against its plates, or, without plates, against a "
+      "background "
+      "that is made from its clips; then the cameras help each other: what the others contradict is dropped, what all "
+      "of them demand is filled, dark patches that lie on the floor are shadows. Strokes painted by hand in "
+      "CAPTURE/hints/SEQUENCE/CAMERA/000000.png (white: performer, black: background, the rest transparent) are "
+      "obeyed, and followed through later frames. `fourdvt reconstruct` does the same where mattes are missing. The "
+      "folder appears when it is complete. After Ctrl-C, the same command with --resume continues. The report, with a "
+      "contact sheet for every camera, is CAPTURE2/mattes.html.",
+      {{"-o", "CAPTURE2", "folder to write (required)"},
+       {"--sequences", "A,B", "only these sequences (default: all)"},
+       {"--preview", "N",
+        "only N frames of every sequence, and no capture: a report to look at before the long run, 1 to 100"},
+       {"--leave-out", "A,B", "cameras that the new capture shall not have"},
+       {"--mattes-alone", nullptr, "every camera by itself, e.g. where cameras are not synchronised"},
+       {"--any-silhouettes", nullptr, "go on although no common volume explains the silhouettes of the first frame"},
+       {"--jobs", "N", "worker threads; 0: one per core (default 0)"},
+       {"--resume", nullptr, "continue an interrupted run with the same settings"}}};
+  return text;
+}
+
+mattes::MattesOptions readOptions(Args& args) {
+  mattes::MattesOptions o;
+  o.capture_folder = args.positional();
+  o.folder = args.required("-o");
+  o.sequences = args.list("--sequences");
+  if (args.has("--preview")) o.preview = args.integer("--preview", 6, 1, 100);
+  o.leave_out = args.list("--leave-out");
+  o.alone = args.has("--mattes-alone");
+  o.any_silhouettes = args.has("--any-silhouettes");
+  o.jobs = args.integer("--jobs", 0, 0, 1024);
+  o.resume = args.has("--resume");
+  return o;
+}
+
+}  // namespace
+
+int mattesCommand(int argc, char** argv) {
+  Args args(help(), argc, argv);
+  const mattes::MattesOptions options = readOptions(args);
+  if (const auto code = helpOrProblem(help(), args)) return *code;
+  const std::atomic<bool>* stop = listenForStop();
+  ProgressLine line;
+  mattes::MattesEnvironment environment;
+  environment.open_video = videoOpener();
+  environment.progress = [&](const mattes::MattesProgress& p) {
+    line.show({p.stage, p.done, p.total, p.frames_per_s, p.left_s});
+  };
+  environment.stop = stop;
+  const auto summary = mattes::makeMattes(options, environment);
+  line.end();
+  if (!summary.ok()) return fail(summary.error());
+  const auto& s = summary.value();
+  for (const std::string& warning : s.warnings) std::fprintf(stderr, "fourdvt: warning: %s\n", warning.c_str());
+  const uint32_t made = s.frames - s.frames_kept;
+  std::printf("%s: mattes of %u frames, %.1f s (%.2f s per frame of all cameras)\n", options.folder.c_str(), s.frames,
+              s.wall_s, made ? s.wall_s / made : 0.0);
+  std::printf("contact sheets: %s/mattes.html\n", options.folder.c_str());
+  return kOk;
+}
+
+}  // namespace fourdvt::tools

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+// Hints: what is read, what is refused, and how strokes travel.
+#include "mattes/hints.h"
+
+#include <gtest/gtest.h>
+
+#include "../capture_fixture.h"
+#include "mattes_fixture.h"
+
+namespace fourdvt::mattes {
+namespace {
+
+using capture::SmallCapture;
+
+// 16 × 12, transparent but for a white pixel at (3, 2) and a black one at (8, 6).
+Image strokePicture() {
+  Image out(SmallCapture::kWidth, SmallCapture::kHeight, 4);
+  std::fill_n(out.at(3, 2), 4, uint8_t(255));
+  out.at(8, 6)[3] = 255;
+  return out;
+}
+
+Result<Strokes> read(const SmallCapture& files, bool only_sequence = true) {
+  auto capture = files.open();
+  EXPECT_TRUE(capture.ok());
+  return readStrokes(capture.value(), capture.value().sequences[0], only_sequence);
+}
+
+void expectRefused(const SmallCapture& files, const std::string& part, bool only_sequence = true) {
+  const auto got = read(files, only_sequence);
+  ASSERT_FALSE(got.ok()) << part;
+  EXPECT_NE(got.error().message.find(part), std::string::npos) << got.error().message;
+}
+
+TEST(Hints, AreReadFromBothPlaces) {
+  SmallCapture files;
+  EXPECT_TRUE(read(files).value()[0].empty());
+  files.write("hints/cam01/000002.png", strokePicture());
+  auto strokes = read(files);
+  ASSERT_TRUE(strokes.ok()) << strokes.error().message;
+  EXPECT_TRUE(strokes.value()[0].empty());
+  const cv::Mat& got = strokes.value()[1].at(2);
+  EXPECT_EQ(got.at<uint8_t>(2, 3), kObjectStroke);
+  EXPECT_EQ(got.at<uint8_t>(6, 8), kBackgroundStroke);
+  EXPECT_EQ(cv::countNonZero(got), 2);
+  files.remove("hints");
+  files.write("hints/walk/cam00/000000.png", strokePicture());
+  EXPECT_EQ(read(files, false).value()[0].count(0), 1u);
+}
+
+TEST(Hints, OfAnotherSizeOrNameAreRefused) {
+  SmallCapture files;
+  files.write("hints/cam00/000001.png", Image(20, 12, 4));
+  expectRefused(files, "hints/cam00/000001.png: picture of 20x12 pixels");
+  files.remove("hints");
+  files.write("hints/cam7/000001.png", strokePicture());
+  expectRefused(files, "hints/cam7: no camera has this name");
+  files.remove("hints");
+  files.write("hints/cam00/000003.png", strokePicture());
+  expectRefused(files, "000003.png: hints are PNG files named after their frame");
+  files.remove("hints");
+  files.write("hints/cam00/here.png", strokePicture());
+  expectRefused(files, "here.png: hints are PNG files named after their frame");
+  files.remove("hints");
+  files.write("hints/cam00/000001.png", std::string("not a picture"));
+  expectRefused(files, "000001.png: not a readable picture");
+  files.remove("hints");
+  files.write("hints/cam00/000001.png", strokePicture());
+  expectRefused(files, "the capture has several sequences", false);
+}
+
+// A textured square at (x, 40) on a textured room, 160 × 120.
+Image square(int x, bool there) {
+  Image out(160, 120, 3);
+  for (int y = 0; y < out.height; ++y)
+    for (int u = 0; u < out.width; ++u) {
+      const bool in = there && u >= x && u < x + 40 && y >= 40 && y < 80;
+      const double level = in ? 150 + 90 * hashed(uint32_t(u - x) / 4, uint32_t(y) / 4, 1)
+                              : 100 * hashed(uint32_t(u) / 4, uint32_t(y) / 4, 2);
+      for (int c = 0; c < 3; ++c) out.at(u, y)[c] = uint8_t(level);
+    }
+  return out;
+}
+
+TEST(Hints, TravelWithWhatTheyWerePaintedOn) {
+  cv::Mat strokes(120, 160, CV_8U, cv::Scalar(0));
+  strokes(cv::Rect(32, 52, 16, 16)) = kObjectStroke;
+  strokes(cv::Rect(120, 90, 16, 16)) = kBackgroundStroke;
+  HintTrack track;
+  EXPECT_TRUE(track.idle());
+  track.advance(square(20, true), &strokes);
+  EXPECT_FALSE(track.idle());
+  EXPECT_LE(track.cost().at<float>(60, 40), -kObeyed);
+  for (int k = 1; k <= 5; ++k) track.advance(square(20 + 3 * k, true), nullptr);
+  // The square is 15 pixels further; so are its strokes. Those on the room stay where they are.
+  const cv::Mat cost = track.cost();
+  EXPECT_LT(cost.at<float>(60, 40 + 15), 0);
+  EXPECT_GT(cost.at<float>(60, 40 + 15), -kObeyed);
+  EXPECT_EQ(cost.at<float>(60, 34), 0);
+  EXPECT_GT(cost.at<float>(98, 128), 0);
+  // It vanishes, and its strokes with it.
+  track.advance(square(0, false), nullptr);
+  EXPECT_EQ(track.cost().at<float>(60, 55), 0);
+}
+
+}  // namespace
+}  // namespace fourdvt::mattes
