@@ -2,64 +2,14 @@
 // What the studio draws and writes: known points of the surface have the texture's colours in every picture, with and
 // without drift; the truth's ends are the sequences' own pictures; the folder opens as a capture and is reproducible.
 #include <atomic>
-#include <filesystem>
-#include <fstream>
-#include <map>
-#include <sstream>
 
 #include "capture/capture.h"
-#include "gl_fixture.h"
 #include "lab/studio/set.h"
 #include "platform/ffmpeg_video.h"
+#include "studio_fixture.h"
 
 namespace fourdvt::studio {
 namespace {
-
-namespace fs = std::filesystem;
-
-std::map<std::string, std::string> filesOf(const std::string& folder) {
-  std::map<std::string, std::string> out;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (!entry.is_regular_file()) continue;
-    std::stringstream bytes;
-    bytes << std::ifstream(entry.path(), std::ios::binary).rdbuf();
-    out[fs::relative(entry.path(), folder).string()] = bytes.str();
-  }
-  return out;
-}
-
-class StudioTest : public fourdvt::testing::GlFixture {
- protected:
-  void SetUp() override {
-    GlFixture::SetUp();
-    folder_ = ::testing::TempDir() + "/fourdvt_studio_" +
-              ::testing::UnitTest::GetInstance()->current_test_info()->name() + "_" + std::to_string(::getpid());
-    fs::create_directories(folder_);
-  }
-  void TearDown() override {
-    fs::remove_all(folder_);
-    GlFixture::TearDown();
-  }
-
-  // Small, and at 5 frames a second: 6 and 4 frames.
-  StudioOptions small(const std::string& name) const {
-    StudioOptions o;
-    o.folder = folder_ + "/" + name;
-    o.cameras = 3;
-    o.width = 96;
-    o.height = 128;
-    o.fps = 5;
-    o.test_every = 2;
-    o.truth_at = {0, 0.5, 1};
-    o.truth_phases = 2;
-    o.truth_ring = 1;
-    o.images = true;
-    return o;
-  }
-  Result<StudioReport> run(const StudioOptions& options) { return runStudio(options, {device.get(), {}, nullptr}); }
-
-  std::string folder_;
-};
 
 // Compares pictures with the texture at the tracked vertices that a camera sees well inside the silhouette.
 void expectColoursOfTexture(StudioSet& set, const std::vector<double>& shares, double phase, double place) {

@@ -67,15 +67,21 @@ std::vector<glm::dvec3> paletteOf(const Actor& actor, uint32_t seed) {
 
 }  // namespace
 
-Room::Room(uint32_t seed, const Rig& rig, double ground_y_m, const Actor& actor)
-    : seed_(seed),
-      ground_m_(ground_y_m),
-      faces_(actor.surface().topology.face_vertices),
-      palette_(paletteOf(actor, seed)) {
+double Room::leastSize_m(const Rig& rig) {
+  double half_m = 0;
   for (const PinholeCamera& camera : rig.ring) {
     const glm::dvec3 eye = camera.centreInWorld();
-    half_m_ = std::max({half_m_, kWallBehindCameras * std::abs(eye.x), kWallBehindCameras * std::abs(eye.z)});
+    half_m = std::max({half_m, std::abs(eye.x), std::abs(eye.z)});
   }
+  return 2 * half_m;
+}
+
+Room::Room(uint32_t seed, const Rig& rig, double ground_y_m, const Actor& actor, double size_m)
+    : seed_(seed),
+      ground_m_(ground_y_m),
+      half_m_(size_m > 0 ? 0.5 * size_m : kWallBehindCameras * 0.5 * leastSize_m(rig)),
+      faces_(actor.surface().topology.face_vertices),
+      palette_(paletteOf(actor, seed)) {
   const double azimuth = 2 * kPi * hash(seed, 1, 78), elevation = kPi / 180 * (40 + 15 * hash(seed, 2, 78));
   light_ = -glm::dvec3(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
                        std::cos(azimuth) * std::cos(elevation));

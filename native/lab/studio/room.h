@@ -16,8 +16,11 @@ namespace fourdvt::studio {
 
 class Room {
  public:
-  // Walls stand behind the ring's cameras; `seed` chooses textures, furniture and the lamp's direction.
-  Room(uint32_t seed, const Rig& rig, double ground_y_m, const Actor& actor);
+  // Walls stand behind the ring's cameras; `seed` chooses textures, furniture and the lamp's direction. `size_m`: the
+  // length of a wall, at least leastSize_m; 0: a quarter more than that.
+  Room(uint32_t seed, const Rig& rig, double ground_y_m, const Actor& actor, double size_m = 0);
+  // The length of a wall that touches the ring's outermost camera.
+  static double leastSize_m(const Rig& rig);
 
   // The pose, world coordinates, whose shadow lies in the room from now on. Faces are the actor's surface.
   void setShadow(const Positions& pose);
@@ -55,7 +58,7 @@ class Room {
 
   const uint32_t seed_;
   const double ground_m_;
-  double half_m_ = 0;                           // of the room's floor
+  const double half_m_;                         // of the room's floor
   glm::dvec3 light_{0}, across_{0}, along_{0};  // the light's direction, downwards, and axes of the plane across it
   std::vector<glm::uvec3> faces_;
   std::vector<glm::dvec3> palette_;  // colours of the actor

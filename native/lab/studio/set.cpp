@@ -26,6 +26,11 @@ uint32_t frameCount(const Motion& motion, double fps) {
   return std::max(1u, static_cast<uint32_t>(std::lround(motion.duration_s * fps)) + (motion.loop ? 0 : 1));
 }
 
+uint32_t filmedFrames(const Motion& motion, const StudioOptions& options) {
+  const uint32_t whole = frameCount(motion, options.fps);
+  return options.frames > 0 ? std::min(whole, uint32_t(options.frames)) : whole;
+}
+
 double framePhase(const Motion& motion, uint32_t frame, uint32_t count) {
   return double(frame) / std::max(1u, motion.loop ? count : count - 1);
 }
@@ -50,7 +55,7 @@ Result<std::unique_ptr<StudioSet>> StudioSet::open(const StudioOptions& options,
 Status StudioSet::chooseClasses(const StudioOptions& options) {
   const auto& motions = actor_->motions();
   classes_ = options.classes;
-  if (classes_.empty() && options.actor == "procedural" && motions.size() > 1) {
+  if (classes_.empty() && options.frames == 0 && options.actor == "procedural" && motions.size() > 1) {
     classes_.push_back({"locomotion", "speed_mps", {}});
     for (const Motion& motion : motions) classes_[0].members.push_back(motion.name);
   }

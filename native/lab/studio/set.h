@@ -14,6 +14,8 @@ namespace fourdvt::studio {
 // Number of frames of a motion at this rate. The last frame of a loop lies one step before its first; the last frame of
 // any other motion is its end.
 uint32_t frameCount(const Motion& motion, double fps);
+// The frames of it that are filmed.
+uint32_t filmedFrames(const Motion& motion, const StudioOptions& options);
 // Phase of one of these frames, 0…1.
 double framePhase(const Motion& motion, uint32_t frame, uint32_t count);
 

@@ -51,16 +51,18 @@ struct StudioOptions {
   std::vector<StudioClass>
       classes;                    // empty: the procedural actor with two or more motions makes locomotion by speed_mps
   int cameras = 8;                // on the ring
+  int frames = 0;                 // of each sequence, from its start, which is then no loop and in no class; 0: all
   int width = 480, height = 640;  // pixels, both even
   double fps = 25;
   int test_every = 8;  // every Nth frame has held-out pictures
   std::vector<double> truth_at{0,   0.2, 0.4,
                                0.6, 0.8, 1};  // 0: the first member … 1: the last; empty: no truth is written
   int truth_phases = 8;
-  int truth_ring = 2;   // how many ring cameras the truth is rendered from, besides the held-out ones
-  bool images = false;  // PNG pictures and mattes instead of videos
-  bool room = false;    // a furnished room instead of the green studio
-  int plates = 1;       // pictures of the empty room per camera
+  int truth_ring = 2;      // how many ring cameras the truth is rendered from, besides the held-out ones
+  bool images = false;     // PNG pictures and mattes instead of videos
+  bool room = false;       // a furnished room instead of the green studio
+  double room_size_m = 0;  // length of the room's walls; 0: as the cameras need
+  int plates = 1;          // pictures of the empty room per camera; 0: none
   StudioKnobs knobs;
   std::string check() const;  // what is wrong; empty if nothing is
 };

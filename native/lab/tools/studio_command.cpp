@@ -28,13 +28,16 @@ const tools::CommandHelp& help() {
        {"--sequences", "A,B", "animations to capture (default: all; procedural: walk,run)"},
        {"--class", "C=P:A,B",
         "sequences A, B … are class C with parameter P (procedural: locomotion=speed_mps: all sequences)"},
-       {"--cameras", "N", "cameras on the ring, 2 to 99 (default 8); three held-out cameras are added"},
+       {"--cameras", "N", "cameras on the ring, 2 to 128 (default 8); three held-out cameras are added"},
        {"--size", "WxH", "pixels of a picture, even (default 480x640)"},
        {"--fps", "N", "frames a second (default 25)"},
+       {"--frames", "N", "only the first N frames of each sequence, which are then no loops and in no class"},
        {"--images", nullptr, "PNG pictures and mattes instead of videos"},
        {"--room", nullptr,
         "a furnished room instead of the green studio, with the actor's shadow; no mattes but in mattes_true/"},
+       {"--room-size", "M", "length of the room's walls in metres (default: a quarter more than the cameras need)"},
        {"--plates", "N", "pictures of the empty room per camera (default 1)"},
+       {"--no-plates", nullptr, "no pictures of the empty room: there is nothing to make mattes from"},
        {"--test-every", "N", "held-out pictures of every Nth frame (default 8)"},
        {"--truth", "A,B",
         "positions between a class's first (0) and last (1) member to render (default 0,0.2,0.4,0.6,0.8,1)"},
@@ -75,7 +78,7 @@ studio::StudioClass readClass(Args& args, const std::string& text) {
 
 void readTruth(Args& args, studio::StudioOptions& o) {
   o.truth_phases = args.integer("--truth-phases", o.truth_phases, 1, 1000);
-  o.truth_ring = args.integer("--truth-ring", o.truth_ring, 0, 99);
+  o.truth_ring = args.integer("--truth-ring", o.truth_ring, 0, 128);
   if (args.has("--no-truth") && args.has("--truth")) args.complain("--truth and --no-truth exclude each other");
   if (args.has("--truth") || args.has("--no-truth")) o.truth_at.clear();
   for (const std::string& text : args.list("--truth")) {
@@ -109,12 +112,16 @@ studio::StudioOptions readOptions(Args& args) {
   o.folder = args.required("-o");
   o.sequences = args.list("--sequences");
   if (args.has("--class")) o.classes.push_back(readClass(args, args.text("--class")));
-  o.cameras = args.integer("--cameras", o.cameras, 2, 99);
+  o.cameras = args.integer("--cameras", o.cameras, 2, 128);
   if (const auto size = args.size("--size", 4096)) std::tie(o.width, o.height) = *size;
   o.fps = args.number("--fps", o.fps, 1, 1000);
   o.images = args.has("--images");
   o.room = args.has("--room");
+  o.frames = args.integer("--frames", o.frames, 0, 1000000);
+  o.room_size_m = args.number("--room-size", o.room_size_m, 0, 1000);
   o.plates = args.integer("--plates", o.plates, 1, 99);
+  if (args.has("--no-plates") && args.has("--plates")) args.complain("--plates and --no-plates exclude each other");
+  if (args.has("--no-plates")) o.plates = 0;
   o.test_every = args.integer("--test-every", o.test_every, 1, 1000000);
   readTruth(args, o);
   readKnobs(args, o.knobs);

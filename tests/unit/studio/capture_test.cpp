@@ -294,6 +294,13 @@ TEST(StudioRig, SeesEveryCornerAndCalibrationErrorsAreOfTheirSize) {
   EXPECT_NEAR(std::sqrt(turned / 24), 0.2, 0.08);
 }
 
+TEST(StudioRig, NamesOfManyCamerasHaveThreeDigits) {
+  const Rig rig = makeRig({{-0.4f, 0, -0.5f}, {0.4f, 1.8f, 0.5f}}, 128, 48, 64);
+  ASSERT_EQ(rig.ring.size(), 128u);
+  EXPECT_EQ(rig.ring[9].name, "cam09");
+  EXPECT_EQ(rig.ring[127].name, "cam127");
+}
+
 TEST(StudioSensor, NoiseGainAndErosionAreOfTheirSize) {
   Image picture(64, 64, 4, 0);
   for (int y = 16; y < 48; ++y)
@@ -456,6 +463,21 @@ TEST(StudioOptions, AreChecked) {
   o.sequences = {"a/b"};
   EXPECT_NE(o.check(), "");
   o.sequences.clear();
+  o.cameras = 128;
+  EXPECT_EQ(o.check(), "");
+  o.cameras = 129;
+  EXPECT_NE(o.check(), "");
+  o.cameras = 8;
+  o.frames = 3;
+  EXPECT_EQ(o.check(), "");
+  o.classes = {{"c", "p", {"a", "b"}}};
+  EXPECT_NE(o.check().find("--frames"), std::string::npos);
+  o.classes.clear();
+  o.room_size_m = 9;
+  EXPECT_NE(o.check().find("--room"), std::string::npos);
+  o.room_size_m = 0;
+  o.plates = 0;
+  EXPECT_NE(o.check().find("--room"), std::string::npos);
   o.plates = 3;
   EXPECT_NE(o.check().find("--room"), std::string::npos);
   o.room = true;

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// The text of a studio capture's capture.json: what readers need (capture.h), and under "studio" the options and
+// hidden values that made it, which readers ignore.
+#pragma once
+
+#include <string>
+
+#include "lab/studio/room.h"
+#include "lab/studio/set.h"
+
+namespace fourdvt::studio {
+
+// `room`: null for the green studio.
+std::string captureText(const StudioSet& set, const StudioOptions& options, const Room* room);
+
+}  // namespace fourdvt::studio

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/studio/filming.h"
+
+namespace fourdvt::studio {
+
+Filming::Filming(const StudioOptions& options, StudioSet& set) : options_(options), set_(set) {
+  const Rig& rig = set.rig();
+  if (options.room)
+    room_ = std::make_unique<Room>(options.knobs.seed, rig, set.groundY_m(), set.actor(), options.room_size_m);
+  for (size_t c = 0; c < rig.ring.size(); ++c) {
+    if (room_)
+      sensors_.emplace_back(options.knobs, int(c), room_->empty(c));
+    else
+      sensors_.emplace_back(options.knobs, int(c), options.width, options.height);
+  }
+}
+
+Image Filming::plate(size_t camera, uint32_t take) const {
+  return room_ ? sensors_[camera].recordedPlate(take) : sensors_[camera].plate();
+}
+
+void Filming::begin(const Moment& moment) {
+  moment_ = moment;
+  std::vector<double> shares(set_.actor().motions().size(), 0);
+  shares[moment.motion] = 1;
+  set_.pose(shares, framePhase(set_.actor().motions()[moment.motion], moment.frame, moment.count));
+  if (room_) room_->setShadow(set_.surfacePose());
+}
+
+Result<Filming::Recorded> Filming::record(size_t camera) {
+  FOURDVT_ASSIGN(auto picture, set_.draw(set_.rig().ring[camera]));
+  const Image backdrop = room_ ? room_->withShadow(camera) : Image();
+  return Recorded{sensors_[camera].expose(picture, moment_.shot, room_ ? &backdrop : nullptr),
+                  sensors_[camera].matte(picture)};
+}
+
+}  // namespace fourdvt::studio

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the ring's cameras record: plates, and pictures with their mattes. Poses the set. Does NOT write files.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "lab/studio/room.h"
+#include "lab/studio/sensor.h"
+#include "lab/studio/set.h"
+
+namespace fourdvt::studio {
+
+// A frame of one motion.
+struct Moment {
+  size_t motion = 0;
+  uint32_t frame = 0, count = 1;  // count: the whole motion's frames
+  uint64_t shot = 0;              // as in Sensor::expose
+};
+
+class Filming {
+ public:
+  struct Recorded {
+    Image colour, matte;  // RGB; one channel
+  };
+
+  // `options` and `set` must outlive it.
+  Filming(const StudioOptions& options, StudioSet& set);
+  const Room* room() const { return room_.get(); }  // null: the green studio
+  // The empty studio; `take` counts a camera's plates.
+  Image plate(size_t camera, uint32_t take) const;
+  // Sets the frame that record() shows. Returns with the set posed at it.
+  void begin(const Moment& moment);
+  Result<Recorded> record(size_t camera);
+
+ private:
+  const StudioOptions& options_;
+  StudioSet& set_;
+  std::unique_ptr<Room> room_;
+  std::vector<Sensor> sensors_;  // [ring camera]
+  Moment moment_;
+};
+
+}  // namespace fourdvt::studio
