@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the studio's knobs do to a whole capture, as its reader finds it.
+#include <algorithm>
+#include <cmath>
+
 #include "capture/capture.h"
+#include "capture/pictures.h"
 #include "platform/ffmpeg_video.h"
 #include "studio_fixture.h"
 
@@ -47,9 +51,43 @@ TEST_F(StudioKnobsTest, RoomMayHaveNoPlates) {
   o.frames = 1;
   ASSERT_TRUE(run(o));
   const auto files = filesOf(o.folder);
-  for (const auto& [name, bytes] : files) EXPECT_NE(name.substr(0, 10), "background") << name;
+  EXPECT_FALSE(fs::exists(o.folder + "/background"));
   EXPECT_EQ(files.at("capture.json").find("\"background\""), std::string::npos);
   EXPECT_EQ(files.count("mattes_true/walk/mask00/000000.png"), 1u);
+}
+
+// Mean level of a picture's upper left corner, which shows the backdrop, against the plate's.
+glm::dvec3 gainOfCorner(const std::string& picture, const std::string& plate) {
+  const Image a = capture::readPicture(picture, 3).take(), b = capture::readPicture(plate, 3).take();
+  glm::dvec3 above(0), below(0);
+  for (int y = 0; y < 12; ++y)
+    for (int x = 0; x < 12; ++x)
+      for (int c = 0; c < 3; ++c) above[c] += a.at(x, y)[c], below[c] += b.at(x, y)[c];
+  return above / below;
+}
+
+TEST_F(StudioKnobsTest, PicturesDriftAndPlatesDoNot) {
+  StudioOptions o = walk("still");
+  ASSERT_TRUE(run(o));
+  const auto still = filesOf(o.folder);
+  o.folder = folder_ + "/drifting";
+  o.knobs.exposure_drift_percent = 20;
+  ASSERT_TRUE(run(o));
+  const auto drifting = filesOf(o.folder);
+  std::vector<double> greens;
+  for (const char* camera : {"cam00", "cam01", "cam02"}) {
+    const std::string plate = std::string("background/") + camera + ".png";
+    EXPECT_TRUE(drifting.at(plate) == still.at(plate));
+    for (int frame = 0; frame < 6; ++frame) {
+      const std::string picture = std::string("walk/") + camera + "/00000" + std::to_string(frame) + ".png";
+      const glm::dvec3 gain = gainOfCorner(o.folder + "/" + picture, o.folder + "/" + plate);
+      EXPECT_NEAR(gain.x, gain.y, 0.02);  // red has 46 levels
+      EXPECT_LT(std::abs(gain.y - 1), 0.205);
+      greens.push_back(gain.y);
+    }
+  }
+  const auto [low, high] = std::minmax_element(greens.begin(), greens.end());
+  EXPECT_GT(*high - *low, 0.2);
 }
 
 TEST_F(StudioKnobsTest, RoomMustHoldTheCameras) {

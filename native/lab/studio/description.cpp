@@ -10,20 +10,26 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// The later knobs are named only where they are turned, so that captures without them keep their bytes.
 Json knobsJson(const StudioKnobs& k) {
-  return {{"seed", k.seed},
-          {"drift_mm", k.drift_mm},
-          {"wrinkles", k.wrinkles},
-          {"specular", k.specular},
-          {"shading", k.shading},
-          {"rotation_deg", k.rotation_deg},
-          {"translation_mm", k.translation_mm},
-          {"focal_percent", k.focal_percent},
-          {"proxy_mm", k.proxy_mm},
-          {"mesh_cell_mm", k.mesh_cell_mm},
-          {"gain_percent", k.gain_percent},
-          {"noise_levels", k.noise_levels},
-          {"erosion_pixels", k.erosion_pixels}};
+  Json out = {{"seed", k.seed},
+              {"drift_mm", k.drift_mm},
+              {"wrinkles", k.wrinkles},
+              {"specular", k.specular},
+              {"shading", k.shading},
+              {"rotation_deg", k.rotation_deg},
+              {"translation_mm", k.translation_mm},
+              {"focal_percent", k.focal_percent},
+              {"proxy_mm", k.proxy_mm},
+              {"mesh_cell_mm", k.mesh_cell_mm},
+              {"gain_percent", k.gain_percent},
+              {"noise_levels", k.noise_levels},
+              {"erosion_pixels", k.erosion_pixels}};
+  const std::pair<const char*, double> later[] = {{"exposure_drift_percent", k.exposure_drift_percent},
+                                                  {"white_balance_drift_percent", k.white_balance_drift_percent}};
+  for (const auto& [name, value] : later)
+    if (value != 0) out[name] = value;
+  return out;
 }
 
 // Metres, rounded.

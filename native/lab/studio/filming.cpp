@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/studio/filming.h"
 
+#include <algorithm>
+
 namespace fourdvt::studio {
 
 Filming::Filming(const StudioOptions& options, StudioSet& set) : options_(options), set_(set) {
@@ -30,8 +32,10 @@ void Filming::begin(const Moment& moment) {
 Result<Filming::Recorded> Filming::record(size_t camera) {
   FOURDVT_ASSIGN(auto picture, set_.draw(set_.rig().ring[camera]));
   const Image backdrop = room_ ? room_->withShadow(camera) : Image();
-  return Recorded{sensors_[camera].expose(picture, moment_.shot, room_ ? &backdrop : nullptr),
-                  sensors_[camera].matte(picture)};
+  const Sensor& sensor = sensors_[camera];
+  const uint32_t filmed = filmedFrames(set_.actor().motions()[moment_.motion], options_);
+  const glm::dvec3 drift = sensor.drift(moment_.motion, double(moment_.frame) / std::max(1u, filmed - 1));
+  return Recorded{sensor.expose(picture, moment_.shot, room_ ? &backdrop : nullptr, drift), sensor.matte(picture)};
 }
 
 }  // namespace fourdvt::studio

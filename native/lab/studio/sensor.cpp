@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -27,6 +28,12 @@ Image greenBackdrop(int camera, int width, int height) {
   return out;
 }
 
+// A sine, -1…1, of half a turn to a whole one over time 0…1, that starts anywhere.
+double wave(uint32_t seed, uint64_t key, double time) {
+  const auto share = [&](uint64_t k) { return double(randomBits(seed, key + k) >> 11) / double(1ull << 53); };
+  return std::sin(2 * std::numbers::pi * (share(0) + (0.5 + 0.5 * share(1)) * time));
+}
+
 }  // namespace
 
 Sensor::Sensor(const StudioKnobs& knobs, int camera, int width, int height)
@@ -43,7 +50,14 @@ Image Sensor::recordedPlate(uint32_t take) const {
   return expose(Image(plate_.width, plate_.height, 4), kFirstPlateShot + take);
 }
 
-Image Sensor::expose(const Image& picture, uint64_t shot, const Image* backdrop) const {
+glm::dvec3 Sensor::drift(size_t clip, double time) const {
+  const uint64_t key = 0xd21f0000 + 4096 * clip + 4 * uint64_t(camera_);
+  const double exposure = 1 + 0.01 * knobs_.exposure_drift_percent * wave(knobs_.seed, key, time);
+  const double warmth = 0.01 * knobs_.white_balance_drift_percent * wave(knobs_.seed, key + 2, time);
+  return exposure * glm::dvec3(1 + warmth, 1, 1 - warmth);
+}
+
+Image Sensor::expose(const Image& picture, uint64_t shot, const Image* backdrop, const glm::dvec3& drift) const {
   const Image& background = backdrop ? *backdrop : backdrop_;
   Image out(picture.width, picture.height, 3);
   const uint64_t stream = (uint64_t(camera_) << 32) + shot;
@@ -53,7 +67,7 @@ Image Sensor::expose(const Image& picture, uint64_t shot, const Image* backdrop)
       const double noise =
           knobs_.noise_levels > 0 ? knobs_.noise_levels * randomNormal(knobs_.seed + stream, 3 * i + c) : 0;
       out.pixels[3 * i + c] =
-          level(gain_[c] * (picture.pixels[4 * i + c] + behind * background.pixels[3 * i + c]) + noise);
+          level(gain_[c] * drift[c] * (picture.pixels[4 * i + c] + behind * background.pixels[3 * i + c]) + noise);
     }
   }
   return out;

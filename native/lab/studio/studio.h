@@ -35,8 +35,10 @@ struct StudioKnobs {
   double proxy_mm = 0;        // largest distance of the written mesh from the surface, along its normals, smooth
   double mesh_cell_mm = 25;   // procedural actor: size of the tracked mesh's faces
   double gain_percent = 0;    // σ of each colour channel's gain
-  double noise_levels = 0;    // σ of sensor noise in levels of 255, drawn anew for every pixel and frame
-  double erosion_pixels = 0;  // how much too small the mattes are
+  double exposure_drift_percent = 0;       // at most: how the gain strays from the plates' over a clip
+  double white_balance_drift_percent = 0;  // at most: how red strays up while blue strays down, and back
+  double noise_levels = 0;                 // σ of sensor noise in levels of 255, drawn anew for every pixel and frame
+  double erosion_pixels = 0;               // how much too small the mattes are
 };
 
 struct StudioClass {

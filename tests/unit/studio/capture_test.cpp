@@ -325,6 +325,47 @@ TEST(StudioSensor, NoiseGainAndErosionAreOfTheirSize) {
   EXPECT_EQ(noisy.matte(picture).at(18, 30)[0], 255);
 }
 
+// Of an empty picture of a grey backdrop: the levels are the gain times the plate's.
+TEST(StudioSensor, GainDriftsSmoothlyAroundThePlates) {
+  StudioKnobs knobs;
+  const Image nobody(8, 8, 4, 0);
+  const auto measured = [&](int camera, double time) {
+    const Sensor sensor(knobs, camera, Image(8, 8, 3, 120));
+    const Image picture = sensor.expose(nobody, 0, nullptr, sensor.drift(0, time));
+    EXPECT_EQ(sensor.recordedPlate(0).at(3, 3)[0], 120);
+    const uint8_t* p = picture.at(3, 3);
+    return glm::dvec3(p[0], p[1], p[2]) / 120.0;
+  };
+  constexpr double kStep = 0.5 / 120;
+  const auto extremes = [&](int channel) {
+    glm::dvec2 low_high(9, 0);
+    for (int camera = 0; camera < 6; ++camera)
+      for (int i = 0; i <= 25; ++i) {
+        const double gain = measured(camera, i / 25.0)[channel];
+        low_high = {std::min(low_high.x, gain), std::max(low_high.y, gain)};
+        const double before = measured(camera, std::max(0, i - 1) / 25.0)[channel];
+        EXPECT_LE(std::abs(gain - before), 0.1 * 2 * kPi / 25 + 2 * kStep) << camera << " " << i;
+      }
+    return low_high;
+  };
+  EXPECT_EQ(measured(2, 0.5), glm::dvec3(1));
+  knobs.exposure_drift_percent = 10;
+  for (int channel = 0; channel < 3; ++channel) {
+    EXPECT_NEAR(extremes(channel).x, 0.9, 0.01);
+    EXPECT_NEAR(extremes(channel).y, 1.1, 0.01);
+  }
+  EXPECT_EQ(measured(2, 0.5).x, measured(2, 0.5).z);
+  EXPECT_NE(measured(2, 0.5).x, measured(3, 0.5).x);
+  knobs.exposure_drift_percent = 0;
+  knobs.white_balance_drift_percent = 10;
+  EXPECT_NEAR(extremes(0).y, 1.1, 0.01);
+  EXPECT_NEAR(extremes(2).x, 0.9, 0.01);
+  for (const double time : {0.0, 0.3, 0.7, 1.0}) {
+    EXPECT_EQ(measured(1, time).y, 1);
+    EXPECT_NEAR(measured(1, time).x - 1, 1 - measured(1, time).z, 2 * kStep);
+  }
+}
+
 class StudioGltf : public ::testing::Test {
  protected:
   Result<std::unique_ptr<Actor>> open(const std::vector<std::string>& motions = {}) {
