@@ -90,6 +90,19 @@ TEST_F(StudioKnobsTest, PicturesDriftAndPlatesDoNot) {
   EXPECT_GT(*high - *low, 0.2);
 }
 
+TEST_F(StudioKnobsTest, PlatesMoveAndPicturesDoNot) {
+  StudioOptions o = walk("still");
+  o.room = true;
+  o.frames = 1;
+  ASSERT_TRUE(run(o));
+  const auto still = filesOf(o.folder);
+  o.knobs.plate_move_pixels = 2;
+  ASSERT_TRUE(run(o));
+  const auto moved = filesOf(o.folder);
+  EXPECT_TRUE(moved.at("walk/cam01/000000.png") == still.at("walk/cam01/000000.png"));
+  EXPECT_FALSE(moved.at("background/cam01.png") == still.at("background/cam01.png"));
+}
+
 TEST_F(StudioKnobsTest, RoomMustHoldTheCameras) {
   StudioOptions o = walk("room");
   o.room = true;

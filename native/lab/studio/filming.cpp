@@ -18,7 +18,10 @@ Filming::Filming(const StudioOptions& options, StudioSet& set) : options_(option
 }
 
 Image Filming::plate(size_t camera, uint32_t take) const {
-  return room_ ? sensors_[camera].recordedPlate(take) : sensors_[camera].plate();
+  if (!room_) return sensors_[camera].plate();
+  if (options_.knobs.plate_move_pixels == 0) return sensors_[camera].recordedPlate(take);
+  const Image moved = room_->emptySeenBy(plateCameras(set_.rig().ring, options_.knobs)[camera]);
+  return sensors_[camera].recordedPlate(take, &moved);
 }
 
 void Filming::begin(const Moment& moment) {

@@ -90,6 +90,25 @@ std::vector<PinholeCamera> miscalibrated(const std::vector<PinholeCamera>& truth
   return out;
 }
 
+std::vector<PinholeCamera> plateCameras(const std::vector<PinholeCamera>& ring, const StudioKnobs& knobs) {
+  std::vector<PinholeCamera> out = ring;
+  if (knobs.plate_move_pixels == 0) return out;
+  for (size_t c = 0; c < out.size(); ++c) {
+    PinholeCamera& camera = out[c];
+    const auto share = [&](int k) { return double(randomBits(knobs.seed, 0x91a7e000 + 8 * c + k) >> 40) / (1 << 24); };
+    const double pixels = knobs.plate_move_pixels, towards = 2 * std::numbers::pi * share(0);
+    const double corner = std::hypot(camera.width, camera.height) / 2, side = share(1) < 0.5 ? -1 : 1;
+    const glm::dvec3 turn(-pixels / camera.fy * std::sin(towards), pixels / camera.fx * std::cos(towards),
+                          side * pixels / (3 * corner));
+    const glm::dvec3 moved = 2e-4 * pixels * glm::normalize(glm::dvec3(share(2), share(3), share(4)) - 0.5);
+    const double angle = glm::length(turn);
+    const glm::dmat3 rotation = glm::dmat3(glm::mat3_cast(glm::angleAxis(angle, turn / angle)));
+    camera.cam_from_world = glm::dmat4(rotation) * camera.cam_from_world;
+    camera.cam_from_world[3] += glm::dvec4(moved, 0);
+  }
+  return out;
+}
+
 Status writeColmap(const std::string& folder, std::span<const PinholeCamera> cameras) {
   FOURDVT_TRY(platform::makeFolder(folder));
   std::vector<capture::CaptureCamera> pinholes;

@@ -22,6 +22,9 @@ struct Rig {
 Rig makeRig(const BoundingBox& bounds, int cameras, int width, int height);
 // The cameras that a calibration with the errors of `knobs` would have found.
 std::vector<PinholeCamera> miscalibrated(const std::vector<PinholeCamera>& truth, const StudioKnobs& knobs);
+// The cameras that take the plates: turned so that the picture's middle moves by knobs.plate_move_pixels in a direction
+// of each camera's own, rolled so that its corners move by a third of that, and moved by 0.2 mm a pixel.
+std::vector<PinholeCamera> plateCameras(const std::vector<PinholeCamera>& ring, const StudioKnobs& knobs);
 // Writes cameras.txt and images.txt into `folder`, which is created. Errors: WriteFailed.
 Status writeColmap(const std::string& folder, std::span<const PinholeCamera> cameras);
 

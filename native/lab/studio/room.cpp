@@ -44,6 +44,15 @@ double decoded(double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055
 double encoded(double v) { return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055; }
 uint8_t levelOf(double v) { return static_cast<uint8_t>(std::clamp(std::lround(255 * v), 0l, 255l)); }
 
+// Calls `at`(x, y) for every pixel, on OpenCV's threads.
+template <typename Function>
+void forEachPixel(const PinholeCamera& camera, const Function& at) {
+  cv::parallel_for_(cv::Range(0, camera.height), [&](const cv::Range& rows) {
+    for (int y = rows.start; y < rows.end; ++y)
+      for (int x = 0; x < camera.width; ++x) at(x, y);
+  });
+}
+
 // Mean colours of the actor's texture at random places of its surface.
 std::vector<glm::dvec3> paletteOf(const Actor& actor, uint32_t seed) {
   std::vector<glm::dvec3> out;
@@ -158,14 +167,22 @@ glm::dvec3 Room::colour(const Hit& at) const {
   return glm::clamp(fall * paint, 0.02, 1.0);
 }
 
+Room::Hit Room::hitOfPixel(const PinholeCamera& camera, const glm::dvec2& pixel) const {
+  const glm::dvec3 ray((pixel.x - camera.cx) / camera.fx, (pixel.y - camera.cy) / camera.fy, 1);
+  return hit(camera.centreInWorld(), glm::transpose(glm::dmat3(camera.cam_from_world)) * ray);
+}
+
+glm::dvec3 Room::meanColour(const PinholeCamera& camera, int x, int y) const {
+  glm::dvec3 sum(0);
+  for (const auto& s : kSamples) sum += colour(hitOfPixel(camera, {x + s[0], y + s[1]}));
+  return sum / 4.0;
+}
+
 BoundingBox Room::box() const {
   double top = ground_m_;
   for (const View& view : views_) {
     const PinholeCamera& c = view.camera;
-    const glm::dmat3 world_from_cam = glm::transpose(glm::dmat3(c.cam_from_world));
-    for (int x = 0; x <= c.width; ++x)
-      top = std::max(top,
-                     hit(c.centreInWorld(), world_from_cam * glm::dvec3((x - c.cx) / c.fx, -c.cy / c.fy, 1)).point.y);
+    for (int x = 0; x <= c.width; ++x) top = std::max(top, hitOfPixel(c, {x, 0}).point.y);
   }
   return {glm::vec3(-half_m_, ground_m_, -half_m_), glm::vec3(half_m_, top, half_m_)};
 }
@@ -179,22 +196,23 @@ glm::dvec3 Room::colourAt(const glm::dvec3& point) const {
   return colour(at);
 }
 
+Image Room::emptySeenBy(const PinholeCamera& camera) const {
+  Image out(camera.width, camera.height, 3);
+  forEachPixel(camera, [&](int x, int y) {
+    const glm::dvec3 mean = meanColour(camera, x, y);
+    for (int c = 0; c < 3; ++c) out.at(x, y)[c] = levelOf(mean[c]);
+  });
+  return out;
+}
+
 Room::View Room::makeView(const PinholeCamera& camera) const {
   View view{camera, Image(camera.width, camera.height, 3), Image(camera.width, camera.height, 3)};
-  const glm::dvec3 eye = camera.centreInWorld();
-  const glm::dmat3 world_from_cam = glm::transpose(glm::dmat3(camera.cam_from_world));
-  cv::parallel_for_(cv::Range(0, camera.height), [&](const cv::Range& rows) {
-    for (int y = rows.start; y < rows.end; ++y)
-      for (int x = 0; x < camera.width; ++x) {
-        glm::dvec3 sum(0);
-        for (const auto& s : kSamples)
-          sum += colour(hit(eye, world_from_cam * glm::dvec3((x + s[0] - camera.cx) / camera.fx,
-                                                             (y + s[1] - camera.cy) / camera.fy, 1)));
-        for (int c = 0; c < 3; ++c) {
-          view.lit.at(x, y)[c] = levelOf(sum[c] / 4);
-          view.shaded.at(x, y)[c] = levelOf(encoded(kShadowLight * decoded(sum[c] / 4)));
-        }
-      }
+  forEachPixel(camera, [&](int x, int y) {
+    const glm::dvec3 mean = meanColour(camera, x, y);
+    for (int c = 0; c < 3; ++c) {
+      view.lit.at(x, y)[c] = levelOf(mean[c]);
+      view.shaded.at(x, y)[c] = levelOf(encoded(kShadowLight * decoded(mean[c])));
+    }
   });
   return view;
 }
@@ -235,17 +253,10 @@ Image Room::shadow(size_t camera) const {
   const PinholeCamera& c = views_[camera].camera;
   Image out(c.width, c.height, 1);
   if (map_.empty()) return out;
-  const glm::dvec3 eye = c.centreInWorld();
-  const glm::dmat3 world_from_cam = glm::transpose(glm::dmat3(c.cam_from_world));
-  cv::parallel_for_(cv::Range(0, c.height), [&](const cv::Range& rows) {
-    for (int y = rows.start; y < rows.end; ++y)
-      for (int x = 0; x < c.width; ++x) {
-        int hits = 0;
-        for (const auto& s : kSamples)
-          hits += shaded(
-              hit(eye, world_from_cam * glm::dvec3((x + s[0] - c.cx) / c.fx, (y + s[1] - c.cy) / c.fy, 1)).point);
-        *out.at(x, y) = static_cast<uint8_t>(hits * 255 / 4);
-      }
+  forEachPixel(c, [&](int x, int y) {
+    int hits = 0;
+    for (const auto& s : kSamples) hits += shaded(hitOfPixel(c, {x + s[0], y + s[1]}).point);
+    *out.at(x, y) = static_cast<uint8_t>(hits * 255 / 4);
   });
   return out;
 }

@@ -27,6 +27,7 @@ class Room {
   // What a ring camera sees of the room, RGB, sRGB-encoded: without a shadow, and with the one that was set. Where the
   // lamp does not reach, linear light is kShadowLight of what it is elsewhere.
   const Image& empty(size_t camera) const { return views_[camera].lit; }
+  Image emptySeenBy(const PinholeCamera& camera) const;
   Image withShadow(size_t camera) const;
   const glm::dvec3& light() const { return light_; }  // its direction, unit, downwards
   // The room as a box: from the floor up to the highest point of a wall that a ring camera sees.
@@ -49,6 +50,8 @@ class Room {
     glm::dvec3 point{0};
   };
   Hit hit(const glm::dvec3& eye, const glm::dvec3& direction) const;
+  Hit hitOfPixel(const PinholeCamera& camera, const glm::dvec2& pixel) const;
+  glm::dvec3 meanColour(const PinholeCamera& camera, int x, int y) const;  // of a pixel's samples
   glm::dvec2 sidePlace(int side, const glm::dvec3& point) const;
   glm::dvec3 colour(const Hit& at) const;  // encoded, 0…1
   glm::dvec3 floorColour(const glm::dvec2& at) const;

@@ -46,8 +46,8 @@ Sensor::Sensor(const StudioKnobs& knobs, int camera, Image backdrop)
   for (size_t i = 0; i < plate_.pixels.size(); ++i) plate_.pixels[i] = level(gain_[i % 3] * backdrop_.pixels[i]);
 }
 
-Image Sensor::recordedPlate(uint32_t take) const {
-  return expose(Image(plate_.width, plate_.height, 4), kFirstPlateShot + take);
+Image Sensor::recordedPlate(uint32_t take, const Image* backdrop) const {
+  return expose(Image(plate_.width, plate_.height, 4), kFirstPlateShot + take, backdrop);
 }
 
 glm::dvec3 Sensor::drift(size_t clip, double time) const {

@@ -26,8 +26,8 @@ class Sensor {
   // constructor's. `drift`: the picture's gain beside the plates'.
   Image expose(const Image& picture, uint64_t shot, const Image* backdrop = nullptr,
                const glm::dvec3& drift = glm::dvec3(1)) const;
-  // The empty studio as it is recorded, with noise; `take` counts such recordings of one camera.
-  Image recordedPlate(uint32_t take) const;
+  // The empty studio as it is recorded, with noise; `take` counts such recordings of one camera. `backdrop`: as above.
+  Image recordedPlate(uint32_t take, const Image* backdrop = nullptr) const;
   // Returns one channel.
   Image matte(const Image& picture) const;
 

@@ -29,12 +29,13 @@ struct StudioKnobs {
   double specular = 0;   // 0…1: strength of a highlight that moves with the camera
   double shading = 0.5;  // 0…1: strength of the studio's fixed lights; 0: the texture's colours as they are
   // How the capture departs from the truth. σ: standard deviation of a normal distribution, drawn once per camera.
-  double rotation_deg = 0;    // σ of the written calibration's rotation
-  double translation_mm = 0;  // σ of each component of the written calibration's position
-  double focal_percent = 0;   // σ of the written focal length
-  double proxy_mm = 0;        // largest distance of the written mesh from the surface, along its normals, smooth
-  double mesh_cell_mm = 25;   // procedural actor: size of the tracked mesh's faces
-  double gain_percent = 0;    // σ of each colour channel's gain
+  double rotation_deg = 0;       // σ of the written calibration's rotation
+  double translation_mm = 0;     // σ of each component of the written calibration's position
+  double focal_percent = 0;      // σ of the written focal length
+  double proxy_mm = 0;           // largest distance of the written mesh from the surface, along its normals, smooth
+  double mesh_cell_mm = 25;      // procedural actor: size of the tracked mesh's faces
+  double gain_percent = 0;       // σ of each colour channel's gain
+  double plate_move_pixels = 0;  // the room: how far off the pictures the plates are, in the middle
   double exposure_drift_percent = 0;       // at most: how the gain strays from the plates' over a clip
   double white_balance_drift_percent = 0;  // at most: how red strays up while blue strays down, and back
   double noise_levels = 0;                 // σ of sensor noise in levels of 255, drawn anew for every pixel and frame

@@ -55,6 +55,8 @@ const tools::CommandHelp& help() {
        {"--proxy-mm", "X", "largest distance of the mesh from the true surface (default 0)"},
        {"--mesh-cell-mm", "X", "procedural: size of the mesh's faces, 8 to 45 (default 25: about 4000 vertices)"},
        {"--gain-percent", "X", "deviation of the cameras' colour gains (default 0)"},
+       {"--plate-move", "X",
+        "plates of the room from cameras turned and moved until they are X pixels off (default 0)"},
        {"--exposure-drift", "X", "percent by which each camera's exposure strays over a clip, at most (default 0)"},
        {"--white-balance-drift", "X", "percent by which red strays up and blue down, at most (default 0)"},
        {"--noise", "X", "sensor noise, deviation in levels of 255 (default 0)"},
@@ -104,6 +106,7 @@ void readKnobs(Args& args, studio::StudioKnobs& k) {
   k.proxy_mm = args.number("--proxy-mm", k.proxy_mm, 0, 100);
   k.mesh_cell_mm = args.number("--mesh-cell-mm", k.mesh_cell_mm, 8, 45);
   k.gain_percent = args.number("--gain-percent", k.gain_percent, 0, 20);
+  k.plate_move_pixels = args.number("--plate-move", k.plate_move_pixels, 0, 100);
   k.exposure_drift_percent = args.number("--exposure-drift", k.exposure_drift_percent, 0, 50);
   k.white_balance_drift_percent = args.number("--white-balance-drift", k.white_balance_drift_percent, 0, 50);
   k.noise_levels = args.number("--noise", k.noise_levels, 0, 64);

@@ -517,6 +517,9 @@ TEST(StudioOptions, AreChecked) {
   o.room_size_m = 9;
   EXPECT_NE(o.check().find("--room"), std::string::npos);
   o.room_size_m = 0;
+  o.knobs.plate_move_pixels = 1;
+  EXPECT_NE(o.check().find("--room"), std::string::npos);
+  o.knobs.plate_move_pixels = 0;
   o.plates = 0;
   EXPECT_NE(o.check().find("--room"), std::string::npos);
   o.plates = 3;

@@ -150,5 +150,43 @@ TEST(StudioRoom, PlatesShowTheRoomWithNoiseOfTheirOwn) {
   EXPECT_NEAR(std::sqrt(square / count), 5.1, 0.1);
 }
 
+double bilinear(const Image& picture, double x, double y, int channel) {
+  const int i = int(std::floor(x)), j = int(std::floor(y));
+  const double s = x - i, t = y - j;
+  const auto at = [&](int u, int v) { return double(picture.at(u, v)[channel]); };
+  return (1 - t) * ((1 - s) * at(i, j) + s * at(i + 1, j)) + t * ((1 - s) * at(i, j + 1) + s * at(i + 1, j + 1));
+}
+
+// The translation, to an eighth of a pixel, under which the second picture's middle looks most like the first's.
+glm::dvec2 measuredMove(const Image& from, const Image& to) {
+  glm::dvec2 best(0);
+  double least = 1e18;
+  for (int dy = -40; dy <= 40; ++dy)
+    for (int dx = -40; dx <= 40; ++dx) {
+      double sum = 0;
+      for (int y = from.height / 2 - 20; y < from.height / 2 + 20; ++y)
+        for (int x = from.width / 2 - 20; x < from.width / 2 + 20; ++x)
+          sum += std::pow(bilinear(to, x + dx / 8.0, y + dy / 8.0, 1) - from.at(x, y)[1], 2);
+      if (sum < least) least = sum, best = {dx / 8.0, dy / 8.0};
+    }
+  return best;
+}
+
+TEST(StudioRoom, PlatesOfMovedCamerasAreOffByTheKnob) {
+  SmallRoom& s = shared();
+  StudioKnobs knobs;
+  knobs.plate_move_pixels = 3;
+  const auto cameras = plateCameras(s.rig.ring, knobs);
+  std::vector<glm::dvec2> moves;
+  for (size_t c = 0; c < cameras.size(); ++c) {
+    moves.push_back(measuredMove(s.room.empty(c), s.room.emptySeenBy(cameras[c])));
+    EXPECT_NEAR(glm::length(moves.back()), 3, 0.3) << c;
+    EXPECT_NEAR(glm::distance(cameras[c].centreInWorld(), s.rig.ring[c].centreInWorld()), 6e-4, 1e-4);
+  }
+  EXPECT_GT(glm::distance(moves[0], moves[1]), 0.5);
+  knobs.plate_move_pixels = 0;
+  EXPECT_EQ(s.room.emptySeenBy(plateCameras(s.rig.ring, knobs)[1]).pixels, s.room.empty(1).pixels);
+}
+
 }  // namespace
 }  // namespace fourdvt::studio
