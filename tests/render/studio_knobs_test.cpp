@@ -103,6 +103,19 @@ TEST_F(StudioKnobsTest, PlatesMoveAndPicturesDoNot) {
   EXPECT_FALSE(moved.at("background/cam01.png") == still.at("background/cam01.png"));
 }
 
+TEST_F(StudioKnobsTest, ShadowsSoften) {
+  StudioOptions o = walk("hard");
+  o.room = true;
+  o.frames = 1;
+  ASSERT_TRUE(run(o));
+  const auto hard = filesOf(o.folder);
+  o.knobs.soft_shadow_m = 0.1;
+  ASSERT_TRUE(run(o));
+  const auto soft = filesOf(o.folder);
+  EXPECT_FALSE(soft.at("walk/cam01/000000.png") == hard.at("walk/cam01/000000.png"));
+  EXPECT_TRUE(soft.at("background/cam01.png") == hard.at("background/cam01.png"));
+}
+
 TEST_F(StudioKnobsTest, RoomMustHoldTheCameras) {
   StudioOptions o = walk("room");
   o.room = true;

@@ -25,7 +25,8 @@ Json knobsJson(const StudioKnobs& k) {
               {"gain_percent", k.gain_percent},
               {"noise_levels", k.noise_levels},
               {"erosion_pixels", k.erosion_pixels}};
-  const std::pair<const char*, double> later[] = {{"plate_move_pixels", k.plate_move_pixels},
+  const std::pair<const char*, double> later[] = {{"soft_shadow_m", k.soft_shadow_m},
+                                                  {"plate_move_pixels", k.plate_move_pixels},
                                                   {"exposure_drift_percent", k.exposure_drift_percent},
                                                   {"white_balance_drift_percent", k.white_balance_drift_percent}};
   for (const auto& [name, value] : later)

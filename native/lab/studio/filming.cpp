@@ -8,7 +8,8 @@ namespace fourdvt::studio {
 Filming::Filming(const StudioOptions& options, StudioSet& set) : options_(options), set_(set) {
   const Rig& rig = set.rig();
   if (options.room)
-    room_ = std::make_unique<Room>(options.knobs.seed, rig, set.groundY_m(), set.actor(), options.room_size_m);
+    room_ = std::make_unique<Room>(options.knobs.seed, rig, set.groundY_m(), set.actor(), options.room_size_m,
+                                   options.knobs.soft_shadow_m);
   for (size_t c = 0; c < rig.ring.size(); ++c) {
     if (room_)
       sensors_.emplace_back(options.knobs, int(c), room_->empty(c));

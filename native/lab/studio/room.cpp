@@ -5,7 +5,6 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/core/utility.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "lab/studio/random.h"
 
@@ -14,7 +13,6 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kWallBehindCameras = 1.25;  // the wall's distance as a multiple of the farthest camera's
-constexpr double kMapTexel_m = 0.002;
 constexpr int kPaletteColours = 6;
 constexpr double kSamples[4][2] = {{0.375, 0.125}, {0.875, 0.375}, {0.125, 0.625}, {0.625, 0.875}};
 
@@ -43,6 +41,13 @@ double grain(uint32_t seed, glm::dvec2 p) {
 double decoded(double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4); }
 double encoded(double v) { return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055; }
 uint8_t levelOf(double v) { return static_cast<uint8_t>(std::clamp(std::lround(255 * v), 0l, 255l)); }
+
+// A lamp 40 to 55 degrees above the floor.
+glm::dvec3 lightOf(uint32_t seed) {
+  const double azimuth = 2 * kPi * hash(seed, 1, 78), elevation = kPi / 180 * (40 + 15 * hash(seed, 2, 78));
+  return -glm::dvec3(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
+                     std::cos(azimuth) * std::cos(elevation));
+}
 
 // Calls `at`(x, y) for every pixel, on OpenCV's threads.
 template <typename Function>
@@ -85,17 +90,13 @@ double Room::leastSize_m(const Rig& rig) {
   return 2 * half_m;
 }
 
-Room::Room(uint32_t seed, const Rig& rig, double ground_y_m, const Actor& actor, double size_m)
+Room::Room(uint32_t seed, const Rig& rig, double ground_y_m, const Actor& actor, double size_m, double penumbra_m)
     : seed_(seed),
       ground_m_(ground_y_m),
       half_m_(size_m > 0 ? 0.5 * size_m : kWallBehindCameras * 0.5 * leastSize_m(rig)),
-      faces_(actor.surface().topology.face_vertices),
+      light_(lightOf(seed)),
+      shadow_(light_, actor.surface().topology.face_vertices, penumbra_m),
       palette_(paletteOf(actor, seed)) {
-  const double azimuth = 2 * kPi * hash(seed, 1, 78), elevation = kPi / 180 * (40 + 15 * hash(seed, 2, 78));
-  light_ = -glm::dvec3(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
-                       std::cos(azimuth) * std::cos(elevation));
-  across_ = glm::normalize(glm::cross(glm::dvec3(0, 1, 0), light_));
-  along_ = glm::cross(light_, across_);
   for (const PinholeCamera& camera : rig.ring) views_.push_back(makeView(camera));
 }
 
@@ -217,46 +218,15 @@ Room::View Room::makeView(const PinholeCamera& camera) const {
   return view;
 }
 
-void Room::setShadow(const Positions& pose) {
-  std::vector<glm::dvec2> seen;
-  glm::dvec2 low(1e9), high(-1e9);
-  actor_depth_m_ = 0;
-  for (const glm::vec3& p : pose) {
-    seen.emplace_back(glm::dot(glm::dvec3(p), across_), glm::dot(glm::dvec3(p), along_));
-    low = glm::min(low, seen.back());
-    high = glm::max(high, seen.back());
-    actor_depth_m_ += glm::dot(glm::dvec3(p), light_) / double(pose.size());
-  }
-  map_origin_m_ = low - 2 * kMapTexel_m;
-  map_ = Image(int((high.x - low.x) / kMapTexel_m) + 5, int((high.y - low.y) / kMapTexel_m) + 5, 1);
-  cv::Mat out(map_.height, map_.width, CV_8U, map_.pixels.data());
-  constexpr int kShift = 6;
-  for (const glm::uvec3& f : faces_) {
-    cv::Point corners[3];
-    for (int k = 0; k < 3; ++k) {
-      const glm::dvec2 texel = (seen[f[k]] - map_origin_m_) / kMapTexel_m - 0.5;
-      corners[k] = {int(std::lround(texel.x * (1 << kShift))), int(std::lround(texel.y * (1 << kShift)))};
-    }
-    cv::fillConvexPoly(out, corners, 3, 255, cv::LINE_8, kShift);
-  }
-}
-
-bool Room::shaded(const glm::dvec3& point) const {
-  if (glm::dot(point, light_) < actor_depth_m_) return false;
-  const glm::dvec2 texel =
-      (glm::dvec2(glm::dot(point, across_), glm::dot(point, along_)) - map_origin_m_) / kMapTexel_m;
-  if (!(texel.x >= 0 && texel.y >= 0 && texel.x < map_.width && texel.y < map_.height)) return false;
-  return *map_.at(int(texel.x), int(texel.y)) != 0;
-}
+void Room::setShadow(const Positions& pose) { shadow_.setPose(pose); }
 
 Image Room::shadow(size_t camera) const {
   const PinholeCamera& c = views_[camera].camera;
   Image out(c.width, c.height, 1);
-  if (map_.empty()) return out;
   forEachPixel(c, [&](int x, int y) {
-    int hits = 0;
-    for (const auto& s : kSamples) hits += shaded(hitOfPixel(c, {x + s[0], y + s[1]}).point);
-    *out.at(x, y) = static_cast<uint8_t>(hits * 255 / 4);
+    double share = 0;
+    for (const auto& s : kSamples) share += shadow_.shareAt(hitOfPixel(c, {x + s[0], y + s[1]}).point);
+    *out.at(x, y) = static_cast<uint8_t>(share * 255 / 4);
   });
   return out;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A furnished room round the actor, in place of the green studio: textured floor and walls, partly in the actor's own
-// colours, and the hard shadow that the actor throws on them under one lamp at infinity. Drawn on the CPU, four samples
-// a pixel. Does NOT throw shadows on the actor, and has no reflections and no ceiling.
+// colours, and the shadow that the actor throws on them under one lamp at infinity. Drawn on the CPU, four samples a
+// pixel. Does NOT throw shadows on the actor, and has no reflections and no ceiling.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -11,14 +11,16 @@
 #include "base/mesh.h"
 #include "lab/studio/actors/actor.h"
 #include "lab/studio/rig.h"
+#include "lab/studio/shadow.h"
 
 namespace fourdvt::studio {
 
 class Room {
  public:
   // Walls stand behind the ring's cameras; `seed` chooses textures, furniture and the lamp's direction. `size_m`: the
-  // length of a wall, at least leastSize_m; 0: a quarter more than that.
-  Room(uint32_t seed, const Rig& rig, double ground_y_m, const Actor& actor, double size_m = 0);
+  // length of a wall, at least leastSize_m; 0: a quarter more than that. `penumbra_m`:
+  // radius of the shadow's soft edge; 0: hard.
+  Room(uint32_t seed, const Rig& rig, double ground_y_m, const Actor& actor, double size_m = 0, double penumbra_m = 0);
   // The length of a wall that touches the ring's outermost camera.
   static double leastSize_m(const Rig& rig);
 
@@ -57,19 +59,14 @@ class Room {
   glm::dvec3 floorColour(const glm::dvec2& at) const;
   glm::dvec3 wallColour(int wall, const glm::dvec2& at) const;
   View makeView(const PinholeCamera& camera) const;
-  bool shaded(const glm::dvec3& point) const;
 
   const uint32_t seed_;
   const double ground_m_;
-  const double half_m_;                         // of the room's floor
-  glm::dvec3 light_{0}, across_{0}, along_{0};  // the light's direction, downwards, and axes of the plane across it
-  std::vector<glm::uvec3> faces_;
+  const double half_m_;     // of the room's floor
+  const glm::dvec3 light_;  // its direction, downwards
+  Shadow shadow_;
   std::vector<glm::dvec3> palette_;  // colours of the actor
   std::vector<View> views_;          // [ring camera]
-  // The actor's outline as the lamp sees it; 255 inside. Texel (0, 0) has its corner at map_origin_m_.
-  Image map_;
-  glm::dvec2 map_origin_m_{0};
-  double actor_depth_m_ = 0;  // of the pose's middle, along the light
 };
 
 }  // namespace fourdvt::studio

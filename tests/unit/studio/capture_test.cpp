@@ -520,6 +520,9 @@ TEST(StudioOptions, AreChecked) {
   o.knobs.plate_move_pixels = 1;
   EXPECT_NE(o.check().find("--room"), std::string::npos);
   o.knobs.plate_move_pixels = 0;
+  o.knobs.soft_shadow_m = 0.1;
+  EXPECT_NE(o.check().find("--room"), std::string::npos);
+  o.knobs.soft_shadow_m = 0;
   o.plates = 0;
   EXPECT_NE(o.check().find("--room"), std::string::npos);
   o.plates = 3;

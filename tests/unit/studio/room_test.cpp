@@ -10,6 +10,7 @@
 
 #include "capture/background_model.h"
 #include "lab/studio/sensor.h"
+#include "lab/studio/shadow.h"
 
 namespace fourdvt::studio {
 namespace {
@@ -148,6 +149,29 @@ TEST(StudioRoom, PlatesShowTheRoomWithNoiseOfTheirOwn) {
     ++count;
   }
   EXPECT_NEAR(std::sqrt(square / count), 5.1, 0.1);
+}
+
+// A square of side 1 m under a slanting lamp, and the share along the floor through the middle of its shadow. Across
+// the light a disc of radius r hides the lamp by 1 - (acos(u) - u sqrt(1 - u²)) / pi where the disc's middle lies u r
+// inside a straight edge.
+TEST(StudioShadow, EdgeIsAsWideAsTheDisc) {
+  const glm::dvec3 light = glm::normalize(glm::dvec3(0.6, -0.8, 0));
+  const Positions square{{-0.5f, 2, -0.5f}, {0.5f, 2, -0.5f}, {0.5f, 2, 0.5f}, {-0.5f, 2, 0.5f}};
+  const std::vector<glm::uvec3> faces{{0, 1, 2}, {0, 2, 3}};
+  for (const double radius : {0.0, 0.05, 0.15}) {
+    Shadow shadow(light, faces, radius);
+    EXPECT_EQ(shadow.shareAt({1.5, 0, 0}), 0);
+    shadow.setPose(square);
+    EXPECT_EQ(shadow.shareAt({0, 3, 0}), 0);  // before it
+    // The square's edge of z = 0.5 lies along the light: on the floor its shadow's edge is there, too.
+    for (double z = 0.2; z < 0.8; z += 0.01) {
+      const double inside = 0.5 - z, u = radius > 0 ? inside / radius : (inside > 0 ? 1 : -1) * 9;
+      const double expected =
+          std::abs(u) >= 1 ? (u > 0 ? 1 : 0) : 1 - (std::acos(u) - u * std::sqrt(1 - u * u)) / 3.14159265358979;
+      if (radius == 0 && std::abs(inside) < 0.004) continue;
+      EXPECT_NEAR(shadow.shareAt({1.5, 0, z}), expected, 0.04) << z;
+    }
+  }
 }
 
 double bilinear(const Image& picture, double x, double y, int channel) {
