@@ -5,6 +5,7 @@
 
 #include "capture/capture.h"
 #include "capture/pictures.h"
+#include "lab/studio/set.h"
 #include "platform/ffmpeg_video.h"
 #include "studio_fixture.h"
 
@@ -114,6 +115,46 @@ TEST_F(StudioKnobsTest, ShadowsSoften) {
   const auto soft = filesOf(o.folder);
   EXPECT_FALSE(soft.at("walk/cam01/000000.png") == hard.at("walk/cam01/000000.png"));
   EXPECT_TRUE(soft.at("background/cam01.png") == hard.at("background/cam01.png"));
+}
+
+std::vector<double> numbersAfter(const std::string& text, const std::string& key) {
+  std::vector<double> out;
+  std::stringstream rest(text.substr(text.find('[', text.find(key)) + 1));
+  for (double value; rest >> value; rest.ignore(1)) out.push_back(value);
+  return out;
+}
+
+// The set is posed and drawn here, by the written offset.
+TEST_F(StudioKnobsTest, CamerasShowTheActorAtTheirOwnTimes) {
+  StudioOptions o = walk("offset");
+  o.knobs.offset_frames = 0.6;
+  ASSERT_TRUE(run(o));
+  const auto files = filesOf(o.folder);
+  const std::vector<double> offsets = numbersAfter(files.at("capture.json"), "offset_frames_true");
+  ASSERT_EQ(offsets.size(), 3u);
+  EXPECT_NE(offsets[0], offsets[1]);
+  auto set = StudioSet::open(o, *device);
+  ASSERT_TRUE(set);
+  for (size_t c = 0; c < 3; ++c)
+    for (const int frame : {0, 4}) {
+      const double phase = (frame + offsets[c]) / 6;
+      set.value()->pose({1}, phase < 0 ? phase + 1 : phase);
+      const Image drawn = set.value()->draw(set.value()->rig().ring[c]).take();
+      const std::string file = "/walk/mask0" + std::to_string(c) + "/00000" + std::to_string(frame) + ".png";
+      const Image matte = capture::readPicture(o.folder + file, 1).take();
+      size_t different = 0;
+      for (size_t i = 0; i < matte.pixels.size(); ++i)
+        different += std::abs(matte.pixels[i] - drawn.pixels[4 * i + 3]) > 1;
+      EXPECT_EQ(different, 0u) << file;
+    }
+  o.folder = folder_ + "/plain";
+  o.knobs.offset_frames = 0;
+  ASSERT_TRUE(run(o));
+  const auto plain = filesOf(o.folder);
+  EXPECT_EQ(plain.at("capture.json").find("offset"), std::string::npos);
+  EXPECT_TRUE(plain.at("walk/mesh/positions.i16") == files.at("walk/mesh/positions.i16"));
+  EXPECT_TRUE(plain.at("walk/test00/0002.png") == files.at("walk/test00/0002.png"));
+  EXPECT_FALSE(plain.at("walk/mask00/000001.png") == files.at("walk/mask00/000001.png"));
 }
 
 TEST_F(StudioKnobsTest, RoomMustHoldTheCameras) {

@@ -25,7 +25,8 @@ Json knobsJson(const StudioKnobs& k) {
               {"gain_percent", k.gain_percent},
               {"noise_levels", k.noise_levels},
               {"erosion_pixels", k.erosion_pixels}};
-  const std::pair<const char*, double> later[] = {{"soft_shadow_m", k.soft_shadow_m},
+  const std::pair<const char*, double> later[] = {{"offset_frames", k.offset_frames},
+                                                  {"soft_shadow_m", k.soft_shadow_m},
                                                   {"plate_move_pixels", k.plate_move_pixels},
                                                   {"exposure_drift_percent", k.exposure_drift_percent},
                                                   {"white_balance_drift_percent", k.white_balance_drift_percent}};
@@ -85,6 +86,7 @@ std::string captureText(const StudioSet& set, const StudioOptions& options, cons
   root["studio"] = {{"actor", std::filesystem::path(options.actor).filename().string()},
                     {"knobs", knobsJson(options.knobs)},
                     {"samples_a_pixel", 4}};
+  if (options.knobs.offset_frames != 0) root["studio"]["offset_frames_true"] = timeOffsets(options);
   if (room) {
     const BoundingBox box = room->box();
     if (options.plates > 0) root["room"] = {{"min", millimetres(box.min)}, {"max", millimetres(box.max)}};

@@ -5,11 +5,12 @@
 
 #include <string>
 
-#include "lab/studio/room.h"
+#include "lab/studio/filming.h"
 #include "lab/studio/set.h"
 
 namespace fourdvt::studio {
 
+// "studio"/"offset_frames_true" lists timeOffsets, if there are any.
 // `room`: null for the green studio.
 std::string captureText(const StudioSet& set, const StudioOptions& options, const Room* room);
 

@@ -3,9 +3,19 @@
 
 #include <algorithm>
 
+#include "lab/studio/random.h"
+
 namespace fourdvt::studio {
 
-Filming::Filming(const StudioOptions& options, StudioSet& set) : options_(options), set_(set) {
+std::vector<double> timeOffsets(const StudioOptions& options) {
+  std::vector<double> out;
+  for (int c = 0; c < options.cameras; ++c)
+    out.push_back(options.knobs.offset_frames * randomNormal(options.knobs.seed, 0x0ff5e700 + uint64_t(c)));
+  return out;
+}
+
+Filming::Filming(const StudioOptions& options, StudioSet& set)
+    : options_(options), set_(set), offsets_(timeOffsets(options)) {
   const Rig& rig = set.rig();
   if (options.room)
     room_ = std::make_unique<Room>(options.knobs.seed, rig, set.groundY_m(), set.actor(), options.room_size_m,
@@ -27,13 +37,18 @@ Image Filming::plate(size_t camera, uint32_t take) const {
 
 void Filming::begin(const Moment& moment) {
   moment_ = moment;
+  pose(moment.frame);
+}
+
+void Filming::pose(double frame) {
   std::vector<double> shares(set_.actor().motions().size(), 0);
-  shares[moment.motion] = 1;
-  set_.pose(shares, framePhase(set_.actor().motions()[moment.motion], moment.frame, moment.count));
+  shares[moment_.motion] = 1;
+  set_.pose(shares, framePhase(set_.actor().motions()[moment_.motion], frame, moment_.count));
   if (room_) room_->setShadow(set_.surfacePose());
 }
 
 Result<Filming::Recorded> Filming::record(size_t camera) {
+  if (options_.knobs.offset_frames != 0) pose(moment_.frame + offsets_[camera]);
   FOURDVT_ASSIGN(auto picture, set_.draw(set_.rig().ring[camera]));
   const Image backdrop = room_ ? room_->withShadow(camera) : Image();
   const Sensor& sensor = sensors_[camera];

@@ -18,6 +18,9 @@ struct Moment {
   uint64_t shot = 0;              // as in Sensor::expose
 };
 
+// [ring camera] the time that its pictures show after their frame's, in frames.
+std::vector<double> timeOffsets(const StudioOptions& options);
+
 class Filming {
  public:
   struct Recorded {
@@ -31,13 +34,17 @@ class Filming {
   Image plate(size_t camera, uint32_t take) const;
   // Sets the frame that record() shows. Returns with the set posed at it.
   void begin(const Moment& moment);
+  // Leaves the set posed at the camera's own time.
   Result<Recorded> record(size_t camera);
 
  private:
+  void pose(double frame);
+
   const StudioOptions& options_;
   StudioSet& set_;
   std::unique_ptr<Room> room_;
-  std::vector<Sensor> sensors_;  // [ring camera]
+  std::vector<Sensor> sensors_;        // [ring camera]
+  const std::vector<double> offsets_;  // [ring camera]
   Moment moment_;
 };
 

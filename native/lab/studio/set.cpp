@@ -31,8 +31,9 @@ uint32_t filmedFrames(const Motion& motion, const StudioOptions& options) {
   return options.frames > 0 ? std::min(whole, uint32_t(options.frames)) : whole;
 }
 
-double framePhase(const Motion& motion, uint32_t frame, uint32_t count) {
-  return double(frame) / std::max(1u, motion.loop ? count : count - 1);
+double framePhase(const Motion& motion, double frame, uint32_t count) {
+  const double phase = frame / std::max(1u, motion.loop ? count : count - 1);
+  return motion.loop ? phase - std::floor(phase) : std::clamp(phase, 0.0, 1.0);
 }
 
 StudioSet::StudioSet(const StudioOptions& options, std::unique_ptr<Actor> actor)

@@ -16,8 +16,9 @@ namespace fourdvt::studio {
 uint32_t frameCount(const Motion& motion, double fps);
 // The frames of it that are filmed.
 uint32_t filmedFrames(const Motion& motion, const StudioOptions& options);
-// Phase of one of these frames, 0…1.
-double framePhase(const Motion& motion, uint32_t frame, uint32_t count);
+// Phase of one of these frames, 0…1. Times between frames, before the first and after the last are part of the loop;
+// other motions hold their first and last pose there.
+double framePhase(const Motion& motion, double frame, uint32_t count);
 
 class StudioSet {
  public:

@@ -35,6 +35,7 @@ struct StudioKnobs {
   double proxy_mm = 0;           // largest distance of the written mesh from the surface, along its normals, smooth
   double mesh_cell_mm = 25;      // procedural actor: size of the tracked mesh's faces
   double gain_percent = 0;       // σ of each colour channel's gain
+  double offset_frames = 0;      // σ of each ring camera's lag behind the frame's time, in frames
   double soft_shadow_m = 0;      // the room: radius of the penumbra across the light; 0: a hard edge
   double plate_move_pixels = 0;  // the room: how far off the pictures the plates are, in the middle
   double exposure_drift_percent = 0;       // at most: how the gain strays from the plates' over a clip

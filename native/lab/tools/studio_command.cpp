@@ -55,6 +55,9 @@ const tools::CommandHelp& help() {
        {"--proxy-mm", "X", "largest distance of the mesh from the true surface (default 0)"},
        {"--mesh-cell-mm", "X", "procedural: size of the mesh's faces, 8 to 45 (default 25: about 4000 vertices)"},
        {"--gain-percent", "X", "deviation of the cameras' colour gains (default 0)"},
+       {"--offset-frames", "X",
+        "deviation of the cameras' time offsets in frames; \"offset_frames_true\" in capture.json has them (default "
+        "0)"},
        {"--soft-shadows", "X", "radius of the penumbra of the actor's shadow in metres (default 0: hard)"},
        {"--plate-move", "X",
         "plates of the room from cameras turned and moved until they are X pixels off (default 0)"},
@@ -107,6 +110,7 @@ void readKnobs(Args& args, studio::StudioKnobs& k) {
   k.proxy_mm = args.number("--proxy-mm", k.proxy_mm, 0, 100);
   k.mesh_cell_mm = args.number("--mesh-cell-mm", k.mesh_cell_mm, 8, 45);
   k.gain_percent = args.number("--gain-percent", k.gain_percent, 0, 20);
+  k.offset_frames = args.number("--offset-frames", k.offset_frames, 0, 100);
   k.soft_shadow_m = args.number("--soft-shadows", k.soft_shadow_m, 0, 0.5);
   k.plate_move_pixels = args.number("--plate-move", k.plate_move_pixels, 0, 100);
   k.exposure_drift_percent = args.number("--exposure-drift", k.exposure_drift_percent, 0, 50);

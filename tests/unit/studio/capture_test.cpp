@@ -9,6 +9,7 @@
 #include "lab/studio/actors/body.h"
 #include "lab/studio/rig.h"
 #include "lab/studio/sensor.h"
+#include "lab/studio/set.h"
 #include "lab/studio/tracker.h"
 #include "studio_model.h"
 
@@ -292,6 +293,16 @@ TEST(StudioRig, SeesEveryCornerAndCalibrationErrorsAreOfTheirSize) {
   }
   EXPECT_NEAR(std::sqrt(moved / 24), 0.005, 0.002);  // 24 components
   EXPECT_NEAR(std::sqrt(turned / 24), 0.2, 0.08);
+}
+
+TEST(StudioTimes, LoopsGoOnAndOtherMotionsHoldTheirEnds) {
+  const Motion loop{"a", 1, true, {}}, clip{"b", 1, false, {}};
+  EXPECT_NEAR(framePhase(loop, 9.5, 10), 0.95, 1e-12);
+  EXPECT_NEAR(framePhase(loop, 10.5, 10), 0.05, 1e-12);
+  EXPECT_NEAR(framePhase(loop, -0.5, 10), 0.95, 1e-12);
+  EXPECT_NEAR(framePhase(clip, 4.5, 10), 0.5, 1e-12);
+  EXPECT_EQ(framePhase(clip, 9.5, 10), 1);
+  EXPECT_EQ(framePhase(clip, -0.5, 10), 0);
 }
 
 TEST(StudioRig, NamesOfManyCamerasHaveThreeDigits) {
