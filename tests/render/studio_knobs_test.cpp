@@ -157,6 +157,47 @@ TEST_F(StudioKnobsTest, CamerasShowTheActorAtTheirOwnTimes) {
   EXPECT_FALSE(plain.at("walk/mask00/000001.png") == files.at("walk/mask00/000001.png"));
 }
 
+// Everything is larger, so that every point of the mesh is where it was in every picture.
+TEST_F(StudioKnobsTest, ScaledWorldLooksTheSame) {
+  StudioOptions o = small("one");
+  o.truth_at = {0.5};
+  o.room = true;
+  ASSERT_TRUE(run(o));
+  const auto one_files = filesOf(o.folder);
+  const auto one = capture::openCapture(o.folder, platform::openVideoFile).take();
+  for (const double scale : {0.05, 20.0}) {
+    o.folder = folder_ + "/scaled";
+    o.scale = scale;
+    ASSERT_TRUE(run(o));
+    const auto files = filesOf(o.folder);
+    for (const auto& [name, bytes] : one_files) {
+      if (!name.ends_with(".png") && !name.ends_with(".i16")) continue;
+      EXPECT_TRUE(files.at(name) == bytes) << name;
+    }
+    auto opened = capture::openCapture(o.folder, platform::openVideoFile);
+    ASSERT_TRUE(opened) << opened.error().message;
+    const capture::Capture& scaled = opened.value();
+    const Positions small = capture::readMeshFrame(one, one.sequences[1], 2).take();
+    const Positions large = capture::readMeshFrame(scaled, scaled.sequences[1], 2).take();
+    ASSERT_NEAR(glm::length(large[5]) / glm::length(small[5]), scale, 1e-4 * scale);
+    for (size_t c = 0; c < one.cameras.size(); ++c)
+      for (size_t v = 0; v < small.size(); v += 50) {
+        const glm::dvec3 before = one.cameras[c].pinhole.project(small[v]);
+        const glm::dvec3 after = scaled.cameras[c].pinhole.project(large[v]);
+        ASSERT_NEAR(glm::distance(glm::dvec2(before), glm::dvec2(after)), 0, 1e-3);
+        ASSERT_NEAR(after.z / before.z, scale, 1e-5 * scale);
+      }
+    EXPECT_NEAR(scaled.sequences[1].root_velocity_mps.z, 2.6 * scale, 1e-9);
+    EXPECT_NEAR(scaled.ground_y_m, one.ground_y_m * scale, 1e-9);
+    EXPECT_NEAR(scaled.room->max.x, one.room->max.x * scale, 1e-3 * scale);
+    EXPECT_NEAR(capture::readTestCameras(scaled).take()[1].centreInWorld().y,
+                capture::readTestCameras(one).take()[1].centreInWorld().y * scale, 1e-6 * scale);
+    const auto truth_one = capture::readColmapCameras(folder_ + "/one/truth/locomotion/cameras").take();
+    const auto truth = capture::readColmapCameras(o.folder + "/truth/locomotion/cameras").take();
+    EXPECT_NEAR(truth[0].pinhole.centreInWorld().x, truth_one[0].pinhole.centreInWorld().x * scale, 1e-6 * scale);
+  }
+}
+
 TEST_F(StudioKnobsTest, RoomMustHoldTheCameras) {
   StudioOptions o = walk("room");
   o.room = true;

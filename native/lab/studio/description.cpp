@@ -35,17 +35,19 @@ Json knobsJson(const StudioKnobs& k) {
   return out;
 }
 
-// Metres, rounded.
-Json millimetres(const glm::dvec3& v) {
+// Millimetres of the actor's world in the written one.
+double rounded(double metres, double scale) { return std::round(1e3 * metres) / 1e3 * scale; }
+
+Json rounded(const glm::dvec3& v, double scale) {
   Json out;
-  for (int i = 0; i < 3; ++i) out.push_back(std::round(1e3 * v[i]) / 1e3 + 0.0);  // no negative zero
+  for (int i = 0; i < 3; ++i) out.push_back(rounded(v[i], scale) + 0.0);  // no negative zero
   return out;
 }
 
 Json sequenceJson(const StudioSet& set, const StudioOptions& options, const Motion& motion) {
   const uint32_t count = filmedFrames(motion, options);
   const bool whole = count == frameCount(motion, options.fps);
-  const glm::dvec3 v = motion.root_velocity_mps;
+  const glm::dvec3 v = options.scale * motion.root_velocity_mps;
   Json node = {{"name", motion.name}, {"frames", count}, {"loop", motion.loop && whole}};
   node["duration_s"] = whole ? motion.duration_s : count / options.fps;
   node["root_velocity"] = {v.x, v.y, v.z};
@@ -54,7 +56,7 @@ Json sequenceJson(const StudioSet& set, const StudioOptions& options, const Moti
       (options.room ? "mattes_true/" : "") + motion.name + "/maskNN" + (options.images ? "/%06d.png" : ".mkv");
   node["mesh"] = {{"topology", "mesh_topology.obj"},
                   {"positions", motion.name + "/mesh/positions.i16"},
-                  {"units_per_metre", set.unitsPerMetre()}};
+                  {"units_per_metre", set.unitsPerMetre() / options.scale}};
   for (uint32_t frame = 0; frame < count; frame += options.test_every) node["test_frames"].push_back(frame);
   node["test_images"] = motion.name + "/testNN/%04d.png";
   return node;
@@ -71,7 +73,7 @@ std::string captureText(const StudioSet& set, const StudioOptions& options, cons
                {"handedness", "right"},
                {"facing", "+Z"},
                {"image_size", {options.width, options.height}},
-               {"ground_y", std::round(1e3 * set.bounds().min.y) / 1e3}};
+               {"ground_y", rounded(set.groundY_m(), options.scale)}};
   for (const Motion& motion : set.actor().motions()) root["sequences"].push_back(sequenceJson(set, options, motion));
   for (const PinholeCamera& camera : set.rig().ring) root["cameras"].push_back(camera.name);
   for (const PinholeCamera& camera : set.rig().test) root["test_cameras"].push_back(camera.name);
@@ -86,10 +88,13 @@ std::string captureText(const StudioSet& set, const StudioOptions& options, cons
   root["studio"] = {{"actor", std::filesystem::path(options.actor).filename().string()},
                     {"knobs", knobsJson(options.knobs)},
                     {"samples_a_pixel", 4}};
+  if (options.scale != 1) root["studio"]["scale"] = options.scale;
   if (options.knobs.offset_frames != 0) root["studio"]["offset_frames_true"] = timeOffsets(options);
   if (room) {
     const BoundingBox box = room->box();
-    if (options.plates > 0) root["room"] = {{"min", millimetres(box.min)}, {"max", millimetres(box.max)}};
+    if (options.plates > 0)
+      root["room"] = {{"min", rounded(glm::dvec3(box.min), options.scale)},
+                      {"max", rounded(glm::dvec3(box.max), options.scale)}};
     root["studio"]["room"] = {{"plates", options.plates}};
     if (options.room_size_m > 0) root["studio"]["room"]["size_m"] = options.room_size_m;
   }

@@ -28,6 +28,7 @@ std::string StudioOptions::check() const {
     return "pictures need even sides from 16 to 4096";
   if (!(fps >= 1 && fps <= 1000)) return "fps must be 1 to 1000";
   if (test_every < 1 || truth_phases < 1 || truth_ring < 0) return "counts must not be negative";
+  if (!(scale >= 0.001 && scale <= 1000)) return "the scale must be 0.001 to 1000";
   if (frames < 0) return "counts must not be negative";
   if (frames > 0 && !classes.empty()) return "a class needs its whole motions; leave out --frames or --class";
   if (plates < 0 || plates > 99) return "plates must be 0 (none) to 99";

@@ -109,11 +109,11 @@ std::vector<PinholeCamera> plateCameras(const std::vector<PinholeCamera>& ring, 
   return out;
 }
 
-Status writeColmap(const std::string& folder, std::span<const PinholeCamera> cameras) {
+Status writeColmap(const std::string& folder, std::span<const PinholeCamera> cameras, double scale) {
   FOURDVT_TRY(platform::makeFolder(folder));
   std::vector<capture::CaptureCamera> pinholes;
   for (const PinholeCamera& camera : cameras) pinholes.push_back({camera, {}});
-  const capture::ColmapText text = capture::colmapText(pinholes, 1);
+  const capture::ColmapText text = capture::colmapText(pinholes, 1 / scale);
   FOURDVT_TRY(platform::writeFileAtomic(folder + "/cameras.txt", text.cameras));
   return platform::writeFileAtomic(folder + "/images.txt", text.images);
 }

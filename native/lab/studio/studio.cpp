@@ -30,9 +30,9 @@ class Run {
 
  private:
   Status calibration() {
-    FOURDVT_TRY(writeColmap(out_.path() + "/cameras", miscalibrated(set_.rig().ring, options_.knobs)));
-    FOURDVT_TRY(writeColmap(out_.path() + "/cameras_true", set_.rig().ring));
-    return writeColmap(out_.path() + "/cameras_test", set_.rig().test);
+    FOURDVT_TRY(writeColmap(out_.path() + "/cameras", miscalibrated(set_.rig().ring, options_.knobs), options_.scale));
+    FOURDVT_TRY(writeColmap(out_.path() + "/cameras_true", set_.rig().ring, options_.scale));
+    return writeColmap(out_.path() + "/cameras_test", set_.rig().test, options_.scale);
   }
 
   // background/camNN.png, or background/camNN/000000.png … of several.
@@ -82,7 +82,7 @@ class Run {
       appendPacked(mesh, set_.unitsPerMetre(), packed);
       if (frames_ == 0)
         FOURDVT_TRY(platform::writeFileAtomic(out_.path() + "/mesh_topology.obj",
-                                              objText(set_.actor().tracked().topology, mesh)));
+                                              objText(set_.actor().tracked().topology, mesh, options_.scale)));
       if (frame % options_.test_every == 0) FOURDVT_TRY(holdOut(folder, frame));
       FOURDVT_TRY(photograph());
       ++frames_;

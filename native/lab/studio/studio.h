@@ -66,6 +66,7 @@ struct StudioOptions {
   int truth_ring = 2;      // how many ring cameras the truth is rendered from, besides the held-out ones
   bool images = false;     // PNG pictures and mattes instead of videos
   bool room = false;       // a furnished room instead of the green studio
+  double scale = 1;        // the written world's size beside the actor's own; pictures stay as they are
   double room_size_m = 0;  // length of the room's walls; 0: as the cameras need
   int plates = 1;          // pictures of the empty room per camera; 0: none
   StudioKnobs knobs;

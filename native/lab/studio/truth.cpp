@@ -34,7 +34,7 @@ class ClassTruth {
 
   Status write() {
     ticker_.begin("truth of " + class_.name);
-    FOURDVT_TRY(writeColmap(out_.path() + "/" + folder_ + "/cameras", cameras_));
+    FOURDVT_TRY(writeColmap(out_.path() + "/" + folder_ + "/cameras", cameras_, options_.scale));
     Json steps = Json::array(), alignment = Json::array();
     for (const double position : options_.truth_at) FOURDVT_TRY(step(position, steps));
     for (size_t m = 1; m < class_.members.size(); ++m) FOURDVT_TRY(align(m, alignment));
@@ -65,7 +65,8 @@ class ClassTruth {
       for (int i = 0; i < options_.truth_phases; ++i)
         root["member_frames"][name].push_back(phase(i) * double(motion.loop ? frames : frames - 1));
     }
-    root["mesh"] = {{"topology", "../../mesh_topology.obj"}, {"units_per_metre", set_.unitsPerMetre()}};
+    root["mesh"] = {{"topology", "../../mesh_topology.obj"},
+                    {"units_per_metre", set_.unitsPerMetre() / options_.scale}};
     return root;
   }
 
@@ -89,7 +90,7 @@ class ClassTruth {
       const size_t index = set_.motionIndex(member);
       entry["weights"].push_back(shares[index]);
       duration_s += shares[index] * set_.actor().motions()[index].duration_s;
-      velocity += shares[index] * set_.actor().motions()[index].root_velocity_mps;
+      velocity += options_.scale * shares[index] * set_.actor().motions()[index].root_velocity_mps;
     }
     if (class_.parameter == "speed_mps") entry["parameter_value"] = glm::length(velocity);
     entry["duration_s"] = duration_s;
@@ -123,7 +124,8 @@ class ClassTruth {
         bytes.u32(points[v].face);
         bytes.f32(static_cast<float>(points[v].share.y));
         bytes.f32(static_cast<float>(points[v].share.z));
-        const double moved = glm::length(mesh.place(points[v], mesh.positions()) - glm::dvec3(mesh.positions()[v]));
+        const double moved =
+            options_.scale * glm::length(mesh.place(points[v], mesh.positions()) - glm::dvec3(mesh.positions()[v]));
         largest = std::max(largest, moved);
         sum += moved;
       }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/studio/writer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -76,11 +77,13 @@ Status Ticker::tick() {
   return {};
 }
 
-std::string objText(const MeshTopology& topology, const Positions& positions) {
+std::string objText(const MeshTopology& topology, const Positions& positions, double scale) {
+  const int digits = 4 + int(std::ceil(std::max(0.0, -std::log10(scale))));
   std::string out;
   char line[120];
   for (const glm::vec3& p : positions) {
-    std::snprintf(line, sizeof line, "v %.4f %.4f %.4f\n", p.x, p.y, p.z);
+    std::snprintf(line, sizeof line, "v %.*f %.*f %.*f\n", digits, scale * p.x, digits, scale * p.y, digits,
+                  scale * p.z);
     out += line;
   }
   for (const glm::vec2& uv : topology.uvs) {

@@ -39,8 +39,9 @@ class Ticker {
   StudioProgress progress_;
 };
 
-// The text of mesh_topology.obj: positions, UVs with the origin at the bottom left, faces as "v/vt" counted from 1.
-std::string objText(const MeshTopology& topology, const Positions& positions);
+// The text of mesh_topology.obj: positions times `scale`, to a tenth of a millimetre or less, UVs with the origin at
+// the bottom left, faces as "v/vt" counted from 1.
+std::string objText(const MeshTopology& topology, const Positions& positions, double scale);
 // Appends little-endian int16 [vertex][xyz].
 void appendPacked(const Positions& positions, double units_per_metre, std::vector<uint8_t>& out);
 std::string numberedName(const char* format, uint32_t number);  // `format` has one %u

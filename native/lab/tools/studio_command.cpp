@@ -35,6 +35,7 @@ const tools::CommandHelp& help() {
        {"--images", nullptr, "PNG pictures and mattes instead of videos"},
        {"--room", nullptr,
         "a furnished room instead of the green studio, with the actor's shadow; no mattes but in mattes_true/"},
+       {"--scale", "X", "the written world (cameras, meshes, room, speeds) is X times as large (default 1)"},
        {"--room-size", "M", "length of the room's walls in metres (default: a quarter more than the cameras need)"},
        {"--plates", "N", "pictures of the empty room per camera (default 1)"},
        {"--no-plates", nullptr, "no pictures of the empty room: there is nothing to make mattes from"},
@@ -131,6 +132,7 @@ studio::StudioOptions readOptions(Args& args) {
   o.images = args.has("--images");
   o.room = args.has("--room");
   o.frames = args.integer("--frames", o.frames, 0, 1000000);
+  o.scale = args.number("--scale", o.scale, 0.001, 1000);
   o.room_size_m = args.number("--room-size", o.room_size_m, 0, 1000);
   o.plates = args.integer("--plates", o.plates, 1, 99);
   if (args.has("--no-plates") && args.has("--plates")) args.complain("--plates and --no-plates exclude each other");

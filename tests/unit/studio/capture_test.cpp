@@ -515,6 +515,9 @@ TEST(StudioOptions, AreChecked) {
   o.sequences = {"a/b"};
   EXPECT_NE(o.check(), "");
   o.sequences.clear();
+  o.scale = 0;
+  EXPECT_NE(o.check(), "");
+  o.scale = 1;
   o.cameras = 128;
   EXPECT_EQ(o.check(), "");
   o.cameras = 129;
