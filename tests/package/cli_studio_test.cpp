@@ -84,6 +84,13 @@ TEST(Studio, RoomBakesFromItsPlates) {
   EXPECT_FALSE(exists(out + "/capture/walk/mask03.mkv"));
   const Outcome bake = fourdvt("bake " + out + "/capture -o " + out + "/character" + kBake);
   EXPECT_EQ(bake.code, 0) << bake.output;
+  const Outcome mattes = lab("mattes " + out + "/capture -o " + out + "/mattes.json");
+  EXPECT_EQ(mattes.code, 0) << mattes.output;
+  EXPECT_NE(mattes.output.find("walk         cam03           4"), std::string::npos) << mattes.output;
+  EXPECT_NE(readText(out + "/mattes.json").find("\"iou_outside_band\": 0."), std::string::npos);
+  const Outcome no_truth = lab("mattes " + out + "/capture --against background");
+  EXPECT_EQ(no_truth.code, 1);
+  EXPECT_NE(no_truth.output.find("background/walk/mask00.mkv"), std::string::npos) << no_truth.output;
   EXPECT_EQ(lab(studio + "/c --erosion 2").code, 2);
   EXPECT_EQ(lab("studio procedural --plates 2 -o " + out + "/c").code, 2);
 }

@@ -115,6 +115,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Mistake{"methods a --refine none", "unknown option --refine"},
                     Mistake{"methods a --character b", "unknown option --character"},
                     Mistake{"surfaces a --method fvvr", "unknown option --method"},
+                    Mistake{"mattes", "missing argument"}, Mistake{"mattes a --refine none", "unknown option --refine"},
                     Mistake{"surfaces", "missing argument"}));
 
 TEST(Usage, UnknownCommandListsThoseThatExist) {
@@ -137,7 +138,7 @@ TEST(Usage, EveryCommandHasHelp) {
     EXPECT_EQ(outcome.code, 0);
     EXPECT_EQ(outcome.output.rfind("usage: fourdvt " + command, 0), 0u) << outcome.output;
   }
-  for (const std::string command : {"studio", "study", "score", "methods", "surfaces"}) {
+  for (const std::string command : {"studio", "study", "score", "methods", "mattes", "surfaces"}) {
     const Outcome outcome = lab(command + " --help");
     EXPECT_EQ(outcome.code, 0);
     EXPECT_EQ(outcome.output.rfind("usage: fourdvt-lab " + command, 0), 0u) << outcome.output;
@@ -147,7 +148,7 @@ TEST(Usage, EveryCommandHasHelp) {
 
 // One screen: 24 lines of 120 characters.
 TEST(Usage, HelpOfTheJudgingCommandsFitsAScreen) {
-  for (const std::string command : {"study", "score", "methods", "surfaces"}) {
+  for (const std::string command : {"study", "score", "methods", "mattes", "surfaces"}) {
     std::istringstream lines(lab(command + " --help").output);
     std::string line;
     int count = 0;

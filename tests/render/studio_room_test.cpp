@@ -10,6 +10,7 @@
 #include "capture/capture.h"
 #include "capture/pictures.h"
 #include "gl_fixture.h"
+#include "lab/measure/matte_score.h"
 #include "lab/studio/studio.h"
 #include "platform/ffmpeg_video.h"
 
@@ -79,35 +80,23 @@ void StudioRoomTest::expectTrueMattes(const StudioOptions& options, const std::s
   auto reader = capture::FrameReader::open(capture.value(), sequence, platform::openVideoFile);
   ASSERT_TRUE(reader) << reader.error().message;
   const size_t cameras = capture.value().cameras.size();
-  std::vector<size_t> both(cameras), either(cameras);
   fs::create_directories("room_mattes");
-  for (uint32_t f = 0; f < sequence.frame_count; ++f) {
-    auto frame = reader.value()->next();
-    ASSERT_TRUE(frame) << frame.error().message;
-    for (size_t c = 0; c < cameras; ++c) {
-      const std::string& name = capture.value().cameras[c].pinhole.name;
-      char file[16];
-      std::snprintf(file, sizeof file, "/%06u.png", f);
-      const Image truth =
-          capture::readPicture(options.folder + "/mattes_true/run/" + capture::matteStem(name) + file, 1).take();
-      const Image& picture = frame.value().pictures[c];
-      for (size_t i = 0; i < truth.pixels.size(); ++i) {
-        const bool a = picture.pixels[4 * i + 3] >= 128, b = truth.pixels[i] >= 128;
-        both[c] += a && b;
-        either[c] += a || b;
-      }
-      const std::string plate = options.folder + "/background/" + name;
-      const Image first = capture::readPicture(options.plates > 1 ? plate + "/000000.png" : plate + ".png", 3).take();
-      if (f > 0) continue;
-      EXPECT_TRUE(platform::writeImage("room_mattes/" + sheets + "_" + name + ".png", row(picture, first, truth)));
-    }
-  }
+  auto frame = reader.value()->next();
+  ASSERT_TRUE(frame) << frame.error().message;
   for (size_t c = 0; c < cameras; ++c) {
-    const double iou = double(both[c]) / double(either[c]);
-    std::printf("%s, %d plates, camera %s: IoU %.4f\n", sheets.c_str(), options.plates,
-                capture.value().cameras[c].pinhole.name.c_str(), iou);
-    EXPECT_GE(iou, 0.97) << capture.value().cameras[c].pinhole.name;
+    const std::string& name = capture.value().cameras[c].pinhole.name;
+    const std::string matte = "/mattes_true/run/" + capture::matteStem(name) + "/000000.png";
+    const Image truth = capture::readPicture(options.folder + matte, 1).take();
+    const Image& picture = frame.value().pictures[c];
+    const std::string plate = options.folder + "/background/" + name;
+    const Image first = capture::readPicture(options.plates > 1 ? plate + "/000000.png" : plate + ".png", 3).take();
+    EXPECT_TRUE(platform::writeImage("room_mattes/" + sheets + "_" + name + ".png", row(picture, first, truth)));
   }
+  const auto scores =
+      measure::scoreMattes(capture.value(), options.folder + "/mattes_true", platform::openVideoFile).take();
+  ASSERT_EQ(scores.size(), cameras);
+  for (const measure::MatteScore& score : scores) EXPECT_GE(score.agreement.iou(), 0.97) << score.camera;
+  std::printf("%s, %d plates\n%s", sheets.c_str(), options.plates, measure::matteTable(scores).c_str());
 }
 
 TEST_F(StudioRoomTest, MattesFromOnePlateAreTheTrueOnes) { expectTrueMattes(room(1), "one_plate"); }
@@ -128,13 +117,11 @@ TEST_F(StudioRoomTest, MattesOfVideosAreTheTrueOnes) {
   };
   const capture::CaptureFrame images = first(folder_ + "/capture"), videos = first(o.folder);
   for (size_t c = 0; c < images.pictures.size(); ++c) {
-    size_t both = 0, either = 0;
-    for (size_t i = 3; i < images.pictures[c].pixels.size(); i += 4) {
-      const bool a = images.pictures[c].pixels[i] >= 128, b = videos.pictures[c].pixels[i] >= 128;
-      both += a && b;
-      either += a || b;
-    }
-    EXPECT_GE(double(both) / double(either), 0.97) << c;
+    Image matte(images.pictures[c].width, images.pictures[c].height, 1);
+    for (size_t i = 0; i < matte.pixels.size(); ++i) matte.pixels[i] = images.pictures[c].pixels[4 * i + 3];
+    measure::MatteAgreement agreement;
+    agreement.add(videos.pictures[c], matte);
+    EXPECT_GE(agreement.iou(), 0.97) << c;
   }
 }
 

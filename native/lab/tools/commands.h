@@ -9,6 +9,7 @@ int bakeCommand(int argc, char** argv);
 int studyCommand(int argc, char** argv);
 int scoreCommand(int argc, char** argv);
 int methodsCommand(int argc, char** argv);
+int mattesCommand(int argc, char** argv);
 int surfacesCommand(int argc, char** argv);
 
 }  // namespace fourdvt::lab

@@ -13,6 +13,7 @@ constexpr tools::Command kCommands[] = {
     {"study", "measure the papers' tables on a capture", lab::studyCommand},
     {"score", "score a character against its capture's pictures", lab::scoreCommand},
     {"methods", "compare the methods of characters from cameras", lab::methodsCommand},
+    {"mattes", "score a virtual studio's mattes", lab::mattesCommand},
     {"surfaces", "score a capture's surfaces", lab::surfacesCommand},
 };
 

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far mattes are the true ones, over any number of pictures of one size. A pixel is inside a matte from half
+// coverage on. Does NOT read files.
+#pragma once
+
+#include "base/image.h"
+
+namespace fourdvt::measure {
+
+class MatteAgreement {
+ public:
+  static constexpr double kBand_pixels = 2;  // to either side of the truth's edge
+
+  // `picture`: its last channel is the matte; `truth`: one channel. Of one size.
+  void add(const Image& picture, const Image& truth);
+  void add(const MatteAgreement& other);
+
+  size_t pictures() const { return pictures_; }
+  // Intersection over union of all pictures' pixels; 1 where both are empty everywhere. Outside the band: of the pixels
+  // whose centre is farther than kBand_pixels from the truth's edge.
+  double iou() const { return ratio(all_); }
+  double iouOutsideBand() const { return ratio(far_); }
+  // Mean distance, pixels, from the matte's outermost pixels to the truth's nearest one and the other way round; NaN
+  // where no picture has both.
+  double edgeDistance() const;
+
+ private:
+  struct Counts {
+    double both = 0, either = 0;
+  };
+  static double ratio(const Counts& c) { return c.either > 0 ? c.both / c.either : 1; }
+
+  size_t pictures_ = 0;
+  Counts all_, far_;
+  double distance_ = 0, edge_pixels_ = 0;
+};
+
+}  // namespace fourdvt::measure
