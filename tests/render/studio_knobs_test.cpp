@@ -157,6 +157,38 @@ TEST_F(StudioKnobsTest, CamerasShowTheActorAtTheirOwnTimes) {
   EXPECT_FALSE(plain.at("walk/mask00/000001.png") == files.at("walk/mask00/000001.png"));
 }
 
+// The reader undistorts with the written coefficients: it returns the pinhole's picture, but for sampling.
+TEST_F(StudioKnobsTest, FilmedThroughALensAndUndistortedAreTheSame) {
+  StudioOptions o = walk("pinhole");
+  o.frames = 1;
+  o.width = 240;
+  o.height = 320;
+  const auto first = [&](const StudioOptions& options) {
+    EXPECT_TRUE(run(options));
+    const auto capture = capture::openCapture(options.folder, platform::openVideoFile).take();
+    return capture::FrameReader::open(capture, capture.sequences[0], platform::openVideoFile).take()->next().take();
+  };
+  const capture::CaptureFrame pinhole = first(o);
+  o.folder = folder_ + "/lens";
+  o.knobs.lens = {-0.25, 0.1, 0.5};
+  const capture::CaptureFrame lens = first(o);
+  const auto files = filesOf(o.folder), plain = filesOf(folder_ + "/pinhole");
+  EXPECT_NE(files.at("cameras/cameras.txt").find("FULL_OPENCV 240"), std::string::npos);
+  EXPECT_NE(files.at("cameras_true/cameras.txt").find("FULL_OPENCV 240"), std::string::npos);
+  EXPECT_EQ(files.at("cameras_test/cameras.txt").find("OPENCV 240"), std::string::npos);
+  EXPECT_TRUE(files.at("walk/test00/0000.png") == plain.at("walk/test00/0000.png"));
+  EXPECT_FALSE(files.at("walk/mask00/000000.png") == plain.at("walk/mask00/000000.png"));
+  for (size_t c = 0; c < 3; ++c) {
+    size_t different = 0, inside = 0;
+    for (size_t i = 3; i < lens.pictures[c].pixels.size(); i += 4) {
+      const int a = lens.pictures[c].pixels[i], b = pinhole.pictures[c].pixels[i];
+      different += std::abs(a - b) > 128;
+      inside += b >= 128;
+    }
+    EXPECT_LT(double(different), 0.003 * double(inside)) << c;
+  }
+}
+
 // Everything is larger, so that every point of the mesh is where it was in every picture.
 TEST_F(StudioKnobsTest, ScaledWorldLooksTheSame) {
   StudioOptions o = small("one");

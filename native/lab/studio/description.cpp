@@ -32,6 +32,7 @@ Json knobsJson(const StudioKnobs& k) {
                                                   {"white_balance_drift_percent", k.white_balance_drift_percent}};
   for (const auto& [name, value] : later)
     if (value != 0) out[name] = value;
+  if (k.lens != StudioKnobs().lens) out["lens"] = k.lens;
   return out;
 }
 
@@ -77,7 +78,7 @@ std::string captureText(const StudioSet& set, const StudioOptions& options, cons
   for (const Motion& motion : set.actor().motions()) root["sequences"].push_back(sequenceJson(set, options, motion));
   for (const PinholeCamera& camera : set.rig().ring) root["cameras"].push_back(camera.name);
   for (const PinholeCamera& camera : set.rig().test) root["test_cameras"].push_back(camera.name);
-  root["calibration"] = {{"format", "COLMAP text, PINHOLE"},
+  root["calibration"] = {{"format", set.lens().any() ? "COLMAP text" : "COLMAP text, PINHOLE"},
                          {"ring", "cameras/"},
                          {"ring_without_error", "cameras_true/"},
                          {"held_out", "cameras_test/"}};

@@ -19,7 +19,7 @@ Filming::Filming(const StudioOptions& options, StudioSet& set)
   const Rig& rig = set.rig();
   if (options.room)
     room_ = std::make_unique<Room>(options.knobs.seed, rig, set.groundY_m(), set.actor(), options.room_size_m,
-                                   options.knobs.soft_shadow_m);
+                                   options.knobs.soft_shadow_m, set.lens());
   for (size_t c = 0; c < rig.ring.size(); ++c) {
     if (room_)
       sensors_.emplace_back(options.knobs, int(c), room_->empty(c));
@@ -49,7 +49,7 @@ void Filming::pose(double frame) {
 
 Result<Filming::Recorded> Filming::record(size_t camera) {
   if (options_.knobs.offset_frames != 0) pose(moment_.frame + offsets_[camera]);
-  FOURDVT_ASSIGN(auto picture, set_.draw(set_.rig().ring[camera]));
+  FOURDVT_ASSIGN(auto picture, set_.film(set_.rig().ring[camera]));
   const Image backdrop = room_ ? room_->withShadow(camera) : Image();
   const Sensor& sensor = sensors_[camera];
   const uint32_t filmed = filmedFrames(set_.actor().motions()[moment_.motion], options_);

@@ -109,10 +109,12 @@ std::vector<PinholeCamera> plateCameras(const std::vector<PinholeCamera>& ring, 
   return out;
 }
 
-Status writeColmap(const std::string& folder, std::span<const PinholeCamera> cameras, double scale) {
+Status writeColmap(const std::string& folder, std::span<const PinholeCamera> cameras, double scale,
+                   const std::array<double, 3>& lens) {
   FOURDVT_TRY(platform::makeFolder(folder));
   std::vector<capture::CaptureCamera> pinholes;
-  for (const PinholeCamera& camera : cameras) pinholes.push_back({camera, {}});
+  for (const PinholeCamera& camera : cameras)
+    pinholes.push_back({camera, {.k1 = lens[0], .k2 = lens[1], .k3 = lens[2]}});
   const capture::ColmapText text = capture::colmapText(pinholes, 1 / scale);
   FOURDVT_TRY(platform::writeFileAtomic(folder + "/cameras.txt", text.cameras));
   return platform::writeFileAtomic(folder + "/images.txt", text.images);

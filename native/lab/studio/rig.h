@@ -25,8 +25,10 @@ std::vector<PinholeCamera> miscalibrated(const std::vector<PinholeCamera>& truth
 // The cameras that take the plates: turned so that the picture's middle moves by knobs.plate_move_pixels in a direction
 // of each camera's own, rolled so that its corners move by a third of that, and moved by 0.2 mm a pixel.
 std::vector<PinholeCamera> plateCameras(const std::vector<PinholeCamera>& ring, const StudioKnobs& knobs);
-// Writes cameras.txt and images.txt into `folder`, which is created; positions are multiplied by `scale`.
+// Writes cameras.txt and images.txt into `folder`, which is created; positions are multiplied by `scale`; `lens`:
+// k1, k2, k3 of all cameras.
 // Errors: WriteFailed.
-Status writeColmap(const std::string& folder, std::span<const PinholeCamera> cameras, double scale);
+Status writeColmap(const std::string& folder, std::span<const PinholeCamera> cameras, double scale,
+                   const std::array<double, 3>& lens = {});
 
 }  // namespace fourdvt::studio

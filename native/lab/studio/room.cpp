@@ -90,10 +90,12 @@ double Room::leastSize_m(const Rig& rig) {
   return 2 * half_m;
 }
 
-Room::Room(uint32_t seed, const Rig& rig, double ground_y_m, const Actor& actor, double size_m, double penumbra_m)
+Room::Room(uint32_t seed, const Rig& rig, double ground_y_m, const Actor& actor, double size_m, double penumbra_m,
+           const Lens& lens)
     : seed_(seed),
       ground_m_(ground_y_m),
       half_m_(size_m > 0 ? 0.5 * size_m : kWallBehindCameras * 0.5 * leastSize_m(rig)),
+      lens_(lens),
       light_(lightOf(seed)),
       shadow_(light_, actor.surface().topology.face_vertices, penumbra_m),
       palette_(paletteOf(actor, seed)) {
@@ -168,7 +170,8 @@ glm::dvec3 Room::colour(const Hit& at) const {
   return glm::clamp(fall * paint, 0.02, 1.0);
 }
 
-Room::Hit Room::hitOfPixel(const PinholeCamera& camera, const glm::dvec2& pixel) const {
+Room::Hit Room::hitOfPixel(const PinholeCamera& camera, const glm::dvec2& filmed_pixel) const {
+  const glm::dvec2 pixel = lens_.pinholePixel(camera, filmed_pixel);
   const glm::dvec3 ray((pixel.x - camera.cx) / camera.fx, (pixel.y - camera.cy) / camera.fy, 1);
   return hit(camera.centreInWorld(), glm::transpose(glm::dmat3(camera.cam_from_world)) * ray);
 }

@@ -10,6 +10,7 @@
 #include "base/image.h"
 #include "base/mesh.h"
 #include "lab/studio/actors/actor.h"
+#include "lab/studio/lens.h"
 #include "lab/studio/rig.h"
 #include "lab/studio/shadow.h"
 
@@ -19,8 +20,9 @@ class Room {
  public:
   // Walls stand behind the ring's cameras; `seed` chooses textures, furniture and the lamp's direction. `size_m`: the
   // length of a wall, at least leastSize_m; 0: a quarter more than that. `penumbra_m`:
-  // radius of the shadow's soft edge; 0: hard.
-  Room(uint32_t seed, const Rig& rig, double ground_y_m, const Actor& actor, double size_m = 0, double penumbra_m = 0);
+  // radius of the shadow's soft edge; 0: hard. `lens`: of all cameras.
+  Room(uint32_t seed, const Rig& rig, double ground_y_m, const Actor& actor, double size_m = 0, double penumbra_m = 0,
+       const Lens& lens = {});
   // The length of a wall that touches the ring's outermost camera.
   static double leastSize_m(const Rig& rig);
 
@@ -52,7 +54,7 @@ class Room {
     glm::dvec3 point{0};
   };
   Hit hit(const glm::dvec3& eye, const glm::dvec3& direction) const;
-  Hit hitOfPixel(const PinholeCamera& camera, const glm::dvec2& pixel) const;
+  Hit hitOfPixel(const PinholeCamera& camera, const glm::dvec2& filmed_pixel) const;
   glm::dvec3 meanColour(const PinholeCamera& camera, int x, int y) const;  // of a pixel's samples
   glm::dvec2 sidePlace(int side, const glm::dvec3& point) const;
   glm::dvec3 colour(const Hit& at) const;  // encoded, 0…1
@@ -62,7 +64,8 @@ class Room {
 
   const uint32_t seed_;
   const double ground_m_;
-  const double half_m_;     // of the room's floor
+  const double half_m_;  // of the room's floor
+  const Lens lens_;
   const glm::dvec3 light_;  // its direction, downwards
   Shadow shadow_;
   std::vector<glm::dvec3> palette_;  // colours of the actor

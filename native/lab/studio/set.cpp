@@ -50,6 +50,12 @@ Result<std::unique_ptr<StudioSet>> StudioSet::open(const StudioOptions& options,
   FOURDVT_ASSIGN(auto renderer, Renderer::create(device, set->actor().surface(), set->actor().texture(), options.width,
                                                  options.height));
   set->renderer_ = std::make_unique<Renderer>(std::move(renderer));
+  FOURDVT_ASSIGN(set->lens_, Lens::create(options.knobs.lens, set->rig_.ring[0]));
+  if (!set->lens_->any()) return set;
+  const PinholeCamera drawn = set->lens_->drawn(set->rig_.ring[0]);
+  FOURDVT_ASSIGN(auto finer,
+                 Renderer::create(device, set->actor().surface(), set->actor().texture(), drawn.width, drawn.height));
+  set->film_renderer_ = std::make_unique<Renderer>(std::move(finer));
   return set;
 }
 
@@ -118,10 +124,17 @@ void StudioSet::pose(const std::vector<double>& shares, double phase) {
   actor_->pose(shares, phase, surface_pose_);
   points_ = tracker_.points(placeOf(shares), phase);
   renderer_->setPose(surface_pose_, placeOf(shares), phase);
+  if (film_renderer_) film_renderer_->setPose(surface_pose_, placeOf(shares), phase);
 }
 
 Result<Image> StudioSet::draw(const PinholeCamera& camera) {
   return renderer_->draw(camera, rig_.near_m, rig_.far_m, shading_);
+}
+
+Result<Image> StudioSet::film(const PinholeCamera& camera) {
+  if (!film_renderer_) return draw(camera);
+  FOURDVT_ASSIGN(const auto drawn, film_renderer_->draw(lens_->drawn(camera), rig_.near_m, rig_.far_m, shading_));
+  return lens_->filmed(camera, drawn);
 }
 
 }  // namespace fourdvt::studio

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "lab/studio/actors/actor.h"
+#include "lab/studio/lens.h"
 #include "lab/studio/renderer.h"
 #include "lab/studio/rig.h"
 #include "lab/studio/tracker.h"
@@ -39,7 +41,9 @@ class StudioSet {
 
   // Sets the instant that everything below shows.
   void pose(const std::vector<double>& shares, double phase);
+  const Lens& lens() const { return *lens_; }       // of the ring's cameras
   Result<Image> draw(const PinholeCamera& camera);  // premultiplied RGBA
+  Result<Image> film(const PinholeCamera& camera);  // the same through the lens
   Positions truth() const { return tracker_.truth(points_, surface_pose_); }
   Positions captured() const { return tracker_.captured(points_, surface_pose_); }
   double placeOf(const std::vector<double>& shares) const;
@@ -57,7 +61,9 @@ class StudioSet {
   Rig rig_;
   BoundingBox bounds_;
   double units_per_metre_ = 0;
+  std::optional<Lens> lens_;
   std::unique_ptr<Renderer> renderer_;
+  std::unique_ptr<Renderer> film_renderer_;  // of the pictures that the lens takes; null without a lens
   Positions surface_pose_;
   std::vector<SurfacePoint> points_;
 };

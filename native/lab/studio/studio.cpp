@@ -30,8 +30,9 @@ class Run {
 
  private:
   Status calibration() {
-    FOURDVT_TRY(writeColmap(out_.path() + "/cameras", miscalibrated(set_.rig().ring, options_.knobs), options_.scale));
-    FOURDVT_TRY(writeColmap(out_.path() + "/cameras_true", set_.rig().ring, options_.scale));
+    FOURDVT_TRY(writeColmap(out_.path() + "/cameras", miscalibrated(set_.rig().ring, options_.knobs), options_.scale,
+                            options_.knobs.lens));
+    FOURDVT_TRY(writeColmap(out_.path() + "/cameras_true", set_.rig().ring, options_.scale, options_.knobs.lens));
     return writeColmap(out_.path() + "/cameras_test", set_.rig().test, options_.scale);
   }
 

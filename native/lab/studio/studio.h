@@ -6,10 +6,11 @@
 // In place of a green studio there may be a furnished room (room.h): then the actor throws a shadow, the plates are
 // recorded with noise, and the capture has no mattes of its own; the true ones lie in mattes_true/SEQUENCE/maskNN.
 //
-// Order of calls: options.check() → runStudio. Does NOT model motion blur, lens distortion, shadows on the actor or
-// rolling shutter.
+// Order of calls: options.check() → runStudio. Does NOT model motion blur, shadows on the actor or rolling shutter;
+// held-out pictures and truth are a pinhole's.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <functional>
 #include <string>
@@ -35,6 +36,7 @@ struct StudioKnobs {
   double proxy_mm = 0;           // largest distance of the written mesh from the surface, along its normals, smooth
   double mesh_cell_mm = 25;      // procedural actor: size of the tracked mesh's faces
   double gain_percent = 0;       // σ of each colour channel's gain
+  std::array<double, 3> lens{};  // k1, k2, k3 of the lens (capture.h) that the ring's cameras film through
   double offset_frames = 0;      // σ of each ring camera's lag behind the frame's time, in frames
   double soft_shadow_m = 0;      // the room: radius of the penumbra across the light; 0: a hard edge
   double plate_move_pixels = 0;  // the room: how far off the pictures the plates are, in the middle

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <unistd.h>
 
+#include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -56,6 +58,7 @@ const tools::CommandHelp& help() {
        {"--proxy-mm", "X", "largest distance of the mesh from the true surface (default 0)"},
        {"--mesh-cell-mm", "X", "procedural: size of the mesh's faces, 8 to 45 (default 25: about 4000 vertices)"},
        {"--gain-percent", "X", "deviation of the cameras' colour gains (default 0)"},
+       {"--lens", "K1,K2,K3", "pictures, plates and mattes through a lens of these radial coefficients (default none)"},
        {"--offset-frames", "X",
         "deviation of the cameras' time offsets in frames; \"offset_frames_true\" in capture.json has them (default "
         "0)"},
@@ -99,6 +102,19 @@ void readTruth(Args& args, studio::StudioOptions& o) {
   }
 }
 
+std::array<double, 3> readLens(Args& args) {
+  std::array<double, 3> out{};
+  const std::vector<std::string> texts = args.list("--lens");
+  bool good = texts.size() == out.size();
+  for (size_t i = 0; good && i < out.size(); ++i) {
+    char* end = nullptr;
+    out[i] = std::strtod(texts[i].c_str(), &end);
+    good = !texts[i].empty() && !*end && std::abs(out[i]) <= 10;
+  }
+  if (!good) args.complain("--lens must be three numbers like -0.2,0.05,0.01, not \"" + args.text("--lens") + "\"");
+  return out;
+}
+
 void readKnobs(Args& args, studio::StudioKnobs& k) {
   k.seed = static_cast<uint32_t>(args.integer("--seed", int(k.seed), 0, 1000000000));
   k.drift_mm = args.number("--drift-mm", k.drift_mm, 0, 100);
@@ -111,6 +127,7 @@ void readKnobs(Args& args, studio::StudioKnobs& k) {
   k.proxy_mm = args.number("--proxy-mm", k.proxy_mm, 0, 100);
   k.mesh_cell_mm = args.number("--mesh-cell-mm", k.mesh_cell_mm, 8, 45);
   k.gain_percent = args.number("--gain-percent", k.gain_percent, 0, 20);
+  if (args.has("--lens")) k.lens = readLens(args);
   k.offset_frames = args.number("--offset-frames", k.offset_frames, 0, 100);
   k.soft_shadow_m = args.number("--soft-shadows", k.soft_shadow_m, 0, 0.5);
   k.plate_move_pixels = args.number("--plate-move", k.plate_move_pixels, 0, 100);

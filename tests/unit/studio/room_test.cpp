@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "capture/background_model.h"
+#include "capture/undistort.h"
 #include "lab/studio/sensor.h"
 #include "lab/studio/shadow.h"
 
@@ -210,6 +211,24 @@ TEST(StudioRoom, PlatesOfMovedCamerasAreOffByTheKnob) {
   EXPECT_GT(glm::distance(moves[0], moves[1]), 0.5);
   knobs.plate_move_pixels = 0;
   EXPECT_EQ(s.room.emptySeenBy(plateCameras(s.rig.ring, knobs)[1]).pixels, s.room.empty(1).pixels);
+}
+
+// The picture through the lens has at a filmed pixel what the pinhole's has at its own.
+TEST(StudioRoom, IsFilmedThroughTheLens) {
+  SmallRoom& s = shared();
+  const PinholeCamera& camera = s.rig.ring[0];
+  const std::array<double, 3> k{-0.4, 0.2, 1};
+  const Room bent(3, s.rig, 0, *s.actor, 0, 0, Lens::create(k, camera).take());
+  const capture::CaptureCamera lens{camera, {.k1 = k[0], .k2 = k[1], .k3 = k[2]}};
+  double with = 0, without = 0;
+  for (int y = 4; y < camera.height - 4; ++y)
+    for (int x = 4; x < camera.width - 4; ++x) {
+      const glm::dvec2 filmed = capture::filmedPixel(lens, {x + 0.5, y + 0.5}) - 0.5;
+      const double expected = s.room.empty(0).at(x, y)[1];
+      with += std::abs(bilinear(bent.empty(0), filmed.x, filmed.y, 1) - expected);
+      without += std::abs(bent.empty(0).at(x, y)[1] - expected);
+    }
+  EXPECT_LT(with, 0.5 * without);
 }
 
 }  // namespace
