@@ -189,6 +189,43 @@ TEST_F(StudioKnobsTest, FilmedThroughALensAndUndistortedAreTheSame) {
   }
 }
 
+TEST_F(StudioKnobsTest, BystanderIsInOneOrTwoCamerasAndInNoMatte) {
+  const BoundingBox box{{-0.5f, 0, -0.5f}, {0.5f, 1.8f, 0.5f}};
+  for (const int cameras : {5, 6, 8, 12}) {
+    const Rig rig = makeRig(box, cameras, 96, 128);
+    auto bystander = Bystander::create(*device, rig, 0, 3, rig.ring[0]);
+    ASSERT_TRUE(bystander) << bystander.error().message;
+    bystander.value()->pose(0.4);
+    for (const glm::vec3& p : bystander.value()->positions()) ASSERT_GT(glm::length(glm::vec2(p.x, p.z)), 2);
+    int see_it = 0;
+    for (const PinholeCamera& camera : rig.ring) {
+      const Image drawn = bystander.value()->draw(camera).take();
+      int covered = 0;
+      for (size_t i = 3; i < drawn.pixels.size(); i += 4) covered += drawn.pixels[i] > 127;
+      see_it += covered > 50;
+      EXPECT_TRUE(covered == 0 || covered > 50) << cameras << " " << camera.name << " " << covered;
+    }
+    EXPECT_GE(see_it, 1) << cameras;
+    EXPECT_LE(see_it, 2) << cameras;
+  }
+
+  StudioOptions o = walk("alone");
+  o.room = true;
+  o.frames = 2;
+  ASSERT_TRUE(run(o));
+  const auto alone = filesOf(o.folder);
+  o.folder = folder_ + "/two";
+  o.bystander = true;
+  ASSERT_TRUE(run(o));
+  int changed = 0;
+  for (const auto& [name, bytes] : filesOf(o.folder)) {
+    if (name == "capture.json" || alone.at(name) == bytes) continue;
+    EXPECT_EQ(name.substr(0, 8), "walk/cam") << name;
+    ++changed;
+  }
+  EXPECT_GE(changed, 2);
+}
+
 // Everything is larger, so that every point of the mesh is where it was in every picture.
 TEST_F(StudioKnobsTest, ScaledWorldLooksTheSame) {
   StudioOptions o = small("one");

@@ -97,6 +97,7 @@ std::string captureText(const StudioSet& set, const StudioOptions& options, cons
       root["room"] = {{"min", rounded(glm::dvec3(box.min), options.scale)},
                       {"max", rounded(glm::dvec3(box.max), options.scale)}};
     root["studio"]["room"] = {{"plates", options.plates}};
+    if (options.bystander) root["studio"]["room"]["bystander"] = true;
     if (options.room_size_m > 0) root["studio"]["room"]["size_m"] = options.room_size_m;
   }
   if (options.truth_at.empty()) return root.dump(1) + "\n";

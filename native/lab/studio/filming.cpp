@@ -45,12 +45,24 @@ void Filming::pose(double frame) {
   shares[moment_.motion] = 1;
   set_.pose(shares, framePhase(set_.actor().motions()[moment_.motion], frame, moment_.count));
   if (room_) room_->setShadow(set_.surfacePose());
+  if (!set_.bystander()) return;
+  set_.bystander()->pose(frame / options_.fps);
+  room_->setOtherShadow(set_.bystander()->positions(), set_.bystander()->faces());
+}
+
+// Empty in the green studio: the sensor has its backdrop.
+Result<Image> Filming::behind(size_t camera) {
+  if (!room_) return Image();
+  if (!set_.bystander()) return room_->withShadow(camera);
+  const PinholeCamera& c = set_.rig().ring[camera];
+  FOURDVT_ASSIGN(const Image drawn, set_.bystander()->draw(set_.lens().drawn(c)));
+  return composed(set_.lens().filmed(c, drawn), room_->withShadow(camera));
 }
 
 Result<Filming::Recorded> Filming::record(size_t camera) {
   if (options_.knobs.offset_frames != 0) pose(moment_.frame + offsets_[camera]);
   FOURDVT_ASSIGN(auto picture, set_.film(set_.rig().ring[camera]));
-  const Image backdrop = room_ ? room_->withShadow(camera) : Image();
+  FOURDVT_ASSIGN(const Image backdrop, behind(camera));
   const Sensor& sensor = sensors_[camera];
   const uint32_t filmed = filmedFrames(set_.actor().motions()[moment_.motion], options_);
   const glm::dvec3 drift = sensor.drift(moment_.motion, double(moment_.frame) / std::max(1u, filmed - 1));

@@ -39,6 +39,7 @@ class Filming {
 
  private:
   void pose(double frame);
+  Result<Image> behind(size_t camera);
 
   const StudioOptions& options_;
   StudioSet& set_;

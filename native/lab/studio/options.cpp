@@ -35,6 +35,7 @@ std::string StudioOptions::check() const {
   if (plates != 1 && !room) return "only the room has several plates, or none; choose --room as well";
   if (room_size_m != 0 && !room) return "only the room has a size; choose --room as well";
   if (!(room_size_m >= 0 && room_size_m <= 1000)) return "the room's size must be at most 1000 m";
+  if (bystander && !room) return "only the room has a bystander; choose --room as well";
   if (knobs.soft_shadow_m != 0 && !room) return "only the room has shadows; choose --room as well";
   if (knobs.plate_move_pixels != 0 && !room) return "only the room's plates can be moved; choose --room as well";
   if (room && knobs.erosion_pixels > 0) return "a capture in the room has no mattes that could be too small";

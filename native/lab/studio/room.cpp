@@ -97,6 +97,7 @@ Room::Room(uint32_t seed, const Rig& rig, double ground_y_m, const Actor& actor,
       half_m_(size_m > 0 ? 0.5 * size_m : kWallBehindCameras * 0.5 * leastSize_m(rig)),
       lens_(lens),
       light_(lightOf(seed)),
+      penumbra_m_(penumbra_m),
       shadow_(light_, actor.surface().topology.face_vertices, penumbra_m),
       palette_(paletteOf(actor, seed)) {
   for (const PinholeCamera& camera : rig.ring) views_.push_back(makeView(camera));
@@ -223,12 +224,22 @@ Room::View Room::makeView(const PinholeCamera& camera) const {
 
 void Room::setShadow(const Positions& pose) { shadow_.setPose(pose); }
 
+void Room::setOtherShadow(const Positions& pose, const std::vector<glm::uvec3>& faces) {
+  if (!other_) other_.emplace(light_, faces, penumbra_m_);
+  other_->setPose(pose);
+}
+
+double Room::shadowAt(const glm::dvec3& point) const {
+  const double share = shadow_.shareAt(point);
+  return other_ ? std::max(share, other_->shareAt(point)) : share;
+}
+
 Image Room::shadow(size_t camera) const {
   const PinholeCamera& c = views_[camera].camera;
   Image out(c.width, c.height, 1);
   forEachPixel(c, [&](int x, int y) {
     double share = 0;
-    for (const auto& s : kSamples) share += shadow_.shareAt(hitOfPixel(c, {x + s[0], y + s[1]}).point);
+    for (const auto& s : kSamples) share += shadowAt(hitOfPixel(c, {x + s[0], y + s[1]}).point);
     *out.at(x, y) = static_cast<uint8_t>(share * 255 / 4);
   });
   return out;

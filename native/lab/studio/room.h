@@ -5,6 +5,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <optional>
 #include <vector>
 
 #include "base/image.h"
@@ -28,6 +29,8 @@ class Room {
 
   // The pose, world coordinates, whose shadow lies in the room from now on. Faces are the actor's surface.
   void setShadow(const Positions& pose);
+  // The same of somebody else, of these faces, whose shadow lies there as well.
+  void setOtherShadow(const Positions& pose, const std::vector<glm::uvec3>& faces);
   // What a ring camera sees of the room, RGB, sRGB-encoded: without a shadow, and with the one that was set. Where the
   // lamp does not reach, linear light is kShadowLight of what it is elsewhere.
   const Image& empty(size_t camera) const { return views_[camera].lit; }
@@ -60,6 +63,7 @@ class Room {
   glm::dvec3 colour(const Hit& at) const;  // encoded, 0…1
   glm::dvec3 floorColour(const glm::dvec2& at) const;
   glm::dvec3 wallColour(int wall, const glm::dvec2& at) const;
+  double shadowAt(const glm::dvec3& point) const;  // 0…1
   View makeView(const PinholeCamera& camera) const;
 
   const uint32_t seed_;
@@ -67,7 +71,9 @@ class Room {
   const double half_m_;  // of the room's floor
   const Lens lens_;
   const glm::dvec3 light_;  // its direction, downwards
+  const double penumbra_m_;
   Shadow shadow_;
+  std::optional<Shadow> other_;
   std::vector<glm::dvec3> palette_;  // colours of the actor
   std::vector<View> views_;          // [ring camera]
 };

@@ -50,13 +50,21 @@ Result<std::unique_ptr<StudioSet>> StudioSet::open(const StudioOptions& options,
   FOURDVT_ASSIGN(auto renderer, Renderer::create(device, set->actor().surface(), set->actor().texture(), options.width,
                                                  options.height));
   set->renderer_ = std::make_unique<Renderer>(std::move(renderer));
-  FOURDVT_ASSIGN(set->lens_, Lens::create(options.knobs.lens, set->rig_.ring[0]));
-  if (!set->lens_->any()) return set;
-  const PinholeCamera drawn = set->lens_->drawn(set->rig_.ring[0]);
-  FOURDVT_ASSIGN(auto finer,
-                 Renderer::create(device, set->actor().surface(), set->actor().texture(), drawn.width, drawn.height));
-  set->film_renderer_ = std::make_unique<Renderer>(std::move(finer));
+  FOURDVT_TRY(set->openFilm(options, device));
   return set;
+}
+
+// Everything that only the ring's cameras record.
+Status StudioSet::openFilm(const StudioOptions& options, gpu::Device& device) {
+  FOURDVT_ASSIGN(lens_, Lens::create(options.knobs.lens, rig_.ring[0]));
+  const PinholeCamera drawn = lens_->drawn(rig_.ring[0]);
+  if (options.bystander) {
+    FOURDVT_ASSIGN(bystander_, Bystander::create(device, rig_, groundY_m(), options.knobs.seed, drawn));
+  }
+  if (!lens_->any()) return {};
+  FOURDVT_ASSIGN(auto finer, Renderer::create(device, actor_->surface(), actor_->texture(), drawn.width, drawn.height));
+  film_renderer_ = std::make_unique<Renderer>(std::move(finer));
+  return {};
 }
 
 Status StudioSet::chooseClasses(const StudioOptions& options) {

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "lab/studio/actors/actor.h"
+#include "lab/studio/bystander.h"
 #include "lab/studio/lens.h"
 #include "lab/studio/renderer.h"
 #include "lab/studio/rig.h"
@@ -39,6 +40,8 @@ class StudioSet {
   // neighbours.
   std::vector<double> sharesAt(const StudioClass& motion_class, double position) const;
 
+  Bystander* bystander() { return bystander_.get(); }  // null: nobody else is there
+
   // Sets the instant that everything below shows.
   void pose(const std::vector<double>& shares, double phase);
   const Lens& lens() const { return *lens_; }       // of the ring's cameras
@@ -52,6 +55,7 @@ class StudioSet {
   StudioSet(const StudioOptions& options, std::unique_ptr<Actor> actor);
   Status chooseClasses(const StudioOptions& options);
   void measure();
+  Status openFilm(const StudioOptions& options, gpu::Device& device);
 
   std::unique_ptr<Actor> actor_;
   const Tracker tracker_;
@@ -63,6 +67,7 @@ class StudioSet {
   double units_per_metre_ = 0;
   std::optional<Lens> lens_;
   std::unique_ptr<Renderer> renderer_;
+  std::unique_ptr<Bystander> bystander_;
   std::unique_ptr<Renderer> film_renderer_;  // of the pictures that the lens takes; null without a lens
   Positions surface_pose_;
   std::vector<SurfacePoint> points_;

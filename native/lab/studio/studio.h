@@ -69,6 +69,7 @@ struct StudioOptions {
   bool images = false;     // PNG pictures and mattes instead of videos
   bool room = false;       // a furnished room instead of the green studio
   double scale = 1;        // the written world's size beside the actor's own; pictures stay as they are
+  bool bystander = false;  // the room: a second person, whom the cameras across see
   double room_size_m = 0;  // length of the room's walls; 0: as the cameras need
   int plates = 1;          // pictures of the empty room per camera; 0: none
   StudioKnobs knobs;

@@ -62,6 +62,7 @@ const tools::CommandHelp& help() {
        {"--offset-frames", "X",
         "deviation of the cameras' time offsets in frames; \"offset_frames_true\" in capture.json has them (default "
         "0)"},
+       {"--bystander", nullptr, "with --room: a second person behind the ring, whom one or two cameras see"},
        {"--soft-shadows", "X", "radius of the penumbra of the actor's shadow in metres (default 0: hard)"},
        {"--plate-move", "X",
         "plates of the room from cameras turned and moved until they are X pixels off (default 0)"},
@@ -149,6 +150,7 @@ studio::StudioOptions readOptions(Args& args) {
   o.images = args.has("--images");
   o.room = args.has("--room");
   o.frames = args.integer("--frames", o.frames, 0, 1000000);
+  o.bystander = args.has("--bystander");
   o.scale = args.number("--scale", o.scale, 0.001, 1000);
   o.room_size_m = args.number("--room-size", o.room_size_m, 0, 1000);
   o.plates = args.integer("--plates", o.plates, 1, 99);

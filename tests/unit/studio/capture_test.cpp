@@ -534,6 +534,9 @@ TEST(StudioOptions, AreChecked) {
   o.knobs.plate_move_pixels = 1;
   EXPECT_NE(o.check().find("--room"), std::string::npos);
   o.knobs.plate_move_pixels = 0;
+  o.bystander = true;
+  EXPECT_NE(o.check().find("--room"), std::string::npos);
+  o.bystander = false;
   o.knobs.soft_shadow_m = 0.1;
   EXPECT_NE(o.check().find("--room"), std::string::npos);
   o.knobs.soft_shadow_m = 0;

@@ -69,9 +69,12 @@ TEST(StudioLens, NoneChangesNothing) {
 }
 
 TEST(StudioLens, FoldedPicturesAreRefused) {
-  const auto folded = Lens::create({-3, 0, 0}, camera().pinhole);
-  ASSERT_FALSE(folded);
-  EXPECT_EQ(folded.error().id, ErrorId::InvalidArgument);
+  // Radii beyond the picture never come in; radii from .25 to .36 go back, and farther ones come again.
+  for (const std::array<double, 3>& k : {std::array<double, 3>{-3, 0, 0}, {-8, 25, 0}}) {
+    const auto folded = Lens::create(k, camera().pinhole);
+    ASSERT_FALSE(folded) << k[0];
+    EXPECT_EQ(folded.error().id, ErrorId::InvalidArgument);
+  }
 }
 
 }  // namespace
