@@ -61,8 +61,10 @@ float medianValue(const cv::Mat& m) {
 
 // A camera's samples compared with one another.
 struct Likeness {
-  std::vector<cv::Mat> moving;    // [sample] CV_8U: first guess at the performer
-  std::vector<cv::Mat> constant;  // [sample] CV_32F: nats against the object, from how often the same is seen
+  std::vector<cv::Mat> moving;  // [sample] CV_8U: first guess at the performer
+  Image usual;                  // see ClipCamera
+  cv::Mat usual_nats;
+  float noise = 1;
 };
 
 // First guess at the performer: neighbourhoods that do not belong to the largest group of samples which look alike to
@@ -90,24 +92,22 @@ Likeness likenessOf(std::span<const Image> pictures) {
   }
   const int r = std::max(2, std::max(size.width, size.height) / kGapDivisor);
   const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * r + 1, 2 * r + 1});
-  const float typical = medianValue(cv::Mat(noise).t());
-  Likeness out;
+  Likeness out{{}, pictures[0], cv::Mat(size, CV_32F), medianValue(cv::Mat(noise).t())};
+  for (int i = 0; i < int(most.total()); ++i) {
+    const float share = float(most.at<uint8_t>(i)) / float(samples);
+    out.usual_nats.at<float>(i) = kConstantNats * std::max(0.0f, share - kDwells) / (1 - kDwells);
+    for (size_t c = 0; c < 3; ++c)
+      out.usual.pixels[3 * size_t(i) + c] = pictures[best.at<uint8_t>(i)].pixels[3 * size_t(i) + c];
+  }
   for (size_t k = 0; k < samples; ++k) {
-    const cv::Mat texture = textureOf(pictures[k]);
-    cv::Mat mask(size, CV_8U, cv::Scalar(0)), nats(size, CV_32F, cv::Scalar(0));
+    cv::Mat mask(size, CV_8U, cv::Scalar(0));
     for (int i = 0; i < int(mask.total()); ++i) {
       const size_t a = best.at<uint8_t>(i);
-      const bool same = a == k || alike[a][k].at<uint8_t>(i) != 0;
-      const float share = float(most.at<uint8_t>(i)) / float(samples);
-      mask.at<uint8_t>(i) = same ? 0 : 255;
-      // Plain cloth looks like itself though it moves.
-      const float telling = std::clamp(texture.at<float>(i) / (kTelling * typical), kPlain, 1.0f);
-      nats.at<float>(i) = same ? kConstantNats * telling * std::max(0.0f, share - kDwells) / (1 - kDwells) : 0;
+      mask.at<uint8_t>(i) = a == k || alike[a][k].at<uint8_t>(i) ? 0 : 255;
     }
     cv::morphologyEx(mask, mask, cv::MORPH_OPEN, cv::Mat::ones(3, 3, CV_8U));
     cv::morphologyEx(mask, mask, cv::MORPH_CLOSE, disc);  // what stays within the body looks alike, too
     out.moving.push_back(mask);
-    out.constant.push_back(nats);
   }
   return out;
 }
@@ -186,6 +186,18 @@ capture::BackgroundModel plateBehind(std::span<const Image> pictures, std::span<
   return out;
 }
 
+cv::Mat costOfTheUsual(const ClipCamera& clip, const Image& picture) {
+  const cv::Mat difference = differenceOf(clip.usual, picture), texture = textureOf(picture);
+  cv::Mat out(difference.size(), CV_32F, cv::Scalar(0));
+  for (int i = 0; i < int(out.total()); ++i) {
+    if (difference.at<float>(i) >= kAlike * clip.noise) continue;
+    // Plain cloth looks like itself though it moves.
+    out.at<float>(i) =
+        clip.usual_nats.at<float>(i) * std::clamp(texture.at<float>(i) / (kTelling * clip.noise), kPlain, 1.0f);
+  }
+  return out;
+}
+
 std::vector<ClipCamera> separateClips(const std::vector<capture::CaptureCamera>& cameras, double ground_y_m,
                                       const std::vector<std::vector<Image>>& pictures) {
   const size_t samples = pictures[0].size();
@@ -195,12 +207,12 @@ std::vector<ClipCamera> separateClips(const std::vector<capture::CaptureCamera>&
   const double slack = 2;
   std::vector<ClipCamera> out(cameras.size());
   const std::vector<cv::Mat> seen = finder.seenByAll();
-  std::vector<std::vector<cv::Mat>> constant(cameras.size());
   inParallel(cameras.size(), [&](size_t i) {
     const cv::Mat region = finder.fullSize(seen[i], i);
     Likeness likeness = likenessOf(pictures[i]);
     out[i].masks = std::move(likeness.moving);
-    constant[i] = std::move(likeness.constant);
+    out[i].usual = std::move(likeness.usual);
+    out[i].usual_nats = likeness.usual_nats, out[i].noise = likeness.noise;
     double moved = 0;
     for (cv::Mat& mask : out[i].masks) mask &= region, moved += cv::countNonZero(mask);
     if (moved < kLeastMotion * double(samples) * std::max(1, cv::countNonZero(region)))
@@ -226,7 +238,7 @@ std::vector<ClipCamera> separateClips(const std::vector<capture::CaptureCamera>&
       }
       for (size_t k = 0; k < samples; ++k) {
         keys[k].use(c.colours);
-        c.masks[k] = keys[k].cut(priors[i][k] + constant[i][k]);
+        c.masks[k] = keys[k].cut(priors[i][k] + costOfTheUsual(c, pictures[i][k]));
         keepPerformer(c.masks[k], priors[i][k]);
       }
     });

@@ -23,12 +23,19 @@ inline constexpr double kClipPixels = 80'000;  // … at this size at most
 struct ClipCamera {
   std::vector<cv::Mat> masks;     // [sample] CV_8U at the reduced size
   capture::ColourCounts colours;  // of object and background
+  // What a neighbourhood shows most often, at the reduced size: RGB, and nats against the object where it shows that.
+  Image usual;
+  cv::Mat usual_nats;  // CV_32F
+  float noise = 1;     // mean squared difference of two pictures of one thing, levels²
 };
 
 // `pictures`: [camera][sample] RGB of one instant per sample, all of a camera's of one size, which is its calibrated
 // one divided by reductionFor(camera, kClipPixels). At least three samples.
 std::vector<ClipCamera> separateClips(const std::vector<capture::CaptureCamera>& cameras, double ground_y_m,
                                       const std::vector<std::vector<Image>>& pictures);
+
+// CV_32F, the reduced size: nats against the object where a picture, RGB of that size, shows what it usually shows.
+cv::Mat costOfTheUsual(const ClipCamera& clip, const Image& picture);
 
 // The background behind masks (CV_8U, any size) of the same samples at full size. Known where a fifth of them show it,
 // and three at least.

@@ -171,6 +171,7 @@ struct Work {
   capture::BackgroundModel background;  // fitted, full size
   std::optional<capture::KeyCut> key;   // at the reduced size
   cv::Mat first, mask, hints, doubt;    // at the reduced size
+  cv::Mat own_cost;                     // at the reduced size: hints and what else the camera knows
   cv::Mat darkness;                     // at the reduced size, see SupportFinder::shadows
   cv::Mat cost;                         // of the last round
 };
@@ -198,6 +199,8 @@ cv::Mat darknessOf(const Image& picture, const capture::BackgroundModel& backgro
 void beginWork(const MatteView& view, int reduction, bool fit, Work& w, CameraMatte& out) {
   const cv::Size small = reducedSize(view.picture.width, view.picture.height, reduction);
   if (!view.hints.empty()) cv::resize(view.hints, w.hints, small, 0, 0, cv::INTER_AREA);
+  if (!view.more_cost.empty()) cv::resize(view.more_cost, w.own_cost, small, 0, 0, cv::INTER_AREA);
+  w.own_cost = sum(w.own_cost, w.hints);
   if (!view.plates) {
     w.first = w.mask = resizedMask(matrixOf(view.given) >= 128, small);
     return;
@@ -216,8 +219,8 @@ void beginWork(const MatteView& view, int reduction, bool fit, Work& w, CameraMa
   if (view.colours)
     w.key->use(*view.colours);
   else
-    w.key->learn(w.key->cut(w.hints));
-  w.first = w.mask = w.key->cut(w.hints);
+    w.key->learn(w.key->cut(w.own_cost));
+  w.first = w.mask = w.key->cut(w.own_cost);
 }
 
 // The matte at full size: the cut again, along the outline of the reduced mask.
@@ -244,7 +247,7 @@ Image finished(const MatteView& view, const Work& w, int reduction) {
     key.use(*view.colours);
   else
     key.learn(given);
-  return key.matte(key.cutNear(given, outer & ~inner, sum(cost, view.hints)));
+  return key.matte(key.cutNear(given, outer & ~inner, sum(cost, sum(view.hints, view.more_cost))));
 }
 
 }  // namespace
@@ -281,7 +284,7 @@ std::vector<CameraMatte> JointMattes::make(std::span<const MatteView> views) con
       if (w.key) {
         if (!views[i].colours) w.key->learn(w.mask & (prior.doubt == kNoDoubt));
         w.cost = prior.cost;
-        w.mask = w.key->cut(sum(prior.cost, w.hints));
+        w.mask = w.key->cut(sum(prior.cost, w.own_cost));
       }
       dropComponents(w.mask, prior.doubt, w.hints);
     });

@@ -40,6 +40,7 @@ struct MatteView {
   Image given;                                       // one channel
   bool given_is_final = false;                       // mattes of the capture; else others may drop parts of it
   cv::Mat hints;                                     // CV_32F, see HintTrack::cost; may be empty
+  cv::Mat more_cost;                                 // CV_32F, nats against the object; may be empty
 };
 
 struct CameraMatte {

@@ -85,7 +85,8 @@ Status addClipPlates(const capture::Capture& capture, const MattesEnvironment& e
                           [&](Image picture) { pictures.push_back(std::move(picture)); });
     if (!done[i].ok()) return;
     sources[i].from_clip = plateBehind(pictures, clips[i].masks);
-    sources[i].colours = std::move(clips[i].colours);
+    clips[i].masks.clear();
+    sources[i].clip = std::move(clips[i]);
   });
   return firstError(done);
 }

@@ -18,7 +18,7 @@ namespace fourdvt::mattes {
 struct MatteSource {
   std::optional<capture::PlateKey> key;               // plates of the capture
   std::optional<capture::BackgroundModel> from_clip;  // else
-  capture::ColourCounts colours;                      // with `from_clip`
+  ClipCamera clip;                                    // with `from_clip`, without its masks
   const char* name() const;                           // "plates", "colour key", "clips" or "none"
 };
 

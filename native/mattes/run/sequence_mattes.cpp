@@ -2,9 +2,11 @@
 #include "mattes/run/sequence_mattes.h"
 
 #include <algorithm>
+#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "mattes/matrices.h"
+#include "mattes/reduced.h"
 
 namespace fourdvt::mattes {
 
@@ -58,7 +60,10 @@ Status SequenceMattes::readCamera(size_t camera, uint32_t frame, MatteView& view
   if (source.from_clip) {
     view.plates = &*source.from_clip;
     view.fit_plates = false;
-    view.colours = &source.colours;
+    view.colours = &source.clip.colours;
+    const Image small = reduced(view.picture, reductionFor(calibrated, kClipPixels));
+    cv::resize(costOfTheUsual(source.clip, small), view.more_cost, {view.picture.width, view.picture.height}, 0, 0,
+               cv::INTER_LINEAR);
   } else if (source.key->natural()) {
     view.plates = &source.key->model();
   } else {
