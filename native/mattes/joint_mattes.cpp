@@ -20,6 +20,7 @@ namespace {
 constexpr double kCutPixels = 450'000;    // pictures are cut at this size first
 constexpr double kComponentShare = 0.9;   // of a component on the floor or contradicted, from which on it goes
 constexpr double kLeastComponent = 0.01;  // of the camera's largest one
+constexpr float kLooseHull = 5;           // others, up to whom their hull says little of what must be object
 constexpr int kDepths = 5;                // of a place in the hull of the others that are told apart
 constexpr double kSteep = 1.5;            // height per length across the line of sight
 constexpr size_t kManyCameras = 7;        // others, of whom one may be wrong without a doubt
@@ -107,6 +108,9 @@ struct JointMattes::Parts {
 // it lies in that hull. The hull's rim is often not the performer's, its core is.
 std::vector<float> JointMattes::Parts::demandedNats(const std::vector<Support>& supports,
                                                     const std::vector<cv::Mat>& masks) const {
+  const auto seeing =
+      std::count_if(masks.begin(), masks.end(), [](const cv::Mat& m) { return cv::countNonZero(m) > 0; });
+  const float most = options.demanded_nats * std::max(0.0f, float(seeing) - 1 - kLooseHull);
   std::vector<double> all(kDepths, 1), object(kDepths, 0.5);
   for (size_t i = 0; i < masks.size(); ++i) {
     if (cv::countNonZero(masks[i]) == 0) continue;  // the performer may be outside of this picture
@@ -122,7 +126,7 @@ std::vector<float> JointMattes::Parts::demandedNats(const std::vector<Support>& 
   std::vector<float> out;
   for (int bin = 0; bin < kDepths; ++bin) {
     const double share = std::clamp(object[size_t(bin)] / all[size_t(bin)], 0.001, 0.999);
-    out.push_back(std::clamp(float(std::log(share / (1 - share))), 0.0f, options.most_demanded_nats));
+    out.push_back(std::clamp(float(std::log(share / (1 - share))), 0.0f, most));
   }
   return out;
 }
@@ -134,6 +138,7 @@ Prior JointMattes::Parts::priorOf(const Support& support, const cv::Mat& shadow,
   cv::Mat cost(support.missed.size(), CV_32F, cv::Scalar(0)), doubt(support.missed.size(), CV_8U, cv::Scalar(kNoDoubt));
   for (int i = 0; i < int(cost.total()); ++i) {
     const int missed = support.missed.at<int16_t>(i);
+    const float height = support.height_m.at<float>(i);
     float& nats = cost.at<float>(i);
     uint8_t& why = doubt.at<uint8_t>(i);
     if (missed < 0) {
@@ -141,9 +146,9 @@ Prior JointMattes::Parts::priorOf(const Support& support, const cv::Mat& shadow,
     } else if (missed > forgiven) {
       const bool sure = missed > forgiven + 1 || others < 3;
       nats = sure ? options.contradicted_nats : options.doubted_nats, why = kContradicted;
-    } else if (options.floor && missed == 0 &&
-               (support.height_m.at<float>(i) < floor.flat_m ||
-                (shadow.at<uint8_t>(i) && support.height_m.at<float>(i) < floor.shadow_m))) {
+    } else if (options.floor && missed == 0 && shadow.at<uint8_t>(i) && height < floor.shadow_m) {
+      nats = options.shadow_nats, why = kOnFloor;
+    } else if (options.floor && missed == 0 && height < floor.flat_m) {
       nats = options.floor_nats, why = kOnFloor;
     } else if (missed == 0) {
       nats = -demanded[depth.at<uint8_t>(i)];

@@ -23,8 +23,10 @@ struct JointOptions {
   double slack_pixels = 3;       // how far masks of other cameras may be too small, and the calibration off
   float contradicted_nats = 12;  // that a pixel costs more as object where several of the others contradict it
   float doubted_nats = 3;        // … where one does, which may be the one that is wrong
-  float most_demanded_nats = 5;  // that it costs less where all others have something
-  float floor_nats = 5;          // that it costs more where it can only lie on the floor
+  float demanded_nats = 0.15;    // that it costs less at most where all others have something, for each of them from
+                                 // the sixth on: the hull of few cameras fills armpits
+  float floor_nats = 2;          // that it costs more where it can only lie on the floor
+  float shadow_nats = 4;         // … and where all cameras see a shadow there
   bool floor = true;             // patches on the floor are shadows
   double floor_share = 0.015;    // of the performer's height: what lies lower, by this and the slack, is on the floor
   double shadow_share = 0.25;    // … and if all cameras see it on the floor, darker than the plates by the same ratio

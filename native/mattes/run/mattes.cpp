@@ -120,7 +120,7 @@ class Run {
     joint.alone = options_.alone;
     joint.background_unseen =
         std::any_of(sources_.begin(), sources_.end(), [](const MatteSource& s) { return s.from_clip.has_value(); });
-    if (joint.background_unseen) joint.most_demanded_nats = 0;  // colours alone hold little against it
+    if (joint.background_unseen) joint.demanded_nats = 0;  // colours alone hold little against it
     joint_ = std::make_unique<JointMattes>(capture_.cameras, capture_.ground_y_m, joint);
     started_ = Clock::now();
     return {};
