@@ -170,6 +170,22 @@ TEST_F(WrongCameraBake, PicturesThatDoNotFitSayWhichScaleDoes) {
   expectRefused(" --tile-texels 0.02", "use --tile-scale 0.");
 }
 
+// Later surfaces, or the refinement's pictures, would be errors as well.
+TEST_F(WrongCameraBake, PicturesThatDoNotFitAreRefusedBeforeTheRestIsRead) {
+  writeText(capture + "/turn/mesh/000001.obj", "v 0 0 0\nv 1 0 0\nf 1 2 9\n");
+  expectRefused(" --tile-texels 0.02", "sequence 'turn', frame 0 alone: the cameras' pictures of the performer need");
+  capture = smallCapture("wrong-tracked");
+  for (const char* frame : {"000002", "000005"}) writeText(capture + "/turn/cam00/" + frame + ".png", "no picture");
+  expectRefused(" --appearance cameras --tile-texels 0.02", "frame 0 alone: the cameras' pictures of the performer");
+  expectRefused(" --appearance cameras", ".png");
+  const std::string grows = capture + "/turn/mesh/000003.obj";
+  ASSERT_EQ(shell("awk '/^v /{print $1, $2 * 3, $3, $4 * 3; next} {print}' " + grows + " > " + grows + ".new && mv " +
+                  grows + ".new " + grows)
+                .code,
+            0);
+  expectRefused(" --appearance cameras --tile-texels 0.0905", "sequence 'turn': the cameras' pictures of the");
+}
+
 TEST_F(WrongCameraBake, RenditionsInTexelsNeedLayers) {
   const Outcome bake = fourdvt("bake " + capture + " -o " + character + " --renditions 384:34");
   EXPECT_EQ(bake.code, 1) << bake.output;

@@ -2,6 +2,7 @@
 #include "bake/stages/camera_plan.h"
 
 #include <algorithm>
+#include <functional>
 
 #include "bake/cameras/surfaces.h"
 #include "bake/run/renditions.h"
@@ -41,6 +42,24 @@ Status checkLimit(const Job& job, const std::string& file, const TriangleMesh& s
   uint64_t vertices = surface.positions.size(), faces = surface.faces.size();
   if (const uint64_t most = mostFaces(job); most > 0 && most < faces) vertices = std::min(vertices, faces = most);
   return checkSurface(file, vertices, faces);
+}
+
+std::vector<Rect> regionsOf(const Job& job, const Positions& surface) {
+  std::vector<Rect> out;
+  for (const PinholeCamera& camera : job.cameras) out.push_back(regionOfInterest(camera, surface));
+  return out;
+}
+
+// Refuses sequences whose first frames alone need a tiled picture that is too large, before all surfaces are read.
+Status checkFirstFrames(const Job& job) {
+  const CameraOptions& o = job.options.cameras;
+  for (const capture::CaptureSequence& sequence : job.capture.sequences) {
+    FOURDVT_ASSIGN(const auto surface, capture::readSurfaceFrame(job.capture, sequence, 0));
+    const CameraLayout least = planCameraLayout(job.cameras, {regionsOf(job, surface.positions)}, o.tile_scale);
+    if (const std::string wrong = checkCameraLayout(least, o.tile_scale, o.max_texels); !wrong.empty())
+      return Error{ErrorId::InvalidArgument, "sequence '" + sequence.name + "', frame 0 alone: " + wrong};
+  }
+  return {};
 }
 
 // A GOP that would take more memory than players allow gets fewer frames.
@@ -88,9 +107,26 @@ StreamPlan planStream(const Job& job, size_t number) {
   return stream;
 }
 
+// The sequences' streams, and the bytes of their pictures.
+Result<double> planStreamsOf(Job& job, const std::function<void(size_t sequence)>& begins) {
+  job.streams.clear();
+  double bytes = 0;
+  for (size_t s = 0; s < job.capture.sequences.size(); ++s) {
+    begins(s);
+    job.streams.push_back(planStream(job, s));
+    const CameraLayout& layout = job.streams.back().cameras;
+    const std::string wrong = checkCameraLayout(layout, job.options.cameras.tile_scale, job.options.cameras.max_texels);
+    if (!wrong.empty())
+      return Error{ErrorId::InvalidArgument, "sequence '" + job.capture.sequences[s].name + "': " + wrong};
+    bytes += layout.pictureTexels() * kVideoBytesPerTexel * job.streams.back().frameCount();
+  }
+  return bytes;
+}
+
 }  // namespace
 
 Status planCameraSurfaces(Job& job, const BakeEnvironment& environment) {
+  FOURDVT_TRY(checkFirstFrames(job));
   Surfaces all;
   bool seen = false;
   job.regions.assign(job.capture.sequences.size(), {});
@@ -104,11 +140,8 @@ Status planCameraSurfaces(Job& job, const BakeEnvironment& environment) {
         FOURDVT_ASSIGN(job.mesh, package::encodePlainMesh(simplified(surface, size_t(job.options.cameras.faces))));
       }
       add(all, surface);
-      std::vector<Rect>& regions = job.regions[s].emplace_back();
-      for (const PinholeCamera& camera : job.cameras) {
-        regions.push_back(regionOfInterest(camera, surface.positions));
-        seen |= regions.back().width > 0;
-      }
+      job.regions[s].push_back(regionsOf(job, surface.positions));
+      for (const Rect& region : job.regions[s].back()) seen |= region.width > 0;
     }
   }
   job.bounds = all.bounds;
@@ -117,24 +150,21 @@ Status planCameraSurfaces(Job& job, const BakeEnvironment& environment) {
                                               ": no camera sees any surface: check the axes and units of meshes and "
                                               "cameras"};
   shortenGops(job, all);
-  return checkSteps(job);
+  FOURDVT_TRY(checkSteps(job));
+  // The refinement, which hardly moves the surface, is long work.
+  if (!job.options.refine.any() || job.refinement) return {};
+  FOURDVT_ASSIGN([[maybe_unused]] const double bytes, planStreamsOf(job, [](size_t) {}));
+  return {};
 }
 
 Status planCameraStreams(BakeRun& run) {
   StageClock::Span span(run.clock, Stage::Regions);
   Job& job = run.job;
   StageProgress progress(run.progress, infoOf(Stage::Regions).work_s * job.total_frames);
-  job.streams.clear();
-  double bytes = 0;
-  for (size_t s = 0; s < job.capture.sequences.size(); ++s) {
+  const auto begins = [&](size_t s) {
     progress.done(double(s) / job.capture.sequences.size(), "regions " + job.capture.sequences[s].name);
-    job.streams.push_back(planStream(job, s));
-    const std::string wrong =
-        checkCameraLayout(job.streams.back().cameras, job.options.cameras.tile_scale, job.options.cameras.max_texels);
-    if (!wrong.empty())
-      return Error{ErrorId::InvalidArgument, "sequence '" + job.capture.sequences[s].name + "': " + wrong};
-    bytes += job.streams.back().cameras.pictureTexels() * kVideoBytesPerTexel * job.streams.back().frameCount();
-  }
+  };
+  FOURDVT_ASSIGN(const double bytes, planStreamsOf(job, begins));
   return checkSpace(job, bytes * ladderTexels(job.options));
 }
 

@@ -6,7 +6,8 @@
 
 namespace fourdvt::bake {
 
-// Reads every surface once, one at a time: sets job.regions, job.bounds and job.mesh, the first surface. Errors: those
+// Reads every surface once, one at a time, and the sequences' first ones before that: a tiled picture that is too large
+// is an error as early as can be. Sets job.regions, job.bounds and job.mesh, the first surface. Errors: those
 // of capture, NothingVisible, InvalidArgument, Interrupted.
 Status planCameraSurfaces(Job& job, const BakeEnvironment& environment);
 
