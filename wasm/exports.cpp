@@ -69,7 +69,7 @@ void openPlayer(Instance* h, abi::PictureKind kind, int32_t slots) {
   if (!player.ok()) h->error = player.error();
 }
 
-Status drawTogether(Instance* const* handles, uint32_t count, const render::View& view) {
+Status drawTogether(Instance* const* handles, uint32_t count, const PinholeCamera& camera) {
   std::vector<render::Figure> figures;
   for (uint32_t i = 0; i < count; ++i) {
     auto figure = handles[i]->player->figure();
@@ -78,6 +78,7 @@ Status drawTogether(Instance* const* handles, uint32_t count, const render::View
   }
   Canvas& canvas = *handles[0]->canvas;
   const bool has_scene = canvas.scene.room.corners || !canvas.scene.meshes.empty();
+  const render::View view = render::viewFromCamera(camera, render::lengthScalesOf(figures));
   return canvas.recipe->draw(figures, has_scene ? &canvas.scene : nullptr, view,
                              {handles[0]->options, handles[0]->player->align(), handles[0]->player->method()},
                              gpu::kDefaultTarget);
@@ -255,7 +256,7 @@ int32_t fdvt_draw(Instance* const* characters, uint32_t count, const abi::View* 
   const double* t = view->target;
   const OrbitView orbit{view->azimuth, view->elevation, view->distance, {t[0], t[1], t[2]}, view->fov};
   const auto camera = cameraFromOrbit(orbit, view->width, view->height);
-  return keep(h, drawTogether(characters, count, render::viewFromCamera(camera)));
+  return keep(h, drawTogether(characters, count, camera));
 }
 
 int32_t fdvt_make_next_program(Instance* h) {

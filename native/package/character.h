@@ -130,6 +130,8 @@ struct Character {
   std::vector<PinholeCamera> cameras;         // label k is cameras[k], and so is tile k
   BoundingBox bounds;                         // over all frames of all sequences
   double ground_y_m = 0;
+  // Metres per metre of a scene in which the performer has a person's size: lengths of drawing are multiplied by it.
+  double length_scale = 1;
   std::string mesh_uri;  // file that holds the Draco base mesh; from cameras: the first surface, which no player needs
   uint64_t mesh_offset = 0, mesh_bytes = 0;
   uint64_t mesh_hash = 0;  // of these bytes (base/hash.h)

@@ -162,6 +162,7 @@ void readCharacter(FieldReader& in, const std::string& at, Character& c) {
   if (in.has(at + "/room")) readRoom(in, at + "/room", c.room);
   c.bounds = readBox(in, at + "/bounds");
   c.ground_y_m = in.number(at + "/groundY", -kMaxMetres, kMaxMetres);
+  if (in.has(at + "/lengthScale")) c.length_scale = in.number(at + "/lengthScale", 1e-6, 1e6);
   const int cameras = in.arraySize(at + "/cameras", 1, kMaxCameras);
   for (int k = 0; k < cameras; ++k) c.cameras.push_back(readCamera(in, item(at + "/cameras", k)));
   std::set<std::string> names;

@@ -163,6 +163,7 @@ Value extensionValue(const Character& c) {
     out["graph"] = Value(Value::Object{
         {"uri", Value(c.graph_uri)}, {"byteLength", number(double(c.graph_bytes))}, {"hash", hashValue(c.graph_hash)}});
   }
+  if (c.length_scale != 1) out["lengthScale"] = number(c.length_scale);
   if (!c.room.picture_uri.empty()) out["room"] = roomValue(c.room);
   if (!c.start.uri.empty()) out["start"] = startValue(c.start);
   return Value(out);

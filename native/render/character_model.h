@@ -67,6 +67,7 @@ class CharacterModel {
   uint32_t vertex_count = 0, face_count = 0;
   BoundingBox bounds;
   double ground_y_m = 0;
+  float length_scale = 1;        // of all lengths that are said to suit a person (package::Character)
   BoundingBox frame_bounds;      // of the positions shown
   uint64_t geometry_serial = 0;  // 0: none yet; unique over all models and calls of setPositions
   uint64_t topology_serial = 0;  // likewise, of setTopology

@@ -55,7 +55,7 @@ struct FloatingOptions {
 
 struct SweepOptions {
   int planes = 12;        // depths tried at each pixel; a multiple of 4, at most 32
-  float band_m = 0.032f;  // behind the surface; before it less (sweep.h)
+  float band_m = 0.032f;  // behind the surface of a person (CharacterModel::length_scale); before it less (sweep.h)
 };
 
 struct MontageOptions {
@@ -64,7 +64,7 @@ struct MontageOptions {
   float discontinuity_px = 4;    // ε: how far occlusions reach over depth discontinuities, at most 8
   float vote_threshold = 0.15f;  // δ of M4D Eq. 3; 0: there is no vote
   float vote_reach_px = 8;       // montage4d holds votes so near to depth discontinuities only; at most 8
-  float clamp_m = 0.15f;         // distance from the seams at which γ is 1
+  float clamp_m = 0.15f;         // distance from a person's seams at which γ is 1
   float settling_s = 0.17f;      // time constant of the temporal fields; 0: none
 };
 
@@ -74,7 +74,7 @@ struct MethodOptions {
   Unseen unseen = Unseen::Neighbourhood;
   float least_cosine = 0.1f;  // of surface and ray; cameras that see a point more from aside are not used
   // Of the surface along a view's ray, to either side: what "filtered" and "band-limited" blur for. About the mean
-  // distance between a visual hull and the surface inside it.
+  // distance between a visual hull and the surface inside it, of a person.
   float depth_uncertainty_m = 0.01f;
   // Seconds from the figure's last picture to this one, for what follows with time; infinite: a still.
   float elapsed_s = std::numeric_limits<float>::infinity();

@@ -212,6 +212,16 @@ class RecipeOnDevice final : public Recipe {
 
 }  // namespace
 
+LengthScales lengthScalesOf(std::span<const Figure> figures) {
+  if (figures.empty()) return {};
+  LengthScales out{figures[0].model->length_scale, figures[0].model->length_scale};
+  for (const Figure& figure : figures) {
+    out.least = std::min(out.least, figure.model->length_scale);
+    out.most = std::max(out.most, figure.model->length_scale);
+  }
+  return out;
+}
+
 Result<std::unique_ptr<Recipe>> Recipe::create(gpu::Device& device) {
   auto shadow = ShadowPass::create(device);
   if (!shadow) return shadow.error();

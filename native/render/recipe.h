@@ -50,6 +50,9 @@ struct Figure {
   const CameraLook* cameras = nullptr;  // of a character from cameras, in place of looks
 };
 
+// Those of the models; 1 without figures.
+LengthScales lengthScalesOf(std::span<const Figure> figures);
+
 struct DrawOptions {
   RecipeOptions recipe;
   Align align = Align::Baked;

@@ -7,6 +7,7 @@
 namespace fourdvt::render {
 namespace {
 
+// Lengths of a person's shadow.
 constexpr float kMargin_m = 0.5f;       // of the map round the frame's bounds
 constexpr float kExtentStep_m = 0.25f;  // the map's extent changes in steps, so that its texels rarely do
 // Softness; kGain in shadow_ground.frag makes up for the darkness that blurring takes away.
@@ -15,8 +16,9 @@ constexpr float kTapsOfBodySigma = 5.0f;  // the 12 taps on each side (kTaps in 
 
 glm::vec4 shadowArea(const CharacterModel& model, float ground_y_m) {
   const glm::vec3 low = model.frame_bounds.min, high = model.frame_bounds.max;
-  const float half = std::max(high.x - low.x, high.z - low.z) / 2 + kMargin_m;
-  return {(low.x + high.x) / 2, (low.z + high.z) / 2, std::ceil(half / kExtentStep_m) * kExtentStep_m, ground_y_m};
+  const float half = std::max(high.x - low.x, high.z - low.z) / 2 + model.length_scale * kMargin_m;
+  const float step = model.length_scale * kExtentStep_m;
+  return {(low.x + high.x) / 2, (low.z + high.z) / 2, std::ceil(half / step) * step, ground_y_m};
 }
 
 }  // namespace
@@ -68,21 +70,23 @@ Status ShadowPass::cast(gpu::Device& device, size_t i, const CharacterModel& mod
   if (map.serial == model.geometry_serial && map.area.w == ground_y_m) return {};
   map.serial = model.geometry_serial;
   map.area = shadowArea(model, ground_y_m);
-  const float height_m = std::max(model.frame_bounds.max.y - ground_y_m, 0.1f) + 0.1f;
+  const float least_height_m = model.length_scale * 0.1f;
+  const float height_m = std::max(model.frame_bounds.max.y - ground_y_m, least_height_m) + least_height_m;
   device.beginPass({.target = map.target.id(), .clear_color = true, .clear_depth = true, .label = "shadow cast"});
   const gpu::TextureBinding corners = surface ? gpu::TextureBinding{"u_corner_vertices", model.corner_vertices.id()}
                                               : gpu::TextureBinding{"u_corners", model.corners.id()};
   device.draw({.program = (surface ? cast_surface_ : cast_).id(),
                .textures = {corners, {"u_positions_normals", model.positions_normals.id()}},
-               .uniforms = {gpu::uniform("u_ground", map.area), gpu::uniform("u_height_m", height_m)},
+               .uniforms = {gpu::uniform("u_ground", map.area), gpu::uniform("u_height_m", height_m),
+                            gpu::uniform("u_length_scale", model.length_scale)},
                .vertex_count = static_cast<int>(3 * model.face_count),
                .depth_test = true,
                .depth_write = true});
   device.endPass();
   // In units of the map, which is 2 × area.z metres wide.
-  const float tap_m = kBodySigma_m / kTapsOfBodySigma;
+  const float tap_m = model.length_scale * kBodySigma_m / kTapsOfBodySigma;
   const float tap = tap_m / (2 * map.area.z);
-  const glm::vec2 sigma(kContactSigma_m / tap_m, kTapsOfBodySigma);
+  const glm::vec2 sigma(model.length_scale * kContactSigma_m / tap_m, kTapsOfBodySigma);
   const auto blur = [&](const Map& from, const Map& to, const glm::vec2& step) {
     device.beginPass({.target = to.target.id(), .label = "shadow blur"});
     device.draw({.program = blur_.id(),

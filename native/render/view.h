@@ -27,7 +27,14 @@ inline glm::vec3 viewAxis(const glm::mat4& clip_from_frame) {
   return glm::normalize(glm::vec3(m[0][3], m[1][3], m[2][3]));
 }
 
-inline View viewFromCamera(const PinholeCamera& camera, double near_m = 0.05, double far_m = 100.0) {
+// The smallest and the largest length scale of the characters that a view shows (CharacterModel::length_scale).
+struct LengthScales {
+  float least = 1, most = 1;
+};
+
+// Sees from 5 cm to 100 m, times the scales.
+inline View viewFromCamera(const PinholeCamera& camera, const LengthScales& scales = {}) {
+  const double near_m = 0.05 * double(scales.least), far_m = 100.0 * double(scales.most);
   return {glm::mat4(clipFromWorld(camera, near_m, far_m)), glm::vec3(camera.centreInWorld()), camera.width,
           camera.height};
 }

@@ -46,13 +46,14 @@ Status Ensemble::advance(double seconds) {
   return {};
 }
 
-Result<Image> Ensemble::draw(const render::View& view, const render::Scene* scene,
+Result<Image> Ensemble::draw(const PinholeCamera& camera, const render::Scene* scene,
                              const render::RecipeOptions& recipe) {
   std::vector<render::Figure> figures;
   for (const Actor& actor : actors_) {
     FOURDVT_ASSIGN(auto figure, actor.character->player().figure());
     figures.push_back(figure);
   }
+  const render::View view = render::viewFromCamera(camera, render::lengthScalesOf(figures));
   return still_.render(view, [&](gpu::TargetId target) {
     return recipe_->draw(figures, scene, view, {recipe, align_}, target);
   });

@@ -32,7 +32,7 @@ class Ensemble {
   // Plays on by this much time, and starts the transitions whose cues are due.
   Status advance(double seconds);
   // `scene` may be null.
-  Result<Image> draw(const render::View& view, const render::Scene* scene, const render::RecipeOptions& recipe);
+  Result<Image> draw(const PinholeCamera& camera, const render::Scene* scene, const render::RecipeOptions& recipe);
   render::Recipe& recipe() { return *recipe_; }
   Player& player(size_t actor) { return actors_[actor].character->player(); }
   size_t count() const { return actors_.size(); }

@@ -76,19 +76,25 @@ Result<std::optional<render::Scene>> wantedRoom(CharacterSession& session, const
   return std::optional(std::move(room));
 }
 
+render::LengthScales lengthScales(const CharacterSession& session) {
+  const auto scale = static_cast<float>(session.character().length_scale);
+  return {scale, scale};
+}
+
 Status renderStill(CharacterSession& session, const RenderArguments& arguments, const package::Sequence& sequence) {
   FOURDVT_ASSIGN(auto camera, chooseCamera(arguments, session.character()));
   const auto phase = static_cast<uint32_t>(std::lround(arguments.phase.value_or(0) * sequence.frame_count));
   const uint32_t frame = arguments.phase ? phase % sequence.frame_count : static_cast<uint32_t>(arguments.frame);
   FOURDVT_TRY(session.player->showFrame(sequence.name, frame));
   FOURDVT_ASSIGN(const auto room, wantedRoom(session, arguments));
+  const render::LengthScales scales = lengthScales(session);
   render::RecipeOptions recipe = arguments.recipe;
   std::vector<Image> pictures;
   const int count = arguments.debug == "layers" || arguments.debug == "labels" ? session.character().layer_count : 1;
   for (int layer = 0; layer < count; ++layer) {
     recipe.debug_layer = layer;
-    FOURDVT_ASSIGN(auto picture,
-                   session.player->renderStill(render::viewFromCamera(camera), recipe, room ? &*room : nullptr));
+    FOURDVT_ASSIGN(auto picture, session.player->renderStill(render::viewFromCamera(camera, scales), recipe,
+                                                             room ? &*room : nullptr));
     pictures.push_back(std::move(picture));
   }
   return platform::writeImage(arguments.output, besideEachOther(pictures), 95);
@@ -104,12 +110,13 @@ Status renderTurntable(CharacterSession& session, const RenderArguments& argumen
                                                             {.width = width, .height = height, .fps = sequence.fps}));
   FOURDVT_ASSIGN(const auto room, wantedRoom(session, arguments));
   OrbitView view = chooseOrbit(arguments, session.character(), width, height);
+  const render::LengthScales scales = lengthScales(session);
   const double start_deg = view.azimuth_deg;
   for (int i = 0; i < frames; ++i) {
     FOURDVT_TRY(session.player->showFrame(sequence.name, static_cast<uint32_t>(i) % sequence.frame_count));
     view.azimuth_deg = start_deg + 360.0 * i / frames;
     FOURDVT_ASSIGN(auto picture,
-                   session.player->renderStill(render::viewFromCamera(cameraFromOrbit(view, width, height)),
+                   session.player->renderStill(render::viewFromCamera(cameraFromOrbit(view, width, height), scales),
                                                arguments.recipe, room ? &*room : nullptr));
     FOURDVT_TRY(writer->write(picture));
     if (isatty(STDERR_FILENO)) std::fprintf(stderr, "\r\033[K%d of %d frames", i + 1, frames);

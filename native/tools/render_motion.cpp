@@ -49,7 +49,7 @@ struct Show {
 Result<Image> drawFrame(const Show& show, int frame, const render::RecipeOptions& recipe) {
   if (frame > 0) FOURDVT_TRY(show.ensemble.advance(1 / show.fps));
   FOURDVT_TRY(show.prepare(frame));
-  return show.ensemble.draw(render::viewFromCamera(show.camera(frame)), show.scene, recipe);
+  return show.ensemble.draw(show.camera(frame), show.scene, recipe);
 }
 
 Status writeMovie(const Show& show, const RenderArguments& arguments) {

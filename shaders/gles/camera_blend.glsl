@@ -13,6 +13,7 @@ uniform vec2 u_picture_size;                // texels of a layer
 uniform highp sampler2DArray u_depth_maps;  // drawn y up: row 0 is the bottom row
 uniform int u_depth_rows;                   // of a layer of the depth maps
 uniform float u_reach;                      // texels of a depth map that its depth may be off by; negative: no depth test
+uniform float u_depth_bias;                 // of the depth test, metres
 uniform float u_least_cosine;               // of surface and ray: a camera that sees the point more from aside is not used
 uniform mat4 u_pixel_from_character[CAMERAS];  // → (pixel · depth, depth along the optical axis, unused)
 uniform vec4 u_centres[CAMERAS];            // xyz character's frame; w layer of the depth maps
@@ -20,7 +21,6 @@ uniform vec4 u_pixel_spans[CAMERAS];        // x: metres that a pixel spans at 1
                                             // w: layer of the pictures
 uniform vec4 u_sizes_near_far[CAMERAS];     // pixels, pixels, metres, metres
 
-const float kDepthBias = 0.01;    // metres
 const float kMinSum = 1e-6;
 
 float cameraWeight(vec3 to_camera, float cosine, vec3 to_eye);  // of the method; 0: not used
@@ -50,7 +50,7 @@ vec3 projected(vec3 point, int i) {
 bool isHidden(vec3 at, float cosine, int i) {
   float slope = sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, 0.05);
   float reach = u_reach / u_pixel_spans[i].y;
-  return u_reach >= 0.0 && at.z > mappedDepth(at.xy, i) + kDepthBias + reach * slope * at.z * u_pixel_spans[i].x;
+  return u_reach >= 0.0 && at.z > mappedDepth(at.xy, i) + u_depth_bias + reach * slope * at.z * u_pixel_spans[i].x;
 }
 
 // Straight colour; alpha 0 where the matte says background.

@@ -3,6 +3,7 @@
 uniform sampler2D u_normals;         // of the surface, 0…1 for -1…1; alpha 0: it is not there
 uniform highp sampler2D u_depths;    // drawn y up, as the normals
 uniform mat4 u_character_from_clip;
+uniform float u_length_scale;        // of lengths that suit a person
 
 bool isSurface(ivec2 at) { return texelFetch(u_normals, at, 0).a > 0.0; }
 

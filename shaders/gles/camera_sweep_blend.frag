@@ -8,7 +8,7 @@ uniform float u_texels;      // of the shifts, along a side of a pixel
 out vec4 o_color;
 
 const float kSlack = 3.0;      // of the depth test: what hides the point may be as wrong as what was given for it
-const float kSamePart = 0.01;  // metres of depth, about
+const float kSamePart = 0.01;  // metres of depth, about, of a person
 
 float cameraWeight(vec3 to_camera, float cosine, vec3 to_eye) { return cosine * max(dot(to_camera, to_eye), 0.0); }
 
@@ -22,7 +22,7 @@ float shiftHere(float depth) {
     vec4 shown = texelFetch(u_shifts, texel, 0);
     if (shown.a == 0.0) continue;
     vec2 near = mix(1.0 - share, share, vec2(corner));
-    float away = (surfaceDepth(texel) - depth) / kSamePart;
+    float away = (surfaceDepth(texel) - depth) / (u_length_scale * kSamePart);
     float weight = (near.x * near.y + 1e-3) / (1.0 + away * away * away * away);
     shift += weight * unpackedShift(shown.xy);
     sum += weight;

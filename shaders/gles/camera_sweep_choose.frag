@@ -9,8 +9,8 @@ uniform vec2 u_band;          // first and last plane behind the surface, metres
 uniform float u_reach_m;      // that a shift of 1 stands for
 out vec4 o_shift;             // shift in two channels, unused, 1: the surface is there
 
-const float kWell = 0.016;     // metres, at which a shift has half its price
-const float kSamePart = 0.03;  // metres of depth
+const float kWell = 0.016;     // metres of a person, at which a shift has half its price
+const float kSamePart = 0.03;  // metres of depth of a person
 
 vec4 blocks[BLOCKS];  // of the path
 
@@ -46,7 +46,7 @@ void main() {
       ivec2 at = here + (length + 1) * direction;
       if (any(lessThan(at, ivec2(0))) || any(greaterThan(at, last)) || !isSurface(at)) break;
       float next = surfaceDepth(at);
-      if (abs(next - depth) > kSamePart) break;
+      if (abs(next - depth) > u_length_scale * kSamePart) break;
       depth = next;
       ++length;
     }
@@ -62,7 +62,7 @@ void main() {
   int chosen = 0;
   for (int k = 0; k < planes; ++k) {
     float offset_m = mix(u_band.x, u_band.y, float(k) / float(planes - 1));
-    float away = offset_m * offset_m / (kWell * kWell);
+    float away = offset_m * offset_m / (u_length_scale * u_length_scale * kWell * kWell);
     total[k / 4][k % 4] += u_prices.z * away / (1.0 + away);
     if (total[k / 4][k % 4] < best) best = total[k / 4][k % 4], chosen = k;
   }

@@ -7,7 +7,7 @@ uniform vec2 u_step;
 uniform int u_radius;
 out vec4 o_costs;
 
-const float kSamePart = 0.03;  // metres of depth
+const float kSamePart = 0.03;  // metres of depth of a person
 
 void main() {
   ivec2 here = ivec2(gl_FragCoord.xy), last = textureSize(u_normals, 0) - 1;
@@ -17,7 +17,7 @@ void main() {
   for (int i = -u_radius; i <= u_radius; ++i) {
     ivec2 at = here + i * ivec2(u_step);
     if (any(lessThan(at, ivec2(0))) || any(greaterThan(at, last)) || !isSurface(at)) continue;
-    float away = (surfaceDepth(at) - depth) / kSamePart, weight = exp(-away * away);
+    float away = (surfaceDepth(at) - depth) / (u_length_scale * kSamePart), weight = exp(-away * away);
     o_costs += weight * texelFetch(u_costs, ivec3(at, u_block), 0);
     sum += weight;
   }

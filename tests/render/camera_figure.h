@@ -48,6 +48,7 @@ class CameraFigure : public GlFixture {
   void makeModel() {
     package::Character character;
     character.cameras = cameras_;
+    character.length_scale = length_scale_;
     character.vertex_count = static_cast<uint32_t>(positions_.size()) + 7;  // frames may have fewer than the most
     character.face_count = static_cast<uint32_t>(faces_.size()) + 5;
     model_ = render::CharacterModel::createForSurfaces(*device, character).take();
@@ -72,17 +73,20 @@ class CameraFigure : public GlFixture {
 
   render::CameraLook look() const { return {cameras_, sources_, &picture_, glm::vec2(picture_side_), serial_}; }
 
+  render::View viewOf(const PinholeCamera& camera) const {
+    return render::viewFromCamera(camera, {float(length_scale_), float(length_scale_)});
+  }
+
   Status drawTo(const PinholeCamera& view, gpu::TargetId target) {
     const render::CameraLook shown = look();
     render::Figure figure;
     figure.model = &model_;
     figure.cameras = &shown;
-    return recipe_->draw({&figure, 1}, nullptr, render::viewFromCamera(view), options_, target);
+    return recipe_->draw({&figure, 1}, nullptr, viewOf(view), options_, target);
   }
 
   Image still(const PinholeCamera& view) {
-    Image image =
-        drawnImage(*device, render::viewFromCamera(view), [&](gpu::TargetId target) { return drawTo(view, target); });
+    Image image = drawnImage(*device, viewOf(view), [&](gpu::TargetId target) { return drawTo(view, target); });
     remember(image);
     return image;
   }
@@ -97,6 +101,7 @@ class CameraFigure : public GlFixture {
   std::unique_ptr<render::Recipe> recipe_;
   render::DrawOptions options_;
   uint64_t serial_ = 0;
+  double length_scale_ = 1;
 };
 
 // Red rises with x, green with y, and blue is the camera's number.

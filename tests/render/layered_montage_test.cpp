@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "../unit/scaled.h"
 #include "expected.h"
 #include "gl_fixture.h"
 #include "made_up_flow.h"
@@ -68,7 +69,7 @@ class LayeredMontageTest : public GlFixture {
     const float whole[] = {1};
     const render::Look look{&still_->figure.appearance, &still_->picture, whole};
     const render::Figure figure{&still_->figure.model, {&look, 1}};
-    const render::View seen = render::viewFromCamera(view);
+    const render::View seen = render::viewFromCamera(view, render::lengthScalesOf({&figure, 1}));
     render::DrawOptions options{.recipe = plainOptions()};
     options.recipe.facing_exponent = options.recipe.view_exponent = exponent_;
     options.method.elapsed_s = elapsed_s;
@@ -111,6 +112,21 @@ TEST_F(LayeredMontageTest, ASeamBetweenTwoLabelSetsFadesOverTheClampDistance) {
   }
   EXPECT_GT(widest, 0.6 * kClamp_m);
   EXPECT_LT(plain_widest, 2 * kSide_m / kCells);
+}
+
+TEST_F(LayeredMontageTest, ASeamFadesOverTheSamePartOfAFigureOfAnySize) {
+  const auto picture = [&](double scale) {
+    Scene scene = squareScene({0, 1}, {0, package::kNoCamera});
+    scene.mesh.positions = scaled(scene.mesh.positions, scale);
+    for (PinholeCamera& camera : scene.character.cameras) camera = scaled(camera, scale);
+    scene.character.length_scale = scale;
+    scene.finish();
+    show(scene);
+    useMontage();
+    return draw(scaled(view_, scale));
+  };
+  const Image person = picture(1);
+  for (const double scale : {0.05, 20.0}) EXPECT_LT(shareThatDiffers(person, picture(scale), 3), 0.01) << scale;
 }
 
 TEST_F(LayeredMontageTest, TheSameSetEverywhereHasNoSeam) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Several figures and what is round them: placement, depth, occluders, background, shadows under the feet.
+#include "../unit/scaled.h"
 #include "member_quad.h"
 
 namespace fourdvt::render {
@@ -43,7 +44,7 @@ class Stage : public testing::GlFixture {
   }
   Image draw(Recipe& recipe, const std::vector<Figure>& figures, const Scene* scene, const PinholeCamera& camera,
              const RecipeOptions& options) {
-    const View view = viewFromCamera(camera);
+    const View view = viewFromCamera(camera, lengthScalesOf(figures));
     Image image = testing::drawnImage(
         *device, view, [&](gpu::TargetId target) { return recipe.draw(figures, scene, view, {options}, target); });
     remember(image);
@@ -135,6 +136,22 @@ TEST_F(Stage, everyFigureHasItsShadowUnderItsFeet) {
       draw(*box->recipe, {placed(*box, moved({1.2f, 0, 0})), placed(*box, glm::mat4(1))}, nullptr, camera, options);
   EXPECT_NEAR(alpha(two, {1.4, 0, 0.1}), alpha(one, {1.4, 0, 0.1}), 2);
   EXPECT_NEAR(alpha(two, {0.2, 0, 0.1}), alpha(one, {1.4, 0, 0.1}), 10);
+}
+
+TEST_F(Stage, aFigureOfAnySizeHasTheSameShadow) {
+  std::vector<std::unique_ptr<Still>> boxes;
+  const auto picture = [&](double scale) {
+    testing::Scene scene = testing::boxScene(float(scale * 0.15), float(scale * 1.6));
+    scene.character.length_scale = scale;
+    boxes.push_back(still(scene, {200, 160, 120}));
+    const PinholeCamera camera = cameraFromOrbit({0, 30, 6 * scale, {0, 0.5 * scale, 0}, 40}, 320, 240);
+    return draw(*boxes.back()->recipe, {placed(*boxes.back(), glm::mat4(1))}, nullptr, camera, {});
+  };
+  const Image person = picture(1);
+  const PinholeCamera camera = cameraFromOrbit({0, 30, 6, {0, 0.5, 0}, 40}, 320, 240);
+  EXPECT_GT(alphaAt(person, camera, {0.2, 0, 0.1}), 30);
+  for (const double scale : {0.05, 20.0})
+    EXPECT_LT(testing::shareThatDiffers(person, picture(scale), 3), 0.005) << scale;
 }
 
 TEST_F(Stage, theShadowLiesOnTheScenesGroundBehindOccluders) {

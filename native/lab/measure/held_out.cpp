@@ -149,7 +149,8 @@ class Evaluation {
     FOURDVT_TRY(character_.showFrame(sequence, frame));
     render::RecipeOptions recipe;
     recipe.ground_shadow = false;
-    return character_.renderStill(render::viewFromCamera(camera), recipe, nullptr, elapsed_s);
+    const auto scale = static_cast<float>(character_.player().character()->length_scale);
+    return character_.renderStill(render::viewFromCamera(camera, {scale, scale}), recipe, nullptr, elapsed_s);
   }
 
   void addFlicker(const std::string& sequence, const PinholeCamera& view, const std::string& camera, uint32_t frame,

@@ -8,6 +8,8 @@
 namespace fourdvt::render {
 namespace {
 
+constexpr float kDepthBias_m = 0.01f;  // of a person
+
 glm::mat4 pixelFromCharacter(const PinholeCamera& camera) {
   glm::dmat4 pixel_from_cam(1.0);
   pixel_from_cam[0][0] = camera.fx;
@@ -30,8 +32,14 @@ std::vector<size_t> camerasTowards(std::span<const PinholeCamera> cameras, const
 }
 
 CameraUniforms::CameraUniforms(std::span<const PinholeCamera> cameras, std::span<const size_t> chosen,
-                               const DepthMaps& maps, const BlendPictures& pictures, float least_cosine)
-    : maps_(maps), pictures_(pictures), least_cosine_(least_cosine), reach_(maps.reach()), depth_rows_(maps.rows()) {
+                               const DepthMaps& maps, const BlendPictures& pictures, float least_cosine,
+                               float length_scale)
+    : maps_(maps),
+      pictures_(pictures),
+      least_cosine_(least_cosine),
+      depth_bias_(kDepthBias_m * length_scale),
+      reach_(maps.reach()),
+      depth_rows_(maps.rows()) {
   for (const size_t chosen_camera : chosen) {
     const bool is_blind = chosen_camera >= cameras.size();
     const size_t c = is_blind ? *std::min_element(chosen.begin(), chosen.end()) : chosen_camera;
@@ -60,7 +68,8 @@ void CameraUniforms::addTo(gpu::Draw& draw) const {
   }
   for (const gpu::Uniform& uniform :
        {gpu::uniform("u_picture_size", pictures_.size), gpu::uniform("u_depth_rows", depth_rows_),
-        gpu::uniform("u_reach", reach_), gpu::uniform("u_least_cosine", least_cosine_),
+        gpu::uniform("u_reach", reach_), gpu::uniform("u_depth_bias", depth_bias_),
+        gpu::uniform("u_least_cosine", least_cosine_),
         gpu::uniform("u_pixel_from_character", std::span<const glm::mat4>(pixel_from_character_)),
         gpu::uniform("u_centres", std::span<const glm::vec4>(centres_)),
         gpu::uniform("u_pixel_spans", std::span<const glm::vec4>(pixel_spans_)),

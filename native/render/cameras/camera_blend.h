@@ -27,10 +27,10 @@ struct BlendPictures {
 // The uniforms of one draw; keep it until the draw is made.
 class CameraUniforms {
  public:
-  // The depth maps of the chosen cameras are up to date. A number that is no camera's stands for one that sees nothing;
-  // not all are such.
+  // The depth maps of the chosen cameras are up to date. length_scale: the model's. A number that is no camera's stands
+  // for one that sees nothing; not all are such.
   CameraUniforms(std::span<const PinholeCamera> cameras, std::span<const size_t> chosen, const DepthMaps& maps,
-                 const BlendPictures& pictures, float least_cosine);
+                 const BlendPictures& pictures, float least_cosine, float length_scale);
   void addTo(gpu::Draw& draw) const;
   // What a program that makes such draws is made with.
   static std::string defines(size_t camera_count, const BlendPictures& pictures);
@@ -38,7 +38,7 @@ class CameraUniforms {
  private:
   const DepthMaps& maps_;
   const BlendPictures pictures_;
-  float least_cosine_, reach_;
+  float least_cosine_, depth_bias_, reach_;
   int depth_rows_;
   std::vector<glm::mat4> pixel_from_character_;
   std::vector<glm::vec4> centres_, pixel_spans_, sizes_near_far_, sources_, tiles_;

@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kMapSide = 1024;  // texels of a depth map, at most
 constexpr int kAllCameras = 0;
-constexpr float kNearest_m = 0.02f;  // of a map whose camera the surface's box reaches round
+constexpr float kNearest_m = 0.02f;  // of a person's map whose camera the surface's box reaches round
 
 bool sameCameras(std::span<const PinholeCamera> a, std::span<const PinholeCamera> b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const PinholeCamera& x, const PinholeCamera& y) {
@@ -25,6 +25,7 @@ Status FigureCameras::prepare(gpu::Device& device, const CharacterModel& model, 
                               const CharacterView& view, const MethodOptions& options, int most,
                               std::span<const size_t> also) {
   if (options.closest < kAllCameras) return Error{ErrorId::InvalidArgument, "closest must be 0 (all cameras) or more"};
+  length_scale_ = model.length_scale;
   if (regions_serial_ != model.geometry_serial) setRegions(model, look);
   choose(look, view, options, std::min(most, kMaxBlendedCameras), also);
   if (chosen_.empty()) return Error{ErrorId::InvalidArgument, "no camera has a picture of this frame"};
@@ -35,7 +36,7 @@ Status FigureCameras::prepare(gpu::Device& device, const CharacterModel& model, 
 }
 
 CameraUniforms FigureCameras::uniforms(const CameraLook& look, const MethodOptions& options) const {
-  return CameraUniforms(look.cameras, chosen_, *maps_, picturesOf(look), options.least_cosine);
+  return CameraUniforms(look.cameras, chosen_, *maps_, picturesOf(look), options.least_cosine, length_scale_);
 }
 
 std::string FigureCameras::defines(const CameraLook& look, const MethodOptions& options) const {
@@ -89,14 +90,15 @@ void FigureCameras::setRegions(const CharacterModel& model, const CameraLook& lo
   const BoundingBox& box = model.frame_bounds;
   for (int i = 0; i < 8; ++i)
     corners.emplace_back(i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y, i & 4 ? box.max.z : box.min.z);
+  const float nearest_m = kNearest_m * model.length_scale;
   regions_.clear();
   for (const PinholeCamera& camera : look.cameras) {
     PictureRegion& region = regions_.emplace_back(regionOf(camera, corners));
     const bool reaches_round = std::any_of(corners.begin(), corners.end(), [&](const glm::vec3& corner) {
-      return camera.project(glm::dvec3(corner)).z <= kNearest_m;
+      return camera.project(glm::dvec3(corner)).z <= nearest_m;
     });
     if (region.empty() || !reaches_round) continue;
-    region = {0, 0, camera.width, camera.height, kNearest_m, std::max(region.far_m, 2 * kNearest_m)};
+    region = {0, 0, camera.width, camera.height, nearest_m, std::max(region.far_m, 2 * nearest_m)};
   }
   regions_serial_ = model.geometry_serial;
 }

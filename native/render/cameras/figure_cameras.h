@@ -24,6 +24,7 @@ class FigureCameras {
   const std::vector<size_t>& chosen() const { return chosen_; }  // nearest first, then those of `also`
   size_t nearestCount() const { return nearest_; }               // of `chosen`: without those of `also`
   const DepthMaps& maps() const { return *maps_; }
+  float lengthScale() const { return length_scale_; }  // the model's
   CameraUniforms uniforms(const CameraLook& look, const MethodOptions& options) const;
   // What a program is made with that includes camera_blend.glsl (with camera_shade.glsl: FILLED too).
   std::string defines(const CameraLook& look, const MethodOptions& options) const;
@@ -50,6 +51,7 @@ class FigureCameras {
   std::vector<size_t> chosen_;
   size_t nearest_ = 0;
   int fills_ = 0;
+  float length_scale_ = 1;
 };
 
 // How the pictures of a look are bound.

@@ -46,7 +46,7 @@ class FvvrOnDevice final : public Fvvr {
     }
   }
 
-  Status prepare(const MeshTopology& topology, const DepthMapOptions& maps);
+  Status prepare(const MeshTopology& topology, const DepthMapOptions& maps, float length_scale);
   std::vector<size_t> camerasOf(const View& view, const FvvrOptions& options) const override;
   Status setFrame(const Positions& positions, std::span<const Image> pictures,
                   std::span<const size_t> cameras) override {
@@ -98,9 +98,10 @@ class FvvrOnDevice final : public Fvvr {
   std::vector<uint8_t> pixels_;  // scratch
 };
 
-Status FvvrOnDevice::prepare(const MeshTopology& topology, const DepthMapOptions& maps) {
+Status FvvrOnDevice::prepare(const MeshTopology& topology, const DepthMapOptions& maps, float length_scale) {
   package::Character character;
   character.cameras = pinholes_;
+  character.length_scale = length_scale;
   character.vertex_count = topology.vertex_count;
   character.face_count = topology.faceCount();
   FOURDVT_TRY(keep(CharacterModel::createForSurfaces(device_, character), model_));
@@ -187,7 +188,7 @@ Status FvvrOnDevice::prepareProgram(size_t camera_count) {
 
 void FvvrOnDevice::drawMesh(const View& view, const FvvrOptions& options, const std::vector<size_t>& chosen) const {
   const BlendPictures pictures{.array = pictures_.id(), .size = glm::vec2(picture_width_, picture_height_)};
-  const CameraUniforms cameras(pinholes_, chosen, *maps_, pictures, 0);
+  const CameraUniforms cameras(pinholes_, chosen, *maps_, pictures, 0, model_.length_scale);
   const int fills = options.fills;
   gpu::Draw draw = surfaceDraw(model_, programs_.at(chosen.size()).id());
   cameras.addTo(draw);
@@ -266,13 +267,14 @@ Result<Image> FvvrOnDevice::renderStill(const View& view, const FvvrOptions& opt
 }  // namespace
 
 Result<std::unique_ptr<Fvvr>> Fvvr::create(gpu::Device& device, std::span<const PinholeCamera> cameras,
-                                           const MeshTopology& topology, const DepthMapOptions& maps) {
+                                           const MeshTopology& topology, const DepthMapOptions& maps,
+                                           float length_scale) {
   if (cameras.empty() || cameras.size() > static_cast<size_t>(package::kMaxCameras))
     return invalid("free-viewpoint rendering takes 1 to " + std::to_string(package::kMaxCameras) + " cameras, not " +
                    std::to_string(cameras.size()));
   if (topology.faceCount() == 0) return invalid("the mesh has no faces");
   auto fvvr = std::make_unique<FvvrOnDevice>(device, cameras);
-  FOURDVT_TRY(fvvr->prepare(topology, maps));
+  FOURDVT_TRY(fvvr->prepare(topology, maps, length_scale));
   return std::unique_ptr<Fvvr>(std::move(fvvr));
 }
 

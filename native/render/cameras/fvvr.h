@@ -31,9 +31,10 @@ struct FvvrOptions {
 
 class Fvvr {
  public:
-  // 1 to 31 cameras, of any sizes. Errors: InvalidArgument, GpuFailure.
+  // 1 to 31 cameras, of any sizes. length_scale: as CharacterModel's. Errors: InvalidArgument, GpuFailure.
   static Result<std::unique_ptr<Fvvr>> create(gpu::Device& device, std::span<const PinholeCamera> cameras,
-                                              const MeshTopology& topology, const DepthMapOptions& maps = {});
+                                              const MeshTopology& topology, const DepthMapOptions& maps = {},
+                                              float length_scale = 1);
   virtual ~Fvvr() = default;
   // The cameras that a draw of this view uses, nearest first: `options.closest` of them.
   virtual std::vector<size_t> camerasOf(const View& view, const FvvrOptions& options) const = 0;

@@ -186,7 +186,8 @@ class Montage final : public Method {
     runPass(device, figure.serves, CharacterModel::kTableWidth, rows, draw);
     if (!only_votes) {
       FOURDVT_TRY(countServed(device, rows, figure));
-      FOURDVT_TRY(figure.fields.updateDistances(device, model, figure.serves.tables(), options.montage.clamp_m));
+      FOURDVT_TRY(figure.fields.updateDistances(device, model, figure.serves.tables(),
+                                                model.length_scale * options.montage.clamp_m));
     }
     figure.geometry = model.geometry_serial;
     figure.picture = look.serial;
@@ -246,7 +247,8 @@ class Montage final : public Method {
   }
 
   CameraUniforms uniforms(const Figure4D& figure, const CameraLook& look, const MethodOptions& options) const {
-    return CameraUniforms(look.cameras, figure.in_slots, figure.cameras.maps(), picturesOf(look), options.least_cosine);
+    return CameraUniforms(look.cameras, figure.in_slots, figure.cameras.maps(), picturesOf(look), options.least_cosine,
+                          figure.cameras.lengthScale());
   }
 
   std::string drawDefines(const Figure4D& figure, const CameraLook& look, const MethodOptions& options) const {

@@ -40,7 +40,8 @@ class ShaderMethod final : public Method {
     const CameraUniforms cameras = figures_[number].uniforms(look, options);
     cameras.addTo(draw);
     figures_[number].addTo(draw, view, options);
-    draw.uniforms.push_back(gpu::uniform("u_depth_uncertainty", options.depth_uncertainty_m));
+    const float uncertainty_m = model.length_scale * options.depth_uncertainty_m;
+    draw.uniforms.push_back(gpu::uniform("u_depth_uncertainty", uncertainty_m));
     device.draw(draw);
   }
 

@@ -22,6 +22,7 @@ void addSurface(const Figure& figure, const glm::mat4& character_from_clip, gpu:
   draw.textures.push_back({"u_normals", figure.normals.texture.id()});
   draw.textures.push_back({"u_depths", figure.depths.id()});
   draw.uniforms.push_back(gpu::uniform("u_character_from_clip", character_from_clip));
+  draw.uniforms.push_back(gpu::uniform("u_length_scale", figure.length_scale));
 }
 
 void runPass(gpu::Device& device, gpu::Draw& draw, gpu::TargetId target, const char* label) {
@@ -52,7 +53,8 @@ Status Sweep::prepare(gpu::Device& device, size_t number, const CharacterModel& 
   if (figure.cause == cause) return {};
   figure.cause = std::move(cause);
   drawSurface(device, model, view, figure);
-  const glm::vec2 band_m(-std::min(sweep.band_m, kBefore_m), sweep.band_m);
+  figure.length_scale = model.length_scale;
+  const glm::vec2 band_m = model.length_scale * glm::vec2(-std::min(sweep.band_m, kBefore_m), sweep.band_m);
   figure.reach_m = band_m.y;
   drawCosts(device, job, figure, band_m);
   drawSupport(device, job, figure);

@@ -45,7 +45,8 @@ class Sweep final : public Method {
     FigureCameras cameras;
     gpu::Texture depths;  // of the surface, of the size of the sweep
     ViewPicture normals, shifts;
-    float reach_m = 0;  // that a shift of 1 stands for
+    float reach_m = 0;       // that a shift of 1 stands for
+    float length_scale = 1;  // the model's
     Cause cause;
   };
   // Of the planes, four to a layer. Shared by all figures.

@@ -167,7 +167,8 @@ class LayeredMontage final : public LayeredPass {
     // A frame's labels come with its mesh.
     if (own.geometry_serial != model.geometry_serial || own.cameras != cameras) {
       pass(own.serves, serves_program_, {});
-      FOURDVT_TRY(own.fields.updateDistances(device, model, own.serves.tables(), kLayeredClamp_m, kLayeredSteps));
+      FOURDVT_TRY(own.fields.updateDistances(device, model, own.serves.tables(), model.length_scale * kLayeredClamp_m,
+                                             kLayeredSteps));
       own.geometry_serial = model.geometry_serial;
       own.cameras = cameras;
     }

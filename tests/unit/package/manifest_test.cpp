@@ -230,6 +230,24 @@ TEST(Manifest, TheRoomRoundTripsAndIsOptional) {
   EXPECT_TRUE(read.value().room.picture_uri.empty());
 }
 
+TEST(Manifest, TheLengthScaleRoundTripsAndIsOptional) {
+  const EncodedBaseMesh mesh = smallMesh();
+  Character character = smallCharacter(mesh);
+  const auto written = [&] {
+    return json::parse(writeManifest({character, &mesh, "still.jpg", "fourdvt test", "nobody"}).take());
+  };
+  json gltf = written();
+  EXPECT_FALSE(gltf.at(json::json_pointer(kAt)).contains("lengthScale")) << "a person's";
+  EXPECT_EQ(readManifest(flatten(gltf)).take().length_scale, 1);
+  character.length_scale = 1 / 16.0;
+  gltf = written();
+  EXPECT_EQ(readManifest(flatten(gltf)).take().length_scale, 1 / 16.0);
+  for (const double wrong : {0.0, -1.0, 1e7}) {
+    gltf[json::json_pointer(kAt + "/lengthScale")] = wrong;
+    EXPECT_EQ(readManifest(flatten(gltf)).error().id, ErrorId::ManifestInvalid) << wrong;
+  }
+}
+
 TEST(Manifest, ASequenceWithoutMembersIsItsOwn) {
   json old = writtenManifest();
   json& fields = old[json::json_pointer(kAt)];
