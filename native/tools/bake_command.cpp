@@ -74,16 +74,19 @@ const CommandHelp& help() {
        {"--no-classes", nullptr, "leave out the capture's motion classes"},
        {"--align", "MODE", "classes: baked (align the members' textures on the surface; default) or none (faster)"},
        {"--blend-error", "MM",
-        "classes: largest distance of the blended mesh from the non-linear blend, millimetres (default 1)"},
+        "classes: largest distance of the blended mesh from the non-linear blend, millimetres (default 1 for a person, "
+        "and in proportion to the size of other surfaces)"},
        {"--tile-scale", "X", "cameras: texels per pixel of their pictures, 0.01 to 1 (default 1)"},
        {"--faces", "N",
         "cameras: simplify surfaces of changing topology to about N faces, 100 to 1000000; 0: keep all (default "
         "10000)"},
        {"--tile-texels", "N", "cameras: largest tiled picture, million texels (default 9.4, what phones decode)"},
-       {"--position-step", "MM", "quantisation step of vertices, millimetres (default 0.25 for layers, 1 for cameras)"},
+       {"--position-step", "MM",
+        "quantisation step of vertices, millimetres (default for a person 0.25 from layers, 1 from cameras; half of it "
+        "for surfaces of half the size, and so on)"},
        {"--coarse-step", "MM",
         "layers: likewise for renditions with fewer texels than the highest, 0.001 to 100, or 0: as for the others "
-        "(default 2); their alignment is coarser in proportion"},
+        "(default 2 for a person, as above); their alignment is coarser in proportion"},
        {"--gop", "N", "most frames of a group of pictures (default 20)"},
        {"--jobs", "N", "worker threads; 0: one per core (default 0)"},
        {"--resume", nullptr, "continue an interrupted run with the same settings"}}};
@@ -131,9 +134,10 @@ void readAppearance(Args& args, bake::BakeOptions& o) {
   o.cameras.tile_scale = args.number("--tile-scale", o.cameras.tile_scale, 0.01, 1);
   o.cameras.max_texels = args.number("--tile-texels", o.cameras.max_texels / 1e6, 0.01, 16.8) * 1e6;
   if (args.has("--coarse-step")) o.coarse_step_m = args.number("--coarse-step", 2, 0, 100) / 1e3;
-  if (o.coarse_step_m != 0 && o.coarse_step_m < 1e-6) args.complain("--coarse-step must be 0, or 0.001 to 100");
+  if (o.coarse_step_m && *o.coarse_step_m != 0 && *o.coarse_step_m < 1e-6)
+    args.complain("--coarse-step must be 0, or 0.001 to 100");
   if (!args.has("--position-step")) return;
-  o.position_step_m = o.cameras.position_step_m = args.number("--position-step", 0.5, 0.001, 100) / 1e3;
+  o.position_step_m = args.number("--position-step", 0.5, 0.001, 100) / 1e3;
 }
 
 bake::BakeOptions readOptions(Args& args) {
@@ -156,7 +160,7 @@ bake::BakeOptions readOptions(Args& args) {
                               {"bicubic", bake::ResampleFilter::Bicubic}});
   o.classes.bake = !args.has("--no-classes");
   o.classes.align = choice(args, "--align", o.classes.align, {{"baked", true}, {"none", false}});
-  o.classes.blend_error_m = args.number("--blend-error", o.classes.blend_error_m * 1e3, 0.01, 1000) / 1e3;
+  if (args.has("--blend-error")) o.classes.blend_error_m = args.number("--blend-error", 1, 0.01, 1000) / 1e3;
   readAppearance(args, o);
   o.refine = readRefineOptions(args);
   o.colour_calibration = !args.has("--no-colour-calibration");

@@ -107,6 +107,34 @@ TEST(CameraBake, IsDrawnAsAskedFor) {
   EXPECT_NE(layered.output.find("is a character from cameras"), std::string::npos) << layered.output;
 }
 
+// Of a figurine in the same capture: everything is 1/20 as large.
+TEST(CameraBake, LengthsFollowTheSurfacesSize) {
+  const std::string capture = perFrame("figurine-capture", 2), out = scratch("figurine");
+  const auto stepOf = [&](const std::string& name, const std::string& options) {
+    const Outcome bake = fourdvt("bake " + capture + " -o " + out + "/" + name + kSmall + options);
+    EXPECT_EQ(bake.code, 0) << bake.output;
+    return reportOf(out + "/" + name)["options"]["position_step_m"].get<double>();
+  };
+  const auto extension = [&](const std::string& name) {
+    return json::parse(readText(out + "/" + name + "/character.gltf"))["extensions"]["FOURDVT_layered_video_texture"];
+  };
+  EXPECT_EQ(stepOf("box", ""), 0.0005) << "1.2 m, nearer to a metre than to a person";
+  EXPECT_EQ(extension("box")["lengthScale"], 0.5);
+  EXPECT_EQ(stepOf("given", " --position-step 0.7"), 0.0007);
+  for (const char* file : {"/turn/mesh/000000.obj", "/turn/mesh/000001.obj"})
+    ASSERT_EQ(shell("awk '/^v /{print $1, $2/20, $3/20, $4/20; next} {print}' " + capture + file + " > " + out +
+                    "/mesh && mv " + out + "/mesh " + capture + file)
+                  .code,
+              0);
+  ASSERT_EQ(
+      shell("awk 'NF == 10 && !/^#/{$6 /= 20; $7 /= 20; $8 /= 20} {print}' " + capture + "/cameras/images.txt > " +
+            out + "/images && mv " + out + "/images " + capture + "/cameras/images.txt")
+          .code,
+      0);
+  EXPECT_EQ(stepOf("figurine", ""), 0.001 / 32);
+  EXPECT_EQ(extension("figurine")["lengthScale"], 1 / 32.0);
+}
+
 TEST(CameraBake, InterruptedResumesToTheSameBytes) {
   const std::string capture = perFrame("long-scan", 32), out = scratch("camera-resume");
   const std::string options = " --gop 4 --jobs 2 --renditions 1:40,0.5:30 --sequences turn";

@@ -10,6 +10,7 @@
 #include "../unit/character_files.h"
 #include "bake/bake.h"
 #include "bake/motion/class_plan.h"
+#include "bake/run/lengths.h"
 #include "bake/stages/graph_stage.h"
 #include "bake_environment.h"
 #include "gl_fixture.h"
@@ -189,7 +190,7 @@ TEST_F(BakeClass, ManifestTellsTheClass) {
   EXPECT_EQ(c.graph_bytes, bytesOf(c.graph_uri).size());
   ASSERT_EQ(report.value().classes.count("go"), 1u);
   EXPECT_EQ(report.value().classes["go"].references, go.reference_count);
-  EXPECT_LE(report.value().classes["go"].hybrid_error_m, options.classes.blend_error_m);
+  EXPECT_LE(report.value().classes["go"].hybrid_error_m, c.length_scale * kBlendError_m);
   EXPECT_EQ(stages.front().rfind("refine ", 0), 0u) << stages.front();
   const auto next =
       std::find_if(stages.begin(), stages.end(), [](const auto& s) { return s.rfind("refine ", 0) != 0; });
@@ -365,7 +366,7 @@ TEST_F(BakeClass, StoppedInAlignmentKeepsThePhasesMeasured) {
   EXPECT_EQ(std::count(stages.begin(), stages.end(), "align go 1/2"), 0) << "measured again";
   const Stream go = stream("go");
   EXPECT_EQ(go.index.alignment_count, 1u);
-  EXPECT_NEAR(go.index.alignment_step_m, options.classes.alignment_step_m, 1e-9);
+  EXPECT_NEAR(go.index.alignment_step_m, character().length_scale * kAlignmentStep_m, 1e-9);
   EXPECT_EQ(go.chunks[0].alignment.size(), 2 * go.index.vertex_count);
 }
 

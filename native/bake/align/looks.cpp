@@ -49,7 +49,7 @@ class Drawer final : public LookDrawer {
   Result<std::vector<cv::Mat>> draw(const PinholeCamera& camera, const render::Appearance& appearance,
                                     const render::PictureTextures& picture) override {
     FOURDVT_TRY(resize(camera.width, camera.height));
-    const render::View view = render::viewFromCamera(camera);
+    const render::View view = render::viewFromCamera(camera, {model_.length_scale, model_.length_scale});
     drawDepth(view);
     std::vector<cv::Mat> looks;
     for (size_t member = 0; member < corners_.size(); ++member) {

@@ -19,6 +19,7 @@ package::Character describeCharacter(const Job& job) {
   character.cameras = job.cameras;
   character.bounds = job.bounds;
   character.ground_y_m = job.capture.ground_y_m;
+  character.length_scale = job.length_scale;
   character.mesh_uri = kMeshFile;
   character.mesh_bytes = job.mesh.bytes.size();
   character.mesh_hash = fnv1a(job.mesh.bytes);

@@ -48,7 +48,8 @@ struct StreamPlan {
 };
 
 struct Job {
-  BakeOptions options;       // resolved: jobs > 0, sequences listed, the appearance, folders without a trailing slash
+  // Resolved: jobs > 0, sequences listed, the appearance, lengths, folders without a trailing slash.
+  BakeOptions options;
   capture::Capture capture;  // its sequences are surveyed and labelled; streams borrow them
   std::vector<PinholeCamera> cameras;
   std::vector<StreamPlan> streams;               // in the manifest's order: the sequences, then the classes
@@ -58,6 +59,7 @@ struct Job {
   // alone, for glTF viewers.
   package::EncodedBaseMesh mesh;
   BoundingBox bounds;              // over all frames
+  double length_scale = 0;         // run/lengths.h; 0: not found yet
   TileLayout layout;               // of one member
   EncodeSettings encode;           // of a captured sequence
   uint32_t total_frames = 0;       // number of captured frames

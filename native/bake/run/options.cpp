@@ -5,6 +5,13 @@
 #include "bake/video/tile.h"
 
 namespace fourdvt::bake {
+namespace {
+
+bool within(const std::optional<double>& length, double least, double most) {
+  return !length || (*length >= least && *length <= most);
+}
+
+}  // namespace
 
 std::string BakeOptions::check() const {
   if (capture_folder.empty()) return "no capture folder given";
@@ -19,14 +26,10 @@ std::string BakeOptions::check() const {
            std::to_string(crf);
   if (gop < 1 || gop > 250) return "gop must be 1..250 frames, not " + std::to_string(gop);
   if (jobs < 0) return "jobs must not be negative";
-  if (!(position_step_m >= 1e-6 && position_step_m <= 0.1)) return "position step must be 0.000001..0.1 m";
-  if (coarse_step_m != 0 && !(coarse_step_m >= 1e-6 && coarse_step_m <= 0.1))
-    return "coarse step must be 0, or 0.001..100 mm";
-  if (!(classes.blend_error_m >= 1e-5 && classes.blend_error_m <= 1)) return "blend error must be 0.01..1000 mm";
-  if (!(classes.alignment_step_m >= 1e-6 && classes.alignment_step_m <= 0.1))
-    return "alignment step must be 0.000001..0.1 m";
-  if (!(cameras.position_step_m >= 1e-6 && cameras.position_step_m <= 0.1))
-    return "position step must be 0.001..100 mm";
+  if (!within(position_step_m, 1e-6, 0.1)) return "position step must be 0.001..100 mm";
+  if (coarse_step_m != 0.0 && !within(coarse_step_m, 1e-6, 0.1)) return "coarse step must be 0, or 0.001..100 mm";
+  if (!within(classes.blend_error_m, 1e-5, 1)) return "blend error must be 0.01..1000 mm";
+  if (!within(classes.alignment_step_m, 1e-6, 0.1)) return "alignment step must be 0.001..100 mm";
   if (cameras.faces != 0 && (cameras.faces < 100 || cameras.faces > 1'000'000))
     return "faces must be 0, or 100..1000000";
   if (!(cameras.tile_scale >= 0.01 && cameras.tile_scale <= 1)) return "tile scale must be 0.01..1";

@@ -16,18 +16,18 @@ namespace fourdvt::bake {
 
 // What is made of capture.json's motion classes.
 struct MotionClassOptions {
-  bool bake = true;                  // each class becomes one more sequence of the character
-  bool align = true;                 // what the members show is aligned on the surface, at bake time
-  double blend_error_m = 0.001;      // largest vertex distance of the hybrid mesh blend from the non-linear one
-  double alignment_step_m = 0.0001;  // quantisation of the alignment
+  bool bake = true;   // each class becomes one more sequence of the character
+  bool align = true;  // what the members show is aligned on the surface, at bake time
+  // Largest vertex distance of the hybrid mesh blend from the non-linear one; none: 1 mm for a person (run/lengths.h).
+  std::optional<double> blend_error_m;
+  std::optional<double> alignment_step_m;  // quantisation of the alignment; none: 0.1 mm for a person
 };
 
 // What a character from cameras is made with; layers take no notice of it.
 struct CameraOptions {
-  double tile_scale = 1;           // texels per pixel of the cameras' pictures, 0.01..1
-  double max_texels = 9.4e6;       // of the tiled picture: what H.264's level 5.1 allows, as decoders of phones do
-  double position_step_m = 0.001;  // quantisation of the surfaces' vertices
-  int faces = 10'000;              // most of a frame whose topology is its own (one topology for all stays); 0: all
+  double tile_scale = 1;      // texels per pixel of the cameras' pictures, 0.01..1
+  double max_texels = 9.4e6;  // of the tiled picture: what H.264's level 5.1 allows, as decoders of phones do
+  int faces = 10'000;         // most of a frame whose topology is its own (one topology for all stays); 0: all
 };
 
 // One rendition below the highest.
@@ -50,13 +50,16 @@ struct BakeOptions {
   int layers = 3;                                     // texture layers, 1..6
   int texture = 1024;                                 // texels, side of layer 1; further layers: see equal_layers
   int crf = 29;                                       // constant rate factor on the codec's own scale, lower is better
-  int gop = 20;                      // the largest number of frames per GOP; lengths in a sequence differ by at most 1
-  int jobs = 0;                      // worker threads; 0: as many as cores
-  bool resume = false;               // reuse GOPs that an interrupted run with the same settings finished
-  double position_step_m = 0.00025;  // quantisation of streamed vertices
-  double coarse_step_m = 0.002;      // likewise, for renditions with fewer texels than the highest; 0: as the others
-  int gutter_texels = 10;            // width of the gutter round every chart, texels of layer 1; limits in check()
-  refine::RefineOptions refine;      // of the mesh and the cameras, before anything is drawn
+  int gop = 20;         // the largest number of frames per GOP; lengths in a sequence differ by at most 1
+  int jobs = 0;         // worker threads; 0: as many as cores
+  bool resume = false;  // reuse GOPs that an interrupted run with the same settings finished
+  // Quantisation of streamed vertices; none: 0.25 mm from layers, 1 mm from cameras for a person, and in proportion for
+  // smaller and larger surfaces (run/lengths.h).
+  std::optional<double> position_step_m;
+  // Likewise, for renditions with fewer texels than the highest; 0: as the others; none: 2 mm for a person.
+  std::optional<double> coarse_step_m;
+  int gutter_texels = 10;        // width of the gutter round every chart, texels of layer 1; limits in check()
+  refine::RefineOptions refine;  // of the mesh and the cameras, before anything is drawn
   const Labelling* labels = &kJoint;
   TexelRule texel_rule = nullptr;  // null: a texel takes the camera that its face's label names
   Penalty penalty = Penalty::Axis;

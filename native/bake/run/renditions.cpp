@@ -148,7 +148,7 @@ void addLowerRenditions(const BakeOptions& options, StreamPlan& stream) {
 
 bool hasCoarseGeometry(const BakeOptions& o) {
   const auto smaller = [&](const LowerRendition& r) { return r.size < o.texture; };
-  return !fromCameras(o) && o.coarse_step_m > o.position_step_m &&
+  return !fromCameras(o) && *o.coarse_step_m > *o.position_step_m &&
          std::any_of(o.lower_renditions.begin(), o.lower_renditions.end(), smaller);
 }
 

@@ -73,6 +73,7 @@ Status ClassAligner::open() {
   AlignmentOptions options;
   options.gutter_texels = job_.options.gutter_texels;
   options.jobs = job_.options.jobs;
+  options.max_displacement_m *= job_.length_scale;
   FOURDVT_ASSIGN(aligner_, SurfaceAligner::create(device, character_, mesh, options));
   FOURDVT_ASSIGN(blend_, NonlinearBlend::create(mesh.topology, mesh.positions));
   FOURDVT_ASSIGN(model_, render::CharacterModel::create(device, character_, mesh));
@@ -126,7 +127,7 @@ Positions ClassAligner::middle(const package::ChunkFrames& frames, uint32_t row)
   const glm::ivec3* q = &frames.positions[size_t(row) * frames.member_count * frames.vertex_count];
   for (Positions& member : members)
     for (uint32_t v = 0; v < frames.vertex_count; ++v, ++q)
-      member.push_back(job_.bounds.min + float(job_.options.position_step_m) * glm::vec3(*q));
+      member.push_back(job_.bounds.min + float(*job_.options.position_step_m) * glm::vec3(*q));
   return blend_->blend(members, std::vector<float>(members.size(), 1.0f / members.size()));
 }
 
@@ -160,7 +161,7 @@ Status codeChunks(const BakeRun& run, const StreamPlan& plan, const std::vector<
     package::ChunkFrames& frames = artefact.frames;
     if (!aligned.empty())
       addAlignment(std::span(aligned).subspan(plan.gop_first_frames[g], frames.frame_count),
-                   run.job.options.classes.alignment_step_m, frames);
+                   *run.job.options.classes.alignment_step_m, frames);
     FOURDVT_TRY(saveChunks(run, plan, g, frames, mesh));
   }
   return {};

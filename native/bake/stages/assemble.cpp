@@ -58,7 +58,7 @@ uint32_t smallerRenditions(const package::Sequence& s) {
 }
 
 void addCoarseChunks(const Job& job, const std::vector<LayeredChunkBytes>& chunk_bytes, package::StreamIndex& index) {
-  index.coarse_step_m = static_cast<float>(job.options.coarse_step_m);
+  index.coarse_step_m = static_cast<float>(*job.options.coarse_step_m);
   index.coarse_chunks = index.chunks;
   for (size_t g = 0; g < chunk_bytes.size(); ++g) {
     index.coarse_chunks[g].bytes = chunk_bytes[g].total;
@@ -78,10 +78,10 @@ package::StreamIndex makeIndex(const Job& job, const StreamPlan& plan,
   index.reference_count = static_cast<uint32_t>(plan.motion.reference_weights.size());
   if (isAligned(job, plan)) {
     index.alignment_count = index.member_count - 1;
-    index.alignment_step_m = static_cast<float>(job.options.classes.alignment_step_m);
+    index.alignment_step_m = static_cast<float>(*job.options.classes.alignment_step_m);
   }
   index.position_origin = job.bounds.min;
-  index.position_step_m = static_cast<float>(job.options.position_step_m);
+  index.position_step_m = static_cast<float>(*job.options.position_step_m);
   index.renditions = std::move(tables);
   for (size_t g = 0; g < chunk_bytes.size(); ++g) {
     const uint32_t first = plan.gop_first_frames[g];

@@ -69,7 +69,7 @@ Status packSequence(const BakeRun& run, const StreamPlan& plan, package::Charact
   package::StreamIndex index;
   index.frame_count = plan.frameCount();
   index.position_origin = job.bounds.min;
-  index.position_step_m = static_cast<float>(job.options.position_step_m);
+  index.position_step_m = static_cast<float>(*job.options.position_step_m);
   index.renditions = std::move(tables);
   for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
     FOURDVT_ASSIGN(const auto chunk, run.work.loadChunk(plan.name, g));
@@ -117,12 +117,15 @@ Result<Image> drawPoster(const BakeRun& run, const std::vector<ColourMap>& maps)
   topology.vertex_count = static_cast<uint32_t>(frame.positions.size());
   topology.face_vertices = frame.faces.empty() ? job.capture.topology.face_vertices : frame.faces;
   for (size_t c = 0; c < maps.size(); ++c) applyColours(maps[c], frame.pictures[c]);
-  FOURDVT_ASSIGN(const auto fvvr, render::Fvvr::create(run.device(), job.cameras, topology));
+  FOURDVT_ASSIGN(const auto fvvr,
+                 render::Fvvr::create(run.device(), job.cameras, topology, {}, float(job.length_scale)));
   FOURDVT_TRY(fvvr->setFrame(frame.positions, frame.pictures));
   render::FvvrOptions options;
   options.closest = static_cast<int>(std::min<size_t>(3, job.cameras.size()));
   const OrbitView orbit = defaultOrbit(job.bounds, double(kPosterWidth) / kPosterHeight);
-  return fvvr->renderStill(render::viewFromCamera(cameraFromOrbit(orbit, kPosterWidth, kPosterHeight)), options);
+  const auto scale = static_cast<float>(job.length_scale);
+  const PinholeCamera camera = cameraFromOrbit(orbit, kPosterWidth, kPosterHeight);
+  return fvvr->renderStill(render::viewFromCamera(camera, {scale, scale}), options);
 }
 
 }  // namespace

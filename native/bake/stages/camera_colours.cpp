@@ -30,7 +30,8 @@ Status addFrame(BakeRun& run, const capture::CaptureFrame& frame, ColourCalibrat
   std::vector<PictureCrop> crops;
   for (size_t c = 0; c < job.cameras.size(); ++c)
     crops.push_back(cropPicture(job.cameras[c], frame.positions, frame.pictures[c]));
-  FOURDVT_ASSIGN(const auto baker, FrameBaker::create(run.device(), job.cameras, topology, frame.positions, {}));
+  FOURDVT_ASSIGN(const auto baker, FrameBaker::create(run.device(), job.cameras, topology, frame.positions,
+                                                      {.length_scale = float(job.length_scale)}));
   baker->setFrame(frame.positions, crops);
   FOURDVT_ASSIGN(const auto fractions, baker->measureVisibility());
   calibrator.add(job.cameras, topology, frame.positions, fractions, frame.pictures);

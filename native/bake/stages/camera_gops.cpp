@@ -110,7 +110,7 @@ Status CameraGops::drawFrame(OpenGop& open, const StreamPlan& plan, const captur
   if (!constant) surface = simplified(std::move(surface), static_cast<size_t>(job_.options.cameras.faces));
   const size_t used = std::min(surface.positions.size(), 3 * surface.faces.size());
   FOURDVT_TRY(checkSurface(meshFile(*plan.motion.members[0].source, frame.index), used, surface.faces.size()));
-  open.surfaces.push_back(quantisedSurface({glm::dvec3(job_.bounds.min), double(float(job_.options.position_step_m))},
+  open.surfaces.push_back(quantisedSurface({glm::dvec3(job_.bounds.min), double(float(*job_.options.position_step_m))},
                                            surface.positions, surface.faces, !constant));
   if (open.encoding.valid()) FOURDVT_TRY(open.encoding.get());
   open.encoding = std::async(lane(), [this, &open, &plan, index = frame.index, picture = std::move(picture),

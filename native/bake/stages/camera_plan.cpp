@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "bake/cameras/surfaces.h"
+#include "bake/run/lengths.h"
 #include "bake/run/renditions.h"
 #include "bake/stages/mesh_limit.h"
 #include "bake/stages/validate.h"
@@ -18,11 +19,13 @@ struct Surfaces {
   BoundingBox bounds;
   bool any = false;
   size_t vertices = 0, faces = 0;  // the most of any frame
+  std::vector<double> sides_m;     // the longest of each frame
 };
 
 void add(Surfaces& all, const TriangleMesh& surface) {
   if (!all.any) all.bounds = {surface.positions[0], surface.positions[0]};
   all.any = true;
+  all.sides_m.push_back(longestSide(surface.positions));
   all.vertices = std::max(all.vertices, surface.positions.size());
   all.faces = std::max(all.faces, surface.faces.size());
   for (const glm::vec3& p : surface.positions) {
@@ -150,7 +153,7 @@ Status planCameraSurfaces(Job& job, const BakeEnvironment& environment) {
                                               ": no camera sees any surface: check the axes and units of meshes and "
                                               "cameras"};
   shortenGops(job, all);
-  FOURDVT_TRY(checkSteps(job));
+  FOURDVT_TRY(settleLengths(job, std::move(all.sides_m)));
   // The refinement, which hardly moves the surface, is long work.
   if (!job.options.refine.any() || job.refinement) return {};
   FOURDVT_ASSIGN([[maybe_unused]] const double bytes, planStreamsOf(job, [](size_t) {}));

@@ -34,7 +34,7 @@ Result<std::unique_ptr<FrameBaker>> FrameBaker::create(gpu::Device& device, cons
   const std::vector<int>& sizes = options.layer_sizes;
   const bool mipmaps = !sizes.empty() && (options.resample.filter == ResampleFilter::Mipmap ||
                                           minifies(cameras[0], topology, pose, sizes.back()));
-  FOURDVT_ASSIGN(baker->capture_, GpuCapture::create(device, cameras, topology, mipmaps));
+  FOURDVT_ASSIGN(baker->capture_, GpuCapture::create(device, cameras, topology, mipmaps, options.length_scale));
   FOURDVT_ASSIGN(baker->visibility_, Visibility::create(device, baker->capture_));
   if (sizes.empty()) return baker;
   FOURDVT_ASSIGN(baker->resampler_,

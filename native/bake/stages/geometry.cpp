@@ -9,7 +9,7 @@
 namespace fourdvt::bake {
 
 ChunkBuilder::ChunkBuilder(const Job& job, const StreamPlan& plan)
-    : origin_(job.bounds.min), step_m_(double(float(job.options.position_step_m))) {
+    : origin_(job.bounds.min), step_m_(double(float(*job.options.position_step_m))) {
   empty_.vertex_count = job.mesh.decoded.topology.vertex_count;
   empty_.face_count = job.mesh.decoded.topology.faceCount();
   empty_.layer_count = static_cast<uint32_t>(job.options.layers);
@@ -43,7 +43,7 @@ Status saveChunks(const BakeRun& run, const StreamPlan& plan, uint32_t gop, cons
                   const package::ChunkMesh& mesh) {
   const BakeOptions& o = run.job.options;
   if (hasCoarseGeometry(o)) {
-    FOURDVT_ASSIGN(const auto coarse, package::encodeCoarseChunk(frames, mesh, o.coarse_step_m / o.position_step_m));
+    FOURDVT_ASSIGN(const auto coarse, package::encodeCoarseChunk(frames, mesh, *o.coarse_step_m / *o.position_step_m));
     FOURDVT_TRY(run.work.saveChunk(plan.name, gop, coarse, Precision::Coarse));
   }
   FOURDVT_ASSIGN(const auto chunk, package::encodeChunk(frames, mesh));

@@ -53,6 +53,7 @@ Status GopStage::start() {
   for (const package::Rect& rect : job_.layout.layers) options.layer_sizes.push_back(rect.width);
   options.gutter_texels = static_cast<float>(job_.options.gutter_texels);
   options.resample = job_.options.resample;
+  options.length_scale = float(job_.length_scale);
   if (job_.options.colour_calibration) options.colour_maps = survey_.colourMaps();
   const package::BaseMesh& mesh = job_.mesh.decoded;
   FOURDVT_ASSIGN(frames_, FrameBaker::create(run_.device(), job_.cameras, mesh.topology, mesh.positions, options));

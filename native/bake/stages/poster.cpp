@@ -26,7 +26,8 @@ Result<Image> renderPoster(gpu::Device& device, const package::Character& charac
   figure.setFrame(device, positions, still.labels);
   const OrbitView orbit = defaultOrbit(character.bounds, double(kPosterWidth) / kPosterHeight);
   const PinholeCamera camera = cameraFromOrbit(orbit, kPosterWidth, kPosterHeight);
-  FOURDVT_TRY(figure.draw(*recipe, picture, render::viewFromCamera(camera), {}, target.id()));
+  const auto scale = static_cast<float>(character.length_scale);
+  FOURDVT_TRY(figure.draw(*recipe, picture, render::viewFromCamera(camera, {scale, scale}), {}, target.id()));
   Image image(kPosterWidth, kPosterHeight, 4);
   FOURDVT_TRY(device.readPixels(target.id(), gpu::PixelFormat::RGBA8, {.width = kPosterWidth, .height = kPosterHeight},
                                 image.pixels.data()));

@@ -67,7 +67,7 @@ Json cameraOptionsJson(const BakeOptions& o) {
           {"crf", o.crf},
           {"gop", o.gop},
           {"jobs", o.jobs},
-          {"position_step_m", o.position_step_m},
+          {"position_step_m", *o.position_step_m},
           {"refine", o.refine.outline ? "outline" : "none"},
           {"refine_cameras", o.refine.cameras},
           {"colour_calibration", o.colour_calibration},
@@ -83,7 +83,7 @@ Json optionsJson(const BakeOptions& o) {
           {"crf", o.crf},
           {"gop", o.gop},
           {"jobs", o.jobs},
-          {"position_step_m", o.position_step_m},
+          {"position_step_m", *o.position_step_m},
           {"gutter_texels", o.gutter_texels},
           {"refine", o.refine.outline ? "outline" : "none"},
           {"refine_cameras", o.refine.cameras},
@@ -94,8 +94,8 @@ Json optionsJson(const BakeOptions& o) {
           {"colour_calibration", o.colour_calibration},
           {"classes", o.classes.bake},
           {"align", o.classes.align ? "baked" : "none"},
-          {"blend_error_mm", o.classes.blend_error_m * 1e3},
-          {"alignment_step_m", o.classes.alignment_step_m},
+          {"blend_error_mm", *o.classes.blend_error_m * 1e3},
+          {"alignment_step_m", *o.classes.alignment_step_m},
           {"preset", o.preset},
           {"lower_renditions", renditionsJson(o)}};
 }
@@ -285,7 +285,7 @@ report::Table cameraFactsTable(const ReportInput& in) {
        {"tile scale", fixedText(o.cameras.tile_scale, 2) + " texels per pixel"},
        {"colour calibration", o.colour_calibration ? "on" : "off"},
        {"codec", in.codec + ", CRF " + std::to_string(o.crf) + ", GOP ≤ " + std::to_string(o.gop) + " frames"},
-       {"vertex step", fixedText(o.position_step_m * 1e3, 3) + " mm"},
+       {"vertex step", fixedText(*o.position_step_m * 1e3, 3) + " mm"},
        {"jobs", std::to_string(o.jobs)}}};
   for (const auto& [library, version] : in.versions) table.rows.push_back({library, version});
   return table;
@@ -312,7 +312,7 @@ report::Table factsTable(const ReportInput& in) {
        {"resampling filter", filterName(o.resample.filter)},
        {"colour calibration", o.colour_calibration ? "on" : "off"},
        {"codec", in.codec + ", CRF " + std::to_string(o.crf) + ", GOP ≤ " + std::to_string(o.gop) + " frames"},
-       {"vertex step", fixedText(o.position_step_m * 1e3, 3) + " mm"},
+       {"vertex step", fixedText(*o.position_step_m * 1e3, 3) + " mm"},
        {"gutter", std::to_string(o.gutter_texels) + " texels"},
        {"jobs", std::to_string(o.jobs)}}};
   for (const auto& [library, version] : in.versions) table.rows.push_back({library, version});

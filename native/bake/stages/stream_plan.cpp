@@ -67,7 +67,7 @@ Status planClasses(BakeRun& run, const ReadPositions& read, StageProgress& progr
   Job& job = run.job;
   const auto classes = bakedClasses(job);
   ClassOptions options;
-  options.blend_error_m = job.options.classes.blend_error_m;
+  options.blend_error_m = *job.options.classes.blend_error_m;
   for (size_t c = 0; c < classes.size(); ++c) {
     const auto tell = [&](double share) {
       progress.done((c + share) / classes.size(), "warp " + classes[c]->name);

@@ -91,8 +91,8 @@ Status Survey::measure(BakeRun& run, StageProgress& progress) {
     if (!measured || need_colours) {
       if (!measuring.baker) {
         const package::BaseMesh& mesh = job_->mesh.decoded;
-        FOURDVT_ASSIGN(measuring.baker,
-                       FrameBaker::create(run.device(), job_->cameras, mesh.topology, mesh.positions, {}));
+        FOURDVT_ASSIGN(measuring.baker, FrameBaker::create(run.device(), job_->cameras, mesh.topology, mesh.positions,
+                                                           {.length_scale = float(job_->length_scale)}));
       }
       measuring.on_frame = [&](uint32_t done) {
         progress.done(kMeasuringShare * (before + done) / job_->total_frames,

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "bake/cameras/camera_choice.h"
+#include "bake/run/lengths.h"
 #include "bake/run/renditions.h"
 #include "bake/stages/camera_plan.h"
 #include "bake/stages/mesh_limit.h"
@@ -174,7 +175,6 @@ Status openCapture(Job& job, const BakeEnvironment& environment) {
   const bool chosen = !o.appearance;
   if (chosen) o.appearance = constant ? package::AppearanceKind::Layers : package::AppearanceKind::Cameras;
   if (!job.fromCameras()) return {};
-  o.position_step_m = o.cameras.position_step_m;
   if (!constant) o.refine = {.outline = false, .cameras = false};
   if (!chosen) return {};
   job.notes.push_back("The character is textured from " + std::string(nameOf(*o.appearance)) + ": the meshes of " +
@@ -191,19 +191,21 @@ Status checkClasses(const Job& job) {
 
 Status findBounds(Job& job, const BakeEnvironment& environment) {
   bool first = true;
+  std::vector<double> sides_m;
   for (const capture::CaptureSequence& sequence : job.capture.sequences) {
     for (uint32_t f = 0; f < sequence.frame_count; ++f) {
       if (environment.stop && *environment.stop) return Error{ErrorId::Interrupted, "stopped; nothing was written"};
       FOURDVT_ASSIGN(auto positions, capture::readMeshFrame(job.capture, sequence, f));
       if (first) job.bounds = {positions[0], positions[0]};
       first = false;
+      sides_m.push_back(longestSide(positions));
       for (const glm::vec3& p : positions) {
         job.bounds.min = glm::min(job.bounds.min, p);
         job.bounds.max = glm::max(job.bounds.max, p);
       }
     }
   }
-  return checkSteps(job);
+  return settleLengths(job, std::move(sides_m));
 }
 
 Status planMesh(Job& job) {
@@ -304,8 +306,20 @@ Status checkSpace(const Job& job, double character_bytes) {
   return Error{ErrorId::WriteFailed, job.options.character_folder + text};
 }
 
-Status checkSteps(const Job& job) {
-  const glm::vec3 cells = (job.bounds.max - job.bounds.min) / float(job.options.position_step_m);
+Status settleLengths(Job& job, std::vector<double> longest_sides_m) {
+  BakeOptions& o = job.options;
+  if (job.length_scale == 0) {
+    const double scale = job.length_scale = lengthScale(std::move(longest_sides_m));
+    const auto settle = [&](std::optional<double>& length, double person_m) {
+      length = length.value_or(scale * person_m);
+    };
+    settle(o.position_step_m, job.fromCameras() ? kCamerasStep_m : kLayersStep_m);
+    settle(o.coarse_step_m, kCoarseStep_m);
+    settle(o.classes.blend_error_m, kBlendError_m);
+    settle(o.classes.alignment_step_m, kAlignmentStep_m);
+    o.resample.contour_step_m *= float(scale);
+  }
+  const glm::vec3 cells = (job.bounds.max - job.bounds.min) / float(*job.options.position_step_m);
   if (std::max({cells.x, cells.y, cells.z}) > float(1 << 24))
     return Error{ErrorId::InvalidArgument, job.capture.folder +
                                                ": the mesh spans more than 2^24 position steps; wrong units "
@@ -327,6 +341,7 @@ std::string filesKey(const capture::Capture& capture, const capture::CaptureSequ
 std::string captureKey(const Job& job, const capture::CaptureSequence& sequence) {
   std::string key = filesKey(job.capture, sequence);
   key.append(job.mesh.bytes.begin(), job.mesh.bytes.end());
+  if (job.length_scale != 1) key += " lengths " + std::to_string(job.length_scale);
   if (!job.refinement) return key;
   return key + " refined " + std::to_string(refine::changeHash(*job.refinement));
 }
@@ -355,9 +370,9 @@ std::string settingsKey(const Job& job) {
                 "%s %s classes %d align %d blend %.9g alignment %.9g texture %d equal %d crf %d codec %d preset %.60s "
                 "gop %d step %.9g/%.9g gutter %d fps %.9g colours %d "
                 "filter %d contour %.9g/%.9g matte %.9g/%.9g",
-                kGopVersion, labelKey(o).c_str(), int(o.classes.bake), int(o.classes.align), o.classes.blend_error_m,
-                o.classes.alignment_step_m, o.texture, int(o.equal_layers), o.crf, static_cast<int>(o.codec),
-                o.preset.c_str(), o.gop, o.position_step_m, o.coarse_step_m, o.gutter_texels, job.capture.fps,
+                kGopVersion, labelKey(o).c_str(), int(o.classes.bake), int(o.classes.align), *o.classes.blend_error_m,
+                *o.classes.alignment_step_m, o.texture, int(o.equal_layers), o.crf, static_cast<int>(o.codec),
+                o.preset.c_str(), o.gop, *o.position_step_m, *o.coarse_step_m, o.gutter_texels, job.capture.fps,
                 int(o.colour_calibration), static_cast<int>(o.resample.filter), o.resample.contour_pixels,
                 o.resample.contour_step_m, o.resample.matte_threshold, o.resample.matte_pixels);
   uint64_t hash = kFnv1aStart;

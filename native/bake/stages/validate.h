@@ -20,8 +20,9 @@ Status planSurface(Job& job, const BakeEnvironment& environment);
 constexpr double kVideoBytesPerTexel = 0.05;  // generous: crf 23 needs a fifth of it
 // Errors: WriteFailed if the disk has no room for a character of this size and for the work folder.
 Status checkSpace(const Job& job, double character_bytes);
-// Errors: InvalidArgument if the bounds are too many position steps wide.
-Status checkSteps(const Job& job);
+// Sets job.length_scale from the frames' longest sides, unless an earlier call has, and with it the lengths that the
+// options leave open. Errors: InvalidArgument if the bounds are too many position steps wide.
+Status settleLengths(Job& job, std::vector<double> longest_sides_m);
 
 // The files of a sequence, its meshes, the cameras, the plates (path, size, time), wherever capture.json places them;
 // the meshes' topology, and capture.json.

@@ -22,9 +22,10 @@ void updateTable(gpu::Device& device, gpu::TextureId table, std::vector<glm::vec
 }
 
 Result<GpuCapture> GpuCapture::create(gpu::Device& device, const std::vector<PinholeCamera>& cameras,
-                                      const MeshTopology& topology, bool mipmaps) {
+                                      const MeshTopology& topology, bool mipmaps, float length_scale) {
   GpuCapture capture;
   capture.mipmaps_ = mipmaps;
+  capture.depth_bias_m_ = length_scale * kDepthBias_m;
   capture.face_count_ = static_cast<int>(topology.faceCount());
   capture.vertex_count_ = static_cast<int>(topology.vertex_count);
   FOURDVT_ASSIGN(auto corners, makeTable(device, 3 * size_t(topology.faceCount()), "bake corners"));
@@ -116,7 +117,7 @@ void GpuCapture::bindCamera(size_t c, gpu::Draw& draw) const {
   draw.uniforms.push_back(gpu::uniform("cam_from_world", camera.cam_from_world));
   draw.uniforms.push_back(gpu::uniform("intrinsics", camera.intrinsics));
   draw.uniforms.push_back(gpu::uniform("size_near_far", camera.size_near_far));
-  draw.uniforms.push_back(gpu::uniform("depth_bias", kDepthBias_m));
+  draw.uniforms.push_back(gpu::uniform("depth_bias", depth_bias_m_));
   draw.uniforms.push_back(gpu::uniform("min_cosine", kMinCosine));
 }
 

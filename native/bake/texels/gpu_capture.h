@@ -15,14 +15,16 @@ namespace fourdvt::bake {
 // Texels per row of table textures: wide, since visibility has the rows of all faces once for each camera.
 constexpr int kTableWidth = 2048;
 constexpr const char* kTableDefine = "TABLE_WIDTH 2048\n";
-constexpr float kDepthBias_m = 0.004f;  // added to the depth that the surface's slope covers in one pixel
-constexpr float kMinCosine = 0.2f;      // between normal and ray; below, the depth test is too loose on this slope
+// Of a person's surface; added to the depth that the surface's slope covers in one pixel.
+constexpr float kDepthBias_m = 0.004f;
+constexpr float kMinCosine = 0.2f;  // between normal and ray; below, the depth test is too loose on this slope
 
 class GpuCapture {
  public:
-  // `mipmaps`: makes them for pictures, which smaller layers minify. Errors: GpuFailure.
+  // `mipmaps`: makes them for pictures, which smaller layers minify. `length_scale`: metres per metre of a scene in
+  // which the surface has a person's size. Errors: GpuFailure.
   static Result<GpuCapture> create(gpu::Device& device, const std::vector<PinholeCamera>& cameras,
-                                   const MeshTopology& topology, bool mipmaps);
+                                   const MeshTopology& topology, bool mipmaps, float length_scale = 1);
   // Uploads the frame and draws all depth maps.
   void setFrame(gpu::Device& device, const Positions& positions, const std::vector<PictureCrop>& crops);
 
@@ -46,6 +48,7 @@ class GpuCapture {
   gpu::Program depth_program_;
   int face_count_ = 0, vertex_count_ = 0;
   bool mipmaps_ = false;
+  float depth_bias_m_ = kDepthBias_m;
   std::vector<glm::vec4> scratch_;
 };
 

@@ -161,6 +161,7 @@ bake::FrameBakerOptions bakerOptions(const SurveyedJob& surveyed) {
   for (const package::Rect& rect : surveyed.job.layout.layers) options.layer_sizes.push_back(rect.width);
   options.gutter_texels = static_cast<float>(surveyed.job.options.gutter_texels);
   options.resample = surveyed.job.options.resample;
+  options.length_scale = float(surveyed.job.length_scale);
   options.colour_maps = surveyed.survey->colourMaps();
   return options;
 }

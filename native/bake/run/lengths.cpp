@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/run/lengths.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fourdvt::bake {
+namespace {
+
+constexpr double kPerson_m = 2;  // the middle of the sizes that a person's surface has, arms raised or crouching
+
+}  // namespace
+
+double longestSide(const Positions& positions) {
+  glm::vec3 low = positions[0], high = low;
+  for (const glm::vec3& p : positions) low = glm::min(low, p), high = glm::max(high, p);
+  return std::max({high.x - low.x, high.y - low.y, high.z - low.z});
+}
+
+double lengthScale(std::vector<double> longest_sides_m) {
+  if (longest_sides_m.empty()) return 1;
+  const auto middle = longest_sides_m.begin() + ptrdiff_t(longest_sides_m.size() / 2);
+  std::nth_element(longest_sides_m.begin(), middle, longest_sides_m.end());
+  return *middle > 0 ? std::exp2(std::round(std::log2(*middle / kPerson_m))) : 1;
+}
+
+}  // namespace fourdvt::bake
