@@ -360,6 +360,15 @@ test('orbit: text, limits from the box, damping at any rate, the whole box is in
   camera.rotate(0, 500);
   camera.jump();
   assert.equal(camera.pose.elevation, 85);
+  const figurine = new OrbitCamera();
+  figurine.setCharacter({ min: [-0.025, 0, -0.015], max: [0.025, 0.09, 0.015], groundY: 0, sequences: [] });
+  figurine.setFollow('position');
+  figurine.rotate(0, -500);
+  figurine.jump();
+  assert.ok(figurine.pose.elevation < -5, 'a figurine is seen from near the ground, too');
+  figurine.follow({ x: 0.5, z: 0, heading: 0 });
+  figurine.update(1 / 60);
+  assert.ok(Math.abs(figurine.pose.target[0] - 0.5) < 1e-9, 'half a metre is far for a figurine: the camera jumps');
   const angles = [1 / 30, 1 / 120].map((dt) => {
     camera.reset();
     camera.jump();

@@ -15,9 +15,11 @@ const DEFAULT: OrbitText = { azimuth: 0, elevation: 6, distance: null };
 const DAMPING_S = 0.09;        // time constant of the glide towards the goal
 const FOLLOW_S = 0.12;         // time constants of following a travelling character: place and heading
 const FOLLOW_TURN_S = 0.5;
-const FOLLOW_JUMP_M = 3;       // the camera jumps after a character that was put this far away
+const FOLLOW_JUMP_M = 3;       // the camera jumps after a character that was put this far away,
+const FOLLOW_JUMP_HEIGHTS = 2; // or so many of its heights, whichever is nearer
 const MAX_ELEVATION = 85;
-const GROUND_CLEARANCE_M = 0.05;
+const GROUND_CLEARANCE_M = 0.05; // or this share of its height, whichever is lower
+const GROUND_CLEARANCE = 0.05;
 const MARGIN = 1.08;           // room around the character at the automatic distance
 const MIN_DISTANCE = 0.35;     // in automatic distances
 const MAX_DISTANCE = 3;
@@ -137,7 +139,7 @@ export class OrbitCamera {
     const near = 1 - Math.exp(-dtS / FOLLOW_S);
     const turn = ((((place.heading - seen.heading) % 360) + 540) % 360) - 180;
     const away = Math.hypot(place.x - seen.x, place.z - seen.z);
-    if (away > FOLLOW_JUMP_M) {
+    if (away > Math.min(FOLLOW_JUMP_M, FOLLOW_JUMP_HEIGHTS * 2 * this.#half[1])) {
       this.#seen = { ...place };
       return true;
     }
@@ -174,7 +176,8 @@ export class OrbitCamera {
     const fit = this.#fit();
     const { distance } = this.#goal;
     if (distance !== null) this.#goal.distance = clamp(distance, MIN_DISTANCE * fit, MAX_DISTANCE * fit);
-    const drop = (this.#target[1] - this.#groundY - GROUND_CLEARANCE_M) / this.goal.distance;
+    const clearance = Math.min(GROUND_CLEARANCE_M, GROUND_CLEARANCE * 2 * this.#half[1]);
+    const drop = (this.#target[1] - this.#groundY - clearance) / this.goal.distance;
     const lowest = -Math.asin(clamp(drop, 0, 1)) * (180 / Math.PI);
     this.#goal.elevation = clamp(this.#goal.elevation, lowest, MAX_ELEVATION);
   }
