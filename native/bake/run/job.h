@@ -59,7 +59,7 @@ struct Job {
   // alone, for glTF viewers.
   package::EncodedBaseMesh mesh;
   BoundingBox bounds;              // over all frames
-  double length_scale = 0;         // run/lengths.h; 0: not found yet
+  double length_scale = 0;         // base/length_scale.h; 0: not found yet
   TileLayout layout;               // of one member
   EncodeSettings encode;           // of a captured sequence
   uint32_t total_frames = 0;       // number of captured frames

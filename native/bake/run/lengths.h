@@ -1,22 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lengths that suit a person, for surfaces of any size. Does NOT measure meshes.
+// A bake's lengths that suit a person; the surface's length scale (base/length_scale.h) multiplies them.
 #pragma once
-
-#include <vector>
-
-#include "base/mesh.h"
 
 namespace fourdvt::bake {
 
-inline constexpr double kLayersStep_m = 0.00025, kCamerasStep_m = 0.001;  // position steps that suit a person
-inline constexpr double kCoarseStep_m = 0.002, kBlendError_m = 0.001, kAlignmentStep_m = 0.0001;  // likewise
-
-// The longest side of the points' box, metres. At least one point.
-double longestSide(const Positions& positions);
-
-// Metres of the world per metre of a scene in which the surface has a person's size: a power of two, so that lengths
-// are multiplied exactly and change rarely; 1 where the median of the frames' longest sides is 1.42 to 2.82 m, or where
-// there is none above 0.
-double lengthScale(std::vector<double> longest_sides_m);
+inline constexpr double kLayersStep_m = 0.00025, kCamerasStep_m = 0.001;  // position steps
+inline constexpr double kCoarseStep_m = 0.002, kBlendError_m = 0.001, kAlignmentStep_m = 0.0001;
 
 }  // namespace fourdvt::bake

@@ -5,10 +5,10 @@
 #include <functional>
 
 #include "bake/cameras/surfaces.h"
-#include "bake/run/lengths.h"
 #include "bake/run/renditions.h"
 #include "bake/stages/mesh_limit.h"
 #include "bake/stages/validate.h"
+#include "base/length_scale.h"
 
 namespace fourdvt::bake {
 namespace {

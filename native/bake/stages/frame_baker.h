@@ -22,7 +22,7 @@ struct FrameBakerOptions {
   float gutter_texels = 10;  // of layer 0
   ResampleOptions resample;
   std::vector<ColourMap> colour_maps;  // one per camera; empty: pictures stay as they are
-  float length_scale = 1;              // run/lengths.h
+  float length_scale = 1;              // base/length_scale.h
 };
 
 class FrameBaker {

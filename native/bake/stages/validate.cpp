@@ -16,6 +16,7 @@
 #include "bake/stages/room_stage.h"
 #include "bake/stages/stream_plan.h"
 #include "base/hash.h"
+#include "base/length_scale.h"
 #include "platform/files.h"
 #include "platform/folders.h"
 #include "refine/refinement_bytes.h"

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/face_buffer.h"
+#include "base/length_scale.h"
 
 namespace fourdvt::measure {
 namespace {
@@ -90,6 +91,8 @@ Image renderProjective(const PinholeCamera& view, std::span<const PinholeCamera>
   const int n = options.samples;
   const FaceBuffer seen = rasterise(view, face_vertices, positions, n);
   const glm::dvec3 eye = view.centreInWorld();
+  const double scale = positions.empty() ? 1 : lengthScale({longestSide(positions)});
+  const double tolerance_m = scale * options.depth_tolerance_m;
   Image out(view.width, view.height, 4);
   for (int y = 0; y < view.height; ++y) {
     for (int x = 0; x < view.width; ++x) {
@@ -102,7 +105,7 @@ Image renderProjective(const PinholeCamera& view, std::span<const PinholeCamera>
         ProjectedFace t;
         projectFace(view, face_vertices[face], positions, n, t);
         const Surface s = surfaceAt(t, face_vertices[face], positions, normals, {sx + 0.5, sy + 0.5});
-        sum += blendedColour(sources, s, glm::normalize(s.point_in_world - eye), options.depth_tolerance_m);
+        sum += blendedColour(sources, s, glm::normalize(s.point_in_world - eye), tolerance_m);
         ++covered;
       }
       if (!covered) continue;

@@ -14,7 +14,7 @@ namespace fourdvt::measure {
 
 struct ProjectiveOptions {
   int samples = 2;  // samples per pixel along each axis
-  double depth_tolerance_m = 0.01;
+  double depth_tolerance_m = 0.01;  // of a person's surface (base/length_scale.h)
 };
 
 // RGBA straight alpha; alpha = covered share of the samples. A covered sample that no camera sees takes the camera that

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "base/length_scale.h"
 #include "lab/measure/held_out_truth.h"
 #include "lab/measure/projective.h"
 #include "render/cameras/fvvr.h"
@@ -13,6 +14,7 @@
 namespace fourdvt::measure {
 namespace {
 
+constexpr double kSpacing_m = 0.004;  // of the points of a person's surface
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 // What the distances of one sequence add up to.
@@ -31,8 +33,9 @@ Status compareFrame(const capture::Capture& capture, const capture::CaptureSeque
   }
   FOURDVT_ASSIGN(const TriangleMesh given, capture::readSurfaceFrame(reference, *same, frame));
   const DistanceToSurface to_given(given), to_surface(surface);
-  for (const glm::dvec3& p : pointsOn(surface, 0.004)) out.to_reference.push_back(to_given.at(p));
-  for (const glm::dvec3& p : pointsOn(given, 0.004)) out.from_reference.push_back(to_surface.at(p));
+  const double spacing_m = kSpacing_m * lengthScale({longestSide(given.positions)});
+  for (const glm::dvec3& p : pointsOn(surface, spacing_m)) out.to_reference.push_back(to_given.at(p));
+  for (const glm::dvec3& p : pointsOn(given, spacing_m)) out.from_reference.push_back(to_surface.at(p));
 
   if (reference.meshes != capture::CaptureMeshes::ConstantTopology || frame + 1 >= sequence.frame_count) return {};
   FOURDVT_ASSIGN(const TriangleMesh next_given, capture::readSurfaceFrame(reference, *same, frame + 1));
@@ -51,11 +54,12 @@ Result<Image> textured(const PinholeCamera& view, const std::vector<PinholeCamer
                        std::span<const Image> pictures, const TriangleMesh& surface,
                        const SurfaceTexturing& texturing) {
   if (!texturing.device) return renderProjective(view, cameras, pictures, surface.faces, surface.positions);
+  const auto scale = static_cast<float>(lengthScale({longestSide(surface.positions)}));
   MeshTopology topology;
   topology.vertex_count = static_cast<uint32_t>(surface.positions.size());
   topology.face_vertices = surface.faces;
-  FOURDVT_ASSIGN(auto fvvr, render::Fvvr::create(*texturing.device, cameras, topology));
-  const render::View seen = render::viewFromCamera(view);
+  FOURDVT_ASSIGN(auto fvvr, render::Fvvr::create(*texturing.device, cameras, topology, {}, scale));
+  const render::View seen = render::viewFromCamera(view, {scale, scale});
   const render::FvvrOptions options{.closest = texturing.closest};
   FOURDVT_TRY(fvvr->setFrame(surface.positions, pictures, fvvr->camerasOf(seen, options)));
   return fvvr->renderStill(seen, options);

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lengths of a bake: those of a person for a person, in proportion for other surfaces, and those that are given.
-#include "bake/run/lengths.h"
-
 #include <gtest/gtest.h>
 
 #include "bake/run/job.h"
@@ -19,16 +17,6 @@ Job settled(double side_m, BakeOptions options = {}) {
   job.bounds = {glm::vec3(0), glm::vec3(float(side_m))};
   EXPECT_TRUE(settleLengths(job, {side_m}).ok());
   return job;
-}
-
-TEST(Lengths, FollowTheMedianOfTheLongestSides) {
-  EXPECT_EQ(longestSide({{1, 0, 0}, {1.5f, -2, 0}, {1, 0, 1}}), 2);
-  for (const double person_m : {1.45, 1.8, 2.3, 2.8}) EXPECT_EQ(lengthScale({person_m}), 1) << person_m;
-  EXPECT_EQ(lengthScale({0.09}), 1 / 16.0);
-  EXPECT_EQ(lengthScale({20}), 8);
-  EXPECT_EQ(lengthScale({1.8, 40, 1.7}), 1) << "one frame went wrong";
-  EXPECT_EQ(lengthScale({}), 1);
-  EXPECT_EQ(lengthScale({0}), 1);
 }
 
 TEST(Lengths, OfTheBakeAreThoseOfAPerson) {

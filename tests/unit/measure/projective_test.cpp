@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "scaled.h"
 #include "square_fixture.h"
 
 namespace fourdvt::measure {
@@ -50,6 +51,24 @@ TEST(Projective, OccludedCamerasDoNotContribute) {
   const Image pictures[] = {Image(512, 512, 3, 0), Image(512, 512, 3, 255)};
   const Image out = renderProjective(orbit(40, 65), cameras, pictures, faces, positions, {.samples = 1});
   EXPECT_EQ(out.at(32, 32)[0], 255);
+}
+
+// 3 cm before a person is an occluder; on a figurine a tolerance of 1 cm would look through it.
+TEST(Projective, TheToleranceOfDepthFollowsTheSurfacesSize) {
+  const auto picture = [](double scale) {
+    std::vector<glm::uvec3> faces = kSquareFaces;
+    Positions positions = kSquare;
+    for (const glm::vec3& p : kSquare) positions.push_back(0.2f * p + glm::vec3(0, 0, 0.03f));
+    faces.push_back({4, 5, 6});
+    faces.push_back({4, 6, 7});
+    PinholeCamera cameras[] = {orbit(40, 512), orbit(-50, 512)}, view = orbit(75, 129);
+    for (PinholeCamera* camera : {&cameras[0], &cameras[1], &view}) *camera = testing::scaled(*camera, scale);
+    const Image pictures[] = {Image(512, 512, 3, 0), Image(512, 512, 3, 255)};
+    return renderProjective(view, cameras, pictures, faces, testing::scaled(positions, scale), {.samples = 1});
+  };
+  const Image person = picture(1);
+  for (const double scale : {1 / 32.0, 32.0})
+    EXPECT_LT(testing::shareThatDiffers(person, picture(scale), 2), 0.002) << scale;
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bake/run/lengths.h"
+#include "base/length_scale.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace fourdvt::bake {
+namespace fourdvt {
 namespace {
 
 constexpr double kPerson_m = 2;  // the middle of the sizes that a person's surface has, arms raised or crouching
@@ -24,4 +24,4 @@ double lengthScale(std::vector<double> longest_sides_m) {
   return *middle > 0 ? std::exp2(std::round(std::log2(*middle / kPerson_m))) : 1;
 }
 
-}  // namespace fourdvt::bake
+}  // namespace fourdvt
