@@ -18,6 +18,7 @@ glm::dvec3 PinholeCamera::forwardInWorld() const {
 }
 
 glm::dvec3 PinholeCamera::middleRayInWorld() const {
+  if (cx == width / 2.0 && cy == height / 2.0) return forwardInWorld();  // to the last bit
   const glm::dvec3 in_cam((width / 2.0 - cx) / fx, (height / 2.0 - cy) / fy, 1);
   return glm::normalize(glm::transpose(glm::dmat3(cam_from_world)) * in_cam);
 }

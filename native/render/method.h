@@ -69,7 +69,7 @@ struct MontageOptions {
 };
 
 struct MethodOptions {
-  int closest = 4;  // M of N: cameras whose optical axes are nearest in angle to the view's; 0: as many as can be
+  int closest = 4;  // M of N: cameras that look most as the view does (camerasTowards); 0: as many as can be
   Visibility visibility = Visibility::Offset;
   Unseen unseen = Unseen::Neighbourhood;
   float least_cosine = 0.1f;  // of surface and ray; cameras that see a point more from aside are not used

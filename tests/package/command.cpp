@@ -45,9 +45,9 @@ std::string scratch(const std::string& name) {
   return path.string();
 }
 
-std::string smallCapture(const std::string& name, int frames) {
+std::string smallCapture(const std::string& name, int frames, const std::string& rig) {
   const std::string path = scratch(name);
-  const Outcome made = shell(std::string(MAKE_SMALL_CAPTURE) + " " + path + " " + std::to_string(frames));
+  const Outcome made = shell(std::string(MAKE_SMALL_CAPTURE) + " " + path + " " + std::to_string(frames) + " " + rig);
   if (made.code != 0) std::fprintf(stderr, "%s", made.output.c_str());
   return path;
 }

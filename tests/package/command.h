@@ -28,7 +28,8 @@ bool isOneLineWith(const Outcome& outcome, const std::string& part);
 
 // An empty folder of this name in the build tree.
 std::string scratch(const std::string& name);
-std::string smallCapture(const std::string& name, int frames = 6);
+// rig: make_small_capture's.
+std::string smallCapture(const std::string& name, int frames = 6, const std::string& rig = "");
 std::string copyOf(const std::string& folder, const std::string& name);
 // The only file with this extension (".mp4") in the folder.
 std::string onlyFile(const std::string& folder, const std::string& extension);

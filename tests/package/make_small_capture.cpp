@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// make_small_capture FOLDER [FRAMES]: a capture that bakes in seconds. A turning textured box, four cameras of 160 ×
-// 160 pixels, PNG frames and mattes ray-traced analytically (3 × 3 samples), OBJ meshes, one held-out camera.
+// make_small_capture FOLDER [FRAMES] [RIG]: a capture that bakes in seconds. A turning textured box, four cameras of
+// 160 × 160 pixels, PNG frames and mattes ray-traced analytically (3 × 3 samples), OBJ meshes, one held-out camera.
+// RIG: shifted: lenses whose optical axes pass the pictures by; mixed: one camera lies on its side, one has twice the
+// pixels, one picture is cropped.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <limits>
 
+#include "../unit/lens_shift.h"
 #include "base/camera.h"
 #include "platform/files.h"
 
@@ -65,9 +69,9 @@ Image photograph(const PinholeCamera& camera, int frame) {
   const glm::dmat3 box_from_world = glm::transpose(worldFromBox(frame));
   const glm::dmat3 world_from_cam = glm::transpose(glm::dmat3(camera.cam_from_world));
   const glm::dvec3 origin = box_from_world * (camera.centreInWorld() - kCentre);
-  Image out(kSide, kSide, 4);
-  for (int y = 0; y < kSide; ++y)
-    for (int x = 0; x < kSide; ++x) {
+  Image out(camera.width, camera.height, 4);
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x) {
       glm::dvec3 sum(0), colour;
       int hits = 0;
       for (int s = 0; s < kSamples * kSamples; ++s) {
@@ -96,8 +100,8 @@ std::string numbered(const std::string& folder, int frame, const char* format) {
 
 void writePictures(const std::string& folder, const PinholeCamera& camera, int frame) {
   const Image rgba = photograph(camera, frame);
-  Image colour(kSide, kSide, 3), matte(kSide, kSide, 1);
-  for (int i = 0; i < kSide * kSide; ++i) {
+  Image colour(camera.width, camera.height, 3), matte(camera.width, camera.height, 1);
+  for (int i = 0; i < camera.width * camera.height; ++i) {
     const int a = rgba.pixels[4 * i + 3];
     for (int c = 0; c < 3; ++c)
       colour.pixels[3 * i + c] =
@@ -156,21 +160,42 @@ void writeCameras(const std::string& folder, const std::vector<PinholeCamera>& c
   for (size_t i = 0; i < cameras.size(); ++i) {
     const PinholeCamera& c = cameras[i];
     const glm::dquat q = glm::quat_cast(glm::dmat3(c.cam_from_world));
-    models << i + 1 << " PINHOLE " << kSide << " " << kSide << " " << c.fx << " " << c.fy << " " << c.cx << " " << c.cy
-           << "\n";
+    models << i + 1 << " PINHOLE " << c.width << " " << c.height << " " << c.fx << " " << c.fy << " " << c.cx << " "
+           << c.cy << "\n";
     images << i + 1 << " " << q.w << " " << q.x << " " << q.y << " " << q.z << " " << c.cam_from_world[3].x << " "
            << c.cam_from_world[3].y << " " << c.cam_from_world[3].z << " " << i + 1 << " " << c.name << "\n\n";
   }
 }
 
+// The box stays in the picture's middle, as large as before there.
+PinholeCamera shifted(PinholeCamera camera) {
+  const double angle = glm::radians(35.0), cosine = std::cos(angle);
+  camera.fx *= cosine * cosine;
+  camera.fy *= cosine;
+  return testing::withShiftedLens(camera, angle);
+}
+
+void mixRig(std::vector<PinholeCamera>& cameras) {
+  cameras[0].cam_from_world =
+      glm::rotate(glm::dmat4(1), glm::radians(90.0), glm::dvec3(0, 0, 1)) * cameras[0].cam_from_world;
+  cameras[0].width = 224, cameras[0].height = 128;
+  cameras[0].cx = 112, cameras[0].cy = 64;
+  cameras[1].width = cameras[1].height = 2 * kSide;
+  for (double* length : {&cameras[1].fx, &cameras[1].fy, &cameras[1].cx, &cameras[1].cy}) *length *= 2;
+  cameras[2].width -= 40, cameras[2].cx -= 30;  // 30 columns fewer at the left, 10 at the right
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 2 || argc > 3) return std::fprintf(stderr, "usage: make_small_capture FOLDER [FRAMES]\n"), 2;
+  if (argc < 2 || argc > 4) return std::fprintf(stderr, "usage: make_small_capture FOLDER [FRAMES] [RIG]\n"), 2;
   const std::string root = argv[1], sequence = root + "/turn";
   const int frames = argc > 2 ? std::atoi(argv[2]) : 6;
   std::vector<PinholeCamera> cameras, test{ringCamera("test00", 45, 10)};
   for (int c = 0; c < 4; ++c) cameras.push_back(ringCamera("cam0" + std::to_string(c), 20 + 90 * c, c % 2 ? 35 : -5));
+  const std::string rig = argc > 3 ? argv[3] : "";
+  if (rig == "shifted") std::transform(cameras.begin(), cameras.end(), cameras.begin(), shifted);
+  if (rig == "mixed") mixRig(cameras);
   writeCameras(root + "/cameras", cameras);
   writeCameras(root + "/cameras_test", test);
   fs::create_directories(sequence + "/mesh");

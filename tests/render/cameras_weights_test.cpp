@@ -3,7 +3,9 @@
 // band-limited.
 #include <cmath>
 
+#include "../unit/lens_shift.h"
 #include "camera_figure.h"
+#include "render/cameras/camera_blend.h"
 
 namespace fourdvt::testing {
 namespace {
@@ -19,6 +21,21 @@ PinholeCamera onArc(double azimuth_deg, int side = kSide) {
 
 // What a lumigraph of these angles weighs, not normalised.
 double penalised(double angle_deg, double bound_deg) { return (1 - angle_deg / bound_deg) / angle_deg; }
+
+TEST(CamerasTowards, ShiftedLensesLookThroughTheirPictures) {
+  std::vector<PinholeCamera> cameras;
+  for (const double azimuth_deg : {-40.0, 0.0, 40.0}) cameras.push_back(onArc(azimuth_deg));
+  const auto nearest = [&](double azimuth_deg) {
+    const render::View view = render::viewFromCamera(onArc(azimuth_deg));
+    return render::camerasTowards(cameras, render::viewAxis(view.clip_from_world), 2);
+  };
+  const std::vector<size_t> right{2, 1}, left{0, 1};
+  EXPECT_EQ(nearest(35), right);
+  EXPECT_EQ(nearest(-35), left);
+  for (PinholeCamera& camera : cameras) camera = withShiftedLens(camera, 50 * kDegree);
+  EXPECT_EQ(nearest(35), right);
+  EXPECT_EQ(nearest(-35), left);
+}
 
 class CamerasWeightsTest : public CameraFigure {
  protected:

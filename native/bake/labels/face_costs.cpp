@@ -82,7 +82,7 @@ bool facesCamera(const glm::dvec3& normal, const glm::dvec3& face_centre, const 
 FaceCosts measureFaceCosts(const FaceCostOptions& options, std::span<const PinholeCamera> cameras,
                            const MeshTopology& topology, const Positions& positions, std::span<const float> fractions) {
   std::vector<CameraAxis> axes;
-  for (const PinholeCamera& c : cameras) axes.push_back({c.centreInWorld(), c.forwardInWorld(), c.fx * c.fy});
+  for (const PinholeCamera& c : cameras) axes.push_back({c.centreInWorld(), c.middleRayInWorld(), c.fx * c.fy});
   const size_t faces = topology.faceCount(), count = axes.size();
   assert(count <= 32 && fractions.size() == count * faces);
   FaceCosts out{static_cast<int>(count), std::vector<uint32_t>(faces, 0), std::vector<uint32_t>(faces, 0),

@@ -13,8 +13,8 @@ namespace fourdvt::bake {
 
 // All penalties lie in 0…1; lower is better.
 enum class Penalty {
-  Axis,        // 4DVT Eq. 1: 1 - (n·ô)², ô the unit optical axis
-  Ray,         // the same with the unit ray from the camera's centre to the face's centre
+  Axis,  // 4DVT Eq. 1: 1 - (n·ô)², ô the unit optical axis, or the ray through the picture's middle if it is another
+  Ray,   // the same with the unit ray from the camera's centre to the face's centre
   Resolution,  // 1 - pixels of the face in this camera / pixels if the rig's best camera saw it face-on
 };
 

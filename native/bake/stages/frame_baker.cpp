@@ -10,7 +10,7 @@ namespace {
 // Layers whose texels are wider than this many pixels minify the pictures.
 constexpr double kMipmapTexelPixels = 2;
 
-bool minifies(const PinholeCamera& camera, const MeshTopology& t, const Positions& positions, int size) {
+bool minifies(const std::vector<PinholeCamera>& cameras, const MeshTopology& t, const Positions& positions, int size) {
   double world_area = 0, uv_area = 0;
   for (uint32_t f = 0; f < t.faceCount(); ++f) {
     const glm::uvec3 v = t.face_vertices[f], w = t.face_uvs[f];
@@ -20,8 +20,10 @@ bool minifies(const PinholeCamera& camera, const MeshTopology& t, const Position
     uv_area += 0.5 * std::abs(p.x * q.y - p.y * q.x);
   }
   const double texel_m = std::sqrt(world_area / std::max(uv_area, 1e-9)) / size;
-  const double pixel_m = camera.project(glm::dvec3(positions[0])).z / camera.fx;
-  return texel_m > kMipmapTexelPixels * std::abs(pixel_m);
+  return std::any_of(cameras.begin(), cameras.end(), [&](const PinholeCamera& camera) {
+    const double pixel_m = camera.project(glm::dvec3(positions[0])).z / camera.fx;
+    return texel_m > kMipmapTexelPixels * std::abs(pixel_m);
+  });
 }
 
 }  // namespace
@@ -33,7 +35,7 @@ Result<std::unique_ptr<FrameBaker>> FrameBaker::create(gpu::Device& device, cons
   baker->device_ = &device;
   const std::vector<int>& sizes = options.layer_sizes;
   const bool mipmaps = !sizes.empty() && (options.resample.filter == ResampleFilter::Mipmap ||
-                                          minifies(cameras[0], topology, pose, sizes.back()));
+                                          minifies(cameras, topology, pose, sizes.back()));
   FOURDVT_ASSIGN(baker->capture_, GpuCapture::create(device, cameras, topology, mipmaps, options.length_scale));
   FOURDVT_ASSIGN(baker->visibility_, Visibility::create(device, baker->capture_));
   if (sizes.empty()) return baker;

@@ -25,7 +25,7 @@ std::vector<size_t> camerasTowards(std::span<const PinholeCamera> cameras, const
   std::vector<size_t> order(cameras.size());
   std::iota(order.begin(), order.end(), size_t(0));
   const glm::dvec3 axis(view_axis);
-  const auto cosine = [&](size_t c) { return glm::dot(cameras[c].forwardInWorld(), axis); };
+  const auto cosine = [&](size_t c) { return glm::dot(cameras[c].middleRayInWorld(), axis); };
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return cosine(a) > cosine(b); });
   if (closest > 0) order.resize(std::min(order.size(), static_cast<size_t>(closest)));
   return order;

@@ -14,7 +14,8 @@ namespace fourdvt::render {
 // How many cameras one draw blends at most: WebGL2 promises 224 uniform vectors.
 constexpr int kMaxBlendedCameras = 20;
 
-// The `closest` cameras whose optical axes are nearest in angle to the view's axis, nearest first; 0: all.
+// The `closest` cameras whose rays through their pictures' middles, which shifted lenses turn off their optical axes,
+// are nearest in angle to the view's axis, nearest first; 0: all.
 std::vector<size_t> camerasTowards(std::span<const PinholeCamera> cameras, const glm::vec3& view_axis, int closest);
 
 // The cameras' pictures: layers of an array texture, by the cameras' numbers, or tiles of a decoded picture.

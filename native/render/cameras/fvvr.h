@@ -23,7 +23,7 @@
 namespace fourdvt::render {
 
 struct FvvrOptions {
-  int closest = 0;          // M of N: cameras whose optical axes are nearest in angle to the view's; 0: all
+  int closest = 0;          // M of N: cameras that look most as the view does (camerasTowards); 0: all
   glm::vec4 background{0};  // premultiplied
   int samples = 4;
   bool fills = true;  // surface that no camera sees; else it is left transparent

@@ -7,11 +7,12 @@
 #include <cmath>
 
 #include "label_fixture.h"
+#include "lens_shift.h"
 
 namespace fourdvt::bake {
 namespace {
 
-struct BoxCosts : testing::Test {
+struct BoxCosts : ::testing::Test {
   Box box = makeBox();
   std::vector<PinholeCamera> cameras = boxCameras();
   std::vector<float> all = std::vector<float>(2 * 12, 1.0f);
@@ -34,6 +35,16 @@ TEST_F(BoxCosts, FrontFaceIsFeasibleForBothWithTheirAngles) {
     EXPECT_EQ(costs.feasible[f], 0b11u);
     EXPECT_NEAR(costs.penalty[f * 2 + 0], 0, 1e-6);
     EXPECT_NEAR(costs.penalty[f * 2 + 1], 0.25, 1e-6);  // sin² 30°
+  }
+}
+
+// What an optical axis says that does not meet the picture.
+TEST_F(BoxCosts, AShiftedLensHasThePenaltiesOfWhereItLooks) {
+  for (PinholeCamera& camera : cameras) camera = fourdvt::testing::withShiftedLens(camera, 0.6);
+  const FaceCosts costs = measure(all);
+  for (int f : {8, 9}) {
+    EXPECT_NEAR(costs.penalty[f * 2 + 0], 0, 1e-6);
+    EXPECT_NEAR(costs.penalty[f * 2 + 1], 0.25, 1e-6);
   }
 }
 

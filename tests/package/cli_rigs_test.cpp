@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rigs other than a ring of like cameras: lenses so far shifted that their optical axes miss the pictures, pictures
+// that lie on their sides, have more pixels than others, or are cropped. What is baked of them looks as what is baked
+// of the same box seen by a plain rig.
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "command.h"
+
+namespace fourdvt::test {
+namespace {
+
+struct Rig {
+  const char* name;
+  double worse_dB;  // allowed: shifted lenses sample the box by another grid; a mixed rig has more pixels
+};
+
+class Rigs : public ::testing::TestWithParam<Rig> {
+ protected:
+  // PSNR at the held-out camera, which is the same in all rigs.
+  static double score(const std::string& appearance, const std::string& rig) {
+    const std::string name = rig + "-" + appearance, capture = smallCapture("rig-" + name, 3, rig);
+    const std::string character = scratch("rig-out-" + name) + "/box";
+    const std::string layers = appearance == "layers" ? " --layers 3 --texture 256 --equal-layers" : "";
+    const Outcome bake = fourdvt("bake " + capture + " -o " + character + " --appearance " + appearance + layers +
+                                 " --gop 3 --renditions highest --jobs 2");
+    EXPECT_EQ(bake.code, 0) << bake.output;
+    const Outcome scored = lab("score " + character + " --capture " + capture + " --input-every 0 --flicker 0");
+    EXPECT_EQ(scored.code, 0) << scored.output;
+    const size_t row = scored.output.find("test00");
+    if (row == std::string::npos) return 0;
+    int views = 0;
+    double psnr = 0;
+    EXPECT_EQ(std::sscanf(scored.output.c_str() + row, "test00 %d %lf", &views, &psnr), 2);
+    return psnr;
+  }
+  static double plain(const std::string& appearance) {
+    static std::map<std::string, double> known;
+    if (!known.contains(appearance)) known[appearance] = score(appearance, "plain");
+    EXPECT_GT(known[appearance], 25);
+    return known[appearance];
+  }
+};
+
+TEST_P(Rigs, ShowWhatAPlainOneShows) {
+  for (const char* appearance : {"cameras", "layers"})
+    EXPECT_GT(score(appearance, GetParam().name), plain(appearance) - GetParam().worse_dB) << appearance;
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, Rigs, ::testing::Values(Rig{"shifted", 0.7}, Rig{"mixed", 0.1}),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+}  // namespace
+}  // namespace fourdvt::test
