@@ -2,7 +2,7 @@
 // make_small_capture FOLDER [FRAMES] [RIG]: a capture that bakes in seconds. A turning textured box, four cameras of
 // 160 × 160 pixels, PNG frames and mattes ray-traced analytically (3 × 3 samples), OBJ meshes, one held-out camera.
 // RIG: shifted: lenses whose optical axes pass the pictures by; mixed: one camera lies on its side, one has twice the
-// pixels, one picture is cropped.
+// pixels, two pictures are cropped.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -182,7 +182,7 @@ void mixRig(std::vector<PinholeCamera>& cameras) {
   cameras[0].cx = 112, cameras[0].cy = 64;
   cameras[1].width = cameras[1].height = 2 * kSide;
   for (double* length : {&cameras[1].fx, &cameras[1].fy, &cameras[1].cx, &cameras[1].cy}) *length *= 2;
-  cameras[2].width -= 40, cameras[2].cx -= 30;  // 30 columns fewer at the left, 10 at the right
+  for (const size_t c : {0, 2}) cameras[c].width -= 40, cameras[c].cx -= 30;  // 30 columns at the left, 10 at the right
 }
 
 }  // namespace
