@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 constexpr int kWhite = 250, kBlack = 5, kOpaque = 128;
 constexpr int kSpacing = 4;               // pixels between points of a stroke that travel
 constexpr int kRadius = 3;                // pixels that a travelled point speaks for
-constexpr float kTravelled = 6;           // nats: the picture may know better
+constexpr float kTravelled = 14;          // nats: the picture may know better
 constexpr float kMostReturnError = 0.7f;  // pixels, after tracking there and back
 constexpr float kMostChange = 12;         // levels that a patch may change between two frames, mean absolute
 constexpr int kPatch = 15;

@@ -299,6 +299,7 @@ std::vector<CameraMatte> JointMattes::make(std::span<const MatteView> views) con
     out[i].matte = finished(views[i], w, p.reduction[i]);
     if (!views[i].hints.empty()) obey(views[i].hints, out[i].matte);
     out[i].kept = shareOf(w.mask, w.first);
+    out[i].own = resizedMask(w.first, {views[i].picture.width, views[i].picture.height});
     if (w.doubt.empty()) return;
     cv::Mat dropped = w.first & ~w.mask, why = cv::max(w.doubt, cv::Scalar(64));
     cv::Mat small = cv::Mat::zeros(dropped.size(), CV_8U);

@@ -47,6 +47,7 @@ struct MatteView {
 
 struct CameraMatte {
   Image matte;  // one channel
+  cv::Mat own;  // CV_8U, the picture's size: the camera's own key, before others joined in
   // CV_8U, the picture's size: where the camera's own key had object and the result has not, 255 where others
   // contradict it, 128 where it lies on the floor, 64 for another reason. Empty if nobody looked.
   cv::Mat dropped;

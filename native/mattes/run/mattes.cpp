@@ -167,8 +167,10 @@ class Run {
     if (options_.alone || options_.any_silhouettes || agreed_ == s.name) return {};
     std::vector<cv::Mat> masks;
     size_t seeing = 0;
-    for (const CameraMatte& m : made.mattes) {
-      masks.push_back(matrixOf(m.matte) >= 128);
+    // Together they would agree on what is left. Keys against plates from clips are too rough to be judged.
+    for (size_t c = 0; c < made.mattes.size(); ++c) {
+      const CameraMatte& m = made.mattes[c];
+      masks.push_back(sources_[c].from_clip ? cv::Mat(matrixOf(m.matte) >= 128) : m.own);
       seeing += cv::countNonZero(masks.back()) > 0;
     }
     if (seeing < 3) return {};
