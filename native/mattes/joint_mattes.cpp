@@ -37,7 +37,7 @@ double performerHeight(const std::vector<Support>& supports) {
   return std::max(0.0f, *at);
 }
 
-enum Doubt : uint8_t { kNoDoubt = 0, kOnFloor = 128, kContradicted = 255 };
+enum Doubt : uint8_t { kNoDoubt = 0, kOther = 64, kOnFloor = 128, kContradicted = 255 };
 
 // How deep grid places lie in the hull of the others, CV_8U: 0 at its rim … kDepths - 1 in its core.
 cv::Mat depthOf(const Support& support) {
@@ -92,6 +92,16 @@ void obey(const cv::Mat& hints, Image& matte) {
     if (const float h = hints.at<float>(i); std::abs(h) >= kObeyed) matte.pixels[size_t(i)] = h < 0 ? 255 : 0;
 }
 
+// One camera's state while the masks of all settle.
+struct Work {
+  capture::BackgroundModel background;  // fitted, full size
+  std::optional<capture::KeyCut> key;   // at the reduced size
+  cv::Mat first, mask, hints, doubt;    // at the reduced size
+  cv::Mat own_cost;                     // at the reduced size: hints and what else the camera knows
+  cv::Mat darkness;                     // at the reduced size, see SupportFinder::shadows
+  cv::Mat cost;                         // of the last round
+};
+
 }  // namespace
 
 struct JointMattes::Parts {
@@ -101,6 +111,7 @@ struct JointMattes::Parts {
 
   Prior priorOf(const Support& support, const cv::Mat& shadow, size_t camera, size_t others,
                 const std::vector<float>& demanded, const Floor& floor) const;
+  void settle(std::span<const MatteView> views, std::vector<Work>& work, std::vector<CameraMatte>& out) const;
   std::vector<float> demandedNats(const std::vector<Support>& supports, const std::vector<cv::Mat>& masks) const;
 };
 
@@ -171,16 +182,6 @@ JointMattes::~JointMattes() = default;
 
 namespace {
 
-// One camera's state while the masks of all settle.
-struct Work {
-  capture::BackgroundModel background;  // fitted, full size
-  std::optional<capture::KeyCut> key;   // at the reduced size
-  cv::Mat first, mask, hints, doubt;    // at the reduced size
-  cv::Mat own_cost;                     // at the reduced size: hints and what else the camera knows
-  cv::Mat darkness;                     // at the reduced size, see SupportFinder::shadows
-  cv::Mat cost;                         // of the last round
-};
-
 cv::Mat sum(const cv::Mat& a, const cv::Mat& b) { return a.empty() ? b : b.empty() ? a : cv::Mat(a + b); }
 
 // 128 × picture / plate, averaged over 5 × 5 pixels; 0 where no plate shows the background.
@@ -201,7 +202,7 @@ cv::Mat darknessOf(const Image& picture, const capture::BackgroundModel& backgro
   return out;
 }
 
-void beginWork(const MatteView& view, int reduction, bool fit, Work& w, CameraMatte& out) {
+void beginWork(const MatteView& view, int reduction, Work& w, CameraMatte& out) {
   const cv::Size small = reducedSize(view.picture.width, view.picture.height, reduction);
   if (!view.hints.empty()) cv::resize(view.hints, w.hints, small, 0, 0, cv::INTER_AREA);
   if (!view.more_cost.empty()) cv::resize(view.more_cost, w.own_cost, small, 0, 0, cv::INTER_AREA);
@@ -210,7 +211,7 @@ void beginWork(const MatteView& view, int reduction, bool fit, Work& w, CameraMa
     w.first = w.mask = resizedMask(matrixOf(view.given) >= 128, small);
     return;
   }
-  if (fit) {
+  if (view.fit_plates) {
     capture::PlateFit fitted = capture::fitPlate(*view.plates, view.picture);
     out.shift_pixels = fitted.shift_pixels, out.gain = fitted.gain[1], out.residual_levels = fitted.residual_levels;
     w.background = std::move(fitted.background);
@@ -226,6 +227,14 @@ void beginWork(const MatteView& view, int reduction, bool fit, Work& w, CameraMa
   else
     w.key->learn(w.key->cut(w.own_cost));
   w.first = w.mask = w.key->cut(w.own_cost);
+}
+
+// See CameraMatte::dropped; at the reduced size.
+cv::Mat droppedOf(const Work& w) {
+  cv::Mat out = cv::Mat::zeros(w.mask.size(), CV_8U);
+  const cv::Mat why = cv::max(w.doubt, cv::Scalar(kOther)), gone = w.first & ~w.mask;
+  why.copyTo(out, gone);
+  return out;
 }
 
 // The matte at full size: the cut again, along the outline of the reduced mask.
@@ -257,54 +266,53 @@ Image finished(const MatteView& view, const Work& w, int reduction) {
 
 }  // namespace
 
+// One round: what the others say of every pixel, and all masks cut anew.
+void JointMattes::Parts::settle(std::span<const MatteView> views, std::vector<Work>& work,
+                                std::vector<CameraMatte>& out) const {
+  std::vector<cv::Mat> masks, first, darkness;
+  for (const Work& w : work) masks.push_back(w.mask), first.push_back(w.first), darkness.push_back(w.darkness);
+  const auto sees = [&](size_t i) { return cv::countNonZero(masks[i]) > 0; };
+  size_t seeing = 0;
+  for (size_t i = 0; i < masks.size(); ++i) seeing += sees(i);
+  const std::vector<Support> supports = finder->find(masks, options.slack_pixels, first);
+  const std::vector<cv::Mat> shadows = finder->shadows(masks, darkness, options.slack_pixels);
+  const std::vector<float> demanded = demandedNats(supports, masks);
+  // Masks that are grown by the slack reach that far above the floor, and further where others look down steeply.
+  const double slack_m = kSteep * options.slack_pixels * finder->footprint_m(), height_m = performerHeight(supports);
+  const Floor floor{options.floor_share * height_m + slack_m, options.shadow_share * height_m + slack_m};
+  inParallel(views.size(), [&](size_t i) {
+    Work& w = work[i];
+    if (!w.key && views[i].given_is_final) return;
+    const Prior prior = priorOf(supports[i], shadows[i], i, seeing - sees(i), demanded, floor);
+    if (w.doubt.empty()) {
+      out[i].supported = 1 - shareOf(prior.doubt == kContradicted, w.first);
+      w.doubt = prior.doubt.clone();
+    }
+    prior.doubt.copyTo(w.doubt, w.doubt == kNoDoubt);  // the first reason counts
+    if (w.key) {
+      if (!views[i].colours) w.key->learn(w.mask & (prior.doubt == kNoDoubt));
+      w.cost = prior.cost;
+      w.mask = w.key->cut(sum(prior.cost, w.own_cost));
+    }
+    dropComponents(w.mask, prior.doubt, w.hints);
+  });
+}
+
 std::vector<CameraMatte> JointMattes::make(std::span<const MatteView> views) const {
   const Parts& p = *parts_;
   assert(views.size() == p.reduction.size());
   std::vector<Work> work(views.size());
   std::vector<CameraMatte> out(views.size());
-  inParallel(views.size(),
-             [&](size_t i) { beginWork(views[i], p.reduction[i], views[i].fit_plates, work[i], out[i]); });
-  for (int round = 0; round < (p.options.alone ? 0 : p.options.rounds); ++round) {
-    std::vector<cv::Mat> masks, first;
-    size_t seeing = 0;
-    for (const Work& w : work)
-      masks.push_back(w.mask), first.push_back(w.first), seeing += cv::countNonZero(w.mask) > 0;
-    const std::vector<Support> supports = p.finder->find(masks, p.options.slack_pixels, first);
-    // Masks that are grown by the slack reach that far above the floor, and further where others look down steeply.
-    const double slack_m = kSteep * p.options.slack_pixels * p.finder->footprint_m();
-    const double height_m = performerHeight(supports);
-    const Floor floor{p.options.floor_share * height_m + slack_m, p.options.shadow_share * height_m + slack_m};
-    std::vector<cv::Mat> darkness;
-    for (const Work& w : work) darkness.push_back(w.darkness);
-    const std::vector<cv::Mat> shadows = p.finder->shadows(masks, darkness, p.options.slack_pixels);
-    const std::vector<float> demanded = p.demandedNats(supports, masks);
-    inParallel(views.size(), [&](size_t i) {
-      Work& w = work[i];
-      if (!w.key && views[i].given_is_final) return;
-      const Prior prior =
-          p.priorOf(supports[i], shadows[i], i, seeing - (cv::countNonZero(masks[i]) > 0), demanded, floor);
-      if (round == 0) out[i].supported = 1 - shareOf(prior.doubt == kContradicted, w.first);
-      if (w.doubt.empty()) w.doubt = prior.doubt.clone();
-      prior.doubt.copyTo(w.doubt, w.doubt == kNoDoubt);  // the first reason counts
-      if (w.key) {
-        if (!views[i].colours) w.key->learn(w.mask & (prior.doubt == kNoDoubt));
-        w.cost = prior.cost;
-        w.mask = w.key->cut(sum(prior.cost, w.own_cost));
-      }
-      dropComponents(w.mask, prior.doubt, w.hints);
-    });
-  }
+  inParallel(views.size(), [&](size_t i) { beginWork(views[i], p.reduction[i], work[i], out[i]); });
+  for (int round = 0; round < (p.options.alone ? 0 : p.options.rounds); ++round) p.settle(views, work, out);
   inParallel(views.size(), [&](size_t i) {
-    Work& w = work[i];
+    const Work& w = work[i];
+    const cv::Size size(views[i].picture.width, views[i].picture.height);
     out[i].matte = finished(views[i], w, p.reduction[i]);
     if (!views[i].hints.empty()) obey(views[i].hints, out[i].matte);
     out[i].kept = shareOf(w.mask, w.first);
-    out[i].own = resizedMask(w.first, {views[i].picture.width, views[i].picture.height});
-    if (w.doubt.empty()) return;
-    cv::Mat dropped = w.first & ~w.mask, why = cv::max(w.doubt, cv::Scalar(64));
-    cv::Mat small = cv::Mat::zeros(dropped.size(), CV_8U);
-    why.copyTo(small, dropped);
-    cv::resize(small, out[i].dropped, {views[i].picture.width, views[i].picture.height}, 0, 0, cv::INTER_NEAREST);
+    out[i].own = resizedMask(w.first, size);
+    if (!w.doubt.empty()) cv::resize(droppedOf(w), out[i].dropped, size, 0, 0, cv::INTER_NEAREST);
   });
   return out;
 }

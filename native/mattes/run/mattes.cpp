@@ -110,7 +110,7 @@ class Run {
   std::string sourceName(size_t camera) const {
     for (const capture::CaptureSequence& s : capture_.sequences)
       if (lacksMattes(s, capture_.cameras[camera])) return sources_.empty() ? "earlier run" : sources_[camera].name();
-    return "the capture's mattes";
+    return kGivenMattes;
   }
 
   Status openSourcesOnce() {

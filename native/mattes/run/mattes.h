@@ -16,6 +16,8 @@ namespace fourdvt::mattes {
 inline constexpr const char* kReportJson = "mattes.json";
 inline constexpr const char* kReportHtml = "mattes.html";
 
+inline constexpr const char* kGivenMattes = "the capture's mattes";
+
 // One camera in one frame.
 struct CameraFigures {
   double shift_pixels = 0, gain = 1, residual_levels = 0;  // of plate to picture, see PlateFit
@@ -31,7 +33,7 @@ struct SequenceFigures {
 struct MattesSummary {
   uint32_t frames = 0, frames_kept = 0;  // kept: finished by an earlier run
   double wall_s = 0;
-  std::vector<std::string> sources;  // [camera] see MatteSource::name
+  std::vector<std::string> sources;  // [camera] see MatteSource::name, or kGivenMattes
   std::vector<SequenceFigures> sequences;
   std::vector<std::string> warnings;  // one line each
 };

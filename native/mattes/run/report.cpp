@@ -120,6 +120,9 @@ std::vector<std::string> warningsOf(const capture::Capture& capture, const Matte
                       " pixels off its plate; it was moved after its plate was taken, or after its calibration");
       if (spreadOf(s, c, &CameraFigures::share).high == 0) out.push_back(camera + " sees nothing of the performer");
     }
+  if (std::all_of(summary.sources.begin(), summary.sources.end(),
+                  [](const std::string& s) { return s == kGivenMattes; }))
+    out.push_back("all cameras have mattes already: none were made, and the report shows those");
   for (size_t c = 0; c < capture.cameras.size(); ++c)
     if (summary.sources[c] == "clips")
       out.push_back("camera \"" + capture.cameras[c].pinhole.name +
