@@ -30,6 +30,9 @@ export const groups = [
 
 export const pages = groups.flatMap((group) => group.pages);
 
+/** Pictures of the documents, in site/docs/capture/; made by capture_pictures.mjs. */
+export const capturePictures = ['cameras', 'calibration', 'sync', 'mattes', 'clips', 'hints'].map((name) => `capture/${name}.webp`);
+
 /** Files of the repository that the assembled site has, too: path → path from docs/. */
 export const served = new Map([
   ['README.md', 'index.html'],
@@ -39,5 +42,6 @@ export const served = new Map([
   ['site/measured/index.html', '../measured/index.html'],
   ['site/measured/figures.json', '../measured/figures.json'],
   ['site/docs/layering.svg', 'layering.svg'],
+  ...capturePictures.map((path) => [`site/docs/${path}`, path]),
   ...['embed', 'steer', 'gallery', 'own-controls'].map((name) => [`web/examples/${name}.html`, `../examples/${name}.html`]),
 ]);

@@ -2,7 +2,7 @@
 // The documents: what they take from the code is current, every link leads somewhere in the repository and on the rendered
 // site, and their claims about figures hold for site/measured/figures.json.
 import assert from 'node:assert/strict';
-import { existsSync, mkdtempSync, readFileSync, readdirSync, rmSync } from 'node:fs';
+import { existsSync, mkdtempSync, readFileSync, readdirSync, rmSync, statSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { dirname, join, posix } from 'node:path';
 import { after, before, test } from 'node:test';
@@ -11,7 +11,7 @@ import { fileURLToPath } from 'node:url';
 import { errorTables } from '../../site/docs/errors.mjs';
 import { layeringPicture, parseLayering } from '../../site/docs/layering.mjs';
 import { run } from '../../site/docs/make.mjs';
-import { pages, served } from '../../site/docs/pages.mjs';
+import { capturePictures, pages, served } from '../../site/docs/pages.mjs';
 import { renderDocs, renderPage, slug } from '../../site/docs/render.mjs';
 import { Shown } from '../../site/measured/shown.mjs';
 
@@ -63,6 +63,16 @@ test('every link of a rendered page leads to a file of the site, and to a place 
     assert.match(text, /<main[\s\S]*<h1 id=/, `${page} begins with a heading`);
   }
   assert.ok(links > 300, `${links} links`);
+});
+
+test('the guide shows every picture that is made for it, the site has them, and together they stay small', () => {
+  const guide = read('native/capture/CAPTURE.md'), shown = [...guide.matchAll(/!\[[^\]]+\]\(\.\.\/\.\.\/site\/docs\/([^)]+)\)/g)].map((match) => match[1]);
+  assert.deepEqual(shown.toSorted(), capturePictures.toSorted());
+  assert.deepEqual(readdirSync(join(kRoot, 'site/docs/capture')).map((name) => `capture/${name}`).toSorted(), capturePictures.toSorted());
+  const script = read('site/docs/capture_pictures.mjs').match(/const kPictures = \{ ([\w, ]+) \}/)[1].split(', ');
+  assert.deepEqual(script.map((name) => `capture/${name}.webp`).toSorted(), capturePictures.toSorted(), 'node site/docs/capture_pictures.mjs makes them');
+  for (const path of capturePictures) assert.ok(existsSync(join(out, path)), path);
+  assert.ok(capturePictures.reduce((sum, path) => sum + statSync(join(kRoot, 'site/docs', path)).size, 0) < 600_000, 'pictures of the guide');
 });
 
 test('anchors of links in the repository exist', () => {
