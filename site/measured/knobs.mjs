@@ -2,7 +2,7 @@
 // node site/measured/knobs.mjs [--table]: how far each disturbance of a capture hurts mattes and surfaces, measured with the
 // virtual studio's knobs; writes site/measured/knobs.md. About 15 minutes; needs a release build with -DFOURDVT_LAB=ON.
 //   Resume   run it again after a kill: finished rows are in build/measured/knobs/HASH, each written as a whole. HASH is
-//            that of native/ and shaders/, as committed, and of the studio's options; a row whose options changed is measured anew
+//            that of native/ and shaders/ without Markdown, as committed, and of the studio's options; a row whose options changed is measured anew
 //   --table  writes the document from the finished rows alone
 import { execFileSync, spawnSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
@@ -36,7 +36,7 @@ const kRows = [
 ];
 
 const git = (...words) => execFileSync('git', words, { cwd: kRoot, encoding: 'utf8' }).trim();
-const hash = createHash('sha256').update([git('rev-parse', 'HEAD:native', 'HEAD:shaders'), kStudio].join('\n')).digest('hex').slice(0, 16);
+const hash = createHash('sha256').update([...git('ls-tree', '-r', 'HEAD', 'native', 'shaders').split('\n').filter((line) => !line.endsWith('.md')), kStudio].join('\n')).digest('hex').slice(0, 16);
 const folder = join('build/measured/knobs', hash);
 
 /** What a program printed, or null and the last line that it complained with. */
@@ -84,7 +84,7 @@ const refusals = (rows) => rows.flatMap((row) => [['each camera by itself', row.
 
 const documentOf = (rows, date) => `# Disturbances of a capture
 
-Measured on ${date}, commit ${git('log', '-1', '--format=%h', '--', 'native', 'shaders')}. Command: \`node site/measured/knobs.mjs\`.
+Measured on ${date}, commit ${git('log', '-1', '--format=%h', '--', 'native', 'shaders', ':!*.md')}. Command: \`node site/measured/knobs.mjs\`.
 
 The virtual studio's room, filmed by
 \`fourdvt-lab studio procedural ${kStudio}\`
