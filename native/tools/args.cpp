@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <string_view>
 
 namespace fourdvt::tools {
@@ -85,8 +84,8 @@ Args::Args(const CommandHelp& help, int argc, char** argv) {
     if (!option->value && joined) complain(name + " takes no value");
     if (option->value && !joined) {
       const char* next = i + 1 < argc ? argv[i + 1] : nullptr;
-      // If an option follows, the value was forgotten, unless what follows is a negative number.
-      if (!next || (next[0] == '-' && next[1] != '\0' && !std::strchr("0123456789.", next[1]))) {
+      // If an option follows, the value was forgotten. Negative numbers and axes (-Y) are values.
+      if (!next || (next[0] == '-' && (next[1] == '-' || find(help, next)))) {
         complain(name + " needs a value: " + option->value);
         continue;
       }

@@ -51,6 +51,8 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"render a -o b.png --refine none", "belong to --method fvvr"},
         Mistake{"bake a -o b --resume=1", "--resume"}, Mistake{"bake a -o b -o c", "twice"},
         Mistake{"import", "missing argument"}, Mistake{"import a", "-o is required"},
+        Mistake{"import a -o b --up --scale 1", "--up needs a value"},
+        Mistake{"import a --up -o b", "--up needs a value"}, Mistake{"import -o b --up -Y", "missing argument"},
         Mistake{"import a -o b --up W", "--up must be X, -X, Y, -Y, Z or -Z"},
         Mistake{"import a -o b --scale 0", "--scale"}, Mistake{"import a -o b --fps 0", "--fps"},
         Mistake{"import a -o b --sequences walk", "NAME=FOLDER"}, Mistake{"import a -o b --sequences w=a,w=b", "twice"},
