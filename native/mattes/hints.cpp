@@ -62,29 +62,31 @@ Status readCamera(const fs::path& folder, const capture::CaptureCamera& camera,
 
 }  // namespace
 
-Result<Strokes> readStrokes(const capture::Capture& capture, const capture::CaptureSequence& sequence,
-                            bool only_sequence) {
+Result<Strokes> readStrokes(const capture::Capture& capture, const capture::CaptureSequence& sequence) {
   const fs::path all = fs::path(capture.folder) / capture::kHintsFolder;
   Strokes out(capture.cameras.size());
+  FOURDVT_ASSIGN(const auto calibrated, capture::readColmapCameras(capture.cameras_folder));
+  const auto isCamera = [&](const std::string& name) {
+    return std::any_of(calibrated.begin(), calibrated.end(), [&](const auto& c) { return c.pinhole.name == name; });
+  };
   std::error_code failed;
-  const bool by_sequence = fs::is_directory(all / sequence.name, failed);
-  if (!by_sequence && !only_sequence) {
-    for (const capture::CaptureCamera& camera : capture.cameras)
-      if (fs::exists(all / camera.pinhole.name, failed))
-        return Error{ErrorId::InvalidArgument, (all / camera.pinhole.name).string() +
-                                                   ": the capture has several sequences; move these hints to " +
-                                                   (all / sequence.name / camera.pinhole.name).string() +
-                                                   " or another sequence's folder"};
-    return out;
-  }
-  const fs::path folder = by_sequence ? all / sequence.name : all;
-  for (const fs::path& entry : entriesOf(folder)) {
-    const auto at = std::find_if(capture.cameras.begin(), capture.cameras.end(),
-                                 [&](const auto& c) { return c.pinhole.name == entry.filename().string(); });
-    if (at == capture.cameras.end())
+  const bool by_sequence = fs::is_directory(all / sequence.name, failed) && !isCamera(sequence.name);
+  for (const fs::path& entry : entriesOf(by_sequence ? all / sequence.name : all)) {
+    const std::string name = entry.filename().string();
+    if (!isCamera(name)) {
+      // Another sequence's hints, perhaps of one that is not asked for.
+      if (!by_sequence && fs::is_directory(fs::path(capture.folder) / name, failed)) continue;
       return Error{ErrorId::InvalidArgument,
                    entry.string() + ": no camera has this name; hints lie in folders named after cameras"};
-    FOURDVT_TRY(readCamera(entry, *at, sequence, out[size_t(at - capture.cameras.begin())]));
+    }
+    if (!by_sequence && capture.sequences.size() > 1)
+      return Error{ErrorId::InvalidArgument,
+                   entry.string() + ": the capture has several sequences; move these hints to " +
+                       (all / sequence.name / name).string() + " or another sequence's folder"};
+    const auto at = std::find_if(capture.cameras.begin(), capture.cameras.end(),
+                                 [&](const auto& c) { return c.pinhole.name == name; });
+    if (at != capture.cameras.end())
+      FOURDVT_TRY(readCamera(entry, *at, sequence, out[size_t(at - capture.cameras.begin())]));
   }
   return out;
 }
@@ -110,10 +112,21 @@ void HintTrack::advance(const Image& picture, const cv::Mat* strokes) {
   grey_ = now;
   strokes_ = strokes ? *strokes : cv::Mat();
   if (!strokes) return;
-  for (int y = kSpacing / 2; y < strokes->rows; y += kSpacing)
-    for (int x = kSpacing / 2; x < strokes->cols; x += kSpacing)
-      if (const uint8_t stroke = strokes->at<uint8_t>(y, x))
-        points_.push_back({{float(x), float(y)}, stroke == kObjectStroke});
+  for (int y = 0; y < strokes->rows; y += kSpacing)
+    for (int x = 0; x < strokes->cols; x += kSpacing) addPoint(*strokes, x, y);
+}
+
+// The stroke's pixel nearest to the middle of a cell of kSpacing pixels: thin strokes travel, too.
+void HintTrack::addPoint(const cv::Mat& strokes, int cell_x, int cell_y) {
+  int nearest = kSpacing * kSpacing;
+  Point point{};
+  for (int y = cell_y; y < std::min(cell_y + kSpacing, strokes.rows); ++y)
+    for (int x = cell_x; x < std::min(cell_x + kSpacing, strokes.cols); ++x) {
+      const int dx = x - cell_x - kSpacing / 2, dy = y - cell_y - kSpacing / 2, away = dx * dx + dy * dy;
+      const uint8_t stroke = strokes.at<uint8_t>(y, x);
+      if (stroke != 0 && away < nearest) nearest = away, point = {{float(x), float(y)}, stroke == kObjectStroke};
+    }
+  if (nearest < kSpacing * kSpacing) points_.push_back(point);
 }
 
 cv::Mat HintTrack::cost() const {

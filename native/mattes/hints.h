@@ -21,10 +21,11 @@ inline constexpr float kObeyed = 1e4f;                                // nats: w
 // Strokes of one sequence: [camera][frame] CV_8U, as filmed.
 using Strokes = std::vector<std::map<uint32_t, cv::Mat>>;
 
-// hints/CAMERA/… will do in a capture of one sequence (`only_sequence`). Empty maps without hints. Errors: FrameSize,
-// FileUnreadable, and InvalidArgument for names of cameras and numbers of frames that the capture has not.
-Result<Strokes> readStrokes(const capture::Capture& capture, const capture::CaptureSequence& sequence,
-                            bool only_sequence);
+// hints/CAMERA/… will do in a capture of one sequence. Hints of cameras and sequences that take no part (left out, not
+// asked for) are not read. Empty maps without hints. Errors: FrameSize, FileUnreadable, and InvalidArgument for numbers
+// of frames that the sequence has not, files that are no hints, and names that neither the calibration nor the
+// capture's folder has.
+Result<Strokes> readStrokes(const capture::Capture& capture, const capture::CaptureSequence& sequence);
 
 // The hints of one camera through a sequence.
 class HintTrack {
@@ -34,13 +35,15 @@ class HintTrack {
   // CV_32F: nats that pixels cost more as object, by the strokes of this frame and those that have travelled here;
   // empty if there are none.
   cv::Mat cost() const;
-  bool idle() const { return points_.empty(); }
+  bool idle() const { return points_.empty() && strokes_.empty(); }
 
  private:
   struct Point {
     cv::Point2f at;
     bool object;
   };
+  void addPoint(const cv::Mat& strokes, int cell_x, int cell_y);
+
   cv::Mat grey_, strokes_;  // of the frame
   std::vector<Point> points_;
 };

@@ -94,12 +94,12 @@ void obey(const cv::Mat& hints, Image& matte) {
 
 // One camera's state while the masks of all settle.
 struct Work {
-  capture::BackgroundModel background;  // fitted, full size
-  std::optional<capture::KeyCut> key;   // at the reduced size
-  cv::Mat first, mask, hints, doubt;    // at the reduced size
-  cv::Mat own_cost;                     // at the reduced size: hints and what else the camera knows
-  cv::Mat darkness;                     // at the reduced size, see SupportFinder::shadows
-  cv::Mat cost;                         // of the last round
+  std::optional<capture::BackgroundModel> fitted;  // full size; else the view's plates
+  std::optional<capture::KeyCut> key;              // at the reduced size
+  cv::Mat first, mask, hints, doubt;               // at the reduced size
+  cv::Mat own_cost;                                // at the reduced size: hints and what else the camera knows
+  cv::Mat darkness;                                // at the reduced size, see SupportFinder::shadows
+  cv::Mat cost;                                    // of the last round
 };
 
 }  // namespace
@@ -208,18 +208,17 @@ void beginWork(const MatteView& view, int reduction, Work& w, CameraMatte& out) 
   if (!view.more_cost.empty()) cv::resize(view.more_cost, w.own_cost, small, 0, 0, cv::INTER_AREA);
   w.own_cost = sum(w.own_cost, w.hints);
   if (!view.plates) {
-    w.first = w.mask = resizedMask(matrixOf(view.given) >= 128, small);
+    w.mask = resizedMask(matrixOf(view.given) >= 128, small);
+    w.first = w.mask.clone();
     return;
   }
   if (view.fit_plates) {
     capture::PlateFit fitted = capture::fitPlate(*view.plates, view.picture);
     out.shift_pixels = fitted.shift_pixels, out.gain = fitted.gain[1], out.residual_levels = fitted.residual_levels;
-    w.background = std::move(fitted.background);
-  } else {
-    w.background = *view.plates;
+    w.fitted = std::move(fitted.background);
   }
   const Image picture = reduced(view.picture, reduction);
-  const capture::BackgroundModel background = reduced(w.background, reduction);
+  const capture::BackgroundModel background = reduced(w.fitted ? *w.fitted : *view.plates, reduction);
   w.darkness = darknessOf(picture, background);
   w.key.emplace(picture, background);
   if (view.colours)
@@ -256,7 +255,7 @@ Image finished(const MatteView& view, const Work& w, int reduction) {
   cv::erode(given, inner, box, {-1, -1}, 1, cv::BORDER_REPLICATE);
   cv::dilate(given, outer, box, {-1, -1}, 1, cv::BORDER_REPLICATE);
   if (!w.cost.empty()) cv::resize(w.cost, cost, size, 0, 0, cv::INTER_LINEAR);
-  capture::KeyCut key(view.picture, w.background);
+  capture::KeyCut key(view.picture, w.fitted ? *w.fitted : *view.plates);
   if (view.colours)
     key.use(*view.colours);
   else
@@ -303,17 +302,23 @@ std::vector<CameraMatte> JointMattes::make(std::span<const MatteView> views) con
   assert(views.size() == p.reduction.size());
   std::vector<Work> work(views.size());
   std::vector<CameraMatte> out(views.size());
-  inParallel(views.size(), [&](size_t i) { beginWork(views[i], p.reduction[i], work[i], out[i]); });
-  for (int round = 0; round < (p.options.alone ? 0 : p.options.rounds); ++round) p.settle(views, work, out);
-  inParallel(views.size(), [&](size_t i) {
+  const auto finish = [&](size_t i) {
     const Work& w = work[i];
     const cv::Size size(views[i].picture.width, views[i].picture.height);
     out[i].matte = finished(views[i], w, p.reduction[i]);
-    if (!views[i].hints.empty()) obey(views[i].hints, out[i].matte);
+    if (!views[i].hints.empty() && !views[i].given_is_final) obey(views[i].hints, out[i].matte);
     out[i].kept = shareOf(w.mask, w.first);
     out[i].own = resizedMask(w.first, size);
     if (!w.doubt.empty()) cv::resize(droppedOf(w), out[i].dropped, size, 0, 0, cv::INTER_NEAREST);
+    work[i] = {};
+  };
+  inParallel(views.size(), [&](size_t i) {
+    beginWork(views[i], p.reduction[i], work[i], out[i]);
+    if (p.options.alone) finish(i);
   });
+  if (p.options.alone) return out;
+  for (int round = 0; round < p.options.rounds; ++round) p.settle(views, work, out);
+  inParallel(views.size(), finish);
   return out;
 }
 

@@ -94,6 +94,17 @@ TEST_F(Mattes, GoOnAfterAnInterruption) {
   }
 }
 
+TEST_F(Mattes, NeverWriteIntoTheCapture) {
+  const std::string given = copyOf(capture_, "mattes-given");
+  fs::create_directories(given + "/walk/mask01");  // no frame 0: no mattes
+  writeText(given + "/walk/mask01/000002.png", "somebody's file");
+  const Outcome outcome = fourdvt("mattes " + given + " -o " + folder_ + "/given");
+  ASSERT_EQ(outcome.code, 0) << outcome.output;
+  EXPECT_EQ(readText(given + "/walk/mask01/000002.png"), "somebody's file");
+  EXPECT_FALSE(exists(given + "/walk/mask01/000000.png"));
+  EXPECT_TRUE(exists(folder_ + "/given/walk/mask01/000000.png"));
+}
+
 TEST_F(Mattes, NeedNoPlates) {
   const std::string bare = copyOf(capture_, "mattes-bare");
   fs::remove_all(bare + "/background");
@@ -104,6 +115,7 @@ TEST_F(Mattes, NeedNoPlates) {
   EXPECT_EQ(outcome.code, 0) << outcome.output;
   EXPECT_NE(outcome.output.find("has no plate"), std::string::npos) << outcome.output;
   EXPECT_TRUE(exists(folder_ + "/bare/walk/mask03/000003.png"));
+  EXPECT_GT(agreement(folder_ + "/bare"), 0.3);  // four frames of a walk in place: legs and arms alone move
 }
 
 TEST_F(Mattes, ObeyHints) {
@@ -141,14 +153,19 @@ TEST_F(Mattes, NameTheCameraThatDoesNotFit) {
         std::rotate(p.at(0, y), p.at(50, y), p.at(0, y) + size_t(p.width) * size_t(p.channels));
       ASSERT_TRUE(platform::writeImage(file.path().string(), p).ok());
     }
-  for (const char* command : {"mattes ", "reconstruct --refine none "}) {
-    const Outcome outcome = fourdvt(command + mixed + " -o " + folder_ + "/mixed");
+  for (const std::string command : {"mattes ", "reconstruct --refine none "}) {
+    const std::string target = folder_ + "/mixed-" + command[0];
+    const Outcome outcome = fourdvt(command + mixed + " -o " + target);
     EXPECT_EQ(outcome.code, 1);
     EXPECT_NE(outcome.output.find("walk, frame 0: the silhouette of camera \"cam02\" does not fit"), std::string::npos)
         << outcome.output;
     EXPECT_NE(outcome.output.find("--leave-out"), std::string::npos);
-    EXPECT_FALSE(exists(folder_ + "/mixed"));
+    EXPECT_FALSE(exists(target));
+    EXPECT_TRUE(exists(target + ".work"));
   }
+  // What one command left is not the other's to remove.
+  const Outcome taken = fourdvt("reconstruct " + mixed + " -o " + folder_ + "/mixed-m --leave-out cam02");
+  EXPECT_TRUE(isOneLineWith(taken, "unfinished work of another command")) << taken.output;
   const Outcome without =
       fourdvt("reconstruct --refine none " + mixed + " -o " + folder_ + "/mixed --leave-out cam02 --voxel-mm 25");
   ASSERT_EQ(without.code, 0) << without.output;
@@ -174,6 +191,10 @@ TEST_F(Mattes, AreMadeByReconstructWhereTheyAreMissing) {
   EXPECT_EQ(differences(surfaces + "/walk/mask02", made() + "/walk/mask02"), std::vector<std::string>{});
   const auto json = nlohmann::json::parse(readText(surfaces + "/reconstruct.json"));
   EXPECT_GT(json["mean_overlap"], 0.93);
+  const Outcome over = fourdvt("mattes " + capture_ + " -o " + surfaces);
+  EXPECT_EQ(over.code, 1);
+  EXPECT_TRUE(isOneLineWith(over, "another command's result")) << over.output;
+  EXPECT_TRUE(exists(surfaces + "/walk/mesh/000003.ply"));
 }
 
 }  // namespace

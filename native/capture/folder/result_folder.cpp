@@ -15,14 +15,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Names relative to `folder`, sizes and times of all files below it, except meshes and held-out pictures.
-std::vector<std::string> filesOf(const std::string& folder) {
+// Names relative to `folder`, sizes and times of all files below it, except a sequence's meshes and held-out pictures.
+std::vector<std::string> filesOf(const std::string& folder, bool of_sequence) {
   std::vector<std::string> files;
   std::error_code failed, ignored;
   constexpr auto kFollow = fs::directory_options::follow_directory_symlink;
   for (fs::recursive_directory_iterator it(folder, kFollow, failed), end; !failed && it != end; it.increment(failed)) {
     const std::string name = it->path().filename().string();
-    if (it.depth() == 0 && (name == kMeshFolder || name.starts_with("test"))) {
+    if (of_sequence && it.depth() == 0 && (name == kMeshFolder || name.starts_with("test"))) {
       it.disable_recursion_pending();
       continue;
     }
@@ -52,12 +52,12 @@ std::string inputsKey(const Capture& capture) {
   add(cameras.images);
   for (const CaptureCamera& camera : capture.cameras)  // the texts cannot say it
     if (camera.distortion.skew != 0) add(camera.pinhole.name + " " + std::to_string(camera.distortion.skew));
-  add(std::to_string(int(capture.background_kind)));
+  add(std::to_string(int(capture.background_kind)) + " " + std::to_string(capture.ground_y_m));
   for (const std::string& folder : {capture.background_folder, capture.folder + "/" + kHintsFolder})
-    for (const std::string& file : filesOf(folder)) add(file);
+    for (const std::string& file : filesOf(folder, false)) add(file);
   for (const CaptureSequence& sequence : capture.sequences) {
     add(sequence.name + " " + std::to_string(sequence.frame_count));
-    for (const std::string& file : filesOf(sequence.folder)) add(file);
+    for (const std::string& file : filesOf(sequence.folder, true)) add(file);
   }
   char text[20];
   std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
@@ -78,7 +78,10 @@ Result<std::string> checkedTarget(const std::string& folder, const std::string& 
   }
   if (!fs::exists(target, failed)) return target.string();
   if (!fs::is_directory(target, failed)) return bad("exists and is not a folder; choose another output folder");
-  if (fs::is_empty(target, failed) || fs::exists(target / writer.marker, failed)) return target.string();
+  if (fs::is_empty(target, failed)) return target.string();
+  if (!writer.not_with.empty() && fs::exists(target / writer.not_with, failed))
+    return bad("has a " + writer.not_with + ", another command's result; choose another output folder");
+  if (fs::exists(target / writer.marker, failed)) return target.string();
   return bad("exists and was not written by " + writer.command + " (no " + writer.marker +
              " inside); choose another output folder");
 }
@@ -91,7 +94,13 @@ Status ResultFolder::open(const std::string& key, bool resume) const {
       return Error{ErrorId::InvalidArgument, folder + ": exists and was not left by " + writer_.command +
                                                  "; move it away or choose another output folder"};
   }
-  const bool same = found.ok() && std::string(found.value().begin(), found.value().end()) == key;
+  const std::string left(found.ok() ? std::string(found.value().begin(), found.value().end()) : "");
+  if (found.ok() && !left.ends_with(signature()))
+    return Error{ErrorId::InvalidArgument, workFolder() +
+                                               ": is unfinished work of another command, or of an earlier "
+                                               "version; finish that, or remove it and " +
+                                               partFolder()};
+  const bool same = left == key + signature();
   if (resume && found.ok() && !same) {
     return Error{ErrorId::InvalidArgument,
                  workFolder() +
@@ -103,7 +112,7 @@ Status ResultFolder::open(const std::string& key, bool resume) const {
     platform::removeFolder(partFolder());
   }
   FOURDVT_TRY(platform::makeFolder(workFolder()));
-  FOURDVT_TRY(platform::writeFileAtomic(keyPath(), key));
+  FOURDVT_TRY(platform::writeFileAtomic(keyPath(), key + signature()));
   return platform::makeFolder(partFolder());
 }
 

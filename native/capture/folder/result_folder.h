@@ -15,8 +15,9 @@ namespace fourdvt::capture {
 
 // One of the commands that write capture folders.
 struct FolderWriter {
-  std::string command;  // "reconstruct"
-  std::string marker;   // a file that every folder of its has, "reconstruct.json"
+  std::string command;   // "reconstruct"
+  std::string marker;    // a file that every folder of its has, "reconstruct.json"
+  std::string not_with;  // a file that none of its folders has, though another command's folder with the marker may
 };
 
 // Absolute, without links. Errors: InvalidArgument if `folder` and the capture that is read lie in each other, or if
@@ -42,6 +43,7 @@ class ResultFolder {
   Status finish() const;
 
  private:
+  std::string signature() const { return "by " + writer_.command + "\n"; }
   std::string keyPath() const { return workFolder() + "/settings.txt"; }
 
   std::string target_;

@@ -62,9 +62,10 @@ Status addClipPlates(const capture::Capture& capture, const MattesEnvironment& e
                      std::vector<MatteSource>& sources, const std::vector<bool>& wanted) {
   const std::vector<Instant> samples = samplesOf(capture);
   if (samples.size() < kFewestSamples)
-    return Error{ErrorId::InvalidArgument, capture.background_folder +
-                                               ": no plates, and too few frames to find the background in; add plates "
-                                               "of the empty room, or mattes"};
+    return Error{ErrorId::InvalidArgument,
+                 capture.background_folder +
+                     ": not every camera has a plate, and there are too few frames to find the "
+                     "background in; add plates of the empty room, or mattes"};
   const size_t cameras = capture.cameras.size();
   std::vector<std::vector<Image>> small(cameras);
   std::vector<Status> done(cameras);

@@ -25,7 +25,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr uint32_t kShownFrames = 6;          // of a sequence, in its contact sheets
 constexpr const char* kVersion = "mattes 1";  // raise it when the same options give other mattes
-const capture::FolderWriter kWriter{"mattes", kReportJson};
+const capture::FolderWriter kWriter{"mattes", kReportJson, "reconstruct.json"};
 
 double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -82,10 +82,16 @@ class Run {
 
   Result<MattesSummary> run() {
     MattesSummary out;
+    FOURDVT_TRY(platform::makeFolder(work_ + "/mattes"));
+    for (const capture::CaptureSequence& s : capture_.sequences) {  // mistakes in hints are told before any work
+      FOURDVT_ASSIGN(auto strokes, readStrokes(capture_, s));
+      strokes_.push_back(std::move(strokes));
+    }
     for (const capture::CaptureSequence& s : capture_.sequences) {
       FOURDVT_ASSIGN(auto figures, runSequence(s));
       out.sequences.push_back(std::move(figures));
     }
+    source_names_ = sourceNames();
     for (size_t c = 0; c < capture_.cameras.size(); ++c) out.sources.push_back(sourceName(c));
     out.frames = done_, out.frames_kept = kept_;
     out.wall_s = since(started_);
@@ -98,6 +104,16 @@ class Run {
   std::vector<uint32_t> framesOf(const capture::CaptureSequence& s) const {
     return spread(s.frame_count, options_.preview > 0 ? uint32_t(options_.preview) : s.frame_count);
   }
+  std::string sourcesPath() const { return work_ + "/mattes/sources.json"; }
+  // What an earlier run, or this one, made mattes from.
+  std::vector<std::string> sourceNames() const {
+    std::vector<std::string> out(capture_.cameras.size(), "none");
+    const auto bytes = platform::readFile(sourcesPath());
+    const Json json = bytes.ok() ? Json::parse(bytes.value(), nullptr, false) : Json();
+    for (size_t c = 0; json.is_array() && c < std::min(json.size(), out.size()); ++c)
+      if (json[c].is_string()) out[c] = json[c];
+    return out;
+  }
   std::string cellsFolder() const { return work_ + "/cells"; }
   std::string figuresPath(const capture::CaptureSequence& s, uint32_t frame) const {
     return work_ + "/mattes/" + s.name + "/" + frameName(frame) + ".json";
@@ -109,13 +125,20 @@ class Run {
   }
   std::string sourceName(size_t camera) const {
     for (const capture::CaptureSequence& s : capture_.sequences)
-      if (lacksMattes(s, capture_.cameras[camera])) return sources_.empty() ? "earlier run" : sources_[camera].name();
+      if (lacksMattes(s, capture_.cameras[camera])) return source_names_.at(camera);
     return kGivenMattes;
+  }
+
+  const Strokes& strokesOf(const capture::CaptureSequence& s) const {
+    return strokes_[size_t(&s - capture_.sequences.data())];
   }
 
   Status openSourcesOnce() {
     if (joint_) return {};
     FOURDVT_ASSIGN(sources_, openSources(capture_, environment_));
+    Json names = Json::array();
+    for (const MatteSource& source : sources_) names.push_back(source.name());
+    FOURDVT_TRY(platform::writeFileAtomic(sourcesPath(), names.dump()));
     JointOptions joint;
     joint.alone = options_.alone;
     joint.background_unseen =
@@ -129,9 +152,23 @@ class Run {
   Status makeFolders(const capture::CaptureSequence& s) const {
     for (size_t c = 0; c < capture_.cameras.size(); ++c) {
       FOURDVT_TRY(platform::makeFolder(cellsFolder() + "/" + s.name + "/" + capture_.cameras[c].pinhole.name));
-      if (lacksMattes(s, capture_.cameras[c])) FOURDVT_TRY(platform::makeFolder(mattesFolder(s, c)));
+      if (!lacksMattes(s, capture_.cameras[c])) continue;
+      // A folder of this name without mattes was linked: nothing is written into the capture.
+      std::error_code none;
+      if (std::filesystem::is_symlink(mattesFolder(s, c), none)) std::filesystem::remove(mattesFolder(s, c), none);
+      FOURDVT_TRY(platform::makeFolder(mattesFolder(s, c)));
     }
     return platform::makeFolder(work_ + "/mattes/" + s.name);
+  }
+
+  // Figures of a frame whose mattes are all there.
+  std::optional<std::vector<CameraFigures>> keptFigures(const capture::CaptureSequence& s, uint32_t frame) const {
+    std::error_code none;
+    for (size_t c = 0; c < capture_.cameras.size(); ++c)
+      if (lacksMattes(s, capture_.cameras[c]) &&
+          !std::filesystem::exists(mattesFolder(s, c) + "/" + frameName(frame) + ".png", none))
+        return std::nullopt;
+    return figuresIn(figuresPath(s, frame), capture_.cameras.size());
   }
 
   Result<SequenceFigures> runSequence(const capture::CaptureSequence& s) {
@@ -140,7 +177,8 @@ class Run {
     FOURDVT_TRY(makeFolders(s));
     std::optional<SequenceMattes> mattes;
     for (const uint32_t frame : out.numbers) {
-      if (auto kept = figuresIn(figuresPath(s, frame), capture_.cameras.size())) {
+      if (auto kept = keptFigures(s, frame)) {
+        agreed_ = s.name;
         out.frames.push_back(std::move(*kept));
         ++kept_, ++done_;
         continue;
@@ -149,7 +187,8 @@ class Run {
         return Error{ErrorId::Interrupted, "stopped; finished frames are kept in " + work_ + " for --resume"};
       if (!mattes) {
         FOURDVT_TRY(openSourcesOnce());
-        FOURDVT_ASSIGN(mattes, SequenceMattes::open(capture_, s, sources_, *joint_, environment_.open_video));
+        FOURDVT_ASSIGN(mattes,
+                       SequenceMattes::open(capture_, s, sources_, *joint_, strokesOf(s), environment_.open_video));
       }
       FOURDVT_ASSIGN(const auto made, mattes->make(frame));
       FOURDVT_TRY(checkAgreement(s, frame, made));
@@ -217,6 +256,8 @@ class Run {
   const MattesOptions& options_;
   const MattesEnvironment& environment_;
   std::vector<MatteSource> sources_;
+  std::vector<std::string> source_names_;
+  std::vector<Strokes> strokes_;  // [sequence]
   std::unique_ptr<JointMattes> joint_;
   std::string agreed_;  // name of the last sequence whose silhouettes were judged
   Clock::time_point started_ = Clock::now();

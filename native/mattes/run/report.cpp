@@ -19,6 +19,7 @@ using report::fixedText;
 
 constexpr double kContradicted = 0.15;  // of a camera's own key, on average, from which on the report warns
 constexpr double kShift_pixels = 3;
+constexpr size_t kColumns = 10;  // cells side by side in a contact sheet
 
 // A camera's figure over the frames of a sequence.
 struct Spread {
@@ -67,12 +68,23 @@ Result<Image> sheetOf(const std::string& folder, const std::string& title) {
     files.push_back(it->path());
   std::sort(files.begin(), files.end());
   if (files.empty()) return Image();
-  report::Sheet sheet{title, {}, {}, {{}}};
+  report::Sheet sheet{title + ", frames", {}, {}, {}};
   for (const fs::path& file : files) {
     FOURDVT_ASSIGN(auto cell, platform::readImage(file.string()));
-    sheet.columns.push_back("frame " + std::to_string(std::stoul(file.stem().string())));
-    sheet.cells[0].push_back(std::move(cell));
+    const std::string number = std::to_string(std::stoul(file.stem().string()));
+    if (sheet.cells.empty() || sheet.cells.back().size() == kColumns) {
+      sheet.cells.emplace_back();
+      sheet.rows.emplace_back();
+    }
+    sheet.rows.back() += (sheet.rows.back().empty() ? "" : " ") + number;
+    if (sheet.columns.size() < kColumns) sheet.columns.emplace_back();
+    sheet.cells.back().push_back(std::move(cell));
   }
+  if (sheet.cells.size() > 1) return report::drawSheet(sheet);
+  sheet.rows.clear();
+  for (size_t i = 0; i < files.size(); ++i)
+    sheet.columns[i] = "frame " + std::to_string(std::stoul(files[i].stem().string()));
+  sheet.title = title;
   return report::drawSheet(sheet);
 }
 

@@ -12,7 +12,7 @@ namespace fourdvt::mattes {
 
 Result<SequenceMattes> SequenceMattes::open(const capture::Capture& capture, const capture::CaptureSequence& sequence,
                                             const std::vector<MatteSource>& sources, const JointMattes& joint,
-                                            const OpenVideo& open_video) {
+                                            const Strokes& strokes, const OpenVideo& open_video) {
   SequenceMattes out(capture, sequence, sources, joint);
   for (const capture::CaptureCamera& camera : capture.cameras) {
     FOURDVT_ASSIGN(const auto place, capture::colourPlace(sequence, camera));
@@ -23,7 +23,7 @@ Result<SequenceMattes> SequenceMattes::open(const capture::Capture& capture, con
     if (!matte) continue;
     FOURDVT_ASSIGN(out.given_.back(), capture::PictureStream::open(*matte, sequence, 1, open_video));
   }
-  FOURDVT_ASSIGN(out.strokes_, readStrokes(capture, sequence, capture.sequences.size() == 1));
+  out.strokes_ = strokes;
   out.hints_.resize(capture.cameras.size());
   return out;
 }
@@ -77,7 +77,11 @@ Status SequenceMattes::checkPlates(const MattesFrame& frame) {
   for (size_t i = 0; i < frame.mattes.size(); ++i) {
     const auto& key = (*sources_)[i].key;
     if (given_[i] || !key) continue;
-    if (capture::keepsTheBorder(frame.mattes[i].matte) || frame.mattes[i].residual_levels > capture::kMostResidual)
+    // The camera's own key: others would hide that its plate does not fit.
+    const cv::Mat& own = frame.mattes[i].own;
+    Image key_alone(own.cols, own.rows, 1);
+    std::copy(own.begin<uint8_t>(), own.end<uint8_t>(), key_alone.pixels.begin());
+    if (capture::keepsTheBorder(key_alone) || frame.mattes[i].residual_levels > capture::kMostResidual)
       return capture::plateDoesNotFit(key->path(), colour_[i].path(), capture_->cameras[i].pinhole.name);
   }
   return {};

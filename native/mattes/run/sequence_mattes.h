@@ -20,10 +20,10 @@ struct MattesFrame {
 
 class SequenceMattes {
  public:
-  // All arguments outlive it. Errors: those of pictures and of readStrokes.
+  // All arguments outlive it. Errors: those of pictures.
   static Result<SequenceMattes> open(const capture::Capture& capture, const capture::CaptureSequence& sequence,
                                      const std::vector<MatteSource>& sources, const JointMattes& joint,
-                                     const OpenVideo& open_video);
+                                     const Strokes& strokes, const OpenVideo& open_video);
   // Frames in ascending order. Hints of the frames in between are followed. Errors: those of pictures; FileUnreadable
   // where a plate does not fit the first picture that is keyed.
   Result<MattesFrame> make(uint32_t frame);

@@ -20,7 +20,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-const capture::FolderWriter kWriter{"reconstruct", kReportJson};
+const capture::FolderWriter kWriter{"reconstruct", kReportJson, ""};
 constexpr uint32_t kWindow = 32;  // frames after which a surface no longer depends on those before
 
 double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -117,7 +117,7 @@ class Run {
     return Error{ErrorId::InvalidArgument,
                  sequence.folder + ", frame " + std::to_string(frame) + ": " + *why +
                      "; check that camera's matte, calibration and synchronisation, leave it out (--leave-out NAME), "
-                     "or go on all the same (--any-silhouettes)"};
+                     "or go on all the same (--any-silhouettes; --mattes-alone: cameras do not help each other)"};
   }
 
   // The frame to go on with: stereo keeps surfaces steady, so that they depend on the frames before them in a window.
@@ -147,6 +147,7 @@ class Run {
                    capture::FrameReader::open(linked_, *linked_.find(sequence.name), environment_.open_video));
     std::vector<FrameFigures> out;
     const auto earliest = store_.find(sequence.name, 0);
+    if (earliest) agreed_ = sequence.name;
     FOURDVT_TRY(maker.begin(earliest ? &*earliest : nullptr));
     const uint32_t first = firstToMake(sequence), shown = sequence.frame_count / 2;
     for (uint32_t frame = 0; frame < sequence.frame_count; ++frame) {

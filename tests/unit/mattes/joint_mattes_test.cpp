@@ -145,6 +145,9 @@ TEST(JointMattes, LeavesMattesOfTheCaptureAlone) {
   views[1].given_is_final = false;
   const auto keyed = JointMattes(scene.rig, kFloor_m).make(views);
   EXPECT_EQ(*keyed[1].matte.at(5, 3), 0);
+  EXPECT_EQ(keyed[1].dropped.at<uint8_t>(3, 5), 255);
+  EXPECT_EQ(keyed[1].own.at<uint8_t>(3, 5), 255);
+  EXPECT_LT(keyed[1].kept, 1);
   EXPECT_GT(unionShare(solid(keyed[1]), truth), 0.99);
 }
 
