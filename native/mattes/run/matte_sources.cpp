@@ -31,13 +31,15 @@ std::vector<Instant> samplesOf(const capture::Capture& capture) {
 
 // Calls take(picture) for the samples of a camera, in order.
 Status readSamples(const capture::CaptureCamera& camera, const std::vector<Instant>& samples,
-                   const OpenVideo& open_video, const std::function<void(Image)>& take) {
+                   const MattesEnvironment& environment, const std::function<void(Image)>& take) {
   std::optional<capture::PictureStream> stream;
   const capture::CaptureSequence* open = nullptr;
   for (const Instant& at : samples) {
+    if (environment.stop && *environment.stop)
+      return Error{ErrorId::Interrupted, "stopped while clips were read; nothing is lost, run the command again"};
     if (at.sequence != open) {
       FOURDVT_ASSIGN(const auto place, capture::colourPlace(*at.sequence, camera));
-      FOURDVT_ASSIGN(stream, capture::PictureStream::open(place, *at.sequence, 3, open_video));
+      FOURDVT_ASSIGN(stream, capture::PictureStream::open(place, *at.sequence, 3, environment.open_video));
       open = at.sequence;
     }
     FOURDVT_ASSIGN(auto picture, stream->read(at.frame));
@@ -72,7 +74,7 @@ Status addClipPlates(const capture::Capture& capture, const MattesEnvironment& e
   tell(environment, "reading clips for their background");
   inParallel(cameras, [&](size_t i) {
     const int reduction = reductionFor(capture.cameras[i], kClipPixels);
-    done[i] = readSamples(capture.cameras[i], samples, environment.open_video,
+    done[i] = readSamples(capture.cameras[i], samples, environment,
                           [&](Image picture) { small[i].push_back(reduced(picture, reduction)); });
   });
   FOURDVT_TRY(firstError(done));
@@ -82,7 +84,7 @@ Status addClipPlates(const capture::Capture& capture, const MattesEnvironment& e
   inParallel(cameras, [&](size_t i) {
     if (!wanted[i]) return;
     std::vector<Image> pictures;
-    done[i] = readSamples(capture.cameras[i], samples, environment.open_video,
+    done[i] = readSamples(capture.cameras[i], samples, environment,
                           [&](Image picture) { pictures.push_back(std::move(picture)); });
     if (!done[i].ok()) return;
     sources[i].from_clip = plateBehind(pictures, clips[i].masks);

@@ -29,7 +29,7 @@ bool lacksMattes(const capture::CaptureSequence& sequence, const capture::Captur
 Result<bool> wantsMattes(const capture::Capture& capture);
 
 // One source a camera. Errors: FileUnreadable, FrameSize, InvalidArgument (too few frames to find a background in),
-// those of pictures.
+// Interrupted, those of pictures.
 Result<std::vector<MatteSource>> openSources(const capture::Capture& capture, const MattesEnvironment& environment);
 
 }  // namespace fourdvt::mattes
