@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "capture/gradient.h"
 #include "capture/median.h"
 
 namespace fourdvt::capture {
@@ -34,15 +35,8 @@ cv::Mat flicker(const std::vector<cv::Mat>& plates, const cv::Mat& mean) {
   return cv::max(sum - 1.5 * noise, 0.0);
 }
 
-// What a shift of kShift_pixels changes at the plates' edges.
-cv::Mat shiftVariance(const cv::Mat& mean) {
-  cv::Mat dx, dy, planes[3];
-  cv::Sobel(mean, dx, CV_32F, 1, 0, 3, 0.125);
-  cv::Sobel(mean, dy, CV_32F, 0, 1, 3, 0.125);
-  cv::Mat squared = dx.mul(dx) + dy.mul(dy);
-  cv::split(squared, planes);
-  return kShift_pixels * kShift_pixels * cv::max(planes[0], cv::max(planes[1], planes[2]));
-}
+// The variance that a shift of kShift_pixels brings at the plates' edges.
+cv::Mat shiftVariance(const cv::Mat& mean) { return kShift_pixels * kShift_pixels * squaredGradient(mean); }
 
 // What a video's coarser chroma (4:2:0) changes where the plates, which are stored without it, change colour.
 cv::Mat chromaVariance(const cv::Mat& mean) {
@@ -59,6 +53,15 @@ cv::Mat chromaVariance(const cv::Mat& mean) {
 }
 
 }  // namespace
+
+cv::Mat squaredGradient(const cv::Mat& levels) {
+  cv::Mat dx, dy, planes[3];
+  cv::Sobel(levels, dx, CV_32F, 1, 0, 3, 0.125);
+  cv::Sobel(levels, dy, CV_32F, 0, 1, 3, 0.125);
+  cv::Mat squared = dx.mul(dx) + dy.mul(dy);
+  cv::split(squared, planes);
+  return cv::max(planes[0], cv::max(planes[1], planes[2]));
+}
 
 BackgroundModel makeBackgroundModel(std::span<const Image> plates) {
   assert(!plates.empty());

@@ -37,7 +37,7 @@ struct Distortion {
   }
 };
 
-// Whether a reader needs mattes, or plates to make them from.
+// Need of a reader: mattes (or plates to make them from), or colour alone.
 enum class MatteNeed { Required, None };
 
 struct CaptureCamera {

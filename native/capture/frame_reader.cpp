@@ -62,11 +62,7 @@ class CameraReader {
   // The first matte tells whether mattes are the wrong way round or plates do not fit. An empty one is fine.
   Status checkFirst(const Image& alpha, float residual_levels) {
     if (std::exchange(checked_, true)) return {};
-    if (matte_ && looksInverted(alpha)) {
-      return Error{ErrorId::FileUnreadable,
-                   matte_->path() + ": the matte keeps the picture's border and leaves out what is within, as if " +
-                       "object and background were swapped; invert the mattes: white is the object"};
-    }
+    if (matte_ && looksInverted(alpha)) return mattesAreSwapped(matte_->path());
     if (key_ && (keepsTheBorder(alpha) || residual_levels > kMostResidual))
       return plateDoesNotFit(key_->path(), colour_->path(), camera_.pinhole.name);
     return {};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/pictures.h"
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <opencv2/core.hpp>
@@ -11,6 +12,15 @@
 #include "capture/text.h"
 
 namespace fourdvt::capture {
+std::vector<std::filesystem::path> sortedEntries(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> out;
+  std::error_code failed;
+  for (std::filesystem::directory_iterator it(folder, failed), end; !failed && it != end; it.increment(failed))
+    out.push_back(it->path());
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
 bool isFile(const std::string& path) {
   std::error_code ignored;
   return std::filesystem::is_regular_file(path, ignored);

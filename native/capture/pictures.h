@@ -2,9 +2,11 @@
 // The pictures of one camera over one sequence, from a video or from numbered files. Does NOT key or undistort.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/image.h"
 #include "base/video.h"
@@ -24,6 +26,9 @@ std::optional<PicturePlace> findPictures(const std::string& folder, const std::s
 
 // A camera's colour pictures in a sequence. Errors: CameraMissingVideo.
 Result<PicturePlace> colourPlace(const CaptureSequence& sequence, const CaptureCamera& camera);
+
+// Entries of a folder in the order of their names; none if it cannot be listed.
+std::vector<std::filesystem::path> sortedEntries(const std::filesystem::path& folder);
 
 // Returns true for an existing file that is no folder.
 bool isFile(const std::string& path);

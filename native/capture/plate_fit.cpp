@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
+#include "capture/gradient.h"
 #include "capture/median.h"
 
 namespace fourdvt::capture {
@@ -147,16 +148,6 @@ cv::Mat fitHomography(const cv::Mat& plate, const cv::Mat& picture) {
 
 double robustCost(const cv::Mat& plate, const cv::Mat& picture) {
   return cv::mean(cv::min(difference(plate, picture), 24.0))[0];
-}
-
-// Squared largest step per pixel, levels².
-cv::Mat squaredGradient(const cv::Mat& plate) {
-  cv::Mat dx, dy, planes[3];
-  cv::Sobel(plate, dx, CV_32F, 1, 0, 3, 0.125);
-  cv::Sobel(plate, dy, CV_32F, 0, 1, 3, 0.125);
-  cv::Mat squared = dx.mul(dx) + dy.mul(dy);
-  cv::split(squared, planes);
-  return cv::max(planes[0], cv::max(planes[1], planes[2]));
 }
 
 // Adds to `extra` the variance that brightness (sensor noise, compression) and edges (sharpness, what is left of a

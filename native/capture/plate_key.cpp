@@ -64,6 +64,12 @@ Error plateDoesNotFit(const std::string& plate, const std::string& pictures, con
               "exposure of the recording, or add " + matteStem(camera) + ".mkv"};
 }
 
+Error mattesAreSwapped(const std::string& path) {
+  return {ErrorId::FileUnreadable,
+          path + ": the matte keeps the picture's border and leaves out what is within, as if object and background " +
+              "were swapped; invert the mattes: white is the object"};
+}
+
 bool keepsTheBorder(const Image& matte) {
   const Kept kept = keptBy(matte);
   return kept.border >= kBorderShare && kept.picture > kPictureShare;

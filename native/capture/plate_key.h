@@ -35,7 +35,9 @@ bool looksInverted(const Image& matte);
 bool keepsTheBorder(const Image& matte);
 
 inline constexpr float kMostResidual = 15;  // levels, in half of the pixels: a plate that fits leaves less
-// What to say of a plate that does not fit. Error: FileUnreadable.
+// Messages, FileUnreadable: a plate that does not fit the pictures, and mattes in which object and background are
+// swapped.
 Error plateDoesNotFit(const std::string& plate, const std::string& pictures, const std::string& camera);
+Error mattesAreSwapped(const std::string& path);
 
 }  // namespace fourdvt::capture

@@ -15,7 +15,7 @@ constexpr double kSlackShare =
 
 std::string percent(double share) { return std::to_string(int(std::lround(100 * share))) + " %"; }
 
-// Mean over the cameras but `but`, of what `value` says; nothing counts that is not a number.
+// Mean of `value` over the cameras but `but`; nothing counts that is not a number.
 template <class Value>
 double meanOfOthers(size_t cameras, size_t but, Value value) {
   double sum = 0, count = 0;

@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "capture/key_cut.h"
+#include "capture/median.h"
 #include "mattes/matrices.h"
 #include "mattes/reduced.h"
 #include "mattes/support.h"
@@ -52,13 +53,6 @@ cv::Mat textureOf(const Image& picture) {
   return (planes[0] + planes[1] + planes[2]) / 3;
 }
 
-float medianValue(const cv::Mat& m) {
-  std::vector<float> all(m.begin<float>(), m.end<float>());
-  const auto middle = all.begin() + std::ptrdiff_t(all.size() / 2);
-  std::nth_element(all.begin(), middle, all.end());
-  return *middle;
-}
-
 // A camera's samples compared with one another.
 struct Likeness {
   std::vector<cv::Mat> moving;  // [sample] CV_8U: first guess at the performer
@@ -79,7 +73,7 @@ Likeness likenessOf(std::span<const Image> pictures) {
   for (size_t a = 0; a < samples; ++a)
     for (size_t b = a + 1; b < samples; ++b) {
       const cv::Mat d = differenceOf(pictures[a], pictures[b]);
-      noise.push_back(std::max(kLeastNoise, medianValue(d)));
+      noise.push_back(std::max(kLeastNoise, capture::median({d.begin<float>(), d.end<float>()})));
       const cv::Mat same = d < kAlike * noise.back();
       alike[a][b] = alike[b][a] = same;
       count[a] += same & 1;
@@ -92,7 +86,7 @@ Likeness likenessOf(std::span<const Image> pictures) {
   }
   const int r = std::max(2, std::max(size.width, size.height) / kGapDivisor);
   const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * r + 1, 2 * r + 1});
-  Likeness out{{}, pictures[0], cv::Mat(size, CV_32F), medianValue(cv::Mat(noise).t())};
+  Likeness out{{}, pictures[0], cv::Mat(size, CV_32F), capture::median(noise)};
   for (int i = 0; i < int(most.total()); ++i) {
     const float share = float(most.at<uint8_t>(i)) / float(samples);
     out.usual_nats.at<float>(i) = kConstantNats * std::max(0.0f, share - kDwells) / (1 - kDwells);
@@ -177,11 +171,9 @@ capture::BackgroundModel plateBehind(std::span<const Image> pictures, std::span<
   capture::BackgroundModel out = capture::makeBackgroundModel({&median, 1});
   out.plates = int(std::clamp<size_t>(pictures.size() / 3, 1, 10));
   // Flicker beyond the sensor's noise, which the median pixel has.
-  std::vector<float> all = spread;
-  const auto middle = all.begin() + std::ptrdiff_t(pixels / 2);
-  std::nth_element(all.begin(), middle, all.end());
+  const float typical = capture::median(spread);
   for (size_t i = 0; i < pixels; ++i)
-    out.extra[i] = known[i] ? out.extra[i] + std::max(0.0f, spread[i] - 3 * *middle) : kUnknownSpread;
+    out.extra[i] = known[i] ? out.extra[i] + std::max(0.0f, spread[i] - 3 * typical) : kUnknownSpread;
   if (std::find(known.begin(), known.end(), 0) != known.end()) out.known = std::move(known);
   return out;
 }

@@ -23,7 +23,8 @@ inline constexpr double kClipPixels = 80'000;  // … at this size at most
 struct ClipCamera {
   std::vector<cv::Mat> masks;     // [sample] CV_8U at the reduced size
   capture::ColourCounts colours;  // of object and background
-  // What a neighbourhood shows most often, at the reduced size: RGB, and nats against the object where it shows that.
+  // The look that a neighbourhood has most often, at the reduced size: RGB, and nats against the object where it has
+  // it.
   Image usual;
   cv::Mat usual_nats;  // CV_32F
   float noise = 1;     // mean squared difference of two pictures of one thing, levels²

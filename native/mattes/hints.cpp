@@ -34,18 +34,9 @@ cv::Mat strokesOf(const Image& rgba) {
   return out;
 }
 
-std::vector<fs::path> entriesOf(const fs::path& folder) {
-  std::vector<fs::path> out;
-  std::error_code failed;
-  for (fs::directory_iterator it(folder, failed), end; !failed && it != end; it.increment(failed))
-    out.push_back(it->path());
-  std::sort(out.begin(), out.end());
-  return out;
-}
-
 Status readCamera(const fs::path& folder, const capture::CaptureCamera& camera,
                   const capture::CaptureSequence& sequence, std::map<uint32_t, cv::Mat>& out) {
-  for (const fs::path& file : entriesOf(folder)) {
+  for (const fs::path& file : capture::sortedEntries(folder)) {
     const std::string number = file.stem().string();
     const bool is_number = !number.empty() && number.size() < 9 &&
                            std::all_of(number.begin(), number.end(), [](char c) { return c >= '0' && c <= '9'; });
@@ -71,10 +62,10 @@ Result<Strokes> readStrokes(const capture::Capture& capture, const capture::Capt
   };
   std::error_code failed;
   const bool by_sequence = fs::is_directory(all / sequence.name, failed) && !isCamera(sequence.name);
-  for (const fs::path& entry : entriesOf(by_sequence ? all / sequence.name : all)) {
+  for (const fs::path& entry : capture::sortedEntries(by_sequence ? all / sequence.name : all)) {
     const std::string name = entry.filename().string();
     if (!isCamera(name)) {
-      // Another sequence's hints, perhaps of one that is not asked for.
+      // Hints of another sequence, perhaps of one that takes no part.
       if (!by_sequence && fs::is_directory(fs::path(capture.folder) / name, failed)) continue;
       return Error{ErrorId::InvalidArgument,
                    entry.string() + ": no camera has this name; hints lie in folders named after cameras"};

@@ -55,7 +55,7 @@ struct Floor {
   double flat_m, shadow_m;
 };
 
-// Per pixel of one camera: nats against the object by what the others see, and why.
+// Nats against the object per pixel of one camera, by what the others see, and the reason.
 struct Prior {
   cv::Mat cost;   // CV_32F
   cv::Mat doubt;  // CV_8U, Doubt
@@ -115,7 +115,7 @@ struct JointMattes::Parts {
   std::vector<float> demandedNats(const std::vector<Support>& supports, const std::vector<cv::Mat>& masks) const;
 };
 
-// What a pixel in the hull of all the others gains: the odds that it is object, as all masks have it now, by how deep
+// The gain of a pixel in the hull of all the others: the odds that it is object, as all masks have it now, by how deep
 // it lies in that hull. The hull's rim is often not the performer's, its core is.
 std::vector<float> JointMattes::Parts::demandedNats(const std::vector<Support>& supports,
                                                     const std::vector<cv::Mat>& masks) const {

@@ -190,7 +190,7 @@ bool SupportFinder::shadowAt(size_t camera, int at, const std::vector<cv::Mat>& 
       dark.push_back(value);
   }
   if (own_dark == 0 || own_dark > kShadow) return false;
-  // Along the patch's rim, and where something stands before it, a camera may see another ratio.
+  // At the patch's rim, and behind things that stand before it, a camera may see another ratio.
   const auto alike = size_t(
       std::count_if(dark.begin(), dark.end(), [&](int value) { return std::abs(value - own_dark) <= kShadowSpread; }));
   return alike >= 2 && 2 * alike >= dark.size();
@@ -252,7 +252,7 @@ Support SupportFinder::supportOf(size_t camera, const std::vector<cv::Mat>& mask
   Support out{cv::Mat(own.grid, CV_16S, cv::Scalar(-2)), cv::Mat(own.grid, CV_32F, cv::Scalar(kNone))};
   if (search.others.empty()) return out;
   const cv::Mat near = grown(own_mask, kReach);
-  // Where the fine search is worth it: round the camera's own mask, and in blocks where a coarse one found something.
+  // The fine search is worth it round the camera's own mask, and in blocks where a coarse one found something.
   cv::Mat worth(own.grid, CV_8U, cv::Scalar(0)), blocks(own.grid, CV_8U, cv::Scalar(0)), spread;
   cv::parallel_for_(cv::Range(0, own.grid.height), [&](const cv::Range& rows) {
     for (int y = rows.start; y < rows.end; ++y)

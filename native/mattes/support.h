@@ -40,7 +40,7 @@ class SupportFinder {
   std::vector<cv::Mat> shadows(const std::vector<cv::Mat>& masks, const std::vector<cv::Mat>& darkness,
                                double slack_pixels) const;
 
-  // Where a camera's rays pass a place that all cameras see, the first guess at where the performer may be: CV_8U, 255
+  // First guess at the performer, pixels whose rays pass a place that all cameras see: CV_8U, 255
   // or 0, one per camera, on the grid.
   std::vector<cv::Mat> seenByAll() const;
 

@@ -107,7 +107,7 @@ TEST(CameraBake, IsDrawnAsAskedFor) {
   EXPECT_NE(layered.output.find("is a character from cameras"), std::string::npos) << layered.output;
 }
 
-// Of a figurine in the same capture: everything is 1/20 as large.
+// A figurine in the same capture: everything is 1/20 as large.
 TEST(CameraBake, LengthsFollowTheSurfacesSize) {
   const std::string capture = perFrame("figurine-capture", 2), out = scratch("figurine");
   const auto stepOf = [&](const std::string& name, const std::string& options) {

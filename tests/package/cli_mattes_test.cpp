@@ -163,7 +163,7 @@ TEST_F(Mattes, NameTheCameraThatDoesNotFit) {
     EXPECT_FALSE(exists(target));
     EXPECT_TRUE(exists(target + ".work"));
   }
-  // What one command left is not the other's to remove.
+  // Unfinished work of one command is not the other's to remove.
   const Outcome taken = fourdvt("reconstruct " + mixed + " -o " + folder_ + "/mixed-m --leave-out cam02");
   EXPECT_TRUE(isOneLineWith(taken, "unfinished work of another command")) << taken.output;
   const Outcome without =

@@ -27,7 +27,7 @@ class ScaledCamerasTest : public CameraFigure, public ::testing::WithParamInterf
     tile(pictures, {{10, 4}, {100, 120}, {3, 190}});
   }
 
-  // Of 6 pixels, another colour for each camera, so that a choice of cameras is seen.
+  // Pictures of 6 pixels, another colour for each camera, so that a choice of cameras is seen.
   Image stripes(int camera) const {
     Image image = gradient(own_cameras_[size_t(camera)], camera + 1);
     for (int y = 0; y < image.height; ++y)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the studio's knobs do to a whole capture, as its reader finds it.
+// Effects of the studio's knobs on a whole capture, as its reader finds it.
 #include <algorithm>
 #include <cmath>
 

@@ -3,37 +3,19 @@
 // makes from the plates against the true ones, with the actor's hard shadow and 2 % sensor noise. The pictures lie in
 // room_mattes/ of the folder that the test runs in: picture, plate, matte, and where matte and truth differ (red: too
 // much, cyan: too little).
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-
 #include "capture/capture.h"
 #include "capture/pictures.h"
-#include "gl_fixture.h"
 #include "lab/measure/matte_score.h"
-#include "lab/studio/studio.h"
 #include "platform/ffmpeg_video.h"
+#include "studio_fixture.h"
 
 namespace fourdvt::studio {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr double kTwoPercent = 0.02 * 255;
 
-class StudioRoomTest : public fourdvt::testing::GlFixture {
+class StudioRoomTest : public StudioTest {
  protected:
-  void SetUp() override {
-    GlFixture::SetUp();
-    folder_ = ::testing::TempDir() + "/fourdvt_room_" +
-              ::testing::UnitTest::GetInstance()->current_test_info()->name() + "_" + std::to_string(::getpid());
-    fs::create_directories(folder_);
-  }
-  void TearDown() override {
-    fs::remove_all(folder_);
-    GlFixture::TearDown();
-  }
-
   // Two frames of four cameras. The key's constants were chosen on other rooms (seeds 7, 11 and 21).
   StudioOptions room(int plates) const {
     StudioOptions o;
@@ -54,8 +36,6 @@ class StudioRoomTest : public fourdvt::testing::GlFixture {
     ASSERT_TRUE(made) << made.error().message;
   }
   void expectTrueMattes(const StudioOptions& options, const std::string& sheets);
-
-  std::string folder_;
 };
 
 Image row(const Image& picture, const Image& plate, const Image& truth) {

@@ -15,7 +15,7 @@ namespace fourdvt::bake {
 // Texels per row of table textures: wide, since visibility has the rows of all faces once for each camera.
 constexpr int kTableWidth = 2048;
 constexpr const char* kTableDefine = "TABLE_WIDTH 2048\n";
-// Of a person's surface; added to the depth that the surface's slope covers in one pixel.
+// Depth of a person's surface that is added to what its slope covers in one pixel.
 constexpr float kDepthBias_m = 0.004f;
 constexpr float kMinCosine = 0.2f;  // between normal and ray; below, the depth test is too loose on this slope
 

@@ -34,7 +34,7 @@ std::vector<std::string> filesOf(const std::string& folder, bool of_sequence) {
   return files;
 }
 
-// Whether `inner` is `outer` or lies below it; both without links.
+// True where `inner` is `outer` or lies below it; both without links.
 bool within(const fs::path& inner, const fs::path& outer) {
   const auto [a, b] = std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end());
   return a == outer.end();

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a command keeps a capture folder that it is making until all of it is there, beside the folder that is to be
+// The place of a capture folder that a command is making until all of it is there, beside the folder that is to be
 // written:
 //   CAPTURE2.part   the capture folder that is being made
-//   CAPTURE2.work   the settings it is made with, and what the command knows of finished frames
+//   CAPTURE2.work   the settings it is made with, and figures of finished frames
 // Nothing is put into place before finish(). Does NOT know what the command makes.
 #pragma once
 
@@ -36,7 +36,7 @@ class ResultFolder {
   std::string partFolder() const { return target_ + ".part"; }
   std::string workFolder() const { return target_ + ".work"; }
 
-  // What an earlier run left stays only with `resume`. `key`: one line, what decides how frames come out. Errors:
+  // Work that an earlier run left stays only with `resume`. `key`: one line, what decides how frames come out. Errors:
   // InvalidArgument (left with another key, or not left by this command), WriteFailed.
   Status open(const std::string& key, bool resume) const;
   // The part takes the target's place. On failure all work is still kept.

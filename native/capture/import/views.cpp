@@ -27,15 +27,6 @@ bool isVideo(const fs::path& path) { return kVideoEndings.count(lower(path.exten
 bool isPicture(const fs::path& path) { return kPictureEndings.count(lower(path.extension().string())) > 0; }
 bool isAside(const std::string& stem) { return kPlateNames.count(stem) > 0 || kMatteNames.count(stem) > 0; }
 
-std::vector<fs::path> sortedEntries(const fs::path& folder) {
-  std::vector<fs::path> out;
-  std::error_code failed;
-  for (fs::directory_iterator it(folder, failed), end; !failed && it != end; it.increment(failed))
-    out.push_back(it->path());
-  std::sort(out.begin(), out.end());
-  return out;
-}
-
 bool isFolder(const fs::path& path) {
   std::error_code ignored;
   return fs::is_directory(path, ignored);

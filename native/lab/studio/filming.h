@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the ring's cameras record: plates, and pictures with their mattes. Poses the set. Does NOT write files.
+// Recordings of the ring's cameras: plates, and pictures with their mattes. Poses the set. Does NOT write files.
 #pragma once
 
 #include <memory>

@@ -23,7 +23,7 @@ class Lens {
   glm::dvec2 pinholePixel(const PinholeCamera& camera, const glm::dvec2& filmed_pixel) const;
   // The pinhole camera, of the same place, whose picture filmed() takes: it shows all that the lens does.
   PinholeCamera drawn(const PinholeCamera& camera) const;
-  // What `camera` records of the drawn picture, any number of channels: kFiner² samples a pixel.
+  // The recording of the drawn picture by `camera`, any number of channels: kFiner² samples a pixel.
   Image filmed(const PinholeCamera& camera, const Image& drawn_picture) const;
 
   static constexpr int kFiner = 2;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the mattes of a capture's cameras come from: mattes that the capture has, a key against plates, or plates that
+// Sources of mattes, one a camera: mattes that the capture has, a key against plates, or plates that
 // are made from the clips (clip_plates.h). Does NOT make mattes.
 #pragma once
 
@@ -22,9 +22,9 @@ struct MatteSource {
   const char* name() const;                           // "plates", "colour key", "clips" or "none"
 };
 
-// Whether the capture lacks a camera's mattes in a sequence.
+// True where the capture lacks a camera's mattes in a sequence.
 bool lacksMattes(const capture::CaptureSequence& sequence, const capture::CaptureCamera& camera);
-// Whether mattes must be made together: some camera has neither mattes nor a backdrop for a colour key, or there are
+// True where mattes must be made together: some camera has neither mattes nor a backdrop for a colour key, or there are
 // hints.
 Result<bool> wantsMattes(const capture::Capture& capture);
 

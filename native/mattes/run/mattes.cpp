@@ -83,7 +83,7 @@ class Run {
   Result<MattesSummary> run() {
     MattesSummary out;
     FOURDVT_TRY(platform::makeFolder(work_ + "/mattes"));
-    for (const capture::CaptureSequence& s : capture_.sequences) {  // mistakes in hints are told before any work
+    for (const capture::CaptureSequence& s : capture_.sequences) {  // mistakes in hints stop the run before any work
       FOURDVT_ASSIGN(auto strokes, readStrokes(capture_, s));
       strokes_.push_back(std::move(strokes));
     }
@@ -105,7 +105,7 @@ class Run {
     return spread(s.frame_count, options_.preview > 0 ? uint32_t(options_.preview) : s.frame_count);
   }
   std::string sourcesPath() const { return work_ + "/mattes/sources.json"; }
-  // What an earlier run, or this one, made mattes from.
+  // Sources that an earlier run, or this one, made mattes from.
   std::vector<std::string> sourceNames() const {
     std::vector<std::string> out(capture_.cameras.size(), "none");
     const auto bytes = platform::readFile(sourcesPath());
@@ -162,11 +162,11 @@ class Run {
   }
 
   // Figures of a frame whose mattes are all there.
-  std::optional<std::vector<CameraFigures>> keptFigures(const capture::CaptureSequence& s, uint32_t frame) const {
+  std::optional<std::vector<CameraFigures>> keptFigures(const capture::CaptureSequence& s, uint32_t frame,
+                                                        const std::vector<bool>& lacking) const {
     std::error_code none;
     for (size_t c = 0; c < capture_.cameras.size(); ++c)
-      if (lacksMattes(s, capture_.cameras[c]) &&
-          !std::filesystem::exists(mattesFolder(s, c) + "/" + frameName(frame) + ".png", none))
+      if (lacking[c] && !std::filesystem::exists(mattesFolder(s, c) + "/" + frameName(frame) + ".png", none))
         return std::nullopt;
     return figuresIn(figuresPath(s, frame), capture_.cameras.size());
   }
@@ -175,9 +175,11 @@ class Run {
     SequenceFigures out{s.name, {}, framesOf(s)};
     const std::vector<uint32_t> shown = spread(s.frame_count, kShownFrames);
     FOURDVT_TRY(makeFolders(s));
+    std::vector<bool> lacking;
+    for (const capture::CaptureCamera& camera : capture_.cameras) lacking.push_back(lacksMattes(s, camera));
     std::optional<SequenceMattes> mattes;
     for (const uint32_t frame : out.numbers) {
-      if (auto kept = keptFigures(s, frame)) {
+      if (auto kept = keptFigures(s, frame, lacking)) {
         agreed_ = s.name;
         out.frames.push_back(std::move(*kept));
         ++kept_, ++done_;

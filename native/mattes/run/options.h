@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `fourdvt mattes` is asked for, and what it needs from the program that runs it.
+// Options of `fourdvt mattes`, and its environment: videos, progress, interruption.
 #pragma once
 
 #include <atomic>

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "capture/pictures.h"
 #include "platform/files.h"
 #include "report/document.h"
 #include "report/picture_sheets.h"
@@ -61,15 +62,10 @@ report::Table cameraTable(const capture::Capture& capture, const SequenceFigures
 
 // The cells of one camera side by side; empty without any.
 Result<Image> sheetOf(const std::string& folder, const std::string& title) {
-  namespace fs = std::filesystem;
-  std::vector<fs::path> files;
-  std::error_code failed;
-  for (fs::directory_iterator it(folder, failed), end; !failed && it != end; it.increment(failed))
-    files.push_back(it->path());
-  std::sort(files.begin(), files.end());
+  const auto files = capture::sortedEntries(folder);
   if (files.empty()) return Image();
   report::Sheet sheet{title + ", frames", {}, {}, {}};
-  for (const fs::path& file : files) {
+  for (const std::filesystem::path& file : files) {
     FOURDVT_ASSIGN(auto cell, platform::readImage(file.string()));
     const std::string number = std::to_string(std::stoul(file.stem().string()));
     if (sheet.cells.empty() || sheet.cells.back().size() == kColumns) {

@@ -76,6 +76,7 @@ Status SequenceMattes::checkPlates(const MattesFrame& frame) {
   if (std::exchange(checked_, true)) return {};
   for (size_t i = 0; i < frame.mattes.size(); ++i) {
     const auto& key = (*sources_)[i].key;
+    if (given_[i] && capture::looksInverted(frame.mattes[i].matte)) return capture::mattesAreSwapped(given_[i]->path());
     if (given_[i] || !key) continue;
     // The camera's own key: others would hide that its plate does not fit.
     const cv::Mat& own = frame.mattes[i].own;

@@ -27,10 +27,12 @@ double since(Clock::time_point start) { return std::chrono::duration<double>(Clo
 
 class Run {
  public:
-  Run(const ReconstructOptions& options, const ReconstructEnvironment& environment, const capture::Capture& capture)
+  Run(const ReconstructOptions& options, const ReconstructEnvironment& environment, const capture::Capture& capture,
+      bool wants_mattes)
       : options_(options),
         environment_(environment),
         capture_(capture),
+        wants_mattes_(wants_mattes),
         folder_(options.folder, kWriter),
         store_(folder_, capture.metres_per_unit) {
     for (const capture::CaptureCamera& camera : capture.cameras) cameras_.push_back(camera.pinhole);
@@ -43,8 +45,8 @@ class Run {
     std::vector<std::string> names;
     for (const capture::CaptureSequence& sequence : capture_.sequences) names.push_back(sequence.name);
     FOURDVT_TRY(capture::linkCapture(capture_, folder_.partFolder(), {names, true, options_.leave_out}));
-    FOURDVT_TRY(openLinked(names, capture::MatteNeed::None));
-    FOURDVT_TRY(addMattes(names));
+    FOURDVT_TRY(openLinked(names));
+    if (wants_mattes_) FOURDVT_TRY(addMattes());
     std::vector<ReconstructedSequence> done;
     ReportPictures pictures;
     for (const capture::CaptureSequence& sequence : capture_.sequences) {
@@ -63,14 +65,13 @@ class Run {
 
  private:
   // Everything that the new capture.json names must be found from the new folder, from which frames are read.
-  Status openLinked(const std::vector<std::string>& names, capture::MatteNeed need) {
-    auto linked =
-        capture::openCapture(folder_.partFolder(), environment_.open_video, names, capture::MeshNeed::Nothing, need);
+  Status openLinked(const std::vector<std::string>& names) {
+    auto linked = capture::openCapture(folder_.partFolder(), environment_.open_video, names, capture::MeshNeed::Nothing,
+                                       capture::MatteNeed::None);
     if (linked.ok()) {
       linked_ = linked.take();
       return {};
     }
-    if (need == capture::MatteNeed::Required) return linked.error();
     return Error{linked.error().id, capture_.folder +
                                         "/capture.json: names files outside of the capture or in a sequence that is "
                                         "left out; move them into folders of their own inside it (" +
@@ -78,9 +79,7 @@ class Run {
   }
 
   // Makes the mattes that are missing, cameras together; colour keys are made as frames are read.
-  Status addMattes(const std::vector<std::string>& names) {
-    FOURDVT_ASSIGN(const bool wanted, mattes::wantsMattes(capture_));
-    if (!wanted) return openLinked(names, capture::MatteNeed::Required);
+  Status addMattes() {
     mattes::MattesOptions options;
     options.alone = options_.mattes_alone;
     options.any_silhouettes = options_.any_silhouettes;
@@ -91,7 +90,6 @@ class Run {
     FOURDVT_ASSIGN(const auto summary,
                    mattes::addMattes(capture_, folder_.partFolder(), folder_.workFolder(), options, environment));
     matte_warnings_ = summary.warnings;
-    FOURDVT_TRY(openLinked(names, capture::MatteNeed::Required));
     started_ = Clock::now();
     return {};
   }
@@ -196,6 +194,7 @@ class Run {
   const ReconstructOptions& options_;
   const ReconstructEnvironment& environment_;
   const capture::Capture& capture_;
+  const bool wants_mattes_;
   capture::Capture linked_;  // the new folder, where mattes are
   std::string agreed_;       // name of the last sequence whose silhouettes were judged
   std::vector<std::string> matte_warnings_;
@@ -222,10 +221,18 @@ Result<ReconstructSummary> reconstruct(const ReconstructOptions& given, const Re
     cv::setNumThreads(options.jobs);
     threads.emplace(tbb::global_control::max_allowed_parallelism, size_t(options.jobs));
   }
-  FOURDVT_ASSIGN(auto capture, capture::openCapture(options.capture_folder, environment.open_video, options.sequences,
-                                                    capture::MeshNeed::Nothing, capture::MatteNeed::None));
+  const auto open = [&](capture::MatteNeed need) {
+    return capture::openCapture(options.capture_folder, environment.open_video, options.sequences,
+                                capture::MeshNeed::Nothing, need);
+  };
+  FOURDVT_ASSIGN(auto capture, open(capture::MatteNeed::None));
   FOURDVT_TRY(capture::leaveOut(options.leave_out, capture));
-  return Run(options, environment, capture).run();
+  FOURDVT_ASSIGN(const bool wants_mattes, mattes::wantsMattes(capture));
+  if (!wants_mattes && options.leave_out.empty()) {  // names bad mattes by the user's own files
+    const auto with_mattes = open(capture::MatteNeed::Required);
+    if (!with_mattes.ok()) return with_mattes.error();
+  }
+  return Run(options, environment, capture, wants_mattes).run();
 }
 
 }  // namespace fourdvt::reconstruct

@@ -15,7 +15,7 @@
 
 namespace fourdvt::render {
 
-// Of SurfaceFields' distances on a person: triangles below 1 cm count as 1 cm, 8 % of the sample's 8,000.
+// Reach of SurfaceFields' distances on a person: triangles below 1 cm count as 1 cm, 8 % of the sample's 8,000.
 constexpr float kLayeredClamp_m = 0.1f;
 constexpr int kLayeredSteps = 12;
 

@@ -38,7 +38,7 @@ TEST_F(BoxCosts, FrontFaceIsFeasibleForBothWithTheirAngles) {
   }
 }
 
-// What an optical axis says that does not meet the picture.
+// Views whose optical axis does not meet the picture.
 TEST_F(BoxCosts, AShiftedLensHasThePenaltiesOfWhereItLooks) {
   for (PinholeCamera& camera : cameras) camera = fourdvt::testing::withShiftedLens(camera, 0.6);
   const FaceCosts costs = measure(all);

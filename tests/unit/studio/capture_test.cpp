@@ -336,7 +336,7 @@ TEST(StudioSensor, NoiseGainAndErosionAreOfTheirSize) {
   EXPECT_EQ(noisy.matte(picture).at(18, 30)[0], 255);
 }
 
-// Of an empty picture of a grey backdrop: the levels are the gain times the plate's.
+// The empty picture of a grey backdrop: its levels are the gain times the plate's.
 TEST(StudioSensor, GainDriftsSmoothlyAroundThePlates) {
   StudioKnobs knobs;
   const Image nobody(8, 8, 4, 0);
