@@ -8,6 +8,7 @@
 // GPU. Errors name the file and the remedy.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -67,10 +68,18 @@ struct CaptureSequence {
   std::string folder;  // absolute
   // Its meshes are either one file a frame or one packed int16 file with a declared scale; neither if it has none.
   std::string mesh_pattern;  // absolute, one %d or %0Nd for the number; none where one frame is all; empty if packed
-  uint32_t first_mesh = 0;   // number in the name of frame 0's file; 0 for constant topology
+  uint32_t first_mesh = 0;   // added to first_frame + f: number in the name of a frame's file; 0 for constant topology
   std::string packed_positions;  // absolute path or empty
   double packed_units_per_metre = 0;
   std::vector<uint32_t> test_frames;  // held-out frames, may be empty
+  // Frame 0 is this number of pictures, mesh files and held-out pictures: those before it are left out.
+  uint32_t first_frame = 0;
+  // By camera's name: picture number first_frame + f + offset shows the instant of frame f. Cameras that are not named
+  // are on time. Fractions are kept, but the nearest picture is what is read.
+  std::map<std::string, double> offset_frames;
+  double offsetOf(const std::string& camera) const;
+  // Number of a camera's picture for a frame; a loop goes on with its first picture.
+  uint32_t pictureOf(const std::string& camera, uint32_t frame) const;
 };
 
 // Captured motions that are one motion with a parameter, e.g. walk and run by speed ("classes" in capture.json).

@@ -45,6 +45,7 @@ class Parser {
     FOURDVT_TRY(scale(root));
     FOURDVT_TRY(room(member(root, "room")));
     FOURDVT_TRY(topology(root));
+    FOURDVT_TRY(offsets(member(root, "offset_frames"), offset_frames_));
     const Json& sequences = member(root, "sequences");
     if (!sequences.is_array() || sequences.empty()) return error("needs \"sequences\", a list with at least one entry");
     for (const Json& entry : sequences) FOURDVT_TRY(sequence(entry));
@@ -75,6 +76,18 @@ class Parser {
     for (const auto& [camera, pixels] : node.items()) {
       if (!pixels.is_number() || !(std::abs(pixels.get<double>()) <= kMaxUnits)) return wrong;
       out_.skew[camera] = pixels.get<double>();
+    }
+    return {};
+  }
+
+  // {"cam03": -1.5}: of the whole capture, or of one sequence, which goes before.
+  Status offsets(const Json& node, std::map<std::string, double>& out) const {
+    if (node.is_null()) return {};
+    const Error wrong = error("\"offset_frames\" must be numbers by camera, in frames, like {\"cam03\": -1.5}");
+    if (!node.is_object()) return wrong;
+    for (const auto& [camera, frames] : node.items()) {
+      if (!frames.is_number() || !(std::abs(frames.get<double>()) <= kMaxFrames)) return wrong;
+      out[camera] = frames.get<double>();
     }
     return {};
   }
@@ -170,6 +183,12 @@ class Parser {
     const Json& loop = member(node, "loop");
     sequence.loop = loop.is_boolean() && loop.get<bool>();
     sequence.folder = folder_ + "/" + sequence.name;
+    const Json& first = member(node, "first_frame");
+    if (!first.is_null() && !(first.is_number_unsigned() && first.get<uint64_t>() <= kMaxFrames))
+      return error("\"first_frame\" of \"" + sequence.name + "\" must be a whole number, at least 0");
+    if (!first.is_null()) sequence.first_frame = first.get<uint32_t>();
+    sequence.offset_frames = offset_frames_;
+    FOURDVT_TRY(offsets(member(node, "offset_frames"), sequence.offset_frames));
     FOURDVT_TRY(rootVelocity(node, sequence));
     FOURDVT_TRY(testFrames(node, sequence));
     if (node.contains("mesh")) FOURDVT_TRY(mesh(node["mesh"], declared));
@@ -230,6 +249,7 @@ class Parser {
   std::string folder_, file_;
   DeclaredCapture out_;
   std::set<std::string> names_;
+  std::map<std::string, double> offset_frames_;  // of the whole capture
 };
 
 }  // namespace

@@ -19,11 +19,12 @@ class CameraReader {
                                    const OpenVideo& open_video, MatteNeed mattes) {
     FOURDVT_ASSIGN(const PicturePlace place, colourPlace(sequence, camera));
     CameraReader reader(camera);
-    FOURDVT_TRY(openStream(place, sequence, 3, open_video, reader.colour_));
+    const std::string& name = camera.pinhole.name;
+    FOURDVT_TRY(openStream(place, sequence, name, 3, open_video, reader.colour_));
     if (mattes == MatteNeed::None) return reader;
-    const auto matte_place = findPictures(sequence.folder, matteStem(camera.pinhole.name));
+    const auto matte_place = findPictures(sequence.folder, matteStem(name));
     if (matte_place) {
-      FOURDVT_TRY(openStream(*matte_place, sequence, 1, open_video, reader.matte_));
+      FOURDVT_TRY(openStream(*matte_place, sequence, name, 1, open_video, reader.matte_));
     } else {
       FOURDVT_ASSIGN(reader.key_, PlateKey::open(capture, camera));
     }
@@ -53,9 +54,9 @@ class CameraReader {
  private:
   explicit CameraReader(const CaptureCamera& camera) : camera_(camera), undistorter_(camera) {}
 
-  static Status openStream(const PicturePlace& place, const CaptureSequence& sequence, int channels,
-                           const OpenVideo& open_video, std::optional<PictureStream>& out) {
-    FOURDVT_ASSIGN(out, PictureStream::open(place, sequence, channels, open_video));
+  static Status openStream(const PicturePlace& place, const CaptureSequence& sequence, const std::string& camera,
+                           int channels, const OpenVideo& open_video, std::optional<PictureStream>& out) {
+    FOURDVT_ASSIGN(out, PictureStream::open(place, sequence, camera, channels, open_video));
     return {};
   }
 

@@ -95,7 +95,7 @@ Status findMeshFiles(const std::string& folder, CaptureSequence& sequence) {
   }
   const auto& [around, files] = *best;
   sequence.mesh_pattern = folder + "/" + around.first + "%0" + std::to_string(files.digits) + "d" + around.second;
-  sequence.first_mesh = firstNumber(files, sequence.frame_count);
+  sequence.first_mesh = firstNumber(files, sequence.first_frame + sequence.frame_count);
   return {};
 }
 
@@ -108,7 +108,8 @@ void findFirstMesh(CaptureSequence& sequence) {
   NumberedFiles numbered;
   for (const std::string& file : fileNames(pattern.parent_path().string())) addName(file, numbered);
   const auto found = numbered.find({name.substr(0, percent), name.substr(name.find('d', percent) + 1)});
-  if (found != numbered.end()) sequence.first_mesh = firstNumber(found->second, sequence.frame_count);
+  if (found != numbered.end())
+    sequence.first_mesh = firstNumber(found->second, sequence.first_frame + sequence.frame_count);
 }
 
 Status checkMeshFiles(const CaptureSequence& sequence) {

@@ -50,8 +50,10 @@ Status checkPacked(const Capture& capture, const CaptureSequence& sequence) {
   std::error_code failed;
   const uint64_t size = std::filesystem::file_size(sequence.packed_positions, failed);
   if (failed) return missing(sequence.packed_positions);
-  const uint64_t expected = uint64_t{sequence.frame_count} * capture.topology.vertex_count * 6;
-  if (size == expected) return {};
+  const uint64_t frames = uint64_t{sequence.first_frame} + sequence.frame_count;
+  const bool cut = sequence.first_frame > 0 || !sequence.offset_frames.empty();  // of the clip, only a part is used
+  const uint64_t expected = frames * capture.topology.vertex_count * 6;
+  if (size == expected || (cut && size > expected)) return {};
   return otherTopology(sequence.packed_positions, "holds " + std::to_string(size) + " bytes instead of " +
                                                       std::to_string(expected) + " (frames x vertices x 6)");
 }
@@ -61,7 +63,7 @@ Result<Positions> readPacked(const Capture& capture, const CaptureSequence& sequ
   std::ifstream file(sequence.packed_positions, std::ios::binary);
   if (!file) return missing(sequence.packed_positions);
   std::vector<int16_t> values(count);  // all supported targets are little-endian
-  file.seekg(static_cast<std::streamoff>(count * 2 * frame));
+  file.seekg(static_cast<std::streamoff>(count * 2 * (sequence.first_frame + frame)));
   if (!file.read(reinterpret_cast<char*>(values.data()), static_cast<std::streamsize>(count * 2))) {
     return otherTopology(sequence.packed_positions, "ends before frame " + std::to_string(frame));
   }
@@ -127,7 +129,7 @@ std::string framePath(const std::string& pattern, uint32_t frame) {
 }
 
 std::string meshPath(const CaptureSequence& sequence, uint32_t frame) {
-  const std::string numbered = framePath(sequence.mesh_pattern, sequence.first_mesh + frame);
+  const std::string numbered = framePath(sequence.mesh_pattern, sequence.first_mesh + sequence.first_frame + frame);
   return numbered.empty() ? sequence.mesh_pattern : numbered;
 }
 

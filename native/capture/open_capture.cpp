@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // openCapture: reads the descriptions and checks every file cheaply before long work starts.
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <filesystem>
 
 #include "capture/capture_json.h"
@@ -148,6 +150,35 @@ Status applySkew(const std::map<std::string, double>& skew, Capture& capture) {
   return {};
 }
 
+// Offsets must name cameras, be shorter than the clip, and leave a picture for frame 0.
+Status checkOffsets(const Capture& capture, const CaptureSequence& sequence) {
+  const std::string where = capture.folder + "/capture.json: \"offset_frames\" of \"" + sequence.name + "\"";
+  int64_t lacking = 0;  // pictures before the first one
+  std::string of_first;
+  for (const auto& [name, frames] : sequence.offset_frames) {
+    const auto known = std::any_of(capture.cameras.begin(), capture.cameras.end(),
+                                   [&](const CaptureCamera& c) { return c.pinhole.name == name; });
+    char text[32];
+    std::snprintf(text, sizeof text, "%g", frames);
+    if (!known) {
+      return Error{ErrorId::CaptureJson, where + " names the camera \"" + name + "\", which " + capture.cameras_folder +
+                                             " has not; take it out"};
+    }
+    const std::string of_camera = where + ", " + text + " of camera \"" + name + "\", ";
+    if (!(std::abs(frames) < sequence.first_frame + sequence.frame_count)) {
+      return Error{ErrorId::CaptureJson, of_camera + "is longer than the clip of " +
+                                             std::to_string(sequence.frame_count) +
+                                             " frames; correct it, or leave the camera out"};
+    }
+    const int64_t here = -(int64_t(sequence.first_frame) + std::llround(frames));
+    if (!sequence.loop && here > lacking) lacking = here, of_first = of_camera;
+  }
+  if (lacking == 0) return {};
+  return Error{ErrorId::CaptureJson, of_first + "leaves no picture for frame 0; set \"first_frame\" to " +
+                                         std::to_string(sequence.first_frame + lacking) +
+                                         " at least, and take as much off \"frames\""};
+}
+
 // Opening the reader checks that files are there and long enough; reading the first frame checks decoding and sizes.
 Status checkPictures(const Capture& capture, const CaptureSequence& sequence, const OpenVideo& open_video,
                      MatteNeed mattes) {
@@ -157,6 +188,18 @@ Status checkPictures(const Capture& capture, const CaptureSequence& sequence, co
 }
 
 }  // namespace
+
+double CaptureSequence::offsetOf(const std::string& camera) const {
+  const auto at = offset_frames.find(camera);
+  return at == offset_frames.end() ? 0 : at->second;
+}
+
+uint32_t CaptureSequence::pictureOf(const std::string& camera, uint32_t frame) const {
+  const int64_t count = frame_count;
+  int64_t at = int64_t(frame) + std::llround(offsetOf(camera));
+  if (loop && count > 0) at = (at % count + count) % count;
+  return uint32_t(std::max<int64_t>(0, first_frame + at));
+}
 
 const CaptureSequence* Capture::find(const std::string& wanted) const {
   for (const CaptureSequence& sequence : sequences) {
@@ -187,6 +230,7 @@ Result<Capture> openCapture(const std::string& folder, const OpenVideo& open_vid
   scaleToMetres(capture.cameras, capture.metres_per_unit);
   FOURDVT_TRY(applySkew(declared.skew, capture));
   for (const DeclaredSequence& d : declared.sequences) capture.sequences.push_back(d.sequence);
+  for (const CaptureSequence& sequence : capture.sequences) FOURDVT_TRY(checkOffsets(capture, sequence));
   FOURDVT_TRY(checkMeshes(declared.sequences, capture));
   for (const CaptureSequence& sequence : capture.sequences)
     FOURDVT_TRY(checkPictures(capture, sequence, open_video, mattes));

@@ -78,11 +78,15 @@ Result<Image> readPicture(const std::string& path, int channels) {
   }
 }
 
-Result<PictureStream> PictureStream::open(const PicturePlace& place, const CaptureSequence& sequence, int channels,
-                                          const OpenVideo& open_video) {
+Result<PictureStream> PictureStream::open(const PicturePlace& place, const CaptureSequence& sequence,
+                                          const std::string& camera, int channels, const OpenVideo& open_video) {
   PictureStream stream;
   stream.place_ = place;
-  stream.frame_count_ = sequence.frame_count;
+  for (uint32_t frame = 0; frame < sequence.frame_count; ++frame)
+    stream.numbers_.push_back(sequence.pictureOf(camera, frame));
+  stream.pictures_ = 1 + *std::max_element(stream.numbers_.begin(), stream.numbers_.end());
+  stream.as_declared_ = stream.pictures_ == sequence.frame_count;
+  stream.open_video_ = open_video;
   stream.channels_ = channels;
   if (place.numbered) {
     FOURDVT_TRY(stream.checkFiles());
@@ -90,31 +94,39 @@ Result<PictureStream> PictureStream::open(const PicturePlace& place, const Captu
   }
   FOURDVT_ASSIGN(stream.video_, open_video(place.path, channels));
   const auto hint = stream.video_->frameCountHint();
-  if (hint && *hint < sequence.frame_count) return stream.tooShort(std::to_string(*hint) + " frames");
+  if (hint && *hint < stream.pictures_) return stream.tooShort(std::to_string(*hint) + " frames");
   return stream;
 }
 
 Error PictureStream::tooShort(const std::string& has) const {
-  return {ErrorId::VideoTooShort, place_.path + ": has " + has + " but capture.json says " +
-                                      std::to_string(frame_count_) + "; correct \"frames\" or export the video again"};
+  const std::string why = as_declared_
+                              ? " but capture.json says "
+                              : " but \"frames\" with \"first_frame\" and \"offset_frames\" in capture.json asks for ";
+  return {ErrorId::VideoTooShort, place_.path + ": has " + has + why + std::to_string(pictures_) +
+                                      "; correct \"frames\" or export the video again"};
 }
 
 Status PictureStream::checkFiles() const {
-  for (uint32_t frame = 0; frame < frame_count_; ++frame) {
-    const std::string file = framePath(place_.path, frame);
+  for (const uint32_t number : numbers_) {
+    const std::string file = framePath(place_.path, number);
     if (isFile(file)) continue;
-    return Error{ErrorId::VideoTooShort, file + ": missing; the sequence has " + std::to_string(frame_count_) +
+    return Error{ErrorId::VideoTooShort, file + ": missing; the sequence has " + std::to_string(numbers_.size()) +
                                              " frames by capture.json: correct \"frames\" or export the picture"};
   }
   return {};
 }
 
 Result<Image> PictureStream::read(uint32_t frame) {
-  if (place_.numbered) return readPicture(framePath(place_.path, frame), channels_);
+  const uint32_t number = frame < numbers_.size() ? numbers_[frame] : frame;
+  if (place_.numbered) return readPicture(framePath(place_.path, number), channels_);
+  if (number < next_) {
+    FOURDVT_ASSIGN(video_, open_video_(place_.path, channels_));
+    next_ = 0;
+  }
   while (true) {
     FOURDVT_ASSIGN(auto picture, video_->next());
     if (!picture) return tooShort(std::to_string(next_) + " frames");
-    if (next_++ == frame) return std::move(*picture);
+    if (next_++ == number) return std::move(*picture);
   }
 }
 

@@ -43,11 +43,11 @@ Result<Image> readPicture(const std::string& path, int channels);
 class PictureStream {
  public:
   // Checks what is cheap to check: that the files are there, and that the video does not announce too few frames.
-  // Errors: VideoTooShort, and those of `open_video`.
-  static Result<PictureStream> open(const PicturePlace& place, const CaptureSequence& sequence, int channels,
-                                    const OpenVideo& open_video);
-  // Frames must be asked for in ascending order; a video decodes and drops those in between. Errors: VideoTooShort,
-  // FileUnreadable.
+  // `camera`: its name, for its offset in time. Errors: VideoTooShort, and those of `open_video`.
+  static Result<PictureStream> open(const PicturePlace& place, const CaptureSequence& sequence,
+                                    const std::string& camera, int channels, const OpenVideo& open_video);
+  // Frames must be asked for in ascending order; a video decodes and drops those in between, and is opened anew where a
+  // loop begins again. Errors: VideoTooShort, FileUnreadable.
   Result<Image> read(uint32_t frame);
   const std::string& path() const { return place_.path; }
 
@@ -56,7 +56,10 @@ class PictureStream {
   Status checkFiles() const;
 
   PicturePlace place_;
-  uint32_t frame_count_ = 0, next_ = 0;
+  std::vector<uint32_t> numbers_;     // [frame] of the picture
+  uint32_t pictures_ = 0, next_ = 0;  // how many there must be; number of the video's next one
+  bool as_declared_ = true;           // nothing but "frames" decides on it
+  OpenVideo open_video_;
   int channels_ = 3;
   std::unique_ptr<VideoSource> video_;
 };

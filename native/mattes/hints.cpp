@@ -36,17 +36,21 @@ cv::Mat strokesOf(const Image& rgba) {
 
 Status readCamera(const fs::path& folder, const capture::CaptureCamera& camera,
                   const capture::CaptureSequence& sequence, std::map<uint32_t, cv::Mat>& out) {
+  std::map<uint32_t, uint32_t> frame_of;  // picture's number → frame
+  for (uint32_t frame = 0; frame < sequence.frame_count; ++frame)
+    frame_of[sequence.pictureOf(camera.pinhole.name, frame)] = frame;
   for (const fs::path& file : capture::sortedEntries(folder)) {
     const std::string number = file.stem().string();
     const bool is_number = !number.empty() && number.size() < 9 &&
                            std::all_of(number.begin(), number.end(), [](char c) { return c >= '0' && c <= '9'; });
-    if (file.extension() != ".png" || !is_number || std::stoul(number) >= sequence.frame_count)
+    if (file.extension() != ".png" || !is_number || std::stoul(number) > frame_of.rbegin()->first)
       return Error{ErrorId::InvalidArgument,
-                   file.string() + ": hints are PNG files named after their frame, 000000.png to at most " +
-                       std::to_string(sequence.frame_count - 1) + ".png; rename it, or take it out"};
+                   file.string() + ": hints are PNG files named after their picture, 000000.png to at most " +
+                       std::to_string(frame_of.rbegin()->first) + ".png; rename it, or take it out"};
     FOURDVT_ASSIGN(const auto picture, capture::readPicture(file.string(), 4));
     FOURDVT_TRY(capture::checkSize(picture, camera, file.string()));
-    out[uint32_t(std::stoul(number))] = strokesOf(picture);
+    const auto frame = frame_of.find(uint32_t(std::stoul(number)));
+    if (frame != frame_of.end()) out[frame->second] = strokesOf(picture);
   }
   return {};
 }

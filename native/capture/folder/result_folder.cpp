@@ -57,6 +57,8 @@ std::string inputsKey(const Capture& capture) {
     for (const std::string& file : filesOf(folder, false)) add(file);
   for (const CaptureSequence& sequence : capture.sequences) {
     add(sequence.name + " " + std::to_string(sequence.frame_count));
+    if (sequence.first_frame > 0) add("first frame " + std::to_string(sequence.first_frame));
+    for (const auto& [camera, frames] : sequence.offset_frames) add(camera + " is off by " + std::to_string(frames));
     for (const std::string& file : filesOf(sequence.folder, true)) add(file);
   }
   char text[20];

@@ -9,7 +9,7 @@ namespace fourdvt::measure {
 
 Result<Image> heldOutTruth(const capture::CaptureSequence& sequence, const PinholeCamera& camera, uint32_t frame) {
   char name[32];
-  std::snprintf(name, sizeof name, "/%04u.png", frame);
+  std::snprintf(name, sizeof name, "/%04u.png", sequence.first_frame + frame);
   const std::string path = sequence.folder + "/" + camera.name + name;
   FOURDVT_ASSIGN(auto truth, platform::readImage(path));
   if (truth.channels != 4 || truth.width != camera.width || truth.height != camera.height)

@@ -21,7 +21,7 @@ class TrueMattes {
       return Error{ErrorId::FileMissing,
                    folder + "/" + stem + ".mkv: no video and no folder with 000000.png; name the true mattes' folder " +
                        "with --against"};
-    FOURDVT_ASSIGN(auto stream, capture::PictureStream::open(*place, sequence, 1, open_video));
+    FOURDVT_ASSIGN(auto stream, capture::PictureStream::open(*place, sequence, camera.pinhole.name, 1, open_video));
     return TrueMattes(std::move(stream), camera);
   }
   Result<Image> read(uint32_t frame) {

@@ -123,6 +123,11 @@ class Run {
     const std::string stem = capture::matteStem(capture_.cameras[camera].pinhole.name);
     return part_ + "/" + (options_.preview > 0 ? "preview/" : "") + s.name + "/" + stem;
   }
+  // Mattes are numbered as the camera's pictures are.
+  std::string mattePath(const capture::CaptureSequence& s, size_t camera, uint32_t frame) const {
+    const uint32_t number = s.pictureOf(capture_.cameras[camera].pinhole.name, frame);
+    return mattesFolder(s, camera) + "/" + frameName(number) + ".png";
+  }
   std::string sourceName(size_t camera) const {
     for (const capture::CaptureSequence& s : capture_.sequences)
       if (lacksMattes(s, capture_.cameras[camera])) return source_names_.at(camera);
@@ -166,8 +171,7 @@ class Run {
                                                         const std::vector<bool>& lacking) const {
     std::error_code none;
     for (size_t c = 0; c < capture_.cameras.size(); ++c)
-      if (lacking[c] && !std::filesystem::exists(mattesFolder(s, c) + "/" + frameName(frame) + ".png", none))
-        return std::nullopt;
+      if (lacking[c] && !std::filesystem::exists(mattePath(s, c, frame), none)) return std::nullopt;
     return figuresIn(figuresPath(s, frame), capture_.cameras.size());
   }
 
@@ -231,7 +235,7 @@ class Run {
     inParallel(out.size(), [&](size_t c) {
       const CameraMatte& m = made.mattes[c];
       out[c] = {m.shift_pixels, m.gain, m.residual_levels, m.supported, m.kept, shareOf(m.matte)};
-      if (mattes.made(c)) done[c] = platform::writeImage(mattesFolder(s, c) + "/" + frameName(frame) + ".png", m.matte);
+      if (mattes.made(c)) done[c] = platform::writeImage(mattePath(s, c, frame), m.matte);
       if (done[c].ok() && in_sheet)
         done[c] = platform::writeImage(
             cellsFolder() + "/" + s.name + "/" + capture_.cameras[c].pinhole.name + "/" + frameName(frame) + ".png",

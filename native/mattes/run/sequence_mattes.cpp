@@ -16,12 +16,13 @@ Result<SequenceMattes> SequenceMattes::open(const capture::Capture& capture, con
   SequenceMattes out(capture, sequence, sources, joint);
   for (const capture::CaptureCamera& camera : capture.cameras) {
     FOURDVT_ASSIGN(const auto place, capture::colourPlace(sequence, camera));
-    FOURDVT_ASSIGN(auto colour, capture::PictureStream::open(place, sequence, 3, open_video));
+    FOURDVT_ASSIGN(auto colour, capture::PictureStream::open(place, sequence, camera.pinhole.name, 3, open_video));
     out.colour_.push_back(std::move(colour));
     out.given_.emplace_back();
     const auto matte = capture::findPictures(sequence.folder, capture::matteStem(camera.pinhole.name));
     if (!matte) continue;
-    FOURDVT_ASSIGN(out.given_.back(), capture::PictureStream::open(*matte, sequence, 1, open_video));
+    FOURDVT_ASSIGN(out.given_.back(),
+                   capture::PictureStream::open(*matte, sequence, camera.pinhole.name, 1, open_video));
   }
   out.strokes_ = strokes;
   out.hints_.resize(capture.cameras.size());
