@@ -13,24 +13,25 @@
 namespace fourdvt::refine {
 namespace {
 
-// 0–2 rotation, 3–5 translation, 6 focal length, 7 uniform offset of the surface.
-constexpr int kUnknowns = 8;
+// 0–2 rotation, 3–5 translation, 6 focal length, 7 uniform offset of the surface, 8 frames.
+constexpr int kUnknowns = 9;
 using Vector = Eigen::Matrix<double, kUnknowns, 1>;
 using Matrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
 // How far rigs are usually off; in the unknowns' units.
-constexpr double kMoveSigma_m = 0.003, kZoomSigma = 0.002, kOffsetSigma_m = 0.005;
+constexpr double kMoveSigma_m = 0.003, kZoomSigma = 0.002, kOffsetSigma_m = 0.005, kFramesSigma = 2;
+constexpr double kHullTooLarge = 0.3;  // weight of a hull's point that says "too large"
 constexpr int kFitRounds = 5;
 constexpr size_t kFewestPoints = 60, kFewestBlocks = 6;
 
-// How far a point of the picture moves along `direction` per unit of every unknown but the last.
+// How far a point of the picture moves along `direction` per unit of every unknown but the last two.
 Vector derivativesOf(const PinholeCamera& camera, const glm::dvec3& p, const glm::dvec2& direction) {
   const glm::dvec2 d(direction.x * camera.fx, direction.y * camera.fy);
   const double zoom = (d.x * p.x + d.y * p.y) / p.z;
   const glm::dvec3 move(d.x / p.z, d.y / p.z, -zoom / p.z);
   const glm::dvec3 turn = glm::cross(p, move);  // a rotation vector ω moves p by ω × p
   Vector row;
-  row << turn.x, turn.y, turn.z, move.x, move.y, move.z, zoom, 0;
+  row << turn.x, turn.y, turn.z, move.x, move.y, move.z, zoom, 0, 0;
   return row;
 }
 
@@ -54,7 +55,7 @@ PinholeCamera changed(const PinholeCamera& camera, const CameraChange& change) {
 }
 
 CameraStep fitCamera(const PinholeCamera& camera, const PinholeCamera& given, std::span<const BlockedPoint> points,
-                     Freedom freedom) {
+                     Freedom freedom, SurfaceKind surface) {
   CameraStep out;
   std::map<uint32_t, Normal> blocks;
   for (const BlockedPoint& s : points) blocks[s.block];
@@ -63,13 +64,13 @@ CameraStep fitCamera(const PinholeCamera& camera, const PinholeCamera& given, st
   rows.reserve(points.size());
   for (const BlockedPoint& s : points) {
     rows.push_back(derivativesOf(camera, glm::dvec3(s.point.point_in_cam), glm::dvec2(s.point.outward)));
-    rows.back()[kUnknowns - 1] = s.point.pixels_per_metre;
+    rows.back()[7] = s.point.pixels_per_metre;
+    rows.back()[8] = -s.pixels_per_frame;  // a later picture's matte has moved on: the outline falls behind
   }
-  const bool all = freedom == Freedom::All;
   // The change since `given`, which the prior holds near zero.
   Vector since = Vector::Zero();
   const glm::dvec3 moved = glm::dmat3(camera.cam_from_world) * (given.centreInWorld() - camera.centreInWorld());
-  if (all) since << 0, 0, 0, moved.x, moved.y, moved.z, std::log(camera.fx / given.fx), 0;
+  if (freedom.place) since << 0, 0, 0, moved.x, moved.y, moved.z, std::log(camera.fx / given.fx), 0, 0;
   Vector x = Vector::Zero();
   Normal whole;
   std::vector<double> misfit(points.size());
@@ -80,7 +81,8 @@ CameraStep fitCamera(const PinholeCamera& camera, const PinholeCamera& given, st
     scale = std::max(0.05, robustScale(misfit));
     for (auto& [block, normal] : blocks) normal = {};
     for (size_t i = 0; i < points.size(); ++i) {
-      const double w = tukeyWeight(misfit[i] / scale);
+      const double share = surface == SurfaceKind::Hull && misfit[i] < 0 ? kHullTooLarge : 1;
+      const double w = share * tukeyWeight(misfit[i] / scale);
       Normal& normal = blocks[points[i].block];
       normal.left += w * rows[i] * rows[i].transpose();
       normal.right += w * points[i].point.residual_pixels * rows[i];
@@ -94,15 +96,18 @@ CameraStep fitCamera(const PinholeCamera& camera, const PinholeCamera& given, st
     const double per_block = double(points.size()) / double(blocks.size()) * scale * scale;
     const auto hold = [&](int i, double sigma) { prior(i, i) = per_block / (sigma * sigma); };
     prior = Matrix::Zero();
-    for (int i = 3; i < 6; ++i) hold(i, all ? kMoveSigma_m : 1e-9);
-    hold(6, all ? kZoomSigma : 1e-9);
+    constexpr double kFixed = 1e-9;
+    for (int i = 0; i < 3 && !freedom.turn; ++i) hold(i, kFixed);
+    for (int i = 3; i < 6; ++i) hold(i, freedom.place ? kMoveSigma_m : kFixed);
+    hold(6, freedom.place ? kZoomSigma : kFixed);
     hold(7, kOffsetSigma_m);
+    hold(8, freedom.time ? kFramesSigma : kFixed);
     whole.right -= prior * since;
     x = (whole.left + prior).ldlt().solve(whole.right);
   }
   out.solvable = x.allFinite();
   if (!out.solvable) return out;
-  out.change = {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}, x[6]};
+  out.change = {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}, x[6], x[8]};
   Matrix covariance = Matrix::Zero();
   for (const auto& [block, normal] : blocks) {
     const Vector without = (whole.left - normal.left + prior).ldlt().solve(whole.right - normal.right) - x;
@@ -110,6 +115,9 @@ CameraStep fitCamera(const PinholeCamera& camera, const PinholeCamera& given, st
   }
   covariance *= double(blocks.size() - 1) / double(blocks.size());
   for (int i = 0; i < 3; ++i) out.turn_deviation_rad[i] = std::sqrt(covariance(i, i));
+  // Leaving out blocks says nothing where nothing moves: there the prior is all that is known.
+  const double unknown_share = prior(8, 8) / (prior(8, 8) + whole.left(8, 8));
+  out.frames_deviation = std::hypot(std::sqrt(covariance(8, 8)), kFramesSigma * unknown_share);
   double squares = 0;
   for (const BlockedPoint& s : points)
     for (const glm::dvec2 axis : {glm::dvec2(1, 0), glm::dvec2(0, 1)}) {

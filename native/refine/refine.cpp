@@ -6,7 +6,7 @@
 #include <map>
 #include <opencv2/core/utility.hpp>
 
-#include "refine/camera_fit.h"
+#include "refine/camera_refit.h"
 #include "refine/frames.h"
 #include "refine/outline_picture.h"
 #include "refine/robust.h"
@@ -22,14 +22,7 @@ constexpr double kLeastBiasPixels = 0.25;
 // the mattes below kLeastBiasPixels cannot be told from the mesh's.
 constexpr double kExactPixels = kLeastBiasPixels, kExactP95Pixels = 1;
 constexpr size_t kFewestMatteEdges = 200;
-// A camera changes if its outline shifts by more than three standard deviations, to which this is added for what
-// leaving out blocks cannot tell (the mesh's errors all round).
-constexpr double kDeviations = 3, kUnknownPixels = 0.1;
 constexpr size_t kCameraFrames = 10;  // a camera is fitted to at most so many frames
-constexpr double kMorePoints = 1.2;   // or so many times the points come within reach
-constexpr int kCameraSteps = 10, kWideSteps = 4;
-constexpr double kWideRad = 0.026;       // the first steps search the matte's edge up to 1.5° away
-constexpr double kSettledPixels = 0.02;  // a smaller step ends the fit
 constexpr int kSurfaceRounds = 5;
 constexpr float kFurthest_m = 0.015f;  // no vertex moves further, offsets that vary with time included
 constexpr double kLeastGain = 0.01;    // another round must lower the residual by this share
@@ -37,7 +30,6 @@ constexpr int kCameraRounds = 2;       // of fitting the cameras to the correcte
 constexpr double kBlock_m = 0.2;       // side of a block of the surface
 constexpr size_t kWorstPictures = 3;
 constexpr uint32_t kFewestOfPicture = 50;  // points, for a picture to count among the worst
-constexpr double kDegrees = 180 / 3.14159265358979323846;
 
 Residuals summary(const std::vector<double>& residuals) {
   std::vector<double> sizes;
@@ -86,9 +78,6 @@ class Refiner {
   void moveMeshes();  // to offsets_
   AllPoints measureAll() const;
   std::vector<BlockedPoint> pointsOf(size_t camera, const PinholeCamera& as, float reach) const;
-  // The camera that fits best from `from` on; `from` itself where nothing can be said.
-  PinholeCamera fitted(size_t camera, const PinholeCamera& from, Freedom freedom, CameraStep& last) const;
-  bool clearlyBetter(size_t camera, const PinholeCamera& from, const PinholeCamera& to, double deviation_pixels) const;
   bool refitCamera(size_t camera, bool with_position);  // whether it changed
   bool fitCameras(bool with_position);                  // whether any of them did
   // Whether what half of the cameras say brings the outlines closer in the other half.
@@ -218,55 +207,16 @@ std::vector<BlockedPoint> Refiner::pointsOf(size_t camera, const PinholeCamera& 
   return out;
 }
 
-PinholeCamera Refiner::fitted(size_t camera, const PinholeCamera& from, Freedom freedom, CameraStep& last) const {
-  PinholeCamera best = from;
-  const float near = OutlineOptions().reach_pixels, wide = std::max(near, static_cast<float>(kWideRad * from.fx));
-  for (int step = 0; step < kCameraSteps; ++step) {
-    const auto points = pointsOf(camera, best, step < kWideSteps && freedom == Freedom::Rotation ? wide : near);
-    last = fitCamera(best, capture_.cameras[camera].pinhole, points, freedom);
-    if (!last.solvable) return from;
-    const PinholeCamera next = refine::changed(best, last.change);
-    const double shift = shiftPixels(best, next, points);
-    best = next;
-    if (shift < kSettledPixels) break;
-  }
-  return best;
-}
-
-bool Refiner::clearlyBetter(size_t camera, const PinholeCamera& from, const PinholeCamera& to,
-                            double deviation_pixels) const {
-  const float reach = OutlineOptions().reach_pixels;
-  const auto before = pointsOf(camera, from, reach), after = pointsOf(camera, to, reach);
-  const double shift = shiftPixels(to, from, after);
-  if (!(shift >= kDeviations * std::hypot(deviation_pixels, kUnknownPixels))) return false;
-  std::vector<double> spread[2];
-  for (const BlockedPoint& s : before) spread[0].push_back(s.point.residual_pixels);
-  for (const BlockedPoint& s : after) spread[1].push_back(s.point.residual_pixels);
-  // Far off, few edges are within reach at all.
-  return robustScale(spread[1]) < robustScale(spread[0]) || after.size() > kMorePoints * double(before.size());
-}
-
 bool Refiner::refitCamera(size_t c, bool with_position) {
-  CameraRefinement& told = out_.by_camera[c];
-  PinholeCamera& camera = out_.cameras[c];
-  const PinholeCamera& given = capture_.cameras[c].pinhole;
-  const auto tell = [&](const PinholeCamera& best, const CameraStep& step) {
-    const auto points = pointsOf(c, best, OutlineOptions().reach_pixels);
-    told.best = CameraRefinement::Shift{shiftPixels(best, given, points), step.shift_deviation_pixels};
-    told.turn_deviation_deg = step.turn_deviation_rad * kDegrees;
-  };
-  CameraStep step;
-  const PinholeCamera turned = fitted(c, camera, Freedom::Rotation, step);
-  if (!step.solvable) return false;
-  tell(turned, step);
-  bool changed = clearlyBetter(c, camera, turned, step.shift_deviation_pixels);
-  if (changed) camera = turned;
-  if (!with_position) return changed;
-  const PinholeCamera moved = fitted(c, turned, Freedom::All, step);
-  if (!step.solvable || !clearlyBetter(c, camera, moved, step.shift_deviation_pixels)) return changed;
-  camera = moved;
-  tell(moved, step);
-  return true;
+  const auto measure = [&](const PinholeCamera& as, float reach) { return pointsOf(c, as, reach); };
+  const CameraRefit refit =
+      refine::refitCamera(out_.cameras[c], capture_.cameras[c].pinhole, measure, with_position, SurfaceKind::Mesh);
+  if (refit.best) {
+    out_.by_camera[c].best = refit.best;
+    out_.by_camera[c].turn_deviation_deg = refit.turn_deviation_deg;
+  }
+  out_.cameras[c] = refit.camera;
+  return refit.changed;
 }
 
 bool Refiner::fitCameras(bool with_position) {

@@ -16,6 +16,7 @@
 
 #include "base/image.h"
 #include "capture/capture.h"
+#include "refine/camera_refit.h"
 
 namespace fourdvt::refine {
 
@@ -39,13 +40,9 @@ struct CameraRefinement {
   Residuals before, after;
   std::optional<double> measured_bias_pixels;  // of the matte, where enough places on its edge have contrast
   double used_bias_pixels = 0;
-  // The change that fits best, as the root mean square of the outline's shift in the picture, with its standard
-  // deviation; it was made only if it is clearly more than that. None where cameras were not asked about, or where the
-  // outline says too little.
-  struct Shift {
-    double pixels = 0, deviation_pixels = 0;
-  };
-  std::optional<Shift> best;
+  // The change that fits best; it was made only if it is clearly more than its deviation. None where cameras were not
+  // asked about, or where the outline says too little.
+  std::optional<CameraShift> best;
   bool changed = false;
   glm::dvec3 turn_deg{0}, turn_deviation_deg{0};  // of the changed camera, about its own axes
   double move_m = 0, zoom_percent = 0;

@@ -80,7 +80,7 @@ void visit(A& a, Residuals& r) {
   visit(a, r.p95_pixels);
 }
 template <class A>
-void visit(A& a, CameraRefinement::Shift& s) {
+void visit(A& a, CameraShift& s) {
   visit(a, s.pixels);
   visit(a, s.deviation_pixels);
 }

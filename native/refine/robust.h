@@ -20,6 +20,8 @@ inline double quantile(std::vector<double> values, double share) {
   return *lower + (at - std::floor(at)) * (*next - *lower);
 }
 
+constexpr double kDegrees = 180 / 3.14159265358979323846;  // of a radian
+
 // Standard deviation of a normal distribution whose median absolute value is that of the values.
 inline double robustScale(const std::vector<double>& values) {
   std::vector<double> sizes;

@@ -163,6 +163,7 @@ bake::BakeOptions readOptions(Args& args) {
   if (args.has("--blend-error")) o.classes.blend_error_m = args.number("--blend-error", 1, 0.01, 1000) / 1e3;
   readAppearance(args, o);
   o.refine = readRefineOptions(args);
+  o.refine_asked = args.has("--refine") || args.has("--refine-cameras") || args.has("--matte-bias-px");
   o.colour_calibration = !args.has("--no-colour-calibration");
   return o;
 }

@@ -19,6 +19,7 @@ struct BakeExtension {
 };
 
 int importCommand(int argc, char** argv);
+int calibrateCommand(int argc, char** argv);
 int mattesCommand(int argc, char** argv);
 int reconstructCommand(int argc, char** argv);
 int bakeCommand(int argc, char** argv, const BakeExtension* extension = nullptr);

@@ -27,6 +27,7 @@ std::string presentEvaluate(int argc, char** argv) {
 
 constexpr Command kCommands[] = {
     {"import", "make a capture folder from another program's calibration", importCommand},
+    {"calibrate", "put a capture's cameras in step and in place", calibrateCommand},
     {"mattes", "make mattes for a capture's cameras", mattesCommand},
     {"reconstruct", "make surfaces for a capture without meshes", reconstructCommand},
     {"bake", "turn a capture folder into a character folder",

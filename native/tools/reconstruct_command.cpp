@@ -27,6 +27,10 @@ const CommandHelp& help() {
        {"--mattes-alone", nullptr,
         "missing mattes are made by every camera by itself (default: cameras help each other, see fourdvt mattes)"},
        {"--any-silhouettes", nullptr, "go on although no common volume explains the silhouettes of the first frame"},
+       {"--synchronise", "MODE",
+        "on (default): find cameras that are off in time by their silhouettes (see fourdvt calibrate); off: as given"},
+       {"--refine-cameras", "MODE",
+        "on (default): turn cameras that the silhouettes clearly contradict; off: as given"},
        {"--hull", "KIND",
         "volumetric (voxels; default), or polyhedral (exact intersection of the silhouettes' cones, few triangles; "
         "volumetric in frames where the polyhedron fails its checks)"},
@@ -62,6 +66,8 @@ ReconstructOptions readOptions(Args& args) {
   o.faces = args.integer("--faces", o.faces, 1000, 10'000'000);
   o.adaptivity = args.number("--adaptivity", o.adaptivity, 0, 1);
   o.stereo = choice(args, "--refine", o.hull == HullKind::Volumetric, {{"stereo", true}, {"none", false}});
+  o.synchronise = choice(args, "--synchronise", true, {{"on", true}, {"off", false}});
+  o.refine_cameras = choice(args, "--refine-cameras", true, {{"on", true}, {"off", false}});
   o.planes = args.integer("--planes", o.planes, 16, 128);
   if (o.planes % 4 != 0) args.complain("--planes must be a multiple of 4");
   o.fairing = args.integer("--fairing", o.fairing, 0, 100);

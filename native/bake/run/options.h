@@ -60,6 +60,7 @@ struct BakeOptions {
   std::optional<double> coarse_step_m;
   int gutter_texels = 10;        // width of the gutter round every chart, texels of layer 1; limits in check()
   refine::RefineOptions refine;  // of the mesh and the cameras, before anything is drawn
+  bool refine_asked = false;     // explicitly: refused where it cannot be done
   const Labelling* labels = &kJoint;
   TexelRule texel_rule = nullptr;  // null: a texel takes the camera that its face's label names
   Penalty penalty = Penalty::Axis;

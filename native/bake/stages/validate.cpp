@@ -176,6 +176,10 @@ Status openCapture(Job& job, const BakeEnvironment& environment) {
   const bool chosen = !o.appearance;
   if (chosen) o.appearance = constant ? package::AppearanceKind::Layers : package::AppearanceKind::Cameras;
   if (!job.fromCameras()) return {};
+  if (!constant && o.refine_asked && o.refine.any())
+    return bad(o.capture_folder +
+               ": its meshes have another topology in every frame, and --refine moves one mesh; leave out --refine, "
+               "--refine-cameras and --matte-bias-px, or run `fourdvt calibrate` and `fourdvt reconstruct` again");
   if (!constant) o.refine = {.outline = false, .cameras = false};
   if (!chosen) return {};
   job.notes.push_back("The character is textured from " + std::string(nameOf(*o.appearance)) + ": the meshes of " +

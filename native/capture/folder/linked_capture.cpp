@@ -2,6 +2,7 @@
 #include "capture/folder/linked_capture.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -31,7 +32,7 @@ Status linkOne(const fs::path& from, const fs::path& to) {
                                          failed.message() + "; check space and permissions"};
 }
 
-constexpr const char* kKeptCameras = "cameras_kept";  // the calibration without the cameras that are left out
+constexpr const char* kKeptCameras = "cameras_kept";  // a calibration of its own
 
 // The report of an earlier command: written through a link, it would change that one's.
 bool isReport(const std::string& name) {
@@ -72,9 +73,14 @@ Status linkSequence(const fs::path& from, const fs::path& to, const Json& sequen
   return {};
 }
 
+void dropNames(const std::vector<std::string>& names, Json& by_camera) {
+  if (!by_camera.is_object()) return;
+  for (const std::string& name : names) by_camera.erase(name);
+}
+
 // The calibration of the cameras that `capture` still has, and its place in capture.json.
 Status writeKept(const Capture& capture, const std::string& to, const LinkOptions& options, Json& json) {
-  if (options.leave_out.empty()) return {};
+  if (options.leave_out.empty() && !options.own_calibration) return {};
   const std::string folder = to + "/" + kKeptCameras;
   FOURDVT_TRY(platform::makeFolder(folder));
   const ColmapText text = colmapText(capture.cameras, capture.metres_per_unit);
@@ -83,8 +89,26 @@ Status writeKept(const Capture& capture, const std::string& to, const LinkOption
   json["calibration"]["ring"] = kKeptCameras;
   Json& calibration = json["calibration"];
   if (!calibration.contains("skew") || !calibration["skew"].is_object()) return {};
-  for (const std::string& name : options.leave_out) calibration["skew"].erase(name);
+  dropNames(options.leave_out, calibration["skew"]);
   return {};
+}
+
+// Frames that remain keep their pictures: what has been held out is numbered from the new first frame.
+void writeTimes(const CaptureSequence& sequence, Json& json) {
+  const int64_t given = json.value("first_frame", int64_t(0)), later = int64_t(sequence.first_frame) - given;
+  json["frames"] = sequence.frame_count;
+  if (sequence.first_frame > 0) json["first_frame"] = sequence.first_frame;
+  Json offsets = Json::object();
+  for (const auto& [camera, frames] : sequence.offset_frames)
+    if (frames != 0) offsets[camera] = std::round(1000 * frames) / 1000;
+  json["offset_frames"] = std::move(offsets);
+  if (!json.contains("test_frames") || !json["test_frames"].is_array()) return;
+  Json tests = Json::array();
+  for (const Json& frame : json["test_frames"]) {
+    const int64_t now = frame.is_number_integer() ? frame.get<int64_t>() - later : -1;
+    if (now >= 0 && now < int64_t(sequence.frame_count)) tests.push_back(now);
+  }
+  json["test_frames"] = std::move(tests);
 }
 
 Json withOwnMeshes(Json sequence) {
@@ -113,7 +137,7 @@ Status linkCapture(const Capture& capture, const std::string& to, const LinkOpti
                            });
     if (name == "capture.json" || of_meshes || isReport(name) || std::find(all.begin(), all.end(), name) != all.end())
       continue;
-    if (name == kKeptCameras && !options.leave_out.empty()) continue;
+    if (name == kKeptCameras && (!options.leave_out.empty() || options.own_calibration)) continue;
     FOURDVT_TRY(linkOne(entry, fs::path(to) / name));
   }
   Json kept = Json::array();
@@ -122,7 +146,12 @@ Status linkCapture(const Capture& capture, const std::string& to, const LinkOpti
       continue;
     FOURDVT_TRY(linkSequence(from, to, sequence, options.own_meshes));
     kept.push_back(options.own_meshes ? withOwnMeshes(sequence) : sequence);
+    if (kept.back().contains("offset_frames")) dropNames(options.leave_out, kept.back()["offset_frames"]);
+    const CaptureSequence* own = capture.find(nameOf(sequence));
+    if (options.own_times && own) writeTimes(*own, kept.back());
   }
+  if (json.contains("offset_frames")) dropNames(options.leave_out, json["offset_frames"]);
+  if (options.own_times) json.erase("offset_frames");
   json["sequences"] = std::move(kept);
   if (options.own_meshes) {
     json["topology"] = "per-frame";
@@ -140,6 +169,7 @@ Status leaveOut(const std::vector<std::string>& names, Capture& capture) {
       return Error{ErrorId::InvalidArgument,
                    "--leave-out " + name + ": no camera of " + capture.cameras_folder + " has this name"};
     capture.cameras.erase(at);
+    for (CaptureSequence& sequence : capture.sequences) sequence.offset_frames.erase(name);
   }
   if (!names.empty() && capture.cameras.size() < 2)
     return Error{ErrorId::InvalidArgument, "--leave-out: fewer than two cameras would be left; name fewer"};

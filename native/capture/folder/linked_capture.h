@@ -18,6 +18,8 @@ struct LinkOptions {
   std::vector<std::string> sequences;  // which go along
   bool own_meshes = false;             // "topology": "per-frame" at <sequence>/mesh/%06d.ply instead of the capture's
   std::vector<std::string> leave_out;  // cameras: the new capture has a calibration of its own, without them
+  bool own_calibration = false;        // the cameras as they are in `capture`, not as in its folder
+  bool own_times = false;              // the same of frames, first_frame and offset_frames
 };
 
 // Links whatever the folder of `capture` holds into `to`, which exists: everything but capture.json, reports, sequences

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kVersion = "reconstruct 3";  // raise it when the same options give other meshes
+constexpr const char* kVersion = "reconstruct 4";  // raise it when the same options give other meshes
 
 std::string frameName(uint32_t frame) {
   char text[16];
@@ -27,10 +27,17 @@ std::string frameName(uint32_t frame) {
 std::string settingsKey(const ReconstructOptions& o, const capture::Capture& capture) {
   char line[200];
   std::snprintf(line, sizeof line,
-                "%s hull %d tolerance %.9g voxel %.9g adaptivity %.9g stereo %d fairing %d planes %d faces %d%s",
-                kVersion, int(o.hull), o.contour_tolerance_px, o.voxel_m, o.adaptivity, int(o.stereo), o.fairing,
-                o.planes, o.faces, o.mattes_alone ? " mattes alone" : "");
+                "%s times %d cameras %d hull %d tolerance %.9g voxel %.9g adaptivity %.9g stereo %d fairing %d planes "
+                "%d faces %d%s",
+                kVersion, int(o.synchronise), int(o.refine_cameras), int(o.hull), o.contour_tolerance_px, o.voxel_m,
+                o.adaptivity, int(o.stereo), o.fairing, o.planes, o.faces, o.mattes_alone ? " mattes alone" : "");
   return capture::inputsKey(capture) + " " + line + "\n";
+}
+
+FrameStore::FrameStore(const capture::ResultFolder& folder, const capture::Capture& capture)
+    : folder_(folder), metres_per_unit_(capture.metres_per_unit) {
+  for (const capture::CaptureSequence& sequence : capture.sequences)
+    first_frames_[sequence.name] = sequence.first_frame;
 }
 
 Status FrameStore::makeFolders(const std::string& sequence) const {
@@ -39,7 +46,8 @@ Status FrameStore::makeFolders(const std::string& sequence) const {
 }
 
 std::string FrameStore::meshPath(const std::string& sequence, uint32_t frame) const {
-  return folder_.partFolder() + "/" + sequence + "/" + capture::kMeshFolder + "/" + frameName(frame) + ".ply";
+  return folder_.partFolder() + "/" + sequence + "/" + capture::kMeshFolder + "/" +
+         frameName(first_frames_.at(sequence) + frame) + ".ply";
 }
 
 std::string FrameStore::figuresPath(const std::string& sequence, uint32_t frame) const {

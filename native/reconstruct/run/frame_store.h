@@ -3,6 +3,7 @@
 // a frame is finished once its figures are there. Does NOT make surfaces.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 
@@ -18,8 +19,7 @@ std::string settingsKey(const ReconstructOptions& options, const capture::Captur
 
 class FrameStore {
  public:
-  FrameStore(const capture::ResultFolder& folder, double metres_per_unit)
-      : folder_(folder), metres_per_unit_(metres_per_unit) {}
+  FrameStore(const capture::ResultFolder& folder, const capture::Capture& capture);
 
   Status makeFolders(const std::string& sequence) const;
   // Nothing if the frame is not finished.
@@ -34,6 +34,7 @@ class FrameStore {
 
   capture::ResultFolder folder_;
   double metres_per_unit_;
+  std::map<std::string, uint32_t> first_frames_;  // by sequence
 };
 
 }  // namespace fourdvt::reconstruct

@@ -20,6 +20,8 @@ struct ReconstructOptions {
   std::vector<std::string> leave_out;  // cameras
   bool mattes_alone = false;           // missing mattes: every camera by itself
   bool any_silhouettes = false;        // go on although no common volume explains the silhouettes
+  bool synchronise = true;             // cameras, by their silhouettes
+  bool refine_cameras = true;          // the same of their poses
   HullKind hull = HullKind::Volumetric;
   double contour_tolerance_px = 1;  // polyhedral: how far a polygon may be from the outline, 0.25 to 8
   double voxel_m = 0;               // volumetric hull and stereo; 0: by the pictures, see scale.h

@@ -4,6 +4,7 @@
 #include <tbb/global_control.h>
 
 #include <chrono>
+#include <filesystem>
 #include <opencv2/core/utility.hpp>
 #include <optional>
 
@@ -14,6 +15,8 @@
 #include "reconstruct/run/frame_store.h"
 #include "reconstruct/run/frame_surface.h"
 #include "reconstruct/run/report.h"
+#include "refine/run/calibrate_capture.h"
+#include "refine/run/calibration_report.h"
 
 namespace fourdvt::reconstruct {
 namespace {
@@ -21,7 +24,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 const capture::FolderWriter kWriter{"reconstruct", kReportJson, ""};
-constexpr uint32_t kWindow = 32;  // frames after which a surface no longer depends on those before
+constexpr size_t kFewestCalibrated = 4;  // cameras; the silhouettes of fewer hardly contradict each other
+constexpr uint32_t kWindow = 32;         // frames after which a surface no longer depends on those before
 
 double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -33,19 +37,16 @@ class Run {
         environment_(environment),
         capture_(capture),
         wants_mattes_(wants_mattes),
-        folder_(options.folder, kWriter),
-        store_(folder_, capture.metres_per_unit) {
-    for (const capture::CaptureCamera& camera : capture.cameras) cameras_.push_back(camera.pinhole);
-    for (const capture::CaptureSequence& sequence : capture.sequences) total_ += sequence.frame_count;
-  }
+        folder_(options.folder, kWriter) {}
 
   Result<ReconstructSummary> run() {
-    FOURDVT_ASSIGN(auto maker, SurfaceMaker::create(options_, capture_.cameras, environment_.device));
     FOURDVT_TRY(folder_.open(settingsKey(options_, capture_), options_.resume));
-    std::vector<std::string> names;
-    for (const capture::CaptureSequence& sequence : capture_.sequences) names.push_back(sequence.name);
-    FOURDVT_TRY(capture::linkCapture(capture_, folder_.partFolder(), {names, true, options_.leave_out}));
-    FOURDVT_TRY(openLinked(names));
+    FOURDVT_TRY(link());
+    const FrameStore store(folder_, capture_);
+    store_ = &store;
+    FOURDVT_ASSIGN(auto maker, SurfaceMaker::create(options_, capture_.cameras, environment_.device));
+    for (const capture::CaptureCamera& camera : capture_.cameras) cameras_.push_back(camera.pinhole);
+    for (const capture::CaptureSequence& sequence : capture_.sequences) total_ += sequence.frame_count;
     if (wants_mattes_) FOURDVT_TRY(addMattes());
     std::vector<ReconstructedSequence> done;
     ReportPictures pictures;
@@ -56,7 +57,7 @@ class Run {
     tell("report");
     ReconstructSummary summary = summarise(capture_, done);
     summary.frames_kept = kept_;
-    summary.warnings.insert(summary.warnings.begin(), matte_warnings_.begin(), matte_warnings_.end());
+    summary.warnings.insert(summary.warnings.begin(), warnings_.begin(), warnings_.end());
     summary.wall_s = since(started_);
     FOURDVT_TRY(writeReport(folder_.partFolder(), options_, capture_, done, pictures, summary));
     FOURDVT_TRY(folder_.finish());
@@ -64,6 +65,56 @@ class Run {
   }
 
  private:
+  // The new folder with all that is not made; of an earlier run's, the calibration holds.
+  Status link() {
+    capture::LinkOptions link;
+    for (const capture::CaptureSequence& sequence : capture_.sequences) link.sequences.push_back(sequence.name);
+    link.own_meshes = true;
+    link.leave_out = options_.leave_out;
+    const std::string done = folder_.partFolder() + "/" + refine::kCalibrationJson;
+    std::error_code none;
+    const bool calibrates = options_.synchronise || options_.refine_cameras;
+    if (!calibrates || !std::filesystem::exists(done, none)) {
+      if (calibrates) FOURDVT_TRY(calibrate(link));
+      FOURDVT_TRY(capture::linkCapture(capture_, folder_.partFolder(), link));
+      if (calibration_)
+        FOURDVT_TRY(refine::writeCalibrationReport(folder_.partFolder(), options_.capture_folder, *calibration_));
+    }
+    FOURDVT_TRY(openLinked(link.sequences));
+    for (size_t c = 0; c < capture_.cameras.size(); ++c) capture_.cameras[c].pinhole = linked_.cameras[c].pinhole;
+    for (size_t s = 0; s < capture_.sequences.size(); ++s) {
+      capture::CaptureSequence &here = capture_.sequences[s], &there = linked_.sequences[s];
+      here.frame_count = there.frame_count, here.first_frame = there.first_frame;
+      here.offset_frames = there.offset_frames, here.test_frames = there.test_frames;
+    }
+    return {};
+  }
+
+  // Cameras in step and in place, by silhouettes that each camera has by itself: mattes that are made with the others'
+  // help agree with them already.
+  Status calibrate(capture::LinkOptions& link) {
+    if (capture_.cameras.size() < kFewestCalibrated) return {};
+    refine::CalibrationOptions options;
+    options.times = options_.synchronise, options.cameras = options_.refine_cameras;
+    const auto found =
+        refine::calibrate(capture_, environment_.open_video, options, [&](const std::string& what, double) {
+          tell("calibrating: " + what);
+          return !environment_.stop || !*environment_.stop;
+        });
+    if (!found.ok() && found.error().id == ErrorId::Interrupted) return found.error();
+    if (!found.ok()) {
+      warnings_.push_back("cameras stay as given in time and place: " + found.error().message);
+      return {};
+    }
+    calibration_ = found.value();
+    refine::applyCalibration(*calibration_, capture_);
+    link.own_calibration = link.own_times = calibration_->changed();
+    for (const std::string& line : refine::calibrationLines(*calibration_))
+      if (calibration_->changed()) warnings_.push_back(line);
+    warnings_.insert(warnings_.end(), calibration_->warnings.begin(), calibration_->warnings.end());
+    return {};
+  }
+
   // Everything that the new capture.json names must be found from the new folder, from which frames are read.
   Status openLinked(const std::vector<std::string>& names) {
     auto linked = capture::openCapture(folder_.partFolder(), environment_.open_video, names, capture::MeshNeed::Nothing,
@@ -89,7 +140,7 @@ class Run {
     };
     FOURDVT_ASSIGN(const auto summary,
                    mattes::addMattes(capture_, folder_.partFolder(), folder_.workFolder(), options, environment));
-    matte_warnings_ = summary.warnings;
+    warnings_.insert(warnings_.end(), summary.warnings.begin(), summary.warnings.end());
     started_ = Clock::now();
     return {};
   }
@@ -121,7 +172,7 @@ class Run {
   // The frame to go on with: stereo keeps surfaces steady, so that they depend on the frames before them in a window.
   uint32_t firstToMake(const capture::CaptureSequence& sequence) const {
     uint32_t frame = 0;
-    while (frame < sequence.frame_count && store_.find(sequence.name, frame)) ++frame;
+    while (frame < sequence.frame_count && store_->find(sequence.name, frame)) ++frame;
     if (frame == sequence.frame_count || !options_.stereo) return frame;
     return frame / kWindow * kWindow;
   }
@@ -132,7 +183,7 @@ class Run {
     reader.skipTo(frame);
     FOURDVT_ASSIGN(const auto captured, reader.next());
     FrameSurface surface;
-    FOURDVT_ASSIGN(surface.mesh, store_.loadMesh(sequence.name, frame));
+    FOURDVT_ASSIGN(surface.mesh, store_->loadMesh(sequence.name, frame));
     surface.silhouettes = silhouettesOf(cameras_, captured.pictures);
     pictures.add(sequence.name, frame, captured.pictures, surface);
     return {};
@@ -140,18 +191,18 @@ class Run {
 
   Result<std::vector<FrameFigures>> runSequence(const capture::CaptureSequence& sequence, SurfaceMaker& maker,
                                                 ReportPictures& pictures) {
-    FOURDVT_TRY(store_.makeFolders(sequence.name));
+    FOURDVT_TRY(store_->makeFolders(sequence.name));
     FOURDVT_ASSIGN(auto reader,
                    capture::FrameReader::open(linked_, *linked_.find(sequence.name), environment_.open_video));
     std::vector<FrameFigures> out;
-    const auto earliest = store_.find(sequence.name, 0);
+    const auto earliest = store_->find(sequence.name, 0);
     if (earliest) agreed_ = sequence.name;
     FOURDVT_TRY(maker.begin(earliest ? &*earliest : nullptr));
     const uint32_t first = firstToMake(sequence), shown = sequence.frame_count / 2;
     for (uint32_t frame = 0; frame < sequence.frame_count; ++frame) {
       if (frame < first) {
         if (frame == shown) FOURDVT_TRY(showKept(sequence, frame, *reader, pictures));
-        out.push_back(*store_.find(sequence.name, frame));
+        out.push_back(*store_->find(sequence.name, frame));
         ++kept_, ++done_;
         continue;
       }
@@ -173,7 +224,7 @@ class Run {
       FrameFigures& figures = surface.value().figures;
       figures.read_ms = read_ms;
       if (frame == shown) pictures.add(sequence.name, frame, captured.pictures, surface.value());
-      FOURDVT_TRY(store_.save(sequence.name, frame, surface.value().mesh, figures));
+      FOURDVT_TRY(store_->save(sequence.name, frame, surface.value().mesh, figures));
       out.push_back(std::move(figures));
       ++done_, ++made_;
       tell(sequence.name + " " + std::to_string(frame + 1) + "/" + std::to_string(sequence.frame_count));
@@ -193,13 +244,14 @@ class Run {
 
   const ReconstructOptions& options_;
   const ReconstructEnvironment& environment_;
-  const capture::Capture& capture_;
+  capture::Capture capture_;  // the given one; later with the new one's cameras and times
   const bool wants_mattes_;
   capture::Capture linked_;  // the new folder, where mattes are
   std::string agreed_;       // name of the last sequence whose silhouettes were judged
-  std::vector<std::string> matte_warnings_;
+  std::vector<std::string> warnings_;
+  std::optional<refine::Calibration> calibration_;  // made by this run
   capture::ResultFolder folder_;
-  FrameStore store_;
+  const FrameStore* store_ = nullptr;
   std::vector<PinholeCamera> cameras_;
   Clock::time_point started_ = Clock::now();
   uint32_t total_ = 0, done_ = 0, made_ = 0, kept_ = 0;

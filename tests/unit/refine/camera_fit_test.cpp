@@ -106,14 +106,14 @@ TEST(CameraFit, TurnedCameraIsTurnedBack) {
   for (const glm::dvec3& turn : {glm::dvec3(0.1, -0.1, 0.3), glm::dvec3(-0.5, 0.3, -1)}) {
     const PinholeCamera given = changed(truth, {turn * kRadians, {0, 0, 0}, 0});
     ASSERT_GT(pixelsApart(given, truth, mesh), 3);
-    EXPECT_LT(pixelsApart(fit(mesh, given, matte, Freedom::Rotation).camera, truth, mesh), 0.25);
+    EXPECT_LT(pixelsApart(fit(mesh, given, matte, Freedom{}).camera, truth, mesh), 0.25);
   }
 }
 
 TEST(CameraFit, MeshThatIsTooLargeAllOverDoesNotTurnTheCamera) {
   const PinholeCamera truth = ballCamera(0, 8);
   const BallMesh mesh = figure(0.003);
-  const Fit result = fit(mesh, truth, matteOf(truth), Freedom::All);
+  const Fit result = fit(mesh, truth, matteOf(truth), Freedom{.place = true});
   EXPECT_LT(pixelsApart(result.camera, truth, mesh), 0.25);
   EXPECT_NEAR(result.camera.fx / truth.fx, 1, 0.001);
 }
@@ -124,7 +124,7 @@ TEST(CameraFit, FocalLengthIsFoundWhereItIsFree) {
   PinholeCamera given = truth;
   given.fx = given.fy = truth.fx * 1.006;
   ASSERT_GT(pixelsApart(given, truth, mesh), 1.2);
-  EXPECT_LT(pixelsApart(fit(mesh, given, matteOf(truth), Freedom::All).camera, truth, mesh), 0.5);
+  EXPECT_LT(pixelsApart(fit(mesh, given, matteOf(truth), Freedom{.place = true}).camera, truth, mesh), 0.5);
 }
 
 TEST(CameraFit, FocalLengthIsHeldNearTheGivenOneHoweverManySteps) {
@@ -134,11 +134,11 @@ TEST(CameraFit, FocalLengthIsHeldNearTheGivenOneHoweverManySteps) {
   PinholeCamera given = truth;
   given.fx = given.fy = truth.fx * 1.02;
   const MatteCrop matte = matteOf(truth);
-  const PinholeCamera once = fit(mesh, given, matte, Freedom::All).camera;
+  const PinholeCamera once = fit(mesh, given, matte, Freedom{.place = true}).camera;
   CameraStep step;
   PinholeCamera often = once;
   for (int i = 0; i < 12; ++i) {
-    step = fitCamera(often, given, pointsOf(mesh, often, matte), Freedom::All);
+    step = fitCamera(often, given, pointsOf(mesh, often, matte), Freedom{.place = true});
     often = changed(often, step.change);
   }
   EXPECT_NEAR(often.fx, once.fx, 0.002 * truth.fx);
@@ -148,15 +148,15 @@ TEST(CameraFit, FocalLengthIsHeldNearTheGivenOneHoweverManySteps) {
 TEST(CameraFit, SaysHowSureItIs) {
   const PinholeCamera truth = ballCamera(0, 8);
   auto points = pointsOf(figure(0), truth, matteOf(truth));
-  const double clean = fitCamera(truth, truth, points, Freedom::Rotation).shift_deviation_pixels;
+  const double clean = fitCamera(truth, truth, points, Freedom{}).shift_deviation_pixels;
   EXPECT_LT(clean, 0.12);
   // Every block errs as a whole, by up to a pixel: as many points say less.
   for (BlockedPoint& s : points) s.point.residual_pixels += float(s.block * 7 % 5) * 0.5f - 1;
-  EXPECT_GT(fitCamera(truth, truth, points, Freedom::Rotation).shift_deviation_pixels, 2 * clean);
+  EXPECT_GT(fitCamera(truth, truth, points, Freedom{}).shift_deviation_pixels, 2 * clean);
 }
 
 TEST(CameraFit, FewSamplesAreNotSolvable) {
-  EXPECT_FALSE(fitCamera(ballCamera(0, 8), ballCamera(0, 8), {}, Freedom::Rotation).solvable);
+  EXPECT_FALSE(fitCamera(ballCamera(0, 8), ballCamera(0, 8), {}, Freedom{}).solvable);
 }
 
 TEST(CameraFit, ShiftIsTheRootMeanSquareInThePicture) {

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "refine/silhouettes/rig_fit.h"
+
+#include <algorithm>
+#include <opencv2/core/utility.hpp>
+
+namespace fourdvt::refine {
+namespace {
+
+constexpr size_t kFrames = 12, kPoints = 60;  // of a clip; of a picture
+constexpr size_t kMostRounds = 8;             // changes per camera, on average
+constexpr float kFarPixels = 2;               // further out, a point contradicts the hull
+
+std::vector<BlockedPoint> pointsOf(const std::vector<TimedClip>& clips, const std::vector<PinholeCamera>& cameras,
+                                   const std::vector<char>& ignored, size_t camera, float reach_pixels) {
+  std::vector<BlockedPoint> out;
+  for (const TimedClip& timed : clips) {
+    const RigState rig{cameras, timed.offset_frames, ignored};
+    const auto more = hullPoints(*timed.clip, rig, camera, timed.clip->spreadFrames(kFrames), kPoints, 0, reach_pixels);
+    out.insert(out.end(), more.begin(), more.end());
+  }
+  return out;
+}
+
+class Rig {
+ public:
+  Rig(const std::vector<TimedClip>& clips, const std::vector<PinholeCamera>& given, const std::vector<char>& ignored,
+      const std::function<bool()>& go_on)
+      : clips_(clips), given_(given), ignored_(ignored), go_on_(go_on), now_(given), out_(given.size()) {
+    for (size_t c = 0; c < given.size(); ++c) out_[c].camera = given[c];
+  }
+
+  // Sweeps over the cameras that may still change; the one that gains most does.
+  std::vector<CameraRefit> fit() {
+    const size_t cameras = given_.size();
+    std::vector<char> asked(cameras, 1);
+    bool everyone = true;
+    for (size_t round = 0; round < kMostRounds * cameras && go_on_(); ++round) {
+      const int best = sweep(asked);
+      if (best < 0 && everyone) break;
+      everyone = best < 0;
+      if (everyone)
+        std::fill(asked.begin(), asked.end(), 1);
+      else
+        now_[best] = out_[best].camera;
+    }
+    return settled();
+  }
+
+ private:
+  // Refits the cameras that are `asked`, forgets those that stay, and returns the one that gains most, or -1.
+  int sweep(std::vector<char>& asked) {
+    std::vector<CameraRefit> tried(given_.size());
+    cv::parallel_for_(cv::Range(0, int(given_.size())), [&](const cv::Range& range) {
+      for (int c = range.start; c < range.end; ++c) {
+        if (!asked[c] || (c < int(ignored_.size()) && ignored_[c])) continue;
+        const auto measure = [&](const PinholeCamera& as, float reach) {
+          std::vector<PinholeCamera> cameras = now_;
+          cameras[c] = as;
+          return pointsOf(clips_, cameras, ignored_, c, reach);
+        };
+        tried[c] = refitCamera(now_[c], given_[c], measure, false, SurfaceKind::Hull);
+      }
+    });
+    int best = -1;
+    double most = 0;
+    for (size_t c = 0; c < given_.size(); ++c) {
+      if (!asked[c]) continue;
+      asked[c] = tried[c].changed;
+      if (tried[c].best) out_[c] = tried[c];
+      const double gain = tried[c].spread_before_pixels - tried[c].spread_after_pixels;
+      if (tried[c].changed && (best < 0 || gain > most)) best = int(c), most = gain;
+    }
+    return best;
+  }
+
+  std::vector<CameraRefit> settled() const {
+    std::vector<CameraRefit> out = out_;
+    for (size_t c = 0; c < given_.size(); ++c) {
+      out[c].camera = now_[c];
+      out[c].changed = now_[c].cam_from_world != given_[c].cam_from_world;
+    }
+    return out;
+  }
+
+  const std::vector<TimedClip>& clips_;
+  const std::vector<PinholeCamera>& given_;
+  const std::vector<char>& ignored_;
+  const std::function<bool()>& go_on_;
+  std::vector<PinholeCamera> now_;
+  std::vector<CameraRefit> out_;
+};
+
+}  // namespace
+
+std::vector<CameraRefit> fitRig(const std::vector<TimedClip>& clips, const std::vector<PinholeCamera>& given,
+                                const std::vector<char>& ignored, const std::function<bool()>& go_on) {
+  return Rig(clips, given, ignored, go_on).fit();
+}
+
+std::vector<StickOut> stickOut(const std::vector<TimedClip>& clips, const std::vector<PinholeCamera>& cameras,
+                               const std::vector<char>& ignored) {
+  std::vector<StickOut> out(cameras.size());
+  cv::parallel_for_(cv::Range(0, int(cameras.size())), [&](const cv::Range& range) {
+    for (int c = range.start; c < range.end; ++c) {
+      size_t far = 0;
+      for (const TimedClip& timed : clips) {
+        const RigState rig{cameras, timed.offset_frames, ignored};
+        for (const size_t frame : timed.clip->spreadFrames(kFrames)) {
+          const OthersHull hull(*timed.clip, rig, c, frame, 0);
+          if (!hull.usable()) continue;
+          for (const EdgePoint& edge : timed.clip->edge(c, frame, kPoints)) {
+            const OthersHull::Deepest deepest = hull.alongRay(edge.pixel);
+            if (!deepest.seen) continue;
+            const float outside = std::max(0.0f, -deepest.inside_pixels);
+            ++out[c].points;
+            out[c].mean_pixels += std::min(outside, kMostOutsidePixels);
+            far += outside > kFarPixels;
+          }
+        }
+      }
+      if (out[c].points == 0) continue;
+      out[c].mean_pixels /= double(out[c].points);
+      out[c].far_share = double(far) / double(out[c].points);
+    }
+  });
+  return out;
+}
+
+}  // namespace fourdvt::refine

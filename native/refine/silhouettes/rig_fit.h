@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cameras back in place from silhouettes alone: a camera turns, moves and zooms where the hull of all others asks for
+// it clearly. Does NOT touch times: rig_times.h does.
+#pragma once
+
+#include <functional>
+
+#include "refine/camera_refit.h"
+#include "refine/silhouettes/others_hull.h"
+
+namespace fourdvt::refine {
+
+// Silhouettes of one sequence, and its cameras' offsets in time.
+struct TimedClip {
+  const SilhouetteClip* clip = nullptr;
+  std::vector<double> offset_frames;
+};
+
+// [camera]. All clips have the cameras `given`. One camera at a time changes, the one whose residuals shrink most,
+// until none is clearly off. `ignored`: cameras that neither change nor count; may be empty. `go_on` returns false to
+// stop early.
+std::vector<CameraRefit> fitRig(const std::vector<TimedClip>& clips, const std::vector<PinholeCamera>& given,
+                                const std::vector<char>& ignored, const std::function<bool()>& go_on);
+
+// How far a camera's silhouettes stick out of the hull of all others that are not ignored.
+struct StickOut {
+  size_t points = 0;       // of outlines
+  double mean_pixels = 0;  // of the reduced pictures; a point counts kMostOutsidePixels at most
+  double far_share = 0;    // of the points, by more than two pixels
+};
+constexpr float kMostOutsidePixels = 8;
+std::vector<StickOut> stickOut(const std::vector<TimedClip>& clips, const std::vector<PinholeCamera>& cameras,
+                               const std::vector<char>& ignored);
+
+}  // namespace fourdvt::refine

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "refine/silhouettes/rig_times.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core/utility.hpp>
+
+#include "refine/robust.h"
+
+namespace fourdvt::refine {
+namespace {
+
+constexpr size_t kCoarseFrames = 12, kCoarsePoints = 40;
+constexpr size_t kFineFrames = 24, kFinePoints = 80;
+constexpr float kCostCap = 8;          // pixels; further out counts no more
+constexpr double kFramesCost = 0.002;  // pixels a frame: of two times that fit alike, the nearer one
+constexpr int kCoarseRounds = 6, kFineRounds = 10;
+constexpr double kSettledFrames = 0.01, kLargestStep = 1, kDamping = 0.7;
+constexpr float kReachPixels = 12;
+constexpr double kMostDeviation = 0.2;  // frames; above, a time is not known
+constexpr size_t kToleratedFrom = 7;    // cameras; with so many, one of them may be off while the others are compared
+
+// How far a camera's silhouettes stick out of the hull of all others, pixels a point; nothing where nothing is known.
+std::optional<double> costOf(const SilhouetteClip& clip, const RigState& rig, size_t camera, size_t tolerated) {
+  double sum = 0;
+  size_t count = 0;
+  for (const size_t frame : clip.spreadFrames(kCoarseFrames)) {
+    const OthersHull hull(clip, rig, camera, frame, tolerated);
+    if (!hull.usable()) continue;
+    for (const EdgePoint& edge : clip.edge(camera, frame, kCoarsePoints)) {
+      const OthersHull::Deepest deepest = hull.alongRay(edge.pixel);
+      if (!deepest.seen) continue;
+      sum += std::min(kCostCap, std::max(0.0f, -deepest.inside_pixels));
+      ++count;
+    }
+  }
+  return count > 0 ? std::optional(sum / double(count)) : std::nullopt;
+}
+
+double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
+
+// The whole number of frames near `middle` with which a camera fits the others best.
+double bestWhole(const SilhouetteClip& clip, const RigState& rig, size_t camera, double middle,
+                 const TimeOptions& options, size_t tolerated) {
+  const int count = 2 * options.most_frames + 1;
+  std::vector<double> costs(count, 1e9);
+  cv::parallel_for_(cv::Range(0, count), [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i) {
+      RigState tried = rig;
+      tried.offset_frames[camera] = middle + i - options.most_frames;
+      if (const auto cost = costOf(clip, tried, camera, tolerated))
+        costs[i] = *cost + kFramesCost * std::abs(i - options.most_frames);
+    }
+  });
+  const auto least = std::min_element(costs.begin(), costs.end());
+  return *least < 1e9 ? middle + double(least - costs.begin()) - options.most_frames : rig.offset_frames[camera];
+}
+
+// Whole frames, camera after camera, until none changes.
+void fitWhole(const SilhouetteClip& clip, RigState& rig, const TimeOptions& options, size_t tolerated) {
+  for (int round = 0; round < kCoarseRounds; ++round) {
+    bool changed = false;
+    for (size_t c = 0; c < rig.cameras.size(); ++c) {
+      const double middle = std::round(median(rig.offset_frames));
+      const double best = bestWhole(clip, rig, c, middle, options, tolerated);
+      changed |= std::abs(best - rig.offset_frames[c]) > 0.5;
+      rig.offset_frames[c] = best;
+    }
+    if (!changed) break;
+  }
+}
+
+// One step of every camera's time; the largest of them.
+double stepTimes(const SilhouetteClip& clip, const std::vector<size_t>& frames, RigState& rig,
+                 std::vector<CameraTime>& out) {
+  const size_t cameras = rig.cameras.size();
+  std::vector<CameraStep> steps(cameras);
+  cv::parallel_for_(cv::Range(0, int(cameras)), [&](const cv::Range& range) {
+    for (int c = range.start; c < range.end; ++c) {
+      const auto points = hullPoints(clip, rig, c, frames, kFinePoints, 0, kReachPixels);
+      steps[c] = fitCamera(rig.cameras[c], rig.cameras[c], points, {.turn = false, .time = true}, SurfaceKind::Hull);
+    }
+  });
+  double largest = 0;
+  for (size_t c = 0; c < cameras; ++c) {
+    out[c].known = steps[c].solvable && steps[c].frames_deviation < kMostDeviation;
+    out[c].deviation_frames = steps[c].frames_deviation;
+    if (!out[c].known) continue;
+    const double step = std::clamp(kDamping * steps[c].change.frames, -kLargestStep, kLargestStep);
+    rig.offset_frames[c] += step;
+    largest = std::max(largest, std::abs(step));
+  }
+  return largest;
+}
+
+}  // namespace
+
+std::vector<CameraTime> fitTimes(const SilhouetteClip& clip, const RigState& given, const TimeOptions& options) {
+  RigState rig = given;
+  const size_t cameras = rig.cameras.size();
+  std::vector<CameraTime> out(cameras);
+  if (options.most_frames > 0) fitWhole(clip, rig, options, cameras >= kToleratedFrom ? 1 : 0);
+  const std::vector<size_t> frames = clip.spreadFrames(kFineFrames);
+  for (int round = 0; round < kFineRounds; ++round)
+    if (stepTimes(clip, frames, rig, out) < kSettledFrames) break;
+  const double middle = median(rig.offset_frames);
+  for (size_t c = 0; c < cameras; ++c) out[c].offset_frames = rig.offset_frames[c] - middle;
+  return out;
+}
+
+}  // namespace fourdvt::refine
