@@ -155,7 +155,9 @@ Status checkOffsets(const Capture& capture, const CaptureSequence& sequence) {
   const std::string where = capture.folder + "/capture.json: \"offset_frames\" of \"" + sequence.name + "\"";
   int64_t lacking = 0;  // pictures before the first one
   std::string of_first;
-  for (const auto& [name, frames] : sequence.offset_frames) {
+  for (const auto& entry : sequence.offset_frames) {
+    const std::string& name = entry.first;
+    const double frames = entry.second;
     const auto known = std::any_of(capture.cameras.begin(), capture.cameras.end(),
                                    [&](const CaptureCamera& c) { return c.pinhole.name == name; });
     char text[32];

@@ -18,8 +18,9 @@ constexpr double kLeastFrames = 0.1, kDeviations = 3;
 // Times and poses are taken if silhouettes stick out by less than this share of before, and by more than the mattes'
 // own error before.
 constexpr double kClearGain = 0.7, kConsistentPixels = 0.1;
-constexpr double kFarShare = 0.1;  // of a camera's outline: above, something does not fit
-constexpr double kCulprit = 0.5;   // without that camera, the others stick out by less than this share of before
+constexpr double kMostNear_deg = 0.1, kAsGood = 1.2;  // of cameras that stay as given, see keepAsGiven
+constexpr double kFarShare = 0.1;                     // of a camera's outline: above, something does not fit
+constexpr double kCulprit = 0.5;  // without that camera, the others stick out by less than this share of before
 
 Error interrupted() { return {ErrorId::Interrupted, "stopped; nothing was saved, run the same command again"}; }
 
@@ -123,14 +124,32 @@ class Calibrator {
     const double given = outside(timed(), given_);
     now_ = given_;
     if (given <= kConsistentPixels) return false;
-    auto refits = fitRig(timed(), given_, ignored_, [&] { return go_on("cameras", 0.6); });
+    refits_ = fitRig(timed(), given_, ignored_, [&] { return go_on("cameras", 0.6); });
     std::vector<PinholeCamera> cameras;
-    for (const CameraRefit& refit : refits) cameras.push_back(refit.camera);
-    const bool better = outside(timed(), cameras) < kClearGain * given;
-    for (size_t c = 0; c < given_.size() && !better; ++c) refits[c].changed = false, refits[c].camera = given_[c];
-    refits_ = std::move(refits);
-    if (better) now_ = cameras;
-    return better && std::any_of(refits_.begin(), refits_.end(), [](const CameraRefit& r) { return r.changed; });
+    for (const CameraRefit& refit : refits_) cameras.push_back(refit.camera);
+    if (!(outside(timed(), cameras) < kClearGain * given)) cameras = given_;
+    keepAsGiven(cameras);
+    now_ = cameras;
+    bool moved = false;
+    for (size_t c = 0; c < cameras.size(); ++c) {
+      refits_[c].camera = cameras[c];
+      refits_[c].changed = cameras[c].cam_from_world != given_[c].cam_from_world;
+      moved |= refits_[c].changed;
+    }
+    return moved;
+  }
+
+  // Of the rigs that fit as well, the one that turns fewest cameras.
+  void keepAsGiven(std::vector<PinholeCamera>& cameras) {
+    const SilhouetteClip& clip = clips_.front();
+    const double instant = double(clip.frames() / 2);
+    const Extent extent = extentOf(clip, {cameras, offsets_.front(), ignored_}, instant);
+    if (!extent.known) return;
+    std::vector<double> near_deg;
+    for (const CameraRefit& refit : refits_)
+      near_deg.push_back(std::min(kMostNear_deg, kDeviations * glm::length(refit.turn_deviation_deg)));
+    const auto fewer = leastTurned(given_, cameras, extent.middle_in_world, near_deg);
+    if (outside(timed(), fewer) <= std::max(kConsistentPixels, kAsGood * outside(timed(), cameras))) cameras = fewer;
   }
 
   // The camera without which the others agree, if they do not with it.

@@ -19,13 +19,7 @@ glm::dmat3 intrinsics(const PinholeCamera& camera) {
   return {camera.fx, 0, 0, 0, camera.fy, 0, camera.cx, camera.cy, 1};
 }
 
-// The middle of what the cameras see, and its largest distance from there: the place nearest to the rays through the
-// silhouettes' outlines.
-struct Extent {
-  glm::dvec3 middle{0};
-  double radius_m = 0;
-  bool known = false;
-};
+}  // namespace
 
 Extent extentOf(const SilhouetteClip& clip, const RigState& rig, double instant) {
   glm::dmat3 left(0.0);
@@ -50,9 +44,9 @@ Extent extentOf(const SilhouetteClip& clip, const RigState& rig, double instant)
   }
   Extent out;
   if (seen.size() < kFewestOthers + 1) return out;
-  out.middle = glm::inverse(left) * right;
+  out.middle_in_world = glm::inverse(left) * right;
   for (const Seen& s : seen) {
-    const glm::dvec3 p = s.camera->project(out.middle);
+    const glm::dvec3 p = s.camera->project(out.middle_in_world);
     if (!(p.z > 0)) continue;
     const glm::dvec2 to = glm::max(glm::abs(s.low - glm::dvec2(p)), glm::abs(s.high - glm::dvec2(p)));
     out.radius_m = std::max(out.radius_m, glm::length(to / glm::dvec2(s.camera->fx, s.camera->fy)) * p.z);
@@ -61,13 +55,11 @@ Extent extentOf(const SilhouetteClip& clip, const RigState& rig, double instant)
   return out;
 }
 
-}  // namespace
-
 OthersHull::OthersHull(const SilhouetteClip& clip, const RigState& rig, size_t camera, size_t frame, size_t tolerated)
     : camera_(rig.cameras[camera]), tolerated_(tolerated) {
   const double instant = double(frame) - rig.offset_frames[camera];
   const Extent extent = extentOf(clip, rig, instant);
-  const double depth = camera_.project(extent.middle).z;
+  const double depth = camera_.project(extent.middle_in_world).z;
   if (!extent.known || !(depth > 0)) return;
   near_m_ = std::max(depth - extent.radius_m, 0.05 * depth);
   far_m_ = depth + extent.radius_m;

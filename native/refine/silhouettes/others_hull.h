@@ -21,6 +21,15 @@ struct RigState {
   bool ignores(size_t camera) const { return camera < ignored.size() && ignored[camera]; }
 };
 
+// The middle of what the cameras see at an instant, nearest to the rays through their silhouettes' middles, and its
+// largest distance from there.
+struct Extent {
+  glm::dvec3 middle_in_world{0};
+  double radius_m = 0;
+  bool known = false;  // at least three cameras see it
+};
+Extent extentOf(const SilhouetteClip& clip, const RigState& rig, double instant);
+
 class OthersHull {
  public:
   // All others of `camera` at the instant of its picture `frame`. `tolerated`: so many of the others may contradict a

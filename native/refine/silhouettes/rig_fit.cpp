@@ -2,14 +2,19 @@
 #include "refine/silhouettes/rig_fit.h"
 
 #include <algorithm>
+#include <cmath>
 #include <opencv2/core/utility.hpp>
+
+#include "refine/robust.h"
 
 namespace fourdvt::refine {
 namespace {
 
 constexpr size_t kFrames = 12, kPoints = 60;  // of a clip; of a picture
 constexpr size_t kMostRounds = 8;             // changes per camera, on average
-constexpr float kFarPixels = 2;               // further out, a point contradicts the hull
+constexpr int kPlaceRounds = 50;
+constexpr double kLeastTurn_rad = 1e-5;
+constexpr float kFarPixels = 2;  // further out, a point contradicts the hull
 
 std::vector<BlockedPoint> pointsOf(const std::vector<TimedClip>& clips, const std::vector<PinholeCamera>& cameras,
                                    const std::vector<char>& ignored, size_t camera, float reach_pixels) {
@@ -96,6 +101,39 @@ class Rig {
 std::vector<CameraRefit> fitRig(const std::vector<TimedClip>& clips, const std::vector<PinholeCamera>& given,
                                 const std::vector<char>& ignored, const std::function<bool()>& go_on) {
   return Rig(clips, given, ignored, go_on).fit();
+}
+
+std::vector<PinholeCamera> leastTurned(const std::vector<PinholeCamera>& given, const std::vector<PinholeCamera>& found,
+                                       const glm::dvec3& middle_in_world, const std::vector<double>& near_deg) {
+  const size_t cameras = given.size();
+  // A performer who stands elsewhere by `at` asks camera c to turn by by_place[c] · at, in radians.
+  std::vector<glm::dvec3> turn(cameras);
+  std::vector<glm::dmat3> by_place(cameras);
+  for (size_t c = 0; c < cameras; ++c) {
+    const glm::dmat3 r = glm::dmat3(found[c].cam_from_world) * glm::transpose(glm::dmat3(given[c].cam_from_world));
+    turn[c] = 0.5 * glm::dvec3(r[1][2] - r[2][1], r[2][0] - r[0][2], r[0][1] - r[1][0]);
+    const glm::dvec3 p(given[c].cam_from_world * glm::dvec4(middle_in_world, 1));
+    const glm::dmat3 cross(0, p.z, -p.y, -p.z, 0, p.x, p.y, -p.x, 0);  // of p and a vector
+    by_place[c] = cross * glm::dmat3(given[c].cam_from_world) / glm::dot(p, p);
+  }
+  glm::dvec3 at(0);
+  for (int round = 0; round < kPlaceRounds; ++round) {  // least absolute values, by reweighting
+    glm::dmat3 left(1e-9);
+    glm::dvec3 right(0);
+    for (size_t c = 0; c < cameras; ++c) {
+      const double weight = 1 / std::max(kLeastTurn_rad, glm::length(turn[c] - by_place[c] * at));
+      left += weight * glm::transpose(by_place[c]) * by_place[c];
+      right += weight * glm::transpose(by_place[c]) * turn[c];
+    }
+    at = glm::inverse(left) * right;
+  }
+  std::vector<PinholeCamera> out;
+  for (size_t c = 0; c < cameras; ++c) {
+    const glm::dvec3 rest = turn[c] - by_place[c] * at;
+    const bool near = kDegrees * glm::length(rest) <= near_deg[c];
+    out.push_back(near ? given[c] : changed(given[c], {.turn_rad = rest}));
+  }
+  return out;
 }
 
 std::vector<StickOut> stickOut(const std::vector<TimedClip>& clips, const std::vector<PinholeCamera>& cameras,

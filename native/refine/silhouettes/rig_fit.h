@@ -22,6 +22,12 @@ struct TimedClip {
 std::vector<CameraRefit> fitRig(const std::vector<TimedClip>& clips, const std::vector<PinholeCamera>& given,
                                 const std::vector<char>& ignored, const std::function<bool()>& go_on);
 
+// Cameras that turn to a performer who stands elsewhere fit as well as those that turn to where the performer is: of
+// all such rigs the one that turns fewest cameras (least sum of angles), and leaves those as given that are within
+// `near_deg` [camera] of it. `middle_in_world`: of the performer.
+std::vector<PinholeCamera> leastTurned(const std::vector<PinholeCamera>& given, const std::vector<PinholeCamera>& found,
+                                       const glm::dvec3& middle_in_world, const std::vector<double>& near_deg);
+
 // How far a camera's silhouettes stick out of the hull of all others that are not ignored.
 struct StickOut {
   size_t points = 0;       // of outlines

@@ -70,6 +70,25 @@ TEST(Rig, TurnedCamerasAreTurnedBackAndTheOthersStay) {
   }
 }
 
+TEST(Rig, OfRigsThatFitAlikeTheOneThatTurnsFewestIsKept) {
+  const auto given = ringOfCameras();
+  // All look past the performer by 5 mm, and one is turned besides.
+  const glm::dvec3 at(0.003, 0.002, -0.0035);
+  auto found = given;
+  for (PinholeCamera& camera : found) {
+    const glm::dvec3 p(camera.cam_from_world[3]), q = p + glm::dmat3(camera.cam_from_world) * at;
+    camera = changed(camera, {.turn_rad = glm::cross(glm::normalize(p), glm::normalize(q))});
+  }
+  found[6] = changed(found[6], {.turn_rad = {0.4 * kRadians, 0, 0}});
+  const auto fewer = leastTurned(given, found, {0, 0, 0}, std::vector<double>(8, 0.01));
+  for (size_t c = 0; c < given.size(); ++c) {
+    if (c == 6)
+      EXPECT_NEAR(degreesApart(fewer[c], given[c]), 0.4, 0.01);
+    else
+      EXPECT_EQ(fewer[c].cam_from_world, given[c].cam_from_world) << c;
+  }
+}
+
 TEST(Rig, RightCamerasStayEvenIfAllMattesAreTooLarge) {
   const auto truth = ringOfCameras();
   SilhouetteClip clip(truth, false);
