@@ -90,6 +90,8 @@ TEST_F(Calibrate, FindsTheStudiosTimes) {
   EXPECT_NE(output_.find("cam0"), std::string::npos) << output_;
   EXPECT_NE(output_.find("is off by"), std::string::npos) << output_;
   EXPECT_NE(readText(folder_ + "/found/calibrate.html").find("is off by"), std::string::npos);
+  EXPECT_TRUE(exists(folder_ + "/found/calibrate-before.jpg"));
+  EXPECT_TRUE(exists(folder_ + "/found/calibrate-after.jpg"));
   // Only frames of which every camera has a picture.
   EXPECT_LT(sequence["frames"].get<int>(), kFrames);
   EXPECT_GE(sequence["frames"].get<int>(), kFrames - 8);

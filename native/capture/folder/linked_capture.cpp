@@ -36,7 +36,7 @@ constexpr const char* kKeptCameras = "cameras_kept";  // a calibration of its ow
 
 // The report of an earlier command: written through a link, it would change that one's.
 bool isReport(const std::string& name) {
-  for (const char* start : {"reconstruct.", "reconstruct-", "mattes.", "mattes-"})
+  for (const char* start : {"reconstruct.", "reconstruct-", "mattes.", "mattes-", "calibrate.", "calibrate-"})
     if (name.starts_with(start)) return true;
   return false;
 }

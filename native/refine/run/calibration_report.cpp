@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "refine/run/calibration_report.h"
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "platform/files.h"
@@ -91,11 +92,31 @@ report::Table timesOf(const Calibration& calibration) {
   return table;
 }
 
-report::BarChart outside(const Calibration& calibration, StickOut CameraCalibration::*when, const std::string& title) {
-  report::BarChart chart{title, {}};
-  for (const CameraCalibration& c : calibration.by_camera)
-    chart.bars.push_back({c.name, fixedText((c.*when).mean_pixels, 2) + " px", (c.*when).mean_pixels});
+report::BarChart outside(const Calibration& calibration) {
+  report::BarChart chart{"Outlines outside of the others' hull, before and after", {}};
+  for (const CameraCalibration& c : calibration.by_camera) {
+    chart.bars.push_back({c.name, fixedText(c.before.mean_pixels, 2) + " px", c.before.mean_pixels});
+    chart.bars.push_back({"after", fixedText(c.after.mean_pixels, 2) + " px", c.after.mean_pixels});
+  }
   return chart;
+}
+
+Status addPictures(const std::string& folder, const CalibrationPicture& worst, report::Section& section) {
+  const std::string where = worst.camera + ", frame " + std::to_string(worst.frame) + " of " + worst.sequence;
+  const struct {
+    const char* file;
+    const Image& picture;
+    const char* when;
+  } both[] = {{"calibrate-before.jpg", worst.before, "before"}, {"calibrate-after.jpg", worst.after, "after"}};
+  for (const auto& [file, picture, when] : both) {
+    FOURDVT_TRY(platform::writeImage(folder + "/" + file, picture));
+    section.pictures.push_back({file,
+                                where + ", " + when +
+                                    ": the rim of the other cameras' hull. Green: on the camera's own outline; red: "
+                                    "outside of it, as it may be; blue: inside, so that something is wrong.",
+                                picture.width, picture.height});
+  }
+  return {};
 }
 
 }  // namespace
@@ -103,10 +124,12 @@ report::BarChart outside(const Calibration& calibration, StickOut CameraCalibrat
 std::vector<std::string> calibrationLines(const Calibration& calibration) {
   std::vector<std::string> out;
   for (const CameraCalibration& c : calibration.by_camera) {
+    std::string times;
     for (size_t s = 0; s < calibration.sequences.size(); ++s)
       if (c.time_changed[s])
-        out.push_back(c.name + " is off by " + withDeviation(c.times[s].offset_frames, c.times[s].deviation_frames, 2) +
-                      " frames in \"" + calibration.sequences[s] + "\"");
+        times += (times.empty() ? "" : ", ") + withDeviation(c.times[s].offset_frames, c.times[s].deviation_frames, 2) +
+                 " frames in \"" + calibration.sequences[s] + "\"";
+    if (!times.empty()) out.push_back(c.name + " is off by " + times);
     if (c.turned)
       out.push_back(c.name + " was turned by " +
                     withDeviation(glm::length(c.turn_deg), glm::length(c.turn_deviation_deg), 3) + "°: outlines " +
@@ -120,15 +143,15 @@ std::vector<std::string> calibrationLines(const Calibration& calibration) {
 
 Status writeCalibrationReport(const std::string& folder, const std::string& name, const Calibration& calibration) {
   report::Document document;
-  document.title = "Calibration of " + name;
+  document.title = "Calibration of " + std::filesystem::path(name + "/").parent_path().filename().string();
   document.subtitle = std::to_string(calibration.by_camera.size()) + " cameras, " + std::to_string(calibration.frames) +
                       " frames looked at";
   report::Section section{"cameras", "In step and in place"};
   for (const std::string& line : calibrationLines(calibration)) section.text += line + ".\n\n";
   for (const std::string& warning : calibration.warnings) section.text += "Warning: " + warning + ".\n\n";
   section.tables = {placesOf(calibration), timesOf(calibration)};
-  section.bar_charts = {outside(calibration, &CameraCalibration::before, "Outlines outside the others' hull, before"),
-                        outside(calibration, &CameraCalibration::after, "after")};
+  section.bar_charts = {outside(calibration)};
+  if (calibration.worst) FOURDVT_TRY(addPictures(folder, *calibration.worst, section));
   document.sections.push_back(std::move(section));
   FOURDVT_TRY(platform::writeFileAtomic(folder + "/" + kCalibrationJson, jsonOf(calibration).dump(2) + "\n"));
   return platform::writeFileAtomic(folder + "/" + kCalibrationHtml, report::documentHtml(document));

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "refine/outline_picture.h"
 #include "refine/robust.h"
 
 namespace fourdvt::refine {
@@ -20,6 +21,8 @@ constexpr double kLeastFrames = 0.1, kDeviations = 3;
 constexpr double kClearGain = 0.7, kConsistentPixels = 0.1;
 constexpr double kMostNear_deg = 0.1, kAsGood = 1.2;  // of cameras that stay as given, see keepAsGiven
 constexpr double kFarShare = 0.1;                     // of a camera's outline: above, something does not fit
+constexpr size_t kDrawnPoints = 2000;                 // of an outline, in the report's picture
+constexpr float kDrawnReachPixels = 30;
 constexpr double kCulprit = 0.5;  // without that camera, the others stick out by less than this share of before
 
 Error interrupted() { return {ErrorId::Interrupted, "stopped; nothing was saved, run the same command again"}; }
@@ -46,7 +49,9 @@ class Calibrator {
     }
     findUnexplained();
     if (stopped_) return interrupted();
-    return told(before);
+    Calibration out = told(before);
+    if (out.changed()) FOURDVT_TRY(drawWorst(open_video, out));
+    return out;
   }
 
  private:
@@ -215,6 +220,32 @@ class Calibrator {
     }
     warn();
     return std::move(out_);
+  }
+
+  Status drawWorst(const OpenVideo& open_video, Calibration& out) const {
+    const auto worst = std::max_element(out.by_camera.begin(), out.by_camera.end(),
+                                        [](const CameraCalibration& a, const CameraCalibration& b) {
+                                          return a.before.mean_pixels < b.before.mean_pixels;
+                                        });
+    const auto c = size_t(worst - out.by_camera.begin());
+    const SilhouetteClip& clip = clips_.front();
+    const size_t frame = clip.frames() / 2;
+    capture::Capture alone = capture_;
+    alone.cameras = {capture_.cameras[c]};
+    const capture::CaptureSequence& sequence = alone.sequences.front();
+    CalibrationPicture picture{worst->name, sequence.name, clip.first_frame + uint32_t(frame), {}, {}};
+    FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(alone, sequence, open_video, picture.frame));
+    FOURDVT_ASSIGN(const auto captured, reader->next());
+    const auto draw = [&](const PinholeCamera& camera, const RigState& rig) {
+      std::vector<OutlinePoint> points;
+      for (const BlockedPoint& p : hullPoints(clip, rig, c, {frame}, kDrawnPoints, 0, kDrawnReachPixels))
+        points.push_back(p.point);
+      return outlinePicture(captured.pictures[0], camera, points);
+    };
+    picture.before = draw(capture_.cameras[c].pinhole, {given_, std::vector<double>(given_.size(), 0.0), {}});
+    picture.after = draw(out.cameras[c], {now_, offsets_.front(), ignored_});
+    out.worst = std::move(picture);
+    return {};
   }
 
   void warn() {

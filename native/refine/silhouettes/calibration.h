@@ -31,12 +31,20 @@ struct CameraCalibration {
   bool unexplained = false;                       // no pose brings its silhouettes together with the others'
 };
 
+// A frame of the camera whose outlines stuck out most, if anything changed.
+struct CalibrationPicture {
+  std::string camera, sequence;
+  uint32_t frame = 0;
+  Image before, after;  // RGB: outlinePicture of the other cameras' hull
+};
+
 struct Calibration {
   std::vector<std::string> sequences;
   std::vector<CameraCalibration> by_camera;
   std::vector<PinholeCamera> cameras;  // of the full pictures
   std::vector<std::string> warnings;   // one line each
   uint32_t frames = 0;                 // looked at
+  std::optional<CalibrationPicture> worst;
   bool changed() const;
 };
 

@@ -133,6 +133,7 @@ Result<SilhouetteClip> readSilhouetteClip(const capture::Capture& capture, const
   for (const auto& camera : capture.cameras) cameras.push_back(reducedCamera(camera.pinhole, reduction));
   const uint32_t first = (sequence.frame_count - count) / 2;
   SilhouetteClip clip(cameras, sequence.loop && count == sequence.frame_count);
+  clip.first_frame = first;
   FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(capture, sequence, open_video, first));
   for (uint32_t f = 0; f < count; ++f) {
     if (!on_frame(double(f) / count))

@@ -29,6 +29,7 @@ class SilhouetteClip {
 
   const std::vector<PinholeCamera>& cameras() const { return cameras_; }
   size_t frames() const { return frames_.size(); }
+  uint32_t first_frame = 0;  // of the sequence
   // At most `most` frames, evenly spread.
   std::vector<size_t> spreadFrames(size_t most) const;
   // About `count` places along the outline, the picture's border left out.
