@@ -63,6 +63,29 @@ TEST_F(StudioTest, PicturesShowTheTextureWhereTheCameraPutsIt) {
   expectColoursOfTexture(*drifting.value(), {0, 1}, 0.6, 1);
 }
 
+TEST_F(StudioTest, PlainActorIsOfOneColourWithoutLight) {
+  StudioOptions o = small("x");
+  o.knobs.shading = 0;
+  o.knobs.plain = true;
+  auto set = StudioSet::open(o, *device);
+  ASSERT_TRUE(set) << set.error().message;
+  const Image& texture = set.value()->actor().texture();
+  double mean[3] = {};
+  for (size_t i = 0; i < texture.pixels.size(); ++i)
+    mean[i % 3] += double(texture.pixels[i]) / (double(texture.pixels.size()) / 3);
+  set.value()->pose({1, 0}, 0.2);
+  int inside = 0;
+  for (const PinholeCamera& camera : set.value()->rig().ring) {
+    const Image picture = set.value()->draw(camera).take();
+    for (size_t i = 0; i < picture.pixels.size(); i += 4) {
+      if (picture.pixels[i + 3] < 255) continue;
+      ++inside;
+      for (size_t k = 0; k < 3; ++k) ASSERT_NEAR(picture.pixels[i + k], mean[k], 1);
+    }
+  }
+  EXPECT_GT(inside, 1000);
+}
+
 TEST_F(StudioTest, CaptureOpensAndTruthEndsAreTheSequencesOwnPictures) {
   StudioOptions o = small("a");
   o.knobs.drift_mm = 12;

@@ -32,6 +32,7 @@ Json knobsJson(const StudioKnobs& k) {
                                                   {"white_balance_drift_percent", k.white_balance_drift_percent}};
   for (const auto& [name, value] : later)
     if (value != 0) out[name] = value;
+  if (k.plain) out["plain"] = true;
   if (k.lens != StudioKnobs().lens) out["lens"] = k.lens;
   return out;
 }

@@ -36,6 +36,22 @@ double framePhase(const Motion& motion, double frame, uint32_t count) {
   return motion.loop ? phase - std::floor(phase) : std::clamp(phase, 0.0, 1.0);
 }
 
+namespace {
+
+// One texel of the texture's mean colour.
+Image meanTexel(const Image& texture) {
+  const size_t channels = size_t(texture.channels), texels = texture.pixels.size() / channels;
+  Image out(1, 1, texture.channels);
+  for (size_t k = 0; k < channels; ++k) {
+    uint64_t sum = 0;
+    for (size_t i = 0; i < texels; ++i) sum += texture.pixels[i * channels + k];
+    out.pixels[k] = uint8_t((sum + texels / 2) / texels);
+  }
+  return out;
+}
+
+}  // namespace
+
 StudioSet::StudioSet(const StudioOptions& options, std::unique_ptr<Actor> actor)
     : actor_(std::move(actor)),
       tracker_(*actor_, options.knobs),
@@ -47,8 +63,9 @@ Result<std::unique_ptr<StudioSet>> StudioSet::open(const StudioOptions& options,
   FOURDVT_TRY(set->chooseClasses(options));
   set->measure();
   set->rig_ = makeRig(set->bounds_, options.cameras, options.width, options.height);
-  FOURDVT_ASSIGN(auto renderer, Renderer::create(device, set->actor().surface(), set->actor().texture(), options.width,
-                                                 options.height));
+  set->texture_ = options.knobs.plain ? meanTexel(set->actor().texture()) : set->actor().texture();
+  FOURDVT_ASSIGN(auto renderer,
+                 Renderer::create(device, set->actor().surface(), set->texture_, options.width, options.height));
   set->renderer_ = std::make_unique<Renderer>(std::move(renderer));
   FOURDVT_TRY(set->openFilm(options, device));
   return set;
@@ -62,7 +79,7 @@ Status StudioSet::openFilm(const StudioOptions& options, gpu::Device& device) {
     FOURDVT_ASSIGN(bystander_, Bystander::create(device, rig_, groundY_m(), options.knobs.seed, drawn));
   }
   if (!lens_->any()) return {};
-  FOURDVT_ASSIGN(auto finer, Renderer::create(device, actor_->surface(), actor_->texture(), drawn.width, drawn.height));
+  FOURDVT_ASSIGN(auto finer, Renderer::create(device, actor_->surface(), texture_, drawn.width, drawn.height));
   film_renderer_ = std::make_unique<Renderer>(std::move(finer));
   return {};
 }

@@ -58,6 +58,7 @@ class StudioSet {
   Status openFilm(const StudioOptions& options, gpu::Device& device);
 
   std::unique_ptr<Actor> actor_;
+  Image texture_;  // what the actor is drawn with
   const Tracker tracker_;
   const Shading shading_;
   std::vector<StudioClass> classes_;

@@ -29,6 +29,7 @@ struct StudioKnobs {
   double wrinkles = 0;   // 0…1: contrast of folds whose place on the cloth depends on the motion and its phase
   double specular = 0;   // 0…1: strength of a highlight that moves with the camera
   double shading = 0.5;  // 0…1: strength of the studio's fixed lights; 0: the texture's colours as they are
+  bool plain = false;    // the actor is of one colour: the mean of its texture
   // How the capture departs from the truth. σ: standard deviation of a normal distribution, drawn once per camera.
   double rotation_deg = 0;       // σ of the written calibration's rotation
   double translation_mm = 0;     // σ of each component of the written calibration's position

@@ -55,6 +55,7 @@ const tools::CommandHelp& help() {
        {"--rotation-deg", "X", "calibration error, deviation of the rotation (default 0)"},
        {"--translation-mm", "X", "calibration error, deviation of the position (default 0)"},
        {"--focal-percent", "X", "calibration error, deviation of the focal length (default 0)"},
+       {"--plain", nullptr, "the actor is of one colour, its texture's mean: nothing for stereo to match but shading"},
        {"--proxy-mm", "X", "largest distance of the mesh from the true surface (default 0)"},
        {"--mesh-cell-mm", "X", "procedural: size of the mesh's faces, 8 to 45 (default 25: about 4000 vertices)"},
        {"--gain-percent", "X", "deviation of the cameras' colour gains (default 0)"},
@@ -122,6 +123,7 @@ void readKnobs(Args& args, studio::StudioKnobs& k) {
   k.wrinkles = args.number("--wrinkles", k.wrinkles, 0, 1);
   k.specular = args.number("--specular", k.specular, 0, 1);
   k.shading = args.number("--shading", k.shading, 0, 1);
+  k.plain = args.has("--plain");
   k.rotation_deg = args.number("--rotation-deg", k.rotation_deg, 0, 10);
   k.translation_mm = args.number("--translation-mm", k.translation_mm, 0, 1000);
   k.focal_percent = args.number("--focal-percent", k.focal_percent, 0, 20);
