@@ -72,6 +72,8 @@ Image traced(const PinholeCamera& camera, size_t index, const Shape& shape, cons
 }
 
 struct Hull {
+  std::vector<Silhouette> silhouettes;
+  std::vector<CarvingView> views;
   SparseDistance distance;
   TriangleMesh mesh;
 };
@@ -97,15 +99,14 @@ class StereoTest : public GlFixture {
   }
 
   Hull hullOf(const std::vector<Image>& pictures) const {
-    std::vector<Silhouette> silhouettes;
+    Hull out;
     for (size_t c = 0; c < cameras.size(); ++c) {
       Image coverage(kSide, kSide, 1);
       for (size_t i = 0; i < coverage.pixels.size(); ++i) coverage.pixels[i] = pictures[c].pixels[4 * i + 3];
-      silhouettes.push_back({cameras[c], coverage});
+      out.silhouettes.push_back({cameras[c], coverage});
     }
-    std::vector<CarvingView> views;
-    for (const Silhouette& s : silhouettes) views.push_back({&s, SilhouetteDistance(s.coverage)});
-    Hull out{carve(views, kVoxel_m).take(), {}};
+    for (const Silhouette& s : out.silhouettes) out.views.push_back({&s, SilhouetteDistance(s.coverage)});
+    out.distance = carve(out.views, kVoxel_m).take();
     out.mesh = zeroSurface(out.distance, 0);
     dropSpecks(out.mesh, 27 * kVoxel_m * kVoxel_m * kVoxel_m);
     return out;
@@ -118,7 +119,7 @@ class StereoTest : public GlFixture {
   }
 
   static TriangleMesh refined(StereoRefiner& stereo, const Hull& hull, const std::vector<Image>& pictures) {
-    auto mesh = stereo.refine(hull.distance, hull.mesh, pictures);
+    auto mesh = stereo.refine(hull.distance, hull.mesh, pictures, hull.views);
     EXPECT_TRUE(mesh) << mesh.error().message;
     return mesh.take();
   }
@@ -240,7 +241,7 @@ TEST_F(StereoTest, BadSizesAreRefused) {
   const Hull hull = hullOf(seen);
   const auto stereo = refiner();
   const auto refused = [&](const std::vector<Image>& pictures) {
-    const auto mesh = stereo->refine(hull.distance, hull.mesh, pictures);
+    const auto mesh = stereo->refine(hull.distance, hull.mesh, pictures, hull.views);
     return !mesh.ok() && mesh.error().id == ErrorId::InvalidArgument;
   };
   std::vector<Image> fewer(seen.begin(), seen.end() - 1), smaller = seen, opaque = seen;

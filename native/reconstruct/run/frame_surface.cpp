@@ -174,7 +174,7 @@ Status SurfaceMaker::makeHull(std::span<const CarvingView> views, const std::fun
   out.figures.parts_left_out = uint32_t(hull.dropped);
   out.figures.hull_ms = watch.lap();
   if (!stereo_) return {};
-  FOURDVT_ASSIGN(out.mesh, stereo_->refine(hull.distance, out.mesh, pictures()));
+  FOURDVT_ASSIGN(out.mesh, stereo_->refine(hull.distance, out.mesh, pictures(), views));
   out.figures.stereo_ms = watch.lap();
   return {};
 }

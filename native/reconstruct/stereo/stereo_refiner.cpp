@@ -61,7 +61,7 @@ class Refiner final : public StereoRefiner {
     return {};
   }
   Result<TriangleMesh> refine(const SparseDistance& hull_distance, const TriangleMesh& hull,
-                              std::span<const Image> rgba_pictures) override;
+                              std::span<const Image> rgba_pictures, std::span<const CarvingView> views) override;
   void forget() override { steady_.forget(); }
   const StereoTimes& times() const override { return times_; }
 
@@ -116,17 +116,20 @@ Result<std::vector<DepthMap>> Refiner::depthMaps() {
 }
 
 Result<TriangleMesh> Refiner::refine(const SparseDistance& hull_distance, const TriangleMesh& hull,
-                                     std::span<const Image> rgba_pictures) {
+                                     std::span<const Image> rgba_pictures, std::span<const CarvingView> views) {
   since_ = now();
   times_ = {};
   FOURDVT_ASSIGN(const std::vector<Image> pictures, reduced(rgba_pictures));
   FOURDVT_TRY(sweep_.setFrame(pictures, hull));
   FOURDVT_ASSIGN(const std::vector<DepthMap> maps, depthMaps());
+  const SparseDistance open_hull = withValuesInside(hull_distance);
   auto [fused, trust] = fuseDepths(hull_distance, maps, options_.fusion);
-  spanMembrane(withValuesInside(hull_distance), trust, options_.membrane, fused);
-  compact(fused);
+  spanMembrane(open_hull, trust, options_.membrane, fused);
   steady_.blend(pictures, maps, fused);
   lap(times_.fusion);
+  keepOutlines(open_hull, views, options_.outlines, fused);
+  compact(fused);
+  lap(times_.outlines);
   TriangleMesh mesh = zeroSurface(fused, options_.adaptivity);
   dropSpecks(mesh, kSpeckVoxels * std::pow(fused.voxel_m, 3));
   dropHollows(mesh);

@@ -2,7 +2,7 @@
 // Stereo refinement of the visual hull: the hull says where the surface may be, the pictures' agreement says where it
 // is. Does NOT move anything out of the hull, needs no mesh of the performer and corrects no calibration.
 // Stages in order of execution: plane_sweep.h, semi_global.h, consistency.h, depth_fusion.h,
-// membrane.h, steady.h.
+// membrane.h, steady.h, outlines.h.
 #pragma once
 
 #include <memory>
@@ -17,6 +17,7 @@
 #include "reconstruct/level_set.h"
 #include "reconstruct/stereo/depth_fusion.h"
 #include "reconstruct/stereo/membrane.h"
+#include "reconstruct/stereo/outlines.h"
 #include "reconstruct/stereo/plane_sweep.h"
 #include "reconstruct/stereo/semi_global.h"
 
@@ -34,6 +35,7 @@ struct StereoOptions {
   SemiGlobalOptions smoothing;
   FusionOptions fusion;
   MembraneOptions membrane;
+  OutlineOptions outlines;
   std::string check() const;  // what is wrong, or nothing
 };
 
@@ -42,7 +44,7 @@ struct StereoOptions {
 std::vector<size_t> comparedWith(std::span<const PinholeCamera> cameras, size_t camera, const StereoOptions& options);
 
 struct StereoTimes {  // of one frame, seconds
-  double sweep = 0, smoothing = 0, agreement = 0, fusion = 0, mesh = 0;
+  double sweep = 0, smoothing = 0, agreement = 0, fusion = 0, outlines = 0, mesh = 0;
 };
 
 class StereoRefiner {
@@ -52,10 +54,10 @@ class StereoRefiner {
                                                        const StereoOptions& options = {});
   virtual ~StereoRefiner() = default;
   // Frames in order of time; the same frames in the same order give the same surfaces. `hull`: the zero surface of
-  // `hull_distance`. `rgba_pictures`: one per camera, of its size, alpha = matte. Keeps one frame. Errors:
-  // InvalidArgument (a picture's size), GpuFailure.
+  // `hull_distance`. `rgba_pictures`: one per camera, of its size, alpha = matte. `views`: those that the hull was
+  // carved with. Keeps one frame. Errors: InvalidArgument (a picture's size), GpuFailure.
   virtual Result<TriangleMesh> refine(const SparseDistance& hull_distance, const TriangleMesh& hull,
-                                      std::span<const Image> rgba_pictures) = 0;
+                                      std::span<const Image> rgba_pictures, std::span<const CarvingView> views) = 0;
   // The next frame follows no other: a cut.
   virtual void forget() = 0;
   virtual const StereoTimes& times() const = 0;  // of the last frame
