@@ -15,18 +15,27 @@ constexpr double kAdaptivityShares[] = {1, 0.25, 0};
 
 }  // namespace
 
+TriangleMesh solidSurface(const SparseDistance& distance, double adaptivity,
+                          const std::function<void(TriangleMesh&)>& drop) {
+  TriangleMesh mesh;
+  for (const double share : kAdaptivityShares) {
+    mesh = zeroSurface(distance, share * adaptivity);
+    drop(mesh);
+    if (share * adaptivity == 0) break;
+    if (mesh.faces.size() > kMostChecked) continue;  // comparing all faces would take minutes
+    if (checkMesh(mesh).solid()) break;
+  }
+  return mesh;
+}
+
 Result<VolumetricHull> volumetricHull(std::span<const CarvingView> views, const VolumetricOptions& options) {
   VolumetricHull out;
   FOURDVT_ASSIGN(out.distance, carve(views, options.voxel_m));
   std::vector<const Silhouette*> silhouettes;
   for (const CarvingView& view : views) silhouettes.push_back(view.silhouette);
-  for (const double share : kAdaptivityShares) {
-    out.mesh = zeroSurface(out.distance, share * options.adaptivity);
-    out.dropped = dropNeedless(out.mesh, silhouettes, kSpeckVoxels * std::pow(options.voxel_m, 3));
-    if (share * options.adaptivity == 0) break;
-    if (out.mesh.faces.size() > kMostChecked) continue;  // comparing all faces would take minutes
-    if (checkMesh(out.mesh).solid()) break;
-  }
+  out.mesh = solidSurface(out.distance, options.adaptivity, [&](TriangleMesh& mesh) {
+    out.dropped = dropNeedless(mesh, silhouettes, kSpeckVoxels * std::pow(options.voxel_m, 3));
+  });
   return out;
 }
 

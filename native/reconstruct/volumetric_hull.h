@@ -3,6 +3,7 @@
 // part, and its edges are rounded. Does NOT need clean outlines.
 #pragma once
 
+#include <functional>
 #include <span>
 
 #include "base/result.h"
@@ -20,6 +21,11 @@ struct VolumetricHull {
   TriangleMesh mesh;
   size_t dropped = 0;  // components that were left out: specks below 27 voxels and phantoms, see dropNeedless
 };
+
+// The surface where the distance is zero: with fewer merged faces, or none, where merged ones would cross. `drop`
+// leaves parts of it out first.
+TriangleMesh solidSurface(const SparseDistance& distance, double adaptivity,
+                          const std::function<void(TriangleMesh&)>& drop);
 
 // The mesh passes checkMesh, except where voxels alone leave it no choice. Errors: those of carve().
 Result<VolumetricHull> volumetricHull(std::span<const CarvingView> views, const VolumetricOptions& options);

@@ -15,9 +15,10 @@ float depthAt(const DepthMap& map, double x, double y) {
 
 namespace {
 
-constexpr float kSlopeReach = 2;         // pixels over which a slope is taken
-constexpr float kOtherSurface_m = 0.1f;  // depths that far apart are not of one surface
-constexpr float kEdgeCosine = 0.2f;      // beside such a step
+constexpr float kSlopeReach = 2;                 // pixels over which a slope is taken
+constexpr float kOtherSurface_m = 0.1f;          // depths that far apart are not of one surface
+constexpr double kChance = 0.78, kSound = 0.92;  // shares of confirmed depths: by chance; of a sound calibration
+constexpr float kEdgeCosine = 0.2f;              // beside such a step
 
 // Squared cosine between the surface and the ray at a pixel, from the depths round it.
 float facing(const DepthMap& map, int x, int y) {
@@ -31,6 +32,14 @@ float facing(const DepthMap& map, int x, int y) {
   const float pixel_m = 2 * kSlopeReach * *at / float(map.camera.fx);
   const float across = (right - left) / pixel_m, along = (down - up) / pixel_m;
   return 1 / (1 + across * across + along * along);
+}
+
+// How much a map is believed as a whole: depths of a camera that is calibrated badly are refuted about as often as
+// confirmed, by chance.
+float believedOf(double confirmed, double refuted) {
+  if (confirmed <= 0) return 0;
+  const double share = confirmed / (confirmed + refuted);
+  return float(std::clamp((share - kChance) / (kSound - kChance), 0.0, 1.0));
 }
 
 }  // namespace
@@ -51,6 +60,7 @@ void keepConsistent(std::span<DepthMap> maps, double tolerance_m) {
     for (int m = range.start; m < range.end; ++m) {
       const DepthMap& map = maps[m];
       weights[m].assign(map.depth_m.size(), 0);
+      double confirmed = 0, refuted = 0;
       for (size_t i = 0; i < map.depth_m.size(); ++i) {
         const double z = map.depth_m[i];
         if (z <= 0) continue;
@@ -67,8 +77,15 @@ void keepConsistent(std::span<DepthMap> maps, double tolerance_m) {
           agree += std::abs(there - p.z) < tolerance_m;
           against += there > p.z + 2 * tolerance_m;
         }
-        if (agree > 0 && agree >= against) weights[m][i] = map.weight[i] * float(agree) / float(agree + against);
+        if (agree > 0 && agree >= against) {
+          confirmed += map.weight[i];
+          weights[m][i] = map.weight[i] * float(agree) / float(agree + against);
+        } else if (against > 0) {
+          refuted += map.weight[i];
+        }
       }
+      const float believed = believedOf(confirmed, refuted);
+      for (float& weight : weights[m]) weight *= believed;
     }
   });
   for (size_t m = 0; m < maps.size(); ++m)

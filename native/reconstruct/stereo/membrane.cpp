@@ -73,6 +73,21 @@ Blocks thickOf(const Blocks& hull, const Neighbours& neighbours, float band_m, i
   return thick;
 }
 
+// How near maps know something: 1 up to half of `reach` steps away, 0 beyond it.
+Blocks evidenceOf(std::span<const BlockValues> trust, const Neighbours& neighbours, int reach) {
+  Blocks near(trust.begin(), trust.end());
+  for (BlockValues& block : near)
+    for (float& value : block) value = value > 0 ? 2.0f : 0.0f;
+  Blocks next = near;
+  const float step = 2.0f / float(reach);
+  for (int k = 0; k < reach; ++k)
+    update(near, next, [&](size_t b, int i) {
+      const std::array<float, 6> round = neighbours.round(near, b, i, 0);
+      return std::max(near[b][i], *std::max_element(round.begin(), round.end()) - step);
+    });
+  return near;
+}
+
 }  // namespace
 
 void spanMembrane(const SparseDistance& hull, std::span<const BlockValues> trust, const MembraneOptions& options,
@@ -92,6 +107,12 @@ void spanMembrane(const SparseDistance& hull, std::span<const BlockValues> trust
       const float value = (known * measured[b][i] + stiffness * sum) / (known + 6 * stiffness);
       return std::min(known > 0 ? std::max(value, measured[b][i]) : value, limit);
     });
+  if (options.reach_voxels > 0) {
+    const Blocks near = evidenceOf(trust, neighbours, options.reach_voxels);
+    for (size_t b = 0; b < values.size(); ++b)
+      for (int i = 0; i < kVoxels; ++i)
+        values[b][i] = limits[b][i] + std::clamp(near[b][i], 0.0f, 1.0f) * (values[b][i] - limits[b][i]);
+  }
   for (size_t b = 0; b < values.size(); ++b) distance.blocks[b].values = values[b];
 }
 

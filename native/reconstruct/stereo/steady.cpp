@@ -5,13 +5,15 @@
 #include <cmath>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
+#include <unordered_map>
 
 namespace fourdvt::reconstruct {
 namespace {
 
-constexpr float kNoise = 2.5f, kClear = 6.0f;  // mean difference in a window, levels of 255
-constexpr int kWindow = 7;                     // pixels of the reduced picture
-constexpr float kSeen_m = 0.03f;               // a camera sees what lies no deeper behind the surface than this
+constexpr float kNoise = 2.5f, kClear = 6.0f;           // mean difference in a window, levels of 255
+constexpr float kHullStill = 0.05f, kHullMoves = 0.2f;  // voxels by which the hull's distance changes
+constexpr int kWindow = 7;                              // pixels of the reduced picture
+constexpr float kSeen_m = 0.03f;  // a camera sees what lies no deeper behind the surface than this
 
 struct Changed {
   std::vector<float> change;
@@ -57,10 +59,40 @@ std::vector<float> changeOf(const Image& before, const Image& now) {
 
 void SteadyDistance::forget() {
   pictures_.clear();
-  before_ = {};
+  before_ = {}, hull_ = {};
 }
 
-void SteadyDistance::blend(std::span<const Image> pictures, std::span<const DepthMap> maps, SparseDistance& distance) {
+namespace {
+
+using KnownBlocks = std::unordered_map<uint64_t, const SparseDistance::Block*>;
+
+KnownBlocks knownBlocks(const SparseDistance& distance) {
+  KnownBlocks out;
+  for (const SparseDistance::Block& block : distance.blocks) out[blockKey(block.at)] = &block;
+  for (const glm::ivec3& at : distance.inside) out[blockKey(at)] = nullptr;
+  return out;
+}
+
+// Value `i` of the block at `at`; outside where no block is.
+class BlockBefore {
+ public:
+  BlockBefore(const KnownBlocks& known, const glm::ivec3& at, float band_m) : band_m_(band_m) {
+    const auto found = known.find(blockKey(at));
+    outside_ = found == known.end();
+    block_ = outside_ ? nullptr : found->second;
+  }
+  float at(size_t i) const { return block_ ? block_->values[i] : outside_ ? -band_m_ : band_m_; }
+
+ private:
+  float band_m_;
+  bool outside_;
+  const SparseDistance::Block* block_;
+};
+
+}  // namespace
+
+void SteadyDistance::blend(std::span<const Image> pictures, std::span<const DepthMap> maps, const SparseDistance& hull,
+                           SparseDistance& distance) {
   if (pictures_.size() == pictures.size() && before_.voxel_m == distance.voxel_m) {
     std::vector<Changed> cameras;
     for (size_t c = 0; c < maps.size(); ++c) {
@@ -72,27 +104,29 @@ void SteadyDistance::blend(std::span<const Image> pictures, std::span<const Dept
       cameras.push_back(
           {changeOf(pictures_[c], pictures[c]), &map, glm::mat4(k * map.camera.cam_from_world), pictures[c].width});
     }
-    std::unordered_map<uint64_t, const SparseDistance::Block*> known;
-    for (const SparseDistance::Block& block : before_.blocks) known[blockKey(block.at)] = &block;
-    for (const glm::ivec3& at : before_.inside) known[blockKey(at)] = nullptr;
+    const KnownBlocks known = knownBlocks(before_), known_hull = knownBlocks(hull_);
+    const float voxel = float(distance.voxel_m);
     cv::parallel_for_(cv::Range(0, int(distance.blocks.size())), [&](const cv::Range& range) {
       for (int b = range.start; b < range.end; ++b) {
         SparseDistance::Block& block = distance.blocks[b];
-        const auto found = known.find(blockKey(block.at));
+        const BlockBefore before(known, block.at, distance.band_m), hull_before(known_hull, block.at, distance.band_m);
         for (size_t i = 0; i < block.values.size(); ++i) {
-          const float before = found == known.end() ? -distance.band_m
-                               : found->second      ? found->second->values[i]
-                                                    : distance.band_m;
-          if (before == block.values[i]) continue;
+          const float change = before.at(i) - block.values[i];
+          if (change == 0) continue;
+          const float hull_change = std::abs(hull_before.at(i) - hull.blocks[b].values[i]) / voxel;
+          const float still = block.values[i] < hull.blocks[b].values[i]
+                                  ? 1
+                                  : std::clamp((kHullMoves - hull_change) / (kHullMoves - kHullStill), 0.0f, 1.0f);
+          if (still <= 0) continue;
           const glm::vec3 point(distance.origin_in_world + glm::dvec3(voxelOf(block, i)) * distance.voxel_m);
-          const float kept = kept_ * (1 - changeAt(cameras, point));
-          block.values[i] += kept * (before - block.values[i]);
+          block.values[i] += kept_ * still * (1 - changeAt(cameras, point)) * change;
         }
       }
     });
   }
   pictures_.assign(pictures.begin(), pictures.end());
   before_ = distance;
+  hull_ = hull;
 }
 
 }  // namespace fourdvt::reconstruct

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 #include "base/image.h"
@@ -18,14 +17,17 @@ class SteadyDistance {
   // `kept`: share of the frame before where nothing changed, 0 … 1.
   explicit SteadyDistance(float kept) : kept_(kept) {}
   // Frames in order of time, of the same cameras and voxel size. `pictures`: RGBA of the sizes of the maps' cameras;
-  // `maps`: one per picture, empty ones allowed. Keeps this one frame.
-  void blend(std::span<const Image> pictures, std::span<const DepthMap> maps, SparseDistance& distance);
+  // `maps`: one per picture, empty ones allowed. `hull` has the blocks of `distance`; where both are
+  // the same and the hull moves, nothing is kept: a surface without texture looks the same when it moves. Keeps this
+  // one frame.
+  void blend(std::span<const Image> pictures, std::span<const DepthMap> maps, const SparseDistance& hull,
+             SparseDistance& distance);
   void forget();
 
  private:
   float kept_;
   std::vector<Image> pictures_;
-  SparseDistance before_;
+  SparseDistance before_, hull_;
 };
 
 // How much a picture changed at each pixel, height × width: 0 not at all, or no more than a codec's noise; 1 clearly.

@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "reconstruct/components.h"
 #include "reconstruct/stereo/consistency.h"
 #include "reconstruct/stereo/steady.h"
+#include "reconstruct/stereo/texture.h"
+#include "reconstruct/volumetric_hull.h"
 
 namespace fourdvt::reconstruct {
 namespace {
@@ -67,7 +70,7 @@ class Refiner final : public StereoRefiner {
 
  private:
   Result<std::vector<Image>> reduced(std::span<const Image> pictures) const;
-  Result<std::vector<DepthMap>> depthMaps();
+  Result<std::vector<DepthMap>> depthMaps(std::span<const Image> pictures);
   // Adds the time since the last call to `to`.
   void lap(double& to) {
     const double t = now();
@@ -98,7 +101,7 @@ Result<std::vector<Image>> Refiner::reduced(std::span<const Image> pictures) con
   return out;
 }
 
-Result<std::vector<DepthMap>> Refiner::depthMaps() {
+Result<std::vector<DepthMap>> Refiner::depthMaps(std::span<const Image> pictures) {
   std::vector<DepthMap> maps;
   for (const StereoReference& reference : references_) {
     CostVolume volume;
@@ -109,7 +112,10 @@ Result<std::vector<DepthMap>> Refiner::depthMaps() {
     maps.push_back(semiGlobalDepth(reference, volume, options_.smoothing));
     lap(times_.smoothing);
   }
-  for (DepthMap& map : maps) weighByAngle(map);
+  cv::parallel_for_(cv::Range(0, int(maps.size())), [&](const cv::Range& range) {
+    for (int m = range.start; m < range.end; ++m)
+      if (maps[m].width > 0) weighByAngle(maps[m]), weighByTexture(pictures[m], maps[m]);
+  });
   keepConsistent(maps, options_.agreement_m);
   lap(times_.agreement);
   return maps;
@@ -121,18 +127,19 @@ Result<TriangleMesh> Refiner::refine(const SparseDistance& hull_distance, const 
   times_ = {};
   FOURDVT_ASSIGN(const std::vector<Image> pictures, reduced(rgba_pictures));
   FOURDVT_TRY(sweep_.setFrame(pictures, hull));
-  FOURDVT_ASSIGN(const std::vector<DepthMap> maps, depthMaps());
+  FOURDVT_ASSIGN(const std::vector<DepthMap> maps, depthMaps(pictures));
   const SparseDistance open_hull = withValuesInside(hull_distance);
   auto [fused, trust] = fuseDepths(hull_distance, maps, options_.fusion);
   spanMembrane(open_hull, trust, options_.membrane, fused);
-  steady_.blend(pictures, maps, fused);
+  steady_.blend(pictures, maps, open_hull, fused);
   lap(times_.fusion);
   keepOutlines(open_hull, views, options_.outlines, fused);
   compact(fused);
   lap(times_.outlines);
-  TriangleMesh mesh = zeroSurface(fused, options_.adaptivity);
-  dropSpecks(mesh, kSpeckVoxels * std::pow(fused.voxel_m, 3));
-  dropHollows(mesh);
+  TriangleMesh mesh = solidSurface(fused, options_.adaptivity, [&](TriangleMesh& made) {
+    dropSpecks(made, kSpeckVoxels * std::pow(fused.voxel_m, 3));
+    dropHollows(made);
+  });
   lap(times_.mesh);
   return mesh;
 }

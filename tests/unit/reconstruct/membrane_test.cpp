@@ -87,6 +87,21 @@ TEST(Membrane, FollowsItsSurroundingsWhereNothingIsKnown) {
       ASSERT_LE(out.blocks[b].values[i], hull.blocks[b].values[i]);
 }
 
+// No map knows anything: the hull stays, ridges and all, and far from what maps know it does too.
+TEST(Membrane, WithoutEvidenceTheHullStays) {
+  const auto roof = [](const glm::vec3& p) {
+    return std::min(0.09f - std::abs(p.x) - p.z, p.z + 0.1f) / std::sqrt(2.0f);
+  };
+  const SparseDistance hull = sampled(roof);
+  SparseDistance out = hull;
+  spanMembrane(hull, trustOf(hull, [](const glm::vec3&) { return 0.0f; }), {}, out);
+  for (size_t b = 0; b < out.blocks.size(); ++b) ASSERT_EQ(out.blocks[b].values, hull.blocks[b].values);
+  const int reach = MembraneOptions().reach_voxels;
+  spanMembrane(hull, trustOf(hull, [](const glm::vec3& p) { return p.z < -0.06f ? 1.0f : 0.0f; }), {}, out);
+  for (float z = -0.06f + float(reach + 1) * kVoxel_m; z < 0.1f; z += kVoxel_m)
+    ASSERT_EQ(at(out, {0, 0, z}), at(hull, {0, 0, z})) << z;
+}
+
 // A finger that no map knows stays as the hull has it.
 TEST(Membrane, LeavesThinPartsAlone) {
   const SparseDistance hull = sampled([](const glm::vec3& p) { return 0.008f - glm::length(glm::vec2(p)); });
