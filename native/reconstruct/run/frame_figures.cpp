@@ -10,12 +10,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr std::pair<const char*, std::vector<double> FrameFigures::*> kLists[] = {
+    {"overlap", &FrameFigures::overlap},
+    {"outline_px", &FrameFigures::outline_px},
+    {"hull_overlap", &FrameFigures::hull_overlap},
+    {"believed", &FrameFigures::believed},
+    {"moved", &FrameFigures::moved}};
+
 }  // namespace
 
 std::string figuresText(const FrameFigures& f) {
-  Json overlap = Json::array();
-  for (double v : f.overlap) overlap.push_back(std::isnan(v) ? Json() : Json(v));
-  return Json{{"vertices", f.vertices},
+  Json out = {{"vertices", f.vertices},
               {"triangles", f.triangles},
               {"triangles_made", f.triangles_made},
               {"footprint_m", f.footprint_m},
@@ -23,14 +28,17 @@ std::string figuresText(const FrameFigures& f) {
               {"voxel_m", f.voxel_m},
               {"parts_left_out", f.parts_left_out},
               {"fallback", f.fallback},
-              {"overlap", overlap},
               {"read_ms", f.read_ms},
               {"silhouettes_ms", f.silhouettes_ms},
               {"hull_ms", f.hull_ms},
               {"stereo_ms", f.stereo_ms},
               {"fairing_ms", f.fairing_ms},
-              {"check_ms", f.check_ms}}
-      .dump();
+              {"check_ms", f.check_ms}};
+  for (const auto& [name, list] : kLists) {
+    out[name] = Json::array();
+    for (const double v : f.*list) out[name].push_back(std::isnan(v) ? Json() : Json(v));
+  }
+  return out.dump();
 }
 
 Result<FrameFigures> parseFigures(const std::string& text, const std::string& path) {
@@ -50,8 +58,12 @@ Result<FrameFigures> parseFigures(const std::string& text, const std::string& pa
   f.voxel_m = number("voxel_m");
   f.parts_left_out = uint32_t(number("parts_left_out"));
   f.fallback = json.value("fallback", "");
-  for (const Json& v : json["overlap"])
-    f.overlap.push_back(v.is_number() ? v.get<double>() : std::numeric_limits<double>::quiet_NaN());
+  for (const auto& [name, list] : kLists) {
+    const auto values = json.find(name);  // frames of an earlier version lack some
+    if (values == json.end() || !values->is_array()) continue;
+    for (const Json& v : *values)
+      (f.*list).push_back(v.is_number() ? v.get<double>() : std::numeric_limits<double>::quiet_NaN());
+  }
   f.read_ms = number("read_ms");
   f.silhouettes_ms = number("silhouettes_ms");
   f.hull_ms = number("hull_ms");

@@ -10,14 +10,21 @@
 
 namespace fourdvt::reconstruct {
 
+inline constexpr double kMoved_m = 0.003;
+
 struct FrameFigures {
   uint32_t vertices = 0, triangles = 0;
   uint32_t triangles_made = 0;  // before simplification
   // Lengths that the surface was made with, the same for all frames of a sequence: see SequenceScale.
   double footprint_m = 0, person_metre_m = 0, voxel_m = 0;
-  uint32_t parts_left_out = 0;  // components that were left out
-  std::string fallback;         // why the polyhedral hull was not taken; empty: it was, or was not asked for
-  std::vector<double> overlap;  // per camera: intersection over union of mesh and silhouette; NaN: no silhouette
+  uint32_t parts_left_out = 0;     // components that were left out
+  std::string fallback;            // why the polyhedral hull was not taken; empty: it was, or was not asked for
+  std::vector<double> overlap;     // per camera: intersection over union of mesh and silhouette; NaN: no silhouette
+  std::vector<double> outline_px;  // per camera: median distance of the silhouette's outline from the mesh's; NaN: none
+  // With stereo, per camera, else empty. Overlap as above; shares of the hull in the camera's picture.
+  std::vector<double> hull_overlap;  // of the hull, before stereo
+  std::vector<double> believed;      // its own depths there are believed: texture, and confirmed by other cameras
+  std::vector<double> moved;  // the surface lies at least kMoved_m (of a person) deeper than the hull, or is gone
   double read_ms = 0, silhouettes_ms = 0, hull_ms = 0, stereo_ms = 0, fairing_ms = 0, check_ms = 0;
 };
 

@@ -174,9 +174,27 @@ Status SurfaceMaker::makeHull(std::span<const CarvingView> views, const std::fun
   out.figures.parts_left_out = uint32_t(hull.dropped);
   out.figures.hull_ms = watch.lap();
   if (!stereo_) return {};
-  FOURDVT_ASSIGN(out.mesh, stereo_->refine(hull.distance, out.mesh, pictures(), views));
+  out.hull = std::move(out.mesh);
+  FOURDVT_ASSIGN(out.mesh, stereo_->refine(hull.distance, out.hull, pictures(), views));
+  out.figures.believed = stereo_->believed();
   out.figures.stereo_ms = watch.lap();
   return {};
+}
+
+void SurfaceMaker::compareWithSilhouettes(const std::vector<bool>& sees, FrameSurface& out) const {
+  FrameFigures& figures = out.figures;
+  std::vector<std::vector<double>*> lists{&figures.overlap, &figures.outline_px};
+  if (stereo_) lists.insert(lists.end(), {&figures.hull_overlap, &figures.moved});
+  for (std::vector<double>* list : lists) list->assign(sees.size(), std::numeric_limits<double>::quiet_NaN());
+  inParallel(sees.size(), [&](size_t i) {
+    if (!sees[i]) return;
+    const Silhouette silhouette{working_[i], out.silhouettes[i].coverage};
+    const SilhouetteMatch match = silhouetteMatch(silhouette, out.mesh);
+    figures.overlap[i] = match.overlap, figures.outline_px[i] = match.outline_px;
+    if (!stereo_) return;
+    figures.hull_overlap[i] = silhouetteOverlap(silhouette, out.hull);
+    figures.moved[i] = movedShare(working_[i], out.hull, out.mesh, kMoved_m);
+  });
 }
 
 Result<FrameSurface> SurfaceMaker::make(std::span<const Image> pictures) {
@@ -242,11 +260,9 @@ Result<FrameSurface> SurfaceMaker::make(std::span<const Image> pictures) {
 
   out.figures.vertices = uint32_t(out.mesh.positions.size());
   out.figures.triangles = uint32_t(out.mesh.faces.size());
-  out.figures.overlap.assign(cameras.size(), std::numeric_limits<double>::quiet_NaN());
-  inParallel(cameras.size(), [&](size_t i) {
-    if (distances[i]) out.figures.overlap[i] = overlapIn(i, out.mesh);
-  });
-  for (glm::vec3& p : out.mesh.positions) p = glm::vec3(glm::dvec3(p) * scale_->person_metre_m);
+  compareWithSilhouettes(sees, out);
+  for (TriangleMesh* mesh : {&out.mesh, &out.hull})
+    for (glm::vec3& p : mesh->positions) p = glm::vec3(glm::dvec3(p) * scale_->person_metre_m);
   out.figures.check_ms = watch.lap();
   return out;
 }

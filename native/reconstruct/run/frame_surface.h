@@ -18,6 +18,7 @@ namespace fourdvt::reconstruct {
 
 struct FrameSurface {
   TriangleMesh mesh;
+  TriangleMesh hull;                    // that stereo began with; empty without stereo
   std::vector<Silhouette> silhouettes;  // one per camera, empty ones included
   FrameFigures figures;
 };
@@ -53,6 +54,9 @@ class SurfaceMaker {
   // `pictures`: those for stereo, asked for if it is used.
   Status makeHull(std::span<const CarvingView> views, const std::function<std::vector<Image>()>& pictures,
                   FrameSurface& out);
+
+  // Sets the figures of each camera that sees the performer; meshes are still in the working scene.
+  void compareWithSilhouettes(const std::vector<bool>& sees, FrameSurface& out) const;
 
   Status useScale(const SequenceScale& scale);
 

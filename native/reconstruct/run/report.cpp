@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "platform/files.h"
@@ -21,6 +22,7 @@ using report::fixedText;
 constexpr size_t kColumns = 8;     // cameras side by side
 constexpr int kSheetHeight = 420;  // pixels of one picture
 constexpr double kLowOverlap = 0.95;
+constexpr double kDeep_m = 0.03;  // of a person: as far behind the hull pictures tell depths apart
 
 struct Stage {
   const char* name;
@@ -82,6 +84,37 @@ report::Table overlapTable(const capture::Capture& capture, const std::vector<Re
     }
     table.rows.push_back(std::move(row));
   }
+  return table;
+}
+
+// Mean over the frames that have it; NaN: none has.
+double meanOf(const ReconstructedSequence& sequence, std::vector<double> FrameFigures::*list, size_t camera) {
+  double sum = 0;
+  size_t count = 0;
+  for (const FrameFigures& f : sequence.frames)
+    if (camera < (f.*list).size() && !std::isnan((f.*list)[camera])) sum += (f.*list)[camera], ++count;
+  return count ? sum / double(count) : std::numeric_limits<double>::quiet_NaN();
+}
+
+report::Table stereoTable(const capture::Capture& capture, const std::vector<ReconstructedSequence>& sequences) {
+  report::Table table{
+      "What stereo changed",
+      "Means over the frames. Believed: share of the hull in the camera's picture where its depths count, "
+      "because there is texture and other cameras confirm them; a camera that stands out is calibrated or "
+      "synchronised worse. Moved: share where the surface lies at least 3 mm of a person behind the hull; "
+      "elsewhere the hull stayed. Outline: median distance of the silhouette's from the surface's, pixels.",
+      {"camera", "sequence", "believed", "moved", "hull stayed", "overlap of the hull", "overlap of the surface",
+       "outline, pixels"},
+      {}};
+  const auto text = [](double value, int digits) { return std::isnan(value) ? "–" : fixedText(value, digits); };
+  for (size_t camera = 0; camera < capture.cameras.size(); ++camera)
+    for (const ReconstructedSequence& s : sequences) {
+      const double moved = meanOf(s, &FrameFigures::moved, camera);
+      table.rows.push_back(
+          {capture.cameras[camera].pinhole.name, s.name, text(meanOf(s, &FrameFigures::believed, camera), 3),
+           text(moved, 3), text(1 - moved, 3), text(meanOf(s, &FrameFigures::hull_overlap, camera), 4),
+           text(meanOf(s, &FrameFigures::overlap, camera), 4), text(meanOf(s, &FrameFigures::outline_px, camera), 2)});
+    }
   return table;
 }
 
@@ -167,13 +200,18 @@ void ReportPictures::add(const std::string& sequence, uint32_t frame, std::span<
   for (size_t first = 0; first < pictures.size(); first += kColumns) {
     report::Sheet sheet;
     sheet.title = sequence + ", frame " + std::to_string(frame);
-    sheet.cells.resize(2);
+    const bool refined = !surface.hull.faces.empty();
+    sheet.cells.resize(refined ? 3 : 2);
     for (size_t i = first; i < std::min(pictures.size(), first + kColumns); ++i) {
       const SurfacePictures drawn = surfacePictures(surface.silhouettes[i], pictures[i], surface.mesh);
       sheet.columns.push_back(surface.silhouettes[i].camera.name);
       const int width = drawn.shaded.width * kSheetHeight / std::max(1, drawn.shaded.height);
       sheet.cells[0].push_back(report::scaledTo(drawn.over_picture, std::max(1, width), kSheetHeight));
       sheet.cells[1].push_back(report::scaledTo(drawn.shaded, std::max(1, width), kSheetHeight));
+      if (!refined) continue;
+      const Image moved = movedPicture(surface.silhouettes[i].camera, pictures[i], surface.hull, surface.mesh,
+                                       kDeep_m * surface.figures.person_metre_m);
+      sheet.cells[2].push_back(report::scaledTo(moved, std::max(1, width), kSheetHeight));
     }
     sheets_.push_back({sequence, frame, report::drawSheet(sheet)});
   }
@@ -234,6 +272,7 @@ Status writeReport(const std::string& folder, const ReconstructOptions& options,
                     {fixedText(triangles, 0), "triangles a frame"},
                     {std::to_string(summary.frames), "frames"}};
   overview.tables = {sequenceTable(sequences), overlapTable(capture, sequences)};
+  if (options.stereo) overview.tables.push_back(stereoTable(capture, sequences));
   overview.bar_charts = {stageChart(sequences)};
   overview.plots = {overlapPlot(sequences), trianglePlot(sequences)};
   document.sections.push_back(std::move(overview));
@@ -243,7 +282,9 @@ Status writeReport(const std::string& folder, const ReconstructOptions& options,
   section.title = "The surface over the pictures";
   section.text =
       "Green: the outline of the surface. Red: the outline of the silhouette, where the two are apart. "
-      "Below it the surface alone, as the camera sees it.";
+      "Below it the surface alone, as the camera sees it";
+  section.text +=
+      options.stereo ? ", and how far stereo moved it: grey, it is the hull; red, 30 mm of a person and more." : ".";
   for (size_t i = 0; i < pictures.sheets().size(); ++i) {
     const auto& sheet = pictures.sheets()[i];
     const std::string file = "reconstruct-" + std::to_string(i + 1) + ".jpg";

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "base/face_buffer.h"
+#include "reconstruct/silhouette_distance.h"
 #include "report/picture_sheets.h"
 
 namespace fourdvt::reconstruct {
@@ -40,8 +42,9 @@ std::array<uint8_t, 3> shade(const PinholeCamera& camera, const TriangleMesh& su
 
 }  // namespace
 
-double silhouetteOverlap(const Silhouette& silhouette, const TriangleMesh& surface) {
-  const auto drawn = rasterise(silhouette.camera, surface.faces, surface.positions, kSamples);
+namespace {
+
+double overlapOf(const FaceBuffer& drawn, const Silhouette& silhouette) {
   size_t both = 0, either = 0;
   for (int y = 0; y < drawn.height; ++y)
     for (int x = 0; x < drawn.width; ++x) {
@@ -51,6 +54,89 @@ double silhouetteOverlap(const Silhouette& silhouette, const TriangleMesh& surfa
       either += a || b;
     }
   return either ? double(both) / double(either) : 1;
+}
+
+// Share of each pixel's samples that show a face, 0 … 255.
+Image coverageOf(const FaceBuffer& drawn, const PinholeCamera& camera) {
+  Image out(camera.width, camera.height, 1);
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x) {
+      int hits = 0;
+      for (int k = 0; k < kSamples * kSamples; ++k)
+        hits += drawn.face[size_t(y * kSamples + k / kSamples) * drawn.width + x * kSamples + k % kSamples] !=
+                FaceBuffer::kNoFace;
+      *out.at(x, y) = uint8_t(255 * hits / (kSamples * kSamples));
+    }
+  return out;
+}
+
+// Calls with every place between two pixel centres of a row or column where coverage passes 127.5, in pixels.
+template <class Place>
+void alongOutline(const Image& coverage, const Place& place) {
+  for (int y = 0; y < coverage.height; ++y)
+    for (int x = 0; x < coverage.width; ++x)
+      for (int down = 0; down < 2; ++down) {
+        if (x + 1 - down >= coverage.width || y + down >= coverage.height) continue;
+        const float here = *coverage.at(x, y), there = *coverage.at(x + 1 - down, y + down);
+        if ((here > 127.5f) == (there > 127.5f)) continue;
+        const float share = (127.5f - here) / (there - here);
+        place(x + 0.5f + (down ? 0 : share), y + 0.5f + (down ? share : 0));
+      }
+}
+
+double outlineDistance_px(const FaceBuffer& drawn, const Silhouette& silhouette) {
+  const SilhouetteDistance surface(coverageOf(drawn, silhouette.camera));
+  std::vector<float> beside;
+  if (!surface.empty() && !surface.full())
+    alongOutline(silhouette.coverage, [&](float x, float y) { beside.push_back(std::abs(surface.at(x, y))); });
+  if (beside.empty()) return std::numeric_limits<double>::quiet_NaN();
+  std::nth_element(beside.begin(), beside.begin() + std::ptrdiff_t(beside.size() / 2), beside.end());
+  return beside[beside.size() / 2];
+}
+
+// Depths of the surface less those of the hull, along the optical axis; infinite where the surface is gone, NaN where
+// the hull is not.
+std::vector<float> depthBehindHull(const PinholeCamera& camera, const TriangleMesh& hull, const TriangleMesh& surface) {
+  const FaceBuffer before = rasterise(camera, hull.faces, hull.positions, 1),
+                   after = rasterise(camera, surface.faces, surface.positions, 1);
+  std::vector<float> out(before.face.size(), std::numeric_limits<float>::quiet_NaN());
+  for (size_t i = 0; i < out.size(); ++i)
+    if (before.face[i] != FaceBuffer::kNoFace) out[i] = after.depth_m[i] - before.depth_m[i];
+  return out;
+}
+
+}  // namespace
+
+double silhouetteOverlap(const Silhouette& silhouette, const TriangleMesh& surface) {
+  return overlapOf(rasterise(silhouette.camera, surface.faces, surface.positions, kSamples), silhouette);
+}
+
+SilhouetteMatch silhouetteMatch(const Silhouette& silhouette, const TriangleMesh& surface) {
+  const FaceBuffer drawn = rasterise(silhouette.camera, surface.faces, surface.positions, kSamples);
+  return {overlapOf(drawn, silhouette), outlineDistance_px(drawn, silhouette)};
+}
+
+double movedShare(const PinholeCamera& camera, const TriangleMesh& hull, const TriangleMesh& surface, double least_m) {
+  size_t moved = 0, all = 0;
+  for (const float deeper_m : depthBehindHull(camera, hull, surface)) {
+    if (std::isnan(deeper_m)) continue;
+    ++all, moved += deeper_m >= least_m;
+  }
+  return all ? double(moved) / double(all) : 0;
+}
+
+Image movedPicture(const PinholeCamera& camera, const Image& rgba, const TriangleMesh& hull,
+                   const TriangleMesh& surface, double most_m) {
+  const std::vector<float> behind = depthBehindHull(camera, hull, surface);
+  Image out(rgba.width, rgba.height, 3, 24);
+  for (size_t i = 0; i < behind.size(); ++i) {
+    if (!std::isfinite(behind[i])) continue;
+    const double share = std::clamp(behind[i] / most_m, 0.0, 1.0);
+    uint8_t* to = out.pixels.data() + 3 * i;
+    to[0] = uint8_t(150 + 90 * share), to[1] = to[2] = uint8_t(150 - 110 * share);
+  }
+  const auto box = report::shownBox(rgba, kMargin);
+  return report::cropped(out, box[0], box[1], box[2], box[3]);
 }
 
 SurfacePictures surfacePictures(const Silhouette& silhouette, const Image& rgba, const TriangleMesh& surface) {

@@ -20,6 +20,12 @@ constexpr double kSameAngle_deg = 1e-6;
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
+double believedShare(const DepthMap& map) {
+  size_t hull = 0, believed = 0;
+  for (size_t i = 0; i < map.front_m.size(); ++i) hull += map.front_m[i] > 0, believed += map.weight[i] > 0;
+  return hull ? double(believed) / double(hull) : 0;
+}
+
 double angleBetween_deg(const PinholeCamera& a, const PinholeCamera& b) {
   return glm::degrees(std::acos(std::clamp(glm::dot(a.middleRayInWorld(), b.middleRayInWorld()), -1.0, 1.0)));
 }
@@ -67,6 +73,7 @@ class Refiner final : public StereoRefiner {
                               std::span<const Image> rgba_pictures, std::span<const CarvingView> views) override;
   void forget() override { steady_.forget(); }
   const StereoTimes& times() const override { return times_; }
+  const std::vector<double>& believed() const override { return believed_; }
 
  private:
   Result<std::vector<Image>> reduced(std::span<const Image> pictures) const;
@@ -84,6 +91,7 @@ class Refiner final : public StereoRefiner {
   PlaneSweep sweep_;
   SteadyDistance steady_;
   StereoTimes times_;
+  std::vector<double> believed_;
   double since_ = 0;
 };
 
@@ -117,6 +125,8 @@ Result<std::vector<DepthMap>> Refiner::depthMaps(std::span<const Image> pictures
       if (maps[m].width > 0) weighByAngle(maps[m]), weighByTexture(pictures[m], maps[m]);
   });
   keepConsistent(maps, options_.agreement_m);
+  believed_.clear();
+  for (const DepthMap& map : maps) believed_.push_back(believedShare(map));
   lap(times_.agreement);
   return maps;
 }
