@@ -24,6 +24,7 @@ namespace {
 
 constexpr double kFairingLoss = 0.002;                    // of a camera's overlap that smoothing may cost
 constexpr double kRoughVoxel_m = 0.02, kSpeck_m3 = 3e-6;  // of a person
+constexpr double kCoarsestReduced_m = 0.01;               // of a person, pixel that stereo may reduce pictures to
 constexpr size_t kFewestPixels = 16;                      // of a silhouette that says anything
 
 class Watch {
@@ -114,6 +115,8 @@ std::vector<Silhouette> silhouettesOf(std::span<const PinholeCamera> cameras, st
   return out;
 }
 
+int stereoReduction(double footprint_m) { return footprint_m > kCoarsestReduced_m / 2 ? 1 : 2; }
+
 SurfaceMaker::SurfaceMaker(const ReconstructOptions& options, const std::vector<capture::CaptureCamera>& cameras)
     : options_(options), captured_(cameras.size()) {
   for (size_t i = 0; i < cameras.size(); ++i) {
@@ -146,6 +149,7 @@ Status SurfaceMaker::useScale(const SequenceScale& scale) {
   if (!options_.stereo) return {};
   StereoOptions stereo;
   stereo.adaptivity = options_.adaptivity;
+  stereo.reduction = stereoReduction(scale.footprint_m / scale.person_metre_m);
   const float band_m = stereo.sweep.step_m * float(stereo.sweep.labels);
   stereo.sweep.labels = options_.planes;
   stereo.sweep.step_m = band_m / float(options_.planes);

@@ -33,6 +33,10 @@ struct SequenceScale {
   double voxel_m = 0;
 };
 
+// By how much stereo reduces pictures in which a pixel on the performer is so large, in a scene with one as thick as a
+// person: small pictures stay as they are.
+int stereoReduction(double footprint_m);
+
 // Makes surfaces of one sequence after another, frames in order of time. Lengths follow the size of the performer in a
 // sequence's first frame, and stay.
 class SurfaceMaker {

@@ -41,6 +41,13 @@ FrameSurface surfaceOf(const std::vector<capture::CaptureCamera>& cameras, const
   return surface.take();
 }
 
+TEST(FrameSurface, SmallPicturesAreNotReduced) {
+  EXPECT_EQ(stereoReduction(0.0025), 2);  // of a person who fills 1280 rows
+  EXPECT_EQ(stereoReduction(0.0049), 2);
+  EXPECT_EQ(stereoReduction(0.0051), 1);
+  EXPECT_EQ(stereoReduction(0.015), 1);
+}
+
 TEST(FrameSurface, WhatTheLensDidNotShowCarvesNothing) {
   auto cameras = camerasOfStage();
   const PinholeCamera& first = cameras[0].pinhole;
