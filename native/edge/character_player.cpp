@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <map>
 
-#include "edge/still_target.h"
+#include "render/still_target.h"
 #include "platform/ffmpeg_video.h"
 #include "platform/files.h"
 #include "render/cameras/camera_method.h"
@@ -104,7 +104,7 @@ class FilePlayer final : public CharacterPlayer {
   std::array<Decoding, kDecoders> decoding_;
   std::map<std::string, Error> errors_;  // by sequence: the player reports a broken one only once
   double now_s_ = 0;
-  StillTarget still_;
+  render::StillTarget still_;
 };
 
 void FilePlayer::answer(const FetchRange& fetch) {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "edge/still_target.h"
+#include "render/still_target.h"
 #include "tools/motion_arguments.h"
 #include "tools/session.h"
 
@@ -50,7 +50,7 @@ class Ensemble {
   GpuSession& gpu_;
   std::shared_ptr<render::Recipe> recipe_;
   render::Align align_;
-  edge::StillTarget still_;
+  render::StillTarget still_;
   std::vector<Actor> actors_;
   double now_s_ = 0;
 };

@@ -10,8 +10,8 @@
 #include <cstdlib>
 #include <string>
 
+#include "bake/stages/frame_drawing.h"
 #include "capture/capture.h"
-#include "lab/study/projective/method_stage.h"
 #include "or_stop.h"
 #include "platform/egl_context.h"
 #include "platform/ffmpeg_video.h"
@@ -29,7 +29,7 @@ struct Lane {
   const char* name;
   const char* method;
   bool new_picture;  // before each view, as while it plays
-  std::unique_ptr<study::MethodStage> stage = nullptr;
+  std::unique_ptr<bake::FrameDrawing> stage = nullptr;
   std::vector<double> times_ms = {};
 };
 
@@ -79,7 +79,7 @@ int main(int argc, char** argv) {
                   {"static, a view", "floating-static", false},
                   {"static, a frame", "floating-static", true}};
   for (Lane& lane : lanes) {
-    lane.stage = orStop(study::MethodStage::create(*device, cameras));
+    lane.stage = orStop(bake::FrameDrawing::create(*device, cameras));
     orStop(lane.stage->setFrame(surface, captured.pictures));
   }
   gpu::Texture colors[2];

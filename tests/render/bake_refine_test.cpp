@@ -7,7 +7,7 @@
 #include "capture/capture.h"
 #include "gl_fixture.h"
 #include "lab/measure/held_out_truth.h"
-#include "lab/measure/picture_score.h"
+#include "measure/picture_score.h"
 #include "platform/ffmpeg_video.h"
 #include "refine/camera_fit.h"
 #include "refine/refine.h"

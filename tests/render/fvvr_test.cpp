@@ -7,7 +7,7 @@
 #include "bake/texels/picture_crop.h"
 #include "capture/capture.h"
 #include "gl_fixture.h"
-#include "lab/measure/metrics.h"
+#include "measure/metrics.h"
 #include "lab/measure/projective.h"
 #include "platform/ffmpeg_video.h"
 #include "shadow_leak.h"

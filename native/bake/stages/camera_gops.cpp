@@ -5,27 +5,14 @@
 #include <atomic>
 
 #include "bake/cameras/surfaces.h"
-#include "bake/cameras/tile_fill.h"
 #include "bake/run/renditions.h"
-#include "bake/stages/camera_colours.h"
+#include "bake/stages/camera_tile.h"
 #include "bake/stages/ladder_encoder.h"
 #include "bake/stages/mesh_limit.h"
 #include "bake/stages/poster.h"
-#include "bake/texels/picture_crop.h"
 #include "package/barcode.h"
 
 namespace fourdvt::bake {
-namespace {
-
-Image cropped(const Image& picture, const package::Rect& region) {
-  Image out(region.width, region.height, 4);
-  for (int y = 0; y < region.height; ++y)
-    std::copy_n(picture.at(region.x, region.y + y), size_t(region.width) * 4, out.at(0, y));
-  return out;
-}
-
-}  // namespace
-
 struct CameraGops::OpenGop {
   uint32_t number = 0;
   I420Picture picture;
@@ -90,7 +77,8 @@ Status CameraGops::drawFrame(OpenGop& open, const StreamPlan& plan, const captur
   std::atomic<size_t> next = 0;
   const auto drawSome = [&] {
     for (size_t c = next++; c < tiles.size(); c = next++)
-      if (!tiles[c].empty()) drawn[c] = drawCamera(tiles[c], c, frame.pictures[c]);
+      if (!tiles[c].empty())
+        drawn[c] = drawCameraTile(tiles[c], frame.pictures[c], maps_.empty() ? nullptr : &maps_[c]);
   };
   {
     StageClock::Span span(run_.clock, Stage::Fill);
@@ -116,14 +104,6 @@ Status CameraGops::drawFrame(OpenGop& open, const StreamPlan& plan, const captur
   open.encoding = std::async(lane(), [this, &open, &plan, index = frame.index, picture = std::move(picture),
                                       drawn = std::move(drawn)] { return encode(open, plan, index, picture, drawn); });
   return {};
-}
-
-Image CameraGops::drawCamera(const package::CameraTile& tile, size_t camera, const Image& picture) const {
-  Image crop = cropped(picture, tile.source);
-  replaceEdgeColours(crop);
-  if (!maps_.empty()) applyColours(maps_[camera], crop);
-  const package::Rect cells = cellsOf(tile.tile);
-  return drawTile(crop, {tile.tile.width, tile.tile.height}, {cells.width, cells.height});
 }
 
 Status CameraGops::encode(OpenGop& open, const StreamPlan& plan, uint32_t index, const I420Picture& picture,

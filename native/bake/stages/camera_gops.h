@@ -24,7 +24,6 @@ class CameraGops {
   Status bakeStream(const StreamPlan& plan);
   Result<std::unique_ptr<OpenGop>> drawGop(const StreamPlan& plan, uint32_t gop, capture::FrameReader& reader);
   Status drawFrame(OpenGop& open, const StreamPlan& plan, const capture::CaptureFrame& frame);
-  Image drawCamera(const package::CameraTile& tile, size_t camera, const Image& picture) const;
   Status encode(OpenGop& open, const StreamPlan& plan, uint32_t index, const I420Picture& picture,
                 const std::vector<Image>& drawn);
   Status saveGop(OpenGop& open, const StreamPlan& plan, uint32_t gop);

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "base/face_buffer.h"
-#include "lab/measure/metrics.h"
+#include "measure/metrics.h"
 
 namespace fourdvt::measure {
 namespace {

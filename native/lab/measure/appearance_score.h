@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "lab/measure/motion_metrics.h"
-#include "lab/measure/picture_score.h"
+#include "measure/picture_score.h"
 
 namespace fourdvt::measure {
 

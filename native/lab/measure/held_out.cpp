@@ -7,7 +7,7 @@
 
 #include "lab/measure/appearance_score.h"
 #include "lab/measure/held_out_truth.h"
-#include "lab/measure/metrics.h"
+#include "measure/metrics.h"
 #include "lab/measure/projective.h"
 #include "platform/files.h"
 

@@ -9,7 +9,7 @@
 
 #include "base/camera.h"
 #include "base/image.h"
-#include "lab/measure/metrics.h"
+#include "measure/metrics.h"
 
 namespace fourdvt::measure {
 

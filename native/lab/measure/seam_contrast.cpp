@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "base/face_buffer.h"
-#include "lab/measure/metrics.h"
+#include "measure/metrics.h"
 
 namespace fourdvt::measure {
 namespace {

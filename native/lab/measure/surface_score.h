@@ -10,7 +10,7 @@
 
 #include "capture/capture.h"
 #include "gpu/device.h"
-#include "lab/measure/picture_score.h"
+#include "measure/picture_score.h"
 #include "lab/measure/surface_distance.h"
 
 namespace fourdvt::measure {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lab/measure/metrics.h"
+#include "measure/metrics.h"
 
 #include <gtest/gtest.h>
 

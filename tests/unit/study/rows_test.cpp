@@ -11,8 +11,8 @@
 #include <map>
 #include <set>
 
-#include "lab/measure/metrics.h"
-#include "lab/measure/picture_score.h"
+#include "measure/metrics.h"
+#include "measure/picture_score.h"
 #include "lab/study/run/ring.h"
 #include "lab/study/run/row_writer.h"
 #include "lab/study/run/run_steps.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "lab/measure/picture_score.h"
+#include "measure/picture_score.h"
 #include "lab/study/motion/motion.h"
 #include "lab/study/run/row_writer.h"
 #include "lab/study/run/rows.h"

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "edge/character_player.h"
-#include "edge/still_target.h"
+#include "render/still_target.h"
 #include "lab/measure/character_frame.h"
 #include "lab/measure/motion_metrics.h"
 #include "motion/parameter_space.h"
@@ -66,7 +66,7 @@ class MotionStage {
   std::vector<float> weightsOf(double w) const;
 
   gpu::Device& device_;
-  edge::StillTarget still_;
+  render::StillTarget still_;
   measure::CharacterStream stream_;
   std::unique_ptr<edge::CharacterPlayer> player_;
   std::optional<render::CharacterModel> model_;

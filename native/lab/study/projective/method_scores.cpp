@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "bake/stages/frame_drawing.h"
 #include "lab/measure/held_out_truth.h"
-#include "lab/study/projective/method_stage.h"
 #include "render/cameras/camera_method.h"
 
 namespace fourdvt::study {
@@ -26,7 +26,7 @@ Result<std::vector<MethodScore>> scoreMethods(gpu::Device& device, const capture
   FOURDVT_ASSIGN(const auto test_cameras, capture::readTestCameras(capture));
   std::vector<PinholeCamera> cameras;
   for (const capture::CaptureCamera& camera : capture.cameras) cameras.push_back(camera.pinhole);
-  FOURDVT_ASSIGN(auto stage, MethodStage::create(device, cameras));
+  FOURDVT_ASSIGN(auto stage, bake::FrameDrawing::create(device, cameras));
   std::vector<MethodScore> out;
   for (const capture::CaptureSequence& sequence : capture.sequences) {
     if (sequence.test_frames.empty()) continue;

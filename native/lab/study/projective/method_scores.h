@@ -9,7 +9,7 @@
 
 #include "capture/capture.h"
 #include "gpu/device.h"
-#include "lab/measure/picture_score.h"
+#include "measure/picture_score.h"
 #include "render/method.h"
 
 namespace fourdvt::study {

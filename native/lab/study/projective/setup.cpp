@@ -63,7 +63,7 @@ Result<std::unique_ptr<ProjectiveSetup>> ProjectiveSetup::create(const StudyCont
   FOURDVT_ASSIGN(out->test_cameras_, capture::readTestCameras(*context.capture));
   FOURDVT_ASSIGN(auto choice, chooseMethods(device, context.options.methods));
   out->methods_ = std::move(choice.methods);
-  FOURDVT_ASSIGN(out->stage_, MethodStage::create(device, out->cameras_));
+  FOURDVT_ASSIGN(out->stage_, bake::FrameDrawing::create(device, out->cameras_));
   return out;
 }
 

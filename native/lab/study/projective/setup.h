@@ -7,8 +7,8 @@
 #include <map>
 #include <memory>
 
+#include "bake/stages/frame_drawing.h"
 #include "lab/study/projective/conditions.h"
-#include "lab/study/projective/method_stage.h"
 #include "lab/study/projective/proxies.h"
 #include "lab/study/run/context.h"
 
@@ -29,7 +29,7 @@ class ProjectiveSetup {
   static Result<std::unique_ptr<ProjectiveSetup>> create(const StudyContext& context, gpu::Device& device);
 
   const StudyContext& context() const { return context_; }
-  MethodStage& stage() { return *stage_; }
+  bake::FrameDrawing& stage() { return *stage_; }
   const std::vector<PinholeCamera>& cameras() const { return cameras_; }
   const std::vector<PinholeCamera>& testCameras() const { return test_cameras_; }
   // Those of the condition that this device can draw.
@@ -55,7 +55,7 @@ class ProjectiveSetup {
   gpu::Device& device_;
   std::vector<PinholeCamera> cameras_, test_cameras_;
   std::vector<std::string> methods_;
-  std::unique_ptr<MethodStage> stage_;
+  std::unique_ptr<bake::FrameDrawing> stage_;
   std::string shown_;  // condition on the stage
   Proxies proxies_;
 };

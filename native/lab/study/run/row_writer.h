@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "lab/measure/picture_score.h"
+#include "measure/picture_score.h"
 #include "lab/study/run/context.h"
 
 namespace fourdvt::study {

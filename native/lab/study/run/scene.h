@@ -12,7 +12,7 @@
 #include "bake/stages/survey.h"
 #include "edge/character_player.h"
 #include "lab/measure/held_out_truth.h"
-#include "lab/measure/picture_score.h"
+#include "measure/picture_score.h"
 #include "lab/study/run/context.h"
 #include "lab/study/run/ring.h"
 #include "render/cameras/fvvr.h"

@@ -10,7 +10,7 @@
 #include <map>
 
 #include "lab/labels/paper_labellings.h"
-#include "lab/measure/picture_score.h"
+#include "measure/picture_score.h"
 #include "lab/study/run/row_writer.h"
 #include "lab/study/run/rows.h"
 #include "lab/study/run/run_steps.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "bake/run/describe.h"
-#include "lab/measure/metrics.h"
+#include "measure/metrics.h"
 
 namespace fourdvt::study {
 namespace {

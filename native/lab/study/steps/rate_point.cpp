@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "lab/measure/metrics.h"
+#include "measure/metrics.h"
 #include "package/barcode.h"
 #include "platform/ffmpeg_video.h"
 

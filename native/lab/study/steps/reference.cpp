@@ -10,8 +10,8 @@
 #include <map>
 
 #include "bake/run/job.h"
-#include "lab/measure/metrics.h"
-#include "lab/measure/picture_score.h"
+#include "measure/metrics.h"
+#include "measure/picture_score.h"
 #include "lab/study/run/elapsed.h"
 #include "lab/study/run/row_writer.h"
 #include "lab/study/run/rows.h"

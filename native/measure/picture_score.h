@@ -15,9 +15,9 @@ namespace fourdvt::measure {
 // Foreground: union of both silhouettes; common: what both cover. Box: the foreground's bounding box. Full: the whole
 // picture. All over black; PSNR on RGB, SSIM on luma.
 // A further measure needs: its formula in metrics.cpp, a field here, its place in kMeasures and scorePicture
-// (picture_score.cpp), a row in writeScores (study/run/row_writer.cpp) and rows.h, a column in the tables that show it
-// (study/tables/), and a figure or an exception in site/measured/catalogue.mjs. held_out.h and study/steps/rate_point.h
-// have scores of their own.
+// (picture_score.cpp), a row in writeScores (lab/study/run/row_writer.cpp) and rows.h, a column in the tables that show
+// it (lab/study/tables/), and a figure or an exception in site/measured/catalogue.mjs. lab/measure/held_out.h and
+// lab/study/steps/rate_point.h have scores of their own.
 struct PictureScore {
   double psnr_full_db = 0, psnr_box_db = 0, psnr_fg_db = 0, psnr_common_db = 0;
   double ssim_full = 0, ssim_box = 0, ssim_fg = 0;

@@ -1,31 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lab/study/projective/method_stage.h"
+#include "bake/stages/frame_drawing.h"
 
 #include <algorithm>
 #include <cstring>
 
 #include "bake/cameras/camera_layout.h"
-#include "bake/cameras/tile_fill.h"
-#include "bake/texels/picture_crop.h"
-#include "report/picture_sheets.h"
+#include "bake/stages/camera_tile.h"
 
-namespace fourdvt::study {
+namespace fourdvt::bake {
 
-Result<std::unique_ptr<MethodStage>> MethodStage::create(gpu::Device& device, std::vector<PinholeCamera> cameras) {
-  std::unique_ptr<MethodStage> stage(new MethodStage(device, std::move(cameras)));
+Result<std::unique_ptr<FrameDrawing>> FrameDrawing::create(gpu::Device& device, std::vector<PinholeCamera> cameras) {
+  std::unique_ptr<FrameDrawing> stage(new FrameDrawing(device, std::move(cameras)));
   FOURDVT_ASSIGN(stage->recipe_, render::Recipe::create(device));
   return stage;
 }
 
-void MethodStage::setCameras(std::vector<PinholeCamera> cameras) {
+void FrameDrawing::setCameras(std::vector<PinholeCamera> cameras) {
   cameras_ = std::move(cameras);
   model_.reset();
 }
 
-Status MethodStage::setFrame(const TriangleMesh& surface, std::span<const Image> pictures) {
+Status FrameDrawing::setFrame(const TriangleMesh& surface, std::span<const Image> pictures,
+                              std::span<const ColourMap> maps) {
   std::vector<package::Rect> regions;
-  for (const PinholeCamera& camera : cameras_) regions.push_back(bake::regionOfInterest(camera, surface.positions));
-  const bake::CameraLayout layout = bake::planCameraLayout(cameras_, {regions}, 1);
+  for (const PinholeCamera& camera : cameras_) regions.push_back(regionOfInterest(camera, surface.positions));
+  const CameraLayout layout = planCameraLayout(cameras_, {regions}, 1);
   if (std::max(layout.width, layout.height) > device_.caps().max_texture_size)
     return Error{ErrorId::InvalidArgument, "the cameras' pictures do not fit into one texture of this device"};
 
@@ -35,10 +34,8 @@ Status MethodStage::setFrame(const TriangleMesh& surface, std::span<const Image>
   for (size_t c = 0; c < cameras_.size(); ++c) {
     const package::CameraTile& tile = layout.gops[0][c];
     if (tile.empty()) continue;
-    Image crop = report::cropped(pictures[c], tile.source.x, tile.source.y, tile.source.width, tile.source.height);
-    bake::replaceEdgeColours(crop);
-    const package::Rect cells = bake::cellsOf(tile.tile);
-    const Image drawn = bake::drawTile(crop, {tile.tile.width, tile.tile.height}, {cells.width, cells.height});
+    const package::Rect cells = cellsOf(tile.tile);
+    const Image drawn = drawCameraTile(tile, pictures[c], maps.empty() ? nullptr : &maps[c]);
     for (int y = 0; y < drawn.height; ++y)
       for (int x = 0; x < drawn.width; ++x) std::memcpy(tiled.at(cells.x + x, cells.y + y), drawn.at(x, y), 3);
     sources_[c] = {glm::vec4(tile.source.x, tile.source.y, tile.source.width, tile.source.height),
@@ -68,7 +65,7 @@ Status MethodStage::setFrame(const TriangleMesh& surface, std::span<const Image>
   return {};
 }
 
-void MethodStage::leaveOut(std::span<const size_t> cameras) {
+void FrameDrawing::leaveOut(std::span<const size_t> cameras) {
   std::vector<size_t> left_out(cameras.begin(), cameras.end());
   left_out_ = std::move(left_out);
   used_ = sources_;
@@ -77,7 +74,7 @@ void MethodStage::leaveOut(std::span<const size_t> cameras) {
   ++serial_;
 }
 
-Status MethodStage::draw(const render::View& view, const render::MethodOptions& options, gpu::TargetId target) {
+Status FrameDrawing::draw(const render::View& view, const render::MethodOptions& options, gpu::TargetId target) {
   const render::CameraLook look{cameras_, used_, &picture_, glm::vec2(width_, height_), serial_};
   render::Figure figure;
   figure.model = model_.get();
@@ -86,9 +83,9 @@ Status MethodStage::draw(const render::View& view, const render::MethodOptions& 
   return recipe_->draw({&figure, 1}, nullptr, view, draw, target);
 }
 
-Result<Image> MethodStage::render(const PinholeCamera& view, const render::MethodOptions& options) {
+Result<Image> FrameDrawing::render(const PinholeCamera& view, const render::MethodOptions& options) {
   const render::View seen = render::viewFromCamera(view);
   return still_.render(seen, [&](gpu::TargetId target) { return draw(seen, options, target); });
 }
 
-}  // namespace fourdvt::study
+}  // namespace fourdvt::bake

@@ -8,14 +8,14 @@
 #include "gpu/device.h"
 #include "render/view.h"
 
-namespace fourdvt::edge {
+namespace fourdvt::render {
 
 class StillTarget {
  public:
   explicit StillTarget(gpu::Device& device) : device_(device) {}
   // RGBA straight alpha, top row first, of what `draw` puts into the target: view.width × view.height, premultiplied.
   // Errors: those of draw, InvalidArgument (size beyond the device's), GpuFailure.
-  Result<Image> render(const render::View& view, const std::function<Status(gpu::TargetId)>& draw);
+  Result<Image> render(const View& view, const std::function<Status(gpu::TargetId)>& draw);
 
  private:
   Status prepare(int width, int height);
@@ -26,4 +26,4 @@ class StillTarget {
   int width_ = 0, height_ = 0;
 };
 
-}  // namespace fourdvt::edge
+}  // namespace fourdvt::render

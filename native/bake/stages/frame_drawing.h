@@ -1,28 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 // One frame of a capture, drawn by a method from its camera pictures as a character from cameras has them, but before
-// the codec: filled outside the mattes, at full size, all cameras in one picture. Does NOT measure.
+// the codec: filled outside the mattes, at full size, all cameras in one picture. What a method is chosen and judged by
+// in bake and lab. Does NOT measure.
 #pragma once
 
 #include <memory>
 #include <span>
 #include <vector>
 
+#include "bake/texels/colour_calibration.h"
 #include "base/image.h"
 #include "base/mesh.h"
-#include "edge/still_target.h"
 #include "render/recipe.h"
+#include "render/still_target.h"
 
-namespace fourdvt::study {
+namespace fourdvt::bake {
 
-class MethodStage {
+class FrameDrawing {
  public:
   // Errors: GpuFailure.
-  static Result<std::unique_ptr<MethodStage>> create(gpu::Device& device, std::vector<PinholeCamera> cameras);
+  static Result<std::unique_ptr<FrameDrawing>> create(gpu::Device& device, std::vector<PinholeCamera> cameras);
 
   void setMethod(std::unique_ptr<render::Method> method) { recipe_->setMethod(std::move(method)); }
-  // pictures: one per camera, RGBA with straight alpha (the matte). Errors: GpuFailure, InvalidArgument (the pictures
-  // do not fit in a texture).
-  Status setFrame(const TriangleMesh& surface, std::span<const Image> pictures);
+  // pictures: one per camera, RGBA with straight alpha (the matte). maps: of the cameras' colours, one per camera, or
+  // none. Errors: GpuFailure, InvalidArgument (the pictures do not fit in a texture).
+  Status setFrame(const TriangleMesh& surface, std::span<const Image> pictures, std::span<const ColourMap> maps = {});
   // From now on these are not used, as if they had no picture; by number.
   void leaveOut(std::span<const size_t> cameras);
   // From now on this is where the cameras are thought to be, as many and of the same sizes; before setFrame.
@@ -33,11 +35,11 @@ class MethodStage {
   Status draw(const render::View& view, const render::MethodOptions& options, gpu::TargetId target);
 
  private:
-  MethodStage(gpu::Device& device, std::vector<PinholeCamera> cameras)
+  FrameDrawing(gpu::Device& device, std::vector<PinholeCamera> cameras)
       : device_(device), still_(device), cameras_(std::move(cameras)) {}
 
   gpu::Device& device_;
-  edge::StillTarget still_;
+  render::StillTarget still_;
   std::unique_ptr<render::Recipe> recipe_;
   std::vector<PinholeCamera> cameras_;
   std::vector<render::CameraSource> sources_, used_;
@@ -48,4 +50,4 @@ class MethodStage {
   std::unique_ptr<render::CharacterModel> model_;
 };
 
-}  // namespace fourdvt::study
+}  // namespace fourdvt::bake

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "edge/still_target.h"
+#include "render/still_target.h"
 
 #include <algorithm>
 
-namespace fourdvt::edge {
+namespace fourdvt::render {
 Status StillTarget::prepare(int width, int height) {
   if (target_ && width == width_ && height == height_) return {};
   FOURDVT_ASSIGN(auto color, gpu::makeTexture(device_, {.width = width, .height = height, .label = "still"}));
@@ -15,7 +15,7 @@ Status StillTarget::prepare(int width, int height) {
   return {};
 }
 
-Result<Image> StillTarget::render(const render::View& view, const std::function<Status(gpu::TargetId)>& draw) {
+Result<Image> StillTarget::render(const View& view, const std::function<Status(gpu::TargetId)>& draw) {
   const int largest = device_.caps().max_texture_size;
   if (view.width < 1 || view.height < 1 || view.width > largest || view.height > largest) {
     return Error{ErrorId::InvalidArgument, "picture size must be between 1 and " + std::to_string(largest) + " pixels"};
@@ -29,4 +29,4 @@ Result<Image> StillTarget::render(const render::View& view, const std::function<
   return image;
 }
 
-}  // namespace fourdvt::edge
+}  // namespace fourdvt::render

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lab/measure/picture_score.h"
+#include "measure/picture_score.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "lab/measure/metrics.h"
+#include "measure/metrics.h"
 
 namespace fourdvt::measure {
 namespace {

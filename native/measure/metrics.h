@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-// The folder measure/ scores what others made: pictures (here), seams, surfaces, motions, and baked characters against
-// their capture. It does not bake, draw reports or know which comparisons there are.
-//
 // Picture metrics over a region: PSNR on RGB and SSIM on luma (Wang, Bovik, Sheikh, Simoncelli 2004).
 // Does NOT read files, composite for the caller's back or choose the region.
 #pragma once
