@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The recipe: validate → refine → warp → survey → every missing GOP, frame by frame → align → graph → room →
-// assemble. From cameras: validate → refine → regions → colours → every missing GOP → room → assemble.
+// assemble. From cameras: validate → refine → regions → colours → method → every missing GOP →
+// room → assemble.
 #include "bake/bake.h"
 
 #include <algorithm>
@@ -16,6 +17,7 @@
 #include "bake/stages/camera_plan.h"
 #include "bake/stages/gop_stage.h"
 #include "bake/stages/graph_stage.h"
+#include "bake/stages/method_stage.h"
 #include "bake/stages/refine_stage.h"
 #include "bake/stages/room_stage.h"
 #include "bake/stages/stream_plan.h"
@@ -41,6 +43,8 @@ void expectWork(BakeRun& run) {
   if (job.capture.room) expect(Stage::Room, 1);
   if (job.fromCameras()) {
     expect(Stage::Regions, job.total_frames);
+    if (job.options.cameras.method.empty() && job.cameras.size() >= 3)
+      expect(Stage::Method, std::min(kTrialFrames, job.total_frames));
     run.progress.expect(encodeWork(job.options) * job.total_frames);
     return;
   }
@@ -84,6 +88,7 @@ Status bakeLayers(BakeRun& run, ReportInput& report) {
 
 Status bakeCameras(BakeRun& run, ReportInput& report) {
   FOURDVT_ASSIGN(const auto maps, calibrateColours(run));
+  FOURDVT_ASSIGN(report.figures.method, chooseBakedMethod(run, maps));
   CameraGops gops(run, maps);
   FOURDVT_TRY(gops.run());
   report.resumed = gops.framesBaked() < run.job.streamFrames();

@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <map>
 
-#include "render/still_target.h"
 #include "platform/ffmpeg_video.h"
 #include "platform/files.h"
 #include "render/cameras/camera_method.h"
+#include "render/still_target.h"
 
 namespace fourdvt::edge {
 namespace {
@@ -58,12 +58,14 @@ class FilePlayer final : public CharacterPlayer {
     FOURDVT_ASSIGN(player_, Player::create(device, recipe_, {.cameras = &cameraParts(), .rendition = rendition_}));
     FOURDVT_TRY(player_->loadManifest(json));
     if (player_->character()->appearance == package::AppearanceKind::Layers) return {};
-    FOURDVT_ASSIGN(auto method, render::makeCameraMethod(device, render::kDefaultMethod));
-    recipe_->setMethod(std::move(method));
+    FOURDVT_ASSIGN(auto made, render::makeMethodOf(device, *player_->character()));
+    method_notice_ = std::move(made.notice);
+    recipe_->setMethod(std::move(made.method));
     return {};
   }
 
   Player& player() override { return *player_; }
+  const std::string& methodNotice() const override { return method_notice_; }
   render::Recipe& recipe() override { return *recipe_; }
   Status showFrame(const std::string& sequence, uint32_t frame) override;
   Status advance(double seconds) override;
@@ -98,7 +100,7 @@ class FilePlayer final : public CharacterPlayer {
   Status takeEvents();
 
   std::shared_ptr<render::Recipe> recipe_;
-  std::string folder_;
+  std::string folder_, method_notice_;
   uint32_t rendition_;
   std::unique_ptr<Player> player_;
   std::array<Decoding, kDecoders> decoding_;

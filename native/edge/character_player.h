@@ -22,6 +22,8 @@ class CharacterPlayer {
   virtual ~CharacterPlayer() = default;
   virtual Player& player() = 0;
   virtual render::Recipe& recipe() = 0;
+  // Which method is drawn in place of the character's own, and why; empty: its own is.
+  virtual const std::string& methodNotice() const = 0;
   // Shows exactly this frame (of a class: this phase at the player's parameters) and pauses. Seeks and pumps until the
   // frame is on screen. Errors: those of the player's error events.
   virtual Status showFrame(const std::string& sequence, uint32_t frame) = 0;

@@ -121,6 +121,13 @@ struct Start {
   uint64_t bytes = 0, hash = 0;
 };
 
+// How a character from cameras is drawn unless a player is told otherwise. A player that does not know the method takes
+// its own default.
+struct DrawingMethod {
+  std::string name;         // empty: the player's default
+  double sweep_band_m = 0;  // of the method "sweep", behind the surface of a person; 0: the player's default
+};
+
 struct Character {
   std::string name;
   int version = kFormatVersion;
@@ -139,6 +146,7 @@ struct Character {
   std::string graph_uri;  // motion graph (motion/motion_graph.h); empty: none
   uint64_t graph_bytes = 0, graph_hash = 0;
   Room room;
+  DrawingMethod method;  // from cameras
   std::vector<Sequence> sequences;
   Start start;
 

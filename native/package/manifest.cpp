@@ -107,6 +107,14 @@ void readRoom(FieldReader& in, const std::string& at, Room& room) {
   }
 }
 
+void readMethod(FieldReader& in, const std::string& at, DrawingMethod& method) {
+  method.name = in.text(at + "/name", 64);
+  for (const char c : method.name)
+    if (!((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-'))
+      in.fail(at + "/name", "must be made of a to z, 0 to 9 and -");
+  if (in.has(at + "/sweepBand")) method.sweep_band_m = in.number(at + "/sweepBand", 1e-4, 1);
+}
+
 // What a sequence from cameras has instead of members.
 void readLayout(FieldReader& in, const std::string& at, Sequence& s) {
   if (in.has(at + "/members")) in.fail(at + "/members", "cannot be: a character from cameras has no classes");
@@ -160,6 +168,7 @@ void readCharacter(FieldReader& in, const std::string& at, Character& c) {
   c.poster_uri = in.uri(at + "/poster/uri");
   if (in.has(at + "/graph")) readFileOf(in, at + "/graph", kMaxGraphBytes, c.graph_uri, c.graph_bytes, c.graph_hash);
   if (in.has(at + "/room")) readRoom(in, at + "/room", c.room);
+  if (c.version == kCameraFormatVersion && in.has(at + "/method")) readMethod(in, at + "/method", c.method);
   c.bounds = readBox(in, at + "/bounds");
   c.ground_y_m = in.number(at + "/groundY", -kMaxMetres, kMaxMetres);
   if (in.has(at + "/lengthScale")) c.length_scale = in.number(at + "/lengthScale", 1e-6, 1e6);

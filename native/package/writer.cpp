@@ -131,6 +131,12 @@ Value roomValue(const Room& room) {
                              {"faces", Value(faces)}});
 }
 
+Value methodValue(const DrawingMethod& method) {
+  Value::Object out{{"name", Value(method.name)}};
+  if (method.sweep_band_m > 0) out["sweepBand"] = number(method.sweep_band_m);
+  return Value(out);
+}
+
 Value startValue(const Start& start) {
   return Value(Value::Object{
       {"uri", Value(start.uri)}, {"byteLength", number(double(start.bytes))}, {"hash", hashValue(start.hash)}});
@@ -164,6 +170,7 @@ Value extensionValue(const Character& c) {
         {"uri", Value(c.graph_uri)}, {"byteLength", number(double(c.graph_bytes))}, {"hash", hashValue(c.graph_hash)}});
   }
   if (c.length_scale != 1) out["lengthScale"] = number(c.length_scale);
+  if (!c.method.name.empty()) out["method"] = methodValue(c.method);
   if (!c.room.picture_uri.empty()) out["room"] = roomValue(c.room);
   if (!c.start.uri.empty()) out["start"] = startValue(c.start);
   return Value(out);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 
 #include "bake/bake.h"
 #include "bake/quality.h"
 #include "bake/run/renditions.h"
+#include "render/cameras/camera_method.h"
 #include "tools/args.h"
 #include "tools/choice.h"
 #include "tools/commands.h"
@@ -31,6 +33,17 @@ const char* presetHelp() {
     std::string t = "speed preset of the encoder, by its own name (default: of the quality):";
     for (const bake::CodecInfo& info : bake::kCodecInfos) t += std::string("\n") + info.name + ": " + info.presets;
     return t;
+  }();
+  return text.c_str();
+}
+
+const char* methodHelp() {
+  static const std::string text = [] {
+    std::string names;
+    for (const std::string& name : render::cameraMethodNames(render::MethodGroup::Textured)) names += ", " + name;
+    return "cameras: the method that players draw the character by: auto (default; measured on cameras that are left "
+           "out), or one of" +
+           names.substr(1);
   }();
   return text.c_str();
 }
@@ -81,6 +94,10 @@ const CommandHelp& help() {
         "cameras: simplify surfaces of changing topology to about N faces, 100 to 1000000; 0: keep all (default "
         "10000)"},
        {"--tile-texels", "N", "cameras: largest tiled picture, million texels (default 9.4, what phones decode)"},
+       {"--method", "NAME", methodHelp()},
+       {"--method-cost", "X",
+        "cameras: methods that auto may choose take at most X times as long for a frame as fvvr, 1 to 100 (default "
+        "2.5)"},
        {"--position-step", "MM",
         "quantisation step of vertices, millimetres (default for a person 0.25 from layers, 1 from cameras; half of it "
         "for surfaces of half the size, and so on)"},
@@ -133,6 +150,13 @@ void readAppearance(Args& args, bake::BakeOptions& o) {
   if (o.cameras.faces > 0 && o.cameras.faces < 100) args.complain("--faces must be 0, or 100 to 1000000");
   o.cameras.tile_scale = args.number("--tile-scale", o.cameras.tile_scale, 0.01, 1);
   o.cameras.max_texels = args.number("--tile-texels", o.cameras.max_texels / 1e6, 0.01, 16.8) * 1e6;
+  const std::string method = args.text("--method", "auto");
+  const auto methods = render::cameraMethodNames(render::MethodGroup::Textured);
+  if (std::find(methods.begin(), methods.end(), method) != methods.end())
+    o.cameras.method = method;
+  else if (method != "auto")
+    args.complain(std::string("--method: ") + methodHelp() + "; not \"" + method + "\"");
+  o.cameras.choice.most_cost = args.number("--method-cost", o.cameras.choice.most_cost, 1, 100);
   if (args.has("--coarse-step")) o.coarse_step_m = args.number("--coarse-step", 2, 0, 100) / 1e3;
   if (o.coarse_step_m && *o.coarse_step_m != 0 && *o.coarse_step_m < 1e-6)
     args.complain("--coarse-step must be 0, or 0.001 to 100");

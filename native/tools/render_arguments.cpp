@@ -30,10 +30,10 @@ std::string listed(MethodGroup group) {
 }
 
 const std::string& methodMeaning() {
-  static const std::string text = "for characters from cameras: " + listed(MethodGroup::Textured) + " (default " +
-                                  render::cameraMethodNames(MethodGroup::Textured).front() +
-                                  "); to inspect them: " + listed(MethodGroup::Inspection) +
-                                  "; for characters from layers: layered, montage4d";
+  static const std::string text =
+      "for characters from cameras: " + listed(MethodGroup::Textured) + " (default: the character's own, else " +
+      render::cameraMethodNames(MethodGroup::Textured).front() +
+      "); to inspect them: " + listed(MethodGroup::Inspection) + "; for characters from layers: layered, montage4d";
   return text;
 }
 

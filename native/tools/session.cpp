@@ -40,6 +40,7 @@ Result<std::unique_ptr<edge::CharacterPlayer>> openCharacterOn(GpuSession& gpu, 
   const package::Character* read = player->player().character();
   if (!read) return Error{ErrorId::ManifestInvalid, path + ": manifest did not load"};
   if (read->sequences.empty()) return Error{ErrorId::ManifestInvalid, path + ": has no sequences; bake it again"};
+  if (!player->methodNotice().empty()) std::fprintf(stderr, "%s: %s\n", programName(), player->methodNotice().c_str());
   return player;
 }
 

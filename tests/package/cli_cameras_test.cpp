@@ -57,7 +57,7 @@ TEST(CameraBake, IsChosenForMeshesOfPerFrameTopologyAndSaysSo) {
   const json report = reportOf(out + "/box");
   EXPECT_EQ(report["options"]["appearance"], "cameras");
   EXPECT_EQ(report["options"]["refine"], "none");
-  EXPECT_EQ(report["notes"].size(), 1u);
+  EXPECT_EQ(report["notes"].size(), 2u) << "the appearance, and the method: its four cameras stand too far apart";
   const json& turn = report["sequences"][0];
   EXPECT_EQ(turn["tiles"]["runs"], 3) << "two frames, the odd one, and the second GOP";
   EXPECT_GT(turn["geometry_bytes"], 100);
@@ -97,14 +97,71 @@ TEST(CameraBake, IsDrawnAsAskedFor) {
     return readText(file);
   };
   const std::string textured = still("");
-  EXPECT_EQ(still("--method sweep --closest 4 --visibility offset"), textured) << "the defaults";
-  EXPECT_NE(still("--method fvvr"), textured);
+  const std::string chosen = reportOf(out + "/box")["method"]["name"];
+  EXPECT_EQ(still("--method " + chosen + " --closest 4 --visibility offset"), textured) << "the defaults";
+  EXPECT_NE(still("--method sweep"), still("--method fvvr"));
   EXPECT_NE(still("--closest 1"), textured);
   EXPECT_NE(still("--method silhouette"), textured);
   EXPECT_NE(still("--method wireframe"), still("--method silhouette"));
   const Outcome layered = fourdvt("render " + out + "/box -o " + out + "/no.png --method layered");
   EXPECT_NE(layered.code, 0);
   EXPECT_NE(layered.output.find("is a character from cameras"), std::string::npos) << layered.output;
+}
+
+json methodIn(const std::string& character) {
+  return json::parse(readText(character + "/character.gltf"))["extensions"]["FOURDVT_layered_video_texture"]["method"];
+}
+
+constexpr const char* kNotMeasured = "The method was not measured: ";
+
+TEST(CameraBake, FewCamerasGetASafeMethodAndSaySo) {
+  const std::string capture = perFrame("few-cameras", 2), out = scratch("few");
+  for (const auto& [cameras, said] : {std::pair("cam02,cam00", "leaving one of 2 cameras out leaves none to blend"),
+                                      std::pair("cam01", "leaving one of 1 camera out leaves none to blend"),
+                                      std::pair("cam00,cam01,cam02,cam03", "in no frame do cameras on both sides")}) {
+    const Outcome bake = fourdvt("bake " + capture + " -o " + out + "/box --cameras " + cameras + kSmall);
+    ASSERT_EQ(bake.code, 0) << bake.output;
+    EXPECT_NE(bake.output.find(std::string(kNotMeasured) + said), std::string::npos) << bake.output;
+    EXPECT_EQ(methodIn(out + "/box")["name"], "fvvr");
+    const json report = reportOf(out + "/box");
+    EXPECT_EQ(report["method"]["measured"], false);
+    EXPECT_NE(report["notes"].dump().find(said), std::string::npos);
+    EXPECT_NE(readText(out + "/box/report.html").find(said), std::string::npos);
+  }
+}
+
+TEST(CameraBake, TheMethodIsTheOneThatIsNamed) {
+  const std::string capture = perFrame("named-method", 2), out = scratch("named-method-out");
+  const Outcome bake = fourdvt("bake " + capture + " -o " + out + "/box --method linear" + kSmall);
+  ASSERT_EQ(bake.code, 0) << bake.output;
+  EXPECT_EQ(bake.output.find(kNotMeasured), std::string::npos) << bake.output;
+  EXPECT_EQ(methodIn(out + "/box")["name"], "linear");
+  EXPECT_EQ(reportOf(out + "/box")["options"]["method"], "linear");
+  for (const char* wrong : {"--method nearest", "--method wireframe", "--method-cost 0.5", "--method-cost much"}) {
+    const Outcome refused = fourdvt("bake " + capture + " -o " + out + "/no " + wrong);
+    EXPECT_EQ(refused.code, 2) << refused.output;
+    EXPECT_FALSE(exists(out + "/no"));
+  }
+  // A later version's name, and no name at all.
+  const auto still = [&](const std::string& options = "") {
+    const Outcome drawn =
+        fourdvt("render " + out + "/box -o " + out + "/still.png --size 160x200 --azimuth 40" + options);
+    EXPECT_EQ(drawn.code, 0) << drawn.output;
+    return std::pair(readText(out + "/still.png"), drawn.output);
+  };
+  const auto [by_sweep, quiet] = still(" --method sweep");
+  const std::string gltf = readText(out + "/box/character.gltf");
+  json changed = json::parse(gltf);
+  json& extension = changed["extensions"]["FOURDVT_layered_video_texture"];
+  extension["method"]["name"] = "of-tomorrow";
+  writeText(out + "/box/character.gltf", changed.dump());
+  const auto [picture, said] = still();
+  EXPECT_EQ(picture, by_sweep);
+  EXPECT_NE(said.find("does not know the method of-tomorrow: sweep is drawn in place of it"), std::string::npos)
+      << said;
+  extension.erase("method");
+  writeText(out + "/box/character.gltf", changed.dump());
+  EXPECT_EQ(still(), std::pair(by_sweep, quiet));
 }
 
 // A figurine in the same capture: everything is 1/20 as large.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bake/labels/labelling.h"
+#include "bake/run/method_figures.h"
 #include "refine/refine.h"
 
 namespace fourdvt::bake {
@@ -32,6 +33,7 @@ struct BakeReport {
   std::map<std::string, LabelStatistics> labels_by_sequence;
   std::map<std::string, ClassSummary> classes;
   std::optional<refine::Refinement> refinement;  // none: not asked for
+  std::optional<ChosenMethod> method;            // from cameras
   std::vector<std::string> notes;                // what the user should know, one sentence each
 };
 

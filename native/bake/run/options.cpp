@@ -34,6 +34,7 @@ std::string BakeOptions::check() const {
     return "faces must be 0, or 100..1000000";
   if (!(cameras.tile_scale >= 0.01 && cameras.tile_scale <= 1)) return "tile scale must be 0.01..1";
   if (!(cameras.max_texels >= 1e4)) return "tile texels must be 0.01 million or more";
+  if (const std::string wrong = cameras.choice.check(); !wrong.empty()) return wrong;
   if (gutter_texels < 0 || gutter_texels > 64) return "gutter must be 0..64 texels";
   return checkRenditions(*this);
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bake/labels/labelling.h"
+#include "bake/method/method_choice.h"
 #include "bake/texels/resample.h"
 #include "bake/video/encode.h"
 #include "package/character.h"
@@ -28,6 +29,8 @@ struct CameraOptions {
   double tile_scale = 1;      // texels per pixel of the cameras' pictures, 0.01..1
   double max_texels = 9.4e6;  // of the tiled picture: what H.264's level 5.1 allows, as decoders of phones do
   int faces = 10'000;         // most of a frame whose topology is its own (one topology for all stays); 0: all
+  std::string method;         // that players draw it by (render/cameras/camera_method.h); empty: measured, by `choice`
+  ChoiceRule choice;
 };
 
 // One rendition below the highest.

@@ -19,6 +19,7 @@ enum class Stage {
   Decode,
   Visibility,
   Colours,
+  Method,
   Labels,
   Resample,
   Fill,
@@ -39,7 +40,7 @@ struct StageInfo {
   const char* unit;
 };
 
-inline constexpr std::array<StageInfo, 17> kStages{{
+inline constexpr std::array<StageInfo, 18> kStages{{
     {"validate", "checks that the capture can be read and the output written", 0, ""},
     {"refine", "moves the mesh's outlines onto the mattes', turns cameras that the pictures contradict", 0.15,
      "captured frame"},
@@ -51,6 +52,7 @@ inline constexpr std::array<StageInfo, 17> kStages{{
     {"visibility", "finds which camera sees which face, from depth maps and sample points on the GPU", 0.3,
      "captured frame, with decoding, colours and labels"},
     {"colours", "makes the cameras' colours agree", 0, ""},
+    {"method", "from cameras: tries the methods on cameras that are left out", 6, "tried frame"},
     {"labels", "chooses the cameras of every face for whole sequences", 0, ""},
     {"resample", "draws the cameras' pictures into texture layers, or crops them", 0, ""},
     {"fill", "fills empty texels, gutters and what lies round the performer", 0, ""},

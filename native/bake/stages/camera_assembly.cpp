@@ -143,6 +143,10 @@ Status assembleCameras(BakeRun& run, const std::vector<ColourMap>& maps, const s
   report.pictures = {{kPosterFile, "The character, " + job.streams[0].name +
                                        ", frame 0, as the page shows it first, from the three nearest cameras."}};
   package::Character character = describeCharacter(job);
+  if (report.figures.method) {
+    character.method.name = report.figures.method->method;
+    character.method.sweep_band_m = report.figures.method->sweep_band_m.value_or(0);
+  }
   for (const StreamPlan& plan : job.streams) FOURDVT_TRY(packSequence(run, plan, character, report));
   FOURDVT_ASSIGN(character.mesh_uri, writeNamed(job.resultFolder(), kMeshFile, job.mesh.bytes));
   FOURDVT_TRY(writeRoom(job, room, character, report));

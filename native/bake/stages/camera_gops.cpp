@@ -6,6 +6,7 @@
 
 #include "bake/cameras/surfaces.h"
 #include "bake/run/renditions.h"
+#include "bake/stages/camera_plan.h"
 #include "bake/stages/camera_tile.h"
 #include "bake/stages/ladder_encoder.h"
 #include "bake/stages/mesh_limit.h"
@@ -94,8 +95,7 @@ Status CameraGops::drawFrame(OpenGop& open, const StreamPlan& plan, const captur
     package::drawBarcode(plan.layout().barcode, frame.index, picture.y.data(), picture.width);
   }
   const bool constant = job_.capture.meshes == capture::CaptureMeshes::ConstantTopology;
-  TriangleMesh surface{frame.positions, constant ? job_.capture.topology.face_vertices : frame.faces};
-  if (!constant) surface = simplified(std::move(surface), static_cast<size_t>(job_.options.cameras.faces));
+  const TriangleMesh surface = streamedSurface(job_, frame);
   const size_t used = std::min(surface.positions.size(), 3 * surface.faces.size());
   FOURDVT_TRY(checkSurface(meshFile(*plan.motion.members[0].source, frame.index), used, surface.faces.size()));
   open.surfaces.push_back(quantisedSurface({glm::dvec3(job_.bounds.min), double(float(*job_.options.position_step_m))},

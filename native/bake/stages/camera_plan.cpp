@@ -128,6 +128,12 @@ Result<double> planStreamsOf(Job& job, const std::function<void(size_t sequence)
 
 }  // namespace
 
+TriangleMesh streamedSurface(const Job& job, const capture::CaptureFrame& frame) {
+  if (job.capture.meshes == capture::CaptureMeshes::ConstantTopology)
+    return {frame.positions, job.capture.topology.face_vertices};
+  return simplified({frame.positions, frame.faces}, static_cast<size_t>(job.options.cameras.faces));
+}
+
 Status planCameraSurfaces(Job& job, const BakeEnvironment& environment) {
   FOURDVT_TRY(checkFirstFrames(job));
   Surfaces all;

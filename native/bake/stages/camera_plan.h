@@ -11,6 +11,9 @@ namespace fourdvt::bake {
 // of capture, NothingVisible, InvalidArgument, Interrupted.
 Status planCameraSurfaces(Job& job, const BakeEnvironment& environment);
 
+// The surface of a frame as it is streamed, but for the grid of its positions.
+TriangleMesh streamedSurface(const Job& job, const capture::CaptureFrame& frame);
+
 // Completes job.streams: one per captured sequence. Errors: InvalidArgument (the tiled picture is too large).
 Status planCameraStreams(BakeRun& run);
 

@@ -9,10 +9,11 @@
 
 namespace fourdvt::bake {
 
-Result<std::unique_ptr<FrameDrawing>> FrameDrawing::create(gpu::Device& device, std::vector<PinholeCamera> cameras) {
-  std::unique_ptr<FrameDrawing> stage(new FrameDrawing(device, std::move(cameras)));
-  FOURDVT_ASSIGN(stage->recipe_, render::Recipe::create(device));
-  return stage;
+Result<std::unique_ptr<FrameDrawing>> FrameDrawing::create(gpu::Device& device, std::vector<PinholeCamera> cameras,
+                                                           double length_scale) {
+  std::unique_ptr<FrameDrawing> drawing(new FrameDrawing(device, std::move(cameras), length_scale));
+  FOURDVT_ASSIGN(drawing->recipe_, render::Recipe::create(device));
+  return drawing;
 }
 
 void FrameDrawing::setCameras(std::vector<PinholeCamera> cameras) {
@@ -55,6 +56,7 @@ Status FrameDrawing::setFrame(const TriangleMesh& surface, std::span<const Image
   if (!model_ || vertices > model_->mostVertices() || faces > model_->mostFaces()) {
     package::Character body;
     body.cameras = cameras_;
+    body.length_scale = length_scale_;
     body.vertex_count = vertices + vertices / 4;
     body.face_count = faces + faces / 4;
     FOURDVT_ASSIGN(auto model, render::CharacterModel::createForSurfaces(device_, body));

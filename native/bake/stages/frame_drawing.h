@@ -18,8 +18,9 @@ namespace fourdvt::bake {
 
 class FrameDrawing {
  public:
-  // Errors: GpuFailure.
-  static Result<std::unique_ptr<FrameDrawing>> create(gpu::Device& device, std::vector<PinholeCamera> cameras);
+  // length_scale: base/length_scale.h. Errors: GpuFailure.
+  static Result<std::unique_ptr<FrameDrawing>> create(gpu::Device& device, std::vector<PinholeCamera> cameras,
+                                                      double length_scale = 1);
 
   void setMethod(std::unique_ptr<render::Method> method) { recipe_->setMethod(std::move(method)); }
   // pictures: one per camera, RGBA with straight alpha (the matte). maps: of the cameras' colours, one per camera, or
@@ -35,13 +36,14 @@ class FrameDrawing {
   Status draw(const render::View& view, const render::MethodOptions& options, gpu::TargetId target);
 
  private:
-  FrameDrawing(gpu::Device& device, std::vector<PinholeCamera> cameras)
-      : device_(device), still_(device), cameras_(std::move(cameras)) {}
+  FrameDrawing(gpu::Device& device, std::vector<PinholeCamera> cameras, double length_scale)
+      : device_(device), still_(device), cameras_(std::move(cameras)), length_scale_(length_scale) {}
 
   gpu::Device& device_;
   render::StillTarget still_;
   std::unique_ptr<render::Recipe> recipe_;
   std::vector<PinholeCamera> cameras_;
+  const double length_scale_;
   std::vector<render::CameraSource> sources_, used_;
   std::vector<size_t> left_out_;
   render::PictureTextures picture_;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bake/run/stage_table.h"
+#include "bake/stages/method_report.h"
 #include "report/document.h"
 #include "report/text.h"
 
@@ -64,6 +65,8 @@ Json cameraOptionsJson(const BakeOptions& o) {
           {"tile_scale", o.cameras.tile_scale},
           {"max_texels", o.cameras.max_texels},
           {"faces", o.cameras.faces},
+          {"method", o.cameras.method.empty() ? "auto" : o.cameras.method},
+          {"method_cost", o.cameras.choice.most_cost},
           {"crf", o.crf},
           {"gop", o.gop},
           {"jobs", o.jobs},
@@ -469,6 +472,7 @@ std::string reportJson(const ReportInput& in) {
   root["classes"] = Json::object();
   for (const auto& [name, c] : in.figures.classes) root["classes"][name] = classJson(c);
   if (in.figures.refinement) root["refinement"] = refinementJson(*in.figures.refinement);
+  if (in.figures.method) root["method"] = methodJson(*in.figures.method);
   root["notes"] = in.figures.notes;
   root["sequences"] = Json::array();
   for (const ReportSequence& s : in.sequences) root["sequences"].push_back(sequenceJson(s));
@@ -505,6 +509,7 @@ std::string reportHtml(const ReportInput& in) {
                 "references towards the non-linear blend; errors are largest vertex distances to it.",
                 {classTable(in)}));
   if (in.figures.refinement) page.sections.push_back(refinementSection(in));
+  if (in.figures.method) page.sections.push_back(methodSection(*in.figures.method));
   if (!in.figures.labels_by_sequence.empty())
     page.sections.push_back(section("labels", "Labels", "", {labelTable(in)}));
   if (in.pictures.size() > 1) page.sections.push_back(section("pictures", "Pictures", "", {}));

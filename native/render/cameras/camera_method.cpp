@@ -62,6 +62,12 @@ constexpr Row kRows[] = {
 
 constexpr const char* kMethodOfEveryDevice = "lumigraph";
 
+bool isKnown(std::string_view name) {
+  for (const Row& row : kRows)
+    if (row.name == name) return true;
+  return false;
+}
+
 }  // namespace
 
 std::vector<std::string> cameraMethodNames(MethodGroup group) {
@@ -92,6 +98,18 @@ Result<MethodThatServes> makeMethodThatServes(gpu::Device& device, std::string_v
   out.notice = made.error().message + ": " + kMethodOfEveryDevice + " is drawn in place of " + out.name;
   out.name = kMethodOfEveryDevice;
   FOURDVT_ASSIGN(out.method, makeCameraMethod(device, kMethodOfEveryDevice));
+  return out;
+}
+
+std::string methodOf(const package::Character& character) {
+  return isKnown(character.method.name) ? character.method.name : std::string(kDefaultMethod);
+}
+
+Result<MethodThatServes> makeMethodOf(gpu::Device& device, const package::Character& character) {
+  FOURDVT_ASSIGN(auto out, makeMethodThatServes(device, methodOf(character)));
+  const std::string& wanted = character.method.name;
+  if (!wanted.empty() && !isKnown(wanted))
+    out.notice = "this player does not know the method " + wanted + ": " + out.name + " is drawn in place of it";
   return out;
 }
 

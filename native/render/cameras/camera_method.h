@@ -30,7 +30,13 @@ struct MethodThatServes {
   std::string notice;  // what is drawn in place of what, and why; empty: the method that was asked for
 };
 
+// The method that the character's manifest names; the default where it names none, and where this player does not know
+// its name.
+std::string methodOf(const package::Character& character);
+
 // As makeCameraMethod; where the device cannot run the method, one that every device can run in its place, "lumigraph".
 Result<MethodThatServes> makeMethodThatServes(gpu::Device& device, std::string_view name);
+// That of the character, likewise; the notice also says so where its name is not known.
+Result<MethodThatServes> makeMethodOf(gpu::Device& device, const package::Character& character);
 
 }  // namespace fourdvt::render

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which method a character from cameras is drawn by unless a player says otherwise, and what it was chosen by.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "bake/method/method_choice.h"
+
+namespace fourdvt::bake {
+
+struct ChosenMethod {
+  std::string method;
+  std::optional<double> sweep_band_m;  // of a person (render::SweepOptions); none: the player's default
+  MethodChoice choice;                 // without verdicts: nothing was measured
+  size_t frames = 0, views = 0;
+  double shift_px = 0;  // how far what is drawn for a camera lies from its picture, mean
+  double most_cost = 0;
+};
+
+}  // namespace fourdvt::bake

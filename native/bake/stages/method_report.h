@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the bake's report says about the choice of a method.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "bake/run/method_figures.h"
+#include "report/document.h"
+
+namespace fourdvt::bake {
+
+nlohmann::ordered_json methodJson(const ChosenMethod& chosen);
+report::Section methodSection(const ChosenMethod& chosen);
+
+}  // namespace fourdvt::bake

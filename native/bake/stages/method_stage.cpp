@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/stages/method_stage.h"
+
+#include <algorithm>
+
+#include "bake/method/method_costs.h"
+#include "bake/run/survey_files.h"
+#include "bake/stages/camera_colours.h"
+#include "bake/stages/camera_plan.h"
+#include "bake/stages/method_trial.h"
+#include "bake/stages/validate.h"
+#include "base/bytes.h"
+#include "platform/files.h"
+#include "platform/folders.h"
+#include "render/cameras/camera_method.h"
+
+namespace fourdvt::bake {
+namespace {
+
+constexpr const char* kVersion = "methods 1";  // change it whenever kept sums of older builds must not be reused
+
+struct Place {
+  const capture::CaptureSequence* sequence;
+  uint32_t frame;
+};
+
+// Spread over all frames of all sequences.
+std::vector<Place> placesOf(const Job& job) {
+  const uint32_t count = std::min(kTrialFrames, job.total_frames);
+  std::vector<Place> out;
+  for (uint32_t i = 0; i < count; ++i) {
+    uint64_t at = (2 * uint64_t(i) + 1) * job.total_frames / (2 * count);
+    for (const capture::CaptureSequence& sequence : job.capture.sequences) {
+      if (at < sequence.frame_count) {
+        out.push_back({&sequence, uint32_t(at)});
+        break;
+      }
+      at -= sequence.frame_count;
+    }
+  }
+  return out;
+}
+
+// Those within the cost on any surface that may come, that the device can run.
+Result<std::vector<std::string>> methodsOf(gpu::Device& device, const CameraOptions& options, size_t faces) {
+  std::vector<std::string> out;
+  for (const std::string& name : methodCandidates()) {
+    if (methodCost(name, faces) > options.choice.most_cost) continue;
+    const auto method = render::makeCameraMethod(device, name);
+    if (method.ok())
+      out.push_back(name);
+    else if (method.error().id != ErrorId::Unsupported)
+      return method.error();
+  }
+  return out;
+}
+
+std::vector<uint8_t> bytesOf(const TrialSums& sums) {
+  ByteWriter out;
+  out.u32(uint32_t(sums.views));
+  out.f64(sums.shift_px);
+  for (const MethodScore& s : sums.scores)
+    for (const double value : {s.psnr_db, s.ssim, s.psnr_fg_db, s.ssim_fg}) out.f64(value);
+  return out.take();
+}
+
+// None if the bytes are not of so many methods.
+std::optional<TrialSums> sumsFrom(std::span<const uint8_t> bytes, const std::vector<std::string>& methods) {
+  ByteReader in(bytes);
+  TrialSums sums;
+  sums.views = in.u32();
+  sums.shift_px = in.f64();
+  for (const std::string& method : methods) {
+    MethodScore& s = sums.scores.emplace_back();
+    s.method = method;
+    for (double* value : {&s.psnr_db, &s.ssim, &s.psnr_fg_db, &s.ssim_fg}) *value = in.f64();
+  }
+  if (!in.ok() || in.remaining() > 0) return std::nullopt;
+  return sums;
+}
+
+std::string keyOf(const Job& job, const Place& place, const std::vector<std::string>& methods) {
+  std::string key = kVersion;
+  for (const std::string& method : methods) key += " " + method;
+  for (const PinholeCamera& camera : job.cameras) key += " " + camera.name;
+  key += " faces " + std::to_string(job.options.cameras.faces) + " colours " +
+         std::to_string(job.options.colour_calibration) + " " + place.sequence->name + " " +
+         std::to_string(place.frame);
+  return key + captureKey(job, *place.sequence);
+}
+
+Result<TrialSums> measure(BakeRun& run, const std::vector<ColourMap>& maps, const Place& place,
+                          const std::vector<std::string>& methods) {
+  const Job& job = run.job;
+  FOURDVT_ASSIGN(const auto reader,
+                 capture::FrameReader::open(job.capture, *place.sequence, run.environment.open_video, place.frame));
+  FOURDVT_ASSIGN(auto captured, reader->next());
+  for (size_t c = 0; c < maps.size(); ++c) applyColours(maps[c], captured.pictures[c]);
+  const TriangleMesh surface = streamedSurface(job, captured);
+  const TrialFrame frame{job.cameras, surface, captured.pictures, job.length_scale};
+  FOURDVT_ASSIGN(const auto drawing, FrameDrawing::create(run.device(), job.cameras, job.length_scale));
+  FOURDVT_TRY(drawing->setFrame(surface, captured.pictures));
+  return tryMethods(run.device(), *drawing, frame, trialCameras(frame), methods);
+}
+
+// Likewise, unless the survey folder has it.
+Result<TrialSums> keptTrial(BakeRun& run, const std::vector<ColourMap>& maps, const Place& place,
+                            const std::vector<std::string>& methods) {
+  const std::string folder = run.job.surveyFolder(), path = keyedPath(folder, "method", keyOf(run.job, place, methods));
+  if (const auto bytes = platform::readFile(path))
+    if (auto kept = sumsFrom(bytes.value(), methods)) return std::move(*kept);
+  FOURDVT_ASSIGN(auto sums, measure(run, maps, place, methods));
+  FOURDVT_TRY(platform::makeFolder(folder));
+  FOURDVT_TRY(platform::writeFileAtomic(path, bytesOf(sums)));
+  return sums;
+}
+
+// What says that nothing was measured, and why.
+std::string notMeasured(const Job& job) {
+  const size_t cameras = job.cameras.size();
+  const std::string why = cameras < 3 ? "leaving one of " + std::to_string(cameras) +
+                                            (cameras == 1 ? " camera" : " cameras") + " out leaves none to blend"
+                                      : "in no frame do cameras on both sides of one that is left out see the surface";
+  return std::string("The method was not measured: ") + why + "; it is " + kUnmeasuredMethod +
+         ", --method NAME sets another.";
+}
+
+// Of a frame as it will be streamed.
+Result<size_t> streamedFaces(const Job& job) {
+  FOURDVT_ASSIGN(const auto first, capture::readSurfaceFrame(job.capture, job.capture.sequences[0], 0));
+  const auto most = size_t(job.options.cameras.faces);
+  const bool constant = job.capture.meshes == capture::CaptureMeshes::ConstantTopology;
+  return constant || most == 0 ? first.faces.size() : std::min(first.faces.size(), most);
+}
+
+Result<TrialSums> tryPlaces(BakeRun& run, const std::vector<ColourMap>& maps, size_t faces, ChosenMethod& out) {
+  const Job& job = run.job;
+  const auto places = placesOf(job);
+  StageProgress progress(run.progress, infoOf(Stage::Method).work_s * double(places.size()));
+  FOURDVT_ASSIGN(const auto methods, methodsOf(run.device(), job.options.cameras, faces));
+  TrialSums all;
+  for (const Place& place : places) {
+    progress.done(double(out.frames) / double(places.size()),
+                  "method " + std::to_string(out.frames) + "/" + std::to_string(places.size()));
+    FOURDVT_TRY(run.checkStop("tried frames", job.surveyFolder()));
+    FOURDVT_ASSIGN(const auto sums, keptTrial(run, maps, place, methods));
+    ++out.frames;
+    add(sums, all);
+  }
+  return all;
+}
+
+}  // namespace
+
+Result<ChosenMethod> chooseBakedMethod(BakeRun& run, const std::vector<ColourMap>& maps) {
+  Job& job = run.job;
+  ChosenMethod out;
+  out.method = job.options.cameras.method;
+  if (!out.method.empty()) return out;
+  StageClock::Span span(run.clock, Stage::Method);
+  FOURDVT_ASSIGN(const size_t faces, streamedFaces(job));
+  TrialSums all;
+  if (job.cameras.size() >= 3) {
+    FOURDVT_ASSIGN(all, tryPlaces(run, maps, faces, out));
+  }
+  out.views = all.views;
+  if (all.views > 0) {
+    out.shift_px = all.shift_px / double(all.views);
+    out.most_cost = job.options.cameras.choice.most_cost;
+    out.choice = chooseMethod(meanScores(all, faces), out.shift_px, job.options.cameras.choice);
+    out.method = out.choice.method;
+  }
+  if (!out.method.empty()) return out;
+  out.method = kUnmeasuredMethod;
+  job.notes.push_back(notMeasured(job));
+  if (run.environment.note) run.environment.note(job.notes.back());
+  return out;
+}
+
+}  // namespace fourdvt::bake

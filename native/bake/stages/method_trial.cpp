@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/stages/method_trial.h"
+
+#include <algorithm>
+#include <deque>
+#include <future>
+
+#include "bake/cameras/camera_choice.h"
+#include "bake/cameras/camera_layout.h"
+#include "bake/method/method_costs.h"
+#include "bake/method/registration.h"
+#include "bake/method/shared_sight.h"
+#include "bake/texels/picture_crop.h"
+#include "measure/picture_score.h"
+#include "render/cameras/camera_method.h"
+
+namespace fourdvt::bake {
+namespace {
+
+constexpr size_t kLeastPixels = 400;  // blended ones of a view
+constexpr size_t kWaiting = 4;        // pictures that are being scored
+constexpr uint8_t kInMatte = 128;
+
+// The mean of factor² pixels each; RGBA with straight alpha.
+Image shrunk(const Image& picture, int factor) {
+  Image out(picture.width / factor, picture.height / factor, 4);
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x) {
+      uint32_t alpha = 0, colour[3] = {};
+      for (int k = 0; k < factor * factor; ++k) {
+        const uint8_t* p = picture.at(factor * x + k % factor, factor * y + k / factor);
+        alpha += p[3];
+        for (int c = 0; c < 3; ++c) colour[c] += uint32_t(p[3]) * p[c];
+      }
+      uint8_t* to = out.at(x, y);
+      for (int c = 0; c < 3; ++c) to[c] = alpha ? uint8_t((colour[c] + alpha / 2) / alpha) : 0;
+      to[3] = uint8_t(alpha / uint32_t(factor * factor));
+    }
+  return out;
+}
+
+Image cropped(const Image& picture, const package::Rect& box) {
+  Image out(box.width, box.height, picture.channels);
+  for (int y = 0; y < box.height; ++y)
+    std::copy_n(picture.at(box.x, box.y + y), size_t(box.width) * size_t(picture.channels), out.at(0, y));
+  return out;
+}
+
+// What a left-out camera is drawn and judged with.
+struct TrialView {
+  size_t camera = 0;
+  PinholeCamera view;
+  package::Rect box;  // of the surface in it: all that is compared
+  Image truth;        // of the box
+  measure::Mask blended;
+};
+
+struct ViewScore {
+  measure::PictureScore picture;
+  RegisteredScore registered;
+};
+
+ViewScore scored(const TrialView& view, const Image& drawn) {
+  const Image shown = cropped(drawn, view.box);
+  return {measure::scorePicture(view.truth, shown),
+          registeredScore(measure::compositedOnBlack(view.truth), measure::compositedOnBlack(shown), view.blended)};
+}
+
+bool hasMatte(const Image& picture) {
+  for (size_t i = 3; i < picture.pixels.size(); i += 4)
+    if (picture.pixels[i] >= kInMatte) return true;
+  return false;
+}
+
+// Without a view where too little is blended.
+std::optional<TrialView> makeView(const TrialFrame& frame, const SharedSight& sight, size_t camera) {
+  TrialView out{camera, frame.cameras[camera], {}, {}, {}};
+  const int longest = std::max(out.view.width, out.view.height),
+            factor = (longest + kMostTrialSide_px - 1) / kMostTrialSide_px;
+  Image truth = frame.pictures[camera];
+  replaceEdgeColours(truth);
+  if (factor > 1) {
+    truth = shrunk(truth, factor);
+    out.view = scaledCamera(out.view, truth.width, truth.height);
+  }
+  out.box = regionOfInterest(out.view, frame.surface.positions);
+  if (out.box.width < measure::kSsimWindow || out.box.height < measure::kSsimWindow) return std::nullopt;
+  out.truth = cropped(truth, out.box);
+  const measure::Mask sees = sight.of(out.view, camera);
+  size_t count = 0;
+  out.blended.assign(size_t(out.box.width) * size_t(out.box.height), 0);
+  for (int y = 0; y < out.box.height; ++y)
+    for (int x = 0; x < out.box.width; ++x) {
+      const bool counts = sees[size_t(out.box.y + y) * size_t(out.view.width) + size_t(out.box.x + x)] &&
+                          out.truth.at(x, y)[3] >= kInMatte;
+      out.blended[size_t(y) * size_t(out.box.width) + size_t(x)] = counts;
+      count += counts;
+    }
+  if (count < kLeastPixels) return std::nullopt;
+  return out;
+}
+
+// Sums up scores that other threads make, in the order of the views.
+class Lane {
+ public:
+  Lane(MethodScore& score, double* shift_px) : score_(score), shift_px_(shift_px) {}
+  void push(const TrialView& view, Image drawn) {
+    if (running_.size() >= kWaiting) collect();
+    running_.push_back(
+        std::async(std::launch::async, [&view, drawn = std::move(drawn)] { return scored(view, drawn); }));
+  }
+  void finish() {
+    while (!running_.empty()) collect();
+  }
+
+ private:
+  void collect() {
+    const ViewScore s = running_.front().get();
+    running_.pop_front();
+    score_.psnr_db += s.registered.psnr_db, score_.ssim += s.registered.ssim;
+    score_.psnr_fg_db += s.picture.psnr_fg_db, score_.ssim_fg += s.picture.ssim_fg;
+    if (shift_px_) *shift_px_ += glm::length(s.registered.shift_px);
+  }
+  MethodScore& score_;
+  double* shift_px_;
+  std::deque<std::future<ViewScore>> running_;
+};
+
+}  // namespace
+
+std::vector<size_t> trialCameras(const TrialFrame& frame) {
+  std::vector<size_t> useful;
+  std::vector<PinholeCamera> cameras;
+  for (size_t c = 0; c < frame.cameras.size(); ++c) {
+    if (regionOfInterest(frame.cameras[c], frame.surface.positions).width == 0 || !hasMatte(frame.pictures[c]))
+      continue;
+    useful.push_back(c);
+    cameras.push_back(frame.cameras[c]);
+  }
+  std::vector<size_t> out;
+  if (useful.size() < 3) return out;
+  for (const size_t c : chooseCameras(cameras, frame.surface.positions, kMostTrialCameras)) out.push_back(useful[c]);
+  return out;
+}
+
+Result<TrialSums> tryMethods(gpu::Device& device, FrameDrawing& drawing, const TrialFrame& frame,
+                             std::span<const size_t> left_out, const std::vector<std::string>& methods,
+                             const render::MethodOptions& options) {
+  TrialSums out;
+  for (const std::string& method : methods) out.scores.push_back({method, 0, 0, 0, 0, 0});
+  std::vector<TrialView> views;
+  {
+    const SharedSight sight(frame.cameras, frame.surface, frame.length_scale);
+    for (const size_t camera : left_out)
+      if (auto view = makeView(frame, sight, camera)) views.push_back(std::move(*view));
+  }
+  out.views = views.size();
+  for (size_t m = 0; m < methods.size() && !views.empty(); ++m) {
+    FOURDVT_ASSIGN(auto method, render::makeCameraMethod(device, methods[m]));
+    drawing.setMethod(std::move(method));
+    Lane lane(out.scores[m], m == 0 ? &out.shift_px : nullptr);
+    for (const TrialView& view : views) {
+      drawing.leaveOut({&view.camera, 1});
+      FOURDVT_ASSIGN(auto picture, drawing.render(view.view, options));
+      lane.push(view, std::move(picture));
+    }
+    lane.finish();
+  }
+  drawing.leaveOut({});
+  return out;
+}
+
+void add(const TrialSums& more, TrialSums& sums) {
+  if (sums.scores.empty()) {
+    sums = more;
+    return;
+  }
+  sums.views += more.views;
+  sums.shift_px += more.shift_px;
+  for (size_t m = 0; m < sums.scores.size(); ++m) {
+    const MethodScore& s = more.scores[m];
+    MethodScore& to = sums.scores[m];
+    to.psnr_db += s.psnr_db, to.ssim += s.ssim, to.psnr_fg_db += s.psnr_fg_db, to.ssim_fg += s.ssim_fg;
+  }
+}
+
+std::vector<MethodScore> meanScores(const TrialSums& sums, size_t faces) {
+  std::vector<MethodScore> out = sums.scores;
+  for (MethodScore& s : out) {
+    for (double* value : {&s.psnr_db, &s.ssim, &s.psnr_fg_db, &s.ssim_fg}) *value /= double(sums.views);
+    s.cost = methodCost(s.method, faces);
+  }
+  return out;
+}
+
+}  // namespace fourdvt::bake
