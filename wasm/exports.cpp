@@ -155,8 +155,7 @@ int32_t fdvt_load(Instance* h, const uint8_t* start, uint32_t size) {
   makeCurrent(h);
   int ok = keep(h, h->player->loadManifest(h->manifest, {start, size}));
   if (ok && h->canvas->method.empty() && h->player->character()->appearance == package::AppearanceKind::Cameras)
-    ok = fdvt_set_method(h, render::kDefaultMethod.data(), uint32_t(render::kDefaultMethod.size()),
-                         h->player->method().closest, abi::Visibility::Offset);
+    ok = fdvt_set_method(h, "", 0, h->player->method().closest, abi::Visibility::Offset);
   h->manifest = {};
   return ok;
 }
@@ -302,6 +301,7 @@ const abi::Character* fdvt_character(Instance* h) {
   out.ground_y_m = c->ground_y_m;
   out.sequences = static_cast<int32_t>(c->sequences.size());
   out.from_cameras = c->appearance == package::AppearanceKind::Cameras;
+  if (out.from_cameras) out.method = text(h->canvas->method);
   out.has_mesh = h->player->hasMesh();
   out.name = text(c->name);
   out.poster_uri = text(c->poster_uri);

@@ -41,10 +41,16 @@ Result<std::unique_ptr<render::FlowSource>> makeFlow(gpu::Device& device, abi::A
   return render::createGpuFlow(device, options);
 }
 
-Result<std::unique_ptr<render::Method>> makeMethod(gpu::Device& device, std::string_view name) {
-  FOURDVT_ASSIGN(auto made, render::makeMethodThatServes(device, name));
-  if (!made.notice.empty()) fdvt_tell_fallback(std::string(name).c_str(), made.name.c_str(), made.notice.c_str());
-  return std::move(made.method);
+Status useMethod(Canvas& canvas, std::string_view name, const package::Character& character) {
+  const std::string wanted(name.empty() ? character.method.name : name);
+  const std::string known = name.empty() ? render::methodOf(character) : wanted;
+  if (canvas.method == known) return {};
+  FOURDVT_ASSIGN(auto made, name.empty() ? render::makeMethodOf(*canvas.device, character)
+                                         : render::makeMethodThatServes(*canvas.device, name));
+  if (!made.notice.empty()) fdvt_tell_fallback(wanted.c_str(), made.name.c_str(), made.notice.c_str());
+  canvas.recipe->setMethod(std::move(made.method));
+  canvas.method = known;
+  return {};
 }
 
 }  // namespace fourdvt

@@ -54,14 +54,10 @@ void fdvt_set_quality(Instance* h, int32_t rendition, uint32_t most_texels) {
 
 int32_t fdvt_set_method(Instance* h, const char* name, uint32_t size, int32_t closest, abi::Visibility visibility) {
   if (closest < 0) return fail(h, ErrorId::InvalidArgument, "closest must be 0 (all cameras) or more");
+  const package::Character* character = h->player->character();
+  if (!character) return fail(h, ErrorId::InvalidArgument, "there is no character yet");
   makeCurrent(h);
-  Canvas& canvas = *h->canvas;
-  if (canvas.method != std::string_view(name, size)) {
-    auto method = makeMethod(*canvas.device, {name, size});
-    if (!method.ok()) return keep(h, method.error());
-    canvas.recipe->setMethod(method.take());
-    canvas.method.assign(name, size);
-  }
+  if (!keep(h, useMethod(*h->canvas, {name, size}, *character))) return 0;
   h->player->setMethod({.closest = closest, .visibility = static_cast<render::Visibility>(visibility)});
   return 1;
 }

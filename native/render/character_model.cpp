@@ -116,6 +116,7 @@ CharacterModel CharacterModel::emptyModel(const package::Character& character) {
   model.bounds = model.frame_bounds = character.bounds;
   model.ground_y_m = character.ground_y_m;
   model.length_scale = static_cast<float>(character.length_scale);
+  model.sweep_band_m = static_cast<float>(character.method.sweep_band_m);
   for (const PinholeCamera& camera : character.cameras)
     model.camera_centres.emplace_back(glm::vec3(camera.centreInWorld()), 0);
   return model;

@@ -68,6 +68,7 @@ class CharacterModel {
   BoundingBox bounds;
   double ground_y_m = 0;
   float length_scale = 1;        // of all lengths that are said to suit a person (package::Character)
+  float sweep_band_m = 0;        // package::DrawingMethod's; above 0 it takes the place of SweepOptions::band_m
   BoundingBox frame_bounds;      // of the positions shown
   uint64_t geometry_serial = 0;  // 0: none yet; unique over all models and calls of setPositions
   uint64_t topology_serial = 0;  // likewise, of setTopology

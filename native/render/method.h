@@ -15,8 +15,8 @@
 
 namespace fourdvt::render {
 
-// The name of the method of a character from cameras that nothing was said about: what `fourdvt-lab methods`
-// says to take (ALGORITHMS 14.4).
+// The name of the method of a character from cameras whose manifest names none: what `fourdvt-lab methods` says to
+// take (ALGORITHMS 14.4).
 inline constexpr std::string_view kDefaultMethod = "sweep";
 
 // Where one camera's picture lies in a decoded one.
@@ -54,8 +54,10 @@ struct FloatingOptions {
 };
 
 struct SweepOptions {
-  int planes = 12;        // depths tried at each pixel; a multiple of 4, at most 32
-  float band_m = 0.032f;  // behind the surface of a person (CharacterModel::length_scale); before it less (sweep.h)
+  int planes = 12;  // depths tried at each pixel; a multiple of 4, at most 32
+  // Behind the surface of a person (CharacterModel::length_scale), unless the character has its own; before it less
+  // (sweep.h).
+  float band_m = 0.032f;
 };
 
 struct MontageOptions {

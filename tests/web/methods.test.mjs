@@ -115,6 +115,48 @@ test('native and browser agree by every method', async () => {
   await page.close();
 });
 
+/** Opens the refined hull with this method in its manifest; none: without. Notes fallbacks. */
+const openWithMethod = (method) => openRefined(async (page) => {
+  await page.route('**/cameras/refined/character.gltf', async (route) => {
+    const response = await route.fetch(), gltf = await response.json();
+    const { FOURDVT_layered_video_texture: extension } = gltf.extensions;
+    if (method) extension.method = method;
+    else delete extension.method;
+    await route.fulfill({ response, json: gltf });
+  });
+  await page.addInitScript(() => {
+    globalThis.fallbacks = [];
+    addEventListener('methodfallback', (e) => globalThis.fallbacks.push(e.detail), true);
+  });
+});
+
+test('the method of the manifest is drawn unless the page names another, and one that is not known is replaced', async () => {
+  const asItIs = async (method) => {
+    const { page, outcome } = await openWithMethod(method);
+    assert.equal(outcome, 'canplay');
+    await showPose(page, kPose);
+    return { page, name: await page.$eval('fourdvt-viewer', (viewer) => viewer.method), picture: await readCanvas(page) };
+  };
+  const own = await asItIs({ name: 'fvvr' });
+  assert.equal(own.name, 'fvvr');
+  const [fvvr, sweep] = [await show(own.page, 'fvvr'), await show(own.page, 'sweep')];
+  assert.deepEqual(own.picture.data, fvvr.data);
+  assert.notDeepEqual(own.picture.data, sweep.data);
+  assert.equal(await own.page.$eval('fourdvt-viewer', (viewer) => viewer.method), 'sweep');
+  assert.deepEqual((await show(own.page, '')).data, fvvr.data, 'the page names none any more');
+  assert.deepEqual(await own.page.evaluate(() => globalThis.fallbacks), []);
+  await own.page.close();
+  for (const method of [undefined, { name: 'of-tomorrow' }, { name: 'sweep', sweepBand: 0.032 }]) {
+    const { page, name, picture } = await asItIs(method);
+    assert.equal(name, 'sweep', JSON.stringify(method));
+    assert.deepEqual(picture.data, sweep.data, JSON.stringify(method));
+    const fallbacks = await page.evaluate(() => globalThis.fallbacks.map(({ wanted, drawn }) => [wanted, drawn]));
+    assert.deepEqual(fallbacks, method?.name === 'of-tomorrow' ? [['of-tomorrow', 'sweep']] : []);
+    assert.deepEqual(page.troubles, []);
+    await page.close();
+  }
+});
+
 test('a device without half-float targets shows the lumigraph and says so', async () => {
   const { page, outcome } = await openRefined((p) => p.addInitScript(() => {
     const isFloat = (name) => /color_buffer_(half_)?float$/i.test(name);

@@ -36,8 +36,8 @@ export interface Performer {
   run(action: (player: WasmPlayer) => void): boolean;
 }
 
-/** As render::MethodOptions begins. */
-export const DEFAULT_METHOD: Method = { name: 'sweep', closest: 4, visibility: 'offset' };
+/** As render::MethodOptions begins; no name: the character's own. */
+export const DEFAULT_METHOD: Method = { name: '', closest: 4, visibility: 'offset' };
 // What a player does that has just read its manifest: these wishes need not be told to it.
 const NEW_PLAYER: Wishes = {
   loop: -1, rate: 1, placement: { x: 0, z: 0, heading: 0 }, travel: false, align: 'baked',

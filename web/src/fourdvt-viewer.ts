@@ -209,8 +209,8 @@ export class FourdvtViewer extends HTMLElement {
   /** 'auto', 'highest', or a rendition's number, 0 for the lowest. */
   get quality(): string { return this.getAttribute('quality') || 'auto'; }
   set quality(value: string) { this.setAttribute('quality', value); }
-  /** How a character from cameras is drawn; web/README.md lists the methods. */
-  get method(): string { return methodOf(this).name; }
+  /** How a character from cameras is drawn, once it is loaded; web/README.md lists the methods. */
+  get method(): string { return methodOf(this).name || this.#session?.character?.method || ''; }
   set method(name: string) { this.setAttribute('method', name); }
   /** Meshes that the characters stand among; web/README.md says what they consist of. */
   get scene(): SceneMesh[] { return this.#commands.wishes.scene ?? []; }

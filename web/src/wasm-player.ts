@@ -51,6 +51,7 @@ export interface SceneMesh {
 
 /** How a character from cameras is drawn. */
 export interface Method {
+  /** Empty: as the character says. */
   name: string;
   /** From how many cameras, the nearest to the view; 0: as many as can be. */
   closest: number;
@@ -67,6 +68,8 @@ export interface CharacterInfo {
   name: string;
   /** Textured from the cameras' own pictures, not from layers. */
   fromCameras: boolean;
+  /** The method that it is drawn by unless the page names one; empty if it is drawn from layers. */
+  method: string;
   /** False: a fetch brings the base mesh, which the second part of the player decodes. */
   hasMesh: boolean;
   posterUri: string;

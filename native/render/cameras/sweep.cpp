@@ -36,7 +36,8 @@ void runPass(gpu::Device& device, gpu::Draw& draw, gpu::TargetId target, const c
 
 Status Sweep::prepare(gpu::Device& device, size_t number, const CharacterModel& model, const CameraLook& look,
                       const CharacterView& view, const MethodOptions& options) {
-  const SweepOptions& sweep = options.sweep;
+  SweepOptions sweep = options.sweep;
+  if (model.sweep_band_m > 0) sweep.band_m = model.sweep_band_m;
   if (sweep.planes < kPlanesPerBlock || sweep.planes > kMostPlanes || sweep.planes % kPlanesPerBlock ||
       !(sweep.band_m > 0))
     return Error{ErrorId::InvalidArgument, "a sweep has 4 to 32 planes, in steps of 4, and a band"};
