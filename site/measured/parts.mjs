@@ -54,7 +54,7 @@ export const parts = {
   },
   methods: {
     what: 'methods of texturing from cameras', runs: [],
-    inputs: [...kBuild, ...kSample, ...kJudged, ...kSurfaces, ...kStudy, ...kStudio, 'tests/bench/methods.mjs', 'tests/bench/kept.mjs', 'site/cameras.sh',
+    inputs: [...kBuild, ...kSample, ...kJudged, ...kSurfaces, ...kStudy, ...kStudio, 'tests/bench/methods.mjs', 'tests/bench/method_choice.mjs', 'tests/bench/kept.mjs', 'site/cameras.sh',
       'site/measured/parts/methods.sh'],
     targets: ['fourdvt_study_projective', 'fourdvt_bake', 'fourdvt_reconstruct_run'],
   },

@@ -14,10 +14,11 @@ import { join } from 'node:path';
 
 import { mean, settingOf, standardError } from '../../site/measured/sources.mjs';
 import { characterScores, kept, rounded, run, writeRows } from './kept.mjs';
+import { chosenRows } from './method_choice.mjs';
 
 const [lab, capture, out, sequences = 'run,pickup', frames = '2', axisFrames = '1', characters] = process.argv.slice(2);
 const kTunedOn = 'walk', kBaseline = 'linear';
-const kSteps = 'about,proxies,cameras,calibration,cross-validation,stages';  // the report's pictures are left out
+const kSteps = 'about,proxies,cameras,calibration,cross-validation,choice,stages';  // the report's pictures are left out
 if (!out) {
   console.error('usage: methods.mjs FOURDVT_LAB CAPTURE OUT [SEQUENCES [FRAMES [AXIS_FRAMES [CHARACTERS]]]]');
   process.exit(2);
@@ -92,4 +93,4 @@ const streamed = methods.flatMap((method) => names.map((character) => ({
 })));
 
 const facts = Object.fromEntries(all.filter((row) => row.table === 'about').map((row) => [row.quantity, row.keys.get('text')]));
-writeRows(out, facts, [...places.map(conditionRow), ...choices, ...promises, ...crossRows, ...passes, ...streamed]);
+writeRows(out, facts, [...places.map(conditionRow), ...chosenRows(all), ...choices, ...promises, ...crossRows, ...passes, ...streamed]);

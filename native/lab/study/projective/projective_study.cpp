@@ -88,6 +88,7 @@ Result<Rows> runProjectiveStudy(const StudyContext& given) {
                                      {"cameras", 12, runCameraConditions},
                                      {"calibration", 30, runCalibrationConditions},
                                      {"cross-validation", 12, runCrossValidation},
+                                     {"choice", 15, runChoice},
                                      {"stages", 3, runMethodStages},
                                      {"pictures", 12, runMethodPictures}};
   FOURDVT_ASSIGN(const auto steps, askedSteps(kSteps, context.options.steps));

@@ -16,6 +16,7 @@ Result<Rows> runProxyConditions(const StudyContext& context);
 Result<Rows> runCameraConditions(const StudyContext& context);
 Result<Rows> runCalibrationConditions(const StudyContext& context);
 Result<Rows> runCrossValidation(const StudyContext& context);  // M4D Table 2
+Result<Rows> runChoice(const StudyContext& context);           // what the bake would choose
 Result<Rows> runMethodStages(const StudyContext& context);     // M4D Table 3
 Result<Rows> runMethodPictures(const StudyContext& context);   // FT Fig. 8, worst views
 

@@ -20,6 +20,10 @@
 //                                                           the paper can be read. kRmse, kPsnrFgDb, kSsimFg
 // stage       likewise        proxy=P pass=LABEL (last)     M4D Table 3: kFrameMs of one pass, or "upload"
 // pictures    method, empty   file=NAME.jpg [axis= at=]     any; the quantity is a caption key (kPicture…)
+// tried       candidates      as condition                  what the bake chooses by, at input cameras that are left
+//                                                           out: kBlendedDb, kBlendedSsim, kPsnrFgDb, kSsimFg,
+//                                                           kStatedCost; kTaken: the one that it takes; without a
+//                                                           method: kShiftPx
 // choice      one of methods  proxy=P                       kTaken: this one is to be taken (tables/projective.h)
 //                             proxy=P text=WHY              kRefused: against which rule it is
 // promise     empty           text=CLAIM: MEASURED; WHY     the papers' promises: kHolds, kFails, kNotMeasured
@@ -36,6 +40,7 @@ inline constexpr const char* kCondition = "condition";
 inline constexpr const char* kConditionView = "view";
 inline constexpr const char* kCross = "cross";
 inline constexpr const char* kStage = "stage";
+inline constexpr const char* kTried = "tried";
 inline constexpr const char* kChoice = "choice";
 inline constexpr const char* kPromise = "promise";
 
@@ -71,6 +76,10 @@ inline constexpr const char* kShiftTolerantDb = "shift_tolerant_db";
 inline constexpr const char* kFlickerLevels = "flicker_levels";
 inline constexpr const char* kFrameS = "frame_s";
 inline constexpr const char* kViewS = "view_s";
+inline constexpr const char* kBlendedDb = "blended_psnr_db";
+inline constexpr const char* kBlendedSsim = "blended_ssim";
+inline constexpr const char* kStatedCost = "stated_cost";
+inline constexpr const char* kShiftPx = "shift_px";
 inline constexpr const char* kTaken = "taken";
 inline constexpr const char* kRefused = "refused";
 inline constexpr const char* kHolds = "holds";

@@ -176,6 +176,34 @@ void fillCross(Section& section, const StudyValues& v) {
   }
 }
 
+void fillTried(Section& section, const StudyValues& v) {
+  const std::vector<std::string> methods = v.methods(kTried);
+  Table table{"", "", {"condition", "pixels off", "taken"}, {}};
+  for (const std::string& method : methods)
+    if (!method.empty()) table.columns.push_back(methodTitle(method) + ", dB / SSIM");
+  std::vector<std::string> settings;
+  for (const Row& row : v.rows())
+    if (row.table == kTried && std::find(settings.begin(), settings.end(), row.setting) == settings.end())
+      settings.push_back(row.setting);
+  for (const std::string& setting : settings) {
+    std::vector<std::string> cells{settingText(setting, "axis") + " " + settingText(setting, "at"), "–", ""};
+    for (const Row& row : v.rows()) {
+      if (row.table != kTried || row.setting != setting) continue;
+      if (row.quantity == kShiftPx) cells[1] = fixedText(row.value, 1);
+      if (row.quantity == kTaken) cells[2] = methodTitle(row.method);
+    }
+    for (const std::string& method : methods) {
+      if (method.empty()) continue;
+      const double db = v.of(kTried, "", method, setting, kBlendedDb);
+      cells.push_back(std::isnan(db)
+                          ? "–"
+                          : fixedText(db, 2) + " / " + fixedText(v.of(kTried, "", method, setting, kBlendedSsim), 3));
+    }
+    table.rows.push_back(std::move(cells));
+  }
+  if (!table.rows.empty()) section.tables.push_back(std::move(table));
+}
+
 void fillStages(Section& section, const StudyValues& v) {
   const Cells methods = methodsOf(v, kStage);
   Cells passes;
@@ -237,6 +265,13 @@ const SectionPlan kMethodsSections[] = {
      "frames on this machine, with reading back.",
      fillCross,
      {kPictureCross}},
+    {"tried",
+     "What the bake chooses",
+     "Input cameras that are left out, where the others share the surface, with the drawn picture moved to where it "
+     "fits "
+     "best; and how far that is. Methods that cost more than 2.5 of FVVR's frames are not tried.",
+     fillTried,
+     {}},
     {"stages",
      "Montage4D Table 3",
      "Passes timed apart, with the GPU drained after each, so that they add up to more than an undisturbed frame. "
