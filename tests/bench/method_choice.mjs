@@ -40,7 +40,8 @@ function main() {
   const rows = [...data.rows.filter((row) => row.table !== 'chosen'), ...chosen];
   for (const row of chosenAgainstTruth(rows)) console.log(Object.values(row).join('  '));
   console.log(regretSummary(chosenAgainstTruth(rows)));
-  if (json) writeFileSync(json, text.replace(/"rows": \[[\s\S]*\n ?\]/, `"rows": [\n${rows.map((row) => `  ${JSON.stringify(row)}`).join(',\n')}\n ]`));
+  data.facts['what the bake chooses'] = `measured on ${new Date().toISOString().slice(0, 10)}, test frames of each motion: ${frames}`;
+  if (json) writeFileSync(json, text.replace(/"facts": .*/, `"facts": ${JSON.stringify(data.facts)},`).replace(/"rows": \[[\s\S]*\n ?\]/, `"rows": [\n${rows.map((row) => `  ${JSON.stringify(row)}`).join(',\n')}\n ]`));
 }
 
 if (import.meta.url === pathToFileURL(process.argv[1]).href) main();
