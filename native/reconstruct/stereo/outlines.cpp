@@ -18,7 +18,7 @@ constexpr float kHullShare = 0.1f;  // how much a place deeper in the hull is pr
 constexpr float kMore = 1.3f;       // times what is missing is given: voxels beside the place get less of it
 constexpr float kLess = 0.02f;      // voxels: what is missing by less counts as there
 
-// What a ray misses: the distance at a place is to rise by so much.
+// Gap of a ray: the distance at a place is to rise by so much.
 struct Gap {
   glm::dvec3 at{0};
   float missing_m = 0;
@@ -152,7 +152,7 @@ class Outlines {
     return hit;
   }
 
-  // What the ray misses at the place where the least was taken of what it needs of the hull; 0: nothing.
+  // Missing depth of the ray at the place where the least was taken of what it needs of the hull; 0: nothing.
   Gap gapOf(const Ray& ray) const {
     struct Place {
       double depth;

@@ -61,7 +61,7 @@ class StereoRefiner {
   // The next frame follows no other: a cut.
   virtual void forget() = 0;
   virtual const StereoTimes& times() const = 0;  // of the last frame
-  // Of the last frame, per camera: the share of its picture of the hull in which its depths are believed.
+  // Last frame, per camera: the share of its picture of the hull in which its depths are believed.
   virtual const std::vector<double>& believed() const = 0;
 };
 

@@ -5,15 +5,17 @@
 #include <cmath>
 #include <cstdio>
 
+#include "capture/pictures.h"
 #include "refine/outline_picture.h"
 #include "refine/robust.h"
 
 namespace fourdvt::refine {
 namespace {
 
-constexpr uint32_t kMostFrames = 48;  // of a sequence
-constexpr size_t kMostClips = 4;      // sequences that cameras are placed by
-constexpr int kRounds = 3;            // times, cameras, times …
+constexpr uint32_t kMostFrames = 48, kFewestFrames = 8;  // of a sequence
+constexpr uint32_t kMostKeyedFrames = 16;                // where mattes have to be made for them
+constexpr size_t kMostClips = 4;                         // sequences that cameras are placed by
+constexpr int kRounds = 3;                               // times, cameras, times …
 // A time changes from so many frames on, if that is more than three standard deviations.
 constexpr double kLeastFrames = 0.1, kDeviations = 3;
 // Times and poses are taken if silhouettes stick out by less than this share of before, and by more than the mattes'
@@ -26,6 +28,14 @@ constexpr float kDrawnReachPixels = 30;
 constexpr double kCulprit = 0.5;  // without that camera, the others stick out by less than this share of before
 
 Error interrupted() { return {ErrorId::Interrupted, "stopped; nothing was saved, run the same command again"}; }
+
+// Mattes of some camera have to be made.
+bool keyed(const capture::Capture& capture) {
+  for (const capture::CaptureSequence& sequence : capture.sequences)
+    for (const capture::CaptureCamera& camera : capture.cameras)
+      if (!capture::findPictures(sequence.folder, capture::matteStem(camera.pinhole.name))) return true;
+  return false;
+}
 
 class Calibrator {
  public:
@@ -40,12 +50,11 @@ class Calibrator {
     FOURDVT_TRY(read(open_video));
     const auto before = stickOut(timed(), now_, {});
     for (int round = 0; round < kRounds; ++round) {
-      const bool later = options_.times && fitAllTimes(round);
+      if (options_.times) fitAllTimes(round);
       if (!go_on("cameras", 0.5 + 0.1 * round)) return interrupted();
       const bool moved = options_.cameras && fitCameras();
       if (stopped_) return interrupted();
-      if (!(moved && options_.times) && !(later && round == 0 && options_.cameras)) break;
-      if (!moved) break;
+      if (!moved || !options_.times) break;
     }
     findUnexplained();
     if (stopped_) return interrupted();
@@ -63,7 +72,8 @@ class Calibrator {
   Status read(const OpenVideo& open_video) {
     const size_t sequences =
         std::min(capture_.sequences.size(), options_.times ? capture_.sequences.size() : kMostClips);
-    const auto frames = uint32_t(std::max<size_t>(8, 2 * kMostFrames / (1 + sequences)));
+    const uint32_t most = keyed(capture_) ? kMostKeyedFrames : kMostFrames;
+    const auto frames = uint32_t(std::max<size_t>(kFewestFrames, 2 * most / (1 + sequences)));
     for (size_t s = 0; s < sequences; ++s) {
       const capture::CaptureSequence& sequence = capture_.sequences[s];
       FOURDVT_ASSIGN(auto clip,
@@ -88,12 +98,10 @@ class Calibrator {
     return out;
   }
 
-  // Whether any time changed.
-  bool fitAllTimes(int round) {
-    bool changed = false;
+  void fitAllTimes(int round) {
     for (size_t s = 0; s < clips_.size(); ++s) {
       const double share = double(s) / double(clips_.size());
-      if (!go_on("times of " + capture_.sequences[s].name, 0.3 + 0.2 * share)) return false;
+      if (!go_on("times of " + capture_.sequences[s].name, 0.3 + 0.2 * share)) return;
       times_[s] = fitTimes(clips_[s], {now_, offsets_[s], ignored_}, {round == 0 ? options_.most_frames : 0});
       std::vector<double> offsets(given_.size(), 0.0);
       for (size_t c = 0; c < given_.size(); ++c) {
@@ -103,10 +111,8 @@ class Calibrator {
         if (clear) offsets[c] = time.offset_frames;
       }
       if (!explainsMore(clips_[s], offsets)) std::fill(offsets.begin(), offsets.end(), 0.0);
-      for (size_t c = 0; c < given_.size(); ++c) changed |= std::abs(offsets[c] - offsets_[s][c]) > 0.01;
       offsets_[s] = std::move(offsets);
     }
-    return changed;
   }
 
   // Mean over all points of all cameras, pixels of the reduced pictures.
@@ -117,14 +123,14 @@ class Calibrator {
     return points > 0 ? sum / points : 0;
   }
 
-  // Whether silhouettes stick out clearly less with these times than with the given ones. Where they hardly do in the
+  // True if silhouettes stick out clearly less with these times than with the given ones. Where they hardly do in the
   // first place, as with few cameras, the hull's slack is all that a fit sees.
   bool explainsMore(const SilhouetteClip& clip, const std::vector<double>& offset_frames) const {
     const double given = outside({{&clip, std::vector<double>(offset_frames.size(), 0.0)}}, now_);
     return given > kConsistentPixels && outside({{&clip, offset_frames}}, now_) < kClearGain * given;
   }
 
-  // Whether any camera turned. Changes are kept on the same terms.
+  // Returns true if a camera turned. Changes are kept on the same terms.
   bool fitCameras() {
     const double given = outside(timed(), given_);
     now_ = given_;
@@ -144,7 +150,7 @@ class Calibrator {
     return moved;
   }
 
-  // Of the rigs that fit as well, the one that turns fewest cameras.
+  // Takes the rig that turns fewest cameras, among those that fit as well.
   void keepAsGiven(std::vector<PinholeCamera>& cameras) {
     const SilhouetteClip& clip = clips_.front();
     const double instant = double(clip.frames() / 2);
