@@ -154,12 +154,13 @@ double meanMotion_m(const PinholeCamera& camera, const TriangleMesh& a, const Tr
   return sum / double(count);
 }
 
-double areaOf(const TriangleMesh& mesh) {
+// Of the faces whose first corner lies in a region, square metres.
+double areaOf(const TriangleMesh& mesh, const std::function<bool(const dvec3&)>& inside) {
   double sum = 0;
-  for (const glm::uvec3& f : mesh.faces)
-    sum +=
-        glm::length(glm::cross(mesh.positions[f.y] - mesh.positions[f.x], mesh.positions[f.z] - mesh.positions[f.x])) /
-        2;
+  for (const glm::uvec3& f : mesh.faces) {
+    const dvec3 a(mesh.positions[f.x]), b(mesh.positions[f.y]), c(mesh.positions[f.z]);
+    if (inside(a)) sum += glm::length(glm::cross(b - a, c - a)) / 2;
+  }
   return sum;
 }
 
@@ -182,7 +183,8 @@ TEST_F(StereoTest, FindsTheBowlThatTheHullFills) {
 }
 
 TEST_F(StereoTest, HullStaysWithoutTexture) {
-  const std::vector<Image> seen = pictures(bowlInBall, [](size_t, const dvec3&) { return dvec3(160, 120, 80); });
+  std::vector<Image> seen = pictures(bowlInBall, [](size_t, const dvec3&) { return dvec3(160, 120, 80); });
+  addNoise(seen, 5);
   const Hull hull = hullOf(seen);
   const auto stereo = refiner();
   const TriangleMesh mesh = refined(*stereo, hull, seen);
@@ -191,24 +193,27 @@ TEST_F(StereoTest, HullStaysWithoutTexture) {
   for (const double believed : stereo->believed()) EXPECT_LT(believed, 0.01);
 }
 
-// A plate that all cameras see within 15 degrees of edge-on, its two sides full of contrast: the hull is a lens round
-// it. Stereo must not make holes in it nor noise; the silhouettes stay.
+// A drum whose top all cameras see within 8 degrees of edge-on, full of contrast: patches there are squeezed to a
+// seventh. It must end in the hull, which is right there, without holes or noise.
 TEST_F(StereoTest, GrazingCamerasEndInTheHull) {
+  const double up = glm::radians(8.0);
   for (size_t k = 0; k < cameras.size(); ++k) {
-    const double angle = glm::radians(45.0 * double(k)), up = glm::radians(k % 2 ? 12.0 : -12.0);
+    const double round = glm::radians(45.0 * double(k));
     cameras[k] =
-        lookAt(kDistance_m * dvec3(std::sin(angle) * std::cos(up), std::sin(up), std::cos(angle) * std::cos(up)),
+        lookAt(kDistance_m * dvec3(std::sin(round) * std::cos(up), std::sin(up), std::cos(round) * std::cos(up)),
                {0, 0, 0}, kSide, kSide, kFocal);
   }
-  const Shape plate = [](const dvec3& p) {
-    const glm::dvec2 d(std::hypot(p.x, p.z) - 0.25, std::abs(p.y) - 0.01);
+  const Shape drum = [](const dvec3& p) {
+    const glm::dvec2 d(std::hypot(p.x, p.z) - 0.25, std::abs(p.y) - 0.15);
     return glm::length(glm::max(d, glm::dvec2(0))) + std::min(std::max(d.x, d.y), 0.0);
   };
-  std::vector<Image> seen = pictures(plate, kTextured);
+  std::vector<Image> seen = pictures(drum, kTextured);
   addNoise(seen, 3);
   const Hull hull = hullOf(seen);
   const TriangleMesh mesh = refined(*refiner(), hull, seen);
-  // No holes: whatever camera's ray meets the hull still meets the surface, up to the outlines' rims.
+  const auto onTop = [](const dvec3& p) { return p.y > 0.1 && std::hypot(p.x, p.z) < 0.22; };
+  EXPECT_LT(meanError_m(mesh, drum, onTop), meanError_m(hull.mesh, drum, onTop) + 0.0005);
+  EXPECT_LT(areaOf(mesh, onTop), 1.01 * areaOf(hull.mesh, onTop));
   for (const PinholeCamera& camera : cameras) {
     const auto before = rasterise(camera, hull.mesh.faces, hull.mesh.positions, 1),
                after = rasterise(camera, mesh.faces, mesh.positions, 1);
@@ -216,12 +221,8 @@ TEST_F(StereoTest, GrazingCamerasEndInTheHull) {
     for (size_t i = 0; i < before.face.size(); ++i)
       if (before.face[i] != FaceBuffer::kNoFace) ++hit, lost += after.face[i] == FaceBuffer::kNoFace;
     ASSERT_GT(hit, 1000u);
-    EXPECT_LT(double(lost), 0.01 * double(hit));
+    EXPECT_LT(double(lost), 0.005 * double(hit));
   }
-  // No noise: no further from the plate than the hull is, and one piece.
-  EXPECT_LT(meanError_m(mesh, plate, kEverywhere), meanError_m(hull.mesh, plate, kEverywhere) + 0.0005);
-  const double area = areaOf(mesh), hull_area = areaOf(hull.mesh);
-  EXPECT_LT(area, 1.03 * hull_area);
 }
 
 // Each camera sees the performer in one colour and its neighbours' backdrops in the same one: what lies beside the

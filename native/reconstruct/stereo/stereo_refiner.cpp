@@ -17,12 +17,13 @@ namespace fourdvt::reconstruct {
 namespace {
 
 constexpr double kSameAngle_deg = 1e-6;
+constexpr float kBelieved = 0.05f;  // weight of a depth: five such are too few to move the surface
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 double believedShare(const DepthMap& map) {
   size_t hull = 0, believed = 0;
-  for (size_t i = 0; i < map.front_m.size(); ++i) hull += map.front_m[i] > 0, believed += map.weight[i] > 0;
+  for (size_t i = 0; i < map.front_m.size(); ++i) hull += map.front_m[i] > 0, believed += map.weight[i] >= kBelieved;
   return hull ? double(believed) / double(hull) : 0;
 }
 
