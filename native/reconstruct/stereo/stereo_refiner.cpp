@@ -147,8 +147,10 @@ Result<TriangleMesh> Refiner::refine(const SparseDistance& hull_distance, const 
   keepOutlines(open_hull, views, options_.outlines, fused);
   compact(fused);
   lap(times_.outlines);
+  std::vector<const Silhouette*> silhouettes;
+  for (const CarvingView& view : views) silhouettes.push_back(view.silhouette);
   TriangleMesh mesh = solidSurface(fused, options_.adaptivity, [&](TriangleMesh& made) {
-    dropSpecks(made, kSpeckVoxels * std::pow(fused.voxel_m, 3));
+    dropNeedless(made, silhouettes, kSpeckVoxels * std::pow(fused.voxel_m, 3));
     dropHollows(made);
   });
   lap(times_.mesh);
