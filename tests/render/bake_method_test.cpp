@@ -59,7 +59,7 @@ class MethodTrial : public GlFixture {
     return sums.ok() ? sums.take() : bake::TrialSums{};
   }
   std::string chosen(const bake::TrialSums& sums) const {
-    return bake::chooseMethod(bake::meanScores(sums, surface_.faces.size()), sums.shift_px / double(sums.views)).method;
+    return bake::chooseMethod(bake::meanScores(sums, surface_.faces.size()), bake::meanViews(sums)).method;
   }
   // Every camera turned by its own few pixels.
   std::vector<PinholeCamera> turned(double pixels) const {

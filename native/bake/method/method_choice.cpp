@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bake/method/method_choice.h"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "bake/method/method_costs.h"
@@ -9,6 +10,7 @@ namespace fourdvt::bake {
 namespace {
 
 constexpr const char* kLinear = "linear";
+constexpr double kSmallGap_deg = 30;
 
 std::string text(const char* format, double value) {
   char out[64];
@@ -24,41 +26,40 @@ std::string ChoiceRule::check() const {
   return "";
 }
 
-MethodChoice chooseMethod(const std::vector<MethodScore>& scores, double shift_px, const ChoiceRule& rule) {
+MethodChoice chooseMethod(const std::vector<MethodScore>& scores, const LeftOut& views, const ChoiceRule& rule) {
   MethodChoice out;
-  const MethodScore* linear = nullptr;
-  for (const MethodScore& s : scores)
-    if (s.method == kLinear) linear = &s;
-  std::vector<const MethodScore*> left;
+  const double shift_px = views.shift_px;
   for (const MethodScore& s : scores) {
-    std::string verdict;
-    if (s.cost > rule.most_cost)
-      verdict = text("costs %.1f × FVVR's frame", s.cost);
-    else if (shift_px > rule.most_shift_px && trustsCalibration(s.method))
-      verdict = text("the cameras' pictures lie %.1f pixels off", shift_px);
-    else if (linear && s.psnr_db < linear->psnr_db - rule.below_linear_db)
-      verdict = text("%.2f dB below linear", linear->psnr_db - s.psnr_db);
-    else
-      left.push_back(&s);
-    out.verdicts.push_back({s, verdict});
+    double judged_db = s.psnr_db;
+    if (trustsCalibration(s.method))
+      judged_db += rule.search_db * std::clamp((views.gap_deg - kSmallGap_deg) / kSmallGap_deg, 0.0, 1.0);
+    if (s.method == kLinear) judged_db -= rule.blend_db_per_px * shift_px;
+    out.verdicts.push_back({s, judged_db, ""});
   }
-  if (left.empty()) return out;
-  const MethodScore* best = left.front();
-  for (const MethodScore* s : left)
-    if (s->psnr_db > best->psnr_db) best = s;
-  const MethodScore* taken = nullptr;
-  for (const MethodScore* s : left) {
-    const bool equal = s->psnr_db >= best->psnr_db - rule.tie_db && s->ssim >= best->ssim - rule.tie_ssim;
-    if (equal && (!taken || s->cost < taken->cost)) taken = s;
-  }
-  out.method = taken->method;
+  const auto linear = std::find_if(out.verdicts.begin(), out.verdicts.end(),
+                                   [](const MethodVerdict& v) { return v.score.method == kLinear; });
+  MethodVerdict* best = nullptr;
   for (MethodVerdict& v : out.verdicts) {
-    if (!v.verdict.empty()) continue;
-    if (v.score.method == taken->method)
-      v.verdict = taken == best ? "taken" : "taken: as good as " + best->method + " and no dearer";
-    else
-      v.verdict = text("%.2f dB below the best", best->psnr_db - v.score.psnr_db);
+    if (v.score.cost > rule.most_cost)
+      v.verdict = text("costs %.1f × FVVR's frame", v.score.cost);
+    else if (shift_px > rule.most_shift_px && trustsCalibration(v.score.method))
+      v.verdict = text("the cameras' pictures lie %.1f pixels off", shift_px);
+    else if (linear != out.verdicts.end() && v.judged_db < linear->judged_db - rule.below_linear_db)
+      v.verdict = text("%.2f dB below linear", linear->judged_db - v.judged_db);
+    else if (!best || v.judged_db > best->judged_db)
+      best = &v;
   }
+  if (!best) return out;
+  MethodVerdict* taken = nullptr;
+  for (MethodVerdict& v : out.verdicts) {
+    const bool equal = v.verdict.empty() && v.judged_db >= best->judged_db - rule.tie_db &&
+                       v.score.ssim >= best->score.ssim - rule.tie_ssim;
+    if (equal && (!taken || v.score.cost < taken->score.cost)) taken = &v;
+  }
+  out.method = taken->score.method;
+  for (MethodVerdict& v : out.verdicts)
+    if (v.verdict.empty() && &v != taken) v.verdict = text("%.2f dB below the best", best->judged_db - v.judged_db);
+  taken->verdict = taken == best ? "taken" : "taken: as good as " + best->score.method + " and no dearer";
   return out;
 }
 

@@ -21,13 +21,20 @@ struct ChoiceRule {
   double below_linear_db = 0.05;  // never below `linear` by more
   double tie_db = 0.05;           // among equals the cheapest is taken, and of these the first …
   double tie_ssim = 0.004;        // … unless its SSIM is lower by more
-  double most_shift_px = 2;       // beyond it no method is taken that trusts the calibration (method_costs.h)
-  std::string check() const;      // empty, or what is wrong
+  // What leaving out gets wrong by itself (ALGORITHMS 14.5). A search between cameras twice as far apart as a visitor's
+  // errs more: added for methods that search along rays, in full from 60° to the next camera, not at all up to 30°.
+  double search_db = 1;
+  // Where cameras are off a mean of more of them is nearer to the truth, which few pixels show: taken off `linear`,
+  // which blends fewer, for every pixel of shift.
+  double blend_db_per_px = 0.3;
+  double most_shift_px = 2;   // beyond it no method is taken that trusts the calibration (method_costs.h)
+  std::string check() const;  // empty, or what is wrong
 };
 
 struct MethodVerdict {
   MethodScore score;
-  std::string verdict;  // "taken", or why not
+  double judged_db = 0;  // psnr_db as the rule corrects it
+  std::string verdict;   // "taken", or why not
 };
 
 struct MethodChoice {
@@ -39,8 +46,13 @@ struct MethodChoice {
 // dB below `linear`.
 inline constexpr const char* kUnmeasuredMethod = "fvvr";
 
-// shift_px: how far what is drawn for a camera lies from its picture, as a whole. `linear` among the scores is what
-// others are held against; without it none is refused for being below it.
-MethodChoice chooseMethod(const std::vector<MethodScore>& scores, double shift_px, const ChoiceRule& rule = {});
+// Of the views that were left out, means.
+struct LeftOut {
+  double shift_px = 0;  // how far what is drawn for a camera lies from its picture, as a whole
+  double gap_deg = 0;   // from its direction to that of the nearest camera that is left, as the surface sees them
+};
+
+// `linear` among the scores is what others are held against; without it none is refused for being below it.
+MethodChoice chooseMethod(const std::vector<MethodScore>& scores, const LeftOut& views, const ChoiceRule& rule = {});
 
 }  // namespace fourdvt::bake

@@ -15,6 +15,7 @@ struct ChosenMethod {
   MethodChoice choice;                 // without verdicts: nothing was measured
   size_t frames = 0, views = 0;
   double shift_px = 0;  // how far what is drawn for a camera lies from its picture, mean
+  double gap_deg = 0;   // LeftOut
   double most_cost = 0;
 };
 

@@ -17,7 +17,7 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr const char* kVersion = "methods 1";  // change it whenever kept sums of older builds must not be reused
+constexpr const char* kVersion = "methods 2";  // change it whenever kept sums of older builds must not be reused
 
 struct Place {
   const capture::CaptureSequence* sequence;
@@ -59,6 +59,7 @@ std::vector<uint8_t> bytesOf(const TrialSums& sums) {
   ByteWriter out;
   out.u32(uint32_t(sums.views));
   out.f64(sums.shift_px);
+  out.f64(sums.gap_deg);
   for (const MethodScore& s : sums.scores)
     for (const double value : {s.psnr_db, s.ssim, s.psnr_fg_db, s.ssim_fg}) out.f64(value);
   return out.take();
@@ -70,6 +71,7 @@ std::optional<TrialSums> sumsFrom(std::span<const uint8_t> bytes, const std::vec
   TrialSums sums;
   sums.views = in.u32();
   sums.shift_px = in.f64();
+  sums.gap_deg = in.f64();
   for (const std::string& method : methods) {
     MethodScore& s = sums.scores.emplace_back();
     s.method = method;
@@ -165,9 +167,11 @@ Result<ChosenMethod> chooseBakedMethod(BakeRun& run, const std::vector<ColourMap
   }
   out.views = all.views;
   if (all.views > 0) {
-    out.shift_px = all.shift_px / double(all.views);
+    const LeftOut views = meanViews(all);
+    out.shift_px = views.shift_px;
+    out.gap_deg = views.gap_deg;
     out.most_cost = job.options.cameras.choice.most_cost;
-    out.choice = chooseMethod(meanScores(all, faces), out.shift_px, job.options.cameras.choice);
+    out.choice = chooseMethod(meanScores(all, faces), views, job.options.cameras.choice);
     out.method = out.choice.method;
   }
   if (!out.method.empty()) return out;

@@ -2,6 +2,7 @@
 #include "bake/stages/method_trial.h"
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
 #include <future>
 
@@ -126,6 +127,20 @@ class Lane {
   std::deque<std::future<ViewScore>> running_;
 };
 
+// To the nearest camera but this one, as seen from the middle of the surface's box.
+double gapOf(const TrialFrame& frame, size_t camera) {
+  glm::dvec3 least(1e12), most(-1e12);
+  for (const glm::vec3& p : frame.surface.positions)
+    least = glm::min(least, glm::dvec3(p)), most = glm::max(most, glm::dvec3(p));
+  const auto direction = [&](size_t c) {
+    return glm::normalize(frame.cameras[c].centreInWorld() - 0.5 * (least + most));
+  };
+  double largest_cosine = -1;
+  for (size_t c = 0; c < frame.cameras.size(); ++c)
+    if (c != camera) largest_cosine = std::max(largest_cosine, glm::dot(direction(c), direction(camera)));
+  return glm::degrees(std::acos(std::clamp(largest_cosine, -1.0, 1.0)));
+}
+
 }  // namespace
 
 std::vector<size_t> trialCameras(const TrialFrame& frame) {
@@ -155,6 +170,7 @@ Result<TrialSums> tryMethods(gpu::Device& device, FrameDrawing& drawing, const T
       if (auto view = makeView(frame, sight, camera)) views.push_back(std::move(*view));
   }
   out.views = views.size();
+  for (const TrialView& view : views) out.gap_deg += gapOf(frame, view.camera);
   for (size_t m = 0; m < methods.size() && !views.empty(); ++m) {
     FOURDVT_ASSIGN(auto method, render::makeCameraMethod(device, methods[m]));
     drawing.setMethod(std::move(method));
@@ -177,11 +193,16 @@ void add(const TrialSums& more, TrialSums& sums) {
   }
   sums.views += more.views;
   sums.shift_px += more.shift_px;
+  sums.gap_deg += more.gap_deg;
   for (size_t m = 0; m < sums.scores.size(); ++m) {
     const MethodScore& s = more.scores[m];
     MethodScore& to = sums.scores[m];
     to.psnr_db += s.psnr_db, to.ssim += s.ssim, to.psnr_fg_db += s.psnr_fg_db, to.ssim_fg += s.ssim_fg;
   }
+}
+
+LeftOut meanViews(const TrialSums& sums) {
+  return {sums.shift_px / double(sums.views), sums.gap_deg / double(sums.views)};
 }
 
 std::vector<MethodScore> meanScores(const TrialSums& sums, size_t faces) {

@@ -28,6 +28,7 @@ struct TrialFrame {
 struct TrialSums {
   size_t views = 0;
   double shift_px = 0;              // lengths of the registering shifts of the first method's pictures
+  double gap_deg = 0;               // see LeftOut
   std::vector<MethodScore> scores;  // as the methods; cost: not set
 };
 
@@ -44,6 +45,8 @@ Result<TrialSums> tryMethods(gpu::Device& device, FrameDrawing& drawing, const T
 
 // `more` on top of `sums`; of the same methods.
 void add(const TrialSums& more, TrialSums& sums);
+// Means.
+LeftOut meanViews(const TrialSums& sums);
 // Means, with the methods' costs on a surface of so many faces. `sums` has views.
 std::vector<MethodScore> meanScores(const TrialSums& sums, size_t faces);
 

@@ -19,50 +19,67 @@ MethodScore score(const char* method, double cost, double psnr_db, double ssim =
   return {method, cost, psnr_db, ssim, psnr_db, ssim};
 }
 
+// Without corrections.
+constexpr ChoiceRule kPlain{.search_db = 0, .blend_db_per_px = 0};
+
 std::string verdictOn(const MethodChoice& choice, const std::string& method) {
   for (const MethodVerdict& v : choice.verdicts)
     if (v.score.method == method) return v.verdict;
   return "none";
 }
 
+MethodChoice choose(const std::vector<MethodScore>& scores) { return chooseMethod(scores, {}, kPlain); }
+
 TEST(MethodChoice, TheBestOfThoseWithinTheCost) {
   const std::vector<MethodScore> scores{score("fvvr", 1, 22.1), score("linear", 1.1, 22), score("sweep", 1.4, 22.5),
                                         score("floating", 4, 23)};
-  const MethodChoice choice = chooseMethod(scores, 0.2);
+  const MethodChoice choice = chooseMethod(scores, {0.2, 45}, kPlain);
   EXPECT_EQ(choice.method, "sweep");
   EXPECT_EQ(verdictOn(choice, "sweep"), "taken");
   EXPECT_EQ(verdictOn(choice, "fvvr"), "0.40 dB below the best");
   EXPECT_EQ(verdictOn(choice, "floating"), "costs 4.0 × FVVR's frame");
-  EXPECT_EQ(chooseMethod(scores, 0.2, {.most_cost = 4}).method, "floating");
+  EXPECT_EQ(chooseMethod(scores, {0.2, 45}, {.most_cost = 4, .search_db = 0}).method, "floating");
 }
 
 TEST(MethodChoice, AmongEqualsTheCheaper) {
-  EXPECT_EQ(chooseMethod({score("fvvr", 1, 22), score("sweep", 1.4, 22.04)}, 0).method, "fvvr");
-  EXPECT_EQ(chooseMethod({score("sweep", 1.4, 22.04), score("fvvr", 1, 22)}, 0).method, "fvvr") << "in any order";
-  EXPECT_EQ(chooseMethod({score("fvvr", 1, 22), score("linear", 1, 22.04)}, 0).method, "fvvr") << "the first";
-  EXPECT_EQ(chooseMethod({score("fvvr", 1, 22), score("sweep", 1.4, 22.06)}, 0).method, "sweep");
-  EXPECT_EQ(chooseMethod({score("fvvr", 1, 22, 0.8), score("sweep", 1.4, 22.04, 0.81)}, 0).method, "sweep")
+  EXPECT_EQ(choose({score("fvvr", 1, 22), score("sweep", 1.4, 22.04)}).method, "fvvr");
+  EXPECT_EQ(choose({score("sweep", 1.4, 22.04), score("fvvr", 1, 22)}).method, "fvvr") << "in any order";
+  EXPECT_EQ(choose({score("fvvr", 1, 22), score("linear", 1, 22.04)}).method, "fvvr") << "the first";
+  EXPECT_EQ(choose({score("fvvr", 1, 22), score("sweep", 1.4, 22.06)}).method, "sweep");
+  EXPECT_EQ(choose({score("fvvr", 1, 22, 0.8), score("sweep", 1.4, 22.04, 0.81)}).method, "sweep")
       << "not equal: sharper";
 }
 
 TEST(MethodChoice, NothingThatIsBelowLinear) {
-  const MethodChoice choice = chooseMethod({score("fvvr", 1, 21.9), score("linear", 1.1, 21.97)}, 0);
+  const MethodChoice choice = chooseMethod({score("fvvr", 1, 21.9), score("linear", 1.1, 21.97)}, {}, kPlain);
   EXPECT_EQ(choice.method, "linear");
   EXPECT_EQ(verdictOn(choice, "fvvr"), "0.07 dB below linear");
 }
 
 TEST(MethodChoice, NoSweepWhereCalibrationIsOff) {
   const std::vector<MethodScore> scores{score("fvvr", 1, 22), score("linear", 1.1, 22), score("sweep", 1.4, 23)};
-  EXPECT_EQ(chooseMethod(scores, 1.9).method, "sweep");
-  EXPECT_EQ(chooseMethod(scores, 2.1).method, "fvvr");
-  EXPECT_EQ(verdictOn(chooseMethod(scores, 2.13), "sweep"), "the cameras' pictures lie 2.1 pixels off");
+  EXPECT_EQ(chooseMethod(scores, {1.9, 60}).method, "sweep");
+  EXPECT_EQ(chooseMethod(scores, {2.1, 60}).method, "fvvr");
+  EXPECT_EQ(verdictOn(chooseMethod(scores, {2.13, 60}), "sweep"), "the cameras' pictures lie 2.1 pixels off");
+}
+
+TEST(MethodChoice, CorrectsWhatLeavingOutGetsWrong) {
+  const std::vector<MethodScore> scores{score("fvvr", 1, 21.8), score("linear", 1.1, 22), score("sweep", 1.4, 21.2)};
+  const MethodChoice choice = chooseMethod(scores, {0, 60});
+  EXPECT_EQ(choice.method, "sweep") << "0.8 dB below linear, and 1 dB is for the search";
+  EXPECT_DOUBLE_EQ(choice.verdicts[2].judged_db, 22.2);
+  EXPECT_EQ(chooseMethod(scores, {}, kPlain).method, "linear");
+  EXPECT_DOUBLE_EQ(chooseMethod(scores, {0, 45}).verdicts[2].judged_db, 21.7) << "half of it";
+  EXPECT_EQ(chooseMethod(scores, {0, 20}).method, "linear") << "cameras near each other";
+  EXPECT_EQ(chooseMethod(scores, {2.1, 60}).method, "fvvr") << "no search; linear is judged as 21.37";
+  EXPECT_EQ(chooseMethod({scores[0], scores[1]}, {0.4, 60}).method, "linear") << "judged as 21.88";
 }
 
 TEST(MethodChoice, NoneWhereAllAreTooDear) {
-  const MethodChoice choice = chooseMethod({score("floating", 4, 22)}, 0);
+  const MethodChoice choice = chooseMethod({score("floating", 4, 22)}, {});
   EXPECT_TRUE(choice.method.empty());
   EXPECT_EQ(choice.verdicts.size(), 1u);
-  EXPECT_TRUE(chooseMethod({}, 0).method.empty());
+  EXPECT_TRUE(choose({}).method.empty());
 }
 
 TEST(MethodChoice, RefusesRulesThatCannotBe) {

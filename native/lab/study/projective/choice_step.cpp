@@ -65,9 +65,9 @@ Rows rowsOf(const Condition& condition, const Tried& tried) {
     RowWriter(out, rows::kTried, "", bake::kUnmeasuredMethod, setting).add(rows::kTaken, 1, "");
     return out;
   }
-  const double shift_px = tried.sums.shift_px / double(tried.sums.views);
-  const auto choice = bake::chooseMethod(bake::meanScores(tried.sums, tried.faces), shift_px);
-  RowWriter(out, rows::kTried, "", "", setting).add(rows::kShiftPx, shift_px, "px");
+  const bake::LeftOut views = bake::meanViews(tried.sums);
+  const auto choice = bake::chooseMethod(bake::meanScores(tried.sums, tried.faces), views);
+  RowWriter(out, rows::kTried, "", "", setting).add(rows::kShiftPx, views.shift_px, "px");
   for (const bake::MethodVerdict& v : choice.verdicts) {
     const RowWriter row(out, rows::kTried, "", v.score.method, setting);
     row.add(rows::kBlendedDb, v.score.psnr_db, "dB");
