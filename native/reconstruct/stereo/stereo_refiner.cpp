@@ -149,8 +149,9 @@ Result<TriangleMesh> Refiner::refine(const SparseDistance& hull_distance, const 
   lap(times_.outlines);
   std::vector<const Silhouette*> silhouettes;
   for (const CarvingView& view : views) silhouettes.push_back(view.silhouette);
+  const double speck_m3 = kSpeckVoxels * std::pow(fused.voxel_m, 3);
   TriangleMesh mesh = solidSurface(fused, options_.adaptivity, [&](TriangleMesh& made) {
-    dropNeedless(made, silhouettes, kSpeckVoxels * std::pow(fused.voxel_m, 3));
+    dropNeedless(made, silhouettes, speck_m3);
     dropHollows(made);
   });
   lap(times_.mesh);
