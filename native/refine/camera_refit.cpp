@@ -9,9 +9,8 @@
 namespace fourdvt::refine {
 namespace {
 
-// A camera changes if its outline shifts by more than three standard deviations, to which this is added for what
-// leaving out blocks cannot tell (the surface's errors all round).
-constexpr double kDeviations = 3, kUnknownPixels = 0.1;
+// Added to standard deviations for what leaving out blocks cannot tell (the surface's errors all round).
+constexpr double kUnknownPixels = 0.1;
 constexpr double kMorePoints = 1.2;  // or so many times the points come within reach
 constexpr Freedom kTurn{}, kAll{.place = true};
 constexpr int kSteps = 10, kWideSteps = 4;
@@ -20,8 +19,8 @@ constexpr double kSettledPixels = 0.02;  // a smaller step ends the fit
 
 class Fit {
  public:
-  Fit(const PinholeCamera& given, const MeasurePoints& measure, SurfaceKind surface)
-      : given_(given), measure_(measure), surface_(surface) {}
+  Fit(const PinholeCamera& given, const MeasurePoints& measure, SurfaceKind surface, double deviations)
+      : given_(given), measure_(measure), surface_(surface), deviations_(deviations) {}
 
   // The camera that fits best from `from` on; `from` itself where nothing can be said.
   PinholeCamera fitted(const PinholeCamera& from, Freedom freedom, CameraStep& last) const {
@@ -45,7 +44,7 @@ class Fit {
     const float reach = OutlineOptions().reach_pixels;
     const auto before = measure_(from, reach), after = measure_(to, reach);
     const double shift = shiftPixels(to, from, after);
-    if (!(shift >= kDeviations * std::hypot(deviation_pixels, kUnknownPixels))) return false;
+    if (!(shift >= deviations_ * std::hypot(deviation_pixels, kUnknownPixels))) return false;
     std::vector<double> spread[2];
     for (const BlockedPoint& s : before) spread[0].push_back(s.point.residual_pixels);
     for (const BlockedPoint& s : after) spread[1].push_back(s.point.residual_pixels);
@@ -64,14 +63,15 @@ class Fit {
   const PinholeCamera& given_;
   const MeasurePoints& measure_;
   SurfaceKind surface_;
+  double deviations_;
 };
 
 }  // namespace
 
 CameraRefit refitCamera(const PinholeCamera& current, const PinholeCamera& given, const MeasurePoints& measure,
-                        bool with_place, SurfaceKind surface) {
+                        bool with_place, SurfaceKind surface, double deviations) {
   CameraRefit out{.camera = current};
-  const Fit fit(given, measure, surface);
+  const Fit fit(given, measure, surface, deviations);
   CameraStep step;
   const PinholeCamera turned = fit.fitted(current, kTurn, step);
   if (!step.solvable) return out;

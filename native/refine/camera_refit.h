@@ -10,6 +10,8 @@
 
 namespace fourdvt::refine {
 
+constexpr double kClearDeviations = 3;  // standard deviations that chance does not explain
+
 // Measures the outline against a camera's mattes as if it were `as`; edges are searched up to `reach_pixels` away.
 using MeasurePoints = std::function<std::vector<BlockedPoint>(const PinholeCamera& as, float reach_pixels)>;
 
@@ -26,8 +28,9 @@ struct CameraRefit {
   double spread_before_pixels = 0, spread_after_pixels = 0;  // robust scale of the residuals
 };
 
-// Turns first, then, `with_place`, moves and zooms, too. `given`: before any refinement.
+// Turns first, then, `with_place`, moves and zooms, too. `given`: before any refinement. `deviations`: how many of them
+// a change must exceed.
 CameraRefit refitCamera(const PinholeCamera& current, const PinholeCamera& given, const MeasurePoints& measure,
-                        bool with_place, SurfaceKind surface);
+                        bool with_place, SurfaceKind surface, double deviations = kClearDeviations);
 
 }  // namespace fourdvt::refine

@@ -12,6 +12,7 @@ namespace {
 
 constexpr size_t kFrames = 12, kPoints = 60;  // of a clip; of a picture
 constexpr size_t kMostRounds = 8;             // changes per camera, on average
+constexpr size_t kSeveral = 3;                // cameras
 constexpr int kPlaceRounds = 50;
 constexpr double kLeastTurn_rad = 1e-5;
 constexpr float kFarPixels = 2;  // further out, a point contradicts the hull
@@ -35,13 +36,24 @@ class Rig {
     for (size_t c = 0; c < given.size(); ++c) out_[c].camera = given[c];
   }
 
-  // Sweeps over the cameras that may still change; the one that gains most does.
+  // Changes cameras until none is clearly off. Where several were, each has been judged by hulls that the others'
+  // errors made uncertain: then once more with less asked of a change.
   std::vector<CameraRefit> fit() {
+    settle(kClearDeviations);
+    size_t moved = 0;
+    for (size_t c = 0; c < given_.size(); ++c) moved += now_[c].cam_from_world != given_[c].cam_from_world;
+    if (moved >= kSeveral) settle(1);
+    return settled();
+  }
+
+ private:
+  // Sweeps over the cameras that may still change; the one that gains most does.
+  void settle(double deviations) {
     const size_t cameras = given_.size();
     std::vector<char> asked(cameras, 1);
     bool everyone = true;
     for (size_t round = 0; round < kMostRounds * cameras && go_on_(); ++round) {
-      const int best = sweep(asked);
+      const int best = sweep(asked, deviations);
       if (best < 0 && everyone) break;
       everyone = best < 0;
       if (everyone)
@@ -49,12 +61,10 @@ class Rig {
       else
         now_[best] = out_[best].camera;
     }
-    return settled();
   }
 
- private:
   // Refits the cameras that are `asked`, forgets those that stay, and returns the one that gains most, or -1.
-  int sweep(std::vector<char>& asked) {
+  int sweep(std::vector<char>& asked, double deviations) {
     std::vector<CameraRefit> tried(given_.size());
     cv::parallel_for_(cv::Range(0, int(given_.size())), [&](const cv::Range& range) {
       for (int c = range.start; c < range.end; ++c) {
@@ -64,7 +74,7 @@ class Rig {
           cameras[c] = as;
           return pointsOf(clips_, cameras, ignored_, c, reach);
         };
-        tried[c] = refitCamera(now_[c], given_[c], measure, false, SurfaceKind::Hull);
+        tried[c] = refitCamera(now_[c], given_[c], measure, false, SurfaceKind::Hull, deviations);
       }
     });
     int best = -1;
