@@ -8,74 +8,20 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
+#include "manifest_fixture.h"
 #include "package/writer.h"
 #include "surface_fixture.h"
 
 using namespace fourdvt;
 using namespace fourdvt::package;
+using fourdvt::testing::flatten;
+using fourdvt::testing::kAt;
+using fourdvt::testing::smallCharacter;
+using fourdvt::testing::smallMesh;
 using fourdvt::testing::surfaceCharacter;
 using nlohmann::json;
 
 namespace {
-
-const std::string kAt = std::string("/extensions/") + kExtensionName;
-
-FlatJson flatten(const json& value) {
-  FlatJson flat;
-  const json flattened = value.flatten();
-  for (const auto& [pointer, leaf] : flattened.items()) {
-    if (leaf.is_number()) flat.set(pointer, leaf.get<double>());
-    if (leaf.is_string()) flat.set(pointer, leaf.get<std::string>());
-    if (leaf.is_boolean()) flat.set(pointer, leaf.get<bool>());
-  }
-  return flat;
-}
-
-EncodedBaseMesh smallMesh() {
-  MeshTopology t;
-  t.vertex_count = 4;
-  t.uvs = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
-  t.face_vertices = {{0, 2, 1}, {1, 2, 3}};
-  t.face_uvs = t.face_vertices;
-  return encodeBaseMesh(t, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0.5f}}).take();
-}
-
-Character smallCharacter(const EncodedBaseMesh& mesh) {
-  Character c;
-  c.name = "tiny";
-  c.layer_count = 2;
-  c.vertex_count = mesh.decoded.topology.vertex_count;
-  c.face_count = mesh.decoded.topology.faceCount();
-  for (int k = 0; k < 3; ++k) {
-    OrbitView view;
-    view.azimuth_deg = 37 * k;
-    view.elevation_deg = 12;
-    PinholeCamera camera = cameraFromOrbit(view, 720, 960);
-    camera.name = "cam0" + std::to_string(k);
-    camera.cx += 3.25;
-    c.cameras.push_back(camera);
-  }
-  c.bounds = {{-1, 0, -1}, {1, 2.125f, 1}};
-  c.mesh_uri = "mesh.bin";
-  c.mesh_bytes = mesh.bytes.size();
-  c.mesh_hash = 0xfedcba9876543210;
-  c.poster_uri = "poster.webp";
-  Sequence s;
-  s.name = "walk";
-  s.frame_count = 28;
-  s.fps = 25;
-  s.loop = true;
-  s.root_velocity_mps = {0, 0, 1.2265};
-  s.members = {{"walk", {}, 1.12, {0, 1.375, 0.25}}};
-  s.stream_uri = "walk.bin";
-  s.stream_bytes = 5000000000ull;  // above 32 bits
-  s.stream_header_bytes = 900;
-  s.stream_header_hash = 0x12;
-  s.renditions = {{"walk.mp4", 123456, "avc1.640028", 1536, 1056, {{0, 0, 1024, 1024}, {1024, 0, 512, 512}}, {}}};
-  s.renditions[0].barcode.rect = {0, 1032, 512, 16};
-  c.sequences = {s};
-  return c;
-}
 
 // Walk and run by speed, with one correction; tiled as walk's two layers, then run's.
 Sequence locomotion(const Sequence& walk) {
@@ -246,47 +192,6 @@ TEST(Manifest, TheLengthScaleRoundTripsAndIsOptional) {
     gltf[json::json_pointer(kAt + "/lengthScale")] = wrong;
     EXPECT_EQ(readManifest(flatten(gltf)).error().id, ErrorId::ManifestInvalid) << wrong;
   }
-}
-
-TEST(Manifest, TheMethodRoundTripsAndIsOptional) {
-  const EncodedBaseMesh mesh = smallMesh();
-  Character character = smallCharacter(mesh);
-  character.appearance = AppearanceKind::Cameras;
-  character.version = kCameraFormatVersion;
-  character.graph_uri.clear();
-  character.sequences.resize(1);
-  Sequence& s = character.sequences[0];
-  s.members.clear();
-  s.layout_width = s.layout_height = 64;
-  for (Rendition& rendition : s.renditions) rendition.layers.clear(), rendition.tiles = {0, 0, 64, 64};
-  const auto written = [&] {
-    return json::parse(writeManifest({character, &mesh, "", "fourdvt test", "nobody"}).take());
-  };
-  json gltf = written();
-  EXPECT_FALSE(gltf.at(json::json_pointer(kAt)).contains("method"));
-  auto read = readManifest(flatten(gltf));
-  ASSERT_TRUE(read.ok()) << read.error().message;
-  EXPECT_EQ(read.value().method.name, "");
-  EXPECT_EQ(read.value().method.sweep_band_m, 0);
-  character.method.name = "fvvr";
-  EXPECT_EQ(readManifest(flatten(written())).take().method.name, "fvvr");
-  EXPECT_EQ(readManifest(flatten(written())).take().method.sweep_band_m, 0);
-  character.method = {"sweep", 0.064};
-  gltf = written();
-  EXPECT_EQ(readManifest(flatten(gltf)).take().method.name, "sweep");
-  EXPECT_EQ(readManifest(flatten(gltf)).take().method.sweep_band_m, 0.064);
-  const auto with = [&](const char* field, const json& value) {
-    json changed = gltf;
-    changed[json::json_pointer(kAt + "/method/" + field)] = value;
-    return readManifest(flatten(changed));
-  };
-  EXPECT_EQ(with("name", "of-a-later-version").take().method.name, "of-a-later-version") << "the player decides";
-  for (const json& wrong : {json(""), json(3), json("Sweep"), json("a b"), json(std::string(65, 'a'))})
-    EXPECT_EQ(with("name", wrong).error().id, ErrorId::ManifestInvalid) << wrong;
-  for (const json& wrong : {json(0), json(-1), json(2), json("wide")})
-    EXPECT_EQ(with("sweepBand", wrong).error().id, ErrorId::ManifestInvalid) << wrong;
-  gltf[json::json_pointer(kAt)]["method"].erase("name");
-  EXPECT_EQ(readManifest(flatten(gltf)).error().id, ErrorId::ManifestInvalid);
 }
 
 TEST(Manifest, ASequenceWithoutMembersIsItsOwn) {
