@@ -122,4 +122,13 @@ PinholeCamera scaledCamera(const PinholeCamera& camera, int width, int height) {
   return scaled;
 }
 
+PinholeCamera reducedCamera(const PinholeCamera& camera, int factor) {
+  PinholeCamera out = camera;
+  out.width = std::max(1, camera.width / factor), out.height = std::max(1, camera.height / factor);
+  const double across = double(out.width) / camera.width, down = double(out.height) / camera.height;
+  out.fx *= across, out.cx *= across;
+  out.fy *= down, out.cy *= down;
+  return out;
+}
+
 }  // namespace fourdvt

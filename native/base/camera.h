@@ -60,4 +60,7 @@ OrbitView defaultOrbit(const BoundingBox& bounds, double aspect);
 // The same camera for a picture of another size. The narrower field of view is kept, the other is cropped or widened.
 PinholeCamera scaledCamera(const PinholeCamera& camera, int width, int height);
 
+// The camera of pictures that were reduced by a whole factor, whose sides are rounded down.
+PinholeCamera reducedCamera(const PinholeCamera& camera, int factor);
+
 }  // namespace fourdvt

@@ -42,15 +42,6 @@ std::vector<StereoReference> referencesOf(const std::vector<PinholeCamera>& came
   return out;
 }
 
-PinholeCamera reducedCamera(const PinholeCamera& camera, int reduction) {
-  PinholeCamera out = camera;
-  out.width = std::max(1, camera.width / reduction), out.height = std::max(1, camera.height / reduction);
-  const double across = double(out.width) / camera.width, down = double(out.height) / camera.height;
-  out.fx *= across, out.cx *= across;
-  out.fy *= down, out.cy *= down;
-  return out;
-}
-
 Image reducedPicture(const Image& picture, const PinholeCamera& camera) {
   Image out(camera.width, camera.height, 4);
   const cv::Mat from(picture.height, picture.width, CV_8UC4, const_cast<uint8_t*>(picture.pixels.data()));

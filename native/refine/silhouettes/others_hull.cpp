@@ -13,6 +13,7 @@ constexpr int kFiner = 2;        // times that the best one's surroundings are t
 constexpr int kFinerDepths = 4;  // on either side
 constexpr size_t kFewestOthers = 2;
 constexpr double kBlock_m = 0.2;
+constexpr float kFarPixels = 2;  // further out, a point contradicts the hull
 constexpr int kSearchSteps = 16, kRootSteps = 3;
 
 glm::dmat3 intrinsics(const PinholeCamera& camera) {
@@ -154,6 +155,26 @@ std::optional<OutlinePoint> OthersHull::outlineAt(const EdgePoint& edge, float r
   point.pixels_per_metre = float(camera_.fx) / at.depth_m;
   point.residual_pixels = -sign * way;
   return point;
+}
+
+StickOut stickOut(const SilhouetteClip& clip, const RigState& rig, size_t camera, size_t frames, size_t per_picture,
+                  size_t tolerated) {
+  StickOut out;
+  for (const size_t frame : clip.spreadFrames(frames)) {
+    const OthersHull hull(clip, rig, camera, frame, tolerated);
+    if (!hull.usable()) continue;
+    for (const EdgePoint& edge : clip.edge(camera, frame, per_picture)) {
+      const OthersHull::Deepest deepest = hull.alongRay(edge.pixel);
+      if (!deepest.seen) continue;
+      const float outside = std::max(0.0f, -deepest.inside_pixels);
+      ++out.points;
+      out.mean_pixels += std::min(outside, kMostOutsidePixels);
+      out.far_share += outside > kFarPixels;
+    }
+  }
+  out.mean_pixels /= double(std::max<size_t>(1, out.points));
+  out.far_share /= double(std::max<size_t>(1, out.points));
+  return out;
 }
 
 std::vector<BlockedPoint> hullPoints(const SilhouetteClip& clip, const RigState& rig, size_t camera,

@@ -67,6 +67,17 @@ class OthersHull {
   bool usable_ = false;
 };
 
+// How far a camera's silhouettes stick out of the hull of all others that are not ignored.
+struct StickOut {
+  size_t points = 0;       // of outlines
+  double mean_pixels = 0;  // of the clip's pictures; a point counts kMostOutsidePixels at most
+  double far_share = 0;    // of the points, by more than two pixels
+};
+constexpr float kMostOutsidePixels = 8;
+// About `per_picture` points in at most `frames` frames.
+StickOut stickOut(const SilhouetteClip& clip, const RigState& rig, size_t camera, size_t frames, size_t per_picture,
+                  size_t tolerated);
+
 // All points of a camera's silhouettes: about `per_picture` of each of `frames`, in blocks of space.
 std::vector<BlockedPoint> hullPoints(const SilhouetteClip& clip, const RigState& rig, size_t camera,
                                      const std::vector<size_t>& frames, size_t per_picture, size_t tolerated,

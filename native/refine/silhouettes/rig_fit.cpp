@@ -15,7 +15,6 @@ constexpr size_t kMostRounds = 8;             // changes per camera, on average
 constexpr size_t kSeveral = 3;                // cameras
 constexpr int kPlaceRounds = 50;
 constexpr double kLeastTurn_rad = 1e-5;
-constexpr float kFarPixels = 2;  // further out, a point contradicts the hull
 
 std::vector<BlockedPoint> pointsOf(const std::vector<TimedClip>& clips, const std::vector<PinholeCamera>& cameras,
                                    const std::vector<char>& ignored, size_t camera, float reach_pixels) {
@@ -151,25 +150,15 @@ std::vector<StickOut> stickOut(const std::vector<TimedClip>& clips, const std::v
   std::vector<StickOut> out(cameras.size());
   cv::parallel_for_(cv::Range(0, int(cameras.size())), [&](const cv::Range& range) {
     for (int c = range.start; c < range.end; ++c) {
-      size_t far = 0;
       for (const TimedClip& timed : clips) {
-        const RigState rig{cameras, timed.offset_frames, ignored};
-        for (const size_t frame : timed.clip->spreadFrames(kFrames)) {
-          const OthersHull hull(*timed.clip, rig, c, frame, 0);
-          if (!hull.usable()) continue;
-          for (const EdgePoint& edge : timed.clip->edge(c, frame, kPoints)) {
-            const OthersHull::Deepest deepest = hull.alongRay(edge.pixel);
-            if (!deepest.seen) continue;
-            const float outside = std::max(0.0f, -deepest.inside_pixels);
-            ++out[c].points;
-            out[c].mean_pixels += std::min(outside, kMostOutsidePixels);
-            far += outside > kFarPixels;
-          }
-        }
+        const StickOut of_clip =
+            stickOut(*timed.clip, {cameras, timed.offset_frames, ignored}, size_t(c), kFrames, kPoints, 0);
+        const auto points = double(of_clip.points);
+        out[c].points += of_clip.points;
+        out[c].mean_pixels += points * of_clip.mean_pixels, out[c].far_share += points * of_clip.far_share;
       }
-      if (out[c].points == 0) continue;
-      out[c].mean_pixels /= double(out[c].points);
-      out[c].far_share = double(far) / double(out[c].points);
+      const auto points = double(std::max<size_t>(1, out[c].points));
+      out[c].mean_pixels /= points, out[c].far_share /= points;
     }
   });
   return out;

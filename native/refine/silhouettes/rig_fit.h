@@ -28,13 +28,7 @@ std::vector<CameraRefit> fitRig(const std::vector<TimedClip>& clips, const std::
 std::vector<PinholeCamera> leastTurned(const std::vector<PinholeCamera>& given, const std::vector<PinholeCamera>& found,
                                        const glm::dvec3& middle_in_world, const std::vector<double>& near_deg);
 
-// How far a camera's silhouettes stick out of the hull of all others that are not ignored.
-struct StickOut {
-  size_t points = 0;       // of outlines
-  double mean_pixels = 0;  // of the reduced pictures; a point counts kMostOutsidePixels at most
-  double far_share = 0;    // of the points, by more than two pixels
-};
-constexpr float kMostOutsidePixels = 8;
+// [camera] over all clips.
 std::vector<StickOut> stickOut(const std::vector<TimedClip>& clips, const std::vector<PinholeCamera>& cameras,
                                const std::vector<char>& ignored);
 

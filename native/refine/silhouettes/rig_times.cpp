@@ -12,30 +12,12 @@ namespace {
 
 constexpr size_t kCoarseFrames = 12, kCoarsePoints = 40;
 constexpr size_t kFineFrames = 24, kFinePoints = 80;
-constexpr float kCostCap = 8;          // pixels; further out counts no more
 constexpr double kFramesCost = 0.002;  // pixels a frame: of two times that fit alike, the nearer one
 constexpr int kCoarseRounds = 6, kFineRounds = 10;
 constexpr double kSettledFrames = 0.01, kLargestStep = 1, kDamping = 0.7;
 constexpr float kReachPixels = 12;
 constexpr double kMostDeviation = 0.2;  // frames; above, a time is not known
 constexpr size_t kToleratedFrom = 7;    // cameras; with so many, one of them may be off while the others are compared
-
-// How far a camera's silhouettes stick out of the hull of all others, pixels a point; nothing where nothing is known.
-std::optional<double> costOf(const SilhouetteClip& clip, const RigState& rig, size_t camera, size_t tolerated) {
-  double sum = 0;
-  size_t count = 0;
-  for (const size_t frame : clip.spreadFrames(kCoarseFrames)) {
-    const OthersHull hull(clip, rig, camera, frame, tolerated);
-    if (!hull.usable()) continue;
-    for (const EdgePoint& edge : clip.edge(camera, frame, kCoarsePoints)) {
-      const OthersHull::Deepest deepest = hull.alongRay(edge.pixel);
-      if (!deepest.seen) continue;
-      sum += std::min(kCostCap, std::max(0.0f, -deepest.inside_pixels));
-      ++count;
-    }
-  }
-  return count > 0 ? std::optional(sum / double(count)) : std::nullopt;
-}
 
 double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
 
@@ -48,8 +30,8 @@ double bestWhole(const SilhouetteClip& clip, const RigState& rig, size_t camera,
     for (int i = range.start; i < range.end; ++i) {
       RigState tried = rig;
       tried.offset_frames[camera] = middle + i - options.most_frames;
-      if (const auto cost = costOf(clip, tried, camera, tolerated))
-        costs[i] = *cost + kFramesCost * std::abs(i - options.most_frames);
+      const StickOut cost = stickOut(clip, tried, camera, kCoarseFrames, kCoarsePoints, tolerated);
+      if (cost.points > 0) costs[i] = cost.mean_pixels + kFramesCost * std::abs(i - options.most_frames);
     }
   });
   const auto least = std::min_element(costs.begin(), costs.end());

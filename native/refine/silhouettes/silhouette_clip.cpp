@@ -34,14 +34,6 @@ int reductionOf(const capture::Capture& capture, uint32_t frames) {
   return std::max(1, int(std::ceil(std::sqrt(bytes / kDistanceBytes))));
 }
 
-PinholeCamera reducedCamera(const PinholeCamera& camera, int reduction) {
-  PinholeCamera out = camera;
-  out.width = std::max(1, camera.width / reduction), out.height = std::max(1, camera.height / reduction);
-  const double across = double(out.width) / camera.width, down = double(out.height) / camera.height;
-  out.fx *= across, out.cx *= across, out.fy *= down, out.cy *= down;
-  return out;
-}
-
 Image coverageOf(const Image& rgba, const PinholeCamera& camera) {
   Image alpha(rgba.width, rgba.height, 1);
   for (size_t i = 0; i < alpha.pixels.size(); ++i) alpha.pixels[i] = rgba.pixels[4 * i + 3];
