@@ -121,8 +121,8 @@ struct Start {
   uint64_t bytes = 0, hash = 0;
 };
 
-// How a character from cameras is drawn unless a player is told otherwise. A player that does not know the method takes
-// its own default.
+// Method that a character from cameras is drawn by unless the page or the command sets another. A player that does not
+// know the method takes its own default.
 struct DrawingMethod {
   std::string name;         // empty: the player's default
   double sweep_band_m = 0;  // of the method "sweep", behind the surface of a person; 0: the player's default

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the bake's choice of a method (rows "chosen") gives up against the best one within its cost at the held-out cameras
+// Regret: what the bake's choice of a method (rows "chosen") gives up against the best one within its cost at the held-out cameras
 // (rows "condition"). Holds no value.
 const kMostCost = 2.5; // ChoiceRule::most_cost
 const at = (rows, table, { axis, at: place }) => rows.filter((row) => row.table === table && row.axis === axis && row.at === place);

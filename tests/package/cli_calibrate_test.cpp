@@ -148,7 +148,7 @@ TEST_F(Calibrate, TurnsACameraBack) {
 }
 
 TEST_F(Calibrate, NamesACameraThatNoPoseExplains) {
-  // Its pictures are those of another camera.
+  // Camera 3 gets the pictures of camera 1.
   const std::string off = folder_ + "/swapped";
   fs::copy(given(), off, fs::copy_options::recursive);
   for (const char* what : {"cam", "mask"}) {

@@ -28,7 +28,7 @@ TriangleMesh grid() {
   return out;
 }
 
-// What is beyond the grid lies outside of the mattes.
+// The mattes end with the grid.
 Image pictureOf(const PinholeCamera& camera, double depth_m) {
   Image out = wall(camera, depth_m);
   for (int y = 0; y < out.height; ++y)

@@ -154,7 +154,7 @@ double meanMotion_m(const PinholeCamera& camera, const TriangleMesh& a, const Tr
   return sum / double(count);
 }
 
-// Of the faces whose first corner lies in a region, square metres.
+// Area of the faces whose first corner lies in a region, square metres.
 double areaOf(const TriangleMesh& mesh, const std::function<bool(const dvec3&)>& inside) {
   double sum = 0;
   for (const glm::uvec3& f : mesh.faces) {

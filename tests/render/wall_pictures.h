@@ -15,7 +15,7 @@ inline glm::dvec3 patternAt(double x, double y) {
   return glm::dvec3(128) + glm::dvec3(45 * a + 45 * b, 45 * b + 45 * c, 45 * c - 45 * a);
 }
 
-// What a camera sees of the wall z = depth.
+// Picture of the wall z = depth in a camera.
 inline Image wall(const PinholeCamera& camera, double depth_m) {
   Image image(camera.width, camera.height, 4, 255);
   const glm::dvec3 centre = camera.centreInWorld();

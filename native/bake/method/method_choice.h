@@ -21,7 +21,7 @@ struct ChoiceRule {
   double below_linear_db = 0.05;  // never below `linear` by more
   double tie_db = 0.05;           // among equals the cheapest is taken, and of these the first …
   double tie_ssim = 0.004;        // … unless its SSIM is lower by more
-  // What leaving out gets wrong by itself (ALGORITHMS 14.5). A search between cameras twice as far apart as a visitor's
+  // Correction for leaving cameras out (ALGORITHMS 14.5). A search between cameras twice as far apart as a visitor's
   // errs more: added for methods that search along rays, in full from 60° to the next camera, not at all up to 30°.
   double search_db = 1;
   // Where cameras are off a mean of more of them is nearer to the truth, which few pixels show: taken off `linear`,
@@ -42,11 +42,11 @@ struct MethodChoice {
   std::vector<MethodVerdict> verdicts;  // as the scores, and "taken" for one of them
 };
 
-// What is taken where nothing could be measured: the cheapest, and on no row of site/measured/methods.md more than .02
-// dB below `linear`.
+// Method that is taken where nothing could be measured: the cheapest, and on no row of site/measured/methods.md more
+// than .02 dB below `linear`.
 inline constexpr const char* kUnmeasuredMethod = "fvvr";
 
-// Of the views that were left out, means.
+// Means over the views that were left out.
 struct LeftOut {
   double shift_px = 0;  // how far what is drawn for a camera lies from its picture, as a whole
   double gap_deg = 0;   // from its direction to that of the nearest camera that is left, as the surface sees them

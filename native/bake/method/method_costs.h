@@ -14,8 +14,8 @@ namespace fourdvt::bake {
 // for being cheaper than FVVR. Infinite for a method that the table has not.
 double methodCost(std::string_view method, size_t faces);
 
-// It moves points along the view's rays to where the cameras agree: with cameras that lie a pixel or two off it finds
-// agreement elsewhere, and what it draws is sharp in the wrong place.
+// Returns true for methods that move points along the view's rays to where the cameras agree: with cameras that lie a
+// pixel or two off it finds agreement elsewhere, and what it draws is sharp in the wrong place.
 bool trustsCalibration(std::string_view method);
 
 // Methods that a capture may be given, by cost: those that were the best of all, or within .05 dB of it, under some

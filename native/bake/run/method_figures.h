@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which method a character from cameras is drawn by unless a player says otherwise, and what it was chosen by.
+// Method that a character from cameras is drawn by unless --method or the viewer sets another, and its scores.
 #pragma once
 
 #include <optional>

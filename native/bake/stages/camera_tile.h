@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a camera's tile shows of its picture.
+// Pixels of a camera's tile, from its picture.
 #pragma once
 
 #include "bake/texels/colour_calibration.h"

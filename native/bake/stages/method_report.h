@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the bake's report says about the choice of a method.
+// The bake report's section on the choice of a method.
 #pragma once
 
 #include <nlohmann/json.hpp>

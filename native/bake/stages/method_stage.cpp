@@ -105,7 +105,7 @@ Result<TrialSums> measure(BakeRun& run, const std::vector<ColourMap>& maps, cons
   return tryMethods(run.device(), *drawing, frame, trialCameras(frame), methods);
 }
 
-// Likewise, unless the survey folder has it.
+// Sums of one frame, measured unless the survey folder has them.
 Result<TrialSums> keptTrial(BakeRun& run, const std::vector<ColourMap>& maps, const Place& place,
                             const std::vector<std::string>& methods) {
   const std::string folder = run.job.surveyFolder(), path = keyedPath(folder, "method", keyOf(run.job, place, methods));
@@ -117,7 +117,7 @@ Result<TrialSums> keptTrial(BakeRun& run, const std::vector<ColourMap>& maps, co
   return sums;
 }
 
-// What says that nothing was measured, and why.
+// Note that nothing was measured, and why.
 std::string notMeasured(const Job& job) {
   const size_t cameras = job.cameras.size();
   const std::string why = cameras < 3 ? "leaving one of " + std::to_string(cameras) +
@@ -127,7 +127,7 @@ std::string notMeasured(const Job& job) {
          ", --method NAME sets another.";
 }
 
-// Of a frame as it will be streamed.
+// Faces of a frame as it will be streamed.
 Result<size_t> streamedFaces(const Job& job) {
   FOURDVT_ASSIGN(const auto first, capture::readSurfaceFrame(job.capture, job.capture.sequences[0], 0));
   const auto most = size_t(job.options.cameras.faces);

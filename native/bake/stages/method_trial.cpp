@@ -47,7 +47,7 @@ Image cropped(const Image& picture, const package::Rect& box) {
   return out;
 }
 
-// What a left-out camera is drawn and judged with.
+// View of a left-out camera, its truth, and the pixels that count.
 struct TrialView {
   size_t camera = 0;
   PinholeCamera view;

@@ -25,7 +25,8 @@ double movedShare(const PinholeCamera& camera, const TriangleMesh& hull, const T
 struct SurfacePictures {
   Image over_picture, shaded;
 };
-// As large as those: the surface alone, from grey where it is the hull to red where it lies `most_m` deeper and more.
+// Pictures as large as those: the surface alone, from grey where it is the hull to red where it lies `most_m` deeper
+// and more.
 Image movedPicture(const PinholeCamera& camera, const Image& rgba, const TriangleMesh& hull,
                    const TriangleMesh& surface, double most_m);
 SurfacePictures surfacePictures(const Silhouette& silhouette, const Image& rgba, const TriangleMesh& surface);

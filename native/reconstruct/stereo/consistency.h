@@ -15,9 +15,8 @@ float depthAt(const DepthMap& map, double x, double y);
 // measures badly.
 void weighByAngle(DepthMap& map);
 
-// Forgets depths (sets them to 0) that another map looks through, or that none confirms to `tolerance_m`. Of a map
-// whose depths others refute as often as chance would, all are forgotten, and between that and a sound one's they weigh
-// less.
+// Sets depths to 0 that another map looks through, or that none confirms to `tolerance_m`. A whole map loses weight the
+// more of its depths others refute: from none where few are, to all where it is as many as by chance.
 void keepConsistent(std::span<DepthMap> maps, double tolerance_m);
 
 }  // namespace fourdvt::reconstruct

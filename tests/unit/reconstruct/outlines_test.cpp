@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What silhouettes need of the hull comes back after it was taken, and nothing else.
+// Parts of the hull that silhouettes need come back after they were taken, and no others.
 #include "reconstruct/stereo/outlines.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stereo is believed: contrast, and depths that other cameras confirm.
+// Evidence that gives a depth its weight: contrast, and depths that other cameras confirm.
 #include <gtest/gtest.h>
 
 #include <cmath>
