@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
@@ -43,10 +44,13 @@ Status readCamera(const fs::path& folder, const capture::CaptureCamera& camera,
     const std::string number = file.stem().string();
     const bool is_number = !number.empty() && number.size() < 9 &&
                            std::all_of(number.begin(), number.end(), [](char c) { return c >= '0' && c <= '9'; });
-    if (file.extension() != ".png" || !is_number || std::stoul(number) > frame_of.rbegin()->first)
-      return Error{ErrorId::InvalidArgument,
-                   file.string() + ": hints are PNG files named after their picture, 000000.png to at most " +
-                       std::to_string(frame_of.rbegin()->first) + ".png; rename it, or take it out"};
+    if (file.extension() != ".png" || !is_number || std::stoul(number) > frame_of.rbegin()->first) {
+      char last[16];
+      std::snprintf(last, sizeof last, "%06u.png", frame_of.rbegin()->first);
+      return Error{ErrorId::InvalidArgument, file.string() +
+                                                 ": hints are PNG files named after their picture, 000000.png to " +
+                                                 last + "; rename it, or take it out"};
+    }
     FOURDVT_ASSIGN(const auto picture, capture::readPicture(file.string(), 4));
     FOURDVT_TRY(capture::checkSize(picture, camera, file.string()));
     const auto frame = frame_of.find(uint32_t(std::stoul(number)));

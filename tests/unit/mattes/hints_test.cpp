@@ -68,10 +68,10 @@ TEST(Hints, OfAnotherSizeOrNameAreRefused) {
   expectRefused(files, "hints/cam7: no camera has this name");
   files.remove("hints");
   files.write("hints/cam00/000003.png", strokePicture());
-  expectRefused(files, "000003.png: hints are PNG files named after their frame");
+  expectRefused(files, "000003.png: hints are PNG files named after their picture, 000000.png to 000002.png;");
   files.remove("hints");
   files.write("hints/cam00/here.png", strokePicture());
-  expectRefused(files, "here.png: hints are PNG files named after their frame");
+  expectRefused(files, "here.png: hints are PNG files named after their picture");
   files.remove("hints");
   files.write("hints/cam00/000001.png", std::string("not a picture"));
   expectRefused(files, "000001.png: not a readable picture");
