@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Fast keying against plates of the empty stage: a model per pixel, difference on reduced pictures, shadows told by
+// their colour, holes closed. Made for live use; offline mattes are capture/plate_key.h. Does NOT look at other frames
+// or cameras.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "base/image.h"
+#include "base/result.h"
+
+namespace fourdvt::live {
+
+class Keyer {
+ public:
+  // plates: RGB, one or more, of one size. Errors: InvalidArgument.
+  static Result<std::unique_ptr<Keyer>> create(const std::vector<Image>& plates);
+  virtual ~Keyer() = default;
+  // Coverage (1 channel: 0 background … 255 performer, the outline at 127.5) of a picture of the plates' size, RGB.
+  // Valid until the next call. Errors: InvalidArgument (another size).
+  virtual Result<const Image*> key(const Image& picture) = 0;
+};
+
+}  // namespace fourdvt::live

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// Messages between a camera process and the live server, each one binary WebSocket message, little-endian. Readers
+// check everything that later code indexes or allocates by. Does NOT carry calibrations: both sides read the rig.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "base/result.h"
+#include "package/character.h"
+
+namespace fourdvt::live {
+
+constexpr uint16_t kCameraProtocol = 1;
+constexpr size_t kMaxCameraMessageBytes = 4u << 20, kMaxServerMessageBytes = 64;
+constexpr size_t kMaxRings = 256, kMaxRingPoints = 8192;  // points: of all rings together
+constexpr double kPointsPerPixel = 16;                    // positions are sent in sixteenths of a pixel
+
+// --- from the camera ---
+
+struct Hello {                // first
+  std::string camera;         // its name in the rig, 1…128 bytes
+  int width = 0, height = 0;  // pixels of its pictures, 1…4095
+};
+
+struct ClockAnswer {
+  int64_t server_us = 0;  // as the question had it
+  int64_t camera_us = 0;  // the camera's clock when it answered
+};
+
+// A ring of an outline: pixel positions, in the orientation of reconstruct/contour.h.
+struct Point16 {
+  uint16_t x = 0, y = 0;  // sixteenths of a pixel
+  bool operator==(const Point16&) const = default;
+};
+using Ring16 = std::vector<Point16>;
+
+struct CameraPicture {
+  uint32_t number = 0;        // of the camera's pictures, ascending
+  int64_t captured_us = 0;    // by the camera's clock, since 1970
+  uint32_t keyed_us = 0;      // time that keying took
+  std::vector<Ring16> rings;  // seen background, simplified; none: the camera sees no performer, and no background
+  package::Rect crop;         // what `jpeg` shows, pixels of the camera's picture; no width: no picture
+  std::vector<uint8_t> jpeg;  // 4:2:0, JFIF (BT.601, full range)
+};
+
+using FromCamera = std::variant<Hello, ClockAnswer, CameraPicture>;
+
+// --- to the camera ---
+
+struct ClockQuestion {
+  int64_t server_us = 0;
+};
+
+struct CameraSettings {
+  double tolerance_px = 1;  // by which outlines are simplified, 0…64
+  int jpeg_quality = 85;    // 1…100
+  package::Rect region;     // of the camera's picture that is wanted; no width: all
+};
+
+using ToCamera = std::variant<ClockQuestion, CameraSettings>;
+
+std::vector<uint8_t> writeFromCamera(const FromCamera& message);
+std::vector<uint8_t> writeToCamera(const ToCamera& message);
+// Errors: StreamInvalid; Unsupported (another version of the protocol).
+Result<FromCamera> readFromCamera(std::span<const uint8_t> bytes);
+Result<ToCamera> readToCamera(std::span<const uint8_t> bytes);
+
+}  // namespace fourdvt::live
