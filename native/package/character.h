@@ -19,6 +19,7 @@ constexpr const char* kExtensionName = "FOURDVT_layered_video_texture";
 constexpr int kFormatVersion = 1;        // of a character from layers
 constexpr int kCameraFormatVersion = 2;  // of a character from cameras
 constexpr int kCoarseFormatVersion = 3;  // of a character from layers whose sequences may have coarse geometry
+constexpr int kLiveFormatVersion = 4;    // of a live stream from cameras (live_manifest.h)
 constexpr int kMaxLayers = 6;
 constexpr int kMaxCameras = 31;  // a face's camera set is a 32-bit mask
 constexpr int kMaxPictureSide = 4096;
@@ -153,7 +154,7 @@ struct Character {
   const Sequence* find(const std::string& sequence_name) const;
 };
 
-// Validates everything that later stages index or allocate by. Errors: ManifestInvalid, Unsupported (newer version).
+// Validates everything that later stages index or allocate by. Errors: ManifestInvalid, Unsupported (newer version; live).
 Result<Character> readManifest(const FlatJson& gltf);
 
 }  // namespace fourdvt::package

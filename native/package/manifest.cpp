@@ -4,6 +4,7 @@
 
 #include "package/chunk_counts.h"
 #include "package/class_manifest.h"
+#include "package/manifest_fields.h"
 
 namespace fourdvt::package {
 namespace {
@@ -56,28 +57,11 @@ std::vector<Rect> readLayers(FieldReader& in, const std::string& at, int count, 
   return layers;
 }
 
-// layer_count: of all members; 0: from cameras.
 Rendition readRendition(FieldReader& in, const std::string& at, int layer_count) {
   Rendition rendition;
   rendition.video_uri = in.uri(at + "/uri");
   rendition.video_bytes = uint64_t(in.integer(at + "/byteLength", 1, kMaxBytes));
-  rendition.codec = in.text(at + "/codec", 64);
-  rendition.width = int(in.integer(at + "/width", 2, kMaxPictureSide));
-  rendition.height = int(in.integer(at + "/height", 2, kMaxPictureSide));
-  if (rendition.width % 2 || rendition.height % 2) in.fail(at, "width and height must be even");
-  if (layer_count > 0) {
-    rendition.layers = readLayers(in, at + "/layers", layer_count, rendition);
-  } else {
-    rendition.tiles = in.rect(at + "/tiles");
-    if (!inside(rendition.tiles, rendition.width, rendition.height))
-      in.fail(at + "/tiles", "must lie inside the picture");
-  }
-  rendition.barcode.rect = in.rect(at + "/barcode/rect");
-  rendition.barcode.cell_size = int(in.integer(at + "/barcode/cellSize", 2, 64));
-  if (!inside(rendition.barcode.rect, rendition.width, rendition.height) ||
-      rendition.barcode.rect.width != 32 * rendition.barcode.cell_size) {
-    in.fail(at + "/barcode", "must be 32 cells wide and inside the picture");
-  }
+  readPicture(in, at, layer_count, rendition);
   return rendition;
 }
 
@@ -115,14 +99,6 @@ void readMethod(FieldReader& in, const std::string& at, DrawingMethod& method) {
   if (in.has(at + "/sweepBand")) method.sweep_band_m = in.number(at + "/sweepBand", 1e-4, 1);
 }
 
-// What a sequence from cameras has instead of members.
-void readLayout(FieldReader& in, const std::string& at, Sequence& s) {
-  if (in.has(at + "/members")) in.fail(at + "/members", "cannot be: a character from cameras has no classes");
-  in.arraySize(at + "/layout", 2, 2);
-  s.layout_width = int(in.integer(at + "/layout/0", 1, kMaxLayoutSide));
-  s.layout_height = int(in.integer(at + "/layout/1", 1, kMaxLayoutSide));
-}
-
 void readCoarse(FieldReader& in, const std::string& at, Sequence& s) {
   s.coarse_renditions = uint32_t(in.integer(at + "/renditions", 1, double(s.renditions.size())));
   s.coarse_bytes = uint64_t(in.integer(at + "/byteLength", 1, double(s.stream_bytes)));
@@ -141,7 +117,10 @@ Sequence readSequence(FieldReader& in, const std::string& at, int version, int l
   s.stream_header_bytes = uint32_t(in.integer(at + "/stream/headerLength", 1, kMaxHeaderBytes));
   s.stream_header_hash = in.hash(at + "/stream/headerHash");
   if (s.stream_header_bytes > s.stream_bytes) in.fail(at + "/stream/headerLength", "exceeds the stream");
-  if (layer_count == 0) readLayout(in, at, s);
+  if (layer_count == 0) {
+    if (in.has(at + "/members")) in.fail(at + "/members", "cannot be: a character from cameras has no classes");
+    readLayout(in, at, s);
+  }
   readMembers(in, at, s);
   const int squares = int(s.members.size()) * layer_count;
   const int renditions = in.arraySize(at + "/renditions", 1, kMaxRenditions);
@@ -153,27 +132,18 @@ Sequence readSequence(FieldReader& in, const std::string& at, int version, int l
 }
 
 void readCharacter(FieldReader& in, const std::string& at, Character& c) {
-  c.name = in.text(at + "/name", 128);
   if (c.version == kCameraFormatVersion) {
     c.appearance = AppearanceKind::Cameras;
-    if (in.text(at + "/appearance", 64) != "cameras") in.fail(at + "/appearance", "must be \"cameras\" in version 2");
     if (in.has(at + "/graph")) in.fail(at + "/graph", "cannot be: a character from cameras has no motion graph");
   } else {
     c.layer_count = int(in.integer(at + "/layerCount", 1, kMaxLayers));
   }
-  c.vertex_count = uint32_t(in.integer(at + "/vertexCount", 3, kMaxCount));
-  c.face_count = uint32_t(in.integer(at + "/faceCount", 1, kMaxCount));
+  readBody(in, at, c);
   readFileOf(in, at + "/mesh", kMaxMeshBytes, c.mesh_uri, c.mesh_bytes, c.mesh_hash);
   c.mesh_offset = uint64_t(in.integer(at + "/mesh/byteOffset", 0, kMaxBytes));
   c.poster_uri = in.uri(at + "/poster/uri");
   if (in.has(at + "/graph")) readFileOf(in, at + "/graph", kMaxGraphBytes, c.graph_uri, c.graph_bytes, c.graph_hash);
   if (in.has(at + "/room")) readRoom(in, at + "/room", c.room);
-  if (c.version == kCameraFormatVersion && in.has(at + "/method")) readMethod(in, at + "/method", c.method);
-  c.bounds = readBox(in, at + "/bounds");
-  c.ground_y_m = in.number(at + "/groundY", -kMaxMetres, kMaxMetres);
-  if (in.has(at + "/lengthScale")) c.length_scale = in.number(at + "/lengthScale", 1e-6, 1e6);
-  const int cameras = in.arraySize(at + "/cameras", 1, kMaxCameras);
-  for (int k = 0; k < cameras; ++k) c.cameras.push_back(readCamera(in, item(at + "/cameras", k)));
   std::set<std::string> names;
   const int sequences = in.arraySize(at + "/sequences", 1, kMaxSequences);
   for (int s = 0; s < sequences && in.ok(); ++s) {
@@ -191,6 +161,47 @@ Error invalidManifest(const std::string& problem) {
 
 }  // namespace
 
+void readPicture(FieldReader& in, const std::string& at, int layer_count, Rendition& rendition) {
+  rendition.codec = in.text(at + "/codec", 64);
+  rendition.width = int(in.integer(at + "/width", 2, kMaxPictureSide));
+  rendition.height = int(in.integer(at + "/height", 2, kMaxPictureSide));
+  if (rendition.width % 2 || rendition.height % 2) in.fail(at, "width and height must be even");
+  if (layer_count > 0) {
+    rendition.layers = readLayers(in, at + "/layers", layer_count, rendition);
+  } else {
+    rendition.tiles = in.rect(at + "/tiles");
+    if (!inside(rendition.tiles, rendition.width, rendition.height))
+      in.fail(at + "/tiles", "must lie inside the picture");
+  }
+  rendition.barcode.rect = in.rect(at + "/barcode/rect");
+  rendition.barcode.cell_size = int(in.integer(at + "/barcode/cellSize", 2, 64));
+  if (!inside(rendition.barcode.rect, rendition.width, rendition.height) ||
+      rendition.barcode.rect.width != 32 * rendition.barcode.cell_size) {
+    in.fail(at + "/barcode", "must be 32 cells wide and inside the picture");
+  }
+}
+
+void readLayout(FieldReader& in, const std::string& at, Sequence& s) {
+  in.arraySize(at + "/layout", 2, 2);
+  s.layout_width = int(in.integer(at + "/layout/0", 1, kMaxLayoutSide));
+  s.layout_height = int(in.integer(at + "/layout/1", 1, kMaxLayoutSide));
+}
+
+void readBody(FieldReader& in, const std::string& at, Character& c) {
+  const bool from_cameras = c.appearance == AppearanceKind::Cameras;
+  c.name = in.text(at + "/name", 128);
+  if (from_cameras && in.text(at + "/appearance", 64) != "cameras")
+    in.fail(at + "/appearance", "must be \"cameras\" in this version");
+  c.vertex_count = uint32_t(in.integer(at + "/vertexCount", 3, kMaxCount));
+  c.face_count = uint32_t(in.integer(at + "/faceCount", 1, kMaxCount));
+  if (from_cameras && in.has(at + "/method")) readMethod(in, at + "/method", c.method);
+  c.bounds = readBox(in, at + "/bounds");
+  c.ground_y_m = in.number(at + "/groundY", -kMaxMetres, kMaxMetres);
+  if (in.has(at + "/lengthScale")) c.length_scale = in.number(at + "/lengthScale", 1e-6, 1e6);
+  const int cameras = in.arraySize(at + "/cameras", 1, kMaxCameras);
+  for (int k = 0; k < cameras; ++k) c.cameras.push_back(readCamera(in, item(at + "/cameras", k)));
+}
+
 const Sequence* Character::find(const std::string& sequence_name) const {
   for (const Sequence& s : sequences) {
     if (s.name == sequence_name) return &s;
@@ -206,6 +217,9 @@ Result<Character> readManifest(const FlatJson& gltf) {
   FieldReader in(gltf);
   Character character;
   character.version = int(in.integer(at + "/version", 1, 1 << 20));
+  if (character.version == kLiveFormatVersion)
+    return Error{ErrorId::Unsupported,
+                 "character.gltf: is of a live stream, which has no files; open its ws:// address"};
   if (in.ok() && character.version > kCoarseFormatVersion) {
     return Error{ErrorId::Unsupported, "character.gltf: format version " + std::to_string(character.version) +
                                            " is newer than this player; update the player"};
