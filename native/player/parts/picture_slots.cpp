@@ -53,6 +53,12 @@ void PictureSlots::commit(int number, bool in_use) {
   if (!in_use) slot.release();
 }
 
+void PictureSlots::drop(int number) {
+  Slot& slot = at(number);
+  if (slot.use == Slot::Use::Ready) slot.use = Slot::Use::Free;
+  if (slot.use == Slot::Use::Filling) slot.rejected = true;
+}
+
 void PictureSlots::show(int number) {
   for (Slot& slot : slots_)
     if (slot.use == Slot::Use::Shown || (slot.use == Slot::Use::Ready && slot.k < k(number)))

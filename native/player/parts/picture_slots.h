@@ -29,6 +29,7 @@ class PictureSlots {
   void reject(int slot) { at(slot).rejected = true; }  // what it is being filled with must not be shown
   // It is filled: ready from now on, or free again if nobody wants it. Not `in_use`: its texture is freed.
   void commit(int slot, bool in_use);
+  void drop(int slot);  // nobody wants its picture any more; one on screen stays
   // Puts a ready picture on screen; frees the one before and the ready ones that it overtakes.
   void show(int slot);
 

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+// Plays a live stream of a person from cameras: the edge hands over the manifest and then every frame as it comes.
+// Shows the newest frame whose picture and surface are both there, and never a picture with another frame's surface;
+// older ones are left out. Decodes after a key only; after a gap, a lost decoder or too many waiting frames it waits
+// for one. Holds at most a few frames. Does NOT fetch, connect or reconnect, own a clock or seek. Order of calls as of
+// player.h, with onLiveFrame in place of fetches. Paused, it holds the shown frame and goes on decoding, so that `play`
+// shows the newest at once. Out of sight it holds its decoder until the stream stops (onLiveGap).
+#pragma once
+
+#include <deque>
+#include <optional>
+
+#include "package/live_frame.h"
+#include "package/live_manifest.h"
+#include "player/parts/figure_composer.h"
+#include "player/parts/picture_slots.h"
+#include "player/parts/playback.h"
+#include "player/player.h"
+
+namespace fourdvt {
+
+class LivePlayer final : public Player {
+ public:
+  // options: with `cameras`. Errors: InvalidArgument.
+  static Result<std::unique_ptr<LivePlayer>> create(gpu::Device& device, std::shared_ptr<render::Recipe> recipe,
+                                                    const PlayerOptions& options);
+
+  // One message of the stream, which may hold anything. Errors: as of package::readLiveFrame; InvalidArgument: no
+  // manifest yet. After one the stream is of no use: connect again. A surface that does not decode is an Error event.
+  Status onLiveFrame(std::span<const uint8_t> bytes);
+  // The connection is lost, or a new one begins: what waits is forgotten, the next frame must be a key.
+  void onLiveGap();
+  // By the server's clock, since 1970, of the shown frame; 0: none is shown.
+  int64_t capturedUs() const { return hasFrame() ? shown_.captured_us : 0; }
+
+  Status loadManifest(const FlatJson& manifest, std::span<const uint8_t> start) override;
+  bool hasMesh() const override { return true; }
+  void play() override;
+  void pause() override { playback_.pause(); }
+  void seekFrame(uint32_t) override { seek(0); }
+  void seek(double) override;  // there is only now
+  Status selectSequence(const std::string& name) override;
+  void setRate(double) override {}
+  void setLoop(int) override {}
+  Status setParameter(const std::string& name, double, bool) override;
+  double parameter(const std::string&) const override;
+  Status goTo(const std::string& state) override { return selectSequence(state); }
+  bool inTransition() const override { return false; }
+  std::string goal() const override;
+  void setTravel(bool) override {}
+  void setPlacement(const motion::Placement& placement) override { placement_ = placement; }
+  motion::Placement placement() const override { return placement_; }
+  void steer(double) override {}
+  void setAlign(render::Align) override {}
+  void setMethod(const render::MethodOptions& options) override { method_ = options; }
+  void setQuality(uint32_t, uint32_t) override {}
+  void judgeRendition(uint32_t, uint32_t, bool) override {}
+  void lookAhead(bool) override {}
+  void tick(double now_s) override;
+  bool nextRequest(Request& out) override;
+  bool nextEvent(Event& out) override { return outbox_.nextEvent(out); }
+  void onRangeReceived(uint32_t, std::span<const uint8_t>) override {}
+  void onRangeFailed(uint32_t, const std::string&) override {}
+  int acquireSlot(int decoder, int64_t timestamp_us) override;
+  void uploadI420(int slot, const I420View& picture) override;
+  gpu::TextureId slotTexture(int slot) const override;
+  void commitSlot(int slot) override;
+  void onDecoderFailed(int decoder, DecoderFault fault, const std::string& reason) override;
+  void setInSight(bool in_sight) override { in_sight_ = in_sight; }
+  bool hasFrame() const override { return shown_.slot >= 0; }
+  Result<render::Figure> figure() const override;
+  render::Align align() const override { return render::Align::None; }
+  const render::MethodOptions& method() const override { return method_; }
+  bool makeNextProgram(const render::RecipeOptions&) override { return false; }
+  Status draw(const render::View& view, const render::RecipeOptions& options, gpu::TargetId target) override;
+  const package::Character* character() const override { return live_ ? &live_->character : nullptr; }
+  const package::Sequence* sequence() const override { return live_ ? &live_->character.sequences[0] : nullptr; }
+  uint32_t frame() const override { return shown_.number; }
+  double currentTime() const override;  // since the first frame, by capture
+  bool paused() const override { return !playback_.playing(); }
+  bool seeking() const override { return !hasFrame(); }
+  bool failed() const override { return failed_; }
+  PlayerStats stats() const override;
+
+ private:
+  // A frame that has come and is not shown yet, in the order of coming.
+  struct Frame {
+    int64_t serial = 0;  // names the picture to decoder and slots; never repeats
+    uint32_t number = 0;
+    bool key = false;
+    int64_t captured_us = 0;
+    std::vector<uint8_t> chunk, sample;
+    bool fed = false;
+    int slot = -1;     // that its picture is in; -1: has not come
+    bool bad = false;  // the picture is not to be shown
+  };
+  struct Shown {
+    int slot = -1;
+    int64_t serial = -1;
+    uint32_t number = 0;
+    int64_t captured_us = 0;
+  };
+
+  LivePlayer(gpu::Device& device, std::shared_ptr<render::Recipe> recipe, const PlayerOptions& options);
+  const package::Rendition& rendition() const { return sequence()->renditions[0]; }
+  bool admit(bool key);
+  void leaveOut(std::deque<Frame>::iterator first, std::deque<Frame>::iterator end);
+  void forget();
+  int freeSlotFor(int64_t serial);
+  Frame* frameIn(int slot);
+  void rejectPicture(Frame& frame, const char* reason);
+  void lose(DecoderFault fault, const std::string& reason);
+  void fail(Error error);
+  bool showNewest();
+  bool show(const Frame& frame);
+
+  gpu::Device& device_;
+  std::shared_ptr<render::Recipe> recipe_;
+  const CameraParts* cameras_;
+  Outbox outbox_;
+  Playback playback_;
+  PictureSlots slots_;
+  ShownFrame surface_;
+  FigureComposer composer_;
+  std::optional<package::LiveCharacter> live_;
+  std::deque<Frame> frames_;
+  std::vector<uint8_t> feeding_;  // the sample that the edge was given last
+  std::optional<uint32_t> last_number_;
+  int64_t next_serial_ = 0, fed_serial_ = -1, answered_serial_ = -1;
+  bool needs_key_ = true, configured_ = false, in_sight_ = true, failed_ = false;
+  int losses_ = 0, bad_pictures_ = 0;  // in a row
+  Shown shown_;
+  int64_t first_captured_us_ = 0;
+  double shown_at_s_ = 0;
+  motion::Placement placement_;
+  render::MethodOptions method_;
+  PlayerStats stats_;  // without encoded_bytes_held
+};
+
+}  // namespace fourdvt
