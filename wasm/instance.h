@@ -15,6 +15,8 @@
 
 namespace fourdvt {
 
+class LivePlayer;
+
 // What the characters of one canvas share.
 struct Canvas {
   EMSCRIPTEN_WEBGL_CONTEXT_HANDLE context = 0;
@@ -39,6 +41,7 @@ struct Records {
 struct Instance {
   std::shared_ptr<Canvas> canvas;
   std::unique_ptr<Player> player;  // destroyed before the canvas
+  LivePlayer* live = nullptr;      // the player, if it plays a live stream
   FlatJson manifest;               // filled value by value until fdvt_load
   render::RecipeOptions options;
   std::vector<uint8_t> chroma;  // planes u and v of an NV12 picture

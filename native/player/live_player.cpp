@@ -115,7 +115,7 @@ bool LivePlayer::admit(bool key) {
 void LivePlayer::leaveOut(std::deque<Frame>::iterator first, std::deque<Frame>::iterator end) {
   for (auto frame = first; frame != end; ++frame) {
     if (frame->slot >= 0) slots_.drop(frame->slot);
-    ++stats_.frames_late;
+    stats_.frames_late += playback_.playing();
   }
   frames_.erase(first, end);
 }
