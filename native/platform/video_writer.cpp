@@ -25,7 +25,11 @@ Image overBlack(const Image& picture) {
 class FfmpegWriter final : public VideoWriter {
  public:
   FfmpegWriter(const std::string& path, const VideoFormat& format)
-      : path_(path), partial_(path + ".part"), format_(format), colour_(format.channels == 3) {}
+      : path_(path),
+        partial_(path + ".part"),
+        format_(format),
+        colour_(format.channels == 3),
+        mp4_(colour_ && !path.ends_with(".mkv")) {}
 
   ~FfmpegWriter() override {
     if (file_ && file_->pb) avio_closep(&file_->pb);
@@ -41,7 +45,7 @@ class FfmpegWriter final : public VideoWriter {
     encoder_.reset(avcodec_alloc_context3(codec));
     configure();
     if (const int code = avcodec_open2(encoder_.get(), codec, nullptr); code < 0) return failed(code);
-    const char* container = colour_ ? "mp4" : "matroska";
+    const char* container = mp4_ ? "mp4" : "matroska";
     if (const int code = avformat_alloc_output_context2(&file_, nullptr, container, partial_.c_str()); code < 0)
       return failed(code);
     file_->flags |= AVFMT_FLAG_BITEXACT;
@@ -109,7 +113,7 @@ class FfmpegWriter final : public VideoWriter {
 
   Status writeHeader() {
     AVDictionary* options = nullptr;
-    if (colour_) av_dict_set(&options, "movflags", "+faststart", 0);
+    if (mp4_) av_dict_set(&options, "movflags", "+faststart", 0);
     const int code = avformat_write_header(file_, &options);
     av_dict_free(&options);
     return code < 0 ? Status(failed(code)) : Status();
@@ -149,7 +153,7 @@ class FfmpegWriter final : public VideoWriter {
 
   const std::string path_, partial_;
   const VideoFormat format_;
-  const bool colour_;
+  const bool colour_, mp4_;
   AvCodec encoder_;
   AvFrame frame_;
   Image flat_;  // scratch

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures → a video file: H.264 .mp4 (libx264, BT.709 limited range, 4:2:0, faststart) of RGB, or lossless FFV1 .mkv
-// of one channel. The file appears under its name only when finish() succeeded. Does NOT scale.
+// Pictures → a video file: H.264 (libx264, BT.709 limited range, 4:2:0) of RGB, as .mp4 (faststart) or .mkv, or
+// lossless FFV1 .mkv of one channel. The file appears under its name only when finish() succeeded; until then it is
+// NAME.part, which of an .mkv can be played should the program die. Does NOT scale.
 #pragma once
 
 #include <memory>

@@ -131,6 +131,30 @@ size_t dropNeedless(TriangleMesh& mesh, std::span<const Silhouette* const> silho
   });
 }
 
+size_t dropUnseen(TriangleMesh& mesh, std::span<const PinholeCamera> cameras, size_t least_cameras) {
+  std::vector<uint8_t> seen(mesh.positions.size());
+  for (size_t v = 0; v < seen.size(); ++v) {
+    size_t count = 0;
+    for (const PinholeCamera& camera : cameras) {
+      const glm::dvec3 p = camera.project(glm::dvec3(mesh.positions[v]));
+      count += p.z > 0 && p.x >= 0 && p.y >= 0 && p.x <= camera.width && p.y <= camera.height;
+    }
+    seen[v] = count >= least_cameras;
+  }
+  if (std::find(seen.begin(), seen.end(), uint8_t(0)) == seen.end()) return 0;
+  const std::vector<Component> components = componentsOf(mesh);
+  std::vector<bool> keep;
+  for (const Component& component : components) {
+    size_t corners = 0;
+    for (const uint32_t f : component.faces)
+      for (int k = 0; k < 3; ++k) corners += seen[mesh.faces[f][k]];
+    keep.push_back(2 * corners >= 3 * component.faces.size());
+  }
+  const auto dropped = size_t(std::count(keep.begin(), keep.end(), false));
+  if (dropped > 0) keepOnly(mesh, components, keep);
+  return dropped;
+}
+
 size_t dropHollows(TriangleMesh& mesh) {
   return dropOthers(mesh, [](const std::vector<Component>& components, std::vector<bool>& keep) {
     for (size_t i = 1; i < components.size(); ++i) keep[i] = components[i].volume_m3 >= 0;

@@ -4,6 +4,7 @@
 
 #include <span>
 
+#include "base/camera.h"
 #include "base/mesh.h"
 #include "reconstruct/silhouette.h"
 
@@ -18,6 +19,10 @@ size_t dropSpecks(TriangleMesh& mesh, double least_volume_m3);
 // Leaves out specks, and phantoms: components that in every camera lie behind or before larger ones, for at least nine
 // tenths of their picture, so that no silhouette needs them.
 size_t dropNeedless(TriangleMesh& mesh, std::span<const Silhouette* const> silhouettes, double least_volume_m3);
+
+// Leaves out components of which fewer than half of the vertices fall into the pictures of at least `least_cameras`:
+// nothing carves there. Returns the number of components that were left out, which may be all.
+size_t dropUnseen(TriangleMesh& mesh, std::span<const PinholeCamera> cameras, size_t least_cameras);
 
 // Leaves out hollows: no camera sees into them.
 size_t dropHollows(TriangleMesh& mesh);

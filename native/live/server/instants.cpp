@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "live/server/instants.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fourdvt::live {
+namespace {
+
+constexpr double kKeepsSlot = 0.65;           // slots: a camera at the border of two stays with one up to here
+constexpr int64_t kAhead_us = 500'000;        // pictures from farther in the future are not believed
+constexpr int64_t kClockBack_us = 2'000'000;  // the server's own clock was set back
+constexpr int kSlow = 8;                      // late pictures in a row: the camera is not waited for
+
+}  // namespace
+
+size_t Instant::count() const {
+  return size_t(std::count_if(pictures.begin(), pictures.end(), [](const auto& p) { return p != nullptr; }));
+}
+
+Instants::Instants(const InstantRules& rules)
+    : rules_(rules),
+      period_us_(1e6 / rules.fps),
+      most_slots_(size_t(std::max(8.0, std::ceil(rules.wait_s * rules.fps) + 4))),
+      cameras_(rules.cameras) {}
+
+void Instants::setConnected(size_t camera, bool connected) {
+  const uint64_t late = cameras_[camera].late;
+  cameras_[camera] = {};
+  cameras_[camera].connected = connected;
+  cameras_[camera].late = late;
+}
+
+bool Instants::lost(size_t camera, int64_t now_us) const {
+  const Camera& c = cameras_[camera];
+  return c.connected && (!c.seen || double(now_us - c.came_us) > 1e6 * rules_.lost_s);
+}
+
+bool Instants::waitedFor(size_t camera, int64_t now_us) const {
+  return cameras_[camera].connected && !lost(camera, now_us) && cameras_[camera].slow < kSlow;
+}
+
+int64_t Instants::timeOf(int64_t slot) const { return std::llround(double(slot) * period_us_); }
+
+// The nearest slot; or the one after the camera's last, where the camera is steadily near the border of two.
+int64_t Instants::slotOf(Camera& camera, int64_t captured_us) const {
+  const double at = double(captured_us) / period_us_;
+  int64_t slot = std::llround(at);
+  if (camera.seen) {
+    const int64_t next = camera.slot + std::llround(double(captured_us - camera.time_us) / period_us_);
+    if (std::abs(at - double(next)) < kKeepsSlot) slot = next;
+  }
+  camera.slot = slot;
+  camera.time_us = captured_us;
+  return slot;
+}
+
+void Instants::begin(int64_t now_us) {
+  if (closed_ == INT64_MIN || timeOf(closed_) < now_us + kClockBack_us) return;
+  slots_.clear();
+  closed_ = INT64_MIN;
+}
+
+bool Instants::add(size_t camera, std::shared_ptr<const TimedPicture> picture, int64_t now_us) {
+  begin(now_us);
+  Camera& c = cameras_[camera];
+  const int64_t captured_us = picture->captured_us;
+  const bool believed = captured_us <= now_us + kAhead_us && captured_us > now_us - kAhead_us * 60;
+  const int64_t slot = believed ? slotOf(c, captured_us) : INT64_MIN;
+  c.seen = true;
+  c.came_us = now_us;
+  c.slow = double(now_us - captured_us) > 1e6 * rules_.wait_s ? std::min(c.slow + 1, kSlow) : 0;
+  if (!believed || slot <= closed_) {
+    ++c.late;
+    return false;
+  }
+  Slot& at = slots_[slot];
+  at.resize(cameras_.size());
+  const auto away = [&](const TimedPicture& p) { return std::abs(p.captured_us - timeOf(slot)); };
+  if (!at[camera] || away(*picture) < away(*at[camera])) at[camera] = std::move(picture);
+  if (slots_.size() > most_slots_) {  // nobody took them
+    closed_ = slots_.begin()->first;
+    slots_.erase(slots_.begin());
+    ++skipped_;
+  }
+  return slot > closed_;
+}
+
+bool Instants::complete(const Slot& slot, int64_t now_us) const {
+  for (size_t c = 0; c < cameras_.size(); ++c)
+    if (!slot[c] && waitedFor(c, now_us)) return false;
+  return true;
+}
+
+Instant Instants::made(int64_t number, const Slot& slot, bool complete) const {
+  Instant out{number, 0, slot, complete};
+  int64_t sum_us = 0;  // of differences
+  for (const auto& p : slot)
+    if (p) sum_us += p->captured_us - timeOf(number);
+  out.captured_us = timeOf(number) + sum_us / int64_t(std::max<size_t>(out.count(), 1));
+  return out;
+}
+
+std::optional<Instants::Taken> Instants::take(int64_t now_us) {
+  begin(now_us);
+  const auto overdue = [&](int64_t slot) { return double(now_us - timeOf(slot)) >= 1e6 * rules_.wait_s; };
+  const auto enough = [&](const Slot& slot) {
+    return size_t(std::count(slot.begin(), slot.end(), nullptr)) + kFewestPictures <= slot.size();
+  };
+  auto newest = slots_.end();
+  for (auto it = slots_.begin(); it != slots_.end(); ++it)
+    if (enough(it->second) && (overdue(it->first) || complete(it->second, now_us))) newest = it;
+  std::optional<Taken> out;
+  if (newest != slots_.end()) {
+    out.emplace();
+    for (auto it = slots_.begin(); it != newest; ++it) {
+      const bool whole = complete(it->second, now_us);
+      enough(it->second) ? ++skipped_ : ++too_few_;
+      if (whole && enough(it->second)) out->skipped.push_back(made(it->first, it->second, true));
+    }
+    out->instant = made(newest->first, newest->second, complete(newest->second, now_us));
+    closed_ = newest->first;
+    slots_.erase(slots_.begin(), std::next(newest));
+  }
+  while (!slots_.empty() && overdue(slots_.begin()->first)) {  // too few pictures
+    closed_ = slots_.begin()->first;
+    slots_.erase(slots_.begin());
+    ++too_few_;
+  }
+  return out;
+}
+
+std::optional<int64_t> Instants::due_us() const {
+  if (slots_.empty()) return std::nullopt;
+  return timeOf(slots_.begin()->first) + std::llround(1e6 * rules_.wait_s);
+}
+
+}  // namespace fourdvt::live

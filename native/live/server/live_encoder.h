@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// H.264 for live use: every picture comes out as one Annex B sample before the next goes in, in order; keys where they
+// are wanted, each with its parameter sets. Does NOT choose where keys are, besides the first.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/image.h"
+#include "base/result.h"
+
+namespace fourdvt::live {
+
+struct EncoderRules {
+  int width = 0, height = 0;  // even
+  double fps = 25;
+  int crf = 23;
+  const char* preset = "superfast";  // libx264's
+  int threads = 1;
+};
+
+struct EncodedPicture {
+  bool key = false;
+  std::vector<uint8_t> sample;
+};
+
+class LiveEncoder {
+ public:
+  // Errors: Unsupported (this FFmpeg has no libx264, with what to install), InvalidArgument (what libx264 refuses).
+  static Result<std::unique_ptr<LiveEncoder>> create(const EncoderRules& rules);
+  virtual ~LiveEncoder() = default;
+  // A BT.709, limited-range picture of the rules' size. Errors: Internal; the next picture is a key then.
+  virtual Result<EncodedPicture> encode(const I420View& picture, bool key) = 0;
+  virtual void setCrf(int crf) = 0;              // from the next key on
+  virtual const std::string& codec() const = 0;  // RFC 6381, "avc1.…", as the parameter sets say; the same for life
+};
+
+}  // namespace fourdvt::live

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "live/server/live_hull.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "reconstruct/components.h"
+#include "reconstruct/contour_simplify.h"
+#include "reconstruct/hull_planes.h"
+#include "reconstruct/polyhedral_hull.h"
+#include "reconstruct/simplify.h"
+
+namespace fourdvt::live {
+namespace {
+
+using reconstruct::Ring, reconstruct::SilhouetteCone;
+
+constexpr double kSpeck_m3 = 3e-6;         // as of offline hulls
+constexpr double kSecondTolerance_px = 2;  // of the attempt with fewer points
+constexpr int kSmallWidth = 96;            // pixels
+constexpr size_t kFewestCarving = 2;
+
+double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
+
+bool cross(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c, const glm::dvec2& d) {
+  return cross(b - a, c - a) * cross(b - a, d - a) < 0 && cross(d - c, a - c) * cross(d - c, b - c) < 0;
+}
+
+// Whether edges of the rings cross each other: no hull has such an outline.
+bool crosses(const std::vector<Ring>& rings) {
+  struct Edge {
+    glm::dvec2 from, to;
+  };
+  std::vector<Edge> edges;
+  for (const Ring& ring : rings)
+    for (size_t i = 0; i < ring.size(); ++i) edges.push_back({ring[i], ring[(i + 1) % ring.size()]});
+  for (size_t i = 0; i < edges.size(); ++i)
+    for (size_t k = i + 1; k < edges.size(); ++k)
+      if (cross(edges[i].from, edges[i].to, edges[k].from, edges[k].to)) return true;
+  return false;
+}
+
+// Cones of some of a rig's cameras, and the attempts to make a hull of them.
+class Attempts {
+ public:
+  Attempts(const LiveHullRules& rules, std::vector<SilhouetteCone> cones, std::vector<size_t> cameras)
+      : rules_(rules), cones_(std::move(cones)), cameras_(std::move(cameras)) {}
+
+  Result<LiveHull> run() {
+    if (tryOut(cones_)) return std::move(out_);
+    for (SilhouetteCone& cone : cones_) reconstruct::simplifyRings(cone.outline.rings, kSecondTolerance_px);
+    if (inTime() && tryOut(cones_)) return std::move(out_);
+    for (size_t k = cones_.size(); k-- > 0 && cones_.size() > kFewestCarving;)
+      if (crosses(cones_[k].outline.rings)) leaveOut(k);
+    if (!out_.left_out.empty() && inTime() && tryOut(cones_)) return std::move(out_);
+    for (size_t k = 0; k < cones_.size() && cones_.size() > kFewestCarving && inTime(); ++k) {
+      std::vector<SilhouetteCone> others = cones_;
+      others.erase(others.begin() + long(k));
+      if (!tryOut(others)) continue;
+      out_.left_out.push_back(cameras_[k]);
+      return std::move(out_);
+    }
+    return Error{ErrorId::Internal, "the outlines make no closed hull; check the cameras' mattes on the console"};
+  }
+
+ private:
+  bool tryOut(const std::vector<SilhouetteCone>& cones) {
+    ++attempts_;
+    auto hull = reconstruct::polyhedralHull(cones, rules_.bounds);
+    if (!hull.ok()) return false;
+    out_.mesh = std::move(hull.value().mesh);
+    out_.attempts = attempts_;
+    return true;
+  }
+
+  void leaveOut(size_t k) {
+    out_.left_out.push_back(cameras_[k]);
+    cones_.erase(cones_.begin() + long(k));
+    cameras_.erase(cameras_.begin() + long(k));
+  }
+
+  bool inTime() const {
+    const auto gone = std::chrono::steady_clock::now() - began_;
+    return std::chrono::duration<double, std::milli>(gone).count() < rules_.most_ms;
+  }
+
+  const LiveHullRules& rules_;
+  std::vector<SilhouetteCone> cones_;
+  std::vector<size_t> cameras_;  // of the cones
+  LiveHull out_;
+  int attempts_ = 0;
+  const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+reconstruct::Outline outlineFrom(const std::vector<Ring16>& rings) {
+  reconstruct::Outline out;
+  for (const Ring16& ring : rings) {
+    Ring& points = out.rings.emplace_back();
+    for (const Point16& p : ring)
+      if (const glm::dvec2 at = glm::dvec2(p.x, p.y) / kPointsPerPixel; points.empty() || at != points.back())
+        points.push_back(at);
+    while (points.size() > 1 && points.front() == points.back()) points.pop_back();
+    if (points.size() < 3) out.rings.pop_back();
+  }
+  return out;
+}
+
+HullMaker::HullMaker(std::vector<PinholeCamera> cameras, const LiveHullRules& rules)
+    : cameras_(std::move(cameras)), rules_(rules) {
+  for (const PinholeCamera& camera : cameras_)
+    small_cameras_.push_back(reducedCamera(camera, std::max(1, camera.width / kSmallWidth)));
+}
+
+Result<HullMaker> HullMaker::create(std::vector<PinholeCamera> cameras, const LiveHullRules& rules) {
+  std::vector<SilhouetteCone> cones;
+  for (const PinholeCamera& camera : cameras) cones.push_back({camera, {}});
+  if (const auto planes = reconstruct::hullPlanes(cones, rules.bounds); !planes.ok())
+    return Error{ErrorId::InvalidArgument, planes.error().message + "; correct \"bounds\" of the rig or its cameras"};
+  return HullMaker(std::move(cameras), rules);
+}
+
+Result<LiveHull> HullMaker::make(std::span<const std::vector<Ring16>* const> rings) const {
+  std::vector<SilhouetteCone> cones;
+  std::vector<size_t> cameras;
+  for (size_t c = 0; c < cameras_.size(); ++c) {
+    if (!rings[c] || rings[c]->empty()) continue;
+    SilhouetteCone cone{cameras_[c], outlineFrom(*rings[c])};
+    if (cone.outline.rings.empty()) continue;
+    cones.push_back(std::move(cone));
+    cameras.push_back(c);
+  }
+  if (cones.size() < kFewestCarving)
+    return Error{ErrorId::NothingVisible, "fewer than two cameras have an outline; check them on the console"};
+  FOURDVT_ASSIGN(auto hull, Attempts(rules_, std::move(cones), std::move(cameras)).run());
+  clean(hull.mesh);
+  return hull;
+}
+
+void HullMaker::clean(TriangleMesh& mesh) const {
+  if (mesh.faces.empty()) return;
+  reconstruct::dropUnseen(mesh, cameras_, kFewestCarving);
+  reconstruct::dropHollows(mesh);
+  reconstruct::dropSpecks(mesh, kSpeck_m3);
+  std::vector<reconstruct::Silhouette> views;  // their coverage is not looked at
+  for (const PinholeCamera& camera : small_cameras_) views.push_back({camera, {}});
+  std::vector<const reconstruct::Silhouette*> pointers;
+  for (const auto& view : views) pointers.push_back(&view);
+  reconstruct::dropNeedless(mesh, pointers, kSpeck_m3);
+  reconstruct::simplify(mesh, rules_.most_triangles);
+}
+
+}  // namespace fourdvt::live

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// The polyhedral hull of one instant's outlines, under the hurry of live use: what does not close is tried again with
+// fewer points, then without one of the cameras. Does NOT keep anything from one instant to the next.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "base/camera.h"
+#include "base/mesh.h"
+#include "base/result.h"
+#include "live/protocol/camera_messages.h"
+#include "reconstruct/contour.h"
+
+namespace fourdvt::live {
+
+struct LiveHullRules {
+  BoundingBox bounds;  // metres; nothing outside is reconstructed
+  size_t most_triangles = 20000;
+  double most_ms = 100;  // after so long no further attempt begins
+};
+
+struct LiveHull {
+  TriangleMesh mesh;             // no faces: all cameras together see nobody
+  std::vector<size_t> left_out;  // cameras whose outlines were of no use
+  int attempts = 1;
+};
+
+reconstruct::Outline outlineFrom(const std::vector<Ring16>& rings);
+
+class HullMaker {
+ public:
+  // Errors: InvalidArgument (bounds, or a camera that lies within them or where another one is).
+  static Result<HullMaker> create(std::vector<PinholeCamera> cameras, const LiveHullRules& rules);
+  // rings: per camera; null: it has no picture of this instant. A camera without rings carves nothing. Errors:
+  // NothingVisible (fewer than two cameras carve), Internal (no attempt closed).
+  Result<LiveHull> make(std::span<const std::vector<Ring16>* const> rings) const;
+
+ private:
+  HullMaker(std::vector<PinholeCamera> cameras, const LiveHullRules& rules);
+  void clean(TriangleMesh& mesh) const;
+
+  std::vector<PinholeCamera> cameras_, small_cameras_;  // small: of reduced pictures, in which phantoms are judged
+  LiveHullRules rules_;
+};
+
+}  // namespace fourdvt::live
