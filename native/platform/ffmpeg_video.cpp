@@ -8,60 +8,13 @@
 #include <vector>
 
 #include "platform/ffmpeg_handles.h"
+#include "platform/frame_colour.h"
 
 namespace fourdvt::platform {
 namespace {
 
 Error unreadable(const std::string& path, const std::string& what) {
   return {ErrorId::FileUnreadable, path + ": " + what + "; re-encode the video (H.264 in MP4 works everywhere)"};
-}
-
-// yuvj formats are the plain ones with full range.
-AVPixelFormat plainFormat(AVPixelFormat format) {
-  switch (format) {
-    case AV_PIX_FMT_YUVJ420P:
-      return AV_PIX_FMT_YUV420P;
-    case AV_PIX_FMT_YUVJ422P:
-      return AV_PIX_FMT_YUV422P;
-    case AV_PIX_FMT_YUVJ444P:
-      return AV_PIX_FMT_YUV444P;
-    case AV_PIX_FMT_YUVJ440P:
-      return AV_PIX_FMT_YUV440P;
-    default:
-      return format;
-  }
-}
-
-bool isGray(const AVPixFmtDescriptor& format) {
-  return format.nb_components <= 2 && !(format.flags & AV_PIX_FMT_FLAG_RGB);
-}
-
-// Unspecified range: full for gray (mattes are coverage, not luma) and RGB, limited for YUV.
-bool isFullRange(const AVFrame& frame, const AVPixFmtDescriptor& format) {
-  if (plainFormat(static_cast<AVPixelFormat>(frame.format)) != frame.format) return true;
-  if (frame.color_range != AVCOL_RANGE_UNSPECIFIED) return frame.color_range == AVCOL_RANGE_JPEG;
-  return isGray(format) || (format.flags & AV_PIX_FMT_FLAG_RGB);
-}
-
-constexpr int kStandardDefinitionLines = 576;
-
-int swsMatrix(const AVFrame& frame) {
-  switch (frame.colorspace) {
-    case AVCOL_SPC_SMPTE170M:
-    case AVCOL_SPC_BT470BG:
-      return SWS_CS_ITU601;
-    case AVCOL_SPC_FCC:
-      return SWS_CS_FCC;
-    case AVCOL_SPC_SMPTE240M:
-      return SWS_CS_SMPTE240M;
-    case AVCOL_SPC_BT2020_NCL:
-    case AVCOL_SPC_BT2020_CL:
-      return SWS_CS_BT2020;
-    case AVCOL_SPC_UNSPECIFIED:  // standard definition is BT.601 by custom
-      return frame.height <= kStandardDefinitionLines ? SWS_CS_ITU601 : SWS_CS_ITU709;
-    default:
-      return SWS_CS_ITU709;
-  }
 }
 
 std::array<uint8_t, 256> lumaTable(bool full_range) {
@@ -199,29 +152,12 @@ class FileSource final : public VideoSource {
   Result<std::optional<Image>> picture() {
     const auto* format = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame_->format));
     if (!format) return unreadable(path_, "unknown pixel format");
-    const bool full = isFullRange(*frame_, *format);
     const bool luma_first = !(format->flags & (AV_PIX_FMT_FLAG_RGB | AV_PIX_FMT_FLAG_PAL)) &&
                             format->comp[0].depth == 8 && format->comp[0].step == 1 && format->comp[0].plane == 0;
-    if (channels_ == 1 && luma_first) return std::optional<Image>(lumaPlane(*frame_, full));
-    FOURDVT_ASSIGN(auto rgb, toRgb(full));
+    if (channels_ == 1 && luma_first) return std::optional<Image>(lumaPlane(*frame_, isFullRange(*frame_, *format)));
+    Image rgb;
+    if (!converter_.convert(*frame_, rgb)) return unreadable(path_, "the picture does not convert to RGB");
     return std::optional<Image>(channels_ == 1 ? grayFromRgb(rgb) : std::move(rgb));
-  }
-
-  Result<Image> toRgb(bool full_range) {
-    const auto format = plainFormat(static_cast<AVPixelFormat>(frame_->format));
-    scaler_.reset(sws_getCachedContext(
-        scaler_.release(), frame_->width, frame_->height, format, frame_->width, frame_->height, AV_PIX_FMT_RGB24,
-        SWS_BICUBIC | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP, nullptr, nullptr, nullptr));
-    if (!scaler_) return unreadable(path_, "unsupported pixel format");
-    sws_setColorspaceDetails(scaler_.get(), sws_getCoefficients(swsMatrix(*frame_)), full_range,
-                             sws_getCoefficients(SWS_CS_ITU709), 1, 0, 1 << 16, 1 << 16);
-    Image image(frame_->width, frame_->height, 3);
-    uint8_t* planes[4] = {image.pixels.data(), nullptr, nullptr, nullptr};
-    const int strides[4] = {image.width * 3, 0, 0, 0};
-    if (sws_scale(scaler_.get(), frame_->data, frame_->linesize, 0, frame_->height, planes, strides) <= 0) {
-      return unreadable(path_, "the picture does not convert to RGB");
-    }
-    return image;
   }
 
   std::string path_;
@@ -231,7 +167,7 @@ class FileSource final : public VideoSource {
   AvCodec codec_;
   AvFrame frame_{av_frame_alloc()};
   AvPacket packet_{av_packet_alloc()};
-  SwsScaler scaler_;
+  RgbConverter converter_;
 };
 
 }  // namespace

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "platform/frame_colour.h"
+
+namespace fourdvt::platform {
+namespace {
+
+// yuvj formats are the plain ones with full range.
+AVPixelFormat plainFormat(AVPixelFormat format) {
+  switch (format) {
+    case AV_PIX_FMT_YUVJ420P:
+      return AV_PIX_FMT_YUV420P;
+    case AV_PIX_FMT_YUVJ422P:
+      return AV_PIX_FMT_YUV422P;
+    case AV_PIX_FMT_YUVJ444P:
+      return AV_PIX_FMT_YUV444P;
+    case AV_PIX_FMT_YUVJ440P:
+      return AV_PIX_FMT_YUV440P;
+    default:
+      return format;
+  }
+}
+
+bool isGray(const AVPixFmtDescriptor& format) {
+  return format.nb_components <= 2 && !(format.flags & AV_PIX_FMT_FLAG_RGB);
+}
+
+constexpr int kStandardDefinitionLines = 576;
+
+int swsMatrix(const AVFrame& frame) {
+  switch (frame.colorspace) {
+    case AVCOL_SPC_SMPTE170M:
+    case AVCOL_SPC_BT470BG:
+      return SWS_CS_ITU601;
+    case AVCOL_SPC_FCC:
+      return SWS_CS_FCC;
+    case AVCOL_SPC_SMPTE240M:
+      return SWS_CS_SMPTE240M;
+    case AVCOL_SPC_BT2020_NCL:
+    case AVCOL_SPC_BT2020_CL:
+      return SWS_CS_BT2020;
+    case AVCOL_SPC_UNSPECIFIED:  // standard definition is BT.601 by custom
+      return frame.height <= kStandardDefinitionLines ? SWS_CS_ITU601 : SWS_CS_ITU709;
+    default:
+      return SWS_CS_ITU709;
+  }
+}
+
+}  // namespace
+
+bool isFullRange(const AVFrame& frame, const AVPixFmtDescriptor& format) {
+  if (plainFormat(static_cast<AVPixelFormat>(frame.format)) != frame.format) return true;
+  if (frame.color_range != AVCOL_RANGE_UNSPECIFIED) return frame.color_range == AVCOL_RANGE_JPEG;
+  return isGray(format) || (format.flags & AV_PIX_FMT_FLAG_RGB);
+}
+
+bool RgbConverter::convert(const AVFrame& frame, Image& out) {
+  const auto* description = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
+  if (!description) return false;
+  const int quality =
+      fast_ ? SWS_FAST_BILINEAR : SWS_BICUBIC | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP;
+  scaler_.reset(sws_getCachedContext(scaler_.release(), frame.width, frame.height,
+                                     plainFormat(static_cast<AVPixelFormat>(frame.format)), frame.width, frame.height,
+                                     AV_PIX_FMT_RGB24, quality, nullptr, nullptr, nullptr));
+  if (!scaler_) return false;
+  sws_setColorspaceDetails(scaler_.get(), sws_getCoefficients(swsMatrix(frame)), isFullRange(frame, *description),
+                           sws_getCoefficients(SWS_CS_ITU709), 1, 0, 1 << 16, 1 << 16);
+  if (out.width != frame.width || out.height != frame.height || out.channels != 3)
+    out = Image(frame.width, frame.height, 3);
+  uint8_t* planes[4] = {out.pixels.data(), nullptr, nullptr, nullptr};
+  const int strides[4] = {out.width * 3, 0, 0, 0};
+  return sws_scale(scaler_.get(), frame.data, frame.linesize, 0, frame.height, planes, strides) > 0;
+}
+
+}  // namespace fourdvt::platform

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// FFmpeg's decoded frames → RGB by their own matrix and range. Private to the files that link FFmpeg.
+#pragma once
+
+#include "base/image.h"
+#include "platform/ffmpeg_handles.h"
+
+namespace fourdvt::platform {
+
+// Unspecified range: full for gray (mattes are coverage, not luma) and RGB, limited for YUV.
+bool isFullRange(const AVFrame& frame, const AVPixFmtDescriptor& format);
+
+class RgbConverter {
+ public:
+  // fast: each chroma sample's colour is repeated, and sums are rounded less exactly.
+  explicit RgbConverter(bool fast = false) : fast_(fast) {}
+  // Gives `out` the frame's size and 3 channels; its memory is used again. False for formats that FFmpeg does not
+  // convert.
+  bool convert(const AVFrame& frame, Image& out);
+
+ private:
+  bool fast_;
+  SwsScaler scaler_;
+};
+
+}  // namespace fourdvt::platform
