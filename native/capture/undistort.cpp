@@ -70,14 +70,15 @@ Undistorter::~Undistorter() = default;
 Undistorter::Undistorter(Undistorter&&) noexcept = default;
 Undistorter& Undistorter::operator=(Undistorter&&) noexcept = default;
 
-Image Undistorter::apply(Image picture) const {
+Image Undistorter::apply(Image picture, LensFilter filter) const {
   if (!maps_) return picture;
   Image out(picture.width, picture.height, picture.channels);
   const int type = CV_8UC(picture.channels);
   const cv::Mat from(picture.height, picture.width, type, picture.pixels.data());
   cv::Mat to(out.height, out.width, type, out.pixels.data());
   const bool matte = picture.channels == 1;
-  cv::remap(from, to, maps_->xy, maps_->fraction, matte ? cv::INTER_LINEAR : cv::INTER_CUBIC,
+  cv::remap(from, to, maps_->xy, maps_->fraction,
+            matte || filter == LensFilter::Fast ? cv::INTER_LINEAR : cv::INTER_CUBIC,
             matte ? cv::BORDER_CONSTANT : cv::BORDER_REPLICATE);
   return out;
 }

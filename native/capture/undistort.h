@@ -16,6 +16,9 @@ glm::dvec2 filmedPixel(const CaptureCamera& camera, const glm::dvec2& pinhole_pi
 // The inverse: the pinhole's pixel that the lens images at `filmed_pixel`. NaN where the lens's formula has none.
 glm::dvec2 pinholePixel(const CaptureCamera& camera, const glm::dvec2& filmed_pixel);
 
+// Between a picture's pixels: Fine suits pictures that are kept; Fast is twice as quick and softens a little.
+enum class LensFilter { Fine, Fast };
+
 class Undistorter {
  public:
   explicit Undistorter(const CaptureCamera& camera);
@@ -24,7 +27,7 @@ class Undistorter {
   Undistorter& operator=(Undistorter&&) noexcept;
   // Turns a captured picture into what the pinhole camera would see. Beyond the captured picture, colour (3 channels)
   // repeats the border and a matte (1 channel) is 0.
-  Image apply(Image picture) const;
+  Image apply(Image picture, LensFilter filter = LensFilter::Fine) const;
 
  private:
   struct Maps;

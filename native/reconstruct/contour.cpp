@@ -30,8 +30,8 @@ bool sameForEight(const uint8_t* samples, bool performer) {
 
 class Tracer {
  public:
-  explicit Tracer(const Image& coverage)
-      : coverage_(coverage), visited_(size_t(coverage.width + 1) * (coverage.height + 2), 0) {}
+  Tracer(const Image& coverage, int steps_per_px)
+      : coverage_(coverage), steps_(steps_per_px), visited_(size_t(coverage.width + 1) * (coverage.height + 2), 0) {}
 
   std::vector<Ring> rings() {
     std::vector<Ring> all;
@@ -103,11 +103,18 @@ class Tracer {
     const int next = (side + 1) % 4;
     const int x0 = x + kCornerX[side], y0 = y + kCornerY[side], x1 = x + kCornerX[next], y1 = y + kCornerY[next];
     const double v0 = sample(x0, y0), v1 = sample(x1, y1);
-    const double share = std::clamp((kContourLevel - v0) / (v1 - v0), kLeastShare, 1 - kLeastShare);
+    const double share = crossingShare((kContourLevel - v0) / (v1 - v0));
     return {x0 + 0.5 + share * (x1 - x0), y0 + 0.5 + share * (y1 - y0)};
   }
 
+  // Samples lie on the steps, so that a crossing does where its share is a multiple of them.
+  double crossingShare(double share) const {
+    if (steps_ == 0) return std::clamp(share, kLeastShare, 1 - kLeastShare);
+    return std::clamp(std::round(share * steps_), 1.0, steps_ - 1.0) / steps_;
+  }
+
   const Image& coverage_;
+  const int steps_;
   std::vector<uint8_t> visited_;  // of the sides between horizontal neighbours: every ring crosses one
 };
 
@@ -115,7 +122,7 @@ class Tracer {
 
 Outline outlineOf(const Image& coverage, const OutlineRules& rules) {
   if (coverage.empty() || coverage.channels != 1) return {};
-  Outline outline{Tracer(coverage).rings()};
+  Outline outline{Tracer(coverage, rules.steps_per_px).rings()};
   std::erase_if(outline.rings, [&](const Ring& ring) {
     return ring.size() < 3 || std::abs(signedArea_px2(ring)) < rules.min_area_px2;
   });

@@ -26,6 +26,9 @@ struct Outline {
 struct OutlineRules {
   double tolerance_px = 1;  // no point of the iso-contour lies farther than this from the ring; 0: all points stay
   double min_area_px2 = 4;  // rings round less than this are specks and left out, whether performer or background
+  // Points lie on multiples of 1 / this; 0: anywhere. Even, at least 4. It is done before points are left out, which
+  // keeps rings apart; rounding them afterwards would not.
+  int steps_per_px = 0;
 };
 
 // The iso-contour of `coverage` (1 channel: 0 background … 255 performer) at level 127.5, with as few points as the
