@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "live/rig/rig.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "capture/pictures.h"
+#include "capture/text.h"
+#include "live/rig/common_view.h"
+
+namespace fourdvt::live {
+namespace {
+
+using Json = nlohmann::json;
+constexpr double kMaxUnits = 1e6;
+constexpr int kMaxSide = 4095;  // of the messages' pictures
+
+const Json& member(const Json& node, const char* key) {
+  static const Json null;
+  if (!node.is_object()) return null;
+  const auto it = node.find(key);
+  return it == node.end() ? null : *it;
+}
+
+// Addresses and devices are not looked for among the files.
+bool isAddress(const SourcePlace& place) {
+  return place.url.find("://") != std::string::npos || !place.format.empty() || place.url.starts_with("/dev/");
+}
+
+class RigReader {
+ public:
+  explicit RigReader(const std::string& path) {
+    rig_.path = path;
+    rig_.folder = std::filesystem::path(path).parent_path().string();
+    if (rig_.folder.empty()) rig_.folder = ".";
+  }
+
+  Result<Rig> read() {
+    const auto text = capture::readText(rig_.path);
+    if (!text || std::filesystem::is_directory(rig_.path))
+      return Error{ErrorId::FileMissing,
+                   rig_.path +
+                       ": cannot be read; check the path, or write one, at least {\"fps\": 25} beside the "
+                       "folders cameras and background"};
+    const Json root = Json::parse(*text, nullptr, false);
+    if (!root.is_object()) return error("is not a JSON object");
+    FOURDVT_TRY(knownKeys(root));
+    FOURDVT_ASSIGN(rig_.name, name(member(root, "name")));
+    FOURDVT_TRY(scale(root));
+    FOURDVT_TRY(cameras(member(root, "cameras")));
+    FOURDVT_TRY(plates(member(root, "background")));
+    FOURDVT_TRY(bounds(member(root, "bounds")));
+    FOURDVT_TRY(sources(member(root, "sources")));
+    return std::move(rig_);
+  }
+
+ private:
+  Error error(const std::string& what) const { return {ErrorId::CaptureJson, rig_.path + ": " + what}; }
+
+  std::string inFolder(const std::string& path) const {
+    return std::filesystem::path(path).is_absolute() ? path : rig_.folder + "/" + path;
+  }
+
+  Status knownKeys(const Json& root) const {
+    static const std::set<std::string> known{"name",       "fps",      "units",  "cameras",
+                                             "background", "ground_y", "bounds", "sources"};
+    for (const auto& [key, value] : root.items())
+      if (!known.count(key))
+        return error("unknown field \"" + key +
+                     "\"; there are name, fps, units, cameras, background, ground_y, bounds and sources");
+    return {};
+  }
+
+  Result<std::string> name(const Json& node) const {
+    if (node.is_null()) return std::filesystem::absolute(rig_.folder).lexically_normal().filename().string();
+    if (!node.is_string()) return error("\"name\" must be a text");
+    return node.get<std::string>();
+  }
+
+  Status scale(const Json& root) {
+    const Json &fps = member(root, "fps"), &units = member(root, "units"), &ground = member(root, "ground_y");
+    if (!fps.is_number() || !(fps.get<double>() > 0) || fps.get<double>() > 1000)
+      return error("needs \"fps\", a number above 0 and up to 1000");
+    rig_.fps = fps.get<double>();
+    const std::string unit = units.is_null() ? "metre" : units.is_string() ? units.get<std::string>() : "";
+    metres_per_unit_ = unit == "metre" ? 1 : unit == "centimetre" ? 0.01 : unit == "millimetre" ? 0.001 : 0;
+    if (metres_per_unit_ == 0) return error("\"units\" must be metre, centimetre or millimetre");
+    if (ground.is_null()) return {};
+    if (!ground.is_number() || !(std::abs(ground.get<double>()) <= kMaxUnits))
+      return error("\"ground_y\" must be a number in the unit of \"units\", at most a million");
+    rig_.ground_y_m = ground.get<double>() * metres_per_unit_;
+    return {};
+  }
+
+  Result<std::string> folder(const Json& node, const char* key, const char* otherwise) const {
+    if (!node.is_null() && !node.is_string())
+      return error("\"" + std::string(key) + "\" must be a path, like \"" + otherwise + "\"");
+    const std::string path = inFolder(node.is_null() ? otherwise : node.get<std::string>());
+    if (std::filesystem::is_directory(path)) return path;
+    return Error{ErrorId::FileMissing,
+                 rig_.path + ": no folder " + path + "; correct \"" + key + "\" or add the folder"};
+  }
+
+  Status cameras(const Json& node) {
+    FOURDVT_ASSIGN(cameras_folder_, folder(node, "cameras", "cameras"));
+    FOURDVT_ASSIGN(auto cameras, capture::readColmapCameras(cameras_folder_));
+    capture::scaleToMetres(cameras, metres_per_unit_);
+    for (auto& c : cameras) {
+      if (c.pinhole.width > kMaxSide || c.pinhole.height > kMaxSide)
+        return Error{ErrorId::FrameSize, cameras_folder_ + ": pictures of camera \"" + c.pinhole.name +
+                                             "\" are larger than 4095 pixels; calibrate at a smaller size"};
+      rig_.cameras.push_back({std::move(c), std::nullopt});
+    }
+    return {};
+  }
+
+  Status plates(const Json& node) {
+    FOURDVT_ASSIGN(rig_.background_folder, folder(node, "background", "background"));
+    for (const RigCamera& c : rig_.cameras) {
+      const std::string stem = rig_.background_folder + "/" + c.camera.pinhole.name;
+      std::string path = stem + ".png";
+      for (const char* ending : {"/000000.png", "/000000.jpg"})
+        if (!capture::isFile(path) && capture::isFile(stem + ending)) path = stem + ending;
+      auto plate = capture::readPicture(path, 3);
+      if (!plate.ok())
+        return Error{plate.error().id, path + ": no readable picture of the empty stage, which camera \"" +
+                                           c.camera.pinhole.name +
+                                           "\" is keyed against; take one, or correct "
+                                           "\"background\" in " +
+                                           rig_.path};
+      FOURDVT_TRY(capture::checkSize(plate.value(), c.camera, path));
+    }
+    return {};
+  }
+
+  Status bounds(const Json& node) {
+    if (node.is_null()) {
+      std::vector<capture::CaptureCamera> all;
+      for (const RigCamera& c : rig_.cameras) all.push_back(c.camera);
+      const auto box = commonView(all, rig_.ground_y_m);
+      if (!box)
+        return error(
+            "no space is seen by all cameras; add \"bounds\": {\"min\": [x, y, z], \"max\": [x, y, z]} where "
+            "the performer moves");
+      rig_.bounds = *box;
+      return {};
+    }
+    const auto corner = [&](const char* key, glm::vec3& out) {
+      const Json& values = member(node, key);
+      bool valid = values.is_array() && values.size() == 3;
+      for (size_t i = 0; valid && i < 3; ++i) {
+        valid = values[i].is_number() && std::abs(values[i].get<double>()) <= kMaxUnits;
+        if (valid) out[static_cast<int>(i)] = float(values[i].get<double>() * metres_per_unit_);
+      }
+      return valid;
+    };
+    if (!corner("min", rig_.bounds.min) || !corner("max", rig_.bounds.max))
+      return error("\"bounds\" must be {\"min\": [x, y, z], \"max\": [x, y, z]}, in the unit of \"units\"");
+    if (!glm::all(glm::lessThan(rig_.bounds.min, rig_.bounds.max)))
+      return error("\"bounds\" needs \"min\" below \"max\" on every axis");
+    return {};
+  }
+
+  Status sources(const Json& node) {
+    if (node.is_null()) return {};
+    if (!node.is_object())
+      return error("\"sources\" must be an object by camera, like {\"cam00\": \"videos/cam00.mp4\"}");
+    for (const auto& [camera, entry] : node.items()) {
+      const auto has_name = [name = camera](const RigCamera& c) { return c.camera.pinhole.name == name; };
+      const auto it = std::find_if(rig_.cameras.begin(), rig_.cameras.end(), has_name);
+      if (it == rig_.cameras.end())
+        return error("\"sources\" names camera \"" + camera + "\", which " + cameras_folder_ + " has not; there are " +
+                     names());
+      FOURDVT_ASSIGN(it->source, source(camera, entry));
+    }
+    return {};
+  }
+
+  Result<std::optional<SourcePlace>> source(const std::string& camera, const Json& entry) const {
+    if (entry.is_null()) return std::optional<SourcePlace>();
+    SourcePlace place;
+    const Json &open = entry.is_object() ? member(entry, "open") : entry, &format = member(entry, "format"),
+               &options = member(entry, "options");
+    if (!open.is_string() || open.get<std::string>().empty() || !(format.is_null() || format.is_string()) ||
+        !(options.is_null() || options.is_object()))
+      return error("source of \"" + camera +
+                   "\" must be a path or address, or {\"open\": it, \"format\": a name, \"options\": {…}}, or null");
+    place.url = open.get<std::string>();
+    if (format.is_string()) place.format = format.get<std::string>();
+    for (const auto& [key, value] : options.items()) {
+      if (!value.is_string() && !value.is_number())
+        return error("option \"" + key + "\" of the source of \"" + camera + "\" must be a text or a number");
+      place.options[key] = value.is_string() ? value.get<std::string>() : value.dump();
+    }
+    if (isAddress(place)) return std::optional(place);
+    place.url = inFolder(place.url);
+    if (capture::isFile(place.url)) return std::optional(place);
+    return Error{ErrorId::FileMissing,
+                 rig_.path + ": source of \"" + camera + "\": no file " + place.url + "; correct \"sources\""};
+  }
+
+  std::string names() const {
+    std::string out;
+    for (const RigCamera& c : rig_.cameras) out += (out.empty() ? "" : ", ") + c.camera.pinhole.name;
+    return out;
+  }
+
+  Rig rig_;
+  std::string cameras_folder_;
+  double metres_per_unit_ = 1;
+};
+
+}  // namespace
+
+capture::Capture Rig::asCapture() const {
+  capture::Capture out;
+  out.folder = folder;
+  out.name = name;
+  out.fps = fps;
+  out.ground_y_m = ground_y_m;
+  for (const RigCamera& c : cameras) out.cameras.push_back(c.camera);
+  out.background_folder = background_folder;
+  out.meshes = capture::CaptureMeshes::None;
+  return out;
+}
+
+const RigCamera* Rig::find(const std::string& camera) const {
+  const auto it =
+      std::find_if(cameras.begin(), cameras.end(), [&](const RigCamera& c) { return c.camera.pinhole.name == camera; });
+  return it == cameras.end() ? nullptr : &*it;
+}
+
+Result<Rig> readRig(const std::string& path) { return RigReader(path).read(); }
+
+}  // namespace fourdvt::live
