@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cells tell where the outline is about (key_cells.h). Pixels near it are compared with the plate, which has the gain
+// of the background beside: the difference grows linearly with coverage, so that coverage is a half where the
+// difference is half of what it is within the performer two pixels on.
+#include "live/camera/keyer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "capture/background_model.h"
+#include "live/camera/key_cells.h"
+
+namespace fourdvt::live {
+namespace {
+
+constexpr float kCellTolerance = 7;    // levels, root of the sum of three channels' squares
+constexpr float kPixelTolerance = 14;  // alike
+constexpr float kFromDeviation = 2;    // of several plates
+constexpr float kFromEdges_px = 0.5f;  // shift by which the plates' own edges may differ
+constexpr int kContrastReach_px = 2;   // within which the performer's full difference is found
+constexpr float kShadeBeside = 0.2f;   // by which a pixel's shade may differ from its cell's gain
+constexpr float kChromaLeastShade = 0.3f, kChromaMostShade = 1.5f;
+
+cv::Mat wrapped(const Image& image) {
+  return cv::Mat(image.height, image.width, CV_8UC(image.channels), const_cast<uint8_t*>(image.pixels.data()));
+}
+
+class PlateKeyer final : public Keyer {
+ public:
+  explicit PlateKeyer(const std::vector<Image>& plates)
+      : mean_(capture::meanPicture(capture::makeBackgroundModel(plates))),
+        cell_px_(cellSideFor(mean_.width, mean_.height)),
+        tolerance_(tolerances(plates)),
+        cells_(cellModel(), cell_px_),
+        coverage_(mean_.width, mean_.height, 1),
+        difference_(mean_.width, mean_.height, 1) {}
+
+  Result<const Image*> key(const Image& picture) override {
+    if (picture.width != mean_.width || picture.height != mean_.height || picture.channels != 3)
+      return Error{ErrorId::InvalidArgument, "keyer: picture of another size than the plates; take new plates"};
+    const Cells& cells = cells_.key(picture);
+    std::fill(coverage_.pixels.begin(), coverage_.pixels.end(), uint8_t(0));
+    if (!cells.any) return &coverage_;
+    const cv::Rect box = compare(picture, cells);
+    cover(box, cells);
+    return &coverage_;
+  }
+
+ private:
+  // Levels by which a pixel of the background may differ.
+  Image tolerances(const std::vector<Image>& plates) const {
+    cv::Mat edges, dx, dy, levels;
+    cv::cvtColor(wrapped(mean_), levels, cv::COLOR_RGB2GRAY);
+    cv::Sobel(levels, dx, CV_32F, 1, 0, 3, 0.125);
+    cv::Sobel(levels, dy, CV_32F, 0, 1, 3, 0.125);
+    cv::magnitude(dx, dy, edges);
+    cv::Mat sum = kPixelTolerance + kFromEdges_px * std::sqrt(3.0f) * edges;
+    if (plates.size() > 1) sum += kFromDeviation * deviation(plates);
+    cv::dilate(sum, sum, cv::Mat::ones(3, 3, CV_8U));
+    Image out(mean_.width, mean_.height, 1);
+    cv::Mat bytes = wrapped(out);
+    sum.convertTo(bytes, CV_8U);
+    return out;
+  }
+
+  // Root of the sum of three channels' variances, averaged over 5 × 5 pixels.
+  cv::Mat deviation(const std::vector<Image>& plates) const {
+    cv::Mat sum = cv::Mat::zeros(mean_.height, mean_.width, CV_32F), away, planes[3], root;
+    for (const Image& plate : plates) {
+      cv::subtract(wrapped(plate), wrapped(mean_), away, cv::noArray(), CV_32FC3);
+      cv::split(away.mul(away), planes);
+      sum += planes[0] + planes[1] + planes[2];
+    }
+    cv::blur(sum / double(plates.size() - 1), sum, {5, 5});
+    cv::sqrt(sum, root);
+    return root;
+  }
+
+  CellModel cellModel() const {
+    CellModel model;
+    reduceToCells(mean_, cell_px_, model.mean);
+    if (capture::isChromaPlate(mean_)) {
+      model.least_shade = kChromaLeastShade;
+      model.most_shade = kChromaMostShade;
+    }
+    Image three(mean_.width, mean_.height, 3);
+    cv::Mat out = wrapped(three);
+    cv::cvtColor(wrapped(tolerance_), out, cv::COLOR_GRAY2RGB);
+    CellMeans tolerance;
+    reduceToCells(three, cell_px_, tolerance);
+    model.tolerance = tolerance.channel[0];
+    for (float& t : model.tolerance) t = kCellTolerance + (t - kPixelTolerance) / float(cell_px_);
+    return model;
+  }
+
+  // Differences of the pixels in outline cells, and the cell's own in the performer's; 0 in all others within the box
+  // round them, which is returned.
+  cv::Rect compare(const Image& picture, const Cells& cells) {
+    const int columns = cells_.model().mean.width, rows = cells_.model().mean.height;
+    int low_x = columns, low_y = rows, high_x = -1, high_y = -1;
+    for (int y = 0; y < rows; ++y)
+      for (int x = 0; x < columns; ++x)
+        if (cells.kind[size_t(y) * columns + x] != CellKind::Background)
+          low_x = std::min(low_x, x), high_x = std::max(high_x, x), low_y = std::min(low_y, y), high_y = y;
+    const cv::Rect box = cv::Rect(cv::Point(low_x * cell_px_, low_y * cell_px_),
+                                  cv::Point((high_x + 1) * cell_px_, (high_y + 1) * cell_px_)) &
+                         cv::Rect(0, 0, picture.width, picture.height);
+    wrapped(difference_)(box).setTo(0);
+    for (int y = low_y; y <= high_y; ++y)
+      for (int x = low_x; x <= high_x; ++x) {
+        const size_t cell = size_t(y) * columns + x;
+        if (cells.kind[cell] == CellKind::Outline) compareCell(picture, cells, x, y);
+        if (cells.kind[cell] == CellKind::Performer) fillCell(x, y, cells_.plainDifference(cell), difference_);
+      }
+    return box;
+  }
+
+  void compareCell(const Image& picture, const Cells& cells, int cell_x, int cell_y) {
+    const size_t cell = size_t(cell_y) * cells_.model().mean.width + cell_x;
+    const int x0 = cell_x * cell_px_, x1 = std::min(x0 + cell_px_, picture.width);
+    const int y0 = cell_y * cell_px_, y1 = std::min(y0 + cell_px_, picture.height);
+    const float gain[3] = {cells.gain[0][cell], cells.gain[1][cell], cells.gain[2][cell]};
+    const float scale = 1 / toleranceScale(cells);
+    for (int y = y0; y < y1; ++y) {
+      const uint8_t *now = picture.at(x0, y), *plate = mean_.at(x0, y), *tolerance = tolerance_.at(x0, y);
+      uint8_t* out = difference_.at(x0, y);
+      for (int x = x0; x < x1; ++x, now += 3, plate += 3)
+        *out++ = pixelDifference(now, plate, gain, scale / float(*tolerance++));
+    }
+  }
+
+  static uint8_t pixelDifference(const uint8_t* now, const uint8_t* plate, const float* gain, float per_tolerance) {
+    const float r = gain[0] * float(plate[0]), g = gain[1] * float(plate[1]), b = gain[2] * float(plate[2]);
+    const float dr = float(now[0]) - r, dg = float(now[1]) - g, db = float(now[2]) - b;
+    const float luma = r + 2 * g + b + 4, step = dr + 2 * dg + db;
+    const float shade = std::min(kShadeBeside, std::max(-kShadeBeside, step / luma));
+    const float sr = dr - shade * r, sg = dg - shade * g, sb = db - shade * b;
+    const float plain2 = dr * dr + dg * dg + db * db, shaded2 = sr * sr + sg * sg + sb * sb;
+    const float weight2 = std::min(1.0f, shaded2 * per_tolerance * per_tolerance);
+    return uint8_t(std::min(255.0f, std::sqrt(plain2 * weight2)));
+  }
+
+  // Of the pixels' tolerances: more in a noisy picture.
+  static float toleranceScale(const Cells& cells) { return std::max(1.0f, cells.threshold / 2); }
+
+  void cover(const cv::Rect& box, const Cells& cells) {
+    cv::Mat difference = wrapped(difference_)(box);
+    cv::GaussianBlur(difference, smooth_, {3, 3}, 0, 0, cv::BORDER_REPLICATE);
+    const int side = 2 * kContrastReach_px + 1;
+    cv::dilate(smooth_, contrast_, cv::Mat::ones(side, side, CV_8U));
+    const float scale = toleranceScale(cells);
+    for (int y = 0; y < box.height; ++y) {
+      const uint8_t *d = smooth_.ptr(y), *most = contrast_.ptr(y), *tolerance = tolerance_.at(box.x, box.y + y);
+      uint8_t* out = coverage_.at(box.x, box.y + y);
+      for (int x = 0; x < box.width; ++x) {
+        const float half = std::max(scale * float(tolerance[x]), 0.5f * float(most[x]));
+        out[x] = uint8_t(std::min(255.0f, 127.5f * float(d[x]) / half + 0.5f));
+      }
+    }
+    const int columns = cells_.model().mean.width, rows = cells_.model().mean.height;
+    for (int y = 0; y < rows; ++y)
+      for (int x = 0; x < columns; ++x)
+        if (cells.kind[size_t(y) * columns + x] == CellKind::Performer) fillCell(x, y, 255, coverage_);
+  }
+
+  void fillCell(int cell_x, int cell_y, uint8_t value, Image& out) const {
+    const int x0 = cell_x * cell_px_, width = std::min(cell_px_, out.width - x0);
+    const int y0 = cell_y * cell_px_, y1 = std::min(y0 + cell_px_, out.height);
+    for (int y = y0; y < y1; ++y) std::fill_n(out.at(x0, y), width, value);
+  }
+
+  const Image mean_;
+  const int cell_px_;
+  const Image tolerance_;
+  CellKey cells_;
+  Image coverage_, difference_;
+  cv::Mat smooth_, contrast_;  // scratch
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Keyer>> Keyer::create(const std::vector<Image>& plates) {
+  if (plates.empty()) return Error{ErrorId::InvalidArgument, "keyer: no plates; take one of the empty stage"};
+  for (const Image& plate : plates)
+    if (plate.empty() || plate.channels != 3 || plate.width != plates[0].width || plate.height != plates[0].height)
+      return Error{ErrorId::InvalidArgument, "keyer: plates must be RGB and of one size; take them again"};
+  return std::unique_ptr<Keyer>(std::make_unique<PlateKeyer>(plates));
+}
+
+}  // namespace fourdvt::live

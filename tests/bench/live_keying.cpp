@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+// What keying a picture costs live, on one core, beside the offline key of the same picture; and how both mattes agree
+// with the true ones. Pictures are scaled to the height and widened at their borders.
+// Usage: bench_live_keying [CAPTURE [FOLDER_OF_TRUE_MATTES]]
+#include <cstdio>
+#include <ctime>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "capture/background_key.h"
+#include "capture/matte.h"
+#include "capture/pictures.h"
+#include "capture/plates.h"
+#include "live/camera/keyer.h"
+#include "or_stop.h"
+#include "platform/ffmpeg_video.h"
+#include "platform/files.h"
+#include "reconstruct/contour.h"
+
+using namespace fourdvt;
+using fourdvt::testing::orStop;
+
+namespace {
+
+// Processor time: a busy machine does not change it.
+double now_ms() { return 1e3 * double(std::clock()) / CLOCKS_PER_SEC; }
+
+Image fitted(const Image& from, int width, int height) {
+  const int inner = std::min(width, from.width * height / from.height);
+  const cv::Mat in(from.height, from.width, CV_8UC(from.channels), const_cast<uint8_t*>(from.pixels.data()));
+  cv::Mat scaled;
+  cv::resize(in, scaled, {inner, height}, 0, 0, cv::INTER_AREA);
+  Image out(width, height, from.channels);
+  cv::Mat whole(height, width, CV_8UC(from.channels), out.pixels.data());
+  const int left = (width - inner) / 2;
+  cv::copyMakeBorder(scaled, whole, 0, 0, left, width - inner - left, cv::BORDER_REPLICATE);
+  return out;
+}
+
+struct Agreement {
+  double both = 0, either = 0, beyond = 0, pixels = 0;
+  void add(const Image& matte, const Image& truth) {
+    for (size_t i = 0; i < matte.pixels.size(); ++i) {
+      const bool a = matte.pixels[i] >= 128, b = truth.pixels[i] >= 128;
+      both += a && b;
+      either += a || b;
+      beyond += std::abs(double(matte.pixels[i]) - truth.pixels[i]) / 255;
+    }
+  }
+  double iou() const { return both / either; }
+};
+
+struct View {
+  std::vector<Image> plates, pictures, mattes;
+};
+
+std::vector<View> readViews(const capture::Capture& capture, const std::string& truth) {
+  std::vector<View> views;
+  const capture::CaptureSequence& sequence = capture.sequences[0];
+  for (const auto& camera : capture.cameras) {
+    View view;
+    view.plates = orStop(capture::readPlates(capture, camera, "needed")).pictures;
+    const std::string& name = camera.pinhole.name;
+    const auto place = orStop(capture::colourPlace(sequence, camera));
+    const auto mattes = capture::findPictures(truth + "/" + sequence.name, capture::matteStem(name));
+    if (!mattes) std::fprintf(stderr, "no true mattes of %s in %s\n", name.c_str(), truth.c_str()), std::exit(1);
+    auto colour = orStop(capture::PictureStream::open(place, sequence, name, 3, platform::openVideoFile));
+    auto matte = orStop(capture::PictureStream::open(*mattes, sequence, name, 1, platform::openVideoFile));
+    for (uint32_t frame = 0; frame < sequence.frame_count; frame += 9) {
+      view.pictures.push_back(orStop(colour.read(frame)));
+      view.mattes.push_back(orStop(matte.read(frame)));
+    }
+    views.push_back(std::move(view));
+  }
+  return views;
+}
+
+// The least of some runs: what else the machine does only adds.
+template <class Work>
+double leastCost_ms(int runs, const Work& work) {
+  double least_ms = 1e9;
+  for (int run = 0; run < runs; ++run) {
+    const double start_ms = now_ms();
+    work();
+    least_ms = std::min(least_ms, now_ms() - start_ms);
+  }
+  return least_ms;
+}
+
+void measure(const std::vector<View>& views, int width, int height, const std::string& out_folder) {
+  double live_ms = 0, outline_ms = 0, offline_ms = 0, points = 0;
+  Agreement live_truth, offline_truth;
+  int pictures = 0;
+  for (const View& view : views) {
+    std::vector<Image> plates;
+    for (const Image& plate : view.plates) plates.push_back(fitted(plate, width, height));
+    const auto keyer = orStop(live::Keyer::create(plates));
+    const auto model = capture::makeBackgroundModel(plates);
+    const Image mean = capture::meanPicture(model);
+    const bool chroma = capture::isChromaPlate(mean);
+    for (size_t i = 0; i < view.pictures.size(); ++i, ++pictures) {
+      const Image picture = fitted(view.pictures[i], width, height), truth = fitted(view.mattes[i], width, height);
+      const Image* live = nullptr;
+      live_ms += leastCost_ms(5, [&] { live = orStop(keyer->key(picture)); });
+      reconstruct::Outline outline;
+      outline_ms += leastCost_ms(5, [&] { outline = reconstruct::outlineOf(*live, {1, 4}); });
+      for (const auto& ring : outline.rings) points += double(ring.size());
+      Image offline;
+      offline_ms += leastCost_ms(
+          1, [&] { offline = chroma ? capture::chromaKey(picture, mean) : capture::backgroundKey(picture, model); });
+      live_truth.add(*live, truth);
+      offline_truth.add(offline, truth);
+      if (!out_folder.empty()) {
+        const std::string stem = out_folder + "/" + std::to_string(height) + "_" + std::to_string(pictures);
+        orStop(platform::writeImage(stem + "_live.png", *live));
+        orStop(platform::writeImage(stem + "_true.png", truth));
+        orStop(platform::writeImage(stem + "_rgb.png", picture));
+      }
+    }
+  }
+  std::printf("%4d x %-4d %8.2f ms %8.2f ms %6.0f %9.2f ms %8.1f %10.4f %10.4f\n", width, height, live_ms / pictures,
+              outline_ms / pictures, points / pictures, offline_ms / pictures, offline_ms / live_ms, live_truth.iou(),
+              offline_truth.iou());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  cv::setNumThreads(1);
+  const std::string folder = argc > 1 ? argv[1] : "site/sample/actor_a", truth = argc > 2 ? argv[2] : folder;
+  const std::string out_folder = argc > 3 ? argv[3] : "";
+  const auto capture = orStop(
+      capture::openCapture(folder, platform::openVideoFile, {}, capture::MeshNeed::Nothing, capture::MatteNeed::None));
+  const std::vector<View> views = readViews(capture, truth);
+  std::printf("pictures         live    outline points     offline offl/live   live IoU   offl IoU\n");
+  measure(views, 320, 240, out_folder);
+  measure(views, 640, 480, out_folder);
+  measure(views, 1280, 720, out_folder);
+}
