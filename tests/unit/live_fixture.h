@@ -20,7 +20,8 @@ inline std::vector<Ring16> ringsOf(const reconstruct::Outline& outline) {
   for (const reconstruct::Ring& ring : outline.rings) {
     out.emplace_back();
     for (const glm::dvec2& p : ring)
-      out.back().push_back({uint16_t(std::lround(p.x * kPointsPerPixel)), uint16_t(std::lround(p.y * kPointsPerPixel))});
+      out.back().push_back(
+          {uint16_t(std::lround(p.x * kPointsPerPixel)), uint16_t(std::lround(p.y * kPointsPerPixel))});
   }
   return out;
 }

@@ -24,16 +24,17 @@ Instants::Instants(const InstantRules& rules)
       most_slots_(size_t(std::max(8.0, std::ceil(rules.wait_s * rules.fps) + 4))),
       cameras_(rules.cameras) {}
 
-void Instants::setConnected(size_t camera, bool connected) {
-  const uint64_t late = cameras_[camera].late;
-  cameras_[camera] = {};
-  cameras_[camera].connected = connected;
-  cameras_[camera].late = late;
+void Instants::setConnected(size_t camera, bool connected, int64_t now_us) {
+  Camera fresh;
+  fresh.connected = connected;
+  fresh.came_us = now_us;
+  fresh.late = cameras_[camera].late;
+  cameras_[camera] = fresh;
 }
 
 bool Instants::lost(size_t camera, int64_t now_us) const {
   const Camera& c = cameras_[camera];
-  return c.connected && (!c.seen || double(now_us - c.came_us) > 1e6 * rules_.lost_s);
+  return c.connected && double(now_us - c.came_us) > 1e6 * rules_.lost_s;
 }
 
 bool Instants::waitedFor(size_t camera, int64_t now_us) const {

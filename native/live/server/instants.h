@@ -38,7 +38,7 @@ struct Instant {
 class Instants {
  public:
   explicit Instants(const InstantRules& rules);
-  void setConnected(size_t camera, bool connected);
+  void setConnected(size_t camera, bool connected, int64_t now_us);
   // False: it came too late, or from a time that cannot be. `now_us` and captured_us: the server's clock.
   bool add(size_t camera, std::shared_ptr<const TimedPicture> picture, int64_t now_us);
 
@@ -63,7 +63,7 @@ class Instants {
   struct Camera {
     bool connected = false;
     bool seen = false;              // since it connected
-    int64_t came_us = 0;            // its last picture, by arrival
+    int64_t came_us = 0;            // its last picture, by arrival, or itself
     int64_t slot = 0, time_us = 0;  // its last picture
     int slow = 0;                   // pictures in a row that took longer than wait_s to come
     uint64_t late = 0;

@@ -167,7 +167,7 @@ class LivePipeline final : public Pipeline {
   void setConnected(size_t camera, bool connected) override {
     {
       const std::lock_guard lock(mutex_);
-      instants_.setConnected(camera, connected);
+      instants_.setConnected(camera, connected, now_us());
       cameras_[camera].clock.reset();
     }
     wake_.notify_all();  // nobody waits for a camera that has gone

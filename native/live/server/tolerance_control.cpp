@@ -8,7 +8,7 @@ namespace fourdvt::live {
 namespace {
 
 constexpr int64_t kReaches_us = 200'000;              // from here to the cameras and back in outlines
-constexpr double kTooBusy = 1.1, kTooIdle = 0.75;     // times the wanted share: nothing changes between them
+constexpr double kTooBusy = 1.1, kTooIdle = 0.85;     // times the wanted share: nothing changes between them
 constexpr double kMostRise = 1.8, kMostFall = 0.93;   // per step
 constexpr double kRisePower = 0.9, kFallPower = 0.3;  // of the ratio to the wanted share
 constexpr size_t kMostBusy = 1000;

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "live/server/tiles.h"
 #include "live_fixture.h"
 #include "package/barcode.h"
 #include "package/live_frame.h"
@@ -121,7 +122,7 @@ TEST(LivePipeline, MakesFramesThatAReaderTakes) {
   EXPECT_EQ(extension["version"], 4);
   const auto live = extension["live"];
   package::Character character;
-  character.cameras = {};
+  character.appearance = package::AppearanceKind::Cameras;
   for (const RigCamera& camera : stage.rig.cameras) character.cameras.push_back(camera.camera.pinhole);
   package::Sequence sequence;
   sequence.layout_width = live["layout"][0], sequence.layout_height = live["layout"][1];
@@ -150,7 +151,7 @@ TEST(LivePipeline, MakesFramesThatAReaderTakes) {
     last = frame.value().number, last_us = frame.value().captured_us;
     numbers.push_back(last % 4096);
     EXPECT_EQ(frame.value().key, stage.frames[f].key);
-    if (f % 5 == 0) EXPECT_TRUE(frame.value().key) << f;
+    EXPECT_EQ(frame.value().key, f % 5 == 0) << f;
     index.chunks[0].bytes = uint32_t(frame.value().chunk.size());
     const auto chunk = package::SurfaceChunk::open(frame.value().chunk, index, 0, character, sequence);
     ASSERT_TRUE(chunk.ok()) << chunk.error().message;
@@ -175,6 +176,167 @@ TEST(LivePipeline, MakesFramesThatAReaderTakes) {
     EXPECT_EQ(status.cameras[c].pictures, uint64_t(kFrames));
   }
   EXPECT_TRUE(stage.warnings.empty()) << stage.warnings[0];
+}
+
+TEST(LivePipeline, ViewersWhoJoinGetAKey) {
+  Stage stage({});
+  ASSERT_TRUE(stage.pipeline);
+  stage.run(4);
+  stage.pipeline->wantKey();
+  stage.run(2);
+  std::vector<bool> keys;
+  for (const Made& made : stage.frames) keys.push_back(made.key);
+  EXPECT_EQ(keys, (std::vector<bool>{true, false, false, false, true, false}));
+}
+
+TEST(LivePipeline, TellsCamerasWhereToLookAndHowFinely) {
+  Stage stage({});
+  ASSERT_TRUE(stage.pipeline);
+  EXPECT_EQ(stage.pipeline->settings(0).region.width, 0);
+  stage.pipeline->setTolerance(4);
+  stage.run(3);
+  const std::lock_guard lock(stage.mutex);
+  ASSERT_EQ(stage.told.size(), 6u);
+  for (size_t c = 0; c < 6; ++c) {
+    const CameraSettings& told = stage.told[c];
+    EXPECT_EQ(told.tolerance_px, 4);
+    const Rig& rig = stage.rig;
+    const package::Rect ball = projectedBox(rig.cameras[c].camera.pinhole, {{0, 0.5f, 0}, {0, -0.5f, 0}});
+    EXPECT_EQ(common(told.region, ball).height, ball.height);
+    EXPECT_LT(told.region.width, 320);
+    EXPECT_EQ(stage.pipeline->settings(c).region.width, told.region.width);
+  }
+}
+
+TEST(LivePipeline, AnEmptyStageIsAFrameWithNothingToSee) {
+  Stage stage({});
+  ASSERT_TRUE(stage.pipeline);
+  stage.run(2);
+  for (CameraPicture& picture : stage.pictures) picture.rings = {{{0, 0}, {0, 3840}, {5120, 3840}, {5120, 0}}};
+  stage.run(3);
+  EXPECT_EQ(stage.pipeline->status().failed, 3u);
+  EXPECT_LT(package::readLiveFrame(stage.frames[4].bytes).value().chunk.size(), 400u);
+}
+
+TEST(LivePipeline, GoesOnWithoutACameraAndWithoutItsPicture) {
+  Stage stage({});
+  ASSERT_TRUE(stage.pipeline);
+  stage.run(2);
+  stage.pipeline->setConnected(5, false);
+  stage.pictures.pop_back();
+  stage.pictures[1].jpeg.assign(50, 9);           // damaged
+  stage.pictures[2].crop = {300, 200, 320, 240};  // outside of the camera's picture
+  stage.run(2);
+  EXPECT_EQ(stage.pipeline->status().incomplete, 0u);
+  EXPECT_FALSE(stage.pipeline->status().cameras[5].connected);
+  ASSERT_FALSE(stage.warnings.empty());
+  EXPECT_NE(stage.warnings[0].find("cam01"), std::string::npos);
+}
+
+TEST(LivePipeline, PicturesBeforeTheClockIsKnownAreNotUsed) {
+  Stage stage({});
+  ASSERT_TRUE(stage.pipeline);
+  stage.pipeline->setConnected(0, false);
+  stage.pipeline->setConnected(0, true);  // its clock is unknown again
+  stage.send();
+  EXPECT_EQ(stage.pipeline->lastPicture(0).rings, stage.pictures[0].rings);
+  const int64_t now = timeNow_us();
+  stage.pipeline->onClock(0, {now, now + Stage::offset_us(0)}, now);
+  stage.run(1);
+  EXPECT_EQ(stage.pipeline->status().incomplete, 0u);
+}
+
+TEST(LivePipeline, RefusesWhatCannotWork) {
+  const auto refused = [](Rig rig, PipelineOptions options) {
+    auto started = Pipeline::start(rig, options, {});
+    return !started.ok() && started.error().id == ErrorId::InvalidArgument;
+  };
+  Rig one = ballRig();
+  one.cameras.resize(1);
+  EXPECT_TRUE(refused(one, {}));
+  Rig inside = ballRig();
+  inside.bounds = {glm::vec3(-4), glm::vec3(4)};
+  EXPECT_TRUE(refused(inside, {}));
+  PipelineOptions options;
+  options.picture_share = 0;
+  EXPECT_TRUE(refused(ballRig(), options));
+  options = {};
+  options.least_tolerance_px = 20;
+  EXPECT_TRUE(refused(ballRig(), options));
+}
+
+// --- recording ---
+
+class Folder {
+ public:
+  Folder() : path((std::filesystem::temp_directory_path() / "fourdvt_live_record").string()) {
+    std::filesystem::remove_all(path);
+  }
+  ~Folder() { std::filesystem::remove_all(path); }
+  const std::string path;
+};
+
+TEST(LivePipeline, RecordsTakesThatACaptureReaderOpens) {
+  const Folder folder;
+  PipelineOptions options;
+  options.record_folder = folder.path;
+  Stage stage(options);
+  ASSERT_TRUE(stage.pipeline);
+  stage.run(8);  // a take
+  stage.pipeline->setConnected(5, false);
+  const CameraPicture last = stage.pictures.back();
+  stage.pictures.pop_back();
+  stage.run(2);
+  stage.pictures.push_back(last);
+  stage.pipeline->setConnected(5, true);
+  const int64_t now = timeNow_us();
+  stage.pipeline->onClock(5, {now, now + Stage::offset_us(5)}, now);
+  stage.run(6);  // another
+  ++stage.sent;  // an instant that nobody took
+  stage.run(3);  // too short
+  const std::vector<PinholeCamera> cameras = [&] {
+    std::vector<PinholeCamera> out;
+    for (const auto& camera : stage.rig.cameras) out.push_back(camera.camera.pinhole);
+    return out;
+  }();
+  stage.pipeline.reset();
+  EXPECT_TRUE(stage.warnings.empty()) << stage.warnings[0];
+  const auto capture = capture::openCapture(folder.path, platform::openVideoFile, {}, capture::MeshNeed::Nothing);
+  ASSERT_TRUE(capture.ok()) << capture.error().message;
+  EXPECT_EQ(capture.value().fps, 25);
+  EXPECT_EQ(capture.value().ground_y_m, -0.5);
+  ASSERT_EQ(capture.value().cameras.size(), 6u);
+  EXPECT_NEAR(capture.value().cameras[3].pinhole.centreInWorld().x, cameras[3].centreInWorld().x, 1e-6);
+  ASSERT_EQ(capture.value().sequences.size(), 2u);
+  EXPECT_EQ(capture.value().sequences[0].frame_count, 8u);
+  EXPECT_EQ(capture.value().sequences[1].frame_count, 6u);
+  auto reader = capture::FrameReader::open(capture.value(), capture.value().sequences[1], platform::openVideoFile);
+  ASSERT_TRUE(reader.ok()) << reader.error().message;
+  for (int f = 0; f < 6; ++f) {
+    const auto frame = reader.value()->next();
+    ASSERT_TRUE(frame.ok()) << frame.error().message;
+    for (size_t c = 0; c < 6; ++c) {
+      const Image& picture = frame.value().pictures[c];
+      const Image truth = reconstruct::coverageOf(cameras[c], reconstruct::ballShape(glm::dvec3(0), kBall_m));
+      double off = 0;
+      for (size_t i = 0; i < truth.pixels.size(); ++i) off += std::abs(picture.pixels[4 * i + 3] - truth.pixels[i]);
+      EXPECT_LT(off / double(truth.pixels.size()), 2) << c;
+      const glm::dvec3 middle = cameras[c].project(glm::dvec3(0));
+      const uint8_t* ball = picture.at(int(middle.x), int(middle.y));
+      for (int k = 0; k < 3; ++k) EXPECT_NEAR(ball[k], kBallColour[k], 5) << c;
+    }
+  }
+}
+
+TEST(LivePipeline, DoesNotRecordIntoAFolderThatHoldsSomething) {
+  const Folder folder;
+  std::filesystem::create_directories(folder.path + "/cameras");
+  PipelineOptions options;
+  options.record_folder = folder.path;
+  const auto started = Pipeline::start(ballRig(), options, {});
+  ASSERT_FALSE(started.ok());
+  EXPECT_EQ(started.error().id, ErrorId::WriteFailed);
+  EXPECT_NE(started.error().message.find("empty folder"), std::string::npos);
 }
 
 }  // namespace
