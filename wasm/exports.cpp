@@ -154,8 +154,7 @@ void fdvt_manifest_bool(Instance* h, const char* pointer, uint32_t size, int32_t
 int32_t fdvt_load(Instance* h, const uint8_t* start, uint32_t size) {
   makeCurrent(h);
   int ok = keep(h, h->player->loadManifest(h->manifest, {start, size}));
-  if (ok && h->canvas->method.empty() && h->player->character()->appearance == package::AppearanceKind::Cameras)
-    ok = fdvt_set_method(h, "", 0, h->player->method().closest, abi::Visibility::Offset);
+  if (ok && h->player->character()->appearance == package::AppearanceKind::Cameras) ok = useMethodOfCharacter(h);
   h->manifest = {};
   return ok;
 }
@@ -256,11 +255,6 @@ int32_t fdvt_draw(Instance* const* characters, uint32_t count, const abi::View* 
   const OrbitView orbit{view->azimuth, view->elevation, view->distance, {t[0], t[1], t[2]}, view->fov};
   const auto camera = cameraFromOrbit(orbit, view->width, view->height);
   return keep(h, drawTogether(characters, count, camera));
-}
-
-int32_t fdvt_make_next_program(Instance* h) {
-  makeCurrent(h);
-  return h->player->makeNextProgram(h->options) ? 1 : 0;
 }
 
 const abi::State* fdvt_state(Instance* h) {

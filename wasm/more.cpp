@@ -32,8 +32,7 @@ Status solveOnPage(const uint8_t* a, const uint8_t* b, int width, int height, fl
   return Error{ErrorId::Unsupported, "the page has no optical flow: load the OpenCV module first"};
 }
 
-}  // namespace
-
+// mode: one of the flows. Errors: Unsupported where the device has no such flow; GpuFailure.
 Result<std::unique_ptr<render::FlowSource>> makeFlow(gpu::Device& device, abi::AlignMode mode) {
   if (mode == abi::AlignMode::FlowOpencv) return render::createReadBackFlow(device, solveOnPage);
   render::FlowOptions options;
@@ -41,6 +40,9 @@ Result<std::unique_ptr<render::FlowSource>> makeFlow(gpu::Device& device, abi::A
   return render::createGpuFlow(device, options);
 }
 
+// How characters from cameras are drawn from now on; an empty name: as the character's manifest says. Where the device
+// or this player cannot, another method serves in its place and the page gets an event. Errors: InvalidArgument: no
+// such method.
 Status useMethod(Canvas& canvas, std::string_view name, const package::Character& character) {
   const std::string wanted(name.empty() ? character.method.name : name);
   const std::string known = name.empty() ? render::methodOf(character) : wanted;
@@ -51,6 +53,19 @@ Status useMethod(Canvas& canvas, std::string_view name, const package::Character
   canvas.recipe->setMethod(std::move(made.method));
   canvas.method = known;
   return {};
+}
+
+}  // namespace
+
+int32_t useFlow(Instance* h, abi::AlignMode mode) {
+  auto flow = makeFlow(*h->canvas->device, mode);
+  if (flow.ok()) h->canvas->recipe->setFlow(flow.take());
+  return flow.ok() ? 1 : keep(h, flow.error());
+}
+
+int32_t useMethodOfCharacter(Instance* h) {
+  if (!h->canvas->method.empty()) return 1;
+  return fdvt_set_method(h, "", 0, h->player->method().closest, abi::Visibility::Offset);
 }
 
 }  // namespace fourdvt
@@ -97,6 +112,16 @@ int32_t fdvt_use_montage(Instance* h, int32_t on) {
   return 1;
 }
 
+int32_t fdvt_set_method(Instance* h, const char* name, uint32_t size, int32_t closest, abi::Visibility visibility) {
+  if (closest < 0) return fail(h, ErrorId::InvalidArgument, "closest must be 0 (all cameras) or more");
+  const package::Character* character = h->player->character();
+  if (!character) return fail(h, ErrorId::InvalidArgument, "there is no character yet");
+  makeCurrent(h);
+  if (!keep(h, useMethod(*h->canvas, {name, size}, *character))) return 0;
+  h->player->setMethod({.closest = closest, .visibility = static_cast<render::Visibility>(visibility)});
+  return 1;
+}
+
 void fdvt_clear_scene(Instance* h) {
   makeCurrent(h);
   h->canvas->scene.meshes.clear();
@@ -129,3 +154,7 @@ void fdvt_judge_rendition(Instance* h, uint32_t sequence, uint32_t rendition, in
   h->player->judgeRendition(sequence, rendition, plays != 0);
 }
 void fdvt_look_ahead(Instance* h, int32_t at_once) { h->player->lookAhead(at_once != 0); }
+int32_t fdvt_make_next_program(Instance* h) {
+  makeCurrent(h);
+  return h->player->makeNextProgram(h->options) ? 1 : 0;
+}

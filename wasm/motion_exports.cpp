@@ -35,11 +35,7 @@ int32_t fdvt_set_align(Instance* h, abi::AlignMode mode) {
   if (mode < abi::AlignMode::None || mode > abi::AlignMode::FlowOpencv)
     return fail(h, ErrorId::InvalidArgument, "no such alignment");
   makeCurrent(h);
-  if (mode >= abi::AlignMode::FlowGpu) {
-    auto flow = makeFlow(*h->canvas->device, mode);
-    if (!flow.ok()) return keep(h, flow.error());
-    h->canvas->recipe->setFlow(flow.take());
-  }
+  if (mode >= abi::AlignMode::FlowGpu && !useFlow(h, mode)) return 0;
   h->player->setAlign(mode == abi::AlignMode::None    ? render::Align::None
                       : mode == abi::AlignMode::Baked ? render::Align::Baked
                                                       : render::Align::Flow);
@@ -50,16 +46,6 @@ void fdvt_set_quality(Instance* h, int32_t rendition, uint32_t most_texels) {
   static_assert(kHighestRendition == uint32_t(-1) && kAutomaticRendition == uint32_t(-2));
   makeCurrent(h);
   h->player->setQuality(static_cast<uint32_t>(rendition), most_texels);
-}
-
-int32_t fdvt_set_method(Instance* h, const char* name, uint32_t size, int32_t closest, abi::Visibility visibility) {
-  if (closest < 0) return fail(h, ErrorId::InvalidArgument, "closest must be 0 (all cameras) or more");
-  const package::Character* character = h->player->character();
-  if (!character) return fail(h, ErrorId::InvalidArgument, "there is no character yet");
-  makeCurrent(h);
-  if (!keep(h, useMethod(*h->canvas, {name, size}, *character))) return 0;
-  h->player->setMethod({.closest = closest, .visibility = static_cast<render::Visibility>(visibility)});
-  return 1;
 }
 
 const abi::Parameter* fdvt_sequence_parameter(Instance* h, uint32_t sequence, uint32_t index) {

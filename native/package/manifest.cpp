@@ -218,8 +218,7 @@ Result<Character> readManifest(const FlatJson& gltf) {
   Character character;
   character.version = int(in.integer(at + "/version", 1, 1 << 20));
   if (character.version == kLiveFormatVersion)
-    return Error{ErrorId::Unsupported,
-                 "character.gltf: is of a live stream, which has no files; open its ws:// address"};
+    return Error{ErrorId::Unsupported, "character.gltf: is of a live stream, which comes over WebSocket (ws://)"};
   if (in.ok() && character.version > kCoarseFormatVersion) {
     return Error{ErrorId::Unsupported, "character.gltf: format version " + std::to_string(character.version) +
                                            " is newer than this player; update the player"};

@@ -112,7 +112,7 @@ bool LivePlayer::admit(bool key) {
   return true;
 }
 
-void LivePlayer::leaveOut(std::deque<Frame>::iterator first, std::deque<Frame>::iterator end) {
+void LivePlayer::leaveOut(std::vector<Frame>::iterator first, std::vector<Frame>::iterator end) {
   for (auto frame = first; frame != end; ++frame) {
     if (frame->slot >= 0) slots_.drop(frame->slot);
     stats_.frames_late += playback_.playing();

@@ -7,8 +7,8 @@
 // shows the newest at once. Out of sight it holds its decoder until the stream stops (onLiveGap).
 #pragma once
 
-#include <deque>
 #include <optional>
+#include <vector>
 
 #include "package/live_frame.h"
 #include "package/live_manifest.h"
@@ -104,7 +104,7 @@ class LivePlayer final : public Player {
   LivePlayer(gpu::Device& device, std::shared_ptr<render::Recipe> recipe, const PlayerOptions& options);
   const package::Rendition& rendition() const { return sequence()->renditions[0]; }
   bool admit(bool key);
-  void leaveOut(std::deque<Frame>::iterator first, std::deque<Frame>::iterator end);
+  void leaveOut(std::vector<Frame>::iterator first, std::vector<Frame>::iterator end);
   void forget();
   int freeSlotFor(int64_t serial);
   Frame* frameIn(int slot);
@@ -123,7 +123,7 @@ class LivePlayer final : public Player {
   ShownFrame surface_;
   FigureComposer composer_;
   std::optional<package::LiveCharacter> live_;
-  std::deque<Frame> frames_;
+  std::vector<Frame> frames_;
   std::vector<uint8_t> feeding_;  // the sample that the edge was given last
   std::optional<uint32_t> last_number_;
   int64_t next_serial_ = 0, fed_serial_ = -1, answered_serial_ = -1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prefetches the first GOPs of other motions once the character can play, and takes the page's judgement of renditions.
+// What comes once the character can play: prefetching other motions, judgements of renditions, programs for later pictures.
 #include "player/player_impl.h"
 
 namespace fourdvt {
@@ -41,6 +41,22 @@ uint32_t PlayerImpl::landingOn(int target) const {
   const auto way = view.graph->plan({view.source, view.frame(), view.weights, view.sequence->fps * view.clock_rate},
                                     target, {.min_wait_s = kLead_s});
   return way ? way->entry.frame : 0;
+}
+
+// A blend has at most one member more than the space has parameters, and is aligned as far as is known. An error comes
+// up again in the picture's draw.
+bool PlayerImpl::makeNextProgram(const render::RecipeOptions& options) {
+  if (!hasFrame() || fromCameras()) return false;
+  size_t most_members = 1;
+  bool aligned = true;
+  for (int i = 0; i < loading_.sequenceCount(); ++i) {
+    const package::Sequence& s = loading_.sequence(i);
+    most_members = std::max(most_members, std::min(s.members.size(), s.space.names.size() + 1));
+    if (s.isClass() && loading_.hasHeader(i)) aligned = loading_.index(i).alignment_count > 0;
+  }
+  auto made = recipe_->makeNextProgram(character()->layer_count, static_cast<int>(most_members), aligned,
+                                       options_.picture_kind, {options, align_});
+  return made.ok() && made.value();
 }
 
 }  // namespace fourdvt

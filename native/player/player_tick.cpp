@@ -148,22 +148,6 @@ Result<render::Figure> PlayerImpl::figure() const {
                           world_from_character);
 }
 
-// A blend has at most one member more than the space has parameters, and is aligned as far as is known. An error comes
-// up again in the picture's draw.
-bool PlayerImpl::makeNextProgram(const render::RecipeOptions& options) {
-  if (!hasFrame() || fromCameras()) return false;
-  size_t most_members = 1;
-  bool aligned = true;
-  for (int i = 0; i < loading_.sequenceCount(); ++i) {
-    const package::Sequence& s = loading_.sequence(i);
-    most_members = std::max(most_members, std::min(s.members.size(), s.space.names.size() + 1));
-    if (s.isClass() && loading_.hasHeader(i)) aligned = loading_.index(i).alignment_count > 0;
-  }
-  auto made = recipe_->makeNextProgram(character()->layer_count, static_cast<int>(most_members), aligned,
-                                       options_.picture_kind, {options, align_});
-  return made.ok() && made.value();
-}
-
 Status PlayerImpl::draw(const render::View& view, const render::RecipeOptions& options, gpu::TargetId target) {
   auto drawn = figure();
   if (!drawn.ok()) return drawn.error();

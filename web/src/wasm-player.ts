@@ -227,7 +227,7 @@ export class WasmPlayer {
   }
 
   /** Compiles one shader program that later pictures will need; false when none is missing. */
-  makeNextProgram(): boolean { return this.#m._fdvt_make_next_program(this.#h) !== 0; }
+  makeNextProgram(): boolean { return hasMore(this.#m) && this.#m._fdvt_make_next_program(this.#h) !== 0; }
 
   // --- motion ---
 
