@@ -9,7 +9,7 @@ import type { Transport } from './transport.js';
 import { uploadPicture } from './upload-path.js';
 import type { WasmModule } from './wasm-abi.js';
 import {
-  WasmPlayer, type CharacterInfo, type PictureKind, type PlayerRequest, type PlayerState,
+  WasmPlayer, type CharacterInfo, type PictureKind, type PlayerRequest, type PlayerState, type TellPlayer,
 } from './wasm-player.js';
 
 const PICTURE_SLOTS = 4;
@@ -23,11 +23,15 @@ export interface ActorContext {
   beside: Actor | null;
 }
 
-/** What one character is loaded from; start: the bytes of its start file, or none. */
+/** What a character's files come by. */
+export type Files = Pick<Transport, 'manifest' | 'range' | 'cancel' | 'cancelAll' | 'stopReplay' | 'dispose'>;
+
+/** What one character is loaded from; start: the bytes of its start file, or none; load: of a live stream. */
 export interface Source {
-  transport: Transport;
+  transport: Files;
   manifest: unknown;
   start: Uint8Array;
+  load?: TellPlayer | undefined;
 }
 
 export interface ActorHost {
@@ -46,7 +50,7 @@ export interface ActorHost {
 
 export class Actor implements Performer {
   readonly #context: ActorContext;
-  readonly #transport: Transport;
+  readonly #transport: Files;
   readonly #commands: Commands;
   readonly #host: ActorHost;
   #decoders: (FrameDecoder | undefined)[] = [];
@@ -65,7 +69,7 @@ export class Actor implements Performer {
     const player = new WasmPlayer(context.module, context.beside?.player ?? context.gl, context.path, PICTURE_SLOTS);
     this.#player = player;
     try {
-      player.loadManifest(source.manifest, source.start);
+      player.loadManifest(source.manifest, source.start, source.load);
     } catch (reason) {
       this.dispose();
       throw reason;

@@ -14,7 +14,7 @@ interface Sequence {
   renditions: Rendition[];
 }
 interface Manifest {
-  extensions: { FOURDVT_layered_video_texture: { sequences: Sequence[] } };
+  extensions: { FOURDVT_layered_video_texture: { sequences?: Sequence[] } }; // a live stream has none
 }
 
 interface Player {
@@ -39,7 +39,7 @@ async function isSmooth({ codec, width, height, byteLength }: Rendition, { frame
 
 /** manifest: one that the player has read; element: the viewer, if its keys and buttons are for this character. */
 export async function advise(manifest: unknown, advised: Advised, element: Element | false): Promise<void> {
-  const { sequences } = (manifest as Manifest).extensions.FOURDVT_layered_video_texture;
+  const { sequences = [] } = (manifest as Manifest).extensions.FOURDVT_layered_video_texture;
   await Promise.all(sequences.flatMap((sequence, s) => sequence.renditions.map(async (rendition, r) => {
     const plays = await canDecode(rendition);
     if (!plays || !(await isSmooth(rendition, sequence))) advised.run((player) => player.judgeRendition(s, r, plays));

@@ -8,6 +8,7 @@ import { asViewerError, characterAddress, dispatch, ViewerError, type ErrorDetai
 import { FourdvtCharacter } from './fourdvt-character.js';
 import { checkRenderOptions } from './input-checks.js';
 import { methodOf } from './method-attributes.js';
+import type { LiveState } from './live.js';
 import type { MotionControls } from './motion-controls.js';
 import type { More } from './wasm-module.js';
 import { OrbitCamera, parseOrbit, parseTarget, type Follow } from './orbit-camera.js';
@@ -23,7 +24,7 @@ import {
 } from './wasm-player.js';
 
 export { FourdvtCharacter };
-export type { Align, ErrorDetail, ParameterInfo, Placement, RenderOptions, SceneMesh, SequenceInfo, Snapshot, UploadPath, ViewerStats };
+export type { Align, ErrorDetail, LiveState, ParameterInfo, Placement, RenderOptions, SceneMesh, SequenceInfo, Snapshot, UploadPath, ViewerStats };
 
 export interface Orbit {
   azimuth: number;
@@ -114,7 +115,7 @@ export class FourdvtViewer extends HTMLElement {
   set loop(value: boolean) { this.setAttribute('loop', value ? '' : 'false'); }
   get paused(): boolean { return !this.#commands.wishes.playing; }
   get error(): ErrorDetail | null { return this.#error; }
-  get duration(): number { return this.#current()?.duration ?? NaN; }
+  get duration(): number { return this.#session?.live ? Infinity : this.#current()?.duration ?? NaN; }
   get currentTime(): number { return this.#commands.state()?.currentTimeS ?? this.#commands.wishes.time ?? 0; }
   set currentTime(value: number) {
     if (!Number.isFinite(Number(value))) throw new TypeError('currentTime must be a number of seconds');
@@ -220,6 +221,11 @@ export class FourdvtViewer extends HTMLElement {
     if (!whole) throw new RangeError('a scene mesh needs 18 finite numbers per triangle');
     this.#commands.set('scene', scene.filter(({ corners }) => corners.length > 0));
   }
+
+  /** Of a live stream; null for other characters. */
+  get liveState(): LiveState | null { return this.#session?.live?.state ?? null; }
+  /** Seconds from capture to now, of the live frame that is shown; NaN while that is not known. */
+  get liveLatency(): number { return this.#session?.live?.latency ?? NaN; }
 
   getCameraOrbit(): Orbit {
     const { azimuth, elevation, distance } = this.#camera.pose;

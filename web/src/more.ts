@@ -3,4 +3,5 @@
 export { readLook } from './look.js';
 export { MotionControls } from './motion-controls.js';
 export { advise } from './advice.js';
+export { LiveStream } from './live.js';
 export { loadOpenCvFlow } from './opencv-flow.js';

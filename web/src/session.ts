@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // One canvas: its GL context, the main character, the companions beside it, and when they are drawn. The element makes
 // a session for each src and GL context. After dispose() nothing of it runs any more.
-import { Actor, type ActorContext, type ActorHost } from './actor.js';
+import { Actor, type ActorContext, type ActorHost, type Files } from './actor.js';
 import type { Commands } from './commands.js';
 import type { Companion } from './companion.js';
 import { asViewerError, ViewerError, type ErrorDetail } from './errors.js';
 import { checkSnapshot, MAX_CANVAS_SIDE } from './input-checks.js';
 import { FrameLoop } from './frame-loop.js';
+import type { LiveStream } from './live.js';
 import type { OrbitCamera } from './orbit-camera.js';
 import { Transport } from './transport.js';
 import { measurePath, rememberedPath, rememberPath, uploadPicture, type UploadPath } from './upload-path.js';
@@ -81,7 +82,9 @@ export class Session {
   readonly #canvas: HTMLCanvasElement;
   readonly #options: SessionOptions;
   readonly #host: SessionHost;
-  #transport: Transport;
+  readonly #files: Transport; // of src at first
+  #transport: Files;
+  #live: LiveStream | null = null; // the transport, if src is a live stream
   readonly #abort = new AbortController();
   readonly #loop = new FrameLoop((clockS, stepS) => this.#turn(clockS, stepS));
   #gl: WebGL2RenderingContext | null = null;
@@ -119,7 +122,7 @@ export class Session {
     this.#room = options.room;
     this.#commands.set('align', needsFlow(options.align) ? 'baked' : options.align); // until flow is loaded
     this.#fresh = options.fresh;
-    this.#transport = new Transport(options.src, this.#network, options.fresh ? 'reload' : undefined);
+    this.#transport = this.#files = new Transport(options.src, this.#network, options.fresh ? 'reload' : undefined);
   }
 
   /** Loads the character. Never rejects: what goes wrong becomes an error event. */
@@ -132,13 +135,16 @@ export class Session {
         throw new ViewerError('decoder-unsupported', 'this browser has no WebCodecs VideoDecoder: open the page in a newer one');
       }
       const { wasmUrl } = this.#options;
-      const early = needsFlow(this.#align) || this.#hasLook;
+      const live = /^wss?:/.test(this.#options.src);
+      const early = live || needsFlow(this.#align) || this.#hasLook;
       if (early) expectMore(wasmUrl, this.#network);
-      const start = this.#transport.start(); // beside the others, whether the manifest names it or not
-      const [manifest, module] = await Promise.all([this.#transport.manifest(), instantiate(wasmUrl, this.#network)]);
-      if (extensionOf(manifest)?.start) this.#start = await start;
+      const start = live ? null : this.#files.start(); // beside the others, whether the manifest names it or not
+      const [files, module] = await Promise.all([live || this.#files.manifest(), instantiate(wasmUrl, this.#network)]);
       if (this.#abort.signal.aborted) return;
       this.#module = module;
+      const manifest = live ? await this.#connect() : files;
+      if (start && extensionOf(manifest)?.start) this.#start = await start;
+      if (this.#abort.signal.aborted) return;
       if (isFromCameras(manifest)) await this.#more();
       // If it does not load, the character begins with 'baked', as filmed and without a scene; #show and useLook try again and
       // report it.
@@ -155,6 +161,23 @@ export class Session {
     } catch (reason) {
       if (!this.#abort.signal.aborted) this.#fatal(reason);
     }
+  }
+
+  // The manifest of the live stream.
+  async #connect(): Promise<unknown> {
+    const { LiveStream } = await this.#more();
+    if (this.#abort.signal.aborted) return null;
+    this.#transport = this.#live = new LiveStream(this.#options.src, {
+      actor: () => this.#main,
+      emit: (name, detail) => this.#host.emit(name, detail),
+      network: this.#network,
+      replace: (manifest) => {
+        this.#manifest = manifest;
+        this.#reopen(this.#path);
+      },
+      fail: (id, message) => this.#fatal(new ViewerError(id, message)),
+    });
+    return this.#live.manifest();
   }
 
   dispose(): void {
@@ -174,6 +197,8 @@ export class Session {
 
   /** It was disposed of, or an error has ended it. */
   get ended(): boolean { return this.#abort.signal.aborted; }
+  /** If src is one, once the player is there. */
+  get live(): LiveStream | null { return this.#live; }
   get character(): CharacterInfo | null { return this.#main?.character ?? null; }
   /** A start file has come: the first picture is near. */
   get started(): boolean { return this.#start.length > 0; }
@@ -356,8 +381,8 @@ export class Session {
   #open(path: PictureKind): void {
     this.#path = path;
     this.#programsMissing = true;
-    const decide = (this.#deciding = this.#options.uploadPath === 'auto' && !rememberedPath());
-    const source = { transport: this.#transport, manifest: this.#manifest, start: this.#start };
+    const decide = (this.#deciding = !this.#live && this.#options.uploadPath === 'auto' && !rememberedPath());
+    const source = { transport: this.#transport, manifest: this.#manifest, start: this.#start, load: this.#live?.load(path) };
     const main = new Actor(this.#context(null), source, this.#commands, {
       emit: (name, detail) => this.#onMainEvent(name, detail),
       wake: () => this.wake(),
@@ -369,7 +394,7 @@ export class Session {
     if (this.#abort.signal.aborted) return main.dispose(); // an error during its creation has ended the session
     this.#main = main;
     if (this.#hidden) main.setInSight(false);
-    if (main.character) this.#host.camera.setCharacter(main.character);
+    if (main.character && !this.#live?.keepsCamera(main.character)) this.#host.camera.setCharacter(main.character);
     if (!this.#shown) this.#host.camera.jump();
     void this.#useRoom();
     void this.useLook();
@@ -440,6 +465,7 @@ export class Session {
   }
 
   #onMainEvent(name: string, detail?: unknown): void {
+    if (name === 'error' && this.#live?.takes(detail as ErrorDetail)) return;
     if (name === 'error' && this.#main && mayBeOfTwoBakes(detail as ErrorDetail)) {
       if (this.#held) return void this.#held.push(detail as ErrorDetail);
       if (!this.#unproven) return void this.#renew(detail as ErrorDetail);

@@ -58,6 +58,9 @@ export interface Method {
   visibility: Visibility;
 }
 
+/** One of the functions of wasm/abi.txt that answer `ok`. */
+export type TellPlayer = (module: WasmModule, handle: number) => number;
+
 /** Which rendition is played; see fdvt_set_quality in wasm/abi.txt. */
 export interface Quality {
   rendition: number;
@@ -145,7 +148,7 @@ export class WasmPlayer {
   }
 
   /** start: the bytes of the start file, none if the page does not have them. */
-  loadManifest(json: unknown, start: Uint8Array): void {
+  loadManifest(json: unknown, start: Uint8Array, load?: TellPlayer): void {
     flattenJson(json, (pointer, value) => {
       const key = encoder.encode(pointer);
       if (typeof value === 'string') {
@@ -158,7 +161,7 @@ export class WasmPlayer {
         this.#m._fdvt_manifest_bool(this.#h, this.#put(key), key.length, value ? 1 : 0);
       }
     });
-    this.#check(this.#m._fdvt_load(this.#h, this.#put(start), start.length));
+    this.#check(load ? load(this.#m, this.#h) : this.#m._fdvt_load(this.#h, this.#put(start), start.length));
   }
 
   play(): void { this.#m._fdvt_play(this.#h); }
@@ -252,7 +255,7 @@ export class WasmPlayer {
     this.#check(this.#m._fdvt_set_method(this.#h, ...this.#text(name), closest, VISIBILITIES.indexOf(visibility)));
   }
   /** Runs one of the functions of the second part, when that is there. */
-  tell(action: (module: WasmModule, handle: number) => number): void { this.#check(action(this.#m, this.#h)); }
+  tell(action: TellPlayer): void { this.#check(action(this.#m, this.#h)); }
   /** Takes effect when the second part is there (`moreCame`). */
   setScene(meshes: SceneMesh[]): void {
     this.#scene = hasMore(this.#m) ? null : meshes;
