@@ -29,7 +29,9 @@ struct HttpRequest {
 struct HttpAnswer {
   int status = 200;
   std::string type = "text/plain; charset=utf-8", body;
-  std::string file;  // sent instead of `body`, with byte ranges; a path on this machine
+  std::string file;          // sent instead of `body`, with byte ranges; a path on this machine
+  std::string location;      // of a redirection; empty: none
+  std::string allow_origin;  // whose pages may read the answer besides the server's own; empty: none
 };
 
 // One WebSocket of the server. All functions may be called on any thread.
@@ -39,12 +41,14 @@ class Connection {
   virtual const HttpRequest& request() const = 0;           // it was opened with
   virtual void send(Bytes message, bool text = false) = 0;  // queued, in order
   virtual size_t queuedBytes() const = 0;                   // that the system has not taken yet
+  virtual size_t queuedMessages() const = 0;                // the same, counted
+  // Sends what is queued, then closes. onMessage is not called any more; onClose is, at the latest 2 s later.
   virtual void close(uint16_t code, const std::string& reason) = 0;
 };
 
 struct SocketLimits {
   size_t most_message_bytes = 4096;
-  double most_messages_per_s = 20;       // on average over two seconds; beyond it the connection is closed
+  double most_messages_per_s = 20;       // pings too; on average over two seconds; beyond it the connection is closed
   size_t most_queued_bytes = 16u << 20;  // beyond it the connection is closed
 };
 
@@ -66,6 +70,8 @@ struct ServerOptions {
   std::string certificate_file, key_file;  // PEM; both: TLS
   int most_connections = 256;
   int socket_send_bytes = 64 << 10;  // of the system's buffer: what a slow peer is behind at least
+  double handshake_s = 10;           // for TLS, and again for a request
+  double idle_s = 20;                // a WebSocket that answers no ping for so long is closed
 };
 
 class Server {
@@ -75,7 +81,7 @@ class Server {
   static Result<std::unique_ptr<Server>> start(const ServerOptions& options, ServerHandler& handler);
   virtual ~Server() = default;  // closes all connections, joins the thread
   virtual uint16_t port() const = 0;
-  // Runs `action` on the server's thread every `period_s`, until it is destroyed.
+  // Runs `action` on the server's thread every `period_s`, until the server is destroyed.
   virtual void every(double period_s, std::function<void()> action) = 0;
 };
 
@@ -84,13 +90,19 @@ struct ClientOptions {
   std::string token;           // sent as "Authorization: Bearer …"; empty: none
   std::string ca_file;         // PEM of a certificate to trust besides the system's; for wss
   double longest_pause_s = 2;  // between attempts to connect, which grow up to it
+  size_t most_message_bytes = 16u << 20;
 };
+
+// Close codes by which a server refuses a client for good.
+constexpr uint16_t kFirstRefusal = 4400, kLastRefusal = 4499;
 
 // Called on the client's thread.
 struct ClientEvents {
   std::function<void()> on_open;
   std::function<void(std::span<const uint8_t>, bool text)> on_message;
-  std::function<void(const std::string& reason, bool refused)> on_close;  // refused: trying again is of no use
+  // After a loss, and after an attempt that failed. refused: by a status of 400 to 499 or a close code from
+  // kFirstRefusal to kLastRefusal; the client does not try again.
+  std::function<void(const std::string& reason, bool refused)> on_close;
 };
 
 // Connects, and after a loss again and again.
@@ -102,6 +114,7 @@ class Client {
   virtual bool open() const = 0;
   virtual void send(Bytes message, bool text = false) = 0;  // dropped while it is not open
   virtual size_t queuedBytes() const = 0;
+  virtual size_t queuedMessages() const = 0;
 };
 
 }  // namespace fourdvt::live

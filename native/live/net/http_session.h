@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// One connection of the server until it becomes a WebSocket: TLS, requests one after another, answers with files in
+// pieces. Does NOT decide who may have what: the handler does.
+#pragma once
+
+#include <memory>
+
+#include "live/net/server_core.h"
+#include "live/net/wire.h"
+
+namespace fourdvt::live {
+
+// is_full: every request is answered with 503.
+void startHttpSession(std::shared_ptr<ServerCore> core, std::shared_ptr<Wire> wire, bool is_full);
+
+}  // namespace fourdvt::live

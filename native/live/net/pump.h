@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// A WebSocket of either side: shakes hands, reads messages within limits, writes a queue of shared buffers, closes.
+// Does NOT connect.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "live/net/websocket.h"
+#include "live/net/wire.h"
+
+namespace fourdvt::live {
+
+// Called on the thread that runs the io_context.
+struct PumpEvents {
+  std::function<void(std::span<const uint8_t>, bool text)> on_message;   // none after close()
+  std::function<void(uint16_t code, const std::string& reason)> on_end;  // once; code 0: lost without a close
+};
+
+constexpr double kCloseSeconds = 2;  // that a peer may take to answer a close
+
+class Pump {
+ public:
+  virtual ~Pump() = default;
+  static std::shared_ptr<Pump> create(std::shared_ptr<asio::io_context> io, std::shared_ptr<Wire> wire,
+                                      double handshake_s, double idle_s);
+  // request: as received, up to its empty line.
+  virtual void accept(const std::string& request, std::function<void(bool ok)> done) = 0;
+  struct Answer {
+    bool ok = false;
+    unsigned status = 0;  // of an HTTP answer that refuses; 0: none came
+    std::string reason;
+  };
+  virtual void shakeHands(const std::string& authority, const std::string& target, const std::string& token,
+                          std::function<void(const Answer&)> done) = 0;
+  // After the handshake.
+  virtual void run(const SocketLimits& limits, PumpEvents events) = 0;
+
+  // On any thread.
+  virtual void send(Bytes message, bool text) = 0;
+  // Sends what is queued, then closes; cuts the connection where the peer does not take part.
+  virtual void close(uint16_t code, const std::string& reason) = 0;
+  size_t queuedBytes() const { return queued_bytes_; }
+  size_t queuedMessages() const { return queued_messages_; }
+
+ protected:
+  std::atomic<size_t> queued_bytes_{0}, queued_messages_{0};
+};
+
+}  // namespace fourdvt::live

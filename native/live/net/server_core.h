@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// Shared by the server's connections: its handler, its options and the register of who is connected. Does NOT accept.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+
+#include "live/net/asio.h"
+#include "live/net/websocket.h"
+
+namespace fourdvt::live {
+
+class Closable {
+ public:
+  virtual ~Closable() = default;
+  virtual void stop() = 0;  // on the server's thread
+};
+
+struct ServerCore {
+  std::shared_ptr<asio::io_context> io = std::make_shared<asio::io_context>(1);
+  ServerOptions options;
+  ServerHandler* handler = nullptr;
+  std::unique_ptr<asio::ssl::context> tls;  // none: plain
+  std::mutex mutex;
+  std::map<uint64_t, std::weak_ptr<Closable>> connections;
+  uint64_t next_id = 0;
+};
+
+// One place among the server's connections, for as long as it lives.
+class Slot {
+ public:
+  explicit Slot(std::shared_ptr<ServerCore> core) : core_(std::move(core)) {
+    const std::lock_guard lock(core_->mutex);
+    id_ = core_->next_id++;
+    core_->connections[id_];
+  }
+  ~Slot() {
+    const std::lock_guard lock(core_->mutex);
+    core_->connections.erase(id_);
+  }
+  void setOwner(std::weak_ptr<Closable> owner) {
+    const std::lock_guard lock(core_->mutex);
+    core_->connections[id_] = std::move(owner);
+  }
+
+ private:
+  const std::shared_ptr<ServerCore> core_;
+  uint64_t id_ = 0;
+};
+
+}  // namespace fourdvt::live
