@@ -11,6 +11,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kLiveFormatVersion = 4;
+constexpr size_t kLongestName = 128;  // bytes
 
 Json rectJson(const package::Rect& r) { return {r.x, r.y, r.width, r.height}; }
 Json pointJson(const glm::vec3& p) { return {p.x, p.y, p.z}; }
@@ -40,7 +41,7 @@ std::string liveManifest(const Rig& rig, const ManifestInput& input) {
       {"step", kPositionStep_m}};
   const Json extension = {{"version", kLiveFormatVersion},
                           {"appearance", "cameras"},
-                          {"name", rig.name},
+                          {"name", rig.name.empty() ? "live" : rig.name.substr(0, kLongestName)},
                           {"vertexCount", kMostVertices},
                           {"faceCount", kMostFaces},
                           {"bounds", {{"min", pointJson(rig.bounds.min)}, {"max", pointJson(rig.bounds.max)}}},

@@ -480,7 +480,8 @@ class LivePipeline final : public Pipeline {
     triangles_.add(now, double(frame.triangles));
     surface_bytes_.add(now, double(frame.chunk.size()));
     picture_bytes_.add(now, double(picture.sample.size()));
-    if (frame.triangles > 0) control_.add(now, (frame.hull_ms + picture_ms + encode_ms) * rig_.fps / 1e3);
+    if (frame.triangles > 0 && fixed_tolerance_px_ == 0)
+      control_.add(now, (frame.hull_ms + picture_ms + encode_ms) * rig_.fps / 1e3);
   }
 
   // --- both ---

@@ -17,6 +17,7 @@ constexpr uint8_t kGreyLuma = 126, kGreyChroma = 128;
 constexpr int kBlock = 8;                     // texels of luma
 constexpr int kLevels = 3;                    // colours reach over blocks of 64 texels
 constexpr float kSeesBackground = 1.0f / 32;  // of a texel: its colour is not the performer's alone
+constexpr double kLittle = 0.6;               // from this scale up bilinear samples skip no pixel's share
 constexpr int kShift = 16;
 
 // BT.601 full → BT.709 limited is linear: luma takes from all three channels, chroma from chroma alone.
@@ -49,7 +50,8 @@ const ColourTables& colourTables() {
 
 uint8_t byteOf(int fixed) { return uint8_t(std::clamp(fixed >> kShift, 0, 255)); }
 
-// Draws a part of one plane, given in its pixels, into a part of another: copied, or by area means.
+// Draws a part of one plane, given in its pixels, into a part of another: copied, a little smaller by bilinear samples,
+// or by area means, which take much longer.
 void stretch(const uint8_t* from, int from_stride, const package::Rect& part, uint8_t* to, int to_stride,
              const package::Rect& place) {
   const cv::Mat in(part.height, part.width, CV_8U,
@@ -58,7 +60,7 @@ void stretch(const uint8_t* from, int from_stride, const package::Rect& part, ui
   if (in.size() == out.size())
     in.copyTo(out);
   else
-    cv::resize(in, out, out.size(), 0, 0, cv::INTER_AREA);
+    cv::resize(in, out, out.size(), 0, 0, place.width > kLittle * part.width ? cv::INTER_LINEAR : cv::INTER_AREA);
 }
 
 package::Rect halved(const package::Rect& r) {
