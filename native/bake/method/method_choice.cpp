@@ -2,6 +2,7 @@
 #include "bake/method/method_choice.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "bake/method/method_costs.h"
@@ -18,19 +19,28 @@ std::string text(const char* format, double value) {
   return out;
 }
 
+double squaredError(double psnr_db) { return std::pow(10, -psnr_db / 10); }
+
+// A visitor's view, by that of a camera that was left out and by its own.
+double visitorsDb(const MethodScore& score, double own_share) {
+  if (own_share <= 0) return score.psnr_db;
+  return -10 * std::log10((1 - own_share) * squaredError(score.psnr_db) + own_share * squaredError(score.own_psnr_db));
+}
+
 }  // namespace
 
 std::string ChoiceRule::check() const {
   if (!(most_cost >= 1 && most_cost <= 100)) return "method cost must be 1..100 frames of fvvr";
   if (!(below_linear_db >= 0 && tie_db >= 0 && tie_ssim >= 0)) return "margins of the method must not be negative";
+  if (!(own_share >= 0 && own_share < 1 && own_until_px > 0)) return "the share of a camera's own view must be 0 to 1";
   return "";
 }
 
 MethodChoice chooseMethod(const std::vector<MethodScore>& scores, const LeftOut& views, const ChoiceRule& rule) {
   MethodChoice out;
-  const double shift_px = views.shift_px;
+  const double shift_px = views.shift_px, own_share = rule.own_share * std::max(0.0, 1 - shift_px / rule.own_until_px);
   for (const MethodScore& s : scores) {
-    double judged_db = s.psnr_db;
+    double judged_db = visitorsDb(s, own_share);
     if (trustsCalibration(s.method))
       judged_db += rule.search_db * std::clamp((views.gap_deg - kSmallGap_deg) / kSmallGap_deg, 0.0, 1.0);
     if (s.method == kLinear) judged_db -= rule.blend_db_per_px * shift_px;

@@ -12,7 +12,8 @@ struct MethodScore {
   std::string method;
   double cost = 1;  // of a new frame, FVVR's is 1
   double psnr_db = 0,
-         ssim = 0;  // registered (registration.h), where the view is blended (shared_sight.h): these decide
+         ssim = 0;         // registered (registration.h), where the view is blended (shared_sight.h): these decide
+  double own_psnr_db = 0;  // the same with the view's own camera among those that are drawn from
   double psnr_fg_db = 0, ssim_fg = 0;  // over all of the figure, as measure::PictureScore
 };
 
@@ -21,9 +22,14 @@ struct ChoiceRule {
   double below_linear_db = 0.05;  // never below `linear` by more
   double tie_db = 0.05;           // among equals the cheapest is taken, and of these the first …
   double tie_ssim = 0.004;        // … unless its SSIM is lower by more
-  // Correction for leaving cameras out (ALGORITHMS 14.5). A search between cameras twice as far apart as a visitor's
+  // Corrections for leaving cameras out (ALGORITHMS 14.5). A visitor's view lies between a camera's own and one that
+  // was left out: this share of its squared error is that of the own view, less where cameras are off, and none from so
+  // many pixels of shift on, since errors of calibration do not shrink with the angle.
+  double own_share = 0.3;
+  double own_until_px = 1.5;
+  // A search between cameras twice as far apart as a visitor's
   // errs more: added for methods that search along rays, in full from 60° to the next camera, not at all up to 30°.
-  double search_db = 1;
+  double search_db = 0.5;
   // Where cameras are off a mean of more of them is nearer to the truth, which few pixels show: taken off `linear`,
   // which blends fewer, for every pixel of shift.
   double blend_db_per_px = 0.3;

@@ -42,6 +42,7 @@ Json methodJson(const ChosenMethod& chosen) {
                               {"cost", v.score.cost},
                               {"blended_psnr_db", v.score.psnr_db},
                               {"blended_ssim", v.score.ssim},
+                              {"own_psnr_db", v.score.own_psnr_db},
                               {"figure_psnr_db", v.score.psnr_fg_db},
                               {"figure_ssim", v.score.ssim_fg},
                               {"judged_psnr_db", v.judged_db},
@@ -53,11 +54,14 @@ report::Section methodSection(const ChosenMethod& chosen) {
   report::Section out{"method", "Method", introduction(chosen), {}, {}, {}, {}, {}};
   if (chosen.choice.verdicts.empty()) return out;
   report::Table table{
-      "", "", {"method", "FVVR's frames", "blended, dB", "SSIM", "judged, dB", "figure, dB", "SSIM", ""}, {}};
+      "",
+      "",
+      {"method", "FVVR's frames", "blended, dB", "SSIM", "own view, dB", "judged, dB", "figure, dB", "SSIM", ""},
+      {}};
   for (const MethodVerdict& v : chosen.choice.verdicts)
     table.rows.push_back({v.score.method, fixedText(v.score.cost, 1), fixedText(v.score.psnr_db, 2),
-                          fixedText(v.score.ssim, 3), fixedText(v.judged_db, 2), fixedText(v.score.psnr_fg_db, 2),
-                          fixedText(v.score.ssim_fg, 3), v.verdict});
+                          fixedText(v.score.ssim, 3), fixedText(v.score.own_psnr_db, 2), fixedText(v.judged_db, 2),
+                          fixedText(v.score.psnr_fg_db, 2), fixedText(v.score.ssim_fg, 3), v.verdict});
   out.tables = {std::move(table)};
   return out;
 }

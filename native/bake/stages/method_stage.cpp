@@ -17,7 +17,7 @@
 namespace fourdvt::bake {
 namespace {
 
-constexpr const char* kVersion = "methods 2";  // change it whenever kept sums of older builds must not be reused
+constexpr const char* kVersion = "methods 3";  // change it whenever kept sums of older builds must not be reused
 
 struct Place {
   const capture::CaptureSequence* sequence;
@@ -61,7 +61,7 @@ std::vector<uint8_t> bytesOf(const TrialSums& sums) {
   out.f64(sums.shift_px);
   out.f64(sums.gap_deg);
   for (const MethodScore& s : sums.scores)
-    for (const double value : {s.psnr_db, s.ssim, s.psnr_fg_db, s.ssim_fg}) out.f64(value);
+    for (const double value : {s.psnr_db, s.ssim, s.own_psnr_db, s.psnr_fg_db, s.ssim_fg}) out.f64(value);
   return out.take();
 }
 
@@ -75,7 +75,7 @@ std::optional<TrialSums> sumsFrom(std::span<const uint8_t> bytes, const std::vec
   for (const std::string& method : methods) {
     MethodScore& s = sums.scores.emplace_back();
     s.method = method;
-    for (double* value : {&s.psnr_db, &s.ssim, &s.psnr_fg_db, &s.ssim_fg}) *value = in.f64();
+    for (double* value : {&s.psnr_db, &s.ssim, &s.own_psnr_db, &s.psnr_fg_db, &s.ssim_fg}) *value = in.f64();
   }
   if (!in.ok() || in.remaining() > 0) return std::nullopt;
   return sums;

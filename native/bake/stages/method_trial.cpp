@@ -105,10 +105,11 @@ std::optional<TrialView> makeView(const TrialFrame& frame, const SharedSight& si
 class Lane {
  public:
   Lane(MethodScore& score, double* shift_px) : score_(score), shift_px_(shift_px) {}
-  void push(const TrialView& view, Image drawn) {
+  // left_out: drawn without the view's own camera.
+  void push(const TrialView& view, Image drawn, bool left_out) {
     if (running_.size() >= kWaiting) collect();
     running_.push_back(
-        std::async(std::launch::async, [&view, drawn = std::move(drawn)] { return scored(view, drawn); }));
+        {left_out, std::async(std::launch::async, [&view, drawn = std::move(drawn)] { return scored(view, drawn); })});
   }
   void finish() {
     while (!running_.empty()) collect();
@@ -116,15 +117,24 @@ class Lane {
 
  private:
   void collect() {
-    const ViewScore s = running_.front().get();
+    const bool left_out = running_.front().left_out;
+    const ViewScore s = running_.front().score.get();
     running_.pop_front();
+    if (!left_out) {
+      score_.own_psnr_db += s.registered.psnr_db;
+      return;
+    }
     score_.psnr_db += s.registered.psnr_db, score_.ssim += s.registered.ssim;
     score_.psnr_fg_db += s.picture.psnr_fg_db, score_.ssim_fg += s.picture.ssim_fg;
     if (shift_px_) *shift_px_ += glm::length(s.registered.shift_px);
   }
   MethodScore& score_;
   double* shift_px_;
-  std::deque<std::future<ViewScore>> running_;
+  struct Running {
+    bool left_out;
+    std::future<ViewScore> score;
+  };
+  std::deque<Running> running_;
 };
 
 // To the nearest camera but this one, as seen from the middle of the surface's box.
@@ -162,7 +172,7 @@ Result<TrialSums> tryMethods(gpu::Device& device, FrameDrawing& drawing, const T
                              std::span<const size_t> left_out, const std::vector<std::string>& methods,
                              const render::MethodOptions& options) {
   TrialSums out;
-  for (const std::string& method : methods) out.scores.push_back({method, 0, 0, 0, 0, 0});
+  for (const std::string& method : methods) out.scores.emplace_back().method = method;
   std::vector<TrialView> views;
   {
     const SharedSight sight(frame.cameras, frame.surface, frame.length_scale);
@@ -176,9 +186,11 @@ Result<TrialSums> tryMethods(gpu::Device& device, FrameDrawing& drawing, const T
     drawing.setMethod(std::move(method));
     Lane lane(out.scores[m], m == 0 ? &out.shift_px : nullptr);
     for (const TrialView& view : views) {
-      drawing.leaveOut({&view.camera, 1});
-      FOURDVT_ASSIGN(auto picture, drawing.render(view.view, options));
-      lane.push(view, std::move(picture));
+      for (const size_t left_out : {1, 0}) {
+        drawing.leaveOut({&view.camera, left_out});
+        FOURDVT_ASSIGN(auto picture, drawing.render(view.view, options));
+        lane.push(view, std::move(picture), left_out == 1);
+      }
     }
     lane.finish();
   }
@@ -197,7 +209,8 @@ void add(const TrialSums& more, TrialSums& sums) {
   for (size_t m = 0; m < sums.scores.size(); ++m) {
     const MethodScore& s = more.scores[m];
     MethodScore& to = sums.scores[m];
-    to.psnr_db += s.psnr_db, to.ssim += s.ssim, to.psnr_fg_db += s.psnr_fg_db, to.ssim_fg += s.ssim_fg;
+    to.psnr_db += s.psnr_db, to.ssim += s.ssim, to.own_psnr_db += s.own_psnr_db, to.psnr_fg_db += s.psnr_fg_db,
+        to.ssim_fg += s.ssim_fg;
   }
 }
 
@@ -208,7 +221,7 @@ LeftOut meanViews(const TrialSums& sums) {
 std::vector<MethodScore> meanScores(const TrialSums& sums, size_t faces) {
   std::vector<MethodScore> out = sums.scores;
   for (MethodScore& s : out) {
-    for (double* value : {&s.psnr_db, &s.ssim, &s.psnr_fg_db, &s.ssim_fg}) *value /= double(sums.views);
+    for (double* value : {&s.psnr_db, &s.ssim, &s.own_psnr_db, &s.psnr_fg_db, &s.ssim_fg}) *value /= double(sums.views);
     s.cost = methodCost(s.method, faces);
   }
   return out;

@@ -16,11 +16,11 @@ namespace fourdvt::bake {
 namespace {
 
 MethodScore score(const char* method, double cost, double psnr_db, double ssim = 0.8) {
-  return {method, cost, psnr_db, ssim, psnr_db, ssim};
+  return {method, cost, psnr_db, ssim, psnr_db, psnr_db, ssim};
 }
 
 // Without corrections.
-constexpr ChoiceRule kPlain{.search_db = 0, .blend_db_per_px = 0};
+constexpr ChoiceRule kPlain{.own_share = 0, .search_db = 0, .blend_db_per_px = 0};
 
 std::string verdictOn(const MethodChoice& choice, const std::string& method) {
   for (const MethodVerdict& v : choice.verdicts)
@@ -65,14 +65,26 @@ TEST(MethodChoice, NoSweepWhereCalibrationIsOff) {
 
 TEST(MethodChoice, CorrectsWhatLeavingOutGetsWrong) {
   const std::vector<MethodScore> scores{score("fvvr", 1, 21.8), score("linear", 1.1, 22), score("sweep", 1.4, 21.2)};
-  const MethodChoice choice = chooseMethod(scores, {0, 60});
+  constexpr ChoiceRule kLeftOut{.own_share = 0, .search_db = 1};
+  const MethodChoice choice = chooseMethod(scores, {0, 60}, kLeftOut);
   EXPECT_EQ(choice.method, "sweep") << "0.8 dB below linear, and 1 dB is for the search";
   EXPECT_DOUBLE_EQ(choice.verdicts[2].judged_db, 22.2);
   EXPECT_EQ(chooseMethod(scores, {}, kPlain).method, "linear");
-  EXPECT_DOUBLE_EQ(chooseMethod(scores, {0, 45}).verdicts[2].judged_db, 21.7) << "half of it";
+  EXPECT_DOUBLE_EQ(chooseMethod(scores, {0, 45}, kLeftOut).verdicts[2].judged_db, 21.7) << "half of it";
   EXPECT_EQ(chooseMethod(scores, {0, 20}).method, "linear") << "cameras near each other";
   EXPECT_EQ(chooseMethod(scores, {2.1, 60}).method, "fvvr") << "no search; linear is judged as 21.37";
   EXPECT_EQ(chooseMethod({scores[0], scores[1]}, {0.4, 60}).method, "linear") << "judged as 21.88";
+}
+
+TEST(MethodChoice, JudgesViewsBetweenTheOwnAndTheLeftOut) {
+  std::vector<MethodScore> scores{score("fvvr", 1, 22), score("linear", 1.1, 22), score("sweep", 1.4, 22.3)};
+  scores[0].own_psnr_db = 25, scores[1].own_psnr_db = 40, scores[2].own_psnr_db = 25;
+  constexpr ChoiceRule kOwn{.own_share = 0.3, .own_until_px = 1.5, .search_db = 0, .blend_db_per_px = 0};
+  const MethodChoice choice = chooseMethod(scores, {}, kOwn);
+  EXPECT_EQ(choice.method, "linear") << "the others blur what a camera beside the visitor sees";
+  EXPECT_NEAR(choice.verdicts[1].judged_db, 22 - 10 * std::log10(0.7 + 0.3 * std::pow(10, -1.8)), 1e-9);
+  EXPECT_EQ(chooseMethod(scores, {}, kPlain).method, "sweep");
+  EXPECT_DOUBLE_EQ(chooseMethod(scores, {1.5, 0}, kOwn).verdicts[1].judged_db, 22) << "all errors are calibration's";
 }
 
 TEST(MethodChoice, NoneWhereAllAreTooDear) {
@@ -87,6 +99,7 @@ TEST(MethodChoice, RefusesRulesThatCannotBe) {
   EXPECT_NE((ChoiceRule{.most_cost = 0.5}.check()), "");
   EXPECT_NE((ChoiceRule{.most_cost = std::nan("")}.check()), "");
   EXPECT_NE((ChoiceRule{.tie_db = -1}.check()), "");
+  EXPECT_NE((ChoiceRule{.own_share = 1}.check()), "");
 }
 
 TEST(MethodCosts, AreFvvrsFramesAndFallWithTheFaces) {

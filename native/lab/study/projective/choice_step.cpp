@@ -72,6 +72,7 @@ Rows rowsOf(const Condition& condition, const Tried& tried) {
     const RowWriter row(out, rows::kTried, "", v.score.method, setting);
     row.add(rows::kBlendedDb, v.score.psnr_db, "dB");
     row.add(rows::kBlendedSsim, v.score.ssim, "");
+    row.add(rows::kOwnDb, v.score.own_psnr_db, "dB");
     row.add(rows::kPsnrFgDb, v.score.psnr_fg_db, "dB");
     row.add(rows::kSsimFg, v.score.ssim_fg, "");
     row.add(rows::kStatedCost, v.score.cost, "ratio");

@@ -77,6 +77,7 @@ inline constexpr const char* kFlickerLevels = "flicker_levels";
 inline constexpr const char* kFrameS = "frame_s";
 inline constexpr const char* kViewS = "view_s";
 inline constexpr const char* kBlendedDb = "blended_psnr_db";
+inline constexpr const char* kOwnDb = "own_psnr_db";
 inline constexpr const char* kBlendedSsim = "blended_ssim";
 inline constexpr const char* kStatedCost = "stated_cost";
 inline constexpr const char* kShiftPx = "shift_px";
