@@ -14,7 +14,6 @@
 #include "live/camera/keyer.h"
 #include "or_stop.h"
 #include "platform/ffmpeg_video.h"
-#include "platform/files.h"
 #include "reconstruct/contour.h"
 
 using namespace fourdvt;
@@ -25,26 +24,29 @@ namespace {
 // Processor time: a busy machine does not change it.
 double now_ms() { return 1e3 * double(std::clock()) / CLOCKS_PER_SEC; }
 
-Image fitted(const Image& from, int width, int height) {
-  const int inner = std::min(width, from.width * height / from.height);
-  const cv::Mat in(from.height, from.width, CV_8UC(from.channels), const_cast<uint8_t*>(from.pixels.data()));
-  cv::Mat scaled;
-  cv::resize(in, scaled, {inner, height}, 0, 0, cv::INTER_AREA);
+cv::Mat wrapped(const Image& image) {
+  return cv::Mat(image.height, image.width, CV_8UC(image.channels), const_cast<uint8_t*>(image.pixels.data()));
+}
+
+// Scaled to the height; at the sides the border of `beside` goes on: a picture has there what its plate has.
+Image fitted(const Image& from, const Image& beside, int width, int height) {
+  const int inner = std::min(width, from.width * height / from.height), left = (width - inner) / 2;
   Image out(width, height, from.channels);
-  cv::Mat whole(height, width, CV_8UC(from.channels), out.pixels.data());
-  const int left = (width - inner) / 2;
+  cv::Mat whole = wrapped(out), scaled;
+  cv::resize(wrapped(beside), scaled, {inner, height}, 0, 0, cv::INTER_AREA);
   cv::copyMakeBorder(scaled, whole, 0, 0, left, width - inner - left, cv::BORDER_REPLICATE);
+  cv::Mat middle = whole(cv::Rect(left, 0, inner, height));
+  cv::resize(wrapped(from), middle, {inner, height}, 0, 0, cv::INTER_AREA);
   return out;
 }
 
 struct Agreement {
-  double both = 0, either = 0, beyond = 0, pixels = 0;
+  double both = 0, either = 0;
   void add(const Image& matte, const Image& truth) {
     for (size_t i = 0; i < matte.pixels.size(); ++i) {
       const bool a = matte.pixels[i] >= 128, b = truth.pixels[i] >= 128;
       both += a && b;
       either += a || b;
-      beyond += std::abs(double(matte.pixels[i]) - truth.pixels[i]) / 255;
     }
   }
   double iou() const { return both / either; }
@@ -87,19 +89,20 @@ double leastCost_ms(int runs, const Work& work) {
   return least_ms;
 }
 
-void measure(const std::vector<View>& views, int width, int height, const std::string& out_folder) {
+void measure(const std::vector<View>& views, int width, int height) {
   double live_ms = 0, outline_ms = 0, offline_ms = 0, points = 0;
   Agreement live_truth, offline_truth;
   int pictures = 0;
   for (const View& view : views) {
     std::vector<Image> plates;
-    for (const Image& plate : view.plates) plates.push_back(fitted(plate, width, height));
+    for (const Image& plate : view.plates) plates.push_back(fitted(plate, plate, width, height));
     const auto keyer = orStop(live::Keyer::create(plates));
     const auto model = capture::makeBackgroundModel(plates);
     const Image mean = capture::meanPicture(model);
     const bool chroma = capture::isChromaPlate(mean);
     for (size_t i = 0; i < view.pictures.size(); ++i, ++pictures) {
-      const Image picture = fitted(view.pictures[i], width, height), truth = fitted(view.mattes[i], width, height);
+      const Image picture = fitted(view.pictures[i], view.plates[0], width, height);
+      const Image truth = fitted(view.mattes[i], Image(view.mattes[i].width, view.mattes[i].height, 1), width, height);
       const Image* live = nullptr;
       live_ms += leastCost_ms(5, [&] { live = orStop(keyer->key(picture)); });
       reconstruct::Outline outline;
@@ -110,12 +113,6 @@ void measure(const std::vector<View>& views, int width, int height, const std::s
           1, [&] { offline = chroma ? capture::chromaKey(picture, mean) : capture::backgroundKey(picture, model); });
       live_truth.add(*live, truth);
       offline_truth.add(offline, truth);
-      if (!out_folder.empty()) {
-        const std::string stem = out_folder + "/" + std::to_string(height) + "_" + std::to_string(pictures);
-        orStop(platform::writeImage(stem + "_live.png", *live));
-        orStop(platform::writeImage(stem + "_true.png", truth));
-        orStop(platform::writeImage(stem + "_rgb.png", picture));
-      }
     }
   }
   std::printf("%4d x %-4d %8.2f ms %8.2f ms %6.0f %9.2f ms %8.1f %10.4f %10.4f\n", width, height, live_ms / pictures,
@@ -128,12 +125,11 @@ void measure(const std::vector<View>& views, int width, int height, const std::s
 int main(int argc, char** argv) {
   cv::setNumThreads(1);
   const std::string folder = argc > 1 ? argv[1] : "site/sample/actor_a", truth = argc > 2 ? argv[2] : folder;
-  const std::string out_folder = argc > 3 ? argv[3] : "";
   const auto capture = orStop(
       capture::openCapture(folder, platform::openVideoFile, {}, capture::MeshNeed::Nothing, capture::MatteNeed::None));
   const std::vector<View> views = readViews(capture, truth);
   std::printf("pictures         live    outline points     offline offl/live   live IoU   offl IoU\n");
-  measure(views, 320, 240, out_folder);
-  measure(views, 640, 480, out_folder);
-  measure(views, 1280, 720, out_folder);
+  measure(views, 320, 240);
+  measure(views, 640, 480);
+  measure(views, 1280, 720);
 }

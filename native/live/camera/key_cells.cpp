@@ -7,31 +7,16 @@
 namespace fourdvt::live {
 namespace {
 
-constexpr int kOutlineReach_px = 4;   // of the pixels that are looked at, on both sides of the cells' outline
+constexpr int kOutlineReach_px = 4;   // beyond the cells that differ, in which pixels are looked at
 constexpr float kStrong = 2;          // times the threshold: one such cell at least makes a part
 constexpr float kNoiseMargin = 3.5f;  // threshold over the median difference
 constexpr float kMostNoise = 3;       // median difference in tolerances, beyond which the performer fills the picture
 constexpr float kLeastPart = 1.0f / 30;  // of the largest part
-constexpr float kHoleShare = 3e-4f;      // of the picture: smaller holes are closed
-constexpr float kDoubtfulHole = 0.5f;    // of the threshold: holes that differ so much from the plate are closed
-constexpr int kGainReach = 3;            // cells over which the background's gain is averaged, twice
+constexpr int kTinyHole_px2 = 24;        // holes up to this are closed
+constexpr float kDoubtfulHole = 0.7f;    // of the threshold: holes that differ so much from the plate are closed
+constexpr int kBlock = 4;                // cells along a block, over which the background's gain is averaged
 
-// Running sums along a line of `count` values, `step` apart: out = Σ of in over ±reach.
-void boxSum(const float* in, float* out, int count, int step, int reach) {
-  float sum = 0;
-  for (int i = 0; i < std::min(reach, count); ++i) sum += in[ptrdiff_t(i) * step];
-  for (int i = 0; i < count; ++i) {
-    if (i + reach < count) sum += in[ptrdiff_t(i + reach) * step];
-    if (i > reach) sum -= in[ptrdiff_t(i - reach - 1) * step];
-    out[ptrdiff_t(i) * step] = sum;
-  }
-}
-
-void boxSum(std::vector<float>& values, std::vector<float>& scratch, int width, int height, int reach) {
-  scratch.resize(values.size());
-  for (int y = 0; y < height; ++y) boxSum(&values[size_t(y) * width], &scratch[size_t(y) * width], width, 1, reach);
-  for (int x = 0; x < width; ++x) boxSum(&scratch[x], &values[x], height, width, reach);
-}
+constexpr float kPlain = 1000;  // sum of levels that pulls a gain to 1 where no background is near
 
 }  // namespace
 
@@ -64,27 +49,72 @@ void reduceToCells(const Image& rgb, int cell_px, CellMeans& out) {
   }
 }
 
-CellKey::CellKey(CellModel model, int cell_px)
-    : model_(std::move(model)), cell_px_(cell_px), width_(model_.mean.width), height_(model_.mean.height) {
-  const size_t cells = size_t(width_) * height_;
-  difference_.resize(cells);
-  out_.kind.resize(cells);
-  for (auto& g : out_.gain) g.resize(cells);
+void sumSquares(const Image& rgb, const Image& plate, int cell_px, CellSquares& out) {
+  const int columns = (rgb.width + cell_px - 1) / cell_px, rows = (rgb.height + cell_px - 1) / cell_px;
+  out.own.resize(size_t(columns) * rows);
+  out.with_plate.resize(size_t(columns) * rows);
+  const size_t values = size_t(rgb.width) * 3;
+  std::vector<uint16_t> own(values), with_plate(values);
+  for (int cy = 0; cy < rows; ++cy) {
+    std::fill(own.begin(), own.end(), uint16_t(0));
+    std::fill(with_plate.begin(), with_plate.end(), uint16_t(0));
+    for (int y = cy * cell_px; y < std::min(rgb.height, (cy + 1) * cell_px); ++y) {
+      const uint8_t *a = rgb.at(0, y), *b = plate.at(0, y);
+      uint16_t *aa = own.data(), *ab = with_plate.data();
+      for (size_t i = 0; i < values; ++i) {  // quarters: four rows of them fit 16 bits
+        aa[i] = uint16_t(aa[i] + (uint16_t(a[i] * a[i]) >> 2));
+        ab[i] = uint16_t(ab[i] + (uint16_t(a[i] * b[i]) >> 2));
+      }
+    }
+    for (int cx = 0; cx < columns; ++cx) {
+      const size_t first = size_t(cx) * cell_px * 3, end = std::min(values, first + size_t(cell_px) * 3);
+      int sum_own = 0, sum_with = 0;
+      for (size_t i = first; i < end; ++i) sum_own += own[i], sum_with += with_plate[i];
+      out.own[size_t(cy) * columns + cx] = 4.0f * float(sum_own);
+      out.with_plate[size_t(cy) * columns + cx] = 4.0f * float(sum_with);
+    }
+  }
 }
 
-// The difference from the plate under the shade that suits the luma best, within a shadow's limits.
+CellKey::CellKey(CellModel model, int cell_px) : model_(std::move(model)), cell_px_(cell_px) {
+  reduceToCells(model_.plate, cell_px, plate_);
+  sumSquares(model_.plate, model_.plate, cell_px, plate_squares_);
+  width_ = plate_.width;
+  height_ = plate_.height;
+  const size_t cells = size_t(width_) * height_;
+  difference_.resize(cells);
+  shade_.resize(cells);
+  out_.kind.resize(cells);
+  block_columns_ = (width_ + kBlock - 1) / kBlock;
+  block_rows_ = (height_ + kBlock - 1) / kBlock;
+}
+
+// The difference from the plate under the shade that suits the luma best, within a shadow's limits: of the means, and
+// of the pixels, as a shadow leaves the background's texture.
 void CellKey::differences() {
-  const float *mr = model_.mean.channel[0].data(), *mg = model_.mean.channel[1].data(),
-              *mb = model_.mean.channel[2].data(), *r = means_.channel[0].data(), *g = means_.channel[1].data(),
-              *b = means_.channel[2].data(), *tolerance = model_.tolerance.data();
+  const float *mr = plate_.channel[0].data(), *mg = plate_.channel[1].data(), *mb = plate_.channel[2].data(),
+              *r = means_.channel[0].data(), *g = means_.channel[1].data(), *b = means_.channel[2].data(),
+              *tolerance = model_.tolerance.data();
   const float least = model_.least_shade, most = model_.most_shade;
-  float* out = difference_.data();
+  float *out = difference_.data(), *shades = shade_.data();
   for (size_t i = 0; i < difference_.size(); ++i) {
     const float luma = 0.25f * r[i] + 0.5f * g[i] + 0.25f * b[i] + 1;
     const float plate = 0.25f * mr[i] + 0.5f * mg[i] + 0.25f * mb[i] + 1;
     const float shade = std::min(most, std::max(least, luma / plate));
     const float dr = r[i] - shade * mr[i], dg = g[i] - shade * mg[i], db = b[i] - shade * mb[i];
+    shades[i] = shade;
     out[i] = std::sqrt(dr * dr + dg * dg + db * db) / tolerance[i];
+  }
+}
+
+void CellKey::textureDifferences() {
+  const float *texture = model_.texture_tolerance.data(), *own = squares_.own.data(),
+              *with_plate = squares_.with_plate.data(), *plates = plate_squares_.own.data(), *shade = shade_.data();
+  const float share = 1.0f / float(cell_px_ * cell_px_);
+  float* out = difference_.data();
+  for (size_t i = 0; i < difference_.size(); ++i) {
+    const float pixels2 = share * std::max(0.0f, own[i] - shade[i] * (2 * with_plate[i] - shade[i] * plates[i]));
+    out[i] = std::max(out[i], std::sqrt(pixels2) / texture[i]);
   }
 }
 
@@ -121,33 +151,46 @@ void CellKey::spread(std::vector<uint8_t>& mask, int radius, bool grow) {
   }
 }
 
-// Visits the connected parts of evidence_ that have `value`, each as the list part_: the performer's by eight
-// neighbours, background by four.
+// Visits the connected parts of evidence_ within the box that have `value`, each as the list part_: the performer's by
+// eight neighbours, background by four.
 template <class Visit>
-void CellKey::eachPart(uint8_t value, const Visit& visit) {
+void CellKey::eachPart(uint8_t value, const Box& box, const Visit& visit) {
   seen_.assign(evidence_.size(), 0);
-  for (uint32_t start = 0; start < evidence_.size(); ++start) {
-    if (evidence_[start] != value || seen_[start]) continue;
-    part_.clear();
-    stack_.assign(1, start);
-    seen_[start] = 1;
-    while (!stack_.empty()) {
-      const uint32_t at = stack_.back();
-      stack_.pop_back();
-      part_.push_back(at);
-      const int x = int(at) % width_, y = int(at) / width_;
-      for (int dy = -1; dy <= 1; ++dy)
-        for (int dx = -1; dx <= 1; ++dx) {
-          if (value == 0 && dx != 0 && dy != 0) continue;
-          if (x + dx < 0 || y + dy < 0 || x + dx >= width_ || y + dy >= height_) continue;
-          const uint32_t next = uint32_t(int(at) + dy * width_ + dx);
-          if (seen_[next] || evidence_[next] != value) continue;
-          seen_[next] = 1;
-          stack_.push_back(next);
-        }
+  const auto reach = [&](int x, int y) {
+    const uint32_t at = uint32_t(y * width_ + x);
+    if (x < box.x0 || y < box.y0 || x >= box.x1 || y >= box.y1 || seen_[at] || evidence_[at] != value) return;
+    seen_[at] = 1;
+    stack_.push_back(at);
+  };
+  for (int y = box.y0; y < box.y1; ++y)
+    for (int x = box.x0; x < box.x1; ++x) {
+      reach(x, y);
+      if (stack_.empty()) continue;
+      part_.clear();
+      while (!stack_.empty()) {
+        const uint32_t at = stack_.back();
+        stack_.pop_back();
+        part_.push_back(at);
+        const int ax = int(at) % width_, ay = int(at) / width_;
+        reach(ax - 1, ay), reach(ax + 1, ay), reach(ax, ay - 1), reach(ax, ay + 1);
+        if (value == 0) continue;
+        reach(ax - 1, ay - 1), reach(ax + 1, ay - 1), reach(ax - 1, ay + 1), reach(ax + 1, ay + 1);
+      }
+      visit();
     }
-    visit();
+}
+
+CellKey::Box CellKey::boxOfEvidence() const {
+  Box box{width_, height_, 0, 0};
+  for (int y = 0; y < height_; ++y) {
+    const uint8_t* row = &evidence_[size_t(y) * width_];
+    for (int x = 0; x < width_; ++x) {
+      if (!row[x]) continue;
+      box.x0 = std::min(box.x0, x), box.x1 = std::max(box.x1, x + 1);
+      box.y0 = std::min(box.y0, y), box.y1 = y + 1;
+    }
   }
+  return box;
 }
 
 // Leaves parts that have a strong cell and are not specks beside the largest.
@@ -159,23 +202,25 @@ void CellKey::keepParts(float threshold) {
   const auto clear = [&] {
     for (const uint32_t i : part_) evidence_[i] = 0;
   };
-  eachPart(1, [&] { strong() ? void(largest = std::max(largest, part_.size())) : clear(); });
+  const Box box = boxOfEvidence();
+  eachPart(1, box, [&] { strong() ? void(largest = std::max(largest, part_.size())) : clear(); });
   const auto least = std::max(size_t(16 / (cell_px_ * cell_px_)) + 2, size_t(kLeastPart * float(largest)));
-  eachPart(1, [&] {
+  eachPart(1, box, [&] {
     if (part_.size() < least) clear();
   });
 }
 
 void CellKey::fillHoles(float threshold) {
-  const auto least = std::max<size_t>(2, size_t(kHoleShare * float(evidence_.size())));
-  eachPart(0, [&] {
+  const auto tiny = std::max<size_t>(1, size_t(kTinyHole_px2 / (cell_px_ * cell_px_)));
+  const Box box = boxOfEvidence();
+  eachPart(0, box, [&] {
     float sum = 0;
     for (const uint32_t i : part_) {
       const int x = int(i) % width_, y = int(i) / width_;
-      if (x == 0 || y == 0 || x == width_ - 1 || y == height_ - 1) return;
+      if (x == box.x0 || y == box.y0 || x == box.x1 - 1 || y == box.y1 - 1) return;  // open, not a hole
       sum += difference_[i];
     }
-    if (part_.size() > least && sum < kDoubtfulHole * threshold * float(part_.size())) return;
+    if (part_.size() > tiny && sum < kDoubtfulHole * threshold * float(part_.size())) return;
     for (const uint32_t i : part_) evidence_[i] = 1;
   });
 }
@@ -187,34 +232,73 @@ void CellKey::sortCells() {
   spread(whole_, 1, false);
   spread(whole_, reach, true);
   mask_ = evidence_;
-  spread(mask_, reach, false);
+  spread(mask_, 1, false);
   for (size_t i = 0; i < whole_.size(); ++i)
     out_.kind[i] = mask_[i] ? CellKind::Performer : whole_[i] ? CellKind::Outline : CellKind::Background;
 }
 
-void CellKey::gains() {
-  const size_t cells = whole_.size();
-  mask_ = whole_;
-  spread(mask_, 1, true);
-  weight_.resize(cells);
-  for (size_t i = 0; i < cells; ++i) weight_[i] = mask_[i] ? 0.0f : 1.0f;
-  constexpr float kPlain = 1e-3f;  // weight of a gain of 1, where nothing else is near
-  for (int c = 0; c < 3; ++c) {
-    const float *mean = model_.mean.channel[c].data(), *now = means_.channel[c].data();
-    float* gain = out_.gain[c].data();
-    for (size_t i = 0; i < cells; ++i)
-      gain[i] = weight_[i] * std::min(model_.most_shade, std::max(model_.least_shade, (now[i] + 4) / (mean[i] + 4)));
-    for (int round = 0; round < 2; ++round) boxSum(out_.gain[c], sum_, width_, height_, kGainReach);
+// [1 2 1] along both axes, twice; beyond the border there is nothing.
+void CellKey::smooth(std::vector<float>& blocks) {
+  scratch_.resize(blocks.size());
+  const auto along = [](const std::vector<float>& in, std::vector<float>& out, int count, int lines, int step,
+                        int line_step) {
+    for (int line = 0; line < lines; ++line)
+      for (int i = 0; i < count; ++i) {
+        const int at = line * line_step + i * step;
+        out[size_t(at)] =
+            2 * in[size_t(at)] + (i > 0 ? in[size_t(at - step)] : 0) + (i + 1 < count ? in[size_t(at + step)] : 0);
+      }
+  };
+  for (int round = 0; round < 2; ++round) {
+    along(blocks, scratch_, block_columns_, block_rows_, 1, block_columns_);
+    along(scratch_, blocks, block_rows_, block_columns_, block_columns_, 1);
   }
-  for (int round = 0; round < 2; ++round) boxSum(weight_, sum_, width_, height_, kGainReach);
-  for (auto& channel : out_.gain)
-    for (size_t i = 0; i < cells; ++i) channel[i] = (channel[i] + kPlain) / (weight_[i] + kPlain);
 }
 
-uint8_t CellKey::plainDifference(size_t cell) const {
+// Sums over the background's cells, block by block, spread into the blocks that the performer covers.
+void CellKey::gains() {
+  mask_ = whole_;
+  spread(mask_, 1, true);
+  for (int c = 0; c < 3; ++c) {
+    auto &now = block_now_[size_t(c)], &plate = block_plate_[size_t(c)];
+    now.assign(size_t(block_columns_) * block_rows_, 0);
+    plate.assign(now.size(), 0);
+    for (int y = 0; y < height_; ++y)
+      for (int x = 0; x < width_; ++x) {
+        const size_t cell = size_t(y) * width_ + x, block = size_t(y / kBlock) * block_columns_ + x / kBlock;
+        if (mask_[cell]) continue;
+        now[block] += means_.channel[c][cell];
+        plate[block] += plate_.channel[c][cell];
+      }
+    smooth(now);
+    smooth(plate);
+  }
+}
+
+std::array<float, 3> CellKey::gainAt(int x, int y) const {
+  const float bx = std::clamp((float(x) + 0.5f) / kBlock - 0.5f, 0.0f, float(block_columns_ - 1)),
+              by = std::clamp((float(y) + 0.5f) / kBlock - 0.5f, 0.0f, float(block_rows_ - 1));
+  const int x0 = int(bx), y0 = int(by), x1 = std::min(x0 + 1, block_columns_ - 1),
+            y1 = std::min(y0 + 1, block_rows_ - 1);
+  const float fx = bx - float(x0), fy = by - float(y0);
+  const auto sample = [&](const std::vector<float>& of) {
+    const auto row = [&](int at) {
+      const size_t first = size_t(at) * block_columns_;
+      return (1 - fx) * of[first + x0] + fx * of[first + x1];
+    };
+    return (1 - fy) * row(y0) + fy * row(y1);
+  };
+  std::array<float, 3> gain;
+  for (size_t c = 0; c < 3; ++c)
+    gain[c] = std::clamp((sample(block_now_[c]) + kPlain) / (sample(block_plate_[c]) + kPlain), model_.least_shade,
+                         model_.most_shade);
+  return gain;
+}
+
+uint8_t CellKey::plainDifference(size_t cell, const std::array<float, 3>& gain) const {
   float sum = 0;
   for (int c = 0; c < 3; ++c) {
-    const float d = means_.channel[c][cell] - out_.gain[c][cell] * model_.mean.channel[c][cell];
+    const float d = means_.channel[c][cell] - gain[size_t(c)] * plate_.channel[c][cell];
     sum += d * d;
   }
   return uint8_t(std::min(255.0f, std::sqrt(sum)));
@@ -223,6 +307,10 @@ uint8_t CellKey::plainDifference(size_t cell) const {
 const Cells& CellKey::key(const Image& rgb) {
   reduceToCells(rgb, cell_px_, means_);
   differences();
+  if (!model_.texture_tolerance.empty()) {
+    sumSquares(rgb, model_.plate, cell_px_, squares_);
+    textureDifferences();
+  }
   const float threshold = out_.threshold = std::max(1.0f, kNoiseMargin * medianDifference());
   evidence_.resize(difference_.size());
   for (size_t i = 0; i < difference_.size(); ++i) evidence_[i] = difference_[i] > threshold;

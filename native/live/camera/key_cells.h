@@ -3,6 +3,7 @@
 // surely performer, or near the outline. Does NOT look at single pixels.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -16,13 +17,23 @@ struct CellMeans {
   std::vector<float> channel[3];  // [cell] R, G, B, levels of 255
 };
 
+// Sums of squares over a cell's values, of all channels: of the picture, and of the picture times the plate.
+struct CellSquares {
+  std::vector<float> own, with_plate;  // [cell]
+};
+
 int cellSideFor(int width, int height);  // pixels
 void reduceToCells(const Image& rgb, int cell_px, CellMeans& out);
+// `plate` has the size of `rgb`.
+void sumSquares(const Image& rgb, const Image& plate, int cell_px, CellSquares& out);
 
+// Levels of 255 in a model are roots of the sum of three channels' squares.
 struct CellModel {
-  CellMeans mean;                // of the plates
-  std::vector<float> tolerance;  // [cell] levels by which background may differ
-  float least_shade = 0.55f;     // of a shadow, against the plate, in encoded values
+  Image plate;                           // RGB
+  std::vector<float> tolerance;          // [cell] levels by which background's mean may differ
+  std::vector<float> texture_tolerance;  // [cell] levels by which its pixels may, in the mean of their squares; none:
+                                         // only means are compared
+  float least_shade = 0.55f;             // of a shadow, against the plate, in encoded values
   float most_shade = 1.2f;
 };
 
@@ -30,37 +41,50 @@ enum class CellKind : uint8_t { Background, Outline, Performer };
 
 struct Cells {
   std::vector<CellKind> kind;
-  std::vector<float> gain[3];  // [cell] of the background beside the performer against the plates: shadows, drift
-  float threshold = 1;         // tolerances beyond which a cell is the performer's: more in a noisy picture
-  bool any = false;            // there is a performer
+  float threshold = 1;  // tolerances beyond which a cell is the performer's: more in a noisy picture
+  bool any = false;     // there is a performer
 };
 
 class CellKey {
  public:
   CellKey(CellModel model, int cell_px);
   const Cells& key(const Image& rgb);
-  const CellModel& model() const { return model_; }
-  // Levels between a cell of the last picture and the plate under the cell's gain, up to 255.
-  uint8_t plainDifference(size_t cell) const;
+  int columns() const { return width_; }
+  int rows() const { return height_; }
+  // Of the background beside a cell of the last picture against the plate, per channel: shadows, drift of the light.
+  std::array<float, 3> gainAt(int x, int y) const;
+  // Levels between a cell of the last picture and the plate under this gain, up to 255.
+  uint8_t plainDifference(size_t cell, const std::array<float, 3>& gain) const;
 
  private:
+  struct Box {  // cells, ends excluded
+    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  };
+
   void differences();
+  void textureDifferences();
   float medianDifference() const;
   void spread(std::vector<uint8_t>& mask, int radius, bool grow);
+  Box boxOfEvidence() const;
   void keepParts(float threshold);
   void fillHoles(float threshold);
   void sortCells();
   void gains();
+  void smooth(std::vector<float>& blocks);
   template <class Visit>
-  void eachPart(uint8_t value, const Visit& visit);
+  void eachPart(uint8_t value, const Box& box, const Visit& visit);
 
   CellModel model_;
-  int cell_px_, width_, height_;
-  CellMeans means_;
-  std::vector<float> difference_;                              // in tolerances
+  int cell_px_;
+  CellMeans plate_, means_;
+  int width_, height_;  // cells
+  CellSquares plate_squares_, squares_;
+  std::vector<float> difference_, shade_;                      // in tolerances; of the plate
   std::vector<uint8_t> evidence_, whole_, seen_, row_, mask_;  // masks of cells; scratch
   std::vector<uint32_t> stack_, part_;
-  std::vector<float> weight_, sum_;
+  int block_columns_, block_rows_;  // of the gains
+  std::array<std::vector<float>, 3> block_now_, block_plate_;
+  std::vector<float> scratch_;
   Cells out_;
 };
 

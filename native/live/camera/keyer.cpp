@@ -17,10 +17,10 @@ namespace {
 
 constexpr float kCellTolerance = 7;    // levels, root of the sum of three channels' squares
 constexpr float kPixelTolerance = 14;  // alike
-constexpr float kFromDeviation = 2;    // of several plates
-constexpr float kFromEdges_px = 0.5f;  // shift by which the plates' own edges may differ
+constexpr float kFromModel = 2.5f;     // deviations that the plates and their edges give
 constexpr int kContrastReach_px = 2;   // within which the performer's full difference is found
-constexpr float kShadeBeside = 0.2f;   // by which a pixel's shade may differ from its cell's gain
+// By which a pixel's shade may stray from its cell's gain.
+constexpr float kShadeBeside = 0.15f, kChromaShadeBeside = 0.5f;
 constexpr float kChromaLeastShade = 0.3f, kChromaMostShade = 1.5f;
 
 cv::Mat wrapped(const Image& image) {
@@ -29,10 +29,12 @@ cv::Mat wrapped(const Image& image) {
 
 class PlateKeyer final : public Keyer {
  public:
-  explicit PlateKeyer(const std::vector<Image>& plates)
-      : mean_(capture::meanPicture(capture::makeBackgroundModel(plates))),
+  explicit PlateKeyer(const capture::BackgroundModel& model)
+      : mean_(capture::meanPicture(model)),
+        chroma_(capture::isChromaPlate(mean_)),
+        shade_beside_(chroma_ ? kChromaShadeBeside : kShadeBeside),
         cell_px_(cellSideFor(mean_.width, mean_.height)),
-        tolerance_(tolerances(plates)),
+        tolerance_(tolerances(model)),
         cells_(cellModel(), cell_px_),
         coverage_(mean_.width, mean_.height, 1),
         difference_(mean_.width, mean_.height, 1) {}
@@ -50,38 +52,19 @@ class PlateKeyer final : public Keyer {
 
  private:
   // Levels by which a pixel of the background may differ.
-  Image tolerances(const std::vector<Image>& plates) const {
-    cv::Mat edges, dx, dy, levels;
-    cv::cvtColor(wrapped(mean_), levels, cv::COLOR_RGB2GRAY);
-    cv::Sobel(levels, dx, CV_32F, 1, 0, 3, 0.125);
-    cv::Sobel(levels, dy, CV_32F, 0, 1, 3, 0.125);
-    cv::magnitude(dx, dy, edges);
-    cv::Mat sum = kPixelTolerance + kFromEdges_px * std::sqrt(3.0f) * edges;
-    if (plates.size() > 1) sum += kFromDeviation * deviation(plates);
-    cv::dilate(sum, sum, cv::Mat::ones(3, 3, CV_8U));
-    Image out(mean_.width, mean_.height, 1);
-    cv::Mat bytes = wrapped(out);
-    sum.convertTo(bytes, CV_8U);
+  Image tolerances(const capture::BackgroundModel& model) const {
+    Image out(model.width, model.height, 1);
+    for (size_t i = 0; i < out.pixels.size(); ++i)
+      out.pixels[i] = uint8_t(std::min(255.0f, kPixelTolerance + kFromModel * std::sqrt(3 * model.extra[i])));
+    cv::Mat grown = wrapped(out);
+    cv::dilate(grown, grown, cv::Mat::ones(3, 3, CV_8U));
     return out;
-  }
-
-  // Root of the sum of three channels' variances, averaged over 5 × 5 pixels.
-  cv::Mat deviation(const std::vector<Image>& plates) const {
-    cv::Mat sum = cv::Mat::zeros(mean_.height, mean_.width, CV_32F), away, planes[3], root;
-    for (const Image& plate : plates) {
-      cv::subtract(wrapped(plate), wrapped(mean_), away, cv::noArray(), CV_32FC3);
-      cv::split(away.mul(away), planes);
-      sum += planes[0] + planes[1] + planes[2];
-    }
-    cv::blur(sum / double(plates.size() - 1), sum, {5, 5});
-    cv::sqrt(sum, root);
-    return root;
   }
 
   CellModel cellModel() const {
     CellModel model;
-    reduceToCells(mean_, cell_px_, model.mean);
-    if (capture::isChromaPlate(mean_)) {
+    model.plate = mean_;
+    if (chroma_) {
       model.least_shade = kChromaLeastShade;
       model.most_shade = kChromaMostShade;
     }
@@ -90,15 +73,16 @@ class PlateKeyer final : public Keyer {
     cv::cvtColor(wrapped(tolerance_), out, cv::COLOR_GRAY2RGB);
     CellMeans tolerance;
     reduceToCells(three, cell_px_, tolerance);
-    model.tolerance = tolerance.channel[0];
-    for (float& t : model.tolerance) t = kCellTolerance + (t - kPixelTolerance) / float(cell_px_);
+    if (!chroma_) model.texture_tolerance = tolerance.channel[0];
+    for (const float t : tolerance.channel[0])
+      model.tolerance.push_back(kCellTolerance + (t - kPixelTolerance) / float(cell_px_));
     return model;
   }
 
   // Differences of the pixels in outline cells, and the cell's own in the performer's; 0 in all others within the box
   // round them, which is returned.
   cv::Rect compare(const Image& picture, const Cells& cells) {
-    const int columns = cells_.model().mean.width, rows = cells_.model().mean.height;
+    const int columns = cells_.columns(), rows = cells_.rows();
     int low_x = columns, low_y = rows, high_x = -1, high_y = -1;
     for (int y = 0; y < rows; ++y)
       for (int x = 0; x < columns; ++x)
@@ -112,16 +96,16 @@ class PlateKeyer final : public Keyer {
       for (int x = low_x; x <= high_x; ++x) {
         const size_t cell = size_t(y) * columns + x;
         if (cells.kind[cell] == CellKind::Outline) compareCell(picture, cells, x, y);
-        if (cells.kind[cell] == CellKind::Performer) fillCell(x, y, cells_.plainDifference(cell), difference_);
+        if (cells.kind[cell] == CellKind::Performer)
+          fillCell(x, y, cells_.plainDifference(cell, cells_.gainAt(x, y)), difference_);
       }
     return box;
   }
 
   void compareCell(const Image& picture, const Cells& cells, int cell_x, int cell_y) {
-    const size_t cell = size_t(cell_y) * cells_.model().mean.width + cell_x;
     const int x0 = cell_x * cell_px_, x1 = std::min(x0 + cell_px_, picture.width);
     const int y0 = cell_y * cell_px_, y1 = std::min(y0 + cell_px_, picture.height);
-    const float gain[3] = {cells.gain[0][cell], cells.gain[1][cell], cells.gain[2][cell]};
+    const std::array<float, 3> gain = cells_.gainAt(cell_x, cell_y);
     const float scale = 1 / toleranceScale(cells);
     for (int y = y0; y < y1; ++y) {
       const uint8_t *now = picture.at(x0, y), *plate = mean_.at(x0, y), *tolerance = tolerance_.at(x0, y);
@@ -131,11 +115,12 @@ class PlateKeyer final : public Keyer {
     }
   }
 
-  static uint8_t pixelDifference(const uint8_t* now, const uint8_t* plate, const float* gain, float per_tolerance) {
+  uint8_t pixelDifference(const uint8_t* now, const uint8_t* plate, const std::array<float, 3>& gain,
+                          float per_tolerance) const {
     const float r = gain[0] * float(plate[0]), g = gain[1] * float(plate[1]), b = gain[2] * float(plate[2]);
     const float dr = float(now[0]) - r, dg = float(now[1]) - g, db = float(now[2]) - b;
     const float luma = r + 2 * g + b + 4, step = dr + 2 * dg + db;
-    const float shade = std::min(kShadeBeside, std::max(-kShadeBeside, step / luma));
+    const float shade = std::min(shade_beside_, std::max(-shade_beside_, step / luma));
     const float sr = dr - shade * r, sg = dg - shade * g, sb = db - shade * b;
     const float plain2 = dr * dr + dg * dg + db * db, shaded2 = sr * sr + sg * sg + sb * sb;
     const float weight2 = std::min(1.0f, shaded2 * per_tolerance * per_tolerance);
@@ -147,7 +132,7 @@ class PlateKeyer final : public Keyer {
 
   void cover(const cv::Rect& box, const Cells& cells) {
     cv::Mat difference = wrapped(difference_)(box);
-    cv::GaussianBlur(difference, smooth_, {3, 3}, 0, 0, cv::BORDER_REPLICATE);
+    cv::GaussianBlur(difference, smooth_, {3, 3}, 0, 0, cv::BORDER_REPLICATE | cv::BORDER_ISOLATED);
     const int side = 2 * kContrastReach_px + 1;
     cv::dilate(smooth_, contrast_, cv::Mat::ones(side, side, CV_8U));
     const float scale = toleranceScale(cells);
@@ -159,7 +144,9 @@ class PlateKeyer final : public Keyer {
         out[x] = uint8_t(std::min(255.0f, 127.5f * float(d[x]) / half + 0.5f));
       }
     }
-    const int columns = cells_.model().mean.width, rows = cells_.model().mean.height;
+    cv::Mat coverage = wrapped(coverage_)(box);
+    cv::morphologyEx(coverage, coverage, cv::MORPH_CLOSE, cv::Mat::ones(3, 3, CV_8U));
+    const int columns = cells_.columns(), rows = cells_.rows();
     for (int y = 0; y < rows; ++y)
       for (int x = 0; x < columns; ++x)
         if (cells.kind[size_t(y) * columns + x] == CellKind::Performer) fillCell(x, y, 255, coverage_);
@@ -172,6 +159,8 @@ class PlateKeyer final : public Keyer {
   }
 
   const Image mean_;
+  const bool chroma_;
+  const float shade_beside_;
   const int cell_px_;
   const Image tolerance_;
   CellKey cells_;
@@ -186,7 +175,7 @@ Result<std::unique_ptr<Keyer>> Keyer::create(const std::vector<Image>& plates) {
   for (const Image& plate : plates)
     if (plate.empty() || plate.channels != 3 || plate.width != plates[0].width || plate.height != plates[0].height)
       return Error{ErrorId::InvalidArgument, "keyer: plates must be RGB and of one size; take them again"};
-  return std::unique_ptr<Keyer>(std::make_unique<PlateKeyer>(plates));
+  return std::unique_ptr<Keyer>(std::make_unique<PlateKeyer>(capture::makeBackgroundModel(plates)));
 }
 
 }  // namespace fourdvt::live

@@ -58,6 +58,7 @@ std::optional<BoundingBox> commonView(const Cameras& cameras, double ground_y_m)
   const glm::dvec3 middle = meetingPoint(cameras);
   double reach_m = 0;
   for (const auto& c : cameras) reach_m = std::max(reach_m, glm::length(c.pinhole.centreInWorld() - middle));
+  if (!(reach_m > 0)) return std::nullopt;
   const double cell_m = reach_m / kHalfCells, nearest_m = kLeastDistance * reach_m;
   glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
   for (int z = -kHalfCells; z <= kHalfCells; ++z)
