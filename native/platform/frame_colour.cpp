@@ -53,22 +53,22 @@ bool isFullRange(const AVFrame& frame, const AVPixFmtDescriptor& format) {
   return isGray(format) || (format.flags & AV_PIX_FMT_FLAG_RGB);
 }
 
-bool RgbConverter::convert(const AVFrame& frame, Image& out) {
+bool RgbConverter::convert(const AVFrame& frame, Image& out, int reduce) {
   const auto* description = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
   if (!description) return false;
-  const int quality =
-      fast_ ? SWS_FAST_BILINEAR : SWS_BICUBIC | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP;
-  scaler_.reset(sws_getCachedContext(scaler_.release(), frame.width, frame.height,
-                                     plainFormat(static_cast<AVPixelFormat>(frame.format)), frame.width, frame.height,
+  const int exact = SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP, width = frame.width / reduce,
+            height = frame.height / reduce;
+  const int quality = reduce > 1 ? SWS_AREA | (fast_ ? 0 : exact) : fast_ ? SWS_FAST_BILINEAR : SWS_BICUBIC | exact;
+  scaler_.reset(sws_getCachedContext(scaler_.release(), width * reduce, height * reduce,
+                                     plainFormat(static_cast<AVPixelFormat>(frame.format)), width, height,
                                      AV_PIX_FMT_RGB24, quality, nullptr, nullptr, nullptr));
   if (!scaler_) return false;
   sws_setColorspaceDetails(scaler_.get(), sws_getCoefficients(swsMatrix(frame)), isFullRange(frame, *description),
                            sws_getCoefficients(SWS_CS_ITU709), 1, 0, 1 << 16, 1 << 16);
-  if (out.width != frame.width || out.height != frame.height || out.channels != 3)
-    out = Image(frame.width, frame.height, 3);
+  if (out.width != width || out.height != height || out.channels != 3) out = Image(width, height, 3);
   uint8_t* planes[4] = {out.pixels.data(), nullptr, nullptr, nullptr};
   const int strides[4] = {out.width * 3, 0, 0, 0};
-  return sws_scale(scaler_.get(), frame.data, frame.linesize, 0, frame.height, planes, strides) > 0;
+  return sws_scale(scaler_.get(), frame.data, frame.linesize, 0, height * reduce, planes, strides) > 0;
 }
 
 }  // namespace fourdvt::platform

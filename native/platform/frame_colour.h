@@ -14,9 +14,9 @@ class RgbConverter {
  public:
   // fast: each chroma sample's colour is repeated, and sums are rounded less exactly.
   explicit RgbConverter(bool fast = false) : fast_(fast) {}
-  // Gives `out` the frame's size and 3 channels; its memory is used again. False for formats that FFmpeg does not
-  // convert.
-  bool convert(const AVFrame& frame, Image& out);
+  // Gives `out` 3 channels and the frame's size, its sides divided by `reduce` and rounded down: a pixel is the mean of
+  // reduce² pixels. Its memory is used again. False for formats that FFmpeg does not convert.
+  bool convert(const AVFrame& frame, Image& out, int reduce = 1);
 
  private:
   bool fast_;

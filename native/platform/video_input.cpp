@@ -92,8 +92,9 @@ class FfmpegInput final : public VideoInput {
     return us >= kEarliestWallClock ? us : 0;
   }
 
-  Status convert(Image& out) override {
-    if (!converter_.convert(*frame_, out)) return unreadableInput(place_.url, "its pictures do not convert to RGB");
+  Status convert(Image& out, int reduce) override {
+    if (!converter_.convert(*frame_, out, reduce))
+      return unreadableInput(place_.url, "its pictures do not convert to RGB");
     return {};
   }
 

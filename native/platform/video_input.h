@@ -35,8 +35,9 @@ class VideoInput {
   virtual Status decodeNext() = 0;
   // Since 1970, where a device stamps its pictures with that; else 0. Of the decoded picture.
   virtual int64_t wallClock_us() const = 0;
-  // Converts the decoded picture: RGB, into `out`, whose memory is used again. Errors: FileUnreadable.
-  virtual Status convert(Image& out) = 0;
+  // Converts the decoded picture: RGB, into `out`, whose memory is used again; its sides divided by `reduce` and
+  // rounded down. Errors: FileUnreadable.
+  virtual Status convert(Image& out, int reduce = 1) = 0;
 };
 
 }  // namespace fourdvt::platform

@@ -34,7 +34,7 @@ inline Rig ballRig() {
   int number = 0;
   for (PinholeCamera& camera : reconstruct::sixCameras()) {
     camera.name = "cam0" + std::to_string(number++);
-    rig.cameras.push_back({{camera, {}}, std::nullopt});
+    rig.cameras.push_back({{camera, {}}, {camera, {}}, std::nullopt});
   }
   return rig;
 }

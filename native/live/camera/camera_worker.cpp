@@ -10,7 +10,6 @@
 #include <mutex>
 #include <thread>
 
-#include "capture/plates.h"
 #include "capture/undistort.h"
 #include "live/camera/keyer.h"
 #include "live/camera/outline_message.h"
@@ -38,12 +37,12 @@ class ThreadedWorker final : public CameraWorker {
   }
 
   Status start(const Rig& rig, const RigCamera& camera) {
-    FOURDVT_ASSIGN(auto plates, capture::readPlates(rig.asCapture(), camera_,
-                                                    "no readable picture of the empty stage; take one, or correct "
-                                                    "\"background\" in " +
-                                                        rig.path));
-    for (Image& plate : plates.pictures) plate = undistorter_.apply(std::move(plate), capture::LensFilter::Fast);
-    FOURDVT_ASSIGN(keyer_, Keyer::create(plates.pictures));
+    FOURDVT_ASSIGN(auto plates, readRigPlates(rig, camera,
+                                              "no readable picture of the empty stage; take one, or correct "
+                                              "\"background\" in " +
+                                                  rig.path));
+    for (Image& plate : plates) plate = undistorter_.apply(std::move(plate), capture::LensFilter::Fast);
+    FOURDVT_ASSIGN(keyer_, Keyer::create(plates));
     if (camera_.distortion.any())
       reach_ = undistorter_.apply(Image(camera_.pinhole.width, camera_.pinhole.height, 1, 255));
     FOURDVT_ASSIGN(source_, Source::open(rig, camera, stop_));

@@ -16,13 +16,19 @@ constexpr int64_t kLongestSleep_us = 20000;  // so that a stop is noticed
 class InputSource final : public Source {
  public:
   InputSource(const Rig& rig, const RigCamera& camera, const std::atomic<bool>& stop)
-      : camera_(camera.camera), url_(camera.source->url), fps_(rig.fps), stop_(stop) {}
+      : camera_(camera.camera),
+        filmed_(camera.filmed),
+        reduce_(rig.reduce),
+        url_(camera.source->url),
+        fps_(rig.fps),
+        stop_(stop) {}
 
   Status open(const SourcePlace& place) {
     FOURDVT_ASSIGN(input_, platform::VideoInput::open({place.url, place.format, place.options}, &stop_));
     FOURDVT_TRY(input_->isFile() ? input_->decode(0) : input_->decodeNext());
-    FOURDVT_TRY(input_->convert(first_));
-    return capture::checkSize(first_, camera_, url_);
+    Image first;
+    FOURDVT_TRY(input_->convert(first));
+    return capture::checkSize(first, filmed_, url_);
   }
 
   Result<bool> next(SourcePicture& out) override { return input_->isFile() ? nextOfFile(out) : nextOfDevice(out); }
@@ -47,7 +53,7 @@ class InputSource final : public Source {
   }
 
   Status take(SourcePicture& out) {
-    FOURDVT_TRY(input_->convert(out.rgb));
+    FOURDVT_TRY(input_->convert(out.rgb, reduce_));
     return capture::checkSize(out.rgb, camera_, url_);
   }
 
@@ -57,12 +63,12 @@ class InputSource final : public Source {
     return !stop_;
   }
 
-  const capture::CaptureCamera camera_;
+  const capture::CaptureCamera camera_, filmed_;
+  const int reduce_;
   const std::string url_;
   const double fps_;
   const std::atomic<bool>& stop_;
   std::unique_ptr<platform::VideoInput> input_;
-  Image first_;
   int64_t slot_ = 0;
 };
 

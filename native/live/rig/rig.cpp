@@ -5,9 +5,11 @@
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgproc.hpp>
 #include <set>
 
 #include "capture/pictures.h"
+#include "capture/plates.h"
 #include "capture/text.h"
 #include "live/rig/common_view.h"
 
@@ -16,7 +18,8 @@ namespace {
 
 using Json = nlohmann::json;
 constexpr double kMaxUnits = 1e6;
-constexpr int kMaxSide = 4095;  // of the messages' pictures
+constexpr int kMinSide = 16, kMaxSide = 4095;  // of the messages' pictures
+constexpr int kMostReduction = 16;
 
 const Json& member(const Json& node, const char* key) {
   static const Json null;
@@ -52,6 +55,7 @@ class RigReader {
     FOURDVT_TRY(scale(root));
     FOURDVT_TRY(cameras(member(root, "cameras")));
     FOURDVT_TRY(plates(member(root, "background")));
+    FOURDVT_TRY(reduce(member(root, "reduce")));
     FOURDVT_TRY(bounds(member(root, "bounds")));
     FOURDVT_TRY(sources(member(root, "sources")));
     return std::move(rig_);
@@ -65,12 +69,12 @@ class RigReader {
   }
 
   Status knownKeys(const Json& root) const {
-    static const std::set<std::string> known{"name",       "fps",      "units",  "cameras",
-                                             "background", "ground_y", "bounds", "sources"};
+    static const std::set<std::string> known{"name",     "fps",    "units",  "cameras", "background",
+                                             "ground_y", "bounds", "reduce", "sources"};
     for (const auto& [key, value] : root.items())
       if (!known.count(key))
         return error("unknown field \"" + key +
-                     "\"; there are name, fps, units, cameras, background, ground_y, bounds and sources");
+                     "\"; there are name, fps, units, cameras, background, ground_y, bounds, reduce and sources");
     return {};
   }
 
@@ -109,10 +113,25 @@ class RigReader {
     FOURDVT_ASSIGN(auto cameras, capture::readColmapCameras(cameras_folder_));
     capture::scaleToMetres(cameras, metres_per_unit_);
     for (auto& c : cameras) {
-      if (c.pinhole.width > kMaxSide || c.pinhole.height > kMaxSide)
-        return Error{ErrorId::FrameSize, cameras_folder_ + ": pictures of camera \"" + c.pinhole.name +
-                                             "\" are larger than 4095 pixels; calibrate at a smaller size"};
-      rig_.cameras.push_back({std::move(c), std::nullopt});
+      rig_.cameras.push_back({c, std::move(c), std::nullopt});
+    }
+    return {};
+  }
+
+  Status reduce(const Json& node) {
+    if (!node.is_null() &&
+        (!node.is_number_integer() || node.get<int64_t>() < 1 || node.get<int64_t>() > kMostReduction))
+      return error("\"reduce\" must be a whole number from 1 to " + std::to_string(kMostReduction));
+    if (!node.is_null()) rig_.reduce = node.get<int>();
+    for (RigCamera& c : rig_.cameras) {
+      PinholeCamera& used = c.camera.pinhole;
+      used = reducedCamera(c.filmed.pinhole, rig_.reduce);
+      c.camera.distortion.skew = c.filmed.distortion.skew / rig_.reduce;
+      if (used.width > kMaxSide || used.height > kMaxSide || used.width < kMinSide || used.height < kMinSide)
+        return Error{ErrorId::FrameSize, rig_.path + ": pictures of camera \"" + used.name + "\" have " +
+                                             std::to_string(used.width) + "x" + std::to_string(used.height) +
+                                             " pixels, and sides from " + std::to_string(kMinSide) + " to " +
+                                             std::to_string(kMaxSide) + " can be used; correct \"reduce\""};
     }
     return {};
   }
@@ -131,7 +150,7 @@ class RigReader {
                                            "\" is keyed against; take one, or correct "
                                            "\"background\" in " +
                                            rig_.path};
-      FOURDVT_TRY(capture::checkSize(plate.value(), c.camera, path));
+      FOURDVT_TRY(capture::checkSize(plate.value(), c.filmed, path));
     }
     return {};
   }
@@ -221,7 +240,7 @@ capture::Capture Rig::asCapture() const {
   out.name = name;
   out.fps = fps;
   out.ground_y_m = ground_y_m;
-  for (const RigCamera& c : cameras) out.cameras.push_back(c.camera);
+  for (const RigCamera& c : cameras) out.cameras.push_back(c.filmed);
   out.background_folder = background_folder;
   out.meshes = capture::CaptureMeshes::None;
   return out;
@@ -231,6 +250,21 @@ const RigCamera* Rig::find(const std::string& camera) const {
   const auto it =
       std::find_if(cameras.begin(), cameras.end(), [&](const RigCamera& c) { return c.camera.pinhole.name == camera; });
   return it == cameras.end() ? nullptr : &*it;
+}
+
+Result<std::vector<Image>> readRigPlates(const Rig& rig, const RigCamera& camera, const std::string& otherwise) {
+  FOURDVT_ASSIGN(auto plates, capture::readPlates(rig.asCapture(), camera.filmed, otherwise));
+  if (rig.reduce == 1) return std::move(plates.pictures);
+  std::vector<Image> out;
+  for (Image& plate : plates.pictures) {
+    const PinholeCamera& used = camera.camera.pinhole;
+    Image& reduced = out.emplace_back(used.width, used.height, 3);
+    const cv::Mat whole(plate.height, plate.width, CV_8UC3, plate.pixels.data());
+    cv::Mat into(reduced.height, reduced.width, CV_8UC3, reduced.pixels.data());
+    cv::resize(whole(cv::Rect(0, 0, used.width * rig.reduce, used.height * rig.reduce)), into, into.size(), 0, 0,
+               cv::INTER_AREA);
+  }
+  return out;
 }
 
 Result<Rig> readRig(const std::string& path) { return RigReader(path).read(); }

@@ -20,20 +20,26 @@ struct SourcePlace {
 };
 
 struct RigCamera {
-  capture::CaptureCamera camera;      // metres
+  capture::CaptureCamera camera;      // metres; of pictures that Rig::reduce has made smaller
+  capture::CaptureCamera filmed;      // as calibrated: of sources and plates as they come
   std::optional<SourcePlace> source;  // none: a live-camera on another machine sends it
 };
 
 struct Rig {
   std::string path, folder, name;
   double fps = 25;
+  int reduce = 1;  // pixels of sources and plates, along each side, for one that is worked with
   double ground_y_m = 0;
   BoundingBox bounds;  // metres; nothing outside is reconstructed
   std::vector<RigCamera> cameras;
   std::string background_folder;       // plates: CAMERA.png or CAMERA/000000.png …
-  capture::Capture asCapture() const;  // calibration and plates as the capture's readers take them; no sequences
+  capture::Capture asCapture() const;  // of the cameras as filmed, with their plates; no sequences
   const RigCamera* find(const std::string& camera) const;
 };
+
+// The pictures of the empty stage, reduced, with the lens's distortion. Errors: those of capture::readPlates, with
+// `otherwise` at the end.
+Result<std::vector<Image>> readRigPlates(const Rig& rig, const RigCamera& camera, const std::string& otherwise);
 
 // Errors: FileMissing, CaptureJson (a field of RIG.json), and those of readColmapCameras.
 Result<Rig> readRig(const std::string& path);

@@ -13,7 +13,6 @@
 #include <thread>
 
 #include "capture/pictures.h"
-#include "capture/plates.h"
 #include "capture/undistort.h"
 #include "live/server/ring_coverage.h"
 #include "platform/files.h"
@@ -132,7 +131,7 @@ class FolderRecorder final : public Recorder {
     const capture::ColmapText text = capture::colmapText(cameras_, 1);
     FOURDVT_TRY(platform::writeFileAtomic(folder_ + "/cameras/cameras.txt", text.cameras));
     FOURDVT_TRY(platform::writeFileAtomic(folder_ + "/cameras/images.txt", text.images));
-    for (const RigCamera& camera : rig_.cameras) FOURDVT_TRY(copyPlates(camera.camera));
+    for (const RigCamera& camera : rig_.cameras) FOURDVT_TRY(copyPlates(camera));
     thread_ = std::thread([this] { run(); });
     return {};
   }
@@ -158,23 +157,20 @@ class FolderRecorder final : public Recorder {
 
  private:
   // Plates as the pinhole camera sees them; the first is what crops are pasted on.
-  Status copyPlates(const capture::CaptureCamera& camera) {
-    const PinholeCamera& p = camera.pinhole;
+  Status copyPlates(const RigCamera& camera) {
+    const PinholeCamera& p = camera.camera.pinhole;
     plates_.emplace_back(p.width, p.height, 3, kNoPlate);
     std::error_code ignored;
     const std::string base = rig_.background_folder + "/" + p.name;
     if (rig_.background_folder.empty() ||
         (!std::filesystem::exists(base + ".png", ignored) && !std::filesystem::exists(base, ignored)))
       return {};
-    capture::Capture source;
-    source.folder = rig_.folder;
-    source.background_folder = rig_.background_folder;
-    FOURDVT_ASSIGN(auto read, capture::readPlates(source, camera, "; recording copies the plates"));
-    const capture::Undistorter undistorter(camera);
+    FOURDVT_ASSIGN(auto read, readRigPlates(rig_, camera, "; recording copies the plates"));
+    const capture::Undistorter undistorter(camera.camera);
     const std::string folder = folder_ + "/background/" + p.name;
     FOURDVT_TRY(platform::makeFolder(folder));
-    for (size_t i = 0; i < read.pictures.size(); ++i) {
-      const Image plate = undistorter.apply(std::move(read.pictures[i]));
+    for (size_t i = 0; i < read.size(); ++i) {
+      const Image plate = undistorter.apply(std::move(read[i]));
       char name[32];
       std::snprintf(name, sizeof name, "/%06zu.png", i);
       FOURDVT_TRY(platform::writeImage(folder + name, plate));
