@@ -12,7 +12,7 @@
 namespace fourdvt::package {
 
 struct LiveFrame {
-  uint32_t number = 0;              // ascending by 1 or more; the picture's barcode has it modulo 4096
+  uint32_t number = 0;              // one more than the frame before, unless frames were left out; then a key follows
   bool key = false;                 // the sample decodes without any before it
   int64_t captured_us = 0;          // by the server's clock, since 1970
   std::span<const uint8_t> chunk;   // of a stream from cameras, with one frame (surface_chunk.h)

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a frame of a live stream costs, step by step, on one core: six cameras of the sample, reduced to 320 x 240 and
 // to 640 x 480 texels, at several tolerances of the outlines. Goal: the sum below a frame's time at 25 and 12 frames a
-// second.
+// second. Then the pipeline itself at that pace, beside a thread that makes the cameras' outlines.
 //   build/release/tests/bench/bench_live_frame site/sample/actor_a
 #include <algorithm>
 #include <cstdio>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <thread>
 
 #include "bake/cameras/surfaces.h"
 #include "bench/blend_cost.h"
@@ -15,6 +16,7 @@
 #include "live/server/jpeg_planes.h"
 #include "live/server/live_encoder.h"
 #include "live/server/live_hull.h"
+#include "live/server/pipeline.h"
 #include "live/server/tile_painter.h"
 #include "or_stop.h"
 #include "platform/ffmpeg_video.h"
@@ -85,6 +87,16 @@ Setup setUp(const std::string& folder, int width, int height) {
   return out;
 }
 
+std::vector<Ring16> ringsOf(const Image& coverage, double tolerance_px) {
+  std::vector<Ring16> out;
+  for (const auto& ring : reconstruct::outlineOf(coverage, {tolerance_px}).rings) {
+    out.emplace_back();
+    for (const glm::dvec2& p : ring)
+      out.back().push_back({uint16_t(std::lround(p.x * 16)), uint16_t(std::lround(p.y * 16))});
+  }
+  return out;
+}
+
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   return values[values.size() / 2];
@@ -117,14 +129,7 @@ void run(Setup& setup, double tolerance_px, const char* preset, bool header) {
     std::vector<const std::vector<Ring16>*> rings;
     std::vector<package::Rect> crops, boxes;
     costs.time("outlines", [&] {
-      for (Seen& seen : frame) {
-        seen.rings.clear();
-        for (const auto& ring : reconstruct::outlineOf(seen.coverage, {tolerance_px}).rings) {
-          seen.rings.emplace_back();
-          for (const glm::dvec2& p : ring)
-            seen.rings.back().push_back({uint16_t(std::lround(p.x * 16)), uint16_t(std::lround(p.y * 16))});
-        }
-      }
+      for (Seen& seen : frame) seen.rings = ringsOf(seen.coverage, tolerance_px);
       return 0;
     });
     for (const Seen& seen : frame) rings.push_back(&seen.rings), crops.push_back(seen.crop);
@@ -183,6 +188,39 @@ void run(Setup& setup, double tolerance_px, const char* preset, bool header) {
               failed);
 }
 
+void runLive(const Setup& setup, double fps, double seconds) {
+  using std::chrono::system_clock, std::chrono::microseconds;
+  const auto now_us = [] {
+    return std::chrono::duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
+  };
+  Rig rig;
+  rig.name = "bench", rig.fps = fps, rig.bounds = kBounds;
+  for (size_t c = 0; c < setup.cameras.size(); ++c) {
+    rig.cameras.push_back({{setup.cameras[c], {}}, std::nullopt});
+    rig.cameras.back().camera.pinhole.name = "cam0" + std::to_string(c);
+  }
+  const auto pipeline = orStop(Pipeline::start(rig, {}, {}));
+  for (size_t c = 0; c < 6; ++c) pipeline->setConnected(c, true), pipeline->onClock(c, {now_us(), now_us()}, now_us());
+  int64_t time_us = now_us();
+  for (int f = 0; f < int(seconds * fps); ++f) {
+    time_us += std::llround(1e6 / fps);
+    std::this_thread::sleep_until(system_clock::time_point(microseconds(time_us)));
+    for (size_t c = 0; c < 6; ++c) {
+      const Seen& seen = setup.frames[size_t(f) % kFrames][c];
+      CameraPicture picture{uint32_t(f), time_us,  0, ringsOf(seen.coverage, pipeline->settings(c).tolerance_px),
+                            seen.crop,   seen.jpeg};
+      pipeline->onPicture(c, std::move(picture), seen.jpeg.size() + 1000, now_us());
+    }
+  }
+  const PipelineStatus s = pipeline->status();
+  std::printf(
+      " live at %.0f/s: %.0f frames/s, %.0f triangles at %.2f px; hull %.1f ms, picture %.1f ms, encode %.1f ms, "
+      "latency %.1f ms; %.0f + %.0f kB/s; %llu skipped, %llu incomplete, %llu failed\n",
+      fps, s.frames_per_s, s.triangles, s.tolerance_px, s.hull_ms, s.picture_ms, s.encode_ms, s.latency_ms,
+      s.surface_bytes_per_s / 1e3, s.picture_bytes_per_s / 1e3, (unsigned long long)s.skipped,
+      (unsigned long long)s.incomplete, (unsigned long long)s.failed);
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
@@ -196,5 +234,7 @@ int main(int count, char** arguments) {
       header = false;
     }
     for (const char* preset : {"ultrafast", "veryfast"}) run(setup, 2, preset, false);
+    runLive(setup, size.x == 320 ? 25 : 12, 10);
+    runLive(setup, 25, 10);
   }
 }

@@ -133,14 +133,16 @@ Result<LiveHull> HullMaker::make(std::span<const std::vector<Ring16>* const> rin
   }
   if (cones.size() < kFewestCarving)
     return Error{ErrorId::NothingVisible, "fewer than two cameras have an outline; check them on the console"};
+  std::vector<PinholeCamera> carving;
+  for (const size_t c : cameras) carving.push_back(cameras_[c]);
   FOURDVT_ASSIGN(auto hull, Attempts(rules_, std::move(cones), std::move(cameras)).run());
-  clean(hull.mesh);
+  clean(carving, hull.mesh);
   return hull;
 }
 
-void HullMaker::clean(TriangleMesh& mesh) const {
+void HullMaker::clean(std::span<const PinholeCamera> carving, TriangleMesh& mesh) const {
   if (mesh.faces.empty()) return;
-  reconstruct::dropUnseen(mesh, cameras_, kFewestCarving);
+  reconstruct::dropUnseen(mesh, carving, std::max(kFewestCarving, (carving.size() + 1) / 2));
   reconstruct::dropHollows(mesh);
   reconstruct::dropSpecks(mesh, kSpeck_m3);
   std::vector<reconstruct::Silhouette> views;  // their coverage is not looked at

@@ -38,7 +38,8 @@ class HullMaker {
 
  private:
   HullMaker(std::vector<PinholeCamera> cameras, const LiveHullRules& rules);
-  void clean(TriangleMesh& mesh) const;
+  // carving: the cameras whose outlines made the mesh; what fewer than half of them see nothing has carved.
+  void clean(std::span<const PinholeCamera> carving, TriangleMesh& mesh) const;
 
   std::vector<PinholeCamera> cameras_, small_cameras_;  // small: of reduced pictures, in which phantoms are judged
   LiveHullRules rules_;

@@ -30,8 +30,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kJpegQuality = 85;
 constexpr double kFirstTolerance_px = 1, kWorthTelling = 0.1;  // share of a tolerance
+constexpr int kFewestFramesToKey = 3;  // from one to the next that viewers want, however often they join
 constexpr int64_t kWarnAgain_us = 5'000'000;
-constexpr uint32_t kLongestGap = 1000;  // slots: beyond it clocks were set, not pictures lost
 
 int64_t now_us() {
   using namespace std::chrono;
@@ -92,7 +92,7 @@ TriangleMesh nothing(const Rig& rig) {
 // One instant on its way through both threads. The surface's thread makes it; the picture's draws what it says.
 struct FrameInWork {
   Instant instant;
-  uint32_t number = 0;
+  uint32_t number = 0;  // the picture's thread numbers what it draws, without gaps: a missing number is a lost frame
   enum class Surface { Awaited, Made, Failed } surface = Surface::Awaited;  // below: valid once it is Made
   bool key = false, clears = false;
   std::vector<package::CameraTile> tiles;
@@ -205,7 +205,7 @@ class LivePipeline final : public Pipeline {
 
   void wantKey() override {
     const std::lock_guard lock(mutex_);
-    want_key_ = want_key_ || !last_is_key_;
+    want_key_ = true;
   }
 
   void setTolerance(double tolerance_px) override {
@@ -294,10 +294,6 @@ class LivePipeline final : public Pipeline {
     if (stop_) return nullptr;
     frame = std::make_shared<FrameInWork>();
     frame->instant = std::move(taken->instant);
-    const int64_t gap = frame->instant.slot - last_slot_;
-    number_ += last_slot_ != 0 && gap > 0 && gap < kLongestGap ? uint32_t(gap) : 1;
-    last_slot_ = frame->instant.slot;
-    frame->number = number_;
     pending_ = frame;
     lock.unlock();
     handed_.notify_all();
@@ -354,9 +350,8 @@ class LivePipeline final : public Pipeline {
     if (!empty && tiles_.wantsLayout(boxes_, crops)) key = true;
     {
       const std::lock_guard lock(mutex_);
-      key = key || want_key_ || picture_failed_;
+      key = key || picture_failed_ || (want_key_ && since_key_ + 1 >= kFewestFramesToKey);
       if (key) want_key_ = picture_failed_ = false;
-      last_is_key_ = key;
     }
     if (key && (!empty || tiles_.tiles().empty())) {
       std::vector<package::Rect> none(pinholes_.size());
@@ -415,6 +410,7 @@ class LivePipeline final : public Pipeline {
       }
       if (frame->surface == FrameInWork::Surface::Failed) continue;
       watch.lap_ms();
+      frame->number = ++number_;
       draw(*frame, planes);
       picture_ms += watch.lap_ms();
       finish(*frame, picture_ms);
@@ -505,6 +501,7 @@ class LivePipeline final : public Pipeline {
   const std::string manifest_;
   std::vector<std::unique_ptr<JpegDecoder>> decoders_;
   TilePainter painter_;
+  uint32_t number_ = 0;
 
   mutable std::mutex mutex_;
   std::condition_variable wake_, handed_;  // of the surfaces' thread; of the pictures' thread
@@ -514,7 +511,7 @@ class LivePipeline final : public Pipeline {
   ToleranceControl control_;
   double tolerance_px_, fixed_tolerance_px_ = 0;
   int wanted_crf_;
-  bool want_key_ = false, last_is_key_ = false, picture_failed_ = false;
+  bool want_key_ = false, picture_failed_ = false;
   Frame pending_;          // what the pictures' thread works on next
   PipelineStatus status_;  // its counts
   Recent frames_, hull_ms_, picture_ms_, encode_ms_, latency_ms_, triangles_, surface_bytes_, picture_bytes_;
@@ -523,8 +520,6 @@ class LivePipeline final : public Pipeline {
   CameraRegions regions_;
   std::vector<package::Rect> boxes_;  // of the last hull in each camera; empty: there is none
   int since_key_ = 0;
-  uint32_t number_ = 0;
-  int64_t last_slot_ = 0;
 
   std::mutex events_mutex_;  // events come one at a time
   std::map<std::string, int64_t> warned_us_;

@@ -67,7 +67,7 @@ class Pipeline {
   virtual void setConnected(size_t camera, bool connected) = 0;  // a new connection begins with an unknown clock
   virtual void onClock(size_t camera, const ClockAnswer& answer, int64_t now_us) = 0;
   virtual void onPicture(size_t camera, CameraPicture picture, size_t message_bytes, int64_t now_us) = 0;
-  virtual void wantKey() = 0;  // a viewer has joined: the next frame is a key, unless one was just made
+  virtual void wantKey() = 0;  // a viewer has joined: a key comes with one of the next few frames
   virtual void setTolerance(double tolerance_px) = 0;  // 0: by control
   virtual void setCrf(int crf) = 0;
   virtual PipelineStatus status() const = 0;
