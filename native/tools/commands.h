@@ -25,5 +25,7 @@ int reconstructCommand(int argc, char** argv);
 int bakeCommand(int argc, char** argv, const BakeExtension* extension = nullptr);
 int inspectCommand(int argc, char** argv);
 int renderCommand(int argc, char** argv);
+int liveCommand(int argc, char** argv);
+int liveCameraCommand(int argc, char** argv);
 
 }  // namespace fourdvt::tools

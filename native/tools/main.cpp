@@ -34,6 +34,8 @@ constexpr Command kCommands[] = {
      [](int argc, char** argv) { return bakeCommand(argc, argv); }},
     {"inspect", "list the contents of a character and check every byte", inspectCommand},
     {"render", "draw a frame or a movie of a character", renderCommand},
+    {"live", "show a performer before cameras in pages while he moves", liveCommand},
+    {"live-camera", "send one camera of a live stage", liveCameraCommand},
 };
 
 constexpr FormerCommand kFormer[] = {{"studio", presentStudio}, {"evaluate", presentEvaluate}};
