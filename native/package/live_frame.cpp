@@ -33,7 +33,9 @@ Result<LiveFrame> readLiveFrame(std::span<const uint8_t> bytes) {
   if (bytes.size() > kMaxLiveFrameBytes) return invalidFrame("frame of more than 8 MiB");
   ByteReader in(bytes);
   if (in.u32() != kLiveMagic || !in.ok()) return invalidFrame("not a frame");
-  if (in.u16() != kLiveVersion) return Error{ErrorId::Unsupported, "live stream of a newer version; update the player"};
+  const uint16_t version = in.u16();
+  if (in.ok() && version != kLiveVersion)
+    return Error{ErrorId::Unsupported, "live stream of a newer version; update the player"};
   const uint16_t flags = in.u16();
   if (flags > kKeyFlag) return invalidFrame("unknown flags");
   LiveFrame frame;

@@ -115,16 +115,12 @@ export class LiveStream {
   #bounds: Box | null = null;
   bytesReceived = 0;
 
-  /** Connects at once, and until dispose(). */
+  /** Connects when it is asked for the manifest, and until dispose(). */
   constructor(url: string, host: LiveHost, page: LivePage = browser) {
     this.#url = new URL(url);
     this.#host = host;
     this.#page = page;
     this.#first = new Promise((resolve) => (this.#resolve = resolve));
-    const { signal } = this.#abort;
-    page.listen('online', () => this.#connectNow(), signal);
-    page.listen('visibilitychange', () => this.#onVisibility(), signal);
-    if (!page.hidden) this.#connect();
   }
 
   get state(): LiveState { return this.#state; }
@@ -165,7 +161,13 @@ export class LiveStream {
   // --- as a Transport ---
 
   /** The first manifest. Never rejects: the host is told of errors. */
-  manifest(): Promise<unknown> { return this.#first; }
+  manifest(): Promise<unknown> {
+    const { signal } = this.#abort;
+    this.#page.listen('online', () => this.#connectNow(), signal);
+    this.#page.listen('visibilitychange', () => this.#onVisibility(), signal);
+    if (!this.#page.hidden) this.#connect();
+    return this.#first;
+  }
   range(): Promise<null> { return Promise.resolve(null); }
   cancel(): void { /* nothing is fetched */ }
   cancelAll(): void { /* likewise */ }
