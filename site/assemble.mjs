@@ -2,7 +2,8 @@
 // node site/assemble.mjs OUT DIST CHARACTER [CAMERAS]: the folder that is served.
 // node site/assemble.mjs --add-cameras OUT DIST CHARACTER CAMERAS: the same into a folder that is being served: adds the
 // characters from cameras, then the pages that show them; the rest stays.
-// OUT/{index,steer}.html, their scripts, styles and pictures, OUT/measured (the page of figures), OUT/docs (the documents),
+// OUT/{index,steer}.html, their scripts, styles and pictures, OUT/live (the console of fourdvt live), OUT/measured (the page of
+// figures), OUT/docs (the documents),
 // OUT/examples, OUT/fourdvt-viewer (DIST, the built web package), OUT/character (a baked one), OUT/{cameras,methods}.html and
 // OUT/cameras (characters from cameras: hull, refined, tracked).
 // An element of a page with data-needs="FILE", on a line of its own, is left out where DIST has no such file; with
@@ -14,7 +15,7 @@ import { fileURLToPath } from 'node:url';
 
 import { renderDocs } from './docs/render.mjs';
 
-const kPageFiles = ['index.html', 'site.css', 'site.js', 'steer.html', 'steer.js', 'layers.jpg',
+const kPageFiles = ['index.html', 'site.css', 'site.js', 'steer.html', 'steer.js', 'layers.jpg', 'live/index.html', 'live/live.css', 'live/live.js',
   'measured/index.html', 'measured/measured.css', 'measured/figures.json'];
 
 const kCameraFiles = ['cameras.html', 'cameras.js', 'methods.html', 'methods.js', 'together.js'];
@@ -74,7 +75,7 @@ function writePages() {
   }
 }
 
-mkdirSync(join(out, 'measured'), { recursive: true });
+for (const name of ['measured', 'live']) mkdirSync(join(out, name), { recursive: true });
 const folders = { examples: join(here, '../web/examples'), 'fourdvt-viewer': dist, character };
 for (const [name, folder] of adds ? [] : Object.entries(folders)) replaceFolder(name, folder);
 if (cameras) replaceFolder('cameras', cameras);

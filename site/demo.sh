@@ -12,11 +12,12 @@ bash site/demo.sh [options]
   --port N        first port to try (default 8080); the next free one is taken
   --lan           serve to the local network, for a phone: over https with a certificate made here, because browsers
                   decode video only for https pages; prints address and QR code. The phone warns of the certificate
+  --live          no character that was baked, but the sample's videos as live cameras: fourdvt live and its console
   --prepare       install, build and bake only, characters from cameras included
   --no-install    do not touch the system's packages
 TXT
 }
-check='' capture='' opencv=--only-if-built port=8080 prepare='' install=1 lan=''
+check='' capture='' opencv=--only-if-built port=8080 prepare='' install=1 lan='' live=''
 while [ $# -gt 0 ]; do
   case $1 in
     --check) check=1 ;;
@@ -24,6 +25,7 @@ while [ $# -gt 0 ]; do
     --opencv) opencv='' ;;
     --port) port=${2:?"--port needs a number"}; shift ;;
     --lan) lan=1 ;;
+    --live) live=1 ;;
     --prepare) prepare=1 ;;
     --no-install) install='' ;;
     -h|--help) usage; exit 0 ;;
@@ -102,6 +104,10 @@ if [ -n "$check" ]; then
   exec node tests/web/check.mjs "$site_folder" "$root/build/check" "$root/build/release/native/tools/fourdvt" "$character"
 fi
 [ -z "$prepare" ] || exit 0
+if [ -n "$live" ]; then
+  step "Serving a live stage; Ctrl-C stops"
+  exec build/release/native/tools/fourdvt live site/sample/actor_a/live.json --port "$port" --web "$site_folder"
+fi
 
 add_cameras() {
   if make_cameras && node site/assemble.mjs --add-cameras "$site_folder" "$root/web/dist" "$character" "$cameras"; then

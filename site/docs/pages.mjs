@@ -7,6 +7,7 @@ export const groups = [
     { source: 'site/docs/README.md', name: 'index', title: 'Overview' },
     { source: 'web/README.md', name: 'element', title: 'The element' },
     { source: 'native/capture/CAPTURE.md', name: 'capture', title: 'Your own capture' },
+    { source: 'site/docs/live.md', name: 'live', title: 'Live' },
     { source: 'site/docs/errors.md', name: 'errors', title: 'Errors' },
   ] },
   { title: 'Measured', pages: [
