@@ -322,7 +322,7 @@ class Service final : public LiveService, private ServerHandler {
     const Json message = text ? Json::parse(bytes.begin(), bytes.end(), nullptr, false) : Json();
     if (!message.is_object()) return Error{ErrorId::StreamInvalid, "a page sent what is no JSON object"};
     if (const auto type = message.find("type"); type != message.end() && *type == "ping") {
-      const Json answer = {{"type", "pong"}, {"t", message.value("t", Json())}, {"server_us", now_us()}};
+      const Json answer = {{"type", "pong"}, {"t", message.value("t", Json())}, {"now", now_us()}};
       peer.connection->send(bytesOf(answer.dump(-1, ' ', false, Json::error_handler_t::replace)), true);
       return {};
     }

@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::json;
 constexpr double kMaxUnits = 1e6;
-constexpr int kMinSide = 16, kMaxSide = 4095;  // of the messages' pictures
+constexpr int kMinSide = 4, kMaxSide = 4095;  // of the messages' pictures
 constexpr int kMostReduction = 16;
 
 const Json& member(const Json& node, const char* key) {

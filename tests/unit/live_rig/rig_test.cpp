@@ -68,6 +68,29 @@ TEST(Rig, FillsInWhatIsNotSaid) {
   EXPECT_FALSE(rig.value().name.empty());
 }
 
+TEST(Rig, ReducesPicturesPlatesAndCalibration) {
+  RigFolder folder;
+  Image plate(16, 12, 3);
+  for (int y = 0; y < plate.height; ++y)
+    for (int x = 0; x < plate.width; ++x) std::fill_n(plate.at(x, y), 3, uint8_t(x % 2 ? 100 : 20));
+  folder.write("background/cam01.png", plate);
+  const auto read = folder.read(kBounds + R"(, "reduce": 2)");
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  const RigCamera& camera = *read.value().find("cam01");
+  EXPECT_EQ(camera.filmed.pinhole.width, 16);
+  EXPECT_EQ(camera.camera.pinhole.width, 8);
+  EXPECT_EQ(camera.camera.pinhole.height, 6);
+  EXPECT_DOUBLE_EQ(camera.camera.pinhole.fx, 10);
+  EXPECT_DOUBLE_EQ(camera.camera.pinhole.cx, 4);
+  const auto plates = readRigPlates(read.value(), camera, "");
+  ASSERT_TRUE(plates.ok()) << plates.error().message;
+  ASSERT_EQ(plates.value()[0].width, 8);
+  for (const uint8_t level : plates.value()[0].pixels) EXPECT_EQ(level, 60) << "the mean of four pixels";
+  for (const char* wrong : {"0", "17", "1.5", "\"2\""})
+    expectError(folder.read(kBounds + R"(, "reduce": )" + wrong), ErrorId::CaptureJson, "reduce");
+  expectError(folder.read(kBounds + R"(, "reduce": 5)"), ErrorId::FrameSize, "3x2 pixels");
+}
+
 TEST(Rig, RefusesWhatItCannotUse) {
   const RigFolder folder;
   expectError(readRig(folder / "none.json"), ErrorId::FileMissing, "none.json");
