@@ -315,6 +315,7 @@ TEST(LivePlayer, ADecoderThatGivesNothingIsNotFedForEver) {
   for (uint32_t number = 0; number < 200; ++number) {
     edge.send(number, number % 10 == 0);
     edge.serve();
+    EXPECT_LE(edge.player->stats().encoded_bytes_held, 8 * liveMessage(6, false).size());
   }
   EXPECT_LE(edge.samples.size(), 12u);
   edge.player->onLiveGap();
