@@ -135,6 +135,23 @@ TEST(Keyer, AllowsForWhatMovesInThePlates) {
   EXPECT_GT(discIou(coverage, {100, 130}, 50), 0.98);
 }
 
+TEST(Keyer, HasNoMemoryOfOtherPictures) {
+  const Image plate = wallPlate(320, 240);
+  auto keyer = Keyer::create({plate});
+  ASSERT_TRUE(keyer.ok());
+  Image last;
+  for (const glm::dvec2& centre : {glm::dvec2(80, 100), glm::dvec2(108, 131), glm::dvec2(135, 100)}) {
+    last = plate;
+    paintDisc(last, centre, 40, kDark);
+    ASSERT_TRUE(keyer.value()->key(last).ok());
+  }
+  EXPECT_EQ(keyer.value()->key(last).value()->pixels, keyOf({plate}, last).pixels);
+  Image before = plate;
+  paintDisc(before, {100, 100}, 42, kWhite);
+  ASSERT_TRUE(keyer.value()->key(before).ok());
+  EXPECT_EQ(keyer.value()->key(last).value()->pixels, keyOf({plate}, last).pixels);
+}
+
 TEST(Keyer, RefusesOtherSizes) {
   EXPECT_EQ(Keyer::create({}).error().id, ErrorId::InvalidArgument);
   EXPECT_EQ(Keyer::create({Image(32, 24, 3), Image(24, 32, 3)}).error().id, ErrorId::InvalidArgument);
