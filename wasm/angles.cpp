@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In place of a function of Emscripten's C library (musl), by which sin, cos and tan reduce angles of more than 2^20 quarter
-// turns exactly: 1 KB of every page's download. Here such an angle counts as 0: no camera and no motion has one.
+// Takes the place of a function of Emscripten's C library (musl), by which sin, cos and tan reduce angles of more than
+// 2^20 quarter turns exactly: 3 KB of every page's download. Here such an angle counts as 0: no camera has one.
 extern "C" {
 
 int __rem_pio2_large(double* x, double* y, int exponent, int count, int precision);

@@ -154,7 +154,7 @@ struct Character {
   const Sequence* find(const std::string& sequence_name) const;
 };
 
-// Validates everything that later stages index or allocate by. Errors: ManifestInvalid, Unsupported (newer version; live).
+// Validates everything that later stages index or allocate by. Errors: ManifestInvalid, Unsupported (newer, or live).
 Result<Character> readManifest(const FlatJson& gltf);
 
 }  // namespace fourdvt::package

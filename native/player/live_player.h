@@ -91,7 +91,7 @@ class LivePlayer final : public Player {
     int64_t captured_us = 0;
     std::vector<uint8_t> chunk, sample;
     bool fed = false;
-    int slot = -1;     // that its picture is in; -1: has not come
+    int slot = -1;     // of its picture; -1: that has not come
     bool bad = false;  // the picture is not to be shown
   };
   struct Shown {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What comes once the character can play: prefetching other motions, judgements of renditions, programs for later pictures.
+// Work for later pictures, once the character can play: prefetching, judgements of renditions, programs.
 #include "player/player_impl.h"
 
 namespace fourdvt {

@@ -30,7 +30,7 @@ class Socket {
   constructor(url) { this.url = url; }
   send(text) { this.sent.push(JSON.parse(text)); }
   close() { this.closed = true; }
-  // What the server does.
+  // Messages of the server.
   text(value) { this.onmessage({ data: typeof value === 'string' ? value : JSON.stringify(value) }); }
   frame(...bytes) { this.onmessage({ data: Uint8Array.from(bytes).buffer }); }
   end(code = 1006) { this.onclose({ code }); }

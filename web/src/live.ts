@@ -50,7 +50,7 @@ export interface LiveHost {
   fail(id: string, message: string): void;
 }
 
-/** What is used of the browser. */
+/** The browser, as far as it is used here. */
 export interface LivePage {
   open(url: string): WebSocket;
   now(): number; // ms
@@ -96,13 +96,13 @@ export class LiveStream {
   #resolve: (manifest: unknown) => void = () => undefined;
   #socket: WebSocket | null = null;
   #state: LiveState = 'connecting';
-  #manifest: unknown = undefined; // that is played
+  #manifest: unknown = undefined; // of the character that is played
   #greeted = false;  // this connection's manifest has come
   #met = false;      // a connection has been made
   #fails = 0;        // connections in a row that brought no frame
-  #invalid = 0;      // that brought something invalid, in a row
+  #invalid = 0;      // connections in a row that brought something invalid
   #good = 0;         // frames of this connection
-  #reported = false; // that there is no answer, or something invalid, since a good frame
+  #reported = false; // an error, since the last good frames
   #waiting = false;  // reported to the host
   #early: Uint8Array[] = [];
   #retry = 0;
@@ -346,7 +346,7 @@ export class LiveStream {
     this.#pongs.splice(0, this.#pongs.length - MOST_PONGS);
   }
 
-  // --- what the host hears ---
+  // --- reports to the host ---
 
   // Another connection may bring better.
   #refuse(problem: string): void {
