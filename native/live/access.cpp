@@ -2,9 +2,12 @@
 #include "live/access.h"
 
 #include <fcntl.h>
+#include <strings.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <random>
 #include <sstream>
@@ -12,122 +15,121 @@
 namespace fourdvt::live {
 namespace {
 
-constexpr size_t kFewestCharacters = 16, kMostCharacters = 256, kMadeCharacters = 32;
-
-bool isToken(const std::string& text) {
-  const auto allowed = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
-  };
-  return text.size() >= kFewestCharacters && text.size() <= kMostCharacters &&
-         std::all_of(text.begin(), text.end(), allowed);
-}
-
-// In a time that does not depend on how much of it is right.
-bool isSame(const std::string& given, const std::string& token) {
-  unsigned differs = given.size() != token.size();
-  for (size_t i = 0; i < token.size(); ++i) differs |= unsigned(i < given.size() ? given[i] ^ token[i] : 1);
-  return differs == 0;
-}
-
 std::string randomToken() {
-  constexpr char kLetters[] = "abcdefghijklmnopqrstuvwxyz0123456789";
+  constexpr char kSymbols[] = "abcdefghijkmnpqrstuvwxyz23456789";  // 32: five bits each
   std::random_device random;
-  std::uniform_int_distribution<size_t> letter(0, sizeof kLetters - 2);
-  std::string out;
-  for (size_t i = 0; i < kMadeCharacters; ++i) out += kLetters[letter(random)];
-  return out;
+  std::string token;
+  for (int i = 0; i < 32; ++i) token += kSymbols[random() % 32];
+  return token;
 }
 
-Result<Tokens> makeTokens(const std::string& path) {
-  const Tokens made{randomToken(), randomToken(), randomToken()};
-  const std::string text = "camera " + made.camera + "\nviewer " + made.viewer + "\nconsole " + made.console + "\n";
+Result<TokenFile> makeTokenFile(const std::string& path) {
+  TokenFile out{{randomToken(), randomToken(), randomToken()}, true};
+  const std::string text =
+      "camera " + out.tokens.camera + "\nviewer " + out.tokens.viewer + "\nconsole " + out.tokens.console + "\n";
   const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-  const bool written = file >= 0 && write(file, text.data(), text.size()) == ssize_t(text.size());
+  const bool is_written = file >= 0 && write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());
   if (file >= 0) close(file);
-  if (!written) return Error{ErrorId::WriteFailed, path + ": tokens cannot be written; choose another place"};
-  return made;
+  if (is_written) return out;
+  return Error{ErrorId::WriteFailed, path + ": cannot be written: " + std::strerror(errno)};
 }
 
-std::string lowered(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-  return text;
+Error wrongTokens(const std::string& path, const std::string& problem) {
+  return {ErrorId::FileUnreadable, path + ": " + problem +
+                                       "; it needs the lines \"camera TOKEN\", \"viewer TOKEN\" and \"console TOKEN\", "
+                                       "or remove it, and it is made"};
 }
 
-// Without port and brackets.
-std::string hostOf(const std::string& authority) {
-  if (authority.starts_with("[")) return lowered(authority.substr(1, authority.find(']') - 1));
-  return lowered(authority.substr(0, authority.find(':')));
-}
-
-bool contains(const std::vector<std::string>& list, const std::string& text) {
-  return std::any_of(list.begin(), list.end(), [&](const std::string& entry) { return lowered(entry) == text; });
-}
-
-bool isOwnName(const AccessRules& rules, const std::string& host) {
-  if (contains(rules.hosts, host)) return true;
-  return rules.loopback ? isLoopback(host) : rules.hosts.empty();
-}
-
-bool mayConnect(const AccessRules& rules, const HttpRequest& request) {
-  if (request.origin.empty()) return true;  // no page
-  const std::string origin = lowered(request.origin);
-  if (contains(rules.origins, origin)) return true;
-  const size_t scheme = origin.find("://");
-  if (scheme == std::string::npos) return false;
-  const std::string authority = origin.substr(scheme + 3);
-  return authority == lowered(request.host) || (rules.loopback && isLoopback(hostOf(authority)));
+// Takes as long for a token that is nearly right as for one that is not.
+bool isSame(const std::string& given, const std::string& token) {
+  volatile unsigned difference = given.size() == token.size() ? 0 : 1;
+  for (size_t i = 0; i < token.size(); ++i)
+    difference = difference | static_cast<unsigned>(token[i] ^ (given.empty() ? 0 : given[i % given.size()]));
+  return difference == 0;
 }
 
 bool hasToken(const Tokens& tokens, const std::string& given, Role role) {
-  const bool camera = isSame(given, tokens.camera), viewer = isSame(given, tokens.viewer),
-             console = isSame(given, tokens.console);
-  return role == Role::Camera ? camera : role == Role::Viewer ? viewer || console : console;
+  if (!tokens.demanded() || role == Role::Anyone) return true;
+  if (role == Role::Camera) return isSame(given, tokens.camera);
+  const bool is_console = isSame(given, tokens.console), is_viewer = isSame(given, tokens.viewer);
+  return is_console || (role == Role::Viewer && is_viewer);
+}
+
+bool isSameName(const std::string& a, const std::string& b) { return strcasecmp(a.c_str(), b.c_str()) == 0; }
+
+// "host:8090" → "host", "[::1]:8090" → "::1".
+std::string hostOf(const std::string& authority) {
+  if (authority.empty() || authority[0] != '[') return authority.substr(0, authority.find(':'));
+  const size_t end = authority.find(']');
+  return end == std::string::npos ? "" : authority.substr(1, end - 1);
+}
+
+bool isOneOf(const std::string& name, const std::vector<std::string>& names) {
+  return std::any_of(names.begin(), names.end(), [&](const std::string& n) { return isSameName(n, name); });
+}
+
+bool mayHaveOrigin(const AccessRules& rules, const HttpRequest& request) {
+  if (request.origin.empty() || isOneOf(request.origin, rules.origins)) return true;
+  const size_t scheme = request.origin.find("://");
+  if (scheme == std::string::npos) return false;
+  const std::string host = hostOf(request.origin.substr(scheme + 3));
+  if (host.empty()) return false;
+  return isSameName(host, hostOf(request.host)) || (rules.loopback && isLoopback(host));
 }
 
 }  // namespace
 
-bool isLoopback(const std::string& host) { return host == "localhost" || host == "::1" || host == "127.0.0.1"; }
-
-Result<Tokens> readTokens(const std::string& path) {
+Result<TokenFile> readOrMakeTokens(const std::string& path) {
+  if (access(path.c_str(), F_OK) != 0 && errno == ENOENT) return makeTokenFile(path);
   std::ifstream file(path);
-  if (!file) return makeTokens(path);
-  Tokens out;
-  for (std::string line; std::getline(file, line);) {
+  if (!file) return wrongTokens(path, "cannot be read");
+  TokenFile out;
+  std::string line;
+  while (std::getline(file, line)) {
     std::istringstream words(line);
-    std::string role, token;
-    words >> role >> token;
-    for (const auto& [name, at] :
-         {std::pair{"camera", &out.camera}, {"viewer", &out.viewer}, {"console", &out.console}})
-      if (role == name) *at = token;
+    std::string role, token, more;
+    words >> role >> token >> more;
+    if (role.empty() || role[0] == '#') continue;
+    std::string* place = role == "camera"    ? &out.tokens.camera
+                         : role == "viewer"  ? &out.tokens.viewer
+                         : role == "console" ? &out.tokens.console
+                                             : nullptr;
+    if (!place || !more.empty() || !place->empty()) return wrongTokens(path, "has the line \"" + role + " …\"");
+    if (token.size() < kFewestTokenCharacters)
+      return wrongTokens(path, "the token of " + role + " has fewer than 16 characters");
+    *place = token;
   }
-  if (isToken(out.camera) && isToken(out.viewer) && isToken(out.console)) return out;
-  return Error{ErrorId::FileUnreadable, path +
-                                            ": needs the lines \"camera TOKEN\", \"viewer TOKEN\" and "
-                                            "\"console TOKEN\", each with 16 or more of "
-                                            "A-Z a-z 0-9 _ -; correct it, or remove it to have one made"};
+  if (out.tokens.camera.empty() || out.tokens.viewer.empty() || out.tokens.console.empty())
+    return wrongTokens(path, "lacks a token");
+  return out;
 }
 
-Refusal refusalOf(const AccessRules& rules, const HttpRequest& request, Role role) {
-  if (!isOwnName(rules, hostOf(request.host))) return Refusal::Host;
-  if (!mayConnect(rules, request)) return Refusal::Origin;
-  if (rules.tokens.any() && !hasToken(rules.tokens, request.token, role)) return Refusal::Token;
-  return Refusal::None;
+bool isLoopback(const std::string& host) {
+  return isSameName(host, "localhost") || host == "::1" ||
+         (host.compare(0, 4, "127.") == 0 && host.find_first_not_of("0123456789.") == std::string::npos);
 }
 
-std::string refusalText(Refusal refusal) {
-  switch (refusal) {
-    case Refusal::Token:
-      return "the token is missing or wrong; the server's --tokens file has it";
-    case Refusal::Origin:
-      return "this page's address may not connect; start the server with "
-             "--allow-origin";
-    case Refusal::Host:
-      return "the server has another name; use localhost, or start it with "
-             "--host";
-    case Refusal::None:
+Verdict judge(const AccessRules& rules, const HttpRequest& request, Role role) {
+  const std::string host = hostOf(request.host);
+  if (rules.loopback && !isLoopback(host) && !isOneOf(host, rules.hosts)) return Verdict::WrongHost;
+  if (role != Role::Anyone && !mayHaveOrigin(rules, request)) return Verdict::WrongOrigin;
+  return hasToken(rules.tokens, request.token, role) ? Verdict::Allowed : Verdict::WrongToken;
+}
+
+const char* verdictText(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::WrongToken:
+      return "no token, or not the one of this role; take it from the server's --tokens file";
+    case Verdict::WrongOrigin:
+      return "pages of this site may not connect; start the server with --allow-origin";
+    case Verdict::WrongHost:
+      return "the server does not go by this name; use localhost, or start it with --host";
+    case Verdict::Allowed:
       break;
   }
   return "";
 }
+
+int verdictStatus(Verdict verdict) { return verdict == Verdict::WrongToken ? 401 : 403; }
 
 }  // namespace fourdvt::live

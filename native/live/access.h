@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who may do what at a live server: tokens, and which pages may connect. A page
-// of any origin can open a connection to this machine, and names of any server
-// can be made to lead here, so that origin and host are checked on loopback,
-// too. Does NOT touch sockets.
+// Who may use a live server: tokens by role, and checks of the headers Origin and Host, because a page of any site can
+// open connections to the machine that it is read on. Does NOT know sockets.
 #pragma once
 
 #include <string>
@@ -13,31 +11,35 @@
 
 namespace fourdvt::live {
 
-enum class Role { Camera, Viewer, Console };  // the console's token serves viewers, too
-
 struct Tokens {
-  std::string camera, viewer, console;
-  bool any() const { return !camera.empty(); }
+  std::string camera, viewer, console;  // empty: none is demanded
+  bool demanded() const { return !camera.empty(); }
 };
 
-// Lines "camera TOKEN", "viewer TOKEN", "console TOKEN", 16 or more of A–Z a–z
-// 0–9 _ - each. A file that is missing is made with random ones, for its
-// owner's eyes only. Errors: FileUnreadable, WriteFailed.
-Result<Tokens> readTokens(const std::string& path);
+constexpr size_t kFewestTokenCharacters = 16;
+
+struct TokenFile {
+  Tokens tokens;
+  bool made = false;  // there was no file: it has been written, for its owner to read only
+};
+// Lines "camera TOKEN", "viewer TOKEN", "console TOKEN", each once; empty lines and those with # are skipped. Errors:
+// FileUnreadable, WriteFailed.
+Result<TokenFile> readOrMakeTokens(const std::string& path);
 
 struct AccessRules {
-  Tokens tokens;                     // none: nobody is asked for one
-  bool loopback = true;              // the server listens on this machine alone
-  std::vector<std::string> origins;  // of further pages that may connect, "https://example.org"
-  std::vector<std::string> hosts;    // further names of this server; not on
-                                     // loopback: its only names, if there are any
+  Tokens tokens;
+  bool loopback = true;              // the server listens on this machine only
+  std::vector<std::string> origins;  // of pages that may connect besides the server's own, e.g. "https://example.org"
+  std::vector<std::string> hosts;    // names of a server on loopback besides those of loopback
 };
 
-enum class Refusal { None, Token, Origin, Host };
-Refusal refusalOf(const AccessRules& rules, const HttpRequest& request, Role role);
-std::string refusalText(Refusal refusal);  // with the remedy
+enum class Role { Anyone, Camera, Viewer, Console };  // Console may do what Viewer may
+enum class Verdict { Allowed, WrongToken, WrongOrigin, WrongHost };
 
-// "127.0.0.1", "::1", "localhost".
+Verdict judge(const AccessRules& rules, const HttpRequest& request, Role role);
+const char* verdictText(Verdict verdict);  // with the remedy
+int verdictStatus(Verdict verdict);        // of HTTP
+// 127.0.0.0/8, ::1 or localhost, without brackets and port.
 bool isLoopback(const std::string& host);
 
 }  // namespace fourdvt::live

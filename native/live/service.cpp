@@ -2,410 +2,266 @@
 #include "live/service.h"
 
 #include <atomic>
-#include <chrono>
-#include <condition_variable>
-#include <map>
-#include <mutex>
-#include <nlohmann/json.hpp>
-#include <thread>
+#include <set>
 
-#include "live/camera/camera_worker.h"
-#include "live/static_files.h"
-#include "live/viewers.h"
+#include "live/cameras.h"
+#include "live/page_messages.h"
+#include "live/web_files.h"
 
 namespace fourdvt::live {
 namespace {
 
-using Json = nlohmann::json;
+constexpr double kTickSeconds = 0.2, kPageMessagesPerSecond = 20, kCameraMessagesPerSecond = 240;
+constexpr int kTicksPerConsoleMessage = 5;
+constexpr size_t kMostCameraQueuedBytes = 1 << 20, kMostPageQueuedBytes = 16 << 20, kMostConsoleBehind = 4;
 
-constexpr size_t kPageMessageBytes = 1024;
-constexpr double kPageMessagesPerS = 20, kCameraMessagesPerS = 240;
-constexpr double kTick_s = 0.1;
-constexpr int kTicksPerSecond = 10,
-              kQuickQuestions = 5;                  // a new camera's clock is read so often at once
-constexpr auto kRestart = std::chrono::seconds(2);  // a source that has ended is opened again
+Bytes textBytes(const std::string& text) { return std::make_shared<std::vector<uint8_t>>(text.begin(), text.end()); }
 
-int64_t now_us() {
-  using namespace std::chrono;
-  return duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
+HttpAnswer plainAnswer(int status, const std::string& body) {
+  HttpAnswer answer;
+  answer.status = status;
+  answer.body = body;
+  return answer;
 }
 
-Bytes bytesOf(const std::string& text) {
-  return std::make_shared<const std::vector<uint8_t>>(text.begin(), text.end());
+// The role that a path of HTTP or WebSocket demands.
+Role roleOf(const std::string& path) {
+  if (path == "/camera") return Role::Camera;
+  if (path == "/live") return Role::Viewer;
+  if (path == "/console" || path == "/status.json" || path.compare(0, 9, "/cameras/") == 0) return Role::Console;
+  return Role::Anyone;
 }
 
-enum class Path { None, Camera, Live, Console };
-Path pathOf(const HttpRequest& request) {
-  return request.path == "/camera"    ? Path::Camera
-         : request.path == "/live"    ? Path::Live
-         : request.path == "/console" ? Path::Console
-                                      : Path::None;
-}
-
-std::string pictureJson(const CameraPicture& picture, const PinholeCamera& camera) {
-  Json rings = Json::array();
-  for (const Ring16& ring : picture.rings) {
-    Json& points = rings.emplace_back(Json::array());
-    for (const Point16& p : ring) points.push_back({p.x / kPointsPerPixel, p.y / kPointsPerPixel});
+const char* roleName(Role role) {
+  switch (role) {
+    case Role::Camera:
+      return "a camera";
+    case Role::Viewer:
+      return "a viewer";
+    case Role::Console:
+      return "a console";
+    case Role::Anyone:
+      break;
   }
-  const package::Rect& crop = picture.crop;
-  return Json{{"size", {camera.width, camera.height}},
-              {"crop", {crop.x, crop.y, crop.width, crop.height}},
-              {"number", picture.number},
-              {"rings", std::move(rings)}}
-      .dump();
+  return "a page";
 }
+
+// At most one line a second, so that nobody floods the console.
+class Complaints {
+ public:
+  explicit Complaints(SayLine say) : say_(std::move(say)) {}
+  uint64_t count() const { return count_; }
+  void add(const std::string& line) {  // on the server's thread, as all below
+    ++count_;
+    if (said_)
+      ++unsaid_;
+    else
+      say_(line);
+    said_ = true;
+  }
+  void everySecond() {
+    if (unsaid_ > 0) say_(std::to_string(unsaid_) + " more connections or messages refused");
+    said_ = unsaid_ > 0;
+    unsaid_ = 0;
+  }
+
+ private:
+  const SayLine say_;
+  std::atomic<uint64_t> count_{0};
+  uint64_t unsaid_ = 0;
+  bool said_ = false;
+};
 
 class Service final : public LiveService, private ServerHandler {
  public:
-  Service(const Rig& rig, const ServiceOptions& options, std::function<void(const std::string&)> on_line)
-      : rig_(rig),
-        options_(options),
-        on_line_(std::move(on_line)),
-        workers_(rig.cameras.size()),
-        cameras_(rig.cameras.size()) {}
+  Service(const Rig& rig, const LiveOptions& options, const SayLine& say)
+      : rig_(rig), options_(options), say_(say), complaints_(say) {}
 
   ~Service() override {
+    server_.reset();  // its connections call all below
     {
-      const std::lock_guard lock(workers_mutex_);
-      stop_ = true;
+      const std::lock_guard lock(settings_mutex_);
+      is_stopping_ = true;
     }
-    stopping_.notify_all();
-    if (sources_.joinable()) sources_.join();
-    std::vector<std::shared_ptr<CameraWorker>> workers(workers_.size());
-    {
-      const std::lock_guard lock(workers_mutex_);
-      workers_.swap(workers);
-    }
-    workers.clear();
-    viewers_.close();
-    {
-      const std::lock_guard lock(cameras_mutex_);
-      closing_ = true;
-      cameras_.assign(cameras_.size(), {});
-    }
-    server_.reset();  // no connection calls the pipeline any more
+    sources_.reset();
     pipeline_.reset();
   }
 
-  Status begin() {
+  Status open() {
     PipelineEvents events;
     events.on_frame = [this](Bytes frame, bool key) { viewers_.send(frame, key); };
-    events.on_settings = [this](size_t camera, const CameraSettings& settings) { tell(camera, settings); };
-    events.on_warning = on_line_;
-    FOURDVT_ASSIGN(pipeline_, options_.make_pipeline(rig_, options_.pipeline, std::move(events)));
-    if (options_.local_sources)
-      for (size_t c = 0; c < rig_.cameras.size(); ++c)
-        if (rig_.cameras[c].source) FOURDVT_TRY(startWorker(c));
+    events.on_settings = [this](size_t camera, const CameraSettings& settings) { set(camera, settings); };
+    events.on_warning = say_;
+    FOURDVT_ASSIGN(pipeline_, options_.start_pipeline(rig_, options_.pipeline, std::move(events)));
+    if (options_.tolerance_px > 0) pipeline_->setTolerance(options_.tolerance_px);
+    std::vector<bool> is_local;
+    for (const RigCamera& camera : rig_.cameras) is_local.push_back(options_.reads_sources && camera.source);
+    auto cameras = std::make_unique<Cameras>(rig_, *pipeline_, is_local, options_.hello_s);
+    auto sources = std::make_unique<Sources>(rig_, options_.start_worker, *pipeline_, say_);
+    Sources& opening = *sources;
+    {
+      const std::lock_guard lock(settings_mutex_);
+      cameras_ = std::move(cameras);
+      sources_ = std::move(sources);
+    }
+    if (options_.reads_sources) FOURDVT_TRY(opening.open());
     FOURDVT_ASSIGN(server_, Server::start(options_.server, *this));
-    server_->every(kTick_s, [this] { tick(); });
-    sources_ = std::thread([this] { keepSources(); });
+    server_->every(kTickSeconds, [this] { tick(); });
     return {};
   }
 
   uint16_t port() const override { return server_->port(); }
 
-  ServiceStatus status() const override {
-    const Viewers::Status v = viewers_.status();
-    return {pipeline_->status(), v.viewers, v.skipped, v.bytes_per_s, refused_};
-  }
+  LiveStatus status() override { return {pipeline_->status(), viewers_.status(), complaints_.count()}; }
 
  private:
-  struct Peer {
-    Path path = Path::None;
-    std::shared_ptr<Connection> connection;
-    int camera = -1;  // once it has said its name
-  };
-  struct CameraLink {
-    std::shared_ptr<Connection> connection;
-    int quick_questions = 0;
-  };
-
-  // --- sources of this process ---
-
-  Status startWorker(size_t camera) {
-    const std::string& name = rig_.cameras[camera].camera.pinhole.name;
-    auto on_picture = [this, camera](CameraPicture picture) {
-      const size_t bytes = writeFromCamera(picture).size();
-      pipeline_->onPicture(camera, std::move(picture), bytes, now_us());
-    };
-    auto on_end = [this, camera, name](const Error& error) {
-      on_line_("camera " + name + ": " + error.message);
-      pipeline_->setConnected(camera, false);
-      const std::lock_guard lock(workers_mutex_);
-      ended_[camera] = true;
-    };
-    pipeline_->setConnected(camera, true);
-    sameClock(camera);
-    auto worker = CameraWorker::start(rig_, name, std::move(on_picture), std::move(on_end));
-    if (!worker.ok()) {
-      pipeline_->setConnected(camera, false);
-      return worker.error();
-    }
-    worker.value()->set(pipeline_->settings(camera));
-    const std::lock_guard lock(workers_mutex_);
-    workers_[camera] = worker.take();
-    return {};
+  void set(size_t camera, const CameraSettings& settings) {
+    const std::lock_guard lock(settings_mutex_);
+    if (is_stopping_ || !sources_) return;
+    sources_->set(camera, settings);
+    cameras_->set(camera, settings);
   }
 
-  void sameClock(size_t camera) {
-    const int64_t now = now_us();
-    pipeline_->onClock(camera, {now, now}, now);
+  Verdict verdict(const HttpRequest& request) {
+    const Role role = roleOf(request.path);
+    const Verdict verdict = judge(options_.access, request, role);
+    if (verdict != Verdict::Allowed)
+      complaints_.add(request.peer + ": refused as " + roleName(role) + ": " + verdictText(verdict));
+    return verdict;
   }
-
-  // Opens sources that have ended again, until it succeeds.
-  void keepSources() {
-    std::unique_lock lock(workers_mutex_);
-    while (!stopping_.wait_for(lock, kRestart, [&] { return stop_; })) {
-      for (auto& [camera, ended] : ended_) {
-        if (!ended) continue;
-        std::shared_ptr<CameraWorker> old = std::move(workers_[camera]);
-        ended = false;
-        lock.unlock();
-        old.reset();
-        const Status started = startWorker(camera);
-        lock.lock();
-        if (!started.ok()) ended = true;
-        if (stop_) return;
-      }
-    }
-  }
-
-  // --- the server's thread ---
-
-  Refusal refusal(const HttpRequest& request, Role role) const { return refusalOf(options_.access, request, role); }
 
   HttpAnswer onGet(const HttpRequest& request) override {
-    const bool is_camera = request.path.starts_with("/cameras/");
-    if (is_camera || request.path == "/status.json") {
-      if (const Refusal r = refusal(request, Role::Console); r != Refusal::None) {
-        ++refused_;
-        return {r == Refusal::Token ? 401 : 403, "text/plain; charset=utf-8", refusalText(r), {}, {}, {}};
-      }
-      return is_camera ? cameraAnswer(request.path.substr(9))
-                       : HttpAnswer{200, "application/json", statusJson(status()), {}, {}, {}};
+    if (const Verdict v = verdict(request); v != Verdict::Allowed) return plainAnswer(verdictStatus(v), verdictText(v));
+    if (roleOf(request.path) == Role::Anyone) return fileAnswer(request.path);
+    HttpAnswer answer;
+    if (request.path == "/status.json") {
+      answer.type = "application/json";
+      answer.body = statusJson(status());
+    } else if (request.path.compare(0, 9, "/cameras/") == 0) {
+      answer = cameraAnswer(request.path.substr(9));
+    } else {
+      answer = plainAnswer(400, "this address is for WebSockets");
     }
-    const auto file = staticFile(options_.web_folder, request.path);
-    if (request.path == "/" && staticFile(options_.web_folder, "/live/index.html")) {
-      HttpAnswer answer{302, "text/plain; charset=utf-8", "/live/", {}, {}, {}};
-      answer.location = "/live/";
-      return answer;
-    }
-    if (!file) return {404, "text/plain; charset=utf-8", "there is no such file", {}, {}, {}};
-    return {200, file->type, {}, file->path, {}, {}};
+    answer.allow_origin = request.origin;
+    return answer;
   }
 
-  HttpAnswer cameraAnswer(const std::string& file) const {
-    for (size_t c = 0; c < rig_.cameras.size(); ++c) {
-      const PinholeCamera& camera = rig_.cameras[c].camera.pinhole;
-      const bool json = file == camera.name + ".json";
-      if (!json && file != camera.name + ".jpg") continue;
-      const CameraPicture picture = pipeline_->lastPicture(c);
-      if (json) return {200, "application/json", pictureJson(picture, camera), {}, {}, {}};
-      if (picture.jpeg.empty()) break;
-      return {200, "image/jpeg", std::string(picture.jpeg.begin(), picture.jpeg.end()), {}, {}, {}};
+  HttpAnswer fileAnswer(const std::string& path) {
+    if (path != "/" || webFile(options_.web_folder, "/live/").status != 200) return webFile(options_.web_folder, path);
+    HttpAnswer answer = plainAnswer(302, "");
+    answer.location = "/live/";
+    return answer;
+  }
+
+  HttpAnswer cameraAnswer(const std::string& file) {
+    const size_t dot = std::min(file.rfind('.'), file.size());
+    const std::string name = file.substr(0, dot), extension = file.substr(dot);
+    for (size_t camera = 0; camera < rig_.cameras.size(); ++camera) {
+      const PinholeCamera& pinhole = rig_.cameras[camera].camera.pinhole;
+      if (pinhole.name != name) continue;
+      const CameraPicture picture = pipeline_->lastPicture(camera);
+      HttpAnswer answer;
+      if (extension == ".json") {
+        answer.type = "application/json";
+        answer.body = pictureJson(picture, pinhole.width, pinhole.height);
+        return answer;
+      }
+      if (extension != ".jpg" || picture.jpeg.empty()) break;
+      answer.type = "image/jpeg";
+      answer.body.assign(picture.jpeg.begin(), picture.jpeg.end());
+      return answer;
     }
-    return {404, "text/plain; charset=utf-8", "there is no such camera, or it has no picture", {}, {}, {}};
+    return plainAnswer(404, "there is no such camera, or it has sent no picture");
   }
 
   Result<SocketLimits> onOpening(const HttpRequest& request, int& refused_status) override {
-    switch (pathOf(request)) {
-      case Path::None:
-        refused_status = 404;
-        return Error{ErrorId::InvalidArgument, "connections go to /camera, /live or /console"};
-      case Path::Camera:
-        if (const Refusal r = refusal(request, Role::Camera); r != Refusal::None) {
-          ++refused_;
-          refused_status = r == Refusal::Token ? 401 : 403;
-          return Error{ErrorId::InvalidArgument, refusalText(r)};
-        }
-        return SocketLimits{kMaxCameraMessageBytes, kCameraMessagesPerS, 1u << 20};
-      default:
-        return SocketLimits{kPageMessageBytes, kPageMessagesPerS, 16u << 20};
-    }
+    const bool is_page = request.path == "/live" || request.path == "/console";
+    if (is_page) return SocketLimits{kMaxPageMessageBytes, kPageMessagesPerSecond, kMostPageQueuedBytes};
+    refused_status = 404;
+    if (request.path != "/camera")
+      return Error{ErrorId::InvalidArgument, "WebSockets are at /camera, /live and /console"};
+    const Verdict v = verdict(request);
+    refused_status = verdictStatus(v);
+    if (v != Verdict::Allowed) return Error{ErrorId::InvalidArgument, verdictText(v)};
+    return SocketLimits{kMaxCameraMessageBytes, kCameraMessagesPerSecond, kMostCameraQueuedBytes};
   }
 
   void onOpen(const std::shared_ptr<Connection>& connection) override {
-    const Path path = pathOf(connection->request());
-    if (path != Path::Camera) {
-      const Refusal r = refusal(connection->request(), path == Path::Live ? Role::Viewer : Role::Console);
-      if (r != Refusal::None) {
-        ++refused_;
-        connection->close(r == Refusal::Token ? kCloseToken : kCloseOrigin, refusalText(r));
-        return;
-      }
+    const HttpRequest& request = connection->request();
+    if (request.path == "/camera") return cameras_->add(connection);
+    if (const Verdict v = verdict(request); v != Verdict::Allowed)
+      return connection->close(v == Verdict::WrongToken ? kCloseToken : kCloseOrigin, verdictText(v));
+    if (request.path == "/console") {
+      consoles_.insert(connection);
+      connection->send(textBytes(statusJson(status())), true);
+      return;
     }
-    peers_[connection.get()] = {path, connection, -1};
-    if (path == Path::Live) {
-      viewers_.add(connection, pipeline_->manifest());
-      pipeline_->wantKey();
-    } else if (path == Path::Console) {
-      connection->send(bytesOf(statusJson(status())), true);
-    }
+    viewers_.add(connection, pipeline_->manifest());
+    pipeline_->wantKey();
   }
 
   void onMessage(const std::shared_ptr<Connection>& connection, std::span<const uint8_t> bytes, bool text) override {
-    const auto found = peers_.find(connection.get());
-    if (found == peers_.end()) return;
-    Peer& peer = found->second;
-    const Status done = peer.path == Path::Camera ? fromCamera(peer, bytes, text) : fromPage(peer, bytes, text);
-    if (done.ok()) return;
-    ++refused_;
-    on_line_(connection->request().peer + ": " + done.error().message);
-    connection->close(kCloseInvalid, done.error().message);
+    const bool is_camera = connection->request().path == "/camera";
+    const Status status = is_camera ? cameras_->receive(connection, bytes, text) : fromPage(connection, bytes, text);
+    if (status.ok()) return;
+    complaints_.add(connection->request().peer + ": " + status.error().message);
+    connection->close(kCloseInvalid, status.error().message);
+  }
+
+  Status fromPage(const std::shared_ptr<Connection>& connection, std::span<const uint8_t> bytes, bool text) {
+    if (!text) return Error{ErrorId::StreamInvalid, "live page: bytes in place of text"};
+    FOURDVT_ASSIGN(const PageMessage message, readPageMessage(bytes, consoles_.count(connection) > 0));
+    if (message.ping_t) connection->send(textBytes(pongJson(*message.ping_t, serverNow_us())), true);
+    if (message.tolerance_px) pipeline_->setTolerance(*message.tolerance_px);
+    if (message.crf) pipeline_->setCrf(*message.crf);
+    return {};
   }
 
   void onClose(const std::shared_ptr<Connection>& connection) override {
-    const auto found = peers_.find(connection.get());
-    if (found == peers_.end()) return;
-    const Peer peer = found->second;
-    peers_.erase(found);
-    viewers_.remove(connection.get());
-    if (peer.camera < 0) return;
-    {
-      const std::lock_guard lock(cameras_mutex_);
-      if (cameras_[size_t(peer.camera)].connection != connection) return;  // another one has taken its place
-      cameras_[size_t(peer.camera)] = {};
-    }
-    pipeline_->setConnected(size_t(peer.camera), false);
-  }
-
-  Status fromCamera(Peer& peer, std::span<const uint8_t> bytes, bool text) {
-    if (text) return Error{ErrorId::StreamInvalid, "a camera sent text; use the same version of fourdvt on all sides"};
-    FOURDVT_ASSIGN(auto message, readFromCamera(bytes));
-    if (const auto* hello = std::get_if<Hello>(&message)) return meet(peer, *hello);
-    if (peer.camera < 0)
-      return Error{ErrorId::StreamInvalid, "a camera must say its name first; use the same version of fourdvt"};
-    const auto camera = size_t(peer.camera);
-    if (const auto* answer = std::get_if<ClockAnswer>(&message))
-      pipeline_->onClock(camera, *answer, now_us());
-    else
-      pipeline_->onPicture(camera, std::move(std::get<CameraPicture>(message)), bytes.size(), now_us());
-    return {};
-  }
-
-  Status meet(Peer& peer, const Hello& hello) {
-    if (peer.camera >= 0) return Error{ErrorId::StreamInvalid, "a camera said its name twice"};
-    size_t camera = 0;
-    while (camera < rig_.cameras.size() && rig_.cameras[camera].camera.pinhole.name != hello.camera) ++camera;
-    if (camera == rig_.cameras.size())
-      return Error{ErrorId::InvalidArgument,
-                   "the server's rig has no camera \"" + hello.camera + "\"; use the same RIG.json"};
-    const PinholeCamera& known = rig_.cameras[camera].camera.pinhole;
-    if (hello.width != known.width || hello.height != known.height)
-      return Error{ErrorId::FrameSize, "camera \"" + hello.camera + "\" sends " + std::to_string(hello.width) + "x" +
-                                           std::to_string(hello.height) + ", the server's rig has " +
-                                           std::to_string(known.width) + "x" + std::to_string(known.height) +
-                                           "; use the same RIG.json"};
-    if (isLocal(camera))
-      return Error{ErrorId::InvalidArgument, "camera \"" + hello.camera +
-                                                 "\" is read by the server itself; set its source to "
-                                                 "null in its RIG.json"};
-    peer.camera = int(camera);
-    std::shared_ptr<Connection> before;
-    {
-      const std::lock_guard lock(cameras_mutex_);
-      if (closing_) return {};
-      before = std::move(cameras_[camera].connection);
-      cameras_[camera] = {peer.connection, kQuickQuestions};
-    }
-    if (before) before->close(kCloseReplaced, "another process sends this camera's pictures");
-    pipeline_->setConnected(camera, true);
-    send(peer.connection, pipeline_->settings(camera));
-    send(peer.connection, ClockQuestion{now_us()});
-    return {};
-  }
-
-  bool isLocal(size_t camera) const { return options_.local_sources && rig_.cameras[camera].source.has_value(); }
-
-  Status fromPage(Peer& peer, std::span<const uint8_t> bytes, bool text) {
-    const Json message = text ? Json::parse(bytes.begin(), bytes.end(), nullptr, false) : Json();
-    if (!message.is_object()) return Error{ErrorId::StreamInvalid, "a page sent what is no JSON object"};
-    if (const auto type = message.find("type"); type != message.end() && *type == "ping") {
-      const Json answer = {{"type", "pong"}, {"t", message.value("t", Json())}, {"now", now_us()}};
-      peer.connection->send(bytesOf(answer.dump(-1, ' ', false, Json::error_handler_t::replace)), true);
-      return {};
-    }
-    if (peer.path != Path::Console) return Error{ErrorId::StreamInvalid, "a viewer may send pings alone"};
-    const auto number = [&](const char* name) {
-      const auto at = message.find(name);
-      return at != message.end() && at->is_number() ? std::optional(at->get<double>()) : std::nullopt;
-    };
-    const auto tolerance = number("tolerance_px"), crf = number("crf");
-    if ((tolerance && !(*tolerance >= 0 && *tolerance <= 64)) || (crf && !(*crf >= 0 && *crf <= 51)))
-      return Error{ErrorId::InvalidArgument,
-                   "the console asks for a tolerance beyond 0 to 64, or a CRF "
-                   "beyond 0 to 51"};
-    if (tolerance) pipeline_->setTolerance(*tolerance);
-    if (crf) pipeline_->setCrf(int(*crf));
-    return {};
+    cameras_->remove(connection);
+    viewers_.remove(connection);
+    consoles_.erase(connection);
   }
 
   void tick() {
-    ++ticks_;
-    const bool second = ticks_ % kTicksPerSecond == 0;
-    std::vector<std::shared_ptr<Connection>> asked;
-    {
-      const std::lock_guard lock(cameras_mutex_);
-      for (CameraLink& link : cameras_)
-        if (link.connection && (second || link.quick_questions-- > 0)) asked.push_back(link.connection);
-    }
-    for (const auto& connection : asked) send(connection, ClockQuestion{now_us()});
-    if (!second) return;
-    for (size_t c = 0; c < rig_.cameras.size(); ++c)
-      if (isLocal(c)) sameClock(c);
-    Bytes line;
-    for (const auto& [id, peer] : peers_) {
-      if (peer.path != Path::Console || peer.connection->queuedMessages() > Viewers::kMostWaiting) continue;
-      if (!line) line = bytesOf(statusJson(status()));
-      peer.connection->send(line, true);
-    }
-  }
-
-  // --- any thread ---
-
-  static void send(const std::shared_ptr<Connection>& connection, const ToCamera& message) {
-    connection->send(std::make_shared<const std::vector<uint8_t>>(writeToCamera(message)));
-  }
-
-  void tell(size_t camera, const CameraSettings& settings) {
-    {
-      const std::lock_guard lock(workers_mutex_);
-      if (workers_[camera]) workers_[camera]->set(settings);
-    }
-    const std::lock_guard lock(cameras_mutex_);
-    if (cameras_[camera].connection) send(cameras_[camera].connection, settings);
+    cameras_->tick();
+    if (++ticks_ % kTicksPerConsoleMessage != 0) return;
+    if (options_.reads_sources) sources_->tellClock();
+    complaints_.everySecond();
+    if (consoles_.empty()) return;
+    const Bytes message = textBytes(statusJson(status()));
+    for (const auto& console : consoles_)
+      if (console->queuedMessages() < kMostConsoleBehind) console->send(message, true);
   }
 
   const Rig rig_;
-  const ServiceOptions options_;
-  const std::function<void(const std::string&)> on_line_;
+  const LiveOptions options_;
+  const SayLine say_;
   std::unique_ptr<Pipeline> pipeline_;
   Viewers viewers_;
-  std::atomic<uint64_t> refused_ = 0;
+  std::mutex settings_mutex_;  // between the pipeline's thread and the beginning and the end
+  bool is_stopping_ = false;
+  std::unique_ptr<Sources> sources_;
+  std::unique_ptr<Cameras> cameras_;
 
-  std::mutex workers_mutex_;  // of what follows
-  std::condition_variable stopping_;
-  bool stop_ = false;
-  std::vector<std::shared_ptr<CameraWorker>> workers_;  // by camera; null: none of this process
-  std::map<size_t, bool> ended_;
-  std::thread sources_;
-
-  std::mutex cameras_mutex_;
-  std::vector<CameraLink> cameras_;  // connected ones, by camera
-  bool closing_ = false;
-
-  std::map<const Connection*, Peer> peers_;  // of the server's thread, as `ticks_`
+  // On the server's thread.
+  Complaints complaints_;
+  std::set<std::shared_ptr<Connection>> consoles_;
   int ticks_ = 0;
   std::unique_ptr<Server> server_;
 };
 
 }  // namespace
 
-Result<std::unique_ptr<LiveService>> LiveService::start(const Rig& rig, const ServiceOptions& options,
-                                                        std::function<void(const std::string&)> on_line) {
-  auto service = std::make_unique<Service>(rig, options, std::move(on_line));
-  FOURDVT_TRY(service->begin());
+Result<std::unique_ptr<LiveService>> LiveService::start(const Rig& rig, const LiveOptions& options, SayLine say) {
+  LiveOptions checked = options;
+  checked.access.loopback = isLoopback(options.server.address);
+  const bool is_tls = !options.server.certificate_file.empty() && !options.server.key_file.empty();
+  if (!checked.access.loopback && !(is_tls && options.access.tokens.demanded()))
+    return Error{ErrorId::InvalidArgument, "other machines reach a server that listens on " + options.server.address +
+                                               "; give it --certificate and --key, and --tokens, too"};
+  auto service = std::make_unique<Service>(rig, checked, say);
+  FOURDVT_TRY(service->open());
   return std::unique_ptr<LiveService>(std::move(service));
 }
 

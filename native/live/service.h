@@ -1,55 +1,59 @@
 // SPDX-License-Identifier: Apache-2.0
-// A live stage as a server: cameras at /camera, pages at /live, the console at
-// /console, its pictures and files by GET. Passes messages between sockets and
-// the pipeline; keeps slow viewers from slowing others. Does NOT make frames.
+// The live server: cameras at /camera, viewers at /live, the console at /console (WebSockets); the cameras' last
+// pictures under /cameras/, /status.json, and the files of a page (HTTP). Hands cameras' messages to the pipeline and
+// its frames to viewers. Does NOT make frames.
 #pragma once
 
 #include <functional>
 #include <memory>
 #include <string>
 
+#include "base/result.h"
 #include "live/access.h"
 #include "live/net/websocket.h"
 #include "live/server/pipeline.h"
+#include "live/sources.h"
+#include "live/viewers.h"
 
 namespace fourdvt::live {
 
-// Close codes beside WebSocket's own; browsers do not show why a handshake was
-// refused.
-constexpr uint16_t kCloseToken = 4401, kCloseOrigin = 4403, kCloseInvalid = 1008, kCloseReplaced = 4409;
+// Close codes besides those of WebSocket; browsers do not show why an upgrade was refused.
+constexpr uint16_t kCloseToken = 4401, kCloseOrigin = 4403, kCloseReplaced = 4409, kCloseInvalid = 1008;
 
-using MakePipeline =
+using StartPipeline =
     std::function<Result<std::unique_ptr<Pipeline>>(const Rig&, const PipelineOptions&, PipelineEvents)>;
 
-struct ServiceOptions {
+struct LiveOptions {
   ServerOptions server;
+  AccessRules access;  // `loopback` is set by the server's address
   PipelineOptions pipeline;
-  AccessRules access;
-  std::string web_folder;     // files under "/"; empty: none
-  bool local_sources = true;  // the rig's own sources are read by this process
-  MakePipeline make_pipeline = Pipeline::start;
+  double tolerance_px = 0;    // that of the cameras at first; 0: by control
+  std::string web_folder;     // served under "/"; empty: none
+  bool reads_sources = true;  // the rig's own
+  double hello_s = 10;        // a camera's connection without a Hello for so long is closed
+  StartPipeline start_pipeline = Pipeline::start;
+  StartWorker start_worker = CameraWorker::start;
 };
 
-struct ServiceStatus {
+struct LiveStatus {
   PipelineStatus pipeline;
-  uint64_t viewers = 0,
-           skipped = 0;           // skipped: frames that viewers could not take, in all
-  double viewer_bytes_per_s = 0;  // to all viewers, over the last second
-  uint64_t refused = 0;           // connections and messages
+  ViewerStatus viewers;
+  uint64_t refused = 0;  // connections and messages
 };
 
 class LiveService {
  public:
-  // on_line: warnings, on any thread. Errors: those of Server, Pipeline and
-  // CameraWorker.
-  static Result<std::unique_ptr<LiveService>> start(const Rig& rig, const ServiceOptions& options,
-                                                    std::function<void(const std::string&)> on_line);
-  virtual ~LiveService() = default;
+  // say: warnings, one line each, on any thread. Errors: InvalidArgument (other machines reach the server, but it has
+  // no certificate or no tokens), and those of Server::start, Pipeline::start and CameraWorker::start.
+  static Result<std::unique_ptr<LiveService>> start(const Rig& rig, const LiveOptions& options, SayLine say);
+  virtual ~LiveService() = default;  // ends all
   virtual uint16_t port() const = 0;
-  virtual ServiceStatus status() const = 0;
+  virtual LiveStatus status() = 0;
 };
 
-// As the console and GET /status.json have it.
-std::string statusJson(const ServiceStatus& status);
+// The console's messages and /status.json.
+std::string statusJson(const LiveStatus& status);
+// /cameras/NAME.json: "size", "crop", "rings" (pixels of the camera's picture) and "number".
+std::string pictureJson(const CameraPicture& picture, int width, int height);
 
 }  // namespace fourdvt::live

@@ -5,48 +5,43 @@ namespace fourdvt::live {
 
 void Viewers::add(const std::shared_ptr<Connection>& connection, const std::string& manifest) {
   const std::lock_guard lock(mutex_);
-  if (closed_) return;
-  connection->send(std::make_shared<const std::vector<uint8_t>>(manifest.begin(), manifest.end()), true);
-  viewers_[connection.get()].connection = connection;
+  connection->send(std::make_shared<std::vector<uint8_t>>(manifest.begin(), manifest.end()), true);
+  viewers_[connection];
 }
 
-void Viewers::remove(const Connection* connection) {
+void Viewers::remove(const std::shared_ptr<Connection>& connection) {
   const std::lock_guard lock(mutex_);
   viewers_.erase(connection);
 }
 
-void Viewers::close() {
-  const std::lock_guard lock(mutex_);
-  closed_ = true;
-  viewers_.clear();
-}
-
 void Viewers::send(const Bytes& frame, bool key) {
   const std::lock_guard lock(mutex_);
-  for (auto& [id, viewer] : viewers_) {
-    Connection& connection = *viewer.connection;
-    if (connection.queuedMessages() > kMostWaiting || connection.queuedBytes() > kMostWaitingBytes)
-      viewer.needs_key = true;
-    else if (key)
-      viewer.needs_key = false;
-    if (viewer.needs_key) {
-      ++skipped_;
+  for (auto& entry : viewers_) {
+    Connection& connection = *entry.first;
+    Viewer& viewer = entry.second;
+    const bool is_behind =
+        connection.queuedMessages() > kMostBehindMessages || connection.queuedBytes() > kMostBehindBytes;
+    viewer.waits_for_key = is_behind || (viewer.waits_for_key && !key);
+    if (viewer.waits_for_key) {
+      frames_skipped_ += viewer.has_had_frames;  // before the first key nothing is missed
       continue;
     }
-    connection.send(frame);
+    viewer.has_had_frames = true;
     bytes_ += frame->size();
+    connection.send(frame);
   }
-  const auto now = Clock::now();
-  const double elapsed_s = std::chrono::duration<double>(now - since_).count();
-  if (elapsed_s < 1) return;
-  bytes_per_s_ = double(bytes_ - bytes_before_) / elapsed_s;
-  bytes_before_ = bytes_;
-  since_ = now;
 }
 
-Viewers::Status Viewers::status() const {
+ViewerStatus Viewers::status() {
   const std::lock_guard lock(mutex_);
-  return {viewers_.size(), skipped_, viewers_.empty() ? 0 : bytes_per_s_};
+  const auto now = Clock::now();
+  const double passed_s = std::chrono::duration<double>(now - measured_).count();
+  if (passed_s >= 0.9) {
+    bytes_per_s_ = static_cast<double>(bytes_) / passed_s;
+    bytes_ = 0;
+    measured_ = now;
+  }
+  return {viewers_.size(), frames_skipped_, bytes_per_s_};
 }
 
 }  // namespace fourdvt::live

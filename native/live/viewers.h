@@ -1,46 +1,45 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pages that look: each gets the manifest, then frames from a key on. One
-// that cannot take them as they come skips to the next key, and slows no other.
-// All functions may be called on any thread.
+// Those who watch. A viewer gets the manifest, then frames, the first of them a key. One that is behind misses frames
+// up to the next key, so that what waits for it stays bounded and nobody else is slowed. Functions may be called on any
+// thread.
 #pragma once
 
 #include <chrono>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <string>
 
 #include "live/net/websocket.h"
 
 namespace fourdvt::live {
 
+struct ViewerStatus {
+  uint64_t viewers = 0, frames_skipped = 0;  // skipped: since the start, by all
+  double bytes_per_s = 0;                    // to all
+};
+
 class Viewers {
  public:
-  static constexpr size_t kMostWaiting = 2;               // frames that a viewer may be behind
-  static constexpr size_t kMostWaitingBytes = 96u << 10;  // and bytes
+  static constexpr size_t kMostBehindMessages = 2, kMostBehindBytes = 96 << 10;
 
   void add(const std::shared_ptr<Connection>& connection, const std::string& manifest);
-  void remove(const Connection* connection);
+  void remove(const std::shared_ptr<Connection>& connection);
   void send(const Bytes& frame, bool key);
-  void close();  // nothing is sent any more
-
-  struct Status {
-    uint64_t viewers = 0, skipped = 0;
-    double bytes_per_s = 0;  // over the last second or two
-  };
-  Status status() const;
+  ViewerStatus status();
 
  private:
-  struct Viewer {
-    std::shared_ptr<Connection> connection;
-    bool needs_key = true;
-  };
   using Clock = std::chrono::steady_clock;
-  mutable std::mutex mutex_;
-  std::map<const Connection*, Viewer> viewers_;
-  uint64_t skipped_ = 0, bytes_ = 0, bytes_before_ = 0;
-  Clock::time_point since_ = Clock::now();
+  struct Viewer {
+    bool waits_for_key = true;
+    bool has_had_frames = false;
+  };
+
+  std::mutex mutex_;
+  std::map<std::shared_ptr<Connection>, Viewer> viewers_;
+  uint64_t frames_skipped_ = 0, bytes_ = 0;
   double bytes_per_s_ = 0;
-  bool closed_ = false;
+  Clock::time_point measured_ = Clock::now();
 };
 
 }  // namespace fourdvt::live

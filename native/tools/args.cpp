@@ -63,11 +63,12 @@ Args::Args(const CommandHelp& help, int argc, char** argv) {
       continue;
     }
     if (name.size() < 2 || name[0] != '-') {
-      if (!positional_.empty())
+      std::string& place = help.second && !positional_.empty() ? second_ : positional_;
+      if (!place.empty())
         complain("unexpected argument \"" + name + "\"");
       else if (name.empty())
         complain("an argument is empty");
-      positional_ = name;
+      place = name;
       continue;
     }
     const size_t equals = name.find('=');
@@ -96,7 +97,8 @@ Args::Args(const CommandHelp& help, int argc, char** argv) {
   }
   const bool replaced = help.instead && has(help.instead);
   if (replaced && !positional_.empty()) complain("unexpected argument \"" + positional_ + "\" beside " + help.instead);
-  if (positional_.empty() && !replaced && !help_asked_)
+  const bool is_short = positional_.empty() || (help.second && second_.empty());
+  if (is_short && !replaced && !help_asked_)
     complain("missing argument; usage: " + std::string(programName()) + " " + help.usage);
 }
 

@@ -29,16 +29,19 @@ struct CommandHelp {
   const char* summary;  // one or two sentences; the help breaks them into lines
   std::vector<Option> options;
   const char* instead = nullptr;  // an option that takes the positional argument's place
+  const char* second = nullptr;   // what a second positional argument is, such as "CAMERA"; none: there is one only
 };
 
 class Args {
  public:
-  // `argv` after the command's name. Exactly one positional argument is expected unless --help or CommandHelp::instead
-  // is given.
+  // `argv` after the command's name. Exactly one positional argument is expected, or two with CommandHelp::second,
+  // unless
+  // --help or CommandHelp::instead is given.
   Args(const CommandHelp& help, int argc, char** argv);
 
   bool wantsHelp() const { return help_asked_; }
   const std::string& positional() const { return positional_; }
+  const std::string& second() const { return second_; }
   bool has(const char* name) const { return values_.count(name) > 0; }
   std::string text(const char* name, const std::string& otherwise = {}) const;
   std::string required(const char* name);
@@ -52,7 +55,7 @@ class Args {
 
  private:
   std::map<std::string, std::string> values_;
-  std::string positional_, problem_;
+  std::string positional_, second_, problem_;
   bool help_asked_ = false;
 };
 

@@ -1,200 +1,305 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <atomic>
 #include <chrono>
+#include <cmath>
+#include <condition_variable>
 #include <cstdio>
 #include <cstdlib>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "live/camera/camera_worker.h"
 #include "live/net/websocket.h"
 #include "tools/args.h"
 #include "tools/commands.h"
+#include "tools/live_line.h"
 #include "tools/stop_signal.h"
 
 namespace fourdvt::tools {
 namespace {
 
-constexpr size_t kMostQueued = 2;  // pictures that the network has not taken yet
-constexpr const char* kTokenVariable = "FOURDVT_LIVE_TOKEN";
+using Clock = std::chrono::steady_clock;
+
+constexpr size_t kMostQueuedPictures = 2;
+constexpr auto kReopenPause = std::chrono::seconds(2);
 
 const CommandHelp& help() {
-  static const CommandHelp text{"live-camera RIG.json --camera NAME --server URL [options]",
-                                "Opens one camera of a rig, cuts the performer out of its pictures, and "
-                                "sends his outlines and his part of the "
-                                "pictures to fourdvt live. Connects again whenever the connection is "
-                                "lost. Ends by Ctrl-C.",
-                                {{"--camera", "NAME", "camera of the rig (required)"},
-                                 {"--server", "URL", "ws://HOST:PORT or wss://HOST:PORT (required)"},
-                                 {"--token", "TOKEN",
-                                  "the server's camera token (default: the environment's "
-                                  "FOURDVT_LIVE_TOKEN)"},
-                                 {"--ca", "FILE", "certificate to trust, PEM: of a server that has made its own"},
-                                 {"--delay-ms", "X", "sends pictures so much later, 0 to 5000; for tests (default 0)"},
-                                 {"--clock-off", "S",
-                                  "pretends a clock that is so many seconds ahead, -1000 to 1000; for "
-                                  "tests (default 0)"}}};
+  static const CommandHelp text{
+      "live-camera RIG.json CAMERA --server ws://HOST:PORT [options]",
+      "Reads the source of one camera of a live stage, finds the performer in its pictures, and sends outlines and "
+      "pictures to fourdvt live. Connects again after every loss. Ends by Ctrl-C, or when the server refuses it.",
+      {{"--server", "URL", "ws://HOST:PORT or wss://HOST:PORT of fourdvt live (required)"},
+       {"--token", "T", "the camera token of the server's --tokens file (default: FOURDVT_LIVE_TOKEN)"},
+       {"--ca", "FILE", "PEM of a certificate to trust besides the system's; for wss"},
+       {"--clock-off", "S", "pretend a clock that is S seconds ahead; for tests (default 0)"},
+       {"--delay-ms", "X", "send everything X milliseconds later, 0 to 10000; for tests (default 0)"}},
+      nullptr,
+      "CAMERA"};
   return text;
 }
 
-int64_t now_us() {
-  using namespace std::chrono;
-  return duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
-}
-
-struct CameraOptions {
-  std::string rig, camera;
+struct CameraArguments {
+  std::string rig_file, camera;
   live::ClientOptions client;
-  double delay_s = 0;
   int64_t clock_off_us = 0;
+  double delay_s = 0;
 };
 
-CameraOptions readOptions(Args& args) {
-  CameraOptions o;
-  o.rig = args.positional();
-  o.camera = args.required("--camera");
-  o.client.url = args.required("--server");
-  while (o.client.url.ends_with("/")) o.client.url.pop_back();
-  o.client.url += "/camera";
-  const char* variable = std::getenv(kTokenVariable);
-  o.client.token = args.text("--token", variable ? variable : "");
-  o.client.ca_file = args.text("--ca");
-  o.client.most_message_bytes = live::kMaxServerMessageBytes;
-  o.delay_s = args.number("--delay-ms", 0, 0, 5000) / 1000;
-  o.clock_off_us = int64_t(1e6 * args.number("--clock-off", 0, -1000, 1000));
-  return o;
+CameraArguments readOptions(Args& args) {
+  CameraArguments a;
+  a.rig_file = args.positional();
+  a.camera = args.second();
+  a.client.url = args.required("--server");
+  const char* token = std::getenv("FOURDVT_LIVE_TOKEN");
+  a.client.token = args.text("--token", token ? token : "");
+  a.client.ca_file = args.text("--ca");
+  a.clock_off_us = std::llround(args.number("--clock-off", 0, -1e6, 1e6) * 1e6);
+  a.delay_s = args.number("--delay-ms", 0, 0, 10000) / 1e3;
+  // The path is the server's own.
+  if (const size_t host = a.client.url.find("://"); host != std::string::npos) {
+    const size_t slash = a.client.url.find('/', host + 3);
+    if (slash == std::string::npos)
+      a.client.url += "/camera";
+    else if (slash + 1 == a.client.url.size())
+      a.client.url += "camera";
+  }
+  return a;
 }
 
-// Between the worker, which makes pictures, and the connection.
-class Sender {
+// Runs actions after a time, one after another.
+class Later {
  public:
-  explicit Sender(const CameraOptions& options) : options_(options) {}
-
-  Status begin(const live::Rig& rig) {
-    FOURDVT_ASSIGN(worker_, live::CameraWorker::start(
-                                rig, options_.camera, [this](live::CameraPicture p) { push(std::move(p)); },
-                                [this](const Error& error) { end(error); }));
-    const std::lock_guard starting(start_mutex_);
-    live::ClientEvents events;
-    events.on_open = [this] {
-      const std::lock_guard started(start_mutex_);
-      send(worker_->hello());
-      std::fprintf(stderr, "fourdvt: connected\n");
-    };
-    events.on_message = [this](std::span<const uint8_t> bytes, bool) {
-      const std::lock_guard started(start_mutex_);
-      obey(bytes);
-    };
-    events.on_close = [this](const std::string& reason, bool refused) {
-      if (refused) return end({ErrorId::FetchFailed, options_.client.url + ": " + reason});
-      std::fprintf(stderr, "fourdvt: %s; connecting again\n", reason.c_str());
-    };
-    FOURDVT_ASSIGN(client_, live::Client::start(options_.client, std::move(events)));
-    return {};
+  explicit Later(double delay_s)
+      : delay_(std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(delay_s))) {
+    if (delay_s > 0) thread_ = std::thread([this] { run(); });
   }
-
-  // Sends what is due; to be called often.
-  void turn() {
-    for (;;) {
-      live::CameraPicture picture;
-      {
-        const std::lock_guard lock(mutex_);
-        if (waiting_.empty() || waiting_.front().due_us > now_us()) return;
-        picture = std::move(waiting_.front().picture);
-        waiting_.pop_front();
-      }
-      if (!client_->open()) continue;
-      if (client_->queuedMessages() > kMostQueued) {
-        ++dropped_;
-        continue;
-      }
-      picture.captured_us += options_.clock_off_us;
-      bytes_ += send(std::move(picture));
-      ++sent_;
+  ~Later() {
+    {
+      const std::lock_guard lock(mutex_);
+      is_stopping_ = true;
     }
+    changed_.notify_all();
+    if (thread_.joinable()) thread_.join();
   }
-
-  std::string line() {
-    const live::WorkerStats stats = worker_->stats();
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "%s  %.1f ms a picture  %llu sent  %.0f kB/s  left out %llu, "
-                  "not taken %llu",
-                  client_->open() ? "connected" : "waiting  ", stats.keyed_ms, static_cast<unsigned long long>(sent_),
-                  double(bytes_ - bytes_before_) / 1e3, static_cast<unsigned long long>(stats.left_out),
-                  static_cast<unsigned long long>(dropped_));
-    bytes_before_ = bytes_;
-    return text;
-  }
-
-  std::optional<Error> ended() {
+  void add(std::function<void()> action) {
+    if (!thread_.joinable()) return action();
     const std::lock_guard lock(mutex_);
-    return error_;
+    waiting_.emplace_back(Clock::now() + delay_, std::move(action));
+    changed_.notify_all();
   }
 
  private:
-  struct Waiting {
-    int64_t due_us;
-    live::CameraPicture picture;
-  };
-
-  void push(live::CameraPicture picture) {
-    const std::lock_guard lock(mutex_);
-    waiting_.push_back({now_us() + int64_t(1e6 * options_.delay_s), std::move(picture)});
-    if (waiting_.size() > size_t(100)) waiting_.pop_front();
-  }
-  void end(const Error& error) {
-    const std::lock_guard lock(mutex_);
-    error_ = error;
-  }
-  size_t send(const live::FromCamera& message) {
-    auto bytes = std::make_shared<const std::vector<uint8_t>>(live::writeFromCamera(message));
-    const size_t size = bytes->size();
-    client_->send(std::move(bytes));
-    return size;
-  }
-  void obey(std::span<const uint8_t> bytes) {
-    const auto message = live::readToCamera(bytes);
-    if (!message.ok()) return;
-    if (const auto* question = std::get_if<live::ClockQuestion>(&message.value()))
-      send(live::ClockAnswer{question->server_us, now_us() + options_.clock_off_us});
-    else
-      worker_->set(std::get<live::CameraSettings>(message.value()));
+  void run() {
+    std::unique_lock lock(mutex_);
+    while (!is_stopping_) {
+      if (waiting_.empty()) {
+        changed_.wait(lock);
+      } else if (const auto due = waiting_.front().first; Clock::now() < due) {
+        changed_.wait_until(lock, due);
+      } else {
+        const auto action = std::move(waiting_.front().second);
+        waiting_.pop_front();
+        lock.unlock();
+        action();
+        lock.lock();
+      }
+    }
   }
 
-  const CameraOptions options_;
-  std::mutex start_mutex_;  // held until the client can be used
-  uint64_t sent_ = 0, dropped_ = 0, bytes_ = 0,
-           bytes_before_ = 0;  // of the thread that turns
+  const Clock::duration delay_;
   std::mutex mutex_;
-  std::deque<Waiting> waiting_;
-  std::optional<Error> error_;
-  std::unique_ptr<live::CameraWorker> worker_;
-  std::unique_ptr<live::Client> client_;  // its thread uses all above
+  std::condition_variable changed_;
+  std::deque<std::pair<Clock::time_point, std::function<void()>>> waiting_;
+  bool is_stopping_ = false;
+  std::thread thread_;
+};
+
+// One camera and its connection.
+class LiveCamera {
+ public:
+  LiveCamera(const live::Rig& rig, const CameraArguments& arguments, LiveLine& line)
+      : rig_(rig), arguments_(arguments), line_(line), later_(arguments.delay_s) {}
+
+  Status start() {
+    FOURDVT_TRY(openWorker());
+    live::ClientEvents events;
+    events.on_open = [this] { opened(); };
+    events.on_message = [this](std::span<const uint8_t> bytes, bool) { receive(bytes); };
+    events.on_close = [this](const std::string& reason, bool is_refused) { closed(reason, is_refused); };
+    const std::lock_guard lock(mutex_);
+    FOURDVT_ASSIGN(client_, live::Client::start(arguments_.client, std::move(events)));
+    return {};
+  }
+
+  // Ends what calls back, before what is called.
+  ~LiveCamera() {
+    takeWorker().reset();
+    std::shared_ptr<live::Client> client;
+    {
+      const std::lock_guard lock(mutex_);
+      client = std::move(client_);
+    }
+    client.reset();
+  }
+
+  bool isRefused() const { return is_refused_; }
+
+  // Opens a source that has ended.
+  void keepOpen() {
+    if (!has_ended_ || Clock::now() < reopen_.load()) return;
+    takeWorker().reset();
+    has_ended_ = false;
+    if (!openWorker().ok()) sourceEnded();
+  }
+
+  std::string statusLine(double passed_s) {
+    const std::shared_ptr<live::CameraWorker> worker = presentWorker();
+    const live::WorkerStats stats = worker ? worker->stats() : live::WorkerStats{};
+    char text[240];
+    std::snprintf(text, sizeof text, "%s %s  %.1f pictures/s  %.1f ms to key  %.0f kB/s  dropped %llu  left out %llu",
+                  arguments_.camera.c_str(),
+                  has_ended_ ? "has no source"
+                  : isOpen() ? "sends"
+                             : "is not connected",
+                  static_cast<double>(sent_.exchange(0)) / passed_s, stats.keyed_ms,
+                  static_cast<double>(sent_bytes_.exchange(0)) / passed_s / 1e3,
+                  static_cast<unsigned long long>(dropped_.load()), static_cast<unsigned long long>(stats.left_out));
+    return text;
+  }
+
+ private:
+  std::shared_ptr<live::CameraWorker> presentWorker() {
+    const std::lock_guard lock(mutex_);
+    return worker_;
+  }
+  std::shared_ptr<live::CameraWorker> takeWorker() {
+    const std::lock_guard lock(mutex_);
+    return std::move(worker_);
+  }
+  std::shared_ptr<live::Client> client() {
+    const std::lock_guard lock(mutex_);
+    return client_;
+  }
+  bool isOpen() {
+    const auto open = client();
+    return open && open->open();
+  }
+
+  Status openWorker() {
+    FOURDVT_ASSIGN(std::shared_ptr<live::CameraWorker> worker,
+                   live::CameraWorker::start(
+                       rig_, arguments_.camera, [this](live::CameraPicture picture) { send(std::move(picture)); },
+                       [this](const Error& error) {
+                         line_.note(error.message);
+                         sourceEnded();
+                       }));
+    std::optional<live::CameraSettings> settings;
+    {
+      const std::lock_guard lock(mutex_);
+      worker_ = worker;
+      hello_ = worker->hello();
+      settings = settings_;
+    }
+    if (settings) worker->set(*settings);
+    return {};
+  }
+
+  void sourceEnded() {
+    reopen_ = Clock::now() + kReopenPause;
+    has_ended_ = true;
+  }
+
+  void opened() {
+    line_.note("connected to " + arguments_.client.url);
+    live::Hello hello;
+    {
+      const std::lock_guard lock(mutex_);
+      hello = hello_;
+    }
+    sendMessage(hello);
+  }
+
+  void closed(const std::string& reason, bool is_refused) {
+    if (reason != last_reason_) line_.note(reason);
+    last_reason_ = reason;
+    if (is_refused) is_refused_ = true;
+  }
+
+  void receive(std::span<const uint8_t> bytes) {
+    last_reason_.clear();
+    const auto message = live::readToCamera(bytes);
+    if (!message.ok()) return line_.note(message.error().message);
+    if (const auto* question = std::get_if<live::ClockQuestion>(&message.value())) {
+      const auto now = std::chrono::system_clock::now().time_since_epoch();
+      const int64_t now_us = std::chrono::duration_cast<std::chrono::microseconds>(now).count();
+      sendMessage(live::ClockAnswer{question->server_us, now_us + arguments_.clock_off_us});
+      return;
+    }
+    std::shared_ptr<live::CameraWorker> worker;
+    {
+      const std::lock_guard lock(mutex_);
+      settings_ = std::get<live::CameraSettings>(message.value());
+      worker = worker_;
+    }
+    if (worker) worker->set(std::get<live::CameraSettings>(message.value()));
+  }
+
+  void send(live::CameraPicture picture) {
+    picture.captured_us += arguments_.clock_off_us;
+    const auto bytes = std::make_shared<std::vector<uint8_t>>(live::writeFromCamera(std::move(picture)));
+    later_.add([this, bytes] {
+      const auto open = client();
+      if (!open || !open->open()) return;
+      if (open->queuedMessages() > kMostQueuedPictures) {
+        ++dropped_;
+        return;
+      }
+      ++sent_;
+      sent_bytes_ += bytes->size();
+      open->send(bytes);
+    });
+  }
+
+  void sendMessage(const live::FromCamera& message) {
+    if (const auto open = client()) open->send(std::make_shared<std::vector<uint8_t>>(live::writeFromCamera(message)));
+  }
+
+  const live::Rig& rig_;
+  const CameraArguments& arguments_;
+  LiveLine& line_;
+  std::atomic<bool> is_refused_{false}, has_ended_{false};
+  std::atomic<Clock::time_point> reopen_{};
+  std::atomic<uint64_t> sent_{0}, sent_bytes_{0}, dropped_{0};
+  std::string last_reason_;  // on the client's thread
+  std::mutex mutex_;         // of what follows
+  live::Hello hello_;
+  std::optional<live::CameraSettings> settings_;
+  std::shared_ptr<live::CameraWorker> worker_;
+  std::shared_ptr<live::Client> client_;
+  Later later_;
 };
 
 }  // namespace
 
 int liveCameraCommand(int argc, char** argv) {
   Args args(help(), argc, argv);
-  const CameraOptions options = readOptions(args);
+  const CameraArguments arguments = readOptions(args);
   if (const auto code = helpOrProblem(help(), args)) return *code;
-  const auto rig = live::readRig(options.rig);
-  if (!rig.ok()) return fail(rig.error());
   const std::atomic<bool>* stop = listenForStop();
-  Sender sender(options);
-  if (const Status begun = sender.begin(rig.value()); !begun.ok()) return fail(begun.error());
-  auto next = std::chrono::steady_clock::now();
-  while (!*stop) {
-    if (const auto error = sender.ended()) return fail(*error);
-    sender.turn();
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    if (std::chrono::steady_clock::now() < next) continue;
-    next += std::chrono::seconds(1);
-    std::printf("%s\n", sender.line().c_str());
-    std::fflush(stdout);
+  const auto rig = live::readRig(arguments.rig_file);
+  if (!rig.ok()) return fail(rig.error());
+  LiveLine line;
+  LiveCamera camera(rig.value(), arguments, line);
+  if (const Status started = camera.start(); !started.ok()) return fail(started.error());
+  for (int tenths = 1; !*stop && !camera.isRefused(); ++tenths) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    camera.keepOpen();
+    if (tenths % 10 == 0) line.show(camera.statusLine(1));
   }
-  return kOk;
+  line.end();
+  return camera.isRefused() ? kFailed : kOk;
 }
 
 }  // namespace fourdvt::tools
