@@ -7,7 +7,7 @@ const PICTURES_MS = 250; // between two pictures of a camera
 const LONGEST_PAUSE_MS = 4000;
 
 const byId = (id) => document.getElementById(id);
-const token = new URLSearchParams(location.hash.slice(1)).get('token') ?? '';
+const token = new URLSearchParams(location.hash.slice(1) || location.search).get('token') ?? '';
 const address = (path) => {
   const url = new URL(path, location.origin.replace(/^http/, 'ws'));
   if (token) url.searchParams.set('token', token);
