@@ -142,6 +142,7 @@ TEST_F(LiveCameras, SourcesOfTheRigAreReadWithTheServersClock) {
   EXPECT_TRUE(pipeline_.waitFor("clock 0 0", 3));                // at first, and each second
   EXPECT_EQ(openCamera("left")->receiveClose(), kCloseInvalid);  // this process reads it itself
   expectOthersServed();
+  service_.reset();  // before what its workers use
 }
 
 TEST_F(LiveCameras, ASourceThatEndsIsOpenedAgain) {
@@ -160,6 +161,7 @@ TEST_F(LiveCameras, ASourceThatEndsIsOpenedAgain) {
   EXPECT_TRUE(eventually([&] { return starts == 3; }));
   EXPECT_TRUE(pipeline_.waitFor("connected 0", 3));
   EXPECT_EQ(lines_.values()[0], "camera left: the cable was pulled");
+  service_.reset();  // before what its workers use
 }
 
 TEST_F(LiveCameras, ASourceThatCannotBeOpenedAtFirstIsAnError) {
