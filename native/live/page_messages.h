@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What pages may send: viewers {"type":"ping","t":NUMBER}; the console that, and {"tolerance_px":X} or {"crf":N} or
+// Messages that pages may send: viewers {"type":"ping","t":NUMBER}; the console that, and {"tolerance_px":X} or {"crf":N} or
 // both. Anything else is refused.
 #pragma once
 

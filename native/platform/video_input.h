@@ -27,7 +27,7 @@ class VideoInput {
   static Result<std::unique_ptr<VideoInput>> open(const InputPlace& place, const std::atomic<bool>* stop = nullptr);
   virtual ~VideoInput() = default;
   virtual bool isFile() const = 0;  // with a known number of pictures
-  // Of a file: pictures in it, found by reading it once; else 0.
+  // Number of pictures in a file, found by reading it once; else 0.
   virtual uint32_t pictures() const = 0;
   // Decodes a file's picture by its number; near numbers in ascending order are quick. Errors: FileUnreadable.
   virtual Status decode(uint32_t number) = 0;

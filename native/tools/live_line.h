@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a command that runs until it is stopped shows: one line, rewritten in place on a terminal and printed anew
+// Display of a command that runs until it is stopped: one line, rewritten in place on a terminal and printed anew
 // elsewhere, and notes, which stay. Functions may be called on any thread.
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a frame of a live stream costs, step by step, on one core: six cameras of the sample, reduced to 320 x 240 and
+// Cost of a frame of a live stream, step by step, on one core: six cameras of the sample, reduced to 320 x 240 and
 // to 640 x 480 texels, at several tolerances of the outlines. Goal: the sum below a frame's time at 25 and 12 frames a
 // second. Then the pipeline itself at that pace, beside a thread that makes the cameras' outlines.
 //   build/release/tests/bench/bench_live_frame site/sample/actor_a

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What keying a picture costs live, on one core, beside the offline key of the same picture; and how both mattes agree
+// Cost of keying a picture live, on one core, beside the offline key of the same picture; and how both mattes agree
 // with the true ones. Pictures are scaled to the height and widened at their borders.
 // Usage: bench_live_keying [CAPTURE [FOLDER_OF_TRUE_MATTES]]
 #include <cstdio>

@@ -222,7 +222,7 @@ export class FourdvtViewer extends HTMLElement {
     this.#commands.set('scene', scene.filter(({ corners }) => corners.length > 0));
   }
 
-  /** Of a live stream; null for other characters. */
+  /** State of a live stream; null for other characters. */
   get liveState(): LiveState | null { return this.#session?.live?.state ?? null; }
   /** Seconds from capture to now, of the live frame that is shown; NaN while that is not known. */
   get liveLatency(): number { return this.#session?.live?.latency ?? NaN; }

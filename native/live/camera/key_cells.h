@@ -51,7 +51,8 @@ class CellKey {
   const Cells& key(const Image& rgb);
   int columns() const { return width_; }
   int rows() const { return height_; }
-  // Of the background beside a cell of the last picture against the plate, per channel: shadows, drift of the light.
+  // Gain of the background beside a cell of the last picture against the plate, per channel: shadows, drift of the
+  // light.
   std::array<float, 3> gainAt(int x, int y) const;
   // Levels between a cell of the last picture and the plate under this gain, up to 255.
   uint8_t plainDifference(size_t cell, const std::array<float, 3>& gain) const;

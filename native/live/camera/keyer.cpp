@@ -127,7 +127,7 @@ class PlateKeyer final : public Keyer {
     return uint8_t(std::min(255.0f, std::sqrt(plain2 * weight2)));
   }
 
-  // Of the pixels' tolerances: more in a noisy picture.
+  // Factor on the pixels' tolerances: more in a noisy picture.
   static float toleranceScale(const Cells& cells) { return std::max(1.0f, cells.threshold / 2); }
 
   void cover(const cv::Rect& box, const Cells& cells) {

@@ -22,13 +22,13 @@ class Wire {
 
   virtual asio::ip::tcp::socket& socket() = 0;
   virtual bool isSecure() const = 0;
-  // Of the client; `host`: whose certificate is accepted.
+  // Opens the client's side; `host`: whose certificate is accepted.
   virtual void shakeHandsAsClient(const std::string& host, std::function<void(ErrorCode)> done) = 0;
   virtual void shakeHandsAsServer(std::function<void(ErrorCode)> done) = 0;
   virtual void readSome(asio::mutable_buffer into, WireDone done) = 0;
   virtual void writeSome(const std::vector<asio::const_buffer>& parts, WireDone done) = 0;
   virtual void writeAll(asio::const_buffer bytes, WireDone done) = 0;
-  // Says that nothing more follows, and waits until the peer says so.
+  // Ends the sending side, and waits until the peer has ended its own.
   virtual void end(std::function<void()> done) = 0;
   virtual void close() = 0;  // at once; what is under way fails
   virtual void expireAfter(double seconds) = 0;

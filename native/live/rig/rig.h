@@ -12,7 +12,7 @@
 
 namespace fourdvt::live {
 
-// What FFmpeg opens. A file is played in a loop at its own pace, such that all cameras of a stage show the same moment.
+// Input that FFmpeg opens. A file is played in a loop at its own pace, such that all cameras of a stage show the same moment.
 struct SourcePlace {
   std::string url;                             // file (relative to the rig's folder), device or address
   std::string format;                          // FFmpeg's input format, e.g. "v4l2"; empty: told from the url

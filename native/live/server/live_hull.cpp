@@ -26,7 +26,7 @@ bool cross(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c, const 
   return cross(b - a, c - a) * cross(b - a, d - a) < 0 && cross(d - c, a - c) * cross(d - c, b - c) < 0;
 }
 
-// Whether edges of the rings cross each other: no hull has such an outline.
+// Tests if edges of the rings cross each other: no hull has such an outline.
 bool crosses(const std::vector<Ring>& rings) {
   struct Edge {
     glm::dvec2 from, to;

@@ -363,7 +363,7 @@ class LivePipeline final : public Pipeline {
     frame.tiles = tiles_.tiles();
   }
 
-  // What the cameras shall do from now on, if that has changed.
+  // Sends the cameras their settings, if these have changed.
   void tellSettings() {
     std::vector<std::pair<size_t, CameraSettings>> changed;
     const int64_t now = now_us();
@@ -372,7 +372,7 @@ class LivePipeline final : public Pipeline {
       const std::lock_guard lock(mutex_);
       if (fixed_tolerance_px_ > 0)
         tolerance_px_ = fixed_tolerance_px_;
-      else if (options_.controls_tolerance)
+      else
         tolerance_px_ = control_.tolerance_px();
       for (size_t c = 0; c < cameras_.size(); ++c) {
         CameraSettings& told = cameras_[c].settings;

@@ -23,11 +23,10 @@ struct PipelineOptions {
   int most_gop = 12;           // frames from key to key
   double least_tolerance_px = 0.5, most_tolerance_px = 16;
   double busy_share = 0.75;  // of a frame's time that a hull and its picture may take: the control's goal
-  bool controls_tolerance = true;
   std::string record_folder;  // capture folder to write; empty: none
 };
 
-// What the console and the page show; counts are since the start.
+// Figures that the console and the page show; counts are since the start.
 struct PipelineStatus {
   uint64_t frames = 0;      // made
   uint64_t incomplete = 0;  // of these, without a camera that was there

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much of each pixel lies inside of an outline's rings: seen background. Exact areas, by the rings' winding. Does
+// Share of each pixel that lies inside of an outline's rings: seen background. Exact areas, by the rings' winding. Does
 // NOT repair rings that cross.
 #pragma once
 

@@ -25,7 +25,7 @@ struct ColourTables {
   std::array<int, 256> yy, yu, yv, uu, uv, vu, vv;  // × 2^kShift
 
   ColourTables() {
-    // Of chroma in −0.5…0.5: R − Y, B − Y and G − Y by BT.601; then BT.709's luma of them.
+    // Coefficients of chroma in −0.5…0.5: R − Y, B − Y and G − Y by BT.601; then BT.709's luma of them.
     const double r_v = 1.402, b_u = 1.772, g_u = -0.344136286, g_v = -0.714136286;
     const double l_u = 0.7152 * g_u + 0.0722 * b_u, l_v = 0.2126 * r_v + 0.7152 * g_v;
     const double to_u = 1 / 1.8556, to_v = 1 / 1.5748;
@@ -117,7 +117,7 @@ void TilePainter::draw(const package::CameraTile& tile, const JpegPlanes& planes
   put(v_, red_.data(), size_.width / 2, cells.x / 2, cells.y / 2);
 }
 
-// What the crop shows of the source, where the tile has it; known_ tells where.
+// Part of the source that the crop shows, where the tile has it; known_ tells where.
 void TilePainter::fetch(const package::CameraTile& tile, const JpegPlanes& planes, const package::Rect& crop) {
   const package::Rect& source = tile.source;
   const package::Rect shown = common(source, crop);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where each camera's crop lies in the packed picture, whose size never changes. A layout holds from key to key: what
+// Places where each camera's crop lies in the packed picture, whose size never changes. A layout holds from key to key: what
 // leaves its source meanwhile is missing, until a new layout is wanted. Does NOT draw.
 #pragma once
 
