@@ -196,8 +196,10 @@ void runLive(const Setup& setup, double fps, double seconds) {
   Rig rig;
   rig.name = "bench", rig.fps = fps, rig.bounds = kBounds;
   for (size_t c = 0; c < setup.cameras.size(); ++c) {
-    rig.cameras.push_back({{setup.cameras[c], {}}, std::nullopt});
-    rig.cameras.back().camera.pinhole.name = "cam0" + std::to_string(c);
+    RigCamera& camera = rig.cameras.emplace_back();
+    camera.camera.pinhole = setup.cameras[c];
+    camera.camera.pinhole.name = "cam0" + std::to_string(c);
+    camera.filmed = camera.camera;
   }
   const auto pipeline = orStop(Pipeline::start(rig, {}, {}));
   for (size_t c = 0; c < 6; ++c) pipeline->setConnected(c, true), pipeline->onClock(c, {now_us(), now_us()}, now_us());
