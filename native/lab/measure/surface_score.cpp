@@ -8,6 +8,7 @@
 
 #include "base/length_scale.h"
 #include "lab/measure/held_out_truth.h"
+#include "lab/measure/matte_agreement.h"
 #include "lab/measure/projective.h"
 #include "render/cameras/fvvr.h"
 
@@ -65,6 +66,12 @@ Result<Image> textured(const PinholeCamera& view, const std::vector<PinholeCamer
   return fvvr->renderStill(seen, options);
 }
 
+Image silhouetteOf(const Image& rgba) {
+  Image out(rgba.width, rgba.height, 1);
+  for (size_t i = 0; i < out.pixels.size(); ++i) out.pixels[i] = rgba.pixels[4 * i + 3];
+  return out;
+}
+
 }  // namespace
 
 Result<std::vector<SurfaceScore>> scoreSurfaces(
@@ -79,6 +86,7 @@ Result<std::vector<SurfaceScore>> scoreSurfaces(
     if (sequence.test_frames.empty()) continue;
     FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(capture, sequence, open_video));
     ScoreLane lane;
+    MatteAgreement silhouettes;
     Distances distances;
     double triangles = 0;
     for (const uint32_t frame : sequence.test_frames) {
@@ -89,6 +97,7 @@ Result<std::vector<SurfaceScore>> scoreSurfaces(
       for (const PinholeCamera& camera : test_cameras) {
         FOURDVT_ASSIGN(auto truth, heldOutTruth(sequence, camera, frame));
         FOURDVT_ASSIGN(auto picture, textured(camera, cameras, captured.pictures, surface, texturing));
+        silhouettes.add(picture, silhouetteOf(truth));
         lane.add(std::move(truth), std::move(picture));
       }
       if (reference) FOURDVT_TRY(compareFrame(capture, sequence, *reference, surface, frame, distances));
@@ -98,6 +107,7 @@ Result<std::vector<SurfaceScore>> scoreSurfaces(
     const DistanceFigures to = distanceFigures(distances.to_reference),
                           from = distanceFigures(distances.from_reference);
     SurfaceScore score{sequence.name, scores.count(), scores.mean(), triangles / double(sequence.test_frames.size())};
+    score.iou = silhouettes.iou();
     score.to_reference_mean_m = reference ? to.mean_m : kNone;
     score.to_reference_median_m = reference ? to.median_m : kNone;
     score.to_reference_p95_m = reference ? to.p95_m : kNone;
@@ -115,13 +125,13 @@ Result<std::vector<SurfaceScore>> scoreSurfaces(
 std::string surfaceTable(const std::vector<SurfaceScore>& scores) {
   std::string out =
       "sequence      views  PSNR-FG dB  SSIM-FG  triangles  to reference mm: mean median   95 %  from it: mean   95 %"
-      "  still change mm\n";
+      "  still change mm     IoU\n";
   for (const SurfaceScore& s : scores) {
     char line[240];
-    std::snprintf(line, sizeof line, "%-12s %6zu %11.2f %8.4f %10.0f %22.2f %6.2f %6.2f %14.2f %6.2f %16.3f\n",
+    std::snprintf(line, sizeof line, "%-12s %6zu %11.2f %8.4f %10.0f %22.2f %6.2f %6.2f %14.2f %6.2f %16.3f %7.4f\n",
                   s.sequence.c_str(), s.views, s.picture.psnr_fg_db, s.picture.ssim_fg, s.triangles,
                   s.to_reference_mean_m * 1e3, s.to_reference_median_m * 1e3, s.to_reference_p95_m * 1e3,
-                  s.from_reference_mean_m * 1e3, s.from_reference_p95_m * 1e3, s.still_change_m * 1e3);
+                  s.from_reference_mean_m * 1e3, s.from_reference_p95_m * 1e3, s.still_change_m * 1e3, s.iou);
     out += line;
   }
   return out;

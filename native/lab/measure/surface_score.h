@@ -20,6 +20,7 @@ struct SurfaceScore {
   std::string sequence;
   size_t views = 0;
   PictureScore picture;  // of the held-out pictures
+  double iou = 0;        // of the silhouettes of all views
   double triangles = 0;
   // With a reference; else NaN.
   double to_reference_mean_m = 0, to_reference_median_m = 0, to_reference_p95_m = 0;

@@ -5,6 +5,7 @@
 namespace fourdvt::lab {
 
 int stageCommand(int argc, char** argv);
+int streamCommand(int argc, char** argv);
 int studioCommand(int argc, char** argv);
 int bakeCommand(int argc, char** argv);
 int studyCommand(int argc, char** argv);

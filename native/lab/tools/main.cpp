@@ -10,6 +10,7 @@ using namespace fourdvt;
 constexpr tools::Command kCommands[] = {
     {"studio", "render a model, or a built-in actor, as a capture folder", lab::studioCommand},
     {"stage", "turn a capture into the stage of a live system", lab::stageCommand},
+    {"stream", "read which pictures a recorded live stream shows", lab::streamCommand},
     {"bake", "bake as fourdvt does, or with the papers' labellings", lab::bakeCommand},
     {"study", "measure the papers' tables on a capture", lab::studyCommand},
     {"score", "score a character against its capture's pictures", lab::scoreCommand},

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <filesystem>
+#include <string>
+
+#include "lab/stage/recorded_stream.h"
+#include "lab/tools/commands.h"
+#include "platform/files.h"
+#include "tools/args.h"
+#include "tools/session.h"
+
+namespace fourdvt::lab {
+namespace {
+
+const tools::CommandHelp& help() {
+  static const tools::CommandHelp text{
+      "stream RECORDED --stage FOLDER",
+      "Says as JSON which pictures the frames of a recorded live stream show, by the numbers that `fourdvt-lab stage "
+      "--counter` painted on the performer. RECORDED has manifest.json, the stream's first message, and frames.bin, "
+      "its "
+      "frames, each after its length in bytes (uint32, little-endian).",
+      {{"--stage", "FOLDER", "the stage that was played (required)"},
+       {"--surfaces", "FOLDER", "write the first surface of each frame of the stage's sequence, 000000.obj …"}}};
+  return text;
+}
+
+std::string objOf(const TriangleMesh& mesh) {
+  std::string out;
+  char line[120];
+  for (const glm::vec3& p : mesh.positions) {
+    std::snprintf(line, sizeof line, "v %.5f %.5f %.5f\n", p.x, p.y, p.z);
+    out += line;
+  }
+  for (const glm::uvec3& f : mesh.faces) {
+    std::snprintf(line, sizeof line, "f %u %u %u\n", f.x + 1, f.y + 1, f.z + 1);
+    out += line;
+  }
+  return out;
+}
+
+Status writeSurfaces(const std::vector<TriangleMesh>& surfaces, const std::string& folder) {
+  std::error_code failed;
+  std::filesystem::create_directories(folder, failed);
+  for (size_t frame = 0; frame < surfaces.size(); ++frame) {
+    char name[32];
+    std::snprintf(name, sizeof name, "/%06zu.obj", frame);
+    if (!surfaces[frame].faces.empty()) FOURDVT_TRY(platform::writeFileAtomic(folder + name, objOf(surfaces[frame])));
+  }
+  return {};
+}
+
+Status read(const std::string& recorded, const std::string& stage_folder, const std::string& surfaces_folder) {
+  FOURDVT_ASSIGN(const auto stream, stage::readRecordedStream(recorded, stage_folder));
+  if (!surfaces_folder.empty()) FOURDVT_TRY(writeSurfaces(stream.surfaces, surfaces_folder));
+  std::fputs(stage::recordedStreamJson(stream).c_str(), stdout);
+  return {};
+}
+
+}  // namespace
+
+int streamCommand(int argc, char** argv) {
+  tools::Args args(help(), argc, argv);
+  const std::string recorded = args.positional();
+  const std::string stage_folder = args.required("--stage");
+  const std::string surfaces_folder = args.text("--surfaces");
+  if (const auto code = tools::helpOrProblem(help(), args)) return *code;
+  const Status done = read(recorded, stage_folder, surfaces_folder);
+  return done.ok() ? tools::kOk : tools::fail(done.error());
+}
+
+}  // namespace fourdvt::lab
