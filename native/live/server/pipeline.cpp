@@ -477,7 +477,7 @@ class LivePipeline final : public Pipeline {
     surface_bytes_.add(now, double(frame.chunk.size()));
     picture_bytes_.add(now, double(picture.sample.size()));
     if (frame.triangles > 0 && fixed_tolerance_px_ == 0)
-      control_.add(now, (frame.hull_ms + picture_ms + encode_ms) * rig_.fps / 1e3);
+      control_.add(now, frame.hull_ms * rig_.fps / 1e3, (picture_ms + encode_ms) * rig_.fps / 1e3);
   }
 
   // --- both ---

@@ -13,7 +13,8 @@ constexpr int64_t kFrame_us = 40'000;
 // Frames whose work has a part that the tolerance does not change, and hulls: with a tolerance of t px, t^-0.7 as much.
 struct Load {
   double fixed = 0.3, hull_at_1px = 0.6, machine = 1;
-  double at(double tolerance_px) const { return machine * (fixed + hull_at_1px * std::pow(tolerance_px, -0.7)); }
+  double other() const { return machine * fixed; }
+  double hull(double tolerance_px) const { return machine * hull_at_1px * std::pow(tolerance_px, -0.7); }
 };
 
 struct Machine {
@@ -27,10 +28,10 @@ struct Machine {
   void seconds(double count) {
     for (const int64_t end_us = now_us + int64_t(count * 1e6); now_us < end_us; now_us += kFrame_us) {
       used.push_back(control.tolerance_px());
-      changes += control.add(now_us, load.at(used[used.size() - 4]));
+      changes += control.add(now_us, load.hull(used[used.size() - 4]), load.other());
     }
   }
-  double busy() const { return load.at(control.tolerance_px()); }
+  double busy() const { return load.other() + load.hull(control.tolerance_px()); }
 };
 
 TEST(ToleranceControl, ConvergesAndHolds) {
@@ -67,20 +68,29 @@ TEST(ToleranceControl, KeepsToItsBoundsAndItsPace) {
   ToleranceControl control({0.5, 16, 0.75});
   int64_t last_us = -1'000'000;
   for (int64_t now_us = 0; now_us < 20'000'000; now_us += kFrame_us) {
-    if (!control.add(now_us, 50)) continue;
+    if (!control.add(now_us, 50, 0)) continue;
     EXPECT_GE(now_us - last_us, ToleranceControl::kStep_us);
     last_us = now_us;
     EXPECT_LE(control.tolerance_px(), 16);
   }
   EXPECT_EQ(control.tolerance_px(), 16);
-  for (int64_t now_us = 20'000'000; now_us < 200'000'000; now_us += kFrame_us) control.add(now_us, 0);
+  for (int64_t now_us = 20'000'000; now_us < 200'000'000; now_us += kFrame_us) control.add(now_us, 0, 0);
   EXPECT_EQ(control.tolerance_px(), 0.5);
   EXPECT_EQ(ToleranceControl({2, 4, 0.75}, 1).tolerance_px(), 2);
 }
 
+TEST(ToleranceControl, CoarseHullsDoNotPayForOtherWork) {
+  for (const double fixed : {0.72, 0.8, 1.5}) {
+    Machine run{ToleranceControl({0.5, 16, 0.75})};
+    run.load = {fixed, 0.3};
+    run.seconds(60);
+    EXPECT_NEAR(run.load.hull(run.control.tolerance_px()), 0.15, 0.15 * 0.2) << fixed;
+  }
+}
+
 TEST(ToleranceControl, OneSlowFrameChangesNothing) {
   ToleranceControl control({0.5, 16, 0.75});
-  for (int i = 0; i < 500; ++i) EXPECT_FALSE(control.add(i * kFrame_us, i % 6 == 3 ? 5 : 0.7));
+  for (int i = 0; i < 500; ++i) EXPECT_FALSE(control.add(i * kFrame_us, i % 6 == 3 ? 5 : 0.4, 0.3));
 }
 
 }  // namespace
