@@ -205,7 +205,7 @@ test('an answer without an end is given up at the length of the file', async (t)
 
 test('no file of a character is outside of the manifest\'s folder', async (t) => {
   const { Transport } = await load('transport');
-  for (const uri of [' //other.example/x', '%2e%2e/x.bin', 'b/%2E%2e/../../x.bin', '..\\x.bin', '/x.bin', 'https:x.bin/../../y', 'http://[', 'javascript:0', ' data:,x']) {
+  for (const uri of [' //other.example/x', '%2e%2e/x.bin', 'b%2f..%2f..%2fx.bin', 'b%5c%2e%2e', 'b/%2E%2e/../../x.bin', '..\\x.bin', '/x.bin', 'https:x.bin/../../y', 'http://[', 'javascript:0', ' data:,x']) {
     const server = await serveEndless(t, { deep: [{ poster: { uri } }] });
     const transport = new Transport(server.url);
     const refusal = { id: 'manifest-invalid', message: /is not in the character's folder/ };

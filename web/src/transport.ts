@@ -310,11 +310,11 @@ export class Transport {
     if (!this.#abort.signal.aborted && this.#waiting === (waiting ? 1 : 0)) this.#report(waiting);
   };
 
-  // The second check of a file's name, behind the manifest's reader.
+  // The second check of a file's name, behind the manifest's reader. Escaped dots and slashes may lead out on a server.
   #locate(uri: string): string {
     try {
-      const { href } = new URL(uri, this.#base);
-      if (href.startsWith(new URL('.', this.#base).href)) return href;
+      const { href } = new URL(uri, this.#base), folder = new URL('.', this.#base).href;
+      if (href.startsWith(folder) && !/%(2e|2f|5c|25)/i.test(href.slice(folder.length))) return href;
     } catch { /* no address */ }
     throw new ViewerError('manifest-invalid', `${this.#base}: "${uri}" is not in the character's folder; bake it again`);
   }
