@@ -14,9 +14,9 @@ command -v node >/dev/null || page_packages+=(nodejs)
 command -v npm >/dev/null || page_packages+=(npm)
 browser_packages=(chromium fonts-dejavu-core)  # site/demo.sh --check
 lan_packages=(openssl qrencode)                # site/demo.sh --lan
-# The sanitizers' build has Clang, which compiles it in two thirds of GCC's time; Emscripten brings the compiler. Figures and
-# --changed compare trees by git.
-test_packages=(git libgtest-dev libclang-rt-14-dev "${browser_packages[@]}" firefox-esr xvfb)
+# The sanitizers' build has Clang, which compiles it in two thirds of GCC's time; Emscripten brings the compiler. The libraries for
+# 32 bits are for a build of the player that is fuzzed. Figures and --changed compare trees by git.
+test_packages=(git libgtest-dev libclang-rt-14-dev libc6-dev-i386 lib32stdc++-12-dev "${browser_packages[@]}" firefox-esr xvfb)
 
 # Says what is done, and at which minute of the script.
 step() { printf '\n== %s (at %d:%02d)\n' "$*" $((SECONDS / 60)) $((SECONDS % 60)); }

@@ -14,7 +14,7 @@ import { join, posix, relative, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
 const kRoot = fileURLToPath(new URL('..', import.meta.url));
-const kBuilds = ['build/release', 'build/asan', 'build/wasm'];
+const kBuilds = ['build/release', 'build/asan', 'build/fuzz32', 'build/wasm'];
 
 // Results that are made outside of Ninja: [regular expression of an input, result].
 const kDerived = [
@@ -133,7 +133,7 @@ const ctestJson = () => JSON.parse(execFileSync('ctest', ['--test-dir', join(kRo
 function build(tests) {
   const needed = new Set(tests.flatMap(inputsOf));
   const env = { ...process.env, NODE_PATH: '/usr/share/nodejs' };
-  for (const folder of ['build/release', 'build/asan']) {
+  for (const folder of ['build/release', 'build/asan', 'build/fuzz32']) {
     const programs = [...needed].filter((path) => path.startsWith(`${folder}/`)).map((path) => path.slice(folder.length + 1));
     if (programs.length) run('cmake', ['--build', folder, '--target', ...programs]);
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Replays a corpus folder and seeded mutations of it through LLVMFuzzerTestOneInput, without libFuzzer. The same
-// inputs every run. Usage: NAME_fuzz CORPUS_FOLDER [mutations per file, default 400]
+// Replays a corpus folder and random mutations of it through LLVMFuzzerTestOneInput, without libFuzzer. Prints the seed,
+// another one every run; FOURDVT_FUZZ_SEED=N repeats one. Usage: NAME_fuzz CORPUS_FOLDER [mutations per file, default 400]
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -43,7 +43,11 @@ std::vector<uint8_t> mutate(std::vector<uint8_t> bytes, std::mt19937& random) {
 int main(int argc, char** argv) {
   if (argc < 2) return std::fprintf(stderr, "usage: %s CORPUS_FOLDER [MUTATIONS]\n", argv[0]), 2;
   const int mutations = argc > 2 ? std::atoi(argv[2]) : 400;
-  std::mt19937 random(20260101);
+  const char* const wanted = std::getenv("FOURDVT_FUZZ_SEED");
+  const unsigned seed_of_run = wanted ? unsigned(std::strtoul(wanted, nullptr, 10)) : std::random_device()();
+  std::printf("seed %u\n", seed_of_run);
+  std::fflush(stdout);
+  std::mt19937 random(seed_of_run);
   size_t files = 0, runs = 0;
   for (const auto& entry : std::filesystem::directory_iterator(argv[1])) {
     std::ifstream in(entry.path(), std::ios::binary);

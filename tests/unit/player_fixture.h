@@ -4,6 +4,7 @@
 // belong together.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -318,26 +319,34 @@ class FakeBuilder {
   package::ChunkMesh chunk_mesh_;
 };
 
+// What the file has of a range.
+inline std::span<const uint8_t> partOf(std::span<const uint8_t> file, uint64_t offset, uint64_t bytes) {
+  const uint64_t from = std::min<uint64_t>(offset, file.size());
+  return file.subspan(size_t(from), size_t(std::min<uint64_t>(bytes, file.size() - from)));
+}
+
 // Makes the hashes agree with files that were changed, so that a test reaches what lies behind them. Those in a header
 // that cannot be read stay.
 inline void rehash(FakeCharacter& character) {
   const std::string at = std::string("/extensions/") + package::kExtensionName;
-  const auto number = [&](const std::string& field) { return *character.manifest.number(at + field); };
+  const auto length = [&](const std::string& field) {
+    return uint64_t(std::clamp(character.manifest.number(at + field).value_or(0), 0.0, 1e9));
+  };
   character.manifest.set(at + "/mesh/hash",
-                         hashText(std::span(character.files["mesh.bin"]).first(size_t(number("/mesh/byteLength")))));
+                         hashText(partOf(character.files["mesh.bin"], 0, length("/mesh/byteLength"))));
   for (size_t s = 0; s < character.sequences.size(); ++s) {
     const std::string stream = "/sequences/" + std::to_string(s) + "/stream";
     std::vector<uint8_t>& file = character.files[character.sequences[s].name + ".bin"];
-    const std::span header = std::span(file).first(size_t(number(stream + "/headerLength")));
+    const std::span<const uint8_t> header = partOf(file, 0, length(stream + "/headerLength"));
     if (auto read = package::readStreamHeader(header)) {
       package::StreamIndex index = read.take();
       package::SampleTable& table = index.renditions[0];
+      const std::vector<uint8_t>& video_file = character.files[character.sequences[s].name + ".mp4"];
       for (uint32_t c = 0; c < index.chunks.size(); ++c) {
         package::ChunkEntry& chunk = index.chunks[c];
-        chunk.hash = fnv1a(std::span(file).subspan(chunk.offset, chunk.bytes));
+        chunk.hash = fnv1a(partOf(file, chunk.offset, chunk.bytes));
         const package::ByteSpan video = table.videoOf(c);
-        table.chunk_hash[c] =
-            fnv1a(std::span(character.files[character.sequences[s].name + ".mp4"]).subspan(video.offset, video.bytes));
+        table.chunk_hash[c] = fnv1a(partOf(video_file, video.offset, video.bytes));
       }
       const std::vector<uint8_t> again = package::writeStreamHeader(index);
       std::copy(again.begin(), again.end(), file.begin());
