@@ -28,7 +28,7 @@ need_tools DRACO_SOURCE_DIR Draco
 
 version_of() { sed -nE 's/.*kDracoVersion\[\] = "([^"]+)".*/\1/p' "$1/src/draco/core/draco_version.h"; }
 
-hash=$(printf '%s\n' "$flags" "${options[*]}" "$no_features" "${parts[*]}" "$(emcc --version | head -1)" "${DRACO_SOURCE_DIR:-debian}" | sha256sum | cut -c1-12)
+hash=$(printf '%s\n' "$(declare -f bound_draco)" "$flags" "${options[*]}" "$no_features" "${parts[*]}" "$(emcc --version | head -1)" "${DRACO_SOURCE_DIR:-debian}" | sha256sum | cut -c1-12)
 mkdir -p "$cache"
 for ready in "$cache"/draco-*-"$hash"; do
   if [ -f "$ready/lib/libdraco.a" ]; then echo "$ready"; exit 0; fi
@@ -41,6 +41,7 @@ if [ -z "$source_dir" ]; then
   echo "build_draco: fetching the source package" >&2
   fetch_source draco "$scratch"
   source_dir=$scratch/source
+  bound_draco "$source_dir"
 fi
 version=$(version_of "$source_dir")
 [ -n "$version" ] || fail "no version in $source_dir/src/draco/core/draco_version.h: is it Draco?"

@@ -42,3 +42,12 @@ fetch_source() {  # $1: source package, $2: scratch folder; leaves the unpacked 
   need dpkg-source dpkg-dev
   dpkg-source --no-check -x "$2"/download/"$1"_*.dsc "$2/source" >&2
 }
+
+# Corrects Draco 1.5.5: a mesh of 181 bytes may announce 2^31 orientations of texture coordinates, which takes 256 MB and many
+# seconds; there are no more than corners. Changes the source folder.
+bound_draco() {  # $1: source folder
+  local header=$1/src/draco/compression/attributes/prediction_schemes/mesh_prediction_scheme_tex_coords_portable_decoder.h
+  local corners='static_cast<int64_t>(this->mesh_data().corner_table()->num_corners())'
+  sed -i "s/|| num_orientations < 0) {/|| num_orientations < 0 || num_orientations > $corners) {/" "$header"
+  grep -qF "num_orientations > $corners" "$header" || fail "$header is not as expected: see bound_draco"
+}

@@ -10,7 +10,7 @@ flags='-m32 -idirafter /usr/include/x86_64-linux-gnu -O1 -g1 -DNDEBUG -fsanitize
 fail() { echo "draco32: $*" >&2; exit 1; }
 . "$(dirname "${BASH_SOURCE[0]}")/../../wasm/debian_source.sh"
 
-target=$cache/draco32-$(printf '%s\n' "$flags" "$(clang++-14 --version | head -1)" "${DRACO_SOURCE_DIR:-debian}" | sha256sum | cut -c1-12)
+target=$cache/draco32-$(printf '%s\n' "$(declare -f bound_draco)" "$flags" "$(clang++-14 --version | head -1)" "${DRACO_SOURCE_DIR:-debian}" | sha256sum | cut -c1-12)
 if [ -f "$target/libdraco.a" ]; then echo "$target"; exit 0; fi
 mkdir -p "$cache"
 scratch=$(mktemp -d "$cache/.draco32-XXXXXX")
@@ -19,6 +19,7 @@ source_dir=${DRACO_SOURCE_DIR:-}
 if [ -z "$source_dir" ]; then
   fetch_source draco "$scratch"
   source_dir=$scratch/source
+  bound_draco "$source_dir"
 fi
 echo "draco32: building Draco for 32 bits (about a minute)" >&2
 {
