@@ -16,7 +16,8 @@ browser_packages=(chromium fonts-dejavu-core)  # site/demo.sh --check
 lan_packages=(openssl qrencode)                # site/demo.sh --lan
 # The sanitizers' build has Clang, which compiles it in two thirds of GCC's time; Emscripten brings the compiler. The libraries for
 # 32 bits are for a build of the player that is fuzzed. Figures and --changed compare trees by git.
-test_packages=(git libgtest-dev libclang-rt-14-dev libc6-dev-i386 lib32stdc++-12-dev "${browser_packages[@]}" firefox-esr xvfb)
+test_packages=(git libgtest-dev libclang-rt-14-dev "${browser_packages[@]}" firefox-esr xvfb)
+if [ "$(uname -m)" = x86_64 ]; then test_packages+=(libc6-dev-i386 lib32stdc++-12-dev); fi
 
 # Says what is done, and at which minute of the script.
 step() { printf '\n== %s (at %d:%02d)\n' "$*" $((SECONDS / 60)) $((SECONDS % 60)); }

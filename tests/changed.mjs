@@ -14,7 +14,8 @@ import { join, posix, relative, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
 const kRoot = fileURLToPath(new URL('..', import.meta.url));
-const kBuilds = ['build/release', 'build/asan', 'build/fuzz32', 'build/wasm'];
+const kSanitized = ['build/asan', ...(process.arch === 'x64' ? ['build/fuzz32'] : [])];
+const kBuilds = ['build/release', ...kSanitized, 'build/wasm'];
 
 // Results that are made outside of Ninja: [regular expression of an input, result].
 const kDerived = [
@@ -133,7 +134,7 @@ const ctestJson = () => JSON.parse(execFileSync('ctest', ['--test-dir', join(kRo
 function build(tests) {
   const needed = new Set(tests.flatMap(inputsOf));
   const env = { ...process.env, NODE_PATH: '/usr/share/nodejs' };
-  for (const folder of ['build/release', 'build/asan', 'build/fuzz32']) {
+  for (const folder of ['build/release', ...kSanitized]) {
     const programs = [...needed].filter((path) => path.startsWith(`${folder}/`)).map((path) => path.slice(folder.length + 1));
     if (programs.length) run('cmake', ['--build', folder, '--target', ...programs]);
   }

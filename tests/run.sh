@@ -21,10 +21,12 @@ check_beside
 step "Building the unit tests, with sanitizers"
 quiet cmake-asan cmake --preset asan
 build build-asan build/asan unit_tests fuzz_smoke
-step "Building the player's fuzzers for 32 bits"
-draco32=$(bash tests/fuzz/draco32.sh 2>build/draco32.log) || fail_with_log draco32 "building Draco for 32 bits"
-quiet cmake-fuzz32 cmake --preset fuzz32 -DDRACO_LIBRARY="$draco32/libdraco.a" -DDRACO_INCLUDE="$draco32/include"
-build build-fuzz32 build/fuzz32 fuzz_smoke
+if [ "$(uname -m)" = x86_64 ]; then
+  step "Building the player's fuzzers for 32 bits"
+  draco32=$(bash tests/fuzz/draco32.sh 2>build/draco32.log) || fail_with_log draco32 "building Draco for 32 bits"
+  quiet cmake-fuzz32 cmake --preset fuzz32 -DDRACO_LIBRARY="$draco32/libdraco.a" -DDRACO_INCLUDE="$draco32/include"
+  build build-fuzz32 build/fuzz32 fuzz_smoke
+fi
 step "Finishing OpenCV for wasm"
 finish_beside
 bash site/demo.sh --prepare --opencv
