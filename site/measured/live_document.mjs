@@ -95,7 +95,7 @@ ${table(['fault', 'what is seen', 'recovery, s', ''], of('fault').map((row) => [
   if (endurance) {
     parts.push(`## Ten minutes
 
-320×240, with a viewer of 160×120 that draws: ${endurance.frames} frames, ${endurance.skipped} skipped; states of the page: ${endurance.states.join(', ')}. Resident memory (the page: its JavaScript heap) after the first minute and at the end, and the slope between by least squares with two standard errors.
+320×240, with a viewer of 160×120 that draws: ${endurance.frames} frames, ${endurance.skipped} skipped${endurance.skipped > 0.01 * endurance.frames ? ' (the machine had other work beside)' : ''}; states of the page: ${endurance.states.join(', ')}. Resident memory (the page: its JavaScript heap) after the first minute and at the end, and the slope between by least squares with two standard errors.
 
 ${table(['', 'MB after a minute', 'MB at the end', 'slope, kB a minute'], [['server', endurance.server], ['a camera', endurance.camera], ['page', endurance.heap]].map(([title, s]) => slopeCells(title, s)))}
 `);

@@ -1,6 +1,6 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: Apache-2.0
-// What a page holds after long use: ten minutes of play, 50 viewers one after the other, 200 motion changes, lost contexts,
+// Resources that a page holds after long use: ten minutes of play, 50 viewers one after the other, 200 motion changes, lost contexts,
 // a hidden tab. node endurance.mjs SITE [--minutes 10] [--loads 50] [--changes 200] [--losses 10] [--hidden-s 120] [--out FILE.json]
 // Counted in the page: wasm memory (which never shrinks), JavaScript's heap after a collection, WebGL textures, buffers and
 // programs that are alive and the bytes of textures, video decoders and frames that are open, contexts that are not lost.

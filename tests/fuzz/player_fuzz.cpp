@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The player with a folder that lies and a page that does anything, in any order. Input: edits (count; then each: file,
-// offset in 2 bytes, kind, value), a byte whose lowest bit makes the hashes agree again, then events of a byte and its
-// operand. Whatever comes, what is shown can be drawn, memory is bounded, and no call on the device is wrong; with a
-// folder as it was made, pixels and geometry are of one frame.
+// Drives the player with a damaged or hostile folder and with calls in any order.
+// Input:
+//   number of edits; for each edit: file, offset (2 bytes), kind, value
+//   flags: 1 the files' hashes are made to agree again, 2 characters from cameras are allowed
+//   events: what, operand (1 byte each) until the end
+// Checks for every input: what is shown can be drawn, memory is bounded, the device sees no wrong call. Without edits
+// also: picture and geometry on screen are of one frame.
 #include <cstdlib>
 #include <deque>
 
@@ -81,7 +84,7 @@ bool edit(FakeCharacter& character, Input& in) {
   return edits > 0;
 }
 
-// A device and its programs, for so many inputs.
+// Device and programs, shared by kMostInputs inputs.
 struct Gpu {
   static constexpr int kMostInputs = 256;
   TaggingDevice device;
@@ -95,7 +98,7 @@ struct Gpu {
   }
 };
 
-// A page: carries requests out when the input says so, and keeps to no order otherwise.
+// Stands for the page: answers the player's requests when an event of the input does, in the input's order.
 class Page {
  public:
   Page(const FakeCharacter& character, bool is_honest, bool has_cameras) : character_(character), honest_(is_honest) {
@@ -206,7 +209,7 @@ class Page {
     player_->onRangeReceived(fetch.id, std::span(file->second).subspan(size_t(fetch.offset), size_t(fetch.bytes)));
   }
 
-  // In the order of decoding, or the other one; of the right frame as long as the page is honest.
+  // Delivers the oldest or the newest picture that was asked for; of another size only with an edited folder.
   void picture(uint8_t value) {
     if (samples_.empty()) return;
     const Sample sample = value % 4 ? samples_.front() : samples_.back();

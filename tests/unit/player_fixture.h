@@ -319,7 +319,7 @@ class FakeBuilder {
   package::ChunkMesh chunk_mesh_;
 };
 
-// What the file has of a range.
+// The range, as far as it lies in the file.
 inline std::span<const uint8_t> partOf(std::span<const uint8_t> file, uint64_t offset, uint64_t bytes) {
   const uint64_t from = std::min<uint64_t>(offset, file.size());
   return file.subspan(size_t(from), size_t(std::min<uint64_t>(bytes, file.size() - from)));

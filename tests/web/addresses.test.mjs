@@ -35,7 +35,7 @@ before(async () => {
 });
 after(() => rmSync(folder, { recursive: true, force: true }));
 
-/** What servers may take the path for: with escapes of escapes, and backslashes for slashes. */
+/** Paths that a server may read in an address: unescaped up to three times, with slashes for backslashes. */
 function readings(url) {
   const found = [new URL(url).pathname];
   for (let i = 0; i < 3; ++i) {

@@ -55,7 +55,7 @@ async function advances(page, frames = 10) {
   await page.waitForFunction((to) => document.querySelector('fourdvt-viewer').stats?.framesShown >= to, from + frames, { timeout: kPatienceMs, polling: 100 });
 }
 
-// Of at least so many pictures, every one was of its surface's frame.
+// Requires that so many pictures were checked at least, and that each was of its surface's frame.
 async function paired(page, pictures) {
   const { barcodeChecked, barcodeMismatches } = await page.evaluate(() => ({ ...document.querySelector('fourdvt-viewer').stats }));
   assert.ok(barcodeChecked >= pictures, `${barcodeChecked} pictures were checked`);

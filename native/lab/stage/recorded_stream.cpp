@@ -54,7 +54,7 @@ Result<Counters> readCounters(const std::string& path) {
   }
 }
 
-// Luma of what the picture has of the camera, in the camera's pixels.
+// Cuts a camera's tile out of the packed picture and resamples it to the camera's pixels. Luma only.
 Image sourcePixels(const I420View& picture, const package::Rendition& rendition, const package::Sequence& sequence,
                    const package::CameraTile& tile) {
   const double scale_x = double(rendition.tiles.width) / sequence.layout_width;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A live stream of a counted stage (stage.h) as a viewer received it: which pictures of the cameras its frames show.
-// Does NOT connect to a server.
+// Reads a recording of a live stream whose cameras show a counted stage (stage.h): per frame, the number of each
+// camera's picture. Does NOT connect to a server.
 #pragma once
 
 #include <cstdint>
@@ -41,7 +41,8 @@ struct RecordedStream {
 // file, named), StreamInvalid (a frame that does not decode), VideoInvalid, DecoderUnsupported.
 Result<RecordedStream> readRecordedStream(const std::string& folder, const std::string& stage_folder,
                                           const std::function<void(size_t frame)>& progress = {});
-// {"cameras": […], "frames": […]} with RecordedFrame's members, one frame a line.
+// JSON {"cameras": [name], "frames": [{…}]}; a frame has the members of RecordedFrame by their names, and a line of its
+// own.
 std::string recordedStreamJson(const RecordedStream& stream);
 
 }  // namespace fourdvt::stage

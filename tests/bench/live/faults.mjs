@@ -149,7 +149,7 @@ const garbage = fault('garbage', 'sixty clients send garbage: without a handshak
   };
 });
 
-const slow = fault('slow-viewer', 'a viewer on 1 Mbit/s beside a fast one', async ({ server, browser, receiver, add, rows, stage: theStage, work }) => {
+const slow = fault('slow-viewer', 'a viewer on 1 Mbit/s beside a fast one', async ({ server, browser, add, rows, stage: theStage, work }) => {
   const beganMs = Date.now();
   await pause(8000);
   const link = add(await new Link(server.port, { bytesPerSecond: 125_000 }).listen());
@@ -161,7 +161,6 @@ const slow = fault('slow-viewer', 'a viewer on 1 Mbit/s beside a fast one', asyn
   const latencies = (from, to) => fast.filter((row) => row.ms >= from && row.ms < to).map((row) => row.latency), times = fast.map((row) => row.ms);
   const { viewers_skipped: skipped } = await server.status();
   await other.close();
-  void receiver;
   return {
     seen: `slow: ${perSecond(slowRows.map((row) => row.ms), slowMs + 2000, endMs).toFixed(1)} frames a second, ${(median(slowRows.map((row) => row.latency)) / 1000).toFixed(1)} s old (95 %: ${(quantile(slowRows.map((row) => row.latency), 0.95) / 1000).toFixed(1)} s), ${skipped} left out; fast: ${perSecond(times, slowMs + 2000, endMs).toFixed(1)} a second, ${median(latencies(slowMs + 2000, endMs)).toFixed(0)} ms (before ${perSecond(times, beganMs, slowMs).toFixed(1)}, ${median(latencies(beganMs, slowMs)).toFixed(0)} ms)`,
     recovery_s: slowRows.length ? (slowRows[0].ms - slowMs) / 1000 : NaN, recovery: 'from opening the slow page to its first frame',

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// When a picture was taken, from the number that is painted on it. Stages play their videos by the wall clock: in the k-th
+// Times of capture, from the number that is painted on a picture. Stages play their videos by the wall clock: in the k-th
 // frame's length since 1970 all cameras show picture k modulo `pictures` (native/live/camera/source.cpp), so that a number that
 // is read and a time of arrival give the time of capture without any clock that a message carries.
 
@@ -24,7 +24,7 @@ export function numberOf(frame) {
   return [...votes].sort((a, b) => b[1] - a[1])[0]?.[0] ?? null;
 }
 
-/** What `fourdvt-lab stream` says of a recording, and when its messages came, put together: a row a frame whose number reads. */
+/** A row for each frame whose number reads, of `fourdvt-lab stream`'s output and the times at which the messages came. */
 export function rowsOf(recorded, arrivalsMs, stage) {
   return recorded.frames.flatMap((frame, i) => {
     const number = numberOf(frame), ms = arrivalsMs[i];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The programs of a live system as processes of their own, and what the kernel says of them: a server, cameras, and a
-// connection between them that is slow or breaks. Ends what it starts.
+// Processes of a live system (a server, cameras), a connection between them that is slow or breaks, and the processes' CPU time and
+// memory.
 import { spawn } from 'node:child_process';
 import { readFileSync } from 'node:fs';
 import { createServer, connect } from 'node:net';
@@ -85,7 +85,6 @@ export class Link {
   constructor(port, { bytesPerSecond = Infinity, pieceBytes = Infinity } = {}) {
     this.cuts = 0;
     this.sockets = new Set();
-    this.passed = 0;
     this.cutAfter = Infinity; // bytes more from the client
     this.server = createServer((client) => {
       const there = connect({ port, host: '127.0.0.1', noDelay: true });
@@ -108,7 +107,6 @@ export class Link {
   #fromClient(data, client, there, pieceBytes) {
     const whole = Math.min(data.length, this.cutAfter);
     for (let at = 0; at < whole; at += pieceBytes) there.write(data.subarray(at, Math.min(whole, at + pieceBytes)));
-    this.passed += whole;
     this.cutAfter -= whole;
     if (this.cutAfter > 0) return;
     this.cutAfter = Infinity;

@@ -63,7 +63,7 @@ export class Receiver {
 
   count() { return this.page.evaluate(() => kept.frames.length); }
 
-  /** What was kept since the page was opened, or since `clear`: without frames' bytes. */
+  /** Times and sizes since the page was opened, or since `clear`. */
   times() {
     return this.page.evaluate(() => ({ frames: kept.frames.map(({ ms, data }) => ({ ms, bytes: data.byteLength })), pictures: kept.pictures, states: kept.states,
       latencies: kept.latencies, stats: document.getElementById('viewer')?.stats ?? null }));

@@ -25,7 +25,7 @@ export function stage(folder, size, fps, sequence = 'run') {
   return { folder: made, fps, pictures, frames, sequence, size };
 }
 
-/** What `fourdvt-lab stream` says of a recording. */
+/** Output of `fourdvt-lab stream` for a recording. */
 export function readStream(recorded, theStage, surfaces) {
   return JSON.parse(execFileSync(kLab, ['stream', recorded, '--stage', theStage.folder, ...(surfaces ? ['--surfaces', surfaces] : [])], { encoding: 'utf8', maxBuffer: 1 << 28 }));
 }

@@ -46,7 +46,7 @@ export async function figuresOf(system, folder, { seconds = 30, viewer, surfaces
   const arrivals = await receiver.write(folder);
   await receiver.close();
   const recorded = readStream(folder, stage, surfaces);
-  // What came after the figures were taken does not count.
+  // Frames that came after the figures were taken are left out.
   const rows = rowsOf(recorded, arrivals, stage).filter(({ ms }) => ms <= beganMs + 1000 * wall_s);
   const lost = (field) => after[field] - before[field];
   const ofCameras = (field) => sum(after.cameras.map((camera) => camera[field])) - sum(before.cameras.map((camera) => camera[field]));

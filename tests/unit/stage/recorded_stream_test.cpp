@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A counted stage through cameras, hulls, packing and coding: a viewer's recording tells which pictures it shows.
+// Reads the numbers of a counted stage's pictures after keying, hulls, packing and coding.
 #include "lab/stage/recorded_stream.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ constexpr double kFps = 4;  // a slow machine keeps up
 constexpr size_t kFrames = 8;
 const std::vector<std::string> kCameras = {"cam00", "cam01", "cam02", "cam04", "cam05", "cam07"};
 
-// What a viewer of a live stage receives, as a recording.
+// Records a stage's messages, as a viewer receives them.
 class Recording {
  public:
   Recording(const live::Rig& rig, const std::string& folder) {
