@@ -40,6 +40,7 @@ struct FillRequest {
     out.data = bytes(r.bytes);
     out.timestamp_us = static_cast<double>(r.timestamp_us);
     out.key = r.key;
+    out.wanted = r.wanted;
   }
   void operator()(const FlushDecoder& r) const { out.kind = abi::RequestKind::Flush, out.decoder = r.decoder; }
   void operator()(const ResetDecoder& r) const { out.kind = abi::RequestKind::Reset, out.decoder = r.decoder; }
@@ -60,7 +61,8 @@ Status openCanvas(Canvas& canvas) {
 void openPlayer(Instance* h, abi::PictureKind kind, int32_t slots) {
   PlayerOptions options;
   using render::PictureTextures;
-  options.picture_kind = kind == abi::PictureKind::Rgba ? PictureTextures::Kind::Rgba : PictureTextures::Kind::I420;
+  options.picture_kind = kind == abi::PictureKind::I420 ? PictureTextures::Kind::I420 : PictureTextures::Kind::Rgba;
+  options.paced = kind == abi::PictureKind::Video;
   options.picture_slots = slots;
   options.cameras = &cameraParts();
   options.rendition = kAutomaticRendition;
@@ -227,10 +229,10 @@ void fdvt_upload(Instance* h, int32_t slot, const uint8_t* data, const abi::Plan
 uint32_t fdvt_slot_texture(Instance* h, int32_t slot) {
   return h->canvas->device->nativeTexture(h->player->slotTexture(slot));
 }
-void fdvt_commit_slot(Instance* h, int32_t slot) {
+void fdvt_commit_slot(Instance* h, int32_t slot, int32_t width, int32_t height) {
   makeCurrent(h);
   h->canvas->device->invalidateState();
-  h->player->commitSlot(slot);
+  h->player->commitSlot(slot, width, height);
 }
 void fdvt_invalidate_state(Instance* h) {
   makeCurrent(h);

@@ -150,6 +150,7 @@ uint32_t fdvt_show_room(Instance* h, const uint8_t* picture, uint32_t size) {
   return h->canvas->device->nativeTexture(scene.room_picture.id());
 }
 
+double fdvt_pace(Instance* h, int32_t decoder) { return h->player->pace(decoder); }
 void fdvt_judge_rendition(Instance* h, uint32_t sequence, uint32_t rendition, int32_t plays) {
   h->player->judgeRendition(sequence, rendition, plays != 0);
 }

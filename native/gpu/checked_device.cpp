@@ -89,6 +89,9 @@ std::string CheckedDevice::whyNotTexture(const TextureDesc& desc) const {
   if (desc.width < 1 || desc.height < 1 || desc.layers < 0) return "its size must be positive";
   if (desc.width > limit || desc.height > limit)
     return "this GPU's textures end at " + std::to_string(limit) + " texels; use a smaller size";
+  if (desc.respecifiable &&
+      (desc.layers > 0 || desc.format != PixelFormat::RGBA8 || desc.filter == Filter::LinearMipmap))
+    return "only a plain RGBA8 texture can be respecified";
   if (desc.filter != Filter::Nearest && !isFilterable(desc.format)) return "its format allows Filter::Nearest only";
   return {};
 }
@@ -289,17 +292,44 @@ void CheckedDevice::blit(TargetId from, TargetId to, const Region& region) {
   onBlit(target(from), target(to), region);
 }
 
+std::string CheckedDevice::whyNotRead(TargetId id, PixelFormat format, const Region& region) const {
+  const TargetRecord* record = target(id);
+  if (in_pass_) return "inside a pass";
+  if (id != kDefaultTarget && !record) return "no such target";
+  if (isEmpty(region)) return "empty rectangle";
+  if (record && !fits(region, record->width, record->height)) return "rectangle outside the target";
+  if (record && record->samples > 1) return "multisampled; blit it first";
+  if (record && (record->formats.empty() || record->formats[0] != format)) return "the target has another format";
+  return {};
+}
+
 Status CheckedDevice::readPixels(TargetId id, PixelFormat format, const Region& region, void* out) {
   const TargetRecord* record = target(id);
-  std::string why;
-  if (in_pass_) why = "inside a pass";
-  if (id != kDefaultTarget && !record) why = "no such target";
-  if (!out || isEmpty(region)) why = "empty rectangle";
-  if (record && !fits(region, record->width, record->height)) why = "rectangle outside the target";
-  if (record && record->samples > 1) why = "multisampled; blit it first";
-  if (record && (record->formats.empty() || record->formats[0] != format)) why = "the target has another format";
+  const std::string why = out ? whyNotRead(id, format, region) : "no memory to read into";
   if (!why.empty()) return Error{ErrorId::GpuFailure, "readPixels of '" + (record ? record->label : "") + "': " + why};
   return onReadPixels(record, format, region, out);
+}
+
+ReadId CheckedDevice::beginRead(TargetId id, const Region& region) {
+  if (const std::string why = whyNotRead(id, PixelFormat::RGBA8, region); !why.empty()) {
+    misuse("beginRead: " + why);
+    return 0;
+  }
+  const ReadId read = next_id_++;
+  reads_[read] = region;
+  onBeginRead(read, target(id), region);
+  return read;
+}
+
+bool CheckedDevice::endRead(ReadId read, void* out) {
+  const auto known = reads_.find(read);
+  if (known == reads_.end()) {
+    misuse("endRead: no such read");
+    return false;
+  }
+  if (!onEndRead(read, known->second, out)) return false;
+  reads_.erase(known);
+  return true;
 }
 
 uint32_t CheckedDevice::nativeTexture(TextureId id) const {

@@ -44,6 +44,8 @@ class CheckedDevice : public Device {
   void endPass() final;
   void blit(TargetId from, TargetId to, const Region& region) final;
   Status readPixels(TargetId target, PixelFormat format, const Region& region, void* out) final;
+  ReadId beginRead(TargetId target, const Region& region) final;
+  bool endRead(ReadId read, void* out) final;
   uint32_t nativeTexture(TextureId texture) const final;
   const Counters& counters() const final { return counters_; }
   void resetCounters() final;
@@ -64,6 +66,8 @@ class CheckedDevice : public Device {
   virtual void onDraw(const Draw& draw) = 0;
   virtual void onBlit(const TargetRecord* from, const TargetRecord* to, const Region& region) = 0;
   virtual Status onReadPixels(const TargetRecord* target, PixelFormat format, const Region& region, void* out) = 0;
+  virtual void onBeginRead(ReadId read, const TargetRecord* target, const Region& region) = 0;
+  virtual bool onEndRead(ReadId read, const Region& region, void* out) = 0;  // out null: forget it
   virtual std::string onTakeErrors() { return {}; }
 
   const TextureRecord* texture(TextureId id) const;
@@ -75,12 +79,14 @@ class CheckedDevice : public Device {
   void misuse(const std::string& line);
   std::string whyNotTexture(const TextureDesc& desc) const;
   std::string describeTarget(TargetRecord& record) const;
+  std::string whyNotRead(TargetId id, PixelFormat format, const Region& region) const;
   std::string whyNotDraw(const Draw& draw) const;
   std::string whyNotBlit(TargetId from, TargetId to, const Region& region) const;
 
   std::map<TextureId, TextureRecord> textures_;
   std::map<ProgramId, std::string> programs_;  // labels
   std::map<TargetId, TargetRecord> targets_;
+  std::map<ReadId, Region> reads_;
   uint32_t next_id_ = 1;
   bool in_pass_ = false;
   TargetId pass_target_ = kDefaultTarget;

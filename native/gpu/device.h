@@ -33,6 +33,8 @@ struct TextureDesc {
   int width = 1, height = 1;
   int layers = 0;                   // 0: TEXTURE_2D, otherwise TEXTURE_2D_ARRAY of this many layers
   Filter filter = Filter::Nearest;  // integer and 32F formats: Nearest only. LinearMipmap: call generateMipmaps
+  // Its storage may be specified anew by foreign code that has the context's own name (nativeTexture); 2D only.
+  bool respecifiable = false;
   const char* label = "";
 };
 
@@ -40,6 +42,7 @@ struct TextureDesc {
 using TextureId = uint32_t;
 using ProgramId = uint32_t;
 using TargetId = uint32_t;
+using ReadId = uint32_t;
 constexpr TargetId kDefaultTarget = 0;  // the context's own framebuffer (the canvas); absent natively
 
 struct TargetDesc {
@@ -146,6 +149,10 @@ class Device {
   // Reads colour attachment 0 as stored (RGBA8: 4 bytes; RGBA32F: 16; R32UI: 4 with `format`), top row first. 16F
   // formats are read as 32-bit floats.
   virtual Status readPixels(TargetId target, PixelFormat format, const Region& region, void* out) = 0;
+  // Starts to copy a rectangle of an RGBA8 target out, as readPixels would, without waiting for the GPU. 0: refused.
+  virtual ReadId beginRead(TargetId target, const Region& region) = 0;
+  // True once the copy is there: it is written to `out` and forgotten. out null: it is forgotten, at once.
+  virtual bool endRead(ReadId read, void* out) = 0;
   // The context's own name of a texture (GLuint), for edges that upload video frames themselves.
   virtual uint32_t nativeTexture(TextureId texture) const = 0;
   // Drops cached GL state after foreign code touched the context.
@@ -157,7 +164,7 @@ class Device {
   virtual std::string takeErrors() = 0;
 };
 
-// Needs a current GLES 3.0 / WebGL2 context. gles_device.cpp is the only file that calls gl*.
+// Needs a current GLES 3.0 / WebGL2 context. Only gles_*.cpp call gl*.
 Result<std::unique_ptr<Device>> createGlesDevice();
 // Draws nothing, but validates handles, sizes, the order of passes and counts. float_targets: of both kinds in Caps.
 std::unique_ptr<Device> createNullDevice(bool float_targets = true);

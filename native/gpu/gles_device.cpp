@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "gpu/checked_device.h"
+#include "gpu/gles_pack_buffer.h"
 
 namespace fourdvt::gpu {
 namespace {
@@ -130,7 +131,9 @@ class GlesDevice final : public CheckedDevice {
     const TextureDesc& desc = texture.desc;
     const GLenum internal = glFormat(desc.format).internal;
     bindUnit(0, target, name);
-    if (desc.layers > 0)
+    if (desc.respecifiable)  // in the format in which browsers copy video frames fastest
+      glTexImage2D(target, 0, GL_RGBA, desc.width, desc.height, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+    else if (desc.layers > 0)
       glTexStorage3D(target, texture.levels, internal, desc.width, desc.height, desc.layers);
     else
       glTexStorage2D(target, texture.levels, internal, desc.width, desc.height);
@@ -296,6 +299,31 @@ class GlesDevice final : public CheckedDevice {
     return {};
   }
 
+  void onBeginRead(ReadId read, const TargetRecord* target, const Region& region) override {
+    PendingRead& pending = reads_[read];
+    glGenBuffers(1, &pending.buffer);
+    glBindBuffer(GL_PIXEL_PACK_BUFFER, pending.buffer);
+    glBufferData(GL_PIXEL_PACK_BUFFER, bytesOf(region), nullptr, GL_STREAM_READ);
+    glBindFramebuffer(GL_FRAMEBUFFER, target ? target->framebuffer : 0);
+    glReadPixels(region.x, region.y, region.width, region.height, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+    glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+    pending.fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+    glFlush();
+  }
+
+  bool onEndRead(ReadId read, const Region& region, void* out) override {
+    const PendingRead pending = reads_[read];
+    if (out) {
+      const GLenum state = glClientWaitSync(pending.fence, 0, 0);
+      if (state != GL_ALREADY_SIGNALED && state != GL_CONDITION_SATISFIED) return false;
+      copyRows(pending.buffer, region, static_cast<uint8_t*>(out));
+    }
+    glDeleteSync(pending.fence);
+    glDeleteBuffers(1, &pending.buffer);
+    reads_.erase(read);
+    return true;
+  }
+
   std::string onTakeErrors() override {
     std::string lines = std::move(pending_);
     pending_.clear();
@@ -308,6 +336,22 @@ class GlesDevice final : public CheckedDevice {
   }
 
  private:
+  struct PendingRead {
+    GLuint buffer = 0;
+    GLsync fence = nullptr;
+  };
+
+  static GLsizeiptr bytesOf(const Region& region) { return GLsizeiptr{4} * region.width * region.height; }
+
+  // The buffer has GL's order of rows.
+  static void copyRows(GLuint buffer, const Region& region, uint8_t* out) {
+    glBindBuffer(GL_PIXEL_PACK_BUFFER, buffer);
+    const int row_bytes = 4 * region.width;
+    for (int row = 0; row < region.height; ++row)
+      readPackBuffer(row_bytes * (region.height - 1 - row), row_bytes, out + ptrdiff_t{row_bytes} * row);
+    glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+  }
+
   struct Unit {
     GLenum target = 0;
     GLuint texture = 0;
@@ -455,6 +499,7 @@ class GlesDevice final : public CheckedDevice {
   }
 
   std::map<ProgramId, GlProgram> programs_;
+  std::map<ReadId, PendingRead> reads_;
   std::array<Unit, kMaxUnits> units_{};
   GLuint program_ = 0;
   bool has_state_ = false;

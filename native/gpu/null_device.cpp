@@ -35,6 +35,11 @@ class NullDevice final : public CheckedDevice {
     std::memset(out, 0, static_cast<size_t>(region.width) * region.height * readBytesPerPixel(format));
     return {};
   }
+  void onBeginRead(ReadId, const TargetRecord*, const Region&) override {}
+  bool onEndRead(ReadId, const Region& region, void* out) override {
+    if (out) std::memset(out, 0, size_t{4} * static_cast<size_t>(region.width) * static_cast<size_t>(region.height));
+    return true;
+  }
 
  private:
   uint32_t natives_ = 0;

@@ -59,13 +59,18 @@ std::optional<uint32_t> readBarcode(const BarcodeStrip& strip, const I420View& p
       r.x + 2 * kBarcodeCells * strip.cell_size > picture.width || r.y + r.height > picture.height) {
     return std::nullopt;
   }
-  for (int copy = 0; copy < 2; ++copy) {
+  std::array<uint8_t, 2 * kBarcodeCells> lumas;
+  for (int cell = 0; cell < 2 * kBarcodeCells; ++cell)
+    lumas[static_cast<size_t>(cell)] =
+        static_cast<uint8_t>(cellLuma(picture, r.x + cell * strip.cell_size, r.y, strip.cell_size, r.height));
+  return frameFromCells(lumas, (kBlackLuma + kWhiteLuma) / 2);
+}
+
+std::optional<uint32_t> frameFromCells(const std::array<uint8_t, 2 * kBarcodeCells>& lumas, int threshold) {
+  for (size_t copy = 0; copy < 2; ++copy) {
     uint16_t bits = 0;
-    for (int cell = 0; cell < kBarcodeCells; ++cell) {
-      const int x = r.x + (copy * kBarcodeCells + cell) * strip.cell_size;
-      const bool white = cellLuma(picture, x, r.y, strip.cell_size, r.height) > (kBlackLuma + kWhiteLuma) / 2;
-      bits = static_cast<uint16_t>((bits << 1) | (white ? 1 : 0));
-    }
+    for (size_t cell = 0; cell < kBarcodeCells; ++cell)
+      bits = static_cast<uint16_t>((bits << 1) | (lumas[copy * kBarcodeCells + cell] > threshold ? 1 : 0));
     if (auto frame = frameFromBarcode(bits)) return frame;
   }
   return std::nullopt;

@@ -4,6 +4,7 @@
 // decoded picture is, however the decoder reorders them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -16,6 +17,9 @@ constexpr int kBarcodeCells = 16;
 uint16_t barcodeBits(uint32_t frame);
 // Frame index mod 4096 from 16 bits; nullopt if the CRC disagrees.
 std::optional<uint32_t> frameFromBarcode(uint16_t bits);
+// Frame index mod 4096 from the lumas of all cells of both copies, of which the first that has a fitting CRC counts.
+// Lumas above `threshold` are white.
+std::optional<uint32_t> frameFromCells(const std::array<uint8_t, 2 * kBarcodeCells>& lumas, int threshold);
 // Writes limited-range luma cells into a luma plane.
 void drawBarcode(const BarcodeStrip& strip, uint32_t frame, uint8_t* luma, int stride);
 // Reads cell centres; tries the first copy, then the second.

@@ -32,6 +32,8 @@ LivePlayer::LivePlayer(gpu::Device& device, std::shared_ptr<render::Recipe> reci
       recipe_(std::move(recipe)),
       cameras_(options.cameras),
       playback_(outbox_),
+      checks_(device),
+      on_gpu_(options.picture_kind == render::PictureTextures::Kind::Rgba),
       slots_(options.picture_slots, options.picture_kind),
       surface_(options.cameras),
       composer_(options.cameras) {}
@@ -194,13 +196,23 @@ int LivePlayer::acquireSlot(int decoder, int64_t timestamp_us) {
 void LivePlayer::uploadI420(int slot, const I420View& picture) {
   Frame* frame = frameIn(slot);
   if (!frame || !slots_.awaits(slot)) return;
-  if (picture.width != rendition().width || picture.height != rendition().height)
-    return rejectPicture(*frame, "its pictures have another size than its manifest says");
+  if (checkSize(*frame, picture.width, picture.height) &&
+      checkNumber(*frame, package::readBarcode(rendition().barcode, picture)))
+    slots_.upload(device_, slot, picture);
+}
+
+bool LivePlayer::checkSize(Frame& frame, int width, int height) {
+  if (width == rendition().width && height == rendition().height) return true;
+  rejectPicture(frame, "its pictures have another size than its manifest says");
+  return false;
+}
+
+bool LivePlayer::checkNumber(Frame& frame, std::optional<uint32_t> seen) {
   ++stats_.barcode_checked;
-  const std::optional<uint32_t> seen = package::readBarcode(rendition().barcode, picture);
-  if (seen && *seen == frame->number % 4096) return slots_.upload(device_, slot, picture);
+  if (seen == frame.number % 4096) return true;
   ++stats_.barcode_mismatches;
-  rejectPicture(*frame, "its pictures have other frames' barcodes");
+  rejectPicture(frame, "its pictures have other frames' barcodes");
+  return false;
 }
 
 // Now and then one is damaged; a decoder that gives only such ones has lost its place.
@@ -217,8 +229,18 @@ gpu::TextureId LivePlayer::slotTexture(int slot) const {
   return slots_.holds(slot) ? slots_.picture(slot).rgba.id() : 0;
 }
 
-void LivePlayer::commitSlot(int slot) {
+void LivePlayer::commitSlot(int slot, int width, int height) {
   if (!slots_.holds(slot)) return;
+  Frame* frame = frameIn(slot);
+  if (on_gpu_ && frame && slots_.awaits(slot) && checkSize(*frame, width, height)) {
+    const Status begun = checks_.begin(slot, slotTexture(slot), rendition().barcode);
+    if (begun.ok()) return;  // settled by a tick
+    fail(begun.error());
+  }
+  finishSlot(slot);
+}
+
+void LivePlayer::finishSlot(int slot) {
   slots_.commit(slot, true);
   const auto frame = std::find_if(frames_.begin(), frames_.end(), [&](const Frame& f) { return f.slot == slot; });
   if (frame == frames_.end()) return;
@@ -256,6 +278,11 @@ void LivePlayer::tick(double now_s) {
   playback_.tick(now_s);
   method_.elapsed_s = static_cast<float>(playback_.tick_s());
   if (!live_) return;
+  checks_.settle([this](int slot, std::optional<uint32_t> seen) {
+    Frame* frame = frameIn(slot);
+    if (frame && slots_.awaits(slot)) checkNumber(*frame, seen);
+    finishSlot(slot);
+  });
   const bool first = !hasFrame();
   if ((first || playback_.playing()) && showNewest()) {
     shown_at_s_ = now_s;

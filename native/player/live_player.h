@@ -16,6 +16,7 @@
 #include "player/parts/picture_slots.h"
 #include "player/parts/playback.h"
 #include "player/player.h"
+#include "render/barcodes/picture_checks.h"
 
 namespace fourdvt {
 
@@ -64,7 +65,8 @@ class LivePlayer final : public Player {
   int acquireSlot(int decoder, int64_t timestamp_us) override;
   void uploadI420(int slot, const I420View& picture) override;
   gpu::TextureId slotTexture(int slot) const override;
-  void commitSlot(int slot) override;
+  void commitSlot(int slot, int width = 0, int height = 0) override;
+  double pace(int) const override { return 0; }
   void onDecoderFailed(int decoder, DecoderFault fault, const std::string& reason) override;
   void setInSight(bool in_sight) override { in_sight_ = in_sight; }
   bool hasFrame() const override { return shown_.slot >= 0; }
@@ -108,6 +110,9 @@ class LivePlayer final : public Player {
   void forget();
   int freeSlotFor(int64_t serial);
   Frame* frameIn(int slot);
+  bool checkSize(Frame& frame, int width, int height);
+  bool checkNumber(Frame& frame, std::optional<uint32_t> seen);
+  void finishSlot(int slot);
   void rejectPicture(Frame& frame, const char* reason);
   void lose(DecoderFault fault, const std::string& reason);
   void fail(Error error);
@@ -119,6 +124,8 @@ class LivePlayer final : public Player {
   const CameraParts* cameras_;
   Outbox outbox_;
   Playback playback_;
+  render::PictureChecks checks_;
+  const bool on_gpu_;  // the edge fills the slots' textures itself
   PictureSlots slots_;
   ShownFrame surface_;
   FigureComposer composer_;

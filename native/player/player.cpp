@@ -7,6 +7,18 @@
 
 namespace fourdvt {
 
+namespace {
+
+constexpr size_t kReordered = 4;      // samples that a decoder may keep to itself
+constexpr size_t kPacedSamples = 60;  // a <video> element begins to play with more of them
+
+Track makeTrack(int decoder, const PlayerOptions& options) {
+  return {decoder, options.picture_slots, options.picture_kind, options.paced ? kPacedSamples : kReordered,
+          options.cameras};
+}
+
+}  // namespace
+
 Result<std::unique_ptr<Player>> Player::create(gpu::Device& device, const PlayerOptions& options) {
   auto recipe = render::Recipe::create(device);
   if (!recipe.ok()) return recipe.error();
@@ -25,8 +37,8 @@ PlayerImpl::PlayerImpl(gpu::Device& device, const PlayerOptions& options, std::s
       recipe_(std::move(recipe)),
       loading_(outbox_, options.encoded_budget_bytes, options.cameras, options.rendition),
       playback_(outbox_),
-      tracks_{Track(0, options.picture_slots, options.picture_kind, options.cameras),
-              Track(1, options.picture_slots, options.picture_kind, options.cameras)},
+      checks_(device),
+      tracks_{makeTrack(0, options), makeTrack(1, options)},
       root_motion_(options.turn_rate_rad_s),
       parameters_(options.parameter_rate),
       composer_(options.cameras) {}

@@ -34,6 +34,9 @@ struct PlayerOptions {
   int picture_slots = 4;                      // decoded pictures kept on the GPU
   uint64_t encoded_budget_bytes = 16u << 20;  // fetched GOPs kept for loops
   render::PictureTextures::Kind picture_kind = render::PictureTextures::Kind::I420;
+  // The decoders keep time themselves, at `pace`, and may leave pictures out or name a neighbour's timestamp (a <video>
+  // element). With Kind::Rgba.
+  bool paced = false;
   double turn_rate_rad_s = 2.1;            // heading follows the wanted one at most this fast
   double parameter_rate = 1.5;             // a class's parameter crosses its whole range at most this often a second
   const CameraParts* cameras = nullptr;    // null: characters from cameras are refused
@@ -105,9 +108,12 @@ class Player {
   // nobody waits for that timestamp any more (drop it).
   // Slots are numbered over both decoders.
   virtual int acquireSlot(int decoder, int64_t timestamp_us) = 0;
-  virtual void uploadI420(int slot, const I420View& picture) = 0;  // also checks the barcode
+  virtual void uploadI420(int slot, const I420View& picture) = 0;  // also checks size and barcode
   virtual gpu::TextureId slotTexture(int slot) const = 0;          // Rgba kind: the edge fills it itself
-  virtual void commitSlot(int slot) = 0;
+  // The slot is filled; Rgba kind: with a picture of this size, whose barcode is read from the GPU before it counts.
+  virtual void commitSlot(int slot, int width = 0, int height = 0) = 0;
+  // Paced decoders: pictures a second that this one should give now; 0: none but one that is sought.
+  virtual double pace(int decoder) const = 0;
   // The decoder gives nothing any more. It is configured anew at the GOP's key sample, a few times in a row.
   virtual void onDecoderFailed(int decoder, DecoderFault fault, const std::string& reason) = 0;
   // Out of sight no decoder is held and nothing is decoded; back in sight playing goes on from the shown frame.

@@ -148,28 +148,41 @@ void PlayerImpl::uploadI420(int slot, const I420View& picture) {
   Track* t = trackOf(slot);
   if (!t || !t->slots.awaits(slot)) return;
   const package::Rendition& rendition = renditionOf(*t, t->slots.rendition(slot));
-  if (picture.width != rendition.width || picture.height != rendition.height) {
-    t->slots.reject(slot);
-    fail({ErrorId::VideoInvalid, rendition.video_uri + ": pictures are " + std::to_string(picture.width) + "x" +
-                                     std::to_string(picture.height) + ", the manifest says " +
-                                     std::to_string(rendition.width) + "x" + std::to_string(rendition.height)},
-         t->head.sequence());
-    return;
-  }
-  const int64_t k = t->slots.k(slot);
-  const uint32_t expected = frameOf(*t, k) % 4096;
-  const std::optional<uint32_t> seen = package::readBarcode(rendition.barcode, picture);
+  if (!checkSize(*t, slot, picture.width, picture.height)) return;
+  if (checkNumber(*t, slot, package::readBarcode(rendition.barcode, picture))) t->slots.upload(device_, slot, picture);
+}
+
+bool PlayerImpl::checkSize(Track& t, int slot, int width, int height) {
+  const package::Rendition& rendition = renditionOf(t, t.slots.rendition(slot));
+  if (width == rendition.width && height == rendition.height) return true;
+  t.slots.reject(slot);
+  fail({ErrorId::VideoInvalid, rendition.video_uri + ": pictures are " + std::to_string(width) + "x" +
+                                   std::to_string(height) + ", the manifest says " + std::to_string(rendition.width) +
+                                   "x" + std::to_string(rendition.height)},
+       t.head.sequence());
+  return false;
+}
+
+// Judges the picture in a slot by the frame number that its barcode has.
+bool PlayerImpl::checkNumber(Track& t, int slot, std::optional<uint32_t> seen) {
+  const int64_t k = t.slots.k(slot);
+  const uint32_t expected = frameOf(t, k) % 4096;
   ++stats_.barcode_checked;
-  if (seen && *seen == expected) {
-    t->slots.upload(device_, slot, picture);
-    return;
-  }
+  if (seen == expected) return true;
+  if (options_.paced) return takeAs(t, slot, seen);
   ++stats_.barcode_mismatches;
-  t->slots.reject(slot);
-  if (t->head.seeking() && k == t->head.wantedK())
-    fail({ErrorId::VideoInvalid, rendition.video_uri + ": frame " + std::to_string(expected) +
-                                     " carries another frame's barcode; the file is damaged"},
-         t->head.sequence());
+  t.slots.reject(slot);
+  if (!t.head.seeking() || k != t.head.wantedK()) return false;
+  fail({ErrorId::VideoInvalid, renditionOf(t, t.slots.rendition(slot)).video_uri + ": frame " +
+                                   std::to_string(expected) + " carries another frame's barcode; the file is damaged"},
+       t.head.sequence());
+  return false;
+}
+
+void PlayerImpl::settlePicture(int slot, std::optional<uint32_t> seen) {
+  Track* t = trackOf(slot);
+  if (t->slots.awaits(slot)) checkNumber(*t, slot, seen);
+  t->slots.commit(slot, t->head.used());
 }
 
 gpu::TextureId PlayerImpl::slotTexture(int slot) const {
@@ -177,8 +190,18 @@ gpu::TextureId PlayerImpl::slotTexture(int slot) const {
   return t ? t->slots.picture(slot).rgba.id() : 0;
 }
 
-void PlayerImpl::commitSlot(int slot) {
-  if (Track* t = trackOf(slot)) t->slots.commit(slot, t->head.used());
+void PlayerImpl::commitSlot(int slot, int width, int height) {
+  const int number = slot;
+  Track* t = trackOf(slot);
+  if (!t) return;
+  const bool unread = options_.picture_kind == render::PictureTextures::Kind::Rgba && t->slots.awaits(slot);
+  if (unread && checkSize(*t, slot, width, height)) {
+    const package::BarcodeStrip& strip = renditionOf(*t, t->slots.rendition(slot)).barcode;
+    const Status begun = checks_.begin(number, t->slots.picture(slot).rgba.id(), strip);
+    if (begun.ok()) return;  // settled by a tick
+    giveUp(*t, begun.error());
+  }
+  t->slots.commit(slot, t->head.used());
 }
 
 void PlayerImpl::onDecoderFailed(int decoder, DecoderFault fault, const std::string& reason) {

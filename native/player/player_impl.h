@@ -13,6 +13,7 @@
 #include "player/parts/transitions.h"
 #include "player/player.h"
 #include "player/track.h"
+#include "render/barcodes/picture_checks.h"
 
 namespace fourdvt {
 
@@ -51,7 +52,8 @@ class PlayerImpl final : public Player {
   int acquireSlot(int decoder, int64_t timestamp_us) override;
   void uploadI420(int slot, const I420View& picture) override;
   gpu::TextureId slotTexture(int slot) const override;
-  void commitSlot(int slot) override;
+  void commitSlot(int slot, int width = 0, int height = 0) override;
+  double pace(int decoder) const override;
   void onDecoderFailed(int decoder, DecoderFault fault, const std::string& reason) override;
   void setInSight(bool in_sight) override;
   bool hasFrame() const override { return main().head.hasPicture(); }
@@ -121,6 +123,7 @@ class PlayerImpl final : public Player {
   // player_look_ahead.cpp
   void fetchAhead();
   uint32_t landingOn(int target) const;
+  bool takeAs(Track& track, int slot, std::optional<uint32_t> seen);
 
   // player_answers.cpp
   void requestMissing();
@@ -130,6 +133,9 @@ class PlayerImpl final : public Player {
   void feedAgain(Track& track);
   void closeTrack(Track& track);
   FedSequence fedBy(const Track& track) const;
+  bool checkSize(Track& track, int slot, int width, int height);
+  bool checkNumber(Track& track, int slot, std::optional<uint32_t> seen);
+  void settlePicture(int slot, std::optional<uint32_t> seen);
   Track* trackOf(int& slot);
   void fail(Error error, int broken_sequence);
   void giveUp(const Track& track, const Error& error);
@@ -146,6 +152,7 @@ class PlayerImpl final : public Player {
   Outbox outbox_;
   Loading loading_;
   Playback playback_;
+  render::PictureChecks checks_;
   std::array<Track, kDecoders> tracks_;  // by decoder
   int main_ = 0;                         // the track whose sequence is the current one
   Transitions transitions_;

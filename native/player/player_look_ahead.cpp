@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Work for later pictures, once the character can play: prefetching, judgements of renditions, programs.
+// Work beyond what a first picture takes: prefetching, judgements of renditions, programs; and decoders that keep time
+// themselves.
 #include "player/player_impl.h"
 
 namespace fourdvt {
@@ -41,6 +42,42 @@ uint32_t PlayerImpl::landingOn(int target) const {
   const auto way = view.graph->plan({view.source, view.frame(), view.weights, view.sequence->fps * view.clock_rate},
                                     target, {.min_wait_s = kLead_s});
   return way ? way->entry.frame : 0;
+}
+
+// Keeps a picture or two ready: a decoder that runs ahead of the clock is slowed down, one that lags is sped up.
+double PlayerImpl::pace(int decoder) const {
+  const Track& t = tracks_[static_cast<size_t>(decoder != 0)];
+  if (!t.head.used() || !runs(t)) return 0;
+  constexpr double kPaces[] = {1.15, 1, 0.9};
+  const int ready = std::min(t.slots.readyCount(), 2);
+  return wantedOf(t).fps * clockRate(t) * kPaces[ready];
+}
+
+// The picture is another presentation's than it was named for: of what the element had when it was copied. It counts as
+// that one's where that is a neighbour and yet to be shown, and goes unused where that has passed. One that is sought must
+// be that one: it is awaited again.
+bool PlayerImpl::takeAs(Track& t, int slot, std::optional<uint32_t> seen) {
+  const int64_t named = t.slots.k(slot);
+  if (t.head.seeking()) {
+    t.slots.reject(slot);
+    t.feeding.awaitAgain(named);
+    return false;
+  }
+  // A page that is late copies a later picture. Within less than a loop the frame tells which.
+  constexpr int64_t kBack = 2, kOn = 25;
+  const int64_t first = std::max<int64_t>(0, named - kBack);
+  const int64_t end = std::min(named + kOn, first + wantedOf(t).frame_count);
+  for (int64_t k = first; seen && k < end; ++k) {
+    if (frameOf(t, k) % 4096 != *seen) continue;
+    if (k > t.head.shown().k)
+      t.slots.renumber(slot, k);
+    else
+      t.slots.reject(slot);
+    return k > t.head.shown().k;
+  }
+  ++stats_.barcode_mismatches;
+  t.slots.reject(slot);
+  return false;
 }
 
 // A blend has at most one member more than the space has parameters, and is aligned as far as is known. An error comes

@@ -13,8 +13,9 @@
 namespace fourdvt {
 
 struct Track {
-  Track(int decoder, int picture_slots, render::PictureTextures::Kind kind, const CameraParts* cameras)
-      : feeding(decoder), slots(picture_slots, kind), frame(cameras) {}
+  Track(int decoder, int picture_slots, render::PictureTextures::Kind kind, size_t samples_ahead,
+        const CameraParts* cameras)
+      : feeding(decoder, samples_ahead), slots(picture_slots, kind), frame(cameras) {}
 
   Playhead head;
   Feeding feeding;

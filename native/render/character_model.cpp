@@ -76,7 +76,11 @@ Result<PictureTextures> createPicture(gpu::Device& device, int width, int height
     return {};
   };
   if (kind == PictureTextures::Kind::Rgba) {
-    FOURDVT_TRY(plane(picture.rgba, gpu::PixelFormat::RGBA8, width, height, "picture rgba"));
+    FOURDVT_ASSIGN(picture.rgba, gpu::makeTexture(device, {.width = width,
+                                                           .height = height,
+                                                           .filter = gpu::Filter::Linear,
+                                                           .respecifiable = true,
+                                                           .label = "picture rgba"}));
     return picture;
   }
   FOURDVT_TRY(plane(picture.y, gpu::PixelFormat::R8, width, height, "picture y"));

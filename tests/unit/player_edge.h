@@ -25,6 +25,10 @@ struct EdgeOptions {
   double stale_delivery = 0.5;   // probability that a picture survives a reset
   int reorder_delay = 2;
   int wrong_picture_every = 0;  // every n-th picture is another frame's (0: never)
+  // Of paced decoders: probabilities that a picture is named as a neighbour, and that it is left out.
+  double misnamed = 0, left_out = 0;
+  double early_seeks = 0;  // probability that a sought picture is offered while the element still has another one
+  uint32_t least_decoded = 1;  // pictures ahead without which an element does not move
   PlayerOptions player;
 };
 
@@ -46,7 +50,8 @@ class SimulatedEdge {
   double now_s = 0;
   int max_slots_busy = 0, requests_after_error = 0, flushes = 0, stale_answers = 0, closes = 0;
   bool second_decoder_fails = false;
-  bool offline = false;  // fetches wait until it is over
+  bool wrong_sizes = false;  // of pictures in textures that the edge fills
+  bool offline = false;      // fetches wait until it is over
   uint64_t max_bytes_held = 0, bytes_asked = 0;
   std::multiset<std::string> uris;  // asked for
 
@@ -131,6 +136,10 @@ class SimulatedEdge {
     std::map<int64_t, std::pair<uint32_t, uint32_t>> reorder;
     std::deque<Decoded> decoded;
     size_t stale_from = 0;
+    // Paced: it stands at its front picture, which has not been offered yet; frames that it should have moved on since.
+    bool stands = false, fresh = false, flushed = false;
+    double ahead = 0, stood_s = 0, moved_s = 0, offered_s = 0;
+    std::set<int64_t> unwanted;
   };
   struct Copy {
     int slot;
@@ -165,7 +174,7 @@ class SimulatedEdge {
       ++flushes;
       Decoder& decoder = decoders_[size_t(flush->decoder)];
       while (!decoder.reorder.empty()) output(decoder);
-      decoder.needs_key = true;
+      decoder.needs_key = decoder.flushed = true;
     } else if (auto* forget = std::get_if<ResetDecoder>(&request)) {
       EXPECT_TRUE(decoders_[size_t(forget->decoder)].open);
       reset(decoders_[size_t(forget->decoder)]);
@@ -188,6 +197,8 @@ class SimulatedEdge {
   }
   void reset(Decoder& decoder) {
     decoder.reorder.clear();
+    if (options.player.paced) decoder.decoded.clear();
+    decoder.stands = decoder.fresh = decoder.flushed = false;
     std::erase_if(decoder.decoded, [&](const Decoded&) { return uniform(1) > options.stale_delivery; });
     decoder.stale_from = decoder.decoded.size();
     decoder.needs_key = true;
@@ -204,13 +215,18 @@ class SimulatedEdge {
     if (decoder.needs_key) {
       EXPECT_TRUE(sample.key) << "decoding must start at a key";
     }
-    decoder.needs_key = false;
+    decoder.needs_key = decoder.flushed = false;
+    if (!sample.wanted) decoder.unwanted.insert(sample.timestamp_us);
     EXPECT_FALSE(decoder.reorder.count(sample.timestamp_us));
     decoder.reorder[sample.timestamp_us] = {sequence, frame};
     if (int(decoder.reorder.size()) > options.reorder_delay) output(decoder);
   }
   void output(Decoder& decoder) {
     const auto first = decoder.reorder.begin();
+    if (decoder.unwanted.erase(first->first)) {
+      decoder.reorder.erase(first);
+      return;
+    }
     auto [sequence, frame] = first->second;
     if (options.wrong_picture_every && ++pictures_ % options.wrong_picture_every == 0) frame ^= 1;
     const double after_s = decoder.decoded.empty() ? now_s : decoder.decoded.back().due_s;
@@ -243,7 +259,45 @@ class SimulatedEdge {
     }
   }
   void offerPictures() {
-    for (int d = 0; d < kDecoders; ++d) offerPictures(d, decoders_[size_t(d)]);
+    for (int d = 0; d < kDecoders; ++d) {
+      if (options.player.paced)
+        runElement(d, decoders_[size_t(d)]);
+      else
+        offerPictures(d, decoders_[size_t(d)]);
+    }
+  }
+  // A <video> element: after a seek it stands at the first picture that is wanted, then runs at the player's pace. A
+  // picture that has no slot stops it.
+  void runElement(int number, Decoder& decoder) {
+    auto& waiting = decoder.decoded;
+    if (!decoder.stands && !waiting.empty() && (decoder.flushed || waiting.size() >= options.least_decoded)) {
+      decoder.stands = decoder.fresh = true;
+      decoder.stood_s = now_s;
+      decoder.ahead = 0;
+    }
+    if (!decoder.stands) return;
+    if (!decoder.fresh) {
+      decoder.ahead += player->pace(number) * (now_s - decoder.moved_s);
+      for (; decoder.ahead >= 1 && waiting.size() > 1; decoder.ahead -= 1) {
+        waiting.pop_front();
+        decoder.fresh = true;
+      }
+      decoder.ahead = std::min(decoder.ahead, 1.0);
+      if (decoder.fresh && waiting.size() > 1 && uniform(1) < options.left_out) waiting.pop_front();
+    }
+    decoder.moved_s = now_s;
+    if (!decoder.fresh && player->pace(number) <= 0 && now_s > decoder.offered_s + 0.08) decoder.fresh = true;
+    if (!decoder.fresh) return;
+    Decoded picture = waiting.front();
+    // The first one after a seek is the one that is sought.
+    const bool misnamed = decoder.moved_s > decoder.stood_s && uniform(1) < options.misnamed;
+    const int64_t off = misnamed ? (below(2) ? 40000 : -40000) : 0;
+    const int slot = player->acquireSlot(number, picture.timestamp_us + off);
+    if (slot == -1) return;
+    decoder.fresh = false;
+    decoder.offered_s = now_s;
+    if (player->seeking() && uniform(1) < options.early_seeks) picture.frame ^= 1;
+    if (slot >= 0) copies_.push_back({slot, picture, now_s});
   }
   void offerPictures(int number, Decoder& decoder) {
     while (!decoder.decoded.empty() && decoder.decoded.front().due_s <= now_s) {
@@ -266,6 +320,11 @@ class SimulatedEdge {
       copies_.pop_front();
       const FakeSequence& sequence = character_.sequences[copy.picture.sequence];
       const int w = sequence.widthOf(copy.picture.rendition), h = sequence.height;
+      if (options.player.picture_kind == render::PictureTextures::Kind::Rgba) {
+        device.fill(player->slotTexture(copy.slot), int(copy.picture.frame));
+        player->commitSlot(copy.slot, wrong_sizes ? w / 2 : w, h);
+        continue;
+      }
       std::vector<uint8_t> y(size_t(w) * h, 80);
       package::drawBarcode(fakeStrip(), copy.picture.frame, y.data(), w);
       player->uploadI420(copy.slot, {w, h, y.data(), y.data(), y.data(), w, w / 2, w / 2});

@@ -357,7 +357,8 @@ inline void rehash(FakeCharacter& character) {
 
 inline package::BarcodeStrip fakeStrip() { return {{0, 4, 128, 4}, 4}; }
 
-// Forwards to the null device. Tags textures by what was uploaded; reads the tags when they are drawn together.
+// Forwards to the null device. Tags textures by what was uploaded; reads the tags when they are drawn together, and
+// gives those of pictures that the edge has filled as barcode cells, a few polls late.
 class TaggingDevice final : public gpu::Device {
  public:
   struct Drawn {
@@ -397,7 +398,9 @@ class TaggingDevice final : public gpu::Device {
     null_->draw(call);
     for (const gpu::TextureBinding& binding : call.textures) {
       const std::string sampler = binding.sampler;
-      if (sampler == "u_picture_y") {
+      if (sampler == "u_picture_rgba" && call.uniforms.size() == 1) {
+        cells_of_ = frame_of_[binding.texture];
+      } else if (sampler == "u_picture_y" || sampler == "u_picture_rgba") {
         drawn.picture_frame = frame_of_[binding.texture];
         drawn.picture_width = descs_[binding.texture].width;
       } else if (sampler == "u_positions_normals") {
@@ -425,6 +428,29 @@ class TaggingDevice final : public gpu::Device {
   Status readPixels(gpu::TargetId t, gpu::PixelFormat f, const gpu::Region& region, void* out) override {
     return null_->readPixels(t, f, region, out);
   }
+  // The edge has put a picture of this frame into the texture.
+  void fill(gpu::TextureId texture, int frame) {
+    EXPECT_TRUE(descs_[texture].respecifiable);
+    frame_of_[texture] = frame;
+  }
+  int polls_of_reads = 2;
+  gpu::ReadId beginRead(gpu::TargetId t, const gpu::Region& region) override {
+    const gpu::ReadId read = null_->beginRead(t, region);
+    reads_[read] = {cells_of_, 0};
+    return read;
+  }
+  bool endRead(gpu::ReadId read, void* out) override {
+    auto& [frame, polls] = reads_[read];
+    if (out && polls++ < polls_of_reads) return false;
+    const bool ended = null_->endRead(read, out);
+    for (int cell = 0; out && cell < 2 * package::kBarcodeCells; ++cell) {
+      const bool white = (package::barcodeBits(uint32_t(frame)) >> (15 - cell % package::kBarcodeCells)) & 1;
+      std::memset(static_cast<uint8_t*>(out) + 4 * cell, white ? 250 : 5, 4);
+    }
+    reads_.erase(read);
+    return ended;
+  }
+  size_t openReads() const { return reads_.size(); }
   uint32_t nativeTexture(gpu::TextureId t) const override { return null_->nativeTexture(t); }
   void invalidateState() override { null_->invalidateState(); }
   const gpu::Counters& counters() const override { return null_->counters(); }
@@ -435,6 +461,8 @@ class TaggingDevice final : public gpu::Device {
   std::unique_ptr<gpu::Device> null_ = gpu::createNullDevice();
   std::map<gpu::TextureId, gpu::TextureDesc> descs_;
   std::map<gpu::TextureId, int> frame_of_;
+  int cells_of_ = 0;                                            // frame whose cells were drawn last
+  std::map<gpu::ReadId, std::pair<int, int>> reads_;            // frame, polls so far
   std::map<gpu::TextureId, std::pair<float, float>> first_of_;  // vertex 0's x, vertex 1's y
 };
 

@@ -155,16 +155,16 @@ for (const [name, src, id] of CASES) {
   });
 }
 
-test('error event: no VideoDecoder', async () => {
+test('error event: neither VideoDecoder nor MediaSource', async () => {
   const id = await page.evaluate(async () => {
-    const native = globalThis.VideoDecoder;
-    delete globalThis.VideoDecoder;
+    const native = { VideoDecoder, MediaSource };
+    for (const name in native) delete globalThis[name];
     const viewer = document.createElement('fourdvt-viewer');
     viewer.src = 'nofiles.gltf';
     const error = new Promise((done) => viewer.addEventListener('error', (e) => done(e.detail.id)));
     document.body.append(viewer);
     const id = await error;
-    globalThis.VideoDecoder = native;
+    Object.assign(globalThis, native);
     return id;
   });
   assert.equal(id, 'decoder-unsupported');

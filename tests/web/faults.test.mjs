@@ -212,7 +212,7 @@ sceneTest('what cannot work is one error with its own ID', async () => {
     ['no memory for wasm', 'out-of-memory', { before: () => {
       WebAssembly.instantiate = () => Promise.reject(new RangeError('WebAssembly.Memory(): could not allocate memory'));
     } }],
-    ['page without https', 'insecure-context', { host: kElsewhere }],
+    ['page without https or MediaSource', 'insecure-context', { host: kElsewhere, before: () => { delete globalThis.MediaSource; } }],
     ['src that is no address', 'invalid-argument', { src: 'http://[' }],
     ['src of an unknown scheme', 'fetch-failed', { src: 'gopher://somewhere/character.gltf' }, (line) => /gopher/.test(line)],
   ];

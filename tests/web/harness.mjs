@@ -64,7 +64,7 @@ class FirefoxPage {
 }
 
 /** Firefox on a screen of its own, because it has no WebGL without one. Pages are FirefoxPages. */
-export async function launchFirefox() {
+export async function launchFirefox(preferences = {}) {
   const screen = spawn('Xvfb', ['-displayfd', '1', '-screen', '0', '1024x768x24', '-nolisten', 'tcp'],
     { stdio: ['ignore', 'pipe', 'ignore'] });
   const display = await new Promise((done, fail) => {
@@ -75,7 +75,7 @@ export async function launchFirefox() {
   const firefox = await requireFromWeb('puppeteer-core').launch({
     browser: 'firefox', executablePath: process.env.FIREFOX ?? '/usr/bin/firefox-esr', headless: false,
     env: { ...process.env, DISPLAY: display },
-    extraPrefsFirefox: { 'webgl.force-enabled': true, 'media.autoplay.default': 0 },
+    extraPrefsFirefox: { 'webgl.force-enabled': true, 'media.autoplay.default': 0, ...preferences },
   });
   return {
     async newPage({ viewport }) {

@@ -4,12 +4,12 @@
 import type { Commands, Performer } from './commands.js';
 import { asViewerError, ViewerError, type ErrorDetail } from './errors.js';
 import type { DecoderFault } from './generated/abi.js';
-import { FrameDecoder, type Picture } from './frame-decoder.js';
+import { FrameDecoder, type DecoderCallbacks, type Picture, type PictureDecoder } from './frame-decoder.js';
 import type { Transport } from './transport.js';
-import { uploadPicture } from './upload-path.js';
+import { kindOf, uploadPicture, type UploadPath } from './upload-path.js';
 import type { WasmModule } from './wasm-abi.js';
 import {
-  WasmPlayer, type CharacterInfo, type PictureKind, type PlayerRequest, type PlayerState, type TellPlayer,
+  WasmPlayer, type CharacterInfo, type PlayerRequest, type PlayerState, type TellPlayer,
 } from './wasm-player.js';
 
 const PICTURE_SLOTS = 4;
@@ -18,7 +18,9 @@ const PICTURE_SLOTS = 4;
 export interface ActorContext {
   module: WasmModule;
   gl: WebGL2RenderingContext;
-  path: PictureKind;
+  path: UploadPath;
+  /** Of upload path 'video': makes its decoders. */
+  videoDecoder: ((callbacks: DecoderCallbacks) => PictureDecoder) | undefined;
   /** The character that the canvas was opened with; null if it is this one. */
   beside: Actor | null;
 }
@@ -40,8 +42,6 @@ export interface ActorHost {
   wake(): void;
   /** Reports that this upload path cannot show the video's pictures. */
   onNoPlanes(): void;
-  /** Gets the first decoded picture, once, to measure with; closes it. */
-  onFirstFrame?(frame: VideoFrame): void;
   /** Loads the second part of the player. */
   more(): Promise<unknown>;
   /** Reports a trap in wasm or another error that ends the whole session. */
@@ -53,11 +53,11 @@ export class Actor implements Performer {
   readonly #transport: Files;
   readonly #commands: Commands;
   readonly #host: ActorHost;
-  #decoders: (FrameDecoder | undefined)[] = [];
+  #decoders: (PictureDecoder | undefined)[] = [];
   #player: WasmPlayer | null;
   #character: CharacterInfo | null = null;
   #ready: Promise<unknown> = Promise.resolve(); // what fetches bring can be decoded
-  #measured = false; // a decoder has been asked to give its first picture to the host
+  #taken: ((frame: VideoFrame) => void) | null = null; // what the next decoded picture is for, too
   #stuck = false; // after an error, until the next command: what is awaited will not come
 
   /** Obeys the commands until it is disposed of. Throws a ViewerError if the manifest cannot be used. */
@@ -66,7 +66,7 @@ export class Actor implements Performer {
     this.#transport = source.transport;
     this.#commands = commands;
     this.#host = host;
-    const player = new WasmPlayer(context.module, context.beside?.player ?? context.gl, context.path, PICTURE_SLOTS);
+    const player = new WasmPlayer(context.module, context.beside?.player ?? context.gl, kindOf(context.path), PICTURE_SLOTS);
     this.#player = player;
     try {
       player.loadManifest(source.manifest, source.start, source.load);
@@ -119,6 +119,9 @@ export class Actor implements Performer {
     return !problem;
   }
 
+  /** Gives the next picture that WebCodecs decodes; `action` closes it. */
+  takeFrame(action: (frame: VideoFrame) => void): void { this.#taken = action; }
+
   tick(nowS: number): void {
     this.#guard((p) => p.tick(nowS));
     this.pump();
@@ -137,7 +140,7 @@ export class Actor implements Performer {
     this.#guard((player) => {
       this.#offerPictures(player);
       for (let request = player.nextRequest(); request; request = player.nextRequest()) this.#serve(request);
-      for (const decoder of this.#decoders) decoder?.feed();
+      this.#decoders.forEach((decoder, index) => decoder?.feed(this.#context.videoDecoder ? player.pace(index) : 0));
       for (let event = player.nextEvent(); event; event = player.nextEvent()) {
         if (event.name === 'error') {
           this.#stuck = true;
@@ -160,7 +163,7 @@ export class Actor implements Performer {
       case 'fetch': void this.#fetch(r.id, r.uri, r.offset, r.size); break;
       case 'cancel': this.#transport.cancel(r.id); break;
       case 'configure': this.#decoder(r.decoder).configure(r.codec, r.data, r.width, r.height); break;
-      case 'decode': decoder?.decode(r.data, r.timestampUs, r.key); break;
+      case 'decode': decoder?.decode(r.data, r.timestampUs, r.key, r.wanted); break;
       case 'flush': decoder?.flush(); break;
       case 'reset': decoder?.reset(); break;
       case 'close':
@@ -170,23 +173,24 @@ export class Actor implements Performer {
     }
   }
 
-  #decoder(index: number): FrameDecoder {
-    return (this.#decoders[index] ??= new FrameDecoder(this.#context.path, {
+  #decoder(index: number): PictureDecoder {
+    return (this.#decoders[index] ??= this.#makeDecoder({
       onPicture: () => {
         this.#guard((player) => this.#offerPictures(player));
         this.#host.wake();
       },
       onNoPlanes: () => this.#host.onNoPlanes(),
       onFault: (fault, reason) => this.#onDecoderFault(index, fault, reason),
-      ...this.#measuring(),
+      onFrame: (frame) => {
+        const taken = this.#taken;
+        this.#taken = null;
+        taken?.(frame.clone());
+      },
     }));
   }
-
-  // Decoders come and go with transitions; only the first decoder gives its first picture for measuring.
-  #measuring(): { onFirstFrame?(frame: VideoFrame): void } {
-    if (this.#measured || !this.#host.onFirstFrame) return {};
-    this.#measured = true;
-    return { onFirstFrame: (frame) => this.#host.onFirstFrame?.(frame) };
+  #makeDecoder(callbacks: DecoderCallbacks): PictureDecoder {
+    const { path, videoDecoder } = this.#context;
+    return videoDecoder?.(callbacks) ?? new FrameDecoder(kindOf(path), callbacks);
   }
 
   async #fetch(id: number, uri: string, offset: number, bytes: number): Promise<void> {
@@ -222,8 +226,11 @@ export class Actor implements Performer {
       return;
     }
     const texture = player.slotTexture(slot);
-    if (texture) uploadPicture(this.#context.gl, texture, picture.frame);
-    player.commitSlot(slot);
+    const { gl, path } = this.#context;
+    const source = picture.kind === 'video' ? picture.video : picture.frame;
+    if (texture) uploadPicture(gl, texture, source, path === 'rgba-sub');
+    if (picture.kind === 'video') player.commitSlot(slot, picture.video.videoWidth, picture.video.videoHeight);
+    else player.commitSlot(slot, picture.frame.displayWidth, picture.frame.displayHeight);
   }
 
   // Not at once: a decoder may report it from within a request of the pump.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Detail of the element's `error` event. The IDs are those of native/base/result.h, and three that only a page meets
 // ("ID: meaning; remedy", from which site/docs/errors.mjs makes the documents' table). Compare IDs, never messages.
-//   insecure-context: browsers decode video only on https pages and on localhost; serve the page over https
+//   insecure-context: this browser decodes video only on https pages and on localhost; serve the page over https
 //   wasm-refused: the browser refuses the player's WebAssembly, or it is of another build than the script; add
 //     'wasm-unsafe-eval' to script-src of the page's policy, and serve all files of one build unchanged
 //   out-of-memory: the browser has no memory left for the character; close other tabs, or offer a smaller character

@@ -17,7 +17,7 @@ import { Overlay } from './overlay.js';
 import { qualityOf } from './quality-attribute.js';
 import { Session, type SessionHost, type Snapshot } from './session.js';
 import { statsOf, type ViewerStats } from './stats.js';
-import type { UploadPath } from './upload-path.js';
+import type { UploadChoice as UploadPath } from './upload-path.js';
 import {
   ALIGN_MODES, type Align, type ParameterInfo, type Placement, type RenderOptions, type SceneMesh,
   type SequenceInfo,
@@ -73,7 +73,6 @@ export class FourdvtViewer extends HTMLElement {
   #visible = true;
   #sinceInteraction = Infinity;
   #turns = false; // by keys or joystick
-  #uploadPath: UploadPath = 'auto';
   #error: ErrorDetail | null = null;
   #loading = false;
   #loaded: string | null = null; // src of what is shown, or was shown when the element left the page
@@ -244,8 +243,8 @@ export class FourdvtViewer extends HTMLElement {
     this.#commands.set('options', all);
   }
   /** How decoded pictures reach the GPU; 'auto' measures what is faster. Takes effect at the next load. */
-  get uploadPath(): UploadPath { return this.#uploadPath; }
-  set uploadPath(value: UploadPath) { this.#uploadPath = value; }
+  get uploadPath(): UploadPath { return (this.getAttribute('upload-path') ?? 'auto') as UploadPath; }
+  set uploadPath(value: UploadPath) { this.setAttribute('upload-path', value); }
   get stats(): ViewerStats | null {
     const state = this.#commands.state();
     return state && statsOf(state, this.#session!.path);
@@ -368,7 +367,7 @@ export class FourdvtViewer extends HTMLElement {
       src,
       wasmUrl: FourdvtViewer.wasmUrl,
       opencvUrl: FourdvtViewer.opencvUrl,
-      uploadPath: this.#uploadPath,
+      uploadPath: this.uploadPath,
       align: this.align,
       room: this.#room,
       fresh,

@@ -2,15 +2,39 @@
 // Carries out the player's decode requests with WebCodecs. Holds a bounded number of pictures, in presentation order,
 // until the player has a slot for them, and closes a VideoFrame as soon as its pixels are copied.
 // Upload path 'i420' copies the pixels out (I420 or NV12 planes); on path 'rgba' the VideoFrame itself is held.
-import type { DecoderFault } from './generated/abi.js';
-import type { PictureKind, Planes } from './wasm-player.js';
+import type { DecoderFault, PictureKind } from './generated/abi.js';
 
 const MAX_HELD = 3;   // pictures that wait for a slot; the decoder is not fed while there are as many
 const MAX_QUEUED = 6; // samples inside the decoder
 
+export interface Planes {
+  width: number;
+  height: number;
+  /** Offset and stride of each plane; an NV12 picture has two. */
+  layout: { offset: number; stride: number }[];
+}
+
 export type Picture =
   | { kind: 'i420'; timestampUs: number; pixels: Uint8Array; planes: Planes }
-  | { kind: 'rgba'; timestampUs: number; frame: VideoFrame };
+  | { kind: 'rgba'; timestampUs: number; frame: VideoFrame }
+  | { kind: 'video'; timestampUs: number; video: HTMLVideoElement };
+
+/** Carries out the decode requests of one of the player's decoders. */
+export interface PictureDecoder {
+  configure(codec: string, description: Uint8Array, width: number, height: number): void;
+  /** wanted: false if nothing waits for its picture, which later ones may refer to. */
+  decode(bytes: Uint8Array, timestampUs: number, key: boolean, wanted: boolean): void;
+  flush(): void;
+  reset(): void;
+  dispose(): void;
+  /** Goes on with what is queued. pace: pictures a second that the player takes now; 0: none but one that it seeks. */
+  feed(pace: number): void;
+  /** The earliest of the waiting pictures. */
+  peek(): Picture | undefined;
+  /** Drops the earliest waiting picture, which has been shown or is not wanted. */
+  shift(): void;
+  readonly busy: boolean;
+}
 
 export interface DecoderCallbacks {
   onPicture(): void;
@@ -18,13 +42,13 @@ export interface DecoderCallbacks {
   onNoPlanes(): void;
   /** Reports that nothing comes any more: the decoder is closed until it is configured again. */
   onFault(fault: DecoderFault, reason: string): void;
-  /** Gets the first picture, once, to measure with; closes it. */
-  onFirstFrame?(frame: VideoFrame): void;
+  /** Sees every picture as WebCodecs gives it; does not close it. */
+  onFrame(frame: VideoFrame): void;
 }
 
 type Command = { chunk: EncodedVideoChunk } | 'flush';
 
-export class FrameDecoder {
+export class FrameDecoder implements PictureDecoder {
   readonly #path: PictureKind;
   readonly #callbacks: DecoderCallbacks;
   #decoder: VideoDecoder | null = null;
@@ -33,9 +57,9 @@ export class FrameDecoder {
   #frames: VideoFrame[] = [];
   #pictures: Picture[] = [];
   #pool: Uint8Array[] = [];
+  readonly #unwanted = new Set<number>(); // timestamps of pictures that nothing waits for
   #generation = 0;
   #copying = false;
-  #first = true;
 
   constructor(path: PictureKind, callbacks: DecoderCallbacks) {
     this.#path = path;
@@ -62,7 +86,8 @@ export class FrameDecoder {
     }
   }
 
-  decode(bytes: Uint8Array, timestampUs: number, key: boolean): void {
+  decode(bytes: Uint8Array, timestampUs: number, key: boolean, wanted: boolean): void {
+    if (!wanted) this.#unwanted.add(timestampUs);
     const chunk = new EncodedVideoChunk({ type: key ? 'key' : 'delta', timestamp: timestampUs, data: bytes });
     this.#commands.push({ chunk });
     this.feed();
@@ -97,11 +122,9 @@ export class FrameDecoder {
     }
   }
 
-  /** The earliest of the waiting pictures. */
   peek(): Picture | undefined {
     return this.#pictures[0];
   }
-  /** Drops the earliest waiting picture, which has been shown or is not wanted. */
   shift(): void {
     const picture = this.#pictures.shift();
     if (picture) this.#release(picture);
@@ -114,14 +137,16 @@ export class FrameDecoder {
 
   #release(picture: Picture): void {
     if (picture.kind === 'rgba') picture.frame.close();
-    else if (this.#pool.length < MAX_HELD) this.#pool.push(picture.pixels);
+    else if (picture.kind === 'i420' && this.#pool.length < MAX_HELD) this.#pool.push(picture.pixels);
   }
 
   #onFrame(frame: VideoFrame): void {
-    if (this.#first) {
-      this.#first = false;
-      this.#callbacks.onFirstFrame?.(frame.clone());
+    if (this.#unwanted.delete(frame.timestamp)) {
+      frame.close();
+      this.feed();
+      return;
     }
+    this.#callbacks.onFrame(frame);
     if (this.#path === 'rgba') {
       this.#pictures.push({ kind: 'rgba', timestampUs: frame.timestamp, frame });
       this.#callbacks.onPicture();
@@ -191,6 +216,7 @@ export class FrameDecoder {
   #forget(): void {
     ++this.#generation;
     this.#commands = [];
+    this.#unwanted.clear();
     for (const frame of this.#frames) frame.close();
     this.#frames = [];
     for (const picture of this.#pictures) this.#release(picture);

@@ -10,10 +10,10 @@ import { FrameLoop } from './frame-loop.js';
 import type { LiveStream } from './live.js';
 import type { OrbitCamera } from './orbit-camera.js';
 import { Transport } from './transport.js';
-import { measurePath, rememberedPath, rememberPath, uploadPicture, type UploadPath } from './upload-path.js';
+import { choosePath, kindOf, rememberedPath, rememberPath, uploadPicture, type UploadChoice, type UploadPath } from './upload-path.js';
 import type { WasmModule } from './wasm-abi.js';
 import { expectMore, instantiate, loadMore, type More } from './wasm-module.js';
-import type { Align, CharacterInfo, OrbitPose, PictureKind } from './wasm-player.js';
+import type { Align, CharacterInfo, OrbitPose } from './wasm-player.js';
 
 // What the files of two bakes bring when a new one was put in place of the one that is playing.
 const mayBeOfTwoBakes = ({ id }: ErrorDetail): boolean => id === 'files-differ' || id === 'fetch-failed';
@@ -41,7 +41,7 @@ export interface SessionOptions {
   src: string;
   wasmUrl: string;
   opencvUrl: string;
-  uploadPath: UploadPath;
+  uploadPath: UploadChoice;
   align: Align;
   room: boolean;
   /** Past the browser's cache. */
@@ -103,7 +103,8 @@ export class Session {
   #unproven = false; // it was loaded anew and could not play yet
   #held: ErrorDetail[] | null = null; // errors that wait for what #renew finds
   readonly #renewedOthers = new WeakSet<Companion>();
-  #path: PictureKind = 'i420';
+  #path: UploadPath = 'i420';
+  #videoDecoder: More['makeVideoDecoder'] | undefined; // of path 'video'
   #shown = false;
   #deciding = false; // the upload path is being measured
   #redraw = true;
@@ -128,15 +129,10 @@ export class Session {
   /** Loads the character. Never rejects: what goes wrong becomes an error event. */
   async start(): Promise<void> {
     try {
-      if (!globalThis.isSecureContext) {
-        throw new ViewerError('insecure-context', `${location.origin}: browsers decode video for pages that come over https (or from localhost) only; serve this page over https`);
-      }
-      if (typeof VideoDecoder === 'undefined') {
-        throw new ViewerError('decoder-unsupported', 'this browser has no WebCodecs VideoDecoder: open the page in a newer one');
-      }
       const { wasmUrl } = this.#options;
       const live = /^wss?:/.test(this.#options.src);
-      const early = live || needsFlow(this.#align) || this.#hasLook;
+      const path = choosePath(this.#options.uploadPath, live);
+      const early = live || path !== 'i420' || needsFlow(this.#align) || this.#hasLook;
       if (early) expectMore(wasmUrl, this.#network);
       const start = live ? null : this.#files.start(); // beside the others, whether the manifest names it or not
       const [files, module] = await Promise.all([live || this.#files.manifest(), instantiate(wasmUrl, this.#network)]);
@@ -156,8 +152,7 @@ export class Session {
         powerPreference: 'high-performance',
       });
       if (!this.#gl) throw new ViewerError('gpu-failure', 'no WebGL2 context: the browser or its GPU driver refuses one');
-      const { uploadPath } = this.#options;
-      this.#open(uploadPath === 'auto' ? rememberedPath() ?? 'i420' : uploadPath);
+      await this.#openOn(path);
     } catch (reason) {
       if (!this.#abort.signal.aborted) this.#fatal(reason);
     }
@@ -204,7 +199,7 @@ export class Session {
   get started(): boolean { return this.#start.length > 0; }
   /** Of the loaded character; undefined before, and for one from cameras. */
   get layers(): number | undefined { return this.#main ? extensionOf(this.#manifest)?.layerCount : undefined; }
-  get path(): PictureKind { return this.#path; }
+  get path(): UploadPath { return this.#path; }
   get #commands(): Commands { return this.#host.commands; }
 
   /** Optical flow takes effect when its module is loaded; if it does not load, an error event says why. */
@@ -303,7 +298,9 @@ export class Session {
   // Once it can play, so that the first pictures do not share the network with it. What fails is tried again when it is
   // needed.
   async #loadRest(): Promise<void> {
-    if (!(await this.#more().catch(() => null))) return;
+    const more = await this.#more().catch(() => null);
+    if (!more) return;
+    if (this.#deciding) this.#main?.takeFrame((frame) => void this.#choosePath(frame, more));
     if (this.#main) this.#advise(this.#main, this.#manifest);
     for (const actor of this.#actors) actor.run((player) => player.moreCame());
     this.#programsMissing = true;
@@ -361,7 +358,7 @@ export class Session {
       const texture = player.showRoom(bytes); // nothing is seen of it until it is filled
       const picture = await createImageBitmap(new Blob([bytes as BlobPart]), { colorSpaceConversion: 'none' });
       if (turn === this.#roomTurn) {
-        uploadPicture(this.#gl!, texture, picture);
+        uploadPicture(this.#gl!, texture, picture, true);
         this.#gl!.generateMipmap(this.#gl!.TEXTURE_2D);
         player.invalidateState();
         this.wake();
@@ -375,21 +372,29 @@ export class Session {
   // --- opening and closing characters ---
 
   #context(beside: Actor | null): ActorContext {
-    return { module: this.#module!, gl: this.#gl!, path: this.#path, beside };
+    return { module: this.#module!, gl: this.#gl!, path: this.#path, videoDecoder: this.#videoDecoder, beside };
   }
 
-  #open(path: PictureKind): void {
+  // Paths other than 'i420' need the second part: it reads the pictures' numbers back.
+  async #openOn(path: UploadPath): Promise<void> {
+    if (path !== 'i420') {
+      const { makeVideoDecoder } = await this.#more();
+      this.#videoDecoder = path === 'video' ? makeVideoDecoder : undefined;
+    }
+    if (!this.#abort.signal.aborted) this.#open(path);
+  }
+
+  #open(path: UploadPath): void {
     this.#path = path;
     this.#programsMissing = true;
-    const decide = (this.#deciding = !this.#live && this.#options.uploadPath === 'auto' && !rememberedPath());
-    const source = { transport: this.#transport, manifest: this.#manifest, start: this.#start, load: this.#live?.load(path) };
+    this.#deciding = !this.#live && path !== 'video' && this.#options.uploadPath === 'auto' && !rememberedPath();
+    const source = { transport: this.#transport, manifest: this.#manifest, start: this.#start, load: this.#live?.load(kindOf(path)) };
     const main = new Actor(this.#context(null), source, this.#commands, {
       emit: (name, detail) => this.#onMainEvent(name, detail),
       wake: () => this.wake(),
-      onNoPlanes: () => this.#reopen('rgba'),
+      onNoPlanes: () => void this.#reopenOn('rgba'),
       more: () => this.#more(),
       fatal: (reason) => this.#fatal(reason),
-      ...(decide ? { onFirstFrame: (frame: VideoFrame) => void this.#choosePath(frame) } : {}),
     });
     if (this.#abort.signal.aborted) return main.dispose(); // an error during its creation has ended the session
     this.#main = main;
@@ -499,7 +504,16 @@ export class Session {
   }
 
   // Opens the same character on another upload path; it goes on from where it is.
-  #reopen(path: PictureKind): void {
+  async #reopenOn(path: UploadPath): Promise<void> {
+    try {
+      await this.#more();
+      if (!this.#abort.signal.aborted) this.#reopen(path);
+    } catch (reason) {
+      this.#fatal(reason);
+    }
+  }
+
+  #reopen(path: UploadPath): void {
     if (!this.#main) return;
     this.#drawn = '';
     this.#transport.cancelAll();
@@ -511,10 +525,10 @@ export class Session {
     }
   }
 
-  async #choosePath(frame: VideoFrame): Promise<void> {
+  async #choosePath(frame: VideoFrame, { measurePath }: More): Promise<void> {
     const gl = this.#gl;
     if (!gl) return frame.close();
-    let path: PictureKind = this.#path;
+    let path: UploadPath = this.#path;
     try {
       path = await measurePath(gl, frame, () => this.#main?.player?.invalidateState());
     } catch {
@@ -525,7 +539,7 @@ export class Session {
     if (this.#abort.signal.aborted || gl.isContextLost()) return;
     rememberPath(path);
     this.#deciding = false;
-    if (path !== this.#path) this.#reopen(path);
+    if (path !== this.#path) await this.#reopenOn(path);
     else if (this.#main?.state()?.hasFrame) this.#transport.stopReplay();
     this.wake();
   }

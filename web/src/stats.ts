@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Counters of a viewer, for its property `stats`.
-import type { PictureKind, PlayerState } from './wasm-player.js';
+import type { UploadPath } from './upload-path.js';
+import type { PlayerState } from './wasm-player.js';
 
 export interface ViewerStats {
   framesShown: number;
@@ -12,10 +13,10 @@ export interface ViewerStats {
   textureBytes: number;
   /** Of the picture shown, 0: the lowest. */
   rendition: number;
-  uploadPath: PictureKind;
+  uploadPath: UploadPath;
 }
 
-export function statsOf(state: PlayerState, uploadPath: PictureKind): ViewerStats {
+export function statsOf(state: PlayerState, uploadPath: UploadPath): ViewerStats {
   const { framesShown, framesLate, barcodeChecked, barcodeMismatches, bytesFetched, encodedBytesHeld, rendition } = state;
   return {
     framesShown, framesLate, barcodeChecked, barcodeMismatches, bytesFetched, encodedBytesHeld, rendition,

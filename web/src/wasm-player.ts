@@ -8,6 +8,7 @@ import {
   readEvent, readParameter, readRequest, readSequence, readState, VISIBILITIES, type AlignMode, type DebugView, type DecoderFault,
   type EventRecord, type ParameterRecord, type PictureKind, type RequestRecord, type StateRecord, type Visibility,
 } from './generated/abi.js';
+import type { Planes } from './frame-decoder.js';
 import { Reader } from './records.js';
 import type { WasmModule } from './wasm-abi.js';
 import { hasMore } from './wasm-module.js';
@@ -101,13 +102,6 @@ export interface OrbitPose {
   distance: number;
   target: [number, number, number];
   fov: number;
-}
-
-export interface Planes {
-  width: number;
-  height: number;
-  /** Offset and stride of each plane; an NV12 picture has two. */
-  layout: { offset: number; stride: number }[];
 }
 
 const RADIANS = Math.PI / 180;
@@ -214,8 +208,12 @@ export class WasmPlayer {
   slotTexture(slot: number): WebGLTexture | null {
     return this.#m.GL.textures[this.#m._fdvt_slot_texture(this.#h, slot)] ?? null;
   }
-  /** To be called when the page has filled the slot's texture. */
-  commitSlot(slot: number): void { this.#m._fdvt_commit_slot(this.#h, slot); }
+  /** To be called when the page has filled the slot's texture with a picture of this size. */
+  commitSlot(slot: number, width: number, height: number): void {
+    this.#m._fdvt_commit_slot(this.#h, slot, width, height);
+  }
+  /** Pictures a second that a decoder should give that keeps time itself; 0: none but one that is sought. Needs the second part. */
+  pace(decoder: number): number { return this.#m._fdvt_pace(this.#h, decoder); }
   invalidateState(): void { this.#m._fdvt_invalidate_state(this.#h); }
 
   setOptions(options: RenderOptions): void {

@@ -73,9 +73,11 @@ DecodeSample Feeding::nextSample(const FedSequence& fed, std::span<const uint8_t
   const int64_t serial = serial_base_ + k;
   next_serial_ = std::max(next_serial_, serial + 1);
   const int64_t timestamp_us = serial * kTimestampStep_us;
-  in_flight_.push_back(timestamp_us);
+  const bool wanted = k >= drop_before_k_;
+  if (wanted) in_flight_.push_back(timestamp_us);
   if (first + ++sample_ == table.chunk_first_sample[gop_ + 1]) finishGop(fed);
-  return {decoder_, video.subspan(sample.offset - table.samples[first].offset, sample.bytes), timestamp_us, sample.key};
+  return {decoder_, video.subspan(sample.offset - table.samples[first].offset, sample.bytes), timestamp_us, sample.key,
+          wanted};
 }
 
 void Feeding::finishGop(const FedSequence& fed) {
@@ -94,7 +96,7 @@ void Feeding::finishGop(const FedSequence& fed) {
 void Feeding::noteIdlePoll(int used_slots) {
   if (!active_ || in_flight_.empty()) return;
   if (++idle_polls_ <= kMaxIdlePolls || used_slots > 1) return;
-  reorder_allowance_ = std::min(reorder_allowance_ + 4, kMaxReorderAllowance);
+  reorder_allowance_ = std::max(reorder_allowance_, std::min(reorder_allowance_ + 4, kMaxReorderAllowance));
   idle_polls_ = 0;
 }
 
@@ -103,19 +105,16 @@ std::optional<int64_t> Feeding::presentationOf(int64_t timestamp_us) {
   idle_polls_ = 0;
   const int64_t k = timestamp_us / kTimestampStep_us - serial_base_;
   if (k >= suspect_until_k_) losses_ = 0;
-  if (k >= drop_before_k_) {
-    gave_ = true;
-    return k;
-  }
-  take(timestamp_us);
-  return std::nullopt;
+  gave_ = true;
+  return k;
 }
 
 void Feeding::take(int64_t timestamp_us) {
-  const auto taken = std::find(in_flight_.begin(), in_flight_.end(), timestamp_us);
-  if (taken == in_flight_.end()) return;
-  *taken = in_flight_.back();
-  in_flight_.pop_back();
+  std::erase_if(in_flight_, [&](int64_t waiting) { return waiting <= timestamp_us; });
+}
+
+void Feeding::awaitAgain(int64_t k) {
+  if (active_) in_flight_.push_back((serial_base_ + k) * kTimestampStep_us);
 }
 
 void Feeding::loseDecoder(DecoderFault fault) {

@@ -27,12 +27,13 @@ struct FedSequence {
 
 class Feeding {
  public:
-  explicit Feeding(int decoder) : decoder_(decoder) {}
+  // samples_ahead: that the decoder may hold beyond the free slots, at first.
+  explicit Feeding(int decoder, size_t samples_ahead = 4) : decoder_(decoder), reorder_allowance_(samples_ahead) {}
 
   // Nobody waits for the pictures under way any more.
   void stop();
   // Starts again at the GOP that holds presentation k: frames since the sequence's start, unwrapped over loops.
-  // Pictures before k are decoded and dropped.
+  // Samples before k are fed for those that refer to them; nothing waits for their pictures.
   void restart(const FedSequence& fed, int64_t k, Outbox& outbox);
   // The decoder's next request; false: it must have none now. A GOP in another rendition waits until the pictures
   // before it have been taken: the decoder gives them back, and is configured anew. video: the samples of `gop()`, null
@@ -44,7 +45,10 @@ class Feeding {
 
   // The presentation that a decoded picture is for; null: nobody waits for it.
   std::optional<int64_t> presentationOf(int64_t timestamp_us);
-  void take(int64_t timestamp_us);  // nobody waits for it any more
+  // Nobody waits for it any more, nor for those before it: pictures come in the order of presentation, and a decoder
+  // may leave some out.
+  void take(int64_t timestamp_us);
+  void awaitAgain(int64_t k);  // a presentation whose picture was taken, and was another one's
 
   // The decoder is gone, and with it what it held: stops until `restart`.
   void loseDecoder(DecoderFault fault);
@@ -79,7 +83,7 @@ class Feeding {
   int64_t serial_base_ = 0;  // serial = serial_base_ + k
   int64_t next_serial_ = 0;
   std::vector<int64_t> in_flight_;  // timestamps, in any order
-  size_t reorder_allowance_ = 4;    // samples the decoder may hold beyond the slots; grows if it holds more
+  size_t reorder_allowance_;        // samples the decoder may hold beyond the slots; grows if it holds more
   int idle_polls_ = 0;              // since a picture came back
   bool lost_ = false;
   int losses_ = 0;               // of the decoder, in a row

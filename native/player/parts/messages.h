@@ -34,6 +34,7 @@ struct DecodeSample {
   std::span<const uint8_t> bytes;
   int64_t timestamp_us = 0;  // names the presentation that the picture is for; never repeats; goes back in the answer
   bool key = false;
+  bool wanted = true;  // a presentation waits for its picture, not only the pictures that refer to it
 };
 struct FlushDecoder {
   int decoder = 0;

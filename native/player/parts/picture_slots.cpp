@@ -15,6 +15,12 @@ int PictureSlots::freeCount() const {
       std::count_if(slots_.begin(), slots_.end(), [](const Slot& s) { return s.use == Slot::Use::Free; }));
 }
 
+int PictureSlots::readyCount() const {
+  return static_cast<int>(std::count_if(slots_.begin(), slots_.end(), [this](const Slot& s) {
+    return s.use == Slot::Use::Ready && s.epoch == epoch_;
+  }));
+}
+
 int PictureSlots::findFree() const {
   const auto free = std::find_if(slots_.begin(), slots_.end(), [](const Slot& s) { return s.use == Slot::Use::Free; });
   return free == slots_.end() ? -1 : static_cast<int>(free - slots_.begin());

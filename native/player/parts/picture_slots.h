@@ -2,7 +2,7 @@
 // The picture slots of one decoder: textures that its decoded pictures are copied into, and the presentation that each
 // one holds. A slot is free, being filled, ready, or on screen. Pictures of an earlier epoch (before a seek or another
 // sequence) are never shown. Does NOT decode (feeding.h) and does NOT decide what is shown (playhead.h).
-// Order of calls for a slot: findFree → prepare → fill → upload → commit → show.
+// Order of calls for a slot: findFree → prepare → fill → upload, or renumber → commit → show.
 #pragma once
 
 #include <vector>
@@ -17,6 +17,7 @@ class PictureSlots {
 
   bool holds(int slot) const { return slot >= 0 && slot < static_cast<int>(slots_.size()); }
   int freeCount() const;
+  int readyCount() const;  // of the present epoch
   int usedCount() const { return static_cast<int>(slots_.size()) - freeCount(); }
   int findFree() const;  // -1: none
   // Gives the slot a texture of the rendition's size. Errors: GpuFailure.
@@ -25,6 +26,7 @@ class PictureSlots {
   void fill(int slot, int64_t k, uint32_t rendition);
   // It is being filled for the present epoch.
   bool awaits(int slot) const;
+  void renumber(int slot, int64_t k) { at(slot).k = k; }  // it is another presentation's
   void upload(gpu::Device& device, int slot, const I420View& picture);
   void reject(int slot) { at(slot).rejected = true; }  // what it is being filled with must not be shown
   // It is filled: ready from now on, or free again if nobody wants it. Not `in_use`: its texture is freed.

@@ -46,6 +46,10 @@ class PassClock final : public gpu::Device {
   Status readPixels(gpu::TargetId target, gpu::PixelFormat format, const gpu::Region& region, void* out) override {
     return device_.readPixels(target, format, region, out);
   }
+  gpu::ReadId beginRead(gpu::TargetId target, const gpu::Region& region) override {
+    return device_.beginRead(target, region);
+  }
+  bool endRead(gpu::ReadId read, void* out) override { return device_.endRead(read, out); }
   uint32_t nativeTexture(gpu::TextureId texture) const override { return device_.nativeTexture(texture); }
   void invalidateState() override { device_.invalidateState(); }
   const gpu::Counters& counters() const override { return device_.counters(); }

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every way of a decoded picture onto the GPU: with a VideoDecoder, and with a <video> element where there is none. Pictures are
+// paired with their geometry over loops, seeks, rungs, motions and a slider.
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+
+import { environment, kElsewhere, launch, launchFirefox, openPage } from './harness.mjs';
+import { kNoWebCodecs, openOnPath, playOnPath, servePlain } from './play_path.mjs';
+
+const kFrames = 200;
+const viewport = { width: 240, height: 280 };
+let server, browser;
+
+before(async () => {
+  server = await servePlain(environment('SITE'));
+  browser = await launch();
+});
+after(async () => {
+  await browser?.close();
+  await server?.close();
+});
+
+function judge(played, path) {
+  assert.equal(played.path, path);
+  assert.deepEqual(played.errors, []);
+  // Of a <video> element that is refused: another picture may take its place while it is copied. None of them is shown.
+  assert.ok(played.mismatches <= (path === 'video' ? played.checked / 50 : 0), `${played.mismatches} pictures had no fitting number`);
+  assert.ok(played.checked >= played.frames, `${played.checked} of ${played.frames} pictures were checked`);
+  assert.ok(played.loops.length > 3, 'no loop was seen');
+  console.log(`${path}: ${played.frames} frames, ${played.late} left out`);
+}
+
+for (const path of ['rgba', 'rgba-sub', 'video']) {
+  test(`Chromium: ${path}`, async () => {
+    const page = await openPage(browser, { viewport }, 'auto');
+    await openOnPath(page, server, path);
+    judge(await playOnPath(page, kFrames), path);
+    assert.deepEqual([...page.troubles, ...page.reported], []);
+    await page.close();
+  });
+}
+
+test('Chromium: a <video> element without requestVideoFrameCallback', async () => {
+  const page = await openPage(browser, { viewport }, 'auto');
+  await page.addInitScript(() => { delete HTMLVideoElement.prototype.requestVideoFrameCallback; });
+  await openOnPath(page, server, 'video');
+  judge(await playOnPath(page, kFrames / 2), 'video');
+  await page.close();
+});
+
+test('Chromium: a page of plain http plays', async () => {
+  const page = await openPage(browser, { viewport }, 'auto');
+  await openOnPath(page, server, '', kElsewhere);
+  assert.equal(await page.evaluate(() => isSecureContext), false);
+  judge(await playOnPath(page, kFrames / 2), 'video');
+  await page.close();
+});
+
+test('Chromium: the decoder is freed with the element and where the page is hidden', async () => {
+  const page = await openPage(browser, { viewport }, 'auto');
+  await page.addInitScript(() => {
+    const made = (globalThis.made = []);
+    const create = document.createElement;
+    document.createElement = function (name, ...rest) {
+      const element = create.call(this, name, ...rest);
+      if (name === 'video') made.push(element);
+      return element;
+    };
+  });
+  await openOnPath(page, server, 'video');
+  const alive = () => page.evaluate(() => globalThis.made.filter((video) => video.src).length);
+  assert.equal(await alive(), 1);
+  await page.evaluate(() => globalThis.viewer.remove());
+  assert.equal(await alive(), 0);
+  await page.close();
+});
+
+test('Chromium: a policy without media-src blob: is named', async () => {
+  const page = await openPage(browser, { viewport }, 'auto');
+  const strict = await servePlain(environment('SITE'));
+  await page.route('**/blank.html', async (route) => {
+    const answer = await route.fetch();
+    await route.fulfill({ response: answer, headers: { ...answer.headers(), 'content-security-policy': "default-src 'self' 'unsafe-inline' 'wasm-unsafe-eval' data:" } });
+  });
+  await assert.rejects(openOnPath(page, strict, 'video'), /decoder-unsupported.*media-src blob:/);
+  await strict.close();
+  await page.close();
+});
+
+test('Firefox without WebCodecs', async () => {
+  const firefox = await launchFirefox(kNoWebCodecs);
+  try {
+    const page = await firefox.newPage({ viewport });
+    await openOnPath(page, server, '');
+    assert.equal(await page.evaluate(() => typeof VideoDecoder), 'undefined');
+    judge(await playOnPath(page, kFrames), 'video');
+  } finally {
+    await firefox.close();
+  }
+});
