@@ -100,20 +100,6 @@ static_assert(static_cast<int>(abi::Visibility::Plain) == static_cast<int>(rende
 static_assert(static_cast<int>(abi::DecoderFault::Unsupported) == static_cast<int>(DecoderFault::Unsupported) &&
               static_cast<int>(abi::DecoderFault::TakenAway) == static_cast<int>(DecoderFault::TakenAway));
 
-// Makes planes of an NV12 picture's interleaved u and v; they belong to the handle.
-void separateChroma(Instance* h, const uint8_t* interleaved, int32_t stride, I420View& view) {
-  const size_t w = view.width / 2, rows = view.height / 2, plane = w * rows;
-  h->chroma.resize(2 * plane);
-  for (size_t row = 0; row < rows; ++row) {
-    const uint8_t* from = interleaved + row * stride;
-    uint8_t* to = h->chroma.data() + row * w;
-    for (size_t x = 0; x < w; ++x) to[x] = from[2 * x], to[plane + x] = from[2 * x + 1];
-  }
-  view.u = h->chroma.data();
-  view.v = view.u + plane;
-  view.stride_u = view.stride_v = static_cast<int>(w);
-}
-
 }  // namespace
 
 void* fdvt_alloc(uint32_t size) { return std::malloc(size); }
@@ -217,13 +203,19 @@ int32_t fdvt_acquire_slot(Instance* h, int32_t decoder, double timestamp_us) {
   makeCurrent(h);
   return h->player->acquireSlot(decoder, static_cast<int64_t>(timestamp_us));
 }
-void fdvt_upload(Instance* h, int32_t slot, const uint8_t* data, const abi::Planes* layout) {
+void fdvt_upload(Instance* h, int32_t slot, void* block, const abi::Planes* layout) {
   makeCurrent(h);
   const abi::Planes& p = *layout;
-  I420View view{p.width,           p.height,   data + p.offset_y, data + p.offset_u,
-                data + p.offset_v, p.stride_y, p.stride_u,        p.stride_v};
-  if (p.stride_v == 0) separateChroma(h, view.u, p.stride_u, view);
-  h->player->uploadI420(slot, view);
+  const auto* data = static_cast<const uint8_t*>(block);
+  const I420View view{p.width,
+                      p.height,
+                      data + p.offset_y,
+                      data + p.offset_u,
+                      p.stride_v ? data + p.offset_v : nullptr,
+                      p.stride_y,
+                      p.stride_u,
+                      p.stride_v};
+  h->player->uploadI420(slot, view, PictureBytes(block, std::free));
   h->player->commitSlot(slot);
 }
 uint32_t fdvt_slot_texture(Instance* h, int32_t slot) {

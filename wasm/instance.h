@@ -44,7 +44,6 @@ struct Instance {
   LivePlayer* live = nullptr;      // the player, if it plays a live stream
   FlatJson manifest;               // filled value by value until fdvt_load
   render::RecipeOptions options;
-  std::vector<uint8_t> chroma;  // planes u and v of an NV12 picture
   // Owners of what the texts and bytes of the records point to.
   Request request;
   Event event;

@@ -37,7 +37,7 @@ struct I420View {
   int width = 0, height = 0;
   const uint8_t* y = nullptr;
   const uint8_t* u = nullptr;
-  const uint8_t* v = nullptr;
+  const uint8_t* v = nullptr;  // null: u has both, interleaved (NV12)
   int stride_y = 0, stride_u = 0, stride_v = 0;  // bytes
 };
 

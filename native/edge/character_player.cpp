@@ -24,7 +24,7 @@ constexpr int kMaxTicksPerFrame = 4000;  // far above what a seek needs; a chara
 struct HeldPicture {
   int64_t timestamp_us = 0;
   int width = 0, height = 0;
-  std::vector<uint8_t> planes;  // y, u, v, tightly packed
+  std::shared_ptr<std::vector<uint8_t>> planes = std::make_shared<std::vector<uint8_t>>();  // y, u, v, tightly packed
 
   HeldPicture(const I420View& view, int64_t timestamp)
       : timestamp_us(timestamp), width(view.width), height(view.height) {
@@ -33,7 +33,7 @@ struct HeldPicture {
     append(view.v, view.stride_v, width / 2, height / 2);
   }
   I420View view() const {
-    const uint8_t* y = planes.data();
+    const uint8_t* y = planes->data();
     const uint8_t* u = y + size_t(width) * height;
     const uint8_t* v = u + size_t(width / 2) * (height / 2);
     return {width, height, y, u, v, width, width / 2, width / 2};
@@ -43,7 +43,7 @@ struct HeldPicture {
   void append(const uint8_t* plane, int stride, int plane_width, int plane_height) {
     for (int row = 0; row < plane_height; ++row) {
       const uint8_t* start = plane + ptrdiff_t(row) * stride;
-      planes.insert(planes.end(), start, start + plane_width);
+      planes->insert(planes->end(), start, start + plane_width);
     }
   }
 };
@@ -96,7 +96,7 @@ class FilePlayer final : public CharacterPlayer {
   void onPicture(int decoder, const I420View& picture, int64_t timestamp_us);
   void offerHeldPictures();
   // False if no slot is free now.
-  bool offer(int decoder, const I420View& picture, int64_t timestamp_us);
+  bool offer(int decoder, const HeldPicture& picture);
   Status takeEvents();
 
   std::shared_ptr<render::Recipe> recipe_;
@@ -151,25 +151,25 @@ void FilePlayer::report(int decoder, const Status& status) {
                            status.error().message);
 }
 
-bool FilePlayer::offer(int decoder, const I420View& picture, int64_t timestamp_us) {
-  const int slot = player_->acquireSlot(decoder, timestamp_us);
+bool FilePlayer::offer(int decoder, const HeldPicture& picture) {
+  const int slot = player_->acquireSlot(decoder, picture.timestamp_us);
   if (slot == -1) return false;
   if (slot < 0) return true;
-  player_->uploadI420(slot, picture);
+  player_->uploadI420(slot, picture.view(), picture.planes);
   player_->commitSlot(slot);
   return true;
 }
 
 void FilePlayer::onPicture(int decoder, const I420View& picture, int64_t timestamp_us) {
   std::deque<HeldPicture>& held = decoding(decoder).held;
-  if (held.empty() && offer(decoder, picture, timestamp_us)) return;
   held.emplace_back(picture, timestamp_us);
+  if (held.size() == 1 && offer(decoder, held.front())) held.pop_front();
 }
 
 void FilePlayer::offerHeldPictures() {
   for (int d = 0; d < kDecoders; ++d) {
     std::deque<HeldPicture>& held = decoding(d).held;
-    while (!held.empty() && offer(d, held.front().view(), held.front().timestamp_us)) held.pop_front();
+    while (!held.empty() && offer(d, held.front())) held.pop_front();
   }
 }
 

@@ -193,12 +193,12 @@ int LivePlayer::acquireSlot(int decoder, int64_t timestamp_us) {
   return slot;
 }
 
-void LivePlayer::uploadI420(int slot, const I420View& picture) {
+void LivePlayer::uploadI420(int slot, const I420View& picture, PictureBytes bytes) {
   Frame* frame = frameIn(slot);
   if (!frame || !slots_.awaits(slot)) return;
   if (checkSize(*frame, picture.width, picture.height) &&
       checkNumber(*frame, package::readBarcode(rendition().barcode, picture)))
-    slots_.upload(device_, slot, picture);
+    slots_.hold(slot, picture, std::move(bytes));
 }
 
 bool LivePlayer::checkSize(Frame& frame, int width, int height) {
@@ -324,6 +324,11 @@ bool LivePlayer::show(const Frame& frame) {
   composer_.compose(device_, surface_, nullptr, {});
   if (!hasFrame()) first_captured_us_ = frame.captured_us;
   slots_.show(frame.slot);
+  status = slots_.stage(device_, frame.slot, rendition(), 1, 1);
+  if (!status.ok()) {
+    fail(status.error());
+    return false;
+  }
   shown_ = {frame.slot, frame.serial, frame.number, frame.captured_us};
   ++stats_.frames_shown;
   return true;

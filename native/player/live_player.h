@@ -63,7 +63,7 @@ class LivePlayer final : public Player {
   void onRangeReceived(uint32_t, std::span<const uint8_t>) override {}
   void onRangeFailed(uint32_t, const std::string&) override {}
   int acquireSlot(int decoder, int64_t timestamp_us) override;
-  void uploadI420(int slot, const I420View& picture) override;
+  void uploadI420(int slot, const I420View& picture, PictureBytes bytes) override;
   gpu::TextureId slotTexture(int slot) const override;
   void commitSlot(int slot, int width = 0, int height = 0) override;
   double pace(int) const override { return 0; }

@@ -182,7 +182,10 @@ Status PlayerImpl::setParameter(const std::string& name, double value, bool at_o
                         [&](const auto& s) { return motion::findParameter(s, name) >= 0; }))
     return Error{ErrorId::InvalidArgument, "the character has no parameter named " + name};
   parameters_.set(name, value);
-  if (at_once) glideParameters(1e9);
+  if (at_once) {
+    glideParameters(1e9);
+    stagePictures();
+  }
   return {};
 }
 

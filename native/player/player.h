@@ -108,7 +108,8 @@ class Player {
   // nobody waits for that timestamp any more (drop it).
   // Slots are numbered over both decoders.
   virtual int acquireSlot(int decoder, int64_t timestamp_us) = 0;
-  virtual void uploadI420(int slot, const I420View& picture) = 0;  // also checks size and barcode
+  // Also checks size and barcode. bytes: what the view is into; kept until no more of it is to be uploaded.
+  virtual void uploadI420(int slot, const I420View& picture, PictureBytes bytes) = 0;
   virtual gpu::TextureId slotTexture(int slot) const = 0;          // Rgba kind: the edge fills it itself
   // The slot is filled; Rgba kind: with a picture of this size, whose barcode is read from the GPU before it counts.
   virtual void commitSlot(int slot, int width = 0, int height = 0) = 0;

@@ -144,12 +144,12 @@ int PlayerImpl::acquireSlot(int decoder, int64_t timestamp_us) {
   return decoder * options_.picture_slots + slot;
 }
 
-void PlayerImpl::uploadI420(int slot, const I420View& picture) {
+void PlayerImpl::uploadI420(int slot, const I420View& picture, PictureBytes bytes) {
   Track* t = trackOf(slot);
   if (!t || !t->slots.awaits(slot)) return;
   const package::Rendition& rendition = renditionOf(*t, t->slots.rendition(slot));
   if (!checkSize(*t, slot, picture.width, picture.height)) return;
-  if (checkNumber(*t, slot, package::readBarcode(rendition.barcode, picture))) t->slots.upload(device_, slot, picture);
+  if (checkNumber(*t, slot, package::readBarcode(rendition.barcode, picture))) t->slots.hold(slot, picture, std::move(bytes));
 }
 
 bool PlayerImpl::checkSize(Track& t, int slot, int width, int height) {

@@ -50,7 +50,7 @@ class PlayerImpl final : public Player {
   void onRangeReceived(uint32_t id, std::span<const uint8_t> bytes) override;
   void onRangeFailed(uint32_t id, const std::string& reason) override;
   int acquireSlot(int decoder, int64_t timestamp_us) override;
-  void uploadI420(int slot, const I420View& picture) override;
+  void uploadI420(int slot, const I420View& picture, PictureBytes bytes) override;
   gpu::TextureId slotTexture(int slot) const override;
   void commitSlot(int slot, int width = 0, int height = 0) override;
   double pace(int decoder) const override;
@@ -106,6 +106,7 @@ class PlayerImpl final : public Player {
   void finishSeek(Track& track, int previous_sequence);
   void finishAtEnd(Track& track);
   void composeMesh();
+  void stagePictures();
   FrameGeometry geometryOf(int sequence, uint32_t frame);
 
   // player_transitions.cpp

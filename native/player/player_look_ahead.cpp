@@ -63,8 +63,9 @@ bool PlayerImpl::takeAs(Track& t, int slot, std::optional<uint32_t> seen) {
     t.feeding.awaitAgain(named);
     return false;
   }
-  // A page that is late copies a later picture. Within less than a loop the frame tells which.
-  constexpr int64_t kBack = 2, kOn = 25;
+  // A late page copies a later picture, a time that runs ahead names one that is yet to come. Within less than a loop the
+  // frame tells which.
+  constexpr int64_t kBack = 8, kOn = 17;
   const int64_t first = std::max<int64_t>(0, named - kBack);
   const int64_t end = std::min(named + kOn, first + wantedOf(t).frame_count);
   for (int64_t k = first; seen && k < end; ++k) {

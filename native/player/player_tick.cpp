@@ -24,6 +24,7 @@ void PlayerImpl::tick(double now_s) {
   if (playback_.playing() && hasFrame() && seeking()) playback_.noteStarvation(playback_.canPlay());
   stepTransition();
   composeMesh();
+  stagePictures();
   playback_.finishTick(seeking());
 }
 
@@ -133,6 +134,22 @@ void PlayerImpl::composeMesh() {
   if (!hasFrame()) return;
   composer_.compose(device_, main().frame, transitions_.fading() ? &other().frame : nullptr,
                     {transitions_.fade(), transitions_.shift()});
+}
+
+// The GPU gets what is drawn: of pictures on screen the members that have a weight.
+void PlayerImpl::stagePictures() {
+  for (Track* t : {&main(), &other()}) {
+    if (!t->head.hasPicture() || !(isMain(*t) || transitions_.fading())) continue;
+    const package::Sequence& sequence = shownOf(*t);
+    const int slot = t->head.shown().slot;
+    uint32_t wanted = 1;
+    const std::vector<float>& weights = t->parameters.weights().members;
+    for (size_t m = 1; m < weights.size(); ++m) wanted |= uint32_t{weights[m] > 0} << m;
+    if (!weights.empty() && weights[0] <= 0) wanted &= ~1u;
+    const Status staged = t->slots.stage(device_, slot, sequence.renditions[t->slots.rendition(slot)],
+                                         std::max<size_t>(1, sequence.members.size()), wanted);
+    if (!staged.ok()) giveUp(*t, staged.error());
+  }
 }
 
 Result<render::Figure> PlayerImpl::figure() const {

@@ -66,37 +66,6 @@ bool isClosedSurface(const std::vector<glm::uvec3>& faces) {
   return edges == opposite && std::adjacent_find(edges.begin(), edges.end()) == edges.end();
 }
 
-Result<PictureTextures> createPicture(gpu::Device& device, int width, int height, PictureTextures::Kind kind) {
-  PictureTextures picture;
-  picture.kind = kind;
-  const auto plane = [&](gpu::Texture& out, gpu::PixelFormat format, int w, int h, const char* label) -> Status {
-    FOURDVT_ASSIGN(
-        out, gpu::makeTexture(
-                 device, {.format = format, .width = w, .height = h, .filter = gpu::Filter::Linear, .label = label}));
-    return {};
-  };
-  if (kind == PictureTextures::Kind::Rgba) {
-    FOURDVT_ASSIGN(picture.rgba, gpu::makeTexture(device, {.width = width,
-                                                           .height = height,
-                                                           .filter = gpu::Filter::Linear,
-                                                           .respecifiable = true,
-                                                           .label = "picture rgba"}));
-    return picture;
-  }
-  FOURDVT_TRY(plane(picture.y, gpu::PixelFormat::R8, width, height, "picture y"));
-  FOURDVT_TRY(plane(picture.u, gpu::PixelFormat::R8, width / 2, height / 2, "picture u"));
-  FOURDVT_TRY(plane(picture.v, gpu::PixelFormat::R8, width / 2, height / 2, "picture v"));
-  return picture;
-}
-
-void uploadPicture(gpu::Device& device, PictureTextures& picture, const I420View& frame) {
-  assert(picture.kind == PictureTextures::Kind::I420);
-  const int half_width = frame.width / 2, half_height = frame.height / 2;
-  device.updateTexture(picture.y.id(), {.width = frame.width, .height = frame.height}, frame.y, frame.stride_y);
-  device.updateTexture(picture.u.id(), {.width = half_width, .height = half_height}, frame.u, frame.stride_u);
-  device.updateTexture(picture.v.id(), {.width = half_width, .height = half_height}, frame.v, frame.stride_v);
-}
-
 void packLabels(const std::vector<glm::uvec3>& face_vertices, std::span<const uint8_t> labels, int camera_count,
                 std::span<uint32_t> packed, std::span<uint32_t> masks) {
   const size_t face_count = face_vertices.size();

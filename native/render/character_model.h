@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// GPU resources of one character: corner data that never changes, and the mesh shown now; and picture textures.
+// GPU resources of one character: corner data that never changes, and the mesh shown now.
 // Does NOT decode or schedule anything (player/) and does NOT decide how to blend (layered_pass).
 #pragma once
 
@@ -9,19 +9,9 @@
 #include "gpu/device.h"
 #include "package/base_mesh.h"
 #include "package/character.h"
+#include "render/picture_textures.h"
 
 namespace fourdvt::render {
-
-// A decoded tiled picture on the GPU: either three R8 planes (our own BT.709 matrix in the shader) or one RGBA8
-// texture that the page filled from a VideoFrame.
-struct PictureTextures {
-  enum class Kind { I420, Rgba } kind = Kind::I420;
-  gpu::Texture y, u, v;
-  gpu::Texture rgba;
-};
-
-Result<PictureTextures> createPicture(gpu::Device& device, int width, int height, PictureTextures::Kind kind);
-void uploadPicture(gpu::Device& device, PictureTextures& picture, const I420View& frame);
 
 // Fills the tables of seam feathering (ALGORITHMS 3.2). labels: [rank][face]; a label that is no camera counts as
 // empty. packed[face]: 5 bits per rank, 31 = empty, rank 0 lowest. masks[vertex]: bit c is cleared unless camera c is

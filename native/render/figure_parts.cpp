@@ -11,17 +11,13 @@ constexpr float kMinShare = 1.0f / 512;  // below half a level of eight bits
 
 Error invalid(const char* message) { return Error{ErrorId::InvalidArgument, message}; }
 
-bool isMade(const PictureTextures& picture) {
-  return picture.kind == PictureTextures::Kind::I420 ? picture.y && picture.u && picture.v : bool(picture.rgba);
-}
-
 Status checkLook(const Look& look, const CharacterModel& model) {
   if (!look.appearance || !look.picture) return invalid("a look needs an appearance and a picture");
   const Appearance& appearance = *look.appearance;
   const PictureTextures& picture = *look.picture;
   if (!appearance.ready() || appearance.layer_count != model.layer_count)
     return invalid("the appearance needs setFrame and setLayout for the character's layers");
-  if (!isMade(picture)) return invalid("the picture's textures are missing; call createPicture");
+  if (!picture.made()) return invalid("the picture's textures are missing; call createPicture");
   if (look.weights.size() != static_cast<size_t>(appearance.member_count))
     return invalid("a look needs one weight for each member of its appearance");
   float sum = 0;
@@ -33,7 +29,7 @@ Status checkLook(const Look& look, const CharacterModel& model) {
 }
 
 Status checkCameras(const CameraLook& look) {
-  if (!look.picture || !isMade(*look.picture)) return invalid("the picture's textures are missing; call createPicture");
+  if (!look.picture || !look.picture->made()) return invalid("the picture's textures are missing; call createPicture");
   return look.sources.size() == look.cameras.size() ? Status() : invalid("there is one source for each camera");
 }
 

@@ -13,19 +13,12 @@ bool isAligned(const Part& part, const DrawOptions& options) {
 
 std::vector<gpu::TextureBinding> bindings(const CharacterModel& model, const Part& part, bool aligned) {
   const Appearance& appearance = *part.look->appearance;
-  const PictureTextures& picture = *part.look->picture;
   std::vector<gpu::TextureBinding> list = {{"u_corners", model.corners.id()},
                                            {"u_positions_normals", model.positions_normals.id()},
                                            {"u_vertex_masks", appearance.vertex_masks.id()},
                                            {"u_labels", appearance.labels.id()}};
   if (aligned) list.push_back({"u_alignment", appearance.alignment.id()});
-  if (picture.kind == PictureTextures::Kind::Rgba) {
-    list.push_back({"u_picture_rgba", picture.rgba.id()});
-    return list;
-  }
-  list.push_back({"u_picture_y", picture.y.id()});
-  list.push_back({"u_picture_u", picture.u.id()});
-  list.push_back({"u_picture_v", picture.v.id()});
+  addPicture(list, *part.look->picture);
   return list;
 }
 
@@ -58,7 +51,7 @@ std::string definesOf(const LayeredVariant& variant) {
   std::string defines = "LAYERS " + std::to_string(variant.layers) + "\n";
   defines += "MEMBERS " + std::to_string(variant.members) + "\n";
   defines += "MAX_CAMERAS " + std::to_string(package::kMaxCameras) + "\n";
-  if (variant.kind == PictureTextures::Kind::I420) defines += "PICTURE_I420\n";
+  defines += definesOf(variant.kind);
   if (variant.aligned) defines += "ALIGNED\n";
   if (variant.debug != DebugView::None)
     defines += "DEBUG_VIEW " + std::to_string(static_cast<int>(variant.debug)) + "\n";

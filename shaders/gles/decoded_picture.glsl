@@ -1,10 +1,12 @@
-// A decoded picture as sRGB-encoded colour. PICTURE_I420: three planes, BT.709 limited range, chroma sited in the middle
-// of its 2 × 2 block; else one RGBA texture.
+// A decoded picture as sRGB-encoded colour. PICTURE_YUV: planes, BT.709 limited range, chroma sited in the middle of its
+// 2 × 2 block, in one texture of two channels with PICTURE_PAIR, else in two; otherwise one RGBA texture.
 uniform vec2 u_picture_size;         // texels
-#ifdef PICTURE_I420
+#ifdef PICTURE_YUV
 uniform sampler2D u_picture_y;
 uniform sampler2D u_picture_u;
+#ifndef PICTURE_PAIR
 uniform sampler2D u_picture_v;
+#endif
 #else
 uniform sampler2D u_picture_rgba;
 #endif
@@ -27,10 +29,14 @@ vec3 rgbFromYuv709(float y, float u, float v) {
 // at: texture coordinates; nothing outside the rectangle (x, y, width, height) is read.
 vec3 decodedColor(vec2 at, vec4 rect) {
   vec2 luma_at = clampInside(at, rect, 0.5);
-#ifdef PICTURE_I420
+#ifdef PICTURE_YUV
   vec2 chroma_at = clampInside(at, rect, 1.0);
-  return rgbFromYuv709(texture(u_picture_y, luma_at).r, texture(u_picture_u, chroma_at).r,
-                       texture(u_picture_v, chroma_at).r);
+#ifdef PICTURE_PAIR
+  vec2 chroma = texture(u_picture_u, chroma_at).rg;
+#else
+  vec2 chroma = vec2(texture(u_picture_u, chroma_at).r, texture(u_picture_v, chroma_at).r);
+#endif
+  return rgbFromYuv709(texture(u_picture_y, luma_at).r, chroma.x, chroma.y);
 #else
   return texture(u_picture_rgba, luma_at).rgb;
 #endif

@@ -18,7 +18,6 @@ void require(bool condition) {
 
 // The decoder reads the frame's number, or anything, out of the sample.
 void decode(LivePlayer& player) {
-  std::vector<uint8_t> luma(192 * 64, 128);
   for (Request request; player.nextRequest(request);) {
     const auto* sample = std::get_if<DecodeSample>(&request);
     if (!sample) continue;
@@ -30,8 +29,10 @@ void decode(LivePlayer& player) {
     }
     const int slot = player.acquireSlot(0, timestamp_us);
     if (slot < 0) continue;
-    package::drawBarcode({{0, 4, 128, 4}, 4}, number, luma.data(), 192);
-    player.uploadI420(slot, {192, 64, luma.data(), luma.data(), luma.data(), 192, 96, 96});
+    const auto planes = std::make_shared<std::vector<uint8_t>>(192 * 64, uint8_t{128});
+    uint8_t* luma = planes->data();
+    package::drawBarcode({{0, 4, 128, 4}, 4}, number, luma, 192);
+    player.uploadI420(slot, {192, 64, luma, luma, luma, 192, 96, 96}, planes);
     player.commitSlot(slot);
   }
 }

@@ -218,9 +218,11 @@ class Page {
     value % 4 ? samples_.pop_front() : samples_.pop_back();
     if (slot < 0) return;
     const int width = value % 16 == 15 && !honest_ ? 64 : player_->sequence()->renditions.back().width, height = 16;
-    luma_.assign(size_t(width) * size_t(height), 80);
-    if (width >= 128) package::drawBarcode(fakeStrip(), sample.frame, luma_.data(), width);
-    player_->uploadI420(slot, {width, height, luma_.data(), luma_.data(), luma_.data(), width, width / 2, width / 2});
+    const auto planes = std::make_shared<std::vector<uint8_t>>(size_t(width) * size_t(height), uint8_t{80});
+    uint8_t* luma = planes->data();
+    if (width >= 128) package::drawBarcode(fakeStrip(), sample.frame, luma, width);
+    const uint8_t* v = value % 8 < 4 ? luma : nullptr;
+    player_->uploadI420(slot, {width, height, luma, luma, v, width, v ? width / 2 : width, width / 2}, planes);
     player_->commitSlot(slot);
   }
 
@@ -247,7 +249,6 @@ class Page {
   std::unique_ptr<Player> player_;
   std::vector<FetchRange> fetches_;
   std::deque<Sample> samples_;
-  std::vector<uint8_t> luma_;
   double now_s_ = 0;
 };
 

@@ -28,6 +28,7 @@ struct EdgeOptions {
   // Of paced decoders: probabilities that a picture is named as a neighbour, and that it is left out.
   double misnamed = 0, left_out = 0;
   double early_seeks = 0;  // probability that a sought picture is offered while the element still has another one
+  bool interleaved_chroma = false;  // as NV12 has it
   uint32_t least_decoded = 1;  // pictures ahead without which an element does not move
   PlayerOptions player;
 };
@@ -325,9 +326,11 @@ class SimulatedEdge {
         player->commitSlot(copy.slot, wrong_sizes ? w / 2 : w, h);
         continue;
       }
-      std::vector<uint8_t> y(size_t(w) * h, 80);
-      package::drawBarcode(fakeStrip(), copy.picture.frame, y.data(), w);
-      player->uploadI420(copy.slot, {w, h, y.data(), y.data(), y.data(), w, w / 2, w / 2});
+      const auto planes = std::make_shared<std::vector<uint8_t>>(size_t(w) * h, 80);
+      const uint8_t* y = planes->data();
+      package::drawBarcode(fakeStrip(), copy.picture.frame, planes->data(), w);
+      const I420View view{w, h, y, y, options.interleaved_chroma ? nullptr : y, w, options.interleaved_chroma ? w : w / 2, w / 2};
+      player->uploadI420(copy.slot, view, planes);
       player->commitSlot(copy.slot);
     }
   }

@@ -245,7 +245,7 @@ test('a decoder that calls back after it was closed: its pictures are closed, it
   let open = 0;
   const picture = () => (++open, { timestamp: 0, close: () => --open });
   const faults = [];
-  const decoder = new FrameDecoder('rgba', { onPicture() {}, onNoPlanes() {}, onFault: (fault) => faults.push(fault) });
+  const decoder = new FrameDecoder('rgba', {}, { onPicture() {}, onNoPlanes() {}, onFrame() {}, onFault: (fault) => faults.push(fault) });
   const configure = () => decoder.configure('avc1.640028', new Uint8Array(), 64, 64);
   configure();
   made[0].output(picture());
@@ -261,6 +261,60 @@ test('a decoder that calls back after it was closed: its pictures are closed, it
   made[2].output(picture());
   assert.equal(open, 0, 'a decoder after its time');
   delete globalThis.VideoDecoder;
+});
+
+test('planes are copied into memory that may grow meanwhile; pictures that nothing waits for are not', async () => {
+  const { FrameDecoder } = await load('frame-decoder');
+  let decode;
+  globalThis.VideoDecoder = class {
+    state = 'unconfigured';
+    decodeQueueSize = 0;
+    constructor(init) { decode = init.output; }
+    configure() { this.state = 'configured'; }
+    decode() {}
+    close() { this.state = 'closed'; }
+  };
+  globalThis.EncodedVideoChunk = class {};
+  let memory = new ArrayBuffer(64), open = 0, copies = 0, grows = true, next = 1;
+  const blocks = new Map();
+  const heap = {
+    allocate: (bytes) => (blocks.set(next, bytes), next++),
+    free: (block) => assert.ok(blocks.delete(block), 'freed once'),
+    bytes: (block, length) => new Uint8Array(memory, 0, length),
+  };
+  const picture = (timestamp) => (++open, { timestamp, format: 'NV12', visibleRect: { width: 4, height: 2 }, allocationSize: () => 12,
+    close: () => --open,
+    copyTo: async (pixels) => {
+      ++copies;
+      pixels.fill(timestamp);
+      if (grows) memory = new ArrayBuffer(128);
+      grows = false;
+      return [{ offset: 0, stride: 4 }, { offset: 8, stride: 4 }];
+    } });
+  const settle = () => new Promise((done) => setTimeout(done, 5));
+  const decoder = new FrameDecoder('i420', heap, { onPicture() {}, onNoPlanes: () => assert.fail(), onFrame() {}, onFault: () => assert.fail() });
+  decoder.configure('avc1.640028', new Uint8Array(), 4, 2);
+  decoder.decode(new Uint8Array(1), 7, true, false);
+  decode(picture(7));
+  assert.deepEqual([open, copies], [0, 0], 'it leads to others only');
+  decode(picture(9));
+  await settle();
+  assert.deepEqual([copies, blocks.size, open], [2, 1, 0], 'copied again, into one block');
+  assert.equal(new Uint8Array(memory)[0], 9);
+  assert.equal(decoder.peek().timestampUs, 9);
+  const { block } = decoder.peek();
+  decoder.give();
+  assert.ok(blocks.has(block), 'the player frees it');
+  decode(picture(10));
+  await settle();
+  decoder.shift();
+  assert.equal(blocks.size, 1, 'one that was not wanted is freed');
+  decode(picture(11));
+  decoder.dispose();
+  await settle();
+  assert.deepEqual([blocks.size, open], [1, 0], 'a copy on its way');
+  delete globalThis.VideoDecoder;
+  delete globalThis.EncodedVideoChunk;
 });
 
 test('the picture of a light is closed when its pixels are read', async () => {

@@ -4,7 +4,7 @@
 import type { Commands, Performer } from './commands.js';
 import { asViewerError, ViewerError, type ErrorDetail } from './errors.js';
 import type { DecoderFault } from './generated/abi.js';
-import { FrameDecoder, type DecoderCallbacks, type Picture, type PictureDecoder } from './frame-decoder.js';
+import { FrameDecoder, type DecoderCallbacks, type Heap, type Picture, type PictureDecoder } from './frame-decoder.js';
 import type { Transport } from './transport.js';
 import { kindOf, uploadPicture, type UploadPath } from './upload-path.js';
 import type { WasmModule } from './wasm-abi.js';
@@ -13,6 +13,12 @@ import {
 } from './wasm-player.js';
 
 const PICTURE_SLOTS = 4;
+
+const heapOf = (module: WasmModule): Heap => ({
+  allocate: (bytes) => module._fdvt_alloc(bytes),
+  free: (block) => module._fdvt_free(block),
+  bytes: (block, length) => module.HEAPU8.subarray(block, block + length),
+});
 
 /** What one character shares with the others of its canvas. */
 export interface ActorContext {
@@ -189,8 +195,8 @@ export class Actor implements Performer {
     }));
   }
   #makeDecoder(callbacks: DecoderCallbacks): PictureDecoder {
-    const { path, videoDecoder } = this.#context;
-    return videoDecoder?.(callbacks) ?? new FrameDecoder(kindOf(path), callbacks);
+    const { module, path, videoDecoder } = this.#context;
+    return videoDecoder?.(callbacks) ?? new FrameDecoder(kindOf(path), heapOf(module), callbacks);
   }
 
   async #fetch(id: number, uri: string, offset: number, bytes: number): Promise<void> {
@@ -215,14 +221,15 @@ export class Actor implements Performer {
         const slot = player.acquireSlot(index, picture.timestampUs);
         if (slot === -1) return;
         if (slot >= 0) this.#upload(player, slot, picture);
-        decoder?.shift();
+        if (slot >= 0 && picture.kind === 'i420') decoder?.give();
+        else decoder?.shift();
       }
     });
   }
 
   #upload(player: WasmPlayer, slot: number, picture: Picture): void {
     if (picture.kind === 'i420') {
-      player.upload(slot, picture.pixels, picture.planes);
+      player.upload(slot, picture.block, picture.planes);
       return;
     }
     const texture = player.slotTexture(slot);

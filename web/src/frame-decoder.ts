@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Carries out the player's decode requests with WebCodecs. Holds a bounded number of pictures, in presentation order,
 // until the player has a slot for them, and closes a VideoFrame as soon as its pixels are copied.
-// Upload path 'i420' copies the pixels out (I420 or NV12 planes); on path 'rgba' the VideoFrame itself is held.
+// Upload path 'i420' copies the pixels (I420 or NV12 planes) into the player's memory; on path 'rgba' the VideoFrame itself
+// is held.
 import type { DecoderFault, PictureKind } from './generated/abi.js';
 
-const MAX_HELD = 3;   // pictures that wait for a slot; the decoder is not fed while there are as many
+const MAX_HELD = 2;   // pictures that wait for a slot; the decoder is not fed while there are as many
 const MAX_QUEUED = 6; // samples inside the decoder
 
 export interface Planes {
@@ -15,9 +16,17 @@ export interface Planes {
 }
 
 export type Picture =
-  | { kind: 'i420'; timestampUs: number; pixels: Uint8Array; planes: Planes }
+  | { kind: 'i420'; timestampUs: number; block: number; planes: Planes }
   | { kind: 'rgba'; timestampUs: number; frame: VideoFrame }
   | { kind: 'video'; timestampUs: number; video: HTMLVideoElement };
+
+/** The player's memory. */
+export interface Heap {
+  allocate(bytes: number): number;
+  free(block: number): void;
+  /** Valid until the memory grows. */
+  bytes(block: number, length: number): Uint8Array;
+}
 
 /** Carries out the decode requests of one of the player's decoders. */
 export interface PictureDecoder {
@@ -33,6 +42,8 @@ export interface PictureDecoder {
   peek(): Picture | undefined;
   /** Drops the earliest waiting picture, which has been shown or is not wanted. */
   shift(): void;
+  /** As `shift`; the player has the picture's block and frees it. */
+  give(): void;
   readonly busy: boolean;
 }
 
@@ -50,19 +61,20 @@ type Command = { chunk: EncodedVideoChunk } | 'flush';
 
 export class FrameDecoder implements PictureDecoder {
   readonly #path: PictureKind;
+  readonly #heap: Heap;
   readonly #callbacks: DecoderCallbacks;
   #decoder: VideoDecoder | null = null;
   #config: VideoDecoderConfig | null = null;
   #commands: Command[] = [];
   #frames: VideoFrame[] = [];
   #pictures: Picture[] = [];
-  #pool: Uint8Array[] = [];
   readonly #unwanted = new Set<number>(); // timestamps of pictures that nothing waits for
   #generation = 0;
   #copying = false;
 
-  constructor(path: PictureKind, callbacks: DecoderCallbacks) {
+  constructor(path: PictureKind, heap: Heap, callbacks: DecoderCallbacks) {
     this.#path = path;
+    this.#heap = heap;
     this.#callbacks = callbacks;
   }
 
@@ -108,7 +120,6 @@ export class FrameDecoder implements PictureDecoder {
     this.#forget();
     if (this.#decoder && this.#decoder.state !== 'closed') this.#decoder.close();
     this.#decoder = null;
-    this.#pool = [];
   }
 
   /** Hands samples to the decoder as long as its pictures can be held. */
@@ -126,8 +137,12 @@ export class FrameDecoder implements PictureDecoder {
     return this.#pictures[0];
   }
   shift(): void {
-    const picture = this.#pictures.shift();
+    const picture = this.#pictures[0];
     if (picture) this.#release(picture);
+    this.give();
+  }
+  give(): void {
+    this.#pictures.shift();
     this.#copyNext();
     this.feed();
   }
@@ -137,7 +152,7 @@ export class FrameDecoder implements PictureDecoder {
 
   #release(picture: Picture): void {
     if (picture.kind === 'rgba') picture.frame.close();
-    else if (picture.kind === 'i420' && this.#pool.length < MAX_HELD) this.#pool.push(picture.pixels);
+    else if (picture.kind === 'i420') this.#heap.free(picture.block);
   }
 
   #onFrame(frame: VideoFrame): void {
@@ -167,12 +182,18 @@ export class FrameDecoder implements PictureDecoder {
     }
     this.#copying = true;
     const generation = this.#generation;
-    const bytes = frame.allocationSize();
-    const pooled = this.#pool.pop();
-    const pixels = pooled?.length === bytes ? pooled : new Uint8Array(bytes);
+    const size = frame.allocationSize();
+    const block = this.#heap.allocate(size);
+    const pixels = this.#heap.bytes(block, size);
     frame.copyTo(pixels).then(
-      (layout) => this.#copied(generation, frame, pixels, layout),
+      (layout) => {
+        // Memory that has grown meanwhile is elsewhere: once more.
+        const moved = pixels.buffer !== this.#heap.bytes(block, size).buffer;
+        if (moved) this.#heap.free(block);
+        this.#copied(generation, frame, moved ? 0 : block, layout);
+      },
       (reason: unknown) => {
+        this.#heap.free(block);
         this.#copying = false;
         if (generation === this.#generation) this.#fail(reason);
         else this.#copyNext();
@@ -180,12 +201,15 @@ export class FrameDecoder implements PictureDecoder {
     );
   }
 
-  #copied(generation: number, frame: VideoFrame, pixels: Uint8Array, layout: PlaneLayout[]): void {
+  // block: 0 if the copy is lost.
+  #copied(generation: number, frame: VideoFrame, block: number, layout: PlaneLayout[]): void {
     this.#copying = false;
-    if (generation === this.#generation) {
+    if (generation !== this.#generation) {
+      if (block) this.#heap.free(block);
+    } else if (block) {
       const rect = frame.visibleRect!;
       const planes = { width: rect.width, height: rect.height, layout };
-      this.#pictures.push({ kind: 'i420', timestampUs: frame.timestamp, pixels, planes });
+      this.#pictures.push({ kind: 'i420', timestampUs: frame.timestamp, block, planes });
       this.#frames.shift()!.close();
       this.#callbacks.onPicture();
       this.feed();

@@ -116,6 +116,7 @@ class VideoElementDecoder implements PictureDecoder {
     this.#picture = null;
     this.#steer();
   }
+  give(): void { this.shift(); }
   get busy(): boolean { return this.#samples.length + this.#pending.length > 0 || this.#goal >= 0 || this.#pace > 0; }
 
   #forget(): void {

@@ -194,16 +194,14 @@ export class WasmPlayer {
     return this.#m._fdvt_acquire_slot(this.#h, decoder, timestampUs);
   }
 
-  /** Uploads the planes and commits the slot. */
-  upload(slot: number, pixels: Uint8Array, { width, height, layout }: Planes): void {
+  /** Gives the planes, in a block of the player's memory that is the player's from now on, and commits the slot. */
+  upload(slot: number, block: number, { width, height, layout }: Planes): void {
     const [y, u, v] = layout;
     if (!y || !u) throw new ViewerError('video-invalid', 'a decoded picture has no planes');
-    const planes = bytesOfPlanes({
+    this.#m._fdvt_upload(this.#h, slot, block, this.#put(bytesOfPlanes({
       width, height, offsetY: y.offset, strideY: y.stride, offsetU: u.offset, strideU: u.stride,
       offsetV: v?.offset ?? 0, strideV: v?.stride ?? 0,
-    });
-    const at = this.#put(planes, pixels);
-    this.#m._fdvt_upload(this.#h, slot, at + planes.length, at);
+    })));
   }
   slotTexture(slot: number): WebGLTexture | null {
     return this.#m.GL.textures[this.#m._fdvt_slot_texture(this.#h, slot)] ?? null;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <variant>
@@ -11,6 +12,9 @@
 #include "base/result.h"
 
 namespace fourdvt {
+
+// Keeps the planes of a decoded picture in memory until it is let go.
+using PictureBytes = std::shared_ptr<const void>;
 
 // What the edge must do. Spans stay valid until the next call of any non-const method of the player.
 struct FetchRange {  // answer: onRangeReceived / onRangeFailed

@@ -59,12 +59,8 @@ void CameraUniforms::addTo(gpu::Draw& draw) const {
   draw.textures.push_back({"u_depth_maps", maps_.texture()});
   if (!pictures_.tiled) {
     draw.textures.push_back({"u_pictures", pictures_.array});
-  } else if (const PictureTextures& picture = *pictures_.tiled->picture; picture.kind == PictureTextures::Kind::Rgba) {
-    draw.textures.push_back({"u_picture_rgba", picture.rgba.id()});
   } else {
-    draw.textures.push_back({"u_picture_y", picture.y.id()});
-    draw.textures.push_back({"u_picture_u", picture.u.id()});
-    draw.textures.push_back({"u_picture_v", picture.v.id()});
+    addPicture(draw.textures, *pictures_.tiled->picture);
   }
   for (const gpu::Uniform& uniform :
        {gpu::uniform("u_picture_size", pictures_.size), gpu::uniform("u_depth_rows", depth_rows_),
@@ -83,9 +79,7 @@ void CameraUniforms::addTo(gpu::Draw& draw) const {
 std::string CameraUniforms::defines(size_t camera_count, const BlendPictures& pictures) {
   std::string defines = "CAMERAS " + std::to_string(camera_count) + "\n";
   if (!pictures.tiled) return defines;
-  defines += "TILED\n";
-  if (pictures.tiled->picture->kind == PictureTextures::Kind::I420) defines += "PICTURE_I420\n";
-  return defines;
+  return defines + "TILED\n" + definesOf(pictures.tiled->picture->kind);
 }
 
 }  // namespace fourdvt::render

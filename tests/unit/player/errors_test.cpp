@@ -317,7 +317,7 @@ TEST(PlayerErrors, AnswersNobodyAskedForAreIgnored) {
   edge.player->commitSlot(0);
   edge.player->commitSlot(-1);
   edge.player->commitSlot(99);
-  edge.player->uploadI420(99, {});
+  edge.player->uploadI420(99, {}, {});
   EXPECT_EQ(edge.player->slotTexture(99), 0u);
   ASSERT_TRUE(edge.load());
 }

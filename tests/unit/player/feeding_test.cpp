@@ -220,15 +220,77 @@ TEST(PlayerPictureSlots, ShowingFreesTheShownAndTheOvertaken) {
 
 TEST(PlayerPictureSlots, TexturesAreFreedWhenClosed) {
   Slots s;
+  s.slots = PictureSlots(3, render::PictureTextures::Kind::Rgba);
   const uint64_t textures = s.device->counters().live_textures;
   s.ready(1);
   const int filling = s.put(2);
-  EXPECT_EQ(s.device->counters().live_textures, textures + 6);
+  EXPECT_EQ(s.device->counters().live_textures, textures + 2);
   s.slots.beginEpoch();
   s.slots.close();
-  EXPECT_EQ(s.device->counters().live_textures, textures + 3) << "one is being filled";
+  EXPECT_EQ(s.device->counters().live_textures, textures + 1) << "one is being filled";
   s.slots.commit(filling, false);
   EXPECT_EQ(s.device->counters().live_textures, textures);
+}
+
+namespace {
+
+// Two members, one over the other, each of a layer of 8 x 8 and one of 4 x 4 texels beside it.
+package::Rendition twoMembers() {
+  package::Rendition made;
+  made.width = 12;
+  made.height = 18;
+  made.layers = {{0, 0, 8, 8}, {8, 0, 4, 4}, {0, 9, 8, 8}, {8, 9, 4, 4}};
+  return made;
+}
+
+int readyPlanes(Slots& s, int64_t k, const PictureBytes& bytes, bool interleaved) {
+  const int slot = s.put(k);
+  const auto* plane = static_cast<const uint8_t*>(bytes.get());
+  s.slots.hold(slot, {12, 18, plane, plane, interleaved ? nullptr : plane, 12, interleaved ? 12 : 6, 6}, bytes);
+  s.slots.commit(slot, true);
+  return slot;
+}
+
+}  // namespace
+
+TEST(PlayerPictureSlots, OnlyWhatIsDrawnOfAPictureIsUploaded) {
+  for (const bool interleaved : {false, true}) {
+    Slots s;
+    const auto bytes = [] { return PictureBytes(new std::array<uint8_t, 512>{}, [](const void* p) { delete static_cast<const std::array<uint8_t, 512>*>(p); }); };
+    const PictureBytes first = bytes(), second = bytes();
+    const package::Rendition rendition = twoMembers();
+    const auto uploaded = [&, before = uint64_t{0}]() mutable {
+      const uint64_t now = s.device->counters().uploaded_bytes;
+      return now - std::exchange(before, now);
+    };
+    const int shown = readyPlanes(s, 1, first, interleaved);
+    EXPECT_EQ(uploaded(), 0u) << "nothing while it waits";
+    s.slots.show(shown);
+    ASSERT_TRUE(s.slots.stage(*s.device, shown, rendition, 2, 0b01).ok());
+    EXPECT_EQ(uploaded(), 12u * 8 * 3 / 2) << "one member's box";
+    ASSERT_TRUE(s.slots.stage(*s.device, shown, rendition, 2, 0b01).ok());
+    EXPECT_EQ(uploaded(), 0u) << "once";
+    EXPECT_EQ(first.use_count(), 2) << "the other member may be wanted";
+    ASSERT_TRUE(s.slots.stage(*s.device, shown, rendition, 2, 0b11).ok());
+    EXPECT_EQ(uploaded(), 12u * 10 * 3 / 2) << "the other one, with the rows that share its chroma";
+    EXPECT_EQ(first.use_count(), 1) << "all of it is there";
+    const gpu::TextureId before = s.slots.picture(shown).y.id();
+    const int next = readyPlanes(s, 2, second, interleaved);
+    EXPECT_EQ(s.slots.picture(shown).y.id(), before);
+    s.slots.show(next);
+    ASSERT_TRUE(s.slots.stage(*s.device, next, rendition, 2, 0b10).ok());
+    EXPECT_NE(s.slots.picture(next).y.id(), before) << "the GPU may still read the one before";
+    const int third = readyPlanes(s, 3, first, interleaved);
+    s.slots.show(third);
+    EXPECT_EQ(second.use_count(), 1);
+    ASSERT_TRUE(s.slots.stage(*s.device, third, rendition, 2, 0b11).ok());
+    EXPECT_EQ(s.slots.picture(third).y.id(), before) << "two take turns";
+    EXPECT_EQ(s.device->counters().live_textures, interleaved ? 4u : 6u);
+    EXPECT_EQ(bool(s.slots.picture(third).v), !interleaved);
+    s.slots.close();
+    EXPECT_EQ(s.device->counters().live_textures, 0u);
+    EXPECT_EQ(s.device->takeErrors(), "");
+  }
 }
 
 TEST(PlayerPlayhead, ShowsTheNewestPictureThatIsDueAndWaitsForTheNext) {

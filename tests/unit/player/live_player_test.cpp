@@ -57,9 +57,10 @@ struct LiveEdge {
   int answer(const Sample& sample, std::optional<uint32_t> barcode = {}, int width = 192) {
     const int slot = player->acquireSlot(0, sample.timestamp_us);
     if (slot < 0) return slot;
-    std::vector<uint8_t> luma(size_t(width) * 64, 128);
-    package::drawBarcode({{0, 4, 128, 4}, 4}, barcode.value_or(sample.number), luma.data(), width);
-    player->uploadI420(slot, {width, 64, luma.data(), luma.data(), luma.data(), width, width / 2, width / 2});
+    const auto planes = std::make_shared<std::vector<uint8_t>>(size_t(width) * 64, 128);
+    uint8_t* luma = planes->data();
+    package::drawBarcode({{0, 4, 128, 4}, 4}, barcode.value_or(sample.number), luma, width);
+    player->uploadI420(slot, {width, 64, luma, luma, luma, width, width / 2, width / 2}, planes);
     player->commitSlot(slot);
     return slot;
   }
