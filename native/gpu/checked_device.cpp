@@ -205,10 +205,14 @@ Result<TargetId> CheckedDevice::createTarget(const TargetDesc& desc) {
   record.label = desc.label ? desc.label : "";
   if (const std::string why = describeTarget(record); !why.empty())
     return Error{ErrorId::GpuFailure, "target '" + record.label + "': " + why};
+  const uint64_t pixel_bytes =
+      record.own_color * bytesPerPixel(PixelFormat::RGBA8) + record.own_depth * bytesPerPixel(PixelFormat::Depth24);
+  record.bytes = uint64_t(record.width) * record.height * std::max(record.samples, 1) * pixel_bytes;
   FOURDVT_TRY(onCreateTarget(record));
   record.desc.label = nullptr;
   const TargetId id = next_id_++;
   counters_.live_targets += 1;
+  counters_.live_target_bytes += record.bytes;
   targets_[id] = std::move(record);
   return id;
 }
@@ -219,6 +223,7 @@ void CheckedDevice::destroyTarget(TargetId id) {
   if (in_pass_ && pass_target_ == id) misuse("destroyTarget: its pass is open: " + record->label);
   onDestroyTarget(*record);
   counters_.live_targets -= 1;
+  counters_.live_target_bytes -= record->bytes;
   targets_.erase(id);
 }
 

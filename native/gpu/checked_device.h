@@ -23,6 +23,7 @@ struct TargetRecord {
   std::string label;
   int width = 0, height = 0, samples = 0;
   bool own_color = false, own_depth = false;
+  uint64_t bytes = 0;  // of the renderbuffers
   std::vector<PixelFormat> formats;                              // of the colour attachments
   uint32_t framebuffer = 0, color_buffer = 0, depth_buffer = 0;  // set by the hooks
 };

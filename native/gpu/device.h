@@ -98,8 +98,8 @@ struct Draw {
 
 struct Pass {
   TargetId target = kDefaultTarget;
-  // Viewport, GL convention (y up from the bottom); clears touch only it. 0 × 0: the whole target (not the default
-  // one).
+  // Viewport, GL convention (y up from the bottom); clears touch only it. It may reach beyond the target, which then
+  // holds a part of the picture. 0 × 0: the whole target (not the default one).
   int x = 0, y = 0, width = 0, height = 0;
   bool clear_color = false, clear_depth = false;
   glm::vec4 color{0};
@@ -116,6 +116,7 @@ struct Caps {
 struct Counters {  // since creation, or since resetCounters
   uint64_t draws = 0, vertices = 0, passes = 0, texture_updates = 0, uploaded_bytes = 0;
   uint64_t live_textures = 0, live_texture_bytes = 0, live_programs = 0, live_targets = 0;
+  uint64_t live_target_bytes = 0;  // of renderbuffers that targets own, with all samples
 };
 
 // A rectangle in pixels. Of memory: y counts from the top row; of a target: from the bottom one, as GL does.

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The passes of the recipe, in order of execution: shadow cast → [parts → mix, for figures of several parts; the
 // figure, if there is a style] → [target cleared] → background, scene meshes → shadow ground → layered, or the mesh
-// with its picture. What belongs to a figure is in its character's frame (CharacterView). Does NOT own the target that
-// the passes draw into (recipe.cpp does).
+// with its picture. Without a scene, where only the figures' region is multisampled: layered, or the mesh with its
+// picture → [canvas cleared] → shadow ground → the region's picture. What belongs to a figure is in its character's
+// frame (CharacterView). Does NOT own the target that the passes draw into (recipe.cpp does).
 #pragma once
 
 #include <map>
@@ -35,6 +36,22 @@ std::vector<Part> partsOf(const Figure& figure, const DrawOptions& options);
 // Errors: InvalidArgument.
 Status checkFigure(const Figure& figure, const RecipeOptions& options);
 
+// The rectangle of the view that holds the figures, which is all that is drawn multisampled where nothing but the
+// background and the figures' shadows is round them. Its size changes in steps and rarely shrinks, so that targets are
+// kept while figures and camera move.
+class FigureRegion {
+ public:
+  // `all`: the whole view. True if the size is another one than before.
+  bool update(std::span<const Figure> figures, const View& view, bool all);
+  const gpu::Region& region() const { return region_; }  // y from below
+  bool isWhole() const { return region_.width == view_width_ && region_.height == view_height_; }
+
+ private:
+  gpu::Region region_;
+  int view_width_ = 0, view_height_ = 0;
+  int roomy_draws_ = 0;  // in a row that needed less than half of the region
+};
+
 // The view in the frame of the figure's character.
 CharacterView viewOfFigure(const View& view, const Figure& figure);
 
@@ -44,8 +61,9 @@ class ShadowPass {
   static Result<ShadowPass> create(gpu::Device& device);
   // Draws figure number `i` into its map (three draws); does nothing if geometry and ground are those of the last call.
   Status cast(gpu::Device& device, size_t i, const CharacterModel& model, float ground_y_m);
-  // Draws the shadow on the ground inside the caller's pass: a premultiplied quad, hidden by what is nearer.
-  void drawGround(gpu::Device& device, size_t i, const CharacterView& view, float strength) const;
+  // Draws the shadow on the ground inside the caller's pass: a premultiplied quad, hidden by what is nearer if
+  // `depth_test` is set.
+  void drawGround(gpu::Device& device, size_t i, const CharacterView& view, float strength, bool depth_test) const;
 
  private:
   static constexpr int kSide = 128;  // texels of the occlusion map

@@ -8,7 +8,7 @@
 namespace fourdvt::render {
 namespace {
 
-// A picture of the view's size.
+// A picture of the figures' region.
 struct Canvas {
   gpu::Texture color;
   gpu::Target target;
@@ -22,14 +22,10 @@ struct PlannedFigure {
   gpu::TextureId picture = 0;  // the figure's finished picture; 0: it is drawn directly
 };
 
-struct Size {
-  int width = 0, height = 0, samples = 0;
-  bool operator==(const Size&) const = default;
-};
-
 class RecipeOnDevice final : public Recipe {
  public:
-  RecipeOnDevice(gpu::Device& device, ShadowPass shadow) : device_(device), shadow_(std::move(shadow)) {}
+  RecipeOnDevice(gpu::Device& device, ShadowPass shadow, gpu::Program over)
+      : device_(device), shadow_(std::move(shadow)), over_(std::move(over)) {}
 
   void setFlow(std::unique_ptr<FlowSource> flow) override { flow_ = std::move(flow); }
   void setMethod(std::unique_ptr<Method> method) override { method_ = std::move(method); }
@@ -38,29 +34,27 @@ class RecipeOnDevice final : public Recipe {
               gpu::TargetId target) override {
     FOURDVT_TRY(check(figures, view, options));
     const RecipeOptions& recipe = options.recipe;
-    FOURDVT_TRY(resize({view.width, view.height, std::clamp(recipe.samples, 0, device_.caps().max_samples)}));
+    FOURDVT_TRY(fit(figures, scene, view, options));
     if (scene) FOURDVT_TRY(scene_pass_.prepare(device_));
     std::vector<PlannedFigure> plan;
     for (const Figure& figure : figures) {
       plan.push_back({figure.model, figure.cameras, viewOfFigure(view, figure), {}});
+      plan.back().view.origin = {region().x, region().y};
       if (!figure.cameras) plan.back().parts = partsOf(figure, options);
       FOURDVT_TRY(prepareFigure(plan.back(), plan.size() - 1, options));
       if (recipe.ground_shadow)
         FOURDVT_TRY(shadow_.cast(device_, plan.size() - 1, *figure.model, groundOf(figure, scene)));
     }
-    device_.beginPass({.target = main_.id(),
-                       .width = view.width,
-                       .height = view.height,
-                       .clear_color = true,
-                       .clear_depth = true,
-                       .color = recipe.background,
-                       .label = "figures"});
+    const bool whole = region_.isWhole();
+    beginMain(view, whole ? recipe.background : glm::vec4(0), "figures");
     if (scene) scene_pass_.draw(device_, *scene, view);
-    for (size_t i = 0; recipe.ground_shadow && i < plan.size(); ++i)
-      shadow_.drawGround(device_, i, plan[i].view, recipe.shadow_strength);
+    if (whole) drawShadows(plan, recipe);
     for (size_t i = 0; i < plan.size(); ++i) drawFigure(plan[i], i, options);
     device_.endPass();
-    device_.blit(main_.id(), target, {.width = view.width, .height = view.height});
+    if (whole)
+      device_.blit(main_.id(), target, region());
+    else
+      putOver(plan, view, recipe, target);
     return {};
   }
 
@@ -103,6 +97,22 @@ class RecipeOnDevice final : public Recipe {
     return (glm::inverse(figure.world_from_character) * glm::vec4(feet.x, scene->ground_y_m, feet.z, 1)).y;
   }
 
+  const gpu::Region& region() const { return region_.region(); }
+
+  // Begins a pass in the multisampled target, which holds the region of the view (View or CharacterView).
+  template <class AnyView>
+  void beginMain(const AnyView& view, const glm::vec4& color, const char* label) {
+    device_.beginPass({.target = main_.id(),
+                       .x = -region().x,
+                       .y = -region().y,
+                       .width = view.width,
+                       .height = view.height,
+                       .clear_color = true,
+                       .clear_depth = true,
+                       .color = color,
+                       .label = label});
+  }
+
   // Everything that is drawn before the main pass.
   Status prepareFigure(PlannedFigure& figure, size_t number, const DrawOptions& options) {
     if (figure.cameras)
@@ -134,7 +144,7 @@ class RecipeOnDevice final : public Recipe {
       const Part& part = figure.parts[i];
       drawAlone(figure, 0, &part, parts_[1], options);
       if (options.align == Align::Flow)
-        FOURDVT_TRY(flow_->compute(parts_[0].color.id(), parts_[1].color.id(), size_.width, size_.height));
+        FOURDVT_TRY(flow_->compute(parts_[0].color.id(), parts_[1].color.id(), region().width, region().height));
       device_.beginPass({.target = out.target.id(), .label = "mix"});
       mix_.mix(device_, parts_[0].color.id(), parts_[1].color.id(), part.share / (before + part.share),
                options.align == Align::Flow ? flow_->flow() : 0);
@@ -147,10 +157,10 @@ class RecipeOnDevice final : public Recipe {
   // Multisamples the part as the figure will be, so that both cover the same pixels.
   void drawAlone(const PlannedFigure& figure, size_t number, const Part* part, const Canvas& out,
                  const DrawOptions& options) {
-    device_.beginPass({.target = main_.id(), .clear_color = true, .clear_depth = true, .label = "part"});
+    beginMain(figure.view, glm::vec4(0), "part");
     drawPart(figure, number, part, options);
     device_.endPass();
-    device_.blit(main_.id(), out.target.id(), {.width = size_.width, .height = size_.height});
+    device_.blit(main_.id(), out.target.id(), {.width = region().width, .height = region().height});
   }
 
   // part: not of a figure from cameras, which has none.
@@ -172,9 +182,10 @@ class RecipeOnDevice final : public Recipe {
 
   Status makeCanvas(Canvas& canvas) const {
     if (canvas.target) return {};
-    auto color = gpu::makeTexture(
-        device_,
-        {.width = size_.width, .height = size_.height, .filter = gpu::Filter::Linear, .label = "part of a figure"});
+    auto color = gpu::makeTexture(device_, {.width = region().width,
+                                            .height = region().height,
+                                            .filter = gpu::Filter::Linear,
+                                            .label = "part of a figure"});
     if (!color) return color.error();
     auto target = gpu::makeTarget(device_, {.colors = {color.value().id()}, .label = "part of a figure"});
     if (!target) return target.error();
@@ -183,31 +194,70 @@ class RecipeOnDevice final : public Recipe {
     return {};
   }
 
-  Status resize(const Size& size) {
-    if (main_ && size == size_) return {};
+  // Makes the targets of the figures' region, unless they are there. Scenes need the whole view, and so does flow,
+  // which depends on its pictures' size.
+  Status fit(std::span<const Figure> figures, const Scene* scene, const View& view, const DrawOptions& options) {
+    const int samples = std::clamp(options.recipe.samples, 0, device_.caps().max_samples);
+    const bool all =
+        options.align == Align::Flow || (scene && (scene->background || scene->room.corners || !scene->meshes.empty()));
+    const bool resized = region_.update(figures, view, all);
+    if (main_ && !resized && samples == samples_) return {};
     main_.reset();
+    resolved_ = {};
     for (Canvas& part : parts_) part = {};
     pictures_.clear();
-    FOURDVT_ASSIGN(main_, gpu::makeTarget(device_, {.width = size.width,
-                                                    .height = size.height,
-                                                    .samples = size.samples,
+    samples_ = samples;
+    FOURDVT_ASSIGN(main_, gpu::makeTarget(device_, {.width = region().width,
+                                                    .height = region().height,
+                                                    .samples = samples,
                                                     .own_depth = true,
                                                     .label = "scene"}));
-    size_ = size;
-    return {};
+    return region_.isWhole() ? Status() : makeCanvas(resolved_);
+  }
+
+  void drawShadows(const std::vector<PlannedFigure>& plan, const RecipeOptions& recipe) {
+    for (size_t i = 0; recipe.ground_shadow && i < plan.size(); ++i)
+      shadow_.drawGround(device_, i, plan[i].view, recipe.shadow_strength, region_.isWhole());
+  }
+
+  // Draws background and shadows, which are soft and have nothing before them but the figures, without multisampling,
+  // and the figures over them. Samples cannot be blitted to another place, hence the picture in between.
+  void putOver(const std::vector<PlannedFigure>& plan, const View& view, const RecipeOptions& recipe,
+               gpu::TargetId target) {
+    const auto [x, y, width, height] = region();
+    device_.blit(main_.id(), resolved_.target.id(), {.width = width, .height = height});
+    device_.beginPass({.target = target,
+                       .width = view.width,
+                       .height = view.height,
+                       .clear_color = true,
+                       .color = recipe.background,
+                       .label = "shadows"});
+    drawShadows(plan, recipe);
+    device_.endPass();
+    const glm::vec2 origin(x, y);
+    device_.beginPass({.target = target, .x = x, .y = y, .width = width, .height = height, .label = "figures over"});
+    device_.draw({.program = over_.id(),
+                  .textures = {{"u_figures", resolved_.color.id()}},
+                  .uniforms = {gpu::uniform("u_origin", origin)},
+                  .vertex_count = 3,
+                  .blend = gpu::Blend::PremultipliedOver});
+    device_.endPass();
   }
 
   gpu::Device& device_;
   ShadowPass shadow_;
+  gpu::Program over_;
   LayeredPass plain_;
   MixPass mix_;
   ScenePass scene_pass_;
   std::unique_ptr<FlowSource> flow_;
   std::unique_ptr<Method> method_;
+  FigureRegion region_;
+  int samples_ = 0;
   gpu::Target main_;
+  Canvas resolved_;               // the region's picture; none of the whole view
   Canvas parts_[2];               // scratch
   std::vector<Canvas> pictures_;  // by number of the figure
-  Size size_;
 };
 
 }  // namespace
@@ -225,7 +275,9 @@ LengthScales lengthScalesOf(std::span<const Figure> figures) {
 Result<std::unique_ptr<Recipe>> Recipe::create(gpu::Device& device) {
   auto shadow = ShadowPass::create(device);
   if (!shadow) return shadow.error();
-  return std::unique_ptr<Recipe>(std::make_unique<RecipeOnDevice>(device, shadow.take()));
+  auto over = makeEmbeddedProgram(device, "fullscreen.vert", "figures_over.frag");
+  if (!over) return over.error();
+  return std::unique_ptr<Recipe>(std::make_unique<RecipeOnDevice>(device, shadow.take(), over.take()));
 }
 
 }  // namespace fourdvt::render

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The frame recipe: background → scene → ground shadows → characters → resolve. Same calls natively and in the
-// browser. Several figures share programs and targets.
+// The frame recipe: background → scene → ground shadows → characters → resolve; without a scene: characters in their
+// region of the view → resolve → background → ground shadows → that region. Same calls natively and in the browser.
+// Several figures share programs and targets.
 #pragma once
 
 #include <memory>

@@ -100,7 +100,8 @@ Status ShadowPass::cast(gpu::Device& device, size_t i, const CharacterModel& mod
   return {};
 }
 
-void ShadowPass::drawGround(gpu::Device& device, size_t i, const CharacterView& view, float strength) const {
+void ShadowPass::drawGround(gpu::Device& device, size_t i, const CharacterView& view, float strength,
+                            bool depth_test) const {
   const Map& map = maps_[i];
   device.draw({.program = ground_.id(),
                .textures = {{"u_occlusion", map.occlusion.id()}},
@@ -108,7 +109,7 @@ void ShadowPass::drawGround(gpu::Device& device, size_t i, const CharacterView& 
                             gpu::uniform("u_eye", view.eye_in_character), gpu::uniform("u_ground", map.area),
                             gpu::uniform("u_strength", strength)},
                .vertex_count = 6,
-               .depth_test = true,
+               .depth_test = depth_test,
                .blend = gpu::Blend::PremultipliedOver,
                .cull = gpu::Cull::Back});
 }

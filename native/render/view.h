@@ -19,6 +19,7 @@ struct CharacterView {
   glm::mat4 clip_from_character{1};
   glm::vec3 eye_in_character{0};
   int width = 0, height = 0;  // pixels
+  glm::vec2 origin{0};        // pixel of the view, from below, that the drawn target begins at (FigureRegion)
 };
 
 // Unit optical axis in the frame that the matrix starts from: the gradient of clip w.

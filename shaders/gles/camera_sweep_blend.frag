@@ -5,6 +5,7 @@
 uniform sampler2D u_shifts;
 uniform float u_reach_m;     // that a shift of 1 stands for
 uniform float u_texels;      // of the shifts, along a side of a pixel
+uniform vec2 u_origin;       // pixel of the view that the target begins at
 out vec4 o_color;
 
 const float kSlack = 3.0;      // of the depth test: what hides the point may be as wrong as what was given for it
@@ -14,7 +15,7 @@ float cameraWeight(vec3 to_camera, float cosine, vec3 to_eye) { return cosine * 
 
 // Linear between the shifts of the same part of the surface; 0 where there is none.
 float shiftHere(float depth) {
-  vec2 at = gl_FragCoord.xy * u_texels - 0.5, first = floor(at), share = at - first;
+  vec2 at = (u_origin + gl_FragCoord.xy) * u_texels - 0.5, first = floor(at), share = at - first;
   ivec2 last = textureSize(u_shifts, 0) - 1;
   float shift = 0.0, sum = 0.0;
   for (int i = 0; i < 4; ++i) {

@@ -1,5 +1,5 @@
 // The figure's finished picture. Where its own draw was transparent, a style is too.
-uniform sampler2D u_shown;  // premultiplied, of the view's size
+uniform sampler2D u_shown;  // premultiplied, of the target's size
 uniform float u_strength;   // 0: as shown, 1: all of the style
 out vec4 o_color;
 

@@ -6,6 +6,7 @@
 #include "style_shown.glsl"
 uniform int u_grain;    // pixels: a dot's side
 uniform float u_reach;  // pixels: how far the blur looks
+uniform vec2 u_origin;  // pixel of the view that the target begins at
 
 const float kContrast = 2.0;
 
@@ -23,7 +24,7 @@ vec3 noiseAt(ivec2 dot) {
 void main() {
   ivec2 here = ivec2(gl_FragCoord.xy);
   vec4 shown = shownAt(here);
-  vec3 noise = noiseAt(here / u_grain);
+  vec3 noise = noiseAt((here + ivec2(u_origin)) / u_grain);
   float turn = 6.2831853 * noise.x;
   vec4 beside = shownAt(here + ivec2(round(u_reach * sqrt(noise.y) * vec2(cos(turn), sin(turn)))));
   float lift = smoothstep(1.0 - kLifted, 1.0, noise.z);

@@ -25,7 +25,7 @@ const kJudged = [...kBaked, ...native('measure', 'lab/measure')];
 const kSurfaces = native('reconstruct');
 const kStudy = native('study', 'lab/study', 'lab/labels');
 const kStudio = native('studio', 'lab/studio');
-const kBenches = ['CMakeLists.txt', 'bake_memory.sh', 'blend_cost.h', 'blend_ratio.cpp', 'class_frame.cpp', 'draw_ratio.cpp', 'or_stop.h', 'wasm']
+const kBenches = ['CMakeLists.txt', 'bake_memory.sh', 'blend_cost.h', 'blend_ratio.cpp', 'class_frame.cpp', 'draw_ratio.cpp', 'first_frame.h', 'or_stop.h', 'wasm']
   .map((name) => `tests/bench/${name}`).concat('tests/package');
 
 // The commands are no inputs: they parse and call, and defaults live with their modules.

@@ -5,23 +5,17 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
-#include <optional>
 
 #include "base/camera.h"
-#include "or_stop.h"
-#include "package/base_mesh.h"
-#include "package/chunk_mesh.h"
-#include "package/stream_file.h"
+#include "first_frame.h"
 #include "platform/egl_context.h"
-#include "platform/ffmpeg_video.h"
-#include "platform/files.h"
 #include "render/passes.h"
-#include "render/plain_figure.h"
 
 namespace {
 
 using namespace fourdvt;
+using fourdvt::testing::FirstFrame;
+using fourdvt::testing::median;
 using fourdvt::testing::orStop;
 
 constexpr int kWidth = 720, kHeight = 960, kSamples = 4;
@@ -52,53 +46,6 @@ void main() {
   o_color = vec4(y + 1.79274 * v, y - 0.21325 * u - 0.53291 * v, y + 2.11240 * u, 1.0);
 })";
 
-struct Scene {
-  package::Character character;
-  render::PlainFigure figure;
-  render::PictureTextures picture;
-};
-
-// Frame 0 of the first sequence.
-Scene load(gpu::Device& device, const std::filesystem::path& folder) {
-  Scene scene;
-  scene.character = orStop(package::readManifest(orStop(platform::readJsonFlat((folder / "character.gltf").string()))));
-  const package::Character& c = scene.character;
-  const package::Sequence& sequence = c.sequences.at(0);
-  const package::Rendition& rendition = sequence.renditions.back();
-  const auto mesh = orStop(package::decodeBaseMesh(
-      orStop(platform::readFileRange((folder / c.mesh_uri).string(), c.mesh_offset, c.mesh_bytes))));
-  const std::string stream = (folder / sequence.stream_uri).string(), video = (folder / rendition.video_uri).string();
-  const auto index =
-      orStop(package::readStreamHeader(orStop(platform::readFileRange(stream, 0, sequence.stream_header_bytes))));
-  const auto chunk = orStop(
-      package::decodeChunk(orStop(platform::readFileRange(stream, index.chunks[0].offset, index.chunks[0].bytes)),
-                           index, 0, package::makeChunkMesh(mesh)));
-  Positions positions;
-  for (uint32_t v = 0; v < c.vertex_count; ++v)
-    positions.push_back(index.position_origin + index.position_step_m * glm::vec3(chunk.positions[v]));
-  scene.figure = orStop(render::PlainFigure::create(device, c, mesh));
-  scene.figure.setLayout(rendition);
-  scene.figure.setFrame(device, positions,
-                        std::span<const uint8_t>(chunk.labels).first(size_t(c.layer_count) * c.face_count));
-  scene.picture =
-      orStop(render::createPicture(device, rendition.width, rendition.height, render::PictureTextures::Kind::I420));
-  auto decoder = orStop(platform::SampleDecoder::create(rendition.codec, index.renditions.back().decoder_description,
-                                                        [&](const I420View& frame, int64_t number) {
-                                                          if (number == 0)
-                                                            render::uploadPicture(device, scene.picture, frame);
-                                                        }));
-  for (const package::VideoSample& sample : index.renditions.back().samples)
-    orStop(
-        decoder->decode(orStop(platform::readFileRange(video, sample.offset, sample.bytes)), sample.frame, sample.key));
-  orStop(decoder->flush());
-  return scene;
-}
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  return values[values.size() / 2];
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -106,7 +53,7 @@ int main(int argc, char** argv) {
   const int frames = argc > 2 ? std::max(1, std::atoi(argv[2])) : 60;
   const auto context = orStop(platform::EglContext::create());
   const auto device = orStop(gpu::createGlesDevice());
-  const Scene scene = load(*device, argv[1]);
+  const FirstFrame scene = testing::loadFirstFrame(*device, argv[1]);
   const render::View view = render::viewFromCamera(
       cameraFromOrbit(defaultOrbit(scene.character.bounds, double(kWidth) / kHeight), kWidth, kHeight));
 

@@ -30,7 +30,8 @@ void SurfacePicture::draw(gpu::Device& device, const CharacterModel& model, cons
                           gpu::TextureId picture) const {
   gpu::Draw draw = surfaceDraw(model, program_.id());
   draw.textures.push_back({"u_shown", picture});
-  draw.uniforms = {gpu::uniform("u_clip_from_character", view.clip_from_character)};
+  draw.uniforms = {gpu::uniform("u_clip_from_character", view.clip_from_character),
+                   gpu::uniform("u_origin", view.origin)};
   device.draw(draw);
 }
 

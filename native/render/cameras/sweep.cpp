@@ -76,6 +76,7 @@ void Sweep::draw(gpu::Device& device, size_t number, const CharacterModel& model
   draw.textures.push_back({"u_shifts", figure.shifts.texture.id()});
   draw.uniforms.push_back(gpu::uniform("u_reach_m", figure.reach_m));
   draw.uniforms.push_back(gpu::uniform("u_texels", texels));
+  draw.uniforms.push_back(gpu::uniform("u_origin", view.origin));
   device.draw(draw);
 }
 

@@ -61,7 +61,7 @@ class Style final : public FigureStyle {
                                 gpu::uniform("u_light_from_character", light_from_character),
                                 gpu::uniform("u_light", std::span<const glm::vec4>(light)),
                                 gpu::uniform("u_strength", options_.strength), gpu::uniform("u_grain", grain),
-                                gpu::uniform("u_reach", reach)},
+                                gpu::uniform("u_reach", reach), gpu::uniform("u_origin", view.origin)},
                    .vertex_count = static_cast<int>(3 * model.face_count),
                    .depth_test = true,
                    .depth_write = true,

@@ -169,6 +169,19 @@ TEST_F(NullDeviceTest, refusesBadBlitsAndReads) {
   EXPECT_TRUE(device->readPixels(plain.id(), PixelFormat::RGBA8, {.width = 16, .height = 8}, bytes.data()));
 }
 
+TEST_F(NullDeviceTest, countsTheBytesOfRenderbuffers) {
+  Texture color = texture(PixelFormat::RGBA8, 16, 8);
+  const Target plain = makeTarget(*device, {.colors = {color.id()}}).take();
+  EXPECT_EQ(device->counters().live_target_bytes, 0u);  // the texture's are counted as such
+  const Target with_depth = makeTarget(*device, {.colors = {color.id()}, .own_depth = true}).take();
+  EXPECT_EQ(device->counters().live_target_bytes, 16u * 8 * 4);
+  {
+    const Target many = makeTarget(*device, {.width = 10, .height = 4, .samples = 4}).take();
+    EXPECT_EQ(device->counters().live_target_bytes, 16u * 8 * 4 + 10 * 4 * 4 * 8);
+  }
+  EXPECT_EQ(device->counters().live_target_bytes, 16u * 8 * 4);
+}
+
 TEST_F(NullDeviceTest, noticesADestroyedAttachment) {
   Texture color = texture(PixelFormat::RGBA8, 16, 8);
   Target target = makeTarget(*device, {.colors = {color.id()}}).take();
