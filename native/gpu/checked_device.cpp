@@ -143,6 +143,33 @@ void CheckedDevice::destroyTexture(TextureId id) {
   textures_.erase(id);
 }
 
+Result<IndexBufferId> CheckedDevice::createIndexBuffer() {
+  IndexBufferRecord record;
+  FOURDVT_TRY(onCreateIndexBuffer(record));
+  counters_.live_index_buffers += 1;
+  index_buffers_[next_id_] = record;
+  return next_id_++;
+}
+
+void CheckedDevice::updateIndices(IndexBufferId id, std::span<const uint32_t> indices) {
+  const auto found = index_buffers_.find(id);
+  if (found == index_buffers_.end()) return misuse("updateIndices: no such index buffer");
+  if (in_pass_) return misuse("updateIndices inside a pass");
+  counters_.live_index_bytes += indices.size_bytes() - found->second.count * sizeof(uint32_t);
+  counters_.uploaded_bytes += indices.size_bytes();
+  found->second.count = indices.size();
+  onUpdateIndices(found->second, indices);
+}
+
+void CheckedDevice::destroyIndexBuffer(IndexBufferId id) {
+  const auto found = index_buffers_.find(id);
+  if (found == index_buffers_.end()) return misuse("destroyIndexBuffer: no such index buffer");
+  onDestroyIndexBuffer(found->second);
+  counters_.live_index_buffers -= 1;
+  counters_.live_index_bytes -= found->second.count * sizeof(uint32_t);
+  index_buffers_.erase(found);
+}
+
 Result<ProgramId> CheckedDevice::createProgram(std::string_view label, std::string_view vertex_text,
                                                std::string_view fragment_text, std::string_view defines) {
   const std::string name(label);
@@ -248,6 +275,9 @@ std::string CheckedDevice::whyNotDraw(const Draw& draw) const {
   if (!in_pass_) return "outside a pass";
   if (!programs_.count(draw.program)) return "no such program";
   if (draw.vertex_count < 3 || draw.vertex_count % 3 != 0) return "vertex_count is no positive multiple of 3";
+  const auto indices = index_buffers_.find(draw.indices);
+  if (draw.indices && (indices == index_buffers_.end() || indices->second.count < size_t(draw.vertex_count)))
+    return "no such indices, or fewer than vertex_count";
   if (draw.depth_write && !draw.depth_test) return "depth_write needs depth_test";
   const TargetRecord* record = target(pass_target_);
   for (const TextureBinding& binding : draw.textures) {
@@ -267,7 +297,7 @@ void CheckedDevice::draw(const Draw& draw) {
   if (const std::string why = whyNotDraw(draw); !why.empty()) return misuse("draw: " + why);
   counters_.draws += 1;
   counters_.vertices += static_cast<uint64_t>(draw.vertex_count);
-  onDraw(draw);
+  onDraw(draw, draw.indices ? &index_buffers_.at(draw.indices) : nullptr);
 }
 
 void CheckedDevice::endPass() {

@@ -23,9 +23,14 @@ struct TargetRecord {
   std::string label;
   int width = 0, height = 0, samples = 0;
   bool own_color = false, own_depth = false;
-  uint64_t bytes = 0;  // of the renderbuffers
+  uint64_t bytes = 0;                                            // of the renderbuffers
   std::vector<PixelFormat> formats;                              // of the colour attachments
   uint32_t framebuffer = 0, color_buffer = 0, depth_buffer = 0;  // set by the hooks
+};
+
+struct IndexBufferRecord {
+  size_t count = 0;
+  uint32_t native = 0;  // set by the hooks
 };
 
 class CheckedDevice : public Device {
@@ -35,6 +40,9 @@ class CheckedDevice : public Device {
   void updateTexture(TextureId texture, const Region& region, const void* pixels, int stride_bytes, int layer) final;
   void generateMipmaps(TextureId texture) final;
   void destroyTexture(TextureId texture) final;
+  Result<IndexBufferId> createIndexBuffer() final;
+  void updateIndices(IndexBufferId buffer, std::span<const uint32_t> indices) final;
+  void destroyIndexBuffer(IndexBufferId buffer) final;
   Result<ProgramId> createProgram(std::string_view label, std::string_view vertex_text, std::string_view fragment_text,
                                   std::string_view defines) final;
   void destroyProgram(ProgramId program) final;
@@ -58,13 +66,16 @@ class CheckedDevice : public Device {
                                int layer) = 0;
   virtual void onGenerateMipmaps(const TextureRecord& texture) = 0;
   virtual void onDestroyTexture(const TextureRecord& texture) = 0;
+  virtual Status onCreateIndexBuffer(IndexBufferRecord& buffer) = 0;
+  virtual void onUpdateIndices(const IndexBufferRecord& buffer, std::span<const uint32_t> indices) = 0;
+  virtual void onDestroyIndexBuffer(const IndexBufferRecord& buffer) = 0;
   virtual Status onCreateProgram(ProgramId id, const std::string& label, const std::string& vertex_text,
                                  const std::string& fragment_text) = 0;
   virtual void onDestroyProgram(ProgramId id) = 0;
   virtual Status onCreateTarget(TargetRecord& target) = 0;
   virtual void onDestroyTarget(const TargetRecord& target) = 0;
-  virtual void onBeginPass(const Pass& pass, const TargetRecord* target) = 0;  // target null: the default one
-  virtual void onDraw(const Draw& draw) = 0;
+  virtual void onBeginPass(const Pass& pass, const TargetRecord* target) = 0;   // target null: the default one
+  virtual void onDraw(const Draw& draw, const IndexBufferRecord* indices) = 0;  // indices null: none
   virtual void onBlit(const TargetRecord* from, const TargetRecord* to, const Region& region) = 0;
   virtual Status onReadPixels(const TargetRecord* target, PixelFormat format, const Region& region, void* out) = 0;
   virtual void onBeginRead(ReadId read, const TargetRecord* target, const Region& region) = 0;
@@ -85,6 +96,7 @@ class CheckedDevice : public Device {
   std::string whyNotBlit(TargetId from, TargetId to, const Region& region) const;
 
   std::map<TextureId, TextureRecord> textures_;
+  std::map<IndexBufferId, IndexBufferRecord> index_buffers_;
   std::map<ProgramId, std::string> programs_;  // labels
   std::map<TargetId, TargetRecord> targets_;
   std::map<ReadId, Region> reads_;

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The GPU as fourdvt sees it: textures, programs, targets and draws, on GLES 3.0 = WebGL2.
+// The GPU as fourdvt sees it: textures, index lists, programs, targets and draws, on GLES 3.0 = WebGL2.
 //
 // Does: own resources (move-only handles), cache uniform locations and state, count calls and bytes, label everything.
 // Does NOT: own the context (platform/egl_context or the page does), use vertex buffers (vertices are pulled with
-// texelFetch and gl_VertexID), know about characters.
-// Order of calls: create resources → beginPass → draw… → endPass. updateTexture is legal outside passes only.
+// texelFetch and gl_VertexID, which is a draw's index if it has indices), know about characters.
+// Order of calls: create resources → beginPass → draw… → endPass. updateTexture and updateIndices are legal
+// outside passes only.
 // Row order: memory row 0 of an updated texture is the picture's top row and is stored as GL row 0, so shaders sample
 // with v down (glTF). Targets are drawn y-up as GL does; readPixels returns the TOP row first.
 #pragma once
@@ -43,6 +44,7 @@ using TextureId = uint32_t;
 using ProgramId = uint32_t;
 using TargetId = uint32_t;
 using ReadId = uint32_t;
+using IndexBufferId = uint32_t;
 constexpr TargetId kDefaultTarget = 0;  // the context's own framebuffer (the canvas); absent natively
 
 struct TargetDesc {
@@ -90,7 +92,8 @@ struct Draw {
   ProgramId program = 0;
   std::vector<TextureBinding> textures;
   std::vector<Uniform> uniforms;  // names the program does not use are ignored
-  int vertex_count = 0;           // triangles: 3 per triangle, gl_VertexID counts from 0
+  int vertex_count = 0;           // triangles: 3 per triangle, gl_VertexID counts from 0 …
+  IndexBufferId indices = 0;      // … or is what the first vertex_count of these say; equal ones are shaded once
   bool depth_test = false, depth_write = false;
   Blend blend = Blend::None;
   Cull cull = Cull::None;
@@ -117,6 +120,7 @@ struct Counters {  // since creation, or since resetCounters
   uint64_t draws = 0, vertices = 0, passes = 0, texture_updates = 0, uploaded_bytes = 0;
   uint64_t live_textures = 0, live_texture_bytes = 0, live_programs = 0, live_targets = 0;
   uint64_t live_target_bytes = 0;  // of renderbuffers that targets own, with all samples
+  uint64_t live_index_buffers = 0, live_index_bytes = 0;
 };
 
 // A rectangle in pixels. Of memory: y counts from the top row; of a target: from the bottom one, as GL does.
@@ -134,6 +138,10 @@ class Device {
                              int layer = 0) = 0;
   virtual void generateMipmaps(TextureId texture) = 0;
   virtual void destroyTexture(TextureId texture) = 0;
+  // Error: GpuFailure.
+  virtual Result<IndexBufferId> createIndexBuffer() = 0;
+  virtual void updateIndices(IndexBufferId buffer, std::span<const uint32_t> indices) = 0;  // replaces all
+  virtual void destroyIndexBuffer(IndexBufferId buffer) = 0;
   // GLSL ES 3.00 texts without the #version line; `defines` ("LAYERS 3\n…", one per line, no "#define") go first,
   // then highp as the default precision. Error: GpuFailure with the label and the compiler's log.
   virtual Result<ProgramId> createProgram(std::string_view label, std::string_view vertex_text,
@@ -203,11 +211,13 @@ class Owned {
 using Texture = Owned<&Device::destroyTexture>;
 using Program = Owned<&Device::destroyProgram>;
 using Target = Owned<&Device::destroyTarget>;
+using IndexBuffer = Owned<&Device::destroyIndexBuffer>;
 
 Result<Texture> makeTexture(Device& device, const TextureDesc& desc);
 Result<Program> makeProgram(Device& device, std::string_view label, std::string_view vertex_text,
                             std::string_view fragment_text, std::string_view defines = {});
 Result<Target> makeTarget(Device& device, const TargetDesc& desc);
+Result<IndexBuffer> makeIndexBuffer(Device& device);
 
 // Embedded shader files (shaders/gles/NAME, e.g. "layered.vert"); empty if there is none. `#include "x.glsl"` lines
 // are expanded at build time by the embedding script.

@@ -32,4 +32,10 @@ Result<Target> makeTarget(Device& device, const TargetDesc& desc) {
   return Target(device, id.value());
 }
 
+Result<IndexBuffer> makeIndexBuffer(Device& device) {
+  auto id = device.createIndexBuffer();
+  if (!id) return id.error();
+  return IndexBuffer(device, id.value());
+}
+
 }  // namespace fourdvt::gpu

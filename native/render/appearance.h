@@ -32,6 +32,7 @@ class Appearance {
   gpu::Texture vertex_masks;              // R32UI, member_count × vertex_count
   gpu::Texture labels;                    // R32UI, member_count × face_count: 5 bits per rank, 31 = empty
   gpu::Texture alignment;                 // RG32F, (member_count - 1) × vertex_count; none with one member
+  gpu::IndexBuffer corners;               // of faces with the same labels shared (shared_corners.h)
   std::vector<glm::vec4> layer_rects_uv;  // [member][layer] x, y, width, height in picture texture coordinates
   glm::vec2 picture_size{1};
   int member_count = 1, layer_count = 0;
@@ -41,8 +42,8 @@ class Appearance {
 
  private:
   bool frame_set_ = false;
-  std::vector<uint32_t> masks_, packed_;  // scratch
-  std::vector<glm::vec2> displacements_;  // scratch
+  std::vector<uint32_t> masks_, packed_, corners_;  // scratch
+  std::vector<glm::vec2> displacements_;            // scratch
 };
 
 }  // namespace fourdvt::render

@@ -5,6 +5,7 @@
 #include <cassert>
 
 #include "base/surface_frame.h"
+#include "render/shared_corners.h"
 #include "render/table.h"
 
 namespace fourdvt::render {
@@ -107,6 +108,11 @@ Result<CharacterModel> CharacterModel::create(gpu::Device& device, const package
   FOURDVT_ASSIGN(model.positions_normals,
                  makeTable(device, gpu::PixelFormat::RGBA32F, 2ull * model.vertex_count, "positions and normals"));
   uploadTable(device, model.corners, cornerTable(mesh));
+  model.corners_before_ =
+      render::cornersBefore(model.face_vertices_, mesh.topology.face_uvs, mesh.topology.vertex_count);
+  FOURDVT_ASSIGN(model.vertex_corners, gpu::makeIndexBuffer(device));
+  device.updateIndices(model.vertex_corners.id(),
+                       firstCorners(render::cornersBefore(model.face_vertices_, {}, mesh.topology.vertex_count)));
   return model;
 }
 

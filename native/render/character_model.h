@@ -52,6 +52,7 @@ class CharacterModel {
   gpu::Texture corners;                   // none for surfaces
   gpu::Texture corner_vertices;           // R32UI, the vertex of every corner; surfaces only
   gpu::Texture positions_normals;         // RGBA32F, 2 texels per vertex: position, normal
+  gpu::IndexBuffer vertex_corners;        // for draws that need a corner's vertex only; none for surfaces
   std::vector<glm::vec4> camera_centres;  // xyz, w unused
   int layer_count = 0, camera_count = 0;
   uint32_t vertex_count = 0, face_count = 0;
@@ -65,6 +66,8 @@ class CharacterModel {
   bool closed_surface = false;   // isClosedSurface: back faces are never seen
 
   const std::vector<glm::uvec3>& faces() const { return face_vertices_; }
+  // cornersBefore (shared_corners.h) of vertices and texture coordinates; none for surfaces.
+  const std::vector<uint32_t>& cornersBefore() const { return corners_before_; }
   // What a surface may have.
   uint32_t mostVertices() const { return most_vertices_; }
   uint32_t mostFaces() const { return most_faces_; }
@@ -73,6 +76,7 @@ class CharacterModel {
   static CharacterModel emptyModel(const package::Character& character);
 
   std::vector<glm::uvec3> face_vertices_;
+  std::vector<uint32_t> corners_before_;
   uint32_t most_vertices_ = 0, most_faces_ = 0;  // of a surface
   std::vector<glm::vec3> normals_;               // scratch
   std::vector<glm::vec4> table_;                 // scratch

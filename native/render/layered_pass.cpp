@@ -98,6 +98,7 @@ void LayeredPass::draw(gpu::Device& device, const CharacterModel& model, const P
                    gpu::uniform("u_picture_size", part.look->appearance->picture_size),
                    gpu::uniform("u_debug_layer", std::min(options.recipe.debug_layer, model.layer_count - 1))},
       .vertex_count = 3 * face_count,
+      .indices = part.look->appearance->corners.id(),
       .depth_test = true,
       .depth_write = true,
       .cull = model.closed_surface ? gpu::Cull::Back : gpu::Cull::None};

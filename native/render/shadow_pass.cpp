@@ -80,6 +80,7 @@ Status ShadowPass::cast(gpu::Device& device, size_t i, const CharacterModel& mod
                .uniforms = {gpu::uniform("u_ground", map.area), gpu::uniform("u_height_m", height_m),
                             gpu::uniform("u_length_scale", model.length_scale)},
                .vertex_count = static_cast<int>(3 * model.face_count),
+               .indices = model.vertex_corners.id(),
                .depth_test = true,
                .depth_write = true});
   device.endPass();

@@ -18,8 +18,16 @@ namespace fourdvt::testing {
 
 struct FirstFrame {
   package::Character character;
+  package::BaseMesh mesh;
+  package::ChunkFrames chunk;  // that it is the first frame of
   render::PlainFigure figure;
   render::PictureTextures picture;
+  Positions positions;
+
+  void setFrame(gpu::Device& device) {
+    figure.setFrame(device, positions,
+                    std::span<const uint8_t>(chunk.labels).first(size_t(character.layer_count) * character.face_count));
+  }
 };
 
 // Frame 0 of the first sequence.
@@ -29,21 +37,19 @@ inline FirstFrame loadFirstFrame(gpu::Device& device, const std::filesystem::pat
   const package::Character& c = scene.character;
   const package::Sequence& sequence = c.sequences.at(0);
   const package::Rendition& rendition = sequence.renditions.back();
-  const auto mesh = orStop(package::decodeBaseMesh(
+  scene.mesh = orStop(package::decodeBaseMesh(
       orStop(platform::readFileRange((folder / c.mesh_uri).string(), c.mesh_offset, c.mesh_bytes))));
   const std::string stream = (folder / sequence.stream_uri).string(), video = (folder / rendition.video_uri).string();
   const auto index =
       orStop(package::readStreamHeader(orStop(platform::readFileRange(stream, 0, sequence.stream_header_bytes))));
-  const auto chunk = orStop(
+  scene.chunk = orStop(
       package::decodeChunk(orStop(platform::readFileRange(stream, index.chunks[0].offset, index.chunks[0].bytes)),
-                           index, 0, package::makeChunkMesh(mesh)));
-  Positions positions;
+                           index, 0, package::makeChunkMesh(scene.mesh)));
   for (uint32_t v = 0; v < c.vertex_count; ++v)
-    positions.push_back(index.position_origin + index.position_step_m * glm::vec3(chunk.positions[v]));
-  scene.figure = orStop(render::PlainFigure::create(device, c, mesh));
+    scene.positions.push_back(index.position_origin + index.position_step_m * glm::vec3(scene.chunk.positions[v]));
+  scene.figure = orStop(render::PlainFigure::create(device, c, scene.mesh));
   scene.figure.setLayout(rendition);
-  scene.figure.setFrame(device, positions,
-                        std::span<const uint8_t>(chunk.labels).first(size_t(c.layer_count) * c.face_count));
+  scene.setFrame(device);
   scene.picture =
       orStop(render::createPicture(device, rendition.width, rendition.height, render::PictureTextures::Kind::I420));
   auto decoder = orStop(platform::SampleDecoder::create(rendition.codec, index.renditions.back().decoder_description,

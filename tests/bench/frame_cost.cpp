@@ -4,10 +4,13 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
+#include <numeric>
 
 #include "first_frame.h"
 #include "platform/egl_context.h"
 #include "render/recipe.h"
+#include "render/shared_corners.h"
 
 namespace {
 
@@ -15,24 +18,15 @@ using namespace fourdvt;
 using fourdvt::testing::FirstFrame;
 using fourdvt::testing::orStop;
 
-constexpr int kWidth = 780, kHeight = 1688;
-
-struct Times {
-  std::vector<double> ms;
-  double at(double share) {
-    std::sort(ms.begin(), ms.end());
-    return ms[size_t(share * double(ms.size() - 1))];
-  }
-};
-
 struct Canvas {
+  int width, height, samples;
   gpu::Texture color;
   gpu::Target target;
 };
 
-Canvas makeCanvas(gpu::Device& device) {
-  Canvas out;
-  out.color = orStop(gpu::makeTexture(device, {.width = kWidth, .height = kHeight, .label = "canvas"}));
+Canvas makeCanvas(gpu::Device& device, int width, int height, int samples) {
+  Canvas out{width, height, samples, {}, {}};
+  out.color = orStop(gpu::makeTexture(device, {.width = width, .height = height, .label = "canvas"}));
   out.target = orStop(gpu::makeTarget(device, {.colors = {out.color.id()}, .label = "canvas"}));
   return out;
 }
@@ -42,7 +36,7 @@ double timed(gpu::Device& device, const Canvas& canvas, const std::function<void
   draw();
   uint8_t pixel[4];  // waits until everything is drawn
   orStop(device.readPixels(canvas.target.id(), gpu::PixelFormat::RGBA8,
-                           {.x = kWidth / 2, .y = kHeight / 2, .width = 1, .height = 1}, pixel));
+                           {.x = canvas.width / 2, .y = canvas.height / 2, .width = 1, .height = 1}, pixel));
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
@@ -51,41 +45,110 @@ uint64_t bytesOf(const gpu::Device& device) {
 }
 
 // Views round the figure.
-std::vector<render::View> orbit(const BoundingBox& bounds, int count) {
+std::vector<render::View> orbit(const BoundingBox& bounds, const Canvas& canvas, int count) {
   std::vector<render::View> views;
-  OrbitView view = defaultOrbit(bounds, double(kWidth) / kHeight);
+  OrbitView view = defaultOrbit(bounds, double(canvas.width) / canvas.height);
   for (int i = 0; i < count; ++i, view.azimuth_deg += 360.0 / count)
-    views.push_back(render::viewFromCamera(cameraFromOrbit(view, kWidth, kHeight)));
+    views.push_back(render::viewFromCamera(cameraFromOrbit(view, canvas.width, canvas.height)));
   return views;
 }
 
-void raceRegions(gpu::Device& device, const FirstFrame& frame, const Canvas& canvas, int frames) {
+std::vector<uint32_t> vertexCorners(const FirstFrame& frame) {
+  const MeshTopology& t = frame.mesh.topology;
+  return render::firstCorners(render::cornersBefore(t.face_vertices, {}, t.vertex_count));
+}
+
+struct Variant {
+  const char* name;
+  bool in_region, shares;  // corners
+  std::unique_ptr<render::Recipe> recipe;
+  uint64_t bytes = 0;
+  std::vector<double> ms;
+};
+
+void printVariant(Variant& v, const Variant& first) {
+  std::sort(v.ms.begin(), v.ms.end());
+  const auto at = [&](double share) { return v.ms[size_t(share * double(v.ms.size() - 1))]; };
+  std::printf("%-28s targets %5.1f MB, draw %6.2f ms (quartiles %6.2f - %6.2f), ratio %.2f\n", v.name,
+              double(v.bytes) / 1e6, at(0.5), at(0.25), at(0.75), at(0.5) / first.ms[first.ms.size() / 2]);
+}
+
+// New frames from all round, their shadows included.
+void race(gpu::Device& device, FirstFrame& frame, const Canvas& canvas, int frames) {
   render::Scene unseen;  // with it the whole view is multisampled
   const std::vector<render::SceneCorner> far_below(3, render::SceneCorner{{0, -1000, 0}});
   unseen.meshes.push_back(orStop(render::makeSceneMesh(device, far_below, true)));
   unseen.ground_y_m = float(frame.character.ground_y_m);
   constexpr float kWhole[] = {1};
+  render::CharacterModel& model = frame.figure.model;
   const render::Look look{&frame.figure.appearance, &frame.picture, kWhole};
-  const render::Figure figure{&frame.figure.model, {&look, 1}};
-  const std::vector<render::View> views = orbit(frame.character.bounds, frames);
-  Times times[2];
-  uint64_t bytes[2] = {};
-  const auto whole = orStop(render::Recipe::create(device)), region = orStop(render::Recipe::create(device));
+  const render::Figure figure{&model, {&look, 1}};
+  const std::vector<render::View> views = orbit(frame.character.bounds, canvas, frames);
+  std::printf("%dx%d, %d samples\n", canvas.width, canvas.height, canvas.samples);
+  std::vector<uint32_t> each(3 * model.face_count);
+  std::iota(each.begin(), each.end(), 0u);
+  std::vector<Variant> variants;
+  variants.push_back({"whole view, corners alone", false, false, orStop(render::Recipe::create(device)), 0, {}});
+  variants.push_back({"region, corners alone", true, false, orStop(render::Recipe::create(device)), 0, {}});
+  variants.push_back({"region, corners shared", true, true, orStop(render::Recipe::create(device)), 0, {}});
   for (int i = -3; i < frames; ++i)  // the first ones warm up
-    for (int kind = 0; kind < 2; ++kind) {
+    for (Variant& variant : variants) {
+      frame.setFrame(device);
+      if (!variant.shares)
+        for (const gpu::IndexBuffer* list : {&frame.figure.appearance.corners, &model.vertex_corners})
+          device.updateIndices(list->id(), each);
       const uint64_t before = bytesOf(device);
       const double ms = timed(device, canvas, [&] {
-        orStop((kind ? region : whole)
-                   ->draw({&figure, 1}, kind ? nullptr : &unseen, views[size_t(std::max(i, 0))],
-                          {{}, render::Align::None}, canvas.target.id()));
+        orStop(variant.recipe->draw({&figure, 1}, variant.in_region ? nullptr : &unseen, views[size_t(std::max(i, 0))],
+                                    {{.samples = canvas.samples}, render::Align::None}, canvas.target.id()));
       });
-      bytes[kind] += bytesOf(device) - before;
-      if (i >= 0) times[kind].ms.push_back(ms);
+      variant.bytes += bytesOf(device) - before;
+      if (i >= 0) variant.ms.push_back(ms);
+      if (!variant.shares) device.updateIndices(model.vertex_corners.id(), vertexCorners(frame));
     }
-  for (int kind = 0; kind < 2; ++kind)
-    std::printf("%-12s targets %5.1f MB, draw %6.2f ms (quartiles %6.2f - %6.2f)\n", kind ? "region" : "whole view",
-                double(bytes[kind]) / 1e6, times[kind].at(0.5), times[kind].at(0.25), times[kind].at(0.75));
-  std::printf("region / whole view: draw %.2f\n", times[1].at(0.5) / times[0].at(0.5));
+  for (Variant& variant : variants) printVariant(variant, variants[0]);
+}
+
+// Vertices that are shaded by a GPU that keeps the last `kept` of them.
+size_t shadedOf(std::span<const uint32_t> corners, size_t kept) {
+  std::vector<size_t> shaded_at(corners.size(), 0);  // numbers from 1; 0: never
+  size_t shaded = 0;
+  for (const uint32_t corner : corners)
+    if (!shaded_at[corner] || shaded_at[corner] + kept <= shaded) shaded_at[corner] = ++shaded;
+  return shaded;
+}
+
+void printShaded(const char* what, size_t corners, std::span<const uint32_t> list, int fetches) {
+  std::printf("%-9s", what);
+  for (const size_t kept : {size_t(16), size_t(32), corners}) {
+    const size_t shaded = shadedOf(list, kept);
+    std::printf("  %6zu (%.2f)", shaded, double(shaded) / double(corners));
+  }
+  std::printf("  fetches %zu -> %zu\n", corners * size_t(fetches), shadedOf(list, 32) * size_t(fetches));
+}
+
+// Vertex shader runs of a new frame, without and with lists of shared corners.
+void countVertices(const FirstFrame& frame) {
+  const MeshTopology& t = frame.mesh.topology;
+  const size_t corners = 3 * t.faceCount(), member_labels = size_t(frame.character.layer_count) * t.faceCount();
+  const auto before = render::cornersBefore(t.face_vertices, t.face_uvs, t.vertex_count);
+  std::vector<uint32_t> shared;
+  std::vector<double> ms;
+  const size_t frames = frame.chunk.frame_count, frame_labels = frame.chunk.labels.size() / frames;
+  for (size_t i = 0; i < frames; ++i) {
+    std::vector<uint32_t> packed(t.faceCount(), ~0u), masks(t.vertex_count, ~0u);
+    render::packLabels(t.face_vertices, std::span(frame.chunk.labels).subspan(i * frame_labels, member_labels),
+                       int(frame.character.cameras.size()), packed, masks);
+    const auto start = std::chrono::steady_clock::now();
+    render::shareCorners(before, packed, shared);
+    ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+  }
+  std::printf(
+      "vertex shader runs of %zu corners if the last 16, 32, all are kept; table fetches without -> with (32)\n",
+      corners);
+  printShaded("layered", corners, shared, 5);  // corner, position, normal, mask, labels
+  printShaded("shadow", corners, vertexCorners(frame), 2);
+  std::printf("list of a frame: %.3f ms, %.0f kB\n", testing::median(ms), double(4 * corners) / 1e3);
 }
 
 }  // namespace
@@ -95,10 +158,10 @@ int main(int argc, char** argv) {
   const int frames = argc > 2 ? std::max(1, std::atoi(argv[2])) : 60;
   const auto context = orStop(platform::EglContext::create());
   const auto device = orStop(gpu::createGlesDevice());
-  const FirstFrame frame = testing::loadFirstFrame(*device, argv[1]);
-  const Canvas canvas = makeCanvas(*device);
-  std::printf("%s, %dx%d, %u faces, %d frames\n", device->caps().renderer.c_str(), kWidth, kHeight,
-              frame.figure.model.face_count, frames);
-  raceRegions(*device, frame, canvas, frames);
+  FirstFrame frame = testing::loadFirstFrame(*device, argv[1]);
+  std::printf("%s, %u faces, %d frames\n", device->caps().renderer.c_str(), frame.figure.model.face_count, frames);
+  race(*device, frame, makeCanvas(*device, 780, 1688, 4), frames);
+  race(*device, frame, makeCanvas(*device, 78, 169, 0), frames);  // of which vertices are the most
+  countVertices(frame);
   return 0;
 }

@@ -133,6 +133,25 @@ TEST_F(GlesDevice, testsDepthAndBlendsPremultiplied) {
   EXPECT_EQ(pixel(target.id(), 2, 2), (Rgba{153, 0, 51, 255}));
 }
 
+// The vertex shader's number is the index: 0, 1, 2 cover everything, others nothing.
+TEST_F(GlesDevice, drawsWithIndices) {
+  Texture color = texture(PixelFormat::RGBA8, 4, 4);
+  Target target = makeTarget(*device, {.colors = {color.id()}}).take();
+  const IndexBuffer whole = makeIndexBuffer(*device).take(), nothing = makeIndexBuffer(*device).take();
+  device->updateIndices(whole.id(), std::vector<uint32_t>{2, 0, 1, 7});
+  device->updateIndices(nothing.id(), std::vector<uint32_t>{0, 4, 0});
+  fill(target.id(), {0, 1, 0, 1}, 0);
+  fill(target.id(), {1, 0, 0, 1}, 0, {.indices = nothing.id()});
+  EXPECT_EQ(pixel(target.id(), 1, 1), (Rgba{0, 255, 0, 255}));
+  fill(target.id(), {0, 0, 1, 1}, 0, {.indices = whole.id()});
+  EXPECT_EQ(pixel(target.id(), 1, 1), (Rgba{0, 0, 255, 255}));
+  fill(target.id(), {1, 1, 0, 1}, 0);  // without indices after one with them
+  EXPECT_EQ(pixel(target.id(), 1, 1), (Rgba{255, 255, 0, 255}));
+  device->updateIndices(whole.id(), std::vector<uint32_t>{0, 0, 0});
+  fill(target.id(), {0, 0, 1, 1}, 0, {.indices = whole.id()});
+  EXPECT_EQ(pixel(target.id(), 1, 1), (Rgba{255, 255, 0, 255}));
+}
+
 TEST_F(GlesDevice, resolvesMultisampledTargets) {
   Texture color = texture(PixelFormat::RGBA8, 4, 4);
   Target plain = makeTarget(*device, {.colors = {color.id()}}).take();

@@ -97,7 +97,7 @@ struct Mannequin {
       const glm::vec3 centre = top + axis * (0.5f - 0.5f * std::cos(angle)) + glm::vec3(0, radius * std::cos(angle), 0);
       const float ring = radius * std::pow(std::sin(angle), 0.5f);
       for (int i = 0; i < round; ++i) {
-        const float turn = 2 * float(M_PI) * float(i) / float(round);
+        const float turn = 0.2f + 2 * float(M_PI) * float(i) / float(round);  // the seam is no seam of labels
         add(centre + ring * glm::vec3(std::sin(turn), 0, std::cos(turn)));
       }
     }

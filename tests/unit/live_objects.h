@@ -13,6 +13,9 @@ inline void expectNothingLives(gpu::Device& device) {
   EXPECT_EQ(counters.live_textures, 0u);
   EXPECT_EQ(counters.live_texture_bytes, 0u);
   EXPECT_EQ(counters.live_targets, 0u);
+  EXPECT_EQ(counters.live_target_bytes, 0u);
+  EXPECT_EQ(counters.live_index_buffers, 0u);
+  EXPECT_EQ(counters.live_index_bytes, 0u);
   EXPECT_EQ(counters.live_programs, 0u);
   EXPECT_EQ(device.takeErrors(), "");
 }

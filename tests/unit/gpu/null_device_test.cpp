@@ -169,6 +169,34 @@ TEST_F(NullDeviceTest, refusesBadBlitsAndReads) {
   EXPECT_TRUE(device->readPixels(plain.id(), PixelFormat::RGBA8, {.width = 16, .height = 8}, bytes.data()));
 }
 
+TEST_F(NullDeviceTest, refusesBadIndices) {
+  Texture color = texture(PixelFormat::RGBA8, 16, 8);
+  const Target target = makeTarget(*device, {.colors = {color.id()}}).take();
+  const Program p = program();
+  IndexBuffer indices = makeIndexBuffer(*device).take();
+  const std::vector<uint32_t> six(6, 0);
+  device->updateIndices(12345, six);
+  expectMisuse("no such index buffer");
+  device->updateIndices(indices.id(), six);
+  EXPECT_EQ(device->counters().live_index_bytes, 24u);
+  EXPECT_EQ(device->counters().uploaded_bytes, 24u);
+  device->beginPass({.target = target.id()});
+  device->draw({.program = p.id(), .vertex_count = 6, .indices = indices.id()});
+  EXPECT_EQ(device->takeErrors(), "");
+  device->draw({.program = p.id(), .vertex_count = 9, .indices = indices.id()});
+  expectMisuse("fewer than vertex_count");
+  device->draw({.program = p.id(), .vertex_count = 3, .indices = 12345});
+  expectMisuse("no such indices");
+  device->updateIndices(indices.id(), six);
+  expectMisuse("inside a pass");
+  device->endPass();
+  device->updateIndices(indices.id(), std::span(six).first(3));
+  EXPECT_EQ(device->counters().live_index_bytes, 12u);
+  indices.reset();
+  EXPECT_EQ(device->counters().live_index_bytes, 0u);
+  EXPECT_EQ(device->counters().live_index_buffers, 0u);
+}
+
 TEST_F(NullDeviceTest, countsTheBytesOfRenderbuffers) {
   Texture color = texture(PixelFormat::RGBA8, 16, 8);
   const Target plain = makeTarget(*device, {.colors = {color.id()}}).take();

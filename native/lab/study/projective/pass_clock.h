@@ -30,6 +30,11 @@ class PassClock final : public gpu::Device {
                      int layer) override;
   void generateMipmaps(gpu::TextureId texture) override { device_.generateMipmaps(texture); }
   void destroyTexture(gpu::TextureId texture) override { device_.destroyTexture(texture); }
+  Result<gpu::IndexBufferId> createIndexBuffer() override { return device_.createIndexBuffer(); }
+  void updateIndices(gpu::IndexBufferId buffer, std::span<const uint32_t> indices) override {
+    device_.updateIndices(buffer, indices);
+  }
+  void destroyIndexBuffer(gpu::IndexBufferId buffer) override { device_.destroyIndexBuffer(buffer); }
   Result<gpu::ProgramId> createProgram(std::string_view label, std::string_view vertex_text,
                                        std::string_view fragment_text, std::string_view defines) override {
     return device_.createProgram(label, vertex_text, fragment_text, defines);

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// Corners that share the vertex shader's work are drawn as corners that do not, bit by bit.
+#include <numeric>
+
+#include "gl_fixture.h"
+#include "mannequin.h"
+#include "render/styles/styles.h"
+
+namespace fourdvt::render {
+namespace {
+
+using testing::Mannequin;
+
+constexpr int kMembers = 2;
+
+class SharedTest : public testing::GlFixture {
+ protected:
+  void SetUp() override {
+    GlFixture::SetUp();
+    // Two members of three layers, whose labels differ.
+    scene_.setLayers(kMembers * 3, 64);
+    scene_.character.layer_count = 3;
+    scene_.labels = mannequin_.labels(0);
+    const std::vector<uint8_t> turned = mannequin_.labels(90);
+    scene_.labels.insert(scene_.labels.end(), turned.begin(), turned.end());
+    model_ = CharacterModel::create(*device, scene_.character, scene_.mesh).take();
+    model_.setPositions(*device, mannequin_.posed(1));
+    picture_ =
+        createPicture(*device, scene_.rendition.width, scene_.rendition.height, PictureTextures::Kind::Rgba).take();
+    mannequin_.scene.rendition = scene_.rendition;
+    const Image image = mannequin_.picture();
+    device->updateTexture(picture_.rgba.id(), {.width = image.width, .height = image.height}, image.pixels.data());
+    appearance_ = Appearance::create(*device, model_, kMembers).take();
+    appearance_.setLayout(scene_.rendition);
+    recipe_ = Recipe::create(*device).take();
+  }
+  void TearDown() override {
+    recipe_.reset();
+    model_ = {};
+    appearance_ = {};
+    picture_ = {};
+    GlFixture::TearDown();
+  }
+
+  Image draw(const Figure& figure, const DrawOptions& options) {
+    const View view = viewFromCamera(cameraFromOrbit({30, 10, 4, {0, 0.9, 0}, 35}, 300, 400));
+    model_.setPositions(*device, mannequin_.posed(1));  // casts anew
+    Image out = testing::drawnImage(*device, view, [&](gpu::TargetId target) {
+      return recipe_->draw({&figure, 1}, nullptr, view, options, target);
+    });
+    remember(out);
+    return out;
+  }
+
+  void expectSharingChangesNothing(const Figure& figure, const DrawOptions& options = {}) {
+    const Image shared = draw(figure, options);
+    std::vector<uint32_t> each(3 * model_.face_count);
+    std::iota(each.begin(), each.end(), 0u);
+    for (const gpu::IndexBuffer* list : {&appearance_.corners, &model_.vertex_corners})
+      device->updateIndices(list->id(), each);
+    EXPECT_EQ(draw(figure, options).pixels, shared.pixels);
+  }
+
+  Mannequin mannequin_{12000};  // so fine that labels go on across its seams of texture coordinates
+  testing::Scene scene_ = mannequin_.scene;
+  CharacterModel model_;
+  Appearance appearance_;
+  PictureTextures picture_;
+  std::unique_ptr<Recipe> recipe_;
+  const std::vector<float> weights_{0.4f, 0.6f};
+  const Look look_{&appearance_, &picture_, weights_};
+};
+
+TEST_F(SharedTest, membersAndTheirShadow) {
+  appearance_.setFrame(*device, model_, {scene_.labels, {}});
+  expectSharingChangesNothing({&model_, {&look_, 1}});
+}
+
+TEST_F(SharedTest, alignedMembers) {
+  std::vector<glm::vec2> alignment;
+  for (const glm::vec3& p : scene_.mesh.positions) alignment.emplace_back(0.02f * std::sin(9 * p.y), 0.01f);
+  appearance_.setFrame(*device, model_, {scene_.labels, alignment});
+  expectSharingChangesNothing({&model_, {&look_, 1}});
+}
+
+TEST_F(SharedTest, transitions) {
+  appearance_.setFrame(*device, model_, {scene_.labels, {}});
+  const Look looks[] = {look_, look_};
+  expectSharingChangesNothing({&model_, looks, 0.5f});
+}
+
+TEST_F(SharedTest, styles) {
+  appearance_.setFrame(*device, model_, {scene_.labels, {}});
+  ASSERT_TRUE(setStyle(*device, *recipe_, {.kind = StyleKind::Relit, .strength = 0.8f, .light = {glm::vec3(0.5f)}}));
+  expectSharingChangesNothing({&model_, {&look_, 1}});
+}
+
+}  // namespace
+}  // namespace fourdvt::render
