@@ -5,6 +5,7 @@
 #include <cassert>
 
 #include "base/surface_frame.h"
+#include "render/coarse_faces.h"
 #include "render/shared_corners.h"
 #include "render/table.h"
 
@@ -111,6 +112,11 @@ Result<CharacterModel> CharacterModel::create(gpu::Device& device, const package
   model.corners_before_ =
       render::cornersBefore(model.face_vertices_, mesh.topology.face_uvs, mesh.topology.vertex_count);
   FOURDVT_ASSIGN(model.vertex_corners, gpu::makeIndexBuffer(device));
+  FOURDVT_ASSIGN(model.shadow_corners, gpu::makeIndexBuffer(device));
+  const std::vector<uint32_t> casting =
+      shadowCorners(model.face_vertices_, mesh.positions, float(model.ground_y_m), model.length_scale);
+  device.updateIndices(model.shadow_corners.id(), casting);
+  model.shadow_corner_count = int(casting.size());
   device.updateIndices(model.vertex_corners.id(),
                        firstCorners(render::cornersBefore(model.face_vertices_, {}, mesh.topology.vertex_count)));
   return model;

@@ -49,10 +49,12 @@ class CharacterModel {
   static constexpr int kTableWidth = 256;
   // RGBA32F, 2 texels per corner: uv.x, uv.y, vertex index (exact below 2^24), unused; then uv_from_tangents, column by
   // column (base/surface_frame.h).
-  gpu::Texture corners;                   // none for surfaces
-  gpu::Texture corner_vertices;           // R32UI, the vertex of every corner; surfaces only
-  gpu::Texture positions_normals;         // RGBA32F, 2 texels per vertex: position, normal
-  gpu::IndexBuffer vertex_corners;        // for draws that need a corner's vertex only; none for surfaces
+  gpu::Texture corners;             // none for surfaces
+  gpu::Texture corner_vertices;     // R32UI, the vertex of every corner; surfaces only
+  gpu::Texture positions_normals;   // RGBA32F, 2 texels per vertex: position, normal
+  gpu::IndexBuffer vertex_corners;  // for draws that need a corner's vertex only; none for surfaces
+  gpu::IndexBuffer shadow_corners;  // of coarser faces, which cast nearly the same shadow; none for surfaces
+  int shadow_corner_count = 0;
   std::vector<glm::vec4> camera_centres;  // xyz, w unused
   int layer_count = 0, camera_count = 0;
   uint32_t vertex_count = 0, face_count = 0;

@@ -79,8 +79,8 @@ Status ShadowPass::cast(gpu::Device& device, size_t i, const CharacterModel& mod
                .textures = {corners, {"u_positions_normals", model.positions_normals.id()}},
                .uniforms = {gpu::uniform("u_ground", map.area), gpu::uniform("u_height_m", height_m),
                             gpu::uniform("u_length_scale", model.length_scale)},
-               .vertex_count = static_cast<int>(3 * model.face_count),
-               .indices = model.vertex_corners.id(),
+               .vertex_count = surface ? static_cast<int>(3 * model.face_count) : model.shadow_corner_count,
+               .indices = model.shadow_corners.id(),
                .depth_test = true,
                .depth_write = true});
   device.endPass();

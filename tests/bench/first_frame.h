@@ -24,9 +24,9 @@ struct FirstFrame {
   render::PictureTextures picture;
   Positions positions;
 
-  void setFrame(gpu::Device& device) {
-    figure.setFrame(device, positions,
-                    std::span<const uint8_t>(chunk.labels).first(size_t(character.layer_count) * character.face_count));
+  // Of its first member.
+  std::span<const uint8_t> labels() const {
+    return std::span<const uint8_t>(chunk.labels).first(size_t(character.layer_count) * character.face_count);
   }
 };
 
@@ -49,7 +49,7 @@ inline FirstFrame loadFirstFrame(gpu::Device& device, const std::filesystem::pat
     scene.positions.push_back(index.position_origin + index.position_step_m * glm::vec3(scene.chunk.positions[v]));
   scene.figure = orStop(render::PlainFigure::create(device, c, scene.mesh));
   scene.figure.setLayout(rendition);
-  scene.setFrame(device);
+  scene.figure.setFrame(device, scene.positions, scene.labels());
   scene.picture =
       orStop(render::createPicture(device, rendition.width, rendition.height, render::PictureTextures::Kind::I420));
   auto decoder = orStop(platform::SampleDecoder::create(rendition.codec, index.renditions.back().decoder_description,

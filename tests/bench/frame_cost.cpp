@@ -9,6 +9,7 @@
 
 #include "first_frame.h"
 #include "platform/egl_context.h"
+#include "render/coarse_faces.h"
 #include "render/recipe.h"
 #include "render/shared_corners.h"
 
@@ -60,43 +61,60 @@ std::vector<uint32_t> vertexCorners(const FirstFrame& frame) {
 
 struct Variant {
   const char* name;
-  bool in_region, shares;  // corners
+  bool in_region, shares;  // corners, and its shadow has fewer faces
   std::unique_ptr<render::Recipe> recipe;
+  render::PlainFigure figure;
   uint64_t bytes = 0;
   std::vector<double> ms;
 };
 
-void printVariant(Variant& v, const Variant& first) {
-  std::sort(v.ms.begin(), v.ms.end());
-  const auto at = [&](double share) { return v.ms[size_t(share * double(v.ms.size() - 1))]; };
-  std::printf("%-28s targets %5.1f MB, draw %6.2f ms (quartiles %6.2f - %6.2f), ratio %.2f\n", v.name,
-              double(v.bytes) / 1e6, at(0.5), at(0.25), at(0.75), at(0.5) / first.ms[first.ms.size() / 2]);
+Variant makeVariant(gpu::Device& device, const FirstFrame& frame, const char* name, bool in_region, bool shares) {
+  Variant out{name, in_region, shares, orStop(render::Recipe::create(device)), {}, 0, {}};
+  out.figure = orStop(render::PlainFigure::create(device, frame.character, frame.mesh));
+  out.figure.setLayout(frame.character.sequences.at(0).renditions.back());
+  return out;
+}
+
+// A new frame, of which every face is drawn by itself unless the variant shares corners.
+void setFrame(gpu::Device& device, const FirstFrame& frame, Variant& variant) {
+  render::CharacterModel& model = variant.figure.model;
+  variant.figure.setFrame(device, frame.positions, frame.labels());
+  if (variant.shares) return;
+  std::vector<uint32_t> each(3 * model.face_count);
+  std::iota(each.begin(), each.end(), 0u);
+  for (const gpu::IndexBuffer* list :
+       {&variant.figure.appearance.corners, &model.vertex_corners, &model.shadow_corners})
+    device.updateIndices(list->id(), each);
+  model.shadow_corner_count = int(each.size());
+}
+
+void printVariant(const Variant& v, const Variant& first) {
+  const auto at = [](std::vector<double> ms, double share) {
+    std::sort(ms.begin(), ms.end());
+    return ms[size_t(share * double(ms.size() - 1))];
+  };
+  std::printf("%-27s targets %5.1f MB, draw %6.2f ms (quartiles %6.2f - %6.2f), ratio %.2f\n", v.name,
+              double(v.bytes) / 1e6, at(v.ms, 0.5), at(v.ms, 0.25), at(v.ms, 0.75), at(v.ms, 0.5) / at(first.ms, 0.5));
 }
 
 // New frames from all round, their shadows included.
-void race(gpu::Device& device, FirstFrame& frame, const Canvas& canvas, int frames) {
+void race(gpu::Device& device, const FirstFrame& frame, const Canvas& canvas, int frames) {
   render::Scene unseen;  // with it the whole view is multisampled
   const std::vector<render::SceneCorner> far_below(3, render::SceneCorner{{0, -1000, 0}});
   unseen.meshes.push_back(orStop(render::makeSceneMesh(device, far_below, true)));
   unseen.ground_y_m = float(frame.character.ground_y_m);
   constexpr float kWhole[] = {1};
-  render::CharacterModel& model = frame.figure.model;
-  const render::Look look{&frame.figure.appearance, &frame.picture, kWhole};
-  const render::Figure figure{&model, {&look, 1}};
   const std::vector<render::View> views = orbit(frame.character.bounds, canvas, frames);
   std::printf("%dx%d, %d samples\n", canvas.width, canvas.height, canvas.samples);
-  std::vector<uint32_t> each(3 * model.face_count);
-  std::iota(each.begin(), each.end(), 0u);
   std::vector<Variant> variants;
-  variants.push_back({"whole view, corners alone", false, false, orStop(render::Recipe::create(device)), 0, {}});
-  variants.push_back({"region, corners alone", true, false, orStop(render::Recipe::create(device)), 0, {}});
-  variants.push_back({"region, corners shared", true, true, orStop(render::Recipe::create(device)), 0, {}});
+  variants.push_back(makeVariant(device, frame, "whole view, corners alone", false, false));
+  variants.push_back(makeVariant(device, frame, "region, corners alone", true, false));
+  variants.push_back(makeVariant(device, frame, "region, corners shared", true, true));
   for (int i = -3; i < frames; ++i)  // the first ones warm up
     for (Variant& variant : variants) {
-      frame.setFrame(device);
-      if (!variant.shares)
-        for (const gpu::IndexBuffer* list : {&frame.figure.appearance.corners, &model.vertex_corners})
-          device.updateIndices(list->id(), each);
+      setFrame(device, frame, variant);
+      const render::Look look{&variant.figure.appearance, &frame.picture, kWhole};
+      const render::Figure figure{&variant.figure.model, {&look, 1}};
       const uint64_t before = bytesOf(device);
       const double ms = timed(device, canvas, [&] {
         orStop(variant.recipe->draw({&figure, 1}, variant.in_region ? nullptr : &unseen, views[size_t(std::max(i, 0))],
@@ -104,14 +122,13 @@ void race(gpu::Device& device, FirstFrame& frame, const Canvas& canvas, int fram
       });
       variant.bytes += bytesOf(device) - before;
       if (i >= 0) variant.ms.push_back(ms);
-      if (!variant.shares) device.updateIndices(model.vertex_corners.id(), vertexCorners(frame));
     }
-  for (Variant& variant : variants) printVariant(variant, variants[0]);
+  for (const Variant& variant : variants) printVariant(variant, variants[0]);
 }
 
 // Vertices that are shaded by a GPU that keeps the last `kept` of them.
 size_t shadedOf(std::span<const uint32_t> corners, size_t kept) {
-  std::vector<size_t> shaded_at(corners.size(), 0);  // numbers from 1; 0: never
+  std::vector<size_t> shaded_at(1 + *std::max_element(corners.begin(), corners.end()), 0);  // from 1; 0: never
   size_t shaded = 0;
   for (const uint32_t corner : corners)
     if (!shaded_at[corner] || shaded_at[corner] + kept <= shaded) shaded_at[corner] = ++shaded;
@@ -147,7 +164,13 @@ void countVertices(const FirstFrame& frame) {
       "vertex shader runs of %zu corners if the last 16, 32, all are kept; table fetches without -> with (32)\n",
       corners);
   printShaded("layered", corners, shared, 5);  // corner, position, normal, mask, labels
-  printShaded("shadow", corners, vertexCorners(frame), 2);
+  printShaded("vertices", corners, vertexCorners(frame), 2);
+  const auto start = std::chrono::steady_clock::now();
+  const auto coarse = render::shadowCorners(t.face_vertices, frame.mesh.positions, float(frame.character.ground_y_m),
+                                            float(frame.character.length_scale));
+  const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - start;
+  printShaded("shadow", corners, coarse, 2);
+  std::printf("faces that cast the shadow: %zu, chosen once in %.2f ms\n", coarse.size() / 3, taken.count());
   std::printf("list of a frame: %.3f ms, %.0f kB\n", testing::median(ms), double(4 * corners) / 1e3);
 }
 
@@ -158,7 +181,7 @@ int main(int argc, char** argv) {
   const int frames = argc > 2 ? std::max(1, std::atoi(argv[2])) : 60;
   const auto context = orStop(platform::EglContext::create());
   const auto device = orStop(gpu::createGlesDevice());
-  FirstFrame frame = testing::loadFirstFrame(*device, argv[1]);
+  const FirstFrame frame = testing::loadFirstFrame(*device, argv[1]);
   std::printf("%s, %u faces, %d frames\n", device->caps().renderer.c_str(), frame.figure.model.face_count, frames);
   race(*device, frame, makeCanvas(*device, 780, 1688, 4), frames);
   race(*device, frame, makeCanvas(*device, 78, 169, 0), frames);  // of which vertices are the most

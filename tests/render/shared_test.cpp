@@ -4,12 +4,15 @@
 
 #include "gl_fixture.h"
 #include "mannequin.h"
+#include "render/passes.h"
+#include "render/shared_corners.h"
 #include "render/styles/styles.h"
 
 namespace fourdvt::render {
 namespace {
 
 using testing::Mannequin;
+using List = std::vector<uint32_t>;
 
 constexpr int kMembers = 2;
 
@@ -93,6 +96,56 @@ TEST_F(SharedTest, styles) {
   appearance_.setFrame(*device, model_, {scene_.labels, {}});
   ASSERT_TRUE(setStyle(*device, *recipe_, {.kind = StyleKind::Relit, .strength = 0.8f, .light = {glm::vec3(0.5f)}}));
   expectSharingChangesNothing({&model_, {&look_, 1}});
+}
+
+// Darkness of the ground from above, a pixel per texel of the map, 0…255.
+std::vector<int> shadowOf(gpu::Device& device, CharacterModel& model, const Positions& positions) {
+  model.setPositions(device, positions);
+  auto pass = ShadowPass::create(device).take();
+  EXPECT_TRUE(pass.cast(device, 0, model, 0));
+  CharacterView above;  // 2.5 m wide; the shadow's area is at most that
+  above.eye_in_character = {0, 0, 0};
+  above.clip_from_character = glm::mat4(0.8f, 0, 0, 0, 0, 0, 0, 0, 0, -0.8f, 0, 0, 0, 0, 0, 1);
+  const View view{glm::mat4(1), {}, 128, 128};
+  const Image image = testing::drawnImage(device, view, [&](gpu::TargetId target) -> Status {
+    device.beginPass({.target = target, .clear_color = true});
+    pass.drawGround(device, 0, above, 1, false);
+    device.endPass();
+    return {};
+  });
+  std::vector<int> out;
+  for (size_t i = 3; i < image.pixels.size(); i += 4) out.push_back(image.pixels[i]);
+  return out;
+}
+
+TEST_F(SharedTest, coarseFacesCastNearlyTheSameShadow) {
+  ASSERT_LT(model_.shadow_corner_count, int(model_.face_count));  // a third
+  const List all = firstCorners(cornersBefore(model_.faces(), {}, model_.vertex_count));
+  for (const float phase : {0.0f, 0.8f, 1.6f, 2.4f}) {
+    auto model = CharacterModel::create(*device, scene_.character, scene_.mesh).take();
+    const std::vector<int> coarse = shadowOf(*device, model, mannequin_.posed(phase));
+    device->updateIndices(model.shadow_corners.id(), all);
+    model.shadow_corner_count = int(all.size());
+    const std::vector<int> fine = shadowOf(*device, model, mannequin_.posed(phase));
+    int most = 0, darkest = 0;
+    double sum = 0, dark = 0;
+    for (size_t i = 0; i < fine.size(); ++i) {
+      const int difference = std::abs(fine[i] - coarse[i]);
+      most = std::max(most, difference);
+      darkest = std::max(darkest, fine[i]);
+      sum += difference;
+      dark += fine[i];
+    }
+    EXPECT_GT(darkest, 50);
+    EXPECT_LE(most, 6) << "at phase " << phase;
+    EXPECT_LT(sum, 0.08 * dark) << "at phase " << phase;
+  }
+}
+
+TEST_F(SharedTest, coarseMeshesCastTheirOwnShadow) {
+  const Mannequin coarse(600);
+  const auto model = CharacterModel::create(*device, coarse.scene.character, coarse.scene.mesh).take();
+  EXPECT_EQ(model.shadow_corner_count, int(3 * model.face_count));
 }
 
 }  // namespace
