@@ -143,31 +143,26 @@ void CheckedDevice::destroyTexture(TextureId id) {
   textures_.erase(id);
 }
 
-Result<IndexBufferId> CheckedDevice::createIndexBuffer() {
-  IndexBufferRecord record;
-  FOURDVT_TRY(onCreateIndexBuffer(record));
+IndexBufferId CheckedDevice::createIndexBuffer() {
+  const IndexBufferId id = onCreateIndexBuffer();
+  if (id >= index_counts_.size()) index_counts_.resize(id + 1);
+  index_counts_[id] = 1;
   counters_.live_index_buffers += 1;
-  index_buffers_[next_id_] = record;
-  return next_id_++;
+  return id;
 }
 
 void CheckedDevice::updateIndices(IndexBufferId id, std::span<const uint32_t> indices) {
-  const auto found = index_buffers_.find(id);
-  if (found == index_buffers_.end()) return misuse("updateIndices: no such index buffer");
-  if (in_pass_) return misuse("updateIndices inside a pass");
-  counters_.live_index_bytes += indices.size_bytes() - found->second.count * sizeof(uint32_t);
+  if (!hasIndices(id, 0) || in_pass_) return misuse("updateIndices: no such index buffer, or inside a pass");
   counters_.uploaded_bytes += indices.size_bytes();
-  found->second.count = indices.size();
-  onUpdateIndices(found->second, indices);
+  index_counts_[id] = static_cast<uint32_t>(indices.size() + 1);
+  onUpdateIndices(id, indices);
 }
 
 void CheckedDevice::destroyIndexBuffer(IndexBufferId id) {
-  const auto found = index_buffers_.find(id);
-  if (found == index_buffers_.end()) return misuse("destroyIndexBuffer: no such index buffer");
-  onDestroyIndexBuffer(found->second);
+  if (!hasIndices(id, 0)) return misuse("destroyIndexBuffer: no such index buffer");
+  onDestroyIndexBuffer(id);
   counters_.live_index_buffers -= 1;
-  counters_.live_index_bytes -= found->second.count * sizeof(uint32_t);
-  index_buffers_.erase(found);
+  index_counts_[id] = 0;
 }
 
 Result<ProgramId> CheckedDevice::createProgram(std::string_view label, std::string_view vertex_text,
@@ -275,8 +270,7 @@ std::string CheckedDevice::whyNotDraw(const Draw& draw) const {
   if (!in_pass_) return "outside a pass";
   if (!programs_.count(draw.program)) return "no such program";
   if (draw.vertex_count < 3 || draw.vertex_count % 3 != 0) return "vertex_count is no positive multiple of 3";
-  const auto indices = index_buffers_.find(draw.indices);
-  if (draw.indices && (indices == index_buffers_.end() || indices->second.count < size_t(draw.vertex_count)))
+  if (draw.indices && !hasIndices(draw.indices, size_t(draw.vertex_count)))
     return "no such indices, or fewer than vertex_count";
   if (draw.depth_write && !draw.depth_test) return "depth_write needs depth_test";
   const TargetRecord* record = target(pass_target_);
@@ -297,7 +291,7 @@ void CheckedDevice::draw(const Draw& draw) {
   if (const std::string why = whyNotDraw(draw); !why.empty()) return misuse("draw: " + why);
   counters_.draws += 1;
   counters_.vertices += static_cast<uint64_t>(draw.vertex_count);
-  onDraw(draw, draw.indices ? &index_buffers_.at(draw.indices) : nullptr);
+  onDraw(draw);
 }
 
 void CheckedDevice::endPass() {

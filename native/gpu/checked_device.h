@@ -28,11 +28,6 @@ struct TargetRecord {
   uint32_t framebuffer = 0, color_buffer = 0, depth_buffer = 0;  // set by the hooks
 };
 
-struct IndexBufferRecord {
-  size_t count = 0;
-  uint32_t native = 0;  // set by the hooks
-};
-
 class CheckedDevice : public Device {
  public:
   const Caps& caps() const final { return caps_; }
@@ -40,7 +35,7 @@ class CheckedDevice : public Device {
   void updateTexture(TextureId texture, const Region& region, const void* pixels, int stride_bytes, int layer) final;
   void generateMipmaps(TextureId texture) final;
   void destroyTexture(TextureId texture) final;
-  Result<IndexBufferId> createIndexBuffer() final;
+  IndexBufferId createIndexBuffer() final;
   void updateIndices(IndexBufferId buffer, std::span<const uint32_t> indices) final;
   void destroyIndexBuffer(IndexBufferId buffer) final;
   Result<ProgramId> createProgram(std::string_view label, std::string_view vertex_text, std::string_view fragment_text,
@@ -66,16 +61,16 @@ class CheckedDevice : public Device {
                                int layer) = 0;
   virtual void onGenerateMipmaps(const TextureRecord& texture) = 0;
   virtual void onDestroyTexture(const TextureRecord& texture) = 0;
-  virtual Status onCreateIndexBuffer(IndexBufferRecord& buffer) = 0;
-  virtual void onUpdateIndices(const IndexBufferRecord& buffer, std::span<const uint32_t> indices) = 0;
-  virtual void onDestroyIndexBuffer(const IndexBufferRecord& buffer) = 0;
+  virtual IndexBufferId onCreateIndexBuffer() = 0;  // the context's own name
+  virtual void onUpdateIndices(IndexBufferId buffer, std::span<const uint32_t> indices) = 0;
+  virtual void onDestroyIndexBuffer(IndexBufferId buffer) = 0;
   virtual Status onCreateProgram(ProgramId id, const std::string& label, const std::string& vertex_text,
                                  const std::string& fragment_text) = 0;
   virtual void onDestroyProgram(ProgramId id) = 0;
   virtual Status onCreateTarget(TargetRecord& target) = 0;
   virtual void onDestroyTarget(const TargetRecord& target) = 0;
-  virtual void onBeginPass(const Pass& pass, const TargetRecord* target) = 0;   // target null: the default one
-  virtual void onDraw(const Draw& draw, const IndexBufferRecord* indices) = 0;  // indices null: none
+  virtual void onBeginPass(const Pass& pass, const TargetRecord* target) = 0;  // target null: the default one
+  virtual void onDraw(const Draw& draw) = 0;
   virtual void onBlit(const TargetRecord* from, const TargetRecord* to, const Region& region) = 0;
   virtual Status onReadPixels(const TargetRecord* target, PixelFormat format, const Region& region, void* out) = 0;
   virtual void onBeginRead(ReadId read, const TargetRecord* target, const Region& region) = 0;
@@ -91,12 +86,19 @@ class CheckedDevice : public Device {
   void misuse(const std::string& line);
   std::string whyNotTexture(const TextureDesc& desc) const;
   std::string describeTarget(TargetRecord& record) const;
+<<<<<<< HEAD
   std::string whyNotRead(TargetId id, PixelFormat format, const Region& region) const;
+=======
+  bool hasIndices(IndexBufferId id, size_t count) const {
+    return id < index_counts_.size() && index_counts_[id] > count;
+  }
+>>>>>>> 7751644 (render: take less code for regions and index lists)
   std::string whyNotDraw(const Draw& draw) const;
   std::string whyNotBlit(TargetId from, TargetId to, const Region& region) const;
 
   std::map<TextureId, TextureRecord> textures_;
-  std::map<IndexBufferId, IndexBufferRecord> index_buffers_;
+  // Indices of the buffers, and one more; 0: there is no such buffer. By id.
+  std::vector<uint32_t> index_counts_;
   std::map<ProgramId, std::string> programs_;  // labels
   std::map<TargetId, TargetRecord> targets_;
   std::map<ReadId, Region> reads_;

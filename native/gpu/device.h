@@ -120,7 +120,7 @@ struct Counters {  // since creation, or since resetCounters
   uint64_t draws = 0, vertices = 0, passes = 0, texture_updates = 0, uploaded_bytes = 0;
   uint64_t live_textures = 0, live_texture_bytes = 0, live_programs = 0, live_targets = 0;
   uint64_t live_target_bytes = 0;  // of renderbuffers that targets own, with all samples
-  uint64_t live_index_buffers = 0, live_index_bytes = 0;
+  uint64_t live_index_buffers = 0;
 };
 
 // A rectangle in pixels. Of memory: y counts from the top row; of a target: from the bottom one, as GL does.
@@ -138,8 +138,7 @@ class Device {
                              int layer = 0) = 0;
   virtual void generateMipmaps(TextureId texture) = 0;
   virtual void destroyTexture(TextureId texture) = 0;
-  // Error: GpuFailure.
-  virtual Result<IndexBufferId> createIndexBuffer() = 0;
+  virtual IndexBufferId createIndexBuffer() = 0;                                            // without indices
   virtual void updateIndices(IndexBufferId buffer, std::span<const uint32_t> indices) = 0;  // replaces all
   virtual void destroyIndexBuffer(IndexBufferId buffer) = 0;
   // GLSL ES 3.00 texts without the #version line; `defines` ("LAYERS 3\n…", one per line, no "#define") go first,
@@ -217,7 +216,7 @@ Result<Texture> makeTexture(Device& device, const TextureDesc& desc);
 Result<Program> makeProgram(Device& device, std::string_view label, std::string_view vertex_text,
                             std::string_view fragment_text, std::string_view defines = {});
 Result<Target> makeTarget(Device& device, const TargetDesc& desc);
-Result<IndexBuffer> makeIndexBuffer(Device& device);
+IndexBuffer makeIndexBuffer(Device& device);
 
 // Embedded shader files (shaders/gles/NAME, e.g. "layered.vert"); empty if there is none. `#include "x.glsl"` lines
 // are expanded at build time by the embedding script.

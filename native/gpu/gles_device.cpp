@@ -178,18 +178,19 @@ class GlesDevice final : public CheckedDevice {
     glDeleteTextures(1, &name);
   }
 
-  Status onCreateIndexBuffer(IndexBufferRecord& buffer) override {
-    glGenBuffers(1, &buffer.native);
-    return buffer.native ? Status() : gpuError("index buffer: the GL context is lost or absent");
+  IndexBufferId onCreateIndexBuffer() override {
+    GLuint name = 0;
+    glGenBuffers(1, &name);
+    return name;
   }
 
-  void onUpdateIndices(const IndexBufferRecord& buffer, std::span<const uint32_t> indices) override {
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffer.native);
+  void onUpdateIndices(IndexBufferId buffer, std::span<const uint32_t> indices) override {
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffer);
     glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size_bytes()), indices.data(),
                  GL_DYNAMIC_DRAW);
   }
 
-  void onDestroyIndexBuffer(const IndexBufferRecord& buffer) override { glDeleteBuffers(1, &buffer.native); }
+  void onDestroyIndexBuffer(IndexBufferId buffer) override { glDeleteBuffers(1, &buffer); }
 
   Status onCreateProgram(ProgramId id, const std::string& label, const std::string& vertex_text,
                          const std::string& fragment_text) override {
@@ -264,7 +265,7 @@ class GlesDevice final : public CheckedDevice {
     glDisable(GL_SCISSOR_TEST);
   }
 
-  void onDraw(const Draw& draw, const IndexBufferRecord* indices) override {
+  void onDraw(const Draw& draw) override {
     const GlProgram& program = programs_[draw.program];
     if (program_ != program.name) glUseProgram(program_ = program.name);
     for (const GlProgram::UniformSlot& sampler : program.samplers)
@@ -273,8 +274,8 @@ class GlesDevice final : public CheckedDevice {
       for (const GlProgram::UniformSlot& slot : program.uniforms)
         if (slot.name == value.name) setUniform(slot.location, value);
     setState(draw);
-    if (!indices) return glDrawArrays(GL_TRIANGLES, 0, draw.vertex_count);
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices->native);
+    if (!draw.indices) return glDrawArrays(GL_TRIANGLES, 0, draw.vertex_count);
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, draw.indices);
     glDrawElements(GL_TRIANGLES, draw.vertex_count, GL_UNSIGNED_INT, nullptr);
   }
 

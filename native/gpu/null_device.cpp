@@ -24,15 +24,15 @@ class NullDevice final : public CheckedDevice {
   void onUpdateTexture(const TextureRecord&, const Region&, const void*, int, int) override {}
   void onGenerateMipmaps(const TextureRecord&) override {}
   void onDestroyTexture(const TextureRecord&) override {}
-  Status onCreateIndexBuffer(IndexBufferRecord&) override { return {}; }
-  void onUpdateIndices(const IndexBufferRecord&, std::span<const uint32_t>) override {}
-  void onDestroyIndexBuffer(const IndexBufferRecord&) override {}
+  IndexBufferId onCreateIndexBuffer() override { return ++natives_; }
+  void onUpdateIndices(IndexBufferId, std::span<const uint32_t>) override {}
+  void onDestroyIndexBuffer(IndexBufferId) override {}
   Status onCreateProgram(ProgramId, const std::string&, const std::string&, const std::string&) override { return {}; }
   void onDestroyProgram(ProgramId) override {}
   Status onCreateTarget(TargetRecord&) override { return {}; }
   void onDestroyTarget(const TargetRecord&) override {}
   void onBeginPass(const Pass&, const TargetRecord*) override {}
-  void onDraw(const Draw&, const IndexBufferRecord*) override {}
+  void onDraw(const Draw&) override {}
   void onBlit(const TargetRecord*, const TargetRecord*, const Region&) override {}
   Status onReadPixels(const TargetRecord*, PixelFormat format, const Region& region, void* out) override {
     std::memset(out, 0, static_cast<size_t>(region.width) * region.height * readBytesPerPixel(format));

@@ -32,10 +32,6 @@ Result<Target> makeTarget(Device& device, const TargetDesc& desc) {
   return Target(device, id.value());
 }
 
-Result<IndexBuffer> makeIndexBuffer(Device& device) {
-  auto id = device.createIndexBuffer();
-  if (!id) return id.error();
-  return IndexBuffer(device, id.value());
-}
+IndexBuffer makeIndexBuffer(Device& device) { return IndexBuffer(device, device.createIndexBuffer()); }
 
 }  // namespace fourdvt::gpu

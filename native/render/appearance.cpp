@@ -27,7 +27,7 @@ Result<Appearance> Appearance::create(gpu::Device& device, const CharacterModel&
   FOURDVT_TRY(table(appearance.labels, gpu::PixelFormat::R32UI, member_count * faces, "face labels"));
   if (member_count > 1)
     FOURDVT_TRY(table(appearance.alignment, gpu::PixelFormat::RG32F, (member_count - 1) * vertices, "alignment"));
-  FOURDVT_ASSIGN(appearance.corners, gpu::makeIndexBuffer(device));
+  appearance.corners = gpu::makeIndexBuffer(device);
   return appearance;
 }
 
@@ -43,7 +43,7 @@ void Appearance::setFrame(gpu::Device& device, const CharacterModel& model, cons
                std::span(masks_).subspan(member * vertices, vertices));
   uploadTable(device, vertex_masks, masks_);
   uploadTable(device, labels, packed_);
-  shareCorners(model.cornersBefore(), std::span(packed_).first(member_count * faces), corners_);
+  shareCorners(model.cornersBefore(), model.faces(), std::span(packed_).first(member_count * faces), corners_);
   device.updateIndices(corners.id(), corners_);
   aligned = !frame.alignment.empty();
   if (aligned) {

@@ -109,16 +109,13 @@ Result<CharacterModel> CharacterModel::create(gpu::Device& device, const package
   FOURDVT_ASSIGN(model.positions_normals,
                  makeTable(device, gpu::PixelFormat::RGBA32F, 2ull * model.vertex_count, "positions and normals"));
   uploadTable(device, model.corners, cornerTable(mesh));
-  model.corners_before_ =
-      render::cornersBefore(model.face_vertices_, mesh.topology.face_uvs, mesh.topology.vertex_count);
-  FOURDVT_ASSIGN(model.vertex_corners, gpu::makeIndexBuffer(device));
-  FOURDVT_ASSIGN(model.shadow_corners, gpu::makeIndexBuffer(device));
+  model.corners_before_ = render::cornersBefore(mesh.topology.face_uvs, mesh.topology.uvs.size());
   const std::vector<uint32_t> casting =
       shadowCorners(model.face_vertices_, mesh.positions, float(model.ground_y_m), model.length_scale);
-  device.updateIndices(model.shadow_corners.id(), casting);
   model.shadow_corner_count = int(casting.size());
-  device.updateIndices(model.vertex_corners.id(),
-                       firstCorners(render::cornersBefore(model.face_vertices_, {}, mesh.topology.vertex_count)));
+  if (casting.empty()) return model;
+  model.shadow_corners = gpu::makeIndexBuffer(device);
+  device.updateIndices(model.shadow_corners.id(), casting);
   return model;
 }
 

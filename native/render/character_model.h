@@ -52,8 +52,7 @@ class CharacterModel {
   gpu::Texture corners;             // none for surfaces
   gpu::Texture corner_vertices;     // R32UI, the vertex of every corner; surfaces only
   gpu::Texture positions_normals;   // RGBA32F, 2 texels per vertex: position, normal
-  gpu::IndexBuffer vertex_corners;  // for draws that need a corner's vertex only; none for surfaces
-  gpu::IndexBuffer shadow_corners;  // of coarser faces, which cast nearly the same shadow; none for surfaces
+  gpu::IndexBuffer shadow_corners;  // of coarser faces, which cast nearly the same shadow; none: all cast
   int shadow_corner_count = 0;
   std::vector<glm::vec4> camera_centres;  // xyz, w unused
   int layer_count = 0, camera_count = 0;
@@ -68,7 +67,7 @@ class CharacterModel {
   bool closed_surface = false;   // isClosedSurface: back faces are never seen
 
   const std::vector<glm::uvec3>& faces() const { return face_vertices_; }
-  // cornersBefore (shared_corners.h) of vertices and texture coordinates; none for surfaces.
+  // shared_corners.h; none for surfaces.
   const std::vector<uint32_t>& cornersBefore() const { return corners_before_; }
   // What a surface may have.
   uint32_t mostVertices() const { return most_vertices_; }

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "render/shared_corners.h"
-
 namespace fourdvt::render {
 namespace {
 
@@ -38,7 +36,8 @@ std::vector<uint32_t> coarseCorners(std::span<const glm::uvec3> faces, std::span
   }
   for (const glm::uvec3& face : faces) {
     const uint32_t a = groupOf(groups, face.x), b = groupOf(groups, face.y), c = groupOf(groups, face.z);
-    if (a != b && b != c && c != a) out.insert(out.end(), {corner_of[a], corner_of[b], corner_of[c]});
+    if (a == b || b == c || c == a) continue;
+    for (const uint32_t vertex : {a, b, c}) out.push_back(corner_of[vertex]);
   }
   return out;
 }
@@ -48,8 +47,8 @@ std::vector<uint32_t> shadowCorners(std::span<const glm::uvec3> faces, std::span
   std::vector<uint32_t> coarse =
       coarseCorners(faces, positions, length_scale * kShadowCell_m, ground_y_m + length_scale * kFineShadow_m);
   // Of a coarse mesh little is saved, and too much would be gone.
-  if (2 * coarse.size() < 3 * faces.size() && coarse.size() > 3 * kLeastShadowFaces) return coarse;
-  return firstCorners(cornersBefore(faces, {}, positions.size()));
+  if (2 * coarse.size() > 3 * faces.size() || coarse.size() < 3 * kLeastShadowFaces) coarse.clear();
+  return coarse;
 }
 
 }  // namespace fourdvt::render

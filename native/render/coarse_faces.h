@@ -15,7 +15,7 @@ namespace fourdvt::render {
 std::vector<uint32_t> coarseCorners(std::span<const glm::uvec3> faces, std::span<const glm::vec3> positions,
                                     float cell_m, float fine_below_m);
 
-// The faces that cast the shadow of a character of this base mesh; all of them where the mesh is coarse.
+// The faces that cast the shadow of a character of this base mesh; none where it is so coarse that all of them should.
 std::vector<uint32_t> shadowCorners(std::span<const glm::uvec3> faces, std::span<const glm::vec3> positions,
                                     float ground_y_m, float length_scale);
 

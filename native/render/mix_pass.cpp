@@ -32,7 +32,6 @@ void MixPass::drawMesh(gpu::Device& device, const CharacterModel& model, gpu::Te
                             {"u_shown", picture}},
                .uniforms = {gpu::uniform("u_clip_from_character", view.clip_from_character)},
                .vertex_count = static_cast<int>(3 * model.face_count),
-               .indices = model.vertex_corners.id(),
                .depth_test = true,
                .depth_write = true,
                .cull = model.closed_surface ? gpu::Cull::Back : gpu::Cull::None});

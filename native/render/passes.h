@@ -44,12 +44,14 @@ class FigureRegion {
   // `all`: the whole view. True if the size is another one than before.
   bool update(std::span<const Figure> figures, const View& view, bool all);
   const gpu::Region& region() const { return region_; }  // y from below
-  bool isWhole() const { return region_.width == view_width_ && region_.height == view_height_; }
+  int viewWidth() const { return view_size_[0]; }
+  int viewHeight() const { return view_size_[1]; }
+  bool isWhole() const { return region_.width == view_size_[0] && region_.height == view_size_[1]; }
 
  private:
   gpu::Region region_;
-  int view_width_ = 0, view_height_ = 0;
-  int roomy_draws_ = 0;  // in a row that needed less than half of the region
+  int view_size_[2] = {};  // width, height
+  int roomy_draws_ = 0;    // in a row that needed less than half of the region
 };
 
 // The view in the frame of the figure's character.

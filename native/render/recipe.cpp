@@ -46,7 +46,7 @@ class RecipeOnDevice final : public Recipe {
         FOURDVT_TRY(shadow_.cast(device_, plan.size() - 1, *figure.model, groundOf(figure, scene)));
     }
     const bool whole = region_.isWhole();
-    beginMain(view, whole ? recipe.background : glm::vec4(0), "figures");
+    beginMain(whole ? recipe.background : glm::vec4(0), "figures");
     if (scene) scene_pass_.draw(device_, *scene, view);
     if (whole) drawShadows(plan, recipe);
     for (size_t i = 0; i < plan.size(); ++i) drawFigure(plan[i], i, options);
@@ -54,7 +54,7 @@ class RecipeOnDevice final : public Recipe {
     if (whole)
       device_.blit(main_.id(), target, region());
     else
-      putOver(plan, view, recipe, target);
+      putOver(plan, recipe, target);
     return {};
   }
 
@@ -99,14 +99,13 @@ class RecipeOnDevice final : public Recipe {
 
   const gpu::Region& region() const { return region_.region(); }
 
-  // Begins a pass in the multisampled target, which holds the region of the view (View or CharacterView).
-  template <class AnyView>
-  void beginMain(const AnyView& view, const glm::vec4& color, const char* label) {
+  // Begins a pass in the multisampled target, which holds the region of the view.
+  void beginMain(const glm::vec4& color, const char* label) {
     device_.beginPass({.target = main_.id(),
                        .x = -region().x,
                        .y = -region().y,
-                       .width = view.width,
-                       .height = view.height,
+                       .width = region_.viewWidth(),
+                       .height = region_.viewHeight(),
                        .clear_color = true,
                        .clear_depth = true,
                        .color = color,
@@ -157,7 +156,7 @@ class RecipeOnDevice final : public Recipe {
   // Multisamples the part as the figure will be, so that both cover the same pixels.
   void drawAlone(const PlannedFigure& figure, size_t number, const Part* part, const Canvas& out,
                  const DrawOptions& options) {
-    beginMain(figure.view, glm::vec4(0), "part");
+    beginMain(glm::vec4(0), "part");
     drawPart(figure, number, part, options);
     device_.endPass();
     device_.blit(main_.id(), out.target.id(), {.width = region().width, .height = region().height});
@@ -222,23 +221,20 @@ class RecipeOnDevice final : public Recipe {
 
   // Draws background and shadows, which are soft and have nothing before them but the figures, without multisampling,
   // and the figures over them. Samples cannot be blitted to another place, hence the picture in between.
-  void putOver(const std::vector<PlannedFigure>& plan, const View& view, const RecipeOptions& recipe,
-               gpu::TargetId target) {
+  void putOver(const std::vector<PlannedFigure>& plan, const RecipeOptions& recipe, gpu::TargetId target) {
     const auto [x, y, width, height] = region();
     device_.blit(main_.id(), resolved_.target.id(), {.width = width, .height = height});
     device_.beginPass({.target = target,
-                       .width = view.width,
-                       .height = view.height,
+                       .width = region_.viewWidth(),
+                       .height = region_.viewHeight(),
                        .clear_color = true,
                        .color = recipe.background,
                        .label = "shadows"});
     drawShadows(plan, recipe);
     device_.endPass();
-    const glm::vec2 origin(x, y);
     device_.beginPass({.target = target, .x = x, .y = y, .width = width, .height = height, .label = "figures over"});
     device_.draw({.program = over_.id(),
-                  .textures = {{"u_figures", resolved_.color.id()}},
-                  .uniforms = {gpu::uniform("u_origin", origin)},
+                  .textures = {{"u_background", resolved_.color.id()}},
                   .vertex_count = 3,
                   .blend = gpu::Blend::PremultipliedOver});
     device_.endPass();
@@ -275,7 +271,7 @@ LengthScales lengthScalesOf(std::span<const Figure> figures) {
 Result<std::unique_ptr<Recipe>> Recipe::create(gpu::Device& device) {
   auto shadow = ShadowPass::create(device);
   if (!shadow) return shadow.error();
-  auto over = makeEmbeddedProgram(device, "fullscreen.vert", "figures_over.frag");
+  auto over = makeEmbeddedProgram(device, "fullscreen.vert", "background.frag", "DRAWN\n");
   if (!over) return over.error();
   return std::unique_ptr<Recipe>(std::make_unique<RecipeOnDevice>(device, shadow.take(), over.take()));
 }

@@ -75,14 +75,15 @@ Status ShadowPass::cast(gpu::Device& device, size_t i, const CharacterModel& mod
   device.beginPass({.target = map.target.id(), .clear_color = true, .clear_depth = true, .label = "shadow cast"});
   const gpu::TextureBinding corners = surface ? gpu::TextureBinding{"u_corner_vertices", model.corner_vertices.id()}
                                               : gpu::TextureBinding{"u_corners", model.corners.id()};
-  device.draw({.program = (surface ? cast_surface_ : cast_).id(),
-               .textures = {corners, {"u_positions_normals", model.positions_normals.id()}},
-               .uniforms = {gpu::uniform("u_ground", map.area), gpu::uniform("u_height_m", height_m),
-                            gpu::uniform("u_length_scale", model.length_scale)},
-               .vertex_count = surface ? static_cast<int>(3 * model.face_count) : model.shadow_corner_count,
-               .indices = model.shadow_corners.id(),
-               .depth_test = true,
-               .depth_write = true});
+  device.draw(
+      {.program = (surface ? cast_surface_ : cast_).id(),
+       .textures = {corners, {"u_positions_normals", model.positions_normals.id()}},
+       .uniforms = {gpu::uniform("u_ground", map.area), gpu::uniform("u_height_m", height_m),
+                    gpu::uniform("u_length_scale", model.length_scale)},
+       .vertex_count = model.shadow_corners ? model.shadow_corner_count : static_cast<int>(3 * model.face_count),
+       .indices = model.shadow_corners.id(),
+       .depth_test = true,
+       .depth_write = true});
   device.endPass();
   // In units of the map, which is 2 × area.z metres wide.
   const float tap_m = model.length_scale * kBodySigma_m / kTapsOfBodySigma;

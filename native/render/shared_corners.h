@@ -11,15 +11,13 @@
 
 namespace fourdvt::render {
 
-// The last corner before each one that has the same vertex and, if `uvs` are given, the same texture coordinates; its
-// own number where there is none.
-std::vector<uint32_t> cornersBefore(std::span<const glm::uvec3> vertices, std::span<const glm::uvec3> uvs,
-                                    size_t vertex_count);
+// The last corner before each one that has the same texture coordinates; its own number where there is none. uvs: of
+// the faces' corners, less than uv_count.
+std::vector<uint32_t> cornersBefore(std::span<const glm::uvec3> uvs, size_t uv_count);
 
-// For draws in which all such corners are shaded alike.
-std::vector<uint32_t> firstCorners(std::vector<uint32_t> before);
-
-// For draws in which they are if their faces have the same labels, too. labels: [member][face], packed.
-void shareCorners(std::span<const uint32_t> before, std::span<const uint32_t> labels, std::vector<uint32_t>& shared);
+// Corners are shaded alike if they have the same vertex and texture coordinates, and their faces the same labels.
+// before: cornersBefore; labels: [member][face], packed.
+void shareCorners(std::span<const uint32_t> before, std::span<const glm::uvec3> vertices,
+                  std::span<const uint32_t> labels, std::vector<uint32_t>& shared);
 
 }  // namespace fourdvt::render

@@ -54,11 +54,6 @@ std::vector<render::View> orbit(const BoundingBox& bounds, const Canvas& canvas,
   return views;
 }
 
-std::vector<uint32_t> vertexCorners(const FirstFrame& frame) {
-  const MeshTopology& t = frame.mesh.topology;
-  return render::firstCorners(render::cornersBefore(t.face_vertices, {}, t.vertex_count));
-}
-
 struct Variant {
   const char* name;
   bool in_region, shares;  // corners, and its shadow has fewer faces
@@ -82,10 +77,8 @@ void setFrame(gpu::Device& device, const FirstFrame& frame, Variant& variant) {
   if (variant.shares) return;
   std::vector<uint32_t> each(3 * model.face_count);
   std::iota(each.begin(), each.end(), 0u);
-  for (const gpu::IndexBuffer* list :
-       {&variant.figure.appearance.corners, &model.vertex_corners, &model.shadow_corners})
-    device.updateIndices(list->id(), each);
-  model.shadow_corner_count = int(each.size());
+  device.updateIndices(variant.figure.appearance.corners.id(), each);
+  model.shadow_corners.reset();
 }
 
 void printVariant(const Variant& v, const Variant& first) {
@@ -148,7 +141,7 @@ void printShaded(const char* what, size_t corners, std::span<const uint32_t> lis
 void countVertices(const FirstFrame& frame) {
   const MeshTopology& t = frame.mesh.topology;
   const size_t corners = 3 * t.faceCount(), member_labels = size_t(frame.character.layer_count) * t.faceCount();
-  const auto before = render::cornersBefore(t.face_vertices, t.face_uvs, t.vertex_count);
+  const auto before = render::cornersBefore(t.face_uvs, t.uvs.size());
   std::vector<uint32_t> shared;
   std::vector<double> ms;
   const size_t frames = frame.chunk.frame_count, frame_labels = frame.chunk.labels.size() / frames;
@@ -157,14 +150,13 @@ void countVertices(const FirstFrame& frame) {
     render::packLabels(t.face_vertices, std::span(frame.chunk.labels).subspan(i * frame_labels, member_labels),
                        int(frame.character.cameras.size()), packed, masks);
     const auto start = std::chrono::steady_clock::now();
-    render::shareCorners(before, packed, shared);
+    render::shareCorners(before, t.face_vertices, packed, shared);
     ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
   }
   std::printf(
       "vertex shader runs of %zu corners if the last 16, 32, all are kept; table fetches without -> with (32)\n",
       corners);
   printShaded("layered", corners, shared, 5);  // corner, position, normal, mask, labels
-  printShaded("vertices", corners, vertexCorners(frame), 2);
   const auto start = std::chrono::steady_clock::now();
   const auto coarse = render::shadowCorners(t.face_vertices, frame.mesh.positions, float(frame.character.ground_y_m),
                                             float(frame.character.length_scale));

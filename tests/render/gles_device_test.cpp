@@ -137,7 +137,7 @@ TEST_F(GlesDevice, testsDepthAndBlendsPremultiplied) {
 TEST_F(GlesDevice, drawsWithIndices) {
   Texture color = texture(PixelFormat::RGBA8, 4, 4);
   Target target = makeTarget(*device, {.colors = {color.id()}}).take();
-  const IndexBuffer whole = makeIndexBuffer(*device).take(), nothing = makeIndexBuffer(*device).take();
+  const IndexBuffer whole = makeIndexBuffer(*device), nothing = makeIndexBuffer(*device);
   device->updateIndices(whole.id(), std::vector<uint32_t>{2, 0, 1, 7});
   device->updateIndices(nothing.id(), std::vector<uint32_t>{0, 4, 0});
   fill(target.id(), {0, 1, 0, 1}, 0);

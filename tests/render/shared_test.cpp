@@ -5,14 +5,11 @@
 #include "gl_fixture.h"
 #include "mannequin.h"
 #include "render/passes.h"
-#include "render/shared_corners.h"
-#include "render/styles/styles.h"
 
 namespace fourdvt::render {
 namespace {
 
 using testing::Mannequin;
-using List = std::vector<uint32_t>;
 
 constexpr int kMembers = 2;
 
@@ -59,8 +56,7 @@ class SharedTest : public testing::GlFixture {
     const Image shared = draw(figure, options);
     std::vector<uint32_t> each(3 * model_.face_count);
     std::iota(each.begin(), each.end(), 0u);
-    for (const gpu::IndexBuffer* list : {&appearance_.corners, &model_.vertex_corners})
-      device->updateIndices(list->id(), each);
+    device->updateIndices(appearance_.corners.id(), each);
     EXPECT_EQ(draw(figure, options).pixels, shared.pixels);
   }
 
@@ -92,12 +88,6 @@ TEST_F(SharedTest, transitions) {
   expectSharingChangesNothing({&model_, looks, 0.5f});
 }
 
-TEST_F(SharedTest, styles) {
-  appearance_.setFrame(*device, model_, {scene_.labels, {}});
-  ASSERT_TRUE(setStyle(*device, *recipe_, {.kind = StyleKind::Relit, .strength = 0.8f, .light = {glm::vec3(0.5f)}}));
-  expectSharingChangesNothing({&model_, {&look_, 1}});
-}
-
 // Darkness of the ground from above, a pixel per texel of the map, 0…255.
 std::vector<int> shadowOf(gpu::Device& device, CharacterModel& model, const Positions& positions) {
   model.setPositions(device, positions);
@@ -120,12 +110,10 @@ std::vector<int> shadowOf(gpu::Device& device, CharacterModel& model, const Posi
 
 TEST_F(SharedTest, coarseFacesCastNearlyTheSameShadow) {
   ASSERT_LT(model_.shadow_corner_count, int(model_.face_count));  // a third
-  const List all = firstCorners(cornersBefore(model_.faces(), {}, model_.vertex_count));
   for (const float phase : {0.0f, 0.8f, 1.6f, 2.4f}) {
     auto model = CharacterModel::create(*device, scene_.character, scene_.mesh).take();
     const std::vector<int> coarse = shadowOf(*device, model, mannequin_.posed(phase));
-    device->updateIndices(model.shadow_corners.id(), all);
-    model.shadow_corner_count = int(all.size());
+    model.shadow_corners.reset();
     const std::vector<int> fine = shadowOf(*device, model, mannequin_.posed(phase));
     int most = 0, darkest = 0;
     double sum = 0, dark = 0;
@@ -145,7 +133,7 @@ TEST_F(SharedTest, coarseFacesCastNearlyTheSameShadow) {
 TEST_F(SharedTest, coarseMeshesCastTheirOwnShadow) {
   const Mannequin coarse(600);
   const auto model = CharacterModel::create(*device, coarse.scene.character, coarse.scene.mesh).take();
-  EXPECT_EQ(model.shadow_corner_count, int(3 * model.face_count));
+  EXPECT_FALSE(model.shadow_corners);
 }
 
 }  // namespace

@@ -15,7 +15,6 @@ inline void expectNothingLives(gpu::Device& device) {
   EXPECT_EQ(counters.live_targets, 0u);
   EXPECT_EQ(counters.live_target_bytes, 0u);
   EXPECT_EQ(counters.live_index_buffers, 0u);
-  EXPECT_EQ(counters.live_index_bytes, 0u);
   EXPECT_EQ(counters.live_programs, 0u);
   EXPECT_EQ(device.takeErrors(), "");
 }

@@ -415,7 +415,7 @@ class TaggingDevice final : public gpu::Device {
   }
   void generateMipmaps(gpu::TextureId t) override { null_->generateMipmaps(t); }
   void destroyTexture(gpu::TextureId t) override { null_->destroyTexture(t); }
-  Result<gpu::IndexBufferId> createIndexBuffer() override { return null_->createIndexBuffer(); }
+  gpu::IndexBufferId createIndexBuffer() override { return null_->createIndexBuffer(); }
   void updateIndices(gpu::IndexBufferId b, std::span<const uint32_t> i) override { null_->updateIndices(b, i); }
   void destroyIndexBuffer(gpu::IndexBufferId b) override { null_->destroyIndexBuffer(b); }
   Result<gpu::ProgramId> createProgram(std::string_view label, std::string_view vertex, std::string_view fragment,

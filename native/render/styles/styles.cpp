@@ -63,7 +63,6 @@ class Style final : public FigureStyle {
                                 gpu::uniform("u_strength", options_.strength), gpu::uniform("u_grain", grain),
                                 gpu::uniform("u_reach", reach), gpu::uniform("u_origin", view.origin)},
                    .vertex_count = static_cast<int>(3 * model.face_count),
-                   .indices = model.vertex_corners.id(),
                    .depth_test = true,
                    .depth_write = true,
                    .cull = model.closed_surface ? gpu::Cull::Back : gpu::Cull::None};

@@ -173,12 +173,11 @@ TEST_F(NullDeviceTest, refusesBadIndices) {
   Texture color = texture(PixelFormat::RGBA8, 16, 8);
   const Target target = makeTarget(*device, {.colors = {color.id()}}).take();
   const Program p = program();
-  IndexBuffer indices = makeIndexBuffer(*device).take();
+  IndexBuffer indices = makeIndexBuffer(*device);
   const std::vector<uint32_t> six(6, 0);
   device->updateIndices(12345, six);
   expectMisuse("no such index buffer");
   device->updateIndices(indices.id(), six);
-  EXPECT_EQ(device->counters().live_index_bytes, 24u);
   EXPECT_EQ(device->counters().uploaded_bytes, 24u);
   device->beginPass({.target = target.id()});
   device->draw({.program = p.id(), .vertex_count = 6, .indices = indices.id()});
@@ -190,10 +189,7 @@ TEST_F(NullDeviceTest, refusesBadIndices) {
   device->updateIndices(indices.id(), six);
   expectMisuse("inside a pass");
   device->endPass();
-  device->updateIndices(indices.id(), std::span(six).first(3));
-  EXPECT_EQ(device->counters().live_index_bytes, 12u);
   indices.reset();
-  EXPECT_EQ(device->counters().live_index_bytes, 0u);
   EXPECT_EQ(device->counters().live_index_buffers, 0u);
 }
 

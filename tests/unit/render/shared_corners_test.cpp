@@ -11,27 +11,34 @@ namespace {
 
 using List = std::vector<uint32_t>;
 
-// A fan of three faces round vertex 0; its third face has other texture coordinates.
-const std::vector<glm::uvec3> kFan = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}}, kFanUvs = {{0, 1, 2}, {0, 2, 3}, {5, 6, 4}};
+// A fan of three faces round vertex 0; its third face has other texture coordinates there.
+const std::vector<glm::uvec3> kFan = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}}, kFanUvs = {{0, 1, 2}, {0, 2, 3}, {5, 3, 4}};
 
-TEST(SharedCorners, cornersOfAVertexAreOne) {
-  EXPECT_EQ(cornersBefore(kFan, {}, 5), (List{0, 1, 2, 0, 2, 5, 3, 5, 8}));
-  EXPECT_EQ(firstCorners(cornersBefore(kFan, {}, 5)), (List{0, 1, 2, 0, 2, 5, 0, 5, 8}));
+List shared(const std::vector<glm::uvec3>& uvs, const List& labels) {
+  List out;
+  shareCorners(cornersBefore(uvs, 6), kFan, labels, out);
+  return out;
 }
 
-TEST(SharedCorners, otherTextureCoordinatesAreOtherCorners) {
-  EXPECT_EQ(cornersBefore(kFan, kFanUvs, 5), (List{0, 1, 2, 0, 2, 5, 6, 7, 8}));
+TEST(SharedCorners, findsTheCornerBeforeWithTheSameTextureCoordinates) {
+  EXPECT_EQ(cornersBefore(kFan, 5), (List{0, 1, 2, 0, 2, 5, 3, 5, 8}));
+  EXPECT_EQ(cornersBefore(kFanUvs, 6), (List{0, 1, 2, 0, 2, 5, 6, 5, 8}));
+}
+
+TEST(SharedCorners, cornersOfAVertexShareUnlessTextureCoordinatesDiffer) {
+  EXPECT_EQ(shared(kFan, {7, 7, 7}), (List{0, 1, 2, 0, 2, 5, 0, 5, 8}));
+  EXPECT_EQ(shared(kFanUvs, {7, 7, 7}), (List{0, 1, 2, 0, 2, 5, 6, 5, 8}));
 }
 
 TEST(SharedCorners, onlyFacesWithTheSameLabelsOfAllMembersShare) {
-  const List before = cornersBefore(kFan, {}, 5);
-  List shared;
-  shareCorners(before, List{7, 7, 7}, shared);
-  EXPECT_EQ(shared, (List{0, 1, 2, 0, 2, 5, 0, 5, 8}));
-  shareCorners(before, List{7, 8, 7}, shared);
-  EXPECT_EQ(shared, (List{0, 1, 2, 3, 4, 5, 0, 7, 8}));  // past a face with other labels
-  shareCorners(before, List{7, 7, 7, /*member 1*/ 1, 2, 2}, shared);
-  EXPECT_EQ(shared, (List{0, 1, 2, 3, 4, 5, 3, 5, 8}));
+  EXPECT_EQ(shared(kFan, {7, 8, 7}), (List{0, 1, 2, 3, 4, 5, 0, 7, 8}));  // past a face with other labels
+  EXPECT_EQ(shared(kFan, {7, 7, 7, /*member 1*/ 1, 2, 2}), (List{0, 1, 2, 3, 4, 5, 3, 5, 8}));
+}
+
+// The vertices decide, too: meshes made by hand may use texture coordinates for several.
+TEST(SharedCorners, verticesWithTheSameTextureCoordinatesDoNotShare) {
+  const std::vector<glm::uvec3> uvs(3, glm::uvec3(0, 1, 2));
+  EXPECT_EQ(shared(uvs, {7, 7, 7}), (List{0, 1, 2, 0, 4, 5, 0, 7, 8}));
 }
 
 TEST(SharedCorners, facesKeepTheirVerticesTextureCoordinatesAndLabels) {
@@ -40,7 +47,7 @@ TEST(SharedCorners, facesKeepTheirVerticesTextureCoordinatesAndLabels) {
   const size_t faces = t.faceCount();
   List labels(faces), shared;
   for (size_t f = 0; f < faces; ++f) labels[f] = mannequin.scene.labels[f];
-  shareCorners(cornersBefore(t.face_vertices, t.face_uvs, t.vertex_count), labels, shared);
+  shareCorners(cornersBefore(t.face_uvs, t.uvs.size()), t.face_vertices, labels, shared);
   ASSERT_EQ(shared.size(), 3 * faces);
   size_t shaded = 0;
   for (uint32_t c = 0; c < shared.size(); ++c) {

@@ -30,7 +30,7 @@ class PassClock final : public gpu::Device {
                      int layer) override;
   void generateMipmaps(gpu::TextureId texture) override { device_.generateMipmaps(texture); }
   void destroyTexture(gpu::TextureId texture) override { device_.destroyTexture(texture); }
-  Result<gpu::IndexBufferId> createIndexBuffer() override { return device_.createIndexBuffer(); }
+  gpu::IndexBufferId createIndexBuffer() override { return device_.createIndexBuffer(); }
   void updateIndices(gpu::IndexBufferId buffer, std::span<const uint32_t> indices) override {
     device_.updateIndices(buffer, indices);
   }
