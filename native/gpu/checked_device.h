@@ -86,13 +86,10 @@ class CheckedDevice : public Device {
   void misuse(const std::string& line);
   std::string whyNotTexture(const TextureDesc& desc) const;
   std::string describeTarget(TargetRecord& record) const;
-<<<<<<< HEAD
   std::string whyNotRead(TargetId id, PixelFormat format, const Region& region) const;
-=======
   bool hasIndices(IndexBufferId id, size_t count) const {
     return id < index_counts_.size() && index_counts_[id] > count;
   }
->>>>>>> 7751644 (render: take less code for regions and index lists)
   std::string whyNotDraw(const Draw& draw) const;
   std::string whyNotBlit(TargetId from, TargetId to, const Region& region) const;
 
