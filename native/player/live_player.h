@@ -57,6 +57,7 @@ class LivePlayer final : public Player {
   void setQuality(uint32_t, uint32_t) override {}
   void judgeRendition(uint32_t, uint32_t, bool) override {}
   void lookAhead(bool) override {}
+  void sliceDecoding(const DecodeSlice&) override {}
   void tick(double now_s) override;
   bool nextRequest(Request& out) override;
   bool nextEvent(Event& out) override { return outbox_.nextEvent(out); }

@@ -231,6 +231,7 @@ double PlayerImpl::currentTime() const {
 
 PlayerStats PlayerImpl::stats() const {
   PlayerStats stats = stats_;
+  stats.decoded = loading_.decodeStats();
   stats.bytes_fetched = loading_.bytesFetched();
   stats.encoded_bytes_held = loading_.encodedBytesHeld();
   if (hasFrame()) stats.rendition = main().slots.rendition(main().head.shown().slot);

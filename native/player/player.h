@@ -50,6 +50,7 @@ struct PlayerStats {
   uint64_t bytes_fetched = 0;
   uint64_t encoded_bytes_held = 0;
   uint32_t rendition = 0;  // of the picture shown, 0: the lowest
+  DecodeStats decoded;
 };
 
 class Player {
@@ -96,6 +97,11 @@ class Player {
   // While nothing else is on its way, the beginnings of up to three other motions are fetched: at once, or after the
   // next goTo or selectSequence. Only with an automatic choice of renditions.
   virtual void lookAhead(bool at_once) = 0;
+
+  // From now on a tick decodes no more geometry than the slice allows, ahead of time and nearest first, and one row for
+  // each decoder that is due: rows of a GOP are decoded in order, so a frame may have to wait for some ticks. Before,
+  // and on edges that never call it, all rows as far as a frame's are decoded when it is due.
+  virtual void sliceDecoding(const DecodeSlice& slice) = 0;
 
   // Advances the clock to the edge's monotonic time and chooses the frame to show.
   virtual void tick(double now_s) = 0;

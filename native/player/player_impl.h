@@ -43,6 +43,7 @@ class PlayerImpl final : public Player {
   void setQuality(uint32_t rendition, uint32_t most_texels) override;
   void judgeRendition(uint32_t sequence, uint32_t rendition, bool plays) override;
   void lookAhead(bool at_once) override;
+  void sliceDecoding(const DecodeSlice& slice) override;
   void setMethod(const render::MethodOptions& options) override { method_ = options; }
   void tick(double now_s) override;
   bool nextRequest(Request& out) override;
@@ -107,7 +108,7 @@ class PlayerImpl final : public Player {
   void finishAtEnd(Track& track);
   void composeMesh();
   void stagePictures();
-  FrameGeometry geometryOf(int sequence, uint32_t frame);
+  FrameGeometry geometryOf(int sequence, uint32_t frame, bool due);
 
   // player_transitions.cpp
   TransitionView transitionView() const;
@@ -125,6 +126,7 @@ class PlayerImpl final : public Player {
   void fetchAhead();
   uint32_t landingOn(int target) const;
   bool takeAs(Track& track, int slot, std::optional<uint32_t> seen);
+  void decodeAhead();
 
   // player_answers.cpp
   void requestMissing();
@@ -165,8 +167,10 @@ class PlayerImpl final : public Player {
   std::string wanted_name_;  // selected before the manifest arrived
   bool in_sight_ = true;
   enum class LookAhead { Off, AfterCommand, Now } look_ahead_ = LookAhead::Off;
-  void (PlayerImpl::*fetch_ahead_)() = nullptr;  // by pointer, as in Loading
-  PlayerStats stats_;                            // without what Loading counts
+  // By pointer, as in Loading; null until they are asked for.
+  void (PlayerImpl::*fetch_ahead_)() = nullptr;
+  void (PlayerImpl::*decode_ahead_)() = nullptr;
+  PlayerStats stats_;  // without what Loading counts
 };
 
 }  // namespace fourdvt

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Work beyond what a first picture takes: prefetching, judgements of renditions, programs; and decoders that keep time
-// themselves.
+// Work beyond what a first picture takes: prefetching, judgements of renditions, decoding of geometry in slices, programs;
+// and decoders that keep time themselves.
 #include "player/player_impl.h"
 
 namespace fourdvt {
@@ -20,6 +20,19 @@ void PlayerImpl::lookAhead(bool at_once) {
   look_ahead_ = at_once ? LookAhead::Now : LookAhead::AfterCommand;
   fetch_ahead_ = &PlayerImpl::fetchAhead;
   loading_.lookAhead();
+}
+
+void PlayerImpl::sliceDecoding(const DecodeSlice& slice) {
+  loading_.sliceDecoding(slice);
+  decode_ahead_ = &PlayerImpl::decodeAhead;
+}
+
+void PlayerImpl::decodeAhead() {
+  std::array<Need, kDecoders> needs;
+  size_t count = 0;
+  for (const Track* t : {&main(), &other()})
+    if (isReady(*t)) needs[count++] = {t->head.sequence(), frameOf(*t, t->head.position()), loops(*t), {}};
+  loading_.decodeAhead({needs.data(), count}, seeking());
 }
 
 // Prefetches for the sequences that follow the current one in the manifest.

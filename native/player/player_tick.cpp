@@ -18,6 +18,7 @@ void PlayerImpl::tick(double now_s) {
   glideParameters(playback_.tick_s());
   if (playback_.playing() && !seeking()) root_motion_.turn(playback_.tick_s());
   requestMissing();
+  if (decode_ahead_) (this->*decode_ahead_)();
   for (Track* t : {&main(), &other()})
     if (isReady(*t)) choosePicture(*t);
   // A motion that was asked for and does not come makes the player wait as a picture that does not come does.
@@ -40,16 +41,21 @@ double PlayerImpl::clockRate(const Track& t) const {
 void PlayerImpl::choosePicture(Track& t) {
   if (!t.head.seeking() && !runs(t)) return;
   const double fps = wantedOf(t).fps;
-  const int slot = t.head.choose(t.slots, fps);
-  const FrameGeometry geometry =
-      slot < 0 ? FrameGeometry{} : geometryOf(t.head.sequence(), frameOf(t, t.slots.k(slot)));
+  int slot = t.head.choose(t.slots, fps);
+  const bool ready = slot >= 0;
+  FrameGeometry geometry;
+  // While the newest one's geometry is not decoded, an older one is shown.
+  for (; slot >= 0; slot = t.head.seeking() ? -1 : t.slots.newestReady(t.head.shown().k + 1, t.slots.k(slot) - 1)) {
+    geometry = geometryOf(t.head.sequence(), frameOf(t, t.slots.k(slot)), !t.head.seeking());
+    if (geometry) break;
+  }
   if (geometry) {
     if (!showPicture(t, slot, geometry)) return;
   } else if (runs(t) && isMain(t)) {
     playback_.noteStarvation(t.head.isLate(fps) && !t.feeding.done());
   }
   if (!runs(t)) return;
-  if (isMain(t) && !other().head.used()) measureDecoding(t, slot < 0 && t.head.isLate(fps));
+  if (isMain(t) && !other().head.used()) measureDecoding(t, !ready && t.head.isLate(fps));
   t.head.holdAtNewest(t.slots, fps);
   if (isMain(t)) finishAtEnd(t);
 }
@@ -116,17 +122,17 @@ void PlayerImpl::finishAtEnd(Track& t) {
   playback_.end();
 }
 
-// Decoded as far as this frame; none while it is not there, or broken.
-FrameGeometry PlayerImpl::geometryOf(int sequence, uint32_t frame) {
+// None while it is not decoded, or broken. due: as of Loading::geometry.
+FrameGeometry PlayerImpl::geometryOf(int sequence, uint32_t frame, bool due) {
   FrameGeometry geometry;
-  if (Status status = loading_.geometry(sequence, frame, geometry); !status.ok()) fail(status.error(), sequence);
+  if (Status status = loading_.geometry(sequence, frame, due, geometry); !status.ok()) fail(status.error(), sequence);
   return geometry;
 }
 
 void PlayerImpl::composeMesh() {
   for (Track* t : {&main(), &other()}) {
     if (!t->head.hasPicture() || !t->frame.stale() || !(isMain(*t) || transitions_.fading())) continue;
-    const FrameGeometry geometry = geometryOf(t->head.shown().sequence, shownFrameOf(*t));
+    const FrameGeometry geometry = geometryOf(t->head.shown().sequence, shownFrameOf(*t), true);
     if (!geometry) continue;
     t->frame.blend(geometry, t->parameters.weights());
     composer_.markStale();

@@ -23,6 +23,7 @@ struct GopKey {
 enum class PartState { Absent, Fetching, Present, Failed };
 
 struct Gop {
+  static constexpr uint32_t kNoRow = UINT32_MAX;
   PartState video_state = PartState::Absent, chunk_state = PartState::Absent;
   uint32_t rendition = 0;                      // that `video` is, or will be, of
   std::vector<uint8_t> video;                  // the GOP's samples, contiguous as in the file
@@ -33,13 +34,15 @@ struct Gop {
   bool coarse = false;                       // that `chunk` is, or will be, of the coarse ones
   PartState fine_state = PartState::Absent;  // of the chunk that takes the place of a coarse one
   std::vector<uint8_t> fine;
-  uint32_t row = 0;                                 // that was decoded last
+  uint32_t row = kNoRow;                            // that a frame was wanted of last
   std::unique_ptr<package::ChunkDecoder> geometry;  // of `chunk`, decoded as far as was asked for
+  bool damaged = false;                             // that does not decode
   std::unique_ptr<package::SurfaceChunk> surfaces;  // likewise, of a character from cameras
   uint64_t last_use = 0;
   uint64_t encodedBytes() const { return video.size() + chunk.size() + better.size() + fine.size(); }
   bool decoded() const { return geometry || surfaces; }
   uint64_t decodedBytes() const { return geometry ? geometry->frames().bytes() : surfaces ? surfaces->bytes() : 0; }
+  uint32_t decodedRows() const { return geometry ? geometry->decodedCount() : surfaces ? surfaces->decodedCount() : 0; }
 };
 
 class GopCache {
@@ -55,6 +58,7 @@ class GopCache {
   void dropSequence(int sequence);
   uint64_t encodedBytes() const;
   uint64_t decodedBytes() const;
+  bool hasRoomForDecoded() const { return decodedBytes() < decoded_budget_bytes_; }
   size_t decodedCount() const;
 
  private:

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Advice for a character's player once it can play: which renditions the browser can decode, and which of those smoothly,
-// before one is tried; and whether other motions are near. Part of fourdvt-more.js.
+// before one is tried; how long a turn may take to decode geometry; and whether other motions are near. Part of
+// fourdvt-more.js.
+import type { TellPlayer } from './wasm-player.js';
+
+// A quarter of a turn at 60 Hz.
+const DECODE_SLICE_S = 0.004;
 
 interface Rendition {
   codec: string;
@@ -20,6 +25,7 @@ interface Manifest {
 interface Player {
   judgeRendition(sequence: number, rendition: number, plays: boolean): void;
   lookAhead(atOnce: boolean): void;
+  tell(action: TellPlayer): void;
 }
 /** Runs actions on a player as long as there is one. */
 export interface Advised {
@@ -39,6 +45,7 @@ async function isSmooth({ codec, width, height, byteLength }: Rendition, { frame
 
 /** manifest: one that the player has read; element: the viewer, if its keys and buttons are for this character. */
 export async function advise(manifest: unknown, advised: Advised, element: Element | false): Promise<void> {
+  advised.run((player) => player.tell((m, handle) => m._fdvt_slice_decoding(handle, DECODE_SLICE_S)));
   const { sequences = [] } = (manifest as Manifest).extensions.FOURDVT_layered_video_texture;
   await Promise.all(sequences.flatMap((sequence, s) => sequence.renditions.map(async (rendition, r) => {
     const plays = await canDecode(rendition);

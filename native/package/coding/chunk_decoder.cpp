@@ -95,30 +95,36 @@ class FrameByFrame final : public ChunkDecoder {
 
   Status decodeTo(uint32_t frame) override {
     const uint32_t end = std::min(frame, frames_.frame_count - 1) + 1;
-    while (!broken_ && decoded_ < end) {
-      broken_ = !decodeNext();
-      decoded_ += !broken_;
-    }
-    if (broken_) return invalidChunk("positions, labels or fields do not decode");
-    if (decoded_ == frames_.frame_count) parts_.clear();  // their models are larger than the frames
-    return {};
+    Status status = checkDecoded();
+    while (status.ok() && decoded_ < end) status = step();
+    return status;
+  }
+  Status step() override {
+    if (!broken_ && decoded_ < frames_.frame_count) broken_ = !decodePart();
+    return checkDecoded();
   }
   uint32_t decodedCount() const override { return decoded_; }
   const ChunkFrames& frames() const override { return frames_; }
   ChunkFrames take() override { return std::move(frames_); }
 
  private:
+  Status checkDecoded() const {
+    if (broken_) return invalidChunk("positions, labels or fields do not decode");
+    return {};
+  }
   // Decodes one frame at a time, so that memory grows only with frames that the bytes really hold.
-  bool decodeNext() {
+  bool decodePart() {
     const bool last = decoded_ + 1 == frames_.frame_count;
-    for (auto& part : parts_) {
-      if (!part->decode(frames_, last)) return false;
-    }
+    if (!parts_[part_]->decode(frames_, last)) return false;
+    if (++part_ < parts_.size()) return true;
+    part_ = 0;
     for (uint32_t m = 0; m < frames_.member_count; ++m) {
       glm::vec3& root = frames_.root.emplace_back();
       for (int k = 0; k < 3; ++k) root[k] = root_.f32();
       if (!validRoot(root)) return false;
     }
+    ++decoded_;
+    if (last) parts_.clear();  // their models are larger than the frames
     return true;
   }
 
@@ -126,6 +132,7 @@ class FrameByFrame final : public ChunkDecoder {
   const ChunkMesh& mesh_;
   std::vector<std::unique_ptr<Part>> parts_;
   ByteReader root_{{}};
+  size_t part_ = 0;  // of the next frame, that is decoded next
   uint32_t decoded_ = 0;
   bool broken_ = false;
 };

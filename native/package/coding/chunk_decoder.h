@@ -18,8 +18,11 @@ class ChunkDecoder {
   virtual ~ChunkDecoder() = default;
   // Decodes until frames 0..frame of the chunk are there, or all of them. Errors: StreamInvalid, from then on always.
   virtual Status decodeTo(uint32_t frame) = 0;
+  // Decodes a part of the next frame: one member's positions, for example. Nothing once all frames are there. Errors:
+  // as of decodeTo.
+  virtual Status step() = 0;
   virtual uint32_t decodedCount() const = 0;
-  // Counts are the whole chunk's; positions and labels hold the decoded frames.
+  // Counts are the whole chunk's; the contents are those of the decoded frames, and of parts of the next one.
   virtual const ChunkFrames& frames() const = 0;
   virtual ChunkFrames take() = 0;
 };

@@ -77,6 +77,7 @@ uint32_t Loading::renditionOf(int sequence_index, uint32_t gop) const {
 void Loading::tick(double step_s) {
   ladder_.measure(bytesFetched() - bytes_before_, step_s, !fetches_.empty());
   bytes_before_ = bytesFetched();
+  tick_decode_s_ = 0;
 }
 
 int Loading::find(const std::string& name) const {
@@ -494,34 +495,56 @@ const std::vector<uint8_t>* Loading::video(int sequence, uint32_t gop_index) con
 }
 
 // Opens the decoder if that is yet to be done.
-template <class Decoder, class Open>
-Status Loading::decodeTo(std::unique_ptr<Decoder>& decoder, uint32_t row, const Open& open) {
-  if (!decoder) {
-    auto opened = open();
-    if (!opened.ok()) return opened.error();
-    decoder = opened.take();
+Status Loading::open(GopKey key, stream::Gop& gop) {
+  if (gop.decoded()) return {};
+  const package::StreamIndex& coded = indexOf(key, gop);
+  if (fromCameras()) {
+    FOURDVT_ASSIGN(gop.surfaces, cameras_->open(gop.chunk, coded, key.gop, *character_, sequence(key.sequence)));
+  } else {
+    FOURDVT_ASSIGN(gop.geometry, package::ChunkDecoder::open(gop.chunk, coded, key.gop, chunk_mesh_));
   }
-  return decoder->decodeTo(row);
+  return {};
 }
 
-Status Loading::geometry(int sequence_index, uint32_t frame, FrameGeometry& out) {
+// Decodes as far as a row, or one step: kStep. Opening the decoder is one of the steps.
+Status Loading::decode(GopKey key, stream::Gop& gop, uint32_t row) {
+  const bool timed = slice_ && slice_->now_s, opens = !gop.decoded();
+  const double start_s = timed ? slice_->now_s() : 0;
+  const uint32_t rows = gop.decodedRows();
+  Status status = open(key, gop);
+  if (status.ok() && !(opens && row == kStep))
+    status = gop.surfaces   ? gop.surfaces->decodeTo(row == kStep ? rows : row)
+             : row == kStep ? gop.geometry->step()
+                            : gop.geometry->decodeTo(row);
+  gop.damaged = !status.ok();
+  decoded_.rows += gop.decodedRows() - rows;
+  if (timed) {
+    const double spent_s = slice_->now_s() - start_s;
+    decoded_.seconds += spent_s;
+    tick_decode_s_ += spent_s;
+    decoded_.longest_tick_s = std::max(decoded_.longest_tick_s, tick_decode_s_);
+  }
+  return status;
+}
+
+// A frame of the GOP is wanted: a pass of it begins, or goes on.
+void Loading::enter(stream::Gop& gop, uint32_t row) {
+  if (row < gop.row || !gop.decoded()) takeFine(gop);
+  gop.row = row;
+}
+
+Status Loading::geometry(int sequence_index, uint32_t frame, bool due, FrameGeometry& out) {
   if (mesh_state_ != PartState::Present || !playable(sequence_index)) return {};
   const package::StreamIndex& streamed = index(sequence_index);
-  const uint32_t gop_index = streamed.chunkOfFrame(frame);
-  stream::Gop* gop = cache_.find({sequence_index, gop_index});
+  const GopKey key{sequence_index, streamed.chunkOfFrame(frame)};
+  stream::Gop* gop = cache_.find(key);
   if (!gop || gop->chunk_state != PartState::Present) return {};
-  const uint32_t row = frame - streamed.chunks[gop_index].first_frame;
-  if (row < gop->row || !gop->decoded()) takeFine(*gop);
-  gop->row = row;
-  const package::StreamIndex& coded = indexOf({sequence_index, gop_index}, *gop);
-  const package::Sequence& q = sequence(sequence_index);
-  const Status status =
-      fromCameras()
-          ? decodeTo(gop->surfaces, row, [&] { return cameras_->open(gop->chunk, coded, gop_index, *character_, q); })
-          : decodeTo(gop->geometry, row,
-                     [&] { return package::ChunkDecoder::open(gop->chunk, coded, gop_index, chunk_mesh_); });
-  if (!status.ok()) return named(q.stream_uri, status.error());
-  out = {gop->geometry ? &gop->geometry->frames() : nullptr, &coded, row, gop->surfaces.get()};
+  const uint32_t row = frame - streamed.chunks[key.gop].first_frame;
+  enter(*gop, row);
+  if (slice_ && !gop->damaged && row >= gop->decodedRows() + due) return {};
+  const Status status = decode(key, *gop, row);
+  if (!status.ok()) return named(sequence(sequence_index).stream_uri, status.error());
+  out = {gop->geometry ? &gop->geometry->frames() : nullptr, &indexOf(key, *gop), row, gop->surfaces.get()};
   return {};
 }
 

@@ -20,6 +20,19 @@
 
 namespace fourdvt {
 
+// Limits of what is decoded of geometry in one tick; see Player::sliceDecoding.
+struct DecodeSlice {
+  uint32_t steps = 1;           // parts of rows of layered characters, whole rows of characters from cameras
+  double seconds = 0;           // after so long no further one is begun, thrice that while a frame is sought
+  double (*now_s)() = nullptr;  // null: steps alone count
+};
+
+// Geometry decoded since the beginning; without DecodeSlice::now_s the times stay 0.
+struct DecodeStats {
+  uint64_t rows = 0;
+  double seconds = 0, longest_tick_s = 0;
+};
+
 // What a track needs to play on.
 struct Need {
   int sequence = -1;
@@ -102,8 +115,15 @@ class Loading {
   void takeBetter(int sequence, uint32_t gop);
   // Once a tick: measures the throughput by the bytes that came since the last one.
   void tick(double step_s);
-  // Decodes as far as this frame; `out` stays empty while that is not there. Errors: StreamInvalid.
-  Status geometry(int sequence, uint32_t frame, FrameGeometry& out);
+  // From now on decodeAhead decodes what `geometry` does not.
+  void sliceDecoding(const DecodeSlice& slice) { slice_ = slice; }
+  // Decodes within the limits of a tick: as far as each need's frame, then what follows it, nearest first.
+  void decodeAhead(std::span<const Need> needs, bool seeking);
+  const DecodeStats& decodeStats() const { return decoded_; }
+  // Decodes as far as this frame; in slices only a row that is due and the next one. `out` stays empty while the frame
+  // is not there.
+  // Errors: StreamInvalid.
+  Status geometry(int sequence, uint32_t frame, bool due, FrameGeometry& out);
   uint64_t bytesFetched() const { return fetches_.bytesFetched(); }
   uint64_t encodedBytesHeld() const { return cache_.encodedBytes(); }
 
@@ -124,6 +144,12 @@ class Loading {
   void requestChunk(stream::GopKey key, FetchPurpose::Kind kind, const package::ChunkEntry& entry);
   void requestFine(stream::GopKey key, stream::Gop& gop);
   void takeFine(stream::Gop& gop);
+  void enter(stream::Gop& gop, uint32_t row);
+  Status open(stream::GopKey key, stream::Gop& gop);
+  static constexpr uint32_t kStep = UINT32_MAX;
+  Status decode(stream::GopKey key, stream::Gop& gop, uint32_t row);
+  struct SliceLeft;
+  bool decodeAhead(const Need& need, uint32_t ahead, SliceLeft& left);
   // That the GOP's chunk is of.
   const package::StreamIndex& indexOf(stream::GopKey key, const stream::Gop& gop) const;
   void requestAhead(stream::GopKey key);
@@ -150,8 +176,6 @@ class Loading {
   void receiveGop(const FetchPurpose& purpose, std::span<const uint8_t> bytes);
 
   bool fromCameras() const { return character_->appearance == package::AppearanceKind::Cameras; }
-  template <class Decoder, class Open>
-  Status decodeTo(std::unique_ptr<Decoder>& decoder, uint32_t row, const Open& open);
 
   const CameraParts* cameras_;
   Ladder ladder_;
@@ -170,6 +194,9 @@ class Loading {
   std::vector<stream::GopKey> ahead_;  // beginnings, of some sequences that may be next
   uint64_t budget_bytes_, needed_bytes_ = 0;
   stream::GopCache cache_;
+  std::optional<DecodeSlice> slice_;  // none: what a frame needs is decoded at once
+  DecodeStats decoded_;
+  double tick_decode_s_ = 0;  // time of decoding in this tick
   Fetches fetches_;
 };
 

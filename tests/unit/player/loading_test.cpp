@@ -46,7 +46,7 @@ struct Shelf {
   }
   FrameGeometry geometry(int sequence, uint32_t frame) {
     FrameGeometry found;
-    EXPECT_TRUE(loading.geometry(sequence, frame, found).ok());
+    EXPECT_TRUE(loading.geometry(sequence, frame, true, found).ok());
     return found;
   }
 
