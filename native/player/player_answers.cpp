@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What passes between the player and its edge: requests, answers to fetches, decoded pictures, failures.
+#include <cstdlib>
+
 #include "package/barcode.h"
 #include "player/player_impl.h"
 
@@ -79,9 +81,19 @@ void PlayerImpl::stopFeed(Track& t) {
   t.slots.beginEpoch();
 }
 
+// The key of the sought frame's GOP is nearer to it than what is shown of the sequence.
+bool PlayerImpl::previews(const Track& t) const {
+  if (!options_.preview_seeks || !isMain(t) || !t.head.seeking() || t.head.shown().sequence != t.head.sequence())
+    return false;
+  const package::StreamIndex& index = loading_.index(t.head.sequence());
+  const int64_t wanted = frameOf(t, t.head.wantedK()),
+                key = index.chunks[index.chunkOfFrame(uint32_t(wanted))].first_frame;
+  return std::abs(shownFrameOf(t) - wanted) > wanted - key;
+}
+
 void PlayerImpl::restartFeed(Track& t) {
   stopFeed(t);
-  t.feeding.restart(fedBy(t), t.head.wantedK(), outbox_);
+  t.feeding.restart(fedBy(t), t.head.wantedK(), outbox_, previews(t));
 }
 
 // Goes on without its decoder's pictures: what is on screen stays. A pause waits for `play`, so that a decoder that is

@@ -101,6 +101,7 @@ class PlayerImpl final : public Player {
   // player_tick.cpp
   double clockRate(const Track& track) const;
   void choosePicture(Track& track);
+  int nextChoice(const Track& track, int slot) const;
   void measureDecoding(const Track& track, bool late);
   bool showPicture(Track& track, int slot, const FrameGeometry& geometry);
   bool present(Track& track, int slot, const FrameGeometry& geometry);
@@ -134,6 +135,7 @@ class PlayerImpl final : public Player {
   void stopFeed(Track& track);
   void restartFeed(Track& track);
   void feedAgain(Track& track);
+  bool previews(const Track& track) const;
   void closeTrack(Track& track);
   FedSequence fedBy(const Track& track) const;
   bool checkSize(Track& track, int slot, int width, int height);

@@ -38,14 +38,23 @@ double PlayerImpl::clockRate(const Track& t) const {
   return sequence.isClass() && duration_s > 0 ? rate * sequence.duration_s() / duration_s : rate;
 }
 
+// The ready picture to show where that of `slot` cannot be; -1: none. While playing an older one, while seeking the
+// key.
+int PlayerImpl::nextChoice(const Track& t, int slot) const {
+  if (t.head.seeking()) {
+    const int key = t.slots.findReady(t.feeding.previewK());
+    return key == slot ? -1 : key;
+  }
+  return slot < 0 ? -1 : t.slots.newestReady(t.head.shown().k + 1, t.slots.k(slot) - 1);
+}
+
 void PlayerImpl::choosePicture(Track& t) {
   if (!t.head.seeking() && !runs(t)) return;
   const double fps = wantedOf(t).fps;
   int slot = t.head.choose(t.slots, fps);
   const bool ready = slot >= 0;
   FrameGeometry geometry;
-  // While the newest one's geometry is not decoded, an older one is shown.
-  for (; slot >= 0; slot = t.head.seeking() ? -1 : t.slots.newestReady(t.head.shown().k + 1, t.slots.k(slot) - 1)) {
+  for (slot = ready ? slot : nextChoice(t, slot); slot >= 0; slot = nextChoice(t, slot)) {
     geometry = geometryOf(t.head.sequence(), frameOf(t, t.slots.k(slot)), !t.head.seeking());
     if (geometry) break;
   }
@@ -76,7 +85,7 @@ bool PlayerImpl::showPicture(Track& t, int slot, const FrameGeometry& geometry) 
   t.head.show(slot, k);
   ++stats_.frames_shown;
   if (isMain(t) && !t.head.seeking()) playback_.noteStarvation(false);
-  if (t.head.seeking()) finishSeek(t, previous_sequence);
+  if (t.head.seeking() && k == t.head.wantedK()) finishSeek(t, previous_sequence);
   return true;
 }
 

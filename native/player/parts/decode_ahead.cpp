@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decoding of geometry in slices: how a tick's share is spent.
+#include <algorithm>
+
 #include "player/parts/loading.h"
 
 namespace fourdvt {
 
 namespace {
-constexpr uint32_t kRowsAhead = 12;        // after the frame that is shown or sought
-constexpr double kSlicesWhileSeeking = 3;  // nothing moves until the frame is there
+constexpr uint32_t kRowsAhead = 12;  // after the frame that is shown or sought
+// While seeking, when nothing moves until the frame is there: half the time between ticks, between so many slices.
+constexpr double kMinSlices = 3, kMaxSlices = 8;
 }  // namespace
 
 // What is left of a tick's share.
@@ -24,7 +27,9 @@ struct Loading::SliceLeft {
 void Loading::decodeAhead(std::span<const Need> needs, bool seeking) {
   if (!slice_ || mesh_state_ != stream::PartState::Present) return;
   SliceLeft left{*slice_};
-  if (slice_->now_s) left.end_s = slice_->now_s() + slice_->seconds * (seeking ? kSlicesWhileSeeking : 1);
+  const double least_s = slice_->seconds * kMinSlices, most_s = slice_->seconds * kMaxSlices;
+  if (slice_->now_s)
+    left.end_s = slice_->now_s() + (seeking ? std::clamp(tick_s_ / 2, least_s, most_s) : slice_->seconds);
   for (uint32_t ahead = 0; ahead <= kRowsAhead; ++ahead)
     for (const Need& need : needs)
       if (!decodeAhead(need, ahead, left)) return;

@@ -16,7 +16,7 @@ void Feeding::stop() {
   in_flight_.clear();
 }
 
-void Feeding::restart(const FedSequence& fed, int64_t k, Outbox& outbox) {
+void Feeding::restart(const FedSequence& fed, int64_t k, Outbox& outbox, bool preview) {
   stop();
   const auto frame = static_cast<uint32_t>(k % fed.sequence->frame_count);
   gop_ = fed.index->chunkOfFrame(frame);
@@ -24,6 +24,7 @@ void Feeding::restart(const FedSequence& fed, int64_t k, Outbox& outbox) {
   gop_end_k_ = gop_k_ + fed.index->chunks[gop_].frame_count;
   sample_ = 0;
   drop_before_k_ = k;
+  preview_k_ = preview ? gop_k_ : -1;
   serial_base_ = next_serial_ - gop_k_;
   done_ = flushed_ = lost_ = gave_ = false;
   active_ = true;
@@ -73,7 +74,7 @@ DecodeSample Feeding::nextSample(const FedSequence& fed, std::span<const uint8_t
   const int64_t serial = serial_base_ + k;
   next_serial_ = std::max(next_serial_, serial + 1);
   const int64_t timestamp_us = serial * kTimestampStep_us;
-  const bool wanted = k >= drop_before_k_;
+  const bool wanted = k >= drop_before_k_ || k == preview_k_;
   if (wanted) in_flight_.push_back(timestamp_us);
   if (first + ++sample_ == table.chunk_first_sample[gop_ + 1]) finishGop(fed);
   return {decoder_, video.subspan(sample.offset - table.samples[first].offset, sample.bytes), timestamp_us, sample.key,

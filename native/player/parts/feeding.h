@@ -33,8 +33,9 @@ class Feeding {
   // Nobody waits for the pictures under way any more.
   void stop();
   // Starts again at the GOP that holds presentation k: frames since the sequence's start, unwrapped over loops.
-  // Samples before k are fed for those that refer to them; nothing waits for their pictures.
-  void restart(const FedSequence& fed, int64_t k, Outbox& outbox);
+  // Samples before k are fed for those that refer to them; nothing waits for their pictures, but for the GOP's key if
+  // that is to be shown meanwhile (preview).
+  void restart(const FedSequence& fed, int64_t k, Outbox& outbox, bool preview = false);
   // The decoder's next request; false: it must have none now. A GOP in another rendition waits until the pictures
   // before it have been taken: the decoder gives them back, and is configured anew. video: the samples of `gop()`, null
   // while they are not there. The decoder holds at most as many samples as there are free slots, and a few that it may
@@ -63,6 +64,7 @@ class Feeding {
   bool lost() const { return lost_; }                           // stopped by a loss, or closed; `restart` goes on
   bool done() const { return done_; }                           // a sequence that does not loop is fed to its end
   uint32_t gop() const { return gop_; }                         // the one being fed
+  int64_t previewK() const { return preview_k_; }               // of that key; -1: none
   bool begun() const { return sample_ > 0; }                    // some of its samples have been
   uint32_t rendition() const { return configured_rendition_; }  // of the pictures that are awaited
 
@@ -79,7 +81,7 @@ class Feeding {
   uint32_t configured_rendition_ = 0;
   uint32_t gop_ = 0, sample_ = 0;
   int64_t gop_k_ = 0, gop_end_k_ = 0;  // presentations of the GOP's first frame, and of the one after its last
-  int64_t drop_before_k_ = 0;
+  int64_t drop_before_k_ = 0, preview_k_ = -1;
   int64_t serial_base_ = 0;  // serial = serial_base_ + k
   int64_t next_serial_ = 0;
   std::vector<int64_t> in_flight_;  // timestamps, in any order

@@ -77,6 +77,7 @@ uint32_t Loading::renditionOf(int sequence_index, uint32_t gop) const {
 void Loading::tick(double step_s) {
   ladder_.measure(bytesFetched() - bytes_before_, step_s, !fetches_.empty());
   bytes_before_ = bytesFetched();
+  tick_s_ = step_s;
   tick_decode_s_ = 0;
 }
 

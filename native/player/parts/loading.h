@@ -23,7 +23,7 @@ namespace fourdvt {
 // Limits of what is decoded of geometry in one tick; see Player::sliceDecoding.
 struct DecodeSlice {
   uint32_t steps = 1;           // parts of rows of layered characters, whole rows of characters from cameras
-  double seconds = 0;           // after so long no further one is begun, thrice that while a frame is sought
+  double seconds = 0;           // after so long no further one is begun, 3 to 8 times that while a frame is sought
   double (*now_s)() = nullptr;  // null: steps alone count
 };
 
@@ -196,7 +196,7 @@ class Loading {
   stream::GopCache cache_;
   std::optional<DecodeSlice> slice_;  // none: what a frame needs is decoded at once
   DecodeStats decoded_;
-  double tick_decode_s_ = 0;  // time of decoding in this tick
+  double tick_s_ = 0, tick_decode_s_ = 0;  // since the tick before; time of decoding in this tick
   Fetches fetches_;
 };
 

@@ -31,6 +31,7 @@ class SomeFrames final : public package::ChunkDecoder {
  public:
   SomeFrames() { frames_.labels.resize(100); }
   Status decodeTo(uint32_t) override { return {}; }
+  Status step() override { return {}; }
   uint32_t decodedCount() const override { return 0; }
   const package::ChunkFrames& frames() const override { return frames_; }
   package::ChunkFrames take() override { return {}; }
