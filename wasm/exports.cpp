@@ -274,6 +274,8 @@ const abi::State* fdvt_state(Instance* h) {
   out.encoded_bytes_held = static_cast<double>(s.encoded_bytes_held);
   out.live_texture_bytes = static_cast<double>(c.live_texture_bytes);
   out.rendition = s.rendition;
+  out.decode_ms = 1e3 * s.decoded.rowSeconds();
+  out.longest_decode_ms = 1e3 * s.decoded.longest_tick_s;
   const motion::Placement placement = p.placement();
   out.x_m = placement.ground_m.x;
   out.z_m = placement.ground_m.y;

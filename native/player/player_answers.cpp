@@ -83,7 +83,7 @@ void PlayerImpl::stopFeed(Track& t) {
 
 // The key of the sought frame's GOP is nearer to it than what is shown of the sequence.
 bool PlayerImpl::previews(const Track& t) const {
-  if (!options_.preview_seeks || !isMain(t) || !t.head.seeking() || t.head.shown().sequence != t.head.sequence())
+  if (!options_.preview_seeks || options_.paced || !isMain(t) || !t.head.seeking() || t.head.shown().sequence != t.head.sequence())
     return false;
   const package::StreamIndex& index = loading_.index(t.head.sequence());
   const int64_t wanted = frameOf(t, t.head.wantedK()),

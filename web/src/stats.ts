@@ -13,13 +13,16 @@ export interface ViewerStats {
   textureBytes: number;
   /** Of the picture shown, 0: the lowest. */
   rendition: number;
+  /** Milliseconds of decoding geometry: for one frame, mean; the most in one turn of the page. 0 until the player's second part is there. */
+  decodeMs: number;
+  longestDecodeMs: number;
   uploadPath: UploadPath;
 }
 
 export function statsOf(state: PlayerState, uploadPath: UploadPath): ViewerStats {
-  const { framesShown, framesLate, barcodeChecked, barcodeMismatches, bytesFetched, encodedBytesHeld, rendition } = state;
+  const { framesShown, framesLate, barcodeChecked, barcodeMismatches, bytesFetched, encodedBytesHeld, rendition, decodeMs, longestDecodeMs } = state;
   return {
-    framesShown, framesLate, barcodeChecked, barcodeMismatches, bytesFetched, encodedBytesHeld, rendition,
+    framesShown, framesLate, barcodeChecked, barcodeMismatches, bytesFetched, encodedBytesHeld, rendition, decodeMs, longestDecodeMs,
     textureBytes: state.liveTextureBytes, uploadPath,
   };
 }

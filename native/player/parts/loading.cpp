@@ -518,9 +518,11 @@ Status Loading::decode(GopKey key, stream::Gop& gop, uint32_t row) {
              : row == kStep ? gop.geometry->step()
                             : gop.geometry->decodeTo(row);
   gop.damaged = !status.ok();
-  decoded_.rows += gop.decodedRows() - rows;
+  const uint32_t more = gop.decodedRows() - rows;
+  decoded_.rows += more;
   if (timed) {
     const double spent_s = slice_->now_s() - start_s;
+    decoded_.timed_rows += more;
     decoded_.seconds += spent_s;
     tick_decode_s_ += spent_s;
     decoded_.longest_tick_s = std::max(decoded_.longest_tick_s, tick_decode_s_);

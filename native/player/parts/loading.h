@@ -27,10 +27,11 @@ struct DecodeSlice {
   double (*now_s)() = nullptr;  // null: steps alone count
 };
 
-// Geometry decoded since the beginning; without DecodeSlice::now_s the times stay 0.
+// Geometry decoded since the beginning. Times, and the rows that they are of, are counted with DecodeSlice::now_s only.
 struct DecodeStats {
-  uint64_t rows = 0;
+  uint64_t rows = 0, timed_rows = 0;
   double seconds = 0, longest_tick_s = 0;
+  double rowSeconds() const { return timed_rows ? seconds / static_cast<double>(timed_rows) : 0; }
 };
 
 // What a track needs to play on.

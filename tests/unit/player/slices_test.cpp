@@ -129,6 +129,8 @@ TEST(DecodeSlices, TheClockEndsASlice) {
   EXPECT_NEAR(stats.seconds, 0.002, 1e-9) << "one a step";
   EXPECT_NEAR(stats.longest_tick_s, 0.002, 1e-9);
   held.ahead(need);
+  EXPECT_NEAR(stats.rowSeconds(), 0.004 / double(stats.timed_rows), 1e-9);
+  EXPECT_EQ(stats.timed_rows, 1u);
   EXPECT_NEAR(stats.seconds, 0.004, 1e-9);
   EXPECT_NEAR(stats.longest_tick_s, 0.002, 1e-9) << "in one tick";
   for (const auto& [tick_s, spent_s] : {std::pair{0.001, 0.007}, {0.06, 0.01}}) {
