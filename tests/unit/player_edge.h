@@ -130,6 +130,7 @@ class SimulatedEdge {
     int64_t timestamp_us;
     uint32_t sequence, rendition, frame;
     double due_s;
+    bool wanted;
   };
   struct Decoder {
     bool open = false, needs_key = true;
@@ -200,7 +201,8 @@ class SimulatedEdge {
     decoder.reorder.clear();
     if (options.player.paced) decoder.decoded.clear();
     decoder.stands = decoder.fresh = decoder.flushed = false;
-    std::erase_if(decoder.decoded, [&](const Decoded&) { return uniform(1) > options.stale_delivery; });
+    std::erase_if(decoder.decoded,
+                  [&](const Decoded& d) { return !d.wanted || uniform(1) > options.stale_delivery; });
     decoder.stale_from = decoder.decoded.size();
     decoder.needs_key = true;
   }
@@ -224,17 +226,14 @@ class SimulatedEdge {
   }
   void output(Decoder& decoder) {
     const auto first = decoder.reorder.begin();
-    if (decoder.unwanted.erase(first->first)) {
-      decoder.reorder.erase(first);
-      return;
-    }
     auto [sequence, frame] = first->second;
     if (options.wrong_picture_every && ++pictures_ % options.wrong_picture_every == 0) frame ^= 1;
     const double after_s = decoder.decoded.empty() ? now_s : decoder.decoded.back().due_s;
     decoder.decoded.push_back(
         {first->first, sequence, decoder.rendition, frame,
          std::max(now_s, after_s) +
-             (options.decode_s.empty() ? uniform(options.decode_latency_s) : options.decode_s[decoder.rendition])});
+             (options.decode_s.empty() ? uniform(options.decode_latency_s) : options.decode_s[decoder.rendition]),
+         decoder.unwanted.erase(first->first) == 0});
     decoder.reorder.erase(first);
   }
   void answerFetches() {
@@ -271,6 +270,7 @@ class SimulatedEdge {
   // picture that has no slot stops it.
   void runElement(int number, Decoder& decoder) {
     auto& waiting = decoder.decoded;
+    while (!waiting.empty() && !waiting.front().wanted) waiting.pop_front();
     if (!decoder.stands && !waiting.empty() && (decoder.flushed || waiting.size() >= options.least_decoded)) {
       decoder.stands = decoder.fresh = true;
       decoder.stood_s = now_s;
@@ -303,6 +303,11 @@ class SimulatedEdge {
   void offerPictures(int number, Decoder& decoder) {
     while (!decoder.decoded.empty() && decoder.decoded.front().due_s <= now_s) {
       const Decoded picture = decoder.decoded.front();
+      if (!picture.wanted) {
+        decoder.decoded.pop_front();
+        decoder.stale_from -= decoder.stale_from > 0;
+        continue;
+      }
       const int slot = player->acquireSlot(number, picture.timestamp_us);
       if (slot == -1) return;
       const bool stale = decoder.stale_from > 0;

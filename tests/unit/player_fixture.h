@@ -382,15 +382,11 @@ class TaggingDevice final : public gpu::Device {
       const float* texels = static_cast<const float*>(pixels);
       first_of_[texture] = {texels[0], texels[9]};
     }
-    if (desc.format != gpu::PixelFormat::R8 || region.width < 128 || region.height < 8) return;
-    const I420View view{region.width,
-                        region.height,
-                        static_cast<const uint8_t*>(pixels),
-                        nullptr,
-                        nullptr,
-                        stride_bytes ? stride_bytes : region.width,
-                        0,
-                        0};
+    if (desc.format != gpu::PixelFormat::R8 || desc.width < 128 || desc.height < 8) return;
+    const int stride = stride_bytes ? stride_bytes : region.width;
+    // A part is uploaded out of the whole picture, which begins before it.
+    const uint8_t* whole = static_cast<const uint8_t*>(pixels) - ptrdiff_t{stride} * region.y - region.x;
+    const I420View view{desc.width, desc.height, whole, nullptr, nullptr, stride, 0, 0};
     const auto frame = package::readBarcode(fakeStrip(), view);
     frame_of_[texture] = frame ? int(*frame) : -1;
   }

@@ -77,7 +77,7 @@ export function playOnPath(page, frames) {
         }
         case 1: {
           longest = 0;
-          viewer.quality = round % 4 === 1 ? 'highest' : 'lowest';
+          viewer.quality = round % 4 === 1 ? 'highest' : '0';
           await pause(1000);
           out.rungs.push(longest);
           break;

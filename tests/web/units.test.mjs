@@ -317,6 +317,19 @@ test('planes are copied into memory that may grow meanwhile; pictures that nothi
   delete globalThis.EncodedVideoChunk;
 });
 
+test('where drawing is slow, the camera alone gets every second turn', async () => {
+  const { DrawPace } = await load('frame-loop');
+  const drawn = (stepS, pictures) => {
+    const pace = new DrawPace();
+    for (let i = 0; i < 30; ++i) pace.takes(stepS, true);
+    return pictures.map((picture) => pace.takes(stepS, picture));
+  };
+  const still = new Array(8).fill(false);
+  assert.ok(drawn(1 / 60, still).every(Boolean));
+  assert.equal(drawn(0.05, still).filter(Boolean).length, 4);
+  assert.ok(drawn(0.05, still.map(() => true)).every(Boolean), 'no picture is left out');
+});
+
 test('the picture of a light is closed when its pixels are read', async () => {
   const { readLook } = await load('look');
   const picture = { width: 64, height: 32, closed: 0, close() { ++this.closed; } };
@@ -360,11 +373,17 @@ test('quality: a name, a number, or automatic by the size on screen; the lowest 
   assert.equal(of('2'), '2,0');
   const before = Object.getOwnPropertyDescriptor(globalThis, 'navigator');
   const visit = (value) => Object.defineProperty(globalThis, 'navigator', { value, configurable: true });
+  let reduced = false;
+  globalThis.matchMedia = (query) => ({ matches: reduced && query === '(prefers-reduced-data: reduce)' });
   visit({});
   for (const value of [null, '', 'auto', '-1', '0.5', 'best']) assert.equal(of(value, 90), '-2,360', String(value));
   visit({ connection: { saveData: true } });
   assert.equal(of('auto'), '0,0');
   assert.equal(of('highest'), '-1,0');
+  visit({});
+  reduced = true;
+  assert.equal(of('auto'), '0,0');
+  delete globalThis.matchMedia;
   delete globalThis.navigator;
   if (before) Object.defineProperty(globalThis, 'navigator', before);
 });

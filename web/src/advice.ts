@@ -2,8 +2,11 @@
 // Advice for a character's player once it can play: which renditions the browser can decode, and which of those smoothly,
 // before one is tried; how long a turn may take to decode geometry; and whether other motions are near. Part of
 // fourdvt-more.js.
-import type { TellPlayer } from './wasm-player.js';
+import { mediaType } from './media-segments.js';
+import { savesData, type Quality } from './quality-attribute.js';
+import type { TellPlayer } from './wasm-abi.js';
 
+const LOW_BATTERY = 0.15; // of its charge
 // A quarter of a turn at 60 Hz.
 const DECODE_SLICE_S = 0.004;
 
@@ -23,6 +26,7 @@ interface Manifest {
 }
 
 interface Player {
+  setQuality(quality: Quality): void;
   judgeRendition(sequence: number, rendition: number, plays: boolean): void;
   lookAhead(atOnce: boolean): void;
   tell(action: TellPlayer): void;
@@ -34,13 +38,25 @@ export interface Advised {
 
 // A browser that has no answer is expected to play it.
 async function canDecode({ codec, width, height }: Rendition): Promise<boolean> {
+  if (typeof VideoDecoder === 'undefined') return MediaSource.isTypeSupported(mediaType(codec));
   const config = { codec, codedWidth: width, codedHeight: height };
   return (await VideoDecoder.isConfigSupported(config).catch(() => null))?.supported !== false;
 }
 async function isSmooth({ codec, width, height, byteLength }: Rendition, { frameCount, fps }: Sequence): Promise<boolean> {
-  const video = { contentType: `video/mp4; codecs="${codec}"`, width, height, bitrate: Math.ceil((8 * byteLength * fps) / frameCount), framerate: fps };
+  const video = { contentType: mediaType(codec), width, height, bitrate: Math.ceil((8 * byteLength * fps) / frameCount), framerate: fps };
   const info = await navigator.mediaCapabilities?.decodingInfo({ type: 'file', video }).catch(() => null);
   return !info?.supported || info.smooth; // what it says of files that it does not play says nothing of their samples
+}
+
+interface Battery {
+  charging: boolean;
+  level: number;
+}
+
+// A battery that runs low gets the lowest rendition, until the element is resized. Only some browsers have its state.
+async function spareBattery(advised: Advised): Promise<void> {
+  const battery = await (navigator as { getBattery?(): Promise<Battery> }).getBattery?.().catch(() => null);
+  if (battery && !battery.charging && battery.level <= LOW_BATTERY) advised.run((player) => player.setQuality({ rendition: 0, mostTexels: 0 }));
 }
 
 /** manifest: one that the player has read; element: the viewer, if its keys and buttons are for this character. */
@@ -51,5 +67,6 @@ export async function advise(manifest: unknown, advised: Advised, element: Eleme
     const plays = await canDecode(rendition);
     if (!plays || !(await isSmooth(rendition, sequence))) advised.run((player) => player.judgeRendition(s, r, plays));
   })));
-  advised.run((player) => player.lookAhead(element && element.hasAttribute('motion-controls')));
+  if (!savesData()) advised.run((player) => player.lookAhead(element && element.hasAttribute('motion-controls')));
+  if (element && (element.getAttribute('quality') || 'auto') === 'auto') await spareBattery(advised);
 }

@@ -2,8 +2,23 @@
 // Takes one turn per animation frame of the page, as long as something moves and the element is on screen. What a turn
 // does is its owner's.
 
+const SLOW_S = 0.03;     // a turn with a draw that takes as long leaves no time for all
 const MAX_STEP_S = 0.5;  // longer pauses of the page are not caught up
 const IDLE_TURNS = 12;   // turns without change after which the loop sleeps
+
+/** Which turns draw: where a draw takes long, the camera's moves alone get every second turn, and pictures all they need. */
+export class DrawPace {
+  #drawS = 0; // from a turn that draws to the next, mean
+  #drew = false;
+  #skipped = false;
+
+  /** Once per turn that could draw. stepS: since the turn before; picture: there is a new one. */
+  takes(stepS: number, picture: boolean): boolean {
+    if (this.#drew && stepS > 0) this.#drawS += (stepS - this.#drawS) / 8;
+    this.#skipped = !picture && !this.#skipped && this.#drawS > SLOW_S;
+    return (this.#drew = !this.#skipped);
+  }
+}
 
 export class FrameLoop {
   readonly #turn: (clockS: number, stepS: number) => boolean;

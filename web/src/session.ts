@@ -6,7 +6,7 @@ import type { Commands } from './commands.js';
 import type { Companion } from './companion.js';
 import { asViewerError, ViewerError, type ErrorDetail } from './errors.js';
 import { checkSnapshot, MAX_CANVAS_SIDE } from './input-checks.js';
-import { FrameLoop } from './frame-loop.js';
+import { DrawPace, FrameLoop } from './frame-loop.js';
 import type { LiveStream } from './live.js';
 import type { OrbitCamera } from './orbit-camera.js';
 import { Transport } from './transport.js';
@@ -87,6 +87,7 @@ export class Session {
   #live: LiveStream | null = null; // the transport, if src is a live stream
   readonly #abort = new AbortController();
   readonly #loop = new FrameLoop((clockS, stepS) => this.#turn(clockS, stepS));
+  readonly #pace = new DrawPace();
   #gl: WebGL2RenderingContext | null = null;
   #module: WasmModule | null = null; // with its second part once #more has resolved
   #align: Align; // as the page asked for it; the commands hold what the player does until flow is loaded
@@ -566,8 +567,11 @@ export class Session {
     const following = this.#host.element.matches('[method^=montage4d]') && clockS - this.#changedS < FOLLOW_S;
     // One a turn, after the first picture: neither that nor the first use of a slider has to wait for them.
     if (this.#shown && state.hasFrame && this.#programsMissing) this.#programsMissing = actors[0]!.makeNextProgram();
-    if ((changed || following) && state.hasFrame) this.#show(serial);
-    this.#redraw = false;
+    if ((changed || following) && state.hasFrame) {
+      const picture = this.#redraw || following || serial !== this.#drawn;
+      this.#redraw = !this.#pace.takes(stepS, picture);
+      if (!this.#redraw) this.#show(serial);
+    }
     return moved || following || actors.some((actor, i) => states[i] && actor.busy(states[i]!));
   }
 

@@ -15,6 +15,9 @@ export interface WasmModule extends PlayerExports {
   };
 }
 
+/** One of the functions of wasm/abi.txt that answer `ok`. */
+export type TellPlayer = (module: WasmModule, handle: number) => number;
+
 export interface OpencvModule extends OpencvExports {
   HEAPU8: Uint8Array;
 }

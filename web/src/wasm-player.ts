@@ -10,10 +10,12 @@ import {
 } from './generated/abi.js';
 import type { Planes } from './frame-decoder.js';
 import { Reader } from './records.js';
-import type { WasmModule } from './wasm-abi.js';
+import type { Quality } from './quality-attribute.js';
+import type { TellPlayer, WasmModule } from './wasm-abi.js';
 import { hasMore } from './wasm-module.js';
 
 export { ALIGN_MODES, VISIBILITIES };
+export type { Quality, TellPlayer };
 export type { PictureKind, Visibility };
 /** Only the fields that its kind needs are filled in; see wasm/abi.txt. */
 export type PlayerRequest = RequestRecord;
@@ -57,15 +59,6 @@ export interface Method {
   /** From how many cameras, the nearest to the view; 0: as many as can be. */
   closest: number;
   visibility: Visibility;
-}
-
-/** One of the functions of wasm/abi.txt that answer `ok`. */
-export type TellPlayer = (module: WasmModule, handle: number) => number;
-
-/** Which rendition is played; see fdvt_set_quality in wasm/abi.txt. */
-export interface Quality {
-  rendition: number;
-  mostTexels: number;
 }
 
 export interface CharacterInfo {

@@ -40,7 +40,7 @@ async function playScenes(rounds) {
     await scene('slider', () => viewer.setParameter(name, (min + max) / 2), 800);
     await scene('play', () => viewer.play(), 1500);
     await scene('motion', () => { const changed = once('sequencechange'); viewer.sequence = 'pickup'; return changed; }, 800);
-    await scene('rung', () => { viewer.quality = round % 2 ? 'lowest' : 'highest'; }, 1500);
+    await scene('rung', () => { viewer.quality = round % 2 ? '0' : 'highest'; }, 1500);
   }
 }
 

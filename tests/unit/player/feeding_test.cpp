@@ -259,7 +259,7 @@ TEST(PlayerPictureSlots, OnlyWhatIsDrawnOfAPictureIsUploaded) {
     const auto bytes = [] { return PictureBytes(new std::array<uint8_t, 512>{}, [](const void* p) { delete static_cast<const std::array<uint8_t, 512>*>(p); }); };
     const PictureBytes first = bytes(), second = bytes();
     const package::Rendition rendition = twoMembers();
-    const auto uploaded = [&, before = uint64_t{0}]() mutable {
+    auto uploaded = [&, before = uint64_t{0}]() mutable {
       const uint64_t now = s.device->counters().uploaded_bytes;
       return now - std::exchange(before, now);
     };

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// The text of site/measured/phones.md from measured rows (tests/bench/phones/rows.mjs). Rows that are missing have no line.
+
+const fixed = (value, digits = 0) => (typeof value === 'number' && Number.isFinite(value) ? value.toFixed(digits) : '–');
+const mega = (bytes) => fixed(bytes / 1e6, 2);
+const table = (head, rows) => [head, Array(head.length).fill('---'), ...rows].map((cells) => `| ${cells.join(' | ')} |`).join('\n');
+const three = ({ median, most95, worst }, digits = 0) => [median, most95, worst].map((value) => fixed(value, digits)).join(' / ');
+const two = ({ median, worst }) => [median, worst].map((value) => fixed(value)).join(' / ');
+const kScenes = [['start', 'until the first picture'], ['seek', 'first seek, to the last frames of a GOP of the class'], ['slider', 'first use of the slider'], ['play', 'playing'], ['motion', 'another motion'], ['rung', 'another rung']];
+
+export function documentOf(measured, rows) {
+  const of = (kind) => rows.filter((row) => row.kind === kind && measured[row.name]);
+  const commits = [...new Set(Object.values(measured).map(({ commit, date }) => `${commit} (${date})`))].join(', ');
+  const parts = [`# What playing costs a page
+
+Measured at ${commits}; command: \`node site/measured/phones.mjs\`. Two cores, no GPU: Chromium and Firefox draw in software on the cores that also
+decode, and no phone was at hand. Bytes and counts hold anywhere; times are for comparing rows.
+`];
+  const paths = of('path');
+  if (paths.length) parts.push(`## The ways of a picture
+
+The sample in a viewer of 160×220, ${fixed(Math.min(...paths.map(({ name }) => measured[name].frames)))} pictures or more each, over loops, seeks while it plays and while it is paused, two motions, the class's slider and
+the lowest and highest rung. Every picture's number is read from its barcode, on the GPU but for planes; one that does not fit its presentation is refused and
+never shown (the player's unit test compares 10,000 shown pictures with their meshes where pictures are misnamed, left out and offered too early: none differs).
+Times in ms: from picture to picture and over the loop median / 95 % / worst, from a seek to its frame and the longest gap in the second after a rung was asked for
+median / worst.
+
+${table(['', 'pictures', 'refused', 'left out', 'picture to picture', 'over a loop', 'seek', 'rung'], paths.map(({ name, title }) => {
+    const r = measured[name];
+    return [title, r.frames, r.mismatches, r.late, three(r.play), three(r.loops), two(r.seeks), two(r.rungs)];
+  }))}
+
+A \`<video>\` element goes on from loop to loop and from rung to rung on one timeline, so that only seeks interrupt it.
+`);
+  const tasks = of('tasks');
+  if (tasks.length) parts.push(`## The main thread
+
+CPU time of the longest task of the page's main thread in each scene, ms, median / worst over the scenes, from Chromium's trace. Draw calls are replaced by
+nothing, which leaves the software rasteriser out; the time is the thread's own, which leaves other programs out.
+
+${table(['scene', ...tasks.map((row) => (row.before ? `before (${measured[row.name].commit})` : 'now'))],
+    kScenes.map(([scene, title]) => [title, ...tasks.map(({ name }) => { const s = measured[name][scene]; return s ? `${fixed(s.median, 1)} / ${fixed(s.worst, 1)}` : '–'; })]))}
+`);
+  const uploads = of('uploads');
+  if (uploads.length) parts.push(`## Bytes for a picture
+
+The class of the sample, whose picture has two motions, at the end of its slider (one motion has all the weight) and in the middle. Megabytes per picture that is decoded: copied out of
+the decoder, copied again into the player's memory, uploaded with meshes and labels; and held: textures, the module's memory.
+
+${table(['', 'slider', 'copied', 'again', 'uploaded', 'textures', 'module'], uploads.flatMap(({ name, title, before }) => ['end', 'middle'].map((place) => {
+    const r = measured[name][place];
+    const each = (key) => mega((r[key] * r.shown) / Math.max(r.decoded || r.shown, r.shown));
+    return [`${title}${before ? `, before (${measured[name].commit})` : ''}`, place, each('decoderCopies'), each('heapCopies'), each('uploads'), mega(r.textures), mega(r.wasm)];
+  })))}
+`);
+  return `${parts.join('\n').trimEnd()}\n`;
+}

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// What site/measured/phones.mjs measures: { name, kind, title, measure({ site, before }) }. before: the site of an earlier version, for
+// those rows that compare with one; without it they are not measured.
+import { launch, launchFirefox, openPage } from '../../web/harness.mjs';
+import { kNoWebCodecs, openOnPath, playOnPath, servePlain } from '../../web/play_path.mjs';
+import { measureTasks } from './tasks.mjs';
+import { measureUploads } from './uploads.mjs';
+
+const kFrames = 2000;
+const viewport = { width: 240, height: 280 };
+
+const spread = (values) => {
+  const sorted = [...values].sort((a, b) => a - b);
+  const at = (share) => sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))] ?? null;
+  return { count: sorted.length, median: at(0.5), most95: at(0.95), worst: at(1) };
+};
+
+async function measurePath(site, path, preferences) {
+  const server = await servePlain(site);
+  const browser = preferences ? await launchFirefox(preferences) : await launch();
+  try {
+    const page = preferences ? await browser.newPage({ viewport }) : await openPage(browser, { viewport }, 'auto');
+    await openOnPath(page, server, path);
+    const { errors, frames, checked, mismatches, late, path: used, ...times } = await playOnPath(page, kFrames);
+    if (errors.length) throw new Error(JSON.stringify(errors));
+    return { frames, checked, mismatches, late, path: used, ...Object.fromEntries(Object.entries(times).map(([name, list]) => [name, spread(list)])) };
+  } finally {
+    await browser.close();
+    await server.close();
+  }
+}
+
+const pathRow = (name, title, path, preferences = null) => ({ name: `path-${name}`, kind: 'path', title, measure: ({ site }) => measurePath(site, path, preferences) });
+const spreads = async (site) => Object.fromEntries(Object.entries(await measureTasks(site, 8)).map(([scene, list]) => [scene, spread(list)]));
+const uploadRow = (path, quality) => ({ name: `uploads-${path}-${quality}`, kind: 'uploads', title: `${path}, ${quality === '0' ? 'lowest' : quality} rung`,
+  measure: ({ site }) => measureUploads(site, path, quality) });
+
+const after = [
+  pathRow('chromium-i420', 'Chromium, VideoDecoder, planes', 'i420'),
+  pathRow('chromium-rgba', 'Chromium, VideoDecoder, `texImage2D`', 'rgba'),
+  pathRow('chromium-rgba-sub', 'Chromium, VideoDecoder, `texSubImage2D`', 'rgba-sub'),
+  pathRow('chromium-video', 'Chromium, `<video>`', 'video'),
+  pathRow('firefox-rgba', 'Firefox, VideoDecoder, `texImage2D`', 'rgba', {}),
+  pathRow('firefox-video', 'Firefox without WebCodecs, `<video>`', '', kNoWebCodecs),
+  { name: 'tasks', kind: 'tasks', title: 'now', measure: ({ site }) => spreads(site) },
+  ...['i420', 'rgba', 'video'].flatMap((path) => ['0', 'highest'].map((quality) => uploadRow(path, quality))),
+];
+
+// Of the version before, with the same programs.
+const before = after.filter(({ name }) => name === 'tasks' || /^uploads-(i420|rgba)-/.test(name)).map((row) => ({
+  ...row, name: `${row.name}-before`, before: true, measure: ({ before: site }) => row.measure({ site }),
+}));
+
+export const rows = [...after, ...before];
