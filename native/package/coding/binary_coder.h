@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Adaptive binary arithmetic coding, integers only: the same bits on every machine. Exact definition: FORMAT.md, "The
 // bit coder". A model is a template over BinaryEncoder / BinaryDecoder, so that both sides run the same code; code()
-// takes the bit to write, or ignores it, and returns the bit. Internal to package/.
+// takes the bit to write, or ignores it, and returns the bit. Functions of models that run for every vertex or face are
+// [[gnu::flatten]]: a page's build is made for size and would leave the arithmetic in them as calls. Internal to
+// package/.
 #pragma once
 
 #include <array>

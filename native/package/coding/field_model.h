@@ -42,7 +42,7 @@ class FieldModel {
 
  private:
   // The vertex's value in the previous frame (0 before the first), plus the mean change of its neighbours since then.
-  glm::ivec3 predict(uint32_t v) const {
+  [[gnu::flatten]] glm::ivec3 predict(uint32_t v) const {
     glm::ivec3 change(0);
     const int n = mesh_.ring_count[v];
     for (uint32_t u : mesh_.earlierOf(v).first(n)) change += now_[u] - before_[u];

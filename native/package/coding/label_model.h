@@ -56,7 +56,7 @@ class LabelModel {
   const uint8_t* currentOf(uint32_t f) const { return &current_[size_t(f) * layers_]; }
   bool sameTuple(const uint8_t* a, const uint8_t* b) const { return std::memcmp(a, b, layers_) == 0; }
 
-  bool faceChanged(uint32_t f, const uint8_t* tuple, uint32_t history) {
+  [[gnu::flatten]] bool faceChanged(uint32_t f, const uint8_t* tuple, uint32_t history) {
     const uint8_t* before = previousOf(f);
     std::array<uint32_t, 3> states;
     uint32_t changes = 0, earlier_changes = 0;
@@ -131,7 +131,7 @@ class LabelModel {
   }
 
   // Codes "the label of rank l of face f is x", where x is the candidate of this number; lower ranks are known.
-  bool codeCandidate(uint32_t f, uint32_t l, uint32_t changed_ranks, uint8_t x, uint32_t number) {
+  [[gnu::flatten]] bool codeCandidate(uint32_t f, uint32_t l, uint32_t changed_ranks, uint8_t x, uint32_t number) {
     const uint8_t *tuple = currentOf(f), *before = previousOf(f);
     uint32_t used = 0, displaced = 0, came_from = 0;
     for (uint32_t j = 0; j < l; ++j) {

@@ -96,7 +96,7 @@ class PositionModel {
   }
 
  private:
-  glm::ivec3 predict(const glm::ivec3* positions, uint32_t v) const {
+  [[gnu::flatten]] glm::ivec3 predict(const glm::ivec3* positions, uint32_t v) const {
     MotionFit fit(reference_[v]);
     const auto earlier = mesh_.earlierOf(v);
     for (size_t i = 0; i < earlier.size(); ++i) {

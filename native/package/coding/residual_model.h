@@ -40,7 +40,7 @@ class ResidualModel {
   }
 
   // Codes the residual of one vertex; vertices come in ascending order. Magnitudes are below 2^26.
-  glm::ivec3 code(uint32_t v, const glm::ivec3& residual) {
+  [[gnu::flatten]] glm::ivec3 code(uint32_t v, const glm::ivec3& residual) {
     const auto ring = mesh_.earlierOf(v).first(mesh_.ring_count[v]);
     glm::ivec3 sum(0);
     for (uint32_t u : ring) sum += magnitudes_[u];
