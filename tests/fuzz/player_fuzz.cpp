@@ -102,7 +102,7 @@ struct Gpu {
 class Page {
  public:
   Page(const FakeCharacter& character, bool is_honest, bool has_cameras) : character_(character), honest_(is_honest) {
-    PlayerOptions options{.encoded_budget_bytes = kBudget_bytes};
+    PlayerOptions options{.encoded_budget_bytes = kBudget_bytes, .preview_seeks = true};
     if (has_cameras) options.cameras = &cameraParts();
     player_ = Player::create(device_, gpu_.recipe, options).take();
   }
@@ -168,6 +168,7 @@ class Page {
         player_->setQuality(value % 4 ? value % 4 - 1u : kHighestRendition, value % 5 ? 1u << 20 : value);
         break;
       case 17:
+        if (value % 4 == 0) player_->sliceDecoding({.steps = 1u + value % 7});
         player_->lookAhead(value % 2), player_->judgeRendition(value % 5, value / 5 % 4, value % 2);
         break;
       case 18:

@@ -17,8 +17,10 @@ struct Loading::SliceLeft {
   const DecodeSlice& slice;
   uint32_t steps = slice.steps;
   double end_s = 0;
+  // The first is granted however short the time: what is sought comes at last.
   bool takeStep() {
-    if (steps == 0 || (slice.now_s && slice.now_s() >= end_s)) return false;
+    const bool late = slice.now_s && slice.now_s() >= end_s;
+    if (steps == 0 || (late && steps < slice.steps)) return false;
     --steps;
     return true;
   }

@@ -22,7 +22,7 @@ namespace fourdvt {
 
 // Limits of what is decoded of geometry in one tick; see Player::sliceDecoding.
 struct DecodeSlice {
-  uint32_t steps = 1;           // parts of rows of layered characters, whole rows of characters from cameras
+  uint32_t steps = 1;           // at least 1; parts of rows of layered characters, whole rows of others
   double seconds = 0;           // after so long no further one is begun, 3 to 8 times that while a frame is sought
   double (*now_s)() = nullptr;  // null: steps alone count
 };

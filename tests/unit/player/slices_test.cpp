@@ -140,6 +140,15 @@ TEST(DecodeSlices, TheClockEndsASlice) {
   }
 }
 
+TEST(DecodeSlices, OneStepATickHoweverShortTheTime) {
+  Held held;
+  held.loading.sliceDecoding({.steps = 100, .seconds = 0, .now_s = everyLookTakesAMillisecond});
+  const Need need{0, 3, true, {}};
+  held.fill(need);
+  for (uint32_t tick = 0; tick < 1 + 4 * kStepsOfARow; ++tick) held.ahead(need);
+  EXPECT_EQ(held.loading.decodeStats().rows, 4u);
+}
+
 TEST(DecodeSlices, APassBeginsWithTheFineChunkThoughTheCoarseIsDecodedAhead) {
   const auto chunkBytes = [](Held& held) {
     FrameGeometry found;
