@@ -240,4 +240,28 @@ test('steering with keys: it turns, speeds up, travels over the ground and picks
   await steer.close();
 });
 
+test('a seek shows the key of the frame\'s GOP first, then the frame; geometry is decoded in slices', async () => {
+  const seen = await page.evaluate(async (patienceMs) => {
+    const viewer = document.querySelector('fourdvt-viewer');
+    const once = (type) => new Promise((done) => viewer.addEventListener(type, done, { once: true }));
+    const wait = (promise) => Promise.race([promise, new Promise((_, fail) => setTimeout(() => fail(new Error('patience')), patienceMs))]);
+    viewer.pause();
+    const changes = once('sequencechange');
+    if (viewer.sequence !== 'pickup') await wait((viewer.sequence = 'pickup', changes));
+    const start = once('seeked');
+    viewer.seekFrame(0);
+    await wait(start);
+    const frames = [0], end = once('seeked');
+    const watch = setInterval(() => { if (viewer.frame !== frames.at(-1)) frames.push(viewer.frame); }, 1);
+    viewer.seekFrame(37);
+    await wait(end);
+    clearInterval(watch);
+    return { frames, last: viewer.frame, stats: viewer.stats };
+  }, kPatienceMs);
+  assert.equal(seen.last, 37);
+  assert.ok(seen.frames.every((frame) => [0, 20, 37].includes(frame)), seen.frames.join());
+  assert.ok(seen.frames.includes(20), `${seen.frames}: the key was not seen`);
+  assert.ok(seen.stats.decodeMs > 0 && seen.stats.longestDecodeMs >= seen.stats.decodeMs / 8, JSON.stringify(seen.stats));
+});
+
 test('no console errors, no unhandled rejections', () => assert.deepEqual(page.troubles, []));
