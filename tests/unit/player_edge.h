@@ -203,6 +203,7 @@ class SimulatedEdge {
     decoder.stands = decoder.fresh = decoder.flushed = false;
     std::erase_if(decoder.decoded,
                   [&](const Decoded& d) { return !d.wanted || uniform(1) > options.stale_delivery; });
+    for (Decoded& stale : decoder.decoded) stale.due_s = now_s;  // they were under way; nothing waits behind them
     decoder.stale_from = decoder.decoded.size();
     decoder.needs_key = true;
   }
