@@ -67,6 +67,7 @@ void openPlayer(Instance* h, abi::PictureKind kind, int32_t slots) {
   options.cameras = &cameraParts();
   options.rendition = kAutomaticRendition;
   options.preview_seeks = true;
+  options.transitions = false;
   auto player = Player::create(*h->canvas->device, h->canvas->recipe, options);
   if (player.ok()) h->player = player.take();
   if (!player.ok()) h->error = player.error();

@@ -155,6 +155,7 @@ void fdvt_judge_rendition(Instance* h, uint32_t sequence, uint32_t rendition, in
   h->player->judgeRendition(sequence, rendition, plays != 0);
 }
 void fdvt_look_ahead(Instance* h, int32_t at_once) { h->player->lookAhead(at_once != 0); }
+void fdvt_allow_transitions(Instance* h) { h->player->allowTransitions(); }
 int32_t fdvt_slice_decoding(Instance* h, double seconds) {
   h->player->sliceDecoding(
       {.steps = UINT32_MAX, .seconds = seconds, .now_s = [] { return emscripten_get_now() / 1000; }});

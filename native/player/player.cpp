@@ -41,7 +41,9 @@ PlayerImpl::PlayerImpl(gpu::Device& device, const PlayerOptions& options, std::s
       tracks_{makeTrack(0, options), makeTrack(1, options)},
       root_motion_(options.turn_rate_rad_s),
       parameters_(options.parameter_rate),
-      composer_(options.cameras) {}
+      composer_(options.cameras) {
+  loading_.allowGraph(options.transitions);
+}
 
 Status PlayerImpl::loadManifest(const FlatJson& gltf, std::span<const uint8_t> start) {
   Status read = loading_.readManifest(gltf, start);
@@ -99,7 +101,7 @@ void PlayerImpl::pause() {
 void PlayerImpl::seekFrame(uint32_t frame) {
   if (!main().head.used()) return;
   leaveStart();
-  cancelTransition();
+  giveUpTransition();
   playback_.requestSeek();
   startAt(main(), std::min(frame, wantedOf(main()).frame_count - 1));
 }
@@ -118,11 +120,20 @@ Status PlayerImpl::selectSequence(const std::string& name) {
   if (!character()) return {};
   const int sequence = loading_.find(name);
   if (sequence < 0) return Error{ErrorId::InvalidArgument, "the character has no sequence named " + name};
-  cancelTransition();
+  giveUpTransition();
   transitions_.forgetReturn();
   transitions_.setGoal(sequence);
   if (starting() && sequence == 0 && !loading_.broken(0)) return {};
   if (loading_.revive(sequence) || sequence != main().head.sequence()) select(sequence);
+  return {};
+}
+
+Status PlayerImpl::goTo(const std::string& state) {
+  noteCommand();
+  const int target = loading_.find(state);
+  const bool by_graph = !paused() && hasFrame() && !loading_.lacksGraph();
+  if (target < 0 || !by_graph || loading_.broken(main().head.sequence())) return selectSequence(state);
+  (this->*transition_calls_.go)(target);
   return {};
 }
 

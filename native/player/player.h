@@ -44,6 +44,8 @@ struct PlayerOptions {
   // A seek shows the key of the wanted frame's GOP until that frame is there, if the key is nearer to it than what is
   // shown.
   bool preview_seeks = false;
+  // Without: motions are changed by cuts, until allowTransitions().
+  bool transitions = true;
 };
 
 struct PlayerStats {
@@ -84,6 +86,7 @@ class Player {
   // To another state by the best transition of the motion graph: waits for its exit frame, then cross-fades. Without a
   // graph, or while paused: as selectSequence. Asked again during a transition: taken up after it.
   virtual Status goTo(const std::string& state) = 0;
+  virtual void allowTransitions() {}
   virtual bool inTransition() const = 0;
   virtual std::string goal() const = 0;  // state asked for last
   // Root motion moves the placement while playing; off (default): the character stays where it is put.

@@ -58,7 +58,7 @@ void PlayerImpl::fail(Error error, int broken_sequence) {
   if (!loading_.markBroken(broken_sequence)) return;
   for (Track& t : tracks_)
     if (broken_sequence < 0 || broken_sequence == t.head.sequence()) stopFeed(t);
-  if (broken_sequence < 0 || broken_sequence == transitions_.target()) cancelTransition();
+  if (broken_sequence < 0 || broken_sequence == transitions_.target()) giveUpTransition();
   outbox_.emit({EventKind::Error, std::move(error), 0, 0});
 }
 
@@ -67,7 +67,7 @@ void PlayerImpl::giveUp(const Track& t, const Error& error) {
   if (isMain(t))
     fail(error, -1);
   else
-    selectInstead();
+    (this->*transition_calls_.select)();
 }
 
 FedSequence PlayerImpl::fedBy(const Track& t) const {
@@ -234,7 +234,7 @@ void PlayerImpl::onDecoderFailed(int decoder, DecoderFault fault, const std::str
   }
   if (!isMain(t)) {
     outbox_.request(CloseDecoder{decoder});
-    selectInstead();
+    (this->*transition_calls_.select)();
     return;
   }
   constexpr ErrorId kIds[] = {ErrorId::VideoInvalid, ErrorId::DecoderUnsupported, ErrorId::DecoderLost};

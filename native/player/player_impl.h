@@ -33,6 +33,7 @@ class PlayerImpl final : public Player {
   Status setParameter(const std::string& name, double value, bool at_once) override;
   double parameter(const std::string& name) const override;
   Status goTo(const std::string& state) override;
+  void allowTransitions() override { loading_.allowGraph(true); }
   bool inTransition() const override { return transitions_.fading(); }
   std::string goal() const override;
   void setTravel(bool on) override { root_motion_.setTravel(on); }
@@ -111,7 +112,18 @@ class PlayerImpl final : public Player {
   void stagePictures();
   FrameGeometry geometryOf(int sequence, uint32_t frame, bool due);
 
-  // player_transitions.cpp
+  // player_transitions.cpp. Called by pointer, so that no caller has a copy of what serves after the first picture only.
+  struct TransitionCalls {
+    void (PlayerImpl::*step)() = &PlayerImpl::stepTransition;
+    void (PlayerImpl::*go)(int target) = &PlayerImpl::goByGraph;
+    void (PlayerImpl::*cancel)() = &PlayerImpl::cancelTransition;
+    void (PlayerImpl::*select)() = &PlayerImpl::selectInstead;
+  };
+  bool inPhase() const { return transitions_.phase() != Transitions::Phase::None; }
+  void giveUpTransition() {
+    if (inPhase()) (this->*transition_calls_.cancel)();
+  }
+  void goByGraph(int target);
   TransitionView transitionView() const;
   void beginTransition(int target);
   void stepTransition();
@@ -161,6 +173,7 @@ class PlayerImpl final : public Player {
   std::array<Track, kDecoders> tracks_;  // by decoder
   int main_ = 0;                         // the track whose sequence is the current one
   Transitions transitions_;
+  TransitionCalls transition_calls_;
   RootMotion root_motion_;
   Parameters parameters_;
   FigureComposer composer_;

@@ -23,7 +23,7 @@ void PlayerImpl::tick(double now_s) {
     if (isReady(*t)) choosePicture(*t);
   // A motion that was asked for and does not come makes the player wait as a picture that does not come does.
   if (playback_.playing() && hasFrame() && seeking()) playback_.noteStarvation(playback_.canPlay());
-  stepTransition();
+  if (inPhase() || transitions_.returnTo() >= 0) (this->*transition_calls_.step)();
   composeMesh();
   stagePictures();
   playback_.finishTick(seeking());
@@ -125,7 +125,7 @@ void PlayerImpl::finishSeek(Track& t, int previous_sequence) {
 // A state that is about to lead on stays on its last frame instead of ending.
 void PlayerImpl::finishAtEnd(Track& t) {
   if (loops(t) || shownFrameOf(t) + 1 != wantedOf(t).frame_count) return;
-  if (transitions_.phase() != Transitions::Phase::None || transitions_.returnTo() >= 0) return;
+  if (inPhase() || transitions_.returnTo() >= 0) return;
   if (!t.head.pastShown(wantedOf(t).fps)) return;
   t.head.end();
   playback_.end();

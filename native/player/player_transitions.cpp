@@ -5,17 +5,12 @@
 
 namespace fourdvt {
 
-Status PlayerImpl::goTo(const std::string& state) {
-  noteCommand();
-  const int target = loading_.find(state);
-  const bool by_graph = !paused() && hasFrame() && !loading_.lacksGraph();
-  if (target < 0 || !by_graph || loading_.broken(main().head.sequence())) return selectSequence(state);
+void PlayerImpl::goByGraph(int target) {
   loading_.revive(target);
-  if (transitions_.ask(target, playback_.now_s())) return {};
+  if (transitions_.ask(target, playback_.now_s())) return;
   if (target != transitions_.target()) cancelTransition();
   transitions_.setGoal(target);
-  if (target != main().head.sequence() && transitions_.phase() == Transitions::Phase::None) beginTransition(target);
-  return {};
+  if (target != main().head.sequence() && !inPhase()) beginTransition(target);
 }
 
 TransitionView PlayerImpl::transitionView() const {
@@ -111,7 +106,7 @@ void PlayerImpl::takeOver() {
 
 // Whatever was on its way is given up; the source plays on.
 void PlayerImpl::cancelTransition() {
-  if (transitions_.phase() == Transitions::Phase::None) return;
+  if (!inPhase()) return;
   const bool fading = transitions_.fading();
   if (fading) root_motion_.cancelFade();
   transitions_.cancel(main().head.sequence());

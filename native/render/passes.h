@@ -117,21 +117,40 @@ class LayeredPass {
   std::map<LayeredVariant, gpu::Program> programs_;
 };
 
-// Mixes two pictures of one mesh and view, and draws the mesh with a mixed picture.
-class MixPass {
- public:
-  bool ready() const { return mix_ && mesh_; }  // without flow
-  // Makes the programs. Errors: GpuFailure.
-  Status prepare(gpu::Device& device, bool with_flow);
-  // One draw that covers the caller's target. flow: displacements from `first` to `second`; 0: none.
-  void mix(gpu::Device& device, gpu::TextureId first, gpu::TextureId second, float share_of_second,
-           gpu::TextureId flow) const;
-  void drawMesh(gpu::Device& device, const CharacterModel& model, gpu::TextureId picture,
-                const CharacterView& view) const;
-
- private:
-  gpu::Program mix_, mix_flow_, mesh_;
+// A picture of the figures' region.
+struct Canvas {
+  gpu::Texture color;
+  gpu::Target target;
+  // Makes it, unless it is there. Errors: GpuFailure.
+  Status prepare(gpu::Device& device, int width, int height);
 };
+
+// Draws one part of a figure alone.
+class PartPainter {
+ public:
+  virtual void paint(const Part& part, const Canvas& out) = 0;
+
+ protected:
+  ~PartPainter() = default;
+};
+
+// Mixes the pictures of a figure's parts, and draws the mesh with a mixed picture. Behind an interface: a player can do
+// without until a figure has several parts.
+class Mixer {
+ public:
+  virtual ~Mixer() = default;
+  virtual bool ready() const = 0;  // without flow
+  // Makes the programs. Errors: GpuFailure.
+  virtual Status prepare(gpu::Device& device, bool with_flow) = 0;
+  // Mixes the parts into `out`, each into the mixture of those before it. The order is that of looks and members, so that
+  // the picture changes smoothly with their shares. flow: null, or aligns each part with the mixture. Errors: GpuFailure.
+  virtual Status mix(gpu::Device& device, std::span<const Part> parts, PartPainter& painter, FlowSource* flow, int width,
+                     int height, Canvas& out) = 0;
+  virtual void drawMesh(gpu::Device& device, const CharacterModel& model, gpu::TextureId picture,
+                        const CharacterView& view) const = 0;
+  virtual void release() = 0;  // the pictures, of another size than the next ones
+};
+std::unique_ptr<Mixer> makeMixer();
 
 // Draws background and meshes of a Scene; programs are made on first use.
 class ScenePass {

@@ -8,12 +8,6 @@
 namespace fourdvt::render {
 namespace {
 
-// A picture of the figures' region.
-struct Canvas {
-  gpu::Texture color;
-  gpu::Target target;
-};
-
 struct PlannedFigure {
   const CharacterModel* model;
   const CameraLook* cameras;
@@ -67,8 +61,8 @@ class RecipeOnDevice final : public Recipe {
       FOURDVT_TRY(layered().prepare(device_, variant));
       return true;
     }
-    if (mix_.ready()) return false;
-    FOURDVT_TRY(mix_.prepare(device_, false));
+    if (mixer().ready()) return false;
+    FOURDVT_TRY(mixer().prepare(device_, false));
     return true;
   }
 
@@ -122,36 +116,32 @@ class RecipeOnDevice final : public Recipe {
     if (!mixes && !style_) return {};
     while (pictures_.size() <= number) pictures_.emplace_back();
     Canvas& picture = pictures_[number];
-    FOURDVT_TRY(makeCanvas(picture));
-    if (mixes)
-      FOURDVT_TRY(mixParts(figure, picture, options));
-    else
+    FOURDVT_TRY(picture.prepare(device_, region().width, region().height));
+    if (mixes) {
+      Painter painter(*this, figure, options);
+      FlowSource* flow = options.align == Align::Flow ? flow_.get() : nullptr;
+      FOURDVT_TRY(mixer().mix(device_, figure.parts, painter, flow, region().width, region().height, picture));
+    } else {
       drawAlone(figure, number, figure.parts.data(), picture, options);
+    }
     figure.picture = picture.color.id();
     return {};
   }
 
-  // Mixes each part into the mixture of the parts before it. The order is that of looks and members, so that the
-  // picture changes smoothly with their shares.
-  Status mixParts(const PlannedFigure& figure, Canvas& out, const DrawOptions& options) {
-    FOURDVT_TRY(mix_.prepare(device_, options.align == Align::Flow));
-    for (Canvas& part : parts_) FOURDVT_TRY(makeCanvas(part));
-    drawAlone(figure, 0, &figure.parts[0], parts_[0], options);
-    float before = figure.parts[0].share;
-    for (size_t i = 1; i < figure.parts.size(); ++i) {
-      if (i > 1) std::swap(parts_[0], out);
-      const Part& part = figure.parts[i];
-      drawAlone(figure, 0, &part, parts_[1], options);
-      if (options.align == Align::Flow)
-        FOURDVT_TRY(flow_->compute(parts_[0].color.id(), parts_[1].color.id(), region().width, region().height));
-      device_.beginPass({.target = out.target.id(), .label = "mix"});
-      mix_.mix(device_, parts_[0].color.id(), parts_[1].color.id(), part.share / (before + part.share),
-               options.align == Align::Flow ? flow_->flow() : 0);
-      device_.endPass();
-      before += part.share;
-    }
-    return {};
+  Mixer& mixer() {
+    if (!mixer_) mixer_ = makeMixer();
+    return *mixer_;
   }
+
+  // Of the figure that is prepared.
+  struct Painter final : PartPainter {
+    Painter(RecipeOnDevice& recipe, const PlannedFigure& figure, const DrawOptions& options)
+        : recipe(recipe), figure(figure), options(options) {}
+    void paint(const Part& part, const Canvas& out) override { recipe.drawAlone(figure, 0, &part, out, options); }
+    RecipeOnDevice& recipe;
+    const PlannedFigure& figure;
+    const DrawOptions& options;
+  };
 
   // Multisamples the part as the figure will be, so that both cover the same pixels.
   void drawAlone(const PlannedFigure& figure, size_t number, const Part* part, const Canvas& out,
@@ -176,21 +166,7 @@ class RecipeOnDevice final : public Recipe {
     else if (style_)
       style_->draw(device_, *figure.model, figure.picture, figure.view);
     else
-      mix_.drawMesh(device_, *figure.model, figure.picture, figure.view);
-  }
-
-  Status makeCanvas(Canvas& canvas) const {
-    if (canvas.target) return {};
-    auto color = gpu::makeTexture(device_, {.width = region().width,
-                                            .height = region().height,
-                                            .filter = gpu::Filter::Linear,
-                                            .label = "part of a figure"});
-    if (!color) return color.error();
-    auto target = gpu::makeTarget(device_, {.colors = {color.value().id()}, .label = "part of a figure"});
-    if (!target) return target.error();
-    canvas.color = color.take();
-    canvas.target = target.take();
-    return {};
+      mixer_->drawMesh(device_, *figure.model, figure.picture, figure.view);
   }
 
   // Makes the targets of the figures' region, unless they are there. Scenes need the whole view, and so does flow,
@@ -203,7 +179,7 @@ class RecipeOnDevice final : public Recipe {
     if (main_ && !resized && samples == samples_) return {};
     main_.reset();
     resolved_ = {};
-    for (Canvas& part : parts_) part = {};
+    if (mixer_) mixer_->release();
     pictures_.clear();
     samples_ = samples;
     FOURDVT_ASSIGN(main_, gpu::makeTarget(device_, {.width = region().width,
@@ -211,7 +187,7 @@ class RecipeOnDevice final : public Recipe {
                                                     .samples = samples,
                                                     .own_depth = true,
                                                     .label = "scene"}));
-    return region_.isWhole() ? Status() : makeCanvas(resolved_);
+    return region_.isWhole() ? Status() : resolved_.prepare(device_, region().width, region().height);
   }
 
   void drawShadows(const std::vector<PlannedFigure>& plan, const RecipeOptions& recipe) {
@@ -244,7 +220,7 @@ class RecipeOnDevice final : public Recipe {
   ShadowPass shadow_;
   gpu::Program over_;
   LayeredPass plain_;
-  MixPass mix_;
+  std::unique_ptr<Mixer> mixer_;  // made when a figure has several parts
   ScenePass scene_pass_;
   std::unique_ptr<FlowSource> flow_;
   std::unique_ptr<Method> method_;
@@ -252,11 +228,20 @@ class RecipeOnDevice final : public Recipe {
   int samples_ = 0;
   gpu::Target main_;
   Canvas resolved_;               // the region's picture; none of the whole view
-  Canvas parts_[2];               // scratch
   std::vector<Canvas> pictures_;  // by number of the figure
 };
 
 }  // namespace
+
+Status Canvas::prepare(gpu::Device& device, int width, int height) {
+  if (target) return {};
+  FOURDVT_ASSIGN(color, gpu::makeTexture(device, {.width = width,
+                                                  .height = height,
+                                                  .filter = gpu::Filter::Linear,
+                                                  .label = "part of a figure"}));
+  FOURDVT_ASSIGN(target, gpu::makeTarget(device, {.colors = {color.id()}, .label = "part of a figure"}));
+  return {};
+}
 
 LengthScales lengthScalesOf(std::span<const Figure> figures) {
   if (figures.empty()) return {};

@@ -61,7 +61,10 @@ async function spareBattery(advised: Advised): Promise<void> {
 
 /** manifest: one that the player has read; element: the viewer, if its keys and buttons are for this character. */
 export async function advise(manifest: unknown, advised: Advised, element: Element | false): Promise<void> {
-  advised.run((player) => player.tell((m, handle) => m._fdvt_slice_decoding(handle, DECODE_SLICE_S)));
+  advised.run((player) => player.tell((m, handle) => {
+    m._fdvt_allow_transitions(handle);
+    return m._fdvt_slice_decoding(handle, DECODE_SLICE_S);
+  }));
   const { sequences = [] } = (manifest as Manifest).extensions.FOURDVT_layered_video_texture;
   await Promise.all(sequences.flatMap((sequence, s) => sequence.renditions.map(async (rendition, r) => {
     const plays = await canDecode(rendition);

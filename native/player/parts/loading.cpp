@@ -131,7 +131,7 @@ void Loading::requestHeader(int sequence_index) {
 }
 
 void Loading::requestGraph() {
-  if (graph_state_ != PartState::Absent || character_->graph_uri.empty()) return;
+  if (graph_state_ != PartState::Absent || lacksGraph()) return;
   graph_state_ = PartState::Fetching;
   fetches_.request({Kind::Graph, -1, 0}, character_->graph_uri, 0, character_->graph_bytes);
 }
@@ -328,7 +328,7 @@ Arrival Loading::receive(uint32_t id, std::span<const uint8_t> bytes) {
       return read.ok() ? Arrival{Arrival::What::Header, purpose.sequence, {}} : lose(purpose, read.error());
     }
     case Kind::Graph:
-      receiveGraph(bytes);
+      (this->*receive_graph_)(bytes);
       break;
     default:
       receiveGop(purpose, bytes);
@@ -451,13 +451,6 @@ Status Loading::checkHeader(const package::Sequence& q, const package::StreamInd
         return Error{ErrorId::StreamInvalid,
                      q.renditions[r].video_uri + ": a video sample lies beyond the end of the file"};
   return {};
-}
-
-// A graph that cannot be read counts as none: states are then simply selected.
-void Loading::receiveGraph(std::span<const uint8_t> bytes) {
-  auto graph = motion::MotionGraph::read(bytes, *character_);
-  graph_state_ = graph.ok() ? PartState::Present : PartState::Failed;
-  if (graph.ok()) graph_ = graph.take();
 }
 
 void Loading::receiveGop(const FetchPurpose& purpose, std::span<const uint8_t> bytes) {

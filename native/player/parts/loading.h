@@ -85,7 +85,8 @@ class Loading {
   const package::StreamIndex& index(int sequence) const { return stream(sequence).index; }  // once it has its header
   const motion::MotionGraph* graph() const { return graph_ ? &*graph_ : nullptr; }          // null: not there
   // The manifest names no motion graph, or it could not be had.
-  bool lacksGraph() const { return character_->graph_uri.empty() || graphFailed(); }
+  bool lacksGraph() const { return !graph_allowed_ || character_->graph_uri.empty() || graphFailed(); }
+  void allowGraph(bool allowed) { graph_allowed_ = allowed; }  // at first it is
   bool graphFailed() const { return graph_state_ == stream::PartState::Failed; }
 
   // Asks for what the needs lack, the most urgent first: mesh, header and GOPs of each need in turn, then the header of
@@ -185,6 +186,8 @@ class Loading {
   std::optional<package::BaseMesh> mesh_;
   package::ChunkMesh chunk_mesh_;
   std::optional<motion::MotionGraph> graph_;
+  bool graph_allowed_ = true;
+  void (Loading::*receive_graph_)(std::span<const uint8_t>) = &Loading::receiveGraph;  // by pointer, as below
   stream::PartState mesh_state_ = stream::PartState::Absent, graph_state_ = stream::PartState::Absent;
   std::vector<Stream> streams_;
   package::Sequence start_;

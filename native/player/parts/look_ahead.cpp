@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Methods of Loading and Ladder that serve after the first picture only: judgements of renditions by the page, and
-// prefetching the first GOPs of motions that may come next while the network is idle.
+// Methods of Loading and Ladder that serve after the first picture only: the motion graph, judgements of renditions by the
+// page, and prefetching the first GOPs of motions that may come next while the network is idle.
 #include <algorithm>
 
 #include "player/parts/loading.h"
@@ -16,6 +16,13 @@ constexpr int kMostGops = 4;            // of one sequence: entries from all fra
 constexpr size_t kSoonGops = 2;         // nearest ones of a need
 constexpr uint64_t kBudgetDivisor = 2;  // part of the budget that needs and beginnings fill together at most
 }  // namespace
+
+// A graph that cannot be read counts as none: states are then simply selected.
+void Loading::receiveGraph(std::span<const uint8_t> bytes) {
+  auto graph = motion::MotionGraph::read(bytes, *character_);
+  graph_state_ = graph.ok() ? PartState::Present : PartState::Failed;
+  if (graph.ok()) graph_ = graph.take();
+}
 
 void Ladder::judge(const package::Sequence& s, uint32_t rendition, bool plays) {
   std::vector<const package::Rendition*>& list = plays ? rough_ : missing_;
