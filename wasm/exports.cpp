@@ -209,14 +209,9 @@ void fdvt_upload(Instance* h, int32_t slot, void* block, const abi::Planes* layo
   makeCurrent(h);
   const abi::Planes& p = *layout;
   const auto* data = static_cast<const uint8_t*>(block);
-  const I420View view{p.width,
-                      p.height,
-                      data + p.offset_y,
-                      data + p.offset_u,
-                      p.stride_v ? data + p.offset_v : nullptr,
-                      p.stride_y,
-                      p.stride_u,
-                      p.stride_v};
+  const I420View view{
+      p.width,    p.height,   data + p.offset_y, data + p.offset_u, p.stride_v ? data + p.offset_v : nullptr,
+      p.stride_y, p.stride_u, p.stride_v};
   h->player->uploadI420(slot, view, PictureBytes(block, std::free));
   h->player->commitSlot(slot);
 }

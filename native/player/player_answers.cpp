@@ -83,7 +83,8 @@ void PlayerImpl::stopFeed(Track& t) {
 
 // The key of the sought frame's GOP is nearer to it than what is shown of the sequence.
 bool PlayerImpl::previews(const Track& t) const {
-  if (!options_.preview_seeks || options_.paced || !isMain(t) || !t.head.seeking() || t.head.shown().sequence != t.head.sequence())
+  if (!options_.preview_seeks || options_.paced || !isMain(t) || !t.head.seeking() ||
+      t.head.shown().sequence != t.head.sequence())
     return false;
   const package::StreamIndex& index = loading_.index(t.head.sequence());
   const int64_t wanted = frameOf(t, t.head.wantedK()),
@@ -161,7 +162,8 @@ void PlayerImpl::uploadI420(int slot, const I420View& picture, PictureBytes byte
   if (!t || !t->slots.awaits(slot)) return;
   const package::Rendition& rendition = renditionOf(*t, t->slots.rendition(slot));
   if (!checkSize(*t, slot, picture.width, picture.height)) return;
-  if (checkNumber(*t, slot, package::readBarcode(rendition.barcode, picture))) t->slots.hold(slot, picture, std::move(bytes));
+  if (checkNumber(*t, slot, package::readBarcode(rendition.barcode, picture)))
+    t->slots.hold(slot, picture, std::move(bytes));
 }
 
 bool PlayerImpl::checkSize(Track& t, int slot, int width, int height) {

@@ -112,7 +112,8 @@ class PlayerImpl final : public Player {
   void stagePictures();
   FrameGeometry geometryOf(int sequence, uint32_t frame, bool due);
 
-  // player_transitions.cpp. Called by pointer, so that no caller has a copy of what serves after the first picture only.
+  // player_transitions.cpp. Called by pointer, so that no caller has a copy of what serves after the first picture
+  // only.
   struct TransitionCalls {
     void (PlayerImpl::*step)() = &PlayerImpl::stepTransition;
     void (PlayerImpl::*go)(int target) = &PlayerImpl::goByGraph;

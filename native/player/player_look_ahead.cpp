@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Work beyond what a first picture takes: prefetching, judgements of renditions, decoding of geometry in slices, programs;
-// and decoders that keep time themselves.
+// Work beyond what a first picture takes: prefetching, judgements of renditions, decoding of geometry in slices,
+// programs; and decoders that keep time themselves.
 #include "player/player_impl.h"
 
 namespace fourdvt {
@@ -67,8 +67,8 @@ double PlayerImpl::pace(int decoder) const {
 }
 
 // The picture is another presentation's than it was named for: of what the element had when it was copied. It counts as
-// that one's where that is a neighbour and yet to be shown, and goes unused where that has passed. One that is sought must
-// be that one: it is awaited again.
+// that one's where that is a neighbour and yet to be shown, and goes unused where that has passed. One that is sought
+// must be that one: it is awaited again.
 bool PlayerImpl::takeAs(Track& t, int slot, std::optional<uint32_t> seen) {
   const int64_t named = t.slots.k(slot);
   if (t.head.seeking()) {
@@ -76,8 +76,8 @@ bool PlayerImpl::takeAs(Track& t, int slot, std::optional<uint32_t> seen) {
     t.feeding.awaitAgain(named);
     return false;
   }
-  // A late page copies a later picture, a time that runs ahead names one that is yet to come. Within less than a loop the
-  // frame tells which.
+  // A late page copies a later picture, a time that runs ahead names one that is yet to come. Within less than a loop
+  // the frame tells which.
   constexpr int64_t kBack = 8, kOn = 17;
   const int64_t first = std::max<int64_t>(0, named - kBack);
   const int64_t end = std::min(named + kOn, first + wantedOf(t).frame_count);

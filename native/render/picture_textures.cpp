@@ -25,7 +25,8 @@ Result<PictureTextures> createPicture(gpu::Device& device, int width, int height
   }
   const bool pair = kind == Kind::Nv12;
   FOURDVT_TRY(plane(picture.y, gpu::PixelFormat::R8, width, height, "picture y"));
-  FOURDVT_TRY(plane(picture.u, pair ? gpu::PixelFormat::RG8 : gpu::PixelFormat::R8, width / 2, height / 2, "picture u"));
+  FOURDVT_TRY(
+      plane(picture.u, pair ? gpu::PixelFormat::RG8 : gpu::PixelFormat::R8, width / 2, height / 2, "picture u"));
   if (!pair) FOURDVT_TRY(plane(picture.v, gpu::PixelFormat::R8, width / 2, height / 2, "picture v"));
   return picture;
 }
@@ -35,7 +36,8 @@ void uploadPicture(gpu::Device& device, PictureTextures& picture, const I420View
   const int x = region.x / 2, y = region.y / 2;
   const gpu::Region half{x, y, (region.x + region.width + 1) / 2 - x, (region.y + region.height + 1) / 2 - y};
   const gpu::Region whole{2 * x, 2 * y, 2 * half.width, 2 * half.height};
-  const auto plane = [&](const gpu::Texture& texture, const uint8_t* from, int stride, const gpu::Region& r, int bytes) {
+  const auto plane = [&](const gpu::Texture& texture, const uint8_t* from, int stride, const gpu::Region& r,
+                         int bytes) {
     device.updateTexture(texture.id(), r, from + ptrdiff_t{stride} * r.y + ptrdiff_t{bytes} * r.x, stride);
   };
   plane(picture.y, frame.y, frame.stride_y, whole, 1);

@@ -235,10 +235,10 @@ class RecipeOnDevice final : public Recipe {
 
 Status Canvas::prepare(gpu::Device& device, int width, int height) {
   if (target) return {};
-  FOURDVT_ASSIGN(color, gpu::makeTexture(device, {.width = width,
-                                                  .height = height,
-                                                  .filter = gpu::Filter::Linear,
-                                                  .label = "part of a figure"}));
+  FOURDVT_ASSIGN(
+      color,
+      gpu::makeTexture(device,
+                       {.width = width, .height = height, .filter = gpu::Filter::Linear, .label = "part of a figure"}));
   FOURDVT_ASSIGN(target, gpu::makeTarget(device, {.colors = {color.id()}, .label = "part of a figure"}));
   return {};
 }

@@ -29,7 +29,7 @@ struct EdgeOptions {
   double misnamed = 0, left_out = 0;
   double early_seeks = 0;  // probability that a sought picture is offered while the element still has another one
   bool interleaved_chroma = false;  // as NV12 has it
-  uint32_t least_decoded = 1;  // pictures ahead without which an element does not move
+  uint32_t least_decoded = 1;       // pictures ahead without which an element does not move
   PlayerOptions player;
 };
 
@@ -201,8 +201,7 @@ class SimulatedEdge {
     decoder.reorder.clear();
     if (options.player.paced) decoder.decoded.clear();
     decoder.stands = decoder.fresh = decoder.flushed = false;
-    std::erase_if(decoder.decoded,
-                  [&](const Decoded& d) { return !d.wanted || uniform(1) > options.stale_delivery; });
+    std::erase_if(decoder.decoded, [&](const Decoded& d) { return !d.wanted || uniform(1) > options.stale_delivery; });
     for (Decoded& stale : decoder.decoded) stale.due_s = now_s;  // they were under way; nothing waits behind them
     decoder.stale_from = decoder.decoded.size();
     decoder.needs_key = true;
@@ -335,7 +334,8 @@ class SimulatedEdge {
       const auto planes = std::make_shared<std::vector<uint8_t>>(size_t(w) * h, 80);
       const uint8_t* y = planes->data();
       package::drawBarcode(fakeStrip(), copy.picture.frame, planes->data(), w);
-      const I420View view{w, h, y, y, options.interleaved_chroma ? nullptr : y, w, options.interleaved_chroma ? w : w / 2, w / 2};
+      const I420View view{
+          w, h, y, y, options.interleaved_chroma ? nullptr : y, w, options.interleaved_chroma ? w : w / 2, w / 2};
       player->uploadI420(copy.slot, view, planes);
       player->commitSlot(copy.slot);
     }

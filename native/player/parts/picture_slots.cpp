@@ -17,9 +17,8 @@ int PictureSlots::freeCount() const {
 }
 
 int PictureSlots::readyCount() const {
-  return static_cast<int>(std::count_if(slots_.begin(), slots_.end(), [this](const Slot& s) {
-    return s.use == Slot::Use::Ready && s.epoch == epoch_;
-  }));
+  return static_cast<int>(std::count_if(
+      slots_.begin(), slots_.end(), [this](const Slot& s) { return s.use == Slot::Use::Ready && s.epoch == epoch_; }));
 }
 
 int PictureSlots::findFree() const {
@@ -124,8 +123,7 @@ void PictureSlots::drop(int number) {
 
 void PictureSlots::show(int number) {
   for (Slot& slot : slots_)
-    if (slot.use == Slot::Use::Shown || (slot.use == Slot::Use::Ready && slot.k < k(number)))
-      slot.setFree();
+    if (slot.use == Slot::Use::Shown || (slot.use == Slot::Use::Ready && slot.k < k(number))) slot.setFree();
   at(number).use = Slot::Use::Shown;
   for (Stage& stage : stages_)
     if (stage.slot == number) stage.slot = -1;  // of its picture before

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture slots of one decoder: its decoded pictures, and the presentation that each one holds. A slot is free, being
-// filled, ready, or on screen. Pictures of an earlier epoch (before a seek or another sequence) are never shown. Pictures
-// of kind Rgba are in textures, one per slot, that the edge fills. Others stay in memory until they are on screen: then
-// what is drawn of them is copied into textures, and more of it when more is. Does NOT decode (feeding.h) and does NOT
-// decide what is shown (playhead.h).
-// Order of calls for a slot: findFree → prepare → fill → hold, or renumber → commit → show → stage.
+// The picture slots of one decoder: its decoded pictures, and the presentation that each one holds. A slot is free,
+// being filled, ready, or on screen. Pictures of an earlier epoch (before a seek or another sequence) are never shown.
+// Pictures of kind Rgba are in textures, one per slot, that the edge fills. Others stay in memory until they are on
+// screen: then what is drawn of them is copied into textures, and more of it when more is. Does NOT decode (feeding.h)
+// and does NOT decide what is shown (playhead.h). Order of calls for a slot: findFree → prepare → fill → hold, or
+// renumber → commit → show → stage.
 #pragma once
 
 #include <array>

@@ -256,7 +256,10 @@ int readyPlanes(Slots& s, int64_t k, const PictureBytes& bytes, bool interleaved
 TEST(PlayerPictureSlots, OnlyWhatIsDrawnOfAPictureIsUploaded) {
   for (const bool interleaved : {false, true}) {
     Slots s;
-    const auto bytes = [] { return PictureBytes(new std::array<uint8_t, 512>{}, [](const void* p) { delete static_cast<const std::array<uint8_t, 512>*>(p); }); };
+    const auto bytes = [] {
+      return PictureBytes(new std::array<uint8_t, 512>{},
+                          [](const void* p) { delete static_cast<const std::array<uint8_t, 512>*>(p); });
+    };
     const PictureBytes first = bytes(), second = bytes();
     const package::Rendition rendition = twoMembers();
     auto uploaded = [&, before = uint64_t{0}]() mutable {

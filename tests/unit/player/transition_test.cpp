@@ -286,6 +286,29 @@ TEST(PlayerTransition, WithoutAGraphSelects) {
   EXPECT_EQ(s.edge.events[EventKind::SequenceChanged], 0) << "it is there already";
 }
 
+// A page begins without what transitions take.
+TEST(PlayerTransition, CutsUntilTheyAreAllowed) {
+  EdgeOptions options;
+  options.player.transitions = false;
+  Scene s(threeStates(), options);
+  s.run(1);
+  const auto asksForGraph = [&] {
+    return std::any_of(s.edge.uris.begin(), s.edge.uris.end(),
+                       [](const std::string& uri) { return uri == "graph.bin"; });
+  };
+  EXPECT_FALSE(asksForGraph());
+  ASSERT_TRUE(s.player().goTo("idle").ok());
+  ASSERT_TRUE(s.arrives("idle"));
+  EXPECT_EQ(s.edge.events[EventKind::TransitionStarted], 0);
+  s.player().allowTransitions();
+  s.run(1);
+  EXPECT_TRUE(asksForGraph());
+  ASSERT_TRUE(s.player().goTo("locomotion").ok());
+  ASSERT_TRUE(s.fades());
+  ASSERT_TRUE(s.arrives("locomotion"));
+  EXPECT_EQ(s.edge.events[EventKind::TransitionStarted], 1);
+}
+
 TEST(PlayerTransition, WithoutASecondDecoderSelects) {
   Scene s(threeStates());
   s.edge.second_decoder_fails = true;
