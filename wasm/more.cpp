@@ -2,6 +2,7 @@
 #include "more.h"
 
 #include <emscripten.h>
+#include <malloc.h>
 
 #include <cmath>
 
@@ -151,6 +152,7 @@ uint32_t fdvt_show_room(Instance* h, const uint8_t* picture, uint32_t size) {
 }
 
 double fdvt_pace(Instance* h, int32_t decoder) { return h->player->pace(decoder); }
+double fdvt_heap_bytes(Instance*) { return static_cast<double>(static_cast<uint32_t>(mallinfo().uordblks)); }
 void fdvt_judge_rendition(Instance* h, uint32_t sequence, uint32_t rendition, int32_t plays) {
   h->player->judgeRendition(sequence, rendition, plays != 0);
 }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Resources that a page holds after long use: ten minutes of play, 50 viewers one after the other, 200 motion changes, lost contexts,
 // a hidden tab. node endurance.mjs SITE [--minutes 10] [--loads 50] [--changes 200] [--losses 10] [--hidden-s 120] [--out FILE.json]
-// Counted in the page: wasm memory (which never shrinks), JavaScript's heap after a collection, WebGL textures, buffers and
+// Counted in the page: wasm memory (which never shrinks), what of it the allocator has given out, JavaScript's heap after a collection, WebGL textures, buffers and
 // programs that are alive and the bytes of textures, video decoders and frames that are open, contexts that are not lost.
 import { writeFileSync } from 'node:fs';
 import { parseArgs } from 'node:util';
@@ -50,6 +50,11 @@ function count() {
     const storage = gl.texStorage2D.bind(gl), storage3 = gl.texStorage3D.bind(gl);
     gl.texStorage2D = (target, levels, format, w, h) => { if (bound) alive.textures.set(bound, w * h * (bytesOf[format] ?? 4) * (levels > 1 ? 4 / 3 : 1)); storage(target, levels, format, w, h); };
     gl.texStorage3D = (target, levels, format, w, h, d) => { if (bound) alive.textures.set(bound, w * h * d * (bytesOf[format] ?? 4)); storage3(target, levels, format, w, h, d); };
+    const image = gl.texImage2D.bind(gl);
+    gl.texImage2D = (...words) => { // mutable ones: pictures of four channels
+      if (bound && words.length >= 9) alive.textures.set(bound, words[3] * words[4] * 4);
+      image(...words);
+    };
     return gl;
   };
   if (globalThis.VideoDecoder) {
@@ -97,10 +102,10 @@ async function sample(title) {
     const alive = held.contexts.filter(({ gl }) => gl.deref() && !gl.deref().isContextLost()), sum = (of) => alive.reduce((total, one) => total + of(one), 0);
     return { wasm: held.memories.reduce((total, one) => total + (one.deref()?.buffer.byteLength ?? 0), 0), textures: sum((one) => one.textures.size), texture_bytes: sum((one) => [...one.textures.values()].reduce((a, b) => a + b, 0)),
       buffers: sum((one) => one.buffers.size), programs: sum((one) => one.programs.size), contexts: alive.length, decoders: held.decoders, frames: held.frames.size,
-      shown: document.querySelector('fourdvt-viewer')?.stats?.framesShown ?? 0, mismatches: document.querySelector('fourdvt-viewer')?.stats?.barcodeMismatches ?? 0 };
+      in_use: document.querySelector('fourdvt-viewer')?.stats?.heapBytes ?? 0, shown: document.querySelector('fourdvt-viewer')?.stats?.framesShown ?? 0, mismatches: document.querySelector('fourdvt-viewer')?.stats?.barcodeMismatches ?? 0 };
   });
   rows.push({ title, heap: usedSize, ...row });
-  console.log(`${title.padEnd(34)} wasm ${(row.wasm / 1e6).toFixed(1)} MB, heap ${(usedSize / 1e6).toFixed(2)} MB, textures ${row.textures} (${(row.texture_bytes / 1e6).toFixed(1)} MB), buffers ${row.buffers}, programs ${row.programs}, contexts ${row.contexts}, decoders ${row.decoders}, frames ${row.frames}, shown ${row.shown}, mismatches ${row.mismatches}`);
+  console.log(`${title.padEnd(34)} wasm ${(row.wasm / 1e6).toFixed(1)} MB (${(row.in_use / 1e6).toFixed(2)} in use), heap ${(usedSize / 1e6).toFixed(2)} MB, textures ${row.textures} (${(row.texture_bytes / 1e6).toFixed(1)} MB), buffers ${row.buffers}, programs ${row.programs}, contexts ${row.contexts}, decoders ${row.decoders}, frames ${row.frames}, shown ${row.shown}, mismatches ${row.mismatches}`);
 }
 
 const shown = (more = 5) => page.evaluate(({ more, patience }) => new Promise((done, fail) => {

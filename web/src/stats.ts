@@ -11,6 +11,8 @@ export interface ViewerStats {
   bytesFetched: number;
   encodedBytesHeld: number;
   textureBytes: number;
+  /** In use in the player's memory; 0 until its second part is there. */
+  heapBytes: number;
   /** Of the picture shown, 0: the lowest. */
   rendition: number;
   /** Milliseconds of decoding geometry: for one frame, mean; the most in one turn of the page. 0 until the player's second part is there. */
@@ -23,6 +25,6 @@ export function statsOf(state: PlayerState, uploadPath: UploadPath): ViewerStats
   const { framesShown, framesLate, barcodeChecked, barcodeMismatches, bytesFetched, encodedBytesHeld, rendition, decodeMs, longestDecodeMs } = state;
   return {
     framesShown, framesLate, barcodeChecked, barcodeMismatches, bytesFetched, encodedBytesHeld, rendition, decodeMs, longestDecodeMs,
-    textureBytes: state.liveTextureBytes, uploadPath,
+    textureBytes: state.liveTextureBytes, heapBytes: state.heapBytes, uploadPath,
   };
 }

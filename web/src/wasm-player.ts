@@ -31,7 +31,10 @@ export interface Placement {
   heading: number;
 }
 
-export interface PlayerState extends StateRecord, Placement {}
+export interface PlayerState extends StateRecord, Placement {
+  /** In use in the module's memory; 0 until the second part is there. */
+  readonly heapBytes: number;
+}
 
 export interface SequenceInfo {
   name: string;
@@ -271,7 +274,11 @@ export class WasmPlayer {
 
   state(): PlayerState {
     const state = readState(this.#m.HEAPU8, this.#m._fdvt_state(this.#h));
-    return { ...state, x: state.xM, z: state.zM, heading: state.headingRad / RADIANS };
+    const m = this.#m, h = this.#h;
+    return {
+      ...state, x: state.xM, z: state.zM, heading: state.headingRad / RADIANS,
+      get heapBytes() { return hasMore(m) ? m._fdvt_heap_bytes(h) : 0; }, // not every turn: it walks all blocks
+    };
   }
 
   /** Null before the manifest is read. */

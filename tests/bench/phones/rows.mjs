@@ -1,6 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // What site/measured/phones.mjs measures: { name, kind, title, measure({ site, before }) }. before: the site of an earlier version, for
 // those rows that compare with one; without it they are not measured.
+import { execFile } from 'node:child_process';
+import { mkdtempSync, readFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { promisify } from 'node:util';
+
 import { launch, launchFirefox, openPage } from '../../web/harness.mjs';
 import { kNoWebCodecs, openOnPath, playOnPath, servePlain } from '../../web/play_path.mjs';
 import { measureTasks } from './tasks.mjs';
@@ -51,4 +58,11 @@ const before = after.filter(({ name }) => name === 'tasks' || /^uploads-(i420|rg
   ...row, name: `${row.name}-before`, before: true, measure: ({ before: site }) => row.measure({ site }),
 }));
 
-export const rows = [...after, ...before];
+const endurance = { name: 'endurance', kind: 'endurance', title: 'after long use',
+  async measure({ site }) {
+    const out = join(mkdtempSync(join(tmpdir(), 'fourdvt-')), 'rows.json');
+    await promisify(execFile)(process.execPath, [fileURLToPath(new URL('../endurance.mjs', import.meta.url)), site, '--out', out], { maxBuffer: 1 << 24 });
+    return { rows: JSON.parse(readFileSync(out, 'utf8')) };
+  } };
+
+export const rows = [...after, ...before, endurance];
