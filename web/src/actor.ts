@@ -12,7 +12,9 @@ import {
   WasmPlayer, type CharacterInfo, type PlayerRequest, type PlayerState, type TellPlayer,
 } from './wasm-player.js';
 
+// One is on screen, the others are ready or being filled. Planes take memory each, of the player's module.
 const PICTURE_SLOTS = 4;
+const PLANE_SLOTS = 3;
 
 const heapOf = (module: WasmModule): Heap => ({
   allocate: (bytes) => module._fdvt_alloc(bytes),
@@ -72,7 +74,7 @@ export class Actor implements Performer {
     this.#transport = source.transport;
     this.#commands = commands;
     this.#host = host;
-    const player = new WasmPlayer(context.module, context.beside?.player ?? context.gl, kindOf(context.path), PICTURE_SLOTS);
+    const player = new WasmPlayer(context.module, context.beside?.player ?? context.gl, kindOf(context.path), context.path === 'i420' ? PLANE_SLOTS : PICTURE_SLOTS);
     this.#player = player;
     try {
       player.loadManifest(source.manifest, source.start, source.load);

@@ -5,7 +5,7 @@
 // is held.
 import type { DecoderFault, PictureKind } from './generated/abi.js';
 
-const MAX_HELD = 2;   // pictures that wait for a slot; the decoder is not fed while there are as many
+const MAX_HELD = 1;   // pictures that wait for a slot; the decoder is not fed while there is one
 const MAX_QUEUED = 6; // samples inside the decoder
 
 export interface Planes {

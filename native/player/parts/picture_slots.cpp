@@ -81,7 +81,7 @@ Status PictureSlots::stage(gpu::Device& device, int number, const package::Rendi
                            uint32_t wanted) {
   Slot& slot = at(number);
   const uint32_t all = (1u << members) - 1;
-  if (kind_ == render::PictureTextures::Kind::Rgba || (stages_[stage_].slot == number && !slot.bytes)) return {};
+  if (!slot.bytes) return {};  // kind Rgba, or all of it is there
   if (stages_[stage_].slot != number) {
     stage_ = 1 - stage_;
     stages_[stage_].slot = number;
