@@ -102,8 +102,50 @@ static_assert(static_cast<int>(abi::Visibility::Plain) == static_cast<int>(rende
 static_assert(static_cast<int>(abi::DecoderFault::Unsupported) == static_cast<int>(DecoderFault::Unsupported) &&
               static_cast<int>(abi::DecoderFault::TakenAway) == static_cast<int>(DecoderFault::TakenAway));
 
+// Keeps blocks that were given back, up to as many as one decoder uses at a time.
+class PlaneBlocks {
+ public:
+  void* take(uint32_t size) {
+    size_t best = free_.size();
+    for (size_t i = 0; i < free_.size(); ++i)
+      if (sizeOf(free_[i]) >= size && (best == free_.size() || sizeOf(free_[i]) < sizeOf(free_[best]))) best = i;
+    if (best < free_.size()) {
+      void* found = free_[best];
+      free_.erase(free_.begin() + static_cast<ptrdiff_t>(best));
+      return found;
+    }
+    // One that is too small makes room.
+    if (!free_.empty()) release(0);
+    auto* block = static_cast<uint8_t*>(std::malloc(kHead + size));
+    *reinterpret_cast<uint32_t*>(block) = size;
+    return block + kHead;
+  }
+  void giveBack(void* planes) {
+    if (!planes) return;
+    free_.push_back(planes);
+    if (free_.size() > kMostFree) release(0);
+  }
+
+ private:
+  static constexpr size_t kHead = 16, kMostFree = 5;
+  static uint8_t* blockOf(void* planes) { return static_cast<uint8_t*>(planes) - kHead; }
+  static uint32_t sizeOf(void* planes) { return *reinterpret_cast<const uint32_t*>(blockOf(planes)); }
+  void release(size_t i) {
+    std::free(blockOf(free_[i]));
+    free_.erase(free_.begin() + static_cast<ptrdiff_t>(i));
+  }
+  std::vector<void*> free_;
+};
+
+PlaneBlocks& planeBlocks() {
+  static PlaneBlocks blocks;
+  return blocks;
+}
+
 }  // namespace
 
+void* fdvt_alloc_planes(uint32_t size) { return planeBlocks().take(size); }
+void fdvt_free_planes(void* planes) { planeBlocks().giveBack(planes); }
 void* fdvt_alloc(uint32_t size) { return std::malloc(size); }
 void fdvt_free(void* memory) { std::free(memory); }
 
@@ -212,7 +254,7 @@ void fdvt_upload(Instance* h, int32_t slot, void* block, const abi::Planes* layo
   const I420View view{
       p.width,    p.height,   data + p.offset_y, data + p.offset_u, p.stride_v ? data + p.offset_v : nullptr,
       p.stride_y, p.stride_u, p.stride_v};
-  h->player->uploadI420(slot, view, PictureBytes(block, std::free));
+  h->player->uploadI420(slot, view, PictureBytes(block, [](const void* planes) { planeBlocks().giveBack(const_cast<void*>(planes)); }));
   h->player->commitSlot(slot);
 }
 uint32_t fdvt_slot_texture(Instance* h, int32_t slot) {

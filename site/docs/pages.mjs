@@ -17,6 +17,7 @@ export const groups = [
     { source: 'site/measured/hulls.md', name: 'hulls', title: 'Surfaces from cameras' },
     { source: 'site/measured/calibration.md', name: 'calibration', title: 'Cameras in step and in place' },
     { source: 'site/measured/live.md', name: 'live-measured', title: 'Live, measured' },
+    { source: 'site/measured/phones.md', name: 'phones', title: 'What playing costs' },
     { source: 'site/measured/knobs.md', name: 'knobs', title: 'Disturbances of a capture' },
     { source: 'site/sample/actor_a/README.md', name: 'sample', title: 'The sample capture' },
   ] },

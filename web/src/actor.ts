@@ -17,8 +17,8 @@ const PICTURE_SLOTS = 4;
 const PLANE_SLOTS = 3;
 
 const heapOf = (module: WasmModule): Heap => ({
-  allocate: (bytes) => module._fdvt_alloc(bytes),
-  free: (block) => module._fdvt_free(block),
+  allocate: (bytes) => module._fdvt_alloc_planes(bytes),
+  free: (block) => module._fdvt_free_planes(block),
   bytes: (block, length) => module.HEAPU8.subarray(block, block + length),
 });
 
