@@ -29,7 +29,7 @@ for (const row of options.table ? [] : rows) {
   if (wanted.length ? !wanted.includes(row.name) : measured[row.name]) continue;
   if (row.before && !options.before) continue;
   console.log(`phones: ${row.name}`);
-  const figures = await row.measure({ site: join(root, 'build/site'), before: options.before });
+  const figures = await row.measure({ root, site: join(root, 'build/site'), before: options.before });
   measured[row.name] = { date: new Date().toISOString().slice(0, 10), commit: row.before ? options['before-commit'] : commit, ...figures };
   writeFileSync(`${file}.part`, `{\n${Object.entries(measured).map(([name, value]) => ` ${JSON.stringify(name)}: ${JSON.stringify(value)}`).join(',\n')}\n}\n`);
   renameSync(`${file}.part`, file);

@@ -53,6 +53,14 @@ ${table(['', 'slider', 'copied', 'again', 'uploaded', 'textures', 'module'], upl
     return [`${title}${before ? `, before (${measured[name].commit})` : ''}`, place, each('decoderCopies'), each('heapCopies'), each('uploads'), mega(r.textures), mega(r.wasm)];
   })))}
 `);
+  for (const { name, title } of of('bench')) parts.push(`## ${title}
+
+\`${measured[name].command}\`, natively, with llvmpipe:
+
+\`\`\`
+${measured[name].text}
+\`\`\`
+`);
   const [endurance] = of('endurance');
   if (endurance) parts.push(`## After long use
 

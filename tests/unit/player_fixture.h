@@ -427,10 +427,9 @@ class TaggingDevice final : public gpu::Device {
   Status readPixels(gpu::TargetId t, gpu::PixelFormat f, const gpu::Region& region, void* out) override {
     return null_->readPixels(t, f, region, out);
   }
-  // The edge has put a picture of this frame into the texture.
+  // The edge has put a picture of this frame into the texture, which must be one that it may fill.
   void fill(gpu::TextureId texture, int frame) {
-    EXPECT_TRUE(descs_[texture].respecifiable);
-    frame_of_[texture] = frame;
+    frame_of_[texture] = descs_[texture].respecifiable ? frame : -1;
   }
   int polls_of_reads = 2;
   gpu::ReadId beginRead(gpu::TargetId t, const gpu::Region& region) override {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What site/measured/phones.mjs measures: { name, kind, title, measure({ site, before }) }. before: the site of an earlier version, for
+// What site/measured/phones.mjs measures: { name, kind, title, measure({ root, site, before }) }. before: the site of an earlier version, for
 // those rows that compare with one; without it they are not measured.
 import { execFile } from 'node:child_process';
 import { mkdtempSync, readFileSync } from 'node:fs';
@@ -65,4 +65,12 @@ const endurance = { name: 'endurance', kind: 'endurance', title: 'after long use
     return { rows: JSON.parse(readFileSync(out, 'utf8')) };
   } };
 
-export const rows = [...after, ...before, endurance];
+// Benches of the release build, as they print.
+const bench = (name, title, words) => ({ name: `bench-${name}`, kind: 'bench', title, async measure({ root }) {
+  const program = join(root, 'build/release/tests/bench', `bench_${name}`);
+  const { stdout } = await promisify(execFile)(program, words.map((word) => word.replace('ROOT', root)), { maxBuffer: 1 << 24 });
+  return { command: [`bench_${name}`, ...words.map((word) => word.replace('ROOT/', ''))].join(' '), text: stdout.trimEnd() };
+} });
+
+export const rows = [...after, ...before, endurance,
+  bench('frame_cost', 'Targets, vertices and draw times', ['ROOT/build/character', '40']), bench('class_frame', 'Decoding geometry', ['ROOT/build/character'])];
