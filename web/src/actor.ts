@@ -27,8 +27,11 @@ export interface ActorContext {
   module: WasmModule;
   gl: WebGL2RenderingContext;
   path: UploadPath;
-  /** Of upload path 'video': makes its decoders. */
-  videoDecoder: ((callbacks: DecoderCallbacks) => PictureDecoder) | undefined;
+  /** Of upload path 'video'. */
+  video: {
+    makeVideoDecoder(callbacks: DecoderCallbacks): PictureDecoder;
+    isSubFaster(gl: WebGL2RenderingContext, video: HTMLVideoElement): boolean;
+  } | undefined;
   /** The character that the canvas was opened with; null if it is this one. */
   beside: Actor | null;
 }
@@ -66,6 +69,7 @@ export class Actor implements Performer {
   #character: CharacterInfo | null = null;
   #ready: Promise<unknown> = Promise.resolve(); // what fetches bring can be decoded
   #taken: ((frame: VideoFrame) => void) | null = null; // what the next decoded picture is for, too
+  #subVideo: boolean | null = null; // how a <video> element's pictures are uploaded; null: to be measured
   #stuck = false; // after an error, until the next command: what is awaited will not come
 
   /** Obeys the commands until it is disposed of. Throws a ViewerError if the manifest cannot be used. */
@@ -148,7 +152,7 @@ export class Actor implements Performer {
     this.#guard((player) => {
       this.#offerPictures(player);
       for (let request = player.nextRequest(); request; request = player.nextRequest()) this.#serve(request);
-      this.#decoders.forEach((decoder, index) => decoder?.feed(this.#context.videoDecoder ? player.pace(index) : 0));
+      this.#decoders.forEach((decoder, index) => decoder?.feed(this.#context.video ? player.pace(index) : 0));
       for (let event = player.nextEvent(); event; event = player.nextEvent()) {
         if (event.name === 'error') {
           this.#stuck = true;
@@ -197,8 +201,8 @@ export class Actor implements Performer {
     }));
   }
   #makeDecoder(callbacks: DecoderCallbacks): PictureDecoder {
-    const { module, path, videoDecoder } = this.#context;
-    return videoDecoder?.(callbacks) ?? new FrameDecoder(kindOf(path), heapOf(module), callbacks);
+    const { module, path, video } = this.#context;
+    return video?.makeVideoDecoder(callbacks) ?? new FrameDecoder(kindOf(path), heapOf(module), callbacks);
   }
 
   async #fetch(id: number, uri: string, offset: number, bytes: number): Promise<void> {
@@ -236,10 +240,16 @@ export class Actor implements Performer {
     }
     const texture = player.slotTexture(slot);
     const { gl, path } = this.#context;
-    const source = picture.kind === 'video' ? picture.video : picture.frame;
-    if (texture) uploadPicture(gl, texture, source, path === 'rgba-sub');
-    if (picture.kind === 'video') player.commitSlot(slot, picture.video.videoWidth, picture.video.videoHeight);
-    else player.commitSlot(slot, picture.frame.displayWidth, picture.frame.displayHeight);
+    if (picture.kind === 'video') {
+      const { video } = picture;
+      // Another size than the texture's is refused when it is committed.
+      this.#subVideo ??= this.#context.video!.isSubFaster(gl, video);
+      if (texture) uploadPicture(gl, texture, video, this.#subVideo);
+      player.commitSlot(slot, video.videoWidth, video.videoHeight);
+      return;
+    }
+    if (texture) uploadPicture(gl, texture, picture.frame, path === 'rgba-sub');
+    player.commitSlot(slot, picture.frame.displayWidth, picture.frame.displayHeight);
   }
 
   // Not at once: a decoder may report it from within a request of the pump.

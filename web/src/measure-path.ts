@@ -47,8 +47,8 @@ async function timePlanes(gl: WebGL2RenderingContext, frame: VideoFrame): Promis
   return total;
 }
 
-function timeVideoFrame(gl: WebGL2RenderingContext, frame: VideoFrame, sub: boolean): number {
-  const { width, height } = frame.visibleRect!;
+function timeWhole(gl: WebGL2RenderingContext, frame: VideoFrame | HTMLVideoElement, sub: boolean): number {
+  const { width, height } = 'visibleRect' in frame ? frame.visibleRect! : { width: frame.videoWidth, height: frame.videoHeight };
   const texture = makeTexture(gl, gl.RGBA, gl.RGBA, width, height);
   const start = performance.now();
   uploadPicture(gl, texture, frame, sub);
@@ -66,11 +66,19 @@ export async function measurePath(gl: WebGL2RenderingContext, frame: VideoFrame,
   const alignment = gl.getParameter(gl.UNPACK_ALIGNMENT) as number;
   for (let run = 0; run < RUNS; ++run) {
     if (hasPlanes) times.i420 = Math.min(times.i420, await timePlanes(gl, frame));
-    times.rgba = Math.min(times.rgba, timeVideoFrame(gl, frame, false));
-    times['rgba-sub'] = Math.min(times['rgba-sub'], timeVideoFrame(gl, frame, true));
+    times.rgba = Math.min(times.rgba, timeWhole(gl, frame, false));
+    times['rgba-sub'] = Math.min(times['rgba-sub'], timeWhole(gl, frame, true));
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, alignment);
     touched();
   }
   const whole = times['rgba-sub'] < times.rgba ? 'rgba-sub' : 'rgba';
   return times[whole] < MAX_RGBA_SHARE * times.i420 ? whole : 'i420';
+}
+
+/** True if what a <video> element shows is uploaded faster into a storage that is there than into a new one. Changes GL state. */
+export function isSubFaster(gl: WebGL2RenderingContext, video: HTMLVideoElement): boolean {
+  const alignment = gl.getParameter(gl.UNPACK_ALIGNMENT) as number;
+  const [whole, sub] = [false, true].map((into) => Math.min(timeWhole(gl, video, into), timeWhole(gl, video, into)));
+  gl.pixelStorei(gl.UNPACK_ALIGNMENT, alignment);
+  return sub! < whole!;
 }

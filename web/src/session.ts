@@ -105,7 +105,7 @@ export class Session {
   #held: ErrorDetail[] | null = null; // errors that wait for what #renew finds
   readonly #renewedOthers = new WeakSet<Companion>();
   #path: UploadPath = 'i420';
-  #videoDecoder: More['makeVideoDecoder'] | undefined; // of path 'video'
+  #video: ActorContext['video']; // of path 'video'
   #shown = false;
   #deciding = false; // the upload path is being measured
   #redraw = true;
@@ -373,14 +373,14 @@ export class Session {
   // --- opening and closing characters ---
 
   #context(beside: Actor | null): ActorContext {
-    return { module: this.#module!, gl: this.#gl!, path: this.#path, videoDecoder: this.#videoDecoder, beside };
+    return { module: this.#module!, gl: this.#gl!, path: this.#path, video: this.#video, beside };
   }
 
   // Paths other than 'i420' need the second part: it reads the pictures' numbers back.
   async #openOn(path: UploadPath): Promise<void> {
     if (path !== 'i420') {
-      const { makeVideoDecoder } = await this.#more();
-      this.#videoDecoder = path === 'video' ? makeVideoDecoder : undefined;
+      const more = await this.#more();
+      this.#video = path === 'video' ? more : undefined;
     }
     if (!this.#abort.signal.aborted) this.#open(path);
   }
