@@ -195,11 +195,8 @@ export async function showPose(page, pose) {
     viewer.setAttribute('field-of-view', `${fov}deg`);
     viewer.setAttribute('camera-orbit', `${azimuth}deg ${elevation}deg ${distance}m`);
     viewer.jumpCameraToGoal();
-    if (viewer.sequence !== sequence) {
-      const changed = event('sequencechange');
-      viewer.sequence = sequence;
-      await changed;
-    }
+    // No event tells of the sequence that is still on screen while another one was wanted.
+    if (viewer.sequence !== sequence) viewer.sequence = sequence;
     const seeked = event('seeked');
     viewer.seekFrame(frame);
     await seeked;
