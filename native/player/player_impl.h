@@ -183,7 +183,7 @@ class PlayerImpl final : public Player {
   std::string wanted_name_;  // selected before the manifest arrived
   bool in_sight_ = true;
   enum class LookAhead { Off, AfterCommand, Now } look_ahead_ = LookAhead::Off;
-  // By pointer, as in Loading; null until they are asked for.
+  // Pointers, as in Loading; null until they are asked for.
   void (PlayerImpl::*fetch_ahead_)() = nullptr;
   void (PlayerImpl::*decode_ahead_)() = nullptr;
   PlayerStats stats_;  // without what Loading counts

@@ -46,7 +46,7 @@ std::vector<uint32_t> shadowCorners(std::span<const glm::uvec3> faces, std::span
                                     float ground_y_m, float length_scale) {
   std::vector<uint32_t> coarse =
       coarseCorners(faces, positions, length_scale * kShadowCell_m, ground_y_m + length_scale * kFineShadow_m);
-  // Of a coarse mesh little is saved, and too much would be gone.
+  // Coarse meshes save little this way, and would lose too much.
   if (2 * coarse.size() > 3 * faces.size() || coarse.size() < 3 * kLeastShadowFaces) coarse.clear();
   return coarse;
 }

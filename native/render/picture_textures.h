@@ -31,7 +31,7 @@ inline void uploadPicture(gpu::Device& device, PictureTextures& picture, const I
   uploadPicture(device, picture, frame, {.width = frame.width, .height = frame.height});
 }
 
-// What a program needs to read such a picture (decoded_picture.glsl).
+// Textures and defines with which a program reads such a picture (decoded_picture.glsl).
 void addPicture(std::vector<gpu::TextureBinding>& textures, const PictureTextures& picture);
 std::string definesOf(PictureTextures::Kind kind);
 

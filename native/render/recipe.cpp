@@ -133,7 +133,7 @@ class RecipeOnDevice final : public Recipe {
     return *mixer_;
   }
 
-  // Of the figure that is prepared.
+  // Paints parts of the figure that is prepared.
   struct Painter final : PartPainter {
     Painter(RecipeOnDevice& recipe, const PlannedFigure& figure, const DrawOptions& options)
         : recipe(recipe), figure(figure), options(options) {}

@@ -30,7 +30,7 @@ ${table(['', 'pictures', 'refused', 'left out', 'picture to picture', 'over a lo
     return [title, r.frames, r.mismatches, r.late, three(r.play), three(r.loops), two(r.seeks), two(r.rungs)];
   }))}
 
-A \`<video>\` element goes on from loop to loop and from rung to rung on one timeline, so that only seeks interrupt it.
+A \`<video>\` element plays on from loop to loop on one timeline: a loop is no gap of its own. Left out: presentations that no picture was there for in time.
 `);
   const tasks = of('tasks');
   if (tasks.length) parts.push(`## The main thread
@@ -44,8 +44,9 @@ ${table(['scene', ...tasks.map((row) => (row.before ? `before (${measured[row.na
   const uploads = of('uploads');
   if (uploads.length) parts.push(`## Bytes for a picture
 
-The class of the sample, whose picture has two motions, at the end of its slider (one motion has all the weight) and in the middle. Megabytes per picture that is decoded: copied out of
-the decoder, copied again into the player's memory, uploaded with meshes and labels; and held: textures, the module's memory.
+The class of the sample, whose picture has two motions, at the end of its slider (one motion has all the weight) and in the middle. Megabytes per picture that is decoded (earlier \`rgba\` pictures: that is
+shown, because they were not counted): copied out of the decoder, copied again into the player's memory, uploaded with meshes and labels; and held: textures, the module's memory. Pictures of planes that come too late to be shown are decoded, but not uploaded any more, which on these
+two cores is a part of what is saved. Pictures that wait are in the module's memory now; before they were in JavaScript's buffers, which no column counts.
 
 ${table(['', 'slider', 'copied', 'again', 'uploaded', 'textures', 'module'], uploads.flatMap(({ name, title, before }) => ['end', 'middle'].map((place) => {
     const r = measured[name][place];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a frame of a baked character costs on one core, in the build that a page runs or natively: decoding the geometry
+// Cost of a frame of a baked character on one core, in the build that a page runs or natively: decoding the geometry
 // of every motion, and blending the mesh of a class at several weights, linear and hybrid. Goal: the hybrid blend in at
 // most 0.5 ms in wasm.
 //   NODE_PATH=/usr/share/nodejs ninja -C build/wasm bench_class_frame &&
@@ -86,7 +86,7 @@ DecodingCost decodeOnce(const Stream& stream, const package::ChunkMesh& mesh, pa
   return cost;
 }
 
-// Of each the least of some runs: what else the machine does only adds.
+// Takes the least of some runs of each: other work on the machine only adds.
 package::ChunkFrames printDecoding(const Stream& stream, const package::ChunkMesh& mesh) {
   constexpr int kRuns = 4;
   package::ChunkFrames contents;

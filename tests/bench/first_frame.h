@@ -24,7 +24,7 @@ struct FirstFrame {
   render::PictureTextures picture;
   Positions positions;
 
-  // Of its first member.
+  // The first member's.
   std::span<const uint8_t> labels() const {
     return std::span<const uint8_t>(chunk.labels).first(size_t(character.layer_count) * character.face_count);
   }

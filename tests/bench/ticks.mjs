@@ -1,6 +1,6 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: Apache-2.0
-// How long the player holds up a page: the longest tick of a seek whose geometry is not decoded yet, the time until
+// Time for which the player holds up a page: the longest tick of a seek whose geometry is not decoded yet, the time until
 // another picture is shown and until the wanted one is; and the longest tick of two seconds of playing from there.
 // Headless Chromium. A tick decodes geometry and uploads meshes; it draws nothing.
 //   node ticks.mjs SITE [--other SITE2] [--names now,before] [--runs 5] [--frame 19]

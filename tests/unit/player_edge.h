@@ -25,7 +25,7 @@ struct EdgeOptions {
   double stale_delivery = 0.5;   // probability that a picture survives a reset
   int reorder_delay = 2;
   int wrong_picture_every = 0;  // every n-th picture is another frame's (0: never)
-  // Of paced decoders: probabilities that a picture is named as a neighbour, and that it is left out.
+  // Probabilities, for paced decoders, that a picture is named as a neighbour, and that it is left out.
   double misnamed = 0, left_out = 0;
   double early_seeks = 0;  // probability that a sought picture is offered while the element still has another one
   bool interleaved_chroma = false;  // as NV12 has it
@@ -99,6 +99,32 @@ class SimulatedEdge {
     EXPECT_EQ(drawn.picture_width, sequence.widthOf(options.player.rendition));
     if (!player->seeking()) {
       EXPECT_EQ(sequence.name, player->sequence()->name);
+    }
+  }
+  // Plays so many loops of a sequence of so many frames: every frame is shown, in order and paired.
+  void expectEveryFrame(uint32_t frames, uint32_t loops) {
+    uint32_t last = player->frame(), advances = 0;
+    while (advances < frames * loops && now_s < 60) {
+      step(0.005);
+      if (player->frame() == last) continue;
+      EXPECT_EQ(player->frame(), (last + 1) % frames);
+      last = player->frame();
+      ++advances;
+      expectPaired();
+    }
+    EXPECT_EQ(advances, frames * loops);
+  }
+  // Seeks every frame of every sequence: exactly that one is shown, paired. No count is a multiple of 11.
+  void expectExactSeeks() {
+    for (const FakeSequence& sequence : character_.sequences) {
+      ASSERT_TRUE(player->selectSequence(sequence.name).ok());
+      for (uint32_t i = 0; i < sequence.frames; ++i) {
+        const uint32_t frame = i * 11 % sequence.frames;
+        player->seekFrame(frame);
+        ASSERT_TRUE(runUntilShown()) << sequence.name << " " << frame;
+        ASSERT_EQ(player->frame(), frame);
+        expectPaired();
+      }
     }
   }
   // The browser closes a decoder, and what it held is lost.

@@ -23,7 +23,7 @@ after(async () => {
 function judge(played, path) {
   assert.equal(played.path, path);
   assert.deepEqual(played.errors, []);
-  // Of a <video> element that is refused: another picture may take its place while it is copied. None of them is shown.
+  // Pictures of a <video> element may be refused: another one takes their place while they are copied. None of them is shown.
   assert.ok(played.mismatches <= (path === 'video' ? played.checked / 50 : 0), `${played.mismatches} pictures had no fitting number`);
   assert.ok(played.checked >= played.frames, `${played.checked} of ${played.frames} pictures were checked`);
   assert.ok(played.loops.length > 3, 'no loop was seen');

@@ -27,7 +27,7 @@ export interface ActorContext {
   module: WasmModule;
   gl: WebGL2RenderingContext;
   path: UploadPath;
-  /** Of upload path 'video'. */
+  /** Serves upload path 'video'; undefined on the others. */
   video: {
     makeVideoDecoder(callbacks: DecoderCallbacks): PictureDecoder;
     isSubFaster(gl: WebGL2RenderingContext, video: HTMLVideoElement): boolean;
@@ -68,7 +68,7 @@ export class Actor implements Performer {
   #player: WasmPlayer | null;
   #character: CharacterInfo | null = null;
   #ready: Promise<unknown> = Promise.resolve(); // what fetches bring can be decoded
-  #taken: ((frame: VideoFrame) => void) | null = null; // what the next decoded picture is for, too
+  #taken: ((frame: VideoFrame) => void) | null = null; // gets the next decoded picture, too
   #subVideo: boolean | null = null; // how a <video> element's pictures are uploaded; null: to be measured
   #stuck = false; // after an error, until the next command: what is awaited will not come
 
@@ -227,8 +227,7 @@ export class Actor implements Performer {
         const slot = player.acquireSlot(index, picture.timestampUs);
         if (slot === -1) return;
         if (slot >= 0) this.#upload(player, slot, picture);
-        if (slot >= 0 && picture.kind === 'i420') decoder?.give();
-        else decoder?.shift();
+        decoder?.shift(slot >= 0);
       }
     });
   }

@@ -15,7 +15,8 @@ import { OrbitCamera, parseOrbit, parseTarget, type Follow } from './orbit-camer
 import { OrbitControls } from './orbit-controls.js';
 import { Overlay } from './overlay.js';
 import { qualityOf } from './quality-attribute.js';
-import { Session, type SessionHost, type Snapshot } from './session.js';
+import { Session } from './session.js';
+import type { SessionHost, Snapshot } from './session-host.js';
 import { statsOf, type ViewerStats } from './stats.js';
 import type { UploadChoice as UploadPath } from './upload-path.js';
 import {

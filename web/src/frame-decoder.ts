@@ -40,10 +40,8 @@ export interface PictureDecoder {
   feed(pace: number): void;
   /** The earliest of the waiting pictures. */
   peek(): Picture | undefined;
-  /** Drops the earliest waiting picture, which has been shown or is not wanted. */
-  shift(): void;
-  /** As `shift`; the player has the picture's block and frees it. */
-  give(): void;
+  /** Drops the earliest waiting picture. taken: the player has it, and frees its block if it has one. */
+  shift(taken: boolean): void;
   readonly busy: boolean;
 }
 
@@ -136,13 +134,9 @@ export class FrameDecoder implements PictureDecoder {
   peek(): Picture | undefined {
     return this.#pictures[0];
   }
-  shift(): void {
-    const picture = this.#pictures[0];
-    if (picture) this.#release(picture);
-    this.give();
-  }
-  give(): void {
-    this.#pictures.shift();
+  shift(taken: boolean): void {
+    const picture = this.#pictures.shift();
+    if (picture && !(taken && picture.kind === 'i420')) this.#release(picture);
     this.#copyNext();
     this.feed();
   }

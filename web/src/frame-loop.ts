@@ -2,7 +2,7 @@
 // Takes one turn per animation frame of the page, as long as something moves and the element is on screen. What a turn
 // does is its owner's.
 
-const SLOW_S = 0.03;     // a turn with a draw that takes as long leaves no time for all
+const SLOW_S = 0.045;    // of a turn with a draw: then there is no time for all; displays of 30 Hz take 0.033
 const MAX_STEP_S = 0.5;  // longer pauses of the page are not caught up
 const IDLE_TURNS = 12;   // turns without change after which the loop sleeps
 

@@ -72,7 +72,7 @@ function sampleEntry(track: TrackConfig): Uint8Array {
     zeros(4), u16(1), zeros(32), u16(24), u16(0xffff), configBox(track));
 }
 
-/** As MediaSource takes it. */
+/** The type of such a file, for MediaSource. */
 export const mediaType = (codec: string): string => `video/mp4; codecs="${codec}"`;
 
 export function initSegment(track: TrackConfig): Uint8Array {

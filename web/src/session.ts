@@ -8,12 +8,13 @@ import { asViewerError, ViewerError, type ErrorDetail } from './errors.js';
 import { checkSnapshot, MAX_CANVAS_SIDE } from './input-checks.js';
 import { DrawPace, FrameLoop } from './frame-loop.js';
 import type { LiveStream } from './live.js';
-import type { OrbitCamera } from './orbit-camera.js';
 import { Transport } from './transport.js';
-import { choosePath, kindOf, rememberedPath, rememberPath, uploadPicture, type UploadChoice, type UploadPath } from './upload-path.js';
+import { choosePath, kindOf, rememberedPath, rememberPath, uploadPicture, type UploadPath } from './upload-path.js';
 import type { WasmModule } from './wasm-abi.js';
 import { expectMore, instantiate, loadMore, type More } from './wasm-module.js';
 import type { Align, CharacterInfo, OrbitPose } from './wasm-player.js';
+import { extensionOf, isFromCameras } from './manifest.js';
+import type { SessionHost, SessionOptions, Snapshot } from './session-host.js';
 
 // What the files of two bakes bring when a new one was put in place of the one that is playing.
 const mayBeOfTwoBakes = ({ id }: ErrorDetail): boolean => id === 'files-differ' || id === 'fetch-failed';
@@ -26,51 +27,6 @@ const needsFlow = (align: Align): boolean => align.startsWith('flow');
 
 // Error of a file that the page's side of the second part could not load.
 const fetchFailed = (reason: unknown): never => { throw new ViewerError('fetch-failed', (reason as Error).message); };
-
-interface Extension {
-  appearance?: unknown;
-  start?: unknown;
-  layerCount?: number;
-}
-// Reads a manifest that may not be checked yet.
-const extensionOf = (manifest: unknown): Extension | undefined =>
-  (manifest as { extensions?: { FOURDVT_layered_video_texture?: Extension } } | null)?.extensions?.FOURDVT_layered_video_texture;
-const isFromCameras = (manifest: unknown): boolean => extensionOf(manifest)?.appearance === 'cameras';
-
-export interface SessionOptions {
-  src: string;
-  wasmUrl: string;
-  opencvUrl: string;
-  uploadPath: UploadChoice;
-  align: Align;
-  room: boolean;
-  /** Past the browser's cache. */
-  fresh: boolean;
-}
-
-export interface SessionHost {
-  /** Its attributes say how the characters look. */
-  readonly element: Element;
-  readonly camera: OrbitCamera;
-  /** The main character's. */
-  readonly commands: Commands;
-  /** All that have joined, loaded or not. */
-  readonly companions: Iterable<Companion>;
-  /** Called once per frame before drawing. True if the view or the motion changes by itself. */
-  animate(stepS: number): boolean;
-  emit(name: string, detail?: unknown): void;
-  firstPicture(): void;
-  /** Called when waiting for the network begins, and when it ends. */
-  network(waiting: boolean): void;
-  /** The player's second part is there. Called once or more. */
-  more(more: More): void;
-}
-
-export interface Snapshot {
-  width: number;
-  height: number;
-  pose?: Partial<OrbitPose>;
-}
 
 /** A companion that has been loaded. */
 interface Other {

@@ -10,7 +10,7 @@ import { initSegment, mediaType, SegmentWriter, type TrackConfig, type TrackSamp
 const FRAME_US = 40_000; // between timestamps of the player, whatever the sequence's frame rate
 const START_US = 1_000_000; // of the timeline: decoding times before the first frame must not be negative
 const INSIDE_US = FRAME_US / 4; // seeks lead into a frame, not onto its edge
-const NEAR_S = 0.1;
+const NEAR_S = 0.1; // from the goal: the element plays into it
 const TRY_MS = 80; // between offers of a sought picture
 const MOST_TRIES = 25;
 const KEPT_BEHIND_S = 4;
@@ -107,7 +107,7 @@ class VideoElementDecoder implements PictureDecoder {
     this.#pace = pace;
     this.#appendSamples();
     this.#steer();
-    // Behind by a part of a frame: the time runs ahead of what can be copied.
+    // The element's time may be of the next frame already when that cannot be copied yet: name the one a little before.
     if (this.#polls) this.#onFrame((this.#video?.currentTime ?? 0) * 1e6 - START_US - INSIDE_US);
   }
   peek(): Picture | undefined { return this.#picture ?? undefined; }
@@ -116,7 +116,6 @@ class VideoElementDecoder implements PictureDecoder {
     this.#picture = null;
     this.#steer();
   }
-  give(): void { this.shift(); }
   get busy(): boolean { return this.#samples.length + this.#pending.length > 0 || this.#goal >= 0 || this.#pace > 0; }
 
   #forget(): void {
@@ -179,7 +178,8 @@ class VideoElementDecoder implements PictureDecoder {
     this.#callbacks.onPicture();
   }
 
-  // While the element stands after a seek: some browsers report a frame before it can be copied, and some report none.
+  // While the element stands after a seek: some browsers report a frame before it can be copied, and some report none. The
+  // player refuses it once it has it; what it has is known to it some ticks later only.
   #offerLater(tries = 0): void {
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => {

@@ -12,7 +12,7 @@ constexpr uint32_t kRowsAhead = 12;  // after the frame that is shown or sought
 constexpr double kMinSlices = 3, kMaxSlices = 8;
 }  // namespace
 
-// What is left of a tick's share.
+// Counts down a tick's share of decoding.
 struct Loading::SliceLeft {
   const DecodeSlice& slice;
   uint32_t steps = slice.steps;

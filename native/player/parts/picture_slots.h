@@ -44,7 +44,7 @@ class PictureSlots {
 
   int64_t k(int slot) const { return at(slot).k; }
   uint32_t rendition(int slot) const { return at(slot).rendition; }
-  // Of the picture on screen once it is staged, or of kind Rgba.
+  // Textures of the picture on screen, once it is staged; of kind Rgba those of any slot.
   const render::PictureTextures& picture(int slot) const;
   // Ready pictures of the present epoch; -1: none.
   int findReady(int64_t k) const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What site/measured/phones.mjs measures: { name, kind, title, measure({ root, site, before }) }. before: the site of an earlier version, for
+// Rows of site/measured/phones.mjs: { name, kind, title, measure({ root, site, before }) }. before: the site of an earlier version, for
 // those rows that compare with one; without it they are not measured.
 import { execFile } from 'node:child_process';
 import { mkdtempSync, readFileSync } from 'node:fs';
@@ -53,7 +53,7 @@ const after = [
   ...['i420', 'rgba', 'video'].flatMap((path) => ['0', 'highest'].map((quality) => uploadRow(path, quality))),
 ];
 
-// Of the version before, with the same programs.
+// The version before, measured by the same programs.
 const before = after.filter(({ name }) => name === 'tasks' || /^uploads-(i420|rgba)-/.test(name)).map((row) => ({
   ...row, name: `${row.name}-before`, before: true, measure: ({ before: site }) => row.measure({ site }),
 }));

@@ -51,7 +51,7 @@ async function playAt(share, seconds) {
     uploads: each('uploads') + each('videoUploads'), textures: viewer.stats.textureBytes, wasm: counts.memory?.buffer.byteLength ?? 0 };
 }
 
-/** By place of the slider: bytes per shown picture, and bytes held. quality: the viewer's attribute. */
+/** Bytes, by place of the slider: per shown picture, and bytes held. quality: the viewer's attribute. */
 export async function measureUploads(site, path, quality, seconds = 6) {
   const server = await servePlain(site);
   const browser = await launch();

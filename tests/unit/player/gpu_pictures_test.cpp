@@ -136,17 +136,7 @@ TEST(PacedDecoders, PlayEveryFrameInOrderOverLoops) {
   SimulatedEdge edge(character, paced(3));
   ASSERT_TRUE(edge.load());
   edge.player->play();
-  uint32_t last = edge.player->frame();
-  int advances = 0;
-  while (advances < 28 * 10 && edge.now_s < 60) {
-    edge.step(0.005);
-    if (edge.player->frame() == last) continue;
-    EXPECT_EQ(edge.player->frame(), (last + 1) % 28);
-    last = edge.player->frame();
-    ++advances;
-    edge.expectPaired();
-  }
-  EXPECT_EQ(advances, 280);
+  edge.expectEveryFrame(28, 10);
   EXPECT_LT(edge.now_s, 280 / 25.0 * 1.1 + 1) << "at the sequence's rate";
 }
 
@@ -154,21 +144,12 @@ TEST(PacedDecoders, SeekToEveryFrameExactly) {
   const FakeCharacter character = threeSequences();
   SimulatedEdge edge(character, paced(4));
   ASSERT_TRUE(edge.player->loadManifest(character.manifest).ok());
-  for (const FakeSequence& sequence : character.sequences) {
-    ASSERT_TRUE(edge.player->selectSequence(sequence.name).ok());
-    for (uint32_t i = 0; i < sequence.frames; ++i) {
-      const uint32_t frame = i * 11 % sequence.frames;
-      edge.player->seekFrame(frame);
-      ASSERT_TRUE(edge.runUntilShown()) << sequence.name << " " << frame;
-      ASSERT_EQ(edge.player->frame(), frame);
-      edge.expectPaired();
-    }
-  }
+  edge.expectExactSeeks();
   EXPECT_EQ(edge.player->stats().barcode_mismatches, 0u);
 }
 
-// Pictures on screen are those of their geometry even where every seventh is named as a neighbour, every tenth left out,
-// and a third of the sought ones offered too early.
+// Pictures on screen are those of their geometry even where every seventh is named as a neighbour, every tenth left
+// out, and a third of the sought ones offered too early.
 TEST(PacedDecoders, TenThousandFramesArePaired) {
   const FakeCharacter character = threeSequences();
   int shown = 0;

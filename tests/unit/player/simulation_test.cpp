@@ -42,17 +42,7 @@ TEST(PlayerSimulation, PlaysEveryFrameInOrderOverLoops) {
   SimulatedEdge edge(character, {});
   ASSERT_TRUE(edge.load());
   edge.player->play();
-  uint32_t last = edge.player->frame();
-  int advances = 0;
-  while (advances < 28 * 4 && edge.now_s < 60) {
-    edge.step(0.005);
-    if (edge.player->frame() == last) continue;
-    EXPECT_EQ(edge.player->frame(), (last + 1) % 28);
-    last = edge.player->frame();
-    ++advances;
-    edge.expectPaired();
-  }
-  EXPECT_EQ(advances, 28 * 4);
+  edge.expectEveryFrame(28, 4);
   EXPECT_EQ(edge.player->stats().barcode_mismatches, 0u);
   EXPECT_LE(edge.events[EventKind::TimeUpdate], int(edge.now_s * 4) + 1);
 }
@@ -98,16 +88,7 @@ TEST(PlayerSimulation, SeeksToEveryFrameExactly) {
   const FakeCharacter character = twoSequences();
   SimulatedEdge edge(character, {});
   ASSERT_TRUE(edge.player->loadManifest(character.manifest).ok());
-  for (const FakeSequence& sequence : character.sequences) {
-    ASSERT_TRUE(edge.player->selectSequence(sequence.name).ok());
-    for (uint32_t i = 0; i < sequence.frames; ++i) {
-      const uint32_t frame = i * 11 % sequence.frames;  // every frame: 11 divides neither count
-      edge.player->seekFrame(frame);
-      ASSERT_TRUE(edge.runUntilShown()) << sequence.name << " " << frame;
-      ASSERT_EQ(edge.player->frame(), frame);
-      edge.expectPaired();
-    }
-  }
+  edge.expectExactSeeks();
   EXPECT_EQ(edge.events[EventKind::Seeked], 28 + 23);
   edge.player->seekFrame(9999);
   ASSERT_TRUE(edge.runUntilShown());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What costs nothing because nobody would see it: members and looks without weight.
+// Members and looks without weight, which nobody would see, cost nothing.
 #include <gtest/gtest.h>
 
 #include "render/passes.h"

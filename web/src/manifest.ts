@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads fields of a manifest that may not be checked yet.
+interface Extension {
+  appearance?: unknown;
+  start?: unknown;
+  layerCount?: number;
+}
+export const extensionOf = (manifest: unknown): Extension | undefined =>
+  (manifest as { extensions?: { FOURDVT_layered_video_texture?: Extension } } | null)?.extensions?.FOURDVT_layered_video_texture;
+export const isFromCameras = (manifest: unknown): boolean => extensionOf(manifest)?.appearance === 'cameras';

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Types that a session and the element that makes it share.
+import type { Commands } from './commands.js';
+import type { Companion } from './companion.js';
+import type { OrbitCamera } from './orbit-camera.js';
+import type { UploadChoice } from './upload-path.js';
+import type { More } from './wasm-module.js';
+import type { Align, OrbitPose } from './wasm-player.js';
+
+export interface SessionOptions {
+  src: string;
+  wasmUrl: string;
+  opencvUrl: string;
+  uploadPath: UploadChoice;
+  align: Align;
+  room: boolean;
+  /** Past the browser's cache. */
+  fresh: boolean;
+}
+
+export interface SessionHost {
+  /** Its attributes say how the characters look. */
+  readonly element: Element;
+  readonly camera: OrbitCamera;
+  /** The main character's. */
+  readonly commands: Commands;
+  /** All that have joined, loaded or not. */
+  readonly companions: Iterable<Companion>;
+  /** Called once per frame before drawing. True if the view or the motion changes by itself. */
+  animate(stepS: number): boolean;
+  emit(name: string, detail?: unknown): void;
+  firstPicture(): void;
+  /** Called when waiting for the network begins, and when it ends. */
+  network(waiting: boolean): void;
+  /** The player's second part is there. Called once or more. */
+  more(more: More): void;
+}
+
+export interface Snapshot {
+  width: number;
+  height: number;
+  pose?: Partial<OrbitPose>;
+}
