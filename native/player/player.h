@@ -108,6 +108,14 @@ class Player {
   // each decoder that is due: rows of a GOP are decoded in order, so a frame may have to wait for some ticks. Before,
   // and on edges that never call it, all rows as far as a frame's are decoded when it is due.
   virtual void sliceDecoding(const DecodeSlice& slice) = 0;
+  // Geometry of layered characters that the edge decodes beside the player, in a worker; see Loading. After each tick
+  // the jobs are those that are wanted then.
+  virtual void decodeElsewhere(bool) {}
+  virtual std::optional<DecodeJob> decodeJob(size_t) { return {}; }
+  virtual bool takeDecoded(uint32_t, uint32_t, std::span<const uint8_t>, double) { return false; }
+  // What jobs are decoded with; null: there will be none.
+  virtual const package::BaseMesh* mesh() const { return nullptr; }
+  virtual const package::ChunkMesh* chunkMesh() const { return nullptr; }
 
   // Advances the clock to the edge's monotonic time and chooses the frame to show.
   virtual void tick(double now_s) = 0;
@@ -122,7 +130,7 @@ class Player {
   virtual int acquireSlot(int decoder, int64_t timestamp_us) = 0;
   // Also checks size and barcode. bytes: what the view is into; kept until no more of it is to be uploaded.
   virtual void uploadI420(int slot, const I420View& picture, PictureBytes bytes) = 0;
-  virtual gpu::TextureId slotTexture(int slot) const = 0;          // Rgba kind: the edge fills it itself
+  virtual gpu::TextureId slotTexture(int slot) const = 0;  // Rgba kind: the edge fills it itself
   // The slot is filled; Rgba kind: with a picture of this size, whose barcode is read from the GPU before it counts.
   virtual void commitSlot(int slot, int width = 0, int height = 0) = 0;
   // Paced decoders: pictures a second that this one should give now; 0: none but one that is sought.

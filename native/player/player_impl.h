@@ -45,6 +45,11 @@ class PlayerImpl final : public Player {
   void judgeRendition(uint32_t sequence, uint32_t rendition, bool plays) override;
   void lookAhead(bool at_once) override;
   void sliceDecoding(const DecodeSlice& slice) override;
+  void decodeElsewhere(bool on) override;
+  std::optional<DecodeJob> decodeJob(size_t number) override;
+  bool takeDecoded(uint32_t job, uint32_t row, std::span<const uint8_t> bytes, double seconds) override;
+  const package::BaseMesh* mesh() const override;
+  const package::ChunkMesh* chunkMesh() const override;
   void setMethod(const render::MethodOptions& options) override { method_ = options; }
   void tick(double now_s) override;
   bool nextRequest(Request& out) override;

@@ -35,6 +35,14 @@ void PlayerImpl::decodeAhead() {
   loading_.decodeAhead({needs.data(), count}, seeking());
 }
 
+void PlayerImpl::decodeElsewhere(bool on) { loading_.decodeElsewhere(on); }
+std::optional<DecodeJob> PlayerImpl::decodeJob(size_t number) { return loading_.decodeJob(number); }
+bool PlayerImpl::takeDecoded(uint32_t job, uint32_t row, std::span<const uint8_t> bytes, double seconds) {
+  return loading_.takeDecoded(job, row, bytes, seconds);
+}
+const package::BaseMesh* PlayerImpl::mesh() const { return loading_.hasMesh() ? &loading_.mesh() : nullptr; }
+const package::ChunkMesh* PlayerImpl::chunkMesh() const { return loading_.hasMesh() ? &loading_.chunkMesh() : nullptr; }
+
 // Prefetches for the sequences that follow the current one in the manifest.
 void PlayerImpl::fetchAhead() {
   if (seeking() || transitions_.phase() != Transitions::Phase::None) return;

@@ -35,8 +35,7 @@ void GopCache::trim(const std::vector<GopKey>& keep) {
     const Entry it = oldest([&](const auto& entry) { return entry.second.decoded() && !kept(entry.first); });
     if (it == gops_.end()) break;
     total -= it->second.decodedBytes();
-    it->second.geometry.reset();
-    it->second.surfaces.reset();
+    it->second.dropDecoded();
   }
   for (uint64_t total = encodedBytes(); total > encoded_budget_bytes_;) {
     const Entry it = oldest([&](const auto& entry) {

@@ -38,9 +38,16 @@ struct Gop {
   std::unique_ptr<package::ChunkDecoder> geometry;  // of `chunk`, decoded as far as was asked for
   bool damaged = false;                             // that does not decode
   std::unique_ptr<package::SurfaceChunk> surfaces;  // likewise, of a character from cameras
+  uint32_t job = 0;   // of `geometry`, where it is decoded elsewhere (Loading::decodeElsewhere); 0: here
+  bool here = false;  // elsewhere it could not be decoded
   uint64_t last_use = 0;
   uint64_t encodedBytes() const { return video.size() + chunk.size() + better.size() + fine.size(); }
   bool decoded() const { return geometry || surfaces; }
+  void dropDecoded() {
+    geometry.reset();
+    surfaces.reset();
+    job = 0;
+  }
   uint64_t decodedBytes() const { return geometry ? geometry->frames().bytes() : surfaces ? surfaces->bytes() : 0; }
   uint32_t decodedRows() const { return geometry ? geometry->decodedCount() : surfaces ? surfaces->decodedCount() : 0; }
 };

@@ -10,6 +10,7 @@
 #include <deque>
 
 #include "../unit/player_fixture.h"
+#include "../unit/simulated_worker.h"
 #include "base/camera.h"
 #include "player/player.h"
 
@@ -173,9 +174,32 @@ class Page {
         break;
       case 18:
         player_->setTravel(value % 2), player_->steer(value / 40.0);
+        if (value % 4 == 1) fromWorker(value / 4);
         break;
       default:
         draw();
+    }
+  }
+
+  // Geometry from a worker: on, off, frames of another size or of no job, or what a good worker does.
+  void fromWorker(int value) {
+    const std::optional<DecodeJob> job = player_->decodeJob(size_t(value % 3));
+    const std::vector<uint8_t> bytes(static_cast<size_t>(value), 7);
+    switch (value % 8) {
+      case 0:
+        player_->sliceDecoding({.steps = 1u + uint32_t(value) % 7});
+        player_->decodeElsewhere(true);
+        break;
+      case 1:
+        player_->decodeElsewhere(value > 32);
+        break;
+      case 2:
+        player_->takeDecoded(job ? job->id : uint32_t(value), uint32_t(value) / 8 % 4, bytes, 0);
+        break;
+      default:
+        if (!player_->chunkMesh()) break;
+        worker_.answer(*player_, now_s_);
+        worker_.work(*player_, *player_->chunkMesh(), now_s_);
     }
   }
 
@@ -250,6 +274,7 @@ class Page {
   std::unique_ptr<Player> player_;
   std::vector<FetchRange> fetches_;
   std::deque<Sample> samples_;
+  SimulatedWorker worker_;
   double now_s_ = 0;
 };
 

@@ -2,6 +2,7 @@
 #include "package/coding/chunk_decoder.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/bytes.h"
 #include "package/chunk_counts.h"
@@ -105,7 +106,12 @@ class FrameByFrame final : public ChunkDecoder {
   }
   uint32_t decodedCount() const override { return decoded_; }
   const ChunkFrames& frames() const override { return frames_; }
-  ChunkFrames take() override { return std::move(frames_); }
+  ChunkFrames take() override {
+    ChunkFrames counts;
+    counts.frame_count = frames_.frame_count;
+    copyCounts(frames_, counts);
+    return std::exchange(frames_, counts);
+  }
 
  private:
   Status checkDecoded() const {

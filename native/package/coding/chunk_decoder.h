@@ -24,7 +24,11 @@ class ChunkDecoder {
   virtual uint32_t decodedCount() const = 0;
   // Counts are the whole chunk's; the contents are those of the decoded frames, and of parts of the next one.
   virtual const ChunkFrames& frames() const = 0;
+  // The frames decoded since the last call; `frames` is empty of them afterwards.
   virtual ChunkFrames take() = 0;
+  // The next frame, decoded elsewhere (decoded_frame.h). False: not one of this chunk's size, or this decoder decodes
+  // itself.
+  virtual bool append(std::span<const uint8_t>) { return false; }
 };
 
 }  // namespace fourdvt::package

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decoding of geometry in slices: how a tick's share is spent.
+// Decoding of geometry ahead of time: in slices here, how a tick's share is spent; or elsewhere, what is wanted there.
 #include <algorithm>
 
+#include "package/coding/decoded_frame.h"
 #include "player/parts/loading.h"
 
 namespace fourdvt {
 
 namespace {
 constexpr uint32_t kRowsAhead = 12;  // after the frame that is shown or sought
+constexpr size_t kMostJobs = 4;      // of two tracks, the GOP that plays and the next one
 // While seeking, when nothing moves until the frame is there: half the time between ticks, between so many slices.
 constexpr double kMinSlices = 3, kMaxSlices = 8;
 }  // namespace
@@ -28,36 +30,91 @@ struct Loading::SliceLeft {
 
 void Loading::decodeAhead(std::span<const Need> needs, bool seeking) {
   if (!slice_ || mesh_state_ != stream::PartState::Present) return;
+  jobs_.clear();
   SliceLeft left{*slice_};
   const double least_s = slice_->seconds * kMinSlices, most_s = slice_->seconds * kMaxSlices;
   if (slice_->now_s)
     left.end_s = slice_->now_s() + (seeking ? std::clamp(tick_s_ / 2, least_s, most_s) : slice_->seconds);
   for (uint32_t ahead = 0; ahead <= kRowsAhead; ++ahead)
     for (const Need& need : needs)
-      if (!decodeAhead(need, ahead, left)) return;
+      if (const Ahead at = reach(need, ahead); at.gop) giveAway(at, ahead == 0);
+  for (uint32_t ahead = 0; ahead <= kRowsAhead; ++ahead)
+    for (const Need& need : needs)
+      if (const Ahead at = reach(need, ahead); at.gop && !decodeAhead(at, ahead == 0, left)) return;
 }
 
-// False: the tick's share is used up. A chunk that does not decode is left to `geometry`, which reports it.
-bool Loading::decodeAhead(const Need& need, uint32_t ahead, SliceLeft& left) {
-  if (!playable(need.sequence)) return true;
+// The row of the frame that follows after so many others. No GOP: there is none, or its chunk is not there.
+Loading::Ahead Loading::reach(const Need& need, uint32_t ahead) {
+  if (!playable(need.sequence)) return {};
   const package::StreamIndex& streamed = index(need.sequence);
   uint32_t frame = need.frame + ahead;
-  if (frame >= streamed.frame_count && !need.loops) return true;
+  if (frame >= streamed.frame_count && !need.loops) return {};
   frame %= streamed.frame_count;
   const stream::GopKey key{need.sequence, streamed.chunkOfFrame(frame)};
   stream::Gop* gop = cache_.find(key);
-  if (!gop || gop->chunk_state != stream::PartState::Present) return true;
-  const uint32_t row = frame - streamed.chunks[key.gop].first_frame;
+  if (!gop || gop->chunk_state != stream::PartState::Present) return {};
+  const package::ChunkEntry& chunk = streamed.chunks[key.gop];
+  const uint32_t row = frame - chunk.first_frame;
   if (ahead == 0)
     enter(*gop, row);
   else if (!gop->decoded())
     takeFine(*gop);
-  while (gop->decodedRows() <= row) {
-    if (ahead > 0 && !cache_.hasRoomForDecoded()) return true;
+  return {key, gop, row, chunk.frame_count};
+}
+
+// False: the tick's share is used up. A chunk that does not decode is left to `geometry`, which reports it.
+bool Loading::decodeAhead(const Ahead& at, bool urgent, SliceLeft& left) {
+  while (!at.gop->job && at.gop->decodedRows() <= at.row) {
+    if (!urgent && !cache_.hasRoomForDecoded()) return true;
     if (!left.takeStep()) return false;
-    if (!decode(key, *gop, kStep).ok()) return true;
+    if (!decode(at.key, *at.gop, kStep).ok()) return true;
   }
   return true;
+}
+
+// Makes a GOP that nobody has begun a job, and lists a job until it is done: as far as its rows are wanted, or whole
+// while memory allows it.
+void Loading::giveAway(const Ahead& at, bool urgent) {
+  stream::Gop& gop = *at.gop;
+  if (!elsewhere_ && gop.job && gop.decodedRows() < at.row_count) gop.dropDecoded();
+  const bool room = cache_.hasRoomForDecoded();
+  if (!gop.decoded() && elsewhere_ && !gop.here && !fromCameras() && (urgent || room)) {
+    gop.geometry = package::receivedChunk(indexOf(at.key, gop), at.key.gop);
+    gop.job = ++last_job_;
+  }
+  if (!gop.job || gop.decodedRows() == at.row_count) return;
+  const auto known = std::find_if(jobs_.begin(), jobs_.end(), [&](const Job& job) { return job.id == gop.job; });
+  if (known == jobs_.end()) {
+    if (jobs_.size() < kMostJobs) jobs_.push_back({gop.job, at.key, room ? at.row_count : urgent ? at.row + 1 : 0});
+  } else if (room || urgent) {
+    known->frames = std::max(known->frames, at.row + 1);
+  }
+}
+
+std::optional<DecodeJob> Loading::decodeJob(size_t number) {
+  for (const Job& job : jobs_) {
+    const stream::Gop* gop = cache_.find(job.key);
+    if (!gop || gop->job != job.id || number-- > 0) continue;
+    return DecodeJob{job.id, gop->chunk, &indexOf(job.key, *gop), job.key.gop, job.frames};
+  }
+  return {};
+}
+
+bool Loading::takeDecoded(uint32_t id, uint32_t row, std::span<const uint8_t> bytes, double seconds) {
+  const auto job = std::find_if(jobs_.begin(), jobs_.end(), [&](const Job& j) { return j.id == id; });
+  stream::Gop* gop = job == jobs_.end() ? nullptr : cache_.find(job->key);
+  if (!gop || gop->job != id) return false;
+  if (row != gop->decodedRows()) return true;
+  if (gop->geometry->append(bytes)) {
+    ++decoded_.elsewhere;
+    ++decoded_.rows;
+    ++decoded_.timed_rows;
+    decoded_.seconds += seconds;
+    return true;
+  }
+  gop->dropDecoded();
+  gop->here = true;
+  return false;
 }
 
 }  // namespace fourdvt

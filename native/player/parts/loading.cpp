@@ -258,7 +258,7 @@ void Loading::cancelUnneeded(const std::vector<GopKey>& keep) {
 // Only where decoding begins anew: within a pass all rows before would have to be decoded at once.
 void Loading::takeFine(stream::Gop& gop) {
   if (gop.fine_state != PartState::Present) return;
-  gop.geometry.reset();
+  gop.dropDecoded();
   gop.chunk = std::move(gop.fine);
   gop.fine.clear();
   gop.fine_state = PartState::Absent;
@@ -294,7 +294,7 @@ void Loading::dropOtherRenditions() {
       gop->fine.clear();
       if (gop->coarse && !sequence(s).hasCoarseGeometry(stream(s).rendition)) {
         gop->chunk_state = PartState::Absent;
-        gop->geometry.reset();
+        gop->dropDecoded();
         gop->chunk.clear();
       }
       if (gop->video_state != PartState::Present || gop->rendition == stream(s).rendition) continue;
@@ -540,6 +540,7 @@ Status Loading::geometry(int sequence_index, uint32_t frame, bool due, FrameGeom
   if (slice_ && !gop->damaged && row >= gop->decodedRows() + due) return {};
   const Status status = decode(key, *gop, row);
   if (!status.ok()) return named(sequence(sequence_index).stream_uri, status.error());
+  if (row >= gop->decodedRows()) return {};  // it is decoded elsewhere
   out = {gop->geometry ? &gop->geometry->frames() : nullptr, &indexOf(key, *gop), row, gop->surfaces.get()};
   return {};
 }

@@ -27,11 +27,21 @@ struct DecodeSlice {
   double (*now_s)() = nullptr;  // null: steps alone count
 };
 
-// Geometry decoded since the beginning. Times, and the rows that they are of, are counted with DecodeSlice::now_s only.
+// Geometry decoded since the beginning. Times, and the rows that they are of, are counted with DecodeSlice::now_s only;
+// longest_tick_s is of what is decoded here.
 struct DecodeStats {
-  uint64_t rows = 0, timed_rows = 0;
+  uint64_t rows = 0, timed_rows = 0, elsewhere = 0;  // elsewhere: of `rows`, Loading::takeDecoded
   double seconds = 0, longest_tick_s = 0;
   double rowSeconds() const { return timed_rows ? seconds / static_cast<double>(timed_rows) : 0; }
+};
+
+// A GOP of a layered character that is to be decoded elsewhere, with Loading::chunkMesh.
+struct DecodeJob {
+  uint32_t id = 0;                 // of these bytes in this player; never repeats, never 0
+  std::span<const uint8_t> chunk;  // valid until the next call of the player
+  const package::StreamIndex* index = nullptr;
+  uint32_t gop = 0;
+  uint32_t frames = 0;  // so many of its first are wanted by now
 };
 
 // What a track needs to play on.
@@ -121,6 +131,16 @@ class Loading {
   void sliceDecoding(const DecodeSlice& slice) { slice_ = slice; }
   // Decodes within the limits of a tick: as far as each need's frame, then what follows it, nearest first.
   void decodeAhead(std::span<const Need> needs, bool seeking);
+  // On: of layered characters decodeAhead decodes only GOPs that it has begun; the others become jobs. Off: what is
+  // not decoded whole is decoded here, from its first row. Needs sliceDecoding.
+  void decodeElsewhere(bool on) { elsewhere_ = on; }
+  // The jobs since the last decodeAhead, the most urgent first. None: there is no job of that number.
+  std::optional<DecodeJob> decodeJob(size_t number);
+  // A row that was decoded elsewhere, and how long that took; no bytes: it does not decode, and is tried here. Rows of
+  // a job come in order, from the first again after it was not wanted for a while; others than the next one are
+  // ignored. False: the job is no longer wanted.
+  bool takeDecoded(uint32_t job, uint32_t row, std::span<const uint8_t> bytes, double seconds);
+  const package::ChunkMesh& chunkMesh() const { return chunk_mesh_; }  // of `mesh`
   const DecodeStats& decodeStats() const { return decoded_; }
   // Decodes as far as this frame; in slices only a row that is due and the next one. `out` stays empty while the frame
   // is not there.
@@ -151,7 +171,14 @@ class Loading {
   static constexpr uint32_t kStep = UINT32_MAX;
   Status decode(stream::GopKey key, stream::Gop& gop, uint32_t row);
   struct SliceLeft;
-  bool decodeAhead(const Need& need, uint32_t ahead, SliceLeft& left);
+  struct Ahead {
+    stream::GopKey key;
+    stream::Gop* gop = nullptr;
+    uint32_t row = 0, row_count = 0;
+  };
+  Ahead reach(const Need& need, uint32_t ahead);
+  bool decodeAhead(const Ahead& at, bool urgent, SliceLeft& left);
+  void giveAway(const Ahead& at, bool urgent);
   // That the GOP's chunk is of.
   const package::StreamIndex& indexOf(stream::GopKey key, const stream::Gop& gop) const;
   void requestAhead(stream::GopKey key);
@@ -200,6 +227,14 @@ class Loading {
   stream::GopCache cache_;
   std::optional<DecodeSlice> slice_;  // none: what a frame needs is decoded at once
   DecodeStats decoded_;
+  struct Job {
+    uint32_t id;
+    stream::GopKey key;
+    uint32_t frames;
+  };
+  bool elsewhere_ = false;
+  std::vector<Job> jobs_;
+  uint32_t last_job_ = 0;
   double tick_s_ = 0, tick_decode_s_ = 0;  // since the tick before; time of decoding in this tick
   Fetches fetches_;
 };

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Decoded geometry of one frame as bytes, so that a GOP's chunk can be decoded in another address space, a worker's for
+// example: there its decoder's frames are written, here they are appended to a chunk that decodes nothing itself.
+// The bytes never leave the machine: little-endian values in memory order, without a header.
+#pragma once
+
+#include "package/coding/chunk_decoder.h"
+
+namespace fourdvt::package {
+
+// frame: one frame's contents, as ChunkDecoder::take gives them after each frame. out: replaced by positions, offsets,
+// alignment, root and labels, in this order.
+void writeDecodedFrame(const ChunkFrames& frame, std::vector<uint8_t>& out);
+
+// A decoder of the GOP that gets its frames by `append`; decodeTo and step do nothing.
+std::unique_ptr<ChunkDecoder> receivedChunk(const StreamIndex& index, uint32_t chunk);
+
+}  // namespace fourdvt::package
