@@ -314,6 +314,7 @@ const abi::State* fdvt_state(Instance* h) {
   out.rendition = s.rendition;
   out.decode_ms = 1e3 * s.decoded.rowSeconds();
   out.longest_decode_ms = 1e3 * s.decoded.longest_tick_s;
+  out.worker_frames = static_cast<double>(s.decoded.elsewhere);
   const motion::Placement placement = p.placement();
   out.x_m = placement.ground_m.x;
   out.z_m = placement.ground_m.y;

@@ -36,6 +36,8 @@ struct Records {
   abi::Sequence sequence;
   abi::Parameter parameter;
   abi::Text member;
+  abi::GeometryMesh mesh;
+  abi::DecodeJob job;
 };
 
 struct Instance {

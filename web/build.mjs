@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Builds dist/ from src/, the list of the ABI (wasm/abi.txt) and the wasm modules: the player (an ES module, its .wasm
-// and its types), its second part, which a page loads after the first picture, and OpenCV's optical flow, which it loads
-// when it is asked for. Prints the sizes and writes them to sizes.json; there is a budget for what comes before the first
+// and its types), its second part, which a page loads after the first picture, the worker that decodes geometry, and OpenCV's
+// optical flow, which it loads when it is asked for. Prints the sizes and writes them to sizes.json; there is a budget for what comes before the first
 // picture and one for the rest.
 //   node build.mjs [--wasm FOLDER: the build of wasm/, default build/wasm/wasm]
 //                  [--opencv FOLDER with fourdvt-opencv.js and .wasm, default opencv/ in there] [--out FOLDER]
@@ -30,7 +30,7 @@ function fail(message) {
   console.error(`build.mjs: ${message}`);
   process.exit(1);
 }
-for (const name of ['abi.ts', 'fourdvt.js', 'fourdvt.wasm', 'fourdvt-more.wasm']) {
+for (const name of ['abi.ts', 'fourdvt.js', 'fourdvt.wasm', 'fourdvt-more.wasm', 'worker/fourdvt-worker.wasm']) {
   if (existsSync(join(wasmFolder, name))) continue;
   fail(`${join(wasmFolder, name)} is missing: build the CMake preset wasm first, or name its folder with --wasm`);
 }
@@ -65,7 +65,9 @@ const stamp = stampOf(...['abi.ts', 'fourdvt.js'].map((name) => readFileSync(joi
 const copyWasm = (from, to) => writeFileSync(join(out, to), stampWasm(readFileSync(from), stamp));
 copyWasm(join(wasmFolder, 'fourdvt.wasm'), 'fourdvt-viewer.wasm');
 copyWasm(join(wasmFolder, 'fourdvt-more.wasm'), 'fourdvt-more.wasm');
+copyWasm(join(wasmFolder, 'worker/fourdvt-worker.wasm'), 'fourdvt-worker.wasm');
 await bundle(join(here, 'src/more.ts'), 'fourdvt-more.js');
+await bundle(join(here, 'src/geometry-worker.ts'), 'fourdvt-worker.js', { format: 'iife' });
 if (hasOpencv) {
   await bundle(join(opencvFolder, 'fourdvt-opencv.js'), 'fourdvt-opencv.js');
   copyWasm(join(opencvFolder, 'fourdvt-opencv.wasm'), 'fourdvt-opencv.wasm');
@@ -102,7 +104,7 @@ const pair = (name) => [`${name}.js`, `${name}.wasm`];
 const sizes = {
   ...(hasOpencv && { demand: sizesOf('on demand: opencv', pair('fourdvt-opencv'), null) }),
   first: sizesOf('before the first picture', pair('fourdvt-viewer'), FIRST_GZIP_BYTES),
-  more: sizesOf('after it', pair('fourdvt-more'), MORE_GZIP_BYTES),
+  more: sizesOf('after it', [...pair('fourdvt-more'), ...pair('fourdvt-worker')], MORE_GZIP_BYTES),
 };
 Object.values(sizes).forEach(printSizes);
 writeFileSync(join(out, 'sizes.json'), `${JSON.stringify(sizes, null, 1)}\n`);

@@ -153,8 +153,8 @@ test('a wasm file carries the stamp of the ABI that it was built with', () => {
 
 test('the build refuses modules that were built with another list', () => {
   const modules = join(folder, 'modules');
-  mkdirSync(modules);
-  const names = ['fourdvt.js', 'fourdvt.wasm', 'fourdvt-more.wasm'];
+  mkdirSync(join(modules, 'worker'), { recursive: true });
+  const names = ['fourdvt.js', 'fourdvt.wasm', 'fourdvt-more.wasm', 'worker/fourdvt-worker.wasm'];
   for (const name of names) writeFileSync(join(modules, name), '');
   const changed = kList.replace('record state\n', 'record state\n  i32 extra\n');
   assert.notEqual(changed, kList);

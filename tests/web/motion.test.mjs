@@ -240,7 +240,7 @@ test('steering with keys: it turns, speeds up, travels over the ground and picks
   await steer.close();
 });
 
-test('a seek shows the key of the frame\'s GOP first, then the frame; geometry is decoded in slices', async () => {
+test('a seek shows the key of the frame\'s GOP first, then the frame; geometry is decoded in a worker', async () => {
   const seen = await page.evaluate(async (patienceMs) => {
     const viewer = document.querySelector('fourdvt-viewer');
     const once = (type) => new Promise((done) => viewer.addEventListener(type, done, { once: true }));
@@ -248,20 +248,41 @@ test('a seek shows the key of the frame\'s GOP first, then the frame; geometry i
     viewer.pause();
     const changes = once('sequencechange');
     if (viewer.sequence !== 'pickup') await wait((viewer.sequence = 'pickup', changes));
-    const start = once('seeked');
-    viewer.seekFrame(0);
-    await wait(start);
-    const frames = [0], end = once('seeked');
-    const watch = setInterval(() => { if (viewer.frame !== frames.at(-1)) frames.push(viewer.frame); }, 1);
-    viewer.seekFrame(37);
-    await wait(end);
-    clearInterval(watch);
+    const seek = async (frame) => {
+      const end = once('seeked');
+      viewer.seekFrame(frame);
+      await wait(end);
+    };
+    await seek(0);
+    // The decoder gets the last samples once the key has been seen: on a busy machine its pictures come sooner than the next turn.
+    const { decode, flush } = VideoDecoder.prototype;
+    const held = [];
+    let since = 0;
+    const calls = {
+      decode(chunk) {
+        since = chunk.type === 'key' ? 0 : since + 1;
+        if (since > 6) held.push(() => decode.call(this, chunk));
+        else decode.call(this, chunk);
+      },
+      flush() {
+        return held.length ? new Promise((done) => held.push(() => done(flush.call(this)))) : flush.call(this);
+      },
+    };
+    Object.assign(VideoDecoder.prototype, calls);
+    const frames = [0], endMs = performance.now() + 10_000;
+    const watch = () => {
+      if (viewer.frame !== frames.at(-1)) frames.push(viewer.frame);
+      if (viewer.frame !== 20 && performance.now() < endMs) return void requestAnimationFrame(watch);
+      Object.assign(VideoDecoder.prototype, { decode, flush });
+      for (const call of held.splice(0)) call();
+    };
+    watch();
+    await seek(37);
     return { frames, last: viewer.frame, stats: viewer.stats };
   }, kPatienceMs);
   assert.equal(seen.last, 37);
-  assert.ok(seen.frames.every((frame) => [0, 20, 37].includes(frame)), seen.frames.join());
-  assert.ok(seen.frames.includes(20), `${seen.frames}: the key was not seen`);
-  assert.ok(seen.stats.decodeMs > 0 && seen.stats.longestDecodeMs >= seen.stats.decodeMs / 8, JSON.stringify(seen.stats));
+  assert.deepEqual(seen.frames, [0, 20]);
+  assert.ok(seen.stats.decodeMs > 0 && seen.stats.workerFrames > 0, JSON.stringify(seen.stats));
 });
 
 test('no console errors, no unhandled rejections', () => assert.deepEqual(page.troubles, []));

@@ -7,7 +7,7 @@ import type { DecoderFault } from './generated/abi.js';
 import { FrameDecoder, type DecoderCallbacks, type Heap, type Picture, type PictureDecoder } from './frame-decoder.js';
 import type { Transport } from './transport.js';
 import { kindOf, uploadPicture, type UploadPath } from './upload-path.js';
-import type { WasmModule } from './wasm-abi.js';
+import type { TurnHook, WasmModule } from './wasm-abi.js';
 import {
   WasmPlayer, type CharacterInfo, type PlayerRequest, type PlayerState, type TellPlayer,
 } from './wasm-player.js';
@@ -70,6 +70,7 @@ export class Actor implements Performer {
   #ready: Promise<unknown> = Promise.resolve(); // what fetches bring can be decoded
   #taken: ((frame: VideoFrame) => void) | null = null; // gets the next decoded picture, too
   #subVideo: boolean | null = null; // how a <video> element's pictures are uploaded; null: to be measured
+  #hook: TurnHook | null = null;
   #stuck = false; // after an error, until the next command: what is awaited will not come
 
   /** Obeys the commands until it is disposed of. Throws a ViewerError if the manifest cannot be used. */
@@ -96,6 +97,8 @@ export class Actor implements Performer {
     for (const decoder of this.#decoders) decoder?.dispose();
     this.#decoders = [];
     this.#commands.detach(this);
+    this.#hook?.leave();
+    this.#hook = null;
     const player = this.#player;
     this.#player = null;
     try {
@@ -135,9 +138,17 @@ export class Actor implements Performer {
   takeFrame(action: (frame: VideoFrame) => void): void { this.#taken = action; }
 
   tick(nowS: number): void {
-    this.#guard((p) => p.tick(nowS));
+    this.#guard((p) => p.tick(nowS, this.#hook));
     this.pump();
   }
+
+  /** Takes part in each turn from now on, in place of another. */
+  setHook(hook: TurnHook): void {
+    this.#hook?.leave();
+    if (this.#player) this.#hook = hook;
+    else hook.leave();
+  }
+  wake(): void { this.#host.wake(); }
 
   /** Compiles one shader program that later pictures will need; false when none is missing. */
   makeNextProgram(): boolean { return this.#guard((p) => p.makeNextProgram()) ?? false; }

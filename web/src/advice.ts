@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Advice for a character's player once it can play: which renditions the browser can decode, and which of those smoothly,
-// before one is tried; how long a turn may take to decode geometry; and whether other motions are near. Part of
+// before one is tried; how long a turn may take to decode geometry, and that a worker decodes it; and whether other motions are near. Part of
 // fourdvt-more.js.
+import { decodeBeside, type Turning } from './geometry-decoding.js';
+import { isFromCameras } from './manifest.js';
 import { mediaType } from './media-segments.js';
 import { savesData, type Quality } from './quality-attribute.js';
 import type { TellPlayer } from './wasm-abi.js';
@@ -32,7 +34,7 @@ interface Player {
   tell(action: TellPlayer): void;
 }
 /** Runs actions on a player as long as there is one. */
-export interface Advised {
+export interface Advised extends Turning {
   run(action: (player: Player) => void): unknown;
 }
 
@@ -65,6 +67,7 @@ export async function advise(manifest: unknown, advised: Advised, element: Eleme
     m._fdvt_allow_transitions(handle);
     return m._fdvt_slice_decoding(handle, DECODE_SLICE_S);
   }));
+  if (!isFromCameras(manifest)) decodeBeside(advised);
   const { sequences = [] } = (manifest as Manifest).extensions.FOURDVT_layered_video_texture;
   await Promise.all(sequences.flatMap((sequence, s) => sequence.renditions.map(async (rendition, r) => {
     const plays = await canDecode(rendition);

@@ -15,16 +15,18 @@ export interface ViewerStats {
   heapBytes: number;
   /** Of the picture shown, 0: the lowest. */
   rendition: number;
-  /** Milliseconds of decoding geometry: for one frame, mean; the most in one turn of the page. 0 until the player's second part is there. */
+  /** Milliseconds of decoding geometry: for one frame, mean, wherever it was; the most in one turn of the page. 0 until the player's second part is there. */
   decodeMs: number;
   longestDecodeMs: number;
+  /** Frames whose geometry was decoded in the page's worker. */
+  workerFrames: number;
   uploadPath: UploadPath;
 }
 
 export function statsOf(state: PlayerState, uploadPath: UploadPath): ViewerStats {
-  const { framesShown, framesLate, barcodeChecked, barcodeMismatches, bytesFetched, encodedBytesHeld, rendition, decodeMs, longestDecodeMs } = state;
+  const { framesShown, framesLate, barcodeChecked, barcodeMismatches, bytesFetched, encodedBytesHeld, rendition, decodeMs, longestDecodeMs, workerFrames } = state;
   return {
-    framesShown, framesLate, barcodeChecked, barcodeMismatches, bytesFetched, encodedBytesHeld, rendition, decodeMs, longestDecodeMs,
+    framesShown, framesLate, barcodeChecked, barcodeMismatches, bytesFetched, encodedBytesHeld, rendition, decodeMs, longestDecodeMs, workerFrames,
     textureBytes: state.liveTextureBytes, heapBytes: state.heapBytes, uploadPath,
   };
 }

@@ -18,6 +18,14 @@ export interface WasmModule extends PlayerExports {
 /** One of the functions of wasm/abi.txt that answer `ok`. */
 export type TellPlayer = (module: WasmModule, handle: number) => number;
 
+/** Has a part in each turn of a player. */
+export interface TurnHook {
+  beforeTick(module: WasmModule, handle: number): void;
+  afterTick(module: WasmModule, handle: number): void;
+  /** The player is gone. */
+  leave(): void;
+}
+
 export interface OpencvModule extends OpencvExports {
   HEAPU8: Uint8Array;
 }

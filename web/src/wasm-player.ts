@@ -11,7 +11,7 @@ import {
 import type { Planes } from './frame-decoder.js';
 import { Reader } from './records.js';
 import type { Quality } from './quality-attribute.js';
-import type { TellPlayer, WasmModule } from './wasm-abi.js';
+import type { TellPlayer, TurnHook, WasmModule } from './wasm-abi.js';
 import { hasMore } from './wasm-module.js';
 
 export { ALIGN_MODES, VISIBILITIES };
@@ -161,7 +161,11 @@ export class WasmPlayer {
   setRate(rate: number): void { this.#m._fdvt_set_rate(this.#h, rate); }
   /** -1 as the sequence says, 0 never, 1 always. */
   setLoop(loop: number): void { this.#m._fdvt_set_loop(this.#h, loop); }
-  tick(nowS: number): void { this.#m._fdvt_tick(this.#h, nowS); }
+  tick(nowS: number, hook: TurnHook | null): void {
+    hook?.beforeTick(this.#m, this.#h);
+    this.#m._fdvt_tick(this.#h, nowS);
+    hook?.afterTick(this.#m, this.#h);
+  }
   selectSequence(name: string): void { this.#check(this.#m._fdvt_select(this.#h, ...this.#text(name))); }
 
   nextRequest(): PlayerRequest | null {

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// The C ABI's functions for geometry that is decoded in a worker. exports.cpp says who owns what.
+#include "instance.h"
+
+using namespace fourdvt;
+
+namespace {
+
+template <class Value>
+abi::Bytes bytesOf(const std::vector<Value>& values) {
+  return {reinterpret_cast<const uint8_t*>(values.data()), static_cast<uint32_t>(values.size() * sizeof(Value))};
+}
+
+}  // namespace
+
+const abi::GeometryMesh* fdvt_geometry_mesh(Instance* h) {
+  const package::BaseMesh* mesh = h->player->mesh();
+  if (!mesh) return nullptr;
+  h->records.mesh = {bytesOf(mesh->topology.face_vertices), bytesOf(h->player->chunkMesh()->base)};
+  return &h->records.mesh;
+}
+
+void fdvt_decode_elsewhere(Instance* h, int32_t on) { h->player->decodeElsewhere(on != 0); }
+
+const abi::DecodeJob* fdvt_decode_job(Instance* h, uint32_t number) {
+  const std::optional<DecodeJob> job = h->player->decodeJob(number);
+  if (!job) return nullptr;
+  const package::StreamIndex& index = *job->index;
+  abi::DecodeJob& out = h->records.job;
+  out.id = job->id;
+  out.chunk = {job->chunk.data(), static_cast<uint32_t>(job->chunk.size())};
+  out.wanted = job->frames;
+  out.frames = index.chunks[job->gop].frame_count;
+  out.layers = index.layer_count;
+  out.members = index.member_count;
+  out.references = index.reference_count;
+  out.alignments = index.alignment_count;
+  return &out;
+}
+
+int32_t fdvt_frame_decoded(Instance* h, uint32_t job, uint32_t frame, const uint8_t* data, uint32_t size,
+                           double seconds) {
+  return h->player->takeDecoded(job, frame, {data, size}, seconds) ? 1 : 0;
+}

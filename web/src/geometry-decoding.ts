@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+// Decoding of layered characters' geometry in a worker: one for all viewers of a page. Players say after each tick which
+// GOPs they want; frames come back before a later tick. Where there is no worker (a policy forbids it, it fails or falls
+// silent), the players decode in slices of the main thread as before. Part of fourdvt-more.js.
+import { readDecodeJob, readGeometryMesh } from './generated/abi.js';
+import type { FromWorker, ToWorker, WantedJob } from './geometry-messages.js';
+import type { TurnHook, WasmModule } from './wasm-abi.js';
+
+const SILENCE_MS = 2000; // of turns during which a frame is awaited
+const LONGEST_TURN_MS = 100; // that counts: a page that stands still awaits nothing
+const ASLEEP_MS = 250; // without a turn: the page draws nothing now
+
+/** What has turns, and takes one hook. */
+export interface Turning {
+  setHook(hook: TurnHook): void;
+  wake(): void;
+}
+
+type Frame = Extract<FromWorker, { kind: 'frame' }>;
+
+// Another origin's script cannot be a worker, but a worker may import it.
+function openWorker(script: URL): Worker {
+  if (script.origin === location.origin) return new Worker(script);
+  const blob = URL.createObjectURL(new Blob([`importScripts(${JSON.stringify(script.href)})`], { type: 'text/javascript' }));
+  try {
+    return new Worker(blob);
+  } finally {
+    setTimeout(() => URL.revokeObjectURL(blob), 60_000);
+  }
+}
+
+class GeometryWorker {
+  readonly #worker: Worker;
+  readonly #joined = new Map<number, Joined>();
+  #last = 0;
+  ready = false;
+  failed = false;
+
+  constructor(base: string) {
+    const beside = (name: string): URL => new URL(name + new URL(base).search, base);
+    this.#worker = openWorker(beside('fourdvt-worker.js'));
+    this.#worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.#take(data);
+    this.#worker.onerror = (event) => {
+      event.preventDefault();
+      this.fail(event.message || 'it does not load');
+    };
+    this.post({ kind: 'start', wasm: beside('fourdvt-worker.wasm').href });
+  }
+
+  post(message: ToWorker, transfer: Transferable[] = []): void { this.#worker.postMessage(message, transfer); }
+
+  join(actor: Turning): void {
+    const joined = new Joined(this, ++this.#last, actor);
+    this.#joined.set(this.#last, joined);
+    actor.setHook(joined);
+  }
+  drop(number: number): void { this.#joined.delete(number); }
+
+  fail(reason: string): void {
+    if (this.failed) return;
+    this.failed = true;
+    this.#worker.terminate();
+    console.warn(`fourdvt-viewer: geometry is decoded without a worker (${reason})`);
+  }
+
+  #take(message: FromWorker): void {
+    if (message.kind === 'ready') this.ready = true;
+    else if (message.kind === 'failed') this.fail(message.reason);
+    else this.#joined.get(message.character)?.take(message);
+  }
+}
+
+// A character's side.
+class Joined implements TurnHook {
+  readonly #worker: GeometryWorker;
+  readonly #number: number;
+  readonly #actor: Turning;
+  #on = false;
+  readonly #frames: Frame[] = []; // that the player is yet to get
+  #posted = new Map<number, number>(); // wanted frames, by job
+  readonly #next = new Map<number, number>(); // frame to come, by job
+  #turnMs = 0; // time of the last turn
+  #silentMs = 0;
+
+  constructor(worker: GeometryWorker, number: number, actor: Turning) {
+    this.#worker = worker;
+    this.#number = number;
+    this.#actor = actor;
+  }
+
+  take(frame: Frame): void {
+    this.#silentMs = 0;
+    this.#next.set(frame.job, frame.data.byteLength ? frame.frame + 1 : Infinity);
+    this.#frames.push(frame);
+    if (performance.now() - this.#turnMs > ASLEEP_MS) this.#actor.wake();
+  }
+
+  beforeTick(module: WasmModule, handle: number): void {
+    if (!this.#on) return;
+    for (const { job, frame, data, seconds } of this.#frames.splice(0)) {
+      const at = module._fdvt_alloc(data.byteLength || 1);
+      module.HEAPU8.set(new Uint8Array(data), at);
+      module._fdvt_frame_decoded(handle, job, frame, at, data.byteLength, seconds);
+      module._fdvt_free(at);
+    }
+    if (!this.#worker.failed) return;
+    this.#on = false;
+    module._fdvt_decode_elsewhere(handle, 0);
+  }
+
+  afterTick(module: WasmModule, handle: number): void {
+    this.#listen();
+    if (this.#worker.failed || !this.#worker.ready || !(this.#on ||= this.#begin(module, handle))) return;
+    const jobs: WantedJob[] = [], transfer: Transferable[] = [];
+    for (let at = module._fdvt_decode_job(handle, 0); at; at = module._fdvt_decode_job(handle, jobs.length)) {
+      const { id, wanted, chunk, ...layout } = readDecodeJob(module.HEAPU8, at);
+      const bytes = this.#posted.has(id) ? null : (chunk.slice().buffer as ArrayBuffer);
+      jobs.push(bytes ? { id, wanted, opening: { ...layout, chunk: bytes } } : { id, wanted });
+      if (bytes) transfer.push(bytes);
+    }
+    const posted = new Map(jobs.map(({ id, wanted }) => [id, wanted]));
+    const same = posted.size === this.#posted.size && [...posted].every(([id, wanted]) => this.#posted.get(id) === wanted);
+    if (same) return;
+    for (const id of this.#posted.keys()) if (!posted.has(id)) this.#next.delete(id);
+    this.#posted = posted;
+    this.#worker.post({ kind: 'wanted', character: this.#number, jobs }, transfer);
+  }
+
+  leave(): void {
+    this.#worker.drop(this.#number);
+    if (this.#on && !this.#worker.failed) this.#worker.post({ kind: 'leave', character: this.#number });
+  }
+
+  // False: the player has no mesh yet.
+  #begin(module: WasmModule, handle: number): boolean {
+    const at = module._fdvt_geometry_mesh(handle);
+    if (!at) return false;
+    const mesh = readGeometryMesh(module.HEAPU8, at);
+    const [faces, base] = [mesh.faces.slice().buffer as ArrayBuffer, mesh.base.slice().buffer as ArrayBuffer];
+    this.#worker.post({ kind: 'mesh', character: this.#number, faces, base }, [faces, base]);
+    module._fdvt_decode_elsewhere(handle, 1);
+    return true;
+  }
+
+  // Notes how long nothing has come of what is awaited.
+  #listen(): void {
+    const nowMs = performance.now();
+    const awaited = [...this.#posted].some(([id, wanted]) => (this.#next.get(id) ?? 0) < wanted);
+    if (awaited) this.#silentMs += Math.min(nowMs - this.#turnMs, LONGEST_TURN_MS);
+    else this.#silentMs = 0;
+    this.#turnMs = nowMs;
+    if (this.#silentMs > SILENCE_MS) this.#worker.fail(`it has been silent for ${SILENCE_MS / 1000} s`);
+  }
+}
+
+let worker: GeometryWorker | null | undefined; // null: the page's policy forbids it
+
+/** From now on the actor's geometry is decoded in the page's worker, if that can be had. base: address of this script. */
+export function decodeBeside(actor: Turning, base = import.meta.url): void {
+  if (worker === undefined) {
+    try {
+      worker = new GeometryWorker(base);
+    } catch {
+      worker = null;
+    }
+  }
+  if (worker && !worker.failed) worker.join(actor);
+}
