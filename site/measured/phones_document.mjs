@@ -38,7 +38,7 @@ A \`<video>\` element plays on from loop to loop on one timeline: a loop is no g
 CPU time of the longest task of the page's main thread in each scene, ms, median / worst over the scenes, from Chromium's trace. Draw calls are replaced by
 nothing, which leaves the software rasteriser out; the time is the thread's own, which leaves other programs out.
 
-${table(['scene', ...tasks.map((row) => (row.before ? `before (${measured[row.name].commit})` : 'now'))],
+${table(['scene', ...tasks.map((row) => (row.before ? `before (${measured[row.name].commit})` : row.title))],
     kScenes.map(([scene, title]) => [title, ...tasks.map(({ name }) => { const s = measured[name][scene]; return s ? `${fixed(s.median, 1)} / ${fixed(s.worst, 1)}` : '–'; })]))}
 `);
   const uploads = of('uploads');
@@ -61,6 +61,17 @@ ${table(['', 'slider', 'copied', 'again', 'uploaded', 'textures', 'module'], upl
 \`\`\`
 ${measured[name].text}
 \`\`\`
+`);
+  const [decoding] = of('decoding');
+  if (decoding) parts.push(`## Decoding geometry in a page
+
+Ms a frame in Chromium, draw calls left out, of the first load / median of ${measured.decoding.motions.locomotion.page.later.count} later ones, when the browser has compiled the code well: in the worker, and in slices of
+the main thread where there is no worker.
+
+${table(['', 'worker', 'main thread'], [['pickup, a plain motion', 'pickup'], ['locomotion, a class of two', 'locomotion']].map(([title, name]) => {
+    const { worker, page } = measured.decoding.motions[name];
+    return [title, ...[worker, page].map(({ first, later }) => `${fixed(first, 1)} / ${fixed(later.median, 1)}`)];
+  }))}
 `);
   const [endurance] = of('endurance');
   if (endurance) parts.push(`## After long use

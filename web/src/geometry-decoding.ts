@@ -96,6 +96,7 @@ class Joined implements TurnHook {
   }
 
   beforeTick(module: WasmModule, handle: number): void {
+    if (!this.#worker.failed && this.#worker.ready) this.#on ||= this.#begin(module, handle);
     if (!this.#on) return;
     for (const { job, frame, data, seconds } of this.#frames.splice(0)) {
       const at = module._fdvt_alloc(data.byteLength || 1);
@@ -110,7 +111,7 @@ class Joined implements TurnHook {
 
   afterTick(module: WasmModule, handle: number): void {
     this.#listen();
-    if (this.#worker.failed || !this.#worker.ready || !(this.#on ||= this.#begin(module, handle))) return;
+    if (!this.#on || this.#worker.failed) return;
     const jobs: WantedJob[] = [], transfer: Transferable[] = [];
     for (let at = module._fdvt_decode_job(handle, 0); at; at = module._fdvt_decode_job(handle, jobs.length)) {
       const { id, wanted, chunk, ...layout } = readDecodeJob(module.HEAPU8, at);

@@ -10,6 +10,7 @@ import { promisify } from 'node:util';
 
 import { launch, launchFirefox, openPage } from '../../web/harness.mjs';
 import { kNoWebCodecs, openOnPath, playOnPath, servePlain } from '../../web/play_path.mjs';
+import { measureDecoding } from './decoding.mjs';
 import { measureTasks } from './tasks.mjs';
 import { measureUploads } from './uploads.mjs';
 
@@ -38,7 +39,7 @@ async function measurePath(site, path, preferences) {
 }
 
 const pathRow = (name, title, path, preferences = null) => ({ name: `path-${name}`, kind: 'path', title, measure: ({ site }) => measurePath(site, path, preferences) });
-const spreads = async (site) => Object.fromEntries(Object.entries(await measureTasks(site, 8)).map(([scene, list]) => [scene, spread(list)]));
+const spreads = async (site, worker) => Object.fromEntries(Object.entries(await measureTasks(site, 8, worker)).map(([scene, list]) => [scene, spread(list)]));
 const uploadRow = (path, quality) => ({ name: `uploads-${path}-${quality}`, kind: 'uploads', title: `${path}, ${quality === '0' ? 'lowest' : quality} rung`,
   measure: ({ site }) => measureUploads(site, path, quality) });
 
@@ -49,7 +50,8 @@ const after = [
   pathRow('chromium-video', 'Chromium, `<video>`', 'video'),
   pathRow('firefox-rgba', 'Firefox, VideoDecoder, `texImage2D`', 'rgba', {}),
   pathRow('firefox-video', 'Firefox without WebCodecs, `<video>`', '', kNoWebCodecs),
-  { name: 'tasks', kind: 'tasks', title: 'now', measure: ({ site }) => spreads(site) },
+  { name: 'tasks', kind: 'tasks', title: 'now', measure: ({ site }) => spreads(site, true) },
+  { name: 'tasks-page', kind: 'tasks', title: 'now, without the worker', measure: ({ site }) => spreads(site, false) },
   ...['i420', 'rgba', 'video'].flatMap((path) => ['0', 'highest'].map((quality) => uploadRow(path, quality))),
 ];
 
@@ -65,6 +67,13 @@ const endurance = { name: 'endurance', kind: 'endurance', title: 'after long use
     return { rows: JSON.parse(readFileSync(out, 'utf8')) };
   } };
 
+const decoding = { name: 'decoding', kind: 'decoding', title: 'decoding in a page',
+  async measure({ site }) {
+    const motions = await measureDecoding(site);
+    for (const places of Object.values(motions)) for (const place of Object.values(places)) place.later = spread(place.later);
+    return { motions };
+  } };
+
 // Benches of the release build, as they print.
 const bench = (name, title, words) => ({ name: `bench-${name}`, kind: 'bench', title, async measure({ root }) {
   const program = join(root, 'build/release/tests/bench', `bench_${name}`);
@@ -72,5 +81,5 @@ const bench = (name, title, words) => ({ name: `bench-${name}`, kind: 'bench', t
   return { command: [`bench_${name}`, ...words.map((word) => word.replace('ROOT/', ''))].join(' '), text: stdout.trimEnd() };
 } });
 
-export const rows = [...after, ...before, endurance,
+export const rows = [...after, ...before, endurance, decoding,
   bench('frame_cost', 'Targets, vertices and draw times', ['ROOT/build/character', '40']), bench('class_frame', 'Decoding geometry', ['ROOT/build/character'])];

@@ -9,9 +9,13 @@ import { openOnPath, servePlain } from '../../web/play_path.mjs';
 
 const kViewport = { width: 240, height: 280 };
 
-// In the page before its scripts.
-function drawNothing() {
+// Both in the page before its scripts.
+export function drawNothing() {
   for (const name of ['drawArrays', 'drawElements']) WebGL2RenderingContext.prototype[name] = () => {};
+}
+
+export function withoutWorkers() {
+  delete globalThis.Worker;
 }
 
 // The page's scenes; each is marked in the trace by its name.
@@ -61,11 +65,12 @@ function readTrace(events) {
 }
 
 /** { start, seek, slider, play, motion, rung }: lists of the longest task's ms, a number per scene. */
-export async function measureTasks(site, rounds = 4) {
+export async function measureTasks(site, rounds = 4, worker = true) {
   const server = await servePlain(site);
   const browser = await launch();
   const page = await openPage(browser, { viewport: kViewport }, 'i420');
   await page.addInitScript(drawNothing);
+  if (!worker) await page.addInitScript(withoutWorkers);
   const file = '/tmp/fourdvt-trace.json';
   try {
     await browser.startTracing(page, { path: file, categories: ['toplevel', 'blink.user_timing'] });
