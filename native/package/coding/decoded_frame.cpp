@@ -24,7 +24,14 @@ void takeValues(const uint8_t*& from, size_t count, std::vector<Value>& values) 
 
 class Received final : public ChunkDecoder {
  public:
-  explicit Received(const ChunkFrames& counts) : frames_(counts) {}
+  Received(ChunkFrames begun, uint32_t decoded) : frames_(std::move(begun)), decoded_(decoded) {
+    const size_t members = frames_.member_count, vertices = frames_.vertex_count;
+    frames_.positions.resize(decoded * members * vertices);
+    frames_.offsets.resize(size_t(decoded) * frames_.reference_count * vertices);
+    frames_.alignment.resize(size_t(decoded) * frames_.alignment_count * vertices);
+    frames_.root.resize(decoded * members);
+    frames_.labels.resize(decoded * members * frames_.layer_count * frames_.face_count);
+  }
   Status decodeTo(uint32_t) override { return {}; }
   Status step() override { return {}; }
   bool append(std::span<const uint8_t> frame) override {
@@ -68,7 +75,11 @@ std::unique_ptr<ChunkDecoder> receivedChunk(const StreamIndex& index, uint32_t c
   ChunkFrames counts;
   counts.frame_count = index.chunks[chunk].frame_count;
   copyCounts(index, counts);
-  return std::make_unique<Received>(counts);
+  return receivedChunk(std::move(counts), 0);
+}
+
+std::unique_ptr<ChunkDecoder> receivedChunk(ChunkFrames begun, uint32_t frames) {
+  return std::make_unique<Received>(std::move(begun), frames);
 }
 
 }  // namespace fourdvt::package

@@ -37,7 +37,10 @@ void Loading::decodeAhead(std::span<const Need> needs, bool seeking) {
     left.end_s = slice_->now_s() + (seeking ? std::clamp(tick_s_ / 2, least_s, most_s) : slice_->seconds);
   for (uint32_t ahead = 0; ahead <= kRowsAhead; ++ahead)
     for (const Need& need : needs)
-      if (const Ahead at = reach(need, ahead); at.gop) giveAway(at, ahead == 0);
+      if (const Ahead at = reach(need, ahead); at.gop) {
+        if (elsewhere_ && index(need.sequence).chunkOfFrame(need.frame) != at.key.gop) handOver(at);
+        giveAway(at, ahead == 0);
+      }
   for (uint32_t ahead = 0; ahead <= kRowsAhead; ++ahead)
     for (const Need& need : needs)
       if (const Ahead at = reach(need, ahead); at.gop && !decodeAhead(at, ahead == 0, left)) return;
@@ -70,6 +73,15 @@ bool Loading::decodeAhead(const Ahead& at, bool urgent, SliceLeft& left) {
     if (!decode(at.key, *at.gop, kStep).ok()) return true;
   }
   return true;
+}
+
+// Makes a job of a GOP that was begun here and is not due: its rows stay, and come elsewhere before those that follow.
+void Loading::handOver(const Ahead& at) {
+  stream::Gop& gop = *at.gop;
+  if (!gop.geometry || gop.job || gop.here || gop.damaged || gop.decodedRows() == at.row_count) return;
+  const uint32_t rows = gop.decodedRows();
+  gop.geometry = package::receivedChunk(gop.geometry->take(), rows);
+  gop.job = ++last_job_;
 }
 
 // Makes a GOP that nobody has begun a job, and lists a job until it is done: as far as its rows are wanted, or whole

@@ -131,8 +131,8 @@ class Loading {
   void sliceDecoding(const DecodeSlice& slice) { slice_ = slice; }
   // Decodes within the limits of a tick: as far as each need's frame, then what follows it, nearest first.
   void decodeAhead(std::span<const Need> needs, bool seeking);
-  // On: of layered characters decodeAhead decodes only GOPs that it has begun; the others become jobs. Off: what is
-  // not decoded whole is decoded here, from its first row. Needs sliceDecoding.
+  // On: of layered characters decodeAhead decodes only a GOP that it has begun and that is due; the others become jobs.
+  // Off: what is not decoded whole is decoded here, from its first row. Needs sliceDecoding.
   void decodeElsewhere(bool on) { elsewhere_ = on; }
   // The jobs since the last decodeAhead, the most urgent first. None: there is no job of that number.
   std::optional<DecodeJob> decodeJob(size_t number);
@@ -178,6 +178,7 @@ class Loading {
   };
   Ahead reach(const Need& need, uint32_t ahead);
   bool decodeAhead(const Ahead& at, bool urgent, SliceLeft& left);
+  void handOver(const Ahead& at);
   void giveAway(const Ahead& at, bool urgent);
   // That the GOP's chunk is of.
   const package::StreamIndex& indexOf(stream::GopKey key, const stream::Gop& gop) const;

@@ -114,7 +114,7 @@ TEST(DecodeElsewhere, FramesAreThoseThatDecodingHereGives) {
   }
 }
 
-TEST(DecodeElsewhere, AGopThatWasBegunHereIsDecodedHere) {
+TEST(DecodeElsewhere, AGopThatWasBegunHereStaysWhileItIsDueAndIsHandedOverElse) {
   Held held;
   const Need need{0, 0, true, {}};
   held.fill(need);
@@ -124,8 +124,27 @@ TEST(DecodeElsewhere, AGopThatWasBegunHereIsDecodedHere) {
   held.loading.decodeElsewhere(true);
   const Need next{0, 5, true, {}};
   held.loading.decodeAhead({&next, 1}, false);
-  EXPECT_EQ(held.gops(), Gops{});
-  EXPECT_EQ(held.loading.decodeStats().rows, rows + 5);
+  EXPECT_EQ(held.gops(), Gops{1});
+  EXPECT_EQ(held.loading.decodeStats().rows, rows) << "the due GOP is there whole";
+  EXPECT_EQ(held.frame(0, 12)[0], 12 * kFrameStride) << "its rows stay";
+  EXPECT_TRUE(held.frame(0, 13).empty());
+  held.work();
+  EXPECT_EQ(held.loading.decodeStats().elsewhere, 7u) << "the missing ones";
+  for (int f = 10; f < 20; ++f) EXPECT_EQ(held.frame(0, uint32_t(f))[0], f * kFrameStride);
+}
+
+TEST(DecodeElsewhere, PartsOfARowAreDroppedAtAHandOver) {
+  Held held;
+  held.loading.sliceDecoding({.steps = 1 + 20 + 1 + 3});  // ten rows of two steps, then a row and a half
+  const Need need{0, 0, true, {}};
+  held.fill(need);
+  held.loading.decodeAhead({&need, 1}, false);
+  EXPECT_EQ(held.loading.decodeStats().rows, 11u);
+  held.loading.decodeElsewhere(true);
+  const Need next{0, 2, true, {}};
+  held.loading.decodeAhead({&next, 1}, false);
+  held.work();
+  for (int f = 10; f < 20; ++f) EXPECT_EQ(held.frame(0, uint32_t(f))[0], f * kFrameStride) << f;
 }
 
 TEST(DecodeElsewhere, OnlyTheNextFrameOfAWantedJobIsTaken) {
