@@ -77,7 +77,7 @@ ${table(['', 'worker', 'main thread'], [['pickup, a plain motion', 'pickup'], ['
   if (endurance) parts.push(`## After long use
 
 One page: 51 viewers one after the other, then one that plays every motion, changes motions 200 times, loses its context ten times, is hidden for two minutes and plays
-for ten. JavaScript's heap after a collection; the module's memory, and what its allocator has given out; WebGL objects that are alive.
+for ten. Caches fill at first: the rows to compare are those after 10 and after 50 more viewers, and after 40 and after 200 changes. JavaScript's heap after a collection; the module's memory, and what its allocator has given out; WebGL objects that are alive.
 
 ${table(['', 'module, MB', 'in use, MB', 'heap, MB', 'textures', 'texture MB', 'buffers', 'programs', 'contexts', 'decoders', 'open frames', 'refused'], measured.endurance.rows.map((r) =>
     [r.title, fixed(r.wasm / 1e6, 1), r.in_use ? mega(r.in_use) : '–', mega(r.heap), r.textures, fixed(r.texture_bytes / 1e6, 1), r.buffers, r.programs, r.contexts, r.decoders, r.frames, r.mismatches]))}
