@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The C ABI's functions for geometry that is decoded in a worker. exports.cpp says who owns what.
+// The C ABI's functions for geometry that is decoded in a worker. Ownership of records: exports.cpp.
 #include "instance.h"
 
 using namespace fourdvt;
@@ -38,7 +38,6 @@ const abi::DecodeJob* fdvt_decode_job(Instance* h, uint32_t number) {
   return &out;
 }
 
-int32_t fdvt_frame_decoded(Instance* h, uint32_t job, uint32_t frame, const uint8_t* data, uint32_t size,
-                           double seconds) {
-  return h->player->takeDecoded(job, frame, {data, size}, seconds) ? 1 : 0;
+void fdvt_frame_decoded(Instance* h, uint32_t job, uint32_t frame, const uint8_t* data, uint32_t size, double seconds) {
+  h->player->takeDecoded(job, frame, {data, size}, seconds);
 }

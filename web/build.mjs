@@ -65,9 +65,12 @@ const stamp = stampOf(...['abi.ts', 'fourdvt.js'].map((name) => readFileSync(joi
 const copyWasm = (from, to) => writeFileSync(join(out, to), stampWasm(readFileSync(from), stamp));
 copyWasm(join(wasmFolder, 'fourdvt.wasm'), 'fourdvt-viewer.wasm');
 copyWasm(join(wasmFolder, 'fourdvt-more.wasm'), 'fourdvt-more.wasm');
-copyWasm(join(wasmFolder, 'worker/fourdvt-worker.wasm'), 'fourdvt-worker.wasm');
-await bundle(join(here, 'src/more.ts'), 'fourdvt-more.js');
-await bundle(join(here, 'src/geometry-worker.ts'), 'fourdvt-worker.js', { format: 'iife' });
+const workerWasm = readFileSync(join(wasmFolder, 'worker/fourdvt-worker.wasm'));
+const workerStamp = stampOf(stamp, workerWasm);
+writeFileSync(join(out, 'fourdvt-worker.wasm'), stampWasm(workerWasm, workerStamp));
+const define = { FOURDVT_WORKER: `"${workerStamp}"` };
+await bundle(join(here, 'src/more.ts'), 'fourdvt-more.js', { define });
+await bundle(join(here, 'src/geometry-worker.ts'), 'fourdvt-worker.js', { format: 'iife', define });
 if (hasOpencv) {
   await bundle(join(opencvFolder, 'fourdvt-opencv.js'), 'fourdvt-opencv.js');
   copyWasm(join(opencvFolder, 'fourdvt-opencv.wasm'), 'fourdvt-opencv.wasm');

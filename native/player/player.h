@@ -113,7 +113,7 @@ class Player {
   virtual void decodeElsewhere(bool) {}
   virtual std::optional<DecodeJob> decodeJob(size_t) { return {}; }
   virtual bool takeDecoded(uint32_t, uint32_t, std::span<const uint8_t>, double) { return false; }
-  // What jobs are decoded with; null: there will be none.
+  // Meshes that jobs are decoded with; null: there will be no jobs.
   virtual const package::BaseMesh* mesh() const { return nullptr; }
   virtual const package::ChunkMesh* chunkMesh() const { return nullptr; }
 

@@ -140,6 +140,25 @@ class SimulatedEdge {
   }
   double uniform(double high) { return std::uniform_real_distribution<double>(0, high)(random_); }
   uint32_t below(uint32_t n) { return random_() % n; }
+  // Seeks, sets rate, motion or speed_mps now and then, and plays else. Needs the motions `walk` and `go`.
+  void command() {
+    switch (below(80)) {
+      case 0:
+        player->seekFrame(below(40));
+        break;
+      case 1:
+        player->setRate(0.25 + uniform(3.7));
+        break;
+      case 2:
+        ASSERT_TRUE(player->goTo(below(2) ? "walk" : "go").ok());
+        break;
+      case 3:
+        EXPECT_TRUE(player->setParameter("speed_mps", 1 + uniform(1), false).ok());
+        break;
+      default:
+        if (player->paused()) player->play();
+    }
+  }
   std::vector<FetchRange> pendingFetches() const {
     std::vector<FetchRange> out;
     for (const PendingFetch& fetch : fetches_) out.push_back(fetch.range);

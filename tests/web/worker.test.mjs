@@ -2,11 +2,16 @@
 // The worker that decodes geometry: one for all viewers of a page, exact frames, its characters forgotten when they go; and
 // pages where it cannot be had, fails, falls silent or lies, which play on without it and say so once.
 import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 
 import { environment, kPatienceMs, launch, openPage } from './harness.mjs';
 import { serve } from './server.mjs';
 
+// The stamp of the build under test: section fourdvt of the worker's module.
+const [kSection] = WebAssembly.Module.customSections(new WebAssembly.Module(readFileSync(join(environment('SITE'), 'fourdvt-viewer/fourdvt-worker.wasm'))), 'fourdvt');
+const kReady = `postMessage({ kind: 'ready', stamp: '${Buffer.from(kSection)}' })`;
 const kPolicy = "default-src 'self' 'unsafe-inline' 'wasm-unsafe-eval' data:";
 
 let server, other, browser;
@@ -145,8 +150,15 @@ test('a worker script that throws: one warning, and the page decodes', async () 
   await close(page);
 });
 
+test('a worker script of another build: one warning, and the page decodes', async () => {
+  const page = await open({ script: "onmessage = ({ data }) => { if (data.kind === 'start') postMessage({ kind: 'ready', stamp: 'an earlier one' }); }" });
+  await warned(page, /another build: upload all files/);
+  assert.equal(await seekFresh(page), 0);
+  await close(page);
+});
+
 test('a silent worker is left after two seconds, and the seek ends', async () => {
-  const page = await open({ script: "onmessage = ({ data }) => { if (data.kind === 'start') postMessage({ kind: 'ready' }); }" });
+  const page = await open({ script: `onmessage = ({ data }) => { if (data.kind === 'start') ${kReady}; }` });
   await workerStarts(page);
   assert.equal(await seekFresh(page), 0);
   await warned(page, /silent for 2 s/);
@@ -156,7 +168,7 @@ test('a silent worker is left after two seconds, and the seek ends', async () =>
 
 test('frames of another size, of unknown jobs and out of order are not shown', async () => {
   const page = await open({ script: `onmessage = ({ data: { kind, character, jobs } }) => {
-    if (kind === 'start') postMessage({ kind: 'ready' });
+    if (kind === 'start') ${kReady};
     for (const { id } of jobs ?? []) {
       const frame = (job, frame, bytes) => postMessage({ kind: 'frame', character, job, frame, data: new ArrayBuffer(bytes), seconds: 0 });
       frame(id + 1000, 0, 8);

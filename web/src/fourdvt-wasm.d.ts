@@ -4,6 +4,8 @@
 
 /** The section `fourdvt` of the wasm files that were built with this script. */
 declare const FOURDVT_STAMP: string;
+/** Stamp of fourdvt-worker.wasm, shared with the scripts that use it. */
+declare const FOURDVT_WORKER: string;
 /** A query that names the content of the files beside this script, so that no cache has earlier ones under it. */
 declare const FOURDVT_VERSION: string;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decoding of layered characters' geometry in a worker: one for all viewers of a page. Players say after each tick which
-// GOPs they want; frames come back before a later tick. Where there is no worker (a policy forbids it, it fails or falls
+// Decoding of layered characters' geometry in a worker: one for all viewers of a page. Players list after each
+// tick the GOPs that are wanted; frames come back before a later tick. Where there is no worker (a policy forbids it, it fails or falls
 // silent), the players decode in slices of the main thread as before. Part of fourdvt-more.js.
 import { readDecodeJob, readGeometryMesh } from './generated/abi.js';
 import type { FromWorker, ToWorker, WantedJob } from './geometry-messages.js';
@@ -64,7 +64,8 @@ class GeometryWorker {
   }
 
   #take(message: FromWorker): void {
-    if (message.kind === 'ready') this.ready = true;
+    if (message.kind === 'ready' && message.stamp === FOURDVT_WORKER) this.ready = true;
+    else if (message.kind === 'ready') this.fail('fourdvt-worker.js is of another build: upload all files of the player again');
     else if (message.kind === 'failed') this.fail(message.reason);
     else this.#joined.get(message.character)?.take(message);
   }

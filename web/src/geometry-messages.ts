@@ -21,7 +21,8 @@ export type ToWorker =
   | { kind: 'leave'; character: number };
 
 export type FromWorker =
-  | { kind: 'ready' }
+  /** stamp: of the build, which the page's script must share. */
+  | { kind: 'ready'; stamp: string }
   | { kind: 'failed'; reason: string }
   /** data: empty if the frame does not decode; no further one of the job follows then. */
   | { kind: 'frame'; character: number; job: number; frame: number; data: ArrayBuffer; seconds: number };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // fourdvt-worker.js: decodes geometry of a page's characters beside its main thread, one frame after the other, those
-// that are wanted first before the others. Knows nothing of players: it gets chunks and gives decoded frames.
+// that are wanted first before the others. Has no players: chunks come in, decoded frames go out.
 import { readDecodedFrame, type WorkerExports } from './generated/abi.js';
 import type { FromWorker, Opening, ToWorker, WantedJob } from './geometry-messages.js';
 
@@ -38,6 +38,7 @@ const bytesAt = (): Uint8Array => new Uint8Array(wasm!.memory.buffer);
 // A block of the module's memory, to be freed.
 function put(bytes: ArrayBuffer): number {
   const at = wasm!.fdvt_worker_alloc(bytes.byteLength || 1);
+  if (!at) throw new RangeError('no memory');
   bytesAt().set(new Uint8Array(bytes), at);
   return at;
 }
@@ -46,13 +47,16 @@ async function start(url: string): Promise<void> {
   const answer = await fetch(url);
   if (!answer.ok) throw new Error(`${url}: ${answer.status}`);
   const nothing = (): number => 0;
-  const { instance } = await WebAssembly.instantiate(await answer.arrayBuffer(), {
+  const module = await WebAssembly.compile(await answer.arrayBuffer());
+  const [section] = WebAssembly.Module.customSections(module, 'fourdvt');
+  if (!section || new TextDecoder().decode(section) !== FOURDVT_WORKER) throw new Error(`${url} is of another build`);
+  const instance = await WebAssembly.instantiate(module, {
     env: { emscripten_notify_memory_growth: nothing },
     wasi_snapshot_preview1: { proc_exit: nothing, fd_write: nothing, fd_close: nothing, fd_seek: nothing },
   });
   wasm = instance.exports as unknown as Exports;
   wasm._initialize();
-  scope.postMessage({ kind: 'ready' });
+  scope.postMessage({ kind: 'ready', stamp: FOURDVT_WORKER });
 }
 
 function addMesh(character: number, faces: ArrayBuffer, base: ArrayBuffer): void {

@@ -12,8 +12,8 @@ namespace fourdvt::package {
 // alignment, root and labels, in this order.
 void writeDecodedFrame(const ChunkFrames& frame, std::vector<uint8_t>& out);
 
-// A decoder of the GOP that gets its frames by `append`; decodeTo and step do nothing. begun: of the GOP, with so many
-// frames that are there already, and perhaps parts of one more, which are dropped.
+// Makes a decoder whose frames come by `append`; its decodeTo and step do nothing. begun: a GOP whose first `frames`
+// frames are decoded already; parts of a further one are dropped.
 std::unique_ptr<ChunkDecoder> receivedChunk(const StreamIndex& index, uint32_t chunk);
 std::unique_ptr<ChunkDecoder> receivedChunk(ChunkFrames begun, uint32_t frames);
 

@@ -46,7 +46,7 @@ void Loading::decodeAhead(std::span<const Need> needs, bool seeking) {
       if (const Ahead at = reach(need, ahead); at.gop && !decodeAhead(at, ahead == 0, left)) return;
 }
 
-// The row of the frame that follows after so many others. No GOP: there is none, or its chunk is not there.
+// Finds GOP and row of the frame `ahead` frames after the needed one. gop: null beyond the end, or without its chunk.
 Loading::Ahead Loading::reach(const Need& need, uint32_t ahead) {
   if (!playable(need.sequence)) return {};
   const package::StreamIndex& streamed = index(need.sequence);
@@ -84,8 +84,8 @@ void Loading::handOver(const Ahead& at) {
   gop.job = ++last_job_;
 }
 
-// Makes a GOP that nobody has begun a job, and lists a job until it is done: as far as its rows are wanted, or whole
-// while memory allows it.
+// Turns a GOP that is not begun into a job, and lists each job until it is done: whole while memory allows it, else as
+// far as its rows are wanted.
 void Loading::giveAway(const Ahead& at, bool urgent) {
   stream::Gop& gop = *at.gop;
   if (!elsewhere_ && gop.job && gop.decodedRows() < at.row_count) gop.dropDecoded();

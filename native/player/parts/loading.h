@@ -136,9 +136,9 @@ class Loading {
   void decodeElsewhere(bool on) { elsewhere_ = on; }
   // The jobs since the last decodeAhead, the most urgent first. None: there is no job of that number.
   std::optional<DecodeJob> decodeJob(size_t number);
-  // A row that was decoded elsewhere, and how long that took; no bytes: it does not decode, and is tried here. Rows of
-  // a job come in order, from the first again after it was not wanted for a while; others than the next one are
-  // ignored. False: the job is no longer wanted.
+  // Takes a row that was decoded elsewhere, and the time that it took; without bytes the row does not decode there, and
+  // is tried here. Rows of a job come in order, from the first again after a while in which it was not wanted; others
+  // than the next one are ignored. False: the job is no longer wanted.
   bool takeDecoded(uint32_t job, uint32_t row, std::span<const uint8_t> bytes, double seconds);
   const package::ChunkMesh& chunkMesh() const { return chunk_mesh_; }  // of `mesh`
   const DecodeStats& decodeStats() const { return decoded_; }

@@ -35,6 +35,15 @@ struct Held {
       }
     }
   }
+  void want(const Need& need) {
+    fill(need);
+    loading.decodeAhead({&need, 1}, false);
+  }
+  // A decoder of the most urgent job.
+  std::unique_ptr<package::ChunkDecoder> openJob() {
+    const DecodeJob job = *loading.decodeJob(0);
+    return package::ChunkDecoder::open(job.chunk, *job.index, job.gop, loading.chunkMesh()).take();
+  }
   std::vector<uint32_t> gops() {
     std::vector<uint32_t> out;
     while (const auto job = loading.decodeJob(out.size())) out.push_back(job->gop);
@@ -75,13 +84,11 @@ using Gops = std::vector<uint32_t>;
 TEST(DecodeElsewhere, GopsAreJobsNearestFirstUntilTheyAreDone) {
   Held held;
   const Need need{0, 25, true, {}};
-  held.fill(need);
-  held.loading.decodeAhead({&need, 1}, false);
+  held.want(need);
   EXPECT_EQ(held.gops(), Gops{}) << "not before it is on";
   Held other;
   other.loading.decodeElsewhere(true);
-  other.fill(need);
-  other.loading.decodeAhead({&need, 1}, false);
+  other.want(need);
   EXPECT_EQ(other.gops(), (Gops{2, 0})) << "its own, and the next one round the loop";
   EXPECT_EQ(other.loading.decodeStats().rows, 0u);
   EXPECT_TRUE(other.frame(0, 25).empty());
@@ -100,8 +107,7 @@ TEST(DecodeElsewhere, FramesAreThoseThatDecodingHereGives) {
     for (uint32_t first : {0u, 10u, 20u}) {
       const Need need{sequence, first, true, {}};
       for (Held* held : {&here, &there}) {
-        held->fill(need);
-        held->loading.decodeAhead({&need, 1}, false);
+        held->want(need);
         held->work();
       }
       for (uint32_t f = first; f < first + 8; ++f) {
@@ -117,8 +123,7 @@ TEST(DecodeElsewhere, FramesAreThoseThatDecodingHereGives) {
 TEST(DecodeElsewhere, AGopThatWasBegunHereStaysWhileItIsDueAndIsHandedOverElse) {
   Held held;
   const Need need{0, 0, true, {}};
-  held.fill(need);
-  held.loading.decodeAhead({&need, 1}, false);
+  held.want(need);
   const uint64_t rows = held.loading.decodeStats().rows;
   EXPECT_EQ(rows, 13u) << "this frame and twelve more";
   held.loading.decodeElsewhere(true);
@@ -137,8 +142,7 @@ TEST(DecodeElsewhere, PartsOfARowAreDroppedAtAHandOver) {
   Held held;
   held.loading.sliceDecoding({.steps = 1 + 20 + 1 + 3});  // ten rows of two steps, then a row and a half
   const Need need{0, 0, true, {}};
-  held.fill(need);
-  held.loading.decodeAhead({&need, 1}, false);
+  held.want(need);
   EXPECT_EQ(held.loading.decodeStats().rows, 11u);
   held.loading.decodeElsewhere(true);
   const Need next{0, 2, true, {}};
@@ -151,17 +155,15 @@ TEST(DecodeElsewhere, OnlyTheNextFrameOfAWantedJobIsTaken) {
   Held held;
   held.loading.decodeElsewhere(true);
   const Need need{0, 0, true, {}};
-  held.fill(need);
-  held.loading.decodeAhead({&need, 1}, false);
-  const auto job = held.loading.decodeJob(0);
-  ASSERT_TRUE(job);
-  auto decoder = package::ChunkDecoder::open(job->chunk, *job->index, job->gop, held.loading.chunkMesh()).take();
+  held.want(need);
+  ASSERT_EQ(held.gops().size(), 2u);
+  const uint32_t id = held.loading.decodeJob(0)->id;
+  auto decoder = held.openJob();
   std::vector<std::vector<uint8_t>> frames(3);
   for (uint32_t f = 0; f < 3; ++f) {
     ASSERT_TRUE(decoder->decodeTo(f).ok());
     package::writeDecodedFrame(decoder->take(), frames[f]);
   }
-  const uint32_t id = job->id;
   EXPECT_FALSE(held.loading.takeDecoded(id + 7, 0, frames[0], 0));
   EXPECT_TRUE(held.loading.takeDecoded(id, 1, frames[1], 0)) << "too early: ignored";
   EXPECT_TRUE(held.frame(0, 0).empty());
@@ -179,8 +181,7 @@ TEST(DecodeElsewhere, WhatDoesNotDecodeThereIsDecodedHere) {
     Held held;
     held.loading.decodeElsewhere(true);
     const Need need{0, 3, true, {}};
-    held.fill(need);
-    held.loading.decodeAhead({&need, 1}, false);
+    held.want(need);
     const std::vector<uint8_t> nothing(bytes);
     EXPECT_FALSE(held.loading.takeDecoded(held.loading.decodeJob(0)->id, 0, nothing, 0));
     held.loading.decodeAhead({&need, 1}, false);
@@ -193,24 +194,21 @@ TEST(DecodeElsewhere, ARootThatIsNoNumberIsRefused) {
   Held held;
   held.loading.decodeElsewhere(true);
   const Need need{0, 0, true, {}};
-  held.fill(need);
-  held.loading.decodeAhead({&need, 1}, false);
-  const auto job = held.loading.decodeJob(0);
-  auto decoder = package::ChunkDecoder::open(job->chunk, *job->index, job->gop, held.loading.chunkMesh()).take();
+  held.want(need);
+  auto decoder = held.openJob();
   std::vector<uint8_t> frame;
   ASSERT_TRUE(decoder->decodeTo(0).ok());
   package::ChunkFrames decoded = decoder->take();
   decoded.root[0].y = std::nanf("");
   package::writeDecodedFrame(decoded, frame);
-  EXPECT_FALSE(held.loading.takeDecoded(job->id, 0, frame, 0));
+  EXPECT_FALSE(held.loading.takeDecoded(held.loading.decodeJob(0)->id, 0, frame, 0));
 }
 
 TEST(DecodeElsewhere, SwitchedOffWhatIsUnfinishedIsDecodedHere) {
   Held held;
   held.loading.decodeElsewhere(true);
   const Need need{0, 4, true, {}};
-  held.fill(need);
-  held.loading.decodeAhead({&need, 1}, false);
+  held.want(need);
   held.work(0.004);
   EXPECT_EQ(held.loading.decodeStats().elsewhere, 2u);
   held.loading.decodeElsewhere(false);
@@ -225,16 +223,14 @@ TEST(DecodeElsewhere, AnotherChunkIsAnotherJob) {
   Held held(0);
   held.loading.decodeElsewhere(true);
   const Need need{0, 5, true, {}};
-  held.fill(need);
-  held.loading.decodeAhead({&need, 1}, false);
+  held.want(need);
   const auto coarse = held.loading.decodeJob(0);
   ASSERT_TRUE(coarse);
   EXPECT_NE(coarse->index->position_step_m, kStep_m);
   held.work();
   held.loading.ladder().setQuality(1, 0);
   const Need again{0, 4, true, {}};  // a pass that begins anew takes the fine chunk
-  held.fill(again);
-  held.loading.decodeAhead({&again, 1}, false);
+  held.want(again);
   const auto fine = held.loading.decodeJob(0);
   ASSERT_TRUE(fine);
   EXPECT_NE(fine->id, coarse->id);
@@ -266,25 +262,8 @@ TEST(DecodeElsewhere, ThousandsOfFramesWithoutAMismatch) {
       worker.work(*edge.player, *edge.player->chunkMesh(), edge.now_s);
       const TaggingDevice::Drawn drawn = edge.draw();  // of either rendition
       EXPECT_EQ(drawn.picture_frame, drawn.geometry_frame);
-      switch (edge.below(80)) {
-        case 0:
-          edge.player->seekFrame(edge.below(40));
-          break;
-        case 1:
-          edge.player->setRate(0.25 + edge.uniform(3.7));
-          break;
-        case 2:
-          ASSERT_TRUE(edge.player->goTo(edge.below(2) ? "walk" : "go").ok());
-          break;
-        case 3:
-          EXPECT_TRUE(edge.player->setParameter("speed_mps", 1 + edge.uniform(1), false).ok());
-          break;
-        case 4:
-          edge.player->setQuality(edge.below(2), 0);
-          break;
-        default:
-          if (edge.player->paused()) edge.player->play();
-      }
+      edge.command();
+      if (edge.below(80) == 0) edge.player->setQuality(edge.below(2), 0);
       ASSERT_FALSE(::testing::Test::HasFailure()) << "seed " << seed;
     }
     EXPECT_TRUE(edge.errors.empty());
@@ -316,7 +295,7 @@ TEST(DecodeElsewhere, SeeksAreExactAndNothingIsDecodedHere) {
   EXPECT_LE(decoded.rows - decoded.elsewhere, here + 10) << "the GOP that was begun before";
 }
 
-// As web/src/geometry-decoding.ts does when nothing comes.
+// Follows web/src/geometry-decoding.ts where nothing comes.
 TEST(DecodeElsewhere, ASilentWorkerIsReplacedByDecodingHere) {
   const FakeCharacter character = twoSequences();
   SimulatedEdge edge(character, {});

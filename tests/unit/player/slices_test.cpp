@@ -237,22 +237,7 @@ TEST(DecodeSlices, ThousandsOfFramesWithoutAMismatch) {
     for (int i = 0; i < 6000; ++i) {
       edge.step(edge.uniform(0.03));
       edge.expectPaired();
-      switch (edge.below(80)) {
-        case 0:
-          edge.player->seekFrame(edge.below(40));
-          break;
-        case 1:
-          edge.player->setRate(0.25 + edge.uniform(3.7));
-          break;
-        case 2:
-          ASSERT_TRUE(edge.player->goTo(edge.below(2) ? "walk" : "go").ok());
-          break;
-        case 3:
-          EXPECT_TRUE(edge.player->setParameter("speed_mps", 1 + edge.uniform(1), false).ok());
-          break;
-        default:
-          if (edge.player->paused()) edge.player->play();
-      }
+      edge.command();
       ASSERT_FALSE(::testing::Test::HasFailure()) << "seed " << seed;
     }
     EXPECT_TRUE(edge.errors.empty());
