@@ -350,6 +350,9 @@ test('pings every 5 s tell the server\'s clock, by the quickest answer; the late
   assert.ok(Number.isNaN(s.stream.latency), 'nothing is shown yet');
   s.capturedUs = (kServerAheadMs - 130) * 1000;
   assert.ok(Math.abs(s.stream.latency - 0.15) < 1e-6);
+  s.capturedUs = (kServerAheadMs + s.nowMs + 5) * 1000;
+  assert.equal(s.stream.latency, 0, 'not before its capture');
+  s.capturedUs = (kServerAheadMs - 130) * 1000;
   s.turn(5500);
   assert.equal(s.socket.sent.length, 2);
   pong(400, 90);

@@ -125,7 +125,8 @@ export class LiveStream {
 
   get state(): LiveState { return this.#state; }
 
-  /** Seconds from the capture of the shown frame to now; NaN while the server's clock or a frame is missing. */
+  /** Seconds from the capture of the shown frame to now, at least 0; NaN while the server's clock or a frame is missing. Its
+   * error is up to half the trip of the quickest of the latest pongs. */
   get latency(): number {
     let capturedUs = 0;
     try {
@@ -135,7 +136,7 @@ export class LiveStream {
       });
     } catch { /* the player has ended */ }
     const [best] = [...this.#pongs].sort((a, b) => a.tripMs - b.tripMs);
-    return best && capturedUs ? (this.#page.now() + best.aheadMs) / 1000 - capturedUs / 1e6 : NaN;
+    return best && capturedUs ? Math.max(0, (this.#page.now() + best.aheadMs) / 1000 - capturedUs / 1e6) : NaN;
   }
 
   /** Tells a new player to play this stream, when it has been told the manifest. */
