@@ -6,7 +6,7 @@ import { spawnSync } from 'node:child_process';
 import { existsSync, mkdirSync, readdirSync, writeFileSync } from 'node:fs';
 import { basename, join } from 'node:path';
 
-const [program, corpus, kept, seconds = '10'] = process.argv.slice(2);
+const [program, corpus, kept, seconds = '5'] = process.argv.slice(2);
 if (!kept) {
   console.error('usage: run.mjs PROGRAM CORPUS KEPT [SECONDS]');
   process.exit(2);

@@ -20,8 +20,8 @@ inline const std::string kSample = std::string(FOURDVT_SOURCE_DIR) + "/site/samp
 class TempFolder {
  public:
   TempFolder() {
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    path_ = std::filesystem::path(testing::TempDir()).parent_path().string() + "/fourdvt_" + test->test_suite_name() +
+    const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+    path_ = std::filesystem::path(::testing::TempDir()).parent_path().string() + "/fourdvt_" + test->test_suite_name() +
             "_" + test->name() + "_" + std::to_string(::getpid());
     std::filesystem::remove_all(path_);
     std::filesystem::create_directories(path_);

@@ -7,7 +7,7 @@ import { after, before, test } from 'node:test';
 import { environment, kElsewhere, launch, launchFirefox, openPage } from './harness.mjs';
 import { kNoWebCodecs, openOnPath, playOnPath, servePlain } from './play_path.mjs';
 
-const kFrames = 200;
+const kFrames = 60; // and each kind of change once
 const viewport = { width: 240, height: 280 };
 let server, browser;
 
@@ -26,7 +26,7 @@ function judge(played, path) {
   // Pictures of a <video> element may be refused: another one takes their place while they are copied. None of them is shown.
   assert.ok(played.mismatches <= (path === 'video' ? played.checked / 50 : 0), `${played.mismatches} pictures had no fitting number`);
   assert.ok(played.checked >= played.frames, `${played.checked} of ${played.frames} pictures were checked`);
-  assert.ok(played.loops.length > 3, 'no loop was seen');
+  assert.ok(played.loops.length > 0, 'no loop was seen');
   console.log(`${path}: ${played.frames} frames, ${played.late} left out`);
 }
 

@@ -28,7 +28,7 @@ export async function openOnPath(page, server, path, host = '127.0.0.1') {
 }
 
 /**
- * Shows so many frames. { frames, checked, mismatches, late, path, play, loops, seeks, rungs }: the last four are lists
+ * Shows at least so many frames, with each kind of change at least once. { frames, checked, mismatches, late, path, play, loops, seeks, rungs }: the last four are lists
  * of ms. A rung's is the longest time between pictures in the second after it was asked for.
  */
 export function playOnPath(page, frames) {
@@ -61,7 +61,8 @@ export function playOnPath(page, frames) {
     const pause = (ms) => new Promise((done) => setTimeout(done, ms));
     const length = () => viewer.sequences.find(({ name }) => name === viewer.sequence).frames;
     await viewer.play();
-    for (let round = 0; viewer.stats.framesShown - first.framesShown < frames && !out.errors.length; ++round) {
+    const isDone = (rounds) => out.errors.length || (rounds >= 6 && viewer.stats.framesShown - first.framesShown >= frames);
+    for (let round = 0; !isDone(round); ++round) {
       kind = 'play';
       await pause(1200);
       kind = '';
