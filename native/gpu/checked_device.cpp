@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "base/hash.h"
+
 namespace fourdvt::gpu {
 namespace {
 
@@ -170,15 +172,25 @@ Result<ProgramId> CheckedDevice::createProgram(std::string_view label, std::stri
   const std::string name(label);
   if (vertex_text.empty() || fragment_text.empty())
     return Error{ErrorId::GpuFailure, "program '" + name + "': empty text; is the shader file embedded?"};
+  const std::string vertex = wholeShader(defines, vertex_text), fragment = wholeShader(defines, fragment_text);
+  const uint64_t key = fnv1a(fragment, fnv1a(vertex));
+  for (auto& [id, program] : programs_) {
+    if (program.key != key) continue;
+    ++program.owners;
+    return id;
+  }
   const ProgramId id = next_id_++;
-  FOURDVT_TRY(onCreateProgram(id, name, wholeShader(defines, vertex_text), wholeShader(defines, fragment_text)));
+  FOURDVT_TRY(onCreateProgram(id, name, vertex, fragment));
   counters_.live_programs += 1;
-  programs_[id] = name;
+  programs_[id] = {key};
   return id;
 }
 
 void CheckedDevice::destroyProgram(ProgramId id) {
-  if (!programs_.erase(id)) return misuse("destroyProgram: no such program");
+  const auto found = programs_.find(id);
+  if (found == programs_.end()) return misuse("destroyProgram: no such program");
+  if (--found->second.owners) return;
+  programs_.erase(found);
   onDestroyProgram(id);
   counters_.live_programs -= 1;
 }

@@ -96,7 +96,11 @@ class CheckedDevice : public Device {
   std::map<TextureId, TextureRecord> textures_;
   // Indices of the buffers, and one more; 0: there is no such buffer. By id.
   std::vector<uint32_t> index_counts_;
-  std::map<ProgramId, std::string> programs_;  // labels
+  struct ProgramRecord {
+    uint64_t key = 0;     // of its texts
+    uint32_t owners = 1;  // programs of the same texts are one
+  };
+  std::map<ProgramId, ProgramRecord> programs_;
   std::map<TargetId, TargetRecord> targets_;
   std::map<ReadId, Region> reads_;
   uint32_t next_id_ = 1;

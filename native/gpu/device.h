@@ -142,7 +142,8 @@ class Device {
   virtual void updateIndices(IndexBufferId buffer, std::span<const uint32_t> indices) = 0;  // replaces all
   virtual void destroyIndexBuffer(IndexBufferId buffer) = 0;
   // GLSL ES 3.00 texts without the #version line; `defines` ("LAYERS 3\n…", one per line, no "#define") go first,
-  // then highp as the default precision. Error: GpuFailure with the label and the compiler's log.
+  // then highp as the default precision. Programs of the same texts are one, which is compiled once and destroyed as often
+  // as it was created. Error: GpuFailure with the label and the compiler's log.
   virtual Result<ProgramId> createProgram(std::string_view label, std::string_view vertex_text,
                                           std::string_view fragment_text, std::string_view defines = {}) = 0;
   virtual void destroyProgram(ProgramId program) = 0;

@@ -41,6 +41,23 @@ TEST_F(NullDeviceTest, countsLiveObjectsDownToZero) {
   fourdvt::testing::expectNothingLives(*device);
 }
 
+TEST_F(NullDeviceTest, compilesProgramsOfTheSameTextsOnce) {
+  const auto make = [&](const char* label, const char* fragment, const char* defines) {
+    return makeProgram(*device, label, "void main() {}", fragment, defines).take();
+  };
+  Program first = make("first", "a", "N 1\n"), other = make("other", "a", "N 2\n");
+  {
+    Program again = make("again", "a", "N 1\n");
+    EXPECT_EQ(again.id(), first.id());
+    EXPECT_NE(other.id(), first.id());
+    EXPECT_EQ(device->counters().live_programs, 2u);
+  }
+  EXPECT_EQ(device->counters().live_programs, 2u) << "one owner is left";
+  first.reset();
+  EXPECT_EQ(device->counters().live_programs, 1u);
+  EXPECT_NE(make("anew", "a", "N 1\n").id(), 0u);
+}
+
 TEST_F(NullDeviceTest, countsMipmapAndArrayBytes) {
   auto mipmapped =
       makeTexture(*device, {.format = PixelFormat::R8, .width = 8, .height = 4, .filter = Filter::LinearMipmap}).take();
