@@ -43,6 +43,32 @@ if (!readFileSync(abi).equals(readFileSync(join(wasmFolder, 'abi.ts')))) {
   fail(`the modules in ${wasmFolder} have another ABI than wasm/abi.txt: build the CMake preset wasm again`);
 }
 
+// Emscripten's script defines every export of the module by a function of its own. A table defines them alike.
+function tabulateExports(script) {
+  const stub = /var (\w+)=Module\["\1"\]=function\(\)\{return\(\1=Module\["\1"\]=Module\["asm"\]\["([\w$]+)"\]\)\.apply\(null,arguments\)\};/g;
+  const isUsed = (name) => script.split(new RegExp(`\\b${name}\\b`)).length > 6; // five times in its own definition
+  const names = [];
+  const rest = script.replace(stub, (definition, name, short) => {
+    if (isUsed(name)) return definition;
+    names.push(`${name} ${short}`);
+    return '';
+  });
+  const at = rest.indexOf('var calledRun;');
+  if (names.length < 50 || at < 0) fail("Emscripten's script defines its exports in another way than this program reads");
+  return `${rest.slice(0, at)}for(const e of "${names}".split(",")){const[n,s]=e.split(" ");Module[n]=(...a)=>Module["asm"][s](...a)}${rest.slice(at)}`;
+}
+
+// It fetches the module, too, where a page does not do it itself, as this one does.
+function leaveOutFetching(script) {
+  const cuts = [['var dataURIPrefix=', 'function createWasm('], ['function receiveInstantiationResult(', 'if(Module["instantiateWasm"])'],
+    ['instantiateAsync().catch(readyPromiseReject);', 'return{}}']];
+  return cuts.reduce((text, [from, to]) => {
+    const begin = text.indexOf(from), end = text.indexOf(to, begin);
+    if (begin < 0 || end < 0) fail(`Emscripten's script has no ${from} before ${to}`);
+    return text.slice(0, begin) + text.slice(end);
+  }, script);
+}
+
 function bundle(entry, outfile, more = {}) {
   return build({
     entryPoints: [entry],
@@ -76,10 +102,13 @@ if (hasOpencv) {
   copyWasm(join(opencvFolder, 'fourdvt-opencv.wasm'), 'fourdvt-opencv.wasm');
 }
 const version = stampOf(...readdirSync(out).sort().map((name) => readFileSync(join(out, name))));
+const script = join(out, 'fourdvt-wasm.js');
+writeFileSync(script, leaveOutFetching(tabulateExports(readFileSync(join(wasmFolder, 'fourdvt.js'), 'utf8'))));
 await bundle(join(here, 'src/fourdvt-viewer.ts'), 'fourdvt-viewer.js', {
-  alias: { 'fourdvt-wasm': join(wasmFolder, 'fourdvt.js') },
+  alias: { 'fourdvt-wasm': script },
   define: { FOURDVT_STAMP: `"${stamp}"`, FOURDVT_VERSION: `"?v=${version}"` },
 });
+rmSync(script);
 // For the page's <head>: begins the downloads before the script asks for them.
 writeFileSync(join(out, 'preload.html'), `<link rel="modulepreload" href="fourdvt-viewer/fourdvt-viewer.js">
 <link rel="preload" as="fetch" crossorigin href="fourdvt-viewer/fourdvt-viewer.wasm?v=${version}">

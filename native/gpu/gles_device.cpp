@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "gpu/checked_device.h"
+#include "gpu/gles_caps.h"
 #include "gpu/gles_pack_buffer.h"
 
 namespace fourdvt::gpu {
@@ -91,8 +92,8 @@ void setCapability(GLenum capability, bool on) { on ? glEnable(capability) : glD
 
 class GlesDevice final : public CheckedDevice {
  public:
-  GlesDevice() {
-    readCaps();
+  explicit GlesDevice(const Caps& caps) {
+    caps_ = caps;
     invalidateState();
   }
 
@@ -373,20 +374,6 @@ class GlesDevice final : public CheckedDevice {
     GLuint texture = 0;
   };
 
-  void readCaps() {
-    glGetIntegerv(GL_MAX_TEXTURE_SIZE, &caps_.max_texture_size);
-    glGetIntegerv(GL_MAX_SAMPLES, &caps_.max_samples);
-    if (const GLubyte* name = glGetString(GL_RENDERER)) caps_.renderer = reinterpret_cast<const char*>(name);
-    GLint count = 0;
-    glGetIntegerv(GL_NUM_EXTENSIONS, &count);
-    for (GLint i = 0; i < count; ++i) {
-      const auto* name = reinterpret_cast<const char*>(glGetStringi(GL_EXTENSIONS, static_cast<GLuint>(i)));
-      if (!name) continue;
-      if (std::strcmp(name, "GL_EXT_color_buffer_float") == 0) caps_.float_targets = caps_.half_float_targets = true;
-      if (std::strcmp(name, "GL_EXT_color_buffer_half_float") == 0) caps_.half_float_targets = true;
-    }
-  }
-
   // Keeps earlier errors for takeErrors, so that the next glGetError belongs to the next call.
   void drainErrors() { pending_ = onTakeErrors(); }
 
@@ -528,12 +515,8 @@ class GlesDevice final : public CheckedDevice {
 }  // namespace
 
 Result<std::unique_ptr<Device>> createGlesDevice() {
-  const auto* version = reinterpret_cast<const char*>(glGetString(GL_VERSION));
-  if (!version) return gpuError("no current GL context; create an EGL or WebGL2 context first");
-  GLint major = 0;
-  glGetIntegerv(GL_MAJOR_VERSION, &major);
-  if (major < 3) return gpuError(std::string("OpenGL ES 3.0 (WebGL2) is needed, but the context is ") + version);
-  return std::unique_ptr<Device>(std::make_unique<GlesDevice>());
+  FOURDVT_ASSIGN(const Caps caps, readCaps());
+  return std::unique_ptr<Device>(std::make_unique<GlesDevice>(caps));
 }
 
 }  // namespace fourdvt::gpu

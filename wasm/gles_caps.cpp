@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gpu/gles_caps.h"
+
+#include <GLES3/gl3.h>
+#include <emscripten.h>
+
+namespace fourdvt::gpu {
+namespace {
+
+// 1: targets of half floats, 2: of floats, too. Emscripten's own way has the context's strings copied into the heap.
+EM_JS(int, fdvt_enable_float_targets, (), {
+  return (GLctx.getExtension("EXT_color_buffer_half_float") ? 1 : 0) |
+         (GLctx.getExtension("EXT_color_buffer_float") ? 3 : 0);
+});
+
+}  // namespace
+
+Result<Caps> readCaps() {
+  Caps caps;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &caps.max_texture_size);
+  glGetIntegerv(GL_MAX_SAMPLES, &caps.max_samples);
+  const int floats = fdvt_enable_float_targets();
+  caps.half_float_targets = floats & 1;
+  caps.float_targets = floats & 2;
+  return caps;
+}
+
+}  // namespace fourdvt::gpu
