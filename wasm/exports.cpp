@@ -48,10 +48,20 @@ struct FillRequest {
   static abi::Bytes bytes(std::span<const uint8_t> s) { return {s.data(), static_cast<uint32_t>(s.size())}; }
 };
 
+// All canvases of a context share its device, and with it the programs.
+Result<std::shared_ptr<gpu::Device>> deviceOf(int32_t context) {
+  static int32_t known = 0;
+  static std::weak_ptr<gpu::Device> shared;
+  std::shared_ptr<gpu::Device> device = shared.lock();
+  if (device && known == context) return device;
+  FOURDVT_ASSIGN(device, gpu::createGlesDevice());
+  known = context;
+  shared = device;
+  return device;
+}
+
 Status openCanvas(Canvas& canvas) {
-  auto device = gpu::createGlesDevice();
-  if (!device.ok()) return device.error();
-  canvas.device = device.take();
+  FOURDVT_ASSIGN(canvas.device, deviceOf(canvas.context));
   auto recipe = render::Recipe::create(*canvas.device);
   if (!recipe.ok()) return recipe.error();
   canvas.recipe = recipe.take();
@@ -220,10 +230,16 @@ const abi::Request* fdvt_next_request(Instance* h) {
   return &h->records.request;
 }
 const abi::Event* fdvt_next_event(Instance* h) {
-  if (!h->player->nextEvent(h->event)) return nullptr;
-  h->records.event = {text(eventName(h->event.kind)), recordOf(h->event.error),
-                      static_cast<double>(h->event.loaded_bytes), static_cast<double>(h->event.total_bytes)};
-  return &h->records.event;
+  abi::Event& out = h->records.event;
+  if (h->fallback.is_new) {
+    h->fallback.is_new = false;
+    out = {text("methodfallback"), {text(h->fallback.wanted), text(h->fallback.message)}, text(h->fallback.drawn), 0, 0};
+  } else {
+    if (!h->player->nextEvent(h->event)) return nullptr;
+    out = {text(eventName(h->event.kind)), recordOf(h->event.error), {},
+           static_cast<double>(h->event.loaded_bytes), static_cast<double>(h->event.total_bytes)};
+  }
+  return &out;
 }
 
 void fdvt_range_received(Instance* h, uint32_t id, const uint8_t* data, uint32_t size) {
@@ -311,6 +327,7 @@ const abi::State* fdvt_state(Instance* h) {
   out.bytes_fetched = static_cast<double>(s.bytes_fetched);
   out.encoded_bytes_held = static_cast<double>(s.encoded_bytes_held);
   out.live_texture_bytes = static_cast<double>(c.live_texture_bytes);
+  out.live_target_bytes = static_cast<double>(c.live_target_bytes);
   out.rendition = s.rendition;
   out.decode_ms = 1e3 * s.decoded.rowSeconds();
   out.longest_decode_ms = 1e3 * s.decoded.longest_tick_s;

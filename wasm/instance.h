@@ -17,10 +17,10 @@ namespace fourdvt {
 
 class LivePlayer;
 
-// What the characters of one canvas share.
+// What the characters of one picture share. Several canvases may share a context, and its device.
 struct Canvas {
   EMSCRIPTEN_WEBGL_CONTEXT_HANDLE context = 0;
-  std::unique_ptr<gpu::Device> device;
+  std::shared_ptr<gpu::Device> device;
   std::shared_ptr<render::Recipe> recipe;
   render::Scene scene;
   std::string method;  // by which the recipe draws characters from cameras; empty: none
@@ -40,6 +40,12 @@ struct Records {
   abi::DecodeJob job;
 };
 
+// A method that was asked for, and the one that serves in its place.
+struct Fallback {
+  std::string wanted, drawn, message;
+  bool is_new = false;  // the page has not had the event
+};
+
 struct Instance {
   std::shared_ptr<Canvas> canvas;
   std::unique_ptr<Player> player;  // destroyed before the canvas
@@ -51,6 +57,7 @@ struct Instance {
   Event event;
   Error error;
   std::string goal;
+  Fallback fallback;
   Records records;
 };
 

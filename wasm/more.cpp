@@ -20,14 +20,6 @@ namespace {
 EM_JS(int, fdvt_page_flow, (const uint8_t* a, const uint8_t* b, int width, int height, float* out),
       { return Module['fourdvtFlow'] ? Module['fourdvtFlow'](a, b, width, height, out) : 0; });
 
-// Tells the page, as fdvt_set_method of abi.txt says, once the player has returned to it.
-EM_JS(void, fdvt_tell_fallback, (const char* wanted, const char* drawn, const char* message), {
-  const canvas = GL.currentContext.GLctx.canvas;
-  const detail = {wanted : UTF8ToString(wanted), drawn : UTF8ToString(drawn), message : UTF8ToString(message)};
-  const event = new CustomEvent('methodfallback', {detail : detail, composed : true});
-  queueMicrotask(function() { canvas.dispatchEvent(event); });
-});
-
 Status solveOnPage(const uint8_t* a, const uint8_t* b, int width, int height, float* flow) {
   if (fdvt_page_flow(a, b, width, height, flow)) return {};
   return Error{ErrorId::Unsupported, "the page has no optical flow: load the OpenCV module first"};
@@ -44,13 +36,14 @@ Result<std::unique_ptr<render::FlowSource>> makeFlow(gpu::Device& device, abi::A
 // How characters from cameras are drawn from now on; an empty name: as the character's manifest says. Where the device
 // or this player cannot, another method serves in its place and the page gets an event. Errors: InvalidArgument: no
 // such method.
-Status useMethod(Canvas& canvas, std::string_view name, const package::Character& character) {
+Status useMethod(Instance& h, std::string_view name, const package::Character& character) {
+  Canvas& canvas = *h.canvas;
   const std::string wanted(name.empty() ? character.method.name : name);
   const std::string known = name.empty() ? render::methodOf(character) : wanted;
   if (canvas.method == known) return {};
   FOURDVT_ASSIGN(auto made, name.empty() ? render::makeMethodOf(*canvas.device, character)
                                          : render::makeMethodThatServes(*canvas.device, name));
-  if (!made.notice.empty()) fdvt_tell_fallback(wanted.c_str(), made.name.c_str(), made.notice.c_str());
+  if (!made.notice.empty()) h.fallback = {wanted, made.name, made.notice, true};
   canvas.recipe->setMethod(std::move(made.method));
   canvas.method = known;
   return {};
@@ -118,7 +111,7 @@ int32_t fdvt_set_method(Instance* h, const char* name, uint32_t size, int32_t cl
   const package::Character* character = h->player->character();
   if (!character) return fail(h, ErrorId::InvalidArgument, "there is no character yet");
   makeCurrent(h);
-  if (!keep(h, useMethod(*h->canvas, {name, size}, *character))) return 0;
+  if (!keep(h, useMethod(*h, {name, size}, *character))) return 0;
   h->player->setMethod({.closest = closest, .visibility = static_cast<render::Visibility>(visibility)});
   return 1;
 }

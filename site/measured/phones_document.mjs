@@ -41,6 +41,21 @@ nothing, which leaves the software rasteriser out; the time is the thread's own,
 ${table(['scene', ...tasks.map((row) => (row.before ? `before (${measured[row.name].commit})` : row.title))],
     kScenes.map(([scene, title]) => [title, ...tasks.map(({ name }) => { const s = measured[name][scene]; return s ? `${fixed(s.median, 1)} / ${fixed(s.worst, 1)}` : '–'; })]))}
 `);
+  const portfolios = of('portfolio');
+  if (portfolios.length) parts.push(`## Many viewers on a page
+
+Viewers of 210×150 in three columns on a page of 640×480, each with an address of its own for the sample and without a cache: looked at for four seconds, scrolled to the
+end screen by screen, and back to the top. A screen is done when every viewer on it has a picture (median / worst, s; “never” counts those that
+were not after 40 s). Fetched unseen: kB for viewers that had not been on screen when the page had been looked at. Back at the top: pictures of the first viewer in a second.
+Megabytes held at once are of the whole page${portfolios.some(({ before }) => before) ? '; the earlier version counts those of one viewer only' : ''}.
+
+${table(['', 'contexts', 'modules', 'decoders', 'errors', 'top, s', 'a screen, s', 'never', 'unseen, kB', 'loaded', 'GPU, MB', 'heap, MB', 'back'], portfolios.map(({ name, title, before }) => {
+    const r = measured[name], steps = [...r.steps].sort((a, b) => a - b);
+    const seconds = (ms) => fixed(ms / 1000, 1);
+    return [`${title}${before ? `, before (${r.commit})` : ''}`, r.contexts, r.modules, r.decoders, r.errors, seconds(r.firstMs),
+      `${seconds(steps[steps.length >> 1])} / ${seconds(steps.at(-1))}`, r.failed, fixed(r.unseenBytes / 1000), r.peak.loaded, mega(r.peak.gpu), mega(r.peak.heap), r.back];
+  }))}
+`);
   const uploads = of('uploads');
   if (uploads.length) parts.push(`## Bytes for a picture
 

@@ -9,6 +9,8 @@ import { requireFromWeb } from './harness.mjs';
 
 const { buildSync } = requireFromWeb('esbuild');
 const folder = mkdtempSync(join(tmpdir(), 'fourdvt-source-'));
+const kNoPlayer = join(folder, 'no-player.mjs');
+writeFileSync(kNoPlayer, 'export default () => { throw new Error("the player is not part of this"); };\n');
 writeFileSync(join(folder, 'package.json'), '{"type": "module"}'); // .js files here are modules, also for Node 18
 process.on('exit', () => rmSync(folder, { recursive: true, force: true }));
 
@@ -18,5 +20,15 @@ export async function load(source) {
   const outfile = join(folder, `${encodeURIComponent(source)}.mjs`);
   const entry = fileURLToPath(new URL(`../../web/src/${name}.ts`, import.meta.url));
   buildSync({ entryPoints: [entry], outfile, bundle: true, format: 'esm', logLevel: 'silent' });
+  return import(pathToFileURL(outfile).href);
+}
+
+/** Several modules of web/src as one, which share what they import. */
+export async function loadTogether(...names) {
+  const source = fileURLToPath(new URL('../../web/src/', import.meta.url)), outfile = join(folder, `${encodeURIComponent(names.join('+'))}.mjs`);
+  const contents = names.map((name) => `export * from './${name}.ts';`).join('\n');
+  // None of them runs the player.
+  const define = { FOURDVT_VERSION: '""', FOURDVT_STAMP: '""' };
+  buildSync({ stdin: { contents, resolveDir: source }, outfile, bundle: true, format: 'esm', logLevel: 'silent', define, alias: { 'fourdvt-wasm': kNoPlayer } });
   return import(pathToFileURL(outfile).href);
 }

@@ -93,7 +93,7 @@ test('off-screen the clock stands still, back on screen it goes on', async () =>
   await open({ attributes: { autoplay: '' } });
   await until(() => document.querySelector('fourdvt-viewer').stats.framesShown > 2);
   await page.evaluate(async () => {
-    document.querySelector('fourdvt-viewer').style.marginTop = '3000px';
+    document.querySelector('fourdvt-viewer').style.marginTop = `${innerHeight + 50}px`;
     await new Promise((next) => setTimeout(next, 500));
     globalThis.shown = document.querySelector('fourdvt-viewer').stats.framesShown;
   });
@@ -101,6 +101,39 @@ test('off-screen the clock stands still, back on screen it goes on', async () =>
   assert.equal(await page.evaluate(() => document.querySelector('fourdvt-viewer').stats.framesShown - globalThis.shown), 0);
   await page.evaluate(() => { document.querySelector('fourdvt-viewer').style.marginTop = '0'; });
   await until(() => document.querySelector('fourdvt-viewer').stats.framesShown > globalThis.shown + 2);
+});
+
+test('far from the screen its memory is freed and its picture stays, back on screen it goes on where it was', async () => {
+  await open({ attributes: { autoplay: '', loop: '', sequence: 'walk' } });
+  await until(() => document.querySelector('fourdvt-viewer').stats.framesShown > 2);
+  const bytes = await page.evaluate(() => document.querySelector('fourdvt-viewer').stats.textureBytes);
+  assert.ok(bytes > 1e6);
+  await page.evaluate(() => {
+    const viewer = document.querySelector('fourdvt-viewer');
+    globalThis.suspended = 0;
+    viewer.addEventListener('suspend', () => ++globalThis.suspended);
+    viewer.goTo('run');
+    viewer.setAttribute('camera-orbit', '80deg 10deg 3m');
+    viewer.jumpCameraToGoal();
+    viewer.style.marginTop = `${6 * innerHeight}px`;
+  });
+  await until(() => document.querySelector('fourdvt-viewer').stats === null && document.querySelector('fourdvt-viewer').shadowRoot.querySelector('.poster').src.startsWith('blob:'));
+  const far = await page.evaluate(async () => {
+    const { shadowRoot, paused } = document.querySelector('fourdvt-viewer');
+    const poster = shadowRoot.querySelector('.poster');
+    await poster.decode();
+    return { paused, suspended: globalThis.suspended, canvases: shadowRoot.querySelectorAll('canvas').length, shown: getComputedStyle(poster).opacity, width: poster.naturalWidth };
+  });
+  assert.ok(far.width > 50);
+  assert.deepEqual({ ...far, width: 0 }, { paused: false, suspended: 1, canvases: 0, shown: far.shown, width: 0 });
+  await page.evaluate(() => { document.querySelector('fourdvt-viewer').style.marginTop = '0'; });
+  await until(() => document.querySelector('fourdvt-viewer').stats?.framesShown > 2);
+  const back = await page.evaluate(() => {
+    const viewer = document.querySelector('fourdvt-viewer');
+    return { sequence: viewer.sequence, azimuth: viewer.getCameraOrbit().azimuth, paused: viewer.paused };
+  });
+  assert.deepEqual(back, { sequence: 'run', azimuth: 80, paused: false });
+  assert.deepEqual(page.troubles, []);
 });
 
 test('removal while playing closes every decoder and picture and gives the GL context back', async () => {
@@ -122,7 +155,9 @@ test('removal while playing closes every decoder and picture and gives the GL co
     const before = globalThis.live.decoders;
     viewer.remove();
     await new Promise((next) => setTimeout(next, 200));
-    return { before, after: globalThis.live.decoders, lost: gl.isContextLost(), stats: viewer.stats };
+    const after = globalThis.live.decoders;
+    for (const end = performance.now() + 10_000; !gl.isContextLost() && performance.now() < end;) await new Promise((next) => setTimeout(next, 100));
+    return { before, after, lost: gl.isContextLost(), stats: viewer.stats };
   });
   assert.deepEqual(seen, { before: 1, after: 0, lost: true, stats: null });
   assert.deepEqual(page.troubles, []);

@@ -22,10 +22,9 @@ const heapOf = (module: WasmModule): Heap => ({
   bytes: (block, length) => module.HEAPU8.subarray(block, block + length),
 });
 
-/** What one character shares with the others of its canvas. */
+/** What one character shares with others: the page's stage, and the canvas with those beside it. */
 export interface ActorContext {
-  module: WasmModule;
-  gl: WebGL2RenderingContext;
+  stage: { readonly module: WasmModule; readonly gl: WebGL2RenderingContext; readonly context: number };
   path: UploadPath;
   /** Serves upload path 'video'; undefined on the others. */
   video: {
@@ -79,7 +78,7 @@ export class Actor implements Performer {
     this.#transport = source.transport;
     this.#commands = commands;
     this.#host = host;
-    const player = new WasmPlayer(context.module, context.beside?.player ?? context.gl, kindOf(context.path), context.path === 'i420' ? PLANE_SLOTS : PICTURE_SLOTS);
+    const player = new WasmPlayer(context.stage.module, context.beside?.player ?? context.stage.context, kindOf(context.path), context.path === 'i420' ? PLANE_SLOTS : PICTURE_SLOTS);
     this.#player = player;
     try {
       player.loadManifest(source.manifest, source.start, source.load);
@@ -170,6 +169,8 @@ export class Actor implements Performer {
           this.#host.emit('error', event.error);
         } else if (event.name === 'progress') {
           this.#host.emit('progress', { loaded: event.loadedBytes, total: event.totalBytes });
+        } else if (event.name === 'methodfallback') {
+          this.#host.emit(event.name, { wanted: event.error.id, drawn: event.drawn, message: event.error.message });
         } else if (event.name === 'warning') {
           console.warn(`fourdvt-viewer: ${event.error.id}: ${event.error.message}`);
         } else {
@@ -212,7 +213,7 @@ export class Actor implements Performer {
     }));
   }
   #makeDecoder(callbacks: DecoderCallbacks): PictureDecoder {
-    const { module, path, video } = this.#context;
+    const { stage: { module }, path, video } = this.#context;
     return video?.makeVideoDecoder(callbacks) ?? new FrameDecoder(kindOf(path), heapOf(module), callbacks);
   }
 
@@ -249,7 +250,7 @@ export class Actor implements Performer {
       return;
     }
     const texture = player.slotTexture(slot);
-    const { gl, path } = this.#context;
+    const { stage: { gl }, path } = this.#context;
     if (picture.kind === 'video') {
       const { video } = picture;
       // Another size than the texture's is refused when it is committed.
@@ -279,7 +280,7 @@ export class Actor implements Performer {
     try {
       return action(this.#player);
     } catch (reason) {
-      if (!this.#context.gl.isContextLost()) this.#host.fatal(reason);
+      if (!this.#context.stage.gl.isContextLost()) this.#host.fatal(reason);
       return undefined;
     }
   }

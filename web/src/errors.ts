@@ -22,6 +22,9 @@ export class ViewerError extends Error {
   }
 }
 
+/** What the files of two bakes bring when a new one was put in place of the one that is playing. */
+export const mayBeOfTwoBakes = ({ id }: ErrorDetail): boolean => id === 'files-differ' || id === 'fetch-failed';
+
 /** Dispatches an event of an element; an error is written to the console, too, for pages that listen to none. */
 export function dispatch(element: Element, name: string, detail?: unknown): void {
   if (name === 'error') {
@@ -47,3 +50,6 @@ export function asViewerError(reason: unknown): ViewerError {
     ? new ViewerError('out-of-memory', `the browser has no memory left for the character (${text}); close other tabs`)
     : new ViewerError('internal', text);
 }
+
+/** On a server there are no elements, but the script can be imported. */
+export const PageElement = globalThis.HTMLElement ?? (class {} as typeof HTMLElement);

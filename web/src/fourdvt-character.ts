@@ -4,10 +4,10 @@
 // and pauses with it, and comes back as it was after a lost GL context.
 import { Commands } from './commands.js';
 import { JOIN_EVENT, type Companion } from './companion.js';
-import { asViewerError, characterAddress, dispatch } from './errors.js';
+import { asViewerError, characterAddress, dispatch, PageElement } from './errors.js';
 import type { Placement } from './wasm-player.js';
 
-export class FourdvtCharacter extends HTMLElement {
+export class FourdvtCharacter extends PageElement {
   static readonly observedAttributes = ['src', 'sequence', 'position', 'heading', 'travel'];
   readonly #commands = new Commands();
   #membership: AbortController | null = null; // while the element is in a document

@@ -3,6 +3,7 @@
 // measures the server's clock, and connects again by itself whenever the connection is lost. Part of fourdvt-more.js.
 // In place of a Transport it has no files. Does not decode or draw anything.
 import { PICTURE_KINDS, type PictureKind } from './generated/abi.js';
+import type { SessionSide, SideActor } from './session-side.js';
 import type { WasmModule } from './wasm-abi.js';
 
 /** connecting: nothing has come yet; stalled: the connection is lost, or no frame has come for 1.5 s. */
@@ -378,4 +379,15 @@ export class LiveStream {
     this.#state = state;
     this.#host.emit('livestatechange', state);
   }
+}
+
+/** A session's stream, by its options. */
+export function connectLive(session: SessionSide): LiveStream {
+  return new LiveStream(session.options.src, {
+    actor: () => session.main as (SideActor & LiveActor) | null,
+    emit: (name, detail) => session.host.emit(name, detail),
+    network: session.network,
+    replace: (manifest) => session.reopen(session.path, { manifest }),
+    fail: (id, message) => session.end({ id, message }),
+  });
 }

@@ -17,7 +17,7 @@ interface Light {
   height: number;
 }
 
-const told = new WeakSet<WasmModule>(); // whose element knows that the device cannot run its method; a session has one
+const told = new WeakSet<Element>(); // of whose method an event has said that the device cannot run it
 
 const lights = new Map<string, Promise<Light>>();
 
@@ -49,9 +49,9 @@ async function loadLight(address: string, base: string): Promise<Light> {
 }
 
 // As characters from cameras do it (wasm/abi.txt).
-function tellFallback(element: Element, module: WasmModule): void {
-  if (told.has(module)) return;
-  told.add(module);
+function tellFallback(element: Element): void {
+  if (told.has(element)) return;
+  told.add(element);
   const message = 'montage4d needs half-float render targets, which this GPU does not have';
   element.dispatchEvent(new CustomEvent('methodfallback', { detail: { wanted: 'montage4d', drawn: 'layered', message } }));
 }
@@ -64,8 +64,8 @@ export async function readLook(element: Element): Promise<TellLook> {
   const light = address && LOOKS[look] === 'relit' ? await loadLight(address, element.baseURI) : null;
   const montage = element.getAttribute('method') === 'montage4d';
   return (module, handle) => {
-    if (!montage) told.delete(module);
-    if (!module._fdvt_use_montage(handle, montage ? 1 : 0)) tellFallback(element, module);
+    if (!montage) told.delete(element);
+    if (!module._fdvt_use_montage(handle, montage ? 1 : 0)) tellFallback(element);
     const at = light ? module._fdvt_alloc(light.pixels.length) : 0;
     if (light) module.HEAPU8.set(light.pixels, at);
     const ok = module._fdvt_set_look(handle, look, strength, turnDeg, at, light?.width ?? 0, light?.height ?? 0);

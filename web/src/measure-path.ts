@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures the upload paths of upload-path.ts, once the first picture is shown, with a decoded frame of the character.
-import { defaultUnpack, uploadPicture, type UploadPath } from './upload-path.js';
+import type { SessionSide } from './session-side.js';
+import { defaultUnpack, rememberPath, uploadPicture, type UploadPath } from './upload-path.js';
 
 // 'i420' has exact colours and checks the frame's number without the GPU, so the others must take less than this share
 // of its time. On a GPU it is several times as fast; in software rendering the two differ by noise only.
@@ -58,8 +59,8 @@ function timeWhole(gl: WebGL2RenderingContext, frame: VideoFrame | HTMLVideoElem
   return total;
 }
 
-/** The fastest path for frames like this one, by the fastest run of each. Calls `touched` after it changed GL state. */
-export async function measurePath(gl: WebGL2RenderingContext, frame: VideoFrame, touched: () => void):
+// The fastest path for frames like this one, by the fastest run of each. Calls `touched` after it changed GL state.
+async function measurePath(gl: WebGL2RenderingContext, frame: VideoFrame, touched: () => void):
     Promise<UploadPath> {
   const times = { i420: Infinity, rgba: Infinity, 'rgba-sub': Infinity };
   const hasPlanes = frame.format === 'I420' || frame.format === 'NV12';
@@ -73,6 +74,22 @@ export async function measurePath(gl: WebGL2RenderingContext, frame: VideoFrame,
   }
   const whole = times['rgba-sub'] < times.rgba ? 'rgba-sub' : 'rgba';
   return times[whole] < MAX_RGBA_SHARE * times.i420 ? whole : 'i420';
+}
+
+/** Lets the session go on by the fastest path for a decoded frame of its main character, which is closed. */
+export async function decidePath(session: SessionSide, frame: VideoFrame): Promise<void> {
+  const { gl } = session;
+  let { path } = session;
+  try {
+    path = await measurePath(gl, frame, () => session.main?.player?.invalidateState());
+  } catch {
+    // it cannot be measured here: stay on the path that works
+  } finally {
+    frame.close();
+  }
+  if (session.signal.aborted || gl.isContextLost()) return;
+  rememberPath(path);
+  await session.settle(path);
 }
 
 /** True if what a <video> element shows is uploaded faster into a storage that is there than into a new one. Changes GL state. */

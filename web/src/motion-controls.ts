@@ -6,6 +6,13 @@ const KEYS: Record<string, [number, number]> = {
   ArrowLeft: [-1, 0], KeyA: [-1, 0], ArrowRight: [1, 0], KeyD: [1, 0],
   ArrowUp: [0, 1], KeyW: [0, 1], ArrowDown: [0, -1], KeyS: [0, -1],
 };
+const CSS = `
+.joystick { position: absolute; left: 16px; bottom: 16px; width: 112px; height: 112px; border-radius: 50%; touch-action: none;
+  background: rgba(127,127,127,.18); border: 1px solid rgba(127,127,127,.35); box-sizing: border-box; }
+.joystick > div { position: absolute; left: 32px; top: 32px; width: 46px; height: 46px; border-radius: 50%;
+  background: rgba(20,20,24,.55); }
+@media (hover: hover) and (pointer: fine) { .joystick { display: none; } }
+`;
 const DEAD_ZONE = 0.12; // share of the joystick's radius
 
 export interface MotionHost {
@@ -27,14 +34,27 @@ export interface Steering {
 
 export class MotionControls {
   readonly #host: MotionHost;
-  readonly #knob: HTMLElement;
+  readonly #joystick = document.createElement('div');
+  readonly #knob = document.createElement('div');
   readonly #abort = new AbortController();
   readonly #held = new Set<string>();
   #stick: { id: number; x: number; y: number; moved: boolean } | null = null;
 
-  constructor(stage: HTMLElement, joystick: HTMLElement, host: MotionHost) {
+  /** The joystick is put behind the stage, into the same shadow tree. */
+  constructor(stage: HTMLElement, host: MotionHost) {
     this.#host = host;
-    this.#knob = joystick.firstElementChild as HTMLElement;
+    const joystick = this.#joystick;
+    for (const [name, element] of Object.entries({ joystick, knob: this.#knob })) {
+      element.className = name;
+      element.setAttribute('part', name);
+    }
+    joystick.setAttribute('aria-hidden', 'true'); // the keys steer as well
+    joystick.append(this.#knob);
+    const sheet = new CSSStyleSheet(), root = stage.getRootNode() as ShadowRoot;
+    sheet.replaceSync(CSS);
+    root.adoptedStyleSheets = [...root.adoptedStyleSheets, sheet];
+    stage.after(joystick);
+    this.update();
     const { signal } = this.#abort;
     stage.addEventListener('keydown', (e) => this.#key(e, true), { signal, capture: true });
     stage.addEventListener('keyup', (e) => this.#key(e, false), { signal, capture: true });
@@ -46,11 +66,14 @@ export class MotionControls {
     }
   }
 
+  /** Shows the joystick where it steers. */
+  update(): void { this.#joystick.hidden = !this.#host.steers(); }
+
   dispose(): void {
     this.#abort.abort();
+    this.#joystick.remove();
     this.#held.clear();
     this.#stick = null;
-    this.#knob.style.transform = '';
   }
 
   get steering(): Steering | null {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The element's shadow tree: the part that holds the canvas, poster, progress bar, play button, joystick, error line.
+// The element's shadow tree: the part that holds the canvas, poster, progress bar, play button, error line.
 // Its style is a constructable style sheet, so that the page can have a strict style-src policy.
 
 // Text of the panel for visitors, by the error's id; the event and the console have the details.
@@ -35,11 +35,6 @@ canvas { position: absolute; inset: 0; width: 100%; height: 100%; display: block
   color: inherit; font: inherit; cursor: pointer; }
 .note { position: absolute; left: 0; right: 0; top: 10px; width: fit-content; margin: 0 auto; padding: 3px 10px;
   border-radius: 6px; font: 12px/1.4 system-ui, sans-serif; color: #fff; background: rgba(20,20,24,.55); pointer-events: none; }
-.joystick { position: absolute; left: 16px; bottom: 16px; width: 112px; height: 112px; border-radius: 50%; touch-action: none;
-  background: rgba(127,127,127,.18); border: 1px solid rgba(127,127,127,.35); box-sizing: border-box; }
-.joystick > div { position: absolute; left: 32px; top: 32px; width: 46px; height: 46px; border-radius: 50%;
-  background: rgba(20,20,24,.55); }
-@media (hover: hover) and (pointer: fine) { .joystick { display: none; } }
 .gone { opacity: 0; }
 [hidden] { display: none !important; }
 @media (prefers-reduced-motion: reduce) { .poster, .bar, .bar > div { transition: none; } }
@@ -56,7 +51,6 @@ function add<K extends keyof HTMLElementTagNameMap>(parent: Node, tag: K, name: 
 
 export class Overlay {
   readonly stage: HTMLDivElement;
-  readonly joystick: HTMLDivElement;
   readonly #poster: HTMLImageElement;
   readonly #bar: HTMLDivElement;
   readonly #fill: HTMLDivElement;
@@ -65,8 +59,12 @@ export class Overlay {
   readonly #message: HTMLSpanElement;
   readonly #note: HTMLParagraphElement;
   #canvas: HTMLCanvasElement | null = null;
+  #kept = ''; // address of a picture that is kept
+  /** Called by its buttons. */
+  onPlay: () => void = () => undefined;
+  onRetry: () => void = () => undefined;
 
-  constructor(root: ShadowRoot, onPlay: () => void, onRetry: () => void) {
+  constructor(root: ShadowRoot) {
     if (!sheet) {
       sheet = new CSSStyleSheet();
       sheet.replaceSync(CSS);
@@ -75,9 +73,6 @@ export class Overlay {
     this.stage = add(root, 'div', 'stage');
     this.stage.tabIndex = 0;
     this.stage.setAttribute('role', 'img');
-    this.joystick = add(root, 'div', 'joystick');
-    this.joystick.setAttribute('aria-hidden', 'true'); // the keys steer as well
-    add(this.joystick, 'div', 'knob');
     this.#poster = add(root, 'img', 'poster');
     this.#poster.alt = '';
     this.#poster.hidden = true;
@@ -91,35 +86,33 @@ export class Overlay {
     this.#play.type = 'button';
     this.#play.textContent = '▶';
     this.#play.setAttribute('aria-label', 'Play');
-    this.#play.addEventListener('click', onPlay);
+    this.#play.addEventListener('click', () => this.onPlay());
     this.#error = add(root, 'p', 'error');
     this.#error.setAttribute('role', 'alert');
     this.#message = add(this.#error, 'span', 'message');
     const retry = add(this.#error, 'button', 'retry');
     retry.type = 'button';
     retry.textContent = 'Try again';
-    retry.addEventListener('click', onRetry);
+    retry.addEventListener('click', () => this.onRetry());
     this.#note = add(root, 'p', 'note');
     this.#note.setAttribute('role', 'status');
     this.idle();
   }
 
-  /** Replaces the canvas by a new one, which has no context yet. */
-  newCanvas(): HTMLCanvasElement {
+  /** Shows this canvas in place of any before. */
+  showCanvas(canvas: HTMLCanvasElement): void {
     this.dropCanvas();
-    this.#canvas = document.createElement('canvas');
-    this.#canvas.setAttribute('part', 'canvas');
-    this.stage.appendChild(this.#canvas);
-    return this.#canvas;
+    this.#canvas = canvas;
+    canvas.setAttribute('part', 'canvas');
+    this.stage.appendChild(canvas);
   }
   dropCanvas(): void {
-    this.#canvas?.remove();
+    if (this.#canvas?.parentNode === this.stage) this.#canvas.remove(); // else another viewer shows it
     this.#canvas = null;
   }
 
   setLabel(alt: string, orbits: boolean, steers: boolean): void {
     this.stage.setAttribute('aria-label', alt || '4D character');
-    this.joystick.hidden = !steers;
     if (steers) this.stage.setAttribute('aria-keyshortcuts', 'ArrowLeft ArrowRight ArrowUp ArrowDown W A S D Space');
     else if (orbits) this.stage.setAttribute('aria-keyshortcuts', 'ArrowLeft ArrowRight ArrowUp ArrowDown + - Home Space');
     else this.stage.removeAttribute('aria-keyshortcuts');
@@ -129,9 +122,17 @@ export class Overlay {
     this.stage.style.touchAction = value;
   }
   setPoster(url: string | null): void {
+    URL.revokeObjectURL(this.#kept);
+    this.#kept = '';
     if (url) this.#poster.src = url;
     else this.#poster.removeAttribute('src');
     this.#poster.hidden = !url;
+  }
+  /** Shows the picture that was last on the canvas, as poster. */
+  keepPicture(picture: Blob): void {
+    const url = URL.createObjectURL(picture);
+    this.setPoster(url);
+    this.#kept = url;
   }
   get hasPoster(): boolean {
     return !this.#poster.hidden;

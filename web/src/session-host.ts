@@ -34,6 +34,14 @@ export interface SessionHost {
   network(waiting: boolean): void;
   /** The player's second part is there. Called once or more. */
   more(more: More): void;
+  /** Shows this canvas from now on. */
+  show(canvas: HTMLCanvasElement): void;
+  /** The session has ended with the stage, whose context is lost; `restored` follows if the browser gives it back. */
+  lost(session: object): void;
+  /** True if a session takes its place. */
+  restored(session: object): boolean;
+  /** The session has ended because the player has trapped in another viewer's call. */
+  trapped(session: object): void;
 }
 
 export interface Snapshot {

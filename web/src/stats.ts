@@ -10,8 +10,10 @@ export interface ViewerStats {
   barcodeMismatches: number;
   bytesFetched: number;
   encodedBytesHeld: number;
+  /** On the GPU, of all viewers of the page: textures, and targets with their samples. */
   textureBytes: number;
-  /** In use in the player's memory; 0 until its second part is there. */
+  targetBytes: number;
+  /** In use in the player's memory, of all viewers of the page; 0 until its second part is there. */
   heapBytes: number;
   /** Of the picture shown, 0: the lowest. */
   rendition: number;
@@ -27,6 +29,6 @@ export function statsOf(state: PlayerState, uploadPath: UploadPath): ViewerStats
   const { framesShown, framesLate, barcodeChecked, barcodeMismatches, bytesFetched, encodedBytesHeld, rendition, decodeMs, longestDecodeMs, workerFrames } = state;
   return {
     framesShown, framesLate, barcodeChecked, barcodeMismatches, bytesFetched, encodedBytesHeld, rendition, decodeMs, longestDecodeMs, workerFrames,
-    textureBytes: state.liveTextureBytes, heapBytes: state.heapBytes, uploadPath,
+    textureBytes: state.liveTextureBytes, targetBytes: state.liveTargetBytes, heapBytes: state.heapBytes, uploadPath,
   };
 }

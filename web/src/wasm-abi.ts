@@ -10,7 +10,6 @@ export interface WasmModule extends PlayerExports {
   fourdvtFlow?(a: number, b: number, width: number, height: number, flow: number): number;
   GL: {
     registerContext(context: WebGL2RenderingContext, attributes: object): number;
-    deleteContext(handle: number): void;
     textures: (WebGLTexture | null)[];
   };
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compiles each wasm file once per page. Every viewer makes its own instance, so that removing a viewer frees all of its
-// memory. The module comes in two parts (wasm/more.txt): the first is all that a first picture of a layered character
-// needs; the second, with optical flow, characters from cameras, scenes and looks, is put into it afterwards.
+// Compiles each wasm file once per page, and makes instances. The module comes in two parts (wasm/more.txt): the first is all
+// that a first picture of a layered character needs; the second, with optical flow, characters from cameras, scenes and
+// looks, is put into it afterwards.
 import createPlayer from 'fourdvt-wasm';
 
 import type { WasmModule } from './wasm-abi.js';

@@ -107,21 +107,16 @@ const encoder = new TextEncoder();
 export class WasmPlayer {
   readonly #m: WasmModule;
   #h = 0;
-  #context = 0;
   #scratch = 0;
   #scratchBytes = 0;
   #scene: SceneMesh[] | null = null; // that waits for the second part
 
-  /** `on`: the canvas's context, or another character of the same canvas, which must outlive this one. */
-  constructor(module: WasmModule, on: WebGL2RenderingContext | WasmPlayer, kind: PictureKind, slots: number) {
+  /** `on`: the context, registered in the module, or another character of the same canvas, which must outlive this one. */
+  constructor(module: WasmModule, on: number | WasmPlayer, kind: PictureKind, slots: number) {
     this.#m = module;
     const kindNumber = PICTURE_KINDS.indexOf(kind);
-    if (on instanceof WasmPlayer) {
-      this.#h = module._fdvt_create_beside(on.#h, kindNumber, slots);
-    } else {
-      this.#context = module.GL.registerContext(on, { majorVersion: 2, minorVersion: 0, enableExtensionsByDefault: true });
-      this.#h = module._fdvt_create(this.#context, kindNumber, slots);
-    }
+    if (on instanceof WasmPlayer) this.#h = module._fdvt_create_beside(on.#h, kindNumber, slots);
+    else this.#h = module._fdvt_create(on, kindNumber, slots);
     if (!module._fdvt_ready(this.#h)) {
       const error = this.#lastError();
       this.dispose();
@@ -133,7 +128,6 @@ export class WasmPlayer {
     if (!this.#h) return;
     this.#m._fdvt_destroy(this.#h);
     this.#m._fdvt_free(this.#scratch);
-    if (this.#context) this.#m.GL.deleteContext(this.#context);
     this.#h = this.#scratch = this.#scratchBytes = 0;
   }
 

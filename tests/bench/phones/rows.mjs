@@ -11,6 +11,7 @@ import { promisify } from 'node:util';
 import { launch, launchFirefox, openPage } from '../../web/harness.mjs';
 import { kNoWebCodecs, openOnPath, playOnPath, servePlain } from '../../web/play_path.mjs';
 import { measureDecoding } from './decoding.mjs';
+import { measurePortfolio } from './portfolio.mjs';
 import { measureTasks } from './tasks.mjs';
 import { measureUploads } from './uploads.mjs';
 
@@ -52,11 +53,12 @@ const after = [
   pathRow('firefox-video', 'Firefox without WebCodecs, `<video>`', '', kNoWebCodecs),
   { name: 'tasks', kind: 'tasks', title: 'now', measure: ({ site }) => spreads(site, true) },
   { name: 'tasks-page', kind: 'tasks', title: 'now, without the worker', measure: ({ site }) => spreads(site, false) },
+  ...[24, 100].map((count) => ({ name: `portfolio-${count}`, kind: 'portfolio', title: `${count} viewers`, measure: ({ site }) => measurePortfolio(site, count) })),
   ...['i420', 'rgba', 'video'].flatMap((path) => ['0', 'highest'].map((quality) => uploadRow(path, quality))),
 ];
 
 // The version before, measured by the same programs.
-const before = after.filter(({ name }) => name === 'tasks' || /^uploads-(i420|rgba)-/.test(name)).map((row) => ({
+const before = after.filter(({ name }) => name === 'tasks' || name === 'portfolio-24' || /^uploads-(i420|rgba)-/.test(name)).map((row) => ({
   ...row, name: `${row.name}-before`, before: true, measure: ({ before: site }) => row.measure({ site }),
 }));
 

@@ -1,0 +1,353 @@
+// SPDX-License-Identifier: Apache-2.0
+// The features of <fourdvt-viewer> one by one, each over a base without a page; the whole element is tested in browsers.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+
+import { load, loadTogether } from './load_source.mjs';
+
+const kNames = ['loading', 'playback', 'motion', 'camera', 'appearance'];
+const all = await loadTogether('element/base', ...kNames.map((name) => `element/${name}`), 'commands', 'orbit-camera', 'errors', 'fourdvt-viewer');
+
+// A base with attributes, commands and a camera; `events` has what it would dispatch.
+function makeBase() {
+  class Base {
+    static observedAttributes = [];
+    events = [];
+    attributes = new Map();
+    constructor() {
+      const note = (name) => (...values) => this.events.push([name, ...values]);
+      this[all.parts] = {
+        commands: new all.Commands(), camera: new all.OrbitCamera(), companions: new Set(), session: null, size: { width: 320, height: 400 },
+        overlay: { offerPlay: note('offerPlay'), progress: note('bar'), fail: note('fail'), recover() {}, idle() {}, dropCanvas() {}, setPoster: note('poster'),
+          loading: note('loading'), stage: { addEventListener() {} } },
+        connected: true, reducedMotion: { matches: false }, current: null,
+      };
+    }
+    getAttribute(name) { return this.attributes.get(name) ?? null; }
+    hasAttribute(name) { return this.attributes.has(name); }
+    setAttribute(name, value) { this.change(name, String(value)); }
+    toggleAttribute(name, on) { this.change(name, on ? '' : null); }
+    change(name, value) {
+      const before = this.getAttribute(name);
+      if (value === null) this.attributes.delete(name);
+      else this.attributes.set(name, value);
+      if (this.constructor.observedAttributes.includes(name)) this[all.onAttribute](name, before, value);
+    }
+    [all.emit](name, detail) { this.events.push(detail === undefined ? [name] : [name, detail]); }
+    [all.report](name, detail) { this[all.onEvent](name, detail); this[all.emit](name, detail); }
+    connectedCallback() { this[all.onConnected](); }
+    [all.animate]() { return false; }
+    [all.firstWishes]() { return {}; }
+    [all.sessionOptions]() { return {}; }
+    [all.onRestored]() { return false; }
+  }
+  for (const name of ['onConnected', 'onArrival', 'onGranted', 'touched', 'onLeft', 'onAttribute', 'onResize', 'onEvent', 'onMore', 'onLost', 'onTrapped', 'onGivenUp', 'updateActive']) {
+    Base.prototype[all[name]] = () => undefined;
+  }
+  return Base;
+}
+const types = (element) => element.events.map(([name]) => name);
+
+test('the script can be imported on a server, where there are no elements', () => {
+  assert.equal(typeof globalThis.HTMLElement, 'undefined');
+  assert.equal(typeof all.FourdvtViewer, 'function');
+  assert.ok(all.FourdvtViewer.observedAttributes.includes('camera-orbit'));
+  assert.equal(new Set(all.FourdvtViewer.observedAttributes).size, all.FourdvtViewer.observedAttributes.length);
+});
+
+// --- playback ---
+
+const playback = () => new (all.withPlayback(makeBase()))();
+
+test('play dispatches one event, and settles with what comes of it', async () => {
+  const element = playback();
+  const first = element.play(), again = element.play();
+  assert.deepEqual(types(element).filter((name) => name === 'play'), ['play']);
+  assert.equal(element.paused, false);
+  element[all.onEvent]('playing');
+  await Promise.all([first, again]);
+  const refused = element.play();
+  element[all.onGivenUp]({ id: 'files-differ', message: 'two bakes' });
+  await assert.rejects(refused, { id: 'files-differ', message: 'two bakes' });
+  const stopped = element.play();
+  element.pause();
+  await assert.rejects(stopped, { name: 'AbortError' });
+  assert.equal(element.paused, true);
+  const left = element.play();
+  element[all.onGivenUp]();
+  await assert.rejects(left, { name: 'AbortError' });
+});
+
+test('the end pauses; a pause before the source keeps autoplay from beginning', () => {
+  const element = playback();
+  element.autoplay = true;
+  assert.equal(element[all.firstWishes]().playing, true);
+  element[all.parts].reducedMotion = { matches: true };
+  assert.equal(element[all.firstWishes]().playing, false, 'visitors who want little motion');
+  element.play().catch(() => undefined);
+  element[all.onEvent]('ended');
+  assert.equal(element.paused, true);
+  element.pause();
+  assert.equal(element[all.firstWishes]().playing, undefined);
+});
+
+test('what is sought before there is a source is sought in it, once', () => {
+  const element = playback();
+  element.currentTime = 1.5;
+  assert.equal(element.currentTime, 1.5);
+  assert.equal(element[all.firstWishes]().time, 1.5);
+  assert.equal(element[all.firstWishes]().time, undefined);
+  element.seekFrame(7);
+  assert.equal(element[all.firstWishes]().frame, 7);
+  assert.deepEqual(types(element), ['seeking', 'seeking']);
+  assert.throws(() => { element.currentTime = 'soon'; }, TypeError);
+  assert.throws(() => { element.playbackRate = 5; }, RangeError);
+});
+
+test('loop is as the sequence says, never or always', () => {
+  const element = playback();
+  const mode = () => element[all.firstWishes]().loop;
+  assert.equal(mode(), -1);
+  element.loop = true;
+  assert.equal(mode(), 1);
+  assert.equal(element[all.parts].commands.wishes.loop, 1);
+  element.loop = false;
+  assert.equal(mode(), 0);
+});
+
+// --- motion ---
+
+function motion() {
+  const element = new (all.withMotion(makeBase()))();
+  element[all.parts].current = { name: 'locomotion', parameters: [{ name: 'speed', min: 0, max: 2 }] };
+  return element;
+}
+
+test('motion: numbers are checked, wishes and options follow the attributes', () => {
+  const element = motion();
+  assert.throws(() => element.setParameter('speed', NaN), TypeError);
+  assert.throws(() => { element.heading = 'north'; }, TypeError);
+  assert.throws(() => { element.placement = { x: Infinity }; }, TypeError);
+  element.setParameter('speed', 1.5);
+  assert.equal(element.getParameter('speed'), 1.5);
+  assert.deepEqual(element.events, [['parameterchange', { name: 'speed', value: 1.5 }]]);
+  element.placement = { x: 2 };
+  assert.deepEqual(element.placement, { x: 2, z: 0, heading: 0 });
+  element.travel = true;
+  element.sequence = 'run';
+  assert.deepEqual(element[all.firstWishes](), { sequence: 'run', travel: true });
+  assert.equal(element[all.parts].commands.wishes.sequence, 'run');
+  element.align = 'flow-dis';
+  assert.equal(element[all.sessionOptions]().align, 'flow-dis');
+  element.align = 'sideways';
+  assert.equal(element.align, 'baked');
+});
+
+test('motion: attributes wait until the element is in a document; the same sequence again is another wish', () => {
+  const element = motion(), { commands } = element[all.parts];
+  element[all.parts].connected = false;
+  element.sequence = 'run';
+  assert.equal(commands.wishes.sequence, null);
+  element[all.parts].connected = true;
+  element.sequence = 'run';
+  assert.equal(commands.wishes.sequence, 'run');
+  commands.goTo('walk');
+  element.sequence = 'run';
+  assert.equal(commands.wishes.sequence, 'run');
+});
+
+test('motion: what steers comes with the second part and goes with the element', () => {
+  const element = motion(), log = [];
+  class Steering {
+    step(dtS) { log.push(dtS); return true; }
+    update() { log.push('update'); }
+    dispose() { log.push('dispose'); }
+  }
+  assert.equal(element[all.animate](0.1), false);
+  element[all.onMore]({ Steering });
+  element[all.onMore]({ Steering: null });
+  assert.equal(element[all.animate](0.2), true);
+  element.change('motion-controls', '');
+  element[all.onLeft]();
+  assert.equal(element[all.animate](0.3), false);
+  assert.deepEqual(log, [0.2, 'dispose']);
+});
+
+test('steering: a held key turns and changes the parameter; let go, the heading stays', async () => {
+  const { Steering } = await load('steering');
+  const listeners = {}, stage = {
+    addEventListener: (name, listener) => { listeners[name] = listener; }, after() {}, getRootNode: () => ({ adoptedStyleSheets: [] }),
+  };
+  const make = () => ({ setAttribute() {}, append() {}, addEventListener() {}, remove() {}, style: {} });
+  Object.assign(globalThis, { document: { createElement: make }, CSSStyleSheet: class { replaceSync() {} } });
+  const log = [];
+  const viewer = {
+    paused: false, state: 'walk', heading: 10, sequences: [{ name: 'walk', loop: true }, { name: 'wave', loop: false }],
+    parameters: [{ name: 'speed', min: 1, max: 3 }], hasAttribute: () => true, getAttribute: () => null,
+    getParameter: () => 1, setParameter: (...values) => log.push(values), goTo: (name) => log.push(name), play: () => log.push('play'),
+  };
+  try {
+    const steering = new Steering(stage, viewer, () => undefined, () => log.push('wake'));
+    const key = (type, code) => listeners[type]({ code, preventDefault() {}, stopImmediatePropagation() {} });
+    key('keydown', 'ArrowRight');
+    key('keydown', 'ArrowUp');
+    assert.equal(steering.step(0.1), true);
+    assert.equal(viewer.heading, -50);
+    assert.deepEqual(log.filter(Array.isArray), [['speed', 1 + 2 * 0.7 * 0.1]]);
+    key('keyup', 'ArrowRight');
+    key('keyup', 'ArrowUp');
+    assert.equal(steering.step(0.1), false);
+    key('keydown', 'Space');
+    assert.ok(log.includes('wave'));
+    viewer.paused = true;
+    key('keydown', 'Space');
+    assert.ok(log.includes('play'));
+    steering.dispose();
+  } finally {
+    delete globalThis.document;
+    delete globalThis.CSSStyleSheet;
+  }
+});
+
+// --- camera ---
+
+test('camera: attributes make the view; turning by itself waits for the visitor', () => {
+  const element = new (all.withCamera(makeBase()))(), { camera } = element[all.parts];
+  element.attributes.set('camera-orbit', '40deg 10deg 3m');
+  element[all.onArrival]();
+  assert.deepEqual(element.getCameraOrbit(), { azimuth: 40, elevation: 10, distance: 3 });
+  element.setAttribute('field-of-view', '500');
+  assert.equal(camera.fov, 35);
+  element.setAttribute('field-of-view', '50deg');
+  assert.equal(camera.fov, 50);
+  element.toggleAttribute('auto-rotate', true);
+  assert.equal(element[all.animate](0.5), true);
+  element.jumpCameraToGoal();
+  assert.ok(element.getCameraOrbit().azimuth > 40);
+  element[all.parts].reducedMotion = { matches: true };
+  const { azimuth } = element.getCameraOrbit();
+  element[all.animate](0.5);
+  assert.equal(element.getCameraOrbit().azimuth, azimuth);
+});
+
+// --- appearance ---
+
+test('appearance: options, scenes and qualities are checked before they reach the player', () => {
+  const element = new (all.withAppearance(makeBase()))(), { commands } = element[all.parts];
+  assert.equal(element.renderOptions.samples, 4);
+  element.renderOptions = { samples: 0 };
+  assert.deepEqual([element.renderOptions.samples, element.renderOptions.groundShadow], [0, true]);
+  assert.throws(() => { element.renderOptions = { samples: 1000 }; }, RangeError);
+  assert.throws(() => { element.scene = [{ corners: [1, 2, 3] }]; }, RangeError);
+  element.scene = [{ corners: [] }, { corners: Array(18).fill(0) }];
+  assert.equal(element.scene.length, 1);
+  element.quality = '0';
+  assert.equal(commands.wishes.quality.rendition, 0);
+  element.method = 'fvvr';
+  assert.equal(commands.wishes.method.name, 'fvvr');
+  assert.equal(element[all.sessionOptions]().room, false);
+  element.setAttribute('background', 'room');
+  assert.equal(element[all.sessionOptions]().room, true);
+});
+
+test('appearance: there is no picture and nothing to count before there is a session', async () => {
+  const element = new (all.withAppearance(makeBase()))();
+  assert.equal(await element.toBlob(), null);
+  assert.equal(element.stats, null);
+});
+
+// --- loading ---
+
+test('loading: a src that is no address is one error, after whoever has set it could listen', async () => {
+  const Loading = all.withLoading(makeBase());
+  const element = new Loading();
+  element.baseURI = 'http://page.example/';
+  element.src = 'http://[';
+  assert.deepEqual(types(element), ['poster', 'offerPlay'], 'the page does not let it load yet');
+  element[all.onGranted](true);
+  assert.deepEqual(types(element).slice(2), ['loading', 'offerPlay', 'loadstart']);
+  await Promise.resolve();
+  assert.equal(element.error.id, 'invalid-argument');
+  const fail = element.events.find(([name]) => name === 'fail');
+  assert.equal(fail[2], true, 'there is nothing else to look at');
+  element.src = '';
+  assert.equal(element.error, null);
+});
+
+test('loading: progress never begins full, and errors are forgotten when it can play', () => {
+  const element = new (all.withLoading(makeBase()))();
+  element[all.onEvent]('error', { id: 'fetch-failed', message: 'gone' });
+  assert.equal(element.error.id, 'fetch-failed');
+  element[all.onEvent]('progress', { loaded: 5, total: 5 });
+  assert.ok(!types(element).includes('bar'), 'nothing is loaded');
+  element[all.onEvent]('canplay');
+  assert.equal(element.error, null);
+});
+
+test('loading: a context that comes back serves the session that has lost it, and no other', () => {
+  const element = new (all.withLoading(makeBase()))(), session = {};
+  element[all.parts].session = session;
+  element[all.onLost](session);
+  assert.equal(element[all.parts].session, null);
+  assert.deepEqual(types(element), ['waiting']);
+  assert.equal(element[all.onRestored]({}), false);
+  element.load(); // nothing to load, but the lost session is not wanted any more
+  assert.equal(element[all.onRestored](session), false);
+});
+
+// --- the page's ledger ---
+
+const claim = (part = {}) => ({ mode: 'auto', distance: 0, area: 100, shown: true, touchedMs: -Infinity, ...part });
+const share = async (claims, budget, had = []) => {
+  const { shareOut } = await load('ledger');
+  return shareOut(claims.map(claim), had, { loaded: 100, running: 100, ...budget }, 10_000);
+};
+
+test('ledger: what is near loads, what is on screen first; what is held is kept until it is far', async () => {
+  const grants = await share([{ distance: 0.5 }, { distance: 1.5 }, { distance: 0.5, mode: 'lazy' }, { distance: 50, mode: 'eager' }]);
+  assert.deepEqual(grants.map(({ load }) => load), [true, false, false, true]);
+  const held = await share([{ distance: 2.9 }, { distance: 3.1 }], {}, [{ load: true, run: false }, { load: true, run: false }]);
+  assert.deepEqual(held.map(({ load }) => load), [true, false]);
+  const few = await share([{ distance: 0.5 }, { distance: 0 }, { distance: 0, area: 500 }], { loaded: 2 });
+  assert.deepEqual(few.map(({ load }) => load), [false, true, true]);
+});
+
+test('ledger: decoders go to viewers on screen: without a picture, then touched, then larger', async () => {
+  const run = async (claims, running) => (await share(claims, { running })).map((grant) => grant.run);
+  assert.deepEqual(await run([{ distance: 0.5, shown: false }, {}], 1), [false, true]);
+  assert.deepEqual(await run([{ area: 500 }, { shown: false }], 1), [false, true]);
+  assert.deepEqual(await run([{ area: 500 }, { touchedMs: 9000 }], 1), [false, true]);
+  assert.deepEqual(await run([{ area: 500 }, { touchedMs: 1000 }], 1), [true, false], 'that was long ago');
+  assert.deepEqual(await run([{ distance: 0.5 }, {}], 2), [true, true], 'what is left is for those that are near');
+});
+
+test('ledger: the budget follows what viewers have turned out to hold', async () => {
+  const { budgetOf } = await load('ledger');
+  assert.deepEqual(budgetOf(150e6, 4, 0, 0), { loaded: 10, running: 4 });
+  assert.deepEqual(budgetOf(150e6, 4, 120e6, 4), { loaded: 5, running: 4 });
+  assert.equal(budgetOf(10e6, 4, 120e6, 1).loaded, 1, 'one is always shown');
+});
+
+test('ledger: only those whose grant changes hear of it, the freed ones first, once a turn', async () => {
+  const { Ledger } = await load('ledger');
+  const due = [], log = [];
+  const ledger = new Ledger({ usedBytes: () => 0, bytes: 15e6, decoders: 1, now: () => 0, later: (run) => due.push(run) });
+  const turn = () => { for (const run of due.splice(0)) run(); };
+  const member = (name, part) => ({ part, claim() { return claim(this.part); }, granted: ({ load, run }) => log.push(`${name} ${load} ${run}`) });
+  const a = member('a', {}), b = member('b', { distance: 0.9 });
+  for (const one of [a, b]) ledger.add(one);
+  assert.equal(due.length, 1);
+  turn();
+  assert.deepEqual(log.splice(0), ['a true true'], 'there is room for one');
+  a.part = { distance: 5 };
+  b.part = {};
+  ledger.review();
+  turn();
+  assert.deepEqual(log.splice(0), ['a false false', 'b true true']);
+  ledger.review();
+  turn();
+  assert.deepEqual(log, []);
+  ledger.remove(b);
+  ledger.remove(b);
+  turn();
+});

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// Many viewers on one page: one GL context and one instance of the player serve all; what is far from the screen is freed, what comes
+// back is alive; the fault of one is not the others'.
+import assert from 'node:assert/strict';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+
+import { environment, kPatienceMs, launch, outputFolder } from './harness.mjs';
+import { fill, holdings, openPortfolio, pictures, scrollTo, servePortfolio } from './portfolio.mjs';
+
+let server, browser;
+before(async () => {
+  server = await servePortfolio(environment('SITE'));
+  browser = await launch();
+});
+after(async () => {
+  await browser?.close();
+  await server?.close();
+});
+const until = (page, check, argument) => page.waitForFunction(check, argument, { timeout: kPatienceMs, polling: 50 });
+const coverageOf = (page, number) => page.evaluate((number) => {
+  const canvas = globalThis.viewers[number].shadowRoot.querySelector('canvas'), copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d');
+  copy.drawImage(canvas, 0, 0);
+  const { data } = copy.getImageData(0, 0, canvas.width, canvas.height);
+  return data.filter((value, i) => i % 4 === 3 && value > 128).length / (data.length / 4);
+}, number);
+
+test('24 viewers: one context, one module, no error, the first is alive after scrolling back', async () => {
+  const page = await openPortfolio(browser, server.url);
+  await fill(page, 24, undefined, { sequence: 'walk' });
+  await scrollTo(page, 0);
+  await page.screenshot({ path: join(outputFolder('portfolio'), 'top.png') });
+  const first = await page.evaluate(() => globalThis.viewers[0].stats.framesShown);
+  assert.ok(first > 0);
+  assert.ok(await page.evaluate(() => globalThis.viewers[23].stats === null), 'the last is far away');
+  for (const y of [300, 800, 1e6]) await scrollTo(page, y);
+  await until(page, () => globalThis.viewers[0].stats === null);
+  await scrollTo(page, 0);
+  await page.evaluate(() => void globalThis.viewers[0].play());
+  await until(page, () => globalThis.viewers[0].stats.framesShown > 3);
+  for (const number of [0, 4]) assert.ok(await coverageOf(page, number) > 0.05, `viewer ${number} is empty`);
+  const { contexts, modules, errors, mostDecoders } = await holdings(page);
+  assert.deepEqual({ contexts, modules, errors }, { contexts: 1, modules: 1, errors: [] });
+  assert.ok(mostDecoders <= 12, `${mostDecoders} decoders`);
+  assert.deepEqual([...page.troubles, ...page.reported], []);
+  await page.close();
+});
+
+test('every viewer shows its own view of its own motion', async () => {
+  const page = await openPortfolio(browser, server.url);
+  await fill(page, 3, undefined, { sequence: 'walk' });
+  await scrollTo(page, 0);
+  const turn = (number, orbit) => page.evaluate(async ({ number, orbit }) => {
+    globalThis.viewers[number].setAttribute('camera-orbit', orbit);
+    for (const viewer of globalThis.viewers) viewer.jumpCameraToGoal();
+    await new Promise((next) => setTimeout(next, 500));
+  }, { number, orbit });
+  await page.evaluate(() => { globalThis.viewers[2].sequence = 'run'; });
+  await until(page, () => globalThis.viewers[2].sequence === 'run' && globalThis.viewers[2].stats.framesShown > 0);
+  await turn(1, '90deg 5deg 4m');
+  const first = await pictures(page);
+  assert.equal(new Set(first).size, 3);
+  await turn(1, '180deg 5deg 4m');
+  const second = await pictures(page);
+  assert.deepEqual(second.map((picture, i) => picture === first[i]), [true, false, true]);
+  const sizes = await page.evaluate(async () => {
+    const blobs = await Promise.all(globalThis.viewers.map((viewer, i) => viewer.toBlob({ width: 100 + i, height: 120 })));
+    return Promise.all(blobs.map(async (blob) => { const { width, height } = await createImageBitmap(blob); return [width, height]; }));
+  });
+  assert.deepEqual(sizes, [[100, 120], [101, 120], [102, 120]]);
+  assert.deepEqual(await pictures(page), second, 'snapshots leave what is shown');
+  await page.close();
+});
+
+test('a lost context, and a player that traps, bring every visible viewer back', async () => {
+  const page = await openPortfolio(browser, server.url);
+  await fill(page, 3);
+  await scrollTo(page, 0);
+  const again = () => until(page, () => globalThis.viewers.every(({ stats }) => stats?.framesShown > 2));
+  await again();
+  await page.evaluate(async () => {
+    const extension = globalThis.contextOfPage.getExtension('WEBGL_lose_context');
+    extension.loseContext();
+    await new Promise((next) => setTimeout(next, 300));
+    globalThis.gone = globalThis.viewers.filter(({ stats }) => stats).length;
+    extension.restoreContext();
+  });
+  assert.equal(await page.evaluate(() => globalThis.gone), 0);
+  await again();
+  assert.deepEqual(await page.evaluate(() => globalThis.counts.errors), []);
+  // The viewer in whose turn the player traps has the error; the others begin anew.
+  await page.evaluate(() => { globalThis.trapNext = true; });
+  await until(page, () => globalThis.counts.errors.length === 1);
+  await until(page, () => globalThis.viewers.filter(({ stats }) => stats?.framesShown > 2).length === 2);
+  const [{ id }] = await page.evaluate(() => globalThis.counts.errors);
+  assert.equal(id, 'internal');
+  await page.evaluate(() => globalThis.viewers.find(({ stats }) => !stats).load());
+  await again();
+  const { contexts, modules } = await holdings(page);
+  assert.deepEqual({ contexts, modules }, { contexts: 2, modules: 3 }, 'the first one came back in its canvas');
+  await page.close();
+});
+
+test('loading: eager loads at once and stays, lazy waits for the screen', async () => {
+  const page = await openPortfolio(browser, server.url);
+  await page.evaluate(() => { document.querySelector('main').style.marginTop = `${2.5 * innerHeight}px`; });
+  await fill(page, 3);
+  await page.evaluate(() => ['eager', 'lazy', 'auto'].forEach((mode, i) => { globalThis.viewers[i].loading = mode; }));
+  await until(page, () => globalThis.viewers[0].stats?.framesShown > 0);
+  const loaded = () => page.evaluate(() => globalThis.viewers.map(({ stats }) => stats !== null));
+  assert.deepEqual(await loaded(), [true, false, false]);
+  await page.evaluate(() => scrollTo(0, innerHeight));
+  await until(page, () => globalThis.viewers[2].stats !== null);
+  assert.deepEqual(await loaded(), [true, false, true]);
+  await scrollTo(page, 1e6);
+  assert.deepEqual(await loaded(), [true, true, true]);
+  await page.close();
+});
+
+test('what nobody has looked at costs nothing', async () => {
+  const page = await openPortfolio(browser, server.url);
+  const before = server.requests.length;
+  await page.evaluate(() => { document.querySelector('main').style.marginTop = `${20 * innerHeight}px`; });
+  await fill(page, 3, undefined, { autoplay: '', loading: 'lazy' });
+  await page.waitForTimeout(700);
+  const fetched = server.requests.slice(before).map(({ path }) => path).filter((path) => !/viewer\.js|blank/.test(path));
+  assert.deepEqual(fetched, []);
+  await page.close();
+});

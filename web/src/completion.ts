@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is due in a session once it can play and has the second part. Part of fourdvt-more.js.
+import { advise } from './advice.js';
+import { decidePath } from './measure-path.js';
+import type { SessionSide, SideActor } from './session-side.js';
+
+/** others: the characters beside the main one. measures: the upload path, too. */
+export function complete(session: SessionSide, others: readonly SideActor[], measures: boolean): void {
+  const { main } = session;
+  if (measures) main?.takeFrame((frame) => void decidePath(session, frame));
+  if (main) void advise(session.manifest, main, session.host.element);
+  for (const actor of [main, ...others]) actor?.run((player) => player.moreCame());
+  session.drawing.programsMissing = true;
+}

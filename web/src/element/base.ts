@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+// Base of <fourdvt-viewer>: its shadow tree, its session's host, its life in the document. The features are mixins over it
+// (loading.ts, playback.ts …), each with its attributes, properties and events; they meet in the methods that symbols name, which
+// every one extends. Does not load or show anything by itself.
+import { Commands, type Wishes } from '../commands.js';
+import { JOIN_EVENT, type Companion } from '../companion.js';
+import { dispatch, PageElement, type ErrorDetail } from '../errors.js';
+import { OrbitCamera } from '../orbit-camera.js';
+import { Overlay } from '../overlay.js';
+import type { Session } from '../session.js';
+import type { SessionHost, SessionOptions } from '../session-host.js';
+import type { More } from '../wasm-module.js';
+import type { SequenceInfo } from '../wasm-player.js';
+
+const MAX_PIXEL_RATIO = 2;
+
+/** What the features share. */
+export const parts: unique symbol = Symbol();
+/** Dispatches an event of the element. */
+export const emit: unique symbol = Symbol();
+/** Dispatches an event of the session, after the features have heard of it. */
+export const report: unique symbol = Symbol();
+/** Lets the session run or rest. */
+export const updateActive: unique symbol = Symbol();
+/** The element has come into a document, and has read no attribute yet. */
+export const onConnected: unique symbol = Symbol();
+/** It shows another source than when it left a document, if it ever did. */
+export const onArrival: unique symbol = Symbol();
+/** It has left the document. */
+export const onLeft: unique symbol = Symbol();
+/** An attribute has changed while it is in a document. */
+export const onAttribute: unique symbol = Symbol();
+/** Its size or its pixel ratio has changed: CSS pixels. */
+export const onResize: unique symbol = Symbol();
+/** An event of the session, before it is dispatched. */
+export const onEvent: unique symbol = Symbol();
+/** The player's second part is there; once or more. */
+export const onMore: unique symbol = Symbol();
+/** The GL context of a session is lost; it has come back: true if another session takes its place. */
+export const onLost: unique symbol = Symbol();
+export const onRestored: unique symbol = Symbol();
+/** A session has ended because the player has trapped in another viewer's call. */
+export const onTrapped: unique symbol = Symbol();
+/** The page lets it hold a character, or takes it away. */
+export const onGranted: unique symbol = Symbol();
+/** The visitor has done something with it. */
+export const touched: unique symbol = Symbol();
+/** A turn of the page's loop. True if the view or the motion changes by itself. */
+export const animate: unique symbol = Symbol();
+/** What another source begins with. */
+export const firstWishes: unique symbol = Symbol();
+/** What a session is made with. */
+export const sessionOptions: unique symbol = Symbol();
+/** Nothing will come of what was wanted; `error`: why, none if it is not wanted any more. */
+export const onGivenUp: unique symbol = Symbol();
+
+export interface Parts {
+  readonly overlay: Overlay;
+  readonly camera: OrbitCamera;
+  readonly commands: Commands;
+  readonly companions: Set<Companion>;
+  readonly host: SessionHost;
+  readonly reducedMotion: { readonly matches: boolean };
+  session: Session | null;
+  /** Of the canvas, pixels. */
+  size: { width: number; height: number };
+  /** In a document. */
+  connected: boolean;
+  /** Time of the visitor's last input, ms. */
+  touchedMs: number;
+  /** The sequence that is shown. */
+  readonly current: SequenceInfo | null;
+}
+
+/** Class that a feature extends; mixins must take any arguments. */
+export type Constructor<T> = (new (...args: any[]) => T) & { readonly observedAttributes: readonly string[] };
+
+export class ViewerBase extends PageElement {
+  static get observedAttributes(): readonly string[] { return ['alt', 'camera-controls', 'motion-controls', 'touch-action']; }
+
+  readonly [parts]: Parts;
+  #sizes: ResizeObserver | null = null;
+
+  constructor() {
+    super();
+    const commands = new Commands(), camera = new OrbitCamera(), companions = new Set<Companion>();
+    const overlay = new Overlay(this.attachShadow({ mode: 'open' }));
+    const all: Parts = (this[parts] = {
+      overlay, camera, commands, companions,
+      host: {
+        element: this, camera, commands, companions,
+        animate: (dtS) => this[animate](dtS),
+        emit: (name, detail) => this[report](name, detail),
+        firstPicture: () => {
+          overlay.ready();
+          this[report]('loadeddata');
+        },
+        network: (waiting) => {
+          overlay.note(waiting ? 'Waiting for the network …' : null);
+          if (waiting) this[emit]('stalled');
+        },
+        more: (more) => this[onMore](more),
+        show: (canvas) => overlay.showCanvas(canvas),
+        lost: (session) => this[onLost](session),
+        restored: (session) => this[onRestored](session),
+        trapped: (session) => this[onTrapped](session),
+      },
+      reducedMotion: matchMedia('(prefers-reduced-motion: reduce)'),
+      session: null,
+      size: { width: 1, height: 1 },
+      connected: false,
+      touchedMs: -Infinity,
+      get current() { return all.session?.character?.sequences[commands.state()?.sequence ?? -1] ?? null; },
+    });
+    this.addEventListener(JOIN_EVENT, (e) => this.#onJoin(e as CustomEvent<Companion>));
+  }
+
+  override focus(options?: FocusOptions): void { this[parts].overlay.stage.focus(options); }
+
+  connectedCallback(): void {
+    if (this[parts].connected) return; // moved within the page: it goes on
+    this[parts].connected = true;
+    this.#sizes = new ResizeObserver((entries) => this.#resize(entries[entries.length - 1]!.contentRect));
+    this.#sizes.observe(this);
+    this.#applyLabels();
+    this[onConnected]();
+  }
+  // A move within the page takes the element out and puts it back at once.
+  disconnectedCallback(): void {
+    queueMicrotask(() => { if (!this.isConnected) this.#leave(); });
+  }
+  #leave(): void {
+    this.#sizes?.disconnect();
+    this[parts].connected = false;
+    this[onLeft]();
+    this[parts].overlay.idle();
+  }
+
+  attributeChangedCallback(name: string, before: string | null, value: string | null): void {
+    this[onAttribute](name, before, value);
+    this[parts].session?.wake();
+  }
+
+  [emit](name: string, detail?: unknown): void { dispatch(this, name, detail); }
+  [report](name: string, detail?: unknown): void {
+    this[onEvent](name, detail);
+    this[emit](name, detail);
+  }
+  [updateActive](): void { /* for the features */ }
+  [onGranted](_load: boolean): void { /* likewise */ }
+  [touched](): void { this[parts].touchedMs = performance.now(); }
+  [onConnected](): void { /* likewise */ }
+  [onArrival](): void { /* likewise */ }
+  [onLeft](): void { /* likewise */ }
+  [onAttribute](name: string, _before: string | null, _value: string | null): void {
+    if (this[parts].connected && ViewerBase.observedAttributes.includes(name)) this.#applyLabels();
+  }
+  [onResize](_width: number, _height: number): void { /* likewise */ }
+  [onEvent](_name: string, _detail: unknown): void { /* likewise */ }
+  [onMore](_more: More): void { /* likewise */ }
+  [onLost](_session: object): void { /* likewise */ }
+  [onRestored](_session: object): boolean { return false; }
+  [onTrapped](_session: object): void { /* likewise */ }
+  [animate](_dtS: number): boolean { return false; }
+  [firstWishes](): Partial<Wishes> { return {}; }
+  [sessionOptions](): Partial<SessionOptions> { return {}; }
+  [onGivenUp](_error?: ErrorDetail): void { /* likewise */ }
+
+  #resize({ width, height }: DOMRectReadOnly): void {
+    const ratio = Math.min(devicePixelRatio, MAX_PIXEL_RATIO), all = this[parts];
+    all.size = { width: Math.round(width * ratio), height: Math.round(height * ratio) };
+    this[onResize](width, height);
+    all.session?.resize(all.size.width, all.size.height);
+  }
+
+  #applyLabels(): void {
+    const { overlay } = this[parts];
+    overlay.setLabel(this.getAttribute('alt') ?? '', this.hasAttribute('camera-controls'), this.hasAttribute('motion-controls'));
+    overlay.setTouchAction(this.getAttribute('touch-action') ?? 'pan-y');
+  }
+
+  #onJoin(event: CustomEvent<Companion>): void {
+    event.stopPropagation();
+    const companion = event.detail, all = this[parts];
+    all.companions.add(companion);
+    all.session?.later.add(companion);
+    companion.left.addEventListener('abort', () => {
+      all.companions.delete(companion);
+      all.session?.later.remove(companion);
+    });
+  }
+}

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// Feature of <fourdvt-viewer>: the orbit camera, what moves it, and what it follows.
+import { parseOrbit, parseTarget, type Follow } from '../orbit-camera.js';
+import { OrbitControls } from '../orbit-controls.js';
+import { animate, emit, onArrival, onAttribute, onLeft, onResize, parts, touched, type Constructor, type ViewerBase } from './base.js';
+import type { Playback } from './playback.js';
+
+const AUTO_ROTATE_DEG_S = 14;
+const AUTO_ROTATE_RESUME_S = 4;
+const VIEW = ['camera-orbit', 'camera-target', 'camera-follow', 'field-of-view'];
+
+export interface Orbit {
+  azimuth: number;
+  elevation: number;
+  distance: number;
+}
+
+export interface Camera {
+  getCameraOrbit(): Orbit;
+  /** Ends the camera's glide towards its goal. */
+  jumpCameraToGoal(): void;
+}
+
+export function withCamera<T extends Constructor<ViewerBase & Playback>>(Base: T): T & Constructor<Camera> {
+  return class extends Base implements Camera {
+    static override get observedAttributes(): readonly string[] { return [...super.observedAttributes, ...VIEW, 'auto-rotate']; }
+
+    #controls: OrbitControls | null = null;
+    #sinceInteraction = Infinity;
+
+    getCameraOrbit(): Orbit {
+      const { azimuth, elevation, distance } = this[parts].camera.pose;
+      return { azimuth, elevation, distance };
+    }
+    jumpCameraToGoal(): void {
+      this[parts].camera.jump();
+      this[parts].session?.wake();
+    }
+
+    override connectedCallback(): void {
+      super.connectedCallback();
+      const { overlay, camera } = this[parts];
+      this.#controls ??= new OrbitControls(overlay.stage, camera, {
+        orbits: () => this.hasAttribute('camera-controls'),
+        wheelZooms: () => this.hasAttribute('zoom'),
+        onInteract: () => {
+          this.#sinceInteraction = 0;
+          this[touched]();
+          this[parts].session?.wake();
+          this[emit]('camera-change');
+        },
+        togglePlay: () => (this.paused ? void this.play() : this.pause()),
+      });
+    }
+    override [onArrival](): void {
+      this.#apply();
+      super[onArrival]();
+    }
+    override [onLeft](): void {
+      super[onLeft]();
+      this.#controls?.dispose();
+      this.#controls = null;
+    }
+    override [onAttribute](name: string, before: string | null, value: string | null): void {
+      super[onAttribute](name, before, value);
+      if (before !== value && VIEW.includes(name) && this[parts].connected) this.#apply();
+    }
+    override [onResize](width: number, height: number): void {
+      super[onResize](width, height);
+      const { camera } = this[parts];
+      if (height > 0) camera.setAspect(width / height);
+      if (this.#sinceInteraction === Infinity) camera.jump();
+    }
+
+    #apply(): void {
+      const { camera, session, reducedMotion } = this[parts];
+      const fov = parseFloat(this.getAttribute('field-of-view') ?? '');
+      camera.fov = fov >= 5 && fov <= 120 ? fov : 35;
+      camera.setTarget(parseTarget(this.getAttribute('camera-target')));
+      const follow = this.getAttribute('camera-follow');
+      camera.setFollow((['position', 'behind'] as (string | null)[]).includes(follow) ? follow as Follow : 'none');
+      if (session?.character) camera.setCharacter(session.character);
+      camera.setHome(parseOrbit(this.getAttribute('camera-orbit')));
+      if (!session?.character || reducedMotion.matches) camera.jump();
+    }
+
+    override [animate](dtS: number): boolean {
+      const { camera, reducedMotion } = this[parts];
+      this.#sinceInteraction += dtS;
+      const rotating = this.hasAttribute('auto-rotate') && !reducedMotion.matches && !this.#controls?.dragging &&
+        this.#sinceInteraction > AUTO_ROTATE_RESUME_S;
+      if (rotating) camera.rotate(AUTO_ROTATE_DEG_S * dtS, 0);
+      if (reducedMotion.matches) camera.jump();
+      const moves = super[animate](dtS);
+      return camera.update(dtS) || rotating || moves;
+    }
+  };
+}

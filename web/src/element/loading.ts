@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+// Feature of <fourdvt-viewer>: src and poster, loading and its errors, the GL context's loss.
+import { asViewerError, characterAddress, type ErrorDetail } from '../errors.js';
+import { Session } from '../session.js';
+import type { UploadChoice as UploadPath } from '../upload-path.js';
+import {
+  emit, firstWishes, onArrival, onAttribute, onConnected, onEvent, onGivenUp, onGranted, onLeft, onLost, onRestored, onTrapped, parts, report, sessionOptions, updateActive,
+  type Constructor, type ViewerBase,
+} from './base.js';
+
+// Until the stream's index has come the total is too small; this keeps the progress bar from being full too early.
+const MIN_TOTAL_BYTES = 300_000;
+const CONTEXT_PATIENCE_MS = 5000; // browsers that give a GL context back do so within a second
+
+/** Nothing will come of what is wanted. */
+export const standsStill: unique symbol = Symbol();
+
+export interface Loading {
+  src: string;
+  poster: string;
+  readonly error: ErrorDetail | null;
+  /** How decoded pictures reach the GPU; 'auto' measures what is faster. Takes effect at the next load. */
+  uploadPath: UploadPath;
+  /** Loads the character again, from the start. Any error before is forgotten. */
+  load(): void;
+  readonly [standsStill]: boolean;
+}
+
+// Static properties of the element.
+interface Addresses {
+  readonly wasmUrl: string;
+  readonly opencvUrl: string;
+}
+
+export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Constructor<Loading> {
+  return class extends Base implements Loading {
+    static override get observedAttributes(): readonly string[] { return [...super.observedAttributes, 'src', 'poster']; }
+
+    #error: ErrorDetail | null = null;
+    #granted = false;
+    #wanted: { fresh: boolean } | null = null; // to load, once the page lets it
+    #loading = false;
+    #loaded: string | null = null; // src of what is shown, or was shown when the element left the page
+    #contextTimer = 0;
+    #attempt: object | null = null; // to start a session; the latest
+    #lost: object | null = null; // the session whose context may come back
+
+    constructor(...args: any[]) {
+      super(...args);
+      this[parts].overlay.onRetry = () => this.#want(true, true);
+    }
+
+    get src(): string { return this.getAttribute('src') ?? ''; }
+    set src(value: string) { this.setAttribute('src', value); }
+    get poster(): string { return this.getAttribute('poster') ?? ''; }
+    set poster(value: string) { this.setAttribute('poster', value); }
+    get error(): ErrorDetail | null { return this.#error; }
+    get uploadPath(): UploadPath { return (this.getAttribute('upload-path') ?? 'auto') as UploadPath; }
+    set uploadPath(value: UploadPath) { this.setAttribute('upload-path', value); }
+    load(): void {
+      if (this[parts].connected) this.#want();
+    }
+
+    override [onConnected](): void {
+      const back = this.#loaded !== null && this.#loaded === this.src;
+      if (!back) this[onArrival]();
+      this.#want(back);
+      super[onConnected]();
+    }
+    override [onGranted](load: boolean): void {
+      super[onGranted](load);
+      this.#granted = load;
+      if (load && this.#wanted) this.#load();
+      else if (!load && this[parts].session) this.#free();
+    }
+    override [onLeft](): void {
+      this.#unload();
+      this.#wanted = null;
+      super[onLeft]();
+    }
+    override [onAttribute](name: string, before: string | null, value: string | null): void {
+      super[onAttribute](name, before, value);
+      if (!this[parts].connected) this.#loaded = null;
+      else if (name === 'src') this.#want(); // the same one, too: another try
+      else if (name === 'poster' && before !== value) this[parts].overlay.setPoster(value);
+    }
+
+    get [standsStill](): boolean {
+      const { session, commands } = this[parts];
+      return (session?.ended ?? true) || (commands.state()?.failed ?? false);
+    }
+
+    // Loads when the page lets it. `on`: goes on where it was. fresh: past the browser's cache, which may hold what was not whole.
+    #want(on = false, fresh = false): void {
+      const { overlay, commands, companions } = this[parts];
+      this.#unload();
+      this.#error = this.#wanted = null;
+      this.#loaded = this.src || null;
+      overlay.idle();
+      if (!this.src) return;
+      overlay.setPoster(this.poster || null);
+      if (!on) {
+        commands.begin(this[firstWishes]());
+        for (const { src, commands: its } of companions) if (src === null) its.begin();
+      }
+      overlay.offerPlay(!commands.wishes.playing);
+      this.#wanted = { fresh };
+      if (this.#granted) this.#load();
+    }
+    #load(): void {
+      const { overlay, commands } = this[parts], { fresh } = this.#wanted!;
+      this.#wanted = null;
+      this.#loading = true;
+      overlay.loading();
+      overlay.offerPlay(!commands.wishes.playing);
+      this[emit]('loadstart');
+      this.#startSession(fresh);
+    }
+    // Keeps the picture and the place.
+    #free(): void {
+      const { overlay, session } = this[parts];
+      const picture = session!.drawing.toBlob();
+      this[parts].session = null;
+      session!.dispose();
+      overlay.dropCanvas();
+      overlay.idle();
+      overlay.offerPlay(!this[parts].commands.wishes.playing);
+      const wanted = (this.#wanted = { fresh: false });
+      this[emit]('suspend');
+      void picture.then((blob) => {
+        if (blob && this.#wanted === wanted) overlay.keepPicture(blob);
+      }, () => undefined);
+    }
+
+    #startSession(fresh = false): void {
+      const attempt = (this.#attempt = {});
+      let src: string;
+      try {
+        src = characterAddress(this.src, this.baseURI);
+      } catch (reason) {
+        // Not at once: whoever has just set it wants to listen first.
+        return queueMicrotask(() => { if (attempt === this.#attempt) this[report]('error', asViewerError(reason).detail); });
+      }
+      const { size, host } = this[parts], { wasmUrl, opencvUrl } = this.constructor as unknown as Addresses;
+      const session = (this[parts].session = new Session({
+        src, wasmUrl, opencvUrl, uploadPath: this.uploadPath, align: 'baked', room: false, fresh, ...this[sessionOptions](),
+      }, host));
+      session.resize(size.width, size.height);
+      this[updateActive]();
+      void session.start();
+    }
+
+    #unload(): void {
+      const { session, overlay } = this[parts];
+      clearTimeout(this.#contextTimer);
+      this[parts].session = this.#attempt = this.#lost = null;
+      session?.dispose();
+      overlay.dropCanvas();
+      this[onGivenUp]();
+    }
+
+    override [onLost](session: object): void {
+      super[onLost](session);
+      this.#lost = session;
+      this[parts].session = null;
+      this[emit]('waiting');
+      this.#awaitContext();
+    }
+    override [onRestored](session: object): boolean {
+      if (this.#lost !== session) return super[onRestored](session);
+      this.#lost = null;
+      clearTimeout(this.#contextTimer);
+      this.#restart();
+      return true;
+    }
+    override [onTrapped](session: object): void {
+      super[onTrapped](session);
+      if (this[parts].session === session) this.#restart();
+    }
+    #restart(): void {
+      this.#forgetError();
+      this.#startSession();
+    }
+    // A hidden page may get its context back when it is shown again.
+    #awaitContext(): void {
+      this.#contextTimer = setTimeout(() => {
+        if (document.hidden) this.#awaitContext();
+        else this[report]('error', { id: 'gpu-failure', message: 'the browser took the GPU away and did not give it back; try again, or reload the page' });
+      }, CONTEXT_PATIENCE_MS);
+    }
+
+    override [onEvent](name: string, detail: unknown): void {
+      const { overlay, session } = this[parts];
+      super[onEvent](name, detail);
+      if (name === 'progress') {
+        const { loaded, total } = detail as { loaded: number; total: number };
+        if (this.#loading) overlay.progress(Math.min(1, loaded / Math.max(total, MIN_TOTAL_BYTES)));
+      } else if (name === 'loadedmetadata') {
+        const poster = session?.character?.posterUri;
+        if (poster && !session.started && !overlay.hasPoster) overlay.setPoster(new URL(poster, new URL(this.src, this.baseURI)).href);
+      } else if (name === 'error') {
+        this.#onError(detail as ErrorDetail);
+      } else if (['canplay', 'playing', 'seeked', 'sequencechange'].includes(name)) {
+        if (name === 'canplay') this.#loading = false;
+        this.#forgetError();
+      }
+    }
+
+    // The panel is for errors that leave nothing to look at, or the wanted motion standing still; a command that was
+    // refused changes nothing.
+    #onError(error: ErrorDetail): void {
+      this.#error = error;
+      const over = this.#loading || (this[parts].session?.ended ?? true);
+      this.#loading = false;
+      if (!over && !this[standsStill]) return;
+      this[onGivenUp](error);
+      this[parts].overlay.fail(error, over);
+    }
+    #forgetError(): void {
+      this.#error = null;
+      this[parts].overlay.recover();
+    }
+  };
+}

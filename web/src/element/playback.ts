@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// Feature of <fourdvt-viewer>: playing, pausing and seeking, like the media element; frames; the state of live streams.
+import type { Wishes } from '../commands.js';
+import { deferred, type Deferred } from '../deferred.js';
+import { ViewerError, type ErrorDetail } from '../errors.js';
+import type { LiveState } from '../live.js';
+import { emit, firstWishes, onAttribute, onEvent, onGivenUp, parts, type Constructor, type ViewerBase } from './base.js';
+import { standsStill, type Loading } from './loading.js';
+
+export interface Playback {
+  autoplay: boolean;
+  loop: boolean;
+  readonly paused: boolean;
+  readonly duration: number;
+  currentTime: number;
+  playbackRate: number;
+  /** Resolves when it plays; rejects if it is paused, reloaded or removed before, or if an error comes instead. */
+  play(): Promise<void>;
+  pause(): void;
+  readonly frame: number;
+  seekFrame(frame: number): void;
+  /** State of a live stream; null for other characters. */
+  readonly liveState: LiveState | null;
+  /** Seconds from capture to now, of the live frame that is shown; NaN while that is not known. */
+  readonly liveLatency: number;
+}
+
+export function withPlayback<T extends Constructor<ViewerBase & Loading>>(Base: T): T & Constructor<Playback> {
+  return class extends Base implements Playback {
+    static override get observedAttributes(): readonly string[] { return [...super.observedAttributes, 'loop']; }
+
+    #stopped = false; // somebody has paused it
+    #sought: { time?: number; frame?: number } = {}; // before there was a source
+    #played: Deferred | null = null;
+
+    constructor(...args: any[]) {
+      super(...args);
+      this[parts].overlay.onPlay = () => this.play();
+    }
+
+    get autoplay(): boolean { return this.hasAttribute('autoplay'); }
+    set autoplay(value: boolean) { this.toggleAttribute('autoplay', value); }
+    get loop(): boolean { return this.hasAttribute('loop') && this.getAttribute('loop') !== 'false'; }
+    set loop(value: boolean) { this.setAttribute('loop', value ? '' : 'false'); }
+    get paused(): boolean { return !this[parts].commands.wishes.playing; }
+    get duration(): number { return this[parts].session?.live ? Infinity : this[parts].current?.duration ?? NaN; }
+    get currentTime(): number {
+      const { commands } = this[parts];
+      return commands.state()?.currentTimeS ?? commands.wishes.time ?? 0;
+    }
+    set currentTime(value: number) {
+      if (!Number.isFinite(Number(value))) throw new TypeError('currentTime must be a number of seconds');
+      this[emit]('seeking');
+      if (!this[parts].session) this.#sought = { time: Number(value) };
+      this[parts].commands.seek(Number(value));
+    }
+    get playbackRate(): number { return this[parts].commands.wishes.rate; }
+    set playbackRate(value: number) {
+      if (!(value > 0 && value <= 4)) throw new RangeError('playbackRate must be above 0 and at most 4');
+      this[parts].commands.set('rate', value);
+      this[emit]('ratechange');
+    }
+
+    play(): Promise<void> {
+      const { commands, overlay } = this[parts], { error } = this;
+      this.#stopped = false;
+      overlay.offerPlay(false);
+      const state = commands.state();
+      if (state?.hasFrame && !state.paused && !state.seeking) return Promise.resolve();
+      const { promise } = (this.#played ??= deferred());
+      if (error && this[standsStill]) this.#settle(new ViewerError(error.id, error.message));
+      if (this.paused) {
+        commands.remember('playing', true);
+        this[emit]('play');
+        commands.set('playing', true);
+      }
+      return promise;
+    }
+    pause(): void {
+      this.#stopped = true;
+      this.#settle(new DOMException('paused before it played', 'AbortError'));
+      if (this.paused) return;
+      this[parts].commands.set('playing', false);
+      if (!this[parts].session?.character) this[emit]('pause');
+    }
+
+    get frame(): number { return this[parts].commands.state()?.frame ?? 0; }
+    seekFrame(frame: number): void {
+      this[emit]('seeking');
+      if (!this[parts].session) this.#sought = { frame };
+      this[parts].commands.seekFrame(frame);
+    }
+
+    get liveState(): LiveState | null { return this[parts].session?.live?.state ?? null; }
+    get liveLatency(): number { return this[parts].session?.live?.latency ?? NaN; }
+
+    override [firstWishes](): Partial<Wishes> {
+      const sought = this.#sought;
+      this.#sought = {};
+      const playing = this.autoplay && !this.#stopped ? { playing: !this[parts].reducedMotion.matches } : {};
+      return { ...super[firstWishes](), loop: this.#loopMode(), ...sought, ...playing };
+    }
+    override [onAttribute](name: string, before: string | null, value: string | null): void {
+      super[onAttribute](name, before, value);
+      if (name === 'loop' && before !== value && this[parts].connected) this[parts].commands.set('loop', this.#loopMode());
+    }
+    override [onEvent](name: string, detail: unknown): void {
+      super[onEvent](name, detail);
+      if (name === 'ended') this[parts].commands.remember('playing', false);
+      if (name !== 'playing') return;
+      this.#played?.resolve();
+      this.#played = null;
+    }
+    override [onGivenUp](error?: ErrorDetail): void {
+      super[onGivenUp](error);
+      this.#settle(error ? new ViewerError(error.id, error.message)
+        : new DOMException('another character was loaded, or the viewer was removed', 'AbortError'));
+    }
+
+    #settle(reason: Error): void {
+      this.#played?.reject(reason);
+      this.#played = null;
+    }
+    // -1 as the sequence says, 0 never, 1 always.
+    #loopMode(): number {
+      if (!this.hasAttribute('loop')) return -1;
+      return this.loop ? 1 : 0;
+    }
+  };
+}

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+// Feature of <fourdvt-viewer>: where it is on the page, and what it may have there: `loading`, and the page's ledger. What is far
+// from the screen is freed, what is not on it stands still.
+import { Ledger, type Claim, type Grant, type LoadingMode, type Member } from '../ledger.js';
+import { Stage } from '../stage.js';
+import { onAttribute, onConnected, onEvent, onGranted, onLeft, parts, touched, updateActive, type Constructor, type ViewerBase } from './base.js';
+
+const PHONE = '(hover: none) and (pointer: coarse)';
+const PHONE_BYTES = 160e6, DESKTOP_BYTES = 400e6;
+const PHONE_DECODERS = 4, DESKTOP_DECODERS = 12;
+const MARGINS = ['0px', '100%', '200%', '300%']; // of the screen; crossing one makes the ledger share out anew
+const STEPS = [0, 0.25, 0.5, 0.75, 1];
+
+export interface Presence {
+  /** 'auto': loads when it is near the screen, 'lazy': when it is on it, 'eager': at once, and is never freed. */
+  loading: LoadingMode;
+}
+
+interface Watched extends Element {
+  [seen](entry: IntersectionObserverEntry | null): void;
+}
+const seen: unique symbol = Symbol();
+
+let page: { ledger: Ledger; observers: IntersectionObserver[] } | null = null;
+
+// Of the page, made for its first viewer.
+function ofPage(): NonNullable<typeof page> {
+  const { deviceMemory = 8 } = navigator as { deviceMemory?: number }, phone = matchMedia(PHONE).matches;
+  return (page ??= {
+    ledger: new Ledger({
+      usedBytes: () => Stage.usedBytes(),
+      bytes: phone || deviceMemory <= 4 ? PHONE_BYTES : DESKTOP_BYTES,
+      decoders: phone ? PHONE_DECODERS : DESKTOP_DECODERS,
+      now: () => performance.now(),
+      later: (run) => queueMicrotask(run),
+    }),
+    observers: MARGINS.map((rootMargin, i) => new IntersectionObserver((entries) => {
+      for (const entry of entries) (entry.target as Watched)[seen](i ? null : entry);
+    }, { rootMargin, threshold: i ? 0 : STEPS })),
+  });
+}
+
+export function withPresence<T extends Constructor<ViewerBase>>(Base: T): T & Constructor<Presence> {
+  return class extends Base implements Presence, Member {
+    static override get observedAttributes(): readonly string[] { return [...super.observedAttributes, 'loading']; }
+
+    #grant: Grant = { load: false, run: false };
+    #seen: IntersectionObserverEntry | null = null;
+    #hides: AbortController | null = null;
+
+    get loading(): LoadingMode {
+      const mode = this.getAttribute('loading');
+      return mode === 'lazy' || mode === 'eager' ? mode : 'auto';
+    }
+    set loading(mode: LoadingMode) { this.setAttribute('loading', mode); }
+
+    override [onConnected](): void {
+      super[onConnected]();
+      const { ledger, observers } = ofPage();
+      for (const observer of observers) observer.observe(this);
+      this.#hides = new AbortController();
+      document.addEventListener('visibilitychange', () => this[updateActive](), { signal: this.#hides.signal });
+      ++Stage.viewers;
+      ledger.add(this);
+    }
+    override [onLeft](): void {
+      const { ledger, observers } = ofPage();
+      for (const observer of observers) observer.unobserve(this);
+      this.#hides?.abort();
+      this.#seen = null;
+      this.#grant = { load: false, run: false };
+      --Stage.viewers;
+      ledger.remove(this);
+      super[onLeft]();
+    }
+    override [onAttribute](name: string, before: string | null, value: string | null): void {
+      super[onAttribute](name, before, value);
+      if (name === 'loading' && this[parts].connected) ofPage().ledger.review();
+    }
+
+    override [onEvent](name: string, detail: unknown): void {
+      super[onEvent](name, detail);
+      if (name === 'loadeddata') this[seen](null); // others may run now
+    }
+    override [touched](): void {
+      super[touched]();
+      if (!this.#grant.run) ofPage().ledger.review();
+    }
+
+    [seen](entry: IntersectionObserverEntry | null): void {
+      if (entry) this.#seen = entry;
+      ofPage().ledger.review();
+      this[updateActive]();
+    }
+
+    claim(): Claim {
+      const { session } = this[parts], shown = session?.drawing.shown ?? false;
+      const { left, right, top, bottom, width, height } = this.getBoundingClientRect();
+      const across = Math.max(0, left - innerWidth, -right) / innerWidth, down = Math.max(0, top - innerHeight, -bottom) / innerHeight;
+      const { width: w, height: h } = this.#seen?.intersectionRect ?? { width, height };
+      // What is hidden by its styles may be shown at any time; what a scroller clips is near.
+      const distance = width * height === 0 ? 1 : Math.max(across, down, this.#onScreen ? 0 : 0.01);
+      return { mode: this.loading, distance, area: w * h, shown, touchedMs: this[parts].touchedMs };
+    }
+    granted(grant: Grant): void {
+      const { load } = this.#grant;
+      this.#grant = grant;
+      if (load !== grant.load) this[onGranted](grant.load);
+      this[updateActive]();
+    }
+
+    get #onScreen(): boolean { return this.#seen?.isIntersecting ?? true; }
+
+    override [updateActive](): void {
+      const { session } = this[parts], decodes = this.#grant.run && !document.hidden;
+      session?.setActive(decodes && (this.#onScreen || !session.drawing.shown), decodes);
+    }
+  };
+}

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+// Shares a page's memory and decoders out among its viewers: what is on screen comes first, what is far away is freed. Does
+// not know viewers by more than their claims.
+
+/** When a viewer loads: once it is near the screen, once it is on it, at once. */
+export type LoadingMode = 'auto' | 'lazy' | 'eager';
+
+/** What a viewer would have. */
+export interface Claim {
+  readonly mode: LoadingMode;
+  /** From the edge of the screen, in heights or widths of it; 0: some of it is on screen. */
+  readonly distance: number;
+  /** Of it on the screen, CSS pixels. */
+  readonly area: number;
+  /** A picture of the present source is shown. */
+  readonly shown: boolean;
+  /** Time of the visitor's last input on it, ms; -Infinity: none. */
+  readonly touchedMs: number;
+}
+
+/** load: it may hold a character. run: it may decode; else it holds still. */
+export interface Grant {
+  load: boolean;
+  run: boolean;
+}
+
+export interface Budget {
+  /** Viewers that hold a character. */
+  loaded: number;
+  /** Viewers that decode. */
+  running: number;
+}
+
+const NEAR = { auto: 1, lazy: 0, eager: Infinity }; // distance at which it loads
+const FAR = { auto: 3, lazy: 2, eager: Infinity };  // distance at which it is freed
+const RECENT_MS = 3000; // after an input a viewer runs before others
+const FULL_BYTES = 15_000_000; // of a viewer that has none yet, in GPU and heap
+
+/** What the page can afford. used: bytes of the viewers that hold a character, of which there are `loaded`. */
+export function budgetOf(bytes: number, decoders: number, used: number, loaded: number): Budget {
+  const each = loaded ? Math.max(used / loaded, 1) : FULL_BYTES;
+  return { loaded: Math.max(1, Math.floor(bytes / each)), running: decoders };
+}
+
+/** The grants of all claims, in their order. had: the grants before, so that little changes back and forth. */
+export function shareOut(claims: readonly Claim[], had: readonly Grant[], { loaded, running }: Budget, nowMs: number): Grant[] {
+  const grants = claims.map(() => ({ load: false, run: false }));
+  const order = (less: (a: Claim, b: Claim) => number): number[] => claims.map((_, i) => i).sort((a, b) => less(claims[a]!, claims[b]!));
+  const wants = ({ mode, distance }: Claim, holds: boolean): boolean => distance <= (holds ? FAR : NEAR)[mode];
+  for (const i of order((a, b) => a.distance - b.distance || b.area - a.area)) {
+    if (loaded > 0 && wants(claims[i]!, had[i]?.load ?? false)) {
+      grants[i]!.load = true;
+      --loaded;
+    }
+  }
+  // What is on screen comes first; there, what has no picture before what would only move, then what the visitor touches and sees most of.
+  const touched = ({ touchedMs }: Claim): number => (nowMs - touchedMs < RECENT_MS ? touchedMs : 0);
+  for (const i of order((a, b) => Number(a.distance > 0) - Number(b.distance > 0) || Number(a.shown) - Number(b.shown) ||
+                                  touched(b) - touched(a) || b.area - a.area)) {
+    if (running > 0 && grants[i]!.load) {
+      grants[i]!.run = true;
+      --running;
+    }
+  }
+  return grants;
+}
+
+/** A viewer's place in the ledger. */
+export interface Member {
+  claim(): Claim;
+  /** Called when it has changed. */
+  granted(grant: Grant): void;
+}
+
+/** The page, as far as it is used here. */
+export interface LedgerPage {
+  /** Bytes on the GPU and in the player's memory, of all viewers. */
+  usedBytes(): number;
+  bytes: number;
+  decoders: number;
+  now(): number;
+  later(run: () => void): void;
+}
+
+export class Ledger {
+  readonly #members = new Map<Member, Grant>();
+  readonly #page: LedgerPage;
+  #due = false;
+
+  constructor(page: LedgerPage) {
+    this.#page = page;
+  }
+
+  add(member: Member): void {
+    this.#members.set(member, { load: false, run: false });
+    this.review();
+  }
+  remove(member: Member): void {
+    if (this.#members.delete(member)) this.review();
+  }
+  /** Shares out anew, before the page's next turn: a claim has changed. */
+  review(): void {
+    if (this.#due) return;
+    this.#due = true;
+    this.#page.later(() => {
+      this.#due = false;
+      this.#share();
+    });
+  }
+
+  #share(): void {
+    const members = [...this.#members.keys()], had = [...this.#members.values()], page = this.#page;
+    const budget = budgetOf(page.bytes, page.decoders, page.usedBytes(), had.filter(({ load }) => load).length);
+    const grants = shareOut(members.map((member) => member.claim()), had, budget, page.now());
+    const changed = members.filter((member, i) => {
+      const before = had[i]!, grant = grants[i]!;
+      this.#members.set(member, grant);
+      return before.load !== grant.load || before.run !== grant.run;
+    });
+    // What is freed comes first: the others may need the room.
+    const isFreed = (member: Member): boolean => !this.#members.get(member)?.load;
+    for (const member of [...changed.filter(isFreed), ...changed.filter((member) => !isFreed(member))]) {
+      const grant = this.#members.get(member);
+      if (grant) member.granted(grant);
+    }
+  }
+}
