@@ -101,6 +101,9 @@ async function assertLetGo() {
   return rest.heading;
 }
 
+// It comes with the player's second part.
+const stickIsThere = (on) => on.waitForFunction(() => document.querySelector('fourdvt-viewer').shadowRoot?.querySelector('[part=joystick]'), null, { timeout: kPatienceMs });
+
 test('touch screens have the joystick, where motion is steered; a mouse has none', async () => {
   const display = (on) => on.evaluate(() => {
     const viewer = document.querySelector('fourdvt-viewer');
@@ -113,9 +116,8 @@ test('touch screens have the joystick, where motion is steered; a mouse has none
   });
   assert.deepEqual(await display(page), ['block', 'none']);
   const desk = await openPage(browser, { viewport: kViewport });
-  await desk.route('**/character/**', (route) => route.abort());
   await desk.goto(`${server.url}steer.html`);
-  await desk.evaluate(() => customElements.whenDefined('fourdvt-viewer').then(() => undefined));
+  await stickIsThere(desk);
   assert.deepEqual(await display(desk), ['none', 'none']);
   await desk.close();
 });
@@ -251,6 +253,7 @@ test('a viewer that is taken out and put back while the joystick is held has its
     parent.prepend(viewer);
   });
   await touch('touchEnd', onStick(0, -0.8));
+  await stickIsThere(page);
   assert.equal((await state()).knob, null);
 });
 

@@ -39,6 +39,7 @@ canvas { position: absolute; inset: 0; width: 100%; height: 100%; display: block
 [hidden] { display: none !important; }
 @media (prefers-reduced-motion: reduce) { .poster, .bar, .bar > div { transition: none; } }
 `;
+const KEPT_PIXELS = 320; // the longer side of a picture that is kept
 let sheet: CSSStyleSheet | undefined;
 
 function add<K extends keyof HTMLElementTagNameMap>(parent: Node, tag: K, name: string): HTMLElementTagNameMap[K] {
@@ -59,7 +60,7 @@ export class Overlay {
   readonly #message: HTMLSpanElement;
   readonly #note: HTMLParagraphElement;
   #canvas: HTMLCanvasElement | null = null;
-  #kept = ''; // address of a picture that is kept
+  #kept: HTMLCanvasElement | null = null; // the last picture of a canvas that has gone
   /** Called by its buttons. */
   onPlay: () => void = () => undefined;
   onRetry: () => void = () => undefined;
@@ -106,6 +107,15 @@ export class Overlay {
     canvas.setAttribute('part', 'canvas');
     this.stage.appendChild(canvas);
   }
+  /** Shows a small copy of the canvas in its place, until there is a picture again. */
+  keepPicture(): void {
+    const { width = 1, height = 1 } = this.#canvas ?? {}, scale = Math.min(1, KEPT_PIXELS / Math.max(width, height));
+    const kept = (this.#kept = Object.assign(document.createElement('canvas'), { width: Math.ceil(width * scale), height: Math.ceil(height * scale) }));
+    if (this.#canvas) kept.getContext('2d')?.drawImage(this.#canvas, 0, 0, kept.width, kept.height);
+    this.stage.prepend(kept);
+    this.dropCanvas();
+    this.#bar.hidden = true;
+  }
   dropCanvas(): void {
     if (this.#canvas?.parentNode === this.stage) this.#canvas.remove(); // else another viewer shows it
     this.#canvas = null;
@@ -122,28 +132,25 @@ export class Overlay {
     this.stage.style.touchAction = value;
   }
   setPoster(url: string | null): void {
-    URL.revokeObjectURL(this.#kept);
-    this.#kept = '';
     if (url) this.#poster.src = url;
     else this.#poster.removeAttribute('src');
     this.#poster.hidden = !url;
-  }
-  /** Shows the picture that was last on the canvas, as poster. */
-  keepPicture(picture: Blob): void {
-    const url = URL.createObjectURL(picture);
-    this.setPoster(url);
-    this.#kept = url;
   }
   get hasPoster(): boolean {
     return !this.#poster.hidden;
   }
 
   idle(): void {
+    this.#forget();
     this.#bar.hidden = this.#play.hidden = this.#error.hidden = this.#note.hidden = true;
     this.#poster.classList.remove('gone');
   }
+  #forget(): void {
+    this.#kept?.remove();
+    this.#kept = null;
+  }
   loading(): void {
-    this.idle();
+    if (!this.#kept) this.idle();
     this.#bar.hidden = false;
     this.#bar.classList.remove('gone');
     this.progress(0);
@@ -154,6 +161,7 @@ export class Overlay {
   }
   /** Shows the canvas: the first picture is on it. */
   ready(): void {
+    this.#forget();
     this.progress(1);
     this.#bar.classList.add('gone');
     this.#bar.hidden = true;

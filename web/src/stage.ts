@@ -149,14 +149,18 @@ export class Stage {
     const canvas = this.#canvas;
     clearTimeout(this.#timer);
     for (const other of this.#seats) if (!this.#own.has(other)) this.#giveCanvas(other);
+    if (this.#seats.size || !('style' in canvas)) {
+      this.#giveCanvas(seat);
+    } else {
+      canvas.width = canvas.width; // forgets the last viewer's picture
+      seat.show(canvas);
+    }
     this.#seats.add(seat);
-    if (this.#seats.size > 1 || !('style' in canvas)) return this.#giveCanvas(seat);
-    canvas.width = canvas.width; // forgets the last viewer's picture
-    seat.show(canvas);
   }
   #giveCanvas(seat: Seat): void {
-    const canvas = document.createElement('canvas');
-    this.#own.set(seat, canvas.getContext(('style' in this.#canvas ? '2d' : 'bitmaprenderer') as '2d')!);
+    const canvas = document.createElement('canvas'), renderer = canvas.getContext(('style' in this.#canvas ? '2d' : 'bitmaprenderer') as '2d');
+    if (!renderer) throw new ViewerError('gpu-failure', 'no canvas for the picture: the browser refuses one');
+    this.#own.set(seat, renderer);
     seat.redraw();
     seat.show(canvas);
   }

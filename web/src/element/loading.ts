@@ -119,17 +119,13 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
     // Keeps the picture and the place.
     #free(): void {
       const { overlay, session } = this[parts];
-      const picture = session!.drawing.toBlob();
+      session!.drawing.redraw();
+      overlay.keepPicture();
       this[parts].session = null;
       session!.dispose();
-      overlay.dropCanvas();
-      overlay.idle();
       overlay.offerPlay(!this[parts].commands.wishes.playing);
-      const wanted = (this.#wanted = { fresh: false });
+      this.#wanted = { fresh: false };
       this[emit]('suspend');
-      void picture.then((blob) => {
-        if (blob && this.#wanted === wanted) overlay.keepPicture(blob);
-      }, () => undefined);
     }
 
     #startSession(fresh = false): void {
