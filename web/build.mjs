@@ -60,8 +60,8 @@ function tabulateExports(script) {
 
 // It fetches the module, too, where a page does not do it itself, as this one does.
 function leaveOutFetching(script) {
-  const cuts = [['var dataURIPrefix=', 'function createWasm('], ['function receiveInstantiationResult(', 'if(Module["instantiateWasm"])'],
-    ['instantiateAsync().catch(readyPromiseReject);', 'return{}}']];
+  const cuts = [['var read_,readAsync,', 'var out='], ['var dataURIPrefix=', 'function createWasm('],
+    ['function receiveInstantiationResult(', 'if(Module["instantiateWasm"])'], ['instantiateAsync().catch(readyPromiseReject);', 'return{}}']];
   return cuts.reduce((text, [from, to]) => {
     const begin = text.indexOf(from), end = text.indexOf(to, begin);
     if (begin < 0 || end < 0) fail(`Emscripten's script has no ${from} before ${to}`);

@@ -62,7 +62,6 @@ export class Later {
   }
   onClose(): void {
     this.#companions?.clear();
-    this.#attempts.clear();
   }
 
   // Without the second part the player does without.

@@ -34,11 +34,11 @@ export interface Budget {
 const NEAR = { auto: 1, lazy: 0, eager: Infinity }; // distance at which it loads
 const FAR = { auto: 3, lazy: 2, eager: Infinity };  // distance at which it is freed
 const RECENT_MS = 3000; // after an input a viewer runs before others
-const FULL_BYTES = 15_000_000; // of a viewer that has none yet, in GPU and heap
+const FULL_BYTES = 15_000_000; // of a viewer, in GPU and heap, at the least: those that have just begun hold little yet
 
 /** What the page can afford. used: bytes of the viewers that hold a character, of which there are `loaded`. */
 export function budgetOf(bytes: number, decoders: number, used: number, loaded: number): Budget {
-  const each = loaded ? Math.max(used / loaded, 1) : FULL_BYTES;
+  const each = Math.max(used / (loaded || 1), FULL_BYTES);
   return { loaded: Math.max(1, Math.floor(bytes / each)), running: decoders };
 }
 

@@ -27,12 +27,13 @@ function force(gl: WebGL2RenderingContext, texture: WebGLTexture): void {
   gl.deleteFramebuffer(framebuffer);
 }
 
-async function timePlanes(gl: WebGL2RenderingContext, frame: VideoFrame): Promise<number> {
+async function timePlanes(gl: WebGL2RenderingContext, frame: VideoFrame, signal: AbortSignal): Promise<number> {
   const { width, height } = frame.visibleRect!;
   const pixels = new Uint8Array(frame.allocationSize());
   const start = performance.now();
   await frame.copyTo(pixels);
   const elapsed = performance.now() - start;
+  signal.throwIfAborted(); // the context is other viewers', too
   const textures = [0, 1, 1].map((s) => makeTexture(gl, gl.R8, gl.RED, width >> s, height >> s));
   const upload = performance.now();
   gl.activeTexture(gl.TEXTURE0);
@@ -60,13 +61,13 @@ function timeWhole(gl: WebGL2RenderingContext, frame: VideoFrame | HTMLVideoElem
 }
 
 // The fastest path for frames like this one, by the fastest run of each. Calls `touched` after it changed GL state.
-async function measurePath(gl: WebGL2RenderingContext, frame: VideoFrame, touched: () => void):
+async function measurePath(gl: WebGL2RenderingContext, frame: VideoFrame, signal: AbortSignal, touched: () => void):
     Promise<UploadPath> {
   const times = { i420: Infinity, rgba: Infinity, 'rgba-sub': Infinity };
   const hasPlanes = frame.format === 'I420' || frame.format === 'NV12';
   const alignment = gl.getParameter(gl.UNPACK_ALIGNMENT) as number;
   for (let run = 0; run < RUNS; ++run) {
-    if (hasPlanes) times.i420 = Math.min(times.i420, await timePlanes(gl, frame));
+    if (hasPlanes) times.i420 = Math.min(times.i420, await timePlanes(gl, frame, signal));
     times.rgba = Math.min(times.rgba, timeWhole(gl, frame, false));
     times['rgba-sub'] = Math.min(times['rgba-sub'], timeWhole(gl, frame, true));
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, alignment);
@@ -81,7 +82,7 @@ export async function decidePath(session: SessionSide, frame: VideoFrame): Promi
   const { gl } = session;
   let { path } = session;
   try {
-    path = await measurePath(gl, frame, () => session.main?.player?.invalidateState());
+    path = await measurePath(gl, frame, session.signal, () => session.main?.player?.invalidateState());
   } catch {
     // it cannot be measured here: stay on the path that works
   } finally {

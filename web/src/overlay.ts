@@ -109,12 +109,15 @@ export class Overlay {
   }
   /** Shows a small copy of the canvas in its place, until there is a picture again. */
   keepPicture(): void {
-    const { width = 1, height = 1 } = this.#canvas ?? {}, scale = Math.min(1, KEPT_PIXELS / Math.max(width, height));
-    const kept = (this.#kept = Object.assign(document.createElement('canvas'), { width: Math.ceil(width * scale), height: Math.ceil(height * scale) }));
-    if (this.#canvas) kept.getContext('2d')?.drawImage(this.#canvas, 0, 0, kept.width, kept.height);
-    this.stage.prepend(kept);
+    const canvas = this.#canvas;
+    if (canvas && !this.#kept) {
+      const { width, height } = canvas, scale = Math.min(1, KEPT_PIXELS / Math.max(width, height));
+      const kept = (this.#kept = Object.assign(document.createElement('canvas'), { width: Math.ceil(width * scale), height: Math.ceil(height * scale) }));
+      kept.getContext('2d')?.drawImage(canvas, 0, 0, kept.width, kept.height);
+      this.stage.prepend(kept);
+    }
     this.dropCanvas();
-    this.#bar.hidden = true;
+    this.#bar.hidden = this.#note.hidden = true;
   }
   dropCanvas(): void {
     if (this.#canvas?.parentNode === this.stage) this.#canvas.remove(); // else another viewer shows it

@@ -53,7 +53,7 @@ export class Session implements SessionSide, Seat {
       stage: () => this.#stage!,
       seat: this,
       firstPicture: () => [host, this.later].forEach((one) => one.firstPicture()),
-      drawFailed: (reason) => { if (!this.gl.isContextLost()) this.fatal(reason); },
+      drawFailed: (reason) => this.fatal(reason),
     });
   }
 
@@ -66,9 +66,9 @@ export class Session implements SessionSide, Seat {
       const early = live || path !== 'i420' || needsFlow(this.align) || this.later.hasLook;
       if (early) expectMore(wasmUrl, this.network);
       const start = live ? null : this.#files.start(); // beside the others, whether the manifest names it or not
-      const [files, stage] = await Promise.all([live || this.#files.manifest(), Stage.join(wasmUrl, this, this.network)]);
-      this.#stage = stage;
-      if (this.ended) return stage.leave(this);
+      const join = Stage.join(wasmUrl, this, this.network).then((stage) => (this.#stage = stage) && this.ended && stage.leave(this));
+      const [files] = await Promise.all([live || this.#files.manifest(), join]);
+      if (this.ended) return;
       if (live) this.transport = this.#live = await this.later.connect();
       if (this.ended) return;
       const manifest = this.#live ? await this.#live.manifest() : files;
@@ -132,7 +132,7 @@ export class Session implements SessionSide, Seat {
 
   // --- its seat on the stage ---
 
-  show(canvas: HTMLCanvasElement): void { this.host.show(canvas); }
+  show(canvas: HTMLCanvasElement): void { if (!this.ended) this.host.show(canvas); }
   redraw(): void { this.drawing.redraw(); }
   bytes(): number {
     const state = this.main?.state();
@@ -162,7 +162,6 @@ export class Session implements SessionSide, Seat {
     return actor;
   }
 
-  // Other paths than 'i420' once the second part is there.
   #open(path: UploadPath): void {
     this.path = path;
     this.drawing.programsMissing = true;
@@ -239,6 +238,7 @@ export class Session implements SessionSide, Seat {
 
   fatal(reason: unknown): void {
     const stage = this.#stage;
+    if (stage?.gl.isContextLost()) return; // lost() follows
     this.end(this.errorOf(reason));
     if (reason instanceof WebAssembly.RuntimeError) stage?.fail();
   }

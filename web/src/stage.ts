@@ -134,6 +134,7 @@ export class Stage {
     if (this.#own.has(seat)) {
       from = Object.assign(document.createElement('canvas'), { width, height });
       this.#copy(from.getContext('2d')!, width, height);
+      this.#canvas.width = this.#canvas.height = 1; // one of that size is not needed again
     }
     return new Promise((resolve) => (from as HTMLCanvasElement).toBlob(resolve)); // of what the canvas shows now
   }

@@ -127,7 +127,7 @@ export class ViewerBase extends PageElement {
   }
   // A move within the page takes the element out and puts it back at once.
   disconnectedCallback(): void {
-    queueMicrotask(() => { if (!this.isConnected) this.#leave(); });
+    queueMicrotask(() => { if (!this.isConnected && this[parts].connected) this.#leave(); });
   }
   #leave(): void {
     this.#sizes?.disconnect();

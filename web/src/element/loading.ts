@@ -76,6 +76,7 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
     override [onLeft](): void {
       this.#unload();
       this.#wanted = null;
+      this.#granted = false;
       super[onLeft]();
     }
     override [onAttribute](name: string, before: string | null, value: string | null): void {
@@ -157,6 +158,7 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
 
     override [onLost](session: object): void {
       super[onLost](session);
+      if (this[parts].session !== session) return;
       this.#lost = session;
       this[parts].session = null;
       this[emit]('waiting');
@@ -175,7 +177,8 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
     }
     #restart(): void {
       this.#forgetError();
-      this.#startSession();
+      if (this.#granted) this.#startSession();
+      else this.#wanted = { fresh: false };
     }
     // A hidden page may get its context back when it is shown again.
     #awaitContext(): void {

@@ -4,7 +4,7 @@ import type { Wishes } from '../commands.js';
 import { deferred, type Deferred } from '../deferred.js';
 import { ViewerError, type ErrorDetail } from '../errors.js';
 import type { LiveState } from '../live.js';
-import { emit, firstWishes, onAttribute, onEvent, onGivenUp, parts, type Constructor, type ViewerBase } from './base.js';
+import { emit, firstWishes, onAttribute, onEvent, onGivenUp, parts, touched, type Constructor, type ViewerBase } from './base.js';
 import { standsStill, type Loading } from './loading.js';
 
 export interface Playback {
@@ -51,7 +51,7 @@ export function withPlayback<T extends Constructor<ViewerBase & Loading>>(Base: 
     set currentTime(value: number) {
       if (!Number.isFinite(Number(value))) throw new TypeError('currentTime must be a number of seconds');
       this[emit]('seeking');
-      if (!this[parts].session) this.#sought = { time: Number(value) };
+      if (this.#isIdle) this.#sought = { time: Number(value) };
       this[parts].commands.seek(Number(value));
     }
     get playbackRate(): number { return this[parts].commands.wishes.rate; }
@@ -63,6 +63,7 @@ export function withPlayback<T extends Constructor<ViewerBase & Loading>>(Base: 
 
     play(): Promise<void> {
       const { commands, overlay } = this[parts], { error } = this;
+      this[touched]();
       this.#stopped = false;
       overlay.offerPlay(false);
       const state = commands.state();
@@ -87,7 +88,7 @@ export function withPlayback<T extends Constructor<ViewerBase & Loading>>(Base: 
     get frame(): number { return this[parts].commands.state()?.frame ?? 0; }
     seekFrame(frame: number): void {
       this[emit]('seeking');
-      if (!this[parts].session) this.#sought = { frame };
+      if (this.#isIdle) this.#sought = { frame };
       this[parts].commands.seekFrame(frame);
     }
 
@@ -117,6 +118,8 @@ export function withPlayback<T extends Constructor<ViewerBase & Loading>>(Base: 
         : new DOMException('another character was loaded, or the viewer was removed', 'AbortError'));
     }
 
+    // There is no source to seek in.
+    get #isIdle(): boolean { return !this[parts].connected || !this.src; }
     #settle(reason: Error): void {
       this.#played?.reject(reason);
       this.#played = null;

@@ -75,26 +75,25 @@ export function withPresence<T extends Constructor<ViewerBase>>(Base: T): T & Co
     }
     override [onAttribute](name: string, before: string | null, value: string | null): void {
       super[onAttribute](name, before, value);
-      if (name === 'loading' && this[parts].connected) ofPage().ledger.review();
+      if (name === 'loading') this[updateActive]();
     }
 
     override [onEvent](name: string, detail: unknown): void {
       super[onEvent](name, detail);
-      if (name === 'loadeddata') this[seen](null); // others may run now
+      if (name === 'loadeddata' || name === 'error') this[updateActive](); // others may run now
     }
     override [touched](): void {
       super[touched]();
-      if (!this.#grant.run) ofPage().ledger.review();
+      if (!this.#grant.run) this[updateActive]();
     }
 
     [seen](entry: IntersectionObserverEntry | null): void {
       if (entry) this.#seen = entry;
-      ofPage().ledger.review();
       this[updateActive]();
     }
 
     claim(): Claim {
-      const { session } = this[parts], shown = session?.drawing.shown ?? false;
+      const { session } = this[parts], shown = session ? session.ended || session.drawing.shown : !this.hasAttribute('src');
       const { left, right, top, bottom, width, height } = this.getBoundingClientRect();
       const across = Math.max(0, left - innerWidth, -right) / innerWidth, down = Math.max(0, top - innerHeight, -bottom) / innerHeight;
       const { width: w, height: h } = this.#seen?.intersectionRect ?? { width, height };
@@ -113,6 +112,7 @@ export function withPresence<T extends Constructor<ViewerBase>>(Base: T): T & Co
 
     override [updateActive](): void {
       const { session } = this[parts], decodes = this.#grant.run && !document.hidden;
+      if (this[parts].connected) ofPage().ledger.review();
       session?.setActive(decodes && (this.#onScreen || !session.drawing.shown), decodes);
     }
   };
