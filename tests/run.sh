@@ -31,4 +31,4 @@ step "Finishing OpenCV for wasm"
 finish_beside
 bash site/demo.sh --prepare --opencv
 step "Tests"
-ctest --preset release -j "$(nproc)" "$@"  # browser tests run alone
+ctest --preset release -j "$(nproc)" "$@"

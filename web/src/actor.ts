@@ -110,6 +110,13 @@ export class Actor implements Performer {
   get player(): WasmPlayer | null { return this.#player; }
   get character(): CharacterInfo | null { return this.#character; }
   state(): PlayerState | null { return this.#guard((p) => p.state()) ?? null; }
+  /** In use on the GPU and in the player's memory, by all players of the module. */
+  bytes(): number {
+    return this.#guard((p) => {
+      const { liveTextureBytes, liveTargetBytes, heapBytes } = p.state();
+      return liveTextureBytes + liveTargetBytes + heapBytes;
+    }) ?? 0;
+  }
   parameter(name: string): number { return this.#guard((p) => p.parameter(name)) ?? NaN; }
   /** True while something is under way that needs the frame loop. */
   busy(state: PlayerState): boolean {

@@ -134,10 +134,7 @@ export class Session implements SessionSide, Seat {
 
   show(canvas: HTMLCanvasElement): void { if (!this.ended) this.host.show(canvas); }
   redraw(): void { this.drawing.redraw(); }
-  bytes(): number {
-    const state = this.main?.state();
-    return state ? state.liveTextureBytes + state.liveTargetBytes + state.heapBytes : 0;
-  }
+  bytes(): number { return this.main?.bytes() ?? 0; }
   lost(): void {
     this.dispose();
     this.host.lost(this);
