@@ -233,11 +233,15 @@ const abi::Event* fdvt_next_event(Instance* h) {
   abi::Event& out = h->records.event;
   if (h->fallback.is_new) {
     h->fallback.is_new = false;
-    out = {text("methodfallback"), {text(h->fallback.wanted), text(h->fallback.message)}, text(h->fallback.drawn), 0, 0};
+    out = {
+        text("methodfallback"), {text(h->fallback.wanted), text(h->fallback.message)}, text(h->fallback.drawn), 0, 0};
   } else {
     if (!h->player->nextEvent(h->event)) return nullptr;
-    out = {text(eventName(h->event.kind)), recordOf(h->event.error), {},
-           static_cast<double>(h->event.loaded_bytes), static_cast<double>(h->event.total_bytes)};
+    out = {text(eventName(h->event.kind)),
+           recordOf(h->event.error),
+           {},
+           static_cast<double>(h->event.loaded_bytes),
+           static_cast<double>(h->event.total_bytes)};
   }
   return &out;
 }
@@ -270,7 +274,8 @@ void fdvt_upload(Instance* h, int32_t slot, void* block, const abi::Planes* layo
   const I420View view{
       p.width,    p.height,   data + p.offset_y, data + p.offset_u, p.stride_v ? data + p.offset_v : nullptr,
       p.stride_y, p.stride_u, p.stride_v};
-  h->player->uploadI420(slot, view, PictureBytes(block, [](const void* planes) { planeBlocks().giveBack(const_cast<void*>(planes)); }));
+  h->player->uploadI420(
+      slot, view, PictureBytes(block, [](const void* planes) { planeBlocks().giveBack(const_cast<void*>(planes)); }));
   h->player->commitSlot(slot);
 }
 uint32_t fdvt_slot_texture(Instance* h, int32_t slot) {

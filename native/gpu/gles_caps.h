@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a context can do, which GLES and WebGL2 say in different ways: gles_caps.cpp; wasm/gles_caps.cpp, where extensions must also
-// be switched on.
+// What a context can do, which GLES and WebGL2 say in different ways: gles_caps.cpp; wasm/gles_caps.cpp, where
+// extensions must also be switched on.
 #pragma once
 
 #include "gpu/device.h"
