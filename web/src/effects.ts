@@ -29,7 +29,7 @@ export async function useFlow(session: SessionSide, isCurrent: () => boolean): P
 /** True once the element's look is drawn. If it cannot be, an error event says why. */
 export async function useLook(session: SessionSide, isCurrent: () => boolean): Promise<boolean> {
   try {
-    const tell = await readLook(session.host.element);
+    const tell = await readLook(session.host.element, session);
     if (!isCurrent() || !session.main) return false;
     session.main.run((player) => player.tell(tell));
     return true;

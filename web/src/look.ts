@@ -17,7 +17,7 @@ interface Light {
   height: number;
 }
 
-const told = new WeakSet<Element>(); // of whose method an event has said that the device cannot run it
+const told = new WeakSet<object>(); // owners that have had an event: the device cannot run the element's method
 
 const lights = new Map<string, Promise<Light>>();
 
@@ -49,14 +49,15 @@ async function loadLight(address: string, base: string): Promise<Light> {
 }
 
 // As characters from cameras do it (wasm/abi.txt).
-function tellFallback(element: Element): void {
-  if (told.has(element)) return;
-  told.add(element);
+function tellFallback(element: Element, owner: object): void {
+  if (told.has(owner)) return;
+  told.add(owner);
   const message = 'montage4d needs half-float render targets, which this GPU does not have';
   element.dispatchEvent(new CustomEvent('methodfallback', { detail: { wanted: 'montage4d', drawn: 'layered', message } }));
 }
 
-export async function readLook(element: Element): Promise<TellLook> {
+/** owner: has one event at most where the device cannot run the element's method. */
+export async function readLook(element: Element, owner: object = element): Promise<TellLook> {
   const look = LOOKS.indexOf((element.getAttribute('look') || 'none') as Look);
   const number = (name: string, otherwise: number): number => Number(element.getAttribute(name) ?? otherwise);
   const strength = number('look-strength', 1), turnDeg = number('light-turn', 0);
@@ -64,8 +65,8 @@ export async function readLook(element: Element): Promise<TellLook> {
   const light = address && LOOKS[look] === 'relit' ? await loadLight(address, element.baseURI) : null;
   const montage = element.getAttribute('method') === 'montage4d';
   return (module, handle) => {
-    if (!montage) told.delete(element);
-    if (!module._fdvt_use_montage(handle, montage ? 1 : 0)) tellFallback(element);
+    if (!montage) told.delete(owner);
+    if (!module._fdvt_use_montage(handle, montage ? 1 : 0)) tellFallback(element, owner);
     const at = light ? module._fdvt_alloc(light.pixels.length) : 0;
     if (light) module.HEAPU8.set(light.pixels, at);
     const ok = module._fdvt_set_look(handle, look, strength, turnDeg, at, light?.width ?? 0, light?.height ?? 0);
