@@ -46,7 +46,8 @@ ${table(['scene', ...tasks.map((row) => (row.before ? `before (${measured[row.na
 
 Viewers of 210×150 in three columns on a page of 640×480, each with an address of its own for the sample and without a cache: looked at for four seconds, scrolled to the
 end screen by screen, and back to the top. A screen is done when every viewer on it has a picture (median / worst, s; “never” counts those that
-were not after 40 s). Fetched unseen: kB for viewers that had not been on screen when the page had been looked at. Back at the top: pictures of the first viewer in a second.
+were not after 40 s). Fetched unseen: kB for viewers that had not been on screen when the page had been looked at;
+those within one screen load ahead. Decoders: the most at once, of at most 12 viewers, which hold a second one around changes. Back at the top: pictures of the first viewer in a second.
 Megabytes held at once are of the whole page${portfolios.some(({ before }) => before) ? '; the earlier version counts those of one viewer only' : ''}.
 
 ${table(['', 'contexts', 'modules', 'decoders', 'errors', 'top, s', 'a screen, s', 'never', 'unseen, kB', 'loaded', 'GPU, MB', 'heap, MB', 'back'], portfolios.map(({ name, title, before }) => {
