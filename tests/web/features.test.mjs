@@ -306,6 +306,8 @@ const share = async (claims, budget, had = []) => {
 test('ledger: what is near loads, what is on screen first; what is held is kept until it is far', async () => {
   const grants = await share([{ distance: 0.5 }, { distance: 1.5 }, { distance: 0.5, mode: 'lazy' }, { distance: 50, mode: 'eager' }]);
   assert.deepEqual(grants.map(({ load }) => load), [true, false, false, true]);
+  const busy = await share([{ shown: false }, { distance: 0.5 }, { distance: 9, mode: 'eager' }]);
+  assert.deepEqual(busy.map(({ load }) => load), [true, false, true], 'what is near waits for what is seen');
   const held = await share([{ distance: 2.9 }, { distance: 3.1 }], {}, [{ load: true, run: false }, { load: true, run: false }]);
   assert.deepEqual(held.map(({ load }) => load), [true, false]);
   const few = await share([{ distance: 0.5 }, { distance: 0 }, { distance: 0, area: 500 }], { loaded: 2 });

@@ -46,7 +46,9 @@ export function budgetOf(bytes: number, decoders: number, used: number, loaded: 
 export function shareOut(claims: readonly Claim[], had: readonly Grant[], { loaded, running }: Budget, nowMs: number): Grant[] {
   const grants = claims.map(() => ({ load: false, run: false }));
   const order = (less: (a: Claim, b: Claim) => number): number[] => claims.map((_, i) => i).sort((a, b) => less(claims[a]!, claims[b]!));
-  const wants = ({ mode, distance }: Claim, holds: boolean): boolean => distance <= (holds ? FAR : NEAR)[mode];
+  const busy = claims.some(({ distance, shown }) => distance === 0 && !shown); // what is only near waits for what is seen
+  const wants = ({ mode, distance }: Claim, holds: boolean): boolean =>
+    distance <= (holds ? FAR : NEAR)[mode] && (holds || !busy || distance === 0 || mode === 'eager');
   for (const i of order((a, b) => a.distance - b.distance || b.area - a.area)) {
     if (loaded > 0 && wants(claims[i]!, had[i]?.load ?? false)) {
       grants[i]!.load = true;
