@@ -43,7 +43,8 @@ if (!readFileSync(abi).equals(readFileSync(join(wasmFolder, 'abi.ts')))) {
   fail(`the modules in ${wasmFolder} have another ABI than wasm/abi.txt: build the CMake preset wasm again`);
 }
 
-// Emscripten's script defines every export of the module by a function of its own. A table defines them alike.
+// Emscripten's script defines every export of the module by a function of its own, which its first call replaces by the
+// export. A table defines them alike.
 function tabulateExports(script) {
   const stub = /var (\w+)=Module\["\1"\]=function\(\)\{return\(\1=Module\["\1"\]=Module\["asm"\]\["([\w$]+)"\]\)\.apply\(null,arguments\)\};/g;
   const isUsed = (name) => script.split(new RegExp(`\\b${name}\\b`)).length > 6; // five times in its own definition
@@ -55,10 +56,10 @@ function tabulateExports(script) {
   });
   const at = rest.indexOf('var calledRun;');
   if (names.length < 50 || at < 0) fail("Emscripten's script defines its exports in another way than this program reads");
-  return `${rest.slice(0, at)}for(const e of "${names}".split(",")){const[n,s]=e.split(" ");Module[n]=(...a)=>Module["asm"][s](...a)}${rest.slice(at)}`;
+  return `${rest.slice(0, at)}for(const e of "${names}".split(",")){const[n,s]=e.split(" ");Module[n]=(...a)=>(Module[n]=Module["asm"][s])(...a)}${rest.slice(at)}`;
 }
 
-// It fetches the module, too, where a page does not do it itself, as this one does.
+// Leaves out how Emscripten's script fetches the module: the page does it.
 function leaveOutFetching(script) {
   const cuts = [['var read_,readAsync,', 'var out='], ['var dataURIPrefix=', 'function createWasm('],
     ['function receiveInstantiationResult(', 'if(Module["instantiateWasm"])'], ['instantiateAsync().catch(readyPromiseReject);', 'return{}}']];

@@ -5,6 +5,7 @@ import type { Commands, Performer } from './commands.js';
 import { asViewerError, ViewerError, type ErrorDetail } from './errors.js';
 import type { DecoderFault } from './generated/abi.js';
 import { FrameDecoder, type DecoderCallbacks, type Heap, type Picture, type PictureDecoder } from './frame-decoder.js';
+import type { ActorHost } from './session-side.js';
 import type { Transport } from './transport.js';
 import { kindOf, uploadPicture, type UploadPath } from './upload-path.js';
 import type { TurnHook, WasmModule } from './wasm-abi.js';
@@ -44,18 +45,6 @@ export interface Source {
   manifest: unknown;
   start: Uint8Array;
   load?: TellPlayer | undefined;
-}
-
-export interface ActorHost {
-  emit(name: string, detail?: unknown): void;
-  /** Asks for a turn of the frame loop: there may be something new to draw. */
-  wake(): void;
-  /** Reports that this upload path cannot show the video's pictures. */
-  onNoPlanes(): void;
-  /** Loads the second part of the player. */
-  more(): Promise<unknown>;
-  /** Reports a trap in wasm or another error that ends the whole session. */
-  fatal(reason: unknown): void;
 }
 
 export class Actor implements Performer {

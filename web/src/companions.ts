@@ -2,7 +2,7 @@
 // The characters that are drawn beside a session's main one, in the same canvas. Part of fourdvt-more.js.
 import { advise } from './advice.js';
 import { mayBeOfTwoBakes, type ErrorDetail } from './errors.js';
-import type { SessionSide, SideActor, SideActorHost, SideCompanion } from './session-side.js';
+import type { ActorHost, SessionSide, SideActor, SideCompanion } from './session-side.js';
 import type { Transport } from './transport.js';
 
 /** A companion that has been loaded. */
@@ -61,7 +61,7 @@ export class Companions {
     const session = this.#session, { commands } = companion;
     commands.set('playing', session.host.commands.wishes.playing);
     commands.set('align', session.align === 'none' ? 'none' : 'baked');
-    const host: SideActorHost = {
+    const host: ActorHost = {
       emit: (name, detail) => {
         if (name !== 'error' || !this.#addAgain(companion, detail as ErrorDetail)) companion.emit(name, detail);
       },

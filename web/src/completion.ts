@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is due in a session once it can play and has the second part. Part of fourdvt-more.js.
+// Completes a session that can play and has the second part. Part of fourdvt-more.js.
 import { advise } from './advice.js';
 import { decidePath } from './measure-path.js';
 import type { SessionSide, SideActor } from './session-side.js';

@@ -17,7 +17,7 @@ export interface DrawingHost {
   stage(): Stage;
   readonly seat: Seat;
   firstPicture(): void;
-  /** Reports a failed draw, unless the GL context is lost. */
+  /** Reports a failed draw. */
   drawFailed(reason: unknown): void;
 }
 

@@ -8,7 +8,7 @@ import { uploadPicture } from './upload-path.js';
 
 const ROOM_FETCH = -1; // the player numbers its requests from 0
 
-// Of a file that the page's side could not load.
+// Makes the error of a file that the page's side could not load.
 const fetchFailed = (reason: unknown): { id: string; message: string } => ({ id: 'fetch-failed', message: (reason as Error).message });
 
 /** Aligns by optical flow once that is loaded. If it cannot be, an error event says why and the alignment stays. */

@@ -18,7 +18,6 @@ export interface LaterSession extends SessionSide {
   readonly options: SessionSide['options'] & { readonly wasmUrl: string };
   readonly host: SessionSide['host'] & { readonly companions: Iterable<Companion>; more(more: More): void };
   readonly ended: boolean;
-  readonly drawing: { shown: boolean; programsMissing: boolean };
   room: boolean;
   fresh: boolean;
 }

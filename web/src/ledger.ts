@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shares a page's memory and decoders out among its viewers: what is on screen comes first, what is far away is freed. Does
-// not know viewers by more than their claims.
+// Shares a page's memory and decoders out among its viewers: what is on screen comes first, what is far away is freed.
+// Reads viewers by their claims alone.
 
 /** When a viewer loads: once it is near the screen, once it is on it, at once. */
 export type LoadingMode = 'auto' | 'lazy' | 'eager';
 
-/** What a viewer would have. */
+/** Place and state of a viewer, by which it is served. */
 export interface Claim {
   readonly mode: LoadingMode;
   /** From the edge of the screen, in heights or widths of it; 0: some of it is on screen. */
@@ -36,7 +36,7 @@ const FAR = { auto: 3, lazy: 2, eager: Infinity };  // distance at which it is f
 const RECENT_MS = 3000; // after an input a viewer runs before others
 const FULL_BYTES = 15_000_000; // of a viewer, in GPU and heap, at the least: those that have just begun hold little yet
 
-/** What the page can afford. used: bytes of the viewers that hold a character, of which there are `loaded`. */
+/** Limits by what viewers have turned out to hold. used: bytes of the viewers that hold a character, of which there are `loaded`. */
 export function budgetOf(bytes: number, decoders: number, used: number, loaded: number): Budget {
   const each = Math.max(used / (loaded || 1), FULL_BYTES);
   return { loaded: Math.max(1, Math.floor(bytes / each)), running: decoders };
@@ -46,7 +46,7 @@ export function budgetOf(bytes: number, decoders: number, used: number, loaded: 
 export function shareOut(claims: readonly Claim[], had: readonly Grant[], { loaded, running }: Budget, nowMs: number): Grant[] {
   const grants = claims.map(() => ({ load: false, run: false }));
   const order = (less: (a: Claim, b: Claim) => number): number[] => claims.map((_, i) => i).sort((a, b) => less(claims[a]!, claims[b]!));
-  const busy = claims.some(({ distance, shown }) => distance === 0 && !shown); // what is only near waits for what is seen
+  const busy = claims.some(({ distance, shown }) => distance === 0 && !shown); // viewers that are only near wait for those on screen
   const wants = ({ mode, distance }: Claim, holds: boolean): boolean =>
     distance <= (holds ? FAR : NEAR)[mode] && (holds || !busy || distance === 0 || mode === 'eager');
   for (const i of order((a, b) => a.distance - b.distance || b.area - a.area)) {
@@ -55,7 +55,7 @@ export function shareOut(claims: readonly Claim[], had: readonly Grant[], { load
       --loaded;
     }
   }
-  // What is on screen comes first; there, what has no picture before what would only move, then what the visitor touches and sees most of.
+  // Viewers on screen come first; among them those without a picture, then those that the visitor touches and sees most of.
   const touched = ({ touchedMs }: Claim): number => (nowMs - touchedMs < RECENT_MS ? touchedMs : 0);
   for (const i of order((a, b) => Number(a.distance > 0) - Number(b.distance > 0) || Number(a.shown) - Number(b.shown) ||
                                   touched(b) - touched(a) || b.area - a.area)) {
@@ -119,7 +119,7 @@ export class Ledger {
       this.#members.set(member, grant);
       return before.load !== grant.load || before.run !== grant.run;
     });
-    // What is freed comes first: the others may need the room.
+    // Frees first: the others may need the room.
     const isFreed = (member: Member): boolean => !this.#members.get(member)?.load;
     for (const member of [...changed.filter(isFreed), ...changed.filter((member) => !isFreed(member))]) {
       const grant = this.#members.get(member);

@@ -50,11 +50,15 @@ export interface SideCompanion {
   emit(name: string, detail?: unknown): void;
 }
 
-export interface SideActorHost {
+export interface ActorHost {
   emit(name: string, detail?: unknown): void;
+  /** Asks for a turn of the frame loop: there may be something new to draw. */
   wake(): void;
+  /** Reports that this upload path cannot show the video's pictures. */
   onNoPlanes(): void;
+  /** Loads the second part of the player. */
   more(): Promise<unknown>;
+  /** Reports a trap in wasm or another error that ends the whole session. */
   fatal(reason: unknown): void;
 }
 
@@ -88,7 +92,7 @@ export interface SessionSide {
   readonly network: (waiting: boolean) => void;
   openTransport(src: string, cache: RequestCache): Transport;
   /** Another character in the main one's canvas, which it must not outlive. */
-  makeActor(bake: Bake, commands: SideCommands, host: SideActorHost): SideActor;
+  makeActor(bake: Bake, commands: SideCommands, host: ActorHost): SideActor;
   more(): Promise<unknown>;
   /** Opens another bake of the character, or the same one; it goes on from where it is. */
   reopen(path: UploadPath, bake?: Partial<Bake>): void;

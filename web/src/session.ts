@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A character on the page's stage: loads and opens it, hands on what its player reports, and loads it anew where it must be. Its pictures:
 // drawing.ts; what comes after the first one: later.ts. One for each src and stage; nothing of it runs after dispose().
-import { Actor, type ActorHost } from './actor.js';
+import { Actor } from './actor.js';
 import type { Commands } from './commands.js';
 import { Drawing } from './drawing.js';
 import { asViewerError, type ErrorDetail } from './errors.js';
@@ -10,7 +10,7 @@ import { Later, needsFlow } from './later.js';
 import type { LiveStream } from './live.js';
 import { extensionOf, isFromCameras } from './manifest.js';
 import type { SessionHost, SessionOptions } from './session-host.js';
-import type { Bake, SessionSide } from './session-side.js';
+import type { ActorHost, Bake, SessionSide } from './session-side.js';
 import { Stage, type Seat } from './stage.js';
 import { Transport } from './transport.js';
 import { choosePath, kindOf, rememberedPath, type UploadPath } from './upload-path.js';
@@ -52,7 +52,7 @@ export class Session implements SessionSide, Seat {
       actors: () => this.#actors,
       stage: () => this.#stage!,
       seat: this,
-      firstPicture: () => [host, this.later].forEach((one) => one.firstPicture()),
+      firstPicture: () => { host.firstPicture(); this.later.firstPicture(); },
       drawFailed: (reason) => this.fatal(reason),
     });
   }
@@ -66,7 +66,10 @@ export class Session implements SessionSide, Seat {
       const early = live || path !== 'i420' || needsFlow(this.align) || this.later.hasLook;
       if (early) expectMore(wasmUrl, this.network);
       const start = live ? null : this.#files.start(); // beside the others, whether the manifest names it or not
-      const join = Stage.join(wasmUrl, this, this.network).then((stage) => (this.#stage = stage) && this.ended && stage.leave(this));
+      const join = Stage.join(wasmUrl, this, this.network).then((stage) => {
+        this.#stage = stage;
+        if (this.ended) stage.leave(this);
+      });
       const [files] = await Promise.all([live || this.#files.manifest(), join]);
       if (this.ended) return;
       if (live) this.transport = this.#live = await this.later.connect();
@@ -109,9 +112,7 @@ export class Session implements SessionSide, Seat {
   get layers(): number | undefined { return this.main ? extensionOf(this.manifest)?.layerCount : undefined; }
   // The main character first, if there is one.
   get #actors(): Actor[] { return this.main ? [this.main, ...(this.later.others as Actor[])] : []; }
-
   more(): Promise<More> { return this.later.more(); }
-
   resize(width: number, height: number): void {
     this.drawing.resize(width, height);
     this.wake();
@@ -131,7 +132,6 @@ export class Session implements SessionSide, Seat {
   }
 
   // --- its seat on the stage ---
-
   show(canvas: HTMLCanvasElement): void { if (!this.ended) this.host.show(canvas); }
   redraw(): void { this.drawing.redraw(); }
   bytes(): number { return this.main?.bytes() ?? 0; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What all viewers of a page share: one instance of the player and one WebGL2 context. A viewer that is alone shows the context's
+// The page's share in GPU and memory, common to all its viewers: one instance of the player and one WebGL2 context. A viewer that is alone shows the context's
 // canvas itself. Several are drawn one after the other, and have canvases of their own that get the pictures: as bitmaps out of
 // an OffscreenCanvas; copied out of the first one's canvas where the others came later, or there are no such canvases. When the
 // context is lost or the player has trapped, all hear of it and begin anew on another stage. Does not load or draw characters.
@@ -74,7 +74,11 @@ export class Stage {
   static usedBytes(): number {
     let bytes = 0;
     for (const stage of open) {
-      bytes += Math.max(0, ...Array.from(stage.#seats, (seat) => seat.bytes()));
+      for (const seat of stage.#seats) {
+        const held = seat.bytes(); // counts every block of the heap
+        bytes += held;
+        if (held) break;
+      }
       for (const { canvas } of stage.#own.values()) bytes += 4 * canvas.width * canvas.height;
     }
     return bytes;
@@ -91,7 +95,7 @@ export class Stage {
     this.#canvas = canvas;
     this.module = module;
     this.gl = gl;
-    this.context = module.GL.registerContext(gl, { majorVersion: 2, minorVersion: 0, enableExtensionsByDefault: true });
+    this.context = module.GL.registerContext(gl, { majorVersion: 2, minorVersion: 0 });
     canvas.addEventListener('webglcontextlost', this.#onLost);
     open.add(this);
   }

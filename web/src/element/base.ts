@@ -14,7 +14,7 @@ import type { SequenceInfo } from '../wasm-player.js';
 
 const MAX_PIXEL_RATIO = 2;
 
-/** What the features share. */
+/** State that the features share. */
 export const parts: unique symbol = Symbol();
 /** Dispatches an event of the element. */
 export const emit: unique symbol = Symbol();
@@ -47,11 +47,11 @@ export const onGranted: unique symbol = Symbol();
 export const touched: unique symbol = Symbol();
 /** A turn of the page's loop. True if the view or the motion changes by itself. */
 export const animate: unique symbol = Symbol();
-/** What another source begins with. */
+/** Gives the wishes that another source begins with. */
 export const firstWishes: unique symbol = Symbol();
-/** What a session is made with. */
+/** Gives the options of a new session. */
 export const sessionOptions: unique symbol = Symbol();
-/** Nothing will come of what was wanted; `error`: why, none if it is not wanted any more. */
+/** Nothing will come of the present wish; `error`: why, none if it is not wanted any more. */
 export const onGivenUp: unique symbol = Symbol();
 
 export interface Parts {

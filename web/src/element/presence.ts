@@ -23,10 +23,11 @@ const seen: unique symbol = Symbol();
 
 let page: { ledger: Ledger; observers: IntersectionObserver[] } | null = null;
 
-// Of the page, made for its first viewer.
+// Makes the ledger and the observers for the page's first viewer.
 function ofPage(): NonNullable<typeof page> {
+  if (page) return page;
   const { deviceMemory = 8 } = navigator as { deviceMemory?: number }, phone = matchMedia(PHONE).matches;
-  return (page ??= {
+  return (page = {
     ledger: new Ledger({
       usedBytes: () => Stage.usedBytes(),
       bytes: phone || deviceMemory <= 4 ? PHONE_BYTES : DESKTOP_BYTES,
@@ -97,7 +98,7 @@ export function withPresence<T extends Constructor<ViewerBase>>(Base: T): T & Co
       const { left, right, top, bottom, width, height } = this.getBoundingClientRect();
       const across = Math.max(0, left - innerWidth, -right) / innerWidth, down = Math.max(0, top - innerHeight, -bottom) / innerHeight;
       const { width: w, height: h } = this.#seen?.intersectionRect ?? { width, height };
-      // What is hidden by its styles may be shown at any time; what a scroller clips is near.
+      // Styles may show at any time what they hide; what a scroller clips is near.
       const distance = width * height === 0 ? 1 : Math.max(across, down, this.#onScreen ? 0 : 0.01);
       return { mode: this.loading, distance, area: w * h, shown, touchedMs: this[parts].touchedMs };
     }
