@@ -38,6 +38,7 @@ struct Records {
   abi::Text member;
   abi::GeometryMesh mesh;
   abi::DecodeJob job;
+  abi::TimeRange range;
 };
 
 // A method that was asked for, and the one that serves in its place.

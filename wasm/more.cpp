@@ -150,6 +150,13 @@ void fdvt_judge_rendition(Instance* h, uint32_t sequence, uint32_t rendition, in
   h->player->judgeRendition(sequence, rendition, plays != 0);
 }
 void fdvt_look_ahead(Instance* h, int32_t at_once) { h->player->lookAhead(at_once != 0); }
+
+const abi::TimeRange* fdvt_buffered(Instance* h, uint32_t number) {
+  const std::optional<TimeRange> range = h->player->buffered(number);
+  if (!range) return nullptr;
+  h->records.range = {range->start_s, range->end_s};
+  return &h->records.range;
+}
 void fdvt_allow_transitions(Instance* h) { h->player->allowTransitions(); }
 int32_t fdvt_slice_decoding(Instance* h, double seconds) {
   h->player->sliceDecoding(

@@ -68,7 +68,7 @@ Status PlayerImpl::loadManifest(const FlatJson& gltf, std::span<const uint8_t> s
 }
 
 bool PlayerImpl::runs(const Track& t) const {
-  return playback_.playing() && !t.head.seeking() && (isMain(t) || transitions_.fading());
+  return playback_.running() && !t.head.seeking() && (isMain(t) || transitions_.fading());
 }
 
 bool PlayerImpl::isReady(const Track& t) const {
@@ -91,6 +91,11 @@ void PlayerImpl::play() {
     if (t.head.used()) feedAgain(t);
   }
   if (!seeking()) playback_.emitPlaying();
+}
+
+void PlayerImpl::setRate(double rate) {
+  playback_.setRate(rate);
+  for (Track& t : tracks_) t.head.setRunning(runs(t));
 }
 
 void PlayerImpl::pause() {
@@ -131,7 +136,7 @@ Status PlayerImpl::selectSequence(const std::string& name) {
 Status PlayerImpl::goTo(const std::string& state) {
   noteCommand();
   const int target = loading_.find(state);
-  const bool by_graph = !paused() && hasFrame() && !loading_.lacksGraph();
+  const bool by_graph = playback_.running() && hasFrame() && !loading_.lacksGraph();
   if (target < 0 || !by_graph || loading_.broken(main().head.sequence())) return selectSequence(state);
   (this->*transition_calls_.go)(target);
   return {};
@@ -237,6 +242,7 @@ uint32_t PlayerImpl::frame() const {
 double PlayerImpl::currentTime() const {
   const Track& t = main();
   if (!t.head.used()) return 0;
+  if (t.head.ended()) return wantedOf(t).duration_s();
   return frameOf(t, hasFrame() ? t.head.position() : t.head.wantedK()) / wantedOf(t).fps;
 }
 

@@ -16,6 +16,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -48,6 +49,11 @@ struct PlayerOptions {
   bool transitions = true;
 };
 
+// Seconds in a sequence.
+struct TimeRange {
+  double start_s = 0, end_s = 0;
+};
+
 struct PlayerStats {
   uint64_t frames_shown = 0;  // distinct presentations
   uint64_t frames_late = 0;   // presentations skipped because nothing was ready
@@ -76,7 +82,7 @@ class Player {
   virtual void seekFrame(uint32_t frame) = 0;  // of the current sequence, clamped; stays playing/paused
   virtual void seek(double time_s) = 0;
   virtual Status selectSequence(const std::string& name) = 0;  // keeps the old picture until the new one is ready
-  virtual void setRate(double rate) = 0;                       // 0 < rate <= 4
+  virtual void setRate(double rate) = 0;                       // 0 <= rate <= 4; 0: plays, but the frame stays
   virtual void setLoop(int loop) = 0;                          // -1 as the sequence says, 0 never, 1 always
 
   // Parameters of classes, by name. The shown value glides to the wanted one (parameter_rate); a value outside its
@@ -155,7 +161,9 @@ class Player {
   virtual const package::Character* character() const = 0;  // null before the manifest is read
   virtual const package::Sequence* sequence() const = 0;
   virtual uint32_t frame() const = 0;      // shown frame index
-  virtual double currentTime() const = 0;  // seconds in the sequence
+  virtual double currentTime() const = 0;  // seconds in the sequence; at the end its duration
+  // The ranges of the current sequence that can be played without a fetch, in their order; none after the last.
+  virtual std::optional<TimeRange> buffered(size_t) const { return {}; }
   virtual bool paused() const = 0;
   virtual bool seeking() const = 0;  // the wanted sequence and frame are not on screen yet
   virtual bool failed() const = 0;   // the wanted sequence cannot be played; an Error event has said why

@@ -28,7 +28,7 @@ class PlayerImpl final : public Player {
   void seekFrame(uint32_t frame) override;
   void seek(double time_s) override;
   Status selectSequence(const std::string& name) override;
-  void setRate(double rate) override { playback_.setRate(rate); }
+  void setRate(double rate) override;
   void setLoop(int loop) override;
   Status setParameter(const std::string& name, double value, bool at_once) override;
   double parameter(const std::string& name) const override;
@@ -44,6 +44,7 @@ class PlayerImpl final : public Player {
   void setQuality(uint32_t rendition, uint32_t most_texels) override;
   void judgeRendition(uint32_t sequence, uint32_t rendition, bool plays) override;
   void lookAhead(bool at_once) override;
+  std::optional<TimeRange> buffered(size_t number) const override;
   void sliceDecoding(const DecodeSlice& slice) override;
   void decodeElsewhere(bool on) override;
   std::optional<DecodeJob> decodeJob(size_t number) override;

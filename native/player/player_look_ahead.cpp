@@ -59,10 +59,28 @@ void PlayerImpl::fetchAhead() {
 // Returns the frame at which a transition that starts now enters the target; without a motion graph, the first frame.
 uint32_t PlayerImpl::landingOn(int target) const {
   const TransitionView view = transitionView();
-  if (paused() || !view.graph) return 0;
+  if (view.held || !view.graph) return 0;
   const auto way = view.graph->plan({view.source, view.frame(), view.weights, view.sequence->fps * view.clock_rate},
                                     target, {.min_wait_s = kLead_s});
   return way ? way->entry.frame : 0;
+}
+
+std::optional<TimeRange> PlayerImpl::buffered(size_t number) const {
+  const int sequence = main().head.sequence();
+  if (sequence < 0 || starting() || !loading_.playable(sequence)) return {};
+  const auto& chunks = loading_.index(sequence).chunks;
+  const double fps = wantedOf(main()).fps;
+  for (size_t first = 0; first < chunks.size(); ++first) {
+    size_t end = first;
+    while (end < chunks.size() && loading_.holds(sequence, static_cast<uint32_t>(end))) ++end;
+    if (end == first) continue;
+    if (number-- == 0) {
+      const package::ChunkEntry& last = chunks[end - 1];
+      return TimeRange{chunks[first].first_frame / fps, (last.first_frame + last.frame_count) / fps};
+    }
+    first = end;
+  }
+  return {};
 }
 
 // Keeps a picture or two ready: a decoder that runs ahead of the clock is slowed down, one that lags is sped up.

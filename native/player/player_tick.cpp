@@ -16,7 +16,7 @@ void PlayerImpl::tick(double now_s) {
   for (Track& t : tracks_) t.head.advance(now_s, clockRate(t), kMaxStep_s);
   if (!main().head.used()) return;
   glideParameters(playback_.tick_s());
-  if (playback_.playing() && !seeking()) root_motion_.turn(playback_.tick_s());
+  if (playback_.running() && !seeking()) root_motion_.turn(playback_.tick_s());
   requestMissing();
   if (decode_ahead_) (this->*decode_ahead_)();
   for (Track* t : {&main(), &other()})

@@ -19,7 +19,7 @@ TransitionView PlayerImpl::transitionView() const {
   TransitionView view;
   view.now_s = playback_.now_s();
   view.tick_s = playback_.tick_s();
-  view.held = paused() || head.seeking();
+  view.held = !playback_.running() || head.seeking();
   view.source = head.sequence();
   view.sequence = &wantedOf(main());
   view.loops = loops(main());
@@ -127,7 +127,7 @@ void PlayerImpl::selectInstead() {
 // A state that does not loop leads back to the one that it was entered from.
 void PlayerImpl::returnBeforeTheEnd() {
   const int back = transitions_.returnTo();
-  if (back < 0 || paused() || seeking() || loops(main())) return;
+  if (back < 0 || !playback_.running() || seeking() || loops(main())) return;
   if (loading_.broken(back)) {
     transitions_.forgetReturn();
     return;

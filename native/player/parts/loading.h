@@ -123,6 +123,7 @@ class Loading {
 
   // The GOP's samples, contiguous as in the file; null: not there.
   const std::vector<uint8_t>* video(int sequence, uint32_t gop) const;
+  bool holds(int sequence, uint32_t gop) const;  // its samples and its geometry
   // Before the GOP's first sample is fed: from now on `video` is of the better rendition, if that is there.
   void takeBetter(int sequence, uint32_t gop);
   // Once a tick: measures the throughput by the bytes that came since the last one.

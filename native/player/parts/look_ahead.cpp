@@ -30,6 +30,11 @@ void Ladder::judge(const package::Sequence& s, uint32_t rendition, bool plays) {
   if (allOut(s)) list.pop_back();
 }
 
+bool Loading::holds(int sequence, uint32_t gop_index) const {
+  const stream::Gop* gop = cache_.find({sequence, gop_index});
+  return gop && gop->video_state == PartState::Present && gop->chunk_state == PartState::Present;
+}
+
 void Loading::lookAhead() {
   settle_ahead_ = &Loading::settleAhead;
   keep_ahead_ = &Loading::keepAhead;

@@ -25,10 +25,11 @@ bool Playback::pause() {
 
 void Playback::end() {
   playing_ = false;
-  outbox_.emit(EventKind::Ended);
+  for (EventKind kind : {EventKind::TimeUpdate, EventKind::Paused, EventKind::Ended}) outbox_.emit(kind);
 }
 
 void Playback::setRate(double rate) {
+  held_ = rate == 0;
   if (rate > 0) rate_ = std::min(rate, kMaxRate);
 }
 
@@ -45,7 +46,7 @@ void Playback::tick(double now_s) {
 }
 
 void Playback::finishTick(bool seeking) {
-  if (!playing_ || seeking || now_s_ - last_time_update_s_ < kTimeUpdatePeriod_s) return;
+  if (!running() || seeking || now_s_ - last_time_update_s_ < kTimeUpdatePeriod_s) return;
   last_time_update_s_ = now_s_;
   outbox_.emit(EventKind::TimeUpdate);
 }

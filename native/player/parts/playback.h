@@ -15,15 +15,16 @@ class Playback {
   explicit Playback(Outbox& outbox) : outbox_(outbox) {}
 
   bool playing() const { return playing_; }
-  bool canPlay() const { return can_play_; }  // a picture of the streams has been shown
-  bool play();                                // false: it plays already
-  bool pause();                               // false: it is paused already. Emits Paused.
-  void end();                                 // Emits Ended.
+  bool running() const { return playing_ && !held_; }  // time goes on
+  bool canPlay() const { return can_play_; }           // a picture of the streams has been shown
+  bool play();                                         // false: it plays already
+  bool pause();                                        // false: it is paused already. Emits Paused.
+  void end();                                          // Emits TimeUpdate, Paused, Ended.
   void emitPlaying() { outbox_.emit(EventKind::Playing); }
 
-  void setRate(double rate);  // 0 < rate <= 4
-  double rate() const { return rate_; }
-  void setLoop(int loop);  // -1 as the sequence says, 0 never, 1 always
+  void setRate(double rate);             // 0 <= rate <= 4; 0: playing goes on with the shown frame
+  double rate() const { return rate_; }  // above 0: that of before, where it is held
+  void setLoop(int loop);                // -1 as the sequence says, 0 never, 1 always
   bool loops(const package::Sequence& sequence) const;
 
   void tick(double now_s);
@@ -41,7 +42,7 @@ class Playback {
 
  private:
   Outbox& outbox_;
-  bool playing_ = false, waiting_ = false, can_play_ = false, seek_requested_ = false;
+  bool playing_ = false, held_ = false, waiting_ = false, can_play_ = false, seek_requested_ = false;
   int loop_override_ = -1;
   double rate_ = 1;
   double now_s_ = 0, tick_s_ = 0;

@@ -33,7 +33,7 @@ TEST(PlayerPlayback, PlayAndPauseOnce) {
   p.playback.play();
   p.playback.end();
   EXPECT_FALSE(p.playback.playing());
-  EXPECT_EQ(p.events(), Kinds{EventKind::Ended});
+  EXPECT_EQ(p.events(), (Kinds{EventKind::TimeUpdate, EventKind::Paused, EventKind::Ended}));
 }
 
 TEST(PlayerPlayback, ASeekEndsWithTheEventsThatApply) {
@@ -99,9 +99,13 @@ TEST(PlayerPlayback, RateAndLoopStayInRange) {
   Playing p;
   p.playback.setRate(9);
   EXPECT_EQ(p.playback.rate(), 4);
+  p.playback.play();
   p.playback.setRate(0);
+  EXPECT_TRUE(p.playback.playing());
+  EXPECT_FALSE(p.playback.running());
   p.playback.setRate(-1);
   EXPECT_EQ(p.playback.rate(), 4);
+  EXPECT_TRUE(p.playback.running());
   package::Sequence sequence;
   for (bool loop : {false, true}) {
     sequence.loop = loop;

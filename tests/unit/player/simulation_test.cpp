@@ -84,6 +84,50 @@ TEST(PlayerSimulation, RunsAtTheSequencesRate) {
   }
 }
 
+TEST(PlayerSimulation, AtRateZeroItPlaysAndTheFrameStays) {
+  const FakeCharacter character = twoSequences();
+  SimulatedEdge edge(character, {});
+  ASSERT_TRUE(edge.load());
+  edge.player->play();
+  edge.runUntil([] { return false; }, 1.5);
+  edge.player->setRate(0);
+  const uint32_t frame = edge.player->frame();
+  const int updates = edge.events[EventKind::TimeUpdate];
+  edge.runUntil([] { return false; }, 3);
+  EXPECT_EQ(edge.player->frame(), frame);
+  EXPECT_FALSE(edge.player->paused());
+  EXPECT_EQ(edge.events[EventKind::TimeUpdate], updates);
+  EXPECT_EQ(edge.events[EventKind::Paused], 0);
+  EXPECT_TRUE(edge.player->goTo("pickup").ok());  // by a cut, as while it is paused
+  ASSERT_TRUE(edge.runUntil([&] { return edge.player->sequence()->name == "pickup" && !edge.player->seeking(); }));
+  EXPECT_EQ(edge.player->frame(), 0u);
+  edge.player->setRate(1);
+  EXPECT_TRUE(edge.runUntil([&] { return edge.player->frame() > 5; }));
+  EXPECT_TRUE(edge.errors.empty());
+}
+
+TEST(PlayerSimulation, BufferedIsWhatPlaysWithoutAFetch) {
+  const FakeCharacter character = FakeBuilder().build({{"walk", 100, 10, 25, false, 192, 16}});
+  EdgeOptions options;
+  options.player.encoded_budget_bytes = 1;  // only what is needed is kept
+  SimulatedEdge edge(character, options);
+  EXPECT_FALSE(edge.player->buffered(0));
+  ASSERT_TRUE(edge.load());
+  edge.runUntil([&] { return edge.pendingFetches().empty(); });
+  const auto first = edge.player->buffered(0);
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->start_s, 0);
+  EXPECT_GT(first->end_s, 0.39);
+  EXPECT_FALSE(edge.player->buffered(1));
+  edge.player->seekFrame(60);
+  ASSERT_TRUE(edge.runUntilShown());
+  edge.runUntil([&] { return edge.pendingFetches().empty(); });
+  const auto later = edge.player->buffered(0);
+  ASSERT_TRUE(later);
+  EXPECT_NEAR(later->start_s, 2.4, 1e-9) << "what was before has gone";
+  EXPECT_LE(later->end_s, 4 + 1e-9);
+}
+
 TEST(PlayerSimulation, SeeksToEveryFrameExactly) {
   const FakeCharacter character = twoSequences();
   SimulatedEdge edge(character, {});
@@ -104,6 +148,8 @@ TEST(PlayerSimulation, EndsOnTheLastFrameAndPlaysAgain) {
   for (int round = 1; round <= 2; ++round) {
     ASSERT_TRUE(edge.runUntil([&] { return edge.events[EventKind::Ended] == round; }));
     EXPECT_EQ(edge.player->frame(), 22u);
+    EXPECT_EQ(edge.player->currentTime(), edge.player->sequence()->duration_s());
+    EXPECT_EQ(edge.events[EventKind::Paused], round);
     EXPECT_TRUE(edge.player->paused());
     edge.expectPaired();
     edge.player->play();
