@@ -5,7 +5,7 @@ import { test } from 'node:test';
 
 import { load, loadTogether } from './load_source.mjs';
 
-const kNames = ['loading', 'playback', 'motion', 'camera', 'appearance'];
+const kNames = ['loading', 'playback', 'media', 'motion', 'camera', 'appearance'];
 const all = await loadTogether('element/base', ...kNames.map((name) => `element/${name}`), 'commands', 'orbit-camera', 'errors', 'fourdvt-viewer');
 
 // A base with attributes, commands and a camera; `events` has what it would dispatch.
@@ -41,9 +41,10 @@ function makeBase() {
     [all.sessionOptions]() { return {}; }
     [all.onRestored]() { return false; }
   }
-  for (const name of ['onConnected', 'onArrival', 'onGranted', 'touched', 'onLeft', 'onAttribute', 'onResize', 'onEvent', 'onMore', 'onLost', 'onTrapped', 'onGivenUp', 'updateActive']) {
+  for (const name of ['onConnected', 'onArrival', 'onGranted', 'touched', 'onLeft', 'onAttribute', 'onResize', 'onEvent', 'onPicture', 'onMore', 'onLost', 'onTrapped', 'onGivenUp', 'updateActive']) {
     Base.prototype[all[name]] = () => undefined;
   }
+  Base.prototype[all.forgetError] = () => undefined;
   return Base;
 }
 const types = (element) => element.events.map(([name]) => name);
@@ -64,7 +65,7 @@ test('play dispatches one event, and settles with what comes of it', async () =>
   const first = element.play(), again = element.play();
   assert.deepEqual(types(element).filter((name) => name === 'play'), ['play']);
   assert.equal(element.paused, false);
-  element[all.onEvent]('playing');
+  element[all.report]('playing');
   await Promise.all([first, again]);
   const refused = element.play();
   element[all.onGivenUp]({ id: 'files-differ', message: 'two bakes' });
@@ -85,10 +86,34 @@ test('the end pauses; a pause before the source keeps autoplay from beginning', 
   element[all.parts].reducedMotion = { matches: true };
   assert.equal(element[all.firstWishes]().playing, false, 'visitors who want little motion');
   element.play().catch(() => undefined);
-  element[all.onEvent]('ended');
-  assert.equal(element.paused, true);
+  for (const name of ['pause', 'ended']) element[all.report](name);
+  assert.deepEqual([element.paused, element.ended], [true, true]);
+  assert.deepEqual(element.events.at(-2), ['offerPlay', true], 'no dead end');
+  element[all.report]('playing');
+  assert.deepEqual([element.paused, element.ended], [false, false]);
   element.pause();
-  assert.equal(element[all.firstWishes]().playing, undefined);
+  assert.equal(element[all.firstWishes]().playing, false);
+});
+
+test('autoplay is paused until it plays, and dispatches play before playing', () => {
+  const element = playback();
+  element.autoplay = true;
+  element[all.parts].commands.begin(element[all.firstWishes]());
+  assert.equal(element[all.parts].commands.wishes.playing, true);
+  assert.equal(element.paused, true);
+  element[all.report]('playing');
+  assert.deepEqual(types(element), ['play', 'playing']);
+  assert.equal(element.paused, false);
+  element[all.report]('pause');
+  element[all.report]('pause');
+  assert.deepEqual(types(element).slice(2), ['pause'], 'once');
+
+  const stopped = playback();
+  stopped.autoplay = true;
+  stopped[all.parts].commands.begin(stopped[all.firstWishes]());
+  stopped.pause();
+  assert.deepEqual(types(stopped), [], 'it has not played');
+  assert.equal(stopped[all.parts].commands.wishes.playing, false);
 });
 
 test('what is sought before there is a source is sought in it, once', () => {
@@ -102,6 +127,11 @@ test('what is sought before there is a source is sought in it, once', () => {
   assert.deepEqual(types(element), ['seeking', 'seeking']);
   assert.throws(() => { element.currentTime = 'soon'; }, TypeError);
   assert.throws(() => { element.playbackRate = 5; }, RangeError);
+  element.playbackRate = 0;
+  assert.equal(element.playbackRate, 0);
+  assert.equal(element.seeking, true);
+  element[all.report]('seeked');
+  assert.equal(element.seeking, false);
 });
 
 test('loop is as the sequence says, never or always', () => {
@@ -113,6 +143,116 @@ test('loop is as the sequence says, never or always', () => {
   assert.equal(element[all.parts].commands.wishes.loop, 1);
   element.loop = false;
   assert.equal(mode(), 0);
+});
+
+// --- the media element's contract ---
+
+function media() {
+  const element = new (all.withMedia(all.withPlayback(makeBase())))();
+  element[all.parts].current = { duration: 1.5 };
+  element[all.parts].session = { character: {}, ended: false, live: null, later: { loaded: {} }, main: null, transport: { busy: true } };
+  element.attributes.set('src', 'a/character.gltf');
+  element.src = 'a/character.gltf';
+  return element;
+}
+
+test('media: readyState follows the events; loadeddata comes before canplay, once', () => {
+  const element = media(), states = [];
+  for (const name of ['loadedmetadata', 'canplay', 'loadeddata', 'playing', 'canplaythrough', 'waiting', 'playing']) {
+    element[all.report](name);
+    states.push(element.readyState);
+  }
+  assert.deepEqual(states, [1, 3, 3, 3, 4, 2, 3]);
+  assert.deepEqual(types(element), ['durationchange', 'loadedmetadata', 'loadeddata', 'canplay', 'play', 'playing', 'canplaythrough', 'waiting', 'playing']);
+  element[all.onGivenUp]();
+  assert.equal(element.readyState, 0);
+});
+
+test('media: another motion has another duration; a seek ends with a timeupdate', () => {
+  const element = media();
+  element[all.report]('loadedmetadata');
+  element[all.report]('sequencechange');
+  element[all.parts].current = { duration: 2 };
+  element[all.report]('sequencechange');
+  element[all.report]('seeked');
+  assert.deepEqual(types(element), ['durationchange', 'loadedmetadata', 'sequencechange', 'durationchange', 'sequencechange', 'timeupdate', 'seeked']);
+  assert.deepEqual([element.seekable.length, element.seekable.start(0), element.seekable.end(0)], [1, 0, 2]);
+  assert.throws(() => element.seekable.end(1), { name: 'IndexSizeError' });
+  element[all.parts].session.live = {};
+  assert.equal(element.seekable.length, 0);
+});
+
+test('media: networkState is empty, idle, loading or without a source', () => {
+  const element = media();
+  assert.equal(element.networkState, 2);
+  element[all.parts].session.transport.busy = false;
+  assert.equal(element.networkState, 1);
+  element[all.parts].session = null;
+  assert.equal(element.networkState, 1, 'it waits until it is near the screen');
+  element.error = { id: 'fetch-failed' };
+  assert.equal(element.networkState, 3);
+  element.src = '';
+  assert.equal(element.networkState, 0);
+});
+
+test('media: volume and muted', () => {
+  const element = media();
+  element.attributes.set('muted', '');
+  element[all.onConnected]();
+  assert.equal(element.muted, true);
+  element.defaultMuted = false;
+  assert.equal(element.muted, true, 'the attribute is what it begins with');
+  element.muted = false;
+  element.muted = false;
+  element.volume = 0.5;
+  assert.throws(() => { element.volume = 1.1; }, { name: 'IndexSizeError' });
+  assert.deepEqual(types(element), ['volumechange', 'volumechange']);
+  assert.equal(element.volume, 0.5);
+});
+
+test('media: a callback gets the next new picture, once', () => {
+  const element = media(), seen = [];
+  let state = { framesShown: 4, currentTimeS: 0.2 };
+  element[all.parts].commands.attach({ character: null, state: () => state, parameter: () => NaN, run: () => true });
+  element.requestVideoFrameCallback((now, metadata) => seen.push(['a', metadata.presentedFrames, metadata.mediaTime, metadata.width]));
+  element.cancelVideoFrameCallback(element.requestVideoFrameCallback(() => seen.push('cancelled')));
+  element[all.onPicture]();
+  element[all.onPicture]();
+  element.requestVideoFrameCallback(() => seen.push('b'));
+  element[all.onPicture](); // the camera has moved
+  assert.deepEqual(seen, [['a', 4, 0.2, 320]]);
+  state = { framesShown: 5, currentTimeS: 0.24 };
+  element[all.onPicture]();
+  assert.deepEqual(seen.slice(1), ['b']);
+});
+
+test('media times: ranges join, loops wrap, and what is held decides that it plays through', async () => {
+  const { MediaTimes, withRange } = await load('media-times');
+  assert.deepEqual(withRange([[0, 1], [3, 4]], [1, 2]), [[0, 2], [3, 4]]);
+  assert.deepEqual(withRange([[0, 1], [3, 4]], [0.5, 3.5]), [[0, 4]]);
+  assert.deepEqual(withRange([[3, 4]], [0, 1]), [[0, 1], [3, 4]]);
+  const viewer = Object.assign(new EventTarget(), { paused: true, currentTime: 1, duration: 2, readyState: 3 }), reports = [];
+  const held = [[0, 0.5], [0.75, 2]], heap = new Uint8Array(64);
+  const module = { HEAPU8: heap, _fdvt_buffered: (_, i) => held[i] ? (new Float64Array(heap.buffer, 16, 2).set(held[i]), 16) : 0 };
+  let player = null;
+  const times = new MediaTimes(viewer, () => player, (name) => reports.push(name));
+  const on = (name, at = viewer.currentTime) => { viewer.currentTime = at; viewer.dispatchEvent(new Event(name)); };
+  assert.deepEqual(times.buffered(), []);
+  on('playing');
+  assert.deepEqual(reports, [], 'nothing is known to be held');
+  player = { tell: (action) => action(module, 7) };
+  assert.deepEqual(times.buffered(), held);
+  on('canplay');
+  assert.deepEqual(reports, ['canplaythrough']);
+  on('timeupdate', 1.5);
+  on('timeupdate', 0.25); // a loop
+  on('seeking', 0.5);
+  on('timeupdate', 0.9); // of the seek
+  assert.deepEqual(times.played, [[0, 0.5], [1, 2]]);
+  on('sequencechange', 0);
+  assert.deepEqual(times.played, []);
+  times.turn(100);
+  times.dispose();
 });
 
 // --- motion ---

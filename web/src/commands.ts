@@ -79,8 +79,8 @@ export class Commands {
   set<K extends keyof Wishes>(name: K, wish: Wishes[K]): boolean {
     return this.#ask({ [name]: wish }, (player) => fulfil(player, name, wish));
   }
-  /** Shows a motion at once, from its first frame. */
-  select(sequence: string): void { this.#ask({ sequence, frame: 0, time: null }, (player) => player.selectSequence(sequence)); }
+  /** Shows a motion at once, from its first frame. False as of `set`. */
+  select(sequence: string): boolean { return this.#ask({ sequence, frame: 0, time: null }, (player) => player.selectSequence(sequence)); }
   /** Goes over to a motion by the best transition. */
   goTo(sequence: string): void { this.#ask({ sequence, frame: 0, time: null }, (player) => player.goTo(sequence)); }
   seekFrame(frame: number): void { this.#ask({ frame, time: null }, (player) => player.seekFrame(frame)); }

@@ -17,6 +17,7 @@ export interface DrawingHost {
   stage(): Stage;
   readonly seat: Seat;
   firstPicture(): void;
+  picture(): void;
   /** Reports a failed draw. */
   drawFailed(reason: unknown): void;
 }
@@ -96,6 +97,7 @@ export class Drawing {
 
   #show(serial: string): void {
     if (!this.#draw()) return;
+    if (this.#drawn !== serial) this.#host.picture();
     this.#drawn = serial;
     if (this.shown) return;
     this.shown = true;

@@ -11,6 +11,16 @@ export interface ErrorDetail {
   message: string;
 }
 
+/** An error, with the code that MediaError has for it. */
+export interface MediaFault extends ErrorDetail {
+  readonly code: number;
+}
+
+export const withCode = (error: ErrorDetail): MediaFault => {
+  const { id } = error, notSupported = /^(manifest|unsupp|decoder-un|insec|wasm|invalid)/.test(id);
+  return { ...error, code: id === 'fetch-failed' ? 2 : notSupported ? 4 : 3 }; // 3: cannot be decoded
+};
+
 export class ViewerError extends Error {
   readonly id: string;
   constructor(id: string, message: string) {

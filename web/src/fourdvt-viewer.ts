@@ -5,6 +5,7 @@ import { withAppearance } from './element/appearance.js';
 import { ViewerBase } from './element/base.js';
 import { withCamera, type Orbit } from './element/camera.js';
 import { withLoading } from './element/loading.js';
+import { withMedia, type PictureMetadata } from './element/media.js';
 import { withMotion } from './element/motion.js';
 import { withPlayback } from './element/playback.js';
 import { withPresence } from './element/presence.js';
@@ -17,9 +18,9 @@ import type { UploadChoice as UploadPath } from './upload-path.js';
 import type { Align, ParameterInfo, Placement, RenderOptions, SceneMesh, SequenceInfo } from './wasm-player.js';
 
 export { FourdvtCharacter };
-export type { Align, ErrorDetail, LiveState, Orbit, ParameterInfo, Placement, RenderOptions, SceneMesh, SequenceInfo, Snapshot, UploadPath, ViewerStats };
+export type { Align, ErrorDetail, LiveState, Orbit, ParameterInfo, PictureMetadata, Placement, RenderOptions, SceneMesh, SequenceInfo, Snapshot, UploadPath, ViewerStats };
 
-export class FourdvtViewer extends withAppearance(withCamera(withMotion(withPlayback(withLoading(withPresence(ViewerBase)))))) {
+export class FourdvtViewer extends withAppearance(withCamera(withMotion(withMedia(withPlayback(withLoading(withPresence(ViewerBase))))))) {
   /** Address of the player's wasm file: beside the script, unless it is set before the first element loads. */
   static wasmUrl = new URL(`fourdvt-viewer.wasm${FOURDVT_VERSION}`, import.meta.url).href;
   /** Address of the OpenCV module, which is fetched only for align="flow-opencv". */

@@ -89,6 +89,8 @@ const feed = (bytes: Uint8Array): Tell => (module, handle) => {
 };
 
 export class LiveStream {
+  /** There is always more to come. */
+  readonly busy = true;
   readonly #url: URL;
   readonly #host: LiveHost;
   readonly #page: LivePage;

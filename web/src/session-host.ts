@@ -16,6 +16,7 @@ export interface SessionOptions {
   room: boolean;
   /** Past the browser's cache. */
   fresh: boolean;
+  credentials: RequestCredentials;
 }
 
 export interface SessionHost {
@@ -30,6 +31,8 @@ export interface SessionHost {
   animate(stepS: number): boolean;
   emit(name: string, detail?: unknown): void;
   firstPicture(): void;
+  /** Called at each picture that is drawn for another frame or place; the first comes before firstPicture. */
+  picture(): void;
   /** Called when waiting for the network begins, and when it ends. */
   network(waiting: boolean): void;
   /** The player's second part is there. Called once or more. */

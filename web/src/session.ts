@@ -52,6 +52,7 @@ export class Session implements SessionSide, Seat {
       actors: () => this.#actors,
       stage: () => this.#stage!,
       seat: this,
+      picture: () => host.picture(),
       firstPicture: () => { host.firstPicture(); this.later.firstPicture(); },
       drawFailed: (reason) => this.fatal(reason),
     });
@@ -150,7 +151,7 @@ export class Session implements SessionSide, Seat {
     if (!this.ended && this.#waiting === (waiting ? 1 : 0)) this.host.network(waiting);
   };
   openTransport(src: string, cache: RequestCache): Transport {
-    return new Transport(src, this.network, cache === 'default' ? undefined : cache);
+    return new Transport(src, this.network, { cache, credentials: this.options.credentials });
   }
   makeActor(source: Source, commands: Commands, host: ActorHost): Actor {
     const video = this.path === 'video' ? this.later.loaded! : undefined;

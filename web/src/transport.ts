@@ -193,12 +193,12 @@ async function refusesThisPage(url: string, init: RequestInit, signal?: AbortSig
       stop(); // nobody reads the body
     });
   };
-  return (await answers({ mode: 'no-cors' })) && !(await answers({ ...init, credentials: 'same-origin' }));
+  return (await answers({ mode: 'no-cors' })) && !(await answers({ credentials: 'same-origin', ...init }));
 }
 
 /** A whole file. `report` hears when waiting for the network begins and ends. Errors: ViewerError 'fetch-failed'. */
-export function fetchFile(url: string, report: Report = () => undefined, signal?: AbortSignal, cache: RequestCache = 'default'): Promise<Uint8Array<ArrayBuffer>> {
-  return patiently(url, async () => (await ask(url, { cache }, signal)).read(), report, signal);
+export function fetchFile(url: string, report: Report = () => undefined, signal?: AbortSignal, init: RequestInit = {}): Promise<Uint8Array<ArrayBuffer>> {
+  return patiently(url, async () => (await ask(url, init, signal)).read(), report, signal);
 }
 
 /** A wasm file, compiled while it comes. Errors: ViewerError 'fetch-failed'; the browser's, if it refuses the file. */
@@ -215,7 +215,7 @@ export function compileFile(url: string, report: Report, cache: RequestCache): P
 export class Transport {
   readonly #base: string;
   readonly #report: Report;
-  readonly #cache: RequestCache;
+  readonly #init: RequestInit;
   readonly #running = new Map<number, AbortController>();
   readonly #whole = new Map<string, Promise<Uint8Array>>();
   readonly #lengths = new Map<string, number>(); // of files, in bytes, by the manifest
@@ -226,18 +226,18 @@ export class Transport {
   bytesReceived = 0;
 
   /**
-   * `report` hears when waiting for the network begins, and when nothing waits any more. `cache` is 'reload' to take
-   * nothing from the browser's cache, which may hold files of an earlier bake.
+   * `report` hears when waiting for the network begins, and when nothing waits any more. `init`, for all requests: `cache` is
+   * 'reload' to take nothing from the browser's cache, which may hold files of an earlier bake; `credentials`.
    */
-  constructor(manifestUrl: string, report: Report = () => undefined, cache: RequestCache = 'default') {
+  constructor(manifestUrl: string, report: Report = () => undefined, init: Pick<RequestInit, 'cache' | 'credentials'> = {}) {
     this.#base = manifestUrl;
     this.#report = report;
-    this.#cache = cache;
+    this.#init = init;
   }
 
   /** The manifest as JSON. Errors: ViewerError 'fetch-failed', 'manifest-invalid'. */
   async manifest(): Promise<unknown> {
-    const bytes = await fetchFile(this.#base, this.#count, this.#abort.signal, this.#cache).catch((reason: unknown) => {
+    const bytes = await fetchFile(this.#base, this.#count, this.#abort.signal, this.#init).catch((reason: unknown) => {
       if (reason instanceof ViewerError) throw new ViewerError(reason.id, `${reason.message}; src must name a character.gltf`);
       throw reason;
     });
@@ -254,7 +254,7 @@ export class Transport {
     const url = this.#base.replace(/\.gltf(?=$|[?#])/, '.start.bin');
     if (url === this.#base) return new Uint8Array();
     try {
-      const bytes = await (await ask(url, { cache: this.#cache }, this.#abort.signal)).read();
+      const bytes = await (await ask(url, this.#init, this.#abort.signal)).read();
       this.bytesReceived += bytes.length;
       return bytes;
     } catch {
@@ -264,7 +264,7 @@ export class Transport {
 
   /** Another file that the character needs. Errors: ViewerError 'fetch-failed'. */
   file(url: string): Promise<Uint8Array> {
-    return fetchFile(url, this.#count, this.#abort.signal);
+    return fetchFile(url, this.#count, this.#abort.signal, { credentials: this.#init.credentials });
   }
 
   /** Resolves to null if the range was cancelled. Errors: ViewerError 'fetch-failed'. */
@@ -286,6 +286,9 @@ export class Transport {
       if (this.#running.get(id) === abort) this.#running.delete(id);
     }
   }
+
+  /** Ranges are on their way. */
+  get busy(): boolean { return this.#running.size > 0; }
 
   cancel(id: number): void {
     this.#running.get(id)?.abort();
@@ -331,7 +334,7 @@ export class Transport {
   async #fetchRange(url: string, offset: number, bytes: number, signal: AbortSignal): Promise<Uint8Array> {
     let whole = this.#whole.get(url);
     if (!whole) {
-      const answer = await ask(url, { headers: { Range: `bytes=${offset}-${offset + bytes - 1}` }, cache: this.#cache }, signal);
+      const answer = await ask(url, { ...this.#init, headers: { Range: `bytes=${offset}-${offset + bytes - 1}` } }, signal);
       if (answer.status === 206) {
         const part = await answer.read(this.#lengths.get(url));
         this.bytesReceived += part.length;

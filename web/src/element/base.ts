@@ -34,6 +34,8 @@ export const onAttribute: unique symbol = Symbol();
 export const onResize: unique symbol = Symbol();
 /** An event of the session, before it is dispatched. */
 export const onEvent: unique symbol = Symbol();
+/** A picture has been drawn. */
+export const onPicture: unique symbol = Symbol();
 /** The player's second part is there; once or more. */
 export const onMore: unique symbol = Symbol();
 /** The GL context of a session is lost; it has come back: true if another session takes its place. */
@@ -93,8 +95,10 @@ export class ViewerBase extends PageElement {
         emit: (name, detail) => this[report](name, detail),
         firstPicture: () => {
           overlay.ready();
+          this[updateActive](); // others may run now
           this[report]('loadeddata');
         },
+        picture: () => this[onPicture](),
         network: (waiting) => {
           overlay.note(waiting ? 'Waiting for the network …' : null);
           if (waiting) this[emit]('stalled');
@@ -157,6 +161,7 @@ export class ViewerBase extends PageElement {
   }
   [onResize](_width: number, _height: number): void { /* likewise */ }
   [onEvent](_name: string, _detail: unknown): void { /* likewise */ }
+  [onPicture](): void { /* likewise */ }
   [onMore](_more: More): void { /* likewise */ }
   [onLost](_session: object): void { /* likewise */ }
   [onRestored](_session: object): boolean { return false; }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Feature of <fourdvt-viewer>: src and poster, loading and its errors, the GL context's loss.
-import { asViewerError, characterAddress, type ErrorDetail } from '../errors.js';
+import { asViewerError, characterAddress, withCode, type ErrorDetail, type MediaFault } from '../errors.js';
 import { Session } from '../session.js';
 import type { UploadChoice as UploadPath } from '../upload-path.js';
 import {
-  emit, firstWishes, onArrival, onAttribute, onConnected, onEvent, onGivenUp, onGranted, onLeft, onLost, onRestored, onTrapped, parts, report, sessionOptions, updateActive,
+  emit, firstWishes, onArrival, onAttribute, onConnected, onEvent, onGivenUp, onGranted, onLeft, onLost, onRestored, onTrapped, parts, report, sessionOptions, touched, updateActive,
   type Constructor, type ViewerBase,
 } from './base.js';
 
@@ -14,16 +14,21 @@ const CONTEXT_PATIENCE_MS = 5000; // browsers that give a GL context back do so 
 
 /** Nothing will come of what is wanted. */
 export const standsStill: unique symbol = Symbol();
+/** The last error is over. */
+export const forgetError: unique symbol = Symbol();
 
 export interface Loading {
   src: string;
   poster: string;
-  readonly error: ErrorDetail | null;
+  /** Address of what is loaded. */
+  readonly currentSrc: string;
+  readonly error: MediaFault | null;
   /** How decoded pictures reach the GPU; 'auto' measures what is faster. Takes effect at the next load. */
   uploadPath: UploadPath;
   /** Loads the character again, from the start. Any error before is forgotten. */
   load(): void;
   readonly [standsStill]: boolean;
+  [forgetError](): void;
 }
 
 // Static properties of the element.
@@ -36,7 +41,9 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
   return class extends Base implements Loading {
     static override get observedAttributes(): readonly string[] { return [...super.observedAttributes, 'src', 'poster']; }
 
-    #error: ErrorDetail | null = null;
+    #error: MediaFault | null = null;
+    #address = '';
+    #asked = false; // to load, in spite of preload="none"
     #granted = false;
     #wanted: { fresh: boolean } | null = null; // to load, once the page lets it
     #loading = false;
@@ -54,7 +61,8 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
     set src(value: string) { this.setAttribute('src', value); }
     get poster(): string { return this.getAttribute('poster') ?? ''; }
     set poster(value: string) { this.setAttribute('poster', value); }
-    get error(): ErrorDetail | null { return this.#error; }
+    get currentSrc(): string { return this.#address; }
+    get error(): MediaFault | null { return this.#error; }
     get uploadPath(): UploadPath { return (this.getAttribute('upload-path') ?? 'auto') as UploadPath; }
     set uploadPath(value: UploadPath) { this.setAttribute('upload-path', value); }
     load(): void {
@@ -70,8 +78,13 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
     override [onGranted](load: boolean): void {
       super[onGranted](load);
       this.#granted = load;
-      if (load && this.#wanted) this.#load();
-      else if (!load && this[parts].session) this.#free();
+      if (load) this.#begin();
+      else if (this[parts].session) this.#free();
+    }
+    override [touched](): void {
+      super[touched]();
+      this.#asked = true;
+      this.#begin();
     }
     override [onLeft](): void {
       this.#unload();
@@ -93,9 +106,15 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
 
     // Loads when the page lets it. `on`: goes on where it was. fresh: past the browser's cache, which may hold what was not whole.
     #want(on = false, fresh = false): void {
-      const { overlay, commands, companions } = this[parts];
+      const { overlay, commands, companions, session } = this[parts];
       this.#unload();
+      const aborted = session && this.#loading;
       this.#error = this.#wanted = null;
+      this.#asked &&= on;
+      this.#loading = false;
+      this.#address = '';
+      if (aborted) this[emit]('abort');
+      if (session && !on) this[emit]('emptied');
       this.#loaded = this.src || null;
       overlay.idle();
       if (!this.src) return;
@@ -106,16 +125,17 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
       }
       overlay.offerPlay(!commands.wishes.playing);
       this.#wanted = { fresh };
-      if (this.#granted) this.#load();
+      this.#begin();
     }
-    #load(): void {
-      const { overlay, commands } = this[parts], { fresh } = this.#wanted!;
+    #begin(): void {
+      const { overlay, commands } = this[parts], wanted = this.#wanted;
+      if (!wanted || !this.#granted || (this.getAttribute('preload') === 'none' && !this.#asked && !commands.wishes.playing)) return;
       this.#wanted = null;
       this.#loading = true;
       overlay.loading();
       overlay.offerPlay(!commands.wishes.playing);
       this[emit]('loadstart');
-      this.#startSession(fresh);
+      this.#startSession(wanted.fresh);
     }
     // Keeps the picture and the place.
     #free(): void {
@@ -133,14 +153,14 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
       const attempt = (this.#attempt = {});
       let src: string;
       try {
-        src = characterAddress(this.src, this.baseURI);
+        src = this.#address = characterAddress(this.src, this.baseURI);
       } catch (reason) {
         // Not at once: whoever has just set it wants to listen first.
         return queueMicrotask(() => { if (attempt === this.#attempt) this[report]('error', asViewerError(reason).detail); });
       }
       const { size, host } = this[parts], { wasmUrl, opencvUrl } = this.constructor as unknown as Addresses;
       const session = (this[parts].session = new Session({
-        src, wasmUrl, opencvUrl, uploadPath: this.uploadPath, align: 'baked', room: false, fresh, ...this[sessionOptions](),
+        src, wasmUrl, opencvUrl, uploadPath: this.uploadPath, align: 'baked', room: false, fresh, credentials: this.getAttribute('crossorigin') === 'use-credentials' ? 'include' : 'same-origin', ...this[sessionOptions](),
       }, host));
       session.resize(size.width, size.height);
       this[updateActive]();
@@ -176,7 +196,7 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
       if (this[parts].session === session) this.#restart();
     }
     #restart(): void {
-      this.#forgetError();
+      this[forgetError]();
       if (this.#granted) this.#startSession();
       else this.#wanted = { fresh: false };
     }
@@ -201,21 +221,21 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
         this.#onError(detail as ErrorDetail);
       } else if (['canplay', 'playing', 'seeked', 'sequencechange'].includes(name)) {
         if (name === 'canplay') this.#loading = false;
-        this.#forgetError();
+        this[forgetError]();
       }
     }
 
     // The panel is for errors that leave nothing to look at, or the wanted motion standing still; a command that was
     // refused changes nothing.
     #onError(error: ErrorDetail): void {
-      this.#error = error;
+      this.#error = withCode(error);
       const over = this.#loading || (this[parts].session?.ended ?? true);
       this.#loading = false;
       if (!over && !this[standsStill]) return;
       this[onGivenUp](error);
       this[parts].overlay.fail(error, over);
     }
-    #forgetError(): void {
+    [forgetError](): void {
       this.#error = null;
       this[parts].overlay.recover();
     }

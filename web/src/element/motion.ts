@@ -8,6 +8,7 @@ import { ALIGN_MODES, type Align, type ParameterInfo, type Placement, type Seque
 import {
   animate, emit, firstWishes, onAttribute, onLeft, onMore, parts, sessionOptions, touched, type Constructor, type ViewerBase,
 } from './base.js';
+import { forgetError, standsStill, type Loading } from './loading.js';
 import type { Playback } from './playback.js';
 
 export interface Motion {
@@ -34,7 +35,7 @@ export interface Motion {
   align: Align;
 }
 
-export function withMotion<T extends Constructor<ViewerBase & Playback>>(Base: T): T & Constructor<Motion> {
+export function withMotion<T extends Constructor<ViewerBase & Loading & Playback>>(Base: T): T & Constructor<Motion> {
   return class extends Base implements Motion {
     static override get observedAttributes(): readonly string[] { return [...super.observedAttributes, 'sequence', 'travel', 'align']; }
 
@@ -80,11 +81,15 @@ export function withMotion<T extends Constructor<ViewerBase & Playback>>(Base: T
       super[onAttribute](name, before, value);
       const { connected, commands, session } = this[parts];
       if (!connected) return;
-      if (name === 'sequence' && value) commands.select(value); // the same one, too: back from where goTo has led
+      if (name === 'sequence' && value) this.#select(value); // the same one, too: back from where goTo has led
       if (before === value) return;
       if (name === 'motion-controls') this.#steering?.update();
       if (name === 'align') session?.later.setAlign(this.align);
       if (name === 'travel') commands.set('travel', this.travel);
+    }
+
+    #select(name: string): void {
+      if (this[parts].commands.select(name) && !this[standsStill]) this[forgetError]();
     }
 
     override [onMore](more: More): void {

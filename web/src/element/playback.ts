@@ -4,16 +4,21 @@ import type { Wishes } from '../commands.js';
 import { deferred, type Deferred } from '../deferred.js';
 import { ViewerError, type ErrorDetail } from '../errors.js';
 import type { LiveState } from '../live.js';
-import { emit, firstWishes, onAttribute, onEvent, onGivenUp, parts, touched, type Constructor, type ViewerBase } from './base.js';
+import { emit, firstWishes, onAttribute, onEvent, onGivenUp, parts, report, touched, type Constructor, type ViewerBase } from './base.js';
 import { standsStill, type Loading } from './loading.js';
 
 export interface Playback {
   autoplay: boolean;
   loop: boolean;
+  /** True until `play` is dispatched: for autoplay, when it begins to play. */
   readonly paused: boolean;
+  readonly ended: boolean;
+  readonly seeking: boolean;
   readonly duration: number;
   currentTime: number;
+  /** 0…4; 0: plays, but the frame stays. */
   playbackRate: number;
+  defaultPlaybackRate: number;
   /** Resolves when it plays; rejects if it is paused, reloaded or removed before, or if an error comes instead. */
   play(): Promise<void>;
   pause(): void;
@@ -29,6 +34,10 @@ export function withPlayback<T extends Constructor<ViewerBase & Loading>>(Base: 
   return class extends Base implements Playback {
     static override get observedAttributes(): readonly string[] { return [...super.observedAttributes, 'loop']; }
 
+    defaultPlaybackRate = 1;
+    #playing = false; // as dispatched
+    #ended = false;
+    #seeking = false;
     #stopped = false; // somebody has paused it
     #sought: { time?: number; frame?: number } = {}; // before there was a source
     #played: Deferred | null = null;
@@ -42,7 +51,9 @@ export function withPlayback<T extends Constructor<ViewerBase & Loading>>(Base: 
     set autoplay(value: boolean) { this.toggleAttribute('autoplay', value); }
     get loop(): boolean { return this.hasAttribute('loop') && this.getAttribute('loop') !== 'false'; }
     set loop(value: boolean) { this.setAttribute('loop', value ? '' : 'false'); }
-    get paused(): boolean { return !this[parts].commands.wishes.playing; }
+    get paused(): boolean { return !this.#playing; }
+    get ended(): boolean { return this.#ended; }
+    get seeking(): boolean { return this.#seeking; }
     get duration(): number { return this[parts].session?.live ? Infinity : this[parts].current?.duration ?? NaN; }
     get currentTime(): number {
       const { commands } = this[parts];
@@ -50,13 +61,12 @@ export function withPlayback<T extends Constructor<ViewerBase & Loading>>(Base: 
     }
     set currentTime(value: number) {
       if (!Number.isFinite(Number(value))) throw new TypeError('currentTime must be a number of seconds');
-      this[emit]('seeking');
-      if (this.#isIdle) this.#sought = { time: Number(value) };
+      this.#seek({ time: Number(value) });
       this[parts].commands.seek(Number(value));
     }
     get playbackRate(): number { return this[parts].commands.wishes.rate; }
     set playbackRate(value: number) {
-      if (!(value > 0 && value <= 4)) throw new RangeError('playbackRate must be above 0 and at most 4');
+      if (!(value >= 0 && value <= 4)) throw new RangeError('playbackRate must be 0 to 4');
       this[parts].commands.set('rate', value);
       this[emit]('ratechange');
     }
@@ -70,25 +80,21 @@ export function withPlayback<T extends Constructor<ViewerBase & Loading>>(Base: 
       if (state?.hasFrame && !state.paused && !state.seeking) return Promise.resolve();
       const { promise } = (this.#played ??= deferred());
       if (error && this[standsStill]) this.#settle(new ViewerError(error.id, error.message));
-      if (this.paused) {
-        commands.remember('playing', true);
-        this[emit]('play');
-        commands.set('playing', true);
-      }
+      commands.remember('playing', true);
+      this.#begin();
+      commands.set('playing', true);
       return promise;
     }
     pause(): void {
       this.#stopped = true;
       this.#settle(new DOMException('paused before it played', 'AbortError'));
-      if (this.paused) return;
       this[parts].commands.set('playing', false);
-      if (!this[parts].session?.character) this[emit]('pause');
+      this[report]('pause'); // where no character has done it
     }
 
     get frame(): number { return this[parts].commands.state()?.frame ?? 0; }
     seekFrame(frame: number): void {
-      this[emit]('seeking');
-      if (this.#isIdle) this.#sought = { frame };
+      this.#seek({ frame });
       this[parts].commands.seekFrame(frame);
     }
 
@@ -98,28 +104,57 @@ export function withPlayback<T extends Constructor<ViewerBase & Loading>>(Base: 
     override [firstWishes](): Partial<Wishes> {
       const sought = this.#sought;
       this.#sought = {};
-      const playing = this.autoplay && !this.#stopped ? { playing: !this[parts].reducedMotion.matches } : {};
-      return { ...super[firstWishes](), loop: this.#loopMode(), ...sought, ...playing };
+      const playing = this.autoplay && !this.#stopped ? !this[parts].reducedMotion.matches : this.#playing;
+      if (!playing) this[report]('pause');
+      return { ...super[firstWishes](), loop: this.#loopMode(), ...sought, playing };
     }
     override [onAttribute](name: string, before: string | null, value: string | null): void {
       super[onAttribute](name, before, value);
       if (name === 'loop' && before !== value && this[parts].connected) this[parts].commands.set('loop', this.#loopMode());
     }
+    override [report](name: string, detail?: unknown): void {
+      if (name === 'pause' && !this.#playing) return; // pages have heard of it
+      if (name === 'playing') this.#begin();
+      super[report](name, detail);
+    }
     override [onEvent](name: string, detail: unknown): void {
+      const { commands, overlay } = this[parts];
       super[onEvent](name, detail);
-      if (name === 'ended') this[parts].commands.remember('playing', false);
+      if (name === 'pause') {
+        this.#playing = false;
+        commands.remember('playing', false);
+      } else if (name === 'ended') {
+        this.#ended = true;
+        overlay.offerPlay(true);
+      } else if (name === 'seeked' || name === 'error') {
+        this.#seeking = false;
+      } else if (name === 'playing' || name === 'sequencechange') {
+        this.#ended = this.#seeking = false;
+      }
       if (name !== 'playing') return;
       this.#played?.resolve();
       this.#played = null;
     }
     override [onGivenUp](error?: ErrorDetail): void {
       super[onGivenUp](error);
+      this.#ended = this.#seeking = false;
       this.#settle(error ? new ViewerError(error.id, error.message)
         : new DOMException('another character was loaded, or the viewer was removed', 'AbortError'));
     }
 
     // There is no source to seek in.
     get #isIdle(): boolean { return !this[parts].connected || !this.src; }
+    #begin(): void {
+      if (this.#playing) return;
+      this.#playing = true;
+      this[emit]('play');
+    }
+    #seek(to: { time?: number; frame?: number }): void {
+      this[emit]('seeking');
+      this.#seeking = true;
+      this.#ended = false;
+      if (this.#isIdle) this.#sought = to;
+    }
     #settle(reason: Error): void {
       this.#played?.reject(reason);
       this.#played = null;

@@ -81,7 +81,7 @@ export function withPresence<T extends Constructor<ViewerBase>>(Base: T): T & Co
 
     override [onEvent](name: string, detail: unknown): void {
       super[onEvent](name, detail);
-      if (name === 'loadeddata' || name === 'error') this[updateActive](); // others may run now
+      if (name === 'error') this[updateActive](); // others may run now
     }
     override [touched](): void {
       super[touched]();
@@ -94,7 +94,7 @@ export function withPresence<T extends Constructor<ViewerBase>>(Base: T): T & Co
     }
 
     claim(): Claim {
-      const { session } = this[parts], shown = session ? session.ended || session.drawing.shown : !this.hasAttribute('src');
+      const { session } = this[parts], shown = session ? session.ended || session.drawing.shown : this.matches(':not([src]),[preload=none]');
       const { left, right, top, bottom, width, height } = this.getBoundingClientRect();
       const across = Math.max(0, left - innerWidth, -right) / innerWidth, down = Math.max(0, top - innerHeight, -bottom) / innerHeight;
       const { width: w, height: h } = this.#seen?.intersectionRect ?? { width, height };

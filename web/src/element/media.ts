@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// Feature of <fourdvt-viewer>: the rest of the media element's contract, by which ready-made controls drive it: states, ranges
+// of time, volume, callbacks for pictures. Ranges are known from the player's second part on.
+import type { MediaTimes } from '../media-times.js';
+import type { More } from '../wasm-module.js';
+import { animate, emit, onConnected, onEvent, onGivenUp, onLeft, onMore, onPicture, parts, report, type Constructor, type ViewerBase } from './base.js';
+import type { Loading } from './loading.js';
+import type { Playback } from './playback.js';
+
+/** As HTMLMediaElement's metadata for a picture, as far as it is known; times in ms, mediaTime in seconds. */
+export interface PictureMetadata {
+  presentationTime: number;
+  expectedDisplayTime: number;
+  width: number;
+  height: number;
+  mediaTime: number;
+  presentedFrames: number;
+}
+
+export interface Media {
+  /** 'none': loads once it is asked to play, or touched; else as `loading` says. */
+  preload: string;
+  /** 'use-credentials': cookies go to other origins, too. */
+  crossOrigin: string | null;
+  readonly networkState: number;
+  readonly readyState: number;
+  /** Of the motion shown: what can be played without the network. */
+  readonly buffered: TimeRanges;
+  readonly seekable: TimeRanges;
+  /** Likewise, what has been played since it was chosen. */
+  readonly played: TimeRanges;
+  volume: number;
+  muted: boolean;
+  defaultMuted: boolean;
+  requestVideoFrameCallback(callback: (nowMs: number, metadata: PictureMetadata) => void): number;
+  cancelVideoFrameCallback(handle: number): void;
+}
+
+const HAVE: Record<string, number> = { loadedmetadata: 1, loadeddata: 2, waiting: 2, canplay: 3, playing: 3, canplaythrough: 4 };
+
+/** [start, end] in seconds, in their order. */
+export function timeRanges(list: readonly (readonly [number, number])[]): TimeRanges {
+  const at = (side: 0 | 1) => (i: number): number => {
+    const range = list[i];
+    if (!range) throw new DOMException(`there are ${list.length} ranges`, 'IndexSizeError');
+    return range[side];
+  };
+  return { length: list.length, start: at(0), end: at(1) };
+}
+
+export function withMedia<T extends Constructor<ViewerBase & Loading & Playback>>(Base: T): T & Constructor<Media> {
+  return class extends Base implements Media {
+    #ready = 0;
+    #duration = NaN; // that pages have heard of
+    #volume = 1;
+    #muted: boolean | null = null; // null: as the attribute says, until it is in a document
+    #times: MediaTimes | null = null;
+    #callbacks = new Map<number, (nowMs: number, metadata: PictureMetadata) => void>();
+    #handles = 0;
+    #presented = NaN;
+
+    get preload(): string { return this.getAttribute('preload') ?? 'auto'; }
+    set preload(value: string) { this.setAttribute('preload', value); }
+    get crossOrigin(): string | null { return this.getAttribute('crossorigin'); }
+    set crossOrigin(value: string | null) {
+      if (value === null) this.removeAttribute('crossorigin');
+      else this.setAttribute('crossorigin', value);
+    }
+    get networkState(): number {
+      const { session } = this[parts];
+      if (!this.src) return 0;
+      if (!session || session.ended) return this.error ? 3 : 1;
+      return session.transport.busy ? 2 : 1;
+    }
+    get readyState(): number { return this[parts].session?.character ? this.#ready : 0; }
+    get buffered(): TimeRanges { return timeRanges(this.#times?.buffered() ?? []); }
+    get seekable(): TimeRanges { return timeRanges(this.duration < Infinity ? [[0, this.duration]] : []); }
+    get played(): TimeRanges { return timeRanges(this.#times?.played ?? []); }
+    get volume(): number { return this.#volume; }
+    set volume(value: number) {
+      if (!(value >= 0 && value <= 1)) throw new DOMException('volume must be 0 to 1', 'IndexSizeError');
+      if (this.#volume === value) return;
+      this.#volume = value;
+      this[emit]('volumechange');
+    }
+    get muted(): boolean { return this.#muted ?? this.defaultMuted; }
+    set muted(on: boolean) {
+      const before = this.muted;
+      this.#muted = on;
+      if (before !== on) this[emit]('volumechange');
+    }
+    get defaultMuted(): boolean { return this.hasAttribute('muted'); }
+    set defaultMuted(on: boolean) { this.toggleAttribute('muted', on); }
+
+    requestVideoFrameCallback(callback: (nowMs: number, metadata: PictureMetadata) => void): number {
+      this.#callbacks.set(++this.#handles, callback);
+      return this.#handles;
+    }
+    cancelVideoFrameCallback(handle: number): void { this.#callbacks.delete(handle); }
+
+    // The first picture may be drawn after the player can go on from it.
+    override [report](name: string, detail?: unknown): void {
+      if (name === 'canplay' && this.#ready < 2) super[report]('loadeddata');
+      if (name !== 'loadeddata' || this.#ready < 2) super[report](name, detail);
+    }
+    override [onEvent](name: string, detail: unknown): void {
+      super[onEvent](name, detail);
+      if (name in HAVE) this.#ready = name === 'waiting' ? HAVE[name]! : Math.max(this.#ready, HAVE[name]!);
+      if ((name === 'loadedmetadata' || name === 'sequencechange') && !Object.is(this.#duration, this.duration)) {
+        this.#duration = this.duration;
+        this[emit]('durationchange');
+      }
+      if (name === 'seeked') this[emit]('timeupdate');
+    }
+    override [onPicture](): void {
+      super[onPicture]();
+      const state = this[parts].commands.state();
+      if (!this.#callbacks.size || state?.framesShown === this.#presented) return;
+      this.#presented = state!.framesShown;
+      const due = this.#callbacks, now = performance.now();
+      this.#callbacks = new Map();
+      for (const callback of due.values()) {
+        callback(now, { presentationTime: now, expectedDisplayTime: now, ...this[parts].size, mediaTime: this.currentTime, presentedFrames: this.#presented });
+      }
+    }
+    override [onMore](more: More): void {
+      super[onMore](more);
+      this.#times ??= new more.MediaTimes(this, () => {
+        const { session } = this[parts];
+        return session?.later.loaded ? session.main?.player ?? null : null;
+      }, (name, detail) => this[report](name, detail));
+    }
+    override [animate](dtS: number): boolean {
+      this.#times?.turn(this[parts].commands.state()?.bytesFetched ?? 0);
+      return super[animate](dtS);
+    }
+    override [onConnected](): void {
+      super[onConnected]();
+      this.#muted ??= this.defaultMuted;
+    }
+    override [onLeft](): void {
+      super[onLeft]();
+      this.#times?.dispose();
+    }
+    override [onGivenUp](error?: Parameters<ViewerBase[typeof onGivenUp]>[0]): void {
+      super[onGivenUp](error);
+      if (error) return;
+      this.#ready = 0;
+      this.#duration = NaN;
+    }
+  };
+}

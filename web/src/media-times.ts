@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+// Ranges of time of the motion that a viewer shows: what has been played, and what can be played without the network; and the
+// events that follow from them. Part of fourdvt-more.js.
+import { readTimeRange } from './generated/abi.js';
+import type { SidePlayer } from './session-side.js';
+
+const PROGRESS_MS = 350; // between two events, as media elements have them
+const ENOUGH_S = 4; // ahead: the player's renditions follow the network from there on
+
+export type Range = [number, number];
+
+/** The element, as far as it is used here. */
+export interface TimedViewer extends EventTarget {
+  readonly paused: boolean;
+  readonly currentTime: number;
+  readonly duration: number;
+  readonly readyState: number;
+}
+
+/** The ranges with one more, in order, none touching another. */
+export function withRange(ranges: readonly Range[], [start, end]: Range): Range[] {
+  const apart = ranges.filter(([a, b]) => b < start || a > end), joined = ranges.filter(([a, b]) => b >= start && a <= end);
+  const whole: Range = [Math.min(start, ...joined.map(([a]) => a)), Math.max(end, ...joined.map(([, b]) => b))];
+  return [...apart, whole].sort(([a], [b]) => a - b);
+}
+
+export class MediaTimes {
+  readonly #viewer: TimedViewer;
+  readonly #player: () => SidePlayer | null;
+  readonly #report: (name: string, detail?: unknown) => void;
+  #since: number | null = null; // it has played from there to now
+  #fetched = 0; // bytes, at the last event
+  #timer: ReturnType<typeof setTimeout> | undefined;
+  played: Range[] = [];
+
+  /** player: once its second part is there. report: dispatches an event of the player. */
+  constructor(viewer: TimedViewer, player: () => SidePlayer | null, report: (name: string, detail?: unknown) => void) {
+    this.#viewer = viewer;
+    this.#player = player;
+    this.#report = report;
+    const on = (names: string, run: () => void): void => { for (const name of names.split(' ')) viewer.addEventListener(name, run); };
+    if (!viewer.paused) this.#since = viewer.currentTime;
+    on('playing', () => (this.#since = viewer.currentTime));
+    on('timeupdate', () => this.#note());
+    on('pause seeking waiting', () => {
+      this.#note();
+      this.#since = null;
+    });
+    on('sequencechange emptied', () => {
+      this.played = [];
+      if (this.#since !== null) this.#since = viewer.currentTime;
+    });
+    on('canplay playing', () => this.#judge());
+  }
+
+  buffered(): Range[] {
+    const list: Range[] = [];
+    this.#player()?.tell((module, handle) => {
+      for (let at = 0; (at = module._fdvt_buffered(handle, list.length)); ) {
+        const { startS, endS } = readTimeRange(module.HEAPU8, at);
+        list.push([startS, endS]);
+      }
+      return 1;
+    });
+    return list;
+  }
+
+  /** A turn of the page's loop; bytes: that were fetched for the character so far. */
+  turn(bytes: number): void {
+    if (bytes === this.#fetched) return;
+    this.#fetched = bytes;
+    this.#timer ??= setTimeout(() => {
+      this.#timer = undefined;
+      this.#report('progress', { loaded: this.#fetched, total: this.#fetched });
+      this.#judge();
+    }, PROGRESS_MS);
+  }
+  dispose(): void { clearTimeout(this.#timer); }
+
+  // A motion that loops may have begun again since.
+  #note(): void {
+    const { currentTime: now, duration } = this.#viewer, since = this.#since;
+    if (since === null || now === since) return;
+    const passed: Range[] = now > since ? [[since, now]] : [[since, duration], [0, now]];
+    this.played = passed.reduce(withRange, this.played);
+    this.#since = now;
+  }
+
+  #judge(): void {
+    const { readyState, currentTime, duration } = this.#viewer;
+    const [, end = 0] = this.buffered().find(([a, b]) => a <= currentTime && currentTime <= b) ?? [];
+    if (readyState === 3 && end >= Math.min(duration, currentTime + ENOUGH_S) - 1e-3) this.#report('canplaythrough');
+  }
+}
