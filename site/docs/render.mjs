@@ -79,7 +79,18 @@ function makeMarkdown() {
     for (const token of tokens) if (token.type === 'inline') rewriteLinks(token.children, env.source);
   });
   const { rules } = markdown.renderer, code = rules.code_inline;
-  rules.table_open = () => '<div class="scroll" tabindex="0" role="region" aria-label="Table">\n<table>\n';
+  // Keyboards scroll what is wider than the page; screen readers list tables by their numbers.
+  rules.table_open = (tokens, i, options, env) => `<div class="scroll" tabindex="0" role="region" aria-label="Table ${(env.tables = (env.tables ?? 0) + 1)}">\n<table>\n`;
+  for (const name of ['fence', 'code_block']) {
+    const code = rules[name];
+    rules[name] = (...all) => code(...all).replace('<pre>', '<pre tabindex="0">');
+  }
+  const header = (end) => (tokens, i, ...rest) => {
+    const text = tokens[end ? i - 1 : i + 1].content, cell = rest.at(-1).renderToken(tokens, i, rest[0]);
+    return text ? cell : cell.replace('th', 'td'); // no header is empty
+  };
+  rules.th_open = header(false);
+  rules.th_close = header(true);
   rules.table_close = () => '</table>\n</div>\n';
   rules.code_inline = (tokens, i, ...rest) => {
     const html = code(tokens, i, ...rest), href = tokens[i].meta?.href;

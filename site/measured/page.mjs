@@ -6,8 +6,8 @@ import { fixed, kNotMeasured } from './shown.mjs';
 
 const escaped = (text) => String(text).replaceAll('&', '&amp;').replaceAll('<', '&lt;').replaceAll('>', '&gt;').replaceAll('"', '&quot;').replaceAll('\u00a0', '&nbsp;');
 const cells = (tag, list) => list.map((cell, i) => `<${i ? tag : 'th'}${i ? '' : tag === 'td' ? ' scope="row"' : ''}>${cell}</${i ? tag : 'th'}>`).join('');
-const table = (title, columns, rows) => `<div class="scroll" tabindex="0" role="region" aria-label="${escaped(title)}"><table>
-<thead><tr>${cells('th', columns.map(escaped))}</tr></thead>
+const table = (title, columns, rows) => `<div class="scroll" tabindex="0" role="region" aria-label="Table: ${escaped(title)}"><table>
+<thead><tr>${cells('th', columns.map(escaped)).replace('<th></th>', '<td></td>')}</tr></thead>
 <tbody>
 ${rows.map((row) => `<tr>${row}</tr>`).join('\n')}
 </tbody></table></div>`;

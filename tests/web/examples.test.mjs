@@ -3,6 +3,7 @@
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
+import { pathToFileURL } from 'node:url';
 
 import { environment, kPatienceMs, launch, openPage, outputFolder, waitForEvent, writePicture } from './harness.mjs';
 import { serve } from './server.mjs';
@@ -64,6 +65,13 @@ async function finish(page) {
   assert.deepEqual(page.troubles, []);
   await page.close();
 }
+
+test('embed: opened as a file it says that it needs a server', async () => {
+  const page = await browser.newPage();
+  await page.goto(pathToFileURL(join(environment('SITE'), 'examples/embed.html')).href);
+  assert.match(await page.locator('fourdvt-viewer').innerText(), /a web server/);
+  await page.close();
+});
 
 test('embed: plays, and turns under the pointer', async () => {
   const page = await openExample('embed');

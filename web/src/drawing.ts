@@ -5,6 +5,7 @@ import type { Actor } from './actor.js';
 import { DrawPace } from './frame-loop.js';
 import { checkSnapshot, MAX_CANVAS_SIDE } from './input-checks.js';
 import type { SessionHost, Snapshot } from './session-host.js';
+import { parseOrbit } from './orbit-camera.js';
 import type { Seat, Stage } from './stage.js';
 import type { OrbitPose } from './wasm-player.js';
 
@@ -78,8 +79,9 @@ export class Drawing {
    * with a TypeError, a RangeError or the player's error if there can be no such picture; the one that is shown stays.
    */
   async toBlob(snapshot?: Snapshot): Promise<Blob | null> {
-    const { width, height } = snapshot ?? this.#size;
-    const pose = { ...this.#view.camera.pose, ...snapshot?.pose };
+    const { width = this.#size.width, height = this.#size.height, pose: wish } = snapshot ?? {}, { pose: shown } = this.#view.camera;
+    const part = typeof wish === 'string' ? parseOrbit(wish) : wish;
+    const pose: OrbitPose = { ...shown, ...part, distance: part?.distance ?? shown.distance };
     if (snapshot) checkSnapshot(width, height, pose);
     if (!this.#host.actors()[0]?.state()?.hasFrame) return null;
     try {

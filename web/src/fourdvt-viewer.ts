@@ -4,6 +4,7 @@
 import { withAppearance } from './element/appearance.js';
 import { ViewerBase } from './element/base.js';
 import { withCamera, type Orbit } from './element/camera.js';
+import { withExtras } from './element/extras.js';
 import { withLoading } from './element/loading.js';
 import { withMedia, type PictureMetadata } from './element/media.js';
 import { withMotion } from './element/motion.js';
@@ -20,7 +21,7 @@ import type { Align, ParameterInfo, Placement, RenderOptions, SceneMesh, Sequenc
 export { FourdvtCharacter };
 export type { Align, ErrorDetail, LiveState, Orbit, ParameterInfo, PictureMetadata, Placement, RenderOptions, SceneMesh, SequenceInfo, Snapshot, UploadPath, ViewerStats };
 
-export class FourdvtViewer extends withAppearance(withCamera(withMotion(withMedia(withPlayback(withLoading(withPresence(ViewerBase))))))) {
+export class FourdvtViewer extends withExtras(withAppearance(withCamera(withMotion(withMedia(withPlayback(withLoading(withPresence(ViewerBase)))))))) {
   /** Address of the player's wasm file: beside the script, unless it is set before the first element loads. */
   static wasmUrl = new URL(`fourdvt-viewer.wasm${FOURDVT_VERSION}`, import.meta.url).href;
   /** Address of the OpenCV module, which is fetched only for align="flow-opencv". */

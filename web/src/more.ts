@@ -4,6 +4,7 @@ export { Companions } from './companions.js';
 export { useFlow, useLook, useRoom } from './effects.js';
 export { complete } from './completion.js';
 export { connectLive } from './live.js';
+export { Extras } from './extras.js';
 export { MediaTimes } from './media-times.js';
 export { isSubFaster } from './measure-path.js';
 export { renew } from './renewal.js';

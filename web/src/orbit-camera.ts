@@ -24,19 +24,23 @@ const MARGIN = 1.08;           // room around the character at the automatic dis
 const MIN_DISTANCE = 0.35;     // in automatic distances
 const MAX_DISTANCE = 3;
 
+// Degrees, metres; `fallback` for what is no number.
+const quantities = (text: string | null, fallback: number): number[] => {
+  const tokens = (text ?? '').trim().split(/\s+/);
+  return [0, 1, 2].map((i) => {
+    const token = tokens[i] ?? '', value = parseFloat(token);
+    if (!Number.isFinite(value)) return fallback;
+    return value * (token.endsWith('rad') ? 180 / Math.PI : token.endsWith('cm') ? 0.01 : 1);
+  });
+};
+
 /** Reads "30deg 10deg 3m": azimuth, elevation, distance. "auto" keeps the default of a part. */
 export function parseOrbit(text: string | null): OrbitText {
-  const part = (token: string | undefined, fallback: number): number => {
-    const value = parseFloat(token ?? '');
-    if (!Number.isFinite(value)) return fallback;
-    return token!.endsWith('rad') ? (value * 180) / Math.PI : value;
-  };
-  const [azimuth, elevation, distance] = (text ?? '').trim().split(/\s+/);
-  const metres = parseFloat(distance ?? '');
+  const [azimuth = NaN, elevation = NaN, distance = NaN] = quantities(text, NaN);
   return {
-    azimuth: part(azimuth, DEFAULT.azimuth),
-    elevation: part(elevation, DEFAULT.elevation),
-    distance: Number.isFinite(metres) && metres > 0 ? metres * (distance!.endsWith('cm') ? 0.01 : 1) : null,
+    azimuth: Number.isNaN(azimuth) ? DEFAULT.azimuth : azimuth,
+    elevation: Number.isNaN(elevation) ? DEFAULT.elevation : elevation,
+    distance: distance > 0 ? distance : null,
   };
 }
 
@@ -64,12 +68,19 @@ export class OrbitCamera {
   #place = { x: 0, z: 0, heading: 0 };
   #seen = { x: 0, z: 0, heading: 0 }; // the place that the camera has followed it to
   #following: Follow = 'none';
+  #min: number[] = []; // azimuth, elevation, distance
+  #max: number[] = [];
   fov = 35;
 
   /** Sets the orbit that Home returns to. */
   setHome(orbit: OrbitText): void {
     this.#home = orbit;
     this.#goal = { ...orbit };
+  }
+  /** Limits of what the visitor may turn and zoom to, as parseOrbit reads an orbit; "auto" has none of its own. */
+  setLimits(min: string | null, max: string | null): void {
+    this.#min = quantities(min, -Infinity);
+    this.#max = quantities(max, Infinity);
   }
   setTarget(target: [number, number, number] | null): void {
     this.#fixedTarget = target;
@@ -174,11 +185,13 @@ export class OrbitCamera {
   }
   #limit(): void {
     const fit = this.#fit();
-    const { distance } = this.#goal;
-    if (distance !== null) this.#goal.distance = clamp(distance, MIN_DISTANCE * fit, MAX_DISTANCE * fit);
+    const { distance, azimuth } = this.#goal;
+    const [turn = -Infinity, low = -Infinity, near = -Infinity] = this.#min, [turnTo = Infinity, high = Infinity, far = Infinity] = this.#max;
+    if (distance !== null) this.#goal.distance = clamp(clamp(distance, MIN_DISTANCE * fit, MAX_DISTANCE * fit), near, far);
+    this.#goal.azimuth = clamp(azimuth, turn, turnTo);
     const clearance = Math.min(GROUND_CLEARANCE_M, GROUND_CLEARANCE * 2 * this.#half[1]);
     const drop = (this.#target[1] - this.#groundY - clearance) / this.goal.distance;
     const lowest = -Math.asin(clamp(drop, 0, 1)) * (180 / Math.PI);
-    this.#goal.elevation = clamp(this.#goal.elevation, lowest, MAX_ELEVATION);
+    this.#goal.elevation = clamp(this.#goal.elevation, Math.max(lowest, low), Math.min(MAX_ELEVATION, high));
   }
 }

@@ -12,6 +12,8 @@ export interface ControlsHost {
   /** False if only the key for play and pause works. */
   orbits(): boolean;
   wheelZooms(): boolean;
+  /** Factors of what a drag turns, and of what wheel, pinch and keys zoom; 0: nothing. */
+  sensitivity(): { orbit: number; zoom: number };
   onInteract(): void;
   togglePlay(): void;
 }
@@ -37,6 +39,7 @@ export class OrbitControls {
     }
     stage.addEventListener('pointerleave', () => { this.#engaged = false; }, { signal });
     stage.addEventListener('wheel', (e) => this.#wheel(e), { signal, passive: false });
+    stage.addEventListener('dblclick', () => this.#recentre(), { signal });
     stage.addEventListener('keydown', (e) => this.#key(e), { signal });
   }
 
@@ -69,11 +72,11 @@ export class OrbitControls {
     last.x = e.clientX;
     last.y = e.clientY;
     if (this.#pointers.size === 1) {
-      const degrees = DRAG_DEG_PER_HEIGHT / Math.max(this.#stage.clientHeight, 1);
+      const degrees = (this.#host.sensitivity().orbit * DRAG_DEG_PER_HEIGHT) / Math.max(this.#stage.clientHeight, 1);
       this.#camera.rotate(-dx * degrees, dy * degrees);
     } else {
       const spread = this.#spread();
-      if (this.#pinch > 0 && spread > 0) this.#camera.zoom(this.#pinch / spread);
+      if (this.#pinch > 0 && spread > 0) this.#zoom(this.#pinch / spread);
       this.#pinch = spread;
     }
     this.#host.onInteract();
@@ -84,16 +87,23 @@ export class OrbitControls {
     this.#pinch = this.#spread();
   }
 
+  #recentre(): void {
+    if (!this.#host.orbits()) return;
+    this.#camera.reset();
+    this.#host.onInteract();
+  }
+  #zoom(factor: number): void { this.#camera.zoom(factor ** this.#host.sensitivity().zoom); }
+
   #spread(): number {
     const [a, b] = [...this.#pointers.values()];
     return a && b ? Math.hypot(a.x - b.x, a.y - b.y) : 0;
   }
 
   #wheel(e: WheelEvent): void {
-    if (!this.#host.orbits() || !(e.ctrlKey || this.#engaged || this.#host.wheelZooms())) return;
+    if (!this.#host.orbits() || !this.#host.sensitivity().zoom || !(e.ctrlKey || this.#engaged || this.#host.wheelZooms())) return;
     e.preventDefault();
     const pixels = e.deltaY * (e.deltaMode === WheelEvent.DOM_DELTA_LINE ? 16 : 1);
-    this.#camera.zoom(Math.exp(Math.max(-200, Math.min(200, pixels)) * (e.ctrlKey ? 0.008 : 0.0015)));
+    this.#zoom(Math.exp(Math.max(-200, Math.min(200, pixels)) * (e.ctrlKey ? 0.008 : 0.0015)));
     this.#host.onInteract();
   }
 
@@ -118,9 +128,9 @@ export class OrbitControls {
       ArrowRight: () => camera.rotate(KEY_STEP_DEG, 0),
       ArrowUp: () => camera.rotate(0, KEY_STEP_DEG),
       ArrowDown: () => camera.rotate(0, -KEY_STEP_DEG),
-      '+': () => camera.zoom(1 / KEY_ZOOM),
-      '=': () => camera.zoom(1 / KEY_ZOOM),
-      '-': () => camera.zoom(KEY_ZOOM),
+      '+': () => this.#zoom(1 / KEY_ZOOM),
+      '=': () => this.#zoom(1 / KEY_ZOOM),
+      '-': () => this.#zoom(KEY_ZOOM),
       Home: () => camera.reset(),
     };
   }

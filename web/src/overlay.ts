@@ -2,26 +2,21 @@
 // The element's shadow tree: the part that holds the canvas, poster, progress bar, play button, error line.
 // Its style is a constructable style sheet, so that the page can have a strict style-src policy.
 
-// Text of the panel for visitors, by the error's id; the event and the console have the details.
-const FAILURES: Record<string, string> = {
-  'insecure-context': 'This page must come over https to show the character.',
-  'decoder-unsupported': 'This browser cannot decode this character.',
-  'decoder-lost': 'The browser has taken the video decoder away.',
-  'files-differ': 'The files of this character do not belong together.',
-  'out-of-memory': 'The browser has no memory left for this character.',
-};
+import type { Strings } from './strings.js';
+
 const ON_DEVELOPERS_MACHINE = /^(file:|https?:\/\/(localhost|127\.0\.0\.1|\[::1])[:/])/;
 
 const CSS = `
-:host { display: block; position: relative; overflow: hidden; contain: strict; width: 300px; height: 400px; }
+:host { display: block; position: relative; overflow: hidden; contain: strict; width: 300px; aspect-ratio: 3/4; }
 :host([hidden]) { display: none; }
 .stage { position: absolute; inset: 0; outline: none; touch-action: pan-y; user-select: none; -webkit-user-select: none; }
 .stage.orbits { cursor: grab; }
 .stage.orbits:active { cursor: grabbing; }
 .stage:focus-visible { box-shadow: inset 0 0 0 3px var(--fourdvt-focus, #5b8def); }
 canvas { position: absolute; inset: 0; width: 100%; height: 100%; display: block; }
-.poster { position: absolute; inset: 0; width: 100%; height: 100%; object-fit: contain; pointer-events: none;
+.poster, .picture { position: absolute; inset: 0; width: 100%; height: 100%; object-fit: contain; pointer-events: none;
   transition: opacity .3s; }
+slot { display: block; }
 .bar { position: absolute; left: 0; right: 0; bottom: 0; height: var(--fourdvt-progress-height, 3px);
   background: var(--fourdvt-progress-track, rgba(127,127,127,.25)); pointer-events: none; transition: opacity .3s; }
 .bar > div { height: 100%; width: 100%; transform-origin: left; transform: scaleX(0);
@@ -34,7 +29,7 @@ canvas { position: absolute; inset: 0; width: 100%; height: 100%; display: block
 .error > button { margin-left: 10px; padding: 2px 10px; border: 1px solid currentColor; border-radius: 4px; background: none;
   color: inherit; font: inherit; cursor: pointer; }
 .note { position: absolute; left: 0; right: 0; top: 10px; width: fit-content; margin: 0 auto; padding: 3px 10px;
-  border-radius: 6px; font: 12px/1.4 system-ui, sans-serif; color: #fff; background: rgba(20,20,24,.55); pointer-events: none; }
+  border-radius: 6px; font: 12px/1.4 system-ui, sans-serif; color: #fff; background: rgba(20,20,24,.75); pointer-events: none; }
 .gone { opacity: 0; }
 [hidden] { display: none !important; }
 @media (prefers-reduced-motion: reduce) { .poster, .bar, .bar > div { transition: none; } }
@@ -52,13 +47,17 @@ function add<K extends keyof HTMLElementTagNameMap>(parent: Node, tag: K, name: 
 
 export class Overlay {
   readonly stage: HTMLDivElement;
-  readonly #poster: HTMLImageElement;
+  readonly #poster: HTMLSlotElement;
+  readonly #picture: HTMLImageElement;
+  readonly #progress: HTMLSlotElement;
   readonly #bar: HTMLDivElement;
   readonly #fill: HTMLDivElement;
   readonly #play: HTMLButtonElement;
   readonly #error: HTMLParagraphElement;
+  readonly #retry: HTMLButtonElement;
   readonly #message: HTMLSpanElement;
   readonly #note: HTMLParagraphElement;
+  #strings = {} as Strings; // once it is in a document
   #canvas: HTMLCanvasElement | null = null;
   #kept: HTMLCanvasElement | null = null; // the last picture of a canvas that has gone
   /** Called by its buttons. */
@@ -72,32 +71,40 @@ export class Overlay {
     }
     root.adoptedStyleSheets = [sheet];
     this.stage = add(root, 'div', 'stage');
-    this.stage.tabIndex = 0;
-    this.stage.setAttribute('role', 'img');
-    this.#poster = add(root, 'img', 'poster');
-    this.#poster.alt = '';
-    this.#poster.hidden = true;
-    this.#bar = add(root, 'div', 'bar');
+    this.#poster = add(root, 'slot', 'poster');
+    this.#poster.name = 'poster';
+    this.#picture = add(this.#poster, 'img', 'picture');
+    this.#picture.alt = '';
+    this.#picture.addEventListener('error', () => this.setPoster(null)); // no picture is better than a broken one
+    this.setPoster(null);
+    this.#progress = add(root, 'slot', 'progress-bar');
+    this.#progress.name = 'progress-bar';
+    this.#bar = add(this.#progress, 'div', 'bar');
     this.#bar.setAttribute('role', 'progressbar');
-    this.#bar.setAttribute('aria-label', 'Loading');
     this.#bar.setAttribute('aria-valuemin', '0');
     this.#bar.setAttribute('aria-valuemax', '100');
     this.#fill = add(this.#bar, 'div', 'fill');
     this.#play = add(root, 'button', 'play');
     this.#play.type = 'button';
     this.#play.textContent = '▶';
-    this.#play.setAttribute('aria-label', 'Play');
     this.#play.addEventListener('click', () => this.onPlay());
     this.#error = add(root, 'p', 'error');
     this.#error.setAttribute('role', 'alert');
     this.#message = add(this.#error, 'span', 'message');
-    const retry = add(this.#error, 'button', 'retry');
-    retry.type = 'button';
-    retry.textContent = 'Try again';
-    retry.addEventListener('click', () => this.onRetry());
+    this.#retry = add(this.#error, 'button', 'retry');
+    this.#retry.type = 'button';
+    this.#retry.addEventListener('click', () => this.onRetry());
     this.#note = add(root, 'p', 'note');
     this.#note.setAttribute('role', 'status');
     this.idle();
+  }
+
+  /** Its texts from now on. */
+  say(strings: Strings): void {
+    this.#strings = strings;
+    this.#bar.ariaLabel = strings.loading;
+    this.#play.ariaLabel = strings.play;
+    this.#retry.textContent = strings.retry;
   }
 
   /** Shows this canvas in place of any before. */
@@ -117,7 +124,7 @@ export class Overlay {
       this.stage.prepend(kept);
     }
     this.dropCanvas();
-    this.#bar.hidden = this.#note.hidden = true;
+    this.#progress.hidden = this.#note.hidden = true;
   }
   dropCanvas(): void {
     if (this.#canvas?.parentNode === this.stage) this.#canvas.remove(); // else another viewer shows it
@@ -125,7 +132,10 @@ export class Overlay {
   }
 
   setLabel(alt: string, orbits: boolean, steers: boolean): void {
-    this.stage.setAttribute('aria-label', alt || '4D character');
+    const interactive = orbits || steers;
+    this.stage.tabIndex = interactive ? 0 : -1;
+    this.stage.role = interactive ? 'application' : 'img';
+    this.stage.ariaLabel = alt || this.#strings.label;
     if (steers) this.stage.setAttribute('aria-keyshortcuts', 'ArrowLeft ArrowRight ArrowUp ArrowDown W A S D Space');
     else if (orbits) this.stage.setAttribute('aria-keyshortcuts', 'ArrowLeft ArrowRight ArrowUp ArrowDown + - Home Space');
     else this.stage.removeAttribute('aria-keyshortcuts');
@@ -135,17 +145,19 @@ export class Overlay {
     this.stage.style.touchAction = value;
   }
   setPoster(url: string | null): void {
-    if (url) this.#poster.src = url;
-    else this.#poster.removeAttribute('src');
-    this.#poster.hidden = !url;
+    if (url) this.#picture.src = url;
+    else this.#picture.removeAttribute('src');
+    this.#picture.hidden = !url;
   }
   get hasPoster(): boolean {
-    return !this.#poster.hidden;
+    return !this.#picture.hidden || this.#poster.assignedNodes().length > 0;
   }
+  /** Shows what is behind it. */
+  dismissPoster(): void { this.#poster.classList.add('gone'); }
 
   idle(): void {
     this.#forget();
-    this.#bar.hidden = this.#play.hidden = this.#error.hidden = this.#note.hidden = true;
+    this.#progress.hidden = this.#play.hidden = this.#error.hidden = this.#note.hidden = true;
     this.#poster.classList.remove('gone');
   }
   #forget(): void {
@@ -154,38 +166,36 @@ export class Overlay {
   }
   loading(): void {
     if (!this.#kept) this.idle();
-    this.#bar.hidden = false;
-    this.#bar.classList.remove('gone');
+    this.#progress.hidden = false;
     this.progress(0);
   }
   progress(fraction: number): void {
     this.#fill.style.transform = `scaleX(${fraction})`;
     this.#bar.setAttribute('aria-valuenow', String(Math.round(100 * fraction)));
   }
-  /** Shows the canvas: the first picture is on it. */
-  ready(): void {
+  /** The first picture is on the canvas. reveal: shows it; else the poster stays. */
+  ready(reveal: boolean): void {
     this.#forget();
     this.progress(1);
-    this.#bar.classList.add('gone');
-    this.#bar.hidden = true;
-    this.#poster.classList.add('gone');
+    this.#progress.hidden = true;
+    if (reveal) this.dismissPoster();
   }
   offerPlay(offer: boolean): void {
     this.#play.hidden = !offer;
   }
   /** Says what went wrong and offers to try again. `over`: there is nothing else to look at than the poster. */
   fail({ id, message }: { id: string; message: string }, over: boolean): void {
-    this.#bar.hidden = this.#play.hidden = true;
-    this.#message.textContent = ON_DEVELOPERS_MACHINE.test(location.href) ? `${id}: ${message}` : FAILURES[id] ?? 'This character cannot be shown.';
+    this.#progress.hidden = this.#play.hidden = true;
+    this.#message.textContent = ON_DEVELOPERS_MACHINE.test(location.href) ? `${id}: ${message}` : this.#strings[id as keyof Strings] ?? this.#strings.failure;
     this.#error.hidden = false;
     if (over) this.#poster.classList.remove('gone');
   }
   recover(): void {
     this.#error.hidden = true;
   }
-  /** A quiet line about something that passes; null: it is over. */
-  note(text: string | null): void {
-    this.#note.textContent = text;
-    this.#note.hidden = text === null;
+  /** A quiet line while the network is waited for. */
+  note(waiting: boolean): void {
+    this.#note.textContent = waiting ? this.#strings.network : null;
+    this.#note.hidden = !waiting;
   }
 }

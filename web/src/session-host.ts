@@ -48,7 +48,9 @@ export interface SessionHost {
 }
 
 export interface Snapshot {
-  width: number;
-  height: number;
-  pose?: Partial<OrbitPose>;
+  /** Pixels; without: those of the viewer. */
+  width?: number;
+  height?: number;
+  /** The parts that differ from the view that is shown; or azimuth, elevation and distance as `camera-orbit` has them. */
+  pose?: Partial<OrbitPose> | string;
 }

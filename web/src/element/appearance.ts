@@ -27,6 +27,10 @@ export interface Look {
   readonly stats: ViewerStats | null;
   /** A PNG of the shown frame, at the size and pose of the snapshot if there is one. Null before the first picture. */
   toBlob(snapshot?: Snapshot): Promise<Blob | null>;
+  /** The same as a data: address; empty before the first picture. */
+  toDataURL(snapshot?: Snapshot): Promise<string>;
+  /** Of the box that all of the character's motions fill, metres; null before it is loaded. */
+  getDimensions(): { x: number; y: number; z: number } | null;
 }
 
 export function withAppearance<T extends Constructor<ViewerBase>>(Base: T): T & Constructor<Look> {
@@ -63,6 +67,19 @@ export function withAppearance<T extends Constructor<ViewerBase>>(Base: T): T & 
     }
     toBlob(snapshot?: Snapshot): Promise<Blob | null> {
       return this[parts].session?.drawing.toBlob(snapshot) ?? Promise.resolve(null);
+    }
+
+    async toDataURL(snapshot?: Snapshot): Promise<string> {
+      const blob = await this.toBlob(snapshot);
+      return blob ? new Promise((done) => {
+        const reader = new FileReader();
+        reader.onload = () => done(reader.result as string);
+        reader.readAsDataURL(blob);
+      }) : '';
+    }
+    getDimensions(): { x: number; y: number; z: number } | null {
+      const { min, max } = this[parts].session?.character ?? {};
+      return min && max ? { x: max[0] - min[0], y: max[1] - min[1], z: max[2] - min[2] } : null;
     }
 
     override [firstWishes](): Partial<Wishes> { return { ...super[firstWishes](), method: methodOf(this) }; }

@@ -9,6 +9,7 @@ import { OrbitCamera } from '../orbit-camera.js';
 import { Overlay } from '../overlay.js';
 import type { Session } from '../session.js';
 import type { SessionHost, SessionOptions } from '../session-host.js';
+import { STRINGS, stringsOf, type Languages, type Strings } from '../strings.js';
 import type { More } from '../wasm-module.js';
 import type { SequenceInfo } from '../wasm-player.js';
 
@@ -45,6 +46,8 @@ export const onRestored: unique symbol = Symbol();
 export const onTrapped: unique symbol = Symbol();
 /** The page lets it hold a character, or takes it away. */
 export const onGranted: unique symbol = Symbol();
+/** Puts its texts and labels on. */
+export const applyTexts: unique symbol = Symbol();
 /** The visitor has done something with it. */
 export const touched: unique symbol = Symbol();
 /** A turn of the page's loop. True if the view or the motion changes by itself. */
@@ -78,7 +81,9 @@ export interface Parts {
 export type Constructor<T> = (new (...args: any[]) => T) & { readonly observedAttributes: readonly string[] };
 
 export class ViewerBase extends PageElement {
-  static get observedAttributes(): readonly string[] { return ['alt', 'camera-controls', 'motion-controls', 'touch-action']; }
+  /** Texts by language. */
+  static strings: Languages = STRINGS;
+  static get observedAttributes(): readonly string[] { return ['alt', 'camera-controls', 'lang', 'motion-controls', 'touch-action']; }
 
   readonly [parts]: Parts;
   #sizes: ResizeObserver | null = null;
@@ -94,13 +99,13 @@ export class ViewerBase extends PageElement {
         animate: (dtS) => this[animate](dtS),
         emit: (name, detail) => this[report](name, detail),
         firstPicture: () => {
-          overlay.ready();
+          overlay.ready(this.getAttribute('reveal') !== 'manual');
           this[updateActive](); // others may run now
           this[report]('loadeddata');
         },
         picture: () => this[onPicture](),
         network: (waiting) => {
-          overlay.note(waiting ? 'Waiting for the network …' : null);
+          overlay.note(waiting);
           if (waiting) this[emit]('stalled');
         },
         more: (more) => this[onMore](more),
@@ -126,7 +131,7 @@ export class ViewerBase extends PageElement {
     this[parts].connected = true;
     this.#sizes = new ResizeObserver((entries) => this.#resize(entries[entries.length - 1]!.contentRect));
     this.#sizes.observe(this);
-    this.#applyLabels();
+    this[applyTexts]();
     this[onConnected]();
   }
   // A move within the page takes the element out and puts it back at once.
@@ -157,7 +162,7 @@ export class ViewerBase extends PageElement {
   [onArrival](): void { /* likewise */ }
   [onLeft](): void { /* likewise */ }
   [onAttribute](name: string, _before: string | null, _value: string | null): void {
-    if (this[parts].connected && ViewerBase.observedAttributes.includes(name)) this.#applyLabels();
+    if (this[parts].connected && ViewerBase.observedAttributes.includes(name)) this[applyTexts]();
   }
   [onResize](_width: number, _height: number): void { /* likewise */ }
   [onEvent](_name: string, _detail: unknown): void { /* likewise */ }
@@ -178,8 +183,9 @@ export class ViewerBase extends PageElement {
     all.session?.resize(all.size.width, all.size.height);
   }
 
-  #applyLabels(): void {
+  [applyTexts](): void {
     const { overlay } = this[parts];
+    overlay.say(stringsOf(this, (this.constructor as typeof ViewerBase).strings) as unknown as Strings);
     overlay.setLabel(this.getAttribute('alt') ?? '', this.hasAttribute('camera-controls'), this.hasAttribute('motion-controls'));
     overlay.setTouchAction(this.getAttribute('touch-action') ?? 'pan-y');
   }

@@ -6,8 +6,8 @@ import { animate, emit, onArrival, onAttribute, onLeft, onResize, parts, touched
 import type { Playback } from './playback.js';
 
 const AUTO_ROTATE_DEG_S = 14;
-const AUTO_ROTATE_RESUME_S = 4;
-const VIEW = ['camera-orbit', 'camera-target', 'camera-follow', 'field-of-view'];
+const AUTO_ROTATE_DELAY_MS = 4000;
+const VIEW = ['camera-orbit', 'min-camera-orbit', 'max-camera-orbit', 'camera-target', 'camera-follow', 'field-of-view'];
 
 export interface Orbit {
   azimuth: number;
@@ -43,6 +43,7 @@ export function withCamera<T extends Constructor<ViewerBase & Playback>>(Base: T
       this.#controls ??= new OrbitControls(overlay.stage, camera, {
         orbits: () => this.hasAttribute('camera-controls'),
         wheelZooms: () => this.hasAttribute('zoom'),
+        sensitivity: () => ({ orbit: this.#number('orbit-sensitivity', 1), zoom: this.hasAttribute('disable-zoom') ? 0 : this.#number('zoom-sensitivity', 1) }),
         onInteract: () => {
           this.#sinceInteraction = 0;
           this[touched]();
@@ -72,10 +73,16 @@ export function withCamera<T extends Constructor<ViewerBase & Playback>>(Base: T
       if (this.#sinceInteraction === Infinity) camera.jump();
     }
 
+    // Of an attribute's first number; those that are none count as missing.
+    #number(name: string, fallback: number): number {
+      const value = parseFloat(this.getAttribute(name) ?? '');
+      return Number.isFinite(value) ? value : fallback;
+    }
     #apply(): void {
       const { camera, session, reducedMotion } = this[parts];
       const fov = parseFloat(this.getAttribute('field-of-view') ?? '');
       camera.fov = fov >= 5 && fov <= 120 ? fov : 35;
+      camera.setLimits(this.getAttribute('min-camera-orbit'), this.getAttribute('max-camera-orbit'));
       camera.setTarget(parseTarget(this.getAttribute('camera-target')));
       const follow = this.getAttribute('camera-follow');
       camera.setFollow((['position', 'behind'] as (string | null)[]).includes(follow) ? follow as Follow : 'none');
@@ -88,8 +95,8 @@ export function withCamera<T extends Constructor<ViewerBase & Playback>>(Base: T
       const { camera, reducedMotion } = this[parts];
       this.#sinceInteraction += dtS;
       const rotating = this.hasAttribute('auto-rotate') && !reducedMotion.matches && !this.#controls?.dragging &&
-        this.#sinceInteraction > AUTO_ROTATE_RESUME_S;
-      if (rotating) camera.rotate(AUTO_ROTATE_DEG_S * dtS, 0);
+        1000 * this.#sinceInteraction > this.#number('auto-rotate-delay', AUTO_ROTATE_DELAY_MS);
+      if (rotating) camera.rotate(this.#number('rotation-per-second', AUTO_ROTATE_DEG_S) * dtS, 0);
       if (reducedMotion.matches) camera.jump();
       const moves = super[animate](dtS);
       return camera.update(dtS) || rotating || moves;

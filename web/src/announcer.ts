@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Says to screen readers what has changed while the viewer has the focus: whether it plays, and from where it is seen. Part of fourdvt-more.js.
+import { fill } from './strings-more.js';
+
+const QUIET_MS = 700; // after the last change: a held key is one change
+const SIDES = ['front', 'frontLeft', 'left', 'backLeft', 'back', 'backRight', 'right', 'frontRight'];
+const HIGH_DEG = 25, LOW_DEG = -5;
+
+export interface Announced extends HTMLElement {
+  readonly sequence: string;
+  readonly paused: boolean;
+  readonly ended: boolean;
+  getCameraOrbit(): { azimuth: number; elevation: number };
+}
+
+/** The side that an azimuth looks at, by the name of its text: 0 is the front, a positive one turns towards the performer's left. */
+export function sideOf(azimuth: number): string {
+  return SIDES[((Math.round(azimuth / 45) % 8) + 8) % 8]!;
+}
+
+export class Announcer {
+  readonly #viewer: Announced;
+  readonly #live: HTMLParagraphElement;
+  readonly #abort = new AbortController();
+  #strings: Record<string, string> = {};
+  #timer: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(viewer: Announced, root: ShadowRoot) {
+    this.#viewer = viewer;
+    this.#live = document.createElement('p');
+    this.#live.className = 'live';
+    this.#live.role = 'status';
+    root.append(this.#live);
+    const { signal } = this.#abort;
+    for (const name of ['playing', 'pause', 'ended', 'sequencechange']) viewer.addEventListener(name, () => this.#later(() => this.#state()), { signal });
+    viewer.addEventListener('camera-change', () => this.#later(() => this.#view()), { signal });
+  }
+
+  update(strings: Record<string, string>): void { this.#strings = strings; }
+  dispose(): void {
+    clearTimeout(this.#timer);
+    this.#abort.abort();
+    this.#live.remove();
+  }
+
+  #later(text: () => string): void {
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => { if (this.#viewer.matches(':focus-within')) this.#live.textContent = text(); }, QUIET_MS);
+  }
+  #state(): string {
+    const { paused, ended, sequence } = this.#viewer;
+    return fill(this.#strings[ended ? 'ended' : paused ? 'paused' : 'playing']!, { motion: sequence });
+  }
+  #view(): string {
+    const { azimuth, elevation } = this.#viewer.getCameraOrbit();
+    const height = elevation > HIGH_DEG ? 'above' : elevation < LOW_DEG ? 'below' : '';
+    return fill(this.#strings['view']!, { side: this.#strings[sideOf(azimuth)]!, height: this.#strings[height] ?? '' });
+  }
+}

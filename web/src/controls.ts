@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// Buttons of a viewer: one that pauses what moves; with the attribute `controls` a bar with play, time and full screen. Part of
+// fourdvt-more.js.
+import { fill } from './strings-more.js';
+
+const CSS = `
+.controls { position: absolute; left: 0; right: 0; bottom: 0; display: flex; align-items: center; gap: 2px; padding: 0 4px; color: #fff;
+  font: 13px/1 system-ui, sans-serif; font-variant-numeric: tabular-nums; background: rgba(20,20,24,.75); }
+.controls.small { right: auto; padding: 0; border-radius: 0 8px 0 0; background: rgba(20,20,24,.55); }
+.controls button { flex: none; width: 44px; height: 44px; border: 0; background: none; color: inherit; padding: 10px; cursor: pointer; }
+.controls.small button { width: 36px; height: 36px; padding: 8px; }
+.controls button:focus-visible, .controls input:focus-visible { outline: 3px solid var(--fourdvt-focus, #8ab4ff); outline-offset: -3px; }
+.controls svg { display: block; width: 100%; height: 100%; fill: currentColor; pointer-events: none; }
+.controls input { flex: 1; min-width: 40px; height: 24px; margin: 0 6px; accent-color: var(--fourdvt-progress-color, #8ab4ff); }
+.controls span { flex: none; padding: 0 6px; }
+`;
+const ICONS = {
+  play: 'M5 2v20l16-10z',
+  pause: 'M4 2h6v20H4zm10 0h6v20h-6z',
+  full: 'M2 2h8v3H5v5H2zm12 0h8v8h-3V5h-5zM2 14h3v5h5v3H2zm17 0h3v8h-8v-3h5z',
+};
+let sheet: CSSStyleSheet | undefined;
+
+export interface Controlled extends HTMLElement {
+  readonly paused: boolean;
+  readonly duration: number;
+  readonly readyState: number;
+  currentTime: number;
+  play(): Promise<void>;
+  pause(): void;
+}
+
+/** Minutes and seconds. */
+export function clockTime(seconds: number): string {
+  const whole = Math.max(0, Math.floor(seconds || 0));
+  return `${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, '0')}`;
+}
+
+const SVG = 'http://www.w3.org/2000/svg';
+function setIcon(button: HTMLButtonElement, icon: keyof typeof ICONS, label: string): void {
+  if (button.ariaLabel === label && button.dataset['icon'] === icon) return;
+  button.ariaLabel = button.title = label;
+  button.dataset['icon'] = icon;
+  const svg = document.createElementNS(SVG, 'svg'), path = document.createElementNS(SVG, 'path');
+  svg.setAttribute('viewBox', '0 0 24 24');
+  svg.setAttribute('aria-hidden', 'true');
+  path.setAttribute('d', ICONS[icon]);
+  svg.append(path);
+  button.replaceChildren(svg);
+}
+
+export class Controls {
+  readonly #viewer: Controlled;
+  readonly #box: HTMLDivElement;
+  readonly #play: HTMLButtonElement;
+  readonly #time: HTMLInputElement;
+  readonly #clock: HTMLSpanElement;
+  readonly #full: HTMLButtonElement;
+  readonly #offer: HTMLElement | null; // the large play button
+  readonly #abort = new AbortController();
+  #strings: Record<string, string> = {};
+  #shown = ''; // state that the controls show
+
+  constructor(viewer: Controlled, root: ShadowRoot) {
+    this.#viewer = viewer;
+    this.#offer = root.querySelector('.play');
+    if (!sheet) {
+      sheet = new CSSStyleSheet();
+      sheet.replaceSync(CSS);
+    }
+    if (!root.adoptedStyleSheets.includes(sheet)) root.adoptedStyleSheets = [...root.adoptedStyleSheets, sheet];
+    const make = <K extends 'button' | 'input' | 'span'>(tag: K, part: string, on?: () => void): HTMLElementTagNameMap[K] => {
+      const made = document.createElement(tag);
+      made.setAttribute('part', part);
+      if (on) made.addEventListener(tag === 'input' ? 'input' : 'click', on, { signal: this.#abort.signal });
+      if (tag === 'button') (made as HTMLButtonElement).type = 'button';
+      return made;
+    };
+    this.#box = document.createElement('div');
+    this.#box.className = 'controls';
+    this.#box.setAttribute('part', 'controls');
+    this.#play = make('button', 'play-toggle', () => (viewer.paused ? void viewer.play() : viewer.pause()));
+    this.#time = make('input', 'time', () => (viewer.currentTime = Number(this.#time.value)));
+    Object.assign(this.#time, { type: 'range', min: '0', step: 'any', value: '0' });
+    this.#clock = make('span', 'clock');
+    this.#clock.ariaHidden = 'true'; // the slider says it
+    this.#full = make('button', 'fullscreen', () => void (document.fullscreenElement ? document.exitFullscreen() : viewer.requestFullscreen()));
+    const slot = document.createElement('slot');
+    slot.name = 'controls';
+    slot.style.display = 'contents';
+    slot.append(this.#play, this.#time, this.#clock, this.#full);
+    this.#box.append(slot);
+    root.append(this.#box);
+    const names = ['playing', 'play', 'pause', 'ended', 'seeked', 'timeupdate', 'durationchange', 'canplay', 'emptied'];
+    for (const name of names) viewer.addEventListener(name, () => this.#show(), { signal: this.#abort.signal });
+    document.addEventListener('fullscreenchange', () => this.#show(), { signal: this.#abort.signal });
+    slot.addEventListener('slotchange', () => this.#show(), { signal: this.#abort.signal });
+  }
+
+  update(strings: Record<string, string>): void {
+    this.#strings = strings;
+    this.#show(true);
+  }
+  /** A turn of the page's loop: the slider moves with the picture. */
+  turn(): void {
+    if (!this.#time.hidden && !this.#viewer.paused) this.#showTime();
+  }
+  dispose(): void {
+    this.#abort.abort();
+    this.#box.remove();
+  }
+
+  #show(always = false): void {
+    const viewer = this.#viewer, s = this.#strings, mode = viewer.getAttribute('controls');
+    const own = viewer.querySelector(':scope > [slot=controls]') !== null;
+    const whole = own || (mode !== null && mode !== 'none'), timed = viewer.duration > 0 && viewer.duration < Infinity;
+    const full = document.fullscreenEnabled === true, isFull = document.fullscreenElement === viewer;
+    const offered = !whole && this.#offer?.hidden === false; // one button is enough
+    const state = [viewer.paused, mode, own, timed, isFull, viewer.readyState > 0, offered].join();
+    if (always || state !== this.#shown) {
+      this.#shown = state;
+      this.#box.hidden = mode === 'none' || viewer.readyState === 0 || offered;
+      this.#box.classList.toggle('small', !whole);
+      this.#box.role = whole ? 'group' : null;
+      this.#box.ariaLabel = whole ? s['controls']! : null;
+      this.#time.hidden = this.#clock.hidden = !whole || !timed;
+      this.#full.hidden = !whole || !full;
+      this.#time.ariaLabel = s['time']!;
+      setIcon(this.#play, viewer.paused ? 'play' : 'pause', s[viewer.paused ? 'play' : 'pause']!);
+      setIcon(this.#full, 'full', s[isFull ? 'leaveFullscreen' : 'fullscreen']!);
+    }
+    if (!this.#time.hidden) this.#showTime();
+  }
+  #showTime(): void {
+    const { currentTime, duration } = this.#viewer, now = clockTime(currentTime), end = clockTime(duration);
+    this.#time.max = String(duration);
+    this.#time.value = String(currentTime);
+    const clock = `${now} / ${end}`;
+    if (this.#clock.textContent === clock) return;
+    this.#clock.textContent = clock;
+    this.#time.setAttribute('aria-valuetext', fill(this.#strings['timeOf']!, { now, end }));
+  }
+}

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Feature of <fourdvt-viewer>: what is there once the player's second part is: buttons and controls, what screen readers hear, the prompt;
+// extras.ts of that part has it.
+import type { More } from '../wasm-module.js';
+import { animate, applyTexts, onAttribute, onLeft, onMore, parts, touched, type Constructor, type ViewerBase } from './base.js';
+import type { Camera } from './camera.js';
+import type { Media } from './media.js';
+import type { Motion } from './motion.js';
+import type { Playback } from './playback.js';
+
+export interface Extras {
+  /** Shows what is behind the poster; with reveal="manual" nothing else does. */
+  dismissPoster(): void;
+}
+
+export function withExtras<T extends Constructor<ViewerBase & Camera & Media & Motion & Playback>>(Base: T): T & Constructor<Extras> {
+  return class extends Base implements Extras {
+    static override get observedAttributes(): readonly string[] { return [...super.observedAttributes, 'controls', 'interaction-prompt']; }
+
+    #extras: InstanceType<More['Extras']> | null = null;
+
+    dismissPoster(): void { this[parts].overlay.dismissPoster(); }
+
+    override [onMore](more: More): void {
+      super[onMore](more);
+      if (!this[parts].connected || this.#extras) return;
+      const languages = (this.constructor as unknown as { strings: Record<string, Record<string, string>> }).strings;
+      this.#extras = new more.Extras(this, this[parts].overlay.stage, languages);
+      this[applyTexts]();
+    }
+    override [touched](): void {
+      super[touched]();
+      this.#extras?.touched();
+    }
+    override [animate](dtS: number): boolean {
+      this.#extras?.turn(dtS);
+      return super[animate](dtS);
+    }
+    override [applyTexts](): void {
+      super[applyTexts]();
+      this.#extras?.update();
+    }
+    override [onAttribute](name: string, before: string | null, value: string | null): void {
+      super[onAttribute](name, before, value);
+      this.#extras?.update();
+    }
+    override [onLeft](): void {
+      super[onLeft]();
+      this.#extras?.dispose();
+      this.#extras = null;
+    }
+  };
+}

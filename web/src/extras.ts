@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a viewer shows and says beside its character once the player's second part is there: controls.ts, announcer.ts, and the prompt
+// that invites the visitor to turn the view. Part of fourdvt-more.js.
+import { Announcer, type Announced } from './announcer.js';
+import { Controls, type Controlled } from './controls.js';
+import { addStrings } from './strings-more.js';
+import { stringsOf, type Languages } from './strings.js';
+
+const PROMPT_S = 3; // without an input, before it is shown
+const CSS = `
+.prompt { position: absolute; left: 0; right: 0; bottom: 72px; width: fit-content; max-width: 90%; margin: 0 auto; padding: 6px 14px; border-radius: 16px;
+  font: 14px/1.4 system-ui, sans-serif; color: #fff; background: rgba(20,20,24,.75); pointer-events: none; transition: opacity .4s; }
+.live { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); white-space: nowrap; margin: 0; }
+`;
+let sheet: CSSStyleSheet | undefined;
+
+export class Extras {
+  readonly #viewer: Controlled & Announced;
+  readonly #languages: Languages;
+  readonly #prompt: HTMLSlotElement;
+  readonly #controls: Controls;
+  readonly #announcer: Announcer;
+  #quietS = 0; // since the visitor has done something last; only until the prompt is over
+  #prompts = true;
+
+  /** stage: of the viewer's shadow tree. languages: gets the texts of this part. */
+  constructor(viewer: Controlled & Announced, stage: HTMLElement, languages: Languages) {
+    const root = stage.getRootNode() as ShadowRoot;
+    addStrings(languages);
+    this.#viewer = viewer;
+    this.#languages = languages;
+    if (!sheet) {
+      sheet = new CSSStyleSheet();
+      sheet.replaceSync(CSS);
+    }
+    if (!root.adoptedStyleSheets.includes(sheet)) root.adoptedStyleSheets = [...root.adoptedStyleSheets, sheet];
+    this.#prompt = document.createElement('slot');
+    this.#prompt.name = this.#prompt.className = 'prompt';
+    this.#prompt.setAttribute('part', 'prompt');
+    this.#prompt.hidden = true;
+    root.append(this.#prompt);
+    this.#controls = new Controls(viewer, root);
+    this.#announcer = new Announcer(viewer, root);
+    this.update();
+  }
+
+  /** Texts or attributes have changed. */
+  update(): void {
+    const strings = stringsOf(this.#viewer, this.#languages);
+    this.#prompt.textContent = strings['prompt']!;
+    this.#controls.update(strings);
+    this.#announcer.update(strings);
+    if (this.#viewer.getAttribute('interaction-prompt') === null) this.#prompt.hidden = true;
+  }
+  touched(): void {
+    this.#prompts = false;
+    this.#prompt.hidden = true;
+  }
+  turn(dtS: number): void {
+    this.#controls.turn();
+    if (!this.#prompts || !this.#viewer.matches('[camera-controls][interaction-prompt]:not([interaction-prompt=none])')) return;
+    this.#quietS += dtS;
+    this.#prompt.hidden = this.#quietS < PROMPT_S;
+  }
+  dispose(): void {
+    this.#controls.dispose();
+    this.#announcer.dispose();
+    this.#prompt.remove();
+  }
+}

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// Texts of what the player's second part shows, and all texts in German. Part of fourdvt-more.js.
+import type { Languages, Strings } from './strings.js';
+
+interface MoreStrings {
+  pause: string;
+  time: string;
+  /** {now} and {end} are minutes and seconds. */
+  timeOf: string;
+  fullscreen: string;
+  leaveFullscreen: string;
+  controls: string;
+  prompt: string;
+  playing: string;
+  paused: string;
+  ended: string;
+  /** {side}: one of the eight below; {height}: above, below or nothing. */
+  view: string;
+  front: string;
+  frontRight: string;
+  right: string;
+  backRight: string;
+  back: string;
+  backLeft: string;
+  left: string;
+  frontLeft: string;
+  above: string;
+  below: string;
+}
+
+const EN: MoreStrings = {
+  pause: 'Pause', time: 'Time', timeOf: '{now} of {end}', fullscreen: 'Full screen',
+  leaveFullscreen: 'Leave full screen', controls: 'Controls', prompt: 'Drag, or use the arrow keys, to turn the view',
+  playing: 'Playing {motion}', paused: 'Paused', ended: 'At the end of {motion}', view: 'Seen from {side}{height}',
+  front: 'the front', frontRight: 'the front, on the right', right: 'the right', backRight: 'behind, on the right', back: 'behind', backLeft: 'behind, on the left',
+  left: 'the left', frontLeft: 'the front, on the left', above: ', from above', below: ', from below',
+};
+
+const DE: MoreStrings & Strings = {
+  label: '4D-Figur', loading: 'Wird geladen', play: 'Abspielen', retry: 'Noch einmal versuchen', network: 'Warten auf das Netz …',
+  failure: 'Diese Figur kann nicht gezeigt werden.', 'insecure-context': 'Die Figur wird nur auf Seiten gezeigt, die über https kommen.',
+  'decoder-unsupported': 'Dieser Browser kann diese Figur nicht dekodieren.', 'decoder-lost': 'Der Browser hat den Videodecoder weggenommen.',
+  'files-differ': 'Die Dateien dieser Figur gehören nicht zusammen.', 'out-of-memory': 'Der Browser hat keinen Speicher mehr für diese Figur.',
+  pause: 'Anhalten', time: 'Zeit', timeOf: '{now} von {end}', fullscreen: 'Vollbild',
+  leaveFullscreen: 'Vollbild beenden', controls: 'Bedienung', prompt: 'Zum Drehen ziehen oder die Pfeiltasten drücken',
+  playing: '{motion} läuft', paused: 'Angehalten', ended: '{motion} ist zu Ende', view: 'Gesehen von {side}{height}',
+  front: 'vorn', frontRight: 'vorn rechts', right: 'rechts', backRight: 'hinten rechts', back: 'hinten', backLeft: 'hinten links',
+  left: 'links', frontLeft: 'vorn links', above: ', von oben', below: ', von unten',
+};
+
+/** Adds the texts; those that a page has set stay. */
+export function addStrings(languages: Languages): void {
+  for (const [name, texts] of Object.entries({ en: EN, de: DE })) languages[name] = { ...texts, ...languages[name] };
+}
+
+/** The text with values in place of what stands in braces. */
+export const fill = (text: string, values: Record<string, string>): string => text.replace(/\{(\w+)\}/g, (_, name: string) => values[name] ?? '');

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// Texts of <fourdvt-viewer>, by language; the player's second part adds its own (strings-more.ts). Pages may add languages and change
+// texts: FourdvtViewer.strings. Numbers and names stand in braces.
+
+export interface Strings {
+  /** Of a character that the page does not describe. */
+  label: string;
+  loading: string;
+  play: string;
+  retry: string;
+  network: string;
+  /** Of the panel for visitors, by the error's id; the event and the console have the details. */
+  failure: string;
+  'insecure-context': string;
+  'decoder-unsupported': string;
+  'decoder-lost': string;
+  'files-differ': string;
+  'out-of-memory': string;
+}
+
+/** Texts by name, of each language. */
+export type Languages = Record<string, Record<string, string>>;
+
+export const STRINGS: Languages = {
+  en: {
+    label: '4D character',
+    loading: 'Loading',
+    play: 'Play',
+    retry: 'Try again',
+    network: 'Waiting for the network …',
+    failure: 'This character cannot be shown.',
+    'insecure-context': 'This page must come over https to show the character.',
+    'decoder-unsupported': 'This browser cannot decode this character.',
+    'decoder-lost': 'The browser has taken the video decoder away.',
+    'files-differ': 'The files of this character do not belong together.',
+    'out-of-memory': 'The browser has no memory left for this character.',
+  } satisfies Strings,
+};
+
+// Nearest `lang` above the element, through shadow trees; else the browser's language.
+function languageOf(element: Element): string {
+  const found = element.closest('[lang]')?.getAttribute('lang');
+  if (found) return found;
+  const root = element.getRootNode();
+  return root instanceof ShadowRoot ? languageOf(root.host) : navigator.language;
+}
+
+/** All texts for the language that the element is in; in English where there is no other. */
+export function stringsOf(element: Element, languages: Languages): Record<string, string> {
+  const [language = ''] = languageOf(element).toLowerCase().split('-');
+  return { ...languages['en'], ...languages[language] };
+}
