@@ -107,9 +107,13 @@ const script = join(out, 'fourdvt-wasm.js');
 writeFileSync(script, leaveOutFetching(tabulateExports(readFileSync(join(wasmFolder, 'fourdvt.js'), 'utf8'))));
 await bundle(join(here, 'src/fourdvt-viewer.ts'), 'fourdvt-viewer.js', {
   alias: { 'fourdvt-wasm': script },
-  define: { FOURDVT_STAMP: `"${stamp}"`, FOURDVT_VERSION: `"?v=${version}"` },
+  define: { FOURDVT_STAMP: `"${stamp}"`, FOURDVT_VERSION: `"?v=${version}"`, FOURDVT_OPENCV: String(hasOpencv) },
 });
 rmSync(script);
+// Bundlers would take the second part's script for one of theirs; the minifier drops the comments that tell them not to.
+const viewer = join(out, 'fourdvt-viewer.js'), parts = readFileSync(viewer, 'utf8').split(/(?<=\bimport\()(?=\w+\))/);
+if (parts.length !== 2) fail(`${viewer} has ${parts.length - 1} dynamic imports, not one`);
+writeFileSync(viewer, parts.join('/* webpackIgnore: true *//* @vite-ignore */'));
 // For the page's <head>: begins the downloads before the script asks for them.
 writeFileSync(join(out, 'preload.html'), `<link rel="modulepreload" href="fourdvt-viewer/fourdvt-viewer.js">
 <link rel="preload" as="fetch" crossorigin href="fourdvt-viewer/fourdvt-viewer.wasm?v=${version}">

@@ -124,7 +124,7 @@ const errorOf = (attributes) => page.evaluate(async (attributes) => {
   const root = viewer.shadowRoot;
   return {
     ...detail, events: names, property: viewer.error?.id, alert: root.querySelector('[role=alert]:not([hidden])')?.textContent,
-    bar: !root.querySelector('[role=progressbar]').hidden,
+    bar: root.querySelector('[role=progressbar]').checkVisibility(),
   };
 }, attributes);
 
@@ -247,7 +247,7 @@ test('keys, drag and attributes turn the camera; vertical touch stays with the p
     return globalThis.viewer.getCameraOrbit();
   });
   assert.deepEqual(await orbit(), { azimuth: 30, elevation: 10, distance: 4 });
-  await page.locator('fourdvt-viewer').evaluate((viewer) => viewer.shadowRoot.querySelector('[role=img]').focus());
+  await page.locator('fourdvt-viewer').evaluate((viewer) => viewer.shadowRoot.querySelector('.stage').focus());
   await page.keyboard.press('ArrowRight');
   await page.keyboard.press('ArrowUp');
   assert.deepEqual(await orbit(), { azimuth: 40, elevation: 20, distance: 4 });
@@ -261,7 +261,7 @@ test('keys, drag and attributes turn the camera; vertical touch stays with the p
   await page.mouse.up();
   const dragged = await orbit();
   assert.ok(dragged.azimuth > 40 && dragged.elevation === 10, JSON.stringify(dragged));
-  const action = await page.evaluate(() => getComputedStyle(globalThis.viewer.shadowRoot.querySelector('[role=img]')).touchAction);
+  const action = await page.evaluate(() => getComputedStyle(globalThis.viewer.shadowRoot.querySelector('.stage')).touchAction);
   assert.equal(action, 'pan-y');
 });
 
@@ -272,7 +272,7 @@ test('a wheel without focus scrolls the page, with Ctrl it zooms', async () => {
     globalThis.viewer.addEventListener('wheel', (e) => globalThis.prevented.push(e.defaultPrevented));
   });
   const wheel = (ctrlKey) => page.evaluate((ctrlKey) => {
-    const stage = globalThis.viewer.shadowRoot.querySelector('[role=img]');
+    const stage = globalThis.viewer.shadowRoot.querySelector('.stage');
     stage.dispatchEvent(new WheelEvent('wheel', { deltaY: -100, ctrlKey, bubbles: true, composed: true, cancelable: true }));
     globalThis.viewer.jumpCameraToGoal();
     return globalThis.viewer.getCameraOrbit().distance;
@@ -307,11 +307,13 @@ test('labels and progress are there for assistive technology', async () => {
     document.body.append(viewer);
     await Promise.resolve(); // the page lets it load
     const root = viewer.shadowRoot;
-    const stage = root.querySelector('[role=img]');
+    const stage = root.querySelector('.stage');
     const bar = root.querySelector('[role=progressbar]');
-    return [stage.getAttribute('aria-label'), stage.tabIndex, bar.getAttribute('aria-valuenow'), bar.getAttribute('aria-label')];
+    const picture = [stage.role, stage.tabIndex];
+    viewer.toggleAttribute('camera-controls', true);
+    return [stage.getAttribute('aria-label'), picture, [stage.role, stage.tabIndex], bar.getAttribute('aria-valuenow'), bar.getAttribute('aria-label')];
   });
-  assert.deepEqual(seen, ['A dancer turns', 0, '0', 'Loading']);
+  assert.deepEqual(seen, ['A dancer turns', ['img', -1], ['application', 0], '0', 'Loading']);
 });
 
 test('the page is alive: no uncaught error, no policy violation', () => {

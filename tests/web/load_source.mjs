@@ -28,7 +28,7 @@ export async function loadTogether(...names) {
   const source = fileURLToPath(new URL('../../web/src/', import.meta.url)), outfile = join(folder, `${encodeURIComponent(names.join('+'))}.mjs`);
   const contents = names.map((name) => `export * from './${name}.ts';`).join('\n');
   // None of them runs the player.
-  const define = { FOURDVT_VERSION: '""', FOURDVT_STAMP: '""' };
+  const define = { FOURDVT_VERSION: '""', FOURDVT_STAMP: '""', FOURDVT_OPENCV: 'true' };
   buildSync({ stdin: { contents, resolveDir: source }, outfile, bundle: true, format: 'esm', logLevel: 'silent', define, alias: { 'fourdvt-wasm': kNoPlayer } });
   return import(pathToFileURL(outfile).href);
 }

@@ -346,7 +346,7 @@ test('orbit: text, limits from the box, damping at any rate, the whole box is in
   assert.ok(Math.abs(angles[0] - angles[1]) < 0.5 && angles[0] > 45, `${angles}`);
 });
 
-test('the second part comes from beside the wasm file and gets the exports of the first; one that is missing is one clear error', async () => {
+test('the second part gets the exports of the first; one that is missing is one clear error', async () => {
   const outfile = join(folder, 'wasm-module.mjs'), player = join(folder, 'player.mjs');
   writeFileSync(player, `export default (options) => new Promise((done) => {
     options.instantiateWasm({}, (instance) => done({ instance }));
@@ -367,24 +367,24 @@ test('the second part comes from beside the wasm file and gets the exports of th
     return new Response(stamped, { headers: { 'Content-Type': 'text/plain' } });
   };
   try {
-    const url = pathToFileURL(join(folder, 'fourdvt-viewer.wasm')).href;
+    const filesAt = (base) => ({ wasm: `${base}fourdvt-viewer.wasm`, more: `${base}fourdvt-more.js?v=5`, moreWasm: `${base}fourdvt-more.wasm?v=5` });
+    const files = filesAt(`${pathToFileURL(folder).href}/`), url = files.wasm;
     const twice = [[url, 'default'], [url, 'reload']];
-    await assert.rejects(instantiate(url, () => undefined), { id: 'wasm-refused', message: /another build.*reload the page, or upload/ });
+    await assert.rejects(instantiate(files, () => undefined), { id: 'wasm-refused', message: /another build.*reload the page, or upload/ });
     assert.deepEqual(fetched.splice(0), twice, 'one of another build is fetched again past the cache, once');
     served = '1234abcd';
-    const module = await instantiate(url, () => undefined);
+    const module = await instantiate(files, () => undefined);
     assert.deepEqual(fetched.splice(0), twice);
-    await instantiate(url, () => undefined);
+    await instantiate(files, () => undefined);
     assert.deepEqual(fetched, [], 'compiled once per page');
     assert.throws(() => module.instance.exports.f(), /second part/);
-    await assert.rejects(loadMore(module, url, () => undefined), { id: 'fetch-failed', message: /fourdvt-more\.js\?v=5: .*beside/ });
+    await assert.rejects(loadMore(module, files, () => undefined), { id: 'fetch-failed', message: /fourdvt-more\.js\?v=5: .*beside/ });
     assert.equal(hasMore(module), false);
     writeFileSync(join(folder, 'fourdvt-more.js'), 'export const readLook = 1;');
-    const tryAgain = `${pathToFileURL(folder).href}/./fourdvt-viewer.wasm`;
-    const { readLook } = await loadMore(await instantiate(tryAgain, () => undefined), `${tryAgain}`, () => undefined);
+    const tryAgain = filesAt(`${pathToFileURL(folder).href}/./`); // another address of the same file
+    const { readLook } = await loadMore(await instantiate(tryAgain, () => undefined), tryAgain, () => undefined);
     assert.equal(readLook, 1);
-    const more = `${pathToFileURL(join(folder, 'fourdvt-more.wasm')).href}?v=5`;
-    assert.ok(fetched.some(([address]) => address === more));
+    assert.ok(fetched.some(([address]) => address === files.moreWasm || address === tryAgain.moreWasm));
   } finally {
     globalThis.fetch = realFetch;
   }

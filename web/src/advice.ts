@@ -2,6 +2,7 @@
 // Advice for a character's player once it can play: which renditions the browser can decode, and which of those smoothly,
 // before one is tried; how long a turn may take to decode geometry, and that a worker decodes it; and whether other motions are near. Part of
 // fourdvt-more.js.
+import type { PlayerFiles } from './files.js';
 import { decodeBeside, type Turning } from './geometry-decoding.js';
 import { isFromCameras } from './manifest.js';
 import { mediaType } from './media-segments.js';
@@ -62,12 +63,12 @@ async function spareBattery(advised: Advised): Promise<void> {
 }
 
 /** manifest: one that the player has read; element: the viewer, if its keys and buttons are for this character. */
-export async function advise(manifest: unknown, advised: Advised, element: Element | false): Promise<void> {
+export async function advise(manifest: unknown, advised: Advised, element: Element | false, files: PlayerFiles): Promise<void> {
   advised.run((player) => player.tell((m, handle) => {
     m._fdvt_allow_transitions(handle);
     return m._fdvt_slice_decoding(handle, DECODE_SLICE_S);
   }));
-  if (!isFromCameras(manifest)) decodeBeside(advised);
+  if (!isFromCameras(manifest)) decodeBeside(advised, files);
   const { sequences = [] } = (manifest as Manifest).extensions.FOURDVT_layered_video_texture;
   await Promise.all(sequences.flatMap((sequence, s) => sequence.renditions.map(async (rendition, r) => {
     const plays = await canDecode(rendition);

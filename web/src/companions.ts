@@ -72,7 +72,7 @@ export class Companions {
     };
     const actor = session.makeActor({ transport, manifest, start: new Uint8Array() }, commands, host);
     this.#others.set(companion, { actor, transport });
-    void advise(manifest, actor, false);
+    void advise(manifest, actor, false, this.#session.options.files);
     // A listener of its first events may have removed it.
     if (companion.left.aborted || session.signal.aborted) this.remove(companion);
     session.wake();

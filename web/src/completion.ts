@@ -8,7 +8,7 @@ import type { SessionSide, SideActor } from './session-side.js';
 export function complete(session: SessionSide, others: readonly SideActor[], measures: boolean): void {
   const { main } = session;
   if (measures) main?.takeFrame((frame) => void decidePath(session, frame));
-  if (main) void advise(session.manifest, main, session.host.element);
+  if (main) void advise(session.manifest, main, session.host.element, session.options.files);
   for (const actor of [main, ...others]) actor?.run((player) => player.moreCame());
   session.drawing.programsMissing = true;
 }

@@ -16,7 +16,7 @@ export async function useFlow(session: SessionSide, isCurrent: () => boolean): P
   const { align, host: { commands, emit } } = session;
   if (align === 'flow-opencv') {
     try {
-      await loadOpenCvFlow(session.options.opencvUrl, session.module);
+      await loadOpenCvFlow(session.options.files, session.module);
     } catch (reason) {
       if (!isCurrent()) return;
       session.align = commands.wishes.align;

@@ -11,6 +11,7 @@ import { withMotion } from './element/motion.js';
 import { withPlayback } from './element/playback.js';
 import { withPresence } from './element/presence.js';
 import type { ErrorDetail } from './errors.js';
+import { FILES } from './files.js';
 import { FourdvtCharacter } from './fourdvt-character.js';
 import type { LiveState } from './live.js';
 import type { Snapshot } from './session-host.js';
@@ -22,10 +23,10 @@ export { FourdvtCharacter };
 export type { Align, ErrorDetail, LiveState, Orbit, ParameterInfo, PictureMetadata, Placement, RenderOptions, SceneMesh, SequenceInfo, Snapshot, UploadPath, ViewerStats };
 
 export class FourdvtViewer extends withExtras(withAppearance(withCamera(withMotion(withMedia(withPlayback(withLoading(withPresence(ViewerBase)))))))) {
-  /** Address of the player's wasm file: beside the script, unless it is set before the first element loads. */
-  static wasmUrl = new URL(`fourdvt-viewer.wasm${FOURDVT_VERSION}`, import.meta.url).href;
-  /** Address of the OpenCV module, which is fetched only for align="flow-opencv". */
-  static opencvUrl = new URL(`fourdvt-opencv.js${FOURDVT_VERSION}`, import.meta.url).href;
+  /** Address of the player's wasm file, with the others beside it: beside the script, unless it is set before the first element loads. */
+  static wasmUrl = FILES.wasm;
+  /** Address of the OpenCV module, which is fetched only for align="flow-opencv"; its wasm file lies beside it. */
+  static opencvUrl = FILES.opencv;
 }
 
 for (const [name, element] of Object.entries({ 'fourdvt-viewer': FourdvtViewer, 'fourdvt-character': FourdvtCharacter })) {

@@ -8,6 +8,8 @@ declare const FOURDVT_STAMP: string;
 declare const FOURDVT_WORKER: string;
 /** A query that names the content of the files beside this script, so that no cache has earlier ones under it. */
 declare const FOURDVT_VERSION: string;
+/** OpenCV's flow was built. */
+declare const FOURDVT_OPENCV: boolean;
 
 declare module 'fourdvt-wasm' {
   const createModule: (options: import('./wasm-abi.js').ModuleOptions) => Promise<import('./wasm-abi.js').WasmModule>;

@@ -2,6 +2,7 @@
 // Decoding of layered characters' geometry in a worker: one for all viewers of a page. Players list after each
 // tick the GOPs that are wanted; frames come back before a later tick. Where there is no worker (a policy forbids it, it fails or falls
 // silent), the players decode in slices of the main thread as before. Part of fourdvt-more.js.
+import type { PlayerFiles } from './files.js';
 import { readDecodeJob, readGeometryMesh } from './generated/abi.js';
 import type { FromWorker, ToWorker, WantedJob } from './geometry-messages.js';
 import type { TurnHook, WasmModule } from './wasm-abi.js';
@@ -16,6 +17,7 @@ export interface Turning {
   wake(): void;
 }
 
+type Files = Pick<PlayerFiles, 'worker' | 'workerWasm'>;
 type Frame = Extract<FromWorker, { kind: 'frame' }>;
 
 // Another origin's script cannot be a worker, but a worker may import it.
@@ -36,15 +38,14 @@ class GeometryWorker {
   ready = false;
   failed = false;
 
-  constructor(base: string) {
-    const beside = (name: string): URL => new URL(name + new URL(base).search, base);
-    this.#worker = openWorker(beside('fourdvt-worker.js'));
+  constructor({ worker, workerWasm }: Files) {
+    this.#worker = openWorker(new URL(worker));
     this.#worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.#take(data);
     this.#worker.onerror = (event) => {
       event.preventDefault();
       this.fail(event.message || 'it does not load');
     };
-    this.post({ kind: 'start', wasm: beside('fourdvt-worker.wasm').href });
+    this.post({ kind: 'start', wasm: workerWasm });
   }
 
   post(message: ToWorker, transfer: Transferable[] = []): void { this.#worker.postMessage(message, transfer); }
@@ -157,11 +158,11 @@ class Joined implements TurnHook {
 
 let worker: GeometryWorker | null | undefined; // null: the page's policy forbids it
 
-/** From now on the actor's geometry is decoded in the page's worker, if that can be had. base: address of this script. */
-export function decodeBeside(actor: Turning, base = import.meta.url): void {
+/** From now on the actor's geometry is decoded in the page's worker, if that can be had. */
+export function decodeBeside(actor: Turning, files: Files): void {
   if (worker === undefined) {
     try {
-      worker = new GeometryWorker(base);
+      worker = new GeometryWorker(files);
     } catch {
       worker = null;
     }

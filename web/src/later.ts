@@ -15,7 +15,6 @@ type Effect = 'useFlow' | 'useLook' | 'useRoom';
 
 /** The session, as far as it is used here. */
 export interface LaterSession extends SessionSide {
-  readonly options: SessionSide['options'] & { readonly wasmUrl: string };
   readonly host: SessionSide['host'] & { readonly companions: Iterable<Companion>; more(more: More): void };
   readonly ended: boolean;
   room: boolean;
@@ -38,7 +37,7 @@ export class Later {
 
   async more(): Promise<More> {
     const session = this.#session;
-    this.loaded = await loadMore(session.module, session.options.wasmUrl, session.network);
+    this.loaded = await loadMore(session.module, session.options.files, session.network);
     this.#companions ??= new this.loaded.Companions(session);
     session.host.more(this.loaded);
     return this.loaded;

@@ -12,7 +12,7 @@ const CSS = `
 .stage { position: absolute; inset: 0; outline: none; touch-action: pan-y; user-select: none; -webkit-user-select: none; }
 .stage.orbits { cursor: grab; }
 .stage.orbits:active { cursor: grabbing; }
-.stage:focus-visible { box-shadow: inset 0 0 0 3px var(--fourdvt-focus, #5b8def); }
+.stage:focus-visible::after { content: ''; position: absolute; inset: 0; box-shadow: inset 0 0 0 3px var(--fourdvt-focus, #5b8def); pointer-events: none; }
 canvas { position: absolute; inset: 0; width: 100%; height: 100%; display: block; }
 .poster, .picture { position: absolute; inset: 0; width: 100%; height: 100%; object-fit: contain; pointer-events: none;
   transition: opacity .3s; }

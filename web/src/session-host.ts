@@ -2,6 +2,7 @@
 // Types that a session and the element that makes it share.
 import type { Commands } from './commands.js';
 import type { Companion } from './companion.js';
+import type { PlayerFiles } from './files.js';
 import type { OrbitCamera } from './orbit-camera.js';
 import type { UploadChoice } from './upload-path.js';
 import type { More } from './wasm-module.js';
@@ -9,8 +10,7 @@ import type { Align, OrbitPose } from './wasm-player.js';
 
 export interface SessionOptions {
   src: string;
-  wasmUrl: string;
-  opencvUrl: string;
+  files: PlayerFiles;
   uploadPath: UploadChoice;
   align: Align;
   room: boolean;

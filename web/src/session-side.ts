@@ -2,6 +2,7 @@
 // A session as its features in fourdvt-more.js see it. They share no classes with it, since each script has its own: only
 // what these types say.
 import type { ErrorDetail } from './errors.js';
+import type { PlayerFiles } from './files.js';
 import type { Transport } from './transport.js';
 import type { UploadPath } from './upload-path.js';
 import type { Quality } from './quality-attribute.js';
@@ -71,7 +72,7 @@ export interface Bake {
 }
 
 export interface SessionSide {
-  readonly options: { readonly src: string; readonly opencvUrl: string };
+  readonly options: { readonly src: string; readonly files: PlayerFiles };
   readonly host: { readonly element: Element; readonly commands: SideCommands; emit(name: string, detail?: unknown): void };
   /** Aborted when the session ends. */
   readonly signal: AbortSignal;

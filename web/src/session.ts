@@ -61,21 +61,21 @@ export class Session implements SessionSide, Seat {
   /** Loads the character. Never rejects: what goes wrong becomes an error event. */
   async start(): Promise<void> {
     try {
-      const { src, uploadPath, wasmUrl } = this.options;
+      const { src, uploadPath, files } = this.options;
       const live = /^wss?:/.test(src);
       const path = choosePath(uploadPath, live);
       const early = live || path !== 'i420' || needsFlow(this.align) || this.later.hasLook;
-      if (early) expectMore(wasmUrl, this.network);
+      if (early) expectMore(files, this.network);
       const start = live ? null : this.#files.start(); // beside the others, whether the manifest names it or not
-      const join = Stage.join(wasmUrl, this, this.network).then((stage) => {
+      const join = Stage.join(files, this, this.network).then((stage) => {
         this.#stage = stage;
         if (this.ended) stage.leave(this);
       });
-      const [files] = await Promise.all([live || this.#files.manifest(), join]);
+      const [loaded] = await Promise.all([live || this.#files.manifest(), join]);
       if (this.ended) return;
       if (live) this.transport = this.#live = await this.later.connect();
       if (this.ended) return;
-      const manifest = this.#live ? await this.#live.manifest() : files;
+      const manifest = this.#live ? await this.#live.manifest() : loaded;
       if (start && extensionOf(manifest)?.start) this.#start = await start;
       if (this.ended) return;
       // Paths other than 'i420' need the second part: it reads the pictures' numbers back.

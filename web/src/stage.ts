@@ -58,14 +58,15 @@ export class Stage {
   static viewers = 0;
 
   /** Joins the page's stage. Errors: ViewerError as of `instantiate`, 'gpu-failure'. */
-  static async join(url: string, seat: Seat, report: Report): Promise<Stage> {
+  static async join(files: { readonly wasm: string }, seat: Seat, report: Report): Promise<Stage> {
+    const { wasm: url } = files;
     let coming = stages.get(url);
     if (!coming) {
-      stages.set(url, (coming = instantiate(url, report).then((module) => new Stage(url, module))));
+      stages.set(url, (coming = instantiate(files, report).then((module) => new Stage(url, module))));
       coming.catch(() => stages.delete(url));
     }
     const stage = await coming;
-    if (stage.#over) return Stage.join(url, seat, report);
+    if (stage.#over) return Stage.join(files, seat, report);
     stage.#add(seat);
     return stage;
   }

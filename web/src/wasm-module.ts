@@ -4,12 +4,15 @@
 // looks, is put into it afterwards.
 import createPlayer from 'fourdvt-wasm';
 
+import type { PlayerFiles } from './files.js';
 import type { WasmModule } from './wasm-abi.js';
 import { asViewerError, ViewerError } from './errors.js';
 import { compileFile, type Report } from './transport.js';
 
 /** The page's side of what only the second part has. */
 export type More = typeof import('./more.js');
+
+type SecondPart = Pick<PlayerFiles, 'more' | 'moreWasm'>;
 
 const compiled = new Map<string, Promise<WebAssembly.Module>>();
 const firstParts = new WeakMap<WasmModule, WebAssembly.Exports>();
@@ -51,7 +54,7 @@ const ABSENT = new Proxy({}, {
 });
 
 /** The first part. `report` is called when waiting for the network begins and ends. Errors: ViewerError 'fetch-failed', 'out-of-memory', 'wasm-refused'. */
-export async function instantiate(url: string, report: Report): Promise<WasmModule> {
+export async function instantiate({ wasm: url }: Pick<PlayerFiles, 'wasm'>, report: Report): Promise<WasmModule> {
   const first = await compile(url, report);
   let exports: WebAssembly.Exports;
   try {
@@ -76,36 +79,32 @@ export async function instantiate(url: string, report: Report): Promise<WasmModu
 }
 
 /** Begins to download the second part. */
-export const expectMore = (url: string, report: Report): void => void compile(secondUrl(url), report).catch(() => undefined);
+export const expectMore = ({ moreWasm }: SecondPart, report: Report): void => void compile(moreWasm, report).catch(() => undefined);
 
 /** The second part is in this instance. */
 export const hasMore = (module: WasmModule): boolean => complete.has(module);
 
 /**
- * Puts the second part into an instance of the first: fourdvt-more.wasm, and fourdvt-more.js with the page's side, from
- * beside the first part's file. Errors: as of `instantiate`; after one the next call tries again.
+ * Puts the second part into an instance of the first: fourdvt-more.wasm, and fourdvt-more.js with the page's side. Errors: as of `instantiate`; after one the next call tries again.
  */
-export function loadMore(module: WasmModule, url: string, report: Report): Promise<More> {
+export function loadMore(module: WasmModule, files: SecondPart, report: Report): Promise<More> {
   let more = secondParts.get(module);
   if (!more) {
-    more = addSecond(module, url, report);
+    more = addSecond(module, files, report);
     secondParts.set(module, more);
     more.catch(() => secondParts.delete(module));
   }
   return more;
 }
 
-const secondUrl = (url: string): string => new URL(`fourdvt-more.wasm${FOURDVT_VERSION}`, url).href;
-
-async function addSecond(module: WasmModule, url: string, report: Report): Promise<More> {
-  const script = new URL(`fourdvt-more.js${FOURDVT_VERSION}`, url).href;
+async function addSecond(module: WasmModule, { more: script, moreWasm }: SecondPart, report: Report): Promise<More> {
   const page = (import(script) as Promise<More>).catch((reason: unknown) => {
     throw new ViewerError('fetch-failed', `${script}: the player's second part does not load (${String(reason)}); put it and its .wasm beside the player's`);
   });
-  const [more, second] = await Promise.all([page, compile(secondUrl(url), report)]);
+  const [more, second] = await Promise.all([page, compile(moreWasm, report)]);
   if (!complete.has(module)) {
     await WebAssembly.instantiate(second, { first: firstParts.get(module)! }).catch((reason: unknown) => {
-      throw refusal(secondUrl(url), reason);
+      throw refusal(moreWasm, reason);
     });
     complete.add(module);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Feature of <fourdvt-viewer>: src and poster, loading and its errors, the GL context's loss.
 import { asViewerError, characterAddress, withCode, type ErrorDetail, type MediaFault } from '../errors.js';
+import { filesOf } from '../files.js';
 import { Session } from '../session.js';
 import type { UploadChoice as UploadPath } from '../upload-path.js';
 import {
@@ -160,7 +161,7 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
       }
       const { size, host } = this[parts], { wasmUrl, opencvUrl } = this.constructor as unknown as Addresses;
       const session = (this[parts].session = new Session({
-        src, wasmUrl, opencvUrl, uploadPath: this.uploadPath, align: 'baked', room: false, fresh, credentials: this.getAttribute('crossorigin') === 'use-credentials' ? 'include' : 'same-origin', ...this[sessionOptions](),
+        src, files: filesOf(wasmUrl, opencvUrl, document.baseURI), uploadPath: this.uploadPath, align: 'baked', room: false, fresh, credentials: this.getAttribute('crossorigin') === 'use-credentials' ? 'include' : 'same-origin', ...this[sessionOptions](),
       }, host));
       session.resize(size.width, size.height);
       this[updateActive]();
