@@ -305,10 +305,7 @@ int32_t fdvt_draw(Instance* const* characters, uint32_t count, const abi::View* 
   if (view->width < 1 || view->height < 1)
     return fail(h, ErrorId::InvalidArgument, "picture without pixels: give the canvas a size");
   makeCurrent(h);
-  const double* t = view->target;
-  const OrbitView orbit{view->azimuth, view->elevation, view->distance, {t[0], t[1], t[2]}, view->fov};
-  const auto camera = cameraFromOrbit(orbit, view->width, view->height);
-  return keep(h, drawTogether(characters, count, camera));
+  return keep(h, drawTogether(characters, count, cameraOf(*view)));
 }
 
 const abi::State* fdvt_state(Instance* h) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "abi.h"
+#include "base/camera.h"
 #include "player/player.h"
 
 namespace fourdvt {
@@ -39,6 +40,7 @@ struct Records {
   abi::GeometryMesh mesh;
   abi::DecodeJob job;
   abi::TimeRange range;
+  abi::SurfacePoint point;
 };
 
 // A method that was asked for, and the one that serves in its place.
@@ -75,6 +77,12 @@ inline int32_t keep(Instance* h, const Status& status) {
 inline int32_t fail(Instance* h, ErrorId id, const char* message) {
   h->error = {id, message};
   return 0;
+}
+
+inline PinholeCamera cameraOf(const abi::View& view) {
+  const double* t = view.target;
+  const OrbitView orbit{view.azimuth, view.elevation, view.distance, {t[0], t[1], t[2]}, view.fov};
+  return cameraFromOrbit(orbit, view.width, view.height);
 }
 
 inline void makeCurrent(Instance* h) { emscripten_webgl_make_context_current(h->canvas->context); }

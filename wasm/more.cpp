@@ -157,6 +157,21 @@ const abi::TimeRange* fdvt_buffered(Instance* h, uint32_t number) {
   h->records.range = {range->start_s, range->end_s};
   return &h->records.range;
 }
+const abi::SurfacePoint* fdvt_surface_point(Instance* h, uint32_t vertex, const abi::View* view) {
+  const std::optional<SurfacePoint> point = h->player->surfacePoint(vertex);
+  if (!point) return nullptr;
+  const PinholeCamera camera = cameraOf(*view);
+  const glm::dvec3 pixel = camera.project(point->position);
+  if (pixel.z <= 0) return nullptr;
+  const bool facing = glm::dot(point->normal, camera.centreInWorld() - point->position) > 0;
+  h->records.point = {pixel.x, pixel.y, facing};
+  return &h->records.point;
+}
+int32_t fdvt_vertex_at(Instance* h, const abi::View* view, double x_px, double y_px) {
+  const std::optional<uint32_t> vertex = h->player->vertexAt(cameraOf(*view), x_px, y_px);
+  return vertex ? static_cast<int32_t>(*vertex) : -1;
+}
+
 void fdvt_allow_transitions(Instance* h) { h->player->allowTransitions(); }
 int32_t fdvt_slice_decoding(Instance* h, double seconds) {
   h->player->sliceDecoding(

@@ -20,6 +20,7 @@
 #include <span>
 #include <string>
 
+#include "base/camera.h"
 #include "base/flat_json.h"
 #include "base/result.h"
 #include "gpu/device.h"
@@ -52,6 +53,11 @@ struct PlayerOptions {
 // Seconds in a sequence.
 struct TimeRange {
   double start_s = 0, end_s = 0;
+};
+
+// World, metres; the normal is not of unit length, and points outwards.
+struct SurfacePoint {
+  glm::dvec3 position, normal;
 };
 
 struct PlayerStats {
@@ -164,6 +170,11 @@ class Player {
   virtual double currentTime() const = 0;  // seconds in the sequence; at the end its duration
   // The ranges of the current sequence that can be played without a fetch, in their order; none after the last.
   virtual std::optional<TimeRange> buffered(size_t) const { return {}; }
+  // A vertex of the base mesh as it is shown. None: there is no such vertex, no frame yet, or the character is from
+  // cameras, whose meshes change.
+  virtual std::optional<SurfacePoint> surfacePoint(uint32_t) const { return {}; }
+  // The vertex nearest to this pixel, of the face that is seen there; none where no face is.
+  virtual std::optional<uint32_t> vertexAt(const PinholeCamera&, double, double) const { return {}; }
   virtual bool paused() const = 0;
   virtual bool seeking() const = 0;  // the wanted sequence and frame are not on screen yet
   virtual bool failed() const = 0;   // the wanted sequence cannot be played; an Error event has said why

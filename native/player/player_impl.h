@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Private to native/player: the player behind player.h. It brings the parts together and decides nothing that one part
 // can decide alone: player.cpp has commands and queries, player_tick.cpp shows frames, player_transitions.cpp carries
-// out the steps of a transition, player_answers.cpp talks with the edge: requests, answers to fetches, pictures.
+// out the steps of a transition, player_points.cpp has points of its surface, player_answers.cpp talks with the edge:
+// requests, answers to fetches, pictures.
 #pragma once
 
 #include <array>
@@ -45,6 +46,8 @@ class PlayerImpl final : public Player {
   void judgeRendition(uint32_t sequence, uint32_t rendition, bool plays) override;
   void lookAhead(bool at_once) override;
   std::optional<TimeRange> buffered(size_t number) const override;
+  std::optional<SurfacePoint> surfacePoint(uint32_t vertex) const override;
+  std::optional<uint32_t> vertexAt(const PinholeCamera& camera, double x_px, double y_px) const override;
   void sliceDecoding(const DecodeSlice& slice) override;
   void decodeElsewhere(bool on) override;
   std::optional<DecodeJob> decodeJob(size_t number) override;
@@ -147,6 +150,9 @@ class PlayerImpl final : public Player {
   uint32_t landingOn(int target) const;
   bool takeAs(Track& track, int slot, std::optional<uint32_t> seen);
   void decodeAhead();
+
+  // player_points.cpp
+  const Positions* shownPositions() const;
 
   // player_answers.cpp
   void requestMissing();

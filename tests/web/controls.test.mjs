@@ -81,9 +81,13 @@ test('controls: play, time, full screen; after the end it plays again', async ()
 });
 
 test('its own controls, poster, progress bar and prompt take the places of those of the page', async () => {
+  let go;
+  const held = new Promise((done) => { go = done; });
+  const prepare = (page) => page.route('**/character.gltf', async (route) => { await held; await route.continue(); });
   const at = await open(`<fourdvt-viewer ${kSource} reveal="manual"><button slot="controls" id="mine">Mine</button>
-    <div slot="poster" id="cover">Cover</div><progress slot="progress-bar" id="bar"></progress></fourdvt-viewer>`, { waits: 'loadstart' });
+    <div slot="poster" id="cover">Cover</div><progress slot="progress-bar" id="bar"></progress></fourdvt-viewer>`, { waits: 'loadstart', prepare });
   await at.until(() => document.getElementById('bar').checkVisibility());
+  go();
   await at.until(() => globalThis.viewerEvents.some(({ type }) => type === 'canplay'));
   await at.page.locator('#mine').waitFor({ state: 'visible' });
   assert.equal(await at.part('play-toggle').isVisible(), false);
@@ -245,5 +249,28 @@ test('texts are in the language of the page, of the element, or as the page has 
   });
   assert.equal(await at.part('play-toggle').getAttribute('aria-label'), 'Paŭzi');
   assert.equal(await at.part('time').getAttribute('aria-label'), 'Time', 'English where there is no other text');
+  await at.page.close();
+});
+
+test('a hotspot stays on its vertex, and knows when the surface turns away', async () => {
+  const at = await open(`<fourdvt-viewer ${kSource} camera-orbit="0deg 10deg 4m"><button slot="hotspot-1" id="spot">!</button></fourdvt-viewer>`);
+  await at.part('controls').waitFor({ state: 'attached', timeout: kPatienceMs });
+  const centre = () => at.page.evaluate(() => { const { left, top, width, height } = document.getElementById('spot').getBoundingClientRect(); return [left + width / 2, top + height / 2]; });
+  const vertex = await at.viewer((v) => v.vertexFromPoint(200, 200));
+  assert.ok(Number.isInteger(vertex));
+  assert.equal(await at.viewer((v) => v.vertexFromPoint(2, 2)), null, 'beside the character');
+  assert.equal(await at.page.locator('#spot').isVisible(), false, 'it has no vertex yet');
+  await at.page.evaluate((vertex) => { document.getElementById('spot').dataset.vertex = vertex; document.querySelector('fourdvt-viewer').renderOptions = {}; }, vertex);
+  await at.page.locator('#spot').waitFor({ state: 'visible' });
+  const [x, y] = await centre();
+  assert.ok(Math.hypot(x - 200, y - 200) < 12, `it is at ${x}, ${y}`);
+  assert.equal(await at.page.locator('#spot').getAttribute('data-visible'), '');
+  await at.page.screenshot({ path: join(outputFolder('controls'), 'hotspot.png') });
+  await at.viewer((v) => { v.setAttribute('camera-orbit', '180deg 10deg 4m'); v.jumpCameraToGoal(); });
+  await at.until(() => !document.getElementById('spot').hasAttribute('data-visible'));
+  await at.viewer((v) => { v.setAttribute('camera-orbit', '0deg 10deg 4m'); v.jumpCameraToGoal(); v.seekFrame(10); });
+  await at.until(() => document.querySelector('fourdvt-viewer').frame === 10 && document.getElementById('spot').hasAttribute('data-visible'));
+  const moved = await centre(), again = await at.viewer((v, p) => v.vertexFromPoint(p[0], p[1]), moved);
+  assert.ok(again !== null, 'it is on the surface of the frame that is shown');
   await at.page.close();
 });

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a viewer shows and says beside its character once the player's second part is there: controls.ts, announcer.ts, and the prompt
-// that invites the visitor to turn the view. Part of fourdvt-more.js.
+// that invites the visitor to turn the view, and hotspots. Part of fourdvt-more.js.
 import { Announcer, type Announced } from './announcer.js';
 import { Controls, type Controlled } from './controls.js';
+import { Hotspots, type HotspotScene } from './hotspots.js';
 import { addStrings } from './strings-more.js';
 import { stringsOf, type Languages } from './strings.js';
 
@@ -10,11 +11,13 @@ const PROMPT_S = 3; // without an input, before it is shown
 const CSS = `
 .prompt { position: absolute; left: 0; right: 0; bottom: 72px; width: fit-content; max-width: 90%; margin: 0 auto; padding: 6px 14px; border-radius: 16px;
   font: 14px/1.4 system-ui, sans-serif; color: #fff; background: rgba(20,20,24,.75); pointer-events: none; transition: opacity .4s; }
+.hotspot { position: absolute; left: 0; top: 0; }
 .live { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); white-space: nowrap; margin: 0; }
 `;
 let sheet: CSSStyleSheet | undefined;
 
 export class Extras {
+  readonly #hotspots: Hotspots;
   readonly #viewer: Controlled & Announced;
   readonly #languages: Languages;
   readonly #prompt: HTMLSlotElement;
@@ -24,7 +27,7 @@ export class Extras {
   #prompts = true;
 
   /** stage: of the viewer's shadow tree. languages: gets the texts of this part. */
-  constructor(viewer: Controlled & Announced, stage: HTMLElement, languages: Languages) {
+  constructor(viewer: Controlled & Announced, stage: HTMLElement, languages: Languages, scene: HotspotScene) {
     const root = stage.getRootNode() as ShadowRoot;
     addStrings(languages);
     this.#viewer = viewer;
@@ -39,6 +42,7 @@ export class Extras {
     this.#prompt.setAttribute('part', 'prompt');
     this.#prompt.hidden = true;
     root.append(this.#prompt);
+    this.#hotspots = new Hotspots(viewer, root, scene);
     this.#controls = new Controls(viewer, root);
     this.#announcer = new Announcer(viewer, root);
     this.update();
@@ -58,11 +62,14 @@ export class Extras {
   }
   turn(dtS: number): void {
     this.#controls.turn();
+    this.#hotspots.turn();
     if (!this.#prompts || !this.#viewer.matches('[camera-controls][interaction-prompt]:not([interaction-prompt=none])')) return;
     this.#quietS += dtS;
     this.#prompt.hidden = this.#quietS < PROMPT_S;
   }
+  vertexAt(x: number, y: number): number | null { return this.#hotspots.vertexAt(x, y); }
   dispose(): void {
+    this.#hotspots.dispose();
     this.#controls.dispose();
     this.#announcer.dispose();
     this.#prompt.remove();

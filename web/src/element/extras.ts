@@ -11,6 +11,8 @@ import type { Playback } from './playback.js';
 export interface Extras {
   /** Shows what is behind the poster; with reveal="manual" nothing else does. */
   dismissPoster(): void;
+  /** The vertex for a hotspot's `data-vertex` at a point of the page, CSS pixels; null where no surface of a layered character is. */
+  vertexFromPoint(clientX: number, clientY: number): number | null;
 }
 
 export function withExtras<T extends Constructor<ViewerBase & Camera & Media & Motion & Playback>>(Base: T): T & Constructor<Extras> {
@@ -21,11 +23,21 @@ export function withExtras<T extends Constructor<ViewerBase & Camera & Media & M
 
     dismissPoster(): void { this[parts].overlay.dismissPoster(); }
 
+    vertexFromPoint(clientX: number, clientY: number): number | null { return this.#extras?.vertexAt(clientX, clientY) ?? null; }
+
     override [onMore](more: More): void {
       super[onMore](more);
       if (!this[parts].connected || this.#extras) return;
       const languages = (this.constructor as unknown as { strings: Record<string, Record<string, string>> }).strings;
-      this.#extras = new more.Extras(this, this[parts].overlay.stage, languages);
+      this.#extras = new more.Extras(this, this[parts].overlay.stage, languages, {
+        player: () => (this[parts].session?.later.loaded ? this[parts].session!.main?.player ?? null : null),
+        layered: () => {
+          const { character } = this[parts].session ?? {};
+          return character ? !character.fromCameras : null;
+        },
+        pose: () => this[parts].camera.pose,
+        size: () => this[parts].size,
+      });
       this[applyTexts]();
     }
     override [touched](): void {
