@@ -141,7 +141,13 @@ test('the view keeps to its limits, zooms no more than asked for, and a double c
   assert.deepEqual(await orbit(), before);
   await at.viewer((v) => v.removeAttribute('disable-zoom'));
   await at.page.keyboard.press('+');
-  assert.ok((await orbit()).distance < before.distance);
+  const step = before.distance / (await orbit()).distance;
+  assert.ok(step > 1.01);
+  await at.viewer((v) => v.setAttribute('zoom-sensitivity', '2'));
+  await at.page.keyboard.press('-');
+  assert.ok(Math.abs((await orbit()).distance / before.distance - step) < 1e-6, 'twice as far out as it came in');
+  await at.viewer((v) => v.setAttribute('touch-action', 'none'));
+  assert.equal(await at.part('stage').evaluate((stage) => getComputedStyle(stage).touchAction), 'none');
   await at.page.close();
 });
 

@@ -128,7 +128,7 @@ test('what is sought before there is a source is sought in it, once', () => {
   assert.throws(() => { element.currentTime = 'soon'; }, TypeError);
   assert.throws(() => { element.playbackRate = 5; }, RangeError);
   element.playbackRate = 0;
-  assert.equal(element.playbackRate, 0);
+  assert.deepEqual([element.playbackRate, element.defaultPlaybackRate], [0, 1]);
   assert.equal(element.seeking, true);
   element[all.report]('seeked');
   assert.equal(element.seeking, false);
@@ -412,6 +412,26 @@ test('loading: a src that is no address is one error, after whoever has set it c
   assert.equal(fail[2], true, 'there is nothing else to look at');
   element.src = '';
   assert.equal(element.error, null);
+});
+
+test('loading: crossorigin says whether requests to other origins carry cookies', async () => {
+  const { Transport } = await load('transport');
+  const realFetch = globalThis.fetch, asked = [];
+  globalThis.fetch = async (url, { credentials, cache }) => {
+    asked.push([url.split('/').pop(), credentials, cache]);
+    return new Response('{}');
+  };
+  try {
+    await new Transport('http://other.example/a/character.gltf').manifest();
+    const transport = new Transport('http://other.example/a/character.gltf', undefined, { credentials: 'include', cache: 'reload' });
+    await transport.manifest();
+    await transport.start();
+    await transport.file('http://other.example/a/room.webp');
+  } finally {
+    globalThis.fetch = realFetch;
+  }
+  assert.deepEqual(asked, [['character.gltf', 'same-origin', undefined], ['character.gltf', 'include', 'reload'],
+    ['character.start.bin', 'include', 'reload'], ['room.webp', 'include', undefined]]);
 });
 
 test('loading: progress never begins full, and errors are forgotten when it can play', () => {

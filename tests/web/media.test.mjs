@@ -33,6 +33,11 @@ before(async () => {
   page = await openPage(browser, { viewport: { width: 520, height: 560 } });
   await page.route('**/media-chrome.js', (route) => route.fulfill({ body: outputFiles[0].text, contentType: 'text/javascript' }));
   await page.addInitScript((names) => {
+    const fetchFile = fetch, credentials = (globalThis.credentials = []);
+    globalThis.fetch = (url, options) => {
+      credentials.push(options?.credentials);
+      return fetchFile(url, options);
+    };
     globalThis.heard = [];
     for (const name of names) addEventListener(name, (e) => { if (e.target.localName === 'fourdvt-viewer') heard.push(name); }, true);
   }, kEvents);
@@ -182,11 +187,17 @@ test('a motion that does not exist is an error, which another choice ends', asyn
 
 test('another source empties it; one that is not there has a code', async () => {
   await forget();
-  await viewer((v) => { v.src = '/nowhere/character.gltf'; });
+  await viewer((v) => {
+    globalThis.credentials.length = 0;
+    v.crossOrigin = 'use-credentials';
+    v.src = '/nowhere/character.gltf';
+  });
   await until(() => globalThis.heard.includes('error'));
   assert.deepEqual((await heard()).slice(0, 2), ['emptied', 'loadstart']);
   assert.deepEqual(await viewer((v) => [v.error.id, v.error.code, v.readyState, v.networkState]), ['fetch-failed', 2, 0, 3]);
   await until(() => document.querySelector('media-controller').getAttribute('mediaerrorcode') === '2');
+  assert.deepEqual([...new Set(await page.evaluate(() => globalThis.credentials))], ['include']);
+  assert.equal(await viewer((v) => { v.crossOrigin = null; return v.getAttribute('crossorigin'); }), null);
   page.reported.length = 0;
 });
 
