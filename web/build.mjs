@@ -110,7 +110,7 @@ await bundle(join(here, 'src/fourdvt-viewer.ts'), 'fourdvt-viewer.js', {
   define: { FOURDVT_STAMP: `"${stamp}"`, FOURDVT_VERSION: `"?v=${version}"`, FOURDVT_OPENCV: String(hasOpencv) },
 });
 rmSync(script);
-// Bundlers would take the second part's script for one of theirs; the minifier drops the comments that tell them not to.
+// Bundlers would take the second part's script for one of theirs; the minifier drops the comments that prevent it.
 const viewer = join(out, 'fourdvt-viewer.js'), parts = readFileSync(viewer, 'utf8').split(/(?<=\bimport\()(?=\w+\))/);
 if (parts.length !== 2) fail(`${viewer} has ${parts.length - 1} dynamic imports, not one`);
 writeFileSync(viewer, parts.join('/* webpackIgnore: true *//* @vite-ignore */'));

@@ -83,9 +83,15 @@ uint32_t PlayerImpl::shownFrameOf(const Track& t) const {
   return static_cast<uint32_t>(t.head.shown().k % shownOf(t).frame_count);
 }
 
+// A seek, or a place that was kept, has led to the last frame of a motion that leads nowhere.
+bool PlayerImpl::standsAtTheEnd() const {
+  return hasFrame() && !seeking() && !inPhase() && transitions_.returnTo() < 0 && !loops(main()) &&
+         shownFrameOf(main()) + 1 == wantedOf(main()).frame_count;
+}
+
 void PlayerImpl::play() {
   if (!playback_.play() || !main().head.used()) return;
-  if (main().head.ended()) startAt(main(), 0);
+  if (main().head.ended() || standsAtTheEnd()) startAt(main(), 0);
   for (Track& t : tracks_) {
     t.head.setRunning(runs(t));
     if (t.head.used()) feedAgain(t);

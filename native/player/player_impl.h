@@ -98,6 +98,7 @@ class PlayerImpl final : public Player {
   bool fromCameras() const { return character()->appearance == package::AppearanceKind::Cameras; }
   bool loops(int sequence) const { return playback_.loops(loading_.sequence(sequence)); }
   bool loops(const Track& track) const { return loops(track.head.sequence()); }
+  bool standsAtTheEnd() const;
   bool runs(const Track& track) const;     // its clock should
   bool isReady(const Track& track) const;  // mesh and header of its sequence are there
   const package::Sequence& wantedOf(const Track& track) const { return loading_.sequence(track.head.sequence()); }

@@ -34,9 +34,11 @@ after(async () => {
 
 async function violations(path) {
   await page.goto(server.url + path);
-  // Viewers have loaded what is on the screen, or have said why not.
-  await page.waitForFunction(() => [...document.querySelectorAll('fourdvt-viewer[src]')].every((v) => v.readyState >= 3 || v.error || v.loading === 'lazy' ||
+  // Viewers have loaded what is on the screen, with their buttons, or have failed.
+  await page.waitForFunction(() => [...document.querySelectorAll('fourdvt-viewer[src]')].every((v) => (v.readyState >= 3 && v.shadowRoot.querySelector('[part=controls]')) || v.error || v.loading === 'lazy' ||
     v.preload === 'none' || v.getBoundingClientRect().top > innerHeight), null, { timeout: kPatienceMs, polling: 100 });
+  const prompt = page.locator('[interaction-prompt] [part=prompt]');
+  if (await prompt.count()) await prompt.waitFor({ state: 'visible', timeout: kPatienceMs });
   const found = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ['violations'] }));
   return found.violations.flatMap(({ id, help, nodes }) => nodes.map(({ target, failureSummary }) => `${path}: ${id}: ${help}: ${target.flat().join(' > ')}: ${failureSummary.split('\n')[1]?.trim()}`));
 }

@@ -20,11 +20,11 @@ before(async () => {
   folder = mkdtempSync(join(tmpdir(), 'fourdvt-bundlers-'));
   const player = join(folder, 'node_modules/fourdvt-viewer');
   mkdirSync(player, { recursive: true });
-  for (const name of ['package.json', 'react.d.ts']) cpSync(join(kWeb, name), join(player, name));
+  for (const name of ['package.json', 'react.d.ts', 'react.js']) cpSync(join(kWeb, name), join(player, name));
   cpSync(join(environment('SITE'), 'fourdvt-viewer'), join(player, 'dist'), { recursive: true });
   symlinkSync(join(kWeb, 'node_modules/@types'), join(folder, 'node_modules/@types'));
   writeFileSync(join(folder, 'package.json'), '{ "type": "module" }');
-  writeFileSync(join(folder, 'main.js'), "import 'fourdvt-viewer';\n");
+  writeFileSync(join(folder, 'main.js'), "import 'fourdvt-viewer';\nimport 'fourdvt-viewer/react';\n");
   writeFileSync(join(folder, 'index.html'), `<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,"><script type="module" src="/main.js"></script>${kBody}`);
   browser = await launch();
 });

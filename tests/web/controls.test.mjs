@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a visitor finds round the character: the pause button and the bar of `controls`, poster, prompt, limits of the view, sizes,
+// Things that a visitor finds round the character: the pause button and the bar of `controls`, poster, prompt, limits of the view, sizes,
 // languages, and what screen readers hear.
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
@@ -52,6 +52,8 @@ test('what plays by itself has a button that pauses it, and another press plays 
   await at.until(() => !document.querySelector('fourdvt-viewer').paused);
   await at.viewer((v) => v.setAttribute('controls', 'none'));
   assert.equal(await at.part('controls').isVisible(), false);
+  await at.viewer((v) => v.pause());
+  assert.equal(await at.part('play').isVisible(), false, 'no button at all');
   assert.deepEqual(at.page.troubles, []);
   await at.page.close();
 });
@@ -91,6 +93,9 @@ test('its own controls, poster, progress bar and prompt take the places of those
   await at.until(() => globalThis.viewerEvents.some(({ type }) => type === 'canplay'));
   await at.page.locator('#mine').waitFor({ state: 'visible' });
   assert.equal(await at.part('play-toggle').isVisible(), false);
+  const under = (x, y) => at.page.evaluate(([x, y]) => document.elementFromPoint(x, y).id, [x, y]);
+  const { y } = await at.page.locator('#cover').boundingBox();
+  assert.equal(await under(5, y + 5), 'cover', 'what is in the slot can be pressed');
   const opacity = () => at.part('poster').evaluate((slot) => getComputedStyle(slot).opacity);
   assert.equal(await opacity(), '1', 'it waits for dismissPoster');
   await at.viewer((v) => v.dismissPoster());
@@ -164,7 +169,9 @@ test('it turns by itself as fast and as soon as asked for', async () => {
 });
 
 test('the prompt comes when nothing is done, and goes with the first touch', async () => {
-  const at = await open(`<fourdvt-viewer ${kSource} autoplay loop camera-controls interaction-prompt="auto"></fourdvt-viewer>`);
+  const at = await open(`<fourdvt-viewer ${kSource} camera-controls interaction-prompt="auto"></fourdvt-viewer>`);
+  await at.viewer((v) => v.play()); // by the page, not by the visitor
+  await at.viewer((v) => v.pause());
   await at.part('prompt').waitFor({ state: 'visible', timeout: kPatienceMs });
   assert.match(await at.part('prompt').textContent(), /Drag/);
   await at.page.screenshot({ path: join(outputFolder('controls'), 'prompt.png') });
@@ -225,6 +232,10 @@ test('keyboard alone: focus, play, turn, time; screen readers hear it', async ()
   assert.equal(await focused(), 'time');
   await at.page.keyboard.press('Home');
   await at.until(() => document.querySelector('fourdvt-viewer').currentTime === 0);
+  for (const frame of [1, 2, 1]) {
+    await at.page.keyboard.press(frame === 1 && (await at.viewer((v) => v.frame)) === 2 ? 'ArrowLeft' : 'ArrowRight');
+    await at.until((frame) => document.querySelector('fourdvt-viewer').frame === frame, frame);
+  }
   await at.page.keyboard.press('Tab');
   assert.equal(await focused(), 'fullscreen');
   await at.page.keyboard.press('Tab');

@@ -41,7 +41,7 @@ function makeBase() {
     [all.sessionOptions]() { return {}; }
     [all.onRestored]() { return false; }
   }
-  for (const name of ['onConnected', 'onArrival', 'onGranted', 'touched', 'onLeft', 'onAttribute', 'onResize', 'onEvent', 'onPicture', 'onMore', 'onLost', 'onTrapped', 'onGivenUp', 'updateActive']) {
+  for (const name of ['onConnected', 'onArrival', 'onGranted', 'touched', 'onLeft', 'onAttribute', 'onResize', 'onEvent', 'onPicture', 'onSession', 'holds', 'onMore', 'onLost', 'onTrapped', 'onGivenUp', 'updateActive']) {
     Base.prototype[all[name]] = () => undefined;
   }
   Base.prototype[all.forgetError] = () => undefined;
@@ -166,6 +166,13 @@ test('media: readyState follows the events; loadeddata comes before canplay, onc
   assert.deepEqual(types(element), ['durationchange', 'loadedmetadata', 'loadeddata', 'canplay', 'play', 'playing', 'canplaythrough', 'waiting', 'playing']);
   element[all.onGivenUp]();
   assert.equal(element.readyState, 0);
+  element.events.length = 0;
+  element[all.report]('canplaythrough');
+  element[all.report]('sequencechange');
+  assert.equal(element.readyState, 3, 'another motion may not be buffered');
+  element[all.onSession]();
+  for (const name of ['loadedmetadata', 'loadeddata']) element[all.report](name);
+  assert.ok(types(element).includes('loadeddata'), 'another session begins anew');
 });
 
 test('media: another motion has another duration; a seek ends with a timeupdate', () => {
@@ -222,8 +229,14 @@ test('media: a callback gets the next new picture, once', () => {
   element[all.onPicture](); // the camera has moved
   assert.deepEqual(seen, [['a', 4, 0.2, 320]]);
   state = { framesShown: 5, currentTimeS: 0.24 };
+  const { setTimeout } = globalThis, late = [];
+  globalThis.setTimeout = (run) => late.push(run);
+  element.requestVideoFrameCallback(() => { throw new Error('mine'); });
+  element.requestVideoFrameCallback(() => seen.push('c'));
   element[all.onPicture]();
-  assert.deepEqual(seen.slice(1), ['b']);
+  globalThis.setTimeout = setTimeout;
+  assert.deepEqual(seen.slice(1), ['b', 'c'], 'one that throws takes no other along');
+  assert.throws(late[0], /mine/);
 });
 
 test('media times: ranges join, loops wrap, and what is held decides that it plays through', async () => {
@@ -251,7 +264,25 @@ test('media times: ranges join, loops wrap, and what is held decides that it pla
   assert.deepEqual(times.played, [[0, 0.5], [1, 2]]);
   on('sequencechange', 0);
   assert.deepEqual(times.played, []);
+
+  const after = (ms) => new Promise((done) => setTimeout(done, ms));
+  reports.length = 0;
+  viewer.readyState = 1;
+  times.turn(50);
+  await after(450);
+  assert.deepEqual(reports, [], 'the player reports the way to the first picture by itself');
+  viewer.readyState = 4;
   times.turn(100);
+  times.turn(120);
+  await after(450);
+  assert.deepEqual(reports, ['progress'], 'once in a while');
+  times.turn(130);
+  times.dispose();
+  await after(450);
+  assert.deepEqual(reports, ['progress']);
+  times.turn(140);
+  await after(450);
+  assert.deepEqual(reports, ['progress', 'progress'], 'also after the element was put back');
   times.dispose();
 });
 

@@ -133,3 +133,55 @@ test('what nobody has looked at costs nothing', async () => {
   assert.deepEqual(fetched, []);
   await page.close();
 });
+
+test('five from layers and one from cameras side by side: one context, one module, each with its own pictures', async () => {
+  const page = await openPortfolio(browser, server.url, { width: 480, height: 330 });
+  await fill(page, 6, [...Array(5).fill('/character/character.gltf'), '/cameras/refined/character.gltf'], { autoplay: '', loop: '', sequence: 'run' });
+  await scrollTo(page, 0, kPatienceMs);
+  await until(page, () => globalThis.viewers.every(({ stats }) => stats?.framesShown > 3));
+  await page.screenshot({ path: join(outputFolder('portfolio'), 'layers-and-cameras.png') });
+  for (const number of [0, 4, 5]) assert.ok(await coverageOf(page, number) > 0.05, `viewer ${number} is empty`);
+  const { contexts, modules, errors, loaded } = await holdings(page);
+  assert.deepEqual({ contexts, modules, errors, loaded }, { contexts: 1, modules: 1, errors: [], loaded: 6 });
+  assert.deepEqual(await page.evaluate(() => globalThis.viewers.map(({ method }) => method !== '')), [false, false, false, false, false, true]);
+  await page.close();
+});
+
+test('a viewer whose manifest fails leaves the stage, which ends with the last viewer; one that is put back loads again', async () => {
+  const page = await openPortfolio(browser, server.url);
+  await page.route('**/gone.gltf', (route) => route.fulfill({ status: 404, body: '' }));
+  await fill(page, 2, ['/gone.gltf', '/character/character.gltf']);
+  await until(page, () => globalThis.viewers[0].error && globalThis.viewers[1].stats?.framesShown > 0);
+  const leave = () => page.evaluate(() => { for (const viewer of globalThis.viewers) viewer.remove(); });
+  const putBack = async () => {
+    await page.evaluate(() => document.querySelector('main').append(globalThis.viewers[1]));
+    await until(page, () => globalThis.viewers[1].stats?.framesShown > 3);
+  };
+  await leave();
+  await page.waitForTimeout(100);
+  await putBack();
+  assert.equal(await page.evaluate(() => globalThis.counts.contexts), 1, 'the stage waits a moment for others');
+  await leave();
+  await until(page, () => globalThis.contextOfPage.isContextLost());
+  await putBack();
+  assert.equal(await page.evaluate(() => globalThis.counts.contexts), 2, 'no seat was left on the first');
+  assert.deepEqual(await page.evaluate(() => globalThis.counts.errors.map(({ id }) => id)), ['fetch-failed']);
+  page.reported.length = 0;
+  await page.close();
+});
+
+test('the note about the network goes when the network is back, also in a viewer that was freed meanwhile', async () => {
+  const page = await openPortfolio(browser, server.url);
+  let open = false;
+  await page.route('**/character.gltf', (route) => (open ? route.continue() : route.fulfill({ status: 503, body: '' })));
+  await fill(page, 1);
+  const note = () => page.evaluate(() => globalThis.viewers[0].shadowRoot.querySelector('.note').hidden);
+  await until(page, () => !globalThis.viewers[0].shadowRoot.querySelector('.note').hidden);
+  await page.evaluate(() => { document.querySelector('main').style.marginTop = `${20 * innerHeight}px`; });
+  await until(page, () => globalThis.viewers[0].shadowRoot.querySelector('.note').hidden);
+  open = true;
+  await page.evaluate(() => { document.querySelector('main').style.marginTop = '0'; });
+  await until(page, () => globalThis.viewers[0].stats?.framesShown > 2);
+  assert.equal(await note(), true);
+  await page.close();
+});

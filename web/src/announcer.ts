@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Says to screen readers what has changed while the viewer has the focus: whether it plays, and from where it is seen. Part of fourdvt-more.js.
+// Live region for screen readers, while the viewer has the focus: whether it plays, and from where it is seen. Part of fourdvt-more.js.
 import { fill } from './strings-more.js';
 
 const QUIET_MS = 700; // after the last change: a held key is one change
@@ -10,6 +10,8 @@ export interface Announced extends HTMLElement {
   readonly sequence: string;
   readonly paused: boolean;
   readonly ended: boolean;
+  /** Degrees, from +z towards +x. */
+  readonly heading: number;
   getCameraOrbit(): { azimuth: number; elevation: number };
 }
 
@@ -29,7 +31,7 @@ export class Announcer {
     this.#viewer = viewer;
     this.#live = document.createElement('p');
     this.#live.className = 'live';
-    this.#live.role = 'status';
+    this.#live.setAttribute('role', 'status');
     root.append(this.#live);
     const { signal } = this.#abort;
     for (const name of ['playing', 'pause', 'ended', 'sequencechange']) viewer.addEventListener(name, () => this.#later(() => this.#state()), { signal });
@@ -54,6 +56,6 @@ export class Announcer {
   #view(): string {
     const { azimuth, elevation } = this.#viewer.getCameraOrbit();
     const height = elevation > HIGH_DEG ? 'above' : elevation < LOW_DEG ? 'below' : '';
-    return fill(this.#strings['view']!, { side: this.#strings[sideOf(azimuth)]!, height: this.#strings[height] ?? '' });
+    return fill(this.#strings['view']!, { side: this.#strings[sideOf(azimuth - this.#viewer.heading)]!, height: this.#strings[height] ?? '' });
   }
 }

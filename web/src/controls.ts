@@ -24,6 +24,8 @@ let sheet: CSSStyleSheet | undefined;
 export interface Controlled extends HTMLElement {
   readonly paused: boolean;
   readonly duration: number;
+  readonly sequence: string;
+  readonly sequences: readonly { name: string; frames: number }[];
   readonly readyState: number;
   currentTime: number;
   play(): Promise<void>;
@@ -81,10 +83,13 @@ export class Controls {
     this.#box.setAttribute('part', 'controls');
     this.#play = make('button', 'play-toggle', () => (viewer.paused ? void viewer.play() : viewer.pause()));
     this.#time = make('input', 'time', () => (viewer.currentTime = Number(this.#time.value)));
-    Object.assign(this.#time, { type: 'range', min: '0', step: 'any', value: '0' });
+    Object.assign(this.#time, { type: 'range', min: '0', value: '0' });
     this.#clock = make('span', 'clock');
-    this.#clock.ariaHidden = 'true'; // the slider says it
-    this.#full = make('button', 'fullscreen', () => void (document.fullscreenElement ? document.exitFullscreen() : viewer.requestFullscreen()));
+    this.#clock.ariaHidden = 'true'; // the slider's value text is the same
+    this.#full = make('button', 'fullscreen', () => {
+      const change = viewer.matches(':fullscreen') ? document.exitFullscreen() : viewer.requestFullscreen();
+      change.catch((reason: unknown) => console.warn('fourdvt-viewer:', reason)); // the browser may refuse it
+    });
     const slot = document.createElement('slot');
     slot.name = 'controls';
     slot.style.display = 'contents';
@@ -114,15 +119,19 @@ export class Controls {
     const viewer = this.#viewer, s = this.#strings, mode = viewer.getAttribute('controls');
     const own = viewer.querySelector(':scope > [slot=controls]') !== null;
     const whole = own || (mode !== null && mode !== 'none'), timed = viewer.duration > 0 && viewer.duration < Infinity;
-    const full = document.fullscreenEnabled === true, isFull = document.fullscreenElement === viewer;
+    const full = document.fullscreenEnabled === true, isFull = viewer.matches(':fullscreen');
     const offered = !whole && this.#offer?.hidden === false; // one button is enough
     const state = [viewer.paused, mode, own, timed, isFull, viewer.readyState > 0, offered].join();
     if (always || state !== this.#shown) {
       this.#shown = state;
+      const focused = this.#play.matches(':focus');
       this.#box.hidden = mode === 'none' || viewer.readyState === 0 || offered;
+      if (focused && offered) this.#offer!.focus();
       this.#box.classList.toggle('small', !whole);
-      this.#box.role = whole ? 'group' : null;
+      if (whole) this.#box.setAttribute('role', 'group');
+      else this.#box.removeAttribute('role');
       this.#box.ariaLabel = whole ? s['controls']! : null;
+      this.#clock.textContent = ''; // its value text may be in another language
       this.#time.hidden = this.#clock.hidden = !whole || !timed;
       this.#full.hidden = !whole || !full;
       this.#time.ariaLabel = s['time']!;
@@ -132,8 +141,10 @@ export class Controls {
     if (!this.#time.hidden) this.#showTime();
   }
   #showTime(): void {
-    const { currentTime, duration } = this.#viewer, now = clockTime(currentTime), end = clockTime(duration);
+    const { currentTime, duration, sequence, sequences } = this.#viewer, now = clockTime(currentTime), end = clockTime(duration);
+    const frames = sequences.find(({ name }) => name === sequence)?.frames ?? 1;
     this.#time.max = String(duration);
+    this.#time.step = String(duration / frames);
     this.#time.value = String(currentTime);
     const clock = `${now} / ${end}`;
     if (this.#clock.textContent === clock) return;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a viewer shows and says beside its character once the player's second part is there: controls.ts, announcer.ts, and the prompt
+// Things round a viewer's character once the player's second part is there: controls.ts, announcer.ts, and the prompt
 // that invites the visitor to turn the view, and hotspots. Part of fourdvt-more.js.
 import { Announcer, type Announced } from './announcer.js';
 import { Controls, type Controlled } from './controls.js';
@@ -7,7 +7,7 @@ import { Hotspots, type HotspotScene } from './hotspots.js';
 import { addStrings } from './strings-more.js';
 import { stringsOf, type Languages } from './strings.js';
 
-const PROMPT_S = 3; // without an input, before it is shown
+const PROMPT_MS = 3000; // without an input, before it is shown
 const CSS = `
 .prompt { position: absolute; left: 0; right: 0; bottom: 72px; width: fit-content; max-width: 90%; margin: 0 auto; padding: 6px 14px; border-radius: 16px;
   font: 14px/1.4 system-ui, sans-serif; color: #fff; background: rgba(20,20,24,.75); pointer-events: none; transition: opacity .4s; }
@@ -23,8 +23,9 @@ export class Extras {
   readonly #prompt: HTMLSlotElement;
   readonly #controls: Controls;
   readonly #announcer: Announcer;
-  #quietS = 0; // since the visitor has done something last; only until the prompt is over
-  #prompts = true;
+  readonly #abort = new AbortController();
+  #timer: ReturnType<typeof setTimeout> | undefined; // to the prompt
+  #prompts = true; // the visitor has not turned the view yet
 
   /** stage: of the viewer's shadow tree. languages: gets the texts of this part. */
   constructor(viewer: Controlled & Announced, stage: HTMLElement, languages: Languages, scene: HotspotScene) {
@@ -45,6 +46,7 @@ export class Extras {
     this.#hotspots = new Hotspots(viewer, root, scene);
     this.#controls = new Controls(viewer, root);
     this.#announcer = new Announcer(viewer, root);
+    viewer.addEventListener('camera-change', () => this.#endPrompt(), { signal: this.#abort.signal });
     this.update();
   }
 
@@ -54,21 +56,28 @@ export class Extras {
     this.#prompt.textContent = strings['prompt']!;
     this.#controls.update(strings);
     this.#announcer.update(strings);
-    if (this.#viewer.getAttribute('interaction-prompt') === null) this.#prompt.hidden = true;
+    if (!this.#prompts) return;
+    if (!this.#viewer.matches('[camera-controls][interaction-prompt]:not([interaction-prompt=none])')) {
+      clearTimeout(this.#timer);
+      this.#timer = undefined;
+      this.#prompt.hidden = true;
+    } else {
+      this.#timer ??= setTimeout(() => { this.#prompt.hidden = false; }, PROMPT_MS);
+    }
   }
-  touched(): void {
+  #endPrompt(): void {
     this.#prompts = false;
+    clearTimeout(this.#timer);
     this.#prompt.hidden = true;
   }
-  turn(dtS: number): void {
+  turn(): void {
     this.#controls.turn();
     this.#hotspots.turn();
-    if (!this.#prompts || !this.#viewer.matches('[camera-controls][interaction-prompt]:not([interaction-prompt=none])')) return;
-    this.#quietS += dtS;
-    this.#prompt.hidden = this.#quietS < PROMPT_S;
   }
   vertexAt(x: number, y: number): number | null { return this.#hotspots.vertexAt(x, y); }
   dispose(): void {
+    this.#abort.abort();
+    clearTimeout(this.#timer);
     this.#hotspots.dispose();
     this.#controls.dispose();
     this.#announcer.dispose();

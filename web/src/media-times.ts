@@ -46,11 +46,12 @@ export class MediaTimes {
       this.#note();
       this.#since = null;
     });
+    on('emptied suspend', () => this.dispose());
     on('sequencechange emptied', () => {
       this.played = [];
       if (this.#since !== null) this.#since = viewer.currentTime;
     });
-    on('canplay playing', () => this.#judge());
+    on('canplay playing sequencechange', () => this.#judge());
   }
 
   buffered(): Range[] {
@@ -67,7 +68,7 @@ export class MediaTimes {
 
   /** A turn of the page's loop; bytes: that were fetched for the character so far. */
   turn(bytes: number): void {
-    if (bytes === this.#fetched) return;
+    if (bytes === this.#fetched || this.#viewer.readyState < 2) return; // before the first picture the player has events of its own
     this.#fetched = bytes;
     this.#timer ??= setTimeout(() => {
       this.#timer = undefined;
@@ -75,14 +76,17 @@ export class MediaTimes {
       this.#judge();
     }, PROGRESS_MS);
   }
-  dispose(): void { clearTimeout(this.#timer); }
+  dispose(): void {
+    clearTimeout(this.#timer);
+    this.#timer = undefined;
+  }
 
   // A motion that loops may have begun again since.
   #note(): void {
     const { currentTime: now, duration } = this.#viewer, since = this.#since;
     if (since === null || now === since) return;
     const passed: Range[] = now > since ? [[since, now]] : [[since, duration], [0, now]];
-    this.played = passed.reduce(withRange, this.played);
+    this.played = passed.filter(([start, end]) => start < end && end <= duration).reduce(withRange, this.played);
     this.#since = now;
   }
 

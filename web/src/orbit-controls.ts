@@ -92,7 +92,10 @@ export class OrbitControls {
     this.#camera.reset();
     this.#host.onInteract();
   }
-  #zoom(factor: number): void { this.#camera.zoom(factor ** this.#host.sensitivity().zoom); }
+  #zoom(factor: number): void {
+    const { zoom } = this.#host.sensitivity();
+    if (zoom) this.#camera.zoom(factor ** zoom); // else an automatic distance stays automatic
+  }
 
   #spread(): number {
     const [a, b] = [...this.#pointers.values()];

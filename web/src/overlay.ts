@@ -15,8 +15,11 @@ const CSS = `
 .stage:focus-visible::after { content: ''; position: absolute; inset: 0; box-shadow: inset 0 0 0 3px var(--fourdvt-focus, #5b8def); pointer-events: none; }
 canvas { position: absolute; inset: 0; width: 100%; height: 100%; display: block; }
 .poster, .picture { position: absolute; inset: 0; width: 100%; height: 100%; object-fit: contain; pointer-events: none;
-  transition: opacity .3s; }
+  transition: opacity .3s, visibility .3s; }
+::slotted([slot=poster]) { pointer-events: auto; }
 slot { display: block; }
+.progress-bar { position: absolute; left: 0; right: 0; bottom: 0; }
+:host([controls=none]) .play { display: none; }
 .bar { position: absolute; left: 0; right: 0; bottom: 0; height: var(--fourdvt-progress-height, 3px);
   background: var(--fourdvt-progress-track, rgba(127,127,127,.25)); pointer-events: none; transition: opacity .3s; }
 .bar > div { height: 100%; width: 100%; transform-origin: left; transform: scaleX(0);
@@ -30,7 +33,7 @@ slot { display: block; }
   color: inherit; font: inherit; cursor: pointer; }
 .note { position: absolute; left: 0; right: 0; top: 10px; width: fit-content; margin: 0 auto; padding: 3px 10px;
   border-radius: 6px; font: 12px/1.4 system-ui, sans-serif; color: #fff; background: rgba(20,20,24,.75); pointer-events: none; }
-.gone { opacity: 0; }
+.gone { opacity: 0; visibility: hidden; }
 [hidden] { display: none !important; }
 @media (prefers-reduced-motion: reduce) { .poster, .bar, .bar > div { transition: none; } }
 `;
@@ -134,7 +137,7 @@ export class Overlay {
   setLabel(alt: string, orbits: boolean, steers: boolean): void {
     const interactive = orbits || steers;
     this.stage.tabIndex = interactive ? 0 : -1;
-    this.stage.role = interactive ? 'application' : 'img';
+    this.stage.setAttribute('role', interactive ? 'application' : 'img');
     this.stage.ariaLabel = alt || this.#strings.label;
     if (steers) this.stage.setAttribute('aria-keyshortcuts', 'ArrowLeft ArrowRight ArrowUp ArrowDown W A S D Space');
     else if (orbits) this.stage.setAttribute('aria-keyshortcuts', 'ArrowLeft ArrowRight ArrowUp ArrowDown + - Home Space');
@@ -181,7 +184,9 @@ export class Overlay {
     if (reveal) this.dismissPoster();
   }
   offerPlay(offer: boolean): void {
+    const focused = !offer && this.#play.matches(':focus');
     this.#play.hidden = !offer;
+    if (focused) this.stage.focus();
   }
   /** Says what went wrong and offers to try again. `over`: there is nothing else to look at than the poster. */
   fail({ id, message }: { id: string; message: string }, over: boolean): void {

@@ -3,13 +3,13 @@
 // texts: FourdvtViewer.strings. Numbers and names stand in braces.
 
 export interface Strings {
-  /** Of a character that the page does not describe. */
+  /** Name of a character that the page does not describe. */
   label: string;
   loading: string;
   play: string;
   retry: string;
   network: string;
-  /** Of the panel for visitors, by the error's id; the event and the console have the details. */
+  /** Texts of the panel for visitors, by the error's id; the event and the console have the details. */
   failure: string;
   'insecure-context': string;
   'decoder-unsupported': string;

@@ -155,6 +155,12 @@ TEST(PlayerSimulation, EndsOnTheLastFrameAndPlaysAgain) {
     edge.player->play();
   }
   EXPECT_GE(edge.flushes, 2);
+  edge.player->pause();
+  edge.player->seek(edge.player->sequence()->duration_s());
+  ASSERT_TRUE(edge.runUntilShown());
+  EXPECT_EQ(edge.player->frame(), 22u);
+  edge.player->play();
+  ASSERT_TRUE(edge.runUntil([&] { return edge.player->frame() == 3; })) << "from the beginning";
   edge.player->setLoop(1);
   const int ended = edge.events[EventKind::Ended];
   edge.runUntil([] { return false; }, 5);

@@ -29,7 +29,7 @@ export interface Look {
   toBlob(snapshot?: Snapshot): Promise<Blob | null>;
   /** The same as a data: address; empty before the first picture. */
   toDataURL(snapshot?: Snapshot): Promise<string>;
-  /** Of the box that all of the character's motions fill, metres; null before it is loaded. */
+  /** Size of the box that all of the character's motions fill, metres; null before it is loaded. */
   getDimensions(): { x: number; y: number; z: number } | null;
 }
 

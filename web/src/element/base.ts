@@ -31,6 +31,10 @@ export const onArrival: unique symbol = Symbol();
 export const onLeft: unique symbol = Symbol();
 /** An attribute has changed while it is in a document. */
 export const onAttribute: unique symbol = Symbol();
+/** A session begins: what is known of the last one is over. */
+export const onSession: unique symbol = Symbol();
+/** True while nothing is to be loaded. */
+export const holds: unique symbol = Symbol();
 /** Its size or its pixel ratio has changed: CSS pixels. */
 export const onResize: unique symbol = Symbol();
 /** An event of the session, before it is dispatched. */
@@ -164,6 +168,8 @@ export class ViewerBase extends PageElement {
   [onAttribute](name: string, _before: string | null, _value: string | null): void {
     if (this[parts].connected && ViewerBase.observedAttributes.includes(name)) this[applyTexts]();
   }
+  [onSession](): void { /* likewise */ }
+  [holds](): boolean { return false; }
   [onResize](_width: number, _height: number): void { /* likewise */ }
   [onEvent](_name: string, _detail: unknown): void { /* likewise */ }
   [onPicture](): void { /* likewise */ }

@@ -3,7 +3,7 @@
 import { parseOrbit, parseTarget, type Follow } from '../orbit-camera.js';
 import { OrbitControls } from '../orbit-controls.js';
 import { animate, emit, onArrival, onAttribute, onLeft, onResize, parts, touched, type Constructor, type ViewerBase } from './base.js';
-import type { Playback } from './playback.js';
+import { stopped, type Playback } from './playback.js';
 
 const AUTO_ROTATE_DEG_S = 14;
 const AUTO_ROTATE_DELAY_MS = 4000;
@@ -73,7 +73,7 @@ export function withCamera<T extends Constructor<ViewerBase & Playback>>(Base: T
       if (this.#sinceInteraction === Infinity) camera.jump();
     }
 
-    // Of an attribute's first number; those that are none count as missing.
+    // Number that an attribute begins with.
     #number(name: string, fallback: number): number {
       const value = parseFloat(this.getAttribute(name) ?? '');
       return Number.isFinite(value) ? value : fallback;
@@ -94,12 +94,14 @@ export function withCamera<T extends Constructor<ViewerBase & Playback>>(Base: T
     override [animate](dtS: number): boolean {
       const { camera, reducedMotion } = this[parts];
       this.#sinceInteraction += dtS;
-      const rotating = this.hasAttribute('auto-rotate') && !reducedMotion.matches && !this.#controls?.dragging &&
+      const rotating = this.hasAttribute('auto-rotate') && !this[stopped] && !reducedMotion.matches && !this.#controls?.dragging &&
         1000 * this.#sinceInteraction > this.#number('auto-rotate-delay', AUTO_ROTATE_DELAY_MS);
+      const { azimuth } = camera.goal;
       if (rotating) camera.rotate(this.#number('rotation-per-second', AUTO_ROTATE_DEG_S) * dtS, 0);
+      const turned = camera.goal.azimuth !== azimuth; // up to its limits
       if (reducedMotion.matches) camera.jump();
       const moves = super[animate](dtS);
-      return camera.update(dtS) || rotating || moves;
+      return camera.update(dtS) || turned || moves;
     }
   };
 }

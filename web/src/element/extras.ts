@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Feature of <fourdvt-viewer>: what is there once the player's second part is: buttons and controls, what screen readers hear, the prompt;
-// extras.ts of that part has it.
+// Feature of <fourdvt-viewer>: buttons and controls, announcements for screen readers, the prompt and hotspots, which come with extras.ts
+// of the player's second part.
 import type { More } from '../wasm-module.js';
-import { animate, applyTexts, onAttribute, onLeft, onMore, parts, touched, type Constructor, type ViewerBase } from './base.js';
+import { animate, applyTexts, onAttribute, onLeft, onMore, parts, type Constructor, type ViewerBase } from './base.js';
 import type { Camera } from './camera.js';
 import type { Media } from './media.js';
 import type { Motion } from './motion.js';
@@ -40,12 +40,8 @@ export function withExtras<T extends Constructor<ViewerBase & Camera & Media & M
       });
       this[applyTexts]();
     }
-    override [touched](): void {
-      super[touched]();
-      this.#extras?.touched();
-    }
     override [animate](dtS: number): boolean {
-      this.#extras?.turn(dtS);
+      this.#extras?.turn();
       return super[animate](dtS);
     }
     override [applyTexts](): void {

@@ -5,7 +5,7 @@ import { filesOf } from '../files.js';
 import { Session } from '../session.js';
 import type { UploadChoice as UploadPath } from '../upload-path.js';
 import {
-  emit, firstWishes, onArrival, onAttribute, onConnected, onEvent, onGivenUp, onGranted, onLeft, onLost, onRestored, onTrapped, parts, report, sessionOptions, touched, updateActive,
+  emit, firstWishes, holds, onArrival, onAttribute, onConnected, onEvent, onGivenUp, onGranted, onLeft, onLost, onRestored, onSession, onTrapped, parts, report, sessionOptions, touched, updateActive,
   type Constructor, type ViewerBase,
 } from './base.js';
 
@@ -40,17 +40,18 @@ interface Addresses {
 
 export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Constructor<Loading> {
   return class extends Base implements Loading {
-    static override get observedAttributes(): readonly string[] { return [...super.observedAttributes, 'src', 'poster']; }
+    static override get observedAttributes(): readonly string[] { return [...super.observedAttributes, 'src', 'poster', 'preload']; }
 
     #error: MediaFault | null = null;
     #address = '';
-    #asked = false; // to load, in spite of preload="none"
+    #asked = false; // the visitor or the page wants it in spite of preload="none"
     #granted = false;
     #wanted: { fresh: boolean } | null = null; // to load, once the page lets it
     #loading = false;
     #loaded: string | null = null; // src of what is shown, or was shown when the element left the page
     #contextTimer = 0;
     #attempt: object | null = null; // to start a session; the latest
+    #turn: object = {}; // the latest
     #lost: object | null = null; // the session whose context may come back
 
     constructor(...args: any[]) {
@@ -97,6 +98,7 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
       super[onAttribute](name, before, value);
       if (!this[parts].connected) this.#loaded = null;
       else if (name === 'src') this.#want(); // the same one, too: another try
+      else if (name === 'preload') this.#begin();
       else if (name === 'poster' && before !== value) this[parts].overlay.setPoster(value);
     }
 
@@ -107,30 +109,36 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
 
     // Loads when the page lets it. `on`: goes on where it was. fresh: past the browser's cache, which may hold what was not whole.
     #want(on = false, fresh = false): void {
-      const { overlay, commands, companions, session } = this[parts];
+      const { overlay, commands, companions, session } = this[parts], turn = (this.#turn = {});
       this.#unload();
-      const aborted = session && this.#loading;
+      const aborted = session && this.#loading, emptied = this.#address && !on;
       this.#error = this.#wanted = null;
       this.#asked &&= on;
       this.#loading = false;
       this.#address = '';
       if (aborted) this[emit]('abort');
-      if (session && !on) this[emit]('emptied');
+      if (emptied && turn === this.#turn) this[emit]('emptied');
+      if (turn !== this.#turn) return; // a listener has loaded another source
       this.#loaded = this.src || null;
       overlay.idle();
       if (!this.src) return;
       overlay.setPoster(this.poster || null);
       if (!on) {
         commands.begin(this[firstWishes]());
+        if (turn !== this.#turn) return;
         for (const { src, commands: its } of companions) if (src === null) its.begin();
       }
       overlay.offerPlay(!commands.wishes.playing);
       this.#wanted = { fresh };
       this.#begin();
     }
+    override [holds](): boolean {
+      return this.getAttribute('preload') === 'none' && !this.#asked && !this[parts].commands.wishes.playing && !this[parts].session;
+    }
     #begin(): void {
       const { overlay, commands } = this[parts], wanted = this.#wanted;
-      if (!wanted || !this.#granted || (this.getAttribute('preload') === 'none' && !this.#asked && !commands.wishes.playing)) return;
+      if (!wanted || this[holds]()) return;
+      if (!this.#granted) return this[updateActive]();
       this.#wanted = null;
       this.#loading = true;
       overlay.loading();
@@ -163,6 +171,7 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
       const session = (this[parts].session = new Session({
         src, files: filesOf(wasmUrl, opencvUrl, document.baseURI), uploadPath: this.uploadPath, align: 'baked', room: false, fresh, credentials: this.getAttribute('crossorigin') === 'use-credentials' ? 'include' : 'same-origin', ...this[sessionOptions](),
       }, host));
+      this[onSession]();
       session.resize(size.width, size.height);
       this[updateActive]();
       void session.start();

@@ -3,11 +3,11 @@
 // of time, volume, callbacks for pictures. Ranges are known from the player's second part on.
 import type { MediaTimes } from '../media-times.js';
 import type { More } from '../wasm-module.js';
-import { animate, emit, onConnected, onEvent, onGivenUp, onLeft, onMore, onPicture, parts, report, type Constructor, type ViewerBase } from './base.js';
+import { animate, emit, onConnected, onEvent, onGivenUp, onLeft, onMore, onPicture, onSession, parts, report, type Constructor, type ViewerBase } from './base.js';
 import type { Loading } from './loading.js';
 import type { Playback } from './playback.js';
 
-/** As HTMLMediaElement's metadata for a picture, as far as it is known; times in ms, mediaTime in seconds. */
+/** Metadata of a picture, by the names of HTMLVideoElement's; times in ms, mediaTime in seconds. */
 export interface PictureMetadata {
   presentationTime: number;
   expectedDisplayTime: number;
@@ -18,16 +18,16 @@ export interface PictureMetadata {
 }
 
 export interface Media {
-  /** 'none': loads once it is asked to play, or touched; else as `loading` says. */
+  /** 'none': loads at the first play() or touch; else as `loading` says. */
   preload: string;
   /** 'use-credentials': cookies go to other origins, too. */
   crossOrigin: string | null;
   readonly networkState: number;
   readonly readyState: number;
-  /** Of the motion shown: what can be played without the network. */
+  /** Ranges of the motion shown that can be played without the network. */
   readonly buffered: TimeRanges;
   readonly seekable: TimeRanges;
-  /** Likewise, what has been played since it was chosen. */
+  /** Ranges of it that have been played since it was chosen. */
   readonly played: TimeRanges;
   volume: number;
   muted: boolean;
@@ -51,7 +51,7 @@ export function timeRanges(list: readonly (readonly [number, number])[]): TimeRa
 export function withMedia<T extends Constructor<ViewerBase & Loading & Playback>>(Base: T): T & Constructor<Media> {
   return class extends Base implements Media {
     #ready = 0;
-    #duration = NaN; // that pages have heard of
+    #duration = NaN; // at the last durationchange
     #volume = 1;
     #muted: boolean | null = null; // null: as the attribute says, until it is in a document
     #times: MediaTimes | null = null;
@@ -70,7 +70,7 @@ export function withMedia<T extends Constructor<ViewerBase & Loading & Playback>
       const { session } = this[parts];
       if (!this.src) return 0;
       if (!session || session.ended) return this.error ? 3 : 1;
-      return session.transport.busy ? 2 : 1;
+      return !session.character || session.transport.busy ? 2 : 1;
     }
     get readyState(): number { return this[parts].session?.character ? this.#ready : 0; }
     get buffered(): TimeRanges { return timeRanges(this.#times?.buffered() ?? []); }
@@ -105,6 +105,7 @@ export function withMedia<T extends Constructor<ViewerBase & Loading & Playback>
     }
     override [onEvent](name: string, detail: unknown): void {
       super[onEvent](name, detail);
+      if (name === 'sequencechange') this.#ready = Math.min(this.#ready, 3); // that one may not be buffered yet
       if (name in HAVE) this.#ready = name === 'waiting' ? HAVE[name]! : Math.max(this.#ready, HAVE[name]!);
       if ((name === 'loadedmetadata' || name === 'sequencechange') && !Object.is(this.#duration, this.duration)) {
         this.#duration = this.duration;
@@ -120,7 +121,12 @@ export function withMedia<T extends Constructor<ViewerBase & Loading & Playback>
       const due = this.#callbacks, now = performance.now();
       this.#callbacks = new Map();
       for (const callback of due.values()) {
-        callback(now, { presentationTime: now, expectedDisplayTime: now, ...this[parts].size, mediaTime: this.currentTime, presentedFrames: this.#presented });
+        const metadata = { presentationTime: now, expectedDisplayTime: now, ...this[parts].size, mediaTime: this.currentTime, presentedFrames: this.#presented };
+        try {
+          callback(now, metadata);
+        } catch (reason) {
+          setTimeout(() => { throw reason; }); // the others, and the next picture, do not wait for it
+        }
       }
     }
     override [onMore](more: More): void {
@@ -144,7 +150,13 @@ export function withMedia<T extends Constructor<ViewerBase & Loading & Playback>
     }
     override [onGivenUp](error?: Parameters<ViewerBase[typeof onGivenUp]>[0]): void {
       super[onGivenUp](error);
-      if (error) return;
+      if (!error) this.#forget();
+    }
+    override [onSession](): void {
+      super[onSession]();
+      this.#forget();
+    }
+    #forget(): void {
       this.#ready = 0;
       this.#duration = NaN;
     }

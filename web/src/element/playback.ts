@@ -4,8 +4,11 @@ import type { Wishes } from '../commands.js';
 import { deferred, type Deferred } from '../deferred.js';
 import { ViewerError, type ErrorDetail } from '../errors.js';
 import type { LiveState } from '../live.js';
-import { emit, firstWishes, onAttribute, onEvent, onGivenUp, parts, report, touched, type Constructor, type ViewerBase } from './base.js';
+import { emit, firstWishes, onAttribute, onEvent, onGivenUp, onSession, parts, report, touched, type Constructor, type ViewerBase } from './base.js';
 import { standsStill, type Loading } from './loading.js';
+
+/** It was paused, by the visitor or by the page. */
+export const stopped: unique symbol = Symbol();
 
 export interface Playback {
   autoplay: boolean;
@@ -28,6 +31,7 @@ export interface Playback {
   readonly liveState: LiveState | null;
   /** Seconds from capture to now, of the live frame that is shown; NaN while that is not known. */
   readonly liveLatency: number;
+  readonly [stopped]: boolean;
 }
 
 export function withPlayback<T extends Constructor<ViewerBase & Loading>>(Base: T): T & Constructor<Playback> {
@@ -51,6 +55,7 @@ export function withPlayback<T extends Constructor<ViewerBase & Loading>>(Base: 
     set autoplay(value: boolean) { this.toggleAttribute('autoplay', value); }
     get loop(): boolean { return this.hasAttribute('loop') && this.getAttribute('loop') !== 'false'; }
     set loop(value: boolean) { this.setAttribute('loop', value ? '' : 'false'); }
+    get [stopped](): boolean { return this.#stopped; }
     get paused(): boolean { return !this.#playing; }
     get ended(): boolean { return this.#ended; }
     get seeking(): boolean { return this.#seeking; }
@@ -113,7 +118,7 @@ export function withPlayback<T extends Constructor<ViewerBase & Loading>>(Base: 
       if (name === 'loop' && before !== value && this[parts].connected) this[parts].commands.set('loop', this.#loopMode());
     }
     override [report](name: string, detail?: unknown): void {
-      if (name === 'pause' && !this.#playing) return; // pages have heard of it
+      if (name === 'pause' && !this.#playing) return; // it was dispatched
       if (name === 'playing') this.#begin();
       super[report](name, detail);
     }
@@ -126,14 +131,20 @@ export function withPlayback<T extends Constructor<ViewerBase & Loading>>(Base: 
       } else if (name === 'ended') {
         this.#ended = true;
         overlay.offerPlay(true);
-      } else if (name === 'seeked' || name === 'error') {
+      } else if (name === 'seeked' || (name === 'error' && this[standsStill])) {
         this.#seeking = false;
+      } else if (name === 'canplay') {
+        this.#seeking &&= commands.state()?.seeking ?? false;
       } else if (name === 'playing' || name === 'sequencechange') {
         this.#ended = this.#seeking = false;
       }
       if (name !== 'playing') return;
       this.#played?.resolve();
       this.#played = null;
+    }
+    override [onSession](): void {
+      super[onSession]();
+      this.#ended = this.#seeking = false;
     }
     override [onGivenUp](error?: ErrorDetail): void {
       super[onGivenUp](error);
@@ -150,9 +161,9 @@ export function withPlayback<T extends Constructor<ViewerBase & Loading>>(Base: 
       this[emit]('play');
     }
     #seek(to: { time?: number; frame?: number }): void {
-      this[emit]('seeking');
       this.#seeking = true;
       this.#ended = false;
+      this[emit]('seeking');
       if (this.#isIdle) this.#sought = to;
     }
     #settle(reason: Error): void {

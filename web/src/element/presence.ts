@@ -3,7 +3,7 @@
 // from the screen is freed, what is not on it stands still.
 import { Ledger, type Claim, type Grant, type LoadingMode, type Member } from '../ledger.js';
 import { Stage } from '../stage.js';
-import { onAttribute, onConnected, onEvent, onGranted, onLeft, parts, touched, updateActive, type Constructor, type ViewerBase } from './base.js';
+import { holds, onAttribute, onConnected, onEvent, onGranted, onLeft, parts, touched, updateActive, type Constructor, type ViewerBase } from './base.js';
 
 const PHONE = '(hover: none) and (pointer: coarse)';
 const PHONE_BYTES = 160e6, DESKTOP_BYTES = 400e6;
@@ -94,12 +94,12 @@ export function withPresence<T extends Constructor<ViewerBase>>(Base: T): T & Co
     }
 
     claim(): Claim {
-      const { session } = this[parts], shown = session ? session.ended || session.drawing.shown : this.matches(':not([src]),[preload=none]');
+      const { session } = this[parts], shown = session ? session.ended || session.drawing.shown : !this.hasAttribute('src');
       const { left, right, top, bottom, width, height } = this.getBoundingClientRect();
       const across = Math.max(0, left - innerWidth, -right) / innerWidth, down = Math.max(0, top - innerHeight, -bottom) / innerHeight;
       const { width: w, height: h } = this.#seen?.intersectionRect ?? { width, height };
       // Styles may show at any time what they hide; what a scroller clips is near.
-      const distance = width * height === 0 ? 1 : Math.max(across, down, this.#onScreen ? 0 : 0.01);
+      const distance = this[holds]() ? Infinity : width * height === 0 ? 1 : Math.max(across, down, this.#onScreen ? 0 : 0.01);
       return { mode: this.loading, distance, area: w * h, shown, touchedMs: this[parts].touchedMs };
     }
     granted(grant: Grant): void {
