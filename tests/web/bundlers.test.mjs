@@ -5,13 +5,14 @@ import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import { cpSync, mkdirSync, mkdtempSync, readdirSync, rmSync, symlinkSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
-import { join } from 'node:path';
+import { join, resolve } from 'node:path';
 import { after, before, test } from 'node:test';
 import { fileURLToPath } from 'node:url';
 
 import { environment, kPatienceMs, launch, openPage, requireFromWeb } from './harness.mjs';
 import { serve } from './server.mjs';
 
+const kSite = resolve(environment('SITE'));
 const kWeb = fileURLToPath(new URL('../../web', import.meta.url));
 const kBody = '<fourdvt-viewer src="/character/character.gltf" sequence="walk" autoplay loop style="width: 200px"></fourdvt-viewer>';
 let folder, browser;
@@ -21,7 +22,7 @@ before(async () => {
   const player = join(folder, 'node_modules/fourdvt-viewer');
   mkdirSync(player, { recursive: true });
   for (const name of ['package.json', 'react.d.ts', 'react.js']) cpSync(join(kWeb, name), join(player, name));
-  cpSync(join(environment('SITE'), 'fourdvt-viewer'), join(player, 'dist'), { recursive: true });
+  cpSync(join(kSite, 'fourdvt-viewer'), join(player, 'dist'), { recursive: true });
   symlinkSync(join(kWeb, 'node_modules/@types'), join(folder, 'node_modules/@types'));
   writeFileSync(join(folder, 'package.json'), '{ "type": "module" }');
   writeFileSync(join(folder, 'main.js'), "import 'fourdvt-viewer';\nimport 'fourdvt-viewer/react';\n");
@@ -35,7 +36,7 @@ after(async () => {
 
 // Shows the page until its second part and its worker are there.
 async function expectAll(site, pages = {}) {
-  symlinkSync(join(environment('SITE'), 'character'), join(site, 'character'));
+  symlinkSync(join(kSite, 'character'), join(site, 'character'));
   const server = await serve(site, 0, { pages });
   const page = await openPage(browser, { viewport: { width: 240, height: 300 } });
   const warnings = [];
@@ -71,7 +72,7 @@ test('webpack takes all files along', async () => {
 
 test('a page that keeps the files elsewhere names the wasm file, also by a relative address, after the import', async () => {
   const site = join(folder, 'elsewhere');
-  cpSync(join(environment('SITE'), 'fourdvt-viewer'), join(site, 'assets/player'), { recursive: true });
+  cpSync(join(kSite, 'fourdvt-viewer'), join(site, 'assets/player'), { recursive: true });
   cpSync(join(site, 'assets/player/fourdvt-viewer.js'), join(site, 'viewer.js'));
   writeFileSync(join(site, 'index.html'), `<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,">${kBody}<script type="module">
     import { FourdvtViewer } from './viewer.js';
