@@ -15,7 +15,7 @@ export const requireFromWeb = createRequire(new URL('../../web/package.json', im
 const { chromium } = requireFromWeb('playwright-core');
 const run = promisify(execFile);
 
-export const kPatienceMs = Number(process.env.PATIENCE ?? 120_000);  // software GL on a busy machine
+export const kPatienceMs = Number(process.env.FOURDVT_PATIENCE_MS ?? 120_000);  // software GL on a busy machine
 export const kFovDeg = 30;           // vertical, native and page
 
 /** A name of this machine that is neither localhost nor https. */
