@@ -20,7 +20,7 @@ function members() {
     .flatMap(([, , body]) => [...body.matchAll(/^ {2}(?:readonly |get |set )?([a-z]\w*)[(:?]/gm)].map(([, name]) => name)));
   return [...new Set(names)].sort();
 }
-// What the code reads of attributes, by its name in quotes.
+// Names of attributes that the code reads, as they stand in quotes.
 function attributes() {
   const sources = [...features.map(([, text]) => text), ...['look', 'method-attributes', 'quality-attribute', 'motion-controls', 'steering', 'controls', 'extras', 'advice'].map((name) => read(`web/src/${name}.ts`))];
   const names = sources.flatMap((text) => [...text.matchAll(/(?:hasAttribute|getAttribute|toggleAttribute|setAttribute|#number)\('([a-z-]+)'/g)].map(([, name]) => name));

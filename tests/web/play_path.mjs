@@ -29,7 +29,7 @@ export async function openOnPath(page, server, path, host = '127.0.0.1') {
 
 /**
  * Shows at least so many frames, with each kind of change at least once. { frames, checked, mismatches, late, path, play,
- * loops, seeks, rungs }: the last four are lists of ms. A rung's is the longest time between pictures in the second after it was asked for.
+ * loops, seeks, rungs }: the last four are lists of ms. For a rung it is the longest time between pictures in the second after the change.
  */
 export function playOnPath(page, frames) {
   return page.evaluate(async (frames) => {
