@@ -83,7 +83,8 @@ uint32_t PlayerImpl::shownFrameOf(const Track& t) const {
   return static_cast<uint32_t>(t.head.shown().k % shownOf(t).frame_count);
 }
 
-// A seek, or a place that was kept, has led to the last frame of a motion that leads nowhere.
+// True on the last frame of a motion that neither loops nor leads to another: after a seek, or at a place that was
+// kept.
 bool PlayerImpl::standsAtTheEnd() const {
   return hasFrame() && !seeking() && !inPhase() && transitions_.returnTo() < 0 && !loops(main()) &&
          shownFrameOf(main()) + 1 == wantedOf(main()).frame_count;

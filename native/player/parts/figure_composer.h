@@ -62,7 +62,7 @@ class FigureComposer {
   void markStale() { stale_ = true; }  // the model's mesh is not that of the tracks
   // Uploads the mesh if it is stale. second: null without a fade.
   void compose(gpu::Device& device, const ShownFrame& first, const ShownFrame* second, const MeshFade& fade);
-  // Of the mesh that was composed last; faded: of two tracks.
+  // Positions of the mesh that was composed last; faded: of two tracks.
   const Positions& shown(const ShownFrame& first, bool faded) const { return faded ? faded_ : first.positions(); }
   // Of a character from cameras; valid until the next call.
   render::Figure cameraFigure(const ShownFrame& frame, const render::PictureTextures& picture,
