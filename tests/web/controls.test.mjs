@@ -277,7 +277,7 @@ test('a hotspot stays on its vertex, and knows when the surface turns away', asy
   assert.ok(Number.isInteger(vertex));
   assert.equal(await at.viewer((v) => v.vertexFromPoint(2, 2)), null, 'beside the character');
   assert.equal(await at.page.locator('#spot').isVisible(), false, 'it has no vertex yet');
-  await at.page.evaluate((vertex) => { document.getElementById('spot').dataset.vertex = vertex; document.querySelector('fourdvt-viewer').renderOptions = {}; }, vertex);
+  await at.page.evaluate((vertex) => { document.getElementById('spot').dataset.vertex = vertex; }, vertex);
   await at.page.locator('#spot').waitFor({ state: 'visible' });
   const [x, y] = await centre();
   assert.ok(Math.hypot(x - 200, y - 200) < 12, `it is at ${x}, ${y}`);

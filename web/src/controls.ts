@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Buttons of a viewer: one that pauses what moves; with the attribute `controls` a bar with play, time and full screen. Part of
+// Buttons of a viewer: one that pauses and plays; with the attribute `controls` a bar with play, time and full screen. Part of
 // fourdvt-more.js.
 import { fill } from './strings-more.js';
+import { adopt } from './styles.js';
 
 const CSS = `
 .controls { position: absolute; left: 0; right: 0; bottom: 0; display: flex; align-items: center; gap: 2px; padding: 0 4px; color: #fff;
@@ -19,7 +20,6 @@ const ICONS = {
   pause: 'M4 2h6v20H4zm10 0h6v20h-6z',
   full: 'M2 2h8v3H5v5H2zm12 0h8v8h-3V5h-5zM2 14h3v5h5v3H2zm17 0h3v8h-8v-3h5z',
 };
-let sheet: CSSStyleSheet | undefined;
 
 export interface Controlled extends HTMLElement {
   readonly paused: boolean;
@@ -66,11 +66,7 @@ export class Controls {
   constructor(viewer: Controlled, root: ShadowRoot) {
     this.#viewer = viewer;
     this.#offer = root.querySelector('.play');
-    if (!sheet) {
-      sheet = new CSSStyleSheet();
-      sheet.replaceSync(CSS);
-    }
-    if (!root.adoptedStyleSheets.includes(sheet)) root.adoptedStyleSheets = [...root.adoptedStyleSheets, sheet];
+    adopt(root, CSS);
     const make = <K extends 'button' | 'input' | 'span'>(tag: K, part: string, on?: () => void): HTMLElementTagNameMap[K] => {
       const made = document.createElement(tag);
       made.setAttribute('part', part);
@@ -138,13 +134,14 @@ export class Controls {
       setIcon(this.#play, viewer.paused ? 'play' : 'pause', s[viewer.paused ? 'play' : 'pause']!);
       setIcon(this.#full, 'full', s[isFull ? 'leaveFullscreen' : 'fullscreen']!);
     }
-    if (!this.#time.hidden) this.#showTime();
-  }
-  #showTime(): void {
-    const { currentTime, duration, sequence, sequences } = this.#viewer, now = clockTime(currentTime), end = clockTime(duration);
-    const frames = sequences.find(({ name }) => name === sequence)?.frames ?? 1;
+    if (this.#time.hidden) return;
+    const { duration, sequence, sequences } = viewer, frames = sequences.find(({ name }) => name === sequence)?.frames ?? 1;
     this.#time.max = String(duration);
     this.#time.step = String(duration / frames);
+    this.#showTime();
+  }
+  #showTime(): void {
+    const { currentTime, duration } = this.#viewer, now = clockTime(currentTime), end = clockTime(duration);
     this.#time.value = String(currentTime);
     const clock = `${now} / ${end}`;
     if (this.#clock.textContent === clock) return;

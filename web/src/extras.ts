@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Things round a viewer's character once the player's second part is there: controls.ts, announcer.ts, and the prompt
-// that invites the visitor to turn the view, and hotspots. Part of fourdvt-more.js.
+// Buttons, announcements, hotspots, and the prompt that invites the visitor to turn the view, of one viewer. Part of fourdvt-more.js.
 import { Announcer, type Announced } from './announcer.js';
 import { Controls, type Controlled } from './controls.js';
 import { Hotspots, type HotspotScene } from './hotspots.js';
 import { addStrings } from './strings-more.js';
+import { adopt } from './styles.js';
 import { stringsOf, type Languages } from './strings.js';
 
 const PROMPT_MS = 3000; // without an input, before it is shown
@@ -14,7 +14,6 @@ const CSS = `
 .hotspot { position: absolute; left: 0; top: 0; }
 .live { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); white-space: nowrap; margin: 0; }
 `;
-let sheet: CSSStyleSheet | undefined;
 
 export class Extras {
   readonly #hotspots: Hotspots;
@@ -33,11 +32,7 @@ export class Extras {
     addStrings(languages);
     this.#viewer = viewer;
     this.#languages = languages;
-    if (!sheet) {
-      sheet = new CSSStyleSheet();
-      sheet.replaceSync(CSS);
-    }
-    if (!root.adoptedStyleSheets.includes(sheet)) root.adoptedStyleSheets = [...root.adoptedStyleSheets, sheet];
+    adopt(root, CSS);
     this.#prompt = document.createElement('slot');
     this.#prompt.name = this.#prompt.className = 'prompt';
     this.#prompt.setAttribute('part', 'prompt');

@@ -24,7 +24,7 @@ export const FILES: PlayerFiles = {
   opencvWasm: FOURDVT_OPENCV ? new URL(`fourdvt-opencv.wasm${FOURDVT_VERSION}`, import.meta.url).href : '',
 };
 
-/** With the wasm file where the page says, and the others beside it, but for OpenCV if the page names it, too. */
+/** Addresses for a wasm file that the page names: the others lie beside it, and so does OpenCV's unless the page names that, too. */
 export function filesOf(wasmUrl: string, opencvUrl: string, base: string): PlayerFiles {
   const wasm = new URL(wasmUrl, base).href, opencv = opencvUrl && new URL(opencvUrl, base).href;
   if (wasm === FILES.wasm && opencv === FILES.opencv) return FILES;

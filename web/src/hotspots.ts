@@ -13,15 +13,20 @@ export interface HotspotScene {
   /** Null before there is a character. */
   layered(): boolean | null;
   pose(): Omit<ViewRecord, 'width' | 'height'>;
-  /** Of the canvas, pixels. */
+  /** Pixels of the canvas. */
   size(): { width: number; height: number };
+  /** Brings a turn of the frame loop about. */
+  wake(): void;
 }
 
 export class Hotspots {
   readonly #viewer: HTMLElement;
   readonly #root: ShadowRoot;
   readonly #scene: HotspotScene;
-  readonly #changes = new MutationObserver(() => this.#collect());
+  readonly #changes = new MutationObserver(() => {
+    this.#collect();
+    this.#scene.wake();
+  });
   readonly #slots = new Map<HTMLElement, HTMLSlotElement>();
   #refused = false; // the console has the reason
 
@@ -46,19 +51,17 @@ export class Hotspots {
       this.#refused = true;
       console.warn('fourdvt-viewer: hotspots need a character from layers: the meshes of one from cameras change with every frame');
     }
-    const { width, height } = scene.size(), scale = this.#viewer.clientHeight / height;
+    for (const slot of this.#slots.values()) slot.hidden = true;
+    if (layered) this.#withView((m, handle, view, scale) => this.#place(m, handle, view, scale));
+  }
+
+  #place(m: WasmModule, handle: number, view: number, scale: number): void {
     for (const [element, slot] of this.#slots) {
-      let place: { xPx: number; yPx: number; facing: boolean } | null = null;
       const vertex = Number(element.dataset['vertex'] ?? NaN);
-      if (Number.isInteger(vertex) && vertex >= 0 && layered) {
-        this.#withView((m, handle, view) => {
-          const at = m._fdvt_surface_point(handle, vertex, view);
-          if (at) place = readSurfacePoint(m.HEAPU8, at);
-        }, width, height);
-      }
-      slot.hidden = place === null;
-      if (place === null) continue;
-      const { xPx, yPx, facing } = place as { xPx: number; yPx: number; facing: boolean };
+      const at = Number.isInteger(vertex) && vertex >= 0 ? m._fdvt_surface_point(handle, vertex, view) : 0;
+      if (!at) continue;
+      const { xPx, yPx, facing } = readSurfacePoint(m.HEAPU8, at);
+      slot.hidden = false;
       slot.style.transform = `translate(${(scale * xPx).toFixed(1)}px, ${(scale * yPx).toFixed(1)}px) translate(-50%, -50%)`;
       element.toggleAttribute('data-visible', facing);
     }
@@ -66,19 +69,21 @@ export class Hotspots {
 
   /** The vertex nearest to a point of the page, CSS pixels; null where no surface is. */
   vertexAt(x: number, y: number): number | null {
-    const { width, height } = this.#scene.size(), { left, top, height: shown } = this.#viewer.getBoundingClientRect();
+    const { left, top } = this.#viewer.getBoundingClientRect();
     let vertex = -1;
     if (this.#scene.layered()) {
-      this.#withView((m, handle, view) => { vertex = m._fdvt_vertex_at(handle, view, ((x - left) * height) / shown, ((y - top) * height) / shown); }, width, height);
+      this.#withView((m, handle, view, scale) => { vertex = m._fdvt_vertex_at(handle, view, (x - left) / scale, (y - top) / scale); });
     }
     return vertex < 0 ? null : vertex;
   }
 
-  #withView(action: (m: WasmModule, handle: number, view: number) => void, width: number, height: number): void {
+  // scale: CSS pixels for each pixel of the canvas.
+  #withView(action: (m: WasmModule, handle: number, view: number, scale: number) => void): void {
+    const size = this.#scene.size(), scale = this.#viewer.clientHeight / size.height;
     this.#scene.player()?.tell((m, handle) => {
-      const bytes = bytesOfView({ ...this.#scene.pose(), width, height }), view = m._fdvt_alloc(bytes.length);
+      const bytes = bytesOfView({ ...this.#scene.pose(), ...size }), view = m._fdvt_alloc(bytes.length);
       m.HEAPU8.set(bytes, view);
-      action(m, handle, view);
+      action(m, handle, view, scale);
       m._fdvt_free(view);
       return 1;
     });

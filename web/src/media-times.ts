@@ -4,7 +4,7 @@
 import { readTimeRange } from './generated/abi.js';
 import type { SidePlayer } from './session-side.js';
 
-const PROGRESS_MS = 350; // between two events, as media elements have them
+const PROGRESS_MS = 350; // between two events, about that of browsers
 const ENOUGH_S = 4; // ahead: the player's renditions follow the network from there on
 
 export type Range = [number, number];
@@ -17,6 +17,14 @@ export interface TimedViewer extends EventTarget {
   readonly readyState: number;
 }
 
+/** The character that it shows. */
+export interface TimedCharacter {
+  /** Null until its second part is there. */
+  player(): SidePlayer | null;
+  /** Bytes that were fetched so far. */
+  bytes(): number;
+}
+
 /** The ranges with one more, in order, none touching another. */
 export function withRange(ranges: readonly Range[], [start, end]: Range): Range[] {
   const apart = ranges.filter(([a, b]) => b < start || a > end), joined = ranges.filter(([a, b]) => b >= start && a <= end);
@@ -26,17 +34,17 @@ export function withRange(ranges: readonly Range[], [start, end]: Range): Range[
 
 export class MediaTimes {
   readonly #viewer: TimedViewer;
-  readonly #player: () => SidePlayer | null;
+  readonly #character: TimedCharacter;
   readonly #report: (name: string, detail?: unknown) => void;
   #since: number | null = null; // it has played from there to now
   #fetched = 0; // bytes, at the last event
   #timer: ReturnType<typeof setTimeout> | undefined;
   played: Range[] = [];
 
-  /** player: once its second part is there. report: dispatches an event of the player. */
-  constructor(viewer: TimedViewer, player: () => SidePlayer | null, report: (name: string, detail?: unknown) => void) {
+  /** report: dispatches an event of the player. */
+  constructor(viewer: TimedViewer, character: TimedCharacter, report: (name: string, detail?: unknown) => void) {
     this.#viewer = viewer;
-    this.#player = player;
+    this.#character = character;
     this.#report = report;
     const on = (names: string, run: () => void): void => { for (const name of names.split(' ')) viewer.addEventListener(name, run); };
     if (!viewer.paused) this.#since = viewer.currentTime;
@@ -56,7 +64,7 @@ export class MediaTimes {
 
   buffered(): Range[] {
     const list: Range[] = [];
-    this.#player()?.tell((module, handle) => {
+    this.#character.player()?.tell((module, handle) => {
       for (let at = 0; (at = module._fdvt_buffered(handle, list.length)); ) {
         const { startS, endS } = readTimeRange(module.HEAPU8, at);
         list.push([startS, endS]);
@@ -66,13 +74,14 @@ export class MediaTimes {
     return list;
   }
 
-  /** A turn of the page's loop; bytes: that were fetched for the character so far. */
-  turn(bytes: number): void {
-    if (bytes === this.#fetched || this.#viewer.readyState < 2) return; // before the first picture the player has events of its own
-    this.#fetched = bytes;
+  /** A turn of the page's loop: it is there wherever bytes have come. */
+  turn(): void {
     this.#timer ??= setTimeout(() => {
       this.#timer = undefined;
-      this.#report('progress', { loaded: this.#fetched, total: this.#fetched });
+      const bytes = this.#character.bytes();
+      if (bytes === this.#fetched || this.#viewer.readyState < 2) return; // before the first picture the player has events of its own
+      this.#fetched = bytes;
+      this.#report('progress', { loaded: bytes, total: bytes });
       this.#judge();
     }, PROGRESS_MS);
   }

@@ -24,7 +24,7 @@ const MARGIN = 1.08;           // room around the character at the automatic dis
 const MIN_DISTANCE = 0.35;     // in automatic distances
 const MAX_DISTANCE = 3;
 
-// Degrees, metres; `fallback` for what is no number.
+// Reads up to three quantities, angles in degrees and lengths in metres; `fallback` stands for each that is missing.
 const quantities = (text: string | null, fallback: number): number[] => {
   const tokens = (text ?? '').trim().split(/\s+/);
   return [0, 1, 2].map((i) => {

@@ -3,6 +3,7 @@
 // Its style is a constructable style sheet, so that the page can have a strict style-src policy.
 
 import type { Strings } from './strings.js';
+import { adopt } from './styles.js';
 
 const ON_DEVELOPERS_MACHINE = /^(file:|https?:\/\/(localhost|127\.0\.0\.1|\[::1])[:/])/;
 
@@ -21,7 +22,7 @@ slot { display: block; }
 .progress-bar { position: absolute; left: 0; right: 0; bottom: 0; }
 :host([controls=none]) .play { display: none; }
 .bar { position: absolute; left: 0; right: 0; bottom: 0; height: var(--fourdvt-progress-height, 3px);
-  background: var(--fourdvt-progress-track, rgba(127,127,127,.25)); pointer-events: none; transition: opacity .3s; }
+  background: var(--fourdvt-progress-track, rgba(127,127,127,.25)); pointer-events: none; }
 .bar > div { height: 100%; width: 100%; transform-origin: left; transform: scaleX(0);
   background: var(--fourdvt-progress-color, currentColor); transition: transform .15s; }
 .play { position: absolute; left: 50%; top: 50%; width: 64px; height: 64px; margin: -32px; border: 0; border-radius: 50%;
@@ -35,10 +36,9 @@ slot { display: block; }
   border-radius: 6px; font: 12px/1.4 system-ui, sans-serif; color: #fff; background: rgba(20,20,24,.75); pointer-events: none; }
 .gone { opacity: 0; visibility: hidden; }
 [hidden] { display: none !important; }
-@media (prefers-reduced-motion: reduce) { .poster, .bar, .bar > div { transition: none; } }
+@media (prefers-reduced-motion: reduce) { .poster, .bar > div { transition: none; } }
 `;
 const KEPT_PIXELS = 320; // the longer side of a picture that is kept
-let sheet: CSSStyleSheet | undefined;
 
 function add<K extends keyof HTMLElementTagNameMap>(parent: Node, tag: K, name: string): HTMLElementTagNameMap[K] {
   const element = document.createElement(tag);
@@ -68,11 +68,7 @@ export class Overlay {
   onRetry: () => void = () => undefined;
 
   constructor(root: ShadowRoot) {
-    if (!sheet) {
-      sheet = new CSSStyleSheet();
-      sheet.replaceSync(CSS);
-    }
-    root.adoptedStyleSheets = [sheet];
+    adopt(root, CSS);
     this.stage = add(root, 'div', 'stage');
     this.#poster = add(root, 'slot', 'poster');
     this.#poster.name = 'poster';

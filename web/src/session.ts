@@ -10,7 +10,7 @@ import { Later, needsFlow } from './later.js';
 import type { LiveStream } from './live.js';
 import { extensionOf, isFromCameras } from './manifest.js';
 import type { SessionHost, SessionOptions } from './session-host.js';
-import type { ActorHost, Bake, SessionSide } from './session-side.js';
+import type { ActorHost, Bake, SessionSide, SidePlayer } from './session-side.js';
 import { Stage, type Seat } from './stage.js';
 import { Transport } from './transport.js';
 import { choosePath, kindOf, rememberedPath, type UploadPath } from './upload-path.js';
@@ -113,6 +113,8 @@ export class Session implements SessionSide, Seat {
   get layers(): number | undefined { return this.main ? extensionOf(this.manifest)?.layerCount : undefined; }
   // The main character first, if there is one.
   get #actors(): Actor[] { return this.main ? [this.main, ...(this.later.others as Actor[])] : []; }
+  /** The main character's, once its second part is there. */
+  get wholePlayer(): SidePlayer | null { return this.later.loaded ? this.main?.player ?? null : null; }
   more(): Promise<More> { return this.later.more(); }
   resize(width: number, height: number): void {
     this.drawing.resize(width, height);

@@ -30,7 +30,8 @@ export function withExtras<T extends Constructor<ViewerBase & Camera & Media & M
       if (!this[parts].connected || this.#extras) return;
       const languages = (this.constructor as unknown as { strings: Record<string, Record<string, string>> }).strings;
       this.#extras = new more.Extras(this, this[parts].overlay.stage, languages, {
-        player: () => (this[parts].session?.later.loaded ? this[parts].session!.main?.player ?? null : null),
+        player: () => this[parts].session?.wholePlayer ?? null,
+        wake: () => this[parts].session?.wake(),
         layered: () => {
           const { character } = this[parts].session ?? {};
           return character ? !character.fromCameras : null;

@@ -44,14 +44,13 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
 
     #error: MediaFault | null = null;
     #address = '';
-    #asked = false; // the visitor or the page wants it in spite of preload="none"
+    #asked = false; // touched or played with this source: preload="none" counts no longer
     #granted = false;
     #wanted: { fresh: boolean } | null = null; // to load, once the page lets it
     #loading = false;
     #loaded: string | null = null; // src of what is shown, or was shown when the element left the page
     #contextTimer = 0;
-    #attempt: object | null = null; // to start a session; the latest
-    #turn: object = {}; // the latest
+    #attempt: object | null = null; // to load a source; the latest
     #lost: object | null = null; // the session whose context may come back
 
     constructor(...args: any[]) {
@@ -67,9 +66,7 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
     get error(): MediaFault | null { return this.#error; }
     get uploadPath(): UploadPath { return (this.getAttribute('upload-path') ?? 'auto') as UploadPath; }
     set uploadPath(value: UploadPath) { this.setAttribute('upload-path', value); }
-    load(): void {
-      if (this[parts].connected) this.#want();
-    }
+    load(): void { if (this[parts].connected) this.#want(); }
 
     override [onConnected](): void {
       const back = this.#loaded !== null && this.#loaded === this.src;
@@ -109,23 +106,23 @@ export function withLoading<T extends Constructor<ViewerBase>>(Base: T): T & Con
 
     // Loads when the page lets it. `on`: goes on where it was. fresh: past the browser's cache, which may hold what was not whole.
     #want(on = false, fresh = false): void {
-      const { overlay, commands, companions, session } = this[parts], turn = (this.#turn = {});
+      const { overlay, commands, companions, session } = this[parts];
       this.#unload();
-      const aborted = session && this.#loading, emptied = this.#address && !on;
+      const attempt = (this.#attempt = {}), aborted = session && this.#loading, emptied = this.#address && !on;
       this.#error = this.#wanted = null;
       this.#asked &&= on;
       this.#loading = false;
       this.#address = '';
       if (aborted) this[emit]('abort');
-      if (emptied && turn === this.#turn) this[emit]('emptied');
-      if (turn !== this.#turn) return; // a listener has loaded another source
+      if (emptied && attempt === this.#attempt) this[emit]('emptied');
+      if (attempt !== this.#attempt) return; // a listener has loaded another source
       this.#loaded = this.src || null;
       overlay.idle();
       if (!this.src) return;
       overlay.setPoster(this.poster || null);
       if (!on) {
         commands.begin(this[firstWishes]());
-        if (turn !== this.#turn) return;
+        if (attempt !== this.#attempt) return;
         for (const { src, commands: its } of companions) if (src === null) its.begin();
       }
       overlay.offerPlay(!commands.wishes.playing);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Feature of <fourdvt-viewer>: the rest of the media element's contract, by which ready-made controls drive it: states, ranges
-// of time, volume, callbacks for pictures. Ranges are known from the player's second part on.
+// of time, volume, callbacks for pictures. Ranges are empty until the
+// player's second part is there.
 import type { MediaTimes } from '../media-times.js';
 import type { More } from '../wasm-module.js';
 import { animate, emit, onConnected, onEvent, onGivenUp, onLeft, onMore, onPicture, onSession, parts, report, type Constructor, type ViewerBase } from './base.js';
@@ -18,7 +19,7 @@ export interface PictureMetadata {
 }
 
 export interface Media {
-  /** 'none': loads at the first play() or touch; else as `loading` says. */
+  /** 'none': loads at the first play() or touch; else `loading` decides. */
   preload: string;
   /** 'use-credentials': cookies go to other origins, too. */
   crossOrigin: string | null;
@@ -53,7 +54,7 @@ export function withMedia<T extends Constructor<ViewerBase & Loading & Playback>
     #ready = 0;
     #duration = NaN; // at the last durationchange
     #volume = 1;
-    #muted: boolean | null = null; // null: as the attribute says, until it is in a document
+    #muted: boolean | null = null; // null before it is in a document: the attribute counts
     #times: MediaTimes | null = null;
     #callbacks = new Map<number, (nowMs: number, metadata: PictureMetadata) => void>();
     #handles = 0;
@@ -131,13 +132,13 @@ export function withMedia<T extends Constructor<ViewerBase & Loading & Playback>
     }
     override [onMore](more: More): void {
       super[onMore](more);
-      this.#times ??= new more.MediaTimes(this, () => {
-        const { session } = this[parts];
-        return session?.later.loaded ? session.main?.player ?? null : null;
+      this.#times ??= new more.MediaTimes(this, {
+        player: () => this[parts].session?.wholePlayer ?? null,
+        bytes: () => this[parts].commands.state()?.bytesFetched ?? 0,
       }, (name, detail) => this[report](name, detail));
     }
     override [animate](dtS: number): boolean {
-      this.#times?.turn(this[parts].commands.state()?.bytesFetched ?? 0);
+      this.#times?.turn();
       return super[animate](dtS);
     }
     override [onConnected](): void {
