@@ -145,7 +145,7 @@ test('a character from cameras without a start file shows the poster of its mani
       viewer.addEventListener('canplay', done, { once: true });
       viewer.src = src;
     }), `cameras/${name}/character.gltf`);
-    posters.push(await page.evaluate(() => document.querySelector('fourdvt-viewer').shadowRoot.querySelector('.poster').getAttribute('src')));
+    posters.push(await page.evaluate(() => document.querySelector('fourdvt-viewer').shadowRoot.querySelector('.picture').getAttribute('src')));
     await page.close();
   }
   assert.match(posters[0], /without-start\/poster\.webp$/);
