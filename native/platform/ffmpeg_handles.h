@@ -8,6 +8,7 @@ extern "C" {
 #include <libavcodec/avcodec.h>
 #include <libavformat/avformat.h>
 #include <libavutil/pixdesc.h>
+#include <libswresample/swresample.h>
 #include <libswscale/swscale.h>
 }
 
@@ -20,6 +21,7 @@ struct AvDeleter {
   void operator()(AVFrame* p) const { av_frame_free(&p); }
   void operator()(AVPacket* p) const { av_packet_free(&p); }
   void operator()(SwsContext* p) const { sws_freeContext(p); }
+  void operator()(SwrContext* p) const { swr_free(&p); }
 };
 
 using AvIo = std::unique_ptr<AVIOContext, AvDeleter>;
@@ -27,6 +29,7 @@ using AvFormat = std::unique_ptr<AVFormatContext, AvDeleter>;
 using AvCodec = std::unique_ptr<AVCodecContext, AvDeleter>;
 using AvFrame = std::unique_ptr<AVFrame, AvDeleter>;
 using AvPacket = std::unique_ptr<AVPacket, AvDeleter>;
+using Resampler = std::unique_ptr<SwrContext, AvDeleter>;
 using SwsScaler = std::unique_ptr<SwsContext, AvDeleter>;
 
 // FFmpeg prints nothing short of a crash: our own errors name the file.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "platform/ffmpeg_handles.h"
+#include "platform/file_only.h"
 #include "platform/frame_colour.h"
 
 namespace fourdvt::platform {
@@ -45,18 +46,6 @@ Image grayFromRgb(const Image& rgb) {  // BT.709 luma
   return gray;
 }
 
-int refuseOtherFiles(AVFormatContext*, AVIOContext**, const char*, int, AVDictionary**) { return AVERROR(EPERM); }
-
-// The file alone: "file:" keeps a colon in its name from being a protocol's.
-AvIo openFileOnly(const std::string& path) {
-  AVDictionary* options = nullptr;
-  av_dict_set(&options, "protocol_whitelist", "file", 0);
-  AVIOContext* io = nullptr;
-  avio_open2(&io, ("file:" + path).c_str(), AVIO_FLAG_READ, nullptr, &options);
-  av_dict_free(&options);
-  return AvIo(io);
-}
-
 // Probing decodes pictures, with decoders of its own.
 bool findStreams(AVFormatContext& format) {
   std::vector<AVDictionary*> options(format.nb_streams, nullptr);
@@ -72,7 +61,7 @@ class FileSource final : public VideoSource {
     path_ = path;
     channels_ = channels;
     FOURDVT_TRY(openFormat());
-    AVFormatContext* raw = format_.get();
+    AVFormatContext* raw = file_.format.get();
     const AVCodec* codec = nullptr;
     stream_ = av_find_best_stream(raw, AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
     if (stream_ < 0 || !codec) return unreadable(path, "no video stream that this build decodes");
@@ -91,16 +80,16 @@ class FileSource final : public VideoSource {
   }
 
   std::optional<uint64_t> frameCountHint() const override {
-    const AVStream& stream = *format_->streams[stream_];
+    const AVStream& stream = *file_.format->streams[stream_];
     if (stream.nb_frames > 0) return stream.nb_frames;
     const AVRational rate = stream.avg_frame_rate;
-    if (format_->duration <= 0 || rate.num <= 0 || rate.den <= 0) return std::nullopt;
-    const double frames = static_cast<double>(format_->duration) / AV_TIME_BASE * av_q2d(rate);
+    if (file_.format->duration <= 0 || rate.num <= 0 || rate.den <= 0) return std::nullopt;
+    const double frames = static_cast<double>(file_.format->duration) / AV_TIME_BASE * av_q2d(rate);
     return static_cast<uint64_t>(std::ceil(frames)) + 1;  // time stamps are rounded
   }
 
   std::optional<double> framesPerSecond() const override {
-    const AVRational rate = format_->streams[stream_]->avg_frame_rate;
+    const AVRational rate = file_.format->streams[stream_]->avg_frame_rate;
     if (rate.num <= 0 || rate.den <= 0) return std::nullopt;
     return av_q2d(rate);
   }
@@ -117,25 +106,16 @@ class FileSource final : public VideoSource {
 
  private:
   Status openFormat() {
-    io_ = openFileOnly(path_);
-    if (!io_) return unreadable(path_, "cannot be opened");
-    AVFormatContext* raw = avformat_alloc_context();
-    raw->pb = io_.get();
-    raw->io_open = refuseOtherFiles;
-    AVDictionary* options = nullptr;
-    av_dict_set(&options, "protocol_whitelist", "none",
-                0);  // of what else the file names; "concat" has an io_open of its own
-    const bool opened = avformat_open_input(&raw, path_.c_str(), nullptr, &options) >= 0;  // frees raw if it fails
-    av_dict_free(&options);
-    if (!opened) return unreadable(path_, "not a video file, or one that names other files");
-    format_.reset(raw);
-    if (!findStreams(*raw)) return unreadable(path_, "no readable stream");
+    file_ = openFileOnly(path_);
+    if (!file_.io) return unreadable(path_, "cannot be opened");
+    if (!file_.format) return unreadable(path_, "not a video file, or one that names other files");
+    if (!findStreams(*file_.format)) return unreadable(path_, "no readable stream");
     return {};
   }
 
   Status feed() {
     while (true) {
-      const int read = av_read_frame(format_.get(), packet_.get());
+      const int read = av_read_frame(file_.format.get(), packet_.get());
       if (read == AVERROR_EOF) {
         avcodec_send_packet(codec_.get(), nullptr);
         return {};
@@ -162,8 +142,7 @@ class FileSource final : public VideoSource {
 
   std::string path_;
   int channels_ = 3, stream_ = -1;
-  AvIo io_;  // outlives format_
-  AvFormat format_;
+  FileOnly file_;
   AvCodec codec_;
   AvFrame frame_{av_frame_alloc()};
   AvPacket packet_{av_packet_alloc()};

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "platform/file_only.h"
+
+namespace fourdvt::platform {
+namespace {
+
+int refuseOtherFiles(AVFormatContext*, AVIOContext**, const char*, int, AVDictionary**) { return AVERROR(EPERM); }
+
+// "file:" keeps a colon in its name from being a protocol's.
+AvIo openBytes(const std::string& path) {
+  AVDictionary* options = nullptr;
+  av_dict_set(&options, "protocol_whitelist", "file", 0);
+  AVIOContext* io = nullptr;
+  avio_open2(&io, ("file:" + path).c_str(), AVIO_FLAG_READ, nullptr, &options);
+  av_dict_free(&options);
+  return AvIo(io);
+}
+
+}  // namespace
+
+FileOnly openFileOnly(const std::string& path) {
+  FileOnly out;
+  out.io = openBytes(path);
+  if (!out.io) return out;
+  AVFormatContext* raw = avformat_alloc_context();
+  raw->pb = out.io.get();
+  raw->io_open = refuseOtherFiles;
+  AVDictionary* options = nullptr;
+  // Names of files inside it, too: "concat" has an io_open of its own.
+  av_dict_set(&options, "protocol_whitelist", "none", 0);
+  const bool opened = avformat_open_input(&raw, path.c_str(), nullptr, &options) >= 0;  // frees raw if it fails
+  av_dict_free(&options);
+  if (opened) out.format.reset(raw);
+  return out;
+}
+
+}  // namespace fourdvt::platform

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// Opens a media file that may come from strangers: the file alone, never one that it names. Private to the files that
+// link FFmpeg.
+#pragma once
+
+#include <string>
+
+#include "platform/ffmpeg_handles.h"
+
+namespace fourdvt::platform {
+
+struct FileOnly {
+  AvIo io;          // null: it cannot be opened
+  AvFormat format;  // null: its format is not known, or names other files
+};
+
+// Streams are not looked for yet.
+FileOnly openFileOnly(const std::string& path);
+
+}  // namespace fourdvt::platform
