@@ -60,6 +60,12 @@ enum class MeshNeed {
   Nothing,           // accepts all, and looks at no mesh: what it opens has none, so that broken files do no harm
 };
 
+// Sound that was recorded with a sequence, or a single sound.
+struct CaptureSound {
+  std::string path;     // absolute: a sound file, or a video with sound
+  double offset_s = 0;  // its beginning is heard so much later than picture 0 is seen; of a video: its own picture 0
+};
+
 struct CaptureSequence {
   std::string name;
   uint32_t frame_count = 0;
@@ -77,6 +83,7 @@ struct CaptureSequence {
   // By camera's name: picture number first_frame + f + offset shows the instant of frame f. Cameras that are not named
   // are on time. Fractions are kept, but the nearest picture is what is read.
   std::map<std::string, double> offset_frames;
+  std::optional<CaptureSound> sound;
   double offsetOf(const std::string& camera) const;
   // Number of a camera's picture for a frame; a loop goes on with its first picture.
   uint32_t pictureOf(const std::string& camera, uint32_t frame) const;
@@ -89,8 +96,9 @@ struct CaptureClass {
     std::vector<double> parameter;  // one value per parameter; empty: speed_mps, measured from the feet
   };
   std::string name;
-  std::vector<std::string> parameters;  // 1 or 2 names, e.g. "speed_mps"
-  std::vector<MemberOf> members;        // 2…4; all loops, or none
+  std::vector<std::string> parameters;   // 1 or 2 names, e.g. "speed_mps"
+  std::vector<MemberOf> members;         // 2…4; all loops, or none
+  std::optional<CaptureSound> footstep;  // one step, to be heard whenever a foot comes down
 };
 
 inline constexpr const char* kHintsFolder = "hints";  // of a capture: mattes' strokes painted by hand

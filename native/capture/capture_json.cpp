@@ -14,7 +14,7 @@ namespace fourdvt::capture {
 namespace {
 
 using Json = nlohmann::json;
-constexpr double kMaxFrames = 10'000'000, kMaxUnits = 1e6, kMinUnitsPerMetre = 1e-3;
+constexpr double kMaxFrames = 10'000'000, kMaxUnits = 1e6, kMinUnitsPerMetre = 1e-3, kMaxOffset_ms = 1e8;
 
 // The value of `key`; null if there is none or if `node` is no object.
 const Json& member(const Json& node, const char* key) {
@@ -50,6 +50,7 @@ class Parser {
     if (!sequences.is_array() || sequences.empty()) return error("needs \"sequences\", a list with at least one entry");
     for (const Json& entry : sequences) FOURDVT_TRY(sequence(entry));
     FOURDVT_ASSIGN(capture.classes, parseClasses(member(root, "classes"), out_.sequences, file_));
+    FOURDVT_TRY(footsteps(member(root, "classes")));
     return std::move(out_);
   }
 
@@ -191,8 +192,33 @@ class Parser {
     FOURDVT_TRY(offsets(member(node, "offset_frames"), sequence.offset_frames));
     FOURDVT_TRY(rootVelocity(node, sequence));
     FOURDVT_TRY(testFrames(node, sequence));
+    FOURDVT_ASSIGN(sequence.sound, sound("\"audio\" of \"" + sequence.name + "\"", member(node, "audio")));
     if (node.contains("mesh")) FOURDVT_TRY(mesh(node["mesh"], declared));
     out_.sequences.push_back(std::move(declared));
+    return {};
+  }
+
+  // A path, or {"file": path, "offset_ms": number}.
+  Result<std::optional<CaptureSound>> sound(const std::string& what, const Json& node) const {
+    if (node.is_null()) return std::optional<CaptureSound>();
+    const std::string file = text(node.is_object() ? member(node, "file") : node);
+    const Json& offset = member(node, "offset_ms");
+    if (file.empty() || !(offset.is_null() || offset.is_number()) ||
+        (offset.is_number() && !(std::abs(offset.get<double>()) <= kMaxOffset_ms)))
+      return error(what + " must be a path like \"walk/sound.wav\", or {\"file\": that path, \"offset_ms\": 40}");
+    CaptureSound out;
+    FOURDVT_ASSIGN(out.path, inside(what, file));
+    if (offset.is_number()) out.offset_s = offset.get<double>() / 1000;
+    return std::optional(std::move(out));
+  }
+
+  // "footsteps" of a class, once the classes are known to be objects.
+  Status footsteps(const Json& classes) {
+    for (CaptureClass& c : out_.capture.classes)
+      for (const Json& node : classes) {
+        if (text(member(node, "name")) != c.name) continue;
+        FOURDVT_ASSIGN(c.footstep, sound("\"footsteps\" of class \"" + c.name + "\"", member(node, "footsteps")));
+      }
     return {};
   }
 
