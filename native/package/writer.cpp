@@ -97,7 +97,29 @@ void addMembers(const Sequence& s, Value::Object& out) {
   out["detailCorrelation"] = number(s.detail_correlation);
 }
 
-Value sequenceValue(const Sequence& s) {
+Value soundValue(const Sound& sound) {
+  Value::Array encodings;
+  for (const SoundEncoding& encoding : sound.encodings) {
+    Value::Array segments;
+    for (const SoundSegment& segment : encoding.segments)
+      segments.push_back(numbers(std::initializer_list<double>{double(segment.bytes), double(segment.samples)}));
+    encodings.push_back(Value(Value::Object{{"uri", Value(encoding.uri)},
+                                            {"byteLength", number(double(encoding.bytes))},
+                                            {"hash", hashValue(encoding.hash)},
+                                            {"type", Value(encoding.mime_type)},
+                                            {"priming", number(encoding.priming)},
+                                            {"segments", Value(segments)}}));
+  }
+  Value::Object out{{"sampleRate", number(sound.sample_rate)},
+                    {"channels", number(sound.channels)},
+                    {"segmentDuration", number(sound.segment_s)},
+                    {"encodings", Value(encodings)}};
+  if (!sound.steps.empty()) out["steps"] = numbers(sound.steps);
+  return Value(out);
+}
+
+// sound: null: none.
+Value sequenceValue(const Sequence& s, const Sound* sound) {
   Value::Array renditions;
   for (const Rendition& r : s.renditions) renditions.push_back(renditionValue(r));
   Value::Object stream{{"uri", Value(s.stream_uri)},
@@ -111,6 +133,7 @@ Value sequenceValue(const Sequence& s) {
       {"name", Value(s.name)},          {"frameCount", number(s.frame_count)},       {"fps", number(s.fps)},
       {"loop", Value(s.loop)},          {"rootVelocity", vec3(s.root_velocity_mps)}, {"stream", Value(stream)},
       {"renditions", Value(renditions)}};
+  if (sound) out["sound"] = soundValue(*sound);
   if (s.layout_width > 0)
     out["layout"] = numbers(std::initializer_list<double>{double(s.layout_width), double(s.layout_height)});
   else
@@ -142,10 +165,13 @@ Value startValue(const Start& start) {
       {"uri", Value(start.uri)}, {"byteLength", number(double(start.bytes))}, {"hash", hashValue(start.hash)}});
 }
 
-Value extensionValue(const Character& c) {
+Value extensionValue(const Character& c, const Sounds& sounds) {
   Value::Array cameras, sequences;
   for (const PinholeCamera& camera : c.cameras) cameras.push_back(cameraValue(camera));
-  for (const Sequence& s : c.sequences) sequences.push_back(sequenceValue(s));
+  for (const Sequence& s : c.sequences) {
+    const auto sound = sounds.find(s.name);
+    sequences.push_back(sequenceValue(s, sound == sounds.end() ? nullptr : &sound->second));
+  }
   const Value mesh(Value::Object{{"uri", Value(c.mesh_uri)},
                                  {"byteOffset", number(double(c.mesh_offset))},
                                  {"byteLength", number(double(c.mesh_bytes))},
@@ -303,7 +329,7 @@ Result<std::string> writeManifest(const ManifestInput& input) {
   addScene(model, c);
   model.extensionsUsed = {"KHR_draco_mesh_compression", "KHR_materials_unlit", kExtensionName};
   model.extensionsRequired = {"KHR_draco_mesh_compression"};
-  model.extensions[kExtensionName] = extensionValue(c);
+  model.extensions[kExtensionName] = extensionValue(c, input.sounds);
   std::ostringstream text;
   tinygltf::TinyGLTF writer;
   if (!writer.WriteGltfSceneToStream(&model, text, false, false)) {

@@ -5,6 +5,7 @@
 
 #include "package/base_mesh.h"
 #include "package/character.h"
+#include "package/sound.h"
 
 namespace fourdvt::package {
 
@@ -15,6 +16,7 @@ struct ManifestInput {
                             // without UVs
   std::string generator;    // "fourdvt X.Y"
   std::string copyright;    // credits, may be empty
+  Sounds sounds;            // of sequences that have one
 };
 
 // The JSON text of character.gltf. Errors: Internal.

@@ -12,6 +12,7 @@
 #include "package/base_mesh.h"
 #include "package/character.h"
 #include "package/chunk_mesh.h"
+#include "package/sound.h"
 #include "package/stream_file.h"
 #include "package/surface_chunk.h"
 #include "platform/ffmpeg_video.h"
@@ -105,6 +106,7 @@ class Inspection {
     character_ = character.take();
     FOURDVT_TRY(baseMesh());
     for (const package::Sequence& sequence : character_.sequences) FOURDVT_TRY(inspectSequence(sequence));
+    for (size_t s = 0; s < character_.sequences.size(); ++s) FOURDVT_TRY(inspectSound(json, s));
     if (!character_.graph_uri.empty()) FOURDVT_TRY(readGraph());
     if (!character_.poster_uri.empty()) {
       auto poster = platform::readImage(path(character_.poster_uri));
@@ -138,6 +140,7 @@ class Inspection {
     if (fromCameras()) printTiles();
     printClasses();
     printGraph();
+    printSounds();
     printSizes();
   }
 
@@ -198,6 +201,20 @@ class Inspection {
       sizes.video = sequence.renditions[r].video_bytes;
     }
     sizes_.push_back(sizes);
+    return {};
+  }
+
+  // Segments are decoded by players alone; their bytes are those that were baked.
+  Status inspectSound(const FlatJson& json, size_t sequence) {
+    auto sound = package::readSound(json, sequence);
+    if (!sound.ok()) return inFile(manifest_, sound.error());
+    for (const package::SoundEncoding& encoding : sound.value().encodings) {
+      const std::string file = path(encoding.uri);
+      FOURDVT_TRY(checkSize(file, encoding.bytes, ErrorId::FilesDiffer));
+      FOURDVT_ASSIGN(const auto bytes, platform::readFile(file));
+      FOURDVT_TRY(checkHash(file, bytes, encoding.hash));
+    }
+    if (!sound.value().encodings.empty()) sounds_[character_.sequences[sequence].name] = sound.take();
     return {};
   }
 
@@ -325,6 +342,19 @@ class Inspection {
     std::printf("\n");
   }
 
+  void printSounds() const {
+    for (const auto& [name, sound] : sounds_) {
+      std::printf("\nsound of %s: %s", name.c_str(), sound.channels == 2 ? "stereo" : "mono");
+      if (sound.steps.empty())
+        std::printf(", %zu segments of %.2f s", sound.encodings[0].segments.size(), sound.segment_s);
+      else
+        std::printf(", one step of %.2f s, %zu times a pass", sound.segment_s, sound.steps.size());
+      for (const package::SoundEncoding& encoding : sound.encodings)
+        std::printf(", %s of %lu bytes", encoding.uri.c_str(), encoding.bytes);
+    }
+    if (!sounds_.empty()) std::printf("\n");
+  }
+
   void printClasses() const {
     for (size_t i = 0; i < sizes_.size(); ++i) {
       const package::Sequence& s = character_.sequences[i];
@@ -381,6 +411,7 @@ class Inspection {
   package::Character character_;
   package::ChunkMesh chunk_mesh_;
   std::vector<SequenceSizes> sizes_;
+  package::Sounds sounds_;
   motion::MotionGraph graph_;  // without states if the character has none
   uint64_t poster_bytes_ = 0;
 };
