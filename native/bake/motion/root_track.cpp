@@ -23,7 +23,10 @@ constexpr double kSmoothness = 0.1;  // weight of smooth steps against contacts 
 constexpr double kDeclared = 0.05;   // certainty of the declared velocity, which decides where there is no contact
 constexpr double kAgreement = 0.2;   // share of the declared speed within which the measured one agrees
 constexpr double kLeastStand = 0.1;  // weight below which a vertex does not stand
-constexpr int kLongestStand = 32;    // steps after which a contact counts as another one
+// footfalls: the shortest time without vertices that come to a stand between two, and the least share of the vertices
+// of the heaviest one.
+constexpr double kRest_s = 0.1, kFootShare = 0.2;
+constexpr int kLongestStand = 32;  // steps after which a contact counts as another one
 // steadySteps: rounds, and the weight of contacts that stay in place, where most stands, in the first and the last.
 constexpr int kSteadyingRounds = 8;
 constexpr double kLeastSteadiness = 1, kMostSteadiness = 10;
@@ -328,6 +331,82 @@ Result<std::vector<glm::vec3>> rootTrack(const capture::Capture& capture, const 
   return track;
 }
 
+namespace {
+
+// Whether vertex v stands on the ground in the later frame; step: metres over the ground between the two.
+bool stands(const glm::vec3& before, const glm::vec3& now, const glm::vec2& step, float ground, double fps) {
+  const glm::vec3 moved = now - before;
+  return now.y - ground < kStanding && std::abs(moved.y) * fps < kSoleRise_mps &&
+         glm::length(glm::vec2(moved.x, moved.z) + step) * fps < kStandingSlide_mps;
+}
+
+// [frame] how many vertices stand that did not in the two frames before; of a loop, round its end.
+std::vector<int> comingToStand(const std::vector<std::vector<bool>>& standing, bool loop) {
+  const int count = int(standing.size());
+  std::vector<int> out(standing.size(), 0);
+  for (int t = loop ? 0 : 1; t < count; ++t)
+    for (size_t v = 0; v < standing[0].size(); ++v) {
+      const auto at = [&](int frame) {
+        return loop ? standing[size_t((frame + count) % count)][v] : standing[size_t(std::max(0, frame))][v];
+      };
+      if (at(t) && !at(t - 1) && !at(t - 2)) ++out[size_t(t)];
+    }
+  return out;
+}
+
+}  // namespace
+
+Result<std::vector<uint32_t>> footfalls(const capture::Capture& capture, const capture::CaptureSequence& sequence,
+                                        const std::vector<glm::vec3>& track, const ReadPositions& read) {
+  FOURDVT_ASSIGN(auto ground, findGround(sequence, read));
+  const uint32_t count = sequence.frame_count;
+  // A vertex stands in both frames between which it rests on the ground: in the one in which it has come down, too.
+  std::vector<std::vector<bool>> standing(count);
+  FOURDVT_ASSIGN(const Positions first, read(sequence, 0));
+  for (std::vector<bool>& frame : standing) frame.resize(first.size());
+  Positions before = first;
+  for (uint32_t t = 1; t <= (sequence.loop ? count : count - 1); ++t) {
+    FOURDVT_ASSIGN(auto frame, read(sequence, t % count));
+    const glm::vec2 step(track[t] - track[t - 1]);
+    for (size_t v = 0; v < frame.size(); ++v) {
+      if (before[v].y - ground >= kStanding || !stands(before[v], frame[v], step, ground, capture.fps)) continue;
+      standing[t - 1][v] = standing[t % count][v] = true;
+    }
+    before = std::move(frame);
+  }
+  const std::vector<int> coming = comingToStand(standing, sequence.loop);
+  // Stretches begin after the longest rest, so that none is cut by a loop's end.
+  struct Stretch {
+    uint32_t first = 0;
+    int vertices = 0;
+  };
+  std::vector<Stretch> stretches;
+  const uint32_t rest = std::max(2u, uint32_t(kRest_s * capture.fps));
+  uint32_t begin = 0, quiet = 0, longest = 0;
+  for (uint32_t t = 0; sequence.loop && t < 2 * count; ++t) {
+    quiet = coming[t % count] > 0 ? 0 : quiet + 1;
+    if (quiet > longest) longest = quiet, begin = (t + 1) % count;
+  }
+  quiet = rest;
+  for (uint32_t i = 0; i < count; ++i) {
+    const uint32_t t = (begin + i) % count;
+    if (coming[t] == 0) {
+      ++quiet;
+      continue;
+    }
+    if (quiet >= rest) stretches.push_back({t, 0});
+    stretches.back().vertices += coming[t];
+    quiet = 0;
+  }
+  int most = 0;
+  for (const Stretch& s : stretches) most = std::max(most, s.vertices);
+  std::vector<uint32_t> out;
+  for (const Stretch& s : stretches)
+    if (s.vertices >= kFootShare * most) out.push_back(s.first);
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
 Result<FootSkate> footSkate(const capture::Capture& capture, const capture::CaptureSequence& sequence,
                             const std::vector<glm::vec3>& track, const ReadPositions& read) {
   FOURDVT_ASSIGN(auto ground, findGround(sequence, read));
@@ -349,12 +428,9 @@ Result<FootSkate> footSkate(const capture::Capture& capture, const capture::Capt
     if (before.empty()) before = p;
     const glm::vec2 step(track[t] - track[t > 0 ? t - 1 : 0]);
     for (size_t v = 0; v < p.size(); ++v) {
-      const glm::vec3 moved = p[v] - before[v];
-      const bool stands = p[v].y - ground < kStanding && std::abs(moved.y) * capture.fps < kSoleRise_mps &&
-                          glm::length(glm::vec2(moved.x, moved.z) + step) * capture.fps < kStandingSlide_mps;
       const glm::vec2 at = glm::vec2(p[v].x, p[v].z) + glm::vec2(track[t]);
       Contact& contact = contacts[v];
-      if (!stands) {
+      if (!stands(before[v], p[v], step, ground, capture.fps)) {
         finish(contact);
         continue;
       }

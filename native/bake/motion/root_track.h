@@ -31,4 +31,10 @@ struct FootSkate {
 Result<FootSkate> footSkate(const capture::Capture& capture, const capture::CaptureSequence& sequence,
                             const std::vector<glm::vec3>& track, const ReadPositions& read);
 
+// Captured frames at which a foot comes down, ascending: the first of a stretch of frames in which vertices come to a
+// stand on the ground. `track`: as above. A foot that stands in frame 0 of a motion that is no loop has come down
+// before.
+Result<std::vector<uint32_t>> footfalls(const capture::Capture& capture, const capture::CaptureSequence& sequence,
+                                        const std::vector<glm::vec3>& track, const ReadPositions& read);
+
 }  // namespace fourdvt::bake

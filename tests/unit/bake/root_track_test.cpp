@@ -141,5 +141,32 @@ TEST(RootTrack, AStandingFigureStays) {
   EXPECT_LT(glm::length(found.back()), 1e-4);
 }
 
+TEST(Footfalls, AreWhereAWalkersFeetComeDown) {
+  Walker walker("walk", 1.2, 28);
+  const ReadPositions read = [&](const capture::CaptureSequence&, uint32_t t) {
+    return Result<Positions>(walker.frame(t));
+  };
+  const auto found = [&] { return footfalls(walker.capture, walker.sequence, track(walker), read).value(); };
+  EXPECT_EQ(found(), (std::vector<uint32_t>{0, 14}));
+  walker.first_share = 0.25;  // the loop is cut where one foot stands and the other swings
+  EXPECT_EQ(found(), (std::vector<uint32_t>{7, 21}));
+  walker.first_share = 1.5 / 28;
+  EXPECT_EQ(found(), (std::vector<uint32_t>{13, 27})) << "round the loop's end";
+  walker.sequence.loop = false;
+  walker.first_share = 0.25;
+  EXPECT_EQ(found(), (std::vector<uint32_t>{7, 21})) << "the foot that stands in frame 0 has come down before";
+}
+
+TEST(Footfalls, ThereAreNoneWhereNobodyMoves) {
+  const Walker walker("stand", 1.2, 28);
+  const ReadPositions read = [&](const capture::CaptureSequence&, uint32_t) {
+    return Result<Positions>(walker.frame(3));
+  };
+  capture::CaptureSequence still = walker.sequence;
+  still.root_velocity_mps = glm::dvec3(0);
+  const std::vector<glm::vec3> at_rest(29, glm::vec3(0));
+  EXPECT_TRUE(footfalls(walker.capture, still, at_rest, read).value().empty());
+}
+
 }  // namespace
 }  // namespace fourdvt::bake
