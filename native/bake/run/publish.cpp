@@ -42,6 +42,8 @@ void addSequence(const FlatJson& gltf, const std::string& at, Names& names) {
   names.add("report_", at + "/name", ".jpg");
   for (int r = 0; gltf.has(at + "/renditions/" + std::to_string(r)); ++r)
     names.addUri(at + "/renditions/" + std::to_string(r));
+  for (int e = 0; gltf.has(at + "/sound/encodings/" + std::to_string(e)); ++e)
+    names.addUri(at + "/sound/encodings/" + std::to_string(e));
 }
 
 // Files of the bake that made the folder; none if its manifest is not a bake's.

@@ -5,6 +5,7 @@
 #include "bake/run/describe.h"
 #include "bake/run/renditions.h"
 #include "bake/stages/poster.h"
+#include "bake/stages/sound_stage.h"
 #include "bake/stages/start_stage.h"
 #include "bake/stages/stream_files.h"
 #include "base/bytes.h"
@@ -281,8 +282,9 @@ Status assemble(BakeRun& run, const std::vector<uint8_t>& graph, const std::opti
   FOURDVT_TRY(writeGraph(job, graph, character, report));
   FOURDVT_TRY(writeRoom(job, room, character, report));
   FOURDVT_TRY(writeStart(run, character, report));
+  FOURDVT_ASSIGN(const auto sounds, writeSounds(run, report));
   FOURDVT_ASSIGN(auto manifest,
-                 package::writeManifest({character, &job.mesh, texture, kGenerator, job.capture.credit}));
+                 package::writeManifest({character, &job.mesh, texture, kGenerator, job.capture.credit, sounds}));
   FOURDVT_TRY(platform::writeFileAtomic(job.resultFolder() + "/" + kManifestFile, manifest));
   describe(job, character, texture, report);
   FOURDVT_TRY(describeRefinement(job, report));

@@ -8,6 +8,7 @@
 #include "bake/stages/assemble.h"
 #include "bake/stages/camera_colours.h"
 #include "bake/stages/poster.h"
+#include "bake/stages/sound_stage.h"
 #include "bake/stages/start_stage.h"
 #include "bake/stages/stream_files.h"
 #include "base/bytes.h"
@@ -151,8 +152,9 @@ Status assembleCameras(BakeRun& run, const std::vector<ColourMap>& maps, const s
   FOURDVT_ASSIGN(character.mesh_uri, writeNamed(job.resultFolder(), kMeshFile, job.mesh.bytes));
   FOURDVT_TRY(writeRoom(job, room, character, report));
   FOURDVT_TRY(writeStart(run, character, report));
+  FOURDVT_ASSIGN(const auto sounds, writeSounds(run, report));
   FOURDVT_ASSIGN(const auto manifest,
-                 package::writeManifest({character, &job.mesh, "", kGenerator, job.capture.credit}));
+                 package::writeManifest({character, &job.mesh, "", kGenerator, job.capture.credit, sounds}));
   FOURDVT_TRY(platform::writeFileAtomic(folder + kManifestFile, manifest));
   report.picture_width = job.streams[0].layout().width;
   report.picture_height = job.streams[0].layout().height;

@@ -14,6 +14,7 @@
 #include "bake/stages/camera_plan.h"
 #include "bake/stages/mesh_limit.h"
 #include "bake/stages/room_stage.h"
+#include "bake/stages/sound_stage.h"
 #include "bake/stages/stream_plan.h"
 #include "base/hash.h"
 #include "base/length_scale.h"
@@ -288,6 +289,7 @@ Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environm
     return Error{ErrorId::WriteFailed, job.workFolder() + ": not writable; choose another output folder"};
   FOURDVT_TRY(planSurface(job, environment));
   FOURDVT_TRY(checkRoom(job));
+  FOURDVT_TRY(checkSounds(job, environment));
   if (!job.fromCameras()) FOURDVT_TRY(checkSpace(job, layeredBytes(job)));
   return job;
 }

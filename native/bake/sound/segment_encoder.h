@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Encodes a piece of sound into a small file of its own, which decodeAudioData of browsers takes: Opus in WebM, AAC-LC
+// in MP4. The same samples give the same bytes.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+
+namespace fourdvt::bake {
+
+inline constexpr int kSoundRate = 48000;  // samples a second
+
+enum class SoundCodec { Opus, Aac };
+inline constexpr SoundCodec kSoundCodecs[] = {SoundCodec::Opus, SoundCodec::Aac};
+
+struct SoundCodecInfo {
+  const char* mime_type;  // with the RFC 6381 codec
+  const char* extension;
+};
+const SoundCodecInfo& infoOf(SoundCodec codec);
+
+struct EncodedSound {
+  std::vector<uint8_t> bytes;
+  uint32_t samples = 0;  // that a decoder gives which honours the file's priming
+  uint32_t priming = 0;  // samples that another one gives before them
+};
+
+// `samples`: interleaved, 1 or 2 channels at kSoundRate. As many are encoded as fill the codec's blocks, so that the
+// file has no padding at its end: the next whole number of blocks, silent where `samples` end. Errors: Unsupported (an
+// FFmpeg without the encoder), Internal.
+Result<EncodedSound> encodeSegment(SoundCodec codec, std::span<const float> samples, int channels);
+
+// Most samples by which the encoded ones may exceed the given ones.
+inline constexpr size_t kMostPadding = 1024;
+
+}  // namespace fourdvt::bake
