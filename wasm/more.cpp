@@ -157,6 +157,7 @@ const abi::TimeRange* fdvt_buffered(Instance* h, uint32_t number) {
   h->records.range = {range->start_s, range->end_s};
   return &h->records.range;
 }
+double fdvt_clock_time(Instance* h) { return h->player->clockTime(); }
 const abi::SurfacePoint* fdvt_surface_point(Instance* h, uint32_t vertex, const abi::View* view) {
   const std::optional<SurfacePoint> point = h->player->surfacePoint(vertex);
   if (!point) return nullptr;

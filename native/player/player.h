@@ -168,6 +168,8 @@ class Player {
   virtual const package::Sequence* sequence() const = 0;
   virtual uint32_t frame() const = 0;      // shown frame index
   virtual double currentTime() const = 0;  // seconds in the sequence; at the end its duration
+  // Seconds in the sequence as its clock runs: what sound keeps to. currentTime is that of the frame shown. 0: none.
+  virtual double clockTime() const { return 0; }
   // The ranges of the current sequence that can be played without a fetch, in their order; none after the last.
   virtual std::optional<TimeRange> buffered(size_t) const { return {}; }
   // A vertex of the base mesh as it is shown. None: there is no such vertex, no frame yet, or the character is from

@@ -45,6 +45,7 @@ class PlayerImpl final : public Player {
   void setQuality(uint32_t rendition, uint32_t most_texels) override;
   void judgeRendition(uint32_t sequence, uint32_t rendition, bool plays) override;
   void lookAhead(bool at_once) override;
+  double clockTime() const override;
   std::optional<TimeRange> buffered(size_t number) const override;
   std::optional<SurfacePoint> surfacePoint(uint32_t vertex) const override;
   std::optional<uint32_t> vertexAt(const PinholeCamera& camera, double x_px, double y_px) const override;

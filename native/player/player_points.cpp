@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Points of the shown surface of a layered character, by the vertices of its base mesh.
+// Points of the shown surface of a layered character, by the vertices of its base mesh; and the clock's time, between
+// frames too.
 #include <cmath>
 #include <limits>
 
@@ -29,6 +30,14 @@ const Positions* PlayerImpl::shownPositions() const {
   if (!hasFrame() || fromCameras() || !loading_.hasMesh()) return nullptr;
   const Positions& shown = composer_.shown(main().frame, transitions_.fading());
   return shown.size() == loading_.mesh().topology.vertex_count ? &shown : nullptr;
+}
+
+double PlayerImpl::clockTime() const {
+  const Track& t = main();
+  if (!t.head.used()) return 0;
+  const package::Sequence& s = wantedOf(t);
+  const double frames = t.head.clockFrames(s.fps);
+  return (frames - std::floor(frames / s.frame_count) * s.frame_count) / s.fps;  // fmod would be code of the first part
 }
 
 std::optional<SurfacePoint> PlayerImpl::surfacePoint(uint32_t vertex) const {

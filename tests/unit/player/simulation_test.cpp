@@ -106,6 +106,33 @@ TEST(PlayerSimulation, AtRateZeroItPlaysAndTheFrameStays) {
   EXPECT_TRUE(edge.errors.empty());
 }
 
+TEST(PlayerSimulation, TheClocksTimeGoesOnBetweenFramesAndRoundTheLoop) {
+  const FakeCharacter character = FakeBuilder().build({{"walk", 20, 10, 10, true, 192, 16}});
+  SimulatedEdge edge(character, {});
+  EXPECT_EQ(edge.player->clockTime(), 0);
+  ASSERT_TRUE(edge.load());
+  edge.player->play();
+  double last = edge.player->clockTime();
+  int between = 0, begun = 0;
+  edge.runUntil(
+      [&] {
+        const double now = edge.player->clockTime(), of_frame = edge.player->currentTime();
+        if (now < last) ++begun;
+        last = now;
+        between += now > of_frame + 0.02;
+        EXPECT_GE(now, of_frame - 1e-6);
+        EXPECT_LE(now, of_frame + 0.1 + 1e-6);
+        return false;
+      },
+      5);
+  EXPECT_EQ(begun, 2);
+  EXPECT_GT(between, 20);
+  edge.player->pause();
+  edge.player->seekFrame(7);
+  EXPECT_NEAR(edge.player->clockTime(), 0.7, 1e-9) << "wanted, not shown yet";
+  EXPECT_EQ(edge.player->clockTime(), 0.7);
+}
+
 TEST(PlayerSimulation, BufferedIsWhatPlaysWithoutAFetch) {
   const FakeCharacter character = FakeBuilder().build({{"walk", 100, 10, 25, false, 192, 16}});
   EdgeOptions options;
