@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Buttons of a viewer: one that pauses and plays; with the attribute `controls` a bar with play, time and full screen. Part of
+// Buttons of a viewer: one that pauses and plays; with the attribute `controls` a bar with play, time, sound and full screen. Part of
 // fourdvt-more.js.
 import { fill } from './strings-more.js';
 import { adopt } from './styles.js';
@@ -18,6 +18,8 @@ const CSS = `
 const ICONS = {
   play: 'M5 2v20l16-10z',
   pause: 'M4 2h6v20H4zm10 0h6v20h-6z',
+  loud: 'M3 9v6h4l5 5V4L7 9zm13.5 3a4.5 4.5 0 0 0-2.5-4v8a4.5 4.5 0 0 0 2.5-4zM14 3.2v2.1a7 7 0 0 1 0 13.4v2.1a9 9 0 0 0 0-17.6z',
+  mute: 'M3 9v6h4l5 5V4L7 9zm18.5.9-1.4-1.4-2.6 2.6-2.6-2.6-1.4 1.4 2.6 2.6-2.6 2.6 1.4 1.4 2.6-2.6 2.6 2.6 1.4-1.4-2.6-2.6z',
   full: 'M2 2h8v3H5v5H2zm12 0h8v8h-3V5h-5zM2 14h3v5h5v3H2zm17 0h3v8h-8v-3h5z',
 };
 
@@ -28,8 +30,16 @@ export interface Controlled extends HTMLElement {
   readonly sequences: readonly { name: string; frames: number }[];
   readonly readyState: number;
   currentTime: number;
+  muted: boolean;
   play(): Promise<void>;
   pause(): void;
+}
+
+/** Of the motion that it shows. */
+export interface SoundState {
+  readonly present: boolean;
+  /** The browser waits for the visitor's first touch. */
+  readonly blocked: boolean;
 }
 
 /** Minutes and seconds. */
@@ -57,14 +67,17 @@ export class Controls {
   readonly #play: HTMLButtonElement;
   readonly #time: HTMLInputElement;
   readonly #clock: HTMLSpanElement;
+  readonly #mute: HTMLButtonElement;
   readonly #full: HTMLButtonElement;
+  readonly #sound: SoundState;
   readonly #offer: HTMLElement | null; // the large play button
   readonly #abort = new AbortController();
   #strings: Record<string, string> = {};
   #shown = ''; // state that the controls show
 
-  constructor(viewer: Controlled, root: ShadowRoot) {
+  constructor(viewer: Controlled, root: ShadowRoot, sound: SoundState) {
     this.#viewer = viewer;
+    this.#sound = sound;
     this.#offer = root.querySelector('.play');
     adopt(root, CSS);
     const make = <K extends 'button' | 'input' | 'span'>(tag: K, part: string, on?: () => void): HTMLElementTagNameMap[K] => {
@@ -82,6 +95,8 @@ export class Controls {
     Object.assign(this.#time, { type: 'range', min: '0', value: '0' });
     this.#clock = make('span', 'clock');
     this.#clock.ariaHidden = 'true'; // the slider's value text is the same
+    // A press of it lets the page be heard, too.
+    this.#mute = make('button', 'mute', () => (viewer.muted = !viewer.muted && !sound.blocked));
     this.#full = make('button', 'fullscreen', () => {
       const change = viewer.matches(':fullscreen') ? document.exitFullscreen() : viewer.requestFullscreen();
       change.catch((reason: unknown) => console.warn('fourdvt-viewer:', reason)); // the browser may refuse it
@@ -89,15 +104,17 @@ export class Controls {
     const slot = document.createElement('slot');
     slot.name = 'controls';
     slot.style.display = 'contents';
-    slot.append(this.#play, this.#time, this.#clock, this.#full);
+    slot.append(this.#play, this.#time, this.#clock, this.#mute, this.#full);
     this.#box.append(slot);
     root.append(this.#box);
-    const names = ['playing', 'play', 'pause', 'ended', 'seeked', 'timeupdate', 'durationchange', 'canplay', 'emptied'];
+    const names = ['playing', 'play', 'pause', 'ended', 'seeked', 'timeupdate', 'durationchange', 'canplay', 'emptied', 'volumechange', 'sequencechange'];
     for (const name of names) viewer.addEventListener(name, () => this.#show(), { signal: this.#abort.signal });
     document.addEventListener('fullscreenchange', () => this.#show(), { signal: this.#abort.signal });
     slot.addEventListener('slotchange', () => this.#show(), { signal: this.#abort.signal });
   }
 
+  /** What it shows may have changed. */
+  show(): void { this.#show(); }
   update(strings: Record<string, string>): void {
     this.#strings = strings;
     this.#show(true);
@@ -117,7 +134,8 @@ export class Controls {
     const whole = own || (mode !== null && mode !== 'none'), timed = viewer.duration > 0 && viewer.duration < Infinity;
     const full = document.fullscreenEnabled === true, isFull = viewer.matches(':fullscreen');
     const offered = !whole && this.#offer?.hidden === false; // one button is enough
-    const state = [viewer.paused, mode, own, timed, isFull, viewer.readyState > 0, offered].join();
+    const silent = viewer.muted || this.#sound.blocked;
+    const state = [this.#sound.present, silent, viewer.paused, mode, own, timed, isFull, viewer.readyState > 0, offered].join();
     if (always || state !== this.#shown) {
       this.#shown = state;
       const focused = this.#play.matches(':focus');
@@ -130,6 +148,8 @@ export class Controls {
       this.#clock.textContent = ''; // its value text may be in another language
       this.#time.hidden = this.#clock.hidden = !whole || !timed;
       this.#full.hidden = !whole || !full;
+      this.#mute.hidden = !whole || !this.#sound.present;
+      setIcon(this.#mute, silent ? 'mute' : 'loud', s[silent ? 'unmute' : 'mute']!);
       this.#time.ariaLabel = s['time']!;
       setIcon(this.#play, viewer.paused ? 'play' : 'pause', s[viewer.paused ? 'play' : 'pause']!);
       setIcon(this.#full, 'full', s[isFull ? 'leaveFullscreen' : 'fullscreen']!);

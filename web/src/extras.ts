@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Buttons, announcements, hotspots, and the prompt that invites the visitor to turn the view, of one viewer. Part of fourdvt-more.js.
+// Buttons, announcements, hotspots, sound, and the prompt that invites the visitor to turn the view, of one viewer. Part of fourdvt-more.js.
 import { Announcer, type Announced } from './announcer.js';
 import { Controls, type Controlled } from './controls.js';
 import { Hotspots, type HotspotScene } from './hotspots.js';
+import { Sound, type Audible, type Heard } from './sound.js';
 import { addStrings } from './strings-more.js';
 import { adopt } from './styles.js';
 import { stringsOf, type Languages } from './strings.js';
@@ -17,17 +18,18 @@ const CSS = `
 
 export class Extras {
   readonly #hotspots: Hotspots;
-  readonly #viewer: Controlled & Announced;
+  readonly #viewer: Controlled & Announced & Audible;
   readonly #languages: Languages;
   readonly #prompt: HTMLSlotElement;
   readonly #controls: Controls;
   readonly #announcer: Announcer;
+  readonly #sound: Sound;
   readonly #abort = new AbortController();
   #timer: ReturnType<typeof setTimeout> | undefined; // to the prompt
   #prompts = true; // the visitor has not turned the view yet
 
   /** stage: of the viewer's shadow tree. languages: gets the texts of this part. */
-  constructor(viewer: Controlled & Announced, stage: HTMLElement, languages: Languages, scene: HotspotScene) {
+  constructor(viewer: Controlled & Announced & Audible, stage: HTMLElement, languages: Languages, scene: HotspotScene & { heard(): Heard }) {
     const root = stage.getRootNode() as ShadowRoot;
     addStrings(languages);
     this.#viewer = viewer;
@@ -39,7 +41,8 @@ export class Extras {
     this.#prompt.hidden = true;
     root.append(this.#prompt);
     this.#hotspots = new Hotspots(viewer, root, scene);
-    this.#controls = new Controls(viewer, root);
+    this.#sound = new Sound(viewer, () => scene.heard(), () => this.#controls.show());
+    this.#controls = new Controls(viewer, root, this.#sound);
     this.#announcer = new Announcer(viewer, root);
     viewer.addEventListener('camera-change', () => this.#endPrompt(), { signal: this.#abort.signal });
     this.update();
@@ -66,9 +69,11 @@ export class Extras {
     this.#prompt.hidden = true;
   }
   turn(): void {
+    this.#sound.turn();
     this.#controls.turn();
     this.#hotspots.turn();
   }
+  get hasSound(): boolean { return this.#sound.present; }
   vertexAt(x: number, y: number): number | null { return this.#hotspots.vertexAt(x, y); }
   dispose(): void {
     this.#abort.abort();
@@ -76,6 +81,7 @@ export class Extras {
     this.#hotspots.dispose();
     this.#controls.dispose();
     this.#announcer.dispose();
+    this.#sound.dispose();
     this.#prompt.remove();
   }
 }

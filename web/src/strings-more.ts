@@ -7,6 +7,8 @@ interface MoreStrings {
   time: string;
   /** {now} and {end} are minutes and seconds. */
   timeOf: string;
+  mute: string;
+  unmute: string;
   fullscreen: string;
   leaveFullscreen: string;
   controls: string;
@@ -29,7 +31,7 @@ interface MoreStrings {
 }
 
 const EN: MoreStrings = {
-  pause: 'Pause', time: 'Time', timeOf: '{now} of {end}', fullscreen: 'Full screen',
+  pause: 'Pause', time: 'Time', timeOf: '{now} of {end}', mute: 'Mute', unmute: 'Unmute', fullscreen: 'Full screen',
   leaveFullscreen: 'Leave full screen', controls: 'Controls', prompt: 'Drag, or use the arrow keys, to turn the view',
   playing: 'Playing {motion}', paused: 'Paused', ended: 'At the end of {motion}', view: 'Seen from {side}{height}',
   front: 'the front', frontRight: 'the front, on the right', right: 'the right', backRight: 'behind, on the right', back: 'behind', backLeft: 'behind, on the left',
@@ -41,7 +43,7 @@ const DE: MoreStrings & Strings = {
   failure: 'Diese Figur kann nicht gezeigt werden.', 'insecure-context': 'Die Figur wird nur auf Seiten gezeigt, die über https kommen.',
   'decoder-unsupported': 'Dieser Browser kann diese Figur nicht dekodieren.', 'decoder-lost': 'Der Browser hat den Videodecoder weggenommen.',
   'files-differ': 'Die Dateien dieser Figur gehören nicht zusammen.', 'out-of-memory': 'Der Browser hat keinen Speicher mehr für diese Figur.',
-  pause: 'Anhalten', time: 'Zeit', timeOf: '{now} von {end}', fullscreen: 'Vollbild',
+  pause: 'Anhalten', time: 'Zeit', timeOf: '{now} von {end}', mute: 'Ton aus', unmute: 'Ton an', fullscreen: 'Vollbild',
   leaveFullscreen: 'Vollbild beenden', controls: 'Bedienung', prompt: 'Zum Drehen ziehen oder die Pfeiltasten drücken',
   playing: '{motion} läuft', paused: 'Angehalten', ended: '{motion} ist zu Ende', view: 'Gesehen von {side}{height}',
   front: 'vorn', frontRight: 'vorn rechts', right: 'rechts', backRight: 'hinten rechts', back: 'hinten', backLeft: 'hinten links',

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Feature of <fourdvt-viewer>: buttons and controls, announcements for screen readers, the prompt and hotspots, which come with extras.ts
+// Feature of <fourdvt-viewer>: buttons and controls, announcements for screen readers, the prompt, hotspots and sound, which come with extras.ts
 // of the player's second part.
 import type { More } from '../wasm-module.js';
 import { animate, applyTexts, onAttribute, onLeft, onMore, parts, type Constructor, type ViewerBase } from './base.js';
@@ -9,6 +9,8 @@ import type { Motion } from './motion.js';
 import type { Playback } from './playback.js';
 
 export interface Extras {
+  /** The motion that is shown has sound. False until the player's second part is there. */
+  readonly hasSound: boolean;
   /** Shows what is behind the poster; with reveal="manual" nothing else does. */
   dismissPoster(): void;
   /** The vertex for a hotspot's `data-vertex` at a point of the page, CSS pixels; null where no surface of a layered character is. */
@@ -21,6 +23,7 @@ export function withExtras<T extends Constructor<ViewerBase & Camera & Media & M
 
     #extras: InstanceType<More['Extras']> | null = null;
 
+    get hasSound(): boolean { return this.#extras?.hasSound ?? false; }
     dismissPoster(): void { this[parts].overlay.dismissPoster(); }
 
     vertexFromPoint(clientX: number, clientY: number): number | null { return this.#extras?.vertexAt(clientX, clientY) ?? null; }
@@ -38,6 +41,7 @@ export function withExtras<T extends Constructor<ViewerBase & Camera & Media & M
         },
         pose: () => this[parts].camera.pose,
         size: () => this[parts].size,
+        heard: () => this[parts],
       });
       this[applyTexts]();
     }
