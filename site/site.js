@@ -2,6 +2,7 @@
 // Connects the page's controls to the one <fourdvt-viewer>. Figures about the character are read from its own files;
 // what cannot be read is not shown.
 import './fourdvt-viewer/fourdvt-viewer.js';
+import { makeSoundButton } from './sound.js';
 
 const byId = (id) => document.getElementById(id);
 const viewer = byId('viewer');
@@ -170,6 +171,7 @@ for (const type of ['transitionstart', 'transitionend']) viewer.addEventListener
 viewer.addEventListener('sequencechange', showSequence);
 for (const type of ['timeupdate', 'seeked', 'ended']) viewer.addEventListener(type, showTime);
 for (const type of ['play', 'playing', 'pause', 'ended']) viewer.addEventListener(type, showPlaying);
+makeSoundButton(viewer, byId('sound'));
 // The viewer says in its own panel that something went wrong; the notice has the details until it is over.
 viewer.addEventListener('error', (event) => {
   const { id, message } = event.detail ?? {};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A small scene to steer through: paved ground, crates and columns that hide the performer; a button adds a companion.
 import './fourdvt-viewer/fourdvt-viewer.js';
+import { makeSoundButton } from './sound.js';
 
 const byId = (id) => document.getElementById(id);
 const viewer = byId('viewer');
@@ -75,6 +76,8 @@ function showSpeed() {
   byId('speed').value = parameter ? `${viewer.getParameter(parameter.name).toFixed(2)} m/s` : viewer.sequence;
 }
 for (const type of ['timeupdate', 'parameterchange', 'transitionend']) viewer.addEventListener(type, showSpeed);
+
+makeSoundButton(viewer, byId('sound'));
 
 byId('company').addEventListener('click', () => {
   const companion = document.createElement('fourdvt-character');
