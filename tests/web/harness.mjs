@@ -41,6 +41,9 @@ export function outputFolder(name) {
 /** A browser that other processes connect to; see browser.mjs. */
 export const launchServer = () => chromium.launchServer(launchOptions());
 
+/** A browser of its own that is silent until the visitor touches the page, as visitors' are. */
+export const launchQuiet = () => chromium.launch({ ...launchOptions(), args: kFlags.filter((flag) => !flag.startsWith('--autoplay-policy')) });
+
 /** The run's browser where FOURDVT_BROWSER names the file with its address, else one of its own. Closing the first only disconnects. */
 export async function launch() {
   const file = process.env.FOURDVT_BROWSER;
