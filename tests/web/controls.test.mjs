@@ -237,6 +237,10 @@ test('keyboard alone: focus, play, turn, time; screen readers hear it', async ()
     await at.until((frame) => document.querySelector('fourdvt-viewer').frame === frame, frame);
   }
   await at.page.keyboard.press('Tab');
+  assert.equal(await focused(), 'mute');
+  await at.page.keyboard.press('Enter');
+  assert.deepEqual(await at.viewer((v) => [v.muted, v.shadowRoot.activeElement.ariaLabel]), [true, 'Unmute']);
+  await at.page.keyboard.press('Tab');
   assert.equal(await focused(), 'fullscreen');
   await at.page.keyboard.press('Tab');
   assert.equal(await at.page.evaluate(() => document.activeElement === document.body), true, 'the focus is not caught');
@@ -289,5 +293,37 @@ test('a hotspot stays on its vertex, and knows when the surface turns away', asy
   await at.until(() => document.querySelector('fourdvt-viewer').frame === 10 && document.getElementById('spot').hasAttribute('data-visible'));
   const moved = await centre(), again = await at.viewer((v, p) => v.vertexFromPoint(p[0], p[1]), moved);
   assert.ok(again !== null, 'it is on the surface of the frame that is shown');
+  await at.page.close();
+});
+
+test('chapters are marked, named and in textTracks; those of another motion are not; a file that is missing is named', async () => {
+  const warnings = [];
+  const at = await open(`<fourdvt-viewer ${kSource} controls><track kind="chapters" src="walk.vtt" data-sequence="walk" srclang="en" label="Chapters">
+    <track kind="chapters" src="pickup.vtt" data-sequence="pickup"><track kind="chapters" src="none.vtt"></fourdvt-viewer>`, {
+    prepare: async (page) => {
+      page.on('console', (message) => warnings.push(message.text()));
+      const files = { walk: '00:00.000 --> 00:00.500\nLeft foot\n\n00:00.500 --> 00:01.120\nRight foot', pickup: '00:00.000 --> 00:01.600\nBends down' };
+      await page.route('**/*.vtt', (route) => {
+        const cues = files[/(\w+)\.vtt/.exec(route.request().url())[1]];
+        return cues ? route.fulfill({ contentType: 'text/vtt', body: `WEBVTT\n\n${cues}\n` }) : route.fulfill({ status: 404 });
+      });
+    },
+  });
+  await settled(at);
+  const text = (wanted) => at.until((wanted) => document.querySelector('fourdvt-viewer').shadowRoot.querySelector('[part=chapter]').textContent === wanted, wanted);
+  await text('Left foot');
+  assert.deepEqual(await at.page.evaluate(() => [...document.querySelector('fourdvt-viewer').shadowRoot.querySelectorAll('datalist option')].map(({ value, label }) => [value, label])),
+    [['0', 'Left foot'], ['0.5', 'Right foot']]);
+  assert.equal(await at.part('time').getAttribute('aria-valuetext'), '0:00 of 0:01, Left foot');
+  await at.viewer((v) => { v.currentTime = 0.8; });
+  await text('Right foot');
+  await at.page.screenshot({ path: join(outputFolder('controls'), 'chapters.png') });
+  assert.deepEqual(await at.viewer((v) => [...v.textTracks].map(({ kind, label, cues }) => [kind, label, cues?.length ?? 0])),
+    [['chapters', 'Chapters', 2], ['chapters', '', 1], ['chapters', '', 0]]);
+  await at.viewer((v) => { v.sequence = 'pickup'; });
+  await text('Bends down');
+  await at.viewer((v) => v.querySelector('[data-sequence=pickup]').remove());
+  await text('');
+  assert.ok(warnings.some((line) => /none\.vtt: the chapters cannot be loaded/.test(line)), warnings.join('\n'));
   await at.page.close();
 });

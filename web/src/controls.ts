@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Buttons of a viewer: one that pauses and plays; with the attribute `controls` a bar with play, time, sound and full screen. Part of
 // fourdvt-more.js.
+import type { Chapter } from './chapters.js';
 import { fill } from './strings-more.js';
 import { adopt } from './styles.js';
 
@@ -14,6 +15,7 @@ const CSS = `
 .controls svg { display: block; width: 100%; height: 100%; fill: currentColor; pointer-events: none; }
 .controls input { flex: 1; min-width: 40px; height: 24px; margin: 0 6px; accent-color: var(--fourdvt-progress-color, #8ab4ff); }
 .controls span { flex: none; padding: 0 6px; }
+.controls [part=chapter] { flex: 0 1 auto; overflow: hidden; text-overflow: ellipsis; white-space: nowrap; max-width: 30%; line-height: 1.3; }
 `;
 const ICONS = {
   play: 'M5 2v20l16-10z',
@@ -67,15 +69,20 @@ export class Controls {
   readonly #play: HTMLButtonElement;
   readonly #time: HTMLInputElement;
   readonly #clock: HTMLSpanElement;
+  readonly #chapter: HTMLSpanElement;
+  readonly #marks: HTMLDataListElement;
+  readonly #chaptersOf: (motion: string) => Chapter[];
   readonly #mute: HTMLButtonElement;
   readonly #full: HTMLButtonElement;
   readonly #sound: SoundState;
   readonly #offer: HTMLElement | null; // the large play button
   readonly #abort = new AbortController();
   #strings: Record<string, string> = {};
+  #chapters: Chapter[] = []; // of the motion
   #shown = ''; // state that the controls show
 
-  constructor(viewer: Controlled, root: ShadowRoot, sound: SoundState) {
+  constructor(viewer: Controlled, root: ShadowRoot, sound: SoundState, chaptersOf: (motion: string) => Chapter[]) {
+    this.#chaptersOf = chaptersOf;
     this.#viewer = viewer;
     this.#sound = sound;
     this.#offer = root.querySelector('.play');
@@ -95,6 +102,11 @@ export class Controls {
     Object.assign(this.#time, { type: 'range', min: '0', value: '0' });
     this.#clock = make('span', 'clock');
     this.#clock.ariaHidden = 'true'; // the slider's value text is the same
+    this.#chapter = make('span', 'chapter');
+    this.#chapter.ariaHidden = 'true';
+    this.#marks = document.createElement('datalist');
+    this.#marks.id = 'chapters';
+    this.#time.setAttribute('list', 'chapters');
     // A press of it lets the page be heard, too.
     this.#mute = make('button', 'mute', () => (viewer.muted = !viewer.muted && !sound.blocked));
     this.#full = make('button', 'fullscreen', () => {
@@ -104,7 +116,7 @@ export class Controls {
     const slot = document.createElement('slot');
     slot.name = 'controls';
     slot.style.display = 'contents';
-    slot.append(this.#play, this.#time, this.#clock, this.#mute, this.#full);
+    slot.append(this.#play, this.#time, this.#marks, this.#clock, this.#chapter, this.#mute, this.#full);
     this.#box.append(slot);
     root.append(this.#box);
     const names = ['playing', 'play', 'pause', 'ended', 'seeked', 'timeupdate', 'durationchange', 'canplay', 'emptied', 'volumechange', 'sequencechange'];
@@ -147,6 +159,8 @@ export class Controls {
       this.#box.ariaLabel = whole ? s['controls']! : null;
       this.#clock.textContent = ''; // its value text may be in another language
       this.#time.hidden = this.#clock.hidden = !whole || !timed;
+      this.#chapter.hidden = true; // until its time is shown
+      this.#chapter.textContent = '';
       this.#full.hidden = !whole || !full;
       this.#mute.hidden = !whole || !this.#sound.present;
       setIcon(this.#mute, silent ? 'mute' : 'loud', s[silent ? 'unmute' : 'mute']!);
@@ -158,14 +172,19 @@ export class Controls {
     const { duration, sequence, sequences } = viewer, frames = sequences.find(({ name }) => name === sequence)?.frames ?? 1;
     this.#time.max = String(duration);
     this.#time.step = String(duration / frames);
+    this.#chapters = this.#chaptersOf(sequence);
+    this.#marks.replaceChildren(...this.#chapters.map(({ startS, title }) => new Option(title, String(startS))));
     this.#showTime();
   }
   #showTime(): void {
     const { currentTime, duration } = this.#viewer, now = clockTime(currentTime), end = clockTime(duration);
     this.#time.value = String(currentTime);
-    const clock = `${now} / ${end}`;
-    if (this.#clock.textContent === clock) return;
+    const clock = `${now} / ${end}`, chapter = this.#chapters.filter(({ startS, endS }) => startS <= currentTime && currentTime < endS).at(-1)?.title ?? '';
+    if (this.#clock.textContent === clock && this.#chapter.textContent === chapter) return;
     this.#clock.textContent = clock;
-    this.#time.setAttribute('aria-valuetext', fill(this.#strings['timeOf']!, { now, end }));
+    this.#chapter.textContent = chapter;
+    this.#chapter.hidden = !chapter;
+    const text = fill(this.#strings['timeOf']!, { now, end });
+    this.#time.setAttribute('aria-valuetext', chapter ? `${text}, ${chapter}` : text);
   }
 }

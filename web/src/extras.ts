@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Buttons, announcements, hotspots, sound, and the prompt that invites the visitor to turn the view, of one viewer. Part of fourdvt-more.js.
 import { Announcer, type Announced } from './announcer.js';
+import { Chapters } from './chapters.js';
 import { Controls, type Controlled } from './controls.js';
 import { Hotspots, type HotspotScene } from './hotspots.js';
 import { Sound, type Audible, type Heard } from './sound.js';
@@ -24,6 +25,7 @@ export class Extras {
   readonly #controls: Controls;
   readonly #announcer: Announcer;
   readonly #sound: Sound;
+  readonly #chapters: Chapters;
   readonly #abort = new AbortController();
   #timer: ReturnType<typeof setTimeout> | undefined; // to the prompt
   #prompts = true; // the visitor has not turned the view yet
@@ -41,8 +43,9 @@ export class Extras {
     this.#prompt.hidden = true;
     root.append(this.#prompt);
     this.#hotspots = new Hotspots(viewer, root, scene);
-    this.#sound = new Sound(viewer, () => scene.heard(), () => this.#controls.show());
-    this.#controls = new Controls(viewer, root, this.#sound);
+    this.#sound = new Sound(viewer, () => scene.heard(), () => this.#controls?.show());
+    this.#chapters = new Chapters(viewer, root, () => this.#controls?.show());
+    this.#controls = new Controls(viewer, root, this.#sound, (motion) => this.#chapters.of(motion));
     this.#announcer = new Announcer(viewer, root);
     viewer.addEventListener('camera-change', () => this.#endPrompt(), { signal: this.#abort.signal });
     this.update();
@@ -82,6 +85,7 @@ export class Extras {
     this.#controls.dispose();
     this.#announcer.dispose();
     this.#sound.dispose();
+    this.#chapters.dispose();
     this.#prompt.remove();
   }
 }

@@ -9,6 +9,8 @@ import type { Motion } from './motion.js';
 import type { Playback } from './playback.js';
 
 export interface Extras {
+  /** Of its <track> elements; undefined until the player's second part is there. */
+  readonly textTracks?: TextTrackList;
   /** The motion that is shown has sound. False until the player's second part is there. */
   readonly hasSound: boolean;
   /** Shows what is behind the poster; with reveal="manual" nothing else does. */

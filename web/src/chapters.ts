@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// Chapters of a viewer's motions, from <track kind="chapters"> elements in it: WebVTT, which a <video> that never plays reads. Part of
+// fourdvt-more.js.
+export interface Chapter {
+  startS: number;
+  endS: number;
+  title: string;
+}
+
+export class Chapters {
+  readonly #viewer: HTMLElement;
+  readonly #video = document.createElement('video');
+  readonly #changed: () => void;
+  readonly #children: MutationObserver;
+  readonly #copies = new Map<HTMLTrackElement, HTMLTrackElement>(); // by the page's own
+
+  /** root: of the viewer's shadow tree. The viewer's `textTracks` are those of this part. */
+  constructor(viewer: HTMLElement, root: ShadowRoot, changed: () => void) {
+    this.#viewer = viewer;
+    this.#changed = changed;
+    this.#video.hidden = true;
+    this.#video.style.display = 'none';
+    this.#video.crossOrigin = viewer.getAttribute('crossorigin') ?? 'anonymous';
+    root.append(this.#video);
+    Object.defineProperty(viewer, 'textTracks', { configurable: true, value: this.#video.textTracks });
+    this.#children = new MutationObserver(() => this.#read());
+    this.#children.observe(viewer, { childList: true });
+    this.#read();
+  }
+
+  /** Those of a motion, in the order of their time. A track without `data-sequence` is for every motion. */
+  of(motion: string): Chapter[] {
+    const found: Chapter[] = [];
+    for (const [given, { track }] of this.#copies) {
+      const { sequence = motion } = given.dataset;
+      if (track.kind !== 'chapters' || sequence !== motion) continue;
+      for (const cue of track.cues ?? []) found.push({ startS: cue.startTime, endS: cue.endTime, title: (cue as VTTCue).text });
+    }
+    return found.sort((a, b) => a.startS - b.startS);
+  }
+  dispose(): void {
+    this.#children.disconnect();
+    delete (this.#viewer as { textTracks?: unknown }).textTracks;
+    this.#video.remove();
+  }
+
+  #read(): void {
+    const given = [...this.#viewer.querySelectorAll<HTMLTrackElement>(':scope > track')];
+    for (const [own, copy] of this.#copies) {
+      if (given.includes(own)) continue;
+      copy.remove();
+      this.#copies.delete(own);
+    }
+    for (const own of given) {
+      if (this.#copies.has(own)) continue;
+      const copy = own.cloneNode() as HTMLTrackElement;
+      copy.addEventListener('load', () => this.#changed());
+      copy.addEventListener('error', () => console.warn(`fourdvt-viewer: ${copy.src}: the chapters cannot be loaded; check the address, and that it is WebVTT`));
+      this.#copies.set(own, copy);
+      this.#video.append(copy);
+      if (copy.kind === 'chapters') copy.track.mode = 'hidden'; // is loaded, not shown
+    }
+    this.#changed();
+  }
+}
