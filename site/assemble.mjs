@@ -3,11 +3,11 @@
 // node site/assemble.mjs --add-cameras OUT DIST CHARACTER CAMERAS: the same into a folder that is being served: adds the
 // characters from cameras, then the pages that show them; the rest stays.
 // OUT/{index,steer}.html, their scripts, styles and pictures, OUT/live (the console of fourdvt live), OUT/measured (the page of
-// figures), OUT/docs (the documents),
-// OUT/examples, OUT/fourdvt-viewer (DIST, the built web package), OUT/character (a baked one), OUT/{cameras,methods}.html and
-// OUT/cameras (characters from cameras: hull, refined, tracked).
+// figures), OUT/docs (the documents), OUT/examples, OUT/fourdvt-viewer (DIST, the built web package), OUT/character (a baked
+// one), OUT/character.report (its report, if it lies beside it), OUT/{cameras,methods}.html and OUT/cameras (characters from
+// cameras: hull, refined, tracked).
 // An element of a page with data-needs="FILE", on a line of its own, is left out where DIST has no such file; with
-// data-needs="cameras", where CAMERAS is not given.
+// data-needs="cameras", where CAMERAS is not given, with data-needs="report", where there is none.
 // Replaces only what it makes. Refuses links inside CHARACTER and CAMERAS, which may come from elsewhere.
 import { copyFileSync, cpSync, existsSync, mkdirSync, readdirSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';
 import { dirname, join, resolve } from 'node:path';
@@ -42,13 +42,16 @@ function refuseLinks(folder) {
   }
 }
 
-for (const folder of [character, cameras]) if (folder) refuseLinks(folder);
+const report = `${character}.report`;
+for (const folder of [character, report, cameras]) if (folder && existsSync(folder)) refuseLinks(folder);
 
 // The page without the choices whose module was not built.
 function onlyWhatWorks(html) {
   const works = (line) => {
     const needed = line.match(/ data-needs="([^"]+)"/);
-    return !needed || (needed[1] === 'cameras' ? Boolean(cameras) : existsSync(join(dist, needed[1])));
+    if (!needed) return true;
+    if (needed[1] === 'cameras') return Boolean(cameras);
+    return existsSync(needed[1] === 'report' ? report : join(dist, needed[1]));
   };
   return html.split('\n').filter(works).join('\n');
 }
@@ -78,6 +81,7 @@ function writePages() {
 for (const name of ['measured', 'live']) mkdirSync(join(out, name), { recursive: true });
 const folders = { examples: join(here, '../web/examples'), 'fourdvt-viewer': dist, character };
 for (const [name, folder] of adds ? [] : Object.entries(folders)) replaceFolder(name, folder);
+if (!adds && existsSync(report)) replaceFolder('character.report', report);
 if (cameras) replaceFolder('cameras', cameras);
 if (!adds) renderDocs(join(here, '..'), join(out, 'docs'));
 writePages();

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # cameras.sh FOURDVT CAPTURE OUT STAMP: characters from cameras of the sample's run, OUT/{hull,refined,tracked}: on its
-# visual hull, on the hull refined by stereo (quicker and coarser than by default), and on its own tracked mesh. Does
-# nothing if OUT was made with this STAMP by this script.
+# visual hull, on the hull refined by stereo (quicker and coarser than by default), and on its own tracked mesh; OUT.reports
+# has their reports. Does nothing if OUT was made with this STAMP by this script.
 # cameras.sh --is-made OUT STAMP: succeeds if there is nothing to do.
 set -euo pipefail
 is_made() { [ "$(cat "$1.stamp" 2>/dev/null)" = "$2 $(sha256sum <"$0" | cut -d' ' -f1)" ] && [ -d "$1" ]; }
@@ -23,6 +23,9 @@ mkdir -p "$work/made"
 for surface in hull refined; do "$tool" bake "$work/$surface" -o "$work/made/$surface" --sequences run --crf 30; done
 "$tool" bake "$capture" -o "$work/made/tracked" --sequences run --appearance cameras --no-classes \
   --refine-cameras off --crf 30
+rm -rf "$out.reports"
+mkdir "$out.reports"
+mv "$work/made/"*.report "$out.reports"
 mv "$work/made" "$out"
 rm -rf "$work"
 echo "$4 $(sha256sum <"$0" | cut -d' ' -f1)" >"$out.stamp"

@@ -248,7 +248,7 @@ function showCapture({ name, credit }) {
 }
 
 try {
-  const answer = await fetch('character/report.json');
+  const answer = await fetch('character.report/report.json');
   if (answer.ok) {
     const report = await answer.json();
     showCapture(report.capture);

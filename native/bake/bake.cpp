@@ -108,6 +108,7 @@ Result<BakeReport> runStages(BakeRun& run) {
   addFigures(run, report);
   FOURDVT_TRY(writeReportFiles(job, report));
   FOURDVT_TRY(publish(job.resultFolder(), job.options.character_folder));
+  FOURDVT_TRY(publishReport(job.reportFolder(), reportFolderOf(job.options.character_folder)));
   platform::removeFolder(job.workFolder());
   return report.figures;
 }
@@ -116,6 +117,7 @@ Result<BakeReport> runStages(BakeRun& run) {
 Error cleanedUp(Error error, const Job& job) {
   const std::string work = job.workFolder();
   platform::removeFolder(job.resultFolder());
+  platform::removeFolder(job.reportFolder());
   platform::removeIfEmpty(work);
   if (error.id == ErrorId::Interrupted) return error;  // its message says what stays
   if (WorkFolder::holdsGops(work))

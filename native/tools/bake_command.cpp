@@ -195,10 +195,10 @@ bake::BakeOptions readOptions(Args& args) {
 void printSummary(const bake::BakeOptions& options, const bake::BakeReport& report, double seconds) {
   uint64_t bytes = 0;
   for (const auto& [part, size] : report.bytes_by_part) bytes += size;
-  std::printf("%s: %u frames, %.2f MB, %.1f s (%.2f s per frame), peak memory %.0f MB\nfigures: %s/report.html\n",
+  std::printf("%s: %u frames, %.2f MB, %.1f s (%.2f s per frame), peak memory %.0f MB\nreport: %s/report.html\n",
               options.character_folder.c_str(), report.frames, bytes / 1e6, seconds,
               report.frames ? seconds / report.frames : 0.0, report.peak_rss_bytes / 1e6,
-              options.character_folder.c_str());
+              bake::reportFolderOf(options.character_folder).c_str());
 }
 
 }  // namespace

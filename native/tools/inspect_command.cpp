@@ -390,16 +390,17 @@ class Inspection {
   void printSizes() const {
     std::printf("\n%-12s %9s %9s %9s %9s %9s %9s %10s  %s\n", "bytes", "video",
                 fromCameras() ? "surfaces" : "positions", "labels", "offsets", "alignment", "index", "total",
-                "Mbit/s (video + rest)");
+                "Mbit/s (video + rest), MB a minute");
     uint64_t all = character_.mesh_bytes + poster_bytes_ + character_.graph_bytes + character_.room.picture_bytes +
                    fs::file_size(manifest_);
     for (size_t i = 0; i < sizes_.size(); ++i) {
       const SequenceSizes& s = sizes_[i];
       const uint64_t rest = s.withoutVideo();
       const double rate = 8e-6 / character_.sequences[i].duration_s();
-      std::printf("%-12s %9lu %9lu %9lu %9lu %9lu %9lu %10lu  %.2f (%.2f + %.2f)\n",
+      std::printf("%-12s %9lu %9lu %9lu %9lu %9lu %9lu %10lu  %.2f (%.2f + %.2f), %.0f\n",
                   character_.sequences[i].name.c_str(), s.video, s.positions, s.labels, s.offsets, s.alignment, s.index,
-                  s.video + rest, (s.video + rest) * rate, s.video * rate, rest * rate);
+                  s.video + rest, (s.video + rest) * rate, s.video * rate, rest * rate,
+                  (s.video + rest) * rate * 60 / 8);
       all += s.video + s.lower_renditions + rest;
     }
     std::printf("\nmesh %lu, poster %lu, manifest %lu; all that a player may load: %lu bytes (%.2f MB)\n",

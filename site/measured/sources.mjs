@@ -85,7 +85,7 @@ export class Study {
   }
 }
 
-export const readCharacter = (folder) => readJson(join(folder, 'report.json'), `bake the character again: fourdvt bake CAPTURE -o ${folder}`);
+export const readCharacter = (folder) => readJson(join(`${folder}.report`, 'report.json'), `bake the character again: fourdvt bake CAPTURE -o ${folder}`);
 
 // Scores of `fourdvt-lab score CHARACTER --capture CAPTURE -o FOLDER` at the held-out cameras: per sequence the mean
 // over its views, then the mean over the sequences, as the study's own mean.

@@ -9,9 +9,9 @@ scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 peak() {  # CAPTURE NAME → bytes
   "$fourdvt" bake "$1" -o "$scratch/$2" --sequences "$sequence" >"$scratch/$2.log" 2>&1 || { cat "$scratch/$2.log" >&2; exit 1; }
-  sed -n 's/.*"peak_rss_bytes": *\([0-9]*\).*/\1/p' "$scratch/$2/report.json"
+  sed -n 's/.*"peak_rss_bytes": *\([0-9]*\).*/\1/p' "$scratch/$2.report/report.json"
 }
-frames() { sed -n 's/^ *"frames": *\([0-9]*\).*/\1/p' "$scratch/$1/report.json" | head -1; }
+frames() { sed -n 's/^ *"frames": *\([0-9]*\).*/\1/p' "$scratch/$1.report/report.json" | head -1; }
 "$repeat" "$capture" "$sequence" "$times" "$scratch/capture"
 once=$(peak "$capture" once)
 many=$(peak "$scratch/capture" many)

@@ -65,5 +65,5 @@ for (const crf of rates) {
     rows.push({ table: 'rate', crf, appearance, all_mbit_s: baked.all, ...kept(out, name, () => bakedScores(baked.character)) });
   }
 }
-const { options } = JSON.parse(readFileSync(join(out, 'given-mesh-baked', 'report.json'), 'utf8'));
+const { options } = JSON.parse(readFileSync(join(out, 'given-mesh-baked.report', 'report.json'), 'utf8'));
 writeRows(out, { sequence, crf: options.crf }, rows);

@@ -50,8 +50,9 @@ TEST(Bake, MakesACharacterThatInspectsAndRenders) {
   const Outcome bake = fourdvt("bake " + capture + " -o " + out + "/box" + kSmall);
   ASSERT_EQ(bake.code, 0) << bake.output;
   EXPECT_FALSE(exists(out + "/box.work"));
-  for (const char* file : {"/character.gltf", "/report.json", "/report.html"})
-    EXPECT_TRUE(exists(out + "/box" + file)) << file;
+  for (const char* file : {"/box/character.gltf", "/box.report/report.json", "/box.report/report.html",
+                           "/box.report/poster.webp", "/box.report/report_tiles.jpg"})
+    EXPECT_TRUE(exists(out + file)) << file;
 
   const Outcome inspect = fourdvt("inspect " + out + "/box");
   EXPECT_EQ(inspect.code, 0) << inspect.output;
@@ -140,7 +141,7 @@ TEST(Bake, LowerRenditionsLeaveTheHighestAsItIs) {
   EXPECT_EQ(with_coarse.size(), chunks.size() + turn["stream"]["coarse"]["byteLength"].get<size_t>());
   EXPECT_EQ(turn["stream"]["coarse"]["renditions"], 1);
 
-  const json report = json::parse(readText(out + "/box/report.json"));
+  const json report = json::parse(readText(out + "/box.report/report.json"));
   EXPECT_EQ(report["sequences"][0]["renditions"].size(), 4u);
   EXPECT_EQ(report["sequences"][0]["video_bytes"], before);
   for (const std::string& name : names) EXPECT_GT(report["bytes_by_part"][name], 100) << name;
@@ -211,7 +212,7 @@ TEST(Bake, NamesHoldHashesAndAnotherBakesFilesGo) {
 
   const std::set<std::string> uris = urisIn(json::parse(readText(box + "/character.gltf")));
   std::set<std::string> expected = uris;
-  expected.insert({"thesis.txt", "character.gltf", "report.html", "report.json", "report_tiles.jpg"});
+  expected.insert({"thesis.txt", "character.gltf"});
   EXPECT_EQ(filesIn(box), expected);
   int kept = 0, hashed = 0;
   for (const std::string& uri : uris) {
@@ -224,7 +225,7 @@ TEST(Bake, NamesHoldHashesAndAnotherBakesFilesGo) {
   }
   EXPECT_EQ(hashed, 4) << "video, stream, mesh, texture";
   EXPECT_LT(kept, int(uris.size())) << "the second bake is another one";
-  const json report = json::parse(readText(box + "/report.json"));
+  const json report = json::parse(readText(box + ".report/report.json"));
   for (const auto& [file, bytes] : report["bytes_by_part"].items()) EXPECT_EQ(fs::file_size(box + "/" + file), bytes);
   EXPECT_EQ(fourdvt("inspect " + box).code, 0);
 }
@@ -277,7 +278,7 @@ TEST(Bake, InterruptedResumesToTheSameBytes) {
 
   const Outcome resumed = fourdvt("bake " + capture + " -o " + stopped + options + " --resume");
   ASSERT_EQ(resumed.code, 0) << resumed.output;
-  EXPECT_NE(readText(stopped + "/report.json").find("\"resumed\": true"), std::string::npos);
+  EXPECT_NE(readText(stopped + ".report/report.json").find("\"resumed\": true"), std::string::npos);
   EXPECT_EQ(differences(out + "/straight", stopped), std::vector<std::string>{});
 }
 

@@ -23,7 +23,7 @@ std::string perFrame(const std::string& name, int frames = 6) {
   return capture;
 }
 
-json reportOf(const std::string& character) { return json::parse(readText(character + "/report.json")); }
+json reportOf(const std::string& character) { return json::parse(readText(character + ".report/report.json")); }
 
 TEST(CameraBake, KeepsTheCamerasThatAreNamed) {
   const std::string capture = perFrame("named-cameras", 2), out = scratch("named");
@@ -63,7 +63,7 @@ TEST(CameraBake, IsChosenForMeshesOfPerFrameTopologyAndSaysSo) {
   EXPECT_GT(turn["geometry_bytes"], 100);
   EXPECT_GT(turn["tiles"]["kept_share"], 0.05);
   EXPECT_LT(turn["tiles"]["kept_share"], 0.9);
-  EXPECT_TRUE(exists(out + "/box/report_turn.jpg"));
+  EXPECT_TRUE(exists(out + "/box.report/report_turn.jpg"));
   auto poster = platform::readImage(out + "/box/poster.webp");
   ASSERT_TRUE(poster.ok());
   int covered = 0;
@@ -126,7 +126,7 @@ TEST(CameraBake, FewCamerasGetASafeMethodAndSaySo) {
     const json report = reportOf(out + "/box");
     EXPECT_EQ(report["method"]["measured"], false);
     EXPECT_NE(report["notes"].dump().find(said), std::string::npos);
-    EXPECT_NE(readText(out + "/box/report.html").find(said), std::string::npos);
+    EXPECT_NE(readText(out + "/box.report/report.html").find(said), std::string::npos);
   }
 }
 
@@ -203,7 +203,7 @@ TEST(CameraBake, InterruptedResumesToTheSameBytes) {
   EXPECT_FALSE(exists(stopped));
   const Outcome resumed = fourdvt("bake " + capture + " -o " + stopped + options + " --resume");
   ASSERT_EQ(resumed.code, 0) << resumed.output;
-  EXPECT_NE(readText(stopped + "/report.json").find("\"resumed\": true"), std::string::npos);
+  EXPECT_NE(readText(stopped + ".report/report.json").find("\"resumed\": true"), std::string::npos);
   EXPECT_EQ(differences(out + "/straight", stopped), std::vector<std::string>{});
   // One job gives what two do.
   ASSERT_EQ(

@@ -41,23 +41,23 @@ TEST(Studio, TurnedCamerasAreWrittenRefined) {
   const Outcome refined = fourdvt("bake " + out + "/capture -o " + out + "/refined" + bake);
   ASSERT_EQ(refined.code, 0) << refined.output;
   for (const char* file : {"/cameras_refined/cameras.txt", "/cameras_refined/images.txt"})
-    EXPECT_TRUE(exists(out + "/refined" + file)) << file;
-  EXPECT_NE(readText(out + "/refined/report.html").find("cameras_refined"), std::string::npos);
-  EXPECT_NE(readText(out + "/refined/report.json").find("\"changed\": true"), std::string::npos);
+    EXPECT_TRUE(exists(out + "/refined.report" + file)) << file;
+  EXPECT_NE(readText(out + "/refined.report/report.html").find("cameras_refined"), std::string::npos);
+  EXPECT_NE(readText(out + "/refined.report/report.json").find("\"changed\": true"), std::string::npos);
 
   const Outcome as_given =
       fourdvt("bake " + out + "/capture -o " + out + "/given --refine none --refine-cameras off" + bake);
   ASSERT_EQ(as_given.code, 0) << as_given.output;
-  EXPECT_FALSE(exists(out + "/given/cameras_refined"));
-  EXPECT_EQ(readText(out + "/given/report.json").find("\"refinement\""), std::string::npos);
+  EXPECT_FALSE(exists(out + "/given.report/cameras_refined"));
+  EXPECT_EQ(readText(out + "/given.report/report.json").find("\"refinement\""), std::string::npos);
 
   for (const char* file : {"cameras.txt", "images.txt"})
-    std::filesystem::copy_file(out + "/refined/cameras_refined/" + file, out + "/capture/cameras/" + file,
+    std::filesystem::copy_file(out + "/refined.report/cameras_refined/" + file, out + "/capture/cameras/" + file,
                                std::filesystem::copy_options::overwrite_existing);
   const Outcome again = fourdvt("bake " + out + "/capture -o " + out + "/again" + bake);
   ASSERT_EQ(again.code, 0) << again.output;
-  EXPECT_FALSE(exists(out + "/again/cameras_refined"));
-  EXPECT_EQ(readText(out + "/again/report.json").find("\"changed\": true"), std::string::npos);
+  EXPECT_FALSE(exists(out + "/again.report/cameras_refined"));
+  EXPECT_EQ(readText(out + "/again.report/report.json").find("\"changed\": true"), std::string::npos);
 }
 
 TEST(Studio, ModelIsCapturedByItsAnimationsNames) {

@@ -402,7 +402,10 @@ const words = process.argv.slice(2), of = (option) => words[words.indexOf(option
 const csv = 'kind,sequence,camera,frame,psnr_db,ssim\\nheld-out,run,a,0,20,0.5\\nheld-out,run,b,0,24,0.7\\ninput,run,c,0,99,0.9\\n';
 if (words.includes('-o')) mkdirSync(of('-o'), { recursive: true });
 if (words[0] === 'reconstruct') writeFileSync(of('-o') + '/reconstruct.json', '{}');
-if (words[0] === 'bake') for (const file of ['character.gltf', 'report.json']) writeFileSync(of('-o') + '/' + file, '{"options":{"crf":29}}');
+if (words[0] === 'bake') {
+  mkdirSync(of('-o') + '.report', { recursive: true });
+  for (const file of ['/character.gltf', '.report/report.json']) writeFileSync(of('-o') + file, '{"options":{"crf":29}}');
+}
 if (words[0] === 'inspect') console.log('run  1 2 3  7.15 (6.48 + 0.68)');
 if (words[0] === 'surfaces') console.log('sequence views\\nrun 9 18.50 0.627 1 2 3 4 5 6 7');
 if (words[0] === 'score') writeFileSync(of('-o') + '/evaluate.csv', csv);

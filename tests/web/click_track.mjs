@@ -108,7 +108,7 @@ export function listen() {
   addEventListener('sequencechange', ({ target }) => { target.shown = target.sequence; }, true);
 }
 
-/** The site served, and a browser: pages plays.html, muted.html and paused.html. */
+/** The site served, and a browser. open(NAME): a page whose viewer plays, is muted, or is paused. */
 export async function openClicks() {
   const site = mkdtempSync(join(tmpdir(), 'fourdvt-sound-'));
   cpSync(environment('SITE'), site, { recursive: true });

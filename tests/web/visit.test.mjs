@@ -38,7 +38,7 @@ const framesAdvance = (sequence, wanted) => page.evaluate(async ({ sequence, wan
 
 test('plays on its own, and the figures are the report\'s', async () => {
   assert.ok(await framesAdvance('locomotion', 3) >= 3);
-  const report = await (await fetch(`${server.url}character/report.json`)).json();
+  const report = await (await fetch(`${server.url}character.report/report.json`)).json();
   await until(() => !document.getElementById('figures-text').hidden);
   const text = (await page.textContent('#figures-text')).replace(/\s+/g, ' ');
   assert.match(text, new RegExp(`the ${report.options.layers} best of ${report.cameras} camera views`));

@@ -8,7 +8,7 @@
 namespace fourdvt::bake {
 
 constexpr const char* kManifestFile = "character.gltf";
-constexpr const char* kRefinedCameras = "cameras_refined";  // folder
+constexpr const char* kRefinedCameras = "cameras_refined";  // folder, in the report's
 constexpr const char* kMeshFile = "mesh.bin";               // before its hash
 constexpr const char* kPosterFile = "poster.webp";
 

@@ -75,6 +75,8 @@ struct Job {
     return options.survey_folder.empty() ? workFolder() + "/survey" : options.survey_folder;
   }
   std::string resultFolder() const { return workFolder() + "/result"; }
+  // The report until it is published beside the character.
+  std::string reportFolder() const { return workFolder() + "/report"; }
 };
 
 // First frames of GOPs of at most `gop` frames, whose lengths differ by at most 1.

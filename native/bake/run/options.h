@@ -82,4 +82,7 @@ struct BakeOptions {
   std::string check() const;  // empty, or what is wrong
 };
 
+// The report lies beside the character, which holds only what pages need.
+inline std::string reportFolderOf(const std::string& character_folder) { return character_folder + ".report"; }
+
 }  // namespace fourdvt::bake

@@ -127,4 +127,8 @@ Status publish(const std::string& from, const std::string& to) {
   return {};
 }
 
+Status publishReport(const std::string& from, const std::string& to) {
+  return platform::replaceFolder(from, to, from + ".previous");
+}
+
 }  // namespace fourdvt::bake

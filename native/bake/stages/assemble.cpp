@@ -143,7 +143,7 @@ Result<std::string> writeStills(const BakeRun& run, const package::Character& ch
   const Job& job = run.job;
   const std::string folder = job.resultFolder() + "/";
   FOURDVT_ASSIGN(auto still, run.work.loadStill());
-  FOURDVT_TRY(platform::writeFileAtomic(folder + kTiles, still.tile_jpeg));
+  FOURDVT_TRY(platform::writeFileAtomic(job.reportFolder() + "/" + kTiles, still.tile_jpeg));
   FOURDVT_ASSIGN(auto positions, capture::readMeshFrame(job.capture, job.capture.sequences[0], 0));
   FOURDVT_ASSIGN(auto poster,
                  renderPoster(run.device(), character, job.mesh.decoded, describeStream(job.streams[0]).renditions[0],
@@ -185,7 +185,7 @@ Status describeClasses(const BakeRun& run, const package::Character& character, 
     report.figures.classes[plan.name] = figuresOf(job, plan, *character.find(plan.name));
     FOURDVT_ASSIGN(auto artefact, run.work.loadGop(plan.name, 0));
     const std::string file = "report_" + plan.name + ".jpg";
-    FOURDVT_TRY(platform::writeFileAtomic(job.resultFolder() + "/" + file, artefact.picture_jpeg));
+    FOURDVT_TRY(platform::writeFileAtomic(job.reportFolder() + "/" + file, artefact.picture_jpeg));
     report.pictures.push_back({file, "The video picture of " + plan.name + ", frame 0: the layers of " +
                                          std::to_string(plan.motion.members.size()) + " members and the barcode."});
   }
@@ -232,9 +232,17 @@ void describeCommon(const Job& job, const package::Character& character, ReportI
   }
 }
 
+Status makeResultFolders(const Job& job) {
+  for (const std::string& folder : {job.resultFolder(), job.reportFolder()}) {
+    platform::removeFolder(folder);
+    FOURDVT_TRY(platform::makeFolder(folder));
+  }
+  return {};
+}
+
 Status describeRefinement(const Job& job, ReportInput& report) {
   if (!job.refinement) return {};
-  const std::string folder = job.resultFolder() + "/";
+  const std::string folder = job.reportFolder() + "/";
   for (const refine::WorstPicture& view : job.refinement->worst) {
     const std::string& camera = job.cameras[view.camera].name;
     const std::string file = "report_outline_" + camera + ".jpg";
@@ -268,8 +276,7 @@ Status assemble(BakeRun& run, const std::vector<uint8_t>& graph, const std::opti
                 ReportInput& report) {
   StageClock::Span span(run.clock, Stage::Assemble);
   const Job& job = run.job;
-  platform::removeFolder(job.resultFolder());
-  FOURDVT_TRY(platform::makeFolder(job.resultFolder()));
+  FOURDVT_TRY(makeResultFolders(job));
   package::Character character = describeCharacter(job);
   for (const StreamPlan& plan : job.streams) {
     FOURDVT_ASSIGN(auto packed, packSequence(run, plan));
@@ -292,8 +299,15 @@ Status assemble(BakeRun& run, const std::vector<uint8_t>& graph, const std::opti
 }
 
 Status writeReportFiles(const Job& job, const ReportInput& report) {
-  FOURDVT_TRY(platform::writeFileAtomic(job.resultFolder() + "/report.json", reportJson(report)));
-  return platform::writeFileAtomic(job.resultFolder() + "/report.html", reportHtml(report));
+  // Pictures that players have, too.
+  for (const ReportPicture& picture : report.pictures) {
+    const std::string of_character = job.resultFolder() + "/" + picture.file;
+    if (!platform::fileBytes(of_character)) continue;
+    FOURDVT_ASSIGN(const auto bytes, platform::readFile(of_character));
+    FOURDVT_TRY(platform::writeFileAtomic(job.reportFolder() + "/" + picture.file, bytes));
+  }
+  FOURDVT_TRY(platform::writeFileAtomic(job.reportFolder() + "/report.json", reportJson(report)));
+  return platform::writeFileAtomic(job.reportFolder() + "/report.html", reportHtml(report));
 }
 
 }  // namespace fourdvt::bake

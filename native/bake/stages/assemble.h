@@ -23,7 +23,9 @@ void describeRenditions(const package::Sequence& sequence, ReportSequence& repor
 void describeCommon(const Job& job, const package::Character& character, ReportInput& report);
 // Writes what the refinement found: views whose outlines were far off, and the cameras if one of them changed.
 Status describeRefinement(const Job& job, ReportInput& report);
-// Writes report.json and report.html into job.resultFolder().
+// Empty folders for the character and its report.
+Status makeResultFolders(const Job& job);
+// Writes report.json, report.html and the character's pictures that they show into job.reportFolder().
 Status writeReportFiles(const Job& job, const ReportInput& report);
 
 }  // namespace fourdvt::bake

@@ -85,7 +85,7 @@ Status packSequence(const BakeRun& run, const StreamPlan& plan, package::Charact
     tiles.runs += bytes.runs;
     if (g > 0) continue;
     const std::string file = "report_" + plan.name + ".jpg";
-    FOURDVT_TRY(platform::writeFileAtomic(job.resultFolder() + "/" + file, artefact.picture_jpeg));
+    FOURDVT_TRY(platform::writeFileAtomic(job.reportFolder() + "/" + file, artefact.picture_jpeg));
     report.pictures.push_back({file, "The video picture of " + plan.name +
                                          ", frame 0: what each camera shows of the performer, and the barcode."});
   }
@@ -136,8 +136,7 @@ Status assembleCameras(BakeRun& run, const std::vector<ColourMap>& maps, const s
   StageClock::Span span(run.clock, Stage::Assemble);
   const Job& job = run.job;
   const std::string folder = job.resultFolder() + "/";
-  platform::removeFolder(job.resultFolder());
-  FOURDVT_TRY(platform::makeFolder(job.resultFolder()));
+  FOURDVT_TRY(makeResultFolders(job));
   FOURDVT_ASSIGN(const auto poster, drawPoster(run, maps));
   FOURDVT_ASSIGN(const auto webp, encodePicture(poster, ".webp", 85));
   FOURDVT_TRY(platform::writeFileAtomic(folder + kPosterFile, webp));

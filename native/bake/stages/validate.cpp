@@ -52,6 +52,14 @@ Status checkWorkFolder(const std::string& path) {
   return bad(path + ": exists and is not a bake's work folder; move it away or choose another output folder");
 }
 
+// What is there must be an earlier report: it is replaced as a whole.
+Status checkReportFolder(const std::string& path) {
+  std::error_code error;
+  if (!fs::exists(path, error) || fs::exists(fs::path(path) / "report.json", error)) return {};
+  if (fs::is_directory(path, error) && fs::is_empty(path, error)) return {};
+  return bad(path + ": exists and is not a bake's report; move it away or choose another output folder");
+}
+
 double layeredBytes(const Job& job) {
   const double texels = job.layout.width * job.layout.height * ladderTexels(job.options);
   const double frame = texels * kVideoBytesPerTexel + 8.0 * job.mesh.source_vertex.size();
@@ -284,6 +292,7 @@ Result<Job> validate(const BakeOptions& options, const BakeEnvironment& environm
   job.layout = makeTileLayout(options.layers, options.texture, options.equal_layers);
   job.encode = {job.layout.width, job.layout.height, job.capture.fps, options.crf, options.codec, options.preset};
   FOURDVT_TRY(checkWorkFolder(job.workFolder()));
+  FOURDVT_TRY(checkReportFolder(reportFolderOf(job.options.character_folder)));
   FOURDVT_TRY(platform::makeFolder(job.workFolder()));
   if (access(job.workFolder().c_str(), W_OK) != 0)
     return Error{ErrorId::WriteFailed, job.workFolder() + ": not writable; choose another output folder"};
