@@ -323,6 +323,75 @@ class WrongCapture : public testing::Test {
   std::string capture, character;
 };
 
+// A RIFF file of 16-bit silence but for a click at its beginning.
+std::string silentWav(double seconds) {
+  const auto number = [](uint32_t v, int bytes) {
+    std::string out;
+    for (int b = 0; b < bytes; ++b) out += char(v >> (8 * b) & 255);
+    return out;
+  };
+  std::string data(2 * size_t(seconds * 8000), char(0));
+  data[1] = 64;
+  return "RIFF" + number(36 + uint32_t(data.size()), 4) + "WAVEfmt " + number(16, 4) + number(1, 2) + number(1, 2) +
+         number(8000, 4) + number(16000, 4) + number(2, 2) + number(16, 2) + "data" + number(uint32_t(data.size()), 4) +
+         data;
+}
+
+void declareSound(const std::string& capture, const json& sound) {
+  json j = json::parse(readText(capture + "/capture.json"));
+  j["sequences"][0]["audio"] = sound;
+  writeText(capture + "/capture.json", j.dump());
+}
+
+TEST(Bake, SoundLiesBesideTheVideosAndInspectChecksIt) {
+  const std::string capture = smallCapture("sound-capture", 4), out = scratch("sound"), box = out + "/box";
+  writeText(capture + "/turn/sound.wav", silentWav(0.05));
+  declareSound(capture, "turn/sound.wav");
+  const Outcome bake = fourdvt("bake " + capture + " -o " + box + kSmall);
+  ASSERT_EQ(bake.code, 0) << bake.output;
+  EXPECT_NE(readText(box + ".report/report.json").find("the sound of 'turn' ends after 0.05 s of 0.16 s"),
+            std::string::npos);
+  const Outcome inspect = fourdvt("inspect " + box);
+  EXPECT_EQ(inspect.code, 0);
+  EXPECT_NE(inspect.output.find("sound of turn: mono, 1 segments of 0.16 s"), std::string::npos) << inspect.output;
+  std::string damaged;
+  for (const std::string& name : filesIn(box))
+    if (name.ends_with(".webm")) damaged = box + "/" + name;
+  ASSERT_FALSE(damaged.empty());
+  std::string bytes = readText(damaged);
+  bytes.back() ^= 1;
+  writeText(damaged, bytes);
+  const Outcome refused = fourdvt("inspect " + box);
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_NE(refused.output.find(damaged + ": its bytes are not those that were baked"), std::string::npos)
+      << refused.output;
+
+  declareSound(capture, nullptr);
+  ASSERT_EQ(fourdvt("bake " + capture + " -o " + box + kSmall).code, 0);
+  EXPECT_FALSE(exists(damaged)) << "the sound of the bake before has gone";
+}
+
+TEST_F(WrongCapture, SoundThatCannotBeHeard) {
+  declareSound(capture, "turn/none.wav");
+  expectNamed(capture + "/turn/none.wav");
+  writeText(capture + "/turn/sound.wav", silentWav(0.5));
+  declareSound(capture, {{"file", "turn/sound.wav"}, {"offset_ms", 60000}});
+  expectNamed("nothing of " + capture + "/turn/sound.wav is heard in \"turn\": correct \"offset_ms\"");
+  declareSound(capture, {{"file", "turn/sound.wav"}, {"offset_ms", -600}});
+  expectNamed("nothing of " + capture + "/turn/sound.wav is heard");
+  declareSound(capture, "capture.json");
+  expectNamed(capture + "/capture.json: its sound cannot be decoded");
+  declareSound(capture, "../sound.wav");
+  expectNamed("leads out of the capture folder");
+}
+
+TEST_F(WrongCapture, ReportFolderOfSomebodyElse) {
+  fs::create_directories(character + ".report");
+  writeText(character + ".report/thesis.txt", "years of work");
+  expectNamed(character + ".report: exists and is not a bake's report");
+  EXPECT_EQ(readText(character + ".report/thesis.txt"), "years of work");
+}
+
 TEST_F(WrongCapture, NoCaptureJson) {
   fs::remove(capture + "/capture.json");
   expectNamed(capture + "/capture.json");
