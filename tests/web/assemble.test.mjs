@@ -16,13 +16,14 @@ const assemble = fileURLToPath(new URL('../../site/assemble.mjs', import.meta.ur
 
 // Makes the folders that a site is assembled from; the web package has these files.
 function inputs(modules) {
-  const [out, dist, character, cameras] = ['out', 'dist', 'character', 'cameras'].map((name) => join(folder, name));
-  for (const made of [out, dist, character, cameras]) {
+  const [out, dist, character, cameras, report] = ['out', 'dist', 'character', 'cameras', 'character.report'].map((name) => join(folder, name));
+  for (const made of [out, dist, character, cameras, report]) {
     rmSync(made, { recursive: true, force: true });
     mkdirSync(made);
   }
   for (const name of ['fourdvt-viewer.js', ...modules]) writeFileSync(join(dist, name), '');
   writeFileSync(join(character, 'character.gltf'), '{}');
+  writeFileSync(join(report, 'report.html'), 'report');
   return [out, dist, character, cameras];
 }
 
@@ -59,6 +60,15 @@ test('the pages with characters from cameras are linked where there are any', ()
   }
   assert.doesNotMatch(indexWith([], false), /(cameras|methods)\.html/);
   assert.ok(!existsSync(join(folder, 'out', 'cameras.html')));
+});
+
+test('the report is served beside the character, and linked where there is one', () => {
+  assert.match(indexWith([]), /href="character\.report\/report\.html"/);
+  assert.equal(readFileSync(join(folder, 'out', 'character.report', 'report.html'), 'utf8'), 'report');
+  const [out, dist, character] = inputs([]);
+  rmSync(`${character}.report`, { recursive: true });
+  execFileSync(process.execPath, [assemble, out, dist, character]);
+  assert.doesNotMatch(readFileSync(join(out, 'index.html'), 'utf8'), /report\.html/);
 });
 
 test('documents and examples are served', () => {
