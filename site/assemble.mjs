@@ -82,6 +82,7 @@ for (const name of ['measured', 'live']) mkdirSync(join(out, name), { recursive:
 const folders = { examples: join(here, '../web/examples'), 'fourdvt-viewer': dist, character };
 for (const [name, folder] of adds ? [] : Object.entries(folders)) replaceFolder(name, folder);
 if (!adds && existsSync(report)) replaceFolder('character.report', report);
+else if (!adds) rmSync(join(out, 'character.report'), { recursive: true, force: true });
 if (cameras) replaceFolder('cameras', cameras);
 if (!adds) renderDocs(join(here, '..'), join(out, 'docs'));
 writePages();

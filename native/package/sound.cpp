@@ -6,7 +6,8 @@
 namespace fourdvt::package {
 namespace {
 
-constexpr double kMaxSegment_s = 60, kMaxSegmentBytes = 1 << 24, kMaxFileBytes = 9007199254740992.0;
+constexpr double kLeastSegment_s = 0.5, kMaxSegment_s = 60, kMaxSegmentBytes = 1 << 24,
+                 kMaxFileBytes = 9007199254740992.0;
 
 SoundEncoding readEncoding(FieldReader& in, const std::string& at) {
   SoundEncoding out;
@@ -39,6 +40,12 @@ Result<Sound> readSound(const FlatJson& gltf, size_t sequence) {
   out.segment_s = in.number(at + "/segmentDuration", 1e-3, kMaxSegment_s);
   const int encodings = in.arraySize(at + "/encodings", 1, kMaxSoundEncodings);
   for (int e = 0; e < encodings && in.ok(); ++e) out.encodings.push_back(readEncoding(in, item(at + "/encodings", e)));
+  for (const SoundEncoding& encoding : out.encodings) {
+    if (encoding.segments.size() != out.encodings[0].segments.size())
+      in.fail(at + "/encodings", "must have as many segments each");
+    if (encoding.segments.size() > 1 && out.segment_s < kLeastSegment_s)
+      in.fail(at + "/segmentDuration", "must be at least 0.5 where there are several");
+  }
   if (in.has(at + "/steps")) {
     const int steps = in.arraySize(at + "/steps", 0, kMaxSteps);
     out.steps = in.numbers(at + "/steps", size_t(steps), 0, 1);

@@ -34,7 +34,7 @@ struct Sound {
 
 using Sounds = std::map<std::string, Sound>;  // by the sequence's name
 
-// Without encodings if the sequence has none. Errors: ManifestInvalid.
+// Gives no encodings if the sequence has no sound. Errors: ManifestInvalid.
 Result<Sound> readSound(const FlatJson& gltf, size_t sequence);
 
 }  // namespace fourdvt::package

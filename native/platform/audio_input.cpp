@@ -17,6 +17,7 @@ namespace {
 
 constexpr size_t kFewestSamples = 4096;  // that are resampled at a time
 constexpr int kLostPackets = 50;         // damaged in a row: the file is
+constexpr double kMostStart_s = 1e5;     // of the sound, from the first picture
 
 class FfmpegAudio final : public AudioReader {
  public:
@@ -30,7 +31,7 @@ class FfmpegAudio final : public AudioReader {
     file_ = openFileOnly(path_);
     AVFormatContext* format = file_.format.get();
     if (!format) return failed(file_.io ? AVERROR_INVALIDDATA : AVERROR(EACCES));
-    if (const int code = avformat_find_stream_info(format, nullptr); code < 0) return failed(code);
+    if (!findStreams(*format)) return failed(AVERROR_INVALIDDATA);
     const AVCodec* codec = nullptr;
     stream_ = av_find_best_stream(format, AVMEDIA_TYPE_AUDIO, -1, -1, &codec, 0);
     if (stream_ < 0 || !codec)
@@ -49,16 +50,19 @@ class FfmpegAudio final : public AudioReader {
   int channels() const override { return channels_; }
 
   Result<size_t> read(std::span<float> out) override {
-    const size_t wanted = out.size() / size_t(channels_);
-    while (held() < wanted && !ended_) FOURDVT_TRY(decodeMore());
-    const size_t taken = std::min(wanted, held());
-    std::copy_n(samples_.begin() + long(next_), taken * size_t(channels_), out.begin());
-    next_ += taken * size_t(channels_);
-    if (next_ > kFewestSamples * size_t(channels_)) {
+    const size_t channels = size_t(channels_), wanted = out.size() / channels;
+    if (!resampler_ && !ended_) FOURDVT_TRY(decodeMore());
+    while (held() + silence_ < wanted && !ended_) FOURDVT_TRY(decodeMore());
+    const size_t silent = std::min(wanted, silence_), taken = std::min(wanted - silent, held());
+    std::fill_n(out.begin(), silent * channels, 0.0f);
+    silence_ -= silent;
+    std::copy_n(samples_.begin() + long(next_), taken * channels, out.begin() + long(silent * channels));
+    next_ += taken * channels;
+    if (next_ > kFewestSamples * channels) {
       samples_.erase(samples_.begin(), samples_.begin() + long(next_));
       next_ = 0;
     }
-    return taken;
+    return silent + taken;
   }
 
  private:
@@ -88,31 +92,46 @@ class FfmpegAudio final : public AudioReader {
                                    AVSampleFormat(frame_->format), frame_->sample_rate, 0, nullptr);
     resampler_.reset(resampler);
     if (code >= 0) code = swr_init(resampler);
+    if (code >= 0) code = av_channel_layout_copy(&resampled_layout_, &frame_->ch_layout);
+    resampled_rate_ = frame_->sample_rate;
+    resampled_format_ = frame_->format;
     return code < 0 ? Status(failed(code)) : Status();
+  }
+  // Joined files may change their format on the way.
+  bool fitsFrame() const {
+    return resampler_ && resampled_rate_ == frame_->sample_rate && resampled_format_ == frame_->format &&
+           av_channel_layout_compare(&resampled_layout_, &frame_->ch_layout) == 0;
   }
 
   // Silence, or samples to be dropped, so that the first one that is read is heard with the first picture.
-  void align() {
+  Status align() {
     const double start_s = startAfterPicture_s();
+    if (!(std::abs(start_s) <= kMostStart_s))
+      return Error{ErrorId::FileUnreadable,
+                   path_ + ": its sound begins " + std::to_string(start_s) + " s after its pictures; export it again"};
     const auto samples = std::llround(start_s * sample_rate_);
-    if (samples > 0) samples_.assign(size_t(samples) * size_t(channels_), 0);
+    if (samples > 0) silence_ = size_t(samples);
     if (samples < 0) drop_ = size_t(-samples);
+    return {};
   }
 
-  // frame_ is empty: what the resampler still holds.
-  Status resample(bool flush) {
-    if (!resampler_) {
-      if (flush) return {};
+  Status resampleFrame() {
+    if (!resampler_) FOURDVT_TRY(align());
+    if (!fitsFrame()) {
+      FOURDVT_TRY(flushResampler());
       FOURDVT_TRY(makeResampler());
-      align();
     }
-    const int most = swr_get_out_samples(resampler_.get(), flush ? 0 : frame_->nb_samples);
+    return convert(const_cast<const uint8_t**>(frame_->extended_data), frame_->nb_samples);
+  }
+  // What the resampler still holds.
+  Status flushResampler() { return resampler_ ? convert(nullptr, 0) : Status(); }
+
+  Status convert(const uint8_t** in, int count) {
+    const int most = swr_get_out_samples(resampler_.get(), count);
     const size_t before = samples_.size();
     samples_.resize(before + size_t(std::max(0, most)) * size_t(channels_));
     uint8_t* out[] = {reinterpret_cast<uint8_t*>(samples_.data() + before)};
-    const int got =
-        swr_convert(resampler_.get(), out, most, flush ? nullptr : const_cast<const uint8_t**>(frame_->extended_data),
-                    flush ? 0 : frame_->nb_samples);
+    const int got = swr_convert(resampler_.get(), out, most, in, count);
     if (got < 0) return failed(got);
     samples_.resize(before + size_t(got) * size_t(channels_));
     const size_t dropped = std::min(drop_, size_t(got));
@@ -127,7 +146,7 @@ class FfmpegAudio final : public AudioReader {
       if (code == AVERROR(EAGAIN) || code == AVERROR_EOF) return {};
       if (code < 0) return lost(code);
       lost_ = 0;
-      FOURDVT_TRY(resample(false));
+      FOURDVT_TRY(resampleFrame());
     }
   }
   // Players skip a damaged packet, too.
@@ -141,7 +160,7 @@ class FfmpegAudio final : public AudioReader {
       avcodec_send_packet(decoder_.get(), nullptr);
       FOURDVT_TRY(receive());
       if (!resampler_) return failed(AVERROR_INVALIDDATA);
-      return resample(true);
+      return flushResampler();
     }
     Status status;
     if (packet_->stream_index == stream_) {
@@ -162,6 +181,9 @@ class FfmpegAudio final : public AudioReader {
   std::vector<float> samples_;  // resampled, interleaved
   size_t next_ = 0;             // value of samples_ that is read next
   size_t drop_ = 0;             // samples that come before the first picture
+  size_t silence_ = 0;          // samples of silence before the first of samples_
+  AVChannelLayout resampled_layout_{};
+  int resampled_rate_ = 0, resampled_format_ = -1;
   bool ended_ = false;
 };
 

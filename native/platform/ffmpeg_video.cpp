@@ -46,15 +46,6 @@ Image grayFromRgb(const Image& rgb) {  // BT.709 luma
   return gray;
 }
 
-// Probing decodes pictures, with decoders of its own.
-bool findStreams(AVFormatContext& format) {
-  std::vector<AVDictionary*> options(format.nb_streams, nullptr);
-  for (AVDictionary*& o : options) av_dict_set_int(&o, "max_pixels", kMaxVideoPixels, 0);
-  const bool found = avformat_find_stream_info(&format, options.data()) >= 0;
-  for (AVDictionary*& o : options) av_dict_free(&o);
-  return found;
-}
-
 class FileSource final : public VideoSource {
  public:
   Status open(const std::string& path, int channels) {

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "platform/file_only.h"
 
+#include <vector>
+
+#include "platform/ffmpeg_video.h"
+
 namespace fourdvt::platform {
 namespace {
 
@@ -32,6 +36,14 @@ FileOnly openFileOnly(const std::string& path) {
   av_dict_free(&options);
   if (opened) out.format.reset(raw);
   return out;
+}
+
+bool findStreams(AVFormatContext& format) {
+  std::vector<AVDictionary*> options(format.nb_streams, nullptr);
+  for (AVDictionary*& o : options) av_dict_set_int(&o, "max_pixels", kMaxVideoPixels, 0);
+  const bool found = avformat_find_stream_info(&format, options.data()) >= 0;
+  for (AVDictionary*& o : options) av_dict_free(&o);
+  return found;
 }
 
 }  // namespace fourdvt::platform

@@ -16,5 +16,7 @@ struct FileOnly {
 
 // Streams are not looked for yet.
 FileOnly openFileOnly(const std::string& path);
+// Probes the streams. Probing decodes pictures, with decoders of its own: none larger than a video may have.
+bool findStreams(AVFormatContext& format);
 
 }  // namespace fourdvt::platform

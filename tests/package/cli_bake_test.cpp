@@ -388,7 +388,7 @@ TEST_F(WrongCapture, SoundThatCannotBeHeard) {
 TEST_F(WrongCapture, ReportFolderOfSomebodyElse) {
   fs::create_directories(character + ".report");
   writeText(character + ".report/thesis.txt", "years of work");
-  expectNamed(character + ".report: exists and is not a bake's report");
+  expectNamed(character + ".report: exists and is not only a bake's report");
   EXPECT_EQ(readText(character + ".report/thesis.txt"), "years of work");
 }
 

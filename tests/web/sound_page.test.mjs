@@ -28,7 +28,7 @@ test('a pause, a mute and a hidden tab are silent; the volume counts; a muted vi
   await until(page, () => globalThis.clicks.length > 2);
   assert.ok(heardFiles() > 0);
   const silent = async (name) => {
-    await wait(150);
+    await wait(400);
     const before = await page.evaluate(() => globalThis.clicks.length);
     await wait(1300);
     assert.equal(await page.evaluate(() => globalThis.clicks.length), before, name);
@@ -60,7 +60,7 @@ test('a pause, a mute and a hidden tab are silent; the volume counts; a muted vi
   await page.close();
 });
 
-// Every call of Playwright's into the page counts as a visitor's touch: until the press the page speaks for itself.
+// Every call of Playwright's into the page counts as a visitor's touch: until the press the page reports by itself.
 test('the picture plays before the visitor lets the page be heard; the button says so, and a press of it is enough', async () => {
   const quiet = await launchQuiet(), page = await openPage(quiet, { viewport: { width: 300, height: 300 } });
   await page.addInitScript(listen);

@@ -508,3 +508,44 @@ test('frame loop: goes on while something moves, sleeps after, stands still off-
   assert.ok(frame(9100));
   assert.equal(turns.at(-1)[1], 0, 'the time off-screen is not caught up');
 });
+
+test('steps are due once each, whatever the clock does', async () => {
+  const { StepSchedule } = await load('step-schedule');
+  const heard = [], schedule = new StepSchedule([0.25, 0.75]);
+  // 1.25 passes a second for 4 s, turns of 16 ms with a clock that jitters, falls back and repeats itself.
+  for (let i = 0; i < 250; ++i) {
+    const t = i * 0.016, now = t + [0, 0.004, -0.006, 1e-9, 0][i % 5] - (i === 120 ? 0.05 : 0);
+    heard.push(...schedule.due((1.25 * t) % 1, now, 0.25, true));
+  }
+  const expected = Array.from({ length: 11 }, (_, i) => (0.25 + 0.5 * i) / 1.25).filter((s) => s > 0.15);
+  assert.ok(heard.length >= expected.length - 1 && heard.length <= expected.length, `${heard}`);
+  for (const s of heard) assert.ok(expected.some((e) => Math.abs(e - s) < 0.03), `${s} is no step`);
+  const burst = new StepSchedule([0.5]);
+  burst.due(0.1, 1, 0.25, true);
+  assert.deepEqual(burst.due(0.12, 1 + 1e-8, 0.25, true), [], 'no speed follows from an instant');
+  assert.deepEqual(burst.due(0.13, 0.5, 0.25, true), [], 'another clock');
+  const once = new StepSchedule([0.5]), times = [];
+  for (let i = 0; i < 200; ++i) times.push(...once.due(Math.min(1, i * 0.01), i * 0.02, 0.25, false));
+  assert.equal(times.length, 1);
+});
+
+test('sound: the priming that a decoder left in is known, playable encodings go first, wrong manifests are refused', async () => {
+  const { primingIn, playable } = await load('sound-buffers');
+  const segment = { offset: 0, bytes: 1, durationS: 1 };
+  assert.equal(primingIn(1.0001, segment, 0.02), 0);
+  assert.equal(primingIn(1.02, segment, 0.02), 0.02);
+  const all = [{ type: 'a' }, { type: 'b' }, { type: 'c' }], answers = { a: '', b: 'maybe', c: 'probably' };
+  assert.deepEqual(playable(all, (type) => answers[type]).map(({ type }) => type), ['c', 'b']);
+  assert.equal(playable(all, () => '').length, 3);
+  const { readSound } = await load('sound-manifest');
+  const manifest = (change) => {
+    const encodings = [{ uri: 'a', type: 'x', priming: 0, segments: [[3, 48], [4, 48]] }];
+    return { extensions: { FOURDVT_layered_video_texture: { sequences: [{ name: 'walk', sound: { sampleRate: 48000, segmentDuration: 1, encodings, ...change } }] } } };
+  };
+  assert.deepEqual(readSound(manifest(), 'walk').encodings[0].segments.map(({ offset }) => offset), [0, 3]);
+  assert.equal(readSound(manifest(), 'run'), null);
+  for (const wrong of [{ encodings: [] }, { sampleRate: 1 }, { segmentDuration: 0.1 }, { steps: [2] }, { encodings: [{ uri: 'a', type: 'x', priming: 0, segments: [] }] },
+    { encodings: [{ uri: 'a', type: 'x', priming: 0, segments: [[1, 1]] }, { uri: 'a', type: 'x', priming: 0, segments: [[1, 1], [1, 1]] }] }]) {
+    assert.throws(() => readSound(manifest(wrong), 'walk'), TypeError, JSON.stringify(wrong));
+  }
+});

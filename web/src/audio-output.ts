@@ -1,23 +1,58 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page's one AudioContext, and its clock against the page's. Part of fourdvt-more.js.
-const UNLOCKING = ['pointerup', 'keydown', 'touchend'] as const; // after which browsers let a page be heard
-const UNTIMED_S = 1; // a device that has not said by then what it plays never does
+// The page's one AudioContext, and its clock against the page's. It rests while nobody uses it. Part of fourdvt-more.js.
+const UNLOCKING = ['pointerup', 'keydown', 'touchend', 'click'] as const; // after which browsers let a page be heard
+const UNTIMED_S = 1; // a device without times of what it plays by then never has any
+const REST_MS = 5000; // without a user
 
 export class AudioOutput {
   static #ofPage: AudioOutput | null = null;
+  static #failed = false;
   readonly context = new AudioContext({ latencyHint: 'interactive' });
-  #changed = new Set<() => void>();
+  readonly #changed = new Set<() => void>();
+  readonly #users = new Set<object>();
+  #rests = false;
+  #timer: ReturnType<typeof setTimeout> | undefined;
 
-  static ofPage(): AudioOutput { return (this.#ofPage ??= new AudioOutput()); }
-  static get supported(): boolean { return typeof AudioContext === 'function'; }
+  /** Null where the browser has no sound. */
+  static ofPage(): AudioOutput | null {
+    if (!this.#ofPage && !this.#failed) {
+      try {
+        this.#ofPage = new AudioOutput();
+      } catch (reason) {
+        this.#failed = true;
+        console.warn('fourdvt-viewer: this browser plays no sound:', reason);
+      }
+    }
+    return this.#ofPage;
+  }
   /** Something was to be heard, and the browser waits for the visitor's first touch of the page. */
-  static get blocked(): boolean { return this.#ofPage !== null && this.#ofPage.context.state !== 'running'; }
+  static get blocked(): boolean { return this.#ofPage !== null && !this.#ofPage.#rests && this.#ofPage.context.state !== 'running'; }
+  /** The user hears nothing any more. */
+  static leave(user: object): void { if (this.#ofPage) this.#ofPage.#leave(user); }
 
   private constructor() {
-    const resume = (): void => void this.context.resume().catch(() => undefined);
-    for (const type of UNLOCKING) addEventListener(type, () => { if (this.context.state !== 'running') resume(); }, { capture: true, passive: true });
+    for (const type of UNLOCKING) addEventListener(type, () => { if (!this.#rests) this.#resume(); }, { capture: true, passive: true });
     this.context.addEventListener('statechange', () => { for (const run of this.#changed) run(); });
-    resume();
+    this.#resume();
+  }
+
+  /** True if the user may be heard now; else it may be soon, or after the visitor's next touch of the page. */
+  enter(user: object): boolean {
+    this.#users.add(user);
+    clearTimeout(this.#timer);
+    if (this.#rests) this.#resume();
+    this.#rests = false;
+    return this.context.state === 'running';
+  }
+  #leave(user: object): void {
+    if (!this.#users.delete(user) || this.#users.size) return;
+    this.#timer = setTimeout(() => {
+      this.#rests = true;
+      void this.context.suspend().catch(() => undefined);
+    }, REST_MS);
+  }
+  #resume(): void {
+    if (this.context.state !== 'running') void this.context.resume().catch(() => undefined);
   }
 
   /** Hears when the browser lets the page be heard, or stops it. */

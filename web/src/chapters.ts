@@ -23,12 +23,15 @@ export class Chapters {
     this.#video.crossOrigin = viewer.getAttribute('crossorigin') ?? 'anonymous';
     root.append(this.#video);
     Object.defineProperty(viewer, 'textTracks', { configurable: true, value: this.#video.textTracks });
-    this.#children = new MutationObserver(() => this.#read());
-    this.#children.observe(viewer, { childList: true });
+    this.#children = new MutationObserver((changes) => {
+      for (const { type, target } of changes) if (type === 'attributes') this.#drop(target as HTMLTrackElement);
+      this.#read();
+    });
+    this.#children.observe(viewer, { childList: true, subtree: true, attributeFilter: ['src', 'kind', 'label', 'srclang', 'data-sequence'] });
     this.#read();
   }
 
-  /** Those of a motion, in the order of their time. A track without `data-sequence` is for every motion. */
+  /** Chapters of a motion, in the order of their time. A track without `data-sequence` is for every motion. */
   of(motion: string): Chapter[] {
     const found: Chapter[] = [];
     for (const [given, { track }] of this.#copies) {
@@ -44,13 +47,13 @@ export class Chapters {
     this.#video.remove();
   }
 
+  #drop(own: HTMLTrackElement): void {
+    this.#copies.get(own)?.remove();
+    this.#copies.delete(own);
+  }
   #read(): void {
     const given = [...this.#viewer.querySelectorAll<HTMLTrackElement>(':scope > track')];
-    for (const [own, copy] of this.#copies) {
-      if (given.includes(own)) continue;
-      copy.remove();
-      this.#copies.delete(own);
-    }
+    for (const own of [...this.#copies.keys()]) if (!given.includes(own)) this.#drop(own);
     for (const own of given) {
       if (this.#copies.has(own)) continue;
       const copy = own.cloneNode() as HTMLTrackElement;

@@ -79,6 +79,7 @@ export class Controls {
   readonly #abort = new AbortController();
   #strings: Record<string, string> = {};
   #chapters: Chapter[] = []; // of the motion
+  #marked = ''; // chapters that the slider marks
   #shown = ''; // state that the controls show
 
   constructor(viewer: Controlled, root: ShadowRoot, sound: SoundState, chaptersOf: (motion: string) => Chapter[]) {
@@ -108,7 +109,13 @@ export class Controls {
     this.#marks.id = 'chapters';
     this.#time.setAttribute('list', 'chapters');
     // A press of it lets the page be heard, too.
-    this.#mute = make('button', 'mute', () => (viewer.muted = !viewer.muted && !sound.blocked));
+    const isSilent = (): boolean => viewer.muted || sound.blocked;
+    let silent: boolean | null = null; // when the press began, after which it may be heard
+    this.#mute = make('button', 'mute', () => {
+      viewer.muted = !(silent ?? isSilent());
+      silent = null;
+    });
+    for (const type of ['pointerdown', 'keydown']) this.#mute.addEventListener(type, () => (silent = isSilent()), { signal: this.#abort.signal });
     this.#full = make('button', 'fullscreen', () => {
       const change = viewer.matches(':fullscreen') ? document.exitFullscreen() : viewer.requestFullscreen();
       change.catch((reason: unknown) => console.warn('fourdvt-viewer:', reason)); // the browser may refuse it
@@ -172,8 +179,10 @@ export class Controls {
     const { duration, sequence, sequences } = viewer, frames = sequences.find(({ name }) => name === sequence)?.frames ?? 1;
     this.#time.max = String(duration);
     this.#time.step = String(duration / frames);
-    this.#chapters = this.#chaptersOf(sequence);
-    this.#marks.replaceChildren(...this.#chapters.map(({ startS, title }) => new Option(title, String(startS))));
+    const chapters = this.#chaptersOf(sequence), marks = JSON.stringify(chapters);
+    if (marks !== this.#marked) this.#marks.replaceChildren(...chapters.map(({ startS, title }) => new Option(title, String(startS))));
+    this.#chapters = chapters;
+    this.#marked = marks;
     this.#showTime();
   }
   #showTime(): void {

@@ -4,12 +4,11 @@
 import type { SideFiles } from './session-side.js';
 import type { SoundEncoding, SoundSegment, SoundTrack } from './sound-manifest.js';
 
-const KEPT = 4; // segments of a few seconds
 let nextId = -1; // ranges of the player have ids above 0
 
 export interface DecodedSound {
   buffer: AudioBuffer;
-  /** Of the first sample that counts. */
+  /** Time of the first sample that counts. */
   fromS: number;
 }
 
@@ -18,7 +17,7 @@ export function primingIn(decodedS: number, segment: SoundSegment, primingS: num
   return decodedS > segment.durationS + primingS / 2 ? primingS : 0;
 }
 
-/** The encodings that the browser says it plays, in its order of certainty; all of them if it says nothing. */
+/** Sorts the encodings that the browser plays by its certainty; all of them if it names none. */
 export function playable(encodings: readonly SoundEncoding[], canPlay: (type: string) => string): SoundEncoding[] {
   const rank = ({ type }: SoundEncoding): number => ['probably', 'maybe'].indexOf(canPlay(type));
   const known = encodings.filter((e) => rank(e) >= 0).sort((a, b) => rank(a) - rank(b));
@@ -44,8 +43,8 @@ export class SoundBuffers {
 
   get count(): number { return this.#encodings[0]?.segments.length ?? 0; }
 
-  /** The segment, or null if it is not there yet: then it is fetched. */
-  get(index: number): DecodedSound | null {
+  /** The segment, or null if it is not there yet: then it is fetched. `kept` of them are held at most. */
+  get(index: number, kept = 1): DecodedSound | null {
     const known = this.#held.get(index);
     if (known) {
       this.#held.delete(index); // it becomes the last
@@ -58,7 +57,7 @@ export class SoundBuffers {
     void this.#load(index, files).then((sound) => {
       if (sound && !this.#over) this.#held.set(index, sound);
       else this.#held.delete(index);
-      for (const old of this.#held.keys()) if (this.#held.size > KEPT && old !== index) this.#held.delete(old);
+      for (const old of this.#held.keys()) if (this.#held.size > kept && old !== index) this.#held.delete(old);
     }, (reason: unknown) => {
       if (!this.#over) this.#failed(reason);
       this.dispose();

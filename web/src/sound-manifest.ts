@@ -2,7 +2,7 @@
 // Reads the sound of a motion from a manifest (native/package/FORMAT.md, "Sound"). Part of fourdvt-more.js.
 import { extensionOf } from './manifest.js';
 
-const MOST_SEGMENTS = 65_536, MOST_BYTES = 2 ** 24, MOST_SEGMENT_S = 60;
+const MOST_SEGMENTS = 65_536, MOST_BYTES = 2 ** 24, MOST_SEGMENT_S = 60, LEAST_SEGMENT_S = 0.5;
 
 /** A file of sound in a file of them. */
 export interface SoundSegment {
@@ -52,6 +52,9 @@ export function readSound(manifest: unknown, sequence: string): SoundTrack | nul
   if (!isNumber(sampleRate, 8000, 192_000) || !isNumber(segmentDuration, 1e-3, MOST_SEGMENT_S) || !Array.isArray(encodings)) {
     throw new TypeError('sound needs sampleRate, segmentDuration and encodings');
   }
+  const several = (encodings as { segments?: unknown[] }[])[0]?.segments?.length ?? 0;
+  if (encodings.length < 1 || encodings.length > 8 || encodings.some((e: { segments?: unknown[] }) => e?.segments?.length !== several)) throw new TypeError('encodings must be 1 to 8, with as many segments each');
+  if (several > 1 && segmentDuration < LEAST_SEGMENT_S) throw new TypeError('segmentDuration is too short');
   if (steps !== undefined && !(Array.isArray(steps) && steps.every((phase) => isNumber(phase, 0, 1)))) throw new TypeError('steps must be phases');
   return {
     segmentS: segmentDuration,

@@ -15,8 +15,10 @@ const STEADY_S = 0.3, STEADY_SHARE = 0.1; // pictures that did not keep up do so
 const DISPLAY_S = 1 / 60; // from a turn of the page's loop to the picture on the screen
 const LEAD_S = 0.02; // before the first sample is due
 const AHEAD_S = 0.6; // of scheduled sound
-const FADE_S = 0.008;
+const FETCH_S = 2; // before a segment is scheduled
+const FADE_S = 0.008, OVERLAP_S = 0.02; // that segments go on behind their end
 const REST_MS = 700; // without a turn of the page's loop: the viewer does not run
+const MOST_RATE = 4;
 const STEPS_AHEAD_S = 0.25; // a step is scheduled so much before it is due
 
 /** The element, as far as it is used here. */
@@ -32,7 +34,7 @@ export interface Audible extends HTMLElement {
   readonly volume: number;
 }
 
-/** What it shows now: null while there is nothing. */
+/** State of what it shows; null while there is nothing. */
 export interface Heard {
   readonly session: { readonly manifest: unknown; readonly transport: SideFiles; readonly wholePlayer: SidePlayer | null } | null;
   /** The motion. */
@@ -80,8 +82,14 @@ export class Sound {
     this.#changed = changed;
     const { signal } = this.#abort;
     for (const name of ['pause', 'waiting', 'seeking', 'emptied', 'suspend', 'ended']) viewer.addEventListener(name, () => this.#stop(), { signal });
-    viewer.addEventListener('volumechange', () => this.#setVolume(), { signal });
-    document.addEventListener('visibilitychange', () => { if (document.hidden) this.#stop(); }, { signal });
+    viewer.addEventListener('volumechange', () => {
+      this.#setVolume();
+      // Within the visitor's touch that has set it: some browsers let a page be heard then alone.
+      if (viewer.muted || !this.present) return;
+      AudioOutput.ofPage()?.enter(this);
+      if (viewer.paused) AudioOutput.leave(this);
+    }, { signal });
+    document.addEventListener('visibilitychange', () => { if (document.hidden) this.#rest(); }, { signal });
   }
 
   /** The motion has sound. */
@@ -98,18 +106,22 @@ export class Sound {
     this.#look();
     const { session, current } = this.#heard(), viewer = this.#viewer;
     const rate = viewer.playbackRate;
-    const plays = session && current && this.#track && !viewer.paused && !viewer.ended && !viewer.seeking && viewer.readyState >= 3 && rate > 0 && !viewer.muted && AudioOutput.supported;
-    if (!plays) return this.#stop();
-    const output = this.#output();
-    if (output.context.state !== 'running') return this.#stop();
+    const plays = session && current && this.#track && !viewer.paused && !viewer.ended && !viewer.seeking && viewer.readyState >= 3 && rate > 0 && !viewer.muted;
+    const output = plays ? this.#output() : null;
+    if (!output) {
+      AudioOutput.leave(this);
+      return this.#stop();
+    }
+    if (!output.enter(this)) return this.#stop();
     const heardS = output.heardAt(Number(document.timeline?.currentTime ?? performance.now()) + 1000 * DISPLAY_S);
     if (!Number.isFinite(heardS)) return;
-    const time = clockTime(session.wholePlayer), loops = viewer.hasAttribute('loop') ? viewer.loop : current.loop;
+    const time = clockTime(session!.wholePlayer), loops = viewer.hasAttribute('loop') ? viewer.loop : current!.loop;
     if (this.#track!.steps) this.#turnSteps(output, heardS, time, loops);
     else this.#turnTrack(output, heardS, time, rate, loops);
   }
   dispose(): void {
     this.#stop();
+    AudioOutput.leave(this);
     this.#abort.abort();
     this.#forget();
     this.#volume?.disconnect();
@@ -136,9 +148,11 @@ export class Sound {
     this.#buffers = this.#track = this.#steps = null;
   }
 
-  // Made when there is something to be heard for the first time.
-  #output(): AudioOutput {
-    const output = AudioOutput.ofPage(), { context } = output;
+  // Prepares what is needed once there is something to be heard. Null: the browser has no sound.
+  #output(): AudioOutput | null {
+    const output = AudioOutput.ofPage();
+    if (!output) return null;
+    const { context } = output;
     if (!this.#volume) {
       this.#volume = context.createGain();
       this.#volume.connect(context.destination);
@@ -180,10 +194,10 @@ export class Sound {
     const now = this.#anchor!.mediaS + (context.currentTime - this.#anchor!.contextS) * rate;
     if (this.#scheduledS < now) return this.#stop(); // a segment has come too late, or the motion is over
     while (this.#scheduledS < now + AHEAD_S * rate && this.#schedule(context, loops)) { /* another segment */ }
-    this.#segmentAt(now + (AHEAD_S + 2) * rate, loops); // on its way before it is needed
+    this.#segmentAt(now + (AHEAD_S + FETCH_S) * rate, loops); // on its way before it is needed
   }
 
-  // True unless the pictures have not kept up of late.
+  // Tells apart pictures that keep up from those that have not of late.
   #isSteady(contextS: number, mediaS: number, rate: number, loops: boolean): boolean {
     const { duration } = this.#viewer, since = this.#unsteady;
     if (!since) return true;
@@ -200,7 +214,7 @@ export class Sound {
     const { duration } = this.#viewer, { segmentS } = this.#track!, buffers = this.#buffers!;
     const pass = loops ? Math.floor(mediaS / duration + 1e-9) : 0, within = mediaS - pass * duration;
     if (!(duration > 0) || within >= duration - 1e-6) return null;
-    const index = Math.min(buffers.count - 1, Math.floor(within / segmentS + 1e-9)), sound = buffers.get(index);
+    const index = Math.min(buffers.count - 1, Math.floor(within / segmentS + 1e-9)), sound = buffers.get(index, Math.ceil((AHEAD_S + FETCH_S) * MOST_RATE / segmentS) + 2);
     const endS = index === buffers.count - 1 ? duration : (index + 1) * segmentS;
     return sound && { startS: pass * duration + index * segmentS, endS: pass * duration + endS, sound };
   }
@@ -217,33 +231,37 @@ export class Sound {
 
   // Fades in when it begins and out behind its end, where the next one fades in.
   #start(context: AudioContext, { buffer, fromS }: { buffer: AudioBuffer; fromS: number }, whenS: number, atS: number, lengthS: number, rate: number, endS: number): void {
-    const source = context.createBufferSource(), gain = context.createGain();
+    const source = context.createBufferSource(), gain = context.createGain(), fadeS = Math.min(FADE_S, OVERLAP_S / rate);
     source.buffer = buffer;
     source.playbackRate.value = rate;
     gain.gain.setValueAtTime(0, whenS);
-    gain.gain.linearRampToValueAtTime(1, whenS + FADE_S);
-    if (endS > whenS + FADE_S) gain.gain.setValueAtTime(1, endS);
-    gain.gain.linearRampToValueAtTime(0, Math.max(endS, whenS + FADE_S) + FADE_S);
+    gain.gain.linearRampToValueAtTime(1, whenS + fadeS);
+    if (endS > whenS + fadeS) gain.gain.setValueAtTime(1, endS);
+    gain.gain.linearRampToValueAtTime(0, Math.max(endS, whenS + fadeS) + fadeS);
     source.connect(gain).connect(this.#volume!);
-    source.start(whenS, fromS + atS, lengthS + FADE_S * rate);
+    source.start(whenS, fromS + atS, lengthS + fadeS * rate);
     const playing = { source, gain };
     this.#playing.push(playing);
     source.addEventListener('ended', () => {
       gain.disconnect();
       this.#playing = this.#playing.filter((p) => p !== playing);
     });
-    this.#watch ??= setInterval(() => { if (performance.now() - this.#turnMs > REST_MS) this.#stop(); }, 200);
+    this.#watch ??= setInterval(() => { if (performance.now() - this.#turnMs > REST_MS) this.#rest(); }, 200);
   }
 
   #turnSteps({ context }: AudioOutput, heardS: number, time: number, loops: boolean): void {
     const { duration } = this.#viewer, sound = this.#buffers!.get(0);
     this.#steps ??= new StepSchedule(this.#track!.steps!);
-    for (const whenS of this.#steps.due(time / duration, heardS, STEPS_AHEAD_S, loops)) {
+    for (const whenS of this.#steps.due(time / duration, heardS, STEPS_AHEAD_S + Math.max(0, context.currentTime - heardS), loops)) {
       const lengthS = this.#track!.segmentS;
       if (sound && whenS > context.currentTime) this.#start(context, sound, whenS, 0, lengthS, 1, whenS + lengthS);
     }
   }
 
+  #rest(): void {
+    this.#stop();
+    AudioOutput.leave(this);
+  }
   #stop(): void {
     clearInterval(this.#watch);
     this.#watch = undefined;
@@ -252,7 +270,8 @@ export class Sound {
     this.#unsteady = null;
     for (const { source, gain } of this.#playing) {
       const now = gain.context.currentTime;
-      gain.gain.cancelScheduledValues(now);
+      if (gain.gain.cancelAndHoldAtTime) gain.gain.cancelAndHoldAtTime(now);
+      else gain.gain.cancelScheduledValues(now);
       gain.gain.setTargetAtTime(0, now, FADE_S / 2);
       source.stop(now + 4 * FADE_S);
     }

@@ -2,11 +2,19 @@
 // When a foot comes down next, from the phase that a class of motions is at: its speed follows from the phases before, as the visitor
 // may change it at any time. Part of fourdvt-more.js.
 const JUMP = 0.2; // of the phase between two turns: a seek
-const SMOOTHING = 4; // turns
+const BACK_S = 0.1; // by which a clock may be corrected
+const MEASURED_S = 0.1; // over which the speed is measured, at least
+const SMOOTHING = 2;
+
+interface At {
+  phase: number; // going on over loops' ends
+  s: number;
+}
 
 export class StepSchedule {
   readonly #steps: readonly number[];
-  #last: { phase: number; atS: number } | null = null; // the phase goes on over loops' ends
+  #last: At | null = null;
+  #since: At | null = null; // where the speed is measured from
   #perS = 0; // phases a second
   #scheduled = 0; // phase up to which steps were given
 
@@ -19,18 +27,22 @@ export class StepSchedule {
   due(phase: number, nowS: number, aheadS: number, loops: boolean): number[] {
     const last = this.#last;
     const ahead = last ? phase - last.phase + (loops ? Math.round(last.phase - phase) : 0) : NaN;
-    if (!last || !(ahead >= 0 && ahead < JUMP) || !(nowS > last.atS)) {
-      if (last && nowS <= last.atS) return [];
-      this.#last = { phase, atS: nowS };
+    if (!last || !(ahead > -JUMP && ahead < JUMP) || nowS < last.s - BACK_S) {
+      this.#last = this.#since = { phase, s: nowS };
       this.#perS = 0;
       this.#scheduled = phase;
       return [];
     }
-    const perS = ahead / (nowS - last.atS), now = last.phase + ahead;
-    this.#perS = this.#perS ? this.#perS + (perS - this.#perS) / SMOOTHING : perS;
-    this.#last = { phase: now, atS: nowS };
-    const until = now + this.#perS * aheadS, times: number[] = [];
-    for (let pass = Math.floor(this.#scheduled); pass <= until && this.#perS > 0 && (loops || pass === 0); ++pass) {
+    const now = last.phase + ahead, since = this.#since!;
+    this.#last = { phase: now, s: nowS };
+    if (nowS - since.s >= MEASURED_S) {
+      const perS = Math.max(0, (now - since.phase) / (nowS - since.s));
+      this.#perS = this.#perS ? this.#perS + (perS - this.#perS) / SMOOTHING : perS;
+      this.#since = this.#last;
+    }
+    if (!(this.#perS > 0)) return [];
+    const until = Math.min(now + 1, now + this.#perS * aheadS), times: number[] = [];
+    for (let pass = Math.floor(this.#scheduled); pass <= until && (loops || pass === 0); ++pass) {
       for (const step of this.#steps) {
         const at = pass + step;
         if (at > this.#scheduled && at <= until) times.push(nowS + (at - now) / this.#perS);

@@ -333,7 +333,7 @@ Result<std::vector<glm::vec3>> rootTrack(const capture::Capture& capture, const 
 
 namespace {
 
-// Whether vertex v stands on the ground in the later frame; step: metres over the ground between the two.
+// Tests if a vertex stands on the ground in the later frame; step: metres over the ground between the two.
 bool stands(const glm::vec3& before, const glm::vec3& now, const glm::vec2& step, float ground, double fps) {
   const glm::vec3 moved = now - before;
   return now.y - ground < kStanding && std::abs(moved.y) * fps < kSoleRise_mps &&

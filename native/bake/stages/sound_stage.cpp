@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "bake/motion/root_track.h"
 #include "bake/motion/step_phases.h"
 #include "bake/run/content_names.h"
 #include "bake/run/mesh_reader.h"
 #include "bake/sound/segment_encoder.h"
+#include "bake/stages/stream_plan.h"
 #include "base/hash.h"
 #include "platform/audio_input.h"
 
@@ -17,7 +19,7 @@ namespace {
 
 constexpr double kSegment_s = 5;     // most of a segment: what a page decodes at once
 constexpr double kOverlap_s = 0.02;  // that a segment goes on behind its end, for a page to fade into the next one
-constexpr double kLongestStep_s = 2;
+constexpr double kShortestStep_s = 0.01, kLongestStep_s = 2;
 constexpr double kShortfall_s = 0.1;  // silence at the end that is worth a note
 
 // Samples of a file by their number, which must not fall far; silent before the file's beginning and after its end.
@@ -31,7 +33,7 @@ class SampleWindow {
   // Number of samples that the file has, once its end was read.
   std::optional<int64_t> length() const { return length_; }
 
-  // Samples before `first` are not asked for again.
+  // Forgets the samples before `first`.
   Result<std::vector<float>> samples(int64_t first, int64_t count) {
     const size_t c = size_t(channels());
     FOURDVT_TRY(skipTo(first));
@@ -143,7 +145,16 @@ Result<std::vector<double>> memberSteps(const Job& job, const StreamPlan& plan, 
   return stepPhases(frames, member.source_frame, source.loop ? source.frame_count : 0, plan.frameCount());
 }
 
-Result<package::Sound> writeSteps(const BakeRun& run, const StreamPlan& plan) {
+// Seconds of a footstep's file that are heard: all that it has, up to a limit.
+Result<double> stepLength(const capture::CaptureSound& step, bool* cut = nullptr) {
+  FOURDVT_ASSIGN(auto window, SampleWindow::open(step.path));
+  FOURDVT_TRY(window.samples(0, samplesOf(kLongestStep_s) + 1));  // finds the end
+  const double whole_s = double(window.length().value_or(samplesOf(kLongestStep_s))) / kSoundRate;
+  if (cut) *cut = !window.length();
+  return std::min(whole_s + step.offset_s, kLongestStep_s);
+}
+
+Result<package::Sound> writeSteps(BakeRun& run, const StreamPlan& plan) {
   const Job& job = run.job;
   const capture::CaptureSound& step = *plan.motion.source->footstep;
   MeshReader meshes(job);
@@ -153,18 +164,19 @@ Result<package::Sound> writeSteps(const BakeRun& run, const StreamPlan& plan) {
     FOURDVT_ASSIGN(auto of_member, memberSteps(job, plan, member, read));
     steps.push_back(std::move(of_member));
   }
-  FOURDVT_ASSIGN(auto window, SampleWindow::open(step.path));
-  FOURDVT_TRY(window.samples(0, samplesOf(kLongestStep_s)));  // finds the end
-  const double whole_s = double(window.length().value_or(samplesOf(kLongestStep_s))) / kSoundRate;
-  FOURDVT_ASSIGN(auto sound,
-                 encodeAll(run, plan.name, step.path,
-                           {samplesOf(-step.offset_s), std::min(whole_s + step.offset_s, kLongestStep_s), false}));
-  sound.steps = meanSteps(steps, plan.motion.loop);
+  const std::vector<double> mean = meanSteps(steps, plan.motion.loop);
+  if (mean.empty()) {
+    run.job.notes.push_back("'" + plan.name + "' has no sound of steps: no foot is seen to come down.");
+    return package::Sound();
+  }
+  FOURDVT_ASSIGN(const double length_s, stepLength(step));
+  FOURDVT_ASSIGN(auto sound, encodeAll(run, plan.name, step.path, {samplesOf(-step.offset_s), length_s, false}));
+  sound.steps = mean;
   return sound;
 }
 
-// Without encodings if the stream has no sound.
-Result<package::Sound> writeSound(const BakeRun& run, const StreamPlan& plan) {
+// Gives no encodings if the stream has no sound.
+Result<package::Sound> writeSound(BakeRun& run, const StreamPlan& plan) {
   if (plan.isClass()) {
     if (plan.motion.source && plan.motion.source->footstep) return writeSteps(run, plan);
     return package::Sound();
@@ -178,10 +190,25 @@ Result<package::Sound> writeSound(const BakeRun& run, const StreamPlan& plan) {
 
 }  // namespace
 
+namespace {
+
+void addNote(Job& job, const BakeEnvironment& environment, const std::string& note) {
+  job.notes.push_back(note);
+  if (environment.note) environment.note(note);
+}
+
+}  // namespace
+
 Status checkSounds(Job& job, const BakeEnvironment& environment) {
-  for (const capture::CaptureClass& c : job.capture.classes) {
-    if (!c.footstep) continue;
-    FOURDVT_ASSIGN(const auto reader, platform::AudioReader::open(c.footstep->path, kSoundRate));
+  for (const capture::CaptureClass* c : bakedClasses(job)) {
+    if (!c->footstep) continue;
+    bool cut = false;
+    FOURDVT_ASSIGN(const double length_s, stepLength(*c->footstep, &cut));
+    if (!(length_s >= kShortestStep_s) || c->footstep->offset_s > kLongestStep_s / 2)
+      return Error{ErrorId::CaptureJson, job.capture.folder + "/capture.json: nothing of " + c->footstep->path +
+                                             " is heard as a step of \"" + c->name +
+                                             "\": correct \"offset_ms\" of its \"footsteps\", or take that out"};
+    if (cut) addNote(job, environment, "the step of '" + c->name + "' is longer than 2 s; the rest is left out.");
   }
   for (const capture::CaptureSequence& sequence : job.capture.sequences) {
     if (!sequence.sound) continue;
@@ -199,14 +226,13 @@ Status checkSounds(Job& job, const BakeEnvironment& environment) {
     if (last_s + kShortfall_s < duration_s) {
       char text[200];
       std::snprintf(text, sizeof text, "' ends after %.2f s of %.2f s; the rest is silent.", last_s, duration_s);
-      job.notes.push_back("the sound of '" + sequence.name + text);
-      if (environment.note) environment.note(job.notes.back());
+      addNote(job, environment, "the sound of '" + sequence.name + text);
     }
   }
   return {};
 }
 
-Result<package::Sounds> writeSounds(const BakeRun& run, ReportInput& report) {
+Result<package::Sounds> writeSounds(BakeRun& run, ReportInput& report) {
   package::Sounds out;
   for (const StreamPlan& plan : run.job.streams) {
     FOURDVT_ASSIGN(auto sound, writeSound(run, plan));

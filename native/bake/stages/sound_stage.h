@@ -15,6 +15,6 @@ Status checkSounds(Job& job, const BakeEnvironment& environment);
 
 // Writes the files of all streams that have sound into the result folder, and their bytes into the report. Errors:
 // those of AudioReader and encodeSegment, WriteFailed, Interrupted; those of reading meshes.
-Result<package::Sounds> writeSounds(const BakeRun& run, ReportInput& report);
+Result<package::Sounds> writeSounds(BakeRun& run, ReportInput& report);
 
 }  // namespace fourdvt::bake

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "bake/cameras/camera_choice.h"
+#include "bake/run/describe.h"
 #include "bake/run/lengths.h"
 #include "bake/run/renditions.h"
 #include "bake/stages/camera_plan.h"
@@ -55,9 +56,16 @@ Status checkWorkFolder(const std::string& path) {
 // What is there must be an earlier report: it is replaced as a whole.
 Status checkReportFolder(const std::string& path) {
   std::error_code error;
-  if (!fs::exists(path, error) || fs::exists(fs::path(path) / "report.json", error)) return {};
-  if (fs::is_directory(path, error) && fs::is_empty(path, error)) return {};
-  return bad(path + ": exists and is not a bake's report; move it away or choose another output folder");
+  if (!fs::exists(fs::symlink_status(path, error))) return {};
+  const auto isOurs = [](const std::string& name) {
+    return name.starts_with("report") || name.starts_with("room.") || name == kPosterFile || name == kRefinedCameras;
+  };
+  bool ours = fs::is_directory(fs::symlink_status(path, error));
+  for (fs::directory_iterator entry(path, error), end; ours && !error && entry != end; entry.increment(error))
+    ours = isOurs(entry->path().filename().string());
+  if (ours && !error) return {};
+  return bad(path + ": exists and is not only a bake's report, which is replaced; move it away or choose another " +
+             "output folder");
 }
 
 double layeredBytes(const Job& job) {

@@ -12,8 +12,6 @@
 #include "bake/bake.h"
 #include "lab/labels/paper_labellings.h"
 #include "lab/measure/held_out.h"
-#include "measure/metrics.h"
-#include "measure/picture_score.h"
 #include "lab/study/run/elapsed.h"
 #include "lab/study/run/row_writer.h"
 #include "lab/study/run/rows.h"
@@ -22,6 +20,8 @@
 #include "lab/study/steps/labels.h"
 #include "lab/study/steps/steps.h"
 #include "lab/study/tables/report.h"
+#include "measure/metrics.h"
+#include "measure/picture_score.h"
 #include "platform/files.h"
 #include "platform/folders.h"
 
@@ -101,7 +101,8 @@ Status MethodStudy::bakeCharacter() {
   if (timed) platform::removeFolder(method_.options.survey_folder);
   FOURDVT_ASSIGN(baked_, runBake(context_, method_.options,
                                  [this](const std::string& stage, double share) { tell(stage, 0.6 * share); }));
-  FOURDVT_ASSIGN(report_, platform::readJsonFlat(bake::reportFolderOf(method_.options.character_folder) + "/report.json"));
+  FOURDVT_ASSIGN(report_,
+                 platform::readJsonFlat(bake::reportFolderOf(method_.options.character_folder) + "/report.json"));
   if (!timed) return {};
   RowWriter(out_, rows::kBake, "", rows::kJointDefault, "")
       .add(rows::kSecondsFrame, report_.number("/wall_s_per_frame").value_or(0), "s");
@@ -127,7 +128,8 @@ Status MethodStudy::storage(const capture::CaptureSequence& sequence) {
   const double video = bytes("video_bytes"), geometry = bytes("geometry_bytes"), labels = bytes("label_bytes"),
                other = bytes("index_bytes") + shared;
   if (at.empty() || video <= 0 || geometry <= 0)
-    return Error{ErrorId::Internal, bake::reportFolderOf(method_.options.character_folder) + "/report.json: no sizes of " + sequence.name};
+    return Error{ErrorId::Internal,
+                 bake::reportFolderOf(method_.options.character_folder) + "/report.json: no sizes of " + sequence.name};
   const RowWriter row(out_, rows::kTable1, sequence.name, method_.name, method_.setting());
   row.add(rows::kTotalBytes, video + geometry + labels + other, "bytes");
   row.add(rows::kVideoBytes, video, "bytes");
