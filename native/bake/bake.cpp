@@ -108,7 +108,7 @@ Result<BakeReport> runStages(BakeRun& run) {
   addFigures(run, report);
   FOURDVT_TRY(writeReportFiles(job, report));
   FOURDVT_TRY(publish(job.resultFolder(), job.options.character_folder));
-  if (Status published = publishReport(job.reportFolder(), reportFolderOf(job.options.character_folder));
+  if (const Status published = publishReport(job.reportFolder(), reportFolderOf(job.options.character_folder));
       !published.ok())
     return Error{published.error().id,
                  "the character is published, but its report is not: " + published.error().message};

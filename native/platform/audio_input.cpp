@@ -22,6 +22,7 @@ constexpr double kMostStart_s = 1e5;     // of the sound, from the first picture
 class FfmpegAudio final : public AudioReader {
  public:
   FfmpegAudio(const std::string& path, int sample_rate) : path_(path), sample_rate_(sample_rate) {}
+  ~FfmpegAudio() override { av_channel_layout_uninit(&resampled_layout_); }
 
   Status open() {
     quietFfmpeg();
@@ -103,7 +104,8 @@ class FfmpegAudio final : public AudioReader {
            av_channel_layout_compare(&resampled_layout_, &frame_->ch_layout) == 0;
   }
 
-  // Silence, or samples to be dropped, so that the first one that is read is heard with the first picture.
+  // Finds how much silence to put before the samples, or how many of them to drop, for reading to begin with the first
+  // picture.
   Status align() {
     const double start_s = startAfterPicture_s();
     if (!(std::abs(start_s) <= kMostStart_s))
@@ -123,7 +125,7 @@ class FfmpegAudio final : public AudioReader {
     }
     return convert(const_cast<const uint8_t**>(frame_->extended_data), frame_->nb_samples);
   }
-  // What the resampler still holds.
+  // Reads the rest out of the resampler.
   Status flushResampler() { return resampler_ ? convert(nullptr, 0) : Status(); }
 
   Status convert(const uint8_t** in, int count) {

@@ -30,7 +30,7 @@ FileOnly openFileOnly(const std::string& path) {
   raw->pb = out.io.get();
   raw->io_open = refuseOtherFiles;
   AVDictionary* options = nullptr;
-  // Names of files inside it, too: "concat" has an io_open of its own.
+  // Forbids every protocol to what the file names: the concat demuxer does not use our io_open.
   av_dict_set(&options, "protocol_whitelist", "none", 0);
   const bool opened = avformat_open_input(&raw, path.c_str(), nullptr, &options) >= 0;  // frees raw if it fails
   av_dict_free(&options);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Opens a media file that may come from strangers: the file alone, never one that it names. Private to the files that
-// link FFmpeg.
+// Opens a media file of unknown origin without opening any other file that it names, as playlists do. Private to the
+// files that link FFmpeg.
 #pragma once
 
 #include <string>

@@ -360,7 +360,8 @@ Result<std::vector<uint32_t>> footfalls(const capture::Capture& capture, const c
                                         const std::vector<glm::vec3>& track, const ReadPositions& read) {
   FOURDVT_ASSIGN(auto ground, findGround(sequence, read));
   const uint32_t count = sequence.frame_count;
-  // A vertex stands in both frames between which it rests on the ground: in the one in which it has come down, too.
+  // Marks a vertex as standing in two successive frames if it rests on the ground from one to the other, so that the
+  // frame of its impact is marked, too.
   std::vector<std::vector<bool>> standing(count);
   FOURDVT_ASSIGN(const Positions first, read(sequence, 0));
   for (std::vector<bool>& frame : standing) frame.resize(first.size());

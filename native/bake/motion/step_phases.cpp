@@ -9,12 +9,12 @@ namespace fourdvt::bake {
 std::vector<double> stepPhases(std::span<const uint32_t> frames, std::span<const double> source_frame,
                                uint32_t loop_frames, uint32_t phases) {
   std::vector<double> out;
-  const auto lastPhase = [&](size_t p) {
+  const auto nextFrame = [&](size_t p) {
     return p + 1 < source_frame.size() ? source_frame[p + 1] : source_frame[0] + loop_frames;
   };
   for (const uint32_t frame : frames) {
     for (size_t p = 0; p < source_frame.size(); ++p) {
-      const double a = source_frame[p], b = lastPhase(p);
+      const double a = source_frame[p], b = nextFrame(p);
       double at = frame;
       if (loop_frames > 0)
         while (at < a - 1e-9) at += loop_frames;

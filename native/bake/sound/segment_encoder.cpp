@@ -4,10 +4,7 @@
 #include <algorithm>
 #include <memory>
 
-extern "C" {
-#include <libavcodec/avcodec.h>
-#include <libavformat/avformat.h>
-}
+#include "platform/ffmpeg_handles.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -20,7 +17,7 @@ struct Recipe {
   int64_t bit_rate[2];  // mono, stereo
 };
 
-// Rates at which the codec is commonly held transparent for speech and steps, and good for music.
+// Nominal bit rates; Opus varies its own.
 constexpr Recipe kOpus{
     {"audio/webm; codecs=\"opus\"", ".webm"}, "libopus", "webm", AV_SAMPLE_FMT_FLT, 960, {64'000, 112'000}};
 constexpr Recipe kAac{
@@ -28,10 +25,8 @@ constexpr Recipe kAac{
 
 const Recipe& recipeOf(SoundCodec codec) { return codec == SoundCodec::Opus ? kOpus : kAac; }
 
-struct Deleter {
-  void operator()(AVCodecContext* p) const { avcodec_free_context(&p); }
-  void operator()(AVFrame* p) const { av_frame_free(&p); }
-  void operator()(AVPacket* p) const { av_packet_free(&p); }
+// An output file in memory.
+struct MemoryFileDeleter {
   void operator()(AVFormatContext* p) const {
     uint8_t* rest = nullptr;
     if (p->pb) avio_close_dyn_buf(p->pb, &rest);
@@ -71,7 +66,8 @@ class SegmentEncoder {
     return code < 0 ? failed("header", code) : Status();
   }
 
-  // Samples that are encoded so that packets and their decoders' delay come out even.
+  // Rounds a number of samples up so that they fill whole packets together with the encoder's delay: no padding at the
+  // end.
   size_t roundedUp(size_t samples) const {
     const size_t block = size_t(recipe_.block), lead = delayInBlock();
     return (samples + lead + block - 1) / block * block - lead;
@@ -140,10 +136,10 @@ class SegmentEncoder {
 
   const Recipe& recipe_;
   const int channels_;
-  std::unique_ptr<AVCodecContext, Deleter> context_;
-  std::unique_ptr<AVFormatContext, Deleter> file_;
-  std::unique_ptr<AVFrame, Deleter> frame_;
-  std::unique_ptr<AVPacket, Deleter> packet_;
+  platform::AvCodec context_;
+  std::unique_ptr<AVFormatContext, MemoryFileDeleter> file_;
+  platform::AvFrame frame_;
+  platform::AvPacket packet_;
 };
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Encodes a piece of sound into a small file of its own, which decodeAudioData of browsers takes: Opus in WebM, AAC-LC
-// in MP4. The same samples give the same bytes.
+// Encodes samples into a small media file in memory that browsers' decodeAudioData reads: Opus in WebM, AAC-LC in MP4.
+// The same samples give the same bytes.
 #pragma once
 
 #include <cstdint>

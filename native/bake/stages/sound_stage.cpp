@@ -22,7 +22,7 @@ constexpr double kOverlap_s = 0.02;  // that a segment goes on behind its end, f
 constexpr double kShortestStep_s = 0.01, kLongestStep_s = 2;
 constexpr double kShortfall_s = 0.1;  // silence at the end that is worth a note
 
-// Samples of a file by their number, which must not fall far; silent before the file's beginning and after its end.
+// Reads samples of a file by their numbers, forwards. What lies before its beginning or after its end is silence.
 class SampleWindow {
  public:
   static Result<SampleWindow> open(const std::string& path) {
@@ -33,7 +33,7 @@ class SampleWindow {
   // Number of samples that the file has, once its end was read.
   std::optional<int64_t> length() const { return length_; }
 
-  // Forgets the samples before `first`.
+  // Reads samples, and forgets those before `first`.
   Result<std::vector<float>> samples(int64_t first, int64_t count) {
     const size_t c = size_t(channels());
     FOURDVT_TRY(skipTo(first));
@@ -93,7 +93,7 @@ struct SoundPiece {
   bool loop = false;  // what lies behind the end is the beginning again
 };
 
-// Encodes all segments in all codecs, and gives the encodings' bytes, codec by codec.
+// Encodes all segments in every codec, and writes a file for each codec.
 Result<package::Sound> encodeAll(const BakeRun& run, const std::string& name, const std::string& path,
                                  const SoundPiece& piece) {
   FOURDVT_ASSIGN(auto window, SampleWindow::open(path));
@@ -175,7 +175,7 @@ Result<package::Sound> writeSteps(BakeRun& run, const StreamPlan& plan) {
   return sound;
 }
 
-// Gives no encodings if the stream has no sound.
+// Encodes the sound of one stream; no encodings if it has none.
 Result<package::Sound> writeSound(BakeRun& run, const StreamPlan& plan) {
   if (plan.isClass()) {
     if (plan.motion.source && plan.motion.source->footstep) return writeSteps(run, plan);
@@ -187,10 +187,6 @@ Result<package::Sound> writeSound(BakeRun& run, const StreamPlan& plan) {
   return encodeAll(run, plan.name, source.sound->path,
                    {firstSample(source, fps), source.frame_count / fps, source.loop});
 }
-
-}  // namespace
-
-namespace {
 
 void addNote(Job& job, const BakeEnvironment& environment, const std::string& note) {
   job.notes.push_back(note);

@@ -53,7 +53,7 @@ Status checkWorkFolder(const std::string& path) {
   return bad(path + ": exists and is not a bake's work folder; move it away or choose another output folder");
 }
 
-// What is there must be an earlier report: it is replaced as a whole.
+// Refuses a folder that holds anything but an earlier report: the whole folder is replaced.
 Status checkReportFolder(const std::string& path) {
   std::error_code error;
   if (!fs::exists(fs::symlink_status(path, error))) return {};
