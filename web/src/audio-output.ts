@@ -13,7 +13,7 @@ export class AudioOutput {
   #rests = false;
   #timer: ReturnType<typeof setTimeout> | undefined;
 
-  /** Null where the browser has no sound. */
+  /** Makes it at the first call. Null where the browser has no sound. */
   static ofPage(): AudioOutput | null {
     if (!this.#ofPage && !this.#failed) {
       try {
@@ -25,9 +25,9 @@ export class AudioOutput {
     }
     return this.#ofPage;
   }
-  /** Something was to be heard, and the browser waits for the visitor's first touch of the page. */
+  /** Sound is due, but is not allowed before the visitor's first touch of the page (autoplay policy). */
   static get blocked(): boolean { return this.#ofPage !== null && !this.#ofPage.#rests && this.#ofPage.context.state !== 'running'; }
-  /** The user hears nothing any more. */
+  /** Removes a user; the context is suspended some seconds after the last one. */
   static leave(user: object): void { if (this.#ofPage) this.#ofPage.#leave(user); }
 
   private constructor() {
@@ -36,7 +36,7 @@ export class AudioOutput {
     this.#resume();
   }
 
-  /** True if the user may be heard now; else it may be soon, or after the visitor's next touch of the page. */
+  /** Adds a user, and resumes the context. Returns true if it runs; else it will soon, or after the visitor's next touch. */
   enter(user: object): boolean {
     this.#users.add(user);
     clearTimeout(this.#timer);
@@ -55,7 +55,7 @@ export class AudioOutput {
     if (this.context.state !== 'running') void this.context.resume().catch(() => undefined);
   }
 
-  /** Hears when the browser lets the page be heard, or stops it. */
+  /** Calls `run` whenever the context starts or stops. */
   onChange(run: () => void, signal: AbortSignal): void {
     this.#changed.add(run);
     signal.addEventListener('abort', () => this.#changed.delete(run));

@@ -75,7 +75,7 @@ export class Sound {
   #turnMs = 0; // of the last turn
   #watch: ReturnType<typeof setInterval> | undefined;
 
-  /** changed: whether there is sound, or whether it may be heard. */
+  /** changed: called when the motion shown gains or loses sound, and when the browser allows sound or stops it. */
   constructor(viewer: Audible, heard: () => Heard, changed: () => void) {
     this.#viewer = viewer;
     this.#heard = heard;
@@ -84,7 +84,7 @@ export class Sound {
     for (const name of ['pause', 'waiting', 'seeking', 'emptied', 'suspend', 'ended']) viewer.addEventListener(name, () => this.#stop(), { signal });
     viewer.addEventListener('volumechange', () => {
       this.#setVolume();
-      // Within the visitor's touch that has set it: some browsers let a page be heard then alone.
+      // Resumes the context inside the visitor's gesture, as WebKit requires.
       if (viewer.muted || !this.present) return;
       AudioOutput.ofPage()?.enter(this);
       if (viewer.paused) AudioOutput.leave(this);
@@ -103,15 +103,11 @@ export class Sound {
   /** A turn of the page's loop. */
   turn(): void {
     this.#turnMs = performance.now();
-    this.#look();
-    const { session, current } = this.#heard(), viewer = this.#viewer;
-    const rate = viewer.playbackRate;
-    const plays = session && current && this.#track && !viewer.paused && !viewer.ended && !viewer.seeking && viewer.readyState >= 3 && rate > 0 && !viewer.muted;
-    const output = plays ? this.#output() : null;
-    if (!output) {
-      AudioOutput.leave(this);
-      return this.#stop();
-    }
+    const viewer = this.#viewer, rate = viewer.playbackRate;
+    const audible = !viewer.muted && !viewer.paused && !viewer.ended && !viewer.seeking && viewer.readyState >= 3 && rate > 0;
+    const { session, current } = audible ? this.#look() : { session: null, current: null };
+    const output = session && current && this.#track ? this.#output() : null;
+    if (!output) return this.#rest();
     if (!output.enter(this)) return this.#stop();
     const heardS = output.heardAt(Number(document.timeline?.currentTime ?? performance.now()) + 1000 * DISPLAY_S);
     if (!Number.isFinite(heardS)) return;
@@ -120,17 +116,16 @@ export class Sound {
     else this.#turnTrack(output, heardS, time, rate, loops);
   }
   dispose(): void {
-    this.#stop();
-    AudioOutput.leave(this);
+    this.#rest();
     this.#abort.abort();
     this.#forget();
     this.#volume?.disconnect();
   }
 
-  // Takes the track of another motion.
-  #look(): void {
-    const { session, current } = this.#heard();
-    if (!session?.manifest || !current || (session.manifest === this.#manifest && current.name === this.#motion)) return;
+  // Reads what is shown, and takes the track of another motion.
+  #look(): Heard {
+    const { session, current } = this.#heard(), shown = { session, current }; // `current` is read from the player each time
+    if (!session?.manifest || !current || (session.manifest === this.#manifest && current.name === this.#motion)) return shown;
     const { manifest } = session, motion = current.name, had = this.#track !== null;
     this.#stop();
     this.#forget();
@@ -142,6 +137,7 @@ export class Sound {
       console.warn(`fourdvt-viewer: the sound of "${motion}" in character.gltf: ${String(reason)}; bake the character again`);
     }
     if (had !== (this.#track !== null)) this.#changed();
+    return shown;
   }
   #forget(): void {
     this.#buffers?.dispose();
@@ -197,7 +193,7 @@ export class Sound {
     this.#segmentAt(now + (AHEAD_S + FETCH_S) * rate, loops); // on its way before it is needed
   }
 
-  // Tells apart pictures that keep up from those that have not of late.
+  // Tests if the pictures keep up with their own time; after they have not, over a while.
   #isSteady(contextS: number, mediaS: number, rate: number, loops: boolean): boolean {
     const { duration } = this.#viewer, since = this.#unsteady;
     if (!since) return true;
@@ -209,7 +205,7 @@ export class Sound {
     return !this.#unsteady;
   }
 
-  // Where the segment of a media time begins and ends, and its samples; null if there is none, or not yet.
+  // Finds the segment at a media time: its beginning, its end and its samples; null if there is none, or not yet.
   #segmentAt(mediaS: number, loops: boolean): { startS: number; endS: number; sound: NonNullable<ReturnType<SoundBuffers['get']>> } | null {
     const { duration } = this.#viewer, { segmentS } = this.#track!, buffers = this.#buffers!;
     const pass = loops ? Math.floor(mediaS / duration + 1e-9) : 0, within = mediaS - pass * duration;
@@ -219,7 +215,7 @@ export class Sound {
     return sound && { startS: pass * duration + index * segmentS, endS: pass * duration + endS, sound };
   }
 
-  // The next segment, from where the last one ends. False if it is not there.
+  // Schedules the next segment from where the last one ends. False if it is not there yet.
   #schedule(context: AudioContext, loops: boolean): boolean {
     const from = this.#scheduledS, segment = this.#segmentAt(from, loops), { contextS, mediaS, rate } = this.#anchor!;
     if (!segment) return false;
