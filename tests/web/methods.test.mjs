@@ -12,7 +12,8 @@ import { coverage, ssim } from './ssim.mjs';
 
 const kSsim = 0.98;
 const kPose = { sequence: 'run', frame: 5, azimuth: 25, elevation: 8, distance: 4.2 };
-const kSize = { width: 360, height: 480 };
+const kSize = { width: 360, height: 480 };      // against native pictures
+const kCompared = { width: 270, height: 360 };  // of the page's pictures with each other
 const kAside = 60;             // degrees by which the view turns before a picture of what follows it with time
 const kRedraws = 3;
 const kLayeredPatienceMs = 20_000;
@@ -37,7 +38,7 @@ after(async () => {
   await server?.close();
 });
 
-const openRefined = (prepare) => openCharacter(browser, server.url, 'cameras/refined/character.gltf', { ...kSize, prepare });
+const openRefined = (prepare, size = kCompared) => openCharacter(browser, server.url, 'cameras/refined/character.gltf', { ...size, prepare });
 
 const countDraws = (page) => page.addInitScript(() => {
   globalThis.draws = 0;
@@ -91,7 +92,7 @@ async function showTurned(page, name, { azimuth, elevation, distance }) {
 
 test('native and browser agree by every method', async () => {
   const out = outputFolder('methods');
-  const { page, outcome } = await openRefined(countDraws);
+  const { page, outcome } = await openRefined(countDraws, kSize);
   assert.equal(outcome, 'canplay');
   await page.waitForFunction(({ width, height }) => {
     const canvas = document.querySelector('fourdvt-viewer').shadowRoot.querySelector('canvas');
