@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Synthesises the sounds of the sample capture: one step, and the steps of its two loops at the frames in which feet come down.
+// Synthesises the sounds of the sample capture: one step, and the steps of its two loops at the frames in which the bake finds that feet come down.
 //   node site/sample/sounds.mjs
 import { writeFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
@@ -40,5 +40,5 @@ function write(name, seconds, steps) {
 
 const inLoop = (frames, strength) => frames.map((frame, i) => ({ atS: LEAD_S + frame / FPS, strength: strength * (i % 2 ? 0.9 : 1) }));
 write('step.wav', 0.15, [{ atS: 0, strength: 0.8 }]);
-write('walk.wav', LEAD_S + 28 / FPS, inLoop([3, 17], 0.5));
-write('run.wav', LEAD_S + 19 / FPS, inLoop([7, 17], 0.8));
+write('walk.wav', LEAD_S + 28 / FPS, inLoop([2, 16], 0.5));
+write('run.wav', LEAD_S + 19 / FPS, inLoop([6, 16], 0.8));

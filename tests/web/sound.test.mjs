@@ -20,9 +20,9 @@ const sought = (page) => until(page, () => {
   return true;
 });
 
-// Offsets in ms of the clicks that are heard while `count` of them come; positive: the sound is late. A picture is on the screen one frame of
-// the display after the turn that draws it. Turns are late by up to their distance: the earliest of the pictures before says when the motion's
-// clock was where.
+// Measures offsets in ms of the next `count` clicks; positive: the sound is late. A picture counts as shown one frame of the display after the turn
+// that draws it. A turn may draw a frame late, by up to the time between turns, never early: of the pictures before a click, the one that is furthest
+// ahead gives the motion's clock.
 async function offsets(page, motion, count) {
   await until(page, () => globalThis.listens);
   const since = await page.evaluate(() => globalThis.clicks.length);
