@@ -235,6 +235,13 @@ void addMesh(tinygltf::Model& model, const ManifestInput& in) {
         addAccessor(model, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2, mesh.point_count);
     attributes["TEXCOORD_0"] = Value(mesh.uv_attribute);
   }
+  if (mesh.colour_attribute >= 0) {
+    const int colours =
+        addAccessor(model, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, TINYGLTF_TYPE_VEC3, mesh.point_count);
+    model.accessors[size_t(colours)].normalized = true;
+    primitive.attributes["COLOR_0"] = colours;
+    attributes["COLOR_0"] = Value(mesh.colour_attribute);
+  }
   primitive.extensions["KHR_draco_mesh_compression"] =
       Value(Value::Object{{"bufferView", Value(0)}, {"attributes", Value(attributes)}});
   tinygltf::Mesh gltf_mesh;
@@ -243,15 +250,15 @@ void addMesh(tinygltf::Model& model, const ManifestInput& in) {
   model.meshes.push_back(gltf_mesh);
 }
 
-// The still; without one the mesh has no texture coordinates and is plain grey.
-void addMaterial(tinygltf::Model& model, const std::string& texture_uri) {
+// The still; without one the mesh has the colours of its vertices, or is plain grey.
+void addMaterial(tinygltf::Model& model, const std::string& texture_uri, bool coloured) {
   tinygltf::Material material;
   material.name = "still";
   material.pbrMetallicRoughness.metallicFactor = 0;
   material.pbrMetallicRoughness.roughnessFactor = 1;
   material.extensions["KHR_materials_unlit"] = Value(Value::Object{});
   if (texture_uri.empty()) {
-    material.pbrMetallicRoughness.baseColorFactor = {0.5, 0.5, 0.5, 1};
+    if (!coloured) material.pbrMetallicRoughness.baseColorFactor = {0.5, 0.5, 0.5, 1};
     model.materials.push_back(material);
     return;
   }
@@ -325,7 +332,7 @@ Result<std::string> writeManifest(const ManifestInput& input) {
   model.asset.generator = input.generator;
   model.asset.copyright = input.copyright;
   addMesh(model, input);
-  addMaterial(model, input.texture_uri);
+  addMaterial(model, input.texture_uri, input.mesh->colour_attribute >= 0);
   addScene(model, c);
   model.extensionsUsed = {"KHR_draco_mesh_compression", "KHR_materials_unlit", kExtensionName};
   model.extensionsRequired = {"KHR_draco_mesh_compression"};

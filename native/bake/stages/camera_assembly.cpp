@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "bake/cameras/vertex_colours.h"
 #include "bake/run/content_names.h"
 #include "bake/run/describe.h"
 #include "bake/stages/assemble.h"
@@ -107,17 +108,22 @@ Status packSequence(const BakeRun& run, const StreamPlan& plan, package::Charact
   return {};
 }
 
-// The first frame from the view that the page starts with, textured by FVVR, which reads the
-// cameras' whole pictures.
-Result<Image> drawPoster(const BakeRun& run, const std::vector<ColourMap>& maps) {
+// The first frame, its pictures in the colours that the cameras share.
+Result<capture::CaptureFrame> readFirstFrame(const BakeRun& run, const std::vector<ColourMap>& maps) {
   const Job& job = run.job;
   FOURDVT_ASSIGN(const auto reader,
                  capture::FrameReader::open(job.capture, job.capture.sequences[0], run.environment.open_video));
   FOURDVT_ASSIGN(auto frame, reader->next());
+  for (size_t c = 0; c < maps.size(); ++c) applyColours(maps[c], frame.pictures[c]);
+  return frame;
+}
+
+// It from the view that the page starts with, textured by FVVR, which reads the cameras' whole pictures.
+Result<Image> drawPoster(const BakeRun& run, const capture::CaptureFrame& frame) {
+  const Job& job = run.job;
   MeshTopology topology;
   topology.vertex_count = static_cast<uint32_t>(frame.positions.size());
   topology.face_vertices = frame.faces.empty() ? job.capture.topology.face_vertices : frame.faces;
-  for (size_t c = 0; c < maps.size(); ++c) applyColours(maps[c], frame.pictures[c]);
   FOURDVT_ASSIGN(const auto fvvr,
                  render::Fvvr::create(run.device(), job.cameras, topology, {}, float(job.length_scale)));
   FOURDVT_TRY(fvvr->setFrame(frame.positions, frame.pictures));
@@ -134,14 +140,18 @@ Result<Image> drawPoster(const BakeRun& run, const std::vector<ColourMap>& maps)
 Status assembleCameras(BakeRun& run, const std::vector<ColourMap>& maps, const std::optional<BakedRoom>& room,
                        ReportInput& report) {
   StageClock::Span span(run.clock, Stage::Assemble);
-  const Job& job = run.job;
+  Job& job = run.job;
   const std::string folder = job.resultFolder() + "/";
   FOURDVT_TRY(makeResultFolders(job));
-  FOURDVT_ASSIGN(const auto poster, drawPoster(run, maps));
+  FOURDVT_ASSIGN(const auto first, readFirstFrame(run, maps));
+  FOURDVT_ASSIGN(const auto poster, drawPoster(run, first));
   FOURDVT_ASSIGN(const auto webp, encodePicture(poster, ".webp", 85));
   FOURDVT_TRY(platform::writeFileAtomic(folder + kPosterFile, webp));
   report.pictures = {{kPosterFile, "The character, " + job.streams[0].name +
                                        ", frame 0, as the page shows it first, from the three nearest cameras."}};
+  // For viewers that know glTF alone.
+  const TriangleMesh surface{job.mesh.decoded.positions, job.mesh.decoded.topology.face_vertices};
+  FOURDVT_ASSIGN(job.mesh, package::encodePlainMesh(surface, vertexColours(surface, job.cameras, first.pictures)));
   package::Character character = describeCharacter(job);
   if (report.figures.method) {
     character.method.name = report.figures.method->method;

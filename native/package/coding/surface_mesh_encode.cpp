@@ -14,12 +14,12 @@ using draco::GeometryAttribute;
 
 Error surfaceFailed(const std::string& what) { return {ErrorId::Internal, "surface: " + what}; }
 
-// One point per vertex; `values` has components 32-bit values for each.
+// One point per vertex; `values` has components values for each. Values of 16 bits are shares of 65535.
 int addAttribute(draco::Mesh& mesh, GeometryAttribute::Type type, draco::DataType data, int components,
                  const void* values) {
-  const int64_t stride = 4 * components;
+  const int64_t stride = int64_t(draco::DataTypeLength(data)) * components;
   GeometryAttribute attribute;
-  attribute.Init(type, nullptr, static_cast<int8_t>(components), data, false, stride, 0);
+  attribute.Init(type, nullptr, static_cast<int8_t>(components), data, data == draco::DT_UINT16, stride, 0);
   const int id = mesh.AddAttribute(attribute, true, mesh.num_points());
   for (uint32_t i = 0; i < mesh.num_points(); ++i)
     mesh.attribute(id)->SetAttributeValue(AttributeValueIndex(i), static_cast<const uint8_t*>(values) + i * stride);
@@ -109,10 +109,15 @@ Result<std::vector<uint32_t>> sourceVertices(const QuantisedSurface& surface, co
   return source;
 }
 
-Result<EncodedBaseMesh> encodePlainMesh(const TriangleMesh& surface, int position_bits) {
+Result<EncodedBaseMesh> encodePlainMesh(const TriangleMesh& surface, std::span<const glm::u16vec3> linear_colours,
+                                        int position_bits) {
   draco::Mesh mesh;
   setFaces(mesh, surface.positions.size(), surface.faces);
   addAttribute(mesh, GeometryAttribute::POSITION, draco::DT_FLOAT32, 3, surface.positions.data());
+  if (!linear_colours.empty()) {
+    if (linear_colours.size() != surface.positions.size()) return surfaceFailed("not a colour for each vertex");
+    addAttribute(mesh, GeometryAttribute::COLOR, draco::DT_UINT16, 3, linear_colours.data());
+  }
   EncodedBaseMesh out;
   FOURDVT_ASSIGN(out.bytes, encode(mesh, position_bits));
   const auto decoded = decodeDracoMesh(out.bytes);
@@ -128,6 +133,8 @@ Result<EncodedBaseMesh> encodePlainMesh(const TriangleMesh& surface, int positio
   out.point_count = decoded->num_points();
   out.position_attribute = static_cast<int>(positions->unique_id());
   out.uv_attribute = -1;
+  if (const auto* colours = decoded->GetNamedAttribute(GeometryAttribute::COLOR))
+    out.colour_attribute = static_cast<int>(colours->unique_id());
   out.point_bounds = {out.decoded.positions[0], out.decoded.positions[0]};
   for (const glm::vec3& p : out.decoded.positions) {
     out.point_bounds.min = glm::min(out.point_bounds.min, p);

@@ -427,11 +427,12 @@ Character cameraCharacter() {
   return c;
 }
 
-json cameraManifest() {
+json cameraManifest(bool coloured = false) {
   const QuantisedSurface surface = fourdvt::testing::roundSurface(12, 10, 0);
   TriangleMesh floats{{}, surface.faces};
   for (const glm::ivec3& q : surface.positions) floats.positions.push_back(0.001f * glm::vec3(q));
-  const EncodedBaseMesh mesh = encodePlainMesh(floats).take();
+  const std::vector<glm::u16vec3> colours(coloured ? floats.positions.size() : 0, {65535, 300, 0});
+  const EncodedBaseMesh mesh = encodePlainMesh(floats, colours).take();
   Character character = cameraCharacter();
   character.mesh_bytes = mesh.bytes.size();
   auto text = writeManifest({character, &mesh, "", "fourdvt test", "nobody"});
@@ -442,6 +443,20 @@ json cameraManifest() {
         .write(reinterpret_cast<const char*>(mesh.bytes.data()), std::streamsize(mesh.bytes.size()));
   }
   return json::parse(text.value());
+}
+
+TEST(CameraManifest, OtherViewersSeeTheColoursOfVertices) {
+  const json gltf = cameraManifest(true), grey = cameraManifest();
+  const json& primitive = gltf["meshes"][0]["primitives"][0];
+  const json& colours = gltf["accessors"][primitive["attributes"]["COLOR_0"].get<size_t>()];
+  EXPECT_EQ(colours["componentType"], 5123);
+  EXPECT_EQ(colours["type"], "VEC3");
+  EXPECT_EQ(colours["normalized"], true);
+  EXPECT_EQ(colours["count"], gltf["accessors"][primitive["attributes"]["POSITION"].get<size_t>()]["count"]);
+  EXPECT_TRUE(primitive["extensions"]["KHR_draco_mesh_compression"]["attributes"].contains("COLOR_0"));
+  EXPECT_FALSE(gltf["materials"][0]["pbrMetallicRoughness"].contains("baseColorFactor")) << "white, the default";
+  EXPECT_FALSE(grey["meshes"][0]["primitives"][0]["attributes"].contains("COLOR_0"));
+  EXPECT_EQ(grey["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"][0], 0.5);
 }
 
 TEST(CameraManifest, RoundTrips) {

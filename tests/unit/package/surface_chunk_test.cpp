@@ -12,6 +12,7 @@
 #include "base/hash.h"
 #include "draco/compression/expert_encode.h"
 #include "package/base_mesh.h"
+#include "package/base_mesh_draco.h"
 #include "package/chunk_counts.h"
 #include "package/coding/surface_mesh.h"
 #include "surface_fixture.h"
@@ -375,6 +376,35 @@ TEST(SurfaceChunk, SurvivesDamage) {
   }
 }
 
+TEST(SurfaceMesh, PlainMeshesCarryColoursOfTheirVertices) {
+  const QuantisedSurface surface = roundSurface(12, 10, 0);
+  TriangleMesh floats{{}, surface.faces};
+  std::vector<glm::u16vec3> colours;
+  for (const glm::ivec3& q : surface.positions) {
+    floats.positions.push_back(0.001f * glm::vec3(q));
+    colours.emplace_back(static_cast<uint16_t>(q.x + 4096), static_cast<uint16_t>(q.y + 4096), 65535);
+  }
+  const auto plain = encodePlainMesh(floats, colours, 20);
+  ASSERT_TRUE(plain.ok());
+  ASSERT_GE(plain.value().colour_attribute, 0);
+  const auto decoded = decodeDracoMesh(plain.value().bytes);
+  const auto* values = decoded->GetAttributeByUniqueId(uint32_t(plain.value().colour_attribute));
+  ASSERT_TRUE(values);
+  EXPECT_TRUE(values->normalized());
+  const auto* positions = decoded->GetNamedAttribute(draco::GeometryAttribute::POSITION);
+  for (uint32_t p = 0; p < decoded->num_points(); ++p) {
+    glm::u16vec3 colour;
+    glm::vec3 position;
+    values->GetMappedValue(draco::PointIndex(p), &colour);
+    positions->GetMappedValue(draco::PointIndex(p), &position);
+    EXPECT_NEAR(colour.x, 1000 * position.x + 4096, 1) << "vertex " << p;
+    EXPECT_NEAR(colour.y, 1000 * position.y + 4096, 1) << "vertex " << p;
+    EXPECT_EQ(colour.z, 65535);
+  }
+  colours.pop_back();
+  EXPECT_FALSE(encodePlainMesh(floats, colours).ok());
+}
+
 // Integers cost what Draco's own quantisation of floats does: it predicts both by the same parallelograms.
 TEST(SurfaceMesh, IntegersCostWhatQuantisedFloatsDo) {
   const QuantisedSurface surface = roundSurface(120, 60, 0);
@@ -387,7 +417,7 @@ TEST(SurfaceMesh, IntegersCostWhatQuantisedFloatsDo) {
   }
   const glm::ivec3 size = high - low;
   const int bits = int(std::ceil(std::log2(std::max({size.x, size.y, size.z}) + 1)));
-  auto quantised = encodePlainMesh(floats, bits);
+  auto quantised = encodePlainMesh(floats, {}, bits);
   ASSERT_TRUE(integers.ok() && quantised.ok());
   EXPECT_LT(integers.value().bytes.size(), 1.1 * quantised.value().bytes.size());
 }

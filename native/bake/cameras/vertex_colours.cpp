@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/cameras/vertex_colours.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/face_buffer.h"
+
+namespace fourdvt::bake {
+namespace {
+
+constexpr int kMostDepthSamples = 1024;     // along the longer side of a depth map
+constexpr double kLeastCosine = 0.2;        // between normal and ray; pictures at a glance are smeared
+constexpr double kFootprintEdges = 1 / 3.;  // radius of what a vertex averages, mean edges
+constexpr int kMostFootprintPixels = 12;
+constexpr double kSlackEdges = 0.5;  // of the depth test
+constexpr double kMidGrey = 0.2140;  // linear, of sRGB 0.5
+
+const std::array<double, 256>& linearOfSrgb() {
+  static const std::array<double, 256> table = [] {
+    std::array<double, 256> out{};
+    for (int i = 0; i < 256; ++i) {
+      const double v = i / 255.;
+      out[size_t(i)] = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+    }
+    return out;
+  }();
+  return table;
+}
+
+double meanEdge(const TriangleMesh& surface) {
+  double sum = 0;
+  for (const glm::uvec3& f : surface.faces)
+    for (int c = 0; c < 3; ++c) sum += glm::distance(surface.positions[f[c]], surface.positions[f[(c + 1) % 3]]);
+  return surface.faces.empty() ? 0 : sum / (3. * double(surface.faces.size()));
+}
+
+struct Mean {
+  glm::dvec3 sum{0};
+  double weight = 0;
+};
+
+// Mean linear colour of the pixels that show the performer.
+bool sampleDisc(const Image& picture, const glm::dvec2& at, int radius, glm::dvec3& colour) {
+  const int x0 = std::max(0, int(std::floor(at.x)) - radius),
+            x1 = std::min(picture.width - 1, int(std::floor(at.x)) + radius);
+  const int y0 = std::max(0, int(std::floor(at.y)) - radius),
+            y1 = std::min(picture.height - 1, int(std::floor(at.y)) + radius);
+  const auto& linear = linearOfSrgb();
+  glm::dvec3 sum{0};
+  int count = 0;
+  for (int y = y0; y <= y1; ++y) {
+    for (int x = x0; x <= x1; ++x) {
+      const uint8_t* p = picture.at(x, y);
+      if (p[3] < 128) continue;
+      sum += glm::dvec3(linear[p[0]], linear[p[1]], linear[p[2]]);
+      ++count;
+    }
+  }
+  if (count > 0) colour = sum / double(count);
+  return count > 0;
+}
+
+void addCamera(const TriangleMesh& surface, const std::vector<glm::vec3>& normals, double edge_m,
+               const PinholeCamera& camera, const Image& picture, std::vector<Mean>& colours) {
+  const int factor = std::max(1, (std::max(camera.width, camera.height) + kMostDepthSamples - 1) / kMostDepthSamples);
+  const FaceBuffer depth = rasterise(reducedCamera(camera, factor), surface.faces, surface.positions, 1);
+  const glm::dvec3 centre = camera.centreInWorld();
+  for (size_t v = 0; v < surface.positions.size(); ++v) {
+    const glm::dvec3 point(surface.positions[v]);
+    const double cosine = glm::dot(glm::dvec3(normals[v]), glm::normalize(centre - point));
+    const glm::dvec3 at = camera.project(point);
+    if (cosine < kLeastCosine || at.z <= 0) continue;
+    const int x = int(std::floor(at.x / factor)), y = int(std::floor(at.y / factor));
+    if (x < 0 || y < 0 || x >= depth.width || y >= depth.height) continue;
+    if (double(depth.depth_m[size_t(y) * size_t(depth.width) + size_t(x)]) < at.z - kSlackEdges * edge_m) continue;
+    const double footprint = kFootprintEdges * edge_m * camera.fx / at.z;
+    glm::dvec3 colour;
+    if (!sampleDisc(picture, at, std::min(kMostFootprintPixels, int(footprint)), colour)) continue;
+    const double weight = std::pow(cosine, 4);
+    colours[v].sum += weight * colour;
+    colours[v].weight += weight;
+  }
+}
+
+// Gives vertices without a colour the mean of their neighbours that have one, a ring at a time.
+void fillFromNeighbours(const std::vector<glm::uvec3>& faces, std::vector<Mean>& colours) {
+  for (bool filled = true; filled;) {
+    filled = false;
+    std::vector<Mean> next(colours.size());
+    for (const glm::uvec3& f : faces) {
+      for (int c = 0; c < 3; ++c) {
+        const Mean& from = colours[f[c]];
+        if (from.weight <= 0) continue;
+        for (int other = 1; other < 3; ++other) {
+          const uint32_t to = f[(c + other) % 3];
+          if (colours[to].weight > 0) continue;
+          next[to].sum += from.sum / from.weight;
+          next[to].weight += 1;
+          filled = true;
+        }
+      }
+    }
+    for (size_t v = 0; v < colours.size(); ++v)
+      if (next[v].weight > 0) colours[v] = next[v];
+  }
+}
+
+}  // namespace
+
+std::vector<glm::u16vec3> vertexColours(const TriangleMesh& surface, const std::vector<PinholeCamera>& cameras,
+                                        std::span<const Image> pictures) {
+  std::vector<glm::vec3> normals;
+  computeVertexNormals(surface.faces, surface.positions.data(), surface.positions.size(), normals);
+  std::vector<Mean> colours(surface.positions.size());
+  const double edge_m = meanEdge(surface);
+  for (size_t c = 0; c < cameras.size(); ++c) addCamera(surface, normals, edge_m, cameras[c], pictures[c], colours);
+  fillFromNeighbours(surface.faces, colours);
+  std::vector<glm::u16vec3> out;
+  for (const Mean& mean : colours) {
+    const glm::dvec3 linear = mean.weight > 0 ? mean.sum / mean.weight : glm::dvec3(kMidGrey);
+    out.emplace_back(glm::round(glm::clamp(linear, 0., 1.) * 65535.));
+  }
+  return out;
+}
+
+}  // namespace fourdvt::bake
