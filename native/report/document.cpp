@@ -78,7 +78,7 @@ std::string bodyRow(const std::vector<std::string>& row, const std::vector<bool>
   std::string out = "<tr>";
   for (size_t c = 0; c < words.size(); ++c) {
     const std::string text = c < row.size() ? row[c] : "";
-    if (c == 0) {
+    if (c == 0 && !text.empty()) {
       out +=
           "<th scope=\"row\"" + std::string(text.size() > 36 ? " class=\"wrap\">" : ">") + htmlEscaped(text) + "</th>";
       continue;
@@ -90,14 +90,16 @@ std::string bodyRow(const std::vector<std::string>& row, const std::vector<bool>
   return out + "</tr>\n";
 }
 
-std::string tableHtml(const Table& table) {
+// name: of the scrolling region; no other one of the page has it.
+std::string tableHtml(const Table& table, const std::string& name) {
   const std::vector<bool> words = wordColumns(table);
   std::string out = table.title.empty() ? "" : "<h3>" + htmlEscaped(table.title) + "</h3>\n";
-  out += "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"" +
-         htmlEscaped(table.title.empty() ? "table" : table.title) + "\"><table><thead><tr>";
+  out += "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"" + htmlEscaped(name) +
+         "\"><table><thead><tr>";
   for (size_t c = 0; c < table.columns.size(); ++c)
-    out += "<th scope=\"col\"" + std::string(words[c] ? " class=\"words\">" : ">") + htmlEscaped(table.columns[c]) +
-           "</th>";
+    out += table.columns[c].empty() ? "<td></td>"
+                                    : "<th scope=\"col\"" + std::string(words[c] ? " class=\"words\">" : ">") +
+                                          htmlEscaped(table.columns[c]) + "</th>";
   out += "</tr></thead><tbody>\n";
   for (const auto& row : table.rows) out += bodyRow(row, words);
   out += "</tbody></table></div>\n";
@@ -141,6 +143,15 @@ std::string pictureHtml(const Picture& picture) {
          "\"></a><figcaption>" + caption + "</figcaption></figure>\n";
 }
 
+// The section's title, with the table's, or its number among several.
+std::string tableName(const Section& section, size_t t) {
+  const std::string& title = section.tables[t].title;
+  const auto same = [&](const Table& other) { return other.title == title; };
+  std::string out = section.title + (title.empty() ? "" : ": " + title);
+  if (std::count_if(section.tables.begin(), section.tables.end(), same) > 1) out += ", table " + std::to_string(t + 1);
+  return out;
+}
+
 std::string sectionHtml(const Section& section) {
   const std::string id = htmlEscaped(section.id);
   std::string out = "<section id=\"" + id + "\"><h2><a href=\"#" + id + "\">" + htmlEscaped(section.title) +
@@ -152,18 +163,21 @@ std::string sectionHtml(const Section& section) {
              "</span></div>\n";
     out += "</div>\n";
   }
-  for (const BarChart& chart : section.bar_charts) {
-    if (!chart.title.empty()) out += "<h3>" + htmlEscaped(chart.title) + "</h3>\n";
+  for (BarChart chart : section.bar_charts) {
+    if (chart.title.empty())
+      chart.title = section.title;
+    else
+      out += "<h3>" + htmlEscaped(chart.title) + "</h3>\n";
     out += barsSvg(chart);
   }
   if (!section.plots.empty()) {
     out += "<div class=\"plots\">\n";
     for (const Plot& plot : section.plots)
-      out +=
-          "<figure><figcaption>" + htmlEscaped(plot.title) + "</figcaption><div>" + plotSvg(plot) + "</div></figure>\n";
+      out += "<figure><figcaption>" + htmlEscaped(plot.title) + "</figcaption><div tabindex=\"0\">" + plotSvg(plot) +
+             "</div></figure>\n";
     out += "</div>\n";
   }
-  for (const Table& table : section.tables) out += tableHtml(table);
+  for (size_t t = 0; t < section.tables.size(); ++t) out += tableHtml(section.tables[t], tableName(section, t));
   if (!section.pictures.empty()) {
     out += "<div class=\"pictures\">\n";
     for (const Picture& picture : section.pictures) out += pictureHtml(picture);

@@ -9,7 +9,7 @@ import { environment, kPatienceMs, launch, openPage, requireFromWeb } from './ha
 import { serve } from './server.mjs';
 
 const kSite = environment('SITE');
-const kPages = readdirSync(kSite, { recursive: true }).filter((path) => path.endsWith('.html') && !/^(character|character\.report|cameras|fourdvt-viewer)\//.test(path)).sort();
+const kPages = readdirSync(kSite, { recursive: true }).filter((path) => path.endsWith('.html') && !/^(character|cameras|fourdvt-viewer)\//.test(path)).sort();
 const kState = (attributes) => ({ html: `<!doctype html><html lang="en"><meta charset="utf-8"><title>state</title><link rel="icon" href="data:,"><main><h1>state</h1>
 <script type="module" src="/fourdvt-viewer/fourdvt-viewer.js"></script><fourdvt-viewer alt="A man walks" ${attributes}></fourdvt-viewer></main>`, headers: {} });
 const kSource = 'src="/character/character.gltf" sequence="walk"';

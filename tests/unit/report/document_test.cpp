@@ -137,6 +137,20 @@ TEST(DocumentHtml, PosterBarsAndCreditAreShown) {
   EXPECT_EQ(count(html, "<svg class=\"bars\""), 1u);
 }
 
+TEST(DocumentHtml, ScrollingRegionsHaveNamesOfTheirOwnAndHeadersText) {
+  const Table bare{"", "", {"", "ms"}, {{"drawing", "1"}, {"", "2"}}}, named{"Sizes", "", {"file", "kB"}, {{"a", "1"}}};
+  Document document;
+  document.sections.push_back(
+      {"speed", "Speed", "", {bare, bare, named}, {{"", "s", "ms", false, false, {}}}, {}, {}, {}});
+  document.sections.push_back({"memory", "Memory", "", {bare}, {}, {}, {}, {{"", {{"all", "1", 1}}}}});
+  const std::string html = documentHtml(document);
+  for (const char* name : {"Speed, table 1", "Speed, table 2", "Speed: Sizes", "Memory"})
+    EXPECT_EQ(count(html, std::string("role=\"region\" aria-label=\"") + name + "\""), 1u) << name;
+  EXPECT_EQ(count(html, "></th>"), 0u);
+  EXPECT_EQ(count(html, "<figcaption></figcaption><div tabindex=\"0\">"), 1u);
+  EXPECT_TRUE(contains(html, "role=\"img\" aria-label=\"Memory\"")) << "the bars have the section's name";
+}
+
 TEST(Escaping, NothingOfTheTextBecomesMarkup) {
   const std::string evil = "<b>\"a\" & 'b'</b>";
   EXPECT_EQ(htmlEscaped(evil), "&lt;b&gt;&quot;a&quot; &amp; &#39;b&#39;&lt;/b&gt;");
