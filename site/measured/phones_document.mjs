@@ -57,6 +57,12 @@ ${table(['', 'contexts', 'modules', 'decoders', 'errors', 'top, s', 'a screen, s
       `${seconds(steps[steps.length >> 1])} / ${seconds(steps.at(-1))}`, r.failed, fixed(r.unseenBytes / 1000), r.peak.loaded, mega(r.peak.gpu), mega(r.peak.heap), r.back];
   }))}
 `);
+  for (const { name, title } of of('pressure')) {
+    const r = measured[name];
+    parts.push(`On a phone's screen of 390×1280 that shows all ${title} at once, each to show the class at its highest rung, ${r.loaded} hold it in the end, in ${mega(r.bytes)} MB
+of the 160 MB that phones have for a page; at most ${r.most.loaded} held something, and ${mega(r.most.bytes)} MB, for the moment until what they turn out to hold is known. ${r.decoders} decoders at the most, ${r.errors} errors.
+`);
+  }
   const uploads = of('uploads');
   if (uploads.length) parts.push(`## Bytes for a picture
 

@@ -3,7 +3,7 @@
 import { openPage } from './harness.mjs';
 import { serve } from './server.mjs';
 
-const kHtml = `<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,"><style>
+const kHtml = `<!doctype html><meta charset="utf-8"><meta name="viewport" content="width=device-width"><link rel="icon" href="data:,"><style>
 body { margin: 0; } main { display: grid; grid-template-columns: repeat(3, 1fr); gap: 8px; }
 fourdvt-viewer { width: 100%; height: 150px; }</style><main></main>`;
 
@@ -11,8 +11,8 @@ fourdvt-viewer { width: 100%; height: 150px; }</style><main></main>`;
 export const servePortfolio = (site) => serve(site, 0, { pages: { '/blank.html': { html: kHtml, headers: {} } } });
 
 /** A page on which contexts, modules, decoders and errors are counted: globalThis.counts. */
-export async function openPortfolio(browser, url, viewport = { width: 480, height: 220 }) {
-  const page = await openPage(browser, { viewport }, 'i420');
+export async function openPortfolio(browser, url, viewport = { width: 480, height: 220 }, device = {}) {
+  const page = await openPage(browser, { viewport, ...device }, 'i420');
   await page.addInitScript(() => {
     const counts = (globalThis.counts = { contexts: 0, modules: 0, decoders: 0, mostDecoders: 0, errors: [] });
     const known = new WeakSet();
@@ -95,6 +95,32 @@ export const pictures = (page) => page.evaluate(() => globalThis.viewers.map((vi
   copy.drawImage(canvas, 0, 0);
   return String.fromCharCode(...copy.getImageData(0, 0, width, height).data.filter((_, i) => i % 97 === 0));
 }));
+
+/**
+ * A phone that shows all viewers at once, the class at its highest rung in each, which is more than fits into the page's memory. Watched
+ * until nothing has changed for a while: { page, loaded, pictures: viewers that have one, bytes, most: { loaded, bytes } at any time }.
+ */
+export async function pressPhone(browser, url, count, quietMs = 4000) {
+  const rows = Math.ceil(count / 3);
+  const page = await openPortfolio(browser, url, { width: 390, height: 160 * rows }, { hasTouch: true, isMobile: true, deviceScaleFactor: 2 });
+  await fill(page, count, undefined, { autoplay: '', loop: '', quality: 'highest', sequence: 'locomotion' });
+  const seen = await page.evaluate(async (quietMs) => {
+    const most = { loaded: 0, bytes: 0 };
+    let before = '', since = performance.now(), now;
+    while (performance.now() - since < quietMs) {
+      await new Promise((next) => setTimeout(next, 50));
+      const held = globalThis.viewers.filter(({ stats }) => stats);
+      const { textureBytes = 0, targetBytes = 0, heapBytes = 0 } = held[0]?.stats ?? {};
+      now = { loaded: held.length, pictures: held.filter(({ stats }) => stats.framesShown > 0).length, bytes: textureBytes + targetBytes + heapBytes };
+      most.loaded = Math.max(most.loaded, now.loaded);
+      most.bytes = Math.max(most.bytes, now.bytes);
+      const key = JSON.stringify([now.loaded, now.pictures, Math.round(now.bytes / 4e6)]);
+      if (key !== before || now.pictures === 0) [before, since] = [key, performance.now()];
+    }
+    return { ...now, most };
+  }, quietMs);
+  return { page, ...seen };
+}
 
 /** What the page holds now: viewers with a character, bytes. */
 export const holdings = (page) => page.evaluate(() => {

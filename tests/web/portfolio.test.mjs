@@ -6,7 +6,7 @@ import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 
 import { environment, kPatienceMs, launch, outputFolder } from './harness.mjs';
-import { fill, holdings, openPortfolio, pictures, scrollTo, servePortfolio } from './portfolio.mjs';
+import { fill, holdings, openPortfolio, pictures, pressPhone, scrollTo, servePortfolio } from './portfolio.mjs';
 
 let server, browser;
 before(async () => {
@@ -43,6 +43,17 @@ test('24 viewers: one context, one module, no error, the first is alive after sc
   assert.deepEqual({ contexts, modules, errors }, { contexts: 1, modules: 1, errors: [] });
   assert.ok(mostDecoders <= 12, `${mostDecoders} decoders`);
   assert.deepEqual([...page.troubles, ...page.reported], []);
+  await page.close();
+});
+
+test('on a phone that shows more than fits, the page frees viewers until its memory is kept', async () => {
+  const { page, loaded, pictures: shown, bytes, most } = await pressPhone(browser, server.url, 15);
+  console.log(`${loaded} of 15 loaded, ${(bytes / 1e6).toFixed(0)} MB; at most ${most.loaded} and ${(most.bytes / 1e6).toFixed(0)} MB`);
+  assert.ok(bytes <= 160e6, `${bytes} bytes`);
+  assert.ok(loaded >= 3 && shown === loaded && most.loaded > loaded, JSON.stringify({ loaded, shown, most }));
+  const { mostDecoders, errors } = await holdings(page);
+  assert.ok(mostDecoders <= 8, `${mostDecoders} decoders`);
+  assert.deepEqual(errors, []);
   await page.close();
 });
 

@@ -2,7 +2,7 @@
 // A page with many viewers, each with a character of its own (the same bytes under another address, without a cache): looked at for
 // a while, scrolled through to its end and back to its top.
 import { launch } from '../../web/harness.mjs';
-import { fill, holdings, openPortfolio, scrollTo, servePortfolio } from '../../web/portfolio.mjs';
+import { fill, holdings, openPortfolio, pressPhone, scrollTo, servePortfolio } from '../../web/portfolio.mjs';
 
 const kLookMs = 4000;
 const kPatienceMs = 40_000;
@@ -52,6 +52,19 @@ export async function measurePortfolio(site, count) {
     const { contexts, modules, errors, mostDecoders: decoders } = await note();
     const [firstMs, ...others] = steps;
     return { contexts, modules, decoders, errors: errors.length, firstMs, steps: others, failed, unseenBytes, peak, back };
+  } finally {
+    await browser.close();
+    await server.close();
+  }
+}
+
+/** { loaded, pictures, bytes, most: { loaded, bytes }, decoders, errors } of pressPhone (tests/web/portfolio.mjs). */
+export async function measurePressure(site, count) {
+  const server = await servePortfolio(site), browser = await launch();
+  try {
+    const { page, ...seen } = await pressPhone(browser, server.url, count);
+    const { mostDecoders: decoders, errors } = await holdings(page);
+    return { ...seen, decoders, errors: errors.length };
   } finally {
     await browser.close();
     await server.close();

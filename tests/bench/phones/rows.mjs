@@ -11,7 +11,7 @@ import { promisify } from 'node:util';
 import { launch, launchFirefox, openPage } from '../../web/harness.mjs';
 import { kNoWebCodecs, openOnPath, playOnPath, servePlain } from '../../web/play_path.mjs';
 import { measureDecoding } from './decoding.mjs';
-import { measurePortfolio } from './portfolio.mjs';
+import { measurePortfolio, measurePressure } from './portfolio.mjs';
 import { measureTasks } from './tasks.mjs';
 import { measureUploads } from './uploads.mjs';
 
@@ -54,6 +54,7 @@ const after = [
   { name: 'tasks', kind: 'tasks', title: 'now', measure: ({ site }) => spreads(site, true) },
   { name: 'tasks-page', kind: 'tasks', title: 'now, without the worker', measure: ({ site }) => spreads(site, false) },
   ...[24, 100].map((count) => ({ name: `portfolio-${count}`, kind: 'portfolio', title: `${count} viewers`, measure: ({ site }) => measurePortfolio(site, count) })),
+  { name: 'portfolio-phone', kind: 'pressure', title: '24 viewers', measure: ({ site }) => measurePressure(site, 24) },
   ...['i420', 'rgba', 'video'].flatMap((path) => ['0', 'highest'].map((quality) => uploadRow(path, quality))),
 ];
 

@@ -81,7 +81,7 @@ export function withPresence<T extends Constructor<ViewerBase>>(Base: T): T & Co
 
     override [onEvent](name: string, detail: unknown): void {
       super[onEvent](name, detail);
-      if (name === 'error') this[updateActive](); // others may run now
+      if (/error|progress/.test(name)) this[updateActive](); // others may run now; or it holds more than it did
     }
     override [touched](): void {
       super[touched]();
