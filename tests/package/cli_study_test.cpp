@@ -64,10 +64,31 @@ const std::string& capture() {
   return path;
 }
 
+// One study for the tests below: stopped by Ctrl-C as soon as the first step's rows are there, then run to its end.
+struct Study {
+  std::string report = scratch("study") + "/report", reference;  // reference: the first step's rows when it stopped
+  Outcome stopped, rest;
+  bool wrote_rows = false, wrote_report = false, drew = false;  // when it stopped
+};
+const Study& study() {
+  static const Study made = [] {
+    Study out;
+    const std::string command = std::string(FOURDVT_LAB_BIN) + " study " + capture() + " -o " + out.report + " --quick";
+    out.stopped = shell(command + " & pid=$!; until [ -e " + out.report +
+                        "/steps/reference.csv ] || ! kill -0 $pid; do sleep 0.05; done; kill -INT $pid; wait $pid");
+    out.wrote_rows = exists(out.report + "/evaluate.csv");
+    out.wrote_report = exists(out.report + "/report.html");
+    out.drew = exists(out.report + "/steps/pictures.csv");
+    out.reference = readText(out.report + "/steps/reference.csv");
+    out.rest = shell(command);
+    return out;
+  }();
+  return made;
+}
+
 TEST(CliStudy, QuickStudyHasEveryTable) {
-  const std::string report = scratch("study") + "/report";
-  const Outcome run = lab("study " + capture() + " -o " + report + " --quick");
-  ASSERT_EQ(run.code, 0) << run.output;
+  const std::string report = study().report;
+  ASSERT_EQ(study().rest.code, 0) << study().rest.output;
   EXPECT_TRUE(exists(report + "/report.html"));
   const Csv csv = readCsv(report + "/evaluate.csv");
   const auto lines = [&](const char* name) {
@@ -143,23 +164,16 @@ TEST(CliStudy, QuickStudyHasEveryTable) {
 }
 
 TEST(CliStudy, StoppedStudyGoesOn) {
-  const std::string report = scratch("stopped") + "/report";
-  const std::string command = std::string(FOURDVT_LAB_BIN) + " study " + capture() + " -o " + report + " --quick";
-  // Ctrl-C as soon as the first step's rows are there.
-  const Outcome stopped =
-      shell(command + " & pid=$!; until [ -e " + report +
-            "/steps/reference.csv ] || ! kill -0 $pid; do sleep 0.05; done; kill -INT $pid; wait $pid");
-  EXPECT_EQ(stopped.code, 130) << stopped.output;
-  EXPECT_NE(stopped.output.find("again to go on"), std::string::npos) << stopped.output;
-  EXPECT_TRUE(exists(report + "/evaluate.csv"));  // of what was measured
-  EXPECT_TRUE(exists(report + "/report.html"));
-  EXPECT_FALSE(exists(report + "/steps/pictures.csv"));
-  const std::string reference = readText(report + "/steps/reference.csv");
-  ASSERT_FALSE(reference.empty());
-  const Outcome rest = shell(command);
-  EXPECT_EQ(rest.code, 0) << rest.output;
-  EXPECT_EQ(readText(report + "/steps/reference.csv"), reference);
-  EXPECT_TRUE(exists(report + "/steps/pictures.csv"));
+  const Study& s = study();
+  EXPECT_EQ(s.stopped.code, 130) << s.stopped.output;
+  EXPECT_NE(s.stopped.output.find("again to go on"), std::string::npos) << s.stopped.output;
+  EXPECT_TRUE(s.wrote_rows) << "those that were measured";
+  EXPECT_TRUE(s.wrote_report);
+  EXPECT_FALSE(s.drew);
+  ASSERT_FALSE(s.reference.empty());
+  EXPECT_EQ(s.rest.code, 0) << s.rest.output;
+  EXPECT_EQ(readText(s.report + "/steps/reference.csv"), s.reference);
+  EXPECT_TRUE(exists(s.report + "/steps/pictures.csv"));
 }
 
 TEST(CliStudy, WrongInputIsOneClearLine) {
