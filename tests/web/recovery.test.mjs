@@ -163,18 +163,24 @@ test('removal while playing closes every decoder and picture and gives the GL co
 
 // The browser's answers about the highest rendition and the one below it: unsupported, and not smooth.
 const doubts = () => {
+  globalThis.pending = globalThis.answered = 0;
+  const noted = async (answer) => {
+    ++globalThis.pending;
+    return answer.finally(() => { --globalThis.pending; ++globalThis.answered; });
+  };
   const supported = VideoDecoder.isConfigSupported.bind(VideoDecoder);
-  VideoDecoder.isConfigSupported = async (config) =>
-    (config.codedWidth > 1000 && globalThis.doubt === 'unsupported' ? { supported: false, config } : supported(config));
-  navigator.mediaCapabilities.decodingInfo = async ({ video }) =>
-    ({ supported: true, smooth: video.width < 1000 || globalThis.doubt !== 'rough', powerEfficient: false });
+  VideoDecoder.isConfigSupported = (config) =>
+    noted(config.codedWidth > 1000 && globalThis.doubt === 'unsupported' ? Promise.resolve({ supported: false, config }) : supported(config));
+  navigator.mediaCapabilities.decodingInfo = ({ video }) =>
+    noted(Promise.resolve({ supported: true, smooth: video.width < 1000 || globalThis.doubt !== 'rough', powerEfficient: false }));
 };
 for (const [doubt, name] of [['none', 'every rendition is played where the browser expects all to be smooth'],
   ['unsupported', 'renditions that the browser cannot decode are not fetched'],
   ['rough', 'renditions that the browser does not expect to be smooth are not fetched']]) {
   test(name, async () => {
     await open({ before: `globalThis.doubt = '${doubt}'; (${doubts})()` });
-    await page.waitForTimeout(1500); // its answers are there; before, the first motion may have gone up
+    await until(() => globalThis.answered > 1 && globalThis.pending === 0);
+    await page.waitForTimeout(500); // before, the first motion may have gone up
     await page.evaluate(() => { document.querySelector('fourdvt-viewer').sequence = 'pickup'; });
     const fetched = () => performance.getEntriesByType('resource').map(({ name }) => name.split('/').at(-1)).filter((name) => /^pickup\..*mp4/.test(name)).map((name) => name.replace(/\.[0-9a-f]{8}\.mp4/, '.mp4'));
     if (doubt === 'none') {
