@@ -18,39 +18,54 @@ constexpr double kFar = std::numeric_limits<double>::max();
 
 size_t wrapped(long index, size_t count) { return size_t((index % long(count) + long(count)) % long(count)); }
 
-// The distances of every phase to every step of the member, and the cheapest paths through them.
+// Steps that a path may take in each phase; absolute, so that those of a loop may be negative or beyond its end.
+struct Band {
+  std::vector<long> first;  // [phase]; empty: all steps
+  size_t width = 0;         // steps in a phase
+  double mean = 0;          // mean distance, of the whole grid
+  bool whole() const { return first.empty(); }
+};
+
+// The distances of phases to steps of the member, and the cheapest paths through them.
 class Grid {
  public:
-  Grid(const PoseFeatures& reference, const PoseFeatures& member, bool loop)
-      : phases_(reference.size()), frames_(member.size()), loop_(loop) {
-    steps_a_frame_ = int((kStepsAPhase * phases_ + frames_ - 1) / frames_);
-    steps_a_frame_ = std::max(steps_a_frame_, 4);
+  Grid(const PoseFeatures& reference, const PoseFeatures& member, bool loop, Band band = {})
+      : phases_(reference.size()), frames_(member.size()), loop_(loop), band_(std::move(band)) {
+    steps_a_frame_ = stepsAFrame(phases_, frames_);
     total_ = (loop ? frames_ : frames_ - 1) * size_t(steps_a_frame_);
     intervals_ = loop ? phases_ : phases_ - 1;
     const double mean_step = double(total_) / double(intervals_);
     min_step_ = std::max<size_t>(1, size_t(std::ceil(mean_step / kMaxPace)));
     max_step_ = size_t(std::floor(mean_step * kMaxPace));
-    measure(reference, member);
+    if (band_.whole())
+      measure(reference, member);
+    else
+      measureBand(reference, member);
     for (size_t s = 0; s <= max_step_; ++s) {
       const double excess = double(s) / mean_step - 1;
       pace_cost_.push_back(kPaceCost * mean_ * excess * excess);
     }
   }
 
+  static int stepsAFrame(size_t phases, size_t frames) {
+    return std::max(int((kStepsAPhase * phases + frames - 1) / frames), 4);
+  }
   size_t positions() const { return total_; }
   int stepsAFrame() const { return steps_a_frame_; }
+  double meanDistance() const { return mean_; }
 
-  // The cheapest path that starts at step `start`; [phase] steps since the start.
-  double path(size_t start, std::vector<size_t>& steps) const {
-    const size_t width = total_ + 1;
-    std::vector<double> cost(width, kFar), next(width);
-    std::vector<uint32_t> taken(width * (intervals_ + 1), 0);
+  // The cheapest path that starts at step `start`; [phase] steps since the start. kFar if the band has none.
+  double path(long start, std::vector<size_t>& steps) const {
+    const size_t width = total_ + 1, row = band_.whole() ? width : band_.width;
+    std::vector<double> cost(width, kFar), next(width, kFar);
+    std::vector<uint32_t> taken(row * (intervals_ + 1), 0);
+    Range known{0, 0}, stale{0, 0};  // of `cost` and `next`
     cost[0] = distance(0, start);
     for (size_t p = 1; p <= intervals_; ++p) {
-      std::fill(next.begin(), next.end(), kFar);
-      const size_t last = std::min(total_ - std::min(total_, (intervals_ - p) * min_step_), p * max_step_);
-      for (size_t at = p * min_step_; at <= last; ++at) {
-        uint32_t& step = taken[p * width + at];
+      std::fill(next.begin() + long(stale.first), next.begin() + long(stale.last) + 1, kFar);
+      const Range range = rangeOf(p, start);
+      for (size_t at = range.first; at <= range.last; ++at) {
+        uint32_t& step = taken[p * row + (at - rowStart(p, start))];
         for (size_t s = min_step_; s <= max_step_ && s <= at; ++s) {
           if (cost[at - s] == kFar) continue;
           const double through = cost[at - s] + pace_cost_[s];
@@ -60,72 +75,208 @@ class Grid {
           }
         }
         // In a loop, the phase after the last is the first again.
-        if (next[at] < kFar && p < phases_) next[at] += distance(p, start + at);
+        if (next[at] < kFar && p < phases_) next[at] += distance(p, start + long(at));
       }
       cost.swap(next);
+      stale = known;
+      known = range.first <= range.last ? range : Range{0, 0};
     }
     steps.assign(phases_, 0);
+    if (cost[total_] == kFar) return kFar;
     size_t at = total_;
     for (size_t p = intervals_; p > 0; --p) {
       if (p < phases_) steps[p] = at;
-      at -= taken[p * width + at];
+      at -= taken[p * row + (at - rowStart(p, start))];
     }
     return cost[total_];
   }
 
  private:
+  struct Range {
+    size_t first, last;  // steps since the start; empty where first > last
+  };
+  // Step of the first column of a phase's row, since the start.
+  size_t rowStart(size_t p, long start) const { return band_.whole() ? 0 : size_t(std::max(0l, bandStart(p) - start)); }
+  long bandStart(size_t p) const { return p < phases_ ? band_.first[p] : band_.first[0] + long(total_); }
+  Range rangeOf(size_t p, long start) const {
+    Range out{p * min_step_, std::min(total_ - std::min(total_, (intervals_ - p) * min_step_), p * max_step_)};
+    if (band_.whole()) return out;
+    const long last = bandStart(p) + long(band_.width) - 1 - start;
+    if (last < 0) return {1, 0};
+    return {std::max(out.first, rowStart(p, start)), std::min(out.last, size_t(last))};
+  }
+
+  // The member's features at a step.
+  void poseAt(const PoseFeatures& member, long step, std::vector<float>& pose) const {
+    const long last = long(total_);
+    const auto c = size_t(loop_ ? long(wrapped(step, total_)) : std::clamp(step, 0l, last));
+    const size_t frame = c / size_t(steps_a_frame_);
+    const float share = float(c % size_t(steps_a_frame_)) / float(steps_a_frame_);
+    const auto& a = member[frame];
+    const auto& b = member[loop_ ? (frame + 1) % frames_ : std::min(frame + 1, frames_ - 1)];
+    for (size_t i = 0; i < pose.size(); ++i) pose[i] = a[i] + share * (b[i] - a[i]);
+  }
+  static float between(const std::vector<float>& a, const std::vector<float>& b) {
+    float sum = 0;
+    for (size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+    return sum;
+  }
+
   void measure(const PoseFeatures& reference, const PoseFeatures& member) {
     const size_t columns = loop_ ? total_ : total_ + 1;
     distances_.assign(phases_ * columns, 0);
     std::vector<float> pose(reference[0].size());
     for (size_t c = 0; c < columns; ++c) {
-      const size_t frame = c / size_t(steps_a_frame_);
-      const float share = float(c % size_t(steps_a_frame_)) / float(steps_a_frame_);
-      const auto& a = member[frame];
-      const auto& b = member[loop_ ? (frame + 1) % frames_ : std::min(frame + 1, frames_ - 1)];
-      for (size_t i = 0; i < pose.size(); ++i) pose[i] = a[i] + share * (b[i] - a[i]);
+      poseAt(member, long(c), pose);
       for (size_t p = 0; p < phases_; ++p) {
-        float sum = 0;
-        for (size_t i = 0; i < pose.size(); ++i) sum += (pose[i] - reference[p][i]) * (pose[i] - reference[p][i]);
-        distances_[p * columns + c] = sum;
-        mean_ += sum;
+        distances_[p * columns + c] = between(pose, reference[p]);
+        mean_ += distances_[p * columns + c];
       }
     }
     mean_ /= double(distances_.size());
   }
-  double distance(size_t phase, size_t step) const {
-    return loop_ ? distances_[phase * total_ + step % total_] : distances_[phase * (total_ + 1) + step];
+  void measureBand(const PoseFeatures& reference, const PoseFeatures& member) {
+    mean_ = band_.mean;
+    distances_.assign(phases_ * band_.width, 0);
+    std::vector<float> pose(reference[0].size());
+    for (size_t p = 0; p < phases_; ++p) {
+      for (size_t c = 0; c < band_.width; ++c) {
+        poseAt(member, band_.first[p] + long(c), pose);
+        distances_[p * band_.width + c] = between(pose, reference[p]);
+      }
+    }
+  }
+  double distance(size_t phase, long step) const {
+    if (!band_.whole()) {
+      const long column = step - band_.first[phase];
+      return column < 0 || column >= long(band_.width) ? kFar : distances_[phase * band_.width + size_t(column)];
+    }
+    return loop_ ? distances_[phase * total_ + wrapped(step, total_)] : distances_[phase * (total_ + 1) + size_t(step)];
   }
 
   size_t phases_, frames_, total_ = 0, intervals_ = 0, min_step_ = 1, max_step_ = 1;
   bool loop_;
+  Band band_;
   int steps_a_frame_ = 1;
   std::vector<float> distances_;
   std::vector<double> pace_cost_;  // [step]
   double mean_ = 0;
 };
 
-// Finds where the cheapest cyclic path starts: by a coarse scan, then by halving the interval round the best.
-size_t bestStart(const Grid& grid) {
+// Finds where the cheapest cyclic path starts, among `count` steps from `first` on: by a coarse scan, then by halving
+// the interval round the best. A scan of the whole loop goes round it.
+long bestStart(const Grid& grid, long first, size_t count) {
   std::vector<size_t> steps;
-  const size_t count = grid.positions();
-  size_t stride = std::max<size_t>(1, count / kCoarseStarts), best = 0;
+  size_t stride = std::max<size_t>(1, count / kCoarseStarts);
+  long best = first;
   double least = kFar;
-  const auto consider = [&](size_t start) {
+  const bool around = count == grid.positions();
+  const auto consider = [&](long start) {
+    if (around) start = long(wrapped(start, count));
     const double cost = grid.path(start, steps);
     if (cost < least) {
       least = cost;
       best = start;
     }
   };
-  for (size_t start = 0; start < count; start += stride) consider(start);
+  for (size_t start = 0; start < count; start += stride) consider(first + long(start));
   while (stride > 1) {
     stride = (stride + 1) / 2;
-    const size_t centre = best;
-    consider(wrapped(long(centre) - long(stride), count));
-    consider((centre + stride) % count);
+    const long centre = best;
+    consider(centre - long(stride));
+    consider(centre + long(stride));
   }
   return best;
+}
+
+struct Warp {
+  std::vector<double> time;  // [phase] frames of the member
+  double mean = 0;           // distance of phases to steps
+};
+
+Warp warpWhole(const PoseFeatures& reference, const PoseFeatures& member, bool loop) {
+  const Grid grid(reference, member, loop);
+  const long start = loop ? bestStart(grid, 0, grid.positions()) : 0;
+  std::vector<size_t> steps;
+  grid.path(start, steps);
+  Warp out{{}, grid.meanDistance()};
+  for (const size_t step : steps) out.time.push_back(double(start + long(step)) / grid.stepsAFrame());
+  return out;
+}
+
+// `count` of the features at equal intervals; the first and the last of what is no loop.
+PoseFeatures thinned(const PoseFeatures& features, size_t count, bool loop) {
+  if (count >= features.size()) return features;
+  PoseFeatures out;
+  const double interval =
+      loop ? double(features.size()) / double(count) : double(features.size() - 1) / double(count - 1);
+  for (size_t i = 0; i < count; ++i) out.push_back(features[size_t(std::lround(double(i) * interval))]);
+  return out;
+}
+
+// Intervals between the features: those of a loop close it.
+double intervalsOf(size_t count, bool loop) { return double(loop ? count : count - 1); }
+
+// Where a warp of thinned features takes the phases of all, in steps of the finer grid.
+std::vector<double> refined(const Warp& coarse, size_t thin_frames, size_t phases, size_t frames, bool loop) {
+  const double phase_scale = intervalsOf(coarse.time.size(), loop) / intervalsOf(phases, loop);
+  const double step_scale =
+      intervalsOf(frames, loop) / intervalsOf(thin_frames, loop) * Grid::stepsAFrame(phases, frames);
+  std::vector<double> out;
+  for (size_t p = 0; p < phases; ++p) {
+    const double at = double(p) * phase_scale;
+    const auto before = std::min(size_t(at), coarse.time.size() - 1);
+    const double from = coarse.time[before];
+    const double to = before + 1 < coarse.time.size() ? coarse.time[before + 1]
+                      : loop                          ? coarse.time[0] + double(thin_frames)
+                                                      : from;
+    out.push_back(step_scale * (from + (at - double(before)) * (to - from)));
+  }
+  return out;
+}
+
+// Whether a path keeps off the edges of its band, beyond which it might be cheaper.
+bool keepsInside(const Band& band, long start, const std::vector<size_t>& steps, size_t total, bool loop) {
+  for (size_t p = 1; p < steps.size(); ++p) {
+    const long at = start + long(steps[p]), last = band.first[p] + long(band.width) - 1;
+    const bool first_edge = at <= band.first[p] && (loop || at > 0);
+    const bool last_edge = at >= last && (loop || at < long(total));
+    if (first_edge || last_edge) return false;
+  }
+  return true;
+}
+
+// Long motions: thinned ones are warped, and all phases in a band round that; wider where the path comes to its edge.
+Warp warpInBand(const PoseFeatures& reference, const PoseFeatures& member, bool loop, const WarpSearch& search) {
+  const size_t phases = reference.size(), frames = member.size();
+  const auto side = std::max<size_t>(8, size_t(std::sqrt(double(search.most_cells) / (2 * kStepsAPhase))));
+  const size_t thin_phases = std::min(phases, side), thin_frames = std::min(frames, side);
+  const Warp coarse = warpWhole(thinned(reference, thin_phases, loop), thinned(member, thin_frames, loop), loop);
+  const std::vector<double> centre = refined(coarse, thin_frames, phases, frames, loop);
+  const double frame_steps =
+      intervalsOf(frames, loop) / intervalsOf(thin_frames, loop) * Grid::stepsAFrame(phases, frames);
+  auto half = size_t(std::ceil(search.band_frames * frame_steps));
+  for (;;) {
+    Band band{{}, 2 * half + 1, coarse.mean};
+    for (const double c : centre) band.first.push_back(std::lround(c) - long(half));
+    const size_t width = band.width;
+    const Grid grid(reference, member, loop, band);
+    const long start = loop ? bestStart(grid, band.first[0] + long(half / 2), half) : 0;
+    std::vector<size_t> steps;
+    const bool found = grid.path(start, steps) < kFar;
+    const bool widest = 2 * width * phases > search.most_cells || width > grid.positions();
+    if (found && (widest || keepsInside(band, start, steps, grid.positions(), loop))) {
+      Warp out{{}, coarse.mean};
+      for (const size_t step : steps) out.time.push_back(double(start + long(step)) / grid.stepsAFrame());
+      return out;
+    }
+    if (widest) {  // no path where the thinned one leads: at its pace
+      Warp out{{}, coarse.mean};
+      for (const double c : centre) out.time.push_back(c / grid.stepsAFrame());
+      return out;
+    }
+    half *= 2;
+  }
 }
 
 // Smooths a path by averaging neighbours' departures from the mean pace, which keeps paces within their bounds. A path
@@ -188,14 +339,14 @@ PoseFeatures poseFeatures(const std::vector<Positions>& frames, bool loop) {
   return features;
 }
 
-std::vector<double> warpTime(const PoseFeatures& reference, const PoseFeatures& member, bool loop) {
-  std::vector<double> time(reference.size(), 0);
-  if (reference.size() < 2 || member.size() < 2) return time;
-  const Grid grid(reference, member, loop);
-  const size_t start = loop ? bestStart(grid) : 0;
-  std::vector<size_t> steps;
-  grid.path(start, steps);
-  for (size_t p = 0; p < time.size(); ++p) time[p] = double(start + steps[p]) / grid.stepsAFrame();
+std::vector<double> warpTime(const PoseFeatures& reference, const PoseFeatures& member, bool loop,
+                             const WarpSearch& search) {
+  if (reference.size() < 2 || member.size() < 2) return std::vector<double>(reference.size(), 0);
+  const size_t steps = member.size() * size_t(Grid::stepsAFrame(reference.size(), member.size()));
+  std::vector<double> time =
+      (reference.size() * steps <= search.most_cells ? warpWhole(reference, member, loop)
+                                                     : warpInBand(reference, member, loop, search))
+          .time;
   smooth(time, double(member.size()), loop);
   if (loop && time[0] < 0)
     for (double& t : time) t += double(member.size());

@@ -21,7 +21,13 @@ PoseFeatures poseFeatures(const std::vector<Positions>& frames, bool loop);
 
 // [phase], one per frame of `reference`: the frame of `member` at that time, fractional and strictly increasing, at a
 // third to three times the mean pace. A loop may begin anywhere and passes its end once, counting modulo. Other motions
-// start and end together.
-std::vector<double> warpTime(const PoseFeatures& reference, const PoseFeatures& member, bool loop);
+// start and end together. Memory: 8 bytes for each phase and step searched.
+struct WarpSearch {
+  size_t most_cells =
+      size_t(1) << 24;     // phases times steps; more are searched in a band round the warp of thinned motions
+  double band_frames = 2;  // half the band's width, thinned frames; doubled while the path comes to its edge
+};
+std::vector<double> warpTime(const PoseFeatures& reference, const PoseFeatures& member, bool loop,
+                             const WarpSearch& search = {});
 
 }  // namespace fourdvt::bake
