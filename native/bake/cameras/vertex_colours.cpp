@@ -12,8 +12,8 @@ namespace {
 
 constexpr int kMostDepthSamples = 1024;     // along the longer side of a depth map
 constexpr double kLeastCosine = 0.2;        // between normal and ray; pictures at a glance are smeared
-constexpr double kFootprintEdges = 1 / 3.;  // radius of what a vertex averages, mean edges
-constexpr int kMostFootprintPixels = 12;
+constexpr double kFootprintEdges = 1 / 3.;  // half the side of the square that a vertex averages, mean edges
+constexpr double kMostFootprintPixels = 12;
 constexpr double kSlackEdges = 0.5;  // of the depth test
 constexpr double kMidGrey = 0.2140;  // linear, of sRGB 0.5
 
@@ -42,7 +42,7 @@ struct Mean {
 };
 
 // Mean linear colour of the pixels that show the performer.
-bool sampleDisc(const Image& picture, const glm::dvec2& at, int radius, glm::dvec3& colour) {
+bool sampleSquare(const Image& picture, const glm::dvec2& at, int radius, glm::dvec3& colour) {
   const int x0 = std::max(0, int(std::floor(at.x)) - radius),
             x1 = std::min(picture.width - 1, int(std::floor(at.x)) + radius);
   const int y0 = std::max(0, int(std::floor(at.y)) - radius),
@@ -71,13 +71,13 @@ void addCamera(const TriangleMesh& surface, const std::vector<glm::vec3>& normal
     const glm::dvec3 point(surface.positions[v]);
     const double cosine = glm::dot(glm::dvec3(normals[v]), glm::normalize(centre - point));
     const glm::dvec3 at = camera.project(point);
-    if (cosine < kLeastCosine || at.z <= 0) continue;
-    const int x = int(std::floor(at.x / factor)), y = int(std::floor(at.y / factor));
-    if (x < 0 || y < 0 || x >= depth.width || y >= depth.height) continue;
-    if (double(depth.depth_m[size_t(y) * size_t(depth.width) + size_t(x)]) < at.z - kSlackEdges * edge_m) continue;
-    const double footprint = kFootprintEdges * edge_m * camera.fx / at.z;
+    const bool inside = at.z > 0 && at.x >= 0 && at.y >= 0 && at.x < camera.width && at.y < camera.height;
+    if (!inside || !(cosine >= kLeastCosine)) continue;
+    const auto x = size_t(at.x * depth.width / camera.width), y = size_t(at.y * depth.height / camera.height);
+    if (double(depth.depth_m[y * size_t(depth.width) + x]) < at.z - kSlackEdges * edge_m) continue;
+    const double footprint = std::min(kMostFootprintPixels, kFootprintEdges * edge_m * camera.fx / at.z);
     glm::dvec3 colour;
-    if (!sampleDisc(picture, at, std::min(kMostFootprintPixels, int(footprint)), colour)) continue;
+    if (!sampleSquare(picture, at, int(footprint), colour)) continue;
     const double weight = std::pow(cosine, 4);
     colours[v].sum += weight * colour;
     colours[v].weight += weight;

@@ -16,8 +16,9 @@ namespace fourdvt::bake {
 
 // Linear RGB of each vertex, 65535 = 1, as glTF's COLOR_0 has it. A camera counts where it sees the vertex (a depth
 // test against the surface itself, half a mean edge to spare), by the fourth power of the cosine between normal and
-// ray; its colour is the mean of the pixels of at least half alpha within a third of the mean edge. Vertices that no
-// camera sees take the mean of their neighbours, nearest first; all of them mid-grey where none is seen. pictures:
+// ray; its colour is the mean of the pixels of at least half alpha in a square round it, two thirds of the mean edge
+// wide and 25 pixels at most. Vertices that no camera sees take a mean of their neighbours, nearest first; all are
+// mid-grey where none is seen. pictures:
 // RGBA, sRGB, one per camera, of the camera's size.
 std::vector<glm::u16vec3> vertexColours(const TriangleMesh& surface, const std::vector<PinholeCamera>& cameras,
                                         std::span<const Image> pictures);

@@ -135,23 +135,30 @@ Result<Image> drawPoster(const BakeRun& run, const capture::CaptureFrame& frame)
   return fvvr->renderStill(render::viewFromCamera(camera, {scale, scale}), options);
 }
 
+// The poster, and the colours of the mesh for viewers that know glTF alone. The pictures of all cameras are in memory
+// meanwhile.
+Status drawStills(BakeRun& run, const std::vector<ColourMap>& maps) {
+  Job& job = run.job;
+  FOURDVT_ASSIGN(const auto first, readFirstFrame(run, maps));
+  FOURDVT_ASSIGN(const auto poster, drawPoster(run, first));
+  FOURDVT_ASSIGN(const auto webp, encodePicture(poster, ".webp", 85));
+  FOURDVT_TRY(platform::writeFileAtomic(job.resultFolder() + "/" + kPosterFile, webp));
+  const TriangleMesh surface{job.mesh.decoded.positions, job.mesh.decoded.topology.face_vertices};
+  FOURDVT_ASSIGN(job.mesh, package::encodePlainMesh(surface, vertexColours(surface, job.cameras, first.pictures)));
+  return {};
+}
+
 }  // namespace
 
 Status assembleCameras(BakeRun& run, const std::vector<ColourMap>& maps, const std::optional<BakedRoom>& room,
                        ReportInput& report) {
   StageClock::Span span(run.clock, Stage::Assemble);
-  Job& job = run.job;
+  const Job& job = run.job;
   const std::string folder = job.resultFolder() + "/";
   FOURDVT_TRY(makeResultFolders(job));
-  FOURDVT_ASSIGN(const auto first, readFirstFrame(run, maps));
-  FOURDVT_ASSIGN(const auto poster, drawPoster(run, first));
-  FOURDVT_ASSIGN(const auto webp, encodePicture(poster, ".webp", 85));
-  FOURDVT_TRY(platform::writeFileAtomic(folder + kPosterFile, webp));
+  FOURDVT_TRY(drawStills(run, maps));
   report.pictures = {{kPosterFile, "The character, " + job.streams[0].name +
                                        ", frame 0, as the page shows it first, from the three nearest cameras."}};
-  // For viewers that know glTF alone.
-  const TriangleMesh surface{job.mesh.decoded.positions, job.mesh.decoded.topology.face_vertices};
-  FOURDVT_ASSIGN(job.mesh, package::encodePlainMesh(surface, vertexColours(surface, job.cameras, first.pictures)));
   package::Character character = describeCharacter(job);
   if (report.figures.method) {
     character.method.name = report.figures.method->method;
