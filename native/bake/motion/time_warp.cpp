@@ -235,8 +235,13 @@ std::vector<double> refined(const Warp& coarse, size_t thin_frames, size_t phase
   return out;
 }
 
-// Whether a path keeps off the edges of its band, beyond which it might be cheaper.
+// Range of a loop's starts that are tried in a band: the middle half of its first row.
+long firstStart(const Band& band) { return band.first[0] + long(band.width / 4); }
+size_t startCount(const Band& band) { return std::max<size_t>(1, band.width / 2); }
+
+// Whether a path keeps off the edges of its band and of the starts, beyond which it might be cheaper.
 bool keepsInside(const Band& band, long start, const std::vector<size_t>& steps, size_t total, bool loop) {
+  if (loop && (start <= firstStart(band) || start + 1 >= firstStart(band) + long(startCount(band)))) return false;
   for (size_t p = 1; p < steps.size(); ++p) {
     const long at = start + long(steps[p]), last = band.first[p] + long(band.width) - 1;
     const bool first_edge = at <= band.first[p] && (loop || at > 0);
@@ -255,27 +260,28 @@ Warp warpInBand(const PoseFeatures& reference, const PoseFeatures& member, bool 
   const std::vector<double> centre = refined(coarse, thin_frames, phases, frames, loop);
   const double frame_steps =
       intervalsOf(frames, loop) / intervalsOf(thin_frames, loop) * Grid::stepsAFrame(phases, frames);
-  auto half = size_t(std::ceil(search.band_frames * frame_steps));
+  // Half a band, and of the widest one that the cells allow.
+  const size_t most = std::max<size_t>(1, search.most_cells / phases / 2);
+  auto half = std::clamp<size_t>(size_t(std::ceil(search.band_frames * frame_steps)), 1, most);
   for (;;) {
     Band band{{}, 2 * half + 1, coarse.mean};
     for (const double c : centre) band.first.push_back(std::lround(c) - long(half));
-    const size_t width = band.width;
     const Grid grid(reference, member, loop, band);
-    const long start = loop ? bestStart(grid, band.first[0] + long(half / 2), half) : 0;
+    const long start = loop ? bestStart(grid, firstStart(band), startCount(band)) : 0;
     std::vector<size_t> steps;
     const bool found = grid.path(start, steps) < kFar;
-    const bool widest = 2 * width * phases > search.most_cells || width > grid.positions();
+    const bool widest = half == most || band.width > grid.positions();
+    if (!found && widest) {  // at the pace of the thinned motions
+      Warp out{{}, coarse.mean};
+      for (const double c : centre) out.time.push_back(c / grid.stepsAFrame());
+      return out;
+    }
     if (found && (widest || keepsInside(band, start, steps, grid.positions(), loop))) {
       Warp out{{}, coarse.mean};
       for (const size_t step : steps) out.time.push_back(double(start + long(step)) / grid.stepsAFrame());
       return out;
     }
-    if (widest) {  // no path where the thinned one leads: at its pace
-      Warp out{{}, coarse.mean};
-      for (const double c : centre) out.time.push_back(c / grid.stepsAFrame());
-      return out;
-    }
-    half *= 2;
+    half = std::min(2 * half, most);
   }
 }
 
@@ -348,8 +354,9 @@ std::vector<double> warpTime(const PoseFeatures& reference, const PoseFeatures& 
                                                      : warpInBand(reference, member, loop, search))
           .time;
   smooth(time, double(member.size()), loop);
-  if (loop && time[0] < 0)
-    for (double& t : time) t += double(member.size());
+  const double pass = double(member.size());
+  if (const double turns = loop ? std::floor(time[0] / pass) : 0; turns != 0)
+    for (double& t : time) t -= turns * pass;
   return time;
 }
 

@@ -19,14 +19,14 @@ using PoseFeatures = std::vector<std::vector<float>>;
 // frames: [frame] the chosen vertices' positions.
 PoseFeatures poseFeatures(const std::vector<Positions>& frames, bool loop);
 
+struct WarpSearch {
+  size_t most_cells = size_t(1) << 24;  // phases times steps, 8 bytes each; of more, a band with so many is searched
+  double band_frames = 2;               // half the first band's width, frames of the thinned member; above 0
+};
 // [phase], one per frame of `reference`: the frame of `member` at that time, fractional and strictly increasing, at a
 // third to three times the mean pace. A loop may begin anywhere and passes its end once, counting modulo. Other motions
-// start and end together. Memory: 8 bytes for each phase and step searched.
-struct WarpSearch {
-  size_t most_cells =
-      size_t(1) << 24;     // phases times steps; more are searched in a band round the warp of thinned motions
-  double band_frames = 2;  // half the band's width, thinned frames; doubled while the path comes to its edge
-};
+// start and end together. Where there are more cells than search.most_cells, thinned motions are warped first, and all
+// phases in a band round that path, which is widened, as far as the cells allow, while the path comes to its edge.
 std::vector<double> warpTime(const PoseFeatures& reference, const PoseFeatures& member, bool loop,
                              const WarpSearch& search = {});
 
