@@ -90,7 +90,7 @@ std::string bodyRow(const std::vector<std::string>& row, const std::vector<bool>
   return out + "</tr>\n";
 }
 
-// name: of the scrolling region; no other one of the page has it.
+// name: of the scrolling region.
 std::string tableHtml(const Table& table, const std::string& name) {
   const std::vector<bool> words = wordColumns(table);
   std::string out = table.title.empty() ? "" : "<h3>" + htmlEscaped(table.title) + "</h3>\n";
@@ -173,8 +173,9 @@ std::string sectionHtml(const Section& section) {
   if (!section.plots.empty()) {
     out += "<div class=\"plots\">\n";
     for (const Plot& plot : section.plots)
-      out += "<figure><figcaption>" + htmlEscaped(plot.title) + "</figcaption><div tabindex=\"0\">" + plotSvg(plot) +
-             "</div></figure>\n";
+      out += "<figure><figcaption>" + htmlEscaped(plot.title) +
+             "</figcaption><div tabindex=\"0\" role=\"group\" aria-label=\"" +
+             htmlEscaped(plot.title.empty() ? section.title : plot.title) + "\">" + plotSvg(plot) + "</div></figure>\n";
     out += "</div>\n";
   }
   for (size_t t = 0; t < section.tables.size(); ++t) out += tableHtml(section.tables[t], tableName(section, t));

@@ -147,7 +147,7 @@ TEST(DocumentHtml, ScrollingRegionsHaveNamesOfTheirOwnAndHeadersText) {
   for (const char* name : {"Speed, table 1", "Speed, table 2", "Speed: Sizes", "Memory"})
     EXPECT_EQ(count(html, std::string("role=\"region\" aria-label=\"") + name + "\""), 1u) << name;
   EXPECT_EQ(count(html, "></th>"), 0u);
-  EXPECT_EQ(count(html, "<figcaption></figcaption><div tabindex=\"0\">"), 1u);
+  EXPECT_EQ(count(html, "<figcaption></figcaption><div tabindex=\"0\" role=\"group\" aria-label=\"Speed\">"), 1u);
   EXPECT_TRUE(contains(html, "role=\"img\" aria-label=\"Memory\"")) << "the bars have the section's name";
 }
 
