@@ -524,6 +524,28 @@ test('ledger: the budget follows what viewers have turned out to hold', async ()
   assert.equal(budgetOf(10e6, 4, 120e6, 1).loaded, 1, 'one is always shown');
 });
 
+test('ledger: one that is heavier than the others is freed once, not for ever', async () => {
+  const { Ledger } = await load('ledger');
+  const members = [], due = [];
+  const used = () => members.reduce((sum, { holds, bytes }) => sum + (holds ? bytes : 0), 0);
+  const ledger = new Ledger({ usedBytes: used, bytes: 160e6, decoders: 4, now: () => 0, later: (run) => due.push(run) });
+  for (let i = 0; i < 10; ++i) {
+    const one = { bytes: i < 9 ? 5e6 : 120e6, holds: false, loads: 0, claim: () => claim({ area: 100 - i }), granted({ load }) {
+      if (load && !this.holds) ++this.loads;
+      this.holds = load;
+    } };
+    members.push(one);
+    ledger.add(one);
+  }
+  for (let turns = 0; turns < 20; ++turns) {
+    for (const run of due.splice(0)) run();
+    ledger.review();
+  }
+  assert.deepEqual(members.map(({ loads }) => loads), Array(10).fill(1));
+  assert.deepEqual(members.map(({ holds }) => holds), [...Array(9).fill(true), false]);
+  assert.ok(used() <= 160e6);
+});
+
 test('ledger: only those whose grant changes hear of it, the freed ones first, once a turn', async () => {
   const { Ledger } = await load('ledger');
   const due = [], log = [];

@@ -7,6 +7,8 @@ const kHtml = `<!doctype html><meta charset="utf-8"><meta name="viewport" conten
 body { margin: 0; } main { display: grid; grid-template-columns: repeat(3, 1fr); gap: 8px; }
 fourdvt-viewer { width: 100%; height: 150px; }</style><main></main>`;
 
+const kPressMs = 150_000;
+
 /** The site with a blank page for the grid. */
 export const servePortfolio = (site) => serve(site, 0, { pages: { '/blank.html': { html: kHtml, headers: {} } } });
 
@@ -104,10 +106,11 @@ export async function pressPhone(browser, url, count, quietMs = 4000) {
   const rows = Math.ceil(count / 3);
   const page = await openPortfolio(browser, url, { width: 390, height: 160 * rows }, { hasTouch: true, isMobile: true, deviceScaleFactor: 2 });
   await fill(page, count, undefined, { autoplay: '', loop: '', quality: 'highest', sequence: 'locomotion' });
-  const seen = await page.evaluate(async (quietMs) => {
-    const most = { loaded: 0, bytes: 0 };
+  const seen = await page.evaluate(async ({ quietMs, patienceMs }) => {
+    const most = { loaded: 0, bytes: 0 }, end = performance.now() + patienceMs;
     let before = '', since = performance.now(), now;
     while (performance.now() - since < quietMs) {
+      if (performance.now() > end) throw new Error(`changes for ever: ${JSON.stringify({ ...now, most })}`);
       await new Promise((next) => setTimeout(next, 50));
       const held = globalThis.viewers.filter(({ stats }) => stats);
       const { textureBytes = 0, targetBytes = 0, heapBytes = 0 } = held[0]?.stats ?? {};
@@ -115,10 +118,10 @@ export async function pressPhone(browser, url, count, quietMs = 4000) {
       most.loaded = Math.max(most.loaded, now.loaded);
       most.bytes = Math.max(most.bytes, now.bytes);
       const key = JSON.stringify([now.loaded, now.pictures, Math.round(now.bytes / 4e6)]);
-      if (key !== before || now.pictures === 0) [before, since] = [key, performance.now()];
+      if (key !== before || now.pictures < now.loaded || now.pictures === 0) [before, since] = [key, performance.now()];
     }
     return { ...now, most };
-  }, quietMs);
+  }, { quietMs, patienceMs: kPressMs });
   return { page, ...seen };
 }
 

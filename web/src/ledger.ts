@@ -32,13 +32,16 @@ export interface Budget {
 }
 
 const NEAR = { auto: 1, lazy: 0, eager: Infinity }; // distance at which it loads
-const FAR = { auto: 3, lazy: 2, eager: Infinity };  // distance at which it is freed
+const KEPT = 2; // further away than that it is freed
 const RECENT_MS = 3000; // after an input a viewer runs before others
 const FULL_BYTES = 15_000_000; // of a viewer, in GPU and heap, at the least: those that have just begun hold little yet
 
-/** Limits by what viewers have turned out to hold. used: bytes of the viewers that hold a character, of which there are `loaded`. */
-export function budgetOf(bytes: number, decoders: number, used: number, loaded: number): Budget {
-  const each = Math.max(used / (loaded || 1), FULL_BYTES);
+/**
+ * Limits by what viewers have turned out to hold. used: bytes of the viewers that hold a character, of which there are `loaded`; least: bytes of each,
+ * as they were when the page held too much: one that is heavier than the others would else be freed and loaded for ever.
+ */
+export function budgetOf(bytes: number, decoders: number, used: number, loaded: number, least = FULL_BYTES): Budget {
+  const each = Math.max(used / (loaded || 1), least);
   return { loaded: Math.max(1, Math.floor(bytes / each)), running: decoders };
 }
 
@@ -48,7 +51,7 @@ export function shareOut(claims: readonly Claim[], had: readonly Grant[], { load
   const order = (less: (a: Claim, b: Claim) => number): number[] => claims.map((_, i) => i).sort((a, b) => less(claims[a]!, claims[b]!));
   const busy = claims.some(({ distance, shown }) => distance === 0 && !shown); // viewers that are only near wait for those on screen
   const wants = ({ mode, distance }: Claim, holds: boolean): boolean =>
-    distance <= (holds ? FAR : NEAR)[mode] && (holds || !busy || distance === 0 || mode === 'eager');
+    distance <= NEAR[mode] + (holds ? KEPT : 0) && (holds || !busy || distance === 0 || mode === 'eager');
   for (const i of order((a, b) => a.distance - b.distance || b.area - a.area)) {
     if (loaded > 0 && wants(claims[i]!, had[i]?.load ?? false)) {
       grants[i]!.load = true;
@@ -88,6 +91,7 @@ export class Ledger {
   readonly #members = new Map<Member, Grant>();
   readonly #page: LedgerPage;
   #due = false;
+  #least: number | undefined;
 
   constructor(page: LedgerPage) {
     this.#page = page;
@@ -112,7 +116,9 @@ export class Ledger {
 
   #share(): void {
     const members = [...this.#members.keys()], had = [...this.#members.values()], page = this.#page;
-    const budget = budgetOf(page.bytes, page.decoders, page.usedBytes(), had.filter(({ load }) => load).length);
+    const used = page.usedBytes(), loaded = had.filter(({ load }) => load).length;
+    if (used > page.bytes) this.#least = used / loaded;
+    const budget = budgetOf(page.bytes, page.decoders, used, loaded, this.#least);
     const grants = shareOut(members.map((member) => member.claim()), had, budget, page.now());
     const changed = members.filter((member, i) => {
       const before = had[i]!, grant = grants[i]!;

@@ -5,6 +5,7 @@ import { readTimeRange } from './generated/abi.js';
 import type { SidePlayer } from './session-side.js';
 
 const PROGRESS_MS = 350; // between two events, about that of browsers
+const MEMORY_STEP = 2e6; // bytes; a page's memory is shared out anew at such events
 const ENOUGH_S = 4; // ahead: the player's renditions follow the network from there on
 
 export type Range = [number, number];
@@ -15,6 +16,9 @@ export interface TimedViewer extends EventTarget {
   readonly currentTime: number;
   readonly duration: number;
   readonly readyState: number;
+}
+interface Measured {
+  readonly stats?: { readonly textureBytes: number; readonly heapBytes: number } | null;
 }
 
 /** The character that it shows. */
@@ -38,6 +42,7 @@ export class MediaTimes {
   readonly #report: (name: string, detail?: unknown) => void;
   #since: number | null = null; // it has played from there to now
   #fetched = 0; // bytes, at the last event
+  #held = 0; // memory of the page at the last event, steps
   #timer: ReturnType<typeof setTimeout> | undefined;
   played: Range[] = [];
 
@@ -74,13 +79,15 @@ export class MediaTimes {
     return list;
   }
 
-  /** A turn of the page's loop: it is there wherever bytes have come. */
+  /** A turn of the page's loop: it is there wherever bytes have come, or memory has grown. */
   turn(): void {
     this.#timer ??= setTimeout(() => {
       this.#timer = undefined;
-      const bytes = this.#character.bytes();
-      if (bytes === this.#fetched || this.#viewer.readyState < 2) return; // before the first picture the player has events of its own
+      const bytes = this.#character.bytes(), { textureBytes = 0, heapBytes = 0 } = (this.#viewer as Measured).stats ?? {};
+      const held = Math.round((textureBytes + heapBytes) / MEMORY_STEP);
+      if ((bytes === this.#fetched && held === this.#held) || this.#viewer.readyState < 2) return; // before the first picture the player has events of its own
       this.#fetched = bytes;
+      this.#held = held;
       this.#report('progress', { loaded: bytes, total: bytes });
       this.#judge();
     }, PROGRESS_MS);
