@@ -21,9 +21,9 @@ mkdir -p "$work/made"
 "$tool" reconstruct "$capture" -o "$work/hull" --sequences run --hull polyhedral
 "$tool" reconstruct "$capture" -o "$work/refined" --sequences run --voxel-mm 8 --planes 24
 "$tool" bake "$work/hull" -o "$work/made/hull" --sequences run --crf 30
-# The method measured for the hull suits the others, too: measuring takes four fifths of such a bake.
-cp "$work/made/hull/character.gltf" "$work/hull.json"
-method=$(node -p 'require(process.argv[1]).extensions.FOURDVT_layered_video_texture.method.name' "$work/hull.json")
+# The others are drawn by the method measured for the hull: measuring it again would take most of their time.
+method=$(node -p 'JSON.parse(require("fs").readFileSync(process.argv[1], "utf8")).extensions.FOURDVT_layered_video_texture.method.name' \
+  "$work/made/hull/character.gltf")
 "$tool" bake "$work/refined" -o "$work/made/refined" --sequences run --crf 30 --method "$method"
 "$tool" bake "$capture" -o "$work/made/tracked" --sequences run --appearance cameras --no-classes \
   --refine-cameras off --crf 30 --method "$method"

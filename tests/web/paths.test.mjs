@@ -24,8 +24,8 @@ function judge(played, path) {
   assert.equal(played.path, path);
   assert.deepEqual(played.errors, []);
   // Pictures of a <video> element may be refused: another one takes their place while they are copied, on a busy machine
-  // one in twelve. None of them is shown. A wrong pairing has nearly all refused.
-  assert.ok(played.mismatches <= (path === 'video' ? played.checked / 5 : 0), `${played.mismatches} pictures of ${played.checked} had no fitting number`);
+  // more often. None of them is shown. A wrong pairing has nearly all refused.
+  assert.ok(played.mismatches <= (path === 'video' ? Math.max(4, played.checked / 8) : 0), `${played.mismatches} pictures of ${played.checked} had no fitting number`);
   assert.ok(played.checked >= played.frames, `${played.checked} of ${played.frames} pictures were checked`);
   assert.ok(played.loops.length > 0, 'no loop was seen');
   console.log(`${path}: ${played.frames} frames, ${played.late} left out`);
