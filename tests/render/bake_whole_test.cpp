@@ -187,6 +187,25 @@ TEST_F(WholeBake, StopInTheSurveyKeepsWhatWasMeasured) {
   EXPECT_TRUE(std::none_of(stages.begin(), stages.end(), [](const std::string& s) { return s.find("survey") == 0; }));
 }
 
+TEST_F(WholeBake, TheSurveyDoesNotDependOnItsWindows) {
+  ASSERT_TRUE(run());
+  const std::vector<std::string> names{"walk.mp4", "walk.bin", "character.gltf"};
+  std::vector<std::string> whole;
+  for (const std::string& name : names) whole.push_back(bytesOf(name));
+  fs::remove_all(options.character_folder);
+  // Stopped in the first of two windows, in the second, and run to the end.
+  options.survey_window_frames = 2;
+  options.resume = true;
+  for (const char* at : {"survey walk 1/3", "survey walk 3/3"}) {
+    stop_at = at;
+    ASSERT_FALSE(run());
+  }
+  stop_at.clear();
+  ASSERT_TRUE(run());
+  EXPECT_TRUE(std::none_of(stages.begin(), stages.end(), [](const std::string& s) { return s.find("survey") == 0; }));
+  for (size_t i = 0; i < names.size(); ++i) EXPECT_TRUE(bytesOf(names[i]) == whole[i]) << names[i];
+}
+
 TEST_F(WholeBake, SurveyFolderIsSharedBetweenBakes) {
   options.survey_folder = input / "out/survey";
   ASSERT_TRUE(run());

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <map>
 #include <mutex>
+#include <span>
 
 #include "bake/labels/schedule.h"
 #include "bake/labels/statistics.h"
@@ -25,21 +26,40 @@ std::string complaint(const LabelOptions& o) {
   return {};
 }
 
+// [frame][face]: the ranks of each tuple, a byte each.
+std::vector<uint8_t> tupleBytes(std::span<const WindowFrame> frames) {
+  std::vector<uint8_t> out;
+  for (const WindowFrame& frame : frames)
+    for (const LabelTuple& tuple : *frame.labels) out.insert(out.end(), tuple.ranks.begin(), tuple.ranks.end());
+  return out;
+}
+
+// Their inverse. False, and nothing changes, where the bytes are not of so many frames with costs of so many faces.
+bool takeTuples(const std::vector<uint8_t>& bytes, std::span<const WindowFrame> frames) {
+  constexpr size_t kTuple = package::kMaxLayers;
+  const size_t faces = frames[0].costs->feasible.size();
+  if (bytes.size() != frames.size() * faces * kTuple) return false;
+  auto from = bytes.begin();
+  for (const WindowFrame& frame : frames) {
+    frame.labels->assign(faces, {});
+    for (LabelTuple& tuple : *frame.labels) {
+      std::copy_n(from, kTuple, tuple.ranks.begin());
+      from += kTuple;
+    }
+  }
+  return true;
+}
+
 // The frames between their first load and their finish.
 class Solver {
  public:
-  Solver(const LabelOptions& options, const FaceGraph& graph, const FaceCostSource& costs, const LabelSink& sink)
-      : options_(options),
-        graph_(graph),
-        links_(makeFaceLinks(graph)),
-        costs_(costs),
-        sink_(sink),
-        meter_(options, graph) {}
+  Solver(const LabelOptions& options, const FaceGraph& graph, const LabelExchange& exchange)
+      : options_(options), graph_(graph), links_(makeFaceLinks(graph)), exchange_(exchange), meter_(options, graph) {}
 
   Status load(const LabelWindow& window) {
     for (uint32_t t = window.fresh_first; t < window.fresh_end; ++t) {
       const auto started = Clock::now();
-      auto costs = costs_(t);
+      auto costs = exchange_.costs(t);
       outside_ += Clock::now() - started;
       if (!costs) return costs.error();
       std::lock_guard lock(mutex_);
@@ -59,10 +79,21 @@ class Solver {
         frames.push_back({&frame.costs, &frame.labels, frozen, !frozen && !fresh});
       }
     }
+    const bool kept = exchange_.keeper && options_.rule->windowed;
+    const auto solved = std::span(frames).subspan(window.first - window.frozen_first, window.end - window.first);
+    if (kept && takeTuples(exchange_.keeper->find(window.first, window.end), solved)) return;
     options_.rule->solve(options_, links_, frames);
+    if (!kept) return;
+    const Status keeping = exchange_.keeper->keep(window.first, window.end, tupleBytes(solved));
+    std::lock_guard lock(mutex_);
+    if (!keeping.ok()) keeping_ = keeping;
   }
 
   Status finish(uint32_t t) {
+    {
+      std::lock_guard lock(mutex_);
+      FOURDVT_TRY(keeping_);
+    }
     const Frame& frame = frames_[t];
     const size_t faces = graph_.face_count;
     std::vector<uint8_t> labels(options_.layers * faces);
@@ -70,7 +101,7 @@ class Solver {
       for (size_t f = 0; f < faces; ++f) labels[l * faces + f] = frame.labels[f].ranks[l];
     const auto started = Clock::now();
     meter_.add(frame.costs, labels);
-    FOURDVT_TRY(sink_(t, labels));
+    FOURDVT_TRY(exchange_.sink(t, labels));
     outside_ += Clock::now() - started;
     std::lock_guard lock(mutex_);
     frames_.erase(t);
@@ -92,11 +123,11 @@ class Solver {
   const LabelOptions& options_;
   const FaceGraph& graph_;
   const FaceLinks links_;
-  const FaceCostSource& costs_;
-  const LabelSink& sink_;
+  const LabelExchange& exchange_;
   LabelMeter meter_;
   std::mutex mutex_;  // frames_ as a map; every frame belongs to one window at a time
   std::map<uint32_t, Frame> frames_;
+  Status keeping_;  // an error of the keeper
   Clock::time_point started_ = Clock::now();
   Clock::duration outside_{};  // spent in source, sink and meter
 };
@@ -132,7 +163,7 @@ Result<LabelStatistics> solveLabels(const LabelOptions& options, const FaceGraph
                                     const LabelExchange& exchange) {
   if (const std::string wrong = complaint(options); !wrong.empty())
     return Error{ErrorId::InvalidArgument, "labelling: " + wrong};
-  Solver solver(options, graph, exchange.costs, exchange.sink);
+  Solver solver(options, graph, exchange);
   const auto finish = [&](uint32_t frame) -> Status {
     FOURDVT_TRY(solver.finish(frame));
     if (exchange.on_frame) exchange.on_frame(frame + 1);

@@ -72,15 +72,23 @@ using FaceCostSource = std::function<Result<FaceCosts>(uint32_t frame)>;  // cal
 // labels: [layer][face], camera index or package::kNoCamera. Called once per frame, in ascending order.
 using LabelSink = std::function<Status(uint32_t frame, const std::vector<uint8_t>& labels)>;
 
+// Keeps what windows of frames were solved to, so that an interrupted solve goes on. Both are called from any thread.
+struct LabelKeeper {
+  // The bytes that keep() was given for these frames; empty: none.
+  std::function<std::vector<uint8_t>(uint32_t first, uint32_t end)> find;
+  std::function<Status(uint32_t first, uint32_t end, const std::vector<uint8_t>& bytes)> keep;
+};
+
 // What solveLabels reads, and whom it tells.
 struct LabelExchange {
   FaceCostSource costs;
   LabelSink sink;
   std::function<void(uint32_t frames)> on_frame;  // told how many frames are finished; may be empty
   const std::atomic<bool>* stop = nullptr;        // may be null
+  const LabelKeeper* keeper = nullptr;            // may be null; windows of one frame are not kept
 };
 
-// Errors: those of costs and sink; Interrupted once *stop.
+// Errors: those of costs, sink and keeper; Interrupted once *stop.
 Result<LabelStatistics> solveLabels(const LabelOptions& options, const FaceGraph& graph, uint32_t frame_count,
                                     const LabelExchange& exchange);
 

@@ -26,6 +26,7 @@ std::string BakeOptions::check() const {
            std::to_string(crf);
   if (gop < 1 || gop > 250) return "gop must be 1..250 frames, not " + std::to_string(gop);
   if (jobs < 0) return "jobs must not be negative";
+  if (survey_window_frames < 1) return "a window of the survey has at least one frame";
   if (!within(position_step_m, 1e-6, 0.1)) return "position step must be 0.001..100 mm";
   if (coarse_step_m != 0.0 && !within(coarse_step_m, 1e-6, 0.1)) return "coarse step must be 0, or 0.001..100 mm";
   if (!within(classes.blend_error_m, 1e-5, 1)) return "blend error must be 0.01..1000 mm";

@@ -79,7 +79,8 @@ struct BakeOptions {
   CameraOptions cameras;
   // Where visibility, colour maps and labels are kept between bakes of the same capture; empty: in the work folder.
   std::string survey_folder;
-  std::string check() const;  // empty, or what is wrong
+  int survey_window_frames = 32;  // frames whose visibility is measured into one file; does not change the result
+  std::string check() const;      // empty, or what is wrong
 };
 
 // The report lies beside the character, which holds only what pages need.

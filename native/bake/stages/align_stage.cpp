@@ -27,8 +27,12 @@ class ClassAligner {
 
  private:
   Status open();
+  uint32_t framesOf(uint32_t gop) const { return plan_.gopEnd(gop) - plan_.gop_first_frames[gop]; }
+  // Its phases' records. Those of a GOP depend on no other one.
+  Result<RecordFile> recordsOf(uint32_t gop) const;
   Status alignGop(uint32_t gop, RecordFile& file);
-  Status alignPicture(const package::ChunkFrames& frames, uint32_t row, const I420View& picture, RecordFile& file);
+  Status alignPicture(const package::ChunkFrames& frames, uint32_t gop, uint32_t row, const I420View& picture,
+                      RecordFile& file);
   Positions middle(const package::ChunkFrames& frames, uint32_t row) const;
   size_t vertices() const { return job_.mesh.decoded.topology.vertex_count * (plan_.motion.members.size() - 1); }
   size_t recordBytes() const { return vertices() * (sizeof(glm::vec2) + sizeof(float)) + sizeof(float); }
@@ -48,18 +52,21 @@ class ClassAligner {
 };
 
 Result<std::vector<AlignedFrame>> ClassAligner::run() {
-  FOURDVT_ASSIGN(auto file, RecordFile::resume(run_.work.path() + "/" + plan_.name + ".alignment", recordBytes(),
-                                               plan_.frameCount()));
-  if (file.count() < plan_.frameCount()) FOURDVT_TRY(open());
-  for (uint32_t g = 0; g < plan_.gop_first_frames.size(); ++g)
-    if (file.count() < plan_.gopEnd(g)) FOURDVT_TRY(alignGop(g, file));
-  FOURDVT_TRY(file.finish());
-  StageClock::Span span(run_.clock, Stage::Align);
   std::vector<AlignedFrame> frames;
-  for (uint32_t f = 0; f < plan_.frameCount(); ++f) {
-    FOURDVT_ASSIGN(auto record, file.read(f));
-    frames.push_back(frameOf(record));
+  for (uint32_t g = 0; g < plan_.gop_first_frames.size(); ++g) {
+    FOURDVT_ASSIGN(auto file, recordsOf(g));
+    if (file.count() < framesOf(g)) {
+      if (!aligner_) FOURDVT_TRY(open());
+      FOURDVT_TRY(alignGop(g, file));
+    }
+    FOURDVT_TRY(file.finish());
+    StageClock::Span span(run_.clock, Stage::Align);
+    for (uint32_t f = 0; f < framesOf(g); ++f) {
+      FOURDVT_ASSIGN(auto record, file.read(f));
+      frames.push_back(frameOf(record));
+    }
   }
+  StageClock::Span span(run_.clock, Stage::Align);
   steadyAlignment(frames, plan_.motion.loop);
   return frames;
 }
@@ -85,15 +92,19 @@ Status ClassAligner::open() {
   return {};
 }
 
+Result<RecordFile> ClassAligner::recordsOf(uint32_t gop) const {
+  return RecordFile::resume(run_.work.path() + "/" + plan_.name + "." + std::to_string(gop) + ".alignment",
+                            recordBytes(), framesOf(gop));
+}
+
 Status ClassAligner::alignGop(uint32_t gop, RecordFile& file) {
   FOURDVT_ASSIGN(const GopArtefact artefact, run_.work.loadGop(plan_.name, gop));
-  const uint32_t first = plan_.gop_first_frames[gop];
   Status aligned;
   auto decoder = platform::SampleDecoder::create(infoOf(plan_.encode().codec).kind, artefact.videos[0].parameter_sets,
                                                  [&](const I420View& view, int64_t frame) {
                                                    const uint32_t row = static_cast<uint32_t>(frame);
-                                                   if (aligned.ok() && first + row == file.count())
-                                                     aligned = alignPicture(artefact.frames, row, view, file);
+                                                   if (aligned.ok() && row == file.count())
+                                                     aligned = alignPicture(artefact.frames, gop, row, view, file);
                                                  });
   if (!decoder) return decoder.error();
   for (const EncodedPacket& packet : artefact.videos[0].packets) {
@@ -102,12 +113,12 @@ Status ClassAligner::alignGop(uint32_t gop, RecordFile& file) {
   }
   FOURDVT_TRY(decoder.value()->flush());
   FOURDVT_TRY(aligned);
-  if (file.count() == plan_.gopEnd(gop)) return {};
+  if (file.count() == framesOf(gop)) return {};
   return Error{ErrorId::Internal,
                run_.work.path() + ": a GOP of " + plan_.name + " decodes to fewer pictures than frames"};
 }
 
-Status ClassAligner::alignPicture(const package::ChunkFrames& frames, uint32_t row, const I420View& view,
+Status ClassAligner::alignPicture(const package::ChunkFrames& frames, uint32_t gop, uint32_t row, const I420View& view,
                                   RecordFile& file) {
   FOURDVT_TRY(run_.checkStop());
   StageClock::Span span(run_.clock, Stage::Align);
@@ -117,8 +128,9 @@ Status ClassAligner::alignPicture(const package::ChunkFrames& frames, uint32_t r
   appearance_->setFrame(device, *model_, {std::span(frames.labels).subspan(row * labels, labels), {}});
   FOURDVT_ASSIGN(auto aligned, aligner_->align(middle(frames, row), *appearance_, *picture_));
   FOURDVT_TRY(file.append(recordOf(aligned)));
-  progress_.done(double(file.count()) / plan_.frameCount(),
-                 "align " + plan_.name + " " + std::to_string(file.count()) + "/" + std::to_string(plan_.frameCount()));
+  const uint32_t done = plan_.gop_first_frames[gop] + file.count();
+  progress_.done(double(done) / plan_.frameCount(),
+                 "align " + plan_.name + " " + std::to_string(done) + "/" + std::to_string(plan_.frameCount()));
   return {};
 }
 

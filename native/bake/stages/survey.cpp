@@ -9,6 +9,8 @@
 #include "bake/run/record_file.h"
 #include "bake/run/survey_files.h"
 #include "bake/stages/validate.h"
+#include "base/bytes.h"
+#include "base/hash.h"
 #include "package/character.h"
 #include "platform/files.h"
 #include "platform/folders.h"
@@ -48,6 +50,46 @@ Status checkVisible(const Job& job, const capture::CaptureSequence& sequence, co
   return Error{ErrorId::NothingVisible, sequence.folder + text};
 }
 
+// Solved windows of labels of one sequence, in files beside its labels, until these are complete.
+class KeptWindows {
+ public:
+  explicit KeptWindows(std::string labels_path) : path_(std::move(labels_path)) {}
+  LabelKeeper keeper() const {
+    return {[this](uint32_t first, uint32_t end) { return find(first, end); },
+            [this](uint32_t first, uint32_t end, const std::vector<uint8_t>& bytes) {
+              ByteWriter out;
+              out.bytes(bytes);
+              out.u64(fnv1a(bytes));
+              return platform::writeFileAtomic(pathOf(first, end), out.data());
+            }};
+  }
+  void remove() const {
+    const std::filesystem::path all(path_);
+    std::error_code ignored;
+    std::vector<std::filesystem::path> found;
+    for (std::filesystem::directory_iterator file(all.parent_path(), ignored), end; file != end;
+         file.increment(ignored))
+      if (file->path().filename().string().starts_with(all.filename().string() + kInfix)) found.push_back(file->path());
+    for (const std::filesystem::path& file : found) std::filesystem::remove(file, ignored);
+  }
+
+ private:
+  static constexpr const char* kInfix = ".window-";
+  std::string pathOf(uint32_t first, uint32_t end) const {
+    return path_ + kInfix + std::to_string(first) + "-" + std::to_string(end - 1);
+  }
+  std::vector<uint8_t> find(uint32_t first, uint32_t end) const {
+    auto bytes = platform::readFile(pathOf(first, end));
+    if (!bytes || bytes.value().size() < 8) return {};
+    std::vector<uint8_t> out(bytes.value().begin(), bytes.value().end() - 8);
+    ByteReader tail(std::span<const uint8_t>(bytes.value()).subspan(out.size()));
+    if (tail.u64() != fnv1a(out)) return {};
+    return out;
+  }
+
+  std::string path_;
+};
+
 }  // namespace
 
 Survey::Survey(const Job& job) : job_(&job), folder_(job.surveyFolder()) {
@@ -86,21 +128,13 @@ Status Survey::measure(BakeRun& run, StageProgress& progress) {
   if (need_colours) measuring.calibrator = &calibrator;
   uint32_t before = 0;
   for (const capture::CaptureSequence& sequence : job_->capture.sequences) {
-    const uint32_t frames = sequence.frame_count;
-    const bool measured = RecordFile::isComplete(fractionsPath(sequence), fractionBytes(), frames);
-    if (!measured || need_colours) {
-      if (!measuring.baker) {
-        const package::BaseMesh& mesh = job_->mesh.decoded;
-        FOURDVT_ASSIGN(measuring.baker, FrameBaker::create(run.device(), job_->cameras, mesh.topology, mesh.positions,
-                                                           {.length_scale = float(job_->length_scale)}));
-      }
-      measuring.on_frame = [&](uint32_t done) {
-        progress.done(kMeasuringShare * (before + done) / job_->total_frames,
-                      "survey " + sequence.name + " " + std::to_string(done) + "/" + std::to_string(frames));
-      };
-      FOURDVT_TRY(measureSequence(run, sequence, measuring));
-    }
-    before += frames;
+    measuring.on_frame = [&](uint32_t done) {
+      progress.done(
+          kMeasuringShare * (before + done) / job_->total_frames,
+          "survey " + sequence.name + " " + std::to_string(done) + "/" + std::to_string(sequence.frame_count));
+    };
+    FOURDVT_TRY(measureSequence(run, sequence, measuring));
+    before += sequence.frame_count;
   }
   if (!need_colours) return {};
   StageClock::Span span(run.clock, Stage::Colours);
@@ -108,33 +142,77 @@ Status Survey::measure(BakeRun& run, StageProgress& progress) {
   return saveColours();
 }
 
+Survey::Window Survey::windowOf(const capture::CaptureSequence& sequence, uint32_t frame) const {
+  const auto frames = static_cast<uint32_t>(job_->options.survey_window_frames);
+  const uint32_t first = frame / frames * frames;
+  return {first, std::min(first + frames, sequence.frame_count)};
+}
+
+std::string Survey::fractionsPath(const capture::CaptureSequence& sequence, const Window& window) const {
+  return paths_.at(sequence.name).fractions + "." + std::to_string(window.first) + "-" + std::to_string(window.end - 1);
+}
+
+bool Survey::showsColours(const Window& window) {
+  for (uint32_t f = window.first; f < window.end; ++f)
+    if (bake::showsColours(f)) return true;
+  return false;
+}
+
+bool Survey::isMeasured(const capture::CaptureSequence& sequence, const Window& window) const {
+  return RecordFile::isComplete(fractionsPath(sequence, window), fractionBytes(), window.count());
+}
+
 Status Survey::measureSequence(BakeRun& run, const capture::CaptureSequence& sequence, Measuring& measuring) {
-  ColourCalibrator* const calibrator = measuring.calibrator;
-  FOURDVT_ASSIGN(auto file, RecordFile::resume(fractionsPath(sequence), fractionBytes(), sequence.frame_count));
-  const uint32_t known = file.count();
-  const uint32_t first = calibrator ? 0 : known;
-  const uint32_t end =
-      known < sequence.frame_count ? sequence.frame_count : std::min(sequence.frame_count, kColourFrames);
-  FOURDVT_ASSIGN(auto reader, capture::FrameReader::open(job_->capture, sequence, run.environment.open_video, first));
+  measuring.reader.reset();
+  for (uint32_t first = 0; first < sequence.frame_count;) {
+    const Window window = windowOf(sequence, first);
+    first = window.end;
+    if (isMeasured(sequence, window) && !(measuring.calibrator && showsColours(window))) {
+      measuring.reader.reset();
+      continue;
+    }
+    if (!measuring.baker) {
+      const package::BaseMesh& mesh = job_->mesh.decoded;
+      FOURDVT_ASSIGN(measuring.baker, FrameBaker::create(run.device(), job_->cameras, mesh.topology, mesh.positions,
+                                                         {.length_scale = float(job_->length_scale)}));
+    }
+    FOURDVT_TRY(measureWindow(run, sequence, window, measuring));
+  }
+  return {};
+}
+
+Status Survey::measureWindow(BakeRun& run, const capture::CaptureSequence& sequence, const Window& window,
+                             Measuring& measuring) {
+  ColourCalibrator* const calibrator = showsColours(window) ? measuring.calibrator : nullptr;
+  FOURDVT_ASSIGN(auto file, RecordFile::resume(fractionsPath(sequence, window), fractionBytes(), window.count()));
+  const uint32_t known = window.first + file.count();
+  const uint32_t first = calibrator ? window.first : known;
+  if (measuring.reader) {
+    measuring.reader->skipTo(first);
+  } else {
+    FOURDVT_ASSIGN(measuring.reader,
+                   capture::FrameReader::open(job_->capture, sequence, run.environment.open_video, first));
+  }
   const auto read = [&, calibrator](uint32_t f) -> Result<SurveyFrame> {
-    StageClock::Span span(run.clock, Stage::Decode);
-    FOURDVT_ASSIGN(auto frame, reader->next());
+    StageClock::Span clock(run.clock, Stage::Decode);
+    FOURDVT_ASSIGN(auto frame, measuring.reader->next());
     SurveyFrame out;
     out.positions = reordered(job_->mesh, frame.positions);
     if (f >= known)
       for (size_t c = 0; c < job_->cameras.size(); ++c)
         out.crops.push_back(cropPicture(job_->cameras[c], out.positions, frame.pictures[c]));
-    if (calibrator && showsColours(f)) out.pictures = std::move(frame.pictures);
+    if (calibrator && bake::showsColours(f)) out.pictures = std::move(frame.pictures);
     return out;
   };
   const std::launch lane = job_->options.jobs > 1 ? std::launch::async : std::launch::deferred;
-  std::future<Result<SurveyFrame>> next = std::async(lane, read, first);  // its destructor joins on every return
-  for (uint32_t f = first; f < end; ++f) {
+  std::future<Result<SurveyFrame>> next;  // its destructor joins on every return
+  if (first < window.end) next = std::async(lane, read, first);
+  for (uint32_t f = first; f < window.end; ++f) {
     FOURDVT_ASSIGN(auto frame, next.get());
     FOURDVT_TRY(run.checkStop(kKept, folder_));
-    if (f + 1 < end) next = std::async(lane, read, f + 1);
+    if (f + 1 < window.end) next = std::async(lane, read, f + 1);
     if (f >= known) {
-      StageClock::Span span(run.clock, Stage::Visibility);
+      StageClock::Span clock(run.clock, Stage::Visibility);
       measuring.baker->setFrame(frame.positions, frame.crops);
       FOURDVT_ASSIGN(auto shares, measuring.baker->measureVisibility());
       if (f == 0) FOURDVT_TRY(checkVisible(*job_, sequence, frame.positions, shares));
@@ -143,8 +221,8 @@ Status Survey::measureSequence(BakeRun& run, const capture::CaptureSequence& seq
       FOURDVT_TRY(file.append(record));
     }
     if (!frame.pictures.empty()) {
-      FOURDVT_ASSIGN(auto shares, file.read(f));
-      StageClock::Span span(run.clock, Stage::Colours);
+      FOURDVT_ASSIGN(auto shares, file.read(f - window.first));
+      StageClock::Span clock(run.clock, Stage::Colours);
       std::vector<float> fractions;
       for (uint8_t share : shares) fractions.push_back(share / 255.0f);
       calibrator->add(job_->cameras, job_->mesh.decoded.topology, frame.positions, fractions, frame.pictures);
@@ -163,16 +241,19 @@ Status Survey::label(BakeRun& run, const capture::CaptureSequence& sequence, con
   options.rule = job_->options.labels;
   options.layers = job_->options.layers;
   options.jobs = job_->options.jobs;
+  const KeptWindows kept(path);
+  const LabelKeeper keeper = kept.keeper();
   auto statistics = solveLabels(options, makeFaceGraph(job_->mesh.decoded.topology), sequence.frame_count,
                                 {[&](uint32_t frame) { return faceCosts(sequence, frame); },
                                  [&](uint32_t, const std::vector<uint8_t>& labels) { return file.append(labels); },
-                                 on_frame, run.environment.stop});
+                                 on_frame, run.environment.stop, &keeper});
   if (!statistics) {
     if (statistics.error().id == ErrorId::Interrupted) FOURDVT_TRY(run.checkStop(kKept, folder_));
     return statistics.error();
   }
   FOURDVT_TRY(platform::writeFileAtomic(path + ".statistics", statisticsBytes(statistics.value())));
   FOURDVT_TRY(file.finish());
+  kept.remove();
   statistics_[sequence.name] = statistics.take();
   return {};
 }
@@ -191,7 +272,9 @@ bool Survey::loadStatistics(const capture::CaptureSequence& sequence) {
 }
 
 Result<std::vector<float>> Survey::fractions(const capture::CaptureSequence& sequence, uint32_t frame) const {
-  FOURDVT_ASSIGN(auto record, RecordFile::readOne(fractionsPath(sequence), fractionBytes(), frame));
+  const Window window = windowOf(sequence, frame);
+  FOURDVT_ASSIGN(auto record,
+                 RecordFile::readOne(fractionsPath(sequence, window), fractionBytes(), frame - window.first));
   std::vector<float> out;
   out.reserve(record.size());
   for (uint8_t share : record) out.push_back(share / 255.0f);

@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <map>
+#include <mutex>
 #include <random>
 
 #include "bake/labels/expansion.h"
@@ -71,7 +73,7 @@ struct Solution {
   Labels labels;
 };
 
-Solution solve(const Problem& problem, const LabelOptions& options) {
+Solution solve(const Problem& problem, const LabelOptions& options, const LabelKeeper* keeper = nullptr) {
   Solution out;
   auto statistics = solveLabels(options, problem.graph, static_cast<uint32_t>(problem.frames.size()),
                                 {[&](uint32_t t) -> Result<FaceCosts> { return FaceCosts(problem.frames[t]); },
@@ -79,7 +81,10 @@ Solution solve(const Problem& problem, const LabelOptions& options) {
                                    EXPECT_EQ(t, out.labels.size());  // ascending
                                    out.labels.push_back(labels);
                                    return {};
-                                 }});
+                                 },
+                                 {},
+                                 nullptr,
+                                 keeper});
   EXPECT_TRUE(statistics.ok());
   if (statistics.ok()) out.statistics = statistics.take();
   EXPECT_EQ(out.labels.size(), problem.frames.size());
@@ -466,6 +471,64 @@ TEST(Statistics, CountOnFacesThatACameraSees) {
   EXPECT_NEAR(s.seen_seam_percent[0], 100 * 1.0 / 3, 1e-9);  // edges 0-1, 1-2; 0-1
   EXPECT_NEAR(s.flip_percent[0], 100 * 3.0 / 4, 1e-9);
   EXPECT_NEAR(s.seen_flip_percent[0], 100 * 2.0 / 2, 1e-9);  // faces 0 and 1
+}
+
+// Keeps windows in memory.
+struct Shelf {
+  std::map<std::pair<uint32_t, uint32_t>, std::vector<uint8_t>> windows;
+  std::mutex mutex;
+  Status answer;
+  LabelKeeper keeper() {
+    return {[this](uint32_t first, uint32_t end) {
+              std::lock_guard lock(mutex);
+              const auto found = windows.find({first, end});
+              return found == windows.end() ? std::vector<uint8_t>() : found->second;
+            },
+            [this](uint32_t first, uint32_t end, const std::vector<uint8_t>& bytes) -> Status {
+              std::lock_guard lock(mutex);
+              windows[{first, end}] = bytes;
+              return answer;
+            }};
+  }
+};
+
+TEST(SolveLabels, GoesOnWithTheWindowsThatWereKept) {
+  const Problem problem = randomProblem(11, sheetOf(5, 4), 40, 4);
+  LabelOptions options;
+  options.window_frames = 8;
+  options.hop_frames = 6;
+  options.jobs = 2;
+  const Solution expected = solve(problem, options);
+  Shelf shelf;
+  const LabelKeeper keeper = shelf.keeper();
+  EXPECT_EQ(solve(problem, options, &keeper).labels, expected.labels);
+  const auto windows = planWindows(options, 40);
+  ASSERT_EQ(shelf.windows.size(), windows.size());
+  const auto all = shelf.windows;
+
+  // Nothing is solved again: costs by which other labels are cheaper do not matter.
+  Problem other = problem;
+  for (FaceCosts& costs : other.frames)
+    for (float& penalty : costs.penalty) penalty = 1 - penalty;
+  EXPECT_NE(solve(other, options).labels, expected.labels);
+  EXPECT_EQ(solve(other, options, &keeper).labels, expected.labels);
+
+  // As after an interruption, or a disk that lost a file's end: what is missing is solved.
+  for (const bool odd : {false, true}) {
+    shelf.windows = all;
+    for (const LabelWindow& window : windows)
+      if (window.odd == odd) shelf.windows.erase({window.first, window.end});
+    shelf.windows.begin()->second.pop_back();
+    EXPECT_EQ(solve(problem, options, &keeper).labels, expected.labels);
+    EXPECT_EQ(shelf.windows, all);
+  }
+
+  shelf.windows.clear();
+  shelf.answer = Error{ErrorId::WriteFailed, "x"};
+  const LabelSink ignore = [](uint32_t, const std::vector<uint8_t>&) -> Status { return {}; };
+  const FaceCostSource costs = [&](uint32_t t) -> Result<FaceCosts> { return FaceCosts(problem.frames[t]); };
+  EXPECT_EQ(solveLabels(options, problem.graph, 40, {costs, ignore, {}, nullptr, &keeper}).error().id,
+            ErrorId::WriteFailed);
 }
 
 TEST(SolveLabels, PassesErrorsOnAndStops) {
