@@ -100,7 +100,8 @@ export const pictures = (page) => page.evaluate(() => globalThis.viewers.map((vi
 
 /**
  * A phone that shows all viewers at once, the class at its highest rung in each, which is more than fits into the page's memory. Watched
- * until nothing has changed for a while: { page, loaded, pictures: viewers that have one, bytes, most: { loaded, bytes } at any time }.
+ * until no viewer has been freed or loaded for a while: { page, loaded, pictures: viewers that have one, bytes: the most in that while,
+ * most: { loaded, bytes } at any time }.
  */
 export async function pressPhone(browser, url, count, quietMs = 4000) {
   const rows = Math.ceil(count / 3);
@@ -108,17 +109,17 @@ export async function pressPhone(browser, url, count, quietMs = 4000) {
   await fill(page, count, undefined, { autoplay: '', loop: '', quality: 'highest', sequence: 'locomotion' });
   const seen = await page.evaluate(async ({ quietMs, patienceMs }) => {
     const most = { loaded: 0, bytes: 0 }, end = performance.now() + patienceMs;
-    let before = '', since = performance.now(), now;
+    let before = '', since = performance.now(), now = {};
     while (performance.now() - since < quietMs) {
       if (performance.now() > end) throw new Error(`changes for ever: ${JSON.stringify({ ...now, most })}`);
       await new Promise((next) => setTimeout(next, 50));
       const held = globalThis.viewers.filter(({ stats }) => stats);
-      const { textureBytes = 0, targetBytes = 0, heapBytes = 0 } = held[0]?.stats ?? {};
-      now = { loaded: held.length, pictures: held.filter(({ stats }) => stats.framesShown > 0).length, bytes: textureBytes + targetBytes + heapBytes };
+      const { textureBytes = 0, targetBytes = 0, heapBytes = 0 } = held[0]?.stats ?? {}, bytes = textureBytes + targetBytes + heapBytes;
+      now = { loaded: held.length, pictures: held.filter(({ stats }) => stats.framesShown > 0).length, bytes: Math.max(bytes, now.bytes ?? 0) };
       most.loaded = Math.max(most.loaded, now.loaded);
-      most.bytes = Math.max(most.bytes, now.bytes);
-      const key = JSON.stringify([now.loaded, now.pictures, Math.round(now.bytes / 4e6)]);
-      if (key !== before || now.pictures < now.loaded || now.pictures === 0) [before, since] = [key, performance.now()];
+      most.bytes = Math.max(most.bytes, bytes);
+      const key = `${now.loaded} ${now.pictures}`;
+      if (key !== before || now.pictures < now.loaded || now.pictures === 0) [before, since, now.bytes] = [key, performance.now(), bytes];
     }
     return { ...now, most };
   }, { quietMs, patienceMs: kPressMs });
