@@ -6,6 +6,8 @@
 #include <glm/glm.hpp>
 #include <optional>
 
+#include "base/srgb.h"
+
 namespace fourdvt::refine {
 namespace {
 
@@ -16,10 +18,7 @@ constexpr float kReach = 4;              // pixels; an edge further off is not t
 struct LinearLight {
   std::array<float, 256> of;
   LinearLight() {
-    for (int i = 0; i < 256; ++i) {
-      const float v = float(i) / 255;
-      of[size_t(i)] = v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
-    }
+    for (int i = 0; i < 256; ++i) of[size_t(i)] = linearFromSrgb(float(i) / 255);
   }
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/face_buffer.h"
+#include "base/srgb.h"
 
 namespace fourdvt::bake {
 namespace {
@@ -20,10 +21,7 @@ constexpr double kMidGrey = 0.2140;  // linear, of sRGB 0.5
 const std::array<double, 256>& linearOfSrgb() {
   static const std::array<double, 256> table = [] {
     std::array<double, 256> out{};
-    for (int i = 0; i < 256; ++i) {
-      const double v = i / 255.;
-      out[size_t(i)] = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
-    }
+    for (int i = 0; i < 256; ++i) out[size_t(i)] = linearFromSrgb(i / 255.);
     return out;
   }();
   return table;
@@ -41,7 +39,7 @@ struct Mean {
   double weight = 0;
 };
 
-// Mean linear colour of the pixels that show the performer.
+// Averages the linear colours of pixels that show the performer. False if there are none.
 bool sampleSquare(const Image& picture, const glm::dvec2& at, int radius, glm::dvec3& colour) {
   const int x0 = std::max(0, int(std::floor(at.x)) - radius),
             x1 = std::min(picture.width - 1, int(std::floor(at.x)) + radius);

@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/core/utility.hpp>
 
+#include "base/srgb.h"
 #include "lab/studio/random.h"
 
 namespace fourdvt::studio {
@@ -38,7 +39,6 @@ double grain(uint32_t seed, glm::dvec2 p) {
   return sum;
 }
 
-double decoded(double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4); }
 double encoded(double v) { return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055; }
 uint8_t levelOf(double v) { return static_cast<uint8_t>(std::clamp(std::lround(255 * v), 0l, 255l)); }
 
@@ -216,7 +216,7 @@ Room::View Room::makeView(const PinholeCamera& camera) const {
     const glm::dvec3 mean = meanColour(camera, x, y);
     for (int c = 0; c < 3; ++c) {
       view.lit.at(x, y)[c] = levelOf(mean[c]);
-      view.shaded.at(x, y)[c] = levelOf(encoded(kShadowLight * decoded(mean[c])));
+      view.shaded.at(x, y)[c] = levelOf(encoded(kShadowLight * linearFromSrgb(mean[c])));
     }
   });
   return view;
