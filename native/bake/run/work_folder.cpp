@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "bake/run/checked_file.h"
 #include "base/bytes.h"
 #include "base/hash.h"
 #include "platform/files.h"
@@ -15,24 +16,6 @@ namespace fourdvt::bake {
 namespace {
 
 constexpr const char* kLayersExtension = ".layers";
-
-// A file holds its payload, followed by the payload's hash.
-Status save(const std::string& path, ByteWriter& out) {
-  out.u64(fnv1a(out.data()));
-  return platform::writeFileAtomic(path, out.data());
-}
-
-Error damaged(const std::string& path) { return {ErrorId::Internal, path + ": is damaged; bake again"}; }
-
-Result<std::vector<uint8_t>> load(const std::string& path) {
-  FOURDVT_ASSIGN(std::vector<uint8_t> bytes, platform::readFile(path));
-  if (bytes.size() < 8) return damaged(path);
-  const std::span<const uint8_t> payload(bytes.data(), bytes.size() - 8);
-  ByteReader tail(std::span<const uint8_t>(bytes).subspan(payload.size()));
-  if (tail.u64() != fnv1a(payload)) return damaged(path);
-  bytes.resize(payload.size());
-  return bytes;
-}
 
 void putBytes(ByteWriter& out, const std::vector<uint8_t>& bytes) {
   out.u32(static_cast<uint32_t>(bytes.size()));
@@ -146,7 +129,9 @@ std::string WorkFolder::gopPath(const std::string& sequence, uint32_t gop) const
   return path_ + "/" + sequence + "." + std::to_string(gop) + ".gop";
 }
 
-bool WorkFolder::hasGop(const std::string& sequence, uint32_t gop) const { return load(gopPath(sequence, gop)).ok(); }
+bool WorkFolder::hasGop(const std::string& sequence, uint32_t gop) const {
+  return loadChecked(gopPath(sequence, gop)).ok();
+}
 
 Status WorkFolder::saveGop(const std::string& sequence, uint32_t gop, const GopArtefact& artefact) const {
   ByteWriter out;
@@ -155,18 +140,18 @@ Status WorkFolder::saveGop(const std::string& sequence, uint32_t gop, const GopA
   putFrames(out, artefact.frames);
   putAtlases(out, artefact.atlases);
   putBytes(out, artefact.picture_jpeg);
-  return save(gopPath(sequence, gop), out);
+  return saveChecked(gopPath(sequence, gop), out.data());
 }
 
 Result<GopArtefact> WorkFolder::loadGop(const std::string& sequence, uint32_t gop) const {
-  FOURDVT_ASSIGN(auto bytes, load(gopPath(sequence, gop)));
+  FOURDVT_ASSIGN(auto bytes, loadChecked(gopPath(sequence, gop)));
   ByteReader in(bytes);
   GopArtefact artefact;
   for (uint32_t left = in.u32(); left > 0 && in.ok(); --left) artefact.videos.push_back(takeVideo(in));
   artefact.frames = takeFrames(in);
   artefact.atlases = takeAtlases(in);
   artefact.picture_jpeg = takeBytes(in);
-  if (!in.ok() || in.remaining() != 0) return damaged(gopPath(sequence, gop));
+  if (!in.ok() || in.remaining() != 0) return damagedFile(gopPath(sequence, gop));
   return artefact;
 }
 
@@ -175,19 +160,19 @@ std::string WorkFolder::chunkPath(const std::string& sequence, uint32_t gop, Pre
 }
 
 bool WorkFolder::hasChunk(const std::string& sequence, uint32_t gop) const {
-  return load(chunkPath(sequence, gop, Precision::Fine)).ok();
+  return loadChecked(chunkPath(sequence, gop, Precision::Fine)).ok();
 }
 
 Status WorkFolder::saveChunk(const std::string& sequence, uint32_t gop, const std::vector<uint8_t>& chunk,
                              Precision precision) const {
   ByteWriter out;
   out.bytes(chunk);
-  return save(chunkPath(sequence, gop, precision), out);
+  return saveChecked(chunkPath(sequence, gop, precision), out.data());
 }
 
 Result<std::vector<uint8_t>> WorkFolder::loadChunk(const std::string& sequence, uint32_t gop,
                                                    Precision precision) const {
-  return load(chunkPath(sequence, gop, precision));
+  return loadChecked(chunkPath(sequence, gop, precision));
 }
 
 std::string WorkFolder::layersPath(const std::string& sequence, uint32_t frame) const {
@@ -211,7 +196,7 @@ Status WorkFolder::saveLayers(const std::string& sequence, uint32_t frame, const
 }
 
 Result<std::vector<Image>> WorkFolder::loadLayers(const std::string& sequence, uint32_t frame) const {
-  FOURDVT_ASSIGN(auto bytes, load(layersPath(sequence, frame)));
+  FOURDVT_ASSIGN(auto bytes, loadChecked(layersPath(sequence, frame)));
   ByteReader in(bytes);
   std::vector<Image> layers;
   for (uint32_t left = in.u32(); left > 0 && in.ok(); --left) {
@@ -220,7 +205,7 @@ Result<std::vector<Image>> WorkFolder::loadLayers(const std::string& sequence, u
     layer.pixels = takeBytes(in);
     layers.push_back(std::move(layer));
   }
-  if (!in.ok() || in.remaining() != 0) return damaged(layersPath(sequence, frame));
+  if (!in.ok() || in.remaining() != 0) return damagedFile(layersPath(sequence, frame));
   return layers;
 }
 
@@ -232,7 +217,7 @@ void WorkFolder::removeLayers() const {
   for (const std::filesystem::path& path : found) std::filesystem::remove(path, ignored);
 }
 
-bool WorkFolder::hasStill() const { return load(stillPath()).ok(); }
+bool WorkFolder::hasStill() const { return loadChecked(stillPath()).ok(); }
 
 Status WorkFolder::saveStill(const StillArtefact& still) const {
   ByteWriter out;
@@ -244,11 +229,11 @@ Status WorkFolder::saveStill(const StillArtefact& still) const {
   putBytes(out, still.labels);
   putBytes(out, still.texture_jpeg);
   putBytes(out, still.tile_jpeg);
-  return save(stillPath(), out);
+  return saveChecked(stillPath(), out.data());
 }
 
 Result<StillArtefact> WorkFolder::loadStill() const {
-  FOURDVT_ASSIGN(auto bytes, load(stillPath()));
+  FOURDVT_ASSIGN(auto bytes, loadChecked(stillPath()));
   ByteReader in(bytes);
   StillArtefact still;
   still.picture.width = static_cast<int>(in.u32());
@@ -259,7 +244,7 @@ Result<StillArtefact> WorkFolder::loadStill() const {
   still.labels = takeBytes(in);
   still.texture_jpeg = takeBytes(in);
   still.tile_jpeg = takeBytes(in);
-  if (!in.ok() || in.remaining() != 0) return damaged(stillPath());
+  if (!in.ok() || in.remaining() != 0) return damagedFile(stillPath());
   return still;
 }
 

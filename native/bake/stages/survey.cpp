@@ -6,11 +6,10 @@
 #include <filesystem>
 #include <future>
 
+#include "bake/run/kept_windows.h"
 #include "bake/run/record_file.h"
 #include "bake/run/survey_files.h"
 #include "bake/stages/validate.h"
-#include "base/bytes.h"
-#include "base/hash.h"
 #include "package/character.h"
 #include "platform/files.h"
 #include "platform/folders.h"
@@ -49,46 +48,6 @@ Status checkVisible(const Job& job, const capture::CaptureSequence& sequence, co
       low.x, low.y, low.z, high.x, high.y, high.z, distance / job.cameras.size());
   return Error{ErrorId::NothingVisible, sequence.folder + text};
 }
-
-// Solved windows of labels of one sequence, in files beside its labels, until these are complete.
-class KeptWindows {
- public:
-  explicit KeptWindows(std::string labels_path) : path_(std::move(labels_path)) {}
-  LabelKeeper keeper() const {
-    return {[this](uint32_t first, uint32_t end) { return find(first, end); },
-            [this](uint32_t first, uint32_t end, const std::vector<uint8_t>& bytes) {
-              ByteWriter out;
-              out.bytes(bytes);
-              out.u64(fnv1a(bytes));
-              return platform::writeFileAtomic(pathOf(first, end), out.data());
-            }};
-  }
-  void remove() const {
-    const std::filesystem::path all(path_);
-    std::error_code ignored;
-    std::vector<std::filesystem::path> found;
-    for (std::filesystem::directory_iterator file(all.parent_path(), ignored), end; file != end;
-         file.increment(ignored))
-      if (file->path().filename().string().starts_with(all.filename().string() + kInfix)) found.push_back(file->path());
-    for (const std::filesystem::path& file : found) std::filesystem::remove(file, ignored);
-  }
-
- private:
-  static constexpr const char* kInfix = ".window-";
-  std::string pathOf(uint32_t first, uint32_t end) const {
-    return path_ + kInfix + std::to_string(first) + "-" + std::to_string(end - 1);
-  }
-  std::vector<uint8_t> find(uint32_t first, uint32_t end) const {
-    auto bytes = platform::readFile(pathOf(first, end));
-    if (!bytes || bytes.value().size() < 8) return {};
-    std::vector<uint8_t> out(bytes.value().begin(), bytes.value().end() - 8);
-    ByteReader tail(std::span<const uint8_t>(bytes.value()).subspan(out.size()));
-    if (tail.u64() != fnv1a(out)) return {};
-    return out;
-  }
-
-  std::string path_;
-};
 
 }  // namespace
 
