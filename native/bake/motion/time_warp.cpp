@@ -194,17 +194,21 @@ struct Warp {
   double mean = 0;           // distance of phases to steps
 };
 
-Warp warpWhole(const PoseFeatures& reference, const PoseFeatures& member, bool loop) {
-  const Grid grid(reference, member, loop);
-  const long start = loop ? bestStart(grid, 0, grid.positions()) : 0;
-  std::vector<size_t> steps;
-  grid.path(start, steps);
+Warp warpOf(const Grid& grid, long start, const std::vector<size_t>& steps) {
   Warp out{{}, grid.meanDistance()};
   for (const size_t step : steps) out.time.push_back(double(start + long(step)) / grid.stepsAFrame());
   return out;
 }
 
-// `count` of the features at equal intervals; the first and the last of what is no loop.
+Warp warpWhole(const PoseFeatures& reference, const PoseFeatures& member, bool loop) {
+  const Grid grid(reference, member, loop);
+  const long start = loop ? bestStart(grid, 0, grid.positions()) : 0;
+  std::vector<size_t> steps;
+  grid.path(start, steps);
+  return warpOf(grid, start, steps);
+}
+
+// Picks `count` features at equal intervals; of a motion that is no loop, the first and the last are among them.
 PoseFeatures thinned(const PoseFeatures& features, size_t count, bool loop) {
   if (count >= features.size()) return features;
   PoseFeatures out;
@@ -239,7 +243,7 @@ std::vector<double> refined(const Warp& coarse, size_t thin_frames, size_t phase
 long firstStart(const Band& band) { return band.first[0] + long(band.width / 4); }
 size_t startCount(const Band& band) { return std::max<size_t>(1, band.width / 2); }
 
-// Whether a path keeps off the edges of its band and of the starts, beyond which it might be cheaper.
+// False if a path touches an edge of its band or of the range of starts: a cheaper one may lie beyond.
 bool keepsInside(const Band& band, long start, const std::vector<size_t>& steps, size_t total, bool loop) {
   if (loop && (start <= firstStart(band) || start + 1 >= firstStart(band) + long(startCount(band)))) return false;
   for (size_t p = 1; p < steps.size(); ++p) {
@@ -251,7 +255,8 @@ bool keepsInside(const Band& band, long start, const std::vector<size_t>& steps,
   return true;
 }
 
-// Long motions: thinned ones are warped, and all phases in a band round that; wider where the path comes to its edge.
+// Warps thinned motions first, then all phases in a band round that path; widens the band while the path touches its
+// edge.
 Warp warpInBand(const PoseFeatures& reference, const PoseFeatures& member, bool loop, const WarpSearch& search) {
   const size_t phases = reference.size(), frames = member.size();
   const auto side = std::max<size_t>(8, size_t(std::sqrt(double(search.most_cells) / (2 * kStepsAPhase))));
@@ -276,11 +281,7 @@ Warp warpInBand(const PoseFeatures& reference, const PoseFeatures& member, bool 
       for (const double c : centre) out.time.push_back(c / grid.stepsAFrame());
       return out;
     }
-    if (found && (widest || keepsInside(band, start, steps, grid.positions(), loop))) {
-      Warp out{{}, coarse.mean};
-      for (const size_t step : steps) out.time.push_back(double(start + long(step)) / grid.stepsAFrame());
-      return out;
-    }
+    if (found && (widest || keepsInside(band, start, steps, grid.positions(), loop))) return warpOf(grid, start, steps);
     half = std::min(2 * half, most);
   }
 }
@@ -353,8 +354,8 @@ std::vector<double> warpTime(const PoseFeatures& reference, const PoseFeatures& 
       (reference.size() * steps <= search.most_cells ? warpWhole(reference, member, loop)
                                                      : warpInBand(reference, member, loop, search))
           .time;
-  smooth(time, double(member.size()), loop);
   const double pass = double(member.size());
+  smooth(time, pass, loop);
   if (const double turns = loop ? std::floor(time[0] / pass) : 0; turns != 0)
     for (double& t : time) t -= turns * pass;
   return time;

@@ -25,8 +25,8 @@ struct WarpSearch {
 };
 // [phase], one per frame of `reference`: the frame of `member` at that time, fractional and strictly increasing, at a
 // third to three times the mean pace. A loop may begin anywhere and passes its end once, counting modulo. Other motions
-// start and end together. Where there are more cells than search.most_cells, thinned motions are warped first, and all
-// phases in a band round that path, which is widened, as far as the cells allow, while the path comes to its edge.
+// start and end together. More cells than search.most_cells are not searched: thinned motions are warped, then all
+// phases in a band round that path. The band is widened up to so many cells while the path touches its edge.
 std::vector<double> warpTime(const PoseFeatures& reference, const PoseFeatures& member, bool loop,
                              const WarpSearch& search = {});
 
