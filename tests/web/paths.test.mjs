@@ -20,12 +20,20 @@ after(async () => {
   await server?.close();
 });
 
+const mostRefused = ({ checked }, path) => (path === 'video' ? Math.max(4, checked / 50) : 0);
+
+// Plays, once more if a <video> element had too many pictures refused: a wrong pairing has nearly all refused, each time.
+async function play(page, frames, path) {
+  const played = await playOnPath(page, frames);
+  return path === 'video' && played.mismatches > mostRefused(played, path) ? playOnPath(page, frames) : played;
+}
+
 function judge(played, path) {
   assert.equal(played.path, path);
   assert.deepEqual(played.errors, []);
   // Pictures of a <video> element may be refused: another one takes their place while they are copied, on a busy machine
-  // more often. None of them is shown. A wrong pairing has nearly all refused.
-  assert.ok(played.mismatches <= (path === 'video' ? Math.max(4, played.checked / 8) : 0), `${played.mismatches} pictures of ${played.checked} had no fitting number`);
+  // more often. None of them is shown. A few count for nothing in a short run.
+  assert.ok(played.mismatches <= mostRefused(played, path), `${played.mismatches} pictures of ${played.checked} had no fitting number`);
   assert.ok(played.checked >= played.frames, `${played.checked} of ${played.frames} pictures were checked`);
   assert.ok(played.loops.length > 0, 'no loop was seen');
   console.log(`${path}: ${played.frames} frames, ${played.late} left out`);
@@ -35,7 +43,7 @@ for (const path of ['rgba', 'rgba-sub', 'video']) {
   test(`Chromium: ${path}`, async () => {
     const page = await openPage(browser, { viewport }, 'auto');
     await openOnPath(page, server, path);
-    judge(await playOnPath(page, kFrames), path);
+    judge(await play(page, kFrames, path), path);
     assert.deepEqual([...page.troubles, ...page.reported], []);
     await page.close();
   });
@@ -46,7 +54,7 @@ test('Chromium: a page of plain http plays, without requestVideoFrameCallback', 
   await page.addInitScript(() => { delete HTMLVideoElement.prototype.requestVideoFrameCallback; });
   await openOnPath(page, server, '', kElsewhere);
   assert.equal(await page.evaluate(() => isSecureContext), false);
-  judge(await playOnPath(page, kFrames / 2), 'video');
+  judge(await play(page, kFrames / 2, 'video'), 'video');
   await page.close();
 });
 
@@ -87,7 +95,7 @@ test('Firefox without WebCodecs', async () => {
     const page = await firefox.newPage({ viewport });
     await openOnPath(page, server, '');
     assert.equal(await page.evaluate(() => typeof VideoDecoder), 'undefined');
-    judge(await playOnPath(page, kFrames), 'video');
+    judge(await play(page, kFrames, 'video'), 'video');
   } finally {
     await firefox.close();
   }
