@@ -30,7 +30,7 @@ struct EncodedBaseMesh {
 Result<EncodedBaseMesh> encodeBaseMesh(const MeshTopology& topology, const Positions& positions, int position_bits = 14,
                                        int uv_bits = 13);
 // A surface without UVs, for glTF viewers: uv_attribute is -1, the source orders are empty. linear_colours: RGB of each
-// vertex, 65535 = 1; empty: none. Errors: Internal.
+// vertex, 65535 = 1; without any, the mesh has no colours. Errors: Internal.
 Result<EncodedBaseMesh> encodePlainMesh(const TriangleMesh& surface, std::span<const glm::u16vec3> linear_colours = {},
                                         int position_bits = 14);
 constexpr uint32_t kMaxFaces = 1u << 22;

@@ -179,7 +179,7 @@ for (const [doubt, name] of [['none', 'every rendition is played where the brows
   ['rough', 'renditions that the browser does not expect to be smooth are not fetched']]) {
   test(name, async () => {
     await open({ before: `globalThis.doubt = '${doubt}'; (${doubts})()` });
-    // Of four motions with three renditions each: whether they can be decoded, and of those at least the lowest, how well.
+    // Four motions of three renditions: twelve answers about decoding, and at least four about smoothness.
     await until(() => globalThis.answered >= 16 && globalThis.pending === 0);
     await page.waitForTimeout(500); // before, the first motion may have gone up
     await page.evaluate(() => { document.querySelector('fourdvt-viewer').sequence = 'pickup'; });

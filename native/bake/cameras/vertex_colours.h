@@ -18,8 +18,7 @@ namespace fourdvt::bake {
 // test against the surface itself, half a mean edge to spare), by the fourth power of the cosine between normal and
 // ray; its colour is the mean of the pixels of at least half alpha in a square round it, two thirds of the mean edge
 // wide and 25 pixels at most. Vertices that no camera sees take a mean of their neighbours, nearest first; all are
-// mid-grey where none is seen. pictures:
-// RGBA, sRGB, one per camera, of the camera's size.
+// mid-grey where none is seen. `pictures` has one of each camera, of the camera's size: RGBA, sRGB.
 std::vector<glm::u16vec3> vertexColours(const TriangleMesh& surface, const std::vector<PinholeCamera>& cameras,
                                         std::span<const Image> pictures);
 

@@ -34,7 +34,8 @@ std::vector<uint8_t> tupleBytes(std::span<const WindowFrame> frames) {
   return out;
 }
 
-// Their inverse. False, and nothing changes, where the bytes are not of so many frames with costs of so many faces.
+// Reads them back into the frames. False if the number of bytes fits another number of frames or faces; nothing changes
+// then.
 bool takeTuples(const std::vector<uint8_t>& bytes, std::span<const WindowFrame> frames) {
   constexpr size_t kTuple = package::kMaxLayers;
   const size_t faces = frames[0].costs->feasible.size();

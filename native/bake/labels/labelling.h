@@ -72,7 +72,8 @@ using FaceCostSource = std::function<Result<FaceCosts>(uint32_t frame)>;  // cal
 // labels: [layer][face], camera index or package::kNoCamera. Called once per frame, in ascending order.
 using LabelSink = std::function<Status(uint32_t frame, const std::vector<uint8_t>& labels)>;
 
-// Keeps what windows of frames were solved to, so that an interrupted solve goes on. Both are called from any thread.
+// Stores the labels of solved windows, so that an interrupted solve skips them. Both functions are called from any
+// thread.
 struct LabelKeeper {
   // The bytes that keep() was given for these frames; empty: none.
   std::function<std::vector<uint8_t>(uint32_t first, uint32_t end)> find;

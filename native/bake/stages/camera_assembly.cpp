@@ -135,8 +135,7 @@ Result<Image> drawPoster(const BakeRun& run, const capture::CaptureFrame& frame)
   return fvvr->renderStill(render::viewFromCamera(camera, {scale, scale}), options);
 }
 
-// The poster, and the colours of the mesh for viewers that know glTF alone. The pictures of all cameras are in memory
-// meanwhile.
+// Draws the poster, and colours the mesh for viewers that read glTF alone. Holds one picture of every camera meanwhile.
 Status drawStills(BakeRun& run, const std::vector<ColourMap>& maps) {
   Job& job = run.job;
   FOURDVT_ASSIGN(const auto first, readFirstFrame(run, maps));

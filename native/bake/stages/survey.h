@@ -2,7 +2,7 @@
 // The first pass over a capture: visibility of every face in every camera and frame, the cameras' colours against each
 // other, and then labels for whole sequences. Everything is kept in files (BakeOptions::survey_folder) under a key of
 // the capture and of the settings it depends on, so that bakes of the same capture share it and an interrupted one goes
-// on. Visibility is measured window of frames by window, each into a file of its own and from its own frames alone.
+// on. Visibility is measured in windows of frames; each has a file of its own and reads no other frames.
 // Memory: one frame of pictures and labelling's window, whatever the length.
 #pragma once
 

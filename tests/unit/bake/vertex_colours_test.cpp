@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <glm/gtc/matrix_transform.hpp>
-
 namespace fourdvt::bake {
 namespace {
 
@@ -85,7 +83,7 @@ TEST(VertexColours, AShieldHidesWhatLiesBehindIt) {
   EXPECT_GT(redShare(wall + 40), 0.99) << "the middle of the shield";
   double most = 0;
   for (size_t v = 0; v < wall; ++v) most = std::max(most, redShare(v));
-  // Beside the shield's outline a footprint of a third of an edge reaches over it.
+  // The square that a vertex averages reaches over the shield's outline by a third of an edge.
   EXPECT_LT(most, 0.6) << "a vertex behind the shield is red";
   EXPECT_LT(redShare(8 * 17 + 8), 0.01) << "the wall's middle is filled from beside the shield";
 }

@@ -513,7 +513,7 @@ TEST(SolveLabels, GoesOnWithTheWindowsThatWereKept) {
   EXPECT_NE(solve(other, options).labels, expected.labels);
   EXPECT_EQ(solve(other, options, &keeper).labels, expected.labels);
 
-  // As after an interruption, or a disk that lost a file's end: what is missing is solved.
+  // Solves what is missing after an interruption, or where a file lost its end.
   for (const bool odd : {false, true}) {
     shelf.windows = all;
     for (const LabelWindow& window : windows)
