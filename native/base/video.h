@@ -20,6 +20,15 @@ class VideoSource {
   // Next picture in presentation order, or nullopt at the end. 3 channels (sRGB via the stream's matrix and range,
   // limited where unspecified, and then BT.601 up to 576 lines, else BT.709) or 1 channel (as opened).
   virtual Result<std::optional<Image>> next() = 0;
+  // Leaves out so many pictures, or all that are left. A file of a constant frame rate with an index goes to the key
+  // picture before the wanted one; others are decoded on the way.
+  virtual Status skip(uint32_t pictures) {
+    for (; pictures > 0; --pictures) {
+      FOURDVT_ASSIGN(const auto picture, next());
+      if (!picture) return {};
+    }
+    return {};
+  }
   // Upper bound on the number of pictures in the whole file where the container tells it without decoding.
   virtual std::optional<uint64_t> frameCountHint() const { return std::nullopt; }
   // Mean frame rate by the container's header; nothing if it has none.

@@ -123,11 +123,11 @@ Result<Image> PictureStream::read(uint32_t frame) {
     FOURDVT_ASSIGN(video_, open_video_(place_.path, channels_));
     next_ = 0;
   }
-  while (true) {
-    FOURDVT_ASSIGN(auto picture, video_->next());
-    if (!picture) return tooShort(std::to_string(next_) + " frames");
-    if (next_++ == number) return std::move(*picture);
-  }
+  FOURDVT_TRY(video_->skip(number - next_));
+  FOURDVT_ASSIGN(auto picture, video_->next());
+  if (!picture) return tooShort((number == next_ ? "" : "at most ") + std::to_string(number) + " frames");
+  next_ = number + 1;
+  return std::move(*picture);
 }
 
 Status checkSize(const Image& image, const CaptureCamera& camera, const std::string& path) {

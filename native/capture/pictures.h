@@ -46,8 +46,8 @@ class PictureStream {
   // `camera`: its name, for its offset in time. Errors: VideoTooShort, and those of `open_video`.
   static Result<PictureStream> open(const PicturePlace& place, const CaptureSequence& sequence,
                                     const std::string& camera, int channels, const OpenVideo& open_video);
-  // Reads frames in ascending order; a video decodes and drops those in between, and is opened anew where a
-  // loop begins again. Errors: VideoTooShort, FileUnreadable.
+  // Reads frames in ascending order; a video leaves out those in between (VideoSource::skip), and is opened anew where
+  // a loop begins again. Errors: VideoTooShort, FileUnreadable.
   Result<Image> read(uint32_t frame);
   const std::string& path() const { return place_.path; }
 

@@ -86,16 +86,82 @@ class FileSource final : public VideoSource {
   }
 
   Result<std::optional<Image>> next() override {
+    FOURDVT_ASSIGN(const bool decoded, decode());
+    if (!decoded) return std::optional<Image>();
+    return picture();
+  }
+
+  Status skip(uint32_t pictures) override {
+    if (pictures == 0) return {};
+    const uint32_t wanted = number_ + pictures;
+    if (pictures > kSeekBeyond) {
+      FOURDVT_ASSIGN(const bool found, seekBefore(wanted));
+      if (!found) FOURDVT_TRY(rewind());
+    }
+    while (number_ < wanted) {
+      FOURDVT_ASSIGN(const bool decoded, decode());
+      if (!decoded) return {};
+    }
+    return {};
+  }
+
+ private:
+  // Decodes the next picture into frame_. False: the video has ended.
+  Result<bool> decode() {
     while (true) {
       const int received = avcodec_receive_frame(codec_.get(), frame_.get());
-      if (received == 0) return picture();
-      if (received == AVERROR_EOF) return std::optional<Image>();
+      if (received == 0) {
+        if (number_++ == 0) first_stamp_ = frame_->best_effort_timestamp;
+        return true;
+      }
+      if (received == AVERROR_EOF) return false;
       if (received != AVERROR(EAGAIN)) return unreadable(path_, "a picture does not decode");
       FOURDVT_TRY(feed());
     }
   }
 
- private:
+  // The ticks between two pictures where the file's index says that they are all equal; else 0.
+  int64_t constantInterval() {
+    AVStream* stream = file_.format->streams[stream_];
+    const int entries = avformat_index_get_entries_count(stream);
+    if (entries < 2 || stream->nb_frames != entries) return 0;
+    const auto stamp = [&](int i) { return avformat_index_get_entry(stream, i)->timestamp; };
+    const int64_t interval = stamp(1) - stamp(0);
+    for (int i = 2; i < entries; ++i)
+      if (stamp(i) - stamp(i - 1) != interval) return 0;
+    return std::max<int64_t>(interval, 0);
+  }
+
+  // Puts the decoder in front of a picture that is not after `wanted`, by the numbers that time stamps give. False
+  // where they give none: then the position is unknown.
+  Result<bool> seekBefore(uint32_t wanted) {
+    if (number_ == 0) {
+      FOURDVT_ASSIGN(const bool decoded, decode());  // sets first_stamp_
+      if (!decoded) return false;
+    }
+    if (interval_ < 0) interval_ = constantInterval();
+    if (interval_ <= 0 || first_stamp_ == AV_NOPTS_VALUE) return false;
+    AVStream* stream = file_.format->streams[stream_];
+    const int entry = static_cast<int>(wanted) - kReordered;
+    if (entry <= static_cast<int>(number_) || entry >= avformat_index_get_entries_count(stream)) return true;
+    if (av_seek_frame(file_.format.get(), stream_, avformat_index_get_entry(stream, entry)->timestamp,
+                      AVSEEK_FLAG_BACKWARD) < 0)
+      return false;
+    avcodec_flush_buffers(codec_.get());
+    const uint32_t before = number_;
+    FOURDVT_ASSIGN(const bool decoded, decode());
+    const int64_t ticks = decoded ? frame_->best_effort_timestamp - first_stamp_ : -1;
+    if (ticks < 0 || ticks % interval_ != 0 || ticks / interval_ >= wanted || ticks / interval_ < before) return false;
+    number_ = static_cast<uint32_t>(ticks / interval_) + 1;
+    return true;
+  }
+
+  // Opens the file anew.
+  Status rewind() {
+    number_ = 0;
+    return open(std::string(path_), channels_);
+  }
+
   Status openFormat() {
     file_ = openFileOnly(path_);
     if (!file_.io) return unreadable(path_, "cannot be opened");
@@ -131,8 +197,13 @@ class FileSource final : public VideoSource {
     return std::optional<Image>(channels_ == 1 ? grayFromRgb(rgb) : std::move(rgb));
   }
 
+  static constexpr uint32_t kSeekBeyond = 60;  // pictures ahead, up to which all are decoded
+  static constexpr int kReordered = 17;        // pictures between a decoding and a presentation time, and one
+
   std::string path_;
   int channels_ = 3, stream_ = -1;
+  uint32_t number_ = 0;                                   // of the next picture
+  int64_t first_stamp_ = AV_NOPTS_VALUE, interval_ = -1;  // of picture 0; constantInterval() once it was asked for
   FileOnly file_;
   AvCodec codec_;
   AvFrame frame_{av_frame_alloc()};
