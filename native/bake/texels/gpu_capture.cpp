@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bake/texels/gpu_capture.h"
 
+#include <algorithm>
+
 namespace fourdvt::bake {
 namespace {
 
@@ -59,6 +61,7 @@ Result<GpuCapture> GpuCapture::create(gpu::Device& device, const std::vector<Pin
     target_desc.label = "bake depth";
     FOURDVT_ASSIGN(auto target, gpu::makeTarget(device, target_desc));
     camera.picture = std::move(picture);
+    if (mipmaps) camera.uploaded = {0, 0, pinhole.width, pinhole.height, 0, 0};  // what a new texture holds is undefined
     camera.depth = depth.take();
     camera.target = std::move(target);
     camera.cam_from_world = glm::mat4(pinhole.cam_from_world);
@@ -66,6 +69,24 @@ Result<GpuCapture> GpuCapture::create(gpu::Device& device, const std::vector<Pin
     capture.cameras_.push_back(std::move(camera));
   }
   return capture;
+}
+
+// Mipmaps mix what lies round the region into it: pixels of frames before would make a frame depend on them.
+void GpuCapture::uploadPicture(gpu::Device& device, Camera& camera, const PictureCrop& crop) {
+  const auto update = [&](const PictureRegion& r, const std::vector<uint8_t>& pixels) {
+    device.updateTexture(camera.picture.id(), {.x = r.x, .y = r.y, .width = r.width, .height = r.height},
+                         pixels.data());
+  };
+  const PictureRegion &before = camera.uploaded, &now = crop.region;
+  const bool covered = before.x >= now.x && before.y >= now.y && before.x + before.width <= now.x + now.width &&
+                       before.y + before.height <= now.y + now.height;
+  if (mipmaps_ && !before.empty() && !covered) {
+    clear_.resize(std::max(clear_.size(), size_t(4) * before.width * before.height));
+    update(before, clear_);
+  }
+  update(now, crop.premultiplied);
+  camera.uploaded = now;
+  if (mipmaps_) device.generateMipmaps(camera.picture.id());
 }
 
 void GpuCapture::setFrame(gpu::Device& device, const Positions& positions, const std::vector<PictureCrop>& crops) {
@@ -80,13 +101,7 @@ void GpuCapture::setFrame(gpu::Device& device, const Positions& positions, const
                 far_m = crop.region.near_m > 0 ? crop.region.far_m : 1.0f;
     camera.size_near_far = {pinhole.width, pinhole.height, near_m, far_m};
     camera.clip_from_world = glm::mat4(clipFromWorld(pinhole, near_m, far_m));
-    if (!crop.region.empty()) {
-      device.updateTexture(
-          camera.picture.id(),
-          {.x = crop.region.x, .y = crop.region.y, .width = crop.region.width, .height = crop.region.height},
-          crop.premultiplied.data());
-      if (mipmaps_) device.generateMipmaps(camera.picture.id());
-    }
+    if (!crop.region.empty()) uploadPicture(device, camera, crop);
     gpu::Pass pass;
     pass.target = camera.target.id();
     pass.width = pinhole.width;

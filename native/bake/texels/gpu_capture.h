@@ -42,7 +42,10 @@ class GpuCapture {
     gpu::Target target;
     glm::mat4 cam_from_world{1}, clip_from_world{1};
     glm::vec4 intrinsics{0}, size_near_far{0};
+    PictureRegion uploaded;  // of the picture; with mipmaps, the rest is clear
   };
+  void uploadPicture(gpu::Device& device, Camera& camera, const PictureCrop& crop);
+
   std::vector<Camera> cameras_;
   gpu::Texture corners_, positions_;
   gpu::Program depth_program_;
@@ -50,6 +53,7 @@ class GpuCapture {
   bool mipmaps_ = false;
   float depth_bias_m_ = kDepthBias_m;
   std::vector<glm::vec4> scratch_;
+  std::vector<uint8_t> clear_;
 };
 
 // Uploads `values` (padded to whole rows) into a table texture.
