@@ -6,7 +6,10 @@
 
 #include <algorithm>
 
+#include "bake/pieces.h"
 #include "bake/run/bake_run.h"
+#include "bake/run/checked_file.h"
+#include "bake/run/job_bytes.h"
 #include "bake/run/publish.h"
 #include "bake/run/renditions.h"
 #include "bake/stages/align_stage.h"
@@ -23,10 +26,13 @@
 #include "bake/stages/stream_plan.h"
 #include "bake/stages/survey.h"
 #include "bake/stages/validate.h"
+#include "base/hash.h"
 #include "platform/folders.h"
 
 namespace fourdvt::bake {
 namespace {
+
+constexpr const char* kJobFile = "/job.bin";
 
 // Tells the progress how much work every stage has to do, before the first of them begins.
 void expectWork(BakeRun& run) {
@@ -96,13 +102,25 @@ Status bakeCameras(BakeRun& run, ReportInput& report) {
   return assembleCameras(run, maps, room, report);
 }
 
-Result<BakeReport> runStages(BakeRun& run) {
-  const Job& job = run.job;
-  expectWork(run);
+// Completes the job: what every piece depends on is known afterwards, and kept.
+Status planJob(BakeRun& run) {
+  Job& job = run.job;
   FOURDVT_TRY(refineJob(run));
   FOURDVT_TRY(job.fromCameras() ? planCameraStreams(run) : planStreams(run));
-  FOURDVT_ASSIGN(run.work, WorkFolder::open(job.workFolder(), settingsKey(job), job.options.resume));
-  FOURDVT_TRY(keepRefinement(run));
+  settleKeys(job);
+  const auto restarts = [&] {
+    if (run.environment.note)
+      run.environment.note(
+          job.workFolder() +
+          ": holds work of other settings, of another capture or of another version; all begins again");
+  };
+  FOURDVT_ASSIGN(run.work, WorkFolder::open(job.workFolder(), job.settings_key, job.options.resume, restarts));
+  return keepRefinement(run);
+}
+
+// Makes what is missing, and publishes the character.
+Result<BakeReport> finishJob(BakeRun& run) {
+  const Job& job = run.job;
   ReportInput report;
   FOURDVT_TRY(job.fromCameras() ? bakeCameras(run, report) : bakeLayers(run, report));
   addFigures(run, report);
@@ -112,8 +130,15 @@ Result<BakeReport> runStages(BakeRun& run) {
       !published.ok())
     return Error{published.error().id,
                  "the character is published, but its report is not: " + published.error().message};
-  platform::removeFolder(job.workFolder());
   return report.figures;
+}
+
+Result<BakeReport> runStages(BakeRun& run) {
+  expectWork(run);
+  FOURDVT_TRY(planJob(run));
+  auto report = finishJob(run);
+  if (report) platform::removeFolder(run.job.workFolder());
+  return report;
 }
 
 // Tidies up after an unfinished bake: finished GOPs and what the survey measured stay, half a result never does.
@@ -135,11 +160,76 @@ std::string withoutTrailingSlash(std::string path) {
   return path;
 }
 
-}  // namespace
-
-Result<BakeReport> bake(const BakeOptions& given, const BakeEnvironment& environment) {
+BakeOptions resolved(const BakeOptions& given) {
   BakeOptions options = given;
   options.character_folder = withoutTrailingSlash(given.character_folder);
+  return options;
+}
+
+// The plan in a job folder, and the run that goes on by it.
+struct OpenJob {
+  jobs::Plan plan;
+  std::unique_ptr<BakeRun> run;
+};
+
+Result<OpenJob> openJob(const std::string& job_folder, const BakeEnvironment& environment) {
+  OpenJob out;
+  FOURDVT_ASSIGN(out.plan, jobs::readPlan(job_folder));
+  FOURDVT_TRY(jobs::checkTool(job_folder, out.plan));
+  FOURDVT_ASSIGN(const auto bytes, loadChecked(job_folder + kJobFile));
+  Job job;
+  if (!jobFrom(bytes, job)) return damagedFile(job_folder + kJobFile);
+  out.run = std::make_unique<BakeRun>(std::move(job), environment);
+  FOURDVT_ASSIGN(out.run->work, WorkFolder::join(job_folder, out.run->job.settings_key));
+  return out;
+}
+
+}  // namespace
+
+Result<jobs::Plan> planBake(const BakeOptions& given, std::vector<std::string> arguments,
+                            const BakeEnvironment& environment) {
+  BakeOptions options = resolved(given);
+  options.resume = true;
+  FOURDVT_ASSIGN(auto job, validate(options, environment));
+  BakeRun run(std::move(job), environment);
+  FOURDVT_TRY(planJob(run));
+  jobs::Plan plan;
+  plan.tool = jobs::thisTool();
+  plan.command = "bake";
+  plan.arguments = std::move(arguments);
+  plan.capture = run.job.capture.folder;
+  plan.result = run.job.options.character_folder;
+  plan.frames = run.job.total_frames;
+  plan.capture_s = run.job.total_frames / run.job.capture.fps;
+  for (const BakePiece& piece : bakePieces(run.job)) plan.pieces.push_back(piece.piece);
+  FOURDVT_TRY(jobs::settleHashes(fnv1a(run.job.settings_key + plan.tool.build), plan));
+  FOURDVT_TRY(saveChecked(run.job.workFolder() + kJobFile, jobBytes(run.job)));
+  FOURDVT_TRY(jobs::writePlan(run.job.workFolder(), plan));
+  return plan;
+}
+
+Status bakePiece(const std::string& job_folder, const std::string& id, int threads,
+                 const BakeEnvironment& environment) {
+  FOURDVT_ASSIGN(const OpenJob open, openJob(job_folder, environment));
+  open.run->job.options.jobs = threads;
+  for (const BakePiece& piece : bakePieces(open.run->job))
+    if (piece.piece.id == id) return runPiece(*open.run, piece);
+  return Error{ErrorId::InvalidArgument, job_folder + ": has no piece " + id + "; plan.json lists them"};
+}
+
+Result<BakeReport> finishBake(const std::string& job_folder, const BakeEnvironment& environment) {
+  FOURDVT_ASSIGN(const OpenJob open, openJob(job_folder, environment));
+  expectWork(*open.run);
+  auto report = finishJob(*open.run);
+  if (!report) {
+    platform::removeFolder(open.run->job.resultFolder());
+    platform::removeFolder(open.run->job.reportFolder());
+  }
+  return report;
+}
+
+Result<BakeReport> bake(const BakeOptions& given, const BakeEnvironment& environment) {
+  const BakeOptions options = resolved(given);
   const auto started = std::chrono::steady_clock::now();
   auto job = validate(options, environment);
   if (!job) {

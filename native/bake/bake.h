@@ -14,9 +14,23 @@
 #include "bake/run/figures.h"
 #include "bake/run/options.h"
 #include "base/result.h"
+#include "jobs/plan.h"
 
 namespace fourdvt::bake {
 
 Result<BakeReport> bake(const BakeOptions& options, const BakeEnvironment& environment);
+
+// The same in pieces (pieces.h), which any process with the same files may compute, several at once. The job folder is
+// the work folder, CHARACTER.work.
+//
+// Checks and plans everything, and writes the plan into the job folder. `arguments`: the command line, for readers of
+// the plan. What the folder has of the same capture and settings stays.
+Result<jobs::Plan> planBake(const BakeOptions& options, std::vector<std::string> arguments,
+                            const BakeEnvironment& environment);
+// Computes one piece, or nothing where it is done. Errors: those of its stage, InvalidArgument (no such piece, files
+// that have changed, a plan of another build).
+Status bakePiece(const std::string& job_folder, const std::string& id, int threads, const BakeEnvironment& environment);
+// Writes the character and its report from finished pieces, and makes what is missing of them. The job folder stays.
+Result<BakeReport> finishBake(const std::string& job_folder, const BakeEnvironment& environment);
 
 }  // namespace fourdvt::bake

@@ -134,8 +134,14 @@ Result<std::vector<uint8_t>> readFileRange(const std::string& path, uint64_t off
   return readSpan(path, offset, bytes, false);
 }
 
+std::string ownSuffix() {
+  char host[256] = "";
+  ::gethostname(host, sizeof host - 1);
+  return std::string(host) + "." + std::to_string(::getpid());
+}
+
 Status writeFileAtomic(const std::string& path, std::span<const uint8_t> bytes) {
-  const std::string temporary = path + ".tmp" + std::to_string(::getpid());
+  const std::string temporary = path + ".tmp" + ownSuffix();
   FileDescriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
   if (file.get() < 0) return writeError(path, errno);
   const bool written = writeAll(file.get(), bytes) && ::fsync(file.get()) == 0 && file.close() &&

@@ -8,6 +8,7 @@
 #include "bake/run/renditions.h"
 #include "render/cameras/camera_method.h"
 #include "tools/args.h"
+#include "tools/bake_arguments.h"
 #include "tools/choice.h"
 #include "tools/commands.h"
 #include "tools/progress_line.h"
@@ -192,48 +193,60 @@ bake::BakeOptions readOptions(Args& args) {
   return o;
 }
 
-void printSummary(const bake::BakeOptions& options, const bake::BakeReport& report, double seconds) {
+}  // namespace
+
+void printBakeSummary(const std::string& character_folder, const bake::BakeReport& report, double seconds) {
   uint64_t bytes = 0;
   for (const auto& [part, size] : report.bytes_by_part) bytes += size;
   std::printf("%s: %u frames, %.2f MB, %.1f s (%.2f s per frame), peak memory %.0f MB\nreport: %s/report.html\n",
-              options.character_folder.c_str(), report.frames, bytes / 1e6, seconds,
+              character_folder.c_str(), report.frames, bytes / 1e6, seconds,
               report.frames ? seconds / report.frames : 0.0, report.peak_rss_bytes / 1e6,
-              bake::reportFolderOf(options.character_folder).c_str());
+              bake::reportFolderOf(character_folder).c_str());
 }
 
-}  // namespace
-
-int bakeCommand(int argc, char** argv, const BakeExtension* extension) {
+BakeCommandLine readBakeCommand(int argc, char** argv, const BakeExtension* extension) {
   CommandHelp known = help();
   if (extension) known.options.push_back(extension->option);
   Args args(known, argc, argv);
-  bake::BakeOptions options = readOptions(args);
-  if (extension) extension->read(args, options);
+  BakeCommandLine line{readOptions(args), std::nullopt};
+  if (extension) extension->read(args, line.options);
   if (args.problem().empty() && !args.wantsHelp()) {
-    const std::string wrong = options.check();
+    const std::string wrong = line.options.check();
     if (!wrong.empty()) args.complain(wrong);
   }
-  if (const auto code = helpOrProblem(known, args)) return *code;
+  line.exit_code = helpOrProblem(known, args);
+  if (line.exit_code) return line;
+  const Status found = bake::checkEncoder(line.options.codec, line.options.preset);
+  if (!found.ok()) line.exit_code = fail(found.error());
+  return line;
+}
 
-  if (const Status found = bake::checkEncoder(options.codec, options.preset); !found.ok()) return fail(found.error());
+bake::BakeEnvironment bakeEnvironment(const GpuSession& gpu, ProgressLine& line) {
+  bake::BakeEnvironment environment;
+  environment.device = gpu.device.get();
+  environment.open_video = videoOpener();
+  environment.progress = [&line](const bake::Progress& p) {
+    line.show({p.stage, p.done, p.total, p.frames_per_s, p.left_s});
+  };
+  environment.note = [](const std::string& note) { std::printf("%s\n", note.c_str()), std::fflush(stdout); };
+  return environment;
+}
+
+int bakeCommand(int argc, char** argv, const BakeExtension* extension) {
+  const auto [options, exit_code] = readBakeCommand(argc, argv, extension);
+  if (exit_code) return *exit_code;
   const std::atomic<bool>* stop = listenForStop();
   auto gpu = openGpu();
   if (!gpu.ok()) return fail(gpu.error());
   ProgressLine line;
-  bake::BakeEnvironment environment;
-  environment.device = gpu.value().device.get();
-  environment.open_video = videoOpener();
-  environment.progress = [&](const bake::Progress& p) {
-    line.show({p.stage, p.done, p.total, p.frames_per_s, p.left_s});
-  };
-  environment.note = [](const std::string& note) { std::printf("%s\n", note.c_str()), std::fflush(stdout); };
+  bake::BakeEnvironment environment = bakeEnvironment(gpu.value(), line);
   environment.stop = stop;
   const auto start = std::chrono::steady_clock::now();
   auto report = bake::bake(options, environment);
   line.end();
   if (!report.ok()) return fail(report.error());
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  printSummary(options, report.value(), seconds.count());
+  printBakeSummary(options.character_folder, report.value(), seconds.count());
   return kOk;
 }
 

@@ -109,6 +109,8 @@ class Solver {
     return {};
   }
 
+  Status keeping() const { return keeping_; }  // an error of the keeper
+
   LabelStatistics statistics() const {
     LabelStatistics out = meter_.statistics();
     out.seconds = std::chrono::duration<double>(Clock::now() - started_ - outside_).count();
@@ -128,7 +130,7 @@ class Solver {
   LabelMeter meter_;
   std::mutex mutex_;  // frames_ as a map; every frame belongs to one window at a time
   std::map<uint32_t, Frame> frames_;
-  Status keeping_;  // an error of the keeper
+  Status keeping_;
   Clock::time_point started_ = Clock::now();
   Clock::duration outside_{};  // spent in source, sink and meter
 };
@@ -175,6 +177,28 @@ Result<LabelStatistics> solveLabels(const LabelOptions& options, const FaceGraph
       {[&](const LabelWindow& w) { return solver.load(w); }, [&](const LabelWindow& w) { solver.solve(w); }, finish},
       exchange.stop));
   return solver.statistics();
+}
+
+Status solveLabelWindows(const LabelOptions& options, const FaceGraph& graph, uint32_t frame_count,
+                         const std::vector<size_t>& windows, const LabelExchange& exchange) {
+  if (const std::string wrong = complaint(options); !wrong.empty())
+    return Error{ErrorId::InvalidArgument, "labelling: " + wrong};
+  const std::vector<LabelWindow> all = planWindows(options, frame_count);
+  for (const size_t number : windows) {
+    const LabelWindow& window = all[number];
+    if (!exchange.keeper->find(window.first, window.end).empty()) continue;
+    Solver solver(options, graph, exchange);
+    std::vector<const LabelWindow*> steps;
+    if (window.odd) steps = {&all[number - 1], &all[number + 1]};
+    steps.push_back(&window);
+    for (const LabelWindow* step : steps) {
+      if (exchange.stop && *exchange.stop) return Error{ErrorId::Interrupted, "stopped while labelling"};
+      FOURDVT_TRY(solver.load(*step));
+      solver.solve(*step);
+    }
+    FOURDVT_TRY(solver.keeping());
+  }
+  return {};
 }
 
 }  // namespace fourdvt::bake

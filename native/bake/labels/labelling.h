@@ -93,4 +93,10 @@ struct LabelExchange {
 Result<LabelStatistics> solveLabels(const LabelOptions& options, const FaceGraph& graph, uint32_t frame_count,
                                     const LabelExchange& exchange);
 
+// Solves some windows (numbers in planWindows' list) and gives their labels to the keeper, which must be there; those
+// of even windows that an odd one needs are solved too, unless the keeper has them. No labels reach the sink. Errors:
+// those of costs and keeper; Interrupted once *stop.
+Status solveLabelWindows(const LabelOptions& options, const FaceGraph& graph, uint32_t frame_count,
+                         const std::vector<size_t>& windows, const LabelExchange& exchange);
+
 }  // namespace fourdvt::bake

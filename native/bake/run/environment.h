@@ -25,6 +25,7 @@ struct BakeEnvironment {
   const refine::Refinement* refinement = nullptr;  // already known for this capture; null: the bake makes it
   std::function<void(const Progress&)> progress;
   std::function<void(const std::string&)> note;  // one line that the user should read before the work begins
+  std::string writer;  // of unfinished files (RecordFile): one of its own where several processes bake at once
   const std::atomic<bool>* stop = nullptr;  // set by Ctrl-C: finish the frame, keep finished GOPs, return Interrupted
 };
 

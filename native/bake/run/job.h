@@ -3,6 +3,7 @@
 // and cameras, and planStreams completes it; after that only the align stage sets what it measures.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,6 +17,8 @@
 #include "package/base_mesh.h"
 
 namespace fourdvt::bake {
+
+constexpr uint32_t kInputWindow = 32;  // frames, Job::input_digests
 
 // One encoding of a stream's tiled picture.
 struct RenditionPlan {
@@ -66,6 +69,13 @@ struct Job {
   std::vector<std::string> notes;  // what the user should know about the plan
   // [sequence][frame][camera], from cameras: what each camera shows of the surface.
   std::vector<std::vector<std::vector<package::Rect>>> regions;
+  // Set once the plan is complete: what the work folder's files depend on (settingsKey), and by sequence what
+  // visibility depends on (captureKey), and the digests of the files of every kInputWindow frames
+  // (capture/input_files.h).
+  std::string settings_key;
+  std::map<std::string, std::string> capture_keys;
+  std::map<std::string, std::vector<uint64_t>> input_digests;
+  uint64_t common_input_digest = 0;
   bool fromCameras() const { return options.appearance == package::AppearanceKind::Cameras; }
   uint32_t streamFrames() const;  // number of frames of all streams
   // Beside the character folder and on its file system: finished GOPs, and the result until it is published.

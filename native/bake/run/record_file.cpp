@@ -36,13 +36,14 @@ bool RecordFile::isComplete(const std::string& path, size_t record_bytes, uint32
   return fs::exists(path) && sizeOf(path) == uint64_t(record_bytes) * records;
 }
 
-Result<RecordFile> RecordFile::resume(const std::string& path, size_t record_bytes, uint32_t records) {
+Result<RecordFile> RecordFile::resume(const std::string& path, size_t record_bytes, uint32_t records,
+                                      const std::string& writer) {
   RecordFile out;
   out.path_ = path;
   out.record_bytes_ = record_bytes;
   out.records_ = records;
   const bool complete = isComplete(path, record_bytes, records);
-  out.open_path_ = complete ? path : path + ".part";
+  out.open_path_ = complete ? path : path + ".part" + writer;
   std::error_code ignored;
   if (!complete && fs::exists(out.open_path_, ignored)) {  // drops a record that was only half written
     const uint64_t whole = sizeOf(out.open_path_) / record_bytes;

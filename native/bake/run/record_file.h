@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A file of records of equal size, appended one after the other: "PATH.part" until it is complete, then PATH. A writer
-// that was interrupted goes on after the last whole record. Does NOT check what is in the records.
+// that was interrupted goes on after the last whole record. Writers that may work on one file at once have names of
+// their own, which "PATH.part" ends with; the first that completes it counts. Does NOT check what is in the records.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +19,8 @@ class RecordFile {
  public:
   static bool isComplete(const std::string& path, size_t record_bytes, uint32_t records);
   // Opens what exists, complete or not, for appending and reading. Errors: WriteFailed.
-  static Result<RecordFile> resume(const std::string& path, size_t record_bytes, uint32_t records);
+  static Result<RecordFile> resume(const std::string& path, size_t record_bytes, uint32_t records,
+                                   const std::string& writer = {});
   static Result<std::vector<uint8_t>> readOne(const std::string& path, size_t record_bytes, uint32_t index);
 
   uint32_t count() const { return count_; }

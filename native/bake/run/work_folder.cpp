@@ -2,6 +2,7 @@
 #include "bake/run/work_folder.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -16,6 +17,11 @@ namespace fourdvt::bake {
 namespace {
 
 constexpr const char* kLayersExtension = ".layers";
+constexpr const char* kKeyFile = "/settings.txt";
+
+bool isKey(const std::vector<uint8_t>& bytes, const std::string& key) {
+  return std::string(bytes.begin(), bytes.end()) == key;
+}
 
 void putBytes(ByteWriter& out, const std::vector<uint8_t>& bytes) {
   out.u32(static_cast<uint32_t>(bytes.size()));
@@ -105,24 +111,47 @@ std::vector<Image> takeAtlases(ByteReader& in) {
 
 }  // namespace
 
-Result<WorkFolder> WorkFolder::open(const std::string& path, const std::string& key, bool resume) {
-  WorkFolder folder;
-  folder.path_ = path;
-  const std::string key_path = path + "/settings.txt";
-  bool keep = false;
-  if (auto old = platform::readFile(key_path); resume && old.ok())
-    keep = std::string(old.value().begin(), old.value().end()) == key;
-  if (!keep) platform::removeFolder(path);
-  FOURDVT_TRY(platform::makeFolder(path));
+Result<WorkFolder> WorkFolder::open(const std::string& path, const std::string& key, bool resume,
+                                    const std::function<void()>& on_restart) {
+  const std::string key_path = path + kKeyFile;
+  const auto old = platform::readFile(key_path);
+  const bool keep = resume && old && isKey(old.value(), key);
+  if (!keep) {
+    if (resume && old && on_restart) on_restart();
+    platform::removeFolder(path);
+  }
+  WorkFolder folder(path, key);
+  FOURDVT_TRY(platform::makeFolder(folder.path_));
   FOURDVT_TRY(platform::writeFileAtomic(key_path, key));
   return folder;
 }
 
+Result<WorkFolder> WorkFolder::join(const std::string& path, const std::string& key) {
+  if (const auto now = platform::readFile(path + kKeyFile); now && isKey(now.value(), key))
+    return WorkFolder(path, key);
+  return Error{ErrorId::InvalidArgument, path + ": is not the folder of this plan any more; run `fourdvt plan` again"};
+}
+
+WorkFolder::WorkFolder(const std::string& path, const std::string& key) : root_(path) {
+  char digits[17];
+  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(fnv1a(key)));
+  path_ = path + "/baked_" + digits;
+}
+
 bool WorkFolder::holdsGops(const std::string& path) {
   std::error_code ignored;
-  for (std::filesystem::directory_iterator file(path, ignored), end; file != end; file.increment(ignored))
+  for (std::filesystem::recursive_directory_iterator file(path, ignored), end; !ignored && file != end;
+       file.increment(ignored))
     if (file->path().extension() == ".gop") return true;
   return false;
+}
+
+Status WorkFolder::saveResult(const std::string& name, const std::vector<uint8_t>& bytes) const {
+  return saveChecked(path_ + "/" + name + ".result", bytes);
+}
+
+Result<std::vector<uint8_t>> WorkFolder::loadResult(const std::string& name) const {
+  return loadChecked(path_ + "/" + name + ".result");
 }
 
 std::string WorkFolder::gopPath(const std::string& sequence, uint32_t gop) const {

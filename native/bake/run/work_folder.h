@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Keeps finished GOPs on disk, so that memory does not grow with the length and an interrupted bake can go on. Files
-// are written atomically and checksummed; a damaged one counts as absent.
+// are written atomically and checksummed; a damaged one counts as absent. They lie in a folder whose name is a hash of
+// what they depend on, so that a process that bakes by an older plan cannot mix its own among them.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,8 +36,13 @@ enum class Precision { Fine, Coarse };  // of a chunk's positions
 
 class WorkFolder {
  public:
-  // `key`: settingsKey. What an earlier run left stays only if `resume` is set and the keys agree. Errors: WriteFailed.
-  static Result<WorkFolder> open(const std::string& path, const std::string& key, bool resume);
+  WorkFolder() = default;
+  // `key`: settingsKey. What an earlier run left stays only if `resume` is set and the keys agree; `on_restart` is
+  // called if it is removed although `resume` is set. Errors: WriteFailed.
+  static Result<WorkFolder> open(const std::string& path, const std::string& key, bool resume,
+                                 const std::function<void()>& on_restart = {});
+  // The folder as it is. Errors: InvalidArgument if it has another key.
+  static Result<WorkFolder> join(const std::string& path, const std::string& key);
   // Whether a bake in this folder has finished a GOP, with whatever settings.
   static bool holdsGops(const std::string& path);
   bool hasGop(const std::string& sequence, uint32_t gop) const;
@@ -55,14 +62,20 @@ class WorkFolder {
   Status saveLayers(const std::string& sequence, uint32_t frame, const std::vector<Image>& layers) const;
   Result<std::vector<Image>> loadLayers(const std::string& sequence, uint32_t frame) const;
   void removeLayers() const;  // of all frames
-  const std::string& path() const { return path_; }
+  // Further results of the whole bake, such as "graph". What is absent or damaged is an error.
+  Status saveResult(const std::string& name, const std::vector<uint8_t>& bytes) const;
+  Result<std::vector<uint8_t>> loadResult(const std::string& name) const;
+  const std::string& path() const { return root_; }
+  // Where files of a stage's own lie.
+  const std::string& filesFolder() const { return path_; }
 
  private:
+  WorkFolder(const std::string& path, const std::string& key);
   std::string gopPath(const std::string& sequence, uint32_t gop) const;
   std::string chunkPath(const std::string& sequence, uint32_t gop, Precision precision) const;
   std::string layersPath(const std::string& sequence, uint32_t frame) const;
   std::string stillPath() const { return path_ + "/still.bin"; }
-  std::string path_;
+  std::string root_, path_;
 };
 
 }  // namespace fourdvt::bake

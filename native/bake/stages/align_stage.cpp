@@ -24,6 +24,8 @@ class ClassAligner {
 
   // [phase], steadied over the whole motion.
   Result<std::vector<AlignedFrame>> run();
+  // The records of one GOP, complete.
+  Result<RecordFile> finished(uint32_t gop);
 
  private:
   Status open();
@@ -54,12 +56,7 @@ class ClassAligner {
 Result<std::vector<AlignedFrame>> ClassAligner::run() {
   std::vector<AlignedFrame> frames;
   for (uint32_t g = 0; g < plan_.gop_first_frames.size(); ++g) {
-    FOURDVT_ASSIGN(auto file, recordsOf(g));
-    if (file.count() < framesOf(g)) {
-      if (!aligner_) FOURDVT_TRY(open());
-      FOURDVT_TRY(alignGop(g, file));
-    }
-    FOURDVT_TRY(file.finish());
+    FOURDVT_ASSIGN(auto file, finished(g));
     StageClock::Span span(run_.clock, Stage::Align);
     for (uint32_t f = 0; f < framesOf(g); ++f) {
       FOURDVT_ASSIGN(auto record, file.read(f));
@@ -69,6 +66,16 @@ Result<std::vector<AlignedFrame>> ClassAligner::run() {
   StageClock::Span span(run_.clock, Stage::Align);
   steadyAlignment(frames, plan_.motion.loop);
   return frames;
+}
+
+Result<RecordFile> ClassAligner::finished(uint32_t gop) {
+  FOURDVT_ASSIGN(auto file, recordsOf(gop));
+  if (file.count() < framesOf(gop)) {
+    if (!aligner_) FOURDVT_TRY(open());
+    FOURDVT_TRY(alignGop(gop, file));
+  }
+  FOURDVT_TRY(file.finish());
+  return file;
 }
 
 Status ClassAligner::open() {
@@ -93,8 +100,8 @@ Status ClassAligner::open() {
 }
 
 Result<RecordFile> ClassAligner::recordsOf(uint32_t gop) const {
-  return RecordFile::resume(run_.work.path() + "/" + plan_.name + "." + std::to_string(gop) + ".alignment",
-                            recordBytes(), framesOf(gop));
+  return RecordFile::resume(run_.work.filesFolder() + "/" + plan_.name + "." + std::to_string(gop) + ".alignment",
+                            recordBytes(), framesOf(gop), run_.environment.writer);
 }
 
 Status ClassAligner::alignGop(uint32_t gop, RecordFile& file) {
@@ -187,22 +194,28 @@ bool hasChunks(const StreamPlan& plan, const WorkFolder& work) {
 
 }  // namespace
 
-Status alignClasses(BakeRun& run) {
-  Job& job = run.job;
-  std::optional<package::ChunkMesh> mesh;
-  for (StreamPlan& plan : job.streams) {
-    if (!plan.isClass()) continue;
-    StageProgress progress(run.progress, job.options.classes.align ? alignWork(plan) : 0);
-    std::vector<AlignedFrame> aligned;
-    if (job.options.classes.align) {
-      FOURDVT_ASSIGN(aligned, ClassAligner(run, plan, progress).run());
-      plan.detail_correlation = meanCorrelation(aligned);
-    }
-    if (hasChunks(plan, run.work)) continue;
-    StageClock::Span span(run.clock, Stage::Geometry);
-    if (!mesh) mesh = package::makeChunkMesh(job.mesh.decoded);
-    FOURDVT_TRY(codeChunks(run, plan, aligned, *mesh));
+Status alignGop(BakeRun& run, const StreamPlan& plan, uint32_t gop) {
+  StageProgress progress(run.progress, 0);
+  FOURDVT_ASSIGN([[maybe_unused]] const auto file, ClassAligner(run, plan, progress).finished(gop));
+  return {};
+}
+
+Status alignClass(BakeRun& run, StreamPlan& plan) {
+  const bool aligns = run.job.options.classes.align;
+  StageProgress progress(run.progress, aligns ? alignWork(plan) : 0);
+  std::vector<AlignedFrame> aligned;
+  if (aligns) {
+    FOURDVT_ASSIGN(aligned, ClassAligner(run, plan, progress).run());
+    plan.detail_correlation = meanCorrelation(aligned);
   }
+  if (hasChunks(plan, run.work)) return {};
+  StageClock::Span span(run.clock, Stage::Geometry);
+  return codeChunks(run, plan, aligned, package::makeChunkMesh(run.job.mesh.decoded));
+}
+
+Status alignClasses(BakeRun& run) {
+  for (StreamPlan& plan : run.job.streams)
+    if (plan.isClass()) FOURDVT_TRY(alignClass(run, plan));
   return {};
 }
 

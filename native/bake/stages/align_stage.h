@@ -10,5 +10,9 @@ namespace fourdvt::bake {
 
 // Errors: GpuFailure, VideoInvalid, WriteFailed, Interrupted.
 Status alignClasses(BakeRun& run);
+// One class of them.
+Status alignClass(BakeRun& run, StreamPlan& plan);
+// Measures the phases of one GOP of a class, whose GOP is finished.
+Status alignGop(BakeRun& run, const StreamPlan& plan, uint32_t gop);
 
 }  // namespace fourdvt::bake

@@ -29,11 +29,24 @@ Status CameraGops::run() {
   return {};
 }
 
+bool CameraGops::isFinished(const StreamPlan& plan, uint32_t gop) const {
+  return run_.work.hasGop(plan.name, gop) && run_.work.hasChunk(plan.name, gop);
+}
+
+Status CameraGops::runOne(const StreamPlan& plan, uint32_t gop) {
+  if (isFinished(plan, gop)) return {};
+  FOURDVT_ASSIGN(const auto reader,
+                 capture::FrameReader::open(job_.capture, *plan.motion.members[0].source, run_.environment.open_video,
+                                            plan.gop_first_frames[gop]));
+  FOURDVT_ASSIGN(const auto open, drawGop(plan, gop, *reader));
+  return saveGop(*open, plan, gop);
+}
+
 Status CameraGops::bakeStream(const StreamPlan& plan) {
   std::unique_ptr<capture::FrameReader> reader;
   for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
     const uint32_t first = plan.gop_first_frames[g];
-    if (run_.work.hasGop(plan.name, g) && run_.work.hasChunk(plan.name, g)) {
+    if (isFinished(plan, g)) {
       run_.progress.frames_done += plan.gopEnd(g) - first;
       run_.progress.skip((plan.gopEnd(g) - first) * encodeWork(job_.options));
       continue;

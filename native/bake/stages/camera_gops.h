@@ -16,11 +16,13 @@ class CameraGops {
   // maps: one per camera, or none.
   CameraGops(BakeRun& run, std::vector<ColourMap> maps) : run_(run), job_(run.job), maps_(std::move(maps)) {}
 
-  Status run();                                    // Errors: those of capture and encoder, WriteFailed, Interrupted
-  uint32_t framesBaked() const { return baked_; }  // by this run
+  Status run();  // Errors: those of capture and encoder, WriteFailed, Interrupted
+  Status runOne(const StreamPlan& plan, uint32_t gop);  // one GOP alone
+  uint32_t framesBaked() const { return baked_; }       // by this run
 
  private:
   struct OpenGop;
+  bool isFinished(const StreamPlan& plan, uint32_t gop) const;
   Status bakeStream(const StreamPlan& plan);
   Result<std::unique_ptr<OpenGop>> drawGop(const StreamPlan& plan, uint32_t gop, capture::FrameReader& reader);
   Status drawFrame(OpenGop& open, const StreamPlan& plan, const capture::CaptureFrame& frame);

@@ -75,6 +75,22 @@ bool GopStage::isFinished(const StreamPlan& plan, uint32_t gop) const {
   return !isFirst(plan) || gop > 0 || run_.work.hasStill();
 }
 
+Status GopStage::runOne(const StreamPlan& plan, uint32_t gop) {
+  if (isFinished(plan, gop)) return {};
+  FOURDVT_TRY(start());
+  FOURDVT_ASSIGN(const auto reader, openStream(plan));
+  FOURDVT_TRY(bakeGop(plan, gop, *reader));
+  return waitForSave();
+}
+
+Result<std::unique_ptr<StreamReader>> GopStage::openStream(const StreamPlan& plan) {
+  FOURDVT_ASSIGN(auto reader, StreamReader::create(run_, plan));
+  looks_.assign(plan.motion.members.size(), {});
+  kept_ = shownByClasses(job_, plan);
+  picture_ = I420Picture(plan.layout().width, plan.layout().height);
+  return reader;
+}
+
 Status GopStage::bakeStream(const StreamPlan& plan) {
   std::unique_ptr<StreamReader> reader;  // stays open over neighbouring GOPs
   for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
@@ -86,10 +102,7 @@ Status GopStage::bakeStream(const StreamPlan& plan) {
       continue;
     }
     if (!reader) {
-      FOURDVT_ASSIGN(reader, StreamReader::create(run_, plan));
-      looks_.assign(plan.motion.members.size(), {});
-      kept_ = shownByClasses(job_, plan);
-      picture_ = I420Picture(plan.layout().width, plan.layout().height);
+      FOURDVT_ASSIGN(reader, openStream(plan));
     }
     FOURDVT_TRY(bakeGop(plan, g, *reader));
     if (run_.stopped()) FOURDVT_TRY(waitForSave());  // on every lane: a finished GOP is kept

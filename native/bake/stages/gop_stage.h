@@ -20,6 +20,8 @@ class GopStage {
   GopStage(BakeRun& run, const Survey& survey) : run_(run), job_(run.job), survey_(survey) {}
 
   Status run();  // Errors: those of capture, GPU and encoder, WriteFailed, Interrupted
+  // One GOP alone. Layers that classes show stay in the work folder.
+  Status runOne(const StreamPlan& plan, uint32_t gop);
   uint32_t framesBaked() const { return baked_; }  // by this run
 
  private:
@@ -37,6 +39,7 @@ class GopStage {
 
   Status start();
   Status bakeStream(const StreamPlan& plan);
+  Result<std::unique_ptr<StreamReader>> openStream(const StreamPlan& plan);
   bool isFinished(const StreamPlan& plan, uint32_t gop) const;
   Status bakeGop(const StreamPlan& plan, uint32_t gop, StreamReader& reader);
   Result<DrawnFrame> drawFrame(const StreamPlan& plan, PreparedFrame frame);

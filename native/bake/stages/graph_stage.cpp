@@ -12,6 +12,7 @@ namespace fourdvt::bake {
 namespace {
 
 constexpr int kInnerPoints = 3;
+constexpr const char* kGraphResult = "graph";
 
 std::vector<std::pair<size_t, size_t>> neighbours(const ClassPlan& plan) {
   std::vector<size_t> order(plan.members.size());
@@ -141,6 +142,7 @@ Result<std::vector<uint8_t>> makeGraph(BakeRun& run) {
   const Job& job = run.job;
   StageProgress progress(run.progress, infoOf(Stage::Graph).work_s * job.streamFrames());
   if (job.streams.size() < 2) return std::vector<uint8_t>();
+  if (auto kept = run.work.loadResult(kGraphResult)) return kept;
   StageClock::Span span(run.clock, Stage::Graph);
   FOURDVT_ASSIGN(auto blend, NonlinearBlend::create(job.mesh.decoded.topology, job.mesh.decoded.positions));
   MeshReader meshes(job);
@@ -162,6 +164,7 @@ Result<std::vector<uint8_t>> makeGraph(BakeRun& run) {
   };
   auto graph = buildMotionGraph(descriptions, options, tell);
   if (!graph && graph.error().id == ErrorId::Interrupted) FOURDVT_TRY(run.checkStop());
+  if (graph) FOURDVT_TRY(run.work.saveResult(kGraphResult, graph.value()));
   return graph;
 }
 

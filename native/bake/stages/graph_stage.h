@@ -10,8 +10,8 @@ namespace fourdvt::bake {
 // neighbours (with one parameter, neighbours by its value; with two, all pairs). For a plain sequence: {{1}}.
 std::vector<std::vector<float>> graphWeights(const ClassPlan& plan);
 
-// Returns the bytes of the graph's file, empty for a character of one stream. Needs all GOPs to be finished. Errors:
-// those of capture, Interrupted.
+// Returns the bytes of the graph's file, empty for a character of one stream. Kept in the work folder. Needs all GOPs
+// to be finished. Errors: those of capture, Interrupted.
 Result<std::vector<uint8_t>> makeGraph(BakeRun& run);
 
 }  // namespace fourdvt::bake

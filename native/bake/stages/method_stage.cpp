@@ -154,6 +154,19 @@ Result<TrialSums> tryPlaces(BakeRun& run, const std::vector<ColourMap>& maps, si
 
 }  // namespace
 
+uint32_t triedFrames(const Job& job) {
+  if (!job.options.cameras.method.empty() || job.cameras.size() < 3) return 0;
+  return std::min(kTrialFrames, job.total_frames);
+}
+
+Status tryMethodsOn(BakeRun& run, const std::vector<ColourMap>& maps, uint32_t number) {
+  StageClock::Span span(run.clock, Stage::Method);
+  FOURDVT_ASSIGN(const size_t faces, streamedFaces(run.job));
+  FOURDVT_ASSIGN(const auto methods, methodsOf(run.device(), run.job.options.cameras, faces));
+  FOURDVT_ASSIGN([[maybe_unused]] const auto sums, keptTrial(run, maps, placesOf(run.job).at(number), methods));
+  return {};
+}
+
 Result<ChosenMethod> chooseBakedMethod(BakeRun& run, const std::vector<ColourMap>& maps) {
   Job& job = run.job;
   ChosenMethod out;
@@ -162,7 +175,7 @@ Result<ChosenMethod> chooseBakedMethod(BakeRun& run, const std::vector<ColourMap
   StageClock::Span span(run.clock, Stage::Method);
   FOURDVT_ASSIGN(const size_t faces, streamedFaces(job));
   TrialSums all;
-  if (job.cameras.size() >= 3) {
+  if (triedFrames(job) > 0) {
     FOURDVT_ASSIGN(all, tryPlaces(run, maps, faces, out));
   }
   out.views = all.views;

@@ -16,4 +16,9 @@ constexpr uint32_t kTrialFrames = 3;  // of the whole capture, spread over its s
 // WriteFailed, Interrupted.
 Result<ChosenMethod> chooseBakedMethod(BakeRun& run, const std::vector<ColourMap>& maps);
 
+// How many frames chooseBakedMethod tries; 0: it measures nothing.
+uint32_t triedFrames(const Job& job);
+// Tries the methods on one of these frames, and keeps what they gave.
+Status tryMethodsOn(BakeRun& run, const std::vector<ColourMap>& maps, uint32_t number);
+
 }  // namespace fourdvt::bake

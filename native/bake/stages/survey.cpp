@@ -18,9 +18,6 @@ namespace fourdvt::bake {
 namespace {
 
 constexpr const char* kKept = "visibility and labels measured so far";
-constexpr uint32_t kHysteresisFrames = 2;  // on either side
-// Compares colours in every kColourEvery-th of the first kColourFrames frames of a sequence.
-constexpr uint32_t kColourEvery = 4, kColourFrames = 32;
 constexpr double kMeasuringShare = 0.8;  // share of the survey's time; labelling takes the rest
 
 bool showsColours(uint32_t frame) { return frame < kColourFrames && frame % kColourEvery == 0; }
@@ -49,6 +46,14 @@ Status checkVisible(const Job& job, const capture::CaptureSequence& sequence, co
   return Error{ErrorId::NothingVisible, sequence.folder + text};
 }
 
+LabelOptions labelOptions(const Job& job) {
+  LabelOptions options;
+  options.rule = job.options.labels;
+  options.layers = job.options.layers;
+  options.jobs = job.options.jobs;
+  return options;
+}
+
 }  // namespace
 
 Survey::Survey(const Job& job) : job_(&job), folder_(job.surveyFolder()) {
@@ -63,10 +68,16 @@ Survey::Survey(const Job& job) : job_(&job), folder_(job.surveyFolder()) {
   colours_path_ = keyedPath(folder_, "colours", all);
 }
 
-Result<Survey> Survey::make(BakeRun& run) {
+Result<Survey> Survey::open(BakeRun& run) {
   Survey survey(run.job);
-  StageProgress progress(run.progress, infoOf(Stage::Visibility).work_s * run.job.total_frames);
   FOURDVT_TRY(platform::makeFolder(survey.folder_));
+  survey.loadColours();
+  return survey;
+}
+
+Result<Survey> Survey::make(BakeRun& run) {
+  FOURDVT_ASSIGN(Survey survey, open(run));
+  StageProgress progress(run.progress, infoOf(Stage::Visibility).work_s * run.job.total_frames);
   FOURDVT_TRY(survey.measure(run, progress));
   uint32_t before = 0;
   for (const capture::CaptureSequence& sequence : run.job.capture.sequences) {
@@ -81,7 +92,7 @@ Result<Survey> Survey::make(BakeRun& run) {
 }
 
 Status Survey::measure(BakeRun& run, StageProgress& progress) {
-  const bool need_colours = job_->options.colour_calibration && job_->cameras.size() > 1 && !loadColours();
+  const bool need_colours = matchesColours() && colour_maps_.empty();
   ColourCalibrator calibrator(job_->cameras.size());
   Measuring measuring;
   if (need_colours) measuring.calibrator = &calibrator;
@@ -95,10 +106,33 @@ Status Survey::measure(BakeRun& run, StageProgress& progress) {
     FOURDVT_TRY(measureSequence(run, sequence, measuring));
     before += sequence.frame_count;
   }
-  if (!need_colours) return {};
+  return need_colours ? keepColours(run, calibrator) : Status();
+}
+
+Status Survey::keepColours(BakeRun& run, const ColourCalibrator& calibrator) {
   StageClock::Span span(run.clock, Stage::Colours);
   colour_maps_ = calibrator.solve();
   return saveColours();
+}
+
+Status Survey::measureFrom(BakeRun& run, const capture::CaptureSequence& sequence, uint32_t first) {
+  Measuring measuring;
+  const Window window = windowOf(sequence, first);
+  return isMeasured(sequence, window) ? Status() : measureWindow(run, sequence, window, measuring);
+}
+
+Status Survey::matchColours(BakeRun& run) {
+  if (!matchesColours() || !colour_maps_.empty()) return {};
+  ColourCalibrator calibrator(job_->cameras.size());
+  for (const capture::CaptureSequence& sequence : job_->capture.sequences) {
+    Measuring measuring;
+    measuring.calibrator = &calibrator;
+    for (Window w = windowOf(sequence, 0); showsColours(w); w = windowOf(sequence, w.end)) {
+      FOURDVT_TRY(measureWindow(run, sequence, w, measuring));
+      if (w.end == sequence.frame_count) break;
+    }
+  }
+  return keepColours(run, calibrator);
 }
 
 Survey::Window Survey::windowOf(const capture::CaptureSequence& sequence, uint32_t frame) const {
@@ -130,11 +164,6 @@ Status Survey::measureSequence(BakeRun& run, const capture::CaptureSequence& seq
       measuring.reader.reset();
       continue;
     }
-    if (!measuring.baker) {
-      const package::BaseMesh& mesh = job_->mesh.decoded;
-      FOURDVT_ASSIGN(measuring.baker, FrameBaker::create(run.device(), job_->cameras, mesh.topology, mesh.positions,
-                                                         {.length_scale = float(job_->length_scale)}));
-    }
     FOURDVT_TRY(measureWindow(run, sequence, window, measuring));
   }
   return {};
@@ -143,9 +172,15 @@ Status Survey::measureSequence(BakeRun& run, const capture::CaptureSequence& seq
 Status Survey::measureWindow(BakeRun& run, const capture::CaptureSequence& sequence, const Window& window,
                              Measuring& measuring) {
   ColourCalibrator* const calibrator = showsColours(window) ? measuring.calibrator : nullptr;
-  FOURDVT_ASSIGN(auto file, RecordFile::resume(fractionsPath(sequence, window), fractionBytes(), window.count()));
+  FOURDVT_ASSIGN(auto file, RecordFile::resume(fractionsPath(sequence, window), fractionBytes(), window.count(),
+                                               run.environment.writer));
   const uint32_t known = window.first + file.count();
   const uint32_t first = calibrator ? window.first : known;
+  if (known < window.end && !measuring.baker) {
+    const package::BaseMesh& mesh = job_->mesh.decoded;
+    FOURDVT_ASSIGN(measuring.baker, FrameBaker::create(run.device(), job_->cameras, mesh.topology, mesh.positions,
+                                                       {.length_scale = float(job_->length_scale)}));
+  }
   if (measuring.reader) {
     measuring.reader->skipTo(first);
   } else {
@@ -186,34 +221,55 @@ Status Survey::measureWindow(BakeRun& run, const capture::CaptureSequence& seque
       for (uint8_t share : shares) fractions.push_back(share / 255.0f);
       calibrator->add(job_->cameras, job_->mesh.decoded.topology, frame.positions, fractions, frame.pictures);
     }
-    measuring.on_frame(f + 1);
+    if (measuring.on_frame) measuring.on_frame(f + 1);
   }
   return file.finish();
 }
 
-Status Survey::label(BakeRun& run, const capture::CaptureSequence& sequence, const OnFrame& on_frame) {
+std::vector<LabelWindow> planLabelWindows(const Job& job, const capture::CaptureSequence& sequence) {
+  return planWindows(labelOptions(job), sequence.frame_count);
+}
+
+Status Survey::withLabelExchange(BakeRun& run, const capture::CaptureSequence& sequence, const OnFrame& on_frame,
+                                 const LabelSink& sink, const LabelSolve& solve) {
   StageClock::Span span(run.clock, Stage::Labels);
-  const std::string path = labelsPath(sequence);
-  platform::removeFolder(path + ".part");
-  FOURDVT_ASSIGN(auto file, RecordFile::resume(path, labelBytes(), sequence.frame_count));
-  LabelOptions options;
-  options.rule = job_->options.labels;
-  options.layers = job_->options.layers;
-  options.jobs = job_->options.jobs;
-  const KeptWindows kept(path);
+  const KeptWindows kept(labelsPath(sequence));
   const LabelKeeper keeper = kept.keeper();
-  auto statistics = solveLabels(options, makeFaceGraph(job_->mesh.decoded.topology), sequence.frame_count,
-                                {[&](uint32_t frame) { return faceCosts(sequence, frame); },
-                                 [&](uint32_t, const std::vector<uint8_t>& labels) { return file.append(labels); },
-                                 on_frame, run.environment.stop, &keeper});
-  if (!statistics) {
-    if (statistics.error().id == ErrorId::Interrupted) FOURDVT_TRY(run.checkStop(kKept, folder_));
-    return statistics.error();
-  }
-  FOURDVT_TRY(platform::writeFileAtomic(path + ".statistics", statisticsBytes(statistics.value())));
+  const Status solved = solve(
+      labelOptions(*job_), makeFaceGraph(job_->mesh.decoded.topology),
+      {[&](uint32_t frame) { return faceCosts(sequence, frame); }, sink, on_frame, run.environment.stop, &keeper});
+  if (!solved.ok() && solved.error().id == ErrorId::Interrupted) FOURDVT_TRY(run.checkStop(kKept, folder_));
+  return solved;
+}
+
+Status Survey::labelWindows(BakeRun& run, const capture::CaptureSequence& sequence,
+                            const std::vector<size_t>& windows) {
+  if (isLabelled(sequence)) return {};
+  return withLabelExchange(run, sequence, {}, {},
+                           [&](const LabelOptions& options, const FaceGraph& graph, const LabelExchange& exchange) {
+                             return solveLabelWindows(options, graph, sequence.frame_count, windows, exchange);
+                           });
+}
+
+Status Survey::labelSequence(BakeRun& run, const capture::CaptureSequence& sequence) {
+  return isLabelled(sequence) ? Status() : label(run, sequence, {});
+}
+
+Status Survey::label(BakeRun& run, const capture::CaptureSequence& sequence, const OnFrame& on_frame) {
+  const std::string path = labelsPath(sequence), part = path + ".part" + run.environment.writer;
+  platform::removeFolder(part);
+  FOURDVT_ASSIGN(auto file, RecordFile::resume(path, labelBytes(), sequence.frame_count, run.environment.writer));
+  LabelStatistics statistics;
+  FOURDVT_TRY(withLabelExchange(
+      run, sequence, on_frame, [&](uint32_t, const std::vector<uint8_t>& labels) { return file.append(labels); },
+      [&](const LabelOptions& options, const FaceGraph& graph, const LabelExchange& exchange) -> Status {
+        FOURDVT_ASSIGN(statistics, solveLabels(options, graph, sequence.frame_count, exchange));
+        return {};
+      }));
+  FOURDVT_TRY(platform::writeFileAtomic(path + ".statistics", statisticsBytes(statistics)));
   FOURDVT_TRY(file.finish());
-  kept.remove();
-  statistics_[sequence.name] = statistics.take();
+  if (run.environment.writer.empty()) KeptWindows(path).remove();
+  statistics_[sequence.name] = std::move(statistics);
   return {};
 }
 

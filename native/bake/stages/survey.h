@@ -10,15 +10,34 @@
 #include <string>
 #include <vector>
 
+#include "bake/labels/schedule.h"
 #include "bake/run/bake_run.h"
 #include "bake/stages/frame_baker.h"
 
 namespace fourdvt::bake {
 
+// The windows in which the labels of a sequence are solved.
+std::vector<LabelWindow> planLabelWindows(const Job& job, const capture::CaptureSequence& sequence);
+// Frames before and after a window from which its face costs are measured.
+constexpr uint32_t kHysteresisFrames = 2;
+// Compares colours in every kColourEvery-th of the first kColourFrames frames of a sequence.
+constexpr uint32_t kColourEvery = 4, kColourFrames = 32;
+
 class Survey {
  public:
   // The survey borrows the run's job. Errors: those of capture and GPU, NothingVisible, WriteFailed, Interrupted.
   static Result<Survey> make(BakeRun& run);
+  // What is measured already; the functions below add to it. Errors: WriteFailed.
+  static Result<Survey> open(BakeRun& run);
+  // Measures the visibility of the window that begins at this frame.
+  Status measureFrom(BakeRun& run, const capture::CaptureSequence& sequence, uint32_t first);
+  // Matches the cameras' colours, on frames whose visibility is measured.
+  Status matchColours(BakeRun& run);
+  // Solves labels in some of the sequence's windows (planLabelWindows), and keeps them for labelSequence.
+  Status labelWindows(BakeRun& run, const capture::CaptureSequence& sequence, const std::vector<size_t>& windows);
+  // Labels of a whole sequence, from windows that are kept or solved now.
+  Status labelSequence(BakeRun& run, const capture::CaptureSequence& sequence);
+  bool isLabelled(const capture::CaptureSequence& sequence) { return loadStatistics(sequence); }
 
   const std::vector<ColourMap>& colourMaps() const { return colour_maps_; }  // empty if colours are not calibrated
   // [layer][face]. Errors: FileUnreadable.
@@ -33,6 +52,9 @@ class Survey {
     uint32_t count() const { return end - first; }
   };
   using OnFrame = std::function<void(uint32_t done)>;
+  using LabelSolve = std::function<Status(const LabelOptions&, const FaceGraph&, const LabelExchange&)>;
+  Status withLabelExchange(BakeRun& run, const capture::CaptureSequence& sequence, const OnFrame& on_frame,
+                           const LabelSink& sink, const LabelSolve& solve);
   struct Measuring {
     std::unique_ptr<FrameBaker> baker;
     ColourCalibrator* calibrator = nullptr;        // null: the colour maps are known already
@@ -49,6 +71,8 @@ class Survey {
   bool isMeasured(const capture::CaptureSequence& sequence, const Window& window) const;
   std::string fractionsPath(const capture::CaptureSequence& sequence, const Window& window) const;
   Status label(BakeRun& run, const capture::CaptureSequence& sequence, const OnFrame& on_frame);
+  bool matchesColours() const { return job_->options.colour_calibration && job_->cameras.size() > 1; }
+  Status keepColours(BakeRun& run, const ColourCalibrator& calibrator);
   bool loadColours();
   Status saveColours() const;
   bool loadStatistics(const capture::CaptureSequence& sequence);

@@ -19,6 +19,7 @@
 #include "bake/stages/stream_plan.h"
 #include "base/hash.h"
 #include "base/length_scale.h"
+#include "capture/input_files.h"
 #include "platform/files.h"
 #include "platform/folders.h"
 #include "refine/refinement_bytes.h"
@@ -29,8 +30,8 @@ namespace {
 namespace fs = std::filesystem;
 
 // Change these whenever what older builds kept must not be reused.
-constexpr const char* kSurveyVersion = "bake 2";
-constexpr const char* kGopVersion = "gops 6";
+constexpr const char* kSurveyVersion = "bake 3";
+constexpr const char* kGopVersion = "gops 7";
 
 Error bad(const std::string& message) { return {ErrorId::InvalidArgument, message}; }
 
@@ -362,12 +363,56 @@ std::string filesKey(const capture::Capture& capture, const capture::CaptureSequ
   return key;
 }
 
-std::string captureKey(const Job& job, const capture::CaptureSequence& sequence) {
+namespace {
+
+std::string digitsOf(uint64_t hash) {
+  char digits[20];
+  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(hash));
+  return digits;
+}
+
+Error changed(const std::string& what) {
+  return bad(what + " have changed since the plan was made, or differ on this machine; run `fourdvt plan` again");
+}
+
+std::string measuredCaptureKey(const Job& job, const capture::CaptureSequence& sequence) {
   std::string key = filesKey(job.capture, sequence);
   key.append(job.mesh.bytes.begin(), job.mesh.bytes.end());
   if (job.length_scale != 1) key += " lengths " + std::to_string(job.length_scale);
-  if (!job.refinement) return key;
-  return key + " refined " + std::to_string(refine::changeHash(*job.refinement));
+  if (job.refinement) key += " refined " + std::to_string(refine::changeHash(*job.refinement));
+  return digitsOf(fnv1a(key));
+}
+
+}  // namespace
+
+std::string captureKey(const Job& job, const capture::CaptureSequence& sequence) {
+  const auto known = job.capture_keys.find(sequence.name);
+  return known != job.capture_keys.end() ? known->second : measuredCaptureKey(job, sequence);
+}
+
+void settleKeys(Job& job) {
+  job.capture_keys.clear();
+  job.input_digests.clear();
+  for (const capture::CaptureSequence& sequence : job.capture.sequences) {
+    job.capture_keys[sequence.name] = measuredCaptureKey(job, sequence);
+    auto& digests = job.input_digests[sequence.name];
+    for (uint32_t f = 0; f < sequence.frame_count; f += kInputWindow)
+      digests.push_back(
+          capture::inputDigest(job.capture, sequence, f, std::min(f + kInputWindow, sequence.frame_count)));
+  }
+  job.common_input_digest = capture::commonInputDigest(job.capture);
+  job.settings_key = settingsKey(job);
+}
+
+Status checkCommonInputs(const Job& job) {
+  if (capture::commonInputDigest(job.capture) == job.common_input_digest) return {};
+  return changed(job.capture.folder + ": capture.json, cameras or plates");
+}
+
+Status checkInputs(const Job& job, const capture::CaptureSequence& sequence, uint32_t window) {
+  const uint32_t first = window * kInputWindow, end = std::min(first + kInputWindow, sequence.frame_count);
+  if (capture::inputDigest(job.capture, sequence, first, end) == job.input_digests.at(sequence.name)[window]) return {};
+  return changed(sequence.folder + ": files of frames " + std::to_string(first) + " to " + std::to_string(end - 1));
 }
 
 std::string labelKey(const BakeOptions& o) {
@@ -381,8 +426,7 @@ std::string labelKey(const BakeOptions& o) {
   for (const int number :
        {int(chosen.use_partial), int(chosen.label_unseen), chosen.window_frames, chosen.hop_frames, chosen.sweeps})
     all += std::to_string(number) + " ";
-  char hash[20];
-  std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(fnv1a(all, kFnv1aStart)));
+  const std::string hash = digitsOf(fnv1a(all));
   return std::string(" labels ") + o.labels->name + " penalty " + std::to_string(static_cast<int>(o.penalty)) +
          " layers " + std::to_string(o.layers) + " chosen " + hash;
 }
@@ -405,9 +449,7 @@ std::string settingsKey(const Job& job) {
     hash = fnv1a(std::string_view(key.c_str(), key.size() + 1),
                  hash);  // hashed with its terminating zero, so that keys do not run together
   }
-  char digits[20];
-  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(hash));
-  std::string text = std::string(digits) + line;
+  std::string text = digitsOf(hash) + line;
   for (const LowerRendition& r : o.lower_renditions) text += fileSuffix(r, o) + "/" + r.preset;
   text += "\n";
   if (!job.fromCameras()) return text;

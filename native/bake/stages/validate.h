@@ -27,12 +27,19 @@ Status settleLengths(Job& job, std::vector<double> longest_sides_m);
 // The files of a sequence, its meshes, the cameras, the plates (path, size, time), wherever capture.json places them;
 // the meshes' topology, and capture.json.
 std::string filesKey(const capture::Capture& capture, const capture::CaptureSequence& sequence);
-// What visibility depends on: those files, the mesh's order, the refinement.
+// Hash of what visibility depends on: those files, the mesh's order, the refinement. Reads no file once settleKeys has.
 std::string captureKey(const Job& job, const capture::CaptureSequence& sequence);
 // What labels depend on in addition.
 std::string labelKey(const BakeOptions& options);
 
 // Hash of everything that finished GOPs depend on: options, capture files (path, size, time), the bake's version.
 std::string settingsKey(const Job& job);
+
+// Sets the job's keys and digests; once, after its streams are planned.
+void settleKeys(Job& job);
+// Refuses files that are not those which settleKeys found: those of one of a sequence's windows (kInputWindow), or
+// those that all frames need. Errors: InvalidArgument.
+Status checkInputs(const Job& job, const capture::CaptureSequence& sequence, uint32_t window);
+Status checkCommonInputs(const Job& job);
 
 }  // namespace fourdvt::bake

@@ -1,0 +1,392 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake/pieces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "bake/run/renditions.h"
+#include "bake/stages/align_stage.h"
+#include "bake/stages/camera_colours.h"
+#include "bake/stages/camera_gops.h"
+#include "bake/stages/gop_stage.h"
+#include "bake/stages/graph_stage.h"
+#include "bake/stages/method_stage.h"
+#include "bake/stages/room_stage.h"
+#include "bake/stages/survey.h"
+#include "bake/stages/validate.h"
+#include "base/hash.h"
+
+namespace fourdvt::bake {
+namespace {
+
+constexpr size_t kEvenWindows = 8;  // of labels, in one piece: a minute of work, where a window takes seconds
+
+const char* nameOf(PieceKind kind) {
+  switch (kind) {
+    case PieceKind::Survey:
+      return "survey";
+    case PieceKind::Colours:
+      return "colours";
+    case PieceKind::Labels:
+      return "labels";
+    case PieceKind::Label:
+      return "label";
+    case PieceKind::Gop:
+      return "gop";
+    case PieceKind::Align:
+      return "align";
+    case PieceKind::Chunks:
+      return "chunks";
+    case PieceKind::Graph:
+      return "graph";
+    case PieceKind::Room:
+      return "room";
+    case PieceKind::Method:
+      return "method";
+    case PieceKind::Finish:
+      break;
+  }
+  return jobs::kFinish;
+}
+
+// Estimates, from pieces that were measured on two cores (tests/bench/pieces.md); only schedulers read the seconds.
+class Costs {
+ public:
+  explicit Costs(const Job& job) : job_(job) {
+    for (const PinholeCamera& camera : job.cameras) megapixels_ += double(camera.width) * camera.height / 1e6;
+    megafaces_ = job.mesh.decoded.topology.faceCount() / 1e6;
+  }
+  double starting_s() const { return 1 + 0.05 * double(job_.cameras.size()); }
+  double survey_s() const { return 0.02 + 0.03 * megapixels_ + 0.5 * megafaces_ * double(job_.cameras.size()); }
+  double label_s() const { return 0.5 * megafaces_ * double(job_.cameras.size()) + 8 * megafaces_; }
+  double gop_s(const StreamPlan& plan) const {
+    double texels = 0;
+    for (const RenditionPlan& r : plan.renditions) texels += double(r.encode.width) * r.encode.height / 1e6;
+    return 0.03 * megapixels_ + 0.15 * texels;
+  }
+  double align_s() const { return infoOf(Stage::Align).work_s; }
+
+  // Megabytes. The pictures of two frames and their parts on the GPU, decoders' reference pictures, and what the rest
+  // of the process takes.
+  double frames_mb() const {
+    return kProcess_mb + 4 * 4 * megapixels_ + 40 * double(job_.cameras.size()) + decoders_mb();
+  }
+  double gop_mb(const StreamPlan& plan) const {
+    const EncodeSettings& highest = plan.encode();
+    return frames_mb() + 200 * double(highest.width) * highest.height / 1e6;
+  }
+  double labels_mb(size_t frames) const {
+    return kProcess_mb + double(frames) * megafaces_ * (double(job_.cameras.size()) * 8 + 100);
+  }
+  double motion_mb(const StreamPlan& plan) const {
+    const double vertices = double(job_.mesh.decoded.topology.vertex_count),
+                 members = double(plan.motion.members.size());
+    return gop_mb(plan) + 40 * vertices * members * plan.frameCount() / 1e6;
+  }
+  double whole_mb() const {
+    double mb = frames_mb() + 400;
+    for (const StreamPlan& plan : job_.streams) mb = std::max(mb, motion_mb(plan));
+    return mb;
+  }
+
+ private:
+  static constexpr double kProcess_mb = 350;
+  double decoders_mb() const { return 25 * megapixels_; }
+  const Job& job_;
+  double megapixels_ = 0, megafaces_ = 0;  // of all cameras; of the mesh
+};
+
+// [number] the sequence's name and number.
+size_t numberOf(const Job& job, const capture::CaptureSequence* sequence) {
+  return size_t(sequence - job.capture.sequences.data());
+}
+
+class Cutter {
+ public:
+  explicit Cutter(const Job& job) : job_(job), costs_(job) {}
+
+  std::vector<BakePiece> cut() {
+    if (job_.fromCameras())
+      cutCameras();
+    else
+      cutLayers();
+    if (job_.capture.room) addWhole(PieceKind::Room, colours(), 8, costs_.whole_mb());
+    std::vector<std::string> everything;
+    for (const BakePiece& piece : out_) everything.push_back(piece.piece.id);
+    addWhole(PieceKind::Finish, std::move(everything), 5 + 0.02 * job_.streamFrames(), costs_.whole_mb());
+    return std::move(out_);
+  }
+
+ private:
+  using Frames = std::vector<std::pair<size_t, uint32_t>>;  // sequence, frame
+
+  void cutLayers() {
+    for (const capture::CaptureSequence& sequence : job_.capture.sequences) cutSurvey(sequence);
+    if (job_.options.colour_calibration && job_.cameras.size() > 1) {
+      std::vector<std::string> needs;
+      Frames frames;
+      for (const capture::CaptureSequence& s : job_.capture.sequences)
+        for (uint32_t f = 0; f < std::min(kColourFrames, s.frame_count); ++f) {
+          addOnce(needs, surveyOf(s, f));
+          frames.push_back({numberOf(job_, &s), f});
+        }
+      addColours(std::move(needs), frames);
+    }
+    for (const capture::CaptureSequence& sequence : job_.capture.sequences) cutLabels(sequence);
+    for (size_t s = 0; s < job_.streams.size(); ++s) cutGops(s);
+    for (size_t s = 0; s < job_.streams.size(); ++s)
+      if (job_.streams[s].isClass()) cutClass(s);
+    if (job_.streams.size() < 2) return;
+    std::vector<std::string> needs;
+    for (const BakePiece& piece : out_)
+      if (piece.kind == PieceKind::Gop) needs.push_back(piece.piece.id);
+    addWhole(PieceKind::Graph, std::move(needs), 0.02 * job_.streamFrames(), costs_.whole_mb());
+  }
+
+  void cutCameras() {
+    if (job_.options.colour_calibration && job_.cameras.size() > 1) {
+      Frames frames;
+      for (const capture::CaptureSequence& s : job_.capture.sequences)
+        for (uint32_t f = 0; f < std::min(kColourFrames, s.frame_count); ++f) frames.push_back({numberOf(job_, &s), f});
+      addColours({}, frames);
+    }
+    for (uint32_t i = 0; i < triedFrames(job_); ++i) {
+      BakePiece& piece = add(PieceKind::Method, std::to_string(i), colours());
+      piece.index = i;
+      cost(piece, 60, costs_.whole_mb());
+    }
+    for (size_t s = 0; s < job_.streams.size(); ++s) {
+      const StreamPlan& plan = job_.streams[s];
+      for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
+        BakePiece& piece = add(PieceKind::Gop, plan.name + "-" + std::to_string(g), colours());
+        piece.number = s, piece.index = g;
+        Frames frames;
+        for (uint32_t f = plan.gop_first_frames[g]; f < plan.gopEnd(g); ++f)
+          frames.push_back({numberOf(job_, plan.motion.members[0].source), f});
+        readsFrames(piece, frames);
+        cost(piece, costs_.gop_s(plan) * double(frames.size()), costs_.gop_mb(plan));
+      }
+    }
+  }
+
+  std::string surveyOf(const capture::CaptureSequence& sequence, uint32_t frame) const {
+    return std::string("survey-") + sequence.name + "-" +
+           std::to_string(frame / uint32_t(job_.options.survey_window_frames));
+  }
+
+  void cutSurvey(const capture::CaptureSequence& sequence) {
+    const auto window = uint32_t(job_.options.survey_window_frames);
+    for (uint32_t first = 0; first < sequence.frame_count; first += window) {
+      BakePiece& piece = add(PieceKind::Survey, sequence.name + "-" + std::to_string(first / window), {});
+      piece.number = numberOf(job_, &sequence), piece.index = first;
+      Frames frames;
+      for (uint32_t f = first; f < std::min(first + window, sequence.frame_count); ++f)
+        frames.push_back({piece.number, f});
+      readsFrames(piece, frames);
+      cost(piece, costs_.survey_s() * double(frames.size()), costs_.frames_mb());
+    }
+  }
+
+  // Even windows first, then those between them, which wait for both neighbours.
+  void cutLabels(const capture::CaptureSequence& sequence) {
+    const auto windows = planLabelWindows(job_, sequence);
+    std::vector<std::string> all;
+    if (windows.size() > 1 && windows[1].odd)
+      for (const bool odd : {false, true}) cutLabelWindows(sequence, windows, odd, all);
+    BakePiece& label = add(PieceKind::Label, sequence.name, std::move(all));
+    label.number = numberOf(job_, &sequence);
+    const bool alone = label.piece.needs.empty();
+    Frames frames;
+    for (uint32_t f = 0; f < sequence.frame_count; ++f) {
+      if (alone) addOnce(label.piece.needs, surveyOf(sequence, f));
+      frames.push_back({label.number, f});
+    }
+    readsFrames(label, frames);
+    cost(label, costs_.label_s() * sequence.frame_count * (alone ? 1 : 0.2), costs_.labels_mb(64));
+  }
+
+  void cutLabelWindows(const capture::CaptureSequence& sequence, const std::vector<LabelWindow>& windows, bool odd,
+                       std::vector<std::string>& all) {
+    const auto idOf = [&](bool of_odd, size_t group) {
+      return sequence.name + (of_odd ? "-odd-" : "-even-") + std::to_string(group);
+    };
+    for (size_t first = odd ? 1 : 0, group = 0; first < windows.size(); first += 2 * kEvenWindows, ++group) {
+      std::vector<size_t> chosen;
+      for (size_t w = first; w < std::min(first + 2 * kEvenWindows, windows.size()); w += 2)
+        if (windows[w].odd == odd) chosen.push_back(w);
+      if (chosen.empty()) continue;
+      BakePiece& piece = add(PieceKind::Labels, idOf(odd, group), {});
+      piece.number = numberOf(job_, &sequence);
+      const size_t before = odd ? 1 : 0;
+      const uint32_t low = windows[chosen.front() - before].frozen_first,
+                     high = windows[chosen.back() + before].frozen_end;
+      Frames frames;
+      for (uint32_t f = low; f < high; ++f) frames.push_back({piece.number, f});
+      for (uint32_t f = low - std::min(low, kHysteresisFrames);
+           f < std::min(high + kHysteresisFrames, sequence.frame_count); ++f)
+        addOnce(piece.piece.needs, surveyOf(sequence, f));
+      if (odd)
+        for (const size_t even : {(chosen.front() - 1) / (2 * kEvenWindows), (chosen.back() + 1) / (2 * kEvenWindows)})
+          addOnce(piece.piece.needs, "labels-" + idOf(false, even));
+      readsFrames(piece, frames);
+      cost(piece, costs_.label_s() * double(frames.size()), costs_.labels_mb(64));
+      piece.windows = std::move(chosen);
+      all.push_back(piece.piece.id);
+    }
+  }
+
+  // A class shows frames that its members' own streams have drawn.
+  void cutGops(size_t stream) {
+    const StreamPlan& plan = job_.streams[stream];
+    for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
+      BakePiece& piece = add(PieceKind::Gop, plan.name + "-" + std::to_string(g), colours());
+      piece.number = stream, piece.index = g;
+      Frames frames;
+      for (size_t m = 0; m < plan.motion.members.size(); ++m) {
+        const size_t source = numberOf(job_, plan.motion.members[m].source);
+        for (uint32_t f = plan.gop_first_frames[g]; f < plan.gopEnd(g); ++f) {
+          const uint32_t frame = plan.sourceFrame(m, f);
+          frames.push_back({source, frame});
+          if (plan.isClass()) addOnce(piece.piece.needs, gopOf(source, frame));
+        }
+        addOnce(piece.piece.needs, "label-" + plan.motion.members[m].source->name);
+      }
+      readsFrames(piece, frames);
+      cost(piece, costs_.gop_s(plan) * double(plan.gopEnd(g) - plan.gop_first_frames[g]), costs_.gop_mb(plan));
+    }
+  }
+
+  // The piece of the sequence's own stream that draws a frame: streams begin with the sequences.
+  std::string gopOf(size_t sequence, uint32_t frame) const {
+    const StreamPlan& plan = job_.streams[sequence];
+    const auto after = std::upper_bound(plan.gop_first_frames.begin(), plan.gop_first_frames.end(), frame);
+    return "gop-" + plan.name + "-" + std::to_string(after - plan.gop_first_frames.begin() - 1);
+  }
+
+  void cutClass(size_t stream) {
+    const StreamPlan& plan = job_.streams[stream];
+    std::vector<std::string> needs;
+    for (uint32_t g = 0; g < plan.gop_first_frames.size(); ++g) {
+      std::string gop = "gop-" + plan.name + "-" + std::to_string(g);
+      if (!job_.options.classes.align) {
+        needs.push_back(std::move(gop));
+        continue;
+      }
+      BakePiece& piece = add(PieceKind::Align, plan.name + "-" + std::to_string(g), {std::move(gop)});
+      piece.number = stream, piece.index = g;
+      cost(piece,
+           costs_.align_s() * (plan.gopEnd(g) - plan.gop_first_frames[g]) * double(plan.motion.members.size() - 1),
+           costs_.gop_mb(plan));
+      needs.push_back(piece.piece.id);
+    }
+    BakePiece& chunks = add(PieceKind::Chunks, plan.name, std::move(needs));
+    chunks.number = stream;
+    cost(chunks, 0.05 * plan.frameCount(), costs_.motion_mb(plan));
+  }
+
+  std::vector<std::string> colours() const {
+    for (const BakePiece& piece : out_)
+      if (piece.kind == PieceKind::Colours) return {piece.piece.id};
+    return {};
+  }
+
+  void addColours(std::vector<std::string> needs, const Frames& frames) {
+    BakePiece& piece = add(PieceKind::Colours, "", std::move(needs));
+    readsFrames(piece, frames);
+    cost(piece, costs_.survey_s() * double(frames.size()) / kColourEvery, costs_.frames_mb());
+  }
+
+  BakePiece& add(PieceKind kind, const std::string& name, std::vector<std::string> needs) {
+    BakePiece& piece = out_.emplace_back();
+    piece.kind = kind;
+    piece.piece.kind = nameOf(kind);
+    piece.piece.id = piece.piece.kind + (name.empty() ? "" : "-" + name);
+    piece.piece.needs = std::move(needs);
+    piece.piece.inputs = job_.common_input_digest;
+    return piece;
+  }
+  void addWhole(PieceKind kind, std::vector<std::string> needs, double seconds, double memory_mb) {
+    cost(add(kind, "", std::move(needs)), seconds, memory_mb);
+  }
+  static void addOnce(std::vector<std::string>& list, std::string id) {
+    if (std::find(list.begin(), list.end(), id) == list.end()) list.push_back(std::move(id));
+  }
+  void cost(BakePiece& piece, double seconds, double memory_mb) const {
+    piece.piece.seconds = std::round(10 * (costs_.starting_s() + seconds)) / 10;
+    piece.piece.memory_mb = std::ceil(memory_mb);
+  }
+  void readsFrames(BakePiece& piece, const Frames& frames) const {
+    std::set<std::pair<size_t, uint32_t>> windows;
+    for (const auto& [sequence, frame] : frames) windows.insert({sequence, frame / kInputWindow});
+    piece.reads.assign(windows.begin(), windows.end());
+    for (const auto& [sequence, window] : windows) {
+      const uint64_t digest = job_.input_digests.at(job_.capture.sequences[sequence].name)[window];
+      piece.piece.inputs = fnv1a({reinterpret_cast<const uint8_t*>(&digest), sizeof digest}, piece.piece.inputs);
+    }
+  }
+
+  const Job& job_;
+  const Costs costs_;
+  std::vector<BakePiece> out_;
+};
+
+template <class T>
+Status statusOf(const Result<T>& result) {
+  return result.ok() ? Status() : Status(result.error());
+}
+
+Status runLayers(BakeRun& run, const BakePiece& piece) {
+  Job& job = run.job;
+  if (piece.kind == PieceKind::Align) return alignGop(run, job.streams[piece.number], piece.index);
+  if (piece.kind == PieceKind::Chunks) return alignClass(run, job.streams[piece.number]);
+  if (piece.kind == PieceKind::Graph) return statusOf(makeGraph(run));
+  FOURDVT_ASSIGN(Survey survey, Survey::open(run));
+  if (piece.kind == PieceKind::Gop || piece.kind == PieceKind::Room) FOURDVT_TRY(survey.matchColours(run));
+  switch (piece.kind) {
+    case PieceKind::Survey:
+      return survey.measureFrom(run, job.capture.sequences[piece.number], piece.index);
+    case PieceKind::Colours:
+      return survey.matchColours(run);
+    case PieceKind::Labels:
+      return survey.labelWindows(run, job.capture.sequences[piece.number], piece.windows);
+    case PieceKind::Label:
+      return survey.labelSequence(run, job.capture.sequences[piece.number]);
+    case PieceKind::Gop:
+      return GopStage(run, survey).runOne(job.streams[piece.number], piece.index);
+    case PieceKind::Room:
+      return statusOf(makeRoom(run, survey.colourMaps()));
+    default:
+      return Error{ErrorId::Internal, "piece " + piece.piece.id + " is none of a character from layers"};
+  }
+}
+
+Status runCameras(BakeRun& run, const BakePiece& piece) {
+  FOURDVT_ASSIGN(const auto maps, calibrateColours(run));
+  switch (piece.kind) {
+    case PieceKind::Colours:
+      return {};
+    case PieceKind::Method:
+      return tryMethodsOn(run, maps, piece.index);
+    case PieceKind::Gop:
+      return CameraGops(run, maps).runOne(run.job.streams[piece.number], piece.index);
+    case PieceKind::Room:
+      return statusOf(makeRoom(run, maps));
+    default:
+      return Error{ErrorId::Internal, "piece " + piece.piece.id + " is none of a character from cameras"};
+  }
+}
+
+}  // namespace
+
+std::vector<BakePiece> bakePieces(const Job& job) { return Cutter(job).cut(); }
+
+Status runPiece(BakeRun& run, const BakePiece& piece) {
+  FOURDVT_TRY(checkCommonInputs(run.job));
+  for (const auto& [sequence, window] : piece.reads)
+    FOURDVT_TRY(checkInputs(run.job, run.job.capture.sequences[sequence], window));
+  return run.job.fromCameras() ? runCameras(run, piece) : runLayers(run, piece);
+}
+
+}  // namespace fourdvt::bake

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "jobs/plan.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "base/hash.h"
+#include "platform/files.h"
+#include "platform/folders.h"
+
+namespace fourdvt::jobs {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kFormat = 1;
+
+std::string digitsOf(uint64_t hash) {
+  char digits[17];
+  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(hash));
+  return digits;
+}
+
+uint64_t add(uint64_t hash, uint64_t value) {
+  return fnv1a({reinterpret_cast<const uint8_t*>(&value), sizeof value}, hash);
+}
+
+Error unreadable(const std::string& path, const std::string& why) {
+  return {ErrorId::FileUnreadable, path + ": " + why + "; run `fourdvt plan` again"};
+}
+
+Plan planFrom(const Json& json) {
+  Plan plan;
+  const Json& tool = json.at("tool");
+  plan.tool = {tool.at("version"), tool.at("build"), tool.at("program")};
+  plan.command = json.at("command");
+  plan.arguments = json.at("arguments").get<std::vector<std::string>>();
+  plan.capture = json.at("capture");
+  plan.result = json.at("result");
+  plan.frames = json.at("frames");
+  plan.capture_s = json.at("capture_s");
+  for (const Json& p : json.at("pieces")) {
+    Piece piece;
+    piece.id = p.at("id");
+    piece.kind = p.at("kind");
+    piece.needs = p.at("needs").get<std::vector<std::string>>();
+    piece.seconds = p.at("seconds");
+    piece.memory_mb = p.at("memory_mb");
+    piece.inputs = std::stoull(p.at("inputs").get<std::string>(), nullptr, 16);
+    piece.hash = std::stoull(p.at("hash").get<std::string>(), nullptr, 16);
+    plan.pieces.push_back(std::move(piece));
+  }
+  return plan;
+}
+
+}  // namespace
+
+std::string Piece::done() const { return "done/" + id + "." + digitsOf(hash) + ".json"; }
+
+const Piece* Plan::find(const std::string& id) const {
+  const auto found = std::find_if(pieces.begin(), pieces.end(), [&](const Piece& p) { return p.id == id; });
+  return found == pieces.end() ? nullptr : &*found;
+}
+
+Status settleHashes(uint64_t start, Plan& plan) {
+  std::map<std::string, uint64_t> settled;
+  for (Piece& piece : plan.pieces) {
+    piece.hash = add(fnv1a(piece.id, start), piece.inputs);
+    for (const std::string& needed : piece.needs) {
+      const auto known = settled.find(needed);
+      if (known == settled.end())
+        return Error{ErrorId::Internal, "piece " + piece.id + " comes before " + needed + ", which it needs"};
+      piece.hash = add(piece.hash, known->second);
+    }
+    settled[piece.id] = piece.hash;
+  }
+  return {};
+}
+
+std::string planJson(const Plan& plan) {
+  Json json;
+  json["format"] = kFormat;
+  json["tool"] = {{"version", plan.tool.version}, {"build", plan.tool.build}, {"program", plan.tool.program}};
+  json["command"] = plan.command;
+  json["arguments"] = plan.arguments;
+  json["capture"] = plan.capture;
+  json["result"] = plan.result;
+  json["frames"] = plan.frames;
+  json["capture_s"] = plan.capture_s;
+  // A line a piece: thousands of them are still read and compared by people.
+  std::string text = json.dump(1);
+  text.resize(text.size() - 2);
+  text += ",\n \"pieces\": [";
+  const char* separator = "\n  ";
+  for (const Piece& p : plan.pieces) {
+    const Json piece = {{"id", p.id},
+                        {"kind", p.kind},
+                        {"done", p.done()},
+                        {"needs", p.needs},
+                        {"seconds", p.seconds},
+                        {"memory_mb", p.memory_mb},
+                        {"threads", 2},
+                        {"inputs", digitsOf(p.inputs)},
+                        {"hash", digitsOf(p.hash)}};
+    text += separator + piece.dump();
+    separator = ",\n  ";
+  }
+  return text + "\n ]\n}\n";
+}
+
+Status writePlan(const std::string& job_folder, const Plan& plan) {
+  for (const char* folder : {"done", "attempts", "logs"}) FOURDVT_TRY(platform::makeFolder(job_folder + "/" + folder));
+  return platform::writeFileAtomic(job_folder + "/" + kPlanFile, planJson(plan));
+}
+
+Result<Plan> readPlan(const std::string& job_folder) {
+  const std::string path = job_folder + "/" + kPlanFile;
+  const auto bytes = platform::readFile(path);
+  if (!bytes) return Error{ErrorId::FileMissing, path + ": there is none; make it with `fourdvt plan`"};
+  const Json json = Json::parse(bytes.value().begin(), bytes.value().end(), nullptr, false);
+  if (json.is_discarded() || !json.is_object() || json.value("format", 0) != kFormat)
+    return unreadable(path, "not a plan of this version");
+  try {
+    return planFrom(json);
+  } catch (const std::exception&) {
+    return unreadable(path, "lacks a field, or has one of the wrong type");
+  }
+}
+
+Status checkTool(const std::string& job_folder, const Plan& plan) {
+  const Tool& here = thisTool();
+  if (plan.tool.build == here.build) return {};
+  return Error{ErrorId::InvalidArgument,
+               job_folder + "/" + kPlanFile + ": made by fourdvt " + plan.tool.version + " (build " + plan.tool.build +
+                   ", " + plan.tool.program + "), but this is " + here.version + " (build " + here.build + ", on " +
+                   hostName() + "): results of both would not fit together; run that program on every machine, or " +
+                   "plan again with this one"};
+}
+
+}  // namespace fourdvt::jobs

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "jobs/records.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "platform/files.h"
+
+namespace fourdvt::jobs {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+// "done/gop-walk-3.0123456789abcdef.json" → "gop-walk-3.0123456789abcdef"
+std::string stemOf(const Piece& piece) { return fs::path(piece.done()).stem().string(); }
+
+std::optional<Record> recordIn(const std::string& path) {
+  const auto bytes = platform::readFile(path);
+  if (!bytes) return std::nullopt;
+  const Json json = Json::parse(bytes.value().begin(), bytes.value().end(), nullptr, false);
+  if (!json.is_object()) return std::nullopt;
+  try {
+    return Record{json.at("id"),      json.at("kind"),    json.at("host"),       json.at("seconds"), json.at("cpu_s"),
+                  json.at("peak_mb"), json.at("read_mb"), json.at("written_mb"), json.at("attempt")};
+  } catch (const std::exception&) {
+    return std::nullopt;
+  }
+}
+
+double secondsOf(const timeval& t) { return double(t.tv_sec) + double(t.tv_usec) / 1e6; }
+
+// Megabytes that this process has read and written by system calls; what a page cache answers counts too.
+void addTraffic(Record& record) {
+  std::ifstream io("/proc/self/io");
+  std::string name;
+  for (double bytes; io >> name >> bytes;) {
+    if (name == "rchar:") record.read_mb = bytes / 1e6;
+    if (name == "wchar:") record.written_mb = bytes / 1e6;
+  }
+}
+
+// Starts by piece, from the names of the files: STEM.HOST.PID
+std::map<std::string, uint32_t> startsIn(const std::string& job_folder) {
+  std::map<std::string, uint32_t> out;
+  std::error_code failed;
+  for (fs::directory_iterator file(job_folder + "/attempts", failed), end; !failed && file != end;
+       file.increment(failed)) {
+    const std::string name = file->path().filename().string();
+    ++out[name.substr(0, name.find('~'))];
+  }
+  return out;
+}
+
+}  // namespace
+
+Result<Attempt> Attempt::begin(const std::string& job_folder, const Piece& piece) {
+  Attempt out;
+  out.folder_ = job_folder;
+  out.piece_ = piece;
+  const std::string stem = stemOf(piece);
+  const auto starts = startsIn(job_folder);
+  if (const auto before = starts.find(stem); before != starts.end()) out.number_ = before->second + 1;
+  FOURDVT_TRY(platform::writeFileAtomic(job_folder + "/attempts/" + stem + "~" + std::to_string(out.number_) + "." +
+                                            hostName() + "." + std::to_string(::getpid()),
+                                        std::string()));
+  return out;
+}
+
+Result<Record> Attempt::finish() {
+  const std::string path = folder_ + "/" + piece_.done();
+  if (const auto earlier = recordIn(path)) return *earlier;
+  Record r;
+  r.id = piece_.id, r.kind = piece_.kind, r.host = hostName(), r.attempt = number_;
+  r.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  r.cpu_s = secondsOf(usage.ru_utime) + secondsOf(usage.ru_stime);
+  r.peak_mb = double(usage.ru_maxrss) / 1e3;
+  addTraffic(r);
+  const Json json = {
+      {"id", r.id},          {"kind", r.kind},       {"host", r.host},       {"seconds", r.seconds},
+      {"cpu_s", r.cpu_s},    {"peak_mb", r.peak_mb}, {"read_mb", r.read_mb}, {"written_mb", r.written_mb},
+      {"attempt", r.attempt}};
+  FOURDVT_TRY(platform::writeFileAtomic(path, json.dump() + "\n"));
+  return r;
+}
+
+bool isDone(const std::string& job_folder, const Piece& piece) {
+  return recordIn(job_folder + "/" + piece.done()).has_value();
+}
+
+Progress readProgress(const std::string& job_folder, const Plan& plan) {
+  Progress out;
+  const auto starts = startsIn(job_folder);
+  for (const Piece& piece : plan.pieces) {
+    if (auto record = recordIn(job_folder + "/" + piece.done())) out.done[piece.id] = *record;
+    if (const auto start = starts.find(stemOf(piece)); start != starts.end()) out.attempts[piece.id] = start->second;
+  }
+  return out;
+}
+
+Status checkNeeds(const std::string& job_folder, const Plan& plan, const Piece& piece) {
+  std::string missing;
+  size_t count = 0;
+  for (const std::string& id : piece.needs) {
+    const Piece* needed = plan.find(id);
+    if (needed && isDone(job_folder, *needed)) continue;
+    if (++count <= 3) missing += (missing.empty() ? "" : ", ") + id;
+  }
+  if (count == 0) return {};
+  if (count > 3) missing += " and " + std::to_string(count - 3) + " more";
+  return Error{ErrorId::InvalidArgument, job_folder + ": piece " + piece.id + " needs " + missing +
+                                             ", which are not done; run those first, or all by Snakemake"};
+}
+
+}  // namespace fourdvt::jobs

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// The command line of `fourdvt bake`, which `fourdvt plan bake` takes too.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "bake/bake.h"
+#include "tools/commands.h"
+#include "tools/progress_line.h"
+#include "tools/session.h"
+
+namespace fourdvt::tools {
+
+struct BakeCommandLine {
+  bake::BakeOptions options;
+  std::optional<int> exit_code;  // help or a problem was printed; none: the options are valid
+};
+
+BakeCommandLine readBakeCommand(int argc, char** argv, const BakeExtension* extension = nullptr);
+// Borrows both.
+bake::BakeEnvironment bakeEnvironment(const GpuSession& gpu, ProgressLine& line);
+void printBakeSummary(const std::string& character_folder, const bake::BakeReport& report, double seconds);
+
+}  // namespace fourdvt::tools
