@@ -24,13 +24,13 @@ struct Ball {
   double stripes = 25;  // levels: a pattern that is fixed to the ball
 };
 
-// `count` cameras on a ring 3 m round the origin and 1.2 m up; the floor lies at y = -0.5.
-inline std::vector<capture::CaptureCamera> ringOf(int count) {
+// `count` cameras on a ring 3 m round the origin and 1.2 m up, with square pictures; the floor lies at y = -0.5.
+inline std::vector<capture::CaptureCamera> ringOf(int count, int side = kSide) {
   std::vector<capture::CaptureCamera> out;
   for (int k = 0; k < count; ++k) {
     const double azimuth = 2 * 3.14159265358979 * k / count + 0.2;
-    PinholeCamera c =
-        testing::lookAt({3 * std::sin(azimuth), 1.2, 3 * std::cos(azimuth)}, {0, 0, 0}, kSide, kSide, 190);
+    PinholeCamera c = testing::lookAt({3 * std::sin(azimuth), 1.2, 3 * std::cos(azimuth)}, {0, 0, 0}, side, side,
+                                      190.0 * side / kSide);
     c.name = "cam0" + std::to_string(k);
     out.push_back({c, {}});
   }
@@ -57,9 +57,11 @@ inline double hitOf(const Ball& ball, const glm::dvec3& from, const glm::dvec3& 
                                                              : -1;
 }
 
-// The room without anybody, of camera number `camera`, levels.
+// The room without anybody, of camera number `camera`, levels. Each channel is 8 levels darker than the one before.
+constexpr double kChannelStep = 8;
 inline double roomLevel(int camera, int x, int y, int channel) {
-  return 110 + 40 * std::sin(0.11 * x + camera) * std::cos(0.07 * y) + 12 * std::sin(0.9 * x + 0.7 * y) - 8 * channel;
+  return 110 + 40 * std::sin(0.11 * x + camera) * std::cos(0.07 * y) + 12 * std::sin(0.9 * x + 0.7 * y) -
+         kChannelStep * channel;
 }
 
 // RGB with sensor noise of 2 levels; `shot` seeds it.
@@ -67,19 +69,22 @@ inline Image filmed(const std::vector<capture::CaptureCamera>& rig, int camera, 
                     uint32_t shot) {
   const PinholeCamera& c = rig[size_t(camera)].pinhole;
   Image out(c.width, c.height, 3);
+  const glm::dvec3 from = c.centreInWorld();
   for (int y = 0; y < c.height; ++y)
     for (int x = 0; x < c.width; ++x) {
-      const glm::dvec3 from = c.centreInWorld(), along = rayOf(c, x + 0.5, y + 0.5);
+      const glm::dvec3 along = balls.empty() ? glm::dvec3(0) : rayOf(c, x + 0.5, y + 0.5);
       const Ball* front = nullptr;
       double nearest = 1e9;
       for (const Ball& ball : balls)
         if (const double t = hitOf(ball, from, along); t > 0 && t < nearest) nearest = t, front = &ball;
+      double stripes = 0;
+      if (front) {
+        const glm::dvec3 on = (from + nearest * along - front->centre) / front->radius_m;
+        stripes = front->stripes * std::sin(9 * on.x + 7 * on.y) * std::cos(8 * on.z);
+      }
+      const double room = front ? 0 : roomLevel(camera, x, y, 0);
       for (int channel = 0; channel < 3; ++channel) {
-        double level = roomLevel(camera, x, y, channel);
-        if (front) {
-          const glm::dvec3 on = (from + nearest * along - front->centre) / front->radius_m;
-          level = front->colour[size_t(channel)] + front->stripes * std::sin(9 * on.x + 7 * on.y) * std::cos(8 * on.z);
-        }
+        const double level = front ? front->colour[size_t(channel)] + stripes : room - kChannelStep * channel;
         const uint32_t at = uint32_t((y * c.width + x) * 3 + channel);
         const double noise = hashed(at, shot, 1) + hashed(at, shot, 2) + hashed(at, shot, 3) - 1.5;
         out.at(x, y)[channel] = uint8_t(std::clamp(level + 4 * noise, 0.0, 255.0));

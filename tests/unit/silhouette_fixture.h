@@ -32,8 +32,9 @@ inline Shape ballShape(const glm::dvec3& centre, double radius_m) {
 inline Shape boxShape(const glm::dvec3& low, const glm::dvec3& high) {
   return [=](const glm::dvec3& from, const glm::dvec3& along) {
     double enter = 0, leave = 1e9;
+    const double *l = &low.x, *h = &high.x, *o = &from.x, *d = &along.x;
     for (int axis = 0; axis < 3; ++axis) {
-      const double a = (low[axis] - from[axis]) / along[axis], b = (high[axis] - from[axis]) / along[axis];
+      const double a = (l[axis] - o[axis]) / d[axis], b = (h[axis] - o[axis]) / d[axis];
       enter = std::max(enter, std::min(a, b));
       leave = std::min(leave, std::max(a, b));
     }
@@ -74,7 +75,11 @@ inline Image coverageOf(const PinholeCamera& camera, const Shape& shape) {
   constexpr int kSamples = 8;
   Image coverage(camera.width, camera.height, 1);
   const glm::dvec3 from = camera.centreInWorld();
-  const auto hit = [&](double x, double y) { return shape(from, rayInWorld(camera, {x, y})); };
+  const glm::dmat3 world_from_cam = glm::transpose(glm::dmat3(camera.cam_from_world));
+  const auto hit = [&](double x, double y) {
+    const glm::dvec3 ray((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1);
+    return shape(from, glm::normalize(world_from_cam * ray));
+  };
   std::vector<uint8_t> corners;
   for (int y = 0; y <= camera.height; ++y)
     for (int x = 0; x <= camera.width; ++x) corners.push_back(hit(x, y));
@@ -177,26 +182,42 @@ inline bool shapeHolds(const Rig& rig, const Shape& shape, const glm::dvec3& poi
   });
 }
 
-// Volume of the points within `half_m` of the origin along each axis that the rig holds, by the midpoint rule.
+// Volume of the points within `half_m` of the origin along each axis that the rig holds, from one point at random in
+// each of steps³ cells: faces along the cells' planes count as exactly as others. Repeatable.
 inline double hullVolume(const Rig& rig, const Shape& shape, double half_m, int steps = 60) {
   const double step = 2 * half_m / steps;
   size_t inside = 0;
-  for (int i = 0; i < steps * steps * steps; ++i) {
-    const glm::dvec3 index(i % steps, i / steps % steps, i / (steps * steps));
-    inside += shapeHolds(rig, shape, (index + 0.5) * step - half_m);
-  }
+  std::minstd_rand random(1);
+  const auto share = [&] { return (random() - 1) / double(std::minstd_rand::max()); };
+  for (int z = 0; z < steps; ++z)
+    for (int y = 0; y < steps; ++y)
+      for (int x = 0; x < steps; ++x) {
+        const double a = share(), b = share(), c = share();
+        inside += shapeHolds(rig, shape, glm::dvec3(x + a, y + b, z + c) * step - half_m);
+      }
   return double(inside) * step * step * step;
 }
 
 // Whether the closed mesh surrounds the point: the solid angle of its faces.
 inline bool meshHolds(const TriangleMesh& mesh, const glm::dvec3& p) {
+  // In plain numbers: tests are compiled without optimisation.
+  struct Seen {
+    double x, y, z, length;
+  };
+  std::vector<Seen> vertices;
+  vertices.reserve(mesh.positions.size());
+  for (const glm::vec3& q : mesh.positions) {
+    const double x = q.x - p.x, y = q.y - p.y, z = q.z - p.z;
+    vertices.push_back({x, y, z, std::sqrt(x * x + y * y + z * z)});
+  }
   double angle = 0;
+  const Seen* at = vertices.data();
   for (const glm::uvec3& f : mesh.faces) {
-    const glm::dvec3 a = glm::dvec3(mesh.positions[f.x]) - p, b = glm::dvec3(mesh.positions[f.y]) - p,
-                     c = glm::dvec3(mesh.positions[f.z]) - p;
-    const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
-    angle += std::atan2(glm::dot(a, glm::cross(b, c)),
-                        la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb);
+    const Seen &a = at[f.x], &b = at[f.y], &c = at[f.z];
+    const double ab = a.x * b.x + a.y * b.y + a.z * b.z, bc = b.x * c.x + b.y * c.y + b.z * c.z,
+                 ca = c.x * a.x + c.y * a.y + c.z * a.z;
+    const double volume = a.x * (b.y * c.z - b.z * c.y) + a.y * (b.z * c.x - b.x * c.z) + a.z * (b.x * c.y - b.y * c.x);
+    angle += std::atan2(volume, a.length * b.length * c.length + ab * c.length + bc * a.length + ca * b.length);
   }
   return angle > 3.14159265;  // of 2π, as each term is half of a face's angle
 }

@@ -38,12 +38,12 @@ TEST(ClipPlates, ShowWhatIsBehindTheMasks) {
 }
 
 TEST(ClipPlates, SeparateAPerformerWhoNeverLeaves) {
-  const auto rig = ringOf(5);
-  constexpr size_t kSamples = 10;
+  const auto rig = ringOf(5, 96);
+  constexpr size_t kSamples = 7;
   std::vector<std::vector<Image>> pictures(rig.size());
   std::vector<std::vector<cv::Mat>> truth(rig.size());
   for (size_t k = 0; k < kSamples; ++k) {
-    const double t = double(k) * 0.7;
+    const double t = double(k);
     const std::vector<Ball> balls{{{0.45 * std::sin(t), 0, 0.45 * std::cos(1.3 * t)}, 0.33, {200, 90, 70}, 35},
                                   {{0.45 * std::sin(t), 0.42, 0.45 * std::cos(1.3 * t)}, 0.17, {70, 60, 190}, 35}};
     // Somebody else moves where only camera 1 looks.

@@ -348,7 +348,13 @@ TEST(Chunk, RefusesTruncationTrailingBytesAndOtherCounts) {
     ASSERT_FALSE(out.ok()) << part.size();
     EXPECT_EQ(out.error().id, ErrorId::StreamInvalid);
   };
-  for (size_t n = 0; n < bytes.size(); ++n) refuse(std::span(bytes).first(n), index, 0, mesh);
+  // Every truncation, of a chunk with fewer bytes.
+  const ChunkFrames small = randomFrames(3, 8, 10, 2, 1, {2, 1, true});
+  const ChunkMesh small_mesh = strandMesh(8, 10);
+  const std::vector<uint8_t> small_bytes = encodeChunk(small, small_mesh).take();
+  ASSERT_TRUE(decodeChunk(small_bytes, indexFor(small), 0, small_mesh).ok());
+  for (size_t n = 0; n < small_bytes.size(); ++n)
+    refuse(std::span(small_bytes).first(n), indexFor(small), 0, small_mesh);
   std::vector<uint8_t> longer = bytes;
   longer.push_back(7);
   refuse(longer, index, 0, mesh);
@@ -396,8 +402,8 @@ TEST(Chunk, RefusesTruncationTrailingBytesAndOtherCounts) {
 }
 
 TEST(Chunk, SurvivesDamage) {
-  const ChunkFrames in = randomFrames(3, 20, 30, 3, 2, {2, 1, true});
-  const ChunkMesh mesh = strandMesh(20, 30);
+  const ChunkFrames in = randomFrames(3, 8, 10, 2, 2, {2, 1, true});
+  const ChunkMesh mesh = strandMesh(8, 10);
   const std::vector<uint8_t> bytes = encodeChunk(in, mesh).take();
   const auto expectInRange = [](int q) { EXPECT_LE(std::abs(q), 1 << 24); };
   for (size_t n = 0; n < bytes.size(); ++n) {
@@ -518,7 +524,7 @@ TEST(BaseMesh, KeepsGeometryAndReportsTheOrder) {
 TEST(BaseMesh, RefusesTruncationAndSurvivesDamage) {
   MeshTopology topology;
   Positions positions;
-  makeGrid(6, topology, positions);
+  makeGrid(4, topology, positions);
   const std::vector<uint8_t> bytes = encodeBaseMesh(topology, positions).take().bytes;
   for (size_t n = 0; n < bytes.size(); ++n) {
     EXPECT_FALSE(decodeBaseMesh(std::span(bytes).first(n)).ok()) << n;

@@ -58,9 +58,11 @@ int crossings(const Outline& outline) {
   for (size_t r = 0; r < outline.rings.size(); ++r)
     for (size_t i = 0, n = outline.rings[r].size(); i < n; ++i)
       edges.push_back({outline.rings[r][i], outline.rings[r][(i + 1) % n], r, i, n});
+  const auto left = [](const Edge& e) { return std::min(e.a.x, e.b.x); };
+  std::sort(edges.begin(), edges.end(), [&](const Edge& e, const Edge& f) { return left(e) < left(f); });
   int count = 0;
   for (size_t i = 0; i < edges.size(); ++i)
-    for (size_t k = i + 1; k < edges.size(); ++k) {
+    for (size_t k = i + 1; k < edges.size() && left(edges[k]) <= std::max(edges[i].a.x, edges[i].b.x); ++k) {
       const Edge &e = edges[i], &f = edges[k];
       if (e.ring == f.ring && ((e.index + 1) % e.count == f.index || (f.index + 1) % f.count == e.index)) continue;
       const double a = cross(e.b - e.a, f.a - e.a), b = cross(e.b - e.a, f.b - e.a), c = cross(f.b - f.a, e.a - f.a),

@@ -32,16 +32,6 @@ int disagreements(const TriangleMesh& mesh, const std::vector<SilhouetteCone>& c
   return wrong;
 }
 
-// Volume of what all cameras may hold by the shape itself: points on a grid, 1 cm apart.
-double idealVolume_m3(const Rig& rig, const Shape& shape) {
-  constexpr double kStep_m = 0.01;
-  int inside = 0;
-  for (double x = -0.995; x < 1; x += kStep_m)
-    for (double y = -0.995; y < 1; y += kStep_m)
-      for (double z = -0.995; z < 1; z += kStep_m) inside += shapeHolds(rig, shape, {x, y, z});
-  return inside * kStep_m * kStep_m * kStep_m;
-}
-
 void expectSolidAtAllTolerances(const Rig& rig, const char* name, const BoundingBox& bounds = kBounds_m) {
   for (double tolerance_px : kTolerances_px) {
     SCOPED_TRACE(std::string(name) + " at " + std::to_string(tolerance_px) + " px");
@@ -55,7 +45,7 @@ void expectSolidAtAllTolerances(const Rig& rig, const char* name, const Bounding
 }
 
 void expectVolumeConverges(const Rig& rig, const Shape& shape, double share_at_1_px = 0.03) {
-  const double ideal_m3 = idealVolume_m3(rig, shape);
+  const double ideal_m3 = hullVolume(rig, shape, 1, 100);
   ASSERT_GT(ideal_m3, 0.01);
   const auto error = [&](double tolerance_px) {
     return std::abs(checkMesh(hullOf(rig.cones(tolerance_px)).mesh).volume_m3 / ideal_m3 - 1);

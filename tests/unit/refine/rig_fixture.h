@@ -32,16 +32,25 @@ inline std::vector<PinholeCamera> ringOfCameras(int count = 8) {
 // Coverage by the balls' cones: each has half the angle asin(radius / distance).
 inline Image silhouetteOf(const PinholeCamera& camera, double instant) {
   const double a = 0.11 * instant, b = 0.07 * instant + 1;
-  const struct {
+  struct Ball {
     glm::dvec3 centre;
     double radius;
-  } balls[] = {{{0, 0, 0}, 0.22},
-               {{0.4 * std::cos(a), 0.3, 0.4 * std::sin(a)}, 0.1},
-               {{0.3 * std::sin(b), -0.4, 0.3 * std::cos(b)}, 0.12},
-               {{0.1, 0.35 + 0.1 * std::sin(a), -0.1}, 0.1},
-               {{-0.35, 0.35 * std::sin(b), 0.1}, 0.09}};
+    glm::dvec3 towards{0};  // from the camera
+    double half_angle = 0, near_cosine = 1;
+  };
+  Ball balls[] = {{{0, 0, 0}, 0.22},
+                  {{0.4 * std::cos(a), 0.3, 0.4 * std::sin(a)}, 0.1},
+                  {{0.3 * std::sin(b), -0.4, 0.3 * std::cos(b)}, 0.12},
+                  {{0.1, 0.35 + 0.1 * std::sin(a), -0.1}, 0.1},
+                  {{-0.35, 0.35 * std::sin(b), 0.1}, 0.09}};
   const glm::dmat4 world_from_cam = glm::inverse(camera.cam_from_world);
   const glm::dvec3 eye = camera.centreInWorld();
+  for (Ball& ball : balls) {
+    const glm::dvec3 to = ball.centre - eye;
+    ball.towards = glm::normalize(to);
+    ball.half_angle = std::asin(ball.radius / glm::length(to));
+    ball.near_cosine = std::cos(ball.half_angle + 1 / camera.fx);  // further out, nothing is covered
+  }
   Image out(camera.width, camera.height, 1);
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {
@@ -50,9 +59,9 @@ inline Image silhouetteOf(const PinholeCamera& camera, double instant) {
                          glm::dvec3((x + 0.5 - camera.cx) / camera.fx, (y + 0.5 - camera.cy) / camera.fy, 1));
       double inside = -1e9;
       for (const auto& ball : balls) {
-        const glm::dvec3 to = ball.centre - eye;
-        const double angle = std::acos(std::clamp(glm::dot(ray, glm::normalize(to)), -1.0, 1.0));
-        inside = std::max(inside, camera.fx * (std::asin(ball.radius / glm::length(to)) - angle));
+        const double cosine = glm::dot(ray, ball.towards);
+        if (cosine < ball.near_cosine) continue;
+        inside = std::max(inside, camera.fx * (ball.half_angle - std::acos(std::min(cosine, 1.0))));
       }
       *out.at(x, y) = uint8_t(std::lround(255 * std::clamp(inside + 0.5, 0.0, 1.0)));
     }
