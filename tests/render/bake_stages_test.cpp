@@ -88,6 +88,33 @@ TEST_F(BakeStages, MatteHides) {
   EXPECT_FLOAT_EQ(s[2], 1);
 }
 
+// Small texels take coarse mipmaps, which reach beyond the surface's part of the picture.
+TEST_F(BakeStages, AFrameDoesNotDependOnTheFramesBefore) {
+  Wall wall(false);
+  const Positions small{{-0.3f, 0.3f, 0}, {0.3f, 0.3f, 0}, {0.3f, -0.3f, 0}, {-0.3f, -0.3f, 0}};
+  Positions aside = small;
+  for (glm::vec3& p : aside) p.x += 0.55f;
+  const auto layerAfter = [&](const std::vector<Positions>& poses) {
+    auto on_gpu = GpuCapture::create(*device, cameras, wall.topology, true);
+    EXPECT_TRUE(on_gpu.ok());
+    ResampleOptions options;
+    options.filter = ResampleFilter::Mipmap;
+    auto resampler = Resampler::create(*device, on_gpu.value(), {1}, options, {});
+    EXPECT_TRUE(resampler.ok());
+    for (const Positions& pose : poses) {
+      std::vector<PictureCrop> crops;
+      const Image picture = &pose == &poses.back() ? gradient() : Image(kPictureSide, kPictureSide, 4, 255);
+      for (const PinholeCamera& camera : cameras) crops.push_back(cropPicture(camera, pose, picture));
+      on_gpu.value().setFrame(*device, pose, crops);
+    }
+    return resampler.value().resample(*device, on_gpu.value(), {0, 0}).take()[0].pixels;
+  };
+  const auto alone = layerAfter({small});
+  EXPECT_EQ(alone, (std::vector<uint8_t>{0, 0, 0, 0})) << "half of what the one texel spans is not the surface's";
+  EXPECT_EQ(layerAfter({aside, small}), alone);
+  EXPECT_EQ(layerAfter({wall.positions, small}), alone);
+}
+
 TEST_F(BakeStages, TexelShowsThePixelItsPointProjectsTo) {
   const Wall wall(false);
   const GpuCapture on_gpu = capture(wall, {gradient(), gradient()});

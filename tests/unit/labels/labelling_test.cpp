@@ -523,10 +523,18 @@ TEST(SolveLabels, GoesOnWithTheWindowsThatWereKept) {
     EXPECT_EQ(shelf.windows, all);
   }
 
+  // Solves windows one by one, in any order.
   shelf.windows.clear();
-  shelf.answer = Error{ErrorId::WriteFailed, "x"};
   const LabelSink ignore = [](uint32_t, const std::vector<uint8_t>&) -> Status { return {}; };
   const FaceCostSource costs = [&](uint32_t t) -> Result<FaceCosts> { return FaceCosts(problem.frames[t]); };
+  for (size_t w = windows.size(); w-- > 0;)
+    ASSERT_TRUE(solveLabelWindows(options, problem.graph, 40, {w}, {costs, ignore, {}, nullptr, &keeper}).ok());
+  EXPECT_EQ(shelf.windows, all);
+
+  shelf.windows.clear();
+  shelf.answer = Error{ErrorId::WriteFailed, "x"};
+  EXPECT_EQ(solveLabelWindows(options, problem.graph, 40, {1}, {costs, ignore, {}, nullptr, &keeper}).error().id,
+            ErrorId::WriteFailed);
   EXPECT_EQ(solveLabels(options, problem.graph, 40, {costs, ignore, {}, nullptr, &keeper}).error().id,
             ErrorId::WriteFailed);
 }

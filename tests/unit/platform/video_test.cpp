@@ -277,5 +277,67 @@ TEST(PlatformSampleDecoder, UnknownCodecAndBadDescription) {
   EXPECT_TRUE(SampleDecoder::create("av01.0.04M.08", {}, nullptr).ok());
 }
 
+// Pictures are numbered alike whether those before them are decoded or left out.
+TEST(VideoFile, SkipsToThePictureThatFollows) {
+  const std::string path = kSample + "/pickup/cam00.mp4";
+  std::vector<Image> all;
+  auto sequential = openVideoFile(path, 3);
+  ASSERT_TRUE(sequential.ok());
+  for (auto picture = sequential.value()->next(); picture.ok() && picture.value(); picture = sequential.value()->next())
+    all.push_back(*picture.value());
+  ASSERT_GT(all.size(), 20u);
+  for (const uint32_t first : {0u, 3u}) {
+    auto video = openVideoFile(path, 3);
+    ASSERT_TRUE(video.ok());
+    for (uint32_t i = 0; i < first; ++i) ASSERT_TRUE(video.value()->next().ok());
+    ASSERT_TRUE(video.value()->skip(12).ok());
+    const auto picture = video.value()->next();
+    ASSERT_TRUE(picture.ok() && picture.value());
+    EXPECT_EQ(picture.value()->pixels, all[first + 12].pixels);
+  }
+  auto video = openVideoFile(path, 3);
+  ASSERT_TRUE(video.value()->skip(uint32_t(all.size())).ok());
+  EXPECT_FALSE(video.value()->next().value().has_value()) << "at the end";
+}
+
+// 560 frames with B pictures and key pictures at 0, 250 and 500, as MP4, which has an index, and as Matroska.
+TEST(VideoFile, SeeksToTheSamePictures) {
+  constexpr int kFrames = 560;
+  for (const char* extension : {".mp4", ".mkv"}) {
+    const std::string path =
+        (std::filesystem::path(testing::TempDir()) / ("fourdvt_seek_" + std::to_string(::getpid()) + extension))
+            .string();
+    auto writer = VideoWriter::create(path, {.width = 32, .height = 32, .preset = "medium"});
+    ASSERT_TRUE(writer.ok());
+    Image picture(32, 32, 3);
+    for (int f = 0; f < kFrames; ++f) {
+      for (size_t i = 0; i < picture.pixels.size(); ++i)
+        picture.pixels[i] = static_cast<uint8_t>(128 + 100 * std::sin(0.05 * f + 0.01 * double(i)));
+      ASSERT_TRUE(writer.value()->write(picture).ok());
+    }
+    ASSERT_TRUE(writer.value()->finish().ok());
+    std::vector<Image> all;
+    auto sequential = openVideoFile(path, 3);
+    for (auto next = sequential.value()->next(); next.ok() && next.value(); next = sequential.value()->next())
+      all.push_back(*next.value());
+    ASSERT_EQ(all.size(), size_t(kFrames));
+    for (const auto& [read, wanted] :
+         {std::pair(0, 61), {0, 255}, {1, 249}, {0, 250}, {5, 505}, {100, 520}, {0, 559}}) {
+      auto video = openVideoFile(path, 3);
+      for (int i = 0; i < read; ++i) ASSERT_TRUE(video.value()->next().ok());
+      ASSERT_TRUE(video.value()->skip(uint32_t(wanted - read)).ok());
+      for (int f = wanted; f < std::min(wanted + 3, kFrames); ++f) {
+        const auto next = video.value()->next();
+        ASSERT_TRUE(next.ok() && next.value()) << extension << " " << f;
+        EXPECT_EQ(next.value()->pixels, all[f].pixels) << extension << " " << f;
+      }
+    }
+    auto video = openVideoFile(path, 3);
+    ASSERT_TRUE(video.value()->skip(kFrames + 100).ok());
+    EXPECT_FALSE(video.value()->next().value().has_value()) << "after the end";
+    std::filesystem::remove(path);
+  }
+}
+
 }  // namespace
 }  // namespace fourdvt::platform
