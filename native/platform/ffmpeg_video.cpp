@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "platform/ffmpeg_handles.h"
@@ -120,16 +121,28 @@ class FileSource final : public VideoSource {
     }
   }
 
-  // The ticks between two pictures where the file's index says that they are all equal; else 0.
-  int64_t constantInterval() {
+  // The ticks between two pictures where they are all equal, as the file's index says, or, where it lists key pictures
+  // alone, its frame rates; else 0.
+  double constantInterval() {
     AVStream* stream = file_.format->streams[stream_];
     const int entries = avformat_index_get_entries_count(stream);
-    if (entries < 2 || stream->nb_frames != entries) return 0;
+    if (entries < 2 || stream->nb_frames != entries) {
+      const AVRational rate = stream->avg_frame_rate;
+      const bool constant = rate.num > 0 && av_cmp_q(rate, stream->r_frame_rate) == 0;
+      return constant ? 1 / (av_q2d(rate) * av_q2d(stream->time_base)) : 0;
+    }
     const auto stamp = [&](int i) { return avformat_index_get_entry(stream, i)->timestamp; };
     const int64_t interval = stamp(1) - stamp(0);
     for (int i = 2; i < entries; ++i)
       if (stamp(i) - stamp(i - 1) != interval) return 0;
-    return std::max<int64_t>(interval, 0);
+    return double(interval);
+  }
+
+  // Number of the picture in frame_, by its time stamp; none if that does not lie where a constant interval has it.
+  std::optional<uint32_t> numberByStamp() const {
+    const double ticks = double(frame_->best_effort_timestamp - first_stamp_), number = std::round(ticks / interval_);
+    if (number < 0 || std::abs(ticks - number * interval_) > std::min(1.01, interval_ / 4)) return std::nullopt;
+    return static_cast<uint32_t>(number);
   }
 
   // Puts the decoder in front of a picture that is not after `wanted`, by the numbers that time stamps give. False
@@ -140,19 +153,16 @@ class FileSource final : public VideoSource {
       if (!decoded) return false;
     }
     if (interval_ < 0) interval_ = constantInterval();
-    if (interval_ <= 0 || first_stamp_ == AV_NOPTS_VALUE) return false;
-    AVStream* stream = file_.format->streams[stream_];
-    const int entry = static_cast<int>(wanted) - kReordered;
-    if (entry <= static_cast<int>(number_) || entry >= avformat_index_get_entries_count(stream)) return true;
-    if (av_seek_frame(file_.format.get(), stream_, avformat_index_get_entry(stream, entry)->timestamp,
-                      AVSEEK_FLAG_BACKWARD) < 0)
-      return false;
+    if (!(interval_ > 0) || first_stamp_ == AV_NOPTS_VALUE) return false;
+    const uint32_t before = number_, target = wanted - kReordered;
+    if (target <= before) return true;
+    const int64_t stamp = first_stamp_ + std::llround(interval_ * target);
+    if (av_seek_frame(file_.format.get(), stream_, stamp, AVSEEK_FLAG_BACKWARD) < 0) return false;
     avcodec_flush_buffers(codec_.get());
-    const uint32_t before = number_;
     FOURDVT_ASSIGN(const bool decoded, decode());
-    const int64_t ticks = decoded ? frame_->best_effort_timestamp - first_stamp_ : -1;
-    if (ticks < 0 || ticks % interval_ != 0 || ticks / interval_ >= wanted || ticks / interval_ < before) return false;
-    number_ = static_cast<uint32_t>(ticks / interval_) + 1;
+    const std::optional<uint32_t> found = decoded ? numberByStamp() : std::nullopt;
+    if (!found || *found >= wanted || *found < before) return false;
+    number_ = *found + 1;
     return true;
   }
 
@@ -198,12 +208,13 @@ class FileSource final : public VideoSource {
   }
 
   static constexpr uint32_t kSeekBeyond = 60;  // pictures ahead, up to which all are decoded
-  static constexpr int kReordered = 17;        // pictures between a decoding and a presentation time, and one
+  static constexpr uint32_t kReordered = 17;   // pictures between a decoding and a presentation time, and one
 
   std::string path_;
   int channels_ = 3, stream_ = -1;
-  uint32_t number_ = 0;                                   // of the next picture
-  int64_t first_stamp_ = AV_NOPTS_VALUE, interval_ = -1;  // of picture 0; constantInterval() once it was asked for
+  uint32_t number_ = 0;                   // of the next picture
+  int64_t first_stamp_ = AV_NOPTS_VALUE;  // of picture 0
+  double interval_ = -1;                  // constantInterval() once it is needed
   FileOnly file_;
   AvCodec codec_;
   AvFrame frame_{av_frame_alloc()};
