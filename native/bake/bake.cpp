@@ -5,6 +5,7 @@
 #include "bake/bake.h"
 
 #include <algorithm>
+#include <filesystem>
 
 #include "bake/pieces.h"
 #include "bake/run/bake_run.h"
@@ -190,6 +191,9 @@ Result<jobs::Plan> planBake(const BakeOptions& given, std::vector<std::string> a
                             const BakeEnvironment& environment) {
   BakeOptions options = resolved(given);
   options.resume = true;
+  std::error_code failed;  // pieces run in other folders
+  if (const auto path = std::filesystem::absolute(options.character_folder, failed); !failed)
+    options.character_folder = path.lexically_normal().string();
   FOURDVT_ASSIGN(auto job, validate(options, environment));
   BakeRun run(std::move(job), environment);
   FOURDVT_TRY(planJob(run));
