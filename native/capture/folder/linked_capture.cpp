@@ -73,6 +73,13 @@ Status linkSequence(const fs::path& from, const fs::path& to, const Json& sequen
   return {};
 }
 
+// Leaves a file as it is that has this text: its time says whether it has changed.
+Status writeText(const std::string& path, const std::string& text) {
+  const auto found = platform::readFile(path);
+  if (found.ok() && std::equal(found.value().begin(), found.value().end(), text.begin(), text.end())) return {};
+  return platform::writeFileAtomic(path, text);
+}
+
 void dropNames(const std::vector<std::string>& names, Json& by_camera) {
   if (!by_camera.is_object()) return;
   for (const std::string& name : names) by_camera.erase(name);
@@ -84,8 +91,8 @@ Status writeKept(const Capture& capture, const std::string& to, const LinkOption
   const std::string folder = to + "/" + kKeptCameras;
   FOURDVT_TRY(platform::makeFolder(folder));
   const ColmapText text = colmapText(capture.cameras, capture.metres_per_unit);
-  FOURDVT_TRY(platform::writeFileAtomic(folder + "/cameras.txt", text.cameras));
-  FOURDVT_TRY(platform::writeFileAtomic(folder + "/images.txt", text.images));
+  FOURDVT_TRY(writeText(folder + "/cameras.txt", text.cameras));
+  FOURDVT_TRY(writeText(folder + "/images.txt", text.images));
   json["calibration"]["ring"] = kKeptCameras;
   Json& calibration = json["calibration"];
   if (!calibration.contains("skew") || !calibration["skew"].is_object()) return {};
@@ -158,7 +165,7 @@ Status linkCapture(const Capture& capture, const std::string& to, const LinkOpti
     json.erase("classes");
   }
   FOURDVT_TRY(writeKept(capture, to, options, json));
-  return platform::writeFileAtomic(to + "/capture.json", json.dump(2) + "\n");
+  return writeText(to + "/capture.json", json.dump(2) + "\n");
 }
 
 Status leaveOut(const std::vector<std::string>& names, Capture& capture) {

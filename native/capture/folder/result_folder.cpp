@@ -118,8 +118,20 @@ Status ResultFolder::open(const std::string& key, bool resume) const {
   return platform::makeFolder(partFolder());
 }
 
+bool ResultFolder::holds(const std::string& key) const {
+  const auto found = platform::readFile(keyPath());
+  return found.ok() && std::string(found.value().begin(), found.value().end()) == key + signature();
+}
+
+Status ResultFolder::place() const {
+  const std::string previous = workFolder() + "/previous." + platform::ownSuffix();  // nobody else removes it
+  FOURDVT_TRY(platform::replaceFolder(partFolder(), target_, previous));
+  platform::removeFolder(previous);
+  return {};
+}
+
 Status ResultFolder::finish() const {
-  FOURDVT_TRY(platform::replaceFolder(partFolder(), target_, workFolder() + "/previous"));
+  FOURDVT_TRY(place());
   platform::removeFolder(workFolder());
   return {};
 }

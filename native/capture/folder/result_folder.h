@@ -39,7 +39,11 @@ class ResultFolder {
   // Work that an earlier run left stays only with `resume`. `key`: one line, what decides how frames come out. Errors:
   // InvalidArgument (left with another key, or not left by this command), WriteFailed.
   Status open(const std::string& key, bool resume) const;
-  // The part takes the target's place. On failure all work is still kept.
+  // True where an earlier run left work with this key.
+  bool holds(const std::string& key) const;
+  // The part takes the target's place; the work folder stays. On failure all work is still kept.
+  Status place() const;
+  // The same, and the work folder is removed.
   Status finish() const;
 
  private:
