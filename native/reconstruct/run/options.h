@@ -46,7 +46,8 @@ struct ReconstructEnvironment {
   gpu::Device* device = nullptr;  // current on this thread; may be null without stereo
   OpenVideo open_video;
   std::function<void(const ReconstructProgress&)> progress;
-  const std::atomic<bool>* stop = nullptr;  // set by Ctrl-C: finish the frame, keep what is finished
+  std::function<void(const std::string&)> note;  // a line for the person who plans; may be empty
+  const std::atomic<bool>* stop = nullptr;       // set by Ctrl-C: finish the frame, keep what is finished
 };
 
 }  // namespace fourdvt::reconstruct

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruct/run/finish.h"
+
+namespace fourdvt::reconstruct {
+
+Status drawKept(const Prepared& job, const FrameStore& store, const capture::CaptureSequence& sequence, uint32_t frame,
+                const OpenVideo& open_video, ReportPictures& pictures) {
+  FOURDVT_ASSIGN(const auto reader, capture::FrameReader::open(job.capture, sequence, open_video, frame));
+  FOURDVT_ASSIGN(const auto captured, reader->next());
+  std::vector<PinholeCamera> cameras;
+  for (const capture::CaptureCamera& camera : job.capture.cameras) cameras.push_back(camera.pinhole);
+  FrameSurface surface;
+  FOURDVT_ASSIGN(surface.mesh, store.loadMesh(sequence.name, frame));
+  surface.silhouettes = silhouettesOf(cameras, captured.pictures);
+  pictures.add(sequence.name, frame, captured.pictures, surface);
+  return {};
+}
+
+Result<ReconstructSummary> writeResult(const Prepared& job, const FrameStore& store, const ReportPictures& pictures,
+                                       uint32_t frames_kept, double wall_s) {
+  std::vector<ReconstructedSequence> done;
+  for (const capture::CaptureSequence& sequence : job.capture.sequences) {
+    ReconstructedSequence& out = done.emplace_back();
+    out.name = sequence.name;
+    for (uint32_t frame = 0; frame < sequence.frame_count; ++frame) {
+      auto figures = store.find(sequence.name, frame);
+      if (!figures)
+        return Error{ErrorId::InvalidArgument, job.folderOf(sequence.name) + ", frame " + std::to_string(frame) +
+                                                   ": is missing among the finished frames; run `fourdvt plan` again, "
+                                                   "or `fourdvt reconstruct --resume`"};
+      out.frames.push_back(std::move(*figures));
+    }
+  }
+  ReconstructSummary summary = summarise(job.capture, done);
+  summary.frames_kept = frames_kept;
+  summary.warnings.insert(summary.warnings.begin(), job.warnings.begin(), job.warnings.end());
+  summary.wall_s = wall_s;
+  FOURDVT_TRY(writeReport(resultFolder(job.options).partFolder(), job.options, job.capture, done, pictures, summary));
+  return summary;
+}
+
+}  // namespace fourdvt::reconstruct

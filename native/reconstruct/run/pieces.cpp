@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruct/run/pieces.h"
+
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+
+#include "base/hash.h"
+#include "capture/input_files.h"
+#include "jobs/records.h"
+#include "reconstruct/run/finish.h"
+#include "reconstruct/run/job_file.h"
+#include "reconstruct/run/sequence_frames.h"
+
+namespace fourdvt::reconstruct {
+namespace {
+
+constexpr const char* kFirst = "first";
+constexpr const char* kFrames = "frames";
+
+// Frames of a sequence that a piece makes.
+struct Part {
+  std::string sequence;
+  bool first = false;   // frame 0 alone
+  uint32_t window = 0;  // else
+};
+
+std::string idOf(const Part& part) {
+  return part.first ? std::string(kFirst) + "-" + part.sequence
+                    : std::string(kFrames) + "-" + part.sequence + "-" + std::to_string(part.window);
+}
+
+uint32_t firstOf(const Part& part) { return part.window * kWindow; }
+uint32_t endOf(const Part& part, const capture::CaptureSequence& sequence) {
+  return part.first ? 1 : windowEnd(sequence, part.window);
+}
+
+uint64_t inputsOf(const Prepared& job, const Part& part, uint64_t common) {
+  const capture::CaptureSequence& sequence = *job.capture.find(part.sequence);
+  const uint64_t own = capture::inputDigest(job.capture, sequence, firstOf(part), endOf(part, sequence));
+  return fnv1a({reinterpret_cast<const uint8_t*>(&own), sizeof own}, common);
+}
+
+// Estimates, from pieces that were measured on two cores; only schedulers read the seconds.
+class Costs {
+ public:
+  explicit Costs(const Prepared& job) : stereo_(job.options.stereo), megafaces_(job.options.faces / 1e6) {
+    for (const capture::CaptureCamera& camera : job.capture.cameras)
+      megapixels_ += double(camera.pinhole.width) * camera.pinhole.height / 1e6;
+  }
+  double frame_s() const { return 0.3 + 0.1 * megapixels_ + (stereo_ ? 1.2 * megapixels_ : 0); }
+  double memory_mb() const { return 350 + 60 * megapixels_ + 3000 * megafaces_ + (stereo_ ? 200 * megapixels_ : 0); }
+  double megapixels() const { return megapixels_; }
+
+ private:
+  bool stereo_;
+  double megapixels_ = 0, megafaces_ = 0;  // of all cameras; of the largest surface
+};
+
+class Cutter {
+ public:
+  Cutter(const JobFile& file, jobs::Plan& plan) : file_(file), costs_(file.job), plan_(plan) {}
+
+  void cut() {
+    for (const capture::CaptureSequence& sequence : file_.job.capture.sequences) {
+      Part first{sequence.name, true, 0};
+      add(kFirst, first, 1);
+      for (uint32_t window = 0; window < windowsOf(sequence); ++window) {
+        const Part frames{sequence.name, false, window};
+        add(kFrames, frames, endOf(frames, sequence) - firstOf(frames)).needs = {idOf(first)};
+      }
+    }
+    jobs::Piece finish;
+    finish.id = finish.kind = jobs::kFinish;
+    for (const jobs::Piece& piece : plan_.pieces) finish.needs.push_back(piece.id);
+    finish.inputs = file_.common_input_digest;
+    cost(finish, 0.3 * costs_.megapixels() * double(file_.job.capture.sequences.size()) + 0.001 * plan_.frames);
+    plan_.pieces.push_back(std::move(finish));
+  }
+
+ private:
+  jobs::Piece& add(const char* kind, const Part& part, uint32_t frames) {
+    jobs::Piece& piece = plan_.pieces.emplace_back();
+    piece.id = idOf(part);
+    piece.kind = kind;
+    piece.inputs = inputsOf(file_.job, part, file_.common_input_digest);
+    cost(piece, costs_.frame_s() * frames);
+    return piece;
+  }
+  void cost(jobs::Piece& piece, double seconds) const {
+    piece.seconds = std::round(10 * (1 + seconds)) / 10;
+    piece.memory_mb = std::ceil(costs_.memory_mb());
+  }
+
+  const JobFile& file_;
+  const Costs costs_;
+  jobs::Plan& plan_;
+};
+
+// A piece carries the name of its sequence.
+Status checkNames(const Prepared& job) {
+  const auto fits = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; };
+  for (const std::string& name : job.options.sequences)
+    if (!std::all_of(name.begin(), name.end(), fits))
+      return Error{ErrorId::CaptureJson, job.options.capture_folder + "/capture.json: sequence name '" + name +
+                                             "' cannot be part of the name of a piece; use letters, digits, '_', '-' " +
+                                             "and '.', or run `fourdvt reconstruct`"};
+  return {};
+}
+
+std::optional<Part> partOf(const jobs::Piece& piece) {
+  if (piece.kind == kFirst) return Part{piece.id.substr(std::string(kFirst).size() + 1), true, 0};
+  if (piece.kind != kFrames) return std::nullopt;
+  const size_t start = std::string(kFrames).size() + 1, dash = piece.id.rfind('-');
+  return Part{piece.id.substr(start, dash - start), false, uint32_t(std::strtoul(&piece.id[dash + 1], nullptr, 10))};
+}
+
+// Records of pieces whose frames are gone, as after the new folder took its place, count no longer; nor does that of
+// the last piece, as long as there is a folder to put into place.
+void dropStaleRecords(const std::string& job_folder, const Prepared& job, const jobs::Plan& plan) {
+  const FrameStore store(resultFolder(job.options), job.capture);
+  for (const jobs::Piece& piece : plan.pieces) {
+    bool stale = piece.kind == jobs::kFinish;
+    const auto part = partOf(piece);
+    const uint32_t end = part ? endOf(*part, *job.capture.find(part->sequence)) : 0;
+    for (uint32_t frame = part ? firstOf(*part) : 0; frame < end && !stale; ++frame)
+      stale = !store.find(part->sequence, frame);
+    std::error_code ignored;
+    if (stale) std::filesystem::remove(job_folder + "/" + piece.done(), ignored);
+  }
+}
+
+// A calibration is made once, and what it had to say is kept with it.
+void addEarlierWarnings(const std::string& job_folder, Prepared& job) {
+  const auto earlier = readJobFile(job_folder);
+  if (!earlier || earlier.value().job.settings_key != job.settings_key) return;
+  std::vector<std::string> all = earlier.value().job.warnings;
+  for (const std::string& warning : job.warnings)
+    if (std::find(all.begin(), all.end(), warning) == all.end()) all.push_back(warning);
+  job.warnings = std::move(all);
+}
+
+struct OpenJob {
+  jobs::Plan plan;
+  JobFile file;
+};
+
+Result<OpenJob> openJob(const std::string& job_folder) {
+  OpenJob out;
+  FOURDVT_ASSIGN(out.plan, jobs::readPlan(job_folder));
+  FOURDVT_TRY(jobs::checkTool(job_folder, out.plan));
+  FOURDVT_ASSIGN(out.file, readJobFile(job_folder));
+  return out;
+}
+
+Error changed(const std::string& what) {
+  return {ErrorId::InvalidArgument,
+          what + " have changed since the plan was made, or differ on this machine; run `fourdvt plan` again"};
+}
+
+Status checkInputs(const JobFile& file, const Part& part, const jobs::Piece& piece) {
+  const Prepared& job = file.job;
+  if (capture::commonInputDigest(job.capture) != file.common_input_digest)
+    return changed(job.options.capture_folder + ": capture.json, cameras or plates");
+  if (inputsOf(job, part, file.common_input_digest) == piece.inputs) return {};
+  const uint32_t end = endOf(part, *job.capture.find(part.sequence));
+  return changed(job.folderOf(part.sequence) + ": files of frames " + std::to_string(firstOf(part)) + " to " +
+                 std::to_string(end - 1));
+}
+
+}  // namespace
+
+Result<jobs::Plan> planReconstruct(const ReconstructOptions& options, std::vector<std::string> arguments,
+                                   const ReconstructEnvironment& environment) {
+  const Threads threads(options.jobs);
+  Preparation preparation(options, environment);
+  FOURDVT_TRY(preparation.link(Earlier::KeptIfSame));
+  FOURDVT_TRY(preparation.addMattes());
+  JobFile file{preparation.take(), 0};
+  const Prepared& job = file.job;
+  FOURDVT_TRY(checkNames(job));
+  const std::string job_folder = resultFolder(job.options).workFolder();
+  addEarlierWarnings(job_folder, file.job);
+  file.common_input_digest = capture::commonInputDigest(job.capture);
+  jobs::Plan plan;
+  plan.tool = jobs::thisTool();
+  plan.command = "reconstruct";
+  plan.arguments = std::move(arguments);
+  plan.capture = job.options.capture_folder;
+  plan.result = job.options.folder;
+  for (const capture::CaptureSequence& sequence : job.capture.sequences) plan.frames += sequence.frame_count;
+  plan.capture_s = plan.frames / job.capture.fps;
+  Cutter(file, plan).cut();
+  FOURDVT_TRY(jobs::settleHashes(fnv1a(job.settings_key + plan.tool.build), plan));
+  FOURDVT_TRY(writeJobFile(job_folder, file));
+  dropStaleRecords(job_folder, job, plan);
+  FOURDVT_TRY(jobs::writePlan(job_folder, plan));
+  return plan;
+}
+
+Result<bool> piecesNeedDevice(const std::string& job_folder) {
+  FOURDVT_ASSIGN(const auto file, readJobFile(job_folder));
+  return file.job.options.stereo;
+}
+
+Status reconstructPiece(const std::string& job_folder, const std::string& id, int threads,
+                        const ReconstructEnvironment& environment) {
+  FOURDVT_ASSIGN(auto open, openJob(job_folder));
+  const jobs::Piece* piece = open.plan.find(id);
+  const auto part = piece ? partOf(*piece) : std::nullopt;
+  if (!part) return Error{ErrorId::InvalidArgument, job_folder + ": has no piece " + id + "; plan.json lists them"};
+  Prepared& job = open.file.job;
+  const Threads limit(threads);
+  FOURDVT_ASSIGN(job.capture, openLinked(job.options, {part->sequence}, environment.open_video));
+  FOURDVT_TRY(checkInputs(open.file, *part, *piece));
+  const capture::CaptureSequence& sequence = job.capture.sequences[0];
+  const FrameStore store(resultFolder(job.options), job.capture);
+  FOURDVT_TRY(store.makeFolders(sequence.name));
+  FOURDVT_ASSIGN(auto maker, SurfaceMaker::create(job.options, job.capture.cameras, environment.device));
+  SequenceFrames frames(job, environment, store, maker, sequence);
+  uint32_t done = 0;
+  const auto made = [&](uint32_t frame, const capture::CaptureFrame&, const FrameSurface&) {
+    if (environment.progress)
+      environment.progress(
+          {sequence.name + " " + std::to_string(frame + 1) + "/" + std::to_string(sequence.frame_count), ++done,
+           endOf(*part, sequence) - firstOf(*part), 0, 0});
+  };
+  if (part->first) return frames.makeFirst(made);
+  const auto kept = frames.makeWindow(part->window, made);
+  return kept.ok() ? Status() : Status(kept.error());
+}
+
+Result<ReconstructSummary> finishReconstruct(const std::string& job_folder, const ReconstructEnvironment& environment) {
+  const auto started = std::chrono::steady_clock::now();
+  FOURDVT_ASSIGN(auto open, openJob(job_folder));
+  Prepared& job = open.file.job;
+  const capture::ResultFolder folder = resultFolder(job.options);
+  FOURDVT_ASSIGN(job.capture, openLinked(job.options, job.options.sequences, environment.open_video));
+  job.capture.name = job.name;
+  const FrameStore store(folder, job.capture);
+  ReportPictures pictures;
+  for (const capture::CaptureSequence& sequence : job.capture.sequences)
+    FOURDVT_TRY(drawKept(job, store, sequence, shownFrame(sequence), environment.open_video, pictures));
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  FOURDVT_ASSIGN(const auto summary, writeResult(job, store, pictures, open.plan.frames, seconds));
+  FOURDVT_TRY(folder.place());
+  return summary;
+}
+
+}  // namespace fourdvt::reconstruct

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruct/run/prepare.h"
+
+#include <tbb/global_control.h>
+
+#include <filesystem>
+#include <opencv2/core/utility.hpp>
+
+#include "capture/folder/linked_capture.h"
+#include "mattes/run/matte_sources.h"
+#include "mattes/run/mattes.h"
+#include "reconstruct/run/frame_store.h"
+#include "reconstruct/run/report.h"
+#include "refine/run/calibration_report.h"
+
+namespace fourdvt::reconstruct {
+namespace {
+
+const capture::FolderWriter kWriter{"reconstruct", kReportJson, ""};
+constexpr size_t kFewestCalibrated = 4;  // cameras; the silhouettes of fewer hardly contradict each other
+
+}  // namespace
+
+struct Threads::Limit {
+  tbb::global_control threads;  // OpenVDB's; the others are OpenCV's
+};
+
+Threads::Threads(int count) {
+  if (count <= 0) return;
+  cv::setNumThreads(count);
+  limit_.reset(new Limit{{tbb::global_control::max_allowed_parallelism, size_t(count)}});
+}
+
+Threads::~Threads() = default;
+
+capture::ResultFolder resultFolder(const ReconstructOptions& options) { return {options.folder, kWriter}; }
+
+// Everything that the new capture.json names must be found from the new folder, from which frames are read.
+Result<capture::Capture> openLinked(const ReconstructOptions& options, const std::vector<std::string>& sequences,
+                                    const OpenVideo& open_video) {
+  auto linked = capture::openCapture(resultFolder(options).partFolder(), open_video, sequences,
+                                     capture::MeshNeed::Nothing, capture::MatteNeed::None);
+  if (linked.ok()) return linked;
+  return Error{linked.error().id, options.capture_folder +
+                                      "/capture.json: names files outside of the capture or in a sequence that is "
+                                      "left out; move them into folders of their own inside it (" +
+                                      linked.error().message + ")"};
+}
+
+Status Preparation::openGiven() {
+  ReconstructOptions& options = out_.options;
+  FOURDVT_ASSIGN(options.folder, capture::checkedTarget(options.folder, options.capture_folder, kWriter));
+  const auto open = [&](capture::MatteNeed need) {
+    return capture::openCapture(options.capture_folder, environment_.open_video, options.sequences,
+                                capture::MeshNeed::Nothing, need);
+  };
+  FOURDVT_ASSIGN(given_, open(capture::MatteNeed::None));
+  FOURDVT_TRY(capture::leaveOut(options.leave_out, given_));
+  FOURDVT_ASSIGN(wants_mattes_, mattes::wantsMattes(given_));
+  if (!wants_mattes_ && options.leave_out.empty()) {  // names bad mattes by the user's own files
+    const auto with_mattes = open(capture::MatteNeed::Required);
+    if (!with_mattes.ok()) return with_mattes.error();
+  }
+  options.capture_folder = given_.folder;
+  options.sequences.clear();
+  for (const capture::CaptureSequence& sequence : given_.sequences) options.sequences.push_back(sequence.name);
+  out_.name = given_.name;
+  out_.settings_key = settingsKey(options, given_);
+  return {};
+}
+
+Status Preparation::link(Earlier earlier) {
+  FOURDVT_TRY(openGiven());
+  const capture::ResultFolder folder = resultFolder(out_.options);
+  std::error_code none;
+  const bool same = folder.holds(out_.settings_key);
+  if (earlier == Earlier::KeptIfSame && !same && environment_.note &&
+      std::filesystem::exists(folder.workFolder(), none))
+    environment_.note(folder.workFolder() + ": holds work of other settings or of another capture; all begins again");
+  FOURDVT_TRY(folder.open(out_.settings_key, earlier == Earlier::Kept || (earlier == Earlier::KeptIfSame && same)));
+  FOURDVT_TRY(linkFrames());
+  FOURDVT_ASSIGN(out_.capture, openLinked(out_.options, out_.options.sequences, environment_.open_video));
+  capture::Capture& linked = out_.capture;
+  linked.name = given_.name;
+  for (size_t c = 0; c < given_.cameras.size(); ++c) given_.cameras[c].pinhole = linked.cameras[c].pinhole;
+  for (size_t s = 0; s < given_.sequences.size(); ++s) {
+    capture::CaptureSequence& here = given_.sequences[s];
+    const capture::CaptureSequence& there = linked.sequences[s];
+    here.frame_count = there.frame_count, here.first_frame = there.first_frame;
+    here.offset_frames = there.offset_frames, here.test_frames = there.test_frames;
+  }
+  return {};
+}
+
+// The new folder with all that is not made; of an earlier run's, the calibration holds.
+Status Preparation::linkFrames() {
+  const ReconstructOptions& options = out_.options;
+  const std::string part = resultFolder(options).partFolder();
+  std::error_code none;
+  const bool calibrates = options.synchronise || options.refine_cameras;
+  if (calibrates && std::filesystem::exists(part + "/" + refine::kCalibrationJson, none)) return {};
+  if (calibrates) FOURDVT_TRY(calibrate());
+  capture::LinkOptions link;
+  link.sequences = options.sequences;
+  link.own_meshes = true;
+  link.leave_out = options.leave_out;
+  link.own_calibration = link.own_times = calibration_ && calibration_->changed();
+  FOURDVT_TRY(capture::linkCapture(given_, part, link));
+  if (!calibration_) return {};
+  return refine::writeCalibrationReport(part, given_folder_, *calibration_);
+}
+
+// Cameras in step and in place, by silhouettes that each camera has by itself: mattes that are made with the others'
+// help agree with them already.
+Status Preparation::calibrate() {
+  if (given_.cameras.size() < kFewestCalibrated) return {};
+  refine::CalibrationOptions options;
+  options.times = out_.options.synchronise, options.cameras = out_.options.refine_cameras;
+  const auto found = refine::calibrate(given_, environment_.open_video, options, [&](const std::string& what, double) {
+    if (environment_.progress) environment_.progress({"calibrating: " + what, 0, 0, 0, 0});
+    return !environment_.stop || !*environment_.stop;
+  });
+  std::vector<std::string>& warnings = out_.warnings;
+  if (!found.ok() && found.error().id == ErrorId::Interrupted) return found.error();
+  if (!found.ok()) {
+    warnings.push_back("cameras stay as given in time and place: " + found.error().message);
+    return {};
+  }
+  calibration_ = found.value();
+  refine::applyCalibration(*calibration_, given_);
+  for (const std::string& line : refine::calibrationLines(*calibration_))
+    if (calibration_->changed()) warnings.push_back(line);
+  warnings.insert(warnings.end(), calibration_->warnings.begin(), calibration_->warnings.end());
+  return {};
+}
+
+Status Preparation::addMattes() {
+  if (!wants_mattes_) return {};
+  mattes::MattesOptions options;
+  options.alone = out_.options.mattes_alone;
+  options.any_silhouettes = out_.options.any_silhouettes;
+  mattes::MattesEnvironment environment{environment_.open_video, {}, environment_.stop};
+  environment.progress = [&](const mattes::MattesProgress& p) {
+    if (environment_.progress) environment_.progress({p.stage, p.done, p.total, p.frames_per_s, p.left_s});
+  };
+  const capture::ResultFolder folder = resultFolder(out_.options);
+  FOURDVT_ASSIGN(const auto summary,
+                 mattes::addMattes(given_, folder.partFolder(), folder.workFolder(), options, environment));
+  out_.warnings.insert(out_.warnings.end(), summary.warnings.begin(), summary.warnings.end());
+  return {};
+}
+
+}  // namespace fourdvt::reconstruct
