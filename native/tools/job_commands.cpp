@@ -1,77 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// plan, piece, finish, job: a bake or a reconstruction in pieces, for an engine that runs them on many machines.
+// piece, finish, job: pieces of a plan, the result of them all, and how far they are.
 #include <chrono>
 #include <cstdio>
-#include <cstring>
-#include <filesystem>
 
 #include "jobs/records.h"
 #include "jobs/report.h"
 #include "platform/files.h"
-#include "platform/folders.h"
+#include "reconstruct/run/pieces.h"
 #include "tools/bake_arguments.h"
-#include "tools/cluster_files.h"
+#include "tools/reconstruct_arguments.h"
 #include "tools/stop_signal.h"
 
 namespace fourdvt::tools {
 namespace {
 
-constexpr const char* kPlanUsage =
-    "usage: fourdvt plan bake CAPTURE -o CHARACTER [options of `fourdvt bake`]\n\n"
-    "Cuts a bake into pieces that many machines can compute, and writes the plan, with a Snakefile and profiles for "
-    "this\n"
-    "machine and for Slurm, into the job folder CHARACTER.work. What that folder has of the same capture and settings\n"
-    "stays. Capture and job folder must have the same paths on all machines.\n";
-
 std::string withoutSlash(std::string path) {
   while (path.size() > 1 && path.back() == '/') path.pop_back();
   return path;
-}
-
-Status writeClusterFiles(const std::string& job_folder) {
-  for (const ClusterFile& file : kClusterFiles) {
-    const std::filesystem::path path = job_folder + "/" + file.name;
-    FOURDVT_TRY(platform::makeFolder(path.parent_path().string()));
-    FOURDVT_TRY(platform::writeFileAtomic(path.string(), std::string(file.text)));
-    std::error_code ignored;
-    if (path.extension() == ".sh")
-      std::filesystem::permissions(path, std::filesystem::perms::owner_exec | std::filesystem::perms::group_exec,
-                                   std::filesystem::perm_options::add, ignored);
-  }
-  return {};
-}
-
-void printPlan(const std::string& job_folder, const jobs::Plan& plan, double seconds) {
-  double work_s = 0, most_mb = 0;
-  for (const jobs::Piece& piece : plan.pieces) {
-    work_s += piece.seconds;
-    most_mb = std::max(most_mb, piece.memory_mb);
-  }
-  std::printf(
-      "%s: %zu pieces of %u frames, planned in %.1f s; about %.0f min of work on two cores, at most %.1f GB a piece\n"
-      "on this machine: snakemake --directory %s --snakefile %s/Snakefile --profile %s/profiles/local\n"
-      "on a cluster:    the same with profiles/slurm\n",
-      job_folder.c_str(), plan.pieces.size(), plan.frames, seconds, work_s / 60, most_mb / 1e3, job_folder.c_str(),
-      job_folder.c_str(), job_folder.c_str());
-}
-
-int planBakeCommand(int argc, char** argv) {
-  const auto [options, exit_code] = readBakeCommand(argc, argv);
-  if (exit_code) return *exit_code;
-  const std::atomic<bool>* stop = listenForStop();
-  auto gpu = openGpu();
-  if (!gpu.ok()) return fail(gpu.error());
-  ProgressLine line;
-  bake::BakeEnvironment environment = bakeEnvironment(gpu.value(), line);
-  environment.stop = stop;
-  const auto start = std::chrono::steady_clock::now();
-  const auto plan = bake::planBake(options, {argv, argv + argc}, environment);
-  line.end();
-  if (!plan.ok()) return fail(plan.error());
-  const std::string job_folder = withoutSlash(options.character_folder) + ".work";
-  if (const Status written = writeClusterFiles(job_folder); !written.ok()) return fail(written.error());
-  printPlan(job_folder, plan.value(), std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-  return kOk;
 }
 
 const CommandHelp& pieceHelp() {
@@ -116,32 +61,59 @@ Status recorded(const std::string& job_folder, const jobs::Plan& plan, const job
   return {};
 }
 
+bool isReconstruction(const jobs::Plan& plan) { return plan.command == "reconstruct"; }
+
+Status bakePieceOf(const std::string& job_folder, const jobs::Piece& piece, int threads, ProgressLine& line) {
+  FOURDVT_ASSIGN(const auto gpu, openGpu());
+  bake::BakeEnvironment environment = bakeEnvironment(gpu, line);
+  environment.writer = "." + platform::ownSuffix();
+  environment.stop = listenForStop();
+  return bake::bakePiece(job_folder, piece.id, threads, environment);
+}
+
+Status reconstructPieceOf(const std::string& job_folder, const jobs::Piece& piece, int threads, ProgressLine& line) {
+  GpuSession gpu;
+  FOURDVT_ASSIGN(const bool needs_gpu, reconstruct::piecesNeedDevice(job_folder));
+  if (needs_gpu) FOURDVT_ASSIGN(gpu, openGpu());
+  return reconstruct::reconstructPiece(job_folder, piece.id, threads, reconstructEnvironment(gpu, line));
+}
+
 Status computePiece(const std::string& job_folder, const jobs::Plan& plan, const jobs::Piece& piece, int threads) {
-  return recorded(job_folder, plan, piece, [&]() -> Status {
-    FOURDVT_ASSIGN(auto gpu, openGpu());
+  return recorded(job_folder, plan, piece, [&] {
     ProgressLine line;
-    bake::BakeEnvironment environment = bakeEnvironment(gpu, line);
-    environment.writer = "." + platform::ownSuffix();
-    environment.stop = listenForStop();
-    const Status done = bake::bakePiece(job_folder, piece.id, threads, environment);
+    const Status done = isReconstruction(plan) ? reconstructPieceOf(job_folder, piece, threads, line)
+                                               : bakePieceOf(job_folder, piece, threads, line);
     line.end();
     return done;
   });
 }
 
+Status finishBakeOf(const std::string& job_folder, const jobs::Plan& plan) {
+  FOURDVT_ASSIGN(const auto gpu, openGpu());
+  ProgressLine line;
+  bake::BakeEnvironment environment = bakeEnvironment(gpu, line);
+  environment.stop = listenForStop();
+  const auto start = std::chrono::steady_clock::now();
+  const auto report = bake::finishBake(job_folder, environment);
+  line.end();
+  if (!report) return report.error();
+  printBakeSummary(plan.result, report.value(),
+                   std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  return {};
+}
+
+Status finishReconstructOf(const std::string& job_folder, const jobs::Plan& plan) {
+  ProgressLine line;
+  const auto summary = reconstruct::finishReconstruct(job_folder, reconstructEnvironment({}, line));
+  line.end();
+  if (!summary) return summary.error();
+  printReconstructSummary(plan.result, summary.value());
+  return {};
+}
+
 Status finishJob(const std::string& job_folder, const jobs::Plan& plan, const jobs::Piece& piece) {
-  FOURDVT_TRY(recorded(job_folder, plan, piece, [&]() -> Status {
-    FOURDVT_ASSIGN(auto gpu, openGpu());
-    ProgressLine line;
-    bake::BakeEnvironment environment = bakeEnvironment(gpu, line);
-    environment.stop = listenForStop();
-    const auto start = std::chrono::steady_clock::now();
-    const auto report = bake::finishBake(job_folder, environment);
-    line.end();
-    if (!report) return report.error();
-    printBakeSummary(plan.result, report.value(),
-                     std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    return {};
+  FOURDVT_TRY(recorded(job_folder, plan, piece, [&] {
+    return isReconstruction(plan) ? finishReconstructOf(job_folder, plan) : finishBakeOf(job_folder, plan);
   }));
   FOURDVT_TRY(jobs::writeReport(job_folder, plan, jobs::readProgress(job_folder, plan)));
   std::printf("cost of the pieces: %s/%s\n", job_folder.c_str(), jobs::kReportHtml);
@@ -149,15 +121,6 @@ Status finishJob(const std::string& job_folder, const jobs::Plan& plan, const jo
 }
 
 }  // namespace
-
-int planCommand(int argc, char** argv) {
-  const char* command = argc > 0 ? argv[0] : "";
-  if (std::strcmp(command, "bake") == 0) return planBakeCommand(argc - 1, argv + 1);
-  const bool help = std::strcmp(command, "--help") == 0 || std::strcmp(command, "-h") == 0;
-  if (!help) std::fprintf(stderr, "%s: plan needs a command line of bake\n", programName());
-  std::fputs(kPlanUsage, help ? stdout : stderr);
-  return help ? kOk : kUsage;
-}
 
 int pieceCommand(int argc, char** argv) {
   Args args(pieceHelp(), argc, argv);

@@ -32,7 +32,7 @@ constexpr Command kCommands[] = {
     {"reconstruct", "make surfaces for a capture without meshes", reconstructCommand},
     {"bake", "turn a capture folder into a character folder",
      [](int argc, char** argv) { return bakeCommand(argc, argv); }},
-    {"plan", "cut a bake into pieces for many machines", planCommand},
+    {"plan", "cut a bake or a reconstruction into pieces", planCommand},
     {"piece", "compute one piece of a plan", pieceCommand},
     {"finish", "write the result of a plan whose pieces are done", finishCommand},
     {"job", "show how far a plan is, and what its pieces cost", jobCommand},

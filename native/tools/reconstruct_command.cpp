@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 
-#include "reconstruct/run/reconstruct.h"
 #include "tools/args.h"
 #include "tools/choice.h"
 #include "tools/commands.h"
-#include "tools/progress_line.h"
-#include "tools/session.h"
+#include "tools/reconstruct_arguments.h"
 #include "tools/stop_signal.h"
 
 namespace fourdvt::tools {
@@ -78,38 +76,49 @@ ReconstructOptions readOptions(Args& args) {
 
 }  // namespace
 
-int reconstructCommand(int argc, char** argv) {
+ReconstructCommandLine readReconstructCommand(int argc, char** argv) {
   Args args(help(), argc, argv);
-  const ReconstructOptions options = readOptions(args);
-  if (const std::string wrong = options.check(); args.problem().empty() && !args.wantsHelp() && !wrong.empty())
+  ReconstructCommandLine line{readOptions(args), std::nullopt};
+  if (const std::string wrong = line.options.check(); args.problem().empty() && !args.wantsHelp() && !wrong.empty())
     args.complain(wrong);
-  if (const auto code = helpOrProblem(help(), args)) return *code;
+  line.exit_code = helpOrProblem(help(), args);
+  return line;
+}
 
-  const std::atomic<bool>* stop = listenForStop();
-  ProgressLine line;
+reconstruct::ReconstructEnvironment reconstructEnvironment(const GpuSession& gpu, ProgressLine& line) {
   reconstruct::ReconstructEnvironment environment;
+  environment.device = gpu.device.get();
+  environment.open_video = videoOpener();
+  environment.progress = [&line](const reconstruct::ReconstructProgress& p) {
+    line.show({p.stage, p.done, p.total, p.frames_per_s, p.left_s});
+  };
+  environment.note = [](const std::string& note) { std::printf("%s\n", note.c_str()), std::fflush(stdout); };
+  environment.stop = listenForStop();
+  return environment;
+}
+
+void printReconstructSummary(const std::string& folder, const reconstruct::ReconstructSummary& s) {
+  for (const std::string& warning : s.warnings) std::fprintf(stderr, "fourdvt: warning: %s\n", warning.c_str());
+  const uint32_t made = s.frames - s.frames_kept;
+  std::printf("%s: %u frames, %.1f s (%.2f s per frame), overlap with the silhouettes %.4f (lowest %.4f)\n",
+              folder.c_str(), s.frames, s.wall_s, made ? s.wall_s / made : 0.0, s.mean_overlap, s.lowest_overlap);
+  std::printf("figures: %s/reconstruct.html\n", folder.c_str());
+}
+
+int reconstructCommand(int argc, char** argv) {
+  const auto [options, exit_code] = readReconstructCommand(argc, argv);
+  if (exit_code) return *exit_code;
   GpuSession gpu;
   if (options.stereo) {
     auto opened = openGpu();
     if (!opened.ok()) return fail(opened.error());
     gpu = opened.take();
-    environment.device = gpu.device.get();
   }
-  environment.open_video = videoOpener();
-  environment.progress = [&](const reconstruct::ReconstructProgress& p) {
-    line.show({p.stage, p.done, p.total, p.frames_per_s, p.left_s});
-  };
-  environment.stop = stop;
-  const auto summary = reconstruct::reconstruct(options, environment);
+  ProgressLine line;
+  const auto summary = reconstruct::reconstruct(options, reconstructEnvironment(gpu, line));
   line.end();
   if (!summary.ok()) return fail(summary.error());
-  const auto& s = summary.value();
-  for (const std::string& warning : s.warnings) std::fprintf(stderr, "fourdvt: warning: %s\n", warning.c_str());
-  const uint32_t made = s.frames - s.frames_kept;
-  std::printf("%s: %u frames, %.1f s (%.2f s per frame), overlap with the silhouettes %.4f (lowest %.4f)\n",
-              options.folder.c_str(), s.frames, s.wall_s, made ? s.wall_s / made : 0.0, s.mean_overlap,
-              s.lowest_overlap);
-  std::printf("figures: %s/reconstruct.html\n", options.folder.c_str());
+  printReconstructSummary(options.folder, summary.value());
   return kOk;
 }
 

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// plan: cuts a bake or a reconstruction into pieces, for an engine that runs them on many machines.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+#include "platform/files.h"
+#include "platform/folders.h"
+#include "reconstruct/run/pieces.h"
+#include "tools/bake_arguments.h"
+#include "tools/cluster_files.h"
+#include "tools/reconstruct_arguments.h"
+#include "tools/stop_signal.h"
+
+namespace fourdvt::tools {
+namespace {
+
+constexpr const char* kPlanUsage =
+    "usage: fourdvt plan bake CAPTURE -o CHARACTER [options of `fourdvt bake`]\n"
+    "       fourdvt plan reconstruct CAPTURE -o CAPTURE2 [options of `fourdvt reconstruct`]\n\n"
+    "Cuts a bake or a reconstruction into pieces that many machines can compute, and writes the plan, with a "
+    "Snakefile\n"
+    "and profiles for this machine and for Slurm, into the job folder CHARACTER.work or CAPTURE2.work. What that "
+    "folder\n"
+    "has of the same capture and settings stays. Capture and job folder must have the same paths on all machines.\n";
+
+Status writeClusterFiles(const std::string& job_folder) {
+  for (const ClusterFile& file : kClusterFiles) {
+    const std::filesystem::path path = job_folder + "/" + file.name;
+    FOURDVT_TRY(platform::makeFolder(path.parent_path().string()));
+    FOURDVT_TRY(platform::writeFileAtomic(path.string(), std::string(file.text)));
+    std::error_code ignored;
+    if (path.extension() == ".sh")
+      std::filesystem::permissions(path, std::filesystem::perms::owner_exec | std::filesystem::perms::group_exec,
+                                   std::filesystem::perm_options::add, ignored);
+  }
+  return {};
+}
+
+void printPlan(const std::string& job_folder, const jobs::Plan& plan, double seconds) {
+  double work_s = 0, most_mb = 0;
+  for (const jobs::Piece& piece : plan.pieces) {
+    work_s += piece.seconds;
+    most_mb = std::max(most_mb, piece.memory_mb);
+  }
+  std::printf(
+      "%s: %zu pieces of %u frames, planned in %.1f s; about %.0f min of work on two cores, at most %.1f GB a piece\n"
+      "on this machine: snakemake --directory %s --snakefile %s/Snakefile --profile %s/profiles/local\n"
+      "on a cluster:    the same with profiles/slurm\n",
+      job_folder.c_str(), plan.pieces.size(), plan.frames, seconds, work_s / 60, most_mb / 1e3, job_folder.c_str(),
+      job_folder.c_str(), job_folder.c_str());
+}
+
+// Makes the plan with `make`, and what runs it, in the job folder.
+template <class Make>
+int planned(ProgressLine& line, const Make& make) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto plan = make();
+  line.end();
+  if (!plan.ok()) return fail(plan.error());
+  const std::string job_folder = plan.value().result + ".work";
+  if (const Status written = writeClusterFiles(job_folder); !written.ok()) return fail(written.error());
+  printPlan(job_folder, plan.value(), std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  return kOk;
+}
+
+int planBakeCommand(int argc, char** argv) {
+  const auto [options, exit_code] = readBakeCommand(argc, argv);
+  if (exit_code) return *exit_code;
+  const std::atomic<bool>* stop = listenForStop();
+  auto gpu = openGpu();
+  if (!gpu.ok()) return fail(gpu.error());
+  ProgressLine line;
+  bake::BakeEnvironment environment = bakeEnvironment(gpu.value(), line);
+  environment.stop = stop;
+  return planned(line, [&, &options = options] { return bake::planBake(options, {argv, argv + argc}, environment); });
+}
+
+int planReconstructCommand(int argc, char** argv) {
+  const auto [options, exit_code] = readReconstructCommand(argc, argv);
+  if (exit_code) return *exit_code;
+  ProgressLine line;
+  const auto environment = reconstructEnvironment({}, line);
+  return planned(line, [&, &options = options] {
+    return reconstruct::planReconstruct(options, {argv, argv + argc}, environment);
+  });
+}
+
+}  // namespace
+
+int planCommand(int argc, char** argv) {
+  const char* command = argc > 0 ? argv[0] : "";
+  if (std::strcmp(command, "bake") == 0) return planBakeCommand(argc - 1, argv + 1);
+  if (std::strcmp(command, "reconstruct") == 0) return planReconstructCommand(argc - 1, argv + 1);
+  const bool help = std::strcmp(command, "--help") == 0 || std::strcmp(command, "-h") == 0;
+  if (!help) std::fprintf(stderr, "%s: plan needs a command line of bake or of reconstruct\n", programName());
+  std::fputs(kPlanUsage, help ? stdout : stderr);
+  return help ? kOk : kUsage;
+}
+
+}  // namespace fourdvt::tools
