@@ -74,7 +74,9 @@ Status bakePieceOf(const std::string& job_folder, const jobs::Piece& piece, int 
 Status reconstructPieceOf(const std::string& job_folder, const jobs::Piece& piece, int threads, ProgressLine& line) {
   GpuSession gpu;
   FOURDVT_ASSIGN(const bool needs_gpu, reconstruct::piecesNeedDevice(job_folder));
-  if (needs_gpu) FOURDVT_ASSIGN(gpu, openGpu());
+  if (needs_gpu) {
+    FOURDVT_ASSIGN(gpu, openGpu());
+  }
   return reconstruct::reconstructPiece(job_folder, piece.id, threads, reconstructEnvironment(gpu, line));
 }
 

@@ -24,7 +24,10 @@ constexpr const char* kPlanUsage =
     "Snakefile\n"
     "and profiles for this machine and for Slurm, into the job folder CHARACTER.work or CAPTURE2.work. What that "
     "folder\n"
-    "has of the same capture and settings stays. Capture and job folder must have the same paths on all machines.\n";
+    "has of the same capture and settings stays. Capture and job folder must have the same paths on all machines.\n\n"
+    "Whatever all pieces need is made here, in one process: of a bake the refinement; of a reconstruction, which "
+    "needs\n"
+    "no GPU until its pieces run, the calibration and mattes that the capture lacks.\n";
 
 Status writeClusterFiles(const std::string& job_folder) {
   for (const ClusterFile& file : kClusterFiles) {

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reconstruction: surfaces from cameras alone, an interrupted run, and captures that are wrong.
+// Reconstruction: surfaces from cameras alone, an interrupted run, pieces, and captures that are wrong.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <vector>
 
 #include "capture/mesh_file.h"
 #include "command.h"
@@ -159,6 +161,134 @@ TEST(Reconstruct, InterruptedResumesToTheSameBytes) {
   ASSERT_EQ(resumed.code, 0) << resumed.output;
   EXPECT_EQ(readText(stopped + "/reconstruct.json").find("\"frames_of_an_earlier_run\": 0"), std::string::npos);
   EXPECT_EQ(differences(out + "/straight/turn/mesh", stopped + "/turn/mesh"), std::vector<std::string>{});
+}
+
+// Every piece of a plan but the last, each in a process of its own.
+std::vector<std::string> piecesOf(const std::string& job) {
+  std::vector<std::string> out;
+  for (const auto& piece : nlohmann::json::parse(readText(job + "/plan.json"))["pieces"])
+    if (piece["kind"] != "finish") out.push_back(piece["id"]);
+  return out;
+}
+
+std::string doneFile(const std::string& job, const std::string& id) {
+  for (const auto& piece : nlohmann::json::parse(readText(job + "/plan.json"))["pieces"])
+    if (piece["id"] == id) return job + "/" + piece["done"].get<std::string>();
+  return {};
+}
+
+void computePieces(const std::string& job) {
+  for (const std::string& id : piecesOf(job)) {
+    const Outcome computed = fourdvt("piece " + job + " " + id);
+    ASSERT_EQ(computed.code, 0) << id << ": " << computed.output;
+  }
+}
+
+void expectSameResult(const std::string& a, const std::string& b) {
+  EXPECT_EQ(differences(a + "/turn/mesh", b + "/turn/mesh"), std::vector<std::string>{});
+  EXPECT_EQ(readText(a + "/capture.json"), readText(b + "/capture.json"));
+}
+
+// The second window's frames do not follow those of the first, and two processes that make them write the same.
+TEST(ReconstructInPieces, GivesTheBytesOfOneRun) {
+  const std::string capture = withoutMeshes("pieces-capture", 35), out = scratch("pieces");
+  ASSERT_EQ(fourdvt("reconstruct " + capture + " -o " + out + "/straight" + kCoarse).code, 0);
+  const std::string target = out + "/target", job = target + ".work";
+  const Outcome planned = fourdvt("plan reconstruct " + capture + " -o " + target + kCoarse);
+  ASSERT_EQ(planned.code, 0) << planned.output;
+  EXPECT_EQ(piecesOf(job), (std::vector<std::string>{"first-turn", "frames-turn-0", "frames-turn-1"}));
+  const Outcome early = fourdvt("piece " + job + " frames-turn-1");
+  EXPECT_EQ(early.code, 1);
+  EXPECT_NE(early.output.find("needs first-turn"), std::string::npos) << early.output;
+  EXPECT_EQ(fourdvt("finish " + job).code, 1);
+
+  ASSERT_EQ(fourdvt("piece " + job + " first-turn").code, 0);
+  EXPECT_TRUE(exists(target + ".part/turn/mesh/000000.ply"));
+  EXPECT_FALSE(exists(target + ".part/turn/mesh/000001.ply"));
+  const std::string second = std::string(FOURDVT_BIN) + " piece " + job + " frames-turn-1";
+  const Outcome both = shell("( " + second + " & " + second + " && wait )");
+  ASSERT_EQ(both.code, 0) << both.output;
+  EXPECT_FALSE(exists(target + ".part/turn/mesh/000001.ply"));
+  computePieces(job);
+  const Outcome finished = fourdvt("finish " + job);
+  ASSERT_EQ(finished.code, 0) << finished.output;
+  EXPECT_TRUE(exists(target + "/reconstruct.html") && exists(target + "/reconstruct-1.jpg"));
+  EXPECT_TRUE(exists(job + "/job.html") && !exists(target + ".part"));
+  expectSameResult(out + "/straight", target);
+  // A process may end between the two.
+  ASSERT_TRUE(fs::remove(doneFile(job, "finish")));
+  const Outcome recorded = fourdvt("finish " + job);
+  EXPECT_EQ(recorded.code, 0) << recorded.output;
+  EXPECT_TRUE(exists(doneFile(job, "finish")));
+
+  // The frames are in the result now: planned again, the job begins anew.
+  ASSERT_EQ(fourdvt("plan reconstruct " + capture + " -o " + target + kCoarse).code, 0);
+  EXPECT_FALSE(exists(doneFile(job, "frames-turn-1")) || exists(doneFile(job, "finish")));
+}
+
+TEST(ReconstructInPieces, StereoMakesAWindowFromItsStart) {
+  const std::string capture = withoutMeshes("stereo-pieces-capture", 3), out = scratch("stereo-pieces");
+  const std::string options = " --voxel-mm 20 --planes 16", target = out + "/target", job = target + ".work";
+  ASSERT_EQ(fourdvt("reconstruct " + capture + " -o " + out + "/straight" + options).code, 0);
+  ASSERT_EQ(fourdvt("plan reconstruct " + capture + " -o " + target + options).code, 0);
+  computePieces(job);
+  // A frame that is gone.
+  fs::remove(target + ".part/turn/mesh/000002.ply");
+  const Outcome lacking = fourdvt("finish " + job);
+  EXPECT_EQ(lacking.code, 1);
+  EXPECT_NE(lacking.output.find("frame 2"), std::string::npos) << lacking.output;
+  ASSERT_EQ(fourdvt("plan reconstruct " + capture + " -o " + target + options).code, 0);
+  EXPECT_TRUE(exists(doneFile(job, "first-turn")));
+  EXPECT_FALSE(exists(doneFile(job, "frames-turn-0")));
+  computePieces(job);
+  ASSERT_EQ(fourdvt("finish " + job).code, 0);
+  expectSameResult(out + "/straight", target);
+}
+
+TEST(ReconstructInPieces, FilesThatHaveChangedAreRefused) {
+  const std::string capture = withoutMeshes("changed-capture", 34), out = scratch("changed-pieces");
+  const std::string plan = "plan reconstruct " + capture + " -o " + out + "/hull" + kCoarse, job = out + "/hull.work";
+  ASSERT_EQ(fourdvt(plan).code, 0);
+  std::string picture;
+  for (const auto& entry : fs::recursive_directory_iterator(capture + "/turn"))
+    if (entry.path().filename() == "000033.png") picture = entry.path().string();
+  ASSERT_FALSE(picture.empty());
+  fs::last_write_time(picture, fs::last_write_time(picture) + std::chrono::seconds(5));
+  EXPECT_EQ(fourdvt("piece " + job + " first-turn").code, 0);
+  const Outcome refused = fourdvt("piece " + job + " frames-turn-1");
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_NE(refused.output.find("files of frames 32 to 33 have changed since the plan was made"), std::string::npos)
+      << refused.output;
+  const Outcome again = fourdvt(plan);
+  ASSERT_EQ(again.code, 0) << again.output;
+  EXPECT_NE(again.output.find("all begins again"), std::string::npos) << again.output;
+  computePieces(job);
+  EXPECT_EQ(fourdvt("finish " + job).code, 0);
+}
+
+TEST(ReconstructInPieces, ResumeGoesOnWithPiecesAndPiecesWithARun) {
+  const std::string capture = withoutMeshes("both-ways-capture", 35), out = scratch("both-ways");
+  const std::string options = " --voxel-mm 8 --refine none", straight = out + "/straight";
+  ASSERT_EQ(fourdvt("reconstruct " + capture + " -o " + straight + options).code, 0);
+
+  const std::string resumed = out + "/resumed";
+  ASSERT_EQ(fourdvt("plan reconstruct " + capture + " -o " + resumed + options).code, 0);
+  ASSERT_EQ(fourdvt("piece " + resumed + ".work first-turn").code, 0);
+  ASSERT_EQ(fourdvt("piece " + resumed + ".work frames-turn-1").code, 0);
+  const Outcome run = fourdvt("reconstruct " + capture + " -o " + resumed + options + " --resume");
+  ASSERT_EQ(run.code, 0) << run.output;
+  EXPECT_NE(readText(resumed + "/reconstruct.json").find("\"frames_of_an_earlier_run\": 4,"), std::string::npos);
+  expectSameResult(straight, resumed);
+
+  const std::string stopped = out + "/stopped", frame = stopped + ".part/turn/mesh/000001.ply";
+  ASSERT_EQ(interrupted(FOURDVT_BIN, "reconstruct " + capture + " -o " + stopped + options, frame, out + "/log").code,
+            130);
+  const auto made = fs::last_write_time(frame);
+  ASSERT_EQ(fourdvt("plan reconstruct " + capture + " -o " + stopped + options).code, 0);
+  computePieces(stopped + ".work");
+  EXPECT_EQ(fs::last_write_time(frame), made);
+  ASSERT_EQ(fourdvt("finish " + stopped + ".work").code, 0);
+  expectSameResult(straight, stopped);
 }
 
 TEST(Reconstruct, AnEmptySilhouetteIsLeftOutWithAWarning) {

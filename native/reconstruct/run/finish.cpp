@@ -30,6 +30,7 @@ Result<ReconstructSummary> writeResult(const Prepared& job, const FrameStore& st
                                                    "or `fourdvt reconstruct --resume`"};
       out.frames.push_back(std::move(*figures));
     }
+    store.removeLeftovers(sequence.name);
   }
   ReconstructSummary summary = summarise(job.capture, done);
   summary.frames_kept = frames_kept;

@@ -73,6 +73,15 @@ Status FrameStore::save(const std::string& sequence, uint32_t frame, const Trian
   return platform::writeFileAtomic(figuresPath(sequence, frame), figuresText(figures));
 }
 
+void FrameStore::removeLeftovers(const std::string& sequence) const {
+  std::error_code failed, ignored;
+  std::vector<fs::path> left;
+  for (fs::directory_iterator file(fs::path(meshPath(sequence, 0)).parent_path(), failed), end; !failed && file != end;
+       file.increment(failed))
+    if (file->path().extension() != ".ply") left.push_back(file->path());
+  for (const fs::path& path : left) fs::remove(path, ignored);
+}
+
 Result<TriangleMesh> FrameStore::loadMesh(const std::string& sequence, uint32_t frame) const {
   FOURDVT_ASSIGN(auto mesh, capture::readMeshFile(meshPath(sequence, frame)));
   for (glm::vec3& p : mesh.positions) p *= float(metres_per_unit_);

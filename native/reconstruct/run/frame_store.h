@@ -27,6 +27,8 @@ class FrameStore {
   // Meshes are in metres here and in the capture's unit in the file.
   Status save(const std::string& sequence, uint32_t frame, const TriangleMesh& mesh, const FrameFigures& figures) const;
   Result<TriangleMesh> loadMesh(const std::string& sequence, uint32_t frame) const;
+  // Removes what processes that were killed left beside the meshes of a finished sequence.
+  void removeLeftovers(const std::string& sequence) const;
 
  private:
   std::string meshPath(const std::string& sequence, uint32_t frame) const;

@@ -12,6 +12,7 @@
 #include "base/hash.h"
 #include "capture/input_files.h"
 #include "jobs/records.h"
+#include "platform/files.h"
 #include "reconstruct/run/finish.h"
 #include "reconstruct/run/job_file.h"
 #include "reconstruct/run/sequence_frames.h"
@@ -172,6 +173,18 @@ Status checkInputs(const JobFile& file, const Part& part, const jobs::Piece& pie
                  std::to_string(end - 1));
 }
 
+// The mark that this job's result, with the same bytes in its report, was put into place.
+std::string placedMark(const std::string& job_folder) { return job_folder + "/" + kReportJson; }
+
+// True where an attempt put the folder into place and ended before it was recorded.
+bool isPlaced(const std::string& job_folder, const ReconstructOptions& options) {
+  std::error_code none;
+  if (std::filesystem::exists(resultFolder(options).partFolder(), none)) return false;
+  const auto mark = platform::readFile(placedMark(job_folder));
+  const auto report = platform::readFile(options.folder + "/" + kReportJson);
+  return mark.ok() && report.ok() && mark.value() == report.value();
+}
+
 }  // namespace
 
 Result<jobs::Plan> planReconstruct(const ReconstructOptions& options, std::vector<std::string> arguments,
@@ -238,6 +251,7 @@ Result<ReconstructSummary> finishReconstruct(const std::string& job_folder, cons
   const auto started = std::chrono::steady_clock::now();
   FOURDVT_ASSIGN(auto open, openJob(job_folder));
   Prepared& job = open.file.job;
+  if (isPlaced(job_folder, job.options)) return readSummary(job.options.folder);
   const capture::ResultFolder folder = resultFolder(job.options);
   FOURDVT_ASSIGN(job.capture, openLinked(job.options, job.options.sequences, environment.open_video));
   job.capture.name = job.name;
@@ -247,6 +261,8 @@ Result<ReconstructSummary> finishReconstruct(const std::string& job_folder, cons
     FOURDVT_TRY(drawKept(job, store, sequence, shownFrame(sequence), environment.open_video, pictures));
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   FOURDVT_ASSIGN(const auto summary, writeResult(job, store, pictures, open.plan.frames, seconds));
+  FOURDVT_ASSIGN(const auto report, platform::readFile(folder.partFolder() + "/" + kReportJson));
+  FOURDVT_TRY(platform::writeFileAtomic(placedMark(job_folder), report));
   FOURDVT_TRY(folder.place());
   return summary;
 }

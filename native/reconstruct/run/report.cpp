@@ -255,6 +255,24 @@ ReconstructSummary summarise(const capture::Capture& capture, const std::vector<
   return out;
 }
 
+Result<ReconstructSummary> readSummary(const std::string& folder) {
+  const std::string path = folder + "/" + kReportJson;
+  FOURDVT_ASSIGN(const auto bytes, platform::readFile(path));
+  const Json json = Json::parse(bytes.begin(), bytes.end(), nullptr, false);
+  try {
+    ReconstructSummary out;
+    json.at("frames").get_to(out.frames);
+    json.at("frames_of_an_earlier_run").get_to(out.frames_kept);
+    json.at("wall_s").get_to(out.wall_s);
+    json.at("mean_overlap").get_to(out.mean_overlap);
+    json.at("lowest_overlap").get_to(out.lowest_overlap);
+    json.at("warnings").get_to(out.warnings);
+    return out;
+  } catch (const std::exception&) {
+    return Error{ErrorId::FileUnreadable, path + ": damaged; run the command again"};
+  }
+}
+
 Status writeReport(const std::string& folder, const ReconstructOptions& options, const capture::Capture& capture,
                    const std::vector<ReconstructedSequence>& sequences, const ReportPictures& pictures,
                    const ReconstructSummary& summary) {

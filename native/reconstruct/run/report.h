@@ -29,6 +29,9 @@ class ReportPictures {
 // Means, and one warning for each camera that saw nothing in some frame, for fallbacks and for low overlaps.
 ReconstructSummary summarise(const capture::Capture& capture, const std::vector<ReconstructedSequence>& sequences);
 
+// The summary that a report was written with. Errors: FileMissing, FileUnreadable.
+Result<ReconstructSummary> readSummary(const std::string& folder);
+
 // Errors: WriteFailed.
 Status writeReport(const std::string& folder, const ReconstructOptions& options, const capture::Capture& capture,
                    const std::vector<ReconstructedSequence>& sequences, const ReportPictures& pictures,
