@@ -166,13 +166,15 @@ TEST(Reconstruct, InterruptedResumesToTheSameBytes) {
 // Every piece of a plan but the last, each in a process of its own.
 std::vector<std::string> piecesOf(const std::string& job) {
   std::vector<std::string> out;
-  for (const auto& piece : nlohmann::json::parse(readText(job + "/plan.json"))["pieces"])
+  const auto plan = nlohmann::json::parse(readText(job + "/plan.json"));
+  for (const auto& piece : plan["pieces"])
     if (piece["kind"] != "finish") out.push_back(piece["id"]);
   return out;
 }
 
 std::string doneFile(const std::string& job, const std::string& id) {
-  for (const auto& piece : nlohmann::json::parse(readText(job + "/plan.json"))["pieces"])
+  const auto plan = nlohmann::json::parse(readText(job + "/plan.json"));
+  for (const auto& piece : plan["pieces"])
     if (piece["id"] == id) return job + "/" + piece["done"].get<std::string>();
   return {};
 }
@@ -189,11 +191,19 @@ void expectSameResult(const std::string& a, const std::string& b) {
   EXPECT_EQ(readText(a + "/capture.json"), readText(b + "/capture.json"));
 }
 
+// A capture of two windows, and what one run makes of it.
+struct TwoWindows {
+  std::string capture = withoutMeshes("pieces-capture", 35), straight = scratch("pieces-straight") + "/hull";
+  TwoWindows() { EXPECT_EQ(fourdvt("reconstruct " + capture + " -o " + straight + kCoarse).code, 0); }
+};
+const TwoWindows& twoWindows() {
+  static const TwoWindows made;
+  return made;
+}
+
 // The second window's frames do not follow those of the first, and two processes that make them write the same.
 TEST(ReconstructInPieces, GivesTheBytesOfOneRun) {
-  const std::string capture = withoutMeshes("pieces-capture", 35), out = scratch("pieces");
-  ASSERT_EQ(fourdvt("reconstruct " + capture + " -o " + out + "/straight" + kCoarse).code, 0);
-  const std::string target = out + "/target", job = target + ".work";
+  const std::string capture = twoWindows().capture, target = scratch("pieces") + "/target", job = target + ".work";
   const Outcome planned = fourdvt("plan reconstruct " + capture + " -o " + target + kCoarse);
   ASSERT_EQ(planned.code, 0) << planned.output;
   EXPECT_EQ(piecesOf(job), (std::vector<std::string>{"first-turn", "frames-turn-0", "frames-turn-1"}));
@@ -214,7 +224,7 @@ TEST(ReconstructInPieces, GivesTheBytesOfOneRun) {
   ASSERT_EQ(finished.code, 0) << finished.output;
   EXPECT_TRUE(exists(target + "/reconstruct.html") && exists(target + "/reconstruct-1.jpg"));
   EXPECT_TRUE(exists(job + "/job.html") && !exists(target + ".part"));
-  expectSameResult(out + "/straight", target);
+  expectSameResult(twoWindows().straight, target);
   // A process may end between the two.
   ASSERT_TRUE(fs::remove(doneFile(job, "finish")));
   const Outcome recorded = fourdvt("finish " + job);
@@ -267,24 +277,22 @@ TEST(ReconstructInPieces, FilesThatHaveChangedAreRefused) {
 }
 
 TEST(ReconstructInPieces, ResumeGoesOnWithPiecesAndPiecesWithARun) {
-  const std::string capture = withoutMeshes("both-ways-capture", 35), out = scratch("both-ways");
-  const std::string options = " --voxel-mm 8 --refine none", straight = out + "/straight";
-  ASSERT_EQ(fourdvt("reconstruct " + capture + " -o " + straight + options).code, 0);
+  const std::string capture = twoWindows().capture, straight = twoWindows().straight, out = scratch("both-ways");
 
   const std::string resumed = out + "/resumed";
-  ASSERT_EQ(fourdvt("plan reconstruct " + capture + " -o " + resumed + options).code, 0);
+  ASSERT_EQ(fourdvt("plan reconstruct " + capture + " -o " + resumed + kCoarse).code, 0);
   ASSERT_EQ(fourdvt("piece " + resumed + ".work first-turn").code, 0);
   ASSERT_EQ(fourdvt("piece " + resumed + ".work frames-turn-1").code, 0);
-  const Outcome run = fourdvt("reconstruct " + capture + " -o " + resumed + options + " --resume");
+  const Outcome run = fourdvt("reconstruct " + capture + " -o " + resumed + kCoarse + " --resume");
   ASSERT_EQ(run.code, 0) << run.output;
   EXPECT_NE(readText(resumed + "/reconstruct.json").find("\"frames_of_an_earlier_run\": 4,"), std::string::npos);
   expectSameResult(straight, resumed);
 
   const std::string stopped = out + "/stopped", frame = stopped + ".part/turn/mesh/000001.ply";
-  ASSERT_EQ(interrupted(FOURDVT_BIN, "reconstruct " + capture + " -o " + stopped + options, frame, out + "/log").code,
+  ASSERT_EQ(interrupted(FOURDVT_BIN, "reconstruct " + capture + " -o " + stopped + kCoarse, frame, out + "/log").code,
             130);
   const auto made = fs::last_write_time(frame);
-  ASSERT_EQ(fourdvt("plan reconstruct " + capture + " -o " + stopped + options).code, 0);
+  ASSERT_EQ(fourdvt("plan reconstruct " + capture + " -o " + stopped + kCoarse).code, 0);
   computePieces(stopped + ".work");
   EXPECT_EQ(fs::last_write_time(frame), made);
   ASSERT_EQ(fourdvt("finish " + stopped + ".work").code, 0);

@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kFile = "/job.json";
+constexpr const char* kFile = "/reconstruction.json";
 constexpr int kFormat = 1;
 constexpr size_t kDigits = 16;
 
