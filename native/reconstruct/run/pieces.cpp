@@ -46,15 +46,18 @@ uint64_t inputsOf(const Prepared& job, const Part& part, uint64_t common) {
   return fnv1a({reinterpret_cast<const uint8_t*>(&own), sizeof own}, common);
 }
 
-// Estimates, from pieces that were measured on two cores; only schedulers read the seconds.
+// Estimates, from pieces that were measured on two cores, stereo with a GPU that the processor imitates. Only
+// schedulers read the seconds. Memory is 1.5 times the measured one or more; voxels far smaller than those that are
+// chosen without
+// --voxel-mm can exceed it, and Snakemake then starts the piece again with more.
 class Costs {
  public:
   explicit Costs(const Prepared& job) : stereo_(job.options.stereo), megafaces_(job.options.faces / 1e6) {
     for (const capture::CaptureCamera& camera : job.capture.cameras)
       megapixels_ += double(camera.pinhole.width) * camera.pinhole.height / 1e6;
   }
-  double frame_s() const { return 0.3 + 0.1 * megapixels_ + (stereo_ ? 1.2 * megapixels_ : 0); }
-  double memory_mb() const { return 350 + 60 * megapixels_ + 3000 * megafaces_ + (stereo_ ? 200 * megapixels_ : 0); }
+  double frame_s() const { return 0.3 + 0.3 * megapixels_ + (stereo_ ? 3.5 * megapixels_ : 0); }
+  double memory_mb() const { return 300 + 40 * megapixels_ + 1500 * megafaces_ + (stereo_ ? 100 * megapixels_ : 0); }
   double megapixels() const { return megapixels_; }
 
  private:
