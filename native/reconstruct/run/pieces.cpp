@@ -47,9 +47,8 @@ uint64_t inputsOf(const Prepared& job, const Part& part, uint64_t common) {
 }
 
 // Estimates, from pieces that were measured on two cores, stereo with a GPU that the processor imitates. Only
-// schedulers read the seconds. Memory is 1.5 times the measured one or more; voxels far smaller than those that are
-// chosen without
-// --voxel-mm can exceed it, and Snakemake then starts the piece again with more.
+// schedulers read the seconds. Memory is 1.5 times the measured one or more. Voxels far smaller than those that are
+// chosen without an option can exceed it; Snakemake then starts the piece again with more.
 class Costs {
  public:
   explicit Costs(const Prepared& job) : stereo_(job.options.stereo), megafaces_(job.options.faces / 1e6) {
