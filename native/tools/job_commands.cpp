@@ -66,7 +66,7 @@ bool isReconstruction(const jobs::Plan& plan) { return plan.command == "reconstr
 Status bakePieceOf(const std::string& job_folder, const jobs::Piece& piece, int threads, ProgressLine& line) {
   FOURDVT_ASSIGN(const auto gpu, openGpu());
   bake::BakeEnvironment environment = bakeEnvironment(gpu, line);
-  environment.writer = "." + platform::ownSuffix();
+  environment.writer = platform::ownSuffix();
   environment.stop = listenForStop();
   return bake::bakePiece(job_folder, piece.id, threads, environment);
 }

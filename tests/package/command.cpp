@@ -14,6 +14,8 @@
 #include <sstream>
 #include <thread>
 
+#include "../unit/character_files.h"
+
 namespace fourdvt::test {
 
 namespace fs = std::filesystem;
@@ -97,7 +99,8 @@ Outcome interrupted(const std::string& program, const std::string& arguments, co
   }
   // A busy machine takes minutes to get there; ctest's limit ends a program that never does.
   int status = 0;
-  while (!exists(once_there) && waitpid(child, &status, WNOHANG) == 0)
+  while (workFile(fs::path(once_there).parent_path(), fs::path(once_there).filename()).empty() &&
+         waitpid(child, &status, WNOHANG) == 0)
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   if (kill(child, SIGINT) == 0) waitpid(child, &status, 0);
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), readText(log)};

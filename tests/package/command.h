@@ -19,7 +19,8 @@ Outcome shell(const std::string& command);
 Outcome fourdvt(const std::string& arguments);
 // fourdvt-lab with these arguments.
 Outcome lab(const std::string& arguments);
-// The program with these arguments, sent Ctrl-C once the file `once_there` exists. Its output goes through the file
+// The program with these arguments, sent Ctrl-C once the file `once_there` exists, or one of its name below
+// its folder. Its output goes through the file
 // `log`.
 Outcome interrupted(const std::string& program, const std::string& arguments, const std::string& once_there,
                     const std::string& log);

@@ -320,7 +320,7 @@ TEST_F(BakeClass, DrawsAgainWhatIsNotKept) {
   stop_at = "go 1/9";
   int kept = 0, left = 0;
   when_there = [&] {
-    for (const fs::directory_entry& file : fs::directory_iterator(options.character_folder + ".work")) {
+    for (const fs::directory_entry& file : fs::recursive_directory_iterator(options.character_folder + ".work")) {
       if (file.path().extension() != ".layers") continue;
       if (stop_at == "graph") {
         ++left;
@@ -340,8 +340,8 @@ TEST_F(BakeClass, DrawsAgainWhatIsNotKept) {
 
 TEST_F(BakeClass, AFailureAfterTheFramesKeepsThem) {
   stop_at = "go 9/9";
-  const std::string gop = options.character_folder + ".work/go.0.gop";
-  when_there = [&] { std::ofstream(gop) << "torn"; };
+  std::string gop;
+  when_there = [&] { std::ofstream(gop = workFile(options.character_folder + ".work", "go.0.gop")) << "torn"; };
   options.jobs = 1;
   auto failed = run();
   ASSERT_FALSE(failed);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files of a baked character by their names without the hash.
+// Files of a baked character, and of its work folder, by their names without a hash.
 #pragma once
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <regex>
@@ -20,6 +21,15 @@ inline std::string fileNamed(const std::string& folder, const std::string& name)
                        ")\"");
   std::smatch found;
   return folder + "/" + (std::regex_search(gltf, found, uri) ? found[1].str() : name);
+}
+
+// Path of the file of a work folder, in whatever folder of it. None: empty.
+inline std::string workFile(const std::string& folder, const std::string& name) {
+  namespace fs = std::filesystem;
+  std::error_code gone;  // a bake that goes on removes folders
+  for (fs::recursive_directory_iterator file(folder, gone), end; !gone && file != end; file.increment(gone))
+    if (file->path().filename() == name) return file->path().string();
+  return {};
 }
 
 }  // namespace fourdvt
