@@ -28,6 +28,7 @@
 #include "bake/stages/survey.h"
 #include "bake/stages/validate.h"
 #include "base/hash.h"
+#include "platform/files.h"
 #include "platform/folders.h"
 
 namespace fourdvt::bake {
@@ -148,7 +149,8 @@ Error cleanedUp(Error error, const Job& job) {
   platform::removeFolder(job.resultFolder());
   platform::removeFolder(job.reportFolder());
   platform::removeIfEmpty(work);
-  if (error.id == ErrorId::Interrupted) return error;  // its message says what stays
+  if (error.id == ErrorId::Interrupted) return error;                       // its message says what stays
+  if (platform::fileBytes(work + "/" + jobs::kPlanFile) > 0) return error;  // pieces of a plan go on
   if (WorkFolder::holdsGops(work))
     error.message += "; finished GOPs are kept in " + work + " for --resume";
   else if (error.id != ErrorId::WriteFailed)  // after a failed write, what the survey measured stays for the next run
@@ -173,16 +175,54 @@ struct OpenJob {
   std::unique_ptr<BakeRun> run;
 };
 
+Error planAgain(const std::string& path, const char* what) {
+  return {ErrorId::InvalidArgument, path + ": " + what + "; run `fourdvt plan` again"};
+}
+
+Status settleHashes(const Job& job, jobs::Plan& plan) {
+  return jobs::settleHashes(fnv1a(job.settings_key + plan.tool.build), plan);
+}
+
+// Refuses a job that is not the plan's, and a folder that has been moved.
+Status checkJob(const std::string& job_folder, const Job& job, const jobs::Plan& plan) {
+  std::error_code ignored;
+  if (!std::filesystem::equivalent(job_folder, job.workFolder(), ignored))
+    return planAgain(job_folder, ("planned as " + job.workFolder() + ", and moved since").c_str());
+  jobs::Plan now = plan;
+  now.pieces.clear();
+  for (const BakePiece& piece : bakePieces(job)) now.pieces.push_back(piece.piece);
+  FOURDVT_TRY(settleHashes(job, now));
+  if (now.pieces.back().hash == plan.pieces.back().hash) return {};
+  return planAgain(job_folder + kJobFile, "belongs to another plan than plan.json");
+}
+
 Result<OpenJob> openJob(const std::string& job_folder, const BakeEnvironment& environment) {
   OpenJob out;
   FOURDVT_ASSIGN(out.plan, jobs::readPlan(job_folder));
   FOURDVT_TRY(jobs::checkTool(job_folder, out.plan));
-  FOURDVT_ASSIGN(const auto bytes, loadChecked(job_folder + kJobFile));
+  const auto bytes = loadChecked(job_folder + kJobFile);
   Job job;
-  if (!jobFrom(bytes, job)) return damagedFile(job_folder + kJobFile);
+  if (!bytes || !jobFrom(bytes.value(), job)) return planAgain(job_folder + kJobFile, "is missing or damaged");
+  FOURDVT_TRY(checkJob(job_folder, job, out.plan));
   out.run = std::make_unique<BakeRun>(std::move(job), environment);
   FOURDVT_ASSIGN(out.run->work, WorkFolder::join(job_folder, out.run->job.settings_key));
   return out;
+}
+
+// Records of pieces whose results are not there any more, and that of the last piece, whose options and sounds are not
+// part of any key.
+Status dropStaleRecords(BakeRun& run, const std::vector<BakePiece>& pieces, const jobs::Plan& plan) {
+  FOURDVT_ASSIGN(const auto lost, lostPieces(run, pieces));
+  for (size_t p = 0; p < pieces.size(); ++p)
+    if (lost[p] || pieces[p].kind == PieceKind::Finish)
+      platform::removeFolder(run.job.workFolder() + "/" + plan.pieces[p].done());
+  return {};
+}
+
+// True where a plan of another build is in the folder, whose results do not fit together with this one's.
+bool isOfAnotherBuild(const std::string& job_folder) {
+  const auto plan = jobs::readPlan(job_folder);
+  return plan.ok() && plan.value().tool.build != jobs::thisTool().build;
 }
 
 }  // namespace
@@ -194,6 +234,10 @@ Result<jobs::Plan> planBake(const BakeOptions& given, std::vector<std::string> a
   std::error_code failed;  // pieces run in other folders
   if (const auto path = std::filesystem::absolute(options.character_folder, failed); !failed)
     options.character_folder = path.lexically_normal().string();
+  if (const std::string folder = options.character_folder + ".work"; isOfAnotherBuild(folder)) {
+    options.resume = false;
+    if (environment.note) environment.note(folder + ": holds work of another build of fourdvt; all begins again");
+  }
   FOURDVT_ASSIGN(auto job, validate(options, environment));
   BakeRun run(std::move(job), environment);
   FOURDVT_TRY(planJob(run));
@@ -205,8 +249,10 @@ Result<jobs::Plan> planBake(const BakeOptions& given, std::vector<std::string> a
   plan.result = run.job.options.character_folder;
   plan.frames = run.job.total_frames;
   plan.capture_s = run.job.total_frames / run.job.capture.fps;
-  for (const BakePiece& piece : bakePieces(run.job)) plan.pieces.push_back(piece.piece);
-  FOURDVT_TRY(jobs::settleHashes(fnv1a(run.job.settings_key + plan.tool.build), plan));
+  const auto pieces = bakePieces(run.job);
+  for (const BakePiece& piece : pieces) plan.pieces.push_back(piece.piece);
+  FOURDVT_TRY(settleHashes(run.job, plan));
+  FOURDVT_TRY(dropStaleRecords(run, pieces, plan));
   FOURDVT_TRY(saveChecked(run.job.workFolder() + kJobFile, jobBytes(run.job)));
   FOURDVT_TRY(jobs::writePlan(run.job.workFolder(), plan));
   return plan;
@@ -223,6 +269,8 @@ Status bakePiece(const std::string& job_folder, const std::string& id, int threa
 
 Result<BakeReport> finishBake(const std::string& job_folder, const BakeEnvironment& environment) {
   FOURDVT_ASSIGN(const OpenJob open, openJob(job_folder, environment));
+  open.run->job.writer = "." + environment.writer;
+  FOURDVT_TRY(checkCommonInputs(open.run->job));
   expectWork(*open.run);
   auto report = finishJob(*open.run);
   if (!report) {

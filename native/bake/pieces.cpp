@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "bake/run/renditions.h"
@@ -97,7 +98,6 @@ class Costs {
   double megapixels_ = 0, megafaces_ = 0;  // of all cameras; of the mesh
 };
 
-// [number] the sequence's name and number.
 size_t numberOf(const Job& job, const capture::CaptureSequence* sequence) {
   return size_t(sequence - job.capture.sequences.data());
 }
@@ -154,6 +154,7 @@ class Cutter {
     for (uint32_t i = 0; i < triedFrames(job_); ++i) {
       BakePiece& piece = add(PieceKind::Method, std::to_string(i), colours());
       piece.index = i;
+      readsFrames(piece, {triedFrame(job_, i)});
       cost(piece, 60, costs_.whole_mb());
     }
     for (size_t s = 0; s < job_.streams.size(); ++s) {
@@ -197,12 +198,7 @@ class Cutter {
     BakePiece& label = add(PieceKind::Label, sequence.name, std::move(all));
     label.number = numberOf(job_, &sequence);
     const bool alone = label.piece.needs.empty();
-    Frames frames;
-    for (uint32_t f = 0; f < sequence.frame_count; ++f) {
-      if (alone) addOnce(label.piece.needs, surveyOf(sequence, f));
-      frames.push_back({label.number, f});
-    }
-    readsFrames(label, frames);
+    for (uint32_t f = 0; alone && f < sequence.frame_count; ++f) addOnce(label.piece.needs, surveyOf(sequence, f));
     cost(label, costs_.label_s() * sequence.frame_count * (alone ? 1 : 0.1), costs_.labels_mb(64));
   }
 
@@ -380,6 +376,39 @@ Status runCameras(BakeRun& run, const BakePiece& piece) {
 }  // namespace
 
 std::vector<BakePiece> bakePieces(const Job& job) { return Cutter(job).cut(); }
+
+Result<std::vector<bool>> lostPieces(BakeRun& run, const std::vector<BakePiece>& pieces) {
+  const Job& job = run.job;
+  std::vector<bool> lost(pieces.size(), false);
+  std::optional<Survey> survey;
+  if (!job.fromCameras()) {
+    FOURDVT_ASSIGN(survey, Survey::open(run));
+  }
+  for (size_t p = 0; p < pieces.size(); ++p) {
+    const BakePiece& piece = pieces[p];
+    switch (piece.kind) {
+      case PieceKind::Survey:
+        lost[p] = !survey->isMeasuredFrom(job.capture.sequences[piece.number], piece.index);
+        break;
+      case PieceKind::Label:
+        lost[p] = !survey->isLabelled(job.capture.sequences[piece.number]);
+        break;
+      case PieceKind::Gop: {
+        const StreamPlan& plan = job.streams[piece.number];
+        lost[p] =
+            !run.work.hasGop(plan.name, piece.index) || (!plan.isClass() && !run.work.hasChunk(plan.name, piece.index));
+        break;
+      }
+      case PieceKind::Graph:
+      case PieceKind::Room:
+        lost[p] = !run.work.loadResult(piece.piece.kind).ok();
+        break;
+      default:  // those that compute what is missing when it is needed
+        break;
+    }
+  }
+  return lost;
+}
 
 Status runPiece(BakeRun& run, const BakePiece& piece) {
   FOURDVT_TRY(checkCommonInputs(run.job));

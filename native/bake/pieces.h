@@ -28,6 +28,9 @@ struct BakePiece {
 // In an order in which each comes after those that it needs; the last is Finish. The job's keys are settled.
 std::vector<BakePiece> bakePieces(const Job& job);
 
+// [piece] whether a result that its record would stand for is missing or damaged. Errors: WriteFailed.
+Result<std::vector<bool>> lostPieces(BakeRun& run, const std::vector<BakePiece>& pieces);
+
 // Computes one piece but the last. Does nothing if it is done already. Errors: those of its stage; InvalidArgument if
 // files that it reads have changed.
 Status runPiece(BakeRun& run, const BakePiece& piece);

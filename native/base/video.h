@@ -20,8 +20,8 @@ class VideoSource {
   // Next picture in presentation order, or nullopt at the end. 3 channels (sRGB via the stream's matrix and range,
   // limited where unspecified, and then BT.601 up to 576 lines, else BT.709) or 1 channel (as opened).
   virtual Result<std::optional<Image>> next() = 0;
-  // Leaves out so many pictures, or all that are left. A file of a constant frame rate with an index goes to the key
-  // picture before the wanted one; others are decoded on the way.
+  // Leaves out so many pictures, or all that are left. A file goes to the key picture before the wanted one where its
+  // time stamps number the pictures; else those between are decoded.
   virtual Status skip(uint32_t pictures) {
     for (; pictures > 0; --pictures) {
       FOURDVT_ASSIGN(const auto picture, next());

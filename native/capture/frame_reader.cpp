@@ -16,15 +16,15 @@ namespace {
 class CameraReader {
  public:
   static Result<CameraReader> open(const Capture& capture, const CaptureSequence& sequence, const CaptureCamera& camera,
-                                   const OpenVideo& open_video, MatteNeed mattes) {
+                                   const OpenVideo& open_video, MatteNeed mattes, bool check_files) {
     FOURDVT_ASSIGN(const PicturePlace place, colourPlace(sequence, camera));
     CameraReader reader(camera);
     const std::string& name = camera.pinhole.name;
-    FOURDVT_TRY(openStream(place, sequence, name, 3, open_video, reader.colour_));
+    FOURDVT_TRY(openStream(place, sequence, name, 3, open_video, check_files, reader.colour_));
     if (mattes == MatteNeed::None) return reader;
     const auto matte_place = findPictures(sequence.folder, matteStem(name));
     if (matte_place) {
-      FOURDVT_TRY(openStream(*matte_place, sequence, name, 1, open_video, reader.matte_));
+      FOURDVT_TRY(openStream(*matte_place, sequence, name, 1, open_video, check_files, reader.matte_));
     } else {
       FOURDVT_ASSIGN(reader.key_, PlateKey::open(capture, camera));
     }
@@ -55,8 +55,9 @@ class CameraReader {
   explicit CameraReader(const CaptureCamera& camera) : camera_(camera), undistorter_(camera) {}
 
   static Status openStream(const PicturePlace& place, const CaptureSequence& sequence, const std::string& camera,
-                           int channels, const OpenVideo& open_video, std::optional<PictureStream>& out) {
-    FOURDVT_ASSIGN(out, PictureStream::open(place, sequence, camera, channels, open_video));
+                           int channels, const OpenVideo& open_video, bool check_files,
+                           std::optional<PictureStream>& out) {
+    FOURDVT_ASSIGN(out, PictureStream::open(place, sequence, camera, channels, open_video, check_files));
     return {};
   }
 
@@ -94,9 +95,11 @@ class Reader final : public FrameReader {
   Reader(const Capture& capture, const CaptureSequence& sequence, uint32_t first_frame)
       : capture_(capture), sequence_(sequence), next_frame_(first_frame) {}
 
+  // Files are looked for where reading begins with the first frame: later, others have done so.
   Status openCameras(const OpenVideo& open_video, MatteNeed mattes) {
     for (const CaptureCamera& camera : capture_.cameras) {
-      FOURDVT_ASSIGN(auto reader, CameraReader::open(capture_, sequence_, camera, open_video, mattes));
+      FOURDVT_ASSIGN(auto reader,
+                     CameraReader::open(capture_, sequence_, camera, open_video, mattes, next_frame_ == 0));
       cameras_.push_back(std::move(reader));
     }
     return {};

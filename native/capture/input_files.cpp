@@ -18,7 +18,7 @@ uint64_t addFile(uint64_t hash, const std::string& path) {
   const auto time = fs::last_write_time(path, ignored).time_since_epoch();
   const auto bytes = fs::file_size(path, ignored);
   return fnv1a(path + " " + std::to_string(bytes) + " " +
-                   std::to_string(std::chrono::duration_cast<std::chrono::seconds>(time).count()) + "\n",
+                   std::to_string(std::chrono::floor<std::chrono::seconds>(time).count()) + "\n",
                hash);
 }
 

@@ -79,7 +79,8 @@ Result<Image> readPicture(const std::string& path, int channels) {
 }
 
 Result<PictureStream> PictureStream::open(const PicturePlace& place, const CaptureSequence& sequence,
-                                          const std::string& camera, int channels, const OpenVideo& open_video) {
+                                          const std::string& camera, int channels, const OpenVideo& open_video,
+                                          bool check_files) {
   PictureStream stream;
   stream.place_ = place;
   for (uint32_t frame = 0; frame < sequence.frame_count; ++frame)
@@ -89,7 +90,7 @@ Result<PictureStream> PictureStream::open(const PicturePlace& place, const Captu
   stream.open_video_ = open_video;
   stream.channels_ = channels;
   if (place.numbered) {
-    FOURDVT_TRY(stream.checkFiles());
+    if (check_files) FOURDVT_TRY(stream.checkFiles());
     return stream;
   }
   FOURDVT_ASSIGN(stream.video_, open_video(place.path, channels));

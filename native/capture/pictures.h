@@ -43,9 +43,11 @@ Result<Image> readPicture(const std::string& path, int channels);
 class PictureStream {
  public:
   // Checks what is cheap to check: that the files are there, and that the video does not announce too few frames.
-  // `camera`: its name, for its offset in time. Errors: VideoTooShort, and those of `open_video`.
+  // `camera`: its name, for its offset in time. `check_files`: numbered files are looked for, all of the sequence.
+  // Errors: VideoTooShort, and those of `open_video`.
   static Result<PictureStream> open(const PicturePlace& place, const CaptureSequence& sequence,
-                                    const std::string& camera, int channels, const OpenVideo& open_video);
+                                    const std::string& camera, int channels, const OpenVideo& open_video,
+                                    bool check_files = true);
   // Reads frames in ascending order; a video leaves out those in between (VideoSource::skip), and is opened anew where
   // a loop begins again. Errors: VideoTooShort, FileUnreadable.
   Result<Image> read(uint32_t frame);

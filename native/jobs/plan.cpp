@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "base/hash.h"
 #include "platform/files.h"
@@ -52,6 +53,7 @@ Plan planFrom(const Json& json) {
     piece.hash = std::stoull(p.at("hash").get<std::string>(), nullptr, 16);
     plan.pieces.push_back(std::move(piece));
   }
+  if (plan.pieces.empty() || plan.pieces.back().kind != kFinish) throw std::invalid_argument("no last piece");
   return plan;
 }
 

@@ -45,7 +45,7 @@ void addTraffic(Record& record) {
   }
 }
 
-// Starts by piece, from the names of the files: STEM.HOST.PID
+// Starts by piece, from the names of the files: STEM~NUMBER.HOST.PID
 std::map<std::string, uint32_t> startsIn(const std::string& job_folder) {
   std::map<std::string, uint32_t> out;
   std::error_code failed;

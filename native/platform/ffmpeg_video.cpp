@@ -2,10 +2,10 @@
 // openVideoFile: demux, decode, convert with the stream's own matrix and range.
 #include "platform/ffmpeg_video.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <optional>
 #include <vector>
 
 #include "platform/ffmpeg_handles.h"
@@ -93,12 +93,8 @@ class FileSource final : public VideoSource {
   }
 
   Status skip(uint32_t pictures) override {
-    if (pictures == 0) return {};
     const uint32_t wanted = number_ + pictures;
-    if (pictures > kSeekBeyond) {
-      FOURDVT_ASSIGN(const bool found, seekBefore(wanted));
-      if (!found) FOURDVT_TRY(rewind());
-    }
+    if (pictures > kSeekBeyond) FOURDVT_TRY(seekBefore(wanted));
     while (number_ < wanted) {
       FOURDVT_ASSIGN(const bool decoded, decode());
       if (!decoded) return {};
@@ -121,49 +117,56 @@ class FileSource final : public VideoSource {
     }
   }
 
-  // The ticks between two pictures where they are all equal, as the file's index says, or, where it lists key pictures
-  // alone, its frame rates; else 0.
-  double constantInterval() {
+  // Lists the pictures' time stamps in the order of presentation, which numbers them: from the file's index where that
+  // has all of them at equal intervals, else from its packets, which are read and not decoded. Moves the file's
+  // position. Empty where there are none to rely on.
+  void listStamps() {
     AVStream* stream = file_.format->streams[stream_];
     const int entries = avformat_index_get_entries_count(stream);
-    if (entries < 2 || stream->nb_frames != entries) {
-      const AVRational rate = stream->avg_frame_rate;
-      const bool constant = rate.num > 0 && av_cmp_q(rate, stream->r_frame_rate) == 0;
-      return constant ? 1 / (av_q2d(rate) * av_q2d(stream->time_base)) : 0;
-    }
+    bool equal = entries >= 2 && stream->nb_frames == entries;
     const auto stamp = [&](int i) { return avformat_index_get_entry(stream, i)->timestamp; };
-    const int64_t interval = stamp(1) - stamp(0);
-    for (int i = 2; i < entries; ++i)
-      if (stamp(i) - stamp(i - 1) != interval) return 0;
-    return double(interval);
+    for (int i = 2; equal && i < entries; ++i) equal = stamp(i) - stamp(i - 1) == stamp(1) - stamp(0);
+    if (equal) {
+      for (int i = 0; i < entries; ++i) stamps_.push_back(first_stamp_ + i * (stamp(1) - stamp(0)));
+      return;
+    }
+    if (av_seek_frame(file_.format.get(), stream_, 0, AVSEEK_FLAG_BACKWARD) < 0) return;
+    while (av_read_frame(file_.format.get(), packet_.get()) >= 0) {
+      if (packet_->stream_index == stream_ && !(packet_->flags & AV_PKT_FLAG_DISCARD)) stamps_.push_back(packet_->pts);
+      av_packet_unref(packet_.get());
+    }
+    std::sort(stamps_.begin(), stamps_.end());
+    const bool unique = std::adjacent_find(stamps_.begin(), stamps_.end()) == stamps_.end();
+    if (stamps_.empty() || !unique || stamps_.front() != first_stamp_) stamps_.clear();
   }
 
-  // Number of the picture in frame_, by its time stamp; none if that does not lie where a constant interval has it.
-  std::optional<uint32_t> numberByStamp() const {
-    const double ticks = double(frame_->best_effort_timestamp - first_stamp_), number = std::round(ticks / interval_);
-    if (number < 0 || std::abs(ticks - number * interval_) > std::min(1.01, interval_ / 4)) return std::nullopt;
-    return static_cast<uint32_t>(number);
-  }
-
-  // Puts the decoder in front of a picture that is not after `wanted`, by the numbers that time stamps give. False
-  // where they give none: then the position is unknown.
-  Result<bool> seekBefore(uint32_t wanted) {
+  // Goes to a picture that is not after `wanted` where stamps number the pictures and one is nearer than this; else
+  // position and number stay, or begin anew.
+  Status seekBefore(uint32_t wanted) {
     if (number_ == 0) {
       FOURDVT_ASSIGN(const bool decoded, decode());  // sets first_stamp_
-      if (!decoded) return false;
+      if (!decoded) return {};
     }
-    if (interval_ < 0) interval_ = constantInterval();
-    if (!(interval_ > 0) || first_stamp_ == AV_NOPTS_VALUE) return false;
-    const uint32_t before = number_, target = wanted - kReordered;
-    if (target <= before) return true;
-    const int64_t stamp = first_stamp_ + std::llround(interval_ * target);
-    if (av_seek_frame(file_.format.get(), stream_, stamp, AVSEEK_FLAG_BACKWARD) < 0) return false;
-    avcodec_flush_buffers(codec_.get());
-    FOURDVT_ASSIGN(const bool decoded, decode());
-    const std::optional<uint32_t> found = decoded ? numberByStamp() : std::nullopt;
-    if (!found || *found >= wanted || *found < before) return false;
-    number_ = *found + 1;
-    return true;
+    bool moved = false;
+    if (!listed_ && first_stamp_ != AV_NOPTS_VALUE) {
+      listed_ = moved = true;
+      listStamps();
+    }
+    const uint32_t target = wanted - kReordered;
+    if (target < stamps_.size() && target > number_) {
+      moved = true;
+      if (av_seek_frame(file_.format.get(), stream_, stamps_[target], AVSEEK_FLAG_BACKWARD) >= 0) {
+        avcodec_flush_buffers(codec_.get());
+        FOURDVT_ASSIGN(const bool decoded, decode());
+        const auto found = std::lower_bound(stamps_.begin(), stamps_.end(), frame_->best_effort_timestamp);
+        const auto at = static_cast<uint32_t>(found - stamps_.begin());
+        if (decoded && at < wanted && found != stamps_.end() && *found == frame_->best_effort_timestamp) {
+          number_ = at + 1;
+          return {};
+        }
+      }
+    }
+    return moved ? rewind() : Status();
   }
 
   // Opens the file anew.
@@ -214,7 +217,8 @@ class FileSource final : public VideoSource {
   int channels_ = 3, stream_ = -1;
   uint32_t number_ = 0;                   // of the next picture
   int64_t first_stamp_ = AV_NOPTS_VALUE;  // of picture 0
-  double interval_ = -1;                  // constantInterval() once it is needed
+  std::vector<int64_t> stamps_;           // [picture], once a seek needs them
+  bool listed_ = false;
   FileOnly file_;
   AvCodec codec_;
   AvFrame frame_{av_frame_alloc()};

@@ -94,6 +94,7 @@ Status finishBakeOf(const std::string& job_folder, const jobs::Plan& plan) {
   FOURDVT_ASSIGN(const auto gpu, openGpu());
   ProgressLine line;
   bake::BakeEnvironment environment = bakeEnvironment(gpu, line);
+  environment.writer = platform::ownSuffix();
   environment.stop = listenForStop();
   const auto start = std::chrono::steady_clock::now();
   const auto report = bake::finishBake(job_folder, environment);

@@ -148,7 +148,7 @@ if (process.argv[1].endsWith('makespan.mjs')) {
   const planning = Number(planningText), work = planning + seconds.reduce((a, b) => a + b, 0), chain = longestChain(plan.pieces, seconds);
   const time = (s) => (s < 3600 ? `${(s / 60).toFixed(1)} min` : `${(s / 3600).toFixed(2)} h`);
   console.log(`${plan.pieces.length} pieces of ${plan.frames} frames; ${time(work)} of work, of it ${time(planning)} planning; the longest chain ${time(chain)}.\n`);
-  console.log('| kind | pieces | seconds of one | share of the work | read by one, measured | memory, measured |\n|---|---:|---:|---:|---:|---:|');
+  console.log('| kind | pieces | seconds of one | share of the work | read by one, measured | memory, measured |\n|---|---|---|---|---|---|');
   for (const [kind, sum] of Object.entries(sums)) {
     const own = plan.pieces.flatMap((piece, i) => (piece.kind === kind ? [seconds[i]] : []));
     if (!own.length) continue;
@@ -156,7 +156,7 @@ if (process.argv[1].endsWith('makespan.mjs')) {
     console.log(`| \`${kind}\` | ${own.length} | ${(total / own.length).toFixed(1)} | ${(100 * total / work).toFixed(1)} % | `
       + `${(sum.read_mb / sum.pieces).toFixed(0)} MB | ${sum.peak_mb.toFixed(0)} MB |`);
   }
-  console.log('\n| workers | time | efficiency |\n|---:|---:|---:|');
+  console.log('\n| workers | time | efficiency |\n|---|---|---|');
   for (const workers of kWorkers) {
     const { makespan_s } = schedule(plan.pieces, seconds, workers);
     const all = planning + makespan_s;

@@ -21,8 +21,8 @@ struct BakeRun {
   // GOPs").
   Status checkStop(const std::string& kept, const std::string& folder) const {
     if (!stopped()) return {};
-    return Error{ErrorId::Interrupted,
-                 "stopped; " + kept + " are kept in " + folder + "; run the same command with --resume to go on"};
+    const char* how = environment.writer.empty() ? "run the same command with --resume to go on" : "run it again";
+    return Error{ErrorId::Interrupted, "stopped; " + kept + " are kept in " + folder + "; " + how};
   }
   Status checkStop() const { return checkStop("finished GOPs", work.path()); }
 

@@ -76,6 +76,7 @@ struct Job {
   std::map<std::string, std::string> capture_keys;
   std::map<std::string, std::vector<uint64_t>> input_digests;
   uint64_t common_input_digest = 0;
+  std::string writer;  // end of the names of folders of results, where several processes may finish the same job
   bool fromCameras() const { return options.appearance == package::AppearanceKind::Cameras; }
   uint32_t streamFrames() const;  // number of frames of all streams
   // Beside the character folder and on its file system: finished GOPs, and the result until it is published.
@@ -84,9 +85,9 @@ struct Job {
   std::string surveyFolder() const {
     return options.survey_folder.empty() ? workFolder() + "/survey" : options.survey_folder;
   }
-  std::string resultFolder() const { return workFolder() + "/result"; }
+  std::string resultFolder() const { return workFolder() + "/result" + writer; }
   // The report until it is published beside the character.
-  std::string reportFolder() const { return workFolder() + "/report"; }
+  std::string reportFolder() const { return workFolder() + "/report" + writer; }
 };
 
 // First frames of GOPs of at most `gop` frames, whose lengths differ by at most 1.

@@ -217,7 +217,7 @@ void visit(A& a, T& value) {
   }
 }
 
-// What streams point to, as numbers in the capture: a class or -1, then the members' sequences.
+// Pointers of streams, as numbers in the capture: a class or -1, then the members' sequences.
 template <class A>
 void visitPointers(A& a, Job& job) {
   const auto& sequences = job.capture.sequences;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bake/run/record_file.h"
 
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -77,7 +79,9 @@ Result<std::vector<uint8_t>> RecordFile::read(uint32_t index) {
 Status RecordFile::finish() {
   if (open_path_ == path_) return {};
   if (count_ != records_) return Error{ErrorId::Internal, path_ + ": records are missing"};
-  file_.reset();
+  // On the disk before it counts: a network's file system reports a full disk no earlier.
+  if (std::fflush(file_.get()) != 0 || ::fsync(::fileno(file_.get())) != 0 || std::fclose(file_.release()) != 0)
+    return cannotWrite(open_path_, errno);
   std::error_code error;
   fs::rename(open_path_, path_, error);
   if (error) return cannotWrite(path_, error.value());

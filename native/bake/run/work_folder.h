@@ -66,7 +66,7 @@ class WorkFolder {
   Status saveResult(const std::string& name, const std::vector<uint8_t>& bytes) const;
   Result<std::vector<uint8_t>> loadResult(const std::string& name) const;
   const std::string& path() const { return root_; }
-  // Where files of a stage's own lie.
+  // Folder for files of a stage's own.
   const std::string& filesFolder() const { return path_; }
 
  private:

@@ -159,6 +159,11 @@ uint32_t triedFrames(const Job& job) {
   return std::min(kTrialFrames, job.total_frames);
 }
 
+std::pair<size_t, uint32_t> triedFrame(const Job& job, uint32_t number) {
+  const Place place = placesOf(job).at(number);
+  return {size_t(place.sequence - job.capture.sequences.data()), place.frame};
+}
+
 Status tryMethodsOn(BakeRun& run, const std::vector<ColourMap>& maps, uint32_t number) {
   StageClock::Span span(run.clock, Stage::Method);
   FOURDVT_ASSIGN(const size_t faces, streamedFaces(run.job));

@@ -16,8 +16,10 @@ constexpr uint32_t kTrialFrames = 3;  // of the whole capture, spread over its s
 // WriteFailed, Interrupted.
 Result<ChosenMethod> chooseBakedMethod(BakeRun& run, const std::vector<ColourMap>& maps);
 
-// How many frames chooseBakedMethod tries; 0: it measures nothing.
+// Number of frames that chooseBakedMethod tries; 0: it measures nothing.
 uint32_t triedFrames(const Job& job);
+// One of them: its sequence's number, and the frame.
+std::pair<size_t, uint32_t> triedFrame(const Job& job, uint32_t number);
 // Tries the methods on one of these frames, and keeps what they gave.
 Status tryMethodsOn(BakeRun& run, const std::vector<ColourMap>& maps, uint32_t number);
 

@@ -127,9 +127,10 @@ Status Survey::matchColours(BakeRun& run) {
   for (const capture::CaptureSequence& sequence : job_->capture.sequences) {
     Measuring measuring;
     measuring.calibrator = &calibrator;
-    for (Window w = windowOf(sequence, 0); showsColours(w); w = windowOf(sequence, w.end)) {
-      FOURDVT_TRY(measureWindow(run, sequence, w, measuring));
-      if (w.end == sequence.frame_count) break;
+    for (uint32_t first = 0; first < std::min(kColourFrames, sequence.frame_count);) {
+      const Window window = windowOf(sequence, first);
+      first = window.end;
+      if (showsColours(window)) FOURDVT_TRY(measureWindow(run, sequence, window, measuring));
     }
   }
   return keepColours(run, calibrator);
@@ -257,7 +258,8 @@ Status Survey::labelSequence(BakeRun& run, const capture::CaptureSequence& seque
 
 Status Survey::label(BakeRun& run, const capture::CaptureSequence& sequence, const OnFrame& on_frame) {
   const std::string path = labelsPath(sequence), part = path + ".part" + run.environment.writer;
-  platform::removeFolder(part);
+  for (const std::string& unfinished : {part, path})
+    platform::removeFolder(unfinished);  // labels without statistics, too
   FOURDVT_ASSIGN(auto file, RecordFile::resume(path, labelBytes(), sequence.frame_count, run.environment.writer));
   LabelStatistics statistics;
   FOURDVT_TRY(withLabelExchange(
@@ -277,11 +279,7 @@ bool Survey::loadStatistics(const capture::CaptureSequence& sequence) {
   if (!RecordFile::isComplete(labelsPath(sequence), labelBytes(), sequence.frame_count)) return false;
   auto bytes = platform::readFile(labelsPath(sequence) + ".statistics");
   LabelStatistics statistics;
-  if (!bytes || !statisticsFrom(bytes.value(), statistics)) {
-    std::error_code ignored;
-    std::filesystem::remove(labelsPath(sequence), ignored);
-    return false;
-  }
+  if (!bytes || !statisticsFrom(bytes.value(), statistics)) return false;
   statistics_[sequence.name] = statistics;
   return true;
 }

@@ -27,7 +27,7 @@ class Survey {
  public:
   // The survey borrows the run's job. Errors: those of capture and GPU, NothingVisible, WriteFailed, Interrupted.
   static Result<Survey> make(BakeRun& run);
-  // What is measured already; the functions below add to it. Errors: WriteFailed.
+  // Takes up what is measured already; the functions below add to it. Errors: WriteFailed.
   static Result<Survey> open(BakeRun& run);
   // Measures the visibility of the window that begins at this frame.
   Status measureFrom(BakeRun& run, const capture::CaptureSequence& sequence, uint32_t first);
@@ -37,6 +37,9 @@ class Survey {
   Status labelWindows(BakeRun& run, const capture::CaptureSequence& sequence, const std::vector<size_t>& windows);
   // Labels of a whole sequence, from windows that are kept or solved now.
   Status labelSequence(BakeRun& run, const capture::CaptureSequence& sequence);
+  bool isMeasuredFrom(const capture::CaptureSequence& sequence, uint32_t first) const {
+    return isMeasured(sequence, windowOf(sequence, first));
+  }
   bool isLabelled(const capture::CaptureSequence& sequence) { return loadStatistics(sequence); }
 
   const std::vector<ColourMap>& colourMaps() const { return colour_maps_; }  // empty if colours are not calibrated

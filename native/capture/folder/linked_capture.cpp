@@ -73,7 +73,7 @@ Status linkSequence(const fs::path& from, const fs::path& to, const Json& sequen
   return {};
 }
 
-// Leaves a file as it is that has this text: its time says whether it has changed.
+// Leaves a file that has this text already as it is, with its time.
 Status writeText(const std::string& path, const std::string& text) {
   const auto found = platform::readFile(path);
   if (found.ok() && std::equal(found.value().begin(), found.value().end(), text.begin(), text.end())) return {};

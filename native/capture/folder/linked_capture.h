@@ -24,9 +24,8 @@ struct LinkOptions {
 
 // Links whatever the folder of `capture` holds into `to`, which exists: everything but capture.json, reports, sequences
 // that do not go along, and with `own_meshes` meshes. Links are relative, so that both folders can be moved together;
-// where links cannot be made, files are copied. What is there already stays, texts that would
-// not change included; `to` may be renamed within its parent
-// folder later. Then writes capture.json; with `own_meshes` motion classes, which need one topology, are left out.
+// where links cannot be made, files are copied. What is there already stays, texts that would not change
+// included; `to` may be renamed within its parent folder later. Then writes capture.json; with `own_meshes` motion classes, which need one topology, are left out.
 // Errors: WriteFailed, CaptureJson, FileMissing.
 Status linkCapture(const Capture& capture, const std::string& to, const LinkOptions& options);
 

@@ -6,7 +6,7 @@
 job=${1%%;*}
 if ! shown=$(LC_ALL=C scontrol --oneliner show job "$job" 2>&1); then
   case $shown in
-    *"Invalid job id"*)  # forgotten (MinJobAge) or lost: done if its log says so
+    *"Invalid job id"*)  # forgotten (MinJobAge) or lost: done if its log ends so
       if grep -qs '^done: ' "logs/slurm-$job.log"; then echo success; else echo failed; fi ;;
     *) echo running ;;  # the controller does not answer: ask again later
   esac
