@@ -172,6 +172,7 @@ BakeOptions resolved(const BakeOptions& given) {
 // The plan in a job folder, and the run that goes on by it.
 struct OpenJob {
   jobs::Plan plan;
+  std::vector<BakePiece> pieces;
   std::unique_ptr<BakeRun> run;
 };
 
@@ -184,13 +185,14 @@ Status settleHashes(const Job& job, jobs::Plan& plan) {
 }
 
 // Refuses a job that is not the plan's, and a folder that has been moved.
-Status checkJob(const std::string& job_folder, const Job& job, const jobs::Plan& plan) {
+Status checkJob(const std::string& job_folder, const Job& job, const std::vector<BakePiece>& pieces,
+                const jobs::Plan& plan) {
   std::error_code ignored;
   if (!std::filesystem::equivalent(job_folder, job.workFolder(), ignored))
     return planAgain(job_folder, ("planned as " + job.workFolder() + ", and moved since").c_str());
   jobs::Plan now = plan;
   now.pieces.clear();
-  for (const BakePiece& piece : bakePieces(job)) now.pieces.push_back(piece.piece);
+  for (const BakePiece& piece : pieces) now.pieces.push_back(piece.piece);
   FOURDVT_TRY(settleHashes(job, now));
   if (now.pieces.back().hash == plan.pieces.back().hash) return {};
   return planAgain(job_folder + kJobFile, "belongs to another plan than plan.json");
@@ -203,7 +205,8 @@ Result<OpenJob> openJob(const std::string& job_folder, const BakeEnvironment& en
   const auto bytes = loadChecked(job_folder + kJobFile);
   Job job;
   if (!bytes || !jobFrom(bytes.value(), job)) return planAgain(job_folder + kJobFile, "is missing or damaged");
-  FOURDVT_TRY(checkJob(job_folder, job, out.plan));
+  out.pieces = bakePieces(job);
+  FOURDVT_TRY(checkJob(job_folder, job, out.pieces, out.plan));
   out.run = std::make_unique<BakeRun>(std::move(job), environment);
   FOURDVT_ASSIGN(out.run->work, WorkFolder::join(job_folder, out.run->job.settings_key));
   return out;
@@ -262,7 +265,7 @@ Status bakePiece(const std::string& job_folder, const std::string& id, int threa
                  const BakeEnvironment& environment) {
   FOURDVT_ASSIGN(const OpenJob open, openJob(job_folder, environment));
   open.run->job.options.jobs = threads;
-  for (const BakePiece& piece : bakePieces(open.run->job))
+  for (const BakePiece& piece : open.pieces)
     if (piece.piece.id == id) return runPiece(*open.run, piece);
   return Error{ErrorId::InvalidArgument, job_folder + ": has no piece " + id + "; plan.json lists them"};
 }

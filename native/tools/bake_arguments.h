@@ -18,7 +18,7 @@ struct BakeCommandLine {
 };
 
 BakeCommandLine readBakeCommand(int argc, char** argv, const BakeExtension* extension = nullptr);
-// Borrows both.
+// Borrows both; Ctrl-C is listened for.
 bake::BakeEnvironment bakeEnvironment(const GpuSession& gpu, ProgressLine& line);
 void printBakeSummary(const std::string& character_folder, const bake::BakeReport& report, double seconds);
 

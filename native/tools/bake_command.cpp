@@ -229,20 +229,18 @@ bake::BakeEnvironment bakeEnvironment(const GpuSession& gpu, ProgressLine& line)
     line.show({p.stage, p.done, p.total, p.frames_per_s, p.left_s});
   };
   environment.note = [](const std::string& note) { std::printf("%s\n", note.c_str()), std::fflush(stdout); };
+  environment.stop = listenForStop();
   return environment;
 }
 
 int bakeCommand(int argc, char** argv, const BakeExtension* extension) {
   const auto [options, exit_code] = readBakeCommand(argc, argv, extension);
   if (exit_code) return *exit_code;
-  const std::atomic<bool>* stop = listenForStop();
   auto gpu = openGpu();
   if (!gpu.ok()) return fail(gpu.error());
   ProgressLine line;
-  bake::BakeEnvironment environment = bakeEnvironment(gpu.value(), line);
-  environment.stop = stop;
   const auto start = std::chrono::steady_clock::now();
-  auto report = bake::bake(options, environment);
+  auto report = bake::bake(options, bakeEnvironment(gpu.value(), line));
   line.end();
   if (!report.ok()) return fail(report.error());
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;

@@ -9,7 +9,6 @@
 #include "reconstruct/run/pieces.h"
 #include "tools/bake_arguments.h"
 #include "tools/reconstruct_arguments.h"
-#include "tools/stop_signal.h"
 
 namespace fourdvt::tools {
 namespace {
@@ -67,7 +66,6 @@ Status bakePieceOf(const std::string& job_folder, const jobs::Piece& piece, int 
   FOURDVT_ASSIGN(const auto gpu, openGpu());
   bake::BakeEnvironment environment = bakeEnvironment(gpu, line);
   environment.writer = platform::ownSuffix();
-  environment.stop = listenForStop();
   return bake::bakePiece(job_folder, piece.id, threads, environment);
 }
 
@@ -95,7 +93,6 @@ Status finishBakeOf(const std::string& job_folder, const jobs::Plan& plan) {
   ProgressLine line;
   bake::BakeEnvironment environment = bakeEnvironment(gpu, line);
   environment.writer = platform::ownSuffix();
-  environment.stop = listenForStop();
   const auto start = std::chrono::steady_clock::now();
   const auto report = bake::finishBake(job_folder, environment);
   line.end();

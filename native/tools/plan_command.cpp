@@ -12,7 +12,6 @@
 #include "tools/bake_arguments.h"
 #include "tools/cluster_files.h"
 #include "tools/reconstruct_arguments.h"
-#include "tools/stop_signal.h"
 
 namespace fourdvt::tools {
 namespace {
@@ -72,12 +71,10 @@ int planned(ProgressLine& line, const Make& make) {
 int planBakeCommand(int argc, char** argv) {
   const auto [options, exit_code] = readBakeCommand(argc, argv);
   if (exit_code) return *exit_code;
-  const std::atomic<bool>* stop = listenForStop();
   auto gpu = openGpu();
   if (!gpu.ok()) return fail(gpu.error());
   ProgressLine line;
-  bake::BakeEnvironment environment = bakeEnvironment(gpu.value(), line);
-  environment.stop = stop;
+  const auto environment = bakeEnvironment(gpu.value(), line);
   return planned(line, [&, &options = options] { return bake::planBake(options, {argv, argv + argc}, environment); });
 }
 

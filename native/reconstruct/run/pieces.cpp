@@ -122,8 +122,8 @@ std::optional<Part> partOf(const jobs::Piece& piece) {
   return Part{piece.id.substr(start, dash - start), false, uint32_t(std::strtoul(&piece.id[dash + 1], nullptr, 10))};
 }
 
-// Records of pieces whose frames are gone, as after the new folder took its place, count no longer; nor does that of
-// the last piece, as long as there is a folder to put into place.
+// Removes records of pieces whose frames are gone, which they are once the new folder is in place; and that of the last
+// piece while a folder still waits to be put into place.
 void dropStaleRecords(const std::string& job_folder, const Prepared& job, const jobs::Plan& plan) {
   const FrameStore store(resultFolder(job.options), job.capture);
   for (const jobs::Piece& piece : plan.pieces) {
