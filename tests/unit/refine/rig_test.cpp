@@ -15,7 +15,7 @@ std::vector<CameraRefit> fitted(const SilhouetteClip& clip, const std::vector<Pi
   return fitRig({{&clip, kInStep}}, given, {}, [] { return true; });
 }
 
-// Of cameras in step, every second picture, of all tests.
+// Every second picture of cameras in step; made once for all tests.
 const std::vector<std::vector<Image>>& picturesInStep() {
   static const auto all = [] {
     const auto cameras = ringOfCameras();
