@@ -36,8 +36,8 @@ async function offsets(page, motion, count) {
     if (before.length < 4 || before.some(({ rate }) => rate !== last.rate)) return [];
     const pace = kPaces[motion] * last.rate;
     const ahead = before.map((p) => {
-      const ofLast = last.mediaS - p.mediaS, passes = ofLast < -durationS / 2 ? 1 : 0; // the loop may have begun again since
-      return p.mediaS - last.mediaS - passes * durationS + pace * (last.atMs - p.atMs) / 1000;
+      const aheadS = p.mediaS - last.mediaS + pace * (last.atMs - p.atMs) / 1000;
+      return aheadS - Math.round(aheadS / durationS) * durationS; // the loop may have begun again since
     });
     const mediaS = last.mediaS + Math.max(...ahead) + pace * (atMs - last.atMs - kDisplayMs) / 1000;
     const each = kClicks[motion].map((click) => {
