@@ -300,42 +300,97 @@ TEST(VideoFile, SkipsToThePictureThatFollows) {
   EXPECT_FALSE(video.value()->next().value().has_value()) << "at the end";
 }
 
-// 560 frames with B pictures and key pictures at 0, 250 and 500, as MP4, which has an index, and as Matroska.
-TEST(VideoFile, SeeksToTheSamePictures) {
+// A copy of a video whose time stamps have a gap before a picture, as of a camera that lost some.
+void copyWithGap(const std::string& path, const std::string& copy, int picture) {
+  AVFormatContext *in = nullptr, *out = nullptr;
+  ASSERT_EQ(avformat_open_input(&in, path.c_str(), nullptr, nullptr), 0);
+  ASSERT_GE(avformat_find_stream_info(in, nullptr), 0);
+  ASSERT_GE(avformat_alloc_output_context2(&out, nullptr, nullptr, copy.c_str()), 0);
+  const AVStream& from = *in->streams[0];
+  AVStream* to = avformat_new_stream(out, nullptr);
+  ASSERT_GE(avcodec_parameters_copy(to->codecpar, from.codecpar), 0);
+  to->codecpar->codec_tag = 0;
+  to->time_base = from.time_base;
+  ASSERT_GE(avio_open(&out->pb, copy.c_str(), AVIO_FLAG_WRITE), 0);
+  ASSERT_GE(avformat_write_header(out, nullptr), 0);
+  const int64_t interval = av_rescale_q(1, {1, 25}, from.time_base);
+  const int64_t gap_at = (from.start_time == AV_NOPTS_VALUE ? 0 : from.start_time) + picture * interval;
+  AvPacket packet(av_packet_alloc());
+  while (av_read_frame(in, packet.get()) >= 0) {
+    for (int64_t* stamp : {&packet->pts, &packet->dts})
+      if (*stamp != AV_NOPTS_VALUE && *stamp >= gap_at - interval / 2) *stamp += 3 * interval;
+    av_packet_rescale_ts(packet.get(), from.time_base, to->time_base);
+    packet->stream_index = 0;
+    packet->pos = -1;
+    ASSERT_EQ(av_interleaved_write_frame(out, packet.get()), 0);
+  }
+  ASSERT_EQ(av_write_trailer(out), 0);
+  avio_closep(&out->pb);
+  avformat_free_context(out);
+  avformat_close_input(&in);
+}
+
+// 560 frames with B pictures and key pictures at 0, 250 and 500.
+std::string videoOfThreeGops(const std::string& path) {
+  auto writer = VideoWriter::create(path, {.width = 32, .height = 32, .preset = "medium"});
+  EXPECT_TRUE(writer.ok());
+  Image picture(32, 32, 3);
+  for (int f = 0; f < 560; ++f) {
+    for (size_t i = 0; i < picture.pixels.size(); ++i)
+      picture.pixels[i] = static_cast<uint8_t>(128 + 100 * std::sin(0.05 * f + 0.01 * double(i)));
+    EXPECT_TRUE(writer.value()->write(picture).ok());
+  }
+  EXPECT_TRUE(writer.value()->finish().ok());
+  return path;
+}
+
+// Compares pictures after skips with those at the same place of the whole video.
+void expectSeeksAreExact(const std::string& path) {
   constexpr int kFrames = 560;
-  for (const char* extension : {".mp4", ".mkv"}) {
-    const std::string path =
-        (std::filesystem::path(testing::TempDir()) / ("fourdvt_seek_" + std::to_string(::getpid()) + extension))
-            .string();
-    auto writer = VideoWriter::create(path, {.width = 32, .height = 32, .preset = "medium"});
-    ASSERT_TRUE(writer.ok());
-    Image picture(32, 32, 3);
-    for (int f = 0; f < kFrames; ++f) {
-      for (size_t i = 0; i < picture.pixels.size(); ++i)
-        picture.pixels[i] = static_cast<uint8_t>(128 + 100 * std::sin(0.05 * f + 0.01 * double(i)));
-      ASSERT_TRUE(writer.value()->write(picture).ok());
-    }
-    ASSERT_TRUE(writer.value()->finish().ok());
-    std::vector<Image> all;
-    auto sequential = openVideoFile(path, 3);
-    for (auto next = sequential.value()->next(); next.ok() && next.value(); next = sequential.value()->next())
-      all.push_back(*next.value());
-    ASSERT_EQ(all.size(), size_t(kFrames));
-    for (const auto& [read, wanted] :
-         {std::pair(0, 61), {0, 255}, {1, 249}, {0, 250}, {5, 505}, {100, 520}, {0, 559}}) {
-      auto video = openVideoFile(path, 3);
-      for (int i = 0; i < read; ++i) ASSERT_TRUE(video.value()->next().ok());
-      ASSERT_TRUE(video.value()->skip(uint32_t(wanted - read)).ok());
-      for (int f = wanted; f < std::min(wanted + 3, kFrames); ++f) {
-        const auto next = video.value()->next();
-        ASSERT_TRUE(next.ok() && next.value()) << extension << " " << f;
-        EXPECT_EQ(next.value()->pixels, all[f].pixels) << extension << " " << f;
-      }
-    }
+  std::vector<Image> all;
+  auto sequential = openVideoFile(path, 3);
+  for (auto next = sequential.value()->next(); next.ok() && next.value(); next = sequential.value()->next())
+    all.push_back(*next.value());
+  ASSERT_EQ(all.size(), size_t(kFrames)) << path;
+  for (const auto& [read, wanted] : {std::pair(0, 61), {0, 255}, {1, 249}, {0, 250}, {5, 505}, {100, 520}, {0, 559}}) {
     auto video = openVideoFile(path, 3);
-    ASSERT_TRUE(video.value()->skip(kFrames + 100).ok());
-    EXPECT_FALSE(video.value()->next().value().has_value()) << "after the end";
+    for (int i = 0; i < read; ++i) ASSERT_TRUE(video.value()->next().ok());
+    ASSERT_TRUE(video.value()->skip(uint32_t(wanted - read)).ok());
+    for (int f = wanted; f < std::min(wanted + 3, kFrames); ++f) {
+      const auto next = video.value()->next();
+      ASSERT_TRUE(next.ok() && next.value()) << path << " " << f;
+      EXPECT_EQ(next.value()->pixels, all[f].pixels) << path << " " << f;
+    }
+  }
+  auto video = openVideoFile(path, 3);
+  ASSERT_TRUE(video.value()->skip(kFrames + 100).ok());
+  EXPECT_FALSE(video.value()->next().value().has_value()) << path << " after the end";
+}
+
+std::string ofThisTest(const std::string& name) {
+  return (std::filesystem::path(testing::TempDir()) / ("fourdvt_" + std::to_string(::getpid()) + name)).string();
+}
+
+// MP4 has an index; of Matroska the packets are read.
+TEST(VideoFile, SeeksToTheSamePictures) {
+  for (const char* extension : {".mp4", ".mkv"}) {
+    const std::string path = videoOfThreeGops(ofThisTest(std::string("_seek") + extension));
+    expectSeeksAreExact(path);
     std::filesystem::remove(path);
+  }
+}
+
+// Pictures are numbered by their order, whatever lies between their times.
+TEST(VideoFile, SeeksOverLostPictures) {
+  for (const char* extension : {".mp4", ".mkv"}) {
+    const std::string whole = videoOfThreeGops(ofThisTest(std::string("_whole") + extension));
+    for (const int gap_at : {57, 200, 503}) {
+      const std::string path = ofThisTest(std::string("_gap") + extension);
+      copyWithGap(whole, path, gap_at);
+      expectSeeksAreExact(path);
+      std::filesystem::remove(path);
+    }
+    std::filesystem::remove(whole);
   }
 }
 
