@@ -27,7 +27,13 @@ Status SequenceFrames::makeFirst(const Made& made) { return store_.find(sequence
 Result<uint32_t> SequenceFrames::makeWindow(uint32_t window, const Made& made) {
   const uint32_t first = window * kWindow, end = windowEnd(sequence_, window);
   std::vector<bool> there;
-  for (uint32_t frame = first; frame < end; ++frame) there.push_back(store_.find(sequence_.name, frame).has_value());
+  const auto earliest = store_.find(sequence_.name, 0);
+  agreed_ = earliest && wasJudged(*earliest);
+  for (uint32_t frame = first; frame < end; ++frame) {
+    const auto kept = store_.find(sequence_.name, frame);
+    there.push_back(kept.has_value());
+    agreed_ = agreed_ || (kept && !job_.options.stereo && wasJudged(*kept));
+  }
   const auto count = uint32_t(std::count(there.begin(), there.end(), true));
   if (count == end - first) return count;
   for (uint32_t frame = first; frame < end; ++frame)
@@ -40,7 +46,6 @@ Status SequenceFrames::begin(uint32_t frame) {
   const auto earliest = store_.find(sequence_.name, 0);
   if (!earliest && frame > 0)
     return Error{ErrorId::Internal, nameOf(frame) + "cannot be made before the sequence's first frame"};
-  agreed_ = earliest && wasJudged(*earliest);
   FOURDVT_TRY(maker_.begin(earliest ? &*earliest : nullptr));
   FOURDVT_ASSIGN(reader_, capture::FrameReader::open(job_.capture, sequence_, environment_.open_video));
   return {};
@@ -69,7 +74,8 @@ Status SequenceFrames::make(uint32_t frame, const Made& made) {
   return {};
 }
 
-// Silhouettes that no common volume explains make no surface: said after the first frame.
+// Judges the silhouettes of the sequence's first frame; where too few see the performer there, those of the first frame
+// of each window that has enough of them, so that windows are accepted alike in any order.
 Status SequenceFrames::checkAgreement(uint32_t frame, const std::vector<Image>& pictures) {
   if (job_.options.any_silhouettes || job_.options.mattes_alone || agreed_) return {};
   std::vector<capture::CaptureCamera> cameras;

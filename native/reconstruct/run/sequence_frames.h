@@ -57,7 +57,7 @@ class SequenceFrames {
   SurfaceMaker& maker_;
   const capture::CaptureSequence& sequence_;
   std::unique_ptr<capture::FrameReader> reader_;  // null: no frame was made yet
-  bool agreed_ = false;                           // the silhouettes were judged
+  bool agreed_ = false;                           // silhouettes were judged, in this window or in frame 0
 };
 
 }  // namespace fourdvt::reconstruct
