@@ -44,6 +44,17 @@ void fillMatte(const std::string& capture, const std::string& camera, const std:
   ASSERT_TRUE(platform::writeImage(path, Image(matte.value().width, matte.value().height, 3, value)).ok());
 }
 
+// A matte whose performer is where no other camera sees one.
+void contradict(const std::string& capture, const std::string& camera, const std::string& frame) {
+  const std::string path = capture + "/turn/mask" + camera + "/" + frame + ".png";
+  const auto matte = platform::readImage(path);
+  ASSERT_TRUE(matte.ok());
+  Image odd(matte.value().width, matte.value().height, 3, 0);
+  for (int y = 2; y < 8; ++y)
+    for (int x = 2; x < 8; ++x) odd.at(x, y)[0] = odd.at(x, y)[1] = odd.at(x, y)[2] = 255;
+  ASSERT_TRUE(platform::writeImage(path, odd).ok());
+}
+
 TEST(Reconstruct, MakesACaptureThatCanBeScored) {
   const std::string capture = withoutMeshes("meshless-capture"), out = scratch("reconstructed");
   const Outcome made = fourdvt("reconstruct " + capture + " -o " + out + "/hull" + kCoarse);
@@ -220,7 +231,8 @@ TEST(ReconstructInPieces, GivesTheBytesOfOneRun) {
   ASSERT_EQ(both.code, 0) << both.output;
   EXPECT_FALSE(exists(target + ".part/turn/mesh/000001.ply"));
   computePieces(job);
-  const Outcome finished = fourdvt("finish " + job);
+  const std::string finish = std::string(FOURDVT_BIN) + " finish " + job;
+  const Outcome finished = shell(finish + " & first=$!; " + finish + "; second=$?; wait $first && exit $second");
   ASSERT_EQ(finished.code, 0) << finished.output;
   EXPECT_TRUE(exists(target + "/reconstruct.html") && exists(target + "/reconstruct-1.jpg"));
   EXPECT_TRUE(exists(job + "/job.html") && !exists(target + ".part"));
@@ -299,6 +311,26 @@ TEST(ReconstructInPieces, ResumeGoesOnWithPiecesAndPiecesWithARun) {
   expectSameResult(straight, stopped);
 }
 
+// Two silhouettes in the first frame contradict each other in nothing: each window is judged by itself.
+TEST(ReconstructInPieces, SilhouettesAreJudgedAsInOneRun) {
+  const std::string capture = withoutMeshes("judged-capture", 34), out = scratch("judged"), job = out + "/hull.work";
+  for (const auto& entry : fs::directory_iterator(capture + "/turn"))
+    if (const std::string name = entry.path().filename().string(); name.rfind("mask", 0) == 0 && name > "mask01")
+      fillMatte(capture, name.substr(4), "000000", 0);
+  const std::string command = "reconstruct " + capture + " -o " + out + "/hull" + kCoarse;
+  contradict(capture, "02", "000032");
+  const Outcome whole = fourdvt(command);
+  expectFailure(whole, "frame 32", out + "/hull");
+  EXPECT_NE(whole.output.find("frame 32: the silhouette of camera \"cam02\" does not fit"), std::string::npos)
+      << whole.output;
+  ASSERT_EQ(fourdvt("plan " + command).code, 0);
+  ASSERT_EQ(fourdvt("piece " + job + " first-turn").code, 0);
+  const Outcome piece = fourdvt("piece " + job + " frames-turn-1");
+  EXPECT_EQ(piece.code, 1);
+  EXPECT_NE(piece.output.find("frame 32: the silhouette of camera \"cam02\" does not fit"), std::string::npos)
+      << piece.output;
+}
+
 TEST(Reconstruct, AnEmptySilhouetteIsLeftOutWithAWarning) {
   const std::string capture = withoutMeshes("empty-matte"), out = scratch("empty-matte-out");
   fillMatte(capture, "01", "000001", 0);
@@ -311,13 +343,7 @@ TEST(Reconstruct, AnEmptySilhouetteIsLeftOutWithAWarning) {
 
 TEST(Reconstruct, AMatteThatContradictsTheOthersIsNamed) {
   const std::string capture = withoutMeshes("odd-matte"), out = scratch("odd-matte-out");
-  const std::string path = capture + "/turn/mask02/000001.png";
-  auto matte = platform::readImage(path);
-  ASSERT_TRUE(matte.ok());
-  Image odd(matte.value().width, matte.value().height, 3, 0);
-  for (int y = 2; y < 8; ++y)
-    for (int x = 2; x < 8; ++x) odd.at(x, y)[0] = odd.at(x, y)[1] = odd.at(x, y)[2] = 255;
-  ASSERT_TRUE(platform::writeImage(path, odd).ok());
+  contradict(capture, "02", "000001");
   const Outcome made = fourdvt("reconstruct " + capture + " -o " + out + "/hull" + kCoarse);
   expectFailure(made, "\"cam02\" disagrees most", out + "/hull");
   EXPECT_NE(made.output.find("frame 1"), std::string::npos) << made.output;

@@ -17,8 +17,9 @@ Status drawKept(const Prepared& job, const FrameStore& store, const capture::Cap
 }
 
 Result<ReconstructSummary> writeResult(const Prepared& job, const FrameStore& store, const ReportPictures& pictures,
-                                       uint32_t frames_kept, double wall_s) {
+                                       const std::optional<RunTime>& run) {
   std::vector<ReconstructedSequence> done;
+  double frames_s = 0;
   for (const capture::CaptureSequence& sequence : job.capture.sequences) {
     ReconstructedSequence& out = done.emplace_back();
     out.name = sequence.name;
@@ -28,14 +29,15 @@ Result<ReconstructSummary> writeResult(const Prepared& job, const FrameStore& st
         return Error{ErrorId::InvalidArgument, job.folderOf(sequence.name) + ", frame " + std::to_string(frame) +
                                                    ": is missing among the finished frames; run `fourdvt plan` again, "
                                                    "or `fourdvt reconstruct --resume`"};
+      frames_s += figures->seconds();
       out.frames.push_back(std::move(*figures));
     }
     store.removeLeftovers(sequence.name);
   }
   ReconstructSummary summary = summarise(job.capture, done);
-  summary.frames_kept = frames_kept;
+  summary.frames_kept = run ? run->frames_kept : 0;
   summary.warnings.insert(summary.warnings.begin(), job.warnings.begin(), job.warnings.end());
-  summary.wall_s = wall_s;
+  summary.wall_s = run ? run->wall_s : frames_s;
   FOURDVT_TRY(writeReport(resultFolder(job.options).partFolder(), job.options, job.capture, done, pictures, summary));
   return summary;
 }

@@ -2,6 +2,8 @@
 // The end of a reconstruction: from its finished frames to the report. Does NOT put the new folder into place.
 #pragma once
 
+#include <optional>
+
 #include "reconstruct/run/frame_store.h"
 #include "reconstruct/run/prepare.h"
 #include "reconstruct/run/report.h"
@@ -16,9 +18,16 @@ inline uint32_t shownFrame(const capture::CaptureSequence& sequence) { return se
 Status drawKept(const Prepared& job, const FrameStore& store, const capture::CaptureSequence& sequence, uint32_t frame,
                 const OpenVideo& open_video, ReportPictures& pictures);
 
-// Writes the report over all frames into the new folder. `frames_kept`: those that were there before this run. Errors:
-// InvalidArgument (a frame that is not finished), WriteFailed.
+// The run that made the frames.
+struct RunTime {
+  uint32_t frames_kept = 0;  // those that were there before it
+  double wall_s = 0;
+};
+
+// Writes the report over all frames into the new folder. Without a run, frames were made by several processes, and
+// their seconds are added up: the same bytes whoever writes them. Errors: InvalidArgument (a frame that is not
+// finished), WriteFailed.
 Result<ReconstructSummary> writeResult(const Prepared& job, const FrameStore& store, const ReportPictures& pictures,
-                                       uint32_t frames_kept, double wall_s);
+                                       const std::optional<RunTime>& run);
 
 }  // namespace fourdvt::reconstruct

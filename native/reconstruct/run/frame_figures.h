@@ -26,6 +26,7 @@ struct FrameFigures {
   std::vector<double> believed;      // its own depths there are believed: texture, and confirmed by other cameras
   std::vector<double> moved;  // the surface lies at least kMoved_m (of a person) deeper than the hull, or is gone
   double read_ms = 0, silhouettes_ms = 0, hull_ms = 0, stereo_ms = 0, fairing_ms = 0, check_ms = 0;
+  double seconds() const { return (read_ms + silhouettes_ms + hull_ms + stereo_ms + fairing_ms + check_ms) / 1e3; }
 };
 
 std::string figuresText(const FrameFigures& figures);

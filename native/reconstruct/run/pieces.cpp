@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -175,16 +174,31 @@ Status checkInputs(const JobFile& file, const Part& part, const jobs::Piece& pie
                  std::to_string(end - 1));
 }
 
-// The mark that this job's result, with the same bytes in its report, was put into place.
-std::string placedMark(const std::string& job_folder) { return job_folder + "/" + kReportJson; }
+// The report of this job's result, kept before the result is put into place.
+std::string keptReport(const std::string& job_folder) { return job_folder + "/" + kReportJson; }
 
-// True where an attempt put the folder into place and ended before it was recorded.
+// True where the result is in place already, of a process that ended before it was recorded or that runs beside this.
 bool isPlaced(const std::string& job_folder, const ReconstructOptions& options) {
   std::error_code none;
   if (std::filesystem::exists(resultFolder(options).partFolder(), none)) return false;
-  const auto mark = platform::readFile(placedMark(job_folder));
+  const auto kept = platform::readFile(keptReport(job_folder));
   const auto report = platform::readFile(options.folder + "/" + kReportJson);
-  return mark.ok() && report.ok() && mark.value() == report.value();
+  return kept.ok() && report.ok() && kept.value() == report.value();
+}
+
+Result<ReconstructSummary> writeAndPlace(const std::string& job_folder, Prepared& job, const OpenVideo& open_video) {
+  FOURDVT_ASSIGN(job.capture, openLinked(job.options, job.options.sequences, open_video));
+  job.capture.name = job.name;
+  const capture::ResultFolder folder = resultFolder(job.options);
+  const FrameStore store(folder, job.capture);
+  ReportPictures pictures;
+  for (const capture::CaptureSequence& sequence : job.capture.sequences)
+    FOURDVT_TRY(drawKept(job, store, sequence, shownFrame(sequence), open_video, pictures));
+  FOURDVT_ASSIGN(const auto summary, writeResult(job, store, pictures, std::nullopt));
+  FOURDVT_ASSIGN(const auto report, platform::readFile(folder.partFolder() + "/" + kReportJson));
+  FOURDVT_TRY(platform::writeFileAtomic(keptReport(job_folder), report));
+  FOURDVT_TRY(folder.place());
+  return summary;
 }
 
 }  // namespace
@@ -250,23 +264,11 @@ Status reconstructPiece(const std::string& job_folder, const std::string& id, in
 }
 
 Result<ReconstructSummary> finishReconstruct(const std::string& job_folder, const ReconstructEnvironment& environment) {
-  const auto started = std::chrono::steady_clock::now();
   FOURDVT_ASSIGN(auto open, openJob(job_folder));
-  Prepared& job = open.file.job;
-  if (isPlaced(job_folder, job.options)) return readSummary(job.options.folder);
-  const capture::ResultFolder folder = resultFolder(job.options);
-  FOURDVT_ASSIGN(job.capture, openLinked(job.options, job.options.sequences, environment.open_video));
-  job.capture.name = job.name;
-  const FrameStore store(folder, job.capture);
-  ReportPictures pictures;
-  for (const capture::CaptureSequence& sequence : job.capture.sequences)
-    FOURDVT_TRY(drawKept(job, store, sequence, shownFrame(sequence), environment.open_video, pictures));
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-  FOURDVT_ASSIGN(const auto summary, writeResult(job, store, pictures, open.plan.frames, seconds));
-  FOURDVT_ASSIGN(const auto report, platform::readFile(folder.partFolder() + "/" + kReportJson));
-  FOURDVT_TRY(platform::writeFileAtomic(placedMark(job_folder), report));
-  FOURDVT_TRY(folder.place());
-  return summary;
+  const ReconstructOptions options = open.file.job.options;
+  if (isPlaced(job_folder, options)) return readSummary(options.folder);
+  auto written = writeAndPlace(job_folder, open.file.job, environment.open_video);
+  return written.ok() || !isPlaced(job_folder, options) ? std::move(written) : readSummary(options.folder);
 }
 
 }  // namespace fourdvt::reconstruct

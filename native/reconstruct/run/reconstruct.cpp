@@ -27,7 +27,7 @@ class Run {
     for (const capture::CaptureSequence& sequence : job_.capture.sequences) total_ += sequence.frame_count;
     for (const capture::CaptureSequence& sequence : job_.capture.sequences) FOURDVT_TRY(runSequence(sequence));
     tell("report");
-    FOURDVT_ASSIGN(const auto summary, writeResult(job_, store_, pictures_, done_ - made_, since(started_)));
+    FOURDVT_ASSIGN(const auto summary, writeResult(job_, store_, pictures_, RunTime{done_ - made_, since(started_)}));
     FOURDVT_TRY(resultFolder(job_.options).finish());
     return summary;
   }
