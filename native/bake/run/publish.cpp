@@ -124,11 +124,15 @@ Status publish(const std::string& from, const std::string& to) {
   FOURDVT_TRY(moveAll(files, from, to));
   for (const std::string& file : files) old.erase(file);
   removeFiles(to, old);
+  platform::removeFolder(from);
   return {};
 }
 
 Status publishReport(const std::string& from, const std::string& to) {
-  return platform::replaceFolder(from, to, from + ".previous");
+  const std::string previous = from + ".previous";
+  FOURDVT_TRY(platform::replaceFolder(from, to, previous));
+  platform::removeFolder(previous);
+  return {};
 }
 
 }  // namespace fourdvt::bake
