@@ -272,13 +272,15 @@ Status bakePiece(const std::string& job_folder, const std::string& id, int threa
 
 Result<BakeReport> finishBake(const std::string& job_folder, const BakeEnvironment& environment) {
   FOURDVT_ASSIGN(const OpenJob open, openJob(job_folder, environment));
-  open.run->job.writer = "." + environment.writer;
-  FOURDVT_TRY(checkCommonInputs(open.run->job));
+  Job& job = open.run->job;
+  job.writer = "." + environment.writer;
+  FOURDVT_TRY(checkCommonInputs(job));
+  if (!loadRefinementPictures(job)) return planAgain(job.refinement_path, "is missing or damaged");
   expectWork(*open.run);
   auto report = finishJob(*open.run);
   if (!report) {
-    platform::removeFolder(open.run->job.resultFolder());
-    platform::removeFolder(open.run->job.reportFolder());
+    platform::removeFolder(job.resultFolder());
+    platform::removeFolder(job.reportFolder());
   }
   return report;
 }

@@ -76,6 +76,8 @@ TEST(Job, LayersInPiecesAreTheSameBytes) {
   const Job job = planned("job-layers", 40);  // two windows of the survey, windows of labels on either side of another
   ASSERT_EQ(job.bake().code, 0);
   const std::string whole = copyOf(job.character(), "job-layers-whole");
+  const std::string outline = job.character() + ".report/report_outline_cam00.jpg", of_whole = readText(outline);
+  ASSERT_TRUE(fs::remove(outline));
   ASSERT_EQ(job.plan().code, 0);
   const auto ids = job.ids();
   for (const char* id :
@@ -83,6 +85,11 @@ TEST(Job, LayersInPiecesAreTheSameBytes) {
     EXPECT_EQ(std::count(ids.begin(), ids.end(), id), 1) << id;
   runBackwards(job);
   EXPECT_EQ(differences(whole, job.character()), std::vector<std::string>());
+  EXPECT_EQ(readText(outline), of_whole);
+  for (const auto& entry : fs::directory_iterator(job.folder())) {
+    const std::string name = entry.path().filename().string();
+    EXPECT_FALSE(name.starts_with("result.") || name.starts_with("report.")) << name << " is left";
+  }
   const json report = json::parse(readText(job.folder() + "/job.json"));
   EXPECT_EQ(report["lost_starts"], 0);
   EXPECT_EQ(report["over_memory"], json::array());

@@ -247,9 +247,13 @@ std::vector<uint8_t> jobBytes(const Job& given) {
       member.source = &job.capture.sequences[member.source - given.capture.sequences.data()];
   }
   visitPointers(writer, job);
-  std::vector<uint8_t> refinement;
-  if (given.refinement) refinement = refine::refinementBytes(*given.refinement);
-  visit(writer, refinement);
+  std::vector<uint8_t> bytes_of_refinement;
+  if (given.refinement) {
+    refine::Refinement refinement = *given.refinement;
+    for (refine::WorstPicture& worst : refinement.worst) worst.picture = {};
+    bytes_of_refinement = refine::refinementBytes(refinement);
+  }
+  visit(writer, bytes_of_refinement);
   return writer.out.take();
 }
 

@@ -10,7 +10,8 @@
 
 namespace fourdvt::bake {
 
-// Does not include the cameras' regions, from which the streams are planned, nor the lab's rules for labels and texels.
+// Does not include the cameras' regions, from which the streams are planned, the pictures of a refinement, which only
+// its report shows, nor the lab's rules for labels and texels.
 std::vector<uint8_t> jobBytes(const Job& job);
 // False if the bytes are not exactly one job.
 bool jobFrom(std::span<const uint8_t> bytes, Job& job);

@@ -62,6 +62,16 @@ Status refineJob(BakeRun& run) {
   return planSurface(job, run.environment);
 }
 
+bool loadRefinementPictures(Job& job) {
+  if (!job.refinement || job.refinement->worst.empty()) return true;
+  refine::Refinement kept;
+  const auto bytes = platform::readFile(job.refinement_path);
+  if (!bytes || !refine::refinementFrom(bytes.value(), job.capture, kept)) return false;
+  if (refine::changeHash(kept) != refine::changeHash(*job.refinement)) return false;
+  job.refinement->worst = std::move(kept.worst);
+  return true;
+}
+
 Status keepRefinement(const BakeRun& run) {
   const Job& job = run.job;
   if (!job.refinement || run.environment.refinement) return {};

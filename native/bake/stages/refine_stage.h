@@ -22,5 +22,7 @@ Status keepRefinement(const std::string& path, const refine::Refinement& refinem
 Status refineJob(BakeRun& run);
 // Keeps the run's refinement, if there is one, where refineJob of the next run finds it.
 Status keepRefinement(const BakeRun& run);
+// Adds the pictures of the job's refinement to it, from where it was kept. False if they are not there.
+bool loadRefinementPictures(Job& job);
 
 }  // namespace fourdvt::bake
