@@ -4,12 +4,17 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <vector>
 
+#include "base/bytes.h"
+#include "base/hash.h"
 #include "platform/ffmpeg_handles.h"
 #include "platform/file_only.h"
+#include "platform/files.h"
 #include "platform/frame_colour.h"
 
 namespace fourdvt::platform {
@@ -49,9 +54,10 @@ Image grayFromRgb(const Image& rgb) {  // BT.709 luma
 
 class FileSource final : public VideoSource {
  public:
-  Status open(const std::string& path, int channels) {
+  Status open(const std::string& path, int channels, const std::string& index_folder) {
     path_ = path;
     channels_ = channels;
+    index_folder_ = index_folder;
     FOURDVT_TRY(openFormat());
     AVFormatContext* raw = file_.format.get();
     const AVCodec* codec = nullptr;
@@ -102,6 +108,13 @@ class FileSource final : public VideoSource {
     return {};
   }
 
+  // Lists the time stamps now, and keeps them.
+  Status index() {
+    FOURDVT_ASSIGN(const bool decoded, decode());  // sets first_stamp_
+    if (decoded && first_stamp_ != AV_NOPTS_VALUE) listStamps();
+    return {};
+  }
+
  private:
   // Decodes the next picture into frame_. False: the video has ended.
   Result<bool> decode() {
@@ -130,6 +143,13 @@ class FileSource final : public VideoSource {
       for (int i = 0; i < entries; ++i) stamps_.push_back(first_stamp_ + i * (stamp(1) - stamp(0)));
       return;
     }
+    const std::string kept = indexPath();
+    if (!kept.empty() && loadStamps(kept)) return;
+    readStamps();
+    if (!kept.empty()) keepStamps(kept);
+  }
+
+  void readStamps() {
     if (av_seek_frame(file_.format.get(), stream_, 0, AVSEEK_FLAG_BACKWARD) < 0) return;
     while (av_read_frame(file_.format.get(), packet_.get()) >= 0) {
       if (packet_->stream_index == stream_ && !(packet_->flags & AV_PKT_FLAG_DISCARD)) stamps_.push_back(packet_->pts);
@@ -138,6 +158,40 @@ class FileSource final : public VideoSource {
     std::sort(stamps_.begin(), stamps_.end());
     const bool unique = std::adjacent_find(stamps_.begin(), stamps_.end()) == stamps_.end();
     if (stamps_.empty() || !unique || stamps_.front() != first_stamp_) stamps_.clear();
+  }
+
+  // By name, size and time of the video. Empty: stamps are not kept.
+  std::string indexPath() const {
+    namespace fs = std::filesystem;
+    std::error_code failed;
+    if (index_folder_.empty() || !fs::is_directory(index_folder_, failed)) return {};
+    const auto time = std::chrono::floor<std::chrono::seconds>(fs::last_write_time(path_, failed).time_since_epoch());
+    const std::string key = fs::absolute(path_, failed).lexically_normal().string() + " " +
+                            std::to_string(fs::file_size(path_, failed)) + " " + std::to_string(time.count());
+    char digits[17];
+    std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(fnv1a(key)));
+    return index_folder_ + "/" + digits + ".stamps";
+  }
+
+  // An index is the stamps and their hash.
+  bool loadStamps(const std::string& path) {
+    const auto bytes = readFile(path);
+    if (!bytes || bytes.value().size() % sizeof(int64_t) != 0 || bytes.value().empty()) return false;
+    const std::span<const uint8_t> all(bytes.value()), stamps = all.first(all.size() - sizeof(uint64_t));
+    if (ByteReader(all.last(sizeof(uint64_t))).u64() != fnv1a(stamps)) return false;
+    ByteReader in(stamps);
+    while (in.remaining() > 0) stamps_.push_back(static_cast<int64_t>(in.u64()));
+    if (stamps_.empty() || stamps_.front() == first_stamp_) return true;
+    stamps_.clear();
+    return false;
+  }
+
+  // Where that fails, the next one reads the video again.
+  void keepStamps(const std::string& path) const {
+    ByteWriter out;
+    for (const int64_t stamp : stamps_) out.u64(static_cast<uint64_t>(stamp));
+    out.u64(fnv1a(out.data()));
+    static_cast<void>(writeFileAtomic(path, out.data()));
   }
 
   // Goes to a picture that is not after `wanted` where stamps number the pictures and one is nearer than this; else
@@ -172,7 +226,7 @@ class FileSource final : public VideoSource {
   // Opens the file anew.
   Status rewind() {
     number_ = 0;
-    return open(std::string(path_), channels_);
+    return open(std::string(path_), channels_, std::string(index_folder_));
   }
 
   Status openFormat() {
@@ -213,7 +267,7 @@ class FileSource final : public VideoSource {
   static constexpr uint32_t kSeekBeyond = 60;  // pictures ahead, up to which all are decoded
   static constexpr uint32_t kReordered = 17;   // pictures between a decoding and a presentation time, and one
 
-  std::string path_;
+  std::string path_, index_folder_;
   int channels_ = 3, stream_ = -1;
   uint32_t number_ = 0;                   // of the next picture
   int64_t first_stamp_ = AV_NOPTS_VALUE;  // of picture 0
@@ -228,7 +282,9 @@ class FileSource final : public VideoSource {
 
 }  // namespace
 
-Result<std::unique_ptr<VideoSource>> openVideoFile(const std::string& path, int channels) {
+namespace {
+
+Result<std::unique_ptr<FileSource>> openSource(const std::string& path, int channels, const std::string& index_folder) {
   quietFfmpeg();
   if (channels != 1 && channels != 3) {
     return Error{ErrorId::InvalidArgument, path + ": a video opens with 1 or 3 channels"};
@@ -238,8 +294,25 @@ Result<std::unique_ptr<VideoSource>> openVideoFile(const std::string& path, int 
     return Error{ErrorId::FileMissing, path + ": no such video file; check the name and the folder"};
   }
   auto source = std::make_unique<FileSource>();
-  FOURDVT_TRY(source->open(path, channels));
+  FOURDVT_TRY(source->open(path, channels, index_folder));
+  return source;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<VideoSource>> openVideoFile(const std::string& path, int channels) {
+  return openIndexedVideo(path, channels, {});
+}
+
+Result<std::unique_ptr<VideoSource>> openIndexedVideo(const std::string& path, int channels,
+                                                      const std::string& index_folder) {
+  FOURDVT_ASSIGN(auto source, openSource(path, channels, index_folder));
   return std::unique_ptr<VideoSource>(std::move(source));
+}
+
+Status indexVideo(const std::string& path, const std::string& index_folder) {
+  FOURDVT_ASSIGN(const auto source, openSource(path, 1, index_folder));
+  return source->index();
 }
 
 }  // namespace fourdvt::platform

@@ -17,6 +17,13 @@ constexpr int64_t kMaxSamplePixels = int64_t{4096} * 4096;  // of a character's 
 // Opens no other file or address, whatever the file names: playlists are refused.
 // Errors: FileMissing, FileUnreadable (no video stream, unknown codec, pictures too large).
 Result<std::unique_ptr<VideoSource>> openVideoFile(const std::string& path, int channels);
+// The same. A skip far ahead needs the pictures' time stamps, for which a file without an index, as of Matroska, is
+// read to its end; they are kept in `index_folder`, if there is such a folder, for whoever opens the same file again.
+Result<std::unique_ptr<VideoSource>> openIndexedVideo(const std::string& path, int channels,
+                                                      const std::string& index_folder);
+// Puts a video's time stamps into the folder, if they are not there and if seeking needs them. Errors: those of
+// openVideoFile.
+Status indexVideo(const std::string& path, const std::string& index_folder);
 
 // WebCodecs' shape: configure, decode(bytes, timestamp, key), flush; pictures come back through the callback in
 // presentation order with their timestamps. Pictures that are not 8-bit 4:2:0 are an error.

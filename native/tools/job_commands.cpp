@@ -5,6 +5,7 @@
 
 #include "jobs/records.h"
 #include "jobs/report.h"
+#include "jobs/videos.h"
 #include "platform/files.h"
 #include "reconstruct/run/pieces.h"
 #include "tools/bake_arguments.h"
@@ -66,6 +67,7 @@ Status bakePieceOf(const std::string& job_folder, const jobs::Piece& piece, int 
   FOURDVT_ASSIGN(const auto gpu, openGpu());
   bake::BakeEnvironment environment = bakeEnvironment(gpu, line);
   environment.writer = platform::ownSuffix();
+  environment.open_video = videoOpener(jobs::videoIndexFolder(job_folder));
   return bake::bakePiece(job_folder, piece.id, threads, environment);
 }
 
@@ -75,7 +77,9 @@ Status reconstructPieceOf(const std::string& job_folder, const jobs::Piece& piec
   if (needs_gpu) {
     FOURDVT_ASSIGN(gpu, openGpu());
   }
-  return reconstruct::reconstructPiece(job_folder, piece.id, threads, reconstructEnvironment(gpu, line));
+  reconstruct::ReconstructEnvironment environment = reconstructEnvironment(gpu, line);
+  environment.open_video = videoOpener(jobs::videoIndexFolder(job_folder));
+  return reconstruct::reconstructPiece(job_folder, piece.id, threads, environment);
 }
 
 Status computePiece(const std::string& job_folder, const jobs::Plan& plan, const jobs::Piece& piece, int threads) {
@@ -93,6 +97,7 @@ Status finishBakeOf(const std::string& job_folder, const jobs::Plan& plan) {
   ProgressLine line;
   bake::BakeEnvironment environment = bakeEnvironment(gpu, line);
   environment.writer = platform::ownSuffix();
+  environment.open_video = videoOpener(jobs::videoIndexFolder(job_folder));
   const auto start = std::chrono::steady_clock::now();
   const auto report = bake::finishBake(job_folder, environment);
   line.end();
@@ -104,7 +109,9 @@ Status finishBakeOf(const std::string& job_folder, const jobs::Plan& plan) {
 
 Status finishReconstructOf(const std::string& job_folder, const jobs::Plan& plan) {
   ProgressLine line;
-  const auto summary = reconstruct::finishReconstruct(job_folder, reconstructEnvironment({}, line));
+  reconstruct::ReconstructEnvironment environment = reconstructEnvironment({}, line);
+  environment.open_video = videoOpener(jobs::videoIndexFolder(job_folder));
+  const auto summary = reconstruct::finishReconstruct(job_folder, environment);
   line.end();
   if (!summary) return summary.error();
   printReconstructSummary(plan.result, summary.value());

@@ -90,8 +90,10 @@ Status useMethod(CharacterSession& session, const std::string& name) {
   return {};
 }
 
-OpenVideo videoOpener() {
-  return [](const std::string& path, int channels) { return platform::openVideoFile(path, channels); };
+OpenVideo videoOpener(const std::string& index_folder) {
+  return [index_folder](const std::string& path, int channels) {
+    return platform::openIndexedVideo(path, channels, index_folder);
+  };
 }
 
 }  // namespace fourdvt::tools

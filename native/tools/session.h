@@ -49,7 +49,7 @@ std::string manifestPath(const std::string& character);
 // the plain blend after a line on stderr; of others a method of render/cameras/camera_method.h. Errors:
 // InvalidArgument, GpuFailure, Unsupported.
 Status useMethod(CharacterSession& session, const std::string& name);
-// The platform's FFmpeg reader.
-OpenVideo videoOpener();
+// The platform's FFmpeg reader. `index_folder`: see platform::openIndexedVideo.
+OpenVideo videoOpener(const std::string& index_folder = {});
 
 }  // namespace fourdvt::tools

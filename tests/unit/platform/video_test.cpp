@@ -394,5 +394,54 @@ TEST(VideoFile, SeeksOverLostPictures) {
   }
 }
 
+uint64_t bytesRead() {
+  std::ifstream io("/proc/self/io");
+  std::string name;
+  uint64_t bytes = 0;
+  io >> name >> bytes;  // rchar
+  return bytes;
+}
+
+// A list of time stamps is made once; then a skip reads what it decodes.
+TEST(VideoFile, KeptStampsSpareReadingAVideoToItsEnd) {
+  namespace fs = std::filesystem;
+  const std::string path = ofThisTest("_kept.mkv"), folder = ofThisTest("_index");
+  fs::remove_all(folder);
+  fs::create_directory(folder);
+  auto writer = VideoWriter::create(path, {.width = 64, .height = 64, .channels = 1});
+  ASSERT_TRUE(writer.ok());
+  Image noise(64, 64, 1);
+  uint32_t state = 1;
+  for (int f = 0; f < 500; ++f) {
+    for (uint8_t& value : noise.pixels) value = uint8_t((state = state * 1664525 + 1013904223) >> 24);
+    noise.pixels[0] = uint8_t(f), noise.pixels[1] = uint8_t(f >> 8);
+    ASSERT_TRUE(writer.value()->write(noise).ok());
+  }
+  ASSERT_TRUE(writer.value()->finish().ok());
+  const auto readAt = [&](const std::string& index) {
+    const uint64_t before = bytesRead();
+    auto video = openIndexedVideo(path, 1, index);
+    EXPECT_TRUE(video.value()->skip(300).ok());
+    const auto picture = video.value()->next();
+    EXPECT_TRUE(picture.ok() && picture.value());
+    EXPECT_EQ(picture.value()->pixels[0] + 256 * picture.value()->pixels[1], 300);
+    return bytesRead() - before;
+  };
+  const uint64_t all = fs::file_size(path);
+  EXPECT_GT(readAt(""), all);
+  ASSERT_TRUE(indexVideo(path, folder).ok());
+  EXPECT_LT(readAt(folder), all / 3);
+  ASSERT_EQ(std::distance(fs::directory_iterator(folder), {}), 1);
+  const fs::path kept = fs::directory_iterator(folder)->path();
+  fs::resize_file(kept, fs::file_size(kept) - 8);
+  EXPECT_GT(readAt(folder), all) << "a damaged list is made again";
+  EXPECT_LT(readAt(folder), all / 3);
+  fs::last_write_time(path, fs::last_write_time(path) + std::chrono::seconds(5));
+  EXPECT_GT(readAt(folder), all) << "of another file";
+  EXPECT_GT(readAt(folder + "/none"), all) << "no folder to keep it in";
+  fs::remove_all(folder);
+  fs::remove(path);
+}
+
 }  // namespace
 }  // namespace fourdvt::platform
