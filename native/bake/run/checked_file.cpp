@@ -14,7 +14,9 @@ Status saveChecked(const std::string& path, std::span<const uint8_t> payload) {
   return platform::writeFileAtomic(path, out.data());
 }
 
-Error damagedFile(const std::string& path) { return {ErrorId::Internal, path + ": is damaged; bake again"}; }
+Error damagedFile(const std::string& path) {
+  return {ErrorId::Internal, path + ": is damaged; delete it and bake again, or run `fourdvt plan` again"};
+}
 
 Result<std::vector<uint8_t>> loadChecked(const std::string& path) {
   FOURDVT_ASSIGN(std::vector<uint8_t> bytes, platform::readFile(path));

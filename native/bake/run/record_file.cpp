@@ -28,7 +28,8 @@ Result<std::vector<uint8_t>> readAt(std::FILE* file, const std::string& path, si
   if (!file || fseeko(file, static_cast<off_t>(record_bytes) * index, SEEK_SET) != 0 ||
       std::fread(record.data(), 1, record_bytes, file) != record_bytes)
     return Error{ErrorId::FileUnreadable,
-                 path + ": record " + std::to_string(index) + " is missing; delete its folder and bake again"};
+                 path + ": record " + std::to_string(index) +
+                     " is missing; delete this file and bake again, or run `fourdvt plan` again"};
   return record;
 }
 
@@ -54,6 +55,18 @@ Result<RecordFile> RecordFile::resume(const std::string& path, size_t record_byt
   out.file_.reset(std::fopen(out.open_path_.c_str(), complete ? "rb" : "a+b"));
   if (!out.file_) return cannotWrite(out.open_path_, errno);
   out.count_ = static_cast<uint32_t>(sizeOf(out.open_path_) / record_bytes);
+  return out;
+}
+
+Result<RecordFile> RecordFile::begin(const std::string& path, size_t record_bytes, uint32_t records,
+                                     const std::string& writer) {
+  RecordFile out;
+  out.path_ = path;
+  out.record_bytes_ = record_bytes;
+  out.records_ = records;
+  out.open_path_ = path + ".part" + writer;
+  out.file_.reset(std::fopen(out.open_path_.c_str(), "w+b"));
+  if (!out.file_) return cannotWrite(out.open_path_, errno);
   return out;
 }
 

@@ -21,6 +21,9 @@ class RecordFile {
   // Opens what exists, complete or not, for appending and reading. Errors: WriteFailed.
   static Result<RecordFile> resume(const std::string& path, size_t record_bytes, uint32_t records,
                                    const std::string& writer = {});
+  // Starts anew, whatever exists: finish() replaces a complete file, which others may read until then.
+  static Result<RecordFile> begin(const std::string& path, size_t record_bytes, uint32_t records,
+                                  const std::string& writer = {});
   static Result<std::vector<uint8_t>> readOne(const std::string& path, size_t record_bytes, uint32_t index);
 
   uint32_t count() const { return count_; }

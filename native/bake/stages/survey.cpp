@@ -188,8 +188,13 @@ Status Survey::measureWindow(BakeRun& run, const capture::CaptureSequence& seque
     FOURDVT_ASSIGN(measuring.reader,
                    capture::FrameReader::open(job_->capture, sequence, run.environment.open_video, first));
   }
+  const auto needed = [&, calibrator](uint32_t f) {  // the first frame from f on that is looked at
+    while (f < std::min(known, window.end) && !(calibrator && bake::showsColours(f))) ++f;
+    return f;
+  };
   const auto read = [&, calibrator](uint32_t f) -> Result<SurveyFrame> {
     StageClock::Span clock(run.clock, Stage::Decode);
+    measuring.reader->skipTo(f);
     FOURDVT_ASSIGN(auto frame, measuring.reader->next());
     SurveyFrame out;
     out.positions = reordered(job_->mesh, frame.positions);
@@ -201,11 +206,13 @@ Status Survey::measureWindow(BakeRun& run, const capture::CaptureSequence& seque
   };
   const std::launch lane = job_->options.jobs > 1 ? std::launch::async : std::launch::deferred;
   std::future<Result<SurveyFrame>> next;  // its destructor joins on every return
-  if (first < window.end) next = std::async(lane, read, first);
-  for (uint32_t f = first; f < window.end; ++f) {
+  const uint32_t begin = needed(first);
+  if (begin < window.end) next = std::async(lane, read, begin);
+  for (uint32_t f = begin, after = 0; f < window.end; f = after) {
+    after = needed(f + 1);
     FOURDVT_ASSIGN(auto frame, next.get());
     FOURDVT_TRY(run.checkStop(kKept, folder_));
-    if (f + 1 < window.end) next = std::async(lane, read, f + 1);
+    if (after < window.end) next = std::async(lane, read, after);
     if (f >= known) {
       StageClock::Span clock(run.clock, Stage::Visibility);
       measuring.baker->setFrame(frame.positions, frame.crops);
@@ -257,10 +264,8 @@ Status Survey::labelSequence(BakeRun& run, const capture::CaptureSequence& seque
 }
 
 Status Survey::label(BakeRun& run, const capture::CaptureSequence& sequence, const OnFrame& on_frame) {
-  const std::string path = labelsPath(sequence), part = path + ".part" + run.environment.writer;
-  for (const std::string& unfinished : {part, path})
-    platform::removeFolder(unfinished);  // labels without statistics, too
-  FOURDVT_ASSIGN(auto file, RecordFile::resume(path, labelBytes(), sequence.frame_count, run.environment.writer));
+  const std::string path = labelsPath(sequence);
+  FOURDVT_ASSIGN(auto file, RecordFile::begin(path, labelBytes(), sequence.frame_count, run.environment.writer));
   LabelStatistics statistics;
   FOURDVT_TRY(withLabelExchange(
       run, sequence, on_frame, [&](uint32_t, const std::vector<uint8_t>& labels) { return file.append(labels); },

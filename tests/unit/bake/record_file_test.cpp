@@ -56,6 +56,20 @@ TEST_F(RecordFileTest, GoesOnAfterTheLastWholeRecord) {
   EXPECT_EQ(file.value().read(2).value(), record(3)) << "still readable once it is in place";
 }
 
+// A process that begins anew does not take away what another one has completed meanwhile.
+TEST_F(RecordFileTest, AnewLeavesACompleteFileUntilItIsReplaced) {
+  auto late = RecordFile::begin(path, 5, 1, ".late");
+  auto first = RecordFile::begin(path, 5, 1, ".first");
+  ASSERT_TRUE(first.value().append(record(1)).ok());
+  ASSERT_TRUE(first.value().finish().ok());
+  auto later = RecordFile::begin(path, 5, 1, ".later");
+  EXPECT_EQ(RecordFile::readOne(path, 5, 0).value(), record(1));
+  EXPECT_EQ(later.value().count(), 0u);
+  ASSERT_TRUE(late.value().append(record(2)).ok());
+  ASSERT_TRUE(late.value().finish().ok());
+  EXPECT_EQ(RecordFile::readOne(path, 5, 0).value(), record(2));
+}
+
 TEST_F(RecordFileTest, RefusesRecordsOfAnotherSize) {
   auto file = RecordFile::resume(path, 5, 1);
   EXPECT_FALSE(file.value().append(std::vector<uint8_t>(4)).ok());
