@@ -85,10 +85,16 @@ class Costs {
                  members = double(plan.motion.members.size());
     return gop_mb(plan) + 40 * vertices * members * plan.frameCount() / 1e6;
   }
-  double whole_mb() const {
-    double mb = frames_mb() + 400;
+  double room_mb() const { return frames_mb() + 400; }
+  double graph_mb() const {
+    double mb = room_mb();
     for (const StreamPlan& plan : job_.streams) mb = std::max(mb, motion_mb(plan));
     return mb;
+  }
+  double finish_mb() const {
+    double mb = room_mb();
+    for (const StreamPlan& plan : job_.streams) mb = std::max(mb, plan.isClass() ? motion_mb(plan) : gop_mb(plan));
+    return mb + 0.05 * job_.streamFrames();
   }
 
  private:
@@ -111,10 +117,13 @@ class Cutter {
       cutCameras();
     else
       cutLayers();
-    if (job_.capture.room) addWhole(PieceKind::Room, colours(), 8, costs_.whole_mb());
+    if (job_.capture.room) addWhole(PieceKind::Room, colours(), 8, costs_.room_mb());
     std::vector<std::string> everything;
     for (const BakePiece& piece : out_) everything.push_back(piece.piece.id);
-    addWhole(PieceKind::Finish, std::move(everything), 5 + 0.02 * job_.streamFrames(), costs_.whole_mb());
+    BakePiece& finish =
+        addWhole(PieceKind::Finish, std::move(everything), 5 + 0.02 * job_.streamFrames(), costs_.finish_mb());
+    for (const capture::CaptureSequence& s : job_.capture.sequences) readsMeshes(finish, s);
+    addInput(finish, job_.sound_digest);
     return std::move(out_);
   }
 
@@ -141,7 +150,8 @@ class Cutter {
     std::vector<std::string> needs;
     for (const BakePiece& piece : out_)
       if (piece.kind == PieceKind::Gop) needs.push_back(piece.piece.id);
-    addWhole(PieceKind::Graph, std::move(needs), 0.02 * job_.streamFrames(), costs_.whole_mb());
+    BakePiece& graph = addWhole(PieceKind::Graph, std::move(needs), 0.02 * job_.streamFrames(), costs_.graph_mb());
+    for (const capture::CaptureSequence& s : job_.capture.sequences) readsMeshes(graph, s);
   }
 
   void cutCameras() {
@@ -155,7 +165,7 @@ class Cutter {
       BakePiece& piece = add(PieceKind::Method, std::to_string(i), colours());
       piece.index = i;
       readsFrames(piece, {triedFrame(job_, i)});
-      cost(piece, 60, costs_.whole_mb());
+      cost(piece, 60, costs_.room_mb());
     }
     for (size_t s = 0; s < job_.streams.size(); ++s) {
       const StreamPlan& plan = job_.streams[s];
@@ -197,6 +207,7 @@ class Cutter {
       for (const bool odd : {false, true}) cutLabelWindows(sequence, windows, odd, all);
     BakePiece& label = add(PieceKind::Label, sequence.name, std::move(all));
     label.number = numberOf(job_, &sequence);
+    readsMeshes(label, sequence);
     const bool alone = label.piece.needs.empty();
     for (uint32_t f = 0; alone && f < sequence.frame_count; ++f) addOnce(label.piece.needs, surveyOf(sequence, f));
     cost(label, costs_.label_s() * sequence.frame_count * (alone ? 1 : 0.1), costs_.labels_mb(64));
@@ -302,8 +313,10 @@ class Cutter {
     piece.piece.inputs = job_.common_input_digest;
     return piece;
   }
-  void addWhole(PieceKind kind, std::vector<std::string> needs, double seconds, double memory_mb) {
-    cost(add(kind, "", std::move(needs)), seconds, memory_mb);
+  BakePiece& addWhole(PieceKind kind, std::vector<std::string> needs, double seconds, double memory_mb) {
+    BakePiece& piece = add(kind, "", std::move(needs));
+    cost(piece, seconds, memory_mb);
+    return piece;
   }
   static void addOnce(std::vector<std::string>& list, std::string id) {
     if (std::find(list.begin(), list.end(), id) == list.end()) list.push_back(std::move(id));
@@ -316,10 +329,15 @@ class Cutter {
     std::set<std::pair<size_t, uint32_t>> windows;
     for (const auto& [sequence, frame] : frames) windows.insert({sequence, frame / kInputWindow});
     piece.reads.assign(windows.begin(), windows.end());
-    for (const auto& [sequence, window] : windows) {
-      const uint64_t digest = job_.input_digests.at(job_.capture.sequences[sequence].name)[window];
-      piece.piece.inputs = fnv1a({reinterpret_cast<const uint8_t*>(&digest), sizeof digest}, piece.piece.inputs);
-    }
+    for (const auto& [sequence, window] : windows)
+      addInput(piece, job_.input_digests.at(job_.capture.sequences[sequence].name)[window]);
+  }
+  void readsMeshes(BakePiece& piece, const capture::CaptureSequence& sequence) const {
+    piece.reads_meshes.push_back(numberOf(job_, &sequence));
+    addInput(piece, job_.mesh_digests.at(sequence.name));
+  }
+  static void addInput(BakePiece& piece, uint64_t digest) {
+    piece.piece.inputs = fnv1a({reinterpret_cast<const uint8_t*>(&digest), sizeof digest}, piece.piece.inputs);
   }
 
   const Job& job_;
@@ -414,6 +432,8 @@ Status runPiece(BakeRun& run, const BakePiece& piece) {
   FOURDVT_TRY(checkCommonInputs(run.job));
   for (const auto& [sequence, window] : piece.reads)
     FOURDVT_TRY(checkInputs(run.job, run.job.capture.sequences[sequence], window));
+  for (const size_t sequence : piece.reads_meshes)
+    FOURDVT_TRY(checkMeshInputs(run.job, run.job.capture.sequences[sequence]));
   return run.job.fromCameras() ? runCameras(run, piece) : runLayers(run, piece);
 }
 

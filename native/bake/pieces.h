@@ -23,6 +23,7 @@ struct BakePiece {
   uint32_t index = 0;                              // first frame of the window, GOP, tried frame
   std::vector<size_t> windows;                     // of labels
   std::vector<std::pair<size_t, uint32_t>> reads;  // of sequences: number, and window of input files (kInputWindow)
+  std::vector<size_t> reads_meshes;                // numbers of sequences of which it reads every mesh
 };
 
 // In an order in which each comes after those that it needs; the last is Finish. The job's keys are settled.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/input_files.h"
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 
@@ -29,6 +30,23 @@ uint64_t addPictures(uint64_t hash, const PicturePlace& place, const CaptureSequ
   return hash;
 }
 
+uint64_t addMeshes(uint64_t hash, const CaptureSequence& sequence, uint32_t first, uint32_t end) {
+  if (!sequence.packed_positions.empty()) return addFile(hash, sequence.packed_positions);
+  for (uint32_t f = first; f < end && !sequence.mesh_pattern.empty(); ++f) hash = addFile(hash, meshPath(sequence, f));
+  return hash;
+}
+
+uint64_t addFolder(uint64_t hash, const std::string& folder) {
+  std::vector<std::string> files;
+  std::error_code failed, ignored;
+  for (fs::recursive_directory_iterator file(folder, fs::directory_options::follow_directory_symlink, failed), end;
+       !failed && file != end; file.increment(failed))
+    if (file->is_regular_file(ignored)) files.push_back(file->path().string());
+  std::sort(files.begin(), files.end());
+  for (const std::string& file : files) hash = addFile(hash, file);
+  return hash;
+}
+
 }  // namespace
 
 uint64_t inputDigest(const Capture& capture, const CaptureSequence& sequence, uint32_t first, uint32_t end) {
@@ -39,16 +57,35 @@ uint64_t inputDigest(const Capture& capture, const CaptureSequence& sequence, ui
       if (const auto place = findPictures(sequence.folder, stem))
         hash = addPictures(hash, *place, sequence, name, first, end);
   }
-  if (!sequence.packed_positions.empty()) return addFile(hash, sequence.packed_positions);
-  for (uint32_t f = first; f < end && !sequence.mesh_pattern.empty(); ++f) hash = addFile(hash, meshPath(sequence, f));
+  return addMeshes(hash, sequence, first, end);
+}
+
+std::vector<std::string> videoFiles(const Capture& capture) {
+  std::vector<std::string> out;
+  for (const CaptureSequence& sequence : capture.sequences)
+    for (const CaptureCamera& camera : capture.cameras)
+      for (const std::string& stem : {camera.pinhole.name, matteStem(camera.pinhole.name)})
+        if (const auto place = findPictures(sequence.folder, stem); place && !place->numbered)
+          out.push_back(place->path);
+  return out;
+}
+
+uint64_t meshDigest(const CaptureSequence& sequence) {
+  return addMeshes(kFnv1aStart, sequence, 0, sequence.frame_count);
+}
+
+uint64_t soundDigest(const Capture& capture) {
+  uint64_t hash = kFnv1aStart;
+  for (const CaptureSequence& sequence : capture.sequences)
+    if (sequence.sound) hash = addFile(hash, sequence.sound->path);
+  for (const CaptureClass& c : capture.classes)
+    if (c.footstep) hash = addFile(hash, c.footstep->path);
   return hash;
 }
 
 uint64_t commonInputDigest(const Capture& capture) {
   uint64_t hash = addFile(kFnv1aStart, capture.folder + "/capture.json");
-  for (const std::string& folder : {capture.cameras_folder, capture.background_folder})
-    for (const fs::path& file : sortedEntries(folder))
-      if (isFile(file.string())) hash = addFile(hash, file.string());
+  for (const std::string& folder : {capture.cameras_folder, capture.background_folder}) hash = addFolder(hash, folder);
   return hash;
 }
 

@@ -75,7 +75,8 @@ struct Job {
   std::string settings_key;
   std::map<std::string, std::string> capture_keys;
   std::map<std::string, std::vector<uint64_t>> input_digests;
-  uint64_t common_input_digest = 0;
+  std::map<std::string, uint64_t> mesh_digests;  // of all meshes of a sequence
+  uint64_t common_input_digest = 0, sound_digest = 0;
   std::string writer;  // end of the names of folders of results, where several processes may finish the same job
   bool fromCameras() const { return options.appearance == package::AppearanceKind::Cameras; }
   uint32_t streamFrames() const;  // number of frames of all streams

@@ -150,7 +150,8 @@ void fields(A& a, StreamPlan& p) {
 template <class A>
 void fields(A& a, Job& j) {
   all(a, j.options, j.capture, j.cameras, j.streams, j.refinement_path, j.mesh, j.bounds, j.length_scale, j.layout,
-      j.encode, j.total_frames, j.notes, j.settings_key, j.capture_keys, j.input_digests, j.common_input_digest);
+      j.encode, j.total_frames, j.notes, j.settings_key, j.capture_keys, j.input_digests, j.mesh_digests,
+      j.common_input_digest, j.sound_digest);
 }
 
 template <class T>

@@ -393,6 +393,7 @@ std::string captureKey(const Job& job, const capture::CaptureSequence& sequence)
 void settleKeys(Job& job) {
   job.capture_keys.clear();
   job.input_digests.clear();
+  job.mesh_digests.clear();
   for (const capture::CaptureSequence& sequence : job.capture.sequences) {
     job.capture_keys[sequence.name] = measuredCaptureKey(job, sequence);
     auto& digests = job.input_digests[sequence.name];
@@ -400,7 +401,10 @@ void settleKeys(Job& job) {
       digests.push_back(
           capture::inputDigest(job.capture, sequence, f, std::min(f + kInputWindow, sequence.frame_count)));
   }
+  for (const capture::CaptureSequence& sequence : job.capture.sequences)
+    job.mesh_digests[sequence.name] = capture::meshDigest(sequence);
   job.common_input_digest = capture::commonInputDigest(job.capture);
+  job.sound_digest = capture::soundDigest(job.capture);
   job.settings_key = settingsKey(job);
 }
 
@@ -413,6 +417,16 @@ Status checkInputs(const Job& job, const capture::CaptureSequence& sequence, uin
   const uint32_t first = window * kInputWindow, end = std::min(first + kInputWindow, sequence.frame_count);
   if (capture::inputDigest(job.capture, sequence, first, end) == job.input_digests.at(sequence.name)[window]) return {};
   return changed(sequence.folder + ": files of frames " + std::to_string(first) + " to " + std::to_string(end - 1));
+}
+
+Status checkMeshInputs(const Job& job, const capture::CaptureSequence& sequence) {
+  if (capture::meshDigest(sequence) == job.mesh_digests.at(sequence.name)) return {};
+  return changed(sequence.folder + ": its meshes");
+}
+
+Status checkSounds(const Job& job) {
+  if (capture::soundDigest(job.capture) == job.sound_digest) return {};
+  return changed(job.capture.folder + ": its sounds");
 }
 
 std::string labelKey(const BakeOptions& o) {

@@ -40,6 +40,8 @@ void settleKeys(Job& job);
 // Refuses files that are not those which settleKeys found: those of one of a sequence's windows (kInputWindow), or
 // those that all frames need. Errors: InvalidArgument.
 Status checkInputs(const Job& job, const capture::CaptureSequence& sequence, uint32_t window);
+Status checkMeshInputs(const Job& job, const capture::CaptureSequence& sequence);
+Status checkSounds(const Job& job);
 Status checkCommonInputs(const Job& job);
 
 }  // namespace fourdvt::bake
