@@ -41,6 +41,15 @@ Status writeClusterFiles(const std::string& job_folder) {
   return {};
 }
 
+// A path as a shell reads it.
+std::string quoted(const std::string& path) {
+  if (path.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789/._-+=:,@%") == path.npos)
+    return path;
+  std::string out = "'";
+  for (const char c : path) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
 void printPlan(const std::string& job_folder, const jobs::Plan& plan, double seconds) {
   double work_s = 0, most_mb = 0;
   for (const jobs::Piece& piece : plan.pieces) {
@@ -49,10 +58,11 @@ void printPlan(const std::string& job_folder, const jobs::Plan& plan, double sec
   }
   std::printf(
       "%s: %zu pieces of %u frames, planned in %.1f s; about %.0f min of work on two cores, at most %.1f GB a piece\n"
-      "on this machine: snakemake --directory %s --snakefile %s/Snakefile --profile %s/profiles/local\n"
+      "on this machine: snakemake --directory %s --snakefile %s --profile %s\n"
       "on a cluster:    the same with profiles/slurm\n",
-      job_folder.c_str(), plan.pieces.size(), plan.frames, seconds, work_s / 60, most_mb / 1e3, job_folder.c_str(),
-      job_folder.c_str(), job_folder.c_str());
+      job_folder.c_str(), plan.pieces.size(), plan.frames, seconds, work_s / 60, most_mb / 1e3,
+      quoted(job_folder).c_str(), quoted(job_folder + "/Snakefile").c_str(),
+      quoted(job_folder + "/profiles/local").c_str());
 }
 
 // Makes the plan with `make`, and what runs it, in the job folder.

@@ -18,7 +18,10 @@ case $state in
   COMPLETED) echo success ;;
   PENDING)
     case $reason in
-      launch_failed_requeued_held | BadConstraints)  # would wait for ever
+      # Would wait for ever.
+      launch_failed_requeued_held | BadConstraints | PartitionNodeLimit | PartitionTimeLimit | *MaxWall* | *TimeLimit* | \
+        *MaxMem*PerJob* | *MaxCpu*PerJob* | MaxMemPerLimit)
+        echo "Slurm will not start job $job: $reason; --config most_minutes=N and most_mb=N bound what pieces ask for" >&2
         scancel "$job" >/dev/null 2>&1
         echo failed ;;
       *) echo running ;;
