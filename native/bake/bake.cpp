@@ -28,6 +28,8 @@
 #include "bake/stages/survey.h"
 #include "bake/stages/validate.h"
 #include "base/hash.h"
+#include "capture/input_files.h"
+#include "jobs/videos.h"
 #include "platform/files.h"
 #include "platform/folders.h"
 
@@ -104,12 +106,23 @@ Status bakeCameras(BakeRun& run, ReportInput& report) {
   return assembleCameras(run, maps, room, report);
 }
 
+// Settles the job's keys. Pieces may be computed by machines on which another build is installed, so that their key has
+// the build in it; what a bake has left is taken on by a plan, and the other way round.
+void settleJobKeys(Job& job, bool in_pieces) {
+  settleKeys(job);
+  const std::string build = "build " + jobs::thisTool().build + "\n", of_build = job.settings_key + build;
+  const bool has_build = WorkFolder::holds(job.workFolder(), of_build);
+  if (!has_build && (!in_pieces || WorkFolder::holds(job.workFolder(), job.settings_key))) return;
+  job.settings_key = of_build;
+  for (auto& [sequence, key] : job.capture_keys) key += build;
+}
+
 // Completes the job: what every piece depends on is known afterwards, and kept.
-Status planJob(BakeRun& run) {
+Status planJob(BakeRun& run, bool in_pieces) {
   Job& job = run.job;
   FOURDVT_TRY(refineJob(run));
   FOURDVT_TRY(job.fromCameras() ? planCameraStreams(run) : planStreams(run));
-  settleKeys(job);
+  settleJobKeys(job, in_pieces);
   const auto restarts = [&] {
     if (run.environment.note)
       run.environment.note(
@@ -137,9 +150,9 @@ Result<BakeReport> finishJob(BakeRun& run) {
 
 Result<BakeReport> runStages(BakeRun& run) {
   expectWork(run);
-  FOURDVT_TRY(planJob(run));
+  FOURDVT_TRY(planJob(run, false));
   auto report = finishJob(run);
-  if (report) platform::removeFolder(run.job.workFolder());
+  if (report) WorkFolder::remove(run.job.workFolder());
   return report;
 }
 
@@ -154,7 +167,7 @@ Error cleanedUp(Error error, const Job& job) {
   if (WorkFolder::holdsGops(work))
     error.message += "; finished GOPs are kept in " + work + " for --resume";
   else if (error.id != ErrorId::WriteFailed)  // after a failed write, what the survey measured stays for the next run
-    platform::removeFolder(work);
+    WorkFolder::remove(work);
   return error;
 }
 
@@ -243,7 +256,7 @@ Result<jobs::Plan> planBake(const BakeOptions& given, std::vector<std::string> a
   }
   FOURDVT_ASSIGN(auto job, validate(options, environment));
   BakeRun run(std::move(job), environment);
-  FOURDVT_TRY(planJob(run));
+  FOURDVT_TRY(planJob(run, true));
   jobs::Plan plan;
   plan.tool = jobs::thisTool();
   plan.command = "bake";
@@ -256,6 +269,7 @@ Result<jobs::Plan> planBake(const BakeOptions& given, std::vector<std::string> a
   for (const BakePiece& piece : pieces) plan.pieces.push_back(piece.piece);
   FOURDVT_TRY(settleHashes(run.job, plan));
   FOURDVT_TRY(dropStaleRecords(run, pieces, plan));
+  FOURDVT_TRY(jobs::indexVideos(run.job.workFolder(), capture::videoFiles(run.job.capture), environment.stop));
   FOURDVT_TRY(saveChecked(run.job.workFolder() + kJobFile, jobBytes(run.job)));
   FOURDVT_TRY(jobs::writePlan(run.job.workFolder(), plan));
   return plan;
@@ -275,6 +289,8 @@ Result<BakeReport> finishBake(const std::string& job_folder, const BakeEnvironme
   Job& job = open.run->job;
   job.writer = "." + environment.writer;
   FOURDVT_TRY(checkCommonInputs(job));
+  FOURDVT_TRY(checkSounds(job));
+  for (const capture::CaptureSequence& sequence : job.capture.sequences) FOURDVT_TRY(checkMeshInputs(job, sequence));
   if (!loadRefinementPictures(job)) return planAgain(job.refinement_path, "is missing or damaged");
   expectWork(*open.run);
   auto report = finishJob(*open.run);

@@ -156,6 +156,8 @@ Result<std::vector<PinholeCamera>> readTestCameras(const Capture& capture);
 Result<Capture> openCapture(const std::string& folder, const OpenVideo& open_video,
                             const std::vector<std::string>& only = {}, MeshNeed need = MeshNeed::ConstantTopology,
                             MatteNeed mattes = MatteNeed::Required);
+// The same, without a look at the pictures: of a capture that openCapture has accepted before.
+Result<Capture> openDescription(const std::string& folder, const std::vector<std::string>& only, MeshNeed need);
 
 struct CaptureFrame {
   uint32_t index = 0;

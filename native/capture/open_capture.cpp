@@ -218,8 +218,7 @@ Result<std::vector<PinholeCamera>> readTestCameras(const Capture& capture) {
   return out;
 }
 
-Result<Capture> openCapture(const std::string& folder, const OpenVideo& open_video,
-                            const std::vector<std::string>& only, MeshNeed need, MatteNeed mattes) {
+Result<Capture> openDescription(const std::string& folder, const std::vector<std::string>& only, MeshNeed need) {
   std::error_code failed;
   std::filesystem::path path = std::filesystem::absolute(folder, failed).lexically_normal();
   if (!path.has_filename()) path = path.parent_path();  // a slash at the end
@@ -234,6 +233,12 @@ Result<Capture> openCapture(const std::string& folder, const OpenVideo& open_vid
   for (const DeclaredSequence& d : declared.sequences) capture.sequences.push_back(d.sequence);
   for (const CaptureSequence& sequence : capture.sequences) FOURDVT_TRY(checkOffsets(capture, sequence));
   FOURDVT_TRY(checkMeshes(declared.sequences, capture));
+  return capture;
+}
+
+Result<Capture> openCapture(const std::string& folder, const OpenVideo& open_video,
+                            const std::vector<std::string>& only, MeshNeed need, MatteNeed mattes) {
+  FOURDVT_ASSIGN(auto capture, openDescription(folder, only, need));
   for (const CaptureSequence& sequence : capture.sequences)
     FOURDVT_TRY(checkPictures(capture, sequence, open_video, mattes));
   return capture;

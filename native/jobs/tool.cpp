@@ -1,15 +1,63 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "jobs/tool.h"
 
+#include <elf.h>
+#include <link.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
+#include <vector>
 
 #include "base/hash.h"
 #include "platform/files.h"
 
 namespace fourdvt::jobs {
+namespace {
+
+// The build-id of an object that is loaded; empty if it has none.
+std::string buildIdOf(const dl_phdr_info& object) {
+  for (int i = 0; i < object.dlpi_phnum; ++i) {
+    const ElfW(Phdr)& header = object.dlpi_phdr[i];
+    if (header.p_type != PT_NOTE) continue;
+    const char* note = reinterpret_cast<const char*>(object.dlpi_addr + header.p_vaddr);
+    const char* const end = note + header.p_memsz;
+    const auto padded = [](size_t n) { return (n + 3) & ~size_t(3); };
+    while (note + sizeof(ElfW(Nhdr)) <= end) {
+      ElfW(Nhdr) head;
+      std::memcpy(&head, note, sizeof head);
+      const char* const name = note + sizeof head;
+      const char* const content = name + padded(head.n_namesz);
+      note = content + padded(head.n_descsz);
+      if (note > end) break;
+      if (head.n_type == NT_GNU_BUILD_ID && head.n_namesz == 4 && std::memcmp(name, "GNU", 4) == 0)
+        return std::string(content, head.n_descsz);
+    }
+  }
+  return {};
+}
+
+// Build-ids of the shared libraries that are loaded now, in an order that does not depend on where they lie.
+std::string loadedLibraries() {
+  std::vector<std::string> ids;
+  ::dl_iterate_phdr(
+      [](dl_phdr_info* object, size_t, void* out) {
+        if (std::strchr(object->dlpi_name, '/'))  // neither the program nor what the kernel brings along
+          static_cast<std::vector<std::string>*>(out)->push_back(buildIdOf(*object));
+        return 0;
+      },
+      &ids);
+  std::sort(ids.begin(), ids.end());
+  std::string all;
+  for (const std::string& id : ids) all += id + "\n";
+  return all;
+}
+
+const std::string kLibraries = loadedLibraries();  // before anything else is loaded
+
+}  // namespace
 
 const Tool& thisTool() {
   static const Tool tool = [] {
@@ -18,7 +66,8 @@ const Tool& thisTool() {
     out.program = std::filesystem::read_symlink("/proc/self/exe", ignored).string();
     char digits[17] = "";
     if (const auto bytes = platform::readFile("/proc/self/exe"))
-      std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(fnv1a(bytes.value())));
+      std::snprintf(digits, sizeof digits, "%016llx",
+                    static_cast<unsigned long long>(fnv1a(kLibraries, fnv1a(bytes.value()))));
     out.build = digits;
     return out;
   }();

@@ -7,7 +7,11 @@
 namespace fourdvt::jobs {
 
 struct Tool {
-  std::string version, build, program;  // build: hash of the program's file; program: its absolute path
+  std::string version;
+  // Hash of the program's file and of the build-ids of the shared libraries that it starts with: encoders, decoders and
+  // mathematics are theirs. Graphics drivers, which are loaded later, are not in it.
+  std::string build;
+  std::string program;  // its absolute path
 };
 
 const Tool& thisTool();

@@ -2,6 +2,7 @@
 #include "platform/folders.h"
 
 #include <filesystem>
+#include <vector>
 
 namespace fourdvt::platform {
 namespace {
@@ -24,6 +25,15 @@ Status makeFolder(const std::string& path) {
 void removeFolder(const std::string& path) {
   std::error_code ignored;
   fs::remove_all(path, ignored);
+}
+
+void removeFolder(const std::string& path, const std::string& last) {
+  std::error_code failed, ignored;
+  std::vector<fs::path> others;
+  for (fs::directory_iterator entry(path, failed), end; !failed && entry != end; entry.increment(failed))
+    if (entry->path().filename() != last) others.push_back(entry->path());
+  for (const fs::path& other : others) fs::remove_all(other, ignored);
+  removeFolder(path);
 }
 
 void removeIfEmpty(const std::string& path) {

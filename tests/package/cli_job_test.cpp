@@ -186,6 +186,57 @@ TEST(Job, FilesThatChangedAreNamedByThePieceThatReadsThem) {
       << described.output;
 }
 
+TEST(Job, MeshesAreCheckedByThePiecesThatReadAllOfThem) {
+  const Job job = planned("job-meshes");
+  ASSERT_EQ(job.piece("survey-turn-0").code, 0);
+  std::string mesh;
+  for (const auto& file : fs::recursive_directory_iterator(job.capture + "/turn"))
+    if (file.path().extension() == ".obj" || file.path().extension() == ".ply") mesh = file.path().string();
+  ASSERT_FALSE(mesh.empty());
+  fs::last_write_time(mesh, fs::last_write_time(mesh) + std::chrono::seconds(5));
+  EXPECT_TRUE(isOneLineWith(job.piece("label-turn"), job.capture + "/turn: its meshes have changed since the plan"));
+}
+
+// Results of two builds would be mixed: a key of the plan's has the build in it.
+TEST(Job, FolderOfAnotherBuildBeginsAgain) {
+  const Job job = planned("job-other-build");
+  ASSERT_EQ(job.piece("survey-turn-0").code, 0);
+  const std::string settings = job.folder() + "/settings.txt", text = readText(settings);
+  const size_t build = text.find("build ");
+  ASSERT_NE(build, std::string::npos) << text;
+  writeText(settings, text.substr(0, build) + "build 0123456789abcdef\n");
+  EXPECT_TRUE(isOneLineWith(job.piece("colours"), "is not the folder of this plan any more"));
+  const Outcome again = job.plan();
+  ASSERT_EQ(again.code, 0) << again.output;
+  EXPECT_NE(again.output.find("all begins again"), std::string::npos) << again.output;
+  EXPECT_FALSE(exists(job.done("survey-turn-0")));
+}
+
+// Slurm's answers, from a scontrol of our own.
+TEST(Job, SlurmJobsThatWillNeverStartFail) {
+  const Job job = planned("job-slurm");
+  const std::string bin = job.out + "/bin";
+  fs::create_directory(bin);
+  writeText(bin + "/scancel", "#!/bin/sh\n");
+  fs::permissions(bin + "/scancel", fs::perms::owner_all);
+  const auto statusOf = [&](const std::string& state, const std::string& reason) {
+    writeText(bin + "/scontrol",
+              "#!/bin/sh\necho JobId=7 JobName=a JobState=" + state + " Reason=" + reason + " A=b\n");
+    fs::permissions(bin + "/scontrol", fs::perms::owner_all);
+    return shell("cd " + job.folder() + " && PATH=" + bin + ":$PATH sh profiles/slurm/status.sh 7").output;
+  };
+  EXPECT_EQ(statusOf("PENDING", "Resources"), "running\n");
+  EXPECT_EQ(statusOf("PENDING", "Priority"), "running\n");
+  for (const char* reason : {"PartitionTimeLimit", "QOSMaxWallDurationPerJobLimit", "BadConstraints"}) {
+    const std::string output = statusOf("PENDING", reason);
+    EXPECT_NE(output.find("failed\n"), std::string::npos) << reason << ": " << output;
+    EXPECT_NE(output.find(std::string("will not start job 7: ") + reason), std::string::npos) << output;
+  }
+  EXPECT_EQ(statusOf("RUNNING", "None"), "running\n");
+  EXPECT_EQ(statusOf("COMPLETED", "None"), "success\n");
+  EXPECT_EQ(statusOf("NODE_FAIL", "None"), "failed\n");
+}
+
 TEST(Job, PlanOfAChangedCaptureBeginsAgainAndSaysSo) {
   const Job job = planned("job-again");
   ASSERT_EQ(job.piece("survey-turn-0").code, 0);

@@ -288,6 +288,27 @@ TEST(ReconstructInPieces, FilesThatHaveChangedAreRefused) {
   EXPECT_EQ(fourdvt("finish " + job).code, 0);
 }
 
+// Results of two builds would be mixed: a key of the plan's has the build in it.
+TEST(ReconstructInPieces, FolderOfAnotherBuildBeginsAgain) {
+  const std::string capture = withoutMeshes("build-capture"), out = scratch("build-pieces");
+  const std::string plan = "plan reconstruct " + capture + " -o " + out + "/hull" + kCoarse, job = out + "/hull.work";
+  ASSERT_EQ(fourdvt(plan).code, 0);
+  ASSERT_EQ(fourdvt("piece " + job + " first-turn").code, 0);
+  ASSERT_EQ(fourdvt(plan).code, 0);
+  EXPECT_TRUE(exists(doneFile(job, "first-turn"))) << "a plan of the same keeps what is done";
+  const std::string text = readText(job + "/settings.txt");
+  const size_t build = text.find("build ");
+  ASSERT_NE(build, std::string::npos) << text;
+  writeText(job + "/settings.txt", text.substr(0, build) + "build 0123456789abcdef\nby reconstruct\n");
+  const Outcome stale = fourdvt("piece " + job + " frames-turn-0");
+  EXPECT_EQ(stale.code, 1);
+  EXPECT_NE(stale.output.find("belongs to a run with other settings now"), std::string::npos) << stale.output;
+  EXPECT_FALSE(exists(out + "/hull.part/turn/mesh/000001.ply"));
+  const Outcome again = fourdvt(plan);
+  EXPECT_NE(again.output.find("all begins again"), std::string::npos) << again.output;
+  EXPECT_FALSE(exists(doneFile(job, "first-turn")) || exists(out + "/hull.part/turn/mesh/000000.ply"));
+}
+
 TEST(ReconstructInPieces, ResumeGoesOnWithPiecesAndPiecesWithARun) {
   const std::string capture = twoWindows().capture, straight = twoWindows().straight, out = scratch("both-ways");
 

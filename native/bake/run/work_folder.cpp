@@ -19,10 +19,6 @@ namespace {
 constexpr const char* kLayersExtension = ".layers";
 constexpr const char* kKeyFile = "/settings.txt";
 
-bool isKey(const std::vector<uint8_t>& bytes, const std::string& key) {
-  return std::string(bytes.begin(), bytes.end()) == key;
-}
-
 void putBytes(ByteWriter& out, const std::vector<uint8_t>& bytes) {
   out.u32(static_cast<uint32_t>(bytes.size()));
   out.bytes(bytes);
@@ -114,23 +110,29 @@ std::vector<Image> takeAtlases(ByteReader& in) {
 Result<WorkFolder> WorkFolder::open(const std::string& path, const std::string& key, bool resume,
                                     const std::function<void()>& on_restart) {
   const std::string key_path = path + kKeyFile;
-  const auto old = platform::readFile(key_path);
-  const bool keep = resume && old && isKey(old.value(), key);
-  if (!keep) {
-    if (resume && old && on_restart) on_restart();
-    platform::removeFolder(path);
+  if (!resume || !holds(path, key)) {
+    std::error_code none;
+    if (resume && std::filesystem::exists(key_path, none) && on_restart) on_restart();
+    remove(path);
   }
   WorkFolder folder(path, key);
-  FOURDVT_TRY(platform::makeFolder(folder.path_));
+  FOURDVT_TRY(platform::makeFolder(path));
   FOURDVT_TRY(platform::writeFileAtomic(key_path, key));
+  FOURDVT_TRY(platform::makeFolder(folder.path_));
   return folder;
 }
 
 Result<WorkFolder> WorkFolder::join(const std::string& path, const std::string& key) {
-  if (const auto now = platform::readFile(path + kKeyFile); now && isKey(now.value(), key))
-    return WorkFolder(path, key);
+  if (holds(path, key)) return WorkFolder(path, key);
   return Error{ErrorId::InvalidArgument, path + ": is not the folder of this plan any more; run `fourdvt plan` again"};
 }
+
+bool WorkFolder::holds(const std::string& path, const std::string& key) {
+  const auto bytes = platform::readFile(path + kKeyFile);
+  return bytes && std::string(bytes.value().begin(), bytes.value().end()) == key;
+}
+
+void WorkFolder::remove(const std::string& path) { platform::removeFolder(path, kKeyFile + 1); }
 
 WorkFolder::WorkFolder(const std::string& path, const std::string& key) : root_(path) {
   char digits[17];

@@ -43,6 +43,10 @@ class WorkFolder {
                                  const std::function<void()>& on_restart = {});
   // The folder as it is. Errors: InvalidArgument if it has another key.
   static Result<WorkFolder> join(const std::string& path, const std::string& key);
+  // True where an earlier run left work with this key.
+  static bool holds(const std::string& path, const std::string& key);
+  // Removes the folder, the mark that it is one of ours last.
+  static void remove(const std::string& path);
   // Whether a bake in this folder has finished a GOP, with whatever settings.
   static bool holdsGops(const std::string& path);
   bool hasGop(const std::string& sequence, uint32_t gop) const;

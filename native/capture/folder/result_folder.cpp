@@ -104,14 +104,15 @@ Status ResultFolder::open(const std::string& key, bool resume) const {
                                                partFolder()};
   const bool same = left == key + signature();
   if (resume && found.ok() && !same) {
-    return Error{ErrorId::InvalidArgument,
-                 workFolder() +
-                     ": was left by a run with other options, or the capture's pictures, plates or cameras "
-                     "have changed since; repeat that run's options, or leave out --resume to begin anew"};
+    return Error{
+        ErrorId::InvalidArgument,
+        workFolder() +
+            ": was left by a run with other options or of another build, or the capture's pictures, plates or cameras "
+            "have changed since; repeat that run's options, or leave out --resume to begin anew"};
   }
   if (!resume || !same) {
-    platform::removeFolder(workFolder());
     platform::removeFolder(partFolder());
+    removeWork();
   }
   FOURDVT_TRY(platform::makeFolder(workFolder()));
   FOURDVT_TRY(platform::writeFileAtomic(keyPath(), key + signature()));
@@ -123,6 +124,11 @@ bool ResultFolder::holds(const std::string& key) const {
   return found.ok() && std::string(found.value().begin(), found.value().end()) == key + signature();
 }
 
+// The key last: it marks what is left should the program die meanwhile.
+void ResultFolder::removeWork() const {
+  platform::removeFolder(workFolder(), std::filesystem::path(keyPath()).filename().string());
+}
+
 Status ResultFolder::place() const {
   const std::string previous = workFolder() + "/previous." + platform::ownSuffix();  // nobody else removes it
   FOURDVT_TRY(platform::replaceFolder(partFolder(), target_, previous));
@@ -132,7 +138,7 @@ Status ResultFolder::place() const {
 
 Status ResultFolder::finish() const {
   FOURDVT_TRY(place());
-  platform::removeFolder(workFolder());
+  removeWork();
   return {};
 }
 

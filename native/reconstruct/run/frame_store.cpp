@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "base/hash.h"
 #include "capture/folder/linked_capture.h"
 #include "capture/mesh_file.h"
 #include "platform/files.h"
@@ -34,15 +35,28 @@ std::string settingsKey(const ReconstructOptions& o, const capture::Capture& cap
   return capture::inputsKey(capture) + " " + line + "\n";
 }
 
-FrameStore::FrameStore(const capture::ResultFolder& folder, const capture::Capture& capture)
-    : folder_(folder), metres_per_unit_(capture.metres_per_unit) {
+FrameStore::FrameStore(const capture::ResultFolder& folder, const capture::Capture& capture, const std::string& key)
+    : folder_(folder), key_(key), metres_per_unit_(capture.metres_per_unit) {
   for (const capture::CaptureSequence& sequence : capture.sequences)
     first_frames_[sequence.name] = sequence.first_frame;
 }
 
 Status FrameStore::makeFolders(const std::string& sequence) const {
   FOURDVT_TRY(platform::makeFolder(folder_.partFolder() + "/" + sequence + "/" + capture::kMeshFolder));
-  return platform::makeFolder(folder_.workFolder() + "/figures/" + sequence);
+  return platform::makeFolder(figuresFolder(sequence));
+}
+
+std::string FrameStore::figuresFolder(const std::string& sequence) const {
+  char digits[17];
+  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(fnv1a(key_)));
+  return folder_.workFolder() + "/figures_" + digits + "/" + sequence;
+}
+
+Status FrameStore::checkFolder() const {
+  if (folder_.holds(key_)) return {};
+  return Error{ErrorId::InvalidArgument, folder_.workFolder() +
+                                             ": belongs to a run with other settings now; run the command again, or "
+                                             "`fourdvt plan`"};
 }
 
 std::string FrameStore::meshPath(const std::string& sequence, uint32_t frame) const {
@@ -51,7 +65,7 @@ std::string FrameStore::meshPath(const std::string& sequence, uint32_t frame) co
 }
 
 std::string FrameStore::figuresPath(const std::string& sequence, uint32_t frame) const {
-  return folder_.workFolder() + "/figures/" + sequence + "/" + frameName(frame) + ".json";
+  return figuresFolder(sequence) + "/" + frameName(frame) + ".json";
 }
 
 std::optional<FrameFigures> FrameStore::find(const std::string& sequence, uint32_t frame) const {
@@ -67,6 +81,7 @@ std::optional<FrameFigures> FrameStore::find(const std::string& sequence, uint32
 
 Status FrameStore::save(const std::string& sequence, uint32_t frame, const TriangleMesh& mesh,
                         const FrameFigures& figures) const {
+  FOURDVT_TRY(checkFolder());
   TriangleMesh in_units = mesh;
   for (glm::vec3& p : in_units.positions) p /= float(metres_per_unit_);
   FOURDVT_TRY(platform::writeFileAtomic(meshPath(sequence, frame), capture::plyBytes(in_units)));

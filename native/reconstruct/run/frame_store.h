@@ -19,12 +19,16 @@ std::string settingsKey(const ReconstructOptions& options, const capture::Captur
 
 class FrameStore {
  public:
-  FrameStore(const capture::ResultFolder& folder, const capture::Capture& capture);
+  // `key`: that of the folder's settings. Frames of other settings are not found, and nothing is saved into a folder
+  // that has got others meanwhile.
+  FrameStore(const capture::ResultFolder& folder, const capture::Capture& capture, const std::string& key);
 
   Status makeFolders(const std::string& sequence) const;
   // Nothing if the frame is not finished.
   std::optional<FrameFigures> find(const std::string& sequence, uint32_t frame) const;
-  // Meshes are in metres here and in the capture's unit in the file.
+  // Errors: InvalidArgument if the folder belongs to other settings now.
+  Status checkFolder() const;
+  // Meshes are in metres here and in the capture's unit in the file. Errors: those of checkFolder; WriteFailed.
   Status save(const std::string& sequence, uint32_t frame, const TriangleMesh& mesh, const FrameFigures& figures) const;
   Result<TriangleMesh> loadMesh(const std::string& sequence, uint32_t frame) const;
   // Removes what processes that were killed left beside the meshes of a finished sequence.
@@ -34,7 +38,10 @@ class FrameStore {
   std::string meshPath(const std::string& sequence, uint32_t frame) const;
   std::string figuresPath(const std::string& sequence, uint32_t frame) const;
 
+  std::string figuresFolder(const std::string& sequence) const;
+
   capture::ResultFolder folder_;
+  std::string key_;
   double metres_per_unit_;
   std::map<std::string, uint32_t> first_frames_;  // by sequence
 };

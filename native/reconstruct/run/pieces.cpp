@@ -11,6 +11,7 @@
 #include "base/hash.h"
 #include "capture/input_files.h"
 #include "jobs/records.h"
+#include "jobs/videos.h"
 #include "platform/files.h"
 #include "reconstruct/run/finish.h"
 #include "reconstruct/run/job_file.h"
@@ -124,7 +125,7 @@ std::optional<Part> partOf(const jobs::Piece& piece) {
 // Removes records of pieces whose frames are gone, which they are once the new folder is in place; and that of the last
 // piece while a folder still waits to be put into place.
 void dropStaleRecords(const std::string& job_folder, const Prepared& job, const jobs::Plan& plan) {
-  const FrameStore store(resultFolder(job.options), job.capture);
+  const FrameStore store(resultFolder(job.options), job.capture, job.settings_key);
   for (const jobs::Piece& piece : plan.pieces) {
     bool stale = piece.kind == jobs::kFinish;
     const auto part = partOf(piece);
@@ -174,6 +175,13 @@ Status checkInputs(const JobFile& file, const Part& part, const jobs::Piece& pie
                  std::to_string(end - 1));
 }
 
+// The planning process has looked at every picture; a piece looks at its own.
+Result<capture::Capture> openForPiece(const ReconstructOptions& options, const std::string& sequence) {
+  auto opened = capture::openDescription(resultFolder(options).partFolder(), {sequence}, capture::MeshNeed::Nothing);
+  if (opened.ok()) return opened;
+  return changed(options.capture_folder + ": its files (" + opened.error().message + ")");
+}
+
 // The report of this job's result, kept before the result is put into place.
 std::string keptReport(const std::string& job_folder) { return job_folder + "/" + kReportJson; }
 
@@ -190,13 +198,14 @@ Result<ReconstructSummary> writeAndPlace(const std::string& job_folder, Prepared
   FOURDVT_ASSIGN(job.capture, openLinked(job.options, job.options.sequences, open_video));
   job.capture.name = job.name;
   const capture::ResultFolder folder = resultFolder(job.options);
-  const FrameStore store(folder, job.capture);
+  const FrameStore store(folder, job.capture, job.settings_key);
   ReportPictures pictures;
   for (const capture::CaptureSequence& sequence : job.capture.sequences)
     FOURDVT_TRY(drawKept(job, store, sequence, shownFrame(sequence), open_video, pictures));
   FOURDVT_ASSIGN(const auto summary, writeResult(job, store, pictures, std::nullopt));
   FOURDVT_ASSIGN(const auto report, platform::readFile(folder.partFolder() + "/" + kReportJson));
   FOURDVT_TRY(platform::writeFileAtomic(keptReport(job_folder), report));
+  FOURDVT_TRY(store.checkFolder());
   FOURDVT_TRY(folder.place());
   return summary;
 }
@@ -225,6 +234,7 @@ Result<jobs::Plan> planReconstruct(const ReconstructOptions& options, std::vecto
   plan.capture_s = plan.frames / job.capture.fps;
   Cutter(file, plan).cut();
   FOURDVT_TRY(jobs::settleHashes(fnv1a(job.settings_key + plan.tool.build), plan));
+  FOURDVT_TRY(jobs::indexVideos(job_folder, capture::videoFiles(job.capture), environment.stop));
   FOURDVT_TRY(writeJobFile(job_folder, file));
   dropStaleRecords(job_folder, job, plan);
   FOURDVT_TRY(jobs::writePlan(job_folder, plan));
@@ -244,10 +254,10 @@ Status reconstructPiece(const std::string& job_folder, const std::string& id, in
   if (!part) return Error{ErrorId::InvalidArgument, job_folder + ": has no piece " + id + "; plan.json lists them"};
   Prepared& job = open.file.job;
   const Threads limit(threads);
-  FOURDVT_ASSIGN(job.capture, openLinked(job.options, {part->sequence}, environment.open_video));
+  FOURDVT_ASSIGN(job.capture, openForPiece(job.options, part->sequence));
   FOURDVT_TRY(checkInputs(open.file, *part, *piece));
   const capture::CaptureSequence& sequence = job.capture.sequences[0];
-  const FrameStore store(resultFolder(job.options), job.capture);
+  const FrameStore store(resultFolder(job.options), job.capture, job.settings_key);
   FOURDVT_TRY(store.makeFolders(sequence.name));
   FOURDVT_ASSIGN(auto maker, SurfaceMaker::create(job.options, job.capture.cameras, environment.device));
   SequenceFrames frames(job, environment, store, maker, sequence);

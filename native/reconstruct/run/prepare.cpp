@@ -7,6 +7,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "capture/folder/linked_capture.h"
+#include "jobs/tool.h"
 #include "mattes/run/matte_sources.h"
 #include "mattes/run/mattes.h"
 #include "reconstruct/run/frame_store.h"
@@ -73,6 +74,11 @@ Status Preparation::link(Earlier earlier) {
   FOURDVT_TRY(openGiven());
   const capture::ResultFolder folder = resultFolder(out_.options);
   std::error_code none;
+  // Pieces may be computed by machines on which another build is installed, so that their key has the build in it; what
+  // a run has left is taken on by a plan, and the other way round.
+  const std::string of_build = out_.settings_key + "build " + jobs::thisTool().build + "\n";
+  if (folder.holds(of_build) || (earlier == Earlier::KeptIfSame && !folder.holds(out_.settings_key)))
+    out_.settings_key = of_build;
   const bool same = folder.holds(out_.settings_key);
   if (earlier == Earlier::KeptIfSame && !same && environment_.note &&
       std::filesystem::exists(folder.workFolder(), none))

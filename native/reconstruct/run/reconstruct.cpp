@@ -21,7 +21,7 @@ class Run {
         environment_(environment),
         maker_(maker),
         started_(started),
-        store_(resultFolder(job.options), job.capture) {}
+        store_(resultFolder(job.options), job.capture, job.settings_key) {}
 
   Result<ReconstructSummary> run() {
     for (const capture::CaptureSequence& sequence : job_.capture.sequences) total_ += sequence.frame_count;

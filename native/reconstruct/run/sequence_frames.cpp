@@ -47,7 +47,7 @@ Status SequenceFrames::begin(uint32_t frame) {
   if (!earliest && frame > 0)
     return Error{ErrorId::Internal, nameOf(frame) + "cannot be made before the sequence's first frame"};
   FOURDVT_TRY(maker_.begin(earliest ? &*earliest : nullptr));
-  FOURDVT_ASSIGN(reader_, capture::FrameReader::open(job_.capture, sequence_, environment_.open_video));
+  FOURDVT_ASSIGN(reader_, capture::FrameReader::open(job_.capture, sequence_, environment_.open_video, frame));
   return {};
 }
 
