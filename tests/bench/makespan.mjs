@@ -18,7 +18,8 @@ const kFixed = { survey: 32, gop: 20, align: 20, frames: 32, labels: 96 };
 // a frame, besides what it takes for any capture.
 const kJoining = 0.02, kFinish_s = 0.03;
 const kWhole = new Set(['colours', 'graph', 'room', 'finish']);
-const kOfASequence = new Set(['colours', 'method', 'room', 'first']);  // the same for any length; of several takes, as of one
+const kOfASequence = new Set(['method', 'room', 'first']);  // the same for any length; of several takes, as of one
+const kColourFrames = 32, kColourEvery = 4;  // colours are matched on every fourth of a take's first 32 frames
 
 /** Seconds of a piece of each kind, for one frame or for all of it. */
 export function measuredSeconds(folder) {
@@ -38,12 +39,14 @@ export function measuredSeconds(folder) {
   return sums;
 }
 
-/** Seconds of every piece of the plan. `frames`: of the measured capture. */
-export function scaled(plan, sums, frames) {
+/** Seconds of every piece of the plan, which is of so many takes. `frames`: of the measured capture. */
+export function scaled(plan, sums, frames, takes = 1) {
   return plan.pieces.map((piece) => {
     const kind = sums[piece.kind];
     if (!kind) throw new Error(`no piece of kind ${piece.kind} was measured`);
     if (kOfASequence.has(piece.kind)) return kind.seconds / kind.pieces;
+    if (piece.kind === 'colours')
+      return kind.seconds * takes * kColourFrames / kColourEvery / Math.ceil(Math.min(kColourFrames, frames) / kColourEvery);
     // A short capture's labels are one window: solved in the piece that else puts windows together.
     if (piece.kind === 'finish') return kind.seconds + kFinish_s * plan.frames;
     const perFrame = kind.seconds / frames * (kind.solves && piece.kind === 'label' ? kJoining : 1);
@@ -144,7 +147,7 @@ if (process.argv[1].endsWith('makespan.mjs')) {
     process.exit(2);
   }
   const plan = repeated(JSON.parse(readFileSync(planPath, 'utf8')), Number(takes)), sums = measuredSeconds(folder);
-  const seconds = scaled(plan, sums, Number(framesText));
+  const seconds = scaled(plan, sums, Number(framesText), Number(takes));
   const planning = Number(planningText), work = planning + seconds.reduce((a, b) => a + b, 0), chain = longestChain(plan.pieces, seconds);
   const time = (s) => (s < 3600 ? `${(s / 60).toFixed(1)} min` : `${(s / 3600).toFixed(2)} h`);
   console.log(`${plan.pieces.length} pieces of ${plan.frames} frames; ${time(work)} of work, of it ${time(planning)} planning; the longest chain ${time(chain)}.\n`);
