@@ -117,6 +117,14 @@ void settleJobKeys(Job& job, bool in_pieces) {
   for (auto& [sequence, key] : job.capture_keys) key += build;
 }
 
+// Has work of another build's plan begin again, whose results do not fit together with this one's.
+void dropOtherBuilds(BakeOptions& options, const BakeEnvironment& environment) {
+  const std::string folder = options.character_folder + ".work";
+  if (!options.resume || !jobs::holdsPlanOfAnotherBuild(folder)) return;
+  options.resume = false;
+  if (environment.note) environment.note(folder + ": holds work of another build of fourdvt; all begins again");
+}
+
 // Completes the job: what every piece depends on is known afterwards, and kept.
 Status planJob(BakeRun& run, bool in_pieces) {
   Job& job = run.job;
@@ -235,12 +243,6 @@ Status dropStaleRecords(BakeRun& run, const std::vector<BakePiece>& pieces, cons
   return {};
 }
 
-// True where a plan of another build is in the folder, whose results do not fit together with this one's.
-bool isOfAnotherBuild(const std::string& job_folder) {
-  const auto plan = jobs::readPlan(job_folder);
-  return plan.ok() && plan.value().tool.build != jobs::thisTool().build;
-}
-
 }  // namespace
 
 Result<jobs::Plan> planBake(const BakeOptions& given, std::vector<std::string> arguments,
@@ -250,10 +252,7 @@ Result<jobs::Plan> planBake(const BakeOptions& given, std::vector<std::string> a
   std::error_code failed;  // pieces run in other folders
   if (const auto path = std::filesystem::absolute(options.character_folder, failed); !failed)
     options.character_folder = path.lexically_normal().string();
-  if (const std::string folder = options.character_folder + ".work"; isOfAnotherBuild(folder)) {
-    options.resume = false;
-    if (environment.note) environment.note(folder + ": holds work of another build of fourdvt; all begins again");
-  }
+  dropOtherBuilds(options, environment);
   FOURDVT_ASSIGN(auto job, validate(options, environment));
   BakeRun run(std::move(job), environment);
   FOURDVT_TRY(planJob(run, true));
@@ -288,9 +287,7 @@ Result<BakeReport> finishBake(const std::string& job_folder, const BakeEnvironme
   FOURDVT_ASSIGN(const OpenJob open, openJob(job_folder, environment));
   Job& job = open.run->job;
   job.writer = "." + environment.writer;
-  FOURDVT_TRY(checkCommonInputs(job));
-  FOURDVT_TRY(checkSounds(job));
-  for (const capture::CaptureSequence& sequence : job.capture.sequences) FOURDVT_TRY(checkMeshInputs(job, sequence));
+  FOURDVT_TRY(checkPieceInputs(*open.run, open.pieces.back()));
   if (!loadRefinementPictures(job)) return planAgain(job.refinement_path, "is missing or damaged");
   expectWork(*open.run);
   auto report = finishJob(*open.run);
@@ -302,7 +299,8 @@ Result<BakeReport> finishBake(const std::string& job_folder, const BakeEnvironme
 }
 
 Result<BakeReport> bake(const BakeOptions& given, const BakeEnvironment& environment) {
-  const BakeOptions options = resolved(given);
+  BakeOptions options = resolved(given);
+  dropOtherBuilds(options, environment);
   const auto started = std::chrono::steady_clock::now();
   auto job = validate(options, environment);
   if (!job) {

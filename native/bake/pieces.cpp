@@ -122,6 +122,7 @@ class Cutter {
     for (const BakePiece& piece : out_) everything.push_back(piece.piece.id);
     BakePiece& finish =
         addWhole(PieceKind::Finish, std::move(everything), 5 + 0.02 * job_.streamFrames(), costs_.finish_mb());
+    if (job_.fromCameras()) readsFrames(finish, {{0, 0}});  // the poster
     for (const capture::CaptureSequence& s : job_.capture.sequences) readsMeshes(finish, s);
     addInput(finish, job_.sound_digest);
     return std::move(out_);
@@ -428,12 +429,17 @@ Result<std::vector<bool>> lostPieces(BakeRun& run, const std::vector<BakePiece>&
   return lost;
 }
 
-Status runPiece(BakeRun& run, const BakePiece& piece) {
+Status checkPieceInputs(const BakeRun& run, const BakePiece& piece) {
   FOURDVT_TRY(checkCommonInputs(run.job));
   for (const auto& [sequence, window] : piece.reads)
     FOURDVT_TRY(checkInputs(run.job, run.job.capture.sequences[sequence], window));
   for (const size_t sequence : piece.reads_meshes)
     FOURDVT_TRY(checkMeshInputs(run.job, run.job.capture.sequences[sequence]));
+  return piece.kind == PieceKind::Finish ? checkSounds(run.job) : Status();
+}
+
+Status runPiece(BakeRun& run, const BakePiece& piece) {
+  FOURDVT_TRY(checkPieceInputs(run, piece));
   return run.job.fromCameras() ? runCameras(run, piece) : runLayers(run, piece);
 }
 

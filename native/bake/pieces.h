@@ -32,6 +32,9 @@ std::vector<BakePiece> bakePieces(const Job& job);
 // [piece] whether a result that its record would stand for is missing or damaged. Errors: WriteFailed.
 Result<std::vector<bool>> lostPieces(BakeRun& run, const std::vector<BakePiece>& pieces);
 
+// Errors: InvalidArgument if files that the piece reads have changed since the plan.
+Status checkPieceInputs(const BakeRun& run, const BakePiece& piece);
+
 // Computes one piece but the last. Does nothing if it is done already. Errors: those of its stage; InvalidArgument if
 // files that it reads have changed.
 Status runPiece(BakeRun& run, const BakePiece& piece);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/input_files.h"
 
-#include <algorithm>
 #include <chrono>
 #include <filesystem>
 
@@ -36,14 +35,10 @@ uint64_t addMeshes(uint64_t hash, const CaptureSequence& sequence, uint32_t firs
   return hash;
 }
 
+// Files that lie in a folder, not those in folders below it.
 uint64_t addFolder(uint64_t hash, const std::string& folder) {
-  std::vector<std::string> files;
-  std::error_code failed, ignored;
-  for (fs::recursive_directory_iterator file(folder, fs::directory_options::follow_directory_symlink, failed), end;
-       !failed && file != end; file.increment(failed))
-    if (file->is_regular_file(ignored)) files.push_back(file->path().string());
-  std::sort(files.begin(), files.end());
-  for (const std::string& file : files) hash = addFile(hash, file);
+  for (const fs::path& file : sortedEntries(folder))
+    if (isFile(file.string())) hash = addFile(hash, file.string());
   return hash;
 }
 
@@ -86,6 +81,8 @@ uint64_t soundDigest(const Capture& capture) {
 uint64_t commonInputDigest(const Capture& capture) {
   uint64_t hash = addFile(kFnv1aStart, capture.folder + "/capture.json");
   for (const std::string& folder : {capture.cameras_folder, capture.background_folder}) hash = addFolder(hash, folder);
+  for (const CaptureCamera& camera : capture.cameras)  // several plates of one camera
+    hash = addFolder(hash, capture.background_folder + "/" + camera.pinhole.name);
   return hash;
 }
 

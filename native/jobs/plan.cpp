@@ -131,6 +131,11 @@ Result<Plan> readPlan(const std::string& job_folder) {
   }
 }
 
+bool holdsPlanOfAnotherBuild(const std::string& job_folder) {
+  const auto plan = readPlan(job_folder);
+  return plan.ok() && plan.value().tool.build != thisTool().build;
+}
+
 Status checkTool(const std::string& job_folder, const Plan& plan) {
   const Tool& here = thisTool();
   if (plan.tool.build == here.build) return {};

@@ -52,5 +52,7 @@ Status writePlan(const std::string& job_folder, const Plan& plan);
 Result<Plan> readPlan(const std::string& job_folder);
 // Refuses a plan that another build of the program has made. Errors: InvalidArgument.
 Status checkTool(const std::string& job_folder, const Plan& plan);
+// True where the folder has a plan that another build of the program has made.
+bool holdsPlanOfAnotherBuild(const std::string& job_folder);
 
 }  // namespace fourdvt::jobs

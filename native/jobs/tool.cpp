@@ -17,11 +17,21 @@
 namespace fourdvt::jobs {
 namespace {
 
+bool isLoaded(const dl_phdr_info& object, const ElfW(Phdr) & part) {
+  for (int i = 0; i < object.dlpi_phnum; ++i) {
+    const ElfW(Phdr)& segment = object.dlpi_phdr[i];
+    if (segment.p_type == PT_LOAD && segment.p_vaddr <= part.p_vaddr &&
+        part.p_vaddr + part.p_memsz <= segment.p_vaddr + segment.p_memsz)
+      return true;
+  }
+  return false;
+}
+
 // The build-id of an object that is loaded; empty if it has none.
 std::string buildIdOf(const dl_phdr_info& object) {
   for (int i = 0; i < object.dlpi_phnum; ++i) {
     const ElfW(Phdr)& header = object.dlpi_phdr[i];
-    if (header.p_type != PT_NOTE) continue;
+    if (header.p_type != PT_NOTE || !isLoaded(object, header)) continue;
     const char* note = reinterpret_cast<const char*>(object.dlpi_addr + header.p_vaddr);
     const char* const end = note + header.p_memsz;
     const auto padded = [](size_t n) { return (n + 3) & ~size_t(3); };
@@ -39,13 +49,22 @@ std::string buildIdOf(const dl_phdr_info& object) {
   return {};
 }
 
-// Build-ids of the shared libraries that are loaded now, in an order that does not depend on where they lie.
+// The build-id; of an object without one, name and size of its file.
+std::string nameOf(const dl_phdr_info& object) {
+  std::string id = buildIdOf(object);
+  if (!id.empty()) return id;
+  std::error_code failed;
+  const std::filesystem::path path = std::filesystem::canonical(object.dlpi_name, failed);
+  return path.filename().string() + " " + std::to_string(std::filesystem::file_size(path, failed));
+}
+
+// Names of the shared libraries that are loaded now, in an order that does not depend on where they lie.
 std::string loadedLibraries() {
   std::vector<std::string> ids;
   ::dl_iterate_phdr(
       [](dl_phdr_info* object, size_t, void* out) {
         if (std::strchr(object->dlpi_name, '/'))  // neither the program nor what the kernel brings along
-          static_cast<std::vector<std::string>*>(out)->push_back(buildIdOf(*object));
+          static_cast<std::vector<std::string>*>(out)->push_back(nameOf(*object));
         return 0;
       },
       &ids);

@@ -8,8 +8,9 @@ namespace fourdvt::jobs {
 
 struct Tool {
   std::string version;
-  // Hash of the program's file and of the build-ids of the shared libraries that it starts with: encoders, decoders and
-  // mathematics are theirs. Graphics drivers, which are loaded later, are not in it.
+  // Hash of the program's file and of the shared libraries that are loaded when it starts, preloaded ones too (their
+  // build-ids, else names and sizes): encoders, decoders and mathematics are theirs. Graphics drivers, which are loaded
+  // later, are not in it.
   std::string build;
   std::string program;  // its absolute path
 };

@@ -43,6 +43,7 @@ void removeIfEmpty(const std::string& path) {
 
 Status replaceFolder(const std::string& from, const std::string& to, const std::string& previous) {
   std::error_code error;
+  if (!fs::exists(from, error)) return writeError(to, std::make_error_code(std::errc::no_such_file_or_directory));
   removeFolder(previous);
   const bool exists = fs::exists(to, error);
   if (exists) fs::rename(to, previous, error);

@@ -14,6 +14,8 @@
 namespace fourdvt::bake {
 namespace {
 
+constexpr int kPlacedAtOnce = 5;  // tries more, where processes finish the same job at once
+
 namespace fs = std::filesystem;
 
 // No bake has made a file of another name; a manifest may come from elsewhere.
@@ -118,7 +120,10 @@ Status moveAll(const std::vector<std::string>& files, const std::string& from, c
 
 Status publish(const std::string& from, const std::string& to) {
   std::error_code error;
-  if (!fs::exists(to, error)) return platform::replaceFolder(from, to, from + ".previous");
+  if (!fs::exists(to, error)) {
+    const Status placed = platform::replaceFolder(from, to, from + ".previous");
+    if (placed.ok() || !fs::exists(to, error)) return placed;  // else another process was earlier
+  }
   const std::vector<std::string> files = inOrder(from, to);
   std::set<std::string> old = bakedFiles(to);
   FOURDVT_TRY(moveAll(files, from, to));
@@ -130,9 +135,11 @@ Status publish(const std::string& from, const std::string& to) {
 
 Status publishReport(const std::string& from, const std::string& to) {
   const std::string previous = from + ".previous";
-  FOURDVT_TRY(platform::replaceFolder(from, to, previous));
+  Status placed = platform::replaceFolder(from, to, previous);
+  for (int again = 0; again < kPlacedAtOnce && !placed.ok(); ++again)  // another process replaces it, too
+    placed = platform::replaceFolder(from, to, previous);
   platform::removeFolder(previous);
-  return {};
+  return placed;
 }
 
 }  // namespace fourdvt::bake

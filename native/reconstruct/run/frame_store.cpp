@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kVersion = "reconstruct 4";  // raise it when the same options give other meshes
+constexpr const char* kVersion = "reconstruct 5";  // raise it when the same options give other meshes
 
 std::string frameName(uint32_t frame) {
   char text[16];

@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cctype>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
+#include <thread>
 
 #include "base/hash.h"
 #include "capture/input_files.h"
@@ -20,6 +22,8 @@
 namespace fourdvt::reconstruct {
 namespace {
 
+constexpr int kLooks = 5;  // whether another process has put the same result into place
+constexpr std::chrono::milliseconds kBetweenLooks(200);
 constexpr const char* kFirst = "first";
 constexpr const char* kFrames = "frames";
 
@@ -278,7 +282,11 @@ Result<ReconstructSummary> finishReconstruct(const std::string& job_folder, cons
   const ReconstructOptions options = open.file.job.options;
   if (isPlaced(job_folder, options)) return readSummary(options.folder);
   auto written = writeAndPlace(job_folder, open.file.job, environment.open_video);
-  return written.ok() || !isPlaced(job_folder, options) ? std::move(written) : readSummary(options.folder);
+  for (int look = 0; look < kLooks && !written.ok(); ++look) {
+    if (isPlaced(job_folder, options)) return readSummary(options.folder);
+    std::this_thread::sleep_for(kBetweenLooks);
+  }
+  return written;
 }
 
 }  // namespace fourdvt::reconstruct

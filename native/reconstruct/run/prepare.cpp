@@ -7,6 +7,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "capture/folder/linked_capture.h"
+#include "jobs/plan.h"
 #include "jobs/tool.h"
 #include "mattes/run/matte_sources.h"
 #include "mattes/run/mattes.h"
@@ -79,10 +80,16 @@ Status Preparation::link(Earlier earlier) {
   const std::string of_build = out_.settings_key + "build " + jobs::thisTool().build + "\n";
   if (folder.holds(of_build) || (earlier == Earlier::KeptIfSame && !folder.holds(out_.settings_key)))
     out_.settings_key = of_build;
-  const bool same = folder.holds(out_.settings_key);
+  const bool other_build = jobs::holdsPlanOfAnotherBuild(folder.workFolder());
+  if (other_build && earlier == Earlier::Kept)
+    return Error{ErrorId::InvalidArgument, folder.workFolder() +
+                                               ": holds work of another build of fourdvt, which does not fit together "
+                                               "with this one's; leave out --resume to begin anew"};
+  const bool same = folder.holds(out_.settings_key) && !other_build;
   if (earlier == Earlier::KeptIfSame && !same && environment_.note &&
       std::filesystem::exists(folder.workFolder(), none))
-    environment_.note(folder.workFolder() + ": holds work of other settings or of another capture; all begins again");
+    environment_.note(folder.workFolder() +
+                      ": holds work of other settings, of another capture or of another build; all begins again");
   FOURDVT_TRY(folder.open(out_.settings_key, earlier == Earlier::Kept || (earlier == Earlier::KeptIfSame && same)));
   FOURDVT_TRY(linkFrames());
   FOURDVT_ASSIGN(out_.capture, openLinked(out_.options, out_.options.sequences, environment_.open_video));

@@ -22,6 +22,7 @@ struct InputFiles : testing::Test {
     capture.background_folder = (folder / "background").string();
     capture.cameras_folder = (folder / "cameras").string();
     write("capture.json");
+    capture.cameras.emplace_back().pinhole.name = "cam00";
     write("cameras/cameras.txt");
     write("background/cam00/000000.png");
     CaptureSequence& turn = capture.sequences.emplace_back();
@@ -50,7 +51,12 @@ TEST_F(InputFiles, PlatesInFoldersOfTheirCamerasCount) {
   const uint64_t other_plate = commonInputDigest(capture);
   EXPECT_NE(other_plate, before);
   write("background/cam00/000001.png");
-  EXPECT_NE(commonInputDigest(capture), other_plate);
+  const uint64_t two_plates = commonInputDigest(capture);
+  EXPECT_NE(two_plates, other_plate);
+  capture.background_folder = capture.cameras_folder = capture.folder;
+  const uint64_t at_the_root = commonInputDigest(capture);
+  write("turn/mesh/000003.obj");
+  EXPECT_EQ(commonInputDigest(capture), at_the_root) << "what pieces write is no input";
 }
 
 TEST_F(InputFiles, MeshesCountWholeAndByFrames) {

@@ -19,9 +19,9 @@ case $state in
   PENDING)
     case $reason in
       # Would wait for ever.
-      launch_failed_requeued_held | BadConstraints | PartitionNodeLimit | PartitionTimeLimit | *MaxWall* | *TimeLimit* | \
-        *MaxMem*PerJob* | *MaxCpu*PerJob* | MaxMemPerLimit)
-        echo "Slurm will not start job $job: $reason; --config most_minutes=N and most_mb=N bound what pieces ask for" >&2
+      launch_failed_requeued_held | BadConstraints | PartitionTimeLimit | *MaxWall* | *MaxMem*PerJob* | MaxMemPerLimit)
+        echo "Slurm will not start job $job: $reason; --config most_minutes=N and most_mb=N bound what pieces ask for" \
+          >>"logs/slurm-$job.log"
         scancel "$job" >/dev/null 2>&1
         echo failed ;;
       *) echo running ;;
