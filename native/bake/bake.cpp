@@ -106,15 +106,13 @@ Status bakeCameras(BakeRun& run, ReportInput& report) {
   return assembleCameras(run, maps, room, report);
 }
 
-// Settles the job's keys. Pieces may be computed by machines on which another build is installed, so that their key has
-// the build in it; what a bake has left is taken on by a plan, and the other way round.
+// Files of the survey have the build in their keys where the folder has.
 void settleJobKeys(Job& job, bool in_pieces) {
   settleKeys(job);
-  const std::string build = "build " + jobs::thisTool().build + "\n", of_build = job.settings_key + build;
-  const bool has_build = WorkFolder::holds(job.workFolder(), of_build);
-  if (!has_build && (!in_pieces || WorkFolder::holds(job.workFolder(), job.settings_key))) return;
-  job.settings_key = of_build;
-  for (auto& [sequence, key] : job.capture_keys) key += build;
+  const std::string settings = job.settings_key;
+  job.settings_key = jobs::folderKey(settings, in_pieces,
+                                     [&](const std::string& key) { return WorkFolder::holds(job.workFolder(), key); });
+  for (auto& [sequence, key] : job.capture_keys) key += job.settings_key.substr(settings.size());
 }
 
 // Has work of another build's plan begin again, whose results do not fit together with this one's.

@@ -2,6 +2,7 @@
 // Identity of the running program and of the machine.
 #pragma once
 
+#include <functional>
 #include <string>
 
 namespace fourdvt::jobs {
@@ -17,5 +18,11 @@ struct Tool {
 
 const Tool& thisTool();
 std::string hostName();
+
+// The key of a job folder's settings. Pieces may be computed by machines on which another build is installed, so that a
+// plan's key has the build in it; what one process has left is taken on by a plan, and the other way round. `holds`:
+// true if the folder has work with a key. `in_pieces`: false in a command that does all in one process.
+std::string folderKey(const std::string& settings, bool in_pieces,
+                      const std::function<bool(const std::string& key)>& holds);
 
 }  // namespace fourdvt::jobs

@@ -52,6 +52,19 @@ Image grayFromRgb(const Image& rgb) {  // BT.709 luma
   return gray;
 }
 
+// Path of a video's list of time stamps, from its name, size and time; empty where none is kept.
+std::string indexPath(const std::string& path, const std::string& folder) {
+  namespace fs = std::filesystem;
+  std::error_code failed;
+  if (folder.empty() || !fs::is_directory(folder, failed)) return {};
+  const auto time = std::chrono::floor<std::chrono::seconds>(fs::last_write_time(path, failed).time_since_epoch());
+  const std::string key = fs::absolute(path, failed).lexically_normal().string() + " " +
+                          std::to_string(fs::file_size(path, failed)) + " " + std::to_string(time.count());
+  char digits[17];
+  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(fnv1a(key)));
+  return folder + "/" + digits + ".stamps";
+}
+
 class FileSource final : public VideoSource {
  public:
   Status open(const std::string& path, int channels, const std::string& index_folder) {
@@ -143,7 +156,7 @@ class FileSource final : public VideoSource {
       for (int i = 0; i < entries; ++i) stamps_.push_back(first_stamp_ + i * (stamp(1) - stamp(0)));
       return;
     }
-    const std::string kept = indexPath();
+    const std::string kept = indexPath(path_, index_folder_);
     if (!kept.empty() && loadStamps(kept)) return;
     readStamps();
     if (!kept.empty()) keepStamps(kept);
@@ -160,20 +173,7 @@ class FileSource final : public VideoSource {
     if (stamps_.empty() || !unique || stamps_.front() != first_stamp_) stamps_.clear();
   }
 
-  // By name, size and time of the video. Empty: stamps are not kept.
-  std::string indexPath() const {
-    namespace fs = std::filesystem;
-    std::error_code failed;
-    if (index_folder_.empty() || !fs::is_directory(index_folder_, failed)) return {};
-    const auto time = std::chrono::floor<std::chrono::seconds>(fs::last_write_time(path_, failed).time_since_epoch());
-    const std::string key = fs::absolute(path_, failed).lexically_normal().string() + " " +
-                            std::to_string(fs::file_size(path_, failed)) + " " + std::to_string(time.count());
-    char digits[17];
-    std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(fnv1a(key)));
-    return index_folder_ + "/" + digits + ".stamps";
-  }
-
-  // An index is the stamps and their hash.
+  // The file has the time stamps of all pictures, then their hash.
   bool loadStamps(const std::string& path) {
     const auto bytes = readFile(path);
     if (!bytes || bytes.value().size() % sizeof(int64_t) != 0 || bytes.value().empty()) return false;
@@ -311,6 +311,9 @@ Result<std::unique_ptr<VideoSource>> openIndexedVideo(const std::string& path, i
 }
 
 Status indexVideo(const std::string& path, const std::string& index_folder) {
+  std::error_code failed;
+  if (const std::string kept = indexPath(path, index_folder); !kept.empty() && std::filesystem::exists(kept, failed))
+    return {};
   FOURDVT_ASSIGN(const auto source, openSource(path, 1, index_folder));
   return source->index();
 }

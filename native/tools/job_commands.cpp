@@ -63,12 +63,22 @@ Status recorded(const std::string& job_folder, const jobs::Plan& plan, const job
 
 bool isReconstruction(const jobs::Plan& plan) { return plan.command == "reconstruct"; }
 
-Status bakePieceOf(const std::string& job_folder, const jobs::Piece& piece, int threads, ProgressLine& line) {
-  FOURDVT_ASSIGN(const auto gpu, openGpu());
-  bake::BakeEnvironment environment = bakeEnvironment(gpu, line);
+// The environment of a command, for a process beside others: with the job's list of time stamps of videos.
+bake::BakeEnvironment inJob(const std::string& job_folder, bake::BakeEnvironment environment) {
   environment.writer = platform::ownSuffix();
   environment.open_video = videoOpener(jobs::videoIndexFolder(job_folder));
-  return bake::bakePiece(job_folder, piece.id, threads, environment);
+  return environment;
+}
+
+reconstruct::ReconstructEnvironment inJob(const std::string& job_folder,
+                                          reconstruct::ReconstructEnvironment environment) {
+  environment.open_video = videoOpener(jobs::videoIndexFolder(job_folder));
+  return environment;
+}
+
+Status bakePieceOf(const std::string& job_folder, const jobs::Piece& piece, int threads, ProgressLine& line) {
+  FOURDVT_ASSIGN(const auto gpu, openGpu());
+  return bake::bakePiece(job_folder, piece.id, threads, inJob(job_folder, bakeEnvironment(gpu, line)));
 }
 
 Status reconstructPieceOf(const std::string& job_folder, const jobs::Piece& piece, int threads, ProgressLine& line) {
@@ -77,9 +87,8 @@ Status reconstructPieceOf(const std::string& job_folder, const jobs::Piece& piec
   if (needs_gpu) {
     FOURDVT_ASSIGN(gpu, openGpu());
   }
-  reconstruct::ReconstructEnvironment environment = reconstructEnvironment(gpu, line);
-  environment.open_video = videoOpener(jobs::videoIndexFolder(job_folder));
-  return reconstruct::reconstructPiece(job_folder, piece.id, threads, environment);
+  return reconstruct::reconstructPiece(job_folder, piece.id, threads,
+                                       inJob(job_folder, reconstructEnvironment(gpu, line)));
 }
 
 Status computePiece(const std::string& job_folder, const jobs::Plan& plan, const jobs::Piece& piece, int threads) {
@@ -95,9 +104,7 @@ Status computePiece(const std::string& job_folder, const jobs::Plan& plan, const
 Status finishBakeOf(const std::string& job_folder, const jobs::Plan& plan) {
   FOURDVT_ASSIGN(const auto gpu, openGpu());
   ProgressLine line;
-  bake::BakeEnvironment environment = bakeEnvironment(gpu, line);
-  environment.writer = platform::ownSuffix();
-  environment.open_video = videoOpener(jobs::videoIndexFolder(job_folder));
+  const bake::BakeEnvironment environment = inJob(job_folder, bakeEnvironment(gpu, line));
   const auto start = std::chrono::steady_clock::now();
   const auto report = bake::finishBake(job_folder, environment);
   line.end();
@@ -109,9 +116,7 @@ Status finishBakeOf(const std::string& job_folder, const jobs::Plan& plan) {
 
 Status finishReconstructOf(const std::string& job_folder, const jobs::Plan& plan) {
   ProgressLine line;
-  reconstruct::ReconstructEnvironment environment = reconstructEnvironment({}, line);
-  environment.open_video = videoOpener(jobs::videoIndexFolder(job_folder));
-  const auto summary = reconstruct::finishReconstruct(job_folder, environment);
+  const auto summary = reconstruct::finishReconstruct(job_folder, inJob(job_folder, reconstructEnvironment({}, line)));
   line.end();
   if (!summary) return summary.error();
   printReconstructSummary(plan.result, summary.value());

@@ -41,10 +41,7 @@ bool RecordFile::isComplete(const std::string& path, size_t record_bytes, uint32
 
 Result<RecordFile> RecordFile::resume(const std::string& path, size_t record_bytes, uint32_t records,
                                       const std::string& writer) {
-  RecordFile out;
-  out.path_ = path;
-  out.record_bytes_ = record_bytes;
-  out.records_ = records;
+  RecordFile out(path, record_bytes, records);
   const bool complete = isComplete(path, record_bytes, records);
   out.open_path_ = complete ? path : path + ".part" + writer;
   std::error_code ignored;
@@ -60,10 +57,7 @@ Result<RecordFile> RecordFile::resume(const std::string& path, size_t record_byt
 
 Result<RecordFile> RecordFile::begin(const std::string& path, size_t record_bytes, uint32_t records,
                                      const std::string& writer) {
-  RecordFile out;
-  out.path_ = path;
-  out.record_bytes_ = record_bytes;
-  out.records_ = records;
+  RecordFile out(path, record_bytes, records);
   out.open_path_ = path + ".part" + writer;
   out.file_.reset(std::fopen(out.open_path_.c_str(), "w+b"));
   if (!out.file_) return cannotWrite(out.open_path_, errno);

@@ -33,6 +33,8 @@ class RecordFile {
   Status finish();
 
  private:
+  RecordFile(const std::string& path, size_t record_bytes, uint32_t records)
+      : path_(path), record_bytes_(record_bytes), records_(records) {}
   struct Closer {
     void operator()(std::FILE* f) const { std::fclose(f); }
   };

@@ -75,11 +75,8 @@ Status Preparation::link(Earlier earlier) {
   FOURDVT_TRY(openGiven());
   const capture::ResultFolder folder = resultFolder(out_.options);
   std::error_code none;
-  // Pieces may be computed by machines on which another build is installed, so that their key has the build in it; what
-  // a run has left is taken on by a plan, and the other way round.
-  const std::string of_build = out_.settings_key + "build " + jobs::thisTool().build + "\n";
-  if (folder.holds(of_build) || (earlier == Earlier::KeptIfSame && !folder.holds(out_.settings_key)))
-    out_.settings_key = of_build;
+  out_.settings_key = jobs::folderKey(out_.settings_key, earlier == Earlier::KeptIfSame,
+                                      [&](const std::string& key) { return folder.holds(key); });
   const bool other_build = jobs::holdsPlanOfAnotherBuild(folder.workFolder());
   if (other_build && earlier == Earlier::Kept)
     return Error{ErrorId::InvalidArgument, folder.workFolder() +
