@@ -12,7 +12,7 @@ namespace fourdvt::platform {
 // Creates the folder and its parents; one that exists is left as it is. Errors: WriteFailed.
 Status makeFolder(const std::string& path);
 void removeFolder(const std::string& path);
-// Removes `last`, a file in the folder, after all else, so that it marks what is left should the program die meanwhile.
+// The same; the file `last` in it goes after all else, so that a folder that is left half removed still has it.
 void removeFolder(const std::string& path, const std::string& last);
 void removeIfEmpty(const std::string& path);
 // `from` takes the place of `to`; an earlier `to` becomes `previous`. On failure `to` is as before. All three lie on

@@ -43,9 +43,9 @@ class WorkFolder {
                                  const std::function<void()>& on_restart = {});
   // The folder as it is. Errors: InvalidArgument if it has another key.
   static Result<WorkFolder> join(const std::string& path, const std::string& key);
-  // True where an earlier run left work with this key.
+  // True if the folder has work of an earlier run with this key.
   static bool holds(const std::string& path, const std::string& key);
-  // Removes the folder, the mark that it is one of ours last.
+  // Removes the folder; its settings file, without which it is not taken for a work folder, goes last.
   static void remove(const std::string& path);
   // Whether a bake in this folder has finished a GOP, with whatever settings.
   static bool holdsGops(const std::string& path);

@@ -124,7 +124,7 @@ bool ResultFolder::holds(const std::string& key) const {
   return found.ok() && std::string(found.value().begin(), found.value().end()) == key + signature();
 }
 
-// The key last: it marks what is left should the program die meanwhile.
+// The settings file goes last: without it, what is left half removed is taken for something else.
 void ResultFolder::removeWork() const {
   platform::removeFolder(workFolder(), std::filesystem::path(keyPath()).filename().string());
 }

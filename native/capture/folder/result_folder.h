@@ -36,7 +36,7 @@ class ResultFolder {
   std::string partFolder() const { return target_ + ".part"; }
   std::string workFolder() const { return target_ + ".work"; }
 
-  // Work that an earlier run left stays only with `resume`. `key`: lines, what decides how frames come out. Errors:
+  // Work that an earlier run left stays only with `resume`. `key`: text of the settings that frames depend on. Errors:
   // InvalidArgument (left with another key, or not left by this command), WriteFailed.
   Status open(const std::string& key, bool resume) const;
   // True where an earlier run left work with this key.

@@ -24,9 +24,9 @@ struct RunTime {
   double wall_s = 0;
 };
 
-// Writes the report over all frames into the new folder. Without a run, frames were made by several processes, and
-// their seconds are added up: the same bytes whoever writes them. Errors: InvalidArgument (a frame that is not
-// finished), WriteFailed.
+// Writes the report over all frames into the new folder. `run`: none where several processes made the frames; the
+// report has the sum of the frames' seconds then, and is the same bytes whoever writes it. Errors: InvalidArgument (a
+// frame that is not finished), WriteFailed.
 Result<ReconstructSummary> writeResult(const Prepared& job, const FrameStore& store, const ReportPictures& pictures,
                                        const std::optional<RunTime>& run);
 

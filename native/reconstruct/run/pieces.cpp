@@ -22,7 +22,7 @@
 namespace fourdvt::reconstruct {
 namespace {
 
-constexpr int kLooks = 5;  // whether another process has put the same result into place
+constexpr int kLooks = 5;  // for the same result, put into place by another process
 constexpr std::chrono::milliseconds kBetweenLooks(200);
 constexpr const char* kFirst = "first";
 constexpr const char* kFrames = "frames";
@@ -186,7 +186,8 @@ Result<capture::Capture> openForPiece(const ReconstructOptions& options, const s
   return changed(options.capture_folder + ": its files (" + opened.error().message + ")");
 }
 
-// The report of this job's result, kept before the result is put into place.
+// Path of a copy of the result's report, written before the result is put into place: a result with the same report is
+// this job's.
 std::string keptReport(const std::string& job_folder) { return job_folder + "/" + kReportJson; }
 
 // True where the result is in place already, of a process that ended before it was recorded or that runs beside this.

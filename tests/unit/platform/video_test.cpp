@@ -300,7 +300,8 @@ TEST(VideoFile, SkipsToThePictureThatFollows) {
   EXPECT_FALSE(video.value()->next().value().has_value()) << "at the end";
 }
 
-// A copy of a video whose time stamps have a gap before a picture, as of a camera that lost some.
+// Copies a video, with the time stamps of all pictures from one on later by three intervals: those of a camera that
+// dropped three frames.
 void copyWithGap(const std::string& path, const std::string& copy, int picture) {
   AVFormatContext *in = nullptr, *out = nullptr;
   ASSERT_EQ(avformat_open_input(&in, path.c_str(), nullptr, nullptr), 0);
