@@ -313,11 +313,12 @@ export class Transport {
     if (!this.#abort.signal.aborted && this.#waiting === (waiting ? 1 : 0)) this.#report(waiting);
   };
 
-  // The second check of a file's name, behind the manifest's reader. Escaped dots and slashes may lead out on a server.
+  // The second check of a file's name, behind the manifest's reader. Escaped dots and slashes may lead out on a server, and
+  // parsers of addresses exist that leave a segment of two dots in.
   #locate(uri: string): string {
     try {
       const { href } = new URL(uri, this.#base), folder = new URL('.', this.#base).href;
-      if (href.startsWith(folder) && !/%(2e|2f|5c|25)/i.test(href.slice(folder.length))) return href;
+      if (href.startsWith(folder) && !/\/\.\.|%(2e|2f|5c|25)/i.test(href.slice(folder.length - 1))) return href;
     } catch { /* no address */ }
     throw new ViewerError('manifest-invalid', `${this.#base}: "${uri}" is not in the character's folder; bake it again`);
   }
