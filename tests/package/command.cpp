@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.h"
 
+#include <errno.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -19,6 +20,13 @@
 namespace fourdvt::test {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+// A folder of this program's own: ctest runs several at once.
+fs::path scratchPath(const std::string& name) { return fs::path(SCRATCH_FOLDER) / program_invocation_short_name / name; }
+
+}  // namespace
 
 Outcome shell(const std::string& command) {
   Outcome out;
@@ -41,7 +49,7 @@ bool isOneLineWith(const Outcome& outcome, const std::string& part) {
 }
 
 std::string scratch(const std::string& name) {
-  const fs::path path = fs::path(SCRATCH_FOLDER) / name;
+  const fs::path path = scratchPath(name);
   fs::remove_all(path);
   fs::create_directories(path);
   return path.string();
@@ -55,7 +63,7 @@ std::string smallCapture(const std::string& name, int frames, const std::string&
 }
 
 std::string copyOf(const std::string& folder, const std::string& name) {
-  const fs::path path = fs::path(SCRATCH_FOLDER) / name;
+  const fs::path path = scratchPath(name);
   fs::remove_all(path);
   fs::copy(folder, path, fs::copy_options::recursive);
   return path.string();

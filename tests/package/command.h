@@ -27,7 +27,7 @@ Outcome interrupted(const std::string& program, const std::string& arguments, co
 // One line of text that ends in a newline and contains `part`.
 bool isOneLineWith(const Outcome& outcome, const std::string& part);
 
-// An empty folder of this name in the build tree.
+// An empty folder of this name in the build tree, apart from those of other test programs.
 std::string scratch(const std::string& name);
 // rig: make_small_capture's.
 std::string smallCapture(const std::string& name, int frames = 6, const std::string& rig = "");
