@@ -58,18 +58,17 @@ test('a lost GL context comes back with the same sequence and frame', async () =
   assert.deepEqual(page.troubles.filter((line) => !line.includes('CONTEXT_LOST')), []);
 });
 
+const slowPlanes = () => {
+  const native = VideoFrame.prototype.copyTo;
+  VideoFrame.prototype.copyTo = async function (...rest) {
+    const layout = await native.apply(this, rest);
+    await new Promise((next) => setTimeout(next, 400));
+    return layout;
+  };
+};
+
 test('where copying planes is slow, the browser uploads frames itself, and nothing is downloaded twice', async () => {
-  await open({
-    attributes: { autoplay: '' },
-    before: () => {
-      const native = VideoFrame.prototype.copyTo;
-      VideoFrame.prototype.copyTo = async function (...rest) {
-        const layout = await native.apply(this, rest);
-        await new Promise((next) => setTimeout(next, 400));
-        return layout;
-      };
-    },
-  });
+  await open({ attributes: { autoplay: '' }, before: slowPlanes });
   await until(() => document.querySelector('fourdvt-viewer').stats?.uploadPath.startsWith('rgba'));
   await until(() => document.querySelector('fourdvt-viewer').stats.framesShown > 5);
   assert.ok(await visible());
@@ -174,6 +173,7 @@ const doubts = () => {
   navigator.mediaCapabilities.decodingInfo = ({ video }) =>
     noted(Promise.resolve({ supported: true, smooth: video.width < 1000 || globalThis.doubt !== 'rough', powerEfficient: false }));
 };
+const fetchedOfPickup = () => performance.getEntriesByType('resource').map(({ name }) => name.split('/').at(-1)).filter((name) => /^pickup\..*mp4/.test(name)).map((name) => name.replace(/\.[0-9a-f]{8}\.mp4/, '.mp4'));
 for (const [doubt, name] of [['none', 'every rendition is played where the browser expects all to be smooth'],
   ['unsupported', 'renditions that the browser cannot decode are not fetched'],
   ['rough', 'renditions that the browser does not expect to be smooth are not fetched']]) {
@@ -183,18 +183,30 @@ for (const [doubt, name] of [['none', 'every rendition is played where the brows
     await until(() => globalThis.answered >= 16 && globalThis.pending === 0);
     await page.waitForTimeout(500); // before, the first motion may have gone up
     await page.evaluate(() => { document.querySelector('fourdvt-viewer').sequence = 'pickup'; });
-    const fetched = () => performance.getEntriesByType('resource').map(({ name }) => name.split('/').at(-1)).filter((name) => /^pickup\..*mp4/.test(name)).map((name) => name.replace(/\.[0-9a-f]{8}\.mp4/, '.mp4'));
     if (doubt === 'none') {
       await until(() => performance.getEntriesByType('resource').some(({ name }) => /\/pickup\.([0-9a-f]{8}\.)?mp4/.test(name)));
     } else {
       await until(() => performance.getEntriesByType('resource').some(({ name }) => /\/pickup\.384-34\.([0-9a-f]{8}\.)?mp4/.test(name)));
       await page.waitForTimeout(2000);
-      assert.deepEqual(new Set(await page.evaluate(fetched)), new Set(['pickup.384-34.mp4']));
+      assert.deepEqual(new Set(await page.evaluate(fetchedOfPickup)), new Set(['pickup.384-34.mp4']));
     }
     assert.ok(await visible());
     assert.deepEqual(page.troubles, []);
   });
 }
+
+test('another upload path: its player fetches what the browser can decode, which is looked up once', async () => {
+  await open({ before: `globalThis.doubt = 'unsupported'; (${doubts})(); (${slowPlanes})()` });
+  await until(() => globalThis.answered >= 16 && globalThis.pending === 0);
+  await page.evaluate(() => { document.querySelector('fourdvt-viewer').sequence = 'pickup'; });
+  const answered = await page.evaluate(() => globalThis.answered);
+  await until(() => document.querySelector('fourdvt-viewer').stats?.uploadPath.startsWith('rgba'));
+  await until(() => document.querySelector('fourdvt-viewer').stats.framesShown > 0);
+  await page.waitForTimeout(2000);
+  assert.deepEqual(new Set(await page.evaluate(fetchedOfPickup)), new Set(['pickup.384-34.mp4']));
+  assert.equal(await page.evaluate(() => globalThis.answered), answered);
+  assert.deepEqual(page.troubles, []);
+});
 
 test('beginnings of other motions come after the first change of motion, not before', async () => {
   await open();

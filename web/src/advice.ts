@@ -7,6 +7,7 @@ import { decodeBeside, type Turning } from './geometry-decoding.js';
 import { isFromCameras } from './manifest.js';
 import { mediaType } from './media-segments.js';
 import { savesData, type Quality } from './quality-attribute.js';
+import type { SessionSide } from './session-side.js';
 import type { TellPlayer } from './wasm-abi.js';
 
 const LOW_BATTERY = 0.15; // of its charge
@@ -38,6 +39,13 @@ interface Player {
 export interface Advised extends Turning {
   run(action: (player: Player) => void): unknown;
 }
+interface Verdict {
+  sequence: number;
+  rendition: number;
+  plays: boolean; // else it is only not smooth
+}
+// By manifest: a session opens one player after another, and the browser's answers stay.
+const verdicts = new WeakMap<object, Promise<Verdict | null>[]>();
 
 // A browser that has no answer is expected to play it.
 async function canDecode({ codec, width, height }: Rendition): Promise<boolean> {
@@ -49,6 +57,27 @@ async function isSmooth({ codec, width, height, byteLength }: Rendition, { frame
   const video = { contentType: mediaType(codec), width, height, bitrate: Math.ceil((8 * byteLength * fps) / frameCount), framerate: fps };
   const info = await navigator.mediaCapabilities?.decodingInfo({ type: 'file', video }).catch(() => null);
   return !info?.supported || info.smooth; // what it says of files that it does not play says nothing of their samples
+}
+
+/** Finds out whether the browser plays the renditions, and smoothly; resolves to null for those that it does. */
+function findVerdicts(manifest: unknown): Promise<Verdict | null>[] {
+  const { sequences = [] } = (manifest as Manifest).extensions.FOURDVT_layered_video_texture;
+  return sequences.flatMap((s, sequence) => s.renditions.map(async (r, rendition) => {
+    const plays = await canDecode(r);
+    return plays && (await isSmooth(r, s)) ? null : { sequence, rendition, plays };
+  }));
+}
+async function judge(manifest: unknown, advised: Advised): Promise<void> {
+  let found = verdicts.get(manifest as object);
+  if (!found) verdicts.set(manifest as object, (found = findVerdicts(manifest)));
+  await Promise.all(found.map(async (verdict) => {
+    const v = await verdict;
+    if (v) advised.run((player) => player.judgeRendition(v.sequence, v.rendition, v.plays));
+  }));
+}
+/** Hands a session's next player what is known of the renditions, before it fetches one that does not play. */
+export function judgeAgain({ main, manifest }: SessionSide): void {
+  if (main && verdicts.has(manifest as object)) void judge(manifest, main);
 }
 
 interface Battery {
@@ -69,11 +98,7 @@ export async function advise(manifest: unknown, advised: Advised, element: Eleme
     return m._fdvt_slice_decoding(handle, DECODE_SLICE_S);
   }));
   if (!isFromCameras(manifest)) decodeBeside(advised, files);
-  const { sequences = [] } = (manifest as Manifest).extensions.FOURDVT_layered_video_texture;
-  await Promise.all(sequences.flatMap((sequence, s) => sequence.renditions.map(async (rendition, r) => {
-    const plays = await canDecode(rendition);
-    if (!plays || !(await isSmooth(rendition, sequence))) advised.run((player) => player.judgeRendition(s, r, plays));
-  })));
+  await judge(manifest, advised);
   if (!savesData()) advised.run((player) => player.lookAhead(element && element.hasAttribute('motion-controls')));
   if (element && (element.getAttribute('quality') || 'auto') === 'auto') await spareBattery(advised);
 }

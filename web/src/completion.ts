@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Completes a session that can play and has the second part. Part of fourdvt-more.js.
-import { advise } from './advice.js';
+import { advise, judgeAgain } from './advice.js';
 import { decidePath } from './measure-path.js';
 import type { SessionSide, SideActor } from './session-side.js';
 
 /** others: the characters beside the main one. measures: the upload path, too. */
 export function complete(session: SessionSide, others: readonly SideActor[], measures: boolean): void {
   const { main } = session;
-  if (measures) main?.takeFrame((frame) => void decidePath(session, frame));
+  if (measures) main?.takeFrame((frame) => void decidePath(session, frame).then(() => judgeAgain(session))); // it may have another player then
   if (main) void advise(session.manifest, main, session.host.element, session.options.files);
   for (const actor of [main, ...others]) actor?.run((player) => player.moreCame());
   session.drawing.programsMissing = true;
