@@ -41,7 +41,7 @@ function checkRefused(url: string): void {
   if (!/^https?:$/.test(protocol) || username) throw cannotLoad(url, 'browsers load https addresses without a password; correct the address');
   if (blocked.has(href.slice(0, href.length - hash.length))) throw cannotLoad(url, "the page's content-security policy blocks it; add its origin to connect-src");
   if (protocol === 'http:' && globalThis.location?.protocol === 'https:' && !/^(localhost|127\..*|\[::1])$/.test(hostname)) {
-    throw cannotLoad(url, 'a page that comes over https cannot load over http; use an https address');
+    throw cannotLoad(url, 'a page over https cannot load over http; use an https address');
   }
 }
 
@@ -59,12 +59,26 @@ const pause = (ms: number, signal?: AbortSignal): Promise<void> =>
     signal?.addEventListener('abort', end);
   });
 
-// Calls `stop` after STALL_S seconds without heard(). The seconds are counted one by one: a page that was itself busy for
-// that long first hears the bytes that came meanwhile.
-function watchForStall(stop: () => void): { heard(): void; end(): void } {
+interface Watch {
+  readonly signal: AbortSignal;
+  heard(): void;
+  end(): void;
+}
+
+// A signal that aborts at end(), with `signal`, or after STALL_S seconds without heard(). The seconds are counted one by one: a
+// page that was itself busy for that long first gets the bytes that came meanwhile.
+function watchForStall(signal?: AbortSignal): Watch {
+  const abort = new AbortController();
   let quiet = 0;
-  const timer = setInterval(() => ++quiet >= STALL_S && stop(), 1000);
-  return { heard: () => (quiet = 0), end: () => clearInterval(timer) };
+  const end = (): void => {
+    clearInterval(timer);
+    signal?.removeEventListener('abort', end);
+    abort.abort();
+  };
+  const timer = setInterval(() => ++quiet >= STALL_S && end(), 1000);
+  signal?.addEventListener('abort', end);
+  if (signal?.aborted) end();
+  return { signal: abort.signal, heard: () => (quiet = 0), end };
 }
 
 // Half of each pause is random, so that the visitors of a server that comes back do not all ask at once.
@@ -104,23 +118,15 @@ interface Answer {
 
 // One request. Errors: PassingFault; ViewerError 'fetch-failed'.
 async function ask(url: string, init: RequestInit, signal?: AbortSignal): Promise<Answer> {
-  const abort = new AbortController();
-  const stop = (): void => abort.abort();
-  if (signal?.aborted) stop();
-  signal?.addEventListener('abort', stop);
-  const watch = watchForStall(stop);
-  const done = (): void => {
-    watch.end();
-    signal?.removeEventListener('abort', stop);
-  };
+  const { signal: watched, heard, end } = watchForStall(signal);
   const failed = (): never => {
-    done();
+    end();
     throw new PassingFault();
   };
-  const response = await fetch(url, { credentials: 'same-origin', ...init, signal: abort.signal }).catch(() => null);
+  const response = await fetch(url, { credentials: 'same-origin', ...init, signal: watched }).catch(() => null);
   if (!response) {
-    done();
-    if (abort.signal.aborted) throw new PassingFault();
+    if (watched.aborted) throw new PassingFault();
+    end();
     await pause(0); // the browser reports what the policy blocks in a task of its own
     checkRefused(url);
     if (await refusesThisPage(url, init, signal)) {
@@ -131,34 +137,29 @@ async function ask(url: string, init: RequestInit, signal?: AbortSignal): Promis
   answered.add(parse(url).origin);
   const { status } = response;
   if (status >= 500 || status === 429 || status === 408) {
-    done();
-    abort.abort();
+    end();
     throw new PassingFault(Math.min(1000 * (Number(response.headers.get('Retry-After')) || 0), LONGEST_ASKED_PAUSE_MS));
   }
   if (!response.ok) {
-    done();
+    end();
     throw cannotLoad(url, `HTTP ${status}`);
   }
   const reader = response.body?.getReader();
   let bytes = 0, limit = MOST_BYTES;
   const next = async (): Promise<Uint8Array | undefined> => {
     const part = (await reader?.read().catch(failed))?.value;
-    watch.heard();
+    heard();
     if (!part) {
-      done();
+      end();
     } else if (!((bytes += part.length) <= limit)) {
-      done();
-      stop();
+      end();
       throw cannotLoad(url, `the server sends more than ${limit} bytes; upload the file again`);
     }
     return part;
   };
   return {
     status,
-    drop() {
-      done();
-      stop();
-    },
+    drop: end,
     stream: (report) => new ReadableStream({
       async pull(to) {
         const part = await next().catch((fault: unknown) => {
@@ -183,15 +184,8 @@ async function ask(url: string, init: RequestInit, signal?: AbortSignal): Promis
 async function refusesThisPage(url: string, init: RequestInit, signal?: AbortSignal): Promise<boolean> {
   if (parse(url).origin === globalThis.location?.origin) return false;
   const answers = (more: RequestInit): Promise<boolean> => {
-    const abort = new AbortController();
-    const stop = (): void => abort.abort();
-    const watch = watchForStall(stop);
-    signal?.addEventListener('abort', stop);
-    return fetch(url, { ...more, signal: abort.signal }).then(() => true, () => false).finally(() => {
-      watch.end();
-      signal?.removeEventListener('abort', stop);
-      stop(); // nobody reads the body
-    });
+    const { signal: watched, end } = watchForStall(signal);
+    return fetch(url, { ...more, signal: watched }).then(() => true, () => false).finally(end); // nobody reads the body
   };
   return (await answers({ mode: 'no-cors' })) && !(await answers({ credentials: 'same-origin', ...init }));
 }

@@ -26,7 +26,7 @@ export function choosePath(wanted: UploadChoice, live: boolean): UploadPath {
   if (typeof VideoDecoder !== 'undefined') return asPath(wanted) ?? rememberedPath() ?? 'i420';
   if (!live && ('MediaSource' in globalThis || 'ManagedMediaSource' in globalThis)) return 'video';
   if (!globalThis.isSecureContext) {
-    throw new ViewerError('insecure-context', `${location.origin}: this browser decodes video for pages that come over https (or from localhost) only; serve this page over https`);
+    throw new ViewerError('insecure-context', `${location.origin}: browsers decode video for pages over https (or from localhost) only; serve this page over https`);
   }
   throw new ViewerError('decoder-unsupported', 'this browser has no WebCodecs VideoDecoder: open the page in a newer one');
 }
