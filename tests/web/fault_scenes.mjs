@@ -156,10 +156,18 @@ export const panel = (scene) => get(scene, () => {
   return { error: shown('.error'), note: shown('.note'), play: shown('.play') };
 });
 export const panelText = (scene) => get(scene, () => globalThis.viewer.shadowRoot.querySelector('.message').textContent);
-// True if new frames come within a while.
+// True if new frames come within a while. Fails with the viewer's state and last events.
 export async function advances(scene) {
   const from = await framesShown(scene);
-  return until(scene, (from) => globalThis.viewer.stats?.framesShown > from + 3, from).then(() => true);
+  await until(scene, (from) => globalThis.viewer.stats?.framesShown > from + 3, from).catch(async (reason) => {
+    const found = await get(scene, () => {
+      const { sequence, state, inTransition, paused, frame, stats, seekable, buffered } = globalThis.viewer;
+      const ranges = (r) => Array.from({ length: r.length }, (_, i) => [r.start(i), r.end(i)]);
+      return { sequence, state, inTransition, paused, frame, stats, buffered: ranges(buffered), seekable: ranges(seekable), seen: globalThis.seen.slice(-8) };
+    });
+    throw new Error(`${scene.name}: no new frames after ${from}: ${JSON.stringify(found)}`, { cause: reason });
+  });
+  return true;
 }
 export async function firstError(scene) {
   const handle = await until(scene, () => globalThis.seen.find((e) => e.type === 'error'));
