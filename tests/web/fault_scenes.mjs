@@ -151,6 +151,14 @@ export const errors = (scene) => get(scene, () => globalThis.seen.filter((e) => 
 export const seenCount = (scene, type) => get(scene, (type) => globalThis.seen.filter((e) => e.type === type).length, type);
 export const framesShown = (scene) => get(scene, () => globalThis.viewer.stats?.framesShown ?? 0);
 export const plays = (scene) => until(scene, () => globalThis.viewer.stats?.framesShown > 10);
+// It plays, and all of its motion is there.
+const playsWhole = async (scene) => {
+  await plays(scene);
+  await until(scene, () => {
+    const { buffered, duration } = globalThis.viewer;
+    return buffered.length === 1 && buffered.start(0) === 0 && buffered.end(0) === duration;
+  });
+};
 export const panel = (scene) => get(scene, () => {
   const shown = (name) => !globalThis.viewer.shadowRoot.querySelector(name).hidden;
   return { error: shown('.error'), note: shown('.note'), play: shown('.play') };
@@ -208,7 +216,7 @@ const stalled = (scene) => until(scene, () => globalThis.seen.some((e) => e.type
 
 async function outage(ms) {
   const scene = await open(`server away for ${seconds(ms)}`);
-  await plays(scene);
+  await playsWhole(scene);
   scene.faults = (request) => (ofCharacter(request) ? { away: true } : null);
   const other = await get(scene, () => {
     const other = globalThis.viewer.sequences.map((s) => s.name).find((name) => name !== globalThis.viewer.sequence);
