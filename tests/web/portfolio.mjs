@@ -12,11 +12,14 @@ const kPressMs = 150_000;
 /** The site with a blank page for the grid. */
 export const servePortfolio = (site) => serve(site, 0, { pages: { '/blank.html': { html: kHtml, headers: {} } } });
 
-/** A page on which contexts, modules, decoders and errors are counted: globalThis.counts. */
+/**
+ * A page on which contexts, modules (and those with their second part), decoders and errors are counted: globalThis.counts. The next
+ * call of the player traps if globalThis.trapNext is set: 'any' one, or one made by an 'output' callback of a decoder.
+ */
 export async function openPortfolio(browser, url, viewport = { width: 480, height: 220 }, device = {}) {
   const page = await openPage(browser, { viewport, ...device }, 'i420');
   await page.addInitScript(() => {
-    const counts = (globalThis.counts = { contexts: 0, modules: 0, decoders: 0, mostDecoders: 0, errors: [] });
+    const counts = (globalThis.counts = { contexts: 0, modules: 0, completed: 0, decoders: 0, mostDecoders: 0, errors: [] });
     const known = new WeakSet();
     for (const { prototype } of [HTMLCanvasElement, OffscreenCanvas]) {
       const { getContext } = prototype;
@@ -30,22 +33,33 @@ export async function openPortfolio(browser, url, viewport = { width: 480, heigh
         return context;
       };
     }
+    let inOutput = false;
     const instantiate = WebAssembly.instantiate;
     WebAssembly.instantiate = async (module, imports) => {
       const instance = await instantiate(module, imports);
+      if (imports?.first) ++counts.completed;
       if (!imports?.placeholder) return instance;
       ++counts.modules;
-      // The next call of the player traps if globalThis.trapNext is set.
       const exports = Object.entries(instance.exports).map(([name, value]) => [name, typeof value !== 'function' ? value : (...values) => {
-        if (!globalThis.trapNext) return value(...values);
-        globalThis.trapNext = false;
+        if (globalThis.trapNext !== 'any' && !(globalThis.trapNext === 'output' && inOutput)) return value(...values);
+        globalThis.trapNext = null;
         throw new WebAssembly.RuntimeError('unreachable');
       }]);
       return { exports: Object.fromEntries(exports) };
     };
     globalThis.VideoDecoder = class extends VideoDecoder {
-      constructor(...options) {
-        super(...options);
+      constructor({ output, ...rest }) {
+        super({
+          output(frame) {
+            inOutput = true;
+            try {
+              output(frame);
+            } finally {
+              inOutput = false;
+            }
+          },
+          ...rest,
+        });
         this.live = true;
         counts.mostDecoders = Math.max(counts.mostDecoders, ++counts.decoders);
       }

@@ -4,7 +4,7 @@
 import type { Commands, Performer } from './commands.js';
 import { asViewerError, ViewerError, type ErrorDetail } from './errors.js';
 import type { DecoderFault } from './generated/abi.js';
-import { FrameDecoder, type DecoderCallbacks, type Heap, type Picture, type PictureDecoder } from './frame-decoder.js';
+import { FrameDecoder, type DecoderCallbacks, type Picture, type PictureDecoder } from './frame-decoder.js';
 import type { ActorHost } from './session-side.js';
 import type { Transport } from './transport.js';
 import { kindOf, uploadPicture, type UploadPath } from './upload-path.js';
@@ -16,12 +16,6 @@ import {
 // One is on screen, the others are ready or being filled. Planes take memory each, of the player's module.
 const PICTURE_SLOTS = 4;
 const PLANE_SLOTS = 3;
-
-const heapOf = (module: WasmModule): Heap => ({
-  allocate: (bytes) => module._fdvt_alloc_planes(bytes),
-  free: (block) => module._fdvt_free_planes(block),
-  bytes: (block, length) => module.HEAPU8.subarray(block, block + length),
-});
 
 /** What one character shares with others: the page's stage, and the canvas with those beside it. */
 export interface ActorContext {
@@ -210,7 +204,11 @@ export class Actor implements Performer {
   }
   #makeDecoder(callbacks: DecoderCallbacks): PictureDecoder {
     const { stage: { module }, path, video } = this.#context;
-    return video?.makeVideoDecoder(callbacks) ?? new FrameDecoder(kindOf(path), heapOf(module), callbacks);
+    return video?.makeVideoDecoder(callbacks) ?? new FrameDecoder(kindOf(path), {
+      allocate: (bytes) => this.#catch(() => module._fdvt_alloc_planes(bytes)) ?? 0,
+      free: (block) => this.#catch(() => module._fdvt_free_planes(block)),
+      bytes: (block, length) => module.HEAPU8.subarray(block, block + length),
+    }, callbacks);
   }
 
   async #fetch(id: number, uri: string, offset: number, bytes: number): Promise<void> {
@@ -270,11 +268,15 @@ export class Actor implements Performer {
     });
   }
 
-  // Runs the action if there still is a player. A trap in wasm ends the session, not the page.
+  // Runs the action if there still is a player.
   #guard<T>(action: (player: WasmPlayer) => T): T | undefined {
-    if (!this.#player) return undefined;
+    const player = this.#player;
+    return player ? this.#catch(() => action(player)) : undefined;
+  }
+  // Runs what calls wasm. A trap in it ends the session, not the page.
+  #catch<T>(action: () => T): T | undefined {
     try {
-      return action(this.#player);
+      return action();
     } catch (reason) {
       if (!this.#context.stage.gl.isContextLost()) this.#host.fatal(reason);
       return undefined;

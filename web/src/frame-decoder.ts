@@ -22,6 +22,7 @@ export type Picture =
 
 /** The player's memory. */
 export interface Heap {
+  /** 0: the player has trapped, for want of memory for example, and its session ends. */
   allocate(bytes: number): number;
   free(block: number): void;
   /** Valid until the memory grows. */
@@ -174,10 +175,11 @@ export class FrameDecoder implements PictureDecoder {
       this.#callbacks.onNoPlanes();
       return;
     }
-    this.#copying = true;
-    const generation = this.#generation;
     const size = frame.allocationSize();
     const block = this.#heap.allocate(size);
+    if (!block) return;
+    this.#copying = true;
+    const generation = this.#generation;
     const pixels = this.#heap.bytes(block, size);
     frame.copyTo(pixels).then(
       (layout) => {
