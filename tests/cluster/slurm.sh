@@ -88,7 +88,7 @@ start control slurmctld -D
 start node1 slurmd -D
 start node2 slurmd -D
 for ((i = 0; ; ++i)); do
-  [ "$(sinfo --noheader --Node --format=%t 2>/dev/null | grep -c '^idle$')" = 2 ] && break
+  [ "$(sinfo --noheader --partition=all --Node --format=%t 2>/dev/null | grep -c '^idle$')" = 2 ] && break
   [ $i -lt 100 ] || fail "the nodes do not come up: $(sinfo --Node 2>&1)"
   sleep 0.3
 done
