@@ -186,6 +186,12 @@ TEST(Job, FilesThatChangedAreNamedByThePieceThatReadsThem) {
       << described.output;
 }
 
+TEST(Job, TriedMethodsDependOnTheFirstFrame) {
+  const Job job = planned("job-method", 40, " --appearance cameras --no-colour-calibration");
+  writeText(job.capture + "/turn/cam00/000000.png", "another picture");
+  EXPECT_TRUE(isOneLineWith(job.piece("method-2"), "/turn: files of frames 0 to 31 have changed since the plan was"));
+}
+
 TEST(Job, MeshesAreCheckedByThePiecesThatReadAllOfThem) {
   const Job job = planned("job-meshes");
   ASSERT_EQ(job.piece("survey-turn-0").code, 0);
