@@ -165,7 +165,7 @@ class Cutter {
     for (uint32_t i = 0; i < triedFrames(job_); ++i) {
       BakePiece& piece = add(PieceKind::Method, std::to_string(i), colours());
       piece.index = i;
-      readsFrames(piece, {{0, 0}, triedFrame(job_, i)});  // faces of the first one
+      readsFrames(piece, {{0, 0}, triedFrame(job_, i)});  // counts the first one's faces
       cost(piece, 60, costs_.room_mb());
     }
     for (size_t s = 0; s < job_.streams.size(); ++s) {

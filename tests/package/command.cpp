@@ -24,7 +24,9 @@ namespace fs = std::filesystem;
 namespace {
 
 // A folder of this program's own: ctest runs several at once.
-fs::path scratchPath(const std::string& name) { return fs::path(SCRATCH_FOLDER) / program_invocation_short_name / name; }
+fs::path scratchPath(const std::string& name) {
+  return fs::path(SCRATCH_FOLDER) / program_invocation_short_name / name;
+}
 
 }  // namespace
 
