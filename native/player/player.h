@@ -112,8 +112,9 @@ class Player {
   virtual void setQuality(uint32_t rendition, uint32_t most_texels) = 0;
   // Passes a judgement to Ladder::judge. Numbers out of range are ignored.
   virtual void judgeRendition(uint32_t sequence, uint32_t rendition, bool plays) = 0;
-  // While nothing else is on its way, the beginnings of up to three other motions are fetched: at once, or after the
-  // next goTo or selectSequence. Only with an automatic choice of renditions.
+  // While nothing else is on its way, the beginnings of up to three other motions are fetched: at once, or after a goTo
+  // or selectSequence, be it the next or one that has come since the first picture. Only with an automatic choice of
+  // renditions.
   virtual void lookAhead(bool at_once) = 0;
 
   // From now on a tick decodes no more geometry than the slice allows, ahead of time and nearest first, and one row for

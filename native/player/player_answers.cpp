@@ -25,7 +25,7 @@ void PlayerImpl::requestMissing() {
   if (starting()) needs[count++] = {0, 0, loops(0), {}};
   const bool wanted = transitions_.phase() == Transitions::Phase::Wanted;
   loading_.requestMissing(std::span(needs.data(), count), wanted ? transitions_.target() : -1);
-  if (look_ahead_ == LookAhead::Now && loading_.idle()) (this->*fetch_ahead_)();
+  if (looks_ahead_ && commanded_ && loading_.idle()) (this->*fetch_ahead_)();
 }
 
 void PlayerImpl::onRangeReceived(uint32_t id, std::span<const uint8_t> bytes) {

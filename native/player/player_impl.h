@@ -87,9 +87,7 @@ class PlayerImpl final : public Player {
 
  private:
   // player.cpp
-  void noteCommand() {
-    if (look_ahead_ == LookAhead::AfterCommand) look_ahead_ = LookAhead::Now;
-  }
+  void noteCommand() { commanded_ = commanded_ || looks_ahead_ || hasFrame(); }
   void select(int sequence);
   void selectFirst(int sequence);
   bool starting() const { return main().head.used() && main().head.sequence() == loading_.startSequence(); }
@@ -196,7 +194,7 @@ class PlayerImpl final : public Player {
   render::MethodOptions method_;
   std::string wanted_name_;  // selected before the manifest arrived
   bool in_sight_ = true;
-  enum class LookAhead { Off, AfterCommand, Now } look_ahead_ = LookAhead::Off;
+  bool looks_ahead_ = false, commanded_ = false;  // lookAhead; once both hold, other motions are fetched
   // Pointers, as in Loading; null until they are asked for.
   void (PlayerImpl::*fetch_ahead_)() = nullptr;
   void (PlayerImpl::*decode_ahead_)() = nullptr;

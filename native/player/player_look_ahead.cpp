@@ -17,7 +17,8 @@ void PlayerImpl::judgeRendition(uint32_t sequence, uint32_t rendition, bool play
 }
 
 void PlayerImpl::lookAhead(bool at_once) {
-  look_ahead_ = at_once ? LookAhead::Now : LookAhead::AfterCommand;
+  looks_ahead_ = true;
+  commanded_ = commanded_ || at_once;
   fetch_ahead_ = &PlayerImpl::fetchAhead;
   loading_.lookAhead();
 }

@@ -103,6 +103,30 @@ TEST(LookAhead, NothingOfAnotherMotionWithoutACommand) {
     EXPECT_EQ(scene.edge.uris.count(uri), 0u) << uri;
 }
 
+// A page offers the look ahead when the rest of the player is there: a visitor may have been quicker.
+TEST(LookAhead, CountsACommandSinceTheFirstPictureAndNotTheFirstMotion) {
+  const FakeCharacter character = fourMotions();
+  for (const bool command : {false, true}) {
+    EdgeOptions options;
+    options.player.rendition = kAutomaticRendition;
+    SimulatedEdge edge(character, options);
+    Player& player = *edge.player;
+    ASSERT_TRUE(player.selectSequence("run").ok());  // as by an attribute
+    ASSERT_TRUE(edge.load());
+    player.play();
+    const auto run = [&] { edge.runUntil([] { return false; }, 10); };
+    run();
+    ASSERT_TRUE(player.hasFrame());
+    if (command) {
+      ASSERT_TRUE(player.goTo("idle").ok());
+      run();
+    }
+    player.lookAhead(false);
+    run();
+    EXPECT_EQ(edge.uris.count("jump.bin") > 0, command);
+  }
+}
+
 // A seek while a beginning is under way, at any moment of it.
 TEST(LookAhead, NoNeedWaitsForIt) {
   const FakeCharacter character = fourMotions();
