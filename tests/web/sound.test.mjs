@@ -24,7 +24,13 @@ const sought = (page) => until(page, () => {
 // that draws it. A turn may draw a frame late, by up to the time between turns, never early: of the pictures before a click, the one that is furthest
 // ahead gives the motion's clock.
 async function offsets(page, motion, count) {
-  await until(page, () => globalThis.listens);
+  await until(page, () => globalThis.listens).catch(async (reason) => {
+    const found = await page.evaluate(() => {
+      const { paused, muted, ended, seeking, readyState, stats } = document.querySelector('fourdvt-viewer');
+      return { paused, muted, ended, seeking, readyState, stats, active: navigator.userActivation.hasBeenActive };
+    });
+    throw new Error(`nothing is played: ${JSON.stringify(found)} ${page.troubles.join('; ')}`, { cause: reason });
+  });
   const since = await page.evaluate(() => globalThis.clicks.length);
   await until(page, (n) => globalThis.clicks.length >= n, since + count);
   await wait(100);
