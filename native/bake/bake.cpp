@@ -106,7 +106,7 @@ Status bakeCameras(BakeRun& run, ReportInput& report) {
   return assembleCameras(run, maps, room, report);
 }
 
-// Files of the survey have the build in their keys where the folder has.
+// Completes the key of the job folder, and with it those of its survey files: both name the build, or neither does.
 void settleJobKeys(Job& job, bool in_pieces) {
   settleKeys(job);
   const std::string settings = job.settings_key;

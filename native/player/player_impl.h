@@ -194,7 +194,9 @@ class PlayerImpl final : public Player {
   render::MethodOptions method_;
   std::string wanted_name_;  // selected before the manifest arrived
   bool in_sight_ = true;
-  bool looks_ahead_ = false, commanded_ = false;  // lookAhead; once both hold, other motions are fetched
+  // Beginnings of other motions are fetched while both hold.
+  bool looks_ahead_ = false;  // lookAhead was called
+  bool commanded_ = false;    // a motion was chosen since the first picture, or need not be
   // Pointers, as in Loading; null until they are asked for.
   void (PlayerImpl::*fetch_ahead_)() = nullptr;
   void (PlayerImpl::*decode_ahead_)() = nullptr;

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// A folder of this program's own: ctest runs several at once.
+// Path in a folder of this program's own: ctest runs several programs at once, and some use the same names.
 fs::path scratchPath(const std::string& name) {
   return fs::path(SCRATCH_FOLDER) / program_invocation_short_name / name;
 }

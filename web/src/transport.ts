@@ -65,8 +65,8 @@ interface Watch {
   end(): void;
 }
 
-// A signal that aborts at end(), with `signal`, or after STALL_S seconds without heard(). The seconds are counted one by one: a
-// page that was itself busy for that long first gets the bytes that came meanwhile.
+// A signal that aborts at end(), with `signal`, or after STALL_S seconds without heard(). A timer counts the seconds one by one:
+// a page that was busy for as long reads the bytes that came meanwhile before the count is full.
 function watchForStall(signal?: AbortSignal): Watch {
   const abort = new AbortController();
   let quiet = 0;
@@ -307,8 +307,8 @@ export class Transport {
     if (!this.#abort.signal.aborted && this.#waiting === (waiting ? 1 : 0)) this.#report(waiting);
   };
 
-  // The second check of a file's name, behind the manifest's reader. Escaped dots and slashes may lead out on a server, and
-  // parsers of addresses exist that leave a segment of two dots in.
+  // The second check of a file's name, behind the manifest's reader. Escaped dots and slashes may lead out of the folder on a
+  // server. Some URL parsers, that of Node 20 for one, do not resolve every "..".
   #locate(uri: string): string {
     try {
       const { href } = new URL(uri, this.#base), folder = new URL('.', this.#base).href;
