@@ -9,10 +9,11 @@
 import { execFileSync } from 'node:child_process';
 import { copyFileSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
-import { join } from 'node:path';
-import { pathToFileURL } from 'node:url';
+import { join, relative } from 'node:path';
+import { fileURLToPath, pathToFileURL } from 'node:url';
 import { parseArgs } from 'node:util';
 
+const kRoot = fileURLToPath(new URL('..', import.meta.url));
 const FEATURES = ['simd', 'bulk-memory', 'sign-ext', 'mutable-globals', 'nontrapping-float-to-int'].map((f) => `--enable-${f}`);
 const SECTION = { names: 0, code: 10, data: 11, dataCount: 12 };
 const FUNCTION_NAMES = 1;
@@ -175,8 +176,13 @@ function readList(path) {
   return { keep: new Set(keep), sources: lines.filter((line) => !line.startsWith('keep ')) };
 }
 
-// Path of the source, without its ending, that an object of CMake was made from: "a/b" of "a/CMakeFiles/TARGET.dir/b.cpp.o".
-const sourceOf = (object) => object.replace(/CMakeFiles\/[^/]+\.dir\//, '').replace(/\.cpp\.o$/, '');
+// Paths of the sources, without their endings, that an object of CMake was made from: "a/b" of
+// "a/CMakeFiles/TARGET.dir/b.cpp.o"; several of "a/CMakeFiles/TARGET.dir/Unity/unity_more_cxx.cxx.o", whose source includes them.
+function sourcesOf(folder, object) {
+  if (!object.endsWith('.cxx.o')) return [object.replace(/CMakeFiles\/[^/]+\.dir\//, '').replace(/\.cpp\.o$/, '')];
+  const unity = readFileSync(join(folder, object.replace(/\.o$/, '')), 'utf8');
+  return [...unity.matchAll(/#include "(.*)\.cpp"/g)].map(([, path]) => relative(kRoot, path));
+}
 
 const kMergedBytes = 100; // functions shorter than this may have been merged with others of the same code
 
@@ -250,10 +256,14 @@ export function chooseFunctions({ bytes, callers, pinned }, first, more, keep) {
 
 function chosen(wasm, text, options) {
   const { keep, sources } = readList(options.list);
-  const files = readdirSync(options.objects, { recursive: true }).filter((path) => path.endsWith('.cpp.o') && !path.startsWith('tests/'));
-  const isMore = (file) => sources.some((source) => (source.endsWith('/') ? sourceOf(file).startsWith(source) : sourceOf(file) === source));
-  const unused = sources.filter((source) => !files.some((file) => sourceOf(file).startsWith(source)));
+  const files = readdirSync(options.objects, { recursive: true }).filter((path) => /\.c(pp|xx)\.o$/.test(path) && !path.startsWith('tests/'));
+  const madeOf = new Map(files.map((file) => [file, sourcesOf(options.objects, file)])), built = [...madeOf.values()].flat();
+  const goes = (path) => sources.some((source) => (source.endsWith('/') ? path.startsWith(source) : path === source));
+  const isMore = (file) => madeOf.get(file).every(goes);
+  const unused = sources.filter((source) => !built.some((path) => path.startsWith(source)));
   if (unused.length) throw new Error(`${options.list}: nothing is built from ${unused.join(', ')}`);
+  const mixed = files.find((file) => madeOf.get(file).some(goes) && !isMore(file));
+  if (mixed) throw new Error(`${mixed} has sources of both parts, by ${options.list}: configure the build again`);
   const symbols = (wanted, archives) => symbolsOf(options.nm, [...files.filter((file) => isMore(file) === wanted).map((file) => join(options.objects, file)), ...archives]);
   return chooseFunctions({ bytes: functionBytes(wasm), ...callGraph(text) }, symbols(false, []), symbols(true, [options.archive]), keep);
 }
