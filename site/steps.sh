@@ -8,14 +8,13 @@ page_packages=(build-essential pkg-config cmake ninja-build ca-certificates dpkg
   libglm-dev libeigen3-dev libtinygltf-dev nlohmann-json3-dev libdraco-dev libopencv-dev libpugixml-dev libtomlplusplus-dev libyaml-cpp-dev
   libopenvdb-dev libboost-iostreams-dev libssl-dev libmeshoptimizer-dev
   libavcodec-dev libavformat-dev libavutil-dev libswscale-dev libswresample-dev
-  libegl-dev libgles-dev libegl1 libgles2 libgl1-mesa-dri emscripten)
+  libegl-dev libgles-dev libegl1 libgles2 libgl1-mesa-dri emscripten clang-14)
 # A Node from elsewhere serves as well; Debian's npm would conflict with it.
 command -v node >/dev/null || page_packages+=(nodejs)
 command -v npm >/dev/null || page_packages+=(npm)
 browser_packages=(chromium fonts-dejavu-core)  # site/demo.sh --check
 lan_packages=(openssl qrencode)                # site/demo.sh --lan
-# The sanitizers' build has Clang, which compiles it in two thirds of GCC's time; Emscripten brings the compiler. The libraries for
-# 32 bits are for a build of the player that is fuzzed. Figures and --changed compare trees by git.
+# The libraries for 32 bits are for a build of the player that is fuzzed. Figures and --changed compare trees by git.
 test_packages=(git libgtest-dev libclang-rt-14-dev "${browser_packages[@]}" firefox-esr xvfb)
 if [ "$(uname -m)" = x86_64 ]; then test_packages+=(libc6-dev-i386 lib32stdc++-12-dev); fi
 
@@ -92,6 +91,14 @@ start_beside() {  # $1: what it makes, also the name of its log; rest: command
 
 # Ends the script if the command beside it has failed already.
 check_beside() { kill -0 "$beside_id" 2>/dev/null || finish_beside; }
+
+# Configures build/release for all commands, or for what the options say. A new build folder has Clang where it is found, which
+# Emscripten brings and which compiles in two thirds of GCC's time; programs of both are equally fast and give the same bytes.
+configure_release() {  # $1: name of the log, rest: options of cmake
+  local compiler=()
+  if [ ! -e build/release/CMakeCache.txt ] && command -v clang++-14 >/dev/null; then compiler=(-DCMAKE_CXX_COMPILER=clang++-14); fi
+  quiet "$1" cmake --preset release "${compiler[@]}" "${@:2}"
+}
 
 # Shows what the command says from here on, until it ends.
 finish_beside() {
