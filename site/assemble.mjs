@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // node site/assemble.mjs OUT DIST CHARACTER [CAMERAS]: the folder that is served.
-// node site/assemble.mjs --add-cameras OUT DIST CHARACTER CAMERAS: the same into a folder that is being served: adds the
-// characters from cameras, then the pages that show them; the rest stays.
+// node site/assemble.mjs --add OUT DIST CHARACTER [CAMERAS]: the same into a folder that is being served: adds the character's
+// files, its manifest last (those of an earlier one stay, for pages that play it), and the characters from cameras, then the
+// pages that show them; the rest stays.
 // OUT/{index,steer}.html, their scripts, styles and pictures, OUT/live (the console of fourdvt live), OUT/measured (the page of
 // figures), OUT/docs (the documents), OUT/examples, OUT/fourdvt-viewer (DIST, the built web package), OUT/character (a baked
 // one), OUT/character.report (its report, if it lies beside it), OUT/{cameras,methods}.html and OUT/cameras (characters from
@@ -25,9 +26,9 @@ function fail(message) {
   process.exit(1);
 }
 
-const paths = process.argv.slice(2).filter((word) => word !== '--add-cameras'), adds = paths.length < process.argv.length - 2;
+const paths = process.argv.slice(2).filter((word) => word !== '--add'), adds = paths.length < process.argv.length - 2;
 const [out, dist, character, cameras] = paths.map((path) => resolve(path));
-if (!out || !dist || !character || (adds && !cameras)) fail('usage: node site/assemble.mjs [--add-cameras] OUT DIST CHARACTER [CAMERAS]');
+if (!out || !dist || !character) fail('usage: node site/assemble.mjs [--add] OUT DIST CHARACTER [CAMERAS]');
 const needed = [
   [join(dist, 'fourdvt-viewer.js'), 'build the web package first: npm run build in web/'],
   [join(character, 'character.gltf'), 'bake a character first: fourdvt bake CAPTURE -o CHARACTER'],
@@ -65,6 +66,16 @@ function replaceFolder(name, folder) {
   renameSync(join(out, `${name}.part`), join(out, name));
 }
 
+// Readers see the old manifest with the old files, or the new one with the new ones.
+function addCharacter() {
+  const isLast = (name) => /\.(gltf|start\.bin)$/.test(name);
+  const names = readdirSync(character).sort((a, b) => isLast(a) - isLast(b) || b.localeCompare(a));
+  for (const name of names) {
+    cpSync(join(character, name), join(out, 'character', `${name}.part`), { recursive: true });
+    renameSync(join(out, 'character', `${name}.part`), join(out, 'character', name));
+  }
+}
+
 // The downloads that the player's build lists, in place of a page's mark.
 const preload = existsSync(join(dist, 'preload.html')) ? readFileSync(join(dist, 'preload.html'), 'utf8').replace(/^(?=.)/gm, '    ') : '';
 const withPreload = (html) => html.replace('    <!-- preload -->\n', () => preload);
@@ -81,8 +92,9 @@ function writePages() {
 for (const name of ['measured', 'live']) mkdirSync(join(out, name), { recursive: true });
 const folders = { examples: join(here, '../web/examples'), 'fourdvt-viewer': dist, character };
 for (const [name, folder] of adds ? [] : Object.entries(folders)) replaceFolder(name, folder);
-if (!adds && existsSync(report)) replaceFolder('character.report', report);
-else if (!adds) rmSync(join(out, 'character.report'), { recursive: true, force: true });
+if (adds) addCharacter();
+if (existsSync(report)) replaceFolder('character.report', report);
+else rmSync(join(out, 'character.report'), { recursive: true, force: true });
 if (cameras) replaceFolder('cameras', cameras);
 if (!adds) renderDocs(join(here, '..'), join(out, 'docs'));
 writePages();

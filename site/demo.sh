@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # The whole way from a clean clone to a page: installs what is missing, builds the tool and the player, bakes a capture,
-# serves the page. Characters from cameras are made while it is served. Safe to run again: finished steps are skipped or
-# incremental. Builds neither tests nor the lab: tests/run.sh does.
+# serves the page, with one motion first: the other motions, commands that the page does without and characters from cameras
+# are made while it is served. Safe to run again: finished steps are skipped or incremental. Builds neither tests nor the
+# lab: tests/run.sh does.
 set -euo pipefail
 usage() {
   cat <<'TXT'
@@ -13,7 +14,7 @@ bash site/demo.sh [options]
   --lan           serve to the local network, for a phone: over https with a certificate made here, because browsers
                   decode video only for https pages; prints address and QR code. The phone warns of the certificate
   --live          no character that was baked, but the sample's videos as live cameras: fourdvt live and its console
-  --prepare       install, build and bake only, characters from cameras included
+  --prepare       install, build all commands and bake only, characters from cameras included
   --no-install    do not touch the system's packages
 TXT
 }
@@ -62,25 +63,43 @@ build_player() {
 
 start_beside player build_player  # its downloads and links leave a core idle
 
+# In a new build folder: the commands of the page alone, unless all of them are wanted before it (native/tools/CMakeLists.txt).
+# The others are built while the page is served; tests/run.sh turns the tests and the lab on.
+tool=build/release/native/tools/fourdvt
+options=()
+[ -e build/release/CMakeCache.txt ] || options=(-DFOURDVT_TESTS=OFF -DFOURDVT_LAB=OFF -DFOURDVT_MORE_TOOLS=OFF)
+[ -z "$prepare$live" ] || options+=(-DFOURDVT_MORE_TOOLS=ON)
+build_tool() {
+  configure_release cmake-release "$@"
+  build build-release build/release fourdvt
+}
 step "Building the tool (the player is built beside it: build/player.log)"
-tests=()
-[ -e build/release/CMakeCache.txt ] || tests=(-DFOURDVT_TESTS=OFF -DFOURDVT_LAB=OFF)  # tests/run.sh turns them on
-quiet cmake-release cmake --preset release "${tests[@]}"
-build build-release build/release fourdvt
+build_tool "${options[@]}"
 check_beside
 
-step "Baking the character"
 source_capture=${capture:-$root/site/sample/actor_a}
 name=$( [ -z "$capture" ] && echo character || echo "character-$(basename "$capture")")
 character=$root/build/$name
 # The same tool on the same files gives the same character.
-stamp=$( { sha256sum build/release/native/tools/fourdvt | cut -d' ' -f1
+stamp=$( { sha256sum $tool | cut -d' ' -f1
            find -L "$source_capture" -type f -printf '%P %s %T@\n' | sort; } | sha256sum | cut -d' ' -f1)
-if [ "$(cat "$character.stamp" 2>/dev/null)" = "$stamp" ] && [ -e "$character/character.gltf" ]; then
-  echo "unchanged: $character"
+is_baked() { [ "$(cat "$1.stamp" 2>/dev/null)" = "$stamp" ] && [ -e "$1/character.gltf" ]; }
+bake() {  # $1: character folder, rest: options
+  if is_baked "$1"; then
+    echo "unchanged: $1"
+  else
+    $tool bake "$source_capture" -o "$1" --resume "${@:2}" && echo "$stamp" >"$1.stamp"
+  fi
+}
+# The sample's page is served with one motion before the others are baked.
+shown=$character
+if [ -z "$capture$prepare" ] && ! is_baked "$character"; then
+  step "Baking the first motion"
+  shown=$root/build/character-walk
+  bake "$shown" --sequences walk
 else
-  build/release/native/tools/fourdvt bake "$source_capture" -o "$character" --resume
-  echo "$stamp" >"$character.stamp"
+  step "Baking the character"
+  bake "$character"
 fi
 
 step "Finishing the player (wasm and JavaScript)"
@@ -88,7 +107,7 @@ finish_beside
 
 # The sample's run from cameras alone: its hull, the hull refined by stereo, and the tracked mesh, for cameras.html.
 cameras=$root/build/cameras
-make_cameras() { bash site/cameras.sh build/release/native/tools/fourdvt "$source_capture" "$cameras" "$stamp"; }
+make_cameras() { bash site/cameras.sh $tool "$source_capture" "$cameras" "$stamp"; }
 cameras_made() { bash site/cameras.sh --is-made "$cameras" "$stamp"; }
 
 site_folder=$root/build/site; [ -z "$capture" ] || site_folder=$root/build/site-$name
@@ -96,31 +115,47 @@ if [ -n "$prepare" ] && [ -z "$capture" ]; then
   step "Making characters from cameras"
   make_cameras
 fi
-shown=()
-[ -n "$capture" ] || ! cameras_made || shown=("$cameras")
-node site/assemble.mjs "$site_folder" "$root/web/dist" "$character" "${shown[@]}"
-if [ -n "$check" ]; then
-  step "Checking the page in Chromium"
-  exec node tests/web/check.mjs "$site_folder" "$root/build/check" "$root/build/release/native/tools/fourdvt" "$character"
-fi
+from_cameras=()
+[ -n "$capture" ] || ! cameras_made || from_cameras=("$cameras")
+assemble() { node site/assemble.mjs "$@" "${from_cameras[@]}"; }
+assemble "$site_folder" "$root/web/dist" "$shown"
 [ -z "$prepare" ] || exit 0
+if [ -n "$check" ]; then
+  step "The page can be served"
+  if [ "$shown" != "$character" ]; then
+    node tests/web/check.mjs --first "$site_folder" "$root/build/check"
+    step "Baking the whole character"
+    bake "$character"
+    assemble --add "$site_folder" "$root/web/dist" "$character"
+  fi
+  step "Checking the page in Chromium"
+  exec node tests/web/check.mjs "$site_folder" "$root/build/check" "$root/$tool" "$character"
+fi
 if [ -n "$live" ]; then
   step "Serving a live stage; Ctrl-C stops"
-  exec build/release/native/tools/fourdvt live site/sample/actor_a/live.json --port "$port" --web "$site_folder"
+  exec $tool live site/sample/actor_a/live.json --port "$port" --web "$site_folder"
 fi
 
-add_cameras() {
-  if make_cameras && node site/assemble.mjs --add-cameras "$site_folder" "$root/web/dist" "$character" "$cameras"; then
-    echo "Characters from cameras are ready: reload the page" >&3
-  else
-    echo "Characters from cameras could not be made; whole log: $root/build/cameras.log" >&3
+# What is missing still, in the order in which a visitor of the page misses it.
+make_the_rest() {
+  if ! is_baked "$character"; then
+    bake "$character" && assemble --add "$site_folder" "$root/web/dist" "$character" || return 1
+    echo "All motions are baked: reload the page" >&3
   fi
+  build_tool -DFOURDVT_MORE_TOOLS=ON || return 1
+  if [ -z "$capture" ] && ! cameras_made; then
+    make_cameras || return 1
+    from_cameras=("$cameras")
+    assemble --add "$site_folder" "$root/web/dist" "$character" || return 1
+    echo "Characters from cameras are ready: reload the page" >&3
+  fi
+  echo "All commands are built: $tool" >&3
 }
-if [ -z "$capture" ] && [ ${#shown[@]} = 0 ]; then
-  echo "Characters from cameras are made while the page is served: reload it in about 2 minutes (build/cameras.log)"
-  exec 3>&2
-  start_beside cameras add_cameras
-fi
+report_the_rest() { (make_the_rest) || echo "Not everything could be made: $root/build/rest.log" >&3; }
+[ -z "$capture" ] && is_baked "$character" && cameras_made ||
+  echo "What the page does without is made while it is served, in some minutes (build/rest.log): other motions, other commands, characters from cameras"
+exec 3>&2
+start_beside rest report_the_rest
 if [ -n "$lan" ]; then
   # The key stays in build/ and is made once: the phone's consent lasts.
   certificate=build/lan

@@ -15,7 +15,7 @@ mkdir -p build
 install_packages "${page_packages[@]}" "${test_packages[@]}"
 start_beside opencv env NODE_PATH=/usr/share/nodejs bash wasm/build_opencv.sh
 step "Building the lab and the tests (OpenCV for wasm is built beside them: build/opencv.log)"
-quiet cmake-tests cmake --preset release -DFOURDVT_LAB=ON -DFOURDVT_TESTS=ON
+configure_release cmake-tests -DFOURDVT_MORE_TOOLS=ON -DFOURDVT_LAB=ON -DFOURDVT_TESTS=ON
 build build-tests build/release
 check_beside
 step "Building most unit tests, with sanitizers"

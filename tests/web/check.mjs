@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // node tests/web/check.mjs SITE OUT FOURDVT CHARACTER: the last step of `bash site/demo.sh --check`.
 // Opens the served site, orbits walk and run, compares the silhouette's size with native stills, watches frames advance.
+// node tests/web/check.mjs --first SITE OUT: of a site with one motion, which is served before the rest is baked: it plays.
 import { mkdirSync, readdirSync, readFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { gzipSync } from 'node:zlib';
@@ -16,9 +17,9 @@ const kDistance = 4.6;       // the whole performer is in the picture
 const kCoverageTolerance = 0.1;
 const kDistinctFrames = 5;
 
-const paths = process.argv.slice(2).map((path) => resolve(path));
-if (paths.length !== 4) {
-  console.error('usage: node tests/web/check.mjs SITE OUT FOURDVT CHARACTER');
+const words = process.argv.slice(2), first = words[0] === '--first', paths = words.slice(first ? 1 : 0).map((path) => resolve(path));
+if (paths.length !== (first ? 2 : 4)) {
+  console.error('usage: node tests/web/check.mjs SITE OUT FOURDVT CHARACTER, or node tests/web/check.mjs --first SITE OUT');
   process.exit(2);
 }
 const [site, out, binary, character] = paths;
@@ -105,10 +106,22 @@ async function checkPairing(browser, address) {
   report(page.troubles.length === 0, `browser console: ${page.troubles.join(' | ') || 'no errors'}`);
 }
 
-async function check(page, address) {
+async function openFirstPicture(page, address) {
   await page.goto(address);
-  const first = await waitForEvent(page, 'canplay');
-  console.log(`time to first picture: ${(first / 1000).toFixed(2)} s (headless, software GL)`);
+  const ms = await waitForEvent(page, 'canplay');
+  console.log(`time to first picture: ${(ms / 1000).toFixed(2)} s (headless, software GL)`);
+}
+
+async function checkFirst(page, address) {
+  await openFirstPicture(page, address);
+  await watchFrames(page, 'walk');
+  const covered = coverage(await readCanvas(page));
+  report(covered > 0.005, `the first motion covers ${(100 * covered).toFixed(2)} %`);
+  report(page.troubles.length === 0, `browser console: ${page.troubles.join(' | ') || 'no errors'}`);
+}
+
+async function check(page, address) {
+  await openFirstPicture(page, address);
   for (const sequence of ['walk', 'run']) {
     for (const azimuth of kAzimuths) {
       await comparePose(page, { sequence, frame: kFrame, azimuth, elevation: kElevation, distance: kDistance });
@@ -126,8 +139,8 @@ mkdirSync(out, { recursive: true });
 const server = await serve(site);
 const browser = await launch();
 try {
-  await check(await openPage(browser, {}, 'auto'), server.url);
-  await checkPairing(browser, server.url);
+  await (first ? checkFirst : check)(await openPage(browser, {}, 'auto'), server.url);
+  if (!first) await checkPairing(browser, server.url);
 } catch (error) {
   report(false, error.message);
 } finally {
