@@ -2,13 +2,14 @@
 // What is measured and shown, as data: commands, figures, and the tables of the page site/measured/index.html. A new
 // figure is a line in `figures`; a table shows it as {id}. Does NOT hold any value: collect.mjs takes them from the runs.
 //
-// A figure: { id, what, unit, digits, scale, from, each, better, spread }
+// A figure: { id, what, unit, digits, scale, from, each, better, spread, clock }
 //   value      taken by `from`, times `scale` (default 1), shown with `digits` decimals and `unit`
 //   each       "sequence" or a key of the setting ("w", "view" …): one figure per value of it, named id.VALUE; `only`
 //              lists the values that are wanted
 //   better     "more" or "less": the page lists what moved the other way since an earlier run
 //   spread     the standard error over views: { quantity }, rows of the study beside those of `from`, or { paired: [A, B],
 //              quantity }, of the differences of two methods view by view
+//   clock      "motion": seconds of a motion as it is played, the same on any machine. Other seconds carry their ratio to the yardstick
 // `from` is one of
 //   { study | truth: table, method, setting, quantity, over }   rows of a study; "truth" is that of the virtual studio.
 //              over: "mean" (default), "sum", "max", "min", "first"; a row over all sequences wins over those of one.
@@ -180,8 +181,8 @@ const motionFigures = [
   { id: 'blend.baked', what: 'mesh blend as baked from the non-linear one, largest', unit: 'mm', digits: 1, better: 'less', from: row('motion-blend', 'hybrid', 'error_max_mm', { setting: 'baked=1', over: 'max' }) },
   { id: 'flow.difference', what: 'flow on the GPU from OpenCV’s Farnebäck, mean', unit: 'px', digits: 3, better: 'less', from: row('motion-flow', 'flow-gpu', 'difference_mean_px', { setting: 'against=opencv' }) },
   { id: 'cost.characters', what: 'characters with baked alignment in the frame time of one with flow on the GPU', unit: '', digits: 0, each: 'size', better: 'more', from: row('motion-cost', 'baked', 'characters_per_flow') },
-  { id: 'transition.mean', what: 'from the request until the target is seen, as played, mean over all pairs', unit: 's', digits: 2, from: row('motion-transitions', undefined, 'latency_played_mean_s', { over: 'mean' }) },
-  { id: 'transition.max', what: 'from the request until the target is seen, as played, longest', unit: 's', digits: 2, better: 'less', from: row('motion-transitions', undefined, 'latency_played_s', { over: 'max' }) },
+  { id: 'transition.mean', what: 'from the request until the target is seen, as played, mean over all pairs', unit: 's', digits: 2, clock: 'motion', from: row('motion-transitions', undefined, 'latency_played_mean_s', { over: 'mean' }) },
+  { id: 'transition.max', what: 'from the request until the target is seen, as played, longest', unit: 's', digits: 2, clock: 'motion', better: 'less', from: row('motion-transitions', undefined, 'latency_played_s', { over: 'max' }) },
   { id: 'transition.step', what: 'largest step of a vertex between two pictures of a transition, against the motions’ own, worst pair', unit: '×', digits: 3, better: 'less', from: row('motion-transitions', undefined, 'step_mm', { over: 'max', against: 'own_step_mm' }) },
   { id: 'transition.change', what: 'largest change of the picture in a transition, against the motions’ own, worst pair', unit: '×', digits: 4, better: 'less', from: row('motion-transitions', undefined, 'change_levels', { over: 'max', against: 'own_change_levels' }) },
   { id: 'skate.mean', what: 'feet sliding while travelling, mean of a contact', unit: 'mm', digits: 1, each: 'at', better: 'less', from: row('motion-skate', undefined, 'skate_mean_mm') },

@@ -3,7 +3,7 @@
 // DIR/PART, and keeps those of the other parts as they are, with the hash of their inputs and their date. Nothing is typed
 // by hand; a figure that was never measured is left out, and the pages say "not measured in this run".
 // Writes site/measured/figures.json, and PART.json of a part that has tables of its own (cameras, hulls, methods).
-//   DIR/PART/part.json    { inputs, date, commit, minutes } of the measurement
+//   DIR/PART/part.json    { inputs, date, commit, minutes, yardstick } of the measurement
 //   DIR/study/report      of fourdvt-lab study CAPTURE -o REPORT; DIR/truth/report: the same of the virtual studio
 //   DIR/bench             character/ (its report.json), {high,crf31}/{character,scores}, NAME.txt (what a bench printed)
 //   DIR/player            sizes.json of the built web package

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // cameras.md, hulls.md and methods.md, as text made from the tables of their parts (PART.json). Holds no value.
 import { chosenAgainstTruth, regretSummary } from './regret.mjs';
+import { machineNote, timed, timedTitle } from './yardstick.mjs';
 
 const kUnits = { cameras: 'cameras', rotation: '° of rotation', translation: 'mm of position', focal: '% of focal length', gain: '% of gain', standoff: 'mm of surface', mixed: '' };
 const kSurfaces = { given: 'tracked mesh', refined: 'refined hull', hull: 'hull' };
@@ -18,6 +19,7 @@ const found = (rows, name, where = {}) => rows.filter((row) => row.table === nam
 const one = (rows, name, where) => found(rows, name, where)[0];
 
 const provenance = ({ inputs, date, commit }) => `Measured on ${date}${commit ? `, commit ${commit}` : ''}; hash of the inputs: \`${inputs}\`.`;
+const timedProvenance = (record) => provenance(record).replace(/\.$/, `; ${machineNote(record.yardstick)}.`);
 
 function cameras({ record, facts, rows }) {
   const surfaces = distinct(found(rows, 'quality').map((row) => row.surface));
@@ -60,10 +62,15 @@ const kHullColumns = [
   ['still change, mm', 'still_change_mm', 2], ['held-out dB', 'psnr_db', 2], ['SSIM', 'ssim', 3],
 ];
 
+function hullCell(row, [title, key, digits], { yardstick }) {
+  if (digits === undefined) return row[key];
+  return title.endsWith(', ms') ? timed([row[key]], 'ms', digits, yardstick) : fixed(row[key], digits);
+}
+
 function hulls({ record, facts, rows }) {
   return `# Surfaces from cameras alone
 
-${provenance(record)} Command: \`bash site/measured/measure.sh hulls\`.
+${timedProvenance(record)} Command: \`bash site/measured/measure.sh hulls\`.
 
 ${facts.frames} frames (${facts.sequences}) of the sample capture. The capture's own meshes serve as reference only.
 
@@ -75,7 +82,7 @@ ${facts.frames} frames (${facts.sequences}) of the sample capture. The capture's
 - still change: motion of the surface between frames where the capture's mesh moves by less than half a millimetre
 - held-out: projective texturing of the surface from the videos at the held-out cameras, PSNR-FG and SSIM-FG
 
-${table(kHullColumns.map(([title]) => title), found(rows, 'surfaces').map((row) => kHullColumns.map(([, key, digits]) => (digits === undefined ? row[key] : fixed(row[key], digits)))))}
+${table(kHullColumns.map(([title]) => (title.endsWith(', ms') ? timedTitle(title, record.yardstick) : title)), found(rows, 'surfaces').map((row) => kHullColumns.map((column) => hullCell(row, column, record))))}
 `;
 }
 
@@ -136,7 +143,7 @@ function methodsDocument({ record, facts, rows }) {
   const passMethods = distinct(found(rows, 'pass').map((row) => row.method));
   return `# Methods of texturing from cameras
 
-${provenance(record)} Command: \`bash site/measured/measure.sh methods\`.
+${timedProvenance(record)} Command: \`bash site/measured/measure.sh methods\`.
 
 Drawn from the raw videos before any codec unless stated otherwise, at the sample's held-out cameras. Cells: PSNR-FG in dB / SSIM-FG, mean
 over ${views(conditions.filter(judged))} views where a method is chosen and ${views(conditions.filter((row) => !judged(row)))} elsewhere, ± its standard error where it was measured. Differences to linear blending
@@ -181,7 +188,7 @@ ${crossTable(rows)}
 
 Passes of a new frame, the GPU drained after each.
 
-${table(['pass, ms', ...passMethods], distinct(found(rows, 'pass').map((row) => row.pass)).map((pass) => [pass, ...passMethods.map((method) => fixed(one(rows, 'pass', { pass, method })?.frame_ms, 1))]))}
+${table([timedTitle('pass, ms', record.yardstick), ...passMethods], distinct(found(rows, 'pass').map((row) => row.pass)).map((pass) => [pass, ...passMethods.map((method) => timed([one(rows, 'pass', { pass, method })?.frame_ms], 'ms', 1, record.yardstick))]))}
 `;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // node site/measured/live.mjs [--table] [ROW…]: what a live system of six cameras does on this machine, end to end; writes
-// site/measured/live.md. Needs a release build with -DFOURDVT_LAB=ON, the site (bash site/demo.sh --prepare) and Chromium. About
-// 30 minutes, ten of them for the memory's slope. Keep the machine quiet meanwhile.
+// site/measured/live.md. Needs a release build with -DFOURDVT_LAB=ON and -DFOURDVT_TESTS=ON, the site (bash site/demo.sh --prepare)
+// and Chromium. About 35 minutes, ten of them for the memory's slope. Keep the machine quiet meanwhile.
 //   Resume   run it again after a kill: finished rows are in build/measured/live/HASH (that of native/ without Markdown, as committed)
 //   --table  writes the document from the finished rows alone
 //   ROW      only these rows, in this order (names: rows of tests/bench/live/rows.mjs)
@@ -12,6 +12,7 @@ import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
 import { rows as kRows } from '../../tests/bench/live/rows.mjs';
+import { besideYardstick } from '../../tests/bench/yardstick.mjs';
 import { documentOf } from './live_document.mjs';
 
 const kRoot = fileURLToPath(new URL('../..', import.meta.url));
@@ -30,8 +31,8 @@ const pathOf = (name) => join(folder, `${name}.json`);
 for (const row of process.argv.includes('--table') ? [] : kRows) {
   if (existsSync(pathOf(row.name)) || (wanted.length && !wanted.includes(row.name))) continue;
   console.log(`live: ${row.name}`);
-  const measured = await row.measure(join(kRoot, 'build/measured/live'));
-  writeFileSync(`${pathOf(row.name)}.part`, `${JSON.stringify(measured)}\n`);
+  const { value, yardstick } = await besideYardstick(() => row.measure(join(kRoot, 'build/measured/live')));
+  writeFileSync(`${pathOf(row.name)}.part`, `${JSON.stringify({ yardstick, ...value })}\n`);
   renameSync(`${pathOf(row.name)}.part`, pathOf(row.name));
 }
 const measured = Object.fromEntries(kRows.filter(({ name }) => existsSync(pathOf(name))).map(({ name }) => [name, JSON.parse(readFileSync(pathOf(name), 'utf8'))]));

@@ -1,25 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 // The text of site/measured/live.md from measured rows (tests/bench/live/rows.mjs). Rows that are missing have no line.
+import { inYardsticks, machinesText, timed, timedTitle } from './yardstick.mjs';
 
 const fixed = (value, digits = 0) => (typeof value === 'number' && Number.isFinite(value) ? value.toFixed(digits) : '–');
 const kilo = (bytesPerSecond) => fixed(bytesPerSecond / 1000);
 const table = (head, rows) => [head, Array(head.length).fill('---'), ...rows].map((cells) => `| ${cells.join(' | ')} |`).join('\n');
 
-const rateCells = (title, r) => [title, fixed(r.hulls_per_s, 1), fixed(r.triangles), fixed(r.tolerance_px, 1), `${fixed(r.latency_ms)} / ${fixed(r.latency_95_ms)} / ${fixed(r.latency_worst_ms)}`,
+const rateCells = (title, r) => [title, fixed(r.hulls_per_s, 1), fixed(r.triangles), fixed(r.tolerance_px, 1), timed([r.latency_ms, r.latency_95_ms, r.latency_worst_ms], 'ms', 0, r.yardstick),
   `${kilo(r.contours_bytes_per_s)} + ${kilo(r.jpeg_bytes_per_s)}`, `${kilo(r.surface_bytes_per_s)} + ${kilo(r.page_bytes_per_s - r.surface_bytes_per_s)}`,
   `${r.skipped} / ${r.incomplete} / ${r.late} of ${r.pictures}`, `${fixed(r.server_cpu, 2)} + ${fixed(r.cameras_cpu, 2)}`];
-const stepCells = (title, r) => [title, fixed(r.keyed_ms, 1), fixed(r.hull_ms, 1), fixed(r.picture_ms, 1), fixed(r.encode_ms, 1), fixed(r.cameras_shown, 1), `${fixed(100 * r.counted, 1)} %`, `${fixed(100 * r.counters_read)} %`, r.other_instants, r.unpaired, fixed(r.stamp_error_ms, 2)];
-const toleranceCells = (row, r) => [row.size.replace('x', '×'), row.px, fixed(r.triangles), fixed(r.hull_ms, 1), fixed(r.hulls_per_s, 1), fixed(r.latency_ms), `${kilo(r.contours_bytes_per_s)}`, fixed(r.iou, 4), fixed(r.psnr_db, 2), fixed(r.ssim, 3), fixed(r.to_given_mm, 1)];
-const spanCells = (s) => [s.title, `${fixed(s.hulls_per_s, 1)} (${fixed(s.lowest_hulls_per_s, 1)})`, fixed(s.tolerance_px, 1), fixed(s.triangles), fixed(s.hull_ms, 1), fixed(s.latency_ms)];
-const drawnCells = (title, r) => [title, fixed(r.arrived_per_s, 1), fixed(r.pictures_per_s, 1), fixed(r.shown_per_s, 1), `${fixed(r.latency_ms)} / ${fixed(r.latency_95_ms)}`, `${fixed(r.viewer_latency_ms)} / ${fixed(r.viewer_latency_95_ms)}`, r.barcode_mismatches];
+const stepCells = (title, r) => [title, ...[r.keyed_ms, r.hull_ms, r.picture_ms, r.encode_ms].map((ms) => timed([ms], 'ms', 1, r.yardstick)), fixed(r.cameras_shown, 1), `${fixed(100 * r.counted, 1)} %`, `${fixed(100 * r.counters_read)} %`, r.other_instants, r.unpaired, fixed(r.stamp_error_ms, 2)];
+const toleranceCells = (row, r) => [row.size.replace('x', '×'), row.px, fixed(r.triangles), timed([r.hull_ms], 'ms', 1, r.yardstick), fixed(r.hulls_per_s, 1), timed([r.latency_ms], 'ms', 0, r.yardstick), `${kilo(r.contours_bytes_per_s)}`, fixed(r.iou, 4), fixed(r.psnr_db, 2), fixed(r.ssim, 3), fixed(r.to_given_mm, 1)];
+const spanCells = (s, yardstick) => [s.title, `${fixed(s.hulls_per_s, 1)} (${fixed(s.lowest_hulls_per_s, 1)})`, fixed(s.tolerance_px, 1), fixed(s.triangles), timed([s.hull_ms], 'ms', 1, yardstick), timed([s.latency_ms], 'ms', 0, yardstick)];
+const drawnCells = (title, r) => [title, fixed(r.arrived_per_s, 1), fixed(r.pictures_per_s, 1), fixed(r.shown_per_s, 1), ...[[r.latency_ms, r.latency_95_ms], [r.viewer_latency_ms, r.viewer_latency_95_ms]].map((list) => timed(list, 'ms', 0, r.yardstick)), r.barcode_mismatches];
 const slopeCells = (title, s) => [title, fixed(s.first / 1e6, 1), fixed(s.last / 1e6, 1), `${fixed(s.slope / 1e3)} ± ${fixed(2 * s.error / 1e3)}`];
 
 export function documentOf(measured, rows, { date, commit }) {
   const of = (kind) => rows.filter((row) => row.kind === kind && measured[row.name]);
+  const titled = (title, ...list) => timedTitle(title, ...list.map((row) => measured[row.name].yardstick));
   const parts = [`# Live: rates, delays, faults
 
 Measured on ${date}, commit ${commit}. Command: \`node site/measured/live.mjs\`. On two cores, without a GPU, everything on one machine: six processes
 \`fourdvt live-camera\`, which play six of the sample's cameras (the motion "run") in real time, one \`fourdvt live\`, and a page in Chromium, over loopback, with tokens.
+[Yardsticks](../docs/measured.md#yardsticks), of the rows whose times have a ratio: ${machinesText(Object.values(measured).map(({ yardstick }) => yardstick))}.
 
 How delays are measured: \`fourdvt-lab stage --counter\` paints each picture's number on the performer, black and white, so that it is keyed, cropped, packed
 and coded like the rest of him. Sources play by the wall clock, so that a number says when its picture was taken. The page notes when each message comes;
@@ -33,20 +36,20 @@ The page takes the messages and does not draw: with a software rasteriser on the
 Goals: 25 hulls a second at 320×240 with 1,000 triangles, 12 at 640×480, at most 200 ms. Skipped: instants that came while the one before was still worked on;
 incomplete: hulls without a camera that was there; late: pictures that came after their hull was made. Over 30 s, after 8 s.
 
-${table(['cameras', 'hulls a second', 'triangles', 'tolerance, px', 'capture to page, ms: median / 95 % / worst', 'cameras → server, kB/s: outlines + pictures', 'server → page, kB/s: surface + pictures', 'skipped / incomplete / late', 'cores busy: server + cameras'],
+${table(['cameras', 'hulls a second', 'triangles', 'tolerance, px', titled('capture to page, ms: median / 95 % / worst', ...plain), 'cameras → server, kB/s: outlines + pictures', 'server → page, kB/s: surface + pictures', 'skipped / incomplete / late', 'cores busy: server + cameras'],
     plain.map((row) => rateCells(row.title, measured[row.name])))}
 
 Medians of the steps; and the checks: frames whose number reads, tiles on which it reads, frames with pictures of different instants, frames whose picture
 belongs to another surface, and the server's own time of capture less the one that is read.
 
-${table(['cameras', 'keying, ms', 'hull, ms', 'packing, ms', 'coding, ms', 'cameras shown', 'frames read', 'tiles read', 'other instants', 'unpaired', 'time stamps off, ms'], plain.map((row) => stepCells(row.title, measured[row.name])))}
+${table(['cameras', ...['keying, ms', 'hull, ms', 'packing, ms', 'coding, ms'].map((title) => titled(title, ...plain)), 'cameras shown', 'frames read', 'tiles read', 'other instants', 'unpaired', 'time stamps off, ms'], plain.map((row) => stepCells(row.title, measured[row.name])))}
 `);
   }
   const drawn = of('rate').filter((row) => row.drawn);
   if (drawn.length) {
     parts.push(`The same with a \`<fourdvt-viewer>\` of 320×240 in the page, which decodes and draws on the same two cores (SwiftShader). Shown: from capture to what is on the canvas, as \`liveLatency\` says.
 
-${table(['cameras', 'frames that come a second', 'decoded a second', 'shown a second', 'capture to page, ms: median / 95 %', 'shown, ms: median / 95 %', 'barcode mismatches'], drawn.map((row) => drawnCells(row.title, measured[row.name])))}
+${table(['cameras', 'frames that come a second', 'decoded a second', 'shown a second', titled('capture to page, ms: median / 95 %', ...drawn), titled('shown, ms: median / 95 %', ...drawn), 'barcode mismatches'], drawn.map((row) => drawnCells(row.title, measured[row.name])))}
 `);
   }
   parts.push(`## Beside the paper
@@ -61,7 +64,7 @@ ${table(['', 'paper', 'here'], [
     ['triangles', '400 to 500', [measured.small, measured.large].map((r) => fixed(r?.triangles)).join('; ')],
     ['drawn a second', '23, on a GPU beside', `${[measured['small-drawn'], measured['large-drawn']].map((r) => fixed(r?.shown_per_s, 1)).join('; ')} by a software rasteriser on the same two cores`],
     ['packing of textures', '63 instead of 46 frames a second with six pictures', 'always: one picture a frame has all regions'],
-    ['delay', 'not said', [measured.small, measured.large].map((r) => `${fixed(r?.latency_ms)} ms`).join('; ')],
+    ['delay', 'not said', [measured.small, measured.large].map((r) => `${fixed(r?.latency_ms)} ms${inYardsticks([r?.latency_ms], 'ms', r?.yardstick)}`).join('; ')],
     ['who sees it', 'the server\'s screen', 'any number of web pages'],
   ])}
 `);
@@ -72,7 +75,7 @@ The tolerance of outlines held fixed. Quality is that of the surfaces that came 
 against the pictures of the held-out cameras (\`fourdvt-lab surfaces\`), from the six cameras' and two more cameras' full pictures. A hull has what concave parts hide: the
 distance to the given mesh (mean) is not the tolerance's alone.
 
-${table(['cameras', 'tolerance, px', 'triangles', 'hull, ms', 'hulls a second', 'capture to page, ms', 'outlines, kB/s', 'IoU', 'PSNR-FG, dB', 'SSIM-FG', 'to the mesh, mm'], of('tolerance').map((row) => toleranceCells(row, measured[row.name])))}
+${table(['cameras', 'tolerance, px', 'triangles', titled('hull, ms', ...of('tolerance')), 'hulls a second', titled('capture to page, ms', ...of('tolerance')), 'outlines, kB/s', 'IoU', 'PSNR-FG, dB', 'SSIM-FG', 'to the mesh, mm'], of('tolerance').map((row) => toleranceCells(row, measured[row.name])))}
 `);
   }
   if (measured['core-lost']) {
@@ -80,7 +83,7 @@ ${table(['cameras', 'tolerance, px', 'triangles', 'hull, ms', 'hulls a second', 
 
 640×480, 12 a second wanted, tolerance by control. All programs, browser included, are held to one core for ten seconds. Medians of ${measured['core-lost'].runs} runs; in brackets the lowest rate of any.
 
-${table(['', 'hulls a second', 'tolerance, px', 'triangles', 'hull, ms', 'capture to frame, ms'], measured['core-lost'].spans.map(spanCells))}
+${table(['', 'hulls a second', 'tolerance, px', 'triangles', ...['hull, ms', 'capture to frame, ms'].map((title) => titled(title, { name: 'core-lost' }))], measured['core-lost'].spans.map((span) => spanCells(span, measured['core-lost'].yardstick)))}
 `);
   }
   if (of('fault').length) {
@@ -88,7 +91,7 @@ ${table(['', 'hulls a second', 'tolerance, px', 'triangles', 'hull, ms', 'captur
 
 Six cameras of 320×240 at 25 a second; each fault on a system of its own.
 
-${table(['fault', 'what is seen', 'recovery, s', ''], of('fault').map((row) => [row.title, measured[row.name].seen, fixed(measured[row.name].recovery_s, 2), measured[row.name].recovery]))}
+${table(['fault', 'what is seen', titled('recovery, s', ...of('fault')), ''], of('fault').map((row) => [row.title, measured[row.name].seen, timed([measured[row.name].recovery_s], 's', 2, measured[row.name].yardstick), measured[row.name].recovery]))}
 `);
   }
   const endurance = measured['ten-minutes'], recording = measured.recording;
@@ -104,7 +107,7 @@ ${table(['', 'MB after a minute', 'MB at the end', 'slope, kB a minute'], [['ser
     parts.push(`## A recording
 
 \`fourdvt live --record\` for some seconds, then \`fourdvt reconstruct --hull polyhedral\` and \`fourdvt bake --appearance cameras\` of it: ${recording.frames} frames; overlap of the hulls with the recorded mattes ${fixed(recording.overlap_mean, 4)} (lowest ${fixed(recording.overlap_lowest, 4)});
-${fixed(recording.reconstruct_s)} s and ${fixed(recording.bake_s)} s.
+${[recording.reconstruct_s, recording.bake_s].map((s) => `${fixed(s)} s${inYardsticks([s], 's', recording.yardstick)}`).join(' and ')}.
 `);
   }
   return `${parts.join('\n').trim()}\n`;

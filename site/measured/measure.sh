@@ -5,6 +5,7 @@
 #   Parts    study, truth, cameras, hulls, methods, bench, player; what belongs to each is in parts.mjs and parts/NAME.sh
 #   State    a part carries the hash of its inputs (sources, capture, scripts) and the date; unchanged inputs: not
 #            measured again. The figures of the parts that do not run stay as they are, with their hash and date
+#   Machine  the yardstick runs before and after each part, and is recorded with it: seconds are shown with their ratio to it
 #   Resume   run the same command again after a kill: finished steps are in build/measured/PART, each written as a whole.
 #            Changed inputs empty that folder
 set -euo pipefail
@@ -55,7 +56,7 @@ if [ -n "$build" ]; then
   install_packages "${page_packages[@]}" "${test_packages[@]}"
   step "Building the programs"
   quiet cmake-tests cmake --preset release -DFOURDVT_TESTS=ON -DFOURDVT_LAB=ON
-  build build-measured build/release fourdvt fourdvt-lab bench_draw_ratio bench_blend_ratio repeat_capture
+  build build-measured build/release fourdvt fourdvt-lab bench_yardstick bench_draw_ratio bench_blend_ratio repeat_capture
   if needs bench || needs player; then bash site/demo.sh --prepare; fi
   if needs bench; then
     quiet build-class-frame env NODE_PATH=/usr/share/nodejs cmake --build build/wasm --target bench_class_frame
@@ -91,6 +92,12 @@ printed() {
   note_time
 }
 
+# Keeps runs of the yardstick, whose own seconds are none of the part's.
+measure_machine() {
+  node tests/bench/yardstick.mjs --keep "$folder/yardstick"
+  noted=$SECONDS
+}
+
 # The folder of a part, emptied where it was begun with other inputs.
 begin_part() {
   part=$1 folder=$out/$1 noted=$SECONDS
@@ -102,15 +109,17 @@ begin_part() {
 
 for part in "${chosen[@]}"; do
   begin_part "$part"
+  measure_machine
   trap note_time EXIT
   . "site/measured/parts/$part.sh"
   note_time
   trap - EXIT
+  measure_machine
   if [ "$(node "$figures" --hash "$part")" != "$inputs" ]; then
     echo "site/measured/measure.sh: inputs of $part changed while it was measured; run it again" >&2
     exit 1
   fi
-  node "$figures" --record "$part" --seconds "$(cat "$folder/seconds")" --out "$folder/part.json"
+  node "$figures" --record "$part" --seconds "$(cat "$folder/seconds")" --yardstick "$folder/yardstick" --out "$folder/part.json"
   step "Writing the figures of $part ($(duration "$(cat "$folder/seconds")"))"
   node site/measured/collect.mjs --from "$out" ${before[@]+"${before[@]}"} "$part"
   node site/measured/fill.mjs

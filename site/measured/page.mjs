@@ -3,6 +3,7 @@
 import { constants, sections } from './catalogue.mjs';
 import { partOfRun, parts } from './parts.mjs';
 import { fixed, kNotMeasured } from './shown.mjs';
+import { inYardsticks, machineText } from './yardstick.mjs';
 
 const escaped = (text) => String(text).replaceAll('&', '&amp;').replaceAll('<', '&lt;').replaceAll('>', '&gt;').replaceAll('"', '&quot;').replaceAll('\u00a0', '&nbsp;');
 const cells = (tag, list) => list.map((cell, i) => `<${i ? tag : 'th'}${i ? '' : tag === 'td' ? ' scope="row"' : ''}>${cell}</${i ? tag : 'th'}>`).join('');
@@ -59,17 +60,17 @@ function worse(shown) {
   const list = shown.worse();
   if (!list.length) return '';
   const unit = (figure, value) => escaped(fixed(value, figure.digits) + (figure.unit ? `\u00a0${figure.unit}` : ''));
-  const rows = list.map((figure) => cells('td', [escaped(figure.what + (figure.key ? `, ${figure.key}` : '')), unit(figure, figure.before), unit(figure, figure.value)]));
+  const rows = list.map((figure) => cells('td', [escaped(figure.what + (figure.key ? `, ${figure.key}` : '')), unit(figure, figure.before), unit(figure, figure.value) + escaped(shown.ratio([figure]))]));
   return `<section aria-labelledby="worse">\n<h2 id="worse">What got worse since the version before</h2>\n<p>Times differ between two runs of one version, too.</p>\n${table('What got worse', ['what', 'before', 'now'], rows)}\n</section>`;
 }
 
 // A table of a study that no section above shows: a row per sequence, method and setting, a column per quantity.
-function otherTable(name, list) {
+function otherTable(shown, name, list) {
   const quantities = [...new Set(list.map((figure) => figure.what))], rows = new Map();
   for (const figure of list) {
     const key = Object.values(figure.cells).join('|');
     if (!rows.has(key)) rows.set(key, { cells: figure.cells, values: {} });
-    rows.get(key).values[figure.what] = `${figure.value}${figure.unit ? `\u00a0${figure.unit}` : ''}`;
+    rows.get(key).values[figure.what] = `${figure.value}${figure.unit ? `\u00a0${figure.unit}` : ''}${shown.ratio([figure])}`;
   }
   const lines = [...rows.values()].map((row) => cells('td', [...Object.values(row.cells), ...quantities.map((q) => row.values[q] ?? '–')].map(escaped)));
   return `<h3>${escaped(name)}</h3>\n${table(name, ['motion', 'method', 'setting', ...quantities], lines)}`;
@@ -79,7 +80,7 @@ function others(shown) {
   const list = shown.figures.filter((figure) => figure.cells);
   if (!list.length) return '';
   const names = [...new Set(list.map((figure) => `${figure.run}: ${figure.row}`))];
-  const tables = names.map((name) => otherTable(name, list.filter((figure) => `${figure.run}: ${figure.row}` === name)));
+  const tables = names.map((name) => otherTable(shown, name, list.filter((figure) => `${figure.run}: ${figure.row}` === name)));
   return `<section aria-labelledby="rows">\n<h2 id="rows">Further tables of the studies</h2>\n${tables.join('\n')}\n</section>`;
 }
 
@@ -88,14 +89,16 @@ function constantsTable() {
   return `<section aria-labelledby="constants">\n<h2 id="constants">What the constants were chosen on</h2>\n<p>The values of a motion that constants were chosen on flatter them; those of the other motions do not. All motions are of one performer under one rig: no figure here shows another performer or another rig.</p>\n${table('Constants', ['constants', 'file', 'chosen on', 'by'], rows)}\n</section>`;
 }
 
+const took = ({ minutes, yardstick }) => (minutes === undefined ? '–' : `${fixed(minutes, 1)}\u00a0min${inYardsticks([minutes], 'min', yardstick)}`);
+
 // The commit is where the measurement began; the hash names its inputs whatever the history is.
 function partTable(records) {
   const rows = Object.entries(parts).map(([name, { what }]) => {
     const record = records[name];
-    const facts = record ? [record.date, `<code>${escaped(record.inputs)}</code>`, `<code>${escaped(record.commit ?? '–')}</code>`, record.minutes === undefined ? '–' : escaped(`${fixed(record.minutes, 1)}\u00a0min`)] : [kNotMeasured, '–', '–', '–'];
+    const facts = record ? [record.date, `<code>${escaped(record.inputs)}</code>`, `<code>${escaped(record.commit ?? '–')}</code>`, escaped(took(record)), record.yardstick ? escaped(machineText(record.yardstick)) : 'not measured'] : [kNotMeasured, '–', '–', '–', '–'];
     return cells('td', [`<span id="part-${name}">${name}</span>`, escaped(what), ...facts]);
   });
-  return `<section aria-labelledby="parts">\n<h2 id="parts">When it was measured</h2>\n<p>Figures are measured in parts. A part is measured again when its inputs change: sources, capture, scripts. The hash names those that its figures are of; <code>node site/measured/parts.mjs --hash PART</code> prints today’s.</p>\n${table('Parts', ['part', 'what', 'date', 'hash of the inputs', 'commit', 'took'], rows)}\n</section>`;
+  return `<section aria-labelledby="parts">\n<h2 id="parts">When it was measured</h2>\n<p>Figures are measured in parts. A part is measured again when its inputs change: sources, capture, scripts. The hash names those that its figures are of; <code>node site/measured/parts.mjs --hash PART</code> prints today’s.</p>\n${table('Parts', ['part', 'what', 'date', 'hash of the inputs', 'commit', 'took', 'yardstick'], rows)}\n</section>`;
 }
 
 function runList(runs) {
@@ -114,7 +117,7 @@ const head = ['<meta charset="utf-8">', meta('viewport', 'width=device-width, in
 const introduction = `<header>
 <p><a href="../index.html">fourdvt</a></p>
 <h1>Measured</h1>
-<p>Every figure of this page, of the README and of the front page comes from one file, <a href="figures.json">figures.json</a>, which is made from what the tool itself wrote. “FG” counts the silhouettes only; ± is the standard error over the views. Several values in one cell are those of the motions.</p>
+<p>Every figure of this page, of the README and of the front page comes from one file, <a href="figures.json">figures.json</a>, which is made from what the tool itself wrote. “FG” counts the silhouettes only; ± is the standard error over the views. Several values in one cell are those of the motions. Seconds whose machine was measured carry their ratio to a fixed job, in <a href="../docs/measured.html#yardsticks">yardsticks</a>.</p>
 </header>`;
 
 // records: of the parts, by name.

@@ -4,13 +4,16 @@
 //   parts.mjs --list                     state, date and minutes of every part
 //   parts.mjs --stale                    names of the parts that are out of date or were never measured
 //   parts.mjs --hash PART [--at COMMIT]  hash of the part's inputs: of the working tree, or of a commit
-//   parts.mjs --record PART --seconds N --out FILE   writes what a finished measurement is recorded with
+//   parts.mjs --record PART --seconds N --yardstick RUNS --out FILE   writes what a finished measurement is recorded with; RUNS: of
+//                                        tests/bench/yardstick.mjs --keep
 import { execFileSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
 import { existsSync, lstatSync, readFileSync, renameSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { fileURLToPath, pathToFileURL } from 'node:url';
 import { parseArgs } from 'node:util';
+
+import { summaryOf } from './yardstick.mjs';
 
 const kRoot = fileURLToPath(new URL('../..', import.meta.url));
 const native = (...folders) => folders.map((folder) => `native/${folder}`);
@@ -112,7 +115,7 @@ export function inputHash(part, { root = kRoot, commit } = {}) {
 // Where a part's record stands beside its figures.
 export const fileOf = (part) => (parts[part].runs.length ? 'site/measured/figures.json' : `site/measured/${part}.json`);
 
-// { inputs, date, commit, minutes }, or null where the part was never measured.
+// { inputs, date, commit, minutes, yardstick }, or null where the part was never measured.
 export function recordOf(part, root = kRoot) {
   const path = join(root, fileOf(part));
   if (!existsSync(path)) return null;
@@ -137,24 +140,25 @@ function list(root) {
   return rows.map((row) => row.map((cell, i) => cell.padEnd(widths[i])).join('  ').trimEnd()).join('\n');
 }
 
-function record(part, { seconds, out }) {
+function record(part, { seconds, yardstick, out }) {
   const today = new Date().toISOString().slice(0, 10);
   const commit = git(kRoot, ['rev-parse', '--short', 'HEAD']).trim();
-  const value = { inputs: inputHash(part), date: today, commit, minutes: Number((Number(seconds) / 60).toFixed(1)) };
+  const runs = readFileSync(yardstick, 'utf8').trim().split('\n').map((line) => JSON.parse(line));
+  const value = { inputs: inputHash(part), date: today, commit, minutes: Number((Number(seconds) / 60).toFixed(1)), yardstick: summaryOf(runs) };
   writeFileSync(`${out}.part`, `${JSON.stringify(value)}\n`);
   renameSync(`${out}.part`, out);
 }
 
 function main() {
   const text = { type: 'string' };
-  const { values } = parseArgs({ options: { list: { type: 'boolean' }, stale: { type: 'boolean' }, hash: text, at: text, record: text, seconds: text, out: text } });
+  const { values } = parseArgs({ options: { list: { type: 'boolean' }, stale: { type: 'boolean' }, hash: text, at: text, record: text, seconds: text, yardstick: text, out: text } });
   const asked = values.hash ?? values.record;
   if (asked !== undefined && !parts[asked]) throw new Error(`no part is named "${asked}"; the parts are ${Object.keys(parts).join(', ')}`);
   if (values.list) console.log(list(kRoot));
   else if (values.stale) console.log(stale(kRoot).join('\n'));
   else if (values.hash) console.log(inputHash(values.hash, { commit: values.at }));
-  else if (values.record && values.seconds && values.out) record(values.record, values);
-  else throw new Error('usage: parts.mjs --list | --stale | --hash PART [--at COMMIT] | --record PART --seconds N --out FILE');
+  else if (values.record && values.seconds && values.yardstick && values.out) record(values.record, values);
+  else throw new Error('usage: parts.mjs --list | --stale | --hash PART [--at COMMIT] | --record PART --seconds N --yardstick RUNS --out FILE');
 }
 
 if (process.argv[1] && import.meta.url === pathToFileURL(process.argv[1]).href) {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // node site/measured/phones.mjs [--before SITE --before-commit NAME] [--table] [ROW…]: what playing costs a page, by the ways that pictures can
 // take, and how it goes without WebCodecs; writes site/measured/phones.json and phones.md. Needs the site (bash site/demo.sh
-// --prepare), Chromium and Firefox. About 25 minutes.
-//   Resume     rows are measured again only if they are named, or missing; each keeps the commit that it was measured at
+// --prepare), bench_yardstick of a release build with -DFOURDVT_TESTS=ON, Chromium and Firefox. About 27 minutes.
+//   Resume     rows are measured again only if they are named, or missing; each keeps the commit that it was measured at, and the
+//              yardstick beside it
 //   --before   the site of an earlier version (its build/site): the rows that are compared with it
 //   --table    writes the document from the finished rows alone
 import { execFileSync } from 'node:child_process';
@@ -12,6 +13,7 @@ import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
 
 import { rows } from '../../tests/bench/phones/rows.mjs';
+import { besideYardstick } from '../../tests/bench/yardstick.mjs';
 import { documentOf } from './phones_document.mjs';
 
 const root = fileURLToPath(new URL('../..', import.meta.url));
@@ -29,8 +31,8 @@ for (const row of options.table ? [] : rows) {
   if (wanted.length ? !wanted.includes(row.name) : measured[row.name]) continue;
   if (row.before && !options.before) continue;
   console.log(`phones: ${row.name}`);
-  const figures = await row.measure({ root, site: join(root, 'build/site'), before: options.before });
-  measured[row.name] = { date: new Date().toISOString().slice(0, 10), commit: row.before ? options['before-commit'] : commit, ...figures };
+  const { value: figures, yardstick } = await besideYardstick(() => row.measure({ root, site: join(root, 'build/site'), before: options.before }));
+  measured[row.name] = { date: new Date().toISOString().slice(0, 10), commit: row.before ? options['before-commit'] : commit, yardstick, ...figures };
   writeFileSync(`${file}.part`, `{\n${Object.entries(measured).map(([name, value]) => ` ${JSON.stringify(name)}: ${JSON.stringify(value)}`).join(',\n')}\n}\n`);
   renameSync(`${file}.part`, file);
 }

@@ -1,20 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // The text of site/measured/phones.md from measured rows (tests/bench/phones/rows.mjs). Rows that are missing have no line.
+import { machineText, machinesText, timed, timedTitle } from './yardstick.mjs';
 
 const fixed = (value, digits = 0) => (typeof value === 'number' && Number.isFinite(value) ? value.toFixed(digits) : '–');
 const mega = (bytes) => fixed(bytes / 1e6, 2);
 const table = (head, rows) => [head, Array(head.length).fill('---'), ...rows].map((cells) => `| ${cells.join(' | ')} |`).join('\n');
-const three = ({ median, most95, worst }, digits = 0) => [median, most95, worst].map((value) => fixed(value, digits)).join(' / ');
-const two = ({ median, worst }) => [median, worst].map((value) => fixed(value)).join(' / ');
+const three = ({ median, most95, worst }, yardstick) => timed([median, most95, worst], 'ms', 0, yardstick);
+const two = ({ median, worst }, yardstick, digits = 0) => timed([median, worst], 'ms', digits, yardstick);
 const kScenes = [['start', 'until the first picture'], ['seek', 'first seek, to the last frames of a GOP of the class'], ['slider', 'first use of the slider'], ['play', 'playing'], ['motion', 'another motion'], ['rung', 'another rung']];
 
 export function documentOf(measured, rows) {
   const of = (kind) => rows.filter((row) => row.kind === kind && measured[row.name]);
+  const titled = (title, list) => timedTitle(title, ...list.map(({ name }) => measured[name].yardstick));
   const commits = [...new Set(Object.values(measured).map(({ commit, date }) => `${commit} (${date})`))].join(', ');
   const parts = [`# What playing costs a page
 
 Measured at ${commits}; command: \`node site/measured/phones.mjs\`. Two cores, no GPU: Chromium and Firefox draw in software on the cores that also
-decode, and no phone was at hand. Bytes and counts hold anywhere; times are for comparing rows.
+decode, and no phone was at hand. Bytes and counts hold anywhere; times are for comparing rows. [Yardsticks](../docs/measured.md#yardsticks),
+for the rows whose times have a ratio: ${machinesText(Object.values(measured).map(({ yardstick }) => yardstick))}.
 `];
   const paths = of('path');
   if (paths.length) parts.push(`## The ways of a picture
@@ -25,9 +28,9 @@ never shown (the player's unit test compares 10,000 shown pictures with their me
 Times in ms: from picture to picture and over the loop median / 95 % / worst, from a seek to its frame and the longest gap in the second after a rung was asked for
 median / worst.
 
-${table(['', 'pictures', 'refused', 'left out', 'picture to picture', 'over a loop', 'seek', 'rung'], paths.map(({ name, title }) => {
+${table(['', 'pictures', 'refused', 'left out', ...['picture to picture', 'over a loop', 'seek', 'rung'].map((title) => titled(title, paths))], paths.map(({ name, title }) => {
     const r = measured[name];
-    return [title, r.frames, r.mismatches, r.late, three(r.play), three(r.loops), two(r.seeks), two(r.rungs)];
+    return [title, r.frames, r.mismatches, r.late, ...[r.play, r.loops].map((times) => three(times, r.yardstick)), ...[r.seeks, r.rungs].map((times) => two(times, r.yardstick))];
   }))}
 
 A \`<video>\` element plays on from loop to loop on one timeline: a loop is no gap of its own. Left out: presentations that no picture was there for in time.
@@ -38,8 +41,8 @@ A \`<video>\` element plays on from loop to loop on one timeline: a loop is no g
 CPU time of the longest task of the page's main thread in each scene, ms, median / worst over the scenes, from Chromium's trace. Draw calls are replaced by
 nothing, which leaves the software rasteriser out; the time is the thread's own, which leaves other programs out.
 
-${table(['scene', ...tasks.map((row) => (row.before ? `before (${measured[row.name].commit})` : row.title))],
-    kScenes.map(([scene, title]) => [title, ...tasks.map(({ name }) => { const s = measured[name][scene]; return s ? `${fixed(s.median, 1)} / ${fixed(s.worst, 1)}` : '–'; })]))}
+${table(['scene', ...tasks.map((row) => titled(row.before ? `before (${measured[row.name].commit})` : row.title, [row]))],
+    kScenes.map(([scene, title]) => [title, ...tasks.map(({ name }) => { const s = measured[name][scene]; return s ? two(s, measured[name].yardstick, 1) : '–'; })]))}
 `);
   const portfolios = of('portfolio');
   if (portfolios.length) parts.push(`## Many viewers on a page
@@ -50,11 +53,11 @@ were not after 40 s). Fetched unseen: kB for viewers that had not been on screen
 those within one screen load ahead. Decoders: the most at once, of at most 12 viewers, which hold a second one around changes. Back at the top: pictures of the first viewer in a second.
 Megabytes held at once are of the whole page${portfolios.some(({ before }) => before) ? '; the earlier version counts those of one viewer only' : ''}.
 
-${table(['', 'contexts', 'modules', 'decoders', 'errors', 'top, s', 'a screen, s', 'never', 'unseen, kB', 'loaded', 'GPU, MB', 'heap, MB', 'back'], portfolios.map(({ name, title, before }) => {
+${table(['', 'contexts', 'modules', 'decoders', 'errors', titled('top, s', portfolios), titled('a screen, s', portfolios), 'never', 'unseen, kB', 'loaded', 'GPU, MB', 'heap, MB', 'back'], portfolios.map(({ name, title, before }) => {
     const r = measured[name], steps = [...r.steps].sort((a, b) => a - b);
-    const seconds = (ms) => fixed(ms / 1000, 1);
+    const seconds = (...list) => timed(list.map((ms) => ms / 1000), 's', 1, r.yardstick);
     return [`${title}${before ? `, before (${r.commit})` : ''}`, r.contexts, r.modules, r.decoders, r.errors, seconds(r.firstMs),
-      `${seconds(steps[steps.length >> 1])} / ${seconds(steps.at(-1))}`, r.failed, fixed(r.unseenBytes / 1000), r.peak.loaded, mega(r.peak.gpu), mega(r.peak.heap), r.back];
+      seconds(steps[steps.length >> 1], steps.at(-1)), r.failed, fixed(r.unseenBytes / 1000), r.peak.loaded, mega(r.peak.gpu), mega(r.peak.heap), r.back];
   }))}
 `);
   for (const { name, title } of of('pressure')) {
@@ -81,7 +84,7 @@ ${table(['', 'slider', 'copied', 'again', 'uploaded', 'textures', 'module'], upl
 \`${measured[name].command}\`, natively, with llvmpipe:
 
 \`\`\`
-${measured[name].text}
+${measured[name].text}${measured[name].yardstick ? `\nyardstick: ${machineText(measured[name].yardstick)}` : ''}
 \`\`\`
 `);
   const [decoding] = of('decoding');
@@ -90,9 +93,9 @@ ${measured[name].text}
 Ms a frame in Chromium, draw calls left out, of the first load / median of ${measured.decoding.motions.locomotion.page.later.count} later ones, when the browser has compiled the code well: in the worker, and in slices of
 the main thread where there is no worker.
 
-${table(['', 'worker', 'main thread'], [['pickup, a plain motion', 'pickup'], ['locomotion, a class of two', 'locomotion']].map(([title, name]) => {
+${table(['', ...['worker', 'main thread'].map((title) => titled(title, [decoding]))], [['pickup, a plain motion', 'pickup'], ['locomotion, a class of two', 'locomotion']].map(([title, name]) => {
     const { worker, page } = measured.decoding.motions[name];
-    return [title, ...[worker, page].map(({ first, later }) => `${fixed(first, 1)} / ${fixed(later.median, 1)}`)];
+    return [title, ...[worker, page].map(({ first, later }) => timed([first, later.median], 'ms', 1, measured.decoding.yardstick))];
   }))}
 `);
   const [endurance] = of('endurance');

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Figures as text: values with their unit and rounding, texts that hold {id}, goals. Knows figures.json and the
-// catalogue; does NOT know HTML, Markdown or files.
+// Figures as text: values with their unit and rounding, seconds with their ratio to the yardstick, texts that hold {id}, goals.
+// Knows figures.json and the catalogue; does NOT know HTML, Markdown or files.
 import { figures as catalogue } from './catalogue.mjs';
+import { inYardsticks, kSecondsOf } from './yardstick.mjs';
 
 export const kNotMeasured = 'not measured in this run';
 
@@ -16,9 +17,13 @@ function keyText(key) {
   return key.replace(/^(\d+)x(\d+)$/, '$1×$2').replaceAll('-', ' ');
 }
 
+const kOfMotions = new Set(catalogue.filter(({ clock }) => clock === 'motion').map(({ id }) => id));
+
 export class Shown {
-  constructor({ figures, runs = {} }) {
+  // parts: records of the parts, by name.
+  constructor({ figures, runs = {}, parts = {} }) {
     this.runs = runs;
+    this.parts = parts;
     this.figures = figures;
     this.byId = new Map(figures.map((figure) => [figure.id, figure]));
     this.known = new Set(catalogue.map((figure) => figure.id));
@@ -43,7 +48,14 @@ export class Shown {
     if (group.every((figure) => figure.text)) return values.join(' / ');
     if (group.some((figure) => figure.text)) return group.map((figure, i) => figure.text ?? `${values[i]}\u00a0${unit}`).join(' / ');
     if (unit === '×') return values.map((value) => `×\u00a0${value}`).join(' / ');
-    return values.join(' / ') + (unit ? `\u00a0${unit}` : '');
+    return values.join(' / ') + (unit ? `\u00a0${unit}` : '') + this.ratio(group);
+  }
+
+  // " (0.43 yardsticks)" beside figures in seconds; '' where the machine was not measured with them, or does not matter.
+  ratio(group) {
+    const [{ id, of = id, unit, parts = [] }] = group;
+    if (!kSecondsOf[unit] || kOfMotions.has(of) || parts.length !== 1) return '';
+    return inYardsticks(group.map(({ value }) => value), unit, this.parts[parts[0]]?.yardstick);
   }
 
   keys(id) {

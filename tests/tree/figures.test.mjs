@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every figure of README.md and the site comes from site/measured/figures.json, and figures.json from the runs' rows.
 import assert from 'node:assert/strict';
-import { execFileSync, spawn } from 'node:child_process';
+import { execFileSync, spawn, spawnSync } from 'node:child_process';
 import { copyFileSync, cpSync, existsSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
@@ -15,6 +15,10 @@ import { fillText, run, unmarked } from '../../site/measured/fill.mjs';
 import { fileOf, inputHash, isInput, partOfRun, parts, recordOf, stateOf } from '../../site/measured/parts.mjs';
 import { Shown, fixed } from '../../site/measured/shown.mjs';
 import { SourceError, Study, parseCsv, readSizes } from '../../site/measured/sources.mjs';
+import { inYardsticks, machineText, machinesText, summaryOf, timed, timedTitle } from '../../site/measured/yardstick.mjs';
+import { documentOf as liveDocument } from '../../site/measured/live_document.mjs';
+import { documentOf as phonesDocument } from '../../site/measured/phones_document.mjs';
+import { makePage } from '../../site/measured/page.mjs';
 
 const kRoot = fileURLToPath(new URL('../..', import.meta.url));
 const kFiles = ['README.md', 'site/docs/README.md', 'site/docs/measured.md', 'site/index.html', 'site/steer.html', 'site/measured/figures.json', 'site/measured/index.html',
@@ -177,6 +181,83 @@ test('figures are shown with unit, rounding, goal and change', () => {
   assert.deepEqual(shown.worse().map((figure) => figure.id), ['mean.psnr.joint-default']);
 });
 
+const kRuns = [1.3, 1.1, 1, 1.2, 1.1, 1.1].map((cpu_s, i) => ({ cpu_s, wall_s: 2, others_s: i === 3 ? 1 : 0.1, job: '56 frames' }));
+
+test('seconds carry their ratio to the yardstick that was measured with them', () => {
+  const yardstick = summaryOf(kRuns);
+  assert.deepEqual(yardstick, { cpu_s: 1.1, least_s: 1, most_s: 1.3, others_cores: 0.5, job: '56 frames' });
+  assert.equal(machineText(yardstick), '1.10 s of CPU (1.00 to 1.30), other programs on up to 0.50 cores');
+  assert.equal(machineText(summaryOf(kRuns.map(({ others_s, ...run }) => run))), '1.10 s of CPU (1.00 to 1.30)', 'a system without /proc/stat');
+  assert.throws(() => summaryOf([...kRuns, { ...kRuns[0], job: '55 frames' }]), /different jobs \(56 frames; 55 frames\); measure anew/);
+  assert.equal(inYardsticks([205, 11, 0.55], 's', yardstick), ' (186 / 10 / 0.50 yardsticks)');
+  assert.equal(inYardsticks([0.0058, 31], 'ms', yardstick), ' (0.0000053 / 0.028 yardsticks)');
+  assert.equal(inYardsticks([200], 'min', yardstick), ' (10,909 yardsticks)');
+  assert.deepEqual([inYardsticks([1], 's', undefined), inYardsticks([NaN], 's', yardstick)], ['', '']);
+  assert.equal(timed([31, NaN, 70.7], 'ms', 0, yardstick), '31 / – / 71 (0.028 / – / 0.064)');
+  assert.deepEqual([timed([31.46], 'ms', 1), timed([undefined], 'ms', 1, yardstick)], ['31.5', '–']);
+  assert.deepEqual([timedTitle('hull, ms', undefined, yardstick), timedTitle('hull, ms', undefined)], ['hull, ms (yardsticks)', 'hull, ms']);
+  assert.deepEqual([machinesText([undefined, yardstick, { cpu_s: 2 }]), machinesText([undefined])], ['1.10 to 2.00 s of CPU', 'not measured']);
+});
+
+test('figures in seconds have a ratio, seconds of a motion and old figures none', () => {
+  const of = (id, value, unit, part, more) => ({ id, value, unit, digits: 2, what: id, run: 'study', row: '', parts: [part], ...more });
+  const figures = [of('bake.frame', 1.1, 's', 'bench'), of('speed.wasm', 0.22, 'ms', 'bench'), of('bake.stage.fill', 0.55, 's', 'bench', { of: 'bake.stage', key: 'fill' }),
+    of('bake.stage.encode', 0.44, 's', 'bench', { of: 'bake.stage', key: 'encode' }), of('transition.mean', 0.25, 's', 'study'), of('labels.time.walk', 40, 'ms', 'study', { of: 'labels.time', key: 'walk' }),
+    of('bake.peak', 110, 'MB', 'bench'), of('study:t/a///q', 2.2, 'ms', 'study', { cells: { sequence: 'a', method: '', setting: '' } })];
+  const yardstick = summaryOf(kRuns), parts = { bench: { inputs: 'a', date: '2026-01-02', minutes: 11, yardstick }, study: { inputs: 'b', date: '2026-01-02', minutes: 11 } };
+  const before = new Shown({ figures, parts }), now = new Shown({ figures, parts: { ...parts, study: { ...parts.study, yardstick } } });
+  const shown = (from, ...ids) => ids.map((id) => from.text(id));
+  assert.deepEqual(shown(before, 'bake.frame', 'bake.stage', 'speed.wasm', 'bake.peak'),
+    ['1.10\u00a0s (1.0 yardsticks)', '0.55 / 0.44\u00a0s (0.50 / 0.40 yardsticks)', '0.22\u00a0ms (0.00020 yardsticks)', '110.00\u00a0MB']);
+  assert.deepEqual(shown(before, 'transition.mean', 'labels.time'), ['0.25\u00a0s', '40.00\u00a0ms'], 'the machine was not measured');
+  assert.deepEqual(shown(now, 'transition.mean', 'labels.time'), ['0.25\u00a0s', '40.00\u00a0ms (0.036 yardsticks)'], 'a motion takes as long on any machine');
+  assert.equal(before.met({ of: 'bake.frame', max: 1.2 }), true);
+  assert.deepEqual(unmarked(fillText('<!-- figure:bake.frame --><!-- /figure -->', now, 'README.md'), 'README.md'), []);
+  const page = makePage(now, now.parts);
+  assert.match(page, /11\.0&nbsp;min \(600 yardsticks\)<\/td><td>1\.10 s of CPU \(1\.00 to 1\.30\), other programs on up to 0\.50 cores/);
+  assert.match(page, /2\.2&nbsp;ms \(0\.0020 yardsticks\)/, 'a table that the catalogue does not know');
+  assert.match(makePage(before, before.parts), /11\.0&nbsp;min<\/td><td>not measured<\/td>/);
+});
+
+// What holds of every document: rows without a yardstick look as they always did.
+function checkDocument(make, measured, expected) {
+  const plain = make(measured), yardstick = summaryOf(kRuns);
+  assert.match(plain, /ratio: not measured\./);
+  assert.ok(!/yardsticks\)/.test(plain.replaceAll('#yardsticks)', '')), 'no ratio is made up');
+  const text = make(Object.fromEntries(Object.entries(measured).map(([name, row]) => [name, { ...row, yardstick }])));
+  assert.match(text, /ratio: 1\.10 to 1\.10 s of CPU\./);
+  for (const part of expected) assert.ok(text.includes(part), `${part} in\n${text}`);
+  assert.ok(!text.includes('NaN'));
+}
+
+test('documents of rows show each row beside its own yardstick', () => {
+  const times = { count: 5, median: 50, most95: 83, worst: 133 };
+  checkDocument((measured) => phonesDocument(measured, [['p', 'path', 'planes'], ['t', 'tasks', 'now'], ['m', 'portfolio', '24 viewers'], ['b', 'bench', 'Drawing'], ['decoding', 'decoding', '']].map(([name, kind, title]) => ({ name, kind, title }))), {
+    p: { frames: 9, mismatches: 0, late: 0, play: times, loops: times, seeks: times, rungs: times }, t: { start: times }, b: { command: 'bench_x', text: 'x 3 ms' },
+    m: { contexts: 1, modules: 1, decoders: 1, errors: 0, firstMs: 2500, steps: [2900, 4900], failed: 0, unseenBytes: 1e3, peak: { loaded: 1, gpu: 1e6, heap: 1e6 }, back: 2 },
+    decoding: { motions: Object.fromEntries(['pickup', 'locomotion'].map((name) => [name, Object.fromEntries(['worker', 'page'].map((place) => [place, { first: 5.7, later: times }]))])) },
+  }, ['| picture to picture (yardsticks) |', '| 50 / 83 / 133 (0.045 / 0.075 / 0.12) |', '| 50 / 133 (0.045 / 0.12) |', '| now (yardsticks) |', '| 50.0 / 133.0 (0.045 / 0.12) |',
+    '| 2.5 (2.3) | 4.9 / 4.9 (4.5 / 4.5) |', 'x 3 ms\nyardstick: 1.10 s of CPU', '| 5.7 / 50.0 (0.0052 / 0.045) |']);
+  checkDocument((measured) => liveDocument(measured, [['small', 'rate'], ['k', 'fault'], ['core-lost', 'loss'], ['recording', 'recording']].map(([name, kind]) => ({ name, kind, title: name })), { date: '2026-01-02', commit: 'abc' }), {
+    small: { latency_ms: 31, latency_95_ms: 37, latency_worst_ms: 71, hull_ms: 14.1 }, k: { seen: 'a pause', recovery_s: 0.47, recovery: '' },
+    'core-lost': { runs: 5, spans: [{ title: 'before', hull_ms: 21.2, latency_ms: 55 }] }, recording: { frames: 9, reconstruct_s: 29, bake_s: 15 },
+  }, ['capture to page, ms: median / 95 % / worst (yardsticks) |', '| 31 / 37 / 71 (0.028 / 0.034 / 0.065) |', '| 14.1 (0.013) |', '| delay | not said | 31 ms (0.028 yardsticks); ', '| recovery, s (yardsticks) |', '| 0.47 (0.43) |',
+    '| 21.2 (0.019) | 55 (0.050) |', '29 s (26 yardsticks) and 15 s (14 yardsticks).']);
+});
+
+test('the yardstick runs before and after a bench', async () => {
+  const program = join(scratch, 'bench_yardstick');
+  writeFileSync(program, kYardstick, { mode: 0o755 });
+  const bench = (...words) => spawnSync('node', [join(kRoot, 'tests/bench/yardstick.mjs'), ...words], { env: { ...process.env, FOURDVT_YARDSTICK_BIN: program }, encoding: 'utf8' });
+  const { status, stdout } = bench('bash', '-c', 'echo 3 ms; exit 4');
+  assert.deepEqual([status, stdout], [4, '3 ms\nyardstick: 1.10 s of CPU (1.00 to 1.30), other programs on up to 0.50 cores\n']);
+  const file = join(scratch, 'yardstick');
+  bench('--keep', file);
+  assert.equal(readFileSync(file, 'utf8').split('\n').length, 4);
+  rmSync(program);
+  assert.match(bench('true').stderr, /bench_yardstick is missing; build it: cmake --preset release/);
+});
+
 test('a part that was not measured keeps its figures, its hash and its date', () => {
   const old = collect(sources()).concat({ id: 'truth:t/a///q', value: 1, run: 'truth', row: 't', parts: ['truth'], cells: {} });
   const rows = parseCsv(kCsv.replace('joint-default,views=9,psnr_fg_db,24', 'joint-default,views=9,psnr_fg_db,25')).map((row) => ({ ...row, value: Number(row.value) }));
@@ -330,12 +411,17 @@ ${[['walk', [20, 23, 26], [19, 22, 25.3]], ['run', [21, 25, 29], [20, 23.7, 28]]
   assert.ok(found.every(({ row }) => !row.includes('_se')), 'errors are no figures of their own');
 });
 
+// Runs as bench_yardstick prints them, without any work.
+const kYardstick = `#!/usr/bin/env bash
+printf '{"cpu_s":%s,"wall_s":2,"others_s":%s,"job":"56 frames"}\\n' 1.3 0.1 1.1 1 1 0.1
+`;
+
 // A tree with what measure.sh and the part hulls need, and programs that only write what the part's script reads.
 // `reconstruct` notes its output folder in calls.txt, and waits for a minute where `block` is its number of calls.
 function measuringTree() {
   const root = join(scratch, 'measured');
   const write = (path, text, mode) => { mkdirSync(dirname(join(root, path)), { recursive: true }); writeFileSync(join(root, path), text, { mode }); };
-  for (const path of ['site/measured', 'site/steps.sh', 'site/index.html', 'site/steer.html', 'site/docs/README.md', 'site/docs/measured.md', 'README.md', 'tests/bench/hulls.mjs', 'tests/bench/kept.mjs'])
+  for (const path of ['site/measured', 'site/steps.sh', 'site/index.html', 'site/steer.html', 'site/docs/README.md', 'site/docs/measured.md', 'README.md', 'tests/bench/hulls.mjs', 'tests/bench/kept.mjs', 'tests/bench/yardstick.mjs'])
     cpSync(join(kRoot, path), join(root, path), { recursive: true });
   write('.gitignore', 'build/\nprograms/\n');
   write('site/sample/actor_a/capture.json', '{}');
@@ -347,11 +433,12 @@ mkdir -p "$root/$4"
 echo '{"mean_overlap": 0.5, "lowest_overlap": 0.4, "sequences": {"run": [{"triangles": 9, "silhouettes_ms": 1, "hull_ms": 2, "stereo_ms": 3}]}}' >"$root/$4/reconstruct.json"
 `, 0o755);
   write('programs/fourdvt-lab', '#!/usr/bin/env bash\necho "sequence views"\necho "run 3 21.25 0.75 9 1 1 1 1 1 1"\n', 0o755);
+  write('programs/bench_yardstick', kYardstick, 0o755);
   const git = (...words) => execFileSync('git', ['-C', root, '-c', 'user.name=t', '-c', 'user.email=t@example.org', ...words], { encoding: 'utf8', stdio: 'pipe' });
   git('init', '-q');
   git('add', '-A');
   git('commit', '-q', '-m', 'tree');
-  const env = { ...process.env, FOURDVT_BIN: join(root, 'programs/fourdvt'), FOURDVT_LAB_BIN: join(root, 'programs/fourdvt-lab') };
+  const env = { ...process.env, FOURDVT_YARDSTICK_BIN: join(root, 'programs/bench_yardstick'), FOURDVT_BIN: join(root, 'programs/fourdvt'), FOURDVT_LAB_BIN: join(root, 'programs/fourdvt-lab') };
   const words = [join(root, 'site/measured/measure.sh')];
   return {
     root, write,
@@ -383,6 +470,9 @@ test('a part that is killed in the middle goes on after its finished steps', asy
   assert.equal(rows.length, cases.size + 1, 'and the given mesh');
   assert.equal(records.hulls.inputs, inputHash('hulls', { root: tree.root }));
   assert.ok(records.hulls.minutes >= 0);
+  assert.deepEqual(records.hulls.yardstick, { cpu_s: 1.1, least_s: 1, most_s: 1.3, others_cores: 0.5, job: '56 frames' });
+  assert.match(readFileSync(join(tree.root, 'site/measured/hulls.md'), 'utf8'), /yardstick\]\(.*\): 1\.10 s of CPU[\s\S]*\| hull, ms \(yardsticks\) \|[\s\S]*\| 2 \(0\.0018\) \|/);
+  assert.equal(readFileSync(join(tree.root, 'build/measured/hulls/yardstick'), 'utf8').trim().split('\n').length, 9, 'before, before what was killed goes on, after');
   assert.match(readFileSync(join(tree.root, 'site/measured/hulls.md'), 'utf8'), /21\.25 \| 0\.750/);
   assert.match(readFileSync(join(tree.root, 'site/measured/index.html'), 'utf8'), new RegExp(records.hulls.inputs));
   assert.match(tree.measure('--no-build', 'hulls'), /hulls: up to date/);
