@@ -6,12 +6,15 @@
 //   node first_picture.mjs SITE [--runs 5] [--pages front,plain,steer,cameras] [--rates 2000/150,8000/50,700/300]
 //                          [--out FILE.json]
 // SITE: an assembled site (site/assemble.mjs). A page of its own is served for `plain`: one tag with the first sequence.
-// Prints a table of medians and what every byte before the first picture was.
+// Prints medians, what every byte before the first picture was, and the yardstick. FILE: { commit, yardstick, results }.
 import { writeFileSync } from 'node:fs';
 import { parseArgs } from 'node:util';
 
+import { machineText } from '../../site/measured/yardstick.mjs';
 import { launch } from '../web/harness.mjs';
 import { serve } from '../web/server.mjs';
+import { commitOfTree, median } from './throttled.mjs';
+import { besideYardstick } from './yardstick.mjs';
 
 const kPatienceMs = 90_000, kWatchedS = 10;
 const kPages = {
@@ -91,28 +94,33 @@ async function visit(browser, url, { kbps, latencyMs }) {
 }
 
 const sum = (values) => values.reduce((a, b) => a + b, 0);
-const median = (values) => values.toSorted((a, b) => a - b)[Math.floor(values.length / 2)];
 
 const html = (src) => ({ html: tag(src), headers: { 'Content-Type': 'text/html' } });
-const server = await serve(site, 0, { gzip: true, pages: { '/plain.html': html('character/character.gltf'), '/plain-cameras.html': html('cameras/refined/character.gltf') } });
-const browser = await launch();
 const results = [];
-try {
-  for (const rate of options.rates.split(',')) {
-    const [kbps, latencyMs] = rate.split('/').map(Number);
-    for (const name of options.pages.split(',')) {
-      const runs = [];
-      for (let i = 0; i < Number(options.runs); ++i) runs.push(await visit(browser, server.url + kPages[name].path, { kbps, latencyMs }));
-      const of = (get) => median(runs.map(get));
-      const result = { rate, page: name, runs: runs.length, first_ms: of((r) => r.first), ten_ms: of((r) => r.ten), waiting: of((r) => r.waiting),
-        full_ms: of((r) => r.full), bytes: of((r) => sum(Object.values(r.bytes))), first_all_ms: runs.map((r) => Math.round(r.first)), files: runs[0].bytes };
-      results.push(result);
-      console.log(`${rate.padEnd(9)} ${name.padEnd(8)} first ${(result.first_ms / 1000).toFixed(2)} s (${result.first_all_ms.join(' ')}), ten ${(result.ten_ms / 1000).toFixed(2)} s, ${(result.bytes / 1000).toFixed(0)} kB, highest whole ${(result.full_ms / 1000).toFixed(2)} s, waiting ${(100 * result.waiting).toFixed(0)} %`);
-      for (const [file, bytes] of Object.entries(result.files)) console.log(`            ${String(bytes).padStart(8)}  ${file}`);
+
+async function visitAll() {
+  const server = await serve(site, 0, { gzip: true, pages: { '/plain.html': html('character/character.gltf'), '/plain-cameras.html': html('cameras/refined/character.gltf') } });
+  const browser = await launch();
+  try {
+    for (const rate of options.rates.split(',')) {
+      const [kbps, latencyMs] = rate.split('/').map(Number);
+      for (const name of options.pages.split(',')) {
+        const runs = [];
+        for (let i = 0; i < Number(options.runs); ++i) runs.push(await visit(browser, server.url + kPages[name].path, { kbps, latencyMs }));
+        const of = (get) => median(runs.map(get));
+        const result = { rate, page: name, runs: runs.length, first_ms: of((r) => r.first), ten_ms: of((r) => r.ten), waiting: of((r) => r.waiting),
+          full_ms: of((r) => r.full), bytes: of((r) => sum(Object.values(r.bytes))), first_all_ms: runs.map((r) => Math.round(r.first)), files: runs[0].bytes };
+        results.push(result);
+        console.log(`${rate.padEnd(9)} ${name.padEnd(8)} first ${(result.first_ms / 1000).toFixed(2)} s (${result.first_all_ms.join(' ')}), ten ${(result.ten_ms / 1000).toFixed(2)} s, ${(result.bytes / 1000).toFixed(0)} kB, highest whole ${(result.full_ms / 1000).toFixed(2)} s, waiting ${(100 * result.waiting).toFixed(0)} %`);
+        for (const [file, bytes] of Object.entries(result.files)) console.log(`            ${String(bytes).padStart(8)}  ${file}`);
+      }
     }
+  } finally {
+    await browser.close();
+    await server.close();
   }
-} finally {
-  await browser.close();
-  await server.close();
 }
-if (options.out) writeFileSync(options.out, `${JSON.stringify(results, null, 1)}\n`);
+
+const { yardstick } = await besideYardstick(visitAll);
+console.log(`yardstick: ${machineText(yardstick)}`);
+if (options.out) writeFileSync(options.out, `${JSON.stringify({ commit: commitOfTree(), yardstick, results }, null, 1)}\n`);

@@ -14,9 +14,11 @@ import { join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
 
+import { machineText } from '../../site/measured/yardstick.mjs';
 import { launch } from '../web/harness.mjs';
 import { serve } from '../web/server.mjs';
 import { commitOfTree, median, openThrottled, pageWithTag, table } from './throttled.mjs';
+import { besideYardstick } from './yardstick.mjs';
 
 const kPatienceMs = 120_000, kSampleMs = 250, kRowMs = 5000;
 const kSide = { width: 360, height: 480 };  // tall enough for the highest rendition
@@ -146,18 +148,22 @@ function rowsOf({ samples, switches, set }) {
   });
 }
 
-const site = siteOf(character);
-const attributes = `loop style="position:fixed;inset:0;width:${kSide.width}px;height:${kSide.height}px"${options.sequence ? ` sequence="${options.sequence}"` : ''}`;
-const server = await serve(site, 0, { gzip: true, pages: { '/ladder.html': pageWithTag('character/character.gltf', attributes) } });
-const browser = await launch();
-let played;
-try {
-  played = await play(browser, `${server.url}ladder.html`);
-} finally {
-  await browser.close();
-  await server.close();
-  rmSync(site, { recursive: true });
+// What play() returns of a site of its own.
+async function playOnce() {
+  const site = siteOf(character);
+  const attributes = `loop style="position:fixed;inset:0;width:${kSide.width}px;height:${kSide.height}px"${options.sequence ? ` sequence="${options.sequence}"` : ''}`;
+  const server = await serve(site, 0, { gzip: true, pages: { '/ladder.html': pageWithTag('character/character.gltf', attributes) } });
+  const browser = await launch();
+  try {
+    return await play(browser, `${server.url}ladder.html`);
+  } finally {
+    await browser.close();
+    await server.close();
+    rmSync(site, { recursive: true });
+  }
 }
+
+const { value: played, yardstick } = await besideYardstick(playOnce);
 writePictures(played.switches);
 const { samples, switches, stalls, changes } = played, last = samples.at(-1), commit = commitOfTree();
 const totals = {
@@ -166,8 +172,8 @@ const totals = {
   pairs_checked: last.barcodeChecked, pairs_wrong: last.barcodeMismatches, most_bytes_held: Math.max(...samples.map((s) => s.encodedBytesHeld)),
   bytes_fetched: last.bytesFetched, change_levels: median(changes), change_levels_95: changes.toSorted((a, b) => a - b)[Math.floor(0.95 * changes.length)],
 };
-if (options.out) writeFileSync(options.out, `${JSON.stringify({ commit, character: resolve(character), dist: resolve(options.dist), rates, latency_ms: latencyMs, error: played.error, totals, switches, stalls, set: played.set, samples }, null, 1)}\n`);
-console.log(`Commit ${commit}, ${options.rates} kbit/s, ${latencyMs} ms:\n`);
+if (options.out) writeFileSync(options.out, `${JSON.stringify({ commit, yardstick, character: resolve(character), dist: resolve(options.dist), rates, latency_ms: latencyMs, error: played.error, totals, switches, stalls, set: played.set, samples }, null, 1)}\n`);
+console.log(`Commit ${commit}, ${options.rates} kbit/s, ${latencyMs} ms; yardstick: ${machineText(yardstick)}:\n`);
 console.log(table(['s', 'kbit/s', 'rung', 'held, kB', 'frames shown', 'late'], rowsOf(played)));
 console.log(`\n${table(['', ''], Object.entries(totals).map(([name, value]) => [name.replaceAll('_', ' '), Number.isInteger(value) ? value : value?.toFixed(2) ?? '–']))}`);
 const wide = switches.filter(({ change }) => Number.isFinite(change));

@@ -22,9 +22,11 @@ import { existsSync, readFileSync, renameSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { parseArgs } from 'node:util';
 
+import { machineText, timed, timedTitle } from '../../site/measured/yardstick.mjs';
 import { launch } from '../web/harness.mjs';
 import { serve } from '../web/server.mjs';
 import { commitOfTree, median, openThrottled, pageWithTag, rateOf, table } from './throttled.mjs';
+import { besideYardstick } from './yardstick.mjs';
 
 const kPatienceMs = 60_000;
 const kSettledMs = 4000; // the first motion is held, and the motion graph
@@ -132,11 +134,11 @@ async function visit(browser, server, rate, name, motion) {
   }
 }
 
-const visits = options.out && existsSync(options.out) ? JSON.parse(readFileSync(options.out, 'utf8')).visits : [];
+const { visits, yardstick_runs: yardstickRuns = [] } = options.out && existsSync(options.out) ? JSON.parse(readFileSync(options.out, 'utf8')) : { visits: [] };
 const commit = commitOfTree();
 function keep(more = {}) {
   if (!options.out) return;
-  writeFileSync(`${options.out}.part`, `${JSON.stringify({ commit, ...more, visits }, null, 1)}\n`);
+  writeFileSync(`${options.out}.part`, `${JSON.stringify({ commit, ...more, yardstick_runs: yardstickRuns, visits }, null, 1)}\n`);
   renameSync(`${options.out}.part`, options.out);
 }
 const visitsOf = (label, rate, command) => visits.filter((v) => v.label === label && v.rate === rate && v.command === command);
@@ -164,12 +166,14 @@ async function visitSite(browser, label, folder) {
 
 const names = options.names.split(',');
 const sites = [[names[0] ?? 'now', site], ...(options.other ? [[names[1] ?? 'before', options.other]] : [])];
-const browser = await launch();
-try {
-  for (const [label, folder] of sites) await visitSite(browser, label, folder);
-} finally {
-  await browser.close();
-}
+const { yardstick } = await besideYardstick(async () => {
+  const browser = await launch();
+  try {
+    for (const [label, folder] of sites) await visitSite(browser, label, folder);
+  } finally {
+    await browser.close();
+  }
+}, yardstickRuns);
 
 function medians(rate, command, label) {
   const runs = visitsOf(label, rate, command);
@@ -178,8 +182,9 @@ function medians(rate, command, label) {
 }
 const rows = options.rates.split(',').flatMap((rate) => options.commands.split(',').flatMap((command) => sites.map(([label]) => medians(rate, command, label))))
   .filter(({ runs }) => runs);
-keep({ medians: rows });
-const seconds = (ms) => (Number.isFinite(ms) ? (ms / 1000).toFixed(2) : '–'), kilobytes = (bytes) => (bytes / 1000).toFixed(0);
+keep({ yardstick, medians: rows });
+const seconds = (ms) => timed([ms / 1000], 's', 2, yardstick), kilobytes = (bytes) => (bytes / 1000).toFixed(0);
 console.log(`Commit ${commit}, medians of ${options.runs}:\n`);
-console.log(table(['kbit/s / ms', 'command', 'player', 'picture, s', 'end, s', 'fetched, kB', 'begun before, kB', 'thrown away, kB'],
+console.log(table(['kbit/s / ms', 'command', 'player', ...['picture, s', 'end, s'].map((title) => timedTitle(title, yardstick)), 'fetched, kB', 'begun before, kB', 'thrown away, kB'],
   rows.map((r) => [r.rate, r.command, r.label, seconds(r.picture_ms), seconds(r.end_ms), ...['fetched', 'older', 'thrown'].map((key) => kilobytes(r[key]))])));
+console.log(`\nyardstick: ${machineText(yardstick)}`);

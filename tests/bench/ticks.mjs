@@ -10,9 +10,11 @@ import { existsSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { parseArgs } from 'node:util';
 
+import { machineText, timed, timedTitle } from '../../site/measured/yardstick.mjs';
 import { launch } from '../web/harness.mjs';
 import { serve } from '../web/server.mjs';
 import { median, pageWithTag, table } from './throttled.mjs';
+import { besideYardstick } from './yardstick.mjs';
 
 const { values: options, positionals: [site] } = parseArgs({
   allowPositionals: true,
@@ -87,17 +89,25 @@ async function visit(browser, folder, motion) {
 
 const manifest = JSON.parse(readFileSync(join(site, 'character/character.gltf'), 'utf8'));
 const [, ...motions] = manifest.extensions.FOURDVT_layered_video_texture.sequences.map(({ name }) => name);
-const browser = await launch();
-try {
-  const rows = [];
-  for (const motion of motions) {
-    const runs = sites.map(() => []);
-    for (let run = 0; run < Number(options.runs); ++run)
-      for (const [i, folder] of sites.entries()) runs[i].push(await visit(browser, folder, motion));
-    runs.forEach((of, i) => rows.push([motion, options.names.split(',')[i],
-      ...['tick', 'another', 'wanted', 'playing', 'shown'].map((key) => median(of.map((run) => run[key])).toFixed(0))]));
+
+// Rows: motion, name of the player, medians by key.
+async function measure() {
+  const browser = await launch(), rows = [];
+  try {
+    for (const motion of motions) {
+      const runs = sites.map(() => []);
+      for (let run = 0; run < Number(options.runs); ++run)
+        for (const [i, folder] of sites.entries()) runs[i].push(await visit(browser, folder, motion));
+      runs.forEach((of, i) => rows.push({ motion, name: options.names.split(',')[i],
+        ...Object.fromEntries(['tick', 'another', 'wanted', 'playing', 'shown'].map((key) => [key, median(of.map((run) => run[key]))])) }));
+    }
+  } finally {
+    await browser.close();
   }
-  console.log(table(['motion', 'player', 'longest tick (ms)', 'another picture after (ms)', 'the wanted one (ms)', 'playing: longest tick (ms)', 'pictures in 2 s'], rows));
-} finally {
-  await browser.close();
+  return rows;
 }
+
+const { value: rows, yardstick } = await besideYardstick(measure);
+console.log(table(['motion', 'player', ...['longest tick (ms)', 'another picture after (ms)', 'the wanted one (ms)', 'playing: longest tick (ms)'].map((title) => timedTitle(title, yardstick)), 'pictures in 2 s'],
+  rows.map((r) => [r.motion, r.name, ...[r.tick, r.another, r.wanted, r.playing].map((ms) => timed([ms], 'ms', 0, yardstick)), r.shown.toFixed(0)])));
+console.log(`\nyardstick: ${machineText(yardstick)}`);
