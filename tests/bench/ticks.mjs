@@ -71,7 +71,7 @@ async function seek({ motion, frame }) {
 }
 
 async function visit(browser, folder, motion) {
-  const [, name] = /_fdvt_tick=function.*?\.asm\.(\w+)/.exec(readFileSync(join(folder, 'fourdvt-viewer/fourdvt-viewer.js'), 'utf8'));
+  const [, name] = /_fdvt_tick(?:=function.*?\.asm\.| )(\w+)/.exec(readFileSync(join(folder, 'fourdvt-viewer/fourdvt-viewer.js'), 'utf8'));
   const server = await serve(folder, 0, { pages: { '/one.html': pageWithTag('character/character.gltf', '') } });
   const page = await browser.newPage({ viewport: { width: 320, height: 320 } });
   try {
@@ -108,6 +108,6 @@ async function measure() {
 }
 
 const { value: rows, yardstick } = await besideYardstick(measure);
-console.log(table(['motion', 'player', ...['longest tick (ms)', 'another picture after (ms)', 'the wanted one (ms)', 'playing: longest tick (ms)'].map((title) => timedTitle(title, yardstick)), 'pictures in 2 s'],
+console.log(table(['motion', 'player', ...['longest tick, ms', 'another picture after, ms', 'the wanted one, ms', 'playing: longest tick, ms'].map((title) => timedTitle(title, yardstick)), 'pictures in 2 s'],
   rows.map((r) => [r.motion, r.name, ...[r.tick, r.another, r.wanted, r.playing].map((ms) => timed([ms], 'ms', 0, yardstick)), r.shown.toFixed(0)])));
 console.log(`\nyardstick: ${machineText(yardstick)}`);
