@@ -18,8 +18,11 @@ lan_packages=(openssl qrencode)                # site/demo.sh --lan
 test_packages=(git libgtest-dev libclang-rt-14-dev "${browser_packages[@]}" firefox-esr xvfb)
 if [ "$(uname -m)" = x86_64 ]; then test_packages+=(libc6-dev-i386 lib32stdc++-12-dev); fi
 
-# Says what is done, and at which minute of the script.
-step() { printf '\n== %s (at %d:%02d)\n' "$*" $((SECONDS / 60)) $((SECONDS % 60)); }
+# Says what is done, and at which minute of the script. FOURDVT_STEP_LOG: a file that gets a line a step, with its time.
+step() {
+  printf '\n== %s (at %d:%02d)\n' "$*" $((SECONDS / 60)) $((SECONDS % 60))
+  [ -z "${FOURDVT_STEP_LOG:-}" ] || echo "$(date +%s) $*" >>"$FOURDVT_STEP_LOG"
+}
 
 # Ends the script with the last lines of build/NAME.log.
 fail_with_log() {  # $1: name, rest: what failed

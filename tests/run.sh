@@ -1,34 +1,64 @@
 #!/usr/bin/env bash
-# Runs every test. Installs, builds and bakes first what site/demo.sh does, with characters from cameras and OpenCV for
-# wasm; then builds the lab and the tests, unit tests with sanitizers; ends with ctest's summary.
-#   bash tests/run.sh [ARGUMENT...]    arguments go to ctest (-R REGEX, -L LABEL)
-#   bash tests/run.sh --changed [BASE] [-- ARGUMENT...]
-#     builds and runs what the difference from the commit BASE can touch (tests/changed.mjs), after one whole run.
-#     BASE: HEAD where the tree has changes, else HEAD~1
+# Runs the tests: those that a change of the product can break. Installs, builds and bakes what they need, as site/demo.sh does; ends
+# with ctest's summary. .github/CONTRIBUTING.md lists what is in which run.
 set -euo pipefail
+usage() {
+  cat <<'TXT'
+bash tests/run.sh [ARGUMENT...]    arguments go to ctest (-R REGEX, -L LABEL), and only what these tests need is built
+  --changed [BASE] [-- ARGUMENT...]  what the difference from the commit BASE can touch (tests/changed.mjs), after one whole run.
+                                     BASE: HEAD where the tree has changes, else HEAD~1
+  --long                             every test, the long ones included (weekly)
+  --share                            a share of the long ones, in turn by the time, about five minutes
+TXT
+}
 cd "$(dirname "$0")/.."
 . site/steps.sh
-if [ "${1:-}" = --changed ]; then
-  exec node tests/changed.mjs "${@:2}"
-fi
 mkdir -p build
+selected=("$@")
+case ${1:-} in
+  '') selected=(-LE '^long$') ;;
+  -h|--help) usage; exit 0 ;;
+  --long) selected=("${@:2}") ;;
+esac
 install_packages "${page_packages[@]}" "${test_packages[@]}"
-start_beside opencv env NODE_PATH=/usr/share/nodejs bash wasm/build_opencv.sh
-step "Building the lab and the tests (OpenCV for wasm is built beside them: build/opencv.log)"
 configure_release cmake-tests -DFOURDVT_MORE_TOOLS=ON -DFOURDVT_LAB=ON -DFOURDVT_TESTS=ON
-build build-tests build/release
-check_beside
-step "Building most unit tests, with sanitizers"
-quiet cmake-asan cmake --preset asan
-build build-asan build/asan sanitized_tests fuzz_smoke
-if [ "$(uname -m)" = x86_64 ]; then
+case ${1:-} in
+  --changed)
+    base=() arguments=("${@:2}")
+    case ${2:-} in ''|-*) ;; *) base=("$2") arguments=("${@:3}") ;; esac
+    [ "${arguments[0]:-}" != -- ] || arguments=("${arguments[@]:1}")
+    selected=(-R "$(node tests/changed.mjs "${base[@]}")" "${arguments[@]}") ;;
+  --share)
+    share=$(node tests/needed.mjs --share "$(date +%s)")
+    echo "Long tests whose turn it is: $share"
+    selected=(-L "^$share\$") ;;
+esac
+needed=$(node tests/needed.mjs "${selected[@]}" 2>/dev/null)
+needs() { grep -q "^$1\b" <<<"$needed"; }
+targets_of() { sed -n "s#^$1 ##p" <<<"$needed"; }
+if needs site; then start_beside opencv env NODE_PATH=/usr/share/nodejs bash wasm/build_opencv.sh; fi
+if needs build/release; then
+  step "Building the lab and the tests"
+  read -ra targets <<<"$(targets_of build/release)"
+  build build-tests build/release "${targets[@]}"
+fi
+if needs build/asan; then
+  step "Building tests with sanitizers"
+  quiet cmake-asan cmake --preset asan
+  read -ra targets <<<"$(targets_of build/asan)"
+  build build-asan build/asan "${targets[@]}"
+fi
+if needs build/fuzz32; then
   step "Building the player's fuzzers for 32 bits"
   draco32=$(bash tests/fuzz/draco32.sh 2>build/draco32.log) || fail_with_log draco32 "building Draco for 32 bits"
   quiet cmake-fuzz32 cmake --preset fuzz32 -DDRACO_LIBRARY="$draco32/libdraco.a" -DDRACO_INCLUDE="$draco32/include"
-  build build-fuzz32 build/fuzz32 fuzz_smoke
+  read -ra targets <<<"$(targets_of build/fuzz32)"
+  build build-fuzz32 build/fuzz32 "${targets[@]}"
 fi
-step "Finishing OpenCV for wasm"
-finish_beside
-bash site/demo.sh --prepare --opencv
+if needs site; then
+  step "Finishing OpenCV for wasm"
+  finish_beside
+  bash site/demo.sh --prepare --opencv
+fi
 step "Tests"
-ctest --preset release -j "$(nproc)" "$@"
+ctest --preset release -j "$(nproc)" "${selected[@]}"

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// tests/changed.mjs on a small graph: what a file reaches, and which tests that is.
+// tests/changed.mjs on a small graph: what a file reaches, and which tests that is. tests/needed.mjs: what tests need, and whose
+// turn it is.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 
-import { closure, edgesOf, modulesOf, touchedTests, withFolders } from '../changed.mjs';
+import { closure, edgesOf, touchedTests, withFolders } from '../changed.mjs';
+import { modulesOf, neededBy, shareAt } from '../needed.mjs';
 
 const kManifest = `
 build liba.a: AR native/a/one.cpp.o $
@@ -50,4 +52,19 @@ test('tests are taken by program, by script with its imports, by declared files;
   assert.deepEqual(names(['build/site']), ['web/x', 'tree/t']);
   assert.deepEqual(names(['tests/web/server.mjs']), ['web/x', 'tree/t']);
   assert.ok(modulesOf('tests/web/visit.test.mjs').has('tests/web/server.mjs'));
+});
+
+const labelled = (command, ...labels) => ({ name: command[0], command, properties: [{ name: 'LABELS', value: labels }] });
+
+test('a test needs its programs, by build folder, and the site if a browser opens it', () => {
+  const needed = neededBy([labelled(['build/release/tests/unit_a'], 'unit'), labelled(['node', 'tests/fuzz/run.mjs', 'build/asan/tests/fuzz/b_fuzz', 'corpus'], 'fuzz'),
+    labelled(['node', '--test', 'x.test.mjs'], 'web', 'web_plain')]);
+  assert.deepEqual([...needed].map(([folder, targets]) => [folder, ...targets]), [['build/release', 'tests/unit_a'], ['build/asan', 'tests/fuzz/b_fuzz']]);
+  assert.ok(neededBy([labelled(['node', '--test', 'x.test.mjs'], 'web')]).has('site'));
+});
+
+test('the shares of long tests take turns, each as often', () => {
+  const tests = ['long_b', 'long_a', 'unit', 'long_c'].map((label) => labelled(['x'], 'long', label));
+  const turns = Array.from({ length: 6 }, (_, i) => shareAt(3600 * 3 * i, tests));
+  assert.deepEqual(turns, ['long_a', 'long_b', 'long_c', 'long_a', 'long_b', 'long_c']);
 });

@@ -13,7 +13,7 @@ namespace fourdvt::mattes {
 Result<SequenceMattes> SequenceMattes::open(const capture::Capture& capture, const capture::CaptureSequence& sequence,
                                             const std::vector<MatteSource>& sources, const JointMattes& joint,
                                             const Strokes& strokes, const OpenVideo& open_video) {
-  SequenceMattes out(capture, sequence, sources, joint);
+  SequenceMattes out(capture, sources, joint);
   for (const capture::CaptureCamera& camera : capture.cameras) {
     FOURDVT_ASSIGN(const auto place, capture::colourPlace(sequence, camera));
     FOURDVT_ASSIGN(auto colour, capture::PictureStream::open(place, sequence, camera.pinhole.name, 3, open_video));

@@ -30,15 +30,13 @@ class SequenceMattes {
   bool made(size_t camera) const { return !given_[camera]; }  // false: the capture has this camera's mattes
 
  private:
-  SequenceMattes(const capture::Capture& capture, const capture::CaptureSequence& sequence,
-                 const std::vector<MatteSource>& sources, const JointMattes& joint)
-      : capture_(&capture), sequence_(&sequence), sources_(&sources), joint_(&joint) {}
+  SequenceMattes(const capture::Capture& capture, const std::vector<MatteSource>& sources, const JointMattes& joint)
+      : capture_(&capture), sources_(&sources), joint_(&joint) {}
   Status readCamera(size_t camera, uint32_t frame, MatteView& view);
   Status checkPlates(const MattesFrame& frame);
   uint32_t firstToRead(size_t camera, uint32_t frame) const;
 
   const capture::Capture* capture_;
-  const capture::CaptureSequence* sequence_;
   const std::vector<MatteSource>* sources_;
   const JointMattes* joint_;
   std::vector<capture::PictureStream> colour_;
