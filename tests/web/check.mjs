@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // node tests/web/check.mjs SITE OUT FOURDVT CHARACTER: the last step of `bash site/demo.sh --check`.
-// Opens the served site, orbits walk and run, compares the silhouette's size with native stills, watches frames advance.
+// Opens the served site, orbits walk and run, compares the silhouette's size with native stills, watches frames advance,
+// measures the front page's layout.
 // node tests/web/check.mjs --first SITE OUT: of a site with one motion, which is served before the rest is baked: it plays.
 import { mkdirSync, readdirSync, readFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
@@ -16,6 +17,8 @@ const kElevation = 10;
 const kDistance = 4.6;       // the whole performer is in the picture
 const kCoverageTolerance = 0.1;
 const kDistinctFrames = 5;
+const kWindows = [{ width: 1280, height: 800 }, { width: 390, height: 844 }];
+const kLeastShare = 0.25;    // of the window's height, for the viewer
 
 const words = process.argv.slice(2), first = words[0] === '--first', paths = words.slice(first ? 1 : 0).map((path) => resolve(path));
 if (paths.length !== (first ? 2 : 4)) {
@@ -94,6 +97,30 @@ async function sweepSlider(page) {
   report(frames.size > 1, `${motion} plays while the slider moves: frames ${[...frames].join(', ')}`);
 }
 
+// The viewer is within the window and large enough, and words and controls lie beside it, with few dials and with all.
+async function checkLayout(page) {
+  for (const window of kWindows) {
+    await page.setViewportSize(window);
+    for (const dials of ['few', 'all']) {
+      const problems = await page.evaluate(({ hidden, leastShare }) => {
+        for (const id of ['look-dials', 'light-dial']) document.getElementById(id).hidden = hidden;
+        const viewer = document.getElementById('viewer').getBoundingClientRect();
+        const found = [];
+        if (viewer.left < 0 || viewer.top < 0 || viewer.right > innerWidth || viewer.bottom > innerHeight) found.push('is not within the window');
+        if (viewer.height < leastShare * innerHeight) found.push(`is ${viewer.height} pixels high`);
+        for (const other of document.querySelectorAll('.intro, .controls, .stage nav a')) {
+          const box = other.getBoundingClientRect();
+          if (box.left < viewer.right && box.right > viewer.left && box.top < viewer.bottom && box.bottom > viewer.top)
+            found.push(`lies under ${other.matches('a') ? other.textContent : other.className}`);
+        }
+        if (document.documentElement.scrollWidth > innerWidth) found.push('is on a page that scrolls sideways');
+        return found;
+      }, { hidden: dials === 'few', leastShare: kLeastShare });
+      report(problems.length === 0, `layout at ${window.width}×${window.height}, ${dials} dials: the viewer ${problems.join(', ') || 'has its place'}`);
+    }
+  }
+}
+
 // Barcodes are read on the plane path; a visitor's browser may have measured the other one as faster.
 async function checkPairing(browser, address) {
   const page = await openPage(browser, {}, 'i420');
@@ -129,6 +156,7 @@ async function check(page, address) {
   }
   await sweepSlider(page);
   for (const sequence of ['walk', 'run']) await watchFrames(page, sequence);
+  await checkLayout(page);
   const path = await page.evaluate(() => document.querySelector('fourdvt-viewer').stats.uploadPath);
   console.log(`upload path measured as the faster: ${path}`);
   report(page.troubles.length === 0, `browser console: ${page.troubles.join(' | ') || 'no errors'}`);
