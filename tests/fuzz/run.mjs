@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // node tests/fuzz/run.mjs PROGRAM CORPUS KEPT [SECONDS]: fuzzes by libFuzzer for so long, from the committed corpus and what earlier runs
 // on this machine found, and keeps what is new. Prints the seed, another one every run, executions and coverage; after a
-// finding, the input's file too. FOURDVT_FUZZ_SEED=N repeats a run.
+// finding, the input's file too. FOURDVT_FUZZ_SEED=N repeats a run. 0 seconds: the committed corpus alone, once.
 import { spawnSync } from 'node:child_process';
 import { existsSync, mkdirSync, readdirSync, writeFileSync } from 'node:fs';
 import { basename, join } from 'node:path';
@@ -16,7 +16,8 @@ for (const folder of [findings, own]) mkdirSync(folder, { recursive: true });
 const seed = process.env.FOURDVT_FUZZ_SEED ?? String(1 + Math.floor(Math.random() * 0x7ffffffe));
 // Inputs that only the build for 32 bits answers quickly: its Draco is corrected as that for wasm is.
 const small = program.includes('fuzz32') && existsSync(`${corpus}32`) ? [`${corpus}32`] : [];
-const { status, stderr } = spawnSync(program, [own, corpus, ...small, `-seed=${seed}`, `-max_total_time=${seconds}`, `-artifact_prefix=${join(findings, `${name}-`)}`,
+const length = seconds === '0' ? [corpus, '-runs=0'] : [own, corpus, `-max_total_time=${seconds}`];
+const { status, stderr } = spawnSync(program, [...length, ...small, `-seed=${seed}`, `-artifact_prefix=${join(findings, `${name}-`)}`,
   '-print_final_stats=1', '-timeout=60', '-rss_limit_mb=3072', '-max_len=65536'], { encoding: 'utf8', maxBuffer: 1 << 28, env: { ASAN_OPTIONS: 'detect_leaks=1', ...process.env } });
 writeFileSync(join(kept, `${label.replace(/\W+/g, '-')}.log`), stderr ?? '');
 const last = (pattern) => [...(stderr ?? '').matchAll(pattern)].at(-1)?.[1] ?? '?';
