@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bundles src/ with the wasm modules of a build into a folder of scripts and modules that fit together. Does not check types
+// and sizes.
+import { existsSync, mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { dirname, join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { build } from 'esbuild';
+
+import { stampOf, stampWasm, writeTypeScript } from '../wasm/abi.mjs';
+
+const here = dirname(fileURLToPath(import.meta.url));
+
+function checkModules(wasmFolder, opencvFolder) {
+  for (const name of ['abi.ts', 'fourdvt.js', 'fourdvt.wasm', 'fourdvt-more.wasm', 'worker/fourdvt-worker.wasm']) {
+    if (existsSync(join(wasmFolder, name))) continue;
+    throw new Error(`${join(wasmFolder, name)} is missing: build the CMake preset wasm first, or name its folder with --wasm`);
+  }
+  if (opencvFolder && !existsSync(join(opencvFolder, 'fourdvt-opencv.js'))) {
+    throw new Error(`${join(opencvFolder, 'fourdvt-opencv.js')} is missing: build the CMake preset wasm with OPENCV_WASM_DIR`);
+  }
+  const abi = join(here, 'src/generated/abi.ts');
+  writeTypeScript(abi);
+  if (!readFileSync(abi).equals(readFileSync(join(wasmFolder, 'abi.ts')))) {
+    throw new Error(`the modules in ${wasmFolder} have another ABI than wasm/abi.txt: build the CMake preset wasm again`);
+  }
+}
+
+// Emscripten's script defines every export of the module by a function of its own, which its first call replaces by the
+// export. A table defines them alike.
+function tabulateExports(script) {
+  const stub = /var (\w+)=Module\["\1"\]=function\(\)\{return\(\1=Module\["\1"\]=Module\["asm"\]\["([\w$]+)"\]\)\.apply\(null,arguments\)\};/g;
+  const isUsed = (name) => script.split(new RegExp(`\\b${name}\\b`)).length > 6; // five times in its own definition
+  const names = [];
+  const rest = script.replace(stub, (definition, name, short) => {
+    if (isUsed(name)) return definition;
+    names.push(`${name} ${short}`);
+    return '';
+  });
+  const at = rest.indexOf('var calledRun;');
+  if (names.length < 50 || at < 0) throw new Error("Emscripten's script defines its exports in another way than this program reads");
+  return `${rest.slice(0, at)}for(const e of "${names}".split(",")){const[n,s]=e.split(" ");Module[n]=(...a)=>(Module[n]=Module["asm"][s])(...a)}${rest.slice(at)}`;
+}
+
+// Leaves out how Emscripten's script fetches the module: the page does it.
+function leaveOutFetching(script) {
+  const cuts = [['var read_,readAsync,', 'var out='], ['var dataURIPrefix=', 'function createWasm('],
+    ['function receiveInstantiationResult(', 'if(Module["instantiateWasm"])'], ['instantiateAsync().catch(readyPromiseReject);', 'return{}}']];
+  return cuts.reduce((text, [from, to]) => {
+    const begin = text.indexOf(from), end = text.indexOf(to, begin);
+    if (begin < 0 || end < 0) throw new Error(`Emscripten's script has no ${from} before ${to}`);
+    return text.slice(0, begin) + text.slice(end);
+  }, script);
+}
+
+/**
+ * Empties `out` and writes the player into it. wasmFolder: the build of wasm/; opencvFolder: none leaves OpenCV out. develop: the
+ * modules are of the preset wasm-dev; scripts keep their names and have source maps. Errors: an Error with one message; esbuild's, with `errors`.
+ */
+export async function bundlePlayer({ wasmFolder, opencvFolder, out, develop = false, logLevel = 'warning' }) {
+  checkModules(wasmFolder, opencvFolder);
+  const bundle = (entry, outfile, more = {}) => build({
+    entryPoints: [entry],
+    outfile: join(out, outfile),
+    bundle: true,
+    minify: !develop,
+    sourcemap: develop,
+    format: 'esm',
+    target: ['es2022', 'chrome94', 'safari16.4', 'firefox130'],
+    banner: { js: `/*! ${outfile.replace('.js', '')}, Apache-2.0 */` },
+    legalComments: 'none',
+    logLevel,
+    ...more,
+  });
+  rmSync(out, { recursive: true, force: true });
+  mkdirSync(out, { recursive: true });
+  // Emscripten's script is part of the stamp: it and the module share short names, which differ from build to build.
+  const stamp = stampOf(...['abi.ts', 'fourdvt.js'].map((name) => readFileSync(join(wasmFolder, name))));
+  const copyWasm = (from, to) => writeFileSync(join(out, to), stampWasm(readFileSync(from), stamp));
+  copyWasm(join(wasmFolder, 'fourdvt.wasm'), 'fourdvt-viewer.wasm');
+  copyWasm(join(wasmFolder, 'fourdvt-more.wasm'), 'fourdvt-more.wasm');
+  const workerWasm = readFileSync(join(wasmFolder, 'worker/fourdvt-worker.wasm'));
+  const workerStamp = stampOf(stamp, workerWasm);
+  writeFileSync(join(out, 'fourdvt-worker.wasm'), stampWasm(workerWasm, workerStamp));
+  const define = { FOURDVT_WORKER: `"${workerStamp}"` };
+  await bundle(join(here, 'src/more.ts'), 'fourdvt-more.js', { define });
+  await bundle(join(here, 'src/geometry-worker.ts'), 'fourdvt-worker.js', { format: 'iife', define });
+  if (opencvFolder) {
+    await bundle(join(opencvFolder, 'fourdvt-opencv.js'), 'fourdvt-opencv.js');
+    copyWasm(join(opencvFolder, 'fourdvt-opencv.wasm'), 'fourdvt-opencv.wasm');
+  }
+  const version = stampOf(...readdirSync(out).sort().map((name) => readFileSync(join(out, name))));
+  const script = join(out, 'fourdvt-wasm.js');
+  const emscripten = readFileSync(join(wasmFolder, 'fourdvt.js'), 'utf8');
+  writeFileSync(script, develop ? emscripten : leaveOutFetching(tabulateExports(emscripten)));
+  await bundle(join(here, 'src/fourdvt-viewer.ts'), 'fourdvt-viewer.js', {
+    alias: { 'fourdvt-wasm': script },
+    define: { FOURDVT_STAMP: `"${stamp}"`, FOURDVT_VERSION: `"?v=${version}"`, FOURDVT_OPENCV: String(Boolean(opencvFolder)) },
+  });
+  rmSync(script);
+  // Bundlers would take the second part's script for one of theirs; the minifier drops the comments that prevent it.
+  const viewer = join(out, 'fourdvt-viewer.js'), parts = readFileSync(viewer, 'utf8').split(/(?<=\bimport\()(?=\w+\))/);
+  if (parts.length !== 2) throw new Error(`${viewer} has ${parts.length - 1} dynamic imports, not one`);
+  writeFileSync(viewer, parts.join('/* webpackIgnore: true *//* @vite-ignore */'));
+  if (develop) return;
+  // For the page's <head>: begins the downloads before the script asks for them.
+  writeFileSync(join(out, 'preload.html'), `<link rel="modulepreload" href="fourdvt-viewer/fourdvt-viewer.js">
+<link rel="preload" as="fetch" crossorigin href="fourdvt-viewer/fourdvt-viewer.wasm?v=${version}">
+<link rel="preload" as="fetch" crossorigin href="character/character.gltf">
+<link rel="preload" as="fetch" crossorigin href="character/character.start.bin">
+`);
+}
