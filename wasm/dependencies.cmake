@@ -4,7 +4,11 @@ add_library(fourdvt_glm INTERFACE)
 add_library(fourdvt_draco INTERFACE)
 if(EMSCRIPTEN)
   # Small rather than fast code: the download has a budget, and the GPU does the work per pixel.
-  set(FOURDVT_WASM_FLAGS -Oz -flto -msimd128 -fno-exceptions -fno-rtti)
+  set(FOURDVT_WASM_FLAGS -Oz -flto)
+  if(FOURDVT_DEVELOP)  # no page of others gets it: what links soonest
+    set(FOURDVT_WASM_FLAGS -O1)
+  endif()
+  list(APPEND FOURDVT_WASM_FLAGS -msimd128 -fno-exceptions -fno-rtti)
   set(FOURDVT_MORE_MARK fourdvt-more)  # first line of the shaders that go into the second part (wasm/split.mjs)
   add_compile_options(${FOURDVT_WASM_FLAGS})
   set(private_include ${CMAKE_BINARY_DIR}/include)
