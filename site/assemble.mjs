@@ -3,6 +3,7 @@
 // node site/assemble.mjs --add OUT DIST CHARACTER [CAMERAS]: the same into a folder that is being served: adds the character's
 // files, its manifest last (those of an earlier one stay, for pages that play it), and the characters from cameras, then the
 // pages that show them; the rest stays.
+// node site/assemble.mjs --pages OUT DIST CHARACTER [CAMERAS]: only what site/ and web/examples have by themselves (web/develop.mjs).
 // OUT/{index,steer}.html, their scripts, styles and pictures, OUT/live (the console of fourdvt live), OUT/measured (the page of
 // figures), OUT/docs (the documents), OUT/examples, OUT/fourdvt-viewer (DIST, the built web package), OUT/character (a baked
 // one), OUT/character.report (its report, if it lies beside it), OUT/{cameras,methods}.html and OUT/cameras (characters from
@@ -26,9 +27,10 @@ function fail(message) {
   process.exit(1);
 }
 
-const paths = process.argv.slice(2).filter((word) => word !== '--add'), adds = paths.length < process.argv.length - 2;
+const words = process.argv.slice(2), paths = words.filter((word) => !word.startsWith('--'));
+const adds = words.includes('--add'), onlyPages = words.includes('--pages');
 const [out, dist, character, cameras] = paths.map((path) => resolve(path));
-if (!out || !dist || !character) fail('usage: node site/assemble.mjs [--add] OUT DIST CHARACTER [CAMERAS]');
+if (!out || !dist || !character) fail('usage: node site/assemble.mjs [--add | --pages] OUT DIST CHARACTER [CAMERAS]');
 const needed = [
   [join(dist, 'fourdvt-viewer.js'), 'build the web package first: npm run build in web/'],
   [join(character, 'character.gltf'), 'bake a character first: fourdvt bake CAPTURE -o CHARACTER'],
@@ -91,6 +93,11 @@ function writePages() {
 
 for (const name of ['measured', 'live']) mkdirSync(join(out, name), { recursive: true });
 const folders = { examples: join(here, '../web/examples'), 'fourdvt-viewer': dist, character };
+if (onlyPages) {
+  replaceFolder('examples', folders.examples);
+  writePages();
+  process.exit(0);
+}
 for (const [name, folder] of adds ? [] : Object.entries(folders)) replaceFolder(name, folder);
 if (adds) addCharacter();
 if (existsSync(report)) replaceFolder('character.report', report);

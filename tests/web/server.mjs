@@ -42,7 +42,22 @@ function parseRange(header, size) {
   return first > last || first >= size ? 'bad' : [first, last];
 }
 
-async function answer(root, options, request, response, entry) {
+// The file to answer with, in the first of the folders that has it; else null. redirect: a folder's path lacks its slash.
+async function find(folders, requestUrl) {
+  for (const folder of folders) {
+    let file = locate(folder, requestUrl), info = file ? await stat(file).catch(() => null) : null;
+    if (info?.isDirectory()) {
+      if (!new URL(requestUrl, 'http://x').pathname.endsWith('/')) return { redirect: true };
+      file = join(file, 'index.html');
+      info = await stat(file).catch(() => null);
+    }
+    if (info?.isFile()) return { file, info };
+  }
+  return null;
+}
+
+async function answer(folders, options, request, response, entry) {
+  if (options.handle?.(request, response)) return;
   const finish = (status, headers = {}, body = '') => {
     entry.status = status;
     response.writeHead(status, { 'Content-Length': Buffer.byteLength(body), ...headers });
@@ -55,15 +70,16 @@ async function answer(root, options, request, response, entry) {
   if (fault.away) return request.socket.destroy();
   if (fault.status) return finish(fault.status, { 'Cache-Control': 'no-store' });
   if (fault.text !== undefined) return finish(200, { 'Cache-Control': 'no-store' }, fault.text);
-  let file = locate(root, fault.url ?? request.url);
-  let info = file ? await stat(file).catch(() => null) : null;
-  if (info?.isDirectory()) {
+  const found = await find(folders, fault.url ?? request.url);
+  if (!found) return finish(404, { 'Content-Type': 'text/plain' }, 'not found\n');
+  if (found.redirect) {
     const url = new URL(request.url, 'http://x');
-    if (!url.pathname.endsWith('/')) return finish(301, { Location: `${url.pathname}/${url.search}` });
-    file = join(file, 'index.html');
-    info = await stat(file).catch(() => null);
+    return finish(301, { Location: `${url.pathname}/${url.search}` });
   }
-  if (!info?.isFile()) return finish(404, { 'Content-Type': 'text/plain' }, 'not found\n');
+  const { file, info } = found;
+  if (options.edit && extname(file) === '.html') {
+    return finish(200, { 'Content-Type': TYPES['.html'], 'Cache-Control': 'no-store' }, options.edit(readFileSync(file, 'utf8')));
+  }
   const headers = {
     'Content-Type': TYPES[extname(file).toLowerCase()] ?? 'application/octet-stream',
     'Cache-Control': 'no-cache', 'Last-Modified': info.mtime.toUTCString(), ...options.headers,
@@ -101,16 +117,17 @@ async function answer(root, options, request, response, entry) {
  * goes wrong with this request, if anything: { away: true } (the connection breaks), { status }, { text } (this instead of
  * the file), { url } (another file), { truncate: bytes } (the file ends there), { spoil: true } (wrong bytes), { whole: true }
  * (200 for a range), { stallAfter: bytes } (no more bytes follow, and no end), { bytesPerS }; forgets (true: keep no
- * requests); gzip (true: texts and wasm are sent compressed). `requests` grows by { method, path, range, status, bytes } for every request.
+ * requests); gzip (true: texts and wasm are sent compressed); over (a folder whose files come before those of `root`), edit(html)
+ * (the page to send instead), handle(request, response) (true: it answers). `requests` grows by { method, path, range, status, bytes } for every request.
  */
 export function serve(root, port = 0, options = {}) {
-  const folder = resolve(root);
+  const folders = [options.over, root].filter(Boolean).map((folder) => resolve(folder));
   const requests = [];
   const create = options.tls ? (listener) => createSecureServer(options.tls, listener) : createServer;
   const server = create((request, response) => {
     const entry = { method: request.method, path: request.url, range: request.headers.range ?? null, status: 0, bytes: 0 };
     if (!options.forgets) requests.push(entry);
-    answer(folder, options, request, response, entry).catch(() => response.destroy());
+    answer(folders, options, request, response, entry).catch(() => response.destroy());
   });
   return new Promise((done, fail) => {
     server.once('error', fail);
