@@ -5,7 +5,9 @@
 # has their reports. Does nothing if OUT was made with this STAMP by this script.
 # cameras.sh --is-made OUT STAMP: succeeds if there is nothing to do.
 set -euo pipefail
-is_made() { [ "$(cat "$1.stamp" 2>/dev/null)" = "$2 $(sha256sum <"$0" | cut -d' ' -f1)" ] && [ -d "$1" ]; }
+# Its own sources and those of the surfaces; STAMP has the bake's.
+made_by=$({ cat "$0"; node "$(dirname "$0")/bake_stamp.mjs" reconstruct/run; } | sha256sum | cut -d' ' -f1)
+is_made() { [ "$(cat "$1.stamp" 2>/dev/null)" = "$2 $made_by" ] && [ -d "$1" ]; }
 if [ "$1" = --is-made ]; then
   is_made "$2" "$3"
   exit
@@ -32,4 +34,4 @@ mkdir "$out.reports"
 mv "$work/made/"*.report "$out.reports"
 mv "$work/made" "$out"
 rm -rf "$work"
-echo "$4 $(sha256sum <"$0" | cut -d' ' -f1)" >"$out.stamp"
+echo "$4 $made_by" >"$out.stamp"

@@ -80,8 +80,8 @@ check_beside
 source_capture=${capture:-$root/site/sample/actor_a}
 name=$( [ -z "$capture" ] && echo character || echo "character-$(basename "$capture")")
 character=$root/build/$name
-# The same tool on the same files gives the same character.
-stamp=$( { sha256sum $tool | cut -d' ' -f1
+# The same sources of the bake on the same files give the same character.
+stamp=$( { node site/bake_stamp.mjs
            find -L "$source_capture" -type f -printf '%P %s %T@\n' | sort; } | sha256sum | cut -d' ' -f1)
 is_baked() { [ "$(cat "$1.stamp" 2>/dev/null)" = "$stamp" ] && [ -e "$1/character.gltf" ]; }
 bake() {  # $1: character folder, rest: options
