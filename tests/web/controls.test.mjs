@@ -211,7 +211,10 @@ test('keyboard alone: focus, play, turn, time; screen readers hear it', async ()
   const at = await open(`<fourdvt-viewer ${kSource} autoplay loop controls camera-controls></fourdvt-viewer>`);
   await settled(at);
   const focused = () => at.viewer((v) => v.shadowRoot.activeElement?.getAttribute('part'));
-  const heard = (text) => at.until((text) => document.querySelector('fourdvt-viewer').shadowRoot.querySelector('.live').textContent === text, text);
+  const heard = (text) => at.until((text) => document.querySelector('fourdvt-viewer').shadowRoot.querySelector('.live').textContent === text, text).catch(async (problem) => {
+    const state = await at.viewer((v) => [v.shadowRoot.querySelector('.live').textContent, v.paused, v.heading, v.getCameraOrbit(), v.matches(':focus-within')]);
+    throw new Error(`"${text}" is not heard but ${JSON.stringify(state)}`, { cause: problem });
+  });
   await at.page.keyboard.press('Tab');
   assert.equal(await focused(), 'stage');
   assert.deepEqual(await at.viewer((v) => { const { role, ariaLabel } = v.shadowRoot.activeElement; return [role, ariaLabel]; }), ['application', 'A man walks']);
