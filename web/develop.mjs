@@ -40,7 +40,7 @@ const options = readOptions(), site = resolve(options.site);
 if (!(Number(options.port) >= 0)) fail(`--port must be a number, not "${options.port}"`);
 if (!existsSync(join(site, 'character/character.gltf'))) fail(`${site} has no character/character.gltf: bash site/demo.sh --prepare makes the site`);
 
-// --- what open pages hear ---
+// --- messages to open pages ---
 
 const problems = new Map(); // by step
 const pages = new Set();
@@ -79,9 +79,9 @@ function handle(request, response) {
   } else if (request.url === '/develop/problem' && request.method === 'POST') {
     let text = '';
     request.on('data', (part) => (text += part)).on('end', () => {
-      const { version: of, problem } = JSON.parse(text);
-      if (of === version()) complain('GLSL', nameLines(problem, kShaders));
       response.writeHead(204).end();
+      const [of, problem] = text.split(/\n(.*)/s); // the version on the first line
+      if (of === version() && problem) complain('GLSL', nameLines(problem, kShaders));
     });
   } else {
     return false;
@@ -105,7 +105,7 @@ async function step(name, work) {
   const began = performance.now();
   try {
     const idle = await work() === false;
-    problems.delete(name);
+    if (problems.delete(name)) pages.forEach(send);
     if (!idle) console.log(`${name}: ${((performance.now() - began) / 1000).toFixed(1)} s`);
     return !idle;
   } catch (reason) {
@@ -114,12 +114,12 @@ async function step(name, work) {
   }
 }
 
-// Errors: one with the command's output. `heard`: called with what it prints.
-function run(command, args, heard = () => undefined) {
+// Errors: one with the command's output. onOutput: called with each part of it.
+function run(command, args, onOutput = () => undefined) {
   return new Promise((done, failed) => {
     let output = '';
     const child = spawn(command, args, { cwd: kRoot, env: { NODE_PATH: '/usr/share/nodejs', ...process.env } }); // Debian's Emscripten
-    for (const stream of [child.stdout, child.stderr]) stream.on('data', (part) => { output += part; heard(String(part)); });
+    for (const stream of [child.stdout, child.stderr]) stream.on('data', (part) => { output += part; onOutput(String(part)); });
     child.on('error', (reason) => failed(new Error(`${command} does not start: ${reason.message}`)));
     child.on('close', (code) => (code ? failed(new Error(output.trim())) : done(output)));
   });
@@ -160,11 +160,11 @@ const stateOf = (folder) => kModules.map((name) => statSync(join(folder, 'wasm',
 
 // Prints now and then how far a long build is.
 function progress() {
-  let told = performance.now();
+  let printed = performance.now();
   return (text) => {
     const [, done] = /\[(\d+\/\d+)\][^[]*$/.exec(text) ?? [];
-    if (!done || performance.now() - told < 10_000) return;
-    told = performance.now();
+    if (!done || performance.now() - printed < 10_000) return;
+    printed = performance.now();
     console.log(`C++: ${done.replace('/', ' of ')} steps`);
   };
 }

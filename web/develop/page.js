@@ -16,7 +16,7 @@
     compileShader.call(this, shader);
     if (!names.has(shader) || this.isContextLost() || this.getShaderParameter(shader, this.COMPILE_STATUS)) return;
     const problem = `${names.get(shader)} does not compile:\n${this.getShaderInfoLog(shader)}`;
-    fetch('/develop/problem', { method: 'POST', body: JSON.stringify({ version: develop.version, problem }) });
+    fetch('/develop/problem', { method: 'POST', body: `${develop.version}\n${problem}` });
   };
 
   let panel = null;
