@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "tools/session.h"
+
 namespace fourdvt::tools {
 namespace {
 
@@ -182,7 +184,8 @@ std::optional<int> helpOrProblem(const CommandHelp& help, const Args& args) {
 }
 
 int fail(const Error& error) {
-  std::fprintf(stderr, "%s: %s\n", programName(), error.message.c_str());
+  const std::string message = error.id == ErrorId::GpuFailure ? withShaderLines(error.message) : error.message;
+  std::fprintf(stderr, "%s: %s\n", programName(), message.c_str());
   return error.id == ErrorId::Interrupted ? kInterrupted : kFailed;
 }
 

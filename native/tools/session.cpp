@@ -2,16 +2,40 @@
 #include "tools/session.h"
 
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
+#include <optional>
 
+#include "gpu/shader_reader.h"
 #include "platform/ffmpeg_video.h"
 #include "platform/files.h"
+#include "platform/shader_folder.h"
 #include "render/cameras/camera_method.h"
 #include "render/montage/layered_montage.h"
 
 namespace fourdvt::tools {
 
+namespace {
+
+std::optional<platform::ShaderFolder> shader_folder;  // of the environment variable; as long as shaders are read
+
+Status useShaderFolder() {
+  const char* path = std::getenv("FOURDVT_SHADERS");
+  if (!path || !*path || shader_folder) return {};
+  FOURDVT_ASSIGN(shader_folder, platform::ShaderFolder::open(path));
+  gpu::readShadersBy([](std::string_view name) { return shader_folder->text(name); });
+  std::fprintf(stderr, "%s: shaders are those of %s (FOURDVT_SHADERS)\n", programName(), path);
+  return {};
+}
+
+}  // namespace
+
+std::string withShaderLines(const std::string& message) {
+  return shader_folder ? shader_folder->nameLines(message) : message;
+}
+
 Result<GpuSession> openGpu() {
+  FOURDVT_TRY(useShaderFolder());
   GpuSession session;
   FOURDVT_ASSIGN(session.context, platform::EglContext::create());
   FOURDVT_ASSIGN(session.device, gpu::createGlesDevice());

@@ -32,7 +32,10 @@ struct CharacterSession {
   const package::Character& character() const { return *player->player().character(); }
 };
 
+// Shaders are those of the folder that the environment variable FOURDVT_SHADERS names, else those in the program.
 Result<GpuSession> openGpu();
+// The message with files and lines of that folder in place of the numbers in a GLSL compiler's log.
+std::string withShaderLines(const std::string& message);
 // `character`: a folder or its character.gltf. Opened far enough that the manifest is read. rendition: the one that is
 // drawn, as --rendition takes it (findRendition); none: the highest.
 Result<CharacterSession> openCharacter(const std::string& character, std::optional<int> rendition = {});
