@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "tools/log.h"
 #include "tools/session.h"
 
 namespace fourdvt::tools {
@@ -18,6 +19,11 @@ const Option* find(const CommandHelp& help, const std::string& name) {
     if (name == option.name) return &option;
   return nullptr;
 }
+
+// Options of every command.
+constexpr std::string_view kQuiet = "--quiet", kVerbose = "--verbose";
+constexpr Option kLogOptions{"--quiet, --verbose", nullptr,
+                             "print only warnings, errors and results | options, times and files as well"};
 
 constexpr size_t kHelpColumns = 120, kMeaningColumn = 26;
 
@@ -62,6 +68,13 @@ Args::Args(const CommandHelp& help, int argc, char** argv) {
     std::string name = argv[i], value;
     if (name == "--help" || name == "-h") {
       help_asked_ = true;
+      continue;
+    }
+    if (name == kQuiet || name == kVerbose) {
+      const LogLevel level = name == kQuiet ? LogLevel::Quiet : LogLevel::Verbose;
+      const bool both = logLevel() != LogLevel::Normal && logLevel() != level;
+      if (both) complain("--quiet and --verbose exclude each other");
+      setLogLevel(both ? LogLevel::Normal : level);
       continue;
     }
     if (name.size() < 2 || name[0] != '-') {
@@ -110,7 +123,17 @@ void Args::complain(const std::string& problem) {
 
 std::string Args::text(const char* name, const std::string& otherwise) const {
   const auto it = values_.find(name);
-  return it == values_.end() ? otherwise : it->second;
+  return resolved_[name] = it == values_.end() ? otherwise : it->second;
+}
+
+std::string Args::resolved() const {
+  std::map<std::string, std::string> all = values_;
+  for (const auto& [name, value] : resolved_)
+    if (!value.empty()) all[name] = value;
+  std::string out = positional_ + (second_.empty() ? "" : " " + second_);
+  for (const auto& [name, value] : all)
+    out += " " + name + (name == "--token" ? " …" : value.empty() ? "" : " " + value);  // a secret
+  return out;
 }
 
 std::string Args::required(const char* name) {
@@ -125,8 +148,8 @@ int Args::integer(const char* name, int otherwise, int low, int high) {
 }
 
 double Args::number(const char* name, double otherwise, double low, double high) {
+  const std::string value = text(name, shortNumber(otherwise));
   if (!has(name)) return otherwise;
-  const std::string value = text(name);
   char* end = nullptr;
   const double parsed = std::strtod(value.c_str(), &end);
   const bool whole = end && *end == '\0' && !value.empty() && !std::isspace(static_cast<unsigned char>(value[0]));
@@ -164,7 +187,9 @@ std::string helpText(const CommandHelp& help) {
   std::string out = "usage: " + std::string(programName()) + " " + help.usage + "\n\n";
   appendWrapped(out, help.summary, 0);
   out += '\n';
-  for (const Option& option : help.options) {
+  std::vector<Option> options = help.options;
+  options.push_back(kLogOptions);
+  for (const Option& option : options) {
     std::string left = std::string("  ") + option.name + (option.value ? std::string(" ") + option.value : "");
     left.resize(std::max(left.size() + 2, kMeaningColumn), ' ');
     out += left;
@@ -178,7 +203,10 @@ std::optional<int> helpOrProblem(const CommandHelp& help, const Args& args) {
     std::fputs(helpText(help).c_str(), stdout);
     return kOk;
   }
-  if (args.problem().empty()) return std::nullopt;
+  if (args.problem().empty()) {
+    detail("%s", args.resolved().c_str());
+    return std::nullopt;
+  }
   std::fprintf(stderr, "%s: %s (--help shows the options)\n", programName(), args.problem().c_str());
   return kUsage;
 }

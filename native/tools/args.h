@@ -35,8 +35,7 @@ struct CommandHelp {
 class Args {
  public:
   // `argv` after the command's name. Exactly one positional argument is expected, or two with CommandHelp::second,
-  // unless
-  // --help or CommandHelp::instead is given.
+  // unless --help or CommandHelp::instead is given. Sets the log level (log.h).
   Args(const CommandHelp& help, int argc, char** argv);
 
   bool wantsHelp() const { return help_asked_; }
@@ -52,9 +51,12 @@ class Args {
   std::optional<std::pair<int, int>> size(const char* name, int high);
   void complain(const std::string& problem);               // keeps the first problem
   const std::string& problem() const { return problem_; }  // empty if there is none
+  // The command line with the options that were read, defaults too.
+  std::string resolved() const;
 
  private:
-  std::map<std::string, std::string> values_;
+  std::map<std::string, std::string> values_;            // that were given
+  mutable std::map<std::string, std::string> resolved_;  // that were read
   std::string positional_, second_, problem_;
   bool help_asked_ = false;
 };

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 
 #include "bake/bake.h"
 #include "bake/quality.h"
@@ -11,6 +10,7 @@
 #include "tools/bake_arguments.h"
 #include "tools/choice.h"
 #include "tools/commands.h"
+#include "tools/log.h"
 #include "tools/progress_line.h"
 #include "tools/refine_arguments.h"
 #include "tools/session.h"
@@ -196,12 +196,12 @@ bake::BakeOptions readOptions(Args& args) {
 }  // namespace
 
 void printBakeSummary(const std::string& character_folder, const bake::BakeReport& report, double seconds) {
+  for (const auto& [stage, work_s] : report.seconds_by_stage) detail("%s: %.1f s of work", stage.c_str(), work_s);
   uint64_t bytes = 0;
   for (const auto& [part, size] : report.bytes_by_part) bytes += size;
-  std::printf("%s: %u frames, %.2f MB, %.1f s (%.2f s per frame), peak memory %.0f MB\nreport: %s/report.html\n",
-              character_folder.c_str(), report.frames, bytes / 1e6, seconds,
-              report.frames ? seconds / report.frames : 0.0, report.peak_rss_bytes / 1e6,
-              bake::reportFolderOf(character_folder).c_str());
+  note("%s: %u frames, %.2f MB, %.1f s (%.2f s per frame), peak memory %.0f MB\nreport: %s/report.html",
+       character_folder.c_str(), report.frames, bytes / 1e6, seconds, report.frames ? seconds / report.frames : 0.0,
+       report.peak_rss_bytes / 1e6, bake::reportFolderOf(character_folder).c_str());
 }
 
 BakeCommandLine readBakeCommand(int argc, char** argv, const BakeExtension* extension) {
@@ -228,7 +228,7 @@ bake::BakeEnvironment bakeEnvironment(const GpuSession& gpu, ProgressLine& line)
   environment.progress = [&line](const bake::Progress& p) {
     line.show({p.stage, p.done, p.total, p.frames_per_s, p.left_s});
   };
-  environment.note = [](const std::string& note) { std::printf("%s\n", note.c_str()), std::fflush(stdout); };
+  environment.note = [](const std::string& text) { note("%s", text.c_str()); };
   environment.stop = listenForStop();
   return environment;
 }

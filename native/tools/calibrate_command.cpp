@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <unistd.h>
-
 #include <cstdio>
 
 #include "refine/run/calibrate_capture.h"
@@ -8,6 +6,7 @@
 #include "tools/args.h"
 #include "tools/choice.h"
 #include "tools/commands.h"
+#include "tools/log.h"
 #include "tools/session.h"
 #include "tools/stop_signal.h"
 
@@ -55,17 +54,16 @@ int calibrateCommand(int argc, char** argv) {
   const refine::CalibrateOptions options = readOptions(args);
   if (const auto code = helpOrProblem(help(), args)) return *code;
   const std::atomic<bool>* stop = listenForStop();
-  const bool tty = isatty(STDERR_FILENO) != 0;
+  const bool tty = rewritesProgress();
   const auto calibration = refine::calibrateCapture(options, videoOpener(), [&](const std::string& what, double share) {
     if (tty) std::fprintf(stderr, "\r\033[K%s %.0f %%", what.c_str(), 100 * share);
     return !*stop;
   });
   if (tty) std::fputs("\r\033[K", stderr);
   if (!calibration.ok()) return fail(calibration.error());
-  for (const std::string& warning : calibration.value().warnings)
-    std::fprintf(stderr, "fourdvt: warning: %s\n", warning.c_str());
+  for (const std::string& warning : calibration.value().warnings) warn("%s", warning.c_str());
   for (const std::string& line : refine::calibrationLines(calibration.value())) std::printf("%s\n", line.c_str());
-  if (!options.folder.empty()) std::printf("figures: %s/%s\n", options.folder.c_str(), refine::kCalibrationHtml);
+  if (!options.folder.empty()) note("figures: %s/%s", options.folder.c_str(), refine::kCalibrationHtml);
   return kOk;
 }
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdio>
-
 #include "capture/import/calibration_files.h"
 #include "capture/import/import_capture.h"
 #include "tools/args.h"
 #include "tools/commands.h"
+#include "tools/log.h"
 #include "tools/session.h"
 
 namespace fourdvt::tools {
@@ -63,10 +62,9 @@ int importCommand(int argc, char** argv) {
   if (const auto code = helpOrProblem(help(), args)) return *code;
   const auto summary = capture::importCapture(options, videoOpener());
   if (!summary.ok()) return fail(summary.error());
-  for (const std::string& warning : summary.value().warnings)
-    std::fprintf(stderr, "fourdvt: warning: %s\n", warning.c_str());
-  for (const std::string& line : summary.value().done) std::printf("%s\n", line.c_str());
-  std::printf("%s is written\n", options.folder.c_str());
+  for (const std::string& warning : summary.value().warnings) warn("%s", warning.c_str());
+  for (const std::string& line : summary.value().done) note("%s", line.c_str());
+  note("%s is written", options.folder.c_str());
   return kOk;
 }
 

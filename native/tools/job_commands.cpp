@@ -9,6 +9,7 @@
 #include "platform/files.h"
 #include "reconstruct/run/pieces.h"
 #include "tools/bake_arguments.h"
+#include "tools/log.h"
 #include "tools/reconstruct_arguments.h"
 
 namespace fourdvt::tools {
@@ -56,8 +57,8 @@ Status recorded(const std::string& job_folder, const jobs::Plan& plan, const job
   FOURDVT_TRY(work());
   FOURDVT_ASSIGN(const auto record, attempt.finish());
   if (record.peak_mb > piece.memory_mb)
-    std::fprintf(stderr, "%s: piece %s took %.0f MB, more than the %.0f MB that the plan allows\n", programName(),
-                 piece.id.c_str(), record.peak_mb, piece.memory_mb);
+    warn("piece %s took %.0f MB, more than the %.0f MB that the plan allows", piece.id.c_str(), record.peak_mb,
+         piece.memory_mb);
   return {};
 }
 
@@ -128,7 +129,7 @@ Status finishJob(const std::string& job_folder, const jobs::Plan& plan, const jo
     return isReconstruction(plan) ? finishReconstructOf(job_folder, plan) : finishBakeOf(job_folder, plan);
   }));
   FOURDVT_TRY(jobs::writeReport(job_folder, plan, jobs::readProgress(job_folder, plan)));
-  std::printf("cost of the pieces: %s/%s\n", job_folder.c_str(), jobs::kReportHtml);
+  note("cost of the pieces: %s/%s", job_folder.c_str(), jobs::kReportHtml);
   return {};
 }
 

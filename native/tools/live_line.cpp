@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "tools/args.h"
+#include "tools/log.h"
 
 namespace fourdvt::tools {
 namespace {
@@ -30,6 +31,7 @@ std::string printable(std::string text) {
 LiveLine::LiveLine() : tty_(isatty(STDOUT_FILENO) != 0) {}
 
 void LiveLine::show(const std::string& line) {
+  if (logLevel() == LogLevel::Quiet) return;
   const std::lock_guard lock(mutex_);
   line_ = tty_ ? fitted(line) : line;
   std::printf(tty_ ? "\r\033[K%s" : "%s\n", line_.c_str());

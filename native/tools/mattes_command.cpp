@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdio>
-
 #include "mattes/run/mattes.h"
 #include "tools/args.h"
 #include "tools/commands.h"
+#include "tools/log.h"
 #include "tools/progress_line.h"
 #include "tools/session.h"
 #include "tools/stop_signal.h"
@@ -67,11 +66,11 @@ int mattesCommand(int argc, char** argv) {
   line.end();
   if (!summary.ok()) return fail(summary.error());
   const auto& s = summary.value();
-  for (const std::string& warning : s.warnings) std::fprintf(stderr, "fourdvt: warning: %s\n", warning.c_str());
+  for (const std::string& warning : s.warnings) warn("%s", warning.c_str());
   const uint32_t made = s.frames - s.frames_kept;
-  std::printf("%s: mattes of %u frames, %.1f s (%.2f s per frame of all cameras)\n", options.folder.c_str(), s.frames,
-              s.wall_s, made ? s.wall_s / made : 0.0);
-  std::printf("contact sheets: %s/mattes.html\n", options.folder.c_str());
+  note("%s: mattes of %u frames, %.1f s (%.2f s per frame of all cameras)", options.folder.c_str(), s.frames, s.wall_s,
+       made ? s.wall_s / made : 0.0);
+  note("contact sheets: %s/mattes.html", options.folder.c_str());
   return kOk;
 }
 

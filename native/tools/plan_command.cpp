@@ -11,6 +11,7 @@
 #include "reconstruct/run/pieces.h"
 #include "tools/bake_arguments.h"
 #include "tools/cluster_files.h"
+#include "tools/log.h"
 #include "tools/reconstruct_arguments.h"
 
 namespace fourdvt::tools {
@@ -56,10 +57,10 @@ void printPlan(const std::string& job_folder, const jobs::Plan& plan, double sec
     work_s += piece.seconds;
     most_mb = std::max(most_mb, piece.memory_mb);
   }
-  std::printf(
+  note(
       "%s: %zu pieces of %u frames, planned in %.1f s; about %.0f min of work on two cores, at most %.1f GB a piece\n"
       "on this machine: snakemake --directory %s --snakefile %s --profile %s\n"
-      "on a cluster:    the same with profiles/slurm\n",
+      "on a cluster:    the same with profiles/slurm",
       job_folder.c_str(), plan.pieces.size(), plan.frames, seconds, work_s / 60, most_mb / 1e3,
       quoted(job_folder).c_str(), quoted(job_folder + "/Snakefile").c_str(),
       quoted(job_folder + "/profiles/local").c_str());

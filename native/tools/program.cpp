@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/program.h"
 
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <new>
 
 #include "tools/args.h"
+#include "tools/log.h"
 
 namespace fourdvt::tools {
 namespace {
@@ -14,12 +16,17 @@ namespace {
 void printUsage(std::FILE* out, std::span<const Command> commands) {
   std::fprintf(out, "usage: %s COMMAND …   (%s COMMAND --help)\n\n", programName(), programName());
   for (const Command& command : commands) std::fprintf(out, "  %-12s %s\n", command.name, command.summary);
+  std::fputs("\nEvery command has --quiet and --verbose.\n", out);
 }
 
 // Libraries throw where memory runs out, or on input that nothing before them refused.
 int runGuarded(const Command& command, int argc, char** argv) {
   try {
-    return command.run(argc - 2, argv + 2);
+    const auto start = std::chrono::steady_clock::now();
+    const int code = command.run(argc - 2, argv + 2);
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    detail("%s: %.1f s in all", command.name, seconds.count());
+    return code;
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "%s: %s: out of memory; reduce the detail or --jobs\n", programName(), command.name);
   } catch (const std::exception& e) {

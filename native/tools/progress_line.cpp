@@ -3,7 +3,10 @@
 
 #include <unistd.h>
 
+#include <cctype>
 #include <cstdio>
+
+#include "tools/log.h"
 
 namespace fourdvt::tools {
 namespace {
@@ -18,11 +21,28 @@ std::string timeLeft(double seconds) {
   return text;
 }
 
+// "survey walk 12/28" → "survey walk"
+std::string withoutCount(const std::string& stage) {
+  const size_t last = stage.find_last_of(' ') + 1;
+  return last > 0 && std::isdigit(static_cast<unsigned char>(stage[last])) ? stage.substr(0, last - 1) : stage;
+}
+
 }  // namespace
 
 ProgressLine::ProgressLine() : tty_(isatty(STDERR_FILENO) != 0) {}
 
+void ProgressLine::timeStage(const std::string& stage) {
+  if (stage == stage_ || logLevel() != LogLevel::Verbose) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (!stage_.empty() && tty_ && shown_) std::fputs("\r\033[K", stderr);
+  if (!stage_.empty()) detail("%s: %.1f s", stage_.c_str(), std::chrono::duration<double>(now - began_).count());
+  stage_ = stage;
+  began_ = now;
+}
+
 void ProgressLine::show(const FrameProgress& p) {
+  if (logLevel() == LogLevel::Quiet) return;
+  timeStage(withoutCount(p.stage));
   const auto now = std::chrono::steady_clock::now();
   const bool all_frames = p.done == p.total && !all_frames_;
   const auto pause = tty_ ? std::chrono::milliseconds(100) : std::chrono::seconds(5);
@@ -45,6 +65,7 @@ void ProgressLine::show(const FrameProgress& p) {
 }
 
 void ProgressLine::end() {
+  timeStage("");
   if (tty_ && shown_) std::fputs("\r\033[K", stderr);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The progress of a command that works through frames, on standard error: on a terminal one line, rewritten in place;
-// elsewhere a line every 5 s, and one when all frames are done.
+// elsewhere a line every 5 s, and one when all frames are done. None with --quiet; with --verbose also the seconds that
+// each stage took.
 #pragma once
 
 #include <chrono>
@@ -22,7 +23,11 @@ class ProgressLine {
   void end();
 
  private:
+  void timeStage(const std::string& stage);  // that begins; empty: none
+
   const bool tty_;
+  std::string stage_;
+  std::chrono::steady_clock::time_point began_;
   bool shown_ = false, all_frames_ = false;
   std::string line_;
   std::chrono::steady_clock::time_point last_;

@@ -4,6 +4,7 @@
 #include "tools/args.h"
 #include "tools/choice.h"
 #include "tools/commands.h"
+#include "tools/log.h"
 #include "tools/reconstruct_arguments.h"
 #include "tools/stop_signal.h"
 
@@ -92,17 +93,17 @@ reconstruct::ReconstructEnvironment reconstructEnvironment(const GpuSession& gpu
   environment.progress = [&line](const reconstruct::ReconstructProgress& p) {
     line.show({p.stage, p.done, p.total, p.frames_per_s, p.left_s});
   };
-  environment.note = [](const std::string& note) { std::printf("%s\n", note.c_str()), std::fflush(stdout); };
+  environment.note = [](const std::string& text) { note("%s", text.c_str()); };
   environment.stop = listenForStop();
   return environment;
 }
 
 void printReconstructSummary(const std::string& folder, const reconstruct::ReconstructSummary& s) {
-  for (const std::string& warning : s.warnings) std::fprintf(stderr, "fourdvt: warning: %s\n", warning.c_str());
+  for (const std::string& warning : s.warnings) warn("%s", warning.c_str());
   const uint32_t made = s.frames - s.frames_kept;
-  std::printf("%s: %u frames, %.1f s (%.2f s per frame), overlap with the silhouettes %.4f (lowest %.4f)\n",
-              folder.c_str(), s.frames, s.wall_s, made ? s.wall_s / made : 0.0, s.mean_overlap, s.lowest_overlap);
-  std::printf("figures: %s/reconstruct.html\n", folder.c_str());
+  note("%s: %u frames, %.1f s (%.2f s per frame), overlap with the silhouettes %.4f (lowest %.4f)", folder.c_str(),
+       s.frames, s.wall_s, made ? s.wall_s / made : 0.0, s.mean_overlap, s.lowest_overlap);
+  note("figures: %s/reconstruct.html", folder.c_str());
 }
 
 int reconstructCommand(int argc, char** argv) {

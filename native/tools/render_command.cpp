@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <unistd.h>
-
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -10,6 +8,7 @@
 #include "platform/files.h"
 #include "platform/video_writer.h"
 #include "tools/commands.h"
+#include "tools/log.h"
 #include "tools/render_arguments.h"
 #include "tools/render_motion.h"
 #include "tools/room_file.h"
@@ -45,7 +44,7 @@ Status renderFvvr(CharacterSession& session, const RenderArguments& arguments, c
     return Error{ErrorId::InvalidArgument, arguments.fvvr.capture_folder + ": " + sequence + " has frames 0 to " +
                                                std::to_string(filmed.frame_count - 1)};
   if (refines) {
-    const bool tty = isatty(STDERR_FILENO) != 0;
+    const bool tty = rewritesProgress();
     const std::atomic<bool>* stop = listenForStop();
     const auto refinement = refine::refineCapture(capture.value(), videoOpener(), arguments.fvvr.refine,
                                                   [&](const std::string& what, double) {
@@ -119,9 +118,9 @@ Status renderTurntable(CharacterSession& session, const RenderArguments& argumen
                    session.player->renderStill(render::viewFromCamera(cameraFromOrbit(view, width, height), scales),
                                                arguments.recipe, room ? &*room : nullptr));
     FOURDVT_TRY(writer->write(picture));
-    if (isatty(STDERR_FILENO)) std::fprintf(stderr, "\r\033[K%d of %d frames", i + 1, frames);
+    if (rewritesProgress()) std::fprintf(stderr, "\r\033[K%d of %d frames", i + 1, frames);
   }
-  if (isatty(STDERR_FILENO)) std::fputs("\r\033[K", stderr);
+  if (rewritesProgress()) std::fputs("\r\033[K", stderr);
   return writer->finish();
 }
 
@@ -164,7 +163,9 @@ int renderCommand(int argc, char** argv) {
   const Status status = arguments.fvvr.wanted         ? renderFvvr(session.value(), arguments, name)
                         : arguments.turntable.empty() ? renderStill(session.value(), arguments, sequence)
                                                       : renderTurntable(session.value(), arguments, sequence);
-  return status.ok() ? kOk : fail(status.error());
+  if (!status.ok()) return fail(status.error());
+  detail("wrote %s", (arguments.turntable.empty() ? arguments.output : arguments.turntable).c_str());
+  return kOk;
 }
 
 }  // namespace fourdvt::tools

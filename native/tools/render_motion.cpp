@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/render_motion.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -12,6 +10,7 @@
 #include "motion/parameter_space.h"
 #include "platform/files.h"
 #include "platform/video_writer.h"
+#include "tools/log.h"
 #include "tools/room_file.h"
 #include "tools/scene_file.h"
 
@@ -62,9 +61,9 @@ Status writeMovie(const Show& show, const RenderArguments& arguments) {
                                                 {.width = picture.width, .height = picture.height, .fps = show.fps}));
     }
     FOURDVT_TRY(writer->write(picture));
-    if (isatty(STDERR_FILENO)) std::fprintf(stderr, "\r\033[K%d of %d frames", i + 1, show.frames);
+    if (rewritesProgress()) std::fprintf(stderr, "\r\033[K%d of %d frames", i + 1, show.frames);
   }
-  if (isatty(STDERR_FILENO)) std::fputs("\r\033[K", stderr);
+  if (rewritesProgress()) std::fputs("\r\033[K", stderr);
   return writer->finish();
 }
 

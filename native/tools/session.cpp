@@ -12,6 +12,7 @@
 #include "platform/shader_folder.h"
 #include "render/cameras/camera_method.h"
 #include "render/montage/layered_montage.h"
+#include "tools/log.h"
 
 namespace fourdvt::tools {
 
@@ -39,6 +40,7 @@ Result<GpuSession> openGpu() {
   GpuSession session;
   FOURDVT_ASSIGN(session.context, platform::EglContext::create());
   FOURDVT_ASSIGN(session.device, gpu::createGlesDevice());
+  detail("GPU: %s", session.device->caps().renderer.c_str());
   return session;
 }
 
@@ -54,6 +56,7 @@ Result<std::unique_ptr<edge::CharacterPlayer>> openCharacterOn(GpuSession& gpu, 
                                                                std::shared_ptr<render::Recipe> recipe,
                                                                std::optional<int> rendition) {
   const std::string path = manifestPath(character);
+  detail("reads %s", path.c_str());
   uint32_t index = kHighestRendition;
   if (rendition) {
     FOURDVT_ASSIGN(const auto json, platform::readJsonFlat(path));

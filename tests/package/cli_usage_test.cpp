@@ -62,9 +62,10 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"reconstruct a -o b --refine-cameras no", "--refine-cameras must be one of on, off"},
         Mistake{"mattes", "missing argument"}, Mistake{"mattes a", "-o is required"},
         Mistake{"mattes a -o b --preview 0", "--preview"}, Mistake{"mattes a -o b --resume=1", "--resume"},
-        Mistake{"inspect", "missing argument"}, Mistake{"inspect a --verbose", "--verbose"},
-        Mistake{"render a", "--turntable"}, Mistake{"render a -o b.gif", ".png"},
-        Mistake{"render a -o b.png --size 720", "--size"}, Mistake{"render a -o b.png --size 0x9", "--size"},
+        Mistake{"inspect", "missing argument"}, Mistake{"inspect a --loud", "--loud"},
+        Mistake{"inspect a --quiet --verbose", "exclude each other"}, Mistake{"render a", "--turntable"},
+        Mistake{"render a -o b.gif", ".png"}, Mistake{"render a -o b.png --size 720", "--size"},
+        Mistake{"render a -o b.png --size 0x9", "--size"},
         Mistake{"render a -o b.png --camera c --azimuth 3", "exclude"},
         Mistake{"render a -o b.png --cameras c", "--camera"},
         Mistake{"render a -o b.png --background red", "--background"},
@@ -161,6 +162,18 @@ TEST(Usage, HelpOfTheJudgingCommandsFitsAScreen) {
     for (; std::getline(lines, line); ++count) EXPECT_LE(line.size(), 140u) << command << ": " << line;
     EXPECT_LE(count, 24) << command;
   }
+}
+
+// Errors are printed at every level; options, by --verbose.
+TEST(Usage, LevelsOfWhatIsPrinted) {
+  const std::string command = "render no-such-folder -o x.png";
+  EXPECT_TRUE(isOneLineWith(fourdvt(command + " --quiet"), "no-such-folder"));
+  const std::string normal = fourdvt(command).output, verbose = fourdvt(command + " --verbose").output;
+  EXPECT_EQ(normal.find("--align"), std::string::npos) << normal;
+  EXPECT_NE(verbose.find("no-such-folder --align baked"), std::string::npos) << verbose;
+  EXPECT_NE(verbose.find(" s in all"), std::string::npos) << verbose;
+  for (const char* help : {"bake --help", "job --help", "live --help"})
+    EXPECT_NE(fourdvt(help).output.find("--quiet, --verbose"), std::string::npos) << help;
 }
 
 TEST(Usage, NegativeNumbersAreValues) {
