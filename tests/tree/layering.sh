@@ -44,9 +44,9 @@ done < <(find native -name '*.cpp' -o -name '*.h' | sed -E 's,^native/,,; s,/[^/
 includes=0
 while IFS=: read -r file include; do
   includes=$((includes + 1))
-  folder=$(dirname "${file#native/}") below=$(dirname "$include")
+  folder=${file#native/} folder=${folder%/*} below=${include%/*}
   [[ $below == draco* ]] && continue
-  [ "$below" != . ] || { complain "$file includes \"$include\" without its folder"; continue; }
+  [ "$below" != "$include" ] || { complain "$file includes \"$include\" without its folder"; continue; }
   [ "$folder" = "$below" ] || [[ " ${allowed[$folder]-} " == *" $below "* ]] || complain "$file includes $below/, which is not below native/$folder"
 done < <(grep -rHoE '^#include "[^"]+"' native --include='*.cpp' --include='*.h' | sed -E 's/#include "(.*)"/\1/')
 [ "$includes" -gt 500 ] || complain "only $includes includes found: the check looks in the wrong place"
