@@ -25,7 +25,7 @@ export class Announcer {
   readonly #live: HTMLParagraphElement;
   readonly #abort = new AbortController();
   #strings: Record<string, string> = {};
-  #timer: ReturnType<typeof setTimeout> | undefined;
+  readonly #timers = new Map<() => string, ReturnType<typeof setTimeout>>(); // a change of the one does not silence the other
 
   constructor(viewer: Announced, root: ShadowRoot) {
     this.#viewer = viewer;
@@ -34,28 +34,28 @@ export class Announcer {
     this.#live.setAttribute('role', 'status');
     root.append(this.#live);
     const { signal } = this.#abort;
-    for (const name of ['playing', 'pause', 'ended', 'sequencechange']) viewer.addEventListener(name, () => this.#later(() => this.#state()), { signal });
-    viewer.addEventListener('camera-change', () => this.#later(() => this.#view()), { signal });
+    for (const name of ['playing', 'pause', 'ended', 'sequencechange']) viewer.addEventListener(name, () => this.#later(this.#state), { signal });
+    viewer.addEventListener('camera-change', () => this.#later(this.#view), { signal });
   }
 
   update(strings: Record<string, string>): void { this.#strings = strings; }
   dispose(): void {
-    clearTimeout(this.#timer);
+    this.#timers.forEach(clearTimeout);
     this.#abort.abort();
     this.#live.remove();
   }
 
   #later(text: () => string): void {
-    clearTimeout(this.#timer);
-    this.#timer = setTimeout(() => { if (this.#viewer.matches(':focus-within')) this.#live.textContent = text(); }, QUIET_MS);
+    clearTimeout(this.#timers.get(text));
+    this.#timers.set(text, setTimeout(() => { if (this.#viewer.matches(':focus-within')) this.#live.textContent = text(); }, QUIET_MS));
   }
-  #state(): string {
+  readonly #state = (): string => {
     const { paused, ended, sequence } = this.#viewer;
     return fill(this.#strings[ended ? 'ended' : paused ? 'paused' : 'playing']!, { motion: sequence });
-  }
-  #view(): string {
+  };
+  readonly #view = (): string => {
     const { azimuth, elevation } = this.#viewer.getCameraOrbit();
     const height = elevation > HIGH_DEG ? 'above' : elevation < LOW_DEG ? 'below' : '';
     return fill(this.#strings['view']!, { side: this.#strings[sideOf(azimuth - this.#viewer.heading)]!, height: this.#strings[height] ?? '' });
-  }
+  };
 }
