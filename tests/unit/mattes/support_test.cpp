@@ -128,6 +128,16 @@ TEST(MattesAgreement, NamesTheCameraThatDoesNotFit) {
   EXPECT_NE(why->find("100 % without it"), std::string::npos) << *why;
 }
 
+TEST(MattesAgreement, NamesTheCameraWhoseMaskIsTheWholePicture) {
+  const auto rig = ringOf(6);
+  std::vector<cv::Mat> masks = masksOf(rig, {kPerformer});
+  masks[2] = cv::Mat(kSide, kSide, CV_8U, cv::Scalar(255));  // takes nothing from the others
+  const auto why = disagreement(rig, masks);
+  ASSERT_TRUE(why.has_value());
+  EXPECT_NE(why->find("\"cam02\""), std::string::npos) << *why;
+  EXPECT_NE(why->find("of it lie in a common volume with theirs"), std::string::npos) << *why;
+}
+
 TEST(MattesAgreement, ToleratesStrangersAndEmptyCameras) {
   const auto rig = ringOf(6);
   std::vector<cv::Mat> masks = masksOf(rig, {kPerformer});
