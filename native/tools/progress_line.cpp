@@ -21,10 +21,13 @@ std::string timeLeft(double seconds) {
   return text;
 }
 
-// "survey walk 12/28" → "survey walk"
-std::string withoutCount(const std::string& stage) {
-  const size_t last = stage.find_last_of(' ') + 1;
-  return last > 0 && std::isdigit(static_cast<unsigned char>(stage[last])) ? stage.substr(0, last - 1) : stage;
+// "survey walk 12/28" → "survey walk", "outline 25 %" → "outline"
+std::string withoutCount(std::string stage) {
+  for (size_t space; (space = stage.find_last_of(' ')) != std::string::npos; stage.resize(space)) {
+    const unsigned char first = static_cast<unsigned char>(stage[space + 1]);
+    if (!std::isdigit(first) && first != '%') break;
+  }
+  return stage;
 }
 
 }  // namespace
