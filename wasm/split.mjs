@@ -7,104 +7,16 @@
 // --module is replaced by the first part. It must have its name section with mangled names (--profiling-funcs,
 // --no-demangle). Functions: by the objects that define them, see more.txt; those of the archive go. Data: texts whose first line is //MARK.
 import { execFileSync } from 'node:child_process';
-import { copyFileSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join, relative } from 'node:path';
 import { fileURLToPath, pathToFileURL } from 'node:url';
 import { parseArgs } from 'node:util';
 
+import { Cursor, FEATURES, functionsOf, moduleOf, readImports, readSegments, SECTION, sectionsOf, u32, writeImports, writeSegments } from './binary.mjs';
+
 const kRoot = fileURLToPath(new URL('..', import.meta.url));
-const FEATURES = ['simd', 'bulk-memory', 'sign-ext', 'mutable-globals', 'nontrapping-float-to-int'].map((f) => `--enable-${f}`);
-const SECTION = { names: 0, code: 10, data: 11, dataCount: 12 };
-const FUNCTION_NAMES = 1;
-
-// --- wasm's binary format ---
-
-class Cursor {
-  constructor(bytes, at = 0) {
-    this.bytes = bytes;
-    this.at = at;
-  }
-  u32() {
-    let value = 0;
-    for (let shift = 0; ; shift += 7) {
-      const byte = this.bytes[this.at++];
-      value += (byte & 127) * 2 ** shift;
-      if (byte < 128) return value;
-    }
-  }
-  i32() {
-    let value = 0;
-    for (let shift = 0; ; ) {
-      const byte = this.bytes[this.at++];
-      value |= (byte & 127) << shift;
-      shift += 7;
-      if (byte < 128) return shift < 32 && byte & 64 ? value | (-1 << shift) : value;
-    }
-  }
-  take(length) { return this.bytes.subarray(this.at, (this.at += length)); }
-  text() { return this.take(this.u32()).toString('utf8'); }
-}
-
-function u32(value) {
-  const out = [];
-  do out.push((value & 127) | (value > 127 ? 128 : 0)); while ((value >>>= 7));
-  return Buffer.from(out);
-}
-function i32(value) {
-  const out = [];
-  for (let more = true; more; value >>= 7) {
-    more = !((value >> 7 === 0 && !(value & 64)) || (value >> 7 === -1 && value & 64));
-    out.push((value & 127) | (more ? 128 : 0));
-  }
-  return Buffer.from(out);
-}
-
-/** Sections of a module in their order: { id, bytes }. */
-export function sectionsOf(wasm) {
-  const cursor = new Cursor(wasm, 8), sections = [];
-  while (cursor.at < wasm.length) {
-    const id = cursor.bytes[cursor.at++];
-    sections.push({ id, bytes: cursor.take(cursor.u32()) });
-  }
-  return sections;
-}
-const moduleOf = (sections) => Buffer.concat([Buffer.from('\0asm\x01\0\0\0', 'latin1'),
-  ...sections.flatMap(({ id, bytes }) => [Buffer.from([id]), u32(bytes.length), bytes])]);
-
-// Names of functions by index, imported ones first.
-function functionNames(sections) {
-  for (const { id, bytes } of sections) {
-    const cursor = new Cursor(bytes);
-    if (id !== SECTION.names || cursor.text() !== 'name') continue;
-    while (cursor.at < bytes.length) {
-      const kind = bytes[cursor.at++], part = new Cursor(cursor.take(cursor.u32()));
-      if (kind === FUNCTION_NAMES) return Array.from({ length: part.u32() }, () => (part.u32(), part.text()));
-    }
-  }
-  throw new Error('the module has no names of functions: link it with --profiling-funcs');
-}
-
-// Length in bytes of the functions that the module defines, by name.
-function functionBytes(wasm) {
-  const sections = sectionsOf(wasm), names = functionNames(sections);
-  const code = new Cursor(sections.find(({ id }) => id === SECTION.code).bytes);
-  const lengths = Array.from({ length: code.u32() }, () => code.take(code.u32()).length);
-  return new Map(lengths.map((length, i) => [names[names.length - lengths.length + i], length]));
-}
-
-// Segments that are copied to a fixed address: { address, bytes }.
-function readSegments(bytes) {
-  const cursor = new Cursor(bytes);
-  return Array.from({ length: cursor.u32() }, () => {
-    if (cursor.u32() !== 0 || cursor.bytes[cursor.at++] !== 0x41) throw new Error('a data segment has no fixed address');
-    const address = cursor.i32();
-    if (cursor.bytes[cursor.at++] !== 0x0b) throw new Error('a data segment has no fixed address');
-    return { address, bytes: cursor.take(cursor.u32()) };
-  });
-}
-const writeSegments = (segments) => Buffer.concat([u32(segments.length), ...segments.flatMap(({ address, bytes }) =>
-  [Buffer.from([0, 0x41]), i32(address), Buffer.from([0x0b]), u32(bytes.length), bytes])]);
+const PLACEHOLDER = 'placeholder';
 
 /** Cuts the texts that begin with the mark, up to their closing 0, out of the segments: { kept, moved }. */
 export function cutTexts(segments, mark) {
@@ -126,23 +38,33 @@ export function cutTexts(segments, mark) {
   return { kept, moved };
 }
 
-const kShortText = 24; // bytes; of shorter texts there is little to gain
+const kText = 24; // bytes; anything shorter may be numbers that look like a text, unless it stands among texts
+const kTexts = { count: 16, bytes: 8 }; // in a row: at least so many, of so many bytes each on average
 
 // Whole texts in the segments, from one 0 to the next: { segment, from, to }, with the closing 0.
 function* textsIn(segments) {
   for (const segment of segments) {
+    let row = [];
+    const take = function* () {
+      const isList = row.length >= kTexts.count && row.at(-1).to - row[0].from >= kTexts.bytes * row.length;
+      yield* row.filter(({ from, to }) => isList || to - from > kText);
+      row = [];
+    };
     for (let from = 0; from < segment.bytes.length; ) {
       const end = segment.bytes.indexOf(0, from), to = end < 0 ? segment.bytes.length : end + 1;
       const text = segment.bytes.subarray(from, to - 1);
-      if (end >= 0 && text.length >= kShortText && text.every((c) => (c >= 32 && c < 127) || c >= 194)) yield { segment, from, to };
+      if (end > from && text.every((c) => c === 10 || (c >= 32 && c < 127) || c >= 194)) row.push({ segment, from, to });
+      else yield* take();
       from = to;
     }
+    yield* take();
   }
 }
 
 /**
- * Cuts further texts out of the segments: those that only functions of the second part refer to. numbers: what stands in each
- * function's code, by its name; chosen: the second part's functions. A number that only looks like an address keeps a text.
+ * Cuts further texts out of the segments, and leaves zeros: those that only functions of the second part refer to. numbers:
+ * what stands in each function's code, by its name; chosen: the second part's functions. A number that only looks like an
+ * address keeps a text.
  */
 export function cutTextsOf(segments, numbers, chosen) {
   const taken = [], used = [];
@@ -160,11 +82,8 @@ export function cutTextsOf(segments, numbers, chosen) {
   };
   const moved = [...textsIn(segments)].filter(({ segment: { address }, from, to }) =>
     refers(used, address + from, address + to) && !refers(taken, address + from, address + to));
-  const kept = segments.flatMap((segment) => {
-    const cuts = moved.filter((text) => text.segment === segment);
-    const edges = [0, ...cuts.flatMap(({ from, to }) => [from, to]), segment.bytes.length];
-    return edges.flatMap((from, i) => (i % 2 || edges[i + 1] === from ? [] : [{ address: segment.address + from, bytes: segment.bytes.subarray(from, edges[i + 1]) }]));
-  });
+  const kept = segments.map(({ address, bytes }) => ({ address, bytes: Buffer.from(bytes) }));
+  for (const { segment, from, to } of moved) kept[segments.indexOf(segment)].bytes.fill(0, from, to);
   return { kept, moved: moved.map(({ segment, from, to }) => ({ address: segment.address + from, bytes: segment.bytes.subarray(from, to) })) };
 }
 
@@ -172,8 +91,8 @@ export function cutTextsOf(segments, numbers, chosen) {
 
 function readList(path) {
   const lines = readFileSync(path, 'utf8').split('\n').map((line) => line.replace(/#.*/, '').trim()).filter(Boolean);
-  const keep = lines.filter((line) => line.startsWith('keep ')).map((line) => line.slice('keep '.length));
-  return { keep: new Set(keep), sources: lines.filter((line) => !line.startsWith('keep ')) };
+  const after = (word) => lines.filter((line) => line.startsWith(`${word} `)).map((line) => line.slice(word.length + 1));
+  return { keep: new Set(after('keep')), move: after('move'), sources: lines.filter((line) => !/^(keep|move) /.test(line)) };
 }
 
 // Paths of the sources, without their endings, that an object of CMake was made from: "a/b" of
@@ -236,13 +155,13 @@ export function numbersOf(text) {
 /**
  * Names of the functions for the second part: those that only its sources define, and what only these call. A short one or
  * one of a library's templates may stand for an equal one of the first part: it goes only if it is called by such functions
- * alone. bytes: length by name. first, more: symbolsOf their objects.
+ * alone. bytes: length by name. first, more: symbolsOf their objects. keep: names that stay; move: beginnings of names that go.
  */
-export function chooseFunctions({ bytes, callers, pinned }, first, more, keep) {
+export function chooseFunctions({ bytes, callers, pinned }, first, more, keep, move = []) {
   // Link-time optimisation appends ".1" to local names that several objects have.
   const symbol = (name) => name.replace(/(\.\d+)+$/, '');
   const isFirst = (name) => first.plain.has(name) || first.shared.has(name) || keep.has(name);
-  const goes = (name) => bytes.get(name) >= kMergedBytes && more.plain.has(symbol(name)) && !isFirst(symbol(name));
+  const goes = (name) => bytes.get(name) >= kMergedBytes && (move.some((part) => name.startsWith(part)) || (more.plain.has(symbol(name)) && !isFirst(symbol(name))));
   const names = [...bytes.keys()], chosen = new Set(names.filter((name) => goes(name) || !(pinned.has(name) || keep.has(symbol(name)))));
   for (let changed = true; changed; ) {
     changed = false;
@@ -255,7 +174,7 @@ export function chooseFunctions({ bytes, callers, pinned }, first, more, keep) {
 }
 
 function chosen(wasm, text, options) {
-  const { keep, sources } = readList(options.list);
+  const { keep, move, sources } = readList(options.list);
   const files = readdirSync(options.objects, { recursive: true }).filter((path) => /\.c(pp|xx)\.o$/.test(path) && !path.startsWith('tests/'));
   const madeOf = new Map(files.map((file) => [file, sourcesOf(options.objects, file)])), built = [...madeOf.values()].flat();
   const goes = (path) => sources.some((source) => (source.endsWith('/') ? path.startsWith(source) : path === source));
@@ -265,7 +184,7 @@ function chosen(wasm, text, options) {
   const mixed = files.find((file) => madeOf.get(file).some(goes) && !isMore(file));
   if (mixed) throw new Error(`${mixed} has sources of both parts, by ${options.list}: configure the build again`);
   const symbols = (wanted, archives) => symbolsOf(options.nm, [...files.filter((file) => isMore(file) === wanted).map((file) => join(options.objects, file)), ...archives]);
-  return chooseFunctions({ bytes: functionBytes(wasm), ...callGraph(text) }, symbols(false, []), symbols(true, [options.archive]), keep);
+  return chooseFunctions({ bytes: new Map(functionsOf(wasm).map(({ name, code }) => [name, code.length])), ...callGraph(text) }, symbols(false, []), symbols(true, [options.archive]), keep, move);
 }
 
 // --- the two parts ---
@@ -285,6 +204,13 @@ function moveData(first, second, mark, numbers, functions) {
   return [moduleOf(sections), moduleOf(more)];
 }
 
+// One placeholder for all functions of a type: the optimizer leaves one of each name.
+function shareNames(first) {
+  const sections = sectionsOf(first), imports = sections.find(({ id }) => id === SECTION.imports);
+  imports.bytes = writeImports(readImports(imports.bytes).map((entry) => (entry.module === PLACEHOLDER ? { ...entry, name: String(new Cursor(entry.type).u32()) } : entry)));
+  return moduleOf(sections);
+}
+
 export function split(options) {
   const folder = mkdtempSync(join(tmpdir(), 'fourdvt-split-'));
   try {
@@ -293,11 +219,10 @@ export function split(options) {
     const functions = chosen(readFileSync(options.module), text, options), numbers = numbersOf(text);
     writeFileSync(list, functions.map((name) => `${name}\n`).join(''));
     execFileSync(options['wasm-split'], [...FEATURES, options.module, `--split-funcs=@${list}`, '-o1', first, '-o2', second,
-      '--export-prefix=%', '--import-namespace=first', '--placeholder-namespace=placeholder', '--placeholdermap'], { stdio: 'inherit' });
+      '--export-prefix=%', '--import-namespace=first', `--placeholder-namespace=${PLACEHOLDER}`, '-g'], { stdio: 'inherit' });
     const parts = moveData(readFileSync(first), readFileSync(second), options.mark, numbers, new Set(functions));
-    writeFileSync(options.module, parts[0]);
+    writeFileSync(options.module, shareNames(parts[0]));
     writeFileSync(options.more, parts[1]);
-    copyFileSync(`${first}.placeholders`, options.more.replace('.wasm', '.map')); // names of the placeholders' numbers
     console.log(`${functions.length} functions in the second part`);
   } finally {
     rmSync(folder, { recursive: true });

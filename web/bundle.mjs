@@ -7,6 +7,7 @@ import { fileURLToPath } from 'node:url';
 import { build } from 'esbuild';
 
 import { stampOf, stampWasm, writeTypeScript } from '../wasm/abi.mjs';
+import { withoutNames } from '../wasm/binary.mjs';
 
 const here = dirname(fileURLToPath(import.meta.url));
 
@@ -26,19 +27,23 @@ function checkModules(wasmFolder, opencvFolder) {
 }
 
 // Emscripten's script defines every export of the module by a function of its own, which its first call replaces by the
-// export. A table defines them alike.
-function tabulateExports(script) {
+// export, and gives it its long name. Here the module's own short names do: the bundles call them by these. The script, and
+// the short names by the long ones.
+function shortenExports(script) {
   const stub = /var (\w+)=Module\["\1"\]=function\(\)\{return\(\1=Module\["\1"\]=Module\["asm"\]\["([\w$]+)"\]\)\.apply\(null,arguments\)\};/g;
   const isUsed = (name) => script.split(new RegExp(`\\b${name}\\b`)).length > 6; // five times in its own definition
-  const names = [];
+  const names = {};
   const rest = script.replace(stub, (definition, name, short) => {
     if (isUsed(name)) return definition;
-    names.push(`${name} ${short}`);
+    names[name] = short;
     return '';
   });
-  const at = rest.indexOf('var calledRun;');
-  if (names.length < 50 || at < 0) throw new Error("Emscripten's script defines its exports in another way than this program reads");
-  return `${rest.slice(0, at)}for(const e of "${names}".split(",")){const[n,s]=e.split(" ");Module[n]=(...a)=>(Module[n]=Module["asm"][s])(...a)}${rest.slice(at)}`;
+  const taken = Object.values(names).filter((short) => script.includes(`Module["${short}"]`));
+  const kept = 'Module["asm"]=exports;', shortened = rest.replace(kept, `Object.assign(Module,${kept.slice(0, -1)});`);
+  if (Object.keys(names).length < 50 || shortened === rest || taken.length) {
+    throw new Error(`Emscripten's script defines its exports in another way than this program reads ${taken}`);
+  }
+  return [shortened, names];
 }
 
 // Leaves out how Emscripten's script fetches the module: the page does it.
@@ -75,14 +80,17 @@ export async function bundlePlayer({ wasmFolder, opencvFolder, out, develop = fa
   mkdirSync(out, { recursive: true });
   // Emscripten's script is part of the stamp: it and the module share short names, which differ from build to build.
   const stamp = stampOf(...['abi.ts', 'fourdvt.js'].map((name) => readFileSync(join(wasmFolder, name))));
-  const copyWasm = (from, to) => writeFileSync(join(out, to), stampWasm(readFileSync(from), stamp));
+  const copyWasm = (from, to) => writeFileSync(join(out, to), stampWasm(withoutNames(readFileSync(from)), stamp));
   copyWasm(join(wasmFolder, 'fourdvt.wasm'), 'fourdvt-viewer.wasm');
   copyWasm(join(wasmFolder, 'fourdvt-more.wasm'), 'fourdvt-more.wasm');
   const workerWasm = readFileSync(join(wasmFolder, 'worker/fourdvt-worker.wasm'));
   const workerStamp = stampOf(stamp, workerWasm);
   writeFileSync(join(out, 'fourdvt-worker.wasm'), stampWasm(workerWasm, workerStamp));
   const define = { FOURDVT_WORKER: `"${workerStamp}"` };
-  await bundle(join(here, 'src/more.ts'), 'fourdvt-more.js', { define });
+  const emscripten = readFileSync(join(wasmFolder, 'fourdvt.js'), 'utf8');
+  const [wasmScript, exportNames] = develop ? [emscripten, {}] : shortenExports(emscripten);
+  const shortNames = develop ? {} : { mangleProps: new RegExp(`^(${Object.keys(exportNames).join('|')})$`), mangleCache: exportNames };
+  await bundle(join(here, 'src/more.ts'), 'fourdvt-more.js', { define, ...shortNames });
   await bundle(join(here, 'src/geometry-worker.ts'), 'fourdvt-worker.js', { format: 'iife', define });
   if (opencvFolder) {
     await bundle(join(opencvFolder, 'fourdvt-opencv.js'), 'fourdvt-opencv.js');
@@ -90,9 +98,10 @@ export async function bundlePlayer({ wasmFolder, opencvFolder, out, develop = fa
   }
   const version = stampOf(...readdirSync(out).sort().map((name) => readFileSync(join(out, name))));
   const script = join(out, 'fourdvt-wasm.js');
-  const emscripten = readFileSync(join(wasmFolder, 'fourdvt.js'), 'utf8');
-  writeFileSync(script, develop ? emscripten : leaveOutFetching(tabulateExports(emscripten)));
-  await bundle(join(here, 'src/fourdvt-viewer.ts'), 'fourdvt-viewer.js', {
+  writeFileSync(script, develop ? wasmScript : leaveOutFetching(wasmScript));
+  const { metafile } = await bundle(join(here, 'src/fourdvt-viewer.ts'), 'fourdvt-viewer.js', {
+    metafile: true,
+    ...shortNames,
     alias: { 'fourdvt-wasm': script },
     define: { FOURDVT_STAMP: `"${stamp}"`, FOURDVT_VERSION: `"?v=${version}"`, FOURDVT_OPENCV: String(Boolean(opencvFolder)) },
   });
@@ -102,6 +111,9 @@ export async function bundlePlayer({ wasmFolder, opencvFolder, out, develop = fa
   if (parts.length !== 2) throw new Error(`${viewer} has ${parts.length - 1} dynamic imports, not one`);
   writeFileSync(viewer, parts.join('/* webpackIgnore: true *//* @vite-ignore */'));
   if (develop) return;
+  // For wasm/sizes.mjs: the lengths of the page's modules in the script.
+  const modules = Object.entries(Object.values(metafile.outputs)[0].inputs).map(([path, { bytesInOutput }]) => [path.replace(/^.*\/(src|dist)\//, ''), bytesInOutput]);
+  writeFileSync(join(wasmFolder, 'modules.json'), JSON.stringify({ script: viewer, modules: Object.fromEntries(modules) }));
   // For the page's <head>: begins the downloads before the script asks for them.
   writeFileSync(join(out, 'preload.html'), `<link rel="modulepreload" href="fourdvt-viewer/fourdvt-viewer.js">
 <link rel="preload" as="fetch" crossorigin href="fourdvt-viewer/fourdvt-viewer.wasm?v=${version}">

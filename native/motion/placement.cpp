@@ -28,6 +28,9 @@ glm::vec3 stepBetween(const glm::vec3& from, const glm::vec3& to) {
   return {turned(glm::vec2(to) - glm::vec2(from), -from.z), to.z - from.z};
 }
 
-float wrapAngle(float radians) { return std::remainder(radians, 6.28318531f); }
+float wrapAngle(float radians) {
+  constexpr float kTurn_rad = 6.28318531f;
+  return radians - kTurn_rad * std::nearbyint(radians / kTurn_rad);
+}
 
 }  // namespace fourdvt::motion

@@ -18,12 +18,12 @@ std::vector<float> readFactors(FieldReader& in, const std::string& at, size_t co
 
 ParameterSample readSample(FieldReader& in, const std::string& at, const Sequence& s) {
   ParameterSample sample;
-  sample.at = in.numbers(at + "/at", s.space.names.size(), -kMaxParameter, kMaxParameter);
+  sample.at = in.numbers(at, "/at", s.space.names.size(), -kMaxParameter, kMaxParameter);
   sample.weights = readFactors(in, at + "/weights", s.members.size(), -kWeightSlack, 1 + kWeightSlack);
   sample.offsets = readFactors(in, at + "/offsets", s.reference_count, -kMaxCoefficient, kMaxCoefficient);
   double sum = 0;
   for (float weight : sample.weights) sum += weight;
-  if (in.ok() && !(std::abs(sum - 1) <= kWeightSlack)) in.fail(at + "/weights", "must add up to 1");
+  if (in.ok() && !(std::abs(sum - 1) <= kWeightSlack)) in.fail(at, "/weights", "must add up to 1");
   for (float& weight : sample.weights) weight = std::clamp(weight, 0.0f, 1.0f);  // the renderer refuses negative ones
   return sample;
 }
@@ -46,18 +46,18 @@ void readSimplex(FieldReader& in, const std::string& at, ParameterSpace& space) 
 }
 
 void readSpace(FieldReader& in, const std::string& at, Sequence& s) {
-  const int samples = in.arraySize(at + "/samples", 2, kMaxSamples);
+  const int samples = in.arraySize(at, "/samples", 2, kMaxSamples);
   for (int i = 0; i < samples && in.ok(); ++i) s.space.samples.push_back(readSample(in, item(at + "/samples", i), s));
-  const int simplices = in.arraySize(at + "/simplices", 1, kMaxSimplices);
+  const int simplices = in.arraySize(at, "/simplices", 1, kMaxSimplices);
   for (int i = 0; i < simplices && in.ok(); ++i) readSimplex(in, item(at + "/simplices", i), s.space);
 }
 
 Member readMember(FieldReader& in, const std::string& at, size_t parameters) {
   Member member;
-  member.name = in.text(at + "/name", 128);
-  member.parameter = in.numbers(at + "/parameter", parameters, -kMaxParameter, kMaxParameter);
-  member.duration_s = in.number(at + "/duration", 1e-3, kMaxDuration_s);
-  member.travel = in.vec3(at + "/travel");
+  member.name = in.text(at, "/name", 128);
+  member.parameter = in.numbers(at, "/parameter", parameters, -kMaxParameter, kMaxParameter);
+  member.duration_s = in.number(at, "/duration", 1e-3, kMaxDuration_s);
+  member.travel = in.vec3(at, "/travel");
   return member;
 }
 
@@ -78,19 +78,19 @@ Member itself(const Sequence& s) {
 
 void readMembers(FieldReader& in, const std::string& at, Sequence& s) {
   if (!in.ok()) return;
-  const int members = in.arraySize(at + "/members", 0, kMaxMembers);
+  const int members = in.arraySize(at, "/members", 0, kMaxMembers);
   if (members > 1) s.space.names = readParameterNames(in, at + "/parameterSpace/names");
   for (int m = 0; m < members && in.ok(); ++m) {
     const std::string here = item(at + "/members", m);
     s.members.push_back(readMember(in, here, s.space.names.size()));
     for (int other = 0; other < m; ++other) {
-      if (s.members[size_t(other)].name == s.members.back().name) in.fail(here + "/name", "appears twice");
+      if (s.members[size_t(other)].name == s.members.back().name) in.fail(here, "/name", "appears twice");
     }
   }
   if (members == 0) s.members.push_back(itself(s));
   if (members <= 1) return;
-  s.reference_count = uint32_t(in.integer(at + "/referenceCount", 0, kMaxReferences));
-  if (in.has(at + "/detailCorrelation")) s.detail_correlation = float(in.number(at + "/detailCorrelation", 0, 1));
+  s.reference_count = uint32_t(in.integer(at, "/referenceCount", 0, kMaxReferences));
+  if (in.has(at, "/detailCorrelation")) s.detail_correlation = float(in.number(at, "/detailCorrelation", 0, 1));
   readSpace(in, at + "/parameterSpace", s);
 }
 

@@ -30,7 +30,7 @@ bool isSafeUri(const std::string& uri) {
 
 std::string item(const std::string& list, int index) { return list + "/" + std::to_string(index); }
 
-void FieldReader::fail(const std::string& pointer, const std::string& what) {
+void FieldReader::fail(const std::string& pointer, const char* what) {
   if (ok()) problem_ = pointer + " " + what;
 }
 
@@ -103,8 +103,32 @@ int FieldReader::arraySize(const std::string& pointer, int low, int high) {
   int count = 0;
   while (count <= high && json_.has(item(pointer, count))) ++count;
   if (count < low || count > high)
-    fail(pointer, "must have " + std::to_string(low) + " to " + std::to_string(high) + " entries");
+    fail(pointer, ("must have " + std::to_string(low) + " to " + std::to_string(high) + " entries").c_str());
   return ok() ? count : 0;
+}
+
+void FieldReader::fail(const std::string& at, const char* key, const char* what) { fail(at + key, what); }
+bool FieldReader::has(const std::string& at, const char* key) const { return has(at + key); }
+double FieldReader::number(const std::string& at, const char* key, double low, double high) {
+  return number(at + key, low, high);
+}
+double FieldReader::integer(const std::string& at, const char* key, double low, double high) {
+  return integer(at + key, low, high);
+}
+std::string FieldReader::text(const std::string& at, const char* key, size_t max_length) {
+  return text(at + key, max_length);
+}
+std::string FieldReader::uri(const std::string& at, const char* key) { return uri(at + key); }
+uint64_t FieldReader::hash(const std::string& at, const char* key) { return hash(at + key); }
+bool FieldReader::flag(const std::string& at, const char* key) { return flag(at + key); }
+std::vector<double> FieldReader::numbers(const std::string& at, const char* key, size_t count, double low,
+                                         double high) {
+  return numbers(at + key, count, low, high);
+}
+glm::dvec3 FieldReader::vec3(const std::string& at, const char* key) { return vec3(at + key); }
+Rect FieldReader::rect(const std::string& at, const char* key) { return rect(at + key); }
+int FieldReader::arraySize(const std::string& at, const char* key, int low, int high) {
+  return arraySize(at + key, low, high);
 }
 
 }  // namespace fourdvt::package

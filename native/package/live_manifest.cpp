@@ -11,11 +11,11 @@ Error invalidLive(const std::string& problem) {
 }
 
 void readStream(FieldReader& in, const std::string& at, LiveCharacter& live) {
-  live.session = in.hash(at + "/session");
+  live.session = in.hash(at, "/session");
   Sequence& s = live.character.sequences.emplace_back();
   s.name = "live";
   s.frame_count = 1;
-  s.fps = in.number(at + "/fps", 0.1, 1000);
+  s.fps = in.number(at, "/fps", 0.1, 1000);
   readLayout(in, at, s);
   readPicture(in, at, 0, s.renditions.emplace_back());
   s.renditions[0].video_uri = "live stream";  // as messages name it
@@ -24,8 +24,8 @@ void readStream(FieldReader& in, const std::string& at, LiveCharacter& live) {
   index.vertex_count = live.character.vertex_count;
   index.face_count = live.character.face_count;
   index.chunks = {{0, 1, 0, 0}};
-  index.position_origin = glm::vec3(in.vec3(at + "/origin"));
-  index.position_step_m = float(in.number(at + "/step", 1e-6, 1));
+  index.position_origin = glm::vec3(in.vec3(at, "/origin"));
+  index.position_step_m = float(in.number(at, "/step", 1e-6, 1));
 }
 
 }  // namespace
@@ -36,7 +36,7 @@ Result<LiveCharacter> readLiveManifest(const FlatJson& manifest) {
     return invalidLive("its first message is no manifest of one");
   FieldReader in(manifest);
   LiveCharacter live;
-  live.character.version = int(in.integer(at + "/version", kLiveFormatVersion, 1 << 20));
+  live.character.version = int(in.integer(at, "/version", kLiveFormatVersion, 1 << 20));
   if (in.ok() && live.character.version > kLiveFormatVersion)
     return Error{ErrorId::Unsupported, "live stream: version " + std::to_string(live.character.version) +
                                            " is newer than this player; update the player"};

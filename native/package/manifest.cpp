@@ -28,16 +28,16 @@ bool isRigid(const glm::dmat4& m) {
 
 PinholeCamera readCamera(FieldReader& in, const std::string& at) {
   PinholeCamera camera;
-  camera.name = in.text(at + "/name", 128);
-  camera.width = int(in.integer(at + "/width", 1, 65536));
-  camera.height = int(in.integer(at + "/height", 1, 65536));
-  camera.fx = in.number(at + "/fx", 1e-3, 1e7);
-  camera.fy = in.number(at + "/fy", 1e-3, 1e7);
-  camera.cx = in.number(at + "/cx", -1e6, 1e6);
-  camera.cy = in.number(at + "/cy", -1e6, 1e6);
-  const std::vector<double> matrix = in.numbers(at + "/camFromWorld", 16, -kMaxMetres, kMaxMetres);
+  camera.name = in.text(at, "/name", 128);
+  camera.width = int(in.integer(at, "/width", 1, 65536));
+  camera.height = int(in.integer(at, "/height", 1, 65536));
+  camera.fx = in.number(at, "/fx", 1e-3, 1e7);
+  camera.fy = in.number(at, "/fy", 1e-3, 1e7);
+  camera.cx = in.number(at, "/cx", -1e6, 1e6);
+  camera.cy = in.number(at, "/cy", -1e6, 1e6);
+  const std::vector<double> matrix = in.numbers(at, "/camFromWorld", 16, -kMaxMetres, kMaxMetres);
   for (int i = 0; i < 16; ++i) camera.cam_from_world[i / 4][i % 4] = matrix[size_t(i)];
-  if (in.ok() && !isRigid(camera.cam_from_world)) in.fail(at + "/camFromWorld", "is not a rotation and translation");
+  if (in.ok() && !isRigid(camera.cam_from_world)) in.fail(at, "/camFromWorld", "is not a rotation and translation");
   return camera;
 }
 
@@ -59,8 +59,8 @@ std::vector<Rect> readLayers(FieldReader& in, const std::string& at, int count, 
 
 Rendition readRendition(FieldReader& in, const std::string& at, int layer_count) {
   Rendition rendition;
-  rendition.video_uri = in.uri(at + "/uri");
-  rendition.video_bytes = uint64_t(in.integer(at + "/byteLength", 1, kMaxBytes));
+  rendition.video_uri = in.uri(at, "/uri");
+  rendition.video_bytes = uint64_t(in.integer(at, "/byteLength", 1, kMaxBytes));
   readPicture(in, at, layer_count, rendition);
   return rendition;
 }
@@ -68,90 +68,90 @@ Rendition readRendition(FieldReader& in, const std::string& at, int layer_count)
 // What a file, or a part of one, is named, how long it is, and what its bytes hash to.
 void readFileOf(FieldReader& in, const std::string& at, double max_bytes, std::string& uri, uint64_t& bytes,
                 uint64_t& hash) {
-  uri = in.uri(at + "/uri");
-  bytes = uint64_t(in.integer(at + "/byteLength", 1, max_bytes));
-  hash = in.hash(at + "/hash");
+  uri = in.uri(at, "/uri");
+  bytes = uint64_t(in.integer(at, "/byteLength", 1, max_bytes));
+  hash = in.hash(at, "/hash");
 }
 
 BoundingBox readBox(FieldReader& in, const std::string& at) {
-  const BoundingBox box{glm::vec3(in.vec3(at + "/min")), glm::vec3(in.vec3(at + "/max"))};
+  const BoundingBox box{glm::vec3(in.vec3(at, "/min")), glm::vec3(in.vec3(at, "/max"))};
   if (!glm::all(glm::lessThanEqual(box.min, box.max))) in.fail(at, "has min above max");
   return box;
 }
 
 void readRoom(FieldReader& in, const std::string& at, Room& room) {
   readFileOf(in, at, kMaxRoomBytes, room.picture_uri, room.picture_bytes, room.picture_hash);
-  room.width = int(in.integer(at + "/width", 1, kMaxPictureSide));
-  room.height = int(in.integer(at + "/height", 1, kMaxPictureSide));
+  room.width = int(in.integer(at, "/width", 1, kMaxPictureSide));
+  room.height = int(in.integer(at, "/height", 1, kMaxPictureSide));
   room.box = readBox(in, at);
-  in.arraySize(at + "/faces", 6, 6);
+  in.arraySize(at, "/faces", 6, 6);
   for (int f = 0; f < 6; ++f) {
     Rect& face = room.faces[size_t(f)] = in.rect(item(at + "/faces", f));
-    if (!inside(face, room.width, room.height)) in.fail(at + "/faces", "must lie inside the picture");
+    if (!inside(face, room.width, room.height)) in.fail(at, "/faces", "must lie inside the picture");
   }
 }
 
 void readMethod(FieldReader& in, const std::string& at, DrawingMethod& method) {
-  method.name = in.text(at + "/name", 64);
+  method.name = in.text(at, "/name", 64);
   for (const char c : method.name)
     if (!((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-'))
-      in.fail(at + "/name", "must be made of a to z, 0 to 9 and -");
-  if (in.has(at + "/sweepBand")) method.sweep_band_m = in.number(at + "/sweepBand", 1e-4, 1);
+      in.fail(at, "/name", "must be made of a to z, 0 to 9 and -");
+  if (in.has(at, "/sweepBand")) method.sweep_band_m = in.number(at, "/sweepBand", 1e-4, 1);
 }
 
 void readCoarse(FieldReader& in, const std::string& at, Sequence& s) {
-  s.coarse_renditions = uint32_t(in.integer(at + "/renditions", 1, double(s.renditions.size())));
-  s.coarse_bytes = uint64_t(in.integer(at + "/byteLength", 1, double(s.stream_bytes)));
+  s.coarse_renditions = uint32_t(in.integer(at, "/renditions", 1, double(s.renditions.size())));
+  s.coarse_bytes = uint64_t(in.integer(at, "/byteLength", 1, double(s.stream_bytes)));
 }
 
 // layer_count: 0: from cameras.
 Sequence readSequence(FieldReader& in, const std::string& at, int version, int layer_count) {
   Sequence s;
-  s.name = in.text(at + "/name", 128);
-  s.frame_count = uint32_t(in.integer(at + "/frameCount", 1, kMaxFrames));
-  s.fps = in.number(at + "/fps", 0.1, 1000);
-  s.loop = in.flag(at + "/loop");
-  s.root_velocity_mps = in.vec3(at + "/rootVelocity");
-  s.stream_uri = in.uri(at + "/stream/uri");
-  s.stream_bytes = uint64_t(in.integer(at + "/stream/byteLength", 1, kMaxBytes));
-  s.stream_header_bytes = uint32_t(in.integer(at + "/stream/headerLength", 1, kMaxHeaderBytes));
-  s.stream_header_hash = in.hash(at + "/stream/headerHash");
-  if (s.stream_header_bytes > s.stream_bytes) in.fail(at + "/stream/headerLength", "exceeds the stream");
+  s.name = in.text(at, "/name", 128);
+  s.frame_count = uint32_t(in.integer(at, "/frameCount", 1, kMaxFrames));
+  s.fps = in.number(at, "/fps", 0.1, 1000);
+  s.loop = in.flag(at, "/loop");
+  s.root_velocity_mps = in.vec3(at, "/rootVelocity");
+  s.stream_uri = in.uri(at, "/stream/uri");
+  s.stream_bytes = uint64_t(in.integer(at, "/stream/byteLength", 1, kMaxBytes));
+  s.stream_header_bytes = uint32_t(in.integer(at, "/stream/headerLength", 1, kMaxHeaderBytes));
+  s.stream_header_hash = in.hash(at, "/stream/headerHash");
+  if (s.stream_header_bytes > s.stream_bytes) in.fail(at, "/stream/headerLength", "exceeds the stream");
   if (layer_count == 0) {
-    if (in.has(at + "/members")) in.fail(at + "/members", "cannot be: a character from cameras has no classes");
+    if (in.has(at, "/members")) in.fail(at, "/members", "cannot be: a character from cameras has no classes");
     readLayout(in, at, s);
   }
   readMembers(in, at, s);
   const int squares = int(s.members.size()) * layer_count;
-  const int renditions = in.arraySize(at + "/renditions", 1, kMaxRenditions);
+  const int renditions = in.arraySize(at, "/renditions", 1, kMaxRenditions);
   for (int r = 0; r < renditions; ++r) {
     s.renditions.push_back(readRendition(in, item(at + "/renditions", r), squares));
   }
-  if (version == kCoarseFormatVersion && in.has(at + "/stream/coarse")) readCoarse(in, at + "/stream/coarse", s);
+  if (version == kCoarseFormatVersion && in.has(at, "/stream/coarse")) readCoarse(in, at + "/stream/coarse", s);
   return s;
 }
 
 void readCharacter(FieldReader& in, const std::string& at, Character& c) {
   if (c.version == kCameraFormatVersion) {
     c.appearance = AppearanceKind::Cameras;
-    if (in.has(at + "/graph")) in.fail(at + "/graph", "cannot be: a character from cameras has no motion graph");
+    if (in.has(at, "/graph")) in.fail(at, "/graph", "cannot be: a character from cameras has no motion graph");
   } else {
-    c.layer_count = int(in.integer(at + "/layerCount", 1, kMaxLayers));
+    c.layer_count = int(in.integer(at, "/layerCount", 1, kMaxLayers));
   }
   readBody(in, at, c);
   readFileOf(in, at + "/mesh", kMaxMeshBytes, c.mesh_uri, c.mesh_bytes, c.mesh_hash);
-  c.mesh_offset = uint64_t(in.integer(at + "/mesh/byteOffset", 0, kMaxBytes));
-  c.poster_uri = in.uri(at + "/poster/uri");
-  if (in.has(at + "/graph")) readFileOf(in, at + "/graph", kMaxGraphBytes, c.graph_uri, c.graph_bytes, c.graph_hash);
-  if (in.has(at + "/room")) readRoom(in, at + "/room", c.room);
+  c.mesh_offset = uint64_t(in.integer(at, "/mesh/byteOffset", 0, kMaxBytes));
+  c.poster_uri = in.uri(at, "/poster/uri");
+  if (in.has(at, "/graph")) readFileOf(in, at + "/graph", kMaxGraphBytes, c.graph_uri, c.graph_bytes, c.graph_hash);
+  if (in.has(at, "/room")) readRoom(in, at + "/room", c.room);
   std::set<std::string> names;
-  const int sequences = in.arraySize(at + "/sequences", 1, kMaxSequences);
+  const int sequences = in.arraySize(at, "/sequences", 1, kMaxSequences);
   for (int s = 0; s < sequences && in.ok(); ++s) {
     const std::string here = item(at + "/sequences", s);
     c.sequences.push_back(readSequence(in, here, c.version, c.layer_count));
-    if (!names.insert(c.sequences.back().name).second) in.fail(here + "/name", "appears twice");
+    if (!names.insert(c.sequences.back().name).second) in.fail(here, "/name", "appears twice");
   }
-  if (in.has(at + "/start")) readFileOf(in, at + "/start", kMaxStartBytes, c.start.uri, c.start.bytes, c.start.hash);
+  if (in.has(at, "/start")) readFileOf(in, at + "/start", kMaxStartBytes, c.start.uri, c.start.bytes, c.start.hash);
 }
 
 Error invalidManifest(const std::string& problem) {
@@ -162,43 +162,43 @@ Error invalidManifest(const std::string& problem) {
 }  // namespace
 
 void readPicture(FieldReader& in, const std::string& at, int layer_count, Rendition& rendition) {
-  rendition.codec = in.text(at + "/codec", 64);
-  rendition.width = int(in.integer(at + "/width", 2, kMaxPictureSide));
-  rendition.height = int(in.integer(at + "/height", 2, kMaxPictureSide));
+  rendition.codec = in.text(at, "/codec", 64);
+  rendition.width = int(in.integer(at, "/width", 2, kMaxPictureSide));
+  rendition.height = int(in.integer(at, "/height", 2, kMaxPictureSide));
   if (rendition.width % 2 || rendition.height % 2) in.fail(at, "width and height must be even");
   if (layer_count > 0) {
     rendition.layers = readLayers(in, at + "/layers", layer_count, rendition);
   } else {
-    rendition.tiles = in.rect(at + "/tiles");
+    rendition.tiles = in.rect(at, "/tiles");
     if (!inside(rendition.tiles, rendition.width, rendition.height))
-      in.fail(at + "/tiles", "must lie inside the picture");
+      in.fail(at, "/tiles", "must lie inside the picture");
   }
-  rendition.barcode.rect = in.rect(at + "/barcode/rect");
-  rendition.barcode.cell_size = int(in.integer(at + "/barcode/cellSize", 2, 64));
+  rendition.barcode.rect = in.rect(at, "/barcode/rect");
+  rendition.barcode.cell_size = int(in.integer(at, "/barcode/cellSize", 2, 64));
   if (!inside(rendition.barcode.rect, rendition.width, rendition.height) ||
       rendition.barcode.rect.width != 32 * rendition.barcode.cell_size) {
-    in.fail(at + "/barcode", "must be 32 cells wide and inside the picture");
+    in.fail(at, "/barcode", "must be 32 cells wide and inside the picture");
   }
 }
 
 void readLayout(FieldReader& in, const std::string& at, Sequence& s) {
-  in.arraySize(at + "/layout", 2, 2);
-  s.layout_width = int(in.integer(at + "/layout/0", 1, kMaxLayoutSide));
-  s.layout_height = int(in.integer(at + "/layout/1", 1, kMaxLayoutSide));
+  in.arraySize(at, "/layout", 2, 2);
+  s.layout_width = int(in.integer(at, "/layout/0", 1, kMaxLayoutSide));
+  s.layout_height = int(in.integer(at, "/layout/1", 1, kMaxLayoutSide));
 }
 
 void readBody(FieldReader& in, const std::string& at, Character& c) {
   const bool from_cameras = c.appearance == AppearanceKind::Cameras;
-  c.name = in.text(at + "/name", 128);
-  if (from_cameras && in.text(at + "/appearance", 64) != "cameras")
-    in.fail(at + "/appearance", "must be \"cameras\" in this version");
-  c.vertex_count = uint32_t(in.integer(at + "/vertexCount", 3, kMaxCount));
-  c.face_count = uint32_t(in.integer(at + "/faceCount", 1, kMaxCount));
-  if (from_cameras && in.has(at + "/method")) readMethod(in, at + "/method", c.method);
+  c.name = in.text(at, "/name", 128);
+  if (from_cameras && in.text(at, "/appearance", 64) != "cameras")
+    in.fail(at, "/appearance", "must be \"cameras\" in this version");
+  c.vertex_count = uint32_t(in.integer(at, "/vertexCount", 3, kMaxCount));
+  c.face_count = uint32_t(in.integer(at, "/faceCount", 1, kMaxCount));
+  if (from_cameras && in.has(at, "/method")) readMethod(in, at + "/method", c.method);
   c.bounds = readBox(in, at + "/bounds");
-  c.ground_y_m = in.number(at + "/groundY", -kMaxMetres, kMaxMetres);
-  if (in.has(at + "/lengthScale")) c.length_scale = in.number(at + "/lengthScale", 1e-6, 1e6);
-  const int cameras = in.arraySize(at + "/cameras", 1, kMaxCameras);
+  c.ground_y_m = in.number(at, "/groundY", -kMaxMetres, kMaxMetres);
+  if (in.has(at, "/lengthScale")) c.length_scale = in.number(at, "/lengthScale", 1e-6, 1e6);
+  const int cameras = in.arraySize(at, "/cameras", 1, kMaxCameras);
   for (int k = 0; k < cameras; ++k) c.cameras.push_back(readCamera(in, item(at + "/cameras", k)));
 }
 
@@ -216,7 +216,7 @@ Result<Character> readManifest(const FlatJson& gltf) {
     return invalidManifest(std::string("has no extension ") + kExtensionName + ": not a fourdvt character");
   FieldReader in(gltf);
   Character character;
-  character.version = int(in.integer(at + "/version", 1, 1 << 20));
+  character.version = int(in.integer(at, "/version", 1, 1 << 20));
   if (character.version == kLiveFormatVersion)
     return Error{ErrorId::Unsupported, "character.gltf: is of a live stream, which comes over WebSocket (ws://)"};
   if (in.ok() && character.version > kCoarseFormatVersion) {

@@ -71,7 +71,7 @@ async function seek({ motion, frame }) {
 }
 
 async function visit(browser, folder, motion) {
-  const [, name] = /_fdvt_tick(?:=function.*?\.asm\.| )(\w+)/.exec(readFileSync(join(folder, 'fourdvt-viewer/fourdvt-viewer.js'), 'utf8'));
+  const [, name] = /\bbeforeTick\([^;]*?\),this\.#\w+\.(\w+)\(/.exec(readFileSync(join(folder, 'fourdvt-viewer/fourdvt-viewer.js'), 'utf8'));
   const server = await serve(folder, 0, { pages: { '/one.html': pageWithTag('character/character.gltf', '') } });
   const page = await browser.newPage({ viewport: { width: 320, height: 320 } });
   try {

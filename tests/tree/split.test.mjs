@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parts of wasm/split.mjs that need no build: which functions and which texts go into the player's second part.
+// Parts of wasm/split.mjs and wasm/pack.mjs that need no build: which functions and which texts go into the player's second
+// part, and how both are packed.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 
+import { joinSegments, orderFunctions, placeFunctions } from '../../wasm/pack.mjs';
 import { callGraph, chooseFunctions, cutTexts, cutTextsOf, numbersOf } from '../../wasm/split.mjs';
 
 test('marked texts are cut out with their closing 0, and what lies between them stays at its address', () => {
@@ -22,8 +24,32 @@ test('texts go that the second part alone refers to: not by the first, nor by a 
   const numbers = new Map([['more', [1000, 1000 + step, 1000 + 2 * step + 5, 1000 + 3 * step, 1000 + 5 * step]], ['core', [1000 + step + 7]]]);
   const { kept, moved } = cutTextsOf(segments, numbers, new Set(['more']));
   assert.deepEqual(moved.map(({ address, bytes }) => [address, bytes.toString('latin1')]), [[1000, text('a')], [1000 + 2 * step, text('c')]]);
-  assert.deepEqual(kept.map(({ address }) => address), [1000 + step, 1000 + 3 * step, 4000]);
-  assert.equal(kept[1].bytes.toString('latin1'), `${text('d')}${text('e')}short\0`);
+  const none = '\0'.repeat(step);
+  assert.deepEqual(kept.map(({ address }) => address), [1000, 4000]);
+  assert.equal(kept[0].bytes.toString('latin1'), `${none}${text('b')}${none}${text('d')}${text('e')}short\0`);
+});
+
+test('short texts go from a row of many; alone they may be numbers', () => {
+  const row = Buffer.from(Array.from({ length: 20 }, (_, i) => `u_name_${i + 10}\0`).join(''), 'latin1');
+  const segments = [{ address: 1000, bytes: row }, { address: 4000, bytes: Buffer.from('\0\0u_name_9\0\0', 'latin1') }];
+  const { moved } = cutTextsOf(segments, new Map([['more', [1000 + 10 * 10, 4002]]]), new Set(['more']));
+  assert.deepEqual(moved.map(({ address, bytes }) => [address, bytes.toString('latin1')]), [[1100, 'u_name_20\0']]);
+});
+
+test('functions stand by length and type; what is round them stays', () => {
+  const named = (name, type = '') => [` (func $${name}${type}`, `  (call $${name})`, ' )'];
+  const text = ['(module', ' (memory $0 1)', ...named('a'), ...named('b', ' (param $0 i64)'), ...named('c', ' (param $0 i32)'), ' (export "x" (func $a))', ')'];
+  const ordered = orderFunctions(text.join('\n'), new Map([['a', 9], ['b', 3], ['c', 3]])).split('\n');
+  assert.deepEqual(ordered, ['(module', ' (memory $0 1)', ...named('c', ' (param $0 i32)'), ...named('b', ' (param $0 i64)'), ...named('a'), ' (export "x" (func $a))', ')']);
+});
+
+test('functions get places behind the table, each once, in their order; segments with few zeros between them are one', () => {
+  const { places, elements, size } = placeFunctions([{ offset: 1, functions: [7, 3] }], 5, [9, 3, 4, 9]);
+  assert.deepEqual([...places], [[7, 1], [3, 2], [4, 5], [9, 6]]);
+  assert.deepEqual([elements.at(-1), size], [{ offset: 5, functions: [4, 9] }, 7]);
+  const segments = [{ address: 8, bytes: Buffer.from('cd') }, { address: 2, bytes: Buffer.from('ab') }, { address: 15, bytes: Buffer.from('e') }];
+  const shown = joinSegments(segments, 4).map(({ address, bytes }) => [address, bytes.toString('latin1')]);
+  assert.deepEqual(shown, [[2, 'ab\0\0\0\0cd'], [15, 'e']]);
 });
 
 test('numbers in the code are constants and offsets, by function', () => {
@@ -52,4 +78,6 @@ test('functions go by their sources; one that may stand for another goes with al
   const chosen = chooseFunctions({ bytes, callers, pinned: new Set(['exported', 'more', 'both', 'kept']) },
     symbols(['core', 'both', 'exported']), symbols(['more', 'both', 'kept', 'small'], ['template']), new Set(['kept']));
   assert.deepEqual(chosen.sort(), ['helper', 'more', 'more.1', 'small']);
+  const moved = chooseFunctions({ bytes, callers, pinned: new Set(['exported', 'core']) }, symbols(['core', 'exported']), symbols([]), new Set(), ['cor']);
+  assert.ok(moved.includes('core') && !moved.includes('exported'));
 });

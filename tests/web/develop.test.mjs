@@ -45,7 +45,7 @@ test('lines of shaders are named by file and number, in included files, too', ()
 });
 
 test('embedded shaders are those that the build has written', () => {
-  write({ 'build/native/gpu/shader_sources.cpp': 'x = {\n    {"a.frag", R"__glsl__(void main() {}\n)__glsl__"},\n    {"", ""},\n};' });
+  write({ 'build/native/gpu/shader_sources.cpp': 'f(name) {\n  if (name == "a.frag") return R"__glsl__(void main() {}\n)__glsl__";\n  return {};\n}' });
   assert.deepEqual([...embeddedShaders(join(folder, 'build'))], [['a.frag', 'void main() {}\n']]);
 });
 

@@ -38,6 +38,6 @@ export function embeddedShaders(buildFolder) {
   const sources = readdirSync(join(buildFolder, 'native'), { recursive: true }).filter((path) => path.endsWith('shader_sources.cpp'));
   return new Map(sources.flatMap((path) => {
     const text = readFileSync(join(buildFolder, 'native', path), 'utf8');
-    return [...text.matchAll(/\{"([\w.]+)", R"__glsl__\(([^]*?)\)__glsl__"\}/g)].map(([, name, embedded]) => [name, embedded]);
+    return [...text.matchAll(/name == "([\w.]+)"\) return R"__glsl__\(([^]*?)\)__glsl__";/g)].map(([, name, embedded]) => [name, embedded]);
   }));
 }

@@ -48,10 +48,15 @@ function compile(url: string, report: Report): Promise<WebAssembly.Module> {
   return module;
 }
 
-// In place of the second part's functions until it is there: a number each (fourdvt-more.map of the build).
-const ABSENT = new Proxy({}, {
-  get: (_, number) => () => { throw new Error(`function ${String(number)} of the player's second part is not there yet`); },
-});
+// In place of the second part's functions until it is there.
+const absent = (): never => { throw new Error("the player's second part is not there yet"); };
+const ABSENT = new Proxy({}, { get: () => absent });
+
+// What the second part imports of the first: exports by their names, functions by their numbers in the table (wasm/pack.mjs).
+const importsOfSecond = (exports: WebAssembly.Exports): WebAssembly.ModuleImports => {
+  const table = Object.values(exports).find((value) => value instanceof WebAssembly.Table);
+  return new Proxy({}, { get: (_, name) => exports[name as string] ?? table?.get(Number(name)) });
+};
 
 /** The first part. `report` is called when waiting for the network begins and ends. Errors: ViewerError 'fetch-failed', 'out-of-memory', 'wasm-refused'. */
 export async function instantiate({ wasm: url }: Pick<PlayerFiles, 'wasm'>, report: Report): Promise<WasmModule> {
@@ -103,7 +108,7 @@ async function addSecond(module: WasmModule, { more: script, moreWasm }: SecondP
   });
   const [more, second] = await Promise.all([page, compile(moreWasm, report)]);
   if (!complete.has(module)) {
-    await WebAssembly.instantiate(second, { first: firstParts.get(module)! }).catch((reason: unknown) => {
+    await WebAssembly.instantiate(second, { first: importsOfSecond(firstParts.get(module)!) }).catch((reason: unknown) => {
       throw refusal(moreWasm, reason);
     });
     complete.add(module);

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// Packs the player's two parts (split.mjs) for the download, after all optimisation:
+// - What the second part calls of the first has a place in the table instead of an exported name: the second part imports it
+//   by its number there (web/src/wasm-module.ts).
+// - Functions of the first part stand in order of their lengths and types, so that like ones are near each other: 2 % less to
+//   download. (The second part gains nothing.)
+// - Data segments with few zeros between them become one.
+//   node pack.mjs --first FILE.wasm --second FILE.wasm --wasm-dis wasm-dis --wasm-opt wasm-opt
+// Both are replaced; names of functions stay.
+import { execFileSync } from 'node:child_process';
+import { readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { pathToFileURL } from 'node:url';
+import { parseArgs } from 'node:util';
+
+import {
+  FEATURES, functionsOf, KIND, moduleOf, readElements, readExports, readImports, readLimits, readSegments, SECTION, sectionsOf, u32, writeElements, writeExports, writeImports, writeLimits, writeSegments,
+} from './binary.mjs';
+
+const FIRST = 'first', MARK = '%'; // as split.mjs names them
+const MOST_ZEROS = 256; // between two segments; a segment's beginning does not compress
+
+const find = (sections, id) => sections.find((section) => section.id === id);
+
+/** A module's text form with its functions in order of their lengths, by their names, and of their types. */
+export function orderFunctions(text, lengths) {
+  const rest = [], functions = [];
+  let lines = null, place = 0; // of the function that is read; where all will be
+  for (const line of text.split('\n')) {
+    const [, name, type] = /^ \(func \$(\S+)(.*)/.exec(line) ?? [];
+    if (name) {
+      if (!functions.length) place = rest.length;
+      functions.push({ type: type.replace(/\$\d+ /g, ''), length: lengths.get(name), lines: (lines = []) });
+    }
+    (lines ?? rest).push(line);
+    if (line === ' )') lines = null;
+  }
+  functions.sort((a, b) => a.length - b.length || (a.type < b.type ? -1 : Number(a.type > b.type)));
+  return [...rest.slice(0, place), ...functions.flatMap(({ lines: own }) => own), ...rest.slice(place)].join('\n');
+}
+
+// The file's functions in order. The last two passes are those that a text form loses.
+function order(file, dis, opt) {
+  const lengths = new Map(functionsOf(readFileSync(file)).map(({ name, code }) => [name, code.length]));
+  const quiet = { maxBuffer: 1 << 28, stdio: ['pipe', 'pipe', 'ignore'] };
+  const text = orderFunctions(execFileSync(dis, [file], { encoding: 'utf8', ...quiet }), lengths);
+  writeFileSync(`${file}.wat`, text);
+  execFileSync(opt, [...FEATURES, '-g', '--generate-stack-ir', '--optimize-stack-ir', `${file}.wat`, '-o', file], quiet);
+  rmSync(`${file}.wat`);
+}
+
+/** Segments with at most so many zeros between them as one. */
+export function joinSegments(segments, zeros = MOST_ZEROS) {
+  const joined = [];
+  for (const { address, bytes } of [...segments].sort((a, b) => a.address - b.address)) {
+    const last = joined.at(-1), gap = last ? address - last.address - last.bytes.length : Infinity;
+    if (gap <= zeros) last.bytes = Buffer.concat([last.bytes, Buffer.alloc(gap), bytes]);
+    else joined.push({ address, bytes });
+  }
+  return joined;
+}
+
+/** Puts functions behind the table's end: { places: their numbers in the table by function, elements, size }. */
+export function placeFunctions(elements, size, functions) {
+  const places = new Map();
+  for (const { offset, functions: list } of elements) list.forEach((index, i) => places.has(index) || places.set(index, offset + i));
+  const added = [...new Set(functions)].filter((index) => !places.has(index)).sort((a, b) => a - b);
+  added.forEach((index, i) => places.set(index, size + i));
+  return { places, elements: added.length ? [...elements, { offset: size, functions: added }] : elements, size: size + added.length };
+}
+
+/** [first, second], packed. */
+export function pack(first, second) {
+  const [one, two] = [sectionsOf(first), sectionsOf(second)];
+  const exported = readExports(find(one, SECTION.exports).bytes);
+  const isCalled = ({ name, kind }) => kind === KIND.function && name.startsWith(MARK);
+  const table = find(one, SECTION.table), elements = find(one, SECTION.elements), data = find(one, SECTION.data);
+  const limits = readLimits(table.bytes, 2); // behind the number of tables and the type
+  const called = exported.filter(isCalled);
+  const { places, elements: all, size } = placeFunctions(readElements(elements.bytes), limits.min, called.map(({ index }) => index));
+  const grown = { min: size, max: limits.max === null ? null : Math.max(limits.max, size) };
+  table.bytes = Buffer.concat([table.bytes.subarray(0, 2), writeLimits(grown)]);
+  elements.bytes = writeElements(all);
+  find(one, SECTION.exports).bytes = writeExports(exported.filter((entry) => !isCalled(entry)));
+  const segments = joinSegments(readSegments(data.bytes)), count = find(one, SECTION.dataCount);
+  data.bytes = writeSegments(segments);
+  if (count) count.bytes = u32(segments.length);
+
+  const numbers = new Map(called.map(({ name, index }) => [name, String(places.get(index))]));
+  const imports = find(two, SECTION.imports);
+  imports.bytes = writeImports(readImports(imports.bytes).map((entry) => {
+    if (entry.module !== FIRST) return entry;
+    if (entry.kind === KIND.table) return { ...entry, type: Buffer.concat([entry.type.subarray(0, 1), writeLimits(grown)]) };
+    return { ...entry, name: numbers.get(entry.name) ?? entry.name };
+  }));
+  return [moduleOf(one), moduleOf(two)];
+}
+
+if (process.argv[1] && import.meta.url === pathToFileURL(process.argv[1]).href) {
+  const names = ['first', 'second', 'wasm-dis', 'wasm-opt'];
+  const { values } = parseArgs({ options: Object.fromEntries(names.map((name) => [name, { type: 'string' }])) });
+  try {
+    for (const name of names) if (!values[name]) throw new Error(`--${name} is missing`);
+    order(values.first, values['wasm-dis'], values['wasm-opt']);
+    const [first, second] = pack(readFileSync(values.first), readFileSync(values.second));
+    writeFileSync(values.first, first);
+    writeFileSync(values.second, second);
+  } catch (problem) {
+    console.error(`pack.mjs: ${problem.message}`);
+    process.exit(1);
+  }
+}
