@@ -55,7 +55,7 @@ if [ -n "$build" ]; then
   mkdir -p build
   install_packages "${page_packages[@]}" "${test_packages[@]}"
   step "Building the programs"
-  quiet cmake-tests cmake --preset release -DFOURDVT_TESTS=ON -DFOURDVT_LAB=ON
+  configure_release cmake-tests -DFOURDVT_MORE_TOOLS=ON -DFOURDVT_LAB=ON -DFOURDVT_TESTS=ON
   build build-measured build/release fourdvt fourdvt-lab bench_yardstick bench_draw_ratio bench_blend_ratio repeat_capture
   if needs bench || needs player; then bash site/demo.sh --prepare; fi
   if needs bench; then

@@ -17,7 +17,7 @@ const kVideos = ['cam00', 'cam01'].map((name) => join(kRoot, 'site/sample/actor_
 /** Three runs, some seconds of CPU: { cpu_s, wall_s, others_s, job }. */
 export function yardstickRuns() {
   const program = process.env.FOURDVT_YARDSTICK_BIN ?? join(kRoot, 'build/release/tests/bench/bench_yardstick');
-  if (!existsSync(program)) throw new Error(`${program} is missing; build it: cmake --preset release -DFOURDVT_TESTS=ON && cmake --build build/release --target bench_yardstick`);
+  if (!existsSync(program)) throw new Error(`${program} is missing; build it: cmake --preset release -DFOURDVT_MORE_TOOLS=ON -DFOURDVT_LAB=ON -DFOURDVT_TESTS=ON && cmake --build build/release --target bench_yardstick`);
   return execFileSync(program, kVideos, { encoding: 'utf8', stdio: ['ignore', 'pipe', 'inherit'] }).trim().split('\n').map((line) => JSON.parse(line));
 }
 
