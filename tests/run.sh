@@ -29,11 +29,11 @@ case ${1:-} in
     [ "${arguments[0]:-}" != -- ] || arguments=("${arguments[@]:1}")
     selected=(-R "$(node tests/changed.mjs "${base[@]}")" "${arguments[@]}") ;;
   --share)
-    share=$(node tests/needed.mjs --share "$(date +%s)")
+    share=$(node tests/needed.mjs --share "$(date +%s)" 2>build/needed.log) || fail_with_log needed "choosing a share of the long tests"
     echo "Long tests whose turn it is: $share"
     selected=(-L "^$share\$") ;;
 esac
-needed=$(node tests/needed.mjs "${selected[@]}" 2>/dev/null)
+needed=$(node tests/needed.mjs "${selected[@]}" 2>build/needed.log) || fail_with_log needed "listing what the tests need"
 needs() { grep -q "^$1\b" <<<"$needed"; }
 targets_of() { sed -n "s#^$1 ##p" <<<"$needed"; }
 if needs site; then start_beside opencv env NODE_PATH=/usr/share/nodejs bash wasm/build_opencv.sh; fi
