@@ -136,7 +136,7 @@ if [ -n "$live" ]; then
   exec $tool live site/sample/actor_a/live.json --port "$port" --web "$site_folder"
 fi
 
-# What is missing still, in the order in which a visitor of the page misses it.
+# Makes the other motions, commands and characters, in the order in which a visitor of the page misses them.
 make_the_rest() {
   if ! is_baked "$character"; then
     bake "$character" && assemble --add "$site_folder" "$root/web/dist" "$character" || return 1

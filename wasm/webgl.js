@@ -105,7 +105,7 @@ Object.assign(library, {
   glUniform1i: function(place, value) { GLctx.uniform1i(uniformPlace(place), value); },
   glUniformMatrix4fv: function(place, count, transpose, at) { GLctx.uniformMatrix4fv(uniformPlace(place), transpose, HEAPF32, at >> 2, count * 16); },
 });
-// What each of them needs, in place of what Emscripten's need.
+// Dependencies of each function, in place of those of Emscripten's.
 for (const [name, value] of Object.entries(library)) {
   if (name.endsWith('__deps') || name.endsWith('__postset')) continue;
   const needs = ['GL', 'create', 'remove', 'uniformPlace', 'pixelsAt'].filter((other) => `$${other}` !== name && new RegExp(`\\b${other}\\b`).test(String(value)));

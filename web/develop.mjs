@@ -7,7 +7,7 @@
 //   web/src             is bundled; types are checked afterwards
 //   native, wasm        builds build/wasm-dev (CMake preset wasm-dev: quick to link, neither small nor split), then bundles
 //   site, web/examples  is copied
-// What is wrong is printed and shown on the pages until it has been corrected.
+// Mistakes are printed and shown on the pages until they have been corrected.
 import { execFileSync, spawn } from 'node:child_process';
 import { copyFileSync, existsSync, mkdirSync, readdirSync, readFileSync, renameSync, rmSync, statSync, watch, writeFileSync } from 'node:fs';
 import { dirname, join, relative, resolve } from 'node:path';

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What commands print besides errors (args.h) and results that were asked for, which they print at every level.
+// Prints notes of commands by level. Errors (args.h) and results that were asked for are printed at every level.
 #pragma once
 
 namespace fourdvt::tools {
@@ -8,9 +8,9 @@ enum class LogLevel { Quiet, Normal, Verbose };
 LogLevel logLevel();
 void setLogLevel(LogLevel level);  // Args does, by --quiet and --verbose
 
-// What was done, but may not be what was meant: "PROGRAM: warning: …" on stderr, at every level.
+// Prints "PROGRAM: warning: …" on stderr, at every level: the result may not be the one that was meant.
 void warn(const char* format, ...) __attribute__((format(printf, 1, 2)));
-// What was done, and where it lies: a line on stdout, not with --quiet.
+// Prints a result and its place as a line on stdout, not with --quiet.
 void note(const char* format, ...) __attribute__((format(printf, 1, 2)));
 // Options, times, files: "PROGRAM: …" on stderr, with --verbose.
 void detail(const char* format, ...) __attribute__((format(printf, 1, 2)));

@@ -148,7 +148,7 @@ function rowsOf({ samples, switches, set }) {
   });
 }
 
-// What play() returns of a site of its own.
+// Result of play() on a site of its own.
 async function playOnce() {
   const site = siteOf(character);
   const attributes = `loop style="position:fixed;inset:0;width:${kSide.width}px;height:${kSide.height}px"${options.sequence ? ` sequence="${options.sequence}"` : ''}`;

@@ -219,7 +219,7 @@ test('figures in seconds have a ratio, seconds of a motion and old figures none'
   assert.match(makePage(before, before.parts), /11\.0&nbsp;min<\/td><td>not measured<\/td>/);
 });
 
-// What holds of every document: rows without a yardstick look as they always did.
+// Holds for every document: rows without a yardstick look as they always did.
 function checkDocument(make, measured, expected) {
   const plain = make(measured), yardstick = summaryOf(kRuns);
   assert.match(plain, /ratio: not measured\./);

@@ -52,7 +52,7 @@ function compile(url: string, report: Report): Promise<WebAssembly.Module> {
 const absent = (): never => { throw new Error("the player's second part is not there yet"); };
 const ABSENT = new Proxy({}, { get: () => absent });
 
-// What the second part imports of the first: exports by their names, functions by their numbers in the table (wasm/pack.mjs).
+// Imports of the second part from the first: exports by their names, functions by their numbers in the table (wasm/pack.mjs).
 const importsOfSecond = (exports: WebAssembly.Exports): WebAssembly.ModuleImports => {
   const table = Object.values(exports).find((value) => value instanceof WebAssembly.Table);
   return new Proxy({}, { get: (_, name) => exports[name as string] ?? table?.get(Number(name)) });
