@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plays the sample on one upload path with loops, seeks, rungs, motions and a class's slider, and times what a visitor
 // sees: from picture to picture, over loops, over rungs, from a seek to its frame.
+import { kPatienceMs } from './harness.mjs';
 import { serve } from './server.mjs';
 
 const kViewer = { width: 160, height: 220 };
@@ -32,14 +33,14 @@ export async function openOnPath(page, server, path, host = '127.0.0.1') {
  * loops, seeks, rungs }: the last four are lists of ms. For a rung it is the longest time between pictures in the second after the change.
  */
 export function playOnPath(page, frames) {
-  return page.evaluate(async (frames) => {
+  return page.evaluate(async ({ frames, patienceMs }) => {
     const viewer = globalThis.viewer;
     const out = { play: [], loops: [], seeks: [], rungs: [], errors: [] };
     const onError = (e) => out.errors.push(e.detail);
     viewer.addEventListener('error', onError);
     let random = 7;
     const below = (n) => (random = (random * 16807) % 2147483647) % n;
-    const once = (type, ms = 20000) => new Promise((done, fail) => {
+    const once = (type, ms = patienceMs) => new Promise((done, fail) => {
       const timer = setTimeout(() => fail(new Error(`no ${type} in ${ms} ms: ${JSON.stringify({ ...viewer.stats, frame: viewer.frame, sequence: viewer.sequence, errors: out.errors })}`)), ms);
       viewer.addEventListener(type, () => { clearTimeout(timer); done(); }, { once: true });
     });
@@ -113,7 +114,7 @@ export function playOnPath(page, frames) {
     const last = viewer.stats;
     return { ...out, frames: last.framesShown - first.framesShown, checked: last.barcodeChecked - first.barcodeChecked,
       mismatches: last.barcodeMismatches - first.barcodeMismatches, late: last.framesLate - first.framesLate, path: last.uploadPath };
-  }, frames);
+  }, { frames, patienceMs: kPatienceMs });
 }
 
 /** Firefox whose pages have no WebCodecs. */
