@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shaders from elsewhere than the program that they are embedded in, for those who write them. Native only.
+// Replaces the shaders that are embedded in a native program, for example by the files of a folder. Not in wasm.
 #pragma once
 
 #include <functional>
@@ -9,10 +9,11 @@ namespace fourdvt::gpu {
 
 // Returns the text of an embedded shader's file, which lives as long as the program.
 using ShaderReader = std::function<std::string_view(std::string_view name)>;
-// shaderText and its likes return what `reader` does from now on, and what is embedded where it is empty. Not
-// thread-safe: before programs are made.
+// Sets the reader that shaderText and the functions like it return the result of; an empty one: the embedded texts. Not
+// thread-safe; call it before the first shader is compiled.
 void readShadersBy(ShaderReader reader);
-// Used by what embed_shaders.cmake writes.
+// Returns the reader's text of that name, or `embedded` without a reader. Called by the code that embed_shaders.cmake
+// generates.
 std::string_view readShader(std::string_view name, std::string_view embedded);
 
 }  // namespace fourdvt::gpu

@@ -16,7 +16,8 @@ class ShaderFolder {
  public:
   // Errors: FileMissing where the folder has no shader.
   static Result<ShaderFolder> open(const std::string& folder);
-  // One that the folder lacks does not compile, and its message names it. Lives as long as this object.
+  // Returns the shader of that name, valid as long as this object; where the folder has no such file, an #error that
+  // names it.
   std::string_view text(std::string_view name);
   // A compiler's log with "FILE:LINE" in place of the line numbers of these texts.
   std::string nameLines(const std::string& log) const;

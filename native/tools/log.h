@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints notes of commands by level. Errors (args.h) and results that were asked for are printed at every level.
+// Prints notes of commands by level; errors (args.h) and requested results have no level and are always printed.
 #pragma once
 
 namespace fourdvt::tools {
@@ -12,9 +12,9 @@ void setLogLevel(LogLevel level);  // Args does, by --quiet and --verbose
 void warn(const char* format, ...) __attribute__((format(printf, 1, 2)));
 // Prints a result and its place as a line on stdout, not with --quiet.
 void note(const char* format, ...) __attribute__((format(printf, 1, 2)));
-// Options, times, files: "PROGRAM: …" on stderr, with --verbose.
+// Prints options, times and files as "PROGRAM: …" on stderr, with --verbose only.
 void detail(const char* format, ...) __attribute__((format(printf, 1, 2)));
-// A line of progress may be rewritten in place on stderr.
+// True if progress may rewrite its line: stderr is a terminal, and not with --quiet.
 bool rewritesProgress();
 
 }  // namespace fourdvt::tools

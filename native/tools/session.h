@@ -32,7 +32,8 @@ struct CharacterSession {
   const package::Character& character() const { return *player->player().character(); }
 };
 
-// Shaders are those of the folder that the environment variable FOURDVT_SHADERS names, else those in the program.
+// Opens a GPU without a screen. Shaders come from the folder that the environment variable FOURDVT_SHADERS names, if
+// set.
 Result<GpuSession> openGpu();
 // The message with files and lines of that folder in place of the numbers in a GLSL compiler's log.
 std::string withShaderLines(const std::string& message);

@@ -2,8 +2,8 @@
 // bench_yardstick VIDEO…: one job that is always the same, whose CPU seconds are what published seconds are divided by.
 // Decodes the videos, one after the other, and encodes their frames as one video by x264, on one thread; keeps nothing.
 // Prints a line of JSON for each of three runs: CPU and wall seconds, CPU seconds that all other programs took
-// meanwhile (left out where /proc/stat is not there), and `job`, which is equal where two yardsticks may be compared.
-// tests/bench/yardstick.mjs runs it.
+// meanwhile (left out where /proc/stat is not there), and `job`, a text that differs where two runs must not be
+// compared. tests/bench/yardstick.mjs runs it.
 #include <unistd.h>
 
 #include <algorithm>
