@@ -114,7 +114,7 @@ export async function bundlePlayer({ wasmFolder, opencvFolder, out, develop = fa
   // For wasm/sizes.mjs: the lengths of the page's modules in the script.
   const modules = Object.entries(Object.values(metafile.outputs)[0].inputs).map(([path, { bytesInOutput }]) => [path.replace(/^.*\/(src|dist)\//, ''), bytesInOutput]);
   writeFileSync(join(wasmFolder, 'modules.json'), JSON.stringify({ script: viewer, modules: Object.fromEntries(modules) }));
-  // For the page's <head>: begins the downloads before the script asks for them.
+  // Links for the page's <head>, which begin the downloads before the script requests them.
   writeFileSync(join(out, 'preload.html'), `<link rel="modulepreload" href="fourdvt-viewer/fourdvt-viewer.js">
 <link rel="preload" as="fetch" crossorigin href="fourdvt-viewer/fourdvt-viewer.wasm?v=${version}">
 <link rel="preload" as="fetch" crossorigin href="character/character.gltf">
