@@ -45,9 +45,15 @@ export class Announcer {
     this.#live.remove();
   }
 
-  #later(text: () => string): void {
+  // `said`: what it has said since the last change; a camera that still glides makes it say more.
+  #later(text: () => string, said = ''): void {
     clearTimeout(this.#timers.get(text));
-    this.#timers.set(text, setTimeout(() => { if (this.#viewer.matches(':focus-within')) this.#live.textContent = text(); }, QUIET_MS));
+    this.#timers.set(text, setTimeout(() => {
+      const now = text();
+      if (now === said) return;
+      if (this.#viewer.matches(':focus-within')) this.#live.textContent = now;
+      this.#later(text, now);
+    }, QUIET_MS));
   }
   readonly #state = (): string => {
     const { paused, ended, sequence } = this.#viewer;
