@@ -15,6 +15,7 @@ const calm = matchMedia('(prefers-reduced-motion: reduce)');
 const UNITS = { mps: 'm/s', m: 'm', deg: '°', dps: '°/s', s: 's' };
 let scrubbing = false;
 let resumeAfterScrub = false;
+let chosen = false; // a motion, by the visitor
 
 // Splits "speed_mps" into the label "Speed" and the unit "m/s".
 function describeParameter(name) {
@@ -110,6 +111,7 @@ function buildMotions() {
 
 // Choosing a motion after the last one has ended plays it, unless the visitor prefers reduced motion.
 function chooseMotion(name) {
+  chosen = true;
   const wasAtEnd = !currentSequence()?.loop && viewer.frame + 1 >= (currentSequence()?.frames ?? 0);
   viewer.goTo(name);
   if (wasAtEnd && !calm.matches) viewer.play();
@@ -161,12 +163,20 @@ viewer.addEventListener('parameterchange', ({ detail }) => {
 byId('align').addEventListener('change', () => { viewer.align = byId('align').value; });
 
 viewer.addEventListener('loadedmetadata', buildMotions);
-// The page goes on to a class of motions if there is one, because it has a slider: the first sequence is on screen sooner.
+// The page goes on to a class of motions if there is one, because it has a slider: the first sequence moves sooner.
 viewer.addEventListener('canplay', () => {
   const motion = viewer.sequences.find((s) => s.parameters.length > 0);
-  if (motion && !viewer.hasAttribute('sequence')) viewer.goTo(motion.name);
-  for (const image of document.querySelectorAll('img[data-late]')) image.src = image.dataset.late;
+  if (motion && !viewer.hasAttribute('sequence') && !chosen) viewer.goTo(motion.name);
 }, { once: true });
+// Pictures below the fold come when they are near: a browser's own lazy loading counts thousands of pixels as near.
+const late = new IntersectionObserver((entries) => {
+  for (const { target, isIntersecting } of entries) {
+    if (!isIntersecting) continue;
+    late.unobserve(target);
+    target.src = target.dataset.late;
+  }
+}, { rootMargin: '50%' });
+for (const image of document.querySelectorAll('img[data-late]')) late.observe(image);
 for (const type of ['transitionstart', 'transitionend']) viewer.addEventListener(type, showSequence);
 viewer.addEventListener('sequencechange', showSequence);
 for (const type of ['timeupdate', 'seeked', 'ended']) viewer.addEventListener(type, showTime);

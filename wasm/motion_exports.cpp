@@ -42,6 +42,8 @@ int32_t fdvt_set_align(Instance* h, abi::AlignMode mode) {
   return 1;
 }
 
+void fdvt_expect_throughput(Instance* h, double bits_per_second) { h->player->expectThroughput(bits_per_second); }
+
 void fdvt_set_quality(Instance* h, int32_t rendition, uint32_t most_texels) {
   static_assert(kHighestRendition == uint32_t(-1) && kAutomaticRendition == uint32_t(-2));
   makeCurrent(h);

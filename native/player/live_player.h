@@ -55,6 +55,7 @@ class LivePlayer final : public Player {
   void setAlign(render::Align) override {}
   void setMethod(const render::MethodOptions& options) override { method_ = options; }
   void setQuality(uint32_t, uint32_t) override {}
+  void expectThroughput(double) override {}
   void judgeRendition(uint32_t, uint32_t, bool) override {}
   void lookAhead(bool) override {}
   void sliceDecoding(const DecodeSlice&) override {}

@@ -110,6 +110,8 @@ class Player {
   virtual void setMethod(const render::MethodOptions& options) = 0;  // of characters from cameras
   // Takes what Ladder::setQuality takes. The picture on screen comes anew in a rendition that was named.
   virtual void setQuality(uint32_t rendition, uint32_t most_texels) = 0;
+  // Before loadManifest: bits per second at which the edge's own files came.
+  virtual void expectThroughput(double bps) = 0;
   // Passes a judgement to Ladder::judge. Numbers out of range are ignored.
   virtual void judgeRendition(uint32_t sequence, uint32_t rendition, bool plays) = 0;
   // While nothing else is on its way, the beginnings of up to three other motions are fetched: at once, or after a goTo

@@ -19,10 +19,10 @@ void PlayerImpl::requestMissing() {
   for (const Track* t : {&main(), &other()}) {
     if (!t->head.used()) continue;
     Need& need = needs[count++];
-    need = {t->head.sequence(), frameOf(*t, t->head.position()), loops(*t), {}};
+    need = {t->head.sequence(), frameOf(*t, t->head.position()), loops(*t), {}, !playback_.playing() && !t->head.seeking()};
     if (t->feeding.active() && !t->feeding.done()) need.fed_gop = t->feeding.gop();
   }
-  if (starting()) needs[count++] = {0, 0, loops(0), {}};
+  if (starting()) needs[count++] = {0, 0, loops(0), {}, !playback_.playing()};
   const bool wanted = transitions_.phase() == Transitions::Phase::Wanted;
   loading_.requestMissing(std::span(needs.data(), count), wanted ? transitions_.target() : -1);
   if (looks_ahead_ && commanded_ && loading_.idle()) (this->*fetch_ahead_)();

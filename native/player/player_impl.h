@@ -43,6 +43,7 @@ class PlayerImpl final : public Player {
   void steer(double heading_rad) override { root_motion_.steer(heading_rad); }
   void setAlign(render::Align align) override { align_ = align; }
   void setQuality(uint32_t rendition, uint32_t most_texels) override;
+  void expectThroughput(double bps) override { loading_.ladder().expect(bps); }
   void judgeRendition(uint32_t sequence, uint32_t rendition, bool plays) override;
   void lookAhead(bool at_once) override;
   double clockTime() const override;
@@ -117,6 +118,7 @@ class PlayerImpl final : public Player {
   bool present(Track& track, int slot, const FrameGeometry& geometry);
   void finishSeek(Track& track, int previous_sequence);
   void finishAtEnd(Track& track);
+  void sharpen();
   void composeMesh();
   void stagePictures();
   FrameGeometry geometryOf(int sequence, uint32_t frame, bool due);
@@ -194,6 +196,7 @@ class PlayerImpl final : public Player {
   render::MethodOptions method_;
   std::string wanted_name_;  // selected before the manifest arrived
   bool in_sight_ = true;
+  bool start_fades_ = false;  // Sharper was emitted for what follows the start file's picture
   // Beginnings of other motions are fetched while both hold.
   bool looks_ahead_ = false;  // lookAhead was called
   bool commanded_ = false;    // a motion was chosen since the first picture, or need not be

@@ -24,6 +24,7 @@ void PlayerImpl::tick(double now_s) {
   // A motion that was asked for and does not come makes the player wait as a picture that does not come does.
   if (playback_.playing() && hasFrame() && seeking()) playback_.noteStarvation(playback_.canPlay());
   if (inPhase() || transitions_.returnTo() >= 0) (this->*transition_calls_.step)();
+  if (!playback_.playing()) sharpen();
   composeMesh();
   stagePictures();
   playback_.finishTick(seeking());
@@ -136,6 +137,24 @@ FrameGeometry PlayerImpl::geometryOf(int sequence, uint32_t frame, bool due) {
   FrameGeometry geometry;
   if (Status status = loading_.geometry(sequence, frame, due, geometry); !status.ok()) fail(status.error(), sequence);
   return geometry;
+}
+
+// A picture that stands comes again when its GOP is there in a higher rendition, as does that of the start file. The edge
+// may cross-fade to it: what is on screen when Sharper is emitted stays until then.
+void PlayerImpl::sharpen() {
+  Track& t = main();
+  if (!in_sight_ || inPhase() || other().head.used() || !isReady(t)) return;
+  const bool started = hasFrame() && t.head.shown().sequence == loading_.startSequence() && !starting();
+  if (started && t.head.wantedK() == 0 && !start_fades_ && loading_.video(0, 0) && loading_.renditionOf(0, 0) > 0) {
+    start_fades_ = true;
+    outbox_.emit(EventKind::Sharper);
+  }
+  if (seeking()) return;
+  const uint32_t gop = loading_.index(t.head.sequence()).chunkOfFrame(shownFrameOf(t));
+  if (!loading_.takeSharper(t.head.sequence(), gop, t.slots.rendition(t.head.shown().slot))) return;
+  outbox_.emit(EventKind::Sharper);
+  t.head.seekShown();
+  restartFeed(t);
 }
 
 void PlayerImpl::composeMesh() {

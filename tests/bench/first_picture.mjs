@@ -3,48 +3,58 @@
 // Time and bytes from navigation to the first picture, time to ten pictures and until the first sequence has come whole in
 // its highest rendition, and the share of time waited afterwards, in headless Chromium with a cold cache and DevTools'
 // throttling; texts and wasm are sent with gzip.
-//   node first_picture.mjs SITE [--runs 5] [--pages front,plain,steer,cameras] [--rates 2000/150,8000/50,700/300]
-//                          [--out FILE.json]
-// SITE: an assembled site (site/assemble.mjs). A page of its own is served for `plain`: one tag with the first sequence.
-// Prints medians, what every byte before the first picture was, and the yardstick. FILE: { commit, yardstick, results }.
-import { writeFileSync } from 'node:fs';
+//   node first_picture.mjs SITE [--runs 5] [--pages front,plain,paused,steer,cameras] [--rates 2000/150,8000/50,700/300]
+//                          [--pictures FOLDER] [--out FILE.json]
+// SITE: an assembled site (site/assemble.mjs). A page of its own is served for `plain`: one tag with the first sequence; `paused`
+// does not play by itself, and stands where the poster was taken: there the time counts until the picture no longer changes.
+// Prints medians, what every byte before the first and before the tenth picture was, and the yardstick. FOLDER: gets pictures of the first run of each
+// at 1, 2, 3 and 5 s; those of `paused` are compared with the poster (SSIM). FILE: { commit, yardstick, results }.
+import { mkdirSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
 import { parseArgs } from 'node:util';
 
 import { machineText } from '../../site/measured/yardstick.mjs';
 import { launch } from '../web/harness.mjs';
+import { decodePng } from '../web/png.mjs';
 import { serve } from '../web/server.mjs';
+import { ssim } from '../web/ssim.mjs';
 import { commitOfTree, median } from './throttled.mjs';
 import { besideYardstick } from './yardstick.mjs';
 
 const kPatienceMs = 90_000, kWatchedS = 10;
+const kPictureTimesS = [1, 2, 3, 5];
+const kPoster = { width: 480, height: 640 }; // its view: 25deg 8deg auto, field of view 30deg
 const kPages = {
   front: { path: '' },
   plain: { path: 'plain.html' },
+  paused: { path: 'paused.html', stands: true },
   steer: { path: 'steer.html' },
   cameras: { path: 'plain-cameras.html' },
 };
-const tag = (src) => `<!doctype html><meta charset="utf-8"><title>plain</title><link rel="icon" href="data:,">
+const tag = (src, attributes = 'autoplay loop camera-controls') => `<!doctype html><meta charset="utf-8"><title>plain</title><link rel="icon" href="data:,">
+<style>body { margin: 0 } .poster { width: ${kPoster.width}px; height: ${kPoster.height}px }</style>
 <script type="module" src="fourdvt-viewer/fourdvt-viewer.js"></script>
-<fourdvt-viewer src="${src}" autoplay loop camera-controls></fourdvt-viewer>`;
+<fourdvt-viewer src="${src}" ${attributes}></fourdvt-viewer>`;
 
 const { values: options, positionals: [site] } = parseArgs({
   allowPositionals: true,
   options: {
     runs: { type: 'string', default: '5' }, pages: { type: 'string', default: Object.keys(kPages).join() },
-    rates: { type: 'string', default: '2000/150,8000/50,700/300' }, out: { type: 'string' },
+    rates: { type: 'string', default: '2000/150,8000/50,700/300' }, out: { type: 'string' }, pictures: { type: 'string' },
   },
 });
 
-// In the page: when the viewer's counter of shown pictures has reached 1 and 10, and how much of the time after the
-// first picture it waited. A viewer that is replaced counts anew.
+// In the page: when the viewer's counter of shown pictures has reached 1 and 10, when each rendition was shown first, and how
+// much of the time after the first picture it waited. A viewer that is replaced counts anew.
 function watch() {
-  globalThis.watched = { waitingMs: 0 };
+  globalThis.watched = { waitingMs: 0, renditions: {} };
   let before = performance.now();
   const look = () => {
     const viewer = document.querySelector('fourdvt-viewer'), now = performance.now(), w = globalThis.watched;
     const shown = viewer?.stats?.framesShown ?? 0;
     if (shown >= 1) w.first ??= now;
     if (shown >= 10) w.ten ??= now;
+    if (shown >= 1) w.renditions[viewer.stats.rendition] ??= now;
     if (w.first !== undefined && shown === w.shown) w.still = (w.still ?? 0) + now - before;
     else w.still = 0;
     if (w.still > 120) w.waitingMs += now - before;
@@ -55,8 +65,29 @@ function watch() {
   requestAnimationFrame(look);
 }
 
-async function visit(browser, url, { kbps, latencyMs }) {
-  const context = await browser.newContext({ viewport: { width: 390, height: 844 }, deviceScaleFactor: 2 });
+// The page's picture at each of the times, { seconds: PNG }; `stands`: of the viewer alone, transparent around the figure.
+async function takePictures(page, stands) {
+  const pictures = {};
+  for (const s of kPictureTimesS) {
+    await page.waitForFunction((ms) => performance.now() >= ms, 1000 * s, { polling: 20 });
+    pictures[s] = await page.screenshot(stands ? { clip: { x: 0, y: 0, ...kPoster }, omitBackground: true } : {});
+  }
+  return pictures;
+}
+// How near each picture of a standing viewer comes to the poster, which then takes the viewer's place: SSIM inside the figures.
+async function comparePoster(page, pictures) {
+  await page.evaluate(async () => {
+    const image = Object.assign(new Image(), { src: 'character/poster.webp', className: 'poster' });
+    await image.decode();
+    document.body.replaceChildren(image);
+  });
+  const png = await page.screenshot({ clip: { x: 0, y: 0, ...kPoster }, omitBackground: true }), poster = decodePng(png);
+  writeFileSync(join(options.pictures, 'poster.png'), png);
+  return Object.fromEntries(Object.entries(pictures).map(([s, png]) => [s, ssim(decodePng(png), poster).foreground]));
+}
+
+async function visit(browser, url, { kbps, latencyMs }, stands, looks) {
+  const context = await browser.newContext(stands ? { viewport: kPoster, deviceScaleFactor: 1 } : { viewport: { width: 390, height: 844 }, deviceScaleFactor: 2 });
   const page = await context.newPage(), cdp = await context.newCDPSession(page);
   const files = new Map(), parts = [];
   await cdp.send('Network.enable');
@@ -72,11 +103,13 @@ async function visit(browser, url, { kbps, latencyMs }) {
   await page.addInitScript(watch);
   await page.goto(url, { waitUntil: 'commit' });
   const until = (name) => page.waitForFunction((n) => globalThis.watched?.[n], name, { timeout: kPatienceMs, polling: 50 }).then((h) => h.jsonValue());
-  const first = await until('first'), ten = await until('ten');
+  const pictures = looks ? await takePictures(page, stands) : {};
+  const first = await until('first'), ten = stands ? NaN : await until('ten');
   await page.waitForTimeout(kWatchedS * 1000);
-  const { waitingMs } = await page.evaluate(() => globalThis.watched);
+  const { waitingMs, renditions } = await page.evaluate(() => globalThis.watched);
+  const likeness = stands && looks ? await comparePoster(page, pictures) : undefined;
   const [origin] = [...files.values()].map(({ at }) => at);
-  const before = new Map(), arrived = new Map(), highest = /\/(walk|run)(\.[0-9a-f]{8})?\.mp4$/;
+  const before = new Map(), beforeTen = new Map(), arrived = new Map(), highest = /\/(walk|run)(\.[0-9a-f]{8})?\.mp4$/;
   for (const { requestId, bytes, at } of parts) {
     const { name } = files.get(requestId);
     if (!highest.test(name)) continue;
@@ -85,34 +118,39 @@ async function visit(browser, url, { kbps, latencyMs }) {
   }
   const [last] = arrived.values(), full = last ? (last.at - origin) * 1000 : NaN;
   for (const { requestId, bytes, at } of parts) {
-    if ((at - origin) * 1000 > first) continue;
-    const { name } = files.get(requestId);
-    before.set(name, (before.get(name) ?? 0) + bytes);
+    const { name } = files.get(requestId), ms = (at - origin) * 1000;
+    if (ms <= first) before.set(name, (before.get(name) ?? 0) + bytes);
+    if (ms <= ten) beforeTen.set(name, (beforeTen.get(name) ?? 0) + bytes);
   }
   await context.close();
-  return { first, ten, waiting: waitingMs / (kWatchedS * 1000 + ten - first), bytes: Object.fromEntries(before), full };
+  return { first, ten, waiting: waitingMs / (kWatchedS * 1000 + ten - first), bytes: Object.fromEntries(before), tenBytes: Object.fromEntries(beforeTen), full, renditions, likeness, pictures };
 }
 
 const sum = (values) => values.reduce((a, b) => a + b, 0);
 
-const html = (src) => ({ html: tag(src), headers: { 'Content-Type': 'text/html' } });
+const html = (src, attributes) => ({ html: tag(src, attributes), headers: { 'Content-Type': 'text/html' } });
 const results = [];
 
 async function visitAll() {
-  const server = await serve(site, 0, { gzip: true, pages: { '/plain.html': html('character/character.gltf'), '/plain-cameras.html': html('cameras/refined/character.gltf') } });
+  const server = await serve(site, 0, { gzip: true, pages: { '/plain.html': html('character/character.gltf'), '/paused.html': html('character/character.gltf', 'class="poster" controls="none" camera-orbit="25deg 8deg auto" field-of-view="30deg"'), '/plain-cameras.html': html('cameras/refined/character.gltf') } });
   const browser = await launch();
   try {
     for (const rate of options.rates.split(',')) {
       const [kbps, latencyMs] = rate.split('/').map(Number);
       for (const name of options.pages.split(',')) {
         const runs = [];
-        for (let i = 0; i < Number(options.runs); ++i) runs.push(await visit(browser, server.url + kPages[name].path, { kbps, latencyMs }));
+        const { path, stands } = kPages[name];
+        for (let i = 0; i < Number(options.runs); ++i) runs.push(await visit(browser, server.url + path, { kbps, latencyMs }, stands, options.pictures && i === 0));
+        for (const [s, png] of Object.entries(runs[0].pictures)) writeFileSync(join(options.pictures, `${name}-${kbps}-${s}s.png`), png);
         const of = (get) => median(runs.map(get));
-        const result = { rate, page: name, runs: runs.length, first_ms: of((r) => r.first), ten_ms: of((r) => r.ten), waiting: of((r) => r.waiting),
-          full_ms: of((r) => r.full), bytes: of((r) => sum(Object.values(r.bytes))), first_all_ms: runs.map((r) => Math.round(r.first)), files: runs[0].bytes };
+        const result = { rate, page: name, runs: runs.length, first_ms: of((r) => r.first), ten_ms: of((r) => r.ten), ten_bytes: of((r) => sum(Object.values(r.tenBytes))), renditions_ms: runs[0].renditions, likeness: runs[0].likeness, waiting: of((r) => r.waiting),
+          full_ms: of((r) => r.full), bytes: of((r) => sum(Object.values(r.bytes))), first_all_ms: runs.map((r) => Math.round(r.first)), files: runs[0].bytes, ten_files: runs[0].tenBytes };
         results.push(result);
-        console.log(`${rate.padEnd(9)} ${name.padEnd(8)} first ${(result.first_ms / 1000).toFixed(2)} s (${result.first_all_ms.join(' ')}), ten ${(result.ten_ms / 1000).toFixed(2)} s, ${(result.bytes / 1000).toFixed(0)} kB, highest whole ${(result.full_ms / 1000).toFixed(2)} s, waiting ${(100 * result.waiting).toFixed(0)} %`);
-        for (const [file, bytes] of Object.entries(result.files)) console.log(`            ${String(bytes).padStart(8)}  ${file}`);
+        console.log(`${rate.padEnd(9)} ${name.padEnd(8)} first ${(result.first_ms / 1000).toFixed(2)} s (${result.first_all_ms.join(' ')}), ten ${(result.ten_ms / 1000).toFixed(2)} s (${(result.ten_bytes / 1000).toFixed(0)} kB), ${(result.bytes / 1000).toFixed(0)} kB, highest whole ${(result.full_ms / 1000).toFixed(2)} s, waiting ${(100 * result.waiting).toFixed(0)} %`);
+        console.log(`            renditions from ${Object.entries(result.renditions_ms).map(([r, ms]) => `${r}: ${(ms / 1000).toFixed(2)} s`).join(', ')}${result.likeness ? `; SSIM to the poster ${Object.entries(result.likeness).map(([s, v]) => `${s} s ${v.toFixed(3)}`).join(', ')}` : ''}`);
+        for (const file of Object.keys({ ...result.files, ...result.ten_files })) {
+          console.log(`            ${String(result.files[file] ?? 0).padStart(8)} ${String(result.ten_files[file] ?? '').padStart(8)}  ${file}`);
+        }
       }
     }
   } finally {
@@ -121,6 +159,7 @@ async function visitAll() {
   }
 }
 
+if (options.pictures) mkdirSync(options.pictures, { recursive: true });
 const { yardstick } = await besideYardstick(visitAll);
 console.log(`yardstick: ${machineText(yardstick)}`);
 if (options.out) writeFileSync(options.out, `${JSON.stringify({ commit: commitOfTree(), yardstick, results }, null, 1)}\n`);

@@ -6,6 +6,7 @@ import { asViewerError, ViewerError, type ErrorDetail } from './errors.js';
 import type { DecoderFault } from './generated/abi.js';
 import { FrameDecoder, type DecoderCallbacks, type Picture, type PictureDecoder } from './frame-decoder.js';
 import type { ActorHost } from './session-side.js';
+import { throughput } from './throughput.js';
 import type { Transport } from './transport.js';
 import { kindOf, uploadPicture, type UploadPath } from './upload-path.js';
 import type { TurnHook, WasmModule } from './wasm-abi.js';
@@ -64,6 +65,9 @@ export class Actor implements Performer {
     const player = new WasmPlayer(context.stage.module, context.beside?.player ?? context.stage.context, kindOf(context.path), context.path === 'i420' ? PLANE_SLOTS : PICTURE_SLOTS);
     this.#player = player;
     try {
+      const bitsPerSecond = throughput();
+      if (bitsPerSecond) player.expectThroughput(bitsPerSecond);
+      commands.prepare(player);
       player.loadManifest(source.manifest, source.start, source.load);
     } catch (reason) {
       this.dispose();

@@ -114,6 +114,12 @@ export class Commands {
     this.#left = {};
     Object.assign(this.#wishes, { frame: 0, time: null }, asked);
   }
+  /** Sets what decides in which rendition a player that has read no manifest yet begins. */
+  prepare(player: WasmPlayer): void {
+    const { quality, playing } = this.#wishes;
+    if (quality) player.setQuality(quality);
+    if (playing) player.play();
+  }
   /** Tells a new performer all wishes, and from now on every command. */
   attach(performer: Performer): void {
     this.#performer = performer;

@@ -63,6 +63,7 @@ export class Companions {
     commands.set('align', session.align === 'none' ? 'none' : 'baked');
     const host: ActorHost = {
       emit: (name, detail) => {
+        if (name === 'sharper') return;
         if (name !== 'error' || !this.#addAgain(companion, detail as ErrorDetail)) companion.emit(name, detail);
       },
       wake: () => session.wake(),

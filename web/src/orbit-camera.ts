@@ -177,11 +177,11 @@ export class OrbitCamera {
     return true;
   }
 
-  // The distance at which the whole bounding box is in the picture from every azimuth.
+  // The distance at which the whole bounding box is in the picture from every azimuth; the poster's, too (native/base/camera.cpp).
   #fit(): number {
     const tan = Math.tan(radians(this.fov / 2));
     const [width, height] = this.#half;
-    return MARGIN * Math.max(height / tan, width / (tan * this.#aspect)) + width * 0.7;
+    return MARGIN * Math.max(height / tan + width, width / Math.sin(Math.atan(tan * this.#aspect)));
   }
   #limit(): void {
     const fit = this.#fit();

@@ -17,6 +17,10 @@ const CSS = `
 canvas { position: absolute; inset: 0; width: 100%; height: 100%; display: block; }
 .poster, .picture { position: absolute; inset: 0; width: 100%; height: 100%; object-fit: contain; pointer-events: none;
   transition: opacity .3s, visibility .3s; }
+.covered, .fading { isolation: isolate; }
+.cover { mix-blend-mode: plus-lighter; } /* with the canvas: a linear mix, also of what is translucent */
+.covered > canvas:not(.cover), .fading > .cover { opacity: 0; }
+.fading > canvas { transition: opacity .3s; }
 ::slotted([slot=poster]) { pointer-events: auto; }
 slot { display: block; }
 .progress-bar { position: absolute; left: 0; right: 0; bottom: 0; }
@@ -36,8 +40,9 @@ slot { display: block; }
   border-radius: 6px; font: 12px/1.4 system-ui, sans-serif; color: #fff; background: rgba(20,20,24,.75); pointer-events: none; }
 .gone { opacity: 0; visibility: hidden; }
 [hidden] { display: none !important; }
-@media (prefers-reduced-motion: reduce) { .poster, .bar > div { transition: none; } }
+@media (prefers-reduced-motion: reduce) { .poster, .bar > div, .fading > canvas { transition: none; } }
 `;
+const COVERED_MS = 1000, FADING_MS = 300; // at most; of the style's transition
 const KEPT_PIXELS = 320; // the longer side of a picture that is kept
 
 function add<K extends keyof HTMLElementTagNameMap>(parent: Node, tag: K, name: string): HTMLElementTagNameMap[K] {
@@ -62,6 +67,8 @@ export class Overlay {
   readonly #note: HTMLParagraphElement;
   #strings = {} as Strings; // once it is in a document
   #canvas: HTMLCanvasElement | null = null;
+  #cover: HTMLCanvasElement | null = null; // a copy of the last picture, while the one below is to come
+  #coverTimer = 0;
   #kept: HTMLCanvasElement | null = null; // the last picture of a canvas that has gone
   /** Called by its buttons. */
   onPlay: () => void = () => undefined;
@@ -125,7 +132,30 @@ export class Overlay {
     this.dropCanvas();
     this.#progress.hidden = this.#note.hidden = true;
   }
+  /** Lets the picture that the canvas has been given just now stay until `uncover`, which fades to the canvas. */
+  cover(): void {
+    const canvas = this.#canvas;
+    this.#dropCover();
+    if (!canvas?.width || !canvas.height) return;
+    const { width, height } = canvas, cover = (this.#cover = Object.assign(document.createElement('canvas'), { width, height, className: 'cover' }));
+    cover.getContext('2d')?.drawImage(canvas, 0, 0);
+    this.stage.append(cover);
+    this.stage.classList.add('covered');
+    this.#coverTimer = setTimeout(() => this.uncover(), COVERED_MS);
+  }
+  uncover(): void {
+    if (!this.#cover || !this.stage.classList.replace('covered', 'fading')) return;
+    clearTimeout(this.#coverTimer);
+    this.#coverTimer = setTimeout(() => this.#dropCover(), FADING_MS);
+  }
+  #dropCover(): void {
+    clearTimeout(this.#coverTimer);
+    this.stage.classList.remove('covered', 'fading');
+    this.#cover?.remove();
+    this.#cover = null;
+  }
   dropCanvas(): void {
+    this.#dropCover();
     if (this.#canvas?.parentNode === this.stage) this.#canvas.remove(); // else another viewer shows it
     this.#canvas = null;
   }

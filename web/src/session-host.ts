@@ -33,6 +33,8 @@ export interface SessionHost {
   firstPicture(): void;
   /** Called at each picture that is drawn for another frame or place; the first comes before firstPicture. */
   picture(): void;
+  /** The picture that has just been drawn stands, and follows again in a higher rendition. */
+  sharper(): void;
   /** Called when waiting for the network begins, and when it ends. */
   network(waiting: boolean): void;
   /** The player's second part is there. Called once or more. */

@@ -80,8 +80,8 @@ export class Session implements SessionSide, Seat {
       if (this.ended) return;
       // Paths other than 'i420' need the second part: it reads the pictures' numbers back.
       if (isFromCameras(manifest) || path !== 'i420') await this.more();
-      // If it does not load, the character begins with 'baked', as filmed and without a scene; these try again and report it.
-      else if (early || this.host.commands.wishes.scene?.length) await this.more().catch(() => undefined);
+      // If it does not load, the character begins with 'baked' and as filmed; these try again and report it.
+      else if (early) await this.more().catch(() => undefined);
       if (this.ended) return;
       this.manifest = manifest;
       this.#open(path);
@@ -223,6 +223,10 @@ export class Session implements SessionSide, Seat {
   onMainEvent(name: string, detail?: unknown): void {
     if (name === 'error' && this.#live?.takes(detail as ErrorDetail)) return;
     if (name === 'error' && this.later.renews(detail as ErrorDetail)) return;
+    if (name === 'sharper') {
+      this.drawing.redraw();
+      return this.host.sharper();
+    }
     if (name === 'canplay') {
       if (!this.#deciding) this.transport.stopReplay();
       this.later.onCanPlay(this.#deciding);

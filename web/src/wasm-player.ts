@@ -235,6 +235,8 @@ export class WasmPlayer {
   steer(headingDeg: number): void { this.#m._fdvt_steer(this.#h, headingDeg * RADIANS); }
   setAlign(align: Align): void { this.#check(this.#m._fdvt_set_align(this.#h, ALIGN_MODES.indexOf(align))); }
   setQuality({ rendition, mostTexels }: Quality): void { this.#m._fdvt_set_quality(this.#h, rendition, mostTexels); }
+  /** Before `loadManifest`. */
+  expectThroughput(bitsPerSecond: number): void { this.#m._fdvt_expect_throughput(this.#h, bitsPerSecond); }
   judgeRendition(sequence: number, rendition: number, plays: boolean): void {
     this.#m._fdvt_judge_rendition(this.#h, sequence, rendition, plays ? 1 : 0);
   }

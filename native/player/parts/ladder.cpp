@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kHalfLife_s = 3;   // of what was measured, in time spent fetching
 constexpr double kSoonest_s = 0.2;  // of fetching, before which nothing is known
+constexpr double kExpected_s = 1;   // of measuring, that an expectation counts for
 constexpr double kUp = 0.7,
                  kKeep = 0.9;  // shares of the throughput that a rendition may take to be gone up to, and kept
 constexpr double kPlenty_s = 4, kTry = 2;  // held ahead, and share of the throughput, to try a rendition
@@ -64,6 +65,11 @@ uint32_t Ladder::allowed(const package::Sequence& s, uint32_t r) const {
   while (found > 0 && isOut(s, found)) --found;
   while (isOut(s, found) && found + 1 < s.renditions.size()) ++found;
   return found;
+}
+
+void Ladder::expect(double throughput_bps) {
+  seconds_ = kExpected_s;
+  bytes_ = throughput_bps / 8 * kExpected_s;
 }
 
 void Ladder::measure(uint64_t bytes, double step_s, bool fetching) {

@@ -16,6 +16,8 @@ using stream::PartState;
 namespace {
 
 constexpr double kAhead_s = 6;  // of what is held or on its way
+constexpr double kStill_s = 2;  // that a standing picture may take to come in its best rendition
+constexpr double kRaise_s = 3;  // that a whole sequence may, in place of a rendition between
 // More would only share the network with the one that is due first.
 constexpr int kGopsOnTheirWay = 2, kGopsBeforeTheFirstPicture = 1;
 
@@ -99,7 +101,7 @@ void Loading::requestMissing(std::span<const Need> needs, int next_sequence) {
     int under_way = 0;
     double ahead_s = 0;
     for (size_t i = first; i < keep.size() && under_way < most; ++i) {
-      under_way += requestGop(keep[i], ahead_s);
+      under_way += requestGop(keep[i], ahead_s, need.stands && i == first);
       ahead_s += index(need.sequence).chunks[keep[i].gop].frame_count / sequence(need.sequence).fps;
     }
     waits = waits || under_way > 0;
@@ -110,7 +112,7 @@ void Loading::requestMissing(std::span<const Need> needs, int next_sequence) {
   cancelUnneeded(keep);
   if (fetches_.progressEnded() && fetches_.empty()) requestGraph();
   lower(keep);
-  if (fetches_.empty()) raise(keep);
+  if (fetches_.empty()) raise(keep, !needs.empty() && needs[0].stands);
   if (keep_ahead_) (this->*keep_ahead_)(keep);
   cache_.trim(keep);
 }
@@ -146,13 +148,13 @@ void Loading::addNeededGops(const Need& need, std::vector<GopKey>& keys) const {
 }
 
 // True: some of it is on its way.
-bool Loading::requestGop(GopKey key, double ahead_s) {
+bool Loading::requestGop(GopKey key, double ahead_s, bool stands) {
   const package::Sequence& q = sequence(key.sequence);
   stream::Gop& gop = cache_.touch(key);
   const bool new_video = gop.video_state == PartState::Absent;
   if (new_video) {
     uint32_t& chosen = stream(key.sequence).rendition;
-    gop.rendition = ladder_.choose(q, chosen, ahead_s);
+    gop.rendition = choose(key, ahead_s, stands);
     if (gop.rendition < chosen) ladder_.rest();
     chosen = gop.rendition;
   }
@@ -191,18 +193,71 @@ void Loading::requestVideo(GopKey key, Kind kind, uint32_t rendition) {
   fetches_.request({kind, key.sequence, key.gop}, uri, span.offset, span.bytes);
 }
 
-// Nothing is on its way: a loop that is held whole comes again in a higher rendition, one GOP after the other.
-void Loading::raise(const std::vector<GopKey>& keys) {
+// A picture that nothing is shown before comes in the lowest rendition.
+uint32_t Loading::choose(GopKey key, double ahead_s, bool stands) const {
+  const package::Sequence& q = sequence(key.sequence);
+  if (!ladder_.automatic()) return ladder_.choose(q, 0);
+  if (!fetches_.progressEnded() && !started_) return ladder_.lowest(q);
+  return stands ? chooseStill(key) : ladder_.choose(q, stream(key.sequence).rendition, ahead_s);
+}
+
+// The highest whose bytes of the GOP come in time, whatever the rate of the rest.
+uint32_t Loading::chooseStill(GopKey key) const {
+  const package::Sequence& q = sequence(key.sequence);
+  const package::StreamIndex& streamed = index(key.sequence);
+  const double most_bytes = ladder_.throughput_bps() / 8 * kStill_s;
+  for (uint32_t r = ladder_.highest(q); r > ladder_.lowest(q); --r) {
+    const auto& chunks = q.hasCoarseGeometry(r) ? stream(key.sequence).coarse.chunks : streamed.chunks;
+    const double bytes = double(streamed.renditions[r].videoOf(key.gop).bytes) + chunks[key.gop].bytes;
+    if (!ladder_.isOut(q, r) && bytes <= most_bytes) return r;
+  }
+  return ladder_.lowest(q);
+}
+
+// Nothing is on its way: a loop that is held whole, and the GOP of a standing picture, which is the first, comes again in
+// a higher rendition, one GOP after the other, the lowest first.
+void Loading::raise(const std::vector<GopKey>& keys, bool stands) {
+  GopKey chosen;
+  stream::Gop* lowest = nullptr;
   for (const GopKey& key : keys) {
     stream::Gop* gop = cache_.find(key);
-    const uint32_t highest = ladder_.highest(sequence(key.sequence));
-    if (!gop || gop->rendition >= highest || gop->better_state != PartState::Absent || !holdsWhole(key.sequence))
+    if (!gop || gop->rendition >= ladder_.highest(sequence(key.sequence)) || gop->better_state != PartState::Absent)
       continue;
-    gop->better_rendition = highest;
-    gop->better_state = PartState::Fetching;
-    if (!sequence(key.sequence).hasCoarseGeometry(highest)) requestFine(key, *gop);
-    return requestVideo(key, Kind::Better, highest);
+    if (!(stands && key == keys[0]) && !holdsWhole(key.sequence)) continue;
+    if (lowest && lowest->rendition <= gop->rendition) continue;
+    lowest = gop;
+    chosen = key;
   }
+  if (!lowest) return;
+  lowest->better_rendition = raised(chosen.sequence, lowest->rendition);
+  lowest->better_state = PartState::Fetching;
+  if (!sequence(chosen.sequence).hasCoarseGeometry(lowest->better_rendition)) requestFine(chosen, *lowest);
+  requestVideo(chosen, Kind::Better, lowest->better_rendition);
+}
+
+// The highest rendition, or a nearer one where that is known to take long.
+uint32_t Loading::raised(int sequence_index, uint32_t from) const {
+  const package::Sequence& q = sequence(sequence_index);
+  const double most_bytes = ladder_.throughput_bps() / 8 * kRaise_s;
+  uint32_t to = ladder_.highest(q);
+  if (most_bytes <= 0) return to;
+  for (uint32_t r = to; r > from; --r) {
+    if (ladder_.isOut(q, r)) continue;
+    to = r;
+    if (double(q.renditions[r].video_bytes) <= most_bytes) break;
+  }
+  return to;
+}
+
+bool Loading::takeSharper(int sequence_index, uint32_t gop_index, uint32_t rendition) {
+  stream::Gop* gop = cache_.find({sequence_index, gop_index});
+  if (!gop || gop->video_state != PartState::Present || gop->fine_state == PartState::Fetching) return false;
+  const bool better = gop->better_state == PartState::Present && gop->better_rendition > gop->rendition;
+  const uint32_t next = better ? gop->better_rendition : gop->rendition;
+  const package::Sequence& q = sequence(sequence_index);
+  if (next <= rendition || ladder_.tooSlow(q, next) || ladder_.isOut(q, next)) return false;
+  gop->row = stream::Gop::kNoRow;  // its decoding begins anew, with the fine geometry
+  return true;
 }
 
 // A decoder is too slow for what is held: the nearest of it comes again in a lower rendition, and what is held plays

@@ -50,6 +50,7 @@ struct Need {
   uint32_t frame = 0;  // that is shown or sought
   bool loops = false;
   std::optional<uint32_t> fed_gop;  // whose samples are going to the decoder; it may be ahead of the frame
+  bool stands = false;              // the frame stays, and something of it is on screen already
 };
 
 // What an answer to a fetch brought.
@@ -113,6 +114,9 @@ class Loading {
   void fetchAhead(std::span<const Landing> landings);
   bool idle() const { return fetches_.empty(); }
   void requestGraph();
+  // The shown frame of a GOP stands in this rendition: true if feeding the GOP anew brings a higher one, and then with it
+  // the geometry that belongs to it.
+  bool takeSharper(int sequence, uint32_t gop, uint32_t rendition);
   void onFirstPicture() { fetches_.endProgress(); }  // the motion graph may be fetched now
   Arrival receive(uint32_t id, std::span<const uint8_t> bytes);
   Arrival refuse(uint32_t id, const std::string& reason);
@@ -163,7 +167,9 @@ class Loading {
   const Stream& stream(int sequence) const { return streams_[static_cast<size_t>(sequence)]; }
   void requestMesh();
   void requestHeader(int sequence);
-  bool requestGop(stream::GopKey key, double ahead_s);
+  bool requestGop(stream::GopKey key, double ahead_s, bool stands = false);
+  uint32_t choose(stream::GopKey key, double ahead_s, bool stands) const;
+  uint32_t chooseStill(stream::GopKey key) const;
   void requestChunk(stream::GopKey key, FetchPurpose::Kind kind, const package::ChunkEntry& entry);
   void requestFine(stream::GopKey key, stream::Gop& gop);
   void takeFine(stream::Gop& gop);
@@ -188,7 +194,8 @@ class Loading {
   void keepAhead(std::vector<stream::GopKey>& keep);
   uint64_t bytesOf(const std::vector<stream::GopKey>& keys) const;
   void requestVideo(stream::GopKey key, FetchPurpose::Kind kind, uint32_t rendition);
-  void raise(const std::vector<stream::GopKey>& keys);
+  void raise(const std::vector<stream::GopKey>& keys, bool stands);
+  uint32_t raised(int sequence, uint32_t from) const;
   void cancelRaises();
   void lower(const std::vector<stream::GopKey>& keys);
   bool holdsWhole(int sequence) const;

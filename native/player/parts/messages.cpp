@@ -33,6 +33,8 @@ const char* eventName(EventKind kind) {
       return "transitionstart";
     case EventKind::TransitionEnded:
       return "transitionend";
+    case EventKind::Sharper:
+      return "sharper";
   }
   return "error";
 }

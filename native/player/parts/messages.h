@@ -72,7 +72,8 @@ enum class EventKind {
   Error,
   Warning,
   TransitionStarted,
-  TransitionEnded
+  TransitionEnded,
+  Sharper  // the picture that stands comes again in a higher rendition
 };
 const char* eventName(EventKind kind);  // "loadedmetadata", "canplay", … as the media element names them
 struct Event {

@@ -34,6 +34,15 @@ Ladder carrying(double bits_per_s, uint32_t quality = kAutomaticRendition) {
 
 }  // namespace
 
+TEST(Ladder, BeginsWithWhatTheEdgeHasMeasuredAndForgetsIt) {
+  Ladder ladder(kAutomaticRendition);
+  ladder.expect(9e6);
+  EXPECT_EQ(ladder.choose(rungs(), 0), 2u);
+  for (int i = 0; i < 800; ++i) ladder.measure(uint64_t(0.5e6 / 8 * 0.016), 0.016, true);
+  EXPECT_NEAR(ladder.throughput_bps(), 0.5e6, 0.3e6);
+  EXPECT_EQ(ladder.choose(rungs(), 2), 0u);
+}
+
 TEST(Ladder, BeginsLowAndTakesWhatTheNetworkCarries) {
   EXPECT_EQ(Ladder(kAutomaticRendition).choose(rungs(), 0), 0u);
   EXPECT_NEAR(carrying(3e6).throughput_bps(), 3e6, 3e4);
@@ -252,6 +261,43 @@ TEST(Renditions, ATransitionDoesNotWaitForARaise) {
       edge.runUntil([&] { return edge.player->sequence()->name == "run" && !edge.player->inTransition(); }, 60));
   ASSERT_TRUE(edge.runUntil([&] { return edge.draw().picture_width == 192; }, 60)) << "then that is raised";
   EXPECT_TRUE(edge.errors.empty());
+}
+
+// Of a loop, and of a sequence too long to be held whole.
+TEST(Renditions, APictureThatStandsComesAgainInTheHighest) {
+  for (const uint32_t frames : {30u, 400u}) {
+    const FakeCharacter character = FakeBuilder().build({{"walk", frames, 10, 25, true, 192, 16, {}, 3, 2}});
+    EdgeOptions options;
+    options.player.rendition = kAutomaticRendition;
+    SimulatedEdge edge(character, options);
+    ASSERT_TRUE(edge.load());
+    EXPECT_EQ(edge.draw().picture_width, 160);
+    edge.player->seekFrame(13);
+    ASSERT_TRUE(edge.runUntil([&] { return edge.player->frame() == 13 && edge.draw().picture_width == 192; }, 5));
+    EXPECT_FALSE(edge.player->seeking());
+    EXPECT_NEAR(edge.draw().member, 0, 1e-4) << "with the fine geometry";
+    EXPECT_EQ(edge.draw().geometry_frame, 13);
+    EXPECT_EQ(edge.events[EventKind::Seeked], 1) << "of the seek alone";
+    EXPECT_GE(edge.events[EventKind::Sharper], 1);
+    const int before = edge.events[EventKind::Sharper];
+    for (int i = 0; i < 200; ++i) edge.step(0.008);
+    EXPECT_EQ(edge.events[EventKind::Sharper], before) << "no more than that";
+    edge.player->play();
+    ASSERT_TRUE(edge.runUntil([&] { return edge.player->frame() == 20; }, 5));
+    EXPECT_EQ(edge.draw().picture_frame, edge.draw().geometry_frame);
+    EXPECT_TRUE(edge.errors.empty());
+  }
+}
+
+TEST(Renditions, APictureThatPlaysIsNotSoughtAgain) {
+  const FakeCharacter character = FakeBuilder().build({{"walk", 30, 10, 25, true, 192, 16, {}, 3, 2}});
+  EdgeOptions options;
+  options.player.rendition = kAutomaticRendition;
+  SimulatedEdge edge(character, options);
+  ASSERT_TRUE(edge.load());
+  edge.player->play();
+  ASSERT_TRUE(edge.runUntil([&] { return edge.draw().picture_width == 192; }, 20));
+  EXPECT_EQ(edge.events[EventKind::Sharper], 0);
 }
 
 TEST(Renditions, TheHighestNeverFetchesCoarseGeometry) {

@@ -366,6 +366,49 @@ TEST(PlayerLoading, ALoopThatIsHeldWholeIsRaised) {
   EXPECT_EQ(shelf.loading.renditionOf(0, 0), 0u);
 }
 
+TEST(PlayerLoading, ALoopIsRaisedByStepsWhereTheHighestWouldTakeLong) {
+  FakeCharacter character = FakeBuilder().build({{"walk", 28, 10, 25, true, 192, 16, {}, 3, 0, true}});
+  const double middle_bytes = double(character.files.at("walk.1.mp4").size());
+  for (const bool fast : {false, true}) {
+    Shelf shelf(character, 1 << 20, kAutomaticRendition);
+    shelf.loading.ladder().expect(8 * middle_bytes / 3 * (fast ? 2 : 1.01));
+    std::vector<std::string> videos;
+    shelf.fill({0, 0, true, {}}, [&](const FetchRange& range) {
+      if (range.uri.ends_with(".mp4")) videos.push_back(range.uri);
+    });
+    const std::string low = "walk.0.mp4", next = fast ? "walk.mp4" : "walk.1.mp4";
+    EXPECT_EQ(videos, (std::vector<std::string>{low, low, low, next, next, next}));
+  }
+}
+
+TEST(PlayerLoading, AStandingPictureComesAsHighAsItsOwnGopCanInTwoSeconds) {
+  const FakeCharacter character = FakeBuilder().build({{"walk", 500, 10, 25, true, 192, 16, {}, 3, 0, true}});
+  const auto first = [&](double bits_per_s, bool stands, bool shown) {
+    Shelf shelf(character, 1 << 20, kAutomaticRendition);
+    if (shown) shelf.loading.onFirstPicture();
+    shelf.loading.ladder().expect(bits_per_s);
+    std::string found;
+    Need need{0, 0, true, {}};
+    need.stands = stands;
+    shelf.fill(need, [&](const FetchRange& range) {
+      if (found.empty() && range.uri.ends_with(".mp4")) found = range.uri;
+    });
+    return found;
+  };
+  // Rates at which the GOP comes in two seconds, with its geometry; far below what playing on in it takes.
+  Shelf shelf(character);
+  shelf.fill({0, 0, true, {}});
+  const auto& index = shelf.loading.index(0);
+  const auto rate = [&](size_t r) {
+    return 8 * double(index.renditions[r].videoOf(0).bytes + index.chunks[0].bytes) / 2 + 1;
+  };
+  EXPECT_EQ(first(rate(2), true, true), "walk.mp4");
+  EXPECT_EQ(first(rate(1), true, true), "walk.1.mp4");
+  EXPECT_EQ(first(rate(0), true, true), "walk.0.mp4");
+  EXPECT_EQ(first(rate(2), false, true), "walk.0.mp4") << "what plays must come as fast as it plays";
+  EXPECT_EQ(first(rate(2), true, false), "walk.0.mp4") << "nothing is shown before it";
+}
+
 TEST(PlayerLoading, ANamedRenditionReplacesWhatIsThereAndWhatIsOnItsWay) {
   Shelf shelf(FakeBuilder().build({{"walk", 28, 10, 25, true, 192, 16, {}, 3}}), 1 << 20, kAutomaticRendition);
   const Need need{0, 0, true, {}};

@@ -76,6 +76,25 @@ TEST(StartFile, ItsStreamHeaderIsNotFetchedAgainAndTheFirstGopComesAlone) {
   }
 }
 
+TEST(StartFile, WhatFollowsComesInTheRenditionThatTheNetworkCarries) {
+  for (const bool plays : {false, true}) {
+    FakeCharacter character = twoSequences();
+    const std::vector<uint8_t> start = FakeBuilder::addStart(character);
+    EdgeOptions options;
+    options.player.rendition = kAutomaticRendition;
+    SimulatedEdge edge(character, options);
+    edge.player->expectThroughput(1e9);
+    if (plays) edge.player->play();
+    ASSERT_TRUE(showsOffline(edge, character, start));
+    EXPECT_EQ(edge.draw().picture_width, character.sequences[0].widthOf(0));
+    edge.offline = false;
+    ASSERT_TRUE(edge.runUntilShown());
+    EXPECT_EQ(edge.draw().picture_width, character.sequences[0].widthOf(1));
+    EXPECT_EQ(edge.uris.count("walk.0.mp4"), 0u) << "no rendition is fetched twice";
+    EXPECT_EQ(edge.events[EventKind::Sharper], plays ? 0 : 1);
+  }
+}
+
 TEST(StartFile, AnotherSequenceOrFrameLeavesItAtOnce) {
   for (const bool other : {false, true}) {
     FakeCharacter character = twoSequences();

@@ -107,7 +107,11 @@ export class ViewerBase extends PageElement {
           this[updateActive](); // others may run now
           this[report]('loadeddata');
         },
-        picture: () => this[onPicture](),
+        picture: () => {
+          overlay.uncover();
+          this[onPicture]();
+        },
+        sharper: () => overlay.cover(),
         network: (waiting) => {
           overlay.note(waiting);
           if (waiting) this[emit]('stalled');

@@ -6,7 +6,7 @@ import type { SessionOptions } from '../session-host.js';
 import type { More } from '../wasm-module.js';
 import { ALIGN_MODES, type Align, type ParameterInfo, type Placement, type SequenceInfo } from '../wasm-player.js';
 import {
-  animate, emit, firstWishes, onAttribute, onLeft, onMore, parts, sessionOptions, touched, type Constructor, type ViewerBase,
+  animate, emit, firstWishes, onAttribute, onLeft, onMore, onSession, parts, sessionOptions, touched, type Constructor, type ViewerBase,
 } from './base.js';
 import { forgetError, standsStill, type Loading } from './loading.js';
 import type { Playback } from './playback.js';
@@ -40,6 +40,7 @@ export function withMotion<T extends Constructor<ViewerBase & Loading & Playback
     static override get observedAttributes(): readonly string[] { return [...super.observedAttributes, 'sequence', 'travel', 'align']; }
 
     #steering: InstanceType<More['Steering']> | null = null;
+    #goal: string | null = null; // of a transition that waits for the player's second part
 
     get sequence(): string { return this[parts].current?.name ?? this.getAttribute('sequence') ?? ''; }
     set sequence(name: string) { this.setAttribute('sequence', name); }
@@ -51,8 +52,18 @@ export function withMotion<T extends Constructor<ViewerBase & Loading & Playback
       this[emit]('parameterchange', { name, value });
     }
     getParameter(name: string): number { return this[parts].commands.parameter(name); }
-    goTo(state: string): void { this[parts].commands.goTo(state); }
-    get state(): string { return this[parts].commands.state()?.goal || this.sequence; }
+    // Transitions need the second part: what plays goes on until it is there.
+    goTo(state: string): void {
+      const { session, commands } = this[parts], waits = session?.character && !session.later.loaded && commands.wishes.playing && commands.state()?.hasFrame;
+      this.#goal = waits && this.sequences.some(({ name }) => name === state) ? state : null;
+      if (!this.#goal) return commands.goTo(state);
+      const go = (): void => {
+        if (this.#goal === state && this[parts].session === session) commands.goTo(state);
+        this.#goal = null;
+      };
+      session!.more().then(go, go);
+    }
+    get state(): string { return this.#goal ?? (this[parts].commands.state()?.goal || this.sequence); }
     get inTransition(): boolean { return this[parts].commands.state()?.inTransition ?? false; }
     get heading(): number { return this[parts].commands.placement.heading; }
     set heading(degrees: number) {
@@ -89,6 +100,7 @@ export function withMotion<T extends Constructor<ViewerBase & Loading & Playback
     }
 
     #select(name: string): void {
+      this.#goal = null;
       if (this[parts].commands.select(name) && !this[standsStill]) this[forgetError]();
     }
 
@@ -100,6 +112,10 @@ export function withMotion<T extends Constructor<ViewerBase & Loading & Playback
         this[touched]();
         this[parts].session?.wake();
       });
+    }
+    override [onSession](): void {
+      super[onSession]();
+      this.#goal = null;
     }
     override [onLeft](): void {
       super[onLeft]();

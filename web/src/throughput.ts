@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// Throughput of the network by the page's resource timing: of what came lately, while any of it came.
+
+const RECENT_MS = 10_000;
+const RAMP_MS = 50; // a short burst says less than it seems to
+
+/** Bits per second; 0: not known, from caches or from servers that do not allow timing. */
+export function throughput(): number {
+  const since = performance.now() - RECENT_MS;
+  const resources = (performance.getEntriesByType('resource') as PerformanceResourceTiming[])
+    .filter(({ transferSize, responseStart, responseEnd }) => transferSize > 0 && responseStart > since && responseEnd > responseStart)
+    .sort((a, b) => a.responseStart - b.responseStart);
+  let bytes = 0, busyMs = 0, end = 0;
+  for (const { transferSize, responseStart, responseEnd } of resources) {
+    bytes += transferSize;
+    busyMs += Math.max(0, responseEnd - Math.max(end, responseStart));
+    end = Math.max(end, responseEnd);
+  }
+  return bytes && (8000 * bytes) / (busyMs + RAMP_MS);
+}
