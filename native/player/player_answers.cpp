@@ -19,7 +19,8 @@ void PlayerImpl::requestMissing() {
   for (const Track* t : {&main(), &other()}) {
     if (!t->head.used()) continue;
     Need& need = needs[count++];
-    need = {t->head.sequence(), frameOf(*t, t->head.position()), loops(*t), {}, !playback_.playing() && !t->head.seeking()};
+    need = {
+        t->head.sequence(), frameOf(*t, t->head.position()), loops(*t), {}, !playback_.playing() && !t->head.seeking()};
     if (t->feeding.active() && !t->feeding.done()) need.fed_gop = t->feeding.gop();
   }
   if (starting()) needs[count++] = {0, 0, loops(0), {}, !playback_.playing()};

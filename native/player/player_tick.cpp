@@ -139,8 +139,8 @@ FrameGeometry PlayerImpl::geometryOf(int sequence, uint32_t frame, bool due) {
   return geometry;
 }
 
-// A picture that stands comes again when its GOP is there in a higher rendition, as does that of the start file. The edge
-// may cross-fade to it: what is on screen when Sharper is emitted stays until then.
+// A picture that stands comes again when its GOP is there in a higher rendition, as does that of the start file. The
+// edge may cross-fade to it: what is on screen when Sharper is emitted stays until then.
 void PlayerImpl::sharpen() {
   Track& t = main();
   if (!in_sight_ || inPhase() || other().head.used() || !isReady(t)) return;

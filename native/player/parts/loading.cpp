@@ -214,8 +214,8 @@ uint32_t Loading::chooseStill(GopKey key) const {
   return ladder_.lowest(q);
 }
 
-// Nothing is on its way: a loop that is held whole, and the GOP of a standing picture, which is the first, comes again in
-// a higher rendition, one GOP after the other, the lowest first.
+// Nothing is on its way: a loop that is held whole, and the GOP of a standing picture, which is the first, comes again
+// in a higher rendition, one GOP after the other, the lowest first.
 void Loading::raise(const std::vector<GopKey>& keys, bool stands) {
   GopKey chosen;
   stream::Gop* lowest = nullptr;

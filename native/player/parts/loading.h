@@ -114,8 +114,8 @@ class Loading {
   void fetchAhead(std::span<const Landing> landings);
   bool idle() const { return fetches_.empty(); }
   void requestGraph();
-  // The shown frame of a GOP stands in this rendition: true if feeding the GOP anew brings a higher one, and then with it
-  // the geometry that belongs to it.
+  // The shown frame of a GOP stands in this rendition: true if feeding the GOP anew brings a higher one, and then with
+  // it the geometry that belongs to it.
   bool takeSharper(int sequence, uint32_t gop, uint32_t rendition);
   void onFirstPicture() { fetches_.endProgress(); }  // the motion graph may be fetched now
   Arrival receive(uint32_t id, std::span<const uint8_t> bytes);
