@@ -17,7 +17,10 @@ after(async () => {
   await browser?.close();
   await server?.close();
 });
-const until = (page, check, argument) => page.waitForFunction(check, argument, { timeout: kPatienceMs, polling: 50 });
+const until = (page, check, argument) => page.waitForFunction(check, argument, { timeout: kPatienceMs, polling: 50 }).catch(async (problem) => {
+  const states = await page.evaluate(() => globalThis.viewers.map(({ stats, paused, networkState, error, shadowRoot }) => [stats, paused, networkState, error, shadowRoot.querySelector('.note').textContent]));
+  throw new Error(`${check}: ${JSON.stringify(states)}`, { cause: problem });
+});
 const coverageOf = (page, number) => page.evaluate((number) => {
   const canvas = globalThis.viewers[number].shadowRoot.querySelector('canvas'), copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d');
   copy.drawImage(canvas, 0, 0);

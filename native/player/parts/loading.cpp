@@ -193,11 +193,11 @@ void Loading::requestVideo(GopKey key, Kind kind, uint32_t rendition) {
   fetches_.request({kind, key.sequence, key.gop}, uri, span.offset, span.bytes);
 }
 
-// A picture that nothing is shown before comes in the lowest rendition.
+// The first picture comes in the lowest rendition; that of the start file is shown before its sequence.
 uint32_t Loading::choose(GopKey key, double ahead_s, bool stands) const {
   const package::Sequence& q = sequence(key.sequence);
   if (!ladder_.automatic()) return ladder_.choose(q, 0);
-  if (!fetches_.progressEnded() && !started_) return ladder_.lowest(q);
+  if (!fetches_.progressEnded() && !(started_ && key.sequence == 0)) return ladder_.lowest(q);
   return stands ? chooseStill(key) : ladder_.choose(q, stream(key.sequence).rendition, ahead_s);
 }
 
