@@ -4,9 +4,10 @@
 // its highest rendition, and the share of time waited afterwards, in headless Chromium with a cold cache and DevTools'
 // throttling; texts and wasm are sent with gzip.
 //   node first_picture.mjs SITE [--runs 5] [--pages front,plain,paused,steer,cameras] [--rates 2000/150,8000/50,700/300]
-//                          [--pictures FOLDER] [--out FILE.json]
+//                          [--watch SECONDS] [--pictures FOLDER] [--out FILE.json]
 // SITE: an assembled site (site/assemble.mjs). A page of its own is served for `plain`: one tag with the first sequence; `paused`
 // does not play by itself, and stands where the poster was taken: there the time counts until the picture no longer changes.
+// SECONDS: after the tenth picture, in which the waiting is counted (default 10).
 // Prints medians, what every byte before the first and before the tenth picture was, and the yardstick. FOLDER: gets pictures of the first run of each
 // at 1, 2, 3 and 5 s; those of `paused` are compared with the poster (SSIM). FILE: { commit, yardstick, results }.
 import { mkdirSync, writeFileSync } from 'node:fs';
@@ -21,7 +22,7 @@ import { ssim } from '../web/ssim.mjs';
 import { commitOfTree, median } from './throttled.mjs';
 import { besideYardstick } from './yardstick.mjs';
 
-const kPatienceMs = 90_000, kWatchedS = 10;
+const kPatienceMs = 90_000;
 const kPictureTimesS = [1, 2, 3, 5];
 const kPoster = { width: 480, height: 640 }; // its view: 25deg 8deg auto, field of view 30deg
 const kPages = {
@@ -40,9 +41,10 @@ const { values: options, positionals: [site] } = parseArgs({
   allowPositionals: true,
   options: {
     runs: { type: 'string', default: '5' }, pages: { type: 'string', default: Object.keys(kPages).join() },
-    rates: { type: 'string', default: '2000/150,8000/50,700/300' }, out: { type: 'string' }, pictures: { type: 'string' },
+    rates: { type: 'string', default: '2000/150,8000/50,700/300' }, out: { type: 'string' }, pictures: { type: 'string' }, watch: { type: 'string', default: '10' },
   },
 });
+const kWatchedS = Number(options.watch);
 
 // In the page: when the viewer's counter of shown pictures has reached 1 and 10, when each rendition was shown first, and how
 // much of the time after the first picture it waited. A viewer that is replaced counts anew.

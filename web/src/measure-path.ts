@@ -72,6 +72,7 @@ async function measurePath(gl: WebGL2RenderingContext, frame: VideoFrame, signal
     times['rgba-sub'] = Math.min(times['rgba-sub'], timeWhole(gl, frame, true));
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, alignment);
     touched();
+    if (run && times.i420 <= Math.min(times.rgba, times['rgba-sub'])) break; // far from losing
   }
   const whole = times['rgba-sub'] < times.rgba ? 'rgba-sub' : 'rgba';
   return times[whole] < MAX_RGBA_SHARE * times.i420 ? whole : 'i420';

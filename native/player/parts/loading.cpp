@@ -15,9 +15,9 @@ using stream::PartState;
 
 namespace {
 
-constexpr double kAhead_s = 6;  // of what is held or on its way
-constexpr double kStill_s = 2;  // that a standing picture may take to come in its best rendition
-constexpr double kRaise_s = 3;  // that a whole sequence may, in place of a rendition between
+constexpr double kAhead_s = 6;    // of what is held or on its way
+constexpr double kStill_s = 2;    // that a standing picture may take to come in its best rendition
+constexpr double kRaise_s = 1.5;  // that a whole sequence may, in place of a rendition between
 // More would only share the network with the one that is due first.
 constexpr int kGopsOnTheirWay = 2, kGopsBeforeTheFirstPicture = 1;
 

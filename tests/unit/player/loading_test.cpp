@@ -371,7 +371,7 @@ TEST(PlayerLoading, ALoopIsRaisedByStepsWhereTheHighestWouldTakeLong) {
   const double middle_bytes = double(character.files.at("walk.1.mp4").size());
   for (const bool fast : {false, true}) {
     Shelf shelf(character, 1 << 20, kAutomaticRendition);
-    shelf.loading.ladder().expect(8 * middle_bytes / 3 * (fast ? 2 : 1.01));
+    shelf.loading.ladder().expect(8 * middle_bytes / 1.5 * (fast ? 2 : 1.01));
     std::vector<std::string> videos;
     shelf.fill({0, 0, true, {}}, [&](const FetchRange& range) {
       if (range.uri.ends_with(".mp4")) videos.push_back(range.uri);
