@@ -48,6 +48,26 @@ std::string matteStem(const std::string& camera_name) {
   return "mask" + (camera_name.starts_with("cam") ? camera_name.substr(3) : camera_name);
 }
 
+namespace {
+
+// A matte as 8-bit grey: its alpha where it has one that is not opaque throughout, as background removers write it.
+cv::Mat decodeMatte(const cv::Mat& encoded) {
+  cv::Mat decoded = cv::imdecode(encoded, cv::IMREAD_UNCHANGED);
+  if (decoded.channels() == 1 && decoded.depth() == CV_8U) return decoded;
+  if (decoded.channels() == 4) {
+    cv::Mat alpha;
+    cv::extractChannel(decoded, alpha, 3);
+    const double opaque = alpha.depth() == CV_16U ? 65535 : 255;
+    if (cv::countNonZero(alpha != opaque) > 0) {
+      alpha.convertTo(alpha, CV_8U, 255 / opaque);
+      return alpha;
+    }
+  }
+  return cv::imdecode(encoded, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+}
+
+}  // namespace
+
 Result<Image> readPicture(const std::string& path, int channels) {
   const auto bytes = readText(path);
   if (!bytes) return Error{ErrorId::FileMissing, path + ": picture cannot be read; check that it is there"};
@@ -55,9 +75,8 @@ Result<Image> readPicture(const std::string& path, int channels) {
   if (bytes->empty()) return bad;
   try {
     const cv::Mat encoded(1, static_cast<int>(bytes->size()), CV_8U, const_cast<char*>(bytes->data()));
-    const int mode = channels == 1 ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR;
-    cv::Mat decoded =
-        cv::imdecode(encoded, channels == 4 ? int(cv::IMREAD_UNCHANGED) : mode | cv::IMREAD_IGNORE_ORIENTATION);
+    const int mode = channels == 4 ? int(cv::IMREAD_UNCHANGED) : cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION;
+    cv::Mat decoded = channels == 1 ? decodeMatte(encoded) : cv::imdecode(encoded, mode);
     if (decoded.empty()) return bad;
     if (channels == 4) {
       if (decoded.depth() != CV_8U) return bad;

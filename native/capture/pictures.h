@@ -36,8 +36,8 @@ bool isFile(const std::string& path);
 // Name of a camera's matte: cam03 → mask03, other → maskother.
 std::string matteStem(const std::string& camera_name);
 
-// Reads a PNG or JPEG as 3 channels (RGB), 1, or 4 (RGBA; opaque where the file has no alpha). Errors: FileMissing,
-// FileUnreadable.
+// Reads a PNG or JPEG as 3 channels (RGB), 4 (RGBA; opaque where the file has no alpha), or 1: grey, or the alpha of a
+// picture that is not opaque throughout. Errors: FileMissing, FileUnreadable.
 Result<Image> readPicture(const std::string& path, int channels);
 
 class PictureStream {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "capture/pictures.h"
 #include "capture_fixture.h"
 
 namespace fourdvt::capture {
@@ -51,6 +52,27 @@ TEST(CaptureReader, UnitsBecomeMetres) {
   EXPECT_NEAR(capture.value().cameras[1].pinhole.cam_from_world[3].x, 0.005, 1e-12);
   EXPECT_NEAR(capture.value().sequences[0].root_velocity_mps.z, 0.015, 1e-12);
   EXPECT_NEAR(readMeshFrame(capture.value(), capture.value().sequences[0], 0).value()[1].x, 0.01, 1e-7);
+}
+
+// Pictures of white colour whose shape is in the alpha channel, of the performer's colours, and with nobody in them.
+TEST(CaptureReader, AMatteIsTheAlphaOfAPictureThatIsNotOpaque) {
+  SmallCapture files;
+  for (const int colour : {255, 40}) {
+    Image cut_out(16, 12, 4, uint8_t(colour)), empty(16, 12, 4, uint8_t(colour)), opaque(16, 12, 4, uint8_t(colour));
+    for (int i = 0; i < 16 * 12; ++i) {
+      cut_out.at(i % 16, i / 16)[3] = i % 16 < 8 ? 255 : 0;
+      empty.at(i % 16, i / 16)[3] = 0;
+      opaque.at(i % 16, i / 16)[3] = 255;
+    }
+    for (const auto& [picture, left, right] : {std::tuple{cut_out, 255, 0}, {empty, 0, 0}, {opaque, colour, colour}}) {
+      files.write("matte.png", picture);
+      const auto matte = readPicture(files / "matte.png", 1);
+      ASSERT_TRUE(matte.ok());
+      ASSERT_EQ(matte.value().channels, 1);
+      EXPECT_EQ(*matte.value().at(3, 4), left);
+      EXPECT_EQ(*matte.value().at(12, 4), right);
+    }
+  }
 }
 
 TEST(CaptureReader, KeysAgainstThePlateWithoutMattes) {
