@@ -34,6 +34,7 @@ Result<ColmapIntrinsics> parseModel(std::string_view line, const std::string& wh
 Result<std::map<int64_t, ColmapIntrinsics>> parseCameras(std::string_view text, const std::string& file) {
   std::map<int64_t, ColmapIntrinsics> cameras;
   std::string_view line;
+  text = skipByteOrderMark(text);
   for (int number = 1; takeLine(text, line); ++number) {
     const std::string_view first = takeWord(line);
     if (first.empty() || first.front() == '#') continue;
@@ -89,6 +90,7 @@ Result<std::vector<CaptureCamera>> parseColmapText(std::string_view cameras_text
   std::set<std::string> names;
   bool after_image = false;
   std::string_view line;
+  images_text = skipByteOrderMark(images_text);
   for (int number = 1; takeLine(images_text, line); ++number) {
     const bool points = after_image && isPointsLine(line);
     after_image = false;

@@ -18,7 +18,7 @@ namespace {
 struct ObjOutline {
   size_t vertices = 0, faces = 0;
   uint64_t connectivity = kFnv1aStart;  // hash of the vt and f lines
-  bool plain_numbers = true;            // the v lines hold nothing but decimal numbers
+  bool plain_numbers = true;            // the v lines hold nothing but decimal numbers, and no line is continued
   bool operator==(const ObjOutline&) const = default;
 };
 
@@ -26,6 +26,7 @@ ObjOutline outlineOf(std::string_view text) {
   ObjOutline outline;
   std::string_view line;
   while (takeLine(text, line)) {
+    outline.plain_numbers &= !line.ends_with('\\');
     if (line.starts_with("v ")) {
       ++outline.vertices;
       outline.plain_numbers &= line.find_first_not_of("0123456789+-.eE \t", 1) == std::string_view::npos;

@@ -18,7 +18,7 @@ struct Corner {
 class ObjParser {
  public:
   ObjParser(std::string_view text, const std::string& path, bool with_uvs)
-      : text_(text), path_(path), with_uvs_(with_uvs) {}
+      : text_(skipByteOrderMark(text)), path_(path), with_uvs_(with_uvs) {}
 
   Result<ObjMesh> parse() {
     FOURDVT_TRY(forEachLine(&ObjParser::pointLine));
@@ -47,12 +47,29 @@ class ObjParser {
 
   Status forEachLine(Status (ObjParser::*handle)(std::string_view keyword, std::string_view rest)) {
     std::string_view rest = text_, line;
+    std::string joined;
     for (line_ = 1; takeLine(rest, line); ++line_) {
+      const int continued = joinContinued(rest, line, joined);
       const std::string_view keyword = takeWord(line);
       FOURDVT_TRY((this->*handle)(keyword, line));
+      line_ += continued;
     }
     line_ = 0;
     return {};
+  }
+
+  // Puts a line that ends in a backslash and those that continue it into `joined`: how many lines it has taken.
+  static int joinContinued(std::string_view& rest, std::string_view& line, std::string& joined) {
+    if (!line.ends_with('\\')) return 0;
+    int taken = 0;
+    joined.clear();
+    for (bool more = true; more && line.ends_with('\\'); ++taken) {
+      joined.append(line.substr(0, line.size() - 1)) += ' ';
+      more = takeLine(rest, line);
+      if (!more) line = {};
+    }
+    line = joined.append(line);
+    return taken;
   }
 
   Status pointLine(std::string_view keyword, std::string_view rest) {

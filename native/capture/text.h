@@ -12,6 +12,11 @@ namespace fourdvt::capture {
 // Whole file as text; nullopt if it cannot be opened or read.
 std::optional<std::string> readText(const std::string& path);
 
+// A text without the byte order mark (UTF-8) that some editors put before it.
+inline std::string_view skipByteOrderMark(std::string_view text) {
+  return text.starts_with("\xef\xbb\xbf") ? text.substr(3) : text;
+}
+
 // Takes the next line off `text` (without its end); false at the end.
 inline bool takeLine(std::string_view& text, std::string_view& line) {
   if (text.empty()) return false;

@@ -25,7 +25,7 @@ Status checkBytes(const fs::path& path) {
 Result<std::string> readSmall(const fs::path& path) {
   FOURDVT_TRY(checkBytes(path));
   FOURDVT_ASSIGN(const auto bytes, platform::readFile(path.string()));
-  return std::string(bytes.begin(), bytes.end());
+  return std::string(skipByteOrderMark({reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
 }
 
 std::string lowerCase(std::string text) {

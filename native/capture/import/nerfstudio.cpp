@@ -25,6 +25,10 @@ class FrameValues {
     return value->get<double>();
   }
   double orZero(const char* key) const { return number(key).value_or(0); }
+  bool flag(const char* key) const {
+    const Json* value = find(key);
+    return value && value->is_boolean() && value->get<bool>();
+  }
   std::string text(const char* key) const {
     const Json* value = find(key);
     return value && value->is_string() ? value->get<std::string>() : std::string();
@@ -50,7 +54,8 @@ Error badFrame(const std::string& where, const std::string& what) {
 }
 
 Result<Distortion> nerfstudioLens(const FrameValues& values, const std::string& where) {
-  const std::string model = values.text("camera_model");
+  const std::string given = values.text("camera_model");
+  const std::string model = given.empty() && values.flag("is_fisheye") ? "OPENCV_FISHEYE" : given;  // instant-ngp
   const double k1 = values.orZero("k1"), k2 = values.orZero("k2"), k3 = values.orZero("k3"), k4 = values.orZero("k4");
   if (model == "OPENCV_FISHEYE") return Distortion{.k1 = k1, .k2 = k2, .k3 = k3, .k4 = k4, .fisheye = true};
   const std::set<std::string> known{"", "OPENCV", "PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", "RADIAL"};
@@ -107,6 +112,7 @@ Result<ImportedCamera> nerfstudioCamera(const Json& frame, const Json& root, con
   const FrameValues values(frame, root);
   ImportedCamera out;
   out.pictures = values.text("file_path");
+  std::replace(out.pictures.begin(), out.pictures.end(), '\\', '/');  // as written on Windows
   if (out.pictures.empty()) return badFrame(where, "no file_path, which names the camera");
   FOURDVT_TRY(nerfstudioFocals(values, out.camera.pinhole, where));
   FOURDVT_ASSIGN(out.camera.distortion, nerfstudioLens(values, where));

@@ -63,6 +63,14 @@ TEST(CaptureCamera, ModelsMapToDistortion) {
   EXPECT_FALSE(single("PINHOLE 64 48 50 51 32 24").distortion.any());
 }
 
+TEST(CaptureCamera, AByteOrderMarkMayStandBeforeTheLists) {
+  const std::string mark = "\xef\xbb\xbf";
+  auto cameras =
+      parseColmapText(mark + "1 PINHOLE 64 48 50 50 32 24\n", mark + "# list\n1 1 0 0 0 0 0 3 1 cam00.png\n", "test");
+  ASSERT_TRUE(cameras.ok()) << cameras.error().message;
+  EXPECT_EQ(cameras.value()[0].pinhole.name, "cam00");
+}
+
 TEST(CaptureCamera, PointLinesAndNamesAreUnderstood) {
   auto cameras = parseColmapText("1 PINHOLE 64 48 50 50 32 24\n",
                                  "# list\n1 1 0 0 0 0 0 3 1 b/000000.png\n1.5 2.5 -1 3 4 17\n2 1 0 0 0 0 0 3 1 a.jpg\n"

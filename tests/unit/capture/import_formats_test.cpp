@@ -204,6 +204,19 @@ TEST(ImportNerfstudio, Fisheye) {
                fromOpenGl);
 }
 
+TEST(ImportNerfstudio, FisheyeByFlagAndNamesFromWindows) {
+  for (const bool flag : {true, false}) {
+    const std::string text =
+        replaced(nerfstudio(std::string(kShared) + "\"is_fisheye\": " + (flag ? "true, " : "false, "), ""),
+                 "images/cam01.png", "images\\\\cam01.png");
+    auto calibration = parseNerfstudio(text, "transforms.json");
+    ASSERT_TRUE(calibration.ok()) << calibration.error().message;
+    EXPECT_EQ(calibration.value().cameras[0].camera.distortion.fisheye, flag);
+    EXPECT_EQ(calibration.value().cameras[0].camera.pinhole.name, "cam01");
+    EXPECT_EQ(calibration.value().cameras[0].pictures, "images/cam01.png");
+  }
+}
+
 TEST(ImportNerfstudio, AngleInPlaceOfFocalLength) {
   auto calibration = parseNerfstudio(nerfstudio("\"w\": 640, \"h\": 480, \"camera_angle_x\": 1.2, ", ""), "t.json");
   ASSERT_TRUE(calibration.ok()) << calibration.error().message;

@@ -19,6 +19,22 @@ TEST(CaptureObj, PolygonsBecomeFansAndUvsFlip) {
   EXPECT_EQ(mesh.value().positions[3], glm::vec3(0, 1.5f, 0));
 }
 
+TEST(CaptureObj, LinesMayContinueAndAMarkMayStandBefore) {
+  const std::string plain = "v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\n";
+  for (const char* end : {"\n", "\r\n"}) {
+    const std::string more = std::string("\\") + end;
+    auto mesh =
+        parseObj("\xef\xbb\xbf" + plain + "f 1/1 " + more + "2/1" + more + more + " 3/1\nv 5 " + more + "5 5\n", "a");
+    ASSERT_TRUE(mesh.ok()) << mesh.error().message;
+    EXPECT_EQ(mesh.value().topology.face_vertices[0], glm::uvec3(0, 1, 2));
+    ASSERT_EQ(mesh.value().positions.size(), 4u);
+    EXPECT_EQ(mesh.value().positions[3], glm::vec3(5, 5, 5));
+    expectError(parseObj(plain + "f 1/1 " + more + "2/1 " + more + "3/1\nf 1/1 2/1 9/1\n", "a"), ErrorId::MeshIndex,
+                "a:8");
+  }
+  EXPECT_TRUE(parseObj(plain + "f 1/1 2/1 3/1 \\", "a").ok()) << "at the end of the file";
+}
+
 TEST(CaptureObj, NegativeIndicesCountBack) {
   auto mesh = parseObj("v 9 9 9\nv 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nf -3/-1 -2/-1 -1/-1\nv 5 5 5\n", "a");
   ASSERT_TRUE(mesh.ok());
