@@ -250,6 +250,33 @@ test('keyboard alone: focus, play, turn, time; screen readers hear it', async ()
   await at.page.close();
 });
 
+test('a ring frames the viewer where Tab brought the focus, not where a script or a pointer did', async () => {
+  const at = await open(`<button>before</button><fourdvt-viewer ${kSource} camera-controls motion-controls></fourdvt-viewer>`);
+  const hasRing = () => at.viewer((v) => v.matches(':focus') && getComputedStyle(v.shadowRoot.querySelector('.stage'), '::after').boxShadow !== 'none');
+  await at.viewer((v) => v.focus());
+  assert.equal(await hasRing(), false, 'a script, before any key');
+  await at.page.keyboard.press('ArrowUp');
+  assert.equal(await hasRing(), false, 'keys that steer');
+  await at.page.keyboard.press('Shift+Tab');
+  await at.page.keyboard.press('Tab');
+  assert.equal(await at.viewer((v) => v.shadowRoot.activeElement?.className), 'stage ring');
+  assert.equal(await hasRing(), true, 'Tab');
+  await at.page.click('button');
+  await at.viewer((v) => v.focus());
+  assert.equal(await hasRing(), false, 'a script, after a click');
+  await at.page.close();
+});
+
+test('the button of a viewer lies in its corner, inside of the edges, and large enough for a finger', async () => {
+  const at = await open(`<fourdvt-viewer ${kSource} autoplay loop></fourdvt-viewer>`);
+  await settled(at);
+  const [button, viewer] = [await at.part('play-toggle').boundingBox(), await at.page.locator('fourdvt-viewer').boundingBox()];
+  assert.ok(Math.min(button.width, button.height) >= 44, JSON.stringify(button));
+  const margins = [viewer.x + viewer.width - button.x - button.width, viewer.y + viewer.height - button.y - button.height];
+  assert.ok(margins.every((margin) => margin >= 8 && margin <= 20), `${margins} px from the edges`);
+  await at.page.close();
+});
+
 test('a viewer that nothing can be done with takes no focus', async () => {
   const at = await open(`<fourdvt-viewer ${kSource} controls="none"></fourdvt-viewer><button>next</button>`);
   assert.equal(await at.viewer((v) => v.shadowRoot.querySelector('.stage').role), 'img');

@@ -8,9 +8,10 @@ import { adopt } from './styles.js';
 const CSS = `
 .controls { position: absolute; left: 0; right: 0; bottom: 0; display: flex; align-items: center; gap: 2px; padding: 0 4px; color: #fff;
   font: 13px/1 system-ui, sans-serif; font-variant-numeric: tabular-nums; background: rgba(20,20,24,.75); }
-.controls.small { right: auto; padding: 0; border-radius: 0 8px 0 0; background: rgba(20,20,24,.55); }
+.controls.small { left: auto; right: max(12px, env(safe-area-inset-right)); bottom: max(12px, env(safe-area-inset-bottom)); padding: 0; border-radius: 50%;
+  background: rgba(20,20,24,.55); }
 .controls button { flex: none; width: 44px; height: 44px; border: 0; background: none; color: inherit; padding: 10px; cursor: pointer; }
-.controls.small button { width: 36px; height: 36px; padding: 8px; }
+.controls.small button { padding: 14px; border-radius: 50%; }
 .controls button:focus-visible, .controls input:focus-visible { outline: 3px solid var(--fourdvt-focus, #8ab4ff); outline-offset: -3px; }
 .controls svg { display: block; width: 100%; height: 100%; fill: currentColor; pointer-events: none; }
 .controls input { flex: 1; min-width: 40px; height: 24px; margin: 0 6px; accent-color: var(--fourdvt-progress-color, #8ab4ff); }

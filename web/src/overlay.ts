@@ -13,7 +13,7 @@ const CSS = `
 .stage { position: absolute; inset: 0; outline: none; touch-action: pan-y; user-select: none; -webkit-user-select: none; }
 .stage.orbits { cursor: grab; }
 .stage.orbits:active { cursor: grabbing; }
-.stage:focus-visible::after { content: ''; position: absolute; inset: 0; box-shadow: inset 0 0 0 3px var(--fourdvt-focus, #5b8def); pointer-events: none; }
+.stage.ring:focus::after { content: ''; position: absolute; inset: 0; box-shadow: inset 0 0 0 3px var(--fourdvt-focus, #5b8def); pointer-events: none; }
 canvas { position: absolute; inset: 0; width: 100%; height: 100%; display: block; }
 .poster, .picture { position: absolute; inset: 0; width: 100%; height: 100%; object-fit: contain; pointer-events: none;
   transition: opacity .3s, visibility .3s; }
@@ -43,6 +43,12 @@ slot { display: block; }
 @media (prefers-reduced-motion: reduce) { .poster, .bar > div, .fading > canvas { transition: none; } }
 `;
 const COVERED_MS = 1000, FADING_MS = 300; // at most; of the style's transition
+// The visitor moves the focus by Tab, not by a pointer. A script that focuses a viewer does not make it draw a ring.
+let tabs = false;
+if (typeof document !== 'undefined') {
+  document.addEventListener('keydown', (e) => { if (e.key === 'Tab') tabs = true; }, true);
+  document.addEventListener('pointerdown', () => { tabs = false; }, true);
+}
 const KEPT_PIXELS = 320; // the longer side of a picture that is kept
 
 function add<K extends keyof HTMLElementTagNameMap>(parent: Node, tag: K, name: string): HTMLElementTagNameMap[K] {
@@ -77,6 +83,7 @@ export class Overlay {
   constructor(root: ShadowRoot) {
     adopt(root, CSS);
     this.stage = add(root, 'div', 'stage');
+    this.stage.addEventListener('focus', () => this.stage.classList.toggle('ring', tabs));
     this.#poster = add(root, 'slot', 'poster');
     this.#poster.name = 'poster';
     this.#picture = add(this.#poster, 'img', 'picture');
