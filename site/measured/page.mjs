@@ -49,6 +49,15 @@ function section(shown, data, runs) {
   return `<section aria-labelledby="${slug(data.title)}">\n<h2 id="${slug(data.title)}">${escaped(data.title)}</h2>\n${text}${run}${body}\n</section>`;
 }
 
+// The rows that README has, too.
+function overview(shown, runs) {
+  const rows = sections.flatMap((part) => part.rows ?? []).filter(({ headline }) => headline);
+  const lines = rows.map((row) => cells('td', [escaped(shown.fill(row.what) ?? row.what), escaped(shown.fill(row.measured) ?? kNotMeasured),
+    runs[row.run] ? `<a href="#run-${row.run}">${row.run}</a>` : '']));
+  const misses = missed(shown) ? ' <a href="#missed">Goals that are missed</a> stand after the comparisons.' : '';
+  return `<section aria-labelledby="measured">\n<h2 id="measured">What was measured</h2>\n<p>The sample’s character as it streams: quality at cameras that no method uses, storage, speed, and motions between recordings. FVVR renders from all camera videos at once.${misses}</p>\n${table('What was measured', ['what', 'measured', 'run'], lines)}\n</section>`;
+}
+
 function missed(shown) {
   const rows = sections.flatMap((part) => part.rows ?? []).filter(({ goal }) => goal && shown.met(goal) === false);
   if (!rows.length) return '';
@@ -120,10 +129,16 @@ const introduction = `<header>
 <p>Every figure of this page, of the README and of the front page comes from one file, <a href="figures.json">figures.json</a>, which is made from what the tool itself wrote. “FG” counts the silhouettes only; ± is the standard error over the views. Several values in one cell are those of the motions. Seconds whose machine was measured carry their ratio to a fixed job, in <a href="../docs/measured.html#yardsticks">yardsticks</a>.</p>
 </header>`;
 
+// Links to the sections, by the ids of their titles.
+function contents(body) {
+  const links = body.map((text) => text.match(/<h2 id="([^"]+)">(.*?)<\/h2>/)).map(([, id, title]) => `<a href="#${id}">${title}</a>`);
+  return `<nav class="contents" aria-label="Sections">\n${links.join('\n')}\n</nav>`;
+}
+
 // records: of the parts, by name.
 export function makePage(shown, records) {
   const { runs } = shown;
-  const body = [missed(shown), ...sections.map((data) => section(shown, data, runs)), worse(shown), constantsTable(), others(shown), partTable(records), runList(runs)].filter(Boolean);
+  const body = [overview(shown, runs), ...sections.map((data) => section(shown, data, runs)), missed(shown), worse(shown), constantsTable(), others(shown), partTable(records), runList(runs)].filter(Boolean);
   return `<!doctype html>
 <!-- SPDX-License-Identifier: Apache-2.0 -->
 <!-- Made by site/measured/fill.mjs from figures.json: change site/measured/catalogue.mjs or measure again. -->
@@ -134,6 +149,7 @@ ${head}
 <body>
 <main class="measured">
 ${introduction}
+${contents(body)}
 ${body.join('\n')}
 </main>
 </body>
