@@ -17,7 +17,7 @@ import { fileURLToPath } from 'node:url';
 
 import { renderDocs } from './docs/render.mjs';
 
-const kPageFiles = ['index.html', 'site.css', 'site.js', 'sound.js', 'steer.html', 'steer.js', 'layers.jpg', 'live/index.html', 'live/live.css', 'live/live.js',
+const kPageFiles = ['index.html', 'site.css', 'site.js', 'sound.js', 'steer.html', 'steer.js', 'place.js', 'layers.jpg', 'live/index.html', 'live/live.css', 'live/live.js',
   'measured/index.html', 'measured/measured.css', 'measured/figures.json'];
 
 const kCameraFiles = ['cameras.html', 'cameras.js', 'methods.html', 'methods.js', 'together.js'];
